@@ -1,0 +1,44 @@
+# Options, and the flags that every target of this project shares (interface library stilb-flags).
+
+option(STILB_ENGINE "Build the engine and the stilb program (off: only the jobs and profiler libraries)" ${PROJECT_IS_TOP_LEVEL})
+option(STILB_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(STILB_WERROR "Treat warnings as errors (on in ./dev and CI)" OFF)
+option(STILB_PROFILE "Compile the PROFILE macros in" ON)
+set(STILB_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them (address,undefined or thread)")
+
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+	set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+if(PROJECT_IS_TOP_LEVEL)
+	set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}) # the programs: build/release/stilb
+endif()
+set(CMAKE_C_STANDARD 17)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS ON)
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_C_VISIBILITY_PRESET hidden)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+find_package(Threads REQUIRED)
+
+add_library(stilb-flags INTERFACE)
+target_compile_definitions(stilb-flags INTERFACE _GNU_SOURCE)
+# Contraction gives other bits with gcc than with clang, and pictures are compared bit by bit.
+target_compile_options(stilb-flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow
+	$<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes -Wdouble-promotion>
+	$<$<BOOL:${STILB_WERROR}>:-Werror>)
+# Only what a program uses is loaded: a test without pictures does not load OpenImageIO's 261 libraries.
+target_link_options(stilb-flags INTERFACE -Wl,--as-needed)
+if(STILB_SANITIZE)
+	target_compile_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+	target_link_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE})
+endif()
+if(STILB_SANITIZE MATCHES address)
+	# Programs only; exported, so that shared libraries opened at run time call it too.
+	target_sources(stilb-flags INTERFACE
+		$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/tests/support/dlclose_noop.c>)
+	target_link_options(stilb-flags INTERFACE $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:LINKER:--export-dynamic-symbol=dlclose>)
+endif()

@@ -1,0 +1,128 @@
+#include "base/base.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
+static _Thread_local char error_message[1024];
+
+stilb_result stilb_fail(stilb_result result, const char *format, ...)
+{
+	char line[sizeof error_message]; /* a message may quote the one before it */
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(line, sizeof line, format, arguments);
+	va_end(arguments);
+	memcpy(error_message, line, sizeof error_message);
+	return result;
+}
+
+const char *stilb_error_message(void)
+{
+	return error_message;
+}
+
+const char *stilb_result_text(stilb_result result)
+{
+	static const char *const texts[] = {
+#define STILB_RESULT_STRING(name, text) text,
+		STILB_RESULTS(STILB_RESULT_STRING)
+#undef STILB_RESULT_STRING
+	};
+	return (size_t)result < sizeof texts / sizeof *texts ? texts[result] : "unknown result";
+}
+
+void stilb_log(const char *format, ...)
+{
+	char line[2048];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(line, sizeof line, format, arguments);
+	va_end(arguments);
+	fprintf(stderr, "stilb: %s\n", line); /* one call, so lines of two threads do not mix */
+}
+
+void *stilb_memory_alloc(size_t count, size_t size)
+{
+	size_t bytes;
+	if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - STILB_CACHE_LINE)
+		return NULL;
+	bytes = (bytes + STILB_CACHE_LINE - 1) & ~(size_t)(STILB_CACHE_LINE - 1);
+	return aligned_alloc(STILB_CACHE_LINE, bytes ? bytes : STILB_CACHE_LINE);
+}
+
+uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size)
+{
+	const unsigned char *bytes = data;
+	for (size_t i = 0; i < size; i++)
+		hash = (hash ^ bytes[i]) * 0x100000001b3u;
+	return hash;
+}
+
+uint64_t stilb_random_u64(uint64_t seed, uint64_t index)
+{
+	uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15u;
+	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+	z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+	return z ^ (z >> 31);
+}
+
+float stilb_random_float(uint64_t seed, uint64_t index)
+{
+	return (float)(stilb_random_u64(seed, index) >> 40) * 0x1p-24f;
+}
+
+uint64_t stilb_time_ns(void)
+{
+	struct timespec now;
+	clock_gettime(CLOCK_MONOTONIC, &now);
+	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+#if defined(__x86_64__)
+static bool cpu_has_invariant_tsc(void)
+{
+	unsigned a, b, c, d;
+	return __get_cpuid(0x80000007u, &a, &b, &c, &d) && (d & (1u << 8));
+}
+
+static void cpu_brand(char name[64])
+{
+	unsigned registers[12];
+	for (unsigned i = 0; i < 3; i++)
+		if (!__get_cpuid(0x80000002u + i, &registers[4 * i], &registers[4 * i + 1], &registers[4 * i + 2],
+		                 &registers[4 * i + 3]))
+			return;
+	char brand[sizeof registers + 1] = {0};
+	memcpy(brand, registers, sizeof registers);
+	const char *start = brand + strspn(brand, " ");
+	size_t length = strlen(start);
+	while (length > 0 && start[length - 1] == ' ')
+		length--;
+	if (length > 0)
+		snprintf(name, 64, "%.*s", (int)length, start);
+}
+#endif
+
+stilb_cpu_features stilb_cpu_query(void)
+{
+	stilb_cpu_features cpu = {.name = "unknown CPU"};
+#if defined(__x86_64__)
+	__builtin_cpu_init(); /* its flags are set only for what the OS saves on a context switch */
+	cpu.sse42 = __builtin_cpu_supports("sse4.2");
+	cpu.avx2 = __builtin_cpu_supports("avx2");
+	cpu.fma = __builtin_cpu_supports("fma");
+	cpu.avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+	             __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq");
+	unsigned a, b, c = 0, d;
+	cpu.f16c = cpu.avx2 && __get_cpuid(1, &a, &b, &c, &d) && (c & (1u << 29));
+	cpu.invariant_tsc = cpu_has_invariant_tsc();
+	cpu_brand(cpu.name);
+#endif
+	return cpu;
+}

@@ -1,0 +1,95 @@
+/*
+ * base: what every engine module stands on: results and their messages, asserts, log lines, hashing, CPU features.
+ *
+ * Errors.   Two kinds. Trouble with the world (a file, a driver, a flag) is a stilb_result plus one line that names the
+ *           thing and the way out; trouble made by a programmer is an assert. Nothing a user can feed in reaches an
+ *           assert.
+ * Threads.  Every function here is [any-thread].
+ */
+#ifndef STILB_BASE_H
+#define STILB_BASE_H
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define STILB_VERSION "0.1.0"
+
+/* ---- results ------------------------------------------------------------------------------------------------- */
+
+#define STILB_RESULTS(X)                                                                                               \
+	X(OK, "ok")                                                                                                        \
+	X(ERROR_ARGUMENT, "refused argument")                                                                              \
+	X(ERROR_MEMORY, "out of memory")                                                                                   \
+	X(ERROR_FILE, "file error")                                                                                        \
+	X(ERROR_DEVICE, "device error")                                                                                    \
+	X(ERROR_DEVICE_LOST, "device lost")                                                                                \
+	X(ERROR_WINDOW, "window error")                                                                                    \
+	X(ERROR_THREAD, "thread error")
+
+typedef enum stilb_result {
+#define STILB_RESULT_ENUM(name, text) STILB_##name,
+	STILB_RESULTS(STILB_RESULT_ENUM)
+#undef STILB_RESULT_ENUM
+} stilb_result;
+
+/* Stores the line for stilb_error_message (this thread's) and returns result: `return stilb_fail(STILB_ERROR_FILE, ...)`.
+ * The line has no "stilb: " in front, no newline, and names the thing, the value and what to do about it. */
+stilb_result stilb_fail(stilb_result result, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The line of this thread's last stilb_fail; "" before the first. Valid until the thread's next stilb_fail. */
+const char *stilb_error_message(void);
+
+/* The result in words, for example "device lost". */
+const char *stilb_result_text(stilb_result result);
+
+/* ---- asserts and log ------------------------------------------------------------------------------------------ */
+
+/* For the programmer's mistakes; gone (but still compiled) with NDEBUG. */
+#ifdef NDEBUG
+#define STILB_ASSERT(condition) ((void)sizeof(!(condition)))
+#else
+#define STILB_ASSERT(condition) assert(condition)
+#endif
+
+/* One line on stderr, "stilb: " in front. */
+void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* ---- memory ---------------------------------------------------------------------------------------------------- */
+
+#define STILB_CACHE_LINE 128 /* two 64-byte lines: the adjacent-line prefetcher pairs them */
+
+/* count * size bytes, aligned to STILB_CACHE_LINE and not initialised; NULL on overflow or when there is no memory. free() it. */
+void *stilb_memory_alloc(size_t count, size_t size);
+
+/* ---- hashing --------------------------------------------------------------------------------------------------- */
+
+#define STILB_FNV1A64_START 0xcbf29ce484222325u
+
+/* FNV-1a, 64 bits, continued from hash. Source: Fowler, Noll, Vo; draft-eastlake-fnv. */
+uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size);
+
+/* ---- random numbers -------------------------------------------------------------------------------------------- */
+
+/* A value for every (seed, index): splitmix64's finaliser over their sum. Counter-based, so the order of calls does
+ * not matter. Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014. */
+uint64_t stilb_random_u64(uint64_t seed, uint64_t index);
+
+/* The same in [0, 1), 24 bits. */
+float stilb_random_float(uint64_t seed, uint64_t index);
+
+/* ---- time and CPU ---------------------------------------------------------------------------------------------- */
+
+/* CLOCK_MONOTONIC in nanoseconds. */
+uint64_t stilb_time_ns(void);
+
+typedef struct stilb_cpu_features {
+	char name[64];                       /* brand string, or "unknown CPU" */
+	bool sse42, avx2, fma, f16c, avx512; /* avx512: F, VL, BW and DQ; all as the OS allows them */
+	bool invariant_tsc;
+} stilb_cpu_features;
+
+stilb_cpu_features stilb_cpu_query(void);
+
+#endif

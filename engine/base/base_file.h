@@ -1,0 +1,43 @@
+/*
+ * base_file: output files that are whole or not there.
+ *
+ * stilb_file_check refuses a path before the work starts; stilb_file_open, write and commit make the file. A regular or
+ * new file is written beside its place under a temporary name, synced and renamed, links followed, so a reader sees the
+ * old file or the new one and a full disk leaves the old one alone. A device, a pipe or "-" (stdout) is written directly.
+ * Threads: one writer per stilb_file; otherwise [any-thread].
+ */
+#ifndef STILB_BASE_FILE_H
+#define STILB_BASE_FILE_H
+
+#include "base/base.h"
+
+#include <stdio.h>
+
+typedef struct stilb_file {
+	FILE *stream;
+	char *path;      /* as given; NULL: closed */
+	char *target;    /* where the bytes must end (links resolved); NULL when written directly */
+	char *temporary; /* the name written to until commit; NULL when written directly */
+} stilb_file;
+
+/* STILB_ERROR_ARGUMENT with a message when path cannot become a file here: empty, a directory, a missing folder, no
+ * permission. Creates nothing. */
+stilb_result stilb_file_check(const char *path);
+
+/* Opens for writing; on failure file is {0} and needs no finish. */
+stilb_result stilb_file_open(stilb_file *file, const char *path);
+
+/* fwrite with the error kept for commit. Returns 0, or a negative errno. */
+int stilb_file_write(stilb_file *file, const void *data, size_t size);
+
+/* Flushes, syncs, renames into place, and finishes. Any error so far, a full disk too, comes out here; then the old
+ * file is still there and nothing new is. */
+stilb_result stilb_file_commit(stilb_file *file);
+
+/* Drops what was written and closes. Safe on {0} and after commit. */
+void stilb_file_finish(stilb_file *file);
+
+/* Open, write, commit in one go. */
+stilb_result stilb_file_save(const char *path, const void *data, size_t size);
+
+#endif

@@ -1,0 +1,133 @@
+#include "base/base_json.h"
+
+#include "base/base_file.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void json_append(stilb_json *json, const char *text, size_t length)
+{
+	if (json->length + length + 1 > json->capacity) {
+		size_t capacity = (json->length + length + 1) * 2;
+		char *grown = realloc(json->text, capacity);
+		json->failed |= grown == NULL;
+		if (!grown)
+			return;
+		json->text = grown;
+		json->capacity = capacity;
+	}
+	memcpy(json->text + json->length, text, length);
+	json->length += length;
+	json->text[json->length] = '\0';
+}
+
+static void json_put(stilb_json *json, const char *text)
+{
+	json_append(json, text, strlen(text));
+}
+
+static void json_quote(stilb_json *json, const char *value)
+{
+	json_put(json, "\"");
+	for (; *value; value++) {
+		char escaped[8];
+		unsigned char c = (unsigned char)*value;
+		if (c == '"' || c == '\\')
+			snprintf(escaped, sizeof escaped, "\\%c", c);
+		else if (c < 0x20)
+			snprintf(escaped, sizeof escaped, "\\u%04x", c);
+		else
+			snprintf(escaped, sizeof escaped, "%c", c);
+		json_put(json, escaped);
+	}
+	json_put(json, "\"");
+}
+
+/* What stands before every value: the comma, the line, the key. */
+static void json_lead(stilb_json *json, const char *key)
+{
+	if (json->comma)
+		json_put(json, ",");
+	if (json->depth > 0) {
+		json_put(json, "\n");
+		for (uint32_t i = 0; i < json->depth; i++)
+			json_put(json, "  ");
+	}
+	if (key) {
+		json_quote(json, key);
+		json_put(json, ": ");
+	}
+	json->comma = true;
+}
+
+void stilb_json_begin(stilb_json *json, const char *key, char bracket)
+{
+	json_lead(json, key);
+	json_append(json, &bracket, 1);
+	json->depth++;
+	json->comma = false;
+}
+
+void stilb_json_end(stilb_json *json, char bracket)
+{
+	STILB_ASSERT(json->depth > 0);
+	json->depth--;
+	if (json->comma) { /* it had members: the bracket gets its own line */
+		json_put(json, "\n");
+		for (uint32_t i = 0; i < json->depth; i++)
+			json_put(json, "  ");
+	}
+	json_append(json, &bracket, 1);
+	json->comma = true;
+}
+
+void stilb_json_string(stilb_json *json, const char *key, const char *value)
+{
+	json_lead(json, key);
+	json_quote(json, value);
+}
+
+void stilb_json_int(stilb_json *json, const char *key, int64_t value)
+{
+	char text[32];
+	snprintf(text, sizeof text, "%" PRId64, value);
+	json_lead(json, key);
+	json_put(json, text);
+}
+
+void stilb_json_double(stilb_json *json, const char *key, double value)
+{
+	char text[64];
+	if (!isfinite(value) || fabs(value) >= 9e12)
+		value = 0.0;
+	int64_t micro = llround(fabs(value) * 1e6); /* integers print alike in every locale */
+	snprintf(text, sizeof text, "%s%" PRId64 ".%06" PRId64, value < 0 && micro ? "-" : "", micro / 1000000,
+	         micro % 1000000);
+	json_lead(json, key);
+	json_put(json, text);
+}
+
+void stilb_json_bool(stilb_json *json, const char *key, bool value)
+{
+	json_lead(json, key);
+	json_put(json, value ? "true" : "false");
+}
+
+stilb_result stilb_json_save(stilb_json *json, const char *path)
+{
+	STILB_ASSERT(json->depth == 0);
+	json_put(json, "\n");
+	stilb_result result = json->failed ? stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path)
+	                                   : stilb_file_save(path, json->text, json->length);
+	stilb_json_finish(json);
+	return result;
+}
+
+void stilb_json_finish(stilb_json *json)
+{
+	free(json->text);
+	*json = (stilb_json){0};
+}

@@ -1,0 +1,82 @@
+#include "base/base_math.h"
+
+stilb_mat4 stilb_mat4_identity(void)
+{
+	return stilb_mat4_scale_translate(1.0f, 0.0f, 0.0f, 0.0f);
+}
+
+stilb_mat4 stilb_mat4_multiply(stilb_mat4 a, stilb_mat4 b)
+{
+	stilb_mat4 product;
+	for (int column = 0; column < 4; column++) {
+		const float *v = &b.m[column * 4];
+		for (int row = 0; row < 4; row++)
+			product.m[column * 4 + row] =
+				a.m[row] * v[0] + a.m[4 + row] * v[1] + a.m[8 + row] * v[2] + a.m[12 + row] * v[3];
+	}
+	return product;
+}
+
+stilb_mat4 stilb_mat4_scale_translate(float scale, float x, float y, float z)
+{
+	stilb_mat4 matrix = {.m = {[0] = scale, [5] = scale, [10] = scale, [12] = x, [13] = y, [14] = z, [15] = 1.0f}};
+	return matrix;
+}
+
+stilb_mat4 stilb_mat4_view(stilb_vec3 position, float yaw, float pitch)
+{
+	/* The camera's axes in the world are the columns of R_y(yaw) R_x(pitch); the view has them as rows, since a
+	 * rotation's inverse is its transpose. The last axis points backwards: the camera looks along -Z. */
+	float sin_yaw = sinf(yaw), cos_yaw = cosf(yaw), sin_pitch = sinf(pitch), cos_pitch = cosf(pitch);
+	stilb_vec3 axes[3] = {
+		stilb_vec3_make(cos_yaw, 0.0f, -sin_yaw),
+		stilb_vec3_make(sin_yaw * sin_pitch, cos_pitch, cos_yaw * sin_pitch),
+		stilb_vec3_make(sin_yaw * cos_pitch, -sin_pitch, cos_yaw * cos_pitch),
+	};
+	stilb_mat4 view = {.m = {[15] = 1.0f}};
+	for (int row = 0; row < 3; row++) {
+		view.m[row] = axes[row][0];
+		view.m[4 + row] = axes[row][1];
+		view.m[8 + row] = axes[row][2];
+		view.m[12 + row] = -stilb_vec3_dot(axes[row], position);
+	}
+	return view;
+}
+
+stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float far_z)
+{
+	/* w = -z. Depth (a z + b) / w is 1 at z = -near_z and 0 at z = -far_z: two linear equations for a and b. */
+	float focal = 1.0f / tanf(0.5f * fov_y);
+	float a = near_z / (far_z - near_z);
+	float b = far_z * a;
+	stilb_mat4 projection = {.m = {[0] = focal / aspect, [5] = -focal, [10] = a, [11] = -1.0f, [14] = b}};
+	return projection;
+}
+
+/* The half space row . (p, 1) >= 0, scaled so that its normal is unit length. A row without a normal (the far plane of
+ * an infinite projection) stays as it is: then n.p + distance has one sign everywhere. */
+static stilb_plane base_plane_normalize(stilb_vec4 row)
+{
+	float length = sqrtf(stilb_vec3_dot(row, row));
+	if (length > 0.0f)
+		row *= 1.0f / length;
+	return (stilb_plane){row[0], row[1], row[2], row[3]};
+}
+
+stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection)
+{
+	stilb_vec4 rows[4];
+	for (int row = 0; row < 4; row++)
+		for (int column = 0; column < 4; column++)
+			rows[row][column] = view_projection->m[column * 4 + row];
+	/* Inside means -w <= x <= w, -w <= y <= w with y down (so y <= w is the bottom edge), 0 <= z <= w with z = w near. */
+	stilb_frustum frustum = {{
+		base_plane_normalize(rows[3] + rows[0]),
+		base_plane_normalize(rows[3] - rows[0]),
+		base_plane_normalize(rows[3] - rows[1]),
+		base_plane_normalize(rows[3] + rows[1]),
+		base_plane_normalize(rows[3] - rows[2]),
+		base_plane_normalize(rows[2]),
+	}};
+	return frustum;
+}

@@ -1,0 +1,86 @@
+/* The octree's invariants, for tests. */
+#include "culling/cull_internal.h"
+
+#include <math.h>
+
+typedef struct cull_check {
+	const stilb_cull_octree *octree;
+	const char *wrong; /* the first thing found */
+	uint32_t cells;
+} cull_check;
+
+static void cull_check_that(cull_check *check, bool right, const char *wrong)
+{
+	if (!right && !check->wrong)
+		check->wrong = wrong;
+}
+
+static void cull_check_object(cull_check *check, uint32_t index, uint32_t slot)
+{
+	const stilb_cull_octree *octree = check->octree;
+	const cull_cell *cell = &octree->cells[index];
+	stilb_sphere bounds = {cell->x[slot], cell->y[slot], cell->z[slot], cell->radius[slot]};
+	cull_cell_name name = cull_octree_name(octree, bounds);
+	uint32_t id = cell->id[slot];
+	bool placed =
+		id < octree->place_capacity && octree->places[id].cell_plus_one == index + 1 && octree->places[id].slot == slot;
+	cull_check_that(check, placed, "an object's place is not where it is");
+	cull_check_that(check, name.depth == cell->name.depth, "an object is at the wrong depth");
+	if (index == CULL_ROOT)
+		return; /* holds whatever no cell can */
+	double center[3], at[3] = {(double)bounds.x, (double)bounds.y, (double)bounds.z};
+	double half = cull_octree_cell_size(octree, name.depth) * 0.5, rounding = 1.0 + 0x1p-20;
+	cull_octree_cell_center(octree, cell->name, center);
+	for (int axis = 0; axis < 3; axis++) {
+		double offset = fabs(at[axis] - center[axis]), radius = (double)bounds.radius;
+		cull_check_that(check, name.position[axis] == cell->name.position[axis], "an object is in the wrong cell");
+		cull_check_that(check, offset <= half * rounding, "an object's centre is outside its cell");
+		cull_check_that(check, offset + radius <= 2.0 * half * rounding, "an object leaves its cell's loose bounds");
+	}
+}
+
+/* Returns the greatest radius at and below the cell. */
+static float cull_check_cell(cull_check *check, uint32_t index)
+{
+	const cull_cell *cell = &check->octree->cells[index];
+	uint32_t count = cell->count;
+	float reach = 0.0f;
+	check->cells++;
+	for (uint32_t slot = 0; slot < cell->count; slot++) {
+		cull_check_object(check, index, slot);
+		if (index != CULL_ROOT)
+			reach = fmaxf(reach, cell->radius[slot]);
+	}
+	for (uint32_t octant = 0; octant < 8; octant++) {
+		uint32_t child = cell->children[octant];
+		if (child == CULL_NONE)
+			continue;
+		const cull_cell_name *name = &check->octree->cells[child].name;
+		uint32_t bits = (name->position[0] & 1u) | (name->position[1] & 1u) << 1 | (name->position[2] & 1u) << 2;
+		cull_check_that(check, check->octree->cells[child].parent == index, "a cell's parent does not know it");
+		cull_check_that(check, name->depth == cell->name.depth + 1 && bits == octant, "a cell has the wrong name");
+		reach = fmaxf(reach, cull_check_cell(check, child));
+		count += check->octree->cells[child].subtree_count;
+	}
+	cull_check_that(check, count == cell->subtree_count, "a subtree's count is wrong");
+	cull_check_that(check, index == CULL_ROOT || count > 0, "an empty cell is in the tree");
+	cull_check_that(check, cell->name.depth <= check->octree->max_depth, "a cell is too deep");
+	cull_check_that(check, cell->reach >= reach, "a radius is greater than its cell's reach");
+	return reach;
+}
+
+const char *cull_octree_check(const stilb_cull_octree *octree)
+{
+	cull_check check = {.octree = octree};
+	uint32_t placed = 0, free_cells = 0;
+	cull_check_cell(&check, CULL_ROOT);
+	for (uint32_t id = 0; id < octree->place_capacity; id++)
+		placed += octree->places[id].cell_plus_one != 0;
+	for (uint32_t cell = octree->free_cell; cell != CULL_NONE && free_cells <= octree->cell_count;
+	     cell = octree->cells[cell].parent)
+		free_cells++;
+	cull_check_that(&check, placed == octree->cells[CULL_ROOT].subtree_count, "places and objects differ in number");
+	cull_check_that(&check, check.cells == octree->live_count, "the count of live cells is wrong");
+	cull_check_that(&check, check.cells + free_cells == octree->cell_count, "a cell is lost");
+	return check.wrong;
+}

@@ -1,0 +1,346 @@
+/* The loose octree: cells, the objects in them, and the way from an id to its place. */
+#include "culling/cull_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CULL_ROOT_LIMIT 0x1p60 /* metres; keeps every sum of a float test far from overflow */
+#define CULL_FIRST_OBJECTS 16u
+
+void *cull_grow(void *array, size_t count, size_t capacity, size_t element)
+{
+	void *grown = stilb_memory_alloc(capacity, element);
+	if (!grown)
+		return NULL;
+	if (count)
+		memcpy(grown, array, count * element);
+	free(array);
+	return grown;
+}
+
+/* ---- names and places of cells -------------------------------------------------------------------------------- */
+
+double cull_octree_cell_size(const stilb_cull_octree *octree, uint32_t depth)
+{
+	return octree->size / (double)(1u << depth); /* exact: a power of two */
+}
+
+void cull_octree_cell_center(const stilb_cull_octree *octree, cull_cell_name name, double center[3])
+{
+	double size = cull_octree_cell_size(octree, name.depth);
+	for (int axis = 0; axis < 3; axis++)
+		center[axis] = octree->low[axis] + ((double)name.position[axis] + 0.5) * size;
+}
+
+cull_cell_name cull_octree_name(const stilb_cull_octree *octree, stilb_sphere bounds)
+{
+	const float center[3] = {bounds.x, bounds.y, bounds.z};
+	double radius = (double)bounds.radius, half = octree->size * 0.5;
+	double place[3]; /* in [0, 1) of the root */
+	cull_cell_name name = {0};
+	if (!(radius >= 0.0 && radius <= half)) /* written so that NaN stays in the root */
+		return name;
+	for (int axis = 0; axis < 3; axis++) {
+		place[axis] = ((double)center[axis] - octree->low[axis]) / octree->size;
+		if (!(place[axis] >= 0.0 && place[axis] < 1.0))
+			return name;
+	}
+	while (name.depth < octree->max_depth && radius <= half * 0.5) {
+		half *= 0.5;
+		name.depth++;
+	}
+	for (int axis = 0; axis < 3; axis++)
+		name.position[axis] = (uint32_t)(place[axis] * (double)(1u << name.depth));
+	return name;
+}
+
+static bool cull_name_equal(cull_cell_name a, cull_cell_name b)
+{
+	return a.depth == b.depth && a.position[0] == b.position[0] && a.position[1] == b.position[1] &&
+	       a.position[2] == b.position[2];
+}
+
+/* Which child of the cell at depth - 1 leads to name; depth is 1 .. name.depth. */
+static uint32_t cull_octant(cull_cell_name name, uint32_t depth)
+{
+	uint32_t shift = name.depth - depth;
+	return (name.position[0] >> shift & 1u) | (name.position[1] >> shift & 1u) << 1 |
+	       (name.position[2] >> shift & 1u) << 2;
+}
+
+/* ---- cells ---------------------------------------------------------------------------------------------------- */
+
+/* An unlinked, empty cell; CULL_NONE without memory. A recycled one keeps its block. May move octree->cells. */
+static uint32_t cull_cell_take(stilb_cull_octree *octree)
+{
+	uint32_t index = octree->free_cell;
+	if (index != CULL_NONE) {
+		octree->free_cell = octree->cells[index].parent;
+		return index;
+	}
+	if (octree->cell_count == octree->cell_capacity) {
+		uint32_t capacity = octree->cell_capacity * 2;
+		cull_cell *cells = cull_grow(octree->cells, octree->cell_count, capacity, sizeof *cells);
+		if (!cells)
+			return CULL_NONE;
+		octree->cells = cells;
+		octree->cell_capacity = capacity;
+	}
+	index = octree->cell_count++;
+	octree->cells[index] = (cull_cell){0};
+	return index;
+}
+
+static uint32_t cull_cell_make(stilb_cull_octree *octree, uint32_t parent, uint32_t octant)
+{
+	uint32_t index = cull_cell_take(octree);
+	if (index == CULL_NONE)
+		return CULL_NONE;
+	cull_cell *cell = &octree->cells[index];
+	cell->parent = parent;
+	cell->name = octree->cells[parent].name;
+	cell->name.depth++;
+	for (int axis = 0; axis < 3; axis++)
+		cell->name.position[axis] = cell->name.position[axis] * 2 + (octant >> axis & 1u);
+	octree->cells[parent].children[octant] = index;
+	octree->live_count++;
+	return index;
+}
+
+/* Takes index and what is above it out of the tree as long as it is empty. Empty cells have no children. */
+static void cull_cell_prune(stilb_cull_octree *octree, uint32_t index)
+{
+	while (index != CULL_ROOT && octree->cells[index].subtree_count == 0) {
+		cull_cell *cell = &octree->cells[index];
+		uint32_t parent = cell->parent;
+		octree->cells[parent].children[cull_octant(cell->name, cell->name.depth)] = CULL_NONE;
+		cell->reach = 0.0f;
+		cell->parent = octree->free_cell;
+		octree->free_cell = index;
+		octree->live_count--;
+		index = parent;
+	}
+}
+
+/* Room for one more object. */
+static bool cull_cell_reserve(cull_cell *cell)
+{
+	if (cell->count < cell->capacity)
+		return true;
+	uint32_t capacity = cell->capacity ? cell->capacity * 2 : CULL_FIRST_OBJECTS;
+	float *block = stilb_memory_alloc(capacity, 4 * sizeof(float) + sizeof(uint32_t));
+	if (!block)
+		return false;
+	cull_cell old = *cell;
+	cell->capacity = capacity;
+	cell->x = block;
+	cell->y = cell->x + capacity;
+	cell->z = cell->y + capacity;
+	cell->radius = cell->z + capacity;
+	cell->id = (uint32_t *)(cell->radius + capacity);
+	if (old.count) {
+		memcpy(cell->x, old.x, old.count * sizeof(float));
+		memcpy(cell->y, old.y, old.count * sizeof(float));
+		memcpy(cell->z, old.z, old.count * sizeof(float));
+		memcpy(cell->radius, old.radius, old.count * sizeof(float));
+		memcpy(cell->id, old.id, old.count * sizeof(uint32_t));
+	}
+	free(old.x);
+	return true;
+}
+
+/* Finds the cell called name, makes it when there is none, and sees to room for one more object in it. False without
+ * memory, with the tree as it was. */
+static bool cull_cell_find(stilb_cull_octree *octree, cull_cell_name name, uint32_t *found)
+{
+	uint32_t index = CULL_ROOT;
+	for (uint32_t depth = 1; depth <= name.depth; depth++) {
+		uint32_t octant = cull_octant(name, depth);
+		uint32_t child = octree->cells[index].children[octant];
+		if (child == CULL_NONE)
+			child = cull_cell_make(octree, index, octant);
+		if (child == CULL_NONE) {
+			cull_cell_prune(octree, index);
+			return false;
+		}
+		index = child;
+	}
+	if (!cull_cell_reserve(&octree->cells[index])) {
+		cull_cell_prune(octree, index);
+		return false;
+	}
+	*found = index;
+	return true;
+}
+
+/* ---- objects -------------------------------------------------------------------------------------------------- */
+
+static void cull_cell_store(cull_cell *cell, uint32_t slot, stilb_sphere bounds)
+{
+	cell->x[slot] = bounds.x;
+	cell->y[slot] = bounds.y;
+	cell->z[slot] = bounds.z;
+	cell->radius[slot] = bounds.radius;
+}
+
+/* Widens the reach of index and of the cells above it. The root's own objects do not count: they are always tested one
+ * by one, and may have any radius. */
+static void cull_octree_widen(stilb_cull_octree *octree, uint32_t index, float radius)
+{
+	if (index == CULL_ROOT)
+		return;
+	while (octree->cells[index].reach < radius) {
+		octree->cells[index].reach = radius;
+		if (index == CULL_ROOT)
+			break;
+		index = octree->cells[index].parent;
+	}
+}
+
+/* Adds delta to the counts of index and of all cells above it. */
+static void cull_octree_count(stilb_cull_octree *octree, uint32_t index, int32_t delta)
+{
+	for (;;) {
+		octree->cells[index].subtree_count += (uint32_t)delta;
+		if (index == CULL_ROOT)
+			return;
+		index = octree->cells[index].parent;
+	}
+}
+
+static void cull_octree_add(stilb_cull_octree *octree, uint32_t index, uint32_t id, stilb_sphere bounds)
+{
+	cull_cell *cell = &octree->cells[index];
+	uint32_t slot = cell->count++;
+	cull_cell_store(cell, slot, bounds);
+	cell->id[slot] = id;
+	octree->places[id] = (cull_place){index + 1, slot};
+	cull_octree_widen(octree, index, bounds.radius);
+	cull_octree_count(octree, index, 1);
+}
+
+/* Empties a slot: the cell's last object moves into it. */
+static void cull_octree_take_out(stilb_cull_octree *octree, cull_place place)
+{
+	uint32_t index = place.cell_plus_one - 1;
+	cull_cell *cell = &octree->cells[index];
+	uint32_t last = --cell->count;
+	if (place.slot != last) {
+		stilb_sphere bounds = {cell->x[last], cell->y[last], cell->z[last], cell->radius[last]};
+		cull_cell_store(cell, place.slot, bounds);
+		cell->id[place.slot] = cell->id[last];
+		octree->places[cell->id[last]].slot = place.slot;
+	}
+	cull_octree_count(octree, index, -1);
+	cull_cell_prune(octree, index);
+}
+
+static cull_place cull_octree_place(const stilb_cull_octree *octree, uint32_t id)
+{
+	return id < octree->place_capacity ? octree->places[id] : (cull_place){0};
+}
+
+static bool cull_places_reserve(stilb_cull_octree *octree, uint32_t id)
+{
+	if (id < octree->place_capacity)
+		return true;
+	uint32_t capacity = octree->place_capacity ? octree->place_capacity : 1024u;
+	while (capacity <= id)
+		capacity *= 2; /* ends at 2^31 */
+	cull_place *places = cull_grow(octree->places, octree->place_capacity, capacity, sizeof *places);
+	if (!places)
+		return false;
+	memset(places + octree->place_capacity, 0, (capacity - octree->place_capacity) * sizeof *places);
+	octree->places = places;
+	octree->place_capacity = capacity;
+	return true;
+}
+
+/* ---- public --------------------------------------------------------------------------------------------------- */
+
+static bool cull_desc_valid(const stilb_cull_octree_desc *desc)
+{
+	bool valid = desc->half_size > 0.0f && desc->max_depth <= CULL_MAX_DEPTH;
+	for (int axis = 0; axis < 3; axis++)
+		valid = valid && fabs((double)desc->center[axis]) + (double)desc->half_size <= CULL_ROOT_LIMIT;
+	return valid;
+}
+
+stilb_result stilb_cull_octree_create(const stilb_cull_octree_desc *desc, stilb_cull_octree **out)
+{
+	*out = NULL;
+	if (!cull_desc_valid(desc))
+		return stilb_fail(
+			STILB_ERROR_ARGUMENT,
+			"octree: half size %g and depth %u refused; the root must lie within 2^60 m, with a half size "
+			"above 0 and at most %u levels",
+			(double)desc->half_size, desc->max_depth, CULL_MAX_DEPTH);
+	stilb_cull_octree *octree = stilb_memory_alloc(1, sizeof *octree);
+	if (!octree)
+		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory");
+	*octree = (stilb_cull_octree){.size = 2.0 * (double)desc->half_size, .max_depth = desc->max_depth};
+	for (int axis = 0; axis < 3; axis++)
+		octree->low[axis] = (double)desc->center[axis] - (double)desc->half_size;
+	octree->cell_capacity = 64;
+	octree->cells = stilb_memory_alloc(octree->cell_capacity, sizeof *octree->cells);
+	if (!octree->cells) {
+		stilb_cull_octree_destroy(octree);
+		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for its cells");
+	}
+	octree->cells[CULL_ROOT] = (cull_cell){0};
+	octree->cell_count = octree->live_count = 1;
+	*out = octree;
+	return STILB_OK;
+}
+
+void stilb_cull_octree_destroy(stilb_cull_octree *octree)
+{
+	if (!octree)
+		return;
+	for (uint32_t index = 0; index < octree->cell_count; index++)
+		free(octree->cells[index].x);
+	free(octree->cells);
+	free(octree->places);
+	free(octree->items);
+	free(octree);
+}
+
+stilb_result stilb_cull_octree_insert(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds)
+{
+	uint32_t index;
+	if (id >= 1u << 31 || cull_octree_place(octree, id).cell_plus_one)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "octree: object %u is in the tree already, or not below 2^31", id);
+	if (!cull_places_reserve(octree, id) || !cull_cell_find(octree, cull_octree_name(octree, bounds), &index))
+		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for object %u", id);
+	cull_octree_add(octree, index, id, bounds);
+	return STILB_OK;
+}
+
+stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds)
+{
+	uint32_t index;
+	cull_place place = cull_octree_place(octree, id);
+	cull_cell_name name = cull_octree_name(octree, bounds);
+	if (!place.cell_plus_one)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "octree: object %u is not in the tree; insert it first", id);
+	if (cull_name_equal(octree->cells[place.cell_plus_one - 1].name, name)) {
+		cull_cell_store(&octree->cells[place.cell_plus_one - 1], place.slot, bounds);
+		cull_octree_widen(octree, place.cell_plus_one - 1, bounds.radius);
+		return STILB_OK;
+	}
+	if (!cull_cell_find(octree, name, &index))
+		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory to move object %u", id);
+	cull_octree_add(octree, index, id, bounds); /* first, so that pruning cannot take the new cell */
+	cull_octree_take_out(octree, place);
+	return STILB_OK;
+}
+
+void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id)
+{
+	cull_place place = cull_octree_place(octree, id);
+	if (!place.cell_plus_one)
+		return;
+	octree->places[id] = (cull_place){0};
+	cull_octree_take_out(octree, place);
+}

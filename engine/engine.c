@@ -1,0 +1,253 @@
+#include "engine_internal.h"
+
+#include "base/base_file.h"
+#include "image/image.h"
+#include "profiler/prof.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- workers ------------------------------------------------------------------------------------------------------- */
+
+STILB_PROF_SITE(engine_site_parked, "parked", 0x606060);
+
+static void engine_on_thread_start(void *user, uint32_t worker)
+{
+	(void)user;
+	char name[32];
+	snprintf(name, sizeof name, "worker %u", worker);
+	stilb_prof_thread_begin(name); /* without memory for a ring the worker works on, unseen */
+}
+
+static void engine_on_thread_stop(void *user, uint32_t worker)
+{
+	(void)user, (void)worker;
+	stilb_prof_thread_end();
+}
+
+static void engine_on_park(void *user, uint32_t worker)
+{
+	(void)user, (void)worker;
+	stilb_prof_zone_begin(&engine_site_parked);
+}
+
+static void engine_on_wake(void *user, uint32_t worker)
+{
+	(void)user, (void)worker;
+	stilb_prof_zone_end();
+}
+
+static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
+{
+	stilb_job_pool_desc desc = {
+		.worker_count = workers,
+		.hooks = {NULL, engine_on_thread_start, engine_on_thread_stop, engine_on_park, engine_on_wake},
+	};
+	int error = stilb_job_pool_create(&desc, &engine->pool);
+	if (error == 0)
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_THREAD, "cannot start %u workers: %s; try fewer with --workers", workers,
+	                  strerror(-error));
+}
+
+uint32_t stilb_engine_default_workers(void)
+{
+	return stilb_job_pool_desc_default().worker_count;
+}
+
+uint32_t stilb_engine_workers(const stilb_engine *engine)
+{
+	return stilb_job_pool_worker_count(engine->pool);
+}
+
+stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers)
+{
+	stilb_job_pool_destroy(engine->pool);
+	engine->pool = NULL;
+	stilb_result result = engine_start_workers(engine, workers);
+	return result == STILB_OK ? stilb_render_set_context_count(engine->render, workers + 1) : result;
+}
+
+/* ---- creation ------------------------------------------------------------------------------------------------------ */
+
+stilb_engine_desc stilb_engine_desc_default(void)
+{
+	return (stilb_engine_desc){
+		.models = 10000,
+		.seed = 1,
+		.workers = stilb_engine_default_workers(),
+		.width = 1280,
+		.height = 720,
+		.present = true,
+	};
+}
+
+static stilb_result engine_create_render(stilb_engine *engine)
+{
+	const stilb_engine_desc *desc = &engine->desc;
+	const stilb_render_surface surface = {engine->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	const stilb_render_desc render = {
+		.device = desc->device,
+		.replay = desc->replay,
+		.output = desc->output,
+		.gpu = desc->gpu,
+		.surface = engine->window ? &surface : NULL,
+		.width = desc->width,
+		.height = desc->height,
+		.samples = desc->samples,
+		.context_count = desc->workers + 1,
+		.validate = desc->validate,
+	};
+	return stilb_render_create(&render, &engine->render);
+}
+
+/* One view and one pass today; shadow views, light passes and post become rows here. */
+static void engine_fill_passes(stilb_engine *engine)
+{
+	engine->view_count = 1;
+	engine->passes[0] = (stilb_render_pass){.name = "main", .view = 0, .target = STILB_RENDER_TARGET_MAIN, .order = 0};
+	engine->pass_count = 1;
+}
+
+static stilb_result engine_start(stilb_engine *engine)
+{
+	const stilb_engine_desc *desc = &engine->desc;
+	stilb_result result = STILB_OK;
+	if (desc->window)
+		result = stilb_window_create("Stilb", desc->width, desc->height, &engine->window);
+	if (result == STILB_OK)
+		result = engine_create_render(engine); /* first: without a driver the rest is in vain */
+	if (result == STILB_OK)
+		result = engine_start_workers(engine, desc->workers);
+	if (result == STILB_OK)
+		result = stilb_scene_create_stress(desc->models, desc->seed, &engine->scene);
+	if (result != STILB_OK)
+		return result;
+	engine->scene->camera =
+		stilb_scene_stress_camera(engine->scene, desc->view, (float)desc->width / (float)desc->height);
+	result = stilb_cull_create(engine->scene, &engine->cull);
+	if (result == STILB_OK)
+		result = stilb_render_upload_scene(engine->render, engine->scene);
+	engine_fill_passes(engine);
+	return result;
+}
+
+stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **out)
+{
+	*out = NULL;
+	stilb_engine *engine = calloc(1, sizeof *engine);
+	if (!engine)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the engine");
+	engine->desc = *desc;
+	stilb_prof_thread_begin("main");
+	stilb_result result = engine_start(engine);
+	if (result != STILB_OK) {
+		stilb_engine_destroy(engine);
+		return result;
+	}
+	*out = engine;
+	return STILB_OK;
+}
+
+void stilb_engine_destroy(stilb_engine *engine)
+{
+	if (!engine)
+		return;
+	stilb_job_pool_destroy(engine->pool);
+	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
+		stilb_cull_visible_finish(&engine->visible[v]);
+	stilb_cull_destroy(engine->cull);
+	stilb_scene_destroy(engine->scene);
+	stilb_render_destroy(engine->render);
+	stilb_window_destroy(engine->window);
+	stilb_prof_thread_end();
+	stilb_prof_shutdown();
+	free(engine);
+}
+
+/* ---- what a frame left behind -------------------------------------------------------------------------------------- */
+
+uint64_t stilb_engine_stream_hash(const stilb_engine *engine)
+{
+	return stilb_render_stream_hash(engine->render);
+}
+
+stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
+{
+	stilb_image image = {0};
+	stilb_result result = stilb_render_read_image(engine->render, &image);
+	if (result == STILB_OK)
+		result = stilb_image_save(&image, path);
+	stilb_image_finish(&image);
+	return result;
+}
+
+static int engine_trace_write(void *user, const void *data, size_t size)
+{
+	return stilb_file_write(user, data, size);
+}
+
+stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames)
+{
+	(void)engine;
+	stilb_file file;
+	stilb_result result = stilb_file_open(&file, path);
+	if (result != STILB_OK)
+		return result;
+	const stilb_prof_trace_desc desc = {.last_frames = last_frames, .process_name = "stilb"};
+	int error = stilb_prof_trace_write(&desc, engine_trace_write, &file);
+	if (error == 0)
+		return stilb_file_commit(&file);
+	stilb_file_finish(&file);
+	return stilb_fail(STILB_ERROR_FILE, "cannot write '%s': %s", path, strerror(-error));
+}
+
+const char *stilb_engine_device_name(const stilb_engine *engine)
+{
+	return stilb_render_device_name(engine->render);
+}
+
+bool stilb_engine_device_is_software(const stilb_engine *engine)
+{
+	return stilb_render_device_is_software(engine->render);
+}
+
+uint32_t stilb_engine_samples(const stilb_engine *engine)
+{
+	return stilb_render_samples(engine->render);
+}
+
+uint32_t stilb_engine_validation_messages(const stilb_engine *engine)
+{
+	return stilb_render_validation_messages(engine->render);
+}
+
+void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *height)
+{
+	stilb_render_size(engine->render, width, height);
+}
+
+stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t height)
+{
+	return stilb_render_resize(engine->render, width, height);
+}
+
+void stilb_engine_set_title(stilb_engine *engine, const char *title)
+{
+	if (engine->window)
+		stilb_window_title(engine->window, title);
+}
+
+stilb_scene *stilb_engine_scene(stilb_engine *engine)
+{
+	return engine->scene;
+}
+
+uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])
+{
+	libraries[0] = (stilb_engine_library){"Vulkan loader", stilb_render_vulkan_version()};
+	libraries[1] = (stilb_engine_library){"GLFW", stilb_window_library_version()};
+	libraries[2] = (stilb_engine_library){"OpenImageIO", stilb_image_library_version()};
+	return STILB_ENGINE_LIBRARIES;
+}

@@ -1,0 +1,105 @@
+/*
+ * engine: owns every module and runs frames. What a program sees of Stilb.
+ *
+ * Life cycle.  stilb_engine_create -> stilb_engine_frame until done -> stilb_engine_destroy.
+ * Threads.     All [main-thread]; the workers are the engine's own.
+ * The story of a frame is frame.c.
+ */
+#ifndef STILB_ENGINE_H
+#define STILB_ENGINE_H
+
+#include "base/base.h"
+#include "culling/cull.h"
+#include "input/input.h"
+#include "render/render.h"
+#include "scene/scene.h"
+
+typedef struct stilb_engine stilb_engine;
+
+typedef struct stilb_engine_desc {
+	uint32_t models; /* 1..STILB_SCENE_MAX_MODELS */
+	uint64_t seed;
+	uint32_t workers; /* threads beside the main thread, 0..STILB_JOB_MAX_WORKERS */
+	stilb_cull_method cull;
+	stilb_scene_stress_view view;
+	stilb_render_device_kind device;
+	stilb_render_replay_mode replay;
+	stilb_render_output output;
+	const char *gpu;        /* NULL: the best */
+	uint32_t width, height; /* 1..16384 */
+	uint32_t samples;       /* 1, 4, or 0 for the device's own choice */
+	bool window;            /* else headless: frames step by 1/60 s, and the picture goes to memory */
+	bool present;           /* else no frame is shown */
+	bool animate;           /* a tenth of the models moves */
+	bool validate;
+} stilb_engine_desc;
+
+/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), octree, all visible, Vulkan, indirect, 1280x720, headless. */
+stilb_engine_desc stilb_engine_desc_default(void);
+
+/* The default number of workers. [any-thread] */
+uint32_t stilb_engine_default_workers(void);
+
+/* STILB_ERROR_WINDOW: no window can be opened here, headless would do. */
+stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **engine);
+void stilb_engine_destroy(stilb_engine *engine);
+
+/* What a frame cost, milliseconds of the main thread's time; the stages of frame.c. gpu is the device's own measure of a
+ * frame some two frames back, 0 when there is none. */
+typedef struct stilb_engine_times {
+	double frame, update, cull, record, replay, present, gpu;
+} stilb_engine_times;
+
+/* What came of the last frame. */
+typedef struct stilb_engine_report {
+	uint64_t frame; /* frames so far */
+	stilb_engine_times times;
+	uint32_t visible; /* models */
+	stilb_render_stats render;
+	stilb_input_state input; /* {0} without a window */
+	bool close;              /* the user wants out */
+	bool drawn;              /* false: the window is minimised, nothing was done */
+} stilb_engine_report;
+
+/* Runs one frame. Waits a moment instead while the window is minimised. */
+stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *report);
+
+/* Another number of workers from the next frame on, 0..STILB_JOB_MAX_WORKERS. */
+stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers);
+uint32_t stilb_engine_workers(const stilb_engine *engine);
+
+/* Of the last frame; see render.h. */
+uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
+
+/* The last frame's picture as .png or .exr (image.h). With output LINEAR it is the radiance itself. */
+stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
+
+/* Chrome trace JSON of the last frames that are still held, at most last_frames (0: all). */
+stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames);
+
+const char *stilb_engine_device_name(const stilb_engine *engine);
+bool stilb_engine_device_is_software(const stilb_engine *engine);
+uint32_t stilb_engine_samples(const stilb_engine *engine);
+uint32_t stilb_engine_validation_messages(const stilb_engine *engine);
+
+/* The picture's size, pixels: follows the window. */
+void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *height);
+
+/* Another picture size from the next frame on; for programs without a window. 1..16384. */
+stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t height);
+
+void stilb_engine_set_title(stilb_engine *engine, const char *title);
+
+/* One of the libraries that are loaded, and its version. */
+typedef struct stilb_engine_library {
+	const char *name, *version;
+} stilb_engine_library;
+
+/* Fills libraries, returns how many: at most STILB_ENGINE_LIBRARIES. */
+#define STILB_ENGINE_LIBRARIES 3
+uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES]);
+
+/* The scene and its camera: change them between frames only. */
+stilb_scene *stilb_engine_scene(stilb_engine *engine);
+
+#endif

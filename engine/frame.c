@@ -1,0 +1,175 @@
+/*
+ * The story of one frame: six stages from top to bottom, each with one owner and one output, and each reads only what a
+ * stage above it wrote. What comes back (GPU times, the window's size) enters with the next frame's input.
+ *
+ *   stage          reads                       writes                                  threads
+ *   frame_begin    the window, the device      input, step, rewound contexts           main
+ *   scene_update   input, step                 transforms, bounds, camera, moved list  main
+ *   cull           scene, moved list, views    octree, visible ids per view            jobs
+ *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
+ *   replay         the lists                   device commands, in number order        main
+ *   present        the device's picture        the window, or an image in memory       main
+ */
+#include "engine_internal.h"
+
+#include "profiler/prof.h"
+
+#define FRAME_STEP (1.0f / 60.0f)
+#define FRAME_MAX_STEP 0.1f /* after a stall the camera does not leap */
+#define FRAME_OWNER 0u      /* the main thread's worker index */
+
+/* Ends a stage: its time goes to *ms, and the next stage begins now. */
+static void frame_clock(uint64_t *since, double *ms)
+{
+	uint64_t now = stilb_time_ns();
+	*ms = (double)(now - *since) * 1e-6;
+	*since = now;
+}
+
+/* Follows the window's size. *drawn is false when there is nothing to draw to. */
+static stilb_result frame_resize(stilb_engine *engine, const stilb_window_state *state, bool *drawn)
+{
+	uint32_t width, height;
+	*drawn = state->width > 0 && state->height > 0;
+	stilb_render_size(engine->render, &width, &height);
+	if (!*drawn || (state->width == width && state->height == height))
+		return STILB_OK;
+	return stilb_render_resize(engine->render, state->width, state->height);
+}
+
+static stilb_result frame_input(stilb_engine *engine, stilb_engine_report *report)
+{
+	stilb_window_state state;
+	report->drawn = true;
+	engine->step = FRAME_STEP;
+	if (!engine->window)
+		return STILB_OK;
+	stilb_window_poll(engine->window, &state);
+	if (state.width == 0 || state.height == 0)
+		stilb_window_wait(engine->window, 0.05, &state);
+	uint64_t now = stilb_time_ns();
+	float elapsed = engine->last_ns ? (float)((double)(now - engine->last_ns) * 1e-9) : FRAME_STEP;
+	engine->step = elapsed < FRAME_MAX_STEP ? elapsed : FRAME_MAX_STEP;
+	engine->last_ns = now;
+	report->input = stilb_input_from_window(&state);
+	report->close = state.close;
+	return frame_resize(engine, &state, &report->drawn);
+}
+
+static stilb_result frame_begin(stilb_engine *engine)
+{
+	PROFILE("frame begin");
+	return stilb_render_frame_begin(engine->render);
+}
+
+static void frame_move_camera(stilb_scene_camera *camera, const stilb_input_state *input, float seconds)
+{
+	stilb_input_pose pose = {
+		{camera->position[0], camera->position[1], camera->position[2]}, camera->yaw, camera->pitch};
+	pose = stilb_input_fly(pose, input, seconds);
+	for (int i = 0; i < 3; i++)
+		camera->position[i] = pose.position[i];
+	camera->yaw = pose.yaw;
+	camera->pitch = pose.pitch;
+}
+
+static void scene_update(stilb_engine *engine)
+{
+	PROFILE("scene update");
+	stilb_scene *scene = engine->scene;
+	scene->moved_count = 0;
+	if (engine->desc.animate)
+		stilb_scene_animate(scene, engine->seconds);
+	if (engine->window)
+		frame_move_camera(&scene->camera, &engine->report.input, engine->step);
+	uint32_t width, height;
+	stilb_render_size(engine->render, &width, &height);
+	stilb_render_view *view = &engine->views[0];
+	view->view_projection = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
+	for (int i = 0; i < 3; i++)
+		view->camera_position[i] = scene->camera.position[i];
+	view->sun = scene->sun;
+	view->sky = scene->sky;
+}
+
+static stilb_result cull(stilb_engine *engine)
+{
+	PROFILE("cull");
+	stilb_scene *scene = engine->scene;
+	stilb_result result = stilb_cull_move(engine->cull, scene, scene->moved, scene->moved_count);
+	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
+		stilb_frustum frustum = stilb_frustum_from_matrix(&engine->views[v].view_projection);
+		result = stilb_cull_run(engine->cull, engine->desc.cull, scene, &frustum, engine->pool, FRAME_OWNER,
+		                        &engine->visible[v]);
+	}
+	return result;
+}
+
+static stilb_result record(stilb_engine *engine)
+{
+	PROFILE("record");
+	stilb_result result = STILB_OK;
+	for (uint32_t p = 0; p < engine->pass_count && result == STILB_OK; p++) {
+		const stilb_cull_visible *visible = &engine->visible[engine->passes[p].view];
+		result = stilb_render_record(engine->render, p, engine->scene, visible->ids, visible->count, engine->pool,
+		                             FRAME_OWNER);
+	}
+	return result;
+}
+
+static stilb_result replay(stilb_engine *engine)
+{
+	PROFILE("replay");
+	return stilb_render_replay(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count);
+}
+
+static stilb_result present(stilb_engine *engine)
+{
+	PROFILE("present");
+	return stilb_render_present(engine->render);
+}
+
+static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times)
+{
+	PROFILE("frame");
+	double begin;
+	uint64_t clock = stilb_time_ns(), start = clock;
+	stilb_result result = frame_begin(engine);
+	frame_clock(&clock, &begin);
+	if (result == STILB_OK)
+		scene_update(engine);
+	frame_clock(&clock, &times->update);
+	if (result == STILB_OK)
+		result = cull(engine);
+	frame_clock(&clock, &times->cull);
+	if (result == STILB_OK)
+		result = record(engine);
+	frame_clock(&clock, &times->record);
+	if (result == STILB_OK)
+		result = replay(engine);
+	frame_clock(&clock, &times->replay);
+	if (result == STILB_OK && engine->desc.present)
+		result = present(engine);
+	frame_clock(&clock, &times->present);
+	if (!engine->desc.present)
+		times->present = 0.0;
+	times->frame = (double)(clock - start) * 1e-6;
+	return result;
+}
+
+stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *report)
+{
+	engine->report = (stilb_engine_report){.frame = engine->frame};
+	stilb_result result = frame_input(engine, &engine->report);
+	if (result == STILB_OK && engine->report.drawn) {
+		stilb_prof_frame_mark();
+		result = frame_stages(engine, &engine->report.times);
+		engine->report.visible = engine->visible[0].count;
+		engine->report.render = stilb_render_stats_get(engine->render);
+		engine->report.times.gpu = engine->report.render.gpu_ms;
+		engine->report.frame = ++engine->frame;
+		engine->seconds = engine->window ? engine->seconds + (double)engine->step : (double)engine->frame / 60.0;
+	}
+	*report = engine->report;
+	return result;
+}

@@ -1,0 +1,68 @@
+/*
+ * image_internal: the border between image.c and OpenImageIO, plain C on both sides. Behind it is image_oiio.cpp, the
+ * engine's only C++; no exception leaves it.
+ */
+#ifndef STILB_IMAGE_INTERNAL_H
+#define STILB_IMAGE_INTERNAL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The library's name of a file format. */
+#define IMAGE_CODEC_PNG "png"
+#define IMAGE_CODEC_EXR "openexr"
+
+typedef enum image_scalar {
+	IMAGE_SCALAR_U8,
+	IMAGE_SCALAR_F16,
+	IMAGE_SCALAR_F32,
+} image_scalar;
+
+/* Pixels without a gap: [height][width][channels]. */
+typedef struct image_shape {
+	uint32_t width, height, channels;
+	image_scalar scalar;
+} image_shape;
+
+typedef struct image_message {
+	char text[512];
+} image_message;
+
+/* Takes the whole file. Returns 0, or anything else for failure. */
+typedef int image_sink(void *context, const void *data, size_t size);
+
+/* Returns the memory for a picture of this shape, or NULL to refuse it. */
+typedef void *image_allocate(void *context, const image_shape *shape);
+
+typedef enum image_outcome {
+	IMAGE_OUTCOME_DONE,
+	IMAGE_OUTCOME_CALLBACK, /* the sink or allocate failed and knows why */
+	IMAGE_OUTCOME_CODEC,    /* message says why */
+	IMAGE_OUTCOME_MEMORY,
+} image_outcome;
+
+/* Encodes into memory; the file holds `stored` scalars. */
+image_outcome image_oiio_encode(const char *codec, const image_shape *shape, const void *pixels, image_scalar stored,
+                                image_sink *sink, void *context, image_message *message);
+
+/* Decodes data into what allocate returns, converted to `wanted` scalars. */
+image_outcome image_oiio_decode(const char *codec, const void *data, size_t size, image_scalar wanted,
+                                image_allocate *allocate, void *context, image_message *message);
+
+/* "2.4.7": of the library that is loaded. */
+const char *image_oiio_version(void);
+
+/* False with a message when data is not a PNG file whose chunks are all there with the right checksums. Asked before
+ * decoding, because libpng prints its own lines on stderr about such files. Source: ISO/IEC 15948 (PNG), chapter 5. */
+bool image_png_is_whole(const void *data, size_t size, image_message *message);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

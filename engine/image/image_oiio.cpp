@@ -1,0 +1,179 @@
+// The engine's only C++: a thin face of OpenImageIO that C can call. Every function catches every exception.
+
+#include "image/image_internal.h"
+
+#include "base/base.h" // STILB_VERSION
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+OIIO::TypeDesc scalar_type(image_scalar scalar)
+{
+	switch (scalar) {
+	case IMAGE_SCALAR_U8:
+		return OIIO::TypeDesc::UINT8;
+	case IMAGE_SCALAR_F16:
+		return OIIO::TypeDesc::HALF;
+	default:
+		return OIIO::TypeDesc::FLOAT;
+	}
+}
+
+// One line, since it becomes part of one.
+void message_set(image_message *message, const std::string &text)
+{
+	size_t length = text.find('\n');
+	std::string line = text.substr(0, length);
+	if (line.empty())
+		line = "unknown error";
+	strncpy(message->text, line.c_str(), sizeof message->text - 1);
+	message->text[sizeof message->text - 1] = '\0';
+}
+
+// The library's threads would work beside our workers unseen by the profiler, so it gets none. Debian's build prints debug
+// lines on stderr unless told not to.
+void library_init()
+{
+	static const bool done = [] {
+		OIIO::attribute("threads", 1);
+		OIIO::attribute("exr_threads", -1);
+		OIIO::attribute("debug", 0);
+		return true;
+	}();
+	(void)done;
+}
+
+OIIO::ImageSpec file_spec(const image_shape &shape, image_scalar stored)
+{
+	OIIO::ImageSpec spec(int(shape.width), int(shape.height), int(shape.channels), scalar_type(stored));
+	if (shape.channels == 2) {
+		spec.channelnames = {"Y", "A"};
+		spec.alpha_channel = 1;
+	}
+	spec.attribute("Software", "Stilb " STILB_VERSION);
+	spec.attribute("oiio:ColorSpace", stored == IMAGE_SCALAR_U8 ? "sRGB" : "Linear");
+	spec.attribute("oiio:UnassociatedAlpha", 1); // colours are stored as given, not divided by alpha
+	spec.attribute("png:compressionLevel", 3);
+	// The EXR writer puts in the time of day unless there is a DateTime; one that is no text it leaves out.
+	spec.attribute("DateTime", 0);
+	return spec;
+}
+
+image_outcome encode(const char *codec, const image_shape &shape, const void *pixels, image_scalar stored,
+                     std::vector<unsigned char> &file, image_message *message)
+{
+	library_init();
+	OIIO::Filesystem::IOVecOutput memory(file); // outlives output, which may write when it is destroyed
+	auto output = OIIO::ImageOutput::create(codec);
+	if (!output) {
+		message_set(message, OIIO::geterror());
+		return IMAGE_OUTCOME_CODEC;
+	}
+	bool done = output->set_ioproxy(&memory) && output->open(codec, file_spec(shape, stored)) &&
+	            output->write_image(scalar_type(shape.scalar), pixels) && output->close();
+	if (!done) {
+		message_set(message, output->geterror());
+		return IMAGE_OUTCOME_CODEC;
+	}
+	return IMAGE_OUTCOME_DONE;
+}
+
+// False with a message for what a stilb_image cannot hold.
+bool shape_of(const OIIO::ImageSpec &spec, image_scalar wanted, image_shape &shape, image_message *message)
+{
+	if (spec.deep || spec.depth > 1 || spec.width < 1 || spec.height < 1) {
+		message_set(message, "not a flat picture");
+		return false;
+	}
+	if (spec.nchannels < 1 || spec.nchannels > 4) {
+		message_set(message, "it has " + std::to_string(spec.nchannels) + " channels, and 1 to 4 are supported");
+		return false;
+	}
+	shape = {uint32_t(spec.width), uint32_t(spec.height), uint32_t(spec.nchannels), wanted};
+	return true;
+}
+
+image_outcome decode(const char *codec, const void *data, size_t size, image_scalar wanted, image_allocate *allocate,
+                     void *context, image_message *message)
+{
+	library_init();
+	OIIO::Filesystem::IOMemReader memory(data, size); // outlives input
+	// By name: OpenImageIO's own open would try every reader it has on a damaged file.
+	auto input = OIIO::ImageInput::create(codec);
+	if (!input) {
+		message_set(message, OIIO::geterror());
+		return IMAGE_OUTCOME_CODEC;
+	}
+	OIIO::ImageSpec spec, config;
+	config.attribute("oiio:UnassociatedAlpha", 1);
+	image_shape shape;
+	if (!input->set_ioproxy(&memory) || !input->open(codec, spec, config)) {
+		message_set(message, input->geterror());
+		return IMAGE_OUTCOME_CODEC;
+	}
+	if (!shape_of(spec, wanted, shape, message))
+		return IMAGE_OUTCOME_CODEC;
+	void *pixels = allocate(context, &shape);
+	if (!pixels)
+		return IMAGE_OUTCOME_CALLBACK;
+	if (!input->read_image(0, 0, 0, spec.nchannels, scalar_type(wanted), pixels)) {
+		message_set(message, input->geterror());
+		return IMAGE_OUTCOME_CODEC;
+	}
+	return IMAGE_OUTCOME_DONE;
+}
+
+// Runs body and turns what it throws into an outcome.
+template <typename Body> image_outcome guarded(image_message *message, Body body)
+{
+	try {
+		return body();
+	} catch (const std::bad_alloc &) {
+		return IMAGE_OUTCOME_MEMORY;
+	} catch (const std::exception &error) {
+		message_set(message, error.what());
+	} catch (...) {
+		message_set(message, "unknown error");
+	}
+	return IMAGE_OUTCOME_CODEC;
+}
+
+} // namespace
+
+image_outcome image_oiio_encode(const char *codec, const image_shape *shape, const void *pixels, image_scalar stored,
+                                image_sink *sink, void *context, image_message *message)
+{
+	return guarded(message, [=] {
+		std::vector<unsigned char> file;
+		image_outcome outcome = encode(codec, *shape, pixels, stored, file, message);
+		if (outcome != IMAGE_OUTCOME_DONE)
+			return outcome;
+		return sink(context, file.data(), file.size()) == 0 ? IMAGE_OUTCOME_DONE : IMAGE_OUTCOME_CALLBACK;
+	});
+}
+
+image_outcome image_oiio_decode(const char *codec, const void *data, size_t size, image_scalar wanted,
+                                image_allocate *allocate, void *context, image_message *message)
+{
+	return guarded(message, [=] { return decode(codec, data, size, wanted, allocate, context, message); });
+}
+
+const char *image_oiio_version(void)
+{
+	static const std::string version = [] {
+		int packed = OIIO::openimageio_version(); // 20407 for 2.4.7
+		return std::to_string(packed / 10000) + "." + std::to_string(packed / 100 % 100) + "." +
+		       std::to_string(packed % 100);
+	}();
+	return version.c_str();
+}

@@ -1,0 +1,152 @@
+#include "render/render_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char *stilb_render_device_kind_name(stilb_render_device_kind kind)
+{
+	return kind == STILB_RENDER_DEVICE_NULL ? "null" : "vulkan";
+}
+
+const char *stilb_render_replay_mode_name(stilb_render_replay_mode mode)
+{
+	return mode == STILB_RENDER_REPLAY_DIRECT ? "direct" : "indirect";
+}
+
+stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **out)
+{
+	STILB_ASSERT(desc->width >= 1 && desc->width <= 16384 && desc->height >= 1 && desc->height <= 16384);
+	STILB_ASSERT(desc->samples == 0 || desc->samples == 1 || desc->samples == 4);
+	*out = NULL;
+	stilb_render *render = stilb_memory_alloc(1, sizeof *render);
+	if (!render)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the renderer");
+	memset(render, 0, sizeof *render);
+	render->kind = desc->device;
+	stilb_result result = render_contexts_create(render, desc->context_count);
+	if (result == STILB_OK)
+		result = desc->device == STILB_RENDER_DEVICE_NULL ? render_null_create(desc, &render->device)
+		                                                  : render_vulkan_create(desc, &render->device);
+	if (result != STILB_OK) {
+		stilb_render_destroy(render);
+		return result;
+	}
+	*out = render;
+	return STILB_OK;
+}
+
+void stilb_render_destroy(stilb_render *render)
+{
+	if (!render)
+		return;
+	if (render->device)
+		render->device->functions->destroy(render->device);
+	render_contexts_destroy(render);
+	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
+		free(render->passes[p].segments);
+	free(render->meshes);
+	free(render);
+}
+
+const char *stilb_render_device_name(const stilb_render *render)
+{
+	return render->device->name;
+}
+
+bool stilb_render_device_is_software(const stilb_render *render)
+{
+	return render->device->software;
+}
+
+uint32_t stilb_render_samples(const stilb_render *render)
+{
+	return render->device->samples;
+}
+
+uint32_t stilb_render_validation_messages(const stilb_render *render)
+{
+	return render->device->validation_messages;
+}
+
+/* Meshes lie one after the other in one vertex and one index buffer. */
+static stilb_result render_place_meshes(stilb_render *render, const stilb_scene *scene)
+{
+	uint32_t first_index = 0;
+	int32_t vertex_offset = 0;
+	render->meshes = stilb_memory_alloc(scene->mesh_count, sizeof *render->meshes);
+	if (!render->meshes)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u meshes", scene->mesh_count);
+	for (uint32_t i = 0; i < scene->mesh_count; i++) {
+		render->meshes[i] = (render_mesh){first_index, scene->meshes[i].index_count, vertex_offset};
+		first_index += scene->meshes[i].index_count;
+		vertex_offset += (int32_t)scene->meshes[i].vertex_count;
+	}
+	render->mesh_count = scene->mesh_count;
+	render->material_count = scene->material_count;
+	return STILB_OK;
+}
+
+static render_material render_material_make(const stilb_scene_material *material)
+{
+	render_material out = {.shininess = material->shininess};
+	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
+	memcpy(out.specular, material->specular, sizeof out.specular);
+	return out;
+}
+
+stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene)
+{
+	STILB_ASSERT(!render->meshes);
+	stilb_result result = render_place_meshes(render, scene);
+	if (result != STILB_OK)
+		return result;
+	render_material *materials = stilb_memory_alloc(scene->material_count, sizeof *materials);
+	if (!materials)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u materials", scene->material_count);
+	for (uint32_t i = 0; i < scene->material_count; i++)
+		materials[i] = render_material_make(&scene->materials[i]);
+	result = render->device->functions->upload(render->device, scene, materials);
+	free(materials);
+	return result;
+}
+
+stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count)
+{
+	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
+		render->passes[p].state = RENDER_LIST_EMPTY; /* the segments' contexts go away */
+	render_contexts_destroy(render);
+	return render_contexts_create(render, context_count);
+}
+
+stilb_result stilb_render_resize(stilb_render *render, uint32_t width, uint32_t height)
+{
+	STILB_ASSERT(width >= 1 && width <= 16384 && height >= 1 && height <= 16384);
+	return render->device->functions->resize(render->device, width, height);
+}
+
+void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *height)
+{
+	*width = render->device->width;
+	*height = render->device->height;
+}
+
+stilb_result stilb_render_frame_begin(stilb_render *render)
+{
+	render_contexts_rewind(render);
+	return render->device->functions->frame_begin(render->device, &render->rows);
+}
+
+stilb_result stilb_render_present(stilb_render *render)
+{
+	return render->device->functions->present(render->device);
+}
+
+stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image)
+{
+	return render->device->functions->read_image(render->device, image);
+}
+
+stilb_render_stats stilb_render_stats_get(const stilb_render *render)
+{
+	return render->device->stats;
+}

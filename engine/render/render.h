@@ -1,0 +1,180 @@
+/*
+ * render: draws are recorded by many threads as plain commands, and replayed by one thread on a device.
+ *
+ * How it works.  Every worker owns a render context. Recording appends 32-byte commands to the context's command list
+ *                and writes each draw's transform into a row of the frame's row buffer (GPU memory, written once). A
+ *                view's draws are cut into segments, numbered by the scene; any worker may record any segment, and the
+ *                main thread replays the segments in number order. So the command stream, and the picture, do not
+ *                depend on how many workers there are or who was faster.
+ * Life cycle.    stilb_render_create -> stilb_render_upload_scene -> frames -> stilb_render_destroy.
+ * Per frame.     stilb_render_frame_begin, stilb_render_record per pass, stilb_render_replay, stilb_render_present.
+ * Threads.       [main-thread] unless a function says [one-writer]: then one thread at a time per context.
+ * Devices.       `null` counts and writes what a GPU would be given, and draws nothing; `vulkan` draws.
+ * Limits.        None on draws: lists and buffers grow, and running out of memory is an error of the frame. Nothing is
+ *                ever dropped.
+ */
+#ifndef STILB_RENDER_H
+#define STILB_RENDER_H
+
+#include "base/base.h"
+#include "base/base_math.h"
+#include "image/image.h"
+#include "jobs/job.h"
+#include "scene/scene.h"
+
+typedef struct stilb_render stilb_render;
+typedef struct stilb_render_context stilb_render_context;
+
+typedef enum stilb_render_device_kind {
+	STILB_RENDER_DEVICE_VULKAN,
+	STILB_RENDER_DEVICE_NULL,
+} stilb_render_device_kind;
+
+/* How a command list becomes device commands. The pixels are the same. */
+typedef enum stilb_render_replay_mode {
+	STILB_RENDER_REPLAY_INDIRECT, /* multi-draw-indirect: one device command for a pass's draws */
+	STILB_RENDER_REPLAY_DIRECT,   /* one device command a draw */
+} stilb_render_replay_mode;
+
+/* What the picture holds. */
+typedef enum stilb_render_output {
+	STILB_RENDER_OUTPUT_DISPLAY, /* tone mapped, 8-bit sRGB */
+	STILB_RENDER_OUTPUT_LINEAR,  /* radiance as it is, 16-bit float */
+} stilb_render_output;
+
+/* A window's surface without knowing windows or Vulkan: instance is a VkInstance, *surface a VkSurfaceKHR. */
+typedef struct stilb_render_surface {
+	void *user;
+	const char *const *(*extensions)(void *user, uint32_t *count);    /* instance extensions it needs */
+	int32_t (*create)(void *user, void *instance, uint64_t *surface); /* returns a VkResult */
+} stilb_render_surface;
+
+typedef struct stilb_render_desc {
+	stilb_render_device_kind device;
+	stilb_render_replay_mode replay;
+	stilb_render_output output;
+	const char *gpu;                     /* a number or a part of a name as `stilb info` prints them; NULL: the best */
+	const stilb_render_surface *surface; /* NULL: no window */
+	uint32_t width, height;              /* 1..16384 */
+	uint32_t samples;                    /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
+	uint32_t context_count;              /* workers + 1 */
+	bool validate;                       /* Vulkan validation layer with synchronization checks */
+} stilb_render_desc;
+
+/* What a pass draws into. */
+typedef enum stilb_render_target {
+	STILB_RENDER_TARGET_MAIN, /* the picture */
+} stilb_render_target;
+
+/* Where from and under which light; a pass names its view by index. */
+typedef struct stilb_render_view {
+	stilb_mat4 view_projection;
+	float camera_position[3];
+	stilb_scene_sun sun;
+	stilb_scene_sky sky;
+} stilb_render_view;
+
+typedef struct stilb_render_pass {
+	const char *name;
+	uint32_t view; /* index into the frame's views */
+	stilb_render_target target;
+	uint32_t order; /* passes are replayed by ascending order */
+} stilb_render_pass;
+
+#define STILB_RENDER_MAX_PASSES 16
+
+/* Of the last replayed frame. */
+typedef struct stilb_render_stats {
+	uint64_t draws;
+	uint64_t draw_commands;     /* device commands that draw one thing */
+	uint64_t indirect_commands; /* device commands that draw many */
+	uint64_t execute_commands;  /* device commands that execute a recorded command buffer */
+	double gpu_ms;              /* last known time of a frame on the GPU; 0 on the null device */
+} stilb_render_stats;
+
+/* STILB_ERROR_DEVICE names what is missing and how to get it. */
+stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **render);
+void stilb_render_destroy(stilb_render *render);
+
+/* "vulkan" or "null". */
+const char *stilb_render_device_kind_name(stilb_render_device_kind kind);
+const char *stilb_render_replay_mode_name(stilb_render_replay_mode mode);
+/* The GPU's name, or "null". */
+const char *stilb_render_device_name(const stilb_render *render);
+/* True when the GPU is a CPU. */
+bool stilb_render_device_is_software(const stilb_render *render);
+uint32_t stilb_render_samples(const stilb_render *render);
+/* Warnings and errors of the validation layer so far. */
+uint32_t stilb_render_validation_messages(const stilb_render *render);
+
+/* Gives meshes and materials to the device; the arrays may change afterwards. Once, before the first frame. */
+stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene);
+
+/* For another number of workers: between frames. */
+stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
+
+/* Another picture size, 1..16384: between frames. */
+stilb_result stilb_render_resize(stilb_render *render, uint32_t width, uint32_t height);
+void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *height);
+
+/* Waits until the device is done with the frame before the last, and rewinds the contexts. */
+stilb_result stilb_render_frame_begin(stilb_render *render);
+
+/* Records pass: both parts, and more, of every visible model in scene order, on the pool and on the caller (whose index is
+ * worker). */
+stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
+                                 uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);
+
+/* Turns the lists of all passes into device commands, in order, and hands them to the device. */
+stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
+                                 const stilb_render_view *views, uint32_t view_count);
+
+/* Shows the picture in the window, or copies it to memory when there is none. An outdated or minimised window is no
+ * error. */
+stilb_result stilb_render_present(stilb_render *render);
+
+/* The last replayed picture, top row first; waits for the device. The null device has none: STILB_ERROR_DEVICE. */
+stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
+
+stilb_render_stats stilb_render_stats_get(const stilb_render *render);
+
+/* FNV-1a 64 over the last frame's draws in replay order, each as mesh id, material id (32-bit), the 16 floats of the
+ * transform (column-major) and index count (32-bit), little endian. The same for every device, replay mode and number
+ * of workers. Valid after replay until the next frame begins. */
+uint64_t stilb_render_stream_hash(const stilb_render *render);
+
+/* ---- recording by hand ------------------------------------------------------------------------------------------- */
+
+/* Begins a pass of segment_count segments; every one must then be recorded (an empty one too). [main-thread] */
+stilb_result stilb_render_pass_begin(stilb_render *render, uint32_t pass, uint32_t segment_count);
+
+/* The context of a worker, 0..context_count - 1. */
+stilb_render_context *stilb_render_context_get(stilb_render *render, uint32_t worker);
+
+/* Between begin and end all draws of a context belong to this segment. [one-writer] */
+void stilb_render_segment_begin(stilb_render_context *context, uint32_t pass, uint32_t segment);
+void stilb_render_segment_end(stilb_render_context *context);
+
+/* One draw: ids as in the uploaded scene; transform is affine (its last row is 0 0 0 1). [one-writer] */
+void stilb_render_draw(stilb_render_context *context, uint32_t mesh, uint32_t material, const stilb_mat4 *transform);
+
+/* Ends the recording of a pass. STILB_ERROR_MEMORY when a context ran out of memory on the way. [main-thread] */
+stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass);
+
+/* ---- what there is --------------------------------------------------------------------------------------------------- */
+
+typedef struct stilb_render_gpu {
+	char name[256];
+	char driver[256];     /* name and version as the driver says them */
+	char api_version[32]; /* "1.3.230" */
+	const char *type;     /* "discrete GPU", "integrated GPU", "virtual GPU", "software", "other" */
+	const char *missing;  /* NULL when it can run Stilb, else what it lacks */
+} stilb_render_gpu;
+
+/* "1.3.239": what the Vulkan loader offers. */
+const char *stilb_render_vulkan_version(void);
+
+/* Lists up to capacity GPUs in the order of --gpu numbers; count may be 0. STILB_ERROR_DEVICE: no Vulkan at all. */
+stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, uint32_t *count);
+
+#endif

@@ -1,0 +1,215 @@
+#include "render/vulkan/vulkan_internal.h"
+
+#include <stdlib.h>
+
+/* The first queue family that draws, and shows when there is a window; UINT32_MAX when none does. */
+static uint32_t device_queue_family(const vulkan_device *device, uint32_t *timestamp_bits)
+{
+	VkQueueFamilyProperties families[32];
+	uint32_t count = 32;
+	vkGetPhysicalDeviceQueueFamilyProperties(device->gpu, &count, families);
+	for (uint32_t i = 0; i < count; i++) {
+		VkBool32 shows = VK_TRUE;
+		if (device->surface)
+			vkGetPhysicalDeviceSurfaceSupportKHR(device->gpu, i, device->surface, &shows);
+		if ((families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) && shows) {
+			*timestamp_bits = families[i].timestampValidBits;
+			return i;
+		}
+	}
+	return UINT32_MAX;
+}
+
+static VkResult device_make(vulkan_device *device)
+{
+	static const float priority = 1.0f;
+	static const char *const swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+	VkPhysicalDeviceVulkan13Features v13 = {
+		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+		.dynamicRendering = VK_TRUE,
+		.synchronization2 = VK_TRUE,
+	};
+	VkPhysicalDeviceVulkan12Features v12 = {
+		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+		.pNext = &v13,
+		.bufferDeviceAddress = VK_TRUE,
+		.timelineSemaphore = VK_TRUE,
+	};
+	const VkPhysicalDeviceFeatures features = {
+		.multiDrawIndirect = VK_TRUE,
+		.drawIndirectFirstInstance = VK_TRUE,
+		.shaderInt64 = VK_TRUE,
+	};
+	const VkDeviceQueueCreateInfo queue = {
+		.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+		.queueFamilyIndex = device->queue_family,
+		.queueCount = 1,
+		.pQueuePriorities = &priority,
+	};
+	const VkDeviceCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+		.pNext = &v12,
+		.queueCreateInfoCount = 1,
+		.pQueueCreateInfos = &queue,
+		.enabledExtensionCount = device->surface != VK_NULL_HANDLE,
+		.ppEnabledExtensionNames = &swapchain,
+		.pEnabledFeatures = &features,
+	};
+	return vkCreateDevice(device->gpu, &info, NULL, &device->device);
+}
+
+static stilb_result device_create(vulkan_device *device)
+{
+	uint32_t timestamp_bits = 0;
+	device->queue_family = device_queue_family(device, &timestamp_bits);
+	if (device->queue_family == UINT32_MAX)
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' cannot draw to this window; choose another with --gpu",
+		                  device->base.name);
+	VkResult result = device_make(device);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(result, "open the GPU");
+	vkGetDeviceQueue(device->device, device->queue_family, 0, &device->queue);
+	device->timestamps = timestamp_bits == 64 && device->properties.limits.timestampPeriod > 0.0f;
+	return STILB_OK;
+}
+
+static stilb_result device_choose_samples(vulkan_device *device, uint32_t wanted)
+{
+	const VkPhysicalDeviceLimits *limits = &device->properties.limits;
+	VkSampleCountFlags possible = limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts;
+	device->base.samples = wanted ? wanted : device->base.software || !(possible & VK_SAMPLE_COUNT_4_BIT) ? 1 : 4;
+	if (!(possible & device->base.samples))
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has no %u samples per pixel; use --msaa 1", device->base.name,
+		                  device->base.samples);
+	return STILB_OK;
+}
+
+static void vulkan_destroy(render_device *base)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	if (device->device) {
+		vkDeviceWaitIdle(device->device);
+		vulkan_swapchain_destroy(device);
+		vulkan_frames_destroy(device);
+		vulkan_targets_destroy(device);
+		vulkan_buffer_destroy(device, &device->vertices);
+		vulkan_buffer_destroy(device, &device->indices);
+		vulkan_buffer_destroy(device, &device->materials);
+		vkDestroyPipeline(device->device, device->pipeline, NULL);
+		vkDestroyPipelineLayout(device->device, device->pipeline_layout, NULL);
+		vkDestroyDevice(device->device, NULL);
+	}
+	vulkan_instance_destroy(device);
+	free(device);
+}
+
+static stilb_result upload_vertices(vulkan_device *device, const stilb_scene *scene)
+{
+	size_t vertices = 0, indices = 0;
+	for (uint32_t i = 0; i < scene->mesh_count; i++) {
+		vertices += scene->meshes[i].vertex_count;
+		indices += scene->meshes[i].index_count;
+	}
+	stilb_scene_vertex *vertex = stilb_memory_alloc(vertices, sizeof *vertex);
+	uint32_t *index = stilb_memory_alloc(indices, sizeof *index);
+	stilb_result result = vertex && index ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the meshes");
+	vertices = indices = 0;
+	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
+		const stilb_scene_mesh *mesh = &scene->meshes[i];
+		for (uint32_t v = 0; v < mesh->vertex_count; v++)
+			vertex[vertices++] = mesh->vertices[v];
+		for (uint32_t k = 0; k < mesh->index_count; k++)
+			index[indices++] = mesh->indices[k];
+	}
+	if (result == STILB_OK)
+		result = vulkan_buffer_upload(device, vertex, vertices * sizeof *vertex, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+		                              &device->vertices);
+	if (result == STILB_OK)
+		result = vulkan_buffer_upload(device, index, indices * sizeof *index, VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
+		                              &device->indices);
+	free(vertex);
+	free(index);
+	return result;
+}
+
+static stilb_result vulkan_upload(render_device *base, const stilb_scene *scene, const render_material *materials)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	stilb_result result = upload_vertices(device, scene);
+	if (result != STILB_OK)
+		return result;
+	return vulkan_buffer_upload(device, materials, (VkDeviceSize)scene->material_count * sizeof *materials,
+	                            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+	                            &device->materials);
+}
+
+static stilb_result vulkan_resize(render_device *base, uint32_t width, uint32_t height)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	VkResult result = vkDeviceWaitIdle(device->device);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(result, "wait for the GPU");
+	vulkan_targets_destroy(device);
+	for (int i = 0; i < VULKAN_SLOTS; i++) {
+		vulkan_buffer_destroy(device, &device->slots[i].picture);
+		device->slots[i].picture_valid = false;
+	}
+	base->width = width;
+	base->height = height;
+	device->swapchain.stale = true;
+	return vulkan_targets_create(device);
+}
+
+static stilb_result device_start(vulkan_device *device, const stilb_render_desc *desc)
+{
+	stilb_result result = vulkan_instance_create(device, desc);
+	if (result == STILB_OK)
+		result = vulkan_gpu_select(device, desc->gpu);
+	if (result == STILB_OK)
+		result = device_create(device);
+	if (result == STILB_OK)
+		result = device_choose_samples(device, desc->samples);
+	if (result == STILB_OK)
+		result = vulkan_targets_create(device);
+	if (result == STILB_OK)
+		result = vulkan_pipeline_create(device);
+	if (result == STILB_OK)
+		result = vulkan_frames_create(device);
+	if (result == STILB_OK && device->surface)
+		result = vulkan_swapchain_create(device);
+	return result;
+}
+
+stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device **out)
+{
+	static const render_device_functions functions = {
+		.destroy = vulkan_destroy,
+		.upload = vulkan_upload,
+		.resize = vulkan_resize,
+		.frame_begin = vulkan_frame_begin,
+		.rows_grow = vulkan_rows_grow,
+		.pass_begin = vulkan_pass_begin,
+		.draws = vulkan_draws,
+		.pass_end = vulkan_pass_end,
+		.submit = vulkan_submit,
+		.present = vulkan_present,
+		.read_image = vulkan_read_image,
+	};
+	vulkan_device *device = calloc(1, sizeof *device);
+	if (!device)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the Vulkan device");
+	device->base.functions = &functions;
+	device->base.width = desc->width;
+	device->base.height = desc->height;
+	device->base.replay = desc->replay;
+	device->output = desc->output;
+	device->color_format =
+		desc->output == STILB_RENDER_OUTPUT_LINEAR ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_SRGB;
+	stilb_result result = device_start(device, desc);
+	if (result != STILB_OK) {
+		vulkan_destroy(&device->base);
+		return result;
+	}
+	*out = &device->base;
+	return STILB_OK;
+}

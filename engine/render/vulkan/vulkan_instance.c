@@ -1,0 +1,335 @@
+/* The instance, validation, and the choice of a GPU. */
+#include "render/vulkan/vulkan_internal.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define VULKAN_MAX_GPUS 32
+#define VULKAN_MAX_EXTENSIONS 16
+
+/* ---- errors -------------------------------------------------------------------------------------------------------- */
+
+static const char *vulkan_error_name(VkResult error)
+{
+	switch (error) {
+	case VK_ERROR_OUT_OF_HOST_MEMORY:
+		return "VK_ERROR_OUT_OF_HOST_MEMORY";
+	case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+		return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
+	case VK_ERROR_INITIALIZATION_FAILED:
+		return "VK_ERROR_INITIALIZATION_FAILED";
+	case VK_ERROR_DEVICE_LOST:
+		return "VK_ERROR_DEVICE_LOST";
+	case VK_ERROR_LAYER_NOT_PRESENT:
+		return "VK_ERROR_LAYER_NOT_PRESENT";
+	case VK_ERROR_EXTENSION_NOT_PRESENT:
+		return "VK_ERROR_EXTENSION_NOT_PRESENT";
+	case VK_ERROR_FEATURE_NOT_PRESENT:
+		return "VK_ERROR_FEATURE_NOT_PRESENT";
+	case VK_ERROR_INCOMPATIBLE_DRIVER:
+		return "VK_ERROR_INCOMPATIBLE_DRIVER";
+	case VK_ERROR_TOO_MANY_OBJECTS:
+		return "VK_ERROR_TOO_MANY_OBJECTS";
+	case VK_ERROR_FORMAT_NOT_SUPPORTED:
+		return "VK_ERROR_FORMAT_NOT_SUPPORTED";
+	case VK_ERROR_SURFACE_LOST_KHR:
+		return "VK_ERROR_SURFACE_LOST_KHR";
+	default:
+		return "VkResult";
+	}
+}
+
+stilb_result vulkan_fail(VkResult error, const char *what)
+{
+	stilb_result result = STILB_ERROR_DEVICE;
+	if (error == VK_ERROR_DEVICE_LOST)
+		result = STILB_ERROR_DEVICE_LOST;
+	if (error == VK_ERROR_OUT_OF_HOST_MEMORY || error == VK_ERROR_OUT_OF_DEVICE_MEMORY)
+		result = STILB_ERROR_MEMORY;
+	const char *advice = result == STILB_ERROR_MEMORY ? "; try fewer models or a smaller --size" : "";
+	return stilb_fail(result, "cannot %s: %s (%s %d)%s", what, stilb_result_text(result), vulkan_error_name(error),
+	                  (int)error, advice);
+}
+
+static stilb_result vulkan_fail_no_driver(VkResult error)
+{
+	return stilb_fail(
+		STILB_ERROR_DEVICE,
+		"no Vulkan driver found (vkCreateInstance gives %d); install one, for example the software driver "
+		"with 'apt install mesa-vulkan-drivers', or run without a GPU with --device null",
+		(int)error);
+}
+
+/* ---- instance ------------------------------------------------------------------------------------------------------ */
+
+/* Called by the layer on whatever thread made the call: hence the atomic counter. */
+static VKAPI_ATTR VkBool32 VKAPI_CALL vulkan_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                     VkDebugUtilsMessageTypeFlagsEXT type,
+                                                     const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
+{
+	(void)severity, (void)type;
+	vulkan_device *device = user;
+	__atomic_fetch_add(&device->base.validation_messages, 1, __ATOMIC_RELAXED); /* a counter, orders nothing */
+	stilb_log("validation: %s", data->pMessage);
+	return VK_FALSE;
+}
+
+static VkDebugUtilsMessengerCreateInfoEXT vulkan_messenger_info(vulkan_device *device)
+{
+	return (VkDebugUtilsMessengerCreateInfoEXT){
+		.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+		.messageSeverity =
+			VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+		.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+	                   VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+		.pfnUserCallback = vulkan_message,
+		.pUserData = device,
+	};
+}
+
+static bool vulkan_has_layer(const char *name)
+{
+	VkLayerProperties layers[64];
+	uint32_t count = 64;
+	vkEnumerateInstanceLayerProperties(&count, layers);
+	for (uint32_t i = 0; i < count; i++)
+		if (strcmp(layers[i].layerName, name) == 0)
+			return true;
+	return false;
+}
+
+static VkResult vulkan_messenger_create(vulkan_device *device)
+{
+	PFN_vkCreateDebugUtilsMessengerEXT create =
+		(PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(device->instance, "vkCreateDebugUtilsMessengerEXT");
+	VkDebugUtilsMessengerCreateInfoEXT info = vulkan_messenger_info(device);
+	return create ? create(device->instance, &info, NULL, &device->messenger) : VK_ERROR_EXTENSION_NOT_PRESENT;
+}
+
+static stilb_result vulkan_surface_create(vulkan_device *device, const stilb_render_surface *surface)
+{
+	uint64_t handle = 0;
+	VkResult result = surface->create(surface->user, device->instance, &handle);
+	device->surface = (VkSurfaceKHR)handle;
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "make a Vulkan surface for the window");
+}
+
+stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc)
+{
+	static const char *const layer = "VK_LAYER_KHRONOS_validation";
+	const VkApplicationInfo application = {
+		.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+		.pApplicationName = "stilb",
+		.pEngineName = "stilb",
+		.apiVersion = VK_API_VERSION_1_3,
+	};
+	const char *extensions[VULKAN_MAX_EXTENSIONS];
+	uint32_t extension_count = 0, wanted_count = 0;
+	const char *const *wanted = NULL;
+	if (desc->surface)
+		wanted = desc->surface->extensions(desc->surface->user, &wanted_count);
+	for (uint32_t i = 0; i < wanted_count && extension_count < VULKAN_MAX_EXTENSIONS - 1; i++)
+		extensions[extension_count++] = wanted[i];
+	if (desc->validate)
+		extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+	if (desc->validate && !vulkan_has_layer(layer))
+		return stilb_fail(STILB_ERROR_DEVICE,
+		                  "--validate needs the Vulkan validation layer; install it with 'apt install "
+		                  "vulkan-validationlayers'");
+	const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+	VkDebugUtilsMessengerCreateInfoEXT messenger = vulkan_messenger_info(device);
+	const VkValidationFeaturesEXT features = {
+		.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+		.pNext = &messenger,
+		.enabledValidationFeatureCount = 1,
+		.pEnabledValidationFeatures = enabled,
+	};
+	const VkInstanceCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+		.pNext = desc->validate ? &features : NULL,
+		.pApplicationInfo = &application,
+		.enabledLayerCount = desc->validate,
+		.ppEnabledLayerNames = &layer,
+		.enabledExtensionCount = extension_count,
+		.ppEnabledExtensionNames = extensions,
+	};
+	VkResult result = vkCreateInstance(&info, NULL, &device->instance);
+	if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+		return vulkan_fail_no_driver(result);
+	if (result == VK_SUCCESS && desc->validate)
+		result = vulkan_messenger_create(device);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(result, "start Vulkan");
+	return desc->surface ? vulkan_surface_create(device, desc->surface) : STILB_OK;
+}
+
+void vulkan_instance_destroy(vulkan_device *device)
+{
+	if (!device->instance)
+		return;
+	if (device->surface)
+		vkDestroySurfaceKHR(device->instance, device->surface, NULL);
+	PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+		(PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(device->instance, "vkDestroyDebugUtilsMessengerEXT");
+	if (device->messenger && destroy)
+		destroy(device->instance, device->messenger, NULL);
+	vkDestroyInstance(device->instance, NULL);
+	device->instance = VK_NULL_HANDLE;
+}
+
+/* ---- GPUs ---------------------------------------------------------------------------------------------------------- */
+
+/* What a GPU lacks, or NULL. */
+static const char *gpu_missing(VkPhysicalDevice gpu)
+{
+	VkPhysicalDeviceProperties properties;
+	vkGetPhysicalDeviceProperties(gpu, &properties);
+	if (properties.apiVersion < VK_API_VERSION_1_3)
+		return "Vulkan 1.3";
+	VkPhysicalDeviceVulkan13Features v13 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+	VkPhysicalDeviceVulkan12Features v12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+	                                        .pNext = &v13};
+	VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
+	vkGetPhysicalDeviceFeatures2(gpu, &features);
+	const struct {
+		VkBool32 there;
+		const char *name;
+	} needs[] = {
+		{v13.dynamicRendering, "dynamicRendering"},
+		{v13.synchronization2, "synchronization2"},
+		{v12.bufferDeviceAddress, "bufferDeviceAddress"},
+		{v12.timelineSemaphore, "timelineSemaphore"},
+		{features.features.multiDrawIndirect, "multiDrawIndirect"},
+		{features.features.drawIndirectFirstInstance, "drawIndirectFirstInstance"},
+		{features.features.shaderInt64, "shaderInt64"},
+	};
+	for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
+		if (!needs[i].there)
+			return needs[i].name;
+	return NULL;
+}
+
+static const char *gpu_type_name(VkPhysicalDeviceType type)
+{
+	switch (type) {
+	case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+		return "discrete GPU";
+	case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+		return "integrated GPU";
+	case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+		return "virtual GPU";
+	case VK_PHYSICAL_DEVICE_TYPE_CPU:
+		return "software";
+	default:
+		return "other";
+	}
+}
+
+/* The higher, the sooner chosen; 0: cannot run Stilb. */
+static int gpu_score(VkPhysicalDevice gpu)
+{
+	static const int scores[] = {
+		[VK_PHYSICAL_DEVICE_TYPE_OTHER] = 1,        [VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU] = 4,
+		[VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU] = 5, [VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU] = 3,
+		[VK_PHYSICAL_DEVICE_TYPE_CPU] = 2,
+	};
+	VkPhysicalDeviceProperties properties;
+	vkGetPhysicalDeviceProperties(gpu, &properties);
+	return gpu_missing(gpu) ? 0 : scores[properties.deviceType];
+}
+
+static bool gpu_name_contains(const char *name, const char *part)
+{
+	return strcasestr(name, part) != NULL;
+}
+
+/* Finds the GPU that wanted names; NULL takes the one with the best score. count when there is none. */
+static uint32_t gpu_find(const VkPhysicalDevice *gpus, uint32_t count, const char *wanted)
+{
+	uint32_t best = count;
+	char *end = NULL;
+	if (wanted && isdigit((unsigned char)wanted[0])) {
+		unsigned long number = strtoul(wanted, &end, 10);
+		if (*end == '\0')
+			return number < count ? (uint32_t)number : count;
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		VkPhysicalDeviceProperties properties;
+		vkGetPhysicalDeviceProperties(gpus[i], &properties);
+		if (wanted && !gpu_name_contains(properties.deviceName, wanted))
+			continue;
+		if (best == count || gpu_score(gpus[i]) > gpu_score(gpus[best]))
+			best = i;
+	}
+	return best;
+}
+
+stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted)
+{
+	VkPhysicalDevice gpus[VULKAN_MAX_GPUS];
+	uint32_t count = VULKAN_MAX_GPUS;
+	VkResult result = vkEnumeratePhysicalDevices(device->instance, &count, gpus);
+	if ((result != VK_SUCCESS && result != VK_INCOMPLETE) || count == 0)
+		return vulkan_fail_no_driver(result);
+	uint32_t found = gpu_find(gpus, count, wanted);
+	if (found == count)
+		return stilb_fail(STILB_ERROR_DEVICE, "no GPU '%s': there are %u, 'stilb info' lists them", wanted, count);
+	device->gpu = gpus[found];
+	vkGetPhysicalDeviceProperties(device->gpu, &device->properties);
+	vkGetPhysicalDeviceMemoryProperties(device->gpu, &device->memory);
+	const char *missing = gpu_missing(device->gpu);
+	if (missing)
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' cannot run Stilb: it lacks %s; 'stilb info' lists the others",
+		                  device->properties.deviceName, missing);
+	snprintf(device->base.name, sizeof device->base.name, "%s", device->properties.deviceName);
+	device->base.software = device->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+	return STILB_OK;
+}
+
+static void gpu_describe(VkPhysicalDevice gpu, stilb_render_gpu *out)
+{
+	VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+	VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+	vkGetPhysicalDeviceProperties2(gpu, &properties);
+	uint32_t version = properties.properties.apiVersion;
+	if (version >= VK_API_VERSION_1_2) {
+		properties.pNext = &driver;
+		vkGetPhysicalDeviceProperties2(gpu, &properties);
+	}
+	*out = (stilb_render_gpu){
+		.type = gpu_type_name(properties.properties.deviceType),
+		.missing = gpu_missing(gpu),
+	};
+	snprintf(out->name, sizeof out->name, "%s", properties.properties.deviceName);
+	snprintf(out->driver, sizeof out->driver, "%.120s %.120s", driver.driverName, driver.driverInfo);
+	snprintf(out->api_version, sizeof out->api_version, "%u.%u.%u", VK_API_VERSION_MAJOR(version),
+	         VK_API_VERSION_MINOR(version), VK_API_VERSION_PATCH(version));
+}
+
+stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, uint32_t *count)
+{
+	VkPhysicalDevice devices[VULKAN_MAX_GPUS];
+	uint32_t found = VULKAN_MAX_GPUS;
+	vulkan_device device = {0};
+	*count = 0;
+	stilb_result result = vulkan_instance_create(&device, &(stilb_render_desc){0});
+	if (result != STILB_OK)
+		return result;
+	vkEnumeratePhysicalDevices(device.instance, &found, devices);
+	for (uint32_t i = 0; i < found && i < capacity; i++)
+		gpu_describe(devices[i], &gpus[(*count)++]);
+	vulkan_instance_destroy(&device);
+	return STILB_OK;
+}
+
+const char *stilb_render_vulkan_version(void)
+{
+	static char text[32];
+	uint32_t version = VK_API_VERSION_1_0;
+	vkEnumerateInstanceVersion(&version);
+	snprintf(text, sizeof text, "%u.%u.%u", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+	         VK_API_VERSION_PATCH(version));
+	return text;
+}

@@ -1,0 +1,168 @@
+/*
+ * The Vulkan device, version 1.3: dynamic rendering, synchronization2, timeline semaphores, buffer addresses.
+ *
+ * Two frame slots. A slot owns everything the CPU writes for a frame, and is written again only when the timeline says that
+ * the GPU is done with it. A frame makes two submissions: `draw` (the passes, into the picture) and `show` (the picture to
+ * the window or to memory). The picture itself is one image: frames follow each other on one queue, and barriers order them.
+ * There are no descriptor sets: shaders get addresses in a push constant.
+ */
+#ifndef STILB_VULKAN_INTERNAL_H
+#define STILB_VULKAN_INTERNAL_H
+
+#include "render/render_internal.h"
+
+#include <vulkan/vulkan.h>
+
+#define VULKAN_SLOTS 2
+#define VULKAN_MAX_SWAPCHAIN_IMAGES 16
+#define VULKAN_FIRST_ROWS 32768u
+
+typedef struct vulkan_buffer {
+	VkBuffer buffer;
+	VkDeviceMemory memory;
+	VkDeviceSize size;
+	VkDeviceAddress address; /* 0 unless made with VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT */
+	void *mapped;            /* NULL unless the host can see it */
+} vulkan_buffer;
+
+typedef struct vulkan_image {
+	VkImage image;
+	VkImageView view;
+	VkDeviceMemory memory;
+} vulkan_image;
+
+/* A view as the shaders read it (shaders/mesh.glsl). */
+typedef struct vulkan_view {
+	float view_projection[16];
+	float camera_position[4];
+	float sun_direction[4];
+	float sun_irradiance[4];
+	float sky[4];
+	float ground[4];
+} vulkan_view;
+
+static_assert(sizeof(vulkan_view) == 144, "std430");
+
+typedef struct vulkan_push {
+	VkDeviceAddress view, rows, materials;
+} vulkan_push;
+
+typedef struct vulkan_slot {
+	VkCommandPool pool;
+	VkCommandBuffer draw, show;
+	VkSemaphore acquired; /* the window's image is ours */
+	vulkan_buffer rows;
+	vulkan_buffer views;                             /* vulkan_view[STILB_RENDER_MAX_PASSES] */
+	vulkan_buffer indirect[STILB_RENDER_MAX_PASSES]; /* one a pass, grown to its draws */
+	vulkan_buffer picture;                           /* the picture in memory, when there is no window */
+	uint64_t done;                                   /* timeline value of the slot's last submission */
+	bool timed;                                      /* its two timestamps are written */
+	bool picture_valid;
+} vulkan_slot;
+
+typedef struct vulkan_swapchain {
+	VkSwapchainKHR handle;
+	VkFormat format;
+	VkExtent2D extent;
+	uint32_t image_count;
+	VkImage images[VULKAN_MAX_SWAPCHAIN_IMAGES];
+	VkSemaphore shown[VULKAN_MAX_SWAPCHAIN_IMAGES]; /* the blit into this image is done */
+	bool stale;
+} vulkan_swapchain;
+
+typedef struct vulkan_device {
+	render_device base;
+
+	VkInstance instance;
+	VkDebugUtilsMessengerEXT messenger;
+	VkSurfaceKHR surface; /* null without a window */
+	VkPhysicalDevice gpu;
+	VkPhysicalDeviceProperties properties;
+	VkPhysicalDeviceMemoryProperties memory;
+	VkDevice device;
+	VkQueue queue;
+	uint32_t queue_family;
+
+	VkSemaphore timeline;
+	uint64_t timeline_value;
+	VkQueryPool queries; /* two a slot */
+	bool timestamps;
+
+	VkPipelineLayout pipeline_layout;
+	VkPipeline pipeline;
+	stilb_render_output output;
+	VkFormat color_format;
+	vulkan_image color;         /* the picture, one sample */
+	vulkan_image color_samples; /* with 4 samples; resolved into color */
+	vulkan_image depth;
+
+	vulkan_buffer vertices, indices, materials;
+
+	vulkan_slot slots[VULKAN_SLOTS];
+	uint32_t slot;
+	uint32_t pass;           /* passes begun in this frame */
+	uint64_t indirect_count; /* draws of this pass so far */
+	vulkan_swapchain swapchain;
+} vulkan_device;
+
+/* What a frame's slot is now. */
+static inline vulkan_slot *vulkan_slot_now(vulkan_device *device)
+{
+	return &device->slots[device->slot];
+}
+
+/* vulkan_instance.c: what there is before a device. */
+
+/* Turns a VkResult into a result and a message: "cannot WHAT: device lost (VK_ERROR_DEVICE_LOST)". */
+stilb_result vulkan_fail(VkResult error, const char *what);
+stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc);
+stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted);
+void vulkan_instance_destroy(vulkan_device *device);
+
+/* vulkan_memory.c: buffers and images, each with memory of its own (a frame has few). */
+
+typedef enum vulkan_memory_kind {
+	VULKAN_MEMORY_DEVICE,   /* the GPU alone */
+	VULKAN_MEMORY_WRITE,    /* the CPU writes once, the GPU reads: device local where the CPU can reach it */
+	VULKAN_MEMORY_READBACK, /* the GPU writes, the CPU reads: cached */
+} vulkan_memory_kind;
+
+stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBufferUsageFlags usage,
+                                  vulkan_memory_kind kind, vulkan_buffer *buffer);
+void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer);
+stilb_result vulkan_image_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
+                                 VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image);
+void vulkan_image_destroy(vulkan_device *device, vulkan_image *image);
+/* Makes a device buffer and fills it through a staging buffer; waits. */
+stilb_result vulkan_buffer_upload(vulkan_device *device, const void *data, VkDeviceSize size, VkBufferUsageFlags usage,
+                                  vulkan_buffer *buffer);
+
+/* vulkan_pipeline.c */
+stilb_result vulkan_pipeline_create(vulkan_device *device);
+
+/* vulkan_frame.c */
+stilb_result vulkan_frames_create(vulkan_device *device);
+void vulkan_frames_destroy(vulkan_device *device);
+stilb_result vulkan_targets_create(vulkan_device *device);
+void vulkan_targets_destroy(vulkan_device *device);
+stilb_result vulkan_frame_begin(render_device *base, render_rows *rows);
+stilb_result vulkan_rows_grow(render_device *base, render_rows *rows, uint32_t capacity);
+stilb_result vulkan_pass_begin(render_device *base, const stilb_render_pass *pass, const stilb_render_view *view,
+                               uint64_t draw_count);
+void vulkan_draws(render_device *base, const render_command *commands, uint32_t count);
+void vulkan_pass_end(render_device *base);
+stilb_result vulkan_submit(render_device *base);
+/* Submits a command buffer, waits for wait (or null) before transfers, signals signal (or null) and the timeline. */
+stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal);
+stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value);
+void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                          VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
+                          VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
+
+/* vulkan_present.c */
+stilb_result vulkan_swapchain_create(vulkan_device *device);
+void vulkan_swapchain_destroy(vulkan_device *device);
+stilb_result vulkan_present(render_device *base);
+stilb_result vulkan_read_image(render_device *base, stilb_image *image);
+
+#endif

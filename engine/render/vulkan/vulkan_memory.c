@@ -1,0 +1,208 @@
+#include "render/vulkan/vulkan_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* The memory type with all of `required` and as many of `preferred` as there are; skips types in `failed`. */
+static uint32_t memory_type(const vulkan_device *device, uint32_t allowed, VkMemoryPropertyFlags required,
+                            VkMemoryPropertyFlags preferred)
+{
+	uint32_t best = UINT32_MAX;
+	int best_score = -1;
+	for (uint32_t i = 0; i < device->memory.memoryTypeCount; i++) {
+		VkMemoryPropertyFlags flags = device->memory.memoryTypes[i].propertyFlags;
+		if (!(allowed & (1u << i)) || (flags & required) != required)
+			continue;
+		int score = __builtin_popcount(flags & preferred);
+		if (score > best_score) {
+			best = i;
+			best_score = score;
+		}
+	}
+	return best;
+}
+
+/* Tries the best type first, then the others: a card's small host-visible heap may be full. */
+static VkResult memory_allocate(vulkan_device *device, VkMemoryRequirements needs, vulkan_memory_kind kind,
+                                bool address, VkDeviceMemory *memory)
+{
+	static const VkMemoryPropertyFlags required[] = {
+		[VULKAN_MEMORY_DEVICE] = 0,
+		[VULKAN_MEMORY_WRITE] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+		[VULKAN_MEMORY_READBACK] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+	};
+	static const VkMemoryPropertyFlags preferred[] = {
+		[VULKAN_MEMORY_DEVICE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+		[VULKAN_MEMORY_WRITE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+		[VULKAN_MEMORY_READBACK] = VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+	};
+	VkMemoryAllocateFlagsInfo flags = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+		.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
+	};
+	VkMemoryAllocateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+		.pNext = address ? &flags : NULL,
+		.allocationSize = needs.size,
+	};
+	VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+	uint32_t allowed = needs.memoryTypeBits, type;
+	while ((type = memory_type(device, allowed, required[kind], preferred[kind])) != UINT32_MAX) {
+		info.memoryTypeIndex = type;
+		result = vkAllocateMemory(device->device, &info, NULL, memory);
+		if (result == VK_SUCCESS)
+			break;
+		allowed &= ~(1u << type);
+	}
+	return result;
+}
+
+static VkResult buffer_make(vulkan_device *device, VkBufferUsageFlags usage, vulkan_memory_kind kind,
+                            vulkan_buffer *buffer)
+{
+	bool address = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+	VkBufferCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+		.size = buffer->size,
+		.usage = usage,
+	};
+	VkResult result = vkCreateBuffer(device->device, &info, NULL, &buffer->buffer);
+	if (result != VK_SUCCESS)
+		return result;
+	VkMemoryRequirements needs;
+	vkGetBufferMemoryRequirements(device->device, buffer->buffer, &needs);
+	result = memory_allocate(device, needs, kind, address, &buffer->memory);
+	if (result == VK_SUCCESS)
+		result = vkBindBufferMemory(device->device, buffer->buffer, buffer->memory, 0);
+	if (result == VK_SUCCESS && kind != VULKAN_MEMORY_DEVICE)
+		result = vkMapMemory(device->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped);
+	if (result == VK_SUCCESS && address)
+		buffer->address = vkGetBufferDeviceAddress(
+			device->device, &(VkBufferDeviceAddressInfo){.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
+		                                                 .buffer = buffer->buffer});
+	return result;
+}
+
+stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBufferUsageFlags usage,
+                                  vulkan_memory_kind kind, vulkan_buffer *buffer)
+{
+	*buffer = (vulkan_buffer){.size = size};
+	VkResult result = buffer_make(device, usage, kind, buffer);
+	if (result == VK_SUCCESS)
+		return STILB_OK;
+	vulkan_buffer_destroy(device, buffer);
+	char what[96];
+	snprintf(what, sizeof what, "get %.1f MiB of GPU memory", (double)size / (1024.0 * 1024.0));
+	return vulkan_fail(result, what);
+}
+
+void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer)
+{
+	vkDestroyBuffer(device->device, buffer->buffer, NULL);
+	vkFreeMemory(device->device, buffer->memory, NULL); /* unmaps */
+	*buffer = (vulkan_buffer){0};
+}
+
+static VkResult image_make(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
+                           vulkan_image *image)
+{
+	VkResult result = vkCreateImage(device->device, info, NULL, &image->image);
+	if (result != VK_SUCCESS)
+		return result;
+	VkMemoryRequirements needs;
+	vkGetImageMemoryRequirements(device->device, image->image, &needs);
+	result = memory_allocate(device, needs, VULKAN_MEMORY_DEVICE, false, &image->memory);
+	if (result == VK_SUCCESS)
+		result = vkBindImageMemory(device->device, image->image, image->memory, 0);
+	VkImageViewCreateInfo view = {
+		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+		.image = image->image,
+		.viewType = VK_IMAGE_VIEW_TYPE_2D,
+		.format = info->format,
+		.subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1},
+	};
+	return result == VK_SUCCESS ? vkCreateImageView(device->device, &view, NULL, &image->view) : result;
+}
+
+stilb_result vulkan_image_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
+                                 VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image)
+{
+	const VkImageCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+		.imageType = VK_IMAGE_TYPE_2D,
+		.format = format,
+		.extent = {device->base.width, device->base.height, 1},
+		.mipLevels = 1,
+		.arrayLayers = 1,
+		.samples = samples,
+		.tiling = VK_IMAGE_TILING_OPTIMAL,
+		.usage = usage,
+		.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+	};
+	*image = (vulkan_image){0};
+	VkResult result = image_make(device, &info, aspect, image);
+	if (result == VK_SUCCESS)
+		return STILB_OK;
+	vulkan_image_destroy(device, image);
+	char what[96];
+	snprintf(what, sizeof what, "make a picture of %ux%u with %u samples", device->base.width, device->base.height,
+	         (unsigned)samples);
+	return vulkan_fail(result, what);
+}
+
+void vulkan_image_destroy(vulkan_device *device, vulkan_image *image)
+{
+	vkDestroyImageView(device->device, image->view, NULL);
+	vkDestroyImage(device->device, image->image, NULL);
+	vkFreeMemory(device->device, image->memory, NULL);
+	*image = (vulkan_image){0};
+}
+
+/* Before the first frame no slot is in use, so slot 0's command buffer serves. */
+static stilb_result buffer_copy(vulkan_device *device, const vulkan_buffer *from, const vulkan_buffer *to)
+{
+	vulkan_slot *slot = &device->slots[0];
+	stilb_result result = vulkan_timeline_wait(device, slot->done);
+	if (result != STILB_OK)
+		return result;
+	VkCommandBufferBeginInfo begin = {
+		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+	};
+	VkMemoryBarrier2 barrier = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+		.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+		.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT,
+	};
+	vkResetCommandPool(device->device, slot->pool, 0);
+	VkResult error = vkBeginCommandBuffer(slot->draw, &begin);
+	if (error != VK_SUCCESS)
+		return vulkan_fail(error, "record a copy");
+	vkCmdCopyBuffer(slot->draw, from->buffer, to->buffer, 1, &(VkBufferCopy){.size = to->size});
+	vkCmdPipelineBarrier2(slot->draw, &(VkDependencyInfo){.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+	                                                      .memoryBarrierCount = 1,
+	                                                      .pMemoryBarriers = &barrier});
+	error = vkEndCommandBuffer(slot->draw);
+	if (error != VK_SUCCESS)
+		return vulkan_fail(error, "record a copy");
+	result = vulkan_queue_submit(device, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
+	return result == STILB_OK ? vulkan_timeline_wait(device, device->timeline_value) : result;
+}
+
+stilb_result vulkan_buffer_upload(vulkan_device *device, const void *data, VkDeviceSize size, VkBufferUsageFlags usage,
+                                  vulkan_buffer *buffer)
+{
+	vulkan_buffer staging;
+	stilb_result result =
+		vulkan_buffer_create(device, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, VULKAN_MEMORY_WRITE, &staging);
+	if (result != STILB_OK)
+		return result;
+	memcpy(staging.mapped, data, size);
+	result = vulkan_buffer_create(device, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_DEVICE, buffer);
+	if (result == STILB_OK)
+		result = buffer_copy(device, &staging, buffer);
+	vulkan_buffer_destroy(device, &staging);
+	return result;
+}

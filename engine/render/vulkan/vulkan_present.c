@@ -1,0 +1,309 @@
+/* The picture's way out: to the window, or into memory. */
+#include "render/vulkan/vulkan_internal.h"
+
+#include <string.h>
+
+/* Waiting longer for the window's next image (it may be hidden) would hold up the program: the frame is not shown then. */
+#define PRESENT_TIMEOUT_NS 500000000u
+
+/* ---- swapchain ----------------------------------------------------------------------------------------------------- */
+
+static bool swapchain_choose_format(vulkan_device *device, VkSurfaceFormatKHR *chosen)
+{
+	VkSurfaceFormatKHR formats[64];
+	uint32_t count = 64;
+	vkGetPhysicalDeviceSurfaceFormatsKHR(device->gpu, device->surface, &count, formats);
+	for (uint32_t i = 0; i < count; i++) {
+		bool srgb = formats[i].format == VK_FORMAT_B8G8R8A8_SRGB || formats[i].format == VK_FORMAT_R8G8B8A8_SRGB;
+		VkFormatProperties properties;
+		vkGetPhysicalDeviceFormatProperties(device->gpu, formats[i].format, &properties);
+		if (srgb && formats[i].colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR &&
+		    (properties.optimalTilingFeatures & VK_FORMAT_FEATURE_BLIT_DST_BIT)) {
+			*chosen = formats[i];
+			return true;
+		}
+	}
+	return false;
+}
+
+static uint32_t swapchain_clamp(uint32_t value, uint32_t low, uint32_t high)
+{
+	return value < low ? low : value > high ? high : value;
+}
+
+static VkExtent2D swapchain_extent(const vulkan_device *device, const VkSurfaceCapabilitiesKHR *can)
+{
+	if (can->currentExtent.width != UINT32_MAX)
+		return can->currentExtent;
+	return (VkExtent2D){
+		swapchain_clamp(device->base.width, can->minImageExtent.width, can->maxImageExtent.width),
+		swapchain_clamp(device->base.height, can->minImageExtent.height, can->maxImageExtent.height),
+	};
+}
+
+static VkResult swapchain_make_semaphores(vulkan_device *device)
+{
+	const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+	VkResult result = VK_SUCCESS;
+	for (uint32_t i = 0; i < device->swapchain.image_count && result == VK_SUCCESS; i++)
+		result = vkCreateSemaphore(device->device, &semaphore, NULL, &device->swapchain.shown[i]);
+	return result;
+}
+
+static VkResult swapchain_make(vulkan_device *device, const VkSurfaceCapabilitiesKHR *can, VkSurfaceFormatKHR format)
+{
+	vulkan_swapchain *swapchain = &device->swapchain;
+	uint32_t wanted = can->minImageCount + 1;
+	const VkSwapchainCreateInfoKHR info = {
+		.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
+		.surface = device->surface,
+		.minImageCount = can->maxImageCount && wanted > can->maxImageCount ? can->maxImageCount : wanted,
+		.imageFormat = format.format,
+		.imageColorSpace = format.colorSpace,
+		.imageExtent = swapchain->extent,
+		.imageArrayLayers = 1,
+		.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+		.preTransform = can->currentTransform,
+		.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR,
+		.presentMode = VK_PRESENT_MODE_FIFO_KHR,
+		.clipped = VK_TRUE,
+	};
+	VkResult result = vkCreateSwapchainKHR(device->device, &info, NULL, &swapchain->handle);
+	if (result != VK_SUCCESS)
+		return result;
+	swapchain->format = format.format;
+	swapchain->image_count = VULKAN_MAX_SWAPCHAIN_IMAGES;
+	result = vkGetSwapchainImagesKHR(device->device, swapchain->handle, &swapchain->image_count, swapchain->images);
+	return result == VK_SUCCESS ? swapchain_make_semaphores(device) : result;
+}
+
+/* A window without area (minimised) gets no swapchain; that is no error. */
+stilb_result vulkan_swapchain_create(vulkan_device *device)
+{
+	VkSurfaceCapabilitiesKHR can;
+	VkSurfaceFormatKHR format;
+	VkResult result = vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device->gpu, device->surface, &can);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(result, "ask the window for its size");
+	device->swapchain.extent = swapchain_extent(device, &can);
+	device->swapchain.stale = false;
+	if (device->swapchain.extent.width == 0 || device->swapchain.extent.height == 0)
+		return STILB_OK;
+	if (!(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT) || !swapchain_choose_format(device, &format))
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' offers no 8-bit sRGB window; use --headless",
+		                  device->base.name);
+	result = swapchain_make(device, &can, format);
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "make a swapchain");
+}
+
+void vulkan_swapchain_destroy(vulkan_device *device)
+{
+	vulkan_swapchain *swapchain = &device->swapchain;
+	for (uint32_t i = 0; i < VULKAN_MAX_SWAPCHAIN_IMAGES; i++)
+		vkDestroySemaphore(device->device, swapchain->shown[i], NULL);
+	if (swapchain->handle)
+		vkDestroySwapchainKHR(device->device, swapchain->handle, NULL);
+	*swapchain = (vulkan_swapchain){0};
+}
+
+static stilb_result swapchain_renew(vulkan_device *device)
+{
+	VkResult result = vkDeviceWaitIdle(device->device);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(result, "wait for the GPU");
+	vulkan_swapchain_destroy(device);
+	return vulkan_swapchain_create(device);
+}
+
+/* ---- to the window ------------------------------------------------------------------------------------------------- */
+
+static stilb_result show_begin(vulkan_slot *slot)
+{
+	const VkCommandBufferBeginInfo begin = {
+		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+	};
+	VkResult result = vkBeginCommandBuffer(slot->show, &begin);
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "show a frame");
+}
+
+static stilb_result show_submit(vulkan_device *device, vulkan_slot *slot, VkSemaphore wait, VkSemaphore signal)
+{
+	VkResult result = vkEndCommandBuffer(slot->show);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(result, "show a frame");
+	stilb_result submitted = vulkan_queue_submit(device, slot->show, wait, signal);
+	slot->done = device->timeline_value;
+	return submitted;
+}
+
+/* The window may have another size for a frame or two while it is being resized: the blit scales. */
+static void show_blit(vulkan_device *device, VkCommandBuffer commands, VkImage image)
+{
+	const VkImageSubresourceLayers layers = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1};
+	VkExtent2D to = device->swapchain.extent;
+	const VkImageBlit2 region = {
+		.sType = VK_STRUCTURE_TYPE_IMAGE_BLIT_2,
+		.srcSubresource = layers,
+		.srcOffsets = {{0, 0, 0}, {(int32_t)device->base.width, (int32_t)device->base.height, 1}},
+		.dstSubresource = layers,
+		.dstOffsets = {{0, 0, 0}, {(int32_t)to.width, (int32_t)to.height, 1}},
+	};
+	const VkBlitImageInfo2 blit = {
+		.sType = VK_STRUCTURE_TYPE_BLIT_IMAGE_INFO_2,
+		.srcImage = device->color.image,
+		.srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+		.dstImage = image,
+		.dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+		.regionCount = 1,
+		.pRegions = &region,
+		.filter = VK_FILTER_NEAREST,
+	};
+	/* The wait for the acquired image happens at the transfer stage, so the layout may change from there on. */
+	vulkan_image_barrier(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+	                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_NONE,
+	                     VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+	vkCmdBlitImage2(commands, &blit);
+	vulkan_image_barrier(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+	                     VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+	                     VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE);
+}
+
+/* Gives back the index of the window's next image; *skip when there is none now. */
+static stilb_result window_acquire(vulkan_device *device, vulkan_slot *slot, uint32_t *image, bool *skip)
+{
+	*skip = true;
+	if (device->swapchain.stale || !device->swapchain.handle) {
+		stilb_result result = swapchain_renew(device);
+		if (result != STILB_OK || !device->swapchain.handle)
+			return result;
+	}
+	VkResult result = vkAcquireNextImageKHR(device->device, device->swapchain.handle, PRESENT_TIMEOUT_NS,
+	                                        slot->acquired, VK_NULL_HANDLE, image);
+	if (result == VK_ERROR_OUT_OF_DATE_KHR)
+		device->swapchain.stale = true;
+	if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY)
+		return STILB_OK;
+	if (result == VK_SUBOPTIMAL_KHR)
+		device->swapchain.stale = true;
+	else if (result != VK_SUCCESS)
+		return vulkan_fail(result, "get the window's next image");
+	*skip = false;
+	return STILB_OK;
+}
+
+static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
+{
+	uint32_t image;
+	bool skip;
+	stilb_result result = window_acquire(device, slot, &image, &skip);
+	if (result != STILB_OK || skip)
+		return result;
+	VkSemaphore shown = device->swapchain.shown[image];
+	result = show_begin(slot);
+	if (result != STILB_OK)
+		return result;
+	show_blit(device, slot->show, device->swapchain.images[image]);
+	result = show_submit(device, slot, slot->acquired, shown);
+	if (result != STILB_OK)
+		return result;
+	const VkPresentInfoKHR info = {
+		.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
+		.waitSemaphoreCount = 1,
+		.pWaitSemaphores = &shown,
+		.swapchainCount = 1,
+		.pSwapchains = &device->swapchain.handle,
+		.pImageIndices = &image,
+	};
+	VkResult presented = vkQueuePresentKHR(device->queue, &info);
+	if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR)
+		device->swapchain.stale = true;
+	else if (presented != VK_SUCCESS)
+		return vulkan_fail(presented, "show a frame in the window");
+	return STILB_OK;
+}
+
+/* ---- to memory ----------------------------------------------------------------------------------------------------- */
+
+static uint32_t picture_pixel_size(const vulkan_device *device)
+{
+	return device->output == STILB_RENDER_OUTPUT_LINEAR ? 8 : 4;
+}
+
+static void picture_copy(vulkan_device *device, vulkan_slot *slot)
+{
+	const VkBufferImageCopy region = {
+		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
+		.imageExtent = {device->base.width, device->base.height, 1},
+	};
+	const VkMemoryBarrier2 barrier = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+		.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
+		.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT,
+	};
+	const VkDependencyInfo dependency = {
+		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+		.memoryBarrierCount = 1,
+		.pMemoryBarriers = &barrier,
+	};
+	vkCmdCopyImageToBuffer(slot->show, device->color.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, slot->picture.buffer,
+	                       1, &region);
+	vkCmdPipelineBarrier2(slot->show, &dependency);
+}
+
+static stilb_result memory_present(vulkan_device *device, vulkan_slot *slot)
+{
+	stilb_result result = STILB_OK;
+	if (!slot->picture.buffer)
+		result = vulkan_buffer_create(
+			device, (VkDeviceSize)device->base.width * device->base.height * picture_pixel_size(device),
+			VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_READBACK, &slot->picture);
+	if (result == STILB_OK)
+		result = show_begin(slot);
+	if (result != STILB_OK)
+		return result;
+	picture_copy(device, slot);
+	slot->picture_valid = true;
+	return show_submit(device, slot, VK_NULL_HANDLE, VK_NULL_HANDLE);
+}
+
+stilb_result vulkan_present(render_device *base)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	vulkan_slot *slot = vulkan_slot_now(device);
+	return device->surface ? window_present(device, slot) : memory_present(device, slot);
+}
+
+/* Four channels to three: the alpha of an opaque picture is no information. */
+static void picture_take(const vulkan_device *device, const vulkan_slot *slot, stilb_image *image)
+{
+	size_t from = picture_pixel_size(device), to = from / 4 * 3;
+	size_t pixels = (size_t)image->width * image->height;
+	const unsigned char *source = slot->picture.mapped;
+	unsigned char *target = image->pixels;
+	for (size_t i = 0; i < pixels; i++)
+		memcpy(target + i * to, source + i * from, to);
+}
+
+stilb_result vulkan_read_image(render_device *base, stilb_image *image)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	vulkan_slot *slot = vulkan_slot_now(device);
+	stilb_result result = vulkan_timeline_wait(device, slot->done);
+	if (result == STILB_OK && !slot->picture_valid) {
+		/* The window's blit is done: its command buffer serves for the copy. Only the whole pool can be reset. */
+		VkResult reset = vkResetCommandPool(device->device, slot->pool, 0);
+		result = reset == VK_SUCCESS ? memory_present(device, slot) : vulkan_fail(reset, "read the picture");
+	}
+	if (result == STILB_OK)
+		result = vulkan_timeline_wait(device, slot->done);
+	if (result == STILB_OK)
+		result = stilb_image_create(image, base->width, base->height, 3,
+		                            device->output == STILB_RENDER_OUTPUT_LINEAR ? STILB_IMAGE_F16_LINEAR
+		                                                                         : STILB_IMAGE_U8_SRGB);
+	if (result == STILB_OK)
+		picture_take(device, slot, image);
+	return result;
+}

@@ -1,0 +1,130 @@
+/*
+ * scene: what there is to see, as plain data: models, meshes, materials, lights, camera. No GPU, no traversal.
+ *
+ * A model is a bounding sphere and a run of parts; a part is a mesh, a material and a transform. Arrays are indexed by
+ * id; whoever holds the scene may read them directly, and only scene_... functions and the stage `scene_update` write.
+ *
+ * Life cycle.  stilb_scene_create_stress (later: import) -> stilb_scene_animate once a frame -> stilb_scene_destroy.
+ * Threads.     One writer, and nobody reads while it writes: main thread in scene_update, any thread reads after it.
+ * Units.       Metres, seconds, radians; linear Rec.709; radiance in W sr^-1 m^-2, irradiance in W m^-2.
+ */
+#ifndef STILB_SCENE_H
+#define STILB_SCENE_H
+
+#include "base/base.h"
+#include "base/base_math.h"
+
+/* Position and unit normal in model space. */
+typedef struct stilb_scene_vertex {
+	float position[3];
+	float normal[3];
+} stilb_scene_vertex;
+
+/* Triangles, counter-clockwise seen from the front. */
+typedef struct stilb_scene_mesh {
+	stilb_scene_vertex *vertices;
+	uint32_t *indices;
+	uint32_t vertex_count, index_count;
+} stilb_scene_mesh;
+
+/* Reflectances per channel in [0, 1]; shininess is the Blinn-Phong exponent, > 0. diffuse + specular <= 1 per channel
+ * holds for every material that went through stilb_scene_material_make. */
+typedef struct stilb_scene_material {
+	float diffuse[3];
+	float specular[3];
+	float shininess;
+} stilb_scene_material;
+
+/* direction points from the surface to the sun, unit; irradiance is measured across the beam. */
+typedef struct stilb_scene_sun {
+	float direction[3];
+	float irradiance[3];
+} stilb_scene_sun;
+
+/* Radiance of the upper and of the lower half of the surroundings. */
+typedef struct stilb_scene_sky {
+	float sky[3];
+	float ground[3];
+} stilb_scene_sky;
+
+/* Yaw 0 looks along -Z and grows to the left; pitch raises the view. */
+typedef struct stilb_scene_camera {
+	float position[3];
+	float yaw, pitch;
+	float fov_y;
+	float near_z, far_z;
+} stilb_scene_camera;
+
+/* Bounding spheres, one array a component (culling reads them sixteen at a time): 64-byte aligned. */
+typedef struct stilb_scene_bounds {
+	float *x, *y, *z, *radius;
+} stilb_scene_bounds;
+
+typedef struct stilb_scene {
+	uint32_t model_count;
+	stilb_scene_bounds bounds; /* [model_count] */
+	uint32_t *first_part;      /* [model_count + 1]: model m owns parts first_part[m] .. first_part[m + 1] - 1 */
+
+	uint32_t part_count;
+	uint32_t *part_mesh;        /* [part_count] */
+	uint32_t *part_material;    /* [part_count] */
+	stilb_mat4 *part_transform; /* [part_count] model to world, affine */
+
+	uint32_t mesh_count;
+	stilb_scene_mesh *meshes; /* [mesh_count] */
+	uint32_t material_count;
+	stilb_scene_material *materials; /* [material_count] */
+
+	uint32_t moved_count; /* models whose bounds changed in this frame's scene_update ... */
+	uint32_t *moved;      /* ... and their ids, ascending: [model_count] */
+
+	stilb_scene_sun sun;
+	stilb_scene_sky sky;
+	stilb_scene_camera camera;
+	uint64_t seed; /* of the stress test */
+} stilb_scene;
+
+/* ---- the stress test ------------------------------------------------------------------------------------------- */
+
+#define STILB_SCENE_MAX_MODELS 4000000u
+#define STILB_SCENE_TILE 2.0f /* side of a ground tile, metres */
+
+typedef enum stilb_scene_stress_view {
+	STILB_SCENE_VIEW_ALL,  /* every model is in the picture */
+	STILB_SCENE_VIEW_HALF, /* about half of them */
+	STILB_SCENE_VIEW_FEW,  /* about one in a hundred */
+} stilb_scene_stress_view;
+
+/* model_count spheres over ground tiles on a square grid of side ceil(sqrt(model_count)), row by row; the last row may
+ * be short. Tile corners lie at odd integer coordinates, exact in float, so that neighbours share the same floats.
+ * Part 2m is model m's sphere and part 2m + 1 its tile; each has its own material. Everything that varies comes from
+ * seed. 1 <= model_count <= STILB_SCENE_MAX_MODELS. The camera is left at stilb_scene_stress_camera(..., VIEW_ALL, 16/9). */
+stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stilb_scene **scene);
+
+/* A camera for the stress test; aspect = width / height. VIEW_ALL holds for every aspect. */
+stilb_scene_camera stilb_scene_stress_camera(const stilb_scene *scene, stilb_scene_stress_view view, float aspect);
+
+/* Moves every tenth model (ids that are 0 modulo 10): its sphere bobs above its tile. seconds is the scene's time, not
+ * the step, so the same time gives the same bits. Fills moved. */
+void stilb_scene_animate(stilb_scene *scene, double seconds);
+
+void stilb_scene_destroy(stilb_scene *scene);
+
+/* ---- pieces ------------------------------------------------------------------------------------------------------ */
+
+/* The closest material that conserves energy: reflectances clamped to >= 0, then scaled per channel so that diffuse +
+ * specular <= 1 (shade_limit_to_one). shininess is clamped to [1, 8192]. */
+stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float shininess);
+
+/* Unit sphere from an icosahedron split `splits` times (0..6), 20 * 4^splits triangles, vertices on the sphere. */
+stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh);
+
+/* The square x, z in [-1, 1] at y = 0, facing +Y, two triangles. */
+stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh);
+
+void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);
+
+/* World to clip for a picture of this aspect. */
+stilb_mat4 stilb_scene_camera_matrix(const stilb_scene_camera *camera, float aspect);
+
+#endif

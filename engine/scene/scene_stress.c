@@ -1,0 +1,211 @@
+/* The stress test: spheres over ground tiles, two materials a model, a camera for each share of them. */
+#include "scene/scene_internal.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+/* Random numbers of one model; the enum is the stream, so adding one changes no other. */
+enum stress_stream {
+	STRESS_RADIUS,
+	STRESS_LIFT,
+	STRESS_SPHERE_HUE,
+	STRESS_SPHERE_SATURATION,
+	STRESS_SPHERE_VALUE,
+	STRESS_SPHERE_SPECULAR,
+	STRESS_SPHERE_SHININESS,
+	STRESS_TILE_HUE,
+	STRESS_TILE_VALUE,
+	STRESS_STREAMS
+};
+
+#define STRESS_SPHERE_SPLITS 2
+#define STRESS_BOB_HEIGHT 0.6f /* metres, of animated spheres */
+#define STRESS_TOP 2.75f       /* nothing is higher: 2 * radius + lift + bob */
+
+static float stress_random(uint64_t seed, uint32_t model, enum stress_stream stream, float low, float high)
+{
+	return low + (high - low) * stilb_random_float(seed, (uint64_t)model * STRESS_STREAMS + stream);
+}
+
+/* Colour wheel at full saturation: hue in [0, 1). */
+static void stress_color(float hue, float saturation, float value, float rgb[3])
+{
+	for (int i = 0; i < 3; i++) {
+		float h = fmodf(hue * 6.0f + (i == 0 ? 0.0f : i == 1 ? 4.0f : 2.0f), 6.0f);
+		float ramp = fabsf(h - 3.0f) - 1.0f;
+		ramp = ramp < 0.0f ? 0.0f : ramp > 1.0f ? 1.0f : ramp;
+		rgb[i] = value * (1.0f - saturation + saturation * ramp);
+	}
+}
+
+static stilb_scene_material stress_sphere_material(uint64_t seed, uint32_t model)
+{
+	float diffuse[3], specular[3];
+	stress_color(stress_random(seed, model, STRESS_SPHERE_HUE, 0.0f, 1.0f),
+	             stress_random(seed, model, STRESS_SPHERE_SATURATION, 0.45f, 0.9f),
+	             stress_random(seed, model, STRESS_SPHERE_VALUE, 0.35f, 0.85f), diffuse);
+	specular[0] = specular[1] = specular[2] = stress_random(seed, model, STRESS_SPHERE_SPECULAR, 0.03f, 0.25f);
+	float shininess = exp2f(stress_random(seed, model, STRESS_SPHERE_SHININESS, 4.0f, 8.0f));
+	return stilb_scene_material_make(diffuse, specular, shininess);
+}
+
+static stilb_scene_material stress_tile_material(uint64_t seed, uint32_t model)
+{
+	float diffuse[3];
+	const float specular[3] = {0.02f, 0.02f, 0.02f};
+	stress_color(stress_random(seed, model, STRESS_TILE_HUE, 0.0f, 1.0f), 0.18f,
+	             stress_random(seed, model, STRESS_TILE_VALUE, 0.18f, 0.5f), diffuse);
+	return stilb_scene_material_make(diffuse, specular, 16.0f);
+}
+
+/* The smallest sphere, centred above the tile's centre, around the tile's corners (sqrt 2 away, at y = 0) and the top
+ * of the model's sphere: equal distances to both, or the tile alone when the sphere is low. */
+static void stress_set_bounds(stilb_scene *scene, uint32_t model, float x, float z, float top)
+{
+	float center = top > 1.41421356f ? (top * top - 2.0f) / (2.0f * top) : 0.0f;
+	scene->bounds.x[model] = x;
+	scene->bounds.y[model] = center;
+	scene->bounds.z[model] = z;
+	scene->bounds.radius[model] = sqrtf(2.0f + center * center) + 1e-3f; /* more than rounding can cost */
+}
+
+/* Puts model's sphere bob metres above its rest. */
+static void stress_place_sphere(stilb_scene *scene, uint32_t model, float bob)
+{
+	float radius = stress_random(scene->seed, model, STRESS_RADIUS, 0.3f, 0.9f);
+	float lift = stress_random(scene->seed, model, STRESS_LIFT, 0.0f, 0.3f);
+	float x = scene->bounds.x[model], z = scene->bounds.z[model], height = radius + lift + bob;
+	scene->part_transform[2 * model] = stilb_mat4_scale_translate(radius, x, height, z);
+	stress_set_bounds(scene, model, x, z, height + radius);
+}
+
+static void stress_add_model(stilb_scene *scene, uint32_t model, uint32_t side)
+{
+	/* Centres at even or odd integers, so that corners, one metre away, are integers too. */
+	float x = (float)(2 * (int64_t)(model % side) - ((int64_t)side - 1));
+	float z = (float)(2 * (int64_t)(model / side) - ((int64_t)side - 1));
+	uint32_t sphere = 2 * model, tile = sphere + 1;
+	scene->first_part[model] = sphere;
+	scene->part_mesh[sphere] = 0;
+	scene->part_mesh[tile] = 1;
+	scene->part_material[sphere] = sphere;
+	scene->part_material[tile] = tile;
+	scene->materials[sphere] = stress_sphere_material(scene->seed, model);
+	scene->materials[tile] = stress_tile_material(scene->seed, model);
+	scene->part_transform[tile] = stilb_mat4_scale_translate(STILB_SCENE_TILE * 0.5f, x, 0.0f, z);
+	scene->bounds.x[model] = x;
+	scene->bounds.z[model] = z;
+	stress_place_sphere(scene, model, 0.0f);
+}
+
+static uint32_t stress_side(uint32_t model_count)
+{
+	uint32_t side = (uint32_t)sqrt((double)model_count);
+	while ((uint64_t)side * side < model_count)
+		side++;
+	return side;
+}
+
+stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stilb_scene **out)
+{
+	STILB_ASSERT(model_count >= 1 && model_count <= STILB_SCENE_MAX_MODELS);
+	stilb_scene *scene;
+	stilb_result result = scene_create(model_count, 2 * model_count, 2, 2 * model_count, &scene);
+	if (result == STILB_OK)
+		result = stilb_scene_mesh_sphere(STRESS_SPHERE_SPLITS, &scene->meshes[0]);
+	if (result == STILB_OK)
+		result = stilb_scene_mesh_plane(&scene->meshes[1]);
+	if (result != STILB_OK) {
+		stilb_scene_destroy(scene);
+		return result;
+	}
+	scene->seed = seed;
+	uint32_t side = stress_side(model_count);
+	for (uint32_t m = 0; m < model_count; m++)
+		stress_add_model(scene, m, side);
+	scene->first_part[model_count] = 2 * model_count;
+	stilb_vec3 sun = stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.68f, 0.38f));
+	scene->sun = (stilb_scene_sun){{sun[0], sun[1], sun[2]}, {3.0f, 2.8f, 2.5f}};
+	scene->sky = (stilb_scene_sky){{0.30f, 0.42f, 0.62f}, {0.10f, 0.09f, 0.08f}};
+	scene->camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_ALL, 16.0f / 9.0f);
+	*out = scene;
+	return STILB_OK;
+}
+
+void stilb_scene_animate(stilb_scene *scene, double seconds)
+{
+	scene->moved_count = 0;
+	for (uint32_t m = 0; m < scene->model_count; m += 10) {
+		double phase = seconds * 2.0 + 0.7 * (double)(m % 97);
+		stress_place_sphere(scene, m, STRESS_BOB_HEIGHT * 0.5f * (1.0f - (float)cos(phase)));
+		scene->moved[scene->moved_count++] = m;
+	}
+}
+
+/* ---- cameras ------------------------------------------------------------------------------------------------------- */
+
+/* The camera that looks at the middle of the grid from `distance`. */
+static stilb_scene_camera stress_camera_at(float distance, float far_z)
+{
+	stilb_scene_camera camera = {.pitch = -0.56f, .fov_y = 0.9f, .near_z = 0.1f, .far_z = far_z};
+	camera.position[1] = -sinf(camera.pitch) * distance;
+	camera.position[2] = cosf(camera.pitch) * distance;
+	return camera;
+}
+
+/* How far back the camera must stand so that the box of the whole grid is inside: each corner, seen along the camera's
+ * axes from the middle, needs forward + distance >= |right| / tan(half width) and the same upwards. */
+static float stress_distance_all(float half_side, float aspect)
+{
+	stilb_scene_camera camera = stress_camera_at(0.0f, 1.0f);
+	float tan_y = tanf(camera.fov_y * 0.5f), tan_x = tan_y * aspect, distance = 0.0f;
+	stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0, 0, 0), camera.yaw, camera.pitch);
+	for (int corner = 0; corner < 8; corner++) {
+		float p[3] = {corner & 1 ? half_side : -half_side, corner & 2 ? STRESS_TOP : 0.0f,
+		              corner & 4 ? half_side : -half_side};
+		float v[3];
+		for (int row = 0; row < 3; row++)
+			v[row] = view.m[row] * p[0] + view.m[4 + row] * p[1] + view.m[8 + row] * p[2];
+		distance = fmaxf(distance, fabsf(v[0]) / tan_x + v[2]);
+		distance = fmaxf(distance, fabsf(v[1]) / tan_y + v[2]);
+	}
+	return distance;
+}
+
+/* The share of models in view, from at most about 16,000 of them. */
+static double stress_visible_share(const stilb_scene *scene, const stilb_scene_camera *camera, float aspect)
+{
+	stilb_mat4 matrix = stilb_scene_camera_matrix(camera, aspect);
+	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
+	uint32_t step = scene->model_count / 16384 | 1, tested = 0, visible = 0;
+	for (uint32_t m = 0; m < scene->model_count; m += step, tested++) {
+		bool inside = true;
+		for (int p = 0; p < 6; p++) {
+			stilb_plane plane = frustum.planes[p];
+			inside &= plane.x * scene->bounds.x[m] + plane.y * scene->bounds.y[m] + plane.z * scene->bounds.z[m] +
+			              plane.distance >=
+			          -scene->bounds.radius[m];
+		}
+		visible += inside;
+	}
+	return (double)visible / (double)tested;
+}
+
+stilb_scene_camera stilb_scene_stress_camera(const stilb_scene *scene, stilb_scene_stress_view view, float aspect)
+{
+	float half_side = (float)stress_side(scene->model_count) + 1.0f; /* a metre of air around */
+	float all = stress_distance_all(half_side, aspect) * 1.001f, far_z = 4.0f * (all + half_side);
+	if (view == STILB_SCENE_VIEW_ALL)
+		return stress_camera_at(all, far_z);
+	double share = view == STILB_SCENE_VIEW_HALF ? 0.5 : 0.01;
+	float near_distance = 2.0f, far_distance = all; /* the nearer, the fewer */
+	for (int i = 0; i < 24; i++) {
+		float middle = 0.5f * (near_distance + far_distance);
+		stilb_scene_camera camera = stress_camera_at(middle, far_z);
+		if (stress_visible_share(scene, &camera, aspect) > share)
+			far_distance = middle;
+		else
+			near_distance = middle;
+	}
+	return stress_camera_at(far_distance, far_z);
+}

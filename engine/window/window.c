@@ -1,0 +1,210 @@
+#include "window/window.h"
+
+#define GLFW_INCLUDE_VULKAN /* for glfwCreateWindowSurface; nothing else of Vulkan is used here */
+#include <GLFW/glfw3.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+
+struct stilb_window {
+	GLFWwindow *handle;
+	uint8_t pressed[STILB_WINDOW_KEY_COUNT]; /* since the last poll */
+	bool captured;
+	bool fresh; /* captured since the last poll: the pointer jumped, its way does not count */
+	double x, y;
+};
+
+/* GLFW reports errors through one callback; the last text is what a message can quote. [main-thread] */
+static char window_error[512];
+
+static void window_on_error(int code, const char *text)
+{
+	(void)code;
+	snprintf(window_error, sizeof window_error, "%s", text);
+}
+
+/* The key of ours for a key of GLFW's; STILB_WINDOW_KEY_COUNT for the rest. */
+static stilb_window_key window_key(int key)
+{
+	switch (key) {
+	case GLFW_KEY_W:
+		return STILB_WINDOW_KEY_W;
+	case GLFW_KEY_A:
+		return STILB_WINDOW_KEY_A;
+	case GLFW_KEY_S:
+		return STILB_WINDOW_KEY_S;
+	case GLFW_KEY_D:
+		return STILB_WINDOW_KEY_D;
+	case GLFW_KEY_Q:
+		return STILB_WINDOW_KEY_Q;
+	case GLFW_KEY_E:
+		return STILB_WINDOW_KEY_E;
+	case GLFW_KEY_P:
+		return STILB_WINDOW_KEY_P;
+	case GLFW_KEY_F12:
+		return STILB_WINDOW_KEY_F12;
+	case GLFW_KEY_MINUS:
+	case GLFW_KEY_KP_SUBTRACT:
+		return STILB_WINDOW_KEY_MINUS;
+	case GLFW_KEY_EQUAL:
+	case GLFW_KEY_KP_ADD:
+		return STILB_WINDOW_KEY_PLUS;
+	case GLFW_KEY_LEFT_SHIFT:
+	case GLFW_KEY_RIGHT_SHIFT:
+		return STILB_WINDOW_KEY_SHIFT;
+	case GLFW_KEY_ESCAPE:
+		return STILB_WINDOW_KEY_ESCAPE;
+	default:
+		return STILB_WINDOW_KEY_COUNT;
+	}
+}
+
+static void window_capture(stilb_window *window, bool captured)
+{
+	if (window->captured == captured)
+		return;
+	window->captured = window->fresh = captured;
+	glfwSetInputMode(window->handle, GLFW_CURSOR, captured ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+}
+
+static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int action, int modifiers)
+{
+	(void)scancode, (void)modifiers;
+	stilb_window *window = glfwGetWindowUserPointer(handle);
+	stilb_window_key key = window_key(glfw_key);
+	if (key == STILB_WINDOW_KEY_COUNT || action != GLFW_PRESS)
+		return;
+	if (window->pressed[key] < UINT8_MAX)
+		window->pressed[key]++;
+	if (key == STILB_WINDOW_KEY_ESCAPE)
+		window_capture(window, false);
+}
+
+static void window_on_button(GLFWwindow *handle, int button, int action, int modifiers)
+{
+	(void)modifiers;
+	if (button == GLFW_MOUSE_BUTTON_RIGHT)
+		window_capture(glfwGetWindowUserPointer(handle), action == GLFW_PRESS);
+}
+
+static stilb_result window_fail(const char *what)
+{
+	stilb_result result = stilb_fail(STILB_ERROR_WINDOW, "cannot %s: %s", what, window_error);
+	glfwTerminate();
+	return result;
+}
+
+stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **out)
+{
+	*out = NULL;
+	snprintf(window_error, sizeof window_error, "no reason given");
+	glfwSetErrorCallback(window_on_error);
+	if (!glfwInit())
+		return window_fail("open a window");
+	snprintf(window_error, sizeof window_error, "no Vulkan driver that can draw to windows");
+	if (!glfwVulkanSupported())
+		return window_fail("open a window");
+	stilb_window *window = calloc(1, sizeof *window);
+	glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+	if (window)
+		window->handle = glfwCreateWindow((int)width, (int)height, title, NULL, NULL);
+	if (!window || !window->handle) {
+		free(window);
+		return window_fail("open a window");
+	}
+	glfwSetWindowUserPointer(window->handle, window);
+	glfwSetKeyCallback(window->handle, window_on_key);
+	glfwSetMouseButtonCallback(window->handle, window_on_button);
+	*out = window;
+	return STILB_OK;
+}
+
+void stilb_window_destroy(stilb_window *window)
+{
+	if (!window)
+		return;
+	glfwDestroyWindow(window->handle);
+	glfwTerminate();
+	free(window);
+}
+
+void stilb_window_title(stilb_window *window, const char *title)
+{
+	glfwSetWindowTitle(window->handle, title);
+}
+
+static bool window_is_down(GLFWwindow *handle, int key)
+{
+	return glfwGetKey(handle, key) == GLFW_PRESS;
+}
+
+static void window_read_keys(stilb_window *window, stilb_window_state *state)
+{
+	for (int key = GLFW_KEY_SPACE; key <= GLFW_KEY_LAST; key++) {
+		stilb_window_key ours = window_key(key);
+		if (ours != STILB_WINDOW_KEY_COUNT)
+			state->held[ours] |= window_is_down(window->handle, key);
+	}
+	for (int key = 0; key < STILB_WINDOW_KEY_COUNT; key++) {
+		state->pressed[key] = window->pressed[key];
+		window->pressed[key] = 0;
+	}
+}
+
+static void window_read_mouse(stilb_window *window, stilb_window_state *state)
+{
+	double x, y;
+	glfwGetCursorPos(window->handle, &x, &y);
+	if (window->captured && !window->fresh) {
+		state->mouse_x = (float)(x - window->x);
+		state->mouse_y = (float)(y - window->y);
+	}
+	window->fresh = false;
+	window->x = x;
+	window->y = y;
+	state->mouse_captured = window->captured;
+}
+
+static void window_read(stilb_window *window, stilb_window_state *state)
+{
+	int width, height;
+	*state = (stilb_window_state){.close = glfwWindowShouldClose(window->handle)};
+	glfwGetFramebufferSize(window->handle, &width, &height);
+	bool minimised = glfwGetWindowAttrib(window->handle, GLFW_ICONIFIED);
+	state->width = minimised || width < 0 ? 0 : (uint32_t)width;
+	state->height = minimised || height < 0 ? 0 : (uint32_t)height;
+	window_read_keys(window, state);
+	window_read_mouse(window, state);
+}
+
+void stilb_window_poll(stilb_window *window, stilb_window_state *state)
+{
+	glfwPollEvents();
+	window_read(window, state);
+}
+
+void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state)
+{
+	glfwWaitEventsTimeout(seconds);
+	window_read(window, state);
+}
+
+const char *const *stilb_window_surface_extensions(void *user, uint32_t *count)
+{
+	(void)user;
+	return glfwGetRequiredInstanceExtensions(count);
+}
+
+int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface)
+{
+	stilb_window *window = user;
+	VkSurfaceKHR handle = VK_NULL_HANDLE;
+	VkResult result = glfwCreateWindowSurface(instance, window->handle, NULL, &handle);
+	*surface = (uint64_t)handle;
+	return result;
+}
+
+const char *stilb_window_library_version(void)
+{
+	return glfwGetVersionString();
+}

@@ -1,0 +1,63 @@
+/*
+ * window: the window, its keys and mouse, and its Vulkan surface, through GLFW.
+ *
+ * Life cycle.  stilb_window_create -> stilb_window_poll once a frame -> stilb_window_destroy.
+ * Threads.     All [main-thread]: the one that created the window.
+ */
+#ifndef STILB_WINDOW_H
+#define STILB_WINDOW_H
+
+#include "base/base.h"
+
+typedef struct stilb_window stilb_window;
+
+/* Keys by what stands on them. */
+typedef enum stilb_window_key {
+	STILB_WINDOW_KEY_W,
+	STILB_WINDOW_KEY_A,
+	STILB_WINDOW_KEY_S,
+	STILB_WINDOW_KEY_D,
+	STILB_WINDOW_KEY_Q,
+	STILB_WINDOW_KEY_E,
+	STILB_WINDOW_KEY_P,
+	STILB_WINDOW_KEY_F12,
+	STILB_WINDOW_KEY_MINUS, /* also on the keypad */
+	STILB_WINDOW_KEY_PLUS,  /* also '=', and on the keypad */
+	STILB_WINDOW_KEY_SHIFT, /* either */
+	STILB_WINDOW_KEY_ESCAPE,
+	STILB_WINDOW_KEY_COUNT
+} stilb_window_key;
+
+/* What happened since the poll before. */
+typedef struct stilb_window_state {
+	uint32_t width, height;                  /* of the picture, pixels; 0 while minimised */
+	bool close;                              /* the user wants the window closed */
+	bool held[STILB_WINDOW_KEY_COUNT];       /* is down now */
+	uint8_t pressed[STILB_WINDOW_KEY_COUNT]; /* how often it went down */
+	bool mouse_captured;                     /* the right button is held: the pointer is hidden and steers */
+	float mouse_x, mouse_y;                  /* its way while captured, pixels, y down */
+} stilb_window_state;
+
+/* Opens a window of about this size, pixels. STILB_ERROR_WINDOW without a display or without Vulkan for windows. */
+stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **window);
+
+/* NULL is fine. */
+void stilb_window_destroy(stilb_window *window);
+
+void stilb_window_title(stilb_window *window, const char *title);
+
+/* Takes in events. Holding the right button captures the mouse; releasing it, or Escape, lets go. */
+void stilb_window_poll(stilb_window *window, stilb_window_state *state);
+
+/* The same after waiting for an event, at most `seconds`: for a minimised window. */
+void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state);
+
+/* The three calls that render's stilb_render_surface wants; user is the window, instance a VkInstance, *surface a
+ * VkSurfaceKHR; returns a VkResult. */
+const char *const *stilb_window_surface_extensions(void *user, uint32_t *count);
+int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface);
+
+/* "3.3.8 X11 GLX ..." */
+const char *stilb_window_library_version(void);
+
+#endif

@@ -1,0 +1,8 @@
+/* The subcommands: one file each. argv[0] is the first argument after the subcommand's name; returns the exit code. */
+#ifndef STILB_COMMANDS_H
+#define STILB_COMMANDS_H
+
+int demo_command(int argc, char **argv);
+int info_command(int argc, char **argv);
+
+#endif

@@ -1,0 +1,149 @@
+#include "flags.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Digits and nothing else, no sign, in range. */
+static bool parse_number(const char *text, uint64_t low, uint64_t high, uint64_t *out)
+{
+	if (text[0] == '\0' || strspn(text, "0123456789") != strlen(text))
+		return false;
+	errno = 0;
+	uint64_t number = strtoull(text, NULL, 10);
+	if (errno || number < low || number > high)
+		return false;
+	*out = number;
+	return true;
+}
+
+static flags_result refuse_number(const flag *f, const char *value)
+{
+	stilb_log("%s: '%s' is not a whole number in %" PRIu64 "..%" PRIu64 "%s", f->name, value, f->low, f->high,
+	          f->kind == FLAG_WORKERS ? " or 'auto'" : "");
+	return FLAGS_REFUSED;
+}
+
+static flags_result parse_size(const flag *f, const char *value)
+{
+	uint64_t side[2];
+	const char *x = strchr(value, 'x');
+	char *width = x ? strndup(value, (size_t)(x - value)) : NULL;
+	bool right =
+		width && parse_number(width, f->low, f->high, &side[0]) && parse_number(x + 1, f->low, f->high, &side[1]);
+	free(width);
+	if (!right) {
+		stilb_log("%s: '%s' is not a size like 1280x720, %" PRIu64 "..%" PRIu64 " each way", f->name, value, f->low,
+		          f->high);
+		return FLAGS_REFUSED;
+	}
+	for (int i = 0; i < 2; i++)
+		((uint32_t *)f->value)[i] = (uint32_t)side[i];
+	return FLAGS_OK;
+}
+
+static flags_result parse_choice(const flag *f, const char *value)
+{
+	for (int i = 0; f->choices[i]; i++)
+		if (strcmp(f->choices[i], value) == 0) {
+			*(int *)f->value = i;
+			return FLAGS_OK;
+		}
+	char list[256] = "";
+	for (int i = 0; f->choices[i]; i++) {
+		size_t length = strlen(list);
+		snprintf(list + length, sizeof list - length, "%s%s", i ? ", " : "", f->choices[i]);
+	}
+	stilb_log("%s: no '%s'; there is %s", f->name, value, list);
+	return FLAGS_REFUSED;
+}
+
+static flags_result parse_value(const flag *f, const char *value)
+{
+	uint64_t number;
+	switch (f->kind) {
+	case FLAG_NUMBER:
+		return parse_number(value, f->low, f->high, f->value) ? FLAGS_OK : refuse_number(f, value);
+	case FLAG_WORKERS:
+		if (strcmp(value, "auto") == 0)
+			return FLAGS_OK;
+		if (!parse_number(value, f->low, f->high, &number))
+			return refuse_number(f, value);
+		*(uint32_t *)f->value = (uint32_t)number;
+		return FLAGS_OK;
+	case FLAG_SIZE:
+		return parse_size(f, value);
+	case FLAG_CHOICE:
+		return parse_choice(f, value);
+	case FLAG_TEXT:
+		if (value[0] == '\0') {
+			stilb_log("%s: its value is empty; give %s", f->name, f->argument);
+			return FLAGS_REFUSED;
+		}
+		*(const char **)f->value = value;
+		return FLAGS_OK;
+	case FLAG_SWITCH:
+		break;
+	}
+	return FLAGS_OK;
+}
+
+static const flag *find_flag(const flag *flags, size_t flag_count, const char *name, size_t length)
+{
+	for (size_t i = 0; i < flag_count; i++)
+		if (strlen(flags[i].name) == length && strncmp(flags[i].name, name, length) == 0)
+			return &flags[i];
+	return NULL;
+}
+
+/* Reads one flag and its value; returns how many arguments it took, 0 when refused. */
+static int parse_one(const flag *flags, size_t flag_count, int argc, char **argv)
+{
+	const char *equals = strchr(argv[0], '=');
+	size_t length = equals ? (size_t)(equals - argv[0]) : strlen(argv[0]);
+	const flag *f = find_flag(flags, flag_count, argv[0], length);
+	if (!f) {
+		stilb_log("unknown flag '%s'; --help lists them all", argv[0]);
+		return 0;
+	}
+	if (f->kind == FLAG_SWITCH) {
+		if (equals) {
+			stilb_log("%s takes no value", f->name);
+			return 0;
+		}
+		*(bool *)f->value = true;
+		return 1;
+	}
+	if (!equals && argc < 2) {
+		stilb_log("%s: its value is missing; give %s", f->name, f->argument);
+		return 0;
+	}
+	if (parse_value(f, equals ? equals + 1 : argv[1]) != FLAGS_OK)
+		return 0;
+	return equals ? 1 : 2;
+}
+
+flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **argv)
+{
+	for (int i = 0; i < argc; i++)
+		if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
+			return FLAGS_HELP;
+	for (int i = 0; i < argc;) {
+		int taken = parse_one(flags, flag_count, argc - i, argv + i);
+		if (taken == 0)
+			return FLAGS_REFUSED;
+		i += taken;
+	}
+	return FLAGS_OK;
+}
+
+void flags_print(const flag *flags, size_t flag_count)
+{
+	for (size_t i = 0; i < flag_count; i++) {
+		char left[64];
+		snprintf(left, sizeof left, "%s %s", flags[i].name, flags[i].argument ? flags[i].argument : "");
+		printf("  %-28s %s\n", left, flags[i].help);
+	}
+}

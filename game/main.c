@@ -1,0 +1,55 @@
+/* The stilb program: finds the subcommand. */
+#include "commands.h"
+#include "flags.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct command {
+	const char *name;
+	int (*run)(int argc, char **argv);
+	const char *help;
+} commands[] = {
+	{"demo", demo_command, "run the stress test: thousands of models, recorded by many threads"},
+	{"info", info_command, "show the CPU's features, the GPUs and the libraries"},
+};
+
+static void print_help(void)
+{
+	printf("Stilb " STILB_VERSION ", a multithreaded render engine\n\nusage: stilb COMMAND [FLAGS]\n\n");
+	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+		printf("  %-10s %s\n", commands[i].name, commands[i].help);
+	printf(
+		"\n  --version  print the version\n  --help     print this; 'stilb COMMAND --help' lists a command's flags\n");
+}
+
+/* Output that could not be written is a failure too: a full disk, a closed pipe. */
+static int finish(int code)
+{
+	if ((fflush(stdout) != 0 || ferror(stdout)) && code == EXIT_DONE) {
+		stilb_log("cannot write to standard output");
+		return EXIT_FAILED;
+	}
+	return code;
+}
+
+int main(int argc, char **argv)
+{
+	if (argc < 2) {
+		stilb_log("no command; 'stilb demo' runs the stress test, 'stilb --help' lists all");
+		return EXIT_REFUSED;
+	}
+	if (strcmp(argv[1], "--version") == 0) {
+		printf("stilb " STILB_VERSION "\n");
+		return finish(EXIT_DONE);
+	}
+	if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+		print_help();
+		return finish(EXIT_DONE);
+	}
+	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+		if (strcmp(argv[1], commands[i].name) == 0)
+			return finish(commands[i].run(argc - 2, argv + 2));
+	stilb_log("unknown command '%s'; 'stilb --help' lists them", argv[1]);
+	return EXIT_REFUSED;
+}

@@ -1,0 +1,72 @@
+#include "stage_times.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char *const stage_names[STAGE_COUNT] = {"frame", "cull", "record", "replay", "present", "gpu"};
+
+static bool stage_times_grow(stage_times *times)
+{
+	uint32_t capacity = times->capacity ? times->capacity * 2 : 1024;
+	capacity = capacity < STAGE_TIMES_MAX ? capacity : STAGE_TIMES_MAX;
+	void *grown = realloc(times->frames, capacity * sizeof *times->frames);
+	if (!grown)
+		return false;
+	times->frames = grown;
+	times->capacity = capacity;
+	return true;
+}
+
+bool stage_times_add(stage_times *times, const stilb_engine_times *frame)
+{
+	if (times->count == times->capacity && times->capacity < STAGE_TIMES_MAX && !stage_times_grow(times))
+		return false;
+	float *out = times->frames[times->count % times->capacity];
+	out[STAGE_FRAME] = (float)frame->frame;
+	out[STAGE_CULL] = (float)frame->cull;
+	out[STAGE_RECORD] = (float)frame->record;
+	out[STAGE_REPLAY] = (float)frame->replay;
+	out[STAGE_PRESENT] = (float)frame->present;
+	out[STAGE_GPU] = (float)frame->gpu;
+	times->count++;
+	return true;
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+/* sorted ascending, count > 0: the value below which a share of them lies (nearest rank). */
+static double quantile(const float *sorted, uint64_t count, double share)
+{
+	uint64_t rank = (uint64_t)(share * (double)(count - 1) + 0.5);
+	return (double)sorted[rank];
+}
+
+bool stage_times_summarise(const stage_times *times, stage_summary summary[STAGE_COUNT], uint64_t *warmup)
+{
+	uint64_t kept = times->count < times->capacity ? times->count : times->capacity;
+	uint64_t gone = times->count - kept; /* overwritten frames were the first */
+	*warmup = times->count / 10;
+	uint64_t skip = *warmup > gone ? *warmup - gone : 0, count = kept - skip;
+	memset(summary, 0, STAGE_COUNT * sizeof *summary);
+	float *values = malloc((count ? count : 1) * sizeof *values);
+	if (!values)
+		return false;
+	for (int s = 0; s < STAGE_COUNT && count > 0; s++) {
+		for (uint64_t i = 0; i < count; i++)
+			values[i] = times->frames[(times->count - count + i) % times->capacity][s];
+		qsort(values, count, sizeof *values, compare_floats);
+		summary[s] = (stage_summary){quantile(values, count, 0.5), quantile(values, count, 0.99), (double)values[0]};
+	}
+	free(values);
+	return true;
+}
+
+void stage_times_finish(stage_times *times)
+{
+	free(times->frames);
+	*times = (stage_times){0};
+}

@@ -1,0 +1,280 @@
+#!/usr/bin/env bash
+# Runs a copy of ./dev among stand-ins for dpkg-query, apt-get, sudo, id, cmake, ctest and Xvfb, and checks what it
+# calls, what it prints and how it exits. Nothing is installed or built.
+set -uo pipefail
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+calls=$scratch/calls
+failures=0
+
+fail() {
+	printf '%s\n' "$test: $*" "--- stdout" "$(cat "$scratch/out")" "--- stderr" "$(cat "$scratch/err")" "--- calls" "$(cat "$calls")"
+	failures=$((failures + 1))
+}
+
+stand_in() { # NAME SCRIPT: a command that writes down its call and then runs SCRIPT
+	printf '#!/bin/bash\necho "%s $*" >>"%s"\n%s\n' "$1" "$calls" "$2" >"$scratch/bin/$1"
+	chmod +x "$scratch/bin/$1"
+}
+
+# A house with the real ./dev, where all packages are installed and all tests pass.
+fresh_house() {
+	test=$1
+	rm -rf "${scratch:?}"/{bin,house}
+	mkdir -p "$scratch"/{bin,house/build/release}
+	cp "$source/dev" "$source/packages.txt" "$scratch/house"
+	local tool
+	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nproc paste rm sed setarch sleep true; do
+		ln -s "$(command -v "$tool")" "$scratch/bin/$tool"
+	done
+	awk '!/^#/ && NF { print "installed", $2 }' "$source/packages.txt" >"$scratch/installed"
+	stand_in dpkg-query "cat '$scratch/installed'"
+	stand_in apt-get ''
+	stand_in id 'echo 0'
+	stand_in cmake 'echo progress'
+	stand_in Xvfb "echo \$\$ >'$scratch/display-server'; echo 7 >&3; exec sleep 60"
+	rm -f "$scratch"/junit-*
+	stand_in ctest '
+		case $* in
+		*--print-labels*) printf "All Labels:\n  unit\n  device\n  window\n  tsan\n"; exit 0 ;;
+		esac
+		build=; label=; junit=
+		while [ $# -gt 0 ]; do
+			case $1 in --test-dir) build=${2##*/} ;; -L) label=$2 ;; --output-junit) junit=$2 ;; esac
+			shift
+		done
+		label=${label//[^a-z]/}
+		echo "display for $build $label: ${DISPLAY-none}"
+		file='"$scratch"'/junit-$build-$label
+		[ -f "$file" ] || file='"$scratch"'/junit-good
+		cat "$file" >"$junit"
+		! grep -q "status=\"fail\"\|Unable" "$file"'
+	junit good 'test_a run' 'test_b run'
+	stand_in stilb 'echo stilb ran'
+	mv "$scratch/bin/stilb" "$scratch/house/build/release/stilb"
+	: >"$calls"
+}
+
+junit() { # NAME 'TEST STATUS'...: what ctest will have written; skip and gone are kinds of notrun
+	local file=$scratch/junit-$1 name status
+	shift
+	printf '<?xml version="1.0"?>\n<testsuite name="x"\n\ttests="2"\n\t>\n' >"$file"
+	while read -r name status; do
+		case $status in
+		run) printf '\t<testcase name="%s" classname="c" time="0" status="run">\n\t\t<system-out>fine\n</system-out>\n' "$name" ;;
+		fail) printf '\t<testcase name="%s" classname="c" time="0" status="fail">\n\t\t<failure message=""/>\n\t\t<system-out>bad\n</system-out>\n' "$name" ;;
+		skip) printf '\t<testcase name="%s" classname="c" time="0" status="notrun">\n\t\t<skipped message="SKIP_RETURN_CODE=77"/>\n\t\t<system-out>noise\nno driver here\n</system-out>\n' "$name" ;;
+		gone) printf '\t<testcase name="%s" classname="c" time="0" status="notrun">\n\t\t<skipped message="Unable to find executable"/>\n\t\t<system-out>Unable to find executable: x</system-out>\n' "$name" ;;
+		esac
+		printf '\t</testcase>\n'
+	done < <(printf '%s\n' "$@") >>"$file"
+	echo '</testsuite>' >>"$file"
+}
+
+dev() { # EXPECTED-EXIT ARGS...
+	local wanted=$1 status
+	shift
+	(cd "$scratch" && env -i PATH="$scratch/bin" ${require:+STILB_REQUIRE="$require"} "$scratch/house/dev" "$@") \
+		>"$scratch/out" 2>"$scratch/err" </dev/null
+	status=$?
+	[ $status -eq "$wanted" ] || fail "exit status $status, not $wanted"
+}
+
+called() { # LINE: some call is exactly this
+	grep -qxF -- "$1" "$calls" || fail "was not called: $1"
+}
+
+not_called() { # START: no call begins so
+	! grep -q -- "^$1" "$calls" || fail "was called: $1"
+}
+
+prints() { # out|err LINE: the exact line is there
+	grep -qxF -- "$2" "$scratch/$1" || fail "std$1 lacks the line: $2"
+}
+
+last_line() {
+	[ "$(tail -n 1 "$scratch/out")" = "$1" ] || fail "the last line is not: $1"
+}
+
+remove_package() {
+	sed -i "/ $1\$/d" "$scratch/installed"
+}
+
+test_refuses_before_anything_else() {
+	local arguments
+	for arguments in frobnicate bench '--wrong' 'test --quik' 'test --quick more' 'build x' 'lint x' ''; do
+		fresh_house "refuses '$arguments'"
+		# shellcheck disable=SC2086
+		dev 2 $arguments
+		[ ! -s "$calls" ] || fail "something was called"
+		[ ! -s "$scratch/out" ] || fail "something is on stdout"
+	done
+	fresh_house help
+	dev 0 help
+	grep -q '^usage: ./dev' "$scratch/out" || fail "no usage"
+	[ ! -s "$calls" ] || fail "something was called"
+}
+
+test_set_up() {
+	local update="apt-get update"
+	local install="apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300"
+
+	fresh_house "nothing is missing"
+	dev 0 build
+	not_called apt-get
+	called "cmake --build --preset release"
+
+	fresh_house "root installs what is missing, and no more"
+	remove_package glslc
+	remove_package cmake
+	remove_package xvfb
+	dev 0 build
+	called "$update"
+	called "$install cmake glslc"
+
+	fresh_house "tests need more"
+	remove_package xvfb
+	dev 0 test
+	called "$install xvfb"
+
+	fresh_house "an unpacked package is not an installed one"
+	sed -i 's/^installed glslc$/half-configured glslc/' "$scratch/installed"
+	dev 0 build
+	called "$install glslc"
+
+	fresh_house "a user installs with sudo"
+	remove_package glslc
+	stand_in id 'echo 1000'
+	stand_in sudo '"$@"'
+	dev 0 build
+	called "sudo env DEBIAN_FRONTEND=noninteractive $install glslc"
+
+	fresh_house "neither root nor sudo"
+	remove_package glslc
+	stand_in id 'echo 1000'
+	dev 1 build
+	prints err "  env DEBIAN_FRONTEND=noninteractive $install glslc"
+	not_called apt-get
+	not_called cmake
+
+	fresh_house "no network"
+	remove_package glslc
+	stand_in apt-get 'exit 100'
+	dev 1 demo
+	prints err "  env DEBIAN_FRONTEND=noninteractive $install glslc"
+	not_called cmake
+
+	fresh_house "not Debian"
+	rm "$scratch/bin/dpkg-query" "$scratch/bin/apt-get"
+	dev 1 build
+	grep -q "^  env .*$install .*libvulkan-dev" "$scratch/err" || fail "the command is not printed"
+
+	fresh_house "--no-install, wherever it stands"
+	rm "$scratch/bin/dpkg-query"
+	dev 0 build --no-install
+	dev 0 --no-install demo
+	called "cmake --build --preset release"
+}
+
+test_demo() {
+	fresh_house demo
+	dev 0 demo --models 5 --title 'two words' --no-install
+	called "stilb demo --screenshot stilb-demo.png --trace stilb-demo.trace.json --models 5 --title two words"
+	[ "$(cat "$scratch/out")" = "stilb ran" ] || fail "something else is on stdout"
+	called "cmake --preset release -DSTILB_WERROR=ON -DSTILB_TESTS=OFF"
+
+	fresh_house "demo when tests were built before"
+	touch "$scratch/house/build/release/CMakeCache.txt"
+	dev 0 demo
+	called "cmake --preset release -DSTILB_WERROR=ON"
+
+	fresh_house "demo when the build fails"
+	stand_in cmake 'exit 1'
+	dev 1 demo
+	not_called stilb
+	not_called "cmake --build"
+}
+
+test_summary() {
+	fresh_house "all good"
+	dev 0 test
+	last_line "12 passed, 0 failed, 0 skipped"
+	prints out "display for release window: :7"
+	local tries=0
+	while kill -0 "$(cat "$scratch/display-server")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
+		sleep 0.1
+	done
+	[ $tries -le 50 ] || fail "the display server still runs"
+	local preset
+	for preset in release clang asan tsan; do
+		called "cmake --preset $preset -DSTILB_WERROR=ON -DSTILB_TESTS=ON"
+	done
+	! grep -qE '^(model|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
+
+	fresh_house quick
+	dev 0 test --quick
+	last_line "2 passed, 0 failed, 0 skipped"
+	not_called "cmake --preset clang"
+	not_called Xvfb
+
+	fresh_house "one failure"
+	junit release-device 'test_a run' 'test_bad fail' 'test_gone gone'
+	dev 1 test
+	grep -q '^device  failed   1 passed, failed: test_bad test_gone, ' "$scratch/out" || fail "no line for the tier"
+	last_line "11 passed, 2 failed, 0 skipped"
+
+	fresh_house "a skip"
+	junit release-device 'test_a skip'
+	dev 0 test
+	grep -q '^device  skipped  0 passed, skipped: test_a (no driver here), ' "$scratch/out" || fail "no line for the tier"
+	last_line "10 passed, 0 failed, 1 skipped"
+
+	fresh_house "a skip where none is allowed"
+	junit release-device 'test_a skip' 'test_b run'
+	require=unit,device dev 1 test
+	grep -q '^device  failed ' "$scratch/out" || fail "no line for the tier"
+	last_line "11 passed, 1 failed, 0 skipped"
+
+	fresh_house "a required tier without tests"
+	junit release-fuzz
+	require=fuzz dev 1 test
+	grep -q '^fuzz    failed ' "$scratch/out" || fail "no line for the tier"
+
+	fresh_house "a build that fails"
+	stand_in cmake '[ "$2" != asan ]'
+	dev 1 test
+	grep -q '^asan    failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
+	last_line "10 passed, 1 failed, 0 skipped"
+
+	fresh_house "without Xvfb"
+	rm "$scratch/bin/Xvfb"
+	dev 0 test --no-install
+	prints out "display for release window: none"
+
+	fresh_house "Xvfb that does not start"
+	stand_in Xvfb 'echo no such screen; exit 1'
+	dev 0 test
+	prints out "display for release window: none"
+	prints err "no such screen"
+}
+
+# Packages are listed once each, in a group that ./dev knows, with a reason.
+test_packages() {
+	test=packages.txt
+	: >"$scratch/out"
+	: >"$scratch/err"
+	: >"$calls"
+	local wrong
+	wrong=$(awk '/^#/ || !NF { next } NF < 3 || $1 !~ /^(build|unit|test|lint)$/ || seen[$2]++' "$source/packages.txt")
+	[ -z "$wrong" ] || fail "these rows are wrong: $wrong"
+}
+
+require=
+test_refuses_before_anything_else
+test_set_up
+test_demo
+test_summary
+test_packages
+[ $failures -eq 0 ] || { echo "$failures failed"; exit 1; }
+echo "./dev does what it says"

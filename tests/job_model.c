@@ -1,0 +1,521 @@
+#include "job_model.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { THREADS_MAX = 4, STACK_SIZE = 16 << 10, CELL_SIZE = 64, CELLS = 8, LARGE_SIZE = 4096 };
+
+model_fault model_fault_now;
+
+typedef enum status { UNUSED, READY, IN_FUTEX, IN_JOIN, IN_BLOCK, DONE } status;
+
+typedef struct thread {
+	char *sp;
+	status status;
+	uint32_t value;            /* of IN_BLOCK */
+	const volatile void *word; /* of IN_FUTEX and IN_BLOCK */
+	uint64_t target;           /* of IN_JOIN */
+	void *(*fn)(void *);
+	void *data;
+	const char *what; /* the step that comes next, for traces */
+	int line;
+} thread;
+
+/* All that a state consists of beside the stacks and the scenario's data. */
+static struct world {
+	thread threads[THREADS_MAX];
+	uint32_t count;
+	uint32_t cells_used; /* bit per cell */
+	uint32_t large_used;
+	_Alignas(128) char cell[CELLS][CELL_SIZE];
+	char large[LARGE_SIZE]; /* last: only what is used of it counts */
+} world;
+
+static _Alignas(128) char stacks[THREADS_MAX][STACK_SIZE];
+static int current = -1; /* the coroutine that runs, -1: the checker */
+static char *checker_sp;
+static const char *failure;
+
+/* ---- coroutines ---------------------------------------------------------------------------------------------- */
+
+#if defined(__x86_64__)
+bool model_available(void)
+{
+	return true;
+}
+
+/* Saves the registers that a call keeps on the stack, leaves its top in *save, goes on from the stack at load. */
+void model_switch(char **save, char *load);
+__asm__(".text\n.globl model_switch\n.type model_switch,@function\nmodel_switch:\n"
+        "push %rbp\npush %rbx\npush %r12\npush %r13\npush %r14\npush %r15\n"
+        "mov %rsp,(%rdi)\nmov %rsi,%rsp\n"
+        "pop %r15\npop %r14\npop %r13\npop %r12\npop %rbx\npop %rbp\nret\n"
+        ".size model_switch,.-model_switch\n");
+#else
+bool model_available(void)
+{
+	return false;
+}
+
+static void model_switch(char **save, char *load)
+{
+	(void)save;
+	(void)load;
+	abort();
+}
+#endif
+
+static void to_checker(void)
+{
+	model_switch(&world.threads[current].sp, checker_sp);
+}
+
+static void thread_entry(void)
+{
+	thread *self = &world.threads[current];
+	self->fn(self->data);
+	self->status = DONE;
+	to_checker();
+	abort();
+}
+
+void model_spawn(void *(*fn)(void *), void *data)
+{
+	if (world.count == THREADS_MAX)
+		model_fail("too many threads");
+	char *top = stacks[world.count] + STACK_SIZE;
+	memset(stacks[world.count], 0, STACK_SIZE);
+	void *entry = (void *)thread_entry;
+	top -= 2 * sizeof entry; /* so that the entry finds the alignment a call leaves */
+	memcpy(top, &entry, sizeof entry);
+	world.threads[world.count++] =
+		(thread){.sp = top - 6 * sizeof entry, .status = READY, .fn = fn, .data = data, .what = "start"};
+}
+
+void model_fail(const char *why)
+{
+	failure = why;
+	if (current < 0)
+		return;
+	to_checker();
+	abort();
+}
+
+/* ---- operations ---------------------------------------------------------------------------------------------- */
+
+/* The index of the part that address lies in, when size bytes at base are cut into parts; -1 if it lies elsewhere. */
+static int part_of(const volatile void *address, const void *base, size_t size, size_t part)
+{
+	size_t offset = (uintptr_t)address - (uintptr_t)base; /* wraps to a large number below base */
+	return offset < size ? (int)(offset / part) : -1;
+}
+
+static int cell_of(const volatile void *address)
+{
+	return part_of(address, world.cell, sizeof world.cell, CELL_SIZE);
+}
+
+/* Is word in memory that nobody owns any more? */
+static bool word_dead(const volatile void *word)
+{
+	int cell = cell_of(word), owner = part_of(word, stacks, sizeof stacks, STACK_SIZE);
+	if (cell >= 0)
+		return !(world.cells_used >> cell & 1);
+	if (owner < 0)
+		return false;
+	const char *at = (const char *)(uintptr_t)word;
+	return owner != current && (world.threads[owner].status == DONE || at < world.threads[owner].sp);
+}
+
+void model_step(const volatile void *word, const char *what, int line)
+{
+	if (current < 0)
+		return;
+	world.threads[current].what = what;
+	world.threads[current].line = line;
+	to_checker();
+	if (word && word_dead(word))
+		model_fail("operation on dead memory");
+}
+
+void model_futex_wait(_Atomic uint32_t *word, uint32_t expected)
+{
+	model_step(word, "futex_wait", 0);
+	if (*word != expected && model_fault_now != MODEL_FAULT_BLIND_SLEEP)
+		return;
+	world.threads[current].status = IN_FUTEX;
+	world.threads[current].word = word;
+	to_checker();
+}
+
+void model_futex_wake_one(_Atomic uint32_t *word)
+{
+	model_step(NULL, "futex_wake", 0); /* the address is only compared: its memory may be gone */
+	if (model_fault_now == MODEL_FAULT_NO_WAKE)
+		return;
+	for (uint32_t i = 0; i < world.count; ++i) {
+		if (world.threads[i].status == IN_FUTEX && world.threads[i].word == word) {
+			world.threads[i].status = READY;
+			world.threads[i].word = NULL;
+			return;
+		}
+	}
+}
+
+void model_block_until(const uint32_t *word, uint32_t value)
+{
+	world.threads[current].status = IN_BLOCK;
+	world.threads[current].word = word;
+	world.threads[current].value = value;
+	world.threads[current].what = "block";
+	to_checker();
+	world.threads[current].status = READY;
+	world.threads[current].word = NULL;
+}
+
+int model_thread_create(pthread_t *created, void *(*fn)(void *), void *data)
+{
+	model_step(NULL, "create", 0);
+	*created = world.count;
+	model_spawn(fn, data);
+	return 0;
+}
+
+int model_thread_join(pthread_t target)
+{
+	world.threads[current].status = IN_JOIN;
+	world.threads[current].target = (uint64_t)target;
+	world.threads[current].what = "join";
+	to_checker();
+	world.threads[current].status = READY;
+	world.threads[current].target = 0;
+	return 0;
+}
+
+pthread_t model_thread_self(void)
+{
+	return (pthread_t)current;
+}
+
+/* Small blocks are cells, the lowest free one first: freed memory is used again at once, as an allocator may. */
+void *model_malloc(size_t size)
+{
+	for (uint32_t i = 0; i < CELLS && size <= CELL_SIZE; ++i) {
+		if (!(world.cells_used >> i & 1)) {
+			world.cells_used |= 1u << i;
+			return world.cell[i];
+		}
+	}
+	model_fail("no memory left in the model");
+	return NULL;
+}
+
+void *model_aligned_alloc(size_t alignment, size_t size)
+{
+	uint32_t begin = (world.large_used + (uint32_t)alignment - 1) / (uint32_t)alignment * (uint32_t)alignment;
+	if (begin + size > LARGE_SIZE)
+		model_fail("no memory left in the model");
+	world.large_used = begin + (uint32_t)size;
+	return world.large + begin;
+}
+
+void model_free(void *block)
+{
+	int i = cell_of(block);
+	if (i < 0)
+		return; /* large blocks are not used again */
+	if (!(world.cells_used >> i & 1))
+		model_fail("freed twice");
+	world.cells_used &= ~(1u << i);
+	memset(world.cell[i], 0xdd, CELL_SIZE);
+}
+
+uint32_t model_heap_blocks(void)
+{
+	return (uint32_t)__builtin_popcount(world.cells_used);
+}
+
+/* ---- states -------------------------------------------------------------------------------------------------- */
+
+typedef struct frame { /* one state on the path from the start to where the search is */
+	char *saved;
+	uint32_t state;
+	uint32_t next; /* the thread to try next */
+	int chosen;    /* the thread that led to the next frame */
+} frame;
+
+typedef struct edge {
+	uint32_t from, to;
+} edge;
+
+static struct search {
+	const model_scenario *scenario;
+	uint64_t *keys; /* hash table of states seen; 0 is free */
+	uint32_t *ids;
+	size_t table_size;
+	uint32_t states;
+	char *ends_well; /* per state */
+	edge *edges;
+	size_t edge_count, edge_space;
+	frame *path;
+	size_t path_count, path_space;
+	uint32_t depth;
+} search;
+
+static void *grow(void *array, size_t *space, size_t needed, size_t item)
+{
+	if (needed <= *space)
+		return array;
+	*space = needed * 2 + 1024;
+	array = realloc(array, *space * item);
+	if (!array)
+		abort();
+	return array;
+}
+
+static uint64_t hash_bytes(uint64_t hash, const char *bytes, size_t size)
+{
+	for (size_t i = 0; i < size; i += 8) {
+		uint64_t word = 0;
+		memcpy(&word, bytes + i, size - i < 8 ? size - i : 8);
+		__extension__ unsigned __int128 product = (unsigned __int128)(hash ^ word) * 0x9e3779b97f4a7c15u;
+		hash = (uint64_t)product ^ (uint64_t)(product >> 64) ^ i;
+	}
+	return hash;
+}
+
+static size_t world_used(void)
+{
+	return offsetof(struct world, large) + world.large_used;
+}
+
+static size_t stack_used(uint32_t i)
+{
+	const thread *t = &world.threads[i];
+	return t->status == DONE ? 0 : (size_t)(stacks[i] + STACK_SIZE - t->sp);
+}
+
+static uint64_t state_hash(void)
+{
+	uint64_t hash = hash_bytes(0x5851f42d4c957f2du, (const char *)&world, world_used());
+	hash = hash_bytes(hash, search.scenario->data, search.scenario->data_size);
+	for (uint32_t i = 0; i < world.count; ++i)
+		hash = hash_bytes(hash, stacks[i] + STACK_SIZE - stack_used(i), stack_used(i));
+	return hash ? hash : 1;
+}
+
+static char *state_save(void)
+{
+	size_t size = world_used() + search.scenario->data_size;
+	for (uint32_t i = 0; i < world.count; ++i)
+		size += stack_used(i);
+	char *saved = malloc(size), *at = saved;
+	if (!saved)
+		abort();
+	memcpy(at, &world, world_used());
+	at += world_used();
+	memcpy(at, search.scenario->data, search.scenario->data_size);
+	at += search.scenario->data_size;
+	for (uint32_t i = 0; i < world.count; ++i) {
+		memcpy(at, stacks[i] + STACK_SIZE - stack_used(i), stack_used(i));
+		at += stack_used(i);
+	}
+	return saved;
+}
+
+static void state_restore(const char *at)
+{
+	memcpy(&world, at, offsetof(struct world, large));
+	at += offsetof(struct world, large);
+	memcpy(world.large, at, world.large_used);
+	at += world.large_used;
+	memcpy(search.scenario->data, at, search.scenario->data_size);
+	at += search.scenario->data_size;
+	for (uint32_t i = 0; i < world.count; ++i) {
+		memcpy(stacks[i] + STACK_SIZE - stack_used(i), at, stack_used(i));
+		at += stack_used(i);
+	}
+}
+
+/* The state's number; *fresh if it has not been seen before. */
+static uint32_t state_number(uint64_t key, bool *fresh)
+{
+	size_t i = key & (search.table_size - 1);
+	while (search.keys[i] && search.keys[i] != key)
+		i = (i + 1) & (search.table_size - 1);
+	*fresh = !search.keys[i];
+	if (*fresh) {
+		search.keys[i] = key;
+		search.ids[i] = search.states++;
+	}
+	return search.ids[i];
+}
+
+/* ---- search -------------------------------------------------------------------------------------------------- */
+
+static bool thread_enabled(const thread *t)
+{
+	switch (t->status) {
+	case READY:
+		return true;
+	case IN_JOIN:
+		return world.threads[t->target].status == DONE;
+	case IN_BLOCK:
+		return *(const volatile uint32_t *)t->word == t->value;
+	default:
+		return false;
+	}
+}
+
+static bool run_over(void)
+{
+	if (search.scenario->main_ends_all)
+		return world.threads[0].status == DONE;
+	for (uint32_t i = 0; i < world.count; ++i)
+		if (world.threads[i].status != DONE)
+			return false;
+	return true;
+}
+
+static void path_push(uint32_t state)
+{
+	search.path = grow(search.path, &search.path_space, search.path_count + 1, sizeof *search.path);
+	search.path[search.path_count++] = (frame){.saved = state_save(), .state = state, .chosen = -1};
+	if (search.path_count > search.depth)
+		search.depth = (uint32_t)search.path_count;
+}
+
+/* Takes up the state that the search has just reached. */
+static void state_visit(uint32_t from, bool first)
+{
+	bool fresh = false, enabled = false;
+	uint32_t state = state_number(state_hash(), &fresh);
+	if (!first) {
+		search.edges = grow(search.edges, &search.edge_space, search.edge_count + 1, sizeof *search.edges);
+		search.edges[search.edge_count++] = (edge){from, state};
+	}
+	if (!fresh)
+		return;
+	if (search.states >= search.scenario->max_states) {
+		failure = "more states than allowed";
+		return;
+	}
+	for (uint32_t i = 0; i < world.count; ++i)
+		enabled |= thread_enabled(&world.threads[i]);
+	if (run_over()) {
+		search.ends_well[state] = 1;
+		if (search.scenario->check)
+			search.scenario->check();
+	} else if (!enabled) {
+		failure = "nobody can go on: lost wake-up or deadlock";
+	} else {
+		path_push(state);
+	}
+}
+
+static void thread_run(int i)
+{
+	current = i;
+	model_switch(&checker_sp, world.threads[i].sp);
+	current = -1;
+}
+
+/* One turn of the depth-first search; false when there is nothing left on the path. */
+static bool search_turn(void)
+{
+	if (search.path_count == 0)
+		return false;
+	frame *top = &search.path[search.path_count - 1];
+	state_restore(top->saved);
+	while (top->next < world.count && !thread_enabled(&world.threads[top->next]))
+		++top->next;
+	if (top->next == world.count) {
+		free(top->saved);
+		--search.path_count;
+		return true;
+	}
+	top->chosen = (int)top->next++;
+	uint32_t from = top->state;
+	thread_run(top->chosen);
+	if (!failure)
+		state_visit(from, false);
+	return true;
+}
+
+/* Marks every state from which the end can be reached, by going through the edges backwards until nothing changes;
+ * edges of a depth-first search come nearly in the right order, so a few rounds do. */
+static bool all_end_well(void)
+{
+	for (bool changed = true; changed;) {
+		changed = false;
+		for (size_t i = search.edge_count; i-- > 0;) {
+			const edge *e = &search.edges[i];
+			if (search.ends_well[e->to] && !search.ends_well[e->from])
+				search.ends_well[e->from] = 1, changed = true;
+		}
+	}
+	return memchr(search.ends_well, 0, search.states) == NULL;
+}
+
+static void print_path(void)
+{
+	fprintf(stderr, "model: %s, after\n", failure);
+	for (size_t i = 0; i < search.path_count; ++i) {
+		state_restore(search.path[i].saved);
+		int chosen = search.path[i].chosen;
+		if (chosen >= 0)
+			fprintf(stderr, "  %d %s:%d\n", chosen, world.threads[chosen].what, world.threads[chosen].line);
+	}
+}
+
+static void search_begin(const model_scenario *scenario)
+{
+	memset(&search, 0, sizeof search);
+	memset(&world, 0, sizeof world);
+	memset(scenario->data, 0, scenario->data_size);
+	failure = NULL;
+	current = -1;
+	search.scenario = scenario;
+	for (search.table_size = 1024; search.table_size < 2 * (size_t)scenario->max_states;)
+		search.table_size *= 2;
+	search.keys = calloc(search.table_size, sizeof *search.keys);
+	search.ids = calloc(search.table_size, sizeof *search.ids);
+	search.ends_well = calloc(scenario->max_states + 1, 1);
+	if (!search.keys || !search.ids || !search.ends_well)
+		abort();
+}
+
+static void search_end(void)
+{
+	while (search.path_count > 0)
+		free(search.path[--search.path_count].saved);
+	free(search.path);
+	free(search.edges);
+	free(search.ends_well);
+	free(search.ids);
+	free(search.keys);
+}
+
+static void *main_entry(void *data)
+{
+	(void)data;
+	search.scenario->main();
+	return NULL;
+}
+
+model_result model_run(const model_scenario *scenario, bool trace)
+{
+	search_begin(scenario);
+	model_spawn(main_entry, NULL);
+	state_visit(0, true);
+	while (!failure && search_turn())
+		;
+	if (failure && trace)
+		print_path();
+	if (!failure && !all_end_well())
+		failure = "states from which the end cannot be reached: livelock";
+	model_result result = {failure, search.states, (uint32_t)search.edge_count, search.depth};
+	search_end();
+	return result;
+}

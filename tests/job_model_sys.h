@@ -1,0 +1,75 @@
+/*
+ * The operations of job_model.h under the names that the sources of jobs/ use. Include it once, before those sources and
+ * after every other header.
+ */
+#include "job_model.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <sched.h>
+#include <stdalign.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define STILB_JOB_SYS_H /* instead of jobs/job_sys.h */
+#define JOB_IDLE_LOOKS 0
+#define job_sys_pause() ((void)0)
+#define job_sys_relax(turns) ((void)(turns))
+#define job_sys_futex_wait model_futex_wait
+#define job_sys_futex_wake_one model_futex_wake_one
+
+#include "jobs/job.h"
+#undef STILB_JOB_MAX_WORKERS
+#define STILB_JOB_MAX_WORKERS 3 /* small states */
+
+#define STEP(p, what) model_step(p, what, __LINE__)
+
+#undef atomic_load_explicit
+#undef atomic_store_explicit
+#undef atomic_exchange_explicit
+#undef atomic_fetch_add_explicit
+#undef atomic_fetch_sub_explicit
+#undef atomic_compare_exchange_strong_explicit
+#undef atomic_compare_exchange_weak_explicit
+
+#define atomic_load_explicit(p, order) (STEP(p, "load"), *(p))
+#define atomic_store_explicit(p, value, order) (STEP(p, "store"), (void)(*(p) = (value)))
+#define atomic_exchange_explicit(p, value, order)                                                                      \
+	__extension__({                                                                                                    \
+		STEP(p, "exchange");                                                                                           \
+		uint32_t old_ = *(p);                                                                                          \
+		*(p) = (value);                                                                                                \
+		old_;                                                                                                          \
+	})
+#define MODEL_FETCH(p, change)                                                                                         \
+	__extension__({                                                                                                    \
+		STEP(p, "fetch_add");                                                                                          \
+		uint64_t old_ = *(p);                                                                                          \
+		*(p) = old_ + (uint64_t)(change);                                                                              \
+		old_;                                                                                                          \
+	})
+#define atomic_fetch_add_explicit(p, value, order) MODEL_FETCH(p, value)
+#define atomic_fetch_sub_explicit(p, value, order) MODEL_FETCH(p, -(uint64_t)(value))
+#define atomic_compare_exchange_strong_explicit(p, expected, value, success, failure)                                  \
+	__extension__({                                                                                                    \
+		STEP(p, "compare_exchange");                                                                                   \
+		uint64_t seen_ = *(p);                                                                                         \
+		bool same_ = seen_ == *(expected);                                                                             \
+		if (same_)                                                                                                     \
+			*(p) = (value);                                                                                            \
+		else                                                                                                           \
+			*(expected) = seen_;                                                                                       \
+		same_;                                                                                                         \
+	})
+#define atomic_compare_exchange_weak_explicit atomic_compare_exchange_strong_explicit
+
+#define malloc model_malloc
+#define aligned_alloc model_aligned_alloc
+#define free model_free
+#define pthread_create(thread, attributes, fn, data) model_thread_create(thread, fn, data)
+#define pthread_join(thread, result) model_thread_join(thread)
+#define pthread_self model_thread_self
+#define pthread_equal(a, b) ((a) == (b))
+#define pthread_setname_np(thread, name) ((void)(name))
+#define snprintf(text, size, format, ...) ((void)(text), (void)(__VA_ARGS__))

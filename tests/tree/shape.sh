@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# shape.sh [ROOT]: checks on the text of the tree. Prints one line per violation; exit 1 if any.
+set -euo pipefail
+export LC_ALL=C
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+cd "${1:-$here/../..}"
+
+sources() {
+	"$here/files.sh" "$PWD" | grep -E '\.([ch]|cpp|hpp|glsl|vert|frag|comp|sh)$|(^|/)(dev|CMakeLists.txt)$' || true
+}
+
+# A longer file is two files.
+long_files() {
+	sources | while read -r file; do
+		lines=$(wc -l <"$file")
+		[ "$lines" -le 1500 ] || echo "$file: $lines lines; 1500 is the most"
+	done
+}
+
+# Every header is guarded by a name of its own. glsl_begin.h and glsl_end.h are meant to be included again and again.
+header_guards() {
+	sources | grep -E '\.hpp$|\.h$' | grep -vE '(^|/)glsl_(begin|end)\.h$' | while read -r file; do
+		awk -v file="$file" '
+			/^[ \t]*#/ {
+				if (++n == 1 && $1 == "#ifndef") guard = $2
+				else if (n == 2 && guard != "" && $1 == "#define" && $2 == guard && NF == 2) { print "guard", guard, file; exit }
+				else { print "none", file; exit }
+			}
+			END { if (n == 0) print "none", file }' "$file"
+	done | awk '
+		$1 == "none" { print $2 ": does not start with a header guard"; next }
+		$2 in owner { print $3 ": the header guard " $2 " is also that of " owner[$2]; next }
+		{ owner[$2] = $3 }'
+}
+
+# The thread sanitizer cannot see a fence: order lives on the atomic itself.
+fences() {
+	sources | grep -E '\.([chp]|cpp|hpp)$' | while read -r file; do
+		grep -nHE 'atomic_(thread|signal)_fence[[:space:]]*\(|__sync_synchronize' "$file" || true
+	done | sed -E 's/^([^:]*:[0-9]+):.*/\1: a fence; put the order on the atomic operation/'
+}
+
+# A test that is not registered never fails.
+forgotten_tests() {
+	for file in tests/test_*.c tests/test_*.sh; do
+		[ -e "$file" ] || continue
+		name=$(basename "$file")
+		grep -qE "(^|[^a-z0-9_])${name%.*}([^a-z0-9_]|$)" tests/CMakeLists.txt ||
+			echo "$file: tests/CMakeLists.txt does not name it"
+	done
+}
+
+# CI must name every tier that has tests, or a tier that is skipped there would pass.
+forgotten_tiers() {
+	for tier in unit device window model fuzz; do
+		sed 's/#.*//' tests/CMakeLists.txt | tr '\n' ' ' | grep -E "LABELS [^)]*\\b$tier\\b" >/dev/null || continue
+		grep -qE "STILB_REQUIRE=[a-z,]*\\b$tier\\b" .ci/run || echo ".ci/run: STILB_REQUIRE does not name the tier $tier"
+	done
+}
+
+[ -n "$(sources)" ] || { echo "shape.sh: found no source at all"; exit 1; }
+violations=$(long_files; header_guards; fences; forgotten_tests; forgotten_tiers)
+if [ -n "$violations" ]; then
+	printf '%s\n' "$violations"
+	exit 1
+fi
+echo "$(sources | wc -l) files are in shape"

@@ -1,0 +1,150 @@
+#!/usr/bin/env bash
+# Plants one violation at a time in a small tree and sees each check report it, and nothing when all is well.
+set -euo pipefail
+checks=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+failures=0
+
+# A tree that breaks no rule.
+fresh_tree() {
+	rm -rf "$scratch/tree"
+	mkdir -p "$scratch/tree"/{.ci,jobs,profiler,engine/{base,shading,scene,image,window,render/vulkan},game,tests}
+	cd "$scratch/tree"
+	header jobs/job.h STILB_JOB_H '<stdint.h>'
+	header jobs/job_queue.h STILB_JOB_QUEUE_H '"jobs/job.h"'
+	header profiler/prof.h STILB_PROF_H '<time.h>'
+	header engine/base/base.h STILB_BASE_H '<stddef.h>'
+	header engine/scene/scene.h STILB_SCENE_H '"base/base.h"'
+	header engine/scene/scene_internal.h STILB_SCENE_INTERNAL_H '"scene/scene.h"' '"profiler/prof.h"'
+	header engine/render/render.h STILB_RENDER_H '"scene/scene.h"' '"jobs/job.h"'
+	header engine/engine.h STILB_ENGINE_H '"render/render.h"'
+	printf '#include "render/render.h"\n#include "triangle_spv.h"\n#include <vulkan/vulkan.h>\n' >engine/render/vulkan/vulkan.c
+	printf '#include <vector>\n#include <OpenImageIO/imageio.h>\n' >engine/image/oiio.cpp
+	printf '#include "engine.h"\n#include <sys/stat.h>\n' >game/main.c
+	header engine/shading/shade_sky.h SHADE_SKY_H '"base/base.h"'
+	printf '#include "../shading/shade_sky.h"\n' >engine/render/sky.frag
+	printf '#include "scene/scene_internal.h"\n#include <cmocka.h>\n' >tests/test_scene_build.c
+	printf 'stilb_test(test_scene_build LABELS unit)\n' >tests/CMakeLists.txt
+	printf 'STILB_REQUIRE=unit\n' >.ci/run
+}
+
+header() { # FILE GUARD INCLUDE...
+	printf '/* A header. */\n#ifndef %s\n#define %s\n' "$2" "$2" >"$1"
+	printf '#include %s\n' "${@:3}" >>"$1"
+	echo '#endif' >>"$1"
+}
+
+expect() { # WHAT-THE-CHECK-SAYS CHECK FOLDER: the check must fail and say so
+	local wanted=$1 said
+	shift
+	if said=$("$checks/$1" "$2" 2>&1); then
+		echo "not noticed: $wanted"
+		failures=$((failures + 1))
+	elif [[ $said != *"$wanted"* ]]; then
+		printf 'expected: %s\nbut %s said:\n%s\n' "$wanted" "$1" "$said"
+		failures=$((failures + 1))
+	fi
+}
+
+expect_good() { # CHECK FOLDER
+	local said
+	said=$("$checks/$1" "$2" 2>&1) || {
+		printf 'a tree without fault fails in %s:\n%s\n' "$1" "$said"
+		failures=$((failures + 1))
+	}
+}
+
+include() { # FILE INCLUDE WHAT-THE-CHECK-SAYS
+	fresh_tree
+	printf '#include %s\n' "$2" >>"$1"
+	expect "$3" layers.sh "$scratch/tree"
+}
+
+test_layers() {
+	fresh_tree
+	expect_good layers.sh "$scratch/tree"
+	include jobs/job.h '"base/base.h"' 'jobs may not include base'
+	include jobs/job.h '"profiler/prof.h"' 'jobs may not include profiler'
+	include profiler/prof.h '"jobs/job.h"' 'profiler may not include jobs'
+	include engine/base/base.h '"profiler/prof.h"' 'base may not include profiler'
+	include engine/scene/scene.h '"render/render.h"' 'scene may not include render'
+	include engine/scene/scene.h '"jobs/job.h"' 'engine/scene/scene.h:6: scene may not include jobs'
+	include engine/render/render.h '"scene/scene_internal.h"' '"scene/scene_internal.h" is internal to scene'
+	include engine/render/render.h '"jobs/job_queue.h"' '"jobs/job_queue.h" is internal to jobs'
+	include engine/render/render.h '"engine.h"' 'render may not include engine'
+	include game/main.c '"render/render.h"' 'game may not include render'
+	include engine/scene/scene.h '"../base/base.h"' 'name headers from the top'
+	include engine/render/sky.frag '"../engine.h"' 'render may not include engine'
+	include engine/scene/scene.h '"base/gone.h"' 'is not in the tree'
+	include engine/scene/scene.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to engine/render/vulkan alone'
+	include engine/render/render.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to'
+	include game/main.c '<GLFW/glfw3.h>' '<GLFW/glfw3.h> belongs to'
+	include game/main.c '<cmocka.h>' '<cmocka.h> belongs to'
+	include game/main.c '<zlib.h>' '<zlib.h> is neither'
+	include game/main.c '<vector>' '<vector> is neither'
+	include game/main.c 'SOME_MACRO' 'must name its header'
+	fresh_tree
+	mkdir -p build out && touch out/CMakeCache.txt
+	printf '#include "nowhere/gone.h"\n' | tee build/a.c >out/a.c
+	expect_good layers.sh "$scratch/tree"
+	mkdir extra && printf '#include <stdio.h>\n' >extra/a.c
+	expect 'no room' layers.sh "$scratch/tree"
+	rm -rf "$scratch/tree" && mkdir "$scratch/tree"
+	expect 'no include at all' layers.sh "$scratch/tree"
+}
+
+test_shape() {
+	fresh_tree
+	expect_good shape.sh "$scratch/tree"
+	seq 1501 | sed 's|.*|// &|' >game/long.c
+	expect 'game/long.c: 1501 lines' shape.sh "$scratch/tree"
+
+	fresh_tree
+	echo 'int stilb_job_x;' >jobs/open.h
+	expect 'jobs/open.h: does not start with a header guard' shape.sh "$scratch/tree"
+	printf '#include <stdio.h>\n#ifndef A\n#define A\n#endif\n' >jobs/open.h
+	expect 'jobs/open.h: does not start with a header guard' shape.sh "$scratch/tree"
+	header jobs/open.h STILB_PROF_H '<stdio.h>'
+	expect 'the header guard STILB_PROF_H is also that of' shape.sh "$scratch/tree"
+
+	fresh_tree
+	echo 'void f(void) { atomic_thread_fence(memory_order_seq_cst); }' >>game/main.c
+	expect 'game/main.c:3: a fence' shape.sh "$scratch/tree"
+
+	fresh_tree
+	echo >tests/test_scene.c
+	expect 'tests/test_scene.c: tests/CMakeLists.txt does not name it' shape.sh "$scratch/tree"
+
+	fresh_tree
+	printf 'stilb_test(test_scene_build\n\tLABELS model tsan)\n' >tests/CMakeLists.txt
+	expect 'STILB_REQUIRE does not name the tier model' shape.sh "$scratch/tree"
+}
+
+library() { # MODULE CODE
+	rm -rf "${scratch:?}/lib" && mkdir -p "$scratch/lib/sub"
+	printf '%s\n' "$2" >"$scratch/lib/a.c"
+	"${CC:-cc}" -c "$scratch/lib/a.c" -o "$scratch/lib/a.o"
+	ar rcs "$scratch/lib/sub/libstilb-$1.a" "$scratch/lib/a.o"
+}
+
+test_symbols() {
+	library jobs 'int stilb_job_a; int job_b; static int help = 1; int *stilb_job_c(void) { return &help; }'
+	expect_good symbols.sh "$scratch/lib"
+	library jobs 'int stilb_prof_a;'
+	expect 'libstilb-jobs.a: stilb_prof_a lacks the prefix' symbols.sh "$scratch/lib"
+	library culling 'void helper(void) {}'
+	expect 'libstilb-culling.a: helper lacks the prefix stilb_cull_ or cull_' symbols.sh "$scratch/lib"
+	library base 'void stilb_log(void) {}'
+	expect_good symbols.sh "$scratch/lib"
+	library base 'void write_log(void) {}'
+	expect 'libstilb-base.a: write_log' symbols.sh "$scratch/lib"
+	rm -rf "${scratch:?}/lib" && mkdir "$scratch/lib"
+	expect 'no libstilb-*.a' symbols.sh "$scratch/lib"
+}
+
+test_layers
+test_shape
+test_symbols
+[ $failures -eq 0 ] || { echo "$failures planted violations went wrong"; exit 1; }
+echo "every planted violation was reported"
