@@ -166,6 +166,13 @@ void stilb_engine_destroy(stilb_engine *engine)
 	free(engine);
 }
 
+stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms)
+{
+	stilb_result result = stilb_render_wait(engine->render);
+	*gpu_ms = stilb_render_stats_get(engine->render).gpu_ms;
+	return result;
+}
+
 /* ---- what a frame left behind -------------------------------------------------------------------------------------- */
 
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine)

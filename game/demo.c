@@ -322,6 +322,13 @@ static bool demo_finish(demo_run *run)
 	const demo_options *o = &run->options;
 	stage_summary summary[STAGE_COUNT];
 	uint64_t warmup;
+	double gpu_ms;
+	stilb_result waited = stilb_engine_wait(run->engine, &gpu_ms);
+	if (waited != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return false;
+	}
+	stage_times_last_gpu(&run->times, gpu_ms);
 	bool good = stage_times_summarise(&run->times, summary, &warmup);
 	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK;
 	if (o->screenshot)

@@ -32,6 +32,12 @@ bool stage_times_add(stage_times *times, const stilb_engine_times *frame)
 	return true;
 }
 
+void stage_times_last_gpu(stage_times *times, double ms)
+{
+	if (times->count > 0)
+		times->frames[(times->count - 1) % times->capacity][STAGE_GPU] = (float)ms;
+}
+
 static int compare_floats(const void *a, const void *b)
 {
 	float x = *(const float *)a, y = *(const float *)b;
@@ -55,11 +61,17 @@ bool stage_times_summarise(const stage_times *times, stage_summary summary[STAGE
 	float *values = malloc((count ? count : 1) * sizeof *values);
 	if (!values)
 		return false;
-	for (int s = 0; s < STAGE_COUNT && count > 0; s++) {
-		for (uint64_t i = 0; i < count; i++)
-			values[i] = times->frames[(times->count - count + i) % times->capacity][s];
-		qsort(values, count, sizeof *values, compare_floats);
-		summary[s] = (stage_summary){quantile(values, count, 0.5), quantile(values, count, 0.99), (double)values[0]};
+	for (int s = 0; s < STAGE_COUNT; s++) {
+		uint64_t known = 0;
+		for (uint64_t i = 0; i < count; i++) {
+			float ms = times->frames[(times->count - count + i) % times->capacity][s];
+			if (s != STAGE_GPU || ms > 0.0f)
+				values[known++] = ms;
+		}
+		qsort(values, known, sizeof *values, compare_floats);
+		if (known > 0)
+			summary[s] =
+				(stage_summary){quantile(values, known, 0.5), quantile(values, known, 0.99), (double)values[0]};
 	}
 	free(values);
 	return true;

@@ -202,16 +202,14 @@ static inline uint64_t stilb_prof_clock(const stilb_prof_ring *ring)
 	return now;
 }
 
-/* Opens a zone at depth and returns when it began. */
-static inline uint64_t stilb_prof_open(stilb_prof_ring *ring, const stilb_prof_site *site, uint32_t depth)
+/* Opens a zone at depth. */
+static inline void stilb_prof_open(stilb_prof_ring *ring, const stilb_prof_site *site, uint64_t begin, uint32_t depth)
 {
-	const uint64_t begin = stilb_prof_clock(ring);
 	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1)) {
 		__atomic_store_n(&ring->open[depth].begin, begin, __ATOMIC_RELEASE);
 		__atomic_store_n(&ring->open[depth].site, site, __ATOMIC_RELEASE);
 	}
 	__atomic_store_n(&ring->depth, depth + 1, __ATOMIC_RELEASE);
-	return begin;
 }
 
 /* Closes the zone at depth, which lasted from begin to end, and writes its event. */
@@ -238,7 +236,8 @@ static inline stilb_prof_scope stilb_prof_scope_begin(const stilb_prof_site *sit
 	stilb_prof_scope scope = {site, 0, 0};
 	if (__builtin_expect(ring != NULL, 1)) {
 		scope.depth = __atomic_load_n(&ring->depth, __ATOMIC_RELAXED);
-		scope.begin = stilb_prof_open(ring, site, scope.depth);
+		scope.begin = stilb_prof_clock(ring);
+		stilb_prof_open(ring, site, scope.begin, scope.depth);
 	}
 	return scope;
 }

@@ -197,7 +197,7 @@ void stilb_prof_zone_begin(const stilb_prof_site *site)
 {
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
 	if (ring != NULL)
-		stilb_prof_open(ring, site, ring->depth);
+		stilb_prof_open(ring, site, stilb_prof_clock(ring), ring->depth);
 }
 
 void stilb_prof_zone_end(void)
@@ -262,9 +262,10 @@ static uint32_t prof_copy_open(const stilb_prof_ring *ring, prof_zone *zones)
 	uint32_t count = 0;
 	for (depth = depth < STILB_PROF_DEPTH_MAX ? depth : STILB_PROF_DEPTH_MAX; depth-- > 0;) {
 		prof_zone zone = {.depth = depth, .open = true};
-		if (!prof_copy_open_zone(ring, depth, &zone) || (count > 0 && zone.begin > zones[count - 1].begin))
+		const bool whole = prof_copy_open_zone(ring, depth, &zone);
+		if (!whole || (count > 0 && zone.begin > zones[count - 1].begin))
 			count = 0;
-		if (zone.site != NULL)
+		if (whole)
 			zones[count++] = zone;
 	}
 	return count;

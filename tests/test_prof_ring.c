@@ -165,6 +165,60 @@ static void copies_are_never_torn(void **state)
 	assert_true(held > 0);
 }
 
+/* Opens and closes event after event, one inside another: 0 (1 (2)), 3 (4 (5)), ... */
+static void *write_open_events(void *data)
+{
+	writer *w = data;
+	writer_begin(w);
+	for (uint64_t n = 0; w->error == 0 && writer_goes_on(w); n += 3) {
+		for (uint32_t depth = 0; depth < 3; depth++)
+			stilb_prof_open(stilb_prof_thread_ring, (n + depth) % 2 ? &odd_site : &even_site, (n + depth + 1) * STEP,
+			                depth);
+		for (uint32_t depth = 3; depth-- > 0;)
+			stilb_prof_close(stilb_prof_thread_ring, (n + depth) % 2 ? &odd_site : &even_site, (n + depth + 1) * STEP,
+			                 (n + depth + 2) * STEP, depth);
+	}
+	stilb_prof_thread_end();
+	return NULL;
+}
+
+/* Open zones: whole, each inside the one after it in the copy, and none that has ended before. */
+static bool open_events_are_whole(const prof_thread_copy *thread, uint32_t closed)
+{
+	for (uint32_t i = closed; i < thread->count; i++) {
+		const prof_zone *zone = &thread->zones[i];
+		const uint64_t n = zone->begin / STEP - 1;
+		if (!zone->open || zone->depth != thread->count - 1 - i || n % 3 != zone->depth ||
+		    zone->site != (n % 2 ? &odd_site : &even_site))
+			return false;
+		if (i > closed && zone->begin + STEP != zone[-1].begin)
+			return false;
+		for (uint32_t k = 0; k < closed; k++)
+			if (thread->zones[k].begin == zone->begin)
+				return false;
+	}
+	return true;
+}
+
+static void open_zones_are_never_torn(void **state)
+{
+	(void)state;
+	pthread_t thread;
+	writer w = {0};
+	uint64_t open = 0, broken = 0;
+	assert_int_equal(stilb_prof_ring_events_set(64), 0);
+	writer_start(&thread, write_open_events, &w);
+	for (int i = 0; i < 50000; i++) {
+		prof_copy copy;
+		broken += prof_copy_take(&copy) != 0 || !open_events_are_whole(&copy.threads[0], (uint32_t)copy.events_held);
+		open += copy.threads[0].count - copy.events_held;
+		prof_copy_free(&copy);
+	}
+	writer_join(thread, &w);
+	assert_int_equal(broken, 0);
+	assert_true(open > 0);
+}
+
 /* Zones named after their level. */
 static void *write_zones(void *data)
 {
@@ -381,6 +435,7 @@ int main(void)
 		RING_TEST(accounts_reach_the_trace),
 		RING_TEST(ring_sizes),
 		RING_TEST(copies_are_never_torn),
+		RING_TEST(open_zones_are_never_torn),
 		RING_TEST(open_zones_are_whole),
 		RING_TEST(traces_of_a_busy_thread_keep_every_rule),
 		RING_TEST(frames_are_never_torn),

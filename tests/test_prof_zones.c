@@ -171,6 +171,28 @@ static void deeper_than_the_stack(void **state)
 	capture_finish(&c);
 }
 
+static void record(const stilb_prof_site *site, uint64_t begin, uint64_t end, uint32_t depth)
+{
+	stilb_prof_close(stilb_prof_thread_ring, site, begin, end, depth);
+}
+
+STILB_PROF_SITE(site_a, "a", 0);
+STILB_PROF_SITE(site_b, "b", 0);
+STILB_PROF_SITE(site_c, "c", 0);
+STILB_PROF_SITE(site_d, "d", 0);
+
+/* Depths are not told apart there: the times must do. */
+static void deeper_than_depths_are_kept(void **state)
+{
+	(void)state;
+	const uint64_t t = prof_clock_now();
+	record(&site_c, t + 200, t + 300, 102);
+	record(&site_b, t + 100, t + 400, 101);
+	record(&site_d, t + 500, t + 600, 101);
+	record(&site_a, t, t + 700, 100);
+	assert_names("a b c d");
+}
+
 static void open_zones_are_begun(void **state)
 {
 	(void)state;
@@ -196,16 +218,6 @@ static void open_zones_are_begun(void **state)
 }
 
 /* ---- order: events made by hand ----------------------------------------------------------------------------------- */
-
-STILB_PROF_SITE(site_a, "a", 0);
-STILB_PROF_SITE(site_b, "b", 0);
-STILB_PROF_SITE(site_c, "c", 0);
-STILB_PROF_SITE(site_d, "d", 0);
-
-static void record(const stilb_prof_site *site, uint64_t begin, uint64_t end, uint32_t depth)
-{
-	stilb_prof_close(stilb_prof_thread_ring, site, begin, end, depth);
-}
 
 /* All begin in one tick; only depth and order tell b inside a, then c with d inside. */
 static void ties_keep_the_tree(void **state)
@@ -356,6 +368,7 @@ int main(void)
 		ZONE_TEST(without_a_ring_nothing_is_recorded),
 		ZONE_TEST(zones_of_two_functions),
 		ZONE_TEST(deeper_than_the_stack),
+		ZONE_TEST(deeper_than_depths_are_kept),
 		ZONE_TEST(open_zones_are_begun),
 		ZONE_TEST(ties_keep_the_tree),
 		ZONE_TEST(children_without_their_parent),

@@ -23,9 +23,10 @@ typedef struct cull_walk {
  *
  * With u = 2^-24 and size = sum of |n_i| (|c_i| + h) + |distance|, the float test is off by at most 4u / (1 - 4u) times
  * size (three products, three additions; Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 3.1).
- * The margin is 8u size. The other half is room for what this function, in double, and the placing of a centre into a
- * cell get wrong: both stay below 2^-26 size, even for cells of depth 20 (a centre is placed with an error of 2^-51
- * of |c_i| plus the root's side, and the greatest coordinate of a cell is at least 2^-21 of the larger of the two).
+ * The margin is 8u size; its other half, 2^-22 size, is room for the rest. This function, in double, is off by less than
+ * 2^-48 size. A centre may lie outside the cell it was placed in by 2^-51 (L + S), S the root's side and L the magnitude
+ * of its low corner: where L <= 2 S that is less than 2^-28 h even at depth 20 (h = 2^-21 S), else |c_i| >= L / 2 and it
+ * is less than 2^-49 (|c_i| + h).
  * 2^-120 stands for products that underflow, flush-to-zero too.
  *
  * Adding reach comes last, as the sign of a rounded sum is the sign of the exact one. From 2^126 on a float sum could

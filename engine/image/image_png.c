@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Table for image_png_crc, one byte at a time: ISO 3309's polynomial, reflected. */
+/* Table for png_crc, one byte at a time: ISO 3309's polynomial, reflected. */
 static void png_crc_table(uint32_t table[256])
 {
 	for (uint32_t i = 0; i < 256; i++) {

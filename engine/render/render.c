@@ -141,6 +141,11 @@ stilb_result stilb_render_present(stilb_render *render)
 	return render->device->functions->present(render->device);
 }
 
+stilb_result stilb_render_wait(stilb_render *render)
+{
+	return render->device->functions->wait(render->device);
+}
+
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image)
 {
 	return render->device->functions->read_image(render->device, image);

@@ -136,6 +136,9 @@ stilb_result stilb_render_present(stilb_render *render);
 /* The last replayed picture, top row first; waits for the device. The null device has none: STILB_ERROR_DEVICE. */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
 
+/* Waits until the device has drawn every frame; the statistics' gpu_ms is then the last frame's. */
+stilb_result stilb_render_wait(stilb_render *render);
+
 stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
 /* FNV-1a 64 over the last frame's draws in replay order, each as mesh id, material id (32-bit), the 16 floats of the

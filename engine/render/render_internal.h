@@ -138,6 +138,7 @@ typedef struct render_device_functions {
 	void (*pass_end)(render_device *device);
 	stilb_result (*submit)(render_device *device);
 	stilb_result (*present)(render_device *device);
+	stilb_result (*wait)(render_device *device);
 	stilb_result (*read_image)(render_device *device, stilb_image *image);
 } render_device_functions;
 

@@ -2,7 +2,7 @@
 #include "scene/scene_internal.h"
 
 #include <float.h>
-#include <stdlib.h>
+#include <string.h>
 
 /* Random numbers of one model; the enum is the stream, so adding one changes no other. */
 enum stress_stream {
@@ -144,32 +144,60 @@ void stilb_scene_animate(stilb_scene *scene, double seconds)
 
 /* ---- cameras ------------------------------------------------------------------------------------------------------- */
 
-/* The camera that looks at the middle of the grid from `distance`. */
-static stilb_scene_camera stress_camera_at(float distance, float far_z)
+/* How each view looks down, radians, so that its share of the grid fills the picture. */
+static const float stress_pitch[] = {
+	[STILB_SCENE_VIEW_ALL] = -0.72f,
+	[STILB_SCENE_VIEW_HALF] = -0.6f,
+	[STILB_SCENE_VIEW_FEW] = -0.85f,
+};
+
+/* Where the camera of a view stands when every model is in the picture: back from the middle of the grid, and up along
+ * the picture, which centres it. */
+typedef struct stress_stand {
+	float distance, up;
+} stress_stand;
+
+static stilb_scene_camera stress_camera_at(float pitch, stress_stand stand, float far_z)
 {
-	stilb_scene_camera camera = {.pitch = -0.56f, .fov_y = 0.9f, .near_z = 0.1f, .far_z = far_z};
-	camera.position[1] = -sinf(camera.pitch) * distance;
-	camera.position[2] = cosf(camera.pitch) * distance;
+	stilb_scene_camera camera = {.pitch = pitch, .fov_y = 0.85f, .near_z = 0.1f, .far_z = far_z};
+	camera.position[1] = -sinf(pitch) * stand.distance + cosf(pitch) * stand.up;
+	camera.position[2] = cosf(pitch) * stand.distance + sinf(pitch) * stand.up;
 	return camera;
 }
 
-/* How far back the camera must stand so that the box of the whole grid is inside: each corner, seen along the camera's
- * axes from the middle, needs forward + distance >= |right| / tan(half width) and the same upwards. */
-static float stress_distance_all(float half_side, float aspect)
+/* The nearest place from which the box of the whole grid is in the picture. A corner at (x, y, z) along the camera's axes,
+ * seen from the middle, is inside when |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). So the highest and the lowest
+ * corner ask for d >= high - up / tan_y and d >= low + up / tan_y: the mean of both. Should the sides ask for more, up
+ * makes the air above and below the same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
+static stress_stand stress_stand_all(float pitch, float half_side, float aspect)
 {
-	stilb_scene_camera camera = stress_camera_at(0.0f, 1.0f);
-	float tan_y = tanf(camera.fov_y * 0.5f), tan_x = tan_y * aspect, distance = 0.0f;
-	stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0, 0, 0), camera.yaw, camera.pitch);
+	float tan_y = tanf(stress_camera_at(pitch, (stress_stand){0}, 1.0f).fov_y * 0.5f), tan_x = tan_y * aspect;
+	float sides = 0.0f, high = -FLT_MAX, low = -FLT_MAX, v_high[3] = {0}, v_low[3] = {0};
+	stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0, 0, 0), 0.0f, pitch);
 	for (int corner = 0; corner < 8; corner++) {
 		float p[3] = {corner & 1 ? half_side : -half_side, corner & 2 ? STRESS_TOP : 0.0f,
 		              corner & 4 ? half_side : -half_side};
 		float v[3];
 		for (int row = 0; row < 3; row++)
 			v[row] = view.m[row] * p[0] + view.m[4 + row] * p[1] + view.m[8 + row] * p[2];
-		distance = fmaxf(distance, fabsf(v[0]) / tan_x + v[2]);
-		distance = fmaxf(distance, fabsf(v[1]) / tan_y + v[2]);
+		sides = fmaxf(sides, fabsf(v[0]) / tan_x + v[2]);
+		if (v[1] / tan_y + v[2] > high) {
+			high = v[1] / tan_y + v[2];
+			memcpy(v_high, v, sizeof v);
+		}
+		if (-v[1] / tan_y + v[2] > low) {
+			low = -v[1] / tan_y + v[2];
+			memcpy(v_low, v, sizeof v);
+		}
 	}
-	return distance;
+	float d = fmaxf(sides, 0.5f * (high + low)) * 1.001f; /* more than rounding can cost */
+	float up = (v_high[1] * (d - v_low[2]) + v_low[1] * (d - v_high[2])) / (2.0f * d - v_high[2] - v_low[2]);
+	return (stress_stand){d, up};
+}
+
+static stress_stand stress_stand_scale(stress_stand stand, float factor)
+{
+	return (stress_stand){3.0f + stand.distance * factor, stand.up * factor};
 }
 
 /* The share of models in view, from at most about 16,000 of them. */
@@ -194,18 +222,20 @@ static double stress_visible_share(const stilb_scene *scene, const stilb_scene_c
 stilb_scene_camera stilb_scene_stress_camera(const stilb_scene *scene, stilb_scene_stress_view view, float aspect)
 {
 	float half_side = (float)stress_side(scene->model_count) + 1.0f; /* a metre of air around */
-	float all = stress_distance_all(half_side, aspect) * 1.001f, far_z = 4.0f * (all + half_side);
+	float pitch = stress_pitch[view];
+	stress_stand all = stress_stand_all(pitch, half_side, aspect);
+	float far_z = 4.0f * (all.distance + fabsf(all.up) + half_side);
 	if (view == STILB_SCENE_VIEW_ALL)
-		return stress_camera_at(all, far_z);
+		return stress_camera_at(pitch, all, far_z);
 	double share = view == STILB_SCENE_VIEW_HALF ? 0.5 : 0.01;
-	float near_distance = 2.0f, far_distance = all; /* the nearer, the fewer */
+	float near = 0.0f, far = 1.0f; /* the nearer, the fewer */
 	for (int i = 0; i < 24; i++) {
-		float middle = 0.5f * (near_distance + far_distance);
-		stilb_scene_camera camera = stress_camera_at(middle, far_z);
+		float middle = 0.5f * (near + far);
+		stilb_scene_camera camera = stress_camera_at(pitch, stress_stand_scale(all, middle), far_z);
 		if (stress_visible_share(scene, &camera, aspect) > share)
-			far_distance = middle;
+			far = middle;
 		else
-			near_distance = middle;
+			near = middle;
 	}
-	return stress_camera_at(far_distance, far_z);
+	return stress_camera_at(pitch, stress_stand_scale(all, far), far_z);
 }

@@ -131,6 +131,7 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 		.pass_end = null_pass_end,
 		.submit = null_nothing,
 		.present = null_nothing,
+		.wait = null_nothing,
 		.read_image = null_read_image,
 	};
 	null_device *device = calloc(1, sizeof *device);

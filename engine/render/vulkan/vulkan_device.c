@@ -193,6 +193,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 		.pass_end = vulkan_pass_end,
 		.submit = vulkan_submit,
 		.present = vulkan_present,
+		.wait = vulkan_wait,
 		.read_image = vulkan_read_image,
 	};
 	vulkan_device *device = calloc(1, sizeof *device);

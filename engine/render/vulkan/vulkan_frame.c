@@ -117,13 +117,13 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "wait for the GPU");
 }
 
-/* How long the GPU drew the frame that used this slot before. */
-static void slot_read_time(vulkan_device *device, vulkan_slot *slot)
+/* How long the GPU drew the frame that used this slot; it is done. */
+static void slot_read_time(vulkan_device *device, uint32_t slot)
 {
 	uint64_t ticks[2];
-	if (!slot->timed)
+	if (!device->slots[slot].timed)
 		return;
-	VkResult result = vkGetQueryPoolResults(device->device, device->queries, 2 * device->slot, 2, sizeof ticks, ticks,
+	VkResult result = vkGetQueryPoolResults(device->device, device->queries, 2 * slot, 2, sizeof ticks, ticks,
 	                                        sizeof *ticks, VK_QUERY_RESULT_64_BIT);
 	if (result == VK_SUCCESS && ticks[1] >= ticks[0])
 		device->base.stats.gpu_ms =
@@ -157,7 +157,7 @@ stilb_result vulkan_frame_begin(render_device *base, render_rows *rows)
 	stilb_result result = vulkan_timeline_wait(device, slot->done);
 	if (result != STILB_OK)
 		return result;
-	slot_read_time(device, slot);
+	slot_read_time(device, device->slot);
 	slot->timed = slot->picture_valid = false;
 	result = slot_begin_commands(device, slot);
 	if (result != STILB_OK)
@@ -426,4 +426,13 @@ stilb_result vulkan_submit(render_device *base)
 	stilb_result submitted = vulkan_queue_submit(device, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
 	slot->done = device->timeline_value;
 	return submitted;
+}
+
+stilb_result vulkan_wait(render_device *base)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	stilb_result result = vulkan_timeline_wait(device, device->timeline_value);
+	if (result == STILB_OK)
+		slot_read_time(device, device->slot);
+	return result;
 }

@@ -152,6 +152,7 @@ stilb_result vulkan_pass_begin(render_device *base, const stilb_render_pass *pas
 void vulkan_draws(render_device *base, const render_command *commands, uint32_t count);
 void vulkan_pass_end(render_device *base);
 stilb_result vulkan_submit(render_device *base);
+stilb_result vulkan_wait(render_device *base);
 /* Submits a command buffer, waits for wait (or null) before transfers, signals signal (or null) and the timeline. */
 stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal);
 stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value);

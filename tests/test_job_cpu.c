@@ -1,0 +1,135 @@
+/* CPU counting: the affinity mask of this process, and cgroup files made for the test. */
+#include <sched.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "jobs/job_internal.h"
+
+static char root[] = "/tmp/stilb-cgroup-XXXXXX";
+
+static void write_file(const char *name, const char *text)
+{
+	char path[512];
+	snprintf(path, sizeof path, "%s/%s", root, name);
+	FILE *stream = fopen(path, "w");
+	assert_non_null(stream);
+	assert_true(fputs(text, stream) >= 0);
+	assert_int_equal(fclose(stream), 0);
+}
+
+static void make_dir(const char *name)
+{
+	char path[512];
+	snprintf(path, sizeof path, "%s/%s", root, name);
+	assert_int_equal(mkdir(path, 0700), 0);
+}
+
+static uint32_t quota(const char *proc_cgroup)
+{
+	char path[512];
+	write_file("self", proc_cgroup);
+	snprintf(path, sizeof path, "%s/self", root);
+	return job_cpu_quota(path, root);
+}
+
+static int setup(void **state)
+{
+	(void)state;
+	if (!mkdtemp(root))
+		return -1;
+	make_dir("outer");
+	make_dir("outer/inner");
+	make_dir("cpu");
+	make_dir("cpu/box");
+	return 0;
+}
+
+static int teardown(void **state)
+{
+	(void)state;
+	char command[512];
+	snprintf(command, sizeof command, "rm -rf '%s'", root);
+	return system(command);
+}
+
+static void test_version_2(void **state)
+{
+	(void)state;
+	assert_int_equal(quota("0::/outer/inner\n"), 0); /* no files: no limit */
+	write_file("outer/inner/cpu.max", "max 100000\n");
+	assert_int_equal(quota("0::/outer/inner\n"), 0);
+	write_file("outer/inner/cpu.max", "400000 100000\n");
+	assert_int_equal(quota("0::/outer/inner\n"), 4);
+	write_file("outer/cpu.max", "150000 100000\n"); /* a group above binds too; 1.5 rounds up */
+	assert_int_equal(quota("0::/outer/inner\n"), 2);
+	write_file("cpu.max", "10000 100000\n"); /* the root of a container */
+	assert_int_equal(quota("0::/outer/inner\n"), 1);
+	assert_int_equal(quota("0::/\n"), 1);
+	assert_int_equal(quota("0::/not/here\n"), 1);
+	write_file("cpu.max", "max 100000\n");
+}
+
+static void test_version_1(void **state)
+{
+	(void)state;
+	write_file("cpu/box/cpu.cfs_quota_us", "-1\n");
+	write_file("cpu/box/cpu.cfs_period_us", "100000\n");
+	assert_int_equal(quota("4:memory:/x\n3:cpu,cpuacct:/box\n"), 0);
+	write_file("cpu/box/cpu.cfs_quota_us", "250000\n");
+	assert_int_equal(quota("4:memory:/x\n3:cpu,cpuacct:/box\n"), 3);
+	assert_int_equal(quota("4:memory:/x\n3:cpuacct,cpu:/box\n"), 3);
+	assert_int_equal(quota("3:cpuset:/box\n2:cpuacct:/box\n"), 0); /* not the cpu controller */
+}
+
+static void test_nonsense(void **state)
+{
+	(void)state;
+	static const char *const lines[] = {"", "\n", "0", "0:", "0::", "::::", "garbage\n", "0::relative\n"};
+	for (size_t i = 0; i < sizeof lines / sizeof *lines; ++i)
+		assert_int_equal(quota(lines[i]), 0);
+	static const char *const limits[] = {"",           "0 100000\n", "-5 100000\n",
+	                                     "100000 0\n", "100000\n",   "9999999999999999999 1\n"};
+	for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
+		write_file("cpu.max", limits[i]);
+		assert_int_equal(quota("0::/\n"), 0);
+	}
+	assert_int_equal(job_cpu_quota("/nonexistent/self", root), 0);
+}
+
+static void test_affinity(void **state)
+{
+	(void)state;
+	cpu_set_t before, one;
+	assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
+	uint32_t all = stilb_job_cpu_count();
+	assert_true(all >= 1 && all <= (uint32_t)CPU_COUNT(&before));
+	int first = 0;
+	while (!CPU_ISSET(first, &before))
+		++first;
+	CPU_ZERO(&one);
+	CPU_SET(first, &one);
+	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+	uint32_t count = stilb_job_cpu_count();
+	assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
+	assert_int_equal(count, 1);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_version_2),
+		cmocka_unit_test(test_version_1),
+		cmocka_unit_test(test_nonsense),
+		cmocka_unit_test(test_affinity),
+	};
+	return cmocka_run_group_tests(tests, setup, teardown);
+}
