@@ -301,12 +301,13 @@ static void demo_print_summary(const demo_run *run, const stage_summary *summary
 	bool software = stilb_engine_device_is_software(run->engine);
 	uint32_t width, height, workers = stilb_engine_workers(run->engine), samples = stilb_engine_samples(run->engine);
 	stilb_engine_size(run->engine, &width, &height);
-	fprintf(out, "%" PRIu64 " models, %u visible, %" PRIu64 " draws; %s culling, %s replay, %u worker%s\n", o->models,
-	        run->report.visible, run->report.render.draws, cull_choices[o->cull], replay_choices[o->replay], workers,
-	        workers == 1 ? "" : "s");
+	fprintf(out, "%" PRIu64 " model%s, %u visible, %" PRIu64 " draws; %s culling, %s replay, %u worker%s\n", o->models,
+	        o->models == 1 ? "" : "s", run->report.visible, run->report.render.draws, cull_choices[o->cull],
+	        replay_choices[o->replay], workers, workers == 1 ? "" : "s");
 	fprintf(out, "%s%s, %ux%u, %u sample%s per pixel\n", stilb_engine_device_name(run->engine),
 	        software ? " (software: it draws on the CPU)" : "", width, height, samples, samples == 1 ? "" : "s");
-	fprintf(out, "%" PRIu64 " frames, the first %" PRIu64 " not counted; milliseconds:\n", run->frames, warmup);
+	fprintf(out, "%" PRIu64 " frame%s, the first %" PRIu64 " not counted; milliseconds:\n", run->frames,
+	        run->frames == 1 ? "" : "s", warmup);
 	fprintf(out, "  %-8s %9s %9s %9s\n", "stage", "median", "p99", "min");
 	for (int s = 0; s < STAGE_COUNT; s++)
 		if (s != STAGE_GPU || o->device != STILB_RENDER_DEVICE_NULL)
@@ -371,12 +372,14 @@ static int demo_main(demo_run *run)
 int demo_command(int argc, char **argv)
 {
 	demo_run run = {.options = {.models = 10000, .seed = 1, .size = {1280, 720}}};
-	run.options.workers = stilb_engine_default_workers();
+	run.options.workers = FLAG_WORKERS_AUTO;
 	flags_result parsed = demo_parse(&run.options, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !demo_check(&run.options))
 		return EXIT_REFUSED;
+	if (run.options.workers == FLAG_WORKERS_AUTO)
+		run.options.workers = stilb_engine_default_workers();
 	int code = demo_main(&run);
 	stilb_engine_destroy(run.engine);
 	stage_times_finish(&run.times);

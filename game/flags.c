@@ -56,7 +56,7 @@ static flags_result parse_choice(const flag *f, const char *value)
 		size_t length = strlen(list);
 		snprintf(list + length, sizeof list - length, "%s%s", i ? ", " : "", f->choices[i]);
 	}
-	stilb_log("%s: no '%s'; there is %s", f->name, value, list);
+	stilb_log("%s: '%s' is not one of: %s", f->name, value, list);
 	return FLAGS_REFUSED;
 }
 
@@ -67,9 +67,8 @@ static flags_result parse_value(const flag *f, const char *value)
 	case FLAG_NUMBER:
 		return parse_number(value, f->low, f->high, f->value) ? FLAGS_OK : refuse_number(f, value);
 	case FLAG_WORKERS:
-		if (strcmp(value, "auto") == 0)
-			return FLAGS_OK;
-		if (!parse_number(value, f->low, f->high, &number))
+		number = FLAG_WORKERS_AUTO;
+		if (strcmp(value, "auto") != 0 && !parse_number(value, f->low, f->high, &number))
 			return refuse_number(f, value);
 		*(uint32_t *)f->value = (uint32_t)number;
 		return FLAGS_OK;
@@ -79,7 +78,7 @@ static flags_result parse_value(const flag *f, const char *value)
 		return parse_choice(f, value);
 	case FLAG_TEXT:
 		if (value[0] == '\0') {
-			stilb_log("%s: its value is empty; give %s", f->name, f->argument);
+			stilb_log("%s: its value is empty; give %s %s", f->name, f->name, f->argument);
 			return FLAGS_REFUSED;
 		}
 		*(const char **)f->value = value;
@@ -117,7 +116,7 @@ static int parse_one(const flag *flags, size_t flag_count, int argc, char **argv
 		return 1;
 	}
 	if (!equals && argc < 2) {
-		stilb_log("%s: its value is missing; give %s", f->name, f->argument);
+		stilb_log("%s: its value is missing; give %s %s", f->name, f->name, f->argument);
 		return 0;
 	}
 	if (parse_value(f, equals ? equals + 1 : argv[1]) != FLAGS_OK)

@@ -10,11 +10,13 @@
 typedef enum flag_kind {
 	FLAG_SWITCH,  /* bool: no value */
 	FLAG_NUMBER,  /* uint64_t in [low, high] */
-	FLAG_WORKERS, /* uint32_t in [low, high], or "auto", which leaves it at the default */
+	FLAG_WORKERS, /* uint32_t in [low, high], or FLAG_WORKERS_AUTO for "auto" */
 	FLAG_SIZE,    /* uint32_t[2] from WxH, both in [low, high] */
 	FLAG_CHOICE,  /* int: index into choices */
 	FLAG_TEXT,    /* const char *, not empty */
 } flag_kind;
+
+#define FLAG_WORKERS_AUTO UINT32_MAX
 
 typedef struct flag {
 	const char *name; /* with its dashes */

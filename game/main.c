@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "flags.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -35,6 +36,7 @@ static int finish(int code)
 
 int main(int argc, char **argv)
 {
+	signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report, and what else was asked for is still written */
 	if (argc < 2) {
 		stilb_log("no command; 'stilb demo' runs the stress test, 'stilb --help' lists all");
 		return EXIT_REFUSED;

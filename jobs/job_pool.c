@@ -183,9 +183,9 @@ void stilb_job_pool_destroy(stilb_job_pool *pool)
 	assert(pthread_equal(pool->owner, pthread_self()));
 	while (run_job(pool, 0))
 		;
+	/* Nothing is left behind: a worker leaves only after it has found the queue empty, and what a job submits while the
+	 * others leave is found by the worker that ran it. */
 	stop_workers(pool, pool->worker_count);
-	while (run_job(pool, 0)) /* what those jobs submitted when no worker was left */
-		;
 	pool_free(pool);
 }
 

@@ -242,12 +242,15 @@ static inline stilb_prof_scope stilb_prof_scope_begin(const stilb_prof_site *sit
 	return scope;
 }
 
-/* The ring is looked up again: the thread may have begun or ended inside the scope. */
+/* The ring is looked up again, and must still hold the zone: the thread may have begun or ended inside the scope. */
 static inline void stilb_prof_scope_end(const stilb_prof_scope *scope)
 {
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	if (__builtin_expect(ring != NULL && scope->begin != 0, 1))
-		stilb_prof_close(ring, scope->site, scope->begin, stilb_prof_clock(ring), scope->depth);
+	if (__builtin_expect(ring != NULL && scope->begin != 0, 1)) {
+		const uint64_t end = stilb_prof_clock(ring);
+		if (__builtin_expect(__atomic_load_n(&ring->depth, __ATOMIC_RELAXED) > scope->depth, 1))
+			stilb_prof_close(ring, scope->site, scope->begin, end, scope->depth);
+	}
 }
 
 #ifdef __cplusplus

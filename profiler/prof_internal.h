@@ -69,6 +69,9 @@ typedef struct prof_copy {
 int prof_copy_take(prof_copy *copy);
 void prof_copy_free(prof_copy *copy);
 
+/* The open zones of a ring alone, deepest first, all but their ends; returns their number, at most STILB_PROF_DEPTH_MAX. */
+uint32_t prof_copy_open(const stilb_prof_ring *ring, prof_zone *zones);
+
 /* Rings there are now, and how many of them belong to ended threads. */
 uint32_t prof_ring_count(uint32_t *ended);
 

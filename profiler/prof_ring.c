@@ -256,7 +256,7 @@ static bool prof_copy_open_zone(const stilb_prof_ring *ring, uint32_t depth, pro
 
 /* The open zones of a ring, deepest first, into zones; returns their number. The stack moves while it is read from the
  * deep end, so an entry found later may be younger than one found before it: then the deeper ones are gone by now. */
-static uint32_t prof_copy_open(const stilb_prof_ring *ring, prof_zone *zones)
+uint32_t prof_copy_open(const stilb_prof_ring *ring, prof_zone *zones)
 {
 	uint32_t depth = __atomic_load_n(&ring->depth, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_open */
 	uint32_t count = 0;

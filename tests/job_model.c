@@ -451,8 +451,8 @@ static bool all_end_well(void)
 		changed = false;
 		for (size_t i = search.edge_count; i-- > 0;) {
 			const edge *e = &search.edges[i];
-			if (search.ends_well[e->to] && !search.ends_well[e->from])
-				search.ends_well[e->from] = 1, changed = true;
+			changed |= search.ends_well[e->to] && !search.ends_well[e->from];
+			search.ends_well[e->from] |= search.ends_well[e->to];
 		}
 	}
 	return memchr(search.ends_well, 0, search.states) == NULL;

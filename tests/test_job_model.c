@@ -158,6 +158,20 @@ static void destroy_main(void)
 	stilb_job_pool_destroy(shared.pool);
 }
 
+static void submit_child(void *data, uint32_t worker)
+{
+	count_run(data, worker);
+	stilb_job_submit(shared.pool, count_run, NULL, NULL);
+}
+
+/* The second job comes while the pool is going down. */
+static void destroy_child_main(void)
+{
+	pool_begin();
+	stilb_job_submit(shared.pool, submit_child, NULL, NULL);
+	stilb_job_pool_destroy(shared.pool);
+}
+
 static void wait_main(void)
 {
 	pool_begin();
@@ -280,6 +294,8 @@ static void test_destroy_runs_all(void **state)
 	(void)state;
 	pool_run(destroy_main, 0, 2);
 	pool_run(destroy_main, 1, 2);
+	pool_run(destroy_child_main, 0, 2);
+	pool_run(destroy_child_main, 1, 2);
 }
 
 static void test_wait(void **state)

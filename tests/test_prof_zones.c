@@ -129,6 +129,26 @@ static void without_a_ring_nothing_is_recorded(void **state)
 	assert_names("seen again");
 }
 
+static void zones_of_another_ring_are_dropped(void **state)
+{
+	(void)state;
+	capture c;
+	{
+		PROFILE("outer");
+		PROFILE("inner");
+		stilb_prof_thread_end();
+		assert_int_equal(stilb_prof_thread_begin("another"), 0);
+		{
+			PROFILE("whole");
+		}
+	}
+	assert_int_equal(stilb_prof_thread_ring->depth, 0);
+	assert_trace(&c, 0);
+	assert_int_equal(c.report.zones, 1);
+	assert_int_equal(trace_check_zones(&c.report, "another", "whole"), 1);
+	capture_finish(&c);
+}
+
 STILB_PROF_SITE(hook_site, "hook", 0);
 STILB_PROF_SITE(deep_site, "deep", 0);
 
@@ -174,6 +194,7 @@ static void deeper_than_the_stack(void **state)
 static void record(const stilb_prof_site *site, uint64_t begin, uint64_t end, uint32_t depth)
 {
 	stilb_prof_close(stilb_prof_thread_ring, site, begin, end, depth);
+	stilb_prof_thread_ring->depth = 0; /* nothing was opened */
 }
 
 STILB_PROF_SITE(site_a, "a", 0);
@@ -366,6 +387,7 @@ int main(void)
 		cmocka_unit_test(sites_form_an_array),
 		ZONE_TEST(scopes_nest),
 		ZONE_TEST(without_a_ring_nothing_is_recorded),
+		ZONE_TEST(zones_of_another_ring_are_dropped),
 		ZONE_TEST(zones_of_two_functions),
 		ZONE_TEST(deeper_than_the_stack),
 		ZONE_TEST(deeper_than_depths_are_kept),

@@ -1,5 +1,6 @@
 #include "base/base.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,6 +45,9 @@ void stilb_log(const char *format, ...)
 	va_start(arguments, format);
 	vsnprintf(line, sizeof line, format, arguments);
 	va_end(arguments);
+	for (char *c = line; *c; c++) /* a quoted file name may hold anything: one line stays one line */
+		if (iscntrl((unsigned char)*c))
+			*c = '?';
 	fprintf(stderr, "stilb: %s\n", line); /* one call, so lines of two threads do not mix */
 }
 

@@ -53,7 +53,7 @@ const char *stilb_result_text(stilb_result result);
 #define STILB_ASSERT(condition) assert(condition)
 #endif
 
-/* One line on stderr, "stilb: " in front. */
+/* One line on stderr, "stilb: " in front; control characters become '?'. */
 void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* ---- memory ---------------------------------------------------------------------------------------------------- */

@@ -73,7 +73,7 @@ static file_kind file_check_folder(const char *path)
 	if (stat(folder, &info) != 0)
 		kind = file_refuse(path, errno == ENOENT ? "its folder does not exist; create it first" : strerror(errno));
 	else if (!S_ISDIR(info.st_mode))
-		kind = file_refuse(path, "its folder is not a folder");
+		kind = file_refuse(path, "its folder is a file");
 	else if (access(folder, W_OK | X_OK) != 0)
 		kind = file_refuse(path, "no permission to write in its folder");
 	free(folder);
@@ -126,19 +126,37 @@ static unsigned file_serial(void)
 	return atomic_fetch_add_explicit(&serial, 1, memory_order_relaxed); /* a counter, orders nothing */
 }
 
+/* Makes a file beside the target under a name that is free: one of a killed process may still be there, with this
+ * process's number. The name is short, since the target's may be as long as a name can be. -1 with errno. */
+static int file_create_temporary(stilb_file *file)
+{
+	char *folder = file_folder(file->target);
+	int descriptor = -1;
+	int error = folder ? EEXIST : ENOMEM;
+	for (int tries = 0; descriptor < 0 && error == EEXIST && tries < 1000; tries++) {
+		char *name = NULL;
+		if (asprintf(&name, "%s/stilb-%d-%u.tmp", folder, (int)getpid(), file_serial()) < 0) {
+			error = ENOMEM;
+			break;
+		}
+		descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+		error = errno;
+		if (descriptor < 0)
+			free(name);
+		else
+			file->temporary = name;
+	}
+	free(folder);
+	errno = error;
+	return descriptor;
+}
+
 static FILE *file_open_temporary(stilb_file *file)
 {
 	file->target = file_resolve(file->path);
-	if (!file->target || asprintf(&file->temporary, "%s.%d-%u", file->target, (int)getpid(), file_serial()) < 0) {
-		file->temporary = NULL;
+	int descriptor = file->target ? file_create_temporary(file) : -1;
+	if (descriptor < 0)
 		return NULL;
-	}
-	int descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-	if (descriptor < 0) {
-		free(file->temporary);
-		file->temporary = NULL; /* nothing there to remove */
-		return NULL;
-	}
 	struct stat old;
 	if (stat(file->target, &old) == 0)
 		fchmod(descriptor, old.st_mode & 07777); /* the new file keeps the old one's mode */

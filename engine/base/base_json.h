@@ -26,7 +26,7 @@ void stilb_json_begin(stilb_json *json, const char *key, char bracket);
 void stilb_json_end(stilb_json *json, char bracket);
 void stilb_json_string(stilb_json *json, const char *key, const char *value);
 void stilb_json_int(stilb_json *json, const char *key, int64_t value);
-/* Six digits after the point; what is not finite is written as 0. */
+/* Six digits after the point; what is not finite, or not below 9e12, is written as 0. */
 void stilb_json_double(stilb_json *json, const char *key, double value);
 void stilb_json_bool(stilb_json *json, const char *key, bool value);
 

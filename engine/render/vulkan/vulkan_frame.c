@@ -1,6 +1,7 @@
 /* One frame on the GPU: slots, targets, passes, draws, submission. */
 #include "render/vulkan/vulkan_internal.h"
 
+#include "profiler/prof.h"
 #include "shading/shade_tonemap.h"
 
 #include <string.h>
@@ -113,6 +114,7 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 		.pSemaphores = &device->timeline,
 		.pValues = &value,
 	};
+	PROFILE("wait for the GPU");
 	VkResult result = vkWaitSemaphores(device->device, &info, UINT64_MAX);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "wait for the GPU");
 }

@@ -1,0 +1,307 @@
+/*
+ * The engine in a window under a virtual display: what a window manager and a user do to it comes from a second connection
+ * to the display, so it falls into the middle of frames. All under Vulkan validation.
+ */
+#include "engine.h"
+
+#include <X11/Xatom.h>
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+typedef struct fixture {
+	stilb_engine *engine;
+	Display *display; /* the outside connection */
+	Window window;
+} fixture;
+
+static Window find_window(Display *display, const char *title)
+{
+	Window root, parent, *children = NULL, found = 0;
+	unsigned count = 0;
+	XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
+	for (unsigned i = 0; i < count && !found; i++) {
+		char *name = NULL;
+		if (XFetchName(display, children[i], &name) && name && strncmp(name, title, strlen(title)) == 0)
+			found = children[i];
+		if (name)
+			XFree(name);
+	}
+	if (children)
+		XFree(children);
+	return found;
+}
+
+static int set_up(void **state)
+{
+	fixture *f = calloc(1, sizeof *f);
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.models = 25;
+	desc.workers = 1;
+	desc.width = 320;
+	desc.height = 200;
+	desc.window = true;
+	desc.validate = true;
+	if (!f || stilb_engine_create(&desc, &f->engine) != STILB_OK) {
+		fprintf(stderr, "%s\n", stilb_error_message());
+		return -1;
+	}
+	f->display = XOpenDisplay(NULL);
+	f->window = f->display ? find_window(f->display, "Stilb") : 0;
+	*state = f;
+	return f->window ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+	fixture *f = *state;
+	stilb_engine_destroy(f->engine);
+	XCloseDisplay(f->display);
+	free(f);
+	return 0;
+}
+
+static stilb_engine_report run_frame(fixture *f)
+{
+	stilb_engine_report report;
+	stilb_result result = stilb_engine_frame(f->engine, &report);
+	if (result != STILB_OK)
+		fprintf(stderr, "%s\n", stilb_error_message());
+	assert_int_equal(result, STILB_OK);
+	assert_int_equal(stilb_engine_validation_messages(f->engine), 0);
+	return report;
+}
+
+static void run_frames(fixture *f, int count)
+{
+	for (int i = 0; i < count; i++)
+		run_frame(f);
+}
+
+/* The picture has followed the window within a few frames. */
+static void expect_size(fixture *f, uint32_t width, uint32_t height)
+{
+	uint32_t w = 0, h = 0;
+	for (int i = 0; i < 100 && (w != width || h != height); i++) {
+		run_frame(f);
+		stilb_engine_size(f->engine, &w, &h);
+	}
+	assert_int_equal(w, width);
+	assert_int_equal(h, height);
+}
+
+/* What the window shows is the picture: the same share of sky, whatever its size. */
+static void test_shows_picture(void **state)
+{
+	fixture *f = *state;
+	run_frames(f, 5);
+	stilb_engine_report report;
+	do /* the blit of the last frame may still be on its way */
+		report = run_frame(f);
+	while (report.frame < 10);
+	double gpu_ms;
+	assert_int_equal(stilb_engine_wait(f->engine, &gpu_ms), STILB_OK);
+	assert_true(gpu_ms > 0.0);
+	const stilb_scene_sky *sky = &stilb_engine_scene(f->engine)->sky;
+	assert_true(sky->sky[2] > sky->sky[0]); /* bluish */
+	XImage *image = NULL;
+	int sky_pixels = 0, other_pixels = 0;
+	for (int tries = 0; tries < 100 && (sky_pixels == 0 || other_pixels == 0); tries++) {
+		image = XGetImage(f->display, f->window, 0, 0, 320, 200, AllPlanes, ZPixmap);
+		assert_non_null(image);
+		unsigned long corner = XGetPixel(image, 0, 0);
+		sky_pixels = other_pixels = 0;
+		for (int i = 0; i < 320 * 200; i++)
+			*(XGetPixel(image, i % 320, i / 320) == corner ? &sky_pixels : &other_pixels) += 1;
+		unsigned blue = corner & 0xff, red = corner >> 16 & 0xff;
+		XDestroyImage(image);
+		if (blue <= red)
+			sky_pixels = 0; /* not drawn yet */
+		usleep(20000);
+	}
+	assert_true(sky_pixels > 320 * 200 / 20);
+	assert_true(other_pixels > 320 * 200 / 20);
+}
+
+static void test_resize(void **state)
+{
+	static const unsigned sizes[][2] = {{640, 480}, {1, 1}, {801, 603}, {33, 700}, {320, 200}};
+	fixture *f = *state;
+	run_frames(f, 3);
+	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+		XResizeWindow(f->display, f->window, sizes[i][0], sizes[i][1]);
+		XSync(f->display, False);
+		expect_size(f, sizes[i][0], sizes[i][1]);
+		run_frames(f, 3);
+	}
+}
+
+typedef struct shaker {
+	Window window;
+	_Atomic bool stop; /* relaxed both ways: it only ends the loop */
+} shaker;
+
+static void *shake(void *data)
+{
+	shaker *s = data;
+	Display *display = XOpenDisplay(NULL);
+	for (unsigned i = 0; display && !atomic_load_explicit(&s->stop, memory_order_relaxed); i++) {
+		XResizeWindow(display, s->window, 100 + i * 37 % 300, 100 + i * 53 % 200);
+		XSync(display, False);
+		usleep(500 + i * 911 % 3000);
+	}
+	if (display)
+		XCloseDisplay(display);
+	return NULL;
+}
+
+/* Resized from another thread, at any point of a frame: between polling and presenting too. */
+static void test_resize_during_frames(void **state)
+{
+	fixture *f = *state;
+	shaker s = {.window = f->window};
+	pthread_t thread;
+	assert_int_equal(pthread_create(&thread, NULL, shake, &s), 0);
+	for (int i = 0; i < 150; i++) {
+		stilb_engine_report report;
+		if (stilb_engine_frame(f->engine, &report) != STILB_OK || stilb_engine_validation_messages(f->engine) > 0)
+			break;
+	}
+	atomic_store_explicit(&s.stop, true, memory_order_relaxed);
+	pthread_join(thread, NULL);
+	XResizeWindow(f->display, f->window, 320, 200);
+	XSync(f->display, False);
+	expect_size(f, 320, 200);
+}
+
+/* What a window manager does to minimise: the state becomes iconic, and the window is unmapped. */
+static void set_iconic(fixture *f, bool iconic)
+{
+	Atom wm_state = XInternAtom(f->display, "WM_STATE", False);
+	unsigned long value[2] = {iconic ? IconicState : NormalState, 0};
+	XChangeProperty(f->display, f->window, wm_state, wm_state, 32, PropModeReplace, (unsigned char *)value, 2);
+	if (iconic)
+		XUnmapWindow(f->display, f->window);
+	else
+		XMapWindow(f->display, f->window);
+	XSync(f->display, False);
+}
+
+static void test_minimise(void **state)
+{
+	fixture *f = *state;
+	run_frames(f, 3);
+	set_iconic(f, true);
+	stilb_engine_report report = run_frame(f);
+	for (int i = 0; i < 100 && report.drawn; i++)
+		report = run_frame(f);
+	assert_false(report.drawn);
+	uint64_t frames = report.frame;
+	for (int i = 0; i < 3; i++)
+		report = run_frame(f);
+	assert_false(report.drawn);
+	assert_int_equal(report.frame, frames);
+	set_iconic(f, false);
+	for (int i = 0; i < 100 && !report.drawn; i++)
+		report = run_frame(f);
+	assert_true(report.drawn);
+	run_frames(f, 3);
+}
+
+static void send_key(fixture *f, KeySym key, bool down)
+{
+	XKeyEvent event = {
+		.type = down ? KeyPress : KeyRelease,
+		.display = f->display,
+		.window = f->window,
+		.root = DefaultRootWindow(f->display),
+		.time = CurrentTime,
+		.same_screen = True,
+		.keycode = XKeysymToKeycode(f->display, key),
+	};
+	XSendEvent(f->display, f->window, True, down ? KeyPressMask : KeyReleaseMask, (XEvent *)&event);
+	XSync(f->display, False);
+}
+
+static void test_keys(void **state)
+{
+	fixture *f = *state;
+	run_frames(f, 3);
+	send_key(f, XK_p, true);
+	send_key(f, XK_p, false);
+	send_key(f, XK_F12, true);
+	send_key(f, XK_F12, false);
+	send_key(f, XK_minus, true);
+	send_key(f, XK_minus, false);
+	bool capture = false, screenshot = false;
+	int32_t workers = 0;
+	for (int i = 0; i < 50 && !(capture && screenshot && workers); i++) {
+		stilb_engine_report report = run_frame(f);
+		capture |= report.input.capture;
+		screenshot |= report.input.screenshot;
+		workers += report.input.workers;
+	}
+	assert_true(capture);
+	assert_true(screenshot);
+	assert_int_equal(workers, -1);
+
+	const stilb_scene_camera *camera = &stilb_engine_scene(f->engine)->camera;
+	float before = camera->position[2];
+	send_key(f, XK_w, true);
+	for (int i = 0; i < 100 && camera->position[2] == before; i++)
+		run_frame(f);
+	send_key(f, XK_w, false);
+	assert_true(camera->position[2] < before); /* forward is -Z */
+	for (int i = 0; i < 10; i++)
+		run_frame(f);
+	float rest = camera->position[2];
+	run_frames(f, 3);
+	assert_true(camera->position[2] == rest); /* released: it stands still */
+}
+
+static void test_close(void **state)
+{
+	fixture *f = *state;
+	run_frames(f, 2);
+	XClientMessageEvent event = {
+		.type = ClientMessage,
+		.window = f->window,
+		.message_type = XInternAtom(f->display, "WM_PROTOCOLS", False),
+		.format = 32,
+		.data.l = {(long)XInternAtom(f->display, "WM_DELETE_WINDOW", False)},
+	};
+	XSendEvent(f->display, f->window, False, NoEventMask, (XEvent *)&event);
+	XSync(f->display, False);
+	stilb_engine_report report = run_frame(f);
+	for (int i = 0; i < 100 && !report.close; i++)
+		report = run_frame(f);
+	assert_true(report.close);
+}
+
+int main(void)
+{
+	Display *display = XOpenDisplay(NULL);
+	if (!display) {
+		printf("no X display: set DISPLAY, or install xvfb and use ./dev test\n");
+		return 77;
+	}
+	XCloseDisplay(display);
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(test_shows_picture, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_resize, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_resize_during_frames, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_minimise, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_close, set_up, tear_down),
+	};
+	return cmocka_run_group_tests_name("window events", tests, NULL, NULL);
+}
