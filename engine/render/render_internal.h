@@ -160,6 +160,8 @@ void render_write_indirect(render_indirect *indirect, const render_command *comm
 
 /* ---- the module itself --------------------------------------------------------------------------------------------------- */
 
+typedef struct render_record_job render_record_job; /* render_record.c */
+
 struct stilb_render {
 	render_device *device;
 	stilb_render_device_kind kind;
@@ -170,6 +172,8 @@ struct stilb_render {
 	uint32_t material_count;
 	render_rows rows;
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
+	render_record_job *record_jobs; /* of the pass that is being recorded */
+	uint32_t record_job_capacity;
 };
 
 /* Makes contexts empty again, keeping their memory. */

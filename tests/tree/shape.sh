@@ -17,9 +17,10 @@ long_files() {
 	done
 }
 
-# Every header is guarded by a name of its own. glsl_begin.h and glsl_end.h are meant to be included again and again.
+# Every header is guarded by a name of its own. glsl_begin.h and glsl_end.h are meant to be included again and again;
+# job_model_sys.h takes the place, and the guard, of jobs/job_sys.h.
 header_guards() {
-	sources | grep -E '\.hpp$|\.h$' | grep -vE '(^|/)glsl_(begin|end)\.h$' | while read -r file; do
+	sources | grep -E '\.hpp$|\.h$' | grep -vE '(^|/)(glsl_(begin|end)|job_model_sys)\.h$' | while read -r file; do
 		awk -v file="$file" '
 			/^[ \t]*#/ {
 				if (++n == 1 && $1 == "#ifndef") guard = $2

@@ -6,15 +6,26 @@ set -euo pipefail
 export LC_ALL=C
 build=$1
 
-# Where the prefix is not the name of the module.
-prefix_of() {
+# Where the prefix is not the name of the module. The devices of render have their own beside it.
+prefixes_of() {
 	case $1 in
 	jobs) echo job ;;
 	profiler) echo prof ;;
 	shading) echo shade ;;
 	culling) echo cull ;;
+	render) echo render vulkan null ;;
 	*) echo "$1" ;;
 	esac
+}
+
+# fits SYMBOL MODULE
+fits() {
+	local prefix
+	for prefix in $(prefixes_of "$2"); do
+		[[ $1 != "${prefix}"_* && $1 != stilb_"$prefix"_* ]] || return 0
+	done
+	# base has the words that all modules share.
+	[[ $2 == base && ($1 == stilb_* || $1 == glsl_*) ]]
 }
 
 mapfile -t archives < <(find "$build" -name 'libstilb-*.a' | sort)
@@ -23,14 +34,11 @@ violations=0
 for archive in "${archives[@]}"; do
 	name=$(basename "$archive")
 	module=${name#libstilb-}
-	prefix=$(prefix_of "${module%.a}")
+	module=${module%.a}
 	symbols=$(nm --extern-only --defined-only --format=posix "$archive" | awk 'NF >= 3 && $2 !~ /[WwVvu]/ { print $1 }')
 	for symbol in $symbols; do
-		case $prefix:$symbol in
-		*:stilb_"$prefix"_* | *:"$prefix"_*) continue ;;
-		base:stilb_* | base:glsl_*) continue ;; # the words that all modules share
-		esac
-		echo "$name: $symbol lacks the prefix stilb_${prefix}_ or ${prefix}_"
+		fits "$symbol" "$module" && continue
+		echo "$name: $symbol lacks the prefix $(prefixes_of "$module" | sed 's/ .*//')_"
 		violations=$((violations + 1))
 	done
 done

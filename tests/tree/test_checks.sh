@@ -134,7 +134,11 @@ test_symbols() {
 	library jobs 'int stilb_prof_a;'
 	expect 'libstilb-jobs.a: stilb_prof_a lacks the prefix' symbols.sh "$scratch/lib"
 	library culling 'void helper(void) {}'
-	expect 'libstilb-culling.a: helper lacks the prefix stilb_cull_ or cull_' symbols.sh "$scratch/lib"
+	expect 'libstilb-culling.a: helper lacks the prefix cull_' symbols.sh "$scratch/lib"
+	library render 'void vulkan_wait(void) {} void render_a(void) {}'
+	expect_good symbols.sh "$scratch/lib"
+	library scene 'void vulkan_wait(void) {}'
+	expect 'libstilb-scene.a: vulkan_wait lacks the prefix scene_' symbols.sh "$scratch/lib"
 	library base 'void stilb_log(void) {}'
 	expect_good symbols.sh "$scratch/lib"
 	library base 'void write_log(void) {}'
