@@ -67,7 +67,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 /* Waits until the device has drawn every frame, and gives the last one's time on it, milliseconds (0: unknown). */
 stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms);
 
-/* Another number of workers from the next frame on, 0..STILB_JOB_MAX_WORKERS. */
+/* Another number of workers from the next frame on, 0..STILB_JOB_MAX_WORKERS. After an error only destroy may follow. */
 stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers);
 uint32_t stilb_engine_workers(const stilb_engine *engine);
 

@@ -110,8 +110,9 @@ typedef struct stilb_prof_trace_desc {
  * returns 0, or anything else to stop. desc may be NULL for {0}. In the trace:
  *  - one thread a ring, in the order they were made, and "frames", with one slice for each whole frame and one mark where
  *    each began;
- *  - zones as X events, parents before children, times in microseconds with three decimals (exact nanoseconds) since the
- *    profiler's first call; zones that are still open as B events without an E;
+ *  - zones as X events, parents before children, times in microseconds with three decimals (nanoseconds) since the
+ *    profiler's first call; a zone that touches the next one or its parent's end is written 1 ns shorter, because viewers
+ *    that add ts and dur as doubles lose it otherwise; zones that are still open as B events without an E;
  *  - otherData: clock, hz, resolution_ns, and the accounts: events_recorded = events_lost (overwritten) + events_held;
  *    events_written is less than held when last_frames leaves some out.
  * Takes a copy first and then writes from it, so threads that record are not held up; threads that begin or end wait for

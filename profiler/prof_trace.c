@@ -6,7 +6,10 @@
  * The order of a ring is the order in which zones end: children before parents. Times alone cannot tell a child from an
  * earlier sibling when both begin in the same tick, so the tree is rebuilt from that order and the depths, and then
  * walked parents first. Times become whole nanoseconds by one monotone map and are clamped to the parent, so no zone
- * sticks out of its parent whatever the rounding.
+ * sticks out of its parent whatever the rounding. Viewers written in JavaScript add ts and dur as doubles, so that ends
+ * which are equal in the decimals may come out in either order, and speedscope then drops zones; it also takes a zone
+ * that begins where one of the same name ends for a child of it. So a zone that touches the next one or the end of its
+ * parent is written 1 ns shorter.
  */
 #include "profiler/prof_internal.h"
 
@@ -89,9 +92,10 @@ static void prof_trace_frames(prof_trace *trace)
 	prof_json *json = &trace->json;
 	for (uint32_t i = trace->first_frame; i < copy->frame_count; i++) {
 		const uint64_t begin_ns = prof_timeline_ns(&trace->timeline, copy->frame_begin[i]);
-		if (i + 1 < copy->frame_count)
-			prof_trace_slice(trace, PROF_TID_FRAMES, "frame", begin_ns,
-			                 prof_timeline_ns(&trace->timeline, copy->frame_begin[i + 1]));
+		if (i + 1 < copy->frame_count) {
+			const uint64_t next_ns = prof_timeline_ns(&trace->timeline, copy->frame_begin[i + 1]);
+			prof_trace_slice(trace, PROF_TID_FRAMES, "frame", begin_ns, next_ns - (next_ns > begin_ns));
+		}
 		prof_trace_open(trace, "i", PROF_TID_FRAMES);
 		prof_json_text(json, ",\"ts\":");
 		prof_json_us(json, begin_ns);
@@ -151,6 +155,24 @@ static void prof_zone_place(prof_zone *zones, prof_zone *zone, const prof_timeli
 	*from = zone->end_ns;
 }
 
+/* Makes a zone end before next, the zone after its subtree, begins, and before its parent ends. Parents come first. */
+static void prof_zone_cut(const prof_zone *zones, prof_zone *zone, const prof_zone *next)
+{
+	uint64_t high = UINT64_MAX;
+	if (zone->parent != PROF_NONE) {
+		const prof_zone *parent = &zones[zone->parent];
+		if (!parent->open)
+			high = parent->end_ns - (parent->end_ns > parent->begin_ns);
+	}
+	zone->begin_ns = prof_clamp(zone->begin_ns, 0, high);
+	zone->end_ns = prof_clamp(zone->end_ns, 0, high);
+	if (next == NULL || next->parent != zone->parent)
+		return;
+	const uint64_t next_ns = prof_clamp(next->begin_ns, 0, high); /* where it will be cut to */
+	if (zone->end_ns == next_ns && zone->end_ns > zone->begin_ns)
+		zone->end_ns--;
+}
+
 static void prof_trace_zone(prof_trace *trace, uint64_t tid, const prof_zone *zone)
 {
 	prof_json *json = &trace->json;
@@ -180,9 +202,12 @@ static int prof_trace_zones(prof_trace *trace, uint64_t tid, prof_thread_copy *t
 		return -ENOMEM;
 	prof_zones_link(zones, count);
 	prof_zones_order(zones, count, order);
-	for (uint32_t i = 0; i < count && trace->json.error == 0; i++) {
+	for (uint32_t i = 0; i < count; i++)
 		prof_zone_place(zones, &zones[order[i]], &trace->timeline, &cursor);
-		prof_trace_zone(trace, tid, &zones[order[i]]);
+	for (uint32_t i = 0; i < count && trace->json.error == 0; i++) {
+		prof_zone *zone = &zones[order[i]];
+		prof_zone_cut(zones, zone, i + zone->size < count ? &zones[order[i + zone->size]] : NULL);
+		prof_trace_zone(trace, tid, zone);
 	}
 	free(order);
 	return trace->json.error;

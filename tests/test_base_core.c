@@ -129,8 +129,12 @@ static void test_memory_alloc_refuses_overflow(void **state)
 {
 	(void)state;
 	const size_t counts[][2] = {
-		{SIZE_MAX, 2},  {SIZE_MAX / 2 + 1, 2},           {(size_t)1 << 32, (size_t)1 << 32},
-		{SIZE_MAX, 1},  {SIZE_MAX - STILB_CACHE_LINE + 1, 1}, {1, SIZE_MAX},
+		{SIZE_MAX, 2},
+		{SIZE_MAX / 2 + 1, 2},
+		{(size_t)1 << 32, (size_t)1 << 32},
+		{SIZE_MAX, 1},
+		{SIZE_MAX - STILB_CACHE_LINE + 1, 1},
+		{1, SIZE_MAX},
 		{SIZE_MAX / 64 + 2, 64}, /* wraps round to a small number */
 	};
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)

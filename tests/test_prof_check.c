@@ -20,13 +20,13 @@ static const char good[] =
 	"{\"ph\":\"M\",\"pid\":7,\"tid\":1,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":1}},\n"
 	"{\"ph\":\"M\",\"pid\":7,\"tid\":2,\"name\":\"thread_name\",\"args\":{\"name\":\"main\"}},\n"
 	"{\"ph\":\"M\",\"pid\":7,\"tid\":2,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":2}},\n"
-	"{\"ph\":\"X\",\"pid\":7,\"tid\":1,\"ts\":0.000,\"dur\":10.000,\"name\":\"frame\"},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":1,\"ts\":0.000,\"dur\":9.999,\"name\":\"frame\"},\n"
 	"{\"ph\":\"i\",\"pid\":7,\"tid\":1,\"ts\":0.000,\"s\":\"g\",\"name\":\"frame\",\"args\":{\"number\":0}},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":1,\"ts\":10.000,\"dur\":5.000,\"name\":\"frame\"},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":1.000,\"dur\":6.500,\"name\":\"parent\"},\n"
-	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":1.000,\"dur\":2.000,\"name\":\"child\"},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":1.000,\"dur\":1.999,\"name\":\"child\"},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":3.000,\"dur\":0.000,\"name\":\"child\"},\n"
-	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":3.000,\"dur\":4.500,\"name\":\"last\"},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":3.000,\"dur\":4.499,\"name\":\"last\"},\n"
 	"{\"ph\":\"B\",\"pid\":7,\"tid\":2,\"ts\":8.000,\"name\":\"closed\"},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":8.000,\"dur\":0.001,\"name\":\"child\"},\n"
 	"{\"ph\":\"E\",\"pid\":7,\"tid\":2,\"ts\":9.000,\"name\":\"closed\"},\n"
@@ -106,9 +106,9 @@ static const breach breaches[] = {
 	{"\"ts\":3.000", "\"ts\":3.0000", "three decimals"},
 	{"\"ts\":3.000", "\"ts\":3", "three decimals"},
 	{"\"ts\":3.000", "\"ts\":-3.000", "three decimals"},
-	{"\"dur\":4.500,", "", "without a dur"},
-	{"\"dur\":4.500", "\"dur\":4.5", "three decimals"},
-	{"\"dur\":4.500", "\"dur\":-4.500", "three decimals"},
+	{"\"dur\":4.499,", "", "without a dur"},
+	{"\"dur\":4.499", "\"dur\":4.5", "three decimals"},
+	{"\"dur\":4.499", "\"dur\":-4.500", "three decimals"},
 	{"\"s\":\"g\",", "", "without s \"g\""},
 	{"\"s\":\"g\"", "\"s\":\"t\"", "without s \"g\""},
 	/* who is who */
@@ -125,15 +125,19 @@ static const breach breaches[] = {
 	{"{\"name\":\"frames\"}", "{\"name\":\"pictures\"}", "not one thread \"frames\" but 0"},
 	{"{\"name\":\"main\"}", "{\"name\":\"frames\"}", "not one thread \"frames\" but 2"},
 	/* order and nesting */
-	{"\"ts\":3.000,\"dur\":4.500", "\"ts\":2.999,\"dur\":0.001", "ts goes back on tid 2"},
+	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":2.999,\"dur\":0.001", "ts goes back on tid 2"},
 	{"\"ts\":1.000,\"dur\":6.500", "\"ts\":1.000,\"dur\":1.500", "parent \"child\" after its child \"parent\""},
-	{"\"ts\":3.000,\"dur\":4.500", "\"ts\":3.000,\"dur\":4.501", "\"last\" sticks out of \"parent\""},
+	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":3.000,\"dur\":4.501", "\"last\" sticks out of \"parent\""},
 	{"\"dur\":6.500", "\"dur\":7.500", "\"closed\" sticks out of \"parent\""},
 	{"\"ts\":8.000,\"dur\":0.001", "\"ts\":8.000,\"dur\":2.001", "E while \"child\" is open"},
 	{"\"ts\":9.000,\"name\":\"closed\"", "\"ts\":9.000,\"name\":\"other\"", "E of \"other\" while \"closed\""},
 	{"{\"ph\":\"B\",\"pid\":7,\"tid\":2,\"ts\":8.000", "{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"dur\":0.100,\"ts\":8.000",
      "E without a B"},
-	{"\"ts\":0.000,\"dur\":10.000", "\"ts\":0.000,\"dur\":10.001", "frames overlap"},
+	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":3.000,\"dur\":5.500", "\"last\" sticks out of \"parent\""},
+	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":3.000,\"dur\":4.500", "\"last\" touches the end of its parent \"parent\""},
+	{"\"dur\":1.999", "\"dur\":2.000", "the end of \"child\" touches \"child\""},
+	{"\"dur\":9.999", "\"dur\":10.000", "the end of \"frame\" touches \"frame\""},
+	{"\"ts\":0.000,\"dur\":9.999", "\"ts\":0.000,\"dur\":10.001", "frames overlap"},
 	{"\"dur\":5.000,\"name\":\"frame\"", "\"dur\":5.000,\"name\":\"zone\"", "\"zone\" on the thread \"frames\""},
 	{"{\"ph\":\"i\",\"pid\":7,\"tid\":1", "{\"ph\":\"i\",\"pid\":7,\"tid\":2", "mark on a thread other than"},
 	/* accounts */

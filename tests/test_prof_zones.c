@@ -105,6 +105,9 @@ static void scopes_nest(void **state)
 	capture_finish(&c);
 }
 
+STILB_PROF_SITE(hook_site, "hook", 0);
+STILB_PROF_SITE(deep_site, "deep", 0);
+
 static void without_a_ring_nothing_is_recorded(void **state)
 {
 	(void)state;
@@ -129,6 +132,19 @@ static void without_a_ring_nothing_is_recorded(void **state)
 	assert_names("seen again");
 }
 
+static void a_zone_older_than_its_ring_is_dropped(void **state)
+{
+	(void)state;
+	stilb_prof_thread_end();
+	{
+		PROFILE("unseen");
+		assert_int_equal(stilb_prof_thread_begin("main"), 0);
+		stilb_prof_zone_begin(&hook_site);
+	}
+	stilb_prof_zone_end();
+	assert_names("hook");
+}
+
 static void zones_of_another_ring_are_dropped(void **state)
 {
 	(void)state;
@@ -148,9 +164,6 @@ static void zones_of_another_ring_are_dropped(void **state)
 	assert_int_equal(trace_check_zones(&c.report, "another", "whole"), 1);
 	capture_finish(&c);
 }
-
-STILB_PROF_SITE(hook_site, "hook", 0);
-STILB_PROF_SITE(deep_site, "deep", 0);
 
 static void zones_of_two_functions(void **state)
 {
@@ -387,6 +400,7 @@ int main(void)
 		cmocka_unit_test(sites_form_an_array),
 		ZONE_TEST(scopes_nest),
 		ZONE_TEST(without_a_ring_nothing_is_recorded),
+		ZONE_TEST(a_zone_older_than_its_ring_is_dropped),
 		ZONE_TEST(zones_of_another_ring_are_dropped),
 		ZONE_TEST(zones_of_two_functions),
 		ZONE_TEST(deeper_than_the_stack),

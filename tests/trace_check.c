@@ -592,22 +592,42 @@ static bool judge_names(judge *j)
 	return true;
 }
 
+/* Pops the zones that ended by the time of e. */
+static bool judge_pop(judge *j, track *lane, const event *e)
+{
+	for (; lane->depth > 0; lane->depth--) {
+		const open_zone *top = &lane->open[lane->depth - 1];
+		if (top->unended || top->end > e->begin)
+			return true;
+		if (top->end == e->begin && top->end > top->begin)
+			return fail_at(j->p, e->line, "the end of \"%.60s\" touches \"%.60s\"", top->name,
+			               e->name != NULL ? e->name : "E");
+	}
+	return true;
+}
+
+static bool judge_inside(judge *j, const track *lane, const event *e)
+{
+	const open_zone *top = &lane->open[lane->depth - 1];
+	if (lane->is_frames)
+		return fail_at(j->p, e->line, "frames overlap");
+	if (top->unended)
+		return true;
+	if (e->ph[0] == 'B' || e->end > top->end)
+		return fail_at(j->p, e->line,
+		               top->begin == e->begin ? "parent \"%.60s\" after its child \"%.60s\" of equal ts"
+		                                      : "\"%.60s\" sticks out of \"%.60s\"",
+		               e->name, top->name);
+	return e->end < top->end || e->end == e->begin ||
+	       fail_at(j->p, e->line, "\"%.60s\" touches the end of its parent \"%.60s\"", e->name, top->name);
+}
+
 static bool judge_push(judge *j, track *lane, const event *e)
 {
 	parser *p = j->p;
 	const bool begin = e->ph[0] == 'B';
-	while (lane->depth > 0 && !lane->open[lane->depth - 1].unended && lane->open[lane->depth - 1].end <= e->begin)
-		lane->depth--;
-	if (lane->depth > 0) {
-		const open_zone *top = &lane->open[lane->depth - 1];
-		if (lane->is_frames)
-			return fail_at(p, e->line, "frames overlap");
-		if (!top->unended && (begin || e->end > top->end))
-			return fail_at(p, e->line,
-			               top->begin == e->begin ? "parent \"%.60s\" after its child \"%.60s\" of equal ts"
-			                                      : "\"%.60s\" sticks out of \"%.60s\"",
-			               e->name, top->name);
-	}
+	if (!judge_pop(j, lane, e) || (lane->depth > 0 && !judge_inside(j, lane, e)))
+		return false;
 	if (lane->is_frames && (begin || strcmp(e->name, "frame") != 0))
 		return fail_at(p, e->line, "\"%.60s\" on the thread \"frames\"", e->name);
 	lane->open = grow(lane->open, lane->depth, &lane->capacity, sizeof *lane->open);
@@ -622,8 +642,8 @@ static bool judge_push(judge *j, track *lane, const event *e)
 static bool judge_end(judge *j, track *lane, const event *e)
 {
 	parser *p = j->p;
-	while (lane->depth > 0 && !lane->open[lane->depth - 1].unended && lane->open[lane->depth - 1].end <= e->begin)
-		lane->depth--;
+	if (!judge_pop(j, lane, e))
+		return false;
 	if (lane->depth == 0)
 		return fail_at(p, e->line, "E without a B");
 	const open_zone *top = &lane->open[lane->depth - 1];

@@ -7,7 +7,8 @@
  * events_written = the number of X zones). Events are M, X, B, E and i, each with its keys; ts and dur have exactly three decimals. One
  * process with a name; each thread has one name and one sort index; one thread is "frames". Per thread, in file order:
  * times never decrease; a zone lies inside the one that is open when it begins, so parents come before their children;
- * an E closes the B it names. On "frames" only frames that do not overlap, and marks with s "g".
+ * a zone that has a length ends 1 ns or more before the next one begins and before its parent ends (viewers add ts and
+ * dur as doubles: speedscope loses zones that touch); an E closes the B it names. On "frames" only frames that do not overlap, and marks with s "g".
  */
 #ifndef STILB_TRACE_CHECK_H
 #define STILB_TRACE_CHECK_H

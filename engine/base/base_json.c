@@ -29,19 +29,38 @@ static void json_put(stilb_json *json, const char *text)
 	json_append(json, text, strlen(text));
 }
 
+/* Bytes of the character of two to four bytes that text begins with; 0 when it is not UTF-8 (RFC 3629: the shortest form,
+ * no surrogates, at most U+10FFFF). */
+static size_t json_utf8_length(const char *text)
+{
+	static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
+	unsigned char first = (unsigned char)text[0];
+	size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+	uint32_t code = first & (0xffu >> (length + 1));
+	if (first < 0xc2 || first > 0xf4)
+		return 0;
+	for (size_t i = 1; i < length; i++) {
+		if (((unsigned char)text[i] & 0xc0) != 0x80) /* the end of text too */
+			return 0;
+		code = code << 6 | ((unsigned char)text[i] & 0x3f);
+	}
+	return code < least[length] || code > 0x10ffff || (code >= 0xd800 && code <= 0xdfff) ? 0 : length;
+}
+
 static void json_quote(stilb_json *json, const char *value)
 {
 	json_put(json, "\"");
-	for (; *value; value++) {
+	while (*value) {
 		char escaped[8];
 		unsigned char c = (unsigned char)*value;
-		if (c == '"' || c == '\\')
-			snprintf(escaped, sizeof escaped, "\\%c", c);
-		else if (c < 0x20)
-			snprintf(escaped, sizeof escaped, "\\u%04x", c);
+		size_t length = c < 0x80 ? 1 : json_utf8_length(value);
+		if (length == 0)
+			json_put(json, "\xef\xbf\xbd"); /* U+FFFD: names of drivers may be cut or in another encoding */
+		else if (c >= 0x20 && c != '"' && c != '\\')
+			json_append(json, value, length);
 		else
-			snprintf(escaped, sizeof escaped, "%c", c);
-		json_put(json, escaped);
+			json_append(json, escaped, (size_t)snprintf(escaped, sizeof escaped, c < 0x20 ? "\\u%04x" : "\\%c", c));
+		value += length ? length : 1;
 	}
 	json_put(json, "\"");
 }

@@ -113,10 +113,10 @@ stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *
 
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count)
 {
-	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
-		render->passes[p].state = RENDER_LIST_EMPTY; /* the segments' contexts go away */
-	render_contexts_destroy(render);
-	return render_contexts_create(render, context_count);
+	stilb_result result = render_contexts_create(render, context_count);
+	if (result == STILB_OK)
+		render_passes_rewind(render); /* their segments' contexts are gone */
+	return result;
 }
 
 stilb_result stilb_render_resize(stilb_render *render, uint32_t width, uint32_t height)

@@ -110,10 +110,10 @@ uint32_t stilb_render_validation_messages(const stilb_render *render);
 /* Gives meshes and materials to the device; the arrays may change afterwards. Once, before the first frame. */
 stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene);
 
-/* For another number of workers: between frames. */
+/* For another number of workers: between frames; the last frame's stream hash is lost. After an error all is as before. */
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
 
-/* Another picture size, 1..16384: between frames. */
+/* Another picture size, 1..16384: between frames. After an error no frame can be drawn until a resize succeeds. */
 stilb_result stilb_render_resize(stilb_render *render, uint32_t width, uint32_t height);
 void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *height);
 
@@ -125,7 +125,8 @@ stilb_result stilb_render_frame_begin(stilb_render *render);
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);
 
-/* Turns the lists of all passes into device commands, in order, and hands them to the device. */
+/* Turns the lists of all passes, at least one, into device commands, in order, and hands them to the device. Once a
+ * frame. */
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                  const stilb_render_view *views, uint32_t view_count);
 
@@ -133,7 +134,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
  * error. */
 stilb_result stilb_render_present(stilb_render *render);
 
-/* The last replayed picture, top row first; waits for the device. The null device has none: STILB_ERROR_DEVICE. */
+/* The last replayed picture, top row first; waits for the device; between frames. STILB_ERROR_DEVICE: there is none, since
+ * no frame of this size has been drawn, or on the null device. */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
 
 /* Waits until the device has drawn every frame; the statistics' gpu_ms is then the last frame's. */

@@ -68,7 +68,6 @@ typedef enum render_list_state {
 	RENDER_LIST_EMPTY,
 	RENDER_LIST_RECORDING,
 	RENDER_LIST_CLOSED,
-	RENDER_LIST_REPLAYED,
 } render_list_state;
 
 /* Where a segment's commands lie: count commands from (block, first) on, running over into the blocks that follow. */
@@ -172,12 +171,17 @@ struct stilb_render {
 	uint32_t material_count;
 	render_rows rows;
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
+	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
+	uint32_t replayed_count;
 	render_record_job *record_jobs; /* of the pass that is being recorded */
 	uint32_t record_job_capacity;
 };
 
+/* Forgets the frame's passes. */
+void render_passes_rewind(stilb_render *render);
 /* Makes contexts empty again, keeping their memory. */
 void render_contexts_rewind(stilb_render *render);
+/* Replaces the contexts; after an error the old ones are still there. */
 stilb_result render_contexts_create(stilb_render *render, uint32_t count);
 void render_contexts_destroy(stilb_render *render);
 

@@ -16,13 +16,15 @@
 
 stilb_result render_contexts_create(stilb_render *render, uint32_t count)
 {
-	render->contexts = stilb_memory_alloc(count, sizeof *render->contexts);
-	if (!render->contexts)
+	stilb_render_context *contexts = stilb_memory_alloc(count, sizeof *contexts);
+	if (!contexts)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u render contexts", count);
-	memset(render->contexts, 0, count * sizeof *render->contexts);
-	render->context_count = count;
+	memset(contexts, 0, count * sizeof *contexts);
 	for (uint32_t i = 0; i < count; i++)
-		render->contexts[i].render = render;
+		contexts[i].render = render;
+	render_contexts_destroy(render);
+	render->contexts = contexts;
+	render->context_count = count;
 	return STILB_OK;
 }
 
@@ -57,8 +59,14 @@ void render_contexts_rewind(stilb_render *render)
 		context->failed = false;
 	}
 	atomic_store_explicit(&render->rows.next, 0, memory_order_relaxed); /* published by the submit of the first job */
+	render_passes_rewind(render);
+}
+
+void render_passes_rewind(stilb_render *render)
+{
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
 		render->passes[p].state = RENDER_LIST_EMPTY;
+	render->replayed_count = 0;
 }
 
 /* Room for one more element of an array that doubles. */
@@ -93,23 +101,32 @@ static bool record_next_block(stilb_render_context *context)
 	return true;
 }
 
-/* The next chunk of rows: in the device's memory, or on the heap when the frame outgrows it. */
+/* A chunk of rows on the heap. */
+static render_row *record_overflow(stilb_render_context *context, uint32_t first)
+{
+	if (!record_reserve((void **)&context->overflows, &context->overflow_capacity, context->overflow_count,
+	                    sizeof *context->overflows))
+		return NULL;
+	render_row *chunk = stilb_memory_alloc(RENDER_ROW_CHUNK, sizeof *chunk);
+	if (chunk)
+		context->overflows[context->overflow_count++] = (render_overflow){chunk, first};
+	return chunk;
+}
+
+/* The next chunk of rows: in the device's memory, or on the heap when the frame outgrows it. Without memory row and row_end
+ * stay equal, so that the next draw comes here, too. */
 static bool record_next_rows(stilb_render_context *context)
 {
 	render_rows *rows = &context->render->rows;
+	if (context->failed)
+		return false; /* claims no more: the counter would wrap before a large scene is through */
 	uint32_t first = atomic_fetch_add_explicit(&rows->next, RENDER_ROW_CHUNK, memory_order_relaxed);
-	if (first + RENDER_ROW_CHUNK <= rows->capacity) {
-		context->row = rows->memory + first;
-	} else {
-		if (!record_reserve((void **)&context->overflows, &context->overflow_capacity, context->overflow_count,
-		                    sizeof *context->overflows))
-			return false;
-		context->row = stilb_memory_alloc(RENDER_ROW_CHUNK, sizeof *context->row);
-		if (!context->row)
-			return false;
-		context->overflows[context->overflow_count++] = (render_overflow){context->row, first};
-	}
-	context->row_end = context->row + RENDER_ROW_CHUNK;
+	bool fits = first + RENDER_ROW_CHUNK <= rows->capacity;
+	render_row *chunk = fits ? rows->memory + first : record_overflow(context, first);
+	if (!chunk)
+		return false;
+	context->row = chunk;
+	context->row_end = chunk + RENDER_ROW_CHUNK;
 	context->row_index = first;
 	return true;
 }

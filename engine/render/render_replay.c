@@ -57,6 +57,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
                                  const stilb_render_view *views, uint32_t view_count)
 {
 	(void)view_count;
+	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->replayed_count == 0);
 	render_device *device = render->device;
 	stilb_result result = render_rows_place(render);
 	device->stats.draws = device->stats.draw_commands = device->stats.indirect_commands = 0;
@@ -71,7 +72,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		replay_pass(lists, replay_to_device, device);
 		device->functions->pass_end(device);
 		device->stats.draws += draws;
-		lists->state = RENDER_LIST_REPLAYED;
+		render->replayed[render->replayed_count++] = (uint32_t)(pass - passes);
 	}
 	return result == STILB_OK ? device->functions->submit(device) : result;
 }
@@ -114,8 +115,7 @@ static void replay_hash_draws(void *user, const render_command *commands, uint32
 uint64_t stilb_render_stream_hash(const stilb_render *render)
 {
 	replay_hash hash = {render, STILB_FNV1A64_START};
-	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
-		if (render->passes[p].state == RENDER_LIST_REPLAYED)
-			replay_pass(&render->passes[p], replay_hash_draws, &hash);
+	for (uint32_t i = 0; i < render->replayed_count; i++)
+		replay_pass(&render->passes[render->replayed[i]], replay_hash_draws, &hash);
 	return hash.value;
 }

@@ -96,7 +96,7 @@ typedef enum stilb_scene_stress_view {
 } stilb_scene_stress_view;
 
 /* model_count spheres over ground tiles on a square grid of side ceil(sqrt(model_count)), row by row; the last row may
- * be short. Tile corners lie at odd integer coordinates, exact in float, so that neighbours share the same floats.
+ * be short. Tile corners lie at integer coordinates, exact in float, so that neighbours share the same floats.
  * Part 2m is model m's sphere and part 2m + 1 its tile; each has its own material. Everything that varies comes from
  * seed. 1 <= model_count <= STILB_SCENE_MAX_MODELS. The camera is left at stilb_scene_stress_camera(..., VIEW_ALL, 16/9). */
 stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stilb_scene **scene);

@@ -64,7 +64,7 @@ junit() { # NAME 'TEST STATUS'...: what ctest will have written; skip and gone a
 		case $status in
 		run) printf '\t<testcase name="%s" classname="c" time="0" status="run">\n\t\t<system-out>fine\n</system-out>\n' "$name" ;;
 		fail) printf '\t<testcase name="%s" classname="c" time="0" status="fail">\n\t\t<failure message=""/>\n\t\t<system-out>bad\n</system-out>\n' "$name" ;;
-		skip) printf '\t<testcase name="%s" classname="c" time="0" status="notrun">\n\t\t<skipped message="SKIP_RETURN_CODE=77"/>\n\t\t<system-out>noise\nno driver here\n</system-out>\n' "$name" ;;
+		skip) printf '\t<testcase name="%s" classname="c" time="0" status="notrun">\n\t\t<skipped message="SKIP_RETURN_CODE=77"/>\n\t\t<system-out>noise\nskipped: no driver here\n</system-out>\n' "$name" ;;
 		gone) printf '\t<testcase name="%s" classname="c" time="0" status="notrun">\n\t\t<skipped message="Unable to find executable"/>\n\t\t<system-out>Unable to find executable: x</system-out>\n' "$name" ;;
 		esac
 		printf '\t</testcase>\n'

@@ -38,7 +38,6 @@ static VkResult device_make(vulkan_device *device)
 	const VkPhysicalDeviceFeatures features = {
 		.multiDrawIndirect = VK_TRUE,
 		.drawIndirectFirstInstance = VK_TRUE,
-		.shaderInt64 = VK_TRUE,
 	};
 	const VkDeviceQueueCreateInfo queue = {
 		.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -69,7 +68,8 @@ static stilb_result device_create(vulkan_device *device)
 	if (result != VK_SUCCESS)
 		return vulkan_fail(result, "open the GPU");
 	vkGetDeviceQueue(device->device, device->queue_family, 0, &device->queue);
-	device->timestamps = timestamp_bits == 64 && device->properties.limits.timestampPeriod > 0.0f;
+	if (timestamp_bits > 0 && device->properties.limits.timestampPeriod > 0.0f)
+		device->timestamp_mask = UINT64_MAX >> (64 - timestamp_bits);
 	return STILB_OK;
 }
 
@@ -157,7 +157,11 @@ static stilb_result vulkan_resize(render_device *base, uint32_t width, uint32_t 
 	base->width = width;
 	base->height = height;
 	device->swapchain.stale = true;
-	return vulkan_targets_create(device);
+	device->drawn = false;
+	stilb_result created = vulkan_targets_create(device);
+	if (created != STILB_OK)
+		vulkan_targets_destroy(device); /* frame_begin then refuses, until another size works */
+	return created;
 }
 
 static stilb_result device_start(vulkan_device *device, const stilb_render_desc *desc)

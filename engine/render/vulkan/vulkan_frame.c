@@ -44,7 +44,7 @@ static VkResult frames_make(vulkan_device *device)
 		.queryType = VK_QUERY_TYPE_TIMESTAMP,
 		.queryCount = 2 * VULKAN_SLOTS,
 	};
-	if (result == VK_SUCCESS && device->timestamps)
+	if (result == VK_SUCCESS && device->timestamp_mask)
 		result = vkCreateQueryPool(device->device, &queries, NULL, &device->queries);
 	for (int i = 0; i < VULKAN_SLOTS && result == VK_SUCCESS; i++)
 		result = slot_create(device, &device->slots[i]);
@@ -122,14 +122,14 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 /* How long the GPU drew the frame that used this slot; it is done. */
 static void slot_read_time(vulkan_device *device, uint32_t slot)
 {
-	uint64_t ticks[2];
+	uint64_t ticks[2] = {0};
 	if (!device->slots[slot].timed)
 		return;
 	VkResult result = vkGetQueryPoolResults(device->device, device->queries, 2 * slot, 2, sizeof ticks, ticks,
 	                                        sizeof *ticks, VK_QUERY_RESULT_64_BIT);
-	if (result == VK_SUCCESS && ticks[1] >= ticks[0])
-		device->base.stats.gpu_ms =
-			(double)(ticks[1] - ticks[0]) * (double)device->properties.limits.timestampPeriod * 1e-6;
+	uint64_t passed = (ticks[1] - ticks[0]) & device->timestamp_mask; /* a clock of few bits wraps within minutes */
+	if (result == VK_SUCCESS)
+		device->base.stats.gpu_ms = (double)passed * (double)device->properties.limits.timestampPeriod * 1e-6;
 }
 
 static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot)
@@ -153,6 +153,8 @@ static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot
 stilb_result vulkan_frame_begin(render_device *base, render_rows *rows)
 {
 	vulkan_device *device = (vulkan_device *)base;
+	if (!device->color.image)
+		return stilb_fail(STILB_ERROR_MEMORY, "there is no picture to draw into; choose a smaller size");
 	device->slot = (device->slot + 1) % VULKAN_SLOTS;
 	device->pass = 0;
 	vulkan_slot *slot = vulkan_slot_now(device);
@@ -427,6 +429,7 @@ stilb_result vulkan_submit(render_device *base)
 		return vulkan_fail(result, "record a frame");
 	stilb_result submitted = vulkan_queue_submit(device, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
 	slot->done = device->timeline_value;
+	device->drawn |= submitted == STILB_OK;
 	return submitted;
 }
 

@@ -85,8 +85,8 @@ typedef struct vulkan_device {
 
 	VkSemaphore timeline;
 	uint64_t timeline_value;
-	VkQueryPool queries; /* two a slot */
-	bool timestamps;
+	VkQueryPool queries;     /* two a slot */
+	uint64_t timestamp_mask; /* the bits that count; 0: the queue has no clock */
 
 	VkPipelineLayout pipeline_layout;
 	VkPipeline pipeline;
@@ -95,6 +95,7 @@ typedef struct vulkan_device {
 	vulkan_image color;         /* the picture, one sample */
 	vulkan_image color_samples; /* with 4 samples; resolved into color */
 	vulkan_image depth;
+	bool drawn; /* color holds a picture, ready to be copied from */
 
 	vulkan_buffer vertices, indices, materials;
 

@@ -124,6 +124,26 @@ static VkResult image_make(vulkan_device *device, const VkImageCreateInfo *info,
 	return result == VK_SUCCESS ? vkCreateImageView(device->device, &view, NULL, &image->view) : result;
 }
 
+/* Beyond its limits a GPU may do anything, so they are asked for first. */
+static stilb_result image_check(const vulkan_device *device, const VkImageCreateInfo *info)
+{
+	VkImageFormatProperties can;
+	const VkPhysicalDeviceLimits *limits = &device->properties.limits;
+	uint32_t width = info->extent.width, height = info->extent.height;
+	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu, info->format, info->imageType, info->tiling,
+	                                                           info->usage, info->flags, &can);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(result, "draw in the picture's format on this GPU");
+	if (!(can.sampleCounts & info->samples))
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has no %u samples per pixel; use --msaa 1", device->base.name,
+		                  (unsigned)info->samples);
+	if (width > can.maxExtent.width || height > can.maxExtent.height || width > limits->maxFramebufferWidth ||
+	    height > limits->maxFramebufferHeight)
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' draws pictures of up to %ux%u, not %ux%u; use a smaller --size",
+		                  device->base.name, limits->maxFramebufferWidth, limits->maxFramebufferHeight, width, height);
+	return STILB_OK;
+}
+
 stilb_result vulkan_image_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
                                  VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image)
 {
@@ -140,6 +160,9 @@ stilb_result vulkan_image_create(vulkan_device *device, VkFormat format, VkSampl
 		.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
 	};
 	*image = (vulkan_image){0};
+	stilb_result possible = image_check(device, &info);
+	if (possible != STILB_OK)
+		return possible;
 	VkResult result = image_make(device, &info, aspect, image);
 	if (result == VK_SUCCESS)
 		return STILB_OK;

@@ -265,8 +265,9 @@ static stilb_result memory_present(vulkan_device *device, vulkan_slot *slot)
 	if (result != STILB_OK)
 		return result;
 	picture_copy(device, slot);
-	slot->picture_valid = true;
-	return show_submit(device, slot, VK_NULL_HANDLE, VK_NULL_HANDLE);
+	result = show_submit(device, slot, VK_NULL_HANDLE, VK_NULL_HANDLE);
+	slot->picture_valid = result == STILB_OK;
+	return result;
 }
 
 stilb_result vulkan_present(render_device *base)
@@ -291,6 +292,8 @@ stilb_result vulkan_read_image(render_device *base, stilb_image *image)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
+	if (!device->drawn)
+		return stilb_fail(STILB_ERROR_DEVICE, "no frame of this size has been drawn yet");
 	stilb_result result = vulkan_timeline_wait(device, slot->done);
 	if (result == STILB_OK && !slot->picture_valid) {
 		/* The window's blit is done: its command buffer serves for the copy. Only the whole pool can be reset. */

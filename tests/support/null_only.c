@@ -1,0 +1,83 @@
+/*
+ * Stands in for everything that would load Vulkan, GLFW or OpenImageIO: linked into the tests of the null device, so that
+ * no third-party library is there and the thread sanitizer sees all that runs. Each call fails as on a bare machine.
+ */
+#include "image/image.h"
+#include "render/render_internal.h"
+#include "window/window.h"
+
+#include <string.h>
+
+stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device **device)
+{
+	(void)desc, (void)device;
+	return stilb_fail(STILB_ERROR_DEVICE, "no Vulkan in this test");
+}
+
+const char *stilb_render_vulkan_version(void)
+{
+	return "none";
+}
+
+stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **window)
+{
+	(void)title, (void)width, (void)height;
+	*window = NULL;
+	return stilb_fail(STILB_ERROR_WINDOW, "no windows in this test");
+}
+
+void stilb_window_destroy(stilb_window *window)
+{
+	STILB_ASSERT(!window);
+}
+
+void stilb_window_title(stilb_window *window, const char *title)
+{
+	(void)window, (void)title;
+}
+
+void stilb_window_poll(stilb_window *window, stilb_window_state *state)
+{
+	(void)window;
+	memset(state, 0, sizeof *state);
+}
+
+void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state)
+{
+	(void)seconds;
+	stilb_window_poll(window, state);
+}
+
+const char *const *stilb_window_surface_extensions(void *user, uint32_t *count)
+{
+	(void)user;
+	*count = 0;
+	return NULL;
+}
+
+int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface)
+{
+	(void)user, (void)instance, (void)surface;
+	return -1;
+}
+
+const char *stilb_window_library_version(void)
+{
+	return "none";
+}
+
+stilb_result stilb_image_save(const stilb_image *image, const char *path)
+{
+	(void)image;
+	return stilb_fail(STILB_ERROR_FILE, "no pictures in this test: '%s'", path);
+}
+
+void stilb_image_finish(stilb_image *image)
+{
+	STILB_ASSERT(!image->pixels);
+}
+
+const char *stilb_image_library_version(void)
+{
+	return "none";
+}

@@ -1,0 +1,58 @@
+/* What the tests of render and engine share: the stream hash in the layout that render.h writes down, worked out from the
+ * scene alone; and which libraries are loaded. */
+#ifndef RENDER_REFERENCE_H
+#define RENDER_REFERENCE_H
+
+#include "scene/scene.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define REFERENCE_HASH_START 14695981039346656037ull
+
+/* FNV-1a over the four bytes of a number, lowest first. */
+static inline uint64_t reference_hash_u32(uint64_t hash, uint32_t number)
+{
+	for (int byte = 0; byte < 4; byte++)
+		hash = (hash ^ ((number >> (8 * byte)) & 0xffu)) * 1099511628211ull;
+	return hash;
+}
+
+static inline uint64_t reference_hash_draw(uint64_t hash, const stilb_scene *scene, uint32_t mesh, uint32_t material,
+                                           const stilb_mat4 *transform)
+{
+	hash = reference_hash_u32(hash, mesh);
+	hash = reference_hash_u32(hash, material);
+	for (int i = 0; i < 16; i++) {
+		uint32_t bits;
+		memcpy(&bits, &transform->m[i], sizeof bits);
+		hash = reference_hash_u32(hash, bits);
+	}
+	return reference_hash_u32(hash, scene->meshes[mesh].index_count);
+}
+
+/* Every part of the models in ids. */
+static inline uint64_t reference_hash_models(uint64_t hash, const stilb_scene *scene, const uint32_t *ids,
+                                             uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		for (uint32_t p = scene->first_part[ids[i]]; p < scene->first_part[ids[i] + 1]; p++)
+			hash = reference_hash_draw(hash, scene, scene->part_mesh[p], scene->part_material[p],
+			                           &scene->part_transform[p]);
+	return hash;
+}
+
+/* Is a library whose path holds this text mapped into the process? */
+static inline bool reference_library_loaded(const char *text)
+{
+	char line[4096];
+	bool found = false;
+	FILE *maps = fopen("/proc/self/maps", "r");
+	while (maps && fgets(line, sizeof line, maps))
+		found |= strstr(line, text) != NULL;
+	if (maps)
+		fclose(maps);
+	return found;
+}
+
+#endif

@@ -1,0 +1,248 @@
+/* stilb_program: what the tests of the program stilb share: a folder of their own, runs, and the files it writes. */
+#ifndef STILB_STILB_PROGRAM_H
+#define STILB_STILB_PROGRAM_H
+
+#include "json_flat.h"
+#include "support/program.h"
+#include "trace_check.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+static char stilb_path[PATH_MAX], stilb_folder[PATH_MAX];
+static program_run run;
+static json_flat stats;
+
+#define NO_DISPLAY "DISPLAY", "WAYLAND_DISPLAY"
+#define NO_DRIVER "VK_DRIVER_FILES=/nonexistent/x.json", "VK_ICD_FILENAMES=/nonexistent/x.json"
+
+static const char *const no_display[] = {NO_DISPLAY, NULL};
+static const char *const no_driver[] = {NO_DISPLAY, NO_DRIVER, NULL};
+
+/* Starts stilb with the words of one line, split at blanks; {} stands for an empty word. */
+static inline void stilb_start(const char *const *environment, int output, const char *line)
+{
+	char copy[2048], *rest = NULL;
+	const char *words[64] = {stilb_path};
+	snprintf(copy, sizeof copy, "%s", line);
+	size_t count = 1;
+	for (char *word = strtok_r(copy, " ", &rest); word && count < 63; word = strtok_r(NULL, " ", &rest))
+		words[count++] = strcmp(word, "{}") == 0 ? "" : word;
+	assert_true(program_start(&run, words, environment, output));
+}
+
+static inline int stilb_code(const char *const *environment, const char *line)
+{
+	stilb_start(environment, -1, line);
+	program_wait(&run);
+	return run.code;
+}
+
+/* A run that must go well and say nothing on stderr. */
+static inline void stilb_good(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+static inline void stilb_good(const char *format, ...)
+{
+	char line[2048];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(line, sizeof line, format, arguments);
+	va_end(arguments);
+	int code = stilb_code(no_display, line);
+	if (code != 0 || run.err[0])
+		print_error("stilb %s\n%s", line, run.err);
+	assert_int_equal(code, 0);
+	assert_string_equal(run.err, "");
+}
+
+/* stderr has that many lines, and each begins with the program's name. */
+static inline void assert_error_lines(int lines)
+{
+	int begun = strncmp(run.err, "stilb: ", 7) == 0;
+	for (const char *at = run.err; (at = strstr(at, "\nstilb: ")); at++)
+		begun++;
+	if (begun != lines || program_lines(run.err) != lines)
+		print_error("%s", run.err);
+	assert_int_equal(begun, lines);
+	assert_int_equal(program_lines(run.err), lines);
+}
+
+static inline void assert_said(const char *text, const char *part)
+{
+	if (!strstr(text, part))
+		print_error("not there: '%s' in\n%s\n", part, text);
+	assert_non_null(strstr(text, part));
+}
+
+static inline int folder_entries(void)
+{
+	int count = 0;
+	DIR *dir = opendir(".");
+	assert_non_null(dir);
+	for (struct dirent *entry; (entry = readdir(dir));)
+		count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+	closedir(dir);
+	return count;
+}
+
+static inline int folder_fresh(void **state)
+{
+	(void)state;
+	DIR *dir = opendir(".");
+	for (struct dirent *entry; dir && (entry = readdir(dir));)
+		if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+			remove(entry->d_name);
+	closedir(dir);
+	json_flat_finish(&stats);
+	return 0;
+}
+
+/* argument: the program. A new folder becomes the current one. */
+static inline bool folder_enter(const char *argument, const char *name)
+{
+	char parent[PATH_MAX / 2];
+	return argument && realpath(argument, stilb_path) && getcwd(parent, sizeof parent) &&
+	       snprintf(stilb_folder, sizeof stilb_folder, "%s/%s_XXXXXX", parent, name) > 0 && mkdtemp(stilb_folder) &&
+	       chdir(stilb_folder) == 0;
+}
+
+static inline int folder_leave(void **state)
+{
+	folder_fresh(state);
+	return chdir("..") == 0 ? rmdir(stilb_folder) : -1;
+}
+
+/* ---- what --stats wrote ---------------------------------------------------------------------------------------------- */
+
+static inline void read_stats(const char *path)
+{
+	json_flat_finish(&stats);
+	json_flat_file(path, &stats);
+	assert_string_equal(stats.error, "");
+}
+
+static inline const char *stat_text(const char *path, char kind)
+{
+	const json_flat_value *value = json_flat_find(&stats, path);
+	if (!value)
+		print_error("no %s\n", path);
+	assert_non_null(value);
+	assert_int_equal(value->kind, kind);
+	return value->text;
+}
+
+static inline long long stat_int(const char *path)
+{
+	const char *text = stat_text(path, '0');
+	assert_null(strpbrk(text, ".eE-"));
+	return atoll(text);
+}
+
+static inline double stat_ms(const char *path)
+{
+	const char *text = stat_text(path, '0');
+	assert_non_null(strchr(text, '.'));
+	return strtod(text, NULL);
+}
+
+/* The hash of a run; the string is the caller's next's. */
+static inline uint64_t stat_hash(const char *path)
+{
+	read_stats(path);
+	const char *text = stat_text("stream_hash", '"');
+	assert_int_equal(strlen(text), 16);
+	assert_int_equal(strspn(text, "0123456789abcdef"), 16);
+	return strtoull(text, NULL, 16);
+}
+
+/* Each stage has its three times, in order. */
+static inline void assert_stages(bool presented)
+{
+	static const char *const stages[] = {"frame", "cull", "record", "replay", "present"};
+	for (size_t i = 0; i < 5; i++) {
+		double ms[3];
+		static const char *const kinds[] = {"min", "median", "p99"};
+		for (int k = 0; k < 3; k++) {
+			char path[64];
+			snprintf(path, sizeof path, "stages.%s.%s", stages[i], kinds[k]);
+			ms[k] = stat_ms(path);
+		}
+		assert_true(ms[0] >= 0.0 && ms[0] <= ms[1] && ms[1] <= ms[2] && ms[2] < 600000.0);
+		assert_true(presented || i < 4 || ms[2] == 0.0);
+		assert_true(i > 2 || ms[2] > 0.0); /* frame, cull and record take time anywhere */
+	}
+}
+
+/* Every key that a reader of the file may rely on. */
+static inline void assert_stats(const char *device, const char *replay, const char *cull, long long models,
+                                long long workers, long long frames)
+{
+	assert_int_equal(stat_int("models"), models);
+	assert_true(stat_int("visible") >= 1 && stat_int("visible") <= models);
+	assert_int_equal(stat_int("draws"), 2 * stat_int("visible"));
+	assert_int_equal(stat_int("workers"), workers);
+	assert_int_equal(stat_int("frames"), frames);
+	assert_string_equal(stat_text("device", '"'), device);
+	assert_true(stat_text("device_name", '"')[0] != '\0');
+	assert_string_equal(stat_text("replay", '"'), replay);
+	assert_string_equal(stat_text("cull", '"'), cull);
+	assert_int_equal(strlen(stat_text("stream_hash", '"')), 16);
+	bool direct = strcmp(replay, "direct") == 0;
+	assert_int_equal(stat_int("commands.draw"), direct ? stat_int("draws") : 0);
+	assert_true(direct ? stat_int("commands.draw_indirect") == 0 : stat_int("commands.draw_indirect") >= 1);
+	assert_int_equal(stat_int("commands.execute"), 0);
+}
+
+/* ---- traces and signals ---------------------------------------------------------------------------------------------- */
+
+static inline void assert_trace(const char *path, uint32_t workers, uint64_t frames)
+{
+	trace_check_report report;
+	trace_check_file(path, &report);
+	assert_string_equal(report.error, "");
+	static const char *const stages[] = {"frame", "cull", "record", "replay", "present"};
+	for (size_t i = 0; i < 5; i++)
+		assert_int_equal(trace_check_zones(&report, "main", stages[i]), frames);
+	assert_true(trace_check_zones(&report, NULL, "record segment") >= frames);
+	assert_in_range(report.threads, 1, workers + 1); /* a worker that did nothing is not listed */
+	trace_check_finish(&report);
+}
+
+/* The process catches SIGINT and has worked for a while since; false: it ended, or half a minute went by. */
+static inline bool catches_interrupts(pid_t pid)
+{
+	char path[64], line[512];
+	long start = -1;
+	for (int i = 0; i < 3000; i++, usleep(10000)) {
+		unsigned long long caught = 0;
+		long ticks = 0, user = 0, system = 0;
+		snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
+		FILE *status = fopen(path, "r");
+		while (status && fgets(line, sizeof line, status))
+			sscanf(line, "SigCgt: %llx", &caught);
+		if (status)
+			fclose(status);
+		snprintf(path, sizeof path, "/proc/%d/stat", (int)pid);
+		FILE *stat_file = fopen(path, "r");
+		const char *after = stat_file && fgets(line, sizeof line, stat_file) ? strrchr(line, ')') : NULL;
+		if (after && sscanf(after, ") %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %ld %ld", &user, &system) == 2)
+			ticks = user + system;
+		if (stat_file)
+			fclose(stat_file);
+		if (start < 0 && (caught >> (SIGINT - 1) & 1))
+			start = ticks;
+		if (start >= 0 && ticks > start + 10)
+			return true;
+	}
+	return false;
+}
+
+#endif

@@ -1,0 +1,315 @@
+/* The engine on the null device: frames are the same for any number of workers, and what fails leaves nothing behind. The
+ * linker sends allocations here (--wrap). */
+#include "engine_internal.h"
+#include "support/render_reference.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define MODELS 3000u
+#define FRAMES 6
+
+/* ---- memory that runs out -------------------------------------------------------------------------------------------- */
+
+/* Relaxed: a counter, orders nothing. */
+static _Atomic int64_t allocations_left = INT64_MAX;
+
+void *__real_stilb_memory_alloc(size_t count, size_t size);
+void *__wrap_stilb_memory_alloc(size_t count, size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+
+static bool allocation_granted(void)
+{
+	return atomic_fetch_sub_explicit(&allocations_left, 1, memory_order_relaxed) > 0;
+}
+
+static void allocations_allow(int64_t count)
+{
+	atomic_store_explicit(&allocations_left, count, memory_order_relaxed);
+}
+
+void *__wrap_stilb_memory_alloc(size_t count, size_t size)
+{
+	return allocation_granted() ? __real_stilb_memory_alloc(count, size) : NULL;
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+	return allocation_granted() ? __real_calloc(count, size) : NULL;
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------------ */
+
+static stilb_engine_desc null_desc(uint32_t workers)
+{
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.models = MODELS;
+	desc.workers = workers;
+	desc.device = STILB_RENDER_DEVICE_NULL;
+	desc.view = STILB_SCENE_VIEW_HALF;
+	desc.animate = true;
+	desc.width = 320;
+	desc.height = 200;
+	return desc;
+}
+
+static stilb_engine *make_engine(const stilb_engine_desc *desc)
+{
+	stilb_engine *engine;
+	assert_int_equal(stilb_engine_create(desc, &engine), STILB_OK);
+	return engine;
+}
+
+/* Is the model's sphere in front of all six planes, as cull.h says it is worked out? */
+static bool model_visible(const stilb_scene *scene, uint32_t model, const stilb_frustum *frustum)
+{
+	for (int p = 0; p < 6; p++) {
+		const stilb_plane *plane = &frustum->planes[p];
+		float sum = ((scene->bounds.x[model] * plane->x + scene->bounds.y[model] * plane->y) +
+		             scene->bounds.z[model] * plane->z) +
+		            plane->distance;
+		if (!(sum >= -scene->bounds.radius[model]))
+			return false;
+	}
+	return true;
+}
+
+/* The hash of what the scene's camera sees, continued from hash; *visible counts its models. */
+static uint64_t scene_hash(uint64_t hash, const stilb_scene *scene, const stilb_mat4 *matrix, uint32_t *visible)
+{
+	stilb_frustum frustum = stilb_frustum_from_matrix(matrix);
+	*visible = 0;
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		if (model_visible(scene, m, &frustum)) {
+			hash = reference_hash_models(hash, scene, &m, 1);
+			++*visible;
+		}
+	return hash;
+}
+
+static void assert_frame(stilb_engine *engine)
+{
+	stilb_engine_report report;
+	uint32_t width, height, visible;
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	stilb_engine_size(engine, &width, &height);
+	const stilb_scene *scene = stilb_engine_scene(engine);
+	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
+	uint64_t hash = scene_hash(REFERENCE_HASH_START, scene, &matrix, &visible);
+	assert_int_equal(report.visible, visible);
+	assert_true(report.render.draws == 2 * visible);
+	assert_true(stilb_engine_stream_hash(engine) == hash);
+	assert_true(report.drawn && !report.close);
+}
+
+static void run(const stilb_engine_desc *desc, uint64_t hashes[FRAMES])
+{
+	stilb_engine *engine = make_engine(desc);
+	for (int f = 0; f < FRAMES; f++) {
+		assert_frame(engine);
+		hashes[f] = stilb_engine_stream_hash(engine);
+	}
+	stilb_engine_destroy(engine);
+}
+
+static void frames_do_not_depend_on_workers(void **state)
+{
+	(void)state;
+	static const uint32_t workers[] = {0, 1, 2, 3, 8};
+	uint64_t expected[FRAMES], got[FRAMES];
+	stilb_engine_desc desc = null_desc(0);
+	run(&desc, expected);
+	for (int f = 1; f < FRAMES; f++)
+		assert_true(expected[f] != expected[f - 1]); /* it does move */
+	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++)
+		for (int kind = 0; kind < 4; kind++) {
+			desc = null_desc(workers[w]);
+			desc.cull = kind & 1 ? STILB_CULL_FLAT : STILB_CULL_OCTREE;
+			desc.replay = kind & 2 ? STILB_RENDER_REPLAY_DIRECT : STILB_RENDER_REPLAY_INDIRECT;
+			run(&desc, got);
+			assert_memory_equal(got, expected, sizeof expected);
+		}
+}
+
+static void workers_change_between_frames(void **state)
+{
+	(void)state;
+	static const uint32_t workers[FRAMES] = {3, 0, 8, 1, 40, 2};
+	uint64_t expected[FRAMES];
+	stilb_engine_desc desc = null_desc(0);
+	run(&desc, expected);
+	stilb_engine *engine = make_engine(&desc);
+	for (int f = 0; f < FRAMES; f++) {
+		assert_int_equal(stilb_engine_set_workers(engine, workers[f]), STILB_OK);
+		assert_int_equal(stilb_engine_workers(engine), workers[f]);
+		assert_frame(engine);
+		assert_true(stilb_engine_stream_hash(engine) == expected[f]);
+	}
+	stilb_engine_destroy(engine);
+}
+
+static void reports_say_what_happened(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = null_desc(2);
+	stilb_engine *engine = make_engine(&desc);
+	stilb_engine_report report;
+	double gpu_ms = -1.0;
+	for (uint64_t f = 1; f <= 4; f++) {
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_true(report.frame == f);
+		const stilb_engine_times *t = &report.times;
+		assert_true(t->cull > 0.0 && t->record > 0.0 && t->replay > 0.0 && t->update >= 0.0 && t->gpu == 0.0);
+		assert_true(t->frame >= (t->cull + t->record + t->replay + t->update + t->present) * 0.999999);
+	}
+	assert_int_equal(stilb_engine_wait(engine, &gpu_ms), STILB_OK);
+	assert_true(gpu_ms == 0.0);
+	assert_string_equal(stilb_engine_device_name(engine), "null");
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	assert_int_equal(stilb_engine_screenshot(engine, "picture.png"), STILB_ERROR_DEVICE);
+	stilb_engine_destroy(engine);
+	desc.present = false;
+	engine = make_engine(&desc);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_true(report.times.present == 0.0);
+	stilb_engine_destroy(engine);
+}
+
+static void another_size_is_another_view(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = null_desc(1);
+	desc.animate = false;
+	desc.view = STILB_SCENE_VIEW_FEW;
+	stilb_engine *engine = make_engine(&desc);
+	assert_frame(engine);
+	uint64_t before = stilb_engine_stream_hash(engine);
+	assert_int_equal(stilb_engine_resize(engine, 900, 300), STILB_OK);
+	assert_frame(engine);
+	assert_true(stilb_engine_stream_hash(engine) != before); /* wider: more to see */
+	assert_int_equal(stilb_engine_resize(engine, 320, 200), STILB_OK);
+	assert_frame(engine);
+	assert_true(stilb_engine_stream_hash(engine) == before);
+	stilb_engine_destroy(engine);
+}
+
+/* ---- the tables ---------------------------------------------------------------------------------------------------------- */
+
+/* Frame.c runs what the tables say: here a second view from elsewhere, drawn before the first one, and the first again. */
+static void the_tables_drive_the_frame(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = null_desc(2);
+	stilb_engine *engine = make_engine(&desc);
+	const stilb_scene *scene = stilb_engine_scene(engine);
+	stilb_scene_camera camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_FEW, 1.0f);
+	engine->views[1].view_projection = stilb_scene_camera_matrix(&camera, 1.0f);
+	engine->view_count = 2;
+	engine->passes[1] = (stilb_render_pass){.name = "elsewhere", .view = 1, .order = 0};
+	engine->passes[2] = (stilb_render_pass){.name = "again", .view = 0, .order = 7};
+	engine->passes[0].order = 3;
+	engine->pass_count = 3;
+	for (int f = 0; f < 3; f++) {
+		stilb_engine_report report;
+		uint32_t visible[2];
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		uint64_t hash = scene_hash(REFERENCE_HASH_START, scene, &engine->views[1].view_projection, &visible[1]);
+		for (int twice = 0; twice < 2; twice++)
+			hash = scene_hash(hash, scene, &engine->views[0].view_projection, &visible[0]);
+		assert_true(visible[0] != visible[1] && visible[1] > 0);
+		assert_true(report.render.draws == 2 * (2 * visible[0] + visible[1]));
+		assert_int_equal(report.render.indirect_commands, 3);
+		assert_true(stilb_engine_stream_hash(engine) == hash);
+	}
+	stilb_engine_destroy(engine);
+}
+
+/* ---- ends ---------------------------------------------------------------------------------------------------------------- */
+
+static void destroy_at_any_time(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = null_desc(3);
+	for (int frames = 0; frames < 3; frames++) {
+		stilb_engine *engine = make_engine(&desc);
+		for (int f = 0; f < frames; f++)
+			assert_frame(engine);
+		if (frames == 1)
+			assert_int_equal(stilb_engine_set_workers(engine, 5), STILB_OK);
+		stilb_engine_destroy(engine);
+	}
+	stilb_engine_destroy(NULL);
+}
+
+static void what_cannot_start_says_why(void **state)
+{
+	(void)state;
+	stilb_engine *engine = (stilb_engine *)&engine;
+	stilb_engine_desc desc = null_desc(STILB_JOB_MAX_WORKERS + 1);
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_THREAD);
+	assert_null(engine);
+	assert_non_null(strstr(stilb_error_message(), "257 workers"));
+	desc = null_desc(1);
+	desc.window = true;
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_WINDOW);
+	assert_null(engine);
+	desc = null_desc(1);
+	desc.device = STILB_RENDER_DEVICE_VULKAN;
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_DEVICE);
+	assert_null(engine);
+	assert_string_equal(stilb_error_message(), "no Vulkan in this test");
+}
+
+/* Every allocation of creation and of the first frames fails once. What is left behind the leak check finds. */
+static void no_memory_anywhere(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = null_desc(2);
+	bool created = false, drawn = false;
+	int64_t granted = 0, needed = 0;
+	for (; !drawn; granted++) {
+		stilb_engine *engine;
+		stilb_engine_report report;
+		allocations_allow(granted);
+		stilb_result result = stilb_engine_create(&desc, &engine);
+		created = result == STILB_OK;
+		needed += !created;
+		if (created)
+			result = stilb_engine_frame(engine, &report);
+		drawn = result == STILB_OK;
+		allocations_allow(INT64_MAX);
+		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY || result == STILB_ERROR_THREAD);
+		assert_true((engine != NULL) == created);
+		if (created && !drawn)
+			assert_frame(engine); /* one bad frame is no end */
+		stilb_engine_destroy(engine);
+	}
+	assert_true(needed > 15 && granted > needed + 5);
+}
+
+static void no_third_party_library_is_loaded(void **state)
+{
+	(void)state;
+	assert_true(reference_library_loaded("libcmocka")); /* the question works */
+	static const char *const libraries[] = {"libvulkan", "libglfw", "libOpenImageIO", "libOpenEXR", "libembree"};
+	for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
+		assert_false(reference_library_loaded(libraries[i]));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(frames_do_not_depend_on_workers),  cmocka_unit_test(workers_change_between_frames),
+		cmocka_unit_test(reports_say_what_happened),        cmocka_unit_test(another_size_is_another_view),
+		cmocka_unit_test(the_tables_drive_the_frame),       cmocka_unit_test(destroy_at_any_time),
+		cmocka_unit_test(what_cannot_start_says_why),       cmocka_unit_test(no_memory_anywhere),
+		cmocka_unit_test(no_third_party_library_is_loaded),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,337 @@
+/* The program's manners, without a GPU: help, refusals, full disks, interrupts, and the null device's numbers. */
+#include "support/stilb_program.h"
+
+#define SMALL "demo --headless --device null --models 400 --size 320x180 --frames 5 "
+
+/* ---- words ----------------------------------------------------------------------------------------------------------- */
+
+static void test_help_and_version(void **state)
+{
+	(void)state;
+	stilb_good("--version");
+	assert_int_equal(program_lines(run.out), 1);
+	assert_memory_equal(run.out, "stilb ", 6);
+	stilb_good("--help");
+	assert_said(run.out, "demo");
+	assert_said(run.out, "info");
+	stilb_good("demo --help");
+	static const char *const flags[] = {"--models",     "--workers",  "--frames", "--headless", "--no-present",
+	                                    "--animate",    "--validate", "--size",   "--view",     "--cull",
+	                                    "--replay",     "--device",   "--gpu",    "--msaa",     "--seed",
+	                                    "--screenshot", "--trace",    "--stats"};
+	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
+		char line[32];
+		snprintf(line, sizeof line, "\n  %s ", flags[i]);
+		assert_said(run.out, line);
+	}
+	for (const char *at = run.out, *end; (end = strchr(at, '\n')); at = end + 1)
+		assert_true(end - at <= 110); /* fits a window */
+	stilb_good("info --help");
+	assert_said(run.out, "--json");
+	assert_int_equal(folder_entries(), 0);
+}
+
+static void test_words_that_cannot_be_written(void **state)
+{
+	(void)state;
+	static const char *const lines[] = {"--version", "--help", "demo --help", SMALL};
+	for (size_t i = 0; i < 4; i++) {
+		int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+		stilb_start(no_display, full, lines[i]);
+		program_wait(&run);
+		close(full);
+		assert_int_equal(run.code, 1);
+		assert_error_lines(1);
+		assert_said(run.err, "standard output");
+	}
+}
+
+static void test_info(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(no_driver, "info"), 0); /* without Vulkan too */
+	assert_string_equal(run.err, "");
+	assert_said(run.out, "CPU:");
+	assert_said(run.out, "mesa-vulkan-drivers");
+	assert_said(run.out, "OpenImageIO");
+	assert_int_equal(stilb_code(no_driver, "info --json -"), 0);
+	json_flat_finish(&stats);
+	assert_true(json_flat_text(run.out, strlen(run.out), &stats)); /* nothing but JSON on stdout */
+	assert_string_not_equal(stat_text("version", '"'), "");
+	assert_true(stat_int("cpu.usable") >= 1);
+	stat_text("cpu.name", '"');
+	stat_text("cpu.features.avx2", 'w');
+	stat_text("gpus", '[');
+	assert_null(json_flat_find(&stats, "gpus[0]"));
+	stat_text("libraries.Vulkan loader", '"');
+	assert_int_equal(stilb_code(no_driver, "info --json info.json"), 0);
+	read_stats("info.json");
+	stat_text("libraries.GLFW", '"');
+	assert_int_equal(stilb_code(no_driver, "info --json /dev/full"), 1);
+	assert_error_lines(1);
+	assert_int_equal(folder_entries(), 1);
+}
+
+/* ---- refused --------------------------------------------------------------------------------------------------------- */
+
+/* What is wrong, and a word that the line about it must have. */
+static const char *const refusals[][2] = {
+	{"", "no command"},
+	{"bogus", "'bogus'"},
+	{"{}", "''"},
+	{"demo --bogus", "'--bogus'"},
+	{"demo extra", "'extra'"},
+	{"demo --models -1", "'-1'"},
+	{"demo --models 0", "1..4000000"},
+	{"demo --models 5000000000", "1..4000000"},
+	{"demo --models banana", "'banana'"},
+	{"demo --models {}", "--models"},
+	{"demo --models", "missing"},
+	{"demo --size 0x0", "'0x0'"},
+	{"demo --size 1x", "'1x'"},
+	{"demo --size 99999x1", "16384"},
+	{"demo --workers 999999999", "0..256"},
+	{"demo --workers -1", "'-1'"},
+	{"demo --frames 0", "1..1000000"},
+	{"demo --msaa 2", "1 or 4"},
+	{"demo --view sideways", "all, half, few"},
+	{"demo --device none", "vulkan, null"},
+	{"demo --gpu {}", "--gpu"},
+	{"demo --animate=1", "no value"},
+	{"demo --stats {}", "--stats"},
+	{"demo --screenshot=", "--screenshot"},
+	{"demo --screenshot a.bmp", ".png or .exr"},
+	{"demo --screenshot a", ".png or .exr"},
+	{"demo --screenshot missing/a.png", "does not exist"},
+	{"demo --screenshot folder.png", "folder"},
+	{"demo --device null --screenshot a.png", "null device"},
+	{"demo --stats missing/a.json", "does not exist"},
+	{"demo --trace missing/a.json", "'missing/a.json'"},
+	{"demo --trace plain/a.json", "file"},
+	{"demo --stats good.json --trace missing/a.json", "'missing/a.json'"},
+	{"info --bogus", "'--bogus'"},
+	{"info --json missing/a.json", "does not exist"},
+};
+
+static void test_refusals(void **state)
+{
+	(void)state;
+	assert_int_equal(mkdir("folder.png", 0777), 0);
+	FILE *plain = fopen("plain", "w");
+	assert_non_null(plain);
+	fclose(plain);
+	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+		int code = stilb_code(no_display, refusals[i][0]);
+		if (code != 2)
+			print_error("stilb %s: %s", refusals[i][0], run.err);
+		assert_int_equal(code, 2);
+		assert_string_equal(run.out, "");
+		assert_error_lines(1);
+		assert_said(run.err, refusals[i][1]);
+		assert_int_equal(folder_entries(), 2); /* nothing new */
+	}
+}
+
+static void test_no_driver(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(no_driver, "demo --headless --models 1 --size 8x8 --frames 1 --stats a.json"), 1);
+	assert_error_lines(1);
+	assert_said(run.err, "mesa-vulkan-drivers");
+	assert_said(run.err, "--device null");
+	assert_string_equal(run.out, "");
+	assert_int_equal(folder_entries(), 0);
+	assert_int_equal(stilb_code(no_driver, "demo --models 1 --size 8x8 --frames 1"), 1); /* where a window was wanted */
+	assert_said(run.err, "mesa-vulkan-drivers");
+	assert_int_equal(stilb_code(no_driver, SMALL), 0);
+	assert_string_equal(run.err, "");
+}
+
+/* ---- what it writes -------------------------------------------------------------------------------------------------- */
+
+static void test_full_disk(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(no_display, SMALL "--stats /dev/full"), 1);
+	assert_error_lines(1);
+	assert_said(run.err, "/dev/full");
+	assert_int_equal(stilb_code(no_display, SMALL "--trace /dev/full"), 1);
+	assert_error_lines(1);
+	assert_int_equal(stilb_code(no_display, SMALL "--trace /dev/full --stats a.json"), 1);
+	assert_error_lines(1);
+	read_stats("a.json"); /* the other one is written all the same */
+	assert_int_equal(stilb_code(no_display, SMALL "--trace /dev/full --stats /dev/full"), 1);
+	assert_error_lines(2);
+	assert_int_equal(folder_entries(), 1);
+}
+
+/* Nobody reads: an error like any other, and the other file is written. */
+static void test_closed_pipe(void **state)
+{
+	(void)state;
+	int ends[2];
+	assert_int_equal(pipe2(ends, O_CLOEXEC), 0);
+	close(ends[0]);
+	stilb_start(no_display, ends[1], SMALL "--trace t.json --stats -");
+	program_wait(&run);
+	assert_int_equal(run.code, 1);
+	assert_said(run.err, "stilb: cannot write '-': ");
+	assert_said(run.err, strerror(EPIPE));
+	assert_trace("t.json", 1, 5);
+	stilb_start(no_display, ends[1], "--help");
+	program_wait(&run);
+	assert_int_equal(run.code, 1);
+	assert_error_lines(1);
+	close(ends[1]);
+}
+
+static void test_stats_of_the_null_device(void **state)
+{
+	(void)state;
+	stilb_good(SMALL "--workers 1 --stats a.json --trace t.json");
+	assert_said(run.out, "bound by: ");
+	assert_said(run.out, "stats: a.json");
+	assert_said(run.out, "trace: t.json");
+	read_stats("a.json");
+	assert_stats("null", "indirect", "octree", 400, 1, 5);
+	assert_int_equal(stat_int("visible"), 400);
+	assert_stages(true);
+	assert_trace("t.json", 1, 5);
+	stilb_good(
+		"demo --headless --device=null --models=7 --size=1x1 --frames=31 --replay=direct --cull=flat --workers=0 "
+		"--no-present --seed=0 --gpu=ignored --msaa=1 --stats=b.json");
+	read_stats("b.json");
+	assert_stats("null", "direct", "flat", 7, 0, 31);
+	assert_stages(false);
+	stilb_good("demo --headless --device null --models 1 --frames 1 --size 16384x1 --workers 256 --stats c.json");
+	read_stats("c.json");
+	assert_stats("null", "indirect", "octree", 1, 256, 1);
+	assert_int_equal(folder_entries(), 4); /* no temporary */
+}
+
+static void test_stats_to_standard_output(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(no_display, SMALL "--workers auto --stats -"), 0);
+	json_flat_finish(&stats);
+	json_flat_text(run.out, strlen(run.out), &stats); /* nothing but JSON */
+	assert_string_equal(stats.error, "");
+	assert_true(stat_int("workers") >= 1);
+	assert_said(run.err, "bound by: ");
+	assert_int_equal(folder_entries(), 0);
+}
+
+static void test_defaults(void **state)
+{
+	(void)state;
+	stilb_good("demo --device null --stats a.json");
+	read_stats("a.json");
+	assert_stats("null", "indirect", "octree", 10000, stat_int("workers"), 120);
+	assert_int_equal(stat_int("visible"), 10000);
+	assert_true(stat_int("workers") >= 1);
+}
+
+/* The same draws, whoever culls, records and replays them; other draws for another seed or when something moves. */
+static void test_stream_hash(void **state)
+{
+	(void)state;
+	static const char *const same[] = {"--workers 0",
+	                                   "--workers 1",
+	                                   "--workers 2",
+	                                   "--workers 3",
+	                                   "--workers 8",
+	                                   "--workers 0 --cull flat",
+	                                   "--workers 2 --cull flat",
+	                                   "--workers 8 --replay direct",
+	                                   "--workers 0 --replay direct --cull flat",
+	                                   "--workers 2 --no-present"};
+	static const char *const others[] = {"",
+	                                     "--animate",
+	                                     "--seed 2",
+	                                     "--animate --seed 2",
+	                                     "--view half",
+	                                     "--view few",
+	                                     "--animate --frames 6",
+	                                     "--models 401"};
+	enum { SAME = sizeof same / sizeof *same, OTHERS = sizeof others / sizeof *others };
+	uint64_t hashes[OTHERS];
+	for (size_t o = 0; o < OTHERS; o++) {
+		for (size_t i = 0; i < (o < 2 ? SAME : 1); i += 1 + o) {
+			stilb_good(SMALL "%s %s --stats a.json", same[i], others[o]);
+			uint64_t hash = stat_hash("a.json");
+			assert_true(i == 0 || hash == hashes[o]);
+			hashes[o] = hash;
+		}
+		for (size_t k = 0; k < o; k++)
+			assert_true(hashes[k] != hashes[o]);
+	}
+}
+
+static void test_views(void **state)
+{
+	(void)state;
+	long long visible[3];
+	static const char *const views[] = {"all", "half", "few"};
+	for (int i = 0; i < 3; i++) {
+		stilb_good("demo --headless --device null --frames 1 --view %s --stats a.json", views[i]);
+		read_stats("a.json");
+		visible[i] = stat_int("visible");
+		assert_int_equal(stat_int("draws"), 2 * visible[i]);
+	}
+	assert_int_equal(visible[0], 10000);
+	assert_in_range(visible[1], 4500, 5500);
+	assert_in_range(visible[2], 50, 200);
+}
+
+/* ---- interrupts ------------------------------------------------------------------------------------------------------ */
+
+static void test_interrupts_end_it_well(void **state)
+{
+	(void)state;
+	const int signals[] = {SIGINT, SIGTERM};
+	for (int i = 0; i < 2; i++) {
+		stilb_start(
+			no_display, -1,
+			"demo --headless --device null --models 100 --frames 1000000 --workers 1 --stats a.json --trace t.json");
+		bool ready = catches_interrupts(run.pid);
+		kill(run.pid, ready ? signals[i] : SIGKILL);
+		program_wait(&run);
+		assert_true(ready);
+		assert_int_equal(run.code, 0);
+		assert_string_equal(run.err, "");
+		assert_said(run.out, "bound by: ");
+		read_stats("a.json");
+		assert_in_range(stat_int("frames"), 1, 999999);
+		trace_check_report report;
+		trace_check_file("t.json", &report);
+		assert_string_equal(report.error, "");
+		trace_check_finish(&report);
+		assert_int_equal(folder_entries(), 2);
+	}
+}
+
+#define FRESH_TEST(name) cmocka_unit_test_setup(name, folder_fresh)
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		FRESH_TEST(test_help_and_version),
+		FRESH_TEST(test_words_that_cannot_be_written),
+		FRESH_TEST(test_info),
+		FRESH_TEST(test_refusals),
+		FRESH_TEST(test_no_driver),
+		FRESH_TEST(test_full_disk),
+		FRESH_TEST(test_closed_pipe),
+		FRESH_TEST(test_stats_of_the_null_device),
+		FRESH_TEST(test_stats_to_standard_output),
+		FRESH_TEST(test_defaults),
+		FRESH_TEST(test_stream_hash),
+		FRESH_TEST(test_views),
+		FRESH_TEST(test_interrupts_end_it_well),
+	};
+	if (argc != 2 || !folder_enter(argv[1], "test_game_cli")) {
+		fprintf(stderr, "usage: test_game_cli STILB\n");
+		return 1;
+	}
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}

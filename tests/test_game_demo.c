@@ -1,0 +1,270 @@
+/* The stress test for real, on a Vulkan device: the same picture and the same draws from any number of workers. */
+#include "image/image.h"
+#include "support/stilb_program.h"
+
+#include <math.h>
+
+#define SMALL "demo --headless --models 400 --size 320x180 --frames 4 "
+
+static stilb_image picture;
+
+static int picture_fresh(void **state)
+{
+	stilb_image_finish(&picture);
+	return folder_fresh(state);
+}
+
+static void read_picture(const char *path)
+{
+	stilb_image_finish(&picture);
+	assert_int_equal(stilb_image_load(path, &picture), STILB_OK);
+}
+
+/* The last picture read and this one have the same pixels. */
+static bool same_picture(const char *path)
+{
+	stilb_image other;
+	assert_int_equal(stilb_image_load(path, &other), STILB_OK);
+	bool same = other.width == picture.width && other.height == picture.height && other.format == picture.format &&
+	            other.channels == picture.channels &&
+	            memcmp(other.pixels, picture.pixels, stilb_image_size(&picture)) == 0;
+	stilb_image_finish(&other);
+	return same;
+}
+
+/* How many of 32768 classes of colour are in the picture: an empty one has one. */
+static int colours(void)
+{
+	static uint8_t seen[32768];
+	const uint8_t *pixels = picture.pixels;
+	int count = 0;
+	memset(seen, 0, sizeof seen);
+	assert_int_equal(picture.format, STILB_IMAGE_U8_SRGB);
+	for (size_t i = 0; i + picture.channels <= stilb_image_size(&picture); i += picture.channels) {
+		size_t class = (size_t)(pixels[i] >> 3) << 10 | (size_t)(pixels[i + 1] >> 3) << 5 | pixels[i + 2] >> 3;
+		count += !seen[class];
+		seen[class] = 1;
+	}
+	return count;
+}
+
+/* ---- the same from any number of workers ----------------------------------------------------------------------------- */
+
+static const char *const ways[] = {"--workers 0",
+                                   "--workers 0", /* again */
+                                   "--workers 1",
+                                   "--workers 2",
+                                   "--workers 3",
+                                   "--workers 8",
+                                   "--workers 8",
+                                   "--workers 0 --replay direct",
+                                   "--workers 2 --replay direct --cull flat",
+                                   "--workers 2 --cull flat",
+                                   "--workers 3 --validate"};
+#define WAYS (sizeof ways / sizeof *ways)
+
+static uint64_t null_hash(const char *what)
+{
+	stilb_good(SMALL "--device null %s --stats null.json", what);
+	return stat_hash("null.json");
+}
+
+static void same_for_all_ways(const char *what, size_t first, size_t step)
+{
+	uint64_t expected = null_hash(what);
+	for (size_t i = first; i < WAYS; i += step) {
+		stilb_good(SMALL "%s %s --screenshot %s --stats a.json", ways[i], what, i == first ? "first.png" : "other.png");
+		assert_true(stat_hash("a.json") == expected);
+		if (i == first)
+			read_picture("first.png");
+		else
+			assert_true(same_picture("other.png"));
+	}
+	assert_int_equal(picture.width, 320);
+	assert_int_equal(picture.height, 180);
+	assert_true(colours() > 100);
+}
+
+static void test_same_picture_and_draws(void **state)
+{
+	(void)state;
+	same_for_all_ways("", 0, 1);
+	assert_int_equal(folder_entries(), 4);
+}
+
+static void test_same_picture_and_draws_while_models_move(void **state)
+{
+	(void)state;
+	same_for_all_ways("--animate", 0, 2);
+	stilb_good(SMALL "--screenshot still.png --stats a.json");
+	assert_false(same_picture("still.png"));
+	assert_true(stat_hash("a.json") != null_hash("--animate"));
+}
+
+static void test_same_picture_and_draws_with_samples(void **state)
+{
+	(void)state;
+	same_for_all_ways("--msaa 4 --view half --seed 18446744073709551615", 1, 3);
+	stilb_good(SMALL "--msaa 1 --view half --seed 18446744073709551615 --screenshot one.png");
+	assert_false(same_picture("one.png"));
+}
+
+/* ---- flags that change the picture ----------------------------------------------------------------------------------- */
+
+static void test_flags_change_the_picture(void **state)
+{
+	(void)state;
+	static const char *const changes[] = {"--seed 2", "--view half", "--view few", "--models 100", "--msaa 4"};
+	stilb_good(SMALL "--screenshot first.png");
+	read_picture("first.png");
+	for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+		stilb_good(SMALL "--screenshot other.png %s", changes[i]);
+		assert_false(same_picture("other.png"));
+	}
+	stilb_good(SMALL "--screenshot other.png --msaa 1 --seed 1 --view all --gpu 0 --no-present --frames 9");
+	assert_true(same_picture("other.png")); /* nothing moves; a software device takes one sample */
+	stilb_good("demo --headless --models 1 --size 1x1 --frames 1 --screenshot tiny.PNG");
+	read_picture("tiny.PNG");
+	assert_int_equal(picture.width * picture.height, 1);
+}
+
+static void test_linear_picture(void **state)
+{
+	(void)state;
+	stilb_good(SMALL "--screenshot a.exr");
+	read_picture("a.exr");
+	assert_int_equal(picture.format, STILB_IMAGE_F32_LINEAR);
+	assert_int_equal(picture.width, 320);
+	const float *pixels = picture.pixels;
+	float most = 0.0f, least = INFINITY;
+	for (size_t i = 0; i < stilb_image_size(&picture) / sizeof(float); i++) {
+		assert_true(isfinite(pixels[i]) && pixels[i] >= 0.0f);
+		most = fmaxf(most, pixels[i]);
+		least = fminf(least, pixels[i]);
+	}
+	assert_true(most > 0.3f && least < most / 4.0f);
+}
+
+/* ---- files ----------------------------------------------------------------------------------------------------------- */
+
+static void test_stats_and_trace(void **state)
+{
+	(void)state;
+	static const char *const replays[] = {"indirect", "direct"};
+	for (int i = 0; i < 2; i++) {
+		stilb_good(SMALL "--workers 2 --validate --replay %s --stats a.json --trace t.json", replays[i]);
+		assert_said(run.out, "bound by: ");
+		read_stats("a.json");
+		assert_stats("vulkan", replays[i], "octree", 400, 2, 4);
+		assert_int_equal(stat_int("visible"), 400);
+		assert_stages(true);
+		assert_trace("t.json", 2, 4);
+	}
+	stilb_good(SMALL "--no-present --validate --stats a.json");
+	read_stats("a.json");
+	assert_stages(false);
+	assert_int_equal(folder_entries(), 2);
+}
+
+static void test_full_disk(void **state)
+{
+	(void)state;
+	assert_int_equal(symlink("/dev/full", "full.png"), 0);
+	assert_int_equal(symlink("/dev/full", "full.exr"), 0);
+	assert_int_equal(stilb_code(no_display, SMALL "--screenshot full.png"), 1);
+	assert_error_lines(1);
+	assert_said(run.err, "'full.png'");
+	assert_int_equal(stilb_code(no_display, SMALL "--screenshot full.exr --stats /dev/full --trace /dev/full"), 1);
+	assert_error_lines(3);
+	assert_int_equal(stilb_code(no_display, SMALL "--screenshot full.png --stats a.json --trace t.json"), 1);
+	assert_error_lines(1);
+	read_stats("a.json");
+	assert_int_equal(folder_entries(), 4);
+}
+
+/* ---- surroundings ---------------------------------------------------------------------------------------------------- */
+
+static void test_without_a_display(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(no_display, "demo --models 100 --size 64x64 --stats a.json"), 0);
+	assert_error_lines(1);
+	assert_said(run.err, "headless");
+	read_stats("a.json");
+	assert_int_equal(stat_int("frames"), 120);
+	const char *const broken[] = {"DISPLAY=:987654", "WAYLAND_DISPLAY", NULL};
+	assert_int_equal(stilb_code(broken, "demo --models 100 --size 64x64 --frames 2"), 0);
+	assert_error_lines(1);
+	assert_said(run.err, "headless");
+}
+
+static void test_choice_of_a_gpu(void **state)
+{
+	(void)state;
+	stilb_good("info --json info.json");
+	read_stats("info.json");
+	char name[256];
+	snprintf(name, sizeof name, "%.*s", (int)strcspn(stat_text("gpus[0].name", '"'), " "),
+	         stat_text("gpus[0].name", '"'));
+	stilb_good(SMALL "--gpu %s --stats a.json", name);
+	read_stats("a.json");
+	assert_said(stat_text("device_name", '"'), name);
+	stilb_good(SMALL "--gpu 0");
+	static const char *const none[] = {"99", "nosuch", "-1", "0x0", "99999999999999999999"};
+	for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+		char line[256];
+		snprintf(line, sizeof line, SMALL "--gpu %s", none[i]);
+		assert_int_equal(stilb_code(no_display, line), 1);
+		assert_error_lines(1);
+		assert_said(run.err, none[i]);
+	}
+}
+
+static void test_interrupt_ends_it_well(void **state)
+{
+	(void)state;
+	stilb_start(
+		no_display, -1,
+		"demo --headless --models 100 --size 64x64 --frames 1000000 --screenshot a.png --stats a.json --trace t.json");
+	bool ready = catches_interrupts(run.pid);
+	kill(run.pid, ready ? SIGINT : SIGKILL);
+	program_wait(&run);
+	assert_true(ready);
+	assert_int_equal(run.code, 0);
+	assert_string_equal(run.err, "");
+	read_stats("a.json");
+	assert_in_range(stat_int("frames"), 1, 999999);
+	read_picture("a.png");
+	assert_int_equal(folder_entries(), 3);
+}
+
+#define FRESH_TEST(name) cmocka_unit_test_setup(name, picture_fresh)
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		FRESH_TEST(test_same_picture_and_draws),
+		FRESH_TEST(test_same_picture_and_draws_while_models_move),
+		FRESH_TEST(test_same_picture_and_draws_with_samples),
+		FRESH_TEST(test_flags_change_the_picture),
+		FRESH_TEST(test_linear_picture),
+		FRESH_TEST(test_stats_and_trace),
+		FRESH_TEST(test_full_disk),
+		FRESH_TEST(test_without_a_display),
+		FRESH_TEST(test_choice_of_a_gpu),
+		FRESH_TEST(test_interrupt_ends_it_well),
+	};
+	if (argc != 2 || !folder_enter(argv[1], "test_game_demo")) {
+		fprintf(stderr, "usage: test_game_demo STILB\n");
+		return 1;
+	}
+	if (stilb_code(no_display, "demo --headless --validate --models 1 --size 8x8 --frames 1") != 0 &&
+	    (strstr(run.err, "mesa-vulkan-drivers") || strstr(run.err, "vulkan-validationlayers"))) {
+		folder_leave(NULL);
+		printf("skipped: %s", run.err);
+		return 77;
+	}
+	int failed = cmocka_run_group_tests(tests, NULL, folder_leave);
+	stilb_image_finish(&picture);
+	return failed;
+}

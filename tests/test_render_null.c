@@ -1,0 +1,566 @@
+/* Recording and replay on the null device: the stream is the scene's, whoever recorded it, in whatever order, and however
+ * little memory there was the frame before. The linker sends allocations here (--wrap). */
+#include "render/render_internal.h"
+#include "support/render_reference.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define FIRST_ROWS 32768u /* what a frame has room for before its rows grow */
+
+/* ---- memory that runs out -------------------------------------------------------------------------------------------- */
+
+/* Allocations that still succeed. Relaxed: a counter, orders nothing; several workers count it down. */
+static _Atomic int64_t allocations_left = INT64_MAX;
+static _Atomic int queue_fails; /* relaxed too: malloc, which only the job queue calls, gives nothing */
+
+void *__real_stilb_memory_alloc(size_t count, size_t size);
+void *__wrap_stilb_memory_alloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+
+static bool allocation_granted(void)
+{
+	return atomic_fetch_sub_explicit(&allocations_left, 1, memory_order_relaxed) > 0;
+}
+
+static void allocations_allow(int64_t count)
+{
+	atomic_store_explicit(&allocations_left, count, memory_order_relaxed);
+}
+
+void *__wrap_stilb_memory_alloc(size_t count, size_t size)
+{
+	return allocation_granted() ? __real_stilb_memory_alloc(count, size) : NULL;
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+	return allocation_granted() ? __real_realloc(memory, size) : NULL;
+}
+
+void *__wrap_malloc(size_t size)
+{
+	return atomic_load_explicit(&queue_fails, memory_order_relaxed) ? NULL : __real_malloc(size);
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------------ */
+
+static stilb_scene *make_scene(uint32_t models)
+{
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_create_stress(models, 7, &scene), STILB_OK);
+	return scene;
+}
+
+static stilb_render *make_render(const stilb_scene *scene, uint32_t contexts, stilb_render_replay_mode replay)
+{
+	const stilb_render_desc desc = {
+		.device = STILB_RENDER_DEVICE_NULL, .replay = replay, .width = 64, .height = 64, .context_count = contexts};
+	stilb_render *render;
+	assert_int_equal(stilb_render_create(&desc, &render), STILB_OK);
+	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+	return render;
+}
+
+static stilb_job_pool *make_pool(uint32_t workers)
+{
+	const stilb_job_pool_desc desc = {.worker_count = workers};
+	stilb_job_pool *pool;
+	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
+	return pool;
+}
+
+static const stilb_render_pass one_pass[1] = {{.name = "main"}};
+static const stilb_render_view one_view[1];
+
+static stilb_result draw_frame(stilb_render *render, const stilb_scene *scene, const uint32_t *ids, uint32_t count,
+                               stilb_job_pool *pool)
+{
+	stilb_result result = stilb_render_frame_begin(render);
+	if (result == STILB_OK)
+		result = stilb_render_record(render, 0, scene, ids, count, pool, 0);
+	if (result == STILB_OK)
+		result = stilb_render_replay(render, one_pass, 1, one_view, 1);
+	return result == STILB_OK ? stilb_render_present(render) : result;
+}
+
+static void assert_frame(stilb_render *render, const stilb_scene *scene, const uint32_t *ids, uint32_t count,
+                         stilb_job_pool *pool)
+{
+	assert_int_equal(draw_frame(render, scene, ids, count, pool), STILB_OK);
+	assert_true(stilb_render_stream_hash(render) == reference_hash_models(REFERENCE_HASH_START, scene, ids, count));
+	assert_true(stilb_render_stats_get(render).draws == 2u * (uint64_t)count);
+}
+
+static uint32_t *all_ids(uint32_t count)
+{
+	uint32_t *ids = calloc(count, sizeof *ids);
+	assert_non_null(ids);
+	for (uint32_t i = 0; i < count; i++)
+		ids[i] = i;
+	return ids;
+}
+
+/* ---- a scene through the pool -------------------------------------------------------------------------------------------- */
+
+static void the_stream_is_the_scenes(void **state)
+{
+	(void)state;
+	static const uint32_t workers[] = {0, 1, 2, 3, 8};
+	stilb_scene *scene = make_scene(5000);
+	uint32_t *ids = all_ids(5000);
+	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++)
+		for (uint32_t spare = 0; spare < 20; spare += 19)
+			for (int mode = 0; mode < 2; mode++) {
+				stilb_job_pool *pool = make_pool(workers[w]);
+				stilb_render *render = make_render(scene, workers[w] + 1 + spare, (stilb_render_replay_mode)mode);
+				assert_frame(render, scene, ids, 5000, pool);
+				assert_frame(render, scene, ids + 1234, 777, pool);
+				stilb_render_destroy(render);
+				stilb_job_pool_destroy(pool);
+			}
+	free(ids);
+	stilb_scene_destroy(scene);
+}
+
+static void commands_are_counted(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make_scene(5000);
+	uint32_t *ids = all_ids(5000);
+	stilb_job_pool *pool = make_pool(2);
+	for (int mode = 0; mode < 2; mode++) {
+		bool direct = mode == STILB_RENDER_REPLAY_DIRECT;
+		stilb_render *render = make_render(scene, 3, (stilb_render_replay_mode)mode);
+		for (uint32_t count = 5000; count < UINT32_MAX; count = count ? 0 : UINT32_MAX) {
+			assert_frame(render, scene, ids, count, pool);
+			stilb_render_stats stats = stilb_render_stats_get(render);
+			assert_true(stats.draw_commands == (direct ? 2u * count : 0));
+			assert_true(stats.indirect_commands == (!direct && count > 0));
+			assert_true(stats.execute_commands == 0);
+		}
+		assert_true(stilb_render_stream_hash(render) == REFERENCE_HASH_START); /* nothing was visible */
+		stilb_render_destroy(render);
+	}
+	stilb_job_pool_destroy(pool);
+	free(ids);
+	stilb_scene_destroy(scene);
+}
+
+/* Some of the models, ascending; how many changes from frame to frame. */
+static uint32_t random_ids(uint32_t *ids, uint32_t models, uint64_t frame)
+{
+	uint32_t count = 0;
+	float share = stilb_random_float(1, frame);
+	share *= share;
+	for (uint32_t m = 0; m < models; m++)
+		if (stilb_random_float(2 + frame, m) < share)
+			ids[count++] = m;
+	return count;
+}
+
+static void a_thousand_frames(void **state)
+{
+	(void)state;
+	const uint32_t models = 3000;
+	stilb_scene *scene = make_scene(models);
+	uint32_t *ids = all_ids(models);
+	stilb_job_pool *pool = make_pool(3);
+	stilb_render *render = make_render(scene, 4, STILB_RENDER_REPLAY_INDIRECT);
+	for (uint64_t frame = 0; frame < 1000; frame++)
+		assert_frame(render, scene, ids, random_ids(ids, models, frame), pool);
+	stilb_render_destroy(render);
+	stilb_job_pool_destroy(pool);
+	free(ids);
+	stilb_scene_destroy(scene);
+}
+
+static void rows_grow_and_stay(void **state)
+{
+	(void)state;
+	/* Draws are twice these: within, beyond, just at and just above the rows that a new frame has. */
+	static const uint32_t counts[] = {5, 20000, 50, 35000, 16384, 16385, 0, 35000, 34999, 35000, 34999};
+	stilb_scene *scene = make_scene(35000);
+	uint32_t *ids = all_ids(35000);
+	for (uint32_t workers = 0; workers < 4; workers += 3) {
+		stilb_job_pool *pool = make_pool(workers);
+		stilb_render *render = make_render(scene, workers + 1, STILB_RENDER_REPLAY_INDIRECT);
+		for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
+			assert_frame(render, scene, ids, counts[c], pool);
+		assert_true(render->rows.capacity >= 69998);
+		for (uint32_t i = 0; i <= workers; i++)
+			assert_int_equal(render->contexts[i].overflow_count, 0); /* room for all by now */
+		stilb_render_destroy(render);
+		stilb_job_pool_destroy(pool);
+	}
+	free(ids);
+	stilb_scene_destroy(scene);
+}
+
+static void other_context_counts_and_sizes(void **state)
+{
+	(void)state;
+	static const uint32_t workers[] = {3, 0, 8, 1};
+	stilb_scene *scene = make_scene(3000);
+	uint32_t *ids = all_ids(3000);
+	stilb_render *render = make_render(scene, 1, STILB_RENDER_REPLAY_DIRECT);
+	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++) {
+		stilb_job_pool *pool = make_pool(workers[w]);
+		assert_int_equal(stilb_render_set_context_count(render, workers[w] + 1), STILB_OK);
+		assert_int_equal(stilb_render_resize(render, 100 + workers[w], 16384), STILB_OK);
+		assert_frame(render, scene, ids, 3000, pool);
+		uint32_t width, height;
+		stilb_render_size(render, &width, &height);
+		assert_int_equal(width, 100 + workers[w]);
+		assert_int_equal(height, 16384);
+		stilb_job_pool_destroy(pool);
+	}
+	/* Without memory for other contexts, the old ones work on. */
+	stilb_job_pool *pool = make_pool(1);
+	allocations_allow(0);
+	assert_int_equal(stilb_render_set_context_count(render, 9), STILB_ERROR_MEMORY);
+	allocations_allow(INT64_MAX);
+	assert_frame(render, scene, ids, 3000, pool);
+	stilb_job_pool_destroy(pool);
+	stilb_render_destroy(render);
+	free(ids);
+	stilb_scene_destroy(scene);
+}
+
+/* ---- by hand ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct hand_draw {
+	uint32_t mesh, material;
+	stilb_mat4 transform;
+} hand_draw;
+
+static hand_draw random_draw(const stilb_scene *scene, uint64_t index)
+{
+	hand_draw draw = {
+		.mesh = (uint32_t)(stilb_random_u64(11, index) % scene->mesh_count),
+		.material = (uint32_t)(stilb_random_u64(12, index) % scene->material_count),
+		.transform = stilb_mat4_identity(),
+	};
+	for (int column = 0; column < 4; column++)
+		for (int row = 0; row < 3; row++)
+			draw.transform.m[4 * column + row] =
+				stilb_random_float(13, index * 16 + (uint64_t)(4 * column + row)) - 0.5f;
+	return draw;
+}
+
+/* Draw number d of segment s of pass p. */
+static uint64_t hand_index(uint32_t pass, uint32_t segment, uint32_t d)
+{
+	return ((uint64_t)pass << 40) + ((uint64_t)segment << 20) + d;
+}
+
+/* Empty, short, and longer than one, two and three blocks of commands; some end where a block ends. */
+static const uint32_t segment_draws[] = {0, 1, 2047, 1, 0, 2048, 5000, 3, 7001, 0, 2048, 2047, 4097, 0};
+#define SEGMENTS (sizeof segment_draws / sizeof *segment_draws)
+
+static void hand_record_segment(stilb_render_context *context, const stilb_scene *scene, uint32_t pass, uint32_t s)
+{
+	stilb_render_segment_begin(context, pass, s);
+	for (uint32_t d = 0; d < segment_draws[s]; d++) {
+		hand_draw draw = random_draw(scene, hand_index(pass, s, d));
+		stilb_render_draw(context, draw.mesh, draw.material, &draw.transform);
+	}
+	stilb_render_segment_end(context);
+}
+
+static uint64_t hand_hash(uint64_t hash, const stilb_scene *scene, uint32_t pass)
+{
+	for (uint32_t s = 0; s < SEGMENTS; s++)
+		for (uint32_t d = 0; d < segment_draws[s]; d++) {
+			hand_draw draw = random_draw(scene, hand_index(pass, s, d));
+			hash = reference_hash_draw(hash, scene, draw.mesh, draw.material, &draw.transform);
+		}
+	return hash;
+}
+
+/* Segments in a random order, each by a random context. */
+static void hand_record_pass(stilb_render *render, const stilb_scene *scene, uint32_t pass, uint64_t seed)
+{
+	uint32_t order[SEGMENTS];
+	for (uint32_t s = 0; s < SEGMENTS; s++)
+		order[s] = s;
+	for (uint32_t s = SEGMENTS - 1; s > 0; s--) {
+		uint32_t other = (uint32_t)(stilb_random_u64(seed, s) % (s + 1)), held = order[s];
+		order[s] = order[other];
+		order[other] = held;
+	}
+	assert_int_equal(stilb_render_pass_begin(render, pass, SEGMENTS), STILB_OK);
+	for (uint32_t s = 0; s < SEGMENTS; s++) {
+		uint32_t worker = (uint32_t)(stilb_random_u64(seed, 100 + s) % render->context_count);
+		hand_record_segment(stilb_render_context_get(render, worker), scene, pass, order[s]);
+	}
+	assert_int_equal(stilb_render_pass_end(render, pass), STILB_OK);
+}
+
+static void segments_in_any_order(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make_scene(50);
+	uint64_t expected = hand_hash(REFERENCE_HASH_START, scene, 0);
+	for (uint32_t contexts = 1; contexts <= 5; contexts++) {
+		stilb_render *render = make_render(scene, contexts, STILB_RENDER_REPLAY_INDIRECT);
+		for (uint64_t frame = 0; frame < 6; frame++) {
+			assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
+			hand_record_pass(render, scene, 0, frame);
+			assert_int_equal(stilb_render_replay(render, one_pass, 1, one_view, 1), STILB_OK);
+			assert_true(stilb_render_stream_hash(render) == expected);
+		}
+		stilb_render_destroy(render);
+	}
+	stilb_scene_destroy(scene);
+}
+
+/* ---- what the device is given ---------------------------------------------------------------------------------------------- */
+
+#define SPY_PASSES 4u
+
+/* Between render and the null device: notes the passes, and hashes every draw as a device would find it. */
+static struct {
+	render_device_functions functions;
+	const render_device_functions *real;
+	const stilb_render *render;
+	const stilb_scene *scene;
+	uint32_t pass_count;
+	const stilb_render_pass *passes[SPY_PASSES];
+	const stilb_render_view *views[SPY_PASSES];
+	uint64_t announced[SPY_PASSES], drawn[SPY_PASSES];
+	uint64_t hash;
+	uint32_t wrong; /* commands that name another place in the buffers than their mesh has */
+} spy;
+
+static stilb_result spy_pass_begin(render_device *device, const stilb_render_pass *pass, const stilb_render_view *view,
+                                   uint64_t draws)
+{
+	assert_true(spy.pass_count < SPY_PASSES);
+	spy.passes[spy.pass_count] = pass;
+	spy.views[spy.pass_count] = view;
+	spy.announced[spy.pass_count++] = draws;
+	return spy.real->pass_begin(device, pass, view, draws);
+}
+
+static void spy_draws(render_device *device, const render_command *commands, uint32_t count)
+{
+	const stilb_scene_mesh *meshes = spy.scene->meshes;
+	for (const render_command *c = commands; c < commands + count; c++) {
+		const render_row *row = &spy.render->rows.memory[c->row];
+		stilb_mat4 transform = stilb_mat4_identity();
+		for (int i = 0; i < 12; i++)
+			transform.m[i % 4 * 4 + i / 4] = row->transform[i];
+		spy.hash = reference_hash_draw(spy.hash, spy.scene, c->mesh, row->material, &transform);
+		spy.wrong += c->index_count != meshes[c->mesh].index_count || c->material != row->material || c->key != 0;
+		spy.wrong += c->first_index != (c->mesh == 0 ? 0 : meshes[0].index_count);
+		spy.wrong += c->vertex_offset != (c->mesh == 0 ? 0 : (int32_t)meshes[0].vertex_count);
+	}
+	spy.drawn[spy.pass_count - 1] += count;
+	spy.real->draws(device, commands, count);
+}
+
+static void spy_on(stilb_render *render, const stilb_scene *scene)
+{
+	memset(&spy, 0, sizeof spy);
+	spy.real = render->device->functions;
+	spy.functions = *spy.real;
+	spy.functions.pass_begin = spy_pass_begin;
+	spy.functions.draws = spy_draws;
+	spy.render = render;
+	spy.scene = scene;
+	spy.hash = REFERENCE_HASH_START;
+	render->device->functions = &spy.functions;
+}
+
+static void passes_by_their_order(void **state)
+{
+	(void)state;
+	static const stilb_render_pass passes[4] = {
+		{.name = "late", .view = 1, .order = 9},
+		{.name = "first", .view = 0, .order = 2},
+		{.name = "also late", .view = 2, .order = 9},
+		{.name = "middle", .view = 1, .order = 5},
+	};
+	static const uint32_t sequence[4] = {1, 3, 0, 2};
+	stilb_render_view views[3] = {0};
+	stilb_scene *scene = make_scene(50);
+	stilb_render *render = make_render(scene, 3, STILB_RENDER_REPLAY_INDIRECT);
+	spy_on(render, scene);
+	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
+	for (uint32_t p = 4; p-- > 0;)
+		hand_record_pass(render, scene, p, p);
+	assert_int_equal(stilb_render_replay(render, passes, 4, views, 3), STILB_OK);
+	uint64_t expected = REFERENCE_HASH_START, draws = 0;
+	for (uint32_t s = 0; s < SEGMENTS; s++)
+		draws += segment_draws[s];
+	assert_int_equal(spy.pass_count, 4);
+	for (int i = 0; i < 4; i++) {
+		expected = hand_hash(expected, scene, sequence[i]);
+		assert_ptr_equal(spy.passes[i], &passes[sequence[i]]);
+		assert_ptr_equal(spy.views[i], &views[passes[sequence[i]].view]);
+		assert_true(spy.announced[i] == draws && spy.drawn[i] == draws);
+	}
+	assert_int_equal(spy.wrong, 0);
+	assert_true(spy.hash == expected);
+	assert_true(stilb_render_stream_hash(render) == expected);
+	stilb_render_stats stats = stilb_render_stats_get(render);
+	assert_true(stats.draws == 4 * draws && stats.indirect_commands == 4);
+	stilb_render_destroy(render);
+	stilb_scene_destroy(scene);
+}
+
+static void meshes_and_materials_are_copied(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make_scene(600), *same = make_scene(600);
+	uint32_t *ids = all_ids(600);
+	stilb_job_pool *pool = make_pool(2);
+	stilb_render *render = make_render(scene, 3, STILB_RENDER_REPLAY_INDIRECT);
+	for (uint32_t m = 0; m < scene->mesh_count; m++)
+		scene->meshes[m].index_count = scene->meshes[m].vertex_count = 0;
+	spy_on(render, same);
+	assert_int_equal(draw_frame(render, scene, ids, 600, pool), STILB_OK);
+	assert_true(spy.hash == reference_hash_models(REFERENCE_HASH_START, same, ids, 600));
+	assert_int_equal(spy.wrong, 0);
+	stilb_render_destroy(render);
+	stilb_job_pool_destroy(pool);
+	free(ids);
+	stilb_scene_destroy(scene);
+	stilb_scene_destroy(same);
+}
+
+/* ---- no memory --------------------------------------------------------------------------------------------------------- */
+
+/* Every allocation of a frame that outgrows its rows fails once; two good frames follow each bad one. */
+static void a_frame_without_memory(void **state)
+{
+	(void)state;
+	const uint32_t models = 18000; /* 36,000 draws: more than FIRST_ROWS */
+	stilb_scene *scene = make_scene(models);
+	uint32_t *ids = all_ids(models);
+	assert_true(2 * models > FIRST_ROWS);
+	for (uint32_t workers = 0; workers < 4; workers += 2) {
+		stilb_job_pool *pool = make_pool(workers);
+		int64_t granted = 0;
+		for (stilb_result result = STILB_ERROR_MEMORY; result != STILB_OK; granted += granted < 8 ? 1 : 5) {
+			stilb_render *render = make_render(scene, workers + 1, STILB_RENDER_REPLAY_INDIRECT);
+			allocations_allow(granted);
+			stilb_fail(STILB_OK, "no message yet");
+			result = draw_frame(render, scene, ids, models, pool);
+			allocations_allow(INT64_MAX);
+			assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY);
+			if (result != STILB_OK)
+				assert_non_null(strstr(stilb_error_message(), "no memory for"));
+			assert_frame(render, scene, ids, models, pool);
+			assert_frame(render, scene, ids, 100, pool);
+			stilb_render_destroy(render);
+		}
+		assert_true(granted > 20); /* rows, jobs, segments, blocks, chunks, growth, indirect draws */
+		stilb_job_pool_destroy(pool);
+	}
+	free(ids);
+	stilb_scene_destroy(scene);
+}
+
+static void creation_without_memory(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make_scene(10);
+	const stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL, .width = 64, .height = 64, .context_count = 2};
+	stilb_result result = STILB_ERROR_MEMORY;
+	int64_t granted = 0;
+	for (; result != STILB_OK; granted++) {
+		stilb_render *render;
+		allocations_allow(granted);
+		result = stilb_render_create(&desc, &render);
+		if (result != STILB_OK)
+			assert_null(render);
+		else
+			result = stilb_render_upload_scene(render, scene);
+		allocations_allow(INT64_MAX);
+		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY);
+		stilb_render_destroy(render);
+	}
+	assert_int_equal(granted, 5); /* the renderer, contexts, meshes, materials; then it works */
+	stilb_scene_destroy(scene);
+}
+
+/* A job that cannot be queued is run at once by whoever wanted to queue it. */
+static void a_full_queue_is_no_error(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make_scene(5000);
+	uint32_t *ids = all_ids(5000);
+	stilb_job_pool *pool = make_pool(2);
+	stilb_render *render = make_render(scene, 3, STILB_RENDER_REPLAY_INDIRECT);
+	atomic_store_explicit(&queue_fails, 1, memory_order_relaxed);
+	stilb_result result = draw_frame(render, scene, ids, 5000, pool);
+	atomic_store_explicit(&queue_fails, 0, memory_order_relaxed);
+	assert_int_equal(result, STILB_OK);
+	assert_true(stilb_render_stream_hash(render) == reference_hash_models(REFERENCE_HASH_START, scene, ids, 5000));
+	stilb_render_destroy(render);
+	stilb_job_pool_destroy(pool);
+	free(ids);
+	stilb_scene_destroy(scene);
+}
+
+/* ---- the rest ------------------------------------------------------------------------------------------------------------ */
+
+static void the_null_device_says_what_it_is(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make_scene(1);
+	stilb_render *render = make_render(scene, 1, STILB_RENDER_REPLAY_INDIRECT);
+	stilb_image image = {0};
+	assert_string_equal(stilb_render_device_name(render), "null");
+	assert_string_equal(stilb_render_device_kind_name(STILB_RENDER_DEVICE_NULL), "null");
+	assert_string_equal(stilb_render_replay_mode_name(STILB_RENDER_REPLAY_DIRECT), "direct");
+	assert_false(stilb_render_device_is_software(render));
+	assert_int_equal(stilb_render_samples(render), 1);
+	assert_int_equal(stilb_render_validation_messages(render), 0);
+	assert_int_equal(stilb_render_read_image(render, &image), STILB_ERROR_DEVICE);
+	assert_non_null(strstr(stilb_error_message(), "--device vulkan"));
+	assert_int_equal(stilb_render_wait(render), STILB_OK);
+	assert_true(stilb_render_stats_get(render).gpu_ms == 0.0);
+	assert_true(stilb_render_stream_hash(render) == REFERENCE_HASH_START);
+	stilb_render_destroy(render);
+	stilb_render_destroy(NULL);
+	stilb_scene_destroy(scene);
+}
+
+static void no_third_party_library_is_loaded(void **state)
+{
+	(void)state;
+	assert_true(reference_library_loaded("libcmocka")); /* the question works */
+	static const char *const libraries[] = {"libvulkan", "libglfw", "libOpenImageIO", "libOpenEXR", "libembree"};
+	for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
+		assert_false(reference_library_loaded(libraries[i]));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_stream_is_the_scenes),
+		cmocka_unit_test(commands_are_counted),
+		cmocka_unit_test(a_thousand_frames),
+		cmocka_unit_test(rows_grow_and_stay),
+		cmocka_unit_test(other_context_counts_and_sizes),
+		cmocka_unit_test(segments_in_any_order),
+		cmocka_unit_test(passes_by_their_order),
+		cmocka_unit_test(meshes_and_materials_are_copied),
+		cmocka_unit_test(a_frame_without_memory),
+		cmocka_unit_test(creation_without_memory),
+		cmocka_unit_test(a_full_queue_is_no_error),
+		cmocka_unit_test(the_null_device_says_what_it_is),
+		cmocka_unit_test(no_third_party_library_is_loaded),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

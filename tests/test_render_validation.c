@@ -1,0 +1,359 @@
+/* The validation layer, synchronization checks included, has nothing to say about any kind of frame; when it has, the run
+ * fails; and without the layer nobody is told that all is well. The first argument is the stilb program. */
+#include "engine_internal.h"
+#include "render/vulkan/vulkan_internal.h"
+#include "support/picture_reference.h"
+
+#include <sys/wait.h>
+
+static const char *stilb_program;
+
+static stilb_engine_desc validated(void)
+{
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.models = 300;
+	desc.workers = 2;
+	desc.width = 80;
+	desc.height = 60;
+	desc.animate = true;
+	desc.validate = true;
+	return desc;
+}
+
+static stilb_engine *start(const stilb_engine_desc *desc)
+{
+	stilb_engine *engine;
+	if (stilb_engine_create(desc, &engine) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return engine;
+}
+
+static void frames(stilb_engine *engine, int count)
+{
+	stilb_engine_report report;
+	for (int i = 0; i < count; i++)
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+}
+
+/* Reads the picture; two in a row are the same. */
+static void read_twice(stilb_engine *engine)
+{
+	stilb_image first = {0}, second = {0};
+	uint32_t width, height;
+	stilb_engine_size(engine, &width, &height);
+	assert_int_equal(stilb_render_read_image(engine->render, &first), STILB_OK);
+	assert_int_equal(stilb_render_read_image(engine->render, &second), STILB_OK);
+	assert_int_equal(first.width, width);
+	assert_int_equal(first.height, height);
+	assert_memory_equal(first.pixels, second.pixels, stilb_image_size(&first));
+	stilb_image_finish(&first);
+	stilb_image_finish(&second);
+}
+
+/* The layer also speaks while things are destroyed: its lines are counted on stderr then, by the_program_fails. */
+static void finish(stilb_engine *engine)
+{
+	double gpu_ms;
+	assert_int_equal(stilb_engine_wait(engine, &gpu_ms), STILB_OK);
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	stilb_engine_destroy(engine);
+}
+
+static void six_frames_of_every_kind(void **state)
+{
+	(void)state;
+	for (int kind = 0; kind < 16; kind++) {
+		stilb_engine_desc desc = validated();
+		desc.present = kind & 1;
+		desc.samples = kind & 2 ? 4 : 1;
+		desc.replay = kind & 4 ? STILB_RENDER_REPLAY_DIRECT : STILB_RENDER_REPLAY_INDIRECT;
+		desc.output = kind & 8 ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
+		stilb_engine *engine = start(&desc);
+		frames(engine, 6);
+		read_twice(engine);
+		frames(engine, 2);
+		finish(engine);
+	}
+}
+
+static void other_sizes_between_frames(void **state)
+{
+	(void)state;
+	static const uint32_t sizes[][2] = {{1, 1}, {200, 40}, {33, 257}, {80, 60}};
+	for (uint32_t samples = 1; samples <= 4; samples += 3) {
+		stilb_engine_desc desc = validated();
+		desc.samples = samples;
+		stilb_engine *engine = start(&desc);
+		stilb_image image = {0};
+		for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+			frames(engine, 3);
+			assert_int_equal(stilb_engine_resize(engine, sizes[s][0], sizes[s][1]), STILB_OK);
+			assert_int_equal(stilb_render_read_image(engine->render, &image), STILB_ERROR_DEVICE);
+			frames(engine, 2);
+			read_twice(engine);
+		}
+		finish(engine);
+	}
+}
+
+static void rows_and_passes_that_grow(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	desc.models = 18000; /* more than the rows a frame has at first */
+	desc.width = desc.height = 16;
+	stilb_engine *engine = start(&desc);
+	frames(engine, 2);
+	engine->passes[1] = (stilb_render_pass){.name = "again", .view = 0, .order = 1};
+	engine->pass_count = 2;
+	frames(engine, 2);
+	read_twice(engine);
+	finish(engine);
+}
+
+static void nothing_to_see(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine_report report;
+	stilb_engine *engine = start(&desc);
+	stilb_engine_scene(engine)->camera.pitch = 1.5f; /* into the sky */
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(report.visible, 0);
+	frames(engine, 3);
+	read_twice(engine);
+	finish(engine);
+}
+
+static void a_picture_before_the_first_frame(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine *engine = start(&desc);
+	stilb_image image = {0};
+	assert_int_equal(stilb_render_read_image(engine->render, &image), STILB_ERROR_DEVICE);
+	assert_null(image.pixels);
+	frames(engine, 1);
+	read_twice(engine);
+	finish(engine);
+}
+
+/* ---- frames that break off ------------------------------------------------------------------------------------------- */
+
+static const render_device_functions *real_functions;
+static int good_passes; /* that begin before one fails */
+
+static stilb_result failing_pass_begin(render_device *device, const stilb_render_pass *pass,
+                                       const stilb_render_view *view, uint64_t draws)
+{
+	if (good_passes-- == 0)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for this pass");
+	return real_functions->pass_begin(device, pass, view, draws);
+}
+
+static void frames_that_break_off_harm_no_other(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine_report report;
+	stilb_engine *engine = start(&desc);
+	engine->passes[1] = (stilb_render_pass){.name = "again", .view = 0, .order = 1};
+	engine->pass_count = 2;
+	real_functions = engine->render->device->functions;
+	render_device_functions failing = *real_functions;
+	failing.pass_begin = failing_pass_begin;
+	frames(engine, 1);
+	for (int good = 0; good < 4; good++) {
+		good_passes = good % 2;
+		engine->render->device->functions = &failing;
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_ERROR_MEMORY);
+		engine->render->device->functions = real_functions;
+		if (good >= 2)
+			read_twice(engine); /* the picture of the frame before */
+		frames(engine, 1 + good);
+		read_twice(engine);
+	}
+	finish(engine);
+}
+
+/* ---- limits ------------------------------------------------------------------------------------------------------------ */
+
+/* A size beyond the GPU's is refused before the driver sees it, and the next good size works. */
+static void too_large_a_picture(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine_report report;
+	stilb_engine *engine = start(&desc);
+	frames(engine, 1);
+	vulkan_device *device = (vulkan_device *)engine->render->device;
+	VkPhysicalDeviceLimits *limits = &device->properties.limits;
+	uint32_t real_width = limits->maxFramebufferWidth;
+	limits->maxFramebufferWidth = 4096; /* as smaller GPUs have it */
+	assert_int_equal(stilb_engine_resize(engine, 4097, 60), STILB_ERROR_DEVICE);
+	assert_non_null(strstr(stilb_error_message(), "4096x"));
+	assert_non_null(strstr(stilb_error_message(), "--size"));
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_ERROR_MEMORY); /* nothing to draw into */
+	limits->maxFramebufferWidth = real_width;
+	assert_int_equal(stilb_engine_resize(engine, 90, 60), STILB_OK);
+	frames(engine, 3);
+	read_twice(engine);
+	finish(engine);
+}
+
+/* A GPU that takes few draws a command gets several commands; the picture stays. */
+static void few_draws_a_command(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine_report report;
+	desc.animate = false;
+	stilb_engine *engine = start(&desc);
+	stilb_image whole = {0}, cut = {0};
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(report.render.indirect_commands, 1);
+	assert_int_equal(stilb_render_read_image(engine->render, &whole), STILB_OK);
+	((vulkan_device *)engine->render->device)->properties.limits.maxDrawIndirectCount = 7;
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(report.render.draws, 600);
+	assert_int_equal(report.render.indirect_commands, (600 + 6) / 7);
+	assert_int_equal(stilb_render_read_image(engine->render, &cut), STILB_OK);
+	assert_memory_equal(whole.pixels, cut.pixels, stilb_image_size(&whole));
+	stilb_image_finish(&whole);
+	stilb_image_finish(&cut);
+	finish(engine);
+}
+
+/* Clocks with few bits wrap; the time between two of their readings does not. */
+static void a_short_clock_wraps(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine *engine = start(&desc);
+	vulkan_device *device = (vulkan_device *)engine->render->device;
+	double gpu_ms;
+	assert_true(device->timestamp_mask != 0);
+	for (uint32_t bits = 64; bits >= 36; bits -= 28) {
+		device->timestamp_mask = UINT64_MAX >> (64 - bits);
+		frames(engine, 3);
+		assert_int_equal(stilb_engine_wait(engine, &gpu_ms), STILB_OK);
+		assert_true(gpu_ms > 0.0 && gpu_ms < 60000.0);
+	}
+	finish(engine);
+}
+
+/* ---- messages -------------------------------------------------------------------------------------------------------- */
+
+static void a_bad_argument_is_seen(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine *engine = start(&desc);
+	vulkan_device *device = (vulkan_device *)engine->render->device;
+	const VkBufferCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 16, .usage = 0};
+	VkBuffer buffer = VK_NULL_HANDLE;
+	vkCreateBuffer(device->device, &nothing, NULL, &buffer);
+	vkDestroyBuffer(device->device, buffer, NULL);
+	assert_true(stilb_engine_validation_messages(engine) > 0);
+	assert_true(stilb_render_validation_messages(engine->render) > 0);
+	stilb_engine_destroy(engine);
+}
+
+/* Two writes to the same bytes with nothing between them: only the synchronization checks know. */
+static void a_missing_barrier_is_seen(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine *engine = start(&desc);
+	vulkan_device *device = (vulkan_device *)engine->render->device;
+	const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+	VkCommandBuffer commands = device->slots[0].show;
+	vulkan_buffer buffer;
+	assert_int_equal(vulkan_buffer_create(device, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_DEVICE, &buffer),
+	                 STILB_OK);
+	vkBeginCommandBuffer(commands, &begin);
+	vkCmdFillBuffer(commands, buffer.buffer, 0, 64, 1);
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	vkCmdFillBuffer(commands, buffer.buffer, 0, 64, 2);
+	vkEndCommandBuffer(commands);
+	assert_true(stilb_engine_validation_messages(engine) > 0);
+	vulkan_buffer_destroy(device, &buffer);
+	stilb_engine_destroy(engine);
+}
+
+/* Runs stilb demo with what is added; what it prints on stderr comes back in words. */
+static int run_demo(const char *environment, const char *flags, char *words, size_t size)
+{
+	char command[4096];
+	snprintf(command, sizeof command, "%s '%s' demo --headless --frames 3 --models 50 --size 64x48 %s 2>&1 >/dev/null",
+	         environment, stilb_program, flags);
+	FILE *pipe = popen(command, "r");
+	assert_non_null(pipe);
+	size_t length = fread(words, 1, size - 1, pipe);
+	words[length] = '\0';
+	while (fgetc(pipe) != EOF)
+		continue;
+	return WEXITSTATUS(pclose(pipe));
+}
+
+/* The layer is told to complain about habits as well, so that a good program gets messages. */
+static void a_message_fails_the_program(void **state)
+{
+	(void)state;
+	const char *strict = "VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_BEST_PRACTICES_EXT";
+	char words[1 << 16];
+	assert_int_equal(run_demo("", "--validate", words, sizeof words), 0);
+	assert_string_equal(words, ""); /* not while it ends either */
+	assert_int_equal(run_demo("", "--validate --replay direct --msaa 4 --animate", words, sizeof words), 0);
+	assert_string_equal(words, "");
+	assert_int_equal(run_demo(strict, "--validate", words, sizeof words), 1);
+	assert_non_null(strstr(words, "stilb: validation: "));
+	assert_non_null(strstr(words, "stilb: the validation layer had "));
+	assert_int_equal(run_demo(strict, "", words, sizeof words), 0);
+}
+
+static void without_the_layer(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = validated();
+	stilb_engine *engine;
+	char words[4096];
+	assert_int_equal(run_demo("VK_LAYER_PATH=/nonexistent", "--validate", words, sizeof words), 1);
+	assert_non_null(strstr(words, "stilb: "));
+	assert_non_null(strstr(words, "vulkan-validationlayers"));
+	setenv("VK_LAYER_PATH", "/nonexistent", 1);
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_DEVICE);
+	assert_null(engine);
+	desc.validate = false;
+	engine = start(&desc);
+	frames(engine, 1);
+	stilb_engine_destroy(engine);
+	unsetenv("VK_LAYER_PATH");
+}
+
+int main(int argc, char **argv)
+{
+	if (reference_no_driver())
+		return 77;
+	if (argc != 2) {
+		fprintf(stderr, "usage: test_render_validation STILB\n");
+		return 2;
+	}
+	stilb_program = argv[1];
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(six_frames_of_every_kind),
+		cmocka_unit_test(other_sizes_between_frames),
+		cmocka_unit_test(rows_and_passes_that_grow),
+		cmocka_unit_test(nothing_to_see),
+		cmocka_unit_test(a_picture_before_the_first_frame),
+		cmocka_unit_test(frames_that_break_off_harm_no_other),
+		cmocka_unit_test(too_large_a_picture),
+		cmocka_unit_test(few_draws_a_command),
+		cmocka_unit_test(a_short_clock_wraps),
+		cmocka_unit_test(a_bad_argument_is_seen),
+		cmocka_unit_test(a_missing_barrier_is_seen),
+		cmocka_unit_test(a_message_fails_the_program),
+		cmocka_unit_test(without_the_layer),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
