@@ -79,6 +79,40 @@ static bool has_extension(const char *path, const char *extension)
 	return dot && strcasecmp(dot, extension) == 0;
 }
 
+#define DEMO_OUTPUTS 3
+
+static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
+{
+	paths[0] = o->screenshot;
+	paths[1] = o->trace;
+	paths[2] = o->stats;
+}
+
+/* Where the words go: not among the bytes of a file that is written to stdout. */
+static FILE *demo_words(const demo_options *o)
+{
+	const char *paths[DEMO_OUTPUTS];
+	demo_outputs(o, paths);
+	for (int i = 0; i < DEMO_OUTPUTS; i++)
+		if (paths[i] && strcmp(paths[i], "-") == 0)
+			return stderr;
+	return stdout;
+}
+
+/* One file cannot hold two outputs; /dev/null can. */
+static bool demo_outputs_differ(const demo_options *o)
+{
+	const char *paths[DEMO_OUTPUTS];
+	demo_outputs(o, paths);
+	for (int i = 0; i < DEMO_OUTPUTS; i++)
+		for (int k = i + 1; k < DEMO_OUTPUTS; k++)
+			if (paths[i] && paths[k] && strcmp(paths[i], paths[k]) == 0 && strncmp(paths[i], "/dev/", 5) != 0) {
+				stilb_log("two outputs would go to '%s'; give each a name of its own", paths[i]);
+				return false;
+			}
+	return true;
+}
+
 /* What the table cannot say. Nothing has been started or written yet. */
 static bool demo_check(const demo_options *o)
 {
@@ -90,6 +124,8 @@ static bool demo_check(const demo_options *o)
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
 	}
+	if (!demo_outputs_differ(o))
+		return false;
 	stilb_result result = o->screenshot ? stilb_image_path_check(o->screenshot) : STILB_OK;
 	if (result == STILB_OK && o->trace)
 		result = stilb_file_check(o->trace);
@@ -157,16 +193,6 @@ static stilb_result demo_start(demo_run *run)
 	}
 	run->window = desc.window;
 	return result;
-}
-
-/* Where the words go: not among the bytes of a file that is written to stdout. */
-static FILE *demo_words(const demo_options *o)
-{
-	const char *const paths[] = {o->screenshot, o->trace, o->stats};
-	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
-		if (paths[i] && strcmp(paths[i], "-") == 0)
-			return stderr;
-	return stdout;
 }
 
 static void demo_say_result(const demo_run *run, stilb_result result, const char *what, const char *path)

@@ -137,6 +137,30 @@ static void frames_do_not_depend_on_workers(void **state)
 		}
 }
 
+/* The bottom of the view is level, at a height that some of the moving spheres reach: they come and go. */
+static void moving_models_come_and_go(void **state)
+{
+	(void)state;
+	for (int method = 0; method < 2; method++) {
+		stilb_engine_desc desc = null_desc(2);
+		desc.cull = (stilb_cull_method)method;
+		stilb_engine *engine = make_engine(&desc);
+		stilb_scene_camera *camera = &stilb_engine_scene(engine)->camera;
+		camera->position[1] = 1.9f;
+		camera->pitch = 0.5f * camera->fov_y;
+		uint32_t changes = 0;
+		for (uint32_t f = 0, before = 0; f < 40; f++) {
+			assert_frame(engine);
+			changes += engine->report.visible != before;
+			before = engine->report.visible;
+			engine->frame += 13; /* on in time: the scene's is the frame's number */
+			engine->seconds = (double)engine->frame / 60.0;
+		}
+		assert_true(changes > 30);
+		stilb_engine_destroy(engine);
+	}
+}
+
 static void workers_change_between_frames(void **state)
 {
 	(void)state;
@@ -305,10 +329,15 @@ static void no_third_party_library_is_loaded(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(frames_do_not_depend_on_workers),  cmocka_unit_test(workers_change_between_frames),
-		cmocka_unit_test(reports_say_what_happened),        cmocka_unit_test(another_size_is_another_view),
-		cmocka_unit_test(the_tables_drive_the_frame),       cmocka_unit_test(destroy_at_any_time),
-		cmocka_unit_test(what_cannot_start_says_why),       cmocka_unit_test(no_memory_anywhere),
+		cmocka_unit_test(frames_do_not_depend_on_workers),
+		cmocka_unit_test(moving_models_come_and_go),
+		cmocka_unit_test(workers_change_between_frames),
+		cmocka_unit_test(reports_say_what_happened),
+		cmocka_unit_test(another_size_is_another_view),
+		cmocka_unit_test(the_tables_drive_the_frame),
+		cmocka_unit_test(destroy_at_any_time),
+		cmocka_unit_test(what_cannot_start_says_why),
+		cmocka_unit_test(no_memory_anywhere),
 		cmocka_unit_test(no_third_party_library_is_loaded),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

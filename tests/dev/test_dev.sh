@@ -212,6 +212,8 @@ test_summary() {
 	done
 	! grep -qE '^(model|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
 
+	grep -q -- '^ctest .*/build/asan .* -LE ^(model|fuzz)\$$' "$calls" || fail "the sanitizers run what they cannot see"
+
 	fresh_house quick
 	dev 0 test --quick
 	last_line "2 passed, 0 failed, 0 skipped"
@@ -237,15 +239,16 @@ test_summary() {
 	last_line "11 passed, 1 failed, 0 skipped"
 
 	fresh_house "a required tier without tests"
-	junit release-fuzz
-	require=fuzz dev 1 test
-	grep -q '^fuzz    failed ' "$scratch/out" || fail "no line for the tier"
+	junit release-model
+	require=model dev 1 test
+	grep -q '^model   failed ' "$scratch/out" || fail "no line for the tier"
 
 	fresh_house "a build that fails"
 	stand_in cmake '[ "$2" != asan ]'
 	dev 1 test
 	grep -q '^asan    failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
-	last_line "10 passed, 1 failed, 0 skipped"
+	grep -q '^fuzz    failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
+	last_line "10 passed, 2 failed, 0 skipped"
 
 	fresh_house "without Xvfb"
 	rm "$scratch/bin/Xvfb"

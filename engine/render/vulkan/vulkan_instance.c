@@ -274,7 +274,7 @@ stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted)
 		return vulkan_fail_no_driver(result);
 	uint32_t found = gpu_find(gpus, count, wanted);
 	if (found == count)
-		return stilb_fail(STILB_ERROR_DEVICE, "no GPU '%s': there are %u, 'stilb info' lists them", wanted, count);
+		return stilb_fail(STILB_ERROR_DEVICE, "no GPU '%s' here; 'stilb info' lists what there is", wanted);
 	device->gpu = gpus[found];
 	vkGetPhysicalDeviceProperties(device->gpu, &device->properties);
 	vkGetPhysicalDeviceMemoryProperties(device->gpu, &device->memory);
