@@ -61,6 +61,9 @@ stilb_result vulkan_frames_create(vulkan_device *device)
 		result = vulkan_buffer_create(device, STILB_RENDER_MAX_PASSES * sizeof(vulkan_view),
 		                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
 		                              VULKAN_MEMORY_WRITE, &device->slots[i].views);
+	for (int i = 0; i < VULKAN_SLOTS && result == STILB_OK && device->queries; i++)
+		result = vulkan_buffer_create(device, 2 * sizeof(uint64_t), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+		                              VULKAN_MEMORY_READBACK, &device->slots[i].times);
 	return result;
 }
 
@@ -72,6 +75,7 @@ void vulkan_frames_destroy(vulkan_device *device)
 		vkDestroySemaphore(device->device, slot->acquired, NULL);
 		vulkan_buffer_destroy(device, &slot->rows);
 		vulkan_buffer_destroy(device, &slot->views);
+		vulkan_buffer_destroy(device, &slot->times);
 		vulkan_buffer_destroy(device, &slot->picture);
 		for (int p = 0; p < STILB_RENDER_MAX_PASSES; p++)
 			vulkan_buffer_destroy(device, &slot->indirect[p]);
@@ -122,14 +126,11 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 /* How long the GPU drew the frame that used this slot; it is done. */
 static void slot_read_time(vulkan_device *device, uint32_t slot)
 {
-	uint64_t ticks[2] = {0};
 	if (!device->slots[slot].timed)
 		return;
-	VkResult result = vkGetQueryPoolResults(device->device, device->queries, 2 * slot, 2, sizeof ticks, ticks,
-	                                        sizeof *ticks, VK_QUERY_RESULT_64_BIT);
+	const uint64_t *ticks = device->slots[slot].times.mapped;
 	uint64_t passed = (ticks[1] - ticks[0]) & device->timestamp_mask; /* a clock of few bits wraps within minutes */
-	if (result == VK_SUCCESS)
-		device->base.stats.gpu_ms = (double)passed * (double)device->properties.limits.timestampPeriod * 1e-6;
+	device->base.stats.gpu_ms = (double)passed * (double)device->properties.limits.timestampPeriod * 1e-6;
 }
 
 static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot)
@@ -412,6 +413,35 @@ stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands
 	return STILB_OK;
 }
 
+void vulkan_host_barrier(VkCommandBuffer commands)
+{
+	const VkMemoryBarrier2 barrier = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+		.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
+		.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT,
+	};
+	const VkDependencyInfo dependency = {
+		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+		.memoryBarrierCount = 1,
+		.pMemoryBarriers = &barrier,
+	};
+	vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+/* Takes the second timestamp and has the GPU write both to memory: asking for them with vkGetQueryPoolResults waits for all
+ * of the device in some drivers. */
+static void submit_time(vulkan_device *device, vulkan_slot *slot)
+{
+	const uint32_t first = 2 * device->slot;
+	vkCmdWriteTimestamp2(slot->draw, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, device->queries, first + 1);
+	vkCmdCopyQueryPoolResults(slot->draw, device->queries, first, 2, slot->times.buffer, 0, sizeof(uint64_t),
+	                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+	vulkan_host_barrier(slot->draw);
+	slot->timed = true;
+}
+
 stilb_result vulkan_submit(render_device *base)
 {
 	vulkan_device *device = (vulkan_device *)base;
@@ -420,10 +450,8 @@ stilb_result vulkan_submit(render_device *base)
 	                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
 	                     VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
 	                     VK_ACCESS_2_TRANSFER_READ_BIT);
-	if (device->queries) {
-		vkCmdWriteTimestamp2(slot->draw, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, device->queries, 2 * device->slot + 1);
-		slot->timed = true;
-	}
+	if (device->queries)
+		submit_time(device, slot);
 	VkResult result = vkEndCommandBuffer(slot->draw);
 	if (result != VK_SUCCESS)
 		return vulkan_fail(result, "record a frame");

@@ -55,6 +55,7 @@ typedef struct vulkan_slot {
 	vulkan_buffer views;                             /* vulkan_view[STILB_RENDER_MAX_PASSES] */
 	vulkan_buffer indirect[STILB_RENDER_MAX_PASSES]; /* one a pass, grown to its draws */
 	vulkan_buffer picture;                           /* the picture in memory, when there is no window */
+	vulkan_buffer times;                             /* two timestamps: the queue's clock before and after the passes */
 	uint64_t done;                                   /* timeline value of the slot's last submission */
 	bool timed;                                      /* its two timestamps are written */
 	bool picture_valid;
@@ -157,6 +158,8 @@ stilb_result vulkan_wait(render_device *base);
 /* Submits a command buffer, waits for wait (or null) before transfers, signals signal (or null) and the timeline. */
 stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal);
 stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value);
+/* What was copied before it is there for the CPU once the submission is done. */
+void vulkan_host_barrier(VkCommandBuffer commands);
 void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                           VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
                           VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);

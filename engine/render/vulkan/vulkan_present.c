@@ -236,21 +236,9 @@ static void picture_copy(vulkan_device *device, vulkan_slot *slot)
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
 		.imageExtent = {device->base.width, device->base.height, 1},
 	};
-	const VkMemoryBarrier2 barrier = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-		.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
-		.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT,
-	};
-	const VkDependencyInfo dependency = {
-		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-		.memoryBarrierCount = 1,
-		.pMemoryBarriers = &barrier,
-	};
 	vkCmdCopyImageToBuffer(slot->show, device->color.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, slot->picture.buffer,
 	                       1, &region);
-	vkCmdPipelineBarrier2(slot->show, &dependency);
+	vulkan_host_barrier(slot->show);
 }
 
 static stilb_result memory_present(vulkan_device *device, vulkan_slot *slot)
