@@ -3,6 +3,7 @@
  *
  * Life cycle.  stilb_engine_create -> stilb_engine_frame until done -> stilb_engine_destroy.
  * Threads.     All [main-thread]; the workers are the engine's own.
+ * One at a time: engines share the process's profiler and window library, and destroy shuts both down.
  * The story of a frame is frame.c.
  */
 #ifndef STILB_ENGINE_H

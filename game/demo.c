@@ -230,8 +230,9 @@ static void demo_title(demo_run *run, uint64_t *last)
 	if (!run->window || now - *last < 500000000u)
 		return;
 	*last = now;
-	snprintf(title, sizeof title, "Stilb: %u of %" PRIu64 " models, %u workers, frame %.1f ms", run->report.visible,
-	         run->options.models, stilb_engine_workers(run->engine), run->report.times.frame);
+	uint32_t workers = stilb_engine_workers(run->engine);
+	snprintf(title, sizeof title, "Stilb: %u of %" PRIu64 " models, %u worker%s, frame %.1f ms", run->report.visible,
+	         run->options.models, workers, workers == 1 ? "" : "s", run->report.times.frame);
 	stilb_engine_set_title(run->engine, title);
 }
 
@@ -357,6 +358,8 @@ static bool demo_finish(demo_run *run)
 	}
 	stage_times_last_gpu(&run->times, gpu_ms);
 	bool good = stage_times_summarise(&run->times, summary, &warmup);
+	if (!good)
+		stilb_log("no memory to sort the stage times: they are given as 0");
 	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK;
 	if (o->screenshot)
 		demo_say_result(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);

@@ -210,7 +210,10 @@ static void test_choice_of_a_gpu(void **state)
 	read_stats("a.json");
 	assert_said(stat_text("device_name", '"'), name);
 	stilb_good(SMALL "--gpu 0");
-	static const char *const none[] = {"99", "nosuch", "-1", "0x0", "99999999999999999999"};
+	const char *bits = strstr(stat_text("device_name", '"'), " bits)"); /* "llvmpipe (LLVM 15.0.6, 256 bits)" */
+	assert_non_null(bits);
+	stilb_good(SMALL "--gpu %.3s", bits - 3); /* no number of a GPU, so a part of its name */
+	static const char *const none[] = {"31", "99", "nosuch", "-1", "0x0", "99999999999999999999"};
 	for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
 		char line[256];
 		snprintf(line, sizeof line, SMALL "--gpu %s", none[i]);

@@ -312,6 +312,32 @@ static void a_message_fails_the_program(void **state)
 	assert_int_equal(run_demo(strict, "", words, sizeof words), 0);
 }
 
+static const char *const *no_extensions(void *user, uint32_t *count)
+{
+	(void)user;
+	*count = 0;
+	return NULL;
+}
+
+static int32_t no_surface(void *user, void *instance, uint64_t *surface)
+{
+	(void)user, (void)instance, (void)surface;
+	return VK_ERROR_INITIALIZATION_FAILED;
+}
+
+/* The result on which a program goes on without a window. */
+static void a_window_without_a_surface(void **state)
+{
+	(void)state;
+	const stilb_render_surface surface = {NULL, no_extensions, no_surface};
+	const stilb_render_desc desc = {
+		.surface = &surface, .width = 64, .height = 48, .context_count = 1, .validate = true};
+	stilb_render *render;
+	assert_int_equal(stilb_render_create(&desc, &render), STILB_ERROR_WINDOW);
+	assert_null(render);
+	assert_non_null(strstr(stilb_error_message(), "surface for the window"));
+}
+
 static void without_the_layer(void **state)
 {
 	(void)state;
@@ -353,6 +379,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test(a_bad_argument_is_seen),
 		cmocka_unit_test(a_missing_barrier_is_seen),
 		cmocka_unit_test(a_message_fails_the_program),
+		cmocka_unit_test(a_window_without_a_surface),
 		cmocka_unit_test(without_the_layer),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,7 +8,7 @@
  *   stilb_result result = stilb_json_save(&json, path);   // frees it as well
  *
  * A key is NULL inside an array and at the top. Strings are UTF-8; bytes that are not become U+FFFD. Running out of
- * memory is remembered and reported by save.
+ * memory is remembered and reported by save. Threads: one writer per stilb_json; otherwise [any-thread].
  */
 #ifndef STILB_BASE_JSON_H
 #define STILB_BASE_JSON_H

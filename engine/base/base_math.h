@@ -1,5 +1,5 @@
 /*
- * base_math: vectors, matrices, planes. Small values, passed and returned by value.
+ * base_math: vectors, matrices, planes. Small values, passed and returned by value; all functions are [any-thread].
  *
  * Conventions (docs/design.md): right-handed, +Y up, the camera looks along -Z; column vectors, column-major matrices
  * (column 3 = translation); clip space is Vulkan's with reversed depth (near 1, far 0).

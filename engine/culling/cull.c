@@ -13,11 +13,6 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "cull_compact_chunk reads flags eight at a time");
 
-const char *stilb_cull_method_name(stilb_cull_method method)
-{
-	return method == STILB_CULL_FLAT ? "flat" : "octree";
-}
-
 /* ---- building ------------------------------------------------------------------------------------------------- */
 
 typedef struct cull_extent {

@@ -15,7 +15,7 @@
  *              work is too small to be worth waking a thread.
  * Cost.        insert, move, remove: O(1), at most max_depth steps; a move within a cell is one store. No allocation
  *              while culling once the buffers have grown to the scene; cells that empty are reused.
- * Errors.      STILB_ERROR_MEMORY leaves everything as it was before the call.
+ * Errors.      STILB_ERROR_MEMORY leaves everything as it was before the call, but for stilb_cull_move.
  */
 #ifndef STILB_CULL_H
 #define STILB_CULL_H
@@ -29,9 +29,6 @@ typedef enum stilb_cull_method {
 	STILB_CULL_OCTREE,
 	STILB_CULL_FLAT,
 } stilb_cull_method;
-
-/* "octree" or "flat". [any-thread] */
-const char *stilb_cull_method_name(stilb_cull_method method);
 
 typedef struct stilb_cull stilb_cull;
 

@@ -3,16 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *stilb_render_device_kind_name(stilb_render_device_kind kind)
-{
-	return kind == STILB_RENDER_DEVICE_NULL ? "null" : "vulkan";
-}
-
-const char *stilb_render_replay_mode_name(stilb_render_replay_mode mode)
-{
-	return mode == STILB_RENDER_REPLAY_DIRECT ? "direct" : "indirect";
-}
-
 stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **out)
 {
 	STILB_ASSERT(desc->width >= 1 && desc->width <= 16384 && desc->height >= 1 && desc->height <= 16384);
@@ -22,7 +12,6 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	if (!render)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the renderer");
 	memset(render, 0, sizeof *render);
-	render->kind = desc->device;
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
 		result = desc->device == STILB_RENDER_DEVICE_NULL ? render_null_create(desc, &render->device)

@@ -92,13 +92,11 @@ typedef struct stilb_render_stats {
 	double gpu_ms;              /* last known time of a frame on the GPU; 0 on the null device */
 } stilb_render_stats;
 
-/* STILB_ERROR_DEVICE names what is missing and how to get it. */
+/* STILB_ERROR_DEVICE names what is missing and how to get it; STILB_ERROR_WINDOW: this GPU cannot show anything in this
+ * window, without a surface it may do. */
 stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **render);
 void stilb_render_destroy(stilb_render *render);
 
-/* "vulkan" or "null". */
-const char *stilb_render_device_kind_name(stilb_render_device_kind kind);
-const char *stilb_render_replay_mode_name(stilb_render_replay_mode mode);
 /* The GPU's name, or "null". */
 const char *stilb_render_device_name(const stilb_render *render);
 /* True when the GPU is a CPU. */
@@ -120,8 +118,7 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 /* Waits until the device is done with the frame before the last, and rewinds the contexts. */
 stilb_result stilb_render_frame_begin(stilb_render *render);
 
-/* Records pass: both parts, and more, of every visible model in scene order, on the pool and on the caller (whose index is
- * worker). */
+/* Records pass: every part of every visible model, in scene order, on the pool and on the caller (whose index is worker). */
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);
 

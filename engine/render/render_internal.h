@@ -163,7 +163,6 @@ typedef struct render_record_job render_record_job; /* render_record.c */
 
 struct stilb_render {
 	render_device *device;
-	stilb_render_device_kind kind;
 	stilb_render_context *contexts;
 	uint32_t context_count;
 	render_mesh *meshes;

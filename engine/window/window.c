@@ -104,6 +104,7 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 	snprintf(window_error, sizeof window_error, "no Vulkan driver that can draw to windows");
 	if (!glfwVulkanSupported())
 		return window_fail("open a window");
+	snprintf(window_error, sizeof window_error, "out of memory");
 	stilb_window *window = calloc(1, sizeof *window);
 	glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
 	if (window)

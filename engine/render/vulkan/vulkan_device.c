@@ -62,7 +62,7 @@ static stilb_result device_create(vulkan_device *device)
 	uint32_t timestamp_bits = 0;
 	device->queue_family = device_queue_family(device, &timestamp_bits);
 	if (device->queue_family == UINT32_MAX)
-		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' cannot draw to this window; choose another with --gpu",
+		return stilb_fail(STILB_ERROR_WINDOW, "GPU '%s' cannot draw to this window; choose another with --gpu",
 		                  device->base.name);
 	VkResult result = device_make(device);
 	if (result != VK_SUCCESS)

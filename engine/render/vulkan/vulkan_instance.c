@@ -53,13 +53,12 @@ stilb_result vulkan_fail(VkResult error, const char *what)
 	                  (int)error, advice);
 }
 
-static stilb_result vulkan_fail_no_driver(VkResult error)
+static stilb_result vulkan_fail_no_driver(const char *call, VkResult error)
 {
-	return stilb_fail(
-		STILB_ERROR_DEVICE,
-		"no Vulkan driver found (vkCreateInstance gives %d); install one, for example the software driver "
-		"with 'apt install mesa-vulkan-drivers', or run without a GPU with --device null",
-		(int)error);
+	return stilb_fail(STILB_ERROR_DEVICE,
+	                  "no Vulkan driver found (%s gives %d); install one, for example the software driver "
+	                  "with 'apt install mesa-vulkan-drivers', or run without a GPU with --device null",
+	                  call, (int)error);
 }
 
 /* ---- instance ------------------------------------------------------------------------------------------------------ */
@@ -113,7 +112,10 @@ static stilb_result vulkan_surface_create(vulkan_device *device, const stilb_ren
 	uint64_t handle = 0;
 	VkResult result = surface->create(surface->user, device->instance, &handle);
 	device->surface = (VkSurfaceKHR)handle;
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "make a Vulkan surface for the window");
+	if (result == VK_SUCCESS)
+		return STILB_OK;
+	vulkan_fail(result, "make a Vulkan surface for the window");
+	return STILB_ERROR_WINDOW;
 }
 
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc)
@@ -157,7 +159,7 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 	};
 	VkResult result = vkCreateInstance(&info, NULL, &device->instance);
 	if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-		return vulkan_fail_no_driver(result);
+		return vulkan_fail_no_driver("vkCreateInstance", result);
 	if (result == VK_SUCCESS && desc->validate)
 		result = vulkan_messenger_create(device);
 	if (result != VK_SUCCESS)
@@ -236,28 +238,27 @@ static int gpu_score(VkPhysicalDevice gpu)
 	};
 	VkPhysicalDeviceProperties properties;
 	vkGetPhysicalDeviceProperties(gpu, &properties);
-	return gpu_missing(gpu) ? 0 : scores[properties.deviceType];
+	if (gpu_missing(gpu))
+		return 0;
+	/* A driver newer than this program may know other types. */
+	return (size_t)properties.deviceType < sizeof scores / sizeof *scores ? scores[properties.deviceType] : 1;
 }
 
-static bool gpu_name_contains(const char *name, const char *part)
-{
-	return strcasestr(name, part) != NULL;
-}
-
-/* Finds the GPU that wanted names; NULL takes the one with the best score. count when there is none. */
+/* Finds the GPU that wanted names: a number of the list, or a part of the name, which "4090" is, too. NULL takes the one
+ * with the best score. count when there is none. */
 static uint32_t gpu_find(const VkPhysicalDevice *gpus, uint32_t count, const char *wanted)
 {
 	uint32_t best = count;
 	char *end = NULL;
 	if (wanted && isdigit((unsigned char)wanted[0])) {
 		unsigned long number = strtoul(wanted, &end, 10);
-		if (*end == '\0')
+		if (*end == '\0' && number < VULKAN_MAX_GPUS)
 			return number < count ? (uint32_t)number : count;
 	}
 	for (uint32_t i = 0; i < count; i++) {
 		VkPhysicalDeviceProperties properties;
 		vkGetPhysicalDeviceProperties(gpus[i], &properties);
-		if (wanted && !gpu_name_contains(properties.deviceName, wanted))
+		if (wanted && !strcasestr(properties.deviceName, wanted))
 			continue;
 		if (best == count || gpu_score(gpus[i]) > gpu_score(gpus[best]))
 			best = i;
@@ -271,7 +272,7 @@ stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted)
 	uint32_t count = VULKAN_MAX_GPUS;
 	VkResult result = vkEnumeratePhysicalDevices(device->instance, &count, gpus);
 	if ((result != VK_SUCCESS && result != VK_INCOMPLETE) || count == 0)
-		return vulkan_fail_no_driver(result);
+		return vulkan_fail_no_driver("vkEnumeratePhysicalDevices", result);
 	uint32_t found = gpu_find(gpus, count, wanted);
 	if (found == count)
 		return stilb_fail(STILB_ERROR_DEVICE, "no GPU '%s' here; 'stilb info' lists what there is", wanted);
@@ -316,11 +317,15 @@ stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, ui
 	stilb_result result = vulkan_instance_create(&device, &(stilb_render_desc){0});
 	if (result != STILB_OK)
 		return result;
-	vkEnumeratePhysicalDevices(device.instance, &found, devices);
+	VkResult listed = vkEnumeratePhysicalDevices(device.instance, &found, devices);
+	if (listed != VK_SUCCESS && listed != VK_INCOMPLETE) {
+		found = 0; /* the array holds nothing then */
+		result = vulkan_fail_no_driver("vkEnumeratePhysicalDevices", listed);
+	}
 	for (uint32_t i = 0; i < found && i < capacity; i++)
 		gpu_describe(devices[i], &gpus[(*count)++]);
 	vulkan_instance_destroy(&device);
-	return STILB_OK;
+	return result;
 }
 
 const char *stilb_render_vulkan_version(void)

@@ -63,7 +63,6 @@ typedef struct vulkan_slot {
 
 typedef struct vulkan_swapchain {
 	VkSwapchainKHR handle;
-	VkFormat format;
 	VkExtent2D extent;
 	uint32_t image_count;
 	VkImage images[VULKAN_MAX_SWAPCHAIN_IMAGES];

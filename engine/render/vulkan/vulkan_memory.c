@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The memory type with all of `required` and as many of `preferred` as there are; skips types in `failed`. */
+/* The type among `allowed` (a bit each) with all of `required` and most of `preferred`; UINT32_MAX: there is none. */
 static uint32_t memory_type(const vulkan_device *device, uint32_t allowed, VkMemoryPropertyFlags required,
                             VkMemoryPropertyFlags preferred)
 {
@@ -128,7 +128,6 @@ static VkResult image_make(vulkan_device *device, const VkImageCreateInfo *info,
 static stilb_result image_check(const vulkan_device *device, const VkImageCreateInfo *info)
 {
 	VkImageFormatProperties can;
-	const VkPhysicalDeviceLimits *limits = &device->properties.limits;
 	uint32_t width = info->extent.width, height = info->extent.height;
 	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu, info->format, info->imageType, info->tiling,
 	                                                           info->usage, info->flags, &can);
@@ -137,10 +136,13 @@ static stilb_result image_check(const vulkan_device *device, const VkImageCreate
 	if (!(can.sampleCounts & info->samples))
 		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has no %u samples per pixel; use --msaa 1", device->base.name,
 		                  (unsigned)info->samples);
-	if (width > can.maxExtent.width || height > can.maxExtent.height || width > limits->maxFramebufferWidth ||
-	    height > limits->maxFramebufferHeight)
+	const VkPhysicalDeviceLimits *limits = &device->properties.limits;
+	uint32_t most_width = can.maxExtent.width, most_height = can.maxExtent.height;
+	most_width = most_width < limits->maxFramebufferWidth ? most_width : limits->maxFramebufferWidth;
+	most_height = most_height < limits->maxFramebufferHeight ? most_height : limits->maxFramebufferHeight;
+	if (width > most_width || height > most_height)
 		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' draws pictures of up to %ux%u, not %ux%u; use a smaller --size",
-		                  device->base.name, limits->maxFramebufferWidth, limits->maxFramebufferHeight, width, height);
+		                  device->base.name, most_width, most_height, width, height);
 	return STILB_OK;
 }
 

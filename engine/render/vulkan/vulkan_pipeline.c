@@ -32,72 +32,92 @@ static VkResult layout_create(vulkan_device *device)
 	return vkCreatePipelineLayout(device->device, &info, NULL, &device->pipeline_layout);
 }
 
+/* ---- what every pipeline has, whatever the device ------------------------------------------------------------------- */
+
+static const VkVertexInputBindingDescription vertex_binding = {.stride = sizeof(stilb_scene_vertex)};
+
+static const VkVertexInputAttributeDescription vertex_attributes[2] = {
+	{.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, position)},
+	{.location = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, normal)},
+};
+
+static const VkPipelineVertexInputStateCreateInfo vertex_input = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+	.vertexBindingDescriptionCount = 1,
+	.pVertexBindingDescriptions = &vertex_binding,
+	.vertexAttributeDescriptionCount = 2,
+	.pVertexAttributeDescriptions = vertex_attributes,
+};
+
+static const VkPipelineInputAssemblyStateCreateInfo input_assembly = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+	.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+};
+
+static const VkDynamicState dynamic_states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+
+static const VkPipelineDynamicStateCreateInfo dynamic = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+	.dynamicStateCount = 2,
+	.pDynamicStates = dynamic_states,
+};
+
+static const VkPipelineViewportStateCreateInfo viewport = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+	.viewportCount = 1,
+	.scissorCount = 1,
+};
+
+/* y points down in clip space and the projection flips it, so what is counter-clockwise in the world stays so. */
+static const VkPipelineRasterizationStateCreateInfo rasterization = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+	.polygonMode = VK_POLYGON_MODE_FILL,
+	.cullMode = VK_CULL_MODE_BACK_BIT,
+	.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+	.lineWidth = 1.0f,
+};
+
+static const VkPipelineDepthStencilStateCreateInfo depth = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+	.depthTestEnable = VK_TRUE,
+	.depthWriteEnable = VK_TRUE,
+	.depthCompareOp = VK_COMPARE_OP_GREATER, /* reversed: near is 1 */
+};
+
+static const VkPipelineColorBlendAttachmentState no_blending = {.colorWriteMask = 0xf};
+
+static const VkPipelineColorBlendStateCreateInfo blend = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+	.attachmentCount = 1,
+	.pAttachments = &no_blending,
+};
+
+/* ---- what depends on it --------------------------------------------------------------------------------------------- */
+
+static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stage, VkShaderModule module,
+                                                      const VkSpecializationInfo *constants)
+{
+	return (VkPipelineShaderStageCreateInfo){
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+		.stage = stage,
+		.module = module,
+		.pName = "main",
+		.pSpecializationInfo = constants,
+	};
+}
+
 static VkResult pipeline_create(vulkan_device *device, VkShaderModule vertex, VkShaderModule fragment)
 {
 	const VkBool32 tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY;
 	const VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof tone_map};
 	const VkSpecializationInfo constants = {1, &entry, sizeof tone_map, &tone_map};
 	const VkPipelineShaderStageCreateInfo stages[2] = {
-		{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-	     .stage = VK_SHADER_STAGE_VERTEX_BIT,
-	     .module = vertex,
-	     .pName = "main"},
-		{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-	     .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
-	     .module = fragment,
-	     .pName = "main",
-	     .pSpecializationInfo = &constants},
-	};
-	const VkVertexInputBindingDescription binding = {.stride = sizeof(stilb_scene_vertex)};
-	const VkVertexInputAttributeDescription attributes[2] = {
-		{.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, position)},
-		{.location = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, normal)},
-	};
-	const VkPipelineVertexInputStateCreateInfo vertex_input = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-		.vertexBindingDescriptionCount = 1,
-		.pVertexBindingDescriptions = &binding,
-		.vertexAttributeDescriptionCount = 2,
-		.pVertexAttributeDescriptions = attributes,
-	};
-	const VkPipelineInputAssemblyStateCreateInfo assembly = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-		.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
-	};
-	const VkPipelineViewportStateCreateInfo viewport = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-		.viewportCount = 1,
-		.scissorCount = 1,
-	};
-	/* y points down in clip space and the projection flips it, so what is counter-clockwise in the world stays so. */
-	const VkPipelineRasterizationStateCreateInfo rasterization = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-		.polygonMode = VK_POLYGON_MODE_FILL,
-		.cullMode = VK_CULL_MODE_BACK_BIT,
-		.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-		.lineWidth = 1.0f,
+		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex, NULL),
+		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, &constants),
 	};
 	const VkPipelineMultisampleStateCreateInfo multisample = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
 		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
-	};
-	const VkPipelineDepthStencilStateCreateInfo depth = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-		.depthTestEnable = VK_TRUE,
-		.depthWriteEnable = VK_TRUE,
-		.depthCompareOp = VK_COMPARE_OP_GREATER, /* reversed: near is 1 */
-	};
-	const VkPipelineColorBlendAttachmentState attachment = {.colorWriteMask = 0xf};
-	const VkPipelineColorBlendStateCreateInfo blend = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-		.attachmentCount = 1,
-		.pAttachments = &attachment,
-	};
-	const VkDynamicState dynamic_states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-	const VkPipelineDynamicStateCreateInfo dynamic = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-		.dynamicStateCount = 2,
-		.pDynamicStates = dynamic_states,
 	};
 	const VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
@@ -111,7 +131,7 @@ static VkResult pipeline_create(vulkan_device *device, VkShaderModule vertex, Vk
 		.stageCount = 2,
 		.pStages = stages,
 		.pVertexInputState = &vertex_input,
-		.pInputAssemblyState = &assembly,
+		.pInputAssemblyState = &input_assembly,
 		.pViewportState = &viewport,
 		.pRasterizationState = &rasterization,
 		.pMultisampleState = &multisample,

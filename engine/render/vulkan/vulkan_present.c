@@ -71,7 +71,6 @@ static VkResult swapchain_make(vulkan_device *device, const VkSurfaceCapabilitie
 	VkResult result = vkCreateSwapchainKHR(device->device, &info, NULL, &swapchain->handle);
 	if (result != VK_SUCCESS)
 		return result;
-	swapchain->format = format.format;
 	swapchain->image_count = VULKAN_MAX_SWAPCHAIN_IMAGES;
 	result = vkGetSwapchainImagesKHR(device->device, swapchain->handle, &swapchain->image_count, swapchain->images);
 	return result == VK_SUCCESS ? swapchain_make_semaphores(device) : result;
@@ -90,7 +89,7 @@ stilb_result vulkan_swapchain_create(vulkan_device *device)
 	if (device->swapchain.extent.width == 0 || device->swapchain.extent.height == 0)
 		return STILB_OK;
 	if (!(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT) || !swapchain_choose_format(device, &format))
-		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' offers no 8-bit sRGB window; use --headless",
+		return stilb_fail(STILB_ERROR_WINDOW, "GPU '%s' offers no 8-bit sRGB window; use --headless",
 		                  device->base.name);
 	result = swapchain_make(device, &can, format);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "make a swapchain");
