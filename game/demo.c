@@ -239,11 +239,13 @@ static void demo_title(demo_run *run, uint64_t *last)
 static stilb_result demo_loop(demo_run *run)
 {
 	uint64_t wanted = run->options.frames, last_title = 0;
+	stilb_engine_report report = {0};
 	if (wanted == 0)
 		wanted = run->window ? UINT64_MAX : DEMO_FRAMES;
-	while (run->frames < wanted && !demo_interrupted) {
-		stilb_engine_report report;
-		stilb_result result = stilb_engine_frame(run->engine, &report);
+	while (run->frames < wanted && !demo_interrupted && !report.close) {
+		stilb_result result = demo_act(run, &report); /* what the frame before was asked for */
+		if (result == STILB_OK)
+			result = stilb_engine_frame(run->engine, &report);
 		if (result != STILB_OK)
 			return result;
 		if (report.drawn) {
@@ -252,13 +254,7 @@ static stilb_result demo_loop(demo_run *run)
 			if (!stage_times_add(&run->times, &report.times))
 				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
 		}
-		if (report.close)
-			break;
 		demo_title(run, &last_title);
-		if (report.drawn && run->frames < wanted)
-			result = demo_act(run, &report);
-		if (result != STILB_OK)
-			return result;
 	}
 	return STILB_OK;
 }
@@ -380,8 +376,9 @@ static int demo_main(demo_run *run)
 		stilb_log("%s", stilb_error_message());
 		return EXIT_FAILED;
 	}
-	signal(SIGINT, demo_on_signal);
-	signal(SIGTERM, demo_on_signal);
+	const struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
+	sigaction(SIGINT, &once, NULL);
+	sigaction(SIGTERM, &once, NULL);
 	if (run->window)
 		fprintf(demo_words(&run->options),
 		        "WASD fly, Q/E down/up, shift fast, right mouse looks, Esc releases the mouse,\n"

@@ -40,6 +40,10 @@ static void test_axes(void **state)
 	assert_position(&pose, -s, 0, 0);
 	pose = flown(PI / 2, 0, 1, 0, 0);
 	assert_position(&pose, 0, 0, -s);
+	pose = flown(0, 0, 1, 0, 1); /* a diagonal is no faster */
+	assert_position(&pose, r, 0, -r);
+	pose = flown(0, 0, 0.5f, 0, 0); /* half a push is half as fast */
+	assert_position(&pose, s / 2, 0, 0);
 	pose = flown(0, PI / 4, 0, 0, 1); /* looking up: forward climbs */
 	assert_position(&pose, 0, r, -r);
 	pose = flown(0, PI / 4, 1, 0, 0); /* no roll: right stays level */

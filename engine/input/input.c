@@ -28,7 +28,10 @@ stilb_input_pose stilb_input_fly(stilb_input_pose pose, const stilb_input_state 
 	pose.pitch = fmaxf(-STILB_INPUT_PITCH_LIMIT, fminf(STILB_INPUT_PITCH_LIMIT, pose.pitch + input->look[1]));
 	float right[3] = {cosf(pose.yaw), 0.0f, -sinf(pose.yaw)};
 	float forward[3] = {-sinf(pose.yaw) * cosf(pose.pitch), sinf(pose.pitch), -cosf(pose.yaw) * cosf(pose.pitch)};
-	float way = STILB_INPUT_SPEED * (input->fast ? STILB_INPUT_FAST : 1.0f) * seconds;
+	/* A keyboard's diagonal is no faster; a stick that is pushed half way stays slow. */
+	float length =
+		sqrtf(input->move[0] * input->move[0] + input->move[1] * input->move[1] + input->move[2] * input->move[2]);
+	float way = STILB_INPUT_SPEED * (input->fast ? STILB_INPUT_FAST : 1.0f) * seconds / fmaxf(length, 1.0f);
 	for (int i = 0; i < 3; i++)
 		pose.position[i] += way * (right[i] * input->move[0] + forward[i] * input->move[2]);
 	pose.position[1] += way * input->move[1];

@@ -13,7 +13,7 @@
 
 /* One frame's wishes. */
 typedef struct stilb_input_state {
-	float move[3];   /* right, up, forward; each in [-1, 1] */
+	float move[3];   /* right, up, forward; each in [-1, 1]; more than 1 long flies like 1 */
 	float look[2];   /* turn to the left and upwards, radians */
 	bool fast;       /* fly at STILB_INPUT_FAST times the speed */
 	bool capture;    /* write a trace */

@@ -122,8 +122,13 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 
 stilb_result stilb_render_frame_begin(stilb_render *render)
 {
+	/* A frame mostly needs what the one before did: growing now saves the way over the heap. Relaxed: no job runs. */
+	uint32_t wanted = atomic_load_explicit(&render->rows.next, memory_order_relaxed);
 	render_contexts_rewind(render);
-	return render->device->functions->frame_begin(render->device, &render->rows);
+	stilb_result result = render->device->functions->frame_begin(render->device, &render->rows);
+	if (result == STILB_OK && wanted > render->rows.capacity)
+		result = render->device->functions->rows_grow(render->device, &render->rows, wanted);
+	return result;
 }
 
 stilb_result stilb_render_present(stilb_render *render)

@@ -43,12 +43,6 @@ static stilb_window_key window_key(int key)
 		return STILB_WINDOW_KEY_P;
 	case GLFW_KEY_F12:
 		return STILB_WINDOW_KEY_F12;
-	case GLFW_KEY_MINUS:
-	case GLFW_KEY_KP_SUBTRACT:
-		return STILB_WINDOW_KEY_MINUS;
-	case GLFW_KEY_EQUAL:
-	case GLFW_KEY_KP_ADD:
-		return STILB_WINDOW_KEY_PLUS;
 	case GLFW_KEY_LEFT_SHIFT:
 	case GLFW_KEY_RIGHT_SHIFT:
 		return STILB_WINDOW_KEY_SHIFT;
@@ -67,6 +61,12 @@ static void window_capture(stilb_window *window, bool captured)
 	glfwSetInputMode(window->handle, GLFW_CURSOR, captured ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
 }
 
+static void window_count(stilb_window *window, stilb_window_key key)
+{
+	if (window->pressed[key] < UINT8_MAX)
+		window->pressed[key]++;
+}
+
 static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int action, int modifiers)
 {
 	(void)scancode, (void)modifiers;
@@ -74,10 +74,19 @@ static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int ac
 	stilb_window_key key = window_key(glfw_key);
 	if (key == STILB_WINDOW_KEY_COUNT || action != GLFW_PRESS)
 		return;
-	if (window->pressed[key] < UINT8_MAX)
-		window->pressed[key]++;
+	window_count(window, key);
 	if (key == STILB_WINDOW_KEY_ESCAPE)
 		window_capture(window, false);
+}
+
+/* - and + lie elsewhere on every layout: they count by what is typed. */
+static void window_on_character(GLFWwindow *handle, unsigned character)
+{
+	stilb_window *window = glfwGetWindowUserPointer(handle);
+	if (character == '-')
+		window_count(window, STILB_WINDOW_KEY_MINUS);
+	if (character == '+' || character == '=')
+		window_count(window, STILB_WINDOW_KEY_PLUS);
 }
 
 static void window_on_button(GLFWwindow *handle, int button, int action, int modifiers)
@@ -115,6 +124,7 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 	}
 	glfwSetWindowUserPointer(window->handle, window);
 	glfwSetKeyCallback(window->handle, window_on_key);
+	glfwSetCharCallback(window->handle, window_on_character);
 	glfwSetMouseButtonCallback(window->handle, window_on_button);
 	*out = window;
 	return STILB_OK;

@@ -11,7 +11,7 @@
 
 typedef struct stilb_window stilb_window;
 
-/* Keys by what stands on them. */
+/* Letters by their place on a US keyboard, so that WASD is a cross on every layout. */
 typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_W,
 	STILB_WINDOW_KEY_A,
@@ -21,8 +21,8 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_E,
 	STILB_WINDOW_KEY_P,
 	STILB_WINDOW_KEY_F12,
-	STILB_WINDOW_KEY_MINUS, /* also on the keypad */
-	STILB_WINDOW_KEY_PLUS,  /* also '=', and on the keypad */
+	STILB_WINDOW_KEY_MINUS, /* typed, on any layout; never held */
+	STILB_WINDOW_KEY_PLUS,  /* the same; '=' counts too, where + needs shift */
 	STILB_WINDOW_KEY_SHIFT, /* either */
 	STILB_WINDOW_KEY_ESCAPE,
 	STILB_WINDOW_KEY_COUNT
