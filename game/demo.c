@@ -94,20 +94,20 @@ static FILE *demo_words(const demo_options *o)
 	const char *paths[DEMO_OUTPUTS];
 	demo_outputs(o, paths);
 	for (int i = 0; i < DEMO_OUTPUTS; i++)
-		if (paths[i] && strcmp(paths[i], "-") == 0)
+		if (paths[i] && stilb_file_is_stdout(paths[i]))
 			return stderr;
 	return stdout;
 }
 
-/* One file cannot hold two outputs; /dev/null can. */
+/* One file cannot hold two outputs. */
 static bool demo_outputs_differ(const demo_options *o)
 {
 	const char *paths[DEMO_OUTPUTS];
 	demo_outputs(o, paths);
 	for (int i = 0; i < DEMO_OUTPUTS; i++)
 		for (int k = i + 1; k < DEMO_OUTPUTS; k++)
-			if (paths[i] && paths[k] && strcmp(paths[i], paths[k]) == 0 && strncmp(paths[i], "/dev/", 5) != 0) {
-				stilb_log("two outputs would go to '%s'; give each a name of its own", paths[i]);
+			if (paths[i] && paths[k] && stilb_file_same(paths[i], paths[k])) {
+				stilb_log("two outputs would go to '%s'; give each a name of its own", paths[k]);
 				return false;
 			}
 	return true;

@@ -127,7 +127,7 @@ int info_command(int argc, char **argv)
 	}
 	static info_machine machine;
 	info_query(&machine);
-	info_print(path && path[0] == '-' && !path[1] ? stderr : stdout, &machine);
+	info_print(path && stilb_file_is_stdout(path) ? stderr : stdout, &machine);
 	if (path && info_save(&machine, path) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return EXIT_FAILED;

@@ -346,6 +346,27 @@ static void test_dash_is_standard_output(void **state)
 
 /* ---- failure half-way ------------------------------------------------------------------------------------------------ */
 
+static void test_same(void **state)
+{
+	(void)state;
+	assert_int_equal(mkdir("inner", 0777), 0);
+	assert_int_equal(stilb_file_save("plain", "x", 1), STILB_OK);
+	assert_int_equal(symlink("plain", "link"), 0);
+	assert_int_equal(symlink("new", "dangling"), 0);
+	assert_true(stilb_file_same("a", "a"));
+	assert_true(stilb_file_same("a", "./a"));
+	assert_true(stilb_file_same("inner/../a", "a"));
+	assert_true(stilb_file_same("link", "plain"));
+	assert_true(stilb_file_same("dangling", "new"));
+	assert_true(stilb_file_same("-", "/dev/stdout"));
+	assert_false(stilb_file_same("a", "b"));
+	assert_false(stilb_file_same("a", "inner/a"));
+	assert_false(stilb_file_same("-", "a"));
+	assert_false(stilb_file_same("/dev/null", "/dev/null"));
+	assert_false(stilb_file_same("missing/a", "missing/a")); /* refused elsewhere */
+	assert_int_equal(unlink("link") | unlink("dangling") | unlink("plain") | rmdir("inner"), 0);
+}
+
 static void test_finish_drops(void **state)
 {
 	(void)state;
@@ -433,6 +454,7 @@ int main(void)
 		FRESH_TEST(test_write_reports_errors),
 		FRESH_TEST(test_pipe),
 		FRESH_TEST(test_dash_is_standard_output),
+		FRESH_TEST(test_same),
 		FRESH_TEST(test_finish_drops),
 		FRESH_TEST(test_two_at_a_time),
 		FRESH_TEST(test_failing_rename_and_fsync),

@@ -110,7 +110,8 @@ static const char *const refusals[][2] = {
 	{"demo --trace plain/a.json", "file"},
 	{"demo --stats good.json --trace missing/a.json", "'missing/a.json'"},
 	{"demo --stats a.json --trace a.json", "two outputs"},
-	{"demo --stats - --trace -", "two outputs"},
+	{"demo --stats ./a.json --trace folder.png/../a.json", "two outputs"},
+	{"demo --stats - --trace /dev/stdout", "two outputs"},
 	{"info --bogus", "'--bogus'"},
 	{"info --json missing/a.json", "does not exist"},
 };

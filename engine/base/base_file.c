@@ -80,11 +80,44 @@ static file_kind file_check_folder(const char *path)
 	return kind;
 }
 
+bool stilb_file_is_stdout(const char *path)
+{
+	return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
+}
+
+/* Where path ends, links followed: one name for all its names; NULL when its folder is not there. */
+static char *file_real_target(const char *path)
+{
+	char *target = file_resolve(path), *folder = target ? file_folder(target) : NULL;
+	char *real = folder ? realpath(folder, NULL) : NULL, *whole = NULL;
+	const char *slash = target ? strrchr(target, '/') : NULL;
+	if (real && asprintf(&whole, "%s/%s", real, slash ? slash + 1 : target) < 0)
+		whole = NULL;
+	free(target);
+	free(folder);
+	free(real);
+	return whole;
+}
+
+bool stilb_file_same(const char *a, const char *b)
+{
+	if (stilb_file_is_stdout(a) || stilb_file_is_stdout(b))
+		return stilb_file_is_stdout(a) && stilb_file_is_stdout(b);
+	struct stat info;
+	if (stat(a, &info) == 0 && !S_ISREG(info.st_mode))
+		return false; /* a device takes any number of writers */
+	char *real_a = file_real_target(a), *real_b = file_real_target(b);
+	bool same = real_a && real_b && strcmp(real_a, real_b) == 0;
+	free(real_a);
+	free(real_b);
+	return same;
+}
+
 static file_kind file_classify(const char *path)
 {
 	if (path[0] == '\0')
 		return file_refuse(path, "the name is empty");
-	if (strcmp(path, "-") == 0)
+	if (stilb_file_is_stdout(path))
 		return FILE_KIND_DIRECT;
 	if (path[strlen(path) - 1] == '/')
 		return file_refuse(path, "it names a folder, not a file");
@@ -110,7 +143,7 @@ static stilb_result file_fail(const char *path, const char *what, int error)
 
 static FILE *file_open_direct(const char *path)
 {
-	if (strcmp(path, "-") != 0)
+	if (!stilb_file_is_stdout(path))
 		return fopen(path, "wb");
 	int copy = dup(STDOUT_FILENO); /* so that finish may close it */
 	FILE *stream = copy < 0 ? NULL : fdopen(copy, "wb");

@@ -3,7 +3,8 @@
  *
  * stilb_file_check refuses a path before the work starts; stilb_file_open, write and commit make the file. A regular or
  * new file is written beside its place under a temporary name, synced and renamed, links followed, so a reader sees the
- * old file or the new one and a full disk leaves the old one alone. A device, a pipe or "-" (stdout) is written directly.
+ * old file or the new one and a full disk leaves the old one alone. A device, a pipe and stdout ("-", "/dev/stdout") are
+ * written directly.
  * Threads: one writer per stilb_file; otherwise [any-thread].
  */
 #ifndef STILB_BASE_FILE_H
@@ -23,6 +24,12 @@ typedef struct stilb_file {
 /* STILB_ERROR_ARGUMENT with a message when path cannot become a file here: empty, a directory, a missing folder, no
  * permission. Creates nothing. */
 stilb_result stilb_file_check(const char *path);
+
+/* "-" and "/dev/stdout". */
+bool stilb_file_is_stdout(const char *path);
+
+/* Would one of these two outputs replace the other? False for devices other than stdout. */
+bool stilb_file_same(const char *a, const char *b);
 
 /* Opens for writing; on failure file is {0} and needs no finish. */
 stilb_result stilb_file_open(stilb_file *file, const char *path);
