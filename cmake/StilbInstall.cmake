@@ -32,4 +32,5 @@ install(EXPORT stilb-targets NAMESPACE stilb:: DESTINATION ${package_dir})
 
 if(TARGET stilb)
 	install(TARGETS stilb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+	install(TARGETS stilb-image-oiio LIBRARY DESTINATION lib/stilb) # ../lib/stilb from the program: image_codec.c
 endif()

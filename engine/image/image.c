@@ -213,8 +213,11 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path)
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
 	image_save save = {.path = path};
 	image_message message = {0};
-	image_outcome outcome =
-		image_oiio_encode(kind->codec, &source.shape, source.pixels, source.stored, image_save_sink, &save, &message);
+	image_outcome outcome = IMAGE_OUTCOME_CODEC;
+	const image_codec *codec = image_codec_load(&message);
+	if (codec)
+		outcome =
+			codec->encode(kind->codec, &source.shape, source.pixels, source.stored, image_save_sink, &save, &message);
 	free(source.converted);
 	if (outcome == IMAGE_OUTCOME_DONE || outcome == IMAGE_OUTCOME_CALLBACK)
 		return save.result;
@@ -280,12 +283,13 @@ static image_outcome image_decode(const image_kind *kind, image_load *load, imag
 	size_t size = 0;
 	bool png = strcmp(kind->codec, IMAGE_CODEC_PNG) == 0;
 	image_outcome outcome = IMAGE_OUTCOME_CODEC;
-	const char *trouble = image_file_read(load->path, &data, &size);
+	const image_codec *codec = image_codec_load(message);
+	const char *trouble = codec ? image_file_read(load->path, &data, &size) : NULL;
 	if (trouble)
 		snprintf(message->text, sizeof message->text, "%s", trouble);
-	else if (!png || image_png_is_whole(data, size, message))
-		outcome = image_oiio_decode(kind->codec, data, size, png ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32,
-		                            image_load_allocate, load, message);
+	else if (codec && (!png || image_png_is_whole(data, size, message)))
+		outcome = codec->decode(kind->codec, data, size, png ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32, image_load_allocate,
+		                        load, message);
 	free(data);
 	return outcome;
 }
@@ -307,5 +311,7 @@ stilb_result stilb_image_load(const char *path, stilb_image *image)
 
 const char *stilb_image_library_version(void)
 {
-	return image_oiio_version();
+	image_message message;
+	const image_codec *codec = image_codec_load(&message);
+	return codec ? codec->version() : "not found";
 }

@@ -59,7 +59,7 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path);
  * kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);
 
-/* OpenImageIO's version, as loaded: "2.4.7". [any-thread] */
+/* OpenImageIO's version, as loaded: "2.4.7"; "not found" when it cannot be. [any-thread] */
 const char *stilb_image_library_version(void);
 
 #endif

@@ -1,6 +1,9 @@
 /*
  * image_internal: the border between image.c and OpenImageIO, plain C on both sides. Behind it is image_oiio.cpp, the
  * engine's only C++; no exception leaves it.
+ *
+ * OpenImageIO brings some 260 shared libraries along, 0.17 s of every start. So image_oiio.cpp is a module of its own,
+ * stilb-image-oiio.so, which image_codec.c loads when the first picture is read or written.
  */
 #ifndef STILB_IMAGE_INTERNAL_H
 #define STILB_IMAGE_INTERNAL_H
@@ -46,16 +49,23 @@ typedef enum image_outcome {
 	IMAGE_OUTCOME_MEMORY,
 } image_outcome;
 
-/* Encodes into memory; the file holds `stored` scalars. */
-image_outcome image_oiio_encode(const char *codec, const image_shape *shape, const void *pixels, image_scalar stored,
-                                image_sink *sink, void *context, image_message *message);
+/* What the module offers, as the symbol IMAGE_CODEC_SYMBOL. */
+typedef struct image_codec {
+	/* Encodes into memory; the file holds `stored` scalars. codec is IMAGE_CODEC_... */
+	image_outcome (*encode)(const char *codec, const image_shape *shape, const void *pixels, image_scalar stored,
+	                        image_sink *sink, void *context, image_message *message);
+	/* Decodes data into what allocate returns, converted to `wanted` scalars. */
+	image_outcome (*decode)(const char *codec, const void *data, size_t size, image_scalar wanted,
+	                        image_allocate *allocate, void *context, image_message *message);
+	/* "2.4.7": of the library that is loaded. */
+	const char *(*version)(void);
+} image_codec;
 
-/* Decodes data into what allocate returns, converted to `wanted` scalars. */
-image_outcome image_oiio_decode(const char *codec, const void *data, size_t size, image_scalar wanted,
-                                image_allocate *allocate, void *context, image_message *message);
+#define IMAGE_CODEC_FILE "stilb-image-oiio.so"
+#define IMAGE_CODEC_SYMBOL "image_codec_oiio"
 
-/* "2.4.7": of the library that is loaded. */
-const char *image_oiio_version(void);
+/* The loaded module; NULL with a message when it cannot be loaded. [any-thread] */
+const image_codec *image_codec_load(image_message *message);
 
 /* False with a message when data is not a PNG file whose chunks are all there with the right checksums. Asked before
  * decoding, because libpng prints its own lines on stderr about such files. Source: ISO/IEC 15948 (PNG), chapter 5. */

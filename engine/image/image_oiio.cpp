@@ -148,10 +148,8 @@ template <typename Body> image_outcome guarded(image_message *message, Body body
 	return IMAGE_OUTCOME_CODEC;
 }
 
-} // namespace
-
-image_outcome image_oiio_encode(const char *codec, const image_shape *shape, const void *pixels, image_scalar stored,
-                                image_sink *sink, void *context, image_message *message)
+image_outcome codec_encode(const char *codec, const image_shape *shape, const void *pixels, image_scalar stored,
+                           image_sink *sink, void *context, image_message *message)
 {
 	return guarded(message, [=] {
 		std::vector<unsigned char> file;
@@ -162,13 +160,13 @@ image_outcome image_oiio_encode(const char *codec, const image_shape *shape, con
 	});
 }
 
-image_outcome image_oiio_decode(const char *codec, const void *data, size_t size, image_scalar wanted,
-                                image_allocate *allocate, void *context, image_message *message)
+image_outcome codec_decode(const char *codec, const void *data, size_t size, image_scalar wanted,
+                           image_allocate *allocate, void *context, image_message *message)
 {
 	return guarded(message, [=] { return decode(codec, data, size, wanted, allocate, context, message); });
 }
 
-const char *image_oiio_version(void)
+const char *codec_version()
 {
 	static const std::string version = [] {
 		int packed = OIIO::openimageio_version(); // 20407 for 2.4.7
@@ -177,3 +175,8 @@ const char *image_oiio_version(void)
 	}();
 	return version.c_str();
 }
+
+} // namespace
+
+extern "C" __attribute__((visibility("default"))) const image_codec image_codec_oiio; // IMAGE_CODEC_SYMBOL
+const image_codec image_codec_oiio = {codec_encode, codec_decode, codec_version};
