@@ -294,7 +294,6 @@ int main(void)
 		printf("no X display: set DISPLAY, or install xvfb and use ./dev test\n");
 		return 77;
 	}
-	XCloseDisplay(display);
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_shows_picture, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_resize, set_up, tear_down),
@@ -303,5 +302,8 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_close, set_up, tear_down),
 	};
-	return cmocka_run_group_tests_name("window events", tests, NULL, NULL);
+	int failed = cmocka_run_group_tests_name("window events", tests, NULL, NULL);
+	XCloseDisplay(
+		display); /* held until here: a display server without clients may start anew and refuse for a moment */
+	return failed;
 }
