@@ -30,7 +30,7 @@ target_compile_definitions(stilb-flags INTERFACE _GNU_SOURCE)
 target_compile_options(stilb-flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow
 	$<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes -Wdouble-promotion>
 	$<$<BOOL:${STILB_WERROR}>:-Werror>)
-# Only what a program uses is loaded: a test without pictures does not load OpenImageIO's 261 libraries.
+# Only what a program uses is loaded: the tests of the null device load no Vulkan and no GLFW.
 target_link_options(stilb-flags INTERFACE -Wl,--as-needed)
 if(STILB_SANITIZE)
 	target_compile_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
