@@ -135,6 +135,25 @@ static void test_refusals(void **state)
 	}
 }
 
+/* A program copied away from its module for pictures still runs, and refuses a picture before the work. */
+static void test_pictures_need_their_module(void **state)
+{
+	(void)state;
+	char home[PATH_MAX], command[PATH_MAX + 32];
+	memcpy(home, stilb_path, sizeof home);
+	snprintf(command, sizeof command, "cp '%s' alone", home);
+	assert_int_equal(system(command), 0);
+	assert_non_null(realpath("alone", stilb_path));
+	int without = stilb_code(no_display, SMALL);
+	int with = stilb_code(no_display, "demo --headless --models 1 --screenshot a.png");
+	memcpy(stilb_path, home, sizeof home);
+	assert_int_equal(without, 0);
+	assert_int_equal(with, 2);
+	assert_error_lines(1);
+	assert_said(run.err, "../lib/stilb");
+	assert_int_equal(folder_entries(), 1);
+}
+
 static void test_no_driver(void **state)
 {
 	(void)state;
@@ -322,6 +341,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_words_that_cannot_be_written),
 		FRESH_TEST(test_info),
 		FRESH_TEST(test_refusals),
+		FRESH_TEST(test_pictures_need_their_module),
 		FRESH_TEST(test_no_driver),
 		FRESH_TEST(test_full_disk),
 		FRESH_TEST(test_closed_pipe),

@@ -94,7 +94,12 @@ static const image_kind *image_kind_of(const char *path, const char *verb)
 
 stilb_result stilb_image_path_check(const char *path)
 {
-	return image_kind_of(path, "write") ? stilb_file_check(path) : STILB_ERROR_ARGUMENT;
+	image_message message;
+	if (!image_kind_of(path, "write"))
+		return STILB_ERROR_ARGUMENT;
+	if (!image_codec_load(&message)) /* better now than after the work */
+		return stilb_fail(STILB_ERROR_FILE, "cannot write '%s': %s", path, message.text);
+	return stilb_file_check(path);
 }
 
 static stilb_result image_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message)

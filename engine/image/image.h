@@ -45,8 +45,8 @@ void stilb_image_finish(stilb_image *image);
 size_t stilb_image_size(const stilb_image *image);
 
 /* STILB_ERROR_ARGUMENT when no picture can be saved as path: an extension other than .png and .exr (capitals count as
- * small letters), a missing folder, a directory, no permission. To be asked before the work starts; writes nothing.
- * [any-thread] */
+ * small letters), a missing folder, a directory, no permission; STILB_ERROR_FILE when the module for pictures is missing.
+ * To be asked before the work starts; writes nothing. [any-thread] */
 stilb_result stilb_image_path_check(const char *path);
 
 /* Writes path: .png as 8 bits of sRGB, .exr as 32-bit floats from F32_LINEAR and as 16-bit floats from the rest. Linear
