@@ -35,6 +35,11 @@ target_link_options(stilb-flags INTERFACE -Wl,--as-needed)
 if(STILB_SANITIZE)
 	target_compile_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
 	target_link_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE})
+	# C programs load C++: drivers, and the module for pictures. clang has the C++ half of its runtimes in files of their own.
+	if(CMAKE_C_COMPILER_ID MATCHES Clang)
+		target_link_options(stilb-flags INTERFACE -fsanitize-link-c++-runtime)
+		target_link_libraries(stilb-flags INTERFACE stdc++)
+	endif()
 endif()
 if(STILB_SANITIZE MATCHES address)
 	# Programs only; exported, so that shared libraries opened at run time call it too.

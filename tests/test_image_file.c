@@ -493,6 +493,25 @@ static void damaged_files_are_refused(void **state)
 	load_fails(in_folder("bit.png"), STILB_ERROR_FILE, "damaged");
 }
 
+/* An EXR whose table of rows points before the file. The table follows the header, which a lone zero byte ends after the
+ * last attribute, the 4-byte float screenWindowWidth. */
+static void rows_before_the_file_are_refused(void **state)
+{
+	(void)state;
+	static const char last[] = "screenWindowWidth\0float\0\4\0\0"; /* and one more zero */
+	stilb_image image = picture(5, 3, 1, STILB_IMAGE_F32_LINEAR);
+	save(&image, in_folder("rows.exr"));
+	stilb_image_finish(&image);
+	size_t size;
+	unsigned char *data = file_read(in_folder("rows.exr"), &size);
+	unsigned char *at = memmem(data, size, last, sizeof last);
+	assert_non_null(at);
+	memset(at + sizeof last + 4 + 1, 0xff, 8);
+	file_write(in_folder("rows.exr"), data, size);
+	free(data);
+	load_fails(in_folder("rows.exr"), STILB_ERROR_FILE, "rows.exr");
+}
+
 static uint32_t crc32_of(const unsigned char *data, size_t size)
 {
 	uint32_t crc = ~0u;
@@ -593,8 +612,9 @@ int main(void)
 		IMAGE_TEST(bad_paths_are_refused),      IMAGE_TEST(full_disk_is_reported),
 		IMAGE_TEST(old_file_survives_refusal),  IMAGE_TEST(bad_sizes_are_refused),
 		IMAGE_TEST(missing_files_are_named),    IMAGE_TEST(truncated_files_are_refused),
-		IMAGE_TEST(damaged_files_are_refused),  IMAGE_TEST(huge_claims_are_refused),
-		IMAGE_TEST(border_reports_everything),  IMAGE_TEST(libraries_print_nothing),
+		IMAGE_TEST(damaged_files_are_refused),  IMAGE_TEST(rows_before_the_file_are_refused),
+		IMAGE_TEST(huge_claims_are_refused),    IMAGE_TEST(border_reports_everything),
+		IMAGE_TEST(libraries_print_nothing),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }

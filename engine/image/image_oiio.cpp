@@ -103,11 +103,55 @@ bool shape_of(const OIIO::ImageSpec &spec, image_scalar wanted, image_shape &sha
 	return true;
 }
 
+// A file in memory. OpenImageIO's own reader (2.4.7) reads before the start of its buffer when a damaged file sends it there.
+class bounded_reader final : public OIIO::Filesystem::IOProxy
+{
+  public:
+	bounded_reader(const void *data, size_t size)
+		: IOProxy("", Read), data_(static_cast<const unsigned char *>(data)), size_(size)
+	{
+	}
+	const char *proxytype() const override
+	{
+		return "memory";
+	}
+	bool seek(int64_t offset) override
+	{
+		if (offset < 0)
+			return false;
+		m_pos = offset;
+		return true;
+	}
+	size_t read(void *out, size_t size) override
+	{
+		size_t got = pread(out, size, m_pos);
+		m_pos += int64_t(got);
+		return got;
+	}
+	size_t pread(void *out, size_t size, int64_t offset) override
+	{
+		if (offset < 0 || size_t(offset) >= size_)
+			return 0;
+		size_t left = size_ - size_t(offset);
+		size_t got = size < left ? size : left;
+		memcpy(out, data_ + offset, got);
+		return got;
+	}
+	size_t size() const override
+	{
+		return size_;
+	}
+
+  private:
+	const unsigned char *data_;
+	size_t size_;
+};
+
 image_outcome decode(const char *codec, const void *data, size_t size, image_scalar wanted, image_allocate *allocate,
                      void *context, image_message *message)
 {
 	library_init();
-	OIIO::Filesystem::IOMemReader memory(data, size); // outlives input
+	bounded_reader memory(data, size); // outlives input
 	// By name: OpenImageIO's own open would try every reader it has on a damaged file.
 	auto input = OIIO::ImageInput::create(codec);
 	if (!input) {
