@@ -173,7 +173,7 @@ static stilb_engine_desc demo_engine_desc(const demo_options *o)
 	desc.present = !o->no_present;
 	desc.animate = o->animate;
 	desc.validate = o->validate;
-	if (o->screenshot && has_extension(o->screenshot, ".exr"))
+	if (o->screenshot && has_extension(o->screenshot, ".exr")) /* the window then shows the same, clipped */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
 }
@@ -182,12 +182,9 @@ static stilb_engine_desc demo_engine_desc(const demo_options *o)
 static stilb_result demo_start(demo_run *run)
 {
 	stilb_engine_desc desc = demo_engine_desc(&run->options);
-	if (desc.window)
-		desc.output = STILB_RENDER_OUTPUT_DISPLAY; /* a window shows tone mapped pixels */
 	stilb_result result = stilb_engine_create(&desc, &run->engine);
 	if (result == STILB_ERROR_WINDOW) {
 		stilb_log("%s; running headless", stilb_error_message());
-		desc = demo_engine_desc(&run->options);
 		desc.window = false;
 		result = stilb_engine_create(&desc, &run->engine);
 	}
