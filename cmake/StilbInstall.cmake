@@ -1,26 +1,20 @@
-# What `cmake --install` puts where: the stand-alone libraries with their header, CMake package and pkg-config file,
-# and the stilb program. Users write #include <stilb/job.h>, whether installed or with add_subdirectory.
+# What `cmake --install` puts where: the profiler with its header, CMake package and pkg-config file, and the stilb
+# program. jobs/CMakeLists.txt does the same for its library; the package stilb gives both.
+# Users write #include <stilb/prof.h>, whether installed or with add_subdirectory.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# stilb_install_library(NAME header.h "description")
-function(stilb_install_library name header description)
-	get_filename_component(file ${header} NAME)
-	configure_file(${header} ${PROJECT_BINARY_DIR}/include/stilb/${file} COPYONLY)
-	target_include_directories(stilb-${name} INTERFACE
-		$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-	set_target_properties(stilb-${name} PROPERTIES EXPORT_NAME ${name})
-	install(TARGETS stilb-${name} EXPORT stilb-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-	install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stilb)
+configure_file(profiler/prof.h include/stilb/prof.h COPYONLY)
+target_include_directories(stilb-profiler INTERFACE
+	$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+set_target_properties(stilb-profiler PROPERTIES EXPORT_NAME profiler)
+install(TARGETS stilb-profiler EXPORT stilb-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES profiler/prof.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stilb)
 
-	# The prefix is found from where the .pc file lies, so that an installed tree can be moved.
-	file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-	configure_file(${PROJECT_SOURCE_DIR}/cmake/stilb.pc.in stilb-${name}.pc @ONLY)
-	install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stilb-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-endfunction()
-
-stilb_install_library(jobs jobs/job.h "Worker pool, parallel-for and job groups on a low-lock queue")
-stilb_install_library(profiler profiler/prof.h "Frame profiler: scopes, per-thread rings, trace export")
+# The prefix is found from where the .pc file lies, so that an installed tree can be moved.
+file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(cmake/stilb-profiler.pc.in stilb-profiler.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stilb-profiler.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/stilb)
 configure_package_config_file(cmake/stilb-config.cmake.in stilb-config.cmake INSTALL_DESTINATION ${package_dir})

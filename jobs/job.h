@@ -1,30 +1,36 @@
 /*
- * jobs: a worker pool fed by a low-lock queue. A stand-alone library: C17 and Linux, no other part of Stilb.
+ * jobs: a worker pool. A stand-alone library: C17 and Linux, no other part of Stilb.
  *
- * What it is.   N worker threads take jobs from one multi-producer, multi-consumer FIFO (Sutter's generalised queue: one
- *               lock for producers, one for consumers, so the two ends never wait for each other), help with the
- *               parallel loops that are open, and sleep when there is nothing to do. A thread that waits helps meanwhile,
- *               so a pool with zero workers works too: everything then runs in stilb_job_wait, stilb_job_parallel_for
- *               and stilb_job_pool_destroy.
+ * What it is.   N worker threads beside the thread that made the pool, its owner. Jobs lie in a deque of the thread that
+ *               submitted them, where it runs the newest first and others steal the oldest; jobs from outside the pool and
+ *               jobs with a priority lie in FIFO queues that all share (job_queue.h). Parallel loops are claimed slice by
+ *               slice by whoever is free. A thread that waits helps with what it waits for, so a pool with zero workers
+ *               works too: everything then runs in the owner's calls.
  * Life cycle.   stilb_job_pool_create -> submit / parallel_for / wait, any number of times -> stilb_job_pool_destroy.
- * Per frame.    stilb_job_parallel_for, or stilb_job_submit into a group followed by stilb_job_wait.
- * Threads.      The thread that creates a pool is its owner and has worker index 0; workers have 1..worker_count.
- *               Every call says who may make it: [any-thread] (the owner, and jobs and slices of this pool),
- *               [owner-thread] (the owner alone). Several pools may live side by side.
+ * Per frame.    stilb_job_parallel_for, or submits into a group followed by stilb_job_wait. A program with frames puts
+ *               stilb_job_phase_begin and _end around the part of a frame that uses the pool.
+ * Threads.      The owner has worker index 0, the workers have 1..worker_count. A call takes the index of the thread that
+ *               makes it; a thread that is not of the pool passes STILB_JOB_OUTSIDE. [any-thread]: all of them;
+ *               [pool-thread]: the owner, jobs and slices; [owner-thread]: the owner alone. Several pools may live side
+ *               by side.
  * Errors.       0 or a negative errno. Nothing here prints.
- * Waiting.      Because a waiting thread runs other jobs on top of its stack:
- *               - wait only for jobs that you or your callees submitted; two jobs that wait for each other never return;
- *               - hold no lock across a wait that another job may want;
- *               - jobs that wait while many more of that kind are queued nest one in another and need the stack for it.
- *                 A loop inside a job nests no jobs: prefer stilb_job_parallel_for there.
+ * Waiting.      stilb_job_wait runs, until its group has finished: what descends from the same outermost job or group, is
+ *               nested deeper than the caller and lies at an end of a deque; jobs of high priority, unless the caller is
+ *               in one; and jobs pinned to this thread. It starts unrelated work only while every worker of the pool
+ *               waits too, for then nobody else would.
+ *               - Wait only for jobs that you or your callees submitted; two jobs that wait for each other never return.
+ *               - Hold no lock across a wait that another job may want.
  *
- * The guarantee of the queue, said honestly: low-lock, not lock-free. A thread stalled inside one of its two short
- * critical sections stops its own side (producers or consumers) until it runs again.
- * Source: Herb Sutter, "Writing a Generalized Concurrent Queue", Dr. Dobb's Journal, November 2008.
+ * The guarantees, structure by structure: the deques, the loops' claims, the inboxes and the records are lock-free. The
+ * shared queues are low-lock or lock-free, as the pool was made. Sleeping and waking, and the list of jobs that follow
+ * a group, go through short spin-then-sleep locks. Allocation is as lock-free as malloc.
  */
 #ifndef STILB_JOB_H
 #define STILB_JOB_H
 
+#include "job_queue.h"
+
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -34,20 +40,30 @@ extern "C" {
 
 #define STILB_JOB_MAX_WORKERS 256
 
+/* In place of a worker index: the calling thread is not of the pool. */
+#define STILB_JOB_OUTSIDE UINT32_MAX
+
 /* A job: data is what was given at submit, worker is the index (0..worker_count) of the thread that runs it. */
 typedef void stilb_job_fn(void *data, uint32_t worker);
 
-/* A slice [begin, end) of a parallel-for, run on the thread with index worker. */
+/* A slice [begin, end) of a parallel-for or an array, run on the thread with index worker. */
 typedef void stilb_job_range_fn(uint32_t begin, uint32_t end, uint32_t worker, void *context);
 
 typedef struct stilb_job_pool stilb_job_pool;
 
-/* Counts jobs that have not finished, up to 2^32 - 1. Zero-initialise it; it must outlive its jobs and the waits for it.
- * Only this library touches the field (with atomic operations). A group may be used again, or its memory freed, once
- * stilb_job_wait has returned; a running job may submit into its own group. */
+/* Counts jobs that have not finished, up to 2^32 - 2. Zero-initialise it; it must outlive its jobs and the waits for it.
+ * Only this library touches the fields. A group may be used again, or its memory freed, once stilb_job_wait has
+ * returned; a running job may submit into its own group. */
 typedef struct stilb_job_group {
 	uint64_t state;
+	void *after; /* jobs that start when this group has finished */
 } stilb_job_group;
+
+typedef enum stilb_job_priority {
+	STILB_JOB_NORMAL, /* zero, the default */
+	STILB_JOB_HIGH,   /* before all others. For short jobs that do not wait: every wait runs them */
+	STILB_JOB_LOW     /* when nothing else is to be done. For long jobs: no wait runs them (but see Waiting) */
+} stilb_job_priority;
 
 /* Called on the thread concerned; any may be NULL. This is how a profiler sees the pool without the pool knowing it. */
 typedef struct stilb_job_hooks {
@@ -56,46 +72,91 @@ typedef struct stilb_job_hooks {
 	void (*thread_stop)(void *user, uint32_t worker);  /* a worker ends its life */
 	void (*park)(void *user, uint32_t worker);         /* found nothing to do and goes to sleep; the owner, too */
 	void (*wake)(void *user, uint32_t worker);         /* is awake again; pairs with park */
+	void (*job_begin)(void *user, uint32_t worker);    /* a job starts here, perhaps inside the wait of another */
+	void (*job_end)(void *user, uint32_t worker);      /* it has returned; pairs with job_begin */
+	void (*steal)(void *user, uint32_t worker, uint32_t victim); /* took a job from the deque of thread victim */
 } stilb_job_hooks;
 
+typedef enum stilb_job_affinity {
+	/* Each worker is bound to a CPU of its own, away from the CPU of the owner, if worker_count is less than the number of
+	 * CPUs of the affinity mask; else nobody is bound. The owner never is. Two such pools share CPUs: give the second
+	 * one STILB_JOB_AFFINITY_NONE if they work at the same time. */
+	STILB_JOB_AFFINITY_AUTO,
+	STILB_JOB_AFFINITY_NONE
+} stilb_job_affinity;
+
 typedef struct stilb_job_pool_desc {
-	uint32_t worker_count; /* threads beside the owner, 0..STILB_JOB_MAX_WORKERS */
+	uint32_t worker_count;      /* threads beside the owner, 0..STILB_JOB_MAX_WORKERS */
+	stilb_job_queue_kind queue; /* of the shared queues */
+	stilb_job_affinity affinity;
 	stilb_job_hooks hooks;
 } stilb_job_pool_desc;
 
-/* worker_count = stilb_job_cpu_count() - 1, at least 1, at most STILB_JOB_MAX_WORKERS; no hooks. [any-thread] */
+/* worker_count = stilb_job_cpu_count() - 1, at least 1, at most STILB_JOB_MAX_WORKERS; low-lock queues; affinity AUTO; no
+ * hooks. [any-thread] */
 stilb_job_pool_desc stilb_job_pool_desc_default(void);
 
 /* CPUs this process may use: the affinity mask, bounded by the cgroup CPU quota (rounded up), at least 1. [any-thread] */
 uint32_t stilb_job_cpu_count(void);
 
-/* Starts the workers; the calling thread becomes the owner. -EINVAL: worker_count out of range; -ENOMEM, -EAGAIN: no
- * memory, no threads to be had. After an error nothing is left running and *pool is NULL. [any-thread] */
+/* Starts the workers; the calling thread becomes the owner. -EINVAL: worker_count, queue or affinity out of range;
+ * -ENOMEM, -EAGAIN: no memory, no threads to be had. After an error nothing is left running and *pool is NULL. [any-thread] */
 int stilb_job_pool_create(const stilb_job_pool_desc *desc, stilb_job_pool **pool);
 
-/* Runs what is still queued and what those jobs submit, stops and joins the workers. NULL is fine. No loop or wait of
- * the owner's may be running. [owner-thread] */
+/* Runs everything that has been submitted and what those jobs submit, stops and joins the workers. NULL is fine. No other call
+ * may be running; jobs that wait for a group that can never finish make this wait for ever. [owner-thread] */
 void stilb_job_pool_destroy(stilb_job_pool *pool);
+
+/* From now on jobs that have not started do not run any more: they count as finished, so waits return and destroy ends
+ * soon. For going down quickly: cancel, then destroy. Loops that have begun run to their end. [any-thread] */
+void stilb_job_pool_cancel(stilb_job_pool *pool);
 
 /* Threads beside the owner. Per-worker state of a caller needs worker_count + 1 slots. [any-thread] */
 uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool);
 
-/* Queues fn(data, worker), counts it in group (may be NULL) and wakes a parked worker if there is one.
- * Jobs start in the order in which they were queued. -ENOMEM: nothing was queued or counted. [any-thread] */
-int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group);
+/* Queues fn(data, worker), counts it in group (may be NULL) and wakes a worker if all that look for work are busy.
+ * -ENOMEM: nothing was queued or counted. worker is the caller's own index or STILB_JOB_OUTSIDE. [any-thread] */
+int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group, uint32_t worker);
 
-/* Returns when every job of group has finished; runs queued jobs and helps open loops meanwhile, parks when there are
- * none. All that those jobs wrote is visible to the caller. worker is the caller's own index: 0 for the owner, else what
- * its job was given. [any-thread] */
+/* Zero is the default of every field. */
+typedef struct stilb_job_options {
+	stilb_job_priority priority;
+	bool pinned;            /* only the thread with index target runs it; the owner does in its waits, loops and run_pinned */
+	uint32_t target;        /* 0..worker_count */
+	stilb_job_group *after; /* not before this group has finished; NULL: at once. May be one that is finished already */
+} stilb_job_options;
+
+/* stilb_job_submit with options. Jobs of high or low priority start in the order in which they were submitted, among
+ * themselves; pinned jobs have no priority. -EINVAL: priority or target out of range, or after is group: the job would wait
+ * for itself. [any-thread] */
+int stilb_job_submit_with(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group,
+                          const stilb_job_options *options, uint32_t worker);
+
+/* fn over [0, count) in slices of grain, as stilb_job_parallel_for, as one job of group: returns at once, and it costs no more
+ * than one submit, whatever count is. [any-thread] */
+int stilb_job_submit_array(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
+                           stilb_job_group *group, uint32_t worker);
+
+/* Runs the jobs pinned to this thread that are there now; how many. For an owner that waits for nothing. [pool-thread] */
+uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker);
+
+/* Returns when every job of group has finished; helps meanwhile (see Waiting), sleeps when there is nothing to help with. All
+ * that those jobs wrote is visible to the caller. A thread from outside does not help. [any-thread] */
 void stilb_job_wait(stilb_job_pool *pool, stilb_job_group *group, uint32_t worker);
 
 /* Runs fn over [0, count) in slices of grain (0 counts as 1; the last may be shorter), on the caller and on every worker
- * that is free or becomes so; returns when all slices have finished and all that they wrote is visible. Slices are
- * claimed from one counter, so a slow slice strands nobody; which thread runs which slice is not determined. May be
- * nested. Needs no memory and no help, so it cannot fail; while the caller waits for the last slices of others it
- * helps deeper loops only, never jobs. worker is the caller's own index. [any-thread] */
+ * that is free or becomes so; returns when all slices have finished and all that they wrote is visible. A slow slice
+ * strands nobody; which thread runs which slice is not determined. May be nested. Needs no memory and no help, so it cannot
+ * fail; while the caller waits for the last slices of others it helps deeper loops of the same origin and runs what is
+ * pinned to its thread, but no other jobs.
+ * Sleeping workers are woken only for loops longer than that takes. [pool-thread] */
 void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
                             uint32_t worker);
+
+/* Inside a phase workers without work spin, as many as there are CPUs for beside the owner's, so work starts within a fraction
+ * of a microsecond; outside one worker spins for some 30 us and then sleeps. Phases nest. [any-thread] */
+void stilb_job_phase_begin(stilb_job_pool *pool);
+void stilb_job_phase_end(stilb_job_pool *pool);
 
 #ifdef __cplusplus
 }

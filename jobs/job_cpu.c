@@ -8,22 +8,48 @@
 
 #define CPU_PATH_MAX 4096
 
-/* Set bits of the affinity mask. The kernel wants a mask at least as large as its own and says EINVAL until it is. */
-static uint32_t affinity_count(void)
+/* The affinity mask, for CPU_FREE; NULL if it cannot be had. The kernel wants a mask at least as large as its own and says
+ * EINVAL until it is. */
+static cpu_set_t *affinity(size_t *size)
 {
 	for (int cpus = 1024; cpus <= 1 << 20; cpus *= 2) {
 		cpu_set_t *set = CPU_ALLOC(cpus);
 		if (!set)
 			break;
-		size_t size = CPU_ALLOC_SIZE(cpus);
-		int count = sched_getaffinity(0, size, set) == 0 ? CPU_COUNT_S(size, set) : -errno;
+		*size = CPU_ALLOC_SIZE(cpus);
+		if (sched_getaffinity(0, *size, set) == 0)
+			return set;
+		int error = errno;
 		CPU_FREE(set);
-		if (count > 0)
-			return (uint32_t)count;
-		if (count != -EINVAL)
+		if (error != EINVAL)
 			break;
 	}
-	return 1;
+	return NULL;
+}
+
+static uint32_t affinity_count(void)
+{
+	size_t size;
+	cpu_set_t *set = affinity(&size);
+	int count = set ? CPU_COUNT_S(size, set) : 0;
+	CPU_FREE(set);
+	return count > 0 ? (uint32_t)count : 1;
+}
+
+uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
+{
+	size_t size;
+	cpu_set_t *set = affinity(&size);
+	int here = sched_getcpu();
+	uint32_t count = 0;
+	if (set && here >= 0)
+		for (size_t i = 1; i < size * 8 && count < max; ++i) {
+			size_t cpu = ((size_t)here + i) % (size * 8);
+			if (CPU_ISSET_S(cpu, size, set))
+				cpus[count++] = (uint32_t)cpu;
+		}
+	CPU_FREE(set);
+	return count;
 }
 
 /* First line of mount/dir/file; false if there is no such file. */

@@ -4,6 +4,12 @@
 
 enum { PARKER_EMPTY, PARKER_TOKEN, PARKER_ASLEEP };
 
+#define SPINNER JOB_IDLE_SPINNER
+#define IDLERS(state) ((state) & (SPINNER - 1))
+#define SPINNERS(state) ((state) / SPINNER)
+
+/* ---- one thread ------------------------------------------------------------------------------------------------ */
+
 void job_parker_sleep(job_parker *parker)
 {
 	uint32_t state = PARKER_EMPTY;
@@ -37,81 +43,182 @@ void job_parker_wake(job_parker *parker)
 		job_sys_futex_wake_one(&parker->state);
 }
 
-void job_idle_init(job_idle_list *list)
+/* ---- all of them ----------------------------------------------------------------------------------------------- */
+
+void job_idle_init(job_idle_list *list, uint32_t workers)
 {
-	atomic_init(&list->count, 0);
-	atomic_init(&list->lock.held, false);
+	atomic_init(&list->state, 0);
+	list->lock = (job_lock){0};
+	list->spare = false;
+	list->workers = workers;
+	list->waiting = 0;
 }
 
-void job_idle_enter(job_idle_list *list, job_idler idler)
+void job_idle_bound(job_idle_list *list, job_parker *parker, uint32_t cpu)
 {
 	job_lock_take(&list->lock);
-	/* Seq_cst, partner of the one in job_idle_wake: see the head of job_park.h. (Acquire and release would do, as both
-	 * are read-modify-writes of one word; seq_cst costs no more and is this project's rule where a fence would stand.) */
-	uint32_t count = atomic_fetch_add_explicit(&list->count, 1, memory_order_seq_cst);
-	assert(count <= STILB_JOB_MAX_WORKERS);
-	list->idler[count] = idler;
+	parker->bound = true;
+	parker->cpu = cpu;
+	parker->thread = job_sys_thread();
 	job_lock_give(&list->lock);
+}
+
+bool job_idle_spin_start(job_idle_list *list, uint32_t limit)
+{
+	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* a first guess for the exchange */
+	while (SPINNERS(state) < limit)
+		/* Seq_cst as every change of the word, so that its changes are one chain (see the head of job_park.h). */
+		if (atomic_compare_exchange_weak_explicit(&list->state, &state, state + SPINNER, memory_order_seq_cst,
+		                                          memory_order_relaxed))
+			return true;
+	return false;
+}
+
+void job_idle_spin_stop(job_idle_list *list)
+{
+	/* Seq_cst, partner of (b): who saw the spinner published before the spinner looks for more. */
+	atomic_fetch_sub_explicit(&list->state, SPINNER, memory_order_seq_cst);
+}
+
+bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning)
+{
+	job_lock_take(&list->lock);
+	/* Seq_cst: step (1), partner of (b). Unsigned, so subtracting a spinner works by wrapping. */
+	uint32_t state = atomic_fetch_add_explicit(&list->state, spinning ? 1u - SPINNER : 1u, memory_order_seq_cst);
+	uint32_t count = IDLERS(state);
+	assert(count <= STILB_JOB_MAX_WORKERS);
+	list->idler[count] = *idler;
+	idler->parker->rescue = false;
+	if (idler->worker && !idler->scope.all)
+		++list->waiting;
+	bool alone = list->waiting == list->workers;
+	job_lock_give(&list->lock);
+	return alone;
 }
 
 /* Takes idler i off, keeping the order of the rest; the lock is held. */
-static void list_remove(job_idle_list *list, uint32_t i)
+static void list_remove(job_idle_list *list, uint32_t i, bool spins)
 {
-	/* Seq_cst keeps the chain of read-modify-writes unbroken from any (1) to any (b). */
-	uint32_t count = atomic_fetch_sub_explicit(&list->count, 1, memory_order_seq_cst);
-	for (; i + 1 < count; ++i)
+	/* Seq_cst keeps the chain of changes unbroken from any (1) to any (b). */
+	uint32_t state = atomic_fetch_add_explicit(&list->state, spins ? SPINNER - 1u : -1u, memory_order_seq_cst);
+	if (list->idler[i].worker && !list->idler[i].scope.all)
+		--list->waiting;
+	for (; i + 1 < IDLERS(state); ++i)
 		list->idler[i] = list->idler[i + 1];
 }
 
-bool job_idle_leave(job_idle_list *list, job_parker *parker)
+/* The place of a thread on the list plus one, or 0. The lock is held. */
+static uint32_t list_find(const job_idle_list *list, const job_parker *parker)
 {
-	job_lock_take(&list->lock);
-	uint32_t i = atomic_load_explicit(&list->count, memory_order_relaxed); /* ordered by the lock */
+	uint32_t i = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
 	while (i > 0 && list->idler[i - 1].parker != parker)
 		--i;
-	bool found = i > 0;
-	if (found)
-		list_remove(list, i - 1);
-	job_lock_give(&list->lock);
-	/* Who takes a thread off leaves its token under the lock, so here it is there already: none is left for later. */
-	job_parker_clear(parker);
-	return !found;
-}
-
-/* The newest idler that would do such work, or 0; the number is its place plus one. The lock is held. */
-static uint32_t list_find(const job_idle_list *list, uint32_t work)
-{
-	uint32_t i = atomic_load_explicit(&list->count, memory_order_relaxed); /* ordered by the lock */
-	for (; i > 0; --i) {
-		const job_idler *idler = &list->idler[i - 1];
-		if (work == JOB_WORK_JOB ? idler->jobs : work > idler->level)
-			break;
-	}
 	return i;
 }
 
-bool job_idle_wake(job_idle_list *list, uint32_t work)
+job_idle_fate job_idle_leave(job_idle_list *list, job_parker *parker)
 {
-	/* Adding nothing is the point: a plain load would not be ordered after the publishing of the work. Seq_cst, partner
-	 * of the one in job_idle_enter. */
-	if (atomic_fetch_add_explicit(&list->count, 0, memory_order_seq_cst) == 0)
-		return false;
-	job_parker *parker = NULL;
-	bool asleep = false;
 	job_lock_take(&list->lock);
-	uint32_t place = list_find(list, work);
-	if (place > 0) {
-		parker = list->idler[place - 1].parker;
-		list_remove(list, place - 1);
-		asleep = leave_token(parker);
+	uint32_t place = list_find(list, parker);
+	if (place > 0)
+		list_remove(list, place - 1, false);
+	bool rescue = parker->rescue;
+	job_lock_give(&list->lock);
+	/* Who takes a thread off leaves its token under the lock, so here it is there already: none is left for later. */
+	job_parker_clear(parker);
+	return place > 0 ? JOB_IDLE_UNMOVED : rescue ? JOB_IDLE_RESCUE : JOB_IDLE_CHOSEN;
+}
+
+static bool scope_accepts(const job_scope *scope, const job_work *work)
+{
+	if (scope->all)
+		return true;
+	bool inside = work->root == scope->root && work->level > scope->level;
+	switch (work->kind) {
+	case JOB_WORK_JOB: return scope->jobs && inside;
+	case JOB_WORK_HIGH: return scope->high;
+	case JOB_WORK_LOOP: return inside;
+	case JOB_WORK_OWN:
+	case JOB_WORK_SHARED: return false;
 	}
+	return false;
+}
+
+/* The newest idler that would do such work, as list_find; *rescue if that is because every worker waits. */
+static uint32_t list_find_for(const job_idle_list *list, const job_work *work, bool *rescue)
+{
+	uint32_t count = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
+	*rescue = false;
+	for (uint32_t i = count; i > 0; --i)
+		if (scope_accepts(&list->idler[i - 1].scope, work))
+			return i;
+	if (work->kind == JOB_WORK_LOOP || list->waiting < list->workers)
+		return 0;
+	*rescue = true;
+	uint32_t i = count;
+	while (i > 0 && !list->idler[i - 1].scope.jobs)
+		--i;
+	return i;
+}
+
+/* The waker goes on running: a thread bound to its CPU would have to wait for it. The lock is held. */
+static void move_away(job_idle_list *list, job_parker *parker)
+{
+	if (!parker->bound || !list->spare || parker->cpu != job_sys_cpu() || !job_sys_bind(parker->thread, list->spare_cpu))
+		return;
+	uint32_t cpu = parker->cpu;
+	parker->cpu = list->spare_cpu;
+	list->spare_cpu = cpu;
+}
+
+/* Takes the idler at that place off the list and gives the lock back; then wakes it. */
+static void wake_place(job_idle_list *list, uint32_t place, bool rescue)
+{
+	job_parker *parker = list->idler[place - 1].parker;
+	parker->rescue = rescue;
+	move_away(list, parker);
+	list_remove(list, place - 1, list->idler[place - 1].scope.all);
+	bool asleep = leave_token(parker);
 	job_lock_give(&list->lock);
 	if (asleep)
 		job_sys_futex_wake_one(&parker->state); /* outside the lock: it takes microseconds */
-	return parker != NULL;
 }
 
-bool job_idle_any(const job_idle_list *list)
+bool job_idle_wake(job_idle_list *list, const job_work *work)
 {
-	return atomic_load_explicit(&list->count, memory_order_relaxed) > 0;
+	bool rescue;
+	job_lock_take(&list->lock);
+	uint32_t place = list_find_for(list, work, &rescue);
+	if (place == 0)
+		job_lock_give(&list->lock);
+	else
+		wake_place(list, place, rescue);
+	return place > 0;
+}
+
+void job_idle_wake_thread(job_idle_list *list, job_parker *parker)
+{
+	/* Seq_cst: (b), partner of (1); the inbox was published by a seq_cst exchange. */
+	if (IDLERS(atomic_load_explicit(&list->state, memory_order_seq_cst)) == 0)
+		return;
+	job_lock_take(&list->lock);
+	uint32_t place = list_find(list, parker);
+	if (place == 0)
+		job_lock_give(&list->lock);
+	else
+		wake_place(list, place, false);
+}
+
+bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit)
+{
+	job_lock_take(&list->lock);
+	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* ordered by the lock */
+	uint32_t place = SPINNERS(state) < limit ? IDLERS(state) : 0;
+	while (place > 0 && !list->idler[place - 1].scope.all)
+		--place;
+	if (place == 0)
+		job_lock_give(&list->lock);
+	else
+		wake_place(list, place, false);
+	return place > 0;
 }

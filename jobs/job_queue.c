@@ -1,91 +1,68 @@
-#include "jobs/job_queue.h"
+#include "jobs/job_queue_internal.h"
 
 #include <errno.h>
-#include <stdlib.h>
 
-struct job_node {
-	_Atomic(job_node *) next; /* release in push, pairs with acquire in pop and empty; null at the end */
-	job_item item;
-};
-
-static job_node *node_create(const job_item *item)
+stilb_job_queue_desc stilb_job_queue_desc_default(void)
 {
-	job_node *node = malloc(sizeof *node);
-	if (node) {
-		atomic_init(&node->next, NULL);
-		node->item = *item;
+	return (stilb_job_queue_desc){
+		.kind = STILB_JOB_QUEUE_LOW_LOCK, .capacity = SIZE_MAX, .thread_count = STILB_JOB_QUEUE_MAX_THREADS};
+}
+
+int stilb_job_queue_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue)
+{
+	*queue = NULL;
+	if (desc->capacity == 0 || desc->thread_count == 0 || desc->thread_count > STILB_JOB_QUEUE_MAX_THREADS)
+		return -EINVAL;
+	switch (desc->kind) {
+	case STILB_JOB_QUEUE_LOW_LOCK: return job_queue_low_lock_create(desc, queue);
+	case STILB_JOB_QUEUE_LOCK_FREE: return job_queue_lock_free_create(desc, queue);
 	}
-	return node;
+	return -EINVAL;
 }
 
-int job_queue_init(job_queue *queue)
+void stilb_job_queue_destroy(stilb_job_queue *queue)
 {
-	job_node *dummy = node_create(&(job_item){0});
-	if (!dummy)
-		return -ENOMEM;
-	atomic_init(&queue->first, dummy);
-	atomic_init(&queue->last, dummy);
-	atomic_init(&queue->consumer_lock.held, false);
-	atomic_init(&queue->producer_lock.held, false);
-	return 0;
+	if (queue)
+		queue->ops->destroy(queue);
 }
 
-void job_queue_finish(job_queue *queue)
+int stilb_job_queue_push(stilb_job_queue *queue, void *item, uint32_t thread)
 {
-	/* Relaxed throughout: the caller is alone. */
-	job_node *node = atomic_load_explicit(&queue->first, memory_order_relaxed);
-	while (node) {
-		job_node *next = atomic_load_explicit(&node->next, memory_order_relaxed);
-		free(node);
-		node = next;
-	}
-	atomic_store_explicit(&queue->first, NULL, memory_order_relaxed);
-	atomic_store_explicit(&queue->last, NULL, memory_order_relaxed);
+	return item ? queue->ops->push(queue, item, thread) : -EINVAL;
 }
 
-int job_queue_push(job_queue *queue, const job_item *item)
+int stilb_job_queue_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread)
 {
-	job_node *node = node_create(item);
-	if (!node)
-		return -ENOMEM;
-	job_lock_take(&queue->producer_lock);
-	job_node *last = atomic_load_explicit(&queue->last, memory_order_relaxed); /* ordered by the lock */
-	/* Release: whoever sees the node through next sees its item. From here on consumers may take it; `last` stays
-	 * valid all the same, for the newest node is the dummy they leave behind. */
-	atomic_store_explicit(&last->next, node, memory_order_release);
-	atomic_store_explicit(&queue->last, node, memory_order_relaxed);
-	job_lock_give(&queue->producer_lock);
-	return 0;
+	if (count > INT32_MAX)
+		return -EINVAL;
+	for (size_t i = 0; i < count; ++i)
+		if (!items[i])
+			return -EINVAL;
+	return count == 0 ? 0 : queue->ops->push_n(queue, items, count, thread);
 }
 
-bool job_queue_pop(job_queue *queue, job_item *item)
+int stilb_job_queue_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 {
-	job_lock_take(&queue->consumer_lock);
-	job_node *dummy = atomic_load_explicit(&queue->first, memory_order_relaxed); /* ordered by the lock */
-	job_node *node = atomic_load_explicit(&dummy->next, memory_order_acquire);   /* pairs with push */
-	if (!node) {
-		job_lock_give(&queue->consumer_lock);
-		return false;
-	}
-	*item = node->item; /* inside the lock: once node is the dummy, the next consumer frees it */
-	atomic_store_explicit(&queue->first, node, memory_order_relaxed);
-	job_lock_give(&queue->consumer_lock);
-	free(dummy);
-	return true;
+	return queue->ops->pop(queue, item, thread);
 }
 
-bool job_queue_empty(job_queue *queue)
+int stilb_job_queue_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread)
 {
-	job_lock_take(&queue->consumer_lock); /* keeps the dummy from being freed under the load */
-	job_node *dummy = atomic_load_explicit(&queue->first, memory_order_relaxed);
-	bool empty = !atomic_load_explicit(&dummy->next, memory_order_acquire); /* pairs with push */
-	job_lock_give(&queue->consumer_lock);
-	return empty;
+	size_t most = max < INT32_MAX ? max : INT32_MAX;
+	return max == 0 ? 0 : queue->ops->pop_n(queue, items, most, thread);
 }
 
-bool job_queue_looks_empty(const job_queue *queue)
+bool stilb_job_queue_empty(stilb_job_queue *queue, uint32_t thread)
 {
-	/* Addresses are compared, never followed: the nodes may be gone already. Relaxed: a guess. */
-	return atomic_load_explicit(&queue->first, memory_order_relaxed) ==
-	       atomic_load_explicit(&queue->last, memory_order_relaxed);
+	return queue->ops->empty(queue, thread);
+}
+
+void stilb_job_queue_close(stilb_job_queue *queue)
+{
+	queue->ops->close(queue);
+}
+
+void stilb_job_queue_rest(stilb_job_queue *queue, uint32_t thread)
+{
+	queue->ops->rest(queue, thread);
 }

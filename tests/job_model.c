@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { THREADS_MAX = 4, STACK_SIZE = 16 << 10, CELL_SIZE = 64, CELLS = 8, LARGE_SIZE = 4096 };
+enum { THREADS_MAX = 4, STACK_SIZE = 16 << 10, CELL_SIZE = 64, CELLS = 8, LARGE_SIZE = 8192 };
 
 model_fault model_fault_now;
 
-typedef enum status { UNUSED, READY, IN_FUTEX, IN_JOIN, IN_BLOCK, DONE } status;
+typedef enum status { UNUSED, READY, IN_FUTEX, IN_JOIN, IN_BLOCK, STOPPED, DONE } status;
 
 typedef struct thread {
 	char *sp;
@@ -213,6 +213,8 @@ void *model_malloc(size_t size)
 
 void *model_aligned_alloc(size_t alignment, size_t size)
 {
+	if (size <= CELL_SIZE && alignment <= CELL_SIZE)
+		return model_malloc(size);
 	uint32_t begin = (world.large_used + (uint32_t)alignment - 1) / (uint32_t)alignment * (uint32_t)alignment;
 	if (begin + size > LARGE_SIZE)
 		model_fail("no memory left in the model");
@@ -241,8 +243,8 @@ uint32_t model_heap_blocks(void)
 typedef struct frame { /* one state on the path from the start to where the search is */
 	char *saved;
 	uint32_t state;
-	uint32_t next; /* the thread to try next */
-	int chosen;    /* the thread that led to the next frame */
+	uint32_t next; /* the thread to try next; from world.count on: to stop next */
+	int chosen;    /* what led to the next frame, in the same way */
 } frame;
 
 typedef struct edge {
@@ -368,12 +370,21 @@ static bool thread_enabled(const thread *t)
 	}
 }
 
+/* A choice is a thread that goes on, or world.count more for one that stops for ever. */
+static bool choice_enabled(uint32_t choice)
+{
+	if (choice < world.count)
+		return thread_enabled(&world.threads[choice]);
+	uint32_t i = choice - world.count;
+	return (search.scenario->may_stop >> i & 1) && world.threads[i].status == READY;
+}
+
 static bool run_over(void)
 {
 	if (search.scenario->main_ends_all)
 		return world.threads[0].status == DONE;
 	for (uint32_t i = 0; i < world.count; ++i)
-		if (world.threads[i].status != DONE)
+		if (world.threads[i].status != DONE && world.threads[i].status != STOPPED)
 			return false;
 	return true;
 }
@@ -428,16 +439,19 @@ static bool search_turn(void)
 		return false;
 	frame *top = &search.path[search.path_count - 1];
 	state_restore(top->saved);
-	while (top->next < world.count && !thread_enabled(&world.threads[top->next]))
+	while (top->next < 2 * world.count && !choice_enabled(top->next))
 		++top->next;
-	if (top->next == world.count) {
+	if (top->next == 2 * world.count) {
 		free(top->saved);
 		--search.path_count;
 		return true;
 	}
 	top->chosen = (int)top->next++;
 	uint32_t from = top->state;
-	thread_run(top->chosen);
+	if (top->chosen < (int)world.count)
+		thread_run(top->chosen);
+	else
+		world.threads[top->chosen - (int)world.count].status = STOPPED;
 	if (!failure)
 		state_visit(from, false);
 	return true;
@@ -464,7 +478,9 @@ static void print_path(void)
 	for (size_t i = 0; i < search.path_count; ++i) {
 		state_restore(search.path[i].saved);
 		int chosen = search.path[i].chosen;
-		if (chosen >= 0)
+		if (chosen >= (int)world.count)
+			fprintf(stderr, "  %d stops for ever\n", chosen - (int)world.count);
+		else if (chosen >= 0)
 			fprintf(stderr, "  %d %s:%d\n", chosen, world.threads[chosen].what, world.threads[chosen].line);
 	}
 }

@@ -16,8 +16,19 @@
 #define JOB_IDLE_LOOKS 0
 #define job_sys_pause() ((void)0)
 #define job_sys_relax(turns) ((void)(turns))
+#define job_sys_ticks() UINT64_C(0)
+#define job_sys_ticks_in(nanoseconds) model_spin_ticks
+#define JOB_LOCK_YIELDS 0
 #define job_sys_futex_wait model_futex_wait
+#define job_sys_futex_wait_for(word, expected, nanoseconds) model_futex_wait(word, expected) /* never times out */
 #define job_sys_futex_wake_one model_futex_wake_one
+#define job_sys_nap(nanoseconds) ((void)0)
+#define job_sys_cpu() 0u
+#define job_sys_thread() 0
+#define job_sys_bind(thread, cpu) ((void)(thread), (void)(cpu), false)
+
+/* Time stands still, so who waits for a lock spins until it gets it; with 0 here it sleeps at once, which makes more states. */
+static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* unused by tests without locks */
 
 #include "jobs/job.h"
 #undef STILB_JOB_MAX_WORKERS
@@ -30,6 +41,8 @@
 #undef atomic_exchange_explicit
 #undef atomic_fetch_add_explicit
 #undef atomic_fetch_sub_explicit
+#undef atomic_fetch_or_explicit
+#undef atomic_fetch_and_explicit
 #undef atomic_compare_exchange_strong_explicit
 #undef atomic_compare_exchange_weak_explicit
 
@@ -38,23 +51,32 @@
 #define atomic_exchange_explicit(p, value, order)                                                                      \
 	__extension__({                                                                                                    \
 		STEP(p, "exchange");                                                                                           \
-		uint32_t old_ = *(p);                                                                                          \
+		__typeof__(((void)0, *(p))) old_ = *(p);                                                                       \
 		*(p) = (value);                                                                                                \
 		old_;                                                                                                          \
 	})
 #define MODEL_FETCH(p, change)                                                                                         \
 	__extension__({                                                                                                    \
 		STEP(p, "fetch_add");                                                                                          \
-		uint64_t old_ = *(p);                                                                                          \
-		*(p) = old_ + (uint64_t)(change);                                                                              \
+		__typeof__(((void)0, *(p))) old_ = *(p);                                                                       \
+		*(p) = old_ + (__typeof__(old_))(change);                                                                              \
 		old_;                                                                                                          \
 	})
 #define atomic_fetch_add_explicit(p, value, order) MODEL_FETCH(p, value)
 #define atomic_fetch_sub_explicit(p, value, order) MODEL_FETCH(p, -(uint64_t)(value))
+#define MODEL_FETCH_BITS(p, what, result)                                                                              \
+	__extension__({                                                                                                    \
+		STEP(p, what);                                                                                                 \
+		__typeof__(((void)0, *(p))) old_ = *(p);                                                                       \
+		*(p) = result;                                                                                                 \
+		old_;                                                                                                          \
+	})
+#define atomic_fetch_or_explicit(p, bits, order) MODEL_FETCH_BITS(p, "fetch_or", old_ | (bits))
+#define atomic_fetch_and_explicit(p, bits, order) MODEL_FETCH_BITS(p, "fetch_and", old_ & (bits))
 #define atomic_compare_exchange_strong_explicit(p, expected, value, success, failure)                                  \
 	__extension__({                                                                                                    \
 		STEP(p, "compare_exchange");                                                                                   \
-		uint64_t seen_ = *(p);                                                                                         \
+		__typeof__(((void)0, *(p))) seen_ = *(p);                                                                      \
 		bool same_ = seen_ == *(expected);                                                                             \
 		if (same_)                                                                                                     \
 			*(p) = (value);                                                                                            \

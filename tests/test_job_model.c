@@ -1,6 +1,8 @@
 /*
- * Every interleaving of the real queue, parking and pool, for few threads and few jobs (see job_model.h for what that
- * covers and what not); and faults put in on purpose, to see that each is found.
+ * Every interleaving of the real pool, for few threads and few jobs (see job_model.h for what that covers and what not):
+ * deques, inboxes, groups, loops, parking. The shared queues have checks of their own; here an object with indivisible
+ * operations stands for them. With "must-fail" as an argument, for a copy of the sources with a fault put in, some
+ * scenario has to find it.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,43 +12,34 @@
 
 #include <cmocka.h>
 
+/* Small states. */
+#define STILB_JOB_LINE_H
+#define JOB_LINE 16
+#define JOB_RECORD_LIST 2
+#define JOB_RECORD_SLAB 3
+#define JOB_DEQUE_CAPACITY 2
+#define JOB_LOOP_DEPTH 2
+#define JOB_GUESTS 1
+#define JOB_RATES 1
+#define SHARED_FIRST 1
+#define JOBS_IN_A_ROW 2
 #include "job_model_sys.h"
 
-#define job_lock_take real_lock_take
-#include "jobs/job_lock.h"
-#undef job_lock_take
-static void model_lock_take(job_lock *lock)
-{
-	if (model_fault_now != MODEL_FAULT_NO_LOCK)
-		real_lock_take(lock);
-}
-#define job_lock_take model_lock_take
+#include "jobs/job_deque.c"
+#include "jobs/job_record.c"
 
-#include "jobs/job_queue.c"
-
-static bool model_queue_empty(job_queue *queue)
-{
-	return model_fault_now == MODEL_FAULT_NO_RECHECK || job_queue_empty(queue);
-}
-#define job_queue_empty model_queue_empty
 #include "jobs/job_park.c"
 
-#include "jobs/job_wait.c"
-
-static bool model_announce(stilb_job_group *group, uint32_t worker)
-{
-	return model_fault_now == MODEL_FAULT_NO_ANNOUNCE || job_group_announce(group, worker);
-}
-#define job_group_announce model_announce
-#include "jobs/job_pool.c"
-
-static void model_wait(stilb_job_pool *pool, stilb_job_group *group, uint32_t worker, bool jobs)
-{
-	if (model_fault_now != MODEL_FAULT_EARLY_RETURN)
-		job_group_wait(pool, group, worker, jobs);
-}
-#define job_group_wait model_wait
 #include "jobs/job_for.c"
+#include "jobs/job_submit.c"
+#include "jobs/job_wait.c"
+#include "jobs/job_work.c"
+
+/* Nobody spins: a spin that ends is a look, and the sources look again before they sleep. */
+#undef job_sys_ticks_in
+#define job_sys_ticks_in(nanoseconds) UINT64_C(0)
+#include "jobs/job_pool.c"
+#include "jobs/job_queue.c"
 
 #undef free
 #undef malloc
@@ -56,23 +49,34 @@ uint32_t stilb_job_cpu_count(void)
 	return 2;
 }
 
-static struct shared {
-	job_queue queue;
-	stilb_job_pool *pool;
-	uint32_t producers, consumers, each;
-	uint32_t popped;
-	uint32_t seen[8];
-	uint32_t last[2][2]; /* per consumer and producer: the newest item seen, plus one */
-	uint32_t ran;
-	uint32_t slice_runs[4];
-	stilb_job_group group;
-} shared;
+uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
+{
+	(void)cpus;
+	(void)max;
+	return 0;
+}
 
-/* Parameters of a run, and how often workers had a part in it over all interleavings; not part of the state. */
-static struct {
-	uint32_t producers, consumers, each, workers, jobs;
-} with;
-static uint64_t worker_runs, owner_runs;
+int job_queue_low_lock_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue)
+{
+	(void)desc;
+	(void)queue;
+	return -ENOMEM;
+}
+
+int job_queue_lock_free_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue)
+{
+	(void)desc;
+	(void)queue;
+	return -ENOMEM;
+}
+
+/* ---- what stands for the shared queues ------------------------------------------------------------------------- */
+
+typedef struct plain_queue {
+	stilb_job_queue base;
+	void *item[4];
+	uint32_t count;
+} plain_queue;
 
 static void fail_unless(bool condition, const char *why)
 {
@@ -80,53 +84,72 @@ static void fail_unless(bool condition, const char *why)
 		model_fail(why);
 }
 
-/* ---- the queue ------------------------------------------------------------------------------------------------ */
-
-static void *produce(void *data)
+static int plain_push(stilb_job_queue *queue, void *item, uint32_t thread)
 {
-	uintptr_t producer = (uintptr_t)data;
-	for (uintptr_t i = 0; i < with.each; ++i)
-		job_queue_push(&shared.queue, &(job_item){.data = (void *)(producer * with.each + i)});
-	return NULL;
+	plain_queue *self = (plain_queue *)queue;
+	(void)thread;
+	model_step(self, "push", __LINE__);
+	fail_unless(self->count < 4, "the model's queue is too small");
+	self->item[self->count++] = item;
+	return 0;
 }
 
-static void *consume(void *data)
+static int plain_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 {
-	uintptr_t consumer = (uintptr_t)data;
-	while (shared.popped < with.producers * with.each) {
-		job_item item;
-		if (!job_queue_pop(&shared.queue, &item))
-			continue;
-		uintptr_t value = (uintptr_t)item.data;
-		fail_unless(value < with.producers * with.each, "an item nobody pushed");
-		uint32_t *last = &shared.last[consumer][value / with.each];
-		fail_unless(*last < value % with.each + 1, "one producer's items out of order");
-		*last = (uint32_t)(value % with.each) + 1;
-		++shared.seen[value];
-		++shared.popped;
-	}
-	return NULL;
+	plain_queue *self = (plain_queue *)queue;
+	(void)thread;
+	model_step(self, "pop", __LINE__);
+	if (self->count == 0)
+		return -EAGAIN;
+	*item = self->item[0];
+	memmove(self->item, self->item + 1, sizeof self->item - sizeof self->item[0]);
+	self->item[--self->count] = NULL;
+	return 0;
 }
 
-static void queue_main(void)
+static bool plain_empty(stilb_job_queue *queue, uint32_t thread)
 {
-	job_queue_init(&shared.queue);
-	for (uintptr_t i = 1; i < with.producers; ++i)
-		model_spawn(produce, (void *)i);
-	for (uintptr_t i = 0; i < with.consumers; ++i)
-		model_spawn(consume, (void *)i);
-	produce(0);
+	(void)thread;
+	model_step(queue, "empty", __LINE__);
+	return ((plain_queue *)queue)->count == 0;
 }
 
-static void queue_check(void)
+static void plain_rest(stilb_job_queue *queue, uint32_t thread)
 {
-	for (uint32_t i = 0; i < with.producers * with.each; ++i)
-		fail_unless(shared.seen[i] == 1, "an item lost or seen twice");
-	fail_unless(job_queue_empty(&shared.queue), "not empty at the end");
-	fail_unless(model_heap_blocks() == 1, "leaked nodes");
+	(void)queue;
+	(void)thread;
 }
 
-/* ---- the pool ------------------------------------------------------------------------------------------------- */
+static void plain_destroy(stilb_job_queue *queue)
+{
+	model_free(queue);
+}
+
+static stilb_job_queue *plain_make(void)
+{
+	static const job_queue_ops ops = {
+		.push = plain_push, .pop = plain_pop, .empty = plain_empty, .rest = plain_rest, .destroy = plain_destroy};
+	plain_queue *queue = model_malloc(sizeof *queue);
+	*queue = (plain_queue){.base.ops = &ops};
+	return &queue->base;
+}
+
+/* ---- scenarios ------------------------------------------------------------------------------------------------- */
+
+static struct shared {
+	stilb_job_pool *pool;
+	uint32_t ran;
+	uint32_t first_done;
+	uint32_t outside_done;
+	uint32_t slice_runs[4];
+	stilb_job_group group, first;
+} shared;
+
+/* Parameters of a run, and how often workers had a part in it over all interleavings; not part of the state. */
+static struct {
+	uint32_t workers, jobs;
+} with;
+static uint64_t worker_runs, owner_runs;
 
 static void count_run(void *data, uint32_t worker)
 {
@@ -135,51 +158,103 @@ static void count_run(void *data, uint32_t worker)
 	++shared.ran; /* between two steps, so atomic here */
 }
 
-static void pool_begin(void)
+static void add(stilb_job_fn *fn, stilb_job_group *group, uint32_t worker)
+{
+	fail_unless(stilb_job_submit(shared.pool, fn, NULL, group, worker) == 0, "submit");
+}
+
+static void add_with(stilb_job_fn *fn, stilb_job_group *group, stilb_job_options options, uint32_t worker)
+{
+	fail_unless(stilb_job_submit_with(shared.pool, fn, NULL, group, &options, worker) == 0, "submit");
+}
+
+static void begin(void)
 {
 	stilb_job_pool_desc desc = {.worker_count = with.workers};
-	fail_unless(stilb_job_pool_create(&desc, &shared.pool) == 0, "create");
+	fail_unless(job_pool_create_over(&desc, plain_make, &shared.pool) == 0, "create");
+}
+
+static void end(void)
+{
+	fail_unless(shared.ran == with.jobs, "a wait returned too early");
+	stilb_job_pool_destroy(shared.pool);
 }
 
 /* The owner does not help: the workers alone must get everything done, woken by the submits. Ends there. */
+static void workers_alone(void)
+{
+	model_block_until(&shared.ran, with.jobs);
+}
+
 static void submit_main(void)
 {
-	pool_begin();
+	begin();
 	for (uint32_t i = 0; i < with.jobs; ++i)
-		stilb_job_submit(shared.pool, count_run, NULL, NULL);
-	model_block_until(&shared.ran, with.jobs);
+		add(count_run, NULL, 0);
+	workers_alone();
+}
+
+static void submit_shared_main(void)
+{
+	begin();
+	for (uint32_t i = 0; i < with.jobs; ++i)
+		add_with(count_run, NULL, (stilb_job_options){.priority = i ? STILB_JOB_LOW : STILB_JOB_HIGH}, 0);
+	workers_alone();
+}
+
+static void submit_pinned_main(void)
+{
+	begin();
+	for (uint32_t i = 0; i < with.jobs; ++i)
+		add_with(count_run, NULL, (stilb_job_options){.pinned = true, .target = with.workers}, 0);
+	workers_alone();
 }
 
 static void destroy_main(void)
 {
-	pool_begin();
+	begin();
 	for (uint32_t i = 0; i < with.jobs; ++i)
-		stilb_job_submit(shared.pool, count_run, NULL, NULL);
+		add(count_run, NULL, 0);
 	stilb_job_pool_destroy(shared.pool);
 }
 
 static void submit_child(void *data, uint32_t worker)
 {
 	count_run(data, worker);
-	stilb_job_submit(shared.pool, count_run, NULL, NULL);
+	add(count_run, NULL, worker);
 }
 
-/* The second job comes while the pool is going down. */
+static void submit_grandchild(void *data, uint32_t worker)
+{
+	count_run(data, worker);
+	add(submit_child, NULL, worker);
+}
+
+/* More jobs come while the pool is going down. */
 static void destroy_child_main(void)
 {
-	pool_begin();
-	stilb_job_submit(shared.pool, submit_child, NULL, NULL);
+	begin();
+	add(with.jobs == 2 ? submit_child : submit_grandchild, NULL, 0);
 	stilb_job_pool_destroy(shared.pool);
+}
+
+static void cancel_main(void)
+{
+	begin();
+	add(count_run, &shared.group, 0);
+	stilb_job_pool_cancel(shared.pool);
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	shared.ran = with.jobs; /* run or not */
+	end();
 }
 
 static void wait_main(void)
 {
-	pool_begin();
+	begin();
 	for (uint32_t i = 0; i < with.jobs; ++i)
-		stilb_job_submit(shared.pool, count_run, NULL, &shared.group);
+		add(count_run, &shared.group, 0);
 	stilb_job_wait(shared.pool, &shared.group, 0);
-	fail_unless(shared.ran == with.jobs, "wait returned too early");
-	stilb_job_pool_destroy(shared.pool);
+	end();
 }
 
 /* A job that submits another and waits for it, on a group on its own stack. */
@@ -187,7 +262,7 @@ static void submit_and_wait(void *data, uint32_t worker)
 {
 	(void)data;
 	stilb_job_group inner = {0};
-	stilb_job_submit(shared.pool, count_run, NULL, &inner);
+	add(count_run, &inner, worker);
 	stilb_job_wait(shared.pool, &inner, worker);
 	fail_unless(shared.ran >= 1, "inner wait returned too early");
 	++shared.ran;
@@ -195,18 +270,128 @@ static void submit_and_wait(void *data, uint32_t worker)
 
 static void nested_main(void)
 {
-	pool_begin();
-	stilb_job_submit(shared.pool, submit_and_wait, NULL, &shared.group);
+	begin();
+	add(submit_and_wait, &shared.group, 0);
 	stilb_job_wait(shared.pool, &shared.group, 0);
-	fail_unless(shared.ran == with.jobs, "wait returned too early");
-	stilb_job_pool_destroy(shared.pool);
+	end();
 }
 
-static void run_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+static void count_first(void *data, uint32_t worker)
+{
+	count_run(data, worker);
+	shared.first_done = 1;
+}
+
+static void count_after_first(void *data, uint32_t worker)
+{
+	fail_unless(shared.first_done == 1, "a follower started before its group had finished");
+	count_run(data, worker);
+}
+
+/* A job that follows a group, which may finish before, during or after the submit. */
+static void after_main(void)
+{
+	begin();
+	add(count_first, &shared.first, 0);
+	add_with(count_after_first, &shared.group, (stilb_job_options){.after = &shared.first}, 0);
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	end();
+}
+
+/* A group that has been followed is used again. */
+static void after_again_main(void)
+{
+	begin();
+	add(count_first, &shared.first, 0);
+	add_with(count_after_first, &shared.group, (stilb_job_options){.after = &shared.first}, 0);
+	stilb_job_wait(shared.pool, &shared.first, 0);
+	add(count_run, &shared.first, 0);
+	add(count_run, &shared.first, 0);
+	stilb_job_wait(shared.pool, &shared.first, 0);
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	end();
+}
+
+/* Two jobs follow, and the group is waited for too and gone after that. */
+static void after_gone_main(void)
+{
+	begin();
+	stilb_job_group first = {0};
+	add(count_first, &first, 0);
+	add_with(count_after_first, &shared.group, (stilb_job_options){.after = &first}, 0);
+	stilb_job_wait(shared.pool, &first, 0);
+	fail_unless(shared.first_done == 1, "the wait for the first group returned too early");
+	memset(&first, 0xee, sizeof first);
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	end();
+}
+
+static void wait_for_first(void *data, uint32_t worker)
+{
+	stilb_job_wait(shared.pool, &shared.first, worker);
+	fail_unless(shared.first_done == 1, "the wait returned too early");
+	count_run(data, worker);
+}
+
+/* A job waits for one that lies in a queue whose jobs no wait touches: the only worker must do so all the same. */
+static void rescue_main(void)
+{
+	begin();
+	add_with(count_first, &shared.first, (stilb_job_options){.priority = STILB_JOB_LOW}, 0);
+	add(wait_for_first, NULL, 0);
+	workers_alone();
+}
+
+static void pin_to_owner(void *data, uint32_t worker)
+{
+	count_run(data, worker);
+	add_with(count_run, &shared.group, (stilb_job_options){.pinned = true, .target = 0}, worker);
+}
+
+/* The owner sleeps in a wait, and something comes that only it may do. */
+static void pinned_owner_main(void)
+{
+	begin();
+	add(pin_to_owner, &shared.group, 0);
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	end();
+}
+
+/* The same, but the job that it waits for comes when the worker sleeps already: it hangs on a group that ends with a job
+ * pinned to the owner. */
+static void rescue_later_main(void)
+{
+	begin();
+	add_with(count_run, &shared.group, (stilb_job_options){.pinned = true, .target = 0}, 0);
+	add_with(count_first, &shared.first, (stilb_job_options){.priority = STILB_JOB_LOW, .after = &shared.group}, 0);
+	add(wait_for_first, NULL, 0);
+	stilb_job_run_pinned(shared.pool, 0);
+	workers_alone();
+}
+
+static void *outside(void *data)
+{
+	(void)data;
+	add(count_run, &shared.first, STILB_JOB_OUTSIDE);
+	stilb_job_wait(shared.pool, &shared.first, STILB_JOB_OUTSIDE);
+	fail_unless(shared.ran == 1, "wait returned too early");
+	shared.outside_done = 1;
+	return NULL;
+}
+
+static void outside_main(void)
+{
+	begin();
+	model_spawn(outside, NULL);
+	model_block_until(&shared.outside_done, 1);
+	end();
+}
+
+static void run_slice(uint32_t begin_at, uint32_t end_at, uint32_t worker, void *context)
 {
 	(void)context;
 	++*(worker ? &worker_runs : &owner_runs);
-	for (uint32_t i = begin; i < end; ++i) {
+	for (uint32_t i = begin_at; i < end_at; ++i) {
 		model_step(NULL, "slice", __LINE__); /* others may run in the middle of it */
 		++shared.slice_runs[i];
 	}
@@ -214,146 +399,138 @@ static void run_slice(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 
 static void loop_main(void)
 {
-	pool_begin();
+	begin();
 	stilb_job_parallel_for(shared.pool, with.jobs, 1, run_slice, NULL, 0);
 	for (uint32_t i = 0; i < with.jobs; ++i)
 		fail_unless(shared.slice_runs[i] == 1, "a slice lost, run twice or not finished");
 	shared.ran = with.jobs;
-	stilb_job_pool_destroy(shared.pool);
+	end();
 }
 
-static void pool_check(void)
+static void run_other_slice(uint32_t begin_at, uint32_t end_at, uint32_t worker, void *context)
+{
+	(void)context;
+	++*(worker ? &worker_runs : &owner_runs);
+	for (uint32_t i = begin_at; i < end_at; ++i)
+		++shared.slice_runs[2 + i];
+}
+
+/* One loop after the other in the same place: a helper of the first may come late. */
+static void loops_main(void)
+{
+	begin();
+	stilb_job_parallel_for(shared.pool, 2, 1, run_slice, NULL, 0);
+	stilb_job_parallel_for(shared.pool, 2, 1, run_other_slice, NULL, 0);
+	for (uint32_t i = 0; i < 4; ++i)
+		fail_unless(shared.slice_runs[i] == 1, "a slice lost, run twice or not finished");
+	shared.ran = with.jobs;
+	end();
+}
+
+static void array_main(void)
+{
+	begin();
+	stilb_job_submit_array(shared.pool, with.jobs, 1, run_slice, NULL, &shared.group, 0);
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	for (uint32_t i = 0; i < with.jobs; ++i)
+		fail_unless(shared.slice_runs[i] == 1, "a slice lost, run twice or not finished");
+	shared.ran = with.jobs;
+	end();
+}
+
+static void all_ran(void)
 {
 	fail_unless(shared.ran == with.jobs, "a job lost or run twice");
 }
 
 /* After destroy. */
-static void destroyed_check(void)
+static void all_gone(void)
 {
-	pool_check();
-	fail_unless(model_heap_blocks() == 0, "leaked nodes");
+	all_ran();
+	fail_unless(model_heap_blocks() == 0, "leaked blocks");
 }
 
-/* ---- tests ---------------------------------------------------------------------------------------------------- */
+/* ---- tests ----------------------------------------------------------------------------------------------------- */
 
-static model_result run(void (*entry)(void), void (*check)(void), model_fault fault)
+typedef struct scenario {
+	const char *name;
+	void (*main)(void);
+	uint32_t workers, jobs;
+	enum { WORKERS = 1, OWNER = 2, BOTH = 3, UNTIL_OWNER_ENDS = 4 } who; /* runs some of it in some interleaving */
+} scenario;
+
+static const scenario scenarios[] = {
+	{"destroy runs all", destroy_main, 0, 2, OWNER},
+	{"destroy runs children", destroy_child_main, 0, 2, OWNER},
+	{"wait", wait_main, 0, 2, OWNER},
+	{"nested wait", nested_main, 0, 2, OWNER},
+	{"after", after_main, 0, 2, OWNER},
+	{"loop", loop_main, 0, 2, OWNER},
+	{"submit wakes", submit_main, 1, 1, WORKERS | UNTIL_OWNER_ENDS},
+	{"submit wakes", submit_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
+	{"shared queues wake", submit_shared_main, 1, 1, WORKERS | UNTIL_OWNER_ENDS},
+	{"shared queues wake", submit_shared_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
+	{"pinned wakes", submit_pinned_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
+	{"rescue", rescue_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
+	{"rescue later", rescue_later_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
+	{"outside", outside_main, 1, 1, WORKERS},
+	{"destroy runs all", destroy_main, 1, 1, BOTH},
+	{"loop", loop_main, 1, 2, BOTH},
+	{"loop", loop_main, 1, 3, BOTH},
+	{"cancel", cancel_main, 1, 1, WORKERS},
+	{"wait", wait_main, 1, 1, BOTH},
+	{"wait", wait_main, 1, 2, BOTH},
+	{"pinned to the owner", pinned_owner_main, 1, 2, BOTH},
+	{"loops", loops_main, 1, 2, BOTH},
+	{"after a group that goes", after_gone_main, 1, 2, BOTH},
+	{"after", after_main, 1, 2, BOTH},
+	{"destroy runs children", destroy_child_main, 1, 2, BOTH},
+	{"destroy runs children", destroy_child_main, 1, 3, BOTH},
+	{"nested wait", nested_main, 1, 2, BOTH},
+	{"array", array_main, 1, 2, BOTH},
+	{"after a group used again", after_again_main, 1, 4, BOTH},
+	{"submit wakes", submit_main, 2, 1, WORKERS | UNTIL_OWNER_ENDS}, /* the largest: some ten million states */
+};
+
+static bool must_fail;
+
+static model_result explore(const scenario *s)
 {
-	model_scenario scenario = {.main = entry,
-	                           .check = check,
-	                           .data = &shared,
-	                           .data_size = sizeof shared,
-	                           .main_ends_all = check == pool_check,
-	                           .max_states = 4000000};
-	model_fault_now = fault;
-	model_result result = model_run(&scenario, fault == MODEL_FAULT_NONE);
-	model_fault_now = MODEL_FAULT_NONE;
-	print_message("%8u states %8u steps, path %u: %s\n", result.states, result.steps, result.depth,
-	              result.failure ? result.failure : "ends well");
+	with.workers = s->workers;
+	with.jobs = s->jobs;
+	worker_runs = owner_runs = 0;
+	model_scenario model = {.main = s->main,
+	                        .check = s->who & UNTIL_OWNER_ENDS ? all_ran : all_gone,
+	                        .data = &shared,
+	                        .data_size = sizeof shared,
+	                        .main_ends_all = s->who & UNTIL_OWNER_ENDS,
+	                        .max_states = 12000000};
+	model_result result = model_run(&model, !must_fail);
+	print_message("%-24s %u workers, %u jobs: %8u states %8u steps, path %u: %s\n", s->name, s->workers, s->jobs,
+	              result.states, result.steps, result.depth, result.failure ? result.failure : "ends well");
 	return result;
 }
 
-static void queue_run(uint32_t producers, uint32_t consumers, uint32_t each)
-{
-	with.producers = producers;
-	with.consumers = consumers;
-	with.each = each;
-	assert_null(run(queue_main, queue_check, MODEL_FAULT_NONE).failure);
-}
-
-static void test_queue(void **state)
+static void test_scenarios(void **state)
 {
 	(void)state;
-	queue_run(1, 1, 3);
-	queue_run(2, 1, 2);
-	queue_run(1, 2, 3);
-	queue_run(2, 2, 1);
+	for (size_t i = 0; i < sizeof scenarios / sizeof scenarios[0]; ++i) {
+		const scenario *s = &scenarios[i];
+		model_result result = explore(s);
+		if (must_fail && result.failure)
+			return;
+		assert_null(result.failure);
+		assert_true(!(s->who & WORKERS) || worker_runs > 0);
+		assert_true(!(s->who & OWNER) || owner_runs > 0);
+	}
+	assert_false(must_fail);
 }
 
-/* Every interleaving of entry; where both can run things, both must have done so in some of them. */
-static void pool_run(void (*entry)(void), uint32_t workers, uint32_t jobs)
-{
-	with.workers = workers;
-	with.jobs = jobs;
-	worker_runs = owner_runs = 0;
-	print_message("%u workers, %u jobs: ", workers, jobs);
-	assert_null(run(entry, entry == submit_main ? pool_check : destroyed_check, MODEL_FAULT_NONE).failure);
-	assert_true(workers == 0 || worker_runs > 0);
-	assert_true(entry == submit_main || owner_runs > 0);
-}
-
-static void test_submit_wakes(void **state)
-{
-	(void)state;
-	pool_run(submit_main, 1, 1);
-	pool_run(submit_main, 1, 2);
-	pool_run(submit_main, 2, 1);
-}
-
-static void test_destroy_runs_all(void **state)
-{
-	(void)state;
-	pool_run(destroy_main, 0, 2);
-	pool_run(destroy_main, 1, 2);
-	pool_run(destroy_child_main, 0, 2);
-	pool_run(destroy_child_main, 1, 2);
-}
-
-static void test_wait(void **state)
-{
-	(void)state;
-	pool_run(wait_main, 0, 2);
-	pool_run(wait_main, 1, 1);
-	pool_run(wait_main, 1, 2);
-}
-
-static void test_nested_wait(void **state)
-{
-	(void)state;
-	pool_run(nested_main, 0, 2);
-	pool_run(nested_main, 1, 2);
-}
-
-static void test_loop(void **state)
-{
-	(void)state;
-	pool_run(loop_main, 0, 2);
-	pool_run(loop_main, 1, 2);
-	pool_run(loop_main, 1, 3);
-}
-
-static void must_fail(void (*entry)(void), void (*check)(void), model_fault fault)
-{
-	assert_non_null(run(entry, check, fault).failure);
-}
-
-static void test_faults_are_found(void **state)
-{
-	(void)state;
-	with.workers = 1;
-	with.jobs = 1;
-	must_fail(submit_main, pool_check, MODEL_FAULT_NO_RECHECK);
-	must_fail(submit_main, pool_check, MODEL_FAULT_NO_WAKE);
-	must_fail(submit_main, pool_check, MODEL_FAULT_BLIND_SLEEP);
-	must_fail(wait_main, destroyed_check, MODEL_FAULT_NO_ANNOUNCE);
-	with.jobs = 2;
-	must_fail(loop_main, destroyed_check, MODEL_FAULT_EARLY_RETURN);
-	with.producers = with.consumers = 2;
-	with.each = 1;
-	must_fail(queue_main, queue_check, MODEL_FAULT_NO_LOCK);
-}
-
-int main(void)
+int main(int argc, char **argv)
 {
 	if (!model_available())
 		return 77;
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_queue),
-		cmocka_unit_test(test_submit_wakes),
-		cmocka_unit_test(test_destroy_runs_all),
-		cmocka_unit_test(test_wait),
-		cmocka_unit_test(test_nested_wait),
-		cmocka_unit_test(test_loop),
-		cmocka_unit_test(test_faults_are_found),
-	};
+	must_fail = argc == 2 && strcmp(argv[1], "must-fail") == 0;
+	const struct CMUnitTest tests[] = {cmocka_unit_test(test_scenarios)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

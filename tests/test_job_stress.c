@@ -76,7 +76,7 @@ static void run(void *data, uint32_t worker)
 	uint64_t state = t->random, filled = 0;
 	for (int i = 0; i < FAN && t->depth > 0; ++i) {
 		children[i] = (task){.pool = t->pool, .random = next_random(&state), .depth = t->depth - 1};
-		if (stilb_job_submit(t->pool, run, &children[i], &group) != 0)
+		if (stilb_job_submit(t->pool, run, &children[i], &group, worker) != 0)
 			run(&children[i], worker);
 	}
 	stilb_job_parallel_for(t->pool, CELLS, 1 + (uint32_t)(t->random % 9), fill_cells, t, worker);
@@ -101,7 +101,7 @@ static void stress(uint32_t workers, uint32_t rounds)
 		task root = {.pool = pool, .random = i, .depth = i % 4};
 		stilb_job_group group = {0};
 		if (i % 2) {
-			assert_int_equal(stilb_job_submit(pool, run, &root, &group), 0);
+			assert_int_equal(stilb_job_submit(pool, run, &root, &group, 0), 0);
 			stilb_job_wait(pool, &group, 0);
 		} else {
 			run(&root, 0);

@@ -316,7 +316,7 @@ stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stil
 		uint32_t first = i * RECORD_JOB_SEGMENTS, end = first + RECORD_JOB_SEGMENTS;
 		render_record_job *job = &render->record_jobs[i];
 		*job = (render_record_job){render, scene, visible, visible_count, pass, first, end < segments ? end : segments};
-		if (stilb_job_submit(pool, record_run, job, &group) != 0)
+		if (stilb_job_submit(pool, record_run, job, &group, worker) != 0)
 			record_run(job, worker); /* no memory to queue it: then here and now */
 	}
 	stilb_job_wait(pool, &group, worker);

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # test_install.sh SOURCE CC CXX: installs the stand-alone libraries, moves the installed tree, and builds and runs a
-# stranger's program against it: with find_package, with pkg-config, and with add_subdirectory instead.
+# stranger's program against it: with find_package, with pkg-config, and with add_subdirectory instead. Then the same with
+# the job system alone: a copy of its folder under another name, with nothing else of Stilb beside it.
 set -euo pipefail
 source=$1
 export CC=$2 CXX=$3
@@ -16,30 +17,49 @@ quietly() { # shows what a command said only when it fails
 	}
 }
 
-runs() { # PROGRAM: must print the sum that only the two libraries together can
+runs() { # PROGRAM: must print the sum that it can have from the libraries alone
 	local said
 	said=$("$1") || { echo "$1: exit status $?"; exit 1; }
 	[ "$said" = "sum 499500" ] || { echo "$1 printed: $said"; exit 1; }
 }
 
-quietly cmake -G Ninja -S "$source" -B "$scratch/build" -DCMAKE_BUILD_TYPE=Release -DSTILB_ENGINE=OFF -DSTILB_TESTS=OFF
-quietly cmake --build "$scratch/build"
-quietly cmake --install "$scratch/build" --prefix "$scratch/first"
-mv "$scratch/first" "$scratch/moved"
-! grep -rl "$scratch/first" "$scratch/moved" || { echo "these files name the folder they were installed to"; exit 1; }
-[ -f "$scratch/moved/include/stilb/job.h" ] && [ -f "$scratch/moved/include/stilb/prof.h" ]
+install_moved() { # SOURCE NAME OPTION...: builds SOURCE, installs it, and leaves the installed tree in $scratch/NAME
+	local folder=$1 name=$2
+	quietly cmake -G Ninja -S "$folder" -B "$scratch/build-$name" -DCMAKE_BUILD_TYPE=Release "${@:3}"
+	quietly cmake --build "$scratch/build-$name"
+	quietly cmake --install "$scratch/build-$name" --prefix "$scratch/first"
+	mv "$scratch/first" "$scratch/$name"
+	! grep -rl "$scratch/first" "$scratch/$name" || { echo "these files name the folder they were installed to"; exit 1; }
+}
 
-quietly cmake -G Ninja -S "$here/consumer" -B "$scratch/package" -DCMAKE_PREFIX_PATH="$scratch/moved"
-quietly cmake --build "$scratch/package"
-runs "$scratch/package/consumer"
+builds() { # CONSUMER OPTION...: its programs build and run
+	rm -rf "$scratch/consumer"
+	quietly cmake -G Ninja -S "$here/$1" -B "$scratch/consumer" "${@:2}"
+	quietly cmake --build "$scratch/consumer"
+	for program in "$scratch/consumer"/consumer*; do
+		runs "$program"
+	done
+}
 
-PKG_CONFIG_PATH=$(dirname "$(find "$scratch/moved" -name stilb-jobs.pc)")
-export PKG_CONFIG_PATH
-read -ra flags < <(pkg-config --cflags --libs stilb-jobs stilb-profiler)
-quietly "$CC" "$here/consumer/consumer.c" -o "$scratch/pkg" "${flags[@]}"
-runs "$scratch/pkg"
+builds_by_pkg_config() { # PREFIX COMPILER SOURCE PACKAGE...
+	local flags
+	read -ra flags < <(PKG_CONFIG_PATH=$(dirname "$(find "$1" -name '*.pc' | head -n 1)") pkg-config --cflags --libs "${@:4}")
+	quietly "$2" "$here/$3" -o "$scratch/pkg" "${flags[@]}"
+	runs "$scratch/pkg"
+}
 
-quietly cmake -G Ninja -S "$here/consumer" -B "$scratch/folder" -DSTILB_FOLDER="$source"
-quietly cmake --build "$scratch/folder"
-runs "$scratch/folder/consumer"
+install_moved "$source" both -DSTILB_ENGINE=OFF -DSTILB_TESTS=OFF
+builds consumer -DCMAKE_PREFIX_PATH="$scratch/both"
+builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/both"
+builds_by_pkg_config "$scratch/both" "$CC" consumer/consumer.c stilb-jobs stilb-profiler
+builds consumer -DSTILB_FOLDER="$source"
+
+mkdir "$scratch/elsewhere"
+cp -r "$source/jobs" "$scratch/elsewhere/job-system"
+install_moved "$scratch/elsewhere/job-system" alone
+[ "$(cd "$scratch/alone/include/stilb" && echo *)" = "job.h job_queue.h job_spsc.h" ]
+builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/alone"
+builds_by_pkg_config "$scratch/alone" "$CC" jobs_consumer/consumer.c stilb-jobs
+builds_by_pkg_config "$scratch/alone" "$CXX" jobs_consumer/consumer.cpp stilb-jobs
+builds jobs_consumer -DJOBS_FOLDER="$scratch/elsewhere/job-system"
 echo "the installed libraries work from CMake, from pkg-config and as a subdirectory"

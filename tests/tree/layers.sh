@@ -61,7 +61,7 @@ function check_own(file, name,   from, to, path) {
 	to = room_of(path)
 	if (to == from || may[from] ~ /\*/) return
 	if (index(" " may[from] " ", " " to " ") == 0) bad(from " may not include " to " (\"" name "\")")
-	else if (to in public ? path != public[to] : path ~ /_internal\.h$/) bad("\"" name "\" is internal to " to)
+	else if (to in public ? index(public[to] " ", " " path " ") == 0 : path ~ /_internal\.h$/) bad("\"" name "\" is internal to " to)
 }
 function check_other(file, name,   i) {
 	if (room_of(file) == "tests" || room_of(file) == "bench") return
@@ -80,7 +80,7 @@ $1 == "room" {
 	for (i = 4; i <= NF; i++) may[$2] = may[$2] " " $i
 	next
 }
-$1 == "public" { public[$2] = $3; next }
+$1 == "public" { for (i = 3; i <= NF; i++) public[$2] = public[$2] " " $i; next }
 $1 == "library" { library[++libraries] = $2; home[libraries] = $3; for (i = 4; i <= NF; i++) home[libraries] = home[libraries] " " $i; next }
 $1 == "system" { for (i = 2; i <= NF; i++) system_header[++systems] = $i; next }
 $1 == "header" { exists[substr($0, 8)] = 1; next }

@@ -12,12 +12,13 @@ fresh_tree() {
 	mkdir -p "$scratch/tree"/{.ci,jobs,profiler,engine/{base,shading,scene,image,window,render/vulkan},game,tests}
 	cd "$scratch/tree"
 	header jobs/job.h STILB_JOB_H '<stdint.h>'
-	header jobs/job_queue.h STILB_JOB_QUEUE_H '"jobs/job.h"'
+	header jobs/job_queue.h STILB_JOB_QUEUE_H '"job.h"'
+	header jobs/job_lock.h STILB_JOB_LOCK_H '"jobs/job.h"'
 	header profiler/prof.h STILB_PROF_H '<time.h>'
 	header engine/base/base.h STILB_BASE_H '<stddef.h>'
 	header engine/scene/scene.h STILB_SCENE_H '"base/base.h"'
 	header engine/scene/scene_internal.h STILB_SCENE_INTERNAL_H '"scene/scene.h"' '"profiler/prof.h"'
-	header engine/render/render.h STILB_RENDER_H '"scene/scene.h"' '"jobs/job.h"'
+	header engine/render/render.h STILB_RENDER_H '"scene/scene.h"' '"jobs/job.h"' '"jobs/job_queue.h"'
 	header engine/engine.h STILB_ENGINE_H '"render/render.h"'
 	printf '#include "render/render.h"\n#include "triangle_spv.h"\n#include <vulkan/vulkan.h>\n' >engine/render/vulkan/vulkan.c
 	printf '#include <vector>\n#include <OpenImageIO/imageio.h>\n' >engine/image/oiio.cpp
@@ -71,7 +72,7 @@ test_layers() {
 	include engine/scene/scene.h '"render/render.h"' 'scene may not include render'
 	include engine/scene/scene.h '"jobs/job.h"' 'engine/scene/scene.h:6: scene may not include jobs'
 	include engine/render/render.h '"scene/scene_internal.h"' '"scene/scene_internal.h" is internal to scene'
-	include engine/render/render.h '"jobs/job_queue.h"' '"jobs/job_queue.h" is internal to jobs'
+	include engine/render/render.h '"jobs/job_lock.h"' '"jobs/job_lock.h" is internal to jobs'
 	include engine/render/render.h '"engine.h"' 'render may not include engine'
 	include game/main.c '"render/render.h"' 'game may not include render'
 	include engine/scene/scene.h '"../base/base.h"' 'name headers from the top'

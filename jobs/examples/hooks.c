@@ -1,0 +1,71 @@
+/*
+ * Hooks: how a profiler sees the pool without the pool knowing it. Each is called on the thread it tells of, so a slot for
+ * each worker index needs no atomics. Here they count.
+ *
+ * Prints: 100 jobs began, 100 ended, parks and wakes pair: yes
+ */
+#include <stilb/job.h>
+
+#include <stdio.h>
+
+enum { JOBS = 100, WORKERS = 2 };
+
+typedef struct counts {
+	_Alignas(128) uint32_t begins;
+	uint32_t ends, parks, wakes;
+} counts;
+
+static void job_begin(void *user, uint32_t worker)
+{
+	++((counts *)user)[worker].begins;
+}
+
+static void job_end(void *user, uint32_t worker)
+{
+	++((counts *)user)[worker].ends;
+}
+
+static void park(void *user, uint32_t worker)
+{
+	++((counts *)user)[worker].parks;
+}
+
+static void wake(void *user, uint32_t worker)
+{
+	++((counts *)user)[worker].wakes;
+}
+
+static void nothing(void *data, uint32_t worker)
+{
+	(void)data;
+	(void)worker;
+}
+
+int main(void)
+{
+	static counts by_thread[WORKERS + 1];
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	desc.worker_count = WORKERS;
+	desc.hooks =
+		(stilb_job_hooks){.user = by_thread, .job_begin = job_begin, .job_end = job_end, .park = park, .wake = wake};
+	stilb_job_pool *pool;
+	if (stilb_job_pool_create(&desc, &pool) != 0)
+		return 1;
+	stilb_job_group group = {0};
+	for (int i = 0; i < JOBS; ++i)
+		if (stilb_job_submit(pool, nothing, NULL, &group, 0) != 0)
+			return 1;
+	stilb_job_wait(pool, &group, 0);
+	stilb_job_pool_destroy(pool); /* joins the workers: now their slots may be read */
+
+	counts all = {0};
+	for (int i = 0; i <= WORKERS; ++i) {
+		all.begins += by_thread[i].begins;
+		all.ends += by_thread[i].ends;
+		all.parks += by_thread[i].parks;
+		all.wakes += by_thread[i].wakes;
+	}
+	printf("%u jobs began, %u ended, parks and wakes pair: %s\n", all.begins, all.ends,
+	       all.parks == all.wakes ? "yes" : "no");
+	return 0;
+}

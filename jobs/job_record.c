@@ -1,0 +1,83 @@
+#include "jobs/job_record.h"
+
+#include <stdlib.h>
+
+struct job_record_slab {
+	job_record_slab *next;
+	alignas(64) job_record record[JOB_RECORD_SLAB];
+};
+
+void job_record_store_init(job_record_store *store)
+{
+	atomic_init(&store->spare, NULL);
+	atomic_init(&store->slabs, NULL);
+}
+
+void job_record_store_finish(job_record_store *store)
+{
+	job_record_slab *slab = atomic_exchange_explicit(&store->slabs, NULL, memory_order_acquire); /* pairs with refill */
+	while (slab) {
+		job_record_slab *next = slab->next;
+		free(slab);
+		slab = next;
+	}
+}
+
+static job_record *slab_create(job_record_store *store)
+{
+	job_record_slab *slab = aligned_alloc(alignof(job_record_slab), sizeof *slab);
+	if (!slab)
+		return NULL;
+	for (uint32_t i = 0; i < JOB_RECORD_SLAB; ++i) {
+		slab->record[i].next = i + 1 < JOB_RECORD_SLAB ? &slab->record[i + 1] : NULL;
+		atomic_init(&slab->record[i].root, 0);
+		atomic_init(&slab->record[i].level, 0);
+	}
+	slab->next = atomic_load_explicit(&store->slabs, memory_order_relaxed); /* a first guess for the exchange */
+	/* Release pairs with the acquire in job_record_store_finish. */
+	while (!atomic_compare_exchange_weak_explicit(&store->slabs, &slab->next, slab, memory_order_release,
+	                                              memory_order_relaxed))
+		;
+	return slab->record;
+}
+
+job_record *job_record_take(job_record_store *store, job_record_cache *cache)
+{
+	job_record *record = cache->given;
+	if (record) {
+		cache->given = record->next;
+		--cache->given_count;
+		return record;
+	}
+	/* A look before the exchange, which would fetch the line for nothing. Relaxed: a guess. */
+	if (!cache->taken && atomic_load_explicit(&store->spare, memory_order_relaxed))
+		cache->taken = atomic_exchange_explicit(&store->spare, NULL, memory_order_acquire); /* pairs with spill */
+	if (!cache->taken)
+		cache->taken = slab_create(store);
+	record = cache->taken;
+	if (record)
+		cache->taken = record->next;
+	return record;
+}
+
+static void spill(job_record_store *store, job_record_cache *cache)
+{
+	job_record *first = cache->given, *last = cache->given_last;
+	last->next = atomic_load_explicit(&store->spare, memory_order_relaxed); /* a first guess for the exchange */
+	/* Release pairs with the acquire in job_record_take: the links of the list. */
+	while (!atomic_compare_exchange_weak_explicit(&store->spare, &last->next, first, memory_order_release,
+	                                              memory_order_relaxed))
+		;
+	cache->given = NULL;
+	cache->given_count = 0;
+}
+
+void job_record_give(job_record_store *store, job_record_cache *cache, job_record *record)
+{
+	if (cache->given_count == JOB_RECORD_LIST)
+		spill(store, cache);
+	if (cache->given_count++ == 0)
+		cache->given_last = record;
+	record->next = cache->given;
+	cache->given = record;
+}

@@ -1,0 +1,175 @@
+#include "jobs/job_internal.h"
+
+#include <assert.h>
+#include <errno.h>
+
+/* ---- threads from outside -------------------------------------------------------------------------------------- */
+
+uint32_t job_guest_enter(stilb_job_pool *pool)
+{
+	uint32_t turns = 0;
+	uint32_t used = atomic_load_explicit(&pool->guests, memory_order_relaxed); /* a first guess for the exchange */
+	for (;;) {
+		uint32_t guest = used == UINT32_MAX ? JOB_GUESTS : (uint32_t)__builtin_ctz(~used);
+		if (guest >= JOB_GUESTS) {
+			job_sys_relax(&turns);
+			used = atomic_load_explicit(&pool->guests, memory_order_relaxed);
+			continue;
+		}
+		/* Acquire pairs with the release in leave: what the last guest of this number left behind. */
+		if (atomic_compare_exchange_weak_explicit(&pool->guests, &used, used | 1u << guest, memory_order_acquire,
+		                                          memory_order_relaxed))
+			return guest;
+	}
+}
+
+void job_guest_leave(stilb_job_pool *pool, uint32_t guest)
+{
+	atomic_fetch_and_explicit(&pool->guests, ~(1u << guest), memory_order_release); /* pairs with enter */
+}
+
+/* ---- where a job goes ------------------------------------------------------------------------------------------ */
+
+/* Needs no memory, so it cannot fail. */
+static void push_inbox(job_slot *target, job_record *record)
+{
+	record->next = atomic_load_explicit(&target->inbox, memory_order_relaxed); /* a first guess for the exchange */
+	/* Seq_cst: publishes the record to the target's exchange, and comes before the look at the idle list. */
+	while (!atomic_compare_exchange_weak_explicit(&target->inbox, &record->next, record, memory_order_seq_cst,
+	                                              memory_order_relaxed))
+		;
+	job_idle_wake_thread(&target->pool->idle, &target->parker);
+}
+
+static uint32_t shared_of(const job_record *record)
+{
+	switch (record->priority) {
+	case STILB_JOB_HIGH: return JOB_SHARED_HIGH;
+	case STILB_JOB_LOW: return JOB_SHARED_LOW;
+	default: return JOB_SHARED_NORMAL;
+	}
+}
+
+/* 0 or -ENOMEM. */
+static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread)
+{
+	uint32_t which = shared_of(record);
+	atomic_fetch_add_explicit(&pool->shared_hint[which], 1, memory_order_relaxed); /* first: it never falls below zero */
+	int error = stilb_job_queue_push(pool->shared[which], record, thread);
+	if (error) {
+		atomic_fetch_sub_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
+		return error;
+	}
+	stilb_job_queue_rest(pool->shared[which], thread);
+	if (job_idle_wanted_strict(&pool->idle))
+		job_idle_wake(&pool->idle,
+		              &(job_work){.kind = which == JOB_SHARED_HIGH ? JOB_WORK_HIGH : JOB_WORK_SHARED});
+	return 0;
+}
+
+/* 0 or -ENOMEM. */
+static int push_own(job_slot *slot, job_record *record)
+{
+	/* Read before the push, after which the record may be gone. */
+	job_work work = {.kind = JOB_WORK_JOB,
+	                 .root = atomic_load_explicit(&record->root, memory_order_relaxed),
+	                 .level = atomic_load_explicit(&record->level, memory_order_relaxed)};
+	int error = job_deque_push(&slot->deque, record);
+	if (!error && job_idle_wanted(&slot->pool->idle))
+		job_idle_wake(&slot->pool->idle, &work);
+	return error;
+}
+
+/* Where there is no memory for the way of choice: some worker's inbox. */
+static job_slot *refuge(stilb_job_pool *pool)
+{
+	return &pool->slot[pool->worker_count > 0];
+}
+
+void job_submit_record(job_slot *slot, job_record *record)
+{
+	if (record->target != JOB_ANYONE)
+		push_inbox(&slot->pool->slot[record->target], record);
+	else if ((record->priority != STILB_JOB_NORMAL || push_own(slot, record) != 0) &&
+	         push_shared(slot->pool, record, slot->index) != 0)
+		push_inbox(refuge(slot->pool), record);
+}
+
+static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t guest)
+{
+	if (record->target != JOB_ANYONE)
+		push_inbox(&pool->slot[record->target], record);
+	else if (push_shared(pool, record, pool->worker_count + 1 + guest) != 0)
+		push_inbox(refuge(pool), record);
+}
+
+/* ---- public ---------------------------------------------------------------------------------------------------- */
+
+/* Fills in what the record inherits, counts it and sends it on its way; slot is NULL for a guest. */
+static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *after, job_slot *slot, uint32_t guest)
+{
+	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)record->group;
+	atomic_store_explicit(&record->root, root, memory_order_relaxed);
+	atomic_store_explicit(&record->level, slot ? slot->level + 1 : 1, memory_order_relaxed);
+	job_count(slot ? &slot->submitted : &pool->guest[guest].submitted);
+	if (record->group)
+		job_group_add(record->group, 1); /* first: the job may have finished before the push returns */
+	if (after && job_group_follow(pool, after, record))
+		return;
+	if (slot)
+		job_submit_record(slot, record);
+	else
+		submit_as_guest(pool, record, guest);
+}
+
+/* Copies the filled-in part of job into a record and submits that. */
+static int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_group *after, uint32_t worker)
+{
+	assert(worker == STILB_JOB_OUTSIDE || worker <= pool->worker_count);
+	job_slot *slot = worker == STILB_JOB_OUTSIDE ? NULL : &pool->slot[worker];
+	uint32_t guest = slot ? 0 : job_guest_enter(pool);
+	job_record *record = job_record_take(&pool->records, slot ? &slot->records : &pool->guest[guest].records);
+	if (record) {
+		record->fn = job->fn;
+		record->data = job->data;
+		record->group = job->group;
+		record->count = job->count;
+		record->grain = job->grain;
+		record->target = job->target;
+		record->priority = job->priority;
+		submit(pool, record, after, slot, guest);
+	}
+	if (!slot)
+		job_guest_leave(pool, guest);
+	return record ? 0 : -ENOMEM;
+}
+
+int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group, uint32_t worker)
+{
+	job_record job = {.fn.one = fn, .data = data, .group = group, .target = JOB_ANYONE};
+	return submit_copy(pool, &job, NULL, worker);
+}
+
+int stilb_job_submit_with(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group,
+                          const stilb_job_options *options, uint32_t worker)
+{
+	if ((options->pinned && options->target > pool->worker_count) || (uint32_t)options->priority > STILB_JOB_LOW ||
+	    (options->after && options->after == group))
+		return -EINVAL;
+	job_record job = {.fn.one = fn,
+	                  .data = data,
+	                  .group = group,
+	                  .target = options->pinned ? (uint16_t)options->target : JOB_ANYONE,
+	                  .priority = (uint8_t)options->priority};
+	return submit_copy(pool, &job, options->after, worker);
+}
+
+int stilb_job_submit_array(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
+                           stilb_job_group *group, uint32_t worker)
+{
+	if (count == 0)
+		return 0;
+	job_record job = {
+		.fn.range = fn, .data = context, .group = group, .count = count, .grain = grain, .target = JOB_ANYONE};
+	return submit_copy(pool, &job, NULL, worker);
+}

@@ -1,0 +1,2 @@
+// The public headers are valid C++ and link from it.
+#include "consumer.c"

@@ -1,0 +1,16 @@
+/* job_random: random numbers for tests; the same seed gives the same ones. */
+#ifndef JOB_RANDOM_H
+#define JOB_RANDOM_H
+
+#include <stdint.h>
+
+/* splitmix64, Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014. */
+static inline uint64_t next_random(uint64_t *state)
+{
+	uint64_t z = *state += 0x9e3779b97f4a7c15u;
+	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+	return z ^ z >> 31;
+}
+
+#endif

@@ -1,0 +1,97 @@
+/*
+ * Every interleaving of the real single-producer, single-consumer queue with blocks of two cells, so that a few items go
+ * over several block ends and use blocks again (see job_model.h for what that covers and what not).
+ *
+ * tests/CMakeLists.txt builds this file again around copies of jobs/job_spsc.c with one fault each. Those are run with the
+ * argument must-fail: the checker has to find the fault.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "job_model_sys.h"
+
+#define JOB_SPSC_BLOCK_CELLS 2
+#include "jobs/job_spsc.c"
+
+#undef free
+#undef malloc
+
+static struct shared {
+	stilb_job_spsc *queue;
+	uintptr_t received;
+	uint32_t consumer_done;
+} shared;
+
+/* Parameters of a run; not part of the state. */
+static uintptr_t item_count;
+static bool must_fail;
+
+static void fail_unless(bool condition, const char *why)
+{
+	if (!condition)
+		model_fail(why);
+}
+
+static void *consume(void *data)
+{
+	(void)data;
+	void *item;
+	int error;
+	while ((error = stilb_job_spsc_pop(shared.queue, &item)) != -EPIPE)
+		if (error == 0)
+			fail_unless((uintptr_t)item == ++shared.received, "an item lost, out of order or not there yet");
+	fail_unless(shared.received == item_count, "closed before the last item came out");
+	shared.consumer_done = 1;
+	return NULL;
+}
+
+/* The first thread is the producer. */
+static void produce(void)
+{
+	fail_unless(stilb_job_spsc_create(&shared.queue) == 0, "create");
+	model_spawn(consume, NULL);
+	for (uintptr_t i = 1; i <= item_count; ++i)
+		fail_unless(stilb_job_spsc_push(shared.queue, (void *)i) == 0, "push");
+	stilb_job_spsc_close(shared.queue);
+	fail_unless(stilb_job_spsc_push(shared.queue, (void *)1) == -EPIPE, "a push after close");
+	model_block_until(&shared.consumer_done, 1);
+	fail_unless(model_heap_blocks() <= item_count / JOB_SPSC_BLOCK_CELLS + 2, "more blocks than promised");
+	stilb_job_spsc_destroy(shared.queue);
+	fail_unless(model_heap_blocks() == 0, "leaked blocks");
+}
+
+static const char *failure_with(uintptr_t items)
+{
+	model_scenario scenario = {.main = produce, .data = &shared, .data_size = sizeof shared, .max_states = 100000};
+	item_count = items;
+	model_result result = model_run(&scenario, !must_fail);
+	print_message("%u items: %7u states %7u steps, path %u: %s\n", (unsigned)items, result.states, result.steps,
+	              result.depth, result.failure ? result.failure : "ends well");
+	return result.failure;
+}
+
+static void test_spsc(void **state)
+{
+	(void)state;
+	const char *failure = NULL;
+	for (uintptr_t items = 0; items <= 9 && !failure; ++items)
+		failure = failure_with(items);
+	if (must_fail)
+		assert_non_null(failure);
+	else
+		assert_null(failure);
+}
+
+int main(int argc, char **argv)
+{
+	if (!model_available())
+		return 77;
+	must_fail = argc == 2 && strcmp(argv[1], "must-fail") == 0;
+	const struct CMUnitTest tests[] = {cmocka_unit_test(test_spsc)};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
