@@ -2,6 +2,7 @@
 #ifndef STILB_COMMANDS_H
 #define STILB_COMMANDS_H
 
+int bench_command(int argc, char **argv); /* becomes stilb-bench: returns only when it cannot */
 int demo_command(int argc, char **argv);
 int info_command(int argc, char **argv);
 

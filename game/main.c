@@ -12,6 +12,7 @@ static const struct command {
 	const char *help;
 } commands[] = {
 	{"demo", demo_command, "run the stress test: thousands of models, recorded by many threads"},
+	{"bench", bench_command, "measure queues and job systems against other libraries"},
 	{"info", info_command, "show the CPU's features, the GPUs and the libraries"},
 };
 

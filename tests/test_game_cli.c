@@ -14,6 +14,7 @@ static void test_help_and_version(void **state)
 	stilb_good("--help");
 	assert_said(run.out, "demo");
 	assert_said(run.out, "info");
+	assert_said(run.out, "bench");
 	stilb_good("demo --help");
 	static const char *const flags[] = {"--models",     "--workers",  "--frames", "--headless", "--no-present",
 	                                    "--animate",    "--validate", "--size",   "--view",     "--cull",
@@ -135,20 +136,42 @@ static void test_refusals(void **state)
 	}
 }
 
-/* A program copied away from its module for pictures still runs, and refuses a picture before the work. */
-static void test_pictures_need_their_module(void **state)
+/* A copy of stilb, made here, runs; the name of the real one comes back after it. */
+static int alone_code(const char *line)
 {
-	(void)state;
 	char home[PATH_MAX], command[PATH_MAX + 32];
 	memcpy(home, stilb_path, sizeof home);
 	snprintf(command, sizeof command, "cp '%s' alone", home);
 	assert_int_equal(system(command), 0);
 	assert_non_null(realpath("alone", stilb_path));
-	int without = stilb_code(no_display, SMALL);
-	int with = stilb_code(no_display, "demo --headless --models 1 --screenshot a.png");
+	int code = stilb_code(no_display, line);
 	memcpy(stilb_path, home, sizeof home);
-	assert_int_equal(without, 0);
-	assert_int_equal(with, 2);
+	return code;
+}
+
+static void test_bench_is_another_program(void **state)
+{
+	(void)state;
+	assert_int_equal(alone_code("bench queue"), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "stilb-bench");
+	assert_said(run.err, "./dev build");
+	FILE *other = fopen("stilb-bench", "w");
+	assert_non_null(other);
+	fputs("#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 5\n", other);
+	fclose(other);
+	assert_int_equal(chmod("stilb-bench", 0755), 0);
+	assert_int_equal(alone_code("bench queue --json {} --quick"), 5);
+	assert_string_equal(run.out, "<queue><--json><><--quick>");
+	assert_string_equal(run.err, "");
+}
+
+/* A program copied away from its module for pictures still runs, and refuses a picture before the work. */
+static void test_pictures_need_their_module(void **state)
+{
+	(void)state;
+	assert_int_equal(alone_code(SMALL), 0);
+	assert_int_equal(alone_code("demo --headless --models 1 --screenshot a.png"), 2);
 	assert_error_lines(1);
 	assert_said(run.err, "../lib/stilb");
 	assert_int_equal(folder_entries(), 1);
@@ -341,6 +364,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_words_that_cannot_be_written),
 		FRESH_TEST(test_info),
 		FRESH_TEST(test_refusals),
+		FRESH_TEST(test_bench_is_another_program),
 		FRESH_TEST(test_pictures_need_their_module),
 		FRESH_TEST(test_no_driver),
 		FRESH_TEST(test_full_disk),

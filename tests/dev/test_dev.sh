@@ -52,7 +52,8 @@ fresh_house() {
 		! grep -q "status=\"fail\"\|Unable" "$file"'
 	junit good 'test_a run' 'test_b run'
 	stand_in stilb 'echo stilb ran'
-	mv "$scratch/bin/stilb" "$scratch/house/build/release/stilb"
+	stand_in stilb-bench 'echo stilb-bench ran'
+	mv "$scratch/bin/stilb" "$scratch/bin/stilb-bench" "$scratch/house/build/release"
 	: >"$calls"
 }
 
@@ -103,7 +104,7 @@ remove_package() {
 
 test_refuses_before_anything_else() {
 	local arguments
-	for arguments in frobnicate bench '--wrong' 'test --quik' 'test --quick more' 'build x' 'lint x' ''; do
+	for arguments in frobnicate '--wrong' 'test --quik' 'test --quick more' 'build x' 'lint x' ''; do
 		fresh_house "refuses '$arguments'"
 		# shellcheck disable=SC2086
 		dev 2 $arguments
@@ -196,6 +197,24 @@ test_demo() {
 	not_called "cmake --build"
 }
 
+test_bench() {
+	fresh_house bench
+	remove_package libck-dev
+	remove_package clang-format
+	dev 0 bench queue --only 'two words' --no-install
+	called "stilb-bench queue --only two words"
+	[ "$(cat "$scratch/out")" = "stilb-bench ran" ] || fail "something else is on stdout"
+	not_called apt-get
+	dev 0 bench --help
+	called "apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300 libck-dev"
+	called "stilb-bench --help"
+
+	fresh_house "bench when the build fails"
+	stand_in cmake 'exit 1'
+	dev 1 bench queue
+	not_called stilb-bench
+}
+
 test_summary() {
 	fresh_house "all good"
 	dev 0 test
@@ -269,7 +288,7 @@ test_packages() {
 	: >"$scratch/err"
 	: >"$calls"
 	local wrong
-	wrong=$(awk '/^#/ || !NF { next } NF < 3 || $1 !~ /^(build|unit|test|lint)$/ || seen[$2]++' "$source/packages.txt")
+	wrong=$(awk '/^#/ || !NF { next } NF < 3 || $1 !~ /^(build|unit|test|lint|bench)$/ || seen[$2]++' "$source/packages.txt")
 	[ -z "$wrong" ] || fail "these rows are wrong: $wrong"
 }
 
@@ -277,6 +296,7 @@ require=
 test_refuses_before_anything_else
 test_set_up
 test_demo
+test_bench
 test_summary
 test_packages
 [ $failures -eq 0 ] || { echo "$failures failed"; exit 1; }

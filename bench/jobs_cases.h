@@ -1,0 +1,84 @@
+/* jobs_cases: the cases of the suite `jobs`, known to stilb-bench and to the programs of the subjects. */
+#ifndef JOBS_CASES_H
+#define JOBS_CASES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* What is measured. */
+typedef enum jobs_kind {
+	JOBS_SPAWN,   /* empty jobs, each an object of its own, submitted one by one from one thread */
+	JOBS_ARRAY,   /* empty jobs submitted as one object */
+	JOBS_OUTSIDE, /* empty jobs submitted one by one by threads that do not belong to the job system */
+	JOBS_JOIN,    /* fork-join of a few chunks of 1 us */
+	JOBS_LOOP,    /* a loop over 20,000 items of 200 ns */
+	JOBS_FIB,     /* fib(20), 10,945 jobs that spawn jobs and wait for them */
+	JOBS_WAKE,    /* one job for a sleeping worker: until it starts, and what that costs the submitter */
+	JOBS_STEAL,   /* the same for a worker that is looking for work; until it is taken, where the subject can tell */
+	JOBS_IDLE     /* CPU time of the other threads when there is nothing more to do */
+} jobs_kind;
+
+typedef struct jobs_case {
+	const char *name;
+	jobs_kind kind;
+	uint32_t threads;    /* in all, the caller included; OUTSIDE: beside those from outside */
+	uint32_t count;      /* jobs, chunks or items; OUTSIDE: for each of the threads */
+	uint32_t outside;    /* threads from outside */
+	double microseconds; /* of work in each */
+	uint32_t pause_us;   /* the caller sleeps this long before each turn */
+	bool phase;          /* within a phase, for subjects that have them */
+	bool pinned;         /* thread i of the process on CPU i, modulo their number; else all as the library does it */
+} jobs_case;
+
+/* X(name, title, KIND, more fields of jobs_case...); without the word pinned nobody is pinned by us. */
+#define JOBS_CASES(X)                                                                                                  \
+	X("spawn-1", "100,000 empty jobs one by one, 1 thread", SPAWN, .threads = 1, .count = 100000)                      \
+	X("spawn", "100,000 empty jobs one by one, 2 threads", SPAWN, .threads = 2, .count = 100000)                       \
+	X("spawn-pinned", "100,000 empty jobs one by one, 2 threads, pinned", SPAWN, .threads = 2, .count = 100000,        \
+	  .pinned = true)                                                                                                  \
+	X("array-1", "100,000 empty jobs as one array, 1 thread", ARRAY, .threads = 1, .count = 100000)                    \
+	X("array", "100,000 empty jobs as one array, 2 threads", ARRAY, .threads = 2, .count = 100000)                     \
+	X("array-pinned", "100,000 empty jobs as one array, 2 threads, pinned", ARRAY, .threads = 2, .count = 100000,      \
+	  .pinned = true)                                                                                                  \
+	X("outside", "50,000 empty jobs one by one from an outside thread, 1 worker", OUTSIDE, .threads = 2,               \
+	  .count = 50000, .outside = 1)                                                                                    \
+	X("outside-4", "50,000 empty jobs one by one from 4 outside threads, 2 workers", OUTSIDE, .threads = 3,            \
+	  .count = 12500, .outside = 4)                                                                                    \
+	X("join2", "fork-join of 2 x 1 us, 2 threads", JOIN, .threads = 2, .count = 2, .microseconds = 1)                  \
+	X("join8", "fork-join of 8 x 1 us, 2 threads", JOIN, .threads = 2, .count = 8, .microseconds = 1)                  \
+	X("join64", "fork-join of 64 x 1 us, 2 threads", JOIN, .threads = 2, .count = 64, .microseconds = 1)               \
+	X("join2-pinned", "fork-join of 2 x 1 us, 2 threads, pinned", JOIN, .threads = 2, .count = 2, .microseconds = 1,   \
+	  .pinned = true)                                                                                                  \
+	X("join8-pinned", "fork-join of 8 x 1 us, 2 threads, pinned", JOIN, .threads = 2, .count = 8, .microseconds = 1,   \
+	  .pinned = true)                                                                                                  \
+	X("join64-pinned", "fork-join of 64 x 1 us, 2 threads, pinned", JOIN, .threads = 2, .count = 64,                   \
+	  .microseconds = 1, .pinned = true)                                                                               \
+	X("join8-phase", "fork-join of 8 x 1 us, 2 threads, in a phase", JOIN, .threads = 2, .count = 8,                   \
+	  .microseconds = 1, .phase = true)                                                                                \
+	X("join8-idle", "fork-join of 8 x 1 us after 2 ms of idleness, 2 threads", JOIN, .threads = 2, .count = 8,         \
+	  .microseconds = 1, .pause_us = 2000)                                                                             \
+	X("join64-idle", "fork-join of 64 x 1 us after 2 ms of idleness, 2 threads", JOIN, .threads = 2, .count = 64,      \
+	  .microseconds = 1, .pause_us = 2000)                                                                             \
+	X("join8-idle-phase", "fork-join of 8 x 1 us after 2 ms of idleness, in a phase", JOIN, .threads = 2, .count = 8,  \
+	  .microseconds = 1, .pause_us = 2000, .phase = true)                                                              \
+	X("join64-idle-phase", "fork-join of 64 x 1 us after 2 ms of idleness, in a phase", JOIN, .threads = 2,            \
+	  .count = 64, .microseconds = 1, .pause_us = 2000, .phase = true)                                                 \
+	X("loop-1", "loop over 20,000 items of 200 ns, 1 thread", LOOP, .threads = 1, .count = 20000, .microseconds = 0.2) \
+	X("loop-2", "loop over 20,000 items of 200 ns, 2 threads", LOOP, .threads = 2, .count = 20000,                     \
+	  .microseconds = 0.2)                                                                                             \
+	X("loop-4", "loop over 20,000 items of 200 ns, 4 threads", LOOP, .threads = 4, .count = 20000,                     \
+	  .microseconds = 0.2)                                                                                             \
+	X("loop-8", "loop over 20,000 items of 200 ns, 8 threads", LOOP, .threads = 8, .count = 20000,                     \
+	  .microseconds = 0.2)                                                                                             \
+	X("fib-1", "fib(20) by jobs, 1 thread", FIB, .threads = 1)                                                         \
+	X("fib", "fib(20) by jobs, 2 threads", FIB, .threads = 2)                                                          \
+	X("wake", "one job for a sleeping worker after 2 ms of idleness", WAKE, .threads = 2, .pause_us = 2000)            \
+	X("wake-pinned", "one job for a sleeping worker after 2 ms of idleness, pinned", WAKE, .threads = 2,               \
+	  .pause_us = 2000, .pinned = true)                                                                                \
+	X("steal", "one job for a worker that looks for work", STEAL, .threads = 2, .phase = true)                         \
+	X("steal-pinned", "one job for a worker that looks for work, pinned", STEAL, .threads = 2, .phase = true,          \
+	  .pinned = true)                                                                                                  \
+	X("idle", "CPU time of the other threads when all work is done", IDLE, .threads = 2, .count = 64,                  \
+	  .microseconds = 1, .phase = true)
+
+#endif

@@ -1,0 +1,122 @@
+/* oneTBB. The case runs inside an arena of as many threads as asked for, else there would be no more than there are CPUs. */
+#include "bench/jobs_subject.h"
+
+#include <atomic>
+#include <optional>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+#include <thread>
+
+namespace
+{
+std::optional<tbb::global_control> limit;
+std::optional<tbb::task_arena> arena;
+std::optional<tbb::task_group> group;
+
+bool open(uint32_t threads, bool)
+{
+	limit.emplace(tbb::global_control::max_allowed_parallelism, threads);
+	arena.emplace(static_cast<int>(threads));
+	group.emplace();
+	return true;
+}
+
+void close()
+{
+	group.reset();
+	arena.reset();
+	limit.reset();
+}
+
+void inside(void (*body)(void *), void *context)
+{
+	arena->execute([=] { body(context); });
+}
+
+void spawn(jobs_fn *fn, char *data, uint32_t count)
+{
+	tbb::task_group jobs;
+	for (uint32_t i = 0; i < count; ++i)
+		jobs.run([=] { fn(data + i, 0); });
+	jobs.wait();
+}
+
+template <typename Partitioner> void parallel_for(jobs_range_fn *fn, void *context, uint32_t count)
+{
+	tbb::parallel_for(
+		tbb::blocked_range<uint32_t>(0, count, 1),
+		[=](const tbb::blocked_range<uint32_t> &range) { fn(range.begin(), range.end(), 0, context); }, Partitioner());
+}
+
+uint64_t fib(uint32_t n)
+{
+	if (n < 2)
+		return n;
+	uint64_t a;
+	tbb::task_group jobs;
+	jobs.run([&a, n] { a = fib(n - 1); });
+	uint64_t b = fib(n - 2);
+	jobs.wait();
+	return a + b;
+}
+
+void submit(jobs_fn *fn, void *data)
+{
+	group->run([=] { fn(data, 0); });
+}
+
+void wait()
+{
+	group->wait();
+}
+/* The thread is not of the arena: it hands its jobs over, and its own counter says when they have run. */
+void outside(jobs_fn *fn, char *data, uint32_t count)
+{
+	std::atomic<uint32_t> left(count);
+	for (uint32_t i = 0; i < count; ++i)
+		arena->enqueue([=, &left] {
+			fn(data + i, 0);
+			left.fetch_sub(1, std::memory_order_release); // pairs with the acquire below
+		});
+	while (left.load(std::memory_order_acquire) != 0)
+		std::this_thread::yield();
+}
+
+jobs_subject describe()
+{
+	jobs_subject tbb = {};
+	tbb.name = "tbb";
+	tbb.open = open;
+	tbb.close = close;
+	tbb.inside = inside;
+	tbb.spawn = spawn;
+	tbb.outside = outside;
+	tbb.array = parallel_for<tbb::simple_partitioner>;
+	tbb.join = parallel_for<tbb::simple_partitioner>;
+	tbb.loop = parallel_for<tbb::auto_partitioner>;
+	tbb.fib = fib;
+	tbb.submit = submit;
+	tbb.wait = wait;
+	return tbb;
+}
+
+/* The same with equal parts given out beforehand. */
+jobs_subject describe_static()
+{
+	jobs_subject tbb = {};
+	tbb.name = "tbb-static";
+	tbb.open = open;
+	tbb.close = close;
+	tbb.inside = inside;
+	tbb.join = parallel_for<tbb::static_partitioner>;
+	tbb.loop = parallel_for<tbb::static_partitioner>;
+	return tbb;
+}
+
+const jobs_subject tbb_subject = describe();
+const jobs_subject tbb_static_subject = describe_static();
+} // namespace
+
+const jobs_subject *const jobs_subjects[] = {&tbb_subject, &tbb_static_subject, nullptr};

@@ -1,0 +1,95 @@
+/* Concurrency Kit's linked queue, many producers and many consumers. It leaves the nodes to its user: here consumers
+ * hand used ones back to the producers in chains of 256, so memory is allocated only while the queue grows. That
+ * flatters it: queues that allocate in each call are measured with their allocations. */
+#include <ck_fifo.h>
+
+#include <stdint.h>
+
+#define CHAIN 256
+
+typedef struct entry {
+	ck_fifo_mpmc_entry_t fifo; /* first: the fifo hands out pointers to it */
+	struct entry *next;        /* in a chain */
+	struct entry *next_chain;
+} entry;
+
+typedef struct subject_queue {
+	ck_fifo_mpmc_t fifo;
+	__attribute__((aligned(128)))
+	entry *chains; /* given back: release by who pushes a chain, acquire by who takes all */
+} subject_queue;
+
+typedef struct subject_thread {
+	entry *free, *chains; /* producer: what it may use */
+	uint32_t count;       /* consumer: length of free */
+} subject_thread;
+#define SUBJECT_BATCH 0
+#include "bench/queue_load.h"
+
+static void subject_open(subject_queue *queue, const queue_load *load)
+{
+	(void)load;
+	entry *stub = load_allocate(sizeof *stub);
+	ck_fifo_mpmc_init(&queue->fifo, &stub->fifo);
+}
+
+static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t thread)
+{
+	(void)queue, (void)self, (void)thread;
+}
+
+/* A chain from the heap, in one block. */
+static entry *new_chain(void)
+{
+	entry *block = load_allocate(CHAIN * sizeof *block);
+	for (uint32_t i = 0; i + 1 < CHAIN; i++)
+		block[i].next = &block[i + 1];
+	return block;
+}
+
+static inline entry *take_entry(subject_queue *queue, subject_thread *self)
+{
+	if (!self->free) {
+		if (!self->chains)
+			self->chains = __atomic_exchange_n(&queue->chains, NULL, __ATOMIC_ACQUIRE);
+		self->free = self->chains ? self->chains : new_chain();
+		self->chains = self->free->next_chain;
+	}
+	entry *taken = self->free;
+	self->free = taken->next;
+	return taken;
+}
+
+static inline void give_entry(subject_queue *queue, subject_thread *self, entry *used)
+{
+	used->next = self->free;
+	self->free = used;
+	if (++self->count < CHAIN)
+		return;
+	used->next_chain = __atomic_load_n(&queue->chains, __ATOMIC_RELAXED);
+	while (!__atomic_compare_exchange_n(&queue->chains, &used->next_chain, used, true, __ATOMIC_RELEASE,
+	                                    __ATOMIC_RELAXED)) {
+	}
+	self->free = NULL;
+	self->count = 0;
+}
+
+static inline bool subject_push(subject_queue *queue, subject_thread *self, void *item)
+{
+	ck_fifo_mpmc_enqueue(&queue->fifo, &take_entry(queue, self)->fifo, item);
+	return true;
+}
+
+static inline bool subject_pop(subject_queue *queue, subject_thread *self, void **item)
+{
+	ck_fifo_mpmc_entry_t *used;
+	if (!ck_fifo_mpmc_dequeue(&queue->fifo, item, &used))
+		return false;
+	give_entry(queue, self, (entry *)used);
+	return true;
+}
+
+int main(int argc, char **argv)
+{
+	return queue_load_main(argc, argv);
+}

@@ -1,0 +1,81 @@
+/* Vyukov's bounded queue (Dmitry Vyukov, "Bounded MPMC queue", 1024cores.net): a ring of cells, each with a turn number
+ * that says whether it may be filled or emptied. */
+#include <assert.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define CELLS 4096
+
+typedef struct cell {
+	uint64_t turn; /* release by who is done with the cell, acquire by who wants it */
+	void *item;
+} cell;
+
+typedef struct subject_queue {
+	cell cells[CELLS];
+	__attribute__((aligned(128))) uint64_t in; /* tickets; relaxed: order lies in the cells' turns */
+	__attribute__((aligned(128))) uint64_t out;
+} subject_queue;
+
+typedef char subject_thread;
+#define SUBJECT_BATCH 0
+#include "bench/queue_load.h"
+
+static_assert(CELLS == QUEUE_LOAD_BOUNDED, "every bounded queue has the same capacity");
+
+static void subject_open(subject_queue *queue, const queue_load *load)
+{
+	(void)load;
+	for (uint64_t i = 0; i < CELLS; i++)
+		queue->cells[i].turn = i;
+}
+
+static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t thread)
+{
+	(void)queue, (void)self, (void)thread;
+}
+
+/* Takes a ticket whose cell has its turn at ticket + offset; NULL: the queue is full or empty. */
+static inline cell *claim(cell *cells, uint64_t *tickets, uint64_t offset, uint64_t *ticket)
+{
+	*ticket = __atomic_load_n(tickets, __ATOMIC_RELAXED);
+	for (;;) {
+		cell *at = &cells[*ticket % CELLS];
+		int64_t ahead = (int64_t)(__atomic_load_n(&at->turn, __ATOMIC_ACQUIRE) - (*ticket + offset));
+		if (ahead < 0)
+			return NULL;
+		if (ahead > 0)
+			*ticket = __atomic_load_n(tickets, __ATOMIC_RELAXED);
+		else if (__atomic_compare_exchange_n(tickets, ticket, *ticket + 1, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+			return at;
+	}
+}
+
+static inline bool subject_push(subject_queue *queue, subject_thread *self, void *item)
+{
+	(void)self;
+	uint64_t ticket;
+	cell *at = claim(queue->cells, &queue->in, 0, &ticket);
+	if (!at)
+		return false;
+	at->item = item;
+	__atomic_store_n(&at->turn, ticket + 1, __ATOMIC_RELEASE);
+	return true;
+}
+
+static inline bool subject_pop(subject_queue *queue, subject_thread *self, void **item)
+{
+	(void)self;
+	uint64_t ticket;
+	cell *at = claim(queue->cells, &queue->out, 1, &ticket);
+	if (!at)
+		return false;
+	*item = at->item;
+	__atomic_store_n(&at->turn, ticket + CELLS, __ATOMIC_RELEASE);
+	return true;
+}
+
+int main(int argc, char **argv)
+{
+	return queue_load_main(argc, argv);
+}

@@ -1,0 +1,328 @@
+/* The program stilb-bench: its flags, a small run and its JSON, and what it makes of programs that fail, lie, hang. */
+#include "support/stilb_program.h"
+
+static char faulty_path[PATH_MAX];
+
+static int bench_code(const char *line)
+{
+	return stilb_code(NULL, line);
+}
+
+/* ---- words ------------------------------------------------------------------------------------------------------- */
+
+static void test_help_and_list(void **state)
+{
+	(void)state;
+	stilb_good("--help");
+	static const char *const words[] = {"queue",  "jobs",   "queue --steps", "--quick", "--rounds", "--seconds",
+	                                    "--only", "--case", "--json",        "--plot",  "--list",   "--steps"};
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+		char line[32];
+		snprintf(line, sizeof line, "\n  %s ", words[i]);
+		assert_said(run.out, line);
+	}
+	stilb_good("queue --list");
+	assert_said(run.out, "stilb-low-lock");
+	assert_said(run.out, "batch16-pinned-2P2C");
+	stilb_good("queue --steps --list");
+	assert_said(run.out, "step4");
+	assert_said(run.out, "large-2P1C");
+	assert_int_equal(folder_entries(), 0);
+}
+
+/* What is wrong, and a word that the line about it must have. */
+static const char *const refusals[][2] = {
+	{"", "no suite"},
+	{"bogus", "'bogus'"},
+	{"queue --bogus", "'--bogus'"},
+	{"queue extra", "'extra'"},
+	{"queue --quick=1", "no value"},
+	{"queue --rounds 0", "1..1000"},
+	{"queue --rounds many", "'many'"},
+	{"queue --rounds 2 --rounds 1001", "'1001'"},
+	{"queue --seconds 0", "0.01..60"},
+	{"queue --seconds 61", "'61'"},
+	{"queue --seconds nan", "'nan'"},
+	{"queue --seconds 1e1", "'1e1'"},
+	{"queue --seconds", "missing"},
+	{"queue --only stilb-low-lock,bogus", "'bogus'"},
+	{"queue --only {}", "--only"},
+	{"queue --case 4P4C,3P9C", "'3P9C'"},
+	{"queue --case batch16-1P1C --only sutter", "--list"},
+	{"queue --steps --only sutter", "'sutter'"},
+	{"jobs --steps", "--steps"},
+	{"queue --json missing/a.json", "does not exist"},
+	{"queue --json .", "folder"},
+	{"queue --plot missing/a.png", "does not exist"},
+	{"queue --json a --plot ./a", "--plot"},
+};
+
+static void test_refusals(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+		int code = bench_code(refusals[i][0]);
+		if (code != 2)
+			print_error("stilb-bench %s: %s", refusals[i][0], run.err);
+		assert_int_equal(code, 2);
+		assert_string_equal(run.out, "");
+		assert_error_lines(1);
+		assert_said(run.err, refusals[i][1]);
+		assert_int_equal(folder_entries(), 0);
+	}
+}
+
+/* ---- a small run ------------------------------------------------------------------------------------------------- */
+
+/* The place in rows of a row, or -1. */
+static int row_of(const char *case_name, const char *subject, const char *metric)
+{
+	for (int i = 0;; i++) {
+		char path[3][32];
+		const json_flat_value *values[3];
+		static const char *const keys[3] = {"case", "subject", "metric"};
+		const char *const wanted[3] = {case_name, subject, metric};
+		int same = 0;
+		for (int k = 0; k < 3; k++) {
+			snprintf(path[k], sizeof path[k], "rows[%d].%s", i, keys[k]);
+			values[k] = json_flat_find(&stats, path[k]);
+			if (!values[k])
+				return -1;
+			same += strcmp(values[k]->text, wanted[k]) == 0;
+		}
+		if (same == 3)
+			return i;
+	}
+}
+
+static double row_value(const char *case_name, const char *subject, const char *metric, const char *key)
+{
+	char path[64];
+	int row = row_of(case_name, subject, metric);
+	if (row < 0)
+		print_error("no row %s %s %s\n", case_name, subject, metric);
+	assert_true(row >= 0);
+	snprintf(path, sizeof path, "rows[%d].%s", row, key);
+	return strtod(stat_text(path, '0'), NULL);
+}
+
+/* A row is in order, and has as many runs as there were rounds; returns its median. */
+static double assert_row(const char *case_name, const char *subject, const char *metric, int runs)
+{
+	double median = row_value(case_name, subject, metric, "median");
+	assert_true(row_value(case_name, subject, metric, "min") <= median);
+	assert_true(median <= row_value(case_name, subject, metric, "max"));
+	assert_true(row_value(case_name, subject, metric, "runs") == runs);
+	return median;
+}
+
+static void assert_small_run(int runs)
+{
+	static const char *const subjects[] = {"stilb-low-lock", "stilb-lock-free", "sutter", "mutex", "counter"};
+	static const char *const limits[] = {"clock", "uncontended-atomic", "contended-atomic", "futex-wake-p50",
+	                                     "futex-wake-p99"};
+	assert_string_equal(stat_text("suite", '"'), "queue");
+	assert_true(stat_int("machine.cpus") >= 1);
+	stat_text("machine.flags", '"');
+	for (size_t i = 0; i < 5; i++)
+		assert_true(assert_row("limits", "machine", limits[i], runs) > 0.0);
+	for (size_t i = 0; i < 5; i++) {
+		double throughput = assert_row("2P2C", subjects[i], "throughput", runs);
+		/* Every item was verified, and a run lasts at least as long as was asked for. */
+		double items = assert_row("2P2C", subjects[i], "items", runs);
+		assert_true(items >= 1.0 && items * 1.05 >= throughput * 1e6 * 0.02);
+		assert_true(assert_row("2P2C", subjects[i], "peak-memory", runs) > 0.0);
+		assert_row("2P2C", subjects[i], "steal", runs);
+	}
+	assert_row("batch16-1P1C", "stilb-low-lock", "throughput", runs);
+	assert_int_equal(row_of("batch16-1P1C", "sutter", "throughput"), -1);
+}
+
+static void test_small_run(void **state)
+{
+	(void)state;
+	assert_int_equal(bench_code("queue --quick --case 2P1C"), 2); /* there is no such case */
+	static const char words[] =
+		"queue --quick --seconds 0.02 --rounds=9 --rounds 2 --only stilb-l*,sutter,mutex,counter "
+		"--case 2P2C,batch16-1P1C --json a.json";
+	assert_int_equal(bench_code(words), 0);
+	assert_said(run.out, "stilb-low-lock");
+	assert_said(run.out, "worst");
+	assert_null(strstr(run.out, "FAILED"));
+	read_stats("a.json");
+	assert_said(run.out, stat_text("machine.flags", '"'));
+	assert_small_run(2);
+	assert_int_equal(folder_entries(), 1);
+}
+
+static void test_json_goes_where_it_is_told(void **state)
+{
+	(void)state;
+	char line[512];
+	static const char words[] = "queue --seconds 0.01 --rounds 1 --only mutex --case 1P1C";
+	snprintf(line, sizeof line, "%s --json -", words);
+	assert_int_equal(bench_code(line), 0);
+	json_flat_finish(&stats);
+	assert_true(json_flat_text(run.out, strlen(run.out), &stats)); /* nothing but JSON on stdout */
+	assert_row("1P1C", "mutex", "throughput", 1);
+	assert_said(run.err, "best peer: mutex"); /* the tables are on stderr then */
+	snprintf(line, sizeof line, "%s --json /dev/full", words);
+	assert_int_equal(bench_code(line), 1);
+	assert_said(run.err, "\nstilb: cannot write '/dev/full'");
+	int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+	stilb_start(NULL, full, words);
+	program_wait(&run);
+	close(full);
+	assert_int_equal(run.code, 1);
+	assert_said(run.err, "standard output");
+	assert_int_equal(folder_entries(), 0);
+}
+
+/* ---- programs that are not as they should be --------------------------------------------------------------------- */
+
+/* A copy of stilb-bench in this folder, where programs of the test lie beside it. */
+static int copy_code(const char *line)
+{
+	char home[PATH_MAX];
+	memcpy(home, stilb_path, sizeof home);
+	assert_non_null(realpath("stilb-bench", stilb_path));
+	int code = bench_code(line);
+	memcpy(stilb_path, home, sizeof home);
+	return code;
+}
+
+static void copy_program(const char *from, const char *to)
+{
+	char command[2 * PATH_MAX + 16];
+	snprintf(command, sizeof command, "cp '%s' '%s'", from, to);
+	assert_int_equal(system(command), 0);
+}
+
+static void write_program(const char *name, const char *script)
+{
+	FILE *file = fopen(name, "w");
+	assert_non_null(file);
+	fprintf(file, "#!/bin/sh\n%s\n", script);
+	fclose(file);
+	assert_int_equal(chmod(name, 0755), 0);
+}
+
+#define GOOD_LIMITS                                                                                                    \
+	"echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; echo futex-wake-p50 4; echo futex-wake-p99 5"
+
+/* The load notices a lost item, one that comes twice and one that is another, and the program says so. */
+static void test_wrong_results_are_failures(void **state)
+{
+	(void)state;
+	copy_program(stilb_path, "stilb-bench");
+	copy_program(faulty_path, "stilb-bench-queue-own");
+	write_program("stilb-bench-limits", GOOD_LIMITS);
+	static const char *const faulty[] = {"sutter", "stilb-low-lock", "stilb-lock-free"};
+	for (size_t i = 0; i < 3; i++) {
+		char line[256];
+		snprintf(line, sizeof line, "queue --seconds 0.05 --rounds 1 --case 1P1C --only mutex,%s --json a.json",
+		         faulty[i]);
+		assert_int_equal(copy_code(line), 1);
+		assert_said(run.err, "\nstilb: ");
+		assert_said(run.err, "wrong result");
+		assert_said(run.out, "FAILED in 1 of 1 runs: wrong result");
+		read_stats("a.json");
+		assert_int_equal(row_of("1P1C", faulty[i], "throughput"), -1);
+		assert_row("1P1C", "mutex", "throughput", 1);
+		assert_true(row_value("1P1C", "mutex", "items", "median") > 2000.0); /* the fault lies after 1000 */
+	}
+}
+
+/* A peer that hangs is killed and reported, and fails nobody else; ours may not hang. */
+static void test_programs_that_hang_or_die(void **state)
+{
+	(void)state;
+	copy_program(stilb_path, "stilb-bench");
+	write_program("stilb-bench-limits", GOOD_LIMITS);
+	write_program("stilb-bench-queue-own",
+	              "case $1 in mutex) echo throughput 7; echo items 8;; *) exec sleep 60;; esac");
+	assert_int_equal(copy_code("queue --quick --seconds 0.01 --rounds 2 --case 1P1C --only mutex,sutter --json a.json"),
+	                 0);
+	assert_said(run.out, "TIMED OUT in 1 of 1 runs"); /* and is left out of the second round */
+	read_stats("a.json");
+	assert_true(assert_row("1P1C", "mutex", "throughput", 2) == 7.0);
+	assert_true(row_value("1P1C", "sutter", "timed-out", "median") == 1.0);
+	assert_int_equal(row_of("1P1C", "sutter", "throughput"), -1);
+	assert_int_equal(copy_code("queue --quick --seconds 0.01 --rounds 1 --case 1P1C --only stilb-low-lock"), 1);
+	assert_said(run.err, "stilb: stilb-low-lock in 1P1C: no result after");
+
+	static const char *const deaths[][2] = {{"kill -SEGV $$", "signal 11"},
+	                                        {"echo broken >&2; exit 3", "broken"},
+	                                        {"exit 3", "exit status 3"},
+	                                        {"echo throughput", "throughput"},
+	                                        {"exit 0", "exit status 0"}};
+	for (size_t i = 0; i < sizeof deaths / sizeof *deaths; i++) {
+		write_program("stilb-bench-queue-own", deaths[i][0]);
+		assert_int_equal(copy_code("queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex"), 1);
+		assert_said(run.err, deaths[i][1]);
+	}
+	write_program("stilb-bench-queue-own", "exit 77"); /* has no such case: no row, no failure */
+	assert_int_equal(copy_code("queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex --json a.json"), 0);
+	read_stats("a.json");
+	assert_int_equal(row_of("1P1C", "mutex", "throughput"), -1);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+#define PLOTTED "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex --plot a.png"
+
+/* gnuplot is a stand-in here: it writes a word where the script wants the picture. */
+static void test_pictures(void **state)
+{
+	(void)state;
+	static const char *const nowhere[] = {"PATH=/nonexistent", NULL};
+	assert_int_equal(stilb_code(nowhere, PLOTTED), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "gnuplot-nox");
+
+	char path[PATH_MAX + 32];
+	snprintf(path, sizeof path, "PATH=%s:/usr/bin:/bin", stilb_folder);
+	const char *const here[] = {path, NULL};
+	write_program("gnuplot", "[ $1 = --version ] || echo drawn >$(sed -n \"s/^set output '\\(.*\\)'$/\\1/p\" $1)");
+	assert_int_equal(stilb_code(here, PLOTTED), 0);
+	char word[16] = "";
+	FILE *picture = fopen("a.png", "r");
+	assert_non_null(picture);
+	assert_non_null(fgets(word, sizeof word, picture));
+	fclose(picture);
+	assert_string_equal(word, "drawn\n");
+	write_program("gnuplot", "[ $1 = --version ]");
+	assert_int_equal(stilb_code(here, PLOTTED), 1);
+	assert_said(run.err, "stilb: cannot draw 'a.png': gnuplot failed");
+}
+
+static void test_what_is_not_built_is_named(void **state)
+{
+	(void)state;
+	copy_program(stilb_path, "stilb-bench");
+	assert_int_equal(copy_code("queue --list"), 0);
+	assert_said(run.out, "not built: needs libtbb-dev");
+	assert_int_equal(copy_code("queue --only tbb"), 2);
+	assert_error_lines(1);
+}
+
+#define FRESH_TEST(name) cmocka_unit_test_setup(name, folder_fresh)
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		FRESH_TEST(test_help_and_list),
+		FRESH_TEST(test_refusals),
+		FRESH_TEST(test_small_run),
+		FRESH_TEST(test_json_goes_where_it_is_told),
+		FRESH_TEST(test_wrong_results_are_failures),
+		FRESH_TEST(test_programs_that_hang_or_die),
+		FRESH_TEST(test_pictures),
+		FRESH_TEST(test_what_is_not_built_is_named),
+	};
+	if (argc != 3 || !realpath(argv[2], faulty_path) || !folder_enter(argv[1], "bench_cli")) {
+		fprintf(stderr, "usage: test_bench_cli STILB-BENCH BENCH_FAULTY_QUEUE\n");
+		return 2;
+	}
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}
