@@ -121,8 +121,8 @@ int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_j
 /* Zero is the default of every field. */
 typedef struct stilb_job_options {
 	stilb_job_priority priority;
-	bool pinned;            /* only the thread with index target runs it; the owner does in its waits, loops and run_pinned */
-	uint32_t target;        /* 0..worker_count */
+	bool pinned;     /* only the thread with index target runs it; the owner does in its waits, loops and run_pinned */
+	uint32_t target; /* 0..worker_count */
 	stilb_job_group *after; /* not before this group has finished; NULL: at once. May be one that is finished already */
 } stilb_job_options;
 

@@ -27,10 +27,11 @@ struct job_deque_buffer {
 };
 
 typedef struct job_deque {
-	alignas(JOB_LINE) _Atomic int64_t top; /* the oldest; only ever grows */
+	alignas(JOB_LINE) _Atomic int64_t top;    /* the oldest; only ever grows */
 	alignas(JOB_LINE) _Atomic int64_t bottom; /* one past the newest; written by the owner */
-	_Atomic(job_deque_buffer *) buffer; /* release in grow, pairs with acquire in job_deque_oldest */
-	alignas(JOB_LINE) int64_t top_seen; /* by the owner, some time ago: it need not fetch the thieves' line for a push */
+	_Atomic(job_deque_buffer *) buffer;       /* release in grow, pairs with acquire in job_deque_oldest */
+	alignas(
+		JOB_LINE) int64_t top_seen; /* by the owner, some time ago: it need not fetch the thieves' line for a push */
 } job_deque;
 
 /* 0 or -ENOMEM. */
@@ -89,7 +90,7 @@ static inline job_record *job_deque_pop(job_deque *deque)
 		return record;
 	/* The last one, or none: it belongs to who moves top. */
 	if (top > bottom || !atomic_compare_exchange_strong_explicit(&deque->top, &top, top + 1, memory_order_seq_cst,
-	                                                            memory_order_relaxed))
+	                                                             memory_order_relaxed))
 		record = NULL;
 	/* Release: a thief that reads this value still sees the records below it. */
 	atomic_store_explicit(&deque->bottom, bottom + 1, memory_order_release);

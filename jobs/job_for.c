@@ -86,11 +86,12 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
 		job_parker_wake(&owner->parker);
 }
 
-/* Wakes one more thread, if there is one to wake and enough left for it to do. */
+/* Wakes one more thread, if there is one to wake, enough left for it to do and a CPU for it to run on. */
 static bool wake_helper(stilb_job_pool *pool, const loop_span *span)
 {
 	/* A relaxed guess: nobody depends on help, so a wake-up missed here strands no work. */
 	return span->left >= span->worth && job_idle_maybe_wanted(&pool->idle) &&
+	       (!pool->crowded || job_idle_awake(&pool->idle) + 1 < pool->cpus) &&
 	       job_idle_wake(&pool->idle, &(job_work){.kind = JOB_WORK_LOOP, .root = span->root, .level = span->level});
 }
 
@@ -227,7 +228,9 @@ static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uin
 /* From how many slices on a wake-up pays; unknown slices may be long. */
 static uint32_t slices_worth(const stilb_job_pool *pool, uint64_t ticks)
 {
-	return ticks == 0 ? 1 : ticks * UINT32_MAX < pool->wake_ticks ? UINT32_MAX : (uint32_t)(pool->wake_ticks / ticks) + 1;
+	return ticks == 0                              ? 1
+	       : ticks * UINT32_MAX < pool->wake_ticks ? UINT32_MAX
+	                                               : (uint32_t)(pool->wake_ticks / ticks) + 1;
 }
 
 /* The loop in the caller's slot, open for all. Not inline: the way of short loops stays short. */
@@ -245,15 +248,19 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 	span->slices = guided(all, threads, most);
 	span->left = all - span->slices;
 	loop_open(loop, span, slices, most);
-	bool woken = asleep && wake_helper(pool, span);
+	/* Asked again after the loop has been opened, for the last spinner may have gone to sleep just before; and then after each
+	 * span, for in the relaxed look of a worker that goes to sleep the loop may not have been open yet. */
+	bool woken = wake_helper(pool, span);
 	uint64_t mine = 0;
 	do {
 		span_run(span, slot->index);
 		mine += span->slices;
-		if (asleep && !woken && span->left > 0) {
+		if (!woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle)) {
 			/* What the first slices took says more than what others took some time ago. */
-			span->worth = slices_worth(pool, (job_sys_ticks() - start) / mine);
-			atomic_store_explicit(&loop->worth, span->worth, memory_order_relaxed);
+			if (measured) {
+				span->worth = slices_worth(pool, (job_sys_ticks() - start) / mine);
+				atomic_store_explicit(&loop->worth, span->worth, memory_order_relaxed);
+			}
 			woken = wake_helper(pool, span);
 		}
 	} while (loop_claim(loop, &job_scope_all, threads, span));

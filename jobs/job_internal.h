@@ -92,7 +92,7 @@ typedef struct job_slot {
 	uint32_t level; /* of that, 0 if none */
 	uint32_t index;
 	uint32_t loops_open;
-	uint32_t turn, loops_run; /* for what happens every so many times */
+	uint32_t turn, loops_run;    /* for what happens every so many times */
 	uint64_t alone, alone_until; /* ticks spent in a row in short loops without help, and when the last one ended */
 	uint32_t victim;             /* where it begins to look for something to steal */
 	bool in_high;                /* in the middle of a job of high priority: its waits run no more of them */
@@ -131,7 +131,7 @@ struct stilb_job_pool {
 	/* Read only: what every call looks at. */
 	alignas(JOB_LINE) uint32_t worker_count;
 	uint32_t cpus;
-	bool crowded; /* more threads than CPUs */
+	bool crowded;         /* more threads than CPUs */
 	uint64_t wake_ticks;  /* JOB_WAKE_NS */
 	uint64_t steal_ticks; /* JOB_STEAL_NS */
 	stilb_job_queue *shared[JOB_SHARED_COUNT];
@@ -144,7 +144,7 @@ struct stilb_job_pool {
 	alignas(JOB_LINE) _Atomic uint32_t phase; /* open phases; relaxed, a hint to spinners */
 	_Atomic bool stop;                        /* release in destroy, pairs with acquire in the workers */
 	_Atomic bool cancelled;                   /* relaxed: jobs that start at that moment may or may not run */
-	alignas(JOB_LINE) job_lock after_lock; /* guards the lists of all groups */
+	alignas(JOB_LINE) job_lock after_lock;    /* guards the lists of all groups */
 	alignas(JOB_LINE) job_lock visitors_lock;
 	job_visitor *visitors;
 	alignas(JOB_LINE) _Atomic uint32_t guests; /* bit per guest in use; acquire to claim, release to give back */

@@ -135,11 +135,15 @@ static bool scope_accepts(const job_scope *scope, const job_work *work)
 		return true;
 	bool inside = work->root == scope->root && work->level > scope->level;
 	switch (work->kind) {
-	case JOB_WORK_JOB: return scope->jobs && inside;
-	case JOB_WORK_HIGH: return scope->high;
-	case JOB_WORK_LOOP: return inside;
+	case JOB_WORK_JOB:
+		return scope->jobs && inside;
+	case JOB_WORK_HIGH:
+		return scope->high;
+	case JOB_WORK_LOOP:
+		return inside;
 	case JOB_WORK_OWN:
-	case JOB_WORK_SHARED: return false;
+	case JOB_WORK_SHARED:
+		return false;
 	}
 	return false;
 }
@@ -164,7 +168,8 @@ static uint32_t list_find_for(const job_idle_list *list, const job_work *work, b
 /* The waker goes on running: a thread bound to its CPU would have to wait for it. The lock is held. */
 static void move_away(job_idle_list *list, job_parker *parker)
 {
-	if (!parker->bound || !list->spare || parker->cpu != job_sys_cpu() || !job_sys_bind(parker->thread, list->spare_cpu))
+	if (!parker->bound || !list->spare || parker->cpu != job_sys_cpu() ||
+	    !job_sys_bind(parker->thread, list->spare_cpu))
 		return;
 	uint32_t cpu = parker->cpu;
 	parker->cpu = list->spare_cpu;

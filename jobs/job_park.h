@@ -80,7 +80,7 @@ typedef struct job_idle_list {
 	bool spare;         /* there is a CPU that no worker is bound to */
 	uint32_t spare_cpu; /* that one */
 	uint32_t workers;   /* of the pool */
-	uint32_t waiting;   /* of them, those on the list that wait for something: when all do, one of them may do anything */
+	uint32_t waiting; /* of them, those on the list that wait for something: when all do, one of them may do anything */
 	job_idler idler[STILB_JOB_MAX_WORKERS + 1]; /* a stack: who came last has the warmest caches and goes first */
 } job_idle_list;
 
@@ -101,8 +101,8 @@ bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning);
 
 typedef enum job_idle_fate {
 	JOB_IDLE_UNMOVED, /* was still on the list: nobody had anything for this thread */
-	JOB_IDLE_CHOSEN,  /* somebody had: it takes work or sees to it that another does; one that may do all is a spinner now */
-	JOB_IDLE_RESCUE   /* chosen to do anything there is, as every worker waited */
+	JOB_IDLE_CHOSEN, /* somebody had: it takes work or sees to it that another does; one that may do all is a spinner now */
+	JOB_IDLE_RESCUE /* chosen to do anything there is, as every worker waited */
 } job_idle_fate;
 
 /* Takes one worker off the list that may do anything and wakes it as a spinner, unless there are limit already. [any-thread] */
@@ -132,6 +132,13 @@ static inline bool job_idle_wanted_strict(job_idle_list *list)
 static inline bool job_idle_maybe_wanted(const job_idle_list *list)
 {
 	return job_idle_state_wanted(atomic_load_explicit(&list->state, memory_order_relaxed));
+}
+
+/* A guess, relaxed: workers that do not sleep, less one for the owner if that does. [any-thread] */
+static inline uint32_t job_idle_awake(const job_idle_list *list)
+{
+	uint32_t idlers = atomic_load_explicit(&list->state, memory_order_relaxed) & (JOB_IDLE_SPINNER - 1);
+	return idlers < list->workers ? list->workers - idlers : 0;
 }
 
 /* Takes one idler that would do such work off the list and wakes it; false if there is none. A wake-up costs the caller some

@@ -14,8 +14,10 @@ int stilb_job_queue_create(const stilb_job_queue_desc *desc, stilb_job_queue **q
 	if (desc->capacity == 0 || desc->thread_count == 0 || desc->thread_count > STILB_JOB_QUEUE_MAX_THREADS)
 		return -EINVAL;
 	switch (desc->kind) {
-	case STILB_JOB_QUEUE_LOW_LOCK: return job_queue_low_lock_create(desc, queue);
-	case STILB_JOB_QUEUE_LOCK_FREE: return job_queue_lock_free_create(desc, queue);
+	case STILB_JOB_QUEUE_LOW_LOCK:
+		return job_queue_low_lock_create(desc, queue);
+	case STILB_JOB_QUEUE_LOCK_FREE:
+		return job_queue_lock_free_create(desc, queue);
 	}
 	return -EINVAL;
 }

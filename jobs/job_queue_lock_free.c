@@ -49,7 +49,7 @@
 #define JOB_SEGMENT_CELLS 1024
 #define JOB_SEGMENT_ALIGN JOB_LINE
 #define JOB_SPARE_SEGMENTS 8
-#define JOB_BACKOFF_PAUSES 256
+#define JOB_BACKOFF_PAUSES 512
 #endif
 #define LOOKS_FOR_SEGMENT 8 /* retired segments that may turn out to be in use before a new one is made */
 
@@ -267,7 +267,8 @@ static bool cell_change(job_place *place, void **seen, void *to)
 }
 
 /* Another thread works in the same cells at the same time. Leaves them to it for a while, the longer the more often that
- * happens: two threads that take the line from one another for every item are slower than either alone. */
+ * happens: two threads that take the line from one another for every item are slower than either alone. The length is
+ * halved when the thread goes to another segment or finds the queue empty. */
 static void place_back_off(job_place *place)
 {
 	uint32_t more = place->pauses * 2 + 4;
@@ -339,6 +340,7 @@ static int lock_free_pop(stilb_job_queue *base, void **item, uint32_t thread)
 	for (;;) {
 		void *seen = head_find(queue, self);
 		if (!seen) {
+			place->pauses /= 2;
 			int error = head_seal(queue, place);
 			if (error)
 				return error;

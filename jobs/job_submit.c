@@ -44,9 +44,12 @@ static void push_inbox(job_slot *target, job_record *record)
 static uint32_t shared_of(const job_record *record)
 {
 	switch (record->priority) {
-	case STILB_JOB_HIGH: return JOB_SHARED_HIGH;
-	case STILB_JOB_LOW: return JOB_SHARED_LOW;
-	default: return JOB_SHARED_NORMAL;
+	case STILB_JOB_HIGH:
+		return JOB_SHARED_HIGH;
+	case STILB_JOB_LOW:
+		return JOB_SHARED_LOW;
+	default:
+		return JOB_SHARED_NORMAL;
 	}
 }
 
@@ -54,7 +57,8 @@ static uint32_t shared_of(const job_record *record)
 static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread)
 {
 	uint32_t which = shared_of(record);
-	atomic_fetch_add_explicit(&pool->shared_hint[which], 1, memory_order_relaxed); /* first: it never falls below zero */
+	atomic_fetch_add_explicit(&pool->shared_hint[which], 1,
+	                          memory_order_relaxed); /* first: it never falls below zero */
 	int error = stilb_job_queue_push(pool->shared[which], record, thread);
 	if (error) {
 		atomic_fetch_sub_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
@@ -62,8 +66,7 @@ static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread
 	}
 	stilb_job_queue_rest(pool->shared[which], thread);
 	if (job_idle_wanted_strict(&pool->idle))
-		job_idle_wake(&pool->idle,
-		              &(job_work){.kind = which == JOB_SHARED_HIGH ? JOB_WORK_HIGH : JOB_WORK_SHARED});
+		job_idle_wake(&pool->idle, &(job_work){.kind = which == JOB_SHARED_HIGH ? JOB_WORK_HIGH : JOB_WORK_SHARED});
 	return 0;
 }
 

@@ -82,14 +82,16 @@ static inline void job_sys_futex_wait(_Atomic uint32_t *word, uint32_t expected)
 /* The same, for at most so long. */
 static inline void job_sys_futex_wait_for(_Atomic uint32_t *word, uint32_t expected, uint64_t nanoseconds)
 {
-	struct timespec timeout = {.tv_sec = (time_t)(nanoseconds / 1000000000u), .tv_nsec = (long)(nanoseconds % 1000000000u)};
+	struct timespec timeout = {.tv_sec = (time_t)(nanoseconds / 1000000000u),
+	                           .tv_nsec = (long)(nanoseconds % 1000000000u)};
 	syscall(SYS_futex, word, FUTEX_WAIT_PRIVATE, expected, &timeout, NULL, 0);
 }
 
 /* Sleeps about so long. */
 static inline void job_sys_nap(uint64_t nanoseconds)
 {
-	struct timespec time = {.tv_sec = (time_t)(nanoseconds / 1000000000u), .tv_nsec = (long)(nanoseconds % 1000000000u)};
+	struct timespec time = {.tv_sec = (time_t)(nanoseconds / 1000000000u),
+	                        .tv_nsec = (long)(nanoseconds % 1000000000u)};
 	nanosleep(&time, NULL);
 }
 

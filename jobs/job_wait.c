@@ -149,7 +149,8 @@ bool job_group_follow(stilb_job_pool *pool, stilb_job_group *group, job_record *
 {
 	_Atomic uint64_t *word = group_word(group);
 	job_lock_take(&pool->after_lock);
-	uint64_t old = atomic_load_explicit(word, memory_order_relaxed); /* a first guess for the exchange */
+	/* Acquire, here and where the exchange fails: if the group has finished, the follower sees what its jobs wrote. */
+	uint64_t old = atomic_load_explicit(word, memory_order_acquire);
 	for (;;) {
 		if (word_count(old) == 0) {
 			job_lock_give(&pool->after_lock);
@@ -157,8 +158,8 @@ bool job_group_follow(stilb_job_pool *pool, stilb_job_group *group, job_record *
 		}
 		uint64_t wanted = old & FOLLOWED ? old : (old + 1) | FOLLOWED;
 		/* Also when nothing changes: whoever takes FOLLOWED away later takes the lock later, and so sees the record.
-		 * Relaxed: the record goes through the lock. */
-		if (atomic_compare_exchange_weak_explicit(word, &old, wanted, memory_order_relaxed, memory_order_relaxed))
+		 * The record itself goes through the lock. */
+		if (atomic_compare_exchange_weak_explicit(word, &old, wanted, memory_order_acquire, memory_order_acquire))
 			break;
 	}
 	record->next = group->after;
@@ -203,10 +204,8 @@ static bool announce_or_done(job_slot *slot, void *group)
 
 static void wait_inside(job_slot *slot, stilb_job_group *group)
 {
-	job_scope scope = {.jobs = true,
-	                   .high = !slot->in_high,
-	                   .root = slot->root ? slot->root : (uintptr_t)group,
-	                   .level = slot->level};
+	job_scope scope = {
+		.jobs = true, .high = !slot->in_high, .root = slot->root ? slot->root : (uintptr_t)group, .level = slot->level};
 	bool alone = slot->pool->worker_count == 0, announced = false;
 	while (!job_group_done(group)) {
 		if (job_work_help(slot, &scope, group) || (alone && job_work_rescue(slot)) ||

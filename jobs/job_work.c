@@ -210,7 +210,8 @@ static bool deques_have(stilb_job_pool *pool, const job_scope *scope)
 }
 
 /* Takes a job and says what kind of work it was; NULL if there is none or a loop was helped (then *helped). */
-static job_record *take_any(job_slot *slot, const job_scope *scope, stilb_job_group *until, job_work *work, bool *helped)
+static job_record *take_any(job_slot *slot, const job_scope *scope, stilb_job_group *until, job_work *work,
+                            bool *helped)
 {
 	job_record *record = take_pinned(slot);
 	*work = (job_work){.kind = JOB_WORK_HIGH};

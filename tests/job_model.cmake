@@ -57,7 +57,52 @@ model_fault(test_job_model shared_without_wake job_submit.c
 	"if (job_idle_wanted_strict(&pool->idle))" "if (false)")
 
 model_test(test_job_model_lock_free)
+model_fault(test_job_model_lock_free hazards_ignored job_queue_lock_free.c
+	"if (!segment_in_use(queue, segment))\n\t\t\t\treturn segment;" "return segment;")
+model_fault(test_job_model_lock_free no_second_look job_queue_lock_free.c "while (seen != segment);" "while (false);")
+model_fault(test_job_model_lock_free hazard_after_look job_queue_lock_free.c
+	"atomic_exchange_explicit(&self->hazard[end], segment, memory_order_seq_cst);
+		/* Also acquire, pairs with end_advance: the segment's constants are there. */
+		seen = atomic_load_explicit(&queue->end[end].segment, memory_order_seq_cst);"
+	"seen = atomic_load_explicit(&queue->end[end].segment, memory_order_seq_cst);
+		atomic_exchange_explicit(&self->hazard[end], segment, memory_order_seq_cst);")
+model_fault(test_job_model_lock_free last_thread_ignored job_queue_lock_free.c
+	"i < count; ++i)\n\t\tfor (uint32_t end" "i + 1 < count; ++i)\n\t\tfor (uint32_t end")
+model_fault(test_job_model_lock_free retired_twice job_queue_lock_free.c
+	"unlinked = end_advance(queue, HEAD, segment, next);" "unlinked = true, end_advance(queue, HEAD, segment, next);")
+model_fault(test_job_model_lock_free rest_keeps_place job_queue_lock_free.c "self->place[end].segment = NULL;" "")
+model_fault(test_job_model_lock_free linked_before_ready job_queue_lock_free.c
+	"\tif (atomic_compare_exchange_strong_explicit(&last->next, next, segment, memory_order_acq_rel, memory_order_acquire))"
+	"\tvoid *ready = segment->empty; segment->empty = taken_mark(ready);
+	bool linked = atomic_compare_exchange_strong_explicit(&last->next, next, segment, memory_order_acq_rel, memory_order_acquire);
+	model_step(NULL, \"ready\", __LINE__); segment->empty = ready;
+	if (linked)")
+model_fault(test_job_model_lock_free item_taken_twice job_queue_lock_free.c
+	"cell_change(place, &seen, taken_mark(place->empty)))" "(cell_change(place, &seen, taken_mark(place->empty)), true))")
+model_fault(test_job_model_lock_free no_seal job_queue_lock_free.c "return cell_change(place, &seen, SEAL) || seen == SEAL ? -EPIPE : 0;" "return -EPIPE;")
+model_fault(test_job_model_lock_free seal_without_look job_queue_lock_free.c
+	"return cell_change(place, &seen, SEAL) || seen == SEAL ? -EPIPE : 0;" "cell_change(place, &seen, SEAL); return -EPIPE;")
+model_fault(test_job_model_lock_free no_link_seal job_queue_lock_free.c "\tjob_segment *next = NULL;\n\t/* Release and" "\treturn -EPIPE; job_segment *next = NULL;\n\t/* Release and")
+model_fault(test_job_model_lock_free seal_passed_over job_queue_lock_free.c "if (cell_is(place->segment, place->index - 1, SEAL))" "if (false)")
+model_fault(test_job_model_lock_free capacity_of_old job_queue_lock_free.c "pushed - self->popped >= queue->capacity;" "pushed - self->popped > queue->capacity;")
+model_fault(test_job_model_lock_free full_for_ever job_queue_lock_free.c
+	"self->popped = head->segment->first + head->index;" "(void)head;")
 # Not wrong, but no longer lock-free: whoever appends a segment must move the tail; if it stops, pushes go round for ever.
+model_fault(test_job_model_lock_free tail_not_helped job_queue_lock_free.c
+	"\t\tint error = next ? 0 : segment_append(queue, self, segment, &next);
+		if (error)
+			return error;
+		if (next == SEAL)
+			return -EPIPE;
+		end_advance(queue, TAIL, segment, next);"
+	"\t\tbool mine = !next;
+		int error = next ? 0 : segment_append(queue, self, segment, &next);
+		if (error)
+			return error;
+		if (next == SEAL)
+			return -EPIPE;
+		if (mine)
+			end_advance(queue, TAIL, segment, next);")
 
 model_test(test_job_model_low_lock)
 set(publish "atomic_store_explicit(&self->push.count, pushed + COUNT, memory_order_release);")

@@ -29,8 +29,9 @@ typedef struct model_scenario {
 	void (*check)(void); /* at the end of every run; may be NULL */
 	void *data;          /* what the threads share beside the heap; zeroed at the start */
 	size_t data_size;
-	bool main_ends_all;  /* a run is over when the first thread returns, whatever the others do */
-	uint32_t may_stop;   /* bit per thread: it may stop for ever before any of its steps; the others must end all the same */
+	bool main_ends_all; /* a run is over when the first thread returns, whatever the others do */
+	uint32_t
+		may_stop; /* bit per thread: it may stop for ever before any of its steps; the others must end all the same */
 	uint32_t max_states; /* more of them count as a failure: a check that is not exhaustive proves nothing */
 } model_scenario;
 

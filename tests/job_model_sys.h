@@ -59,7 +59,7 @@ static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* unused by tests
 	__extension__({                                                                                                    \
 		STEP(p, "fetch_add");                                                                                          \
 		__typeof__(((void)0, *(p))) old_ = *(p);                                                                       \
-		*(p) = old_ + (__typeof__(old_))(change);                                                                              \
+		*(p) = old_ + (__typeof__(old_))(change);                                                                      \
 		old_;                                                                                                          \
 	})
 #define atomic_fetch_add_explicit(p, value, order) MODEL_FETCH(p, value)
@@ -72,7 +72,7 @@ static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* unused by tests
 		old_;                                                                                                          \
 	})
 #define atomic_fetch_or_explicit(p, bits, order) MODEL_FETCH_BITS(p, "fetch_or", old_ | (bits))
-#define atomic_fetch_and_explicit(p, bits, order) MODEL_FETCH_BITS(p, "fetch_and", old_ & (bits))
+#define atomic_fetch_and_explicit(p, bits, order) MODEL_FETCH_BITS(p, "fetch_and", old_ &(bits))
 #define atomic_compare_exchange_strong_explicit(p, expected, value, success, failure)                                  \
 	__extension__({                                                                                                    \
 		STEP(p, "compare_exchange");                                                                                   \

@@ -33,7 +33,6 @@ void stilb_render_destroy(stilb_render *render)
 	render_contexts_destroy(render);
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
 		free(render->passes[p].segments);
-	free(render->record_jobs);
 	free(render->meshes);
 	free(render);
 }

@@ -159,8 +159,6 @@ void render_write_indirect(render_indirect *indirect, const render_command *comm
 
 /* ---- the module itself --------------------------------------------------------------------------------------------------- */
 
-typedef struct render_record_job render_record_job; /* render_record.c */
-
 struct stilb_render {
 	render_device *device;
 	stilb_render_context *contexts;
@@ -172,8 +170,6 @@ struct stilb_render {
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
-	render_record_job *record_jobs; /* of the pass that is being recorded */
-	uint32_t record_job_capacity;
 };
 
 /* Forgets the frame's passes. */

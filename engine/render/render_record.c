@@ -9,9 +9,6 @@
 /* Models in a segment: enough work (some 512 draws) to be worth a claim, and many segments per worker. */
 #define RECORD_SEGMENT_MODELS 256u
 
-/* Segments in a job: some 10 us of work, against a tenth of one to queue it. */
-#define RECORD_JOB_SEGMENTS 4u
-
 /* ---- memory of a context ------------------------------------------------------------------------------------------- */
 
 stilb_result render_contexts_create(stilb_render *render, uint32_t count)
@@ -256,69 +253,45 @@ stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)
 
 /* ---- recording a scene ---------------------------------------------------------------------------------------------- */
 
-/* Some segments of a pass: what the queue carries. */
-struct render_record_job {
+/* A pass that is being recorded: what the slices of its loop share. */
+typedef struct record_pass {
 	stilb_render *render;
 	const stilb_scene *scene;
 	const uint32_t *visible;
 	uint32_t visible_count;
 	uint32_t pass;
-	uint32_t first_segment, end_segment;
-};
+} record_pass;
 
-static void record_segment(const render_record_job *job, stilb_render_context *context, uint32_t segment)
+static void record_segment(const record_pass *recorded, stilb_render_context *context, uint32_t segment)
 {
 	PROFILE("record segment");
-	const stilb_scene *scene = job->scene;
+	const stilb_scene *scene = recorded->scene;
 	uint32_t first = segment * RECORD_SEGMENT_MODELS, end = first + RECORD_SEGMENT_MODELS;
-	end = end < job->visible_count ? end : job->visible_count;
-	stilb_render_segment_begin(context, job->pass, segment);
+	end = end < recorded->visible_count ? end : recorded->visible_count;
+	stilb_render_segment_begin(context, recorded->pass, segment);
 	for (uint32_t i = first; i < end; i++) {
-		uint32_t model = job->visible[i];
+		uint32_t model = recorded->visible[i];
 		for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++)
 			record_draw(context, scene->part_mesh[p], scene->part_material[p], &scene->part_transform[p]);
 	}
 	stilb_render_segment_end(context);
 }
 
-static void record_run(void *data, uint32_t worker)
+static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	const render_record_job *job = data;
-	for (uint32_t segment = job->first_segment; segment < job->end_segment; segment++)
-		record_segment(job, &job->render->contexts[worker], segment);
-}
-
-/* Room for count jobs that stay where they are until the pass is recorded. */
-static stilb_result record_reserve_jobs(stilb_render *render, uint32_t count)
-{
-	if (count <= render->record_job_capacity)
-		return STILB_OK;
-	render_record_job *jobs = realloc(render->record_jobs, count * sizeof *jobs);
-	if (!jobs)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u recording jobs", count);
-	render->record_jobs = jobs;
-	render->record_job_capacity = count;
-	return STILB_OK;
+	const record_pass *recorded = context;
+	for (uint32_t segment = begin; segment < end; segment++)
+		record_segment(recorded, &recorded->render->contexts[worker], segment);
 }
 
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker)
 {
 	uint32_t segments = (visible_count + RECORD_SEGMENT_MODELS - 1) / RECORD_SEGMENT_MODELS;
-	uint32_t jobs = (segments + RECORD_JOB_SEGMENTS - 1) / RECORD_JOB_SEGMENTS;
-	stilb_result result = record_reserve_jobs(render, jobs);
-	if (result == STILB_OK)
-		result = stilb_render_pass_begin(render, pass, segments);
+	stilb_result result = stilb_render_pass_begin(render, pass, segments);
 	if (result != STILB_OK)
 		return result;
-	stilb_job_group group = {0};
-	for (uint32_t i = 0; i < jobs; i++) {
-		uint32_t first = i * RECORD_JOB_SEGMENTS, end = first + RECORD_JOB_SEGMENTS;
-		render_record_job *job = &render->record_jobs[i];
-		*job = (render_record_job){render, scene, visible, visible_count, pass, first, end < segments ? end : segments};
-		if (stilb_job_submit(pool, record_run, job, &group, worker) != 0)
-			record_run(job, worker); /* no memory to queue it: then here and now */
-	}
-	stilb_job_wait(pool, &group, worker);
+	record_pass recorded = {render, scene, visible, visible_count, pass};
+	stilb_job_parallel_for(pool, segments, 1, record_slice, &recorded, worker);
 	return stilb_render_pass_end(render, pass);
 }

@@ -46,7 +46,8 @@ forgotten_tests() {
 	for file in tests/test_*.c tests/test_*.sh; do
 		[ -e "$file" ] || continue
 		name=$(basename "$file")
-		grep -qE "(^|[^a-z0-9_])${name%.*}([^a-z0-9_]|$)" tests/CMakeLists.txt ||
+		find tests -maxdepth 1 \( -name CMakeLists.txt -o -name '*.cmake' \) -exec cat {} + |
+			grep -E "(^|[^a-z0-9_])${name%.*}([^a-z0-9_]|$)" >/dev/null ||
 			echo "$file: tests/CMakeLists.txt does not name it"
 	done
 }
