@@ -42,7 +42,10 @@ static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
 	stilb_job_pool_desc desc = {
 		.worker_count = workers,
-		.hooks = {NULL, engine_on_thread_start, engine_on_thread_stop, engine_on_park, engine_on_wake},
+		.hooks = {.thread_start = engine_on_thread_start,
+	              .thread_stop = engine_on_thread_stop,
+	              .park = engine_on_park,
+	              .wake = engine_on_wake},
 	};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
 	if (error == 0)

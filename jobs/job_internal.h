@@ -13,7 +13,7 @@
  * Who may do what. A worker without work does anything. A thread that waits for a group does jobs and loops of its own root
  *                  that are nested deeper than what it is in the middle of, so no wait runs unrelated work and a stack
  *                  holds at most one job or slice per level; beyond that only high priority and what is pinned to it.
- *                  A thread that waits for the last slices of a loop does deeper loops of its root only.
+ *                  A thread that waits for the last slices of a loop does deeper loops of its root and what is pinned to it.
  * No deadlock.     Work that a waiter may not touch is done by a worker that does not wait; if every worker waits, the
  *                  waiters may do anything (job_park.h calls that rescue). The caller of a loop never needs help.
  */

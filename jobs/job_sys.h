@@ -15,10 +15,6 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Looks a thread takes before it sleeps. A sleep and a wake cost some 30 us, so a few microseconds of looking pay when
- * loops follow one another closely, and are cheap when they do not. */
-#define JOB_IDLE_LOOKS 200
-
 /* Pauses before a waiting thread gives its time slice away: the holder of a lock may be waiting for just that. */
 #define JOB_PAUSES_BEFORE_YIELD 64
 

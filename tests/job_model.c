@@ -142,7 +142,7 @@ void model_step(const volatile void *word, const char *what, int line)
 void model_futex_wait(_Atomic uint32_t *word, uint32_t expected)
 {
 	model_step(word, "futex_wait", 0);
-	if (*word != expected && model_fault_now != MODEL_FAULT_BLIND_SLEEP)
+	if (*word != expected)
 		return;
 	world.threads[current].status = IN_FUTEX;
 	world.threads[current].word = word;

@@ -57,12 +57,8 @@ uint32_t model_heap_blocks(void);                             /* blocks not free
 /* Faults put in on purpose, to see that the checker finds them. */
 typedef enum model_fault {
 	MODEL_FAULT_NONE,
-	MODEL_FAULT_NO_RECHECK,   /* a thread does not look for jobs again after it entered the idle list */
-	MODEL_FAULT_NO_WAKE,      /* the kernel is not asked to wake */
-	MODEL_FAULT_BLIND_SLEEP,  /* the futex sleeps without comparing */
-	MODEL_FAULT_NO_LOCK,      /* locks let everybody in */
-	MODEL_FAULT_EARLY_RETURN, /* the caller of a loop does not wait for its helpers */
-	MODEL_FAULT_NO_ANNOUNCE   /* a waiter does not say that it waits */
+	MODEL_FAULT_NO_WAKE, /* the kernel is not asked to wake */
+	MODEL_FAULT_NO_LOCK  /* locks let everybody in */
 } model_fault;
 extern model_fault model_fault_now;
 

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #define STILB_JOB_SYS_H /* instead of jobs/job_sys.h */
-#define JOB_IDLE_LOOKS 0
 #define job_sys_pause() ((void)0)
 #define job_sys_relax(turns) ((void)(turns))
 #define job_sys_ticks() UINT64_C(0)

@@ -1,4 +1,5 @@
-/* job_pool_fixture: what tests of the pool share: pools of every shape, workers held and released, threads from outside. */
+/* job_pool_fixture: what tests of the pool share: pools of every shape, workers held and released, threads from
+ * outside. */
 #ifndef JOB_POOL_FIXTURE_H
 #define JOB_POOL_FIXTURE_H
 
@@ -57,17 +58,30 @@ static inline bool await(counter *value, uint32_t wanted)
 	return true;
 }
 
+/* What a pool can look like: for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) */
 typedef struct shape {
 	uint32_t workers;
 	stilb_job_queue_kind queue;
 } shape;
 
-enum { SHAPES = 8, MOST_WORKERS = 8, MOST_THREADS = MOST_WORKERS + 1 };
+enum { MOST_WORKERS = 8, MOST_THREADS = MOST_WORKERS + 1 };
 
-static inline shape shape_number(uint32_t i)
+static inline shape shape_first(void)
 {
-	static const uint32_t workers[] = {0, 1, 2, MOST_WORKERS};
-	return (shape){workers[i % 4], i < 4 ? STILB_JOB_QUEUE_LOW_LOCK : STILB_JOB_QUEUE_LOCK_FREE};
+	return (shape){.workers = 0, .queue = STILB_JOB_QUEUE_LOW_LOCK};
+}
+
+/* 0, 1, 2 and 8 workers, with queues of one kind, then of the other. */
+static inline shape shape_next(shape s)
+{
+	if (s.workers == MOST_WORKERS)
+		return (shape){.workers = 0, .queue = s.queue + 1};
+	return (shape){.workers = s.workers < 2 ? s.workers + 1 : MOST_WORKERS, .queue = s.queue};
+}
+
+static inline bool shape_is_end(shape s)
+{
+	return s.queue > STILB_JOB_QUEUE_LOCK_FREE;
 }
 
 static inline stilb_job_pool *pool_with_hooks(shape s, stilb_job_hooks hooks)

@@ -1,14 +1,11 @@
-/* What the pool promises beyond jobs and waits: priorities, pinned jobs, followers, arrays, cancelling, threads from outside, phases,
- * hooks, affinity. For no, one, two and too many workers and for both kinds of shared queues. */
+/* What the pool promises beyond jobs and waits: priorities, pinned jobs, followers, arrays, cancelling, threads
+ * from outside, phases, hooks, affinity. For no, one, two and too many workers and for both kinds of shared
+ * queues. */
 #include "job_pool_fixture.h"
 
 #include <stdio.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#define EACH_SHAPE(s)                                                                                                  \
-	for (uint32_t shape_i = 0; shape_i < SHAPES; ++shape_i)                                                            \
-		for (shape s = shape_number(shape_i), *once = &s; once; once = NULL)
 
 /* ---- priorities ------------------------------------------------------------------------------------------------ */
 
@@ -71,8 +68,7 @@ static void test_priorities(void **state)
 {
 	(void)state;
 	static order o;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers > 1)
 			continue; /* the order in which two threads start something cannot be seen */
 		blocker b = {0};
@@ -129,8 +125,7 @@ static void submit_jumped_over(void *data, uint32_t worker)
 static void test_high_comes_next(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers > 1)
 			continue;
 		jumper j = {.pool = pool_with(s)};
@@ -179,8 +174,7 @@ static void *submit_other(void *data)
 static void test_own_jobs_starve_nobody(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		blocker b = {0};
 		selfish own = {.pool = pool_with(s)};
 		hold_workers(own.pool, &b, NULL, 1, s.workers);
@@ -246,8 +240,7 @@ static void pinning_init(pinning *p, stilb_job_pool *pool)
 static void test_pinned_jobs_run_on_their_target(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		pinning p;
 		pinning_init(&p, pool_with(s));
 		pthread_t outside = outside_start(pin_to_all_from_outside, &p);
@@ -266,8 +259,7 @@ static void test_pinned_jobs_run_on_their_target(void **state)
 static void test_pinned_job_wakes_its_target(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		sleep_log log = {0};
 		pinning p;
 		pinning_init(&p, pool_with_hooks(s, sleep_log_hooks(&log)));
@@ -328,8 +320,7 @@ static void test_pinned_jobs_keep_their_order(void **state)
 {
 	(void)state;
 	static pinner pinners[PINNERS];
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		pthread_t thread[PINNERS];
 		stilb_job_pool *pool = pool_with(s);
 		for (int i = 0; i < PINNERS; ++i)
@@ -379,8 +370,7 @@ static void run_own_pinned(void *data, uint32_t worker)
 static void test_run_pinned_says_how_many(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		pinning p;
 		pinning_init(&p, pool_with(s));
 		assert_int_equal(stilb_job_run_pinned(p.pool, 0), 0);
@@ -458,23 +448,23 @@ static void test_chain(void **state)
 {
 	(void)state;
 	static chain c;
-	EACH_SHAPE(s)
-	for (int way = 0; way < 3; ++way) {
-		c = (chain){.pool = pool_with(s), .worker = way == 1 ? STILB_JOB_OUTSIDE : 0};
-		if (way < 2) /* else the first link starts at once, and others while the rest is submitted */
-			submit_pinned(c.pool, do_nothing, NULL, &c.gate, 0, 0);
-		if (way == 1)
-			outside_run(submit_chain, &c);
-		else
-			submit_chain(&c);
-		if (way < 2)
-			assert_int_equal(stilb_job_run_pinned(c.pool, 0), 1);
-		stilb_job_wait(c.pool, &c.group[LINKS - 1], 0);
-		assert_int_equal(c.length, LINKS);
-		assert_int_equal(c.wrong, 0);
-		assert_int_equal(c.refused, 0);
-		stilb_job_pool_destroy(c.pool);
-	}
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (int way = 0; way < 3; ++way) {
+			c = (chain){.pool = pool_with(s), .worker = way == 1 ? STILB_JOB_OUTSIDE : 0};
+			if (way < 2) /* else the first link starts at once, and others while the rest is submitted */
+				submit_pinned(c.pool, do_nothing, NULL, &c.gate, 0, 0);
+			if (way == 1)
+				outside_run(submit_chain, &c);
+			else
+				submit_chain(&c);
+			if (way < 2)
+				assert_int_equal(stilb_job_run_pinned(c.pool, 0), 1);
+			stilb_job_wait(c.pool, &c.group[LINKS - 1], 0);
+			assert_int_equal(c.length, LINKS);
+			assert_int_equal(c.wrong, 0);
+			assert_int_equal(c.refused, 0);
+			stilb_job_pool_destroy(c.pool);
+		}
 }
 
 enum { FAN = 100 };
@@ -517,8 +507,7 @@ static void read_all(void *data, uint32_t worker)
 static void test_fan_out_and_in(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		fan out = {.pool = pool_with(s)};
 		stilb_job_options after = {.after = &out.first};
 		submit_pinned(out.pool, write_all, &out, &out.first, 0, 0);
@@ -549,8 +538,7 @@ static void test_fan_out_and_in(void **state)
 static void test_follower_of_a_group_that_finishes(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		fan f = {.pool = pool_with(s)};
 		stilb_job_options after = {.after = &f.first};
 		for (uint32_t i = 1; i <= 1000; ++i) {
@@ -576,8 +564,7 @@ static void test_followers_keep_priority_and_target(void **state)
 {
 	(void)state;
 	static order o;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		stilb_job_group gate = {0};
 		o = (order){.pool = pool_with(s)};
 		static const stilb_job_priority priority[] = {STILB_JOB_HIGH, STILB_JOB_NORMAL, STILB_JOB_LOW};
@@ -662,8 +649,7 @@ static void test_arrays_cover_every_index_once(void **state)
 	(void)state;
 	static const uint32_t counts[] = {0, 1, 2, 63, 1000, CELLS}, grains[] = {1, 64, CELLS};
 	static cover c;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		stilb_job_group group = {0};
 		stilb_job_pool *pool = pool_with(s);
 		for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
@@ -687,8 +673,7 @@ static void test_arrays_cover_every_index_once(void **state)
 static void test_array_of_nothing(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		stilb_job_group group = {0};
 		static cover c;
 		c = (cover){.pool = pool_with(s), .group = &group, .threads = s.workers + 1, .grain = 1};
@@ -714,8 +699,7 @@ static void test_huge_arrays(void **state)
 	static const struct {
 		uint32_t count, grain;
 	} sizes[] = {{UINT32_MAX, 1u << 20}, {UINT32_MAX - 1, UINT32_MAX}, {1u << 31, (1u << 30) + 1}, {1u << 20, 0}};
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		stilb_job_group group = {0};
 		stilb_job_pool *pool = pool_with(s);
 		uint64_t expected = 0;
@@ -781,8 +765,7 @@ static void test_arrays_and_loops_nest(void **state)
 	uint32_t expected = 1;
 	for (int i = 0; i < LEVELS; ++i)
 		expected *= WIDTH;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		counter leaves = 0, wrong = 0;
 		nest n = {.pool = pool_with(s), .leaves = &leaves, .wrong = &wrong, .levels = LEVELS - 1};
 		stilb_job_group group = {0};
@@ -846,8 +829,7 @@ static void submit_to_cancel(cancelling *c, uint32_t threads)
 static void test_cancelled_jobs_do_not_run(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		blocker b = {0};
 		cancelling c = {.pool = pool_with(s)};
 		hold_workers(c.pool, &b, &c.gate, 1, s.workers);
@@ -868,8 +850,7 @@ static void test_cancelled_jobs_do_not_run(void **state)
 static void test_loop_that_has_begun_ends(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		cancelling c = {.pool = pool_with(s)};
 		assert_int_equal(stilb_job_submit_array(c.pool, 1000, 1, count_slices, &c, &c.group, 0), 0);
 		stilb_job_wait(c.pool, &c.group, 0);
@@ -887,8 +868,7 @@ static void sleep_long(void *data, uint32_t worker)
 static void test_cancelled_pool_is_gone_soon(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		cancelling c = {.pool = pool_with(s)};
 		for (uint32_t i = 0; i < 20000; ++i)
 			assert_int_equal(stilb_job_submit(c.pool, sleep_long, &c, &c.group, 0), 0);
@@ -952,11 +932,11 @@ static void run_guests(shape s, uint32_t guests, uint32_t rounds, uint32_t jobs)
 static void test_threads_from_outside(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	if (s.workers > 0) { /* else only the owner's waits run anything, and it joins those threads */
-		run_guests(s, 8, 1, 10000);
-		run_guests(s, 40, 10, 20); /* more than can be in a call at the same moment */
-	}
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		if (s.workers > 0) { /* else only the owner's waits run anything, and it joins those threads */
+			run_guests(s, 8, 1, 10000);
+			run_guests(s, 40, 10, 20); /* more than can be in a call at the same moment */
+		}
 }
 
 /* Those that sleep in a wait must not keep others from submitting what they wait for. */
@@ -996,8 +976,7 @@ static void test_threads_that_wait_leave_room(void **state)
 {
 	(void)state;
 	enum { CROWD = 40 };
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers < 2)
 			continue; /* one is held */
 		pthread_t thread[CROWD];
@@ -1027,8 +1006,7 @@ static void *submit_only(void *data)
 static void test_owner_runs_what_came_from_outside(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		fan f = {.pool = pool_with(s)};
 		outside_run(submit_only, &f);
 		stilb_job_wait(f.pool, &f.first, 0);
@@ -1044,7 +1022,7 @@ static void test_owner_runs_what_came_from_outside(void **state)
 static shape spinning_shape(stilb_job_queue_kind queue)
 {
 	uint32_t cpus = stilb_job_cpu_count();
-	return (shape){cpus < 3 ? 1 : cpus - 1 < MOST_WORKERS ? cpus - 1 : MOST_WORKERS, queue};
+	return (shape){.workers = cpus < 3 ? 1 : cpus - 1 < MOST_WORKERS ? cpus - 1 : MOST_WORKERS, .queue = queue};
 }
 
 static void test_nobody_sleeps_in_a_phase(void **state)
@@ -1090,7 +1068,7 @@ static void test_idle_workers_burn_nothing(void **state)
 {
 	(void)state;
 	sleep_log log = {0};
-	shape s = {MOST_WORKERS, STILB_JOB_QUEUE_LOW_LOCK};
+	shape s = {.workers = MOST_WORKERS};
 	stilb_job_pool *pool = pool_with_hooks(s, sleep_log_hooks(&log));
 	stilb_job_phase_begin(pool);
 	stilb_job_phase_end(pool);
@@ -1167,8 +1145,7 @@ static void check_slice_inside(uint32_t begin, uint32_t end, uint32_t worker, vo
 static void test_job_hooks_pair_and_nest(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		hook_log log = {0};
 		log.pool = pool_with_hooks(
 			s, (stilb_job_hooks){.user = &log, .job_begin = on_job_begin, .job_end = on_job_end, .steal = on_steal});
@@ -1202,8 +1179,8 @@ static void test_every_steal_is_reported(void **state)
 {
 	(void)state;
 	hook_log log = {0};
-	log.pool = pool_with_hooks((shape){1, STILB_JOB_QUEUE_LOW_LOCK},
-	                           (stilb_job_hooks){.user = &log, .steal = steal_what_the_owner_has});
+	log.pool =
+		pool_with_hooks((shape){.workers = 1}, (stilb_job_hooks){.user = &log, .steal = steal_what_the_owner_has});
 	cancelling c = {.pool = log.pool};
 	for (int i = 0; i < 50; ++i)
 		assert_int_equal(stilb_job_submit(log.pool, count_ran, &c, NULL, 0), 0);
@@ -1314,8 +1291,8 @@ static void note_cpu(void *data, uint32_t worker)
 	count_up(&m->ran);
 }
 
-/* The owner is free to move to the CPU of a worker. A worker that it wakes from there has to go elsewhere, or it could only run
- * once the owner stops. */
+/* The owner is free to move to the CPU of a worker. A worker that it wakes from there has to go elsewhere, or it
+ * could only run once the owner stops. */
 static void test_worker_makes_room_for_the_owner(void **state)
 {
 	(void)state;

@@ -7,10 +7,6 @@
 
 #include <stdlib.h>
 
-#define EACH_SHAPE(s)                                                                                                  \
-	for (uint32_t shape_i = 0; shape_i < SHAPES; ++shape_i)                                                            \
-		for (shape s = shape_number(shape_i), *once = &s; once; once = NULL)
-
 /* ---- out of memory on demand: linked with -Wl,--wrap= of each of these -------------------------------------------- */
 
 static _Atomic bool out_of_memory; /* relaxed: tests set it while the pool is asleep or busy elsewhere */
@@ -66,8 +62,9 @@ static void *submit_watched(void *data)
 
 /* ---- waits are restricted -------------------------------------------------------------------------------------- */
 
-/* The owner waits for a job that is held. Meanwhile there are jobs that are no concern of its: from outside and low ones, some there
- * before it waits and some that come while it sleeps, others in its own deque, one in a worker's. */
+/* The owner waits for a job that is held. Meanwhile there are jobs that are no concern of its: from outside and
+ * low ones, some there before it waits and some that come while it sleeps, others in its own deque, one in a
+ * worker's. */
 typedef struct restriction {
 	watched unrelated;
 	blocker held;      /* what the owner waits for */
@@ -139,17 +136,17 @@ static void check_restriction(shape s, uint32_t free)
 static void test_wait_leaves_unrelated_jobs_to_busy_workers(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	if (s.workers > 0)
-		check_restriction(s, 0);
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		if (s.workers > 0)
+			check_restriction(s, 0);
 }
 
 static void test_wait_leaves_unrelated_jobs_to_free_workers(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	if (s.workers > 2)
-		check_restriction(s, s.workers - 2);
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		if (s.workers > 2)
+			check_restriction(s, s.workers - 2);
 }
 
 /* The same for a job on a worker that waits for its child. */
@@ -172,8 +169,7 @@ static void wait_for_held_child(void *data, uint32_t worker)
 static void test_wait_of_a_job_is_restricted_too(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers != 2)
 			continue;
 		sleep_log log = {0};
@@ -197,8 +193,7 @@ static void test_wait_of_a_job_is_restricted_too(void **state)
 static void test_without_workers_a_wait_does_everything(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers > 0)
 			continue;
 		watched w = {.pool = pool_with(s)};
@@ -232,8 +227,7 @@ static void *submit_high_and_pinned(void *data)
 static void test_wait_runs_high_and_pinned_jobs(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers == 0)
 			continue;
 		restriction r = {0};
@@ -289,36 +283,37 @@ static void do_nothing(void *data, uint32_t worker)
 static void test_when_all_wait_somebody_does_the_rest(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	for (int way = 0; way < 4; ++way) {
-		bool late = way & 1, owner_waits = way & 2;
-		sleep_log log = {0};
-		rescue r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log)), .late = late};
-		rescue_level top = {&r, 3};
-		if (late && s.workers > 0)
-			submit_pinned(r.pool, do_nothing, NULL, &r.gate, 0, 0); /* keeps the gate closed */
-		for (uint32_t i = 0; i <= s.workers; ++i)
-			if (i > 0 || s.workers == 0)
-				submit_pinned(r.pool, wait_for_low, &top, &r.jobs, i, 0);
-		uint32_t waiting = s.workers > 0 ? s.workers : 1;
-		if (late && s.workers > 0) {
-			assert_true(await(&r.ran, waiting)); /* the first of each; in the midst of them all sleep again */
-			assert_true(await(&log.asleep, s.workers));
-			assert_int_equal(count_of(&r.ran), waiting);
-			assert_int_equal(stilb_job_run_pinned(r.pool, 0), 1); /* finishes the gate */
-		}
-		if (owner_waits || s.workers == 0)
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (int way = 0; way < 4; ++way) {
+			bool late = way & 1, owner_waits = way & 2;
+			sleep_log log = {0};
+			rescue r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log)), .late = late};
+			rescue_level top = {&r, 3};
+			if (late && s.workers > 0)
+				submit_pinned(r.pool, do_nothing, NULL, &r.gate, 0, 0); /* keeps the gate closed */
+			for (uint32_t i = 0; i <= s.workers; ++i)
+				if (i > 0 || s.workers == 0)
+					submit_pinned(r.pool, wait_for_low, &top, &r.jobs, i, 0);
+			uint32_t waiting = s.workers > 0 ? s.workers : 1;
+			if (late && s.workers > 0) {
+				assert_true(await(&r.ran, waiting)); /* the first of each; in the midst of them all sleep again */
+				assert_true(await(&log.asleep, s.workers));
+				assert_int_equal(count_of(&r.ran), waiting);
+				assert_int_equal(stilb_job_run_pinned(r.pool, 0), 1); /* finishes the gate */
+			}
+			if (owner_waits || s.workers == 0)
+				stilb_job_wait(r.pool, &r.jobs, 0);
+			else
+				assert_true(await(&r.ran, 4 * waiting));
 			stilb_job_wait(r.pool, &r.jobs, 0);
-		else
-			assert_true(await(&r.ran, 4 * waiting));
-		stilb_job_wait(r.pool, &r.jobs, 0);
-		assert_int_equal(r.ran, 4 * waiting);
-		assert_int_equal(r.wrong, 0);
-		stilb_job_pool_destroy(r.pool);
-	}
+			assert_int_equal(r.ran, 4 * waiting);
+			assert_int_equal(r.wrong, 0);
+			stilb_job_pool_destroy(r.pool);
+		}
 }
 
-/* The caller of a loop waits for a slice that a helper has, and may run loops only; the helper waits for a low job. */
+/* The caller of a loop waits for a slice that a helper has, and may run loops only; the helper waits for a low
+ * job. */
 static void slice_waits_for_low(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	(void)begin;
@@ -335,17 +330,17 @@ static void loop_of_waits(void *data, uint32_t worker)
 static void test_when_all_wait_in_loops_too(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	for (int round = 0; round < 20; ++round) {
-		rescue r = {.pool = pool_with(s)};
-		rescue_level top = {&r, 2};
-		for (uint32_t i = 0; i <= s.workers; ++i)
-			submit_pinned(r.pool, loop_of_waits, &top, &r.jobs, i, 0);
-		stilb_job_wait(r.pool, &r.jobs, 0);
-		assert_int_equal(r.ran, 12 * (s.workers + 1));
-		assert_int_equal(r.wrong, 0);
-		stilb_job_pool_destroy(r.pool);
-	}
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (int round = 0; round < 10; ++round) {
+			rescue r = {.pool = pool_with(s)};
+			rescue_level top = {&r, 2};
+			for (uint32_t i = 0; i <= s.workers; ++i)
+				submit_pinned(r.pool, loop_of_waits, &top, &r.jobs, i, 0);
+			stilb_job_wait(r.pool, &r.jobs, 0);
+			assert_int_equal(r.ran, 12 * (s.workers + 1));
+			assert_int_equal(r.wrong, 0);
+			stilb_job_pool_destroy(r.pool);
+		}
 }
 
 /* Here the helper waits for a job that only the caller of the loop may run. */
@@ -382,14 +377,14 @@ static void slice_waits_for_owner(uint32_t begin, uint32_t end, uint32_t worker,
 static void test_slice_waits_for_the_owner(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	for (int i = 0; i < 50 && s.workers > 0; ++i) {
-		slice_log log = {.pool = pool_with(s)};
-		stilb_job_parallel_for(log.pool, 2, 1, slice_waits_for_owner, &log, 0);
-		assert_in_range(log.ran, 1, 2);
-		assert_int_equal(log.wrong, 0);
-		stilb_job_pool_destroy(log.pool);
-	}
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (int i = 0; i < 20 && s.workers > 0; ++i) {
+			slice_log log = {.pool = pool_with(s)};
+			stilb_job_parallel_for(log.pool, 2, 1, slice_waits_for_owner, &log, 0);
+			assert_in_range(log.ran, 1, 2);
+			assert_int_equal(log.wrong, 0);
+			stilb_job_pool_destroy(log.pool);
+		}
 }
 
 /* ---- how deep -------------------------------------------------------------------------------------------------- */
@@ -458,14 +453,14 @@ static void check_depth(shape s, uint32_t siblings, stilb_job_priority priority,
 static void test_nested_waits(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
 		check_depth(s, 3, STILB_JOB_NORMAL, 5, 3, STILB_JOB_NORMAL);
 }
 
 static void test_waits_do_not_pile_up(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
 		for (int round = 0; round < 5; ++round) {
 			check_depth(s, 200, STILB_JOB_NORMAL, 1, 1, STILB_JOB_NORMAL);
 			check_depth(s, 200, STILB_JOB_NORMAL, 2, 2, STILB_JOB_NORMAL);
@@ -475,7 +470,8 @@ static void test_waits_do_not_pile_up(void **state)
 		}
 }
 
-/* The owner's siblings lie at hand, of the same group but no deeper, while the child that one of them waits for is held up. */
+/* The owner's siblings lie at hand, of the same group but no deeper, while the child that one of them waits for is
+ * held up. */
 static void *release_when_asleep(void *data)
 {
 	restriction *r = data;
@@ -489,7 +485,7 @@ static void *release_when_asleep(void *data)
 static void test_wait_leaves_siblings_alone(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s) {
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers != 1)
 			continue;
 		restriction r = {0};
@@ -512,7 +508,7 @@ static void test_wait_leaves_siblings_alone(void **state)
 
 /* ---- the lost wake-up ------------------------------------------------------------------------------------------ */
 
-enum { ROUNDS = 1000 };
+enum { ROUNDS = 800 };
 
 typedef struct round {
 	stilb_job_pool *pool;
@@ -554,8 +550,8 @@ static void spin_ns(uint64_t nanoseconds)
 		;
 }
 
-/* Every job comes about when the worker, done with the last one, goes to sleep: earlier, later, just then. Nobody helps, so a wake-up
- * lost is a job that never runs. */
+/* Every job comes about when the worker, done with the last one, goes to sleep: earlier, later, just then. Nobody
+ * helps, so a wake-up lost is a job that never runs. */
 static bool rounds_are_run(round *r, uint32_t rounds, uint32_t thread)
 {
 	for (uint32_t i = 1; i <= rounds; ++i) {
@@ -577,8 +573,7 @@ static void *rounds_from_outside(void *data)
 static void test_lost_wake_up(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers != 1 && s.workers != 2)
 			continue;
 		round r = {.pool = pool_with(s)};
@@ -597,7 +592,8 @@ static void last_some_time(void *data, uint32_t worker)
 	spin_ns((*turn)++ * 41 % 60000);
 }
 
-/* The same the other way round: the group finishes when who waits for it goes to sleep, the owner or somebody outside. */
+/* The same the other way round: the group finishes when who waits for it goes to sleep, the owner or somebody
+ * outside. */
 typedef struct tired {
 	stilb_job_pool *pool;
 	uint32_t turn;
@@ -621,8 +617,7 @@ static void *wait_while_tired(void *data)
 static void test_lost_wake_up_of_who_waits(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers != 1)
 			continue;
 		tired t = {.pool = pool_with(s)};
@@ -638,8 +633,8 @@ static void test_lost_wake_up_of_who_waits(void **state)
 
 enum { BURST = 5000 }; /* many times what a deque holds to begin with */
 
-/* All asleep; the owner submits more than its deque holds, and does not help. Without memory the deque cannot grow, nor can the
- * shared queue that takes the rest: no job may be lost or left where nobody looks. */
+/* All asleep; the owner submits more than its deque holds, and does not help. Without memory the deque cannot
+ * grow, nor can the shared queue that takes the rest: no job may be lost or left where nobody looks. */
 static void check_burst(shape s, bool memory)
 {
 	sleep_log log = {0};
@@ -673,11 +668,11 @@ static void check_burst(shape s, bool memory)
 static void test_full_queue_with_sleeping_workers(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	for (int round_number = 0; round_number < 3; ++round_number) {
-		check_burst(s, true);
-		check_burst(s, false);
-	}
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (int round_number = 0; round_number < 3; ++round_number) {
+			check_burst(s, true);
+			check_burst(s, false);
+		}
 }
 
 /* The workers sleep in waits instead: for a group that finishes only when the owner gets there. */
@@ -692,29 +687,30 @@ static void wait_for_gate(void *data, uint32_t worker)
 static void test_full_queue_with_waiting_workers(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	for (int memory = 0; memory < 2; ++memory) {
-		sleep_log log = {0};
-		rescue r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log))};
-		round burst = {.pool = r.pool};
-		submit_pinned(r.pool, do_nothing, NULL, &r.gate, 0, 0);
-		for (uint32_t i = 1; i <= s.workers; ++i)
-			submit_pinned(r.pool, wait_for_gate, &r, &r.jobs, i, 0);
-		assert_true(await(&r.begun, s.workers));
-		assert_true(await(&log.asleep, s.workers));
-		uint32_t submitted = 0;
-		atomic_store_explicit(&out_of_memory, !memory, memory_order_relaxed);
-		while (submitted < BURST / 4 && stilb_job_submit(r.pool, count_round, &burst, &burst.group, 0) == 0)
-			++submitted;
-		atomic_store_explicit(&out_of_memory, false, memory_order_relaxed);
-		assert_true(s.workers == 0 || await(&burst.ran, submitted)); /* every worker waits: one does it all the same */
-		stilb_job_wait(r.pool, &burst.group, 0);
-		assert_int_equal(burst.ran, submitted);
-		stilb_job_run_pinned(r.pool, 0);
-		stilb_job_wait(r.pool, &r.jobs, 0);
-		assert_int_equal(r.ran, s.workers);
-		stilb_job_pool_destroy(r.pool);
-	}
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (int memory = 0; memory < 2; ++memory) {
+			sleep_log log = {0};
+			rescue r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log))};
+			round burst = {.pool = r.pool};
+			submit_pinned(r.pool, do_nothing, NULL, &r.gate, 0, 0);
+			for (uint32_t i = 1; i <= s.workers; ++i)
+				submit_pinned(r.pool, wait_for_gate, &r, &r.jobs, i, 0);
+			assert_true(await(&r.begun, s.workers));
+			assert_true(await(&log.asleep, s.workers));
+			uint32_t submitted = 0;
+			atomic_store_explicit(&out_of_memory, !memory, memory_order_relaxed);
+			while (submitted < BURST / 4 && stilb_job_submit(r.pool, count_round, &burst, &burst.group, 0) == 0)
+				++submitted;
+			atomic_store_explicit(&out_of_memory, false, memory_order_relaxed);
+			assert_true(s.workers == 0 ||
+			            await(&burst.ran, submitted)); /* every worker waits: one does it all the same */
+			stilb_job_wait(r.pool, &burst.group, 0);
+			assert_int_equal(burst.ran, submitted);
+			stilb_job_run_pinned(r.pool, 0);
+			stilb_job_wait(r.pool, &r.jobs, 0);
+			assert_int_equal(r.ran, s.workers);
+			stilb_job_pool_destroy(r.pool);
+		}
 }
 
 /* ---- waiting on a thread that never runs ------------------------------------------------------------------------ */
@@ -723,8 +719,7 @@ static void test_full_queue_with_waiting_workers(void **state)
 static void test_waiting_on_a_thread_that_never_runs(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		blocker b = {0};
 		stilb_job_group own = {0}, other = {0}, follow = {0}, held = {0};
 		depth_log log = {.pool = pool_with(s)};
@@ -821,8 +816,7 @@ static void wait_in_every_way(void *data, uint32_t worker)
 static void test_deadlock_with_one_worker(void **state)
 {
 	(void)state;
-	EACH_SHAPE(s)
-	{
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers != 1)
 			continue;
 		for (int i = 0; i < 20; ++i) {
