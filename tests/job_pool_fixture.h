@@ -43,13 +43,17 @@ static inline void nap_us(uint32_t microseconds)
 	nanosleep(&(struct timespec){.tv_nsec = (long)microseconds * 1000}, NULL);
 }
 
-/* False if value has not come to what is wanted in ten seconds: whoever should have seen to it never will. */
+/* False if value is not what is wanted and has not changed for ten seconds: who should have seen to it never will. */
 static inline bool await(counter *value, uint32_t wanted)
 {
 	uint64_t start = now_ns();
-	for (uint32_t turns = 0; count_of(value) != wanted; ++turns) {
-		if (now_ns() - start > 10000000000u)
+	uint32_t last = count_of(value), now = last;
+	for (uint32_t turns = 0; now != wanted; ++turns, now = count_of(value)) {
+		if (now != last)
+			start = now_ns();
+		else if (now_ns() - start > 10000000000u)
 			return false;
+		last = now;
 		if (turns < 100)
 			sched_yield();
 		else
