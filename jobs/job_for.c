@@ -205,7 +205,7 @@ static bool loop_linger(job_loop *loop, job_slot *slot, const job_scope *scope, 
 			return true;
 		if (job_work_help(slot, scope, NULL))
 			start = job_sys_ticks();
-		job_work_relax(slot->pool);
+		job_work_relax(slot);
 	} while (job_sys_ticks() - start < slot->pool->wake_ticks);
 	return false;
 }

@@ -94,6 +94,7 @@ typedef struct job_slot {
 	uint32_t loops_open;
 	uint32_t turn, loops_run;    /* for what happens every so many times */
 	uint64_t alone, alone_until; /* ticks spent in a row in short loops without help, and when the last one ended */
+	uint32_t no_yield;           /* turns of spins that do not yield */
 	uint32_t victim;             /* where it begins to look for something to steal */
 	bool in_high;                /* in the middle of a job of high priority: its waits run no more of them */
 	bool spinning;               /* counted as a spinner */
@@ -183,7 +184,7 @@ bool job_work_linger(job_slot *slot, const job_scope *scope, stilb_job_group *un
 bool job_work_exists(job_slot *slot, const job_scope *scope);
 
 /* One turn of a spin outside of locks. */
-void job_work_relax(const stilb_job_pool *pool);
+void job_work_relax(job_slot *slot);
 
 /* This thread, if it was a spinner, is none any more. */
 void job_work_spin_stop(job_slot *slot);

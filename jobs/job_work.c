@@ -12,6 +12,10 @@
 #define SHARED_FIRST 16
 #endif
 
+/* A yield that takes this many times a wake-up has given the CPU to a stranger; and for how many turns it is not repeated. */
+#define YIELD_LONG 10
+#define TURNS_WITHOUT_YIELD 100000
+
 const job_scope job_scope_all = {.all = true, .jobs = true, .high = true};
 
 /* ---- running --------------------------------------------------------------------------------------------------- */
@@ -301,12 +305,19 @@ static bool glimpse(job_slot *slot, const job_scope *scope)
 	return scope->jobs && deques_have(pool, scope);
 }
 
-void job_work_relax(const stilb_job_pool *pool)
+void job_work_relax(job_slot *slot)
 {
-	if (pool->crowded)
-		sched_yield(); /* what is waited for may be waiting for this CPU */
-	else
+	if (!slot->pool->crowded || slot->no_yield > 0) {
+		slot->no_yield -= slot->no_yield > 0;
 		job_sys_pause();
+		return;
+	}
+	/* What is waited for may be waiting for this CPU. But if it goes to a stranger for a whole time slice, waiters had better
+	 * spin and sleep like others for a while: the kernel favours who wakes up over who yields. */
+	uint64_t start = job_sys_ticks();
+	sched_yield();
+	if (job_sys_ticks() - start > YIELD_LONG * slot->pool->wake_ticks)
+		slot->no_yield = TURNS_WITHOUT_YIELD;
 }
 
 bool job_work_linger(job_slot *slot, const job_scope *scope, stilb_job_group *until)
@@ -319,7 +330,7 @@ bool job_work_linger(job_slot *slot, const job_scope *scope, stilb_job_group *un
 		if (glimpse(slot, scope) || (until && job_group_done(until)) ||
 		    atomic_load_explicit(&pool->stop, memory_order_relaxed))
 			return true;
-		job_work_relax(pool);
+		job_work_relax(slot);
 	}
 	return false;
 }
