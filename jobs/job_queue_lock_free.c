@@ -1,37 +1,41 @@
 /*
  * The lock-free queue: a list of segments of cells that are filled from the first to the last and taken in the same order.
  *
- * Cells.        A cell of a segment is empty, then holds an item, then is taken; each change is one compare-exchange of the
- *               cell itself. There are no tickets and no counters: a producer puts its item into the first empty cell, a
- *               consumer takes the item from the first cell that is not taken. So the filled cells are always the first
- *               ones of the list, and so are the taken ones; each thread remembers how far it got and searches on from there,
- *               with doubled steps and then by halves. When all cells of the last segment are filled, a producer appends
- *               another; when all of the first are taken, a consumer unlinks it.
- * Linearisable. A push happens at its successful compare-exchange, a pop too. A pop that finds nothing happens when it reads
- *               an empty cell, or no next segment, behind a taken cell: all before is taken and, cells being filled in
- *               order, all behind is empty. Positions are exact, so the capacity is as well.
- * Lock-free.    A compare-exchange on a cell, an end or a link fails only because another one succeeded; nobody waits for
- *               anybody, a thread stalled anywhere stops nobody, and an item is never in the hands of a stalled thread but by
- *               that thread's own finished pop. Not wait-free: a thread may lose again and again.
+ * Cells.        A cell of a segment is empty, then holds an item, then is taken; each change is one compare-exchange of
+ *               the cell itself. There are no tickets and no counters: a producer puts its item into the first empty
+ *               cell, a consumer takes the item from the first cell that is not taken. So the filled cells are always
+ *               the first ones of the list, and so are the taken ones; each thread remembers how far it got and
+ *               searches on from there, with doubled steps and then by halves. When all cells of the last segment are
+ *               filled, a producer appends another; when all of the first are taken, a consumer unlinks it.
+ * Linearisable. A push happens at its successful compare-exchange, a pop too. A pop that finds nothing happens when it
+ *               reads an empty cell, or no next segment, behind a taken cell: all before is taken and, cells being
+ *               filled in order, all behind is empty. Positions are exact, so the capacity is as well.
+ * Lock-free.    A compare-exchange on a cell, an end or a link fails only because another one succeeded; nobody waits
+ *               for anybody, a thread stalled anywhere stops nobody, and an item is never in the hands of a stalled
+ *               thread but by that thread's own finished pop. Not wait-free: a thread may lose again and again.
  *               Strictness ends at malloc: push asks for a segment when no retired one is free.
- * Close.        stilb_job_queue_close sets a flag that every push reads. A push that read it too early is stopped by the
- *               first consumer that finds the flag and then nothing in the queue: it puts a seal where the next item would
- *               go, by compare-exchange. If that fails an item has come, and it is taken; if not, nothing ever comes.
- * Reclamation.  Hazard pointers (Maged Michael, IEEE TPDS 2004), but left up between calls: a thread names the segment it
- *               works in at either end, and checks that it still is the end, only when it goes on to another segment. In
- *               between a call stores nothing but its cell. Retired segments lie in slots, from which producers take one
- *               that nobody names. Unlike with epochs, a thread that stops for ever keeps two segments from being used
- *               again, not all that are retired later; and a thread that comes back has nothing to announce first.
+ * Close.        stilb_job_queue_close sets a flag that every push reads. A push that read it too early is stopped by
+ *               the first consumer that finds the flag and then nothing in the queue: it puts a seal where the next
+ *               item would go, by compare-exchange. If that fails an item has come, and it is taken; if not, nothing
+ *               ever comes.
+ * Reclamation.  Hazard pointers (Maged Michael, IEEE TPDS 2004), but left up between calls: a thread names the segment
+ *               it works in at either end, and checks that it still is the end, only when it goes on to another
+ *               segment. In between a call stores nothing but its cell. Retired segments lie in slots, from which
+ *               producers take one that nobody names. Unlike with epochs, a thread that stops for ever keeps two
+ *               segments from being used again, not all that are retired later; and a thread that comes back has
+ *               nothing to announce first.
  * Reuse.        The marks "empty" and "taken" change roles each time a segment is used, so nothing has to be cleared.
- * Memory.       Segments of JOB_SEGMENT_CELLS cells of 8 bytes: those with items in them, at most 2 more at the ends, and at
- *               most 3 * threads + JOB_SPARE_SEGMENTS retired, where threads is the highest number that has called plus one.
+ * Memory.       Segments of JOB_SEGMENT_CELLS cells of 8 bytes: those with items in them, at most 2 more at the ends,
+ *               and at most 3 * threads + JOB_SPARE_SEGMENTS retired, where threads is the highest number that has
+ *               called plus one.
  *
  * Sources. Filling and taking cells by compare-exchange, with indices that lag: Tsigas and Zhang, "A simple, fast and
- * scalable non-blocking concurrent FIFO queue", SPAA 2001; over linked blocks with each thread's own indices: Gidenstam,
- * Sundell and Tsigas, "Cache-aware lock-free queues for multiple producers/consumers and weak memory consistency",
- * OPODIS 2010. Why not tickets by fetch-and-add (LCRQ, Morrison and Afek, PPoPP 2013; FAAArrayQueue, Ramalhete and
- * Correia, 2016): they cost two atomic operations per push instead of one, contend on a counter's line and on the cell's, and
- * a consumer whose ticket is ahead of its producer must wait or spoil the cell.
+ * scalable non-blocking concurrent FIFO queue", SPAA 2001; over linked blocks with each thread's own indices:
+ * Gidenstam, Sundell and Tsigas, "Cache-aware lock-free queues for multiple producers/consumers and weak memory
+ * consistency", OPODIS 2010.
+ * Why not tickets by fetch-and-add (LCRQ, Morrison and Afek, PPoPP 2013; FAAArrayQueue, Ramalhete and Correia, 2016):
+ * they take two atomic operations per push instead of one, contend on a counter's line and on the cell's, and a consumer
+ * whose ticket is ahead of its producer must wait or spoil the cell.
  */
 #include "jobs/job_line.h"
 #include "jobs/job_queue_internal.h"
@@ -147,7 +151,7 @@ static void place_move(job_lock_free *queue, job_record *self, uint32_t end)
 	self->place[end] = (job_place){.segment = segment, .empty = segment->empty, .pauses = self->place[end].pauses / 2};
 }
 
-/* True if this call moved the end from segment to next. The caller's hazard names segment, so it cannot have come back. */
+/* True if this call moved the end from segment to next. The caller's hazard is on segment: it cannot have come back. */
 static bool end_advance(job_lock_free *queue, uint32_t end, job_segment *segment, job_segment *next)
 {
 	/* Sequentially consistent: see above. Looked at first, for mostly another thread has been here. */
@@ -185,7 +189,7 @@ static bool slot_occupied(job_lock_free *queue, job_record *self)
 	return atomic_load_explicit(&queue->slot[self->slot], memory_order_relaxed); /* a hint, the exchange decides */
 }
 
-/* Puts a segment into a slot, or frees one if they are full. There are more slots than hazards, so then one can be freed. */
+/* Puts a segment into a slot, or frees one if all are full: slots outnumber hazards, so then one can be freed. */
 static void segment_retire(job_lock_free *queue, job_record *self, job_segment *segment)
 {
 	uint32_t count = slot_count(queue);

@@ -268,7 +268,7 @@ static void run(const char *name, void (*entry)(void), void (*check)(void))
 	                           .data = &shared,
 	                           .data_size = sizeof shared,
 	                           .may_stop = with.stops << with.guests,
-	                           .max_states = 2000000};
+	                           .max_states = 4000000};
 	model_result result = model_run(&scenario, !must_fail);
 	print_message("%-34s %8u states %8u steps, path %u: %s\n", name, result.states, result.steps, result.depth,
 	              result.failure ? result.failure : "ends well");
