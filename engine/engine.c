@@ -93,6 +93,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 	const stilb_render_desc render = {
 		.device = desc->device,
 		.replay = desc->replay,
+		.materials = desc->materials,
 		.output = desc->output,
 		.gpu = desc->gpu,
 		.surface = engine->window ? &surface : NULL,
@@ -101,6 +102,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.samples = desc->samples,
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
+		.faults = desc->faults,
 	};
 	return stilb_render_create(&render, &engine->render);
 }

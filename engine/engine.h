@@ -25,6 +25,7 @@ typedef struct stilb_engine_desc {
 	stilb_scene_stress_view view;
 	stilb_render_device_kind device;
 	stilb_render_replay_mode replay;
+	stilb_render_materials materials;
 	stilb_render_output output;
 	const char *gpu;        /* NULL: the best */
 	uint32_t width, height; /* 1..16384 */
@@ -33,6 +34,7 @@ typedef struct stilb_engine_desc {
 	bool present;           /* else no frame is shown */
 	bool animate;           /* a tenth of the models moves */
 	bool validate;
+	stilb_render_faults faults; /* what is to go wrong, for tests */
 } stilb_engine_desc;
 
 /* 10,000 models, seed 1, CPUs - 1 workers (at least 1), octree, all visible, Vulkan, indirect, 1280x720, headless. */

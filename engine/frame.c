@@ -120,7 +120,8 @@ static stilb_result record(stilb_engine *engine)
 static stilb_result replay(stilb_engine *engine)
 {
 	PROFILE("replay");
-	return stilb_render_replay(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count);
+	return stilb_render_replay(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count,
+	                           engine->pool, FRAME_OWNER);
 }
 
 static stilb_result present(stilb_engine *engine)

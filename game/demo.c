@@ -20,16 +20,17 @@
 typedef struct demo_options {
 	uint64_t models, frames, seed, samples;
 	uint32_t workers, size[2];
-	int view, cull, replay, device;
+	int view, cull, replay, materials, device;
 	bool headless, no_present, animate, validate, help;
-	const char *gpu, *screenshot, *trace, *stats;
+	const char *gpu, *screenshot, *trace, *stats, *fault;
 } demo_options;
 
 /* ---- flags --------------------------------------------------------------------------------------------------------- */
 
 static const char *const view_choices[] = {"all", "half", "few", NULL};
 static const char *const cull_choices[] = {"octree", "flat", NULL};
-static const char *const replay_choices[] = {"indirect", "direct", NULL};
+static const char *const replay_choices[] = {"indirect", "direct", "secondary", NULL};
+static const char *const materials_choices[] = {"index", "bind", "pipeline", NULL};
 static const char *const device_choices[] = {"vulkan", "null", NULL};
 
 static flags_result demo_parse(demo_options *o, int argc, char **argv)
@@ -47,10 +48,10 @@ static flags_result demo_parse(demo_options *o, int argc, char **argv)
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL},
 		{"--view", FLAG_CHOICE, &o->view, "all|half|few", "how many models are in view (all)", 0, 0, view_choices},
 		{"--cull", FLAG_CHOICE, &o->cull, "octree|flat", "culling method (octree)", 0, 0, cull_choices},
-		{"--replay", FLAG_CHOICE, &o->replay, "indirect|direct",
-	     "one device command for all draws, or one a draw "
-	     "(indirect)",
-	     0, 0, replay_choices},
+		{"--replay", FLAG_CHOICE, &o->replay, "indirect|direct|secondary",
+	     "lists as they are; one command a draw; that in parallel (indirect)", 0, 0, replay_choices},
+		{"--materials", FLAG_CHOICE, &o->materials, "index|bind|pipeline",
+	     "by index; by descriptor set; by one of two pipelines (index)", 0, 0, materials_choices},
 		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: the CPU's side alone (vulkan)", 0, 0,
 	     device_choices},
 		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
@@ -60,6 +61,8 @@ static flags_result demo_parse(demo_options *o, int argc, char **argv)
 	     NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE.json", "a profiler trace of the last frames", 0, 0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
+		{"--fault", FLAG_TEXT, &o->fault, "memory:N|lost:N", "fail on purpose: its N-th allocation, or frame N", 0, 0,
+	     NULL},
 	};
 	const size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
@@ -113,11 +116,30 @@ static bool demo_outputs_differ(const demo_options *o)
 	return true;
 }
 
+/* "memory:3", "lost:10". */
+static bool demo_parse_fault(const char *text, stilb_render_faults *faults)
+{
+	uint32_t number;
+	int end = 0;
+	*faults = (stilb_render_faults){0};
+	if (!text)
+		return true;
+	if (sscanf(text, "memory:%9" SCNu32 "%n", &number, &end) == 1 && text[end] == '\0')
+		faults->allocation = number;
+	else if (sscanf(text, "lost:%9" SCNu32 "%n", &number, &end) == 1 && text[end] == '\0')
+		faults->lost_frame = number;
+	return faults->allocation || faults->lost_frame;
+}
+
 /* What the table cannot say. Nothing has been started or written yet. */
 static bool demo_check(const demo_options *o)
 {
 	if (o->samples != 0 && o->samples != 1 && o->samples != 4) {
 		stilb_log("--msaa: %" PRIu64 " samples are not offered; give 1 or 4", o->samples);
+		return false;
+	}
+	if (!demo_parse_fault(o->fault, &(stilb_render_faults){0})) {
+		stilb_log("--fault: '%s' is not known; give memory:N or lost:N with N from 1 on", o->fault);
 		return false;
 	}
 	if (o->screenshot && o->device == STILB_RENDER_DEVICE_NULL) {
@@ -165,6 +187,7 @@ static stilb_engine_desc demo_engine_desc(const demo_options *o)
 	desc.view = (stilb_scene_stress_view)o->view;
 	desc.device = (stilb_render_device_kind)o->device;
 	desc.replay = (stilb_render_replay_mode)o->replay;
+	desc.materials = (stilb_render_materials)o->materials;
 	desc.gpu = o->gpu;
 	desc.width = o->size[0];
 	desc.height = o->size[1];
@@ -173,6 +196,7 @@ static stilb_engine_desc demo_engine_desc(const demo_options *o)
 	desc.present = !o->no_present;
 	desc.animate = o->animate;
 	desc.validate = o->validate;
+	demo_parse_fault(o->fault, &desc.faults);
 	if (o->screenshot && has_extension(o->screenshot, ".exr")) /* the window then shows the same, clipped */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
@@ -292,13 +316,17 @@ static stilb_result demo_write_stats(const demo_run *run, const stage_summary *s
 	stilb_json_string(&json, "device", device_choices[o->device]);
 	stilb_json_string(&json, "device_name", stilb_engine_device_name(run->engine));
 	stilb_json_string(&json, "replay", replay_choices[o->replay]);
+	stilb_json_string(&json, "materials", materials_choices[o->materials]);
 	stilb_json_string(&json, "cull", cull_choices[o->cull]);
 	stilb_json_string(&json, "stream_hash", hash);
 	stilb_json_begin(&json, "commands", '{');
 	stilb_json_int(&json, "draw", (int64_t)render->draw_commands);
 	stilb_json_int(&json, "draw_indirect", (int64_t)render->indirect_commands);
 	stilb_json_int(&json, "execute", (int64_t)render->execute_commands);
+	stilb_json_int(&json, "binds_asked", (int64_t)render->binds_asked);
+	stilb_json_int(&json, "binds_sent", (int64_t)render->binds_sent);
 	stilb_json_end(&json, '}');
+	stilb_json_int(&json, "recorded_bytes", (int64_t)render->recorded_bytes);
 	stilb_json_begin(&json, "stages", '{');
 	for (int s = 0; s < STAGE_GPU; s++) {
 		stilb_json_begin(&json, stage_names[s], '{');

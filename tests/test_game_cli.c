@@ -16,10 +16,10 @@ static void test_help_and_version(void **state)
 	assert_said(run.out, "info");
 	assert_said(run.out, "bench");
 	stilb_good("demo --help");
-	static const char *const flags[] = {"--models",     "--workers",  "--frames", "--headless", "--no-present",
-	                                    "--animate",    "--validate", "--size",   "--view",     "--cull",
-	                                    "--replay",     "--device",   "--gpu",    "--msaa",     "--seed",
-	                                    "--screenshot", "--trace",    "--stats"};
+	static const char *const flags[] = {"--models",     "--workers",  "--frames", "--headless",  "--no-present",
+	                                    "--animate",    "--validate", "--size",   "--view",      "--cull",
+	                                    "--replay",     "--device",   "--gpu",    "--msaa",      "--seed",
+	                                    "--screenshot", "--trace",    "--stats",  "--materials", "--fault"};
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[32];
 		snprintf(line, sizeof line, "\n  %s ", flags[i]);

@@ -143,12 +143,11 @@ static void a_picture_before_the_first_frame(void **state)
 static const render_device_functions *real_functions;
 static int good_passes; /* that begin before one fails */
 
-static stilb_result failing_pass_begin(render_device *device, const stilb_render_pass *pass,
-                                       const stilb_render_view *view, uint64_t draws)
+static stilb_result failing_pass(render_device *device, const render_stream *stream)
 {
 	if (good_passes-- == 0)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for this pass");
-	return real_functions->pass_begin(device, pass, view, draws);
+	return real_functions->pass(device, stream);
 }
 
 static void frames_that_break_off_harm_no_other(void **state)
@@ -161,7 +160,7 @@ static void frames_that_break_off_harm_no_other(void **state)
 	engine->pass_count = 2;
 	real_functions = engine->render->device->functions;
 	render_device_functions failing = *real_functions;
-	failing.pass_begin = failing_pass_begin;
+	failing.pass = failing_pass;
 	frames(engine, 1);
 	for (int good = 0; good < 4; good++) {
 		good_passes = good % 2;

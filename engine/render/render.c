@@ -12,7 +12,13 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	if (!render)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the renderer");
 	memset(render, 0, sizeof *render);
+	render->memory[RENDER_MEMORY_COMMANDS].element = sizeof(render_command);
+	render->memory[RENDER_MEMORY_COMMANDS].chunk = RENDER_COMMAND_CHUNK;
+	render->memory[RENDER_MEMORY_ROWS].element = sizeof(render_row);
+	render->memory[RENDER_MEMORY_ROWS].chunk = RENDER_ROW_CHUNK;
 	stilb_result result = render_contexts_create(render, desc->context_count);
+	if (result == STILB_OK)
+		result = render_resources_create(&render->resources);
 	if (result == STILB_OK)
 		result = desc->device == STILB_RENDER_DEVICE_NULL ? render_null_create(desc, &render->device)
 		                                                  : render_vulkan_create(desc, &render->device);
@@ -31,9 +37,11 @@ void stilb_render_destroy(stilb_render *render)
 	if (render->device)
 		render->device->functions->destroy(render->device);
 	render_contexts_destroy(render);
-	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
+	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++) {
 		free(render->passes[p].segments);
-	free(render->meshes);
+		free(render->passes[p].runs);
+	}
+	render_resources_destroy(&render->resources);
 	free(render);
 }
 
@@ -55,48 +63,6 @@ uint32_t stilb_render_samples(const stilb_render *render)
 uint32_t stilb_render_validation_messages(const stilb_render *render)
 {
 	return render->device->validation_messages;
-}
-
-/* Meshes lie one after the other in one vertex and one index buffer. */
-static stilb_result render_place_meshes(stilb_render *render, const stilb_scene *scene)
-{
-	uint32_t first_index = 0;
-	int32_t vertex_offset = 0;
-	render->meshes = stilb_memory_alloc(scene->mesh_count, sizeof *render->meshes);
-	if (!render->meshes)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u meshes", scene->mesh_count);
-	for (uint32_t i = 0; i < scene->mesh_count; i++) {
-		render->meshes[i] = (render_mesh){first_index, scene->meshes[i].index_count, vertex_offset};
-		first_index += scene->meshes[i].index_count;
-		vertex_offset += (int32_t)scene->meshes[i].vertex_count;
-	}
-	render->mesh_count = scene->mesh_count;
-	render->material_count = scene->material_count;
-	return STILB_OK;
-}
-
-static render_material render_material_make(const stilb_scene_material *material)
-{
-	render_material out = {.shininess = material->shininess};
-	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
-	memcpy(out.specular, material->specular, sizeof out.specular);
-	return out;
-}
-
-stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene)
-{
-	STILB_ASSERT(!render->meshes);
-	stilb_result result = render_place_meshes(render, scene);
-	if (result != STILB_OK)
-		return result;
-	render_material *materials = stilb_memory_alloc(scene->material_count, sizeof *materials);
-	if (!materials)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u materials", scene->material_count);
-	for (uint32_t i = 0; i < scene->material_count; i++)
-		materials[i] = render_material_make(&scene->materials[i]);
-	result = render->device->functions->upload(render->device, scene, materials);
-	free(materials);
-	return result;
 }
 
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count)
@@ -122,11 +88,17 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 stilb_result stilb_render_frame_begin(stilb_render *render)
 {
 	/* A frame mostly needs what the one before did: growing now saves the way over the heap. Relaxed: no job runs. */
-	uint32_t wanted = atomic_load_explicit(&render->rows.next, memory_order_relaxed);
+	uint32_t wanted[RENDER_MEMORY_KINDS];
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
+		wanted[kind] = atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed);
 	render_contexts_rewind(render);
-	stilb_result result = render->device->functions->frame_begin(render->device, &render->rows);
-	if (result == STILB_OK && wanted > render->rows.capacity)
-		result = render->device->functions->rows_grow(render->device, &render->rows, wanted);
+	stilb_result result = render->device->functions->frame_begin(render->device, render->memory);
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++)
+		if (wanted[kind] > render->memory[kind].capacity)
+			result = render->device->functions->grow(render->device, &render->memory[kind], (render_memory_kind)kind,
+			                                         wanted[kind]);
+	if (result == STILB_OK)
+		render_resources_frame(render);
 	return result;
 }
 

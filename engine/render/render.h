@@ -1,14 +1,16 @@
 /*
  * render: draws are recorded by many threads as plain commands, and replayed by one thread on a device.
  *
- * How it works.  Every worker owns a render context. Recording appends 32-byte commands to the context's command list
- *                and writes each draw's transform into a row of the frame's row buffer (GPU memory, written once). A
- *                view's draws are cut into segments, numbered by the scene; any worker may record any segment, and the
- *                main thread replays the segments in number order. So the command stream, and the picture, do not
- *                depend on how many workers there are or who was faster.
- * Life cycle.    stilb_render_create -> stilb_render_upload_scene -> frames -> stilb_render_destroy.
+ * How it works.  Every worker owns a render context. Recording appends 32-byte commands to blocks of memory that belong to
+ *                the context for this frame, and writes each draw's transform into a row of the frame's row memory; with
+ *                indirect replay both are memory that the GPU reads, written once and never copied. A pass is cut into
+ *                segments, numbered by the scene; any worker may record any segment, and replay takes the segments in
+ *                number order. So the command stream, and the picture, do not depend on how many workers there are or
+ *                who was faster.
+ * Life cycle.    stilb_render_create -> stilb_render_upload_scene, stilb_render_mesh_create, ... -> frames ->
+ *                stilb_render_destroy.
  * Per frame.     stilb_render_frame_begin, stilb_render_record per pass, stilb_render_replay, stilb_render_present.
- * Threads.       [main-thread] unless a function says [one-writer]: then one thread at a time per context.
+ * Threads.       [main-thread] unless a function says [one-writer], one thread at a time per context, or [any-thread].
  * Devices.       `null` counts and writes what a GPU would be given, and draws nothing; `vulkan` draws.
  * Limits.        None on draws: lists and buffers grow, and running out of memory is an error of the frame. Nothing is
  *                ever dropped.
@@ -32,9 +34,23 @@ typedef enum stilb_render_device_kind {
 
 /* How a command list becomes device commands. The pixels are the same. */
 typedef enum stilb_render_replay_mode {
-	STILB_RENDER_REPLAY_INDIRECT, /* multi-draw-indirect: one device command for a pass's draws */
-	STILB_RENDER_REPLAY_DIRECT,   /* one device command a draw */
+	STILB_RENDER_REPLAY_INDIRECT,  /* multi-draw-indirect: the GPU reads the workers' commands where they lie */
+	STILB_RENDER_REPLAY_DIRECT,    /* one device command a draw, in one primary command buffer */
+	STILB_RENDER_REPLAY_SECONDARY, /* the same in a secondary command buffer per worker, recorded in parallel */
 } stilb_render_replay_mode;
+
+/* How a draw gets its material. The pixels are the same. */
+typedef enum stilb_render_materials {
+	STILB_RENDER_MATERIALS_INDEX,    /* an index in the draw's row: no device command */
+	STILB_RENDER_MATERIALS_BIND,     /* a descriptor set for each change of material */
+	STILB_RENDER_MATERIALS_PIPELINE, /* two pipelines, for materials with even and with odd ids: the worst case */
+} stilb_render_materials;
+
+/* What a device lets go wrong on purpose, for tests; 0: nothing. Counted from 1. */
+typedef struct stilb_render_faults {
+	uint32_t allocation; /* the device's n-th allocation of memory fails */
+	uint32_t lost_frame; /* the device is lost when frame n is handed to it */
+} stilb_render_faults;
 
 /* What the picture holds. */
 typedef enum stilb_render_output {
@@ -52,6 +68,7 @@ typedef struct stilb_render_surface {
 typedef struct stilb_render_desc {
 	stilb_render_device_kind device;
 	stilb_render_replay_mode replay;
+	stilb_render_materials materials;
 	stilb_render_output output;
 	const char *gpu;                     /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	const stilb_render_surface *surface; /* NULL: no window */
@@ -59,6 +76,7 @@ typedef struct stilb_render_desc {
 	uint32_t samples;                    /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
 	uint32_t context_count;              /* workers + 1 */
 	bool validate;                       /* Vulkan validation layer with synchronization checks */
+	stilb_render_faults faults;
 } stilb_render_desc;
 
 /* What a pass draws into. */
@@ -79,6 +97,7 @@ typedef struct stilb_render_pass {
 	uint32_t view; /* index into the frame's views */
 	stilb_render_target target;
 	uint32_t order; /* passes are replayed by ascending order */
+	bool sort;      /* draws by ascending key, equal keys as recorded; else all as recorded */
 } stilb_render_pass;
 
 #define STILB_RENDER_MAX_PASSES 16
@@ -86,9 +105,12 @@ typedef struct stilb_render_pass {
 /* Of the last replayed frame. */
 typedef struct stilb_render_stats {
 	uint64_t draws;
+	uint64_t recorded_bytes;    /* commands and rows of these draws */
 	uint64_t draw_commands;     /* device commands that draw one thing */
-	uint64_t indirect_commands; /* device commands that draw many */
-	uint64_t execute_commands;  /* device commands that execute a recorded command buffer */
+	uint64_t indirect_commands; /* device commands that draw many: one for each stretch of memory that a worker filled */
+	uint64_t execute_commands;  /* command buffers recorded beside the main one and executed from it */
+	uint64_t binds_asked;       /* pipeline, buffers and material of every draw: three a draw */
+	uint64_t binds_sent;        /* of these, what changed and so went to the device */
 	double gpu_ms;              /* last known time of a frame on the GPU; 0 on the null device */
 } stilb_render_stats;
 
@@ -105,8 +127,52 @@ uint32_t stilb_render_samples(const stilb_render *render);
 /* Warnings and errors of the validation layer so far. */
 uint32_t stilb_render_validation_messages(const stilb_render *render);
 
-/* Gives meshes and materials to the device; the arrays may change afterwards. Once, before the first frame. */
+/* ---- meshes, textures, materials ---------------------------------------------------------------------------------
+ * Created and destroyed by any thread at any time, also while frames are recorded. Zero is no handle. What the handle
+ * stands for is there for every draw recorded after the creation, and stays until the frame in which it was destroyed, and
+ * all before, are drawn. Draws read no lock.
+ * STILB_ERROR_ARGUMENT: empty, or an index beyond the vertices. STILB_ERROR_MEMORY: no memory, or no id left. */
+
+typedef struct stilb_render_mesh {
+	uint32_t id;
+} stilb_render_mesh;
+
+typedef struct stilb_render_texture {
+	uint32_t id;
+} stilb_render_texture;
+
+typedef struct stilb_render_material {
+	uint32_t id;
+} stilb_render_material;
+
+#define STILB_RENDER_MAX_MESHES (1u << 20)
+#define STILB_RENDER_MAX_MATERIALS (1u << 24)
+#define STILB_RENDER_MAX_TEXTURES (1u << 12)
+
+/* Copies vertices and indices. [any-thread] */
+stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_mesh *mesh, stilb_render_mesh *out);
+/* Accepts {0}, as the others. [any-thread] */
+void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh);
+
+/* Copies the pixels, of any format and 1..4 channels; 1..16384 a side. Sampled with linear filtering, repeated. [any-thread] */
+stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out);
+/* No material may hold it any longer. [any-thread] */
+void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture texture);
+
+/* texture multiplies the diffuse reflectance; {0}: none. [any-thread] */
+stilb_result stilb_render_material_create(stilb_render *render, const stilb_scene_material *material,
+                                          stilb_render_texture texture, stilb_render_material *out);
+/* [any-thread] */
+void stilb_render_material_destroy(stilb_render *render, stilb_render_material material);
+
+/* Creates all meshes and materials of a scene, once; the arrays may change afterwards. */
 stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene);
+
+/* The handles of the uploaded scene's ids. [any-thread] */
+stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id);
+stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id);
+
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 /* For another number of workers: between frames; the last frame's stream hash is lost. After an error all is as before. */
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
@@ -123,9 +189,10 @@ stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stil
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);
 
 /* Turns the lists of all passes, at least one, into device commands, in order, and hands them to the device. Once a
- * frame. */
+ * frame. Secondary command buffers are recorded on the pool; the caller's index there is worker. */
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
-                                 const stilb_render_view *views, uint32_t view_count);
+                                 const stilb_render_view *views, uint32_t view_count, stilb_job_pool *pool,
+                                 uint32_t worker);
 
 /* Shows the picture in the window, or copies it to memory when there is none. An outdated or minimised window is no
  * error. */
@@ -140,7 +207,7 @@ stilb_result stilb_render_wait(stilb_render *render);
 
 stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
-/* FNV-1a 64 over the last frame's draws in replay order, each as mesh id, material id (32-bit), the 16 floats of the
+/* FNV-1a 64 over the last frame's draws in replay order, each as mesh id, material id (32-bit, counted from 0), the 16 floats of the
  * transform (column-major) and index count (32-bit), little endian. The same for every device, replay mode and number
  * of workers. Valid after replay until the next frame begins. */
 uint64_t stilb_render_stream_hash(const stilb_render *render);
@@ -157,8 +224,13 @@ stilb_render_context *stilb_render_context_get(stilb_render *render, uint32_t wo
 void stilb_render_segment_begin(stilb_render_context *context, uint32_t pass, uint32_t segment);
 void stilb_render_segment_end(stilb_render_context *context);
 
-/* One draw: ids as in the uploaded scene; transform is affine (its last row is 0 0 0 1). [one-writer] */
-void stilb_render_draw(stilb_render_context *context, uint32_t mesh, uint32_t material, const stilb_mat4 *transform);
+/* One draw; transform is affine (its last row is 0 0 0 1). [one-writer] */
+void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material,
+                       const stilb_mat4 *transform);
+
+/* The same with a key, for passes that sort; without one it is 0. [one-writer] */
+void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                                stilb_render_material material, const stilb_mat4 *transform);
 
 /* Ends the recording of a pass. STILB_ERROR_MEMORY when a context ran out of memory on the way. [main-thread] */
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass);

@@ -3,138 +3,209 @@
 #define STILB_RENDER_INTERNAL_H
 
 #include "render/render.h"
+#include "render/render_resources.h"
 
 #include <stdatomic.h>
 
 /* ---- commands ------------------------------------------------------------------------------------------------------ */
 
-/* One draw, plain data. A mesh's place in the device's buffers is looked up at record time. */
+/* One draw, plain data. The first 20 bytes are what a GPU reads of an indirect draw (VkDrawIndexedIndirectCommand), so a
+ * list of commands can be handed to it as it is, with a stride of 32. */
 typedef struct render_command {
-	uint64_t key; /* room for a sort key; zero today: the order is the scene's */
-	uint32_t row; /* of the frame's row buffer: transform and material as the shader reads them */
-	uint32_t mesh;
-	uint32_t material;
 	uint32_t index_count;
+	uint32_t instance_count; /* 1 */
 	uint32_t first_index;
 	int32_t vertex_offset;
+	uint32_t row;      /* the first instance: of the frame's rows */
+	uint32_t material; /* index */
+	uint64_t key;      /* for passes that sort */
 } render_command;
 
 static_assert(sizeof(render_command) == 32, "a command is half a cache line");
+static_assert(offsetof(render_command, row) == 16, "laid out as VkDrawIndexedIndirectCommand");
 
 /* One draw as the vertex shader reads it (shaders/mesh.glsl): the three rows of the affine transform, then the material. */
 typedef struct render_row {
 	float transform[12];
 	uint32_t material;
-	uint32_t unused[3];
+	uint32_t mesh; /* no shader reads it: the hash and the dump do */
+	uint32_t unused[2];
 } render_row;
 
 static_assert(sizeof(render_row) == 64, "a row is a cache line");
 
-/* VkDrawIndexedIndirectCommand, written by the null device too. */
-typedef struct render_indirect {
-	uint32_t index_count, instance_count, first_index;
-	int32_t vertex_offset;
-	uint32_t first_instance;
-} render_indirect;
+/* ---- a frame's memory ------------------------------------------------------------------------------------------------
+ * Commands and rows lie in memory of the device, one piece each for a frame. Contexts claim it by the chunk, with one
+ * fetch-add. A chunk that still fits is written in place; one beyond the capacity is written to the heap, and replay grows
+ * the memory and moves it to its place. Which chunk is whose depends on who was faster; the order of the draws does not. */
 
-/* ---- the frame's rows -------------------------------------------------------------------------------------------------
- * Contexts claim ROW_CHUNK rows at a time with one fetch-add. A chunk that still fits is written in place, in memory the
- * device reads; one beyond the capacity is written to the heap, and replay grows the buffer and moves it to its rows.
- * Row numbers depend on who was faster; what is in them does not. */
+#define RENDER_COMMAND_CHUNK 2048u /* 64 KiB */
+#define RENDER_ROW_CHUNK 512u      /* 32 KiB */
 
-#define RENDER_ROW_CHUNK 512u
-
-typedef struct render_rows {
+typedef struct render_memory {
 	_Alignas(STILB_CACHE_LINE) _Atomic uint32_t next; /* relaxed fetch-add by contexts: claims, publishes nothing */
-	_Alignas(STILB_CACHE_LINE) render_row *memory; /* the device's; written by contexts, constant while they record */
-	uint32_t capacity;
-} render_rows;
+	_Alignas(STILB_CACHE_LINE) void *data; /* the device's; written by contexts, constant while they record */
+	uint32_t capacity;                     /* elements */
+	uint32_t element, chunk;               /* bytes; elements */
+} render_memory;
+
+typedef enum render_memory_kind {
+	RENDER_MEMORY_COMMANDS,
+	RENDER_MEMORY_ROWS,
+	RENDER_MEMORY_KINDS,
+} render_memory_kind;
+
+#define RENDER_FIRST_CAPACITY 32768u /* elements of a frame's memory before it has to grow */
 
 /* ---- contexts and lists ------------------------------------------------------------------------------------------------ */
 
-#define RENDER_BLOCK_COMMANDS 2048u /* 64 KiB */
+/* Draws that lie one after the other and need the same bindings: commands first .. first + count - 1 of the frame. */
+typedef struct render_run {
+	uint32_t first, count;
+	uint64_t state; /* see render_state */
+} render_run;
 
-typedef struct render_block {
-	render_command commands[RENDER_BLOCK_COMMANDS];
-} render_block;
-
-/* A chunk of rows that did not fit. */
+/* A chunk that did not fit. */
 typedef struct render_overflow {
-	render_row *rows;
+	render_memory_kind kind;
 	uint32_t first;
+	void *data;
 } render_overflow;
 
 typedef enum render_list_state {
 	RENDER_LIST_EMPTY,
 	RENDER_LIST_RECORDING,
 	RENDER_LIST_CLOSED,
+	RENDER_LIST_REPLAYED,
 } render_list_state;
 
-/* Where a segment's commands lie: count commands from (block, first) on, running over into the blocks that follow. */
+/* Which of its context's runs are a segment's. */
 typedef struct render_segment {
 	const stilb_render_context *context;
-	uint32_t block, first, count;
+	uint32_t first_run, run_count;
 } render_segment;
 
 /* One pass of the frame. Each segment is written by the one worker that records it; the job system's wait publishes all
- * of them to the main thread. */
+ * of them to the main thread, which joins their runs when it replays them. */
 typedef struct render_pass_lists {
 	render_list_state state;
 	render_segment *segments;
 	uint32_t segment_count, segment_capacity;
+	render_run *runs;
+	uint32_t run_count, run_capacity;
+	uint64_t draws;
 } render_pass_lists;
 
 /* Written by one worker at a time. Aligned so that two workers never share a line (sharing one cost all of the gain). */
 struct stilb_render_context {
-	_Alignas(STILB_CACHE_LINE) render_command *command; /* the next to write, in block blocks[block] */
-	render_command *block_end;
-	render_row *row; /* the next to write */
+	/* Every draw reads and writes these. */
+	_Alignas(STILB_CACHE_LINE) render_command *command; /* the next to write */
+	render_command *command_end;                        /* of its chunk */
+	render_row *row;                                    /* the next to write */
 	render_row *row_end;
-	uint32_t row_index;
-	uint32_t block;
-	render_segment *segment; /* being recorded, or NULL */
-	bool failed;             /* out of memory: pass_end reports it */
+	uint64_t state;         /* of the run being recorded; RENDER_NO_STATE before a segment's first draw */
+	uint32_t row_index;     /* of row */
+	uint32_t material_mask; /* bits of a material's index that are part of the state */
+	const render_mesh_slot *meshes;
+	const uint32_t *materials;
+
+	uint32_t command_chunk;  /* index of the first command of the chunk */
+	uint32_t run_count;      /* of this frame */
+	uint32_t run_capacity;   /* kept from frame to frame, as the arrays below */
+	uint32_t overflow_count; /* of this frame */
+	uint32_t overflow_capacity;
+	bool failed;                /* out of memory: pass_end reports it */
+	render_run *runs;           /* [run_count] */
+	render_segment *segment;    /* being recorded, or NULL */
+	render_overflow *overflows; /* [overflow_count] */
 	stilb_render *render;
-	render_block **blocks; /* kept from frame to frame */
-	uint32_t block_count, block_capacity;
-	render_overflow *overflows; /* of this frame: the first overflow_count hold chunks */
-	uint32_t overflow_count, overflow_capacity;
 };
 
-/* ---- meshes ------------------------------------------------------------------------------------------------------------ */
+#define RENDER_NO_STATE UINT64_MAX
 
-/* A mesh's place in the device's shared vertex and index buffers. */
-typedef struct render_mesh {
-	uint32_t first_index, index_count;
-	int32_t vertex_offset;
-} render_mesh;
+/* ---- what a draw must have bound ---------------------------------------------------------------------------------------
+ * The texture in the low 24 bits, above it what --materials makes depend on the material: nothing (index), its index
+ * (bind), or whether that is odd (pipeline). */
 
-/* A material as the fragment shader reads it (shaders/mesh.glsl). */
-typedef struct render_material {
-	float diffuse[3], shininess;
-	float specular[3], unused;
-} render_material;
+static inline uint64_t render_state(uint32_t material_entry, uint32_t material, uint32_t material_mask)
+{
+	return (material_entry & RENDER_INDEX_MASK) | (uint64_t)(material & material_mask) << 24;
+}
 
-static_assert(sizeof(render_material) == 32, "std430: two vec4");
+static inline uint32_t render_material_mask(stilb_render_materials materials)
+{
+	return materials == STILB_RENDER_MATERIALS_BIND       ? RENDER_INDEX_MASK
+	       : materials == STILB_RENDER_MATERIALS_PIPELINE ? 1u
+	                                                      : 0u;
+}
+
+static inline uint32_t render_state_texture(uint64_t state)
+{
+	return (uint32_t)state & RENDER_INDEX_MASK;
+}
+
+/* The material with BIND, the pipeline's number with PIPELINE, else 0. */
+static inline uint32_t render_state_material(uint64_t state)
+{
+	return (uint32_t)(state >> 24);
+}
+
+typedef enum render_bind {
+	RENDER_BIND_PIPELINE = 1,
+	RENDER_BIND_BUFFERS = 2,
+	RENDER_BIND_MATERIAL = 4, /* its descriptor set and its texture's */
+} render_bind;
+
+/* What has to be bound for a draw with state `to` after one with state `from`, RENDER_NO_STATE before the first. */
+static inline uint32_t render_binds_between(stilb_render_materials materials, uint64_t from, uint64_t to)
+{
+	if (from == to)
+		return 0;
+	if (from == RENDER_NO_STATE)
+		return RENDER_BIND_PIPELINE | RENDER_BIND_BUFFERS | RENDER_BIND_MATERIAL;
+	uint32_t binds = render_state_texture(from) != render_state_texture(to) ? RENDER_BIND_MATERIAL : 0;
+	if (render_state_material(from) != render_state_material(to))
+		binds |= materials == STILB_RENDER_MATERIALS_PIPELINE ? RENDER_BIND_PIPELINE : RENDER_BIND_MATERIAL;
+	return binds;
+}
 
 /* ---- devices ------------------------------------------------------------------------------------------------------------ */
 
 typedef struct render_device render_device;
 
-/* All on the main thread. A frame: frame_begin, then per pass pass_begin, draws..., pass_end, then submit, present. */
+/* A pass as it is replayed: its draws in order. */
+typedef struct render_stream {
+	const stilb_render_pass *pass;
+	const stilb_render_view *view;
+	const render_command *commands; /* the frame's; runs index into them */
+	const render_run *runs;
+	uint32_t run_count;
+	uint64_t draws;
+	stilb_job_pool *pool; /* for secondary command buffers, one a worker */
+	uint32_t worker;      /* the caller's index in pool */
+} render_stream;
+
+/* Part of a stream: count draws, from draw `offset` of run `run` on. */
+typedef struct render_part {
+	uint32_t run, offset;
+	uint64_t count;
+} render_part;
+
+/* All on the main thread but for texture_create. A frame: frame_begin, update, pass..., submit, present. */
 typedef struct render_device_functions {
 	void (*destroy)(render_device *device);
-	stilb_result (*upload)(render_device *device, const stilb_scene *scene, const render_material *materials);
 	stilb_result (*resize)(render_device *device, uint32_t width, uint32_t height);
-	/* Waits for the frame's memory to be free and points rows at it. */
-	stilb_result (*frame_begin)(render_device *device, render_rows *rows);
-	/* Gives rows at least this capacity, keeping what has been written. */
-	stilb_result (*rows_grow)(render_device *device, render_rows *rows, uint32_t capacity);
-	stilb_result (*pass_begin)(render_device *device, const stilb_render_pass *pass, const stilb_render_view *view,
-	                           uint64_t draw_count);
-	/* The next count draws of the pass, in order. */
-	void (*draws)(render_device *device, const render_command *commands, uint32_t count);
-	void (*pass_end)(render_device *device);
+	/* Waits until the frame's memory is free, and points memory[RENDER_MEMORY_KINDS] at it. */
+	stilb_result (*frame_begin)(render_device *device, render_memory *memory);
+	/* Gives memory[kind] at least this capacity, keeping what has been written. */
+	stilb_result (*grow)(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity);
+	/* A texture for such a picture; what is in it comes with update. [any-thread] */
+	stilb_result (*texture_create)(render_device *device, uint32_t texture, const stilb_image *image);
+	/* No frame uses it any longer. */
+	void (*texture_destroy)(render_device *device, uint32_t texture);
+	/* Brings over what is dirty. The lock of resources is held. */
+	stilb_result (*update)(render_device *device, const render_resources *resources);
+	stilb_result (*pass)(render_device *device, const render_stream *stream);
 	stilb_result (*submit)(render_device *device);
 	stilb_result (*present)(render_device *device);
 	stilb_result (*wait)(render_device *device);
@@ -148,14 +219,25 @@ struct render_device {
 	uint32_t width, height, samples;
 	uint32_t validation_messages;
 	stilb_render_replay_mode replay;
+	stilb_render_materials materials;
+	stilb_render_faults faults;
+	_Atomic uint32_t allocations; /* relaxed counter: any thread creates textures */
+	uint32_t frames;              /* handed over so far */
 	stilb_render_stats stats;
 };
+
+#define RENDER_FRAMES_IN_FLIGHT 2 /* slots of every device */
 
 stilb_result render_null_create(const stilb_render_desc *desc, render_device **device);
 stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device **device);
 
-/* Writes count indirect commands for commands. */
-void render_write_indirect(render_indirect *indirect, const render_command *commands, uint32_t count);
+/* True when this allocation, which the device counts with each call, is to fail on purpose. [any-thread] */
+bool render_fault_allocation(render_device *device);
+/* True when the device is to be lost with the frame that is handed over now. */
+bool render_fault_lost(const render_device *device);
+
+/* Cuts a stream into `count` parts with as many draws each, give or take one. */
+void render_split(const render_stream *stream, uint32_t count, render_part *parts);
 
 /* ---- the module itself --------------------------------------------------------------------------------------------------- */
 
@@ -163,10 +245,9 @@ struct stilb_render {
 	render_device *device;
 	stilb_render_context *contexts;
 	uint32_t context_count;
-	render_mesh *meshes;
-	uint32_t mesh_count;
-	uint32_t material_count;
-	render_rows rows;
+	render_resources resources;
+	uint32_t scene_meshes, scene_materials; /* handles of the scene's first mesh and material; the others follow */
+	render_memory memory[RENDER_MEMORY_KINDS];
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
@@ -180,13 +261,24 @@ void render_contexts_rewind(stilb_render *render);
 stilb_result render_contexts_create(stilb_render *render, uint32_t count);
 void render_contexts_destroy(stilb_render *render);
 
-/* Moves overflow chunks into the device's rows, grown to hold all. */
-stilb_result render_rows_place(stilb_render *render);
+/* Moves overflow chunks into the device's memory, grown to hold all. */
+stilb_result render_memory_place(stilb_render *render);
 
-/* The row that a command names, in the device's memory or in an overflow chunk already placed there. */
-static inline const render_row *render_row_at(const stilb_render *render, uint32_t row)
+/* Replaces a pass's runs by ones whose draws go by ascending key, equal keys as they were. */
+stilb_result render_sort(stilb_render *render, render_pass_lists *lists);
+
+/* Room for count elements in an array that doubles, contents kept; false without memory. */
+bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size);
+
+/* After replay, and during it for what has been placed. */
+static inline const render_command *render_commands(const stilb_render *render)
 {
-	return &render->rows.memory[row];
+	return render->memory[RENDER_MEMORY_COMMANDS].data;
+}
+
+static inline const render_row *render_rows(const stilb_render *render)
+{
+	return render->memory[RENDER_MEMORY_ROWS].data;
 }
 
 #endif

@@ -25,16 +25,19 @@ stilb_result render_contexts_create(stilb_render *render, uint32_t count)
 	return STILB_OK;
 }
 
+static void context_drop_overflows(stilb_render_context *context)
+{
+	for (uint32_t o = 0; o < context->overflow_count; o++)
+		free(context->overflows[o].data);
+	context->overflow_count = 0;
+}
+
 void render_contexts_destroy(stilb_render *render)
 {
 	for (uint32_t i = 0; i < render->context_count; i++) {
-		stilb_render_context *context = &render->contexts[i];
-		for (uint32_t b = 0; b < context->block_count; b++)
-			free(context->blocks[b]);
-		for (uint32_t o = 0; o < context->overflow_count; o++)
-			free(context->overflows[o].rows);
-		free(context->blocks);
-		free(context->overflows);
+		context_drop_overflows(&render->contexts[i]);
+		free(render->contexts[i].runs);
+		free(render->contexts[i].overflows);
 	}
 	free(render->contexts);
 	render->contexts = NULL;
@@ -46,16 +49,18 @@ void render_contexts_rewind(stilb_render *render)
 	for (uint32_t i = 0; i < render->context_count; i++) {
 		stilb_render_context *context = &render->contexts[i];
 		STILB_ASSERT(!context->segment);
-		context->block = 0;
-		context->command = context->block_count ? context->blocks[0]->commands : NULL;
-		context->block_end = context->block_count ? context->command + RENDER_BLOCK_COMMANDS : NULL;
-		context->row = context->row_end = NULL; /* the rows of the frame before are the device's now */
-		for (uint32_t o = 0; o < context->overflow_count; o++)
-			free(context->overflows[o].rows);
-		context->overflow_count = 0;
+		context_drop_overflows(context);
+		/* The chunks of the frame before are the device's now. */
+		context->command = context->command_end = NULL;
+		context->row = context->row_end = NULL;
+		context->run_count = 0;
 		context->failed = false;
+		context->material_mask = render_material_mask(render->device->materials);
+		context->meshes = render->resources.meshes;
+		context->materials = render->resources.materials;
 	}
-	atomic_store_explicit(&render->rows.next, 0, memory_order_relaxed); /* published by the submit of the first job */
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++) /* published by the submit of the first job */
+		atomic_store_explicit(&render->memory[kind].next, 0, memory_order_relaxed);
 	render_passes_rewind(render);
 }
 
@@ -66,12 +71,13 @@ void render_passes_rewind(stilb_render *render)
 	render->replayed_count = 0;
 }
 
-/* Room for one more element of an array that doubles. */
-static bool record_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size)
+bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size)
 {
-	if (count < *capacity)
+	if (count <= *capacity)
 		return true;
-	uint32_t larger = *capacity ? *capacity * 2 : 16;
+	uint32_t larger = *capacity ? *capacity : 16;
+	while (larger < count)
+		larger = larger <= UINT32_MAX / 2 ? larger * 2 : UINT32_MAX;
 	void *grown = realloc(*array, larger * size);
 	if (!grown)
 		return false;
@@ -80,73 +86,192 @@ static bool record_reserve(void **array, uint32_t *capacity, uint32_t count, siz
 	return true;
 }
 
-/* The next block of commands, made when there is none yet. */
-static bool record_next_block(stilb_render_context *context)
+/* A chunk on the heap. */
+static void *record_overflow(stilb_render_context *context, render_memory_kind kind, uint32_t first)
 {
-	uint32_t next = context->command ? context->block + 1 : 0;
-	if (next == context->block_count) {
-		if (!record_reserve((void **)&context->blocks, &context->block_capacity, next, sizeof *context->blocks))
-			return false;
-		render_block *block = stilb_memory_alloc(1, sizeof *block);
-		if (!block)
-			return false;
-		context->blocks[context->block_count++] = block;
-	}
-	context->block = next;
-	context->command = context->blocks[next]->commands;
-	context->block_end = context->command + RENDER_BLOCK_COMMANDS;
-	return true;
-}
-
-/* A chunk of rows on the heap. */
-static render_row *record_overflow(stilb_render_context *context, uint32_t first)
-{
-	if (!record_reserve((void **)&context->overflows, &context->overflow_capacity, context->overflow_count,
+	const render_memory *memory = &context->render->memory[kind];
+	if (!render_reserve((void **)&context->overflows, &context->overflow_capacity, context->overflow_count + 1,
 	                    sizeof *context->overflows))
 		return NULL;
-	render_row *chunk = stilb_memory_alloc(RENDER_ROW_CHUNK, sizeof *chunk);
+	void *chunk = stilb_memory_alloc(memory->chunk, memory->element);
 	if (chunk)
-		context->overflows[context->overflow_count++] = (render_overflow){chunk, first};
+		context->overflows[context->overflow_count++] = (render_overflow){kind, first, chunk};
 	return chunk;
 }
 
-/* The next chunk of rows: in the device's memory, or on the heap when the frame outgrows it. Without memory row and row_end
- * stay equal, so that the next draw comes here, too. */
+/* The next chunk: in the device's memory, or on the heap when the frame outgrows it; NULL without memory. */
+static void *record_claim(stilb_render_context *context, render_memory_kind kind, uint32_t *first)
+{
+	render_memory *memory = &context->render->memory[kind];
+	*first = atomic_fetch_add_explicit(&memory->next, memory->chunk, memory_order_relaxed);
+	if (*first > UINT32_MAX - memory->chunk)
+		return NULL; /* four thousand million draws */
+	if (*first + memory->chunk <= memory->capacity)
+		return (uint8_t *)memory->data + (size_t)*first * memory->element;
+	return record_overflow(context, kind, *first);
+}
+
+static bool record_next_commands(stilb_render_context *context)
+{
+	uint32_t first;
+	render_command *chunk = record_claim(context, RENDER_MEMORY_COMMANDS, &first);
+	if (!chunk)
+		return false;
+	context->command = chunk;
+	context->command_end = chunk + RENDER_COMMAND_CHUNK;
+	context->command_chunk = first;
+	return true;
+}
+
 static bool record_next_rows(stilb_render_context *context)
 {
-	render_rows *rows = &context->render->rows;
-	if (context->failed)
-		return false; /* claims no more: the counter would wrap before a large scene is through */
-	uint32_t first = atomic_fetch_add_explicit(&rows->next, RENDER_ROW_CHUNK, memory_order_relaxed);
-	bool fits = first + RENDER_ROW_CHUNK <= rows->capacity;
-	render_row *chunk = fits ? rows->memory + first : record_overflow(context, first);
+	render_row *chunk = record_claim(context, RENDER_MEMORY_ROWS, &context->row_index);
 	if (!chunk)
 		return false;
 	context->row = chunk;
 	context->row_end = chunk + RENDER_ROW_CHUNK;
-	context->row_index = first;
 	return true;
 }
 
-stilb_result render_rows_place(stilb_render *render)
+stilb_result render_memory_place(stilb_render *render)
 {
-	/* Relaxed: the job system's wait has ordered all claims before this. */
-	uint32_t claimed = atomic_load_explicit(&render->rows.next, memory_order_relaxed);
-	if (claimed > render->rows.capacity) {
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++) {
+		render_memory *memory = &render->memory[kind];
+		/* Relaxed: the job system's wait has ordered all claims before this. */
+		uint32_t claimed = atomic_load_explicit(&memory->next, memory_order_relaxed);
+		if (claimed <= memory->capacity)
+			continue;
 		uint64_t wanted = (uint64_t)claimed + claimed / 4;
 		uint32_t capacity = wanted < UINT32_MAX ? (uint32_t)wanted : UINT32_MAX;
-		stilb_result result = render->device->functions->rows_grow(render->device, &render->rows, capacity);
+		stilb_result result =
+			render->device->functions->grow(render->device, memory, (render_memory_kind)kind, capacity);
 		if (result != STILB_OK)
 			return result;
 	}
 	for (uint32_t i = 0; i < render->context_count; i++) {
-		const stilb_render_context *context = &render->contexts[i];
-		for (uint32_t o = 0; o < context->overflow_count; o++)
-			memcpy(render->rows.memory + context->overflows[o].first, context->overflows[o].rows,
-			       RENDER_ROW_CHUNK * sizeof(render_row));
+		stilb_render_context *context = &render->contexts[i];
+		for (uint32_t o = 0; o < context->overflow_count; o++) {
+			const render_overflow *overflow = &context->overflows[o];
+			const render_memory *memory = &render->memory[overflow->kind];
+			memcpy((uint8_t *)memory->data + (size_t)overflow->first * memory->element, overflow->data,
+			       (size_t)memory->chunk * memory->element);
+		}
+		context_drop_overflows(context);
 	}
 	return STILB_OK;
 }
+
+/* ---- runs ---------------------------------------------------------------------------------------------------------- */
+
+static uint32_t record_command_index(const stilb_render_context *context)
+{
+	return context->command_chunk + RENDER_COMMAND_CHUNK - (uint32_t)(context->command_end - context->command);
+}
+
+/* The run being recorded ends before the next command. */
+static void record_end_run(stilb_render_context *context)
+{
+	if (context->state == RENDER_NO_STATE)
+		return;
+	render_run *run = &context->runs[context->run_count - 1];
+	run->count = record_command_index(context) - run->first;
+	context->state = RENDER_NO_STATE;
+}
+
+static bool record_begin_run(stilb_render_context *context, uint64_t state)
+{
+	if (!render_reserve((void **)&context->runs, &context->run_capacity, context->run_count + 1, sizeof *context->runs))
+		return false;
+	context->runs[context->run_count++] = (render_run){record_command_index(context), 0, state};
+	context->state = state;
+	return true;
+}
+
+/* What a draw needs beyond room for it: a new chunk, a new run. False without memory. */
+__attribute__((noinline, cold)) static bool record_make_room(stilb_render_context *context, uint64_t state)
+{
+	if (context->failed)
+		return false; /* claims no more: the counters would wrap before a large scene is through */
+	context->failed = true;
+	if (context->row == context->row_end && !record_next_rows(context))
+		return false;
+	if (context->command == context->command_end) {
+		record_end_run(context);
+		if (!record_next_commands(context))
+			return false;
+	}
+	if (state != context->state) {
+		record_end_run(context);
+		if (!record_begin_run(context, state))
+			return false;
+	}
+	context->failed = false;
+	return true;
+}
+
+/* ---- writing ------------------------------------------------------------------------------------------------------- */
+
+/* Commands and rows are read next by the GPU, or by another core: they go past the caches, in whole lines, so that no line
+ * is fetched to be overwritten and none pushes out what recording reads. */
+#ifdef __SSE2__
+#include <emmintrin.h>
+
+/* Built in registers: stored piece by piece and read back whole, a command would wait for the store buffer. */
+static inline void record_write_command(render_command *out, const render_mesh_slot *mesh, uint32_t row,
+                                        uint32_t material, uint64_t key)
+{
+	__m128i draw = _mm_set_epi32(mesh->vertex_offset, (int32_t)mesh->first_index, 1, (int32_t)mesh->index_count);
+	__m128i rest = _mm_set_epi32((int32_t)(key >> 32), (int32_t)key, (int32_t)material, (int32_t)row);
+	_mm_store_si128((__m128i *)out, draw);
+	_mm_store_si128((__m128i *)out + 1, rest);
+}
+
+/* The matrix's upper three rows, one after the other, material and mesh. */
+static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh)
+{
+	__m128 column[4];
+	for (int c = 0; c < 4; c++)
+		column[c] = _mm_loadu_ps(transform->m + 4 * c);
+	_MM_TRANSPOSE4_PS(column[0], column[1], column[2], column[3]);
+	for (int r = 0; r < 3; r++)
+		_mm_stream_ps(row->transform + 4 * r, column[r]);
+	_mm_stream_si128((__m128i *)&row->material, _mm_set_epi32(0, 0, (int32_t)mesh, (int32_t)material));
+}
+
+/* Streaming stores are ordered by this alone: not by the release that hands a segment to the main thread. */
+static inline void record_drain(void)
+{
+	_mm_sfence();
+}
+#else
+static inline void record_write_command(render_command *out, const render_mesh_slot *mesh, uint32_t row,
+                                        uint32_t material, uint64_t key)
+{
+	*out = (render_command){
+		.index_count = mesh->index_count,
+		.instance_count = 1,
+		.first_index = mesh->first_index,
+		.vertex_offset = mesh->vertex_offset,
+		.row = row,
+		.material = material,
+		.key = key,
+	};
+}
+
+static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh)
+{
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 4; c++)
+			row->transform[4 * r + c] = transform->m[4 * c + r];
+	row->material = material;
+	row->mesh = mesh;
+	row->unused[0] = row->unused[1] = 0;
+}
+
+static inline void record_drain(void)
+{
+}
+#endif
 
 /* ---- recording by hand --------------------------------------------------------------------------------------------- */
 
@@ -161,13 +286,8 @@ stilb_result stilb_render_pass_begin(stilb_render *render, uint32_t pass, uint32
 	STILB_ASSERT(pass < STILB_RENDER_MAX_PASSES);
 	render_pass_lists *lists = &render->passes[pass];
 	STILB_ASSERT(lists->state == RENDER_LIST_EMPTY);
-	if (segment_count > lists->segment_capacity) {
-		render_segment *grown = realloc(lists->segments, segment_count * sizeof *grown);
-		if (!grown)
-			return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u segments", segment_count);
-		lists->segments = grown;
-		lists->segment_capacity = segment_count;
-	}
+	if (!render_reserve((void **)&lists->segments, &lists->segment_capacity, segment_count, sizeof *lists->segments))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u segments", segment_count);
 	lists->segment_count = segment_count;
 	for (uint32_t s = 0; s < segment_count; s++)
 		lists->segments[s] = (render_segment){0};
@@ -181,63 +301,46 @@ void stilb_render_segment_begin(stilb_render_context *context, uint32_t pass, ui
 	STILB_ASSERT(lists->state == RENDER_LIST_RECORDING && segment < lists->segment_count);
 	STILB_ASSERT(!context->segment && !lists->segments[segment].context);
 	context->segment = &lists->segments[segment];
-	*context->segment = (render_segment){
-		.context = context,
-		.block = context->block,
-		.first = context->command ? (uint32_t)(context->command - context->blocks[context->block]->commands) : 0,
-	};
+	*context->segment = (render_segment){.context = context, .first_run = context->run_count};
+	context->state = RENDER_NO_STATE;
 }
 
 void stilb_render_segment_end(stilb_render_context *context)
 {
 	render_segment *segment = context->segment;
 	STILB_ASSERT(segment);
-	if (context->command) {
-		uint64_t position = (uint64_t)(context->command - context->blocks[context->block]->commands) +
-		                    (uint64_t)context->block * RENDER_BLOCK_COMMANDS;
-		segment->count = (uint32_t)(position - segment->first - (uint64_t)segment->block * RENDER_BLOCK_COMMANDS);
-	}
+	record_end_run(context);
+	record_drain();
+	segment->run_count = context->run_count - segment->first_run;
 	context->segment = NULL;
 }
 
-/* The matrix's upper three rows, one after the other. */
-static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material)
+static inline void record_draw(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                               stilb_render_material material, const stilb_mat4 *transform)
 {
-	const float *m = transform->m;
-	STILB_ASSERT(m[3] == 0.0f && m[7] == 0.0f && m[11] == 0.0f && m[15] == 1.0f);
-	for (int r = 0; r < 3; r++)
-		for (int c = 0; c < 4; c++)
-			row->transform[4 * r + c] = m[4 * c + r];
-	row->material = material;
-	row->unused[0] = row->unused[1] = row->unused[2] = 0;
+	const render_mesh_slot *slot = &context->meshes[mesh.id & RENDER_INDEX_MASK];
+	uint32_t material_index = material.id & RENDER_INDEX_MASK, entry = context->materials[material_index];
+	STILB_ASSERT(context->segment && (mesh.id & RENDER_INDEX_MASK) < STILB_RENDER_MAX_MESHES);
+	STILB_ASSERT(mesh.id != 0 && slot->generation == mesh.id >> RENDER_GENERATION_SHIFT);
+	STILB_ASSERT(material.id != 0 && entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
+	uint64_t state = render_state(entry, material_index, context->material_mask);
+	if ((context->command == context->command_end || context->row == context->row_end || state != context->state) &&
+	    !record_make_room(context, state))
+		return;
+	record_write_row(context->row++, transform, material_index, mesh.id & RENDER_INDEX_MASK);
+	record_write_command(context->command++, slot, context->row_index++, material_index, key);
 }
 
-static inline void record_draw(stilb_render_context *context, uint32_t mesh, uint32_t material,
-                               const stilb_mat4 *transform)
+void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material,
+                       const stilb_mat4 *transform)
 {
-	const stilb_render *render = context->render;
-	STILB_ASSERT(context->segment && mesh < render->mesh_count && material < render->material_count);
-	if (context->command == context->block_end && !record_next_block(context))
-		goto no_memory;
-	if (context->row == context->row_end && !record_next_rows(context))
-		goto no_memory;
-	record_write_row(context->row++, transform, material);
-	*context->command++ = (render_command){
-		.row = context->row_index++,
-		.mesh = mesh,
-		.material = material,
-		.index_count = render->meshes[mesh].index_count,
-		.first_index = render->meshes[mesh].first_index,
-		.vertex_offset = render->meshes[mesh].vertex_offset,
-	};
-	return;
-no_memory:
-	context->failed = true;
+	record_draw(context, 0, mesh, material, transform);
 }
 
-void stilb_render_draw(stilb_render_context *context, uint32_t mesh, uint32_t material, const stilb_mat4 *transform)
+void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                                stilb_render_material material, const stilb_mat4 *transform)
 {
-	record_draw(context, mesh, material, transform);
+	record_draw(context, key, mesh, material, transform);
 }
 
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)
@@ -266,13 +369,15 @@ static void record_segment(const record_pass *recorded, stilb_render_context *co
 {
 	PROFILE("record segment");
 	const stilb_scene *scene = recorded->scene;
+	uint32_t first_mesh = recorded->render->scene_meshes, first_material = recorded->render->scene_materials;
 	uint32_t first = segment * RECORD_SEGMENT_MODELS, end = first + RECORD_SEGMENT_MODELS;
 	end = end < recorded->visible_count ? end : recorded->visible_count;
 	stilb_render_segment_begin(context, recorded->pass, segment);
 	for (uint32_t i = first; i < end; i++) {
 		uint32_t model = recorded->visible[i];
 		for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++)
-			record_draw(context, scene->part_mesh[p], scene->part_material[p], &scene->part_transform[p]);
+			record_draw(context, 0, (stilb_render_mesh){first_mesh + scene->part_mesh[p]},
+			            (stilb_render_material){first_material + scene->part_material[p]}, &scene->part_transform[p]);
 	}
 	stilb_render_segment_end(context);
 }

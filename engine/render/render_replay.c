@@ -1,43 +1,33 @@
 /* Replay: the segments in number order, on the main thread. */
 #include "render/render_internal.h"
 
-/* Calls visit for each run of commands that lie together, in the order of the stream. */
-typedef void replay_visit(void *user, const render_command *commands, uint32_t count);
-
-static void replay_segment(const render_segment *segment, replay_visit *visit, void *user)
+/* Joins the runs of a pass's segments, in number order; runs that continue each other become one. */
+static stilb_result replay_order(render_pass_lists *lists)
 {
-	uint32_t block = segment->block, first = segment->first, left = segment->count;
-	while (left > 0) {
-		uint32_t here = RENDER_BLOCK_COMMANDS - first;
-		here = here < left ? here : left;
-		if (here > 0)
-			visit(user, segment->context->blocks[block]->commands + first, here);
-		left -= here;
-		first = 0;
-		block++;
-	}
-}
-
-static void replay_pass(const render_pass_lists *lists, replay_visit *visit, void *user)
-{
+	lists->run_count = 0;
+	lists->draws = 0;
+	uint32_t most = 0;
 	for (uint32_t s = 0; s < lists->segment_count; s++) {
 		STILB_ASSERT(lists->segments[s].context); /* every segment is recorded, an empty one too */
-		replay_segment(&lists->segments[s], visit, user);
+		most += lists->segments[s].run_count;
 	}
-}
-
-static uint64_t replay_count(const render_pass_lists *lists)
-{
-	uint64_t count = 0;
-	for (uint32_t s = 0; s < lists->segment_count; s++)
-		count += lists->segments[s].count;
-	return count;
-}
-
-static void replay_to_device(void *user, const render_command *commands, uint32_t count)
-{
-	render_device *device = user;
-	device->functions->draws(device, commands, count);
+	if (!render_reserve((void **)&lists->runs, &lists->run_capacity, most, sizeof *lists->runs))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the order of %u runs of draws", most);
+	render_run *last = NULL;
+	for (uint32_t s = 0; s < lists->segment_count; s++) {
+		const render_segment *segment = &lists->segments[s];
+		const render_run *run = segment->context->runs + segment->first_run;
+		for (uint32_t r = 0; r < segment->run_count; r++, run++) {
+			lists->draws += run->count;
+			if (last && last->first + last->count == run->first && last->state == run->state) {
+				last->count += run->count;
+				continue;
+			}
+			last = &lists->runs[lists->run_count++];
+			*last = *run;
+		}
+	}
+	return STILB_OK;
 }
 
 /* The pass with the lowest order that comes after `after`; equal orders keep the table's sequence. */
@@ -53,69 +43,111 @@ static const stilb_render_pass *replay_next_pass(const stilb_render_pass *passes
 	return next;
 }
 
+/* One pass: its order, and then the device. */
+static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists,
+                                render_stream *stream)
+{
+	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED);
+	stilb_result result = replay_order(lists);
+	if (result == STILB_OK && pass->sort)
+		result = render_sort(render, lists);
+	if (result != STILB_OK)
+		return result;
+	stream->pass = pass;
+	stream->commands = render_commands(render);
+	stream->runs = lists->runs;
+	stream->run_count = lists->run_count;
+	stream->draws = lists->draws;
+	lists->state = RENDER_LIST_REPLAYED;
+	stilb_render_stats *stats = &render->device->stats;
+	stats->draws += lists->draws;
+	stats->recorded_bytes += lists->draws * (sizeof(render_command) + sizeof(render_row));
+	stats->binds_asked += lists->draws * 3;
+	return render->device->functions->pass(render->device, stream);
+}
+
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
-                                 const stilb_render_view *views, uint32_t view_count)
+                                 const stilb_render_view *views, uint32_t view_count, stilb_job_pool *pool,
+                                 uint32_t worker)
 {
 	(void)view_count;
 	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->replayed_count == 0);
 	render_device *device = render->device;
-	stilb_result result = render_rows_place(render);
-	device->stats.draws = device->stats.draw_commands = device->stats.indirect_commands = 0;
+	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms};
+	stilb_result result = render_resources_update(render);
+	if (result == STILB_OK)
+		result = render_memory_place(render);
 	const stilb_render_pass *pass = NULL;
 	while (result == STILB_OK && (pass = replay_next_pass(passes, pass_count, pass))) {
-		render_pass_lists *lists = &render->passes[pass - passes];
-		STILB_ASSERT(lists->state == RENDER_LIST_CLOSED && pass->view < view_count);
-		uint64_t draws = replay_count(lists);
-		result = device->functions->pass_begin(device, pass, &views[pass->view], draws);
-		if (result != STILB_OK)
-			return result;
-		replay_pass(lists, replay_to_device, device);
-		device->functions->pass_end(device);
-		device->stats.draws += draws;
-		render->replayed[render->replayed_count++] = (uint32_t)(pass - passes);
+		uint32_t index = (uint32_t)(pass - passes);
+		STILB_ASSERT(pass->view < view_count);
+		render_stream stream = {.view = &views[pass->view], .pool = pool, .worker = worker};
+		result = replay_pass(render, pass, &render->passes[index], &stream);
+		render->replayed[render->replayed_count++] = index;
 	}
-	return result == STILB_OK ? device->functions->submit(device) : result;
+	if (result == STILB_OK) {
+		device->frames++;
+		result = device->functions->submit(device);
+	}
+	render_resources_sent(render, result == STILB_OK);
+	return result;
 }
 
-void render_write_indirect(render_indirect *indirect, const render_command *commands, uint32_t count)
+void render_split(const render_stream *stream, uint32_t count, render_part *parts)
 {
-	for (uint32_t i = 0; i < count; i++)
-		indirect[i] = (render_indirect){
-			.index_count = commands[i].index_count,
-			.instance_count = 1,
-			.first_index = commands[i].first_index,
-			.vertex_offset = commands[i].vertex_offset,
-			.first_instance = commands[i].row,
-		};
+	uint32_t run = 0, offset = 0;
+	for (uint32_t p = 0; p < count; p++) {
+		uint64_t draws = stream->draws * (p + 1) / count - stream->draws * p / count;
+		parts[p] = (render_part){run, offset, draws};
+		while (draws > 0) {
+			uint32_t left = stream->runs[run].count - offset;
+			if (draws < left) {
+				offset += (uint32_t)draws;
+				break;
+			}
+			draws -= left;
+			offset = 0;
+			run++;
+		}
+	}
+}
+
+/* ---- faults on purpose --------------------------------------------------------------------------------------------- */
+
+bool render_fault_allocation(render_device *device)
+{
+	return atomic_fetch_add_explicit(&device->allocations, 1, memory_order_relaxed) + 1 == device->faults.allocation;
+}
+
+bool render_fault_lost(const render_device *device)
+{
+	return device->frames == device->faults.lost_frame && device->faults.lost_frame > 0;
 }
 
 /* ---- the hash of the stream ---------------------------------------------------------------------------------------- */
 
-typedef struct replay_hash {
-	const stilb_render *render;
-	uint64_t value;
-} replay_hash;
-
-static void replay_hash_draws(void *user, const render_command *commands, uint32_t count)
+static uint64_t hash_draw(uint64_t hash, const render_command *command, const render_row *row)
 {
-	replay_hash *hash = user;
-	for (uint32_t i = 0; i < count; i++) {
-		const render_row *row = render_row_at(hash->render, commands[i].row);
-		float transform[16] = {[15] = 1.0f};
-		for (int r = 0; r < 3; r++)
-			for (int c = 0; c < 4; c++)
-				transform[4 * c + r] = row->transform[4 * r + c];
-		const uint32_t ids[2] = {commands[i].mesh, commands[i].material};
-		hash->value = stilb_hash_fnv1a64(hash->value, ids, sizeof ids);
-		hash->value = stilb_hash_fnv1a64(hash->value, transform, sizeof transform);
-		hash->value = stilb_hash_fnv1a64(hash->value, &commands[i].index_count, sizeof commands[i].index_count);
-	}
+	float transform[16] = {[15] = 1.0f};
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 4; c++)
+			transform[4 * c + r] = row->transform[4 * r + c];
+	const uint32_t ids[2] = {row->mesh, row->material};
+	hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
+	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
+	return stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
 }
 
 uint64_t stilb_render_stream_hash(const stilb_render *render)
 {
-	replay_hash hash = {render, STILB_FNV1A64_START};
-	for (uint32_t i = 0; i < render->replayed_count; i++)
-		replay_pass(&render->passes[render->replayed[i]], replay_hash_draws, &hash);
-	return hash.value;
+	uint64_t hash = STILB_FNV1A64_START;
+	for (uint32_t i = 0; i < render->replayed_count; i++) {
+		const render_pass_lists *lists = &render->passes[render->replayed[i]];
+		for (const render_run *run = lists->runs; run < lists->runs + lists->run_count; run++)
+			for (uint32_t c = run->first; c < run->first + run->count; c++) {
+				const render_command *command = &render_commands(render)[c];
+				hash = hash_draw(hash, command, &render_rows(render)[command->row]);
+			}
+	}
+	return hash;
 }

@@ -2,7 +2,6 @@
  * Stands in for everything that would load Vulkan, GLFW or OpenImageIO: linked into the tests of the null device, so that
  * no third-party library is there and the thread sanitizer sees all that runs. Each call fails as on a bare machine.
  */
-#include "image/image.h"
 #include "render/render_internal.h"
 #include "window/window.h"
 
@@ -62,22 +61,6 @@ int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surfac
 }
 
 const char *stilb_window_library_version(void)
-{
-	return "none";
-}
-
-stilb_result stilb_image_save(const stilb_image *image, const char *path)
-{
-	(void)image;
-	return stilb_fail(STILB_ERROR_FILE, "no pictures in this test: '%s'", path);
-}
-
-void stilb_image_finish(stilb_image *image)
-{
-	STILB_ASSERT(!image->pixels);
-}
-
-const char *stilb_image_library_version(void)
 {
 	return "none";
 }

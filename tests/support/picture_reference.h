@@ -235,7 +235,7 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 	assert_int_equal(stilb_render_record(render, 0, scene, ids, scene->model_count, pool, 0), STILB_OK);
-	assert_int_equal(stilb_render_replay(render, &pass, 1, &view, 1), STILB_OK);
+	assert_int_equal(stilb_render_replay(render, &pass, 1, &view, 1, pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_read_image(render, &image), STILB_OK);
 	stilb_render_destroy(render);
 	stilb_job_pool_destroy(pool);

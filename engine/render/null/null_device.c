@@ -2,40 +2,58 @@
  * CPU's side of a frame, measurable without a driver and visible to the thread sanitizer. */
 #include "render/render_internal.h"
 
+#include "profiler/prof.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#define NULL_FRAMES 2
-#define NULL_FIRST_ROWS 32768u
+/* What a driver's command buffer holds of a draw. */
+typedef struct null_draw {
+	uint32_t index_count, instance_count, first_index;
+	int32_t vertex_offset;
+	uint32_t first_instance;
+} null_draw;
+
+/* And of an indirect one. */
+typedef struct null_indirect {
+	uint64_t offset;
+	uint32_t count, stride;
+} null_indirect;
 
 typedef struct null_frame {
-	render_row *rows;
-	uint32_t row_capacity;
-	render_indirect *indirect;
-	uint64_t indirect_capacity;
+	void *memory[RENDER_MEMORY_KINDS];
+	uint32_t capacity[RENDER_MEMORY_KINDS];
 } null_frame;
+
+/* A part of a pass that is recorded into a command buffer of its own. */
+typedef struct null_list {
+	_Alignas(STILB_CACHE_LINE) uint64_t draws, binds;
+} null_list;
 
 typedef struct null_device {
 	render_device base;
-	null_frame frames[NULL_FRAMES];
+	null_frame frames[RENDER_FRAMES_IN_FLIGHT];
 	uint32_t frame;
-	uint64_t indirect_count; /* of this pass */
+	null_draw *draws; /* [draw_capacity] of the pass */
+	uint64_t draw_capacity;
+	null_indirect *indirect; /* [indirect_capacity] of the pass */
+	uint64_t indirect_capacity;
+	null_list *lists;   /* [list_capacity] */
+	render_part *parts; /* [list_capacity] */
+	uint32_t list_capacity;
 } null_device;
 
 static void null_destroy(render_device *base)
 {
 	null_device *device = (null_device *)base;
-	for (int i = 0; i < NULL_FRAMES; i++) {
-		free(device->frames[i].rows);
-		free(device->frames[i].indirect);
-	}
+	for (int i = 0; i < RENDER_FRAMES_IN_FLIGHT; i++)
+		for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
+			free(device->frames[i].memory[kind]);
+	free(device->draws);
+	free(device->indirect);
+	free(device->lists);
+	free(device->parts);
 	free(device);
-}
-
-static stilb_result null_upload(render_device *base, const stilb_scene *scene, const render_material *materials)
-{
-	(void)base, (void)scene, (void)materials;
-	return STILB_OK;
 }
 
 static stilb_result null_resize(render_device *device, uint32_t width, uint32_t height)
@@ -45,65 +63,198 @@ static stilb_result null_resize(render_device *device, uint32_t width, uint32_t 
 	return STILB_OK;
 }
 
-static stilb_result null_rows_grow(render_device *base, render_rows *rows, uint32_t capacity)
+/* The device's own allocations, which may be made to fail. */
+static void *null_alloc(render_device *base, uint64_t count, size_t size)
+{
+	return render_fault_allocation(base) ? NULL : stilb_memory_alloc(count, size);
+}
+
+/* ---- memory -------------------------------------------------------------------------------------------------------- */
+
+static stilb_result null_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity)
 {
 	null_device *device = (null_device *)base;
 	null_frame *frame = &device->frames[device->frame];
-	render_row *grown = stilb_memory_alloc(capacity, sizeof *grown);
+	void *grown = null_alloc(base, capacity, memory->element);
 	if (!grown)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u draws", capacity);
-	if (frame->rows)
-		memcpy(grown, frame->rows, frame->row_capacity * sizeof *grown);
-	free(frame->rows);
-	frame->rows = grown;
-	frame->row_capacity = capacity;
-	rows->memory = grown;
-	rows->capacity = capacity;
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u draws; try fewer models", capacity);
+	if (frame->memory[kind])
+		memcpy(grown, frame->memory[kind], (size_t)frame->capacity[kind] * memory->element);
+	free(frame->memory[kind]);
+	frame->memory[kind] = memory->data = grown;
+	frame->capacity[kind] = memory->capacity = capacity;
 	return STILB_OK;
 }
 
-static stilb_result null_frame_begin(render_device *base, render_rows *rows)
+static stilb_result null_frame_begin(render_device *base, render_memory *memory)
 {
 	null_device *device = (null_device *)base;
-	device->frame = (device->frame + 1) % NULL_FRAMES;
+	device->frame = (device->frame + 1) % RENDER_FRAMES_IN_FLIGHT;
 	null_frame *frame = &device->frames[device->frame];
-	if (!frame->rows)
-		return null_rows_grow(base, rows, NULL_FIRST_ROWS);
-	rows->memory = frame->rows;
-	rows->capacity = frame->row_capacity;
-	return STILB_OK;
-}
-
-static stilb_result null_pass_begin(render_device *base, const stilb_render_pass *pass, const stilb_render_view *view,
-                                    uint64_t draw_count)
-{
-	(void)pass, (void)view;
-	null_device *device = (null_device *)base;
-	null_frame *frame = &device->frames[device->frame];
-	device->indirect_count = 0;
-	if (base->replay != STILB_RENDER_REPLAY_INDIRECT || draw_count <= frame->indirect_capacity)
-		return STILB_OK;
-	free(frame->indirect);
-	frame->indirect = stilb_memory_alloc(draw_count + draw_count / 4, sizeof *frame->indirect);
-	frame->indirect_capacity = frame->indirect ? draw_count + draw_count / 4 : 0;
-	return frame->indirect ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's indirect draws");
-}
-
-static void null_draws(render_device *base, const render_command *commands, uint32_t count)
-{
-	null_device *device = (null_device *)base;
-	if (base->replay == STILB_RENDER_REPLAY_DIRECT) {
-		base->stats.draw_commands += count;
-		return;
+	stilb_result result = STILB_OK;
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {
+		memory[kind].data = frame->memory[kind];
+		memory[kind].capacity = frame->capacity[kind];
+		if (!frame->memory[kind])
+			result = null_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY);
 	}
-	render_write_indirect(device->frames[device->frame].indirect + device->indirect_count, commands, count);
-	device->indirect_count += count;
+	return result;
 }
 
-static void null_pass_end(render_device *base)
+/* Room for count elements; what was there is not needed any more. */
+static bool null_reserve(render_device *base, void **array, uint64_t *capacity, uint64_t count, size_t size)
+{
+	if (count <= *capacity)
+		return true;
+	free(*array);
+	*array = null_alloc(base, count + count / 4, size);
+	*capacity = *array ? count + count / 4 : 0;
+	return *array;
+}
+
+static stilb_result null_no_memory(void)
+{
+	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the commands of a pass; try fewer models");
+}
+
+/* ---- resources ----------------------------------------------------------------------------------------------------- */
+
+static stilb_result null_texture_create(render_device *base, uint32_t texture, const stilb_image *image)
+{
+	(void)texture, (void)image;
+	return render_fault_allocation(base) ? stilb_fail(STILB_ERROR_MEMORY, "no memory for a texture") : STILB_OK;
+}
+
+static void null_texture_destroy(render_device *base, uint32_t texture)
+{
+	(void)base, (void)texture;
+}
+
+static stilb_result null_update(render_device *base, const render_resources *resources)
+{
+	(void)base, (void)resources;
+	return STILB_OK;
+}
+
+/* ---- passes -------------------------------------------------------------------------------------------------------- */
+
+/* Writes the draws of a part, and what has to be bound before them, as a driver would. */
+static null_list null_record(const render_device *base, const render_stream *stream, render_part part, null_draw *out)
+{
+	null_list list = {0};
+	uint64_t state = RENDER_NO_STATE;
+	for (const render_run *run = stream->runs + part.run; list.draws < part.count; run++, part.offset = 0) {
+		uint64_t left = part.count - list.draws;
+		uint32_t count = run->count - part.offset;
+		count = count < left ? count : (uint32_t)left;
+		list.binds += (uint32_t)__builtin_popcount(render_binds_between(base->materials, state, run->state));
+		state = run->state;
+		const render_command *command = stream->commands + run->first + part.offset;
+		for (uint32_t i = 0; i < count; i++)
+			memcpy(&out[list.draws + i], &command[i], sizeof *out);
+		list.draws += count;
+	}
+	return list;
+}
+
+static stilb_result null_direct(null_device *device, const render_stream *stream)
+{
+	render_device *base = &device->base;
+	if (!null_reserve(base, (void **)&device->draws, &device->draw_capacity, stream->draws, sizeof *device->draws))
+		return null_no_memory();
+	null_list list = null_record(base, stream, (render_part){.count = stream->draws}, device->draws);
+	base->stats.draw_commands += list.draws;
+	base->stats.binds_sent += list.binds;
+	return STILB_OK;
+}
+
+typedef struct null_secondary_job {
+	null_device *device;
+	const render_stream *stream;
+} null_secondary_job;
+
+static void null_secondary_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	PROFILE("record secondary");
+	(void)worker;
+	const null_secondary_job *job = context;
+	null_device *device = job->device;
+	for (uint32_t p = begin; p < end; p++) {
+		/* Parts before this one have p / count of the draws. */
+		uint64_t first = 0;
+		for (uint32_t before = 0; before < p; before++)
+			first += device->parts[before].count;
+		device->lists[p] = null_record(&device->base, job->stream, device->parts[p], device->draws + first);
+	}
+}
+
+static stilb_result null_secondary(null_device *device, const render_stream *stream)
+{
+	render_device *base = &device->base;
+	uint32_t count = stilb_job_pool_worker_count(stream->pool) + 1;
+	if (count > device->list_capacity) {
+		uint64_t lists = device->list_capacity, parts = lists;
+		device->list_capacity = 0;
+		if (!null_reserve(base, (void **)&device->lists, &lists, count, sizeof *device->lists) ||
+		    !null_reserve(base, (void **)&device->parts, &parts, count, sizeof *device->parts))
+			return null_no_memory();
+		device->list_capacity = count;
+	}
+	if (!null_reserve(base, (void **)&device->draws, &device->draw_capacity, stream->draws, sizeof *device->draws))
+		return null_no_memory();
+	render_split(stream, count, device->parts);
+	null_secondary_job job = {device, stream};
+	stilb_job_parallel_for(stream->pool, count, 1, null_secondary_slice, &job, stream->worker);
+	for (uint32_t p = 0; p < count; p++) {
+		base->stats.draw_commands += device->lists[p].draws;
+		base->stats.binds_sent += device->lists[p].binds;
+	}
+	base->stats.execute_commands += count;
+	return STILB_OK;
+}
+
+static stilb_result null_indirect_pass(null_device *device, const render_stream *stream)
+{
+	render_device *base = &device->base;
+	if (!null_reserve(base, (void **)&device->indirect, &device->indirect_capacity, stream->run_count,
+	                  sizeof *device->indirect))
+		return null_no_memory();
+	uint64_t state = RENDER_NO_STATE;
+	for (uint32_t r = 0; r < stream->run_count; r++) {
+		const render_run *run = &stream->runs[r];
+		base->stats.binds_sent +=
+			(uint32_t)__builtin_popcount(render_binds_between(base->materials, state, run->state));
+		state = run->state;
+		device->indirect[r] =
+			(null_indirect){run->first * sizeof(render_command), run->count, (uint32_t)sizeof(render_command)};
+	}
+	base->stats.indirect_commands += stream->run_count;
+	return STILB_OK;
+}
+
+static stilb_result null_pass(render_device *base, const render_stream *stream)
 {
 	null_device *device = (null_device *)base;
-	base->stats.indirect_commands += device->indirect_count > 0;
+	if (stream->draws == 0)
+		return STILB_OK;
+	switch (base->replay) {
+	case STILB_RENDER_REPLAY_INDIRECT:
+		return null_indirect_pass(device, stream);
+	case STILB_RENDER_REPLAY_DIRECT:
+		return null_direct(device, stream);
+	case STILB_RENDER_REPLAY_SECONDARY:
+		return null_secondary(device, stream);
+	}
+	return STILB_OK;
+}
+
+/* ---- the rest ------------------------------------------------------------------------------------------------------ */
+
+static stilb_result null_submit(render_device *base)
+{
+	return render_fault_lost(base)
+	           ? stilb_fail(STILB_ERROR_DEVICE_LOST, "cannot give the null device a frame: it was lost on purpose")
+	           : STILB_OK;
 }
 
 static stilb_result null_nothing(render_device *base)
@@ -122,14 +273,14 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 {
 	static const render_device_functions functions = {
 		.destroy = null_destroy,
-		.upload = null_upload,
 		.resize = null_resize,
 		.frame_begin = null_frame_begin,
-		.rows_grow = null_rows_grow,
-		.pass_begin = null_pass_begin,
-		.draws = null_draws,
-		.pass_end = null_pass_end,
-		.submit = null_nothing,
+		.grow = null_grow,
+		.texture_create = null_texture_create,
+		.texture_destroy = null_texture_destroy,
+		.update = null_update,
+		.pass = null_pass,
+		.submit = null_submit,
 		.present = null_nothing,
 		.wait = null_nothing,
 		.read_image = null_read_image,
@@ -137,14 +288,14 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 	null_device *device = calloc(1, sizeof *device);
 	if (!device)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the null device");
-	device->base = (render_device){
-		.functions = &functions,
-		.name = "null",
-		.width = desc->width,
-		.height = desc->height,
-		.samples = desc->samples ? desc->samples : 1,
-		.replay = desc->replay,
-	};
+	device->base.functions = &functions;
+	memcpy(device->base.name, "null", sizeof "null");
+	device->base.width = desc->width;
+	device->base.height = desc->height;
+	device->base.samples = desc->samples ? desc->samples : 1;
+	device->base.replay = desc->replay;
+	device->base.materials = desc->materials;
+	device->base.faults = desc->faults;
 	*out = &device->base;
 	return STILB_OK;
 }

@@ -92,55 +92,14 @@ static void vulkan_destroy(render_device *base)
 		vulkan_swapchain_destroy(device);
 		vulkan_frames_destroy(device);
 		vulkan_targets_destroy(device);
-		vulkan_buffer_destroy(device, &device->vertices);
-		vulkan_buffer_destroy(device, &device->indices);
-		vulkan_buffer_destroy(device, &device->materials);
+		for (int heap = 0; heap < RENDER_HEAPS; heap++)
+			vulkan_buffer_destroy(device, &device->heaps[heap]);
 		vkDestroyPipeline(device->device, device->pipeline, NULL);
 		vkDestroyPipelineLayout(device->device, device->pipeline_layout, NULL);
 		vkDestroyDevice(device->device, NULL);
 	}
 	vulkan_instance_destroy(device);
 	free(device);
-}
-
-static stilb_result upload_vertices(vulkan_device *device, const stilb_scene *scene)
-{
-	size_t vertices = 0, indices = 0;
-	for (uint32_t i = 0; i < scene->mesh_count; i++) {
-		vertices += scene->meshes[i].vertex_count;
-		indices += scene->meshes[i].index_count;
-	}
-	stilb_scene_vertex *vertex = stilb_memory_alloc(vertices, sizeof *vertex);
-	uint32_t *index = stilb_memory_alloc(indices, sizeof *index);
-	stilb_result result = vertex && index ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the meshes");
-	vertices = indices = 0;
-	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
-		const stilb_scene_mesh *mesh = &scene->meshes[i];
-		for (uint32_t v = 0; v < mesh->vertex_count; v++)
-			vertex[vertices++] = mesh->vertices[v];
-		for (uint32_t k = 0; k < mesh->index_count; k++)
-			index[indices++] = mesh->indices[k];
-	}
-	if (result == STILB_OK)
-		result = vulkan_buffer_upload(device, vertex, vertices * sizeof *vertex, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
-		                              &device->vertices);
-	if (result == STILB_OK)
-		result = vulkan_buffer_upload(device, index, indices * sizeof *index, VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
-		                              &device->indices);
-	free(vertex);
-	free(index);
-	return result;
-}
-
-static stilb_result vulkan_upload(render_device *base, const stilb_scene *scene, const render_material *materials)
-{
-	vulkan_device *device = (vulkan_device *)base;
-	stilb_result result = upload_vertices(device, scene);
-	if (result != STILB_OK)
-		return result;
-	return vulkan_buffer_upload(device, materials, (VkDeviceSize)scene->material_count * sizeof *materials,
-	                            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
-	                            &device->materials);
 }
 
 static stilb_result vulkan_resize(render_device *base, uint32_t width, uint32_t height)
@@ -188,13 +147,13 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 {
 	static const render_device_functions functions = {
 		.destroy = vulkan_destroy,
-		.upload = vulkan_upload,
 		.resize = vulkan_resize,
 		.frame_begin = vulkan_frame_begin,
-		.rows_grow = vulkan_rows_grow,
-		.pass_begin = vulkan_pass_begin,
-		.draws = vulkan_draws,
-		.pass_end = vulkan_pass_end,
+		.grow = vulkan_grow,
+		.texture_create = vulkan_texture_create,
+		.texture_destroy = vulkan_texture_destroy,
+		.update = vulkan_update,
+		.pass = vulkan_pass,
 		.submit = vulkan_submit,
 		.present = vulkan_present,
 		.wait = vulkan_wait,
@@ -207,6 +166,8 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 	device->base.width = desc->width;
 	device->base.height = desc->height;
 	device->base.replay = desc->replay;
+	device->base.materials = desc->materials;
+	device->base.faults = desc->faults;
 	device->output = desc->output;
 	device->color_format =
 		desc->output == STILB_RENDER_OUTPUT_LINEAR ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_SRGB;

@@ -1,8 +1,7 @@
-/* One frame on the GPU: slots, targets, passes, draws, submission. */
+/* One frame on the GPU: slots, targets, memory, submission. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include "profiler/prof.h"
-#include "shading/shade_tonemap.h"
 
 #include <string.h>
 
@@ -73,12 +72,12 @@ void vulkan_frames_destroy(vulkan_device *device)
 		vulkan_slot *slot = &device->slots[i];
 		vkDestroyCommandPool(device->device, slot->pool, NULL);
 		vkDestroySemaphore(device->device, slot->acquired, NULL);
-		vulkan_buffer_destroy(device, &slot->rows);
+		for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
+			vulkan_buffer_destroy(device, &slot->memory[kind]);
+		vulkan_heaps_destroy_slot(device, slot);
 		vulkan_buffer_destroy(device, &slot->views);
 		vulkan_buffer_destroy(device, &slot->times);
 		vulkan_buffer_destroy(device, &slot->picture);
-		for (int p = 0; p < STILB_RENDER_MAX_PASSES; p++)
-			vulkan_buffer_destroy(device, &slot->indirect[p]);
 	}
 	vkDestroyQueryPool(device->device, device->queries, NULL);
 	vkDestroySemaphore(device->device, device->timeline, NULL);
@@ -151,7 +150,7 @@ static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot
 	return STILB_OK;
 }
 
-stilb_result vulkan_frame_begin(render_device *base, render_rows *rows)
+stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	if (!device->color.image)
@@ -164,36 +163,42 @@ stilb_result vulkan_frame_begin(render_device *base, render_rows *rows)
 		return result;
 	slot_read_time(device, device->slot);
 	slot->timed = slot->picture_valid = false;
+	vulkan_heaps_frame(device, slot);
 	result = slot_begin_commands(device, slot);
-	if (result != STILB_OK)
-		return result;
-	if (!slot->rows.buffer)
-		return vulkan_rows_grow(base, rows, VULKAN_FIRST_ROWS);
-	rows->memory = slot->rows.mapped;
-	rows->capacity = (uint32_t)(slot->rows.size / sizeof(render_row));
-	return STILB_OK;
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {
+		vulkan_buffer *buffer = &slot->memory[kind];
+		memory[kind].data = buffer->mapped;
+		memory[kind].capacity = (uint32_t)(buffer->size / memory[kind].element);
+		if (!buffer->buffer)
+			result = vulkan_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY);
+	}
+	return result;
 }
 
-stilb_result vulkan_rows_grow(render_device *base, render_rows *rows, uint32_t capacity)
+/* Rows are written once and read by the GPU. Commands may be read by the CPU again, when they are sorted or replayed one by
+ * one, so they lie where it can cache them; the GPU reads only a few words of each. */
+stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity)
 {
 	vulkan_device *device = (vulkan_device *)base;
-	vulkan_slot *slot = vulkan_slot_now(device);
-	vulkan_buffer grown;
-	stilb_result result = vulkan_buffer_create(
-		device, (VkDeviceSize)capacity * sizeof(render_row),
-		VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT, VULKAN_MEMORY_WRITE, &grown);
+	vulkan_buffer *buffer = &vulkan_slot_now(device)->memory[kind], grown;
+	bool rows = kind == RENDER_MEMORY_ROWS;
+	stilb_result result =
+		vulkan_buffer_create(device, (VkDeviceSize)capacity * memory->element,
+	                         rows ? VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT
+	                              : VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
+	                         rows ? VULKAN_MEMORY_WRITE : VULKAN_MEMORY_SHARED, &grown);
 	if (result != STILB_OK)
 		return result;
-	if (slot->rows.buffer)
-		memcpy(grown.mapped, slot->rows.mapped, slot->rows.size);
-	vulkan_buffer_destroy(device, &slot->rows); /* no frame in flight uses this slot */
-	slot->rows = grown;
-	rows->memory = grown.mapped;
-	rows->capacity = capacity;
+	if (buffer->buffer)
+		memcpy(grown.mapped, buffer->mapped, buffer->size);
+	vulkan_buffer_destroy(device, buffer); /* no frame in flight uses this slot */
+	*buffer = grown;
+	memory->data = grown.mapped;
+	memory->capacity = capacity;
 	return STILB_OK;
 }
 
-/* ---- passes -------------------------------------------------------------------------------------------------------- */
+/* ---- barriers ----------------------------------------------------------------------------------------------------- */
 
 void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                           VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
@@ -218,161 +223,6 @@ void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspect
 		.pImageMemoryBarriers = &barrier,
 	};
 	vkCmdPipelineBarrier2(commands, &dependency);
-}
-
-/* The frame's first pass takes the targets from the frame before (its passes, and the copy that showed it); a later one
- * continues where the pass before stopped. */
-static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, bool first)
-{
-	const VkPipelineStageFlags2 color_stage = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
-	const VkPipelineStageFlags2 depth_stage =
-		VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
-	const VkAccessFlags2 color_access = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
-	const VkAccessFlags2 depth_access =
-		VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-	const VkImageLayout attachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
-	const VkImageLayout before = first ? VK_IMAGE_LAYOUT_UNDEFINED : attachment;
-	vulkan_image_barrier(commands, device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-	                     color_stage | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
-	                     color_stage, color_access);
-	if (device->color_samples.image)
-		vulkan_image_barrier(commands, device->color_samples.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-		                     color_stage, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
-	vulkan_image_barrier(commands, device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
-	                     VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, depth_stage, depth_access);
-}
-
-/* The sky behind everything, as the fragment shader would have written it. */
-static VkClearColorValue pass_clear_color(const vulkan_device *device, const stilb_scene_sky *sky)
-{
-	stilb_vec3 color = stilb_vec3_make(sky->sky[0], sky->sky[1], sky->sky[2]);
-	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
-		color = shade_tonemap(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
-	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
-}
-
-static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands, const stilb_scene_sky *sky,
-                                 bool first)
-{
-	bool resolve = device->color_samples.image != VK_NULL_HANDLE;
-	const VkAttachmentLoadOp load = first ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
-	const VkRenderingAttachmentInfo color = {
-		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-		.imageView = resolve ? device->color_samples.view : device->color.view,
-		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-		.resolveMode = resolve ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
-		.resolveImageView = resolve ? device->color.view : VK_NULL_HANDLE,
-		.resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-		.loadOp = load,
-		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-		.clearValue = {.color = pass_clear_color(device, sky)},
-	};
-	const VkRenderingAttachmentInfo depth = {
-		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-		.imageView = device->depth.view,
-		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-		.loadOp = load,
-		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-		.clearValue = {.depthStencil = {.depth = 0.0f}}, /* reversed: 0 is far */
-	};
-	const VkRect2D area = {.extent = {device->base.width, device->base.height}};
-	const VkRenderingInfo rendering = {
-		.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-		.renderArea = area,
-		.layerCount = 1,
-		.colorAttachmentCount = 1,
-		.pColorAttachments = &color,
-		.pDepthAttachment = &depth,
-	};
-	const VkViewport viewport = {
-		.width = (float)device->base.width, .height = (float)device->base.height, .minDepth = 0.0f, .maxDepth = 1.0f};
-	vkCmdBeginRendering(commands, &rendering);
-	vkCmdSetViewport(commands, 0, 1, &viewport);
-	vkCmdSetScissor(commands, 0, 1, &area);
-}
-
-static void copy3(float out[4], const float in[3])
-{
-	memcpy(out, in, 3 * sizeof *out);
-	out[3] = 0.0f;
-}
-
-/* Binds what all draws of the pass share. */
-static void pass_bind(vulkan_device *device, vulkan_slot *slot, const stilb_render_view *view)
-{
-	vulkan_view *out = (vulkan_view *)slot->views.mapped + device->pass;
-	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
-	copy3(out->camera_position, view->camera_position);
-	copy3(out->sun_direction, view->sun.direction);
-	copy3(out->sun_irradiance, view->sun.irradiance);
-	copy3(out->sky, view->sky.sky);
-	copy3(out->ground, view->sky.ground);
-	const vulkan_push push = {
-		.view = slot->views.address + device->pass * sizeof(vulkan_view),
-		.rows = slot->rows.address,
-		.materials = device->materials.address,
-	};
-	vkCmdBindPipeline(slot->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->pipeline);
-	vkCmdPushConstants(slot->draw, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
-	                   0, sizeof push, &push);
-	vkCmdBindVertexBuffers(slot->draw, 0, 1, &device->vertices.buffer, &(VkDeviceSize){0});
-	vkCmdBindIndexBuffer(slot->draw, device->indices.buffer, 0, VK_INDEX_TYPE_UINT32);
-}
-
-stilb_result vulkan_pass_begin(render_device *base, const stilb_render_pass *pass, const stilb_render_view *view,
-                               uint64_t draw_count)
-{
-	(void)pass; /* one target today */
-	vulkan_device *device = (vulkan_device *)base;
-	vulkan_slot *slot = vulkan_slot_now(device);
-	VkDeviceSize wanted = draw_count * sizeof(render_indirect);
-	vulkan_buffer *indirect = &slot->indirect[device->pass];
-	device->indirect_count = 0;
-	if (base->replay == STILB_RENDER_REPLAY_INDIRECT && wanted > indirect->size) {
-		vulkan_buffer_destroy(device, indirect);
-		stilb_result result = vulkan_buffer_create(device, wanted + wanted / 4, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
-		                                           VULKAN_MEMORY_WRITE, indirect);
-		if (result != STILB_OK)
-			return result;
-	}
-	bool first = device->pass == 0;
-	pass_take_targets(device, slot->draw, first);
-	pass_begin_rendering(device, slot->draw, &view->sky, first);
-	pass_bind(device, slot, view);
-	return STILB_OK;
-}
-
-void vulkan_draws(render_device *base, const render_command *commands, uint32_t count)
-{
-	vulkan_device *device = (vulkan_device *)base;
-	vulkan_slot *slot = vulkan_slot_now(device);
-	if (base->replay == STILB_RENDER_REPLAY_INDIRECT) {
-		render_write_indirect((render_indirect *)slot->indirect[device->pass].mapped + device->indirect_count, commands,
-		                      count);
-		device->indirect_count += count;
-		return;
-	}
-	for (uint32_t i = 0; i < count; i++)
-		vkCmdDrawIndexed(slot->draw, commands[i].index_count, 1, commands[i].first_index, commands[i].vertex_offset,
-		                 commands[i].row);
-	base->stats.draw_commands += count;
-}
-
-void vulkan_pass_end(render_device *base)
-{
-	vulkan_device *device = (vulkan_device *)base;
-	vulkan_slot *slot = vulkan_slot_now(device);
-	const uint32_t most = device->properties.limits.maxDrawIndirectCount;
-	for (uint64_t done = 0; done < device->indirect_count;) {
-		uint64_t left = device->indirect_count - done;
-		uint32_t count = left < most ? (uint32_t)left : most;
-		vkCmdDrawIndexedIndirect(slot->draw, slot->indirect[device->pass].buffer, done * sizeof(render_indirect), count,
-		                         sizeof(render_indirect));
-		base->stats.indirect_commands++;
-		done += count;
-	}
-	vkCmdEndRendering(slot->draw);
-	device->pass++;
 }
 
 /* ---- submission ---------------------------------------------------------------------------------------------------- */
@@ -446,6 +296,8 @@ stilb_result vulkan_submit(render_device *base)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
+	if (render_fault_lost(base))
+		return vulkan_fail(VK_ERROR_DEVICE_LOST, "give the GPU a frame");
 	vulkan_image_barrier(slot->draw, device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
 	                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
 	                     VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,

@@ -13,9 +13,8 @@
 
 #include <vulkan/vulkan.h>
 
-#define VULKAN_SLOTS 2
+#define VULKAN_SLOTS RENDER_FRAMES_IN_FLIGHT
 #define VULKAN_MAX_SWAPCHAIN_IMAGES 16
-#define VULKAN_FIRST_ROWS 32768u
 
 typedef struct vulkan_buffer {
 	VkBuffer buffer;
@@ -51,13 +50,14 @@ typedef struct vulkan_slot {
 	VkCommandPool pool;
 	VkCommandBuffer draw, show;
 	VkSemaphore acquired; /* the window's image is ours */
-	vulkan_buffer rows;
-	vulkan_buffer views;                             /* vulkan_view[STILB_RENDER_MAX_PASSES] */
-	vulkan_buffer indirect[STILB_RENDER_MAX_PASSES]; /* one a pass, grown to its draws */
-	vulkan_buffer picture;                           /* the picture in memory, when there is no window */
-	vulkan_buffer times;                             /* two timestamps: the queue's clock before and after the passes */
-	uint64_t done;                                   /* timeline value of the slot's last submission */
-	bool timed;                                      /* its two timestamps are written */
+	vulkan_buffer memory[RENDER_MEMORY_KINDS];
+	vulkan_buffer staging;                /* what update copies from */
+	vulkan_buffer replaced[RENDER_HEAPS]; /* heaps that were outgrown in this slot's frame */
+	vulkan_buffer views;                  /* vulkan_view[STILB_RENDER_MAX_PASSES] */
+	vulkan_buffer picture;                /* the picture in memory, when there is no window */
+	vulkan_buffer times;                  /* two timestamps: the queue's clock before and after the passes */
+	uint64_t done;                        /* timeline value of the slot's last submission */
+	bool timed;                           /* its two timestamps are written */
 	bool picture_valid;
 } vulkan_slot;
 
@@ -97,12 +97,11 @@ typedef struct vulkan_device {
 	vulkan_image depth;
 	bool drawn; /* color holds a picture, ready to be copied from */
 
-	vulkan_buffer vertices, indices, materials;
+	vulkan_buffer heaps[RENDER_HEAPS];
 
 	vulkan_slot slots[VULKAN_SLOTS];
 	uint32_t slot;
-	uint32_t pass;           /* passes begun in this frame */
-	uint64_t indirect_count; /* draws of this pass so far */
+	uint32_t pass; /* passes begun in this frame */
 	vulkan_swapchain swapchain;
 } vulkan_device;
 
@@ -125,6 +124,7 @@ void vulkan_instance_destroy(vulkan_device *device);
 typedef enum vulkan_memory_kind {
 	VULKAN_MEMORY_DEVICE,   /* the GPU alone */
 	VULKAN_MEMORY_WRITE,    /* the CPU writes once, the GPU reads: device local where the CPU can reach it */
+	VULKAN_MEMORY_SHARED,   /* the CPU writes and may read, the GPU reads: cached */
 	VULKAN_MEMORY_READBACK, /* the GPU writes, the CPU reads: cached */
 } vulkan_memory_kind;
 
@@ -134,9 +134,14 @@ void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer);
 stilb_result vulkan_image_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
                                  VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image);
 void vulkan_image_destroy(vulkan_device *device, vulkan_image *image);
-/* Makes a device buffer and fills it through a staging buffer; waits. */
-stilb_result vulkan_buffer_upload(vulkan_device *device, const void *data, VkDeviceSize size, VkBufferUsageFlags usage,
-                                  vulkan_buffer *buffer);
+
+/* vulkan_heaps.c: what render_resources keeps, on the GPU. */
+stilb_result vulkan_texture_create(render_device *base, uint32_t texture, const stilb_image *image);
+void vulkan_texture_destroy(render_device *base, uint32_t texture);
+stilb_result vulkan_update(render_device *base, const render_resources *resources);
+/* The slot's frame is done: frees what only that frame still used. */
+void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot);
+void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot);
 
 /* vulkan_pipeline.c */
 stilb_result vulkan_pipeline_create(vulkan_device *device);
@@ -146,12 +151,8 @@ stilb_result vulkan_frames_create(vulkan_device *device);
 void vulkan_frames_destroy(vulkan_device *device);
 stilb_result vulkan_targets_create(vulkan_device *device);
 void vulkan_targets_destroy(vulkan_device *device);
-stilb_result vulkan_frame_begin(render_device *base, render_rows *rows);
-stilb_result vulkan_rows_grow(render_device *base, render_rows *rows, uint32_t capacity);
-stilb_result vulkan_pass_begin(render_device *base, const stilb_render_pass *pass, const stilb_render_view *view,
-                               uint64_t draw_count);
-void vulkan_draws(render_device *base, const render_command *commands, uint32_t count);
-void vulkan_pass_end(render_device *base);
+stilb_result vulkan_frame_begin(render_device *base, render_memory *memory);
+stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity);
 stilb_result vulkan_submit(render_device *base);
 stilb_result vulkan_wait(render_device *base);
 /* Submits a command buffer, waits for wait (or null) before transfers, signals signal (or null) and the timeline. */
@@ -162,6 +163,9 @@ void vulkan_host_barrier(VkCommandBuffer commands);
 void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                           VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
                           VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
+
+/* vulkan_pass.c */
+stilb_result vulkan_pass(render_device *base, const render_stream *stream);
 
 /* vulkan_present.c */
 stilb_result vulkan_swapchain_create(vulkan_device *device);

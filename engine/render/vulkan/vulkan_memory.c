@@ -29,11 +29,13 @@ static VkResult memory_allocate(vulkan_device *device, VkMemoryRequirements need
 	static const VkMemoryPropertyFlags required[] = {
 		[VULKAN_MEMORY_DEVICE] = 0,
 		[VULKAN_MEMORY_WRITE] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+		[VULKAN_MEMORY_SHARED] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
 		[VULKAN_MEMORY_READBACK] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
 	};
 	static const VkMemoryPropertyFlags preferred[] = {
 		[VULKAN_MEMORY_DEVICE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
 		[VULKAN_MEMORY_WRITE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+		[VULKAN_MEMORY_SHARED] = VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
 		[VULKAN_MEMORY_READBACK] = VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
 	};
 	VkMemoryAllocateFlagsInfo flags = {
@@ -46,6 +48,8 @@ static VkResult memory_allocate(vulkan_device *device, VkMemoryRequirements need
 		.allocationSize = needs.size,
 	};
 	VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+	if (render_fault_allocation(&device->base))
+		return result;
 	uint32_t allowed = needs.memoryTypeBits, type;
 	while ((type = memory_type(device, allowed, required[kind], preferred[kind])) != UINT32_MAX) {
 		info.memoryTypeIndex = type;
@@ -181,53 +185,4 @@ void vulkan_image_destroy(vulkan_device *device, vulkan_image *image)
 	vkDestroyImage(device->device, image->image, NULL);
 	vkFreeMemory(device->device, image->memory, NULL);
 	*image = (vulkan_image){0};
-}
-
-/* Before the first frame no slot is in use, so slot 0's command buffer serves. */
-static stilb_result buffer_copy(vulkan_device *device, const vulkan_buffer *from, const vulkan_buffer *to)
-{
-	vulkan_slot *slot = &device->slots[0];
-	stilb_result result = vulkan_timeline_wait(device, slot->done);
-	if (result != STILB_OK)
-		return result;
-	VkCommandBufferBeginInfo begin = {
-		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
-	};
-	VkMemoryBarrier2 barrier = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-		.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-		.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT,
-	};
-	vkResetCommandPool(device->device, slot->pool, 0);
-	VkResult error = vkBeginCommandBuffer(slot->draw, &begin);
-	if (error != VK_SUCCESS)
-		return vulkan_fail(error, "record a copy");
-	vkCmdCopyBuffer(slot->draw, from->buffer, to->buffer, 1, &(VkBufferCopy){.size = to->size});
-	vkCmdPipelineBarrier2(slot->draw, &(VkDependencyInfo){.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-	                                                      .memoryBarrierCount = 1,
-	                                                      .pMemoryBarriers = &barrier});
-	error = vkEndCommandBuffer(slot->draw);
-	if (error != VK_SUCCESS)
-		return vulkan_fail(error, "record a copy");
-	result = vulkan_queue_submit(device, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
-	return result == STILB_OK ? vulkan_timeline_wait(device, device->timeline_value) : result;
-}
-
-stilb_result vulkan_buffer_upload(vulkan_device *device, const void *data, VkDeviceSize size, VkBufferUsageFlags usage,
-                                  vulkan_buffer *buffer)
-{
-	vulkan_buffer staging;
-	stilb_result result =
-		vulkan_buffer_create(device, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, VULKAN_MEMORY_WRITE, &staging);
-	if (result != STILB_OK)
-		return result;
-	memcpy(staging.mapped, data, size);
-	result = vulkan_buffer_create(device, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_DEVICE, buffer);
-	if (result == STILB_OK)
-		result = buffer_copy(device, &staging, buffer);
-	vulkan_buffer_destroy(device, &staging);
-	return result;
 }

@@ -1,0 +1,537 @@
+/* Handles, heaps and what waits for the device. See render_resources.h. */
+#include "render/render_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+/* ---- ranges -------------------------------------------------------------------------------------------------------- */
+
+/* The first range that ends at or behind `first`: the one to join, or the place to insert. */
+static uint32_t ranges_find(const render_ranges *ranges, uint32_t first)
+{
+	uint32_t low = 0, high = ranges->count;
+	while (low < high) {
+		uint32_t middle = (low + high) / 2;
+		if (ranges->items[middle].first + ranges->items[middle].count < first)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+bool render_ranges_add(render_ranges *ranges, render_range range)
+{
+	uint32_t at = ranges_find(ranges, range.first), end = range.first + range.count, joined = 0;
+	for (; at + joined < ranges->count && ranges->items[at + joined].first <= end; joined++) {
+		render_range old = ranges->items[at + joined];
+		range.first = old.first < range.first ? old.first : range.first;
+		end = old.first + old.count > end ? old.first + old.count : end;
+	}
+	if (joined == 0 && !render_reserve((void **)&ranges->items, &ranges->capacity, ranges->count + 1, sizeof range))
+		return false;
+	range.count = end - range.first;
+	memmove(ranges->items + at + 1, ranges->items + at + joined, (ranges->count - at - joined) * sizeof range);
+	ranges->items[at] = range;
+	ranges->count += 1 - joined;
+	return true;
+}
+
+bool render_ranges_take(render_ranges *ranges, uint32_t count, uint32_t *first)
+{
+	for (uint32_t i = 0; i < ranges->count; i++) {
+		render_range *range = &ranges->items[i];
+		if (range->count < count)
+			continue;
+		*first = range->first;
+		range->first += count;
+		range->count -= count;
+		if (range->count == 0)
+			memmove(range, range + 1, (--ranges->count - i) * sizeof *range);
+		return true;
+	}
+	return false;
+}
+
+/* ---- heaps --------------------------------------------------------------------------------------------------------- */
+
+/* Makes the heap at least `size` elements long. */
+static bool heap_extend(render_heap *heap, uint64_t size)
+{
+	if (size > INT32_MAX) /* a vertex offset is an int32_t */
+		return false;
+	if (size > heap->capacity) {
+		uint64_t larger = (uint64_t)heap->capacity * 2 > size ? (uint64_t)heap->capacity * 2 : size;
+		uint8_t *data = realloc(heap->data, larger * heap->element);
+		if (!data)
+			return false;
+		heap->data = data;
+		heap->capacity = (uint32_t)larger;
+	}
+	heap->size = size > heap->size ? (uint32_t)size : heap->size;
+	return true;
+}
+
+/* Copies count elements into a free place. live bounds how many ranges there can be. */
+static bool heap_add(render_heap *heap, const void *data, uint32_t count, uint32_t live, uint32_t *first)
+{
+	/* Giving back must not fail: between live ranges lie at most live + 1 free ones. */
+	if (!render_reserve((void **)&heap->free.items, &heap->free.capacity, live + 2, sizeof(render_range)))
+		return false;
+	uint32_t size = heap->size;
+	if (!render_ranges_take(&heap->free, count, first)) {
+		*first = size;
+		if (!heap_extend(heap, (uint64_t)size + count))
+			return false;
+	}
+	if (!render_ranges_add(&heap->dirty, (render_range){*first, count})) {
+		render_ranges_add(&heap->free, (render_range){*first, count});
+		return false;
+	}
+	memcpy(heap->data + (size_t)*first * heap->element, data, (size_t)count * heap->element);
+	return true;
+}
+
+static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
+{
+	render_ranges_add(&heap->free, (render_range){first, count});
+}
+
+/* ---- indices and generations --------------------------------------------------------------------------------------- */
+
+/* fresh: one behind all that were ever used, so that a scene's follow one another. */
+static bool index_take(render_indices *indices, bool fresh, uint32_t live, uint32_t *index)
+{
+	if (!render_reserve((void **)&indices->free, &indices->free_capacity, live + 1, sizeof *indices->free))
+		return false;
+	if (!fresh && indices->free_count > 0)
+		*index = indices->free[--indices->free_count];
+	else if (indices->next < indices->most)
+		*index = indices->next++;
+	else
+		return false;
+	return true;
+}
+
+static void index_give_back(render_indices *indices, uint32_t index)
+{
+	indices->free[indices->free_count++] = index;
+}
+
+/* 1..255: 0 is an entry that was never used. */
+static uint32_t generation_after(uint32_t generation)
+{
+	return generation < 255 ? generation + 1 : 1;
+}
+
+static uint32_t handle_make(uint32_t generation, uint32_t index)
+{
+	return generation << RENDER_GENERATION_SHIFT | index;
+}
+
+/* One more resource lives; its retiring must not fail. */
+static bool resource_reserve(render_resources *resources)
+{
+	return render_reserve((void **)&resources->retired, &resources->retired_capacity, resources->live + 1,
+	                      sizeof *resources->retired);
+}
+
+static stilb_result resource_no_memory(const render_resources *resources, render_resource_kind kind)
+{
+	static const char *const names[] = {"meshes", "textures", "materials"};
+	return stilb_fail(STILB_ERROR_MEMORY, "no memory for more %s, or more than %u of them", names[kind],
+	                  resources->indices[kind].most);
+}
+
+/* ---- creation ------------------------------------------------------------------------------------------------------ */
+
+/* size bytes of zeros, given memory where they are touched; NULL. */
+static void *table_reserve(size_t size)
+{
+	void *table = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+	return table == MAP_FAILED ? NULL : table;
+}
+
+#define TABLE_MESHES (STILB_RENDER_MAX_MESHES * sizeof(render_mesh_slot))
+#define TABLE_MATERIALS (STILB_RENDER_MAX_MATERIALS * sizeof(uint32_t))
+#define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
+
+stilb_result render_resources_create(render_resources *resources)
+{
+	*resources = (render_resources){
+		.meshes = table_reserve(TABLE_MESHES),
+		.materials = table_reserve(TABLE_MATERIALS),
+		.textures = table_reserve(TABLE_TEXTURES),
+		.indices = {[RENDER_RESOURCE_MESH] = {.most = STILB_RENDER_MAX_MESHES},
+	                [RENDER_RESOURCE_TEXTURE] = {.next = 1, .most = STILB_RENDER_MAX_TEXTURES}, /* 0: none */
+	                [RENDER_RESOURCE_MATERIAL] = {.most = STILB_RENDER_MAX_MATERIALS}},
+		.heaps = {[RENDER_HEAP_VERTICES] = {.element = sizeof(stilb_scene_vertex)},
+	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
+	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)}},
+	};
+	resources->lock_made = pthread_mutex_init(&resources->lock, NULL) == 0;
+	if (!resources->meshes || !resources->materials || !resources->textures || !resources->lock_made)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
+	return STILB_OK;
+}
+
+static void table_free(void *table, size_t size)
+{
+	if (table)
+		munmap(table, size);
+}
+
+void render_resources_destroy(render_resources *resources)
+{
+	table_free(resources->meshes, TABLE_MESHES);
+	table_free(resources->materials, TABLE_MATERIALS);
+	table_free(resources->textures, TABLE_TEXTURES);
+	for (int h = 0; h < RENDER_HEAPS; h++) {
+		free(resources->heaps[h].data);
+		free(resources->heaps[h].free.items);
+		free(resources->heaps[h].dirty.items);
+	}
+	for (int k = 0; k < RENDER_RESOURCE_KINDS; k++)
+		free(resources->indices[k].free);
+	for (uint32_t u = 0; u < resources->upload_count; u++)
+		stilb_image_finish(&resources->uploads[u].image);
+	free(resources->uploads);
+	free(resources->retired);
+	if (resources->lock_made)
+		pthread_mutex_destroy(&resources->lock);
+	*resources = (render_resources){0};
+}
+
+/* ---- meshes -------------------------------------------------------------------------------------------------------- */
+
+static stilb_result mesh_check(const stilb_scene_mesh *mesh)
+{
+	if (mesh->vertex_count == 0 || mesh->index_count == 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a mesh of %u vertices and %u indices draws nothing",
+		                  mesh->vertex_count, mesh->index_count);
+	for (uint32_t i = 0; i < mesh->index_count; i++)
+		if (mesh->indices[i] >= mesh->vertex_count)
+			return stilb_fail(STILB_ERROR_ARGUMENT, "index %u of a mesh is vertex %u, but it has %u vertices", i,
+			                  mesh->indices[i], mesh->vertex_count);
+	return STILB_OK;
+}
+
+/* With the lock. */
+static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, bool fresh, uint32_t *handle)
+{
+	render_heap *vertices = &resources->heaps[RENDER_HEAP_VERTICES], *indices = &resources->heaps[RENDER_HEAP_INDICES];
+	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
+	uint32_t live = resources->live, index, first_vertex, first_index;
+	if (!resource_reserve(resources) || !index_take(ids, fresh, live, &index))
+		return false;
+	if (!heap_add(vertices, mesh->vertices, mesh->vertex_count, live, &first_vertex)) {
+		index_give_back(ids, index);
+		return false;
+	}
+	if (!heap_add(indices, mesh->indices, mesh->index_count, live, &first_index)) {
+		heap_give_back(vertices, first_vertex, mesh->vertex_count);
+		index_give_back(ids, index);
+		return false;
+	}
+	render_mesh_slot *slot = &resources->meshes[index];
+	*slot = (render_mesh_slot){
+		.first_index = first_index,
+		.index_count = mesh->index_count,
+		.vertex_offset = (int32_t)first_vertex,
+		.vertex_count = mesh->vertex_count,
+		.generation = slot->generation ? slot->generation : 1,
+	};
+	resources->live++;
+	*handle = handle_make(slot->generation, index);
+	return true;
+}
+
+stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_mesh *mesh, stilb_render_mesh *out)
+{
+	render_resources *resources = &render->resources;
+	*out = (stilb_render_mesh){0};
+	stilb_result result = mesh_check(mesh);
+	if (result != STILB_OK)
+		return result;
+	pthread_mutex_lock(&resources->lock);
+	bool added = mesh_add(resources, mesh, false, &out->id);
+	pthread_mutex_unlock(&resources->lock);
+	return added ? STILB_OK : resource_no_memory(resources, RENDER_RESOURCE_MESH);
+}
+
+/* ---- textures ------------------------------------------------------------------------------------------------------ */
+
+/* The same picture with four channels: grey becomes three equal ones, and where there is no alpha it is 1. */
+static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
+{
+	static const uint8_t channel_of[5][4] = {{0}, {0, 0, 0, 4}, {0, 0, 0, 1}, {0, 1, 2, 4}, {0, 1, 2, 3}};
+	static const uint8_t one_u8 = 255;
+	static const uint16_t one_f16 = 0x3c00;
+	static const float one_f32 = 1.0f;
+	const void *const ones[] = {&one_u8, &one_f16, &one_f32};
+	static const size_t sizes[] = {sizeof one_u8, sizeof one_f16, sizeof one_f32};
+	stilb_result result = stilb_image_create(to, from->width, from->height, 4, from->format);
+	if (result != STILB_OK)
+		return result;
+	size_t size = sizes[from->format], pixels = (size_t)from->width * from->height;
+	const uint8_t *in = from->pixels;
+	uint8_t *out = to->pixels;
+	for (size_t p = 0; p < pixels; p++, in += from->channels * size)
+		for (int c = 0; c < 4; c++, out += size) {
+			uint32_t channel = channel_of[from->channels][c];
+			memcpy(out, channel < 4 ? in + channel * size : ones[from->format], size);
+		}
+	return STILB_OK;
+}
+
+/* With the lock. */
+static bool texture_add(render_resources *resources, stilb_image image, uint32_t *index)
+{
+	if (!resource_reserve(resources) ||
+	    !render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
+	                    sizeof *resources->uploads) ||
+	    !index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], false, resources->live, index))
+		return false;
+	resources->live++;
+	uint32_t *generation = &resources->textures[*index];
+	*generation = *generation ? *generation : 1;
+	resources->uploads[resources->upload_count++] = (render_texture_upload){*index, image};
+	return true;
+}
+
+static void texture_drop(render_resources *resources, uint32_t index)
+{
+	index_give_back(&resources->indices[RENDER_RESOURCE_TEXTURE], index);
+	resources->upload_count--;
+	resources->live--;
+}
+
+stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
+{
+	render_resources *resources = &render->resources;
+	stilb_image converted;
+	uint32_t index;
+	*out = (stilb_render_texture){0};
+	if (image->width < 1 || image->width > 16384 || image->height < 1 || image->height > 16384)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %ux%u pixels: a side has 1..16384", image->width,
+		                  image->height);
+	stilb_result result = texture_convert(image, &converted);
+	if (result != STILB_OK)
+		return result;
+	pthread_mutex_lock(&resources->lock);
+	if (!texture_add(resources, converted, &index))
+		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
+	else {
+		result = render->device->functions->texture_create(render->device, index, &converted);
+		if (result == STILB_OK)
+			out->id = handle_make(resources->textures[index], index);
+		else
+			texture_drop(resources, index); /* the last added: the lock was held all the time */
+	}
+	pthread_mutex_unlock(&resources->lock);
+	if (result != STILB_OK)
+		stilb_image_finish(&converted);
+	return result;
+}
+
+/* ---- materials ----------------------------------------------------------------------------------------------------- */
+
+static render_material material_make(const stilb_scene_material *material)
+{
+	render_material out = {.shininess = material->shininess};
+	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
+	memcpy(out.specular, material->specular, sizeof out.specular);
+	return out;
+}
+
+/* With the lock. */
+static bool material_add(render_resources *resources, const stilb_scene_material *material, uint32_t texture,
+                         bool fresh, uint32_t *handle)
+{
+	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
+	render_indices *ids = &resources->indices[RENDER_RESOURCE_MATERIAL];
+	uint32_t index;
+	if (!resource_reserve(resources) || !index_take(ids, fresh, resources->live, &index))
+		return false;
+	if (!heap_extend(heap, (uint64_t)index + 1) || !render_ranges_add(&heap->dirty, (render_range){index, 1})) {
+		index_give_back(ids, index);
+		return false;
+	}
+	((render_material *)heap->data)[index] = material_make(material);
+	uint32_t generation = resources->materials[index] >> RENDER_GENERATION_SHIFT;
+	generation = generation ? generation : 1;
+	resources->materials[index] = handle_make(generation, texture);
+	resources->live++;
+	*handle = handle_make(generation, index);
+	return true;
+}
+
+stilb_result stilb_render_material_create(stilb_render *render, const stilb_scene_material *material,
+                                          stilb_render_texture texture, stilb_render_material *out)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index = texture.id & RENDER_INDEX_MASK;
+	*out = (stilb_render_material){0};
+	pthread_mutex_lock(&resources->lock);
+	STILB_ASSERT(texture.id == 0 || resources->textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
+	bool added = material_add(resources, material, index, false, &out->id);
+	pthread_mutex_unlock(&resources->lock);
+	return added ? STILB_OK : resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
+}
+
+/* ---- scenes -------------------------------------------------------------------------------------------------------- */
+
+stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene)
+{
+	render_resources *resources = &render->resources;
+	STILB_ASSERT(!render->scene_meshes);
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
+		result = mesh_check(&scene->meshes[i]);
+	if (result != STILB_OK)
+		return result;
+	uint32_t handle;
+	pthread_mutex_lock(&resources->lock);
+	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
+		if (!mesh_add(resources, &scene->meshes[i], true, &handle))
+			result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
+		else if (i == 0)
+			render->scene_meshes = handle;
+	}
+	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++) {
+		if (!material_add(resources, &scene->materials[i], 0, true, &handle))
+			result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
+		else if (i == 0)
+			render->scene_materials = handle;
+	}
+	pthread_mutex_unlock(&resources->lock);
+	return result;
+}
+
+stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id)
+{
+	return (stilb_render_mesh){render->scene_meshes + id};
+}
+
+stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id)
+{
+	return (stilb_render_material){render->scene_materials + id};
+}
+
+/* ---- the end ------------------------------------------------------------------------------------------------------- */
+
+/* With the lock. */
+static void resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index)
+{
+	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
+}
+
+void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index = mesh.id & RENDER_INDEX_MASK;
+	if (mesh.id == 0)
+		return;
+	pthread_mutex_lock(&resources->lock);
+	uint32_t *generation = &resources->meshes[index].generation;
+	STILB_ASSERT(*generation == mesh.id >> RENDER_GENERATION_SHIFT);
+	*generation = generation_after(*generation);
+	resource_retire(resources, RENDER_RESOURCE_MESH, index);
+	pthread_mutex_unlock(&resources->lock);
+}
+
+void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture texture)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index = texture.id & RENDER_INDEX_MASK;
+	if (texture.id == 0)
+		return;
+	pthread_mutex_lock(&resources->lock);
+	STILB_ASSERT(resources->textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
+	resources->textures[index] = generation_after(resources->textures[index]);
+	resource_retire(resources, RENDER_RESOURCE_TEXTURE, index);
+	pthread_mutex_unlock(&resources->lock);
+}
+
+void stilb_render_material_destroy(stilb_render *render, stilb_render_material material)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index = material.id & RENDER_INDEX_MASK;
+	if (material.id == 0)
+		return;
+	pthread_mutex_lock(&resources->lock);
+	uint32_t *entry = &resources->materials[index];
+	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
+	*entry = handle_make(generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
+	resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
+	pthread_mutex_unlock(&resources->lock);
+}
+
+static void resource_release(stilb_render *render, render_retired retired)
+{
+	render_resources *resources = &render->resources;
+	const render_mesh_slot *mesh = &resources->meshes[retired.index];
+	if (retired.kind == RENDER_RESOURCE_MESH) {
+		heap_give_back(&resources->heaps[RENDER_HEAP_VERTICES], (uint32_t)mesh->vertex_offset, mesh->vertex_count);
+		heap_give_back(&resources->heaps[RENDER_HEAP_INDICES], mesh->first_index, mesh->index_count);
+	} else if (retired.kind == RENDER_RESOURCE_TEXTURE) {
+		render->device->functions->texture_destroy(render->device, retired.index);
+	}
+	index_give_back(&resources->indices[retired.kind], retired.index);
+	resources->live--;
+}
+
+void render_resources_frame(stilb_render *render)
+{
+	render_resources *resources = &render->resources;
+	pthread_mutex_lock(&resources->lock);
+	uint64_t frame = ++resources->frame;
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < resources->retired_count; i++) {
+		if (resources->retired[i].frame + RENDER_FRAMES_IN_FLIGHT <= frame)
+			resource_release(render, resources->retired[i]);
+		else
+			resources->retired[kept++] = resources->retired[i];
+	}
+	resources->retired_count = kept;
+	pthread_mutex_unlock(&resources->lock);
+}
+
+stilb_result render_resources_update(stilb_render *render)
+{
+	render_resources *resources = &render->resources;
+	pthread_mutex_lock(&resources->lock);
+	stilb_result result = render->device->functions->update(render->device, resources);
+	resources->uploads_sent = resources->upload_count;
+	for (int h = 0; h < RENDER_HEAPS; h++)
+		resources->heaps[h].dirty.count = 0;
+	pthread_mutex_unlock(&resources->lock);
+	return result;
+}
+
+static void uploads_drop(render_resources *resources, uint32_t count)
+{
+	for (uint32_t u = 0; u < count; u++)
+		stilb_image_finish(&resources->uploads[u].image);
+	resources->upload_count -= count;
+	if (resources->upload_count > 0)
+		memmove(resources->uploads, resources->uploads + count, resources->upload_count * sizeof *resources->uploads);
+}
+
+void render_resources_sent(stilb_render *render, bool good)
+{
+	render_resources *resources = &render->resources;
+	pthread_mutex_lock(&resources->lock);
+	if (good)
+		uploads_drop(resources, resources->uploads_sent);
+	for (int h = 0; h < RENDER_HEAPS && !good; h++) {
+		render_heap *heap = &resources->heaps[h];
+		if (heap->dirty.capacity == 0)
+			continue; /* nothing has ever been in this heap */
+		heap->dirty.items[0] = (render_range){0, heap->size};
+		heap->dirty.count = 1;
+	}
+	resources->uploads_sent = 0;
+	pthread_mutex_unlock(&resources->lock);
+}

@@ -1,0 +1,101 @@
+/* Passes that ask for it are sorted by key: a radix sort from the lowest byte up, which is stable, so draws with equal keys
+ * stay in the order of their segments. Bytes that are the same in all keys are skipped. */
+#include "render/render_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct sort_item {
+	uint64_t key;
+	uint32_t command; /* of the frame */
+	uint32_t unused;
+} sort_item;
+
+/* Sorts count items by ascending key; scratch holds as many. Returns where the result is: items or scratch. */
+static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t count)
+{
+	uint64_t differing = 0;
+	for (uint32_t i = 1; i < count; i++)
+		differing |= items[i].key ^ items[0].key;
+	for (uint32_t shift = 0; shift < 64; shift += 8) {
+		uint32_t place[256] = {0}, sum = 0;
+		if (!(differing >> shift & 0xff))
+			continue;
+		for (uint32_t i = 0; i < count; i++)
+			place[items[i].key >> shift & 0xff]++;
+		for (uint32_t digit = 0; digit < 256; digit++) {
+			uint32_t here = place[digit];
+			place[digit] = sum;
+			sum += here;
+		}
+		for (uint32_t i = 0; i < count; i++)
+			scratch[place[items[i].key >> shift & 0xff]++] = items[i];
+		sort_item *sorted = scratch;
+		scratch = items;
+		items = sorted;
+	}
+	return items;
+}
+
+static void sort_gather(const render_command *commands, const render_pass_lists *lists, sort_item *items)
+{
+	for (const render_run *run = lists->runs; run < lists->runs + lists->run_count; run++)
+		for (uint32_t c = run->first; c < run->first + run->count; c++)
+			*items++ = (sort_item){commands[c].key, c, 0};
+}
+
+/* Room for count commands behind those of the frame; their first's index. */
+static stilb_result sort_claim(stilb_render *render, uint32_t count, uint32_t *first)
+{
+	render_memory *memory = &render->memory[RENDER_MEMORY_COMMANDS];
+	/* Relaxed: no worker records any more. */
+	uint64_t claimed = atomic_load_explicit(&memory->next, memory_order_relaxed), wanted = claimed + count;
+	if (wanted > UINT32_MAX)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for sorting %u draws", count);
+	*first = (uint32_t)claimed;
+	atomic_store_explicit(&memory->next, (uint32_t)wanted, memory_order_relaxed);
+	if (wanted <= memory->capacity)
+		return STILB_OK;
+	return render->device->functions->grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)wanted);
+}
+
+/* Copies the commands to `first` on in their new order, and finds the runs. */
+static bool sort_place(stilb_render *render, render_pass_lists *lists, const sort_item *items, uint32_t first)
+{
+	render_command *commands = render->memory[RENDER_MEMORY_COMMANDS].data;
+	const uint32_t *materials = render->resources.materials;
+	uint32_t mask = render_material_mask(render->device->materials), count = (uint32_t)lists->draws;
+	render_run *run = NULL;
+	lists->run_count = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const render_command *command = &commands[items[i].command];
+		uint64_t state = render_state(materials[command->material], command->material, mask);
+		commands[first + i] = *command;
+		if (!run || run->state != state) {
+			if (!render_reserve((void **)&lists->runs, &lists->run_capacity, lists->run_count + 1, sizeof *run))
+				return false;
+			run = &lists->runs[lists->run_count++];
+			*run = (render_run){first + i, 0, state};
+		}
+		run->count++;
+	}
+	return true;
+}
+
+stilb_result render_sort(stilb_render *render, render_pass_lists *lists)
+{
+	if (lists->draws == 0)
+		return STILB_OK;
+	uint32_t first = 0;
+	stilb_result result = sort_claim(render, (uint32_t)lists->draws, &first);
+	if (result != STILB_OK)
+		return result;
+	sort_item *items = stilb_memory_alloc(2 * lists->draws, sizeof *items);
+	if (!items)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for sorting %u draws", (uint32_t)lists->draws);
+	sort_gather(render_commands(render), lists, items);
+	const sort_item *sorted = sort_items(items, items + lists->draws, (uint32_t)lists->draws);
+	bool placed = sort_place(render, lists, sorted, first);
+	free(items);
+	return placed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the runs of a sorted pass");
+}
