@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <time.h>
 #if defined(__x86_64__)
 #include <cpuid.h>
@@ -51,13 +52,25 @@ void stilb_log(const char *format, ...)
 	fprintf(stderr, "stilb: %s\n", line); /* one call, so lines of two threads do not mix */
 }
 
+/* With 4 KiB pages, walking over 100 MB costs more in address translation than in memory: recording a million draws on one
+ * thread took 7.4 ms, with huge pages 5.5. */
+#define MEMORY_HUGE_PAGE ((size_t)2 << 20)
+#define MEMORY_HUGE_FROM ((size_t)4 << 20)
+
 void *stilb_memory_alloc(size_t count, size_t size)
 {
 	size_t bytes;
 	if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - STILB_CACHE_LINE)
 		return NULL;
 	bytes = (bytes + STILB_CACHE_LINE - 1) & ~(size_t)(STILB_CACHE_LINE - 1);
-	return aligned_alloc(STILB_CACHE_LINE, bytes ? bytes : STILB_CACHE_LINE);
+	if (bytes < MEMORY_HUGE_FROM)
+		return aligned_alloc(STILB_CACHE_LINE, bytes ? bytes : STILB_CACHE_LINE);
+	if (bytes > SIZE_MAX - MEMORY_HUGE_PAGE)
+		return NULL;
+	void *memory = aligned_alloc(MEMORY_HUGE_PAGE, (bytes + MEMORY_HUGE_PAGE - 1) & ~(MEMORY_HUGE_PAGE - 1));
+	if (memory)
+		madvise(memory, bytes, MADV_HUGEPAGE); /* a hint: all works without */
+	return memory;
 }
 
 uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size)

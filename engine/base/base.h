@@ -60,7 +60,8 @@ void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 #define STILB_CACHE_LINE 128 /* two 64-byte lines: the adjacent-line prefetcher pairs them */
 
-/* count * size bytes, aligned to STILB_CACHE_LINE and not initialised; NULL on overflow or when there is no memory. free() it. */
+/* count * size bytes, aligned to STILB_CACHE_LINE and not initialised, large blocks in huge pages where the system offers
+ * them; NULL on overflow or when there is no memory. free() it. */
 void *stilb_memory_alloc(size_t count, size_t size);
 
 /* ---- hashing --------------------------------------------------------------------------------------------------- */
