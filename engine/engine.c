@@ -3,6 +3,7 @@
 #include "base/base_file.h"
 #include "image/image.h"
 #include "profiler/prof.h"
+#include "render/render_dump.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -193,6 +194,12 @@ stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
 		result = stilb_image_save(&image, path);
 	stilb_image_finish(&image);
 	return result;
+}
+
+stilb_result stilb_engine_dump(stilb_engine *engine, const char *path)
+{
+	return stilb_render_dump_save(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count,
+	                              path);
 }
 
 static int engine_trace_write(void *user, const void *data, size_t size)

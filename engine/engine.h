@@ -80,6 +80,9 @@ uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
 /* The last frame's picture as .png or .exr (image.h). With output LINEAR it is the radiance itself. */
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
 
+/* The last frame's command stream, for `stilb replay`; see render_dump.h. */
+stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
+
 /* Chrome trace JSON of the last frames that are still held, at most last_frames (0: all). */
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames);
 

@@ -7,7 +7,7 @@
  *   scene_update   input, step                 transforms, bounds, camera, moved list  main
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
- *   replay         the lists                   device commands, in number order        main
+ *   replay         the lists                   device commands, in number order        main (jobs: secondary lists)
  *   present        the device's picture        the window, or an image in memory       main
  */
 #include "engine_internal.h"

@@ -22,7 +22,7 @@ typedef struct demo_options {
 	uint32_t workers, size[2];
 	int view, cull, replay, materials, device;
 	bool headless, no_present, animate, validate, help;
-	const char *gpu, *screenshot, *trace, *stats, *fault;
+	const char *gpu, *screenshot, *trace, *stats, *dump, *fault;
 } demo_options;
 
 /* ---- flags --------------------------------------------------------------------------------------------------------- */
@@ -61,6 +61,7 @@ static flags_result demo_parse(demo_options *o, int argc, char **argv)
 	     NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE.json", "a profiler trace of the last frames", 0, 0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
+		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the last frame's commands, for 'stilb replay'", 0, 0, NULL},
 		{"--fault", FLAG_TEXT, &o->fault, "memory:N|lost:N", "fail on purpose: its N-th allocation, or frame N", 0, 0,
 	     NULL},
 	};
@@ -82,13 +83,14 @@ static bool has_extension(const char *path, const char *extension)
 	return dot && strcasecmp(dot, extension) == 0;
 }
 
-#define DEMO_OUTPUTS 3
+#define DEMO_OUTPUTS 4
 
 static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
 {
 	paths[0] = o->screenshot;
 	paths[1] = o->trace;
 	paths[2] = o->stats;
+	paths[3] = o->dump;
 }
 
 /* Where the words go: not among the bytes of a file that is written to stdout. */
@@ -153,6 +155,8 @@ static bool demo_check(const demo_options *o)
 		result = stilb_file_check(o->trace);
 	if (result == STILB_OK && o->stats)
 		result = stilb_file_check(o->stats);
+	if (result == STILB_OK && o->dump)
+		result = stilb_file_check(o->dump);
 	if (result != STILB_OK)
 		stilb_log("%s", stilb_error_message());
 	return result == STILB_OK;
@@ -381,18 +385,20 @@ static bool demo_finish(demo_run *run)
 	bool good = stage_times_summarise(&run->times, summary, &warmup);
 	if (!good)
 		stilb_log("no memory to sort the stage times: they are given as 0");
-	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK;
+	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK;
 	if (o->screenshot)
 		demo_say_result(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);
 	if (o->trace)
 		demo_say_result(run, trace = stilb_engine_trace(run->engine, o->trace, 0), "trace", o->trace);
 	if (o->stats)
 		demo_say_result(run, stats = demo_write_stats(run, summary), "stats", o->stats);
+	if (o->dump)
+		demo_say_result(run, dump = stilb_engine_dump(run->engine, o->dump), "dump", o->dump);
 	demo_print_summary(run, summary, warmup);
 	uint32_t messages = stilb_engine_validation_messages(run->engine);
 	if (messages > 0)
 		stilb_log("the validation layer had %u message%s", messages, messages == 1 ? "" : "s");
-	return good && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK && messages == 0;
+	return good && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK && dump == STILB_OK && messages == 0;
 }
 
 static int demo_main(demo_run *run)

@@ -13,6 +13,7 @@ static const struct command {
 } commands[] = {
 	{"demo", demo_command, "run the stress test: thousands of models, recorded by many threads"},
 	{"bench", bench_command, "measure queues and job systems against other libraries"},
+	{"replay", replay_command, "play a frame that 'stilb demo --dump' wrote, and measure its commands"},
 	{"info", info_command, "show the CPU's features, the GPUs and the libraries"},
 };
 

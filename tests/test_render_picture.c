@@ -385,25 +385,46 @@ static void no_holes_between_tiles(void **state)
 
 /* ---- the same picture ---------------------------------------------------------------------------------------------------- */
 
+/* Every model has two materials of its own, so one by one they change with every draw, and so do the pipelines: spheres
+ * have even materials, tiles odd ones. */
+static void assert_commands(const stilb_render_stats *stats, picture_desc how, uint64_t draws)
+{
+	bool direct = how.replay == STILB_RENDER_REPLAY_DIRECT, secondary = how.replay == STILB_RENDER_REPLAY_SECONDARY;
+	bool index = how.materials == STILB_RENDER_MATERIALS_INDEX;
+	uint64_t buffers = secondary ? how.workers + 1 : 1;
+	assert_int_equal(stats->draws, draws);
+	assert_int_equal(stats->draw_commands, direct || secondary ? draws : 0);
+	assert_int_equal(stats->execute_commands, secondary ? buffers : 0);
+	assert_int_equal(stats->binds_asked, 3 * draws);
+	assert_int_equal(stats->binds_sent, index ? 3 * buffers : 2 * buffers + draws);
+	if (direct || secondary)
+		assert_int_equal(stats->indirect_commands, 0);
+	else if (index)
+		assert_in_range(stats->indirect_commands, 1, 8); /* workers' chunks of commands */
+	else
+		assert_int_equal(stats->indirect_commands, draws);
+}
+
 static void the_same_however_it_was_drawn(void **state)
 {
 	(void)state;
+	const uint32_t models = 900;
 	stilb_scene *scene;
-	assert_int_equal(stilb_scene_create_stress(900, 5, &scene), STILB_OK);
+	assert_int_equal(stilb_scene_create_stress(models, 5, &scene), STILB_OK);
 	reference_camera camera = reference_camera_at((dvec){9, 11, 30}, (dvec){0, 0, 0}, above, 1.5, 160, 90);
-	static const picture_desc ways[] = {
-		{.workers = 0},
-		{.workers = 0},
-		{.workers = 1},
-		{.workers = 3},
-		{.workers = 8},
-		{.workers = 0, .replay = STILB_RENDER_REPLAY_DIRECT},
-		{.workers = 2, .replay = STILB_RENDER_REPLAY_DIRECT},
-	};
-	stilb_image first = picture_make(scene, &camera, ways[0]);
-	for (size_t w = 1; w < sizeof ways / sizeof *ways; w++) {
-		stilb_image other = picture_make(scene, &camera, ways[w]);
+	static const uint32_t workers[] = {0, 1, 3};
+	stilb_image first = picture_make(scene, &camera, (picture_desc){.replay = STILB_RENDER_REPLAY_DIRECT});
+	for (int way = 0; way < 27; way++) {
+		stilb_render_stats stats;
+		picture_desc how = {
+			.replay = (stilb_render_replay_mode)(way % 3),
+			.materials = (stilb_render_materials)(way / 3 % 3),
+			.workers = workers[way / 9],
+			.stats = &stats,
+		};
+		stilb_image other = picture_make(scene, &camera, how);
 		assert_memory_equal(first.pixels, other.pixels, stilb_image_size(&first));
+		assert_commands(&stats, how, 2 * models);
 		stilb_image_finish(&other);
 	}
 	stilb_image_finish(&first);

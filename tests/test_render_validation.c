@@ -59,17 +59,49 @@ static void finish(stilb_engine *engine)
 	stilb_engine_destroy(engine);
 }
 
-static void six_frames_of_every_kind(void **state)
+/* What a program makes beside the scene; the old goes when the new has come. */
+typedef struct extras {
+	stilb_render_mesh mesh;
+	stilb_render_texture texture;
+	stilb_render_material material;
+} extras;
+
+static void extras_renew(stilb_engine *engine, extras *e)
+{
+	stilb_render *render = engine->render;
+	const stilb_scene *scene = stilb_engine_scene(engine);
+	stilb_image image;
+	extras made;
+	assert_int_equal(stilb_image_create(&image, 8, 4, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
+	assert_int_equal(stilb_render_mesh_create(render, &scene->meshes[0], &made.mesh), STILB_OK);
+	assert_int_equal(stilb_render_texture_create(render, &image, &made.texture), STILB_OK);
+	assert_int_equal(stilb_render_material_create(render, &scene->materials[0], made.texture, &made.material), STILB_OK);
+	stilb_image_finish(&image);
+	stilb_render_material_destroy(render, e->material);
+	stilb_render_texture_destroy(render, e->texture);
+	stilb_render_mesh_destroy(render, e->mesh);
+	*e = made;
+}
+
+/* Every replay with every way of materials, twice: the rest varies as well. */
+static void frames_of_every_kind(void **state)
 {
 	(void)state;
-	for (int kind = 0; kind < 16; kind++) {
+	for (int kind = 0; kind < 18; kind++) {
 		stilb_engine_desc desc = validated();
-		desc.present = kind & 1;
-		desc.samples = kind & 2 ? 4 : 1;
-		desc.replay = kind & 4 ? STILB_RENDER_REPLAY_DIRECT : STILB_RENDER_REPLAY_INDIRECT;
-		desc.output = kind & 8 ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
+		extras e = {{0}, {0}, {0}};
+		desc.replay = (stilb_render_replay_mode)(kind % 3);
+		desc.materials = (stilb_render_materials)(kind / 3 % 3);
+		desc.present = kind < 9;
+		desc.samples = kind & 1 ? 4 : 1;
+		desc.output = kind & 2 ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
 		stilb_engine *engine = start(&desc);
-		frames(engine, 6);
+		for (int f = 0; f < 6; f++) {
+			extras_renew(engine, &e);
+			frames(engine, 1);
+			if (f == 3)
+				assert_int_equal(stilb_engine_resize(engine, 90, 50), STILB_OK);
+		}
 		read_twice(engine);
 		frames(engine, 2);
 		finish(engine);
@@ -305,6 +337,8 @@ static void a_message_fails_the_program(void **state)
 	assert_string_equal(words, ""); /* not while it ends either */
 	assert_int_equal(run_demo("", "--validate --replay direct --msaa 4 --animate", words, sizeof words), 0);
 	assert_string_equal(words, "");
+	assert_int_equal(run_demo("", "--validate --replay secondary --materials bind", words, sizeof words), 0);
+	assert_string_equal(words, "");
 	assert_int_equal(run_demo(strict, "--validate", words, sizeof words), 1);
 	assert_non_null(strstr(words, "stilb: validation: "));
 	assert_non_null(strstr(words, "stilb: the validation layer had "));
@@ -366,7 +400,7 @@ int main(int argc, char **argv)
 	}
 	stilb_program = argv[1];
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(six_frames_of_every_kind),
+		cmocka_unit_test(frames_of_every_kind),
 		cmocka_unit_test(other_sizes_between_frames),
 		cmocka_unit_test(rows_and_passes_that_grow),
 		cmocka_unit_test(nothing_to_see),

@@ -12,13 +12,14 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	if (!render)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the renderer");
 	memset(render, 0, sizeof *render);
+	render->output = desc->output;
 	render->memory[RENDER_MEMORY_COMMANDS].element = sizeof(render_command);
 	render->memory[RENDER_MEMORY_COMMANDS].chunk = RENDER_COMMAND_CHUNK;
 	render->memory[RENDER_MEMORY_ROWS].element = sizeof(render_row);
 	render->memory[RENDER_MEMORY_ROWS].chunk = RENDER_ROW_CHUNK;
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
-		result = render_resources_create(&render->resources);
+		result = render_resources_create(&render->resources, desc->keep_textures);
 	if (result == STILB_OK)
 		result = desc->device == STILB_RENDER_DEVICE_NULL ? render_null_create(desc, &render->device)
 		                                                  : render_vulkan_create(desc, &render->device);
@@ -42,6 +43,7 @@ void stilb_render_destroy(stilb_render *render)
 		free(render->passes[p].runs);
 	}
 	render_resources_destroy(&render->resources);
+	free(render->sort_items);
 	free(render);
 }
 
@@ -91,15 +93,19 @@ stilb_result stilb_render_frame_begin(stilb_render *render)
 	uint32_t wanted[RENDER_MEMORY_KINDS];
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 		wanted[kind] = atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed);
+	bool replayed = render->replayed_count > 0; /* else it may have failed for wanting too much */
 	render_contexts_rewind(render);
+	render->state = RENDER_FRAME_NONE;
 	stilb_result result = render->device->functions->frame_begin(render->device, render->memory);
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++)
-		if (wanted[kind] > render->memory[kind].capacity)
+		if (replayed && wanted[kind] > render->memory[kind].capacity)
 			result = render->device->functions->grow(render->device, &render->memory[kind], (render_memory_kind)kind,
-			                                         wanted[kind]);
-	if (result == STILB_OK)
-		render_resources_frame(render);
-	return result;
+			                                         wanted[kind], 0);
+	if (result != STILB_OK)
+		return result;
+	render_resources_frame(render);
+	render->state = RENDER_FRAME_BEGUN;
+	return STILB_OK;
 }
 
 stilb_result stilb_render_present(stilb_render *render)

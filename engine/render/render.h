@@ -76,6 +76,7 @@ typedef struct stilb_render_desc {
 	uint32_t samples;                    /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
 	uint32_t context_count;              /* workers + 1 */
 	bool validate;                       /* Vulkan validation layer with synchronization checks */
+	bool keep_textures;                  /* in memory, too: for stilb_render_dump_save */
 	stilb_render_faults faults;
 } stilb_render_desc;
 
@@ -105,13 +106,14 @@ typedef struct stilb_render_pass {
 /* Of the last replayed frame. */
 typedef struct stilb_render_stats {
 	uint64_t draws;
-	uint64_t recorded_bytes;    /* commands and rows of these draws */
-	uint64_t draw_commands;     /* device commands that draw one thing */
-	uint64_t indirect_commands; /* device commands that draw many: one for each stretch of memory that a worker filled */
-	uint64_t execute_commands;  /* command buffers recorded beside the main one and executed from it */
-	uint64_t binds_asked;       /* pipeline, buffers and material of every draw: three a draw */
-	uint64_t binds_sent;        /* of these, what changed and so went to the device */
-	double gpu_ms;              /* last known time of a frame on the GPU; 0 on the null device */
+	uint64_t recorded_bytes; /* commands and rows of these draws */
+	uint64_t draw_commands;  /* device commands that draw one thing */
+	uint64_t
+		indirect_commands;     /* device commands that draw many: one for each stretch of memory that a worker filled */
+	uint64_t execute_commands; /* command buffers recorded beside the main one and executed from it */
+	uint64_t binds_asked;      /* pipeline, buffers and material of every draw: three a draw */
+	uint64_t binds_sent;       /* of these, what changed and so went to the device */
+	double gpu_ms;             /* last known time of a frame on the GPU; 0 on the null device */
 } stilb_render_stats;
 
 /* STILB_ERROR_DEVICE names what is missing and how to get it; STILB_ERROR_WINDOW: this GPU cannot show anything in this
@@ -130,7 +132,8 @@ uint32_t stilb_render_validation_messages(const stilb_render *render);
 /* ---- meshes, textures, materials ---------------------------------------------------------------------------------
  * Created and destroyed by any thread at any time, also while frames are recorded. Zero is no handle. What the handle
  * stands for is there for every draw recorded after the creation, and stays until the frame in which it was destroyed, and
- * all before, are drawn. Draws read no lock.
+ * all before, are drawn. Draws take no lock. No thread may draw with a
+ * handle while or after another destroys it.
  * STILB_ERROR_ARGUMENT: empty, or an index beyond the vertices. STILB_ERROR_MEMORY: no memory, or no id left. */
 
 typedef struct stilb_render_mesh {
@@ -154,7 +157,8 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 /* Accepts {0}, as the others. [any-thread] */
 void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh);
 
-/* Copies the pixels, of any format and 1..4 channels; 1..16384 a side. Sampled with linear filtering, repeated. [any-thread] */
+/* Copies the pixels, of any format and 1..4 channels; 1..16384 a side. Sampled with linear filtering, repeated.
+ * [any-thread] */
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out);
 /* No material may hold it any longer. [any-thread] */
 void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture texture);
@@ -232,7 +236,8 @@ void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, st
 void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                                 stilb_render_material material, const stilb_mat4 *transform);
 
-/* Ends the recording of a pass. STILB_ERROR_MEMORY when a context ran out of memory on the way. [main-thread] */
+/* Ends the recording of a pass; no context records meanwhile. STILB_ERROR_MEMORY when one ran out of memory on the way.
+ * [main-thread] */
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass);
 
 /* ---- what there is --------------------------------------------------------------------------------------------------- */

@@ -117,6 +117,7 @@ struct stilb_render_context {
 	bool failed;                /* out of memory: pass_end reports it */
 	render_run *runs;           /* [run_count] */
 	render_segment *segment;    /* being recorded, or NULL */
+	uint32_t first_run;         /* of that */
 	render_overflow *overflows; /* [overflow_count] */
 	stilb_render *render;
 };
@@ -163,7 +164,10 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 		return 0;
 	if (from == RENDER_NO_STATE)
 		return RENDER_BIND_PIPELINE | RENDER_BIND_BUFFERS | RENDER_BIND_MATERIAL;
-	uint32_t binds = render_state_texture(from) != render_state_texture(to) ? RENDER_BIND_MATERIAL : 0;
+	uint32_t from_texture = render_state_texture(from), to_texture = render_state_texture(to);
+	uint32_t binds = to_texture && to_texture != from_texture ? RENDER_BIND_MATERIAL : 0;
+	if (!from_texture != !to_texture)
+		binds |= RENDER_BIND_PIPELINE; /* one that reads a texture, or one that does not */
 	if (render_state_material(from) != render_state_material(to))
 		binds |= materials == STILB_RENDER_MATERIALS_PIPELINE ? RENDER_BIND_PIPELINE : RENDER_BIND_MATERIAL;
 	return binds;
@@ -197,8 +201,9 @@ typedef struct render_device_functions {
 	stilb_result (*resize)(render_device *device, uint32_t width, uint32_t height);
 	/* Waits until the frame's memory is free, and points memory[RENDER_MEMORY_KINDS] at it. */
 	stilb_result (*frame_begin)(render_device *device, render_memory *memory);
-	/* Gives memory[kind] at least this capacity, keeping what has been written. */
-	stilb_result (*grow)(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity);
+	/* Gives memory, which is of this kind, at least this capacity, and keeps its first elements. */
+	stilb_result (*grow)(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity,
+	                     uint32_t keep);
 	/* A texture for such a picture; what is in it comes with update. [any-thread] */
 	stilb_result (*texture_create)(render_device *device, uint32_t texture, const stilb_image *image);
 	/* No frame uses it any longer. */
@@ -241,8 +246,16 @@ void render_split(const render_stream *stream, uint32_t count, render_part *part
 
 /* ---- the module itself --------------------------------------------------------------------------------------------------- */
 
+/* Passes are recorded between the frame's begin and its replay. */
+typedef enum render_frame_state {
+	RENDER_FRAME_NONE,
+	RENDER_FRAME_BEGUN,
+	RENDER_FRAME_REPLAYED,
+} render_frame_state;
+
 struct stilb_render {
 	render_device *device;
+	stilb_render_output output;
 	stilb_render_context *contexts;
 	uint32_t context_count;
 	render_resources resources;
@@ -251,6 +264,9 @@ struct stilb_render {
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
+	render_frame_state state;
+	void *sort_items; /* [sort_capacity] scratch of render_sort */
+	uint32_t sort_capacity;
 };
 
 /* Forgets the frame's passes. */
@@ -263,6 +279,9 @@ void render_contexts_destroy(stilb_render *render);
 
 /* Moves overflow chunks into the device's memory, grown to hold all. */
 stilb_result render_memory_place(stilb_render *render);
+
+/* Brings a closed pass's runs into the order of the replay. */
+stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists);
 
 /* Replaces a pass's runs by ones whose draws go by ascending key, equal keys as they were. */
 stilb_result render_sort(stilb_render *render, render_pass_lists *lists);

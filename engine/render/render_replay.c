@@ -16,8 +16,8 @@ static stilb_result replay_order(render_pass_lists *lists)
 	render_run *last = NULL;
 	for (uint32_t s = 0; s < lists->segment_count; s++) {
 		const render_segment *segment = &lists->segments[s];
-		const render_run *run = segment->context->runs + segment->first_run;
-		for (uint32_t r = 0; r < segment->run_count; r++, run++) {
+		for (uint32_t r = 0; r < segment->run_count; r++) {
+			const render_run *run = &segment->context->runs[segment->first_run + r];
 			lists->draws += run->count;
 			if (last && last->first + last->count == run->first && last->state == run->state) {
 				last->count += run->count;
@@ -43,16 +43,16 @@ static const stilb_render_pass *replay_next_pass(const stilb_render_pass *passes
 	return next;
 }
 
-/* One pass: its order, and then the device. */
-static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists,
-                                render_stream *stream)
+stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists)
 {
 	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED);
 	stilb_result result = replay_order(lists);
-	if (result == STILB_OK && pass->sort)
-		result = render_sort(render, lists);
-	if (result != STILB_OK)
-		return result;
+	return result == STILB_OK && pass->sort ? render_sort(render, lists) : result;
+}
+
+static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists,
+                                render_stream *stream)
+{
 	stream->pass = pass;
 	stream->commands = render_commands(render);
 	stream->runs = lists->runs;
@@ -66,24 +66,40 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	return render->device->functions->pass(render->device, stream);
 }
 
+/* Puts every pass in order, and finds in which the passes follow each other. All before the device gets the first one:
+ * sorting may grow the memory in which the commands lie. */
+static stilb_result replay_order_passes(stilb_render *render, const stilb_render_pass *passes, uint32_t count)
+{
+	const stilb_render_pass *pass = NULL;
+	stilb_result result = STILB_OK;
+	while (result == STILB_OK && (pass = replay_next_pass(passes, count, pass))) {
+		uint32_t index = (uint32_t)(pass - passes);
+		result = render_order(render, pass, &render->passes[index]);
+		if (result == STILB_OK)
+			render->replayed[render->replayed_count++] = index;
+	}
+	return result;
+}
+
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                  const stilb_render_view *views, uint32_t view_count, stilb_job_pool *pool,
                                  uint32_t worker)
 {
 	(void)view_count;
-	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->replayed_count == 0);
+	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->state == RENDER_FRAME_BEGUN);
 	render_device *device = render->device;
 	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms};
-	stilb_result result = render_resources_update(render);
+	render->state = RENDER_FRAME_REPLAYED;
+	stilb_result result = render_memory_place(render);
 	if (result == STILB_OK)
-		result = render_memory_place(render);
-	const stilb_render_pass *pass = NULL;
-	while (result == STILB_OK && (pass = replay_next_pass(passes, pass_count, pass))) {
-		uint32_t index = (uint32_t)(pass - passes);
+		result = replay_order_passes(render, passes, pass_count);
+	if (result == STILB_OK)
+		result = render_resources_update(render);
+	for (uint32_t p = 0; p < render->replayed_count && result == STILB_OK; p++) {
+		const stilb_render_pass *pass = &passes[render->replayed[p]];
 		STILB_ASSERT(pass->view < view_count);
 		render_stream stream = {.view = &views[pass->view], .pool = pool, .worker = worker};
-		result = replay_pass(render, pass, &render->passes[index], &stream);
-		render->replayed[render->replayed_count++] = index;
+		result = replay_pass(render, pass, &render->passes[render->replayed[p]], &stream);
 	}
 	if (result == STILB_OK) {
 		device->frames++;
@@ -143,11 +159,13 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 	uint64_t hash = STILB_FNV1A64_START;
 	for (uint32_t i = 0; i < render->replayed_count; i++) {
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
-		for (const render_run *run = lists->runs; run < lists->runs + lists->run_count; run++)
+		for (uint32_t r = 0; r < lists->run_count; r++) {
+			const render_run *run = &lists->runs[r];
 			for (uint32_t c = run->first; c < run->first + run->count; c++) {
 				const render_command *command = &render_commands(render)[c];
 				hash = hash_draw(hash, command, &render_rows(render)[command->row]);
 			}
+		}
 	}
 	return hash;
 }

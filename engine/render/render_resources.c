@@ -101,9 +101,10 @@ static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 /* ---- indices and generations --------------------------------------------------------------------------------------- */
 
 /* fresh: one behind all that were ever used, so that a scene's follow one another. */
-static bool index_take(render_indices *indices, bool fresh, uint32_t live, uint32_t *index)
+static bool index_take(render_indices *indices, bool fresh, uint32_t *index)
 {
-	if (!render_reserve((void **)&indices->free, &indices->free_capacity, live + 1, sizeof *indices->free))
+	/* Giving back must not fail, and at most all that were ever used are given back. */
+	if (!render_reserve((void **)&indices->free, &indices->free_capacity, indices->next + 1, sizeof *indices->free))
 		return false;
 	if (!fresh && indices->free_count > 0)
 		*index = indices->free[--indices->free_count];
@@ -137,11 +138,15 @@ static bool resource_reserve(render_resources *resources)
 	                      sizeof *resources->retired);
 }
 
+/* With the lock. */
 static stilb_result resource_no_memory(const render_resources *resources, render_resource_kind kind)
 {
-	static const char *const names[] = {"meshes", "textures", "materials"};
-	return stilb_fail(STILB_ERROR_MEMORY, "no memory for more %s, or more than %u of them", names[kind],
-	                  resources->indices[kind].most);
+	static const char *const names[] = {"mesh", "texture", "material"};
+	const render_indices *indices = &resources->indices[kind];
+	if (indices->next == indices->most && indices->free_count == 0)
+		return stilb_fail(STILB_ERROR_MEMORY, "no id for another %s: there cannot be more than %u at once", names[kind],
+		                  indices->most);
+	return stilb_fail(STILB_ERROR_MEMORY, "no memory for another %s", names[kind]);
 }
 
 /* ---- creation ------------------------------------------------------------------------------------------------------ */
@@ -157,7 +162,7 @@ static void *table_reserve(size_t size)
 #define TABLE_MATERIALS (STILB_RENDER_MAX_MATERIALS * sizeof(uint32_t))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 
-stilb_result render_resources_create(render_resources *resources)
+stilb_result render_resources_create(render_resources *resources, bool keep_pictures)
 {
 	*resources = (render_resources){
 		.meshes = table_reserve(TABLE_MESHES),
@@ -171,7 +176,10 @@ stilb_result render_resources_create(render_resources *resources)
 	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)}},
 	};
 	resources->lock_made = pthread_mutex_init(&resources->lock, NULL) == 0;
-	if (!resources->meshes || !resources->materials || !resources->textures || !resources->lock_made)
+	if (keep_pictures)
+		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
+	if (!resources->meshes || !resources->materials || !resources->textures || !resources->lock_made ||
+	    (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }
@@ -197,6 +205,9 @@ void render_resources_destroy(render_resources *resources)
 	for (uint32_t u = 0; u < resources->upload_count; u++)
 		stilb_image_finish(&resources->uploads[u].image);
 	free(resources->uploads);
+	for (uint32_t t = 0; resources->pictures && t < STILB_RENDER_MAX_TEXTURES; t++)
+		stilb_image_finish(&resources->pictures[t]);
+	free(resources->pictures);
 	free(resources->retired);
 	if (resources->lock_made)
 		pthread_mutex_destroy(&resources->lock);
@@ -223,7 +234,7 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 	render_heap *vertices = &resources->heaps[RENDER_HEAP_VERTICES], *indices = &resources->heaps[RENDER_HEAP_INDICES];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
 	uint32_t live = resources->live, index, first_vertex, first_index;
-	if (!resource_reserve(resources) || !index_take(ids, fresh, live, &index))
+	if (!resource_reserve(resources) || !index_take(ids, fresh, &index))
 		return false;
 	if (!heap_add(vertices, mesh->vertices, mesh->vertex_count, live, &first_vertex)) {
 		index_give_back(ids, index);
@@ -238,6 +249,7 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 	*slot = (render_mesh_slot){
 		.first_index = first_index,
 		.index_count = mesh->index_count,
+		.instance_count = 1,
 		.vertex_offset = (int32_t)first_vertex,
 		.vertex_count = mesh->vertex_count,
 		.generation = slot->generation ? slot->generation : 1,
@@ -255,9 +267,10 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	if (result != STILB_OK)
 		return result;
 	pthread_mutex_lock(&resources->lock);
-	bool added = mesh_add(resources, mesh, false, &out->id);
+	if (!mesh_add(resources, mesh, false, &out->id))
+		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
 	pthread_mutex_unlock(&resources->lock);
-	return added ? STILB_OK : resource_no_memory(resources, RENDER_RESOURCE_MESH);
+	return result;
 }
 
 /* ---- textures ------------------------------------------------------------------------------------------------------ */
@@ -291,7 +304,7 @@ static bool texture_add(render_resources *resources, stilb_image image, uint32_t
 	if (!resource_reserve(resources) ||
 	    !render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                    sizeof *resources->uploads) ||
-	    !index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], false, resources->live, index))
+	    !index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], false, index))
 		return false;
 	resources->live++;
 	uint32_t *generation = &resources->textures[*index];
@@ -313,6 +326,9 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 	stilb_image converted;
 	uint32_t index;
 	*out = (stilb_render_texture){0};
+	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format > STILB_IMAGE_F32_LINEAR)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %u channels in format %u: there are 1..4 and 0..2",
+		                  image->channels, (unsigned)image->format);
 	if (image->width < 1 || image->width > 16384 || image->height < 1 || image->height > 16384)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %ux%u pixels: a side has 1..16384", image->width,
 		                  image->height);
@@ -352,7 +368,7 @@ static bool material_add(render_resources *resources, const stilb_scene_material
 	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MATERIAL];
 	uint32_t index;
-	if (!resource_reserve(resources) || !index_take(ids, fresh, resources->live, &index))
+	if (!resource_reserve(resources) || !index_take(ids, fresh, &index))
 		return false;
 	if (!heap_extend(heap, (uint64_t)index + 1) || !render_ranges_add(&heap->dirty, (render_range){index, 1})) {
 		index_give_back(ids, index);
@@ -375,48 +391,11 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 	*out = (stilb_render_material){0};
 	pthread_mutex_lock(&resources->lock);
 	STILB_ASSERT(texture.id == 0 || resources->textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
-	bool added = material_add(resources, material, index, false, &out->id);
-	pthread_mutex_unlock(&resources->lock);
-	return added ? STILB_OK : resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
-}
-
-/* ---- scenes -------------------------------------------------------------------------------------------------------- */
-
-stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene)
-{
-	render_resources *resources = &render->resources;
-	STILB_ASSERT(!render->scene_meshes);
 	stilb_result result = STILB_OK;
-	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
-		result = mesh_check(&scene->meshes[i]);
-	if (result != STILB_OK)
-		return result;
-	uint32_t handle;
-	pthread_mutex_lock(&resources->lock);
-	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
-		if (!mesh_add(resources, &scene->meshes[i], true, &handle))
-			result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
-		else if (i == 0)
-			render->scene_meshes = handle;
-	}
-	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++) {
-		if (!material_add(resources, &scene->materials[i], 0, true, &handle))
-			result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
-		else if (i == 0)
-			render->scene_materials = handle;
-	}
+	if (!material_add(resources, material, index, false, &out->id))
+		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	pthread_mutex_unlock(&resources->lock);
 	return result;
-}
-
-stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id)
-{
-	return (stilb_render_mesh){render->scene_meshes + id};
-}
-
-stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id)
-{
-	return (stilb_render_material){render->scene_materials + id};
 }
 
 /* ---- the end ------------------------------------------------------------------------------------------------------- */
@@ -427,18 +406,29 @@ static void resource_retire(render_resources *resources, render_resource_kind ki
 	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
 }
 
-void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh)
+static void mesh_retire(render_resources *resources, uint32_t handle)
 {
-	render_resources *resources = &render->resources;
-	uint32_t index = mesh.id & RENDER_INDEX_MASK;
-	if (mesh.id == 0)
-		return;
-	pthread_mutex_lock(&resources->lock);
-	uint32_t *generation = &resources->meshes[index].generation;
-	STILB_ASSERT(*generation == mesh.id >> RENDER_GENERATION_SHIFT);
+	uint32_t index = handle & RENDER_INDEX_MASK, *generation = &resources->meshes[index].generation;
+	STILB_ASSERT(*generation == handle >> RENDER_GENERATION_SHIFT);
 	*generation = generation_after(*generation);
 	resource_retire(resources, RENDER_RESOURCE_MESH, index);
-	pthread_mutex_unlock(&resources->lock);
+}
+
+static void material_retire(render_resources *resources, uint32_t handle)
+{
+	uint32_t index = handle & RENDER_INDEX_MASK, *entry = &resources->materials[index];
+	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == handle >> RENDER_GENERATION_SHIFT);
+	*entry = handle_make(generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
+	resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
+}
+
+void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh)
+{
+	if (mesh.id == 0)
+		return;
+	pthread_mutex_lock(&render->resources.lock);
+	mesh_retire(&render->resources, mesh.id);
+	pthread_mutex_unlock(&render->resources.lock);
 }
 
 void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture texture)
@@ -456,16 +446,75 @@ void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture tex
 
 void stilb_render_material_destroy(stilb_render *render, stilb_render_material material)
 {
-	render_resources *resources = &render->resources;
-	uint32_t index = material.id & RENDER_INDEX_MASK;
 	if (material.id == 0)
 		return;
+	pthread_mutex_lock(&render->resources.lock);
+	material_retire(&render->resources, material.id);
+	pthread_mutex_unlock(&render->resources.lock);
+}
+
+/* ---- scenes -------------------------------------------------------------------------------------------------------- */
+
+/* Takes back what there is of a scene that could not be uploaded whole. With the lock. */
+static void scene_retire(stilb_render *render, uint32_t meshes, uint32_t materials)
+{
+	for (uint32_t i = 0; i < meshes; i++)
+		mesh_retire(&render->resources, render->scene_meshes + i);
+	for (uint32_t i = 0; i < materials; i++)
+		material_retire(&render->resources, render->scene_materials + i);
+	render->scene_meshes = render->scene_materials = 0;
+}
+
+stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene)
+{
+	render_resources *resources = &render->resources;
+	STILB_ASSERT(!render->scene_meshes);
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
+		result = mesh_check(&scene->meshes[i]);
+	if (result != STILB_OK)
+		return result;
+	uint32_t handle, meshes = 0, materials = 0;
 	pthread_mutex_lock(&resources->lock);
-	uint32_t *entry = &resources->materials[index];
-	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
-	*entry = handle_make(generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
-	resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
+	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
+		if (!mesh_add(resources, &scene->meshes[i], true, &handle))
+			result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
+		else if (meshes++ == 0)
+			render->scene_meshes = handle;
+	}
+	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++) {
+		if (!material_add(resources, &scene->materials[i], 0, true, &handle))
+			result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
+		else if (materials++ == 0)
+			render->scene_materials = handle;
+	}
+	if (result != STILB_OK)
+		scene_retire(render, meshes, materials);
 	pthread_mutex_unlock(&resources->lock);
+	return result;
+}
+
+stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id)
+{
+	return (stilb_render_mesh){render->scene_meshes + id};
+}
+
+stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id)
+{
+	return (stilb_render_material){render->scene_materials + id};
+}
+
+/* A texture may go before a frame has brought its pixels over. */
+static void upload_forget(render_resources *resources, uint32_t texture)
+{
+	uint32_t kept = 0;
+	for (uint32_t u = 0; u < resources->upload_count; u++) {
+		if (resources->uploads[u].texture == texture)
+			stilb_image_finish(&resources->uploads[u].image);
+		else
+			resources->uploads[kept++] = resources->uploads[u];
+	}
+	resources->upload_count = kept;
 }
 
 static void resource_release(stilb_render *render, render_retired retired)
@@ -476,7 +525,10 @@ static void resource_release(stilb_render *render, render_retired retired)
 		heap_give_back(&resources->heaps[RENDER_HEAP_VERTICES], (uint32_t)mesh->vertex_offset, mesh->vertex_count);
 		heap_give_back(&resources->heaps[RENDER_HEAP_INDICES], mesh->first_index, mesh->index_count);
 	} else if (retired.kind == RENDER_RESOURCE_TEXTURE) {
+		upload_forget(resources, retired.index);
 		render->device->functions->texture_destroy(render->device, retired.index);
+		if (resources->pictures)
+			stilb_image_finish(&resources->pictures[retired.index]);
 	}
 	index_give_back(&resources->indices[retired.kind], retired.index);
 	resources->live--;
@@ -512,8 +564,13 @@ stilb_result render_resources_update(stilb_render *render)
 
 static void uploads_drop(render_resources *resources, uint32_t count)
 {
-	for (uint32_t u = 0; u < count; u++)
-		stilb_image_finish(&resources->uploads[u].image);
+	for (uint32_t u = 0; u < count; u++) {
+		const render_texture_upload *upload = &resources->uploads[u];
+		if (resources->pictures)
+			resources->pictures[upload->texture] = upload->image;
+		else
+			stilb_image_finish(&resources->uploads[u].image);
+	}
 	resources->upload_count -= count;
 	if (resources->upload_count > 0)
 		memmove(resources->uploads, resources->uploads + count, resources->upload_count * sizeof *resources->uploads);

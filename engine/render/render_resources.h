@@ -17,9 +17,11 @@
 #define RENDER_INDEX_MASK 0xffffffu
 #define RENDER_GENERATION_SHIFT 24u
 
-/* A mesh's place in the vertex and index heaps. */
+/* A mesh's place in the vertex and index heaps. The first 16 bytes are those of its draws' commands. */
 typedef struct render_mesh_slot {
-	uint32_t first_index, index_count;
+	_Alignas(32) uint32_t index_count;
+	uint32_t instance_count; /* 1 */
+	uint32_t first_index;
 	int32_t vertex_offset;
 	uint32_t vertex_count;
 	uint32_t generation; /* of the handles that name it */
@@ -67,7 +69,7 @@ typedef enum render_resource_kind {
 /* The indices of one kind of resource. */
 typedef struct render_indices {
 	uint32_t next, most; /* never used yet; how many there can be */
-	uint32_t *free;      /* a stack with room for all that live, so that releasing cannot fail */
+	uint32_t *free;      /* a stack with room for all below next, so that releasing cannot fail */
 	uint32_t free_count, free_capacity;
 } render_indices;
 
@@ -96,13 +98,14 @@ typedef struct render_resources {
 	render_texture_upload *uploads;
 	uint32_t upload_count, upload_capacity;
 	uint32_t uploads_sent;   /* the first ones, with the frame that is being replayed */
+	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] what was sent; NULL: not kept */
 	render_retired *retired; /* room for all that live */
 	uint32_t retired_count, retired_capacity;
 	uint32_t live;  /* not yet released */
 	uint64_t frame; /* frames begun */
 } render_resources;
 
-stilb_result render_resources_create(render_resources *resources);
+stilb_result render_resources_create(render_resources *resources, bool keep_pictures);
 /* Accepts {0}. */
 void render_resources_destroy(render_resources *resources);
 

@@ -8,7 +8,7 @@
 typedef struct sort_item {
 	uint64_t key;
 	uint32_t command; /* of the frame */
-	uint32_t unused;
+	uint32_t texture; /* of its material when it was recorded: that may be gone by now */
 } sort_item;
 
 /* Sorts count items by ascending key; scratch holds as many. Returns where the result is: items or scratch. */
@@ -41,7 +41,7 @@ static void sort_gather(const render_command *commands, const render_pass_lists 
 {
 	for (const render_run *run = lists->runs; run < lists->runs + lists->run_count; run++)
 		for (uint32_t c = run->first; c < run->first + run->count; c++)
-			*items++ = (sort_item){commands[c].key, c, 0};
+			*items++ = (sort_item){commands[c].key, c, render_state_texture(run->state)};
 }
 
 /* Room for count commands behind those of the frame; their first's index. */
@@ -56,20 +56,20 @@ static stilb_result sort_claim(stilb_render *render, uint32_t count, uint32_t *f
 	atomic_store_explicit(&memory->next, (uint32_t)wanted, memory_order_relaxed);
 	if (wanted <= memory->capacity)
 		return STILB_OK;
-	return render->device->functions->grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)wanted);
+	return render->device->functions->grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)wanted,
+	                                       (uint32_t)claimed);
 }
 
 /* Copies the commands to `first` on in their new order, and finds the runs. */
 static bool sort_place(stilb_render *render, render_pass_lists *lists, const sort_item *items, uint32_t first)
 {
 	render_command *commands = render->memory[RENDER_MEMORY_COMMANDS].data;
-	const uint32_t *materials = render->resources.materials;
 	uint32_t mask = render_material_mask(render->device->materials), count = (uint32_t)lists->draws;
 	render_run *run = NULL;
 	lists->run_count = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		const render_command *command = &commands[items[i].command];
-		uint64_t state = render_state(materials[command->material], command->material, mask);
+		uint64_t state = render_state(items[i].texture, command->material, mask);
 		commands[first + i] = *command;
 		if (!run || run->state != state) {
 			if (!render_reserve((void **)&lists->runs, &lists->run_capacity, lists->run_count + 1, sizeof *run))
@@ -90,12 +90,13 @@ stilb_result render_sort(stilb_render *render, render_pass_lists *lists)
 	stilb_result result = sort_claim(render, (uint32_t)lists->draws, &first);
 	if (result != STILB_OK)
 		return result;
-	sort_item *items = stilb_memory_alloc(2 * lists->draws, sizeof *items);
-	if (!items)
+	if (lists->draws > UINT32_MAX / 2 ||
+	    !render_reserve(&render->sort_items, &render->sort_capacity, (uint32_t)lists->draws * 2, sizeof(sort_item)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for sorting %u draws", (uint32_t)lists->draws);
+	sort_item *items = render->sort_items;
 	sort_gather(render_commands(render), lists, items);
 	const sort_item *sorted = sort_items(items, items + lists->draws, (uint32_t)lists->draws);
-	bool placed = sort_place(render, lists, sorted, first);
-	free(items);
-	return placed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the runs of a sorted pass");
+	return sort_place(render, lists, sorted, first)
+	           ? STILB_OK
+	           : stilb_fail(STILB_ERROR_MEMORY, "no memory for the runs of a sorted pass");
 }

@@ -14,10 +14,11 @@
 #include "base/base.h"
 #include "base/base_math.h"
 
-/* Position and unit normal in model space. */
+/* Position and unit normal in model space; uv in widths and heights of a texture, (0, 0) its top left. */
 typedef struct stilb_scene_vertex {
 	float position[3];
 	float normal[3];
+	float uv[2];
 } stilb_scene_vertex;
 
 /* Triangles, counter-clockwise seen from the front. */
@@ -116,10 +117,12 @@ void stilb_scene_destroy(stilb_scene *scene);
  * specular <= 1 (shade_limit_to_one). shininess is clamped to [1, 8192]. */
 stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float shininess);
 
-/* Unit sphere from an icosahedron split `splits` times (0..6), 20 * 4^splits triangles, vertices on the sphere. */
+/* Unit sphere from an icosahedron split `splits` times (0..6), 20 * 4^splits triangles, vertices on the sphere. u is the
+ * longitude, 0 at -Z and growing eastward to 1 there again; v the latitude, 0 at the top, +Y, and 1 at the bottom. Vertices
+ * are shared, so triangles across -Z and at the poles show a texture squeezed. */
 stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh);
 
-/* The square x, z in [-1, 1] at y = 0, facing +Y, two triangles. */
+/* The square x, z in [-1, 1] at y = 0, facing +Y, two triangles. u grows with x, v with z, each from 0 to 1. */
 stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh);
 
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);

@@ -30,8 +30,11 @@ stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh)
 	stilb_result result = mesh_alloc(mesh, 4, 6);
 	if (result != STILB_OK)
 		return result;
-	for (int i = 0; i < 4; i++)
-		mesh->vertices[i] = (stilb_scene_vertex){{corners[i][0], 0.0f, corners[i][1]}, {0.0f, 1.0f, 0.0f}};
+	for (int i = 0; i < 4; i++) {
+		float x = corners[i][0], z = corners[i][1];
+		mesh->vertices[i] =
+			(stilb_scene_vertex){{x, 0.0f, z}, {0.0f, 1.0f, 0.0f}, {0.5f * x + 0.5f, 0.5f * z + 0.5f}};
+	}
 	for (int i = 0; i < 6; i++)
 		mesh->indices[i] = indices[i];
 	return STILB_OK;
@@ -49,7 +52,9 @@ typedef struct mesh_edges {
 static void mesh_add_vertex(stilb_scene_mesh *mesh, stilb_vec3 p)
 {
 	p = stilb_vec3_normalize(p);
-	mesh->vertices[mesh->vertex_count++] = (stilb_scene_vertex){{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
+	float u = 0.5f + atan2f(p[0], p[2]) * 0.15915494309189535f; /* 1 / (2 pi) */
+	float v = acosf(p[1] < -1.0f ? -1.0f : p[1] > 1.0f ? 1.0f : p[1]) * 0.31830988618379067f;
+	mesh->vertices[mesh->vertex_count++] = (stilb_scene_vertex){{p[0], p[1], p[2]}, {p[0], p[1], p[2]}, {u, v}};
 }
 
 static uint32_t mesh_edge_middle(stilb_scene_mesh *mesh, mesh_edges *edges, uint32_t a, uint32_t b)

@@ -202,9 +202,11 @@ static inline void reference_set3(float out[3], float x, float y, float z)
 
 typedef struct picture_desc {
 	stilb_render_replay_mode replay;
+	stilb_render_materials materials;
 	stilb_render_output output;
 	uint32_t samples; /* 0 counts as 1 */
 	uint32_t workers;
+	stilb_render_stats *stats; /* gets the frame's, or NULL */
 } picture_desc;
 
 /* Every model of scene as the camera sees it, drawn by a device of its own. */
@@ -212,6 +214,7 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 {
 	const stilb_render_desc desc = {
 		.replay = how.replay,
+		.materials = how.materials,
 		.output = how.output,
 		.width = camera->width,
 		.height = camera->height,
@@ -237,6 +240,8 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 	assert_int_equal(stilb_render_record(render, 0, scene, ids, scene->model_count, pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_replay(render, &pass, 1, &view, 1, pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_read_image(render, &image), STILB_OK);
+	if (how.stats)
+		*how.stats = stilb_render_stats_get(render);
 	stilb_render_destroy(render);
 	stilb_job_pool_destroy(pool);
 	free(ids);

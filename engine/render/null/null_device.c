@@ -71,15 +71,16 @@ static void *null_alloc(render_device *base, uint64_t count, size_t size)
 
 /* ---- memory -------------------------------------------------------------------------------------------------------- */
 
-static stilb_result null_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity)
+static stilb_result null_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity,
+                              uint32_t keep)
 {
 	null_device *device = (null_device *)base;
 	null_frame *frame = &device->frames[device->frame];
 	void *grown = null_alloc(base, capacity, memory->element);
 	if (!grown)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u draws; try fewer models", capacity);
-	if (frame->memory[kind])
-		memcpy(grown, frame->memory[kind], (size_t)frame->capacity[kind] * memory->element);
+	if (keep > 0)
+		memcpy(grown, frame->memory[kind], (size_t)keep * memory->element);
 	free(frame->memory[kind]);
 	frame->memory[kind] = memory->data = grown;
 	frame->capacity[kind] = memory->capacity = capacity;
@@ -96,7 +97,7 @@ static stilb_result null_frame_begin(render_device *base, render_memory *memory)
 		memory[kind].data = frame->memory[kind];
 		memory[kind].capacity = frame->capacity[kind];
 		if (!frame->memory[kind])
-			result = null_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY);
+			result = null_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY, 0);
 	}
 	return result;
 }

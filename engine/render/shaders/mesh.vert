@@ -9,6 +9,11 @@ layout(location = 0) out vec3 world_position;
 layout(location = 1) out vec3 world_normal;
 layout(location = 2) flat out uint material;
 
+#ifdef MESH_TEXTURE
+layout(location = 2) in vec2 uv;
+layout(location = 3) out vec2 surface_uv;
+#endif
+
 void main()
 {
 	// gl_InstanceIndex starts at the draw's firstInstance: its row.
@@ -21,5 +26,8 @@ void main()
 	world_normal = vec3(dot(cross(y, z), normal), dot(cross(z, x), normal), dot(cross(x, y), normal));
 
 	material = row.material;
+#ifdef MESH_TEXTURE
+	surface_uv = uv;
+#endif
 	gl_Position = push.view.view_projection * vec4(world_position, 1.0);
 }

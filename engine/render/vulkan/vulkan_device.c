@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+const VkAllocationCallbacks *vulkan_host_allocator;
+
 /* The first queue family that draws, and shows when there is a window; UINT32_MAX when none does. */
 static uint32_t device_queue_family(const vulkan_device *device, uint32_t *timestamp_bits)
 {
@@ -54,7 +56,7 @@ static VkResult device_make(vulkan_device *device)
 		.ppEnabledExtensionNames = &swapchain,
 		.pEnabledFeatures = &features,
 	};
-	return vkCreateDevice(device->gpu, &info, NULL, &device->device);
+	return vkCreateDevice(device->gpu, &info, device->allocator, &device->device);
 }
 
 static stilb_result device_create(vulkan_device *device)
@@ -66,7 +68,7 @@ static stilb_result device_create(vulkan_device *device)
 		                  device->base.name);
 	VkResult result = device_make(device);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "open the GPU");
+		return vulkan_fail(device, result, "open the GPU");
 	vkGetDeviceQueue(device->device, device->queue_family, 0, &device->queue);
 	if (timestamp_bits > 0 && device->properties.limits.timestampPeriod > 0.0f)
 		device->timestamp_mask = UINT64_MAX >> (64 - timestamp_bits);
@@ -88,15 +90,17 @@ static void vulkan_destroy(render_device *base)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	if (device->device) {
-		vkDeviceWaitIdle(device->device);
+		/* There may be no memory even for waiting. */
+		if (vkDeviceWaitIdle(device->device) != VK_SUCCESS && device->timeline)
+			vulkan_timeline_wait(device, device->timeline_value);
 		vulkan_swapchain_destroy(device);
 		vulkan_frames_destroy(device);
 		vulkan_targets_destroy(device);
 		for (int heap = 0; heap < RENDER_HEAPS; heap++)
 			vulkan_buffer_destroy(device, &device->heaps[heap]);
-		vkDestroyPipeline(device->device, device->pipeline, NULL);
-		vkDestroyPipelineLayout(device->device, device->pipeline_layout, NULL);
-		vkDestroyDevice(device->device, NULL);
+		vulkan_pipeline_destroy(device);
+		vulkan_textures_destroy(device);
+		vkDestroyDevice(device->device, device->allocator);
 	}
 	vulkan_instance_destroy(device);
 	free(device);
@@ -107,7 +111,7 @@ static stilb_result vulkan_resize(render_device *base, uint32_t width, uint32_t 
 	vulkan_device *device = (vulkan_device *)base;
 	VkResult result = vkDeviceWaitIdle(device->device);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "wait for the GPU");
+		return vulkan_fail(device, result, "wait for the GPU");
 	vulkan_targets_destroy(device);
 	for (int i = 0; i < VULKAN_SLOTS; i++) {
 		vulkan_buffer_destroy(device, &device->slots[i].picture);
@@ -134,6 +138,8 @@ static stilb_result device_start(vulkan_device *device, const stilb_render_desc 
 		result = device_choose_samples(device, desc->samples);
 	if (result == STILB_OK)
 		result = vulkan_targets_create(device);
+	if (result == STILB_OK)
+		result = vulkan_textures_create(device);
 	if (result == STILB_OK)
 		result = vulkan_pipeline_create(device);
 	if (result == STILB_OK)
@@ -168,6 +174,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 	device->base.replay = desc->replay;
 	device->base.materials = desc->materials;
 	device->base.faults = desc->faults;
+	device->allocator = vulkan_host_allocator;
 	device->output = desc->output;
 	device->color_format =
 		desc->output == STILB_RENDER_OUTPUT_LINEAR ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_SRGB;

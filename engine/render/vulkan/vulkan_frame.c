@@ -3,6 +3,7 @@
 
 #include "profiler/prof.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* ---- slots --------------------------------------------------------------------------------------------------------- */
@@ -14,7 +15,7 @@ static VkResult slot_create(vulkan_device *device, vulkan_slot *slot)
 		.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
 		.queueFamilyIndex = device->queue_family,
 	};
-	VkResult result = vkCreateCommandPool(device->device, &pool, NULL, &slot->pool);
+	VkResult result = vkCreateCommandPool(device->device, &pool, device->allocator, &slot->pool);
 	if (result != VK_SUCCESS)
 		return result;
 	const VkCommandBufferAllocateInfo buffers = {
@@ -27,7 +28,7 @@ static VkResult slot_create(vulkan_device *device, vulkan_slot *slot)
 	if (result == VK_SUCCESS)
 		result = vkAllocateCommandBuffers(device->device, &buffers, &slot->show);
 	const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-	return result == VK_SUCCESS ? vkCreateSemaphore(device->device, &semaphore, NULL, &slot->acquired) : result;
+	return result == VK_SUCCESS ? vkCreateSemaphore(device->device, &semaphore, device->allocator, &slot->acquired) : result;
 }
 
 static VkResult frames_make(vulkan_device *device)
@@ -37,24 +38,24 @@ static VkResult frames_make(vulkan_device *device)
 		.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE,
 	};
 	const VkSemaphoreCreateInfo timeline = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
-	VkResult result = vkCreateSemaphore(device->device, &timeline, NULL, &device->timeline);
+	VkResult result = vkCreateSemaphore(device->device, &timeline, device->allocator, &device->timeline);
 	const VkQueryPoolCreateInfo queries = {
 		.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
 		.queryType = VK_QUERY_TYPE_TIMESTAMP,
 		.queryCount = 2 * VULKAN_SLOTS,
 	};
 	if (result == VK_SUCCESS && device->timestamp_mask)
-		result = vkCreateQueryPool(device->device, &queries, NULL, &device->queries);
+		result = vkCreateQueryPool(device->device, &queries, device->allocator, &device->queries);
 	for (int i = 0; i < VULKAN_SLOTS && result == VK_SUCCESS; i++)
 		result = slot_create(device, &device->slots[i]);
-	return result;
+	return result == VK_SUCCESS ? vulkan_material_sets_create(device) : result;
 }
 
 stilb_result vulkan_frames_create(vulkan_device *device)
 {
 	VkResult error = frames_make(device);
 	if (error != VK_SUCCESS)
-		return vulkan_fail(error, "make command buffers");
+		return vulkan_fail(device, error, "make command buffers");
 	stilb_result result = STILB_OK;
 	for (int i = 0; i < VULKAN_SLOTS && result == STILB_OK; i++)
 		result = vulkan_buffer_create(device, STILB_RENDER_MAX_PASSES * sizeof(vulkan_view),
@@ -70,33 +71,84 @@ void vulkan_frames_destroy(vulkan_device *device)
 {
 	for (int i = 0; i < VULKAN_SLOTS; i++) {
 		vulkan_slot *slot = &device->slots[i];
-		vkDestroyCommandPool(device->device, slot->pool, NULL);
-		vkDestroySemaphore(device->device, slot->acquired, NULL);
+		vkDestroyCommandPool(device->device, slot->pool, device->allocator);
+		vkDestroySemaphore(device->device, slot->acquired, device->allocator);
 		for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 			vulkan_buffer_destroy(device, &slot->memory[kind]);
+		vulkan_secondary_destroy(device, slot);
 		vulkan_heaps_destroy_slot(device, slot);
 		vulkan_buffer_destroy(device, &slot->views);
 		vulkan_buffer_destroy(device, &slot->times);
 		vulkan_buffer_destroy(device, &slot->picture);
 	}
-	vkDestroyQueryPool(device->device, device->queries, NULL);
-	vkDestroySemaphore(device->device, device->timeline, NULL);
+	vkDestroyDescriptorPool(device->device, device->material_pool, device->allocator); /* and the slots' sets */
+	vkDestroyQueryPool(device->device, device->queries, device->allocator);
+	vkDestroySemaphore(device->device, device->timeline, device->allocator);
 }
 
 /* ---- targets ------------------------------------------------------------------------------------------------------- */
 
+/* Beyond its limits a GPU may do anything, so they are asked for first. */
+static stilb_result target_check(const vulkan_device *device, const VkImageCreateInfo *info)
+{
+	VkImageFormatProperties can;
+	uint32_t width = info->extent.width, height = info->extent.height;
+	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu, info->format, info->imageType, info->tiling,
+	                                                           info->usage, info->flags, &can);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(device, result, "draw in the picture's format on this GPU");
+	if (!(can.sampleCounts & info->samples))
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has no %u samples per pixel; use --msaa 1", device->base.name,
+		                  (unsigned)info->samples);
+	const VkPhysicalDeviceLimits *limits = &device->properties.limits;
+	uint32_t most_width = can.maxExtent.width, most_height = can.maxExtent.height;
+	most_width = most_width < limits->maxFramebufferWidth ? most_width : limits->maxFramebufferWidth;
+	most_height = most_height < limits->maxFramebufferHeight ? most_height : limits->maxFramebufferHeight;
+	if (width > most_width || height > most_height)
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' draws pictures of up to %ux%u, not %ux%u; use a smaller --size",
+		                  device->base.name, most_width, most_height, width, height);
+	return STILB_OK;
+}
+
+static stilb_result target_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
+                                  VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image)
+{
+	const VkImageCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+		.imageType = VK_IMAGE_TYPE_2D,
+		.format = format,
+		.extent = {device->base.width, device->base.height, 1},
+		.mipLevels = 1,
+		.arrayLayers = 1,
+		.samples = samples,
+		.tiling = VK_IMAGE_TILING_OPTIMAL,
+		.usage = usage,
+		.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+	};
+	stilb_result possible = target_check(device, &info);
+	if (possible != STILB_OK)
+		return possible;
+	VkResult result = vulkan_image_create(device, &info, aspect, image);
+	if (result == VK_SUCCESS)
+		return STILB_OK;
+	char what[96];
+	snprintf(what, sizeof what, "make a picture of %ux%u with %u samples", device->base.width, device->base.height,
+	         (unsigned)samples);
+	return vulkan_fail(device, result, what);
+}
+
 stilb_result vulkan_targets_create(vulkan_device *device)
 {
 	VkSampleCountFlagBits samples = (VkSampleCountFlagBits)device->base.samples;
-	stilb_result result = vulkan_image_create(device, device->color_format, VK_SAMPLE_COUNT_1_BIT,
-	                                          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-	                                          VK_IMAGE_ASPECT_COLOR_BIT, &device->color);
+	stilb_result result = target_create(device, device->color_format, VK_SAMPLE_COUNT_1_BIT,
+	                                    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+	                                    VK_IMAGE_ASPECT_COLOR_BIT, &device->color);
 	if (result == STILB_OK && samples > 1)
-		result = vulkan_image_create(device, device->color_format, samples, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
-		                             VK_IMAGE_ASPECT_COLOR_BIT, &device->color_samples);
+		result = target_create(device, device->color_format, samples, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+		                       VK_IMAGE_ASPECT_COLOR_BIT, &device->color_samples);
 	if (result == STILB_OK)
-		result = vulkan_image_create(device, VK_FORMAT_D32_SFLOAT, samples, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-		                             VK_IMAGE_ASPECT_DEPTH_BIT, &device->depth);
+		result = target_create(device, VK_FORMAT_D32_SFLOAT, samples, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+		                       VK_IMAGE_ASPECT_DEPTH_BIT, &device->depth);
 	return result;
 }
 
@@ -119,7 +171,7 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 	};
 	PROFILE("wait for the GPU");
 	VkResult result = vkWaitSemaphores(device->device, &info, UINT64_MAX);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "wait for the GPU");
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "wait for the GPU");
 }
 
 /* How long the GPU drew the frame that used this slot; it is done. */
@@ -142,7 +194,7 @@ static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot
 	if (result == VK_SUCCESS)
 		result = vkBeginCommandBuffer(slot->draw, &begin);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "begin a frame");
+		return vulkan_fail(device, result, "begin a frame");
 	if (device->queries) {
 		vkCmdResetQueryPool(slot->draw, device->queries, 2 * device->slot, 2);
 		vkCmdWriteTimestamp2(slot->draw, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, device->queries, 2 * device->slot);
@@ -163,6 +215,8 @@ stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 		return result;
 	slot_read_time(device, device->slot);
 	slot->timed = slot->picture_valid = false;
+	for (uint32_t l = 0; l < slot->list_count; l++)
+		slot->lists[l].used = 0;
 	vulkan_heaps_frame(device, slot);
 	result = slot_begin_commands(device, slot);
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {
@@ -170,14 +224,15 @@ stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 		memory[kind].data = buffer->mapped;
 		memory[kind].capacity = (uint32_t)(buffer->size / memory[kind].element);
 		if (!buffer->buffer)
-			result = vulkan_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY);
+			result = vulkan_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY, 0);
 	}
 	return result;
 }
 
 /* Rows are written once and read by the GPU. Commands may be read by the CPU again, when they are sorted or replayed one by
  * one, so they lie where it can cache them; the GPU reads only a few words of each. */
-stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity)
+stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity,
+                         uint32_t keep)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_buffer *buffer = &vulkan_slot_now(device)->memory[kind], grown;
@@ -189,10 +244,11 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
 	                         rows ? VULKAN_MEMORY_WRITE : VULKAN_MEMORY_SHARED, &grown);
 	if (result != STILB_OK)
 		return result;
-	if (buffer->buffer)
-		memcpy(grown.mapped, buffer->mapped, buffer->size);
-	vulkan_buffer_destroy(device, buffer); /* no frame in flight uses this slot */
-	*buffer = grown;
+	if (keep > 0)
+		memcpy(grown.mapped, buffer->mapped, (size_t)keep * memory->element);
+	result = vulkan_buffer_replace(device, buffer, grown); /* a pass that has been replayed may read the old one */
+	if (result != STILB_OK)
+		return result;
 	memory->data = grown.mapped;
 	memory->capacity = capacity;
 	return STILB_OK;
@@ -258,7 +314,7 @@ stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands
 	};
 	VkResult result = vkQueueSubmit2(device->queue, 1, &submit, VK_NULL_HANDLE);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "give the GPU a frame");
+		return vulkan_fail(device, result, "give the GPU a frame");
 	device->timeline_value++;
 	return STILB_OK;
 }
@@ -289,7 +345,6 @@ static void submit_time(vulkan_device *device, vulkan_slot *slot)
 	vkCmdCopyQueryPoolResults(slot->draw, device->queries, first, 2, slot->times.buffer, 0, sizeof(uint64_t),
 	                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
 	vulkan_host_barrier(slot->draw);
-	slot->timed = true;
 }
 
 stilb_result vulkan_submit(render_device *base)
@@ -297,7 +352,7 @@ stilb_result vulkan_submit(render_device *base)
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
 	if (render_fault_lost(base))
-		return vulkan_fail(VK_ERROR_DEVICE_LOST, "give the GPU a frame");
+		return vulkan_fail(device, VK_ERROR_DEVICE_LOST, "give the GPU a frame");
 	vulkan_image_barrier(slot->draw, device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
 	                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
 	                     VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
@@ -306,9 +361,10 @@ stilb_result vulkan_submit(render_device *base)
 		submit_time(device, slot);
 	VkResult result = vkEndCommandBuffer(slot->draw);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "record a frame");
+		return vulkan_fail(device, result, "record a frame");
 	stilb_result submitted = vulkan_queue_submit(device, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
 	slot->done = device->timeline_value;
+	slot->timed = submitted == STILB_OK && device->queries;
 	device->drawn |= submitted == STILB_OK;
 	return submitted;
 }

@@ -1,8 +1,12 @@
 /* The heaps of vertices, indices and materials on the GPU: each a buffer with the same contents in the same places. What is
- * dirty is copied through the slot's staging buffer, at the start of the frame's commands. */
+ * dirty is copied through the slot's staging buffer, at the start of the frame's commands; new textures as well. */
 #include "render/vulkan/vulkan_internal.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+#define HEAPS_TEXTURE_ALIGN 16u          /* of pixels in the staging buffer: the largest has four floats */
+#define HEAPS_STAGING_KEPT (16ull << 20) /* bytes: a larger staging buffer, as a scene's first, is for one frame */
 
 static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 	[RENDER_HEAP_VERTICES] = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
@@ -10,57 +14,144 @@ static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 	[RENDER_HEAP_MATERIALS] = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
 };
 
+/* ---- buffers that are replaced --------------------------------------------------------------------------------------- */
+
+stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with)
+{
+	vulkan_slot *slot = vulkan_slot_now(device);
+	if (!render_reserve((void **)&slot->outgrown, &slot->outgrown_capacity, slot->outgrown_count + 1,
+	                    sizeof *slot->outgrown)) {
+		vulkan_buffer_destroy(device, &with);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of outgrown buffers");
+	}
+	slot->outgrown[slot->outgrown_count++] = *buffer;
+	*buffer = with;
+	return STILB_OK;
+}
+
 void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot)
 {
-	for (int heap = 0; heap < RENDER_HEAPS; heap++)
-		vulkan_buffer_destroy(device, &slot->replaced[heap]);
+	for (uint32_t b = 0; b < slot->outgrown_count; b++)
+		vulkan_buffer_destroy(device, &slot->outgrown[b]);
+	slot->outgrown_count = 0;
+	if (slot->staging.size > HEAPS_STAGING_KEPT)
+		vulkan_buffer_destroy(device, &slot->staging);
 }
 
 void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot)
 {
 	vulkan_heaps_frame(device, slot);
 	vulkan_buffer_destroy(device, &slot->staging);
+	free(slot->outgrown);
+	slot->outgrown = NULL;
+	slot->outgrown_capacity = 0;
 }
 
-/* Replaces the buffer of a heap that has outgrown it; frames in flight may still read the old one. *all says that all of the
- * heap must be copied. */
-static stilb_result heap_fit(vulkan_device *device, vulkan_slot *slot, int kind, const render_heap *heap, bool *all)
+/* ---- materials that are bound one by one ------------------------------------------------------------------------------- */
+
+/* Only where a GPU asks for it do materials lie apart: a dynamic offset is a multiple of its alignment. */
+VkDeviceSize vulkan_material_stride(const vulkan_device *device)
 {
-	VkDeviceSize size = (VkDeviceSize)heap->size * heap->element;
-	vulkan_buffer *buffer = &device->heaps[kind], larger;
-	*all = size > buffer->size;
+	VkDeviceSize size = sizeof(render_material), align = device->properties.limits.minStorageBufferOffsetAlignment;
+	return device->base.materials == STILB_RENDER_MATERIALS_BIND ? (size + align - 1) / align * align : size;
+}
+
+VkResult vulkan_material_sets_create(vulkan_device *device)
+{
+	if (device->base.materials != STILB_RENDER_MATERIALS_BIND)
+		return VK_SUCCESS;
+	const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, VULKAN_SLOTS};
+	const VkDescriptorPoolCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+		.maxSets = VULKAN_SLOTS,
+		.poolSizeCount = 1,
+		.pPoolSizes = &size,
+	};
+	VkResult result = vkCreateDescriptorPool(device->device, &info, device->allocator, &device->material_pool);
+	for (int i = 0; i < VULKAN_SLOTS && result == VK_SUCCESS; i++) {
+		const VkDescriptorSetAllocateInfo set = {
+			.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+			.descriptorPool = device->material_pool,
+			.descriptorSetCount = 1,
+			.pSetLayouts = &device->material_layout,
+		};
+		result = vkAllocateDescriptorSets(device->device, &set, &device->slots[i].material_set);
+	}
+	return result;
+}
+
+/* The set follows the buffer. The slot's last frame is done, so nobody reads the set. */
+static void material_set_update(vulkan_device *device, vulkan_slot *slot)
+{
+	VkBuffer materials = device->heaps[RENDER_HEAP_MATERIALS].buffer;
+	if (!slot->material_set || slot->material_buffer == materials)
+		return;
+	const VkDescriptorBufferInfo buffer = {.buffer = materials, .range = sizeof(render_material)};
+	const VkWriteDescriptorSet write = {
+		.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+		.dstSet = slot->material_set,
+		.descriptorCount = 1,
+		.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC,
+		.pBufferInfo = &buffer,
+	};
+	vkUpdateDescriptorSets(device->device, 1, &write, 0, NULL);
+	slot->material_buffer = materials;
+}
+
+/* ---- heaps --------------------------------------------------------------------------------------------------------- */
+
+/* From one element to the next on the GPU, bytes. */
+static VkDeviceSize heap_stride(const vulkan_device *device, const render_heap *heap, int kind)
+{
+	return kind == RENDER_HEAP_MATERIALS ? vulkan_material_stride(device) : heap->element;
+}
+
+/* Replaces the buffer of a heap that has outgrown it. *all says that all of the heap must be copied. */
+static stilb_result heap_fit(vulkan_device *device, const render_heap *heap, int kind, bool *all)
+{
+	VkDeviceSize size = heap->size * heap_stride(device, heap, kind);
+	vulkan_buffer larger;
+	*all = size > device->heaps[kind].size;
 	if (!*all)
 		return STILB_OK;
 	stilb_result result = vulkan_buffer_create(
 		device, size + size / 2, heap_usage[kind] | VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_DEVICE, &larger);
-	if (result != STILB_OK)
-		return result;
-	vulkan_buffer_destroy(device, &slot->replaced[kind]); /* empty, but for a frame that failed here before */
-	slot->replaced[kind] = *buffer;
-	*buffer = larger;
-	return STILB_OK;
+	return result == STILB_OK ? vulkan_buffer_replace(device, &device->heaps[kind], larger) : result;
 }
 
-static VkDeviceSize ranges_bytes(const render_ranges *ranges, uint32_t element)
+static VkDeviceSize ranges_bytes(const render_ranges *ranges, VkDeviceSize stride)
 {
 	VkDeviceSize bytes = 0;
 	for (uint32_t r = 0; r < ranges->count; r++)
-		bytes += (VkDeviceSize)ranges->items[r].count * element;
+		bytes += ranges->items[r].count * stride;
 	return bytes;
 }
 
-/* Copies ranges of a heap through the staging buffer from `at` on, and moves `at` behind them. */
-static void heap_copy(vulkan_slot *slot, const render_heap *heap, const render_ranges *ranges, VkBuffer to,
-                      VkDeviceSize *at)
+static void elements_write(uint8_t *to, VkDeviceSize stride, const uint8_t *from, uint32_t element, uint32_t count)
 {
-	for (uint32_t r = 0; r < ranges->count; r++) {
-		VkDeviceSize first = (VkDeviceSize)ranges->items[r].first * heap->element;
-		VkDeviceSize size = (VkDeviceSize)ranges->items[r].count * heap->element;
-		memcpy((uint8_t *)slot->staging.mapped + *at, heap->data + first, size);
-		vkCmdCopyBuffer(slot->draw, slot->staging.buffer, to, 1,
-		                &(VkBufferCopy){.srcOffset = *at, .dstOffset = first, .size = size});
-		*at += size;
+	if (stride == element) {
+		memcpy(to, from, (size_t)count * element);
+		return;
 	}
+	for (uint32_t i = 0; i < count; i++)
+		memcpy(to + i * stride, from + (size_t)i * element, element);
+}
+
+/* Copies ranges of a heap through the staging buffer from `at` on; where they end in it. */
+static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, int kind, const render_ranges *ranges,
+                              VkDeviceSize at)
+{
+	vulkan_slot *slot = vulkan_slot_now(device);
+	VkDeviceSize stride = heap_stride(device, heap, kind);
+	for (uint32_t r = 0; r < ranges->count; r++) {
+		render_range range = ranges->items[r];
+		const VkBufferCopy copy = {.srcOffset = at, .dstOffset = range.first * stride, .size = range.count * stride};
+		elements_write((uint8_t *)slot->staging.mapped + at, stride, heap->data + (size_t)range.first * heap->element,
+		               heap->element, range.count);
+		vkCmdCopyBuffer(slot->draw, slot->staging.buffer, device->heaps[kind].buffer, 1, &copy);
+		at += copy.size;
+	}
+	return at;
 }
 
 /* Nothing on the GPU reads what the copies write meanwhile: the draws of frames before, and then those of this one. */
@@ -80,12 +171,38 @@ static void heaps_barrier(VkCommandBuffer commands, bool before)
 	                                                    .pMemoryBarriers = &barrier});
 }
 
+/* ---- the frame's copies ---------------------------------------------------------------------------------------------- */
+
 static stilb_result staging_fit(vulkan_device *device, vulkan_slot *slot, VkDeviceSize size)
 {
 	if (size <= slot->staging.size)
 		return STILB_OK;
 	vulkan_buffer_destroy(device, &slot->staging); /* the slot's last frame is done */
-	return vulkan_buffer_create(device, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, VULKAN_MEMORY_WRITE, &slot->staging);
+	return vulkan_buffer_create(device, size + size / 2, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, VULKAN_MEMORY_WRITE,
+	                            &slot->staging);
+}
+
+static VkDeviceSize texture_bytes(const render_texture_upload *upload)
+{
+	VkDeviceSize size = stilb_image_size(&upload->image);
+	return (size + HEAPS_TEXTURE_ALIGN - 1) / HEAPS_TEXTURE_ALIGN * HEAPS_TEXTURE_ALIGN;
+}
+
+/* Textures come first in the staging buffer, where their alignment is easy. */
+static void update_copy(vulkan_device *device, const render_resources *resources, const render_ranges *dirty)
+{
+	vulkan_slot *slot = vulkan_slot_now(device);
+	VkDeviceSize at = 0;
+	heaps_barrier(slot->draw, true);
+	for (uint32_t u = 0; u < resources->upload_count; u++) {
+		const render_texture_upload *upload = &resources->uploads[u];
+		memcpy((uint8_t *)slot->staging.mapped + at, upload->image.pixels, stilb_image_size(&upload->image));
+		vulkan_texture_copy(device, upload, at);
+		at += texture_bytes(upload);
+	}
+	for (int kind = 0; kind < RENDER_HEAPS; kind++)
+		at = heap_copy(device, &resources->heaps[kind], kind, &dirty[kind], at);
+	heaps_barrier(slot->draw, false);
 }
 
 stilb_result vulkan_update(render_device *base, const render_resources *resources)
@@ -94,35 +211,25 @@ stilb_result vulkan_update(render_device *base, const render_resources *resource
 	vulkan_slot *slot = vulkan_slot_now(device);
 	render_range whole[RENDER_HEAPS];
 	render_ranges dirty[RENDER_HEAPS];
-	VkDeviceSize bytes = 0, at = 0;
+	VkDeviceSize bytes = 0;
 	stilb_result result = STILB_OK;
 	for (int kind = 0; kind < RENDER_HEAPS && result == STILB_OK; kind++) {
 		const render_heap *heap = &resources->heaps[kind];
 		bool all;
-		result = heap_fit(device, slot, kind, heap, &all);
+		result = heap_fit(device, heap, kind, &all);
 		whole[kind] = (render_range){0, heap->size};
 		dirty[kind] = all ? (render_ranges){&whole[kind], 1, 1} : heap->dirty;
-		bytes += ranges_bytes(&dirty[kind], heap->element);
+		bytes += ranges_bytes(&dirty[kind], heap_stride(device, heap, kind));
 	}
-	if (result != STILB_OK || bytes == 0)
-		return result;
-	result = staging_fit(device, slot, bytes);
 	if (result != STILB_OK)
 		return result;
-	heaps_barrier(slot->draw, true);
-	for (int kind = 0; kind < RENDER_HEAPS; kind++)
-		heap_copy(slot, &resources->heaps[kind], &dirty[kind], device->heaps[kind].buffer, &at);
-	heaps_barrier(slot->draw, false);
-	return STILB_OK;
-}
-
-stilb_result vulkan_texture_create(render_device *base, uint32_t texture, const stilb_image *image)
-{
-	(void)base, (void)texture, (void)image;
-	return stilb_fail(STILB_ERROR_DEVICE, "the Vulkan device has no textures yet");
-}
-
-void vulkan_texture_destroy(render_device *base, uint32_t texture)
-{
-	(void)base, (void)texture;
+	material_set_update(device, slot);
+	for (uint32_t u = 0; u < resources->upload_count; u++)
+		bytes += texture_bytes(&resources->uploads[u]);
+	if (bytes == 0)
+		return STILB_OK;
+	result = staging_fit(device, slot, bytes);
+	if (result == STILB_OK)
+		update_copy(device, resources, dirty);
+	return result;
 }

@@ -20,8 +20,6 @@ static const char *vulkan_error_name(VkResult error)
 		return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
 	case VK_ERROR_INITIALIZATION_FAILED:
 		return "VK_ERROR_INITIALIZATION_FAILED";
-	case VK_ERROR_DEVICE_LOST:
-		return "VK_ERROR_DEVICE_LOST";
 	case VK_ERROR_LAYER_NOT_PRESENT:
 		return "VK_ERROR_LAYER_NOT_PRESENT";
 	case VK_ERROR_EXTENSION_NOT_PRESENT:
@@ -41,11 +39,14 @@ static const char *vulkan_error_name(VkResult error)
 	}
 }
 
-stilb_result vulkan_fail(VkResult error, const char *what)
+stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char *what)
 {
 	stilb_result result = STILB_ERROR_DEVICE;
 	if (error == VK_ERROR_DEVICE_LOST)
-		result = STILB_ERROR_DEVICE_LOST;
+		return stilb_fail(STILB_ERROR_DEVICE_LOST,
+		                  "cannot %s: device lost (VK_ERROR_DEVICE_LOST %d): GPU '%s' was reset or its driver failed, "
+		                  "'dmesg' may say why; start again, or take another with --gpu",
+		                  what, (int)error, device->base.name);
 	if (error == VK_ERROR_OUT_OF_HOST_MEMORY || error == VK_ERROR_OUT_OF_DEVICE_MEMORY)
 		result = STILB_ERROR_MEMORY;
 	const char *advice = result == STILB_ERROR_MEMORY ? "; try fewer models or a smaller --size" : "";
@@ -114,7 +115,7 @@ static stilb_result vulkan_surface_create(vulkan_device *device, const stilb_ren
 	device->surface = (VkSurfaceKHR)handle;
 	if (result == VK_SUCCESS)
 		return STILB_OK;
-	vulkan_fail(result, "make a Vulkan surface for the window");
+	vulkan_fail(device, result, "make a Vulkan surface for the window");
 	return STILB_ERROR_WINDOW;
 }
 
@@ -163,7 +164,7 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 	if (result == VK_SUCCESS && desc->validate)
 		result = vulkan_messenger_create(device);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "start Vulkan");
+		return vulkan_fail(device, result, "start Vulkan");
 	return desc->surface ? vulkan_surface_create(device, desc->surface) : STILB_OK;
 }
 

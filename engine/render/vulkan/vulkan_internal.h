@@ -4,7 +4,8 @@
  * Two frame slots. A slot owns everything the CPU writes for a frame, and is written again only when the timeline says that
  * the GPU is done with it. A frame makes two submissions: `draw` (the passes, into the picture) and `show` (the picture to
  * the window or to memory). The picture itself is one image: frames follow each other on one queue, and barriers order them.
- * There are no descriptor sets: shaders get addresses in a push constant.
+ * Shaders get addresses in a push constant. Descriptor sets are for what has no address, textures (set 0), and for materials
+ * that are to be bound one by one (set 1, --materials bind).
  */
 #ifndef STILB_VULKAN_INTERNAL_H
 #define STILB_VULKAN_INTERNAL_H
@@ -15,6 +16,7 @@
 
 #define VULKAN_SLOTS RENDER_FRAMES_IN_FLIGHT
 #define VULKAN_MAX_SWAPCHAIN_IMAGES 16
+#define VULKAN_MAX_LISTS (STILB_JOB_MAX_WORKERS + 1)
 
 typedef struct vulkan_buffer {
 	VkBuffer buffer;
@@ -46,20 +48,53 @@ typedef struct vulkan_push {
 	VkDeviceAddress view, rows, materials;
 } vulkan_push;
 
+/* What went into a command buffer. */
+typedef struct vulkan_sent {
+	uint64_t draws, binds;
+} vulkan_sent;
+
+/* Secondary command buffers: each list is recorded by one job at a time, a command buffer for each pass of the frame. */
+typedef struct vulkan_list {
+	_Alignas(STILB_CACHE_LINE) VkCommandPool pool;
+	VkCommandBuffer commands[STILB_RENDER_MAX_PASSES];
+	uint32_t made, used; /* of commands; used in this frame */
+	VkResult result;     /* of the last recording */
+	vulkan_sent sent;
+} vulkan_list;
+
 typedef struct vulkan_slot {
 	VkCommandPool pool;
 	VkCommandBuffer draw, show;
 	VkSemaphore acquired; /* the window's image is ours */
+	vulkan_list *lists;   /* [list_count] with secondary replay: one a worker, as far as there have been workers */
+	uint32_t list_count;
 	vulkan_buffer memory[RENDER_MEMORY_KINDS];
-	vulkan_buffer staging;                /* what update copies from */
-	vulkan_buffer replaced[RENDER_HEAPS]; /* heaps that were outgrown in this slot's frame */
-	vulkan_buffer views;                  /* vulkan_view[STILB_RENDER_MAX_PASSES] */
-	vulkan_buffer picture;                /* the picture in memory, when there is no window */
-	vulkan_buffer times;                  /* two timestamps: the queue's clock before and after the passes */
-	uint64_t done;                        /* timeline value of the slot's last submission */
-	bool timed;                           /* its two timestamps are written */
+	vulkan_buffer staging;   /* what update copies from */
+	vulkan_buffer *outgrown; /* [outgrown_count] replaced in this slot's frame, and still read by it or the one before */
+	uint32_t outgrown_count, outgrown_capacity;
+	VkDescriptorSet material_set; /* of the buffer of materials that the slot's frame uses */
+	VkBuffer material_buffer;     /* in it */
+	vulkan_buffer views;          /* vulkan_view[STILB_RENDER_MAX_PASSES] */
+	vulkan_buffer picture;        /* the picture in memory, when there is no window */
+	vulkan_buffer times;          /* two timestamps: the queue's clock before and after the passes */
+	uint64_t done;                /* timeline value of the slot's last submission */
+	bool timed;                   /* its two timestamps are written */
 	bool picture_valid;
 } vulkan_slot;
+
+/* Textures are made and destroyed with the lock of resources; a draw reads the set of one that stays. */
+typedef struct vulkan_texture {
+	vulkan_image image;
+	VkDescriptorSet set;
+} vulkan_texture;
+
+/* Pipelines differ in whether they read a texture, and in which materials they draw (shaders/mesh.frag). */
+typedef enum vulkan_pipeline_materials {
+	VULKAN_PIPELINE_ANY,
+	VULKAN_PIPELINE_EVEN,
+	VULKAN_PIPELINE_ODD,
+	VULKAN_PIPELINE_MATERIALS,
+} vulkan_pipeline_materials;
 
 typedef struct vulkan_swapchain {
 	VkSwapchainKHR handle;
@@ -88,8 +123,14 @@ typedef struct vulkan_device {
 	VkQueryPool queries;     /* two a slot */
 	uint64_t timestamp_mask; /* the bits that count; 0: the queue has no clock */
 
+	const VkAllocationCallbacks *allocator; /* of everything that belongs to the device; NULL: the driver's own */
+
+	VkSampler sampler; /* of all textures: linear, repeated, no mip levels */
+	VkDescriptorSetLayout texture_layout, material_layout;
+	VkDescriptorPool texture_pool, material_pool;
+	vulkan_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	VkPipelineLayout pipeline_layout;
-	VkPipeline pipeline;
+	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS]; /* without and with a texture; null: this device needs none such */
 	stilb_render_output output;
 	VkFormat color_format;
 	vulkan_image color;         /* the picture, one sample */
@@ -111,10 +152,13 @@ static inline vulkan_slot *vulkan_slot_now(vulkan_device *device)
 	return &device->slots[device->slot];
 }
 
+/* The allocator of devices made from now on: for tests. NULL, as at the start: the driver's own. */
+extern const VkAllocationCallbacks *vulkan_host_allocator;
+
 /* vulkan_instance.c: what there is before a device. */
 
-/* Turns a VkResult into a result and a message: "cannot WHAT: device lost (VK_ERROR_DEVICE_LOST)". */
-stilb_result vulkan_fail(VkResult error, const char *what);
+/* Turns a VkResult into a result and a message: "cannot WHAT: out of memory (VK_ERROR_OUT_OF_HOST_MEMORY -1); try ...". */
+stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char *what);
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc);
 stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted);
 void vulkan_instance_destroy(vulkan_device *device);
@@ -131,20 +175,35 @@ typedef enum vulkan_memory_kind {
 stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBufferUsageFlags usage,
                                   vulkan_memory_kind kind, vulkan_buffer *buffer);
 void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer);
-stilb_result vulkan_image_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
-                                 VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image);
+/* The caller has asked whether the GPU can. */
+VkResult vulkan_image_create(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
+                             vulkan_image *image);
 void vulkan_image_destroy(vulkan_device *device, vulkan_image *image);
 
 /* vulkan_heaps.c: what render_resources keeps, on the GPU. */
-stilb_result vulkan_texture_create(render_device *base, uint32_t texture, const stilb_image *image);
-void vulkan_texture_destroy(render_device *base, uint32_t texture);
 stilb_result vulkan_update(render_device *base, const render_resources *resources);
+/* Replaces a buffer that the slot's frame or the one before may still read. Without memory nothing has happened. */
+stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with);
 /* The slot's frame is done: frees what only that frame still used. */
 void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot);
 void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot);
+/* From one material to the next on the GPU, bytes. */
+VkDeviceSize vulkan_material_stride(const vulkan_device *device);
+/* With --materials bind: the slots' sets. */
+VkResult vulkan_material_sets_create(vulkan_device *device);
+
+/* vulkan_texture.c */
+stilb_result vulkan_textures_create(vulkan_device *device);
+void vulkan_textures_destroy(vulkan_device *device);
+stilb_result vulkan_texture_create(render_device *base, uint32_t texture, const stilb_image *image);
+void vulkan_texture_destroy(render_device *base, uint32_t texture);
+/* Adds the copy of such pixels to the frame: they lie in the staging buffer at `at`, a multiple of a pixel's size. */
+void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upload, VkDeviceSize at);
 
 /* vulkan_pipeline.c */
 stilb_result vulkan_pipeline_create(vulkan_device *device);
+void vulkan_pipeline_destroy(vulkan_device *device);
+VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state);
 
 /* vulkan_frame.c */
 stilb_result vulkan_frames_create(vulkan_device *device);
@@ -152,7 +211,8 @@ void vulkan_frames_destroy(vulkan_device *device);
 stilb_result vulkan_targets_create(vulkan_device *device);
 void vulkan_targets_destroy(vulkan_device *device);
 stilb_result vulkan_frame_begin(render_device *base, render_memory *memory);
-stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity);
+stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity,
+                         uint32_t keep);
 stilb_result vulkan_submit(render_device *base);
 stilb_result vulkan_wait(render_device *base);
 /* Submits a command buffer, waits for wait (or null) before transfers, signals signal (or null) and the timeline. */
@@ -166,6 +226,23 @@ void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspect
 
 /* vulkan_pass.c */
 stilb_result vulkan_pass(render_device *base, const render_stream *stream);
+
+/* vulkan_draws.c: the draws of a stream, and what is bound for them. */
+
+/* Viewport and scissor: command buffers inherit nothing. */
+void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands);
+vulkan_sent vulkan_draws_direct(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
+                                render_part part);
+/* Here draws counts device commands. */
+vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream);
+
+/* vulkan_secondary.c: a command buffer for each worker. */
+
+/* Records the stream into count command buffers, on its pool; they execute in the order of the array. */
+stilb_result vulkan_secondary_record(vulkan_device *device, const render_stream *stream, uint32_t count,
+                                     VkCommandBuffer *commands);
+/* Lists that no frame has in flight. */
+void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot);
 
 /* vulkan_present.c */
 stilb_result vulkan_swapchain_create(vulkan_device *device);

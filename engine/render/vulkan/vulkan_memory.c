@@ -53,7 +53,7 @@ static VkResult memory_allocate(vulkan_device *device, VkMemoryRequirements need
 	uint32_t allowed = needs.memoryTypeBits, type;
 	while ((type = memory_type(device, allowed, required[kind], preferred[kind])) != UINT32_MAX) {
 		info.memoryTypeIndex = type;
-		result = vkAllocateMemory(device->device, &info, NULL, memory);
+		result = vkAllocateMemory(device->device, &info, device->allocator, memory);
 		if (result == VK_SUCCESS)
 			break;
 		allowed &= ~(1u << type);
@@ -70,7 +70,7 @@ static VkResult buffer_make(vulkan_device *device, VkBufferUsageFlags usage, vul
 		.size = buffer->size,
 		.usage = usage,
 	};
-	VkResult result = vkCreateBuffer(device->device, &info, NULL, &buffer->buffer);
+	VkResult result = vkCreateBuffer(device->device, &info, device->allocator, &buffer->buffer);
 	if (result != VK_SUCCESS)
 		return result;
 	VkMemoryRequirements needs;
@@ -97,20 +97,20 @@ stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBu
 	vulkan_buffer_destroy(device, buffer);
 	char what[96];
 	snprintf(what, sizeof what, "get %.1f MiB of GPU memory", (double)size / (1024.0 * 1024.0));
-	return vulkan_fail(result, what);
+	return vulkan_fail(device, result, what);
 }
 
 void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer)
 {
-	vkDestroyBuffer(device->device, buffer->buffer, NULL);
-	vkFreeMemory(device->device, buffer->memory, NULL); /* unmaps */
+	vkDestroyBuffer(device->device, buffer->buffer, device->allocator);
+	vkFreeMemory(device->device, buffer->memory, device->allocator); /* unmaps */
 	*buffer = (vulkan_buffer){0};
 }
 
 static VkResult image_make(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
                            vulkan_image *image)
 {
-	VkResult result = vkCreateImage(device->device, info, NULL, &image->image);
+	VkResult result = vkCreateImage(device->device, info, device->allocator, &image->image);
 	if (result != VK_SUCCESS)
 		return result;
 	VkMemoryRequirements needs;
@@ -125,64 +125,23 @@ static VkResult image_make(vulkan_device *device, const VkImageCreateInfo *info,
 		.format = info->format,
 		.subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1},
 	};
-	return result == VK_SUCCESS ? vkCreateImageView(device->device, &view, NULL, &image->view) : result;
+	return result == VK_SUCCESS ? vkCreateImageView(device->device, &view, device->allocator, &image->view) : result;
 }
 
-/* Beyond its limits a GPU may do anything, so they are asked for first. */
-static stilb_result image_check(const vulkan_device *device, const VkImageCreateInfo *info)
+VkResult vulkan_image_create(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
+                             vulkan_image *image)
 {
-	VkImageFormatProperties can;
-	uint32_t width = info->extent.width, height = info->extent.height;
-	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu, info->format, info->imageType, info->tiling,
-	                                                           info->usage, info->flags, &can);
-	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "draw in the picture's format on this GPU");
-	if (!(can.sampleCounts & info->samples))
-		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has no %u samples per pixel; use --msaa 1", device->base.name,
-		                  (unsigned)info->samples);
-	const VkPhysicalDeviceLimits *limits = &device->properties.limits;
-	uint32_t most_width = can.maxExtent.width, most_height = can.maxExtent.height;
-	most_width = most_width < limits->maxFramebufferWidth ? most_width : limits->maxFramebufferWidth;
-	most_height = most_height < limits->maxFramebufferHeight ? most_height : limits->maxFramebufferHeight;
-	if (width > most_width || height > most_height)
-		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' draws pictures of up to %ux%u, not %ux%u; use a smaller --size",
-		                  device->base.name, most_width, most_height, width, height);
-	return STILB_OK;
-}
-
-stilb_result vulkan_image_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
-                                 VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image)
-{
-	const VkImageCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-		.imageType = VK_IMAGE_TYPE_2D,
-		.format = format,
-		.extent = {device->base.width, device->base.height, 1},
-		.mipLevels = 1,
-		.arrayLayers = 1,
-		.samples = samples,
-		.tiling = VK_IMAGE_TILING_OPTIMAL,
-		.usage = usage,
-		.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-	};
 	*image = (vulkan_image){0};
-	stilb_result possible = image_check(device, &info);
-	if (possible != STILB_OK)
-		return possible;
-	VkResult result = image_make(device, &info, aspect, image);
-	if (result == VK_SUCCESS)
-		return STILB_OK;
-	vulkan_image_destroy(device, image);
-	char what[96];
-	snprintf(what, sizeof what, "make a picture of %ux%u with %u samples", device->base.width, device->base.height,
-	         (unsigned)samples);
-	return vulkan_fail(result, what);
+	VkResult result = image_make(device, info, aspect, image);
+	if (result != VK_SUCCESS)
+		vulkan_image_destroy(device, image);
+	return result;
 }
 
 void vulkan_image_destroy(vulkan_device *device, vulkan_image *image)
 {
-	vkDestroyImageView(device->device, image->view, NULL);
-	vkDestroyImage(device->device, image->image, NULL);
-	vkFreeMemory(device->device, image->memory, NULL);
+	vkDestroyImageView(device->device, image->view, device->allocator);
+	vkDestroyImage(device->device, image->image, device->allocator);
+	vkFreeMemory(device->device, image->memory, device->allocator);
 	*image = (vulkan_image){0};
 }

@@ -1,4 +1,4 @@
-/* One pass on the GPU: targets, bindings, draws. */
+/* One pass on the GPU: targets, view, draws. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include "shading/shade_tonemap.h"
@@ -36,8 +36,9 @@ static VkClearColorValue pass_clear_color(const vulkan_device *device, const sti
 	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
 }
 
+/* contents: whether draws or secondary command buffers follow. */
 static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands, const stilb_scene_sky *sky,
-                                 bool first)
+                                 bool first, VkRenderingFlags contents)
 {
 	bool resolve = device->color_samples.image != VK_NULL_HANDLE;
 	const VkAttachmentLoadOp load = first ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
@@ -60,20 +61,16 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
 		.clearValue = {.depthStencil = {.depth = 0.0f}}, /* reversed: 0 is far */
 	};
-	const VkRect2D area = {.extent = {device->base.width, device->base.height}};
 	const VkRenderingInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-		.renderArea = area,
+		.flags = contents,
+		.renderArea = {.extent = {device->base.width, device->base.height}},
 		.layerCount = 1,
 		.colorAttachmentCount = 1,
 		.pColorAttachments = &color,
 		.pDepthAttachment = &depth,
 	};
-	const VkViewport viewport = {
-		.width = (float)device->base.width, .height = (float)device->base.height, .minDepth = 0.0f, .maxDepth = 1.0f};
 	vkCmdBeginRendering(commands, &rendering);
-	vkCmdSetViewport(commands, 0, 1, &viewport);
-	vkCmdSetScissor(commands, 0, 1, &area);
 }
 
 static void copy3(float out[4], const float in[3])
@@ -82,8 +79,8 @@ static void copy3(float out[4], const float in[3])
 	out[3] = 0.0f;
 }
 
-/* Binds what all draws of the pass share. */
-static void pass_bind(vulkan_device *device, vulkan_slot *slot, const stilb_render_view *view)
+/* Writes the view to where this pass's draws read it. */
+static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot, const stilb_render_view *view)
 {
 	vulkan_view *out = (vulkan_view *)slot->views.mapped + device->pass;
 	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
@@ -92,58 +89,45 @@ static void pass_bind(vulkan_device *device, vulkan_slot *slot, const stilb_rend
 	copy3(out->sun_irradiance, view->sun.irradiance);
 	copy3(out->sky, view->sky.sky);
 	copy3(out->ground, view->sky.ground);
-	const vulkan_push push = {
-		.view = slot->views.address + device->pass * sizeof(vulkan_view),
-		.rows = slot->memory[RENDER_MEMORY_ROWS].address,
-		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
-	};
-	vkCmdBindPipeline(slot->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->pipeline);
-	vkCmdPushConstants(slot->draw, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
-	                   0, sizeof push, &push);
-	vkCmdBindVertexBuffers(slot->draw, 0, 1, &device->heaps[RENDER_HEAP_VERTICES].buffer, &(VkDeviceSize){0});
-	vkCmdBindIndexBuffer(slot->draw, device->heaps[RENDER_HEAP_INDICES].buffer, 0, VK_INDEX_TYPE_UINT32);
 }
 
-/* ---- draws --------------------------------------------------------------------------------------------------------- */
-
-static void pass_direct(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream)
+/* Draws of the primary command buffer itself. */
+static void pass_draw(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream)
 {
-	for (const render_run *run = stream->runs; run < stream->runs + stream->run_count; run++) {
-		const render_command *command = stream->commands + run->first;
-		for (uint32_t i = 0; i < run->count; i++, command++)
-			vkCmdDrawIndexed(commands, command->index_count, 1, command->first_index, command->vertex_offset,
-			                 command->row);
+	stilb_render_stats *stats = &device->base.stats;
+	vulkan_draws_area(device, commands);
+	if (device->base.replay == STILB_RENDER_REPLAY_INDIRECT) {
+		vulkan_sent sent = vulkan_draws_indirect(device, commands, stream);
+		stats->indirect_commands += sent.draws;
+		stats->binds_sent += sent.binds;
+	} else {
+		vulkan_sent sent = vulkan_draws_direct(device, commands, stream, (render_part){.count = stream->draws});
+		stats->draw_commands += sent.draws;
+		stats->binds_sent += sent.binds;
 	}
-	device->base.stats.draw_commands += stream->draws;
-}
-
-static void pass_indirect(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream)
-{
-	const uint32_t most = device->properties.limits.maxDrawIndirectCount;
-	VkBuffer buffer = vulkan_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer;
-	for (const render_run *run = stream->runs; run < stream->runs + stream->run_count; run++)
-		for (uint32_t done = 0, count; done < run->count; done += count) {
-			count = run->count - done < most ? run->count - done : most;
-			vkCmdDrawIndexedIndirect(commands, buffer, (run->first + (VkDeviceSize)done) * sizeof(render_command),
-			                         count, sizeof(render_command));
-			device->base.stats.indirect_commands++;
-		}
 }
 
 stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
+	VkCommandBuffer secondary[VULKAN_MAX_LISTS];
+	uint32_t secondary_count = 0;
 	bool first = device->pass == 0;
-	pass_take_targets(device, slot->draw, first);
-	pass_begin_rendering(device, slot->draw, &stream->view->sky, first);
-	if (stream->draws > 0) {
-		pass_bind(device, slot, stream->view);
-		if (base->replay == STILB_RENDER_REPLAY_INDIRECT)
-			pass_indirect(device, slot->draw, stream);
-		else
-			pass_direct(device, slot->draw, stream);
+	pass_write_view(device, slot, stream->view);
+	if (base->replay == STILB_RENDER_REPLAY_SECONDARY && stream->draws > 0) {
+		secondary_count = stilb_job_pool_worker_count(stream->pool) + 1;
+		stilb_result result = vulkan_secondary_record(device, stream, secondary_count, secondary);
+		if (result != STILB_OK)
+			return result;
 	}
+	pass_take_targets(device, slot->draw, first);
+	pass_begin_rendering(device, slot->draw, &stream->view->sky, first,
+	                     secondary_count > 0 ? VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT : 0);
+	if (secondary_count > 0)
+		vkCmdExecuteCommands(slot->draw, secondary_count, secondary);
+	else if (stream->draws > 0)
+		pass_draw(device, slot->draw, stream);
 	vkCmdEndRendering(slot->draw);
 	device->pass++;
 	return STILB_OK;

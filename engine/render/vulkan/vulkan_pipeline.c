@@ -1,52 +1,119 @@
 #include "render/vulkan/vulkan_internal.h"
 
-/* SPIR-V, made from shaders/ when Stilb is built. */
+/* SPIR-V, made from shaders/ when Stilb is built: with a texture, with the material bound. */
 static const uint32_t mesh_vert[] =
 #include "mesh.vert.inc"
+	;
+static const uint32_t mesh_texture_vert[] =
+#include "mesh_texture.vert.inc"
 	;
 static const uint32_t mesh_frag[] =
 #include "mesh.frag.inc"
 	;
+static const uint32_t mesh_texture_frag[] =
+#include "mesh_texture.frag.inc"
+	;
+static const uint32_t mesh_bind_frag[] =
+#include "mesh_bind.frag.inc"
+	;
+static const uint32_t mesh_bind_texture_frag[] =
+#include "mesh_bind_texture.frag.inc"
+	;
 
-static VkResult shader_create(vulkan_device *device, const uint32_t *code, size_t size, VkShaderModule *module)
+typedef struct pipeline_code {
+	const uint32_t *words;
+	size_t size;
+} pipeline_code;
+
+#define PIPELINE_CODE(words) {words, sizeof words}
+
+static const pipeline_code vertex_code[2] = {PIPELINE_CODE(mesh_vert), PIPELINE_CODE(mesh_texture_vert)};
+
+/* [material bound][texture] */
+static const pipeline_code fragment_code[2][2] = {
+	{PIPELINE_CODE(mesh_frag), PIPELINE_CODE(mesh_texture_frag)},
+	{PIPELINE_CODE(mesh_bind_frag), PIPELINE_CODE(mesh_bind_texture_frag)},
+};
+
+static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShaderModule *module)
 {
-	VkShaderModuleCreateInfo info = {
+	const VkShaderModuleCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-		.codeSize = size,
-		.pCode = code,
+		.codeSize = code.size,
+		.pCode = code.words,
 	};
-	return vkCreateShaderModule(device->device, &info, NULL, module);
+	return vkCreateShaderModule(device->device, &info, device->allocator, module);
+}
+
+/* ---- layout: set 0 is the texture, set 1 the material when it is to be bound ----------------------------------------- */
+
+static VkResult set_layout_create(vulkan_device *device, VkDescriptorType type, const VkSampler *sampler,
+                                  VkDescriptorSetLayout *layout)
+{
+	const VkDescriptorSetLayoutBinding binding = {
+		.descriptorType = type,
+		.descriptorCount = 1,
+		.stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
+		.pImmutableSamplers = sampler,
+	};
+	const VkDescriptorSetLayoutCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+		.bindingCount = 1,
+		.pBindings = &binding,
+	};
+	return vkCreateDescriptorSetLayout(device->device, &info, device->allocator, layout);
 }
 
 static VkResult layout_create(vulkan_device *device)
 {
+	VkResult result = set_layout_create(device, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, &device->sampler,
+	                                    &device->texture_layout);
+	bool bind = device->base.materials == STILB_RENDER_MATERIALS_BIND;
+	if (result == VK_SUCCESS && bind)
+		result = set_layout_create(device, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, NULL, &device->material_layout);
+	if (result != VK_SUCCESS)
+		return result;
+	const VkDescriptorSetLayout sets[2] = {device->texture_layout, device->material_layout};
 	const VkPushConstantRange range = {
 		.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
 		.size = sizeof(vulkan_push),
 	};
 	const VkPipelineLayoutCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+		.setLayoutCount = bind ? 2 : 1,
+		.pSetLayouts = sets,
 		.pushConstantRangeCount = 1,
 		.pPushConstantRanges = &range,
 	};
-	return vkCreatePipelineLayout(device->device, &info, NULL, &device->pipeline_layout);
+	return vkCreatePipelineLayout(device->device, &info, device->allocator, &device->pipeline_layout);
 }
 
 /* ---- what every pipeline has, whatever the device ------------------------------------------------------------------- */
 
 static const VkVertexInputBindingDescription vertex_binding = {.stride = sizeof(stilb_scene_vertex)};
 
-static const VkVertexInputAttributeDescription vertex_attributes[2] = {
+static const VkVertexInputAttributeDescription vertex_attributes[3] = {
 	{.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, position)},
 	{.location = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, normal)},
+	{.location = 2, .format = VK_FORMAT_R32G32_SFLOAT, .offset = offsetof(stilb_scene_vertex, uv)},
 };
 
-static const VkPipelineVertexInputStateCreateInfo vertex_input = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-	.vertexBindingDescriptionCount = 1,
-	.pVertexBindingDescriptions = &vertex_binding,
-	.vertexAttributeDescriptionCount = 2,
-	.pVertexAttributeDescriptions = vertex_attributes,
+/* Without and with a texture. */
+static const VkPipelineVertexInputStateCreateInfo vertex_input[2] = {
+	{
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+		.vertexBindingDescriptionCount = 1,
+		.pVertexBindingDescriptions = &vertex_binding,
+		.vertexAttributeDescriptionCount = 2,
+		.pVertexAttributeDescriptions = vertex_attributes,
+	},
+	{
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+		.vertexBindingDescriptionCount = 1,
+		.pVertexBindingDescriptions = &vertex_binding,
+		.vertexAttributeDescriptionCount = 3,
+		.pVertexAttributeDescriptions = vertex_attributes,
+	},
 };
 
 static const VkPipelineInputAssemblyStateCreateInfo input_assembly = {
@@ -106,14 +173,25 @@ static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stag
 	};
 }
 
-static VkResult pipeline_create(vulkan_device *device, VkShaderModule vertex, VkShaderModule fragment)
+/* What the fragment shader is specialised by. */
+typedef struct pipeline_constants {
+	VkBool32 tone_map;
+	uint32_t materials; /* a vulkan_pipeline_materials */
+} pipeline_constants;
+
+static const VkSpecializationMapEntry pipeline_constant_map[2] = {
+	{.constantID = 0, .offset = offsetof(pipeline_constants, tone_map), .size = sizeof(VkBool32)},
+	{.constantID = 1, .offset = offsetof(pipeline_constants, materials), .size = sizeof(uint32_t)},
+};
+
+static VkResult pipeline_make(vulkan_device *device, const VkShaderModule modules[2], bool texture,
+                              vulkan_pipeline_materials materials)
 {
-	const VkBool32 tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY;
-	const VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof tone_map};
-	const VkSpecializationInfo constants = {1, &entry, sizeof tone_map, &tone_map};
+	const pipeline_constants constants = {device->output == STILB_RENDER_OUTPUT_DISPLAY, materials};
+	const VkSpecializationInfo specialization = {2, pipeline_constant_map, sizeof constants, &constants};
 	const VkPipelineShaderStageCreateInfo stages[2] = {
-		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex, NULL),
-		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, &constants),
+		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], NULL),
+		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], &specialization),
 	};
 	const VkPipelineMultisampleStateCreateInfo multisample = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
@@ -130,7 +208,7 @@ static VkResult pipeline_create(vulkan_device *device, VkShaderModule vertex, Vk
 		.pNext = &rendering,
 		.stageCount = 2,
 		.pStages = stages,
-		.pVertexInputState = &vertex_input,
+		.pVertexInputState = &vertex_input[texture],
 		.pInputAssemblyState = &input_assembly,
 		.pViewportState = &viewport,
 		.pRasterizationState = &rasterization,
@@ -140,20 +218,50 @@ static VkResult pipeline_create(vulkan_device *device, VkShaderModule vertex, Vk
 		.pDynamicState = &dynamic,
 		.layout = device->pipeline_layout,
 	};
-	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, NULL, &device->pipeline);
+	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator,
+	                                 &device->pipelines[texture][materials]);
+}
+
+/* The pipelines that this device's way with materials needs. */
+static VkResult pipelines_make(vulkan_device *device, bool texture)
+{
+	bool bind = device->base.materials == STILB_RENDER_MATERIALS_BIND;
+	bool alternate = device->base.materials == STILB_RENDER_MATERIALS_PIPELINE;
+	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
+	VkResult result = shader_create(device, vertex_code[texture], &modules[0]);
+	if (result == VK_SUCCESS)
+		result = shader_create(device, fragment_code[bind][texture], &modules[1]);
+	if (result == VK_SUCCESS)
+		result = pipeline_make(device, modules, texture, alternate ? VULKAN_PIPELINE_EVEN : VULKAN_PIPELINE_ANY);
+	if (result == VK_SUCCESS && alternate)
+		result = pipeline_make(device, modules, texture, VULKAN_PIPELINE_ODD);
+	for (int stage = 0; stage < 2; stage++)
+		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
+	return result;
 }
 
 stilb_result vulkan_pipeline_create(vulkan_device *device)
 {
-	VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
 	VkResult result = layout_create(device);
-	if (result == VK_SUCCESS)
-		result = shader_create(device, mesh_vert, sizeof mesh_vert, &vertex);
-	if (result == VK_SUCCESS)
-		result = shader_create(device, mesh_frag, sizeof mesh_frag, &fragment);
-	if (result == VK_SUCCESS)
-		result = pipeline_create(device, vertex, fragment);
-	vkDestroyShaderModule(device->device, vertex, NULL);
-	vkDestroyShaderModule(device->device, fragment, NULL);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "make the mesh pipeline");
+	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
+		result = pipelines_make(device, texture);
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
+}
+
+void vulkan_pipeline_destroy(vulkan_device *device)
+{
+	for (int texture = 0; texture < 2; texture++)
+		for (int materials = 0; materials < VULKAN_PIPELINE_MATERIALS; materials++)
+			vkDestroyPipeline(device->device, device->pipelines[texture][materials], device->allocator);
+	vkDestroyPipelineLayout(device->device, device->pipeline_layout, device->allocator);
+	vkDestroyDescriptorSetLayout(device->device, device->texture_layout, device->allocator);
+	vkDestroyDescriptorSetLayout(device->device, device->material_layout, device->allocator);
+}
+
+VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
+{
+	vulkan_pipeline_materials materials = VULKAN_PIPELINE_ANY;
+	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
+		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
+	return device->pipelines[render_state_texture(state) != 0][materials];
 }

@@ -46,7 +46,7 @@ static VkResult swapchain_make_semaphores(vulkan_device *device)
 	const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
 	VkResult result = VK_SUCCESS;
 	for (uint32_t i = 0; i < device->swapchain.image_count && result == VK_SUCCESS; i++)
-		result = vkCreateSemaphore(device->device, &semaphore, NULL, &device->swapchain.shown[i]);
+		result = vkCreateSemaphore(device->device, &semaphore, device->allocator, &device->swapchain.shown[i]);
 	return result;
 }
 
@@ -68,7 +68,7 @@ static VkResult swapchain_make(vulkan_device *device, const VkSurfaceCapabilitie
 		.presentMode = VK_PRESENT_MODE_FIFO_KHR,
 		.clipped = VK_TRUE,
 	};
-	VkResult result = vkCreateSwapchainKHR(device->device, &info, NULL, &swapchain->handle);
+	VkResult result = vkCreateSwapchainKHR(device->device, &info, device->allocator, &swapchain->handle);
 	if (result != VK_SUCCESS)
 		return result;
 	swapchain->image_count = VULKAN_MAX_SWAPCHAIN_IMAGES;
@@ -83,7 +83,7 @@ stilb_result vulkan_swapchain_create(vulkan_device *device)
 	VkSurfaceFormatKHR format;
 	VkResult result = vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device->gpu, device->surface, &can);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "ask the window for its size");
+		return vulkan_fail(device, result, "ask the window for its size");
 	device->swapchain.extent = swapchain_extent(device, &can);
 	device->swapchain.stale = false;
 	if (device->swapchain.extent.width == 0 || device->swapchain.extent.height == 0)
@@ -92,16 +92,16 @@ stilb_result vulkan_swapchain_create(vulkan_device *device)
 		return stilb_fail(STILB_ERROR_WINDOW, "GPU '%s' offers no 8-bit sRGB window; use --headless",
 		                  device->base.name);
 	result = swapchain_make(device, &can, format);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "make a swapchain");
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make a swapchain");
 }
 
 void vulkan_swapchain_destroy(vulkan_device *device)
 {
 	vulkan_swapchain *swapchain = &device->swapchain;
 	for (uint32_t i = 0; i < VULKAN_MAX_SWAPCHAIN_IMAGES; i++)
-		vkDestroySemaphore(device->device, swapchain->shown[i], NULL);
+		vkDestroySemaphore(device->device, swapchain->shown[i], device->allocator);
 	if (swapchain->handle)
-		vkDestroySwapchainKHR(device->device, swapchain->handle, NULL);
+		vkDestroySwapchainKHR(device->device, swapchain->handle, device->allocator);
 	*swapchain = (vulkan_swapchain){0};
 }
 
@@ -109,28 +109,28 @@ static stilb_result swapchain_renew(vulkan_device *device)
 {
 	VkResult result = vkDeviceWaitIdle(device->device);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "wait for the GPU");
+		return vulkan_fail(device, result, "wait for the GPU");
 	vulkan_swapchain_destroy(device);
 	return vulkan_swapchain_create(device);
 }
 
 /* ---- to the window ------------------------------------------------------------------------------------------------- */
 
-static stilb_result show_begin(vulkan_slot *slot)
+static stilb_result show_begin(vulkan_device *device, vulkan_slot *slot)
 {
 	const VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
 	};
 	VkResult result = vkBeginCommandBuffer(slot->show, &begin);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(result, "show a frame");
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "show a frame");
 }
 
 static stilb_result show_submit(vulkan_device *device, vulkan_slot *slot, VkSemaphore wait, VkSemaphore signal)
 {
 	VkResult result = vkEndCommandBuffer(slot->show);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(result, "show a frame");
+		return vulkan_fail(device, result, "show a frame");
 	stilb_result submitted = vulkan_queue_submit(device, slot->show, wait, signal);
 	slot->done = device->timeline_value;
 	return submitted;
@@ -186,7 +186,7 @@ static stilb_result window_acquire(vulkan_device *device, vulkan_slot *slot, uin
 	if (result == VK_SUBOPTIMAL_KHR)
 		device->swapchain.stale = true;
 	else if (result != VK_SUCCESS)
-		return vulkan_fail(result, "get the window's next image");
+		return vulkan_fail(device, result, "get the window's next image");
 	*skip = false;
 	return STILB_OK;
 }
@@ -199,7 +199,7 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 	if (result != STILB_OK || skip)
 		return result;
 	VkSemaphore shown = device->swapchain.shown[image];
-	result = show_begin(slot);
+	result = show_begin(device, slot);
 	if (result != STILB_OK)
 		return result;
 	show_blit(device, slot->show, device->swapchain.images[image]);
@@ -218,7 +218,7 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 	if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR)
 		device->swapchain.stale = true;
 	else if (presented != VK_SUCCESS)
-		return vulkan_fail(presented, "show a frame in the window");
+		return vulkan_fail(device, presented, "show a frame in the window");
 	return STILB_OK;
 }
 
@@ -248,7 +248,7 @@ static stilb_result memory_present(vulkan_device *device, vulkan_slot *slot)
 			device, (VkDeviceSize)device->base.width * device->base.height * picture_pixel_size(device),
 			VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_READBACK, &slot->picture);
 	if (result == STILB_OK)
-		result = show_begin(slot);
+		result = show_begin(device, slot);
 	if (result != STILB_OK)
 		return result;
 	picture_copy(device, slot);
@@ -285,7 +285,7 @@ stilb_result vulkan_read_image(render_device *base, stilb_image *image)
 	if (result == STILB_OK && !slot->picture_valid) {
 		/* The window's blit is done: its command buffer serves for the copy. Only the whole pool can be reset. */
 		VkResult reset = vkResetCommandPool(device->device, slot->pool, 0);
-		result = reset == VK_SUCCESS ? memory_present(device, slot) : vulkan_fail(reset, "read the picture");
+		result = reset == VK_SUCCESS ? memory_present(device, slot) : vulkan_fail(device, reset, "read the picture");
 	}
 	if (result == STILB_OK)
 		result = vulkan_timeline_wait(device, slot->done);

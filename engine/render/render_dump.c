@@ -1,0 +1,232 @@
+/* Playing a dump: its resources, its recording, its replay, all through the calls that a program makes. */
+#include "render/render_dump_format.h"
+#include "render/render_internal.h"
+
+#include "profiler/prof.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
+{
+	const render_dump_header *header = dump->header;
+	return (stilb_render_dump_info){
+		.stream_hash = header->stream_hash,
+		.draws = header->draws,
+		.passes = header->passes,
+		.meshes = header->meshes,
+		.materials = header->materials,
+		.textures = header->textures,
+		.width = header->width,
+		.height = header->height,
+		.samples = header->samples,
+		.output = (stilb_render_output)header->output,
+	};
+}
+
+/* ---- resources --------------------------------------------------------------------------------------------------------
+ * A renderer that is new gives ids in ascending order. Those that the file has not, since no draw uses them, are taken by
+ * the least that there can be. */
+
+static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
+                                   stilb_render_texture *out)
+{
+	const stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels};
+	return stilb_render_texture_create(render, &image, out);
+}
+
+static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render *render, stilb_render_texture *textures)
+{
+	static const uint8_t white[4] = {255, 255, 255, 255};
+	const render_dump_texture none = {0, 1, 1, STILB_IMAGE_U8_SRGB};
+	const uint8_t *pixels = dump->pixels;
+	uint32_t next = 1;
+	stilb_result result = STILB_OK;
+	for (uint32_t t = 0; t < dump->header->textures && result == STILB_OK; t++) {
+		const render_dump_texture *texture = &dump->textures[t];
+		for (; next < texture->id && result == STILB_OK; next++)
+			result = upload_texture(render, &none, white, &textures[t]);
+		if (result == STILB_OK)
+			result = upload_texture(render, texture, pixels, &textures[t]);
+		STILB_ASSERT(result != STILB_OK || (textures[t].id & RENDER_INDEX_MASK) == texture->id);
+		next++;
+		pixels += render_dump_fill(render_dump_pixel_bytes(texture));
+	}
+	return result;
+}
+
+static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render *render,
+                                     const stilb_render_texture *textures, stilb_render_material *materials)
+{
+	const stilb_scene_material none = {.shininess = 1.0f};
+	const stilb_render_texture no_texture = {0};
+	uint32_t next = 0;
+	stilb_result result = STILB_OK;
+	for (uint32_t m = 0; m < dump->header->materials && result == STILB_OK; m++) {
+		const render_dump_material *from = &dump->materials[m];
+		for (; next < from->id && result == STILB_OK; next++)
+			result = stilb_render_material_create(render, &none, no_texture, &materials[m]);
+		stilb_scene_material material = {.shininess = from->shininess};
+		memcpy(material.diffuse, from->diffuse, sizeof material.diffuse);
+		memcpy(material.specular, from->specular, sizeof material.specular);
+		if (result == STILB_OK)
+			result = stilb_render_material_create(
+				render, &material, from->texture ? textures[from->texture - 1] : no_texture, &materials[m]);
+		STILB_ASSERT(result != STILB_OK || (materials[m].id & RENDER_INDEX_MASK) == from->id);
+		next++;
+	}
+	return result;
+}
+
+/* The scene's struct has pointers to what may be written; here it is only read. */
+static stilb_result upload_mesh(stilb_render *render, const stilb_scene_vertex *vertices, uint32_t vertex_count,
+                                const uint32_t *indices, uint32_t index_count, stilb_render_mesh *out)
+{
+	const stilb_scene_mesh mesh = {(stilb_scene_vertex *)vertices, (uint32_t *)indices, vertex_count, index_count};
+	return stilb_render_mesh_create(render, &mesh, out);
+}
+
+static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *render, stilb_render_mesh *meshes)
+{
+	static const stilb_scene_vertex none[1];
+	static const uint32_t zero[1];
+	const stilb_scene_vertex *vertices = dump->vertices;
+	const uint32_t *indices = dump->indices;
+	uint32_t next = 0;
+	stilb_result result = STILB_OK;
+	for (uint32_t m = 0; m < dump->header->meshes && result == STILB_OK; m++) {
+		const render_dump_mesh *mesh = &dump->meshes[m];
+		for (; next < mesh->id && result == STILB_OK; next++)
+			result = upload_mesh(render, none, 1, zero, 1, &meshes[m]);
+		if (result == STILB_OK)
+			result = upload_mesh(render, vertices, mesh->vertices, indices, mesh->indices, &meshes[m]);
+		STILB_ASSERT(result != STILB_OK || (meshes[m].id & RENDER_INDEX_MASK) == mesh->id);
+		next++;
+		vertices += mesh->vertices;
+		indices += mesh->indices;
+	}
+	return result;
+}
+
+/* ---- tables ------------------------------------------------------------------------------------------------------------ */
+
+static void upload_tables(stilb_render_dump *dump)
+{
+	for (uint32_t p = 0; p < dump->header->passes; p++) {
+		const render_dump_pass *pass = &dump->passes[p];
+		dump->pass_table[p] = (stilb_render_pass){.name = pass->name,
+		                                          .view = pass->view,
+		                                          .target = (stilb_render_target)pass->target,
+		                                          .order = pass->order,
+		                                          .sort = pass->sort};
+	}
+	for (uint32_t v = 0; v < dump->header->views; v++) {
+		const render_dump_view *from = &dump->views[v];
+		stilb_render_view *view = &dump->view_table[v];
+		memcpy(view->view_projection.m, from->view_projection, sizeof from->view_projection);
+		memcpy(view->camera_position, from->camera_position, sizeof from->camera_position);
+		memcpy(view->sun.direction, from->sun_direction, sizeof from->sun_direction);
+		memcpy(view->sun.irradiance, from->sun_irradiance, sizeof from->sun_irradiance);
+		memcpy(view->sky.sky, from->sky, sizeof from->sky);
+		memcpy(view->sky.ground, from->ground, sizeof from->ground);
+	}
+	uint32_t draws = 0;
+	for (uint32_t s = 0; s <= dump->header->segments; s++) {
+		dump->first_draw[s] = draws;
+		draws += s < dump->header->segments ? dump->segments[s] : 0;
+	}
+}
+
+static void upload_draws(stilb_render_dump *dump, const stilb_render_mesh *meshes,
+                         const stilb_render_material *materials)
+{
+	for (uint64_t d = 0; d < dump->header->draws; d++) {
+		const render_dump_draw *from = &dump->draws[d];
+		render_dump_ready *draw = &dump->ready[d];
+		*draw = (render_dump_ready){.transform.m[15] = 1.0f,
+		                            .key = from->key,
+		                            .mesh = meshes[from->mesh],
+		                            .material = materials[from->material]};
+		for (int row = 0; row < 3; row++)
+			for (int column = 0; column < 4; column++)
+				draw->transform.m[4 * column + row] = from->transform[4 * row + column];
+	}
+}
+
+stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *render)
+{
+	const render_dump_header *header = dump->header;
+	stilb_render_texture *textures = stilb_memory_alloc(header->textures, sizeof *textures);
+	stilb_render_material *materials = stilb_memory_alloc(header->materials, sizeof *materials);
+	stilb_render_mesh *meshes = stilb_memory_alloc(header->meshes, sizeof *meshes);
+	free(dump->ready);
+	free(dump->first_draw);
+	dump->ready = stilb_memory_alloc(header->draws, sizeof *dump->ready);
+	dump->first_draw = stilb_memory_alloc((size_t)header->segments + 1, sizeof *dump->first_draw);
+	stilb_result result = STILB_OK;
+	if (!textures || !materials || !meshes || !dump->ready || !dump->first_draw)
+		result =
+			stilb_fail(STILB_ERROR_MEMORY, "no memory for the %llu draws of a dump", (unsigned long long)header->draws);
+	if (result == STILB_OK)
+		result = upload_textures(dump, render, textures);
+	if (result == STILB_OK)
+		result = upload_materials(dump, render, textures, materials);
+	if (result == STILB_OK)
+		result = upload_meshes(dump, render, meshes);
+	if (result == STILB_OK) {
+		upload_tables(dump);
+		upload_draws(dump, meshes, materials);
+	}
+	free(textures);
+	free(materials);
+	free(meshes);
+	return result;
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------------- */
+
+/* A pass that is being recorded. */
+typedef struct play_pass {
+	const stilb_render_dump *dump;
+	stilb_render *render;
+	uint32_t pass, first_segment; /* of the file's segments */
+} play_pass;
+
+static void play_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user)
+{
+	PROFILE("record segments of a dump");
+	const play_pass *play = user;
+	const stilb_render_dump *dump = play->dump;
+	stilb_render_context *context = stilb_render_context_get(play->render, worker);
+	for (uint32_t segment = begin; segment < end; segment++) {
+		const uint32_t *first = &dump->first_draw[play->first_segment + segment];
+		stilb_render_segment_begin(context, play->pass, segment);
+		for (const render_dump_ready *draw = dump->ready + first[0]; draw < dump->ready + first[1]; draw++)
+			stilb_render_draw_with_key(context, draw->key, draw->mesh, draw->material, &draw->transform);
+		stilb_render_segment_end(context);
+	}
+}
+
+stilb_result stilb_render_dump_record(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
+                                      uint32_t worker)
+{
+	play_pass play = {.dump = dump, .render = render};
+	stilb_result result = STILB_OK;
+	for (uint32_t p = 0; p < dump->header->passes && result == STILB_OK; p++) {
+		play.pass = p;
+		result = stilb_render_pass_begin(render, p, dump->passes[p].segments);
+		if (result != STILB_OK)
+			break;
+		stilb_job_parallel_for(pool, dump->passes[p].segments, 1, play_slice, &play, worker);
+		play.first_segment += dump->passes[p].segments;
+		result = stilb_render_pass_end(render, p);
+	}
+	return result;
+}
+
+stilb_result stilb_render_dump_replay(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
+                                      uint32_t worker)
+{
+	return stilb_render_replay(render, dump->pass_table, dump->header->passes, dump->view_table, dump->header->views,
+	                           pool, worker);
+}

@@ -1,0 +1,401 @@
+/* Reading a dump: nothing is believed before it is checked. */
+#include "render/render_dump_format.h"
+#include "render/render_internal.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- layout -------------------------------------------------------------------------------------------------------- */
+
+bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_DUMP_PARTS + 1])
+{
+	const struct {
+		uint64_t count, size;
+	} parts[RENDER_DUMP_PARTS] = {
+		[RENDER_DUMP_HEADER] = {1, sizeof(render_dump_header)},
+		[RENDER_DUMP_VIEWS] = {header->views, sizeof(render_dump_view)},
+		[RENDER_DUMP_PASSES] = {header->passes, sizeof(render_dump_pass)},
+		[RENDER_DUMP_TEXTURES] = {header->textures, sizeof(render_dump_texture)},
+		[RENDER_DUMP_MATERIALS] = {header->materials, sizeof(render_dump_material)},
+		[RENDER_DUMP_MESHES] = {header->meshes, sizeof(render_dump_mesh)},
+		[RENDER_DUMP_SEGMENTS] = {header->segments, sizeof(uint32_t)},
+		[RENDER_DUMP_DRAWS] = {header->draws, sizeof(render_dump_draw)},
+		[RENDER_DUMP_VERTICES] = {header->vertices, sizeof(stilb_scene_vertex)},
+		[RENDER_DUMP_INDICES] = {header->indices, sizeof(uint32_t)},
+		[RENDER_DUMP_PIXELS] = {header->pixel_bytes, 1},
+		[RENDER_DUMP_CHECKSUM] = {1, sizeof(uint64_t)},
+	};
+	begin[0] = 0;
+	for (int p = 0; p < RENDER_DUMP_PARTS; p++) {
+		uint64_t bytes;
+		if (__builtin_mul_overflow(parts[p].count, parts[p].size, &bytes) || bytes > UINT64_MAX - 7 ||
+		    __builtin_add_overflow(begin[p], render_dump_fill(bytes), &begin[p + 1]))
+			return false;
+	}
+	return true;
+}
+
+uint64_t render_dump_pixel_bytes(const render_dump_texture *texture)
+{
+	static const uint32_t sizes[] = {sizeof(uint8_t), sizeof(uint16_t), sizeof(float)};
+	return (uint64_t)texture->width * texture->height * 4 * sizes[texture->format];
+}
+
+/* ---- the file as a whole --------------------------------------------------------------------------------------------- */
+
+/* "cannot read 'frame.dump': PLACE AND REASON" */
+static stilb_result load_refuse(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static stilb_result load_refuse(const char *name, const char *format, ...)
+{
+	char reason[512];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(reason, sizeof reason, format, arguments);
+	va_end(arguments);
+	return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", name, reason);
+}
+
+static bool load_is_zero(const uint8_t *bytes, uint64_t begin, uint64_t end)
+{
+	for (; begin < end; begin++)
+		if (bytes[begin] != 0)
+			return false;
+	return true;
+}
+
+static stilb_result load_check_whole(const uint8_t *bytes, size_t size, const char *name)
+{
+	render_dump_header header;
+	uint64_t begin[RENDER_DUMP_PARTS + 1], checksum;
+	size_t magic = size < sizeof header.magic ? size : sizeof header.magic;
+	if (size == 0)
+		return load_refuse(name, "it is empty");
+	if (memcmp(bytes, RENDER_DUMP_MAGIC, magic) != 0)
+		return load_refuse(name, "it is no frame dump; 'stilb demo --dump FILE' writes one");
+	if (size < sizeof header)
+		return load_refuse(name, "it ends in the header, after %zu bytes", size);
+	memcpy(&header, bytes, sizeof header);
+	if (header.byte_order != RENDER_DUMP_BYTE_ORDER)
+		return load_refuse(name, "header: byte order %08" PRIx32 ", not %08x", header.byte_order,
+		                   RENDER_DUMP_BYTE_ORDER);
+	if (header.version != RENDER_DUMP_VERSION)
+		return load_refuse(name, "header: version %" PRIu32 ", but this program reads version %u", header.version,
+		                   RENDER_DUMP_VERSION);
+	if (size < header.file_size)
+		return load_refuse(name, "it is truncated: %zu bytes, but %" PRIu64 " belong to it", size, header.file_size);
+	if (size > header.file_size)
+		return load_refuse(name, "it goes on behind the %" PRIu64 " bytes that belong to it", header.file_size);
+	if (!render_dump_layout(&header, begin) || begin[RENDER_DUMP_PARTS] != size)
+		return load_refuse(name, "header: its counts do not add up to the %zu bytes of the file", size);
+	memcpy(&checksum, bytes + begin[RENDER_DUMP_CHECKSUM], sizeof checksum);
+	uint64_t found = stilb_hash_fnv1a64(STILB_FNV1A64_START, bytes, begin[RENDER_DUMP_CHECKSUM]);
+	if (found != checksum)
+		return load_refuse(name, "it is damaged: the checksum is %016" PRIx64 ", but %016" PRIx64 " is stored", found,
+		                   checksum);
+	if (!load_is_zero(bytes, begin[RENDER_DUMP_SEGMENTS] + header.segments * sizeof(uint32_t),
+	                  begin[RENDER_DUMP_DRAWS]))
+		return load_refuse(name, "the bytes behind the segments are not zero");
+	if (!load_is_zero(bytes, begin[RENDER_DUMP_INDICES] + header.indices * sizeof(uint32_t), begin[RENDER_DUMP_PIXELS]))
+		return load_refuse(name, "the bytes behind the indices are not zero");
+	return STILB_OK;
+}
+
+/* ---- parts ----------------------------------------------------------------------------------------------------------- */
+
+static bool load_finite(const float *values, size_t count)
+{
+	bool finite = true;
+	for (size_t i = 0; i < count; i++)
+		finite &= (bool)isfinite(values[i]);
+	return finite;
+}
+
+static stilb_result load_check_header(const stilb_render_dump *dump, const char *name)
+{
+	const render_dump_header *h = dump->header;
+	if (h->width < 1 || h->width > 16384 || h->height < 1 || h->height > 16384)
+		return load_refuse(name, "header: a picture of %ux%u pixels; a side has 1..16384", h->width, h->height);
+	if (h->samples != 1 && h->samples != 4)
+		return load_refuse(name, "header: %u samples per pixel; there are 1 or 4", h->samples);
+	if (h->output > STILB_RENDER_OUTPUT_LINEAR)
+		return load_refuse(name, "header: unknown output %u", h->output);
+	if (h->views < 1 || h->views > RENDER_DUMP_MAX_VIEWS)
+		return load_refuse(name, "header: %u views; there are 1..%u", h->views, RENDER_DUMP_MAX_VIEWS);
+	if (h->passes < 1 || h->passes > STILB_RENDER_MAX_PASSES)
+		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
+	if (h->draws > UINT32_MAX)
+		return load_refuse(name, "header: %" PRIu64 " draws; at most %u can be recorded", h->draws, UINT32_MAX);
+	return STILB_OK;
+}
+
+static stilb_result load_check_views(const stilb_render_dump *dump, const char *name)
+{
+	for (uint32_t v = 0; v < dump->header->views; v++) {
+		const render_dump_view *view = &dump->views[v];
+		if (!load_finite(view->view_projection, offsetof(render_dump_view, unused) / sizeof(float)))
+			return load_refuse(name, "view %u: a number is not finite", v);
+		if (view->unused != 0)
+			return load_refuse(name, "view %u: its unused bytes are not zero", v);
+	}
+	return STILB_OK;
+}
+
+/* Printable, ended and filled up with zeros. */
+static bool load_check_name(const char name[64])
+{
+	size_t length = strnlen(name, 64);
+	for (size_t i = 0; i < length; i++)
+		if (iscntrl((unsigned char)name[i]))
+			return false;
+	for (size_t i = length; i < 64; i++)
+		if (name[i] != '\0')
+			return false;
+	return length < 64;
+}
+
+static stilb_result load_check_passes(const stilb_render_dump *dump, const char *name)
+{
+	const render_dump_header *h = dump->header;
+	const uint32_t *segment = dump->segments;
+	uint64_t segments = 0, draws = 0;
+	for (uint32_t p = 0; p < h->passes; p++) {
+		const render_dump_pass *pass = &dump->passes[p];
+		if (!load_check_name(pass->name))
+			return load_refuse(name, "pass %u: its name is not ended, or holds a control character", p);
+		if (pass->view >= h->views)
+			return load_refuse(name, "pass %u: view %u, but there are %u", p, pass->view, h->views);
+		if (pass->target > STILB_RENDER_TARGET_MAIN || pass->sort > 1 || pass->unused != 0)
+			return load_refuse(name, "pass %u: unknown target %u, sort %u or flags %u", p, pass->target, pass->sort,
+			                   pass->unused);
+		segments += pass->segments;
+		if (segments > h->segments)
+			return load_refuse(name, "pass %u: its %u segments go beyond all %u", p, pass->segments, h->segments);
+		uint64_t sum = 0;
+		for (uint32_t s = 0; s < pass->segments; s++)
+			sum += *segment++;
+		if (sum != pass->draws)
+			return load_refuse(name, "pass %u: %" PRIu64 " draws, but its segments have %" PRIu64, p, pass->draws, sum);
+		draws += sum;
+	}
+	if (segments != h->segments || draws != h->draws)
+		return load_refuse(name,
+		                   "header: %u segments and %" PRIu64 " draws, but its passes have %" PRIu64 " and %" PRIu64,
+		                   h->segments, h->draws, segments, draws);
+	return STILB_OK;
+}
+
+/* Ids ascend: what comes next is at least this. */
+static stilb_result load_check_id(const char *name, const char *kind, uint32_t place, uint32_t id, uint32_t *next,
+                                  uint32_t end)
+{
+	if (id < *next || id >= end)
+		return load_refuse(name, "%s %u: id %u, not in %u..%u", kind, place, id, *next, end - 1);
+	*next = id + 1;
+	return STILB_OK;
+}
+
+static stilb_result load_check_textures(const stilb_render_dump *dump, const char *name)
+{
+	uint64_t at = 0, bytes = dump->header->pixel_bytes;
+	uint32_t next = 1; /* 0 stands for none */
+	for (uint32_t t = 0; t < dump->header->textures; t++) {
+		const render_dump_texture *texture = &dump->textures[t];
+		stilb_result result = load_check_id(name, "texture", t, texture->id, &next, STILB_RENDER_MAX_TEXTURES);
+		if (result != STILB_OK)
+			return result;
+		if (texture->width < 1 || texture->width > 16384 || texture->height < 1 || texture->height > 16384 ||
+		    texture->format > STILB_IMAGE_F32_LINEAR)
+			return load_refuse(name, "texture %u: %ux%u pixels of format %u; a side has 1..16384, formats are 0..2", t,
+			                   texture->width, texture->height, texture->format);
+		uint64_t used = render_dump_pixel_bytes(texture), filled = render_dump_fill(used);
+		if (filled > bytes - at)
+			return load_refuse(name, "texture %u: its pixels go beyond all %" PRIu64 " bytes of pixels", t, bytes);
+		if (!load_is_zero(dump->pixels, at + used, at + filled))
+			return load_refuse(name, "texture %u: the bytes behind its pixels are not zero", t);
+		at += filled;
+	}
+	if (at != bytes)
+		return load_refuse(name, "header: %" PRIu64 " bytes of pixels, but textures have %" PRIu64, bytes, at);
+	return STILB_OK;
+}
+
+static stilb_result load_check_materials(const stilb_render_dump *dump, const char *name)
+{
+	uint32_t next = 0;
+	for (uint32_t m = 0; m < dump->header->materials; m++) {
+		const render_dump_material *material = &dump->materials[m];
+		stilb_result result = load_check_id(name, "material", m, material->id, &next, STILB_RENDER_MAX_MATERIALS);
+		if (result != STILB_OK)
+			return result;
+		if (material->texture > dump->header->textures)
+			return load_refuse(name, "material %u: texture %u, but there are %u", m, material->texture,
+			                   dump->header->textures);
+		if (!load_finite(material->diffuse, 3) || !load_finite(material->specular, 3) || !isfinite(material->shininess))
+			return load_refuse(name, "material %u: a number is not finite", m);
+		if (material->unused != 0)
+			return load_refuse(name, "material %u: its unused bytes are not zero", m);
+	}
+	return STILB_OK;
+}
+
+static stilb_result load_check_meshes(const stilb_render_dump *dump, const char *name)
+{
+	const render_dump_header *h = dump->header;
+	uint32_t next = 0;
+	uint64_t vertices = 0, indices = 0;
+	for (uint32_t m = 0; m < h->meshes; m++) {
+		const render_dump_mesh *mesh = &dump->meshes[m];
+		stilb_result result = load_check_id(name, "mesh", m, mesh->id, &next, STILB_RENDER_MAX_MESHES);
+		if (result != STILB_OK)
+			return result;
+		if (mesh->vertices == 0 || mesh->indices == 0 || mesh->unused != 0)
+			return load_refuse(name, "mesh %u: %u vertices, %u indices, unused bytes %u", m, mesh->vertices,
+			                   mesh->indices, mesh->unused);
+		if (mesh->vertices > h->vertices - vertices || mesh->indices > h->indices - indices)
+			return load_refuse(name, "mesh %u: its %u vertices or %u indices go beyond all %" PRIu64 " or %" PRIu64, m,
+			                   mesh->vertices, mesh->indices, h->vertices, h->indices);
+		for (uint32_t i = 0; i < mesh->indices; i++)
+			if (dump->indices[indices + i] >= mesh->vertices)
+				return load_refuse(name, "mesh %u: index %u is vertex %u, but it has %u", m, i,
+				                   dump->indices[indices + i], mesh->vertices);
+		if (!load_finite(dump->vertices[vertices].position,
+		                 (size_t)mesh->vertices * sizeof(stilb_scene_vertex) / sizeof(float)))
+			return load_refuse(name, "mesh %u: a vertex is not finite", m);
+		vertices += mesh->vertices;
+		indices += mesh->indices;
+	}
+	if (vertices != h->vertices || indices != h->indices)
+		return load_refuse(
+			name, "header: %" PRIu64 " vertices and %" PRIu64 " indices, but meshes have %" PRIu64 " and %" PRIu64,
+			h->vertices, h->indices, vertices, indices);
+	return STILB_OK;
+}
+
+static stilb_result load_check_draws(const stilb_render_dump *dump, const char *name)
+{
+	const render_dump_header *h = dump->header;
+	for (uint64_t d = 0; d < h->draws; d++) {
+		const render_dump_draw *draw = &dump->draws[d];
+		if (draw->mesh >= h->meshes || draw->material >= h->materials)
+			return load_refuse(name, "draw %" PRIu64 ": mesh %u and material %u, but there are %u and %u", d,
+			                   draw->mesh, draw->material, h->meshes, h->materials);
+		if (!load_finite(draw->transform, 12))
+			return load_refuse(name, "draw %" PRIu64 ": its transform is not finite", d);
+	}
+	return STILB_OK;
+}
+
+static void load_find_parts(stilb_render_dump *dump)
+{
+	uint64_t begin[RENDER_DUMP_PARTS + 1];
+	dump->header = (const render_dump_header *)dump->bytes;
+	render_dump_layout(dump->header, begin);
+	dump->views = (const render_dump_view *)(dump->bytes + begin[RENDER_DUMP_VIEWS]);
+	dump->passes = (const render_dump_pass *)(dump->bytes + begin[RENDER_DUMP_PASSES]);
+	dump->textures = (const render_dump_texture *)(dump->bytes + begin[RENDER_DUMP_TEXTURES]);
+	dump->materials = (const render_dump_material *)(dump->bytes + begin[RENDER_DUMP_MATERIALS]);
+	dump->meshes = (const render_dump_mesh *)(dump->bytes + begin[RENDER_DUMP_MESHES]);
+	dump->segments = (const uint32_t *)(dump->bytes + begin[RENDER_DUMP_SEGMENTS]);
+	dump->draws = (const render_dump_draw *)(dump->bytes + begin[RENDER_DUMP_DRAWS]);
+	dump->vertices = (const stilb_scene_vertex *)(dump->bytes + begin[RENDER_DUMP_VERTICES]);
+	dump->indices = (const uint32_t *)(dump->bytes + begin[RENDER_DUMP_INDICES]);
+	dump->pixels = dump->bytes + begin[RENDER_DUMP_PIXELS];
+}
+
+stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **out)
+{
+	stilb_result (*const checks[])(const stilb_render_dump *, const char *) = {
+		load_check_header,    load_check_views,  load_check_passes, load_check_textures,
+		load_check_materials, load_check_meshes, load_check_draws,
+	};
+	*out = NULL;
+	stilb_result result = load_check_whole(bytes, size, name);
+	stilb_render_dump *dump = result == STILB_OK ? calloc(1, sizeof *dump) : NULL;
+	if (!dump) {
+		free(bytes);
+		return result == STILB_OK ? stilb_fail(STILB_ERROR_MEMORY, "no memory for a frame dump") : result;
+	}
+	dump->bytes = bytes;
+	load_find_parts(dump);
+	for (size_t c = 0; c < sizeof checks / sizeof *checks && result == STILB_OK; c++)
+		result = checks[c](dump, name);
+	if (result == STILB_OK)
+		*out = dump;
+	else
+		stilb_render_dump_destroy(dump);
+	return result;
+}
+
+/* ---- files ----------------------------------------------------------------------------------------------------------- */
+
+/* How many bytes there are to be, as far as the first `size` of them say: no more is read than that. */
+static uint64_t load_wanted(const uint8_t *bytes, size_t size)
+{
+	render_dump_header header;
+	if (size < sizeof header)
+		return sizeof header;
+	memcpy(&header, bytes, sizeof header);
+	bool foreign = memcmp(header.magic, RENDER_DUMP_MAGIC, sizeof header.magic) != 0;
+	return foreign || header.file_size == UINT64_MAX ? sizeof header : header.file_size + 1; /* 1: does it go on? */
+}
+
+/* Reads what belongs to a dump, and a byte more if there is one. Memory follows what has been read, whatever the header
+ * says. 0, or an errno. */
+static int load_stream(FILE *stream, uint8_t **bytes, size_t *size)
+{
+	size_t capacity = 0;
+	*bytes = NULL;
+	*size = 0;
+	for (uint64_t wanted; *size < (wanted = load_wanted(*bytes, *size));) {
+		if (*size == capacity) {
+			capacity = capacity ? capacity * 2 : 65536;
+			uint8_t *grown = realloc(*bytes, capacity);
+			if (!grown)
+				return ENOMEM;
+			*bytes = grown;
+		}
+		uint64_t room = capacity - *size, missing = wanted - *size;
+		size_t step = (size_t)(room < missing ? room : missing);
+		errno = 0;
+		size_t read = fread(*bytes + *size, 1, step, stream);
+		*size += read;
+		if (read < step)
+			return ferror(stream) ? (errno ? errno : EIO) : 0;
+	}
+	return 0;
+}
+
+stilb_result stilb_render_dump_load(const char *path, stilb_render_dump **out)
+{
+	uint8_t *bytes;
+	size_t size;
+	*out = NULL;
+	bool standard = strcmp(path, "-") == 0;
+	FILE *stream = standard ? stdin : fopen(path, "rb");
+	if (!stream)
+		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", path, strerror(errno));
+	int error = load_stream(stream, &bytes, &size);
+	if (!standard)
+		fclose(stream);
+	if (error == 0)
+		return render_dump_read(bytes, size, path, out);
+	free(bytes);
+	return stilb_fail(error == ENOMEM ? STILB_ERROR_MEMORY : STILB_ERROR_FILE, "cannot read '%s': %s", path,
+	                  strerror(error));
+}
+
+void stilb_render_dump_destroy(stilb_render_dump *dump)
+{
+	if (!dump)
+		return;
+	free(dump->bytes);
+	free(dump->ready);
+	free(dump->first_draw);
+	free(dump);
+}

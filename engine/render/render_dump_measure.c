@@ -1,0 +1,327 @@
+/* What each kind of command of a dump costs: see render_dump.h for the method. */
+#include "render/render_dump_format.h"
+#include "render/render_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MEASURE_MAX_ROUNDS 2001u
+#define MEASURE_LEAST_COMMANDS 16u /* two frames that differ by fewer say nothing about one command */
+
+typedef enum measure_variant {
+	MEASURE_REAL,
+	MEASURE_FEW,
+	MEASURE_PLAIN,
+	MEASURE_ONE_PIPELINE,
+	MEASURE_SPLIT,
+	MEASURE_VARIANTS,
+} measure_variant;
+
+/* One frame: nanoseconds, and the commands that the device was given. */
+typedef struct measure_frame {
+	double record, order, pass, submit;
+	uint64_t draws, runs, material_binds, pipeline_binds;
+} measure_frame;
+
+typedef struct measure_job {
+	const stilb_render_dump *dump;
+	stilb_render *render;
+	stilb_job_pool *pool;
+	uint32_t worker;
+	uint32_t order[STILB_RENDER_MAX_PASSES]; /* the passes as they are replayed */
+	uint32_t lists;                          /* command lists of a pass: one, or one a worker */
+	render_run *runs;                        /* [draws of the dump]: those of the streams */
+	render_stream streams[STILB_RENDER_MAX_PASSES];
+} measure_job;
+
+/* ---- variants ------------------------------------------------------------------------------------------------------- */
+
+/* The first texture that a pass uses; 0: none. */
+static uint32_t measure_first_texture(const render_pass_lists *lists)
+{
+	uint32_t texture = 0;
+	for (uint32_t r = 0; r < lists->run_count && texture == 0; r++)
+		texture = render_state_texture(lists->runs[r].state);
+	return texture;
+}
+
+/* A state with the pipeline that all draws of the variant use: one with a texture if any draw has one, of the first
+ * draw's number. */
+static uint64_t measure_one_pipeline(const measure_job *job, uint64_t state, uint64_t first_state, uint32_t *texture)
+{
+	bool numbered = job->render->device->materials == STILB_RENDER_MATERIALS_PIPELINE;
+	*texture = render_state_texture(state) ? render_state_texture(state) : *texture; /* else the one that is bound */
+	uint64_t rest = (numbered ? first_state : state) & ~(uint64_t)RENDER_INDEX_MASK;
+	return rest | *texture;
+}
+
+/* Writes the runs of a variant of a pass to `out`; how many. */
+static uint32_t measure_runs(const measure_job *job, measure_variant variant, const render_pass_lists *lists,
+                             render_run *out)
+{
+	uint32_t count = 0, texture = measure_first_texture(lists);
+	uint64_t left = variant == MEASURE_FEW && lists->draws > job->lists ? job->lists : lists->draws;
+	for (const render_run *from = lists->runs; left > 0; from++) {
+		render_run run = *from;
+		if (variant == MEASURE_ONE_PIPELINE)
+			run.state = measure_one_pipeline(job, run.state, lists->runs[0].state, &texture);
+		else if (variant != MEASURE_REAL)
+			run.state = lists->runs[0].state;
+		run.count = run.count < left ? run.count : (uint32_t)left;
+		left -= run.count;
+		if (variant != MEASURE_SPLIT) {
+			out[count++] = run;
+			continue;
+		}
+		for (uint32_t d = 0; d < run.count; d++)
+			out[count++] = (render_run){run.first + d, 1, run.state};
+	}
+	return count;
+}
+
+static void measure_count(const render_stream *stream, stilb_render_materials materials, measure_frame *frame)
+{
+	uint64_t state = stream->run_count > 0 ? stream->runs[0].state : 0; /* the first bindings belong to the beginning */
+	for (uint32_t r = 0; r < stream->run_count; r++) {
+		uint32_t binds = render_binds_between(materials, state, stream->runs[r].state);
+		frame->material_binds += (binds & RENDER_BIND_MATERIAL) != 0;
+		frame->pipeline_binds += (binds & RENDER_BIND_PIPELINE) != 0;
+		state = stream->runs[r].state;
+	}
+	frame->draws += stream->draws;
+	frame->runs += stream->run_count;
+}
+
+/* The streams of a variant, ready to be timed. */
+static void measure_streams(measure_job *job, measure_variant variant, measure_frame *frame)
+{
+	stilb_render *render = job->render;
+	render_run *runs = job->runs;
+	for (uint32_t p = 0; p < job->dump->header->passes; p++) {
+		const stilb_render_pass *pass = &job->dump->pass_table[job->order[p]];
+		uint32_t count = measure_runs(job, variant, &render->passes[job->order[p]], runs);
+		render_stream *stream = &job->streams[p];
+		*stream = (render_stream){.pass = pass,
+		                          .view = &job->dump->view_table[pass->view],
+		                          .commands = render_commands(render),
+		                          .runs = runs,
+		                          .run_count = count,
+		                          .pool = job->pool,
+		                          .worker = job->worker};
+		for (uint32_t r = 0; r < count; r++)
+			stream->draws += runs[r].count;
+		measure_count(stream, render->device->materials, frame);
+		runs += count;
+	}
+}
+
+/* ---- frames ----------------------------------------------------------------------------------------------------------- */
+
+static double measure_since(uint64_t *start)
+{
+	uint64_t now = stilb_time_ns(), before = *start;
+	*start = now;
+	return (double)(now - before);
+}
+
+static stilb_result measure_order(measure_job *job)
+{
+	stilb_result result = render_memory_place(job->render);
+	for (uint32_t p = 0; p < job->dump->header->passes && result == STILB_OK; p++)
+		result = render_order(job->render, &job->dump->pass_table[job->order[p]], &job->render->passes[job->order[p]]);
+	return result;
+}
+
+/* What is not submitted is forgotten by the next frame that begins in its slot. */
+static stilb_result measure_frame_run(measure_job *job, measure_variant variant, bool submit, measure_frame *frame)
+{
+	render_device *device = job->render->device;
+	*frame = (measure_frame){.submit = (double)NAN};
+	stilb_result result = stilb_render_wait(job->render);
+	if (result == STILB_OK)
+		result = stilb_render_frame_begin(job->render);
+	uint64_t clock = stilb_time_ns();
+	if (result == STILB_OK)
+		result = stilb_render_dump_record(job->dump, job->render, job->pool, job->worker);
+	frame->record = measure_since(&clock);
+	if (result == STILB_OK)
+		result = measure_order(job);
+	frame->order = measure_since(&clock);
+	if (result != STILB_OK)
+		return result;
+	measure_streams(job, variant, frame);
+	clock = stilb_time_ns();
+	for (uint32_t p = 0; p < job->dump->header->passes && result == STILB_OK; p++)
+		result = device->functions->pass(device, &job->streams[p]);
+	frame->pass = measure_since(&clock);
+	if (result == STILB_OK && submit) {
+		device->frames++;
+		result = device->functions->submit(device);
+		frame->submit = measure_since(&clock);
+	}
+	return result;
+}
+
+/* ---- numbers ---------------------------------------------------------------------------------------------------------- */
+
+enum { KIND_RECORD, KIND_ORDER, KIND_BEGIN, KIND_DRAW, KIND_INDIRECT, KIND_MATERIAL, KIND_PIPELINE, KIND_SUBMIT };
+static_assert(KIND_SUBMIT + 1 == STILB_RENDER_DUMP_COSTS, "one row a kind");
+
+/* Nanoseconds of one command of each kind, in one round. */
+typedef struct measure_round {
+	double ns[STILB_RENDER_DUMP_COSTS], frame;
+} measure_round;
+
+/* What one of the commands costs that `with` has and `without` has not; NAN: they are too few to tell. */
+static double measure_difference(const measure_frame *with, const measure_frame *without, uint64_t count_with,
+                                 uint64_t count_without)
+{
+	if (count_with < count_without + MEASURE_LEAST_COMMANDS)
+		return (double)NAN;
+	return (with->pass - without->pass) / (double)(count_with - count_without);
+}
+
+/* The real frame has more pipeline binds than the one with one pipeline, and perhaps some more material binds. */
+static double measure_pipeline(const measure_frame *real, const measure_frame *one, double material_ns)
+{
+	uint64_t materials = real->material_binds - one->material_binds;
+	if (real->pipeline_binds < one->pipeline_binds + MEASURE_LEAST_COMMANDS)
+		return (double)NAN;
+	double binds = materials == 0 ? 0.0 : (double)materials * material_ns;
+	return (real->pass - one->pass - binds) / (double)(real->pipeline_binds - one->pipeline_binds);
+}
+
+static measure_round measure_divide(const measure_job *job, const measure_frame frames[MEASURE_VARIANTS])
+{
+	const measure_frame *real = &frames[MEASURE_REAL], *few = &frames[MEASURE_FEW], *plain = &frames[MEASURE_PLAIN];
+	const measure_frame *one = &frames[MEASURE_ONE_PIPELINE], *split = &frames[MEASURE_SPLIT];
+	bool indirect = job->render->device->replay == STILB_RENDER_REPLAY_INDIRECT;
+	double material_ns = measure_difference(one, plain, one->material_binds, plain->material_binds);
+	double draws = (double)real->draws, lists = (double)job->lists * job->dump->header->passes;
+	return (measure_round){
+		.ns = {[KIND_RECORD] = draws > 0 ? real->record / draws : (double)NAN,
+	           [KIND_ORDER] = draws > 0 ? real->order / draws : (double)NAN,
+	           [KIND_BEGIN] = few->pass / lists,
+	           [KIND_DRAW] = indirect ? (double)NAN : measure_difference(plain, few, plain->draws, few->draws),
+	           [KIND_INDIRECT] = indirect ? measure_difference(split, few, split->runs, few->runs) : (double)NAN,
+	           [KIND_MATERIAL] = material_ns,
+	           [KIND_PIPELINE] = measure_pipeline(real, one, material_ns),
+	           [KIND_SUBMIT] = real->submit},
+		.frame = real->record + real->order + real->pass,
+	};
+}
+
+static int measure_compare(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+/* Median and quartiles of the numbers there are, values[count], which it sorts: nearest rank. */
+static void measure_summarise(double *values, uint32_t count, stilb_render_dump_cost *cost)
+{
+	qsort(values, count, sizeof *values, measure_compare);
+	cost->known = count > 0;
+	if (count == 0)
+		return;
+	cost->low = values[(count - 1) / 4];
+	cost->ns = values[(count - 1) / 2];
+	cost->high = values[(count - 1) - (count - 1) / 4];
+}
+
+static void measure_rows(const measure_job *job, const measure_round *rounds, const measure_frame *real, double *values,
+                         stilb_render_dump_costs *costs)
+{
+	const bool secondary = job->render->device->replay == STILB_RENDER_REPLAY_SECONDARY;
+	const bool indirect = job->render->device->replay == STILB_RENDER_REPLAY_INDIRECT;
+	const uint32_t passes = job->dump->header->passes;
+	const stilb_render_dump_cost rows[STILB_RENDER_DUMP_COSTS] = {
+		[KIND_RECORD] = {"record a draw", "real: its recording", real->draws, false, 0, 0, 0},
+		[KIND_ORDER] = {"order a draw", "real: its ordering", real->draws, false, 0, 0, 0},
+		[KIND_BEGIN] = {secondary ? "execute" : "begin a pass",
+	                    secondary ? "few: begin, first binds, end, execute"
+	                              : "few: targets, buffers, first binds, a draw",
+	                    secondary ? (uint64_t)passes * job->lists : passes, false, 0, 0, 0},
+		[KIND_DRAW] = {"draw", "plain - few", indirect ? 0 : real->draws, false, 0, 0, 0},
+		[KIND_INDIRECT] = {"draw indirect", "split - few", indirect ? real->runs : 0, false, 0, 0, 0},
+		[KIND_MATERIAL] = {"bind a material", "one pipeline - plain", real->material_binds, false, 0, 0, 0},
+		[KIND_PIPELINE] = {"bind a pipeline", "real - one pipeline", real->pipeline_binds, false, 0, 0, 0},
+		[KIND_SUBMIT] = {"submit", "real: the call", 1, false, 0, 0, 0},
+	};
+	memcpy(costs->kinds, rows, sizeof rows);
+	for (int k = 0; k < STILB_RENDER_DUMP_COSTS; k++) {
+		uint32_t count = 0;
+		for (uint32_t r = 0; r < costs->rounds; r++)
+			if (!isnan(rounds[r].ns[k]))
+				values[count++] = rounds[r].ns[k];
+		measure_summarise(values, count, &costs->kinds[k]);
+	}
+	for (uint32_t r = 0; r < costs->rounds; r++)
+		values[r] = rounds[r].frame;
+	stilb_render_dump_cost frame = {0};
+	measure_summarise(values, costs->rounds, &frame);
+	costs->frame_ns = frame.ns;
+}
+
+static stilb_result measure_rounds(measure_job *job, double seconds, measure_round *rounds, double *values,
+                                   stilb_render_dump_costs *costs)
+{
+	measure_frame frames[MEASURE_VARIANTS] = {0};
+	bool indirect = job->render->device->replay == STILB_RENDER_REPLAY_INDIRECT;
+	uint64_t end = 0;
+	costs->rounds = 0;
+	while (costs->rounds < MEASURE_MAX_ROUNDS &&
+	       (costs->rounds < STILB_RENDER_DUMP_MIN_ROUNDS || stilb_time_ns() < end)) {
+		bool submit = costs->rounds < STILB_RENDER_DUMP_MIN_ROUNDS; /* the device may take long to draw */
+		for (int v = 0; v < MEASURE_VARIANTS; v++) {
+			if (v == MEASURE_SPLIT && !indirect)
+				continue;
+			stilb_result result = measure_frame_run(job, (measure_variant)v, submit && v == MEASURE_REAL, &frames[v]);
+			if (result != STILB_OK)
+				return result;
+		}
+		rounds[costs->rounds++] = measure_divide(job, frames);
+		if (submit)
+			end = stilb_time_ns() + (uint64_t)(seconds * 1e9);
+	}
+	measure_rows(job, rounds, &frames[MEASURE_REAL], values, costs);
+	return stilb_render_wait(job->render);
+}
+
+/* A frame through the public calls: what is new is on the device after it, and it knows the order of the passes. */
+static stilb_result measure_first_frame(measure_job *job)
+{
+	stilb_result result = stilb_render_frame_begin(job->render);
+	if (result == STILB_OK)
+		result = stilb_render_dump_record(job->dump, job->render, job->pool, job->worker);
+	if (result == STILB_OK)
+		result = stilb_render_dump_replay(job->dump, job->render, job->pool, job->worker);
+	memcpy(job->order, job->render->replayed, sizeof job->order);
+	return result;
+}
+
+stilb_result stilb_render_dump_measure(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
+                                       uint32_t worker, double seconds, stilb_render_dump_costs *costs)
+{
+	bool secondary = render->device->replay == STILB_RENDER_REPLAY_SECONDARY;
+	measure_job job = {.dump = dump,
+	                   .render = render,
+	                   .pool = pool,
+	                   .worker = worker,
+	                   .lists = secondary ? stilb_job_pool_worker_count(pool) + 1 : 1,
+	                   .runs = stilb_memory_alloc(dump->header->draws, sizeof(render_run))};
+	measure_round *rounds = stilb_memory_alloc(MEASURE_MAX_ROUNDS, sizeof *rounds);
+	double *values = stilb_memory_alloc(MEASURE_MAX_ROUNDS, sizeof *values);
+	*costs = (stilb_render_dump_costs){0};
+	stilb_result result = job.runs && rounds && values
+	                          ? STILB_OK
+	                          : stilb_fail(STILB_ERROR_MEMORY, "no memory for measuring the commands of a dump");
+	if (result == STILB_OK)
+		result = measure_first_frame(&job);
+	if (result == STILB_OK)
+		result = measure_rounds(&job, seconds, rounds, values, costs);
+	free(job.runs);
+	free(rounds);
+	free(values);
+	return result;
+}

@@ -1,0 +1,342 @@
+/* Writing a dump: what the draws use is found first, so that the size is known; then the bytes are put together. */
+#include "base/base_file.h"
+#include "render/render_dump_format.h"
+#include "render/render_internal.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAVE_UNUSED UINT32_MAX
+
+/* The ids that draws use, and the places they get in the file's table. */
+typedef struct save_table {
+	uint32_t *place; /* [end]: SAVE_UNUSED or the place */
+	uint32_t *ids;   /* [count], ascending */
+	uint32_t end, count;
+} save_table;
+
+typedef struct save_job {
+	stilb_render *render;
+	const stilb_render_pass *passes;
+	const stilb_render_view *views;
+	render_dump_header header;
+	uint64_t begin[RENDER_DUMP_PARTS + 1];
+	uint8_t *bytes;
+	save_table meshes, materials, textures;
+} save_job;
+
+/* ---- draws as they were recorded --------------------------------------------------------------------------------------- */
+
+typedef void save_draw_fn(void *user, const render_command *command, const render_row *row);
+
+static void save_each_draw_of_segment(const stilb_render *render, const render_segment *segment, save_draw_fn *fn,
+                                      void *user)
+{
+	for (uint32_t r = 0; r < segment->run_count; r++) {
+		const render_run *run = &segment->context->runs[segment->first_run + r];
+		for (uint32_t c = run->first; c < run->first + run->count; c++) {
+			const render_command *command = &render_commands(render)[c];
+			fn(user, command, &render_rows(render)[command->row]);
+		}
+	}
+}
+
+static void save_each_draw(const save_job *job, save_draw_fn *fn, void *user)
+{
+	for (uint32_t p = 0; p < job->header.passes; p++) {
+		const render_pass_lists *lists = &job->render->passes[p];
+		for (uint32_t s = 0; s < lists->segment_count; s++)
+			save_each_draw_of_segment(job->render, &lists->segments[s], fn, user);
+	}
+}
+
+static uint32_t save_segment_draws(const render_segment *segment)
+{
+	uint32_t draws = 0;
+	for (uint32_t r = 0; r < segment->run_count; r++)
+		draws += segment->context->runs[segment->first_run + r].count;
+	return draws;
+}
+
+/* ---- what the draws use ------------------------------------------------------------------------------------------------ */
+
+typedef struct save_most {
+	uint32_t mesh, material;
+	uint64_t draws;
+} save_most;
+
+static void save_find_most(void *user, const render_command *command, const render_row *row)
+{
+	save_most *most = user;
+	most->mesh = row->mesh >= most->mesh ? row->mesh + 1 : most->mesh;
+	most->material = command->material >= most->material ? command->material + 1 : most->material;
+	most->draws++;
+}
+
+static void save_mark(void *user, const render_command *command, const render_row *row)
+{
+	save_job *job = user;
+	job->meshes.place[row->mesh] = 0;
+	job->materials.place[command->material] = 0;
+}
+
+static bool save_table_create(save_table *table, uint32_t end)
+{
+	table->end = end;
+	table->place = malloc((end ? end : 1) * sizeof *table->place);
+	table->ids = malloc((end ? end : 1) * sizeof *table->ids);
+	if (table->place)
+		memset(table->place, 0xff, end * sizeof *table->place);
+	return table->place && table->ids;
+}
+
+/* What is marked gets its place. */
+static void save_table_close(save_table *table)
+{
+	for (uint32_t id = 0; id < table->end; id++)
+		if (table->place[id] != SAVE_UNUSED) {
+			table->ids[table->count] = id;
+			table->place[id] = table->count++;
+		}
+}
+
+static void save_table_finish(save_table *table)
+{
+	free(table->place);
+	free(table->ids);
+}
+
+static uint32_t save_texture_of(const save_job *job, uint32_t material)
+{
+	return job->render->resources.materials[material] & RENDER_INDEX_MASK;
+}
+
+static stilb_result save_find_used(save_job *job)
+{
+	save_most most = {0};
+	save_each_draw(job, save_find_most, &most);
+	job->header.draws = most.draws;
+	if (!save_table_create(&job->meshes, most.mesh) || !save_table_create(&job->materials, most.material) ||
+	    !save_table_create(&job->textures, STILB_RENDER_MAX_TEXTURES))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for what a frame's draws use");
+	save_each_draw(job, save_mark, job);
+	save_table_close(&job->meshes);
+	save_table_close(&job->materials);
+	for (uint32_t m = 0; m < job->materials.count; m++) {
+		uint32_t texture = save_texture_of(job, job->materials.ids[m]);
+		if (texture != 0)
+			job->textures.place[texture] = 0;
+	}
+	save_table_close(&job->textures);
+	return STILB_OK;
+}
+
+/* ---- sizes --------------------------------------------------------------------------------------------------------------- */
+
+static render_dump_texture save_texture(const save_job *job, uint32_t place)
+{
+	uint32_t id = job->textures.ids[place];
+	const stilb_image *pictures = job->render->resources.pictures;
+	const stilb_image image = pictures ? pictures[id] : (stilb_image){0};
+	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
+}
+
+/* With the lock of resources. */
+static stilb_result save_size(save_job *job)
+{
+	render_dump_header *header = &job->header;
+	header->meshes = job->meshes.count;
+	header->materials = job->materials.count;
+	header->textures = job->textures.count;
+	for (uint32_t p = 0; p < header->passes; p++)
+		header->segments += job->render->passes[p].segment_count;
+	for (uint32_t m = 0; m < header->meshes; m++) {
+		const render_mesh_slot *slot = &job->render->resources.meshes[job->meshes.ids[m]];
+		header->vertices += slot->vertex_count;
+		header->indices += slot->index_count;
+	}
+	for (uint32_t t = 0; t < header->textures; t++) {
+		render_dump_texture texture = save_texture(job, t);
+		if (texture.width == 0)
+			return stilb_fail(STILB_ERROR_ARGUMENT,
+			                  "cannot dump a frame that uses texture %u: its pixels were not kept; make the renderer "
+			                  "with keep_textures",
+			                  texture.id);
+		header->pixel_bytes += render_dump_fill(render_dump_pixel_bytes(&texture));
+	}
+	render_dump_layout(header, job->begin); /* what is in memory fits */
+	header->file_size = job->begin[RENDER_DUMP_PARTS];
+	return STILB_OK;
+}
+
+/* ---- parts --------------------------------------------------------------------------------------------------------------- */
+
+static void *save_part(const save_job *job, render_dump_part part)
+{
+	return job->bytes + job->begin[part];
+}
+
+static void save_put_views(const save_job *job)
+{
+	render_dump_view *out = save_part(job, RENDER_DUMP_VIEWS);
+	for (uint32_t v = 0; v < job->header.views; v++, out++) {
+		const stilb_render_view *view = &job->views[v];
+		memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
+		memcpy(out->camera_position, view->camera_position, sizeof out->camera_position);
+		memcpy(out->sun_direction, view->sun.direction, sizeof out->sun_direction);
+		memcpy(out->sun_irradiance, view->sun.irradiance, sizeof out->sun_irradiance);
+		memcpy(out->sky, view->sky.sky, sizeof out->sky);
+		memcpy(out->ground, view->sky.ground, sizeof out->ground);
+	}
+}
+
+static void save_put_passes(const save_job *job)
+{
+	render_dump_pass *out = save_part(job, RENDER_DUMP_PASSES);
+	uint32_t *segment = save_part(job, RENDER_DUMP_SEGMENTS);
+	for (uint32_t p = 0; p < job->header.passes; p++, out++) {
+		const stilb_render_pass *pass = &job->passes[p];
+		const render_pass_lists *lists = &job->render->passes[p];
+		for (size_t c = 0; pass->name && pass->name[c] && c < sizeof out->name - 1; c++)
+			out->name[c] = iscntrl((unsigned char)pass->name[c]) ? '?' : pass->name[c];
+		out->view = pass->view;
+		out->target = pass->target;
+		out->order = pass->order;
+		out->sort = pass->sort;
+		out->segments = lists->segment_count;
+		for (uint32_t s = 0; s < lists->segment_count; s++) {
+			*segment = save_segment_draws(&lists->segments[s]);
+			out->draws += *segment++;
+		}
+	}
+}
+
+/* With the lock of resources. */
+static void save_put_textures(const save_job *job)
+{
+	render_dump_texture *out = save_part(job, RENDER_DUMP_TEXTURES);
+	uint8_t *pixels = save_part(job, RENDER_DUMP_PIXELS);
+	for (uint32_t t = 0; t < job->header.textures; t++, out++) {
+		*out = save_texture(job, t);
+		uint64_t bytes = render_dump_pixel_bytes(out);
+		memcpy(pixels, job->render->resources.pictures[out->id].pixels, bytes);
+		pixels += render_dump_fill(bytes);
+	}
+}
+
+/* With the lock of resources. */
+static void save_put_materials(const save_job *job)
+{
+	const render_material *heap = (const render_material *)job->render->resources.heaps[RENDER_HEAP_MATERIALS].data;
+	render_dump_material *out = save_part(job, RENDER_DUMP_MATERIALS);
+	for (uint32_t m = 0; m < job->header.materials; m++, out++) {
+		out->id = job->materials.ids[m];
+		uint32_t texture = save_texture_of(job, out->id);
+		out->texture = texture ? job->textures.place[texture] + 1 : 0;
+		memcpy(out->diffuse, heap[out->id].diffuse, sizeof out->diffuse);
+		memcpy(out->specular, heap[out->id].specular, sizeof out->specular);
+		out->shininess = heap[out->id].shininess;
+	}
+}
+
+/* With the lock of resources. */
+static void save_put_meshes(const save_job *job)
+{
+	const render_resources *resources = &job->render->resources;
+	const stilb_scene_vertex *vertex_heap = (const stilb_scene_vertex *)resources->heaps[RENDER_HEAP_VERTICES].data;
+	const uint32_t *index_heap = (const uint32_t *)resources->heaps[RENDER_HEAP_INDICES].data;
+	render_dump_mesh *out = save_part(job, RENDER_DUMP_MESHES);
+	stilb_scene_vertex *vertices = save_part(job, RENDER_DUMP_VERTICES);
+	uint32_t *indices = save_part(job, RENDER_DUMP_INDICES);
+	for (uint32_t m = 0; m < job->header.meshes; m++, out++) {
+		out->id = job->meshes.ids[m];
+		const render_mesh_slot *slot = &resources->meshes[out->id];
+		out->vertices = slot->vertex_count;
+		out->indices = slot->index_count;
+		memcpy(vertices, vertex_heap + slot->vertex_offset, slot->vertex_count * sizeof *vertices);
+		memcpy(indices, index_heap + slot->first_index, slot->index_count * sizeof *indices);
+		vertices += slot->vertex_count;
+		indices += slot->index_count;
+	}
+}
+
+typedef struct save_draws {
+	const save_job *job;
+	render_dump_draw *out;
+} save_draws;
+
+static void save_put_draw(void *user, const render_command *command, const render_row *row)
+{
+	save_draws *draws = user;
+	render_dump_draw *out = draws->out++;
+	out->key = command->key;
+	out->mesh = draws->job->meshes.place[row->mesh];
+	out->material = draws->job->materials.place[command->material];
+	memcpy(out->transform, row->transform, sizeof out->transform);
+}
+
+static stilb_result save_put(save_job *job, const char *path)
+{
+	save_draws draws = {job, save_part(job, RENDER_DUMP_DRAWS)};
+	memcpy(job->bytes, &job->header, sizeof job->header);
+	save_put_views(job);
+	save_put_passes(job);
+	save_each_draw(job, save_put_draw, &draws);
+	uint64_t end = job->begin[RENDER_DUMP_CHECKSUM];
+	uint64_t checksum = stilb_hash_fnv1a64(STILB_FNV1A64_START, job->bytes, end);
+	memcpy(job->bytes + end, &checksum, sizeof checksum);
+	return stilb_file_save(path, job->bytes, job->header.file_size);
+}
+
+/* Sizes the file, and fills in what other threads may move meanwhile: the heaps. */
+static stilb_result save_put_resources(save_job *job)
+{
+	pthread_mutex_lock(&job->render->resources.lock);
+	stilb_result result = save_size(job);
+	job->bytes = result == STILB_OK ? calloc(1, job->header.file_size) : NULL;
+	if (job->bytes) {
+		save_put_textures(job);
+		save_put_materials(job);
+		save_put_meshes(job);
+	}
+	pthread_mutex_unlock(&job->render->resources.lock);
+	if (result != STILB_OK || job->bytes)
+		return result;
+	return stilb_fail(STILB_ERROR_MEMORY, "no memory for a dump of %llu bytes",
+	                  (unsigned long long)job->header.file_size);
+}
+
+stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
+                                    const stilb_render_view *views, uint32_t view_count, const char *path)
+{
+	STILB_ASSERT(view_count >= 1 && view_count <= RENDER_DUMP_MAX_VIEWS);
+	if (render->replayed_count == 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: none has been replayed");
+	STILB_ASSERT(pass_count == render->replayed_count);
+	save_job job = {
+		.render = render,
+		.passes = passes,
+		.views = views,
+		.header = {.magic = RENDER_DUMP_MAGIC,
+	               .version = RENDER_DUMP_VERSION,
+	               .byte_order = RENDER_DUMP_BYTE_ORDER,
+	               .stream_hash = stilb_render_stream_hash(render),
+	               .width = render->device->width,
+	               .height = render->device->height,
+	               .samples = render->device->samples,
+	               .output = render->output,
+	               .views = view_count,
+	               .passes = pass_count},
+	};
+	stilb_result result = save_find_used(&job);
+	if (result == STILB_OK)
+		result = save_put_resources(&job);
+	if (result == STILB_OK)
+		result = save_put(&job, path);
+	free(job.bytes);
+	save_table_finish(&job.meshes);
+	save_table_finish(&job.materials);
+	save_table_finish(&job.textures);
+	return result;
+}

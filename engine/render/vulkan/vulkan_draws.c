@@ -1,0 +1,99 @@
+/* Draws into a command buffer, each after what it needs bound and the draw before did not. Any thread, one a command buffer. */
+#include "render/vulkan/vulkan_internal.h"
+
+void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
+{
+	const VkRect2D area = {.extent = {device->base.width, device->base.height}};
+	const VkViewport viewport = {
+		.width = (float)device->base.width, .height = (float)device->base.height, .minDepth = 0.0f, .maxDepth = 1.0f};
+	vkCmdSetViewport(commands, 0, 1, &viewport);
+	vkCmdSetScissor(commands, 0, 1, &area);
+}
+
+/* ---- binding ------------------------------------------------------------------------------------------------------- */
+
+static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
+{
+	const vulkan_slot *slot = vulkan_slot_now(device);
+	const vulkan_push push = {
+		.view = slot->views.address + device->pass * sizeof(vulkan_view),
+		.rows = slot->memory[RENDER_MEMORY_ROWS].address,
+		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
+	};
+	vkCmdPushConstants(commands, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+	                   sizeof push, &push);
+	vkCmdBindVertexBuffers(commands, 0, 1, &device->heaps[RENDER_HEAP_VERTICES].buffer, &(VkDeviceSize){0});
+	vkCmdBindIndexBuffer(commands, device->heaps[RENDER_HEAP_INDICES].buffer, 0, VK_INDEX_TYPE_UINT32);
+}
+
+/* The sets of the state's texture and material, as far as it has such. */
+static void draws_bind_sets(vulkan_device *device, VkCommandBuffer commands, uint64_t state)
+{
+	uint32_t texture = render_state_texture(state), first = texture ? 0 : 1, count = 0, offsets = 0;
+	VkDeviceSize offset = 0;
+	VkDescriptorSet sets[2];
+	if (texture)
+		sets[count++] = device->textures[texture].set;
+	if (device->base.materials == STILB_RENDER_MATERIALS_BIND) {
+		sets[count++] = vulkan_slot_now(device)->material_set;
+		offset = render_state_material(state) * vulkan_material_stride(device);
+		offsets = 1;
+	}
+	if (count > 0)
+		vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, device->pipeline_layout, first, count, sets,
+		                        offsets, &(uint32_t){(uint32_t)offset});
+}
+
+/* How much had to be bound. */
+static uint32_t draws_bind(vulkan_device *device, VkCommandBuffer commands, uint64_t from, uint64_t to)
+{
+	uint32_t binds = render_binds_between(device->base.materials, from, to);
+	if (binds & RENDER_BIND_PIPELINE)
+		vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, vulkan_pipeline_for(device, to));
+	if (binds & RENDER_BIND_BUFFERS)
+		draws_bind_buffers(device, commands);
+	if (binds & RENDER_BIND_MATERIAL)
+		draws_bind_sets(device, commands, to);
+	return (uint32_t)__builtin_popcount(binds);
+}
+
+/* ---- draws --------------------------------------------------------------------------------------------------------- */
+
+vulkan_sent vulkan_draws_direct(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
+                                render_part part)
+{
+	vulkan_sent sent = {0};
+	uint64_t state = RENDER_NO_STATE;
+	for (const render_run *run = stream->runs + part.run; sent.draws < part.count; run++, part.offset = 0) {
+		uint64_t left = part.count - sent.draws;
+		uint32_t count = run->count - part.offset;
+		count = count < left ? count : (uint32_t)left;
+		sent.binds += draws_bind(device, commands, state, run->state);
+		state = run->state;
+		const render_command *command = stream->commands + run->first + part.offset;
+		for (uint32_t i = 0; i < count; i++, command++)
+			vkCmdDrawIndexed(commands, command->index_count, 1, command->first_index, command->vertex_offset,
+			                 command->row);
+		sent.draws += count;
+	}
+	return sent;
+}
+
+vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream)
+{
+	vulkan_sent sent = {0};
+	uint64_t state = RENDER_NO_STATE;
+	const uint32_t most = device->properties.limits.maxDrawIndirectCount;
+	VkBuffer buffer = vulkan_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer;
+	for (const render_run *run = stream->runs; run < stream->runs + stream->run_count; run++) {
+		sent.binds += draws_bind(device, commands, state, run->state);
+		state = run->state;
+		for (uint32_t done = 0, count; done < run->count; done += count) {
+			count = run->count - done < most ? run->count - done : most;
+			vkCmdDrawIndexedIndirect(commands, buffer, (run->first + (VkDeviceSize)done) * sizeof(render_command),
+			                         count, sizeof(render_command));
+			sent.draws++;
+		}
+	}
+	return sent;
+}

@@ -1,0 +1,165 @@
+/* Textures on the GPU: an image and a descriptor set each, both made on the thread that creates the texture. One mip level:
+ * textures are sampled as they are, and what is far away may flicker. Guarded by the lock of resources. */
+#include "render/vulkan/vulkan_internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const VkFormat texture_formats[] = {
+	[STILB_IMAGE_U8_SRGB] = VK_FORMAT_R8G8B8A8_SRGB,
+	[STILB_IMAGE_F16_LINEAR] = VK_FORMAT_R16G16B16A16_SFLOAT,
+	[STILB_IMAGE_F32_LINEAR] = VK_FORMAT_R32G32B32A32_SFLOAT,
+};
+
+static VkResult textures_make(vulkan_device *device)
+{
+	const VkSamplerCreateInfo sampler = {
+		.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+		.magFilter = VK_FILTER_LINEAR,
+		.minFilter = VK_FILTER_LINEAR,
+		.addressModeU = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+		.addressModeV = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+	};
+	const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, STILB_RENDER_MAX_TEXTURES};
+	const VkDescriptorPoolCreateInfo pool = {
+		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+		.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
+		.maxSets = STILB_RENDER_MAX_TEXTURES,
+		.poolSizeCount = 1,
+		.pPoolSizes = &size,
+	};
+	VkResult result = vkCreateSampler(device->device, &sampler, device->allocator, &device->sampler);
+	if (result == VK_SUCCESS)
+		result = vkCreateDescriptorPool(device->device, &pool, device->allocator, &device->texture_pool);
+	return result;
+}
+
+stilb_result vulkan_textures_create(vulkan_device *device)
+{
+	device->textures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *device->textures);
+	if (!device->textures)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the table of textures");
+	VkResult result = textures_make(device);
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make a sampler of textures");
+}
+
+void vulkan_textures_destroy(vulkan_device *device)
+{
+	for (uint32_t t = 0; device->textures && t < STILB_RENDER_MAX_TEXTURES; t++)
+		vulkan_image_destroy(device, &device->textures[t].image);
+	vkDestroyDescriptorPool(device->device, device->texture_pool, device->allocator); /* and the sets */
+	vkDestroySampler(device->device, device->sampler, device->allocator);
+	free(device->textures);
+	device->textures = NULL;
+}
+
+/* ---- one texture --------------------------------------------------------------------------------------------------- */
+
+/* Beyond its limits a GPU may do anything, so they are asked for first. */
+static stilb_result texture_check(const vulkan_device *device, const VkImageCreateInfo *info)
+{
+	const VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
+	                                    VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
+	                                    VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+	VkFormatProperties format;
+	VkImageFormatProperties can;
+	vkGetPhysicalDeviceFormatProperties(device->gpu, info->format, &format);
+	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu, info->format, info->imageType, info->tiling,
+	                                                           info->usage, info->flags, &can);
+	if ((format.optimalTilingFeatures & needed) != needed || result == VK_ERROR_FORMAT_NOT_SUPPORTED)
+		return stilb_fail(STILB_ERROR_DEVICE,
+		                  "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats",
+		                  device->base.name,
+		                  info->format == VK_FORMAT_R32G32B32A32_SFLOAT ? "32-bit floats" : "this format");
+	if (result != VK_SUCCESS)
+		return vulkan_fail(device, result, "ask the GPU for its largest texture");
+	if (info->extent.width > can.maxExtent.width || info->extent.height > can.maxExtent.height)
+		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has textures of up to %ux%u, not %ux%u; use a smaller image",
+		                  device->base.name, can.maxExtent.width, can.maxExtent.height, info->extent.width,
+		                  info->extent.height);
+	return STILB_OK;
+}
+
+static VkResult texture_set_create(vulkan_device *device, vulkan_texture *texture)
+{
+	const VkDescriptorSetAllocateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+		.descriptorPool = device->texture_pool,
+		.descriptorSetCount = 1,
+		.pSetLayouts = &device->texture_layout,
+	};
+	VkResult result = vkAllocateDescriptorSets(device->device, &info, &texture->set);
+	if (result != VK_SUCCESS)
+		return result;
+	const VkDescriptorImageInfo image = {
+		.imageView = texture->image.view,
+		.imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+	};
+	const VkWriteDescriptorSet write = {
+		.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+		.dstSet = texture->set,
+		.descriptorCount = 1,
+		.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+		.pImageInfo = &image,
+	};
+	vkUpdateDescriptorSets(device->device, 1, &write, 0, NULL);
+	return VK_SUCCESS;
+}
+
+stilb_result vulkan_texture_create(render_device *base, uint32_t index, const stilb_image *image)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	vulkan_texture *texture = &device->textures[index];
+	const VkImageCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+		.imageType = VK_IMAGE_TYPE_2D,
+		.format = texture_formats[image->format],
+		.extent = {image->width, image->height, 1},
+		.mipLevels = 1,
+		.arrayLayers = 1,
+		.samples = VK_SAMPLE_COUNT_1_BIT,
+		.tiling = VK_IMAGE_TILING_OPTIMAL,
+		.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+		.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+	};
+	stilb_result possible = texture_check(device, &info);
+	if (possible != STILB_OK)
+		return possible;
+	VkResult result = vulkan_image_create(device, &info, VK_IMAGE_ASPECT_COLOR_BIT, &texture->image);
+	if (result == VK_SUCCESS)
+		result = texture_set_create(device, texture);
+	if (result == VK_SUCCESS)
+		return STILB_OK;
+	vulkan_image_destroy(device, &texture->image);
+	char what[64];
+	snprintf(what, sizeof what, "make a texture of %ux%u pixels", image->width, image->height);
+	return vulkan_fail(device, result, what);
+}
+
+void vulkan_texture_destroy(render_device *base, uint32_t index)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	vulkan_texture *texture = &device->textures[index];
+	vkFreeDescriptorSets(device->device, device->texture_pool, 1, &texture->set);
+	vulkan_image_destroy(device, &texture->image);
+	*texture = (vulkan_texture){0};
+}
+
+void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upload, VkDeviceSize at)
+{
+	vulkan_slot *slot = vulkan_slot_now(device);
+	VkImage image = device->textures[upload->texture].image.image;
+	const VkBufferImageCopy region = {
+		.bufferOffset = at,
+		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
+		.imageExtent = {upload->image.width, upload->image.height, 1},
+	};
+	vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+	                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE,
+	                     VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+	vkCmdCopyBufferToImage(slot->draw, slot->staging.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+	vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+	                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
+	                     VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+	                     VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
+}

@@ -1,0 +1,621 @@
+/* Frame dumps on the null device: the same stream comes back from a file, and a file of any bytes is refused with a reason
+ * or played. The linker sends allocations here (--wrap). */
+#include "render/render_dump_format.h"
+#include "render/render_internal.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define PATH "test_render_dump.dump"
+#define PATH_AGAIN "test_render_dump_again.dump"
+
+/* ---- memory that runs out -------------------------------------------------------------------------------------------- */
+
+/* Allocations that still succeed. Relaxed: a counter, orders nothing. */
+static _Atomic int64_t allocations_left = INT64_MAX;
+
+void *__real_stilb_memory_alloc(size_t count, size_t size);
+void *__wrap_stilb_memory_alloc(size_t count, size_t size);
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+
+static bool granted(void)
+{
+	return atomic_fetch_sub_explicit(&allocations_left, 1, memory_order_relaxed) > 0;
+}
+
+static void allow(int64_t count)
+{
+	atomic_store_explicit(&allocations_left, count, memory_order_relaxed);
+}
+
+void *__wrap_stilb_memory_alloc(size_t count, size_t size)
+{
+	return granted() ? __real_stilb_memory_alloc(count, size) : NULL;
+}
+
+void *__wrap_malloc(size_t size)
+{
+	return granted() ? __real_malloc(size) : NULL;
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+	return granted() ? __real_calloc(count, size) : NULL;
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+	return granted() ? __real_realloc(memory, size) : NULL;
+}
+
+/* ---- a frame by hand -------------------------------------------------------------------------------------------------- */
+
+typedef struct frame {
+	stilb_render *render;
+	stilb_render_mesh meshes[4];
+	stilb_render_texture textures[3];
+	stilb_render_material materials[50];
+} frame;
+
+static const stilb_render_pass passes[2] = {
+	{.name = "late", .view = 1, .order = 5},
+	{.name = "early, by key", .view = 0, .order = 1, .sort = true},
+};
+static const uint32_t segment_counts[2] = {4, 3};
+
+static stilb_job_pool *make_pool(uint32_t workers)
+{
+	const stilb_job_pool_desc desc = {.worker_count = workers};
+	stilb_job_pool *pool;
+	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
+	return pool;
+}
+
+static stilb_render *make_render(uint32_t contexts, int replay, int materials, bool keep_textures)
+{
+	const stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL,
+	                                .replay = (stilb_render_replay_mode)replay,
+	                                .materials = (stilb_render_materials)materials,
+	                                .output = STILB_RENDER_OUTPUT_LINEAR,
+	                                .width = 64,
+	                                .height = 32,
+	                                .samples = 4,
+	                                .context_count = contexts,
+	                                .keep_textures = keep_textures};
+	stilb_render *render;
+	assert_int_equal(stilb_render_create(&desc, &render), STILB_OK);
+	return render;
+}
+
+static void make_texture(frame *f, uint32_t t, uint32_t channels, stilb_image_format format)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, 3, 1 + t, channels, format), STILB_OK);
+	for (size_t i = 0; i < stilb_image_size(&image); i++)
+		((uint8_t *)image.pixels)[i] = (uint8_t)(i + t);
+	assert_int_equal(stilb_render_texture_create(f->render, &image, &f->textures[t]), STILB_OK);
+	stilb_image_finish(&image);
+}
+
+/* Ids that no draw uses lie before and between those that are used. */
+static void make_resources(frame *f)
+{
+	for (uint32_t m = 0; m < 4; m++) {
+		stilb_scene_mesh mesh;
+		assert_int_equal(m == 2 ? stilb_scene_mesh_sphere(1, &mesh) : stilb_scene_mesh_plane(&mesh), STILB_OK);
+		assert_int_equal(stilb_render_mesh_create(f->render, &mesh, &f->meshes[m]), STILB_OK);
+		stilb_scene_mesh_finish(&mesh);
+	}
+	make_texture(f, 0, 4, STILB_IMAGE_U8_SRGB);
+	make_texture(f, 1, 1, STILB_IMAGE_U8_SRGB);
+	make_texture(f, 2, 3, STILB_IMAGE_F16_LINEAR);
+	for (uint32_t m = 0; m < 50; m++) {
+		const stilb_scene_material material = {{0.5f, 0.25f, (float)m}, {0.1f, 0.2f, 0.3f}, 10.0f};
+		const stilb_render_texture texture = m % 5 == 0 ? f->textures[1 + m / 5 % 2] : (stilb_render_texture){0};
+		assert_int_equal(stilb_render_material_create(f->render, &material, texture, &f->materials[m]), STILB_OK);
+	}
+	stilb_render_mesh_destroy(f->render, f->meshes[0]);
+}
+
+static void record_segment(frame *f, uint32_t pass, uint32_t segment)
+{
+	stilb_render_context *context = stilb_render_context_get(f->render, 0);
+	stilb_render_segment_begin(context, pass, segment);
+	for (uint32_t d = 0; d < (segment == 1 ? 0 : 7 + segment); d++) {
+		stilb_mat4 transform = stilb_mat4_scale_translate(1.0f + (float)d, (float)segment, -2.0f, (float)pass);
+		stilb_render_draw_with_key(context, (uint64_t)(d * 7 % 5) << 40, f->meshes[1 + (d & 1)],
+		                           f->materials[10 + (d * 11 + segment * 3 + pass) % 30], &transform);
+	}
+	stilb_render_segment_end(context);
+}
+
+static void fill_views(stilb_render_view views[2])
+{
+	for (int v = 0; v < 2; v++) {
+		views[v] = (stilb_render_view){.view_projection = stilb_mat4_identity(), .camera_position = {1, 2, (float)v}};
+		views[v].sun = (stilb_scene_sun){{0, 1, 0}, {3, 3, 3}};
+		views[v].sky = (stilb_scene_sky){{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}};
+	}
+}
+
+static stilb_result save(stilb_render *render, const char *path)
+{
+	stilb_render_view views[2];
+	fill_views(views);
+	return stilb_render_dump_save(render, passes, 2, views, 2, path);
+}
+
+/* Draws the frame and saves it. */
+static uint64_t dump_frame(frame *f, const char *path)
+{
+	stilb_render_view views[2];
+	stilb_job_pool *pool = make_pool(0);
+	fill_views(views);
+	assert_int_equal(stilb_render_frame_begin(f->render), STILB_OK);
+	for (uint32_t p = 0; p < 2; p++) {
+		assert_int_equal(stilb_render_pass_begin(f->render, p, segment_counts[p]), STILB_OK);
+		for (uint32_t s = segment_counts[p]; s-- > 0;)
+			record_segment(f, p, s);
+		assert_int_equal(stilb_render_pass_end(f->render, p), STILB_OK);
+	}
+	assert_int_equal(stilb_render_replay(f->render, passes, 2, views, 2, pool, 0), STILB_OK);
+	assert_int_equal(save(f->render, path), STILB_OK);
+	stilb_job_pool_destroy(pool);
+	return stilb_render_stream_hash(f->render);
+}
+
+static uint64_t make_dump(const char *path)
+{
+	frame f = {.render = make_render(1, 0, 0, true)};
+	make_resources(&f);
+	uint64_t hash = dump_frame(&f, path);
+	stilb_render_destroy(f.render);
+	return hash;
+}
+
+static uint8_t *read_bytes(const char *path, size_t *size)
+{
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	assert_int_equal(fseek(file, 0, SEEK_END), 0);
+	*size = (size_t)ftell(file);
+	rewind(file);
+	uint8_t *bytes = malloc(*size);
+	assert_non_null(bytes);
+	assert_int_equal(fread(bytes, 1, *size, file), *size);
+	fclose(file);
+	return bytes;
+}
+
+/* A copy in memory of just that size: what reads beyond it is seen. */
+static stilb_result read_copy(const uint8_t *bytes, size_t size, stilb_render_dump **dump)
+{
+	uint8_t *copy = malloc(size ? size : 1);
+	assert_non_null(copy);
+	memcpy(copy, bytes, size);
+	return render_dump_read(copy, size, "a.dump", dump);
+}
+
+static void sign(uint8_t *bytes, size_t size)
+{
+	uint64_t checksum = stilb_hash_fnv1a64(STILB_FNV1A64_START, bytes, size - sizeof checksum);
+	memcpy(bytes + size - sizeof checksum, &checksum, sizeof checksum);
+}
+
+static stilb_result play(stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool)
+{
+	stilb_result result = stilb_render_frame_begin(render);
+	if (result == STILB_OK)
+		result = stilb_render_dump_record(dump, render, pool, 0);
+	return result == STILB_OK ? stilb_render_dump_replay(dump, render, pool, 0) : result;
+}
+
+/* ---- there and back ---------------------------------------------------------------------------------------------------- */
+
+static void the_same_stream_comes_back(void **state)
+{
+	(void)state;
+	static const uint32_t workers[] = {0, 1, 3};
+	uint64_t hash = make_dump(PATH);
+	size_t size, size_again;
+	uint8_t *bytes = read_bytes(PATH, &size);
+	for (int way = 0; way < 27; way++) {
+		stilb_job_pool *pool = make_pool(workers[way % 3]);
+		stilb_render *render = make_render(workers[way % 3] + 1, way / 3 % 3, way / 9, true);
+		stilb_render_dump *dump;
+		assert_int_equal(stilb_render_dump_load(PATH, &dump), STILB_OK);
+		assert_int_equal(stilb_render_dump_upload(dump, render), STILB_OK);
+		for (int f = 0; f < 3; f++) {
+			assert_int_equal(play(dump, render, pool), STILB_OK);
+			assert_true(stilb_render_stream_hash(render) == hash);
+			assert_true(stilb_render_stats_get(render).draws == stilb_render_dump_info_get(dump).draws);
+		}
+		assert_int_equal(save(render, PATH_AGAIN), STILB_OK);
+		uint8_t *again = read_bytes(PATH_AGAIN, &size_again);
+		assert_int_equal(size_again, size);
+		assert_memory_equal(again, bytes, size);
+		free(again);
+		stilb_render_dump_destroy(dump);
+		stilb_render_destroy(render);
+		stilb_job_pool_destroy(pool);
+	}
+	free(bytes);
+}
+
+static void only_what_is_used_is_in_it(void **state)
+{
+	(void)state;
+	stilb_render_dump *dump;
+	uint64_t hash = make_dump(PATH);
+	assert_int_equal(stilb_render_dump_load(PATH, &dump), STILB_OK);
+	stilb_render_dump_info info = stilb_render_dump_info_get(dump);
+	assert_true(info.stream_hash == hash);
+	assert_int_equal(info.passes, 2);
+	assert_int_equal(info.draws, 7 + 9 + 10 + 7 + 9);
+	assert_int_equal(info.meshes, 2);
+	assert_in_range(info.materials, 10, 30);
+	assert_int_equal(info.textures, 2); /* two of three */
+	assert_int_equal(info.width, 64);
+	assert_int_equal(info.height, 32);
+	assert_int_equal(info.samples, 4);
+	assert_int_equal(info.output, STILB_RENDER_OUTPUT_LINEAR);
+	assert_int_equal(dump->meshes[0].id, 1);
+	assert_int_equal(dump->meshes[1].id, 2);
+	assert_in_range(dump->materials[0].id, 10, 39);
+	assert_string_equal(dump->passes[1].name, "early, by key");
+	stilb_render_dump_destroy(dump);
+}
+
+static void what_cannot_be_dumped(void **state)
+{
+	(void)state;
+	frame f = {.render = make_render(1, 0, 0, false)};
+	remove(PATH);
+	assert_int_equal(save(f.render, PATH), STILB_ERROR_ARGUMENT);
+	make_resources(&f);
+	stilb_job_pool *pool = make_pool(0);
+	stilb_render_view views[2];
+	fill_views(views);
+	assert_int_equal(stilb_render_frame_begin(f.render), STILB_OK);
+	for (uint32_t p = 0; p < 2; p++) {
+		assert_int_equal(stilb_render_pass_begin(f.render, p, 1), STILB_OK);
+		record_segment(&f, p, 0);
+		assert_int_equal(stilb_render_pass_end(f.render, p), STILB_OK);
+	}
+	assert_int_equal(stilb_render_replay(f.render, passes, 2, views, 2, pool, 0), STILB_OK);
+	assert_int_equal(save(f.render, PATH), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "keep_textures"));
+	assert_int_not_equal(access(PATH, F_OK), 0);
+	stilb_job_pool_destroy(pool);
+	stilb_render_destroy(f.render);
+}
+
+/* ---- files that are damaged --------------------------------------------------------------------------------------------- */
+
+static void assert_refused(const uint8_t *bytes, size_t size, const char *reason)
+{
+	stilb_render_dump *dump;
+	stilb_result result = read_copy(bytes, size, &dump);
+	if (result != STILB_ERROR_FILE || !strstr(stilb_error_message(), reason))
+		print_error("%d '%s' has no '%s'\n", (int)result, stilb_error_message(), reason);
+	assert_int_equal(result, STILB_ERROR_FILE);
+	assert_null(dump);
+	assert_non_null(strstr(stilb_error_message(), "'a.dump'"));
+	assert_non_null(strstr(stilb_error_message(), reason));
+}
+
+static void every_change_is_noticed(void **state)
+{
+	(void)state;
+	size_t size;
+	make_dump(PATH);
+	uint8_t *bytes = read_bytes(PATH, &size);
+	for (size_t i = 0; i < size; i++) {
+		assert_refused(bytes, i, "");
+		for (int bit = 0; bit<8; bit += size> 10000 ? 3 : 1) {
+			bytes[i] ^= (uint8_t)(1 << bit);
+			assert_refused(bytes, size, "");
+			bytes[i] ^= (uint8_t)(1 << bit);
+		}
+	}
+	stilb_render_dump *dump;
+	assert_int_equal(read_copy(bytes, size, &dump), STILB_OK); /* as it was */
+	stilb_render_dump_destroy(dump);
+	free(bytes);
+}
+
+/* Ids far beyond what is there would only take time and memory. */
+static bool ids_are_small(const stilb_render_dump *dump)
+{
+	const render_dump_header *header = dump->header;
+	return (header->materials == 0 || dump->materials[header->materials - 1].id < 1000) &&
+	       (header->meshes == 0 || dump->meshes[header->meshes - 1].id < 1000);
+}
+
+/* The checksum does not protect what was written wrong: then a file is refused, or it plays. */
+static void every_signed_change_is_refused_or_plays(void **state)
+{
+	(void)state;
+	size_t size, played = 0;
+	make_dump(PATH);
+	uint8_t *bytes = read_bytes(PATH, &size);
+	stilb_job_pool *pool = make_pool(0);
+	for (size_t i = 0; i < size - 8; i++) {
+		static const uint8_t changes[] = {0x01, 0x80, 0xff};
+		for (size_t c = 0; c < sizeof changes; c++) {
+			stilb_render_dump *dump;
+			bytes[i] ^= changes[c];
+			sign(bytes, size);
+			if (read_copy(bytes, size, &dump) != STILB_OK) {
+				assert_non_null(strstr(stilb_error_message(), "'a.dump': "));
+			} else if (ids_are_small(dump) && (i < 3000 || i % 16 == 0)) {
+				stilb_render *render = make_render(1, (int)c, (int)(i % 3), false);
+				assert_int_equal(stilb_render_dump_upload(dump, render), STILB_OK);
+				assert_int_equal(play(dump, render, pool), STILB_OK);
+				stilb_render_destroy(render);
+				played++;
+			}
+			stilb_render_dump_destroy(dump);
+			bytes[i] ^= changes[c];
+		}
+	}
+	assert_true(played > 100); /* colours, transforms */
+	stilb_job_pool_destroy(pool);
+	free(bytes);
+}
+
+#define HEADER(field) offsetof(render_dump_header, field)
+
+/* Offset from the beginning of a part, the 32 bits to put there, and what the message must say. */
+static const struct damage {
+	render_dump_part part;
+	size_t offset;
+	uint32_t value;
+	const char *reason;
+} damages[] = {
+	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "no frame dump"},
+	{RENDER_DUMP_HEADER, HEADER(version), 2, "version 2"},
+	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
+	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
+	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "goes on behind the 200 bytes"},
+	{RENDER_DUMP_HEADER, HEADER(draws), 1000, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(draws) + 4, 0x80000000, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(vertices) + 4, 0x08000000, "do not add up"}, /* times 32: 2^64 */
+	{RENDER_DUMP_HEADER, HEADER(pixel_bytes) + 4, UINT32_MAX, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(meshes), UINT32_MAX, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(width), 0, "header: a picture of 0x32"},
+	{RENDER_DUMP_HEADER, HEADER(height), 16385, "header: a picture of 64x16385"},
+	{RENDER_DUMP_HEADER, HEADER(samples), 2, "header: 2 samples"},
+	{RENDER_DUMP_HEADER, HEADER(output), 2, "header: unknown output 2"},
+	{RENDER_DUMP_VIEWS, 128 + 16, 0x7f800000, "view 1: a number is not finite"},
+	{RENDER_DUMP_VIEWS, 124, 1, "view 0: its unused"},
+	{RENDER_DUMP_PASSES, 0, 0x41410a41, "pass 0: its name"},
+	{RENDER_DUMP_PASSES, 60, 0x41414141, "pass 0: its name"},
+	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, view), 2, "pass 0: view 2, but there are 2"},
+	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, target), 1, "pass 0: unknown target 1"},
+	{RENDER_DUMP_PASSES, 96 + offsetof(render_dump_pass, sort), 2, "pass 1: unknown target 0, sort 2"},
+	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, segments), 8, "pass 0: its 8 segments go beyond all 7"},
+	{RENDER_DUMP_PASSES, 96 + offsetof(render_dump_pass, segments), 2, "pass 1: 16 draws, but its segments have 7"},
+	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, draws), 9, "pass 0: 9 draws, but its segments have 26"},
+	{RENDER_DUMP_SEGMENTS, 0, 8, "pass 0: 26 draws, but its segments have 27"},
+	{RENDER_DUMP_SEGMENTS, 28, 1, "behind the segments"},
+	{RENDER_DUMP_TEXTURES, 0, 0, "texture 0: id 0, not in 1..4095"},
+	{RENDER_DUMP_TEXTURES, 16, 2, "texture 1: id 2, not in 3..4095"},
+	{RENDER_DUMP_TEXTURES, 4, 16385, "texture 0: 16385x2 pixels"},
+	{RENDER_DUMP_TEXTURES, 12, 3, "of format 3"},
+	{RENDER_DUMP_TEXTURES, 4, 16384, "texture 0: its pixels go beyond"},
+	{RENDER_DUMP_TEXTURES, 20, 1, "bytes of pixels, but textures have"},
+	{RENDER_DUMP_MATERIALS, 40, 0, "material 1: id 0, not in "},
+	{RENDER_DUMP_MATERIALS, 0, 1 << 24, "material 0: id 16777216, not in 0..16777215"},
+	{RENDER_DUMP_MATERIALS, 4, 3, "material 0: texture 3, but there are 2"},
+	{RENDER_DUMP_MATERIALS, 8, 0x7fc00000, "material 0: a number is not finite"},
+	{RENDER_DUMP_MATERIALS, 32, 0xff800000, "material 0: a number is not finite"},
+	{RENDER_DUMP_MATERIALS, 36, 5, "material 0: its unused"},
+	{RENDER_DUMP_MESHES, 16, 1, "mesh 1: id 1, not in 2.."},
+	{RENDER_DUMP_MESHES, 4, 0, "mesh 0: 0 vertices"},
+	{RENDER_DUMP_MESHES, 8, 0, "0 indices"},
+	{RENDER_DUMP_MESHES, 4, UINT32_MAX, "mesh 0: its 4294967295 vertices"},
+	{RENDER_DUMP_MESHES, 20, 43, "mesh 1: its 43 vertices"},
+	{RENDER_DUMP_MESHES, 24, 3, "indices, but meshes have"},
+	{RENDER_DUMP_DRAWS, 64 + 8, 2, "draw 1: mesh 2 and material"},
+	{RENDER_DUMP_DRAWS, 12, UINT32_MAX, "draw 0: mesh 0 and material 4294967295"},
+	{RENDER_DUMP_DRAWS, 2 * 64 + 60, 0x7f800001, "draw 2: its transform"},
+	{RENDER_DUMP_VERTICES, 4, 0x7f800000, "mesh 0: a vertex is not finite"},
+	{RENDER_DUMP_INDICES, 8, 4, "mesh 0: index 2 is vertex 4, but it has 4"},
+};
+
+static void the_message_names_the_place(void **state)
+{
+	(void)state;
+	size_t size;
+	uint64_t begin[RENDER_DUMP_PARTS + 1];
+	make_dump(PATH);
+	uint8_t *bytes = read_bytes(PATH, &size), *changed = malloc(size);
+	render_dump_header header;
+	memcpy(&header, bytes, sizeof header);
+	assert_true(render_dump_layout(&header, begin) && begin[RENDER_DUMP_PARTS] == size);
+	for (size_t d = 0; d < sizeof damages / sizeof *damages; d++) {
+		memcpy(changed, bytes, size);
+		memcpy(changed + begin[damages[d].part] + damages[d].offset, &damages[d].value, sizeof(uint32_t));
+		sign(changed, size);
+		assert_refused(changed, size, damages[d].reason);
+	}
+	memcpy(changed, bytes, size);
+	changed[size - 1] ^= 1;
+	assert_refused(changed, size, "checksum");
+	assert_refused(changed, 0, "empty");
+	assert_refused(changed, 5, "ends in the header");
+	free(changed);
+	free(bytes);
+}
+
+/* ---- files that cannot be read ------------------------------------------------------------------------------------------ */
+
+static void write_bytes(const char *path, const void *bytes, size_t size)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	assert_int_equal(fwrite(bytes, 1, size, file), size);
+	assert_int_equal(fclose(file), 0);
+}
+
+static void assert_load_fails(const char *path, const char *reason)
+{
+	stilb_render_dump *dump;
+	assert_int_equal(stilb_render_dump_load(path, &dump), STILB_ERROR_FILE);
+	assert_null(dump);
+	assert_non_null(strstr(stilb_error_message(), path));
+	if (!strstr(stilb_error_message(), reason))
+		print_error("%s\n", stilb_error_message());
+	assert_non_null(strstr(stilb_error_message(), reason));
+}
+
+static void files_that_cannot_be_read(void **state)
+{
+	(void)state;
+	static const char text[] =
+		"a text that is no dump, but is longer than the header of one, so that all of it has to be "
+		"looked at before it can be refused, which it is";
+	size_t size;
+	assert_load_fails("missing.dump", "No such file");
+	assert_load_fails(".", "directory");
+	assert_load_fails("/dev/null", "empty");
+	assert_load_fails("/dev/zero", "no frame dump"); /* and it ends */
+	write_bytes(PATH_AGAIN, text, sizeof text);
+	assert_load_fails(PATH_AGAIN, "no frame dump");
+	make_dump(PATH);
+	uint8_t *bytes = read_bytes(PATH, &size);
+	write_bytes(PATH_AGAIN, bytes, size - 1);
+	assert_load_fails(PATH_AGAIN, "truncated");
+	bytes = realloc(bytes, size + 100000);
+	assert_non_null(bytes);
+	memset(bytes + size, 0, 100000);
+	write_bytes(PATH_AGAIN, bytes, size + 100000);
+	assert_load_fails(PATH_AGAIN, "goes on behind");
+	free(bytes);
+}
+
+static void without_memory(void **state)
+{
+	(void)state;
+	make_dump(PATH);
+	stilb_job_pool *pool = make_pool(0);
+	uint32_t failures = 0;
+	stilb_result result = STILB_ERROR_MEMORY;
+	for (int64_t count = 0; result != STILB_OK; count++) {
+		stilb_render *render = make_render(1, (int)(count % 3), (int)(count % 2), true);
+		stilb_render_dump *dump;
+		stilb_render_dump_costs costs;
+		allow(count);
+		result = stilb_render_dump_load(PATH, &dump);
+		if (result == STILB_OK)
+			result = stilb_render_dump_upload(dump, render);
+		if (result == STILB_OK)
+			result = play(dump, render, pool);
+		if (result == STILB_OK)
+			result = save(render, PATH_AGAIN);
+		if (result == STILB_OK)
+			result = stilb_render_dump_measure(dump, render, pool, 0, 0.0, &costs);
+		allow(INT64_MAX);
+		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY || result == STILB_ERROR_FILE);
+		failures += result != STILB_OK;
+		stilb_render_dump_destroy(dump);
+		stilb_render_destroy(render);
+		assert_true(count < 10000);
+	}
+	assert_true(failures > 20);
+	stilb_job_pool_destroy(pool);
+}
+
+/* ---- costs --------------------------------------------------------------------------------------------------------------- */
+
+static const stilb_render_dump_cost *cost_of(const stilb_render_dump_costs *costs, const char *kind)
+{
+	for (int k = 0; k < STILB_RENDER_DUMP_COSTS; k++)
+		if (strcmp(costs->kinds[k].kind, kind) == 0)
+			return &costs->kinds[k];
+	return NULL;
+}
+
+/* How often a kind comes, and that its numbers are in order. Timings themselves are not tested. */
+static void assert_cost(const stilb_render_dump_costs *costs, const char *kind, uint64_t count, bool known)
+{
+	const stilb_render_dump_cost *cost = cost_of(costs, kind);
+	if (!cost)
+		print_error("no kind '%s'\n", kind);
+	assert_non_null(cost);
+	assert_int_equal(cost->count, count);
+	assert_int_equal(cost->known, known);
+	assert_true(isfinite(cost->ns) && cost->low <= cost->ns && cost->ns <= cost->high);
+}
+
+static void each_kind_has_its_cost(void **state)
+{
+	(void)state;
+	make_dump(PATH);
+	stilb_job_pool *pool = make_pool(2);
+	for (int way = 0; way < 9; way++) {
+		int replay = way % 3, materials = way / 3;
+		bool indirect = replay == STILB_RENDER_REPLAY_INDIRECT, secondary = replay == STILB_RENDER_REPLAY_SECONDARY;
+		stilb_render *render = make_render(3, replay, materials, false);
+		stilb_render_dump *dump;
+		stilb_render_dump_costs costs;
+		assert_int_equal(stilb_render_dump_load(PATH, &dump), STILB_OK);
+		assert_int_equal(stilb_render_dump_upload(dump, render), STILB_OK);
+		assert_int_equal(stilb_render_dump_measure(dump, render, pool, 0, 0.001, &costs), STILB_OK);
+		assert_true(costs.rounds >= STILB_RENDER_DUMP_MIN_ROUNDS && costs.frame_ns > 0.0);
+		assert_cost(&costs, "record a draw", 42, true);
+		assert_cost(&costs, "order a draw", 42, true);
+		assert_cost(&costs, secondary ? "execute" : "begin a pass", secondary ? 6 : 2, true);
+		assert_cost(&costs, "draw", indirect ? 0 : 42, !indirect);
+		const stilb_render_dump_cost *material = cost_of(&costs, "bind a material");
+		const stilb_render_dump_cost *pipeline = cost_of(&costs, "bind a pipeline");
+		/* Draws with a texture are between draws without one: that is another pipeline. */
+		assert_true(materials == STILB_RENDER_MATERIALS_PIPELINE ? pipeline->count > 25 : pipeline->count < 25);
+		assert_true(materials == STILB_RENDER_MATERIALS_BIND ? material->count > 25 : material->count < 25);
+		assert_true(material->count > 0 && pipeline->count > 0);
+		assert_int_equal(material->known, material->count >= 20);
+		assert_int_equal(cost_of(&costs, "draw indirect")->known, indirect);
+		assert_int_equal(cost_of(&costs, "draw indirect")->count > 0, indirect);
+		assert_cost(&costs, "submit", 1, true);
+		stilb_render_dump_destroy(dump);
+		stilb_render_destroy(render);
+	}
+	stilb_job_pool_destroy(pool);
+}
+
+static int remove_files(void **state)
+{
+	(void)state;
+	remove(PATH);
+	remove(PATH_AGAIN);
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_same_stream_comes_back),
+		cmocka_unit_test(only_what_is_used_is_in_it),
+		cmocka_unit_test(what_cannot_be_dumped),
+		cmocka_unit_test(every_change_is_noticed),
+		cmocka_unit_test(every_signed_change_is_refused_or_plays),
+		cmocka_unit_test(the_message_names_the_place),
+		cmocka_unit_test(files_that_cannot_be_read),
+		cmocka_unit_test(without_memory),
+		cmocka_unit_test(each_kind_has_its_cost),
+	};
+	return cmocka_run_group_tests(tests, NULL, remove_files);
+}

@@ -1,0 +1,438 @@
+/* Allocations that fail and devices that are lost, one after the other: each ends in an error that says what happened, the
+ * next frame is drawn as if nothing had been, and nothing is left behind. On the null device and on the GPU. */
+#include "render/vulkan/vulkan_internal.h"
+#include "support/picture_reference.h"
+
+#include <dlfcn.h>
+#include <execinfo.h>
+#include <malloc.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define SIZE 48u
+
+/* ---- the layer's messages, those during destruction as well ----------------------------------------------------------- */
+
+static uint32_t messages;
+
+void __wrap_stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void __wrap_stilb_log(const char *format, ...)
+{
+	char text[4096];
+	va_list values;
+	va_start(values, format);
+	vsnprintf(text, sizeof text, format, values);
+	va_end(values);
+	printf("%s\n", text);
+	messages += !strstr(text, "validation: VK_ERROR_"); /* so the driver itself repeats what it returns */
+}
+
+/* ---- the driver's own memory ---------------------------------------------------------------------------------------------- */
+
+/* Relaxed counters: the driver's threads allocate, too. The test reads them between trials. */
+static uint32_t host_allocations, host_fault;
+static int32_t host_live;
+
+static void *host_failed_call;
+
+/* The place in this program from where the driver, or the layer before it, was called; NULL outside of both. */
+static void *driver_call(void)
+{
+	void *stack[64];
+	int depth = backtrace(stack, 64);
+	bool inside = false;
+	Dl_info self, frame;
+	dladdr((void *)(uintptr_t)&driver_call, &self);
+	for (int i = 0; i < depth; i++) {
+		if (!dladdr(stack[i], &frame) || !frame.dli_fname)
+			continue;
+		if (strstr(frame.dli_fname, "libvulkan") || strstr(frame.dli_fname, "libVkLayer"))
+			inside = true;
+		else if (inside && frame.dli_fbase == self.dli_fbase)
+			return stack[i];
+	}
+	return NULL;
+}
+
+static bool host_fails(void)
+{
+	if (__atomic_add_fetch(&host_allocations, 1, __ATOMIC_RELAXED) != host_fault)
+		return false;
+	host_failed_call = driver_call();
+	return true;
+}
+
+static VKAPI_ATTR void *VKAPI_CALL host_allocate(void *user, size_t size, size_t alignment,
+                                                 VkSystemAllocationScope scope)
+{
+	(void)user, (void)scope;
+	if (size == 0 || host_fails())
+		return NULL;
+	alignment = alignment < sizeof(void *) ? sizeof(void *) : alignment;
+	void *memory = aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+	__atomic_fetch_add(&host_live, memory != NULL, __ATOMIC_RELAXED);
+	return memory;
+}
+
+static VKAPI_ATTR void VKAPI_CALL host_free(void *user, void *memory)
+{
+	(void)user;
+	__atomic_fetch_sub(&host_live, memory != NULL, __ATOMIC_RELAXED);
+	free(memory);
+}
+
+static VKAPI_ATTR void *VKAPI_CALL host_reallocate(void *user, void *memory, size_t size, size_t alignment,
+                                                   VkSystemAllocationScope scope)
+{
+	if (size == 0) {
+		host_free(user, memory);
+		return NULL;
+	}
+	void *grown = host_allocate(user, size, alignment, scope);
+	if (!grown || !memory)
+		return grown;
+	size_t old = malloc_usable_size(memory);
+	memcpy(grown, memory, old < size ? old : size);
+	host_free(user, memory);
+	return grown;
+}
+
+static const VkAllocationCallbacks host_allocator = {
+	.pfnAllocation = host_allocate,
+	.pfnReallocation = host_reallocate,
+	.pfnFree = host_free,
+};
+
+/* ---- a trial ----------------------------------------------------------------------------------------------------------------- */
+
+/* Everything that allocates, once. What fails is tried again, and must succeed then: a fault comes once. */
+typedef struct trial {
+	stilb_render_desc desc;
+	uint32_t far_draws; /* out of sight, in the second frame: more than a frame has room for at first */
+	stilb_result wanted;
+	int errors;
+	stilb_render *render;
+	stilb_job_pool *pool;
+	stilb_scene *scene;
+	stilb_render_view view;
+	stilb_render_texture texture;
+	stilb_render_material material;
+	stilb_image picture;
+} trial;
+
+typedef stilb_result trial_step(trial *t);
+
+static void trial_must(trial *t, trial_step *step)
+{
+	stilb_result result = step(t);
+	if (result == STILB_OK)
+		return;
+	t->errors++;
+	assert_int_equal(result, t->wanted);
+	assert_non_null(strstr(stilb_error_message(), "memory"));
+	result = step(t);
+	if (result != STILB_OK)
+		fail_msg("and again: %s", stilb_error_message());
+}
+
+static stilb_result step_create(trial *t)
+{
+	stilb_result result = stilb_render_create(&t->desc, &t->render);
+	assert_true((result == STILB_OK) == (t->render != NULL));
+	if (result != STILB_OK)
+		t->desc.faults = (stilb_render_faults){0}; /* a new device counts anew */
+	return result;
+}
+
+static stilb_result step_texture(trial *t)
+{
+	uint8_t codes[16 * 16 * 3];
+	memset(codes, 200, sizeof codes);
+	const stilb_image image = {16, 16, 3, STILB_IMAGE_U8_SRGB, codes};
+	return stilb_render_texture_create(t->render, &image, &t->texture);
+}
+
+static stilb_result step_material(trial *t)
+{
+	return stilb_render_material_create(t->render, &t->scene->materials[0], t->texture, &t->material);
+}
+
+/* The scene twice, its first part with a texture as well; from two passes, of which one is sorted. */
+static stilb_result trial_frame(trial *t, uint32_t far_draws)
+{
+	static const stilb_render_pass passes[2] = {{.name = "main"}, {.name = "again", .order = 1, .sort = true}};
+	const uint32_t model = 0;
+	const stilb_mat4 away = stilb_mat4_scale_translate(0.01f, 0.0f, -50.0f, 0.0f);
+	stilb_result result = stilb_render_frame_begin(t->render);
+	if (result == STILB_OK)
+		result = stilb_render_record(t->render, 0, t->scene, &model, 1, t->pool, 0);
+	if (result == STILB_OK)
+		result = stilb_render_pass_begin(t->render, 1, 1);
+	if (result != STILB_OK)
+		return result;
+	stilb_render_context *context = stilb_render_context_get(t->render, 0);
+	stilb_render_segment_begin(context, 1, 0);
+	for (uint32_t d = 0; d < far_draws; d++)
+		stilb_render_draw_with_key(context, d % 7, stilb_render_scene_mesh(t->render, 1), t->material, &away);
+	stilb_render_draw_with_key(context, 9, stilb_render_scene_mesh(t->render, 0), t->material,
+	                           &t->scene->part_transform[1]);
+	stilb_render_segment_end(context);
+	result = stilb_render_pass_end(t->render, 1);
+	if (result == STILB_OK)
+		result = stilb_render_replay(t->render, passes, 2, &t->view, 1, t->pool, 0);
+	if (result == STILB_OK)
+		result = stilb_render_present(t->render);
+	return result;
+}
+
+static stilb_result step_frame(trial *t)
+{
+	return trial_frame(t, 0);
+}
+
+static stilb_result step_far_frame(trial *t)
+{
+	return trial_frame(t, t->far_draws);
+}
+
+static stilb_result step_resize(trial *t)
+{
+	return stilb_render_resize(t->render, SIZE, SIZE);
+}
+
+static stilb_result step_wait(trial *t)
+{
+	return stilb_render_wait(t->render);
+}
+
+static stilb_result step_picture(trial *t)
+{
+	if (t->desc.device == STILB_RENDER_DEVICE_NULL)
+		return STILB_OK;
+	return stilb_render_read_image(t->render, &t->picture);
+}
+
+static stilb_scene *trial_scene(void)
+{
+	stilb_scene *scene = reference_scene(2);
+	scene->part_mesh[1] = 1;
+	scene->part_transform[1] = stilb_mat4_scale_translate(0.6f, 0.5f, 0.3f, 0.5f);
+	reference_set3(scene->sky.sky, 0.4f, 0.5f, 0.6f);
+	for (int c = 0; c < 3; c++)
+		scene->sun.irradiance[c] = 2.0f;
+	for (int p = 0; p < 2; p++)
+		reference_set3(scene->materials[p].diffuse, 0.7f, 0.2f + 0.5f * (float)p, 0.1f);
+	return scene;
+}
+
+static trial trial_make(stilb_render_desc desc, uint32_t far_draws)
+{
+	trial t = {.desc = desc, .far_draws = far_draws, .wanted = STILB_ERROR_MEMORY, .scene = trial_scene()};
+	reference_camera camera =
+		reference_camera_at((dvec){0, 4, 1}, (dvec){0, 0, 0}, (dvec){0, 1, 0}, 2.0, SIZE, SIZE);
+	t.desc.width = SIZE + 8;
+	t.desc.height = SIZE - 8;
+	t.desc.samples = 1;
+	t.desc.context_count = 3;
+	t.view = (stilb_render_view){.view_projection = reference_matrix(&camera),
+	                             .camera_position = {0.0f, 4.0f, 1.0f},
+	                             .sun = t.scene->sun,
+	                             .sky = t.scene->sky};
+	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 2}, &t.pool), 0);
+	return t;
+}
+
+static void trial_finish(trial *t)
+{
+	uint32_t before = messages;
+	stilb_render_destroy(t->render);
+	assert_int_equal(messages, before);
+	stilb_job_pool_destroy(t->pool);
+	stilb_scene_destroy(t->scene);
+	t->render = NULL;
+}
+
+/* How many errors there were; the picture must be as without. */
+static int trial_run(stilb_render_desc desc, uint32_t far_draws, stilb_image *picture)
+{
+	trial t = trial_make(desc, far_draws);
+	trial_must(&t, step_create);
+	assert_int_equal(stilb_render_upload_scene(t.render, t.scene), STILB_OK);
+	trial_must(&t, step_texture);
+	trial_must(&t, step_material);
+	trial_must(&t, step_frame);
+	trial_must(&t, step_frame);
+	trial_must(&t, step_resize);
+	trial_must(&t, step_far_frame);
+	trial_must(&t, step_frame);
+	trial_must(&t, step_far_frame);
+	trial_must(&t, step_wait);
+	trial_must(&t, step_picture);
+	trial_finish(&t);
+	*picture = t.picture;
+	return t.errors;
+}
+
+static void assert_same_picture(const stilb_image *want, stilb_image *got)
+{
+	if (want->pixels)
+		assert_memory_equal(want->pixels, got->pixels, stilb_image_size(want));
+	stilb_image_finish(got);
+}
+
+/* ---- memory ------------------------------------------------------------------------------------------------------------------- */
+
+static const stilb_render_desc ways[] = {
+	{.replay = STILB_RENDER_REPLAY_INDIRECT, .validate = true},
+	{.replay = STILB_RENDER_REPLAY_SECONDARY, .materials = STILB_RENDER_MATERIALS_BIND, .validate = true},
+	{.replay = STILB_RENDER_REPLAY_DIRECT, .materials = STILB_RENDER_MATERIALS_PIPELINE, .validate = true},
+	{.replay = STILB_RENDER_REPLAY_INDIRECT, .device = STILB_RENDER_DEVICE_NULL},
+	{.replay = STILB_RENDER_REPLAY_SECONDARY, .device = STILB_RENDER_DEVICE_NULL},
+	{.replay = STILB_RENDER_REPLAY_DIRECT, .device = STILB_RENDER_DEVICE_NULL},
+};
+#define WAYS (sizeof ways / sizeof *ways)
+#define GPU_WAYS 3u /* the first */
+
+/* Until no allocation is left to fail. Frames outgrow their memory where that many draws cost least. */
+static void every_device_allocation_fails_once(void **state)
+{
+	(void)state;
+	for (size_t w = 0; w < WAYS; w++) {
+		stilb_render_desc desc = ways[w];
+		uint32_t far_draws = w == 0 || desc.device == STILB_RENDER_DEVICE_NULL ? RENDER_FIRST_CAPACITY + 1000 : 10;
+		uint32_t n = 1;
+		stilb_image want, got;
+		assert_int_equal(trial_run(desc, far_draws, &want), 0);
+		for (;; n++) {
+			desc.faults.allocation = n;
+			int errors = trial_run(desc, far_draws, &got);
+			assert_same_picture(&want, &got);
+			assert_in_range(errors, 0, 1);
+			if (errors == 0)
+				break;
+		}
+		assert_in_range(n, 8, 60);
+		stilb_image_finish(&want);
+	}
+}
+
+/* ---- the driver's own memory: a program of its own for each fault, since a driver may not survive it ------------------------- */
+
+#define HOST_DRIVER_DIED 3
+#define HOST_STRIDE 13u /* of all, some 500 a way: time */
+
+/* In the very call whose allocation failed, it is the driver's fault. */
+static void host_died(int signal)
+{
+	(void)signal;
+	_exit(host_failed_call && driver_call() == host_failed_call ? HOST_DRIVER_DIED : 4);
+}
+
+static size_t host_way;
+
+/* The child's part: prints how many host allocations there were. */
+static void one_host_allocation_fails(void **state)
+{
+	(void)state;
+	stilb_image want, got;
+	driver_call(); /* loads what it needs while there is memory */
+	signal(SIGSEGV, host_died);
+	signal(SIGABRT, host_died);
+	uint32_t fault = host_fault;
+	host_fault = 0;
+	assert_int_equal(trial_run(ways[host_way], 10, &want), 0);
+	vulkan_host_allocator = &host_allocator;
+	host_fault = fault;
+	int errors = trial_run(ways[host_way], 10, &got);
+	assert_in_range(errors, 0, fault > 0);
+	assert_same_picture(&want, &got);
+	stilb_image_finish(&want);
+	printf("allocations %u\n", host_allocations);
+}
+
+/* The exit status; what it printed goes to words. */
+static int host_child(size_t way, uint32_t fault, char *words, size_t size)
+{
+	char program[1024] = {0}, command[1400];
+	assert_true(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
+	/* The address sanitizer leaves the driver's death to the child. */
+	snprintf(command, sizeof command,
+	         "ASAN_OPTIONS=handle_segv=0:handle_abort=0:abort_on_error=1:detect_leaks=0 '%s' %zu %u 2>&1", program, way,
+	         fault);
+	FILE *pipe = popen(command, "r");
+	assert_non_null(pipe);
+	size_t length = fread(words, 1, size - 1, pipe);
+	words[length] = '\0';
+	while (fgetc(pipe) != EOF)
+		continue;
+	return WEXITSTATUS(pclose(pipe));
+}
+
+/* Mesa 22.3's lavapipe dereferences NULL in vkCreatePipelineLayout, and in the vkCmd calls that copy an array (barriers,
+ * copies, vkCmdBeginRendering, vkCmdBindDescriptorSets) when there is no memory for the copy. Those trials prove nothing;
+ * they must be the fewer. */
+static void host_allocations_fail(void **state)
+{
+	(void)state;
+	uint32_t trials = 0, died = 0;
+	for (size_t way = 0; way < GPU_WAYS; way++) {
+		char words[1 << 14];
+		assert_int_equal(host_child(way, 0, words, sizeof words), 0);
+		const char *count = strstr(words, "allocations ");
+		assert_non_null(count);
+		uint32_t all = (uint32_t)strtoul(count + strlen("allocations "), NULL, 10);
+		assert_true(all > 100);
+		for (uint32_t n = 1 + (uint32_t)way; n <= all; n += HOST_STRIDE, trials++) {
+			int status = host_child(way, n, words, sizeof words);
+			if (status != 0 && status != HOST_DRIVER_DIED)
+				fail_msg("way %zu, host allocation %u of %u: status %d: %s", way, n, all, status, words);
+			died += status == HOST_DRIVER_DIED;
+		}
+	}
+	printf("%u host allocations failed, and the driver died of %u of them\n", trials, died);
+	assert_true(died < trials / 2);
+}
+
+/* ---- the device is lost -------------------------------------------------------------------------------------------------------- */
+
+static void lost_with_every_frame(void **state)
+{
+	(void)state;
+	for (size_t w = 0; w < WAYS; w++)
+		for (uint32_t lost = 1; lost <= 4; lost++) {
+			stilb_render_desc desc = ways[w];
+			desc.faults.lost_frame = lost;
+			trial t = trial_make(desc, 0);
+			assert_int_equal(step_create(&t), STILB_OK);
+			assert_int_equal(stilb_render_upload_scene(t.render, t.scene), STILB_OK);
+			assert_int_equal(step_texture(&t), STILB_OK);
+			assert_int_equal(step_material(&t), STILB_OK);
+			for (uint32_t frame = 1; frame < lost; frame++)
+				assert_int_equal(step_frame(&t), STILB_OK);
+			assert_int_equal(step_frame(&t), STILB_ERROR_DEVICE_LOST);
+			assert_non_null(strstr(stilb_error_message(), stilb_render_device_name(t.render)));
+			assert_non_null(strstr(stilb_error_message(), "lost"));
+			if (desc.device == STILB_RENDER_DEVICE_VULKAN)
+				assert_non_null(strstr(stilb_error_message(), "--gpu"));
+			trial_finish(&t);
+		}
+}
+
+int main(int argc, char **argv)
+{
+	if (reference_no_driver())
+		return 77;
+	if (argc == 3) {
+		const struct CMUnitTest one[] = {cmocka_unit_test(one_host_allocation_fails)};
+		host_way = strtoul(argv[1], NULL, 10);
+		host_fault = (uint32_t)strtoul(argv[2], NULL, 10);
+		return host_way < GPU_WAYS ? cmocka_run_group_tests(one, NULL, NULL) : 2;
+	}
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_device_allocation_fails_once),
+		cmocka_unit_test(lost_with_every_frame),
+		cmocka_unit_test(host_allocations_fail),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
