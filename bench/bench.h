@@ -12,6 +12,7 @@
  * Limits.   The machine's own limits (a contended and an uncontended atomic, a futex wake, the clock) are measured in
  *           every round too, and every metric may name the one that bounds it.
  * Report.   A table for each case and metric on stdout; JSON; a picture drawn by gnuplot.
+ * Traces.   A suite that draws frames can keep a timeline of the worst frame of each subject in each case.
  *
  * To add a suite: fill a bench_suite in bench_<name>.c, declare it below, add it to the table in main.c, and write its
  * programs. Threads: all of it is [main-thread].
@@ -86,16 +87,22 @@ typedef struct bench_suite {
 	/* Called once before the first run, for what all runs must have alike (a calibration); the string, which must live
 	 * until the end, is given to every program. NULL: could not, and has said why. */
 	const char *(*prepare)(const bench_options *options);
+	/* Called once after the last run: adds what follows from the values of a round. */
+	void (*finish)(bench_results *results);
 	void (*report)(FILE *out, const bench_results *results); /* prints more, after the tables */
 	bool report_alone;                                       /* there are too many cases for a table each */
 	/* In place of the panels: writes gnuplot commands that draw plot_rows rows of two diagrams each. */
 	void (*plot)(FILE *out, const bench_results *results);
 	size_t plot_rows;
+	bool traces;           /* its runs can write timelines of frames, as --traces says */
+	uint32_t quick_rounds; /* with --quick; 0: the usual number */
+	double start_seconds;  /* what a program takes to begin, where that is not next to nothing */
 } bench_suite;
 
-extern const bench_suite bench_queue_suite, bench_jobs_suite;
-/* The cases depend on the number of CPUs: filled at the first call. */
+extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_record_suite;
+/* These depend on the number of CPUs: filled at the first call. */
 const bench_suite *bench_steps_suite(void);
+const bench_suite *bench_threads_suite(void);
 
 /* ---- running it -------------------------------------------------------------------------------------------------- */
 
@@ -103,6 +110,7 @@ struct bench_options {
 	const char *only;        /* subjects, "a,b"; shell patterns; NULL: all */
 	const char *cases;       /* the same for cases */
 	const char *json, *plot; /* files, or NULL */
+	const char *traces;      /* a folder, or NULL */
 	uint32_t rounds;
 	double seconds; /* length of a run; 0: what fits (--quick) */
 	bool quick;     /* the whole suite takes less than 30 s */

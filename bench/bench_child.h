@@ -42,9 +42,10 @@ static inline bench_child bench_child_args(int argc, char **argv)
 	return child;
 }
 
+/* Whole numbers arrive as they are. */
 static inline void bench_child_metric(const char *metric, double value)
 {
-	printf("%s %.9g\n", metric, value);
+	printf("%s %.12g\n", metric, value);
 }
 
 __attribute__((format(printf, 1, 2), noreturn)) static inline void bench_child_fail(const char *format, ...)

@@ -15,7 +15,7 @@ typedef struct bench_pair {
 	const bench_subject *subject;
 	uint32_t attempts, timeouts, failures;
 	bool skipped;      /* the subject said that it has no such case */
-	char message[256]; /* of the last failure or time-out */
+	char message[256]; /* of the last failure or time-out, or why it was skipped */
 } bench_pair;
 
 struct bench_results {
@@ -30,6 +30,10 @@ struct bench_results {
 };
 
 #define BENCH_NO_NUMBER ((double)NAN)
+
+/* For a suite's finish: a value that follows from others. */
+void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,
+                     uint32_t round, double value);
 
 /* The names of rows that the harness measures itself, for every pair. */
 #define BENCH_METRIC_MEMORY "peak-memory"

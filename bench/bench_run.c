@@ -167,15 +167,22 @@ static void results_finish(bench_results *results)
 	free(results->pairs);
 }
 
-static void set_value(bench_results *results, const bench_pair *pair, const char *metric, double value)
+void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,
+                     uint32_t round, double value)
 {
 	for (size_t i = 0; i < results->row_count; i++) {
 		bench_row *row = &results->rows[i];
-		if (row->on == pair->on && row->subject == pair->subject && strcmp(row->metric, metric) == 0) {
-			((double *)row->values)[results->rounds - 1] = value;
+		if (row->on == on && row->subject == subject && strcmp(row->metric, metric) == 0) {
+			((double *)row->values)[round] = value;
 			return;
 		}
 	}
+}
+
+/* In this round. */
+static void set_value(bench_results *results, const bench_pair *pair, const char *metric, double value)
+{
+	bench_set_value(results, pair->on, pair->subject, metric, results->rounds - 1, value);
 }
 
 static int compare_doubles(const void *a, const void *b)
@@ -269,7 +276,8 @@ static double run_seconds(const bench_results *results)
 	double lengths = 0.0;
 	for (size_t p = 0; p < results->pair_count; p++)
 		lengths += length_of(results->pairs[p].on);
-	double seconds = (QUICK_BUDGET / options->rounds - (double)results->pair_count * PROCESS_SECONDS) / lengths;
+	double starting = (double)results->pair_count * (PROCESS_SECONDS + results->suite->start_seconds);
+	double seconds = (QUICK_BUDGET / options->rounds - starting) / lengths;
 	return fmin(fmax(seconds, 0.01), 0.2);
 }
 
@@ -290,7 +298,7 @@ static void run_pair(bench_results *results, bench_pair *pair, const char *argum
 		return;
 	case BENCH_CHILD_SKIPPED:
 		pair->skipped = true;
-		return;
+		break;
 	case BENCH_CHILD_FAILED:
 		pair->failures++;
 		break;
@@ -368,6 +376,10 @@ static int run_and_report(bench_results *results)
 		return EXIT_FAILED;
 	run_rounds(results, argument);
 	summarise_rows(results);
+	if (results->suite->finish) {
+		results->suite->finish(results);
+		summarise_rows(results); /* and what it has added */
+	}
 	bench_print(options->json && stilb_file_is_stdout(options->json) ? stderr : stdout, results);
 	int code = verdict(results);
 	if (options->json && bench_save_json(results, options->json) != EXIT_DONE)

@@ -7,12 +7,21 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #define DEFAULT_ROUNDS 5
 #define QUICK_ROUNDS 3
 #define DEFAULT_SECONDS 0.5
 
-static const bench_suite *const suites[] = {&bench_queue_suite, &bench_jobs_suite};
+static const bench_suite *const suites[] = {&bench_queue_suite, &bench_jobs_suite, &bench_record_suite};
+
+/* NULL after the last. */
+static const bench_suite *suite_at(size_t i)
+{
+	const size_t count = sizeof suites / sizeof *suites;
+	return i < count ? suites[i] : i == count ? bench_threads_suite() : NULL;
+}
 
 typedef struct arguments {
 	bench_options options;
@@ -21,7 +30,7 @@ typedef struct arguments {
 	bool steps;
 } arguments;
 
-#define MAX_FLAGS 10
+#define MAX_FLAGS 11
 
 static size_t flag_table(arguments *a, flag flags[MAX_FLAGS])
 {
@@ -37,6 +46,8 @@ static size_t flag_table(arguments *a, flag flags[MAX_FLAGS])
 		{"--case", FLAG_TEXT, &options->cases, "CASE,...", "these cases; shell patterns: 'batch16-*'", 0, 0, NULL},
 		{"--json", FLAG_TEXT, &options->json, "FILE", "the table as JSON; - is standard output", 0, 0, NULL},
 		{"--plot", FLAG_TEXT, &options->plot, "FILE", "a picture (PNG), drawn by gnuplot", 0, 0, NULL},
+		{"--traces", FLAG_TEXT, &options->traces, "DIR", "threads only: a timeline of each run's worst frame", 0, 0,
+	     NULL},
 		{"--list", FLAG_SWITCH, &options->list, NULL, "print the subjects and the cases", 0, 0, NULL},
 		{"--steps", FLAG_SWITCH, &a->steps, NULL, "queue only: Sutter's two-lock queue in four steps", 0, 0, NULL},
 	};
@@ -52,8 +63,8 @@ static void print_help(void)
 	size_t count = flag_table(&unused, flags);
 	printf("stilb-bench: measures Stilb's parts against their peers on this machine\n\n"
 	       "usage: stilb-bench SUITE [FLAGS]\n\n");
-	for (size_t i = 0; i < sizeof suites / sizeof *suites; i++)
-		printf("  %-16s %s\n", suites[i]->name, suites[i]->help);
+	for (size_t i = 0; suite_at(i); i++)
+		printf("  %-16s %s\n", suite_at(i)->name, suite_at(i)->help);
 	printf("  %-16s %s\n\n", "queue --steps", bench_steps_suite()->help);
 	flags_print(flags, count);
 }
@@ -72,6 +83,20 @@ static bool parse_seconds(const char *text, double *seconds)
 	       *seconds <= 60.0;
 }
 
+/* A folder to write into, or a place to make one. NULL is fine. */
+static int check_folder(const char *path)
+{
+	struct stat status;
+	if (path && stat(path, &status) == 0) {
+		if (!S_ISDIR(status.st_mode) || access(path, W_OK | X_OK) != 0)
+			return refuse("--traces", path, "is no folder that can be written to");
+	} else if (path && stilb_file_check(path) != STILB_OK) {
+		stilb_log("--traces: %s", stilb_error_message());
+		return EXIT_REFUSED;
+	}
+	return EXIT_DONE;
+}
+
 /* Files are refused before the work, not after it. */
 static int check_files(const bench_options *options)
 {
@@ -83,13 +108,14 @@ static int check_files(const bench_options *options)
 		}
 	if (options->json && options->plot && stilb_file_same(options->json, options->plot))
 		return refuse("--plot", options->plot, "is the file of --json too; give it another name");
-	return EXIT_DONE;
+	return check_folder(options->traces);
 }
 
-static int finish_options(arguments *a)
+static int finish_options(arguments *a, const bench_suite *suite)
 {
 	bench_options *options = &a->options;
-	options->rounds = a->rounds ? (uint32_t)a->rounds : options->quick ? QUICK_ROUNDS : DEFAULT_ROUNDS;
+	uint32_t quick_rounds = suite->quick_rounds ? suite->quick_rounds : QUICK_ROUNDS;
+	options->rounds = a->rounds ? (uint32_t)a->rounds : options->quick ? quick_rounds : DEFAULT_ROUNDS;
 	options->seconds = options->quick ? 0.0 : DEFAULT_SECONDS;
 	if (a->seconds && !parse_seconds(a->seconds, &options->seconds))
 		return refuse("--seconds", a->seconds, "is not a number in 0.01..60");
@@ -98,9 +124,9 @@ static int finish_options(arguments *a)
 
 static const bench_suite *find_suite(const char *name)
 {
-	for (size_t i = 0; i < sizeof suites / sizeof *suites; i++)
-		if (strcmp(suites[i]->name, name) == 0)
-			return suites[i];
+	for (size_t i = 0; suite_at(i); i++)
+		if (strcmp(suite_at(i)->name, name) == 0)
+			return suite_at(i);
 	return NULL;
 }
 
@@ -127,7 +153,9 @@ static int run(int argc, char **argv)
 		return parsed == FLAGS_HELP ? EXIT_DONE : EXIT_REFUSED;
 	if (a.steps && suite != &bench_queue_suite)
 		return refuse("--steps", suite->name, "has no steps; they belong to queue");
-	int code = finish_options(&a);
+	if (a.options.traces && !suite->traces)
+		return refuse("--traces", suite->name, "draws no frames; it belongs to threads");
+	int code = finish_options(&a, suite);
 	return code != EXIT_DONE ? code : bench_run(a.steps ? bench_steps_suite() : suite, &a.options);
 }
 
