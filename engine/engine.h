@@ -37,7 +37,7 @@ typedef struct stilb_engine_desc {
 	stilb_render_faults faults; /* what is to go wrong, for tests */
 } stilb_engine_desc;
 
-/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), octree, all visible, Vulkan, indirect, 1280x720, headless. */
+/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), auto culling, all visible, Vulkan, indirect, 1280x720, headless. */
 stilb_engine_desc stilb_engine_desc_default(void);
 
 /* The default number of workers. [any-thread] */
@@ -57,7 +57,8 @@ typedef struct stilb_engine_times {
 typedef struct stilb_engine_report {
 	uint64_t frame; /* frames so far */
 	stilb_engine_times times;
-	uint32_t visible; /* models */
+	uint32_t visible;       /* models */
+	stilb_cull_method cull; /* what found them; never AUTO */
 	stilb_render_stats render;
 	stilb_input_state input; /* {0} without a window */
 	bool close;              /* the user wants out */

@@ -166,6 +166,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 		stilb_prof_frame_mark();
 		result = frame_stages(engine, &engine->report.times);
 		engine->report.visible = engine->visible[0].count;
+		engine->report.cull = engine->visible[0].method;
 		engine->report.render = stilb_render_stats_get(engine->render);
 		engine->report.times.gpu = engine->report.render.gpu_ms;
 		engine->report.frame = ++engine->frame;

@@ -28,7 +28,7 @@ typedef struct demo_options {
 /* ---- flags --------------------------------------------------------------------------------------------------------- */
 
 static const char *const view_choices[] = {"all", "half", "few", NULL};
-static const char *const cull_choices[] = {"octree", "flat", NULL};
+static const char *const cull_choices[] = {"auto", "octree", "flat", NULL}; /* as stilb_cull_method */
 static const char *const replay_choices[] = {"indirect", "direct", "secondary", NULL};
 static const char *const materials_choices[] = {"index", "bind", "pipeline", NULL};
 static const char *const device_choices[] = {"vulkan", "null", NULL};
@@ -47,7 +47,7 @@ static flags_result demo_parse(demo_options *o, int argc, char **argv)
 		{"--validate", FLAG_SWITCH, &o->validate, NULL, "Vulkan validation; any message fails the run", 0, 0, NULL},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL},
 		{"--view", FLAG_CHOICE, &o->view, "all|half|few", "how many models are in view (all)", 0, 0, view_choices},
-		{"--cull", FLAG_CHOICE, &o->cull, "octree|flat", "culling method (octree)", 0, 0, cull_choices},
+		{"--cull", FLAG_CHOICE, &o->cull, "auto|octree|flat", "culling method (auto)", 0, 0, cull_choices},
 		{"--replay", FLAG_CHOICE, &o->replay, "indirect|direct|secondary",
 	     "lists as they are; one command a draw; that in parallel (indirect)", 0, 0, replay_choices},
 		{"--materials", FLAG_CHOICE, &o->materials, "index|bind|pipeline",
@@ -150,7 +150,10 @@ static bool demo_check(const demo_options *o)
 	}
 	if (!demo_outputs_differ(o))
 		return false;
-	stilb_result result = o->screenshot ? stilb_image_path_check(o->screenshot) : STILB_OK;
+	stilb_isa isa;
+	stilb_result result = stilb_cpu_isa(&isa);
+	if (result == STILB_OK && o->screenshot)
+		result = stilb_image_path_check(o->screenshot);
 	if (result == STILB_OK && o->trace)
 		result = stilb_file_check(o->trace);
 	if (result == STILB_OK && o->stats)
@@ -322,6 +325,7 @@ static stilb_result demo_write_stats(const demo_run *run, const stage_summary *s
 	stilb_json_string(&json, "replay", replay_choices[o->replay]);
 	stilb_json_string(&json, "materials", materials_choices[o->materials]);
 	stilb_json_string(&json, "cull", cull_choices[o->cull]);
+	stilb_json_string(&json, "culled_by", cull_choices[run->report.cull]);
 	stilb_json_string(&json, "stream_hash", hash);
 	stilb_json_begin(&json, "commands", '{');
 	stilb_json_int(&json, "draw", (int64_t)render->draw_commands);
@@ -353,8 +357,9 @@ static void demo_print_summary(const demo_run *run, const stage_summary *summary
 	bool software = stilb_engine_device_is_software(run->engine);
 	uint32_t width, height, workers = stilb_engine_workers(run->engine), samples = stilb_engine_samples(run->engine);
 	stilb_engine_size(run->engine, &width, &height);
-	fprintf(out, "%" PRIu64 " model%s, %u visible, %" PRIu64 " draws; %s culling, %s replay, %u worker%s\n", o->models,
-	        o->models == 1 ? "" : "s", run->report.visible, run->report.render.draws, cull_choices[o->cull],
+	fprintf(out, "%" PRIu64 " model%s, %u visible, %" PRIu64 " draws; %s%s%s culling, %s replay, %u worker%s\n",
+	        o->models, o->models == 1 ? "" : "s", run->report.visible, run->report.render.draws, cull_choices[o->cull],
+	        o->cull == STILB_CULL_AUTO ? ": " : "", o->cull == STILB_CULL_AUTO ? cull_choices[run->report.cull] : "",
 	        replay_choices[o->replay], workers, workers == 1 ? "" : "s");
 	fprintf(out, "%s%s, %ux%u, %u sample%s per pixel\n", stilb_engine_device_name(run->engine),
 	        software ? " (software: it draws on the CPU)" : "", width, height, samples, samples == 1 ? "" : "s");

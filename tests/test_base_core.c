@@ -216,6 +216,33 @@ static void test_cpu_query(void **state)
 	assert_true(cpu.avx2 || !cpu.avx512);
 }
 
+static void test_cpu_isa(void **state)
+{
+	(void)state;
+	stilb_isa widest = stilb_cpu_widest_isa(), isa;
+	stilb_cpu_features cpu = stilb_cpu_query();
+	assert_true(widest == STILB_ISA_SCALAR || cpu.avx2);
+	assert_true(widest != STILB_ISA_AVX512 || cpu.avx512);
+	unsetenv("STILB_ISA");
+	assert_int_equal(stilb_cpu_isa(&isa), STILB_OK);
+	assert_int_equal(isa, widest);
+	for (stilb_isa wanted = STILB_ISA_SCALAR; wanted < STILB_ISA_COUNT; wanted++) {
+		setenv("STILB_ISA", stilb_isa_text(wanted), 1);
+		assert_int_equal(stilb_cpu_isa(&isa), wanted <= widest ? STILB_OK : STILB_ERROR_ARGUMENT);
+		assert_true(isa == wanted);
+		if (wanted > widest)
+			assert_non_null(strstr(stilb_error_message(), stilb_isa_text(widest)));
+	}
+	const char *const wrong[] = {"", "AVX2", "avx", "avx5120", "sse"};
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		setenv("STILB_ISA", wrong[i], 1);
+		assert_int_equal(stilb_cpu_isa(&isa), STILB_ERROR_ARGUMENT);
+		assert_non_null(strstr(stilb_error_message(), wrong[i]));
+		assert_non_null(strstr(stilb_error_message(), "scalar, avx2 or avx512"));
+	}
+	unsetenv("STILB_ISA");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -231,6 +258,7 @@ int main(void)
 		cmocka_unit_test(test_random_float_is_uniform),
 		cmocka_unit_test(test_time_runs),
 		cmocka_unit_test(test_cpu_query),
+		cmocka_unit_test(test_cpu_isa),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

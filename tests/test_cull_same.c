@@ -1,4 +1,5 @@
-/* Octree and flat see what a plain loop over all spheres sees, in order, for any number of workers, while models move. */
+/* All methods see what a plain loop over all spheres sees, in order, with every instruction set and for any number of
+ * workers, while models move. */
 #include "support/cull_reference.h"
 
 #define POOLS 3
@@ -48,12 +49,18 @@ static void assert_run(fixture *f, stilb_cull_method method, const stilb_frustum
 	assert_int_equal(stilb_cull_run(f->cull, method, &f->scene, frustum, pool, 0, visible), STILB_OK);
 	assert_int_equal(visible->count, f->expected_count);
 	assert_memory_equal(visible->ids, f->expected, f->expected_count * sizeof *f->expected);
-	for (uint32_t i = 0; i < visible->capacity; i++)
-		if (visible->flags[i])
-			fail_msg("flag %u is left", i);
+	for (uint32_t i = 0; i < visible->capacity / 64 * visible->set_count; i++)
+		if (visible->bits[i])
+			fail_msg("bits are left in word %u", i);
+	assert_true(visible->method == method || (method == STILB_CULL_AUTO && visible->method != STILB_CULL_AUTO));
 }
 
-/* One view, both methods, all pools; sometimes small scenes are spread over the workers, too. */
+static void use_isa(fixture *f, stilb_isa isa)
+{
+	f->cull->kernels = f->cull->octree->kernels = cull_kernels_for(isa);
+}
+
+/* One view, all methods, instruction sets and pools; sometimes small scenes are spread over the workers, too. */
 static void assert_view(fixture *f, const stilb_frustum *frustum, bool always_parallel)
 {
 	f->expected_count = 0;
@@ -62,9 +69,13 @@ static void assert_view(fixture *f, const stilb_frustum *frustum, bool always_pa
 			f->expected[f->expected_count++] = model;
 	f->seen += f->expected_count;
 	f->cull->serial_below = always_parallel ? 0 : CULL_SERIAL_BELOW;
-	for (int i = 0; i < POOLS; i++) {
-		assert_run(f, STILB_CULL_OCTREE, frustum, f->pools[i]);
-		assert_run(f, STILB_CULL_FLAT, frustum, f->pools[i]);
+	for (stilb_isa isa = STILB_ISA_SCALAR; isa <= stilb_cpu_widest_isa(); isa++) {
+		use_isa(f, isa);
+		for (int i = 0; i < POOLS; i++) {
+			assert_run(f, STILB_CULL_OCTREE, frustum, f->pools[i]);
+			assert_run(f, STILB_CULL_FLAT, frustum, f->pools[i]);
+		}
+		assert_run(f, STILB_CULL_AUTO, frustum, f->pools[0]);
 	}
 }
 

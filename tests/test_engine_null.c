@@ -128,10 +128,10 @@ static void frames_do_not_depend_on_workers(void **state)
 	for (int f = 1; f < FRAMES; f++)
 		assert_true(expected[f] != expected[f - 1]); /* it does move */
 	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++)
-		for (int kind = 0; kind < 4; kind++) {
+		for (int kind = 0; kind < 6; kind++) {
 			desc = null_desc(workers[w]);
-			desc.cull = kind & 1 ? STILB_CULL_FLAT : STILB_CULL_OCTREE;
-			desc.replay = kind & 2 ? STILB_RENDER_REPLAY_DIRECT : STILB_RENDER_REPLAY_INDIRECT;
+			desc.cull = (stilb_cull_method)(kind / 2);
+			desc.replay = kind & 1 ? STILB_RENDER_REPLAY_DIRECT : STILB_RENDER_REPLAY_INDIRECT;
 			run(&desc, got);
 			assert_memory_equal(got, expected, sizeof expected);
 		}
@@ -141,7 +141,7 @@ static void frames_do_not_depend_on_workers(void **state)
 static void moving_models_come_and_go(void **state)
 {
 	(void)state;
-	for (int method = 0; method < 2; method++) {
+	for (int method = STILB_CULL_AUTO; method <= STILB_CULL_FLAT; method++) {
 		stilb_engine_desc desc = null_desc(2);
 		desc.cull = (stilb_cull_method)method;
 		stilb_engine *engine = make_engine(&desc);

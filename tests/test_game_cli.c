@@ -238,7 +238,7 @@ static void test_stats_of_the_null_device(void **state)
 	assert_said(run.out, "stats: a.json");
 	assert_said(run.out, "trace: t.json");
 	read_stats("a.json");
-	assert_stats("null", "indirect", "octree", 400, 1, 5);
+	assert_stats("null", "indirect", "auto", 400, 1, 5);
 	assert_int_equal(stat_int("visible"), 400);
 	assert_stages(true);
 	assert_trace("t.json", 1, 5);
@@ -250,7 +250,7 @@ static void test_stats_of_the_null_device(void **state)
 	assert_stages(false);
 	stilb_good("demo --headless --device null --models 1 --frames 1 --size 16384x1 --workers 256 --stats c.json");
 	read_stats("c.json");
-	assert_stats("null", "indirect", "octree", 1, 256, 1);
+	assert_stats("null", "indirect", "auto", 1, 256, 1);
 	assert_int_equal(folder_entries(), 4); /* no temporary */
 }
 
@@ -271,7 +271,7 @@ static void test_defaults(void **state)
 	(void)state;
 	stilb_good("demo --device null --stats a.json");
 	read_stats("a.json");
-	assert_stats("null", "indirect", "octree", 10000, stat_int("workers"), 120);
+	assert_stats("null", "indirect", "auto", 10000, stat_int("workers"), 120);
 	assert_int_equal(stat_int("visible"), 10000);
 	assert_true(stat_int("workers") >= 1);
 }
@@ -287,6 +287,7 @@ static void test_stream_hash(void **state)
 	                                   "--workers 8",
 	                                   "--workers 0 --cull flat",
 	                                   "--workers 2 --cull flat",
+	                                   "--workers 2 --cull octree",
 	                                   "--workers 8 --replay direct",
 	                                   "--workers 0 --replay direct --cull flat",
 	                                   "--workers 2 --no-present"};

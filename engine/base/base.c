@@ -102,6 +102,12 @@ uint64_t stilb_time_ns(void)
 }
 
 #if defined(__x86_64__)
+static bool cpu_has_avx512(void)
+{
+	return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+	       __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq");
+}
+
 static bool cpu_has_invariant_tsc(void)
 {
 	unsigned a, b, c, d;
@@ -134,12 +140,50 @@ stilb_cpu_features stilb_cpu_query(void)
 	cpu.sse42 = __builtin_cpu_supports("sse4.2");
 	cpu.avx2 = __builtin_cpu_supports("avx2");
 	cpu.fma = __builtin_cpu_supports("fma");
-	cpu.avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-	             __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq");
+	cpu.avx512 = cpu_has_avx512();
 	unsigned a, b, c = 0, d;
 	cpu.f16c = cpu.avx2 && __get_cpuid(1, &a, &b, &c, &d) && (c & (1u << 29));
 	cpu.invariant_tsc = cpu_has_invariant_tsc();
 	cpu_brand(cpu.name);
 #endif
 	return cpu;
+}
+
+static const char *const isa_texts[STILB_ISA_COUNT] = {"scalar", "avx2", "avx512"};
+
+const char *stilb_isa_text(stilb_isa isa)
+{
+	return isa_texts[isa];
+}
+
+/* Not by stilb_cpu_query: its CPUID instructions take microseconds each on a virtual machine. */
+stilb_isa stilb_cpu_widest_isa(void)
+{
+#if defined(__x86_64__)
+	__builtin_cpu_init();
+	if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("bmi"))
+		return STILB_ISA_SCALAR;
+	return cpu_has_avx512() ? STILB_ISA_AVX512 : STILB_ISA_AVX2;
+#else
+	return STILB_ISA_SCALAR;
+#endif
+}
+
+stilb_result stilb_cpu_isa(stilb_isa *isa)
+{
+	stilb_isa widest = stilb_cpu_widest_isa();
+	const char *wanted = getenv("STILB_ISA");
+	*isa = widest;
+	if (!wanted)
+		return STILB_OK;
+	for (*isa = STILB_ISA_SCALAR; *isa < STILB_ISA_COUNT; ++*isa)
+		if (strcmp(wanted, isa_texts[*isa]) == 0)
+			break;
+	if (*isa == STILB_ISA_COUNT)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "STILB_ISA=%s is unknown; give scalar, avx2 or avx512, or unset it",
+		                  wanted);
+	if (*isa > widest)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "STILB_ISA=%s: this CPU has %s at most; unset it", wanted,
+		                  isa_texts[widest]);
+	return STILB_OK;
 }

@@ -93,4 +93,22 @@ typedef struct stilb_cpu_features {
 
 stilb_cpu_features stilb_cpu_query(void);
 
+/* The instruction sets that modules have code for; each includes the ones before it. */
+typedef enum stilb_isa {
+	STILB_ISA_SCALAR, /* plain C; the truth that the others are tested against */
+	STILB_ISA_AVX2,   /* and BMI, which came with it */
+	STILB_ISA_AVX512, /* as stilb_cpu_features.avx512 */
+	STILB_ISA_COUNT
+} stilb_isa;
+
+/* "scalar", "avx2", "avx512". */
+const char *stilb_isa_text(stilb_isa isa);
+
+/* The widest that this CPU has. */
+stilb_isa stilb_cpu_widest_isa(void);
+
+/* The one to use: the environment's STILB_ISA, else the widest. STILB_ERROR_ARGUMENT: STILB_ISA names none, or one that
+ * this CPU lacks. */
+stilb_result stilb_cpu_isa(stilb_isa *isa);
+
 #endif

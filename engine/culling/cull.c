@@ -1,4 +1,4 @@
-/* One view's culling: mark a byte a model, then turn the bytes into ids in scene order. */
+/* One view's culling: which method, on how many threads, and ids in scene order out of bits. */
 #include "culling/cull.h"
 #include "culling/cull_internal.h"
 #include "profiler/prof.h"
@@ -8,10 +8,10 @@
 #include <string.h>
 
 #define CULL_CELL_OBJECTS 64u    /* fewest objects a cell of a uniform scene holds on average */
-#define CULL_COMPACT_GRAIN 4u    /* chunks a job counts or compacts */
+#define CULL_OCTREE_SHARE 0.25   /* visible share up to which the octree is the faster method */
+#define CULL_GATHER_GRAIN 16u    /* chunks a job counts: some microseconds of work */
+#define CULL_EXPAND_GRAIN 8u     /* chunks a job turns into ids */
 #define CULL_EXTENT_LIMIT 0x1p58 /* metres; centres farther out do not shape the root */
-
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "cull_compact_chunk reads flags eight at a time");
 
 /* ---- building ------------------------------------------------------------------------------------------------- */
 
@@ -84,12 +84,17 @@ stilb_cull_octree_desc cull_desc_for_scene(const stilb_scene *scene)
 stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **out)
 {
 	*out = NULL;
+	stilb_isa isa;
+	stilb_result result = stilb_cpu_isa(&isa);
+	if (result != STILB_OK)
+		return result;
 	stilb_cull *cull = stilb_memory_alloc(1, sizeof *cull);
 	if (!cull)
 		return stilb_fail(STILB_ERROR_MEMORY, "culling: no memory");
-	*cull = (stilb_cull){.model_count = scene->model_count, .serial_below = CULL_SERIAL_BELOW};
+	*cull = (stilb_cull){
+		.kernels = cull_kernels_for(isa), .model_count = scene->model_count, .serial_below = CULL_SERIAL_BELOW};
 	stilb_cull_octree_desc desc = cull_desc_for_scene(scene);
-	stilb_result result = stilb_cull_octree_create(&desc, &cull->octree);
+	result = stilb_cull_octree_create(&desc, &cull->octree);
 	for (uint32_t model = 0; result == STILB_OK && model < scene->model_count; model++)
 		result = stilb_cull_octree_insert(cull->octree, model, cull_scene_sphere(scene, model));
 	if (result != STILB_OK) {
@@ -125,56 +130,9 @@ void stilb_cull_visible_finish(stilb_cull_visible *visible)
 	if (!visible)
 		return;
 	free(visible->ids);
-	free(visible->flags);
+	free(visible->bits);
 	free(visible->chunk_count);
 	*visible = (stilb_cull_visible){0};
-}
-
-/* Whole chunks, so that flags can be read eight at a time up to the end. */
-static stilb_result cull_visible_reserve(stilb_cull_visible *visible, uint32_t model_count)
-{
-	if (visible->capacity >= model_count && visible->flags)
-		return STILB_OK;
-	uint32_t chunks = model_count / CULL_CHUNK + 1;
-	stilb_cull_visible grown = {.capacity = chunks * CULL_CHUNK};
-	grown.ids = stilb_memory_alloc(grown.capacity, sizeof *grown.ids);
-	grown.flags = stilb_memory_alloc(grown.capacity, sizeof *grown.flags);
-	grown.chunk_count = stilb_memory_alloc(chunks, sizeof *grown.chunk_count);
-	if (!grown.ids || !grown.flags || !grown.chunk_count) {
-		stilb_cull_visible_finish(&grown);
-		return stilb_fail(STILB_ERROR_MEMORY, "culling: no memory for the visible list of %u models", model_count);
-	}
-	memset(grown.flags, 0, grown.capacity);
-	stilb_cull_visible_finish(visible);
-	*visible = grown;
-	return STILB_OK;
-}
-
-/* ---- marking and compacting ----------------------------------------------------------------------------------- */
-
-/* What the jobs of one run share. */
-typedef struct cull_run {
-	const stilb_cull *cull;
-	const stilb_scene *scene;
-	const stilb_frustum *frustum;
-	stilb_cull_visible *visible;
-	stilb_job_pool *pool;
-	uint32_t worker;
-} cull_run;
-
-/* Worth waking threads for? */
-static bool cull_run_parallel(const cull_run *run, uint32_t objects)
-{
-	return run->pool && objects >= run->cull->serial_below;
-}
-
-/* fn over [0, count): on the caller alone when that means few objects, else on the pool. */
-static void cull_run_for(cull_run *run, uint32_t objects, uint32_t count, uint32_t grain, stilb_job_range_fn *fn)
-{
-	if (cull_run_parallel(run, objects))
-		stilb_job_parallel_for(run->pool, count, grain, fn, run, run->worker);
-	else
-		fn(0, count, run->worker, run);
 }
 
 static uint32_t cull_chunk_total(uint32_t model_count)
@@ -182,21 +140,77 @@ static uint32_t cull_chunk_total(uint32_t model_count)
 	return (model_count + CULL_CHUNK - 1) / CULL_CHUNK;
 }
 
+/* Words from one thread's set of bits to the next. */
+static size_t cull_set_stride(const stilb_cull_visible *visible)
+{
+	return visible->capacity / 64;
+}
+
+/* Sees to room for model_count models and a set of bits for each of so many threads. */
+static stilb_result cull_visible_reserve(stilb_cull_visible *visible, uint32_t model_count, uint32_t threads)
+{
+	if (visible->capacity >= model_count && visible->set_count >= threads)
+		return STILB_OK;
+	uint32_t chunks = model_count / CULL_CHUNK + 1;
+	stilb_cull_visible grown = {
+		.capacity = chunks * CULL_CHUNK, .set_count = threads, .count = visible->count, .method = visible->method};
+	size_t words = cull_set_stride(&grown) * threads;
+	grown.ids = stilb_memory_alloc((size_t)grown.capacity + CULL_SLACK, sizeof *grown.ids);
+	grown.bits = stilb_memory_alloc(words, sizeof *grown.bits);
+	grown.chunk_count = stilb_memory_alloc(chunks, sizeof *grown.chunk_count);
+	if (!grown.ids || !grown.bits || !grown.chunk_count) {
+		stilb_cull_visible_finish(&grown);
+		return stilb_fail(STILB_ERROR_MEMORY, "culling: no memory for the visible list of %u models", model_count);
+	}
+	memset(grown.bits, 0, words * sizeof *grown.bits);
+	stilb_cull_visible_finish(visible);
+	*visible = grown;
+	return STILB_OK;
+}
+
+/* ---- the jobs of a run ---------------------------------------------------------------------------------------- */
+
+/* What the jobs of one run share. */
+typedef struct cull_run {
+	const stilb_cull *cull;
+	const stilb_frustum *frustum;
+	cull_spheres spheres; /* of the scene */
+	stilb_cull_visible *visible;
+	stilb_job_pool *pool; /* NULL: the caller alone */
+	uint32_t worker;
+} cull_run;
+
 static uint32_t cull_chunk_size(uint32_t chunk, uint32_t model_count)
 {
 	uint32_t left = model_count - chunk * CULL_CHUNK;
 	return left < CULL_CHUNK ? left : CULL_CHUNK;
 }
 
-/* Items begin .. end - 1 of the octree. Other threads store to other bytes of flags: every object is in one cell. */
+static cull_spheres cull_spheres_from(cull_spheres spheres, uint32_t first)
+{
+	return (cull_spheres){spheres.x + first, spheres.y + first, spheres.z + first, spheres.radius + first};
+}
+
+/* Items begin .. end - 1 of the octree. Each thread marks a set of its own: models of one word lie in many cells. */
 static void cull_job_items(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	PROFILE("cull.cells");
-	(void)worker;
 	const cull_run *run = context;
 	const stilb_cull_octree *octree = run->cull->octree;
-	for (uint32_t i = begin; i < end; i++)
-		cull_octree_mark(octree, &octree->items[i], run->frustum, run->visible->flags);
+	uint64_t *bits = run->visible->bits + worker * cull_set_stride(run->visible);
+	cull_octree_mark(octree, begin, end, run->frustum, bits);
+}
+
+/* Puts the bits of all threads' sets into the first set, and counts them. */
+static void cull_job_gather(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	PROFILE("cull.gather");
+	(void)worker;
+	const cull_run *run = context;
+	stilb_cull_visible *visible = run->visible;
+	for (uint32_t chunk = begin; chunk < end; chunk++)
+		visible->chunk_count[chunk] = run->cull->kernels->gather(
+			visible->bits + chunk * (CULL_CHUNK / 64), cull_set_stride(visible), visible->set_count, CULL_CHUNK / 64);
 }
 
 static void cull_job_flat(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -204,102 +218,102 @@ static void cull_job_flat(uint32_t begin, uint32_t end, uint32_t worker, void *c
 	PROFILE("cull.spheres");
 	(void)worker;
 	const cull_run *run = context;
-	const stilb_scene_bounds *bounds = &run->scene->bounds;
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
-		uint32_t first = chunk * CULL_CHUNK;
-		cull_spheres spheres = {bounds->x + first, bounds->y + first, bounds->z + first, bounds->radius + first};
-		cull_test_spheres(spheres, cull_chunk_size(chunk, run->cull->model_count), run->frustum, CULL_PLANES,
-		                  run->visible->flags + first);
+		uint64_t *bits = run->visible->bits + chunk * (CULL_CHUNK / 64);
+		run->cull->kernels->test(cull_spheres_from(run->spheres, chunk * CULL_CHUNK),
+		                         cull_chunk_size(chunk, run->cull->model_count), run->frustum, CULL_ALL_PLANES, bits);
+		run->visible->chunk_count[chunk] = run->cull->kernels->gather(bits, 0, 1, CULL_CHUNK / 64);
 	}
 }
 
-static void cull_job_count(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+/* Turns bits into ids; chunk_count holds where each chunk's ids begin. By way of the stack, as the kernel writes some more
+ * than there are, and behind a chunk's ids lie those of another thread. */
+static void cull_job_expand(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	PROFILE("cull.count");
-	(void)worker;
-	const cull_run *run = context;
-	for (uint32_t chunk = begin; chunk < end; chunk++) {
-		const uint8_t *flags = run->visible->flags + chunk * CULL_CHUNK;
-		uint32_t count = 0;
-		for (uint32_t i = 0; i < CULL_CHUNK; i++)
-			count += flags[i];
-		run->visible->chunk_count[chunk] = count;
-	}
-}
-
-/* Appends the ids of a chunk's flags at ids, clears the flags and returns how many there were. Writes no id beyond, as
- * that is another thread's place. */
-static uint32_t cull_compact_chunk(uint8_t *flags, uint32_t first_id, uint32_t *ids)
-{
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < CULL_CHUNK; i += 8) {
-		uint64_t word;
-		memcpy(&word, flags + i, sizeof word);
-		if (word == 0x0101010101010101u) {
-			for (uint32_t k = 0; k < 8; k++)
-				ids[count + k] = first_id + i + k;
-			count += 8;
-			continue;
-		}
-		for (; word; word &= word - 1)
-			ids[count++] = first_id + i + ((uint32_t)__builtin_ctzll(word) >> 3);
-	}
-	memset(flags, 0, CULL_CHUNK);
-	return count;
-}
-
-/* chunk_count holds where each chunk's ids begin. */
-static void cull_job_compact(uint32_t begin, uint32_t end, uint32_t worker, void *context)
-{
-	PROFILE("cull.compact");
+	PROFILE("cull.expand");
 	(void)worker;
 	const cull_run *run = context;
 	stilb_cull_visible *visible = run->visible;
+	uint32_t ids[CULL_CHUNK + CULL_SLACK];
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
 		uint32_t first = chunk * CULL_CHUNK;
-		cull_compact_chunk(visible->flags + first, first, visible->ids + visible->chunk_count[chunk]);
+		uint32_t count = run->cull->kernels->expand(visible->bits + first / 64, CULL_CHUNK / 64, first, ids);
+		memcpy(visible->ids + visible->chunk_count[chunk], ids, count * sizeof *ids);
 	}
 }
 
-/* Marks what is visible; candidates gets a bound on how much that can be. */
-static stilb_result cull_run_mark(cull_run *run, stilb_cull_method method, uint32_t *candidates)
+/* ---- the methods ---------------------------------------------------------------------------------------------- */
+
+/* Worth waking threads for? */
+static bool cull_run_parallel(const cull_run *run, uint32_t objects)
 {
-	const stilb_cull *cull = run->cull;
-	if (method == STILB_CULL_FLAT) {
-		*candidates = cull->model_count;
-		cull_run_for(run, *candidates, cull_chunk_total(cull->model_count), 1, cull_job_flat);
-		return STILB_OK;
-	}
-	uint32_t items;
-	stilb_result result = cull_octree_collect(cull->octree, run->frustum, &items, candidates);
-	if (result != STILB_OK)
-		return result;
-	/* A slice of items with about a chunk of objects. */
-	uint32_t grain = *candidates > CULL_CHUNK ? (uint32_t)((uint64_t)items * CULL_CHUNK / *candidates) : items;
-	cull_run_for(run, *candidates, items, grain, cull_job_items);
-	return STILB_OK;
+	return run->pool && objects >= run->cull->serial_below;
 }
 
-static void cull_compact_serial(stilb_cull_visible *visible, uint32_t chunks)
+static void cull_run_chunks(cull_run *run, uint32_t grain, stilb_job_range_fn *fn)
 {
-	PROFILE("cull.compact");
-	for (uint32_t chunk = 0; chunk < chunks; chunk++) {
-		uint32_t first = chunk * CULL_CHUNK;
-		visible->count += cull_compact_chunk(visible->flags + first, first, visible->ids + visible->count);
-	}
+	stilb_job_parallel_for(run->pool, cull_chunk_total(run->cull->model_count), grain, fn, run, run->worker);
 }
 
-/* Threads must know where their ids begin: first a count per chunk and its prefix sum, then the ids. */
-static void cull_compact_parallel(cull_run *run, uint32_t chunks)
+/* Threads must know where their ids begin: chunk_count becomes the sum of those before. */
+static void cull_run_expand(cull_run *run)
 {
 	stilb_cull_visible *visible = run->visible;
-	stilb_job_parallel_for(run->pool, chunks, CULL_COMPACT_GRAIN, cull_job_count, run, run->worker);
-	for (uint32_t chunk = 0; chunk < chunks; chunk++) {
+	for (uint32_t chunk = 0; chunk < cull_chunk_total(run->cull->model_count); chunk++) {
 		uint32_t count = visible->chunk_count[chunk];
 		visible->chunk_count[chunk] = visible->count;
 		visible->count += count;
 	}
-	stilb_job_parallel_for(run->pool, chunks, CULL_COMPACT_GRAIN, cull_job_compact, run, run->worker);
+	cull_run_chunks(run, CULL_EXPAND_GRAIN, cull_job_expand);
+}
+
+static void cull_run_flat(cull_run *run)
+{
+	uint32_t model_count = run->cull->model_count;
+	if (!cull_run_parallel(run, model_count)) {
+		PROFILE("cull.spheres");
+		run->visible->count = run->cull->kernels->flat(run->spheres, model_count, run->frustum, run->visible->ids);
+		return;
+	}
+	cull_run_chunks(run, 1, cull_job_flat);
+	cull_run_expand(run);
+}
+
+static void cull_run_all(cull_run *run)
+{
+	PROFILE("cull.all");
+	run->cull->kernels->all(run->cull->model_count, run->visible->ids);
+	run->visible->count = run->cull->model_count;
+}
+
+static stilb_result cull_run_octree(cull_run *run)
+{
+	stilb_cull_visible *visible = run->visible;
+	cull_walk_result walk;
+	stilb_result result = cull_octree_walk(run->cull->octree, run->frustum, &walk);
+	if (result != STILB_OK)
+		return result;
+	uint32_t objects = walk.tested + walk.accepted;
+	if (!cull_run_parallel(run, objects)) {
+		cull_job_items(0, walk.item_count, 0, run);
+		PROFILE("cull.expand");
+		uint32_t lines = (run->cull->model_count + CULL_BITS_OBJECTS - 1) / CULL_BITS_OBJECTS;
+		visible->count = run->cull->kernels->expand(visible->bits, lines * CULL_BITS_WORDS, 0, visible->ids);
+		return STILB_OK;
+	}
+	/* A slice of items with about a chunk of objects. */
+	uint32_t grain = (uint32_t)((uint64_t)walk.item_count * CULL_CHUNK / (objects + 1));
+	stilb_job_parallel_for(run->pool, walk.item_count, grain, cull_job_items, run, run->worker);
+	cull_run_chunks(run, CULL_GATHER_GRAIN, cull_job_gather);
+	cull_run_expand(run);
+	return STILB_OK;
+}
+
+/* The octree's cost grows with what is visible, the flat method's does not; past some share the latter wins. The last
+ * frame's share is a good guess of this one's, and near that point both cost the same, so a wrong guess costs little. */
+static stilb_cull_method cull_choose(const stilb_cull *cull, const stilb_cull_visible *visible)
+{
+	return (double)visible->count > CULL_OCTREE_SHARE * (double)cull->model_count ? STILB_CULL_FLAT : STILB_CULL_OCTREE;
 }
 
 stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
@@ -307,20 +321,29 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
                             stilb_cull_visible *visible)
 {
 	STILB_ASSERT(scene->model_count == cull->model_count);
-	cull_run run = {cull, scene, frustum, visible, pool, worker};
-	uint32_t candidates = 0;
+	const stilb_scene_bounds *bounds = &scene->bounds;
+	cull_run run = {
+		.cull = cull,
+		.frustum = frustum,
+		.spheres = {bounds->x, bounds->y, bounds->z, bounds->radius},
+		.visible = visible,
+		.pool = pool,
+		.worker = worker,
+	};
+	bool all = method != STILB_CULL_FLAT && cull_octree_inside(cull->octree, frustum);
+	if (method == STILB_CULL_AUTO)
+		method = all ? STILB_CULL_OCTREE : cull_choose(cull, visible);
 	visible->count = 0;
-	stilb_result result = cull_visible_reserve(visible, cull->model_count);
-	if (result == STILB_OK)
-		result = cull_run_mark(&run, method, &candidates);
+	visible->method = method;
+	uint32_t threads = pool ? stilb_job_pool_worker_count(pool) + 1 : 1;
+	stilb_result result = cull_visible_reserve(visible, cull->model_count, threads);
 	if (result != STILB_OK)
 		return result;
-	/* Passing over a flag that is 0 costs about a sixteenth of writing an id. */
-	uint32_t work = candidates > cull->model_count / 16 ? candidates : cull->model_count / 16;
-	uint32_t chunks = cull_chunk_total(cull->model_count);
-	if (cull_run_parallel(&run, work))
-		cull_compact_parallel(&run, chunks);
+	if (all)
+		cull_run_all(&run);
+	else if (method == STILB_CULL_FLAT)
+		cull_run_flat(&run);
 	else
-		cull_compact_serial(visible, chunks);
-	return STILB_OK;
+		result = cull_run_octree(&run);
+	return result;
 }

@@ -1,10 +1,12 @@
 /*
  * culling: bounding spheres and a view in, the ids of what the view can see out, in scene order.
  *
- * Two methods return the same set, bit for bit: `octree`, a loose octree (k = 2) whose cells are tested with plane
- * masks, and `flat`, which tests every sphere. In both a sphere is visible when, for all six planes and in float,
+ * Two methods return the same set, bit for bit: `octree`, a loose octree (k = 2) whose cells are tested sixteen at a time
+ * and with plane masks, and `flat`, which tests every sphere. `auto` takes whichever is likely to be faster. In both a
+ * sphere is visible when, for all six planes and in float,
  *     ((x * px + y * py) + z * pz) + distance >= -radius
  * holds. NaN anywhere in a sphere makes it invisible; an infinite radius makes it visible from everywhere.
+ * All run on AVX-512, AVX2 or plain C, whichever is the best that the CPU has or what STILB_ISA says (stilb_cpu_isa).
  * Source: Thatcher Ulrich, "Loose Octrees", Game Programming Gems, 2000 (a cell of side s reaches s / 2 beyond each of
  * its faces, so size and centre name the one cell of an object, and no other object has to be looked at).
  *
@@ -13,7 +15,7 @@
  * Threads.     [one-writer]: one call at a time for each stilb_cull, stilb_cull_octree and stilb_cull_visible.
  *              stilb_cull_run spreads its work over the job pool it is given, and stays on the caller alone when the
  *              work is too small to be worth waking a thread.
- * Cost.        insert, move, remove: O(1), at most max_depth steps; a move within a cell is one store. No allocation
+ * Cost.        insert, move, remove: O(1), at most max_depth steps; a move within a cell is a store. No allocation
  *              while culling once the buffers have grown to the scene; cells that empty are reused.
  * Errors.      STILB_ERROR_MEMORY leaves everything as it was before the call, but for stilb_cull_move.
  */
@@ -26,6 +28,7 @@
 #include "scene/scene.h"
 
 typedef enum stilb_cull_method {
+	STILB_CULL_AUTO, /* one of the others, chosen anew in every run by what the run before saw */
 	STILB_CULL_OCTREE,
 	STILB_CULL_FLAT,
 } stilb_cull_method;
@@ -36,13 +39,15 @@ typedef struct stilb_cull stilb_cull;
 typedef struct stilb_cull_visible {
 	uint32_t *ids; /* [count] ascending, so scene order */
 	uint32_t count;
-	uint32_t capacity;
-	uint8_t *flags;        /* scratch: one byte a model; all zero between runs */
-	uint32_t *chunk_count; /* scratch */
+	stilb_cull_method method; /* of the last run; never AUTO */
+	uint32_t capacity;        /* models */
+	uint32_t set_count;       /* sets of bits: one for each thread of the pool */
+	uint64_t *bits;           /* scratch: [set_count][capacity / 64], one bit a model; all zero between runs */
+	uint32_t *chunk_count;    /* scratch */
 } stilb_cull_visible;
 
 /* Builds the octree over all models of the scene, with cells for some 64 to 256 models where these lie evenly. Neither
- * the count of models nor their ids may change afterwards. [one-writer] */
+ * the count of models nor their ids may change afterwards. STILB_ERROR_ARGUMENT: STILB_ISA is wrong. [one-writer] */
 stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **cull);
 
 /* Tells the octree the new bounds of count models, ids as in scene->moved. STILB_ERROR_MEMORY: models before the one
@@ -87,7 +92,7 @@ stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stil
 /* Takes an object out; an id that is not in the tree is ignored. [one-writer] */
 void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id);
 
-/* Sets flags[id] to 1 for every visible object; other bytes must be 0 before and stay so. [one-writer] */
-stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint8_t *flags);
+/* Sets bit id % 64 of bits[id / 64] for every visible object, and leaves the others as they are. [one-writer] */
+stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint64_t *bits);
 
 #endif

@@ -6,7 +6,7 @@
 typedef struct cull_check {
 	const stilb_cull_octree *octree;
 	const char *wrong; /* the first thing found */
-	uint32_t cells;
+	uint32_t families;
 } cull_check;
 
 static void cull_check_that(cull_check *check, bool right, const char *wrong)
@@ -39,48 +39,64 @@ static void cull_check_object(cull_check *check, uint32_t index, uint32_t slot)
 	}
 }
 
+static float cull_check_cell(cull_check *check, uint32_t index);
+
+/* The children of a cell. Adds to *count what they hold, returns the greatest radius among it. */
+static float cull_check_family(cull_check *check, uint32_t parent, uint32_t *count)
+{
+	const stilb_cull_octree *octree = check->octree;
+	uint32_t first = octree->cells[parent].children, before = *count;
+	float reach = 0.0f;
+	check->families++;
+	cull_check_that(check, first % CULL_CHILDREN == 0 && first < octree->cell_count, "a family lies across two");
+	for (uint32_t octant = 0; octant < CULL_CHILDREN; octant++) {
+		const cull_cell *child = &octree->cells[first + octant];
+		const cull_cell_name *name = &child->name;
+		uint32_t bits = (name->position[0] & 1u) | (name->position[1] & 1u) << 1 | (name->position[2] & 1u) << 2;
+		cull_check_that(check, child->parent == parent, "a cell's parent does not know it");
+		cull_check_that(check, name->depth == octree->cells[parent].name.depth + 1 && bits == octant,
+		                "a cell has the wrong name");
+		reach = fmaxf(reach, cull_check_cell(check, first + octant));
+		*count += child->subtree_count;
+	}
+	cull_check_that(check, *count > before, "an empty family is in the tree");
+	return reach;
+}
+
 /* Returns the greatest radius at and below the cell. */
 static float cull_check_cell(cull_check *check, uint32_t index)
 {
 	const cull_cell *cell = &check->octree->cells[index];
 	uint32_t count = cell->count;
-	float reach = 0.0f;
-	check->cells++;
+	float reach = 0.0f, known = check->octree->reach[index];
 	for (uint32_t slot = 0; slot < cell->count; slot++) {
 		cull_check_object(check, index, slot);
 		if (index != CULL_ROOT)
 			reach = fmaxf(reach, cell->radius[slot]);
 	}
-	for (uint32_t octant = 0; octant < 8; octant++) {
-		uint32_t child = cell->children[octant];
-		if (child == CULL_NONE)
-			continue;
-		const cull_cell_name *name = &check->octree->cells[child].name;
-		uint32_t bits = (name->position[0] & 1u) | (name->position[1] & 1u) << 1 | (name->position[2] & 1u) << 2;
-		cull_check_that(check, check->octree->cells[child].parent == index, "a cell's parent does not know it");
-		cull_check_that(check, name->depth == cell->name.depth + 1 && bits == octant, "a cell has the wrong name");
-		reach = fmaxf(reach, cull_check_cell(check, child));
-		count += check->octree->cells[child].subtree_count;
-	}
+	if (cell->children != CULL_NONE)
+		reach = fmaxf(reach, cull_check_family(check, index, &count));
 	cull_check_that(check, count == cell->subtree_count, "a subtree's count is wrong");
-	cull_check_that(check, index == CULL_ROOT || count > 0, "an empty cell is in the tree");
 	cull_check_that(check, cell->name.depth <= check->octree->max_depth, "a cell is too deep");
-	cull_check_that(check, cell->reach >= reach, "a radius is greater than its cell's reach");
+	if (count > 0 || index == CULL_ROOT)
+		cull_check_that(check, known >= reach, "a radius is greater than its cell's reach");
+	else
+		cull_check_that(check, known == -INFINITY && cell->children == CULL_NONE, "an empty cell is not vacant");
 	return reach;
 }
 
 const char *cull_octree_check(const stilb_cull_octree *octree)
 {
-	cull_check check = {.octree = octree};
-	uint32_t placed = 0, free_cells = 0;
+	cull_check check = {.octree = octree, .families = 1}; /* the root's */
+	uint32_t placed = 0, free_families = 0;
 	cull_check_cell(&check, CULL_ROOT);
 	for (uint32_t id = 0; id < octree->place_capacity; id++)
 		placed += octree->places[id].cell_plus_one != 0;
-	for (uint32_t cell = octree->free_cell; cell != CULL_NONE && free_cells <= octree->cell_count;
-	     cell = octree->cells[cell].parent)
-		free_cells++;
+	for (uint32_t first = octree->free_family; first != CULL_NONE && free_families <= octree->cell_count;
+	     first = octree->cells[first].parent)
+		free_families++;
 	cull_check_that(&check, placed == octree->cells[CULL_ROOT].subtree_count, "places and objects differ in number");
-	cull_check_that(&check, check.cells == octree->live_count, "the count of live cells is wrong");
-	cull_check_that(&check, check.cells + free_cells == octree->cell_count, "a cell is lost");
+	cull_check_that(&check, check.families == octree->family_count, "the count of families is wrong");
+	cull_check_that(&check, (check.families + free_families) * CULL_CHILDREN == octree->cell_count, "a family is lost");
 	return check.wrong;
 }

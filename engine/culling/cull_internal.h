@@ -3,18 +3,13 @@
 #define STILB_CULL_INTERNAL_H
 
 #include "culling/cull.h"
+#include "culling/cull_kernels.h"
 
 #define CULL_MAX_DEPTH 20u
-#define CULL_PLANES 0x3fu        /* one bit a plane of the frustum */
-#define CULL_CHUNK 4096u         /* most objects that one piece of work tests, marks or compacts */
-#define CULL_SERIAL_BELOW 32768u /* objects: with fewer, waking a thread costs more than it saves */
+#define CULL_CHUNK 4096u         /* most objects that one piece of work tests or writes: 64 words of bits */
+#define CULL_SERIAL_BELOW 32768u /* objects to test or write: with fewer, waking a thread costs more than it saves */
 #define CULL_ROOT 0u
 #define CULL_NONE 0u /* no cell: the root is nobody's child and is never free */
-
-/* Spheres, one array a component. */
-typedef struct cull_spheres {
-	const float *x, *y, *z, *radius;
-} cull_spheres;
 
 /* Where an object belongs: the cell at this depth and place (in cells of that depth from the root's low corner). */
 typedef struct cull_cell_name {
@@ -22,15 +17,16 @@ typedef struct cull_cell_name {
 	uint32_t position[3];
 } cull_cell_name;
 
-/* A cell of the tree. The five arrays are one block of memory that starts at x. */
+/* A cell of the tree. Cells come in families of eight siblings at indices 8 n .. 8 n + 7, bit 0 of the index: upper half
+ * in x, bit 1 in y, bit 2 in z. A sibling with nothing at or below it is vacant. The root is alone in family 0.
+ * The five arrays are one block of memory that starts at x; its capacity is a multiple of CULL_WIDTH. */
 typedef struct cull_cell {
 	float *x, *y, *z, *radius; /* [count] bounds of the objects of this very cell */
 	uint32_t *id;              /* [count] */
 	uint32_t count, capacity;
-	uint32_t subtree_count; /* objects here and in all cells below; only the root can be empty */
-	float reach;            /* no object here or below has a greater radius; the root leaves its own objects out */
-	uint32_t parent;        /* of a free cell: the next free one */
-	uint32_t children[8];   /* bit 0 of the index: upper half in x, bit 1 in y, bit 2 in z */
+	uint32_t subtree_count; /* objects here and in all cells below */
+	uint32_t parent;        /* of the first of a free family: the next free one's first cell */
+	uint32_t children;      /* the first of eight, or CULL_NONE */
 	cull_cell_name name;
 } cull_cell;
 
@@ -46,24 +42,44 @@ typedef struct cull_item {
 	uint32_t planes;
 } cull_item;
 
+/* Children that a view's way through the tree has come to, and what it knows of their parent. */
+typedef struct cull_family {
+	uint32_t children, depth;   /* the first child's index; the depth of the children */
+	uint32_t planes;            /* that the parent is not wholly inside of */
+	double center[CULL_PLANES]; /* each plane's signed distance of the parent's centre */
+} cull_family;
+
+/* What the walk through the tree came to. */
+typedef struct cull_walk_result {
+	uint32_t item_count;
+	uint32_t tested, accepted; /* objects in the items with and without planes to test */
+} cull_walk_result;
+
 struct stilb_cull_octree {
+	const cull_kernels *kernels;
 	double low[3]; /* the root's low corner */
 	double size;   /* the root's side */
 	uint32_t max_depth;
 
-	cull_cell *cells; /* [cell_count], of which live_count are in the tree */
-	uint32_t cell_count, cell_capacity, live_count;
-	uint32_t free_cell;
+	cull_cell *cells; /* [cell_count], of which 8 * family_count are in the tree */
+	float *reach;     /* [cell_count] no object at or below has a greater radius; the root leaves its own objects out.
+	                     -infinity for vacant cells, so that every plane rejects them */
+	uint32_t cell_count, cell_capacity, family_count;
+	uint32_t free_family; /* its first cell, or CULL_NONE */
 
 	cull_place *places; /* [place_capacity] by object id */
 	uint32_t place_capacity;
 
-	cull_item *items; /* [item_capacity] of the last cull_octree_collect */
+	/* Of the last cull_octree_walk. */
+	cull_item *items; /* [item_capacity] */
 	uint32_t item_capacity;
-	uint32_t plane_tests; /* of cells, in the last cull_octree_collect */
+	cull_family *families; /* [families_capacity] */
+	uint32_t families_capacity;
+	uint32_t cell_tests; /* of a cell against a plane */
 };
 
 struct stilb_cull {
+	const cull_kernels *kernels;
 	stilb_cull_octree *octree;
 	uint32_t model_count;
 	uint32_t serial_below; /* CULL_SERIAL_BELOW, but for tests */
@@ -71,11 +87,6 @@ struct stilb_cull {
 
 /* A copy of array (count elements) with room for capacity; frees array. NULL: no memory, array is untouched. */
 void *cull_grow(void *array, size_t count, size_t capacity, size_t element);
-
-/* visible[i] = whether sphere i is visible for all planes of the mask; 0 or 1. THE test of this module, always evaluated
- * in this order: ((x * px + y * py) + z * pz) + distance >= -radius. */
-void cull_test_spheres(cull_spheres spheres, uint32_t count, const stilb_frustum *frustum, uint32_t planes,
-                       uint8_t *visible);
 
 /* Where these bounds belong. Depth 0 is also the place of all that no cell can promise to hold: centres outside the
  * root, radii that are negative, larger than half the root or infinite, and NaN. */
@@ -85,13 +96,15 @@ cull_cell_name cull_octree_name(const stilb_cull_octree *octree, stilb_sphere bo
 double cull_octree_cell_size(const stilb_cull_octree *octree, uint32_t depth);
 void cull_octree_cell_center(const stilb_cull_octree *octree, cull_cell_name name, double center[3]);
 
-/* Fills octree->items with what frustum may see; object_count gets the number of objects in them. */
-stilb_result cull_octree_collect(stilb_cull_octree *octree, const stilb_frustum *frustum, uint32_t *item_count,
-                                 uint32_t *object_count);
+/* Whether every object is visible for certain; looks at the root alone. */
+bool cull_octree_inside(const stilb_cull_octree *octree, const stilb_frustum *frustum);
 
-/* Does one item: flags[id] = 1 for its visible objects. */
-void cull_octree_mark(const stilb_cull_octree *octree, const cull_item *item, const stilb_frustum *frustum,
-                      uint8_t *flags);
+/* Fills octree->items with what frustum may see. */
+stilb_result cull_octree_walk(stilb_cull_octree *octree, const stilb_frustum *frustum, cull_walk_result *result);
+
+/* Does items begin .. end - 1: sets the bits of their visible objects. */
+void cull_octree_mark(const stilb_cull_octree *octree, uint32_t begin, uint32_t end, const stilb_frustum *frustum,
+                      uint64_t *bits);
 
 /* NULL when all is as it should be, else what is wrong: every object is in the cell that its bounds name and inside that
  * cell's loose bounds, counts, reaches, places and the free list are right. */

@@ -6,7 +6,11 @@
 #include <string.h>
 
 #define CULL_ROOT_LIMIT 0x1p60 /* metres; keeps every sum of a float test far from overflow */
-#define CULL_FIRST_OBJECTS 16u
+#define CULL_FIRST_OBJECTS CULL_WIDTH
+#define CULL_FIRST_CELLS 64u
+
+_Static_assert(CULL_FIRST_OBJECTS % CULL_WIDTH == 0 && CULL_FIRST_CELLS % CULL_CHILDREN == 0,
+               "whole vectors, families");
 
 void *cull_grow(void *array, size_t count, size_t capacity, size_t element)
 {
@@ -71,54 +75,89 @@ static uint32_t cull_octant(cull_cell_name name, uint32_t depth)
 
 /* ---- cells ---------------------------------------------------------------------------------------------------- */
 
-/* An unlinked, empty cell; CULL_NONE without memory. A recycled one keeps its block. May move octree->cells. */
-static uint32_t cull_cell_take(stilb_cull_octree *octree)
+static bool cull_cells_reserve(stilb_cull_octree *octree)
 {
-	uint32_t index = octree->free_cell;
-	if (index != CULL_NONE) {
-		octree->free_cell = octree->cells[index].parent;
-		return index;
+	if (octree->cell_count < octree->cell_capacity)
+		return true;
+	uint32_t capacity = octree->cell_capacity ? octree->cell_capacity * 2 : CULL_FIRST_CELLS;
+	cull_cell *cells = stilb_memory_alloc(capacity, sizeof *cells);
+	float *reach = stilb_memory_alloc(capacity, sizeof *reach);
+	if (!cells || !reach) {
+		free(cells);
+		free(reach);
+		return false;
 	}
-	if (octree->cell_count == octree->cell_capacity) {
-		uint32_t capacity = octree->cell_capacity * 2;
-		cull_cell *cells = cull_grow(octree->cells, octree->cell_count, capacity, sizeof *cells);
-		if (!cells)
-			return CULL_NONE;
-		octree->cells = cells;
-		octree->cell_capacity = capacity;
+	if (octree->cell_count) {
+		memcpy(cells, octree->cells, octree->cell_count * sizeof *cells);
+		memcpy(reach, octree->reach, octree->cell_count * sizeof *reach);
 	}
-	index = octree->cell_count++;
-	octree->cells[index] = (cull_cell){0};
-	return index;
+	free(octree->cells);
+	free(octree->reach);
+	octree->cells = cells;
+	octree->reach = reach;
+	octree->cell_capacity = capacity;
+	return true;
 }
 
-static uint32_t cull_cell_make(stilb_cull_octree *octree, uint32_t parent, uint32_t octant)
+/* The first of eight vacant cells that belong to nobody; CULL_NONE without memory. Recycled ones keep their blocks. May
+ * move octree->cells. */
+static uint32_t cull_family_take(stilb_cull_octree *octree)
 {
-	uint32_t index = cull_cell_take(octree);
-	if (index == CULL_NONE)
+	uint32_t first = octree->free_family;
+	if (first != CULL_NONE) {
+		octree->free_family = octree->cells[first].parent;
+		return first;
+	}
+	if (!cull_cells_reserve(octree))
 		return CULL_NONE;
-	cull_cell *cell = &octree->cells[index];
-	cell->parent = parent;
-	cell->name = octree->cells[parent].name;
-	cell->name.depth++;
-	for (int axis = 0; axis < 3; axis++)
-		cell->name.position[axis] = cell->name.position[axis] * 2 + (octant >> axis & 1u);
-	octree->cells[parent].children[octant] = index;
-	octree->live_count++;
-	return index;
+	first = octree->cell_count;
+	octree->cell_count += CULL_CHILDREN;
+	for (uint32_t i = 0; i < CULL_CHILDREN; i++) {
+		octree->cells[first + i] = (cull_cell){0};
+		octree->reach[first + i] = -INFINITY;
+	}
+	return first;
 }
 
-/* Takes index and what is above it out of the tree as long as it is empty. Empty cells have no children. */
+/* Gives a cell its eight children. */
+static bool cull_family_make(stilb_cull_octree *octree, uint32_t parent)
+{
+	uint32_t first = cull_family_take(octree);
+	if (first == CULL_NONE)
+		return false;
+	for (uint32_t octant = 0; octant < CULL_CHILDREN; octant++) {
+		cull_cell *cell = &octree->cells[first + octant];
+		cell->parent = parent;
+		cell->name = octree->cells[parent].name;
+		cell->name.depth++;
+		for (int axis = 0; axis < 3; axis++)
+			cell->name.position[axis] = cell->name.position[axis] * 2 + (octant >> axis & 1u);
+	}
+	octree->cells[parent].children = first;
+	octree->family_count++;
+	return true;
+}
+
+static bool cull_family_vacant(const stilb_cull_octree *octree, uint32_t first)
+{
+	for (uint32_t i = 0; i < CULL_CHILDREN; i++)
+		if (octree->cells[first + i].subtree_count)
+			return false;
+	return true;
+}
+
+/* Makes index and what is above it vacant as far as it is empty, and takes families that are all vacant out of the tree. */
 static void cull_cell_prune(stilb_cull_octree *octree, uint32_t index)
 {
 	while (index != CULL_ROOT && octree->cells[index].subtree_count == 0) {
-		cull_cell *cell = &octree->cells[index];
-		uint32_t parent = cell->parent;
-		octree->cells[parent].children[cull_octant(cell->name, cell->name.depth)] = CULL_NONE;
-		cell->reach = 0.0f;
-		cell->parent = octree->free_cell;
-		octree->free_cell = index;
-		octree->live_count--;
+		uint32_t first = index - index % CULL_CHILDREN, parent = octree->cells[index].parent;
+		octree->reach[index] = -INFINITY;
+		if (!cull_family_vacant(octree, first))
+			return;
+		octree->cells[parent].children = CULL_NONE;
+		octree->cells[first].parent = octree->free_family;
+		octree->free_family = first;
+		octree->family_count--;
 		index = parent;
 	}
 }
@@ -156,15 +195,11 @@ static bool cull_cell_find(stilb_cull_octree *octree, cull_cell_name name, uint3
 {
 	uint32_t index = CULL_ROOT;
 	for (uint32_t depth = 1; depth <= name.depth; depth++) {
-		uint32_t octant = cull_octant(name, depth);
-		uint32_t child = octree->cells[index].children[octant];
-		if (child == CULL_NONE)
-			child = cull_cell_make(octree, index, octant);
-		if (child == CULL_NONE) {
+		if (octree->cells[index].children == CULL_NONE && !cull_family_make(octree, index)) {
 			cull_cell_prune(octree, index);
 			return false;
 		}
-		index = child;
+		index = octree->cells[index].children + cull_octant(name, depth);
 	}
 	if (!cull_cell_reserve(&octree->cells[index])) {
 		cull_cell_prune(octree, index);
@@ -190,8 +225,8 @@ static void cull_octree_widen(stilb_cull_octree *octree, uint32_t index, float r
 {
 	if (index == CULL_ROOT)
 		return;
-	while (octree->cells[index].reach < radius) {
-		octree->cells[index].reach = radius;
+	while (octree->reach[index] < radius) {
+		octree->reach[index] = radius;
 		if (index == CULL_ROOT)
 			break;
 		index = octree->cells[index].parent;
@@ -276,20 +311,24 @@ stilb_result stilb_cull_octree_create(const stilb_cull_octree_desc *desc, stilb_
 			"octree: half size %g and depth %u refused; the root must lie within 2^60 m, with a half size "
 			"above 0 and at most %u levels",
 			(double)desc->half_size, desc->max_depth, CULL_MAX_DEPTH);
+	stilb_isa isa;
+	stilb_result result = stilb_cpu_isa(&isa);
+	if (result != STILB_OK)
+		return result;
 	stilb_cull_octree *octree = stilb_memory_alloc(1, sizeof *octree);
 	if (!octree)
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory");
-	*octree = (stilb_cull_octree){.size = 2.0 * (double)desc->half_size, .max_depth = desc->max_depth};
+	*octree = (stilb_cull_octree){
+		.kernels = cull_kernels_for(isa), .size = 2.0 * (double)desc->half_size, .max_depth = desc->max_depth};
 	for (int axis = 0; axis < 3; axis++)
 		octree->low[axis] = (double)desc->center[axis] - (double)desc->half_size;
-	octree->cell_capacity = 64;
-	octree->cells = stilb_memory_alloc(octree->cell_capacity, sizeof *octree->cells);
+	cull_family_take(octree); /* the root's, at index 0; without memory there is none */
 	if (!octree->cells) {
 		stilb_cull_octree_destroy(octree);
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for its cells");
 	}
-	octree->cells[CULL_ROOT] = (cull_cell){0};
-	octree->cell_count = octree->live_count = 1;
+	octree->reach[CULL_ROOT] = 0.0f;
+	octree->family_count = 1;
 	*out = octree;
 	return STILB_OK;
 }
@@ -301,8 +340,10 @@ void stilb_cull_octree_destroy(stilb_cull_octree *octree)
 	for (uint32_t index = 0; index < octree->cell_count; index++)
 		free(octree->cells[index].x);
 	free(octree->cells);
+	free(octree->reach);
 	free(octree->places);
 	free(octree->items);
+	free(octree->families);
 	free(octree);
 }
 

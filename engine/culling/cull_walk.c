@@ -1,59 +1,110 @@
-/* A view's way through the octree: cells are rejected or accepted whole where that is certain, and what is left becomes
- * a list of items that any number of threads can work on. */
+/* A view's way through the octree: cells are rejected or accepted whole where that is certain, sixteen at a time, and what
+ * is left becomes a list of items that any number of threads can work on. */
 #include "culling/cull_internal.h"
 #include "profiler/prof.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+/* What a view's planes say about any cell. */
+typedef struct cull_view {
+	uint32_t certain;                          /* planes that can say anything for certain */
+	double center[CULL_PLANES];                /* signed distance of the root's centre */
+	double spread[CULL_PLANES];                /* |nx| + |ny| + |nz|: of a cell's corners, per half side */
+	double margin[CULL_PLANES];                /* for rounding */
+	double toward[CULL_PLANES][CULL_CHILDREN]; /* from a parent's centre to a child's, per half side of the child */
+} cull_view;
+
 typedef struct cull_walk {
-	const stilb_cull_octree *octree;
-	const stilb_frustum *frustum;
-	cull_item *items;
-	uint32_t item_count, object_count, plane_tests;
+	stilb_cull_octree *octree;
+	cull_view view;
+	uint32_t depth; /* of the cells that `level` is for */
+	double half;    /* of their side */
+	cull_level level;
+	uint32_t family_count; /* found so far */
+	cull_walk_result result;
 } cull_walk;
 
 /*
- * Tests a cell against the planes of the mask. False: no object at or below it can pass. True: planes keeps the bits that
- * some object may still fail.
- *
  * What must hold: the float test of each object comes out as promised here, rounding included. Centres lie in the cell,
- * a cube with half side h around c, radii in [0, reach]. So n.center + distance lies in s - spread .. s + spread with
+ * a cube with half side h around c, radii in [0, reach]. So n.centre + distance lies in s - spread .. s + spread with
  * s = n.c + distance and spread = (|nx| + |ny| + |nz|) h.
  *
  * With u = 2^-24 and size = sum of |n_i| (|c_i| + h) + |distance|, the float test is off by at most 4u / (1 - 4u) times
  * size (three products, three additions; Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 3.1).
- * The margin is 8u size; its other half, 2^-22 size, is room for the rest. This function, in double, is off by less than
- * 2^-48 size. A centre may lie outside the cell it was placed in by 2^-51 (L + S), S the root's side and L the magnitude
- * of its low corner: where L <= 2 S that is less than 2^-28 h even at depth 20 (h = 2^-21 S), else |c_i| >= L / 2 and it
- * is less than 2^-49 (|c_i| + h).
+ * The root's size serves for all cells, as they lie in it. The margin is 8u size; its other half, 2^-22 size, is room for
+ * the rest. The sums here, in double and over at most 20 levels, are off by less than 2^-45 size. A centre may lie outside
+ * the cell it was placed in by 2^-51 (|low| + side) of the root, and for each axis |c_i| + h is at least |low_i| and at
+ * least half a side: that is less than 2^-48 size.
  * 2^-120 stands for products that underflow, flush-to-zero too.
  *
  * Adding reach comes last, as the sign of a rounded sum is the sign of the exact one. From 2^126 on a float sum could
  * overflow, and planes may hold NaN: then nothing is certain and the objects decide.
  */
-static bool cull_walk_test(cull_walk *walk, const cull_cell *cell, double half, uint32_t *planes)
+static void cull_view_init(cull_view *view, const stilb_cull_octree *octree, const stilb_frustum *frustum)
 {
-	double c[3];
-	cull_octree_cell_center(walk->octree, cell->name, c);
-	double most[3] = {fabs(c[0]) + half, fabs(c[1]) + half, fabs(c[2]) + half};
-	for (uint32_t left = *planes; left; left &= left - 1) {
-		uint32_t bit = left & -left;
-		walk->plane_tests++;
-		stilb_plane plane = walk->frustum->planes[__builtin_ctz(left)];
+	double c[3], half = octree->size * 0.5;
+	cull_octree_cell_center(octree, (cull_cell_name){0}, c);
+	view->certain = 0;
+	for (uint32_t p = 0; p < CULL_PLANES; p++) {
+		stilb_plane plane = frustum->planes[p];
 		double n[3] = {(double)plane.x, (double)plane.y, (double)plane.z}, distance = (double)plane.distance;
-		double s = n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + distance;
-		double spread = (fabs(n[0]) + fabs(n[1]) + fabs(n[2])) * half;
-		double size = fabs(n[0]) * most[0] + fabs(n[1]) * most[1] + fabs(n[2]) * most[2] + fabs(distance);
-		double margin = size * 0x1p-21 + 0x1p-120;
-		if (!(size < 0x1p126))
-			continue;
-		if ((s + spread + margin) + (double)cell->reach < 0.0)
+		double a[3] = {fabs(n[0]), fabs(n[1]), fabs(n[2])};
+		double size =
+			a[0] * (fabs(c[0]) + half) + a[1] * (fabs(c[1]) + half) + a[2] * (fabs(c[2]) + half) + fabs(distance);
+		view->certain |= (uint32_t)(size < 0x1p126) << p;
+		view->center[p] = n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + distance;
+		view->spread[p] = a[0] + a[1] + a[2];
+		view->margin[p] = size * 0x1p-21 + 0x1p-120;
+		for (uint32_t child = 0; child < CULL_CHILDREN; child++)
+			view->toward[p][child] =
+				(child & 1 ? n[0] : -n[0]) + (child & 2 ? n[1] : -n[1]) + (child & 4 ? n[2] : -n[2]);
+	}
+}
+
+/* The planes that the root is not wholly inside of. False: all below the root is outside one of them. */
+static bool cull_view_root(const cull_view *view, const stilb_cull_octree *octree, uint32_t *planes)
+{
+	double half = octree->size * 0.5;
+	*planes = CULL_ALL_PLANES;
+	for (uint32_t left = view->certain; left; left &= left - 1) {
+		uint32_t p = (uint32_t)__builtin_ctz(left);
+		double spread = view->spread[p] * half + view->margin[p];
+		if ((view->center[p] + spread) + (double)octree->reach[CULL_ROOT] < 0.0)
 			return false;
-		if (s - spread - margin >= 0.0)
-			*planes &= ~bit;
+		if (view->center[p] - spread >= 0.0)
+			*planes &= ~(1u << p);
 	}
 	return true;
+}
+
+bool cull_octree_inside(const stilb_cull_octree *octree, const stilb_frustum *frustum)
+{
+	cull_view view;
+	uint32_t planes;
+	if (octree->cells[CULL_ROOT].count) /* may lie anywhere */
+		return false;
+	cull_view_init(&view, octree, frustum);
+	return cull_view_root(&view, octree, &planes) && !planes;
+}
+
+/* Families are met level by level, so one table at a time will do. */
+static void cull_walk_descend(cull_walk *walk, uint32_t depth)
+{
+	if (walk->depth == depth)
+		return;
+	const cull_view *view = &walk->view;
+	double half = cull_octree_cell_size(walk->octree, depth) * 0.5;
+	for (uint32_t p = 0; p < CULL_PLANES; p++) {
+		double spread = view->spread[p] * half + view->margin[p];
+		for (uint32_t child = 0; child < CULL_CHILDREN; child++) {
+			double toward = view->toward[p][child] * half;
+			walk->level.high[p][child] = toward + spread;
+			walk->level.low[p][child] = toward - spread;
+		}
+	}
+	walk->depth = depth;
+	walk->half = half;
 }
 
 static void cull_walk_push(cull_walk *walk, uint32_t index, uint32_t planes)
@@ -61,79 +112,145 @@ static void cull_walk_push(cull_walk *walk, uint32_t index, uint32_t planes)
 	uint32_t count = walk->octree->cells[index].count;
 	for (uint32_t first = 0; first < count; first += CULL_CHUNK) {
 		uint32_t piece = count - first < CULL_CHUNK ? count - first : CULL_CHUNK;
-		walk->items[walk->item_count++] = (cull_item){index, first, piece, planes};
+		walk->octree->items[walk->result.item_count++] = (cull_item){index, first, piece, planes};
 	}
-	walk->object_count += count;
+	*(planes ? &walk->result.tested : &walk->result.accepted) += count;
 }
 
-/* At most max_depth calls deep. */
-static void cull_walk_cell(cull_walk *walk, uint32_t index, double half, uint32_t planes)
+/* The children of a cell that is neither rejected nor done. */
+static cull_family *cull_walk_add(cull_walk *walk, uint32_t index, uint32_t planes)
 {
 	const cull_cell *cell = &walk->octree->cells[index];
-	if (planes && !cull_walk_test(walk, cell, half, &planes))
-		return;
-	if (index != CULL_ROOT)
-		cull_walk_push(walk, index, planes);
-	if (cell->subtree_count == cell->count)
-		return;
-	for (uint32_t octant = 0; octant < 8; octant++)
-		if (cell->children[octant] != CULL_NONE)
-			cull_walk_cell(walk, cell->children[octant], half * 0.5, planes);
+	cull_family *family = &walk->octree->families[walk->family_count++];
+	family->children = cell->children;
+	family->depth = cell->name.depth + 1;
+	family->planes = planes;
+	return family;
 }
 
-/* Room for every item there can be, so that the walk itself cannot fail. */
-static bool cull_items_reserve(stilb_cull_octree *octree)
+/* What the test of sixteen says of one family; the family's first cell is bit `shift`. */
+static void cull_walk_family(cull_walk *walk, const cull_family *family, const cull_sixteen *cells, uint32_t shift)
 {
-	uint32_t needed = octree->live_count + octree->cells[CULL_ROOT].subtree_count / CULL_CHUNK;
-	if (needed <= octree->item_capacity)
-		return true;
-	cull_item *items = cull_grow(octree->items, 0, (size_t)needed * 2, sizeof *items);
-	if (!items)
-		return false;
-	octree->items = items;
-	octree->item_capacity = needed * 2;
+	const cull_view *view = &walk->view;
+	for (uint32_t left = ~((uint32_t)cells->rejected >> shift) & 0xffu; left; left &= left - 1) {
+		uint32_t child = (uint32_t)__builtin_ctz(left), index = family->children + child;
+		uint32_t planes = family->planes;
+		if (!walk->octree->cells[index].subtree_count)
+			continue;
+		for (uint32_t p = 0; p < CULL_PLANES; p++)
+			planes &= ~(((uint32_t)cells->inside[p] >> (shift + child) & 1u) << p);
+		cull_walk_push(walk, index, planes);
+		if (walk->octree->cells[index].children == CULL_NONE)
+			continue;
+		cull_family *next = cull_walk_add(walk, index, planes);
+		for (uint32_t p = 0; p < CULL_PLANES; p++)
+			next->center[p] = family->center[p] + view->toward[p][child] * walk->half;
+	}
+}
+
+/* Takes the families at and, if it is of the same depth, at + 1; returns how many. */
+static uint32_t cull_walk_step(cull_walk *walk, uint32_t at)
+{
+	stilb_cull_octree *octree = walk->octree;
+	const cull_family *first = &octree->families[at];
+	bool pair = at + 1 < walk->family_count && first[1].depth == first->depth;
+	const cull_family *second = pair ? first + 1 : first;
+	uint32_t planes = (first->planes | second->planes) & walk->view.certain;
+	cull_sixteen cells = {.center = {first->center, second->center},
+	                      .reach = {octree->reach + first->children, octree->reach + second->children}};
+	cull_walk_descend(walk, first->depth);
+	if (planes)
+		octree->kernels->sixteen(&cells, &walk->level, planes);
+	octree->cell_tests += (uint32_t)__builtin_popcount(planes) * (pair ? 16 : 8);
+	cull_walk_family(walk, first, &cells, 0);
+	if (pair)
+		cull_walk_family(walk, second, &cells, CULL_CHILDREN);
+	return pair ? 2 : 1;
+}
+
+/* Room for all items and families there can be, so that the walk itself cannot fail. */
+static bool cull_walk_reserve(stilb_cull_octree *octree)
+{
+	uint32_t needed = octree->family_count * CULL_CHILDREN + octree->cells[CULL_ROOT].subtree_count / CULL_CHUNK;
+	if (needed > octree->item_capacity) {
+		cull_item *items = cull_grow(octree->items, 0, (size_t)needed * 2, sizeof *items);
+		if (!items)
+			return false;
+		octree->items = items;
+		octree->item_capacity = needed * 2;
+	}
+	if (octree->family_count > octree->families_capacity) {
+		uint32_t capacity = octree->family_count * 2;
+		cull_family *families = cull_grow(octree->families, 0, capacity, sizeof *families);
+		if (!families)
+			return false;
+		octree->families = families;
+		octree->families_capacity = capacity;
+	}
 	return true;
 }
 
-stilb_result cull_octree_collect(stilb_cull_octree *octree, const stilb_frustum *frustum, uint32_t *item_count,
-                                 uint32_t *object_count)
+stilb_result cull_octree_walk(stilb_cull_octree *octree, const stilb_frustum *frustum, cull_walk_result *result)
 {
 	PROFILE("cull.walk");
-	*item_count = *object_count = 0;
-	if (!cull_items_reserve(octree))
-		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for the list of %u cells", octree->live_count);
-	cull_walk walk = {.octree = octree, .frustum = frustum, .items = octree->items};
-	cull_walk_push(&walk, CULL_ROOT, CULL_PLANES); /* its objects may lie anywhere: always tested */
-	cull_walk_cell(&walk, CULL_ROOT, octree->size * 0.5, CULL_PLANES);
-	*item_count = walk.item_count;
-	*object_count = walk.object_count;
-	octree->plane_tests = walk.plane_tests;
+	*result = (cull_walk_result){0};
+	if (!cull_walk_reserve(octree))
+		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for the list of its cells");
+	cull_walk walk;
+	uint32_t planes;
+	walk.octree = octree;
+	walk.depth = 0; /* of the root, which no table is for */
+	walk.family_count = 0;
+	walk.result = (cull_walk_result){0};
+	octree->cell_tests = 0;
+	cull_walk_push(&walk, CULL_ROOT, CULL_ALL_PLANES); /* its objects may lie anywhere: always tested */
+	cull_view_init(&walk.view, octree, frustum);
+	if (cull_view_root(&walk.view, octree, &planes) && octree->cells[CULL_ROOT].children != CULL_NONE) {
+		cull_family *family = cull_walk_add(&walk, CULL_ROOT, planes);
+		for (uint32_t p = 0; p < CULL_PLANES; p++)
+			family->center[p] = walk.view.center[p];
+	}
+	for (uint32_t at = 0; at < walk.family_count;)
+		at += cull_walk_step(&walk, at);
+	*result = walk.result;
 	return STILB_OK;
 }
 
-void cull_octree_mark(const stilb_cull_octree *octree, const cull_item *item, const stilb_frustum *frustum,
-                      uint8_t *flags)
+static void cull_set_bit(uint64_t *bits, uint32_t id)
+{
+	bits[id >> 6] |= 1ull << (id & 63);
+}
+
+static void cull_mark_item(const stilb_cull_octree *octree, const cull_item *item, const stilb_frustum *frustum,
+                           uint64_t *bits)
 {
 	const cull_cell *cell = &octree->cells[item->cell];
 	const uint32_t *id = cell->id + item->first;
 	if (!item->planes) {
 		for (uint32_t i = 0; i < item->count; i++)
-			flags[id[i]] = 1;
+			cull_set_bit(bits, id[i]);
 		return;
 	}
 	cull_spheres spheres = {cell->x + item->first, cell->y + item->first, cell->z + item->first,
 	                        cell->radius + item->first};
-	uint8_t visible[CULL_CHUNK];
-	cull_test_spheres(spheres, item->count, frustum, item->planes, visible);
-	for (uint32_t i = 0; i < item->count; i++)
-		flags[id[i]] = visible[i];
+	uint64_t visible[CULL_CHUNK / 64];
+	octree->kernels->test(spheres, item->count, frustum, item->planes, visible);
+	for (uint32_t first = 0; first < item->count; first += 64)
+		for (uint64_t left = visible[first / 64]; left; left &= left - 1)
+			cull_set_bit(bits, id[first + (uint32_t)__builtin_ctzll(left)]);
 }
 
-stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint8_t *flags)
+void cull_octree_mark(const stilb_cull_octree *octree, uint32_t begin, uint32_t end, const stilb_frustum *frustum,
+                      uint64_t *bits)
 {
-	uint32_t item_count, object_count;
-	stilb_result result = cull_octree_collect(octree, frustum, &item_count, &object_count);
-	for (uint32_t i = 0; i < item_count; i++)
-		cull_octree_mark(octree, &octree->items[i], frustum, flags);
+	for (uint32_t i = begin; i < end; i++)
+		cull_mark_item(octree, &octree->items[i], frustum, bits);
+}
+
+stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint64_t *bits)
+{
+	cull_walk_result walk;
+	stilb_result result = cull_octree_walk(octree, frustum, &walk);
+	cull_octree_mark(octree, 0, walk.item_count, frustum, bits);
 	return result;
 }

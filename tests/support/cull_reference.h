@@ -24,6 +24,11 @@ static inline bool reference_visible(stilb_sphere sphere, const stilb_frustum *f
 	return true;
 }
 
+static inline bool reference_bit(const uint64_t *bits, uint32_t i)
+{
+	return bits[i / 64] >> (i % 64) & 1;
+}
+
 /* A generator with its own state: the same numbers in every run. */
 typedef struct reference_random {
 	uint64_t seed, index;
@@ -67,14 +72,20 @@ static inline stilb_frustum box_view(const float low[3], const float high[3])
 	}};
 }
 
-/* Every value that a careless caller might hand in, at a random place of an otherwise harmless sphere. */
-static inline stilb_sphere random_strange_sphere(reference_random *random, float extent)
+/* A value that a careless caller might hand in. */
+static inline float random_strange_value(reference_random *random)
 {
 	const float strange[] = {(float)NAN, INFINITY, -INFINITY, 3e38f,  -3e38f, 1e-44f,
 	                         -1e-44f,    -0.0f,    -1.0f,     -50.0f, 1e9f};
+	return strange[random_below(random, sizeof strange / sizeof *strange)];
+}
+
+/* One at a random place of an otherwise harmless sphere. */
+static inline stilb_sphere random_strange_sphere(reference_random *random, float extent)
+{
 	float v[4] = {random_between(random, -extent, extent), random_between(random, -extent, extent),
 	              random_between(random, -extent, extent), random_between(random, 0.0f, 2.0f)};
-	v[random_below(random, 4)] = strange[random_below(random, sizeof strange / sizeof *strange)];
+	v[random_below(random, 4)] = random_strange_value(random);
 	return (stilb_sphere){v[0], v[1], v[2], v[3]};
 }
 

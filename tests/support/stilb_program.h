@@ -194,6 +194,9 @@ static inline void assert_stats(const char *device, const char *replay, const ch
 	assert_true(stat_text("device_name", '"')[0] != '\0');
 	assert_string_equal(stat_text("replay", '"'), replay);
 	assert_string_equal(stat_text("cull", '"'), cull);
+	const char *by = stat_text("culled_by", '"'); /* auto tells which it took */
+	assert_true(strcmp(cull, "auto") == 0 ? strcmp(by, "octree") == 0 || strcmp(by, "flat") == 0
+	                                      : strcmp(by, cull) == 0);
 	assert_int_equal(strlen(stat_text("stream_hash", '"')), 16);
 	bool direct = strcmp(replay, "direct") == 0;
 	assert_int_equal(stat_int("commands.draw"), direct ? stat_int("draws") : 0);

@@ -1,0 +1,417 @@
+/* Passes that sort: by ascending key, equal keys as recorded, whoever recorded them; held against a merge sort of the same
+ * draws. The linker sends allocations here (--wrap). */
+#include "support/render_fixture.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+/* ---- memory that runs out once ----------------------------------------------------------------------------------------- */
+
+/* Allocations until the one that fails. Relaxed: a counter, orders nothing. */
+static _Atomic int64_t allocations_left = INT64_MAX;
+
+void *__real_stilb_memory_alloc(size_t count, size_t size);
+void *__wrap_stilb_memory_alloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+
+static bool allocation_fails(void)
+{
+	return atomic_fetch_sub_explicit(&allocations_left, 1, memory_order_relaxed) == 1;
+}
+
+static void allocation_fail(int64_t number)
+{
+	atomic_store_explicit(&allocations_left, number, memory_order_relaxed);
+}
+
+void *__wrap_stilb_memory_alloc(size_t count, size_t size)
+{
+	return allocation_fails() ? NULL : __real_stilb_memory_alloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+	return allocation_fails() ? NULL : __real_realloc(memory, size);
+}
+
+/* ---- a list of draws ----------------------------------------------------------------------------------------------------- */
+
+#define TEXTURES 3u
+#define MATERIALS 24u
+#define SEGMENT_DRAWS 700u
+
+/* With its own scene, materials with and without textures, and draws whose keys are of one kind. */
+typedef struct list {
+	stilb_scene *scene;
+	stilb_render *render;
+	stilb_job_pool *pool;
+	stilb_render_texture textures[TEXTURES];
+	stilb_render_material materials[MATERIALS];
+	fixture_draw *draws; /* [count] */
+	uint32_t count;
+} list;
+
+typedef enum key_kind {
+	KEYS_EQUAL,
+	KEYS_ASCENDING,
+	KEYS_DESCENDING,
+	KEYS_ANY,
+	KEYS_FEW,
+	KEYS_HIGH_BYTE,
+	KEYS_OUTER_BYTES,
+	KEYS_ALL_ONES,
+	KEY_KINDS,
+} key_kind;
+
+static uint64_t make_key(key_kind kind, uint32_t index)
+{
+	uint64_t random = stilb_random_u64(61, index);
+	switch (kind) {
+	case KEYS_ASCENDING:
+		return index * 0x100000001u;
+	case KEYS_DESCENDING:
+		return UINT64_MAX - index * 0x100000001u;
+	case KEYS_ANY:
+		return random;
+	case KEYS_FEW:
+		return random % 4 * 0x0001000001000001u;
+	case KEYS_HIGH_BYTE:
+		return random << 56;
+	case KEYS_OUTER_BYTES:
+		return (random & 0x7f000000000000ffu) | 0x00aabbccddeeff00u;
+	case KEYS_ALL_ONES:
+		return random % 50 == 0 ? 0 : UINT64_MAX;
+	default:
+		return 77;
+	}
+}
+
+static list list_make(uint32_t workers, int replay, int materials)
+{
+	list l = {.scene = fixture_scene(MATERIALS)};
+	l.pool = fixture_pool(workers, (stilb_job_hooks){0});
+	l.render = fixture_render(workers + 1, replay, materials);
+	assert_int_equal(stilb_render_upload_scene(l.render, l.scene), STILB_OK);
+	for (uint32_t t = 0; t < TEXTURES; t++) {
+		uint8_t pixel = (uint8_t)t;
+		const stilb_image image = {1, 1, 1, STILB_IMAGE_U8_SRGB, &pixel};
+		assert_int_equal(stilb_render_texture_create(l.render, &image, &l.textures[t]), STILB_OK);
+	}
+	for (uint32_t m = 0; m < MATERIALS; m++) {
+		stilb_render_texture texture = m % 4 == 3 ? (stilb_render_texture){0} : l.textures[m % 4];
+		assert_int_equal(stilb_render_material_create(l.render, &l.scene->materials[m], texture, &l.materials[m]),
+		                 STILB_OK);
+	}
+	return l;
+}
+
+static void list_free(list *l)
+{
+	free(l->draws);
+	stilb_render_destroy(l->render);
+	stilb_job_pool_destroy(l->pool);
+	stilb_scene_destroy(l->scene);
+}
+
+static void list_fill(list *l, uint32_t count, key_kind kind)
+{
+	free(l->draws);
+	l->draws = calloc(count + 1, sizeof *l->draws);
+	l->count = count;
+	assert_non_null(l->draws);
+	for (uint32_t d = 0; d < count; d++) {
+		uint32_t mesh = (uint32_t)(stilb_random_u64(62, d) % l->scene->mesh_count);
+		uint32_t material = (uint32_t)(stilb_random_u64(63, d / 2) % MATERIALS);
+		l->draws[d] = (fixture_draw){
+			.key = make_key(kind, d),
+			.mesh = stilb_render_scene_mesh(l->render, mesh),
+			.material = l->materials[material],
+			.index_count = l->scene->meshes[mesh].index_count,
+			.texture = material % 4 == 3 ? 0 : fixture_index(l->textures[material % 4].id),
+			.transform = fixture_transform(64, d),
+		};
+	}
+}
+
+typedef struct list_pass {
+	const list *list;
+	uint32_t pass;
+} list_pass;
+
+static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *data)
+{
+	const list_pass *job = data;
+	const list *l = job->list;
+	stilb_render_context *context = stilb_render_context_get(l->render, worker);
+	for (uint32_t s = begin; s < end; s++) {
+		uint32_t first = s * SEGMENT_DRAWS, last = first + SEGMENT_DRAWS < l->count ? first + SEGMENT_DRAWS : l->count;
+		stilb_render_segment_begin(context, job->pass, s);
+		for (uint32_t d = first; d < last; d++)
+			fixture_record(context, &l->draws[d]);
+		stilb_render_segment_end(context);
+	}
+}
+
+static stilb_result list_record(const list *l, uint32_t pass)
+{
+	uint32_t segments = l->count / SEGMENT_DRAWS + 1; /* the last may be empty */
+	stilb_result result = stilb_render_pass_begin(l->render, pass, segments);
+	if (result != STILB_OK)
+		return result;
+	list_pass job = {l, pass};
+	stilb_job_parallel_for(l->pool, segments, 1, record_slice, &job, 0);
+	return stilb_render_pass_end(l->render, pass);
+}
+
+/* The same list in each of the passes. */
+static stilb_result list_draw(const list *l, const stilb_render_pass *passes, uint32_t pass_count)
+{
+	static const stilb_render_view view;
+	stilb_result result = stilb_render_frame_begin(l->render);
+	for (uint32_t p = 0; p < pass_count && result == STILB_OK; p++)
+		result = list_record(l, p);
+	return result == STILB_OK ? stilb_render_replay(l->render, passes, pass_count, &view, 1, l->pool, 0) : result;
+}
+
+static uint64_t list_hash(const list *l, uint64_t hash, bool sorted)
+{
+	fixture_draw *draws = malloc((l->count + 1) * sizeof *draws);
+	assert_non_null(draws);
+	memcpy(draws, l->draws, l->count * sizeof *draws);
+	if (sorted)
+		fixture_sort(draws, l->count);
+	hash = fixture_hash_all(hash, draws, l->count);
+	free(draws);
+	return hash;
+}
+
+static const stilb_render_pass sorted_pass = {.name = "sorted", .sort = true};
+
+/* Keys ascend, every command has its run's state, and neighbouring runs differ in theirs. */
+static void assert_runs(const list *l)
+{
+	const render_pass_lists *lists = &l->render->passes[0];
+	uint32_t mask = render_material_mask(l->render->device->materials), wrong = 0;
+	uint64_t draws = 0, key = 0;
+	for (uint32_t r = 0; r < lists->run_count; r++) {
+		const render_run *run = &lists->runs[r];
+		assert_true(run->count > 0);
+		assert_true(r == 0 || run->first == run[-1].first + run[-1].count);
+		assert_true(r == 0 || run->state != run[-1].state);
+		for (uint32_t c = run->first; c < run->first + run->count; c++) {
+			const render_command *command = &render_commands(l->render)[c];
+			uint32_t entry = l->render->resources.materials[command->material];
+			wrong += run->state != render_state(entry, command->material, mask) || command->key < key;
+			key = command->key;
+		}
+		draws += run->count;
+	}
+	assert_int_equal(wrong, 0);
+	assert_true(draws == l->count);
+}
+
+/* ---- order ------------------------------------------------------------------------------------------------------------- */
+
+static void any_keys_in_any_number(void **state)
+{
+	(void)state;
+	static const uint32_t counts[] = {0, 1, 2, 3, 512, 2048, 2049, 9000, 40000, 100};
+	for (uint32_t workers = 0; workers <= 3; workers += 3) {
+		list l = list_make(workers, STILB_RENDER_REPLAY_INDIRECT, STILB_RENDER_MATERIALS_BIND);
+		for (key_kind kind = 0; kind < KEY_KINDS; kind++)
+			for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+				list_fill(&l, counts[c], kind);
+				assert_int_equal(list_draw(&l, &sorted_pass, 1), STILB_OK);
+				if (stilb_render_stream_hash(l.render) != list_hash(&l, REFERENCE_HASH_START, true))
+					fail_msg("%u keys of kind %d with %u workers are in another order", counts[c], (int)kind, workers);
+				assert_runs(&l);
+			}
+		list_free(&l);
+	}
+}
+
+static void any_workers_and_modes(void **state)
+{
+	(void)state;
+	for (uint32_t workers = 0; workers <= 8; workers += workers < 2 ? 1 : 3)
+		for (int replay = 0; replay < FIXTURE_REPLAYS; replay++)
+			for (int materials = 0; materials < FIXTURE_MATERIALS; materials++) {
+				list l = list_make(workers, replay, materials);
+				list_fill(&l, 6000, KEYS_FEW);
+				for (int frame = 0; frame < 3; frame++) {
+					assert_int_equal(list_draw(&l, &sorted_pass, 1), STILB_OK);
+					assert_true(stilb_render_stream_hash(l.render) == list_hash(&l, REFERENCE_HASH_START, true));
+					assert_runs(&l);
+				}
+				fixture_sort(l.draws, l.count);
+				uint64_t parts = replay == STILB_RENDER_REPLAY_SECONDARY ? workers + 1 : 1;
+				stilb_render_stats stats = stilb_render_stats_get(l.render);
+				assert_true(stats.draws == 6000 && stats.binds_asked == 18000);
+				assert_true(stats.binds_sent == fixture_binds_in_parts(l.draws, l.count, materials, parts));
+				list_free(&l);
+			}
+}
+
+/* Sorting by state is what keys are for: each material is then bound once. */
+static void keys_save_bindings(void **state)
+{
+	(void)state;
+	list l = list_make(1, STILB_RENDER_REPLAY_DIRECT, STILB_RENDER_MATERIALS_BIND);
+	list_fill(&l, 5000, KEYS_EQUAL);
+	assert_int_equal(list_draw(&l, &sorted_pass, 1), STILB_OK);
+	assert_true(stilb_render_stats_get(l.render).binds_sent > 2000);
+	for (uint32_t d = 0; d < l.count; d++)
+		l.draws[d].key = fixture_index(l.draws[d].material.id);
+	assert_int_equal(list_draw(&l, &sorted_pass, 1), STILB_OK);
+	fixture_sort(l.draws, l.count);
+	uint64_t binds = fixture_binds(l.draws, l.count, STILB_RENDER_MATERIALS_BIND);
+	assert_true(stilb_render_stats_get(l.render).binds_sent == binds && binds < 3 * MATERIALS);
+	list_free(&l);
+}
+
+/* ---- beside other passes ----------------------------------------------------------------------------------------------- */
+
+#define MANY_PASSES 5u
+
+static const stilb_render_pass many_passes[MANY_PASSES] = {
+	{.name = "as recorded", .order = 3},
+	{.name = "sorted", .order = 1, .sort = true},
+	{.name = "sorted last", .order = 9, .sort = true},
+	{.name = "as recorded too", .order = 2},
+	{.name = "sorted between", .order = 4, .sort = true},
+};
+
+/* Between render and the null device: the frame's memory may move until the first pass has been handed over, not after. */
+static struct {
+	render_device_functions functions;
+	const render_device_functions *real;
+	uint32_t passes, moved_late;
+	_Atomic bool updated; /* release: lets the thread below go on; its acquire pairs with it */
+} spy;
+
+static stilb_result spy_frame_begin(render_device *device, render_memory *memory)
+{
+	spy.passes = 0;
+	return spy.real->frame_begin(device, memory);
+}
+
+static stilb_result spy_grow(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity,
+                             uint32_t keep)
+{
+	spy.moved_late += spy.passes > 0;
+	return spy.real->grow(device, memory, kind, capacity, keep);
+}
+
+static stilb_result spy_update(render_device *device, const render_resources *resources)
+{
+	atomic_store_explicit(&spy.updated, true, memory_order_release);
+	return spy.real->update(device, resources);
+}
+
+static stilb_result spy_pass(render_device *device, const render_stream *stream)
+{
+	spy.passes++;
+	return spy.real->pass(device, stream);
+}
+
+static void spy_on(stilb_render *render)
+{
+	spy.real = render->device->functions;
+	spy.functions = *spy.real;
+	spy.functions.frame_begin = spy_frame_begin;
+	spy.functions.grow = spy_grow;
+	spy.functions.update = spy_update;
+	spy.functions.pass = spy_pass;
+	spy.passes = spy.moved_late = 0;
+	atomic_store_explicit(&spy.updated, false, memory_order_relaxed);
+	render->device->functions = &spy.functions;
+}
+
+static void many_passes_that_grow(void **state)
+{
+	(void)state;
+	static const uint32_t order[MANY_PASSES] = {1, 3, 0, 4, 2};
+	list l = list_make(2, STILB_RENDER_REPLAY_INDIRECT, STILB_RENDER_MATERIALS_PIPELINE);
+	spy_on(l.render);
+	for (uint32_t count = 300; count < 80000; count *= 6) {
+		list_fill(&l, count, KEYS_ANY);
+		assert_int_equal(list_draw(&l, many_passes, MANY_PASSES), STILB_OK);
+		assert_int_equal(spy.passes, MANY_PASSES);
+		uint64_t hash = REFERENCE_HASH_START;
+		for (uint32_t p = 0; p < MANY_PASSES; p++)
+			hash = list_hash(&l, hash, many_passes[order[p]].sort);
+		assert_true(stilb_render_stream_hash(l.render) == hash);
+	}
+	assert_int_equal(spy.moved_late, 0);
+	list_free(&l);
+}
+
+/* ---- resources that come and go meanwhile -------------------------------------------------------------------------------- */
+
+/* Once the frame is being replayed, destroys the materials that it draws with. */
+static void *destroy_materials(void *data)
+{
+	list *l = data;
+	while (!atomic_load_explicit(&spy.updated, memory_order_acquire))
+		sched_yield();
+	for (uint32_t m = 0; m < MATERIALS; m++)
+		stilb_render_material_destroy(l->render, l->materials[m]);
+	return NULL;
+}
+
+static void materials_destroyed_during_replay(void **state)
+{
+	(void)state;
+	list l = list_make(0, STILB_RENDER_REPLAY_INDIRECT, STILB_RENDER_MATERIALS_BIND);
+	list_fill(&l, 20000, KEYS_ANY);
+	spy_on(l.render);
+	pthread_t thread;
+	assert_int_equal(pthread_create(&thread, NULL, destroy_materials, &l), 0);
+	assert_int_equal(list_draw(&l, &sorted_pass, 1), STILB_OK);
+	assert_int_equal(pthread_join(thread, NULL), 0);
+	assert_true(stilb_render_stream_hash(l.render) == list_hash(&l, REFERENCE_HASH_START, true));
+	list_free(&l);
+}
+
+/* ---- no memory --------------------------------------------------------------------------------------------------------- */
+
+/* Each allocation of a frame fails in turn; the next frame is good. */
+static void a_sort_without_memory(void **state)
+{
+	(void)state;
+	stilb_result result = STILB_ERROR_MEMORY;
+	int64_t number = 1;
+	for (; result != STILB_OK; number++) {
+		list l = list_make(0, STILB_RENDER_REPLAY_INDIRECT, STILB_RENDER_MATERIALS_BIND);
+		list_fill(&l, 20000, KEYS_ANY); /* sorted they outgrow the memory of a first frame */
+		allocation_fail(number);
+		result = list_draw(&l, &sorted_pass, 1);
+		allocation_fail(INT64_MAX);
+		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY);
+		if (result != STILB_OK)
+			assert_non_null(strstr(stilb_error_message(), "no memory for"));
+		assert_int_equal(list_draw(&l, &sorted_pass, 1), STILB_OK);
+		assert_true(stilb_render_stream_hash(l.render) == list_hash(&l, REFERENCE_HASH_START, true));
+		list_free(&l);
+	}
+	assert_true(number > 10);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(any_keys_in_any_number),
+		cmocka_unit_test(any_workers_and_modes),
+		cmocka_unit_test(keys_save_bindings),
+		cmocka_unit_test(many_passes_that_grow),
+		cmocka_unit_test(materials_destroyed_during_replay),
+		cmocka_unit_test(a_sort_without_memory),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
