@@ -99,7 +99,7 @@ typedef struct bench_suite {
 	double start_seconds;  /* what a program takes to begin, where that is not next to nothing */
 } bench_suite;
 
-extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_record_suite;
+extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite;
 /* These depend on the number of CPUs: filled at the first call. */
 const bench_suite *bench_steps_suite(void);
 const bench_suite *bench_threads_suite(void);

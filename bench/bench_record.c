@@ -153,5 +153,4 @@ const bench_suite bench_record_suite = {.name = "record",
                                         .report = bench_record_report,
                                         .plot = bench_record_plot,
                                         .plot_rows = BENCH_RECORD_PLOT_ROWS,
-                                        .quick_rounds = 2,
-                                        .start_seconds = 0.1};
+                                        .start_seconds = 0.05};

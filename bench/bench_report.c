@@ -196,9 +196,20 @@ static bool any_run(const bench_pair *pair)
 	return pair->attempts > pair->failures + pair->timeouts && !pair->skipped;
 }
 
+/* Does any of the chosen subjects have this case, as far as is known? */
+static bool anybody_has(const bench_results *results, const bench_case *on)
+{
+	for (size_t p = 0; p < results->pair_count; p++)
+		if (results->pairs[p].on == on && !results->pairs[p].skipped)
+			return true;
+	return false;
+}
+
 /* A case with several metrics: one table, a column each. */
 static void print_metrics(FILE *out, const bench_results *results, const bench_case *on)
 {
+	if (!anybody_has(results, on))
+		return;
 	fprintf(out, "\n%s: %s; median [least-most]\n  %-20s", on->name, on->title, "subject");
 	for (size_t m = 0; m < on->metric_count; m++)
 		if (!shown_beside(on->metrics[m].name)) {

@@ -1,6 +1,6 @@
 /*
- * The suite `threads`: what another thread is worth. A sweep over worker counts of the whole frame, and the experiments of
- * the article that the stress test comes from (Rory Driscoll, "Direct3D 11 Multithreading", 2009) done again.
+ * The suite `threads`: what another thread is worth. A sweep over worker counts of the whole frame, and the experiments
+ * of the article that the stress test comes from (Rory Driscoll, "Direct3D 11 Multithreading", 2009) done again.
  */
 #include "bench/bench_threads.h"
 #include "bench/bench_internal.h"
@@ -230,7 +230,7 @@ static const char *prepare(const bench_options *options)
 
 /* ---- after the last run ------------------------------------------------------------------------------------------ */
 
-/* Every run has left the timeline of its worst frame: the worst of them all is kept. A run that failed may have, too. */
+/* Every run has left the timeline of its worst frame: the worst of all is kept. A run that failed may have left one. */
 static void keep_worst(const bench_results *results, const bench_row *row)
 {
 	const char *folder = results->options->traces;

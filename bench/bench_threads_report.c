@@ -1,4 +1,4 @@
-/* The suite `threads` as text: the sweep with what each worker gains, and the experiments beside the article's numbers. */
+/* The suite `threads` as text: the sweep with what workers gain, and the experiments beside the article's numbers. */
 #include "bench/bench_internal.h"
 #include "bench/bench_threads.h"
 

@@ -277,7 +277,7 @@ static void frame_stages(run *r, const stilb_frustum *frustum, uint64_t at[4])
 {
 	expect(stilb_render_frame_begin(r->render));
 	at[0] = bench_child_now_ns();
-	expect(stilb_cull_run(r->cull, STILB_CULL_FLAT, r->scene, frustum, r->pool, OWNER, &r->visible));
+	expect(stilb_cull_run(r->cull, STILB_CULL_AUTO, r->scene, frustum, r->pool, OWNER, &r->visible));
 	at[1] = bench_child_now_ns();
 	expect(stilb_render_record(r->render, 0, r->scene, r->visible.ids, r->visible.count, r->pool, OWNER));
 	at[2] = bench_child_now_ns();

@@ -1,6 +1,6 @@
 /*
- * The pattern before job systems: one thread owns the renderer, and the main thread feeds it every object through a queue
- * (a single-producer, single-consumer one, the best case for it). The main thread may be a frame ahead. What they share:
+ * The pattern before job systems: one thread owns the renderer, and the main thread feeds it every object through a
+ * queue (a single-producer, single-consumer one, the best case for it). The main thread may be a frame ahead.
  *
  *   main    cull a frame, push a pointer to the id of each model it sees, push the end of the frame
  *   render  pop, record; at the end of the frame replay; hand the list of ids back
@@ -72,18 +72,20 @@ static void count_frame(dedicated *d, uint64_t begin_ns, uint64_t last_ns)
 		atomic_store_explicit(&d->over, true, memory_order_relaxed);
 }
 
+/* A frame lasts from the end of the one before to its own. */
 static void *render_main(void *data)
 {
 	dedicated *d = data;
 	const uint32_t *model;
 	uint64_t last_ns = bench_child_now_ns();
 	stilb_prof_thread_begin("render");
+	stilb_prof_frame_mark();
 	for (; (model = take_model(d)); d->frame_count++) {
-		stilb_prof_frame_mark();
 		record_frame(d, model);
 		threads_hand_replay(&d->hand);
 		count_frame(d, d->frames[d->frame_count % FRAMES_IN_FLIGHT].begin_ns, last_ns);
 		last_ns = bench_child_now_ns(); /* a timeline may have been written */
+		stilb_prof_frame_mark();
 		sem_post(&d->free_frames);
 	}
 	stilb_prof_thread_end();

@@ -9,12 +9,12 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 
-/* Of lavapipe's picture: it is to take little time beside the rest. The shape is that of the default, so that the camera
- * sees the same. */
-#define SOFTWARE_WIDTH 320u
-#define SOFTWARE_HEIGHT 180u
+/* Of the picture: small, since lavapipe draws on the CPU. The shape is that of the default, so that the camera sees the
+ * same. */
+#define PICTURE_WIDTH 320u
+#define PICTURE_HEIGHT 180u
 
-/* lavapipe frees in each frame what it allocates in the next one. Given back to the kernel and fetched again in between,
+/* lavapipe frees in each frame what it allocates in the next. Given back to the kernel and fetched again in between,
  * that can take half of the frame, and makes runs differ by a factor of two. */
 static void keep_memory(void)
 {
@@ -33,8 +33,8 @@ static stilb_engine *open_engine(const threads_setup *setup)
 	desc.device = setup->device;
 	desc.replay = setup->replay;
 	if (setup->device == STILB_RENDER_DEVICE_VULKAN) {
-		desc.width = SOFTWARE_WIDTH;
-		desc.height = SOFTWARE_HEIGHT;
+		desc.width = PICTURE_WIDTH;
+		desc.height = PICTURE_HEIGHT;
 		keep_memory();
 	}
 	stilb_result result = stilb_engine_create(&desc, &engine);

@@ -1,7 +1,7 @@
 /*
- * threads_hand: a frame of the stress test recorded by hand, on the null device: what engine/frame.c does, in pieces that
- * another way of threading may put where it likes. All that the suite `threads` needs of render's "recording by hand" is
- * in threads_hand.c. Errors end the program.
+ * threads_hand: a frame of the stress test recorded by hand, on the null device: what engine/frame.c does, in pieces
+ * that another way of threading may put where it likes. All that the suite `threads` needs of render's "recording by
+ * hand" is in threads_hand.c. Errors end the program.
  */
 #ifndef BENCH_THREADS_HAND_H
 #define BENCH_THREADS_HAND_H
@@ -31,7 +31,8 @@ void threads_hand_close(threads_hand *hand);
 /* Which models the camera sees. One call at a time. */
 void threads_hand_cull(threads_hand *hand, stilb_cull_visible *visible);
 
-/* The parts of these models, in order, are the frame's draws: fills parts, of the scene's part_count, and returns how many. */
+/* The parts of these models, in order, are the frame's draws: fills parts (room for the scene's part_count) and returns
+ * how many. */
 uint32_t threads_hand_list(const threads_hand *hand, const stilb_cull_visible *visible, uint32_t *parts);
 
 /* begin, then every segment once, each by any thread that has a context of its own, then replay. */

@@ -10,8 +10,8 @@
  *   stolen            stilb-workers-N   another process takes a core for a while      threads_engine.c
  *   white-bar         stilb-REPLAY      Vulkan, by mode of replay                     threads_engine.c
  *
- * Every run draws the stress test of 10,000 models and fails when its command stream is not the one that the null device
- * is given without workers.
+ * Every run draws the stress test of 10,000 models and fails when its command stream is not the one that the null
+ * device is given without workers.
  */
 #ifndef BENCH_THREADS_RUN_H
 #define BENCH_THREADS_RUN_H
@@ -69,8 +69,8 @@ typedef struct threads_run {
 /* Frames count from now on. */
 void threads_run_begin(threads_run *run);
 
-/* Another frame has ended, and took ms. Writes its timeline when it is the worst so far; false: it does not count. On the
- * thread that marks the profiler's frames. */
+/* Another frame has ended, and took ms. Writes its timeline when it is the worst so far; false: it does not count. On
+ * the thread that marks the profiler's frames. */
 bool threads_run_frame(threads_run *run, double ms);
 
 /* Are these frames enough? */
@@ -78,7 +78,7 @@ bool threads_run_over(const threads_run *run, uint32_t frames);
 
 void threads_run_check(const threads_run *run, stilb_scene_stress_view view, uint64_t hash);
 
-/* ---- what is run --------------------------------------------------------------------------------------------------- */
+/* ---- what is run ------------------------------------------------------------------------------------------------- */
 
 /* What of the engine's frame is not as usual. */
 typedef struct threads_setup {

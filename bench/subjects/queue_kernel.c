@@ -1,5 +1,5 @@
-/* The mutex queue behind a lock that enters the kernel whenever it is taken or given back, as Windows' mutex objects do and
- * pthread's do not: a semaphore of one, kept by an eventfd. */
+/* The mutex queue behind a lock that enters the kernel whenever it is taken or given back, as Windows' mutex objects do
+ * and pthread's do not: a semaphore of one, kept by an eventfd. */
 #include "bench/subjects/queue_subjects.h"
 
 #include <errno.h>

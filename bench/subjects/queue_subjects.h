@@ -14,8 +14,8 @@
 
 #include "jobs/job_queue_internal.h"
 
-/* All return 0 or -ENOMEM; queue_sutter_create -EINVAL when desc->capacity is not SIZE_MAX; queue_kernel_create what eventfd
- * says. Any number of threads. */
+/* All return 0 or -ENOMEM; queue_sutter_create -EINVAL when desc->capacity is not SIZE_MAX; queue_kernel_create also
+ * what eventfd says. Any number of threads. */
 int queue_sutter_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 int queue_mutex_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 int queue_kernel_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
