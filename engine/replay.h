@@ -28,8 +28,8 @@ typedef struct stilb_engine_replay_desc {
 stilb_result stilb_engine_replay_create(const stilb_engine_replay_desc *desc, stilb_engine_replay **replay);
 void stilb_engine_replay_destroy(stilb_engine_replay *replay);
 
-/* One frame; of times, culling and present stay 0. STILB_ERROR_FILE: the first frame's stream hash is not the one in the
- * dump. */
+/* One frame; of times, culling and present stay 0. STILB_ERROR_FILE: the first frame's stream hash is not the one in
+ * the dump. */
 stilb_result stilb_engine_replay_frame(stilb_engine_replay *replay, stilb_engine_times *times);
 
 /* Waits until the device has drawn every frame, and gives the last one's time on it, milliseconds (0: unknown). */

@@ -34,7 +34,7 @@ typedef struct replay_run {
 	uint64_t hash;
 } replay_run;
 
-/* ---- flags --------------------------------------------------------------------------------------------------------- */
+/* ---- flags ------------------------------------------------------------------------------------------------------- */
 
 static const char *const device_choices[] = {"vulkan", "null", NULL};
 static const char *const replay_choices[] = {"indirect", "direct", "secondary", NULL};
@@ -110,7 +110,7 @@ static FILE *replay_words(const replay_options *o)
 	return taken ? stderr : stdout;
 }
 
-/* ---- run ----------------------------------------------------------------------------------------------------------- */
+/* ---- run --------------------------------------------------------------------------------------------------------- */
 
 static stilb_result replay_start(replay_run *run)
 {
@@ -152,7 +152,7 @@ static stilb_result replay_play(replay_run *run)
 	return result;
 }
 
-/* ---- results ------------------------------------------------------------------------------------------------------- */
+/* ---- results ----------------------------------------------------------------------------------------------------- */
 
 static const stage replay_stages[] = {STAGE_FRAME, STAGE_RECORD, STAGE_REPLAY, STAGE_GPU};
 #define REPLAY_STAGES (sizeof replay_stages / sizeof *replay_stages)
@@ -206,6 +206,8 @@ static void replay_print(const replay_run *run, const stage_summary *summary, ui
 			fprintf(out, "  %-8s %9.3f %9.3f %9.3f\n", stage_names[replay_stages[i]], s->median, s->p99, s->min);
 	}
 	replay_print_costs(out, costs);
+	if (o->validate)
+		fprintf(out, "the validation layer was on: its work is in all of these numbers\n");
 }
 
 static void replay_json_costs(stilb_json *json, const stilb_render_dump_costs *costs)

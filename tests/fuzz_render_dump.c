@@ -1,6 +1,6 @@
-/* Frame dumps of any bytes: render_dump_read never crashes and returns a dump or a reason, and what it returns plays on the
- * null device and can be saved. The mutator knows the parts of a file, keeps the header's counts in step with them, and
- * mostly signs what it made, or no change would get past the checksum. */
+/* Frame dumps of any bytes: render_dump_read never crashes and returns a dump or a reason, and what it returns plays on
+ * the null device and can be saved. The mutator knows the parts of a file, keeps the header's counts in step with them,
+ * and mostly signs what it made, or no change would get past the checksum. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 
@@ -36,7 +36,7 @@ static stilb_render *make_render(uint32_t way)
 	return render;
 }
 
-/* ---- seeds ---------------------------------------------------------------------------------------------------------- */
+/* ---- seeds ------------------------------------------------------------------------------------------------------- */
 
 static stilb_render_material seed_material(stilb_render *render, bool textured)
 {
@@ -101,7 +101,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 	return 0;
 }
 
-/* ---- mutations ------------------------------------------------------------------------------------------------------ */
+/* ---- mutations --------------------------------------------------------------------------------------------------- */
 
 static void sign(uint8_t *data, size_t size)
 {
@@ -114,8 +114,8 @@ static void sign(uint8_t *data, size_t size)
 	memcpy(data + size - 8, &checksum, sizeof checksum);
 }
 
-/* Adds (a copy) or takes away the last element of a part with its count in the header, where the element is a multiple of
- * 8 bytes. */
+/* Adds (a copy) or takes away the last element of a part with its count in the header, where the element is a multiple
+ * of 8 bytes. */
 static size_t change_count(uint8_t *data, size_t size, size_t max_size, const uint64_t *begin, uint32_t chosen,
                            bool add)
 {
@@ -163,7 +163,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 	return size;
 }
 
-/* ---- what must hold -------------------------------------------------------------------------------------------------- */
+/* ---- what must hold ---------------------------------------------------------------------------------------------- */
 
 /* Ids far beyond what is there only take time and memory. */
 static bool plays_quickly(const stilb_render_dump *dump)

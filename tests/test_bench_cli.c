@@ -1,6 +1,8 @@
 /* The program stilb-bench: its flags, a small run and its JSON, and what it makes of programs that fail, lie, hang. */
 #include "support/stilb_program.h"
 
+#include <math.h>
+
 static char faulty_path[PATH_MAX];
 
 static int bench_code(const char *line)
@@ -14,8 +16,9 @@ static void test_help_and_list(void **state)
 {
 	(void)state;
 	stilb_good("--help");
-	static const char *const words[] = {"queue",  "jobs",   "queue --steps", "--quick", "--rounds", "--seconds",
-	                                    "--only", "--case", "--json",        "--plot",  "--list",   "--steps"};
+	static const char *const words[] = {"queue",    "jobs",      "cull",   "queue --steps", "--quick",
+	                                    "--rounds", "--seconds", "--only", "--case",        "--json",
+	                                    "--plot",   "--list",    "--steps"};
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
 		char line[32];
 		snprintf(line, sizeof line, "\n  %s ", words[i]);
@@ -153,6 +156,25 @@ static void test_small_run(void **state)
 	assert_said(run.out, stat_text("machine.flags", '"'));
 	assert_small_run(2);
 	assert_int_equal(folder_entries(), 1);
+}
+
+/* Every run of a cull subject verifies what it saw, so a run that ends well is right. */
+static void test_small_run_of_cull(void **state)
+{
+	(void)state;
+	assert_int_equal(bench_code("cull --quick --seconds 0.01 --rounds 1 --case 10k-10,10k-move --json a.json"), 0);
+	assert_said(run.out, "goal <= 1.1");
+	assert_said(run.out, "goal >= 10");
+	read_stats("a.json");
+	assert_string_equal(stat_text("suite", '"'), "cull");
+	static const char *const subjects[] = {"stilb-flat-scalar", "stilb-octree", "stilb-auto", "stilb-octree-2"};
+	for (size_t i = 0; i < 4; i++) {
+		double us = assert_row("10k-10", subjects[i], "p50", 1);
+		assert_true(fabs(assert_row("10k-10", subjects[i], "per-model", 1) / (us * 0.1) - 1.0) < 0.001);
+		assert_true(fabs(assert_row("10k-10", subjects[i], "visible", 1) - 10.0) < 0.1);
+	}
+	assert_true(assert_row("10k-move", "rebuild", "p50", 1) > 0.0);
+	assert_int_equal(row_of("10k-move", "stream", "p50"), -1);
 }
 
 static void test_json_goes_where_it_is_told(void **state)
@@ -314,6 +336,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_help_and_list),
 		FRESH_TEST(test_refusals),
 		FRESH_TEST(test_small_run),
+		FRESH_TEST(test_small_run_of_cull),
 		FRESH_TEST(test_json_goes_where_it_is_told),
 		FRESH_TEST(test_wrong_results_are_failures),
 		FRESH_TEST(test_programs_that_hang_or_die),

@@ -167,7 +167,7 @@ static void test_views_of_a_lattice(void **state)
 static void test_views_of_a_large_grid(void **state)
 {
 	(void)state;
-	run_views(40000, 200.0f, 10, grid_sphere, 5);
+	run_views(CULL_SERIAL_BELOW + 1000, 360.0f, 10, grid_sphere, 5);
 }
 
 /* ---- degenerate cases ------------------------------------------------------------------------------------------- */

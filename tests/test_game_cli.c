@@ -276,6 +276,27 @@ static void test_defaults(void **state)
 	assert_true(stat_int("workers") >= 1);
 }
 
+/* STILB_ISA chooses the instruction set; the draws are the same, and a wrong one is refused before anything runs. */
+static void test_isa(void **state)
+{
+	(void)state;
+	char hash[32];
+	setenv("STILB_ISA", "scalar", 1);
+	stilb_good("demo --device null --models 500 --view half --stats a.json");
+	read_stats("a.json");
+	snprintf(hash, sizeof hash, "%s", stat_text("stream_hash", '"'));
+	unsetenv("STILB_ISA");
+	stilb_good("demo --device null --models 500 --view half --stats a.json");
+	read_stats("a.json");
+	assert_string_equal(stat_text("stream_hash", '"'), hash);
+	setenv("STILB_ISA", "avx3", 1);
+	assert_int_equal(stilb_code(NULL, "demo --device null"), 2);
+	unsetenv("STILB_ISA");
+	assert_error_lines(1);
+	assert_said(run.err, "STILB_ISA=avx3");
+	assert_said(run.err, "avx512");
+}
+
 /* The same draws, whoever culls, records and replays them; other draws for another seed or when something moves. */
 static void test_stream_hash(void **state)
 {
@@ -373,6 +394,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_stats_of_the_null_device),
 		FRESH_TEST(test_stats_to_standard_output),
 		FRESH_TEST(test_defaults),
+		FRESH_TEST(test_isa),
 		FRESH_TEST(test_stream_hash),
 		FRESH_TEST(test_views),
 		FRESH_TEST(test_interrupts_end_it_well),

@@ -1,5 +1,5 @@
-/* stilb demo --dump and stilb replay: the same draws and the same picture without the scene, and what is said of files that
- * are no dumps. With the word "null" after the program's path only what needs no Vulkan. */
+/* stilb demo --dump and stilb replay: the same draws and the same picture without the scene, and what is said of files
+ * that are no dumps. With the word "null" after the program's path only what needs no Vulkan. */
 #include "support/stilb_program.h"
 
 #include "base/base.h"
@@ -33,7 +33,7 @@ static void assert_whole(void)
 	assert_said(run.out, "they add up to ");
 }
 
-/* ---- without Vulkan --------------------------------------------------------------------------------------------------- */
+/* ---- without Vulkan ---------------------------------------------------------------------------------------------- */
 
 static void test_the_same_draws(void **state)
 {
@@ -244,7 +244,7 @@ static void test_no_driver(void **state)
 	assert_said(run.err, "mesa-vulkan-drivers");
 }
 
-/* ---- with Vulkan ------------------------------------------------------------------------------------------------------- */
+/* ---- with Vulkan ------------------------------------------------------------------------------------------------- */
 
 static bool same_picture(const char *path_a, const char *path_b)
 {

@@ -1,7 +1,7 @@
-/* One stream, whoever records it: 0 to 8 workers, many schedules each. The job system's loops come here first (the linker's
- * --wrap): their slices are handed on in an order of our choice, with pauses between, and its hooks pause too. So segments
- * are recorded in orders that no scheduler would think of.
- * Arguments: the number of schedules; "vulkan", to compare pictures instead; WORKERS SCHEDULE, to repeat one schedule. */
+/* One stream, whoever records it: 0 to 8 workers, many schedules each. The job system's loops come here first (the
+ * linker's --wrap): their slices are handed on in an order of our choice, with pauses between, and its hooks pause
+ * too. So segments are recorded in orders that no scheduler would think of. Arguments: the number of schedules;
+ * "vulkan", to compare pictures instead; WORKERS SCHEDULE, to repeat one schedule. */
 #include "support/render_fixture.h"
 
 #include <sched.h>
@@ -16,7 +16,7 @@
 #define MOST_WORKERS 8u
 #define ALL_MODES (FIXTURE_REPLAYS * FIXTURE_MATERIALS)
 
-/* ---- a wild scheduler ------------------------------------------------------------------------------------------------ */
+/* ---- a wild scheduler ------------------------------------------------------------------------------------------- */
 
 static struct {
 	uint64_t seed;
@@ -91,7 +91,7 @@ void __wrap_stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_
 	__real_stilb_job_parallel_for(pool, count, 1, fuzz_slice, &loop, worker);
 }
 
-/* ---- what is drawn: a scene, and two passes by hand, the first of which is sorted ---------------------------------------- */
+/* ---- what is drawn: a scene, and two passes by hand, the first of which is sorted ------------------------------- */
 
 #define MODELS 520u
 #define TEXTURES 3u
@@ -229,7 +229,7 @@ static int content_free(void **state)
 	return 0;
 }
 
-/* ---- a frame ----------------------------------------------------------------------------------------------------------- */
+/* ---- a frame ---------------------------------------------------------------------------------------------------- */
 
 static void record_hand_segment(stilb_render *render, uint32_t pass, uint32_t segment, uint32_t worker)
 {
@@ -285,7 +285,7 @@ static void draw_frame(stilb_render *render, stilb_job_pool *pool)
 	assert_int_equal(stilb_render_replay(render, passes, PASSES, &all.view, 1, pool, 0), STILB_OK);
 }
 
-/* ---- the stream -------------------------------------------------------------------------------------------------------- */
+/* ---- the stream ------------------------------------------------------------------------------------------------- */
 
 static uint64_t expected_binds(int replay, int materials, uint32_t workers)
 {
@@ -342,7 +342,7 @@ static void repeated(void **state)
 	check_schedules(repeat_workers, repeat_schedule, repeat_schedule + 1);
 }
 
-/* ---- the picture ------------------------------------------------------------------------------------------------------- */
+/* ---- the picture ------------------------------------------------------------------------------------------------ */
 
 static stilb_image draw_picture(int replay, int materials, uint32_t workers)
 {

@@ -1,5 +1,5 @@
-/* Frame dumps on the null device: the same stream comes back from a file, and a file of any bytes is refused with a reason
- * or played. The linker sends allocations here (--wrap). */
+/* Frame dumps on the null device: the same stream comes back from a file, and a file of any bytes is refused with a
+ * reason or played. The linker sends allocations here (--wrap). */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 
@@ -16,7 +16,7 @@
 #define PATH "test_render_dump.dump"
 #define PATH_AGAIN "test_render_dump_again.dump"
 
-/* ---- memory that runs out -------------------------------------------------------------------------------------------- */
+/* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
 /* Allocations that still succeed. Relaxed: a counter, orders nothing. */
 static _Atomic int64_t allocations_left = INT64_MAX;
@@ -60,7 +60,7 @@ void *__wrap_realloc(void *memory, size_t size)
 	return granted() ? __real_realloc(memory, size) : NULL;
 }
 
-/* ---- a frame by hand -------------------------------------------------------------------------------------------------- */
+/* ---- a frame by hand --------------------------------------------------------------------------------------------- */
 
 typedef struct frame {
 	stilb_render *render;
@@ -222,7 +222,7 @@ static stilb_result play(stilb_render_dump *dump, stilb_render *render, stilb_jo
 	return result == STILB_OK ? stilb_render_dump_replay(dump, render, pool, 0) : result;
 }
 
-/* ---- there and back ---------------------------------------------------------------------------------------------------- */
+/* ---- there and back ---------------------------------------------------------------------------------------------- */
 
 static void the_same_stream_comes_back(void **state)
 {
@@ -302,7 +302,7 @@ static void what_cannot_be_dumped(void **state)
 	stilb_render_destroy(f.render);
 }
 
-/* ---- files that are damaged --------------------------------------------------------------------------------------------- */
+/* ---- files that are damaged -------------------------------------------------------------------------------------- */
 
 static void assert_refused(const uint8_t *bytes, size_t size, const char *reason)
 {
@@ -461,7 +461,7 @@ static void the_message_names_the_place(void **state)
 	free(bytes);
 }
 
-/* ---- files that cannot be read ------------------------------------------------------------------------------------------ */
+/* ---- files that cannot be read ----------------------------------------------------------------------------------- */
 
 static void write_bytes(const char *path, const void *bytes, size_t size)
 {
@@ -539,7 +539,7 @@ static void without_memory(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
-/* ---- costs --------------------------------------------------------------------------------------------------------------- */
+/* ---- costs ------------------------------------------------------------------------------------------------------- */
 
 static const stilb_render_dump_cost *cost_of(const stilb_render_dump_costs *costs, const char *kind)
 {

@@ -1,5 +1,6 @@
-/* A million draws: none is dropped, in any mode, with and without workers; small frames before and after are as ever, and all
- * memory is given back. */
+/* A million draws: none is dropped, in any mode, with and without workers; small frames before and after are as ever,
+ * also where there was no memory for so many, and all memory is given back. The linker sends allocations here
+ * (--wrap). */
 #include "support/render_fixture.h"
 
 #include <malloc.h>
@@ -11,6 +12,18 @@
 
 #define MODELS 500000u
 #define DRAWS (2 * MODELS)
+
+/* Bytes that one allocation may have. Relaxed: orders nothing. */
+static _Atomic size_t allocation_most = SIZE_MAX;
+
+void *__real_stilb_memory_alloc(size_t count, size_t size);
+void *__wrap_stilb_memory_alloc(size_t count, size_t size);
+
+void *__wrap_stilb_memory_alloc(size_t count, size_t size)
+{
+	size_t most = atomic_load_explicit(&allocation_most, memory_order_relaxed);
+	return count * size <= most ? __real_stilb_memory_alloc(count, size) : NULL;
+}
 
 static stilb_scene *scene;
 static uint32_t *ids;
@@ -37,11 +50,17 @@ static int give_back(void **state)
 	return 0;
 }
 
+static stilb_result try_draw(stilb_render *render, const stilb_render_pass *pass, uint32_t models, stilb_job_pool *pool)
+{
+	stilb_result result = stilb_render_frame_begin(render);
+	if (result == STILB_OK)
+		result = stilb_render_record(render, 0, scene, ids, models, pool, 0);
+	return result == STILB_OK ? stilb_render_replay(render, pass, 1, &one_view, 1, pool, 0) : result;
+}
+
 static void draw(stilb_render *render, const stilb_render_pass *pass, uint32_t models, stilb_job_pool *pool)
 {
-	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
-	assert_int_equal(stilb_render_record(render, 0, scene, ids, models, pool, 0), STILB_OK);
-	assert_int_equal(stilb_render_replay(render, pass, 1, &one_view, 1, pool, 0), STILB_OK);
+	assert_int_equal(try_draw(render, pass, models, pool), STILB_OK);
 	assert_true(stilb_render_stats_get(render).draws == 2 * (uint64_t)models);
 }
 
@@ -85,8 +104,37 @@ static void nothing_is_dropped(void **state)
 			a_million_draws(workers, replay);
 }
 
+/* Small frames need nothing of what a large one could not have, or had: the one before or after. */
+static void too_much_for_the_memory(void **state)
+{
+	(void)state;
+	const size_t enough_for_few = 8u << 20;
+	stilb_job_pool *pool = fixture_pool(1, (stilb_job_hooks){0});
+	for (int replay = 0; replay < FIXTURE_REPLAYS; replay++) {
+		stilb_render *render = fixture_render(2, replay, STILB_RENDER_MATERIALS_INDEX);
+		assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+		atomic_store_explicit(&allocation_most, enough_for_few, memory_order_relaxed);
+		for (int frame = 0; frame < 9; frame++) {
+			if (frame == 6) /* one that is drawn */
+				atomic_store_explicit(&allocation_most, SIZE_MAX, memory_order_relaxed);
+			if (frame % 3 == 0)
+				assert_int_equal(try_draw(render, &one_pass, MODELS, pool), frame < 6 ? STILB_ERROR_MEMORY : STILB_OK);
+			else
+				draw(render, &one_pass, 5, pool);
+			atomic_store_explicit(&allocation_most, enough_for_few, memory_order_relaxed);
+			assert_true(frame % 3 == 0 || stilb_render_stream_hash(render) == hash_few);
+		}
+		atomic_store_explicit(&allocation_most, SIZE_MAX, memory_order_relaxed);
+		stilb_render_destroy(render);
+	}
+	stilb_job_pool_destroy(pool);
+}
+
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(nothing_is_dropped)};
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(nothing_is_dropped),
+		cmocka_unit_test(too_much_for_the_memory),
+	};
 	return cmocka_run_group_tests(tests, make, give_back);
 }

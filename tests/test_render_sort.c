@@ -1,5 +1,5 @@
-/* Passes that sort: by ascending key, equal keys as recorded, whoever recorded them; held against a merge sort of the same
- * draws. The linker sends allocations here (--wrap). */
+/* Passes that sort: by ascending key, equal keys as recorded, whoever recorded them; held against a merge sort of the
+ * same draws. The linker sends allocations here (--wrap). */
 #include "support/render_fixture.h"
 
 #include <pthread.h>
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-/* ---- memory that runs out once ----------------------------------------------------------------------------------------- */
+/* ---- memory that runs out once ---------------------------------------------------------------------------------- */
 
 /* Allocations until the one that fails. Relaxed: a counter, orders nothing. */
 static _Atomic int64_t allocations_left = INT64_MAX;
@@ -40,7 +40,7 @@ void *__wrap_realloc(void *memory, size_t size)
 	return allocation_fails() ? NULL : __real_realloc(memory, size);
 }
 
-/* ---- a list of draws ----------------------------------------------------------------------------------------------------- */
+/* ---- a list of draws -------------------------------------------------------------------------------------------- */
 
 #define TEXTURES 3u
 #define MATERIALS 24u
@@ -216,7 +216,7 @@ static void assert_runs(const list *l)
 	assert_true(draws == l->count);
 }
 
-/* ---- order ------------------------------------------------------------------------------------------------------------- */
+/* ---- order ------------------------------------------------------------------------------------------------------ */
 
 static void any_keys_in_any_number(void **state)
 {
@@ -275,7 +275,7 @@ static void keys_save_bindings(void **state)
 	list_free(&l);
 }
 
-/* ---- beside other passes ----------------------------------------------------------------------------------------------- */
+/* ---- beside other passes ---------------------------------------------------------------------------------------- */
 
 #define MANY_PASSES 5u
 
@@ -287,7 +287,8 @@ static const stilb_render_pass many_passes[MANY_PASSES] = {
 	{.name = "sorted between", .order = 4, .sort = true},
 };
 
-/* Between render and the null device: the frame's memory may move until the first pass has been handed over, not after. */
+/* Between render and the null device: the frame's memory may move until the first pass has been handed over, not
+ * after. */
 static struct {
 	render_device_functions functions;
 	const render_device_functions *real;
@@ -352,7 +353,7 @@ static void many_passes_that_grow(void **state)
 	list_free(&l);
 }
 
-/* ---- resources that come and go meanwhile -------------------------------------------------------------------------------- */
+/* ---- resources that come and go meanwhile ----------------------------------------------------------------------- */
 
 /* Once the frame is being replayed, destroys the materials that it draws with. */
 static void *destroy_materials(void *data)
@@ -379,7 +380,7 @@ static void materials_destroyed_during_replay(void **state)
 	list_free(&l);
 }
 
-/* ---- no memory --------------------------------------------------------------------------------------------------------- */
+/* ---- no memory -------------------------------------------------------------------------------------------------- */
 
 /* Each allocation of a frame fails in turn; the next frame is good. */
 static void a_sort_without_memory(void **state)

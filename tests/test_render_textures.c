@@ -1,12 +1,12 @@
-/* Textures on the GPU: filtering, repeating, formats and where they lie on a mesh, against closed form; and resources that
- * come and go from all workers while frames are drawn, under the validation layer. */
+/* Textures on the GPU: filtering, repeating, formats and where they lie on a mesh, against closed form; and resources
+ * that come and go from all workers while frames are drawn, under the validation layer. */
 #include "render/vulkan/vulkan_internal.h"
 #include "support/picture_reference.h"
 
 #define TEXELS 8u
 #define SIZE (9u * TEXELS) /* the middle of a texel is the middle of a pixel */
 
-/* ---- drawing by hand --------------------------------------------------------------------------------------------------- */
+/* ---- drawing by hand --------------------------------------------------------------------------------------------- */
 
 typedef struct stage {
 	stilb_render *render;
@@ -14,8 +14,8 @@ typedef struct stage {
 	stilb_render_view view;
 } stage;
 
-/* Looks straight down; the square x, z in [-1, 1] at y = 0 fills the picture, -Z is up. A sky of radiance 1, no sun: what
- * faces up has its diffuse reflectance as radiance. */
+/* Looks straight down; the square x, z in [-1, 1] at y = 0 fills the picture, -Z is up. A sky of radiance 1, no sun:
+ * what faces up has its diffuse reflectance as radiance. */
 static stage stage_open(stilb_render_desc desc, uint32_t workers)
 {
 	stage s;
@@ -95,7 +95,7 @@ static stilb_render_material make_material(stage *s, stilb_render_texture textur
 	return out;
 }
 
-/* ---- texels ------------------------------------------------------------------------------------------------------------ */
+/* ---- texels ------------------------------------------------------------------------------------------------------ */
 
 /* Of texel x, y, channel c: no row, column or channel is like another. */
 static uint32_t texel_code(uint32_t x, uint32_t y, uint32_t c)
@@ -149,7 +149,8 @@ static double texel_filtered(stilb_image_format format, uint32_t channels, doubl
 }
 
 /* u and v run from `from` to `to` over the picture. Weights of filters have 8 bits. */
-static void assert_texels(const stilb_image *image, stilb_image_format format, uint32_t channels, double from, double to)
+static void assert_texels(const stilb_image *image, stilb_image_format format, uint32_t channels, double from,
+                          double to)
 {
 	for (uint32_t y = 0; y < SIZE; y++)
 		for (uint32_t x = 0; x < SIZE; x++)
@@ -189,7 +190,7 @@ static void texels_of_every_format(void **state)
 	stage_close(&s);
 }
 
-/* ---- on meshes ----------------------------------------------------------------------------------------------------------- */
+/* ---- on meshes --------------------------------------------------------------------------------------------------- */
 
 /* A texture whose red is u and whose green is v; it is sampled between its texels' middles, so that repeating does not
  * matter away from the edges. */
@@ -207,8 +208,8 @@ static stilb_render_texture make_ramp(stage *s)
 	return texture;
 }
 
-/* Seen from above, the sphere's upper half: longitude around +Y, latitude from the top. Blue is 1, so it tells how the point
- * is lit. Triangles are flat, so inside one u and v are off by a part of its size. */
+/* Seen from above, the sphere's upper half: longitude around +Y, latitude from the top. Blue is 1, so it tells how
+ * the point is lit. Triangles are flat, so inside one u and v are off by a part of its size. */
 static void longitude_and_latitude(void **state)
 {
 	(void)state;
@@ -220,8 +221,7 @@ static void longitude_and_latitude(void **state)
 	stilb_scene_mesh_finish(&mesh);
 	stage_draw(&s, &sphere, 1);
 	stilb_image picture = stage_picture(&s);
-	reference_camera camera =
-		reference_camera_at((dvec){0, 4, 0}, (dvec){0, 0, 0}, (dvec){0, 0, -1}, 4.0, SIZE, SIZE);
+	reference_camera camera = reference_camera_at((dvec){0, 4, 0}, (dvec){0, 0, 0}, (dvec){0, 0, -1}, 4.0, SIZE, SIZE);
 	uint32_t checked = 0;
 	for (uint32_t y = 0; y < SIZE; y++)
 		for (uint32_t x = 0; x < SIZE; x++) {
@@ -243,7 +243,7 @@ static void longitude_and_latitude(void **state)
 	stage_close(&s);
 }
 
-/* ---- every way to draw --------------------------------------------------------------------------------------------------- */
+/* ---- every way to draw ------------------------------------------------------------------------------------------- */
 
 #define CELLS 12u /* a side */
 
@@ -266,6 +266,8 @@ static void fill_cells(stage *s, draw draws[CELLS * CELLS])
 	stilb_image_finish(&image);
 	for (uint32_t m = 0; m < 12; m++) {
 		const stilb_scene_material material = {.diffuse = {0.05f * (float)(m + 1), 0.5f, 0.9f}, .shininess = 8.0f};
+		if (m == 8)
+			stage_draw(s, NULL, 0); /* the rest is copied behind these */
 		assert_int_equal(stilb_render_material_create(s->render, &material, textures[m % 3], &materials[m]), STILB_OK);
 	}
 	for (uint32_t c = 0; c < CELLS * CELLS; c++)
@@ -325,7 +327,7 @@ static void the_same_in_every_mode(void **state)
 	stilb_image_finish(&first);
 }
 
-/* ---- they come and go ---------------------------------------------------------------------------------------------------- */
+/* ---- they come and go -------------------------------------------------------------------------------------------- */
 
 #define BUSY 16u /* cells a side */
 #define BUSY_SEGMENT 8u
@@ -430,7 +432,8 @@ static void resources_come_and_go(void **state)
 		busy b = {.stage = &s, .plane = &plane};
 		for (b.frame = 0; b.frame < BUSY_FRAMES; b.frame++) {
 			busy_frame(&b);
-			if (b.frame == 0 || b.frame == BUSY_FRAMES - 1)
+			if (b.frame >= 2 &&
+			    b.frame != 3) /* the heaps outgrow their buffers in frame 1, and nobody has waited for 0 */
 				assert_busy_picture(&b);
 			if (b.frame == 2)
 				assert_int_equal(stilb_render_resize(s.render, 3 * BUSY, 3 * BUSY), STILB_OK);

@@ -75,7 +75,8 @@ static void extras_renew(stilb_engine *engine, extras *e)
 	assert_int_equal(stilb_image_create(&image, 8, 4, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
 	assert_int_equal(stilb_render_mesh_create(render, &scene->meshes[0], &made.mesh), STILB_OK);
 	assert_int_equal(stilb_render_texture_create(render, &image, &made.texture), STILB_OK);
-	assert_int_equal(stilb_render_material_create(render, &scene->materials[0], made.texture, &made.material), STILB_OK);
+	assert_int_equal(stilb_render_material_create(render, &scene->materials[0], made.texture, &made.material),
+	                 STILB_OK);
 	stilb_image_finish(&image);
 	stilb_render_material_destroy(render, e->material);
 	stilb_render_texture_destroy(render, e->texture);
@@ -239,6 +240,7 @@ static void few_draws_a_command(void **state)
 	stilb_engine_desc desc = validated();
 	stilb_engine_report report;
 	desc.animate = false;
+	desc.workers = 0; /* one piece of commands */
 	stilb_engine *engine = start(&desc);
 	stilb_image whole = {0}, cut = {0};
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);

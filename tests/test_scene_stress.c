@@ -101,6 +101,11 @@ static void test_sphere_mesh(void **state)
 			const float *p = mesh.vertices[i].position, *n = mesh.vertices[i].normal;
 			assert_float_equal(sqrtf(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]), 1.0f, 3e-7f);
 			assert_memory_equal(p, n, 3 * sizeof *p);
+			/* Back from longitude and latitude to the place. */
+			float u = 6.2831853f * (mesh.vertices[i].uv[0] - 0.5f), v = 3.1415927f * mesh.vertices[i].uv[1];
+			assert_float_equal(sinf(v) * sinf(u), p[0], 1e-3f);
+			assert_float_equal(cosf(v), p[1], 1e-3f);
+			assert_float_equal(sinf(v) * cosf(u), p[2], 1e-3f);
 		}
 		double area = 0.0, volume = 0.0;
 		for (uint32_t t = 0; t < triangles; t++) {
@@ -139,6 +144,7 @@ static void test_plane_mesh(void **state)
 		const stilb_scene_vertex *v = &mesh.vertices[i];
 		assert_true(fabsf(v->position[0]) == 1.0f && v->position[1] == 0.0f && fabsf(v->position[2]) == 1.0f);
 		assert_true(v->normal[0] == 0.0f && v->normal[1] == 1.0f && v->normal[2] == 0.0f);
+		assert_true(v->uv[0] == 0.5f + 0.5f * v->position[0] && v->uv[1] == 0.5f + 0.5f * v->position[2]);
 	}
 	stilb_scene_mesh_finish(&mesh);
 	stilb_scene_mesh_finish(&mesh); /* {0} is fine */

@@ -146,12 +146,18 @@ static size_t cull_set_stride(const stilb_cull_visible *visible)
 	return visible->capacity / 64;
 }
 
+static uint32_t cull_most(uint32_t a, uint32_t b)
+{
+	return a > b ? a : b;
+}
+
 /* Sees to room for model_count models and a set of bits for each of so many threads. */
 static stilb_result cull_visible_reserve(stilb_cull_visible *visible, uint32_t model_count, uint32_t threads)
 {
 	if (visible->capacity >= model_count && visible->set_count >= threads)
 		return STILB_OK;
-	uint32_t chunks = model_count / CULL_CHUNK + 1;
+	threads = cull_most(threads, visible->set_count);
+	uint32_t chunks = cull_most(model_count / CULL_CHUNK + 1, visible->capacity / CULL_CHUNK);
 	stilb_cull_visible grown = {
 		.capacity = chunks * CULL_CHUNK, .set_count = threads, .count = visible->count, .method = visible->method};
 	size_t words = cull_set_stride(&grown) * threads;
@@ -245,7 +251,7 @@ static void cull_job_expand(uint32_t begin, uint32_t end, uint32_t worker, void 
 /* ---- the methods ---------------------------------------------------------------------------------------------- */
 
 /* Worth waking threads for? */
-static bool cull_run_parallel(const cull_run *run, uint32_t objects)
+static bool cull_run_parallel(const cull_run *run, uint64_t objects)
 {
 	return run->pool && objects >= run->cull->serial_below;
 }
@@ -294,7 +300,7 @@ static stilb_result cull_run_octree(cull_run *run)
 	if (result != STILB_OK)
 		return result;
 	uint32_t objects = walk.tested + walk.accepted;
-	if (!cull_run_parallel(run, objects)) {
+	if (!cull_run_parallel(run, 2 * (uint64_t)objects)) {
 		cull_job_items(0, walk.item_count, 0, run);
 		PROFILE("cull.expand");
 		uint32_t lines = (run->cull->model_count + CULL_BITS_OBJECTS - 1) / CULL_BITS_OBJECTS;

@@ -2,8 +2,9 @@
  * culling: bounding spheres and a view in, the ids of what the view can see out, in scene order.
  *
  * Two methods return the same set, bit for bit: `octree`, a loose octree (k = 2) whose cells are tested sixteen at a time
- * and with plane masks, and `flat`, which tests every sphere. `auto` takes whichever is likely to be faster. In both a
- * sphere is visible when, for all six planes and in float,
+ * and with plane masks, and `flat`, which tests every sphere. `auto` takes whichever is likely to be faster: the octree
+ * where it is seen as a whole or little of it was seen in the run before, else flat. In all a sphere is visible when, for
+ * all six planes and in float,
  *     ((x * px + y * py) + z * pz) + distance >= -radius
  * holds. NaN anywhere in a sphere makes it invisible; an infinite radius makes it visible from everywhere.
  * All run on AVX-512, AVX2 or plain C, whichever is the best that the CPU has or what STILB_ISA says (stilb_cpu_isa).
@@ -76,7 +77,7 @@ typedef struct stilb_cull_octree_desc {
 	uint32_t max_depth; /* 0..20: cells are never smaller than 2 * half_size / 2^max_depth */
 } stilb_cull_octree_desc;
 
-/* STILB_ERROR_ARGUMENT: desc is out of the ranges above. [any-thread] */
+/* STILB_ERROR_ARGUMENT: desc is out of the ranges above, or STILB_ISA is wrong. [any-thread] */
 stilb_result stilb_cull_octree_create(const stilb_cull_octree_desc *desc, stilb_cull_octree **octree);
 
 /* NULL is fine. [one-writer] */

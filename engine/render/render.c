@@ -89,18 +89,20 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 
 stilb_result stilb_render_frame_begin(stilb_render *render)
 {
-	/* A frame mostly needs what the one before did: growing now saves the way over the heap. Relaxed: no job runs. */
+	/* A frame mostly needs what the one before did: growing now saves the way over the heap. It may need less, so
+	 * having no memory for that is no error. Relaxed: no job runs. */
 	uint32_t wanted[RENDER_MEMORY_KINDS];
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 		wanted[kind] = atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed);
-	bool replayed = render->replayed_count > 0; /* else it may have failed for wanting too much */
 	render_contexts_rewind(render);
 	render->state = RENDER_FRAME_NONE;
 	stilb_result result = render->device->functions->frame_begin(render->device, render->memory);
-	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++)
-		if (replayed && wanted[kind] > render->memory[kind].capacity)
-			result = render->device->functions->grow(render->device, &render->memory[kind], (render_memory_kind)kind,
-			                                         wanted[kind], 0);
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {
+		render_memory *memory = &render->memory[kind];
+		if (wanted[kind] > memory->capacity)
+			result = render->device->functions->grow(render->device, memory, (render_memory_kind)kind, wanted[kind], 0);
+		result = result == STILB_ERROR_MEMORY ? STILB_OK : result;
+	}
 	if (result != STILB_OK)
 		return result;
 	render_resources_frame(render);

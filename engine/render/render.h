@@ -148,9 +148,10 @@ typedef struct stilb_render_material {
 	uint32_t id;
 } stilb_render_material;
 
+/* Creating into a heap with n holes takes time in proportion to n: 0.2 us with 1,000, 5 us with 100,000. */
 #define STILB_RENDER_MAX_MESHES (1u << 20)
 #define STILB_RENDER_MAX_MATERIALS (1u << 24)
-#define STILB_RENDER_MAX_TEXTURES (1u << 12)
+#define STILB_RENDER_MAX_TEXTURES (1u << 12) /* one less: 0 is none */
 
 /* Copies vertices and indices. [any-thread] */
 stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_mesh *mesh, stilb_render_mesh *out);

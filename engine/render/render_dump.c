@@ -24,9 +24,9 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 	};
 }
 
-/* ---- resources --------------------------------------------------------------------------------------------------------
- * A renderer that is new gives ids in ascending order. Those that the file has not, since no draw uses them, are taken by
- * the least that there can be. */
+/* ---- resources ------------------------------------------------------------------------------------------------------
+ * A renderer that is new gives ids in ascending order. Those that the file has not, since no draw uses them, are taken
+ * by the least that there can be. */
 
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
                                    stilb_render_texture *out)
@@ -108,7 +108,7 @@ static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *r
 	return result;
 }
 
-/* ---- tables ------------------------------------------------------------------------------------------------------------ */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 static void upload_tables(stilb_render_dump *dump)
 {
@@ -183,7 +183,7 @@ stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *ren
 	return result;
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 /* A pass that is being recorded. */
 typedef struct play_pass {

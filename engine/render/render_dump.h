@@ -1,12 +1,12 @@
 /*
  * render_dump: a frame's command stream as a file, and the file played without the scene that it came from.
  *
- * What is in it. The views, the passes, every draw (mesh, material, key, transform) in the order of its recording, cut into
- *                segments as it was recorded, and the meshes, materials and textures that the draws use, with their ids. So
- *                the file needs nothing else, and what is played has the stream hash of the frame: it is in the file too.
- *                render_dump_format.h describes the bytes.
- * Life cycle.    stilb_render_dump_save after a frame's replay. stilb_render_dump_load -> stilb_render_dump_upload into a
- *                new renderer -> frames -> stilb_render_dump_destroy, before or after the renderer.
+ * What is in it. The views, the passes, every draw (mesh, material, key, transform) in the order of its recording, cut
+ *                into segments as it was recorded, and the meshes, materials and textures that the draws use, with
+ *                their ids. So the file needs nothing else, and what is played has the frame's stream hash, which is in
+ *                the file too. render_dump_format.h describes the bytes.
+ * Life cycle.    stilb_render_dump_save after a frame's replay. stilb_render_dump_load -> stilb_render_dump_upload into
+ *                a new renderer -> frames -> stilb_render_dump_destroy, before or after the renderer.
  * Per frame.     stilb_render_frame_begin, stilb_render_dump_record, stilb_render_dump_replay.
  * Threads.       [main-thread].
  * Errors.        Files are checked field by field before anything is made from them; a message names the file and the
@@ -19,13 +19,15 @@
 
 typedef struct stilb_render_dump stilb_render_dump;
 
-/* Writes the last replayed frame; the tables are those that were given to stilb_render_replay. base_file.h says how files
- * are written. Valid after replay until the next frame begins, as the stream hash. STILB_ERROR_ARGUMENT: no frame has been
- * replayed, or a draw uses a texture and the renderer was made without keep_textures. STILB_ERROR_MEMORY, STILB_ERROR_FILE. */
+/* Writes the last replayed frame; the tables are those that were given to stilb_render_replay. base_file.h says how
+ * files are written. Valid after replay until the next frame begins, as the stream hash. STILB_ERROR_ARGUMENT: no frame
+ * has been replayed, or a draw uses a texture and the renderer was made without keep_textures. STILB_ERROR_MEMORY,
+ * STILB_ERROR_FILE. */
 stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                     const stilb_render_view *views, uint32_t view_count, const char *path);
 
-/* Reads and checks all of path ("-": standard input). STILB_ERROR_FILE: it cannot be read, is no dump, or is damaged. */
+/* Reads and checks all of path ("-": standard input). STILB_ERROR_FILE: it cannot be read, is no dump, or is damaged.
+ * STILB_ERROR_MEMORY. */
 stilb_result stilb_render_dump_load(const char *path, stilb_render_dump **dump);
 void stilb_render_dump_destroy(stilb_render_dump *dump);
 
@@ -39,8 +41,8 @@ typedef struct stilb_render_dump_info {
 
 stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump);
 
-/* Creates the meshes, textures and materials, with the ids of the file: in a renderer that has none yet. STILB_ERROR_MEMORY,
- * STILB_ERROR_DEVICE. */
+/* Creates the meshes, textures and materials, with the ids of the file: in a renderer that has none yet.
+ * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
 stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *render);
 
 /* Records all passes, their segments spread over the pool; the caller's index there is worker. */
@@ -51,7 +53,7 @@ stilb_result stilb_render_dump_record(const stilb_render_dump *dump, stilb_rende
 stilb_result stilb_render_dump_replay(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                       uint32_t worker);
 
-/* ---- what each kind of command costs ---------------------------------------------------------------------------------
+/* ---- what each kind of command costs --------------------------------------------------------------------------------
  * No single command is timed: a clock costs more than most of them. Whole frames are, in rounds, each round all of
  * these one after the other while the device is idle:
  *
@@ -61,8 +63,8 @@ stilb_result stilb_render_dump_replay(const stilb_render_dump *dump, stilb_rende
  *   one pipeline its passes, with one pipeline for all draws
  *   split        plain, with an indirect command for every draw (only with indirect replay)
  *
- * All others are given to the device and never submitted: the commands are valid, their results thrown away. What
- * two of them differ by, divided by how many commands of one kind they differ by, is the cost of such a command. The number
+ * All others are given to the device and never submitted: the commands are valid, their results thrown away. What two
+ * of them differ by, divided by how many commands of one kind they differ by, is the cost of such a command. The number
  * is the median over the rounds, and the quartiles show how far it can be trusted. */
 
 typedef struct stilb_render_dump_cost {
@@ -82,8 +84,8 @@ typedef struct stilb_render_dump_costs {
 	double frame_ns; /* the real frame, median: recording, order, passes */
 } stilb_render_dump_costs;
 
-/* STILB_RENDER_DUMP_MIN_ROUNDS rounds, in which the device draws, and then some for `seconds`; the renderer's picture and stream hash are
- * lost. After stilb_render_dump_upload, between frames. */
+/* STILB_RENDER_DUMP_MIN_ROUNDS rounds, in which the device draws, and then some for `seconds`. The renderer's picture
+ * and stream hash are lost. After stilb_render_dump_upload, between frames. */
 stilb_result stilb_render_dump_measure(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                        uint32_t worker, double seconds, stilb_render_dump_costs *costs);
 

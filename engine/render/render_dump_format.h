@@ -14,13 +14,13 @@
  *   meshes             16  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
  *   segments            4  header.segments       draws of the segment; those of pass 0, then of pass 1, ...
  *   draws              64  header.draws          render_dump_draw, as recorded: segment after segment
- *   vertices           32  header.vertices       position, normal (3 floats each), uv (2) of mesh 0, then of mesh 1, ...
+ *   vertices           32  header.vertices       position (3 floats), normal (3), uv (2) of mesh 0, then of 1, ...
  *   indices             4  header.indices        of mesh 0, then of mesh 1, ...; below its vertex count
- *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture filled up to 8 bytes
+ *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture filled to 8 bytes
  *   checksum            8  1                     FNV-1a 64 of all bytes before it
  *
- * "mesh 1" here and in draws and materials is a place in the tables above; ids are what the stream hash covers, and what
- * --materials pipeline goes by.
+ * "mesh 1" here and in draws and materials is a place in the tables above; ids are what the stream hash covers, and
+ * what --materials pipeline goes by.
  */
 #ifndef STILB_RENDER_DUMP_FORMAT_H
 #define STILB_RENDER_DUMP_FORMAT_H

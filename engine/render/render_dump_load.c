@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- layout -------------------------------------------------------------------------------------------------------- */
+/* ---- layout ------------------------------------------------------------------------------------------------------ */
 
 bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_DUMP_PARTS + 1])
 {
@@ -46,7 +46,7 @@ uint64_t render_dump_pixel_bytes(const render_dump_texture *texture)
 	return (uint64_t)texture->width * texture->height * 4 * sizes[texture->format];
 }
 
-/* ---- the file as a whole --------------------------------------------------------------------------------------------- */
+/* ---- the file as a whole ----------------------------------------------------------------------------------------- */
 
 /* "cannot read 'frame.dump': PLACE AND REASON" */
 static stilb_result load_refuse(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -69,10 +69,11 @@ static bool load_is_zero(const uint8_t *bytes, uint64_t begin, uint64_t end)
 	return true;
 }
 
-static stilb_result load_check_whole(const uint8_t *bytes, size_t size, const char *name)
+/* Is it a dump, of this version, and as long as it says? */
+static stilb_result load_check_size(const uint8_t *bytes, size_t size, const char *name)
 {
 	render_dump_header header;
-	uint64_t begin[RENDER_DUMP_PARTS + 1], checksum;
+	uint64_t begin[RENDER_DUMP_PARTS + 1];
 	size_t magic = size < sizeof header.magic ? size : sizeof header.magic;
 	if (size == 0)
 		return load_refuse(name, "it is empty");
@@ -93,20 +94,30 @@ static stilb_result load_check_whole(const uint8_t *bytes, size_t size, const ch
 		return load_refuse(name, "it goes on behind the %" PRIu64 " bytes that belong to it", header.file_size);
 	if (!render_dump_layout(&header, begin) || begin[RENDER_DUMP_PARTS] != size)
 		return load_refuse(name, "header: its counts do not add up to the %zu bytes of the file", size);
+	return STILB_OK;
+}
+
+/* Are the bytes those that were written? The size is right. */
+static stilb_result load_check_bytes(const uint8_t *bytes, const char *name)
+{
+	const render_dump_header *header = (const render_dump_header *)bytes;
+	uint64_t begin[RENDER_DUMP_PARTS + 1], checksum;
+	render_dump_layout(header, begin);
 	memcpy(&checksum, bytes + begin[RENDER_DUMP_CHECKSUM], sizeof checksum);
 	uint64_t found = stilb_hash_fnv1a64(STILB_FNV1A64_START, bytes, begin[RENDER_DUMP_CHECKSUM]);
 	if (found != checksum)
 		return load_refuse(name, "it is damaged: the checksum is %016" PRIx64 ", but %016" PRIx64 " is stored", found,
 		                   checksum);
-	if (!load_is_zero(bytes, begin[RENDER_DUMP_SEGMENTS] + header.segments * sizeof(uint32_t),
-	                  begin[RENDER_DUMP_DRAWS]))
+	uint64_t segments_end = begin[RENDER_DUMP_SEGMENTS] + header->segments * sizeof(uint32_t);
+	if (!load_is_zero(bytes, segments_end, begin[RENDER_DUMP_DRAWS]))
 		return load_refuse(name, "the bytes behind the segments are not zero");
-	if (!load_is_zero(bytes, begin[RENDER_DUMP_INDICES] + header.indices * sizeof(uint32_t), begin[RENDER_DUMP_PIXELS]))
+	uint64_t indices_end = begin[RENDER_DUMP_INDICES] + header->indices * sizeof(uint32_t);
+	if (!load_is_zero(bytes, indices_end, begin[RENDER_DUMP_PIXELS]))
 		return load_refuse(name, "the bytes behind the indices are not zero");
 	return STILB_OK;
 }
 
-/* ---- parts ----------------------------------------------------------------------------------------------------------- */
+/* ---- parts ------------------------------------------------------------------------------------------------------- */
 
 static bool load_finite(const float *values, size_t count)
 {
@@ -315,7 +326,9 @@ stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, sti
 		load_check_materials, load_check_meshes, load_check_draws,
 	};
 	*out = NULL;
-	stilb_result result = load_check_whole(bytes, size, name);
+	stilb_result result = load_check_size(bytes, size, name);
+	if (result == STILB_OK)
+		result = load_check_bytes(bytes, name);
 	stilb_render_dump *dump = result == STILB_OK ? calloc(1, sizeof *dump) : NULL;
 	if (!dump) {
 		free(bytes);
@@ -332,7 +345,7 @@ stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, sti
 	return result;
 }
 
-/* ---- files ----------------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /* How many bytes there are to be, as far as the first `size` of them say: no more is read than that. */
 static uint64_t load_wanted(const uint8_t *bytes, size_t size)

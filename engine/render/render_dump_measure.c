@@ -34,7 +34,7 @@ typedef struct measure_job {
 	render_stream streams[STILB_RENDER_MAX_PASSES];
 } measure_job;
 
-/* ---- variants ------------------------------------------------------------------------------------------------------- */
+/* ---- variants ---------------------------------------------------------------------------------------------------- */
 
 /* The first texture that a pass uses; 0: none. */
 static uint32_t measure_first_texture(const render_pass_lists *lists)
@@ -115,7 +115,7 @@ static void measure_streams(measure_job *job, measure_variant variant, measure_f
 	}
 }
 
-/* ---- frames ----------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static double measure_since(uint64_t *start)
 {
@@ -162,7 +162,7 @@ static stilb_result measure_frame_run(measure_job *job, measure_variant variant,
 	return result;
 }
 
-/* ---- numbers ---------------------------------------------------------------------------------------------------------- */
+/* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
 enum { KIND_RECORD, KIND_ORDER, KIND_BEGIN, KIND_DRAW, KIND_INDIRECT, KIND_MATERIAL, KIND_PIPELINE, KIND_SUBMIT };
 static_assert(KIND_SUBMIT + 1 == STILB_RENDER_DUMP_COSTS, "one row a kind");

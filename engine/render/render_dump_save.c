@@ -26,7 +26,7 @@ typedef struct save_job {
 	save_table meshes, materials, textures;
 } save_job;
 
-/* ---- draws as they were recorded --------------------------------------------------------------------------------------- */
+/* ---- draws as they were recorded --------------------------------------------------------------------------------- */
 
 typedef void save_draw_fn(void *user, const render_command *command, const render_row *row);
 
@@ -59,7 +59,7 @@ static uint32_t save_segment_draws(const render_segment *segment)
 	return draws;
 }
 
-/* ---- what the draws use ------------------------------------------------------------------------------------------------ */
+/* ---- what the draws use ------------------------------------------------------------------------------------------ */
 
 typedef struct save_most {
 	uint32_t mesh, material;
@@ -132,7 +132,7 @@ static stilb_result save_find_used(save_job *job)
 	return STILB_OK;
 }
 
-/* ---- sizes --------------------------------------------------------------------------------------------------------------- */
+/* ---- sizes ------------------------------------------------------------------------------------------------------- */
 
 static render_dump_texture save_texture(const save_job *job, uint32_t place)
 {
@@ -170,7 +170,7 @@ static stilb_result save_size(save_job *job)
 	return STILB_OK;
 }
 
-/* ---- parts --------------------------------------------------------------------------------------------------------------- */
+/* ---- parts ------------------------------------------------------------------------------------------------------- */
 
 static void *save_part(const save_job *job, render_dump_part part)
 {

@@ -106,6 +106,7 @@ struct stilb_render_context {
 	uint64_t state;         /* of the run being recorded; RENDER_NO_STATE before a segment's first draw */
 	uint32_t row_index;     /* of row */
 	uint32_t material_mask; /* bits of a material's index that are part of the state */
+	bool stream_rows;       /* write rows past the caches */
 	const render_mesh_slot *meshes;
 	const uint32_t *materials;
 
@@ -266,7 +267,7 @@ struct stilb_render {
 	uint32_t replayed_count;
 	render_frame_state state;
 	void *sort_items; /* [sort_capacity] scratch of render_sort */
-	uint32_t sort_capacity;
+	uint64_t sort_capacity;
 };
 
 /* Forgets the frame's passes. */

@@ -9,6 +9,9 @@
 /* Models in a segment: enough work (some 512 draws) to be worth a claim, and many segments per worker. */
 #define RECORD_SEGMENT_MODELS 256u
 
+/* Rows of a frame that stay in the caches until they are read, 4 MiB. */
+#define RECORD_CACHED_ROWS 65536u
+
 /* ---- memory of a context ------------------------------------------------------------------------------------------- */
 
 stilb_result render_contexts_create(stilb_render *render, uint32_t count)
@@ -46,6 +49,8 @@ void render_contexts_destroy(stilb_render *render)
 
 void render_contexts_rewind(stilb_render *render)
 {
+	/* Of the frame before; relaxed: no job runs. */
+	uint32_t rows = atomic_load_explicit(&render->memory[RENDER_MEMORY_ROWS].next, memory_order_relaxed);
 	for (uint32_t i = 0; i < render->context_count; i++) {
 		stilb_render_context *context = &render->contexts[i];
 		STILB_ASSERT(!context->segment);
@@ -56,6 +61,7 @@ void render_contexts_rewind(stilb_render *render)
 		context->run_count = 0;
 		context->failed = false;
 		context->material_mask = render_material_mask(render->device->materials);
+		context->stream_rows = rows > RECORD_CACHED_ROWS;
 		context->meshes = render->resources.meshes;
 		context->materials = render->resources.materials;
 	}
@@ -213,9 +219,11 @@ static bool record_make_room(stilb_render_context *context, uint64_t state)
 
 /* ---- writing ------------------------------------------------------------------------------------------------------- */
 
-/* Rows are read next by the GPU: they go past the caches, a whole line each, so that no line is fetched to be overwritten and
- * none pushes out what recording reads. Commands are half a line: streamed between rows, the two halves would not meet
- * (measured: 14 ns a draw instead of 4). The thread sanitizer does not see streaming stores. */
+/* Rows are read next by the GPU. Where there are more than the caches hold they go past them, a whole line each, so that no
+ * line is fetched to be overwritten and none pushes out what recording reads. Fewer stay in the caches: memory takes only so
+ * many streaming stores from all CPUs together, and a second worker would gain little (measured: 1.5 times instead of 1.9).
+ * Commands are half a line: streamed between rows, the two halves would not meet (measured: 14 ns a draw instead of 4). The
+ * thread sanitizer does not see streaming stores. */
 #if defined(__SSE2__) && !defined(__SANITIZE_THREAD__)
 #include <emmintrin.h>
 
@@ -230,15 +238,23 @@ static inline void record_write_command(render_command *out, const render_mesh_s
 }
 
 /* The matrix's upper three rows, one after the other, material and mesh. */
-static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh)
+static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
+                                    bool stream)
 {
+	__m128i ids = _mm_set_epi32(0, 0, (int32_t)mesh, (int32_t)material);
 	__m128 column[4];
 	for (int c = 0; c < 4; c++)
 		column[c] = _mm_loadu_ps(transform->m + 4 * c);
 	_MM_TRANSPOSE4_PS(column[0], column[1], column[2], column[3]);
-	for (int r = 0; r < 3; r++)
-		_mm_stream_ps(row->transform + 4 * r, column[r]);
-	_mm_stream_si128((__m128i *)&row->material, _mm_set_epi32(0, 0, (int32_t)mesh, (int32_t)material));
+	if (stream) {
+		for (int r = 0; r < 3; r++)
+			_mm_stream_ps(row->transform + 4 * r, column[r]);
+		_mm_stream_si128((__m128i *)&row->material, ids);
+	} else {
+		for (int r = 0; r < 3; r++)
+			_mm_store_ps(row->transform + 4 * r, column[r]);
+		_mm_store_si128((__m128i *)&row->material, ids);
+	}
 }
 
 /* Streaming stores are ordered by this alone: not by the release that hands a segment to the main thread. */
@@ -261,8 +277,10 @@ static inline void record_write_command(render_command *out, const render_mesh_s
 	};
 }
 
-static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh)
+static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
+                                    bool stream)
 {
+	(void)stream;
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 4; c++)
 			row->transform[4 * r + c] = transform->m[4 * c + r];
@@ -322,7 +340,7 @@ static inline void record_write(stilb_render_context *context, uint64_t key, sti
                                 stilb_render_material material, const stilb_mat4 *transform)
 {
 	uint32_t mesh_index = mesh.id & RENDER_INDEX_MASK, material_index = material.id & RENDER_INDEX_MASK;
-	record_write_row(context->row++, transform, material_index, mesh_index);
+	record_write_row(context->row++, transform, material_index, mesh_index, context->stream_rows);
 	record_write_command(context->command++, &context->meshes[mesh_index], context->row_index++, material_index, key);
 }
 
@@ -388,15 +406,19 @@ static void record_segment(const record_pass *recorded, stilb_render_context *co
 {
 	PROFILE("record segment");
 	const stilb_scene *scene = recorded->scene;
+	/* In locals: for all the compiler knows, a draw writes over the scene. */
+	const uint32_t *visible = recorded->visible, *first_part = scene->first_part;
+	const uint32_t *meshes = scene->part_mesh, *materials = scene->part_material;
+	const stilb_mat4 *transforms = scene->part_transform;
 	uint32_t first_mesh = recorded->render->scene_meshes, first_material = recorded->render->scene_materials;
 	uint32_t first = segment * RECORD_SEGMENT_MODELS, end = first + RECORD_SEGMENT_MODELS;
 	end = end < recorded->visible_count ? end : recorded->visible_count;
 	stilb_render_segment_begin(context, recorded->pass, segment);
 	for (uint32_t i = first; i < end; i++) {
-		uint32_t model = recorded->visible[i];
-		for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++)
-			record_draw(context, 0, (stilb_render_mesh){first_mesh + scene->part_mesh[p]},
-			            (stilb_render_material){first_material + scene->part_material[p]}, &scene->part_transform[p]);
+		uint32_t model = visible[i];
+		for (uint32_t p = first_part[model]; p < first_part[model + 1]; p++)
+			record_draw(context, 0, (stilb_render_mesh){first_mesh + meshes[p]},
+			            (stilb_render_material){first_material + materials[p]}, &transforms[p]);
 	}
 	stilb_render_segment_end(context);
 }

@@ -93,7 +93,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	stilb_result result = render_memory_place(render);
 	if (result == STILB_OK)
 		result = replay_order_passes(render, passes, pass_count);
-	if (result == STILB_OK)
+	bool updated = result == STILB_OK;
+	if (updated)
 		result = render_resources_update(render);
 	for (uint32_t p = 0; p < render->replayed_count && result == STILB_OK; p++) {
 		const stilb_render_pass *pass = &passes[render->replayed[p]];
@@ -105,7 +106,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		device->frames++;
 		result = device->functions->submit(device);
 	}
-	render_resources_sent(render, result == STILB_OK);
+	if (updated)
+		render_resources_sent(render, result == STILB_OK);
 	return result;
 }
 

@@ -82,6 +82,17 @@ static bool sort_place(stilb_render *render, render_pass_lists *lists, const sor
 	return true;
 }
 
+/* Room for count items, kept from frame to frame; NULL without memory. */
+static sort_item *sort_scratch(stilb_render *render, uint64_t count)
+{
+	if (count > render->sort_capacity) {
+		free(render->sort_items);
+		render->sort_items = stilb_memory_alloc(count, sizeof(sort_item));
+		render->sort_capacity = render->sort_items ? count : 0;
+	}
+	return render->sort_items;
+}
+
 stilb_result render_sort(stilb_render *render, render_pass_lists *lists)
 {
 	if (lists->draws == 0)
@@ -90,10 +101,9 @@ stilb_result render_sort(stilb_render *render, render_pass_lists *lists)
 	stilb_result result = sort_claim(render, (uint32_t)lists->draws, &first);
 	if (result != STILB_OK)
 		return result;
-	if (lists->draws > UINT32_MAX / 2 ||
-	    !render_reserve(&render->sort_items, &render->sort_capacity, (uint32_t)lists->draws * 2, sizeof(sort_item)))
+	sort_item *items = sort_scratch(render, 2 * lists->draws);
+	if (!items)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for sorting %u draws", (uint32_t)lists->draws);
-	sort_item *items = render->sort_items;
 	sort_gather(render_commands(render), lists, items);
 	const sort_item *sorted = sort_items(items, items + lists->draws, (uint32_t)lists->draws);
 	return sort_place(render, lists, sorted, first)

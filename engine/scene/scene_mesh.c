@@ -32,8 +32,7 @@ stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh)
 		return result;
 	for (int i = 0; i < 4; i++) {
 		float x = corners[i][0], z = corners[i][1];
-		mesh->vertices[i] =
-			(stilb_scene_vertex){{x, 0.0f, z}, {0.0f, 1.0f, 0.0f}, {0.5f * x + 0.5f, 0.5f * z + 0.5f}};
+		mesh->vertices[i] = (stilb_scene_vertex){{x, 0.0f, z}, {0.0f, 1.0f, 0.0f}, {0.5f * x + 0.5f, 0.5f * z + 0.5f}};
 	}
 	for (int i = 0; i < 6; i++)
 		mesh->indices[i] = indices[i];

@@ -1,4 +1,5 @@
-/* What the tests of recording and replay share: scenes, pools, renderers on the null device, and draws of random numbers. */
+/* What the tests of recording and replay share: scenes, pools, renderers on the null device, and draws of random
+ * numbers. */
 #ifndef RENDER_FIXTURE_H
 #define RENDER_FIXTURE_H
 
@@ -63,7 +64,7 @@ static inline uint32_t *fixture_ids(uint32_t count)
 	return ids;
 }
 
-/* ---- draws --------------------------------------------------------------------------------------------------------- */
+/* ---- draws ------------------------------------------------------------------------------------------------------ */
 
 typedef struct fixture_draw {
 	uint64_t key;
@@ -144,8 +145,8 @@ static inline void fixture_sort(fixture_draw *draws, uint64_t count)
 	free(scratch);
 }
 
-/* Changes of bindings from draw to draw: pipeline, buffers and material before the first; then a texture that is another one, a
- * pipeline where textures begin or end, and what --materials makes of the material. */
+/* Changes of bindings from draw to draw: pipeline, buffers and material before the first; then a texture that is
+ * another one, a pipeline where textures begin or end, and what --materials makes of the material. */
 static inline uint64_t fixture_binds(const fixture_draw *draws, uint64_t count, int materials)
 {
 	uint64_t binds = count > 0 ? 3 : 0;

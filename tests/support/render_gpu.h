@@ -1,8 +1,8 @@
-/* A GPU in a test's place: stands between render and the null device and keeps what a GPU would have been given. A draw must
- * find its mesh, material and texture there, and so must the draws of the frames that are still in flight.
+/* A GPU in a test's place: stands between render and the null device and keeps what a GPU would have been given. A
+ * draw must find its mesh, material and texture there, and so must the draws of the frames that are still in flight.
  *
- * Things to draw with tell who they are: mesh, material and texture number n hold n in every vertex, in a colour, in the pixels; and a
- * draw holds the number in its translation. */
+ * Things to draw with tell who they are: mesh, material and texture number n hold n in every vertex, in a colour, in
+ * the pixels; and a draw holds the number in its translation. */
 #ifndef RENDER_GPU_H
 #define RENDER_GPU_H
 
@@ -46,7 +46,7 @@ static struct {
 	uint32_t wrong; /* draws that did not find what they drew with */
 } gpu;
 
-/* ---- things -------------------------------------------------------------------------------------------------------- */
+/* ---- things ----------------------------------------------------------------------------------------------------- */
 
 static inline uint32_t gpu_thing_vertices(uint32_t number)
 {
@@ -118,7 +118,7 @@ static inline fixture_draw gpu_thing_draw(const gpu_thing *thing)
 	return draw;
 }
 
-/* ---- what the GPU has ------------------------------------------------------------------------------------------------ */
+/* ---- what the GPU has ------------------------------------------------------------------------------------------- */
 
 static inline bool gpu_draw_is_good(const gpu_draw *draw)
 {

@@ -1,4 +1,5 @@
-/* Draws into a command buffer, each after what it needs bound and the draw before did not. Any thread, one a command buffer. */
+/* Draws into a command buffer, each after what it needs bound and the draw before did not. Any thread, one at a time
+ * for a command buffer. */
 #include "render/vulkan/vulkan_internal.h"
 
 void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
@@ -10,7 +11,7 @@ void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
 	vkCmdSetScissor(commands, 0, 1, &area);
 }
 
-/* ---- binding ------------------------------------------------------------------------------------------------------- */
+/* ---- binding ----------------------------------------------------------------------------------------------------- */
 
 static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
 {
@@ -57,7 +58,7 @@ static uint32_t draws_bind(vulkan_device *device, VkCommandBuffer commands, uint
 	return (uint32_t)__builtin_popcount(binds);
 }
 
-/* ---- draws --------------------------------------------------------------------------------------------------------- */
+/* ---- draws ------------------------------------------------------------------------------------------------------- */
 
 vulkan_sent vulkan_draws_direct(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
                                 render_part part)

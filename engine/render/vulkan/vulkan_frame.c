@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- slots --------------------------------------------------------------------------------------------------------- */
+/* ---- slots ------------------------------------------------------------------------------------------------------- */
 
 static VkResult slot_create(vulkan_device *device, vulkan_slot *slot)
 {
@@ -28,7 +28,8 @@ static VkResult slot_create(vulkan_device *device, vulkan_slot *slot)
 	if (result == VK_SUCCESS)
 		result = vkAllocateCommandBuffers(device->device, &buffers, &slot->show);
 	const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-	return result == VK_SUCCESS ? vkCreateSemaphore(device->device, &semaphore, device->allocator, &slot->acquired) : result;
+	return result == VK_SUCCESS ? vkCreateSemaphore(device->device, &semaphore, device->allocator, &slot->acquired)
+	                            : result;
 }
 
 static VkResult frames_make(vulkan_device *device)
@@ -86,7 +87,7 @@ void vulkan_frames_destroy(vulkan_device *device)
 	vkDestroySemaphore(device->device, device->timeline, device->allocator);
 }
 
-/* ---- targets ------------------------------------------------------------------------------------------------------- */
+/* ---- targets ----------------------------------------------------------------------------------------------------- */
 
 /* Beyond its limits a GPU may do anything, so they are asked for first. */
 static stilb_result target_check(const vulkan_device *device, const VkImageCreateInfo *info)
@@ -159,7 +160,7 @@ void vulkan_targets_destroy(vulkan_device *device)
 	vulkan_image_destroy(device, &device->depth);
 }
 
-/* ---- begin --------------------------------------------------------------------------------------------------------- */
+/* ---- begin ------------------------------------------------------------------------------------------------------- */
 
 stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 {
@@ -254,13 +255,14 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
 	return STILB_OK;
 }
 
-/* ---- barriers ----------------------------------------------------------------------------------------------------- */
+/* ---- barriers ---------------------------------------------------------------------------------------------------- */
 
-void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                          VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
-                          VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access)
+VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                                              VkImageLayout to, VkPipelineStageFlags2 from_stage,
+                                              VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
+                                              VkAccessFlags2 to_access)
 {
-	const VkImageMemoryBarrier2 barrier = {
+	return (VkImageMemoryBarrier2){
 		.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
 		.srcStageMask = from_stage,
 		.srcAccessMask = from_access,
@@ -273,15 +275,28 @@ void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspect
 		.image = image,
 		.subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1},
 	};
+}
+
+void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count)
+{
 	const VkDependencyInfo dependency = {
 		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-		.imageMemoryBarrierCount = 1,
-		.pImageMemoryBarriers = &barrier,
+		.imageMemoryBarrierCount = count,
+		.pImageMemoryBarriers = transitions,
 	};
 	vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-/* ---- submission ---------------------------------------------------------------------------------------------------- */
+void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                          VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
+                          VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access)
+{
+	const VkImageMemoryBarrier2 transition =
+		vulkan_image_transition(image, aspect, from, to, from_stage, from_access, to_stage, to_access);
+	vulkan_image_barriers(commands, &transition, 1);
+}
+
+/* ---- submission -------------------------------------------------------------------------------------------------- */
 
 stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal)
 {

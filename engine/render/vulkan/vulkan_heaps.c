@@ -1,5 +1,6 @@
-/* The heaps of vertices, indices and materials on the GPU: each a buffer with the same contents in the same places. What is
- * dirty is copied through the slot's staging buffer, at the start of the frame's commands; new textures as well. */
+/* The heaps of vertices, indices and materials on the GPU: each a buffer with the same contents in the same places.
+ * What is dirty is copied through the slot's staging buffer, at the start of the frame's commands; new textures as
+ * well. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdlib.h>
@@ -14,7 +15,7 @@ static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 	[RENDER_HEAP_MATERIALS] = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
 };
 
-/* ---- buffers that are replaced --------------------------------------------------------------------------------------- */
+/* ---- buffers that are replaced ----------------------------------------------------------------------------------- */
 
 stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with)
 {
@@ -47,7 +48,7 @@ void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot)
 	slot->outgrown_capacity = 0;
 }
 
-/* ---- materials that are bound one by one ------------------------------------------------------------------------------- */
+/* ---- materials that are bound one by one ------------------------------------------------------------------------- */
 
 /* Only where a GPU asks for it do materials lie apart: a dynamic offset is a multiple of its alignment. */
 VkDeviceSize vulkan_material_stride(const vulkan_device *device)
@@ -98,7 +99,7 @@ static void material_set_update(vulkan_device *device, vulkan_slot *slot)
 	slot->material_buffer = materials;
 }
 
-/* ---- heaps --------------------------------------------------------------------------------------------------------- */
+/* ---- heaps ------------------------------------------------------------------------------------------------------- */
 
 /* From one element to the next on the GPU, bytes. */
 static VkDeviceSize heap_stride(const vulkan_device *device, const render_heap *heap, int kind)
@@ -171,7 +172,7 @@ static void heaps_barrier(VkCommandBuffer commands, bool before)
 	                                                    .pMemoryBarriers = &barrier});
 }
 
-/* ---- the frame's copies ---------------------------------------------------------------------------------------------- */
+/* ---- the frame's copies ------------------------------------------------------------------------------------------ */
 
 static stilb_result staging_fit(vulkan_device *device, vulkan_slot *slot, VkDeviceSize size)
 {

@@ -1,11 +1,12 @@
 /*
  * The Vulkan device, version 1.3: dynamic rendering, synchronization2, timeline semaphores, buffer addresses.
  *
- * Two frame slots. A slot owns everything the CPU writes for a frame, and is written again only when the timeline says that
- * the GPU is done with it. A frame makes two submissions: `draw` (the passes, into the picture) and `show` (the picture to
- * the window or to memory). The picture itself is one image: frames follow each other on one queue, and barriers order them.
- * Shaders get addresses in a push constant. Descriptor sets are for what has no address, textures (set 0), and for materials
- * that are to be bound one by one (set 1, --materials bind).
+ * Two frame slots. A slot owns everything the CPU writes for a frame, and is written again only when the timeline says
+ * that the GPU is done with it. A frame makes two submissions: `draw` (the passes, into the picture) and `show` (the
+ * picture to the window or to memory). The picture itself is one image: frames follow each other on one queue, and
+ * barriers order them.
+ * Shaders get addresses in a push constant. Descriptor sets are for what has no address, textures (set 0), and for
+ * materials that are to be bound one by one (set 1, --materials bind).
  */
 #ifndef STILB_VULKAN_INTERNAL_H
 #define STILB_VULKAN_INTERNAL_H
@@ -53,7 +54,7 @@ typedef struct vulkan_sent {
 	uint64_t draws, binds;
 } vulkan_sent;
 
-/* Secondary command buffers: each list is recorded by one job at a time, a command buffer for each pass of the frame. */
+/* Secondary command buffers: a list is recorded by one job at a time, a command buffer for each pass of the frame. */
 typedef struct vulkan_list {
 	_Alignas(STILB_CACHE_LINE) VkCommandPool pool;
 	VkCommandBuffer commands[STILB_RENDER_MAX_PASSES];
@@ -69,8 +70,9 @@ typedef struct vulkan_slot {
 	vulkan_list *lists;   /* [list_count] with secondary replay: one a worker, as far as there have been workers */
 	uint32_t list_count;
 	vulkan_buffer memory[RENDER_MEMORY_KINDS];
-	vulkan_buffer staging;   /* what update copies from */
-	vulkan_buffer *outgrown; /* [outgrown_count] replaced in this slot's frame, and still read by it or the one before */
+	vulkan_buffer staging; /* what update copies from */
+	vulkan_buffer
+		*outgrown; /* [outgrown_count] replaced in this slot's frame, and still read by it or the one before */
 	uint32_t outgrown_count, outgrown_capacity;
 	VkDescriptorSet material_set; /* of the buffer of materials that the slot's frame uses */
 	VkBuffer material_buffer;     /* in it */
@@ -130,7 +132,8 @@ typedef struct vulkan_device {
 	VkDescriptorPool texture_pool, material_pool;
 	vulkan_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	VkPipelineLayout pipeline_layout;
-	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS]; /* without and with a texture; null: this device needs none such */
+	VkPipeline pipelines[2]
+						[VULKAN_PIPELINE_MATERIALS]; /* without and with a texture; null: this device needs none such */
 	stilb_render_output output;
 	VkFormat color_format;
 	vulkan_image color;         /* the picture, one sample */
@@ -157,7 +160,8 @@ extern const VkAllocationCallbacks *vulkan_host_allocator;
 
 /* vulkan_instance.c: what there is before a device. */
 
-/* Turns a VkResult into a result and a message: "cannot WHAT: out of memory (VK_ERROR_OUT_OF_HOST_MEMORY -1); try ...". */
+/* Turns a VkResult into a result and a message: "cannot WHAT: out of memory (VK_ERROR_OUT_OF_HOST_MEMORY -1); try
+ * ...". */
 stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char *what);
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc);
 stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted);
@@ -220,6 +224,12 @@ stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands
 stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value);
 /* What was copied before it is there for the CPU once the submission is done. */
 void vulkan_host_barrier(VkCommandBuffer commands);
+VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                                              VkImageLayout to, VkPipelineStageFlags2 from_stage,
+                                              VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
+                                              VkAccessFlags2 to_access);
+void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count);
+/* One alone. */
 void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                           VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
                           VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);

@@ -96,7 +96,10 @@ stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBu
 		return STILB_OK;
 	vulkan_buffer_destroy(device, buffer);
 	char what[96];
-	snprintf(what, sizeof what, "get %.1f MiB of GPU memory", (double)size / (1024.0 * 1024.0));
+	if (size < 1 << 20)
+		snprintf(what, sizeof what, "get %u KiB of GPU memory", (unsigned)((size + 1023) / 1024));
+	else
+		snprintf(what, sizeof what, "get %.1f MiB of GPU memory", (double)size / (1024.0 * 1024.0));
 	return vulkan_fail(device, result, what);
 }
 

@@ -17,14 +17,19 @@ static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, b
 		VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
 	const VkImageLayout attachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
 	const VkImageLayout before = first ? VK_IMAGE_LAYOUT_UNDEFINED : attachment;
-	vulkan_image_barrier(commands, device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-	                     color_stage | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
-	                     color_stage, color_access);
+	VkImageMemoryBarrier2 taken[3];
+	uint32_t count = 0;
+	taken[count++] = vulkan_image_transition(device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
+	                                         color_stage | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+	                                         VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
 	if (device->color_samples.image)
-		vulkan_image_barrier(commands, device->color_samples.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-		                     color_stage, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
-	vulkan_image_barrier(commands, device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
-	                     VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, depth_stage, depth_access);
+		taken[count++] =
+			vulkan_image_transition(device->color_samples.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
+		                            color_stage, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
+	taken[count++] =
+		vulkan_image_transition(device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
+	                            VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, depth_stage, depth_access);
+	vulkan_image_barriers(commands, taken, count);
 }
 
 /* The sky behind everything, as the fragment shader would have written it. */

@@ -25,7 +25,10 @@ typedef struct pipeline_code {
 	size_t size;
 } pipeline_code;
 
-#define PIPELINE_CODE(words) {words, sizeof words}
+#define PIPELINE_CODE(words)                                                                                           \
+	{                                                                                                                  \
+		words, sizeof words                                                                                            \
+	}
 
 static const pipeline_code vertex_code[2] = {PIPELINE_CODE(mesh_vert), PIPELINE_CODE(mesh_texture_vert)};
 
@@ -45,7 +48,7 @@ static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShade
 	return vkCreateShaderModule(device->device, &info, device->allocator, module);
 }
 
-/* ---- layout: set 0 is the texture, set 1 the material when it is to be bound ----------------------------------------- */
+/* ---- layout: set 0 is the texture, set 1 the material when it is to be bound ------------------------------------- */
 
 static VkResult set_layout_create(vulkan_device *device, VkDescriptorType type, const VkSampler *sampler,
                                   VkDescriptorSetLayout *layout)
@@ -66,8 +69,8 @@ static VkResult set_layout_create(vulkan_device *device, VkDescriptorType type, 
 
 static VkResult layout_create(vulkan_device *device)
 {
-	VkResult result = set_layout_create(device, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, &device->sampler,
-	                                    &device->texture_layout);
+	VkResult result =
+		set_layout_create(device, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, &device->sampler, &device->texture_layout);
 	bool bind = device->base.materials == STILB_RENDER_MATERIALS_BIND;
 	if (result == VK_SUCCESS && bind)
 		result = set_layout_create(device, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, NULL, &device->material_layout);
@@ -88,7 +91,7 @@ static VkResult layout_create(vulkan_device *device)
 	return vkCreatePipelineLayout(device->device, &info, device->allocator, &device->pipeline_layout);
 }
 
-/* ---- what every pipeline has, whatever the device ------------------------------------------------------------------- */
+/* ---- what every pipeline has, whatever the device ---------------------------------------------------------------- */
 
 static const VkVertexInputBindingDescription vertex_binding = {.stride = sizeof(stilb_scene_vertex)};
 
@@ -159,7 +162,7 @@ static const VkPipelineColorBlendStateCreateInfo blend = {
 	.pAttachments = &no_blending,
 };
 
-/* ---- what depends on it --------------------------------------------------------------------------------------------- */
+/* ---- what depends on it ------------------------------------------------------------------------------------------ */
 
 static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stage, VkShaderModule module,
                                                       const VkSpecializationInfo *constants)

@@ -1,5 +1,5 @@
-/* Secondary command buffers: the pass is cut into one part a worker, each recorded by a job into a list of its own, and the
- * main thread executes them in the order of their parts. */
+/* Secondary command buffers: the pass is cut into one part a worker, each recorded by a job into a list of its own, and
+ * the main thread executes them in the order of their parts. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include "profiler/prof.h"

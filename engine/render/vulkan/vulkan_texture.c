@@ -1,5 +1,5 @@
-/* Textures on the GPU: an image and a descriptor set each, both made on the thread that creates the texture. One mip level:
- * textures are sampled as they are, and what is far away may flicker. Guarded by the lock of resources. */
+/* Textures on the GPU: an image and a descriptor set each, both made on the thread that creates the texture. One mip
+ * level: textures are sampled as they are, and what is far away may flicker. Guarded by the lock of resources. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdio.h>
@@ -53,7 +53,7 @@ void vulkan_textures_destroy(vulkan_device *device)
 	device->textures = NULL;
 }
 
-/* ---- one texture --------------------------------------------------------------------------------------------------- */
+/* ---- one texture ------------------------------------------------------------------------------------------------- */
 
 /* Beyond its limits a GPU may do anything, so they are asked for first. */
 static stilb_result texture_check(const vulkan_device *device, const VkImageCreateInfo *info)
@@ -67,10 +67,9 @@ static stilb_result texture_check(const vulkan_device *device, const VkImageCrea
 	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu, info->format, info->imageType, info->tiling,
 	                                                           info->usage, info->flags, &can);
 	if ((format.optimalTilingFeatures & needed) != needed || result == VK_ERROR_FORMAT_NOT_SUPPORTED)
-		return stilb_fail(STILB_ERROR_DEVICE,
-		                  "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats",
-		                  device->base.name,
-		                  info->format == VK_FORMAT_R32G32B32A32_SFLOAT ? "32-bit floats" : "this format");
+		return stilb_fail(
+			STILB_ERROR_DEVICE, "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats",
+			device->base.name, info->format == VK_FORMAT_R32G32B32A32_SFLOAT ? "32-bit floats" : "this format");
 	if (result != VK_SUCCESS)
 		return vulkan_fail(device, result, "ask the GPU for its largest texture");
 	if (info->extent.width > can.maxExtent.width || info->extent.height > can.maxExtent.height)
