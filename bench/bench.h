@@ -97,6 +97,7 @@ typedef struct bench_suite {
 	bool traces;           /* its runs can write timelines of frames, as --traces says */
 	uint32_t quick_rounds; /* with --quick; 0: the usual number */
 	double start_seconds;  /* what a program takes to begin, where that is not next to nothing */
+	double quick_timeout;  /* seconds beyond its length that a run is given with --quick; 0: the usual */
 } bench_suite;
 
 extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite;

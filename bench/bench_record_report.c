@@ -72,7 +72,7 @@ static void print_goal(FILE *out, const bench_results *results, const goal *g)
 		return;
 	char range[32];
 	snprintf(range, sizeof range, "[%.3g-%.3g]", value.min, value.max);
-	fprintf(out, "  %-36s %8.3g %-14s %-8s", g->what, value.median, range, g->of_on ? "x" : row->unit);
+	fprintf(out, "  %-36s %8.4g %-14s %-8s", g->what, value.median, range, g->of_on ? "x" : row->unit);
 	if (g->bound > 0.0) {
 		bool met = row->less_is_better ? value.median <= g->bound : value.median >= g->bound;
 		fprintf(out, " goal %s %-6.4g %-6s", row->less_is_better ? "<=" : ">=", g->bound, met ? "met" : "MISSED");

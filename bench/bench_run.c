@@ -284,7 +284,8 @@ static double run_seconds(const bench_results *results)
 static void run_pair(bench_results *results, bench_pair *pair, const char *argument)
 {
 	double seconds = results->seconds * length_of(pair->on);
-	double timeout = seconds * 1.5 + (results->options->quick ? QUICK_TIMEOUT : TIMEOUT);
+	double usual = results->suite->quick_timeout > 0.0 ? results->suite->quick_timeout : QUICK_TIMEOUT;
+	double timeout = seconds * 1.5 + (results->options->quick ? usual : TIMEOUT);
 	bench_child_result child;
 	bench_child_run(pair->subject->program, pair->subject->name, pair->on->name, seconds, results->rounds - 1, argument,
 	                timeout, &child);

@@ -26,12 +26,13 @@ static double median_of(const bench_results *results, const char *on, const char
 /* What every diagram begins with; the one before may have set anything. */
 static void begin(FILE *out, const char *title, const char *y)
 {
-	fprintf(
-		out,
-		"set title \"%s\"\nset ylabel \"%s\"\nunset xlabel\nunset arrow\nunset label\nunset logscale\nset xtics "
-		"norotate autofreq\nset ytics autofreq\nset xrange [*:*]\nset yrange [0:*]\nset style fill solid 0.9 noborder\n"
-		"set boxwidth %g\nset key above horizontal Left reverse\nset tmargin 5\nset bmargin\n",
-		title, y, BAR);
+	fprintf(out,
+	        "set title \"%s\"\nset ylabel \"%s\"\nunset xlabel\nunset arrow\nunset label\nunset logscale\nset xtics "
+	        "norotate autofreq font ',11'\nset ytics autofreq\nset xrange [*:*]\nset yrange [0:*]\nset style fill "
+	        "solid 0.9 noborder\n"
+	        "set boxwidth %g\nset key above horizontal Left reverse\nset tmargin 5\nset bmargin\n"
+	        "set offsets 0, 0, graph 0.05, 0\n", /* lines do not hide in the frame */
+	        title, y, BAR);
 }
 
 /* A diagram whose runs were not chosen stays empty. */
@@ -90,10 +91,8 @@ static void plot_stages(FILE *out, const bench_results *results, const char *dev
 	for (size_t s = COUNT(stages); s-- > 0;)
 		fprintf(out, "$stages using 1:%zu with boxes linecolor rgb '%s' title \"%s\", ", s + 2, stages[s].colour,
 		        stages[s].metric);
-	fprintf(out,
-	        "$stages using 1:%zu:(number($%zu)) with labels offset 0,0.6 font ',10' notitle\n"
-	        "set offsets 0, 0, 0, 0\n",
-	        COUNT(stages) + 1, COUNT(stages) + 1);
+	fprintf(out, "$stages using 1:%zu:(number($%zu)) with labels offset 0,0.6 font ',10' notitle\n", COUNT(stages) + 1,
+	        COUNT(stages) + 1);
 }
 
 /* ---- speed-up ---------------------------------------------------------------------------------------------------- */
@@ -142,17 +141,16 @@ static void plot_gain(FILE *out, const bench_results *results, const char *devic
 	}
 	fprintf(
 		out,
-		"set xlabel \"workers beside the main thread\"\nset xtics 1\nset xrange [-0.3:%u.3]\nset yrange [0:%g]\n"
+		"set xlabel \"workers beside the main thread\"\nset xtics 1\nset xrange [-0.3:%u.3]\n"
 		"plot $bounds using 1:2 with lines linewidth 1.5 dashtype 2 linecolor rgb '#808080' title \"as many as CPUs\", "
-		"$bounds using 1:3 with lines linewidth 1.5 dashtype 3 linecolor rgb '#404040' title \"all: cull and record "
-		"shared\"",
-		bench_threads_too_many(), 1.15 * bench_cpu_count());
+		"$bounds using 1:3 with lines linewidth 1.5 dashtype 3 linecolor rgb '#404040' title \"all in view: cull "
+		"and record shared\"",
+		bench_threads_too_many());
 	for (size_t v = 0; v < COUNT(views); v++)
 		if (any[v])
 			fprintf(out,
 			        ", $gain%zu using 1:2:3:4 with yerrorbars linewidth 2 pointsize 1.5 %s notitle, $gain%zu using 1:2 "
-			        "with "
-			        "linespoints linewidth 2 pointsize 1.5 %s title \"%s in view\"",
+			        "with linespoints linewidth 2 pointsize 1.5 %s title \"%s in view\"",
 			        v, styles[v], v, styles[v], views[v]);
 	fputc('\n', out);
 }
@@ -194,10 +192,10 @@ static void plot_places(FILE *out, const bench_results *results, const char *tit
 		plot_nothing(out);
 		return;
 	}
-	fprintf(out, "set logscale y\nset yrange [*:*]\nset xrange [-0.6:%zu.6]\nset xtics (", count - 1);
+	fprintf(out, "set logscale y\nset yrange [*:*]\nset xrange [-0.6:%zu.8]\nset xtics (", count - 1);
 	for (size_t i = 0; i < count; i++)
 		fprintf(out, "%s\"%s\" %zu", i ? ", " : "", places[i].label, i);
-	fprintf(out, ")\nset xtics nomirror\nset bmargin 5\n");
+	fprintf(out, ")\nset xtics nomirror font ',10'\nset bmargin 5\nset offsets 0, 0, graph 0.05, graph 0.05\n");
 	for (size_t i = 1; i < count; i++)
 		if (places[i].apart)
 			fprintf(out, "set arrow from %zu.5, graph 0 to %zu.5, graph 1 nohead linecolor rgb '#808080'\n", i - 1,

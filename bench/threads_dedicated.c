@@ -54,10 +54,10 @@ static void record_frame(dedicated *d, const uint32_t *model)
 {
 	threads_hand_begin(&d->hand, 1);
 	PROFILE("record");
-	stilb_render_context *context = threads_hand_segment_begin(&d->hand, 0, 0);
+	stilb_render_context *context = threads_hand_list_begin(&d->hand, 0);
 	for (; model != &end_of_frame; model = take_model(d))
 		threads_hand_draw_model(&d->hand, context, *model);
-	stilb_render_segment_end(context);
+	threads_hand_list_end(context);
 }
 
 static void count_frame(dedicated *d, uint64_t begin_ns, uint64_t last_ns)

@@ -65,7 +65,7 @@ void threads_hand_cull(threads_hand *hand, stilb_cull_visible *visible)
 {
 	PROFILE("cull");
 	stilb_frustum frustum = stilb_frustum_from_matrix(&hand->view.view_projection);
-	must(stilb_cull_run(hand->cull, STILB_CULL_OCTREE, hand->scene, &frustum, NULL, CALLER, visible));
+	must(stilb_cull_run(hand->cull, STILB_CULL_AUTO, hand->scene, &frustum, NULL, CALLER, visible));
 }
 
 uint32_t threads_hand_list(const threads_hand *hand, const stilb_cull_visible *visible, uint32_t *parts)
@@ -82,11 +82,11 @@ uint32_t threads_hand_list(const threads_hand *hand, const stilb_cull_visible *v
 
 /* ---- render ------------------------------------------------------------------------------------------------------ */
 
-void threads_hand_begin(threads_hand *hand, uint32_t segments)
+void threads_hand_begin(threads_hand *hand, uint32_t lists)
 {
 	PROFILE("frame begin");
 	must(stilb_render_frame_begin(hand->render));
-	must(stilb_render_pass_begin(hand->render, PASS, segments));
+	must(stilb_render_pass_begin(hand->render, PASS, lists));
 }
 
 static inline void draw(const threads_hand *hand, stilb_render_context *context, uint32_t part)
@@ -95,19 +95,23 @@ static inline void draw(const threads_hand *hand, stilb_render_context *context,
 	stilb_render_draw(context, drawn->mesh, drawn->material, &hand->scene->part_transform[part]);
 }
 
-void threads_hand_record(threads_hand *hand, uint32_t context, uint32_t segment, const uint32_t *parts, uint32_t count)
+stilb_render_context *threads_hand_list_begin(threads_hand *hand, uint32_t list)
 {
-	stilb_render_context *own = threads_hand_segment_begin(hand, context, segment);
-	for (uint32_t i = 0; i < count; i++)
-		draw(hand, own, parts[i]);
-	stilb_render_segment_end(own);
+	stilb_render_context *context = stilb_render_context_get(hand->render, list);
+	stilb_render_segment_begin(context, PASS, list);
+	return context;
 }
 
-stilb_render_context *threads_hand_segment_begin(threads_hand *hand, uint32_t context, uint32_t segment)
+void threads_hand_list_end(stilb_render_context *context)
 {
-	stilb_render_context *own = stilb_render_context_get(hand->render, context);
-	stilb_render_segment_begin(own, PASS, segment);
-	return own;
+	stilb_render_segment_end(context);
+}
+
+void threads_hand_draw_parts(const threads_hand *hand, stilb_render_context *context, const uint32_t *parts,
+                             uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		draw(hand, context, parts[i]);
 }
 
 void threads_hand_draw_model(const threads_hand *hand, stilb_render_context *context, uint32_t model)

@@ -35,13 +35,13 @@ void threads_hand_cull(threads_hand *hand, stilb_cull_visible *visible);
  * how many. */
 uint32_t threads_hand_list(const threads_hand *hand, const stilb_cull_visible *visible, uint32_t *parts);
 
-/* begin, then every segment once, each by any thread that has a context of its own, then replay. */
-void threads_hand_begin(threads_hand *hand, uint32_t segments);
-void threads_hand_record(threads_hand *hand, uint32_t context, uint32_t segment, const uint32_t *parts, uint32_t count);
-void threads_hand_replay(threads_hand *hand);
-
-/* For one who is fed model by model: a segment in pieces. */
-stilb_render_context *threads_hand_segment_begin(threads_hand *hand, uint32_t context, uint32_t segment);
+/* A list for each of as many threads, begun, filled and ended by that thread alone; replay draws one after the other. */
+void threads_hand_begin(threads_hand *hand, uint32_t lists);
+stilb_render_context *threads_hand_list_begin(threads_hand *hand, uint32_t list);
+void threads_hand_draw_parts(const threads_hand *hand, stilb_render_context *context, const uint32_t *parts,
+                             uint32_t count);
 void threads_hand_draw_model(const threads_hand *hand, stilb_render_context *context, uint32_t model);
+void threads_hand_list_end(stilb_render_context *context);
+void threads_hand_replay(threads_hand *hand);
 
 #endif

@@ -1,6 +1,7 @@
 /*
- * The article's pool: the main thread puts every draw into a queue, the workers take them out and record each with a
- * context of their own, and the main thread waits until all are recorded and replays. What varies is the queue alone.
+ * The article's pool: the main thread puts every draw into a queue, each worker takes draws out and records them into a
+ * list of its own, and the main thread waits for the workers and replays the lists. What varies is the queue alone. The
+ * order of several lists depends on who was faster, as it did in the article: only that of one list can be checked.
  *
  *   no-queue          one thread does it all
  *   mutex             a list under a mutex
@@ -86,12 +87,36 @@ static void event_close(event *e)
 	pthread_mutex_unlock(&e->mutex);
 }
 
+/* ---- time --------------------------------------------------------------------------------------------------------- */
+
+/* Not before all that comes before has been done: a plain look at the clock overtakes it. */
+static inline uint64_t ticks_then(void)
+{
+#if defined(__x86_64__)
+	uint32_t cpu;
+	return __builtin_ia32_rdtscp(&cpu);
+#else
+	return bench_child_ticks();
+#endif
+}
+
+/* What two looks at the clock are apart: the least, which is what they add to every call. */
+static uint64_t ticks_of_clock(void)
+{
+	uint64_t least = UINT64_MAX;
+	for (int i = 0; i < 1000; i++) {
+		uint64_t first = ticks_then(), apart = ticks_then() - first;
+		least = apart < least ? apart : least;
+	}
+	return least;
+}
+
 /* ---- workers ----------------------------------------------------------------------------------------------------- */
 
-/* Some draws of a frame, to be recorded as one segment. */
+/* Some draws of a frame. Without draws: the end of the frame, of which there is one for each worker. */
 typedef struct item {
 	const uint32_t *parts;
-	uint32_t segment, count;
+	uint32_t count;
 } item;
 
 typedef struct pool pool;
@@ -99,10 +124,10 @@ typedef struct pool pool;
 typedef struct worker {
 	alignas(LINE) pool *pool;
 	pthread_t thread;
-	uint32_t index;            /* 1.. */
-	uint64_t waited, recorded; /* ticks since the start; published by done */
-	_Atomic bool drained;
-	_Atomic uint64_t done; /* items since the start; release, pairs with the acquire in items_done */
+	uint32_t index;                /* of its list, 0.. */
+	stilb_render_context *context; /* its list of this frame, once begun */
+	uint64_t waited, recorded;     /* ticks since the start; published by frames */
+	_Atomic uint32_t frames;       /* ended since the start; release, pairs with the acquire in wait_for_all */
 } worker;
 
 struct pool {
@@ -118,6 +143,8 @@ struct pool {
 	stilb_cull_visible visible;
 	uint32_t *parts; /* of this frame */
 	item *items;
+	/* Release by the main thread once all workers have ended the frame, acquire by those who wait for that. */
+	alignas(LINE) _Atomic uint32_t frames;
 };
 
 /* Takes time and nothing else: each multiplication waits for the one before. */
@@ -144,9 +171,9 @@ static uint32_t burn_for(double ns)
 	return (uint32_t)(ns * multiplications / (double)best);
 }
 
-static void record_item(pool *p, uint32_t context, const item *i)
+static void record_item(const pool *p, stilb_render_context *context, const item *i)
 {
-	threads_hand_record(&p->hand, context, i->segment, i->parts, i->count);
+	threads_hand_draw_parts(&p->hand, context, i->parts, i->count);
 	if (p->half_a_draw)
 		burn(i->count * p->half_a_draw);
 }
@@ -177,6 +204,30 @@ static int take(pool *p, uint32_t thread, void **taken, uint64_t *since)
 	}
 }
 
+static void record(worker *w, const item *i)
+{
+	pool *p = w->pool;
+	if (!w->context)
+		w->context = threads_hand_list_begin(&p->hand, w->index);
+	if (i->count > 0) {
+		record_item(p, w->context, i);
+	} else {
+		threads_hand_list_end(w->context);
+		w->context = NULL;
+	}
+}
+
+/* Says that this worker has ended the frame, and waits for the others: who came back at once could take their ends. */
+static void end_frame(worker *w)
+{
+	uint32_t turns = 0;
+	/* Relaxed: the worker's own. */
+	uint32_t frames = atomic_load_explicit(&w->frames, memory_order_relaxed) + 1;
+	atomic_store_explicit(&w->frames, frames, memory_order_release); /* pairs with wait_for_all */
+	while (atomic_load_explicit(&w->pool->frames, memory_order_acquire) != frames) /* pairs with release_all */
+		job_sys_relax(&turns);
+}
+
 static void *worker_main(void *data)
 {
 	worker *w = data;
@@ -184,21 +235,20 @@ static void *worker_main(void *data)
 	void *taken;
 	uint64_t since = bench_child_ticks();
 	char name[32];
-	snprintf(name, sizeof name, "worker %u", w->index);
+	snprintf(name, sizeof name, "worker %u", w->index + 1);
 	stilb_prof_thread_begin(name);
 	stilb_prof_zone_begin(&site_record);
-	while (take(p, w->index, &taken, &since) == 0) {
-		uint64_t got = bench_child_ticks();
-		record_item(p, w->index, taken);
-		/* Relaxed, and read by nobody: waits for the stores of recording, which go past the caches. Else the queue's first
-		 * atomic would, and be blamed for it. */
-		atomic_exchange_explicit(&w->drained, true, memory_order_relaxed);
+	while (take(p, w->index + 1, &taken, &since) == 0) {
+		const item *i = taken;
+		uint64_t got = ticks_then();
+		record(w, i);
 		w->waited += got - since;
-		since = bench_child_ticks();
+		since = ticks_then();
 		w->recorded += since - got;
-		/* Relaxed: the worker's own. */
-		uint64_t done = atomic_load_explicit(&w->done, memory_order_relaxed) + 1;
-		atomic_store_explicit(&w->done, done, memory_order_release);
+		if (i->count == 0) {
+			end_frame(w);
+			since = ticks_then();
+		}
 	}
 	stilb_prof_thread_end();
 	return NULL;
@@ -234,7 +284,7 @@ static void start_workers(pool *p)
 	for (uint32_t i = 0; i < p->worker_count; i++) {
 		worker *w = &p->workers[i];
 		w->pool = p;
-		w->index = i + 1;
+		w->index = i;
 		if (pthread_create(&w->thread, NULL, worker_main, w) != 0)
 			bench_child_fail("cannot start %u threads", p->worker_count);
 	}
@@ -250,36 +300,57 @@ static void stop_workers(pool *p)
 }
 
 /* What the main thread does with a frame's draws: prepares each, and queues it or, when it is alone, records it. */
+static void prepare(const pool *p, const item *i)
+{
+	if (p->half_a_draw)
+		burn(i->count * p->half_a_draw);
+}
+
+static void push(pool *p, item *i)
+{
+	if (stilb_job_queue_push(p->queue, i, 0) != 0)
+		bench_child_fail("out of memory for the queue");
+	event_wake(&p->event);
+}
+
 static void feed(pool *p, uint32_t items)
 {
 	PROFILE("feed");
+	static item end;
 	for (uint32_t i = 0; i < items; i++) {
-		if (p->half_a_draw)
-			burn(p->items[i].count * p->half_a_draw);
-		if (p->worker_count == 0) {
-			record_item(p, 0, &p->items[i]);
-			continue;
-		}
-		if (stilb_job_queue_push(p->queue, &p->items[i], 0) != 0)
-			bench_child_fail("out of memory for the queue");
-		event_wake(&p->event);
+		prepare(p, &p->items[i]);
+		push(p, &p->items[i]);
 	}
-}
-
-static uint64_t items_done(pool *p)
-{
-	uint64_t done = 0;
 	for (uint32_t i = 0; i < p->worker_count; i++)
-		done += atomic_load_explicit(&p->workers[i].done, memory_order_acquire); /* pairs with worker_main */
-	return done;
+		push(p, &end);
 }
 
-static void wait_for_all(pool *p, uint64_t done_then)
+static void wait_for_all(pool *p)
 {
 	PROFILE("wait for the workers");
-	uint32_t turns = 0;
-	while (p->worker_count > 0 && items_done(p) < done_then)
-		job_sys_relax(&turns);
+	uint32_t turns = 0, frames = atomic_load_explicit(&p->frames, memory_order_relaxed) + 1; /* relaxed: its own */
+	for (uint32_t i = 0; i < p->worker_count; i++)
+		while (atomic_load_explicit(&p->workers[i].frames, memory_order_acquire) != frames) /* pairs with end_frame */
+			job_sys_relax(&turns);
+}
+
+/* The next frame may come. */
+static void release_all(pool *p)
+{
+	uint32_t frames = atomic_load_explicit(&p->frames, memory_order_relaxed) + 1; /* relaxed: its own */
+	atomic_store_explicit(&p->frames, frames, memory_order_release);              /* pairs with end_frame */
+}
+
+/* Without workers. */
+static void record_alone(pool *p, uint32_t items)
+{
+	PROFILE("record");
+	stilb_render_context *context = threads_hand_list_begin(&p->hand, 0);
+	for (uint32_t i = 0; i < items; i++) {
+		prepare(p, &p->items[i]);
+		record_item(p, context, &p->items[i]);
+	}
+	threads_hand_list_end(context);
 }
 
 static uint32_t cut_items(pool *p)
@@ -288,7 +359,7 @@ static uint32_t cut_items(pool *p)
 	uint32_t draws = threads_hand_list(&p->hand, &p->visible, p->parts), items = 0;
 	for (uint32_t first = 0; first < draws; first += p->draws_an_item, items++) {
 		uint32_t left = draws - first;
-		p->items[items] = (item){p->parts + first, items, left < p->draws_an_item ? left : p->draws_an_item};
+		p->items[items] = (item){p->parts + first, left < p->draws_an_item ? left : p->draws_an_item};
 	}
 	return items;
 }
@@ -308,36 +379,44 @@ static shares worker_ticks(const pool *p)
 	return sum;
 }
 
-/* One frame. Returns its items. */
-static uint32_t run_frame(pool *p, uint64_t done_before, shares *of_frame)
+static shares record_frame(pool *p, uint32_t items)
 {
-	stilb_prof_frame_mark();
-	PROFILE("frame");
-	threads_hand_cull(&p->hand, &p->visible);
-	uint32_t items = cut_items(p);
-	threads_hand_begin(&p->hand, items);
 	shares before = worker_ticks(p);
 	uint64_t first = bench_child_ticks();
 	feed(p, items);
 	uint64_t fed = bench_child_ticks();
-	wait_for_all(p, done_before + items);
+	wait_for_all(p);
+	uint64_t span = bench_child_ticks() - first;
 	shares after = worker_ticks(p);
-	uint64_t clock = p->worker_count > 0 ? items * p->clock_ticks : 0; /* in each of the two */
-	*of_frame = (shares){
-		.span = (bench_child_ticks() - first) * p->worker_count - 2 * clock,
+	release_all(p);
+	uint64_t clock = (items + p->worker_count) * p->clock_ticks; /* in each of the two */
+	return (shares){
+		.span = span * p->worker_count - 2 * clock,
 		.waited = after.waited - before.waited - clock,
 		.recorded = after.recorded - before.recorded - clock,
 		.feed = fed - first,
 	};
+}
+
+static shares run_frame(pool *p)
+{
+	stilb_prof_frame_mark();
+	PROFILE("frame");
+	shares of_frame = {0};
+	threads_hand_cull(&p->hand, &p->visible);
+	uint32_t items = cut_items(p);
+	threads_hand_begin(&p->hand, p->worker_count > 0 ? p->worker_count : 1);
+	if (p->worker_count > 0)
+		of_frame = record_frame(p, items);
+	else
+		record_alone(p, items);
 	threads_hand_replay(&p->hand);
-	return items;
+	return of_frame;
 }
 
 static void print_shares(const shares *sum, double feed_ms)
 {
 	bench_child_metric("feed", feed_ms);
-	if (!sum->span)
-		return; /* no workers */
 	double percent = 100.0 / (double)sum->span;
 	double waited = percent * (double)sum->waited, recorded = percent * (double)sum->recorded;
 	bench_child_metric("recording", recorded);
@@ -345,29 +424,28 @@ static void print_shares(const shares *sum, double feed_ms)
 	bench_child_metric("no-work", 100.0 - recorded - waited);
 }
 
-/* What two looks at the clock are apart: the least, which is what they add to every call. */
-static uint64_t ticks_of_clock(void)
+/* Of several lists only how many draws there are: which list holds which depends on who was faster. */
+static void check(const threads_run *run, const pool *p)
 {
-	uint64_t least = UINT64_MAX;
-	for (int i = 0; i < 1000; i++) {
-		uint64_t first = bench_child_ticks(), apart = bench_child_ticks() - first;
-		least = apart < least ? apart : least;
-	}
-	return least;
+	uint64_t draws = stilb_render_stats_get(p->hand.render).draws;
+	if (p->worker_count <= 1)
+		threads_run_check(run, STILB_SCENE_VIEW_ALL, stilb_render_stream_hash(p->hand.render));
+	else if (draws != p->hand.scene->part_count)
+		bench_child_fail("wrong result: %llu draws instead of %u", (unsigned long long)draws,
+		                 p->hand.scene->part_count);
 }
 
 static void measure(threads_run *run, pool *p)
 {
 	threads_series frames = {0};
 	shares sum = {0};
-	uint64_t done = 0, feed_ticks = 0, ticks = bench_child_ticks(), ns = bench_child_now_ns();
+	uint64_t ticks = bench_child_ticks(), ns = bench_child_now_ns();
 	threads_usage before = threads_usage_now();
 	uint32_t all = 0;
 	run->calm = WARM_UP_FRAMES;
 	for (threads_run_begin(run); !threads_run_over(run, frames.count); all++) {
-		shares of_frame;
 		uint64_t begin = bench_child_now_ns();
-		done += run_frame(p, done, &of_frame);
+		shares of_frame = run_frame(p);
 		double ms = (double)(bench_child_now_ns() - begin) * 1e-6;
 		if (!threads_run_frame(run, ms))
 			continue;
@@ -375,14 +453,15 @@ static void measure(threads_run *run, pool *p)
 		sum.span += of_frame.span;
 		sum.waited += of_frame.waited;
 		sum.recorded += of_frame.recorded;
-		feed_ticks += of_frame.feed;
+		sum.feed += of_frame.feed;
 	}
 	threads_usage after = threads_usage_now();
 	double seconds = (double)(bench_child_now_ns() - ns) * 1e-9;
 	double ms_per_tick = 1e3 * seconds / (double)(bench_child_ticks() - ticks);
-	threads_run_check(run, STILB_SCENE_VIEW_ALL, stilb_render_stream_hash(p->hand.render));
+	check(run, p);
 	threads_print_frames(&frames);
-	print_shares(&sum, (double)feed_ticks * ms_per_tick / (double)frames.count);
+	if (p->worker_count > 0)
+		print_shares(&sum, (double)sum.feed * ms_per_tick / (double)frames.count);
 	bench_child_metric("cpu", (after.cpu_ms - before.cpu_ms) / (double)all);
 	bench_child_metric("switched-out", (after.switched_out - before.switched_out) / seconds);
 	free(frames.at);
@@ -397,7 +476,7 @@ void threads_run_queue(threads_run *run, const char *kind, uint32_t workers, boo
 	p.half_a_draw = cost_of_2009 ? burn_for(HALF_A_DRAW_2009_NS) : 0;
 	p.clock_ticks = ticks_of_clock();
 	stilb_prof_thread_begin("main");
-	threads_hand_open(&p.hand, p.worker_count + 1);
+	threads_hand_open(&p.hand, p.worker_count > 0 ? p.worker_count : 1);
 	p.parts = malloc(p.hand.scene->part_count * sizeof *p.parts);
 	p.items = malloc(p.hand.scene->part_count * sizeof *p.items);
 	if (!p.parts || !p.items)
