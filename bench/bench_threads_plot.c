@@ -195,7 +195,7 @@ static void plot_places(FILE *out, const bench_results *results, const char *tit
 	fprintf(out, "set logscale y\nset yrange [*:*]\nset xrange [-0.6:%zu.8]\nset xtics (", count - 1);
 	for (size_t i = 0; i < count; i++)
 		fprintf(out, "%s\"%s\" %zu", i ? ", " : "", places[i].label, i);
-	fprintf(out, ")\nset xtics nomirror font ',10'\nset bmargin 5\nset offsets 0, 0, graph 0.05, graph 0.05\n");
+	fprintf(out, ")\nset xtics nomirror font ',10'\nset bmargin 5\nset offsets 0, 0, 0, graph 0.05\n");
 	for (size_t i = 1; i < count; i++)
 		if (places[i].apart)
 			fprintf(out, "set arrow from %zu.5, graph 0 to %zu.5, graph 1 nohead linecolor rgb '#808080'\n", i - 1,

@@ -223,7 +223,7 @@ static void end_frame(worker *w)
 	uint32_t turns = 0;
 	/* Relaxed: the worker's own. */
 	uint32_t frames = atomic_load_explicit(&w->frames, memory_order_relaxed) + 1;
-	atomic_store_explicit(&w->frames, frames, memory_order_release); /* pairs with wait_for_all */
+	atomic_store_explicit(&w->frames, frames, memory_order_release);               /* pairs with wait_for_all */
 	while (atomic_load_explicit(&w->pool->frames, memory_order_acquire) != frames) /* pairs with release_all */
 		job_sys_relax(&turns);
 }
