@@ -2,6 +2,8 @@
 #include "commands.h"
 #include "flags.h"
 
+#include <limits.h>
+#include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,7 +14,7 @@ static const struct command {
 	const char *help;
 } commands[] = {
 	{"demo", demo_command, "run the stress test: thousands of models, recorded by many threads"},
-	{"bench", bench_command, "measure queues and job systems against other libraries"},
+	{"bench", bench_command, "measure culling, recording, threads, queues and jobs on this machine"},
 	{"replay", replay_command, "play a frame that 'stilb demo --dump' wrote, and measure its commands"},
 	{"info", info_command, "show the CPU's features, the GPUs and the libraries"},
 };
@@ -36,8 +38,17 @@ static int finish(int code)
 	return code;
 }
 
+/* A Vulkan driver that draws on the CPU allocates in each frame what it freed in the one before. Given back to the kernel and
+ * fetched again in between, that takes a tenth of the frame and more. */
+static void keep_freed_memory(void)
+{
+	mallopt(M_TRIM_THRESHOLD, INT_MAX);
+	mallopt(M_MMAP_THRESHOLD, 32 << 20); /* the most it takes */
+}
+
 int main(int argc, char **argv)
 {
+	keep_freed_memory();
 	signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report, and what else was asked for is still written */
 	if (argc < 2) {
 		stilb_log("no command; 'stilb demo' runs the stress test, 'stilb --help' lists all");
