@@ -361,6 +361,8 @@ static inline void record_draw(stilb_render_context *context, uint64_t key, stil
 	STILB_ASSERT(context->segment && (mesh.id & RENDER_INDEX_MASK) < STILB_RENDER_MAX_MESHES);
 	STILB_ASSERT(mesh.id != 0 && slot->generation == mesh.id >> RENDER_GENERATION_SHIFT);
 	STILB_ASSERT(material.id != 0 && entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
+	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f);
+	STILB_ASSERT(transform->m[11] == 0.0f && transform->m[15] == 1.0f);
 	uint64_t state = render_state(entry, material_index, context->material_mask);
 	if (context->command == context->command_end || context->row == context->row_end || state != context->state)
 		record_draw_making_room(context, key, mesh, material, transform, state);
