@@ -5,7 +5,8 @@
 struct Row {
 	vec4 transform[3]; // rows of the affine transform, model to world
 	uint material;
-	uint unused[3];
+	uint mesh; // read by the CPU alone
+	uint unused[2];
 };
 
 // render_material.
