@@ -72,8 +72,17 @@ typedef struct stilb_job_hooks {
 	void (*thread_stop)(void *user, uint32_t worker);  /* a worker ends its life */
 	void (*park)(void *user, uint32_t worker);         /* found nothing to do and goes to sleep; the owner, too */
 	void (*wake)(void *user, uint32_t worker);         /* is awake again; pairs with park */
-	void (*job_begin)(void *user, uint32_t worker);    /* a job starts here, perhaps inside the wait of another */
-	void (*job_end)(void *user, uint32_t worker);      /* it has returned; pairs with job_begin */
+	/* A job is submitted here, or a loop opened for others to help with. What is returned is its tag. worker is
+	 * STILB_JOB_OUTSIDE on a thread from outside. */
+	uint64_t (*submit)(void *user, uint32_t worker);
+	/* The job with that tag (0 without submit) starts here, perhaps inside the wait of another; or this thread begins to help
+	 * with the loop. Any number of threads help with a loop, each any number of times. */
+	void (*job_begin)(void *user, uint32_t worker, uint64_t tag);
+	void (*job_end)(void *user, uint32_t worker); /* it has returned, or the loop has no more; pairs with job_begin */
+	/* This thread waits for a group or for the last slices of its loop, and finds nothing to help with. It may park meanwhile,
+	 * and begin a job that comes. worker may be STILB_JOB_OUTSIDE. */
+	void (*wait_begin)(void *user, uint32_t worker);
+	void (*wait_end)(void *user, uint32_t worker); /* pairs with wait_begin; the wait may go on after some help */
 	void (*steal)(void *user, uint32_t worker, uint32_t victim); /* took a job from the deque of thread victim */
 } stilb_job_hooks;
 

@@ -68,17 +68,22 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
                       stilb_job_group *until)
 {
 	stilb_job_pool *pool = slot->pool;
+	const stilb_job_hooks *hooks = &pool->hooks;
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
 	uint64_t done = 0, start = slot->spinning ? job_sys_ticks() : 0;
 	slot->level = span->level;
 	slot->root = span->root;
+	if (hooks->job_begin)
+		hooks->job_begin(hooks->user, slot->index, loop->tag);
 	do {
 		span_run(span, slot->index);
 		done += span->slices;
 		if (slot->spinning && job_sys_ticks() - start > pool->wake_ticks)
 			job_work_spin_stop(slot);
 	} while (!(until && job_group_done(until)) && loop_claim(loop, scope, pool->worker_count + 1, span));
+	if (hooks->job_end)
+		hooks->job_end(hooks->user, slot->index);
 	slot->level = outer_level;
 	slot->root = outer_root;
 	/* Release: what the slices wrote is seen by the caller, who acquires in loop_wait. */
@@ -213,6 +218,9 @@ static bool loop_linger(job_loop *loop, job_slot *slot, const job_scope *scope, 
 /* Waits for the slices that others have claimed: until done has come to wanted. */
 static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uint64_t wanted)
 {
+	if (loop_finished(loop, wanted))
+		return;
+	job_hook_wait_begin(slot->pool, slot->index);
 	const job_scope scope = {.root = span->root, .level = span->level};
 	loop_wait_for wait = {.loop = loop, .wanted = wanted};
 	bool announced = false;
@@ -223,6 +231,7 @@ static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uin
 	}
 	if (announced) /* nobody else writes it now; relaxed: the next loop_open publishes it */
 		atomic_store_explicit(&loop->done, wanted & ~JOB_LOOP_WAITER, memory_order_relaxed);
+	job_hook_wait_end(slot->pool, slot->index);
 }
 
 /* From how many slices on a wake-up pays; unknown slices may be long. */
@@ -247,6 +256,8 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 	uint32_t all = slices - span->first;
 	span->slices = guided(all, threads, most);
 	span->left = all - span->slices;
+	if (pool->hooks.submit)
+		loop->tag = pool->hooks.submit(pool->hooks.user, slot->index);
 	loop_open(loop, span, slices, most);
 	/* Asked again after the loop has been opened, for the last spinner may have gone to sleep just before; and then after each
 	 * span, for in the relaxed look of a worker that goes to sleep the loop may not have been open yet. */

@@ -64,6 +64,8 @@ typedef struct job_loop {
 	_Atomic uint32_t slices;
 	_Atomic uint32_t worth; /* who joins wakes another thread only if this many slices are left */
 	_Atomic uint32_t most;  /* slices to be claimed at once */
+	/* What the submit hook gave. Plain: who has claimed slices reads it, and until those are done it is not written again. */
+	uint64_t tag;
 	/* Slices that helpers have finished since the pool was made, and JOB_LOOP_WAITER if the caller sleeps for them. Not reset
 	 * by who opens a loop: that would hold up the store to claim until this line has come over. Release by helpers, pairs
 	 * with the caller's acquire. */
@@ -152,6 +154,19 @@ struct stilb_job_pool {
 	job_guest guest[JOB_GUESTS];
 	job_slot slot[]; /* worker_count + 1 */
 };
+
+/* Around what a waiting thread does when there is nothing to help with. */
+static inline void job_hook_wait_begin(const stilb_job_pool *pool, uint32_t worker)
+{
+	if (pool->hooks.wait_begin)
+		pool->hooks.wait_begin(pool->hooks.user, worker);
+}
+
+static inline void job_hook_wait_end(const stilb_job_pool *pool, uint32_t worker)
+{
+	if (pool->hooks.wait_end)
+		pool->hooks.wait_end(pool->hooks.user, worker);
+}
 
 /* job_pool.c: the public create over queues of the caller's making (tests and benchmarks put others under the pool). */
 typedef stilb_job_queue *job_queue_maker(void);

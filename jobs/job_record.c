@@ -30,6 +30,7 @@ static job_record *slab_create(job_record_store *store)
 		return NULL;
 	for (uint32_t i = 0; i < JOB_RECORD_SLAB; ++i) {
 		slab->record[i].next = i + 1 < JOB_RECORD_SLAB ? &slab->record[i + 1] : NULL;
+		slab->record[i].tag = 0;
 		atomic_init(&slab->record[i].root, 0);
 		atomic_init(&slab->record[i].level, 0);
 	}

@@ -12,6 +12,7 @@
 #include "jobs/job.h"
 #include "jobs/job_lock.h"
 
+#include <assert.h>
 #include <stdalign.h>
 
 #ifndef JOB_RECORD_LIST
@@ -27,6 +28,7 @@ typedef struct job_record {
 	} fn;
 	void *data;
 	stilb_job_group *group;
+	uint64_t tag;            /* what the submit hook gave; without one 0 for ever */
 	struct job_record *next; /* in a free list, an inbox or the list of a group's followers */
 	/* What it belongs to, see job_internal.h. Relaxed: thieves read it to decide what to steal, and a wrong guess makes
 	 * their exchange fail. */
@@ -37,6 +39,8 @@ typedef struct job_record {
 	uint16_t target; /* the worker that runs it, or JOB_ANYONE */
 	uint8_t priority;
 } job_record;
+
+static_assert(sizeof(job_record) <= 64, "a record fits a line");
 
 #define JOB_ANYONE UINT16_MAX
 

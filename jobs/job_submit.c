@@ -114,6 +114,8 @@ static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *af
 	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)record->group;
 	atomic_store_explicit(&record->root, root, memory_order_relaxed);
 	atomic_store_explicit(&record->level, slot ? slot->level + 1 : 1, memory_order_relaxed);
+	if (pool->hooks.submit)
+		record->tag = pool->hooks.submit(pool->hooks.user, slot ? slot->index : STILB_JOB_OUTSIDE);
 	job_count(slot ? &slot->submitted : &pool->guest[guest].submitted);
 	if (record->group)
 		job_group_add(record->group, 1); /* first: the job may have finished before the push returns */

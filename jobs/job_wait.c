@@ -185,6 +185,7 @@ static void outside_wait(stilb_job_pool *pool, stilb_job_group *group)
 {
 	if (job_group_done(group))
 		return;
+	job_hook_wait_begin(pool, STILB_JOB_OUTSIDE);
 	job_visitor visitor = {0};
 	job_lock_take(&pool->visitors_lock);
 	visitor.next = pool->visitors;
@@ -195,11 +196,26 @@ static void outside_wait(stilb_job_pool *pool, stilb_job_group *group)
 			job_parker_sleep(&visitor.parker);
 	visitor_leave(pool, &visitor);
 	group_forget(group);
+	job_hook_wait_end(pool, STILB_JOB_OUTSIDE);
 }
 
 static bool announce_or_done(job_slot *slot, void *group)
 {
 	return !group_announce(group, slot->index + 1);
+}
+
+/* There is nothing to help with: until there is, or the group has finished. */
+static void wait_idle(job_slot *slot, const job_scope *scope, stilb_job_group *group, bool *announced)
+{
+	if (job_work_linger(slot, scope, group))
+		return;
+	job_idle_fate fate = job_work_park(slot, scope, announce_or_done, group);
+	*announced = true;
+	if (fate == JOB_IDLE_UNMOVED || (fate == JOB_IDLE_RESCUE && job_work_rescue(slot)))
+		return;
+	/* Chosen for some work: it is this thread's business that somebody does it. */
+	if (!job_work_help(slot, scope, group))
+		job_work_pass(slot, &(job_work){.kind = JOB_WORK_SHARED});
 }
 
 static void wait_inside(job_slot *slot, stilb_job_group *group)
@@ -208,16 +224,11 @@ static void wait_inside(job_slot *slot, stilb_job_group *group)
 		.jobs = true, .high = !slot->in_high, .root = slot->root ? slot->root : (uintptr_t)group, .level = slot->level};
 	bool alone = slot->pool->worker_count == 0, announced = false;
 	while (!job_group_done(group)) {
-		if (job_work_help(slot, &scope, group) || (alone && job_work_rescue(slot)) ||
-		    job_work_linger(slot, &scope, group))
+		if (job_work_help(slot, &scope, group) || (alone && job_work_rescue(slot)))
 			continue;
-		job_idle_fate fate = job_work_park(slot, &scope, announce_or_done, group);
-		announced = true;
-		if (fate == JOB_IDLE_UNMOVED || (fate == JOB_IDLE_RESCUE && job_work_rescue(slot)))
-			continue;
-		/* Chosen for some work: it is this thread's business that somebody does it. */
-		if (!job_work_help(slot, &scope, group))
-			job_work_pass(slot, &(job_work){.kind = JOB_WORK_SHARED});
+		job_hook_wait_begin(slot->pool, slot->index);
+		wait_idle(slot, &scope, group, &announced);
+		job_hook_wait_end(slot->pool, slot->index);
 	}
 	if (announced)
 		group_forget(group);

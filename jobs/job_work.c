@@ -34,6 +34,7 @@ static void run_one(job_slot *slot, job_record *record)
 	stilb_job_pool *pool = slot->pool;
 	const stilb_job_hooks *hooks = &pool->hooks;
 	job_record job = {.fn = record->fn, .data = record->data, .count = record->count, .grain = record->grain};
+	uint64_t tag = record->tag;
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
 	bool outer_high = slot->in_high;
@@ -43,7 +44,7 @@ static void run_one(job_slot *slot, job_record *record)
 	job_record_give(&pool->records, &slot->records, record);
 	if (!atomic_load_explicit(&pool->cancelled, memory_order_relaxed)) {
 		if (hooks->job_begin)
-			hooks->job_begin(hooks->user, slot->index);
+			hooks->job_begin(hooks->user, slot->index, tag);
 		if (job.count > 0)
 			stilb_job_parallel_for(pool, job.count, job.grain, job.fn.range, job.data, slot->index);
 		else

@@ -1,5 +1,5 @@
 /* What the pool promises beyond jobs and waits: priorities, pinned jobs, followers, arrays, cancelling, threads
- * from outside, phases, hooks, affinity. For no, one, two and too many workers and for both kinds of shared
+ * from outside, phases, affinity. For no, one, two and too many workers and for both kinds of shared
  * queues. */
 #include "job_pool_fixture.h"
 
@@ -1079,117 +1079,6 @@ static void test_idle_workers_burn_nothing(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
-/* ---- hooks ----------------------------------------------------------------------------------------------------- */
-
-typedef struct hook_log {
-	stilb_job_pool *pool;
-	counter begun, ended, steals, wrong;
-	uint32_t depth[MOST_THREADS], deepest[MOST_THREADS]; /* each the thread's own */
-} hook_log;
-
-static void on_job_begin(void *user, uint32_t worker)
-{
-	hook_log *log = user;
-	count_up(&log->begun);
-	if (++log->depth[worker] > log->deepest[worker])
-		log->deepest[worker] = log->depth[worker];
-}
-
-static void on_job_end(void *user, uint32_t worker)
-{
-	hook_log *log = user;
-	if (log->depth[worker]-- == 0)
-		count_up(&log->wrong);
-	count_up(&log->ended);
-}
-
-static void on_steal(void *user, uint32_t worker, uint32_t victim)
-{
-	hook_log *log = user;
-	if (victim == worker || worker > stilb_job_pool_worker_count(log->pool) ||
-	    victim > stilb_job_pool_worker_count(log->pool))
-		count_up(&log->wrong);
-	count_up(&log->steals);
-}
-
-static void check_inside(void *data, uint32_t worker)
-{
-	hook_log *log = data;
-	if (log->depth[worker] == 0)
-		count_up(&log->wrong);
-}
-
-static void check_inside_and_wait(void *data, uint32_t worker)
-{
-	hook_log *log = data;
-	stilb_job_group group = {0};
-	uint32_t depth = log->depth[worker];
-	for (int i = 0; i < 4; ++i)
-		if (stilb_job_submit(log->pool, check_inside, log, &group, worker) != 0)
-			count_up(&log->wrong);
-	stilb_job_wait(log->pool, &group, worker);
-	if (depth == 0 || log->depth[worker] != depth)
-		count_up(&log->wrong);
-}
-
-static void check_slice_inside(uint32_t begin, uint32_t end, uint32_t worker, void *context)
-{
-	hook_log *log = context;
-	(void)begin;
-	(void)end;
-	(void)worker; /* a helper's slices are no job of its own */
-	if (count_of(&log->begun) == 0)
-		count_up(&log->wrong);
-}
-
-static void test_job_hooks_pair_and_nest(void **state)
-{
-	(void)state;
-	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
-		hook_log log = {0};
-		log.pool = pool_with_hooks(
-			s, (stilb_job_hooks){.user = &log, .job_begin = on_job_begin, .job_end = on_job_end, .steal = on_steal});
-		stilb_job_group group = {0};
-		for (int i = 0; i < 100; ++i)
-			assert_int_equal(stilb_job_submit(log.pool, check_inside_and_wait, &log, &group, 0), 0);
-		assert_int_equal(stilb_job_submit_array(log.pool, 100, 1, check_slice_inside, &log, &group, 0), 0);
-		stilb_job_wait(log.pool, &group, 0);
-		assert_int_equal(log.begun, 501); /* an array is one */
-		stilb_job_pool_destroy(log.pool);
-		assert_int_equal(log.ended, 501);
-		assert_int_equal(log.wrong, 0);
-		for (uint32_t i = 0; i <= s.workers; ++i)
-			assert_int_equal(log.depth[i], 0);
-		if (s.workers == 0) {
-			assert_int_equal(log.deepest[0], 2);
-			assert_int_equal(log.steals, 0);
-		}
-	}
-}
-
-static void steal_what_the_owner_has(void *user, uint32_t worker, uint32_t victim)
-{
-	hook_log *log = user;
-	if (worker != 1 || victim != 0)
-		count_up(&log->wrong);
-	count_up(&log->steals);
-}
-
-static void test_every_steal_is_reported(void **state)
-{
-	(void)state;
-	hook_log log = {0};
-	log.pool =
-		pool_with_hooks((shape){.workers = 1}, (stilb_job_hooks){.user = &log, .steal = steal_what_the_owner_has});
-	cancelling c = {.pool = log.pool};
-	for (int i = 0; i < 50; ++i)
-		assert_int_equal(stilb_job_submit(log.pool, count_ran, &c, NULL, 0), 0);
-	assert_true(await(&c.ran, 50));
-	assert_int_equal(log.steals, 50);
-	assert_int_equal(log.wrong, 0);
-	stilb_job_pool_destroy(log.pool);
-}
-
 /* ---- affinity -------------------------------------------------------------------------------------------------- */
 
 typedef struct masks {
@@ -1349,8 +1238,6 @@ int main(void)
 		cmocka_unit_test(test_owner_runs_what_came_from_outside),
 		cmocka_unit_test(test_nobody_sleeps_in_a_phase),
 		cmocka_unit_test(test_idle_workers_burn_nothing),
-		cmocka_unit_test(test_job_hooks_pair_and_nest),
-		cmocka_unit_test(test_every_steal_is_reported),
 		cmocka_unit_test(test_workers_are_bound_if_there_are_enough_cpus),
 		cmocka_unit_test(test_else_nobody_is_bound),
 		cmocka_unit_test(test_worker_makes_room_for_the_owner),

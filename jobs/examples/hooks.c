@@ -1,23 +1,39 @@
 /*
  * Hooks: how a profiler sees the pool without the pool knowing it. Each is called on the thread it tells of, so a slot for
- * each worker index needs no atomics. Here they count.
+ * each worker index needs no atomics. Here they count; and submit tags each job with the time, so that job_begin knows
+ * how long it has been waiting.
  *
- * Prints: 100 jobs began, 100 ended, parks and wakes pair: yes
+ * Prints: 100 jobs submitted, 100 began, 100 ended, all after they were submitted: yes, parks and wakes pair: yes
  */
 #include <stilb/job.h>
 
 #include <stdio.h>
+#include <time.h>
 
 enum { JOBS = 100, WORKERS = 2 };
 
 typedef struct counts {
-	_Alignas(128) uint32_t begins;
-	uint32_t ends, parks, wakes;
+	_Alignas(128) uint32_t submits;
+	uint32_t begins, early, ends, parks, wakes;
 } counts;
 
-static void job_begin(void *user, uint32_t worker)
+static uint64_t now_ns(void)
+{
+	struct timespec time;
+	clock_gettime(CLOCK_MONOTONIC, &time);
+	return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
+static uint64_t submit(void *user, uint32_t worker)
+{
+	++((counts *)user)[worker].submits; /* no thread from outside submits here */
+	return now_ns();
+}
+
+static void job_begin(void *user, uint32_t worker, uint64_t tag)
 {
 	++((counts *)user)[worker].begins;
+	((counts *)user)[worker].early += now_ns() < tag;
 }
 
 static void job_end(void *user, uint32_t worker)
@@ -46,8 +62,8 @@ int main(void)
 	static counts by_thread[WORKERS + 1];
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	desc.worker_count = WORKERS;
-	desc.hooks =
-		(stilb_job_hooks){.user = by_thread, .job_begin = job_begin, .job_end = job_end, .park = park, .wake = wake};
+	desc.hooks = (stilb_job_hooks){
+		.user = by_thread, .submit = submit, .job_begin = job_begin, .job_end = job_end, .park = park, .wake = wake};
 	stilb_job_pool *pool;
 	if (stilb_job_pool_create(&desc, &pool) != 0)
 		return 1;
@@ -60,12 +76,14 @@ int main(void)
 
 	counts all = {0};
 	for (int i = 0; i <= WORKERS; ++i) {
+		all.submits += by_thread[i].submits;
 		all.begins += by_thread[i].begins;
+		all.early += by_thread[i].early;
 		all.ends += by_thread[i].ends;
 		all.parks += by_thread[i].parks;
 		all.wakes += by_thread[i].wakes;
 	}
-	printf("%u jobs began, %u ended, parks and wakes pair: %s\n", all.begins, all.ends,
-	       all.parks == all.wakes ? "yes" : "no");
+	printf("%u jobs submitted, %u began, %u ended, all after they were submitted: %s, parks and wakes pair: %s\n",
+	       all.submits, all.begins, all.ends, all.early == 0 ? "yes" : "no", all.parks == all.wakes ? "yes" : "no");
 	return 0;
 }
