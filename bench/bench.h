@@ -100,7 +100,8 @@ typedef struct bench_suite {
 	double quick_timeout;  /* seconds beyond its length that a run is given with --quick; 0: the usual */
 } bench_suite;
 
-extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite;
+extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite,
+	bench_profiler_suite;
 /* These depend on the number of CPUs: filled at the first call. */
 const bench_suite *bench_steps_suite(void);
 const bench_suite *bench_threads_suite(void);

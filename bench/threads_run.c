@@ -1,9 +1,9 @@
 /* The program of the suite `threads`: finds what to run, keeps times and the timeline of the worst frame. */
 #include "bench/threads_run.h"
 
-#include "base/base_file.h"
 #include "engine.h"
 #include "profiler/prof.h"
+#include "profiler/prof_trace.h"
 
 #include <limits.h>
 #include <string.h>
@@ -74,23 +74,17 @@ threads_usage threads_usage_now(void)
 
 /* ---- the timeline of the worst frame ----------------------------------------------------------------------------- */
 
-static int write_to_file(void *user, const void *data, size_t size)
-{
-	return stilb_file_write(user, data, size);
-}
-
 static void write_trace(const char *path)
 {
-	const stilb_prof_trace_desc desc = {.last_frames = TRACED_FRAMES, .process_name = "stilb-bench-threads"};
-	stilb_file file;
+	const stilb_prof_window window = {.last_frames = TRACED_FRAMES};
+	stilb_prof_snapshot snapshot = {0};
 	stilb_prof_frame_mark(); /* ends the frame, so that it is whole */
-	if (stilb_file_open(&file, path) != STILB_OK)
-		bench_child_fail("%s", stilb_error_message());
-	int error = stilb_prof_trace_write(&desc, write_to_file, &file);
-	if (error)
+	int error = stilb_prof_snapshot_take(&snapshot, &window);
+	if (error == 0)
+		error = stilb_prof_trace_save(&snapshot, "stilb-bench-threads", path);
+	if (error != 0)
 		bench_child_fail("cannot write '%s': %s", path, strerror(-error));
-	if (stilb_file_commit(&file) != STILB_OK)
-		bench_child_fail("%s", stilb_error_message());
+	stilb_prof_snapshot_finish(&snapshot);
 }
 
 void threads_run_begin(threads_run *run)

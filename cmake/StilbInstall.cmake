@@ -1,20 +1,7 @@
-# What `cmake --install` puts where: the profiler with its header, CMake package and pkg-config file, and the stilb
-# program. jobs/CMakeLists.txt does the same for its library; the package stilb gives both.
-# Users write #include <stilb/prof.h>, whether installed or with add_subdirectory.
+# What `cmake --install` puts where beside the two libraries, which install themselves (jobs/CMakeLists.txt and
+# profiler/CMakeLists.txt): the stilb program, and the package stilb, which gives both libraries.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
-
-configure_file(profiler/prof.h include/stilb/prof.h COPYONLY)
-target_include_directories(stilb-profiler INTERFACE
-	$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-set_target_properties(stilb-profiler PROPERTIES EXPORT_NAME profiler)
-install(TARGETS stilb-profiler EXPORT stilb-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES profiler/prof.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stilb)
-
-# The prefix is found from where the .pc file lies, so that an installed tree can be moved.
-file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-configure_file(cmake/stilb-profiler.pc.in stilb-profiler.pc @ONLY)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stilb-profiler.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/stilb)
 configure_package_config_file(cmake/stilb-config.cmake.in stilb-config.cmake INSTALL_DESTINATION ${package_dir})
@@ -22,7 +9,6 @@ configure_package_config_file(cmake/stilb-config.cmake.in stilb-config.cmake INS
 write_basic_package_version_file(stilb-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stilb-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/stilb-config-version.cmake
 	DESTINATION ${package_dir})
-install(EXPORT stilb-targets NAMESPACE stilb:: DESTINATION ${package_dir})
 
 if(TARGET stilb)
 	install(TARGETS stilb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -3,6 +3,7 @@
 option(STILB_ENGINE "Build the engine and the stilb program (off: only the jobs and profiler libraries)" ${PROJECT_IS_TOP_LEVEL})
 option(STILB_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(STILB_JOBS_EXAMPLES "Build the examples of the jobs library" ${STILB_TESTS}) # the tests run them
+option(STILB_PROFILER_EXAMPLES "Build the examples of the profiler library" ${STILB_TESTS}) # likewise
 option(STILB_BENCH "Build stilb-bench, the measurements against other libraries" ${STILB_ENGINE})
 option(STILB_WERROR "Treat warnings as errors (on in ./dev and CI)" OFF)
 option(STILB_PROFILE "Compile the PROFILE macros in" ON)

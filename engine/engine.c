@@ -1,53 +1,16 @@
 #include "engine_internal.h"
 
-#include "base/base_file.h"
 #include "image/image.h"
-#include "profiler/prof.h"
 #include "render/render_dump.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- workers ------------------------------------------------------------------------------------------------------- */
 
-STILB_PROF_SITE(engine_site_parked, "parked", 0x606060);
-
-static void engine_on_thread_start(void *user, uint32_t worker)
-{
-	(void)user;
-	char name[32];
-	snprintf(name, sizeof name, "worker %u", worker);
-	stilb_prof_thread_begin(name); /* without memory for a ring the worker works on, unseen */
-}
-
-static void engine_on_thread_stop(void *user, uint32_t worker)
-{
-	(void)user, (void)worker;
-	stilb_prof_thread_end();
-}
-
-static void engine_on_park(void *user, uint32_t worker)
-{
-	(void)user, (void)worker;
-	stilb_prof_zone_begin(&engine_site_parked);
-}
-
-static void engine_on_wake(void *user, uint32_t worker)
-{
-	(void)user, (void)worker;
-	stilb_prof_zone_end();
-}
-
 static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
-	stilb_job_pool_desc desc = {
-		.worker_count = workers,
-		.hooks = {.thread_start = engine_on_thread_start,
-	              .thread_stop = engine_on_thread_stop,
-	              .park = engine_on_park,
-	              .wake = engine_on_wake},
-	};
+	const stilb_job_pool_desc desc = {.worker_count = workers, .hooks = engine_profile_hooks()};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
 	if (error == 0)
 		return STILB_OK;
@@ -84,6 +47,9 @@ stilb_engine_desc stilb_engine_desc_default(void)
 		.width = 1280,
 		.height = 720,
 		.present = true,
+		.profile = true,
+		.profile_ring_mib = 64,
+		.capture = stilb_prof_capture_desc_default(),
 	};
 }
 
@@ -112,7 +78,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 static void engine_fill_passes(stilb_engine *engine)
 {
 	engine->view_count = 1;
-	engine->passes[0] = (stilb_render_pass){.name = "main", .view = 0, .target = STILB_RENDER_TARGET_MAIN, .order = 0};
+	engine->passes[0] = (stilb_render_pass){.name = "scene", .view = 0, .target = STILB_RENDER_TARGET_MAIN, .order = 0};
 	engine->pass_count = 1;
 }
 
@@ -136,6 +102,8 @@ static stilb_result engine_start(stilb_engine *engine)
 	if (result == STILB_OK)
 		result = stilb_render_upload_scene(engine->render, engine->scene);
 	engine_fill_passes(engine);
+	if (result == STILB_OK)
+		result = engine_overlay_open(engine, desc->overlay);
 	return result;
 }
 
@@ -146,8 +114,9 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	if (!engine)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the engine");
 	engine->desc = *desc;
-	stilb_prof_thread_begin("main");
-	stilb_result result = engine_start(engine);
+	stilb_result result = engine_profile_start(desc);
+	if (result == STILB_OK)
+		result = engine_start(engine);
 	if (result != STILB_OK) {
 		stilb_engine_destroy(engine);
 		return result;
@@ -160,15 +129,16 @@ void stilb_engine_destroy(stilb_engine *engine)
 {
 	if (!engine)
 		return;
+	engine_profile_stop_capture(); /* first: what it still has to write is of all threads */
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		stilb_cull_visible_finish(&engine->visible[v]);
 	stilb_cull_destroy(engine->cull);
 	stilb_scene_destroy(engine->scene);
+	engine_overlay_finish(&engine->overlay);
 	stilb_render_destroy(engine->render);
 	stilb_window_destroy(engine->window);
-	stilb_prof_thread_end();
-	stilb_prof_shutdown();
+	engine_profile_stop();
 	free(engine);
 }
 
@@ -200,26 +170,6 @@ stilb_result stilb_engine_dump(stilb_engine *engine, const char *path)
 {
 	return stilb_render_dump_save(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count,
 	                              path);
-}
-
-static int engine_trace_write(void *user, const void *data, size_t size)
-{
-	return stilb_file_write(user, data, size);
-}
-
-stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames)
-{
-	(void)engine;
-	stilb_file file;
-	stilb_result result = stilb_file_open(&file, path);
-	if (result != STILB_OK)
-		return result;
-	const stilb_prof_trace_desc desc = {.last_frames = last_frames, .process_name = "stilb"};
-	int error = stilb_prof_trace_write(&desc, engine_trace_write, &file);
-	if (error == 0)
-		return stilb_file_commit(&file);
-	stilb_file_finish(&file);
-	return stilb_fail(STILB_ERROR_FILE, "cannot write '%s': %s", path, strerror(-error));
 }
 
 const char *stilb_engine_device_name(const stilb_engine *engine)

@@ -12,8 +12,10 @@
 #include "base/base.h"
 #include "culling/cull.h"
 #include "input/input.h"
+#include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/scene.h"
+#include "ui/ui_draw.h"
 
 typedef struct stilb_engine stilb_engine;
 
@@ -35,9 +37,19 @@ typedef struct stilb_engine_desc {
 	bool animate;           /* a tenth of the models moves */
 	bool validate;
 	stilb_render_faults faults; /* what is to go wrong, for tests */
+	uint64_t slow_frame;        /* counted from 1, takes 100 ms longer, for tests; 0: none */
+	bool overlay;               /* the profiler's window is open from the start */
+	stilb_ui_aa ui_aa;          /* its edges */
+	bool profile;               /* record what every thread does, for the overlay and for files */
+	uint32_t profile_ring_mib; /* what each thread keeps of it, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory
+	                               is taken as it is used */
+	stilb_prof_capture_desc capture; /* files of the frames around a moment; without a path there are none */
 } stilb_engine_desc;
 
-/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), auto culling, all visible, Vulkan, indirect, 1280x720, headless. */
+#define STILB_ENGINE_PROFILE_RING_MAX 1024u
+
+/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), auto culling, all visible, Vulkan, indirect, 1280x720, headless;
+ * profiled with rings of 64 MiB, no captures. */
 stilb_engine_desc stilb_engine_desc_default(void);
 
 /* The default number of workers. [any-thread] */
@@ -50,7 +62,7 @@ void stilb_engine_destroy(stilb_engine *engine);
 /* What a frame cost, milliseconds of the main thread's time; the stages of frame.c. gpu is the device's own measure of a
  * frame some two frames back, 0 when there is none. */
 typedef struct stilb_engine_times {
-	double frame, update, cull, record, replay, present, gpu;
+	double frame, update, cull, record, ui, replay, present, gpu;
 } stilb_engine_times;
 
 /* What came of the last frame. */
@@ -84,8 +96,12 @@ stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
 /* The last frame's command stream, for `stilb replay`; see render_dump.h. */
 stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 
-/* Chrome trace JSON of the last frames that are still held, at most last_frames (0: all). */
+/* The last frames that are still held, at most last_frames (0: all), as a file: prof_trace.h. */
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames);
+
+/* Asks for a file of the frames around this moment, which desc.capture describes. STILB_ERROR_ARGUMENT: nothing is
+ * captured. */
+stilb_result stilb_engine_capture(stilb_engine *engine);
 
 const char *stilb_engine_device_name(const stilb_engine *engine);
 bool stilb_engine_device_is_software(const stilb_engine *engine);

@@ -1,11 +1,22 @@
-/* The whole engine, seen by engine.c and frame.c alone. */
+/* The whole engine, seen by engine*.c and frame.c alone. */
 #ifndef STILB_ENGINE_INTERNAL_H
 #define STILB_ENGINE_INTERNAL_H
 
 #include "engine.h"
+#include "jobs/job.h"
+#include "ui/ui.h"
+#include "ui/ui_profiler.h"
 #include "window/window.h"
 
 #define ENGINE_MAX_VIEWS 4u
+
+/* The profiler over the picture; {0} before it is opened for the first time. */
+typedef struct engine_overlay {
+	stilb_ui *ui;
+	stilb_ui_profiler *profiler;
+	stilb_ui_input input; /* of this frame; nobody touches anything when headless */
+	bool open;
+} engine_overlay;
 
 struct stilb_engine {
 	stilb_engine_desc desc;
@@ -21,6 +32,8 @@ struct stilb_engine {
 	uint32_t view_count;
 	stilb_render_pass passes[STILB_RENDER_MAX_PASSES];
 	uint32_t pass_count;
+	uint32_t frame_passes; /* this frame's: the overlay's comes after those of the table */
+	engine_overlay overlay;
 
 	uint64_t frame;   /* frames done */
 	uint64_t last_ns; /* when the frame before began; 0 before the first */
@@ -28,5 +41,32 @@ struct stilb_engine {
 	float step;       /* of this frame, seconds */
 	stilb_engine_report report;
 };
+
+/* engine_profile.c */
+
+/* For the pool of workers. */
+stilb_job_hooks engine_profile_hooks(void);
+
+/* Before there are workers: the calling thread is "main" from now on, and captures begin. */
+stilb_result engine_profile_start(const stilb_engine_desc *desc);
+
+/* Writes what has been asked for; then, without workers, all is forgotten. Both also without a start. */
+void engine_profile_stop_capture(void);
+void engine_profile_stop(void);
+
+/* engine_overlay.c */
+
+/* STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: it cannot be made and stays closed. */
+stilb_result engine_overlay_open(stilb_engine *engine, bool open);
+void engine_overlay_finish(engine_overlay *overlay);
+
+/* What the window says goes to the overlay first; *input keeps what the overlay leaves. */
+void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window, stilb_input_state *input);
+
+/* What the user did, for the user interface; all but the picture's size and the time. */
+stilb_ui_input engine_ui_input(const stilb_window_state *window);
+
+/* Builds the overlay, which is open, and records it as `pass`, of kind 2D. */
+stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t worker);
 
 #endif

@@ -1,5 +1,5 @@
 /*
- * The story of one frame: six stages from top to bottom, each with one owner and one output, and each reads only what a
+ * The story of one frame: seven stages from top to bottom, each with one owner and one output, and each reads only what a
  * stage above it wrote. What comes back (GPU times, the window's size) enters with the next frame's input.
  *
  *   stage          reads                       writes                                  threads
@@ -7,12 +7,15 @@
  *   scene_update   input, step                 transforms, bounds, camera, moved list  main
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
+ *   ui             input, profiler snapshots   the open overlay's command list          main
  *   replay         the lists                   device commands, in number order        main (jobs: secondary lists)
  *   present        the device's picture        the window, or an image in memory       main
  */
 #include "engine_internal.h"
 
 #include "profiler/prof.h"
+
+#include <time.h>
 
 #define FRAME_STEP (1.0f / 60.0f)
 #define FRAME_MAX_STEP 0.1f /* after a stall the camera does not leap */
@@ -53,6 +56,7 @@ static stilb_result frame_input(stilb_engine *engine, stilb_engine_report *repor
 	engine->last_ns = now;
 	report->input = stilb_input_from_window(&state);
 	report->close = state.close;
+	engine_overlay_input(engine, &state, &report->input);
 	return frame_resize(engine, &state, &report->drawn);
 }
 
@@ -73,9 +77,17 @@ static void frame_move_camera(stilb_scene_camera *camera, const stilb_input_stat
 	camera->pitch = pose.pitch;
 }
 
+static void frame_stall(void)
+{
+	PROFILE("slow on purpose");
+	nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+}
+
 static void scene_update(stilb_engine *engine)
 {
 	PROFILE("scene update");
+	if (engine->frame + 1 == engine->desc.slow_frame)
+		frame_stall();
 	stilb_scene *scene = engine->scene;
 	scene->moved_count = 0;
 	if (engine->desc.animate)
@@ -117,10 +129,21 @@ static stilb_result record(stilb_engine *engine)
 	return result;
 }
 
+static stilb_result ui(stilb_engine *engine)
+{
+	PROFILE("ui");
+	engine->frame_passes = engine->pass_count;
+	if (!engine->overlay.open)
+		return STILB_OK;
+	uint32_t pass = engine->frame_passes++;
+	engine->passes[pass] = (stilb_render_pass){.name = "overlay", .kind = STILB_RENDER_PASS_2D, .order = UINT32_MAX};
+	return engine_overlay_record(engine, pass, FRAME_OWNER);
+}
+
 static stilb_result replay(stilb_engine *engine)
 {
 	PROFILE("replay");
-	return stilb_render_replay(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count,
+	return stilb_render_replay(engine->render, engine->passes, engine->frame_passes, engine->views, engine->view_count,
 	                           engine->pool, FRAME_OWNER);
 }
 
@@ -132,7 +155,7 @@ static stilb_result present(stilb_engine *engine)
 
 static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times)
 {
-	PROFILE("frame");
+	PROFILE_COLOR("frame", 0x7f8ea3); /* it only wraps: its stages stand out */
 	double begin;
 	uint64_t clock = stilb_time_ns(), start = clock;
 	stilb_result result = frame_begin(engine);
@@ -146,6 +169,9 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	if (result == STILB_OK)
 		result = record(engine);
 	frame_clock(&clock, &times->record);
+	if (result == STILB_OK)
+		result = ui(engine);
+	frame_clock(&clock, &times->ui);
 	if (result == STILB_OK)
 		result = replay(engine);
 	frame_clock(&clock, &times->replay);

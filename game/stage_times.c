@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const stage_names[STAGE_COUNT] = {"frame", "cull", "record", "replay", "present", "gpu"};
+const char *const stage_names[STAGE_COUNT] = {"frame", "cull", "record", "ui", "replay", "present", "gpu"};
 
 static bool stage_times_grow(stage_times *times)
 {
@@ -25,6 +25,7 @@ bool stage_times_add(stage_times *times, const stilb_engine_times *frame)
 	out[STAGE_FRAME] = (float)frame->frame;
 	out[STAGE_CULL] = (float)frame->cull;
 	out[STAGE_RECORD] = (float)frame->record;
+	out[STAGE_UI] = (float)frame->ui;
 	out[STAGE_REPLAY] = (float)frame->replay;
 	out[STAGE_PRESENT] = (float)frame->present;
 	out[STAGE_GPU] = (float)frame->gpu;

@@ -4,7 +4,16 @@
 
 #include "engine.h"
 
-typedef enum stage { STAGE_FRAME, STAGE_CULL, STAGE_RECORD, STAGE_REPLAY, STAGE_PRESENT, STAGE_GPU, STAGE_COUNT } stage;
+typedef enum stage {
+	STAGE_FRAME,
+	STAGE_CULL,
+	STAGE_RECORD,
+	STAGE_UI,
+	STAGE_REPLAY,
+	STAGE_PRESENT,
+	STAGE_GPU,
+	STAGE_COUNT
+} stage;
 
 extern const char *const stage_names[STAGE_COUNT];
 

@@ -1,4 +1,4 @@
-/* The clock of the zones, and what its ticks mean in nanoseconds. */
+/* The clock of the zones, what its ticks mean in nanoseconds, and how exact it is. */
 #include "profiler/prof_internal.h"
 
 #include <pthread.h>
@@ -9,18 +9,15 @@
 #endif
 
 #define PROF_CALIBRATION_NS UINT64_C(10000000) /* two anchors 20 ns off, 10 ms apart: 4 ppm */
-
-/* The same moment on both clocks. */
-typedef struct prof_anchor {
-	uint64_t ticks;
-	uint64_t ns;
-} prof_anchor;
+#define PROF_LINE_NS UINT64_C(50000000)        /* the shortest line between anchors: 1 ppm */
+#define PROF_SCALE_SHIFT 56
 
 static pthread_once_t prof_clock_once = PTHREAD_ONCE_INIT;
 static struct {
 	bool forced_monotonic;
 	bool tsc;
 	uint64_t resolution; /* ticks */
+	uint64_t width;      /* ticks around a read of CLOCK_MONOTONIC when nothing interferes */
 	prof_anchor start;
 } prof_clock;
 
@@ -31,12 +28,14 @@ uint64_t stilb_prof_clock_monotonic(void)
 	return (uint64_t)now.tv_sec * UINT64_C(1000000000) + (uint64_t)now.tv_nsec;
 }
 
-/* CPUID 0x80000007, EDX bit 8: the TSC runs at one rate in every power state (AMD APM vol. 3, Intel SDM vol. 2). */
+/* CPUID 0x80000007, EDX bit 8: the TSC runs at one rate in every power state; 0x80000001, EDX bit 27: there is rdtscp
+ * (AMD APM vol. 3, Intel SDM vol. 2). */
 static bool prof_tsc_is_invariant(void)
 {
 #if defined(__x86_64__)
 	unsigned eax, ebx, ecx, edx;
-	return __get_cpuid(0x80000007, &eax, &ebx, &ecx, &edx) && (edx >> 8 & 1);
+	return __get_cpuid(0x80000007, &eax, &ebx, &ecx, &edx) && (edx >> 8 & 1) &&
+	       __get_cpuid(0x80000001, &eax, &ebx, &ecx, &edx) && (edx >> 27 & 1);
 #else
 	return false;
 #endif
@@ -51,19 +50,22 @@ static uint64_t prof_ticks(void)
 	return stilb_prof_clock_monotonic();
 }
 
-/* The tightest of 16 tries: the fewer ticks around the read, the less it can be off. */
-static prof_anchor prof_anchor_take(void)
+/* The tightest of so many tries: the fewer ticks around the read, the less it can be off. The first with no more than
+ * tight will do. */
+static prof_anchor prof_anchor_take(int tries, uint64_t tight, uint64_t *width)
 {
 	prof_anchor best = {0, 0};
-	uint64_t best_width = UINT64_MAX;
-	for (int i = 0; i < 16; i++) {
+	*width = UINT64_MAX;
+	for (int i = 0; i < tries; i++) {
 		const uint64_t before = prof_ticks();
 		const uint64_t ns = stilb_prof_clock_monotonic();
-		const uint64_t width = prof_ticks() - before;
-		if (width < best_width) {
-			best_width = width;
-			best = (prof_anchor){before + width / 2, ns};
+		const uint64_t ticks = prof_ticks() - before;
+		if (ticks < *width) {
+			*width = ticks;
+			best = (prof_anchor){before + ticks / 2, ns};
 		}
+		if (ticks <= tight)
+			break;
 	}
 	return best;
 }
@@ -92,7 +94,7 @@ static void prof_clock_start(void)
 {
 	prof_clock.tsc = !prof_clock.forced_monotonic && prof_tsc_is_invariant();
 	prof_clock.resolution = prof_resolution_measure();
-	prof_clock.start = prof_anchor_take();
+	prof_clock.start = prof_anchor_take(16, 0, &prof_clock.width);
 }
 
 void prof_clock_force_monotonic(void)
@@ -112,25 +114,189 @@ uint64_t prof_clock_now(void)
 	return prof_ticks();
 }
 
-prof_timeline prof_clock_timeline(void)
+prof_anchor prof_clock_anchor(void)
 {
-	prof_timeline timeline = {.tsc = prof_clock_is_tsc(), .base = prof_clock.start.ticks, .scale = 1};
-	if (timeline.tsc) {
-		const uint64_t age = stilb_prof_clock_monotonic() - prof_clock.start.ns;
-		if (age < PROF_CALIBRATION_NS)
-			nanosleep(&(struct timespec){.tv_nsec = (long)(PROF_CALIBRATION_NS - age)}, NULL);
-		const prof_anchor now = prof_anchor_take();
-		timeline.shift = 56;
-		timeline.scale = (uint64_t)(((unsigned __int128)(now.ns - prof_clock.start.ns) << timeline.shift) /
-		                            (now.ticks - prof_clock.start.ticks));
-	}
-	timeline.hz = 1e9 * (double)(UINT64_C(1) << timeline.shift) / (double)timeline.scale;
-	timeline.resolution_ns = (double)prof_clock.resolution * 1e9 / timeline.hz;
-	return timeline;
+	uint64_t width;
+	if (prof_clock_is_tsc())
+		return prof_anchor_take(3, prof_clock.width * 3 / 2, &width);
+	const uint64_t now = stilb_prof_clock_monotonic();
+	return (prof_anchor){now, now};
 }
 
-uint64_t prof_timeline_ns(const prof_timeline *timeline, uint64_t ticks)
+/* ---- timelines --------------------------------------------------------------------------------------------------- */
+
+/* The line before the new one ends where that begins. */
+static void prof_timeline_add(prof_timeline *timeline, prof_anchor anchor)
 {
-	const uint64_t age = ticks > timeline->base ? ticks - timeline->base : 0;
-	return (uint64_t)((unsigned __int128)age * timeline->scale >> timeline->shift);
+	const uint32_t n = timeline->count++;
+	timeline->lines[n].ticks = anchor.ticks;
+	timeline->lines[n].ns = anchor.ns - timeline->epoch_ns;
+	timeline->lines[n].scale = UINT64_C(1) << PROF_SCALE_SHIFT;
+	if (n == 0)
+		return;
+	const uint64_t ticks = anchor.ticks - timeline->lines[n - 1].ticks;
+	const uint64_t ns = timeline->lines[n].ns - timeline->lines[n - 1].ns;
+	timeline->lines[n - 1].scale = (uint64_t)(((unsigned __int128)ns << PROF_SCALE_SHIFT) / ticks);
+	timeline->lines[n].scale = timeline->lines[n - 1].scale; /* goes on like that until it is known better */
+}
+
+/* Only the last anchor, if any, is closer to the one before than it should be, and then it is the second. */
+static void prof_timeline_anchors(prof_timeline *timeline, const prof_anchor *anchors, uint32_t count)
+{
+	prof_anchor last = prof_clock.start;
+	for (uint32_t i = 0; i < count; i++) {
+		if (anchors[i].ns < last.ns + PROF_LINE_NS || anchors[i].ticks <= last.ticks)
+			continue;
+		last = anchors[i];
+		prof_timeline_add(timeline, last);
+	}
+	uint64_t age = stilb_prof_clock_monotonic() - last.ns, width;
+	if (timeline->count == 1 && age < PROF_CALIBRATION_NS)
+		nanosleep(&(struct timespec){.tv_nsec = (long)(PROF_CALIBRATION_NS - age)}, NULL);
+	if (timeline->count == 1 || age >= PROF_LINE_NS)
+		prof_timeline_add(timeline, prof_anchor_take(16, 0, &width));
+}
+
+void prof_clock_timeline(prof_timeline *timeline, const prof_anchor *anchors, uint32_t count)
+{
+	timeline->count = timeline->cursor = 0;
+	timeline->clock = prof_clock_is_tsc() ? "rdtsc" : "CLOCK_MONOTONIC";
+	timeline->epoch_ns = prof_clock.start.ns;
+	timeline->hz = 1e9;
+	prof_timeline_add(timeline, prof_clock.start);
+	if (prof_clock.tsc) {
+		prof_timeline_anchors(timeline, anchors, count);
+		const uint32_t last = timeline->count - 1;
+		timeline->hz = (double)(timeline->lines[last].ticks - timeline->lines[0].ticks) * 1e9 /
+		               (double)(timeline->lines[last].ns - timeline->lines[0].ns);
+	}
+	timeline->resolution_ns = (double)prof_clock.resolution * 1e9 / timeline->hz;
+}
+
+uint64_t prof_timeline_ns(prof_timeline *timeline, uint64_t ticks)
+{
+	uint32_t i = timeline->cursor;
+	while (i > 0 && ticks < timeline->lines[i].ticks)
+		i--;
+	while (i + 1 < timeline->count && ticks >= timeline->lines[i + 1].ticks)
+		i++;
+	timeline->cursor = i;
+	const uint64_t age = ticks > timeline->lines[i].ticks ? ticks - timeline->lines[i].ticks : 0;
+	return timeline->lines[i].ns + (uint64_t)((unsigned __int128)age * timeline->lines[i].scale >> PROF_SCALE_SHIFT);
+}
+
+/* ---- what a zone costs, and how short it reads ------------------------------------------------------------------- */
+
+#define PROF_COST_ROUNDS 200
+#define PROF_COST_ZONES 20
+
+static pthread_once_t prof_costs_once = PTHREAD_ONCE_INIT;
+static struct {
+	double bias_ns;
+	double zone_ns;
+} prof_costs;
+
+/* The mean of the middle half: finer than the clock's steps, and without what interfered. */
+static double prof_middle(uint64_t *values, uint32_t count)
+{
+	uint64_t sum = 0;
+	qsort(values, count, sizeof *values, prof_compare_u64);
+	for (uint32_t i = count / 4; i < count - count / 4; i++)
+		sum += values[i];
+	return (double)sum / (double)(count - 2 * (count / 4));
+}
+
+#if defined(__x86_64__)
+/* steps multiplications, each of which waits for the one before. */
+static inline uint64_t prof_chain(uint64_t value, int steps)
+{
+	for (int i = 0; i < steps; i++) {
+		value *= UINT64_C(0x9e3779b97f4a7c15);
+		__asm__ volatile("" : "+r"(value));
+	}
+	return value;
+}
+
+static inline uint64_t prof_ticks_fenced(void)
+{
+	__asm__ volatile("lfence" ::: "memory");
+	const uint64_t now = __builtin_ia32_rdtsc();
+	__asm__ volatile("lfence" ::: "memory");
+	return now;
+}
+
+/* How long a chain of so many steps seems to take, in ticks. */
+static double prof_chain_ticks(int steps, bool fenced)
+{
+	uint64_t ticks[PROF_COST_ROUNDS], value = 1;
+	for (int i = 0; i < PROF_COST_ROUNDS; i++) {
+		const uint64_t begin = fenced ? prof_ticks_fenced() : __builtin_ia32_rdtsc();
+		value = prof_chain(value, steps);
+		ticks[i] = (fenced ? prof_ticks_fenced() : __builtin_ia32_rdtsc()) - begin;
+		prof_ticks_fenced(); /* the next round begins when this one is over */
+	}
+	return prof_middle(ticks, PROF_COST_ROUNDS);
+}
+
+/* The chain's own time is what it adds between two reads that wait for everything before them. */
+static double prof_bias_ticks(void)
+{
+	const int steps = 64; /* short enough to be in flight as a whole */
+	if (!prof_clock.tsc)
+		return 0; /* the kernel's clock waits */
+	return prof_chain_ticks(steps, true) - prof_chain_ticks(0, true) - prof_chain_ticks(steps, false);
+}
+#else
+static double prof_bias_ticks(void)
+{
+	return 0;
+}
+#endif
+
+/* This file is in every program that records or reads traces: so there is always a site, and the linker makes the array's
+ * bounds. */
+static const stilb_prof_site prof_site_cost STILB_PROF_SECTION_ =
+	STILB_PROF_SITE_INIT_("what a zone costs", "", 0, STILB_PROF_KIND_ZONE);
+
+/* Zones like any others, into a ring that nobody sees. */
+static double prof_zone_ticks(void)
+{
+	static stilb_prof_event events[64];
+	static stilb_prof_ring ring = {.events = events, .mask = 63};
+	uint64_t ticks[PROF_COST_ROUNDS];
+	ring.tsc = prof_clock.tsc;
+	for (int i = 0; i < PROF_COST_ROUNDS; i++) {
+		const uint64_t begin = prof_ticks();
+		for (int k = 0; k < PROF_COST_ZONES; k++) {
+			const uint32_t scope = stilb_prof_push(&ring, &prof_site_cost);
+			stilb_prof_pop(&ring, scope - 1, stilb_prof_clock(&ring));
+		}
+		ticks[i] = prof_ticks() - begin;
+	}
+	return prof_middle(ticks, PROF_COST_ROUNDS) / PROF_COST_ZONES;
+}
+
+static void prof_costs_measure(void)
+{
+	/* Meanwhile some time goes by, or the start is long ago: either will do for the length of a tick. */
+	const double zone = prof_zone_ticks(), bias = prof_bias_ticks();
+	prof_timeline *timeline = malloc(sizeof *timeline);
+	if (timeline == NULL)
+		return;
+	prof_clock_timeline(timeline, NULL, 0);
+	prof_costs.zone_ns = zone * 1e9 / timeline->hz;
+	prof_costs.bias_ns = bias > 0 ? bias * 1e9 / timeline->hz : 0;
+	free(timeline);
+}
+
+double prof_clock_bias_ns(void)
+{
+	pthread_once(&prof_costs_once, prof_costs_measure);
+	return prof_costs.bias_ns;
+}
+
+double prof_clock_zone_cost_ns(void)
+{
+	pthread_once(&prof_costs_once, prof_costs_measure);
+	return prof_costs.zone_ns;
 }

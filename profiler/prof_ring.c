@@ -1,5 +1,5 @@
 /*
- * Threads and their rings, frames, and the copy that a trace is made from.
+ * Threads and their rings, lanes of devices, frames, and the raw copy that a snapshot is made from.
  *
  * Ring protocol (one writer, any readers). The writer stores an event's two words, then head. The reader loads head,
  * the words, then head again; of the events before the first head it keeps those that the writer cannot have begun to
@@ -7,27 +7,36 @@
  * that sees a word of event n therefore also sees head >= n, because n's words are stored after head = n. On x86 that
  * is plain moves. The frames follow the same protocol.
  *
- * Open zones. A zone is pushed as begin, site, depth and popped as depth, event, head. So as long as head stays the same
- * no entry below depth can be written: a reader that finds the same head before and after has a whole entry.
+ * Open zones. A zone is pushed as begin, site, depth and popped as depth, event, head; a new session is stored as
+ * session, depth. So as long as head and session stay the same no entry below depth can be written: a reader that finds
+ * the same before and after has a whole entry.
  */
 #include "profiler/prof_internal.h"
+
+#include "profiler/prof_array.h"
 
 #include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #define PROF_RING_EVENTS 65536
 #define PROF_RING_EVENTS_MIN 64
-#define PROF_RING_EVENTS_MAX (1u << 24)
+#define PROF_RING_EVENTS_MAX (1u << 26)
 #define PROF_OPEN_TRIES 64
 
-/* One mapping: this, padded to PROF_HEADER_SIZE, then the events. */
+/* What records to a ring: a thread, or whoever writes to a lane. One mapping: this, padded to PROF_HEADER_SIZE, then
+ * the events. */
 typedef struct prof_thread {
 	stilb_prof_ring ring; /* first: stilb_prof_thread_ring points to it */
 	char name[PROF_NAME_MAX];
-	uint64_t ended; /* 0: alive; else the time order in which threads ended */
+	bool device;
+	uint32_t tid;
+	prof_switches switches;
+	uint64_t ended;              /* 0: alive; else the time order in which threads ended */
+	uint64_t begun_ns, ended_ns; /* when the last one took the ring and when it left; 0: alive */
 	size_t mapping;
 } prof_thread;
 
@@ -36,33 +45,33 @@ static_assert(sizeof(prof_thread) <= PROF_HEADER_SIZE, "header");
 static_assert(offsetof(prof_thread, ring) == 0, "the ring comes first");
 
 __thread stilb_prof_ring *stilb_prof_thread_ring;
+uint32_t stilb_prof_session = 1;
 
-/* The lock guards everything but what zones and frame marks write. */
+/* The lock guards everything but what zones and frame marks write. Copies share it: one for the screen does not wait
+ * for one that is to become a file. */
 static struct {
-	pthread_mutex_t lock;
-	prof_thread **threads; /* in the order of their lanes in a trace */
-	uint32_t count, capacity;
+	pthread_rwlock_t lock;
+	prof_thread **threads; /* in the order of their lanes in a snapshot */
+	size_t count, capacity;
 	uint32_t ring_events;
 	uint64_t ended;     /* threads that have ended so far */
 	uint64_t discarded; /* events in rings that another thread took over */
-} prof = {.lock = PTHREAD_MUTEX_INITIALIZER, .ring_events = PROF_RING_EVENTS};
+} prof = {.lock = PTHREAD_RWLOCK_INITIALIZER, .ring_events = PROF_RING_EVENTS};
 
 static struct {
 	uint64_t count; /* frames begun; number n is at begin[n % PROF_FRAMES_MAX] */
-	uint64_t begin[PROF_FRAMES_MAX];
+	prof_anchor begin[PROF_FRAMES_MAX];
+	prof_frame_hook *hook;
 } prof_frames;
 
-/* Every image has at least this site, so the linker always makes the array's bounds. */
-static const stilb_prof_site prof_site_first STILB_PROF_SECTION_ __attribute__((used)) =
-	STILB_PROF_SITE_INIT_("stilb-profiler", "", 0);
-
-/* ---- threads --------------------------------------------------------------------------------------------------- */
+/* ---- threads ----------------------------------------------------------------------------------------------------- */
 
 static prof_thread *prof_thread_map(uint32_t events)
 {
 	const size_t size = PROF_HEADER_SIZE + (size_t)events * sizeof(stilb_prof_event);
-	/* Populated now, so that the first lap takes no page faults. */
-	void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
+	/* A small ring is populated now, so that the first lap takes no page faults; a large one may never be filled. */
+	const int flags = MAP_PRIVATE | MAP_ANONYMOUS | (events <= PROF_RING_EVENTS ? MAP_POPULATE : MAP_NORESERVE);
+	void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, flags, -1, 0);
 	if (memory == MAP_FAILED)
 		return NULL;
 	prof_thread *thread = memory;
@@ -76,31 +85,30 @@ static prof_thread *prof_thread_map(uint32_t events)
 /* A new ring at the end of the list, or NULL. */
 static prof_thread *prof_thread_add(void)
 {
-	if (prof.count == prof.capacity) {
-		const uint32_t capacity = prof.capacity > 0 ? 2 * prof.capacity : 16;
-		prof_thread **threads = realloc(prof.threads, capacity * sizeof *threads);
-		if (threads == NULL)
-			return NULL;
-		prof.threads = threads;
-		prof.capacity = capacity;
-	}
+	prof_thread **threads = prof_array_room(prof.threads, sizeof *threads, prof.count + 1, &prof.capacity);
+	if (threads == NULL)
+		return NULL;
+	prof.threads = threads;
 	prof_thread *thread = prof_thread_map(prof.ring_events);
-	if (thread != NULL)
+	if (thread != NULL) {
+		thread->ring.lane = (uint32_t)prof.count;
 		prof.threads[prof.count++] = thread;
+	}
 	return thread;
 }
 
-/* An ended thread's ring: the one of that name that ended last, or, when too many are kept, the one that ended first. */
-static prof_thread *prof_thread_reuse(const char *name)
+/* The ring of an ended thread: of that name the one that ended last; if too many are kept, the one that ended first. */
+static prof_thread *prof_thread_reuse(const char *name, bool device)
 {
 	prof_thread *same = NULL, *oldest = NULL;
 	uint32_t ended = 0;
-	for (uint32_t i = 0; i < prof.count; i++) {
+	for (size_t i = 0; i < prof.count; i++) {
 		prof_thread *thread = prof.threads[i];
 		if (thread->ended == 0)
 			continue;
 		ended++;
-		if (strcmp(thread->name, name) == 0 && (same == NULL || thread->ended > same->ended))
+		if (thread->device == device && strcmp(thread->name, name) == 0 &&
+		    (same == NULL || thread->ended > same->ended))
 			same = thread;
 		if (oldest == NULL || thread->ended < oldest->ended)
 			oldest = thread;
@@ -112,25 +120,52 @@ static prof_thread *prof_thread_reuse(const char *name)
 	return oldest;
 }
 
-int stilb_prof_thread_begin(const char *name)
+/* switches are the new owner's. NULL: no memory. */
+static prof_thread *prof_thread_take(const char *name, bool device, prof_switches *switches)
 {
 	char short_name[PROF_NAME_MAX] = "thread";
-	if (stilb_prof_thread_ring != NULL)
-		return -EALREADY;
 	if (name != NULL) {
 		const size_t length = strnlen(name, PROF_NAME_MAX - 1);
 		memcpy(short_name, name, length);
 		short_name[length] = 0;
 	}
-	pthread_mutex_lock(&prof.lock);
-	prof_thread *thread = prof_thread_reuse(short_name);
+	pthread_rwlock_wrlock(&prof.lock);
+	prof_thread *thread = prof_thread_reuse(short_name, device);
 	if (thread == NULL)
 		thread = prof_thread_add();
 	if (thread != NULL) {
 		memcpy(thread->name, short_name, PROF_NAME_MAX);
+		thread->device = device;
+		thread->tid = device ? 0 : (uint32_t)gettid();
+		prof_switches_close(&thread->switches);
+		thread->switches = *switches;
+		/* Relaxed: if another session has begun, the first zone says so (stilb_prof_recorder). */
+		thread->ring.session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED);
 		thread->ended = 0;
+		thread->begun_ns = stilb_prof_clock_monotonic();
+		thread->ended_ns = 0;
+	} else {
+		prof_switches_close(switches);
 	}
-	pthread_mutex_unlock(&prof.lock);
+	pthread_rwlock_unlock(&prof.lock);
+	return thread;
+}
+
+static void prof_thread_leave(prof_thread *thread)
+{
+	pthread_rwlock_wrlock(&prof.lock);
+	thread->ring.depth = 0;
+	thread->ended = ++prof.ended;
+	thread->ended_ns = stilb_prof_clock_monotonic();
+	pthread_rwlock_unlock(&prof.lock);
+}
+
+int stilb_prof_thread_begin(const char *name)
+{
+	if (stilb_prof_thread_ring != NULL)
+		return -EALREADY;
+	prof_switches switches = prof_switches_open(name != NULL ? name : "thread");
+	prof_thread *thread = prof_thread_take(name, false, &switches);
 	if (thread == NULL)
 		return -ENOMEM;
 	stilb_prof_thread_ring = &thread->ring;
@@ -143,216 +178,399 @@ void stilb_prof_thread_end(void)
 	if (thread == NULL)
 		return;
 	stilb_prof_thread_ring = NULL;
-	pthread_mutex_lock(&prof.lock);
-	thread->ring.depth = 0;
-	thread->ended = ++prof.ended;
-	pthread_mutex_unlock(&prof.lock);
+	prof_thread_leave(thread);
 }
 
 int stilb_prof_ring_events_set(uint32_t events)
 {
 	if (events < PROF_RING_EVENTS_MIN || events > PROF_RING_EVENTS_MAX || (events & (events - 1)) != 0)
 		return -EINVAL;
-	pthread_mutex_lock(&prof.lock);
+	pthread_rwlock_wrlock(&prof.lock);
 	prof.ring_events = events;
-	pthread_mutex_unlock(&prof.lock);
+	pthread_rwlock_unlock(&prof.lock);
 	return 0;
 }
 
 uint32_t prof_ring_count(uint32_t *ended)
 {
-	pthread_mutex_lock(&prof.lock);
-	const uint32_t count = prof.count;
+	pthread_rwlock_rdlock(&prof.lock);
+	const uint32_t count = (uint32_t)prof.count;
 	*ended = 0;
 	for (uint32_t i = 0; i < count; i++)
 		*ended += prof.threads[i]->ended != 0;
-	pthread_mutex_unlock(&prof.lock);
+	pthread_rwlock_unlock(&prof.lock);
 	return count;
 }
 
 void stilb_prof_shutdown(void)
 {
 	stilb_prof_thread_end();
-	pthread_mutex_lock(&prof.lock);
-	for (uint32_t i = 0; i < prof.count; i++)
+	pthread_rwlock_wrlock(&prof.lock);
+	for (size_t i = 0; i < prof.count; i++) {
+		prof_switches_close(&prof.threads[i]->switches);
 		munmap(prof.threads[i], prof.threads[i]->mapping);
+	}
 	free(prof.threads);
 	prof.threads = NULL;
 	prof.count = prof.capacity = 0;
 	prof.ended = prof.discarded = 0;
 	prof.ring_events = PROF_RING_EVENTS;
 	__atomic_store_n(&prof_frames.count, 0, __ATOMIC_RELAXED); /* no partner: nobody else is in a call */
-	pthread_mutex_unlock(&prof.lock);
+	pthread_rwlock_unlock(&prof.lock);
 }
 
-/* ---- zones and frames ------------------------------------------------------------------------------------------- */
+/* ---- recording --------------------------------------------------------------------------------------------------- */
 
-const stilb_prof_site *stilb_prof_sites(size_t *count)
+void stilb_prof_record_set(bool on)
 {
-	*count = ((uintptr_t)__stop_stilb_prof_section - (uintptr_t)__start_stilb_prof_section) / sizeof(stilb_prof_site);
-	return __start_stilb_prof_section;
+	static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+	static uint32_t sessions = 1; /* so far */
+	pthread_mutex_lock(&lock);
+	const uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* the lock orders it */
+	if (on && session == 0)
+		sessions += sessions + 1 != 0 ? 1 : 2;
+	/* Relaxed: no data depends on it; pairs with stilb_prof_recorder. */
+	__atomic_store_n(&stilb_prof_session, on ? sessions : 0, __ATOMIC_RELAXED);
+	pthread_mutex_unlock(&lock);
 }
 
-void stilb_prof_zone_begin(const stilb_prof_site *site)
+void stilb_prof_ring_restart(stilb_prof_ring *ring, uint32_t session)
 {
-	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	if (ring != NULL)
-		stilb_prof_open(ring, site, stilb_prof_clock(ring), ring->depth);
+	/* Release, in this order: pairs with prof_copy_open_zone. */
+	__atomic_store_n(&ring->session, session, __ATOMIC_RELEASE);
+	__atomic_store_n(&ring->depth, 0, __ATOMIC_RELEASE);
 }
 
-void stilb_prof_zone_end(void)
+/* Zones open around a flow's end, as many as fit. */
+static uint32_t prof_flow_level(const stilb_prof_ring *ring)
 {
-	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	if (ring == NULL || ring->depth == 0)
+	return ring->depth < STILB_PROF_DEPTH_MAX ? ring->depth : STILB_PROF_DEPTH_MAX - 1;
+}
+
+uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
+{
+	stilb_prof_ring *ring = stilb_prof_recorder();
+	if (ring == NULL || flow->kind != STILB_PROF_KIND_FLOW_BEGIN)
+		return 0;
+	const uint64_t begun = prof_frames_begun();
+	const uint64_t id = prof_flow_id(begun > 0 ? begun - 1 : 0, ring->lane, ring->flows++);
+	stilb_prof_write(ring, flow, stilb_prof_clock(ring), prof_flow_level(ring), id);
+	return id;
+}
+
+void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id)
+{
+	stilb_prof_ring *ring = stilb_prof_recorder();
+	if (ring == NULL || id == 0 || flow->kind != STILB_PROF_KIND_FLOW_BEGIN)
 		return;
-	const uint32_t depth = ring->depth - 1;
-	if (depth < STILB_PROF_DEPTH_MAX)
-		stilb_prof_close(ring, ring->open[depth].site, ring->open[depth].begin, stilb_prof_clock(ring), depth);
-	else
-		__atomic_store_n(&ring->depth, depth, __ATOMIC_RELEASE); /* pairs with prof_copy_open_zone */
+	stilb_prof_write(ring, flow + 1, stilb_prof_clock(ring), prof_flow_level(ring), id);
 }
+
+/* ---- lanes of devices -------------------------------------------------------------------------------------------- */
+
+int stilb_prof_lane_create(const char *name, stilb_prof_lane_handle **lane)
+{
+	prof_switches none = {0};
+	*lane = (stilb_prof_lane_handle *)prof_thread_take(name, true, &none);
+	return *lane != NULL ? 0 : -ENOMEM;
+}
+
+void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *site, uint32_t depth, uint64_t begin_ns,
+                          uint64_t end_ns)
+{
+	if (lane == NULL || !stilb_prof_is_recording())
+		return;
+	stilb_prof_ring *ring = &((prof_thread *)lane)->ring;
+	uint64_t duration = end_ns > begin_ns ? end_ns - begin_ns : 0;
+	if (duration > STILB_PROF_DURATION_MAX)
+		duration = STILB_PROF_DURATION_MAX;
+	if (depth < STILB_PROF_DEPTH_MAX)
+		stilb_prof_write(ring, site, begin_ns, depth, duration);
+	else /* a number: no data depends on it */
+		__atomic_store_n(&ring->too_deep, ring->too_deep + 1, __ATOMIC_RELAXED);
+}
+
+void stilb_prof_lane_destroy(stilb_prof_lane_handle *lane)
+{
+	if (lane != NULL)
+		prof_thread_leave((prof_thread *)lane);
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 void stilb_prof_frame_mark(void)
 {
-	/* Release, as for events: pairs with the loads of prof_copy_frames. */
-	const uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED);
-	__atomic_store_n(&prof_frames.begin[count % PROF_FRAMES_MAX], prof_clock_now(), __ATOMIC_RELEASE);
+	const uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED); /* the thread's own */
+	const prof_anchor now = prof_clock_anchor();
+	prof_anchor *begin = &prof_frames.begin[count % PROF_FRAMES_MAX];
+	const uint64_t last_ns = prof_frames.begin[(count - 1) % PROF_FRAMES_MAX].ns;
+	/* Release, as for events: pairs with the loads of prof_frames_copy. */
+	__atomic_store_n(&begin->ticks, now.ticks, __ATOMIC_RELEASE);
+	__atomic_store_n(&begin->ns, now.ns, __ATOMIC_RELEASE);
 	__atomic_store_n(&prof_frames.count, count + 1, __ATOMIC_RELEASE);
+	prof_schedstat_mark();
+	/* Acquire: pairs with prof_frame_hook_set, so that what was made ready before is seen. */
+	prof_frame_hook *hook = __atomic_load_n(&prof_frames.hook, __ATOMIC_ACQUIRE);
+	if (hook != NULL && count > 0)
+		hook(count - 1, now.ns - last_ns);
 }
 
-/* ---- copies ---------------------------------------------------------------------------------------------------- */
+void prof_frame_hook_set(prof_frame_hook *hook)
+{
+	__atomic_store_n(&prof_frames.hook, hook, __ATOMIC_RELEASE); /* pairs with stilb_prof_frame_mark */
+}
 
-/* Copies the events [first, head) of a ring into events and returns how many of the first ones are void, because the
- * thread has overwritten them meanwhile or may be about to. */
-static uint64_t prof_copy_events(const stilb_prof_ring *ring, uint64_t first, uint64_t head, stilb_prof_event *events)
+uint64_t prof_frames_begun(void)
+{
+	return __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED); /* no data depends on it */
+}
+
+/* The last frames begun, oldest first, at most max of them; returns how many. *first is the number of frames[0]. */
+static uint32_t prof_frames_copy(prof_anchor *frames, uint32_t max, uint64_t *first)
+{
+	/* Acquire: pair with stilb_prof_frame_mark; the second count is ordered by the loads before it. */
+	const uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_ACQUIRE);
+	const uint64_t oldest = count > max ? count - max : 0;
+	for (uint64_t i = oldest; i < count; i++) {
+		const prof_anchor *begin = &prof_frames.begin[i % PROF_FRAMES_MAX];
+		frames[i - oldest].ticks = __atomic_load_n(&begin->ticks, __ATOMIC_ACQUIRE);
+		frames[i - oldest].ns = __atomic_load_n(&begin->ns, __ATOMIC_ACQUIRE);
+	}
+	const uint64_t now = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED);
+	const uint64_t valid = now >= PROF_FRAMES_MAX ? now - PROF_FRAMES_MAX + 1 : 0;
+	const uint64_t skip = valid <= oldest ? 0 : valid < count ? valid - oldest : count - oldest;
+	*first = oldest + skip;
+	memmove(frames, frames + skip, (size_t)(count - *first) * sizeof *frames);
+	return (uint32_t)(count - *first);
+}
+
+uint32_t prof_frames_last(uint64_t *begin_ns, uint32_t max, uint64_t *first)
+{
+	prof_anchor frames[PROF_FRAMES_MAX];
+	const uint32_t count = prof_frames_copy(frames, max < PROF_FRAMES_MAX ? max : PROF_FRAMES_MAX, first);
+	for (uint32_t i = 0; i < count; i++)
+		begin_ns[i] = frames[i].ns;
+	return count;
+}
+
+/* ---- copies ------------------------------------------------------------------------------------------------------ */
+
+static stilb_prof_event prof_event_load(const stilb_prof_ring *ring, uint64_t number)
+{
+	/* Acquire: pair with the stores of stilb_prof_write. */
+	const stilb_prof_event *event = &ring->events[number & ring->mask];
+	const uint64_t begin = __atomic_load_n(&event->begin, __ATOMIC_ACQUIRE);
+	return (stilb_prof_event){begin, __atomic_load_n(&event->end, __ATOMIC_ACQUIRE)};
+}
+
+/* The number of the first event that the thread has not begun to overwrite: to be asked after the events were loaded,
+ * whose acquire loads order this one. */
+static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
+{
+	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED), size = (uint64_t)ring->mask + 1;
+	return head >= size ? head - size + 1 : 0;
+}
+
+/* The number of the first event before head that ends at or after begin: they stand in the order of their ends. */
+static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t head, uint64_t begin, uint64_t limit)
 {
 	const uint64_t size = (uint64_t)ring->mask + 1;
-	for (uint64_t i = first; i < head; i++) {
-		/* Acquire: pair with the stores of stilb_prof_close. */
-		const stilb_prof_event *event = &ring->events[i & ring->mask];
-		events[i - first].begin = __atomic_load_n(&event->begin, __ATOMIC_ACQUIRE);
-		events[i - first].end = __atomic_load_n(&event->end, __ATOMIC_ACQUIRE);
+	uint64_t low = head > size ? head - size : 0, high = head;
+	while (begin > 0 && low < high) {
+		const uint64_t middle = low + (high - low) / 2;
+		const stilb_prof_event event = prof_event_load(ring, middle);
+		if (middle < prof_ring_valid(ring) || prof_event_unpack(&event, limit).end < begin)
+			low = middle + 1;
+		else
+			high = middle;
 	}
-	const uint64_t now = __atomic_load_n(&ring->head, __ATOMIC_RELAXED); /* ordered by the acquire loads before it */
-	const uint64_t valid = now >= size ? now - size + 1 : 0;
-	return valid <= first ? 0 : valid < head ? valid - first : head - first;
+	return low;
 }
 
 /* One entry of the stack of open zones, whole; false when there is none at this depth or the thread is too busy. */
-static bool prof_copy_open_zone(const stilb_prof_ring *ring, uint32_t depth, prof_zone *zone)
+static bool prof_copy_open_zone(const stilb_prof_ring *ring, uint32_t depth, stilb_prof_open_zone *zone)
 {
 	for (int i = 0; i < PROF_OPEN_TRIES; i++) {
-		/* Acquire: pair with the stores of stilb_prof_open and stilb_prof_close; the second head is ordered by them. */
+		/* Acquire: pair with stilb_prof_open, stilb_prof_write and stilb_prof_ring_restart; the second loads of session
+		 * and head are ordered by them. */
+		const uint32_t session = __atomic_load_n(&ring->session, __ATOMIC_ACQUIRE);
 		const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE);
 		if (__atomic_load_n(&ring->depth, __ATOMIC_ACQUIRE) <= depth)
 			return false;
 		zone->begin = __atomic_load_n(&ring->open[depth].begin, __ATOMIC_ACQUIRE);
 		zone->site = __atomic_load_n(&ring->open[depth].site, __ATOMIC_ACQUIRE);
-		if (__atomic_load_n(&ring->head, __ATOMIC_RELAXED) == head)
+		if (__atomic_load_n(&ring->head, __ATOMIC_RELAXED) == head &&
+		    __atomic_load_n(&ring->session, __ATOMIC_RELAXED) == session)
 			return true;
 	}
 	return false;
 }
 
-/* The open zones of a ring, deepest first, into zones; returns their number. The stack moves while it is read from the
- * deep end, so an entry found later may be younger than one found before it: then the deeper ones are gone by now. */
-uint32_t prof_copy_open(const stilb_prof_ring *ring, prof_zone *zones)
+/* The stack moves while it is read from the deep end, so an entry found later may be younger than one found before it:
+ * then the deeper ones are gone by now. */
+uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones)
 {
 	uint32_t depth = __atomic_load_n(&ring->depth, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_open */
 	uint32_t count = 0;
+	/* Relaxed: pairs with stilb_prof_record_set; what was open before the last session is lost. */
+	if (__atomic_load_n(&ring->session, __ATOMIC_RELAXED) != __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED))
+		return 0;
 	for (depth = depth < STILB_PROF_DEPTH_MAX ? depth : STILB_PROF_DEPTH_MAX; depth-- > 0;) {
-		prof_zone zone = {.depth = depth, .open = true};
+		stilb_prof_open_zone zone;
 		const bool whole = prof_copy_open_zone(ring, depth, &zone);
-		if (!whole || (count > 0 && zone.begin > zones[count - 1].begin))
+		if (!whole || (count > 0 && zone.begin > zones[depth + 1].begin))
 			count = 0;
-		if (whole)
-			zones[count++] = zone;
+		if (whole) {
+			zones[depth] = zone;
+			count++;
+		}
 	}
 	return count;
 }
 
-/* Takes an event apart. It holds the low 52 bits of the begin: that is the latest such time up to limit, which is right
- * for ten days (5 GHz). */
-static prof_zone prof_zone_unpack(stilb_prof_event event, uint64_t limit)
+/* Copies the ring's events of the window to the end of the copy's. */
+static int prof_copy_events(const stilb_prof_ring *ring, prof_copy *copy, prof_lane_copy *lane)
 {
-	const uint64_t offset = (event.end & 0x3ffff) << 12 | (event.begin & 0xfc0);
-	const int64_t distance = (int64_t)(offset << 34) >> 34; /* 30 bits, signed */
-	const uint64_t begin = limit - ((limit - (event.begin >> 12)) & ((UINT64_C(1) << 52) - 1));
-	return (prof_zone){
-		.begin = begin,
-		.end = begin + (event.end >> 18),
-		.site = (const stilb_prof_site *)((uintptr_t)__start_stilb_prof_section + (uintptr_t)distance),
-		.depth = (uint32_t)(event.begin & 0x3f),
-	};
-}
-
-static int prof_copy_thread(const prof_thread *thread, prof_copy *copy, prof_thread_copy *out)
-{
-	const stilb_prof_ring *ring = &thread->ring;
-	const uint64_t size = (uint64_t)ring->mask + 1;
-	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_close */
-	const uint64_t first = head > size ? head - size : 0;
-	stilb_prof_event *events = malloc((size_t)(head - first + 1) * sizeof *events);
-	out->zones = malloc((size_t)(head - first + STILB_PROF_DEPTH_MAX) * sizeof *out->zones);
-	if (events == NULL || out->zones == NULL) {
-		free(events);
+	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_write */
+	const uint64_t begin = lane->device ? copy->begin.ns : copy->begin.ticks;
+	const uint64_t end = lane->device ? copy->end.ns : copy->end.ticks;
+	const uint64_t first = prof_ring_find(ring, head, begin, lane->limit);
+	stilb_prof_event *events = prof_array_room(copy->events, sizeof *events,
+	                                           copy->event_count + (size_t)(head - first) + 1, &copy->event_capacity);
+	if (events == NULL)
 		return -ENOMEM;
+	copy->events = events;
+	events += copy->event_count;
+	for (uint64_t i = first; i < head; i++) {
+		prof_give_way(i);
+		events[i - first] = prof_event_load(ring, i);
 	}
-	prof_zone open[STILB_PROF_DEPTH_MAX];
-	const uint64_t skip = prof_copy_events(ring, first, head, events);
-	const uint32_t open_count = prof_copy_open(ring, open);
-	const uint64_t now = prof_clock_now();
-
-	memcpy(out->name, thread->name, PROF_NAME_MAX);
-	for (uint64_t i = skip; i < head - first; i++) /* 2^32 ticks: clocks of two CPUs may differ a little */
-		out->zones[out->count++] = prof_zone_unpack(events[i], now + (UINT64_C(1) << 32));
-	free(events);
+	const uint64_t valid = prof_ring_valid(ring);
+	for (uint64_t i = valid > first ? valid : first; i < head; i++) {
+		prof_give_way(i);
+		if (end == UINT64_MAX || prof_event_unpack(&events[i - first], lane->limit).begin < end)
+			events[lane->event_count++] = events[i - first];
+	}
+	lane->first = copy->event_count;
+	copy->event_count += lane->event_count;
 	copy->events_recorded += head;
-	copy->events_held += out->count;
-	for (uint32_t i = 0; i < open_count; i++) {
-		open[i].end = now > open[i].begin ? now : open[i].begin;
-		out->zones[out->count++] = open[i];
-	}
+	copy->events_held += head > valid ? head - valid : 0;
 	return 0;
 }
 
-static void prof_copy_frames(prof_copy *copy)
+/* The switches since the window's begin, to the end of the copy's. */
+static int prof_copy_switches(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
 {
-	/* Acquire: pair with stilb_prof_frame_mark; the second count is ordered by the loads before it. */
-	const uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_ACQUIRE);
-	uint64_t first = count > PROF_FRAMES_MAX ? count - PROF_FRAMES_MAX : 0;
-	for (uint64_t i = first; i < count; i++)
-		copy->frame_begin[i - first] = __atomic_load_n(&prof_frames.begin[i % PROF_FRAMES_MAX], __ATOMIC_ACQUIRE);
-	const uint64_t now = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED);
-	const uint64_t valid = now >= PROF_FRAMES_MAX ? now - PROF_FRAMES_MAX + 1 : 0;
-	const uint64_t skip = valid <= first ? 0 : valid < count ? valid - first : count - first;
-	copy->first_frame = first + skip;
-	copy->frame_count = (uint32_t)(count - first - skip);
-	memmove(copy->frame_begin, copy->frame_begin + skip, copy->frame_count * sizeof copy->frame_begin[0]);
+	lane->no_switches = thread->switches.refused;
+	if (lane->no_switches != NULL)
+		return 0;
+	prof_switch_event *switches = prof_array_room(copy->switches, sizeof *switches,
+	                                              copy->switch_count + PROF_SWITCHES_MAX, &copy->switch_capacity);
+	if (switches == NULL)
+		return -ENOMEM;
+	copy->switches = switches;
+	lane->first_switch = copy->switch_count;
+	lane->switch_count = prof_switches_copy(&thread->switches, copy->begin.ns, switches + copy->switch_count);
+	copy->switch_count += lane->switch_count;
+	return 0;
 }
 
-int prof_copy_take(prof_copy *copy)
+static uint64_t prof_lane_now(const prof_lane_copy *lane)
+{
+	return lane->device ? stilb_prof_clock_monotonic() : prof_clock_now();
+}
+
+static int prof_copy_lane(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
+{
+	*lane = (prof_lane_copy){
+		.device = thread->device,
+		.index = thread->ring.lane & 0x3ff,
+		.tid = thread->tid,
+		.begun_ns = thread->begun_ns,
+		.ended_ns = thread->ended_ns,
+	};
+	memcpy(lane->name, thread->name, PROF_NAME_MAX);
+	lane->limit =
+		prof_lane_now(lane) + (UINT64_C(1) << 32); /* clocks of two CPUs may differ a little, and it goes on */
+	int error = prof_copy_events(&thread->ring, copy, lane);
+	if (error == 0)
+		error = prof_copy_switches(thread, copy, lane);
+	if (!lane->device)
+		lane->open_count = prof_copy_open(&thread->ring, lane->open);
+	lane->now = prof_lane_now(lane);
+	copy->too_deep += __atomic_load_n(&thread->ring.too_deep, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	return error;
+}
+
+/* Frames and times of the window: of all that is held unless it says otherwise. */
+static void prof_copy_window(prof_copy *copy, const stilb_prof_window *window)
+{
+	const uint32_t whole = copy->frame_count > 0 ? copy->frame_count - 1 : 0;
+	copy->begin = (prof_anchor){0};
+	copy->end = (prof_anchor){UINT64_MAX, UINT64_MAX};
+	copy->window_first = 0;
+	copy->window_count = whole;
+	if (window == NULL)
+		return;
+	if (window->last_frames > 0 && window->last_frames <= whole) {
+		copy->window_count = window->last_frames;
+		copy->window_first = whole - window->last_frames;
+		copy->begin = copy->frames[copy->window_first];
+	} else if (window->last_frames == 0 && window->frame_count > 0) {
+		const uint64_t from = window->first_frame > copy->first_frame ? window->first_frame - copy->first_frame : 0;
+		const uint64_t past = window->first_frame + window->frame_count;
+		const uint64_t to = past > copy->first_frame ? past - copy->first_frame : 0;
+		copy->window_first = from < whole ? (uint32_t)from : whole;
+		copy->window_count = (to < whole ? (uint32_t)to : whole) - copy->window_first;
+		if (to <= from || from >= whole)
+			copy->window_count = 0;
+		copy->begin = copy->window_count > 0 ? copy->frames[copy->window_first] : copy->end;
+		if (copy->window_count > 0)
+			copy->end = copy->frames[copy->window_first + copy->window_count];
+	}
+}
+
+/* The arrays lie still now. */
+static void prof_copy_point(prof_copy *copy)
+{
+	for (uint32_t i = 0; i < copy->lane_count; i++) {
+		copy->lanes[i].events = copy->events + copy->lanes[i].first;
+		if (copy->switches != NULL)
+			copy->lanes[i].switches = copy->switches + copy->lanes[i].first_switch;
+	}
+}
+
+int prof_copy_take(prof_copy *copy, const stilb_prof_window *window)
 {
 	int error = 0;
-	*copy = (prof_copy){0};
-	pthread_mutex_lock(&prof.lock);
-	copy->threads = calloc((size_t)prof.count + 1, sizeof *copy->threads);
-	if (copy->threads == NULL)
-		error = -ENOMEM;
+	copy->event_count = copy->switch_count = 0;
+	copy->lane_count = 0;
+	copy->events_held = copy->too_deep = 0;
+	copy->frame_count = prof_frames_copy(copy->frames, PROF_FRAMES_MAX, &copy->first_frame);
+	prof_copy_window(copy, window);
+	pthread_rwlock_rdlock(&prof.lock);
 	copy->events_recorded = prof.discarded;
-	while (error == 0 && copy->thread_count < prof.count) {
-		const uint32_t i = copy->thread_count++;
-		error = prof_copy_thread(prof.threads[i], copy, &copy->threads[i]);
+	prof_lane_copy *lanes = prof_array_room(copy->lanes, sizeof *lanes, prof.count + 1, &copy->lane_capacity);
+	if (lanes != NULL)
+		copy->lanes = lanes;
+	else
+		error = -ENOMEM;
+	while (error == 0 && copy->lane_count < prof.count) {
+		const uint32_t i = copy->lane_count++;
+		error = prof_copy_lane(prof.threads[i], copy, &copy->lanes[i]);
 	}
-	prof_copy_frames(copy);
-	pthread_mutex_unlock(&prof.lock);
+	pthread_rwlock_unlock(&prof.lock);
+	if (error == 0)
+		prof_copy_point(copy);
+	else
+		prof_copy_free(copy);
 	return error;
 }
 
 void prof_copy_free(prof_copy *copy)
 {
-	for (uint32_t i = 0; i < copy->thread_count; i++)
-		free(copy->threads[i].zones);
-	free(copy->threads);
+	free(copy->lanes);
+	free(copy->events);
+	free(copy->switches);
 	*copy = (prof_copy){0};
 }

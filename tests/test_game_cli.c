@@ -16,10 +16,11 @@ static void test_help_and_version(void **state)
 	assert_said(run.out, "info");
 	assert_said(run.out, "bench");
 	stilb_good("demo --help");
-	static const char *const flags[] = {"--models",     "--workers",  "--frames", "--headless",  "--no-present",
-	                                    "--animate",    "--validate", "--size",   "--view",      "--cull",
-	                                    "--replay",     "--device",   "--gpu",    "--msaa",      "--seed",
-	                                    "--screenshot", "--trace",    "--stats",  "--materials", "--fault"};
+	static const char *const flags[] = {
+		"--models", "--workers",    "--frames",  "--headless",     "--no-present", "--animate", "--validate",
+		"--size",   "--view",       "--cull",    "--replay",       "--device",     "--gpu",     "--msaa",
+		"--seed",   "--screenshot", "--trace",   "--stats",        "--materials",  "--fault",   "--capture",
+		"--spike",  "--ui-aa",      "--overlay", "--profile-ring", "--no-profile"};
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[32];
 		snprintf(line, sizeof line, "\n  %s ", flags[i]);
@@ -113,6 +114,19 @@ static const char *const refusals[][2] = {
 	{"demo --stats a.json --trace a.json", "two outputs"},
 	{"demo --stats ./a.json --trace folder.png/../a.json", "two outputs"},
 	{"demo --stats - --trace /dev/stdout", "two outputs"},
+	{"demo --capture a.json --trace a.json", "two outputs"},
+	{"demo --capture missing/a.json", "does not exist"},
+	{"demo --capture -", "--capture"},
+	{"demo --spike never", "'never'"},
+	{"demo --spike 0", "off, auto"},
+	{"demo --spike -5", "'-5'"},
+	{"demo --spike 1e99", "'1e99'"},
+	{"demo --profile-ring 3", "power of two"},
+	{"demo --profile-ring 2048", "1..1024"},
+	{"demo --no-profile --trace a.json", "--no-profile"},
+	{"demo --no-profile --spike auto", "--no-profile"},
+	{"demo --ui-aa soft", "feather, article, off"},
+	{"demo --fault slow:0", "slow:N"},
 	{"info --bogus", "'--bogus'"},
 	{"info --json missing/a.json", "does not exist"},
 };

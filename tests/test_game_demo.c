@@ -5,6 +5,7 @@
 #include <math.h>
 
 #define SMALL "demo --headless --models 400 --size 320x180 --frames 4 "
+#define LARGE "demo --headless --models 100 --size 640x600 --frames 4 "
 
 static stilb_image picture;
 
@@ -146,6 +147,53 @@ static void test_linear_picture(void **state)
 	assert_true(most > 0.3f && least < most / 4.0f);
 }
 
+/* Rows of pixels from the top that are the same in the last picture read and this one. */
+static uint32_t same_rows(const char *path)
+{
+	stilb_image other;
+	assert_int_equal(stilb_image_load(path, &other), STILB_OK);
+	assert_int_equal(stilb_image_size(&other), stilb_image_size(&picture));
+	size_t row = stilb_image_size(&picture) / picture.height;
+	uint32_t same = 0;
+	while (same < picture.height &&
+	       memcmp((uint8_t *)other.pixels + same * row, (uint8_t *)picture.pixels + same * row, row) == 0)
+		same++;
+	stilb_image_finish(&other);
+	return same;
+}
+
+/* The profiler's window lies over the picture's lower part, with every replay, and the draws are what they were. */
+static void test_overlay(void **state)
+{
+	(void)state;
+	static const char *const drawn[] = {"--replay indirect --workers 2",
+	                                    "--replay direct",
+	                                    "--replay secondary",
+	                                    "--msaa 4",
+	                                    "--ui-aa off",
+	                                    "--ui-aa article"};
+	for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i++) {
+		stilb_good(LARGE "%s --screenshot plain.png --stats a.json", drawn[i]);
+		uint64_t hash = stat_hash("a.json");
+		read_picture("plain.png");
+		stilb_good(LARGE "%s --overlay --validate --screenshot over.png --stats a.json --trace t.json", drawn[i]);
+		assert_true(stat_hash("a.json") == hash);
+		assert_true(stat_ms("stages.ui.median") > 0.0);
+		assert_in_range(same_rows("over.png"), 20, 580);
+		read_picture("over.png");
+		assert_true(colours() > 100);
+		trace_check_report report;
+		trace_check_file("t.json", &report);
+		assert_string_equal(report.error, "");
+		assert_int_equal(trace_check_zones(&report, "main", "ui build"), 4);
+		assert_true(trace_check_zones(&report, "GPU", "overlay") >= 1);
+		assert_true(trace_check_zones(&report, "GPU", "scene") >= 1);
+		trace_check_finish(&report);
+	}
+	stilb_good("demo --headless --models 1 --size 1x1 --frames 2 --overlay --validate --screenshot tiny.png");
+	stilb_good("demo --headless --models 1 --size 200x100 --frames 2 --overlay --no-profile --validate");
+}
+
 /* ---- files ----------------------------------------------------------------------------------------------------------- */
 
 static void test_stats_and_trace(void **state)
@@ -252,6 +300,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_same_picture_and_draws_with_samples),
 		FRESH_TEST(test_flags_change_the_picture),
 		FRESH_TEST(test_linear_picture),
+		FRESH_TEST(test_overlay),
 		FRESH_TEST(test_stats_and_trace),
 		FRESH_TEST(test_full_disk),
 		FRESH_TEST(test_without_a_display),

@@ -241,8 +241,13 @@ static void test_help_wins(void **state)
 
 static void add(stage_times *times, double frame, double gpu)
 {
-	const stilb_engine_times ms = {
-		.frame = frame, .cull = 2 * frame, .record = 3 * frame, .replay = 4 * frame, .present = 5 * frame, .gpu = gpu};
+	const stilb_engine_times ms = {.frame = frame,
+	                               .cull = 2 * frame,
+	                               .record = 3 * frame,
+	                               .ui = 4 * frame,
+	                               .replay = 5 * frame,
+	                               .present = 6 * frame,
+	                               .gpu = gpu};
 	assert_true(stage_times_add(times, &ms));
 }
 

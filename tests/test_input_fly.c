@@ -175,6 +175,10 @@ static void test_actions(void **state)
 	assert_false(held(STILB_WINDOW_KEY_P).capture); /* once per press */
 	assert_true(pressed(STILB_WINDOW_KEY_F12, 2).screenshot);
 	assert_false(held(STILB_WINDOW_KEY_F12).screenshot);
+	assert_true(pressed(STILB_WINDOW_KEY_F1, 1).overlay && pressed(STILB_WINDOW_KEY_F1, 3).overlay);
+	assert_false(pressed(STILB_WINDOW_KEY_F1, 2).overlay); /* opened and closed */
+	assert_true(pressed(STILB_WINDOW_KEY_SPACE, 1).freeze);
+	assert_false(pressed(STILB_WINDOW_KEY_SPACE, 2).freeze || held(STILB_WINDOW_KEY_SPACE).freeze);
 	assert_int_equal(pressed(STILB_WINDOW_KEY_PLUS, 3).workers, 3);
 	assert_int_equal(pressed(STILB_WINDOW_KEY_MINUS, 2).workers, -2);
 	assert_int_equal(pressed(STILB_WINDOW_KEY_MINUS, 255).workers, -255);
@@ -182,7 +186,24 @@ static void test_actions(void **state)
 	assert_int_equal(stilb_input_from_window(&both).workers, 3);
 	stilb_input_state nothing = stilb_input_from_window(&(stilb_window_state){0});
 	assert_false(nothing.fast || nothing.capture || nothing.screenshot || nothing.workers);
+	assert_false(nothing.overlay || nothing.freeze);
 	assert_true(nothing.look[0] == 0.0f && nothing.look[1] == 0.0f);
+}
+
+static void test_keys_of_a_user_interface(void **state)
+{
+	(void)state;
+	stilb_window_state window = {.mouse_captured = true, .mouse_x = 5.0f, .mouse_y = -7.0f};
+	for (int key = 0; key < STILB_WINDOW_KEY_COUNT; key++) {
+		window.held[key] = key != STILB_WINDOW_KEY_S && key != STILB_WINDOW_KEY_A && key != STILB_WINDOW_KEY_Q;
+		window.pressed[key] = key != STILB_WINDOW_KEY_MINUS;
+	}
+	stilb_input_state all = stilb_input_from_window(&window), without = stilb_input_without_keys(all);
+	assert_true(all.move[0] == 1.0f && all.move[1] == 1.0f && all.move[2] == 1.0f && all.fast && all.freeze);
+	assert_true(without.move[0] == 0.0f && without.move[1] == 0.0f && without.move[2] == 0.0f);
+	assert_false(without.fast || without.freeze);
+	assert_true(without.capture && without.screenshot && without.overlay && without.workers == 1);
+	assert_memory_equal(without.look, all.look, sizeof all.look);
 }
 
 /* The mouse to the right turns the view right, the mouse down (larger y) lowers it. */
@@ -200,10 +221,15 @@ static void test_mouse(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_axes),        cmocka_unit_test(test_forward_is_the_views),
-		cmocka_unit_test(test_speed),       cmocka_unit_test(test_look_turns_first),
-		cmocka_unit_test(test_pitch_stops), cmocka_unit_test(test_yaw_wraps),
-		cmocka_unit_test(test_keys),        cmocka_unit_test(test_actions),
+		cmocka_unit_test(test_axes),
+		cmocka_unit_test(test_forward_is_the_views),
+		cmocka_unit_test(test_speed),
+		cmocka_unit_test(test_look_turns_first),
+		cmocka_unit_test(test_pitch_stops),
+		cmocka_unit_test(test_yaw_wraps),
+		cmocka_unit_test(test_keys),
+		cmocka_unit_test(test_actions),
+		cmocka_unit_test(test_keys_of_a_user_interface),
 		cmocka_unit_test(test_mouse),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

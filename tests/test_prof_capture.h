@@ -3,6 +3,7 @@
 #define STILB_TEST_PROF_CAPTURE_H
 
 #include "profiler/prof_internal.h"
+#include "profiler/prof_trace.h"
 #include "trace_check.h"
 
 #include <stdlib.h>
@@ -31,8 +32,12 @@ static int capture_write(void *user, const void *data, size_t size)
 static inline int capture_take(capture *c, uint32_t last_frames)
 {
 	*c = (capture){0};
-	const stilb_prof_trace_desc desc = {.last_frames = last_frames, .process_name = "test"};
-	const int error = stilb_prof_trace_write(&desc, capture_write, c);
+	const stilb_prof_window window = {.last_frames = last_frames};
+	stilb_prof_snapshot snapshot = {0};
+	int error = stilb_prof_snapshot_take(&snapshot, &window);
+	if (error == 0)
+		error = stilb_prof_trace_write_chrome(&snapshot, "test", (stilb_prof_sink){capture_write, c});
+	stilb_prof_snapshot_finish(&snapshot);
 	const int broken = trace_check_text(c->text != NULL ? c->text : "", c->size, &c->report);
 	return error != 0 ? error : broken;
 }

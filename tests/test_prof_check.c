@@ -20,19 +20,31 @@ static const char good[] =
 	"{\"ph\":\"M\",\"pid\":7,\"tid\":1,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":1}},\n"
 	"{\"ph\":\"M\",\"pid\":7,\"tid\":2,\"name\":\"thread_name\",\"args\":{\"name\":\"main\"}},\n"
 	"{\"ph\":\"M\",\"pid\":7,\"tid\":2,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":2}},\n"
-	"{\"ph\":\"X\",\"pid\":7,\"tid\":1,\"ts\":0.000,\"dur\":9.999,\"name\":\"frame\"},\n"
+	"{\"ph\":\"M\",\"pid\":7,\"tid\":3,\"name\":\"thread_name\",\"args\":{\"name\":\"main: off the CPU\"}},\n"
+	"{\"ph\":\"M\",\"pid\":7,\"tid\":3,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":3}},\n"
+	"{\"ph\":\"M\",\"pid\":7,\"tid\":4,\"name\":\"thread_name\",\"args\":{\"name\":\"worker\"}},\n"
+	"{\"ph\":\"M\",\"pid\":7,\"tid\":4,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":4}},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":1,\"ts\":0.000,\"dur\":9.9999,\"name\":\"frame\"},\n"
 	"{\"ph\":\"i\",\"pid\":7,\"tid\":1,\"ts\":0.000,\"s\":\"g\",\"name\":\"frame\",\"args\":{\"number\":0}},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":1,\"ts\":10.000,\"dur\":5.000,\"name\":\"frame\"},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":1.000,\"dur\":6.500,\"name\":\"parent\"},\n"
-	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":1.000,\"dur\":1.999,\"name\":\"child\"},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":1.000,\"dur\":1.9999,\"name\":\"child\"},\n"
+	"{\"ph\":\"C\",\"pid\":7,\"tid\":2,\"ts\":1.000,\"name\":\"draws\",\"args\":{\"value\":-1.5e3}},\n"
+	"{\"ph\":\"s\",\"pid\":7,\"tid\":2,\"ts\":2.000,\"name\":\"arrow\",\"cat\":\"flow\",\"id\":1},\n"
+	"{\"ph\":\"s\",\"pid\":7,\"tid\":2,\"ts\":2.500,\"name\":\"alone\",\"cat\":\"flow\",\"id\":2},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":3.000,\"dur\":0.000,\"name\":\"child\"},\n"
-	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":3.000,\"dur\":4.499,\"name\":\"last\"},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":3.000,\"dur\":4.4999,\"name\":\"last\"},\n"
 	"{\"ph\":\"B\",\"pid\":7,\"tid\":2,\"ts\":8.000,\"name\":\"closed\"},\n"
 	"{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"ts\":8.000,\"dur\":0.001,\"name\":\"child\"},\n"
 	"{\"ph\":\"E\",\"pid\":7,\"tid\":2,\"ts\":9.000,\"name\":\"closed\"},\n"
+	"{\"ph\":\"i\",\"pid\":7,\"tid\":4,\"ts\":1.000,\"s\":\"t\",\"name\":\"go\"},\n"
+	"{\"ph\":\"f\",\"pid\":7,\"tid\":4,\"ts\":2.750,\"name\":\"arrow\",\"cat\":\"flow\",\"id\":1,\"bp\":\"e\"},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":3,\"ts\":3.000,\"dur\":0.9999,\"name\":\"sleeping\"},\n"
+	"{\"ph\":\"X\",\"pid\":7,\"tid\":3,\"ts\":4.000,\"dur\":0.500,\"name\":\"preempted\"},\n"
 	"{\"ph\":\"B\",\"pid\":7,\"tid\":2,\"ts\":9.000,\"name\":\"open\"}\n"
-	"],\"otherData\":{\"clock\":\"rdtsc\",\"hz\":2596000000,\"resolution_ns\":10.015,\"events_recorded\":9,"
-	"\"events_lost\":3,\"events_held\":6,\"events_written\":5}}\n";
+	"],\"otherData\":{\"clock\":\"rdtsc\",\"hz\":2596000000,\"resolution_ns\":10.015,\"bias_ns\":20.500,"
+	"\"zone_cost_ns\":18.700,\"epoch_ns\":1,\"begin_ns\":0,\"end_ns\":20000,\"events_recorded\":9,\"events_lost\":3,"
+	"\"events_held\":6,\"too_deep\":0,\"zones_written\":7}}\n";
 
 static void the_good_trace_passes(void **state)
 {
@@ -44,7 +56,13 @@ static void the_good_trace_passes(void **state)
 	assert_int_equal(report.open_zones, 1);
 	assert_int_equal(report.frames, 2);
 	assert_int_equal(report.marks, 1);
-	assert_int_equal(report.threads, 1);
+	assert_int_equal(report.threads, 2);
+	assert_int_equal(report.counters, 1);
+	assert_int_equal(report.instants, 1);
+	assert_int_equal(report.flows, 1);
+	assert_int_equal(report.flows_open, 1);
+	assert_int_equal(report.flow_ends_outside, 1); /* the f */
+	assert_int_equal(report.switches, 2);
 	assert_int_equal(report.events_recorded, 9);
 	assert_int_equal(report.events_lost, 3);
 	assert_int_equal(trace_check_zones(&report, "main", "child"), 3);
@@ -69,7 +87,7 @@ static const breach breaches[] = {
 	{"\"name\":\"last\"", "\"name\" \"last\"", "':' expected"},
 	{"\"name\":\"last\"", "\"name\":last", "a string expected"},
 	{"\"name\":\"last\"", "\"x\":nil,\"name\":\"last\"", "a value expected"},
-	{"\"name\":\"last\"", "\"name\":\"la\nst\"", "line 13: control byte"},
+	{"\"name\":\"last\"", "\"name\":\"la\nst\"", "line 20: control byte"},
 	{"\"name\":\"last\"", "\"name\":\"\\x\"", "unknown escape"},
 	{"\"name\":\"last\"", "\"name\":\"\\u12g4\"", "four hex digits"},
 	{"\"name\":\"last\"", "\"name\":\"\\ud83d\"", "first half of a surrogate"},
@@ -104,13 +122,21 @@ static const breach breaches[] = {
 	{"\"ts\":3.000,", "", "without a ts"},
 	{"\"ts\":3.000", "\"ts\":3.00", "three decimals"},
 	{"\"ts\":3.000", "\"ts\":3.0000", "three decimals"},
+	{"\"ts\":3.000", "\"ts\":3.00001", "three decimals"},
 	{"\"ts\":3.000", "\"ts\":3", "three decimals"},
 	{"\"ts\":3.000", "\"ts\":-3.000", "three decimals"},
-	{"\"dur\":4.499,", "", "without a dur"},
-	{"\"dur\":4.499", "\"dur\":4.5", "three decimals"},
-	{"\"dur\":4.499", "\"dur\":-4.500", "three decimals"},
+	{"\"dur\":4.4999,", "", "without a dur"},
+	{"\"dur\":4.4999", "\"dur\":4.5", "three decimals"},
+	{"\"dur\":4.4999", "\"dur\":-4.500", "three decimals"},
 	{"\"s\":\"g\",", "", "without s \"g\""},
-	{"\"s\":\"g\"", "\"s\":\"t\"", "without s \"g\""},
+	{"\"s\":\"g\"", "\"s\":\"p\"", "without s \"g\""},
+	{"\"args\":{\"value\":-1.5e3}", "\"args\":{}", "without a number args.value"},
+	{"\"value\":-1.5e3", "\"value\":\"many\"", "a number expected"},
+	{"\"cat\":\"flow\",\"id\":1}", "\"id\":1}", "s event without cat"},
+	{"\"cat\":\"flow\",\"id\":1}", "\"cat\":\"flow\"}", "s event without cat and an integer id"},
+	{"\"id\":1,\"bp\"", "\"id\":1.5,\"bp\"", "f event without cat and an integer id"},
+	{",\"bp\":\"e\"", "", "without bp \"e\""},
+	{"\"bp\":\"e\"", "\"bp\":\"s\"", "without bp \"e\""},
 	/* who is who */
 	{"\"pid\":7,\"tid\":2,\"ts\":9.000,\"name\":\"open\"", "\"pid\":8,\"tid\":2,\"ts\":9.000,\"name\":\"open\"",
      "a second process"},
@@ -123,32 +149,51 @@ static const breach breaches[] = {
 	{"\"tid\":2,\"name\":\"thread_name\"", "\"tid\":2,\"name\":\"thread_label\"", "tid 2 without a thread_name"},
 	{"\"tid\":2,\"name\":\"thread_sort_index\"", "\"tid\":2,\"name\":\"x\"", "tid 2 without a thread_sort_index"},
 	{"{\"name\":\"frames\"}", "{\"name\":\"pictures\"}", "not one thread \"frames\" but 0"},
-	{"{\"name\":\"main\"}", "{\"name\":\"frames\"}", "not one thread \"frames\" but 2"},
+	{"{\"name\":\"worker\"}", "{\"name\":\"frames\"}", "not one thread \"frames\" but 2"},
 	/* order and nesting */
-	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":2.999,\"dur\":0.001", "ts goes back on tid 2"},
+	{"\"ts\":3.000,\"dur\":4.4999", "\"ts\":2.999,\"dur\":0.001", "ts goes back on tid 2"},
 	{"\"ts\":1.000,\"dur\":6.500", "\"ts\":1.000,\"dur\":1.500", "parent \"child\" after its child \"parent\""},
-	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":3.000,\"dur\":4.501", "\"last\" sticks out of \"parent\""},
+	{"\"ts\":3.000,\"dur\":4.4999", "\"ts\":3.000,\"dur\":4.5001", "\"last\" sticks out of \"parent\""},
 	{"\"dur\":6.500", "\"dur\":7.500", "\"closed\" sticks out of \"parent\""},
 	{"\"ts\":8.000,\"dur\":0.001", "\"ts\":8.000,\"dur\":2.001", "E while \"child\" is open"},
 	{"\"ts\":9.000,\"name\":\"closed\"", "\"ts\":9.000,\"name\":\"other\"", "E of \"other\" while \"closed\""},
 	{"{\"ph\":\"B\",\"pid\":7,\"tid\":2,\"ts\":8.000", "{\"ph\":\"X\",\"pid\":7,\"tid\":2,\"dur\":0.100,\"ts\":8.000",
      "E without a B"},
-	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":3.000,\"dur\":5.500", "\"last\" sticks out of \"parent\""},
-	{"\"ts\":3.000,\"dur\":4.499", "\"ts\":3.000,\"dur\":4.500", "\"last\" touches the end of its parent \"parent\""},
-	{"\"dur\":1.999", "\"dur\":2.000", "the end of \"child\" touches \"child\""},
-	{"\"dur\":9.999", "\"dur\":10.000", "the end of \"frame\" touches \"frame\""},
-	{"\"ts\":0.000,\"dur\":9.999", "\"ts\":0.000,\"dur\":10.001", "frames overlap"},
+	{"\"ts\":3.000,\"dur\":4.4999", "\"ts\":3.000,\"dur\":5.500", "\"last\" sticks out of \"parent\""},
+	{"\"ts\":3.000,\"dur\":4.4999", "\"ts\":3.000,\"dur\":4.500", "\"last\" touches the end of its parent \"parent\""},
+	{"\"dur\":1.9999", "\"dur\":2.000", "the end of \"child\" touches \"child\""},
+	{"\"dur\":9.9999", "\"dur\":10.000", "the end of \"frame\" touches \"frame\""},
+	{"\"ts\":0.000,\"dur\":9.9999", "\"ts\":0.000,\"dur\":10.001", "frames overlap"},
+	{"\"dur\":0.9999", "\"dur\":1.0001", "times off the CPU overlap"},
+	{"\"name\":\"sleeping\"", "\"name\":\"zone\"", "\"zone\" on an off-CPU thread"},
+	{"main: off the CPU", "worker: off the CPU", "does not follow its thread"},
+	{"\"s\":\"g\"", "\"s\":\"t\"", "i on the thread \"frames\""},
+	{"{\"ph\":\"i\",\"pid\":7,\"tid\":4", "{\"ph\":\"i\",\"pid\":7,\"tid\":3", "i on the thread \"main: off the CPU\""},
+	{"{\"ph\":\"C\",\"pid\":7,\"tid\":2", "{\"ph\":\"C\",\"pid\":7,\"tid\":3", "C on the thread \"main: off the CPU\""},
+	/* arrows */
+	{"\"id\":2}", "\"id\":1}", "a second s of flow 1"},
+	{"\"id\":2}", "\"id\":0}", "not a number from 1 on"},
+	{"\"id\":2}", "\"id\":999}", "not a number from 1 on"},
+	{"\"id\":1,\"bp\"", "\"id\":3,\"bp\"", "f without an s"},
+	{"\"arrow\",\"cat\":\"flow\",\"id\":1,", "\"bow\",\"cat\":\"flow\",\"id\":1,", "another name or cat"},
+	{"\"ts\":2.750", "\"ts\":1.750", "flow 1 goes back in time"},
 	{"\"dur\":5.000,\"name\":\"frame\"", "\"dur\":5.000,\"name\":\"zone\"", "\"zone\" on the thread \"frames\""},
 	{"{\"ph\":\"i\",\"pid\":7,\"tid\":1", "{\"ph\":\"i\",\"pid\":7,\"tid\":2", "mark on a thread other than"},
 	/* accounts */
-	{"\"clock\":\"rdtsc\",", "", "without clock and hz"},
-	{"\"hz\":2596000000,", "", "without clock and hz"},
-	{"\"hz\":2596000000", "\"hz\":0", "without clock and hz"},
+	{"\"clock\":\"rdtsc\",", "", "without clock"},
+	{"\"hz\":2596000000,", "", "without hz"},
+	{"\"hz\":2596000000", "\"hz\":0", "hz is 0"},
 	{"\"resolution_ns\":10.015,", "", "without resolution_ns"},
+	{"\"bias_ns\":20.500", "\"bias_ns\":-1", "bias_ns, or it is negative"},
+	{"\"zone_cost_ns\":18.700,", "", "without zone_cost_ns"},
+	{"\"epoch_ns\":1,", "", "without epoch_ns"},
+	{"\"too_deep\":0,", "", "without too_deep"},
+	{"\"begin_ns\":0", "\"begin_ns\":20001", "without a window"},
 	{"\"events_held\":6,", "", "without the accounts"},
 	{"\"events_lost\":3", "\"events_lost\":2", "do not add up"},
-	{"\"events_written\":5", "\"events_written\":7", "do not add up"},
-	{"\"events_written\":5", "\"events_written\":4", "5 zones that ended, but events_written is 4"},
+	{"\"events_recorded\":9,\"events_lost\":3,\"events_held\":6",
+     "\"events_recorded\":7,\"events_lost\":3,\"events_held\":4", "do not add up"},
+	{"\"zones_written\":7", "\"zones_written\":6", "7 zones, but zones_written is 6"},
 };
 
 /* The good trace with the first from turned into to; the caller frees it. */
@@ -206,7 +251,7 @@ static void deep_nesting_fails(void **state)
 	trace_check_finish(&report);
 }
 
-/* ---- the program -------------------------------------------------------------------------------------------------- */
+/* ---- the program ------------------------------------------------------------------------------------------------- */
 
 static int run_program(const char *argument)
 {

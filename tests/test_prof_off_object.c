@@ -2,6 +2,10 @@
 #ifndef TEST_PROF_NONE
 #include "profiler/prof.h"
 STILB_PROF_SITE(hook_site, "hook", 0xff0000);
+STILB_PROF_FLOW(job_flow, "job", 0x0000ff);
+#define RECORD(what) what
+#else
+#define RECORD(what)
 #endif
 
 int test_prof_off_sum(const int *values, int count);
@@ -9,19 +13,21 @@ int test_prof_off_sum(const int *values, int count);
 int test_prof_off_sum(const int *values, int count)
 {
 	int sum = 0;
-#ifndef TEST_PROF_NONE
-	PROFILE_FUNCTION();
-	PROFILE("sum");
-	stilb_prof_zone_begin(&hook_site);
-#endif
+	RECORD(PROFILE_FUNCTION();)
+	RECORD(PROFILE("sum");)
+	RECORD(stilb_prof_zone_begin(&hook_site);)
+	RECORD(stilb_prof_flow_end(job_flow, stilb_prof_flow_begin(job_flow));)
+	RECORD(PROFILE_BEGIN("begin");)
 	for (int i = 0; i < count; i++) {
-#ifndef TEST_PROF_NONE
-		PROFILE_COLOR("step", 0x00ff00);
-#endif
+		RECORD(PROFILE_COLOR("step", 0x00ff00);)
+		RECORD(PROFILE_PRECISE("exactly");)
+		RECORD(PROFILE_COUNTER("value", values[i]);)
 		sum += values[i];
 	}
-#ifndef TEST_PROF_NONE
-	stilb_prof_zone_end();
-#endif
+	RECORD(PROFILE_NEXT("next");)
+	RECORD(PROFILE_INSTANT("instant");)
+	RECORD(PROFILE_END();)
+	RECORD(stilb_prof_lane_zone(0, &hook_site, 0, 0, 0);)
+	RECORD(stilb_prof_zone_end();)
 	return sum;
 }

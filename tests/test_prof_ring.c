@@ -1,11 +1,11 @@
-/* Rings: wrap-around, copies while a thread records, threads that come and go. */
-#include "test_prof_capture.h"
+/* Rings: wrap-around, windows, copies while a thread records, threads that come and go. */
+#include "test_prof_records.h"
 
 #include <errno.h>
 #include <pthread.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <sys/mman.h>
 
 #include <cmocka.h>
@@ -13,6 +13,7 @@
 static int shut_down(void **state)
 {
 	(void)state;
+	stilb_prof_record_set(true);
 	stilb_prof_shutdown();
 	return 0;
 }
@@ -20,12 +21,12 @@ static int shut_down(void **state)
 STILB_PROF_SITE(even_site, "even", 0);
 STILB_PROF_SITE(odd_site, "odd", 0);
 
-/* Event n: everything in it follows from n, so a mixture of two events shows. */
+/* Event n: everything in it follows from n, so a mixture of two events shows. Ends ascend, as they must. */
 #define STEP 1000
 
 static uint64_t event_duration(uint64_t n)
 {
-	return n * 0x9e3779b97f4a7c15u >> 33;
+	return n * 0x9e3779b97f4a7c15u >> 55;
 }
 
 static uint32_t event_depth(uint64_t n)
@@ -35,60 +36,47 @@ static uint32_t event_depth(uint64_t n)
 
 static void event_record(uint64_t n)
 {
-	const uint64_t begin = (n + 1) * STEP;
-	stilb_prof_close(stilb_prof_thread_ring, n % 2 ? &odd_site : &even_site, begin, begin + event_duration(n),
-	                 event_depth(n)); /* leaves a depth behind that nothing was opened at: tests of events alone */
+	stilb_prof_write(stilb_prof_thread_ring, n % 2 ? &odd_site : &even_site, (n + 1) * STEP, event_depth(n),
+	                 event_duration(n));
 }
 
-static bool event_is_whole(const prof_zone *zone, uint64_t n)
+static bool event_is_whole(const prof_record *record, uint64_t n)
 {
-	return zone->begin == (n + 1) * STEP && zone->end - zone->begin == event_duration(n) &&
-	       zone->depth == event_depth(n) && zone->site == (n % 2 ? &odd_site : &even_site) && !zone->open;
+	return record->begin == (n + 1) * STEP && record->end - record->begin == event_duration(n) &&
+	       record->depth == event_depth(n) && record->site == (n % 2 ? &odd_site : &even_site);
 }
 
-/* True when the closed zones of the only thread are consecutive whole events up to the last. */
+/* True when the events of the only thread are consecutive whole events. */
 static bool copy_is_whole(const prof_copy *copy)
 {
-	const prof_zone *zones = copy->threads[0].zones;
-	const uint64_t first = copy->events_held > 0 ? zones[0].begin / STEP - 1 : 0;
-	for (uint32_t i = 0; i < copy->events_held; i++)
-		if (!event_is_whole(&zones[i], first + i))
+	const size_t count = copy->lanes[0].event_count;
+	const uint64_t first = count > 0 ? record_at(copy, 0, 0).begin / STEP - 1 : 0;
+	for (size_t i = 0; i < count; i++) {
+		const prof_record record = record_at(copy, 0, i);
+		if (!event_is_whole(&record, first + i))
 			return false;
+	}
 	return true;
 }
 
 static void wrap_keeps_the_newest(void **state)
 {
 	(void)state;
-	prof_copy copy;
+	prof_copy copy = {0};
 	assert_int_equal(stilb_prof_ring_events_set(64), 0);
 	assert_int_equal(stilb_prof_thread_begin("main"), 0);
 	for (uint64_t n = 0; n < 1000; n++) {
 		event_record(n);
-		assert_int_equal(prof_copy_take(&copy), 0);
+		assert_int_equal(prof_copy_take(&copy, NULL), 0);
 		const uint32_t held = n + 1 < 64 ? (uint32_t)n + 1 : 63; /* the oldest may be about to be overwritten */
 		assert_true(copy_is_whole(&copy));
-		assert_true(event_is_whole(&copy.threads[0].zones[held - 1], n));
+		const prof_record last = record_at(&copy, 0, held - 1);
+		assert_true(event_is_whole(&last, n));
+		assert_int_equal(copy.lanes[0].event_count, held);
 		assert_int_equal(copy.events_recorded, n + 1);
 		assert_int_equal(copy.events_held, held);
-		prof_copy_free(&copy);
 	}
-}
-
-static void accounts_reach_the_trace(void **state)
-{
-	(void)state;
-	capture c;
-	assert_int_equal(stilb_prof_ring_events_set(64), 0);
-	assert_int_equal(stilb_prof_thread_begin("main"), 0);
-	for (int i = 0; i < 200; i++) {
-		PROFILE("zone");
-	}
-	assert_trace(&c, 0);
-	assert_int_equal(c.report.events_recorded, 200);
-	assert_int_equal(c.report.events_lost, 137);
-	assert_int_equal(c.report.zones, 63);
-	capture_finish(&c);
+	prof_copy_free(&copy);
 }
 
 static void ring_sizes(void **state)
@@ -97,10 +85,145 @@ static void ring_sizes(void **state)
 	assert_int_equal(stilb_prof_ring_events_set(0), -EINVAL);
 	assert_int_equal(stilb_prof_ring_events_set(32), -EINVAL);
 	assert_int_equal(stilb_prof_ring_events_set(100), -EINVAL);
-	assert_int_equal(stilb_prof_ring_events_set(1u << 25), -EINVAL);
+	assert_int_equal(stilb_prof_ring_events_set(1u << 27), -EINVAL);
 	assert_int_equal(stilb_prof_thread_begin(NULL), 0);
 	assert_int_equal(stilb_prof_thread_begin("twice"), -EALREADY);
 	assert_int_equal(stilb_prof_thread_ring->mask, 65535);
+}
+
+static bool is_resident(void *address)
+{
+	unsigned char resident = 0;
+	assert_int_equal(mincore((void *)((uintptr_t)address & ~(uintptr_t)4095), 1, &resident), 0);
+	return resident & 1;
+}
+
+/* A large ring is address space until it is written to; a small one is in memory at once. */
+static void large_rings_cost_what_is_used(void **state)
+{
+	(void)state;
+	const uint32_t sizes[] = {65536, 1u << 26};
+	for (int i = 0; i < 2; i++) {
+		assert_int_equal(stilb_prof_ring_events_set(sizes[i]), 0);
+		assert_int_equal(stilb_prof_thread_begin(i == 0 ? "small" : "large"), 0);
+		stilb_prof_event *events = stilb_prof_thread_ring->events;
+		assert_int_equal(is_resident(&events[sizes[i] - 1]), i == 0);
+		assert_int_equal(is_resident(&events[sizes[i] / 2]), i == 0);
+		event_record(0);
+		assert_true(is_resident(&events[0]));
+		stilb_prof_thread_end();
+	}
+}
+
+/* ---- windows ----------------------------------------------------------------------------------------------------- */
+
+STILB_PROF_SITE(long_site, "long", 0);
+
+/* A hundred zones in each frame, named after its number, and one from the start of frame 3 to that of frame 6. */
+static void window_frames(uint32_t frames)
+{
+	for (uint32_t i = 0; i < frames; i++) {
+		stilb_prof_frame_mark();
+		if (i == 3)
+			stilb_prof_zone_begin(&long_site);
+		if (i == 6)
+			stilb_prof_zone_end();
+		for (int k = 0; k < 100; k++) {
+			stilb_prof_zone_begin(i % 2 ? &odd_site : &even_site);
+			stilb_prof_zone_end();
+		}
+	}
+}
+
+static void windows_hold_what_overlaps_them(void **state)
+{
+	(void)state;
+	prof_copy copy = {0};
+	stilb_prof_window window = {.last_frames = 2};
+	assert_int_equal(stilb_prof_thread_begin("main"), 0);
+	window_frames(10); /* 9 whole ones */
+
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(copy.lanes[0].event_count, 300); /* 7, 8 and what came since */
+	assert_int_equal(copy.window_first, 7);
+	assert_int_equal(copy.window_count, 2);
+	assert_int_equal(copy.events_held, 1001);
+	assert_int_equal(copy.events_recorded, 1001);
+
+	window = (stilb_prof_window){.first_frame = 4, .frame_count = 1};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(record_count(&copy, 0, "even"), 100);
+	assert_int_equal(record_count(&copy, 0, "long"), 1); /* began before it and ended after it */
+	assert_int_equal(copy.lanes[0].event_count, 101);
+	assert_int_equal(copy.window_first, 4);
+	assert_int_equal(copy.window_count, 1);
+	assert_int_equal(copy.begin.ticks, copy.frames[4].ticks);
+	assert_int_equal(copy.end.ns, copy.frames[5].ns);
+
+	window = (stilb_prof_window){.first_frame = 6, .frame_count = 1};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(record_count(&copy, 0, "long"), 1); /* ended first in it */
+	assert_int_equal(copy.lanes[0].event_count, 101);
+
+	window = (stilb_prof_window){.first_frame = 8, .frame_count = 100}; /* the last is not whole */
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(copy.lanes[0].event_count, 100);
+	assert_int_equal(copy.window_count, 1);
+
+	window = (stilb_prof_window){.first_frame = 9, .frame_count = 1};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(copy.lanes[0].event_count, 0);
+	assert_int_equal(copy.window_count, 0);
+
+	window = (stilb_prof_window){.last_frames = 10};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(copy.lanes[0].event_count, 1001);
+	assert_int_equal(copy.window_count, 9);
+	prof_copy_free(&copy);
+}
+
+/* Frames that are no longer remembered are not in the window; those that are, are whole. */
+static void windows_end_where_memory_does(void **state)
+{
+	(void)state;
+	prof_copy copy = {0};
+	assert_int_equal(stilb_prof_ring_events_set(1024), 0);
+	assert_int_equal(stilb_prof_thread_begin("main"), 0);
+	window_frames(2000);
+	stilb_prof_window window = {.first_frame = 900, .frame_count = 200};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(copy.frame_count, 1023);
+	assert_int_equal(copy.first_frame, 977);
+	assert_int_equal(copy.window_first, 0);
+	assert_int_equal(copy.window_count, 1100 - 977);
+	assert_int_equal(copy.lanes[0].event_count, 0); /* the ring does not go back that far */
+	window = (stilb_prof_window){.first_frame = 0, .frame_count = 900};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(copy.window_count, 0);
+	window = (stilb_prof_window){.last_frames = 9};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	assert_int_equal(copy.lanes[0].event_count, 1000);
+	prof_copy_free(&copy);
+}
+
+/* A lane of a device is on another clock. */
+static void windows_of_devices(void **state)
+{
+	(void)state;
+	prof_copy copy = {0};
+	stilb_prof_lane_handle *lane;
+	assert_int_equal(stilb_prof_lane_create("GPU", &lane), 0);
+	for (int i = 0; i < 10; i++) {
+		stilb_prof_frame_mark();
+		const uint64_t now = stilb_prof_clock_monotonic();
+		stilb_prof_lane_zone(lane, i % 2 ? &odd_site : &even_site, 0, now, now);
+	}
+	const stilb_prof_window window = {.first_frame = 5, .frame_count = 1};
+	assert_int_equal(prof_copy_take(&copy, &window), 0);
+	char names[64];
+	record_names(&copy, 0, names, sizeof names);
+	assert_string_equal(names, "odd");
+	prof_copy_free(&copy);
 }
 
 /* ---- copies while a thread records ------------------------------------------------------------------------------- */
@@ -178,21 +301,18 @@ static void copies_are_never_torn(void **state)
 	pthread_t thread;
 	writer w = {0};
 	uint64_t broken = 0;
-	prof_copy last;
+	prof_copy copy = {0};
 	assert_int_equal(stilb_prof_ring_events_set(1024), 0);
 	writer_start(&thread, write_events, &w);
-	for (watch reader = watch_start(2000); watch_goes_on(&reader, &w);) {
-		prof_copy copy;
-		broken += prof_copy_take(&copy) != 0 || !copy_is_whole(&copy);
-		prof_copy_free(&copy);
-	}
+	for (watch reader = watch_start(2000); watch_goes_on(&reader, &w);)
+		broken += prof_copy_take(&copy, NULL) != 0 || !copy_is_whole(&copy);
 	writer_join(thread, &w);
 	assert_int_equal(broken, 0);
-	assert_int_equal(prof_copy_take(&last), 0);
-	assert_true(copy_is_whole(&last));
-	assert_in_range(last.events_held, 1, 1023);
-	assert_int_equal(last.threads[0].zones[last.events_held - 1].begin, last.events_recorded * STEP);
-	prof_copy_free(&last);
+	assert_int_equal(prof_copy_take(&copy, NULL), 0);
+	assert_true(copy_is_whole(&copy));
+	assert_in_range(copy.events_held, 1, 1023);
+	assert_int_equal(record_at(&copy, 0, copy.events_held - 1).begin, copy.events_recorded * STEP);
+	prof_copy_free(&copy);
 }
 
 /* Opens and closes event after event, one inside another: 0 (1 (2)), 3 (4 (5)), ... */
@@ -205,33 +325,32 @@ static void *write_open_events(void *data)
 			stilb_prof_open(stilb_prof_thread_ring, (n + depth) % 2 ? &odd_site : &even_site, (n + depth + 1) * STEP,
 			                depth);
 		for (uint32_t depth = 3; depth-- > 0;)
-			stilb_prof_close(stilb_prof_thread_ring, (n + depth) % 2 ? &odd_site : &even_site, (n + depth + 1) * STEP,
-			                 (n + depth + 2) * STEP, depth);
+			stilb_prof_close(stilb_prof_thread_ring, depth, (n + depth + 2) * STEP);
 	}
 	stilb_prof_thread_end();
 	return NULL;
 }
 
-/* Are the open zones whole, each inside the one after it? */
-static bool open_events_are_whole(const prof_zone *zones, uint32_t count)
+/* Are the open zones whole, each inside the one before it? */
+static bool open_events_are_whole(const stilb_prof_open_zone *zones, uint32_t count)
 {
-	for (uint32_t i = 0; i < count; i++) {
-		const uint64_t n = zones[i].begin / STEP - 1;
-		if (!zones[i].open || zones[i].depth != count - 1 - i || n % 3 != zones[i].depth ||
-		    zones[i].site != (n % 2 ? &odd_site : &even_site))
+	for (uint32_t depth = 0; depth < count; depth++) {
+		const uint64_t n = zones[depth].begin / STEP - 1;
+		if (n % 3 != depth || zones[depth].site != (n % 2 ? &odd_site : &even_site))
 			return false;
-		if (i > 0 && zones[i].begin + STEP != zones[i - 1].begin)
+		if (depth > 0 && zones[depth - 1].begin + STEP != zones[depth].begin)
 			return false;
 	}
 	return true;
 }
 
 /* Is a zone of the copy both open and closed? */
-static bool zone_is_there_twice(const prof_thread_copy *thread, uint32_t closed)
+static bool zone_is_there_twice(const prof_copy *copy)
 {
-	for (uint32_t i = closed; i < thread->count; i++)
-		for (uint32_t k = 0; k < closed; k++)
-			if (thread->zones[k].begin == thread->zones[i].begin)
+	const prof_lane_copy *lane = &copy->lanes[0];
+	for (uint32_t depth = 0; depth < lane->open_count; depth++)
+		for (size_t i = 0; i < lane->event_count; i++)
+			if (record_at(copy, 0, i).begin == lane->open[depth].begin)
 				return true;
 	return false;
 }
@@ -242,21 +361,21 @@ static void open_zones_are_never_torn(void **state)
 	pthread_t thread;
 	writer w = {0};
 	uint64_t open = 0, broken = 0, twice = 0;
+	prof_copy copy = {0};
 	assert_int_equal(stilb_prof_ring_events_set(64), 0);
 	writer_start(&thread, write_open_events, &w);
 	for (watch reader = watch_start(300000); watch_goes_on(&reader, &w);) {
-		prof_zone zones[STILB_PROF_DEPTH_MAX];
+		stilb_prof_open_zone zones[STILB_PROF_DEPTH_MAX];
 		const uint32_t count = prof_copy_open(w.ring, zones);
 		broken += !open_events_are_whole(zones, count);
 		open += count;
 	}
 	for (watch reader = watch_start(10000); watch_goes_on(&reader, &w);) {
-		prof_copy copy;
-		broken += prof_copy_take(&copy) != 0;
-		twice += zone_is_there_twice(&copy.threads[0], (uint32_t)copy.events_held);
-		prof_copy_free(&copy);
+		broken += prof_copy_take(&copy, NULL) != 0;
+		twice += zone_is_there_twice(&copy);
 	}
 	writer_join(thread, &w);
+	prof_copy_free(&copy);
 	assert_int_equal(broken, 0);
 	assert_int_equal(twice, 0);
 	assert_true(open > 0);
@@ -281,18 +400,19 @@ static void *write_zones(void *data)
 	return NULL;
 }
 
-/* The name's first character is the level; parents lie one level up and began no later. */
-static bool zones_are_consistent(const prof_thread_copy *thread)
+/* The name's first character is the level; an open zone began no earlier than the one around it. */
+static bool zones_are_consistent(const prof_copy *copy)
 {
-	const prof_zone *inner = NULL;
-	for (uint32_t i = 0; i < thread->count; i++) {
-		const prof_zone *zone = &thread->zones[i];
-		if (zone->depth != (uint32_t)(zone->site->name[0] - '0') || zone->end < zone->begin)
+	const prof_lane_copy *lane = &copy->lanes[0];
+	for (size_t i = 0; i < lane->event_count; i++) {
+		const prof_record record = record_at(copy, 0, i);
+		if (record.depth != (uint32_t)(record.site->name[0] - '0') || record.end < record.begin)
 			return false;
-		if (zone->open && inner != NULL && (inner->depth != zone->depth + 1 || inner->begin < zone->begin))
-			return false;
-		inner = zone->open ? zone : NULL;
 	}
+	for (uint32_t depth = 0; depth < lane->open_count; depth++)
+		if (depth != (uint32_t)(lane->open[depth].site->name[0] - '0') ||
+		    (depth > 0 && lane->open[depth].begin < lane->open[depth - 1].begin))
+			return false;
 	return true;
 }
 
@@ -301,40 +421,62 @@ static void open_zones_are_whole(void **state)
 	(void)state;
 	pthread_t thread;
 	writer w = {0};
+	prof_copy copy = {0};
 	uint64_t open = 0, broken = 0;
 	assert_int_equal(stilb_prof_ring_events_set(64), 0);
 	writer_start(&thread, write_zones, &w);
 	for (watch reader = watch_start(10000); watch_goes_on(&reader, &w);) {
-		prof_copy copy;
-		broken += prof_copy_take(&copy) != 0 || !zones_are_consistent(&copy.threads[0]);
-		open += copy.threads[0].count - copy.events_held;
-		prof_copy_free(&copy);
+		broken += prof_copy_take(&copy, NULL) != 0 || !zones_are_consistent(&copy);
+		open += copy.lanes[0].open_count;
 	}
 	writer_join(thread, &w);
 	assert_int_equal(broken, 0);
 	assert_true(open > 0);
+	prof_copy_free(&copy);
 }
 
-static void traces_of_a_busy_thread_keep_every_rule(void **state)
+/* Recording goes off and on all the time; what is seen stays whole. */
+static void sessions_are_never_mixed(void **state)
 {
 	(void)state;
 	pthread_t thread;
 	writer w = {0};
-	assert_int_equal(stilb_prof_ring_events_set(1024), 0);
-	assert_int_equal(stilb_prof_thread_begin("main"), 0);
+	prof_copy copy = {0};
+	uint64_t broken = 0;
+	assert_int_equal(stilb_prof_ring_events_set(64), 0);
 	writer_start(&thread, write_zones, &w);
-	for (int i = 0; i < 100; i++) {
-		PROFILE("trace");
-		capture c;
-		stilb_prof_frame_mark();
-		if (capture_take(&c, i % 2 ? 3 : 0) != 0) {
-			writer_join(thread, &w);
-			fail_msg("trace %d: %s", i, c.report.error);
-		}
-		assert_int_equal(c.report.threads, 2);
-		capture_finish(&c);
+	for (watch reader = watch_start(3000); watch_goes_on(&reader, &w);) {
+		broken += prof_copy_take(&copy, NULL) != 0;
+		for (size_t i = 0; i < copy.lanes[0].event_count; i++)
+			broken += record_at(&copy, 0, i).end < record_at(&copy, 0, i).begin;
+		stilb_prof_record_set(false);
+		stilb_prof_record_set(true);
 	}
 	writer_join(thread, &w);
+	assert_int_equal(broken, 0);
+	prof_copy_free(&copy);
+}
+
+/* Windows are found by looking at events here and there while they are overwritten. */
+static void windows_of_a_busy_thread(void **state)
+{
+	(void)state;
+	pthread_t thread;
+	writer w = {0};
+	prof_copy copy = {0};
+	uint64_t broken = 0;
+	const stilb_prof_window window = {.last_frames = 1};
+	assert_int_equal(stilb_prof_ring_events_set(64), 0);
+	writer_start(&thread, write_zones, &w);
+	for (watch reader = watch_start(2000); watch_goes_on(&reader, &w);) {
+		stilb_prof_frame_mark();
+		broken += prof_copy_take(&copy, &window) != 0 || !zones_are_consistent(&copy);
+		for (size_t i = 0; i < copy.lanes[0].event_count; i++)
+			broken += record_at(&copy, 0, i).end < copy.begin.ticks;
+	}
+	writer_join(thread, &w);
+	assert_int_equal(broken, 0);
+	prof_copy_free(&copy);
 }
 
 /* Frames are marked by one thread and read by another. */
@@ -353,20 +495,66 @@ static void frames_are_never_torn(void **state)
 	(void)state;
 	pthread_t thread;
 	writer w = {0};
+	prof_copy copy = {0};
 	uint64_t broken = 0;
 	writer_start(&thread, write_frames, &w);
 	for (int i = 0; i < 1000; i++) {
-		prof_copy copy;
-		broken += prof_copy_take(&copy) != 0;
+		broken += prof_copy_take(&copy, NULL) != 0;
 		for (uint32_t k = 1; k < copy.frame_count; k++)
-			broken += copy.frame_begin[k] < copy.frame_begin[k - 1];
-		prof_copy_free(&copy);
+			broken += copy.frames[k].ticks < copy.frames[k - 1].ticks || copy.frames[k].ns < copy.frames[k - 1].ns;
 	}
 	writer_join(thread, &w);
+	prof_copy_free(&copy);
 	assert_int_equal(broken, 0);
 }
 
-/* ---- threads that come and go ------------------------------------------------------------------------------------- */
+/* Under the lock of copies; a test may hold one there. */
+static uint32_t copy_held, copy_waits;
+
+uint32_t __real_prof_switches_copy(const prof_switches *switches, uint64_t since_ns, prof_switch_event *events);
+uint32_t __wrap_prof_switches_copy(const prof_switches *switches, uint64_t since_ns, prof_switch_event *events);
+
+uint32_t __wrap_prof_switches_copy(const prof_switches *switches, uint64_t since_ns, prof_switch_event *events)
+{
+	if (__atomic_exchange_n(&copy_held, 0, __ATOMIC_ACQ_REL) != 0) { /* only the first; pairs with the test's stores */
+		__atomic_store_n(&copy_waits, 1, __ATOMIC_RELEASE);
+		while (__atomic_load_n(&copy_waits, __ATOMIC_ACQUIRE) != 0)
+			sched_yield();
+	}
+	return __real_prof_switches_copy(switches, since_ns, events);
+}
+
+static void *take_a_copy(void *data)
+{
+	prof_copy copy = {0};
+	*(int *)data = prof_copy_take(&copy, NULL);
+	prof_copy_free(&copy);
+	return NULL;
+}
+
+/* What is drawn each frame does not wait for a capture that copies full rings. */
+static void copies_do_not_wait_for_each_other(void **state)
+{
+	(void)state;
+	pthread_t thread;
+	stilb_prof_lane_handle *lane;
+	prof_copy copy = {0};
+	int error = -1;
+	assert_int_equal(stilb_prof_lane_create("GPU", &lane), 0);
+	__atomic_store_n(&copy_held, 1, __ATOMIC_RELEASE); /* pairs with the exchange above */
+	assert_int_equal(pthread_create(&thread, NULL, take_a_copy, &error), 0);
+	while (__atomic_load_n(&copy_waits, __ATOMIC_ACQUIRE) == 0) /* pairs with the store above */
+		sched_yield();
+	assert_int_equal(prof_copy_take(&copy, NULL), 0); /* else it stands still here */
+	stilb_prof_record_set(false);                     /* nor does the switch */
+	stilb_prof_record_set(true);
+	__atomic_store_n(&copy_waits, 0, __ATOMIC_RELEASE); /* pairs with the load above */
+	assert_int_equal(pthread_join(thread, NULL), 0);
+	assert_int_equal(error, 0);
+	prof_copy_free(&copy);
+}
+
+/* ---- threads that come and go ------------------------------------------------------------------------------------ */
 
 typedef struct worker {
 	char name[32];
@@ -405,31 +593,35 @@ static void threads_of_the_same_names_share_rings(void **state)
 {
 	(void)state;
 	uint32_t ended;
-	capture c;
+	prof_copy copy = {0};
 	run_workers(1000, 8);
 	assert_int_equal(prof_ring_count(&ended), 8);
 	assert_int_equal(ended, 8);
-	assert_trace(&c, 0);
-	assert_int_equal(c.report.zones, 1000);
-	assert_int_equal(c.report.events_lost, 0);
-	assert_int_equal(c.report.threads, 8);
-	assert_int_equal(trace_check_zones(&c.report, "worker 3", "work"), 125);
-	capture_finish(&c);
+	assert_int_equal(prof_copy_take(&copy, NULL), 0);
+	assert_int_equal(copy.events_recorded, 1000);
+	assert_int_equal(copy.events_held, 1000);
+	assert_int_equal(copy.lane_count, 8);
+	for (uint32_t i = 0; i < 8; i++)
+		assert_int_equal(record_count(&copy, i, "work"), 125);
+	prof_copy_free(&copy);
 }
 
 static void threads_of_new_names_are_bounded(void **state)
 {
 	(void)state;
-	uint32_t ended;
-	capture c;
+	uint32_t ended, last = 0;
+	prof_copy copy = {0};
 	run_workers(1000, 1000);
 	assert_in_range(prof_ring_count(&ended), PROF_ENDED_MAX, PROF_ENDED_MAX + 4);
-	assert_trace(&c, 0);
-	assert_int_equal(c.report.events_recorded, 1000);
-	assert_int_equal(c.report.events_lost + c.report.zones, 1000);
-	assert_int_equal(trace_check_zones(&c.report, "worker 999", "work"), 1); /* the last ones are still there */
-	assert_int_equal(trace_check_zones(&c.report, "worker 0", "work"), 0);
-	capture_finish(&c);
+	assert_int_equal(prof_copy_take(&copy, NULL), 0);
+	assert_int_equal(copy.events_recorded, 1000);
+	assert_int_equal(copy.events_held, copy.lane_count); /* one each: the others are accounted for as lost */
+	for (uint32_t i = 0; i < copy.lane_count; i++) {
+		assert_string_not_equal(copy.lanes[i].name, "worker 0");
+		last += strcmp(copy.lanes[i].name, "worker 999") == 0;
+	}
+	assert_int_equal(last, 1); /* the last ones are still there */
+	prof_copy_free(&copy);
 }
 
 static void living_threads_do_not_share(void **state)
@@ -463,10 +655,7 @@ static void shutdown_unmaps_the_rings(void **state)
 	{
 		PROFILE("zone");
 	}
-	capture c;
-	assert_trace(&c, 0);
-	assert_int_equal(c.report.zones, 1);
-	capture_finish(&c);
+	assert_records("zone");
 }
 
 #define RING_TEST(f) cmocka_unit_test_teardown(f, shut_down)
@@ -475,13 +664,18 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		RING_TEST(wrap_keeps_the_newest),
-		RING_TEST(accounts_reach_the_trace),
 		RING_TEST(ring_sizes),
+		RING_TEST(large_rings_cost_what_is_used),
+		RING_TEST(windows_hold_what_overlaps_them),
+		RING_TEST(windows_end_where_memory_does),
+		RING_TEST(windows_of_devices),
 		RING_TEST(copies_are_never_torn),
 		RING_TEST(open_zones_are_never_torn),
 		RING_TEST(open_zones_are_whole),
-		RING_TEST(traces_of_a_busy_thread_keep_every_rule),
+		RING_TEST(sessions_are_never_mixed),
+		RING_TEST(windows_of_a_busy_thread),
 		RING_TEST(frames_are_never_torn),
+		RING_TEST(copies_do_not_wait_for_each_other),
 		RING_TEST(threads_of_the_same_names_share_rings),
 		RING_TEST(threads_of_new_names_are_bounded),
 		RING_TEST(living_threads_do_not_share),

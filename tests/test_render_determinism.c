@@ -45,13 +45,20 @@ static void fuzz_hook(void *user, uint32_t worker)
 	fuzz_pause();
 }
 
+static void fuzz_begin_hook(void *user, uint32_t worker, uint64_t tag)
+{
+	(void)tag;
+	fuzz_hook(user, worker);
+}
+
 static void fuzz_steal_hook(void *user, uint32_t worker, uint32_t victim)
 {
 	(void)victim;
 	fuzz_hook(user, worker);
 }
 
-static const stilb_job_hooks fuzz_hooks = {.job_begin = fuzz_hook, .job_end = fuzz_hook, .steal = fuzz_steal_hook};
+static const stilb_job_hooks fuzz_hooks = {
+	.job_begin = fuzz_begin_hook, .job_end = fuzz_hook, .steal = fuzz_steal_hook};
 
 typedef struct fuzz_loop {
 	stilb_job_range_fn *fn;

@@ -159,10 +159,32 @@ static stilb_result step_material(trial *t)
 	return stilb_render_material_create(t->render, &t->scene->materials[0], t->texture, &t->material);
 }
 
-/* The scene twice, its first part with a texture as well; from two passes, of which one is sorted. */
+/* Triangles over the picture, with and without a texture. */
+static stilb_result trial_overlay(trial *t, uint32_t pass, uint32_t triangles)
+{
+	static const stilb_render_vertex_2d corners[3] = {{{4, 4}, {0, 0}, {200, 90, 10, 255}},
+	                                                  {{30, 4}, {1, 0}, {20, 90, 210, 128}},
+	                                                  {{4, 25}, {0, 1}, {20, 190, 10, 255}}};
+	static const uint32_t indices[3] = {0, 1, 2};
+	static const float clip[4] = {6, 0, 100, 20};
+	stilb_result result = stilb_render_pass_begin(t->render, pass, 1);
+	if (result != STILB_OK)
+		return result;
+	stilb_render_context *context = stilb_render_context_get(t->render, 0);
+	stilb_render_segment_begin(context, pass, 0);
+	for (uint32_t i = 0; i < triangles; i++)
+		stilb_render_draw_2d(context, stilb_render_geometry_2d(context, corners, 3, indices, 3), 3, clip,
+		                     i % 2 ? t->texture : (stilb_render_texture){0});
+	stilb_render_segment_end(context);
+	return stilb_render_pass_end(t->render, pass);
+}
+
+/* The scene twice, its first part with a texture as well; from two passes, of which one is sorted; and a third over them. */
 static stilb_result trial_frame(trial *t, uint32_t far_draws)
 {
-	static const stilb_render_pass passes[2] = {{.name = "main"}, {.name = "again", .order = 1, .sort = true}};
+	static const stilb_render_pass passes[3] = {{.name = "main"},
+	                                            {.name = "again", .order = 1, .sort = true},
+	                                            {.name = "overlay", .kind = STILB_RENDER_PASS_2D}};
 	const uint32_t model = 0;
 	const stilb_mat4 away = stilb_mat4_scale_translate(0.01f, 0.0f, -50.0f, 0.0f);
 	stilb_result result = stilb_render_frame_begin(t->render);
@@ -181,7 +203,9 @@ static stilb_result trial_frame(trial *t, uint32_t far_draws)
 	stilb_render_segment_end(context);
 	result = stilb_render_pass_end(t->render, 1);
 	if (result == STILB_OK)
-		result = stilb_render_replay(t->render, passes, 2, &t->view, 1, t->pool, 0);
+		result = trial_overlay(t, 2, 2 + far_draws / 64);
+	if (result == STILB_OK)
+		result = stilb_render_replay(t->render, passes, 3, &t->view, 1, t->pool, 0);
 	if (result == STILB_OK)
 		result = stilb_render_present(t->render);
 	return result;

@@ -2,7 +2,7 @@
  * The engine in a window under a virtual display: what a window manager and a user do to it comes from a second connection
  * to the display, so it falls into the middle of frames. All under Vulkan validation.
  */
-#include "engine.h"
+#include "engine_internal.h"
 
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
@@ -268,6 +268,118 @@ static void test_keys(void **state)
 	assert_true(camera->position[2] == rest); /* released: it stands still */
 }
 
+static void send_button(fixture *f, unsigned button, bool down)
+{
+	XButtonEvent event = {
+		.type = down ? ButtonPress : ButtonRelease,
+		.display = f->display,
+		.window = f->window,
+		.root = DefaultRootWindow(f->display),
+		.time = CurrentTime,
+		.same_screen = True,
+		.button = button,
+	};
+	XSendEvent(f->display, f->window, True, down ? ButtonPressMask : ButtonReleaseMask, (XEvent *)&event);
+	XSync(f->display, False);
+}
+
+static void type_key(fixture *f, KeySym key)
+{
+	send_key(f, key, true);
+	send_key(f, key, false);
+}
+
+static bool overlay_is_open(const fixture *f)
+{
+	return f->engine->overlay.open;
+}
+
+static bool overlay_is_frozen(const fixture *f)
+{
+	return f->engine->overlay.open && stilb_ui_profiler_frozen(f->engine->overlay.profiler);
+}
+
+static bool overlay_wants_mouse(const fixture *f)
+{
+	return stilb_ui_wants_mouse(f->engine->overlay.ui);
+}
+
+static bool overlay_wants_keys(const fixture *f)
+{
+	return stilb_ui_wants_keys(f->engine->overlay.ui);
+}
+
+static bool overlay_feels_wheel(const fixture *f)
+{
+	return f->engine->overlay.input.wheel == 1.0f && f->engine->overlay.input.mouse_y == 150.0f;
+}
+
+/* Runs frames until it is as wanted. */
+static void expect(fixture *f, bool (*what)(const fixture *f), bool wanted)
+{
+	for (int i = 0; i < 100 && what(f) != wanted; i++)
+		run_frame(f);
+	assert_true(what(f) == wanted);
+}
+
+/* F1 opens and closes the profiler, space freezes it; what the mouse and the keys do in it they do not do to the camera. */
+static void test_overlay(void **state)
+{
+	fixture *f = *state;
+	const stilb_scene_camera *camera = &stilb_engine_scene(f->engine)->camera;
+	XSetInputFocus(f->display, f->window, RevertToParent, CurrentTime); /* as a window manager would */
+	run_frames(f, 3);
+	assert_false(overlay_is_open(f));
+	type_key(f, XK_F1);
+	expect(f, overlay_is_open, true);
+	run_frames(f, 10);
+	type_key(f, XK_space);
+	expect(f, overlay_is_frozen, true);
+	run_frames(f, 3);
+	type_key(f, XK_space);
+	expect(f, overlay_is_frozen, false);
+
+	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 160, 150);
+	XSync(f->display, False);
+	expect(f, overlay_wants_mouse, true);
+	send_button(f, 4, true);
+	send_button(f, 4, false);
+	expect(f, overlay_feels_wheel, true);
+	float yaw = camera->yaw;
+	send_button(f, 3, true);
+	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 190, 160);
+	XSync(f->display, False);
+	run_frames(f, 5);
+	assert_true(camera->yaw == yaw); /* the right button does not turn it over there */
+	send_button(f, 3, false);
+
+	type_key(f, XK_Tab);
+	expect(f, overlay_wants_keys, true);
+	float before = camera->position[2];
+	send_key(f, XK_w, true);
+	run_frames(f, 5);
+	assert_true(camera->position[2] == before);
+	type_key(f, XK_Escape);
+	expect(f, overlay_wants_keys, false);
+	for (int i = 0; i < 100 && camera->position[2] == before; i++)
+		run_frame(f);
+	send_key(f, XK_w, false);
+	assert_true(camera->position[2] < before); /* still held: now it flies */
+
+	type_key(f, XK_F1);
+	expect(f, overlay_is_open, false);
+	send_button(f, 3, true);
+	run_frames(f, 3);
+	for (int i = 0; i < 100 && camera->yaw == yaw; i++) {
+		XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 160 + i % 2 * 40, 100);
+		XSync(f->display, False);
+		run_frame(f);
+	}
+	send_button(f, 3, false);
+	assert_true(camera->yaw != yaw);
+	run_frames(f, 3);
+}
+
 static void test_close(void **state)
 {
 	fixture *f = *state;
@@ -300,6 +412,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_resize_during_frames, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_minimise, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_overlay, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_close, set_up, tear_down),
 	};
 	int failed = cmocka_run_group_tests_name("window events", tests, NULL, NULL);

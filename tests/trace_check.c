@@ -11,7 +11,7 @@
 #define DEPTH_MAX 64
 #define KEYS_MAX 64
 
-/* ---- memory: growing arrays, and strings that are kept once --------------------------------------------------------- */
+/* ---- memory: growing arrays, and strings that are kept once ------------------------------------------------------ */
 
 typedef struct strings {
 	char **slot; /* open addressing, a power of two */
@@ -61,21 +61,21 @@ static const char *strings_keep(strings *set, const char *text, size_t size)
 	return set->slot[at];
 }
 
-/* ---- what is kept of the text --------------------------------------------------------------------------------------- */
+/* ---- what is kept of the text ------------------------------------------------------------------------------------ */
 
 typedef struct text_span {
 	const char *begin, *end; /* begin == NULL: absent */
 } text_span;
 
 typedef struct event {
-	const char *ph, *name, *scope; /* NULL: absent */
-	text_span pid, tid, ts, dur;
+	const char *ph, *name, *scope, *cat, *bind; /* NULL: absent */
+	text_span pid, tid, ts, dur, id;
 	bool has_args;
 	const char *arg_name;
-	text_span arg_sort;
+	text_span arg_sort, arg_value;
 	size_t line;
-	int64_t pid_value, tid_value;
-	uint64_t begin, end; /* ns; X: both; B, E, i: begin */
+	int64_t pid_value, tid_value, id_value;
+	uint64_t begin, end; /* tenths of nanoseconds; X: both; others: begin */
 } event;
 
 typedef struct parser {
@@ -90,7 +90,7 @@ typedef struct parser {
 	event *current; /* the event being read */
 	const char *unit, *clock;
 	bool has_events, has_other;
-	text_span hz, resolution, recorded, lost, held, written;
+	text_span hz, resolution, bias, cost, epoch, first, last, recorded, lost, held, too_deep, written;
 } parser;
 
 static bool fail_at(parser *p, size_t line, const char *format, ...) __attribute__((format(printf, 3, 4)));
@@ -110,7 +110,7 @@ static bool fail_at(parser *p, size_t line, const char *format, ...)
 
 #define fail(p, ...) fail_at(p, (p)->line, __VA_ARGS__)
 
-/* ---- JSON ------------------------------------------------------------------------------------------------------------ */
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
 typedef bool member_fn(parser *p, const char *key, int depth);
 
@@ -355,7 +355,7 @@ static bool parse_value(parser *p, int depth)
 	return parse_word(p);
 }
 
-/* ---- the trace as JSON ------------------------------------------------------------------------------------------------ */
+/* ---- the trace as JSON ------------------------------------------------------------------------------------------- */
 
 static bool member_args(parser *p, const char *key, int depth)
 {
@@ -363,6 +363,8 @@ static bool member_args(parser *p, const char *key, int depth)
 		return parse_string(p, &p->current->arg_name);
 	if (strcmp(key, "sort_index") == 0)
 		return parse_number(p, &p->current->arg_sort);
+	if (strcmp(key, "value") == 0)
+		return parse_number(p, &p->current->arg_value);
 	return parse_value(p, depth);
 }
 
@@ -374,8 +376,9 @@ static bool member_event(parser *p, const char *key, int depth)
 		const char **string;
 		text_span *number;
 	} known[] = {
-		{"ph", &e->ph, NULL},   {"name", &e->name, NULL}, {"s", &e->scope, NULL}, {"pid", NULL, &e->pid},
-		{"tid", NULL, &e->tid}, {"ts", NULL, &e->ts},     {"dur", NULL, &e->dur},
+		{"ph", &e->ph, NULL},   {"name", &e->name, NULL}, {"s", &e->scope, NULL}, {"cat", &e->cat, NULL},
+		{"bp", &e->bind, NULL}, {"pid", NULL, &e->pid},   {"tid", NULL, &e->tid}, {"ts", NULL, &e->ts},
+		{"id", NULL, &e->id},   {"dur", NULL, &e->dur},
 	};
 	for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
 		if (strcmp(key, known[i].key) == 0)
@@ -408,10 +411,16 @@ static bool member_other(parser *p, const char *key, int depth)
 	} known[] = {
 		{"hz", &p->hz},
 		{"resolution_ns", &p->resolution},
+		{"bias_ns", &p->bias},
+		{"zone_cost_ns", &p->cost},
+		{"epoch_ns", &p->epoch},
+		{"begin_ns", &p->first},
+		{"end_ns", &p->last},
 		{"events_recorded", &p->recorded},
 		{"events_lost", &p->lost},
 		{"events_held", &p->held},
-		{"events_written", &p->written},
+		{"too_deep", &p->too_deep},
+		{"zones_written", &p->written},
 	};
 	for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
 		if (strcmp(key, known[i].key) == 0)
@@ -434,7 +443,7 @@ static bool member_top(parser *p, const char *key, int depth)
 	return parse_value(p, depth);
 }
 
-/* ---- the rules -------------------------------------------------------------------------------------------------------- */
+/* ---- the rules --------------------------------------------------------------------------------------------------- */
 
 typedef struct open_zone {
 	const char *name;
@@ -446,12 +455,17 @@ typedef struct track {
 	int64_t tid;
 	const char *name;
 	bool has_sort;
-	bool is_frames;
+	bool is_frames, is_off_cpu;
 	uint64_t last; /* ts of the event before */
 	size_t last_line;
 	open_zone *open;
 	size_t depth, capacity;
 } track;
+
+/* One arrow: its two ends. */
+typedef struct arrow {
+	const event *from, *to;
+} arrow;
 
 typedef struct judge {
 	parser *p;
@@ -460,6 +474,8 @@ typedef struct judge {
 	int64_t pid;
 	bool has_pid, has_process_name;
 	uint64_t complete; /* X zones */
+	arrow *arrows;     /* by id: 1, 2, 3... */
+	size_t arrow_count, arrow_capacity;
 } judge;
 
 /* Whole numbers alone, up to 18 digits. */
@@ -478,19 +494,21 @@ static bool span_integer(text_span span, int64_t *value)
 	return true;
 }
 
-/* Microseconds, not negative, with exactly three decimals. */
-static bool span_ns(text_span span, uint64_t *ns)
+/* Microseconds, not negative, with three decimals or a fourth that is not 0. */
+static bool span_tenths(text_span span, uint64_t *tenths)
 {
-	const ptrdiff_t length = span.end - span.begin;
-	*ns = 0;
-	if (length < 5 || length > 19 || span.end[-4] != '.')
+	const char *point = memchr(span.begin, '.', (size_t)(span.end - span.begin));
+	const ptrdiff_t decimals = point != NULL ? span.end - point - 1 : 0;
+	*tenths = 0;
+	if (span.end - span.begin > 19 || decimals < 3 || decimals > 4 || (decimals == 4 && span.end[-1] == '0'))
 		return false;
 	for (const char *c = span.begin; c < span.end; c++)
-		if (c != span.end - 4) {
+		if (c != point) {
 			if (*c < '0' || *c > '9')
 				return false;
-			*ns = 10 * *ns + (uint64_t)(*c - '0');
+			*tenths = 10 * *tenths + (uint64_t)(*c - '0');
 		}
+	*tenths *= decimals == 3 ? 10 : 1;
 	return true;
 }
 
@@ -509,7 +527,7 @@ static bool judge_keys(judge *j, event *e)
 	parser *p = j->p;
 	if (e->ph == NULL)
 		return fail_at(p, e->line, "event without ph");
-	if (strlen(e->ph) != 1 || strchr("MXBEi", e->ph[0]) == NULL)
+	if (strlen(e->ph) != 1 || strchr("MXBEiCsf", e->ph[0]) == NULL)
 		return fail_at(p, e->line, "unknown ph \"%.20s\"", e->ph);
 	const char ph = e->ph[0];
 	if (e->name == NULL && ph != 'E')
@@ -520,14 +538,37 @@ static bool judge_keys(judge *j, event *e)
 		return fail_at(p, e->line, "event without an integer tid");
 	if (ph == 'M')
 		return e->has_args || fail_at(p, e->line, "M event without args");
-	if (e->ts.begin == NULL || !span_ns(e->ts, &e->begin))
+	if (e->ts.begin == NULL || !span_tenths(e->ts, &e->begin))
 		return fail_at(p, e->line, "%c event without a ts of three decimals", ph);
-	if (ph == 'X' && (e->dur.begin == NULL || !span_ns(e->dur, &e->end)))
+	if (ph == 'X' && (e->dur.begin == NULL || !span_tenths(e->dur, &e->end)))
 		return fail_at(p, e->line, "X event without a dur of three decimals");
-	if (ph == 'i' && (e->scope == NULL || strcmp(e->scope, "g") != 0))
-		return fail_at(p, e->line, "i event without s \"g\"");
+	if (ph == 'i' && (e->scope == NULL || (strcmp(e->scope, "g") != 0 && strcmp(e->scope, "t") != 0)))
+		return fail_at(p, e->line, "i event without s \"g\" or \"t\"");
+	if (ph == 'C' && e->arg_value.begin == NULL)
+		return fail_at(p, e->line, "C event without a number args.value");
+	if ((ph == 's' || ph == 'f') && (e->cat == NULL || e->id.begin == NULL || !span_integer(e->id, &e->id_value)))
+		return fail_at(p, e->line, "%c event without cat and an integer id", ph);
+	if (ph == 'f' && (e->bind == NULL || strcmp(e->bind, "e") != 0))
+		return fail_at(p, e->line, "f event without bp \"e\"");
 	e->end += e->begin;
 	return true;
+}
+
+#define OFF_CPU ": off the CPU"
+
+static bool ends_in(const char *text, const char *ending)
+{
+	const size_t length = strlen(text), size = strlen(ending);
+	return length >= size && strcmp(text + length - size, ending) == 0;
+}
+
+/* An off-CPU thread belongs to the thread of the same name before it. */
+static bool judge_off_cpu_thread(judge *j, const track *lane)
+{
+	const track *owner = lane > j->lanes ? lane - 1 : NULL;
+	const size_t length = strlen(lane->name) - strlen(OFF_CPU);
+	return (owner != NULL && strlen(owner->name) == length && strncmp(owner->name, lane->name, length) == 0) ||
+	       fail_at(j->p, 0, "\"%.60s\" does not follow its thread", lane->name);
 }
 
 static bool judge_metadata(judge *j, const event *e)
@@ -543,6 +584,7 @@ static bool judge_metadata(judge *j, const event *e)
 			return fail_at(p, e->line, "thread_name without args.name, or a second one of tid %" PRId64, e->tid_value);
 		lane->name = e->arg_name;
 		lane->is_frames = strcmp(e->arg_name, "frames") == 0;
+		lane->is_off_cpu = ends_in(e->arg_name, OFF_CPU);
 	} else if (strcmp(e->name, "thread_sort_index") == 0) {
 		int64_t index;
 		if (e->arg_sort.begin == NULL || !span_integer(e->arg_sort, &index) || lane->has_sort)
@@ -583,12 +625,14 @@ static bool judge_names(judge *j)
 		if (!j->lanes[i].has_sort)
 			return fail_at(p, 0, "tid %" PRId64 " without a thread_sort_index", j->lanes[i].tid);
 		frames += j->lanes[i].is_frames;
+		p->report->threads += !j->lanes[i].is_frames && !j->lanes[i].is_off_cpu;
+		if (j->lanes[i].is_off_cpu && !judge_off_cpu_thread(j, &j->lanes[i]))
+			return false;
 	}
 	if (!j->has_process_name)
 		return fail_at(p, 0, "no process_name");
 	if (frames != 1)
 		return fail_at(p, 0, "not one thread \"frames\" but %u", frames);
-	p->report->threads = (uint32_t)j->lane_count - 1;
 	return true;
 }
 
@@ -609,8 +653,8 @@ static bool judge_pop(judge *j, track *lane, const event *e)
 static bool judge_inside(judge *j, const track *lane, const event *e)
 {
 	const open_zone *top = &lane->open[lane->depth - 1];
-	if (lane->is_frames)
-		return fail_at(j->p, e->line, "frames overlap");
+	if (lane->is_frames || lane->is_off_cpu)
+		return fail_at(j->p, e->line, "%s overlap", lane->is_frames ? "frames" : "times off the CPU");
 	if (top->unended)
 		return true;
 	if (e->ph[0] == 'B' || e->end > top->end)
@@ -630,11 +674,15 @@ static bool judge_push(judge *j, track *lane, const event *e)
 		return false;
 	if (lane->is_frames && (begin || strcmp(e->name, "frame") != 0))
 		return fail_at(p, e->line, "\"%.60s\" on the thread \"frames\"", e->name);
+	if (lane->is_off_cpu && (begin || (strcmp(e->name, "sleeping") != 0 && strcmp(e->name, "preempted") != 0)))
+		return fail_at(p, e->line, "\"%.60s\" on an off-CPU thread", e->name);
 	lane->open = grow(lane->open, lane->depth, &lane->capacity, sizeof *lane->open);
 	lane->open[lane->depth++] = (open_zone){e->name, e->begin, e->end, begin};
-	j->complete += !begin && !lane->is_frames;
+	const bool zone = !lane->is_frames && !lane->is_off_cpu;
+	j->complete += zone && !begin;
 	p->report->frames += lane->is_frames;
-	p->report->zones += !lane->is_frames;
+	p->report->switches += lane->is_off_cpu;
+	p->report->zones += zone;
 	p->report->open_zones += begin;
 	return true;
 }
@@ -656,6 +704,61 @@ static bool judge_end(judge *j, track *lane, const event *e)
 	return true;
 }
 
+static bool judge_point(judge *j, const track *lane, const event *e)
+{
+	parser *p = j->p;
+	const bool global = e->ph[0] == 'i' && strcmp(e->scope, "g") == 0;
+	if (global != lane->is_frames || lane->is_off_cpu)
+		return fail_at(p, e->line, global ? "mark on a thread other than \"frames\"" : "%c on the thread \"%.60s\"",
+		               e->ph[0], lane->name);
+	p->report->marks += global;
+	p->report->instants += e->ph[0] == 'i' && !global;
+	p->report->counters += e->ph[0] == 'C';
+	return true;
+}
+
+/* Viewers bind an arrow's ends to the zones around them. */
+static bool judge_arrow_end(judge *j, const track *lane, const event *e)
+{
+	parser *p = j->p;
+	const bool from = e->ph[0] == 's';
+	size_t around = lane->depth;
+	while (around > 0 && !lane->open[around - 1].unended && lane->open[around - 1].end / 10 * 10 <= e->begin)
+		around--;
+	p->report->flow_ends_outside += around == 0;
+	if (e->id_value < 1 || (size_t)e->id_value > p->event_count)
+		return fail_at(p, e->line, "a flow's id is not a number from 1 on");
+	while (j->arrow_count < (size_t)e->id_value) {
+		j->arrows = grow(j->arrows, j->arrow_count, &j->arrow_capacity, sizeof *j->arrows);
+		j->arrows[j->arrow_count++] = (arrow){0};
+	}
+	const event **end = from ? &j->arrows[e->id_value - 1].from : &j->arrows[e->id_value - 1].to;
+	if (*end != NULL)
+		return fail_at(p, e->line, "a second %c of flow %" PRId64, e->ph[0], e->id_value);
+	*end = e;
+	return true;
+}
+
+static bool judge_arrows(judge *j)
+{
+	parser *p = j->p;
+	for (size_t i = 0; i < j->arrow_count; i++) {
+		const event *from = j->arrows[i].from, *to = j->arrows[i].to;
+		if (to == NULL) {
+			p->report->flows_open += from != NULL;
+			continue;
+		}
+		if (from == NULL)
+			return fail_at(p, to->line, "f without an s");
+		if (from->name != to->name || from->cat != to->cat) /* strings are kept once */
+			return fail_at(p, to->line, "the f of flow %" PRId64 " has another name or cat than its s", to->id_value);
+		if (from->begin > to->begin)
+			return fail_at(p, to->line, "flow %" PRId64 " goes back in time", to->id_value);
+		p->report->flows++;
+	}
+	return true;
+}
+
 static bool judge_order(judge *j)
 {
 	parser *p = j->p;
@@ -670,9 +773,10 @@ static bool judge_order(judge *j)
 			               lane->last_line);
 		lane->last = e->begin;
 		lane->last_line = e->line;
-		if (ph == 'i' && !lane->is_frames)
-			return fail_at(p, e->line, "mark on a thread other than \"frames\"");
-		p->report->marks += ph == 'i';
+		if ((ph == 'i' || ph == 'C') && !judge_point(j, lane, e))
+			return false;
+		if ((ph == 's' || ph == 'f') && !judge_arrow_end(j, lane, e))
+			return false;
 		if ((ph == 'X' || ph == 'B') && !judge_push(j, lane, e))
 			return false;
 		if (ph == 'E' && !judge_end(j, lane, e))
@@ -684,25 +788,33 @@ static bool judge_order(judge *j)
 static bool judge_accounts(judge *j)
 {
 	parser *p = j->p;
-	int64_t hz, recorded, lost, held, written;
-	if (p->clock == NULL || p->hz.begin == NULL || !span_integer(p->hz, &hz) || hz <= 0)
-		return fail_at(p, 0, "otherData without clock and hz");
-	if (p->resolution.begin == NULL || *p->resolution.begin == '-')
-		return fail_at(p, 0, "otherData without resolution_ns");
+	int64_t recorded, lost, held, written, first, last;
+	const text_span needed[] = {p->hz, p->resolution, p->bias, p->cost, p->epoch, p->too_deep};
+	static const char *const names[] = {"hz", "resolution_ns", "bias_ns", "zone_cost_ns", "epoch_ns", "too_deep"};
+	if (p->clock == NULL)
+		return fail_at(p, 0, "otherData without clock");
+	for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++)
+		if (needed[i].begin == NULL || *needed[i].begin == '-')
+			return fail_at(p, 0, "otherData without %s, or it is negative", names[i]);
+	if (p->hz.end - p->hz.begin == 1 && *p->hz.begin == '0')
+		return fail_at(p, 0, "hz is 0");
+	if (p->first.begin == NULL || p->last.begin == NULL || !span_integer(p->first, &first) ||
+	    !span_integer(p->last, &last) || first > last)
+		return fail_at(p, 0, "otherData without a window from begin_ns to end_ns");
 	if (p->recorded.begin == NULL || p->lost.begin == NULL || p->held.begin == NULL || p->written.begin == NULL ||
 	    !span_integer(p->recorded, &recorded) || !span_integer(p->lost, &lost) || !span_integer(p->held, &held) ||
 	    !span_integer(p->written, &written))
 		return fail_at(p, 0, "otherData without the accounts of events");
-	if (recorded < 0 || lost < 0 || written < 0 || recorded != lost + held || written > held)
+	if (recorded < 0 || lost < 0 || written < 0 || recorded != lost + held || (int64_t)j->complete > held)
 		return fail_at(p, 0, "the accounts of events do not add up");
-	if ((uint64_t)written != j->complete)
-		return fail_at(p, 0, "%" PRIu64 " zones that ended, but events_written is %" PRId64, j->complete, written);
+	if ((uint64_t)written != p->report->zones)
+		return fail_at(p, 0, "%" PRIu64 " zones, but zones_written is %" PRId64, p->report->zones, written);
 	p->report->events_recorded = (uint64_t)recorded;
 	p->report->events_lost = (uint64_t)lost;
 	return true;
 }
 
-/* ---- counts ------------------------------------------------------------------------------------------------------------ */
+/* ---- counts ------------------------------------------------------------------------------------------------------ */
 
 static int compare_counts(const void *a, const void *b)
 {
@@ -719,7 +831,7 @@ static void judge_count(judge *j)
 	for (size_t i = 0; i < j->p->event_count; i++) {
 		const event *e = &j->p->events[i];
 		const track *lane = judge_lane(j, e->tid_value);
-		if ((e->ph[0] == 'X' || e->ph[0] == 'B') && !lane->is_frames) {
+		if ((e->ph[0] == 'X' || e->ph[0] == 'B') && !lane->is_frames && !lane->is_off_cpu) {
 			counts = grow(counts, count, &capacity, sizeof *counts);
 			counts[count++] = (trace_check_count){lane->name, e->name, 1};
 		}
@@ -746,7 +858,7 @@ uint64_t trace_check_zones(const trace_check_report *report, const char *thread,
 	return zones;
 }
 
-/* ---- the calls --------------------------------------------------------------------------------------------------------- */
+/* ---- the calls --------------------------------------------------------------------------------------------------- */
 
 static bool check_document(parser *p)
 {
@@ -767,11 +879,13 @@ int trace_check_text(const char *text, size_t size, trace_check_report *report)
 	*report = (trace_check_report){0};
 	parser p = {.at = text, .end = text + size, .line = 1, .report = report};
 	judge j = {.p = &p};
-	if (check_document(&p) && judge_events(&j) && judge_names(&j) && judge_order(&j) && judge_accounts(&j))
+	if (check_document(&p) && judge_events(&j) && judge_names(&j) && judge_order(&j) && judge_arrows(&j) &&
+	    judge_accounts(&j))
 		judge_count(&j);
 	for (size_t i = 0; i < j.lane_count; i++)
 		free(j.lanes[i].open);
 	free(j.lanes);
+	free(j.arrows);
 	free(p.events);
 	free(p.scratch);
 	strings *kept = malloc(sizeof *kept);

@@ -18,8 +18,17 @@ stilb_input_state stilb_input_from_window(const stilb_window_state *window)
 		.fast = held[STILB_WINDOW_KEY_SHIFT],
 		.capture = window->pressed[STILB_WINDOW_KEY_P] > 0,
 		.screenshot = window->pressed[STILB_WINDOW_KEY_F12] > 0,
+		.overlay = window->pressed[STILB_WINDOW_KEY_F1] % 2 > 0,
+		.freeze = window->pressed[STILB_WINDOW_KEY_SPACE] % 2 > 0,
 		.workers = window->pressed[STILB_WINDOW_KEY_PLUS] - window->pressed[STILB_WINDOW_KEY_MINUS],
 	};
+}
+
+stilb_input_state stilb_input_without_keys(stilb_input_state input)
+{
+	input.move[0] = input.move[1] = input.move[2] = 0.0f;
+	input.fast = input.freeze = false;
+	return input;
 }
 
 stilb_input_pose stilb_input_fly(stilb_input_pose pose, const stilb_input_state *input, float seconds)

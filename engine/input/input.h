@@ -18,6 +18,8 @@ typedef struct stilb_input_state {
 	bool fast;       /* fly at STILB_INPUT_FAST times the speed */
 	bool capture;    /* write a trace */
 	bool screenshot; /* write a picture */
+	bool overlay;    /* open or close the profiler */
+	bool freeze;     /* let it stand still, or go on */
 	int32_t workers; /* change of the worker count */
 } stilb_input_state;
 
@@ -26,8 +28,12 @@ typedef struct stilb_input_state {
 #define STILB_INPUT_TURN 0.0025f      /* radians a pixel of the mouse */
 #define STILB_INPUT_PITCH_LIMIT 1.55f /* radians: short of straight up and down */
 
-/* WASD and Q/E move, shift is fast, the captured mouse looks, P captures, F12 takes a picture, - and + change workers. */
+/* WASD and Q/E move, shift is fast, the captured mouse looks, P captures, F12 takes a picture, F1 opens and closes the
+ * profiler, space freezes it, - and + change workers. */
 stilb_input_state stilb_input_from_window(const stilb_window_state *window);
+
+/* The same without flying and freezing: the keys belong to a user interface. */
+stilb_input_state stilb_input_without_keys(stilb_input_state input);
 
 /* Position and direction of what flies; yaw 0 looks along -Z and grows to the left. */
 typedef struct stilb_input_pose {

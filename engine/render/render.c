@@ -14,9 +14,11 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	memset(render, 0, sizeof *render);
 	render->output = desc->output;
 	render->memory[RENDER_MEMORY_COMMANDS].element = sizeof(render_command);
-	render->memory[RENDER_MEMORY_COMMANDS].chunk = RENDER_COMMAND_CHUNK;
+	render->memory[RENDER_MEMORY_COMMANDS].first_capacity = RENDER_FIRST_CAPACITY;
 	render->memory[RENDER_MEMORY_ROWS].element = sizeof(render_row);
-	render->memory[RENDER_MEMORY_ROWS].chunk = RENDER_ROW_CHUNK;
+	render->memory[RENDER_MEMORY_ROWS].first_capacity = RENDER_FIRST_CAPACITY;
+	render->memory[RENDER_MEMORY_VERTICES_2D].element = sizeof(stilb_render_vertex_2d);
+	render->memory[RENDER_MEMORY_INDICES_2D].element = sizeof(uint32_t);
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
 		result = render_resources_create(&render->resources, desc->keep_textures);

@@ -11,7 +11,8 @@
  *                stilb_render_destroy.
  * Per frame.     stilb_render_frame_begin, stilb_render_record per pass, stilb_render_replay, stilb_render_present.
  * Threads.       [main-thread] unless a function says [one-writer], one thread at a time per context, or [any-thread].
- * Devices.       `null` counts and writes what a GPU would be given, and draws nothing; `vulkan` draws.
+ * Devices.       `null` counts and writes what a GPU would be given, and draws nothing; `vulkan` draws, and shows in the
+ *                profiler's lane "GPU" when it drew what: a zone for each frame, in it one for each pass.
  * Limits.        None on draws: lists and buffers grow, and running out of memory is an error of the frame. Nothing is
  *                ever dropped.
  */
@@ -93,12 +94,19 @@ typedef struct stilb_render_view {
 	stilb_scene_sky sky;
 } stilb_render_view;
 
+/* What a pass draws. */
+typedef enum stilb_render_pass_kind {
+	STILB_RENDER_PASS_SCENE, /* meshes, seen from a view */
+	STILB_RENDER_PASS_2D,    /* triangles over the finished picture, in the order of their recording */
+} stilb_render_pass_kind;
+
 typedef struct stilb_render_pass {
 	const char *name;
-	uint32_t view; /* index into the frame's views */
+	stilb_render_pass_kind kind;
+	uint32_t view; /* index into the frame's views; 2D passes have none */
 	stilb_render_target target;
-	uint32_t order; /* passes are replayed by ascending order */
-	bool sort;      /* draws by ascending key, equal keys as recorded; else all as recorded */
+	uint32_t order; /* passes are replayed by ascending order, 2D passes after all others */
+	bool sort;      /* draws by ascending key, equal keys as recorded; else all as recorded. Not for 2D passes */
 } stilb_render_pass;
 
 #define STILB_RENDER_MAX_PASSES 16
@@ -106,7 +114,7 @@ typedef struct stilb_render_pass {
 /* Of the last replayed frame. */
 typedef struct stilb_render_stats {
 	uint64_t draws;
-	uint64_t recorded_bytes; /* commands and rows of these draws */
+	uint64_t recorded_bytes; /* commands, rows and 2D geometry of these draws */
 	uint64_t draw_commands;  /* device commands that draw one thing */
 	uint64_t
 		indirect_commands;     /* device commands that draw many: one for each stretch of memory that a worker filled */
@@ -212,9 +220,9 @@ stilb_result stilb_render_wait(stilb_render *render);
 
 stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
-/* FNV-1a 64 over the last frame's draws in replay order, each as mesh id, material id (32-bit, counted from 0), the 16 floats of the
- * transform (column-major) and index count (32-bit), little endian. The same for every device, replay mode and number
- * of workers. Valid after replay until the next frame begins. */
+/* FNV-1a 64 over the last frame's draws in replay order, but for 2D passes: each as mesh id, material id (32-bit, counted
+ * from 0), the 16 floats of the transform (column-major) and index count (32-bit), little endian. The same for every
+ * device, replay mode and number of workers. Valid after replay until the next frame begins. */
 uint64_t stilb_render_stream_hash(const stilb_render *render);
 
 /* ---- recording by hand ------------------------------------------------------------------------------------------- */
@@ -236,6 +244,26 @@ void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, st
 /* The same with a key, for passes that sort; without one it is 0. [one-writer] */
 void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                                 stilb_render_material material, const stilb_mat4 *transform);
+
+/* Passes of kind 2D: text and flat shapes over the picture, alpha blended in linear light, not tone mapped, without
+ * depth, with one sample a pixel whatever the scene has. Without a scene pass the picture below is black. One without
+ * draws costs nothing. They are no part of the stream hash and of dumps. */
+typedef struct stilb_render_vertex_2d {
+	float position[2]; /* pixels from the picture's top left corner; the first pixel's centre is at 0.5, 0.5 */
+	float uv[2];
+	uint8_t color[4]; /* sRGB and straight alpha; interpolated in linear light, premultiplied */
+} stilb_render_vertex_2d;
+
+/* Copies triangles into the frame's memory; each index is below vertex_count. Returns the place of the first index, for
+ * this frame's draws. Without memory pass_end fails. Inside a segment of a 2D pass. [one-writer] */
+uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_render_vertex_2d *vertices,
+                                  uint32_t vertex_count, const uint32_t *indices, uint32_t index_count);
+
+/* Draws index_count of the copied indices where pixel centres lie in the clip rectangle: left, top, right, bottom in
+ * pixels. The texture multiplies the color, its alpha the color's (so a glyph is white with alpha as coverage); {0}: none.
+ * Draws of one texture in a row are one device command with indirect replay, whatever their clips. [one-writer] */
+void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
+                          const float clip[4], stilb_render_texture texture);
 
 /* Ends the recording of a pass; no context records meanwhile. STILB_ERROR_MEMORY when one ran out of memory on the way.
  * [main-thread] */

@@ -1,10 +1,10 @@
 /*
  * render_dump: a frame's command stream as a file, and the file played without the scene that it came from.
  *
- * What is in it. The views, the passes, every draw (mesh, material, key, transform) in the order of its recording, cut
- *                into segments as it was recorded, and the meshes, materials and textures that the draws use, with
- *                their ids. So the file needs nothing else, and what is played has the frame's stream hash, which is in
- *                the file too. render_dump_format.h describes the bytes.
+ * What is in it. The views, the passes (2D passes are left out), every draw (mesh, material, key, transform) in the order
+ *                of its recording, cut into segments as it was recorded, and the meshes, materials and textures that the
+ *                draws use, with their ids. So the file needs nothing else, and what is played has the frame's stream
+ *                hash, which is in the file too. render_dump_format.h describes the bytes.
  * Life cycle.    stilb_render_dump_save after a frame's replay. stilb_render_dump_load -> stilb_render_dump_upload into
  *                a new renderer -> frames -> stilb_render_dump_destroy, before or after the renderer.
  * Per frame.     stilb_render_frame_begin, stilb_render_dump_record, stilb_render_dump_replay.
@@ -21,8 +21,8 @@ typedef struct stilb_render_dump stilb_render_dump;
 
 /* Writes the last replayed frame; the tables are those that were given to stilb_render_replay. base_file.h says how
  * files are written. Valid after replay until the next frame begins, as the stream hash. STILB_ERROR_ARGUMENT: no frame
- * has been replayed, or a draw uses a texture and the renderer was made without keep_textures. STILB_ERROR_MEMORY,
- * STILB_ERROR_FILE. */
+ * with a scene pass has been replayed, or a draw uses a texture and the renderer was made without keep_textures.
+ * STILB_ERROR_MEMORY, STILB_ERROR_FILE. */
 stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                     const stilb_render_view *views, uint32_t view_count, const char *path);
 

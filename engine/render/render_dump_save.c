@@ -20,6 +20,7 @@ typedef struct save_job {
 	stilb_render *render;
 	const stilb_render_pass *passes;
 	const stilb_render_view *views;
+	uint32_t pass[STILB_RENDER_MAX_PASSES]; /* [header.passes] indices of the scene passes */
 	render_dump_header header;
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
 	uint8_t *bytes;
@@ -45,7 +46,7 @@ static void save_each_draw_of_segment(const stilb_render *render, const render_s
 static void save_each_draw(const save_job *job, save_draw_fn *fn, void *user)
 {
 	for (uint32_t p = 0; p < job->header.passes; p++) {
-		const render_pass_lists *lists = &job->render->passes[p];
+		const render_pass_lists *lists = &job->render->passes[job->pass[p]];
 		for (uint32_t s = 0; s < lists->segment_count; s++)
 			save_each_draw_of_segment(job->render, &lists->segments[s], fn, user);
 	}
@@ -150,7 +151,7 @@ static stilb_result save_size(save_job *job)
 	header->materials = job->materials.count;
 	header->textures = job->textures.count;
 	for (uint32_t p = 0; p < header->passes; p++)
-		header->segments += job->render->passes[p].segment_count;
+		header->segments += job->render->passes[job->pass[p]].segment_count;
 	for (uint32_t m = 0; m < header->meshes; m++) {
 		const render_mesh_slot *slot = &job->render->resources.meshes[job->meshes.ids[m]];
 		header->vertices += slot->vertex_count;
@@ -196,8 +197,8 @@ static void save_put_passes(const save_job *job)
 	render_dump_pass *out = save_part(job, RENDER_DUMP_PASSES);
 	uint32_t *segment = save_part(job, RENDER_DUMP_SEGMENTS);
 	for (uint32_t p = 0; p < job->header.passes; p++, out++) {
-		const stilb_render_pass *pass = &job->passes[p];
-		const render_pass_lists *lists = &job->render->passes[p];
+		const stilb_render_pass *pass = &job->passes[job->pass[p]];
+		const render_pass_lists *lists = &job->render->passes[job->pass[p]];
 		for (size_t c = 0; pass->name && pass->name[c] && c < sizeof out->name - 1; c++)
 			out->name[c] = iscntrl((unsigned char)pass->name[c]) ? '?' : pass->name[c];
 		out->view = pass->view;
@@ -326,9 +327,13 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 	               .height = render->device->height,
 	               .samples = render->device->samples,
 	               .output = render->output,
-	               .views = view_count,
-	               .passes = pass_count},
+	               .views = view_count},
 	};
+	for (uint32_t p = 0; p < pass_count; p++)
+		if (passes[p].kind == STILB_RENDER_PASS_SCENE)
+			job.pass[job.header.passes++] = p;
+	if (job.header.passes == 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: the last one has only 2D passes");
 	stilb_result result = save_find_used(&job);
 	if (result == STILB_OK)
 		result = save_put_resources(&job);

@@ -2,6 +2,7 @@
 #ifndef STILB_RENDER_INTERNAL_H
 #define STILB_RENDER_INTERNAL_H
 
+#include "profiler/prof.h"
 #include "render/render.h"
 #include "render/render_resources.h"
 
@@ -24,7 +25,8 @@ typedef struct render_command {
 static_assert(sizeof(render_command) == 32, "a command is half a cache line");
 static_assert(offsetof(render_command, row) == 16, "laid out as VkDrawIndexedIndirectCommand");
 
-/* One draw as the vertex shader reads it (shaders/mesh.glsl): the three rows of the affine transform, then the material. */
+/* One draw as the vertex shader reads it (shaders/row.glsl): the three rows of the affine transform, then the material.
+ * A 2D draw has its clip rectangle in the first row, and nothing else. */
 typedef struct render_row {
 	float transform[12];
 	uint32_t material;
@@ -35,9 +37,10 @@ typedef struct render_row {
 static_assert(sizeof(render_row) == 64, "a row is a cache line");
 
 /* ---- a frame's memory ------------------------------------------------------------------------------------------------
- * Commands and rows lie in memory of the device, one piece each for a frame. Contexts claim it by the chunk, with one
- * fetch-add. A chunk that still fits is written in place; one beyond the capacity is written to the heap, and replay grows
- * the memory and moves it to its place. Which chunk is whose depends on who was faster; the order of the draws does not. */
+ * Commands, rows and 2D geometry lie in memory of the device, one piece each for a frame. Contexts claim it with one
+ * fetch-add: by the chunk, geometry as much as it needs. What still fits is written in place; what lies beyond the
+ * capacity is written to the heap, and replay grows the memory and moves it to its place. Which place is whose depends on
+ * who was faster; the order of the draws does not. */
 
 #define RENDER_COMMAND_CHUNK 2048u /* 64 KiB */
 #define RENDER_ROW_CHUNK 512u      /* 32 KiB */
@@ -46,16 +49,19 @@ typedef struct render_memory {
 	_Alignas(STILB_CACHE_LINE) _Atomic uint32_t next; /* relaxed fetch-add by contexts: claims, publishes nothing */
 	_Alignas(STILB_CACHE_LINE) void *data; /* the device's; written by contexts, constant while they record */
 	uint32_t capacity;                     /* elements */
-	uint32_t element, chunk;               /* bytes; elements */
+	uint32_t first_capacity;               /* of a new frame; 0: none before it is claimed */
+	uint32_t element;                      /* bytes */
 } render_memory;
 
 typedef enum render_memory_kind {
 	RENDER_MEMORY_COMMANDS,
 	RENDER_MEMORY_ROWS,
+	RENDER_MEMORY_VERTICES_2D,
+	RENDER_MEMORY_INDICES_2D,
 	RENDER_MEMORY_KINDS,
 } render_memory_kind;
 
-#define RENDER_FIRST_CAPACITY 32768u /* elements of a frame's memory before it has to grow */
+#define RENDER_FIRST_CAPACITY 32768u /* commands and rows before a frame's memory has to grow */
 
 /* ---- contexts and lists ------------------------------------------------------------------------------------------------ */
 
@@ -65,10 +71,10 @@ typedef struct render_run {
 	uint64_t state; /* see render_state */
 } render_run;
 
-/* A chunk that did not fit. */
+/* What was claimed and did not fit. */
 typedef struct render_overflow {
 	render_memory_kind kind;
-	uint32_t first;
+	uint32_t first, count;
 	void *data;
 } render_overflow;
 
@@ -89,6 +95,7 @@ typedef struct render_segment {
  * of them to the main thread, which joins their runs when it replays them. */
 typedef struct render_pass_lists {
 	render_list_state state;
+	stilb_render_pass_kind kind; /* once it is replayed */
 	render_segment *segments;
 	uint32_t segment_count, segment_capacity;
 	render_run *runs;
@@ -127,7 +134,9 @@ struct stilb_render_context {
 
 /* ---- what a draw must have bound ---------------------------------------------------------------------------------------
  * The texture in the low 24 bits, above it what --materials makes depend on the material: nothing (index), its index
- * (bind), or whether that is odd (pipeline). */
+ * (bind), or whether that is odd (pipeline). Draws of 2D passes have a bit of their own, and no material. */
+
+#define RENDER_STATE_2D (UINT64_C(1) << 56)
 
 static inline uint64_t render_state(uint32_t material_entry, uint32_t material, uint32_t material_mask)
 {
@@ -181,7 +190,8 @@ typedef struct render_device render_device;
 /* A pass as it is replayed: its draws in order. */
 typedef struct render_stream {
 	const stilb_render_pass *pass;
-	const stilb_render_view *view;
+	const stilb_render_view *view;  /* NULL: a 2D pass */
+	const stilb_prof_site *site;    /* the pass's name in the profiler */
 	const render_command *commands; /* the frame's; runs index into them */
 	const render_run *runs;
 	uint32_t run_count;
@@ -242,6 +252,13 @@ bool render_fault_allocation(render_device *device);
 /* True when the device is to be lost with the frame that is handed over now. */
 bool render_fault_lost(const render_device *device);
 
+/* How a stream is replayed on this device: 2D passes have so few draws that jobs would only cost. */
+static inline stilb_render_replay_mode render_stream_mode(const render_device *device, const render_stream *stream)
+{
+	bool few = stream->pass->kind == STILB_RENDER_PASS_2D;
+	return few && device->replay == STILB_RENDER_REPLAY_SECONDARY ? STILB_RENDER_REPLAY_DIRECT : device->replay;
+}
+
 /* Cuts a stream into `count` parts with as many draws each, give or take one. */
 void render_split(const render_stream *stream, uint32_t count, render_part *parts);
 
@@ -265,6 +282,7 @@ struct stilb_render {
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
+	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES]; /* of the names that passes had last */
 	render_frame_state state;
 	void *sort_items; /* [sort_capacity] scratch of render_sort */
 	uint64_t sort_capacity;
@@ -278,7 +296,7 @@ void render_contexts_rewind(stilb_render *render);
 stilb_result render_contexts_create(stilb_render *render, uint32_t count);
 void render_contexts_destroy(stilb_render *render);
 
-/* Moves overflow chunks into the device's memory, grown to hold all. */
+/* Moves what did not fit into the device's memory, grown to hold all. */
 stilb_result render_memory_place(stilb_render *render);
 
 /* Brings a closed pass's runs into the order of the replay. */

@@ -1,8 +1,6 @@
 /* Contexts: how draws become commands, on any thread. */
 #include "render/render_internal.h"
 
-#include "profiler/prof.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -94,35 +92,35 @@ bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t siz
 	return true;
 }
 
-/* A chunk on the heap. */
-static void *record_overflow(stilb_render_context *context, render_memory_kind kind, uint32_t first)
+/* On the heap. */
+static void *record_overflow(stilb_render_context *context, render_memory_kind kind, uint32_t first, uint32_t count)
 {
 	const render_memory *memory = &context->render->memory[kind];
 	if (!render_reserve((void **)&context->overflows, &context->overflow_capacity, context->overflow_count + 1,
 	                    sizeof *context->overflows))
 		return NULL;
-	void *chunk = stilb_memory_alloc(memory->chunk, memory->element);
-	if (chunk)
-		context->overflows[context->overflow_count++] = (render_overflow){kind, first, chunk};
-	return chunk;
+	void *data = stilb_memory_alloc(count, memory->element);
+	if (data)
+		context->overflows[context->overflow_count++] = (render_overflow){kind, first, count, data};
+	return data;
 }
 
-/* The next chunk: in the device's memory, or on the heap when the frame outgrows it; NULL without memory. */
-static void *record_claim(stilb_render_context *context, render_memory_kind kind, uint32_t *first)
+/* The next count elements: in the device's memory, or on the heap when the frame outgrows it; NULL without memory. */
+static void *record_claim(stilb_render_context *context, render_memory_kind kind, uint32_t count, uint32_t *first)
 {
 	render_memory *memory = &context->render->memory[kind];
-	*first = atomic_fetch_add_explicit(&memory->next, memory->chunk, memory_order_relaxed);
-	if (*first > UINT32_MAX - memory->chunk)
-		return NULL; /* four thousand million draws: the frame fails, whatever the next claim overwrites */
-	if (*first + memory->chunk <= memory->capacity)
+	*first = atomic_fetch_add_explicit(&memory->next, count, memory_order_relaxed);
+	if (*first > UINT32_MAX - count)
+		return NULL; /* four thousand million: the frame fails, whatever the next claim overwrites */
+	if (*first + count <= memory->capacity)
 		return (uint8_t *)memory->data + (size_t)*first * memory->element;
-	return record_overflow(context, kind, *first);
+	return record_overflow(context, kind, *first, count);
 }
 
 static bool record_next_commands(stilb_render_context *context)
 {
 	uint32_t first;
-	render_command *chunk = record_claim(context, RENDER_MEMORY_COMMANDS, &first);
+	render_command *chunk = record_claim(context, RENDER_MEMORY_COMMANDS, RENDER_COMMAND_CHUNK, &first);
 	if (!chunk)
 		return false;
 	context->command = chunk;
@@ -133,7 +131,7 @@ static bool record_next_commands(stilb_render_context *context)
 
 static bool record_next_rows(stilb_render_context *context)
 {
-	render_row *chunk = record_claim(context, RENDER_MEMORY_ROWS, &context->row_index);
+	render_row *chunk = record_claim(context, RENDER_MEMORY_ROWS, RENDER_ROW_CHUNK, &context->row_index);
 	if (!chunk)
 		return false;
 	context->row = chunk;
@@ -143,6 +141,7 @@ static bool record_next_rows(stilb_render_context *context)
 
 stilb_result render_memory_place(stilb_render *render)
 {
+	PROFILE("place");
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++) {
 		render_memory *memory = &render->memory[kind];
 		/* Relaxed: the job system's wait has ordered all claims before this. */
@@ -162,7 +161,7 @@ stilb_result render_memory_place(stilb_render *render)
 			const render_overflow *overflow = &context->overflows[o];
 			const render_memory *memory = &render->memory[overflow->kind];
 			memcpy((uint8_t *)memory->data + (size_t)overflow->first * memory->element, overflow->data,
-			       (size_t)memory->chunk * memory->element);
+			       (size_t)overflow->count * memory->element);
 		}
 		context_drop_overflows(context);
 	}
@@ -380,6 +379,42 @@ void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, sti
                                 stilb_render_material material, const stilb_mat4 *transform)
 {
 	record_draw(context, key, mesh, material, transform);
+}
+
+uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_render_vertex_2d *vertices,
+                                  uint32_t vertex_count, const uint32_t *indices, uint32_t index_count)
+{
+	STILB_ASSERT(context->segment);
+	if (context->failed || vertex_count == 0 || index_count == 0)
+		return 0;
+	uint32_t first_vertex, first_index = 0, most = 0;
+	stilb_render_vertex_2d *to = record_claim(context, RENDER_MEMORY_VERTICES_2D, vertex_count, &first_vertex);
+	uint32_t *out = to ? record_claim(context, RENDER_MEMORY_INDICES_2D, index_count, &first_index) : NULL;
+	context->failed = !out;
+	if (!out)
+		return 0;
+	memcpy(to, vertices, (size_t)vertex_count * sizeof *to);
+	for (uint32_t i = 0; i < index_count; i++) {
+		most = indices[i] > most ? indices[i] : most;
+		out[i] = first_vertex + indices[i];
+	}
+	STILB_ASSERT(most < vertex_count);
+	return first_index;
+}
+
+void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
+                          const float clip[4], stilb_render_texture texture)
+{
+	uint32_t index = texture.id & RENDER_INDEX_MASK;
+	STILB_ASSERT(context->segment && index < STILB_RENDER_MAX_TEXTURES);
+	STILB_ASSERT(context->render->resources.textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
+	uint64_t state = RENDER_STATE_2D | index;
+	bool room = context->command != context->command_end && context->row != context->row_end;
+	if (context->failed || ((!room || state != context->state) && !record_make_room(context, state)))
+		return;
+	*context->row++ = (render_row){.transform = {clip[0], clip[1], clip[2], clip[3]}};
+	*context->command++ = (render_command){
+		.index_count = index_count, .instance_count = 1, .first_index = first_index, .row = context->row_index++};
 }
 
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)

@@ -1,9 +1,12 @@
 /* Replay: the segments in number order, on the main thread. */
 #include "render/render_internal.h"
 
+#include <string.h>
+
 /* Joins the runs of a pass's segments, in number order; runs that continue each other become one. */
-static stilb_result replay_order(render_pass_lists *lists)
+static stilb_result replay_order(const stilb_render_pass *pass, render_pass_lists *lists)
 {
+	const uint64_t kind = pass->kind == STILB_RENDER_PASS_2D ? RENDER_STATE_2D : 0;
 	lists->run_count = 0;
 	lists->draws = 0;
 	uint32_t most = 0;
@@ -18,6 +21,7 @@ static stilb_result replay_order(render_pass_lists *lists)
 		const render_segment *segment = &lists->segments[s];
 		for (uint32_t r = 0; r < segment->run_count; r++) {
 			const render_run *run = &segment->context->runs[segment->first_run + r];
+			STILB_ASSERT((run->state & RENDER_STATE_2D) == kind); /* its draws are of the pass's kind */
 			lists->draws += run->count;
 			if (last && last->first + last->count == run->first && last->state == run->state) {
 				last->count += run->count;
@@ -30,14 +34,21 @@ static stilb_result replay_order(render_pass_lists *lists)
 	return STILB_OK;
 }
 
-/* The pass with the lowest order that comes after `after`; equal orders keep the table's sequence. */
+/* Scene passes come before 2D passes, and each kind goes by ascending order. */
+static uint64_t replay_rank(const stilb_render_pass *pass)
+{
+	return (uint64_t)(pass->kind == STILB_RENDER_PASS_2D) << 32 | pass->order;
+}
+
+/* The pass with the lowest rank that comes after `after`; equal ranks keep the table's sequence. */
 static const stilb_render_pass *replay_next_pass(const stilb_render_pass *passes, uint32_t count,
                                                  const stilb_render_pass *after)
 {
 	const stilb_render_pass *next = NULL;
 	for (const stilb_render_pass *p = passes; p < passes + count; p++) {
-		bool later = !after || p->order > after->order || (p->order == after->order && p > after);
-		if (later && (!next || p->order < next->order))
+		uint64_t rank = replay_rank(p), last = after ? replay_rank(after) : 0;
+		bool later = !after || rank > last || (rank == last && p > after);
+		if (later && (!next || rank < replay_rank(next)))
 			next = p;
 	}
 	return next;
@@ -46,8 +57,19 @@ static const stilb_render_pass *replay_next_pass(const stilb_render_pass *passes
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists)
 {
 	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED);
-	stilb_result result = replay_order(lists);
+	STILB_ASSERT(pass->kind == STILB_RENDER_PASS_SCENE || !pass->sort);
+	lists->kind = pass->kind;
+	stilb_result result = replay_order(pass, lists);
 	return result == STILB_OK && pass->sort ? render_sort(render, lists) : result;
+}
+
+/* The profiler's name for a pass, made once: finding it takes a lock. */
+static const stilb_prof_site *replay_site(const stilb_prof_site **known, const char *name)
+{
+	name = name ? name : "pass";
+	if (!*known || strcmp((*known)->name, name) != 0)
+		*known = stilb_prof_site_make(name, 0);
+	return *known;
 }
 
 static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists,
@@ -63,13 +85,27 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	stats->draws += lists->draws;
 	stats->recorded_bytes += lists->draws * (sizeof(render_command) + sizeof(render_row));
 	stats->binds_asked += lists->draws * 3;
-	return render->device->functions->pass(render->device, stream);
+	stilb_prof_zone_begin(stream->site);
+	stilb_result result = render->device->functions->pass(render->device, stream);
+	stilb_prof_zone_end();
+	return result;
+}
+
+static uint64_t replay_geometry_2d_bytes(const stilb_render *render)
+{
+	uint64_t bytes = 0;
+	for (int kind = RENDER_MEMORY_VERTICES_2D; kind <= RENDER_MEMORY_INDICES_2D; kind++)
+		/* Relaxed: no worker records any more. */
+		bytes += (uint64_t)atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed) *
+		         render->memory[kind].element;
+	return bytes;
 }
 
 /* Puts every pass in order, and finds in which the passes follow each other. All before the device gets the first one:
  * sorting may grow the memory in which the commands lie. */
 static stilb_result replay_order_passes(stilb_render *render, const stilb_render_pass *passes, uint32_t count)
 {
+	PROFILE("order");
 	const stilb_render_pass *pass = NULL;
 	stilb_result result = STILB_OK;
 	while (result == STILB_OK && (pass = replay_next_pass(passes, count, pass))) {
@@ -88,7 +124,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	(void)view_count;
 	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->state == RENDER_FRAME_BEGUN);
 	render_device *device = render->device;
-	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms};
+	device->stats =
+		(stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_geometry_2d_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
 	stilb_result result = render_memory_place(render);
 	if (result == STILB_OK)
@@ -98,9 +135,14 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		result = render_resources_update(render);
 	for (uint32_t p = 0; p < render->replayed_count && result == STILB_OK; p++) {
 		const stilb_render_pass *pass = &passes[render->replayed[p]];
-		STILB_ASSERT(pass->view < view_count);
-		render_stream stream = {.view = &views[pass->view], .pool = pool, .worker = worker};
-		result = replay_pass(render, pass, &render->passes[render->replayed[p]], &stream);
+		bool scene = pass->kind == STILB_RENDER_PASS_SCENE;
+		STILB_ASSERT(!scene || pass->view < view_count);
+		uint32_t index = render->replayed[p];
+		render_stream stream = {.view = scene ? &views[pass->view] : NULL,
+		                        .site = replay_site(&render->sites[index], pass->name),
+		                        .pool = pool,
+		                        .worker = worker};
+		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK) {
 		device->frames++;
@@ -161,6 +203,8 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 	uint64_t hash = STILB_FNV1A64_START;
 	for (uint32_t i = 0; i < render->replayed_count; i++) {
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
+		if (lists->kind != STILB_RENDER_PASS_SCENE)
+			continue;
 		for (uint32_t r = 0; r < lists->run_count; r++) {
 			const render_run *run = &lists->runs[r];
 			for (uint32_t c = run->first; c < run->first + run->count; c++) {

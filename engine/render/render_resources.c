@@ -556,6 +556,7 @@ void render_resources_frame(stilb_render *render)
 
 stilb_result render_resources_update(stilb_render *render)
 {
+	PROFILE("upload");
 	render_resources *resources = &render->resources;
 	pthread_mutex_lock(&resources->lock);
 	stilb_result result = render->device->functions->update(render->device, resources);

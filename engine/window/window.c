@@ -8,7 +8,10 @@
 
 struct stilb_window {
 	GLFWwindow *handle;
-	uint8_t pressed[STILB_WINDOW_KEY_COUNT]; /* since the last poll */
+	uint8_t pressed[STILB_WINDOW_KEY_COUNT], repeated[STILB_WINDOW_KEY_COUNT]; /* since the last poll */
+	uint8_t clicks;
+	float wheel;
+	bool capturing; /* the right button captures */
 	bool captured;
 	bool fresh; /* captured since the last poll: the pointer jumped, its way does not count */
 	double x, y;
@@ -41,11 +44,31 @@ static stilb_window_key window_key(int key)
 		return STILB_WINDOW_KEY_E;
 	case GLFW_KEY_P:
 		return STILB_WINDOW_KEY_P;
+	case GLFW_KEY_F1:
+		return STILB_WINDOW_KEY_F1;
 	case GLFW_KEY_F12:
 		return STILB_WINDOW_KEY_F12;
 	case GLFW_KEY_LEFT_SHIFT:
 	case GLFW_KEY_RIGHT_SHIFT:
 		return STILB_WINDOW_KEY_SHIFT;
+	case GLFW_KEY_LEFT_CONTROL:
+	case GLFW_KEY_RIGHT_CONTROL:
+		return STILB_WINDOW_KEY_CONTROL;
+	case GLFW_KEY_SPACE:
+		return STILB_WINDOW_KEY_SPACE;
+	case GLFW_KEY_TAB:
+		return STILB_WINDOW_KEY_TAB;
+	case GLFW_KEY_ENTER:
+	case GLFW_KEY_KP_ENTER:
+		return STILB_WINDOW_KEY_ENTER;
+	case GLFW_KEY_LEFT:
+		return STILB_WINDOW_KEY_LEFT;
+	case GLFW_KEY_RIGHT:
+		return STILB_WINDOW_KEY_RIGHT;
+	case GLFW_KEY_UP:
+		return STILB_WINDOW_KEY_UP;
+	case GLFW_KEY_DOWN:
+		return STILB_WINDOW_KEY_DOWN;
 	case GLFW_KEY_ESCAPE:
 		return STILB_WINDOW_KEY_ESCAPE;
 	default:
@@ -61,10 +84,14 @@ static void window_capture(stilb_window *window, bool captured)
 	glfwSetInputMode(window->handle, GLFW_CURSOR, captured ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
 }
 
-static void window_count(stilb_window *window, stilb_window_key key)
+void stilb_window_set_capturing(stilb_window *window, bool capturing)
 {
-	if (window->pressed[key] < UINT8_MAX)
-		window->pressed[key]++;
+	window->capturing = capturing;
+}
+
+static void window_count(uint8_t *count)
+{
+	*count += *count < UINT8_MAX;
 }
 
 static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int action, int modifiers)
@@ -72,9 +99,9 @@ static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int ac
 	(void)scancode, (void)modifiers;
 	stilb_window *window = glfwGetWindowUserPointer(handle);
 	stilb_window_key key = window_key(glfw_key);
-	if (key == STILB_WINDOW_KEY_COUNT || action != GLFW_PRESS)
+	if (key == STILB_WINDOW_KEY_COUNT || action == GLFW_RELEASE)
 		return;
-	window_count(window, key);
+	window_count(action == GLFW_PRESS ? &window->pressed[key] : &window->repeated[key]);
 	if (key == STILB_WINDOW_KEY_ESCAPE)
 		window_capture(window, false);
 }
@@ -84,16 +111,26 @@ static void window_on_character(GLFWwindow *handle, unsigned character)
 {
 	stilb_window *window = glfwGetWindowUserPointer(handle);
 	if (character == '-')
-		window_count(window, STILB_WINDOW_KEY_MINUS);
+		window_count(&window->pressed[STILB_WINDOW_KEY_MINUS]);
 	if (character == '+' || character == '=')
-		window_count(window, STILB_WINDOW_KEY_PLUS);
+		window_count(&window->pressed[STILB_WINDOW_KEY_PLUS]);
 }
 
 static void window_on_button(GLFWwindow *handle, int button, int action, int modifiers)
 {
 	(void)modifiers;
+	stilb_window *window = glfwGetWindowUserPointer(handle);
+	if (button == GLFW_MOUSE_BUTTON_LEFT && action == GLFW_PRESS)
+		window_count(&window->clicks);
 	if (button == GLFW_MOUSE_BUTTON_RIGHT)
-		window_capture(glfwGetWindowUserPointer(handle), action == GLFW_PRESS);
+		window_capture(window, action == GLFW_PRESS && window->capturing);
+}
+
+static void window_on_wheel(GLFWwindow *handle, double sideways, double notches)
+{
+	(void)sideways;
+	stilb_window *window = glfwGetWindowUserPointer(handle);
+	window->wheel += (float)notches;
 }
 
 static stilb_result window_fail(const char *what)
@@ -122,10 +159,12 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 		free(window);
 		return window_fail("open a window");
 	}
+	window->capturing = true;
 	glfwSetWindowUserPointer(window->handle, window);
 	glfwSetKeyCallback(window->handle, window_on_key);
 	glfwSetCharCallback(window->handle, window_on_character);
 	glfwSetMouseButtonCallback(window->handle, window_on_button);
+	glfwSetScrollCallback(window->handle, window_on_wheel);
 	*out = window;
 	return STILB_OK;
 }
@@ -158,7 +197,8 @@ static void window_read_keys(stilb_window *window, stilb_window_state *state)
 	}
 	for (int key = 0; key < STILB_WINDOW_KEY_COUNT; key++) {
 		state->pressed[key] = window->pressed[key];
-		window->pressed[key] = 0;
+		state->repeated[key] = window->repeated[key];
+		window->pressed[key] = window->repeated[key] = 0;
 	}
 }
 
@@ -176,6 +216,22 @@ static void window_read_mouse(stilb_window *window, stilb_window_state *state)
 	state->mouse_captured = window->captured;
 }
 
+static void window_read_pointer(stilb_window *window, stilb_window_state *state)
+{
+	int width, height;
+	glfwGetWindowSize(window->handle, &width, &height); /* in the units of the pointer, which need not be pixels */
+	state->button = glfwGetMouseButton(window->handle, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+	state->pointer = !window->captured && (state->button || glfwGetWindowAttrib(window->handle, GLFW_HOVERED));
+	if (state->pointer && width > 0 && height > 0) {
+		state->pointer_x = (float)(window->x * state->width / width);
+		state->pointer_y = (float)(window->y * state->height / height);
+	}
+	state->clicks = window->clicks;
+	state->wheel = window->wheel;
+	window->clicks = 0;
+	window->wheel = 0.0f;
+}
+
 static void window_read(stilb_window *window, stilb_window_state *state)
 {
 	int width, height;
@@ -186,6 +242,7 @@ static void window_read(stilb_window *window, stilb_window_state *state)
 	state->height = minimised || height < 0 ? 0 : (uint32_t)height;
 	window_read_keys(window, state);
 	window_read_mouse(window, state);
+	window_read_pointer(window, state);
 }
 
 void stilb_window_poll(stilb_window *window, stilb_window_state *state)

@@ -20,22 +20,37 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_Q,
 	STILB_WINDOW_KEY_E,
 	STILB_WINDOW_KEY_P,
+	STILB_WINDOW_KEY_F1,
 	STILB_WINDOW_KEY_F12,
 	STILB_WINDOW_KEY_MINUS, /* typed, on any layout; never held */
 	STILB_WINDOW_KEY_PLUS,  /* the same; '=' counts too, where + needs shift */
 	STILB_WINDOW_KEY_SHIFT, /* either */
+	STILB_WINDOW_KEY_CONTROL,
+	STILB_WINDOW_KEY_SPACE,
+	STILB_WINDOW_KEY_TAB,
+	STILB_WINDOW_KEY_ENTER, /* either */
+	STILB_WINDOW_KEY_LEFT,
+	STILB_WINDOW_KEY_RIGHT,
+	STILB_WINDOW_KEY_UP,
+	STILB_WINDOW_KEY_DOWN,
 	STILB_WINDOW_KEY_ESCAPE,
 	STILB_WINDOW_KEY_COUNT
 } stilb_window_key;
 
 /* What happened since the poll before. */
 typedef struct stilb_window_state {
-	uint32_t width, height;                  /* of the picture, pixels; 0 while minimised */
-	bool close;                              /* the user wants the window closed */
-	bool held[STILB_WINDOW_KEY_COUNT];       /* is down now */
-	uint8_t pressed[STILB_WINDOW_KEY_COUNT]; /* how often it went down */
-	bool mouse_captured;                     /* the right button is held: the pointer is hidden and steers */
-	float mouse_x, mouse_y;                  /* its way while captured, pixels, y down */
+	uint32_t width, height;                   /* of the picture, pixels; 0 while minimised */
+	bool close;                               /* the user wants the window closed */
+	bool held[STILB_WINDOW_KEY_COUNT];        /* is down now */
+	uint8_t pressed[STILB_WINDOW_KEY_COUNT];  /* how often it went down */
+	uint8_t repeated[STILB_WINDOW_KEY_COUNT]; /* how often it would have been typed again, being held */
+	bool mouse_captured;                      /* the right button is held: the pointer is hidden and steers */
+	float mouse_x, mouse_y;                   /* its way while captured, pixels, y down */
+	bool pointer;                             /* not captured, and over the picture or pressed there and still held */
+	float pointer_x, pointer_y;               /* where it is, pixels of the picture from the top left */
+	bool button;                              /* the left button is held now */
+	uint8_t clicks;                           /* how often it went down */
+	float wheel;                              /* notches, away from the user is positive */
 } stilb_window_state;
 
 /* Opens a window of about this size, pixels. STILB_ERROR_WINDOW without a display or without Vulkan for windows. */
@@ -48,6 +63,10 @@ void stilb_window_title(stilb_window *window, const char *title);
 
 /* Takes in events. Holding the right button captures the mouse; releasing it, or Escape, lets go. */
 void stilb_window_poll(stilb_window *window, stilb_window_state *state);
+
+/* Whether the right button captures, true at first: not while the pointer is over something that it belongs to. What has
+ * been captured stays so. */
+void stilb_window_set_capturing(stilb_window *window, bool capturing);
 
 /* The same after waiting for an event, at most `seconds`: for a minimised window. */
 void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # test_install.sh SOURCE CC CXX: installs the stand-alone libraries, moves the installed tree, and builds and runs a
 # stranger's program against it: with find_package, with pkg-config, and with add_subdirectory instead. Then the same with
-# the job system alone: a copy of its folder under another name, with nothing else of Stilb beside it.
+# each library alone: a copy of its folder under another name, with nothing else of Stilb beside it.
 set -euo pipefail
 source=$1
 export CC=$2 CXX=$3
@@ -51,6 +51,7 @@ builds_by_pkg_config() { # PREFIX COMPILER SOURCE PACKAGE...
 install_moved "$source" both -DSTILB_ENGINE=OFF -DSTILB_TESTS=OFF
 builds consumer -DCMAKE_PREFIX_PATH="$scratch/both"
 builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/both"
+builds profiler_consumer -DCMAKE_PREFIX_PATH="$scratch/both"
 builds_by_pkg_config "$scratch/both" "$CC" consumer/consumer.c stilb-jobs stilb-profiler
 builds consumer -DSTILB_FOLDER="$source"
 
@@ -62,4 +63,13 @@ builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/alone"
 builds_by_pkg_config "$scratch/alone" "$CC" jobs_consumer/consumer.c stilb-jobs
 builds_by_pkg_config "$scratch/alone" "$CXX" jobs_consumer/consumer.cpp stilb-jobs
 builds jobs_consumer -DJOBS_FOLDER="$scratch/elsewhere/job-system"
+
+cp -r "$source/profiler" "$scratch/elsewhere/frame-profiler"
+install_moved "$scratch/elsewhere/frame-profiler" profiler-alone
+[ "$(cd "$scratch/profiler-alone/include/stilb" && echo *)" = \
+	"prof.h prof_capture.h prof_diff.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h" ]
+builds profiler_consumer -DCMAKE_PREFIX_PATH="$scratch/profiler-alone"
+builds_by_pkg_config "$scratch/profiler-alone" "$CC" profiler_consumer/consumer.c stilb-profiler
+builds_by_pkg_config "$scratch/profiler-alone" "$CXX" profiler_consumer/consumer.cpp stilb-profiler
+builds profiler_consumer -DPROFILER_FOLDER="$scratch/elsewhere/frame-profiler"
 echo "the installed libraries work from CMake, from pkg-config and as a subdirectory"

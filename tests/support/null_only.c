@@ -47,6 +47,11 @@ void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state 
 	stilb_window_poll(window, state);
 }
 
+void stilb_window_set_capturing(stilb_window *window, bool capturing)
+{
+	(void)window, (void)capturing;
+}
+
 const char *const *stilb_window_surface_extensions(void *user, uint32_t *count)
 {
 	(void)user;

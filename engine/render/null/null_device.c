@@ -2,8 +2,6 @@
  * CPU's side of a frame, measurable without a driver and visible to the thread sanitizer. */
 #include "render/render_internal.h"
 
-#include "profiler/prof.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,7 +76,10 @@ static stilb_result null_grow(render_device *base, render_memory *memory, render
 	null_frame *frame = &device->frames[device->frame];
 	void *grown = null_alloc(base, capacity, memory->element);
 	if (!grown)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u draws; try fewer models", capacity);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u %s; try fewer models", capacity,
+		                  kind == RENDER_MEMORY_VERTICES_2D  ? "2D vertices"
+		                  : kind == RENDER_MEMORY_INDICES_2D ? "2D indices"
+		                                                     : "draws");
 	if (keep > 0)
 		memcpy(grown, frame->memory[kind], (size_t)keep * memory->element);
 	free(frame->memory[kind]);
@@ -96,8 +97,8 @@ static stilb_result null_frame_begin(render_device *base, render_memory *memory)
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {
 		memory[kind].data = frame->memory[kind];
 		memory[kind].capacity = frame->capacity[kind];
-		if (!frame->memory[kind])
-			result = null_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY, 0);
+		if (!frame->memory[kind] && memory[kind].first_capacity > 0)
+			result = null_grow(base, &memory[kind], (render_memory_kind)kind, memory[kind].first_capacity, 0);
 	}
 	return result;
 }
@@ -238,7 +239,7 @@ static stilb_result null_pass(render_device *base, const render_stream *stream)
 	null_device *device = (null_device *)base;
 	if (stream->draws == 0)
 		return STILB_OK;
-	switch (base->replay) {
+	switch (render_stream_mode(base, stream)) {
 	case STILB_RENDER_REPLAY_INDIRECT:
 		return null_indirect_pass(device, stream);
 	case STILB_RENDER_REPLAY_DIRECT:

@@ -1,6 +1,7 @@
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 const VkAllocationCallbacks *vulkan_host_allocator;
 
@@ -22,10 +23,29 @@ static uint32_t device_queue_family(const vulkan_device *device, uint32_t *times
 	return UINT32_MAX;
 }
 
+static bool device_has_extension(const vulkan_device *device, const char *name)
+{
+	uint32_t count = 0;
+	vkEnumerateDeviceExtensionProperties(device->gpu, NULL, &count, NULL);
+	VkExtensionProperties *extensions = calloc(count, sizeof *extensions);
+	bool found = false;
+	if (extensions && vkEnumerateDeviceExtensionProperties(device->gpu, NULL, &count, extensions) >= 0)
+		for (uint32_t i = 0; i < count; i++)
+			found |= strcmp(extensions[i].extensionName, name) == 0;
+	free(extensions);
+	return found;
+}
+
 static VkResult device_make(vulkan_device *device)
 {
 	static const float priority = 1.0f;
-	static const char *const swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+	const char *extensions[2];
+	uint32_t extension_count = 0;
+	if (device->surface)
+		extensions[extension_count++] = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+	device->calibrates = device_has_extension(device, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME);
+	if (device->calibrates)
+		extensions[extension_count++] = VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME;
 	VkPhysicalDeviceVulkan13Features v13 = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
 		.dynamicRendering = VK_TRUE,
@@ -52,8 +72,8 @@ static VkResult device_make(vulkan_device *device)
 		.pNext = &v12,
 		.queueCreateInfoCount = 1,
 		.pQueueCreateInfos = &queue,
-		.enabledExtensionCount = device->surface != VK_NULL_HANDLE,
-		.ppEnabledExtensionNames = &swapchain,
+		.enabledExtensionCount = extension_count,
+		.ppEnabledExtensionNames = extensions,
 		.pEnabledFeatures = &features,
 	};
 	return vkCreateDevice(device->gpu, &info, device->allocator, &device->device);

@@ -13,6 +13,19 @@ void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
 
 /* ---- binding ----------------------------------------------------------------------------------------------------- */
 
+static void draws_bind_buffers_2d(vulkan_device *device, VkCommandBuffer commands)
+{
+	const vulkan_slot *slot = vulkan_slot_now(device);
+	const vulkan_push_2d push = {
+		.scale = {2.0f / (float)device->base.width, 2.0f / (float)device->base.height},
+		.rows = slot->memory[RENDER_MEMORY_ROWS].address,
+	};
+	vkCmdPushConstants(commands, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+	                   sizeof push, &push);
+	vkCmdBindVertexBuffers(commands, 0, 1, &slot->memory[RENDER_MEMORY_VERTICES_2D].buffer, &(VkDeviceSize){0});
+	vkCmdBindIndexBuffer(commands, slot->memory[RENDER_MEMORY_INDICES_2D].buffer, 0, VK_INDEX_TYPE_UINT32);
+}
+
 static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
 {
 	const vulkan_slot *slot = vulkan_slot_now(device);
@@ -35,7 +48,7 @@ static void draws_bind_sets(vulkan_device *device, VkCommandBuffer commands, uin
 	VkDescriptorSet sets[2];
 	if (texture)
 		sets[count++] = device->textures[texture].set;
-	if (device->base.materials == STILB_RENDER_MATERIALS_BIND) {
+	if (device->base.materials == STILB_RENDER_MATERIALS_BIND && !(state & RENDER_STATE_2D)) {
 		sets[count++] = vulkan_slot_now(device)->material_set;
 		offset = render_state_material(state) * vulkan_material_stride(device);
 		offsets = 1;
@@ -51,7 +64,9 @@ static uint32_t draws_bind(vulkan_device *device, VkCommandBuffer commands, uint
 	uint32_t binds = render_binds_between(device->base.materials, from, to);
 	if (binds & RENDER_BIND_PIPELINE)
 		vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, vulkan_pipeline_for(device, to));
-	if (binds & RENDER_BIND_BUFFERS)
+	if (binds & RENDER_BIND_BUFFERS && to & RENDER_STATE_2D)
+		draws_bind_buffers_2d(device, commands);
+	else if (binds & RENDER_BIND_BUFFERS)
 		draws_bind_buffers(device, commands);
 	if (binds & RENDER_BIND_MATERIAL)
 		draws_bind_sets(device, commands, to);

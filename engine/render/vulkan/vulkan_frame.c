@@ -1,8 +1,6 @@
 /* One frame on the GPU: slots, targets, memory, submission. */
 #include "render/vulkan/vulkan_internal.h"
 
-#include "profiler/prof.h"
-
 #include <stdio.h>
 #include <string.h>
 
@@ -40,13 +38,6 @@ static VkResult frames_make(vulkan_device *device)
 	};
 	const VkSemaphoreCreateInfo timeline = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
 	VkResult result = vkCreateSemaphore(device->device, &timeline, device->allocator, &device->timeline);
-	const VkQueryPoolCreateInfo queries = {
-		.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-		.queryType = VK_QUERY_TYPE_TIMESTAMP,
-		.queryCount = 2 * VULKAN_SLOTS,
-	};
-	if (result == VK_SUCCESS && device->timestamp_mask)
-		result = vkCreateQueryPool(device->device, &queries, device->allocator, &device->queries);
 	for (int i = 0; i < VULKAN_SLOTS && result == VK_SUCCESS; i++)
 		result = slot_create(device, &device->slots[i]);
 	return result == VK_SUCCESS ? vulkan_material_sets_create(device) : result;
@@ -62,10 +53,7 @@ stilb_result vulkan_frames_create(vulkan_device *device)
 		result = vulkan_buffer_create(device, STILB_RENDER_MAX_PASSES * sizeof(vulkan_view),
 		                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
 		                              VULKAN_MEMORY_WRITE, &device->slots[i].views);
-	for (int i = 0; i < VULKAN_SLOTS && result == STILB_OK && device->queries; i++)
-		result = vulkan_buffer_create(device, 2 * sizeof(uint64_t), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-		                              VULKAN_MEMORY_READBACK, &device->slots[i].times);
-	return result;
+	return result == STILB_OK ? vulkan_times_create(device) : result;
 }
 
 void vulkan_frames_destroy(vulkan_device *device)
@@ -79,11 +67,10 @@ void vulkan_frames_destroy(vulkan_device *device)
 		vulkan_secondary_destroy(device, slot);
 		vulkan_heaps_destroy_slot(device, slot);
 		vulkan_buffer_destroy(device, &slot->views);
-		vulkan_buffer_destroy(device, &slot->times);
 		vulkan_buffer_destroy(device, &slot->picture);
 	}
 	vkDestroyDescriptorPool(device->device, device->material_pool, device->allocator); /* and the slots' sets */
-	vkDestroyQueryPool(device->device, device->queries, device->allocator);
+	vulkan_times_destroy(device);
 	vkDestroySemaphore(device->device, device->timeline, device->allocator);
 }
 
@@ -175,18 +162,9 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "wait for the GPU");
 }
 
-/* How long the GPU drew the frame that used this slot; it is done. */
-static void slot_read_time(vulkan_device *device, uint32_t slot)
-{
-	if (!device->slots[slot].timed)
-		return;
-	const uint64_t *ticks = device->slots[slot].times.mapped;
-	uint64_t passed = (ticks[1] - ticks[0]) & device->timestamp_mask; /* a clock of few bits wraps within minutes */
-	device->base.stats.gpu_ms = (double)passed * (double)device->properties.limits.timestampPeriod * 1e-6;
-}
-
 static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot)
 {
+	PROFILE("reset commands"); /* frees those of the slot's last frame */
 	const VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
@@ -196,10 +174,7 @@ static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot
 		result = vkBeginCommandBuffer(slot->draw, &begin);
 	if (result != VK_SUCCESS)
 		return vulkan_fail(device, result, "begin a frame");
-	if (device->queries) {
-		vkCmdResetQueryPool(slot->draw, device->queries, 2 * device->slot, 2);
-		vkCmdWriteTimestamp2(slot->draw, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, device->queries, 2 * device->slot);
-	}
+	vulkan_times_begin(device);
 	return STILB_OK;
 }
 
@@ -214,8 +189,8 @@ stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 	stilb_result result = vulkan_timeline_wait(device, slot->done);
 	if (result != STILB_OK)
 		return result;
-	slot_read_time(device, device->slot);
-	slot->timed = slot->picture_valid = false;
+	vulkan_times_read(device, slot);
+	slot->picture_valid = false;
 	for (uint32_t l = 0; l < slot->list_count; l++)
 		slot->lists[l].used = 0;
 	vulkan_heaps_frame(device, slot);
@@ -224,25 +199,32 @@ stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 		vulkan_buffer *buffer = &slot->memory[kind];
 		memory[kind].data = buffer->mapped;
 		memory[kind].capacity = (uint32_t)(buffer->size / memory[kind].element);
-		if (!buffer->buffer)
-			result = vulkan_grow(base, &memory[kind], (render_memory_kind)kind, RENDER_FIRST_CAPACITY, 0);
+		if (!buffer->buffer && memory[kind].first_capacity > 0)
+			result = vulkan_grow(base, &memory[kind], (render_memory_kind)kind, memory[kind].first_capacity, 0);
 	}
 	return result;
 }
 
-/* Rows are written once and read by the GPU. Commands may be read by the CPU again, when they are sorted or replayed one by
- * one, so they lie where it can cache them; the GPU reads only a few words of each. */
+/* Rows and geometry are written once and read by the GPU. Commands may be read by the CPU again, when they are sorted or
+ * replayed one by one, so they lie where it can cache them; the GPU reads only a few words of each. */
+static const struct {
+	VkBufferUsageFlags usage;
+	vulkan_memory_kind memory;
+} frame_memory[RENDER_MEMORY_KINDS] = {
+	[RENDER_MEMORY_COMMANDS] = {VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, VULKAN_MEMORY_SHARED},
+	[RENDER_MEMORY_ROWS] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                            VULKAN_MEMORY_WRITE},
+	[RENDER_MEMORY_VERTICES_2D] = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, VULKAN_MEMORY_WRITE},
+	[RENDER_MEMORY_INDICES_2D] = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, VULKAN_MEMORY_WRITE},
+};
+
 stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity,
                          uint32_t keep)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_buffer *buffer = &vulkan_slot_now(device)->memory[kind], grown;
-	bool rows = kind == RENDER_MEMORY_ROWS;
-	stilb_result result =
-		vulkan_buffer_create(device, (VkDeviceSize)capacity * memory->element,
-	                         rows ? VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT
-	                              : VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
-	                         rows ? VULKAN_MEMORY_WRITE : VULKAN_MEMORY_SHARED, &grown);
+	stilb_result result = vulkan_buffer_create(device, (VkDeviceSize)capacity * memory->element,
+	                                           frame_memory[kind].usage, frame_memory[kind].memory, &grown);
 	if (result != STILB_OK)
 		return result;
 	if (keep > 0)
@@ -351,19 +333,9 @@ void vulkan_host_barrier(VkCommandBuffer commands)
 	vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-/* Takes the second timestamp and has the GPU write both to memory: asking for them with vkGetQueryPoolResults waits for all
- * of the device in some drivers. */
-static void submit_time(vulkan_device *device, vulkan_slot *slot)
-{
-	const uint32_t first = 2 * device->slot;
-	vkCmdWriteTimestamp2(slot->draw, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, device->queries, first + 1);
-	vkCmdCopyQueryPoolResults(slot->draw, device->queries, first, 2, slot->times.buffer, 0, sizeof(uint64_t),
-	                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
-	vulkan_host_barrier(slot->draw);
-}
-
 stilb_result vulkan_submit(render_device *base)
 {
+	PROFILE("submit");
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
 	if (render_fault_lost(base))
@@ -372,14 +344,13 @@ stilb_result vulkan_submit(render_device *base)
 	                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
 	                     VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
 	                     VK_ACCESS_2_TRANSFER_READ_BIT);
-	if (device->queries)
-		submit_time(device, slot);
+	vulkan_times_end(device);
 	VkResult result = vkEndCommandBuffer(slot->draw);
 	if (result != VK_SUCCESS)
 		return vulkan_fail(device, result, "record a frame");
 	stilb_result submitted = vulkan_queue_submit(device, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
 	slot->done = device->timeline_value;
-	slot->timed = submitted == STILB_OK && device->queries;
+	vulkan_times_submitted(device, submitted == STILB_OK);
 	device->drawn |= submitted == STILB_OK;
 	return submitted;
 }
@@ -388,7 +359,7 @@ stilb_result vulkan_wait(render_device *base)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	stilb_result result = vulkan_timeline_wait(device, device->timeline_value);
-	if (result == STILB_OK)
-		slot_read_time(device, device->slot);
+	for (uint32_t i = 1; i <= VULKAN_SLOTS && result == STILB_OK; i++) /* the oldest first */
+		vulkan_times_read(device, &device->slots[(device->slot + i) % VULKAN_SLOTS]);
 	return result;
 }

@@ -105,6 +105,10 @@ static VkResult vulkan_messenger_create(vulkan_device *device)
 	PFN_vkCreateDebugUtilsMessengerEXT create =
 		(PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(device->instance, "vkCreateDebugUtilsMessengerEXT");
 	VkDebugUtilsMessengerCreateInfoEXT info = vulkan_messenger_info(device);
+	device->label_begin =
+		(PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(device->instance, "vkCmdBeginDebugUtilsLabelEXT");
+	device->label_end =
+		(PFN_vkCmdEndDebugUtilsLabelEXT)vkGetInstanceProcAddr(device->instance, "vkCmdEndDebugUtilsLabelEXT");
 	return create ? create(device->instance, &info, NULL, &device->messenger) : VK_ERROR_EXTENSION_NOT_PRESENT;
 }
 

@@ -49,6 +49,14 @@ typedef struct vulkan_push {
 	VkDeviceAddress view, rows, materials;
 } vulkan_push;
 
+/* Of 2D passes (shaders/flat.vert). */
+typedef struct vulkan_push_2d {
+	float scale[2]; /* pixels to clip space */
+	VkDeviceAddress rows;
+} vulkan_push_2d;
+
+static_assert(sizeof(vulkan_push_2d) <= sizeof(vulkan_push), "one pipeline layout serves both");
+
 /* What went into a command buffer. */
 typedef struct vulkan_sent {
 	uint64_t draws, binds;
@@ -62,6 +70,29 @@ typedef struct vulkan_list {
 	VkResult result;     /* of the last recording */
 	vulkan_sent sent;
 } vulkan_list;
+
+/* The GPU's clock and CLOCK_MONOTONIC, read together; ns 0: never. */
+typedef struct vulkan_moment {
+	uint64_t ticks, ns;
+} vulkan_moment;
+
+/* The timestamps of a slot's frame. */
+typedef struct vulkan_slot_times {
+	vulkan_buffer results;                                 /* the frame's begin and end, and those of each pass */
+	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES]; /* [passes] their names */
+	uint32_t passes;
+	bool taken;            /* submitted, and not yet read */
+	vulkan_moment moment;  /* near the frame */
+	uint64_t submitted_ns; /* CLOCK_MONOTONIC */
+} vulkan_slot_times;
+
+typedef struct vulkan_times {
+	VkQueryPool queries;                          /* null: the queue has no clock */
+	PFN_vkGetCalibratedTimestampsEXT read_clocks; /* NULL: this GPU cannot */
+	vulkan_moment moment;                         /* the last good one */
+	stilb_prof_lane_handle *lane;                 /* NULL: there was no memory for it */
+	uint64_t shown_ns;                            /* the end of the last frame in the lane */
+} vulkan_times;
 
 typedef struct vulkan_slot {
 	VkCommandPool pool;
@@ -78,9 +109,8 @@ typedef struct vulkan_slot {
 	VkBuffer material_buffer;     /* in it */
 	vulkan_buffer views;          /* vulkan_view[STILB_RENDER_MAX_PASSES] */
 	vulkan_buffer picture;        /* the picture in memory, when there is no window */
-	vulkan_buffer times;          /* two timestamps: the queue's clock before and after the passes */
-	uint64_t done;                /* timeline value of the slot's last submission */
-	bool timed;                   /* its two timestamps are written */
+	vulkan_slot_times times;
+	uint64_t done; /* timeline value of the slot's last submission */
 	bool picture_valid;
 } vulkan_slot;
 
@@ -112,6 +142,8 @@ typedef struct vulkan_device {
 
 	VkInstance instance;
 	VkDebugUtilsMessengerEXT messenger;
+	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL: not validating */
+	PFN_vkCmdEndDebugUtilsLabelEXT label_end;
 	VkSurfaceKHR surface; /* null without a window */
 	VkPhysicalDevice gpu;
 	VkPhysicalDeviceProperties properties;
@@ -122,8 +154,9 @@ typedef struct vulkan_device {
 
 	VkSemaphore timeline;
 	uint64_t timeline_value;
-	VkQueryPool queries;     /* two a slot */
 	uint64_t timestamp_mask; /* the bits that count; 0: the queue has no clock */
+	bool calibrates;         /* VK_EXT_calibrated_timestamps is on */
+	vulkan_times times;
 
 	const VkAllocationCallbacks *allocator; /* of everything that belongs to the device; NULL: the driver's own */
 
@@ -132,8 +165,9 @@ typedef struct vulkan_device {
 	VkDescriptorPool texture_pool, material_pool;
 	vulkan_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	VkPipelineLayout pipeline_layout;
-	VkPipeline pipelines[2]
-						[VULKAN_PIPELINE_MATERIALS]; /* without and with a texture; null: this device needs none such */
+	/* Without and with a texture. Null: this device needs none such. */
+	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
+	VkPipeline pipelines_2d[2];
 	stilb_render_output output;
 	VkFormat color_format;
 	vulkan_image color;         /* the picture, one sample */
@@ -233,6 +267,18 @@ void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2
 void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                           VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
                           VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
+
+/* vulkan_times.c: timestamps, in the order of the calls of a frame. */
+stilb_result vulkan_times_create(vulkan_device *device);
+void vulkan_times_destroy(vulkan_device *device);
+void vulkan_times_begin(vulkan_device *device);
+void vulkan_times_pass_begin(vulkan_device *device, const stilb_prof_site *name);
+void vulkan_times_pass_end(vulkan_device *device);
+void vulkan_times_end(vulkan_device *device);
+/* Right after the submission of what has them. */
+void vulkan_times_submitted(vulkan_device *device, bool good);
+/* The slot's frame is done; frames in the order of their submission. Once read, nothing happens. */
+void vulkan_times_read(vulkan_device *device, vulkan_slot *slot);
 
 /* vulkan_pass.c */
 stilb_result vulkan_pass(render_device *base, const render_stream *stream);

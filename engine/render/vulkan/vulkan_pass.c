@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* The frame's first pass takes the targets from the frame before (its passes, and the copy that showed it); a later one
- * continues where the pass before stopped. */
-static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, bool first)
+ * continues where the pass before stopped. 2D passes draw into the picture alone. */
+static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, bool first, bool scene)
 {
 	const VkPipelineStageFlags2 color_stage = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
 	const VkPipelineStageFlags2 depth_stage =
@@ -22,30 +22,34 @@ static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, b
 	taken[count++] = vulkan_image_transition(device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
 	                                         color_stage | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
 	                                         VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
-	if (device->color_samples.image)
+	if (device->color_samples.image && scene)
 		taken[count++] =
 			vulkan_image_transition(device->color_samples.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
 		                            color_stage, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
-	taken[count++] =
-		vulkan_image_transition(device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
-	                            VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, depth_stage, depth_access);
+	if (scene)
+		taken[count++] =
+			vulkan_image_transition(device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
+		                            VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, depth_stage, depth_access);
 	vulkan_image_barriers(commands, taken, count);
 }
 
-/* The sky behind everything, as the fragment shader would have written it. */
-static VkClearColorValue pass_clear_color(const vulkan_device *device, const stilb_scene_sky *sky)
+/* The sky behind everything, as the fragment shader would have written it; black without a view. */
+static VkClearColorValue pass_clear_color(const vulkan_device *device, const stilb_render_view *view)
 {
-	stilb_vec3 color = stilb_vec3_make(sky->sky[0], sky->sky[1], sky->sky[2]);
+	if (!view)
+		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 1.0f}};
+	stilb_vec3 color = stilb_vec3_make(view->sky.sky[0], view->sky.sky[1], view->sky.sky[2]);
 	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
 		color = shade_tonemap(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
 }
 
 /* contents: whether draws or secondary command buffers follow. */
-static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands, const stilb_scene_sky *sky,
+static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
                                  bool first, VkRenderingFlags contents)
 {
-	bool resolve = device->color_samples.image != VK_NULL_HANDLE;
+	bool scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
+	bool resolve = device->color_samples.image != VK_NULL_HANDLE && scene;
 	const VkAttachmentLoadOp load = first ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
 	const VkRenderingAttachmentInfo color = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -56,7 +60,7 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
 		.resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
 		.loadOp = load,
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-		.clearValue = {.color = pass_clear_color(device, sky)},
+		.clearValue = {.color = pass_clear_color(device, stream->view)},
 	};
 	const VkRenderingAttachmentInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -73,7 +77,7 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
 		.layerCount = 1,
 		.colorAttachmentCount = 1,
 		.pColorAttachments = &color,
-		.pDepthAttachment = &depth,
+		.pDepthAttachment = scene ? &depth : NULL,
 	};
 	vkCmdBeginRendering(commands, &rendering);
 }
@@ -101,7 +105,7 @@ static void pass_draw(vulkan_device *device, VkCommandBuffer commands, const ren
 {
 	stilb_render_stats *stats = &device->base.stats;
 	vulkan_draws_area(device, commands);
-	if (device->base.replay == STILB_RENDER_REPLAY_INDIRECT) {
+	if (render_stream_mode(&device->base, stream) == STILB_RENDER_REPLAY_INDIRECT) {
 		vulkan_sent sent = vulkan_draws_indirect(device, commands, stream);
 		stats->indirect_commands += sent.draws;
 		stats->binds_sent += sent.binds;
@@ -112,28 +116,44 @@ static void pass_draw(vulkan_device *device, VkCommandBuffer commands, const ren
 	}
 }
 
+/* The layer's messages, and captures of other tools, name the pass. */
+static void pass_label_begin(const vulkan_device *device, VkCommandBuffer commands, const char *name)
+{
+	if (device->label_begin)
+		device->label_begin(commands, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+		                                                      .pLabelName = name ? name : "pass"});
+}
+
 stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
 	VkCommandBuffer secondary[VULKAN_MAX_LISTS];
 	uint32_t secondary_count = 0;
-	bool first = device->pass == 0;
-	pass_write_view(device, slot, stream->view);
-	if (base->replay == STILB_RENDER_REPLAY_SECONDARY && stream->draws > 0) {
+	bool first = device->pass == 0, scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
+	if (!scene && !first && stream->draws == 0)
+		return STILB_OK;
+	if (scene)
+		pass_write_view(device, slot, stream->view);
+	if (render_stream_mode(base, stream) == STILB_RENDER_REPLAY_SECONDARY && stream->draws > 0) {
 		secondary_count = stilb_job_pool_worker_count(stream->pool) + 1;
 		stilb_result result = vulkan_secondary_record(device, stream, secondary_count, secondary);
 		if (result != STILB_OK)
 			return result;
 	}
-	pass_take_targets(device, slot->draw, first);
-	pass_begin_rendering(device, slot->draw, &stream->view->sky, first,
+	pass_label_begin(device, slot->draw, stream->pass->name);
+	vulkan_times_pass_begin(device, stream->site);
+	pass_take_targets(device, slot->draw, first, scene);
+	pass_begin_rendering(device, slot->draw, stream, first,
 	                     secondary_count > 0 ? VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT : 0);
 	if (secondary_count > 0)
 		vkCmdExecuteCommands(slot->draw, secondary_count, secondary);
 	else if (stream->draws > 0)
 		pass_draw(device, slot->draw, stream);
 	vkCmdEndRendering(slot->draw);
+	vulkan_times_pass_end(device);
+	if (device->label_end)
+		device->label_end(slot->draw);
 	device->pass++;
 	return STILB_OK;
 }

@@ -1,6 +1,6 @@
 #include "render/vulkan/vulkan_internal.h"
 
-/* SPIR-V, made from shaders/ when Stilb is built: with a texture, with the material bound. */
+/* SPIR-V, made from shaders/ when Stilb is built: with a texture, with the material bound; and flat, for 2D passes. */
 static const uint32_t mesh_vert[] =
 #include "mesh.vert.inc"
 	;
@@ -20,6 +20,19 @@ static const uint32_t mesh_bind_texture_frag[] =
 #include "mesh_bind_texture.frag.inc"
 	;
 
+static const uint32_t flat_vert[] =
+#include "flat.vert.inc"
+	;
+static const uint32_t flat_texture_vert[] =
+#include "flat_texture.vert.inc"
+	;
+static const uint32_t flat_frag[] =
+#include "flat.frag.inc"
+	;
+static const uint32_t flat_texture_frag[] =
+#include "flat_texture.frag.inc"
+	;
+
 typedef struct pipeline_code {
 	const uint32_t *words;
 	size_t size;
@@ -36,6 +49,12 @@ static const pipeline_code vertex_code[2] = {PIPELINE_CODE(mesh_vert), PIPELINE_
 static const pipeline_code fragment_code[2][2] = {
 	{PIPELINE_CODE(mesh_frag), PIPELINE_CODE(mesh_texture_frag)},
 	{PIPELINE_CODE(mesh_bind_frag), PIPELINE_CODE(mesh_bind_texture_frag)},
+};
+
+/* [texture][stage] */
+static const pipeline_code flat_code[2][2] = {
+	{PIPELINE_CODE(flat_vert), PIPELINE_CODE(flat_frag)},
+	{PIPELINE_CODE(flat_texture_vert), PIPELINE_CODE(flat_texture_frag)},
 };
 
 static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShaderModule *module)
@@ -162,6 +181,64 @@ static const VkPipelineColorBlendStateCreateInfo blend = {
 	.pAttachments = &no_blending,
 };
 
+/* ---- the same of 2D pipelines ------------------------------------------------------------------------------------ */
+
+static const VkVertexInputBindingDescription flat_binding = {.stride = sizeof(stilb_render_vertex_2d)};
+
+static const VkVertexInputAttributeDescription flat_attributes[3] = {
+	{.location = 0, .format = VK_FORMAT_R32G32_SFLOAT, .offset = offsetof(stilb_render_vertex_2d, position)},
+	{.location = 1, .format = VK_FORMAT_R8G8B8A8_UNORM, .offset = offsetof(stilb_render_vertex_2d, color)},
+	{.location = 2, .format = VK_FORMAT_R32G32_SFLOAT, .offset = offsetof(stilb_render_vertex_2d, uv)},
+};
+
+/* Without and with a texture. */
+static const VkPipelineVertexInputStateCreateInfo flat_input[2] = {
+	{
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+		.vertexBindingDescriptionCount = 1,
+		.pVertexBindingDescriptions = &flat_binding,
+		.vertexAttributeDescriptionCount = 2,
+		.pVertexAttributeDescriptions = flat_attributes,
+	},
+	{
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+		.vertexBindingDescriptionCount = 1,
+		.pVertexBindingDescriptions = &flat_binding,
+		.vertexAttributeDescriptionCount = 3,
+		.pVertexAttributeDescriptions = flat_attributes,
+	},
+};
+
+static const VkPipelineRasterizationStateCreateInfo flat_rasterization = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+	.polygonMode = VK_POLYGON_MODE_FILL,
+	.cullMode = VK_CULL_MODE_NONE,
+	.lineWidth = 1.0f,
+};
+
+static const VkPipelineMultisampleStateCreateInfo flat_samples = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+	.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT,
+};
+
+/* Over what is there, premultiplied; the picture stays opaque. */
+static const VkPipelineColorBlendAttachmentState over = {
+	.blendEnable = VK_TRUE,
+	.srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+	.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+	.colorBlendOp = VK_BLEND_OP_ADD,
+	.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+	.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+	.alphaBlendOp = VK_BLEND_OP_ADD,
+	.colorWriteMask = 0xf,
+};
+
+static const VkPipelineColorBlendStateCreateInfo flat_blend = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+	.attachmentCount = 1,
+	.pAttachments = &over,
+};
+
 /* ---- what depends on it ------------------------------------------------------------------------------------------ */
 
 static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stage, VkShaderModule module,
@@ -243,19 +320,67 @@ static VkResult pipelines_make(vulkan_device *device, bool texture)
 	return result;
 }
 
+static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule modules[2], bool texture)
+{
+	const VkPipelineShaderStageCreateInfo stages[2] = {
+		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], NULL),
+		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], NULL),
+	};
+	const VkPipelineRenderingCreateInfo rendering = {
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+		.colorAttachmentCount = 1,
+		.pColorAttachmentFormats = &device->color_format,
+	};
+	const VkGraphicsPipelineCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+		.pNext = &rendering,
+		.stageCount = 2,
+		.pStages = stages,
+		.pVertexInputState = &flat_input[texture],
+		.pInputAssemblyState = &input_assembly,
+		.pViewportState = &viewport,
+		.pRasterizationState = &flat_rasterization,
+		.pMultisampleState = &flat_samples,
+		.pColorBlendState = &flat_blend,
+		.pDynamicState = &dynamic,
+		.layout = device->pipeline_layout,
+	};
+	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator,
+	                                 &device->pipelines_2d[texture]);
+}
+
+static VkResult pipelines_make_2d(vulkan_device *device, bool texture)
+{
+	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
+	VkResult result = shader_create(device, flat_code[texture][0], &modules[0]);
+	if (result == VK_SUCCESS)
+		result = shader_create(device, flat_code[texture][1], &modules[1]);
+	if (result == VK_SUCCESS)
+		result = pipeline_make_2d(device, modules, texture);
+	for (int stage = 0; stage < 2; stage++)
+		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
+	return result;
+}
+
 stilb_result vulkan_pipeline_create(vulkan_device *device)
 {
 	VkResult result = layout_create(device);
 	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
 		result = pipelines_make(device, texture);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
+	if (result != VK_SUCCESS)
+		return vulkan_fail(device, result, "make the mesh pipelines");
+	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
+		result = pipelines_make_2d(device, texture);
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the 2D pipelines");
 }
 
 void vulkan_pipeline_destroy(vulkan_device *device)
 {
-	for (int texture = 0; texture < 2; texture++)
+	for (int texture = 0; texture < 2; texture++) {
 		for (int materials = 0; materials < VULKAN_PIPELINE_MATERIALS; materials++)
 			vkDestroyPipeline(device->device, device->pipelines[texture][materials], device->allocator);
+		vkDestroyPipeline(device->device, device->pipelines_2d[texture], device->allocator);
+	}
 	vkDestroyPipelineLayout(device->device, device->pipeline_layout, device->allocator);
 	vkDestroyDescriptorSetLayout(device->device, device->texture_layout, device->allocator);
 	vkDestroyDescriptorSetLayout(device->device, device->material_layout, device->allocator);
@@ -264,6 +389,8 @@ void vulkan_pipeline_destroy(vulkan_device *device)
 VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
 {
 	vulkan_pipeline_materials materials = VULKAN_PIPELINE_ANY;
+	if (state & RENDER_STATE_2D)
+		return device->pipelines_2d[render_state_texture(state) != 0];
 	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
 		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
 	return device->pipelines[render_state_texture(state) != 0][materials];

@@ -171,6 +171,7 @@ static void show_blit(vulkan_device *device, VkCommandBuffer commands, VkImage i
 /* Gives back the index of the window's next image; *skip when there is none now. */
 static stilb_result window_acquire(vulkan_device *device, vulkan_slot *slot, uint32_t *image, bool *skip)
 {
+	PROFILE("acquire"); /* waits when the window has no image to spare */
 	*skip = true;
 	if (device->swapchain.stale || !device->swapchain.handle) {
 		stilb_result result = swapchain_renew(device);
@@ -198,6 +199,7 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 	stilb_result result = window_acquire(device, slot, &image, &skip);
 	if (result != STILB_OK || skip)
 		return result;
+	PROFILE("show");
 	VkSemaphore shown = device->swapchain.shown[image];
 	result = show_begin(device, slot);
 	if (result != STILB_OK)
@@ -214,6 +216,7 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 		.pSwapchains = &device->swapchain.handle,
 		.pImageIndices = &image,
 	};
+	PROFILE("queue present"); /* some drivers wait here until the picture is drawn */
 	VkResult presented = vkQueuePresentKHR(device->queue, &info);
 	if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR)
 		device->swapchain.stale = true;
@@ -242,6 +245,7 @@ static void picture_copy(vulkan_device *device, vulkan_slot *slot)
 
 static stilb_result memory_present(vulkan_device *device, vulkan_slot *slot)
 {
+	PROFILE("show");
 	stilb_result result = STILB_OK;
 	if (!slot->picture.buffer)
 		result = vulkan_buffer_create(

@@ -2,8 +2,6 @@
  * the main thread executes them in the order of their parts. */
 #include "render/vulkan/vulkan_internal.h"
 
-#include "profiler/prof.h"
-
 #include <stdlib.h>
 #include <string.h>
 

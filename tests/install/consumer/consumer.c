@@ -1,6 +1,8 @@
 /* Adds up on the worker pool, inside a zone of the profiler, and prints the sum only if the trace shows the zone. */
 #include <stilb/job.h>
 #include <stilb/prof.h>
+#include <stilb/prof_snapshot.h>
+#include <stilb/prof_trace.h>
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -39,8 +41,12 @@ int main(void)
 		stilb_job_parallel_for(pool, 1000, 10, add_numbers, NULL, 0);
 	}
 	stilb_job_pool_destroy(pool);
-	if (stilb_prof_trace_write(NULL, keep, NULL) != 0 || strstr(trace, "add numbers") == NULL)
+	stilb_prof_snapshot snapshot = {0};
+	const stilb_prof_sink sink = {keep, NULL};
+	if (stilb_prof_snapshot_take(&snapshot, NULL) != 0 || stilb_prof_trace_write_chrome(&snapshot, NULL, sink) != 0 ||
+	    strstr(trace, "add numbers") == NULL)
 		return 1;
+	stilb_prof_snapshot_finish(&snapshot);
 	stilb_prof_shutdown();
 	printf("sum %u\n", atomic_load(&sum));
 	return 0;

@@ -1,0 +1,102 @@
+/*
+ * The profiler over the picture: it is made when it is first opened, gets the mouse and the keys before the camera does, and
+ * is drawn as a 2D pass of its own.
+ */
+#include "engine_internal.h"
+
+#include "profiler/prof.h"
+
+static stilb_result engine_overlay_create(stilb_engine *engine)
+{
+	engine_overlay *overlay = &engine->overlay;
+	stilb_ui_desc desc = stilb_ui_desc_default();
+	desc.render = engine->render;
+	desc.aa = engine->desc.ui_aa;
+	stilb_result result = stilb_ui_create(&desc, &overlay->ui);
+	if (result == STILB_OK)
+		result = stilb_ui_profiler_create(&(stilb_ui_profiler_desc){.budget_ms = engine->desc.capture.spike_ms},
+		                                  &overlay->profiler);
+	if (result != STILB_OK)
+		engine_overlay_finish(overlay);
+	return result;
+}
+
+stilb_result engine_overlay_open(stilb_engine *engine, bool open)
+{
+	if (open && !engine->overlay.ui) {
+		stilb_result result = engine_overlay_create(engine);
+		if (result != STILB_OK)
+			return result;
+	}
+	engine->overlay.open = open;
+	return STILB_OK;
+}
+
+void engine_overlay_finish(engine_overlay *overlay)
+{
+	stilb_ui_profiler_destroy(overlay->profiler);
+	stilb_ui_destroy(overlay->ui);
+	*overlay = (engine_overlay){0};
+}
+
+stilb_ui_input engine_ui_input(const stilb_window_state *window)
+{
+	static const stilb_window_key keys[STILB_UI_KEY_COUNT] = {
+		[STILB_UI_KEY_TAB] = STILB_WINDOW_KEY_TAB,     [STILB_UI_KEY_ENTER] = STILB_WINDOW_KEY_ENTER,
+		[STILB_UI_KEY_SPACE] = STILB_WINDOW_KEY_SPACE, [STILB_UI_KEY_ESCAPE] = STILB_WINDOW_KEY_ESCAPE,
+		[STILB_UI_KEY_LEFT] = STILB_WINDOW_KEY_LEFT,   [STILB_UI_KEY_RIGHT] = STILB_WINDOW_KEY_RIGHT,
+		[STILB_UI_KEY_UP] = STILB_WINDOW_KEY_UP,       [STILB_UI_KEY_DOWN] = STILB_WINDOW_KEY_DOWN,
+	};
+	stilb_ui_input input = {
+		.mouse_present = window->pointer,
+		.mouse_x = window->pointer_x,
+		.mouse_y = window->pointer_y,
+		.mouse_down = window->button,
+		.mouse_presses = window->clicks,
+		.wheel = window->wheel,
+		.shift = window->held[STILB_WINDOW_KEY_SHIFT],
+		.control = window->held[STILB_WINDOW_KEY_CONTROL],
+	};
+	for (int key = 0; key < STILB_UI_KEY_COUNT; key++) {
+		unsigned typed = (unsigned)window->pressed[keys[key]] + window->repeated[keys[key]];
+		input.keys[key] = (uint8_t)(typed < UINT8_MAX ? typed : UINT8_MAX);
+	}
+	return input;
+}
+
+void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window, stilb_input_state *input)
+{
+	engine_overlay *overlay = &engine->overlay;
+	if (input->overlay && engine_overlay_open(engine, !overlay->open) != STILB_OK)
+		stilb_log("%s", stilb_error_message()); /* the picture goes on without it */
+	/* Of the frame before: what the user saw when acting. */
+	bool mouse = overlay->open && stilb_ui_wants_mouse(overlay->ui);
+	bool keys = overlay->open && stilb_ui_wants_keys(overlay->ui);
+	stilb_window_set_capturing(engine->window, !mouse);
+	if (keys)
+		*input = stilb_input_without_keys(*input);
+	if (overlay->open && input->freeze)
+		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
+	overlay->input = engine_ui_input(window);
+	overlay->input.seconds = engine->step;
+}
+
+static void engine_overlay_build(engine_overlay *overlay)
+{
+	PROFILE("ui build");
+	stilb_ui_begin(overlay->ui, &overlay->input);
+	stilb_ui_profiler_draw(overlay->profiler, overlay->ui);
+	stilb_ui_end(overlay->ui);
+}
+
+stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t worker)
+{
+	engine_overlay *overlay = &engine->overlay;
+	uint32_t width, height;
+	stilb_render_size(engine->render, &width, &height);
+	overlay->input.width = (float)width;
+	overlay->input.height = (float)height;
+	engine_overlay_build(overlay);
+	PROFILE("ui record");
+	return stilb_ui_record(overlay->ui, pass, worker);
+}

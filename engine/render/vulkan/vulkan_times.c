@@ -1,0 +1,199 @@
+/* When the GPU did what: timestamps before and after the frame and each of its passes, read when the slot comes round
+ * again (two frames later, so nobody waits for them), and shown as zones of a lane of their own in the profiler.
+ *
+ * The GPU's clock is not the CPU's. Once a frame both are read together (VK_EXT_calibrated_timestamps); how far apart the
+ * two reads may have been is known, and a pair that was interrupted is not used. Without the extension a frame is placed
+ * where it was handed over, and the lane's name says so. */
+#include "render/vulkan/vulkan_internal.h"
+
+#define TIMES_FRAME 2u /* queries before those of the passes: the frame's begin and end */
+#define TIMES_QUERIES (TIMES_FRAME + 2u * STILB_RENDER_MAX_PASSES)
+
+#define TIMES_TRIES 4
+#define TIMES_GOOD_NS 5000u   /* deviation of a pair of clocks that is not tried again */
+#define TIMES_WORST_NS 50000u /* of one that is not used */
+
+STILB_PROF_SITE(times_frame_site, "frame", 0);
+
+/* ---- making ------------------------------------------------------------------------------------------------------ */
+
+/* True when the GPU's clock and CLOCK_MONOTONIC can be read together. */
+static bool times_can_calibrate(const vulkan_device *device)
+{
+	VkTimeDomainEXT domains[16];
+	uint32_t count = 16;
+	PFN_vkGetPhysicalDeviceCalibrateableTimeDomainsEXT get =
+		(PFN_vkGetPhysicalDeviceCalibrateableTimeDomainsEXT)vkGetInstanceProcAddr(
+			device->instance, "vkGetPhysicalDeviceCalibrateableTimeDomainsEXT");
+	if (!device->calibrates || !get || get(device->gpu, &count, domains) < 0)
+		return false;
+	bool gpu = false, cpu = false;
+	for (uint32_t d = 0; d < count; d++) {
+		gpu |= domains[d] == VK_TIME_DOMAIN_DEVICE_EXT;
+		cpu |= domains[d] == VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT;
+	}
+	return gpu && cpu;
+}
+
+stilb_result vulkan_times_create(vulkan_device *device)
+{
+	vulkan_times *times = &device->times;
+	if (!device->timestamp_mask)
+		return STILB_OK;
+	const VkQueryPoolCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+		.queryType = VK_QUERY_TYPE_TIMESTAMP,
+		.queryCount = TIMES_QUERIES * VULKAN_SLOTS,
+	};
+	VkResult error = vkCreateQueryPool(device->device, &info, device->allocator, &times->queries);
+	if (error != VK_SUCCESS)
+		return vulkan_fail(device, error, "make timestamps");
+	stilb_result result = STILB_OK;
+	for (int i = 0; i < VULKAN_SLOTS && result == STILB_OK; i++)
+		result = vulkan_buffer_create(device, TIMES_QUERIES * sizeof(uint64_t), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+		                              VULKAN_MEMORY_READBACK, &device->slots[i].times.results);
+	if (times_can_calibrate(device))
+		times->read_clocks =
+			(PFN_vkGetCalibratedTimestampsEXT)vkGetDeviceProcAddr(device->device, "vkGetCalibratedTimestampsEXT");
+	/* Without a lane frames are timed all the same, and not shown. */
+	if (result == STILB_OK)
+		stilb_prof_lane_create(times->read_clocks ? "GPU" : "GPU (uncalibrated)", &times->lane);
+	return result;
+}
+
+void vulkan_times_destroy(vulkan_device *device)
+{
+	for (int i = 0; i < VULKAN_SLOTS; i++)
+		vulkan_buffer_destroy(device, &device->slots[i].times.results);
+	vkDestroyQueryPool(device->device, device->times.queries, device->allocator);
+	stilb_prof_lane_destroy(device->times.lane);
+}
+
+/* ---- taking ------------------------------------------------------------------------------------------------------ */
+
+static void times_write(vulkan_device *device, uint32_t query, VkPipelineStageFlags2 stage)
+{
+	if (device->times.queries)
+		vkCmdWriteTimestamp2(vulkan_slot_now(device)->draw, stage, device->times.queries,
+		                     TIMES_QUERIES * device->slot + query);
+}
+
+void vulkan_times_begin(vulkan_device *device)
+{
+	vulkan_slot *slot = vulkan_slot_now(device);
+	slot->times.passes = 0;
+	if (device->times.queries)
+		vkCmdResetQueryPool(slot->draw, device->times.queries, TIMES_QUERIES * device->slot, TIMES_QUERIES);
+	times_write(device, 0, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT);
+}
+
+void vulkan_times_pass_begin(vulkan_device *device, const stilb_prof_site *name)
+{
+	vulkan_slot_times *times = &vulkan_slot_now(device)->times;
+	times->sites[times->passes] = name;
+	times_write(device, TIMES_FRAME + 2 * times->passes, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT);
+}
+
+void vulkan_times_pass_end(vulkan_device *device)
+{
+	vulkan_slot_times *times = &vulkan_slot_now(device)->times;
+	times_write(device, TIMES_FRAME + 2 * times->passes + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
+	times->passes++;
+}
+
+/* Has the GPU write the timestamps to memory: asking for them with vkGetQueryPoolResults waits for all of the device in
+ * some drivers. */
+void vulkan_times_end(vulkan_device *device)
+{
+	vulkan_slot *slot = vulkan_slot_now(device);
+	if (!device->times.queries)
+		return;
+	times_write(device, 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
+	vkCmdCopyQueryPoolResults(slot->draw, device->times.queries, TIMES_QUERIES * device->slot,
+	                          TIMES_FRAME + 2 * slot->times.passes, slot->times.results.buffer, 0, sizeof(uint64_t),
+	                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+	vulkan_host_barrier(slot->draw);
+}
+
+/* ---- both clocks ------------------------------------------------------------------------------------------------- */
+
+/* The best of a few tries; the last good pair stays when all were interrupted. */
+static void times_calibrate(vulkan_device *device)
+{
+	static const VkCalibratedTimestampInfoEXT clocks[2] = {
+		{.sType = VK_STRUCTURE_TYPE_CALIBRATED_TIMESTAMP_INFO_EXT, .timeDomain = VK_TIME_DOMAIN_DEVICE_EXT},
+		{.sType = VK_STRUCTURE_TYPE_CALIBRATED_TIMESTAMP_INFO_EXT, .timeDomain = VK_TIME_DOMAIN_CLOCK_MONOTONIC_EXT},
+	};
+	uint64_t best = TIMES_WORST_NS + 1;
+	for (int i = 0; i < TIMES_TRIES && best > TIMES_GOOD_NS; i++) {
+		uint64_t now[2], deviation;
+		if (device->times.read_clocks(device->device, 2, clocks, now, &deviation) != VK_SUCCESS)
+			return;
+		if (deviation >= best)
+			continue;
+		best = deviation;
+		device->times.moment = (vulkan_moment){.ticks = now[0], .ns = now[1]};
+	}
+}
+
+void vulkan_times_submitted(vulkan_device *device, bool good)
+{
+	vulkan_slot_times *times = &vulkan_slot_now(device)->times;
+	times->taken = good && device->times.queries;
+	if (!times->taken || !device->times.lane)
+		return;
+	if (device->times.read_clocks)
+		times_calibrate(device);
+	times->moment = device->times.moment;
+	times->submitted_ns = stilb_time_ns();
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+/* Nanoseconds between two timestamps, negative when `to` is the earlier. Their clock may have few bits and wrap within
+ * minutes. */
+static double times_between(const vulkan_device *device, uint64_t from, uint64_t to)
+{
+	uint64_t mask = device->timestamp_mask, passed = (to - from) & mask;
+	int64_t ticks = (int64_t)(passed > mask >> 1 ? passed | ~mask : passed);
+	return (double)ticks * (double)device->properties.limits.timestampPeriod;
+}
+
+static uint64_t times_clamp(uint64_t ns, uint64_t low, uint64_t high)
+{
+	return ns < low ? low : ns > high ? high : ns;
+}
+
+/* A pass's commands may begin before those of the pass before are done: what overlaps counts to the earlier. */
+static void times_show(vulkan_device *device, const vulkan_slot_times *times, uint64_t now)
+{
+	const uint64_t *ticks = times->results.mapped;
+	vulkan_moment moment = times->moment;
+	uint64_t done = device->times.shown_ns;
+	if (moment.ns == 0) /* no clocks were read together: it cannot have begun before it was handed over */
+		moment = (vulkan_moment){ticks[0], times->submitted_ns};
+#define TIMES_AT(query, low)                                                                                           \
+	times_clamp(moment.ns + (uint64_t)(int64_t)times_between(device, moment.ticks, ticks[query]), low, now)
+	uint64_t begin = TIMES_AT(0, done);
+	done = begin;
+	for (uint32_t p = 0; p < times->passes; p++) {
+		uint64_t pass_begin = TIMES_AT(TIMES_FRAME + 2 * p, done);
+		done = TIMES_AT(TIMES_FRAME + 2 * p + 1, pass_begin);
+		stilb_prof_lane_zone(device->times.lane, times->sites[p], 1, pass_begin, done);
+	}
+	device->times.shown_ns = TIMES_AT(1, done);
+	stilb_prof_lane_zone(device->times.lane, &times_frame_site, 0, begin, device->times.shown_ns);
+#undef TIMES_AT
+}
+
+void vulkan_times_read(vulkan_device *device, vulkan_slot *slot)
+{
+	vulkan_slot_times *times = &slot->times;
+	if (!times->taken)
+		return;
+	const uint64_t *ticks = times->results.mapped;
+	times->taken = false;
+	device->base.stats.gpu_ms = times_between(device, ticks[0], ticks[1]) * 1e-6;
+	if (device->times.lane)
+		times_show(device, times, stilb_time_ns());
+}

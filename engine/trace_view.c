@@ -1,0 +1,174 @@
+#include "trace_view.h"
+
+#include "engine_internal.h"
+#include "image/image.h"
+#include "profiler/prof_capture.h"
+
+#include <stdlib.h>
+
+#define VIEW_PASS 0u
+#define VIEW_WORKER 0u /* there is only the main thread */
+
+struct stilb_engine_trace_view {
+	const stilb_prof_snapshot *trace;
+	uint32_t first, count; /* the frames of the history */
+	stilb_window *window;  /* NULL: none */
+	stilb_render *render;
+	stilb_ui *ui;
+	stilb_ui_profiler *profiler;
+	stilb_ui_input input;
+	uint64_t last_ns; /* when the frame before began; 0 before the first */
+};
+
+/* ---- where the timeline looks ------------------------------------------------------------------------------------- */
+
+/* All of the file, whatever frames are asked for: it lies there already. */
+static int view_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
+{
+	(void)window;
+	const stilb_engine_trace_view *view = user;
+	*snapshot = *view->trace;
+	snapshot->memory = NULL; /* not the borrower's to free */
+	return 0;
+}
+
+static void view_frames(void *user, stilb_prof_frame_stats *stats, double budget_ms)
+{
+	const stilb_engine_trace_view *view = user;
+	stilb_prof_frame_stats_make(stats, view->trace->frames + view->first, view->count, budget_ms);
+}
+
+/* The 100 frames around the one to be shown, or as many as there are. */
+static void view_choose(stilb_engine_trace_view *view, uint32_t frame)
+{
+	const uint32_t all = view->trace->frame_count, most = STILB_PROF_STATS_FRAMES;
+	view->count = all < most ? all : most;
+	view->first = frame > most / 2 ? frame - most / 2 : 0;
+	if (view->first > all - view->count)
+		view->first = all - view->count;
+}
+
+/* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+static stilb_result view_start(stilb_engine_trace_view *view, const stilb_engine_trace_view_desc *desc)
+{
+	stilb_result result = STILB_OK;
+	if (desc->window)
+		result = stilb_window_create("Stilb trace", desc->width, desc->height, &view->window);
+	if (result != STILB_OK)
+		return result;
+	const stilb_render_surface surface = {view->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	const stilb_render_desc render = {
+		.gpu = desc->gpu,
+		.surface = view->window ? &surface : NULL,
+		.width = desc->width,
+		.height = desc->height,
+		.samples = 1,
+		.context_count = 1,
+	};
+	result = stilb_render_create(&render, &view->render);
+	if (result != STILB_OK)
+		return result;
+	stilb_ui_desc ui = stilb_ui_desc_default();
+	ui.render = view->render;
+	ui.aa = desc->aa;
+	result = stilb_ui_create(&ui, &view->ui);
+	if (result != STILB_OK)
+		return result;
+	const stilb_ui_profiler_desc profiler = {.user = view, .take = view_take, .frames = view_frames, .whole = true};
+	result = stilb_ui_profiler_create(&profiler, &view->profiler);
+	if (result == STILB_OK)
+		stilb_ui_profiler_show(view->profiler, desc->trace->frames[desc->frame].number);
+	return result;
+}
+
+stilb_result stilb_engine_trace_view_create(const stilb_engine_trace_view_desc *desc, stilb_engine_trace_view **out)
+{
+	*out = NULL;
+	if (desc->frame >= desc->trace->frame_count)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "the trace has %u frames, no frame %u", desc->trace->frame_count,
+		                  desc->frame);
+	stilb_engine_trace_view *view = calloc(1, sizeof *view);
+	if (!view)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a view of a trace");
+	view->trace = desc->trace;
+	view_choose(view, desc->frame);
+	stilb_result result = view_start(view, desc);
+	if (result == STILB_OK)
+		*out = view;
+	else
+		stilb_engine_trace_view_destroy(view);
+	return result;
+}
+
+void stilb_engine_trace_view_destroy(stilb_engine_trace_view *view)
+{
+	if (!view)
+		return;
+	stilb_ui_profiler_destroy(view->profiler);
+	stilb_ui_destroy(view->ui);
+	stilb_render_destroy(view->render);
+	stilb_window_destroy(view->window);
+	free(view);
+}
+
+/* ---- frames -------------------------------------------------------------------------------------------------------- */
+
+/* *drawn: false while there is nothing to draw to. */
+static stilb_result view_input(stilb_engine_trace_view *view, bool *close, bool *drawn)
+{
+	stilb_window_state state;
+	*close = false;
+	*drawn = true;
+	view->input = (stilb_ui_input){0};
+	if (!view->window)
+		return STILB_OK;
+	stilb_window_wait(view->window, 0.1, &state);
+	const uint64_t now = stilb_time_ns();
+	*close = state.close;
+	*drawn = state.width > 0 && state.height > 0;
+	stilb_window_set_capturing(view->window, false); /* there is no camera */
+	view->input = engine_ui_input(&state);
+	view->input.seconds = view->last_ns ? (float)((double)(now - view->last_ns) * 1e-9) : 0.0f;
+	view->last_ns = now;
+	uint32_t width, height;
+	stilb_render_size(view->render, &width, &height);
+	if (!*drawn || (state.width == width && state.height == height))
+		return STILB_OK;
+	return stilb_render_resize(view->render, state.width, state.height);
+}
+
+static stilb_result view_draw(stilb_engine_trace_view *view)
+{
+	const stilb_render_pass pass = {.name = "ui", .kind = STILB_RENDER_PASS_2D};
+	uint32_t width, height;
+	stilb_render_size(view->render, &width, &height);
+	view->input.width = (float)width;
+	view->input.height = (float)height;
+	stilb_ui_begin(view->ui, &view->input);
+	stilb_ui_profiler_draw(view->profiler, view->ui);
+	stilb_ui_end(view->ui);
+	stilb_result result = stilb_render_frame_begin(view->render);
+	if (result == STILB_OK)
+		result = stilb_ui_record(view->ui, VIEW_PASS, VIEW_WORKER);
+	if (result == STILB_OK)
+		result = stilb_render_replay(view->render, &pass, 1, NULL, 0, NULL, VIEW_WORKER);
+	return result == STILB_OK ? stilb_render_present(view->render) : result;
+}
+
+stilb_result stilb_engine_trace_view_frame(stilb_engine_trace_view *view, bool *close)
+{
+	bool drawn;
+	stilb_result result = view_input(view, close, &drawn);
+	return result == STILB_OK && drawn ? view_draw(view) : result;
+}
+
+stilb_result stilb_engine_trace_view_screenshot(stilb_engine_trace_view *view, const char *path)
+{
+	stilb_image image = {0};
+	stilb_result result = stilb_render_read_image(view->render, &image);
+	if (result == STILB_OK)
+		result = stilb_image_save(&image, path);
+	stilb_image_finish(&image);
+	return result;
+}

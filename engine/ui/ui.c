@@ -1,0 +1,285 @@
+/* A frame of the user interface: what the mouse and the keys are about, and who gets them. */
+#include "ui/ui_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DOUBLE_CLICK_REACH 4.0f /* pixels between its two presses */
+
+/* ---- life -------------------------------------------------------------------------------------------------------- */
+
+stilb_ui_desc stilb_ui_desc_default(void)
+{
+	return (stilb_ui_desc){.aa = STILB_UI_AA_FEATHER, .scale = 1.0f};
+}
+
+static stilb_ui_style style_of(float scale)
+{
+	return (stilb_ui_style){
+		.panel = {0x14, 0x17, 0x1c, 0xf6},
+		.panel_title = {0x20, 0x25, 0x2d, 0xff},
+		.panel_border = {0x3d, 0x46, 0x52, 0xff},
+		.shadow = {0x00, 0x00, 0x00, 0xa0},
+		.text = stilb_ui_rgb(0xd5dae1),
+		.text_muted = stilb_ui_rgb(0x8f9aa8),
+		.text_strong = stilb_ui_rgb(0xffffff),
+		.control = stilb_ui_rgb(0x2d343e),
+		.control_hot = stilb_ui_rgb(0x3a4451),
+		.control_active = stilb_ui_rgb(0x232930),
+		.control_border = stilb_ui_rgb(0x4d5866),
+		.accent = stilb_ui_rgb(0x5aa2e6),
+		.accent_face = stilb_ui_rgb(0x2c6db3),
+		.accent_text = stilb_ui_rgb(0xffffff),
+		.row_odd = {0xff, 0xff, 0xff, 0x02},
+		.row_hot = stilb_ui_rgb(0x2a313b),
+		.row_selected = stilb_ui_rgb(0x2c4a6b),
+		.plot_background = stilb_ui_rgb(0x0e1014),
+		.plot_grid = stilb_ui_rgb(0x262c34),
+		.good = stilb_ui_rgb(0x67b96a),
+		.warning = stilb_ui_rgb(0xe3b341),
+		.bad = stilb_ui_rgb(0xe5594f),
+		.margin = roundf(8.0f * scale),
+		.gap = roundf(6.0f * scale),
+		.control_height = roundf(22.0f * scale),
+		.row_height = roundf(18.0f * scale),
+		.title_height = roundf(26.0f * scale),
+		.radius = roundf(4.0f * scale),
+		.scroll_bar = roundf(8.0f * scale),
+	};
+}
+
+stilb_result stilb_ui_create(const stilb_ui_desc *desc, stilb_ui **out)
+{
+	*out = NULL;
+	if (!(desc->scale >= 0.5f && desc->scale <= 4.0f))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "the user interface's scale is %g; it goes from 0.5 to 4",
+		                  (double)desc->scale);
+	stilb_ui *ui = calloc(1, sizeof *ui);
+	if (!ui)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the user interface");
+	ui->list.aa = desc->aa;
+	ui->scale = desc->scale;
+	ui->style = style_of(desc->scale);
+	stilb_result result = ui_fonts_init(&ui->fonts, desc->scale);
+	if (result == STILB_OK && desc->render)
+		result = ui_texture_create(ui, desc->render);
+	if (result == STILB_OK)
+		*out = ui;
+	else
+		stilb_ui_destroy(ui);
+	return result;
+}
+
+void stilb_ui_destroy(stilb_ui *ui)
+{
+	if (!ui)
+		return;
+	if (ui->render)
+		stilb_render_texture_destroy(ui->render, ui->texture);
+	ui_fonts_finish(&ui->fonts);
+	stilb_ui_list_finish(&ui->list);
+	free(ui->now.items);
+	free(ui->before.items);
+	free(ui);
+}
+
+stilb_ui_style *stilb_ui_style_get(stilb_ui *ui)
+{
+	return &ui->style;
+}
+
+void stilb_ui_aa_set(stilb_ui *ui, stilb_ui_aa aa)
+{
+	ui->list.aa = aa;
+}
+
+const stilb_ui_font *stilb_ui_font_get(const stilb_ui *ui, stilb_ui_text_kind kind)
+{
+	return &ui->fonts.fonts[kind];
+}
+
+stilb_ui_draw_list *stilb_ui_list(stilb_ui *ui)
+{
+	return &ui->list;
+}
+
+const stilb_ui_input *stilb_ui_input_get(const stilb_ui *ui)
+{
+	return &ui->input;
+}
+
+bool stilb_ui_wants_mouse(const stilb_ui *ui)
+{
+	return ui->hot != 0 || ui->active != 0;
+}
+
+bool stilb_ui_wants_keys(const stilb_ui *ui)
+{
+	return ui->focus != 0;
+}
+
+/* ---- ids --------------------------------------------------------------------------------------------------------- */
+
+static void id_push(stilb_ui *ui, const void *data, size_t size)
+{
+	STILB_ASSERT(ui->id_count < STILB_UI_ID_DEPTH);
+	uint64_t above = ui->ids[ui->id_count - 1];
+	ui->ids[ui->id_count++] = stilb_hash_fnv1a64(above, data, size);
+}
+
+void stilb_ui_id_push(stilb_ui *ui, const char *name)
+{
+	id_push(ui, name, strlen(name) + 1); /* its end counts: "a" "bc" is not "ab" "c" */
+}
+
+void stilb_ui_id_push_number(stilb_ui *ui, uint64_t number)
+{
+	id_push(ui, &number, sizeof number);
+}
+
+void stilb_ui_id_pop(stilb_ui *ui)
+{
+	STILB_ASSERT(ui->id_count > 1);
+	ui->id_count--;
+}
+
+/* ---- who gets the mouse ------------------------------------------------------------------------------------------ */
+
+/* The frontmost place under the mouse that takes all of this; 0: none. */
+static uint64_t item_under_mouse(const stilb_ui *ui, uint32_t takes)
+{
+	for (uint32_t i = ui->before.count; i-- > 0 && ui->input.mouse_present;) {
+		const ui_item *item = &ui->before.items[i];
+		if ((item->takes & takes) == takes && stilb_ui_contains(item->rect, ui->input.mouse_x, ui->input.mouse_y))
+			return item->id;
+	}
+	return 0;
+}
+
+/* The button went down on what is hot. */
+static void mouse_press(stilb_ui *ui)
+{
+	const stilb_ui_input *input = &ui->input;
+	bool again = ui->press_id == ui->hot && ui->press_age <= STILB_UI_DOUBLE_CLICK &&
+	             fabsf(input->mouse_x - ui->press_x) <= DOUBLE_CLICK_REACH &&
+	             fabsf(input->mouse_y - ui->press_y) <= DOUBLE_CLICK_REACH;
+	ui->pressed = ui->hot;
+	ui->double_clicked = again || input->mouse_presses > 1 ? ui->hot : 0;
+	ui->press_id = ui->double_clicked ? 0 : ui->hot; /* a third press begins anew */
+	ui->press_x = input->mouse_x;
+	ui->press_y = input->mouse_y;
+	ui->press_age = 0.0f;
+	ui->focus = 0; /* unless what was pressed takes it */
+}
+
+static void mouse_update(stilb_ui *ui)
+{
+	const stilb_ui_input *input = &ui->input;
+	ui->hot = item_under_mouse(ui, 0);
+	ui->wheel = item_under_mouse(ui, STILB_UI_TAKES_WHEEL);
+	ui->pressed = ui->clicked = ui->double_clicked = 0;
+	ui->press_age += input->seconds;
+	bool came_up = !input->mouse_down || input->mouse_presses > 0;
+	if (came_up && ui->active != 0) {
+		ui->clicked = ui->active == ui->hot ? ui->active : 0;
+		ui->active = 0;
+	}
+	if (input->mouse_presses == 0)
+		return;
+	mouse_press(ui);
+	if (input->mouse_down)
+		ui->active = ui->hot;
+	else
+		ui->clicked = ui->hot;
+}
+
+/* ---- who gets the keys ------------------------------------------------------------------------------------------- */
+
+/* One stop of Tab on, or back. Without a focus it is the first, or the last. */
+static void focus_step(stilb_ui *ui, bool back)
+{
+	uint32_t count = ui->before.count, at = back ? 0 : count - 1;
+	for (uint32_t i = 0; i < count; i++)
+		if (ui->before.items[i].id == ui->focus)
+			at = i;
+	for (uint32_t step = 1; step <= count; step++) {
+		const ui_item *item = &ui->before.items[(at + (back ? count - step : step)) % count];
+		if (item->takes & STILB_UI_TAKES_KEYS) {
+			ui->focus = item->id;
+			return;
+		}
+	}
+}
+
+static void keys_update(stilb_ui *ui)
+{
+	bool there = false;
+	for (uint32_t i = 0; i < ui->before.count; i++)
+		there |= ui->before.items[i].id == ui->focus;
+	if (!there || ui->input.keys[STILB_UI_KEY_ESCAPE] > 0)
+		ui->focus = 0;
+	for (uint32_t i = 0; i < ui->input.keys[STILB_UI_KEY_TAB]; i++)
+		focus_step(ui, ui->input.shift);
+	bool press = ui->input.keys[STILB_UI_KEY_SPACE] > 0 || ui->input.keys[STILB_UI_KEY_ENTER] > 0;
+	if (press && ui->focus != 0)
+		ui->clicked = ui->focus;
+}
+
+/* ---- frame ------------------------------------------------------------------------------------------------------- */
+
+void stilb_ui_begin(stilb_ui *ui, const stilb_ui_input *input)
+{
+	ui->move_x = input->mouse_x - ui->input.mouse_x;
+	ui->move_y = input->mouse_y - ui->input.mouse_y;
+	ui->input = *input;
+	ui_items items = ui->before;
+	ui->before = ui->now;
+	ui->now = items;
+	ui->now.count = 0;
+	ui->ids[0] = STILB_FNV1A64_START;
+	ui->id_count = 1;
+	ui->tooltip[0] = 0;
+	mouse_update(ui);
+	keys_update(ui);
+	stilb_ui_list_begin(&ui->list, input->width, input->height);
+}
+
+void stilb_ui_end(stilb_ui *ui)
+{
+	STILB_ASSERT(ui->id_count == 1 && ui->panel_count == 0 && ui->list.clip_count == 1);
+	ui_tooltip_draw(ui);
+}
+
+stilb_ui_action stilb_ui_area(stilb_ui *ui, const char *label, stilb_ui_rect rect, uint32_t takes)
+{
+	uint64_t id = stilb_hash_fnv1a64(ui->ids[ui->id_count - 1], label, strlen(label) + 1);
+	const stilb_ui_input *input = &ui->input;
+	stilb_ui_rect seen = stilb_ui_intersection(rect, stilb_ui_clip(&ui->list));
+	if (!stilb_ui_is_empty(seen)) {
+		if (ui_reserve((void **)&ui->now.items, &ui->now.capacity, ui->now.count, 1, sizeof *ui->now.items))
+			ui->now.items[ui->now.count++] = (ui_item){id, seen, takes};
+		else
+			ui->list.out_of_memory = true;
+	}
+	if (ui->pressed == id && takes & STILB_UI_TAKES_FOCUS)
+		ui->focus = id;
+	stilb_ui_action action = {
+		.hovered = ui->hot == id && (ui->active == 0 || ui->active == id),
+		.pressed = ui->pressed == id,
+		.held = ui->active == id,
+		.clicked = ui->clicked == id,
+		.double_clicked = ui->double_clicked == id,
+		.focused = ui->focus == id,
+		.mouse_x = input->mouse_x,
+		.mouse_y = input->mouse_y,
+		.wheel = ui->wheel == id ? input->wheel : 0.0f,
+	};
+	if (action.held) {
+		action.drag_x = action.pressed ? 0.0f : ui->move_x;
+		action.drag_y = action.pressed ? 0.0f : ui->move_y;
+		action.total_x = input->mouse_x - ui->press_x;
+		action.total_y = input->mouse_y - ui->press_y;
+	}
+	return action;
+}

@@ -1,0 +1,248 @@
+/* The profiler's window without its looks: walks over lanes, merging, history. What a frame's report says is
+ * ui_profiler_report.c's. */
+#include "ui/ui_profiler_data.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- walking a lane ---------------------------------------------------------------------------------------------- */
+
+static bool lane_begins(const char *name, const char *word)
+{
+	return strncmp(name, word, strlen(word)) == 0;
+}
+
+ui_profiler_kind ui_profiler_kind_of(const char *name)
+{
+	if (lane_begins(name, "wait"))
+		return UI_PROFILER_WAIT;
+	return strcmp(name, "parked") == 0 || strcmp(name, "idle") == 0 ? UI_PROFILER_IDLE : UI_PROFILER_WORK;
+}
+
+/* How many of the lane's zones begin at ns or before. */
+static uint32_t lane_begun(const stilb_prof_lane *lane, uint64_t ns)
+{
+	uint32_t low = 0, high = lane->zone_count;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (lane->zones[middle].begin_ns <= ns)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+/* The first outermost zone that can reach ns: siblings do not overlap, so those before it have ended. */
+static uint32_t lane_first(const stilb_prof_lane *lane, uint64_t ns)
+{
+	uint32_t zone = lane_begun(lane, ns);
+	if (zone == 0)
+		return 0;
+	zone--;
+	while (lane->zones[zone].parent != STILB_PROF_NONE)
+		zone = lane->zones[zone].parent;
+	return zone;
+}
+
+ui_profiler_walk ui_profiler_walk_begin(const stilb_prof_lane *lane, uint64_t begin_ns, uint64_t end_ns)
+{
+	return (ui_profiler_walk){lane, begin_ns, end_ns, lane_first(lane, begin_ns), STILB_PROF_NONE};
+}
+
+bool ui_profiler_walk_next(ui_profiler_walk *walk, ui_profiler_stretch *stretch)
+{
+	const stilb_prof_lane *lane = walk->lane;
+	const stilb_prof_zone *zones = lane->zones;
+	if (walk->at_ns >= walk->end_ns)
+		return false;
+	while (walk->innermost != STILB_PROF_NONE && zones[walk->innermost].end_ns <= walk->at_ns)
+		walk->innermost = zones[walk->innermost].parent;
+	while (walk->next < lane->zone_count && zones[walk->next].begin_ns <= walk->at_ns) {
+		const stilb_prof_zone *zone = &zones[walk->next];
+		if (zone->end_ns > walk->at_ns)
+			walk->innermost = walk->next++;
+		else
+			walk->next += zone->size;
+	}
+	*stretch = (ui_profiler_stretch){walk->at_ns, walk->end_ns, walk->innermost};
+	if (walk->innermost != STILB_PROF_NONE && zones[walk->innermost].end_ns < stretch->end_ns)
+		stretch->end_ns = zones[walk->innermost].end_ns;
+	if (walk->next < lane->zone_count && zones[walk->next].begin_ns < stretch->end_ns)
+		stretch->end_ns = zones[walk->next].begin_ns;
+	walk->at_ns = stretch->end_ns;
+	return true;
+}
+
+uint32_t ui_profiler_zone_at(const stilb_prof_lane *lane, uint64_t ns)
+{
+	ui_profiler_walk walk = ui_profiler_walk_begin(lane, ns, ns + 1);
+	ui_profiler_stretch stretch;
+	return ui_profiler_walk_next(&walk, &stretch) ? stretch.zone : STILB_PROF_NONE;
+}
+
+uint32_t ui_profiler_switch_after(const stilb_prof_lane *lane, uint64_t ns)
+{
+	uint32_t low = 0, high = lane->switch_count;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (lane->switches[middle].in_ns <= ns)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+uint64_t ui_profiler_off_cpu(const stilb_prof_lane *lane, uint64_t begin_ns, uint64_t end_ns, uint64_t *preempted)
+{
+	uint64_t off = 0;
+	*preempted = 0;
+	for (uint32_t i = ui_profiler_switch_after(lane, begin_ns); i < lane->switch_count; i++) {
+		const stilb_prof_switch *s = &lane->switches[i];
+		if (s->out_ns >= end_ns)
+			break;
+		uint64_t from = s->out_ns > begin_ns ? s->out_ns : begin_ns, to = s->in_ns < end_ns ? s->in_ns : end_ns;
+		off += to - from;
+		*preempted += s->preempted ? to - from : 0;
+	}
+	return off;
+}
+
+/* ---- merging ----------------------------------------------------------------------------------------------------- */
+
+#define SPANS_LEVELS 65 /* of open zones, and one */
+
+/* The run of narrow zones that each level is collecting; count 0: none. */
+typedef struct spans_builder {
+	ui_profiler_spans *out;
+	ui_profiler_span runs[SPANS_LEVELS];
+	double narrow_ns;
+} spans_builder;
+
+static bool spans_push(ui_profiler_spans *spans, const ui_profiler_span *span)
+{
+	if (spans->count == spans->capacity) {
+		uint32_t capacity = spans->capacity ? spans->capacity * 2 : 512;
+		ui_profiler_span *grown = realloc(spans->spans, capacity * sizeof *grown);
+		if (!grown)
+			return false;
+		spans->spans = grown;
+		spans->capacity = capacity;
+	}
+	spans->spans[spans->count++] = *span;
+	return true;
+}
+
+/* Runs from this level on are over: what comes next is wide, and they must not lie on it. */
+static bool spans_flush(spans_builder *builder, uint32_t level)
+{
+	for (; level < SPANS_LEVELS; level++) {
+		ui_profiler_span *run = &builder->runs[level];
+		if (run->count > 0 && !spans_push(builder->out, run))
+			return false;
+		run->count = 0;
+	}
+	return true;
+}
+
+/* A narrow zone, with all that lies in it, joins its level's run or begins a new one. */
+static bool spans_narrow(spans_builder *builder, const stilb_prof_lane *lane, uint32_t index)
+{
+	const stilb_prof_zone *zone = &lane->zones[index];
+	ui_profiler_span *run = &builder->runs[zone->level];
+	if (run->count > 0 && (double)zone->begin_ns - (double)run->end_ns < builder->narrow_ns) {
+		const stilb_prof_zone *longest = &lane->zones[run->zone];
+		run->end_ns = zone->end_ns > run->end_ns ? zone->end_ns : run->end_ns;
+		run->count += zone->size;
+		run->label = run->label == zone->label ? run->label : STILB_PROF_NONE;
+		if (zone->end_ns - zone->begin_ns > longest->end_ns - longest->begin_ns)
+			run->zone = index;
+		return true;
+	}
+	if (run->count > 0 && !spans_push(builder->out, run))
+		return false;
+	*run = (ui_profiler_span){zone->begin_ns, zone->end_ns, index, zone->size, zone->label, zone->level};
+	return true;
+}
+
+bool ui_profiler_spans_build(ui_profiler_spans *spans, const stilb_prof_lane *lane, uint64_t begin_ns, uint64_t end_ns,
+                             double narrow_ns)
+{
+	spans_builder builder = {.out = spans, .narrow_ns = narrow_ns};
+	spans->count = 0;
+	for (uint32_t i = lane_first(lane, begin_ns); i < lane->zone_count && lane->zones[i].begin_ns < end_ns;) {
+		const stilb_prof_zone *zone = &lane->zones[i];
+		if (zone->end_ns <= begin_ns || zone->level >= SPANS_LEVELS) {
+			i += zone->size;
+		} else if ((double)(zone->end_ns - zone->begin_ns) < narrow_ns) {
+			if (!spans_narrow(&builder, lane, i))
+				return false;
+			i += zone->size;
+		} else {
+			const ui_profiler_span span = {zone->begin_ns, zone->end_ns, i, 1, zone->label, zone->level};
+			if (!spans_flush(&builder, zone->level) || !spans_push(spans, &span))
+				return false;
+			i++;
+		}
+	}
+	return spans_flush(&builder, 0);
+}
+
+void ui_profiler_spans_finish(ui_profiler_spans *spans)
+{
+	free(spans->spans);
+	*spans = (ui_profiler_spans){0};
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
+
+uint32_t ui_profiler_frame_find(const stilb_prof_snapshot *snapshot, uint64_t number)
+{
+	if (snapshot->frame_count == 0 || number < snapshot->frames[0].number)
+		return STILB_PROF_NONE;
+	/* Numbers follow each other, save for files that were written by others. */
+	uint64_t guess = number - snapshot->frames[0].number;
+	for (uint64_t i = guess < snapshot->frame_count ? guess + 1 : snapshot->frame_count; i-- > 0;)
+		if (snapshot->frames[i].number == number)
+			return (uint32_t)i;
+	return STILB_PROF_NONE;
+}
+
+const char *ui_profiler_time_text(char *text, size_t size, uint64_t ns)
+{
+	const double value = (double)ns;
+	if (ns < 1000)
+		snprintf(text, size, "%u ns", (unsigned)ns);
+	else if (value < 99.95e3)
+		snprintf(text, size, "%.1f µs", value * 1e-3);
+	else if (value < 999.5e3)
+		snprintf(text, size, "%.0f µs", value * 1e-3);
+	else if (value < 999.5e6)
+		snprintf(text, size, "%.2f ms", value * 1e-6);
+	else
+		snprintf(text, size, "%.2f s", value * 1e-9);
+	return text;
+}
+
+void ui_profiler_average(const stilb_prof_frame_stats *history, float average_ms[STILB_PROF_STATS_FRAMES])
+{
+	double sum = 0.0;
+	for (uint32_t i = 0; i < history->count; i++) {
+		const uint32_t frames = i + 1 < UI_PROFILER_AVERAGE ? i + 1 : UI_PROFILER_AVERAGE;
+		sum += history->ms[i];
+		if (i >= UI_PROFILER_AVERAGE)
+			sum -= history->ms[i - UI_PROFILER_AVERAGE];
+		average_ms[i] = (float)(sum / frames);
+	}
+}
+
+uint32_t ui_profiler_slowest(const stilb_prof_frame_stats *history)
+{
+	uint32_t slowest = 0;
+	for (uint32_t i = 0; i < history->count; i++)
+		if (history->ms[i] >= history->ms[slowest])
+			slowest = i;
+	return slowest;
+}

@@ -1,0 +1,645 @@
+/* The lower part of the profiler's window: a lane for each thread and device, time from left to right. */
+#include "ui/ui_internal.h"
+#include "ui/ui_profiler_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TIMELINE_MAX_DEPTH 10u    /* levels of a lane that are drawn */
+#define TIMELINE_GROUND 0x1d232cu /* below the zones */
+#define TIMELINE_NARROW 2.0f      /* pixels: zones below it are merged */
+#define TIMELINE_TEXT 30.0f       /* pixels: less room than that is not worth a name */
+#define TIMELINE_FLOWS 24u        /* arrows: all are drawn when they are no more */
+#define TIMELINE_LOST 220.0f      /* pixels: a lost CPU that wide is said in words */
+#define TIMELINE_FRAME 8.0f       /* pixels: shorter frames are not told apart by lines */
+#define TIMELINE_OFF_NS 50000u    /* off the CPU in work for less is not worth a word */
+#define TIMELINE_STRIP 4.0f       /* height of what a thread's CPU did */
+#define TIMELINE_MIN_NS 100.0     /* the closest look */
+#define TIMELINE_MAX_NS 60.0e9    /* the farthest */
+
+/* One drawing of the lanes. */
+typedef struct timeline {
+	stilb_ui_profiler *profiler;
+	stilb_ui *ui;
+	stilb_ui_draw_list *list;
+	const stilb_ui_style *style;
+	const stilb_prof_snapshot *snapshot;
+	const stilb_ui_font *font, *small, *strong;
+	stilb_ui_rect ruler, names, area; /* the times above, the lanes' names to the left, the lanes */
+	double begin_ns, pixels_per_ns;   /* begin_ns: at the area's left edge */
+	float level;                      /* height of a level */
+	stilb_ui_action action;
+	uint32_t hot_lane; /* what the mouse is over, or STILB_PROF_NONE */
+	ui_profiler_span hot;
+} timeline;
+
+/* ---- layout ------------------------------------------------------------------------------------------------------ */
+
+static uint32_t timeline_depth(const stilb_prof_lane *lane)
+{
+	uint32_t depth = 0;
+	for (uint32_t i = 0; i < lane->zone_count; i++)
+		if (lane->zones[i].level >= depth)
+			depth = lane->zones[i].level + 1u;
+	return depth < TIMELINE_MAX_DEPTH ? depth : TIMELINE_MAX_DEPTH;
+}
+
+/* Threads first, then devices. A lane that was deeper before keeps that depth, so that the picture does not jump. */
+bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler)
+{
+	const stilb_prof_snapshot *snapshot = profiler->snapshot;
+	if (profiler->row_capacity < snapshot->lane_count) {
+		ui_profiler_row *grown = realloc(profiler->rows, (snapshot->lane_count + 8) * sizeof *grown);
+		if (!grown)
+			return false;
+		profiler->rows = grown;
+		profiler->row_capacity = snapshot->lane_count + 8;
+	}
+	const bool same = profiler->lane_count == snapshot->lane_count;
+	const uint32_t before = profiler->row_count;
+	uint32_t count = 0;
+	for (int kind = STILB_PROF_LANE_THREAD; kind <= STILB_PROF_LANE_DEVICE; kind++)
+		for (uint32_t i = 0; i < snapshot->lane_count; i++) {
+			uint32_t depth = (int)snapshot->lanes[i].kind == kind ? timeline_depth(&snapshot->lanes[i]) : 0;
+			if (depth == 0)
+				continue;
+			ui_profiler_row *row = &profiler->rows[count];
+			if (same && count < before && row->lane == i && row->depth > depth)
+				depth = row->depth;
+			profiler->rows[count++] = (ui_profiler_row){.lane = i, .depth = depth};
+		}
+	profiler->row_count = count;
+	profiler->lane_count = snapshot->lane_count;
+	return true;
+}
+
+static float timeline_level(const stilb_ui *ui)
+{
+	return stilb_ui_font_line(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL)) + 1.0f;
+}
+
+/* Of a lane with the gap behind it: at least its two lines of text on the left. */
+static float timeline_row_height(const ui_profiler_row *row, float level)
+{
+	float levels = (float)row->depth * level;
+	return (levels > 2.0f * level ? levels : 2.0f * level) + TIMELINE_STRIP + 10.0f;
+}
+
+float ui_profiler_timeline_height(const stilb_ui_profiler *profiler, const stilb_ui *ui)
+{
+	const float level = timeline_level(ui);
+	float height = level;
+	for (uint32_t i = 0; profiler->snapshot && i < profiler->row_count; i++)
+		height += timeline_row_height(&profiler->rows[i], level);
+	return height;
+}
+
+/* ---- time -------------------------------------------------------------------------------------------------------- */
+
+static float timeline_x(const timeline *t, double ns)
+{
+	return t->area.x0 + (float)((ns - t->begin_ns) * t->pixels_per_ns);
+}
+
+static double timeline_ns(const timeline *t, float x)
+{
+	return t->begin_ns + (double)(x - t->area.x0) / t->pixels_per_ns;
+}
+
+/* The nearest time that there is. */
+static uint64_t timeline_whole_ns(double ns)
+{
+	return ns > 0.0 ? ns < 0x1p63 ? (uint64_t)ns : UINT64_MAX : 0;
+}
+
+/* A stretch of time in x, a little more than what can be seen of it. False: nothing of it can be seen. */
+static bool timeline_clip_x(const timeline *t, uint64_t begin_ns, uint64_t end_ns, float *x0, float *x1)
+{
+	*x0 = timeline_x(t, (double)begin_ns);
+	*x1 = timeline_x(t, (double)end_ns);
+	if (*x1 < t->area.x0 || *x0 > t->area.x1)
+		return false;
+	*x0 = *x0 > t->area.x0 - 4.0f ? *x0 : t->area.x0 - 4.0f;
+	*x1 = *x1 < t->area.x1 + 4.0f ? *x1 : t->area.x1 + 4.0f;
+	return true;
+}
+
+/* The first of 1, 2, 5, 10, 20, ... ns that is at least so many pixels wide. */
+static double timeline_step(const timeline *t, double pixels)
+{
+	static const double FACTORS[] = {1.0, 2.0, 5.0};
+	for (double decade = 1.0; decade < 1e12; decade *= 10.0)
+		for (int i = 0; i < 3; i++)
+			if (decade * FACTORS[i] * t->pixels_per_ns >= pixels)
+				return decade * FACTORS[i];
+	return 1e12;
+}
+
+/* A millisecond as long as it can be told from the next; a tenth of it where that is wide. */
+static double timeline_bar(const timeline *t)
+{
+	double bar = 1e6;
+	while (bar * t->pixels_per_ns < 8.0)
+		bar *= 10.0;
+	while (bar > 1.0 && bar * 0.1 * t->pixels_per_ns >= 64.0)
+		bar *= 0.1;
+	return bar;
+}
+
+/* Every other millisecond is darker; counted from the frame's begin. */
+static void timeline_draw_bars(const timeline *t)
+{
+	const double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, bar = timeline_bar(t);
+	const double end = timeline_ns(t, t->area.x1);
+	stilb_ui_draw_rect(t->list, t->area, stilb_ui_rgb(TIMELINE_GROUND));
+	for (double n = floor((t->begin_ns - zero) / bar); zero + n * bar < end; n++) {
+		if (fmod(n, 2.0) == 0.0)
+			continue;
+		stilb_ui_rect rect = {timeline_x(t, zero + n * bar), t->area.y0, timeline_x(t, zero + (n + 1.0) * bar),
+		                      t->area.y1};
+		rect = stilb_ui_intersection(rect, t->area);
+		stilb_ui_draw_rect(t->list, rect, stilb_ui_rgb(0x252c37));
+	}
+}
+
+static void timeline_draw_ruler(const timeline *t)
+{
+	const double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, step = timeline_step(t, 92.0);
+	const double end = timeline_ns(t, t->area.x1);
+	int decimals = 0;
+	for (double size = step * 1e-6; size < 0.999 && decimals < 6; size *= 10.0)
+		decimals++;
+	stilb_ui_clip_push(t->list, t->ruler);
+	for (double n = floor((t->begin_ns - zero) / step); zero + n * step < end; n++) {
+		char text[48];
+		const float x = floorf(timeline_x(t, zero + n * step));
+		snprintf(text, sizeof text, "%.*f ms", decimals, n * step * 1e-6);
+		stilb_ui_draw_rect(t->list, (stilb_ui_rect){x, t->ruler.y1 - 5.0f, x + 1.0f, t->ruler.y1},
+		                   t->style->text_muted);
+		stilb_ui_draw_text(t->list, t->small, (stilb_ui_rect){x + 4.0f, t->ruler.y0, x + 92.0f, t->ruler.y1},
+		                   STILB_UI_ALIGN_LEFT, t->style->text_muted, text);
+	}
+	stilb_ui_clip_pop(t->list);
+}
+
+static void timeline_draw_boundary(const timeline *t, float x)
+{
+	x = floorf(x);
+	if (x >= t->area.x0 && x < t->area.x1)
+		stilb_ui_draw_rect(t->list, (stilb_ui_rect){x, t->area.y0, x + 1.0f, t->area.y1},
+		                   stilb_ui_fade(t->style->text_strong, 0.75f));
+}
+
+/* What does not belong to the frame that is shown lies in shadow, and frames end at lines. */
+static void timeline_draw_frames(const timeline *t)
+{
+	const stilb_prof_frame *shown = ui_profiler_frame(t->profiler);
+	const stilb_ui_color shadow = {8, 10, 14, 150};
+	const float x0 = timeline_x(t, (double)shown->begin_ns), x1 = timeline_x(t, (double)shown->end_ns);
+	stilb_ui_rect before = t->area, after = t->area;
+	before.x1 = x0;
+	after.x0 = x1;
+	stilb_ui_draw_rect(t->list, stilb_ui_intersection(before, t->area), shadow);
+	stilb_ui_draw_rect(t->list, stilb_ui_intersection(after, t->area), shadow);
+	for (uint32_t i = 0; i < t->snapshot->frame_count; i++) {
+		const stilb_prof_frame *frame = &t->snapshot->frames[i];
+		const float begin = timeline_x(t, (double)frame->begin_ns), end = timeline_x(t, (double)frame->end_ns);
+		if (frame == shown || end - begin > TIMELINE_FRAME) {
+			timeline_draw_boundary(t, begin);
+			timeline_draw_boundary(t, end);
+		}
+	}
+}
+
+/* ---- lanes ------------------------------------------------------------------------------------------------------- */
+
+static float timeline_y(const timeline *t, const ui_profiler_row *row, uint32_t level)
+{
+	level = level < row->depth ? level : row->depth - 1;
+	return row->top + (float)level * t->level;
+}
+
+static const ui_profiler_row *timeline_row_of(const timeline *t, uint32_t lane)
+{
+	for (uint32_t i = 0; i < t->profiler->row_count; i++)
+		if (t->profiler->rows[i].lane == lane)
+			return &t->profiler->rows[i];
+	return NULL;
+}
+
+/* "work 6.88 ms, wait 3.10 ms": the work, and the longer of the two other things that a thread can do. */
+static void timeline_sum_text(stilb_prof_lane_kind kind, const ui_profiler_lane_sum *sum, char *text, size_t size)
+{
+	const bool waited = sum->wait_ns > 0 && sum->wait_ns >= sum->idle_ns;
+	const uint64_t rest = waited ? sum->wait_ns : sum->idle_ns;
+	char work[32], time[32];
+	ui_profiler_time_text(work, sizeof work, sum->work_ns);
+	ui_profiler_time_text(time, sizeof time, rest);
+	if (sum->work_ns > 0 || rest == 0)
+		snprintf(text, size, "%s %s%s%s%s", kind == STILB_PROF_LANE_DEVICE ? "busy" : "work", work, rest ? ", " : "",
+		         rest == 0 ? ""
+		         : waited  ? "wait "
+		                   : "idle ",
+		         rest ? time : "");
+	else
+		snprintf(text, size, "%s %s", waited ? "wait" : "idle", time);
+}
+
+/* The name, and where the lane's time went below it. */
+static void timeline_draw_name(const timeline *t, const ui_profiler_row *row)
+{
+	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
+	const ui_profiler_lane_sum *sum = &t->profiler->data.lanes[row->lane];
+	const float line = t->level;
+	stilb_ui_rect place = {t->names.x0, row->top, t->names.x1 - 8.0f, row->top + line};
+	char text[96], time[32];
+	stilb_ui_draw_text(t->list, t->strong, place, STILB_UI_ALIGN_LEFT, t->style->text_strong, lane->name);
+	place.y0 += line;
+	place.y1 += line;
+	timeline_sum_text(lane->kind, sum, text, sizeof text);
+	stilb_ui_draw_text(t->list, t->small, place, STILB_UI_ALIGN_LEFT, t->style->text_muted, text);
+	const bool lost = sum->preempted_ns > sum->off_ns / 2;
+	if (sum->off_ns < TIMELINE_OFF_NS || row->depth < 3)
+		return;
+	place.y0 += line - 3.0f;
+	place.y1 += line - 3.0f;
+	snprintf(text, sizeof text, "%s %s", lost ? "lost the CPU" : "asleep",
+	         ui_profiler_time_text(time, sizeof time, lost ? sum->preempted_ns : sum->off_ns));
+	stilb_ui_draw_text(t->list, t->small, place, STILB_UI_ALIGN_LEFT,
+	                   lost ? stilb_ui_rgb(UI_PROFILER_BAD) : t->style->text_muted, text);
+}
+
+static void timeline_span_text(const timeline *t, const ui_profiler_span *span, float width, char *text, size_t size)
+{
+	const char *name = t->snapshot->labels[span->label == STILB_PROF_NONE ? 0 : span->label].name;
+	char time[32];
+	if (span->label == STILB_PROF_NONE)
+		snprintf(text, size, "%u zones", span->count);
+	else if (span->count > 1)
+		snprintf(text, size, "%s: %u zones", name, span->count);
+	else if (width < 110.0f)
+		snprintf(text, size, "%s", name);
+	else
+		snprintf(text, size, "%s  %s", name, ui_profiler_time_text(time, sizeof time, span->end_ns - span->begin_ns));
+}
+
+/* What lies over the zones while their thread has no CPU. */
+static stilb_ui_color timeline_shadow(bool preempted)
+{
+	return preempted ? (stilb_ui_color){100, 5, 10, 165} : (stilb_ui_color){8, 10, 14, 120};
+}
+
+static stilb_ui_rect timeline_span_rect(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
+{
+	stilb_ui_rect rect = {0.0f, timeline_y(t, row, span->level), 0.0f,
+	                      timeline_y(t, row, span->level) + t->level - 1.0f};
+	if (span->level >= row->depth || !timeline_clip_x(t, span->begin_ns, span->end_ns, &rect.x0, &rect.x1))
+		return (stilb_ui_rect){0};
+	return rect;
+}
+
+static stilb_ui_color timeline_span_color(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
+{
+	const uint32_t label = t->snapshot->lanes[row->lane].zones[span->zone].label;
+	stilb_ui_color color = stilb_ui_rgb(t->profiler->colors.rgb[label]);
+	if (span->count > 1)
+		color = stilb_ui_mix(color, stilb_ui_rgb(TIMELINE_GROUND), 0.3f);
+	if (t->profiler->hot_label != STILB_PROF_NONE && t->profiler->hot_label != label)
+		color = stilb_ui_mix(color, stilb_ui_rgb(TIMELINE_GROUND), 0.7f);
+	return color;
+}
+
+static void timeline_draw_span(timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
+{
+	stilb_ui_rect rect = timeline_span_rect(t, row, span);
+	stilb_ui_color color = timeline_span_color(t, row, span);
+	if (rect.x1 <= rect.x0)
+		return;
+	const stilb_ui_rect reach = {rect.x0, rect.y0, rect.x1 + 1.0f, rect.y1};
+	if (t->action.hovered && stilb_ui_contains(reach, t->action.mouse_x, t->action.mouse_y)) {
+		t->hot_lane = row->lane;
+		t->hot = *span;
+		color = stilb_ui_mix(color, t->style->text_strong, 0.25f);
+	}
+	if (rect.x1 - rect.x0 > 4.0f)
+		rect.x1 -= 1.0f; /* the next one is told apart */
+	stilb_ui_draw_rect(t->list, rect, color);
+}
+
+/* The name goes over the shadows, in black or white. */
+static void timeline_draw_span_name(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
+{
+	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
+	const ui_profiler_kind kind = (ui_profiler_kind)t->profiler->data.kinds[lane->zones[span->zone].label];
+	stilb_ui_rect place = timeline_span_rect(t, row, span);
+	place.x0 = (place.x0 > t->area.x0 ? place.x0 : t->area.x0) + 4.0f;
+	place.x1 = (place.x1 < t->area.x1 ? place.x1 : t->area.x1) - 3.0f;
+	if (place.x1 - place.x0 < TIMELINE_TEXT)
+		return;
+	stilb_ui_color ground = timeline_span_color(t, row, span);
+	const uint64_t from = timeline_whole_ns(timeline_ns(t, place.x0)),
+				   to = timeline_whole_ns(timeline_ns(t, place.x0 + TIMELINE_TEXT));
+	uint64_t preempted;
+	if (ui_profiler_off_cpu(lane, from, to, &preempted) > 0) {
+		const stilb_ui_color shadow = timeline_shadow(preempted > 0);
+		ground = stilb_ui_mix(ground, (stilb_ui_color){shadow.r, shadow.g, shadow.b, 255}, (float)shadow.a / 255.0f);
+	}
+	stilb_ui_color color = kind == UI_PROFILER_IDLE ? t->style->text_muted : stilb_ui_text_color_on(ground);
+	char text[128];
+	timeline_span_text(t, span, place.x1 - place.x0, text, sizeof text);
+	stilb_ui_draw_text(t->list, t->font, place, STILB_UI_ALIGN_LEFT, color, text);
+}
+
+/* When the thread had no CPU: the zones lie in shadow, and the strip below tells sleep from a lost CPU. */
+static void timeline_draw_off(const timeline *t, const ui_profiler_row *row, float x0, float x1, bool preempted)
+{
+	const float strip = row->top + (float)row->depth * t->level;
+	const stilb_ui_rect zones = {x0, row->top, x1, strip - 1.0f}, below = {x0, strip, x1, strip + TIMELINE_STRIP};
+	stilb_ui_draw_rect(t->list, zones, timeline_shadow(preempted));
+	stilb_ui_draw_rect(t->list, below, stilb_ui_rgb(preempted ? UI_PROFILER_BAD : UI_PROFILER_PARKED));
+	if (preempted && x1 - x0 > TIMELINE_LOST) {
+		const stilb_ui_rect place = {x0, zones.y1 - t->level, x1 - 6.0f, zones.y1};
+		stilb_ui_draw_text(t->list, t->font, place, STILB_UI_ALIGN_RIGHT, t->style->text_strong, "lost the CPU");
+	}
+}
+
+static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row)
+{
+	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
+	const float strip = row->top + (float)row->depth * t->level;
+	float x0, x1, from = 0.0f, to = -1.0f; /* neighbours of a kind, taken together */
+	bool preempted = false;
+	if (lane->kind != STILB_PROF_LANE_THREAD || lane->no_switches ||
+	    !timeline_clip_x(t, t->snapshot->begin_ns, t->snapshot->end_ns, &x0, &x1))
+		return;
+	stilb_ui_draw_rect(t->list, (stilb_ui_rect){x0, strip, x1, strip + TIMELINE_STRIP},
+	                   stilb_ui_rgb(UI_PROFILER_RUNNING));
+	for (uint32_t i = ui_profiler_switch_after(lane, timeline_whole_ns(t->begin_ns)); i < lane->switch_count; i++) {
+		const stilb_prof_switch *s = &lane->switches[i];
+		if (!timeline_clip_x(t, s->out_ns, s->in_ns, &x0, &x1))
+			break;
+		if (to >= from && s->preempted == preempted && x0 - to < 1.0f) {
+			to = x1;
+			continue;
+		}
+		if (to >= from)
+			timeline_draw_off(t, row, from, to, preempted);
+		from = x0;
+		to = x1;
+		preempted = s->preempted;
+	}
+	if (to >= from)
+		timeline_draw_off(t, row, from, to, preempted);
+}
+
+static void timeline_draw_lane(timeline *t, const ui_profiler_row *row)
+{
+	ui_profiler_spans *spans = &t->profiler->spans;
+	const uint64_t begin = timeline_whole_ns(t->begin_ns), end = timeline_whole_ns(timeline_ns(t, t->area.x1));
+	if (end <= begin || !ui_profiler_spans_build(spans, &t->snapshot->lanes[row->lane], begin, end,
+	                                             (double)TIMELINE_NARROW / t->pixels_per_ns))
+		return;
+	for (uint32_t i = 0; i < spans->count; i++)
+		timeline_draw_span(t, row, &spans->spans[i]);
+	timeline_draw_switches(t, row);
+	for (uint32_t i = 0; i < spans->count; i++)
+		timeline_draw_span_name(t, row, &spans->spans[i]);
+}
+
+/* ---- arrows and the longest wait --------------------------------------------------------------------------------- */
+
+/* The middle of the zone that the lane was in. */
+static stilb_ui_point timeline_point(const timeline *t, const ui_profiler_row *row, uint64_t ns)
+{
+	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
+	const uint32_t zone = ui_profiler_zone_at(lane, ns);
+	const uint32_t level = zone == STILB_PROF_NONE ? 0 : lane->zones[zone].level;
+	return (stilb_ui_point){timeline_x(t, (double)ns), timeline_y(t, row, level) + 0.5f * t->level};
+}
+
+static bool timeline_hot_at(const timeline *t, uint32_t lane, uint64_t ns)
+{
+	return t->hot_lane == lane && ns >= t->hot.begin_ns && ns < t->hot.end_ns;
+}
+
+static bool timeline_flow_seen(const timeline *t, const stilb_prof_flow *flow)
+{
+	const double begin = t->begin_ns, end = timeline_ns(t, t->area.x1);
+	return flow->from_lane != STILB_PROF_NONE && flow->to_lane != STILB_PROF_NONE && flow->from_lane != flow->to_lane &&
+	       (double)flow->to_ns >= begin && (double)flow->from_ns < end;
+}
+
+static void timeline_draw_flow(const timeline *t, const stilb_prof_flow *flow, bool hot)
+{
+	const ui_profiler_row *from = timeline_row_of(t, flow->from_lane), *to = timeline_row_of(t, flow->to_lane);
+	if (from && to)
+		stilb_ui_draw_arrow(t->list, timeline_point(t, from, flow->from_ns), timeline_point(t, to, flow->to_ns),
+		                    hot ? 1.75f : 1.0f, 7.0f,
+		                    stilb_ui_fade(stilb_ui_rgb(UI_PROFILER_FLOW), hot ? 1.0f : 0.55f));
+}
+
+/* All that can be seen when they are few; those of the zone under the mouse always. */
+static void timeline_draw_flows(const timeline *t)
+{
+	uint32_t seen = 0;
+	for (uint32_t i = 0; i < t->snapshot->flow_count && seen <= TIMELINE_FLOWS; i++)
+		seen += timeline_flow_seen(t, &t->snapshot->flows[i]);
+	for (uint32_t i = 0; i < t->snapshot->flow_count; i++) {
+		const stilb_prof_flow *flow = &t->snapshot->flows[i];
+		const bool hot =
+			timeline_hot_at(t, flow->from_lane, flow->from_ns) || timeline_hot_at(t, flow->to_lane, flow->to_ns);
+		if (timeline_flow_seen(t, flow) && (hot || seen <= TIMELINE_FLOWS))
+			timeline_draw_flow(t, flow, hot);
+	}
+}
+
+/* A frame around the wait and one around what the other did meanwhile, with a line between them where the wait ends. */
+static void timeline_draw_wait(const timeline *t)
+{
+	const ui_profiler_wait *wait = &t->profiler->data.report.wait;
+	const ui_profiler_row *row = wait->lane == STILB_PROF_NONE ? NULL : timeline_row_of(t, wait->lane);
+	const stilb_ui_color color = stilb_ui_rgb(UI_PROFILER_ATTENTION);
+	float x0, x1;
+	if (!row || !timeline_clip_x(t, wait->begin_ns, wait->end_ns, &x0, &x1))
+		return;
+	const uint32_t zone = ui_profiler_zone_at(&t->snapshot->lanes[wait->lane], wait->begin_ns);
+	const uint32_t level = zone == STILB_PROF_NONE ? 0 : t->snapshot->lanes[wait->lane].zones[zone].level;
+	const float y = timeline_y(t, row, level);
+	stilb_ui_draw_rounded_outline(t->list, (stilb_ui_rect){x0 - 1.0f, y - 1.0f, x1 + 1.0f, y + t->level}, 2.0f, 2.0f,
+	                              color);
+	const ui_profiler_row *other = wait->for_lane == STILB_PROF_NONE ? NULL : timeline_row_of(t, wait->for_lane);
+	if (!other)
+		return;
+	const stilb_ui_rect lane = {x0 - 1.0f, other->top - 1.0f, x1 + 1.0f, other->top + (float)other->depth * t->level};
+	stilb_ui_draw_rounded_outline(t->list, lane, 2.0f, 1.0f, stilb_ui_fade(color, 0.8f));
+	const float from = other->top > y ? lane.y0 : lane.y1, to = other->top > y ? y + t->level + 1.0f : y - 2.0f;
+	if (x1 < t->area.x1)
+		stilb_ui_draw_arrow(t->list, (stilb_ui_point){x1 - 4.0f, from}, (stilb_ui_point){x1 - 4.0f, to}, 1.5f, 8.0f,
+		                    color);
+}
+
+/* ---- the mouse --------------------------------------------------------------------------------------------------- */
+
+/* By so many notches, around the share of the width that stays where it is. */
+static void timeline_zoom(stilb_ui_profiler *profiler, double notches, double share)
+{
+	double span = profiler->view_ns * pow(1.25, -notches);
+	span = span < TIMELINE_MIN_NS ? TIMELINE_MIN_NS : span > TIMELINE_MAX_NS ? TIMELINE_MAX_NS : span;
+	profiler->view_begin_ns += share * (profiler->view_ns - span);
+	profiler->view_ns = span;
+}
+
+/* The wheel zooms to the mouse and dragging pans; with the keys the arrows do. */
+static void timeline_navigate(timeline *t)
+{
+	stilb_ui_profiler *profiler = t->profiler;
+	const uint8_t *keys = stilb_ui_input_get(t->ui)->keys;
+	const double width = (double)(t->area.x1 - t->area.x0);
+	if (t->action.wheel != 0.0f)
+		timeline_zoom(profiler, (double)t->action.wheel, (double)(t->action.mouse_x - t->area.x0) / width);
+	if (t->action.held)
+		profiler->view_begin_ns -= (double)t->action.drag_x * profiler->view_ns / width;
+	ui_profiler_freeze_key(profiler, t->ui, &t->action);
+	if (!t->action.focused)
+		return;
+	timeline_zoom(profiler, (double)keys[STILB_UI_KEY_UP] - (double)keys[STILB_UI_KEY_DOWN], 0.5);
+	profiler->view_begin_ns +=
+		((double)keys[STILB_UI_KEY_RIGHT] - (double)keys[STILB_UI_KEY_LEFT]) * 0.1 * profiler->view_ns;
+}
+
+/* Lanes that do not fit are dragged up and down. */
+static void timeline_scroll(timeline *t)
+{
+	stilb_ui_profiler *profiler = t->profiler;
+	const float most = ui_profiler_timeline_height(profiler, t->ui) - t->level - (t->area.y1 - t->area.y0);
+	profiler->scroll -= t->action.held ? t->action.drag_y : 0.0f;
+	profiler->scroll = profiler->scroll > most ? most : profiler->scroll;
+	profiler->scroll = profiler->scroll < 0.0f ? 0.0f : floorf(profiler->scroll);
+}
+
+/* How often the zone's label was recorded in the frame, and for how long: of the table. */
+static const stilb_prof_row *timeline_label_row(const timeline *t, uint32_t label, stilb_prof_lane_kind kind)
+{
+	const stilb_prof_stats *stats = &t->profiler->stats;
+	for (uint32_t i = 0; i < stats->row_count; i++)
+		if (stats->rows[i].label == label && stats->rows[i].kind == kind)
+			return &stats->rows[i];
+	return NULL;
+}
+
+static void timeline_tip_zone(const timeline *t, char *text, size_t size)
+{
+	const stilb_prof_lane *lane = &t->snapshot->lanes[t->hot_lane];
+	const stilb_prof_zone *zone = &lane->zones[t->hot.zone];
+	const stilb_prof_label *label = &t->snapshot->labels[zone->label];
+	const stilb_prof_row *row = timeline_label_row(t, zone->label, lane->kind);
+	char time[32], self[32], off[48] = "not known", all[32];
+	if (!lane->no_switches && lane->kind == STILB_PROF_LANE_THREAD)
+		ui_profiler_time_text(off, sizeof off, zone->off_cpu_ns);
+	int length = snprintf(text, size, "%s\t%s\ntime\t%s%s\nself\t%s", label->name, lane->name,
+	                      ui_profiler_time_text(time, sizeof time, zone->end_ns - zone->begin_ns),
+	                      zone->open ? " so far" : "", ui_profiler_time_text(self, sizeof self, zone->self_ns));
+	if (lane->kind == STILB_PROF_LANE_THREAD)
+		length += snprintf(text + length, size - (size_t)length, "\noff the CPU\t%s", off);
+	if (row)
+		length += snprintf(text + length, size - (size_t)length, "\nin this frame\t%u, %s together", row->calls,
+		                   ui_profiler_time_text(all, sizeof all, row->inclusive_ns));
+	if (label->file[0]) {
+		const char *slash = strrchr(label->file, '/');
+		snprintf(text + length, size - (size_t)length, "\n%s:%u", slash ? slash + 1 : label->file, label->line);
+	}
+}
+
+static void timeline_tip(const timeline *t)
+{
+	char text[512], time[32];
+	if (t->hot_lane == STILB_PROF_NONE)
+		return;
+	if (t->hot.count > 1)
+		snprintf(text, sizeof text, "%u zones, too narrow to be drawn\t%s\nlongest\t%s\nzoom in with the wheel",
+		         t->hot.count, ui_profiler_time_text(time, sizeof time, t->hot.end_ns - t->hot.begin_ns),
+		         t->snapshot->labels[t->snapshot->lanes[t->hot_lane].zones[t->hot.zone].label].name);
+	else
+		timeline_tip_zone(t, text, sizeof text);
+	stilb_ui_tooltip(t->ui, text);
+}
+
+static void timeline_double_click(const timeline *t)
+{
+	if (t->hot_lane != STILB_PROF_NONE)
+		ui_profiler_fit(t->profiler, t->hot.begin_ns, t->hot.end_ns);
+	else
+		ui_profiler_fit_frame(t->profiler);
+}
+
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
+
+static timeline timeline_begin(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
+{
+	timeline t = {.profiler = profiler,
+	              .ui = ui,
+	              .list = stilb_ui_list(ui),
+	              .style = stilb_ui_style_get(ui),
+	              .snapshot = profiler->snapshot,
+	              .font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL),
+	              .small = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL),
+	              .strong = stilb_ui_font_get(ui, STILB_UI_TEXT_STRONG),
+	              .level = timeline_level(ui),
+	              .hot_lane = STILB_PROF_NONE};
+	const float names = floorf(stilb_ui_text_width(t.small, "work 000.00 ms, wait 000.00 ms") + 12.0f);
+	t.ruler = stilb_ui_cut_top(&area, t.level);
+	t.names = stilb_ui_cut_left(&area, names);
+	t.ruler.x0 = area.x0;
+	t.area = area;
+	return t;
+}
+
+static void timeline_place_rows(timeline *t)
+{
+	float y = t->area.y0 + 4.0f - t->profiler->scroll;
+	for (uint32_t i = 0; i < t->profiler->row_count; i++) {
+		t->profiler->rows[i].top = y;
+		y += timeline_row_height(&t->profiler->rows[i], t->level);
+	}
+}
+
+static void timeline_draw_cursor(const timeline *t)
+{
+	const float x = floorf(t->action.mouse_x);
+	if (t->action.hovered)
+		stilb_ui_draw_rect(t->list, (stilb_ui_rect){x, t->area.y0, x + 1.0f, t->area.y1},
+		                   stilb_ui_fade(t->style->text_strong, 0.35f));
+}
+
+void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
+{
+	timeline t = timeline_begin(profiler, ui, area);
+	if (stilb_ui_is_empty(t.area))
+		return;
+	t.action = stilb_ui_area(ui, "lanes", t.area, STILB_UI_TAKES_WHEEL | STILB_UI_TAKES_KEYS);
+	timeline_navigate(&t);
+	timeline_scroll(&t);
+	t.begin_ns = (double)ui_profiler_frame(profiler)->begin_ns + profiler->view_begin_ns;
+	t.pixels_per_ns = (double)(t.area.x1 - t.area.x0) / profiler->view_ns;
+	timeline_place_rows(&t);
+	timeline_draw_bars(&t);
+	timeline_draw_ruler(&t);
+	stilb_ui_clip_push(t.list, (stilb_ui_rect){t.names.x0, t.area.y0, t.area.x1, t.area.y1});
+	for (uint32_t i = 0; i < profiler->row_count; i++)
+		timeline_draw_name(&t, &profiler->rows[i]);
+	stilb_ui_clip_push(t.list, t.area);
+	for (uint32_t i = 0; i < profiler->row_count; i++)
+		timeline_draw_lane(&t, &profiler->rows[i]);
+	timeline_draw_frames(&t);
+	timeline_draw_flows(&t);
+	timeline_draw_wait(&t);
+	timeline_draw_cursor(&t);
+	ui_draw_focus(ui, t.area, 0.0f, &t.action);
+	stilb_ui_clip_pop(t.list);
+	stilb_ui_clip_pop(t.list);
+	timeline_tip(&t);
+	if (t.action.double_clicked)
+		timeline_double_click(&t);
+}

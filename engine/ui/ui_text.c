@@ -1,0 +1,123 @@
+/* Text: measured, cut short and drawn, a quadrilateral a glyph. */
+#include "ui/ui_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ELLIPSIS 0x2026u
+
+float stilb_ui_font_line(const stilb_ui_font *font)
+{
+	return font->line;
+}
+
+float stilb_ui_font_ascent(const stilb_ui_font *font)
+{
+	return font->ascent;
+}
+
+/* Source: RFC 3629. Surrogates and forms that are too long are not refused: they are characters that no font has. */
+uint32_t ui_text_next(const char **text)
+{
+	const uint8_t *bytes = (const uint8_t *)*text;
+	uint32_t first = bytes[0], more = first < 0x80 ? 0 : first < 0xc0 ? 4 : first < 0xe0 ? 1 : first < 0xf0 ? 2 : 3;
+	if (more == 0) {
+		*text += first != 0;
+		return first;
+	}
+	uint32_t character = more < 4 ? first & (0x3fu >> more) : 0;
+	for (uint32_t i = 1; i <= more; i++) {
+		if (more == 4 || (bytes[i] & 0xc0) != 0x80) { /* the end, too, is no byte of a character */
+			*text += 1;
+			return UINT32_MAX;
+		}
+		character = character << 6 | (bytes[i] & 0x3fu);
+	}
+	*text += 1 + more;
+	return character;
+}
+
+float stilb_ui_text_width(const stilb_ui_font *font, const char *text)
+{
+	float width = 0.0f;
+	for (uint32_t c; (c = ui_text_next(&text)) != 0;)
+		width += font->advance[ui_glyph_index(c)];
+	return width;
+}
+
+static bool color_is_dark(stilb_ui_color color)
+{
+	return 2 * color.r + 5 * color.g + color.b < 8 * 96;
+}
+
+/* The glyph with its pen at x; returns where the pen goes. */
+static float draw_glyph(stilb_ui_draw_list *list, const stilb_ui_font *font, uint32_t index, float x, float baseline,
+                        stilb_ui_color color)
+{
+	float quarters = floorf(x * UI_GLYPH_PHASES + 0.5f), whole = floorf(quarters / UI_GLYPH_PHASES);
+	const ui_glyph *glyph = &font->glyphs[index][(uint32_t)(quarters - whole * UI_GLYPH_PHASES)];
+	float x0 = whole + glyph->left, y0 = baseline + glyph->top;
+	float x1 = x0 + glyph->width, y1 = y0 + glyph->height, end = x + font->advance[index];
+	ui_mesh mesh;
+	if (glyph->width == 0 || !ui_list_sees(list, x0, y0, x1, y1) || !ui_list_add(list, 4, 6, &mesh))
+		return end;
+	float u0 = glyph->x * font->texel_x, u1 = (glyph->x + glyph->width) * font->texel_x;
+	float half = color_is_dark(color) ? 0.5f : 0.0f;
+	float v0 = half + glyph->y * font->texel_y, v1 = half + (glyph->y + glyph->height) * font->texel_y;
+	const float places[4][4] = {{x0, y0, u0, v0}, {x1, y0, u1, v0}, {x1, y1, u1, v1}, {x0, y1, u0, v1}};
+	for (uint32_t i = 0; i < 4; i++) {
+		mesh.vertices[i] = ui_vertex(places[i][0], places[i][1], color);
+		mesh.vertices[i].uv[0] = places[i][2];
+		mesh.vertices[i].uv[1] = places[i][3];
+	}
+	ui_quad_indices(mesh.indices, mesh.first, mesh.first + 1, mesh.first + 2, mesh.first + 3);
+	return end;
+}
+
+/* Draws what stands before end. */
+static float draw_characters(stilb_ui_draw_list *list, const stilb_ui_font *font, float x, float baseline,
+                             stilb_ui_color color, const char *text, const char *end)
+{
+	baseline = roundf(baseline);
+	while (text < end)
+		x = draw_glyph(list, font, ui_glyph_index(ui_text_next(&text)), x, baseline, color);
+	return x;
+}
+
+float stilb_ui_draw_text_at(stilb_ui_draw_list *list, const stilb_ui_font *font, float x, float baseline,
+                            stilb_ui_color color, const char *text)
+{
+	return draw_characters(list, font, x, baseline, color, text, text + strlen(text));
+}
+
+/* How much of text, which is longer than room, fits with an ellipsis behind it; NULL: not even one letter. */
+static const char *text_fitting(const stilb_ui_font *font, const char *text, float room)
+{
+	const char *end = NULL;
+	float width = font->advance[ui_glyph_index(ELLIPSIS)];
+	for (uint32_t c; (c = ui_text_next(&text)) != 0; end = text) {
+		width += font->advance[ui_glyph_index(c)];
+		if (width > room)
+			break;
+	}
+	return end;
+}
+
+void stilb_ui_draw_text(stilb_ui_draw_list *list, const stilb_ui_font *font, stilb_ui_rect rect, stilb_ui_align align,
+                        stilb_ui_color color, const char *text)
+{
+	if (!ui_list_sees(list, rect.x0, rect.y0, rect.x1, rect.y1))
+		return;
+	float room = rect.x1 - rect.x0, width = stilb_ui_text_width(font, text);
+	float baseline = floorf(0.5f * (rect.y0 + rect.y1 - font->line) + 0.5f) + font->ascent;
+	if (width > room) {
+		const char *end = text_fitting(font, text, room);
+		if (!end)
+			return;
+		float x = draw_characters(list, font, rect.x0, baseline, color, text, end);
+		draw_glyph(list, font, ui_glyph_index(ELLIPSIS), x, baseline, color);
+		return;
+	}
+	float free_share = align == STILB_UI_ALIGN_LEFT ? 0.0f : align == STILB_UI_ALIGN_CENTER ? 0.5f : 1.0f;
+	stilb_ui_draw_text_at(list, font, rect.x0 + free_share * (room - width), baseline, color, text);
+}

@@ -1,0 +1,249 @@
+#include "demo_options.h"
+
+#include "base/base_file.h"
+#include "image/image.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const view_choices[] = {"all", "half", "few", NULL};
+static const char *const ui_aa_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
+const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};       /* as stilb_cull_method */
+const char *const demo_replay_choices[] = {"indirect", "direct", "secondary", NULL};
+const char *const demo_materials_choices[] = {"index", "bind", "pipeline", NULL};
+const char *const demo_device_choices[] = {"vulkan", "null", NULL};
+
+demo_options demo_options_default(void)
+{
+	return (demo_options){
+		.models = 10000, .seed = 1, .size = {1280, 720}, .workers = FLAG_WORKERS_AUTO, .profile_ring = 64};
+}
+
+flags_result demo_options_parse(demo_options *o, int argc, char **argv)
+{
+	const flag flags[] = {
+		{"--models", FLAG_NUMBER, &o->models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
+		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
+	     NULL},
+		{"--frames", FLAG_NUMBER, &o->frames, "N", "frames, 1..1000000 (120 headless, endless in a window)", 1, 1000000,
+	     NULL},
+		{"--headless", FLAG_SWITCH, &o->headless, NULL, "no window", 0, 0, NULL},
+		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw, but show no frame", 0, 0, NULL},
+		{"--animate", FLAG_SWITCH, &o->animate, NULL, "move a tenth of the models each frame", 0, 0, NULL},
+		{"--validate", FLAG_SWITCH, &o->validate, NULL, "Vulkan validation; any message fails the run", 0, 0, NULL},
+		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL},
+		{"--view", FLAG_CHOICE, &o->view, "all|half|few", "how many models are in view (all)", 0, 0, view_choices},
+		{"--cull", FLAG_CHOICE, &o->cull, "auto|octree|flat", "culling method (auto)", 0, 0, demo_cull_choices},
+		{"--replay", FLAG_CHOICE, &o->replay, "indirect|direct|secondary",
+	     "lists as they are; one command a draw; that in parallel (indirect)", 0, 0, demo_replay_choices},
+		{"--materials", FLAG_CHOICE, &o->materials, "index|bind|pipeline",
+	     "by index; by descriptor set; by one of two pipelines (index)", 0, 0, demo_materials_choices},
+		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: the CPU's side alone (vulkan)", 0, 0,
+	     demo_device_choices},
+		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
+		{"--msaa", FLAG_NUMBER, &o->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
+		{"--seed", FLAG_NUMBER, &o->seed, "N", "of sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
+		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the last frame as .png, or its radiance as .exr", 0, 0,
+	     NULL},
+		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the last 1000 frames: .json, .folded or .csv", 0, 0,
+	     NULL},
+		{"--capture", FLAG_TEXT, &o->capture, "FILE", "name of captures: P, SIGUSR1, slow frames (" DEMO_CAPTURE ")", 0,
+	     0, NULL},
+		{"--spike", FLAG_TEXT, &o->spike, "off|auto|MS", "capture slow frames: over twice the median, or over MS (off)",
+	     0, 0, NULL},
+		{"--profile-ring", FLAG_NUMBER, &o->profile_ring, "MIB", "what each thread's profile may hold, 1..1024 (64)", 1,
+	     STILB_ENGINE_PROFILE_RING_MAX, NULL},
+		{"--no-profile", FLAG_SWITCH, &o->no_profile, NULL, "record no profile", 0, 0, NULL},
+		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, in pictures too", 0, 0, NULL},
+		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "feather|article|off",
+	     "its edges: soft; soft outside alone; hard (feather)", 0, 0, ui_aa_choices},
+		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
+		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the last frame's commands, for 'stilb replay'", 0, 0, NULL},
+		{"--fault", FLAG_TEXT, &o->fault, "KIND:N", "on purpose: memory:N, lost:N fail, frame slow:N is slow", 0, 0,
+	     NULL},
+	};
+	const size_t count = sizeof flags / sizeof *flags;
+	flags_result result = flags_parse(flags, count, argc, argv);
+	if (result == FLAGS_HELP) {
+		printf(
+			"stilb demo: the stress test. Each model is a sphere over a ground tile, each with its own material.\n\n");
+		flags_print(flags, count);
+		printf("\nIn the window:\n" DEMO_KEYS "\n");
+	}
+	return result;
+}
+
+static bool has_extension(const char *path, const char *extension)
+{
+	const char *dot = strrchr(path, '.');
+	return dot && strcasecmp(dot, extension) == 0;
+}
+
+#define DEMO_OUTPUTS 5
+
+static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
+{
+	paths[0] = o->screenshot;
+	paths[1] = o->trace;
+	paths[2] = o->stats;
+	paths[3] = o->dump;
+	paths[4] = o->capture;
+}
+
+FILE *demo_options_words(const demo_options *o)
+{
+	const char *paths[DEMO_OUTPUTS];
+	demo_outputs(o, paths);
+	for (int i = 0; i < DEMO_OUTPUTS; i++)
+		if (paths[i] && stilb_file_is_stdout(paths[i]))
+			return stderr;
+	return stdout;
+}
+
+/* One file cannot hold two outputs. */
+static bool demo_outputs_differ(const demo_options *o)
+{
+	const char *paths[DEMO_OUTPUTS];
+	demo_outputs(o, paths);
+	for (int i = 0; i < DEMO_OUTPUTS; i++)
+		for (int k = i + 1; k < DEMO_OUTPUTS; k++)
+			if (paths[i] && paths[k] && stilb_file_same(paths[i], paths[k])) {
+				stilb_log("two outputs would go to '%s'; give each a name of its own", paths[k]);
+				return false;
+			}
+	return true;
+}
+
+/* What goes wrong on purpose. */
+typedef struct demo_faults {
+	stilb_render_faults render;
+	uint32_t slow_frame;
+} demo_faults;
+
+/* "memory:3", "lost:10", "slow:50". */
+static bool demo_parse_fault(const char *text, demo_faults *faults)
+{
+	*faults = (demo_faults){0};
+	if (!text)
+		return true;
+	const struct {
+		const char *kind;
+		uint32_t *number;
+	} kinds[] = {
+		{"memory:", &faults->render.allocation}, {"lost:", &faults->render.lost_frame}, {"slow:", &faults->slow_frame}};
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+		size_t length = strlen(kinds[i].kind);
+		int end = 0;
+		if (strncmp(text, kinds[i].kind, length) == 0 &&
+		    sscanf(text + length, "%9" SCNu32 "%n", kinds[i].number, &end) == 1 && text[length + (size_t)end] == '\0')
+			return *kinds[i].number > 0;
+	}
+	return false;
+}
+
+/* "off", "auto", "33.3". */
+static bool demo_parse_spike(const char *text, stilb_prof_capture_desc *capture)
+{
+	char *end;
+	if (!text || strcmp(text, "off") == 0)
+		return true;
+	capture->spike = STILB_PROF_SPIKE_AUTO;
+	if (strcmp(text, "auto") == 0)
+		return true;
+	capture->spike = STILB_PROF_SPIKE_FIXED;
+	capture->spike_ms = strtod(text, &end);
+	return strspn(text, "0123456789.") == strlen(text) && end != text && *end == '\0' && capture->spike_ms > 0.0 &&
+	       capture->spike_ms <= 1e6;
+}
+
+/* The profiler's files and what they need. */
+static bool demo_check_profile(const demo_options *o)
+{
+	if (o->profile_ring & (o->profile_ring - 1)) {
+		stilb_log("--profile-ring: %" PRIu64 " is not a power of two; give 1, 2, 4, ... 1024", o->profile_ring);
+		return false;
+	}
+	if (!demo_parse_spike(o->spike, &(stilb_prof_capture_desc){0})) {
+		stilb_log("--spike: '%s' is not known; give off, auto or milliseconds", o->spike);
+		return false;
+	}
+	if (o->capture && stilb_file_is_stdout(o->capture)) {
+		stilb_log("--capture: there may be several files; give a name, others are numbered after it");
+		return false;
+	}
+	const char *wish = o->trace ? "--trace" : o->capture ? "--capture" : o->spike ? "--spike" : NULL;
+	if (o->no_profile && wish) {
+		stilb_log("%s: nothing is recorded with --no-profile; leave one of them out", wish);
+		return false;
+	}
+	return true;
+}
+
+bool demo_options_check(const demo_options *o)
+{
+	if (o->samples != 0 && o->samples != 1 && o->samples != 4) {
+		stilb_log("--msaa: %" PRIu64 " samples are not offered; give 1 or 4", o->samples);
+		return false;
+	}
+	if (!demo_parse_fault(o->fault, &(demo_faults){0})) {
+		stilb_log("--fault: '%s' is not known; give memory:N, lost:N or slow:N with N from 1 on", o->fault);
+		return false;
+	}
+	if (o->screenshot && o->device == STILB_RENDER_DEVICE_NULL) {
+		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
+		return false;
+	}
+	if (!demo_check_profile(o) || !demo_outputs_differ(o))
+		return false;
+	stilb_isa isa;
+	stilb_result result = stilb_cpu_isa(&isa);
+	if (result == STILB_OK && o->screenshot)
+		result = stilb_image_path_check(o->screenshot);
+	const char *const files[] = {o->trace, o->stats, o->dump, o->capture};
+	for (size_t i = 0; i < sizeof files / sizeof *files && result == STILB_OK; i++)
+		if (files[i])
+			result = stilb_file_check(files[i]);
+	if (result != STILB_OK)
+		stilb_log("%s", stilb_error_message());
+	return result == STILB_OK;
+}
+
+stilb_engine_desc demo_options_engine(const demo_options *o)
+{
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.models = (uint32_t)o->models;
+	desc.seed = o->seed;
+	desc.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers;
+	desc.cull = (stilb_cull_method)o->cull;
+	desc.view = (stilb_scene_stress_view)o->view;
+	desc.device = (stilb_render_device_kind)o->device;
+	desc.replay = (stilb_render_replay_mode)o->replay;
+	desc.materials = (stilb_render_materials)o->materials;
+	desc.gpu = o->gpu;
+	desc.width = o->size[0];
+	desc.height = o->size[1];
+	desc.samples = (uint32_t)o->samples;
+	desc.window = !o->headless && o->device != STILB_RENDER_DEVICE_NULL;
+	desc.present = !o->no_present;
+	desc.animate = o->animate;
+	desc.validate = o->validate;
+	desc.overlay = o->overlay;
+	desc.ui_aa = (stilb_ui_aa)o->ui_aa;
+	desc.profile = !o->no_profile;
+	desc.profile_ring_mib = (uint32_t)o->profile_ring;
+	desc.capture.path = o->capture ? o->capture : DEMO_CAPTURE;
+	desc.capture.process_name = "stilb";
+	desc.capture.signal = SIGUSR1;
+	desc.capture.crash = o->capture;
+	demo_parse_spike(o->spike, &desc.capture);
+	demo_faults faults;
+	demo_parse_fault(o->fault, &faults);
+	desc.faults = faults.render;
+	desc.slow_frame = faults.slow_frame;
+	if (o->screenshot && has_extension(o->screenshot, ".exr")) /* the window then shows the same, clipped */
+		desc.output = STILB_RENDER_OUTPUT_LINEAR;
+	return desc;
+}

@@ -1,0 +1,45 @@
+/* What `stilb demo` was asked for: its command line, read and checked. */
+#ifndef STILB_DEMO_OPTIONS_H
+#define STILB_DEMO_OPTIONS_H
+
+#include "engine.h"
+#include "flags.h"
+
+#include <stdio.h>
+
+#define DEMO_PICTURE "stilb-demo.png"
+#define DEMO_CAPTURE "stilb-capture.json"
+#define DEMO_KEYS                                                                                                      \
+	"WASD fly, Q/E down/up, shift fast, right mouse looks, Esc releases the mouse,\n"                                  \
+	"F1 profiler, space freezes it, P captures a trace, F12 picture, - and + workers"
+
+typedef struct demo_options {
+	uint64_t models, frames, seed, samples, profile_ring;
+	uint32_t workers, size[2];
+	int view, cull, replay, materials, device, ui_aa;
+	bool headless, no_present, animate, validate, overlay, no_profile;
+	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault;
+} demo_options;
+
+/* The words of the choices, in the order of the engine's enumerations; NULL-terminated. */
+extern const char *const demo_cull_choices[];
+extern const char *const demo_replay_choices[];
+extern const char *const demo_materials_choices[];
+extern const char *const demo_device_choices[];
+
+/* What it does without any flag. */
+demo_options demo_options_default(void);
+
+/* Reads the flags, or prints the help. */
+flags_result demo_options_parse(demo_options *o, int argc, char **argv);
+
+/* What the flags alone cannot say: false after a line that tells what is wrong. Nothing is started or written. */
+bool demo_options_check(const demo_options *o);
+
+/* The engine for these options, which are right. */
+stilb_engine_desc demo_options_engine(const demo_options *o);
+
+/* Where the words go: not among the bytes of a file that is written to stdout. */
+FILE *demo_options_words(const demo_options *o);
+
+#endif

@@ -1,0 +1,97 @@
+#include "demo_report.h"
+
+#include "base/base_json.h"
+
+#include <inttypes.h>
+
+/* The costliest of what a frame waits for. */
+static stage demo_bound(const stage_summary *summary)
+{
+	stage bound = STAGE_CULL;
+	const stage candidates[] = {STAGE_RECORD, STAGE_UI, STAGE_REPLAY, STAGE_GPU};
+	for (size_t i = 0; i < sizeof candidates / sizeof *candidates; i++)
+		if (summary[candidates[i]].median > summary[bound].median)
+			bound = candidates[i];
+	return bound;
+}
+
+static const char *demo_bound_name(stage bound)
+{
+	static const char *const names[STAGE_COUNT] = {[STAGE_CULL] = "culling",
+	                                               [STAGE_RECORD] = "recording",
+	                                               [STAGE_UI] = "overlay",
+	                                               [STAGE_REPLAY] = "replay",
+	                                               [STAGE_GPU] = "GPU"};
+	return names[bound];
+}
+
+stilb_result demo_report_save(const demo_report *report)
+{
+	const demo_options *o = report->options;
+	const stilb_render_stats *render = &report->last.render;
+	const stage_summary *summary = report->summary;
+	char hash[17];
+	snprintf(hash, sizeof hash, "%016" PRIx64, stilb_engine_stream_hash(report->engine));
+	stilb_json json = {0};
+	stilb_json_begin(&json, NULL, '{');
+	stilb_json_int(&json, "models", (int64_t)o->models);
+	stilb_json_int(&json, "visible", report->last.visible);
+	stilb_json_int(&json, "draws", (int64_t)render->draws);
+	stilb_json_int(&json, "workers", stilb_engine_workers(report->engine));
+	stilb_json_int(&json, "frames", (int64_t)report->frames);
+	stilb_json_string(&json, "device", demo_device_choices[o->device]);
+	stilb_json_string(&json, "device_name", stilb_engine_device_name(report->engine));
+	stilb_json_string(&json, "replay", demo_replay_choices[o->replay]);
+	stilb_json_string(&json, "materials", demo_materials_choices[o->materials]);
+	stilb_json_string(&json, "cull", demo_cull_choices[o->cull]);
+	stilb_json_string(&json, "culled_by", demo_cull_choices[report->last.cull]);
+	stilb_json_string(&json, "stream_hash", hash);
+	stilb_json_begin(&json, "commands", '{');
+	stilb_json_int(&json, "draw", (int64_t)render->draw_commands);
+	stilb_json_int(&json, "draw_indirect", (int64_t)render->indirect_commands);
+	stilb_json_int(&json, "execute", (int64_t)render->execute_commands);
+	stilb_json_int(&json, "binds_asked", (int64_t)render->binds_asked);
+	stilb_json_int(&json, "binds_sent", (int64_t)render->binds_sent);
+	stilb_json_end(&json, '}');
+	stilb_json_int(&json, "recorded_bytes", (int64_t)render->recorded_bytes);
+	stilb_json_begin(&json, "stages", '{');
+	for (int s = 0; s < STAGE_GPU; s++) {
+		stilb_json_begin(&json, stage_names[s], '{');
+		stilb_json_double(&json, "median", summary[s].median);
+		stilb_json_double(&json, "p99", summary[s].p99);
+		stilb_json_double(&json, "min", summary[s].min);
+		stilb_json_end(&json, '}');
+	}
+	stilb_json_end(&json, '}');
+	stilb_json_double(&json, "gpu_ms", summary[STAGE_GPU].median);
+	stilb_json_string(&json, "bound", demo_bound_name(demo_bound(summary)));
+	stilb_json_end(&json, '}');
+	return stilb_json_save(&json, o->stats);
+}
+
+void demo_report_print(const demo_report *report)
+{
+	const demo_options *o = report->options;
+	const stage_summary *summary = report->summary;
+	FILE *out = demo_options_words(o);
+	bool software = stilb_engine_device_is_software(report->engine);
+	uint32_t width, height, workers = stilb_engine_workers(report->engine),
+							samples = stilb_engine_samples(report->engine);
+	stilb_engine_size(report->engine, &width, &height);
+	fprintf(out, "%" PRIu64 " model%s, %u visible, %" PRIu64 " draws; %s%s%s culling, %s replay, %u worker%s\n",
+	        o->models, o->models == 1 ? "" : "s", report->last.visible, report->last.render.draws,
+	        demo_cull_choices[o->cull], o->cull == STILB_CULL_AUTO ? ": " : "",
+	        o->cull == STILB_CULL_AUTO ? demo_cull_choices[report->last.cull] : "", demo_replay_choices[o->replay],
+	        workers, workers == 1 ? "" : "s");
+	fprintf(out, "%s%s, %ux%u, %u sample%s per pixel\n", stilb_engine_device_name(report->engine),
+	        software ? " (software: it draws on the CPU)" : "", width, height, samples, samples == 1 ? "" : "s");
+	fprintf(out, "%" PRIu64 " frame%s, the first %" PRIu64 " not counted; milliseconds:\n", report->frames,
+	        report->frames == 1 ? "" : "s", report->warmup);
+	fprintf(out, "  %-8s %9s %9s %9s\n", "stage", "median", "p99", "min");
+	for (int s = 0; s < STAGE_COUNT; s++)
+		if (s != STAGE_GPU || o->device != STILB_RENDER_DEVICE_NULL)
+			fprintf(out, "  %-8s %9.3f %9.3f %9.3f\n", stage_names[s], summary[s].median, summary[s].p99,
+			        summary[s].min);
+	stage bound = demo_bound(summary);
+	fprintf(out, "bound by: %s, %.3f ms\n", demo_bound_name(bound), summary[bound].median);
+}

@@ -1,0 +1,27 @@
+/* Work that waits for everything else: that of the capture's thread. */
+#include "profiler/prof_internal.h"
+
+#include <sched.h>
+#include <sys/resource.h>
+
+#define PROF_BACKGROUND_NS 50000
+
+__thread bool prof_background;
+
+static __thread uint64_t prof_background_since;
+
+/* Not SCHED_IDLE: while other threads keep all CPUs busy it gets next to nothing, and the rings go round meanwhile. */
+void prof_background_begin(void)
+{
+	setpriority(PRIO_PROCESS, 0, 19); /* on Linux: of this thread alone */
+	prof_background = true;
+	prof_background_since = stilb_prof_clock_monotonic();
+}
+
+void prof_background_yield(void)
+{
+	if (stilb_prof_clock_monotonic() - prof_background_since < PROF_BACKGROUND_NS)
+		return;
+	sched_yield();
+	prof_background_since = stilb_prof_clock_monotonic();
+}

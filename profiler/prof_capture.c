@@ -1,0 +1,304 @@
+/*
+ * Captures: what starts one, and the thread that writes them.
+ *
+ * Who tells whom. Whoever wants a capture leaves a frame's number in a place of its own (asked, spike) and
+ * wakes the thread; the thread alone decides what is written when. It waits for the frames after by saying which one it
+ * waits for (awaited): the thread that marks frames looks at that once a frame. All waking is by one semaphore, which may be
+ * posted by signal handlers; a wake-up without a reason does no harm, so nobody counts them.
+ */
+#include "profiler/prof_capture_internal.h"
+#include "profiler/prof_frames.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <semaphore.h>
+#include <string.h>
+#include <time.h>
+
+#define PROF_STILL_NS UINT64_C(1000000000) /* after so long without a frame none is waited for */
+#define PROF_SUFFIX_MAX 16                 /* of a file's name: "-" and a number */
+
+/* What the thread that marks frames keeps for itself; set up before the hook is. */
+static struct {
+	prof_frame_window window;
+	uint64_t quiet; /* frames up to this number start no capture */
+} prof_marks;
+
+static struct {
+	/* Set up before the thread starts, unchanged until it has ended. */
+	stilb_prof_capture_desc desc;
+	pthread_t thread;
+	struct sigaction old_signal;
+	sem_t wake;
+	bool has_wake; /* set up once, for ever: whoever posts may be late */
+
+	/* Between threads: as said where they are used. Frame numbers plus one; 0: none. */
+	uint32_t running;
+	uint32_t stop;
+	uint64_t asked;
+	uint64_t spike;
+	uint64_t spike_ns;    /* how long it took */
+	uint64_t spikes_left; /* files */
+	uint64_t whole;       /* frames that have ended */
+	uint64_t awaited;     /* the thread waits until as many have */
+} prof_capture;
+
+/* ---- asking for one ---------------------------------------------------------------------------------------------- */
+
+/* Leaves frame in a place, unless one is there: then that capture will show this moment too, or is the one that counts. */
+static void prof_capture_ask(uint64_t *place, uint64_t frame)
+{
+	uint64_t none = 0;
+	/* Release: pairs with the acquire load in prof_capture_next. */
+	if (__atomic_compare_exchange_n(place, &none, frame + 1, false, __ATOMIC_RELEASE, __ATOMIC_RELAXED))
+		sem_post(&prof_capture.wake);
+}
+
+int stilb_prof_capture_now(void)
+{
+	/* Acquire: pairs with stilb_prof_capture_start, which has set up the semaphore by then. */
+	if (__atomic_load_n(&prof_capture.running, __ATOMIC_ACQUIRE) == 0)
+		return -ESRCH;
+	prof_capture_ask(&prof_capture.asked, prof_capture_frame());
+	return 0;
+}
+
+static double prof_capture_limit_ms(void)
+{
+	switch (prof_capture.desc.spike) {
+	case STILB_PROF_SPIKE_AUTO:
+		return prof_frame_window_limit_ms(&prof_marks.window, prof_capture.desc.spike_ms);
+	case STILB_PROF_SPIKE_FIXED:
+		return prof_capture.desc.spike_ms;
+	default:
+		return (double)INFINITY;
+	}
+}
+
+/* For another slow frame: the one before is written, and there may be another file. */
+static bool prof_capture_has_room(void)
+{
+	/* Acquire: pairs with prof_capture_next, which has read spike_ns by then. spikes_left: no data depends on it. */
+	return __atomic_load_n(&prof_capture.spike, __ATOMIC_ACQUIRE) == 0 &&
+	       __atomic_load_n(&prof_capture.spikes_left, __ATOMIC_RELAXED) > 0;
+}
+
+/* Runs in every stilb_prof_frame_mark. */
+static void prof_capture_on_frame(uint64_t number, uint64_t duration_ns)
+{
+	prof_frame_window_add(&prof_marks.window, duration_ns);
+	if (1e-6 * (double)duration_ns > prof_capture_limit_ms() && number >= prof_marks.quiet && prof_capture_has_room()) {
+		prof_marks.quiet = number + 1 + prof_capture.desc.cool_down;
+		__atomic_store_n(&prof_capture.spike_ns, duration_ns, __ATOMIC_RELAXED); /* goes out with spike */
+		prof_capture_ask(&prof_capture.spike, number);
+	}
+	/* Sequentially consistent: prof_capture_await stores awaited and then loads whole; one of the two sees the other's. */
+	__atomic_store_n(&prof_capture.whole, number + 1, __ATOMIC_SEQ_CST);
+	if (number + 1 >= __atomic_load_n(&prof_capture.awaited, __ATOMIC_SEQ_CST)) {
+		__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* waking once is enough */
+		sem_post(&prof_capture.wake);
+	}
+}
+
+/* ---- the signal ----------------------------------------------------------------------------------------------------- */
+
+static void prof_signal_on_ask(int number)
+{
+	const int error = errno;
+	(void)number;
+	stilb_prof_capture_now();
+	errno = error;
+}
+
+/* Whether a handler can be set for it. */
+static bool prof_signal_is_free(const stilb_prof_capture_desc *desc)
+{
+	struct sigaction now;
+	bool crashes = false;
+	for (size_t i = 0; desc->crash && i < PROF_CRASH_SIGNALS; i++)
+		crashes |= prof_crash_signals[i] == desc->signal;
+	return desc->signal == 0 ||
+	       (!crashes && desc->signal != SIGKILL && desc->signal != SIGSTOP && sigaction(desc->signal, NULL, &now) == 0);
+}
+
+void prof_signal_restore(int number, void (*ours)(void), const struct sigaction *old)
+{
+	struct sigaction now;
+	if (sigaction(number, NULL, &now) == 0 && (void (*)(void))now.sa_handler == ours)
+		sigaction(number, old, NULL);
+}
+
+/* ---- the thread -------------------------------------------------------------------------------------------------- */
+
+__thread bool prof_capture_is_thread __attribute__((tls_model("initial-exec")));
+
+int prof_capture_thread_create(pthread_t *thread, void *(*run)(void *))
+{
+	sigset_t all, old;
+	sigfillset(&all);
+	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
+		sigdelset(&all, prof_crash_signals[i]);
+	pthread_sigmask(SIG_SETMASK, &all, &old);
+	const int error = pthread_create(thread, NULL, run, NULL);
+	pthread_sigmask(SIG_SETMASK, &old, NULL);
+	return -error;
+}
+
+static bool prof_capture_stops(void)
+{
+	return __atomic_load_n(&prof_capture.stop, __ATOMIC_ACQUIRE) != 0; /* pairs with stilb_prof_capture_stop */
+}
+
+/* Until awaited frames are whole, nothing new has come for a while, or there is no time. */
+static void prof_capture_await(uint64_t awaited)
+{
+	/* Sequentially consistent: as said in prof_capture_on_frame. */
+	__atomic_store_n(&prof_capture.awaited, awaited, __ATOMIC_SEQ_CST);
+	uint64_t whole = __atomic_load_n(&prof_capture.whole, __ATOMIC_SEQ_CST);
+	uint64_t moved = stilb_prof_clock_monotonic();
+	while (whole < awaited && !prof_capture_stops() && stilb_prof_clock_monotonic() - moved < PROF_STILL_NS) {
+		const uint64_t until = moved + PROF_STILL_NS;
+		const struct timespec time = {(time_t)(until / 1000000000), (long)(until % 1000000000)};
+		sem_clockwait(&prof_capture.wake, CLOCK_MONOTONIC, &time);
+		const uint64_t now = __atomic_load_n(&prof_capture.whole, __ATOMIC_SEQ_CST);
+		if (now != whole)
+			moved = stilb_prof_clock_monotonic();
+		whole = now;
+	}
+	__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* a wake-up too many does no harm */
+}
+
+/* Writes what is in a place, if anything: it stays there while its frames come in, so that asking again is asking for the
+ * same. */
+static bool prof_capture_next(uint64_t *place, stilb_prof_cause cause)
+{
+	const uint32_t after = prof_capture.desc.frames_after;
+	const uint64_t frame = __atomic_load_n(place, __ATOMIC_ACQUIRE) - 1; /* pairs with prof_capture_ask */
+	if (frame == UINT64_MAX)
+		return false;
+	prof_capture_await(frame + after + 1);
+	const bool slow = cause == STILB_PROF_CAUSE_SPIKE;
+	const uint64_t frame_ns =
+		slow ? __atomic_load_n(&prof_capture.spike_ns, __ATOMIC_RELAXED) : 0; /* came with frame */
+	__atomic_store_n(place, 0, __ATOMIC_RELEASE);                             /* pairs with prof_capture_has_room */
+	if (prof_capture_write(cause, frame, frame_ns, after) == 0 && slow)
+		__atomic_sub_fetch(&prof_capture.spikes_left, 1, __ATOMIC_RELAXED); /* no data depends on it */
+	return true;
+}
+
+static void *prof_capture_run(void *user)
+{
+	(void)user;
+	prof_capture_is_thread = true;
+	prof_background_begin();
+	pthread_setname_np(pthread_self(), "prof-capture");
+	while (true) {
+		const bool stops = prof_capture_stops(); /* before looking: what was asked for before the stop is seen */
+		bool wrote = prof_capture_next(&prof_capture.asked, STILB_PROF_CAUSE_ASKED);
+		wrote |= prof_capture_next(&prof_capture.spike, STILB_PROF_CAUSE_SPIKE);
+		if (wrote)
+			continue;
+		if (stops)
+			return NULL;
+		while (sem_wait(&prof_capture.wake) != 0 && errno == EINTR)
+			;
+	}
+}
+
+/* ---- start and stop ---------------------------------------------------------------------------------------------- */
+
+stilb_prof_capture_desc stilb_prof_capture_desc_default(void)
+{
+	return (stilb_prof_capture_desc){
+		.frames_before = 120,
+		.frames_after = 30,
+		.spike = STILB_PROF_SPIKE_OFF,
+		.spike_ms = 1000.0 / 60.0,
+		.cool_down = 300,
+		.spike_files = 16,
+	};
+}
+
+static bool prof_capture_is_sound(const stilb_prof_capture_desc *desc)
+{
+	const bool length =
+		desc->spike == STILB_PROF_SPIKE_OFF || (desc->spike_ms >= 0 && desc->spike_ms < (double)INFINITY);
+	return desc->path != NULL && desc->path[0] != 0 && desc->spike <= STILB_PROF_SPIKE_FIXED && length &&
+	       prof_signal_is_free(desc);
+}
+
+/* Everything but the threads and what leads to them. */
+static int prof_capture_set_up(const stilb_prof_capture_desc *desc)
+{
+	const int error = prof_capture_file_set_up(desc);
+	if (error != 0)
+		return error;
+	if (!prof_capture.has_wake)
+		sem_init(&prof_capture.wake, 0, 0);
+	prof_capture.has_wake = true;
+	prof_capture.desc = *desc;
+	prof_capture.desc.path = prof_capture.desc.process_name = NULL; /* the caller's: not ours any more */
+	memset(&prof_marks, 0, sizeof prof_marks);
+	/* Relaxed: the thread starts later, the others look at running or the hook first. */
+	__atomic_store_n(&prof_capture.stop, 0, __ATOMIC_RELAXED);
+	__atomic_store_n(&prof_capture.asked, 0, __ATOMIC_RELAXED);
+	__atomic_store_n(&prof_capture.spike, 0, __ATOMIC_RELAXED);
+	__atomic_store_n(&prof_capture.spikes_left, desc->spike_files, __ATOMIC_RELAXED);
+	__atomic_store_n(&prof_capture.whole, 0, __ATOMIC_RELAXED);
+	__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED);
+	return 0;
+}
+
+static void prof_capture_end(void)
+{
+	__atomic_store_n(&prof_capture.stop, 1, __ATOMIC_RELEASE); /* pairs with prof_capture_stops */
+	sem_post(&prof_capture.wake);
+	pthread_join(prof_capture.thread, NULL);
+	prof_capture_file_forget();
+}
+
+int stilb_prof_capture_start(const stilb_prof_capture_desc *desc)
+{
+	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) != 0) /* only written by the one caller */
+		return -EALREADY;
+	if (!prof_capture_is_sound(desc))
+		return -EINVAL;
+	if (strlen(desc->path) + PROF_SUFFIX_MAX >= PATH_MAX)
+		return -ENAMETOOLONG;
+	int error = prof_capture_set_up(desc);
+	if (error != 0)
+		return error;
+	error = prof_capture_thread_create(&prof_capture.thread, prof_capture_run);
+	if (error != 0) {
+		prof_capture_file_forget();
+		return error;
+	}
+	error = desc->crash ? prof_crash_start() : 0;
+	if (error != 0) {
+		prof_capture_end();
+		return error;
+	}
+	if (desc->signal != 0)
+		sigaction(desc->signal, &(struct sigaction){.sa_handler = prof_signal_on_ask, .sa_flags = SA_RESTART},
+		          &prof_capture.old_signal);
+	__atomic_store_n(&prof_capture.running, 1,
+	                 __ATOMIC_RELEASE); /* pairs with the handlers and stilb_prof_capture_now */
+	prof_frame_hook_set(prof_capture_on_frame);
+	return 0;
+}
+
+int stilb_prof_capture_stop(void)
+{
+	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) == 0) /* only written by the one caller */
+		return 0;
+	if (prof_capture_is_thread)
+		return -EDEADLK;
+	prof_frame_hook_set(NULL);
+	if (prof_capture.desc.signal != 0)
+		prof_signal_restore(prof_capture.desc.signal, (void (*)(void))prof_signal_on_ask, &prof_capture.old_signal);
+	__atomic_store_n(&prof_capture.running, 0, __ATOMIC_RELAXED); /* nothing goes with it */
+	prof_crash_stop();
+	prof_capture_end();
+	return 0;
+}

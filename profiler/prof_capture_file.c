@@ -1,0 +1,99 @@
+/* One capture as a file. Two threads may be at it: a crash does not wait for what is being written. */
+#include "profiler/prof_capture_internal.h"
+#include "profiler/prof_trace.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* Unchanged while there is a thread that writes, but for files. */
+static struct {
+	stilb_prof_capture_desc desc; /* with strings of its own */
+	char *path, *process_name;
+	uint32_t files; /* written, or being written */
+} prof_output;
+
+void prof_capture_file_forget(void)
+{
+	free(prof_output.path);
+	free(prof_output.process_name);
+	prof_output.path = prof_output.process_name = NULL;
+}
+
+int prof_capture_file_set_up(const stilb_prof_capture_desc *desc)
+{
+	prof_output.desc = *desc;
+	prof_output.path = strdup(desc->path);
+	prof_output.process_name = desc->process_name != NULL ? strdup(desc->process_name) : NULL;
+	prof_output.files = 0;
+	if (prof_output.path != NULL && (desc->process_name == NULL || prof_output.process_name != NULL))
+		return 0;
+	prof_capture_file_forget();
+	return -ENOMEM;
+}
+
+uint64_t prof_capture_frame(void)
+{
+	const uint64_t begun = prof_frames_begun();
+	return begun > 0 ? begun - 1 : 0;
+}
+
+/* The name of file number n, counted from 0, in a new string: the first has none of the number, and what is no regular file is
+ * one for all. NULL: no memory. */
+static char *prof_capture_path(uint32_t n)
+{
+	struct stat status;
+	const char *path = prof_output.path, *slash = strrchr(path, '/');
+	const char *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+	char *numbered = NULL;
+	if (n == 0 || strcmp(path, "-") == 0 || (stat(path, &status) == 0 && !S_ISREG(status.st_mode)))
+		return strdup(path);
+	if (dot == NULL || dot == name)
+		dot = name + strlen(name);
+	return asprintf(&numbered, "%.*s-%u%s", (int)(dot - path), path, n + 1, dot) >= 0 ? numbered : NULL;
+}
+
+/* Frames before .. after where they are all whole, else all that there is from the first on. */
+static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
+{
+	const uint32_t before = prof_output.desc.frames_before;
+	const uint64_t first = frame > before ? frame - before : 0;
+	const uint64_t whole = prof_capture_frame();
+	if (whole > frame + after)
+		return (stilb_prof_window){.first_frame = first, .frame_count = (uint32_t)(frame + after - first) + 1};
+	return (stilb_prof_window){.last_frames = whole > first ? (uint32_t)(whole - first) : 1};
+}
+
+/* -ENODATA: the frame that it is all about has been overwritten; of those before it some may. */
+static int prof_capture_save(const char *path, const stilb_prof_window *window, uint64_t frame, uint32_t *frame_count)
+{
+	stilb_prof_snapshot snapshot = {0};
+	int error = path != NULL ? stilb_prof_snapshot_take(&snapshot, window) : -ENOMEM;
+	*frame_count = snapshot.frame_count;
+	if (error == 0 && window->frame_count > 0 && (*frame_count == 0 || snapshot.frames[0].number > frame))
+		error = -ENODATA;
+	if (error == 0)
+		error = stilb_prof_trace_save(&snapshot, prof_output.process_name, path);
+	stilb_prof_snapshot_finish(&snapshot);
+	return error;
+}
+
+int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns, uint32_t after)
+{
+	/* Relaxed, also below: a number that orders nothing. */
+	const uint32_t n = __atomic_fetch_add(&prof_output.files, 1, __ATOMIC_RELAXED);
+	const stilb_prof_window window = prof_capture_window(frame, after);
+	char *path = prof_capture_path(n);
+	stilb_prof_captured captured = {.cause = cause, .frame = frame, .frame_ms = 1e-6 * (double)frame_ns};
+	captured.error = prof_capture_save(path, &window, frame, &captured.frame_count);
+	captured.path = path != NULL ? path : prof_output.path;
+	uint32_t last = n + 1;
+	if (captured.error != 0) /* the number is free again */
+		__atomic_compare_exchange_n(&prof_output.files, &last, n, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+	if (prof_output.desc.done != NULL)
+		prof_output.desc.done(prof_output.desc.user, &captured);
+	free(path);
+	return captured.error;
+}

@@ -1,0 +1,121 @@
+/*
+ * Crashes: the thread that crashes asks another for the file and waits for it, since a signal handler may neither take locks nor
+ * memory, and its thread may hold any of them. The other is a thread of its own at the usual priority: the capture's would
+ * come last on a busy machine, and may be writing something else.
+ */
+#include "profiler/prof_capture_internal.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <semaphore.h>
+#include <unistd.h>
+
+#define PROF_CRASH_NS UINT64_C(2000000000) /* a thread that crashes waits for the file so long */
+
+const int prof_crash_signals[PROF_CRASH_SIGNALS] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+
+/* The first crash is the one that counts: a second file would be cut off by the end of the first thread's wait. */
+enum prof_crash_state { PROF_CRASH_NONE, PROF_CRASH_ASKED, PROF_CRASH_WRITTEN };
+
+static struct {
+	pthread_t thread;
+	int process; /* whose thread it is: a child of fork has none */
+	sem_t wake;
+	bool has_wake; /* set up once, for ever: whoever posts may be late */
+	uint32_t running;
+	uint32_t stop;
+	uint32_t state; /* prof_crash_state */
+	struct sigaction old[PROF_CRASH_SIGNALS];
+} prof_crash;
+
+/* ---- the thread that crashes --------------------------------------------------------------------------------------- */
+
+/* Not the threads that write, and not when there are none. */
+static bool prof_crash_is_seen(void)
+{
+	/* Acquire: pairs with prof_crash_start. */
+	return __atomic_load_n(&prof_crash.running, __ATOMIC_ACQUIRE) != 0 && getpid() == prof_crash.process &&
+	       !prof_capture_is_thread;
+}
+
+/* Asks for the file, unless another thread has, and waits for it. Calls nothing that is not async-signal-safe. */
+static void prof_crash_wait(void)
+{
+	const uint64_t begin = stilb_prof_clock_monotonic();
+	uint32_t none = PROF_CRASH_NONE;
+	/* Release and acquire: pair with prof_crash_run. */
+	if (__atomic_compare_exchange_n(&prof_crash.state, &none, PROF_CRASH_ASKED, false, __ATOMIC_RELEASE,
+	                                __ATOMIC_RELAXED))
+		sem_post(&prof_crash.wake);
+	while (__atomic_load_n(&prof_crash.state, __ATOMIC_ACQUIRE) == PROF_CRASH_ASKED &&
+	       stilb_prof_clock_monotonic() - begin < PROF_CRASH_NS)
+		poll(NULL, 0, 1);
+}
+
+static void prof_crash_handler(int number, siginfo_t *info, void *context)
+{
+	const int error = errno;
+	(void)context;
+	if (prof_crash_is_seen())
+		prof_crash_wait();
+	/* Then what would have happened: the faulting instruction runs again, a signal that was sent is sent again. */
+	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
+		if (prof_crash_signals[i] == number)
+			sigaction(number, &prof_crash.old[i], NULL);
+	if (info->si_code <= 0)
+		raise(number);
+	errno = error;
+}
+
+/* ---- the thread that writes ---------------------------------------------------------------------------------------- */
+
+static void *prof_crash_run(void *user)
+{
+	(void)user;
+	prof_capture_is_thread = true;
+	do {
+		while (sem_wait(&prof_crash.wake) != 0 && errno == EINTR)
+			;
+		/* Acquire and release: pair with prof_crash_wait. */
+		if (__atomic_load_n(&prof_crash.state, __ATOMIC_ACQUIRE) == PROF_CRASH_ASKED) {
+			prof_capture_write(STILB_PROF_CAUSE_CRASH, prof_capture_frame(), 0, 0);
+			__atomic_store_n(&prof_crash.state, PROF_CRASH_WRITTEN, __ATOMIC_RELEASE);
+		}
+	} while (__atomic_load_n(&prof_crash.stop, __ATOMIC_RELAXED) ==
+	         0); /* pairs with prof_crash_stop; nothing goes with it */
+	return NULL;
+}
+
+int prof_crash_start(void)
+{
+	struct sigaction crash = {.sa_sigaction = prof_crash_handler, .sa_flags = SA_SIGINFO | SA_ONSTACK};
+	if (!prof_crash.has_wake)
+		sem_init(&prof_crash.wake, 0, 0);
+	prof_crash.has_wake = true;
+	prof_crash.process = getpid();
+	/* Relaxed: the thread starts later, handlers look at running first. */
+	__atomic_store_n(&prof_crash.stop, 0, __ATOMIC_RELAXED);
+	__atomic_store_n(&prof_crash.state, PROF_CRASH_NONE, __ATOMIC_RELAXED);
+	const int error = prof_capture_thread_create(&prof_crash.thread, prof_crash_run);
+	if (error != 0)
+		return error;
+	pthread_setname_np(prof_crash.thread, "prof-crash");
+	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
+		sigaction(prof_crash_signals[i], &crash, &prof_crash.old[i]);
+	__atomic_store_n(&prof_crash.running, 1, __ATOMIC_RELEASE); /* pairs with prof_crash_is_seen */
+	return 0;
+}
+
+/* The file of a thread that is crashing is written first. */
+void prof_crash_stop(void)
+{
+	if (__atomic_load_n(&prof_crash.running, __ATOMIC_RELAXED) == 0) /* only written by the one caller */
+		return;
+	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
+		prof_signal_restore(prof_crash_signals[i], (void (*)(void))prof_crash_handler, &prof_crash.old[i]);
+	/* Relaxed: nothing goes with them. */
+	__atomic_store_n(&prof_crash.running, 0, __ATOMIC_RELAXED);
+	__atomic_store_n(&prof_crash.stop, 1, __ATOMIC_RELAXED);
+	sem_post(&prof_crash.wake);
+	pthread_join(prof_crash.thread, NULL);
+}

@@ -1,0 +1,125 @@
+/*
+ * Where the kernel lets nobody see single switches (prof_switch.c): how long each thread ran in a frame, and how long it could
+ * have run and did not, from /proc/thread-self/schedstat. Its three numbers are nanoseconds on a CPU, nanoseconds in a run
+ * queue, and slices (Linux, Documentation/scheduler/sched-stats.rst).
+ *
+ * The thread that marks frames reads the others' files, kept open, and records counters: about a microsecond a thread and
+ * frame, and only where there is nothing better.
+ */
+#include "profiler/prof_internal.h"
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PROF_SCHEDSTAT_MAX 64
+
+/* What is known of one thread, and the names of its two counters. */
+typedef struct prof_schedstat {
+	int file; /* -1: not in use */
+	uint64_t ran_ns, waited_ns;
+	uint32_t names; /* index */
+} prof_schedstat;
+
+uint32_t prof_schedstat_count;
+
+/* The lock guards all of it. Sites stay for ever, for events refer to them; in .bss, near enough to the section. */
+static struct {
+	pthread_mutex_t lock;
+	prof_schedstat threads[PROF_SCHEDSTAT_MAX];
+	uint32_t used; /* of threads: those that were ever in use */
+	uint32_t name_count;
+	char names[PROF_SCHEDSTAT_MAX][2][PROF_NAME_MAX + 16];
+	stilb_prof_site sites[PROF_SCHEDSTAT_MAX][2];
+} prof_stats = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+/* The place of a thread's counters; made when there is none of that name. PROF_NONE: no room. */
+static uint32_t prof_schedstat_names(const char *name)
+{
+	char made[2][PROF_NAME_MAX + 16];
+	uint32_t at = 0;
+	snprintf(made[0], sizeof made[0], "%.*s: ran ms", PROF_NAME_MAX - 1, name);
+	snprintf(made[1], sizeof made[1], "%.*s: waited ms", PROF_NAME_MAX - 1, name);
+	while (at < prof_stats.name_count && strcmp(prof_stats.names[at][0], made[0]) != 0)
+		at++;
+	if (at == PROF_SCHEDSTAT_MAX)
+		return PROF_NONE;
+	if (at == prof_stats.name_count) {
+		for (int i = 0; i < 2; i++) {
+			memcpy(prof_stats.names[at][i], made[i], sizeof made[i]);
+			prof_stats.sites[at][i] = (stilb_prof_site){
+				.name = prof_stats.names[at][i], .function = "", .file = "", .kind = STILB_PROF_KIND_COUNTER};
+		}
+		stilb_prof_site_list(prof_stats.sites[at], 2);
+		prof_stats.name_count++;
+	}
+	return at;
+}
+
+static bool prof_schedstat_read(int file, uint64_t *ran_ns, uint64_t *waited_ns)
+{
+	char text[96], *end;
+	const ssize_t size = pread(file, text, sizeof text - 1, 0);
+	if (size <= 0)
+		return false; /* the thread has ended */
+	text[size] = 0;
+	*ran_ns = strtoull(text, &end, 10);
+	*waited_ns = strtoull(end, NULL, 10);
+	return true;
+}
+
+uint32_t prof_schedstat_open(const char *name)
+{
+	const int file = open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC);
+	prof_schedstat thread = {.file = file};
+	uint32_t slot = 0;
+	if (file < 0)
+		return 0;
+	pthread_mutex_lock(&prof_stats.lock);
+	while (slot < prof_stats.used && prof_stats.threads[slot].file >= 0)
+		slot++;
+	thread.names = slot < PROF_SCHEDSTAT_MAX ? prof_schedstat_names(name) : PROF_NONE;
+	const bool works = thread.names != PROF_NONE && prof_schedstat_read(file, &thread.ran_ns, &thread.waited_ns);
+	if (works) {
+		prof_stats.threads[slot] = thread;
+		prof_stats.used += slot == prof_stats.used;
+		__atomic_add_fetch(&prof_schedstat_count, 1, __ATOMIC_RELAXED); /* no data depends on it */
+	} else {
+		close(file);
+	}
+	pthread_mutex_unlock(&prof_stats.lock);
+	return works ? slot + 1 : 0;
+}
+
+void prof_schedstat_close(uint32_t handle)
+{
+	if (handle == 0)
+		return;
+	pthread_mutex_lock(&prof_stats.lock);
+	prof_schedstat *thread = &prof_stats.threads[handle - 1];
+	close(thread->file);
+	thread->file = -1;
+	__atomic_sub_fetch(&prof_schedstat_count, 1, __ATOMIC_RELAXED); /* no data depends on it */
+	pthread_mutex_unlock(&prof_stats.lock);
+}
+
+/* When a thread begins or ends at this moment, the next frame has this one's time too. */
+void prof_schedstat_sample(void)
+{
+	if (pthread_mutex_trylock(&prof_stats.lock) != 0)
+		return;
+	for (uint32_t i = 0; i < prof_stats.used; i++) {
+		prof_schedstat *thread = &prof_stats.threads[i];
+		uint64_t ran_ns, waited_ns;
+		if (thread->file < 0 || !prof_schedstat_read(thread->file, &ran_ns, &waited_ns))
+			continue;
+		stilb_prof_counter(&prof_stats.sites[thread->names][0], 1e-6 * (double)(ran_ns - thread->ran_ns));
+		stilb_prof_counter(&prof_stats.sites[thread->names][1], 1e-6 * (double)(waited_ns - thread->waited_ns));
+		thread->ran_ns = ran_ns;
+		thread->waited_ns = waited_ns;
+	}
+	pthread_mutex_unlock(&prof_stats.lock);
+}

@@ -1,0 +1,78 @@
+/* Sites: the linker's array of those of C code, the list of all others, and those that are made at run time. */
+#include "profiler/prof_internal.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PROF_SITES_MADE_MAX 1024
+
+/* For those that there is no room for. */
+static const stilb_prof_site prof_site_more STILB_PROF_SECTION_ =
+	STILB_PROF_SITE_INIT_("more names", "", 0, STILB_PROF_KIND_ZONE);
+
+/* The newest site of the list. Sites are added at its head and never taken away. */
+static stilb_prof_site *prof_sites;
+
+/* In .bss: near enough to the section for the distance in an event. */
+static struct {
+	pthread_mutex_t lock;
+	uint32_t count;
+	stilb_prof_site sites[PROF_SITES_MADE_MAX];
+} prof_made = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+const stilb_prof_site *stilb_prof_site_next(const stilb_prof_site *previous)
+{
+	if (previous == NULL)
+		return __start_stilb_prof_section;
+	/* A listed site's next is stored before the site is reached by the acquire load of the list's head. */
+	if (previous < __start_stilb_prof_section || previous >= __stop_stilb_prof_section)
+		return previous->next;
+	if (previous + 1 < __stop_stilb_prof_section)
+		return previous + 1;
+	return __atomic_load_n(&prof_sites, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_site_list */
+}
+
+bool stilb_prof_site_list(stilb_prof_site *sites, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		/* Relaxed: only decides who adds it, and no data depends on it. */
+		if (__atomic_exchange_n(&sites[i].listed, 1, __ATOMIC_RELAXED) != 0)
+			continue;
+		stilb_prof_site *head = __atomic_load_n(&prof_sites, __ATOMIC_RELAXED); /* checked by the exchange */
+		do
+			sites[i].next = head;
+		/* Release: pairs with stilb_prof_site_next. */
+		while (!__atomic_compare_exchange_n(&prof_sites, &head, &sites[i], true, __ATOMIC_RELEASE, __ATOMIC_RELAXED));
+	}
+	return true;
+}
+
+static const stilb_prof_site *prof_site_find(const char *name, uint32_t rgb)
+{
+	for (uint32_t i = 0; i < prof_made.count; i++)
+		if (prof_made.sites[i].color == rgb && strcmp(prof_made.sites[i].name, name) == 0)
+			return &prof_made.sites[i];
+	return NULL;
+}
+
+static const stilb_prof_site *prof_site_add(const char *name, uint32_t rgb)
+{
+	char *copy = prof_made.count < PROF_SITES_MADE_MAX ? strdup(name) : NULL;
+	if (copy == NULL)
+		return &prof_site_more;
+	stilb_prof_site *site = &prof_made.sites[prof_made.count++];
+	*site = (stilb_prof_site){.name = copy, .function = "", .file = "", .color = rgb, .kind = STILB_PROF_KIND_ZONE};
+	stilb_prof_site_list(site, 1);
+	return site;
+}
+
+const stilb_prof_site *stilb_prof_site_make(const char *name, uint32_t rgb)
+{
+	pthread_mutex_lock(&prof_made.lock);
+	const stilb_prof_site *site = prof_site_find(name, rgb);
+	if (site == NULL)
+		site = prof_site_add(name, rgb);
+	pthread_mutex_unlock(&prof_made.lock);
+	return site;
+}

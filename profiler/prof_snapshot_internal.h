@@ -1,0 +1,85 @@
+/* What prof_snapshot.c and prof_snapshot_zones.c share: a snapshot in the making. */
+#ifndef STILB_PROF_SNAPSHOT_INTERNAL_H
+#define STILB_PROF_SNAPSHOT_INTERNAL_H
+
+#include "profiler/prof_internal.h"
+
+/* A zone on its way from the order of ends to that of begins. */
+typedef struct prof_zone_node {
+	uint64_t begin, end; /* ns */
+	uint32_t label;
+	uint32_t parent; /* index of a node, or PROF_NONE */
+	uint32_t size;   /* zones in its subtree, itself included */
+	uint16_t level;
+	bool open;
+} prof_zone_node;
+
+/* One end of a flow. */
+typedef struct prof_flow_mark {
+	uint64_t id;
+	uint64_t ns;
+	uint32_t label;
+	uint32_t lane;
+	uint32_t zone; /* around it: the index of a node, then into the lane's zones; or PROF_NONE */
+	bool begin;
+	bool joined; /* a begin that has an end */
+} prof_flow_mark;
+
+typedef struct prof_snapshot_memory {
+	prof_memory memory; /* first */
+	prof_copy copy;
+	prof_timeline timeline;
+	uint64_t now_ns;    /* where open zones end */
+	uint64_t end_ticks; /* open zones that began then or later are not in the window */
+
+	stilb_prof_label *labels; /* kept from one snapshot to the next */
+	size_t label_count, label_capacity;
+	struct prof_site_slot {
+		const stilb_prof_site *site; /* NULL: empty */
+		uint32_t label;
+	} * sites; /* an open hash table of twice as many slots as labels have room, a power of two */
+	size_t site_capacity;
+
+	stilb_prof_frame *frames;
+	stilb_prof_lane *lanes;
+	stilb_prof_zone *zones; /* of all lanes */
+	stilb_prof_switch *switches;
+	uint64_t *off_before; /* for each of the switches: how long the thread was off in those before it */
+	stilb_prof_point *points;
+	prof_flow_mark *marks;
+	stilb_prof_flow *flows;
+	size_t frame_capacity, lane_capacity, zone_capacity, switch_capacity, off_capacity, point_capacity, mark_capacity,
+		flow_capacity;
+	size_t zone_count, switch_count, point_count, mark_count, flow_count;
+
+	/* scratch */
+	prof_zone_node *nodes; /* of one lane */
+	uint32_t *flow_slots;  /* an open hash table of the marks that begin flows */
+	char *merged;
+	size_t *runs; /* where the ascending runs of points, or of flows, begin */
+	size_t node_capacity, slot_capacity, merged_capacity, run_capacity;
+	uint32_t frame_count;
+} prof_snapshot_memory;
+
+/* The label of a site, or PROF_NONE: no memory. */
+uint32_t prof_snapshot_label(prof_snapshot_memory *m, const stilb_prof_site *site);
+
+/* The frame in which a flow was begun: an index into frames, or STILB_PROF_NONE: not in the window. */
+uint32_t prof_snapshot_flow_frame(const prof_snapshot_memory *m, uint64_t id);
+
+/* Nanoseconds since the profiler's first call. */
+static inline uint64_t prof_snapshot_ns(prof_snapshot_memory *m, const prof_lane_copy *lane, uint64_t time)
+{
+	if (!lane->device)
+		return prof_timeline_ns(&m->timeline, time);
+	return time > m->timeline.epoch_ns ? time - m->timeline.epoch_ns : 0;
+}
+
+/* Makes the zones of a lane at the end of m->zones, where there is room for them, and adds its points and marks,
+ * each lane's ascending. False: no memory. */
+bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index);
+
+/* How long the thread did not run in each of them, from the lane's switches and m->off_before. */
+void prof_snapshot_off_cpu(prof_snapshot_memory *m, uint32_t index);
+
+#endif

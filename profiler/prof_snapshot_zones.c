@@ -1,0 +1,289 @@
+/*
+ * The zones of a lane from its events.
+ *
+ * Events stand in the order in which zones end: children before parents. Times alone cannot tell a child from an
+ * earlier sibling when both begin in the same tick, so the tree is rebuilt from that order and the depths: walked
+ * backwards, a zone's parent is the last one met that is less deep and began no later. A subtree fills the same
+ * places in both orders, its root last in one and first in the other, and in the latter each ancestor stands before
+ * it instead of behind; so a zone's place among parents-first is (its place among ends) - (size - 1) + level.
+ *
+ * Times become whole nanoseconds by one monotone map and are then held between the sibling before and the parent's
+ * end, so no zone sticks out of its parent whatever the clock did.
+ */
+#include "profiler/prof_array.h"
+#include "profiler/prof_snapshot_internal.h"
+
+#include <string.h>
+
+static uint64_t prof_clamp(uint64_t value, uint64_t low, uint64_t high)
+{
+	return value < low ? low : value > high ? high : value;
+}
+
+/* ---- ends to begins ---------------------------------------------------------------------------------------------- */
+
+/* A zone that ended later than what is looked at: a possible parent. */
+typedef struct zones_outer {
+	uint64_t begin; /* ticks */
+	uint32_t depth;
+	uint32_t node;
+} zones_outer;
+
+typedef struct zones_walk {
+	prof_snapshot_memory *m;
+	const prof_lane_copy *lane;
+	uint32_t index; /* of the lane */
+	uint32_t first; /* nodes are filled from the end: those from here on are there */
+	uint32_t outer_count;
+	zones_outer outer[STILB_PROF_DEPTH_MAX]; /* their depths ascend */
+	bool failed;                             /* no memory */
+} zones_walk;
+
+/* Leaves only those that a zone or flow of that depth and time lies in; the innermost, or PROF_NONE. */
+static uint32_t zones_walk_into(zones_walk *walk, uint32_t depth, uint64_t time)
+{
+	const zones_outer *outer = walk->outer;
+	while (walk->outer_count > 0 &&
+	       (outer[walk->outer_count - 1].depth >= depth || outer[walk->outer_count - 1].begin > time))
+		walk->outer_count--;
+	return walk->outer_count > 0 ? outer[walk->outer_count - 1].node : PROF_NONE;
+}
+
+static void zones_walk_zone(zones_walk *walk, const prof_record *record, bool open)
+{
+	const uint32_t parent = zones_walk_into(walk, record->depth, record->begin);
+	const uint32_t label = prof_snapshot_label(walk->m, record->site);
+	prof_zone_node *node = &walk->m->nodes[--walk->first];
+	walk->failed |= label == PROF_NONE;
+	*node = (prof_zone_node){
+		.end = open ? walk->m->now_ns : prof_snapshot_ns(walk->m, walk->lane, record->end),
+		.begin = prof_snapshot_ns(walk->m, walk->lane, record->begin),
+		.label = label,
+		.parent = parent,
+		.size = 1,
+		.level = (uint16_t)walk->outer_count,
+		.open = open,
+	};
+	walk->outer[walk->outer_count++] = (zones_outer){record->begin, record->depth, walk->first};
+}
+
+static void zones_walk_point(zones_walk *walk, const prof_record *record)
+{
+	prof_snapshot_memory *m = walk->m;
+	stilb_prof_point *points = prof_array_room(m->points, sizeof *points, m->point_count + 1, &m->point_capacity);
+	const uint32_t label = prof_snapshot_label(m, record->site);
+	if (points == NULL || label == PROF_NONE) {
+		walk->failed = true;
+		return;
+	}
+	m->points = points;
+	points[m->point_count++] = (stilb_prof_point){
+		.ns = prof_snapshot_ns(m, walk->lane, record->begin),
+		.value = record->value,
+		.label = label,
+		.lane = walk->index,
+		.counter = record->site->kind == STILB_PROF_KIND_COUNTER,
+	};
+}
+
+static void zones_walk_flow(zones_walk *walk, const prof_record *record)
+{
+	prof_snapshot_memory *m = walk->m;
+	prof_flow_mark *marks = prof_array_room(m->marks, sizeof *marks, m->mark_count + 1, &m->mark_capacity);
+	const uint32_t label = prof_snapshot_label(m, record->site);
+	if (marks == NULL || label == PROF_NONE) {
+		walk->failed = true;
+		return;
+	}
+	m->marks = marks;
+	marks[m->mark_count++] = (prof_flow_mark){
+		.id = record->flow,
+		.ns = prof_snapshot_ns(m, walk->lane, record->begin),
+		.label = label,
+		.lane = walk->index,
+		.zone = zones_walk_into(walk, record->depth, record->begin),
+		.begin = record->site->kind == STILB_PROF_KIND_FLOW_BEGIN,
+	};
+}
+
+/* From the zone that ends last, the outermost of the open ones, to the first event. */
+static void zones_walk_back(zones_walk *walk)
+{
+	const prof_lane_copy *lane = walk->lane;
+	for (uint32_t i = 0; i < lane->open_count && lane->open[i].begin < walk->m->end_ticks; i++) {
+		const prof_record record = {
+			.site = lane->open[i].site, .begin = lane->open[i].begin, .end = lane->now, .depth = i};
+		zones_walk_zone(walk, &record, true);
+	}
+	for (size_t i = lane->event_count; i-- > 0 && !walk->failed;) {
+		prof_give_way(i);
+		const prof_record record = prof_event_unpack(&lane->events[i], lane->limit);
+		if (prof_kind_is_zone(record.site->kind))
+			zones_walk_zone(walk, &record, false);
+		else if (record.site->kind == STILB_PROF_KIND_COUNTER || record.site->kind == STILB_PROF_KIND_INSTANT)
+			zones_walk_point(walk, &record);
+		else
+			zones_walk_flow(walk, &record);
+	}
+}
+
+/* The place of a node among parents-first. */
+static uint32_t zones_place(const prof_zone_node *nodes, uint32_t first, uint32_t node)
+{
+	return node - first - (nodes[node].size - 1) + nodes[node].level;
+}
+
+static void zones_order(const zones_walk *walk, uint32_t end, stilb_prof_zone *zones)
+{
+	prof_zone_node *nodes = walk->m->nodes;
+	for (uint32_t i = walk->first; i < end; i++) {
+		prof_give_way(i);
+		if (nodes[i].parent != PROF_NONE)
+			nodes[nodes[i].parent].size += nodes[i].size;
+	}
+	for (uint32_t i = walk->first; i < end; i++) {
+		prof_give_way(i);
+		const prof_zone_node *node = &nodes[i];
+		zones[zones_place(nodes, walk->first, i)] = (stilb_prof_zone){
+			.begin_ns = node->begin,
+			.end_ns = node->end,
+			.label = node->label,
+			.parent = node->parent == PROF_NONE ? STILB_PROF_NONE : zones_place(nodes, walk->first, node->parent),
+			.size = node->size,
+			.level = node->level,
+			.open = node->open,
+		};
+	}
+}
+
+/* ---- times, frames ----------------------------------------------------------------------------------------------- */
+
+/* Between the sibling before and the parent's end; what is left of the parent's own time; the frame in which it
+ * began. */
+static void zones_settle(const prof_snapshot_memory *m, stilb_prof_zone *zones, uint32_t count)
+{
+	uint64_t cursor[STILB_PROF_DEPTH_MAX + 1] = {0}; /* by level: where the next zone may begin */
+	uint32_t frame = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		prof_give_way(i);
+		stilb_prof_zone *zone = &zones[i], *parent = zone->level > 0 ? &zones[zone->parent] : NULL;
+		const uint64_t high = parent != NULL ? parent->end_ns : UINT64_MAX;
+		zone->begin_ns = prof_clamp(zone->begin_ns, cursor[zone->level], high);
+		zone->end_ns = prof_clamp(zone->end_ns, zone->begin_ns, high);
+		cursor[zone->level] = zone->end_ns;
+		cursor[zone->level + 1] = zone->begin_ns;
+		zone->self_ns = zone->end_ns - zone->begin_ns;
+		if (parent != NULL)
+			parent->self_ns -= zone->self_ns;
+		while (frame < m->frame_count && m->frames[frame].end_ns <= zone->begin_ns)
+			frame++;
+		const bool inside = frame < m->frame_count && zone->begin_ns >= m->frames[frame].begin_ns;
+		zone->frame = inside ? frame : STILB_PROF_NONE;
+	}
+}
+
+/* ---- flows ------------------------------------------------------------------------------------------------------- */
+
+/* The zone that a flow ends in is its job: all of it is charged to the frame that submitted it. Marks ascend, so
+ * jobs inside jobs come after them. A mark lies inside its zone, also for viewers that take an end as outside. */
+static void zones_charge(const prof_snapshot_memory *m, stilb_prof_zone *zones, prof_flow_mark *mark)
+{
+	if (mark->zone == PROF_NONE)
+		return;
+	stilb_prof_zone *zone = &zones[mark->zone];
+	mark->ns = prof_clamp(mark->ns, zone->begin_ns, zone->end_ns - (zone->end_ns > zone->begin_ns));
+	if (mark->begin)
+		return;
+	const uint32_t frame = prof_snapshot_flow_frame(m, mark->id);
+	for (uint32_t i = 0; i < zone->size; i++)
+		zone[i].frame = frame;
+}
+
+static void zones_charge_all(const prof_snapshot_memory *m, const prof_zone_node *nodes, uint32_t first,
+                             stilb_prof_zone *zones, size_t first_mark)
+{
+	for (size_t i = first_mark; i < m->mark_count; i++) {
+		prof_flow_mark *mark = &m->marks[i];
+		if (mark->zone != PROF_NONE)
+			mark->zone = zones_place(nodes, first, mark->zone);
+		zones_charge(m, zones, mark);
+		if (i > first_mark && mark->ns < mark[-1].ns)
+			mark->ns = mark[-1].ns; /* what moved into its zone may have passed the next */
+	}
+}
+
+#define ZONES_SWAP_MAX 64
+static_assert(sizeof(stilb_prof_point) <= ZONES_SWAP_MAX && sizeof(prof_flow_mark) <= ZONES_SWAP_MAX,
+              "they are swapped");
+
+/* Points and marks were met backwards. */
+static void zones_reverse(void *items, size_t size, size_t count)
+{
+	char swap[ZONES_SWAP_MAX];
+	for (char *low = items, *high = low + size * count; count > 1 && low < (high -= size); low += size) {
+		memcpy(swap, low, size);
+		memcpy(low, high, size);
+		memcpy(high, swap, size);
+	}
+}
+
+bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index)
+{
+	const prof_lane_copy *copy = &m->copy.lanes[index];
+	stilb_prof_lane *lane = &m->lanes[index];
+	const size_t first_point = m->point_count, first_mark = m->mark_count;
+	const uint32_t end = (uint32_t)(copy->event_count + copy->open_count);
+	zones_walk walk = {.m = m, .lane = copy, .index = index, .first = end};
+	zones_walk_back(&walk);
+	if (walk.failed)
+		return false;
+	stilb_prof_zone *zones = m->zones + m->zone_count;
+	lane->zone_count = end - walk.first;
+	m->zone_count += lane->zone_count;
+	if (m->point_count > first_point)
+		zones_reverse(m->points + first_point, sizeof *m->points, m->point_count - first_point);
+	if (m->mark_count > first_mark)
+		zones_reverse(m->marks + first_mark, sizeof *m->marks, m->mark_count - first_mark);
+	zones_order(&walk, end, zones);
+	zones_settle(m, zones, lane->zone_count);
+	zones_charge_all(m, m->nodes, walk.first, zones, first_mark);
+	return true;
+}
+
+/* ---- time off the CPU -------------------------------------------------------------------------------------------- */
+
+/* How long the thread was off the CPU before ns; at is an index into its switches that is not behind ns. */
+static uint64_t zones_off_before(const stilb_prof_switch *switches, const uint64_t *off_before, uint32_t count,
+                                 uint32_t at, uint64_t ns)
+{
+	uint32_t low = at, high = count; /* the first that comes back after ns */
+	while (low < high) {
+		const uint32_t middle = low + (high - low) / 2;
+		if (switches[middle].in_ns > ns)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	if (low == count)
+		return count > 0 ? off_before[count - 1] + (switches[count - 1].in_ns - switches[count - 1].out_ns) : 0;
+	return off_before[low] + (ns > switches[low].out_ns ? ns - switches[low].out_ns : 0);
+}
+
+void prof_snapshot_off_cpu(prof_snapshot_memory *m, uint32_t index)
+{
+	const stilb_prof_lane *lane = &m->lanes[index];
+	const stilb_prof_switch *switches = lane->switches;
+	const uint64_t *off_before = m->off_before;
+	stilb_prof_zone *zones = m->zones + (lane->zones - m->zones); /* the lane's, to be written */
+	uint32_t next = 0; /* the first that comes back after the zone begins: zones' begins ascend */
+	for (uint32_t i = 0; i < lane->zone_count; i++) {
+		stilb_prof_zone *zone = &zones[i];
+		prof_give_way(i);
+		while (next < lane->switch_count && switches[next].in_ns <= zone->begin_ns)
+			next++;
+		if (next == lane->switch_count || switches[next].out_ns >= zone->end_ns)
+			continue; /* it ran all the time */
+		zone->off_cpu_ns = zones_off_before(switches, off_before, lane->switch_count, next, zone->end_ns) -
+		                   zones_off_before(switches, off_before, lane->switch_count, next, zone->begin_ns);
+	}
+}

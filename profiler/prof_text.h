@@ -1,0 +1,56 @@
+/* Text on its way out, in blocks; numbers are made by hand, so the locale cannot change them. */
+#ifndef STILB_PROF_TEXT_H
+#define STILB_PROF_TEXT_H
+
+#include "profiler/prof_trace.h"
+
+#define PROF_TEXT_SIZE (256u << 10) /* stays in the second cache, few system calls */
+
+typedef struct prof_text {
+	stilb_prof_sink sink;
+	int error; /* what sink.write returned first; then nothing more is written */
+	uint32_t used;
+	char bytes[PROF_TEXT_SIZE];
+} prof_text;
+
+/* NULL: no memory. */
+prof_text *prof_text_create(stilb_prof_sink sink);
+int prof_text_flush(prof_text *text);
+/* Flushes and frees; error, the caller's own, comes first. NULL counts as -ENOMEM. */
+int prof_text_finish(prof_text *text, int error);
+
+void prof_text_bytes(prof_text *text, const void *bytes, size_t size);
+void prof_text_add(prof_text *text, const char *string);
+void prof_text_escaped(prof_text *text,
+                       const char *string); /* as in a JSON string; bytes that are not UTF-8 become U+FFFD */
+void prof_text_json(prof_text *text, const char *string); /* the same in quotes */
+void prof_text_u64(prof_text *text, uint64_t value);
+void prof_text_double(prof_text *text, double value); /* finite; the fewest digits that read back the same */
+void prof_text_ms(prof_text *text, uint64_t ns);      /* milliseconds with six decimals */
+
+/* At least size contiguous bytes, at most PROF_TEXT_SIZE, to be filled up to the end that prof_text_fill is told. */
+static inline char *prof_text_room(prof_text *text, uint32_t size)
+{
+	if (__builtin_expect(PROF_TEXT_SIZE - text->used < size, 0))
+		prof_text_flush(text);
+	return text->bytes + text->used;
+}
+
+static inline void prof_text_fill(prof_text *text, const char *end)
+{
+	text->used = (uint32_t)(end - text->bytes);
+}
+
+/* ---- into memory: each returns the end of what it wrote ---------------------------------------------------------- */
+
+#define PROF_PUT_U64_MAX 20
+#define PROF_PUT_US_MAX (PROF_PUT_U64_MAX + 5)
+
+char *prof_put_u64(char *at, uint64_t value);
+/* Microseconds from tenths of nanoseconds: three decimals, and the tenth when it is not 0. */
+char *prof_put_us(char *at, uint64_t tenths);
+/* A JSON string; at has room for PROF_PUT_JSON_MAX(its length). */
+#define PROF_PUT_JSON_MAX(length) (6 * (length) + 2)
+char *prof_put_json(char *at, const char *string);
+
+#endif

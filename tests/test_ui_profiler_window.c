@@ -1,0 +1,505 @@
+/* ui: the profiler's window with a mouse, keys and frames that pass, on snapshots made by hand and without a renderer. */
+#include "test_ui_profiler_made.h"
+#include "ui/ui_internal.h"
+#include "ui/ui_profiler_internal.h"
+
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#define FRAMES 300u
+
+/* ---- allocations are counted ------------------------------------------------------------------------------------- */
+
+static uint32_t allocations;
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+
+void *__wrap_malloc(size_t size)
+{
+	allocations++;
+	return __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+	allocations++;
+	return __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+	allocations++;
+	return __real_realloc(memory, size);
+}
+
+/* ---- a program that is looked at --------------------------------------------------------------------------------- */
+
+/* Frames of 10 ms, frame 60 of 30 ms; each has record and, in it, a wait for the worker. */
+static made *recorded;
+static uint64_t latest;         /* the last whole frame so far */
+static uint64_t oldest;         /* still in the rings */
+static bool out_of_memory;      /* what take says */
+static stilb_prof_window asked; /* of the last take */
+static uint32_t takes;
+
+static void record_frames(void)
+{
+	double at = 0.0;
+	recorded = made_new();
+	for (uint32_t i = 0; i < FRAMES; i++) {
+		const double length = i == 60 ? 30000.0 : 10000.0;
+		made_frame(recorded, i, at, at + length);
+		at += length;
+	}
+	made_lane(recorded, "main", STILB_PROF_LANE_THREAD);
+	for (uint32_t i = 0; i < FRAMES; i++) {
+		const double begin = (double)recorded->frames[i].begin_ns * 1e-3,
+					 end = (double)recorded->frames[i].end_ns * 1e-3;
+		made_zone(recorded, 0, "frame", begin, end);
+		made_zone(recorded, 1, "cull", begin, begin + 2000.0);
+		made_zone(recorded, 1, "record", begin + 2000.0, end);
+		made_zone(recorded, 2, "wait for workers", end - 3000.0, end);
+	}
+	made_lane(recorded, "worker 1", STILB_PROF_LANE_THREAD);
+	for (uint32_t i = 0; i < FRAMES; i++)
+		made_zone(recorded, 0, "job", (double)recorded->frames[i].end_ns * 1e-3 - 4000.0,
+		          (double)recorded->frames[i].end_ns * 1e-3);
+	recorded->snapshot.end_ns = made_ns(at);
+}
+
+static int take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
+{
+	assert_ptr_equal(user, &recorded);
+	uint64_t first = window->first_frame, end = first + window->frame_count;
+	takes++;
+	asked = *window;
+	*snapshot = recorded->snapshot;
+	if (out_of_memory) {
+		*snapshot = (stilb_prof_snapshot){0};
+		return -ENOMEM;
+	}
+	if (window->last_frames > 0) {
+		end = latest + 1;
+		first = end > window->last_frames ? end - window->last_frames : 0;
+	}
+	end = end < latest + 1 ? end : latest + 1;
+	first = first > oldest ? first : oldest;
+	snapshot->frames = recorded->frames + first;
+	snapshot->frame_count = end > first ? (uint32_t)(end - first) : 0;
+	return 0;
+}
+
+static void frames(void *user, stilb_prof_frame_stats *stats, double budget_ms)
+{
+	assert_ptr_equal(user, &recorded);
+	*stats = (stilb_prof_frame_stats){.last = latest, .p50_ms = 10.0, .p99_ms = 10.0, .mean_ms = 10.0};
+	stats->count = latest + 1 < STILB_PROF_STATS_FRAMES ? (uint32_t)latest + 1 : STILB_PROF_STATS_FRAMES;
+	stats->limit_ms = budget_ms > 20.0 ? budget_ms : 20.0;
+	for (uint32_t i = 0; i < stats->count; i++) {
+		const stilb_prof_frame *frame = &recorded->frames[latest + 1 - stats->count + i];
+		stats->ms[i] = (double)(frame->end_ns - frame->begin_ns) * 1e-6;
+		stats->max_ms = stats->ms[i] > stats->max_ms ? stats->ms[i] : stats->max_ms;
+	}
+	stats->spike = stats->ms[stats->count - 1] > stats->limit_ms;
+}
+
+/* ---- a user who looks -------------------------------------------------------------------------------------------- */
+
+static stilb_ui *ui;
+static stilb_ui_profiler *profiler;
+static stilb_ui_input input;
+
+static int set_up(void **state)
+{
+	(void)state;
+	const stilb_ui_desc desc = stilb_ui_desc_default();
+	const stilb_ui_profiler_desc profiler_desc = {.take = take, .frames = frames, .user = &recorded};
+	record_frames();
+	latest = 99;
+	oldest = 0;
+	out_of_memory = false;
+	input = (stilb_ui_input){.width = 1280.0f, .height = 720.0f, .seconds = 1.0f};
+	return stilb_ui_create(&desc, &ui) == STILB_OK && stilb_ui_profiler_create(&profiler_desc, &profiler) == STILB_OK
+	           ? 0
+	           : -1;
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	stilb_ui_profiler_destroy(profiler);
+	stilb_ui_destroy(ui);
+	free(recorded);
+	return 0;
+}
+
+static void draw(void)
+{
+	stilb_ui_begin(ui, &input);
+	stilb_ui_profiler_draw(profiler, ui);
+	stilb_ui_end(ui);
+	input.mouse_presses = 0;
+	input.wheel = 0.0f;
+	memset(input.keys, 0, sizeof input.keys);
+}
+
+static void point_at(float x, float y)
+{
+	input.mouse_present = true;
+	input.mouse_x = x;
+	input.mouse_y = y;
+	draw(); /* who is under the mouse is known from the frame before */
+	draw();
+}
+
+static void press(void)
+{
+	input.mouse_down = true;
+	input.mouse_presses = 1;
+	draw();
+	input.mouse_down = false;
+	draw();
+}
+
+static void key(stilb_ui_key which)
+{
+	input.keys[which] = 1;
+	draw();
+}
+
+/* The first entry of the tooltip, which is cut apart when it is drawn. */
+static bool tip_is(const char *text)
+{
+	return strcmp(ui->tooltip, text) == 0;
+}
+
+/* Moves the mouse up at x until there is a tooltip that begins so, then from the left until it is that one. */
+static void find(float x, const char *any, const char *tip)
+{
+	float y = input.height;
+	do {
+		y -= 7.0f;
+		assert_true(y > 0.0f);
+		point_at(x, y);
+	} while (strncmp(ui->tooltip, any, strlen(any)) != 0);
+	for (x = 2.0f; !tip_is(tip); x += 3.0f) {
+		assert_true(x < input.width);
+		point_at(x, y);
+	}
+}
+
+static void show_frames(uint64_t count)
+{
+	for (uint64_t i = 0; i < count; i++) {
+		latest++;
+		draw();
+	}
+}
+
+/* ---- which frame ------------------------------------------------------------------------------------------------- */
+
+static void test_slowest(void **state)
+{
+	(void)state;
+	draw();
+	assert_int_equal(profiler->number, 60);
+	assert_int_equal(asked.first_frame, 59);
+	assert_int_equal(asked.frame_count, 3);
+	assert_string_equal(profiler->data.report.verdict, "CPU-limited: record decides, 28.00 ms of 30.00 ms.");
+	assert_string_equal(profiler->data.report.wait_text,
+	                    "In record, main waited 3.00 ms for worker 1, which was in job.");
+	show_frames(60); /* 60 is the oldest now */
+	assert_int_equal(profiler->number, 60);
+	show_frames(1);
+	assert_int_equal(profiler->number, 160); /* of equal ones the latest */
+}
+
+/* What stands still is not taken again and again; only what the device adds is waited for. */
+static void test_takes(void **state)
+{
+	(void)state;
+	latest = 60;
+	draw();
+	takes = 0;
+	show_frames(30);
+	assert_int_equal(profiler->number, 60);
+	assert_in_range(takes, 3, 5);
+	takes = 0;
+	for (int i = 0; i < 10; i++)
+		draw();
+	assert_int_equal(takes, 0);
+}
+
+static void test_latest(void **state)
+{
+	(void)state;
+	profiler->mode = UI_PROFILER_LATEST;
+	draw();
+	assert_int_equal(profiler->number, 99);
+	show_frames(5);
+	assert_int_equal(profiler->number, 104);
+	stilb_ui_profiler_freeze(profiler, true);
+	show_frames(5);
+	assert_int_equal(profiler->number, 104);
+	assert_int_equal(profiler->history.last, 104);
+}
+
+static void test_click_on_bar(void **state)
+{
+	(void)state;
+	draw();
+	find(500.0f, "frame ", "frame 77");
+	press();
+	draw();
+	assert_true(stilb_ui_profiler_frozen(profiler));
+	assert_int_equal(profiler->number, 77);
+	show_frames(40); /* pass unseen, and the rings lose them */
+	assert_int_equal(profiler->history.last, 99);
+	assert_int_equal(asked.first_frame, 0);
+	assert_int_equal(asked.frame_count, 100);
+	oldest = latest;
+	for (uint64_t number = 76; number > 70; number--) {
+		stilb_ui_profiler_show(profiler, number);
+		draw();
+		assert_int_equal(profiler->number, number);
+	}
+	oldest = 0;
+	stilb_ui_profiler_freeze(profiler, false);
+	draw();
+	assert_int_equal(profiler->number, 60);
+	assert_int_equal(profiler->history.last, latest);
+}
+
+/* A trace that is looked at: a frame is chosen before anything was drawn, and the window has the picture to itself. */
+static void test_show(void **state)
+{
+	(void)state;
+	profiler->desc.whole = true;
+	stilb_ui_profiler_show(profiler, 30);
+	draw();
+	assert_int_equal(profiler->number, 30);
+	assert_true(stilb_ui_profiler_frozen(profiler));
+	point_at(640.0f, 30.0f);
+	assert_true(stilb_ui_wants_mouse(ui));
+	latest = 299;
+	stilb_ui_profiler_freeze(profiler, false);
+	draw();
+	stilb_ui_profiler_show(profiler, 40); /* older than the history */
+	for (int i = 0; i < 10; i++)
+		draw();
+	assert_non_null(profiler->snapshot);
+	assert_int_equal(profiler->number, 40);
+}
+
+static void test_keys(void **state)
+{
+	(void)state;
+	draw();
+	for (int i = 0; i < 40 && profiler->number == 60;
+	     i++) { /* Tab from widget to widget until the history has the keys */
+		key(STILB_UI_KEY_TAB);
+		key(STILB_UI_KEY_RIGHT);
+		draw();
+	}
+	assert_int_equal(profiler->number, 61);
+	key(STILB_UI_KEY_LEFT);
+	key(STILB_UI_KEY_LEFT);
+	draw();
+	assert_int_equal(profiler->number, 59);
+	assert_true(stilb_ui_profiler_frozen(profiler));
+	key(STILB_UI_KEY_SPACE);
+	assert_false(stilb_ui_profiler_frozen(profiler));
+}
+
+static void test_freeze_on_spike(void **state)
+{
+	(void)state;
+	latest = 50;
+	profiler->freeze_on_spike = true;
+	show_frames(9);
+	assert_false(stilb_ui_profiler_frozen(profiler));
+	show_frames(1);
+	assert_true(stilb_ui_profiler_frozen(profiler));
+	stilb_ui_profiler_freeze(profiler, false); /* the same spike does not freeze twice */
+	draw();
+	assert_false(stilb_ui_profiler_frozen(profiler));
+	latest = 59;
+	draw();
+	show_frames(1);
+	show_frames(20);
+	assert_true(stilb_ui_profiler_frozen(profiler));
+	assert_int_equal(profiler->number, 60);
+	assert_int_equal(profiler->history.last, 60);
+}
+
+/* ---- the lanes --------------------------------------------------------------------------------------------------- */
+
+static double time_at(float x, float x0, float x1)
+{
+	return profiler->view_begin_ns + (double)(x - x0) / (double)(x1 - x0) * profiler->view_ns;
+}
+
+static void test_zoom_and_pan(void **state)
+{
+	(void)state;
+	draw();
+	find(700.0f, "record", "record");
+	const ui_item *lanes = &ui->before.items[0];
+	for (uint32_t i = 0; i < ui->before.count; i++)
+		if (ui->before.items[i].id == ui->hot)
+			lanes = &ui->before.items[i];
+	const float x0 = lanes->rect.x0, x1 = lanes->rect.x1;
+	const double span = profiler->view_ns, at = time_at(input.mouse_x, x0, x1);
+	input.wheel = 2.0f;
+	draw();
+	assert_true(fabs(profiler->view_ns - span / 1.5625) < 1.0);
+	assert_true(fabs(time_at(input.mouse_x, x0, x1) - at) < 10.0);
+	input.mouse_down = true;
+	input.mouse_presses = 1;
+	draw();
+	input.mouse_x += 50.0f;
+	draw();
+	assert_true(fabs(time_at(input.mouse_x, x0, x1) - at) < 10.0);
+	input.mouse_down = false;
+	for (int i = 0; i < 200; i++) { /* there is an end to it, both ways */
+		input.wheel = 100.0f;
+		draw();
+	}
+	assert_true(profiler->view_ns >= 100.0);
+	for (int i = 0; i < 200; i++) {
+		input.wheel = -100.0f;
+		draw();
+	}
+	assert_true(profiler->view_ns <= 60e9);
+}
+
+static void double_click(void)
+{
+	input.seconds = 0.05f;
+	press();
+	press();
+}
+
+static void test_double_click(void **state)
+{
+	(void)state;
+	draw();
+	find(700.0f, "record", "cull");
+	double_click();
+	assert_true(fabs(profiler->view_ns - 1.04 * 2e6) < 1.0);
+	input.seconds = 1.0f;
+	while (!tip_is("")) /* down to where there is no zone */
+		point_at(input.mouse_x, input.mouse_y + 3.0f);
+	double_click();
+	assert_true(fabs(profiler->view_ns - 1.04 * 30e6) < 1.0);
+}
+
+/* Zones too narrow to be told apart say how many they are. */
+static void test_merged_tooltip(void **state)
+{
+	(void)state;
+	draw();
+	profiler->view_begin_ns = -1e9;
+	profiler->view_ns = 6e9;
+	for (float y = input.height; !strstr(ui->tooltip, " zones, too narrow"); y -= 5.0f) {
+		assert_true(y > 0.0f);
+		point_at(400.0f, y);
+	}
+}
+
+/* ---- what must not go wrong -------------------------------------------------------------------------------------- */
+
+static void test_no_allocation(void **state)
+{
+	(void)state;
+	for (int mode = UI_PROFILER_SLOWEST; mode <= UI_PROFILER_LATEST; mode++) {
+		profiler->mode = (ui_profiler_mode)mode;
+		point_at(700.0f, 600.0f);
+		show_frames(10);
+		allocations = 0;
+		show_frames(50);
+		assert_int_equal(allocations, 0);
+	}
+}
+
+static void test_overwritten(void **state)
+{
+	(void)state;
+	oldest = 80;
+	draw();
+	assert_null(profiler->snapshot);
+	assert_true(ui->list.index_count > 0);
+	profiler->mode = UI_PROFILER_LATEST;
+	draw();
+	assert_int_equal(profiler->number, 99);
+}
+
+static void test_out_of_memory(void **state)
+{
+	(void)state;
+	out_of_memory = true;
+	draw();
+	assert_null(profiler->snapshot);
+	out_of_memory = false;
+	draw();
+	assert_non_null(profiler->snapshot);
+	assert_int_equal(profiler->number, 60);
+}
+
+/* Nothing recorded, no frame whole, and windows of any size. */
+static void test_little_room(void **state)
+{
+	(void)state;
+	static const float SIZES[][2] = {{1, 1}, {50, 40}, {200, 1000}, {3000, 100}, {640, 360}};
+	for (size_t i = 0; i < sizeof SIZES / sizeof *SIZES; i++) {
+		input.width = SIZES[i][0];
+		input.height = SIZES[i][1];
+		point_at(input.width * 0.5f, input.height * 0.5f);
+		double_click();
+		profiler->desc.whole = !profiler->desc.whole;
+		draw();
+		for (uint32_t v = 0; v < ui->list.vertex_count; v++) {
+			assert_true(isfinite(ui->list.vertices[v].position[0]));
+			assert_true(isfinite(ui->list.vertices[v].position[1]));
+		}
+	}
+	recorded->snapshot.lane_count = 0;
+	input.width = 1280.0f;
+	input.height = 720.0f;
+	show_frames(10);
+	profiler->mode = UI_PROFILER_LATEST;
+	show_frames(2);
+	assert_string_equal(profiler->data.report.verdict, "Nothing was recorded in this frame.");
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(test_slowest, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_takes, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_latest, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_click_on_bar, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_show, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_freeze_on_spike, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_zoom_and_pan, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_double_click, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_merged_tooltip, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_no_allocation, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_overwritten, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_out_of_memory, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_little_room, set_up, tear_down),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
