@@ -401,6 +401,31 @@ static void test_display(void **state)
 	assert_verdict(m, UI_PROFILER_LIMIT_DISPLAY, "Held back by the display: present waits 12.00 ms of 16.00 ms.");
 }
 
+/* Waits hidden in presenting: for the display, or for a GPU that is busy. */
+static void test_queue_present(void **state)
+{
+	(void)state;
+	for (int busy = 0; busy < 2; busy++) {
+		made *m = made_new();
+		made_frame(m, 7, 0, 16000);
+		made_lane(m, "main", STILB_PROF_LANE_THREAD);
+		made_zone(m, 0, "frame", 0, 16000);
+		made_zone(m, 1, "record", 0, 4000);
+		made_zone(m, 1, "present", 4000, 16000);
+		made_zone(m, 2, "queue present", 4100, 15900);
+		made_lane(m, "GPU", STILB_PROF_LANE_DEVICE);
+		made_zone(m, 0, "scene", 0, busy ? 15800 : 3000);
+		ui_profiler_data data = {0};
+		assert_true(ui_profiler_data_build(&data, &m->snapshot, 0));
+		assert_int_equal(data.report.limit, busy ? UI_PROFILER_LIMIT_GPU : UI_PROFILER_LIMIT_DISPLAY);
+		assert_string_equal(data.report.wait_text,
+		                    busy ? "In present, main waited 11.80 ms for the GPU, which was busy with scene."
+		                         : "In present, main waited 11.80 ms for the display.");
+		ui_profiler_data_finish(&data);
+		free(m);
+	}
+}
+
 static void test_lost_cpu(void **state)
 {
 	(void)state;
@@ -555,6 +580,7 @@ int main(void)
 		cmocka_unit_test(test_gpu_that_waits),
 		cmocka_unit_test(test_gpu_with_time_to_spare),
 		cmocka_unit_test(test_display),
+		cmocka_unit_test(test_queue_present),
 		cmocka_unit_test(test_lost_cpu),
 		cmocka_unit_test(test_worker_lost_cpu),
 		cmocka_unit_test(test_frame_thread),

@@ -7,7 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROFILER_LATE 4u /* frames after which the GPU's zones of a frame have come for certain */
+#define PROFILER_WIDTH 480.0f /* pixels: less is too small for more than a line */
+#define PROFILER_HEIGHT 270.0f
+#define PROFILER_SEED 8227u /* of colours, see profiler_color */
+#define PROFILER_LATE 4u    /* frames after which the GPU's zones of a frame have come for certain */
 
 static int profiler_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
 {
@@ -61,17 +64,20 @@ void stilb_ui_profiler_destroy(stilb_ui_profiler *profiler)
 static const uint32_t PROFILER_PALETTE[] = {0x74a9f7, 0x7fd39b, 0xc99cf0, 0x62d0d6, 0xa9c765, 0xd9a0d8, 0x8f9ff5,
                                             0xc9c07a, 0x57b8a3, 0xb8b4e8, 0x9cc3d9, 0x8cc08c, 0xc4a98f, 0xa58be0};
 
-/* The names that come first get colours of their own, in the order that their hashes would have them. */
-static uint32_t profiler_color(ui_profiler_colors *colors, const char *name)
+/* By the name alone, so that pictures can be compared; the seed is one that tells the engine's own stages apart. */
+static uint32_t profiler_color(const char *name)
 {
-	const uint32_t palette = sizeof PROFILER_PALETTE / sizeof *PROFILER_PALETTE;
-	const uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, name, strlen(name));
-	uint32_t i = 0;
-	while (i < colors->count && colors->names[i] != hash)
-		i++;
-	if (i == colors->count && i < UI_PROFILER_NAMES)
-		colors->names[colors->count++] = hash;
-	return PROFILER_PALETTE[i < UI_PROFILER_NAMES ? i % palette : hash % palette];
+	const uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START ^ PROFILER_SEED, name, strlen(name));
+	return PROFILER_PALETTE[(hash >> 32) % (sizeof PROFILER_PALETTE / sizeof *PROFILER_PALETTE)];
+}
+
+/* A name that was given a colour in one place has it everywhere. */
+static uint32_t profiler_given_color(const stilb_prof_snapshot *snapshot, const char *name)
+{
+	for (uint32_t i = 0; i < snapshot->label_count; i++)
+		if (snapshot->labels[i].color && strcmp(snapshot->labels[i].name, name) == 0)
+			return snapshot->labels[i].color;
+	return profiler_color(name);
 }
 
 static bool profiler_color_labels(ui_profiler_colors *colors, const stilb_prof_snapshot *snapshot)
@@ -95,7 +101,7 @@ static bool profiler_color_labels(ui_profiler_colors *colors, const stilb_prof_s
 			colors->rgb[i] = UI_PROFILER_PARKED;
 			break;
 		case UI_PROFILER_WORK:
-			colors->rgb[i] = label->color ? label->color : profiler_color(colors, label->name);
+			colors->rgb[i] = label->color ? label->color : profiler_given_color(snapshot, label->name);
 			break;
 		}
 	}
@@ -222,9 +228,11 @@ static void profiler_leave_out_idle(stilb_ui_profiler *profiler)
 static bool profiler_look(stilb_ui_profiler *profiler, const stilb_prof_snapshot *snapshot, uint64_t number)
 {
 	const uint32_t frame = ui_profiler_frame_find(snapshot, number);
-	const stilb_prof_stats_range range = {.first_frame = frame, .frame_count = 1};
 	if (frame == STILB_PROF_NONE)
 		return false;
+	/* The time of the frame, as in the picture: the GPU's zones belong to frames before. */
+	const stilb_prof_stats_range range = {.begin_ns = snapshot->frames[frame].begin_ns,
+	                                      .end_ns = snapshot->frames[frame].end_ns};
 	const bool other = !profiler->snapshot || profiler->number != number;
 	profiler->snapshot = snapshot;
 	profiler->number = number;
@@ -275,10 +283,25 @@ static void profiler_draw_empty(stilb_ui_profiler *profiler, stilb_ui *ui, stilb
 	stilb_ui_label(ui, area, STILB_UI_ALIGN_LEFT, text);
 }
 
+/* Of all that it says the one line that matters most. */
+static void profiler_draw_small(const stilb_ui_profiler *profiler, stilb_ui *ui)
+{
+	const stilb_ui_style *style = stilb_ui_style_get(ui);
+	const stilb_ui_input *input = stilb_ui_input_get(ui);
+	const stilb_ui_rect line = {0.0f, input->height - style->row_height, input->width, input->height};
+	stilb_ui_draw_rect(stilb_ui_list(ui), line, style->panel);
+	stilb_ui_label(ui, line, STILB_UI_ALIGN_LEFT,
+	               profiler->snapshot ? profiler->data.report.wait_text : "Too small for the profiler.");
+}
+
 void stilb_ui_profiler_draw(stilb_ui_profiler *profiler, stilb_ui *ui)
 {
 	PROFILE("profiler window");
 	profiler_update(profiler);
+	if (stilb_ui_input_get(ui)->width < PROFILER_WIDTH || stilb_ui_input_get(ui)->height < PROFILER_HEIGHT) {
+		profiler_draw_small(profiler, ui);
+		return;
+	}
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
 	const float edge = style->gap, margin = style->margin;

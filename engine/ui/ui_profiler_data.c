@@ -13,9 +13,14 @@ static bool lane_begins(const char *name, const char *word)
 	return strncmp(name, word, strlen(word)) == 0;
 }
 
+bool ui_profiler_presents(const char *name)
+{
+	return strcmp(name, "acquire") == 0 || strcmp(name, "queue present") == 0;
+}
+
 ui_profiler_kind ui_profiler_kind_of(const char *name)
 {
-	if (lane_begins(name, "wait"))
+	if (lane_begins(name, "wait") || ui_profiler_presents(name))
 		return UI_PROFILER_WAIT;
 	return strcmp(name, "parked") == 0 || strcmp(name, "idle") == 0 ? UI_PROFILER_IDLE : UI_PROFILER_WORK;
 }

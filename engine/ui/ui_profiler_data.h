@@ -20,6 +20,9 @@ typedef enum ui_profiler_kind { UI_PROFILER_WORK, UI_PROFILER_WAIT, UI_PROFILER_
 
 ui_profiler_kind ui_profiler_kind_of(const char *name);
 
+/* "acquire" and "queue present", where Vulkan waits for the display, or for a GPU that has no picture for it yet: a WAIT. */
+bool ui_profiler_presents(const char *name);
+
 /* ---- walking a lane ---------------------------------------------------------------------------------------------- */
 
 /* A stretch of time and the innermost zone in it, or STILB_PROF_NONE. */

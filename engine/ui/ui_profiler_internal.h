@@ -13,11 +13,7 @@ typedef enum ui_profiler_mode {
 	UI_PROFILER_PICKED, /* by the user */
 } ui_profiler_mode;
 
-#define UI_PROFILER_NAMES 64 /* names that get colours of their own */
-
 typedef struct ui_profiler_colors {
-	uint64_t names[UI_PROFILER_NAMES]; /* hashes, in the order in which they came */
-	uint32_t count;
 	uint32_t *rgb; /* of each of the snapshot's labels */
 	uint32_t capacity;
 } ui_profiler_colors;

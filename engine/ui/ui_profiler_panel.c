@@ -285,15 +285,16 @@ static void panel_draw_row(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_r
 	}
 }
 
-/* The longest zone of the label that belongs to the frame, on any lane, fills the lanes. */
+/* The longest zone of the label in the frame, on any lane, fills the lanes. */
 static void panel_fit_longest(stilb_ui_profiler *profiler, uint32_t label)
 {
 	const stilb_prof_snapshot *snapshot = profiler->snapshot;
+	const stilb_prof_frame *frame = ui_profiler_frame(profiler);
 	const stilb_prof_zone *longest = NULL;
 	for (uint32_t l = 0; l < snapshot->lane_count; l++)
 		for (uint32_t i = 0; i < snapshot->lanes[l].zone_count; i++) {
 			const stilb_prof_zone *zone = &snapshot->lanes[l].zones[i];
-			if (zone->label == label && zone->frame == profiler->data.report.frame &&
+			if (zone->label == label && zone->begin_ns < frame->end_ns && zone->end_ns > frame->begin_ns &&
 			    (!longest || zone->end_ns - zone->begin_ns > longest->end_ns - longest->begin_ns))
 				longest = zone;
 		}
@@ -301,15 +302,30 @@ static void panel_fit_longest(stilb_ui_profiler *profiler, uint32_t label)
 		ui_profiler_fit(profiler, longest->begin_ns, longest->end_ns);
 }
 
+/* Columns without room for them get none, rather than the names. */
+static void panel_fit_columns(stilb_ui_column *columns, float room)
+{
+	static const uint32_t LEAST_WANTED[] = {UI_PROFILER_OFF_CPU, UI_PROFILER_SELF, UI_PROFILER_CALLS};
+	float width = 0.0f;
+	for (uint32_t i = 0; i < UI_PROFILER_COLUMNS; i++)
+		width += columns[i].width;
+	for (uint32_t i = 0; i < sizeof LEAST_WANTED / sizeof *LEAST_WANTED && width > room; i++) {
+		stilb_ui_column *column = &columns[LEAST_WANTED[i]];
+		width -= column->width;
+		*column = (stilb_ui_column){"", 0.01f, STILB_UI_ALIGN_RIGHT};
+	}
+}
+
 static void panel_draw_table(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const float digits = stilb_ui_text_width(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), "off CPU ms") + 14.0f;
-	const stilb_ui_column columns[UI_PROFILER_COLUMNS] = {{"zone", 0.0f, STILB_UI_ALIGN_LEFT},
-	                                                      {"calls", digits * 0.75f, STILB_UI_ALIGN_RIGHT},
-	                                                      {"total ms", digits, STILB_UI_ALIGN_RIGHT},
-	                                                      {"self ms", digits, STILB_UI_ALIGN_RIGHT},
-	                                                      {"off CPU ms", digits, STILB_UI_ALIGN_RIGHT}};
+	stilb_ui_column columns[UI_PROFILER_COLUMNS] = {{"zone", 0.0f, STILB_UI_ALIGN_LEFT},
+	                                                {"calls", digits * 0.75f, STILB_UI_ALIGN_RIGHT},
+	                                                {"total ms", digits, STILB_UI_ALIGN_RIGHT},
+	                                                {"self ms", digits, STILB_UI_ALIGN_RIGHT},
+	                                                {"off CPU ms", digits, STILB_UI_ALIGN_RIGHT}};
+	panel_fit_columns(columns, area.x1 - area.x0 - digits);
 	stilb_ui_rect header = stilb_ui_cut_top(&area, style->row_height);
 	if (stilb_ui_table_header(ui, header, "zones", columns, UI_PROFILER_COLUMNS, &profiler->sort) && profiler->snapshot)
 		ui_profiler_sort_table(profiler);
@@ -356,6 +372,10 @@ static void panel_draw_key(stilb_ui *ui, stilb_ui_rect *area, stilb_ui_color col
 {
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
 	const float y = floorf((area->y0 + area->y1 - height) * 0.5f);
+	if (area->x1 - area->x0 < 18.0f + stilb_ui_text_width(font, text) + 2.0f) {
+		area->x1 = area->x0; /* nor is there room for those behind it */
+		return;
+	}
 	stilb_ui_rect patch = stilb_ui_cut_left(area, 18.0f);
 	stilb_ui_draw_rect(stilb_ui_list(ui), (stilb_ui_rect){patch.x0, y, patch.x1 - 4.0f, y + height}, color);
 	stilb_ui_rect label = stilb_ui_cut_left(area, stilb_ui_text_width(font, text) + 2.0f);

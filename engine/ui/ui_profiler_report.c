@@ -395,7 +395,7 @@ static void report_find_wait(const report_input *in, uint32_t device)
 	if (wait->lane == STILB_PROF_NONE || wait->label == STILB_PROF_NONE)
 		return;
 	const char *name = report_label(in, wait->label);
-	if (strstr(name, "GPU"))
+	if (strstr(name, "GPU") || (ui_profiler_presents(name) && in->data->report.limit == UI_PROFILER_LIMIT_GPU))
 		wait->for_lane = device;
 	else if (ui_profiler_kind_of(name) == UI_PROFILER_IDLE || strstr(name, "worker") || strstr(name, "job"))
 		wait->for_lane = report_wait_for_thread(in, wait);
@@ -405,16 +405,20 @@ static void report_find_wait(const report_input *in, uint32_t device)
 
 /* ---- the verdict ------------------------------------------------------------------------------------------------- */
 
-static uint64_t report_gpu_wait(const report_input *in)
+/* Time on the frame's thread in waits for the GPU, or in those for presenting. */
+static uint64_t report_waited(const report_input *in, bool presenting)
 {
 	const stilb_prof_lane *lane = &in->snapshot->lanes[in->data->report.lane];
 	ui_profiler_walk walk = ui_profiler_walk_begin(lane, in->begin_ns, in->end_ns);
 	ui_profiler_stretch stretch;
 	uint64_t sum = 0;
-	while (ui_profiler_walk_next(&walk, &stretch))
-		if (stretch.zone != STILB_PROF_NONE && report_kind(in, lane, stretch.zone) == UI_PROFILER_WAIT &&
-		    strstr(report_label(in, lane->zones[stretch.zone].label), "GPU"))
+	while (ui_profiler_walk_next(&walk, &stretch)) {
+		if (stretch.zone == STILB_PROF_NONE || report_kind(in, lane, stretch.zone) != UI_PROFILER_WAIT)
+			continue;
+		const char *name = report_label(in, lane->zones[stretch.zone].label);
+		if (presenting ? ui_profiler_presents(name) : strstr(name, "GPU") != NULL)
 			sum += stretch.end_ns - stretch.begin_ns;
+	}
 	return sum;
 }
 
@@ -439,8 +443,8 @@ static void report_find_limit(const report_input *in, uint32_t device)
 {
 	ui_profiler_report *report = &in->data->report;
 	const uint64_t frame = in->end_ns - in->begin_ns;
-	const bool busy = report->gpu_ns >= frame / 4 * 3, waits = report_gpu_wait(in) >= frame / 20;
-	const bool display = report_display_limits(in);
+	const bool busy = report->gpu_ns >= frame / 4 * 3, waits = report_waited(in, false) >= frame / 20;
+	const bool display = report_waited(in, true) >= frame / 2 || report_display_limits(in);
 	if (device == STILB_PROF_NONE ? waits : busy && (waits || display)) {
 		report->limit = UI_PROFILER_LIMIT_GPU;
 		if (device == STILB_PROF_NONE)
@@ -534,6 +538,8 @@ static void report_say_wait(const report_input *in)
 		report_append(text, size, "%s waited %s for %s%s", who, total,
 		              in->snapshot->lanes[wait->for_lane].kind == STILB_PROF_LANE_DEVICE ? "the " : "",
 		              in->snapshot->lanes[wait->for_lane].name);
+	else if (ui_profiler_presents(report_label(in, wait->label)))
+		report_append(text, size, "%s waited %s for the display", who, total);
 	else if (strncmp(report_label(in, wait->label), "wait for ", 9) == 0)
 		report_append(text, size, "%s waited %s for %s", who, total, report_label(in, wait->label) + 9);
 	else

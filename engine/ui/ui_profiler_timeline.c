@@ -178,6 +178,8 @@ static void timeline_draw_ruler(const timeline *t)
 		snprintf(text, sizeof text, "%.*f ms", decimals, n * step * 1e-6);
 		stilb_ui_draw_rect(t->list, (stilb_ui_rect){x, t->ruler.y1 - 5.0f, x + 1.0f, t->ruler.y1},
 		                   t->style->text_muted);
+		if (x + 4.0f + stilb_ui_text_width(t->small, text) > t->ruler.x1)
+			continue;
 		stilb_ui_draw_text(t->list, t->small, (stilb_ui_rect){x + 4.0f, t->ruler.y0, x + 92.0f, t->ruler.y1},
 		                   STILB_UI_ALIGN_LEFT, t->style->text_muted, text);
 	}
@@ -229,22 +231,30 @@ static const ui_profiler_row *timeline_row_of(const timeline *t, uint32_t lane)
 	return NULL;
 }
 
-/* "work 6.88 ms, wait 3.10 ms": the work, and the longer of the two other things that a thread can do. */
+/* "work 6.88 ms, wait 3.10 ms": the work, and what else took most. */
 static void timeline_sum_text(stilb_prof_lane_kind kind, const ui_profiler_lane_sum *sum, char *text, size_t size)
 {
-	const bool waited = sum->wait_ns > 0 && sum->wait_ns >= sum->idle_ns;
-	const uint64_t rest = waited ? sum->wait_ns : sum->idle_ns;
-	char work[32], time[32];
-	ui_profiler_time_text(work, sizeof work, sum->work_ns);
-	ui_profiler_time_text(time, sizeof time, rest);
-	if (sum->work_ns > 0 || rest == 0)
-		snprintf(text, size, "%s %s%s%s%s", kind == STILB_PROF_LANE_DEVICE ? "busy" : "work", work, rest ? ", " : "",
-		         rest == 0 ? ""
-		         : waited  ? "wait "
-		                   : "idle ",
-		         rest ? time : "");
-	else
-		snprintf(text, size, "%s %s", waited ? "wait" : "idle", time);
+	const struct {
+		const char *name;
+		uint64_t ns;
+	} others[] = {{"wait", sum->wait_ns},
+	              {"idle", sum->idle_ns},
+	              {"asleep", sum->off_ns - sum->preempted_ns},
+	              {"no CPU", sum->preempted_ns}};
+	const uint64_t work = sum->work_ns - sum->off_ns;
+	size_t most = 0;
+	char time[32];
+	for (size_t i = 1; i < sizeof others / sizeof *others; i++)
+		if (others[i].ns > others[most].ns)
+			most = i;
+	int length = 0;
+	text[0] = 0;
+	if (work > 0 || others[most].ns == 0)
+		length = snprintf(text, size, "%s %s%s", kind == STILB_PROF_LANE_DEVICE ? "busy" : "work",
+		                  ui_profiler_time_text(time, sizeof time, work), others[most].ns > 0 ? ", " : "");
+	if (others[most].ns > 0)
+		snprintf(text + length, size - (size_t)length, "%s %s", others[most].name,
+		         ui_profiler_time_text(time, sizeof time, others[most].ns));
 }
 
 /* The name, and where the lane's time went below it. */
