@@ -26,8 +26,9 @@ bool trace_check(const char *command, const trace_files *files, const char *outp
 {
 	for (int i = 0; i < files->wanted; i++)
 		if (i >= files->count || !files->path[i][0]) {
-			stilb_log("no file to read; give it first: stilb trace %s %s; 'stilb demo --trace FILE' writes one",
-			          command, files->wanted == 1 ? "FILE" : "A B");
+			stilb_log(
+				"no file to read; give it before the flags: stilb trace %s %s; 'stilb demo --trace FILE' writes one",
+				command, files->wanted == 1 ? "FILE" : "A B");
 			return false;
 		} else if (output && stilb_file_same(files->path[i], output)) {
 			stilb_log("the output would replace '%s'; give it another name", files->path[i]);
@@ -42,9 +43,12 @@ bool trace_check(const char *command, const trace_files *files, const char *outp
 bool trace_load(const char *path, stilb_prof_snapshot *trace)
 {
 	char error[512];
-	if (stilb_prof_trace_read(path, trace, error, sizeof error) == 0)
+	if (stilb_prof_trace_read(path, trace, error, sizeof error) != 0)
+		stilb_log("%s", error);
+	else if (trace_zones(trace) == 0)
+		stilb_log("'%s' is a trace without zones; was it recorded with the profiler off?", path);
+	else
 		return true;
-	stilb_log("%s", error);
 	return false;
 }
 
@@ -139,6 +143,9 @@ int trace_command(int argc, char **argv)
 		       "'stilb trace top --help' and so on list their flags\n");
 		return EXIT_DONE;
 	}
-	stilb_log("trace: '%s' is none of top, diff and show; 'stilb trace --help' lists them", argc > 0 ? argv[0] : "");
+	if (argc == 0)
+		stilb_log("trace: no command; 'stilb trace --help' lists them");
+	else
+		stilb_log("trace: '%s' is none of top, diff and show; 'stilb trace --help' lists them", argv[0]);
 	return EXIT_REFUSED;
 }

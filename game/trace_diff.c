@@ -105,7 +105,10 @@ static void diff_print_row(FILE *out, const diff_run *run, const stilb_prof_diff
 	char change[16] = "-", p[16] = "-";
 	const int digits = run->diff.frames ? 2 : 0; /* of calls */
 	if (row->a.calls > 0 && row->b.calls > 0) {
-		snprintf(change, sizeof change, row->ratio < 1000.0 ? "%+.1f %%" : "%+.3g %%", 100.0 * (row->ratio - 1.0));
+		if (row->ratio < 10.0)
+			snprintf(change, sizeof change, "%+.1f %%", 100.0 * (row->ratio - 1.0));
+		else
+			snprintf(change, sizeof change, "%.3g x", row->ratio);
 		snprintf(p, sizeof p, row->p >= 0.001 ? "%.3f" : "%.0e", row->p);
 	}
 	fprintf(out, "%-9s %9.*f %9.*f %10.3f %10.3f %9s %8s %10.3f %10.3f %10.4f %10.4f  ", verdicts[row->verdict], digits,

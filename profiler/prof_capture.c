@@ -1,9 +1,9 @@
 /*
  * Captures: what starts one, and the thread that writes them.
  *
- * Who tells whom. Whoever wants a capture leaves a frame's number in a place of its own (asked, spike) and
- * wakes the thread; the thread alone decides what is written when. It waits for the frames after by saying which one it
- * waits for (awaited): the thread that marks frames looks at that once a frame. All waking is by one semaphore, which may be
+ * Who tells whom. Whoever wants a capture leaves a frame's number in a place of its own (asked, spike) and wakes the
+ * thread; the thread alone decides what is written when. It waits for the frames after by saying which one it waits for
+ * (awaited): the thread that marks frames looks at that once a frame. All waking is by one semaphore, which may be
  * posted by signal handlers; a wake-up without a reason does no harm, so nobody counts them.
  */
 #include "profiler/prof_capture_internal.h"
@@ -46,7 +46,8 @@ static struct {
 
 /* ---- asking for one ---------------------------------------------------------------------------------------------- */
 
-/* Leaves frame in a place, unless one is there: then that capture will show this moment too, or is the one that counts. */
+/* Leaves frame in a place, unless one is there: then that capture will show this moment too, or is the one that
+ * counts. */
 static void prof_capture_ask(uint64_t *place, uint64_t frame)
 {
 	uint64_t none = 0;
@@ -93,7 +94,8 @@ static void prof_capture_on_frame(uint64_t number, uint64_t duration_ns)
 		__atomic_store_n(&prof_capture.spike_ns, duration_ns, __ATOMIC_RELAXED); /* goes out with spike */
 		prof_capture_ask(&prof_capture.spike, number);
 	}
-	/* Sequentially consistent: prof_capture_await stores awaited and then loads whole; one of the two sees the other's. */
+	/* Sequentially consistent: prof_capture_await stores awaited and then loads whole; one of the two sees the
+	 * other's. */
 	__atomic_store_n(&prof_capture.whole, number + 1, __ATOMIC_SEQ_CST);
 	if (number + 1 >= __atomic_load_n(&prof_capture.awaited, __ATOMIC_SEQ_CST)) {
 		__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* waking once is enough */
@@ -101,7 +103,7 @@ static void prof_capture_on_frame(uint64_t number, uint64_t duration_ns)
 	}
 }
 
-/* ---- the signal ----------------------------------------------------------------------------------------------------- */
+/* ---- the signal -------------------------------------------------------------------------------------------------- */
 
 static void prof_signal_on_ask(int number)
 {
@@ -169,8 +171,8 @@ static void prof_capture_await(uint64_t awaited)
 	__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* a wake-up too many does no harm */
 }
 
-/* Writes what is in a place, if anything: it stays there while its frames come in, so that asking again is asking for the
- * same. */
+/* Writes what is in a place, if anything: it stays there while its frames come in, so that asking again is asking
+ * for the same. */
 static bool prof_capture_next(uint64_t *place, stilb_prof_cause cause)
 {
 	const uint32_t after = prof_capture.desc.frames_after;

@@ -1,15 +1,15 @@
 /*
- * prof_capture: writes the frames around a moment to a file while the program runs on: when a frame was slow, when asked (a
- * key, a signal, another thread), or when the program crashes.
+ * prof_capture: writes the frames around a moment to a file while the program runs on: when a frame was slow, when
+ * asked (a key, a signal, another thread), or when the program crashes.
  *
- * What it is.   A thread of the lowest priority that takes a snapshot (prof_snapshot.h) and saves it (prof_trace.h). The rings
- *               hold what came before; it waits for the frames after. The thread that marks the frames copies nothing: it
- *               compares one number a frame, and when a frame was slow it notes which and wakes the other.
- * Life cycle.   stilb_prof_capture_start -> frames, stilb_prof_capture_now at any time -> stilb_prof_capture_stop before
- *               stilb_prof_shutdown.
+ * What it is.   A thread of the lowest priority that takes a snapshot (prof_snapshot.h) and saves it (prof_trace.h).
+ *               The rings hold what came before; it waits for the frames after. The thread that marks the frames copies
+ *               nothing: it compares one number a frame, and when a frame was slow it notes which and wakes the other.
+ * Life cycle.   stilb_prof_capture_start -> frames, stilb_prof_capture_now at any time -> stilb_prof_capture_stop
+ *               before stilb_prof_shutdown.
  * Rings.        What is to be written must still be held when the frames after have passed: stilb_prof_ring_events_set.
- * Errors.       0 or a negative errno. Nothing here prints; done is told of every file, whether it was written or not. A file
- *               that could not be written whole is not there, and the next capture tries anew.
+ * Errors.       0 or a negative errno. Nothing here prints; done is told of every file, whether it was written or not.
+ *               A file that could not be written whole is not there, and the next capture tries anew.
  */
 #ifndef STILB_PROF_CAPTURE_H
 #define STILB_PROF_CAPTURE_H
@@ -46,8 +46,9 @@ typedef struct stilb_prof_captured {
 } stilb_prof_captured;
 
 typedef struct stilb_prof_capture_desc {
-	/* Of the first file; the second gets "-2" before the extension, and so on: what an earlier run left there is replaced. A
-	 * pipe, a device and "-" (stdout) are written again and again. The extension chooses the form: stilb_prof_trace_form. */
+	/* Of the first file; the second gets "-2" before the extension, and so on: what an earlier run left there is
+	 * replaced. A pipe, a device and "-" (stdout) are written again and again. The extension chooses the form:
+	 * stilb_prof_trace_form. */
 	const char *path;
 	const char *process_name; /* in the file; NULL: the program's */
 	uint32_t frames_before;   /* default 120 */
@@ -57,9 +58,9 @@ typedef struct stilb_prof_capture_desc {
 	uint32_t cool_down;       /* frames after a slow one that start no other capture; default 300 */
 	uint32_t spike_files;     /* for slow frames at most; default 16. What is asked for is always written */
 	int signal;               /* asks for a capture, SIGUSR1 for example; default 0: none */
-	/* Also on the first SIGSEGV, SIGBUS, SIGILL, SIGFPE or SIGABRT, with the zones that are open. The thread that crashes
-	 * waits for the file, two seconds at most; then what would have happened does. After an overflow of the stack this needs
-	 * a sigaltstack. Default false. */
+	/* Also on the first SIGSEGV, SIGBUS, SIGILL, SIGFPE or SIGABRT, with the zones that are open. The thread that
+	 * crashes waits for the file, two seconds at most; then what would have happened does. After an overflow of the
+	 * stack this needs a sigaltstack. Default false. */
 	bool crash;
 	/* Called on a thread of the capture's own, for a crash on another one; NULL: nobody asks. */
 	void (*done)(void *user, const stilb_prof_captured *captured);
@@ -74,8 +75,9 @@ stilb_prof_capture_desc stilb_prof_capture_desc_default(void);
  * -ENAMETOOLONG; -EALREADY: started; -EAGAIN or -ENOMEM: no thread. [one-writer] */
 int stilb_prof_capture_start(const stilb_prof_capture_desc *desc);
 
-/* Asks for a capture around this moment. Asking again before it is being written asks for nothing more. When no frame ends
- * for a second it is written with those that there are. -ESRCH: not started. Safe in signal handlers. [any-thread] */
+/* Asks for a capture around this moment. Asking again before it is being written asks for nothing more. When no
+ * frame ends for a second it is written with those that there are. -ESRCH: not started. Safe in signal handlers.
+ * [any-thread] */
 int stilb_prof_capture_now(void);
 
 /* Writes what has been asked for with the frames that there are, then ends the thread. Without a start it does nothing;

@@ -40,8 +40,8 @@ uint64_t prof_capture_frame(void)
 	return begun > 0 ? begun - 1 : 0;
 }
 
-/* The name of file number n, counted from 0, in a new string: the first has none of the number, and what is no regular file is
- * one for all. NULL: no memory. */
+/* The name of file number n, counted from 0, in a new string: the first has none of the number, and what is no
+ * regular file is one for all. NULL: no memory. */
 static char *prof_capture_path(uint32_t n)
 {
 	struct stat status;

@@ -9,20 +9,20 @@
 #include <pthread.h>
 #include <signal.h>
 
-/* ---- prof_capture_file.c ------------------------------------------------------------------------------------------- */
+/* ---- prof_capture_file.c ----------------------------------------------------------------------------------------- */
 
 /* Copies what files need of desc. 0 or -ENOMEM. [one-writer], when nobody writes */
 int prof_capture_file_set_up(const stilb_prof_capture_desc *desc);
 void prof_capture_file_forget(void);
 
-/* Takes a snapshot of the frames around this one, after of them after it, saves it and tells done. 0 or a negative errno.
- * [any-thread] */
+/* Takes a snapshot of the frames around this one, after of them after it, saves it and tells done. 0 or a negative
+ * errno. [any-thread] */
 int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns, uint32_t after);
 
 /* The number of the frame that is under way. Safe in signal handlers. [any-thread] */
 uint64_t prof_capture_frame(void);
 
-/* ---- prof_capture.c ------------------------------------------------------------------------------------------------ */
+/* ---- prof_capture.c ---------------------------------------------------------------------------------------------- */
 
 /* Whether this is one of the threads below. */
 extern __thread bool prof_capture_is_thread __attribute__((tls_model("initial-exec")));
@@ -33,7 +33,7 @@ int prof_capture_thread_create(pthread_t *thread, void *(*run)(void *));
 /* Puts the old handler back, unless somebody has set another meanwhile. */
 void prof_signal_restore(int number, void (*ours)(void), const struct sigaction *old);
 
-/* ---- prof_crash.c -------------------------------------------------------------------------------------------------- */
+/* ---- prof_crash.c ------------------------------------------------------------------------------------------------ */
 
 #define PROF_CRASH_SIGNALS 5
 extern const int prof_crash_signals[PROF_CRASH_SIGNALS];

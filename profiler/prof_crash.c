@@ -1,7 +1,7 @@
 /*
- * Crashes: the thread that crashes asks another for the file and waits for it, since a signal handler may neither take locks nor
- * memory, and its thread may hold any of them. The other is a thread of its own at the usual priority: the capture's would
- * come last on a busy machine, and may be writing something else.
+ * Crashes: the thread that crashes asks another for the file and waits for it, since a signal handler may neither take
+ * locks nor memory, and its thread may hold any of them. The other is a thread of its own at the usual priority: the
+ * capture's would come last on a busy machine, and may be writing something else.
  */
 #include "profiler/prof_capture_internal.h"
 
@@ -28,7 +28,7 @@ static struct {
 	struct sigaction old[PROF_CRASH_SIGNALS];
 } prof_crash;
 
-/* ---- the thread that crashes --------------------------------------------------------------------------------------- */
+/* ---- the thread that crashes ------------------------------------------------------------------------------------- */
 
 /* Not the threads that write, and not when there are none. */
 static bool prof_crash_is_seen(void)
@@ -67,7 +67,7 @@ static void prof_crash_handler(int number, siginfo_t *info, void *context)
 	errno = error;
 }
 
-/* ---- the thread that writes ---------------------------------------------------------------------------------------- */
+/* ---- the thread that writes -------------------------------------------------------------------------------------- */
 
 static void *prof_crash_run(void *user)
 {

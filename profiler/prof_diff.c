@@ -109,10 +109,17 @@ static uint32_t *prof_side_rows(const prof_side *side)
 	return rows;
 }
 
-/* Adds up what the zones of a lane take in each frame; a zone inside another of its label and frame does not count
- * again. */
-static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, const uint32_t *rows, uint32_t *until,
-                               uint32_t *until_frame)
+/* It lies inside a zone of its label and frame. */
+static bool prof_zone_recurs(const stilb_prof_lane *lane, const stilb_prof_zone *zone)
+{
+	for (uint32_t p = zone->parent; p != STILB_PROF_NONE; p = lane->zones[p].parent)
+		if (lane->zones[p].label == zone->label && lane->zones[p].frame == zone->frame)
+			return true;
+	return false;
+}
+
+/* Adds up what the zones of a lane take in each frame. until: zones before until[row] lie inside one of the row. */
+static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, const uint32_t *rows, uint32_t *until)
 {
 	const size_t frames = side->snapshot->frame_count;
 	memset(until, 0, side->stats.row_count * sizeof *until);
@@ -121,10 +128,9 @@ static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, con
 		if (zone->frame >= frames)
 			continue;
 		const uint32_t row = rows[2 * (size_t)zone->label + (lane->kind == STILB_PROF_LANE_DEVICE)];
-		if (i < until[row] && until_frame[row] == zone->frame)
+		if (i < until[row] && prof_zone_recurs(lane, zone))
 			continue;
-		until[row] = i + zone->size;
-		until_frame[row] = zone->frame;
+		until[row] = i + zone->size > until[row] ? i + zone->size : until[row];
 		side->frame_times[row * frames + zone->frame] += zone->end_ns - zone->begin_ns;
 	}
 }
@@ -134,12 +140,12 @@ static bool prof_side_frame_times(prof_side *side)
 	const size_t frames = side->snapshot->frame_count, count = side->stats.row_count;
 	if (count * frames > PROF_FRAME_TIMES_MAX)
 		return false;
-	uint32_t *rows = prof_side_rows(side), *until = malloc((2 * count + 1) * sizeof *until);
+	uint32_t *rows = prof_side_rows(side), *until = malloc((count + 1) * sizeof *until);
 	uint64_t *scratch = malloc(frames * sizeof *scratch);
 	side->frame_times = calloc(count * frames + 1, sizeof *side->frame_times);
 	const bool good = rows != NULL && until != NULL && scratch != NULL && side->frame_times != NULL;
 	for (uint32_t i = 0; good && i < side->snapshot->lane_count; i++)
-		prof_side_add_lane(side, &side->snapshot->lanes[i], rows, until, until + count);
+		prof_side_add_lane(side, &side->snapshot->lanes[i], rows, until);
 	for (size_t i = 0; good && i < count; i++)
 		prof_sort(side->frame_times + i * frames, scratch, frames);
 	free(rows);

@@ -5,8 +5,8 @@
  * the clocks resolve; and a Mann-Whitney test says that such a difference does not come about by chance. That test asks
  * for no normal distribution, which times never have. Many zones are tested at once, so each must pass at alpha divided
  * by their number (Bonferroni): alpha is the chance that any zone of two equal runs is called different.
- * What the test cannot know: zones of one run share its luck (other programs, clock speed, where memory lay), so runs of
- * the same program may differ as a whole. The threshold is for that: set it above what two such runs differ by.
+ * What the test cannot know: zones of one run share its luck (other programs, clock speed, where memory lay), so runs
+ * of the same program may differ as a whole. The threshold is for that: set it above what two such runs differ by.
  *
  * Life cycle.  stilb_prof_diff d = {0}; stilb_prof_diff_make; stilb_prof_diff_finish.
  * Threads.     [any-thread], one thread at a time per stilb_prof_diff.

@@ -111,24 +111,35 @@ int stilb_prof_trace_parse(const char *text, size_t size, const char *name, stil
 	return result;
 }
 
-/* All of a file, a pipe too. Returns 0 or a negative errno; *text is the caller's. */
+/* So far: an endless device is not read to its end. */
+static bool prof_may_be_trace(const char *text, size_t size)
+{
+	const size_t space = strspn(text, " \t\r\n"); /* text ends in a 0 */
+	return space == size || text[space] == '{' || text[space] == '[';
+}
+
+/* All of a file, a pipe too, or the beginning of what cannot be a trace. Returns 0 or a negative errno; *text is the
+ * caller's. */
 static int prof_read_bytes(int file, char **text, size_t *size)
 {
 	size_t capacity = 0;
 	struct stat info;
 	const size_t expected = fstat(file, &info) == 0 && info.st_size > 0 ? (size_t)info.st_size : 0;
 	for (;;) {
-		const size_t wanted = *size < expected ? expected + 1 : *size + PROF_READ_CHUNK;
+		const size_t wanted = *size < expected ? expected + 2 : *size + PROF_READ_CHUNK;
 		void *more = prof_array_room(*text, 1, wanted, &capacity);
 		if (more == NULL)
 			return -ENOMEM;
 		*text = more;
-		const ssize_t got = read(file, *text + *size, capacity - *size);
+		const ssize_t got = read(file, *text + *size, capacity - *size - 1);
 		if (got == 0)
 			return 0;
 		if (got < 0 && errno != EINTR)
 			return -errno;
 		*size += got > 0 ? (size_t)got : 0;
+		(*text)[*size] = '\0';
+		if (!prof_may_be_trace(*text, *size))
+			return 0;
 	}
 }
 

@@ -3,10 +3,10 @@
  * programs. Source of the format: Google, "Trace Event Format".
  *
  * What is read.   An object with traceEvents, or a bare array, which may lack its end; phases X, B, E, i, I, C, s, t, f
- *                 and M. One lane for each pid and tid with zones or a name. Other phases are left out. Times are decimal
- *                 microseconds, never doubles: to the nearest nanosecond.
- * What is mended. Zones may come in any order, B and E of a thread in that of time. A zone that sticks out of its parent
- *                 is cut to it. Times before 0 move all others up.
+ *                 and M. One lane for each pid and tid with zones or a name. Other phases are left out. Times are
+ *                 decimal microseconds, never doubles: to the nearest nanosecond.
+ * What is mended. Zones may come in any order, B and E of a thread in that of time. A zone that sticks out of its
+ *                 parent is cut to it. Times before 0 move all others up.
  * Hostile files.  Any bytes give a snapshot or an error that names the byte and what was expected there. Memory is
  *                 bounded by the size of the file.
  * Threads.        [any-thread], one thread at a time per snapshot.

@@ -343,7 +343,7 @@ static bool prof_event_flow(prof_read *read, const prof_raw_event *event, uint64
 typedef struct prof_args {
 	prof_span name, no_switches;
 	int64_t sort_index;
-	uint64_t tid, number, frame;
+	uint64_t tid, number, frame, switches_from;
 	bool device, has_sort, has_number, has_frame;
 } prof_args;
 
@@ -361,7 +361,7 @@ static bool prof_args_integer(prof_scan *scan, uint64_t *value, bool *has)
 static bool prof_args_member(prof_scan *scan, prof_span key, prof_args *args)
 {
 	prof_span value;
-	bool has_tid = false;
+	bool ignored;
 	uint64_t sort;
 	if (PROF_SPAN_IS(key, "name") && prof_scan_next(scan) == '"')
 		return prof_scan_string(scan, &args->name);
@@ -372,7 +372,9 @@ static bool prof_args_member(prof_scan *scan, prof_span key, prof_args *args)
 	if (PROF_SPAN_IS(key, "frame"))
 		return prof_args_integer(scan, &args->frame, &args->has_frame);
 	if (PROF_SPAN_IS(key, "tid"))
-		return prof_args_integer(scan, &args->tid, &has_tid);
+		return prof_args_integer(scan, &args->tid, &ignored);
+	if (PROF_SPAN_IS(key, "switches_from"))
+		return prof_args_integer(scan, &args->switches_from, &ignored);
 	if (PROF_SPAN_IS(key, "sort_index")) {
 		const bool negative = prof_scan_take(scan, '-');
 		if (!prof_args_integer(scan, &sort, &args->has_sort))
@@ -467,6 +469,7 @@ static bool prof_event_metadata(prof_read *read, const prof_raw_event *event)
 		return true;
 	lane->device = args.device;
 	lane->kernel_tid = args.tid;
+	lane->switches_from = args.switches_from;
 	lane->frames = PROF_SPAN_IS(args.name, "frames");
 	lane->name = prof_read_string(read, args.name);
 	if (lane->name != NULL && args.no_switches.text != NULL)
@@ -691,7 +694,7 @@ bool prof_read_events(prof_read *read)
 	prof_scan *scan = &read->scan;
 	read->first_ns = UINT64_MAX;
 	if (prof_scan_next(scan) == '\0' && scan->at == scan->end)
-		return prof_scan_fail(scan, scan->begin, "a trace, but it is empty");
+		return prof_scan_fail(scan, scan->at, "a trace");
 	const bool array = prof_scan_take(scan, '[');
 	if (!array && !prof_scan_take(scan, '{'))
 		return prof_scan_fail(scan, scan->at, "a Chrome trace: '{' or '['");

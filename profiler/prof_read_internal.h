@@ -28,6 +28,8 @@ typedef struct prof_read_lane {
 	const char *no_switches; /* as in stilb_prof_lane */
 	int64_t sort;
 	uint64_t kernel_tid;
+	uint64_t switches_from; /* of a thread "...: off the CPU" */
+	uint64_t switches_ns;   /* as in stilb_prof_lane */
 	bool device, used, frames;
 	uint32_t open;  /* the innermost open B, or STILB_PROF_NONE */
 	uint32_t index; /* in the snapshot, or STILB_PROF_NONE */

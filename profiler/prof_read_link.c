@@ -367,6 +367,7 @@ static bool prof_lane_switches(const prof_read *read, prof_read_lane *lane, cons
 {
 	free(lane->switches);
 	lane->switch_count = 0;
+	lane->switches_ns = off->switches_from;
 	lane->switches = malloc((off->zone_count + 1) * sizeof *lane->switches);
 	if (lane->switches == NULL)
 		return false;
@@ -472,6 +473,7 @@ static bool prof_link_out_lane(prof_read *read, prof_read_lane *lane)
 		.zone_count = (uint32_t)lane->zone_count,
 		.switches = lane->switches,
 		.switch_count = (uint32_t)lane->switch_count,
+		.switches_ns = lane->switches_ns,
 		.no_switches = lane->no_switches != NULL || lane->switch_count > 0 || lane->device || read->header.clock != NULL
 	                       ? lane->no_switches
 	                       : "the file does not tell",

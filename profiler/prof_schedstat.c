@@ -1,10 +1,10 @@
 /*
- * Where the kernel lets nobody see single switches (prof_switch.c): how long each thread ran in a frame, and how long it could
- * have run and did not, from /proc/thread-self/schedstat. Its three numbers are nanoseconds on a CPU, nanoseconds in a run
- * queue, and slices (Linux, Documentation/scheduler/sched-stats.rst).
+ * Where the kernel lets nobody see single switches (prof_switch.c): how long each thread ran in a frame, and how long
+ * it could have run and did not, from /proc/thread-self/schedstat. Its three numbers are nanoseconds on a CPU,
+ * nanoseconds in a run queue, and slices (Linux, Documentation/scheduler/sched-stats.rst).
  *
- * The thread that marks frames reads the others' files, kept open, and records counters: about a microsecond a thread and
- * frame, and only where there is nothing better.
+ * The thread that marks frames reads the others' files, kept open, and records counters: about a microsecond a thread
+ * and frame, and only where there is nothing better.
  */
 #include "profiler/prof_internal.h"
 

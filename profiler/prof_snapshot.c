@@ -10,6 +10,7 @@
 #include <string.h>
 
 #define PROF_SWITCHES_MORE 2 /* than the kernel notes: before the thread began, after it ended */
+#define PROF_SWITCHES_UNUSED 64
 
 /* Room for count items in an array of m, and one more, so that there always is an array to point into. False: no
  * memory. */
@@ -147,16 +148,27 @@ static uint64_t prof_lane_end_before(const stilb_prof_lane *lane, uint64_t ns)
 	return end_ns;
 }
 
+/* The kernel's ring was full: what came before the first that is held may have been overwritten. The last few places
+ * are not used, because the thread may be writing to them. */
+static bool prof_switches_are_cut(const prof_lane_copy *copy, uint64_t begin_ns)
+{
+	return copy->switch_count >= PROF_SWITCHES_MAX - PROF_SWITCHES_UNUSED && copy->switches[0].ns > begin_ns;
+}
+
 /* A thread does not run before it begins and after it has ended. */
-static void prof_switches_find(prof_snapshot_memory *m, const stilb_prof_lane *lane, const prof_lane_copy *copy,
+static void prof_switches_find(prof_snapshot_memory *m, stilb_prof_lane *lane, const prof_lane_copy *copy,
                                uint64_t begin_ns, uint64_t end_ns)
 {
 	const uint64_t begun_ns = prof_switch_ns(m, copy->begun_ns);
 	const uint64_t ended_ns = copy->ended_ns != 0 ? prof_switch_ns(m, copy->ended_ns) : end_ns;
 	const uint64_t last_ns = ended_ns < end_ns ? ended_ns : end_ns;
-	if (begun_ns > begin_ns)
-		prof_switch_add(m, prof_later(prof_lane_end_before(lane, begun_ns), begin_ns),
-		                begun_ns < end_ns ? begun_ns : end_ns, false);
+	lane->switches_ns = begin_ns;
+	if (prof_switches_are_cut(copy, begin_ns + m->timeline.epoch_ns)) {
+		lane->switches_ns = prof_switch_ns(m, copy->switches[0].ns);
+	} else if (begun_ns > begin_ns) {
+		lane->switches_ns = prof_later(prof_lane_end_before(lane, begun_ns), begin_ns);
+		prof_switch_add(m, lane->switches_ns, begun_ns < end_ns ? begun_ns : end_ns, false);
+	}
 	prof_switches_pair(m, copy, begun_ns, begin_ns, last_ns);
 	prof_switch_add(m, prof_later(last_ns, begin_ns), end_ns, false);
 }
@@ -395,7 +407,7 @@ static bool prof_snapshot_lanes(prof_snapshot_memory *m)
 	return true;
 }
 
-/* An open window begins with the first thing that is held. */
+/* An open window begins with the first thing that is held, or, when there is nothing, with the first thread. */
 static uint64_t prof_snapshot_first_ns(const prof_snapshot_memory *m, uint64_t end_ns)
 {
 	uint64_t first_ns = end_ns;
@@ -406,7 +418,9 @@ static uint64_t prof_snapshot_first_ns(const prof_snapshot_memory *m, uint64_t e
 	for (uint32_t i = 0; i < m->copy.lane_count; i++)
 		if (m->lanes[i].zone_count > 0 && m->lanes[i].zones[0].begin_ns < first_ns)
 			first_ns = m->lanes[i].zones[0].begin_ns;
-	return first_ns;
+	for (uint32_t i = 0; first_ns == end_ns && i < m->copy.lane_count; i++)
+		first_ns = prof_switch_ns(m, m->copy.lanes[i].begun_ns);
+	return first_ns < end_ns ? first_ns : end_ns;
 }
 
 static void prof_snapshot_fill(stilb_prof_snapshot *s, const prof_snapshot_memory *m, uint64_t begin_ns,

@@ -35,7 +35,7 @@ typedef struct stilb_prof_label {
 typedef struct stilb_prof_zone {
 	uint64_t begin_ns, end_ns; /* end of an open zone: when the snapshot was taken */
 	uint64_t self_ns;          /* without its children */
-	uint64_t off_cpu_ns;       /* how much of it the thread did not run; 0 when the lane has no switches */
+	uint64_t off_cpu_ns;       /* how much of it the thread did not run, as far as is known (the lane's switches_ns) */
 	uint32_t label;            /* index into labels */
 	uint32_t parent;           /* index into the lane's zones, or STILB_PROF_NONE */
 	uint32_t size;             /* zones in its subtree, itself included: zone i + size is the next that is not inside */
@@ -65,6 +65,7 @@ typedef struct stilb_prof_lane {
 	uint32_t zone_count;
 	const stilb_prof_switch *switches; /* ascending, disjoint */
 	uint32_t switch_count;
+	uint64_t switches_ns;    /* they are known from then on: of a zone that began before, off_cpu_ns is a part */
 	const char *no_switches; /* why switches are not known; NULL when they are */
 } stilb_prof_lane;
 

@@ -1,13 +1,15 @@
 /*
  * When a thread left the CPU and when it came back, from perf_event_open: a software event that counts nothing
- * (PERF_COUNT_SW_DUMMY) with context_switch set notes both in a ring that the kernel writes, 16 bytes a time, with the time
- * of CLOCK_MONOTONIC. That needs no privilege up to perf_event_paranoid 2, because it tells a thread about itself alone.
+ * (PERF_COUNT_SW_DUMMY) with context_switch set notes both in a ring that the kernel writes, 16 bytes a time, with the
+ * time of CLOCK_MONOTONIC. That needs no privilege up to perf_event_paranoid 2, because it tells a thread about itself
+ * alone.
  *
- * Ring protocol (the kernel writes, any thread reads). The ring is mapped without write permission and written backwards
- * (write_backward): data_head falls by the size of a record once the record is whole, so the newest record lies at data_head,
- * older ones follow upwards, and the oldest are overwritten. The reader loads data_head, the records and data_head again; of
- * what it read, the bytes from (second data_head + size) on have been overwritten, and those of the record before that may be
- * under way. Source: the manual page perf_event_open(2), and kernel/events/ring_buffer.c of Linux.
+ * Ring protocol (the kernel writes, any thread reads). The ring is mapped without write permission and written
+ * backwards (write_backward): data_head falls by the size of a record once the record is whole, so the newest record
+ * lies at data_head, older ones follow upwards, and the oldest are overwritten. The reader loads data_head, the records
+ * and data_head again; of what it read, the bytes from (second data_head + size) on have been overwritten, and those of
+ * the record before that may be under way. Source: the manual page perf_event_open(2), and kernel/events/ring_buffer.c
+ * of Linux.
  *
  * The mapping keeps the event alive, so the descriptor is closed at once.
  */
@@ -84,7 +86,8 @@ prof_switches prof_switches_open(const char *name)
 	const int file = prof_switches_event();
 	if (file < 0)
 		return (prof_switches){.refused = prof_switches_why(errno), .schedstat = prof_schedstat_open(name)};
-	/* What all such rings of a user may lock is limited (perf_event_mlock_kb, RLIMIT_MEMLOCK): then a smaller one will do. */
+	/* What all such rings of a user may lock is limited (perf_event_mlock_kb, RLIMIT_MEMLOCK): then a smaller one
+	 * will do. */
 	prof_switches switches = {.refused = "no locked memory left (RLIMIT_MEMLOCK)"};
 	const size_t page = (size_t)sysconf(_SC_PAGESIZE);
 	for (size_t bytes = PROF_SWITCH_BYTES; bytes >= page && switches.page == NULL; bytes /= 2) {

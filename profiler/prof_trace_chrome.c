@@ -153,6 +153,8 @@ static void chrome_lane_names(chrome *c, uint32_t i)
 	prof_text_add(c->text, "}}");
 	if (lane->switch_count > 0) {
 		chrome_thread_name(c, CHROME_TID_OFF_CPU(i), lane->name, ": off the CPU");
+		prof_text_add(c->text, ",\"switches_from\":");
+		prof_text_u64(c->text, lane->switches_ns);
 		prof_text_add(c->text, "}}");
 	}
 }

@@ -179,8 +179,8 @@ static void test_help(void **state)
 }
 
 static const char *const refusals[][2] = {
-	{"trace", "none of top, diff and show"},
-	{"trace flop a.json", "'flop'"},
+	{"trace", "no command"},
+	{"trace flop a.json", "'flop' is none of top, diff and show"},
 	{"trace top", "no file"},
 	{"trace top {}", "no file"},
 	{"trace diff a.json", "stilb trace diff A B"},
@@ -209,6 +209,8 @@ static const char *const refusals[][2] = {
 	{"trace top empty.json", "'empty.json', line 1, byte 1 of 0: expected a trace"},
 	{"trace top text.json", "expected a Chrome trace: '{' or '[', but there is 'n'"},
 	{"trace diff text.json a.json", "'text.json'"},
+	{"trace top none.json", "'none.json' is a trace without zones"},
+	{"trace diff a.json none.json", "'none.json' is a trace without zones"},
 	{"trace top short.json", "but the file ends"},
 	{"trace top /dev/null", "'/dev/null'"},
 };
@@ -227,6 +229,7 @@ static void test_refusals(void **state)
 	make_trace("a.json", 1, 2000);
 	write_text("bare.json", "[{\"ph\":\"X\",\"ts\":1,\"dur\":1}]");
 	write_text("empty.json", "");
+	write_text("none.json", "{\"traceEvents\":[]}");
 	write_text("text.json", "no trace");
 	assert_int_equal(system("head -c 3000 a.json > short.json"), 0);
 	assert_int_equal(mkdir("folder", 0777), 0);

@@ -22,7 +22,7 @@
 
 #include <cmocka.h>
 
-/* ---- between the capture and the rest: linked with --wrap ------------------------------------------------------------ */
+/* ---- between the capture and the rest: linked with --wrap -------------------------------------------------------- */
 
 /* Frames that are made up: the hook is called by the test, and as many have begun as it says. */
 static bool synthetic;
@@ -99,7 +99,7 @@ int __wrap_stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char
 	return __real_stilb_prof_trace_save(snapshot, process_name, path);
 }
 
-/* ---- what done is told ----------------------------------------------------------------------------------------------- */
+/* ---- what done is told ------------------------------------------------------------------------------------------- */
 
 static struct {
 	uint32_t count; /* release and acquire: done and told_wait */
@@ -149,7 +149,7 @@ static void told_wait(uint32_t count)
 	assert_int_equal(told_count(), count);
 }
 
-/* ---- a folder for each test ------------------------------------------------------------------------------------------ */
+/* ---- a folder for each test -------------------------------------------------------------------------------------- */
 
 static char folder[64];
 
@@ -237,7 +237,7 @@ static bool is_whole_json(const char *path)
 	return good && memcmp(end, "}}\n", 3) == 0;
 }
 
-/* ---- asking ---------------------------------------------------------------------------------------------------------- */
+/* ---- asking ------------------------------------------------------------------------------------------------------ */
 
 static void frames_before_and_after(void **state)
 {
@@ -403,7 +403,7 @@ static void stop_writes_what_is_pending(void **state)
 	assert_int_equal(stilb_prof_capture_stop(), 0);
 }
 
-/* ---- signals --------------------------------------------------------------------------------------------------------- */
+/* ---- signals ----------------------------------------------------------------------------------------------------- */
 
 static void other_handler(int number)
 {
@@ -437,7 +437,7 @@ static void a_signal_asks(void **state)
 	signal(SIGUSR1, SIG_DFL);
 }
 
-/* ---- errors ---------------------------------------------------------------------------------------------------------- */
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 static void refused(void **state)
 {
@@ -539,7 +539,7 @@ static void tried_anew(void **state)
 	assert_int_equal(rmdir(sub), 0);
 }
 
-/* ---- slow frames ------------------------------------------------------------------------------------------------------ */
+/* ---- slow frames ------------------------------------------------------------------------------------------------- */
 
 static void synthetic_start(stilb_prof_spike spike, double ms)
 {
@@ -687,7 +687,7 @@ static void a_slow_frame_of_a_real_loop(void **state)
 	assert_int_equal(saved.last, 54);
 }
 
-/* ---- frame times ------------------------------------------------------------------------------------------------------ */
+/* ---- frame times ------------------------------------------------------------------------------------------------- */
 
 static uint64_t random_state = 1;
 
@@ -765,7 +765,7 @@ static void stats_of_frames(void **state)
 	assert_false(stats.spike); /* it was the frame before */
 }
 
-/* ---- everything at once ----------------------------------------------------------------------------------------------- */
+/* ---- everything at once ------------------------------------------------------------------------------------------ */
 
 static uint32_t crowd_stop;
 

@@ -1,6 +1,6 @@
 /*
- * Crashes: the program executes itself, crashes in one of many ways, and the parent looks at how it ended, how long that took
- * and what it has left.
+ * Crashes: the program executes itself, crashes in one of many ways, and the parent looks at how it ended, how long
+ * that took and what it has left.
  */
 #include "profiler/prof_capture.h"
 #include "profiler/prof_internal.h"
@@ -29,7 +29,7 @@ static void sleep_us(long us)
 	nanosleep(&(struct timespec){.tv_sec = us / 1000000, .tv_nsec = us % 1000000 * 1000}, NULL);
 }
 
-/* ---- ways to crash --------------------------------------------------------------------------------------------------- */
+/* ---- ways to crash ----------------------------------------------------------------------------------------------- */
 
 /* Sanitizers shall not see it coming. */
 #define UNSEEN __attribute__((noinline, no_sanitize("address", "thread", "undefined")))
@@ -153,7 +153,7 @@ static void crash_in_a_fork(void)
 	_exit(WIFSIGNALED(status) && WTERMSIG(status) == SIGSEGV ? 43 : 1);
 }
 
-/* ---- the program that crashes ---------------------------------------------------------------------------------------- */
+/* ---- the program that crashes ------------------------------------------------------------------------------------ */
 
 static void on_done(void *user, const stilb_prof_captured *captured)
 {
@@ -230,7 +230,7 @@ static int program(const char *name, const char *path)
 	return 3;
 }
 
-/* ---- the parent ------------------------------------------------------------------------------------------------------ */
+/* ---- the parent -------------------------------------------------------------------------------------------------- */
 
 static char folder[64], path[96];
 

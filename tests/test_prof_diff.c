@@ -343,7 +343,7 @@ static void alpha_is_shared(void **state)
 	made_finish(&b);
 }
 
-/* A zone inside another of its name counts when it is charged to another frame: a job that helped out in a later one. */
+/* A zone inside another of its name counts when it is charged to another frame: a job that helped out later. */
 static void jobs_of_other_frames(void **state)
 {
 	(void)state;

@@ -104,6 +104,7 @@ static void assert_same_lane(const stilb_prof_snapshot *s, const stilb_prof_lane
 	assert_int_equal(a->zone_count, b->zone_count);
 	assert_int_equal(a->switch_count, b->switch_count);
 	assert_int_equal(a->no_switches != NULL, b->no_switches != NULL);
+	assert_int_equal(a->switches_ns, b->switches_ns);
 	if (a->no_switches != NULL)
 		assert_string_equal(a->no_switches, b->no_switches);
 	for (uint32_t i = 0; i < a->zone_count; i++) {
@@ -465,8 +466,8 @@ static const struct {
 	const char *text;
 	const char *said;
 } bad[] = {
-	{"", "byte 1 of 0: expected a trace, but it is empty"},
-	{" \n ", "expected a trace, but it is empty"},
+	{"", "byte 1 of 0: expected a trace, but the file ends"},
+	{" \n ", "expected a trace, but the file ends"},
 	{"hello", "line 1, byte 1 of 5: expected a Chrome trace: '{' or '[', but there is 'h'"},
 	{"{", "expected a string, but the file ends"},
 	{"{}", "expected \"traceEvents\" before the end of the object"},
@@ -491,6 +492,7 @@ static const struct {
 	{"[{\"a\":[1 2]}]", "',' or ']'"},
 	{"[{\"a\":1,}]", "a string, but there is '}'"},
 	{"[{\"a\":\"\t\"}]", "no control byte in a string, but there is byte 0x09"},
+	{"[{\"a\":\"0123456789\n0123456789\"}]", "byte 18 of 31: expected no control byte in a string"},
 	{"[{\"a\":\"\\x\"}]", "after a backslash"},
 	{"[{\"a\":\"\\u12g4\"}]", "four hex digits after \\u, but there is 'g'"},
 	{"[{\"a\":\"b", "the end of the string that begins before, but the file ends"},
@@ -659,12 +661,13 @@ static void files(void **state)
 	assert_int_equal(ftruncate(file, 100), 0);
 	assert_unreadable(path, -EBADMSG, "of 100: expected ");
 	assert_int_equal(ftruncate(file, 0), 0);
-	assert_unreadable(path, -EBADMSG, "it is empty");
+	assert_unreadable(path, -EBADMSG, "expected a trace, but the file ends");
 	close(file);
 	unlink(path);
 	assert_unreadable(path, -ENOENT, "No such file");
 	assert_unreadable(".", -EISDIR, "directory");
-	assert_unreadable("/dev/null", -EBADMSG, "it is empty");
+	assert_unreadable("/dev/zero", -EBADMSG, "there is byte 0x00");
+	assert_unreadable("/dev/null", -EBADMSG, "expected a trace, but the file ends");
 	stilb_prof_snapshot_finish(&s);
 	free(b.text);
 	made_finish(&m);

@@ -812,6 +812,36 @@ static void threads_that_come_and_go(void **state)
 	assert_int_equal(lane->switches[0].in_ns, s.end_ns);
 }
 
+/* The kernel's ring has gone round: before the first switch that is held nothing is known, not that the thread ran. */
+static void switches_that_are_lost_are_not_known(void **state)
+{
+	(void)state;
+	static prof_switch_event events[PROF_SWITCHES_MAX - 1];
+	for (uint32_t i = 0; i < PROF_SWITCHES_MAX - 1; i++)
+		events[i] = (prof_switch_event){.ns = 1000000 + 100 * (uint64_t)i, .in = i % 2 == 0};
+	begin_thread_with_switches(events, PROF_SWITCHES_MAX - 1);
+	{
+		PROFILE("zone");
+		sleep_ms(3);
+	}
+	take(0);
+	assert_int_equal(s.lanes[1].switches_ns + s.epoch_ns, events[0].ns);
+	assert_int_equal(s.lanes[1].switch_count, (PROF_SWITCHES_MAX - 1) / 2);
+	assert_true(find_zone(1, "zone")->begin_ns < s.lanes[1].switches_ns);
+	made_switch_count /= 2; /* the ring was not full: there have been no others */
+	take(0);
+	assert_int_equal(s.lanes[1].switches_ns, s.begin_ns);
+}
+
+static void a_thread_alone(void **state)
+{
+	(void)state;
+	begin_thread_with_switches((prof_switch_event[1]){{0}}, 0);
+	sleep_ms(1);
+	take(0);
+	assert_true(s.end_ns - s.begin_ns >= 1000000);
+}
+
 static void sleep_is_off_the_cpu(void **state)
 {
 	(void)state;
@@ -973,6 +1003,8 @@ int main(void)
 		SNAPSHOT_TEST(switches_become_time_off_the_cpu),
 		SNAPSHOT_TEST(a_closed_window_cuts_switches),
 		SNAPSHOT_TEST(threads_that_come_and_go),
+		SNAPSHOT_TEST(switches_that_are_lost_are_not_known),
+		SNAPSHOT_TEST(a_thread_alone),
 		SNAPSHOT_TEST(sleep_is_off_the_cpu),
 		SNAPSHOT_TEST(memory_is_used_again),
 		SNAPSHOT_TEST(no_memory),

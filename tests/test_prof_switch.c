@@ -167,7 +167,7 @@ static void every_switch_is_noted(void **state)
 		assert_true(rivals == 0 || s.proc.preempted > 10);
 
 		/* The thread has ended; what it did stays until it is closed. */
-		assert_in_range(prof_switches_copy(&s.switches, 0, events), s.count, s.count + 1); /* at its end it leaves */
+		assert_in_range(prof_switches_copy(&s.switches, 0, events), s.count, s.count + 16); /* it ends: may wait */
 		prof_switches_close(&s.switches);
 		assert_int_equal(prof_switches_copy(&s.switches, 0, events), 0);
 	}

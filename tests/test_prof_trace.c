@@ -115,7 +115,13 @@ static const stilb_prof_zone worker_zones[] = {
 static const stilb_prof_zone gpu_zones[] = {ZONE(3000, 6001, 3001, PASS, ROOT, 1, 0, 0)};
 static const stilb_prof_switch main_switches[] = {{5500, 7500, false}, {7500, 7900, true}};
 static const stilb_prof_lane lanes[] = {
-	{.name = "main", .tid = 77, .zones = main_zones, .zone_count = 4, .switches = main_switches, .switch_count = 2},
+	{.name = "main",
+     .tid = 77,
+     .zones = main_zones,
+     .zone_count = 4,
+     .switches = main_switches,
+     .switch_count = 2,
+     .switches_ns = 5000},
 	{.name = "worker", .tid = 78, .zones = worker_zones, .zone_count = 2, .no_switches = "refused"},
 	{.name = "GPU", .kind = STILB_PROF_LANE_DEVICE, .zones = gpu_zones, .zone_count = 1},
 };
@@ -168,7 +174,8 @@ static const char made_text[] =
 	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":2,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":2}},\n"
 	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":2,\"name\":\"thread_name\",\"args\":{\"name\":\"main\",\"tid\":77}},\n"
 	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":3,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":3}},\n"
-	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":3,\"name\":\"thread_name\",\"args\":{\"name\":\"main: off the CPU\"}},\n"
+	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":3,\"name\":\"thread_name\",\"args\":{\"name\":\"main: off the CPU\","
+	"\"switches_from\":5000}},\n"
 	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":4,\"name\":\"thread_sort_index\",\"args\":{\"sort_index\":4}},\n"
 	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":4,\"name\":\"thread_name\",\"args\":{\"name\":\"worker\",\"tid\":78,"
 	"\"no_switches\":\"refused\"}},\n"

@@ -382,7 +382,8 @@ static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row
 	float x0, x1, from = 0.0f, to = -1.0f; /* neighbours of a kind, taken together */
 	bool preempted = false;
 	if (lane->kind != STILB_PROF_LANE_THREAD || lane->no_switches ||
-	    !timeline_clip_x(t, t->snapshot->begin_ns, t->snapshot->end_ns, &x0, &x1))
+	    !timeline_clip_x(t, lane->switches_ns > t->snapshot->begin_ns ? lane->switches_ns : t->snapshot->begin_ns,
+	                     t->snapshot->end_ns, &x0, &x1))
 		return;
 	stilb_ui_draw_rect(t->list, (stilb_ui_rect){x0, strip, x1, strip + TIMELINE_STRIP},
 	                   stilb_ui_rgb(UI_PROFILER_RUNNING));
@@ -546,7 +547,7 @@ static void timeline_tip_zone(const timeline *t, char *text, size_t size)
 	const stilb_prof_label *label = &t->snapshot->labels[zone->label];
 	const stilb_prof_row *row = timeline_label_row(t, zone->label, lane->kind);
 	char time[32], self[32], off[48] = "not known", all[32];
-	if (!lane->no_switches && lane->kind == STILB_PROF_LANE_THREAD)
+	if (!lane->no_switches && lane->kind == STILB_PROF_LANE_THREAD && zone->begin_ns >= lane->switches_ns)
 		ui_profiler_time_text(off, sizeof off, zone->off_cpu_ns);
 	int length = snprintf(text, size, "%s\t%s\ntime\t%s%s\nself\t%s", label->name, lane->name,
 	                      ui_profiler_time_text(time, sizeof time, zone->end_ns - zone->begin_ns),

@@ -124,6 +124,7 @@ static inline void made_switch(made *m, uint32_t lane, uint64_t out_ns, uint64_t
 	m->switches[lane] = made_more(m->switches[lane], l->switch_count, sizeof *m->switches[lane]);
 	m->switches[lane][l->switch_count++] = (stilb_prof_switch){out_ns, in_ns, preempted};
 	l->switches = m->switches[lane];
+	l->switches_ns = m->switches[lane][0].out_ns;
 }
 
 static inline void made_point(made *m, stilb_prof_point point)
