@@ -166,6 +166,8 @@ static int demo_main(demo_run *run)
 	const struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
 	sigaction(SIGINT, &once, NULL);
 	sigaction(SIGTERM, &once, NULL);
+	if (run->options.no_profile)
+		signal(SIGUSR1, SIG_IGN); /* asks for a capture, which there is none of; it would kill */
 	if (run->window)
 		fprintf(demo_options_words(&run->options), DEMO_KEYS ";\nclose the window to end\n");
 	fflush(stdout);

@@ -151,8 +151,10 @@ static void prof_timeline_anchors(prof_timeline *timeline, const prof_anchor *an
 		prof_timeline_add(timeline, last);
 	}
 	uint64_t age = stilb_prof_clock_monotonic() - last.ns, width;
-	if (timeline->count == 1 && age < PROF_CALIBRATION_NS)
+	while (timeline->count == 1 && age < PROF_CALIBRATION_NS) { /* a signal may end the sleep */
 		nanosleep(&(struct timespec){.tv_nsec = (long)(PROF_CALIBRATION_NS - age)}, NULL);
+		age = stilb_prof_clock_monotonic() - last.ns;
+	}
 	if (timeline->count == 1 || age >= PROF_LINE_NS)
 		prof_timeline_add(timeline, prof_anchor_take(16, 0, &width));
 }

@@ -126,7 +126,7 @@ typedef struct prof_lane_copy {
 
 /* What is held, raw. {0} is empty; prof_copy_take uses its memory again. */
 typedef struct prof_copy {
-	prof_lane_copy *lanes; /* in the order in which they were made */
+	prof_lane_copy *lanes; /* in their order in a snapshot */
 	uint32_t lane_count;
 	size_t lane_capacity;
 	stilb_prof_event *events;

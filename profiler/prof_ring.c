@@ -120,6 +120,37 @@ static prof_thread *prof_thread_reuse(const char *name, bool device)
 	return oldest;
 }
 
+/* How much of a name stands before the number at its end. */
+static size_t prof_name_stem(const char *name)
+{
+	size_t length = strlen(name);
+	while (length > 0 && name[length - 1] >= '0' && name[length - 1] <= '9')
+		length--;
+	return length;
+}
+
+/* True of "worker 10" and "worker 2": names that differ in the number at their end, and the first has the larger one. */
+static bool prof_name_follows(const char *a, const char *b)
+{
+	const size_t stem = prof_name_stem(a);
+	if (stem != prof_name_stem(b) || memcmp(a, b, stem) != 0)
+		return false;
+	const size_t digits_a = strlen(a + stem), digits_b = strlen(b + stem);
+	return digits_a != digits_b ? digits_a > digits_b : strcmp(a + stem, b + stem) > 0;
+}
+
+/* The last of the list takes its place: workers begin in any order, and are looked for by number. */
+static void prof_thread_place(void)
+{
+	const size_t last = prof.count - 1;
+	prof_thread *added = prof.threads[last];
+	size_t place = 0;
+	while (place < last && !prof_name_follows(prof.threads[place]->name, added->name))
+		place++;
+	memmove(&prof.threads[place + 1], &prof.threads[place], (last - place) * sizeof *prof.threads);
+	prof.threads[place] = added;
+}
+
 /* switches are the new owner's. NULL: no memory. */
 static prof_thread *prof_thread_take(const char *name, bool device, prof_switches *switches)
 {
@@ -131,10 +162,13 @@ static prof_thread *prof_thread_take(const char *name, bool device, prof_switche
 	}
 	pthread_rwlock_wrlock(&prof.lock);
 	prof_thread *thread = prof_thread_reuse(short_name, device);
-	if (thread == NULL)
+	const bool added = thread == NULL;
+	if (added)
 		thread = prof_thread_add();
 	if (thread != NULL) {
 		memcpy(thread->name, short_name, PROF_NAME_MAX);
+		if (added)
+			prof_thread_place();
 		thread->device = device;
 		thread->tid = device ? 0 : (uint32_t)gettid();
 		prof_switches_close(&thread->switches);

@@ -148,7 +148,8 @@ static void test_capture_that_cannot_be_written(void **state)
 	assert_int_equal(symlink("/dev/full", "c.json"), 0);
 	assert_int_equal(symlink("/dev/full", "c-2.json"), 0);
 	assert_int_equal(symlink("/dev/full", "c-3.json"), 0);
-	stilb_start(no_display, -1, SMALL "--frames 1000000 --stats a.json --capture c.json");
+	/* Frames of a millisecond: on a busy machine the marks of shorter ones are gone before the capture begins. */
+	stilb_start(no_display, -1, SMALL "--models 200000 --frames 1000000 --stats a.json --capture c.json");
 	bool ready = catches_interrupts(run.pid);
 	for (int i = 0; ready && i < 3; i++) {
 		kill(run.pid, SIGUSR1);
@@ -162,7 +163,7 @@ static void test_capture_that_cannot_be_written(void **state)
 	assert_said(run.err, "cannot write 'c");
 	assert_said(run.err, strerror(ENOSPC));
 	read_stats("a.json");
-	assert_true(stat_int("frames") > 1000);
+	assert_true(stat_int("frames") > 10);
 	assert_int_equal(folder_entries(), 4);
 }
 
@@ -171,7 +172,7 @@ static void test_capture_without_a_folder(void **state)
 {
 	(void)state;
 	assert_int_equal(mkdir("folder", 0777), 0);
-	stilb_start(no_display, -1, SMALL "--frames 1000000 --capture folder/c.json");
+	stilb_start(no_display, -1, SMALL "--models 200000 --frames 1000000 --capture folder/c.json");
 	bool ready = catches_interrupts(run.pid);
 	rmdir("folder");
 	if (ready)

@@ -658,6 +658,27 @@ static void shutdown_unmaps_the_rings(void **state)
 	assert_records("zone");
 }
 
+/* Lanes of devices begin without threads. */
+static void lanes_stand_by_their_numbers(void **state)
+{
+	(void)state;
+	static const char *const begun[] = {"main",     "worker 10", "worker 2",  "GPU",
+	                                    "worker 1", "worker",    "worker 02", "worker 3"};
+	static const char *const expected[] = {"main",      "worker 1",  "worker 2", "worker 3",
+	                                       "worker 02", "worker 10", "GPU",      "worker"};
+	const uint32_t count = sizeof begun / sizeof *begun;
+	prof_copy copy = {0};
+	for (uint32_t i = 0; i < count; i++) {
+		stilb_prof_lane_handle *lane;
+		assert_int_equal(stilb_prof_lane_create(begun[i], &lane), 0);
+	}
+	assert_int_equal(prof_copy_take(&copy, NULL), 0);
+	assert_int_equal(copy.lane_count, count);
+	for (uint32_t i = 0; i < count; i++)
+		assert_string_equal(copy.lanes[i].name, expected[i]);
+	prof_copy_free(&copy);
+}
+
 #define RING_TEST(f) cmocka_unit_test_teardown(f, shut_down)
 
 int main(void)
@@ -679,6 +700,7 @@ int main(void)
 		RING_TEST(threads_of_the_same_names_share_rings),
 		RING_TEST(threads_of_new_names_are_bounded),
 		RING_TEST(living_threads_do_not_share),
+		RING_TEST(lanes_stand_by_their_numbers),
 		RING_TEST(shutdown_unmaps_the_rings),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
