@@ -127,15 +127,34 @@ void trace_json_ns(stilb_json *json, const char *key, uint64_t ns)
 
 /* ---- the subcommand ---------------------------------------------------------------------------------------------- */
 
+static bool trace_is_help(const char *word)
+{
+	return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0;
+}
+
+/* Files stand before the flags, whose values would else be taken for files. */
+static bool trace_begins_with_a_flag(int argc, char **argv)
+{
+	return argc > 0 && argv[0][0] == '-' && argv[0][1] != '\0' && !trace_is_help(argv[0]);
+}
+
 int trace_command(int argc, char **argv)
 {
-	if (argc > 0 && strcmp(argv[0], "top") == 0)
-		return trace_top_command(argc - 1, argv + 1);
-	if (argc > 0 && strcmp(argv[0], "diff") == 0)
-		return trace_diff_command(argc - 1, argv + 1);
-	if (argc > 0 && strcmp(argv[0], "show") == 0)
-		return trace_show_command(argc - 1, argv + 1);
-	if (argc > 0 && (strcmp(argv[0], "--help") == 0 || strcmp(argv[0], "-h") == 0)) {
+	static const struct {
+		const char *name, *files;
+		int (*run)(int argc, char **argv);
+	} parts[] = {
+		{"top", "FILE", trace_top_command}, {"diff", "A B", trace_diff_command}, {"show", "FILE", trace_show_command}};
+	for (size_t i = 0; argc > 0 && i < sizeof parts / sizeof *parts; i++) {
+		if (strcmp(argv[0], parts[i].name) != 0)
+			continue;
+		if (!trace_begins_with_a_flag(argc - 1, argv + 1))
+			return parts[i].run(argc - 1, argv + 1);
+		stilb_log("trace %s: '%s' stands before the file; give stilb trace %s %s [FLAGS]", parts[i].name, argv[1],
+		          parts[i].name, parts[i].files);
+		return EXIT_REFUSED;
+	}
+	if (argc > 0 && trace_is_help(argv[0])) {
 		printf("stilb trace: what is in a trace that 'stilb demo --trace FILE' wrote.\n\n"
 		       "  top FILE   what takes the time\n"
 		       "  diff A B   which zones got slower from A to B\n"

@@ -6,6 +6,7 @@
 #include "profiler/prof_stats.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct top_options {
@@ -14,12 +15,19 @@ typedef struct top_options {
 	int sort;
 } top_options;
 
+/* How long jobs lay in a queue, from where they were submitted to where they ran. */
+typedef struct top_delays {
+	uint32_t jobs;
+	uint64_t p50_ns, p99_ns, max_ns;
+} top_delays;
+
 typedef struct top_run {
 	top_options options;
 	stilb_prof_snapshot trace;
 	stilb_prof_stats stats;
 	stilb_prof_stats_range range;
 	uint64_t self_ns; /* of all rows */
+	top_delays delays;
 } top_run;
 
 static const char *const sort_choices[] = {"total", "self", "off-cpu", "calls", "p50", "p99", "max", "name", NULL};
@@ -66,6 +74,46 @@ static bool top_choose_lane(top_run *run)
 	return false;
 }
 
+/* ---- queue delays -------------------------------------------------------------------------------------------------- */
+
+static int top_compare_ns(const void *a, const void *b)
+{
+	const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	return (x > y) - (x < y);
+}
+
+/* Ran in the chosen lane and frame, and where it came from is known. */
+static bool top_has_job(const top_run *run, const stilb_prof_flow *flow)
+{
+	const stilb_prof_stats_range *range = &run->range;
+	const stilb_prof_frame *frame = &run->trace.frames[range->first_frame];
+	return flow->from_lane != STILB_PROF_NONE && flow->to_lane != STILB_PROF_NONE &&
+	       (range->lane_count == 0 || flow->to_lane == range->first_lane) &&
+	       (range->frame_count == 0 || (flow->to_ns >= frame->begin_ns && flow->to_ns < frame->end_ns));
+}
+
+static bool top_take_delays(top_run *run)
+{
+	const stilb_prof_snapshot *trace = &run->trace;
+	top_delays *delays = &run->delays;
+	uint64_t *ns = malloc(((size_t)trace->flow_count + 1) * sizeof *ns);
+	if (!ns)
+		return false;
+	for (uint32_t i = 0; i < trace->flow_count; i++)
+		if (top_has_job(run, &trace->flows[i]))
+			ns[delays->jobs++] = trace->flows[i].to_ns - trace->flows[i].from_ns;
+	if (delays->jobs > 0) { /* by nearest rank */
+		qsort(ns, delays->jobs, sizeof *ns, top_compare_ns);
+		delays->p50_ns = ns[((uint64_t)delays->jobs * 50 + 99) / 100 - 1];
+		delays->p99_ns = ns[((uint64_t)delays->jobs * 99 + 99) / 100 - 1];
+		delays->max_ns = ns[delays->jobs - 1];
+	}
+	free(ns);
+	return true;
+}
+
+/* ---- output -------------------------------------------------------------------------------------------------------- */
+
 static void top_print(FILE *out, const top_run *run)
 {
 	trace_print_what(out, run->options.file, &run->trace);
@@ -87,6 +135,11 @@ static void top_print(FILE *out, const top_run *run)
 	}
 	if (lines < run->stats.row_count)
 		fprintf(out, "and %" PRIu32 " more: --lines %" PRIu32 "\n", run->stats.row_count - lines, run->stats.row_count);
+	const top_delays *delays = &run->delays;
+	if (delays->jobs > 0)
+		fprintf(out, "\n%" PRIu32 " job%s ran after a delay of p50 %.3f us, p99 %.3f us, max %.3f us in the queue\n",
+		        delays->jobs, delays->jobs == 1 ? "" : "s", trace_us(delays->p50_ns), trace_us(delays->p99_ns),
+		        trace_us(delays->max_ns));
 }
 
 static stilb_result top_save(const top_run *run)
@@ -96,6 +149,12 @@ static stilb_result top_save(const top_run *run)
 	stilb_json_string(&json, "file", run->options.file);
 	stilb_json_int(&json, "frames", run->trace.frame_count);
 	stilb_json_int(&json, "zones", (int64_t)trace_zones(&run->trace));
+	stilb_json_begin(&json, "queue_delay", '{');
+	stilb_json_int(&json, "jobs", run->delays.jobs);
+	trace_json_ns(&json, "p50_ns", run->delays.p50_ns);
+	trace_json_ns(&json, "p99_ns", run->delays.p99_ns);
+	trace_json_ns(&json, "max_ns", run->delays.max_ns);
+	stilb_json_end(&json, '}');
 	stilb_json_begin(&json, "rows", '[');
 	for (uint32_t i = 0; i < run->stats.row_count; i++) {
 		const stilb_prof_row *row = &run->stats.rows[i];
@@ -119,7 +178,7 @@ static stilb_result top_save(const top_run *run)
 
 static bool top_take(top_run *run)
 {
-	if (stilb_prof_stats_take(&run->stats, &run->trace, &run->range) != 0) {
+	if (!top_take_delays(run) || stilb_prof_stats_take(&run->stats, &run->trace, &run->range) != 0) {
 		stilb_log("no memory for a table of %" PRIu64 " zones", trace_zones(&run->trace));
 		return false;
 	}

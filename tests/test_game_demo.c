@@ -194,6 +194,27 @@ static void test_overlay(void **state)
 	stilb_good("demo --headless --models 1 --size 200x100 --frames 2 --overlay --no-profile --validate");
 }
 
+/* The same window over a file: another frame, another picture; the same frame, the same one. */
+static void test_show_of_a_trace(void **state)
+{
+	(void)state;
+	stilb_good("demo --headless --device null --models 400 --frames 20 --workers 2 --trace t.json");
+	stilb_good("trace show t.json --frame 7 --size 640x360 --screenshot seven.png");
+	assert_string_equal(run.out, "picture: seven.png\n");
+	read_picture("seven.png");
+	assert_int_equal(picture.width, 640);
+	assert_int_equal(picture.height, 360);
+	assert_true(colours() > 100);
+	stilb_good("trace show t.json --frame 7 --size 640x360 --screenshot again.png");
+	assert_true(same_picture("again.png"));
+	stilb_good("trace show t.json --frame 8 --size 640x360 --screenshot eight.png");
+	assert_false(same_picture("eight.png"));
+	stilb_good("trace show t.json --size 1x1 --screenshot tiny.png");
+	assert_int_equal(stilb_code(no_display, "trace show t.json"), 1);
+	assert_error_lines(1);
+	assert_said(run.err, "--screenshot FILE draws without a window");
+}
+
 /* ---- files ----------------------------------------------------------------------------------------------------------- */
 
 static void test_stats_and_trace(void **state)
@@ -301,6 +322,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_flags_change_the_picture),
 		FRESH_TEST(test_linear_picture),
 		FRESH_TEST(test_overlay),
+		FRESH_TEST(test_show_of_a_trace),
 		FRESH_TEST(test_stats_and_trace),
 		FRESH_TEST(test_full_disk),
 		FRESH_TEST(test_without_a_display),

@@ -37,6 +37,8 @@ static void make_trace(const char *path, uint64_t seed, uint64_t cull_ns)
 		made_pop(&m, 0, at += cull_ns + made_below(&random, 50));
 		made_push(&m, 0, 2, at);
 		made_push(&m, 1, 11, at + 100);
+		made_flow(&m, (stilb_prof_flow){
+						  .id = f + 1, .from_ns = at, .to_ns = at + 100 + 10 * f, .to_lane = 1, .frame = (uint32_t)f});
 		made_pop(&m, 1, at + 4000);
 		made_pop(&m, 0, at += 5000 + made_below(&random, 50) + (f == 20 ? 30000 : 0));
 		made_push(&m, 2, 2, begin);
@@ -69,6 +71,7 @@ static void test_top(void **state)
 	assert_true(total > 0.080 && total < 0.082 && self == total && p50 >= 2.0 && p50 < 2.05 && share > 10.0);
 	assert_true(off_cpu == 0.001);
 	lines_find("record (device)");
+	assert_said(run.out, "40 jobs ran after a delay of p50 0.290 us, p99 0.490 us, max 0.490 us in the queue");
 	stilb_good("trace top a.json --frame slowest --lane main --sort name");
 	assert_said(run.out, "frame 120: 0.037 ms");
 	assert_true(strstr(run.out, "record segment") == NULL);
@@ -76,6 +79,9 @@ static void test_top(void **state)
 	            strstr(run.out, " frame\n") < strstr(run.out, " record\n"));
 	assert_int_equal(sscanf(lines_find("record"), "%lld %lf", &calls, &total), 2);
 	assert_true(calls == 1 && total > 0.034);
+	assert_true(strstr(run.out, "in the queue") == NULL); /* none ran on main */
+	stilb_good("trace top a.json --frame 101");
+	assert_said(run.out, "1 job ran after a delay of p50 0.110 us");
 	stilb_good("trace top a.json --frame 139 --lines 2");
 	assert_said(run.out, "frame 139: 0.007 ms");
 	assert_said(run.out, "and 3 more: --lines 5");
@@ -185,6 +191,11 @@ static const char *const refusals[][2] = {
 	{"trace top {}", "no file"},
 	{"trace diff a.json", "stilb trace diff A B"},
 	{"trace diff a.json {}", "no file"},
+	{"trace top --lines 3 a.json", "give stilb trace top FILE [FLAGS]"},
+	{"trace show --size 10x10 a.json", "give stilb trace show FILE [FLAGS]"},
+	{"trace show none.json --screenshot x.png", "none.json"},
+	{"trace show a.json --screenshot x.gif", "x.gif"},
+	{"trace show a.json --frame 7", "100..139"},
 	{"trace top a.json b.json", "'b.json'"},
 	{"trace top a.json --bogus", "'--bogus'"},
 	{"trace top a.json --sort size", "total, self, off-cpu"},

@@ -418,6 +418,41 @@ static void test_merged_tooltip(void **state)
 	}
 }
 
+static bool tip_says(const char *text)
+{
+	return memmem(ui->tooltip, sizeof ui->tooltip, text, strlen(text)) != NULL;
+}
+
+/* A job says how long it lay in the queue, and who submitted it; the zone that submitted it does not. */
+static void test_job_tooltip(void **state)
+{
+	(void)state;
+	const uint64_t end = recorded->frames[60].end_ns;
+	recorded->flows[0] = (stilb_prof_flow){.id = 1, .from_ns = end - 9000000, .to_ns = end - 3999000, .to_lane = 1};
+	recorded->snapshot.flow_count = 1;
+	draw();
+	find(input.width - 60.0f, "job", "job");
+	assert_true(tip_says("submitted"));
+	assert_true(tip_says("5.00 ms before, by main"));
+	find(input.width - 60.0f, "record", "record");
+	assert_false(tip_says("submitted"));
+}
+
+/* Names in a file are as long as they like. */
+static void test_long_names(void **state)
+{
+	(void)state;
+	static char name[5000], file[5000];
+	memset(name, 'x', sizeof name - 1);
+	memset(file, 'y', sizeof file - 1);
+	stilb_prof_label *job = &recorded->labels[made_label(recorded, "job")];
+	job->name = recorded->lanes[1].name = name;
+	job->file = file;
+	draw();
+	find(input.width - 60.0f, "xxx", ui->tooltip);
+	assert_in_range(strlen(ui->tooltip), 100, sizeof ui->tooltip - 1);
+}
+
 /* ---- what must not go wrong -------------------------------------------------------------------------------------- */
 
 static void test_no_allocation(void **state)
@@ -496,6 +531,8 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_zoom_and_pan, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_double_click, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_merged_tooltip, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_job_tooltip, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_long_names, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_no_allocation, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_overwritten, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_out_of_memory, set_up, tear_down),

@@ -3,6 +3,7 @@
 #include "ui/ui_profiler_internal.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -540,26 +541,56 @@ static const stilb_prof_row *timeline_label_row(const timeline *t, uint32_t labe
 	return NULL;
 }
 
+/* The arrow that ends in the zone under the mouse, and in none inside it: its job's; or NULL. */
+static const stilb_prof_flow *timeline_job_of(const timeline *t)
+{
+	const stilb_prof_lane *lane = &t->snapshot->lanes[t->hot_lane];
+	for (uint32_t i = 0; i < t->snapshot->flow_count; i++) {
+		const stilb_prof_flow *flow = &t->snapshot->flows[i];
+		if (timeline_hot_at(t, flow->to_lane, flow->to_ns) && flow->from_lane != STILB_PROF_NONE &&
+		    ui_profiler_zone_at(lane, flow->to_ns) == t->hot.zone)
+			return flow;
+	}
+	return NULL;
+}
+
+/* Appends what fits: names in a file may be long. */
+__attribute__((format(printf, 3, 4))) static void timeline_say(char *text, size_t size, const char *format, ...)
+{
+	const size_t length = strlen(text);
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(text + length, size - length, format, arguments);
+	va_end(arguments);
+}
+
 static void timeline_tip_zone(const timeline *t, char *text, size_t size)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[t->hot_lane];
 	const stilb_prof_zone *zone = &lane->zones[t->hot.zone];
 	const stilb_prof_label *label = &t->snapshot->labels[zone->label];
 	const stilb_prof_row *row = timeline_label_row(t, zone->label, lane->kind);
-	char time[32], self[32], off[48] = "not known", all[32];
-	if (!lane->no_switches && lane->kind == STILB_PROF_LANE_THREAD && zone->begin_ns >= lane->switches_ns)
+	const stilb_prof_flow *job = timeline_job_of(t);
+	char time[32], off[32] = "not known";
+	text[0] = '\0';
+	timeline_say(text, size, "%s\t%s", label->name, lane->name);
+	ui_profiler_time_text(time, sizeof time, zone->end_ns - zone->begin_ns);
+	timeline_say(text, size, "\ntime\t%s%s", time, zone->open ? " so far" : "");
+	timeline_say(text, size, "\nself\t%s", ui_profiler_time_text(time, sizeof time, zone->self_ns));
+	if (!lane->no_switches && zone->begin_ns >= lane->switches_ns)
 		ui_profiler_time_text(off, sizeof off, zone->off_cpu_ns);
-	int length = snprintf(text, size, "%s\t%s\ntime\t%s%s\nself\t%s", label->name, lane->name,
-	                      ui_profiler_time_text(time, sizeof time, zone->end_ns - zone->begin_ns),
-	                      zone->open ? " so far" : "", ui_profiler_time_text(self, sizeof self, zone->self_ns));
 	if (lane->kind == STILB_PROF_LANE_THREAD)
-		length += snprintf(text + length, size - (size_t)length, "\noff the CPU\t%s", off);
+		timeline_say(text, size, "\noff the CPU\t%s", off);
 	if (row)
-		length += snprintf(text + length, size - (size_t)length, "\nin this frame\t%u, %s together", row->calls,
-		                   ui_profiler_time_text(all, sizeof all, row->inclusive_ns));
+		timeline_say(text, size, "\nin this frame\t%u, %s together", row->calls,
+		             ui_profiler_time_text(time, sizeof time, row->inclusive_ns));
+	if (job)
+		timeline_say(text, size, "\nsubmitted\t%s before, by %s",
+		             ui_profiler_time_text(time, sizeof time, job->to_ns - job->from_ns),
+		             t->snapshot->lanes[job->from_lane].name);
 	if (label->file[0]) {
 		const char *slash = strrchr(label->file, '/');
-		snprintf(text + length, size - (size_t)length, "\n%s:%u", slash ? slash + 1 : label->file, label->line);
+		timeline_say(text, size, "\n%s:%u", slash ? slash + 1 : label->file, label->line);
 	}
 }
 
