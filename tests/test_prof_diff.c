@@ -1,6 +1,7 @@
 /* Comparisons: the Mann-Whitney test against published values and all permutations, verdicts, matching, errors. */
 #include "profiler/prof_diff.h"
 
+#include "support/failing_memory.h"
 #include "support/prof_made.h"
 
 #include <errno.h>
@@ -10,30 +11,6 @@
 #include <stddef.h>
 
 #include <cmocka.h>
-
-/* ---- allocations that fail (the linker's --wrap) ----------------------------------------------------------------- */
-
-static int fail_allocation = -1; /* so many succeed, then one fails; -1: never */
-
-static bool allocation_fails(void)
-{
-	return fail_allocation >= 0 && fail_allocation-- == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return allocation_fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return allocation_fails() ? NULL : __real_calloc(count, size);
-}
 
 /* ---- Mann-Whitney ------------------------------------------------------------------------------------------------ */
 

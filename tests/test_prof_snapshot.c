@@ -1,5 +1,6 @@
 /* Snapshots: the tree from the order of ends, times, windows, charging, flows, points, what they cost. */
 #include "profiler/prof_internal.h"
+#include "support/failing_memory.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -12,39 +13,6 @@
 #include <time.h>
 
 #include <cmocka.h>
-
-/* ---- allocations that are counted and fail (the linker's --wrap) ------------------------------------------------- */
-
-static int fail_allocation = -1; /* so many succeed, then one fails; -1: never */
-static int allocations;
-
-static bool allocation_fails(void)
-{
-	allocations++;
-	return fail_allocation >= 0 && fail_allocation-- == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return allocation_fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return allocation_fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-	return allocation_fails() ? NULL : __real_realloc(memory, size);
-}
 
 /* ---- context switches made by hand ------------------------------------------------------------------------------- */
 

@@ -2,6 +2,7 @@
 #include "profiler/prof_stats.h"
 
 #include "profiler/prof_sort.h"
+#include "support/failing_memory.h"
 #include "support/prof_made.h"
 
 #include <errno.h>
@@ -12,39 +13,6 @@
 #include <time.h>
 
 #include <cmocka.h>
-
-/* ---- allocations that fail (the linker's --wrap) ----------------------------------------------------------------- */
-
-static int fail_allocation = -1; /* so many succeed, then one fails; -1: never */
-static int allocations;
-
-static bool allocation_fails(void)
-{
-	allocations++;
-	return fail_allocation >= 0 && fail_allocation-- == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return allocation_fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return allocation_fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-	return allocation_fails() ? NULL : __real_realloc(memory, size);
-}
 
 /* ---- the long way ------------------------------------------------------------------------------------------------ */
 

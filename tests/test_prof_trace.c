@@ -1,6 +1,7 @@
 /* Trace files: what is written of snapshots made by hand and of recorded ones, and what happens when writing fails. */
 #include "profiler/prof_read.h"
 #include "profiler/prof_text.h"
+#include "support/failing_memory.h"
 #include "test_prof_capture.h"
 
 #include <dirent.h>
@@ -20,37 +21,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-
-/* ---- allocations that fail (the linker's --wrap) ----------------------------------------------------------------- */
-
-static int fail_allocation = -1; /* so many succeed, then one fails; -1: never */
-
-static bool allocation_fails(void)
-{
-	return fail_allocation >= 0 && fail_allocation-- == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return allocation_fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return allocation_fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-	return allocation_fails() ? NULL : __real_realloc(memory, size);
-}
 
 /* ---- a locale that writes another decimal point (the linker's --wrap) -------------------------------------------- */
 
