@@ -311,7 +311,7 @@ static bool overlay_wants_keys(const fixture *f)
 
 static bool overlay_feels_wheel(const fixture *f)
 {
-	return f->engine->overlay.input.wheel == 1.0f && f->engine->overlay.input.mouse_y == 150.0f;
+	return f->engine->overlay.input.wheel == 1.0f && f->engine->overlay.input.mouse_y == 400.0f;
 }
 
 /* Runs frames until it is as wanted. */
@@ -328,6 +328,9 @@ static void test_overlay(void **state)
 	fixture *f = *state;
 	const stilb_scene_camera *camera = &stilb_engine_scene(f->engine)->camera;
 	XSetInputFocus(f->display, f->window, RevertToParent, CurrentTime); /* as a window manager would */
+	XResizeWindow(f->display, f->window, 640, 480); /* in a small window the profiler is words alone */
+	XSync(f->display, False);
+	expect_size(f, 640, 480);
 	run_frames(f, 3);
 	assert_false(overlay_is_open(f));
 	type_key(f, XK_F1);
@@ -339,7 +342,7 @@ static void test_overlay(void **state)
 	type_key(f, XK_space);
 	expect(f, overlay_is_frozen, false);
 
-	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 160, 150);
+	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 320, 400);
 	XSync(f->display, False);
 	expect(f, overlay_wants_mouse, true);
 	send_button(f, 4, true);
@@ -347,7 +350,7 @@ static void test_overlay(void **state)
 	expect(f, overlay_feels_wheel, true);
 	float yaw = camera->yaw;
 	send_button(f, 3, true);
-	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 190, 160);
+	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 350, 410);
 	XSync(f->display, False);
 	run_frames(f, 5);
 	assert_true(camera->yaw == yaw); /* the right button does not turn it over there */
