@@ -1,0 +1,116 @@
+/* stilb-bench profiler: short runs of the real programs, which check their own results, and goals judged from made-up
+ * numbers. */
+#include "support/stilb_program.h"
+
+#include <math.h>
+
+static char programs[PATH_MAX]; /* where stilb-bench and the programs beside it lie */
+
+static const char *row_text(int row, const char *key)
+{
+	char path[64];
+	snprintf(path, sizeof path, "rows[%d].%s", row, key);
+	const json_flat_value *value = json_flat_find(&stats, path);
+	return value ? value->text : NULL;
+}
+
+/* The median of a row; NaN: there is none. */
+static double row_median(const char *case_name, const char *subject, const char *metric)
+{
+	for (int i = 0; row_text(i, "case"); i++)
+		if (strcmp(row_text(i, "case"), case_name) == 0 && strcmp(row_text(i, "subject"), subject) == 0 &&
+		    strcmp(row_text(i, "metric"), metric) == 0)
+			return strtod(row_text(i, "median"), NULL);
+	return (double)NAN;
+}
+
+static void test_list(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(NULL, "--help"), 0);
+	assert_said(run.out, "\n  profiler ");
+	assert_int_equal(stilb_code(NULL, "profiler --list"), 0);
+	static const char *const words[] = {"stilb", "microprofile", "rdtsc",   "clock_gettime", "zone", "next",
+	                                    "work",  "off",          "capture", "file",          "live", "switches"};
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		assert_said(run.out, words[i]);
+}
+
+/* Each program ends with an error when its zones were not recorded, or were while recording was off. */
+static void test_runs(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(NULL, "profiler --rounds 1 --seconds 0.05 --only stilb,rdtsc --json p.json "
+	                                  "--case zone,next,precise,work,off,frame,live,switches"),
+	                 0);
+	read_stats("p.json");
+	const double zone = row_median("zone", "stilb", "of-pair"), limit = row_median("zone", "rdtsc", "of-pair");
+	assert_true(zone > 0.5 && limit > 0.5);
+	assert_true(row_median("next", "stilb", "zone") > 0.0 && row_median("precise", "stilb", "zone") > 0.0);
+	assert_true(row_median("work", "stilb", "with") > 0.0 && row_median("off", "stilb", "with") > 0.0);
+	assert_true(row_median("frame", "stilb", "mark") > 0.0 && row_median("live", "stilb", "snapshot") > 0.0);
+	assert_said(run.out, "empty zone / two rdtsc");
+	assert_said(run.out, "added while off");
+}
+
+static void write_program(const char *name, const char *script)
+{
+	FILE *file = fopen(name, "w");
+	assert_non_null(file);
+	fprintf(file, "#!/bin/sh\n%s\n", script);
+	fclose(file);
+	assert_int_equal(chmod(name, 0755), 0);
+}
+
+/* Of a goal's line: met, missed, or neither. */
+static void assert_goal(const char *what, const char *verdict)
+{
+	const char *goals = strstr(run.out, "\ngoals;"), *line = goals ? strstr(goals, what) : NULL;
+	assert_non_null(line);
+	char text[256];
+	snprintf(text, sizeof text, "%.*s", (int)strcspn(line, "\n"), line);
+	if (!strstr(text, verdict))
+		print_error("%s\n", text);
+	assert_non_null(strstr(text, verdict));
+}
+
+static void test_goals(void **state)
+{
+	(void)state;
+	char command[2 * PATH_MAX], home[PATH_MAX];
+	snprintf(command, sizeof command, "cp '%s/stilb-bench' .", programs);
+	assert_int_equal(system(command), 0);
+	write_program("stilb-bench-limits", "echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; "
+	                                    "echo futex-wake-p50 4; echo futex-wake-p99 5");
+	write_program("stilb-bench-profiler-own", "case $2 in\n"
+	                                          "zone) echo pair 20; echo zone 20.6; echo of-pair 1.03 ;;\n"
+	                                          "next) echo pair 20; echo zone 10; echo of-pair 0.5 ;;\n"
+	                                          "switches) echo kernel 10; echo seen 9; echo of-kernel 0.9 ;;\n"
+	                                          "live) echo snapshot 100 ;;\n"
+	                                          "esac");
+	memcpy(home, stilb_path, sizeof home);
+	assert_non_null(realpath("stilb-bench", stilb_path));
+	const int code = stilb_code(NULL, "profiler --rounds 1 --seconds 0.05 --only stilb --case zone,next,switches,live");
+	memcpy(stilb_path, home, sizeof home);
+	assert_int_equal(code, 0);
+	assert_goal("empty zone / two rdtsc", "MISSED");
+	assert_goal("PROFILE_NEXT / two rdtsc", "met");
+	assert_goal("context switches seen", "MISSED");
+	assert_goal("an overlay's snapshot", "met");
+	assert_true(strstr(run.out, "added while off") == NULL);
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup(test_list, folder_fresh),
+		cmocka_unit_test_setup(test_runs, folder_fresh),
+		cmocka_unit_test_setup(test_goals, folder_fresh),
+	};
+	if (argc != 2 || !folder_enter(argv[1], "test_bench_profiler")) {
+		fprintf(stderr, "usage: test_bench_profiler STILB-BENCH\n");
+		return 1;
+	}
+	snprintf(programs, sizeof programs, "%.*s", (int)(strrchr(stilb_path, '/') - stilb_path), stilb_path);
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}
