@@ -1,5 +1,5 @@
 /* The program stilb-bench: its flags, a small run and its JSON, and what it makes of programs that fail, lie, hang. */
-#include "support/stilb_program.h"
+#include "support/bench_program.h"
 
 #include <math.h>
 
@@ -218,15 +218,6 @@ static void copy_program(const char *from, const char *to)
 	char command[2 * PATH_MAX + 16];
 	snprintf(command, sizeof command, "cp '%s' '%s'", from, to);
 	assert_int_equal(system(command), 0);
-}
-
-static void write_program(const char *name, const char *script)
-{
-	FILE *file = fopen(name, "w");
-	assert_non_null(file);
-	fprintf(file, "#!/bin/sh\n%s\n", script);
-	fclose(file);
-	assert_int_equal(chmod(name, 0755), 0);
 }
 
 #define GOOD_LIMITS                                                                                                    \

@@ -1,28 +1,8 @@
 /* stilb-bench profiler: short runs of the real programs, which check their own results, and goals judged from made-up
  * numbers. */
-#include "support/stilb_program.h"
-
-#include <math.h>
+#include "support/bench_program.h"
 
 static char programs[PATH_MAX]; /* where stilb-bench and the programs beside it lie */
-
-static const char *row_text(int row, const char *key)
-{
-	char path[64];
-	snprintf(path, sizeof path, "rows[%d].%s", row, key);
-	const json_flat_value *value = json_flat_find(&stats, path);
-	return value ? value->text : NULL;
-}
-
-/* The median of a row; NaN: there is none. */
-static double row_median(const char *case_name, const char *subject, const char *metric)
-{
-	for (int i = 0; row_text(i, "case"); i++)
-		if (strcmp(row_text(i, "case"), case_name) == 0 && strcmp(row_text(i, "subject"), subject) == 0 &&
-		    strcmp(row_text(i, "metric"), metric) == 0)
-			return strtod(row_text(i, "median"), NULL);
-	return (double)NAN;
-}
 
 static void test_list(void **state)
 {
@@ -51,15 +31,6 @@ static void test_runs(void **state)
 	assert_true(row_median("frame", "stilb", "mark") > 0.0 && row_median("live", "stilb", "snapshot") > 0.0);
 	assert_said(run.out, "empty zone / two rdtsc");
 	assert_said(run.out, "added while off");
-}
-
-static void write_program(const char *name, const char *script)
-{
-	FILE *file = fopen(name, "w");
-	assert_non_null(file);
-	fprintf(file, "#!/bin/sh\n%s\n", script);
-	fclose(file);
-	assert_int_equal(chmod(name, 0755), 0);
 }
 
 /* Of a goal's line: met, missed, or neither. */

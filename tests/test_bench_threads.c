@@ -1,7 +1,5 @@
 /* stilb-bench threads: small runs on the null device, their JSON and timelines, and what is refused. */
-#include "support/stilb_program.h"
-
-#include <math.h>
+#include "support/bench_program.h"
 
 static char program_path[PATH_MAX]; /* stilb-bench-threads */
 
@@ -71,36 +69,6 @@ static void test_refusals(void **state)
 	fclose(file);
 	assert_int_equal(bench_code(NULL, "threads --traces file"), 2);
 	assert_said(run.err, "is no folder");
-}
-
-/* ---- rows -------------------------------------------------------------------------------------------------------- */
-
-static const char *row_text(int row, const char *key)
-{
-	char path[64];
-	snprintf(path, sizeof path, "rows[%d].%s", row, key);
-	const json_flat_value *value = json_flat_find(&stats, path);
-	return value ? value->text : NULL;
-}
-
-/* The median of a row; NaN: there is none. */
-static double row_median(const char *case_name, const char *subject, const char *metric)
-{
-	for (int i = 0; row_text(i, "case"); i++)
-		if (strcmp(row_text(i, "case"), case_name) == 0 && strcmp(row_text(i, "subject"), subject) == 0 &&
-		    strcmp(row_text(i, "metric"), metric) == 0)
-			return strtod(row_text(i, "median"), NULL);
-	return (double)NAN;
-}
-
-/* There is such a row, and it is more than nothing. */
-static double some(const char *case_name, const char *subject, const char *metric)
-{
-	double median = row_median(case_name, subject, metric);
-	if (!(median > 0.0))
-		print_error("%s %s %s: %g\n", case_name, subject, metric, median);
-	assert_true(median > 0.0);
-	return median;
 }
 
 static void test_sweep(void **state)
