@@ -1,5 +1,4 @@
 /* stilb trace show: the profiler's timeline over a trace file, in a window or as a picture. */
-#include "commands.h"
 #include "flags.h"
 #include "trace.h"
 
@@ -8,7 +7,6 @@
 #include "trace_view.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 typedef struct show_options {
 	const char *frame, *screenshot, *gpu;
@@ -31,10 +29,10 @@ static flags_result show_parse(show_options *o, int argc, char **argv)
 	const size_t count = sizeof flags / sizeof *flags;
 	const flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf("stilb trace show FILE [FLAGS]: who did what in a frame, and who waited for whom. FILE is what 'stilb "
-		       "demo\n"
-		       "--trace' wrote, or Chrome trace JSON of another program that marks frames as it does; - is standard\n"
-		       "input. Wheel zooms, drag pans, a double click fits a zone, a click on a bar chooses a frame.\n\n");
+		printf("stilb trace show FILE [FLAGS]: who did what in a frame, and who waited for whom. FILE is what\n"
+		       "'stilb demo --trace' wrote, or Chrome trace JSON of another program that marks frames as it does;\n"
+		       "- is standard input. Wheel zooms, drag pans, a double click fits a zone, a click on a bar chooses\n"
+		       "a frame.\n\n");
 		flags_print(flags, count);
 	}
 	return result;

@@ -82,14 +82,20 @@ static int top_compare_ns(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
+static bool top_is_in_frame(const top_run *run, uint64_t ns)
+{
+	const stilb_prof_stats_range *range = &run->range;
+	if (range->frame_count == 0)
+		return true;
+	const stilb_prof_frame *frame = &run->trace.frames[range->first_frame];
+	return ns >= frame->begin_ns && ns < frame->end_ns;
+}
+
 /* Ran in the chosen lane and frame, and where it came from is known. */
 static bool top_has_job(const top_run *run, const stilb_prof_flow *flow)
 {
-	const stilb_prof_stats_range *range = &run->range;
-	const stilb_prof_frame *frame = &run->trace.frames[range->first_frame];
 	return flow->from_lane != STILB_PROF_NONE && flow->to_lane != STILB_PROF_NONE &&
-	       (range->lane_count == 0 || flow->to_lane == range->first_lane) &&
-	       (range->frame_count == 0 || (flow->to_ns >= frame->begin_ns && flow->to_ns < frame->end_ns));
+	       (run->range.lane_count == 0 || flow->to_lane == run->range.first_lane) && top_is_in_frame(run, flow->to_ns);
 }
 
 static bool top_take_delays(top_run *run)

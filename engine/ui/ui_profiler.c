@@ -290,7 +290,8 @@ static void profiler_draw_small(const stilb_ui_profiler *profiler, stilb_ui *ui)
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
 	const stilb_ui_rect line = {0.0f, input->height - style->row_height, input->width, input->height};
 	stilb_ui_draw_rect(stilb_ui_list(ui), line, style->panel);
-	stilb_ui_label(ui, line, STILB_UI_ALIGN_LEFT,
+	const stilb_ui_rect words = {style->margin, line.y0, line.x1 - style->margin, line.y1};
+	stilb_ui_label(ui, words, STILB_UI_ALIGN_LEFT,
 	               profiler->snapshot ? profiler->data.report.wait_text : "Too small for the profiler.");
 }
 
