@@ -95,6 +95,8 @@ static void prof_clock_start(void)
 	prof_clock.tsc = !prof_clock.forced_monotonic && prof_tsc_is_invariant();
 	prof_clock.resolution = prof_resolution_measure();
 	prof_clock.start = prof_anchor_take(16, 0, &prof_clock.width);
+	if (!prof_clock.tsc)
+		prof_clock.start.ticks = prof_clock.start.ns; /* one clock: not as if it were two that were read in turn */
 }
 
 void prof_clock_force_monotonic(void)
