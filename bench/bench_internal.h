@@ -48,7 +48,6 @@ double bench_of_limit(const bench_row *row, const bench_row *limit);
 void bench_print(FILE *out, const bench_results *results);
 int bench_save_json(const bench_results *results, const char *path); /* exit code */
 int bench_save_plot(const bench_results *results, const char *path); /* exit code */
-bool bench_can_plot(void);
 
 /* "gcc 12.2.0 -O3 -DNDEBUG, C++ the same". */
 const char *bench_build_flags(void);

@@ -1,16 +1,10 @@
 /* The picture of a suite: a script for gnuplot, which draws it. */
 #include "bench/bench_internal.h"
 
-#include "base/base_file.h"
 #include "game/flags.h"
+#include "game/gnuplot.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <spawn.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #define PANEL_WIDTH 1000
 #define PANEL_HEIGHT 460
@@ -129,21 +123,30 @@ static size_t panels_with_data(const bench_results *results)
 	return count;
 }
 
-static void write_script(FILE *out, const bench_results *results, const char *picture)
+typedef struct plot_layout {
+	size_t columns, rows;
+} plot_layout;
+
+static plot_layout plot_lay_out(const bench_results *results)
 {
+	size_t panels = results->suite->plot ? results->suite->plot_rows * COLUMNS : panels_with_data(results);
+	size_t columns = panels > 1 ? COLUMNS : 1;
+	return (plot_layout){columns, (panels + columns - 1) / columns};
+}
+
+static void write_script(FILE *out, const void *context)
+{
+	const bench_results *results = context;
+	plot_layout layout = plot_lay_out(results);
 	char machine[256];
 	bench_machine(machine, sizeof machine);
-	size_t panels = results->suite->plot ? results->suite->plot_rows * COLUMNS : panels_with_data(results);
-	size_t columns = panels > 1 ? COLUMNS : 1, rows = (panels + columns - 1) / columns;
 	fprintf(
 		out,
-		"set terminal pngcairo size %zu,%zu font 'sans,11' noenhanced\nset output '%s'\n"
 		"set multiplot layout %zu,%zu title \"stilb-bench %s: %s\\nmedians of %u runs of %.2f s; bars from the least "
 		"run to the most\" font ',13'\n"
 		"set grid ytics linecolor rgb '#e0e0e0'\nset key outside right top Left reverse\nset bars 0.4\nset offsets 0, "
 		"0, 0, 0\n",
-		columns * PANEL_WIDTH, rows * PANEL_HEIGHT + 50, picture, rows, columns, results->suite->name, machine,
-		results->rounds, results->seconds);
+		layout.rows, layout.columns, results->suite->name, machine, results->rounds, results->seconds);
 	if (results->suite->plot) {
 		results->suite->plot(out, results);
 	} else {
@@ -152,79 +155,19 @@ static void write_script(FILE *out, const bench_results *results, const char *pi
 			if (any_row(results, &results->suite->panels[p]))
 				write_panel(out, results, &results->suite->panels[p], p);
 	}
-	fprintf(out, "unset multiplot\nunset output\n");
+	fprintf(out, "unset multiplot\n");
 }
 
-/* ---- gnuplot ----------------------------------------------------------------------------------------------------- */
-
-/* Exit status 0? What gnuplot says goes to stderr, unless quiet. */
-static bool run_gnuplot(const char *argument, bool quiet)
-{
-	char *argv[] = {"gnuplot", (char *)argument, NULL};
-	posix_spawn_file_actions_t actions;
-	posix_spawn_file_actions_init(&actions);
-	if (quiet)
-		posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-	else
-		posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-	pid_t child;
-	int error = posix_spawnp(&child, "gnuplot", &actions, NULL, argv, environ), status = -1;
-	posix_spawn_file_actions_destroy(&actions);
-	while (!error && waitpid(child, &status, 0) < 0 && errno == EINTR) {
-	}
-	return !error && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
-bool bench_can_plot(void)
-{
-	return run_gnuplot("--version", true);
-}
-
-static int copy_file(FILE *from, const char *path)
-{
-	stilb_file file;
-	char block[65536];
-	if (stilb_file_open(&file, path) != STILB_OK)
-		return EXIT_FAILED;
-	for (size_t size; (size = fread(block, 1, sizeof block, from)) > 0;)
-		stilb_file_write(&file, block, size); /* commit reports what went wrong */
-	return stilb_file_commit(&file) == STILB_OK ? EXIT_DONE : EXIT_FAILED;
-}
-
-/* gnuplot draws into folder; the picture is copied to where it belongs as all output files are written. */
-static int draw(const bench_results *results, const char *folder, const char *path)
-{
-	char script_name[64], picture_name[64];
-	snprintf(script_name, sizeof script_name, "%s/script", folder);
-	snprintf(picture_name, sizeof picture_name, "%s/picture.png", folder);
-	int code = EXIT_FAILED;
-	FILE *script = fopen(script_name, "we");
-	if (script) {
-		write_script(script, results, picture_name);
-		fclose(script);
-	}
-	FILE *picture = script && run_gnuplot(script_name, false) ? fopen(picture_name, "re") : NULL;
-	if (picture) {
-		code = copy_file(picture, path);
-		fclose(picture);
-	} else {
-		stilb_fail(STILB_ERROR_FILE, "cannot draw '%s': gnuplot failed", path);
-	}
-	if (code != EXIT_DONE)
-		stilb_log("%s", stilb_error_message());
-	unlink(picture_name);
-	unlink(script_name);
-	return code;
-}
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
 
 int bench_save_plot(const bench_results *results, const char *path)
 {
-	char folder[] = "/tmp/stilb-bench-XXXXXX";
-	if (!mkdtemp(folder)) {
-		stilb_log("cannot draw '%s': no temporary folder: %s", path, strerror(errno));
-		return EXIT_FAILED;
-	}
-	int code = draw(results, folder, path);
-	rmdir(folder);
-	return code;
+	plot_layout layout = plot_lay_out(results);
+	char terminal[128];
+	snprintf(terminal, sizeof terminal, "pngcairo size %zu,%zu font 'sans,11' noenhanced", layout.columns * PANEL_WIDTH,
+	         layout.rows * PANEL_HEIGHT + 50);
+	if (gnuplot_save(path, terminal, write_script, results) == STILB_OK)
+		return EXIT_DONE;
+	stilb_log("%s", stilb_error_message());
+	return EXIT_FAILED;
 }

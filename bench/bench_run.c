@@ -4,6 +4,7 @@
 
 #include "base/base_file.h"
 #include "game/flags.h"
+#include "game/gnuplot.h"
 
 #include <fnmatch.h>
 #include <limits.h>
@@ -398,8 +399,8 @@ int bench_run(const bench_suite *suite, const bench_options *options)
 		print_list(suite);
 		return EXIT_DONE;
 	}
-	if (options->plot && !bench_can_plot()) {
-		stilb_log("--plot: gnuplot is not installed (Debian package gnuplot-nox)");
+	if (options->plot && !gnuplot_found()) {
+		stilb_log("--plot: " GNUPLOT_MISSING);
 		return EXIT_REFUSED;
 	}
 	bench_results results = {.suite = suite, .options = options};

@@ -351,7 +351,7 @@ static uint64_t expected_hash(const run *r)
 	sorted_keys = r->keys;
 	if (r->pass.sort)
 		qsort(order, r->draws, sizeof *order, order_by_key);
-	uint64_t hash = STILB_FNV1A64_START;
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &r->view.shading, sizeof r->view.shading);
 	for (uint32_t k = 0; k < r->draws; k++) {
 		const uint32_t i = order[k], ids[2] = {r->scene->part_mesh[i], r->scene->part_material[i]};
 		hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
@@ -417,6 +417,7 @@ static void make_scene(run *r)
 		.view_projection = stilb_scene_camera_matrix(&r->scene->camera, (float)RECORD_WIDTH / (float)RECORD_HEIGHT),
 		.sun = r->scene->sun,
 		.sky = r->scene->sky,
+		.shading = stilb_render_shading_default(),
 	};
 	memcpy(r->view.camera_position, r->scene->camera.position, sizeof r->view.camera_position);
 	r->pass = (stilb_render_pass){.name = "main"};

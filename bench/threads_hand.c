@@ -48,6 +48,7 @@ void threads_hand_open(threads_hand *hand, uint32_t contexts)
 	memcpy(hand->view.camera_position, camera.position, sizeof camera.position);
 	hand->view.sun = hand->scene->sun;
 	hand->view.sky = hand->scene->sky;
+	hand->view.shading = stilb_render_shading_default();
 }
 
 void threads_hand_close(threads_hand *hand)

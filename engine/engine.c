@@ -47,6 +47,7 @@ stilb_engine_desc stilb_engine_desc_default(void)
 		.width = 1280,
 		.height = 720,
 		.present = true,
+		.shading = stilb_render_shading_default(),
 		.profile = true,
 		.profile_ring_mib = 64,
 		.capture = stilb_prof_capture_desc_default(),
@@ -103,7 +104,7 @@ static stilb_result engine_start(stilb_engine *engine)
 		result = stilb_render_upload_scene(engine->render, engine->scene);
 	engine_fill_passes(engine);
 	if (result == STILB_OK)
-		result = engine_overlay_open(engine, desc->overlay);
+		result = engine_overlay_open(engine, desc->overlay, desc->inspector);
 	return result;
 }
 
@@ -114,6 +115,7 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	if (!engine)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the engine");
 	engine->desc = *desc;
+	engine->shading = desc->shading;
 	stilb_result result = engine_profile_start(desc);
 	if (result == STILB_OK)
 		result = engine_start(engine);
@@ -206,6 +208,16 @@ void stilb_engine_set_title(stilb_engine *engine, const char *title)
 {
 	if (engine->window)
 		stilb_window_title(engine->window, title);
+}
+
+stilb_render_shading stilb_engine_shading(const stilb_engine *engine)
+{
+	return engine->shading;
+}
+
+void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading)
+{
+	engine->shading = *shading;
 }
 
 stilb_scene *stilb_engine_scene(stilb_engine *engine)

@@ -29,6 +29,7 @@ typedef struct stilb_engine_desc {
 	stilb_render_replay_mode replay;
 	stilb_render_materials materials;
 	stilb_render_output output;
+	stilb_render_shading shading;
 	const char *gpu;        /* NULL: the best */
 	uint32_t width, height; /* 1..16384 */
 	uint32_t samples;       /* 1, 4, or 0 for the device's own choice */
@@ -39,7 +40,8 @@ typedef struct stilb_engine_desc {
 	stilb_render_faults faults; /* what is to go wrong, for tests */
 	uint64_t slow_frame;        /* counted from 1, takes 100 ms longer, for tests; 0: none */
 	bool overlay;               /* the profiler's window is open from the start */
-	stilb_ui_aa ui_aa;          /* its edges */
+	bool inspector;             /* the materials' window is */
+	stilb_ui_aa ui_aa;          /* their edges */
 	bool profile;               /* record what every thread does, for the overlay and for files */
 	uint32_t profile_ring_mib; /* what each thread keeps of it, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory
 	                               is taken as it is used */
@@ -124,6 +126,17 @@ typedef struct stilb_engine_library {
 /* Fills libraries, returns how many: at most STILB_ENGINE_LIBRARIES. */
 #define STILB_ENGINE_LIBRARIES 3
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES]);
+
+/* How the next frame is shaded; the user may have chosen in the inspector. */
+stilb_render_shading stilb_engine_shading(const stilb_engine *engine);
+void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading);
+
+/* The words for what can be chosen, in the order of the numbers in stilb_render_shading; NULL-terminated. [any-thread] */
+extern const char *const stilb_engine_brdf_names[];
+extern const char *const stilb_engine_ndf_names[];
+extern const char *const stilb_engine_g_names[];
+extern const char *const stilb_engine_f_names[];
+extern const char *const stilb_engine_light_names[];
 
 /* The scene and its camera: change them between frames only. */
 stilb_scene *stilb_engine_scene(stilb_engine *engine);

@@ -10,12 +10,18 @@
 
 #define ENGINE_MAX_VIEWS 4u
 
-/* The profiler over the picture; {0} before it is opened for the first time. */
+/* The window in which formulas are chosen; {0} at first. */
+typedef struct engine_inspector {
+	stilb_ui_rect place; /* empty: not yet drawn */
+} engine_inspector;
+
+/* What stands over the picture; {0} before any of it is opened for the first time. */
 typedef struct engine_overlay {
 	stilb_ui *ui;
 	stilb_ui_profiler *profiler;
+	engine_inspector inspector;
 	stilb_ui_input input; /* of this frame; nobody touches anything when headless */
-	bool open;
+	bool profiler_open, inspector_open;
 } engine_overlay;
 
 struct stilb_engine {
@@ -34,6 +40,7 @@ struct stilb_engine {
 	uint32_t pass_count;
 	uint32_t frame_passes; /* this frame's: the overlay's comes after those of the table */
 	engine_overlay overlay;
+	stilb_render_shading shading; /* of the next frame */
 
 	uint64_t frame;   /* frames done */
 	uint64_t last_ns; /* when the frame before began; 0 before the first */
@@ -56,8 +63,12 @@ void engine_profile_stop(void);
 
 /* engine_overlay.c */
 
-/* STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: it cannot be made and stays closed. */
-stilb_result engine_overlay_open(stilb_engine *engine, bool open);
+/* Which of its windows are open. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: they cannot be made, and all stays as it was. */
+stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector);
+static inline bool engine_overlay_is_open(const engine_overlay *overlay)
+{
+	return overlay->profiler_open || overlay->inspector_open;
+}
 void engine_overlay_finish(engine_overlay *overlay);
 
 /* What the window says goes to the overlay first; *input keeps what the overlay leaves. */
@@ -68,5 +79,10 @@ stilb_ui_input engine_ui_input(const stilb_window_state *window);
 
 /* Builds the overlay, which is open, and records it as `pass`, of kind 2D. */
 stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t worker);
+
+/* engine_inspector.c */
+
+/* Between stilb_ui_begin and stilb_ui_end. *shading and *open become what the user wants. */
+void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading, bool *open);
 
 #endif

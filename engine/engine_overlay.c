@@ -1,6 +1,6 @@
 /*
- * The profiler over the picture: it is made when it is first opened, gets the mouse and the keys before the camera does, and
- * is drawn as a 2D pass of its own.
+ * What stands over the picture, the profiler and the inspector: made when one of them is first opened, it gets the mouse and
+ * the keys before the camera does, and is drawn as a 2D pass of its own.
  */
 #include "engine_internal.h"
 
@@ -21,14 +21,15 @@ static stilb_result engine_overlay_create(stilb_engine *engine)
 	return result;
 }
 
-stilb_result engine_overlay_open(stilb_engine *engine, bool open)
+stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector)
 {
-	if (open && !engine->overlay.ui) {
+	if ((profiler || inspector) && !engine->overlay.ui) {
 		stilb_result result = engine_overlay_create(engine);
 		if (result != STILB_OK)
 			return result;
 	}
-	engine->overlay.open = open;
+	engine->overlay.profiler_open = profiler;
+	engine->overlay.inspector_open = inspector;
 	return STILB_OK;
 }
 
@@ -67,25 +68,31 @@ stilb_ui_input engine_ui_input(const stilb_window_state *window)
 void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window, stilb_input_state *input)
 {
 	engine_overlay *overlay = &engine->overlay;
-	if (input->overlay && engine_overlay_open(engine, !overlay->open) != STILB_OK)
+	if ((input->overlay || input->inspector) &&
+	    engine_overlay_open(engine, overlay->profiler_open != input->overlay,
+	                        overlay->inspector_open != input->inspector) != STILB_OK)
 		stilb_log("%s", stilb_error_message()); /* the picture goes on without it */
 	/* Of the frame before: what the user saw when acting. */
-	bool mouse = overlay->open && stilb_ui_wants_mouse(overlay->ui);
-	bool keys = overlay->open && stilb_ui_wants_keys(overlay->ui);
+	bool open = engine_overlay_is_open(overlay);
+	bool mouse = open && stilb_ui_wants_mouse(overlay->ui);
+	bool keys = open && stilb_ui_wants_keys(overlay->ui);
 	stilb_window_set_capturing(engine->window, !mouse);
 	if (keys)
 		*input = stilb_input_without_keys(*input);
-	if (overlay->open && input->freeze)
+	if (overlay->profiler_open && input->freeze)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
 	overlay->input = engine_ui_input(window);
 	overlay->input.seconds = engine->step;
 }
 
-static void engine_overlay_build(engine_overlay *overlay)
+static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *shading)
 {
 	PROFILE("ui build");
 	stilb_ui_begin(overlay->ui, &overlay->input);
-	stilb_ui_profiler_draw(overlay->profiler, overlay->ui);
+	if (overlay->profiler_open)
+		stilb_ui_profiler_draw(overlay->profiler, overlay->ui);
+	if (overlay->inspector_open)
+		engine_inspector_draw(&overlay->inspector, overlay->ui, shading, &overlay->inspector_open);
 	stilb_ui_end(overlay->ui);
 }
 
@@ -96,7 +103,7 @@ stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t
 	stilb_render_size(engine->render, &width, &height);
 	overlay->input.width = (float)width;
 	overlay->input.height = (float)height;
-	engine_overlay_build(overlay);
+	engine_overlay_build(overlay, &engine->shading);
 	PROFILE("ui record");
 	return stilb_ui_record(overlay->ui, pass, worker);
 }

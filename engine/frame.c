@@ -102,6 +102,8 @@ static void scene_update(stilb_engine *engine)
 		view->camera_position[i] = scene->camera.position[i];
 	view->sun = scene->sun;
 	view->sky = scene->sky;
+	view->lamp = scene->lamp;
+	view->shading = engine->shading;
 }
 
 static stilb_result cull(stilb_engine *engine)
@@ -133,7 +135,7 @@ static stilb_result ui(stilb_engine *engine)
 {
 	PROFILE("ui");
 	engine->frame_passes = engine->pass_count;
-	if (!engine->overlay.open)
+	if (!engine_overlay_is_open(&engine->overlay))
 		return STILB_OK;
 	uint32_t pass = engine->frame_passes++;
 	engine->passes[pass] = (stilb_render_pass){.name = "overlay", .kind = STILB_RENDER_PASS_2D, .order = UINT32_MAX};

@@ -18,8 +18,19 @@ const char *const demo_device_choices[] = {"vulkan", "null", NULL};
 
 demo_options demo_options_default(void)
 {
+	const stilb_render_shading shading = stilb_render_shading_default();
 	return (demo_options){
-		.models = 10000, .seed = 1, .size = {1280, 720}, .workers = FLAG_WORKERS_AUTO, .profile_ring = 64};
+		.models = 10000,
+		.seed = 1,
+		.size = {1280, 720},
+		.workers = FLAG_WORKERS_AUTO,
+		.profile_ring = 64,
+		.brdf = (int)shading.brdf,
+		.ndf = (int)shading.ndf,
+		.g = (int)shading.g,
+		.f = (int)shading.f,
+		.light = (int)shading.light,
+	};
 }
 
 flags_result demo_options_parse(demo_options *o, int argc, char **argv)
@@ -41,6 +52,13 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 	     "lists as they are; one command a draw; that in parallel (indirect)", 0, 0, demo_replay_choices},
 		{"--materials", FLAG_CHOICE, &o->materials, "index|bind|pipeline",
 	     "by index; by descriptor set; by one of two pipelines (index)", 0, 0, demo_materials_choices},
+		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "reflection model (blinn-phong-modified)", 0, 0,
+	     stilb_engine_brdf_names},
+		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet (ggx)", 0, 0, stilb_engine_ndf_names},
+		{"--g", FLAG_CHOICE, &o->g, "NAME", "its G (smith-ggx)", 0, 0, stilb_engine_g_names},
+		{"--f", FLAG_CHOICE, &o->f, "NAME", "its F (schlick)", 0, 0, stilb_engine_f_names},
+		{"--light-model", FLAG_CHOICE, &o->light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
+	     stilb_engine_light_names},
 		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: the CPU's side alone (vulkan)", 0, 0,
 	     demo_device_choices},
 		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
@@ -58,8 +76,9 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 	     STILB_ENGINE_PROFILE_RING_MAX, NULL},
 		{"--no-profile", FLAG_SWITCH, &o->no_profile, NULL, "record no profile", 0, 0, NULL},
 		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, in pictures too", 0, 0, NULL},
+		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials' window from the start, too", 0, 0, NULL},
 		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "feather|article|off",
-	     "its edges: soft; soft outside alone; hard (feather)", 0, 0, ui_aa_choices},
+	     "their edges: soft; soft outside alone; hard (feather)", 0, 0, ui_aa_choices},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
 		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the last frame's commands, for 'stilb replay'", 0, 0, NULL},
 		{"--fault", FLAG_TEXT, &o->fault, "KIND:N", "on purpose: memory:N, lost:N fail, frame slow:N is slow", 0, 0,
@@ -230,7 +249,13 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.present = !o->no_present;
 	desc.animate = o->animate;
 	desc.validate = o->validate;
+	desc.shading.brdf = (uint32_t)o->brdf;
+	desc.shading.ndf = (uint32_t)o->ndf;
+	desc.shading.g = (uint32_t)o->g;
+	desc.shading.f = (uint32_t)o->f;
+	desc.shading.light = (uint32_t)o->light;
 	desc.overlay = o->overlay;
+	desc.inspector = o->inspector;
 	desc.ui_aa = (stilb_ui_aa)o->ui_aa;
 	desc.profile = !o->no_profile;
 	desc.profile_ring_mib = (uint32_t)o->profile_ring;

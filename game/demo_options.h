@@ -11,13 +11,14 @@
 #define DEMO_CAPTURE "stilb-capture.json"
 #define DEMO_KEYS                                                                                                      \
 	"WASD fly, Q/E down/up, shift fast, right mouse looks, Esc releases the mouse,\n"                                  \
-	"F1 profiler, space freezes it, P captures a trace, F12 picture, - and + workers"
+	"F1 profiler, space freezes it, F2 materials, P captures a trace, F12 picture, - and + workers"
 
 typedef struct demo_options {
 	uint64_t models, frames, seed, samples, profile_ring;
 	uint32_t workers, size[2];
 	int view, cull, replay, materials, device, ui_aa;
-	bool headless, no_present, animate, validate, overlay, no_profile;
+	int brdf, ndf, g, f, light;
+	bool headless, no_present, animate, validate, overlay, inspector, no_profile;
 	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault;
 } demo_options;
 

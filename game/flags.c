@@ -44,10 +44,18 @@ static flags_result parse_size(const flag *f, const char *value)
 	return FLAGS_OK;
 }
 
+/* Choices may be identifiers of C: there a '-' that is typed is a '_'. */
+static bool is_choice(const char *choice, const char *value)
+{
+	for (; *value && (*choice == *value || (*choice == '_' && *value == '-')); value++)
+		choice++;
+	return *choice == *value;
+}
+
 static flags_result parse_choice(const flag *f, const char *value)
 {
 	for (int i = 0; f->choices[i]; i++)
-		if (strcmp(f->choices[i], value) == 0) {
+		if (is_choice(f->choices[i], value)) {
 			*(int *)f->value = i;
 			return FLAGS_OK;
 		}

@@ -25,7 +25,7 @@ typedef struct flag {
 	const char *argument; /* as help shows it, NULL for a switch */
 	const char *help;
 	uint64_t low, high;
-	const char *const *choices; /* NULL-terminated */
+	const char *const *choices; /* NULL-terminated; '-' may be typed for a '_' */
 } flag;
 
 typedef enum flags_result {

@@ -212,6 +212,7 @@ static int content_make(void **state)
 	memcpy(all.view.camera_position, camera.position, sizeof camera.position);
 	all.view.sun = all.scene->sun;
 	all.view.sky = all.scene->sky;
+	all.view.shading = stilb_render_shading_default();
 	stilb_render *render = fixture_render(1, 0, 0);
 	content_upload(render);
 	for (uint32_t p = 0; p < HAND_PASSES; p++)
@@ -219,7 +220,8 @@ static int content_make(void **state)
 	content_make_scene(render);
 	all.hash = REFERENCE_HASH_START;
 	for (uint32_t p = 0; p < PASSES; p++)
-		all.hash = fixture_hash_all(all.hash, all.streams[sequence[p]], all.counts[sequence[p]]);
+		all.hash = fixture_hash_all(reference_hash_pass(all.hash, &all.view.shading), all.streams[sequence[p]],
+		                            all.counts[sequence[p]]);
 	stilb_render_destroy(render);
 	return 0;
 }

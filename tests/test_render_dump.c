@@ -122,7 +122,7 @@ static void make_resources(frame *f)
 	make_texture(f, 1, 1, STILB_IMAGE_U8_SRGB);
 	make_texture(f, 2, 3, STILB_IMAGE_F16_LINEAR);
 	for (uint32_t m = 0; m < 50; m++) {
-		const stilb_scene_material material = {{0.5f, 0.25f, (float)m}, {0.1f, 0.2f, 0.3f}, 10.0f};
+		const stilb_scene_material material = {{0.5f, 0.25f, (float)m}, {0.1f, 0.2f, 0.3f}, 0.5f, 0.25f, 0.75f};
 		const stilb_render_texture texture = m % 5 == 0 ? f->textures[1 + m / 5 % 2] : (stilb_render_texture){0};
 		assert_int_equal(stilb_render_material_create(f->render, &material, texture, &f->materials[m]), STILB_OK);
 	}
@@ -147,6 +147,9 @@ static void fill_views(stilb_render_view views[2])
 		views[v] = (stilb_render_view){.view_projection = stilb_mat4_identity(), .camera_position = {1, 2, (float)v}};
 		views[v].sun = (stilb_scene_sun){{0, 1, 0}, {3, 3, 3}};
 		views[v].sky = (stilb_scene_sky){{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}};
+		views[v].lamp = (stilb_scene_lamp){{1, 2, 3}, {0, -1, 0}, {40, 50, 60}, 0.7f, 80.0f};
+		views[v].shading = (stilb_render_shading){7, 3, 4, 2, 5, 0.1f, -0.2f, 0.3f, -0.4f};
+		views[v].shading.brdf -= (uint32_t)v;
 	}
 }
 
@@ -377,6 +380,7 @@ static void every_signed_change_is_refused_or_plays(void **state)
 }
 
 #define HEADER(field) offsetof(render_dump_header, field)
+#define VIEW(field) offsetof(render_dump_view, field)
 
 /* Offset from the beginning of a part, the 32 bits to put there, and what the message must say. */
 static const struct damage {
@@ -386,7 +390,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "no frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 2, "version 2"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 2"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "goes on behind the 200 bytes"},
@@ -399,8 +403,15 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(height), 16385, "header: a picture of 64x16385"},
 	{RENDER_DUMP_HEADER, HEADER(samples), 2, "header: 2 samples"},
 	{RENDER_DUMP_HEADER, HEADER(output), 2, "header: unknown output 2"},
-	{RENDER_DUMP_VIEWS, 128 + 16, 0x7f800000, "view 1: a number is not finite"},
-	{RENDER_DUMP_VIEWS, 124, 1, "view 0: its unused"},
+	{RENDER_DUMP_VIEWS, 208 + 16, 0x7f800000, "view 1: a number is not finite"},
+	{RENDER_DUMP_VIEWS, VIEW(lamp_reach), 0x7fc00000, "view 0: a number is not finite"},
+	{RENDER_DUMP_VIEWS, VIEW(specular), 0xff800000, "view 0: a number is not finite"},
+	{RENDER_DUMP_VIEWS, VIEW(brdf), 8, "view 0: unknown shading: model 8, D 3, G 4, F 2, light 5"},
+	{RENDER_DUMP_VIEWS, VIEW(ndf), 4, "D 4,"},
+	{RENDER_DUMP_VIEWS, VIEW(g), 8, "G 8,"},
+	{RENDER_DUMP_VIEWS, VIEW(f), UINT32_MAX, "F 4294967295,"},
+	{RENDER_DUMP_VIEWS, 208 + VIEW(light), 6, "view 1: unknown shading: model 6, D 3, G 4, F 2, light 6"},
+	{RENDER_DUMP_VIEWS, VIEW(unused), 1, "view 0: its unused"},
 	{RENDER_DUMP_PASSES, 0, 0x41410a41, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, 60, 0x41414141, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, view), 2, "pass 0: view 2, but there are 2"},
@@ -417,12 +428,12 @@ static const struct damage {
 	{RENDER_DUMP_TEXTURES, 12, 3, "of format 3"},
 	{RENDER_DUMP_TEXTURES, 4, 16384, "texture 0: its pixels go beyond"},
 	{RENDER_DUMP_TEXTURES, 20, 1, "bytes of pixels, but textures have"},
-	{RENDER_DUMP_MATERIALS, 40, 0, "material 1: id 0, not in "},
+	{RENDER_DUMP_MATERIALS, 48, 0, "material 1: id 0, not in "},
 	{RENDER_DUMP_MATERIALS, 0, 1 << 24, "material 0: id 16777216, not in 0..16777215"},
 	{RENDER_DUMP_MATERIALS, 4, 3, "material 0: texture 3, but there are 2"},
 	{RENDER_DUMP_MATERIALS, 8, 0x7fc00000, "material 0: a number is not finite"},
-	{RENDER_DUMP_MATERIALS, 32, 0xff800000, "material 0: a number is not finite"},
-	{RENDER_DUMP_MATERIALS, 36, 5, "material 0: its unused"},
+	{RENDER_DUMP_MATERIALS, 40, 0xff800000, "material 0: a number is not finite"},
+	{RENDER_DUMP_MATERIALS, 44, 5, "material 0: its unused"},
 	{RENDER_DUMP_MESHES, 16, 1, "mesh 1: id 1, not in 2.."},
 	{RENDER_DUMP_MESHES, 4, 0, "mesh 0: 0 vertices"},
 	{RENDER_DUMP_MESHES, 8, 0, "0 indices"},

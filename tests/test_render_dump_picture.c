@@ -71,7 +71,8 @@ static void fill_views(stilb_render_view views[2])
 		views[v] = (stilb_render_view){.view_projection = stilb_mat4_multiply(projection, view),
 		                               .camera_position = {0.0f, 0.0f, 1.0f},
 		                               .sun = {{0.0f, 0.6f, 0.8f}, {2.0f, 2.0f, 2.0f}},
-		                               .sky = {{0.2f, 0.3f, 0.5f}, {0.1f, 0.1f, 0.1f}}};
+		                               .sky = {{0.2f, 0.3f, 0.5f}, {0.1f, 0.1f, 0.1f}},
+		                               .shading = stilb_render_shading_default()};
 	}
 }
 
@@ -89,7 +90,8 @@ static void draw_and_save(stilb_render *render, stilb_image *picture)
 	assert_int_equal(stilb_render_mesh_create(render, &plane, &mesh), STILB_OK);
 	stilb_scene_mesh_finish(&plane);
 	for (uint32_t q = 0; q < QUADS; q++) {
-		const stilb_scene_material material = {{0.9f, 0.3f + 0.01f * (float)q, 0.5f}, {0.05f, 0.05f, 0.05f}, 8.0f};
+		const stilb_scene_material material = {
+			{0.9f, 0.3f + 0.01f * (float)q, 0.5f}, {0.05f, 0.05f, 0.05f}, .roughness = 0.7f};
 		const stilb_render_texture texture = q % 2 ? make_texture(render, q) : (stilb_render_texture){0};
 		assert_int_equal(stilb_render_material_create(render, &material, texture, &materials[q]), STILB_OK);
 	}

@@ -262,7 +262,8 @@ static trial trial_make(stilb_render_desc desc, uint32_t far_draws)
 	t.view = (stilb_render_view){.view_projection = reference_matrix(&camera),
 	                             .camera_position = {0.0f, 4.0f, 1.0f},
 	                             .sun = t.scene->sun,
-	                             .sky = t.scene->sky};
+	                             .sky = t.scene->sky,
+	                             .shading = stilb_render_shading_default()};
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 2}, &t.pool), 0);
 	return t;
 }

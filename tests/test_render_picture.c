@@ -182,7 +182,7 @@ static void every_pixel_is_as_traced(void **state)
 	assert_traced(scene, &top, 1e-3);
 	stilb_scene_destroy(scene);
 	scene = model_scene(0.6f, 0.75f, 0.5f); /* highlights: their power costs a bit more */
-	scene->materials[0].shininess = 40.0f;
+	scene->materials[0].roughness = reference_roughness(40.0);
 	assert_traced(scene, &camera, 2e-3);
 	/* Normals of what is stretched and turned. */
 	static const float stretched[16] = {0.3f, 0.2f, 0, 0, -0.3f, 0.5f, 0.1f, 0, 0, 0.1f, 0.9f, 0, 0, 0.9f, 0, 1};
@@ -198,10 +198,9 @@ static void the_highlight_at_its_peak(void **state)
 {
 	(void)state;
 	const uint32_t size = 33; /* odd: the middle pixel looks straight at the sphere's pole, a corner of the mesh */
-	const float shininess = 24.0f;
 	stilb_scene *scene = model_scene(0.8f, 0.0f, 0.3f);
 	without_tile(scene);
-	scene->materials[0].shininess = shininess;
+	scene->materials[0].roughness = reference_roughness(24.0);
 	reference_set3(scene->sun.direction, 0.0f, 1.0f, 0.0f);
 	reference_camera camera = from_above(3.0, 1.5, size);
 	stilb_image image = picture_make(scene, &camera, linear);
@@ -319,7 +318,7 @@ static stilb_scene *grid_scene(void)
 	assert_int_equal(stilb_scene_create_stress(GRID * GRID, 1, &scene), STILB_OK);
 	for (uint32_t m = 0; m < GRID * GRID; m++) {
 		scene->part_transform[2 * m] = stilb_mat4_scale_translate(0.0001f, 0.0f, -5.0f, 0.0f);
-		scene->materials[2 * m + 1] = (stilb_scene_material){{(float)(m + 1) / 512.0f, 0.25f, 0.5f}, {0}, 1.0f};
+		scene->materials[2 * m + 1] = (stilb_scene_material){{(float)(m + 1) / 512.0f, 0.25f, 0.5f}, {0}, .roughness = 1.0f};
 	}
 	memset(&scene->sky, 0, sizeof scene->sky);
 	reference_set3(scene->sky.sky, 0.0f, 0.0f, 9.0f);

@@ -89,7 +89,7 @@ static const float diffuse[3] = {0.8f, 0.6f, 0.4f};
 
 static stilb_render_material make_material(stage *s, stilb_render_texture texture)
 {
-	const stilb_scene_material material = {.diffuse = {diffuse[0], diffuse[1], diffuse[2]}, .shininess = 8.0f};
+	const stilb_scene_material material = {.diffuse = {diffuse[0], diffuse[1], diffuse[2]}, .roughness = 0.7f};
 	stilb_render_material out;
 	assert_int_equal(stilb_render_material_create(s->render, &material, texture, &out), STILB_OK);
 	return out;
@@ -265,7 +265,7 @@ static void fill_cells(stage *s, draw draws[CELLS * CELLS])
 	assert_int_equal(stilb_render_texture_create(s->render, &image, &textures[1]), STILB_OK);
 	stilb_image_finish(&image);
 	for (uint32_t m = 0; m < 12; m++) {
-		const stilb_scene_material material = {.diffuse = {0.05f * (float)(m + 1), 0.5f, 0.9f}, .shininess = 8.0f};
+		const stilb_scene_material material = {.diffuse = {0.05f * (float)(m + 1), 0.5f, 0.9f}, .roughness = 0.7f};
 		if (m == 8)
 			stage_draw(s, NULL, 0); /* the rest is copied behind these */
 		assert_int_equal(stilb_render_material_create(s->render, &material, textures[m % 3], &materials[m]), STILB_OK);
@@ -358,7 +358,7 @@ static bool busy_cell(busy *b, uint32_t cell, stilb_render_context *context)
 	uint8_t codes[4 * 3];
 	memset(codes, 188, sizeof codes);
 	const stilb_image image = {2, 2, 3, STILB_IMAGE_U8_SRGB, codes};
-	stilb_scene_material material = {.shininess = 1.0f};
+	stilb_scene_material material = {.roughness = 1.0f};
 	stilb_mat4 transform = cell_transform(BUSY, cell);
 	stilb_render_texture texture = {0};
 	draw made;

@@ -158,17 +158,18 @@ static void assert_energy(const stilb_scene_material *material)
 		assert_true(material->diffuse[i] >= 0.0f && material->specular[i] >= 0.0f);
 		assert_true(material->diffuse[i] + material->specular[i] <= 1.0f);
 	}
-	assert_true(material->shininess >= 1.0f && material->shininess <= 8192.0f);
+	assert_true(material->roughness >= 0.0f && material->roughness <= 1.0f);
+	assert_true(material->anisotropy == 0.0f && material->wrap == 0.0f);
 }
 
 static void test_material_make(void **state)
 {
 	(void)state;
 	const float diffuse[3] = {0.5f, 0.25f, 0.0f}, specular[3] = {0.25f, 0.5f, 1.0f};
-	stilb_scene_material material = stilb_scene_material_make(diffuse, specular, 64.0f);
+	stilb_scene_material material = stilb_scene_material_make(diffuse, specular, 0.375f);
 	assert_memory_equal(material.diffuse, diffuse, sizeof diffuse); /* what is right stays as it is */
 	assert_memory_equal(material.specular, specular, sizeof specular);
-	assert_true(material.shininess == 64.0f);
+	assert_true(material.roughness == 0.375f);
 	const float values[] = {0.0f, -1.0f, 1e-30f, 0.3f, 0.7f,     0.999999f, 1.0f,
 	                        1.5f, 1e6f,  1e30f,  NAN,  INFINITY, -INFINITY};
 	const size_t count = sizeof values / sizeof *values;
@@ -179,13 +180,13 @@ static void test_material_make(void **state)
 		assert_energy(&material);
 	}
 	const float most[3] = {3.0f, 1.0f, -1.0f}, some[3] = {1.0f, 3.0f, 0.5f};
-	material = stilb_scene_material_make(most, some, 0.0f);
+	material = stilb_scene_material_make(most, some, -0.5f);
 	assert_float_equal(material.diffuse[0], 0.75f, 1e-6f); /* scaled, so that the ratio stays */
 	assert_float_equal(material.specular[0], 0.25f, 1e-6f);
 	assert_float_equal(material.diffuse[1], 0.25f, 1e-6f);
 	assert_true(material.diffuse[2] == 0.0f && material.specular[2] == 0.5f);
-	assert_true(material.shininess == 1.0f);
-	assert_true(stilb_scene_material_make(most, some, 1e9f).shininess == 8192.0f);
+	assert_true(material.roughness == 0.0f);
+	assert_true(stilb_scene_material_make(most, some, 1e9f).roughness == 1.0f);
 }
 
 /* ---- the grid -------------------------------------------------------------------------------------------------------- */

@@ -2,8 +2,8 @@
 # The shading dialect through its compilers: test_shade_dialect.sh SOURCE_DIR gcc|clang|glslc
 #
 # Every header of engine/shading is compiled alone and twice, all of them together before and after <tgmath.h>, and for
-# glslc inside a compute shader that spirv-val then checks. What they leave behind must be SHADE_ constants and nothing
-# else. Headers with a known mistake must fail: a check that cannot fail is none.
+# glslc inside a compute shader that spirv-val then checks. What they leave behind must be SHADE_ constants and lists and
+# nothing else. Headers with a known mistake must fail: a check that cannot fail is none.
 set -u
 source=$(cd "$1" && pwd) || exit 1
 tool=$2
@@ -17,6 +17,7 @@ failed=0
 flags="-D_GNU_SOURCE -std=gnu17 -ffp-contract=off -Wall -Wextra -Wmissing-prototypes -Wshadow -Wdouble-promotion -Werror"
 words=$(sed -n 's/^#pragma push_macro("\(.*\)")$/\1/p' "$source/engine/shading/glsl_begin.h")
 headers=$(cd "$source/engine" && ls shading/shade_*.h)
+cases=$(cd "$source/tests" && ls shade/case*.h)
 
 fail() {
 	echo "FAILED: $1"
@@ -61,7 +62,7 @@ compile() {
 }
 
 check_each_header() {
-	for header in $headers shade_vocabulary.h shade_cases.h; do
+	for header in $headers shade_vocabulary.h $cases; do
 		unit "$header" > "$work/alone.c"
 		compile "$work/alone.c" || fail "$header alone"
 	done
@@ -76,25 +77,26 @@ check_all_together_c() {
 	} > "$work/after_tgmath.c"
 	compile_c "$work/after_tgmath.c" || fail "after <tgmath.h>"
 	{
-		includes $headers shade_cases.h
+		includes $headers $cases
 		for word in $words SHADE_FN SHADE_CONST SHADE_STRUCT; do
 			printf '#ifdef %s\n#error %s is left\n#endif\n' "$word" "$word"
 		done
 		echo '#include <tgmath.h>'
-		includes $headers shade_cases.h
+		includes $headers $cases
 		echo '_Static_assert(_Generic(sqrt(1.0f), float: 1, default: 0), "tgmath");'
 		echo '_Static_assert(_Generic(fabs(1.0), double: 1, default: 0), "tgmath");'
 	} > "$work/before_tgmath.c"
 	compile_c "$work/before_tgmath.c" || fail "before <tgmath.h>"
 }
 
-# leftovers HEADER...: the macros that the headers define beyond what glsl_types.h does, and that are no SHADE_ constants.
+# leftovers HEADER...: the macros that the headers define beyond what glsl_types.h does, and that are neither SHADE_ constants
+# nor lists SHADE_X(X).
 leftovers() {
 	includes base/glsl_types.h > "$work/types.c"
 	includes "$@" > "$work/left.c"
 	"$tool" $flags -I"$source/engine" -I"$work" -dM -E "$work/types.c" | sort > "$work/types.txt"
 	"$tool" $flags -I"$source/engine" -I"$work" -dM -E "$work/left.c" | sort > "$work/left.txt"
-	comm -13 "$work/types.txt" "$work/left.txt" | grep -v '^#define SHADE_[A-Z0-9_]*\( \|$\)'
+	comm -13 "$work/types.txt" "$work/left.txt" | grep -v '^#define SHADE_[A-Z0-9_]*\((X)\)\{0,1\}\( \|$\)'
 }
 
 # check_own_words: a user's macro of each name is put aside and comes back.
@@ -118,11 +120,11 @@ check_own_words() {
 check_all_together_glsl() {
 	{
 		echo '#version 450 core'
-		includes $headers shade_vocabulary.h shade_cases.h
+		includes $headers shade_vocabulary.h $cases
 		for word in dot4 select SHADE_FN SHADE_CONST SHADE_STRUCT; do
 			printf '#ifdef %s\n#error %s is left\n#endif\n' "$word" "$word"
 		done
-		includes $headers shade_vocabulary.h shade_cases.h
+		includes $headers shade_vocabulary.h $cases
 		cat <<- 'END'
 			layout(local_size_x = 64) in;
 			layout(std430, set = 0, binding = 0) readonly buffer Inputs { vec4 inputs[]; };
@@ -132,7 +134,7 @@ check_all_together_glsl() {
 				uint i = gl_GlobalInvocationID[0];
 				vec4 a = inputs[2u * i];
 				vec4 b = inputs[2u * i + 1u];
-				results[i] = shade_case(int(b[3]), a, b) + float(shade_vocabulary_fault(a[0]));
+				results[i] = shade_case_dialect(int(b[3]), a, b);
 			}
 		END
 	} > "$work/all.comp"

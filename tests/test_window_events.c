@@ -291,12 +291,12 @@ static void type_key(fixture *f, KeySym key)
 
 static bool overlay_is_open(const fixture *f)
 {
-	return f->engine->overlay.open;
+	return f->engine->overlay.profiler_open;
 }
 
 static bool overlay_is_frozen(const fixture *f)
 {
-	return f->engine->overlay.open && stilb_ui_profiler_frozen(f->engine->overlay.profiler);
+	return f->engine->overlay.profiler_open && stilb_ui_profiler_frozen(f->engine->overlay.profiler);
 }
 
 static bool overlay_wants_mouse(const fixture *f)

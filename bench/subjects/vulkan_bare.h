@@ -21,13 +21,15 @@ typedef struct bare_row {
 } bare_row;
 
 typedef struct bare_material {
-	float diffuse[3], shininess;
-	float specular[3], unused;
+	float diffuse[3], roughness;
+	float specular[3], anisotropy;
+	float wrap, unused[3];
 } bare_material;
 
 typedef struct bare_view {
 	float view_projection[16];
 	float camera_position[4], sun_direction[4], sun_irradiance[4], sky[4], ground[4];
+	float lamp[12], added[4]; /* zero: the shader's own choice is the sun, and nothing is added to materials */
 } bare_view;
 
 typedef struct bare_push {

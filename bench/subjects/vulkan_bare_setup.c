@@ -210,7 +210,7 @@ static void make_materials(bare *b, const stilb_scene *scene)
 	bare_material *out = b->materials.mapped;
 	for (uint32_t i = 0; i < scene->material_count; i++) {
 		const stilb_scene_material *in = &scene->materials[i];
-		out[i] = (bare_material){.shininess = in->shininess};
+		out[i] = (bare_material){.roughness = in->roughness, .anisotropy = in->anisotropy, .wrap = in->wrap};
 		memcpy(out[i].diffuse, in->diffuse, sizeof in->diffuse);
 		memcpy(out[i].specular, in->specular, sizeof in->specular);
 	}

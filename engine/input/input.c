@@ -19,6 +19,7 @@ stilb_input_state stilb_input_from_window(const stilb_window_state *window)
 		.capture = window->pressed[STILB_WINDOW_KEY_P] > 0,
 		.screenshot = window->pressed[STILB_WINDOW_KEY_F12] > 0,
 		.overlay = window->pressed[STILB_WINDOW_KEY_F1] % 2 > 0,
+		.inspector = window->pressed[STILB_WINDOW_KEY_F2] % 2 > 0,
 		.freeze = window->pressed[STILB_WINDOW_KEY_SPACE] % 2 > 0,
 		.workers = window->pressed[STILB_WINDOW_KEY_PLUS] - window->pressed[STILB_WINDOW_KEY_MINUS],
 	};

@@ -19,6 +19,7 @@ typedef struct stilb_input_state {
 	bool capture;    /* write a trace */
 	bool screenshot; /* write a picture */
 	bool overlay;    /* open or close the profiler */
+	bool inspector;  /* open or close the materials' window */
 	bool freeze;     /* let it stand still, or go on */
 	int32_t workers; /* change of the worker count */
 } stilb_input_state;
@@ -29,7 +30,7 @@ typedef struct stilb_input_state {
 #define STILB_INPUT_PITCH_LIMIT 1.55f /* radians: short of straight up and down */
 
 /* WASD and Q/E move, shift is fast, the captured mouse looks, P captures, F12 takes a picture, F1 opens and closes the
- * profiler, space freezes it, - and + change workers. */
+ * profiler, space freezes it, F2 opens and closes the materials' window, - and + change workers. */
 stilb_input_state stilb_input_from_window(const stilb_window_state *window);
 
 /* The same without flying and freezing: the keys belong to a user interface. */

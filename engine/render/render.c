@@ -1,7 +1,20 @@
 #include "render/render_internal.h"
+#include "shading/shade_brdf.h"
+#include "shading/shade_light.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+stilb_render_shading stilb_render_shading_default(void)
+{
+	return (stilb_render_shading){
+		.brdf = SHADE_BRDF_BLINN_PHONG_MODIFIED,
+		.ndf = SHADE_NDF_GGX,
+		.g = SHADE_G_SMITH_GGX,
+		.f = SHADE_F_SCHLICK,
+		.light = SHADE_LIGHT_SUN,
+	};
+}
 
 stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **out)
 {

@@ -86,12 +86,31 @@ typedef enum stilb_render_target {
 	STILB_RENDER_TARGET_MAIN, /* the picture */
 } stilb_render_target;
 
-/* Where from and under which light; a pass names its view by index. */
+/* How surfaces are shaded: the formulas, whose numbers are those of the shading headers, and what is added to the numbers
+ * of every material, for trying out; the sums are kept within the material's ranges. */
+typedef struct stilb_render_shading {
+	uint32_t brdf;      /* SHADE_BRDF_... of shading/shade_brdf.h */
+	uint32_t ndf, g, f; /* SHADE_NDF_..., SHADE_G_..., SHADE_F_...: the parts of SHADE_BRDF_MICROFACET, else not read */
+	uint32_t light;     /* SHADE_LIGHT_... of shading/shade_light.h */
+	float roughness;    /* added, [-1, 1] */
+	float anisotropy;   /* added, [-1, 1] */
+	float wrap;         /* added, [-1, 1] */
+	float specular;     /* added to all channels, [-1, 1]; then diffuse + specular is limited to one again */
+} stilb_render_shading;
+
+/* Modified Blinn-Phong under the sun, nothing added; GGX, its Smith and Schlick where microfacets are chosen.
+ * [any-thread] */
+stilb_render_shading stilb_render_shading_default(void);
+
+/* Where from, under which light and with which formulas; a pass names its view by index. Formulas that are new to the
+ * device are compiled in the frame that first uses them, and kept: any number of combinations. */
 typedef struct stilb_render_view {
 	stilb_mat4 view_projection;
 	float camera_position[3];
 	stilb_scene_sun sun;
 	stilb_scene_sky sky;
+	stilb_scene_lamp lamp;
+	stilb_render_shading shading;
 } stilb_render_view;
 
 /* What a pass draws. */
@@ -220,9 +239,10 @@ stilb_result stilb_render_wait(stilb_render *render);
 
 stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
-/* FNV-1a 64 over the last frame's draws in replay order, but for 2D passes: each as mesh id, material id (32-bit, counted
- * from 0), the 16 floats of the transform (column-major) and index count (32-bit), little endian. The same for every
- * device, replay mode and number of workers. Valid after replay until the next frame begins. */
+/* FNV-1a 64 over the last frame's passes in replay order, but for 2D passes, little endian: the members of the view's
+ * stilb_render_shading (32-bit each); then of each draw mesh id, material id (32-bit, counted from 0), the 16 floats of
+ * the transform (column-major) and index count (32-bit). The same for every device, replay mode and number of workers.
+ * Valid after replay until the next frame begins. */
 uint64_t stilb_render_stream_hash(const stilb_render *render);
 
 /* ---- recording by hand ------------------------------------------------------------------------------------------- */

@@ -58,7 +58,7 @@ static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render 
 static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render *render,
                                      const stilb_render_texture *textures, stilb_render_material *materials)
 {
-	const stilb_scene_material none = {.shininess = 1.0f};
+	const stilb_scene_material none = {.roughness = 1.0f};
 	const stilb_render_texture no_texture = {0};
 	uint32_t next = 0;
 	stilb_result result = STILB_OK;
@@ -66,7 +66,8 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 		const render_dump_material *from = &dump->materials[m];
 		for (; next < from->id && result == STILB_OK; next++)
 			result = stilb_render_material_create(render, &none, no_texture, &materials[m]);
-		stilb_scene_material material = {.shininess = from->shininess};
+		stilb_scene_material material = {
+			.roughness = from->roughness, .anisotropy = from->anisotropy, .wrap = from->wrap};
 		memcpy(material.diffuse, from->diffuse, sizeof material.diffuse);
 		memcpy(material.specular, from->specular, sizeof material.specular);
 		if (result == STILB_OK)
@@ -110,6 +111,30 @@ static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *r
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
+static stilb_scene_lamp upload_lamp(const render_dump_view *from)
+{
+	stilb_scene_lamp lamp = {.radius = from->lamp_radius, .reach = from->lamp_reach};
+	memcpy(lamp.position, from->lamp_position, sizeof lamp.position);
+	memcpy(lamp.axis, from->lamp_axis, sizeof lamp.axis);
+	memcpy(lamp.intensity, from->lamp_intensity, sizeof lamp.intensity);
+	return lamp;
+}
+
+static stilb_render_shading upload_shading(const render_dump_view *from)
+{
+	return (stilb_render_shading){
+		.brdf = from->brdf,
+		.ndf = from->ndf,
+		.g = from->g,
+		.f = from->f,
+		.light = from->light,
+		.roughness = from->roughness,
+		.anisotropy = from->anisotropy,
+		.wrap = from->wrap,
+		.specular = from->specular,
+	};
+}
+
 static void upload_tables(stilb_render_dump *dump)
 {
 	for (uint32_t p = 0; p < dump->header->passes; p++) {
@@ -129,6 +154,8 @@ static void upload_tables(stilb_render_dump *dump)
 		memcpy(view->sun.irradiance, from->sun_irradiance, sizeof from->sun_irradiance);
 		memcpy(view->sky.sky, from->sky, sizeof from->sky);
 		memcpy(view->sky.ground, from->ground, sizeof from->ground);
+		view->lamp = upload_lamp(from);
+		view->shading = upload_shading(from);
 	}
 	uint32_t draws = 0;
 	for (uint32_t s = 0; s <= dump->header->segments; s++) {

@@ -1,5 +1,5 @@
 /*
- * The bytes of a frame dump, version 1. Inside render/.
+ * The bytes of a frame dump, version 2. Inside render/.
  *
  * Little endian, IEEE 754 floats; no padding but what is named, and that is zero. The parts follow each other without a
  * table: where each begins and how long the file is follow from the header's counts, and a file of any other length is
@@ -7,10 +7,10 @@
  *
  *   part       bytes each  how many              what
  *   header            104  1                     render_dump_header
- *   views             128  header.views, 1..16   render_dump_view
+ *   views             208  header.views, 1..16   render_dump_view
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
- *   materials          40  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
+ *   materials          48  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
  *   meshes             16  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
  *   segments            4  header.segments       draws of the segment; those of pass 0, then of pass 1, ...
  *   draws              64  header.draws          render_dump_draw, as recorded: segment after segment
@@ -28,7 +28,7 @@
 #include "render/render_dump.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 1u
+#define RENDER_DUMP_VERSION 2u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 16u
 
@@ -48,6 +48,9 @@ typedef struct render_dump_view {
 	float camera_position[3];
 	float sun_direction[3], sun_irradiance[3];
 	float sky[3], ground[3];
+	float lamp_position[3], lamp_axis[3], lamp_intensity[3], lamp_radius, lamp_reach;
+	float roughness, anisotropy, wrap, specular; /* of stilb_render_shading: added to every material's */
+	uint32_t brdf, ndf, g, f, light;             /* the same: numbers of the shading headers */
 	uint32_t unused;
 } render_dump_view;
 
@@ -66,7 +69,8 @@ typedef struct render_dump_texture {
 typedef struct render_dump_material {
 	uint32_t id;
 	uint32_t texture; /* 0: none, else 1 + its place */
-	float diffuse[3], specular[3], shininess;
+	float diffuse[3], specular[3];
+	float roughness, anisotropy, wrap;
 	uint32_t unused;
 } render_dump_material;
 
@@ -80,8 +84,8 @@ typedef struct render_dump_draw {
 	float transform[12];     /* the three rows of the affine transform */
 } render_dump_draw;
 
-static_assert(sizeof(render_dump_header) == 104 && sizeof(render_dump_view) == 128 && sizeof(render_dump_pass) == 96 &&
-                  sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 40 &&
+static_assert(sizeof(render_dump_header) == 104 && sizeof(render_dump_view) == 208 && sizeof(render_dump_pass) == 96 &&
+                  sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 48 &&
                   sizeof(render_dump_mesh) == 16 && sizeof(render_dump_draw) == 64 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 

@@ -1,6 +1,8 @@
 /* Reading a dump: nothing is believed before it is checked. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
+#include "shading/shade_brdf.h"
+#include "shading/shade_light.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -86,8 +88,10 @@ static stilb_result load_check_size(const uint8_t *bytes, size_t size, const cha
 		return load_refuse(name, "header: byte order %08" PRIx32 ", not %08x", header.byte_order,
 		                   RENDER_DUMP_BYTE_ORDER);
 	if (header.version != RENDER_DUMP_VERSION)
-		return load_refuse(name, "header: version %" PRIu32 ", but this program reads version %u", header.version,
-		                   RENDER_DUMP_VERSION);
+		return load_refuse(name,
+		                   "header: version %" PRIu32 ", but this program reads version %u; 'stilb demo --dump FILE' "
+		                   "writes that",
+		                   header.version, RENDER_DUMP_VERSION);
 	if (size < header.file_size)
 		return load_refuse(name, "it is truncated: %zu bytes, but %" PRIu64 " belong to it", size, header.file_size);
 	if (size > header.file_size)
@@ -149,8 +153,12 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 {
 	for (uint32_t v = 0; v < dump->header->views; v++) {
 		const render_dump_view *view = &dump->views[v];
-		if (!load_finite(view->view_projection, offsetof(render_dump_view, unused) / sizeof(float)))
+		if (!load_finite(view->view_projection, offsetof(render_dump_view, brdf) / sizeof(float)))
 			return load_refuse(name, "view %u: a number is not finite", v);
+		if (view->brdf >= SHADE_BRDF_COUNT || view->ndf >= SHADE_NDF_COUNT || view->g >= SHADE_G_COUNT ||
+		    view->f >= SHADE_F_COUNT || view->light >= SHADE_LIGHT_COUNT)
+			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, light %u", v, view->brdf,
+			                   view->ndf, view->g, view->f, view->light);
 		if (view->unused != 0)
 			return load_refuse(name, "view %u: its unused bytes are not zero", v);
 	}
@@ -247,7 +255,9 @@ static stilb_result load_check_materials(const stilb_render_dump *dump, const ch
 		if (material->texture > dump->header->textures)
 			return load_refuse(name, "material %u: texture %u, but there are %u", m, material->texture,
 			                   dump->header->textures);
-		if (!load_finite(material->diffuse, 3) || !load_finite(material->specular, 3) || !isfinite(material->shininess))
+		if (!load_finite(material->diffuse,
+		                 (offsetof(render_dump_material, unused) - offsetof(render_dump_material, diffuse)) /
+		                     sizeof(float)))
 			return load_refuse(name, "material %u: a number is not finite", m);
 		if (material->unused != 0)
 			return load_refuse(name, "material %u: its unused bytes are not zero", m);

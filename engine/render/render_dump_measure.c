@@ -106,6 +106,7 @@ static void measure_streams(measure_job *job, measure_variant variant, measure_f
 		                          .commands = render_commands(render),
 		                          .runs = runs,
 		                          .run_count = count,
+		                          .states = render->passes[job->order[p]].states,
 		                          .pool = job->pool,
 		                          .worker = job->worker};
 		for (uint32_t r = 0; r < count; r++)

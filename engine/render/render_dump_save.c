@@ -178,6 +178,28 @@ static void *save_part(const save_job *job, render_dump_part part)
 	return job->bytes + job->begin[part];
 }
 
+static void save_put_lamp(render_dump_view *out, const stilb_scene_lamp *lamp)
+{
+	memcpy(out->lamp_position, lamp->position, sizeof out->lamp_position);
+	memcpy(out->lamp_axis, lamp->axis, sizeof out->lamp_axis);
+	memcpy(out->lamp_intensity, lamp->intensity, sizeof out->lamp_intensity);
+	out->lamp_radius = lamp->radius;
+	out->lamp_reach = lamp->reach;
+}
+
+static void save_put_shading(render_dump_view *out, const stilb_render_shading *shading)
+{
+	out->brdf = shading->brdf;
+	out->ndf = shading->ndf;
+	out->g = shading->g;
+	out->f = shading->f;
+	out->light = shading->light;
+	out->roughness = shading->roughness;
+	out->anisotropy = shading->anisotropy;
+	out->wrap = shading->wrap;
+	out->specular = shading->specular;
+}
+
 static void save_put_views(const save_job *job)
 {
 	render_dump_view *out = save_part(job, RENDER_DUMP_VIEWS);
@@ -189,6 +211,8 @@ static void save_put_views(const save_job *job)
 		memcpy(out->sun_irradiance, view->sun.irradiance, sizeof out->sun_irradiance);
 		memcpy(out->sky, view->sky.sky, sizeof out->sky);
 		memcpy(out->ground, view->sky.ground, sizeof out->ground);
+		save_put_lamp(out, &view->lamp);
+		save_put_shading(out, &view->shading);
 	}
 }
 
@@ -237,7 +261,9 @@ static void save_put_materials(const save_job *job)
 		out->texture = texture ? job->textures.place[texture] + 1 : 0;
 		memcpy(out->diffuse, heap[out->id].diffuse, sizeof out->diffuse);
 		memcpy(out->specular, heap[out->id].specular, sizeof out->specular);
-		out->shininess = heap[out->id].shininess;
+		out->roughness = heap[out->id].roughness;
+		out->anisotropy = heap[out->id].anisotropy;
+		out->wrap = heap[out->id].wrap;
 	}
 }
 

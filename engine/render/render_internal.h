@@ -101,6 +101,8 @@ typedef struct render_pass_lists {
 	render_run *runs;
 	uint32_t run_count, run_capacity;
 	uint64_t draws;
+	uint64_t states;              /* of all runs, or-ed: 0 in its texture bits means that no draw has one */
+	stilb_render_shading shading; /* of its view */
 } render_pass_lists;
 
 /* Written by one worker at a time. Aligned so that two workers never share a line (sharing one cost all of the gain). */
@@ -196,6 +198,7 @@ typedef struct render_stream {
 	const render_run *runs;
 	uint32_t run_count;
 	uint64_t draws;
+	uint64_t states;      /* of all runs, or-ed */
 	stilb_job_pool *pool; /* for secondary command buffers, one a worker */
 	uint32_t worker;      /* the caller's index in pool */
 } render_stream;

@@ -8,7 +8,7 @@ static stilb_result replay_order(const stilb_render_pass *pass, render_pass_list
 {
 	const uint64_t kind = pass->kind == STILB_RENDER_PASS_2D ? RENDER_STATE_2D : 0;
 	lists->run_count = 0;
-	lists->draws = 0;
+	lists->draws = lists->states = 0;
 	uint32_t most = 0;
 	for (uint32_t s = 0; s < lists->segment_count; s++) {
 		STILB_ASSERT(lists->segments[s].context); /* every segment is recorded, an empty one too */
@@ -23,6 +23,7 @@ static stilb_result replay_order(const stilb_render_pass *pass, render_pass_list
 			const render_run *run = &segment->context->runs[segment->first_run + r];
 			STILB_ASSERT((run->state & RENDER_STATE_2D) == kind); /* its draws are of the pass's kind */
 			lists->draws += run->count;
+			lists->states |= run->state;
 			if (last && last->first + last->count == run->first && last->state == run->state) {
 				last->count += run->count;
 				continue;
@@ -80,7 +81,10 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	stream->runs = lists->runs;
 	stream->run_count = lists->run_count;
 	stream->draws = lists->draws;
+	stream->states = lists->states;
 	lists->state = RENDER_LIST_REPLAYED;
+	if (stream->view)
+		lists->shading = stream->view->shading;
 	stilb_render_stats *stats = &render->device->stats;
 	stats->draws += lists->draws;
 	stats->recorded_bytes += lists->draws * (sizeof(render_command) + sizeof(render_row));
@@ -198,6 +202,8 @@ static uint64_t hash_draw(uint64_t hash, const render_command *command, const re
 	return stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
 }
 
+static_assert(sizeof(stilb_render_shading) == 9 * sizeof(uint32_t), "hashed as it is: no padding");
+
 uint64_t stilb_render_stream_hash(const stilb_render *render)
 {
 	uint64_t hash = STILB_FNV1A64_START;
@@ -205,6 +211,7 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
 		if (lists->kind != STILB_RENDER_PASS_SCENE)
 			continue;
+		hash = stilb_hash_fnv1a64(hash, &lists->shading, sizeof lists->shading);
 		for (uint32_t r = 0; r < lists->run_count; r++) {
 			const render_run *run = &lists->runs[r];
 			for (uint32_t c = run->first; c < run->first + run->count; c++) {

@@ -355,7 +355,8 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 
 static render_material material_make(const stilb_scene_material *material)
 {
-	render_material out = {.shininess = material->shininess};
+	render_material out = {
+		.roughness = material->roughness, .anisotropy = material->anisotropy, .wrap = material->wrap};
 	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
 	memcpy(out.specular, material->specular, sizeof out.specular);
 	return out;

@@ -29,11 +29,12 @@ typedef struct render_mesh_slot {
 
 /* A material as the fragment shader reads it (shaders/mesh.glsl). */
 typedef struct render_material {
-	float diffuse[3], shininess;
-	float specular[3], unused;
+	float diffuse[3], roughness;
+	float specular[3], anisotropy;
+	float wrap, unused[3];
 } render_material;
 
-static_assert(sizeof(render_material) == 32, "std430: two vec4");
+static_assert(sizeof(render_material) == 48, "std430: three vec4");
 
 /* Disjoint ranges, ascending; neighbours that touch are one. */
 typedef struct render_range {

@@ -71,7 +71,7 @@ static float scene_clamp(float value, float low, float high)
 	return !(value > low) ? low : value < high ? value : high; /* NaN becomes low */
 }
 
-stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float shininess)
+stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float roughness)
 {
 	stilb_vec3 cd = {0}, cs = {0};
 	for (int i = 0; i < 3; i++) {
@@ -79,7 +79,7 @@ stilb_scene_material stilb_scene_material_make(const float diffuse[3], const flo
 		cs[i] = scene_clamp(specular[i], 0.0f, 1e6f);
 	}
 	shade_reflectance limited = shade_limit_to_one(cd, cs);
-	stilb_scene_material material = {.shininess = scene_clamp(shininess, 1.0f, 8192.0f)};
+	stilb_scene_material material = {.roughness = scene_clamp(roughness, 0.0f, 1.0f)};
 	for (int i = 0; i < 3; i++) {
 		material.diffuse[i] = limited.diffuse[i];
 		material.specular[i] = limited.specular[i];

@@ -28,12 +28,15 @@ typedef struct stilb_scene_mesh {
 	uint32_t vertex_count, index_count;
 } stilb_scene_mesh;
 
-/* Reflectances per channel in [0, 1]; shininess is the Blinn-Phong exponent, > 0. diffuse + specular <= 1 per channel
- * holds for every material that went through stilb_scene_material_make. */
+/* Reflectances per channel in [0, 1]; diffuse + specular <= 1 per channel holds for every material that went through
+ * stilb_scene_material_make. specular is what a highlight reflects, at normal incidence where the model has a Fresnel
+ * term. Which model shades it is the view's business (stilb_render_shading); what a model has no use for it leaves out. */
 typedef struct stilb_scene_material {
 	float diffuse[3];
 	float specular[3];
-	float shininess;
+	float roughness;  /* [0, 1]; alpha is its square */
+	float anisotropy; /* (-1, 1), 0: none; above 0 a highlight is stretched along the tangent, below across it */
+	float wrap;       /* [0, 1]: how far diffuse light reaches around the terminator; 0: not at all */
 } stilb_scene_material;
 
 /* direction points from the surface to the sun, unit; irradiance is measured across the beam. */
@@ -47,6 +50,16 @@ typedef struct stilb_scene_sky {
 	float sky[3];
 	float ground[3];
 } stilb_scene_sky;
+
+/* A glowing ball, or a disk of that radius: for views whose light it is (stilb_render_shading). What each number means is
+ * shade_light.h's. */
+typedef struct stilb_scene_lamp {
+	float position[3];
+	float axis[3];      /* unit: where the disk faces */
+	float intensity[3]; /* W sr^-1, along the axis of a disk */
+	float radius;       /* metres, >= 0 */
+	float reach;        /* metres, > radius: where windowed and subtracted light end */
+} stilb_scene_lamp;
 
 /* Yaw 0 looks along -Z and grows to the left; pitch raises the view. */
 typedef struct stilb_scene_camera {
@@ -81,6 +94,7 @@ typedef struct stilb_scene {
 
 	stilb_scene_sun sun;
 	stilb_scene_sky sky;
+	stilb_scene_lamp lamp;
 	stilb_scene_camera camera;
 	uint64_t seed; /* of the stress test */
 } stilb_scene;
@@ -114,8 +128,8 @@ void stilb_scene_destroy(stilb_scene *scene);
 /* ---- pieces ------------------------------------------------------------------------------------------------------ */
 
 /* The closest material that conserves energy: reflectances clamped to >= 0, then scaled per channel so that diffuse +
- * specular <= 1 (shade_limit_to_one). shininess is clamped to [1, 8192]. */
-stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float shininess);
+ * specular <= 1 (shade_limit_to_one). roughness is clamped to [0, 1]; no anisotropy, no wrap. */
+stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float roughness);
 
 /* Unit sphere from an icosahedron split `splits` times (0..6), 20 * 4^splits triangles, vertices on the sphere. u is the
  * longitude, 0 at -Z and growing eastward to 1 there again; v the latitude, 0 at the top, +Y, and 1 at the bottom. Vertices

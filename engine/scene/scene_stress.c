@@ -12,7 +12,7 @@ enum stress_stream {
 	STRESS_SPHERE_SATURATION,
 	STRESS_SPHERE_VALUE,
 	STRESS_SPHERE_SPECULAR,
-	STRESS_SPHERE_SHININESS,
+	STRESS_SPHERE_GLOSS,
 	STRESS_TILE_HUE,
 	STRESS_TILE_VALUE,
 	STRESS_STREAMS
@@ -38,6 +38,13 @@ static void stress_color(float hue, float saturation, float value, float rgb[3])
 	}
 }
 
+/* The roughness of a Blinn-Phong highlight: exponent n = 2 / alpha^2 - 2, alpha = roughness^2. n >= 0.
+ * Source: Karis, "Specular BRDF Reference" (2013). */
+static float stress_roughness(float exponent)
+{
+	return sqrtf(sqrtf(2.0f / (exponent + 2.0f)));
+}
+
 static stilb_scene_material stress_sphere_material(uint64_t seed, uint32_t model)
 {
 	float diffuse[3], specular[3];
@@ -45,8 +52,8 @@ static stilb_scene_material stress_sphere_material(uint64_t seed, uint32_t model
 	             stress_random(seed, model, STRESS_SPHERE_SATURATION, 0.45f, 0.9f),
 	             stress_random(seed, model, STRESS_SPHERE_VALUE, 0.35f, 0.85f), diffuse);
 	specular[0] = specular[1] = specular[2] = stress_random(seed, model, STRESS_SPHERE_SPECULAR, 0.03f, 0.25f);
-	float shininess = exp2f(stress_random(seed, model, STRESS_SPHERE_SHININESS, 4.0f, 8.0f));
-	return stilb_scene_material_make(diffuse, specular, shininess);
+	float exponent = exp2f(stress_random(seed, model, STRESS_SPHERE_GLOSS, 4.0f, 8.0f));
+	return stilb_scene_material_make(diffuse, specular, stress_roughness(exponent));
 }
 
 static stilb_scene_material stress_tile_material(uint64_t seed, uint32_t model)
@@ -55,7 +62,7 @@ static stilb_scene_material stress_tile_material(uint64_t seed, uint32_t model)
 	const float specular[3] = {0.02f, 0.02f, 0.02f};
 	stress_color(stress_random(seed, model, STRESS_TILE_HUE, 0.0f, 1.0f), 0.18f,
 	             stress_random(seed, model, STRESS_TILE_VALUE, 0.18f, 0.5f), diffuse);
-	return stilb_scene_material_make(diffuse, specular, 16.0f);
+	return stilb_scene_material_make(diffuse, specular, stress_roughness(16.0f));
 }
 
 /* The smallest sphere, centred above the tile's centre, around the tile's corners (sqrt 2 away, at y = 0) and the top
@@ -98,6 +105,21 @@ static void stress_add_model(stilb_scene *scene, uint32_t model, uint32_t side)
 	stress_place_sphere(scene, model, 0.0f);
 }
 
+/* Over the middle of a field of side x side tiles, so high that it lights the edges too, facing down. The ground below it
+ * gets 6 W m^-2, twice what the sun gives. */
+static stilb_scene_lamp stress_lamp(float side)
+{
+	const float half_side = 0.5f * side * STILB_SCENE_TILE, height = STRESS_TOP + 0.5f * half_side;
+	const float intensity = 6.0f * height * height;
+	return (stilb_scene_lamp){
+		.position = {0.0f, height, 0.0f},
+		.axis = {0.0f, -1.0f, 0.0f},
+		.intensity = {intensity, 0.86f * intensity, 0.66f * intensity},
+		.radius = 0.1f * height,
+		.reach = height + half_side,
+	};
+}
+
 static uint32_t stress_side(uint32_t model_count)
 {
 	uint32_t side = (uint32_t)sqrt((double)model_count);
@@ -127,6 +149,7 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
 	stilb_vec3 sun = stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.68f, 0.38f));
 	scene->sun = (stilb_scene_sun){{sun[0], sun[1], sun[2]}, {3.0f, 2.8f, 2.5f}};
 	scene->sky = (stilb_scene_sky){{0.30f, 0.42f, 0.62f}, {0.10f, 0.09f, 0.08f}};
+	scene->lamp = stress_lamp((float)side);
 	scene->camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_ALL, 16.0f / 9.0f);
 	*out = scene;
 	return STILB_OK;

@@ -31,7 +31,12 @@
 
 #include "base/glsl_types.h"
 
+/* Always: a call by an integer that the caller knows (shade_brdf_cos) then keeps the one branch, however large the rest. */
+#ifdef __OPTIMIZE__
+#define SHADE_FN static inline __attribute__((always_inline))
+#else
 #define SHADE_FN static inline
+#endif
 #define SHADE_CONST static const __attribute__((unused))
 #define SHADE_STRUCT(name)                                                                                             \
 	typedef struct name name;                                                                                          \

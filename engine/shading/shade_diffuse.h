@@ -1,4 +1,4 @@
-/* shade_diffuse: light that leaves a surface evenly, and the irradiance of a sky of two colours. [any-thread] */
+/* shade_diffuse: light that leaves a surface evenly. [any-thread] */
 #ifndef SHADE_DIFFUSE_H
 #define SHADE_DIFFUSE_H
 
@@ -13,14 +13,15 @@ SHADE_FN vec3 shade_lambert(vec3 diffuse)
 	return diffuse * SHADE_INV_PI;
 }
 
-/* Irradiance (W m^-2) on a surface whose normal has the height normal_y in [-1, 1], under surroundings of two uniform
- * halves: radiance sky above the horizon, ground below it, nothing in the way. Exact:
- *   E = pi (sky (1 + normal_y) / 2 + ground (1 - normal_y) / 2)
- * Source: the tilted plane's view factor of the sky, (1 + cos) / 2: Liu and Jordan, "The Long-Term Average Performance of
- * Flat-Plate Solar-Energy Collectors" (1963). */
-SHADE_FN vec3 shade_hemisphere_irradiance(float normal_y, vec3 sky, vec3 ground)
+/* Wrapped diffuse, BRDF times n.l of a surface that reflects everything, sr^-1: max((n.l + w) / (1 + w)^2, 0) / pi.
+ * n_dot_l in [-1, 1]; wrap w in [0, 1], 0 is Lambert, and light reaches the surface down to n.l = -w.
+ * The integral over all directions of light is 1: McAuley's energy conservation. It is neither reciprocal nor, light by
+ * light, conserving: it reflects (n.l + w) / ((1 + w)^2 n.l) of what arrives, which is more than 1 for n.l < 1 / (2 +
+ * w); at 89 degrees and w = 1 it is 14.6. Source: McAuley, "Energy-Conserving Wrapped Diffuse" (2011). */
+SHADE_FN float shade_wrapped(float n_dot_l, float wrap)
 {
-	return mix(ground, sky, 0.5f + 0.5f * normal_y) * SHADE_PI;
+	float w = 1.0f + wrap;
+	return max(n_dot_l + wrap, 0.0f) * SHADE_INV_PI / (w * w);
 }
 
 #include "glsl_end.h"

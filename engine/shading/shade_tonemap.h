@@ -1,14 +1,22 @@
 /*
- * shade_tonemap: brings radiance of any height into a display's range and keeps its hue. [any-thread]
+ * shade_tonemap: brings radiance of any height into a range and keeps its hue. [any-thread]
  *
- * One curve, linear up to a and bent into the range's end b, is applied to the largest channel, and the colour is scaled by
- * the same number. Karis offers luminance or the largest channel; here it is the latter, because an 8-bit target holds
- * each channel in [0, b]: with luminance a saturated blue (weight 0.07) would leave the range and be clipped.
- * Below a the picture is untouched, so measured values can be read off it.
- * Source: Karis, "Tone mapping" (2013), the piecewise pair of formulas.
+ * A curve is applied to one number of the colour, its luma, and the colour is scaled by the same number: a curve for
+ * each channel would wash bright colours out. Karis offers two lumas.
+ *   Largest channel   every channel ends in the range: what a display or an 8-bit encoding needs. With luminance a
+ *                     saturated blue (weight 0.07) would leave the range and be clipped.
+ *   Luminance         equally bright colours are dimmed alike, and it is linear: what averages need (shade_firefly.h).
+ *                     A channel may end above the range, blue at up to 14 times its end.
+ * Two curves: the simple one bends everywhere; the other is linear up to a, so that measured values can be read off the
+ * picture, and bends into the range's end b; with a = 0 and b = range it is the simple one. All have inverses.
+ *
+ * Colours are linear, each channel in [0, 1e30].
+ * Source: Karis, "Tone mapping" (2013).
  */
 #ifndef SHADE_TONEMAP_H
 #define SHADE_TONEMAP_H
+
+#include "shade_luminance.h"
 
 #include "glsl_begin.h"
 
@@ -16,36 +24,86 @@
 #define SHADE_TONEMAP_A 0.6f
 #define SHADE_TONEMAP_B 1.0f
 
-/* T(x) = x up to a, then (a^2 - b x) / (2 a - b - x); value and slope continue at a, and b is the limit.
- * Computed as b - (b - a)^2 / (x + b - 2 a), the same number without inf / inf. x >= 0, 0 <= a < b. */
-SHADE_FN float shade_tonemap_curve(float x, float a, float b)
+/* An inverse comes from a number that lies at least this share of the range's end below it, one float step: so it is
+ * finite for a colour that was rounded, or filtered, onto the end. */
+#define SHADE_TONEMAP_EPSILON 6e-8f
+
+#define SHADE_TONEMAP_ABOVE_MAX 1e30f /* infinite light ends at b too, not at inf / inf */
+
+SHADE_FN float shade_largest(vec3 color)
 {
-	float bent = b - (b - a) * (b - a) / (max(x, a) + b - 2.0f * a);
-	return select(x <= a, x, bent);
+	return max(color[0], max(color[1], color[2]));
 }
 
-/* The inverse: y = T(x) in [0, b), computed as (b - a)^2 / (b - y) + 2 a - b above a. Steep near b: a float step of y
- * there stands for ((b - a) / (b - y))^2 steps of x. */
+/* ---- the simple curve -------------------------------------------------------------------------------------------- */
+
+/* color / (1 + luma / range): luma becomes luma range / (range + luma), in [0, range). luma is shade_luminance or
+ * shade_largest of the colour; range > 0. */
+SHADE_FN vec3 shade_tonemap_simple(vec3 color, float luma, float range)
+{
+	return color * (range / (range + luma));
+}
+
+/* The inverse, color / (1 - luma / range), luma of the mapped colour in [0, range). A float step of it there stands for
+ * (range / (range - luma))^2 steps of the result. */
+SHADE_FN vec3 shade_tonemap_simple_inverse(vec3 color, float luma, float range)
+{
+	return color * (range / max(range - luma, SHADE_TONEMAP_EPSILON * range));
+}
+
+/* ---- linear to a, then bent -------------------------------------------------------------------------------------- */
+
+/* T(x) = x up to a, then (a^2 - b x) / (2 a - b - x); value and slope continue at a, and b is the limit. x >= 0,
+ * 0 <= a < b. Computed as a + the simple curve of the part above a, with the range b - a: the same number, without
+ * differences of large numbers. */
+SHADE_FN float shade_tonemap_curve(float x, float a, float b)
+{
+	float above = clamp(x - a, 0.0f, SHADE_TONEMAP_ABOVE_MAX);
+	return select(x <= a, x, min(a + (b - a) * (above / (above + (b - a))), b));
+}
+
+/* The inverse, y = T(x) in [0, b): a + (b - a) (y - a) / (b - y) above a. Steep near b: a float step of y there stands
+ * for ((b - a) / (b - y))^2 steps of x. */
 SHADE_FN float shade_tonemap_curve_inverse(float y, float a, float b)
 {
-	float unbent = (b - a) * (b - a) / (b - max(y, a)) + 2.0f * a - b;
+	float unbent = a + (b - a) * (y - a) / max(b - y, SHADE_TONEMAP_EPSILON * b);
 	return select(y <= a, y, unbent);
 }
 
-/* color: radiance per channel, [0, 1e30]. Each channel of the result is in [0, b]. */
+/* color scaled by T(luma) / luma. */
+SHADE_FN vec3 shade_tonemap_scaled(vec3 color, float luma, float a, float b)
+{
+	return color * select(luma <= a, 1.0f, shade_tonemap_curve(luma, a, b) / max(luma, a));
+}
+
+/* color scaled by the inverse of T, at luma, by luma. */
+SHADE_FN vec3 shade_tonemap_unscaled(vec3 color, float luma, float a, float b)
+{
+	return color * select(luma <= a, 1.0f, shade_tonemap_curve_inverse(luma, a, b) / max(luma, a));
+}
+
+/* By the largest channel: each channel of the result is in [0, b]. */
 SHADE_FN vec3 shade_tonemap(vec3 color, float a, float b)
 {
-	float largest = max(color[0], max(color[1], color[2]));
-	float scale = select(largest <= a, 1.0f, shade_tonemap_curve(largest, a, b) / max(largest, a));
-	return min(color * scale, b);
+	return min(shade_tonemap_scaled(color, shade_largest(color), a, b), b);
 }
 
 /* color: a result of shade_tonemap with its largest channel below b. */
 SHADE_FN vec3 shade_tonemap_inverse(vec3 color, float a, float b)
 {
-	float largest = max(color[0], max(color[1], color[2]));
-	float scale = select(largest <= a, 1.0f, shade_tonemap_curve_inverse(largest, a, b) / max(largest, a));
-	return color * scale;
+	return shade_tonemap_unscaled(color, shade_largest(color), a, b);
+}
+
+/* By the luminance: that of the result is in [0, b], up to rounding. */
+SHADE_FN vec3 shade_tonemap_luminance(vec3 color, float a, float b)
+{
+	return shade_tonemap_scaled(color, shade_luminance(color), a, b);
+}
+
+/* color: a result of shade_tonemap_luminance with its luminance below b. */
+SHADE_FN vec3 shade_tonemap_luminance_inverse(vec3 color, float a, float b)
+{
+	return shade_tonemap_unscaled(color, shade_luminance(color), a, b);
 }
 
 #include "glsl_end.h"

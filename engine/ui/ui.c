@@ -99,6 +99,13 @@ const stilb_ui_font *stilb_ui_font_get(const stilb_ui *ui, stilb_ui_text_kind ki
 	return &ui->fonts.fonts[kind];
 }
 
+const uint8_t *stilb_ui_glyphs(const stilb_ui *ui, uint32_t *width, uint32_t *height)
+{
+	*width = ui->fonts.width;
+	*height = ui->fonts.height;
+	return ui->fonts.coverage;
+}
+
 stilb_ui_draw_list *stilb_ui_list(stilb_ui *ui)
 {
 	return &ui->list;

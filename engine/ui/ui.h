@@ -73,6 +73,9 @@ typedef enum stilb_ui_text_kind {
 
 const stilb_ui_font *stilb_ui_font_get(const stilb_ui *ui, stilb_ui_text_kind kind);
 
+/* The texture of all draw lists, for who draws a list himself: one byte of coverage a texel, top row first. */
+const uint8_t *stilb_ui_glyphs(const stilb_ui *ui, uint32_t *width, uint32_t *height);
+
 /* ---- frame ------------------------------------------------------------------------------------------------------- */
 
 typedef enum stilb_ui_key {

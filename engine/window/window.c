@@ -46,6 +46,8 @@ static stilb_window_key window_key(int key)
 		return STILB_WINDOW_KEY_P;
 	case GLFW_KEY_F1:
 		return STILB_WINDOW_KEY_F1;
+	case GLFW_KEY_F2:
+		return STILB_WINDOW_KEY_F2;
 	case GLFW_KEY_F12:
 		return STILB_WINDOW_KEY_F12;
 	case GLFW_KEY_LEFT_SHIFT:

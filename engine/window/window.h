@@ -21,6 +21,7 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_E,
 	STILB_WINDOW_KEY_P,
 	STILB_WINDOW_KEY_F1,
+	STILB_WINDOW_KEY_F2,
 	STILB_WINDOW_KEY_F12,
 	STILB_WINDOW_KEY_MINUS, /* typed, on any layout; never held */
 	STILB_WINDOW_KEY_PLUS,  /* the same; '=' counts too, where + needs shift */

@@ -87,12 +87,19 @@ static inline dvec reference_ray(const reference_camera *c, double x, double y)
 
 /* ---- shading --------------------------------------------------------------------------------------------------------- */
 
+/* The roughness whose Blinn-Phong highlight has this exponent: n = 2 / alpha^2 - 2 (Karis), alpha = roughness^2. */
+static inline float reference_roughness(double exponent)
+{
+	return (float)pow(2.0 / (exponent + 2.0), 0.25);
+}
+
 /* Lambert, Schueler's modified Blinn-Phong, a sun and a sky of two halves; n and v unit. */
 static inline double reference_radiance(const stilb_scene *scene, const stilb_scene_material *m, int channel, dvec n,
                                         dvec v)
 {
 	dvec l = dvec_of(scene->sun.direction), h = dvec_unit(dvec_mad(l, 1.0, v));
-	double n_dot_l = fmax(dvec_dot(n, l), 0.0), n_dot_h = fmax(dvec_dot(n, h), 0.0), s = (double)m->shininess;
+	double n_dot_l = fmax(dvec_dot(n, l), 0.0), n_dot_h = fmax(dvec_dot(n, h), 0.0),
+		   s = 2.0 / pow((double)m->roughness, 4.0) - 2.0;
 	double factor = (s + 2.0) * (s + 4.0) / (8.0 * REFERENCE_PI * (exp2(-s / 2.0) + s));
 	double brdf = (double)m->diffuse[channel] / REFERENCE_PI + (double)m->specular[channel] * factor * pow(n_dot_h, s);
 	double above = (double)scene->sky.sky[channel] * (1.0 + n.y) / 2.0;
@@ -185,7 +192,7 @@ static inline stilb_scene *reference_scene(uint32_t part_count)
 	for (uint32_t p = 0; p < part_count; p++) {
 		scene->part_material[p] = p;
 		scene->part_transform[p] = stilb_mat4_identity();
-		scene->materials[p].shininess = 10.0f;
+		scene->materials[p].roughness = reference_roughness(10.0);
 	}
 	scene->sun.direction[1] = 1.0f;
 	return scene;
@@ -206,7 +213,8 @@ typedef struct picture_desc {
 	stilb_render_output output;
 	uint32_t samples; /* 0 counts as 1 */
 	uint32_t workers;
-	stilb_render_stats *stats; /* gets the frame's, or NULL */
+	const stilb_render_shading *shading; /* NULL: the default */
+	stilb_render_stats *stats;           /* gets the frame's, or NULL */
 } picture_desc;
 
 /* Every model of scene as the camera sees it, drawn by a device of its own. */
@@ -222,7 +230,13 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 		.context_count = how.workers + 1,
 	};
 	const stilb_render_pass pass = {.name = "main"};
-	stilb_render_view view = {.view_projection = reference_matrix(camera), .sun = scene->sun, .sky = scene->sky};
+	stilb_render_view view = {
+		.view_projection = reference_matrix(camera),
+		.sun = scene->sun,
+		.sky = scene->sky,
+		.lamp = scene->lamp,
+		.shading = how.shading ? *how.shading : stilb_render_shading_default(),
+	};
 	reference_set3(view.camera_position, (float)camera->position.x, (float)camera->position.y,
 	               (float)camera->position.z);
 	stilb_render *render;

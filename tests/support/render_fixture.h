@@ -100,11 +100,8 @@ static inline uint64_t fixture_hash(uint64_t hash, const fixture_draw *draw)
 {
 	hash = reference_hash_u32(hash, fixture_index(draw->mesh.id));
 	hash = reference_hash_u32(hash, fixture_index(draw->material.id));
-	for (int i = 0; i < 16; i++) {
-		uint32_t bits;
-		memcpy(&bits, &draw->transform.m[i], sizeof bits);
-		hash = reference_hash_u32(hash, bits);
-	}
+	for (int i = 0; i < 16; i++)
+		hash = reference_hash_float(hash, draw->transform.m[i]);
 	return reference_hash_u32(hash, draw->index_count);
 }
 

@@ -81,7 +81,7 @@ static inline stilb_result gpu_mesh_create(stilb_render *render, uint32_t number
 static inline stilb_result gpu_material_create(stilb_render *render, uint32_t number, stilb_render_texture texture,
                                                stilb_render_material *material)
 {
-	const stilb_scene_material source = {.diffuse = {(float)number, 1, 1}, .specular = {0, 0, 0}, .shininess = 9};
+	const stilb_scene_material source = {.diffuse = {(float)number, 1, 1}, .specular = {0, 0, 0}, .roughness = 0.5f};
 	return stilb_render_material_create(render, &source, texture, material);
 }
 

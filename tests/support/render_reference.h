@@ -3,6 +3,7 @@
 #ifndef RENDER_REFERENCE_H
 #define RENDER_REFERENCE_H
 
+#include "render/render.h"
 #include "scene/scene.h"
 
 #include <setjmp.h>
@@ -23,16 +24,35 @@ static inline uint64_t reference_hash_u32(uint64_t hash, uint32_t number)
 	return hash;
 }
 
+static inline uint64_t reference_hash_float(uint64_t hash, float number)
+{
+	uint32_t bits;
+	memcpy(&bits, &number, sizeof bits);
+	return reference_hash_u32(hash, bits);
+}
+
+/* A pass begins, in a view with this shading. */
+static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_shading *shading)
+{
+	const uint32_t formulas[] = {shading->brdf, shading->ndf, shading->g, shading->f, shading->light};
+	const float added[] = {shading->roughness, shading->anisotropy, shading->wrap, shading->specular};
+	for (size_t i = 0; i < sizeof formulas / sizeof *formulas; i++)
+		hash = reference_hash_u32(hash, formulas[i]);
+	for (size_t i = 0; i < sizeof added / sizeof *added; i++)
+		hash = reference_hash_float(hash, added[i]);
+	return hash;
+}
+
+/* The only pass begins, in a view that is all zeros. */
+#define REFERENCE_HASH_PASS reference_hash_pass(REFERENCE_HASH_START, &(stilb_render_shading){0})
+
 static inline uint64_t reference_hash_draw(uint64_t hash, const stilb_scene *scene, uint32_t mesh, uint32_t material,
                                            const stilb_mat4 *transform)
 {
 	hash = reference_hash_u32(hash, mesh);
 	hash = reference_hash_u32(hash, material);
-	for (int i = 0; i < 16; i++) {
-		uint32_t bits;
-		memcpy(&bits, &transform->m[i], sizeof bits);
-		hash = reference_hash_u32(hash, bits);
-	}
+	for (int i = 0; i < 16; i++)
+		hash = reference_hash_float(hash, transform->m[i]);
 	return reference_hash_u32(hash, scene->meshes[mesh].index_count);
 }
 

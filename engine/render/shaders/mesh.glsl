@@ -3,8 +3,9 @@
 
 // render_material.
 struct Material {
-	vec4 diffuse_shininess;
-	vec4 specular;
+	vec4 diffuse_roughness;
+	vec4 specular_anisotropy;
+	vec4 wrap; // and nothing else
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Materials { Material materials[]; };
@@ -17,6 +18,10 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec4 sun_irradiance;
 	vec4 sky;
 	vec4 ground;
+	vec4 lamp_position_radius;
+	vec4 lamp_axis_reach;
+	vec4 lamp_intensity;
+	vec4 added; // to every material's roughness, anisotropy, wrap, specular
 };
 
 layout(push_constant, std430) uniform Push {

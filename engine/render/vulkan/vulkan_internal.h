@@ -41,9 +41,13 @@ typedef struct vulkan_view {
 	float sun_irradiance[4];
 	float sky[4];
 	float ground[4];
+	float lamp_position[3], lamp_radius;
+	float lamp_axis[3], lamp_reach;
+	float lamp_intensity[4];
+	float added[4]; /* to every material's roughness, anisotropy, wrap and specular */
 } vulkan_view;
 
-static_assert(sizeof(vulkan_view) == 144, "std430");
+static_assert(sizeof(vulkan_view) == 208, "std430");
 
 typedef struct vulkan_push {
 	VkDeviceAddress view, rows, materials;
@@ -128,6 +132,22 @@ typedef enum vulkan_pipeline_materials {
 	VULKAN_PIPELINE_MATERIALS,
 } vulkan_pipeline_materials;
 
+/* The formulas that a pipeline is compiled with, in the order of the shader's constants. */
+typedef enum vulkan_formula {
+	VULKAN_FORMULA_BRDF,
+	VULKAN_FORMULA_NDF,
+	VULKAN_FORMULA_G,
+	VULKAN_FORMULA_F,
+	VULKAN_FORMULA_LIGHT,
+	VULKAN_FORMULAS,
+} vulkan_formula;
+
+/* The mesh pipelines of one choice of formulas: without and with a texture. Null: none such has been needed. */
+typedef struct vulkan_shading {
+	uint32_t formulas[VULKAN_FORMULAS];
+	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
+} vulkan_shading;
+
 typedef struct vulkan_swapchain {
 	VkSwapchainKHR handle;
 	VkExtent2D extent;
@@ -165,9 +185,11 @@ typedef struct vulkan_device {
 	VkDescriptorPool texture_pool, material_pool;
 	vulkan_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	VkPipelineLayout pipeline_layout;
-	/* Without and with a texture. Null: this device needs none such. */
-	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
-	VkPipeline pipelines_2d[2];
+	VkShaderModule mesh_modules[2][2]; /* [texture][stage], kept for the pipelines that are still to come */
+	vulkan_shading *shadings;          /* [shading_count] every choice that a pass has had */
+	uint32_t shading_count, shading_capacity;
+	const vulkan_shading *shading; /* of the pass that is being replayed; secondary lists read it on other threads */
+	VkPipeline pipelines_2d[2];    /* without and with a texture */
 	stilb_render_output output;
 	VkFormat color_format;
 	vulkan_image color;         /* the picture, one sample */
@@ -241,6 +263,9 @@ void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upl
 /* vulkan_pipeline.c */
 stilb_result vulkan_pipeline_create(vulkan_device *device);
 void vulkan_pipeline_destroy(vulkan_device *device);
+/* Makes what a scene pass's draws need and no pass before it has needed, and chooses it. */
+stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream);
+/* [any-thread] while a pass is replayed. */
 VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state);
 
 /* vulkan_frame.c */

@@ -98,6 +98,15 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	copy3(out->sun_irradiance, view->sun.irradiance);
 	copy3(out->sky, view->sky.sky);
 	copy3(out->ground, view->sky.ground);
+	memcpy(out->lamp_position, view->lamp.position, sizeof out->lamp_position);
+	out->lamp_radius = view->lamp.radius;
+	memcpy(out->lamp_axis, view->lamp.axis, sizeof out->lamp_axis);
+	out->lamp_reach = view->lamp.reach;
+	copy3(out->lamp_intensity, view->lamp.intensity);
+	out->added[0] = view->shading.roughness;
+	out->added[1] = view->shading.anisotropy;
+	out->added[2] = view->shading.wrap;
+	out->added[3] = view->shading.specular;
 }
 
 /* Draws of the primary command buffer itself. */
@@ -133,11 +142,16 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 	bool first = device->pass == 0, scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
 	if (!scene && !first && stream->draws == 0)
 		return STILB_OK;
-	if (scene)
+	stilb_result result = STILB_OK;
+	if (scene) {
 		pass_write_view(device, slot, stream->view);
+		result = vulkan_pipeline_choose(device, stream);
+	}
+	if (result != STILB_OK)
+		return result;
 	if (render_stream_mode(base, stream) == STILB_RENDER_REPLAY_SECONDARY && stream->draws > 0) {
 		secondary_count = stilb_job_pool_worker_count(stream->pool) + 1;
-		stilb_result result = vulkan_secondary_record(device, stream, secondary_count, secondary);
+		result = vulkan_secondary_record(device, stream, secondary_count, secondary);
 		if (result != STILB_OK)
 			return result;
 	}

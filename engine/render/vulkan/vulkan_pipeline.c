@@ -1,5 +1,10 @@
 #include "render/vulkan/vulkan_internal.h"
 
+#include "shading/shade_brdf.h"
+
+#include <stdlib.h>
+#include <string.h>
+
 /* SPIR-V, made from shaders/ when Stilb is built: with a texture, with the material bound; and flat, for 2D passes. */
 static const uint32_t mesh_vert[] =
 #include "mesh.vert.inc"
@@ -257,21 +262,34 @@ static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stag
 typedef struct pipeline_constants {
 	VkBool32 tone_map;
 	uint32_t materials; /* a vulkan_pipeline_materials */
+	uint32_t formulas[VULKAN_FORMULAS];
 } pipeline_constants;
 
-static const VkSpecializationMapEntry pipeline_constant_map[2] = {
+#define PIPELINE_FORMULA(index)                                                                                        \
+	{                                                                                                                  \
+		2 + (index), offsetof(pipeline_constants, formulas) + (index) * sizeof(uint32_t), sizeof(uint32_t)             \
+	}
+
+static const VkSpecializationMapEntry pipeline_constant_map[2 + VULKAN_FORMULAS] = {
 	{.constantID = 0, .offset = offsetof(pipeline_constants, tone_map), .size = sizeof(VkBool32)},
 	{.constantID = 1, .offset = offsetof(pipeline_constants, materials), .size = sizeof(uint32_t)},
+	PIPELINE_FORMULA(VULKAN_FORMULA_BRDF),
+	PIPELINE_FORMULA(VULKAN_FORMULA_NDF),
+	PIPELINE_FORMULA(VULKAN_FORMULA_G),
+	PIPELINE_FORMULA(VULKAN_FORMULA_F),
+	PIPELINE_FORMULA(VULKAN_FORMULA_LIGHT),
 };
 
-static VkResult pipeline_make(vulkan_device *device, const VkShaderModule modules[2], bool texture,
-                              vulkan_pipeline_materials materials)
+static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS], bool texture,
+                              vulkan_pipeline_materials materials, VkPipeline *pipeline)
 {
-	const pipeline_constants constants = {device->output == STILB_RENDER_OUTPUT_DISPLAY, materials};
-	const VkSpecializationInfo specialization = {2, pipeline_constant_map, sizeof constants, &constants};
+	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY, .materials = materials};
+	memcpy(constants.formulas, formulas, sizeof constants.formulas);
+	const VkSpecializationInfo specialization = {2 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants,
+	                                             &constants};
 	const VkPipelineShaderStageCreateInfo stages[2] = {
-		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], NULL),
-		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], &specialization),
+		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, device->mesh_modules[texture][0], NULL),
+		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, device->mesh_modules[texture][1], &specialization),
 	};
 	const VkPipelineMultisampleStateCreateInfo multisample = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
@@ -298,26 +316,69 @@ static VkResult pipeline_make(vulkan_device *device, const VkShaderModule module
 		.pDynamicState = &dynamic,
 		.layout = device->pipeline_layout,
 	};
-	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator,
-	                                 &device->pipelines[texture][materials]);
+	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator, pipeline);
 }
 
-/* The pipelines that this device's way with materials needs. */
-static VkResult pipelines_make(vulkan_device *device, bool texture)
+static VkResult mesh_modules_make(vulkan_device *device, bool texture)
 {
 	bool bind = device->base.materials == STILB_RENDER_MATERIALS_BIND;
+	VkResult result = shader_create(device, vertex_code[texture], &device->mesh_modules[texture][0]);
+	return result == VK_SUCCESS ? shader_create(device, fragment_code[bind][texture], &device->mesh_modules[texture][1])
+	                            : result;
+}
+
+/* ---- one set of mesh pipelines for each choice of formulas ------------------------------------------------------- */
+
+/* Those that this device's way with materials needs, as far as there are none yet. */
+static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, bool texture)
+{
 	bool alternate = device->base.materials == STILB_RENDER_MATERIALS_PIPELINE;
-	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
-	VkResult result = shader_create(device, vertex_code[texture], &modules[0]);
-	if (result == VK_SUCCESS)
-		result = shader_create(device, fragment_code[bind][texture], &modules[1]);
-	if (result == VK_SUCCESS)
-		result = pipeline_make(device, modules, texture, alternate ? VULKAN_PIPELINE_EVEN : VULKAN_PIPELINE_ANY);
-	if (result == VK_SUCCESS && alternate)
-		result = pipeline_make(device, modules, texture, VULKAN_PIPELINE_ODD);
-	for (int stage = 0; stage < 2; stage++)
-		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
+	VkResult result = VK_SUCCESS;
+	for (int m = alternate ? VULKAN_PIPELINE_EVEN : VULKAN_PIPELINE_ANY;
+	     m <= (alternate ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_ANY) && result == VK_SUCCESS; m++) {
+		VkPipeline *pipeline = &shading->pipelines[texture][m];
+		if (*pipeline != VK_NULL_HANDLE)
+			continue;
+		PROFILE("make a pipeline");
+		result = pipeline_make(device, shading->formulas, texture, (vulkan_pipeline_materials)m, pipeline);
+	}
 	return result;
+}
+
+/* The entry for these formulas, which may be new; NULL without memory. */
+static vulkan_shading *shading_find(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS])
+{
+	for (uint32_t s = 0; s < device->shading_count; s++)
+		if (memcmp(device->shadings[s].formulas, formulas, sizeof device->shadings[s].formulas) == 0)
+			return &device->shadings[s];
+	if (!render_reserve((void **)&device->shadings, &device->shading_capacity, device->shading_count + 1,
+	                    sizeof *device->shadings))
+		return NULL;
+	vulkan_shading *shading = &device->shadings[device->shading_count++];
+	*shading = (vulkan_shading){0};
+	memcpy(shading->formulas, formulas, sizeof shading->formulas);
+	return shading;
+}
+
+stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
+{
+	const stilb_render_shading *wanted = &stream->view->shading;
+	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* the others are the same whatever D, G and F */
+	const uint32_t formulas[VULKAN_FORMULAS] = {
+		[VULKAN_FORMULA_BRDF] = wanted->brdf,
+		[VULKAN_FORMULA_NDF] = microfacet ? wanted->ndf : 0,
+		[VULKAN_FORMULA_G] = microfacet ? wanted->g : 0,
+		[VULKAN_FORMULA_F] = microfacet ? wanted->f : 0,
+		[VULKAN_FORMULA_LIGHT] = wanted->light,
+	};
+	vulkan_shading *shading = shading_find(device, formulas);
+	if (!shading)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of shading");
+	VkResult result = VK_SUCCESS;
+	for (int texture = 0; texture <= (render_state_texture(stream->states) != 0) && result == VK_SUCCESS; texture++)
+		result = shading_make(device, shading, texture);
+	device->shading = shading;
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
 }
 
 static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule modules[2], bool texture)
@@ -366,9 +427,9 @@ stilb_result vulkan_pipeline_create(vulkan_device *device)
 {
 	VkResult result = layout_create(device);
 	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
-		result = pipelines_make(device, texture);
+		result = mesh_modules_make(device, texture);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(device, result, "make the mesh pipelines");
+		return vulkan_fail(device, result, "make the mesh shaders");
 	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
 		result = pipelines_make_2d(device, texture);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the 2D pipelines");
@@ -376,9 +437,13 @@ stilb_result vulkan_pipeline_create(vulkan_device *device)
 
 void vulkan_pipeline_destroy(vulkan_device *device)
 {
+	for (uint32_t s = 0; s < device->shading_count; s++)
+		for (int pipeline = 0; pipeline < 2 * VULKAN_PIPELINE_MATERIALS; pipeline++)
+			vkDestroyPipeline(device->device, (&device->shadings[s].pipelines[0][0])[pipeline], device->allocator);
+	free(device->shadings);
 	for (int texture = 0; texture < 2; texture++) {
-		for (int materials = 0; materials < VULKAN_PIPELINE_MATERIALS; materials++)
-			vkDestroyPipeline(device->device, device->pipelines[texture][materials], device->allocator);
+		for (int stage = 0; stage < 2; stage++)
+			vkDestroyShaderModule(device->device, device->mesh_modules[texture][stage], device->allocator);
 		vkDestroyPipeline(device->device, device->pipelines_2d[texture], device->allocator);
 	}
 	vkDestroyPipelineLayout(device->device, device->pipeline_layout, device->allocator);
@@ -393,5 +458,5 @@ VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
 		return device->pipelines_2d[render_state_texture(state) != 0];
 	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
 		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
-	return device->pipelines[render_state_texture(state) != 0][materials];
+	return device->shading->pipelines[render_state_texture(state) != 0][materials];
 }

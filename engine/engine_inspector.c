@@ -1,0 +1,212 @@
+/*
+ * The inspector of materials: which formulas shade the scene and which light falls on it, as lists; what is added to every
+ * material's numbers, as sliders; and what comes of it, as the light that a sample reflects.
+ */
+#include "engine_internal.h"
+
+#include "shading/shade_energy.h"
+#include "shading/shade_surface.h"
+
+#include <stdio.h>
+
+#define INSPECTOR_COLUMN 168.0f /* wide, pixels */
+#define INSPECTOR_LOBE 156.0f
+#define INSPECTOR_LOBE_POINTS 181
+#define INSPECTOR_ARROW 7.0f
+
+/* ---- words --------------------------------------------------------------------------------------------------------- */
+
+/* The position in the list is the number: the lists of the headers count from 0 on. */
+#define INSPECTOR_WORD(number, name) [number] = #name,
+
+const char *const stilb_engine_brdf_names[] = {SHADE_BRDFS(INSPECTOR_WORD) NULL};
+const char *const stilb_engine_ndf_names[] = {SHADE_NDFS(INSPECTOR_WORD) NULL};
+const char *const stilb_engine_g_names[] = {SHADE_GS(INSPECTOR_WORD) NULL};
+const char *const stilb_engine_f_names[] = {SHADE_FS(INSPECTOR_WORD) NULL};
+const char *const stilb_engine_light_names[] = {SHADE_LIGHTS(INSPECTOR_WORD) NULL};
+
+static_assert(sizeof stilb_engine_brdf_names / sizeof(char *) == SHADE_BRDF_COUNT + 1 &&
+                  sizeof stilb_engine_ndf_names / sizeof(char *) == SHADE_NDF_COUNT + 1 &&
+                  sizeof stilb_engine_g_names / sizeof(char *) == SHADE_G_COUNT + 1 &&
+                  sizeof stilb_engine_f_names / sizeof(char *) == SHADE_F_COUNT + 1 &&
+                  sizeof stilb_engine_light_names / sizeof(char *) == SHADE_LIGHT_COUNT + 1,
+              "one word a number");
+
+/* ---- lists --------------------------------------------------------------------------------------------------------- */
+
+static float inspector_list_height(const stilb_ui *ui, uint32_t rows)
+{
+	const stilb_ui_style *style = stilb_ui_style_get((stilb_ui *)ui);
+	return (float)(1 + rows) * style->row_height + style->gap;
+}
+
+/* A heading and a row for each word; true when the user took another one. Muted: it has no say at present. */
+static bool inspector_list(stilb_ui *ui, stilb_ui_rect *area, const char *heading, const char *const *words,
+                           uint32_t *chosen, bool muted)
+{
+	const stilb_ui_style *style = stilb_ui_style_get(ui);
+	uint32_t count = 0;
+	while (words[count])
+		count++;
+	stilb_ui_rect head = stilb_ui_cut_top(area, style->row_height);
+	stilb_ui_draw_text(stilb_ui_list(ui), stilb_ui_font_get(ui, STILB_UI_TEXT_STRONG), head, STILB_UI_ALIGN_LEFT,
+	                   muted ? style->text_muted : style->text_strong, heading);
+	stilb_ui_list_state list = {.selected = *chosen};
+	stilb_ui_rows rows =
+		stilb_ui_rows_begin(ui, stilb_ui_cut_top(area, (float)count * style->row_height), heading, count, &list);
+	for (uint32_t r = rows.first; r < rows.end; r++) {
+		char word[48];
+		snprintf(word, sizeof word, "%s", words[r]);
+		for (char *c = word; *c; c++)
+			*c = *c == '_' ? ' ' : *c;
+		stilb_ui_rect row = stilb_ui_row(ui, &rows, r);
+		row.x0 += style->gap;
+		(muted ? stilb_ui_label_muted : stilb_ui_label)(ui, row, STILB_UI_ALIGN_LEFT, word);
+	}
+	stilb_ui_rows_end(ui);
+	stilb_ui_cut_top(area, style->gap);
+	bool taken = rows.changed || rows.clicked != STILB_UI_NO_ROW;
+	*chosen = taken ? list.selected : *chosen;
+	return taken;
+}
+
+static void inspector_lists(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
+{
+	const float gap = 2.0f * stilb_ui_style_get(ui)->gap;
+	stilb_ui_rect left = stilb_ui_cut_left(&area, 0.5f * (area.x1 - area.x0 - gap));
+	stilb_ui_cut_left(&area, gap);
+	inspector_list(ui, &left, "Model", stilb_engine_brdf_names, &shading->brdf, false);
+	inspector_list(ui, &left, "Light", stilb_engine_light_names, &shading->light, false);
+	/* Who takes a part wants the model that is made of parts. */
+	const bool other = shading->brdf != SHADE_BRDF_MICROFACET;
+	bool taken = inspector_list(ui, &area, "D: facets", stilb_engine_ndf_names, &shading->ndf, other);
+	taken |= inspector_list(ui, &area, "G: shadowing", stilb_engine_g_names, &shading->g, other);
+	taken |= inspector_list(ui, &area, "F: Fresnel", stilb_engine_f_names, &shading->f, other);
+	if (taken)
+		shading->brdf = SHADE_BRDF_MICROFACET;
+}
+
+/* ---- sliders --------------------------------------------------------------------------------------------------------- */
+
+static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
+{
+	static const stilb_ui_slider_range range = {-1.0f, 1.0f, 0.01f, "%+.2f"};
+	const stilb_ui_style *style = stilb_ui_style_get(ui);
+	const struct {
+		const char *label;
+		float *value;
+	} rows[] = {
+		{"Roughness", &shading->roughness},
+		{"Anisotropy", &shading->anisotropy},
+		{"Wrap", &shading->wrap},
+		{"Specular", &shading->specular},
+	};
+	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+		stilb_ui_slider(ui, stilb_ui_cut_top(&area, style->control_height), rows[r].label, rows[r].value, &range);
+		stilb_ui_cut_top(&area, style->gap);
+	}
+	if (stilb_ui_button(ui, stilb_ui_cut_top(&area, style->control_height), "Default"))
+		*shading = stilb_render_shading_default();
+}
+
+static float inspector_sliders_height(const stilb_ui *ui)
+{
+	const stilb_ui_style *style = stilb_ui_style_get((stilb_ui *)ui);
+	return 5.0f * style->control_height + 4.0f * style->gap;
+}
+
+/* ---- the lobe -------------------------------------------------------------------------------------------------------- */
+
+/* A sample with what is added to all materials. */
+static shade_material inspector_sample(const stilb_render_shading *shading)
+{
+	const float specular = 0.2f + shading->specular;
+	shade_reflectance reflectance =
+		shade_limit_to_one(stilb_vec3_make(0.4f, 0.4f, 0.4f), stilb_vec3_make(specular, specular, specular));
+	return (shade_material){
+		.diffuse = reflectance.diffuse,
+		.specular = reflectance.specular,
+		.roughness = fminf(fmaxf(0.5f + shading->roughness, 0.0f), 1.0f),
+		.anisotropy = fminf(fmaxf(shading->anisotropy, -1.0f), 1.0f),
+		.wrap = fminf(fmaxf(shading->wrap, 0.0f), 1.0f),
+	};
+}
+
+/* What the sample reflects of light from the left, 45 degrees high, in the directions from left to right. */
+static float inspector_lobe(const stilb_render_shading *shading, float values[INSPECTOR_LOBE_POINTS])
+{
+	const shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
+	const shade_material material = inspector_sample(shading);
+	const shade_frame frame = {stilb_vec3_make(1, 0, 0), stilb_vec3_make(0, 0, -1), stilb_vec3_make(0, 1, 0)};
+	const stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-1, 1, 0));
+	float most = 0.0f;
+	for (int i = 0; i < INSPECTOR_LOBE_POINTS; i++) {
+		float angle = SHADE_PI * ((float)i + 0.5f) / INSPECTOR_LOBE_POINTS;
+		stilb_vec3 v = stilb_vec3_make(-cosf(angle), sinf(angle), 0);
+		values[i] = shade_surface_brdf_cos(model, material, frame, l, v)[0];
+		most = fmaxf(most, values[i]);
+	}
+	return most;
+}
+
+/* Over the angle, with the root of the value as length: a highlight is some hundred times as high as what is around it. */
+static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_render_shading *shading)
+{
+	const stilb_ui_style *style = stilb_ui_style_get(ui);
+	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
+	stilb_ui_draw_list *list = stilb_ui_list(ui);
+	float values[INSPECTOR_LOBE_POINTS];
+	stilb_ui_point points[INSPECTOR_LOBE_POINTS];
+	const float most = inspector_lobe(shading, values);
+	stilb_ui_draw_rounded(list, area, style->radius, style->plot_background);
+	const stilb_ui_rect inside = stilb_ui_inset(area, style->gap);
+	const float line = stilb_ui_font_line(font),
+				reach = fminf(0.5f * (inside.x1 - inside.x0), inside.y1 - inside.y0 - 2.0f * line);
+	const stilb_ui_point foot = {0.5f * (inside.x0 + inside.x1), inside.y1 - line};
+	const float slant = reach * 0.70710678f;
+	stilb_ui_draw_line(list, (stilb_ui_point){inside.x0, foot.y}, (stilb_ui_point){inside.x1, foot.y}, 1.0f,
+	                   style->control_border);
+	stilb_ui_draw_line(list, foot, (stilb_ui_point){foot.x, foot.y - reach}, 1.0f, style->plot_grid);
+	stilb_ui_draw_line(list, foot, (stilb_ui_point){foot.x + slant, foot.y - slant}, 1.0f, style->plot_grid);
+	stilb_ui_draw_arrow(list, (stilb_ui_point){foot.x - slant, foot.y - slant}, foot, 1.5f, INSPECTOR_ARROW,
+	                    style->warning);
+	for (int i = 0; i < INSPECTOR_LOBE_POINTS; i++) {
+		float angle = SHADE_PI * ((float)i + 0.5f) / INSPECTOR_LOBE_POINTS;
+		float length = most > 0.0f ? reach * sqrtf(values[i] / most) : 0.0f;
+		points[i] = (stilb_ui_point){foot.x - length * cosf(angle), foot.y - length * sinf(angle)};
+	}
+	stilb_ui_draw_polyline(list, points, INSPECTOR_LOBE_POINTS, false, 2.0f, style->accent);
+	char text[64];
+	snprintf(text, sizeof text, "up to %.3g / sr", (double)most);
+	stilb_ui_rect words = inside;
+	stilb_ui_draw_text(list, font, stilb_ui_cut_top(&words, line), STILB_UI_ALIGN_RIGHT, style->text, text);
+	stilb_ui_draw_text(list, font, stilb_ui_cut_bottom(&words, line), STILB_UI_ALIGN_CENTER, style->text_muted,
+	                   "length: root of f n·l");
+}
+
+/* ---- the window -------------------------------------------------------------------------------------------------------- */
+
+void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading, bool *open)
+{
+	const stilb_ui_style *style = stilb_ui_style_get(ui);
+	const stilb_ui_input *input = stilb_ui_input_get(ui);
+	const float lists = inspector_list_height(ui, SHADE_NDF_COUNT) + inspector_list_height(ui, SHADE_G_COUNT) +
+	                    inspector_list_height(ui, SHADE_F_COUNT);
+	const float sliders = inspector_sliders_height(ui);
+	if (stilb_ui_is_empty(inspector->place)) {
+		float width = 2.0f * INSPECTOR_COLUMN + 2.0f * style->gap + 2.0f * style->margin;
+		float x = fmaxf(input->width - width - 2.0f * style->margin, 0.0f), y = 2.0f * style->margin;
+		float height = style->title_height + lists + style->gap + sliders + 2.0f * style->margin;
+		inspector->place = (stilb_ui_rect){x, y, x + width, y + height};
+	}
+	stilb_ui_id_push(ui, "inspector");
+	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Materials", &inspector->place, STILB_UI_PANEL_MOVABLE, open);
+	inspector_lists(ui, stilb_ui_cut_top(&area, lists), shading);
+	stilb_ui_cut_top(&area, style->gap);
+	stilb_ui_rect lobe = stilb_ui_cut_left(&area, INSPECTOR_LOBE);
+	stilb_ui_cut_left(&area, 2.0f * style->gap);
+	inspector_draw_lobe(ui, lobe, shading);
+	inspector_sliders(ui, area, shading);
+	stilb_ui_panel_end(ui);
+	stilb_ui_id_pop(ui);
+}

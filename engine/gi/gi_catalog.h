@@ -1,0 +1,94 @@
+/*
+ * gi_catalog: the one table of the distributions, reflection models and samplers of engine/shading: what each is, what it
+ * must integrate to, and what it keeps. Tests assert it, `stilb shade` and docs/shading.md print it.
+ *
+ * Space.    Directions are in a tangent frame: z along the normal or the lobe's axis.
+ * Threads.  The table never changes; pure functions: [any-thread].
+ */
+#ifndef STILB_GI_CATALOG_H
+#define STILB_GI_CATALOG_H
+
+#include "gi/gi_albedo.h"
+
+#include "shading/shade_brdf.h"
+#include "shading/shade_sampling.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum stilb_gi_kind {
+	STILB_GI_DISTRIBUTION, /* of microfacet normals, or of directions */
+	STILB_GI_BRDF,
+	STILB_GI_SAMPLER,
+	STILB_GI_KIND_COUNT
+} stilb_gi_kind;
+
+/* The integral that is 1. Normalised by any of these is not yet energy conserving. */
+typedef enum stilb_gi_measure {
+	STILB_GI_MEASURE_D,         /* of D over all directions */
+	STILB_GI_MEASURE_D_COS,     /* of D n.h: the area of the facets seen from above */
+	STILB_GI_MEASURE_REFLECTED, /* of BRDF x n.l over the light, seen along the normal, for every roughness */
+	STILB_GI_MEASURE_SMOOTH,    /* the same at the least roughness: it becomes a mirror */
+	STILB_GI_MEASURE_PDF,       /* of the density over all directions */
+	STILB_GI_MEASURE_COUNT
+} stilb_gi_measure;
+
+/* Where a sampler's density is dense. */
+typedef enum stilb_gi_pole {
+	STILB_GI_POLE_AXIS,     /* z */
+	STILB_GI_POLE_MIRRORED, /* the mirrored view */
+	STILB_GI_POLE_HALF,     /* where the half vector of the direction and the view is z */
+} stilb_gi_pole;
+
+/* What a row's functions depend on. roughness in [0, 1], anisotropy in (-1, 1), view above the surface. */
+typedef struct stilb_gi_shape {
+	float roughness, anisotropy;
+	stilb_vec3 view;
+} stilb_gi_shape;
+
+typedef struct stilb_gi_row {
+	const char *name; /* lower case and '_'; no two rows share it */
+	const char *formula;
+	const char *source;
+	stilb_gi_kind kind;
+	stilb_gi_measure measure;
+
+	/* STILB_GI_DISTRIBUTION: D(h), and STILB_GI_SAMPLER: the density of a direction. sr^-1 */
+	float (*density)(const stilb_gi_shape *shape, stilb_vec3 direction);
+
+	/* STILB_GI_SAMPLER: u in [0, 1) each. */
+	shade_sample (*sample)(const stilb_gi_shape *shape, stilb_vec2 u);
+	stilb_gi_pole pole;
+
+	/* STILB_GI_BRDF. conserving: the albedo of a white surface is at most 1 for every direction and roughness, seen from the
+	 * view and from the light. largest_albedo: over the directions and roughnesses of stilb_gi_largest_albedo; 1 or less
+	 * but for rounding where conserving. reciprocal: f(l, v) = f(v, l). */
+	shade_brdf_model model;
+	bool conserving, reciprocal;
+	double largest_albedo;
+} stilb_gi_row;
+
+/* All rows: distributions, then BRDFs, then samplers. */
+const stilb_gi_row *stilb_gi_catalog(size_t *count);
+
+/* By name, where '-' is as good as '_'; NULL: there is none. */
+const stilb_gi_row *stilb_gi_catalog_find(const char *name);
+
+/* "integral of D n.h", ... */
+const char *stilb_gi_measure_text(stilb_gi_measure measure);
+
+/* The row's own measure by quadrature. */
+double stilb_gi_measure_of(const stilb_gi_row *row, const stilb_gi_shape *shape);
+
+/* A white surface: F0 = 1, and wrapped all the way. */
+shade_brdf_parameters stilb_gi_white(float roughness, float anisotropy);
+
+/* The larger one of the albedos seen from the view and from the light. row->kind is STILB_GI_BRDF. */
+double stilb_gi_white_albedo(const stilb_gi_row *row, float roughness, stilb_gi_angles angles);
+
+/* The largest of those at 0, 10, ... 80, 85, 89 degrees and the roughnesses 0, 0.05, ... 1; anisotropy 0.6, along and across.
+ * What does not conserve energy grows on beyond 89 degrees, most without a bound. */
+#define STILB_GI_CATALOG_ANISOTROPY 0.6f
+double stilb_gi_largest_albedo(const stilb_gi_row *row);
+
+#endif

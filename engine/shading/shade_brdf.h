@@ -1,0 +1,113 @@
+/*
+ * shade_brdf: every reflection model of engine/shading behind one function, chosen by integers; in a shader these are
+ * specialisation constants, and only the chosen model is left. [any-thread]
+ *
+ * Directions are unit and point away from the surface. Energy: Lambert, the two modified highlights and 29 of the 32
+ * pairs of D and G reflect at most what arrives; wrapped, the two original highlights, minimalist and Smith-Beckmann's G
+ * with a D that is not Beckmann's do not: their headers say by how much.
+ */
+#ifndef SHADE_BRDF_H
+#define SHADE_BRDF_H
+
+#include "shade_diffuse.h"
+#include "shade_frame.h"
+#include "shade_minimalist.h"
+#include "shade_phong.h"
+#include "shade_specular.h"
+
+#include "glsl_begin.h"
+
+#define SHADE_BRDF_LAMBERT 0
+#define SHADE_BRDF_WRAPPED 1
+#define SHADE_BRDF_PHONG 2
+#define SHADE_BRDF_PHONG_MODIFIED 3
+#define SHADE_BRDF_BLINN_PHONG 4
+#define SHADE_BRDF_BLINN_PHONG_MODIFIED 5
+#define SHADE_BRDF_MINIMALIST 6
+#define SHADE_BRDF_MICROFACET 7 /* any D x G x F */
+#define SHADE_BRDF_COUNT 8
+
+/* X(integer, identifier): for lists of names; C makes a string of the identifier. */
+#define SHADE_BRDFS(X)                                                                                                 \
+	X(SHADE_BRDF_LAMBERT, lambert)                                                                                     \
+	X(SHADE_BRDF_WRAPPED, wrapped)                                                                                     \
+	X(SHADE_BRDF_PHONG, phong)                                                                                         \
+	X(SHADE_BRDF_PHONG_MODIFIED, phong_modified)                                                                       \
+	X(SHADE_BRDF_BLINN_PHONG, blinn_phong)                                                                             \
+	X(SHADE_BRDF_BLINN_PHONG_MODIFIED, blinn_phong_modified)                                                           \
+	X(SHADE_BRDF_MINIMALIST, minimalist)                                                                               \
+	X(SHADE_BRDF_MICROFACET, microfacet)
+
+/* kind is a SHADE_BRDF_; ndf, g and f are a SHADE_NDF_, SHADE_G_ and SHADE_F_, and say something for
+ * SHADE_BRDF_MICROFACET alone. */
+SHADE_STRUCT(shade_brdf_model)
+{
+	int kind;
+	int ndf;
+	int g;
+	int f;
+};
+
+/* specular, [0, 1]: F0; in Schueler's zoo the highlight's reflectance; for the two diffuse kinds their reflectance.
+ * roughness, [0, 1]: alpha is its square, and the exponents follow alpha. anisotropy, (-1, 1), 0 for none: D is wider
+ * along t where it is positive; only SHADE_NDF_GGX_ANISOTROPIC. wrap, [0, 1]: only SHADE_BRDF_WRAPPED. */
+SHADE_STRUCT(shade_brdf_parameters)
+{
+	vec3 specular;
+	float roughness;
+	float anisotropy;
+	float wrap;
+};
+
+/* D F V n.l of the model's three integers. The two vectors matter to SHADE_NDF_GGX_ANISOTROPIC alone. */
+SHADE_FN vec3 shade_microfacet_cos(shade_brdf_model model, shade_brdf_parameters p, shade_frame frame, shade_angles a,
+                                   vec3 l, vec3 v)
+{
+	float alpha = shade_alpha_from_roughness(p.roughness);
+	vec3 fresnel = shade_f(model.f, p.specular, a.v_dot_h);
+	if (model.ndf == SHADE_NDF_GGX && model.g == SHADE_G_SMITH_GGX)
+		return fresnel * (shade_dv_ggx(a.sin2_h, a.n_dot_l, a.n_dot_v, alpha) * a.n_dot_l);
+	if (model.ndf != SHADE_NDF_GGX_ANISOTROPIC)
+		return fresnel * (shade_d(model.ndf, a.sin2_h, alpha) * shade_v(model.g, a, alpha, alpha) * a.n_dot_l);
+	shade_alphas alphas = shade_alphas_from_anisotropy(alpha, p.anisotropy);
+	vec3 local_l = shade_frame_to_local(frame, l);
+	vec3 local_v = shade_frame_to_local(frame, v);
+	float alpha_l = shade_alpha_along(alphas, local_l);
+	float alpha_v = shade_alpha_along(alphas, local_v);
+	vec3 h = (local_l + local_v) * (0.5f / a.v_dot_h);
+	float d = shade_d_ggx_anisotropic(h[0], h[1], alphas.x, alphas.y);
+	return fresnel * (d * shade_v(model.g, a, alpha_l, alpha_v) * a.n_dot_l);
+}
+
+/* BRDF times n.l, per channel, sr^-1: what Schueler calls the reflection density. Finite for all directions, and 0 for
+ * v below the horizon and, but for SHADE_BRDF_WRAPPED, for l below it. It is the product and not the BRDF because the
+ * original Phong, Blinn-Phong and wrapped rows have no BRDF at n.l = 0. */
+SHADE_FN vec3 shade_brdf_cos(shade_brdf_model model, shade_brdf_parameters p, shade_frame frame, vec3 l, vec3 v)
+{
+	shade_angles a = shade_angles_of(frame.n, l, v);
+	if (a.n_dot_v <= 0.0f)
+		return vec3(0.0f);
+	if (model.kind == SHADE_BRDF_WRAPPED)
+		return p.specular * shade_wrapped(a.n_dot_l, p.wrap);
+	if (a.n_dot_l <= 0.0f)
+		return vec3(0.0f);
+	if (model.kind == SHADE_BRDF_LAMBERT)
+		return shade_lambert(p.specular) * a.n_dot_l;
+
+	float alpha = shade_alpha_from_roughness(p.roughness);
+	float n = shade_exponent_from_alpha(alpha);
+	if (model.kind == SHADE_BRDF_BLINN_PHONG)
+		return p.specular * shade_blinn_phong(a.sin2_h, n);
+	if (model.kind == SHADE_BRDF_BLINN_PHONG_MODIFIED)
+		return p.specular * shade_blinn_phong_modified(a.sin2_h, a.n_dot_l, n);
+	if (model.kind == SHADE_BRDF_MINIMALIST)
+		return p.specular * (shade_minimalist(a.sin2_h, a.v_dot_h, n) * a.n_dot_l);
+	if (model.kind == SHADE_BRDF_PHONG)
+		return p.specular * shade_phong(shade_sin2_r(frame.n, l, v), shade_exponent_about_r(n));
+	if (model.kind == SHADE_BRDF_PHONG_MODIFIED)
+		return p.specular * shade_phong_modified(shade_sin2_r(frame.n, l, v), a.n_dot_l, shade_exponent_about_r(n));
+	return shade_microfacet_cos(model, p, frame, a, l, v);
+}
+
+#include "glsl_end.h"
+#endif

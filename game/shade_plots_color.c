@@ -1,0 +1,363 @@
+/* Plots of tone curves, averages without fireflies, and encodings of radiance. */
+#include "shade_plots.h"
+
+#include "base/base_math.h"
+#include "shading/shade_encoding.h"
+#include "shading/shade_firefly.h"
+#include "shading/shade_srgb.h"
+#include "shading/shade_tonemap.h"
+
+#include <math.h>
+
+static stilb_vec3 gray(double value)
+{
+	return stilb_vec3_make((float)value, (float)value, (float)value);
+}
+
+/* ---- tone mapping ------------------------------------------------------------------------------------------------ */
+
+typedef struct curve_ends {
+	float a, b;
+} curve_ends;
+
+static plot_point bent(double x, const void *context)
+{
+	const curve_ends *c = context;
+	return (plot_point){x, (double)shade_tonemap_curve((float)x, c->a, c->b)};
+}
+
+static plot_point simple(double x, const void *context)
+{
+	(void)context;
+	return (plot_point){x, (double)shade_tonemap_simple(gray(x), (float)x, 1.0f)[0]};
+}
+
+static plot_point unbent(double y, const void *context)
+{
+	const curve_ends *c = context;
+	return (plot_point){(double)shade_tonemap_curve_inverse((float)y, c->a, c->b), y};
+}
+
+/* The blue channel of a saturated blue of growing light. */
+static plot_point blue_by_largest(double x, const void *context)
+{
+	(void)context;
+	return (plot_point){x, (double)shade_tonemap(stilb_vec3_make(0.0f, 0.1f * (float)x, (float)x), 0.6f, 1.0f)[2]};
+}
+
+static plot_point blue_by_luminance(double x, const void *context)
+{
+	(void)context;
+	const stilb_vec3 blue = stilb_vec3_make(0.0f, 0.1f * (float)x, (float)x);
+	return (plot_point){x, (double)shade_tonemap_luminance(blue, 0.6f, 1.0f)[2]};
+}
+
+static void draw_tonemap(plot_page *page, const void *subject)
+{
+	(void)subject;
+	static const curve_ends ends[] = {{0.0f, 1.0f}, {0.3f, 1.0f}, {0.6f, 1.0f}};
+	plot_panel_begin(page, &(plot_panel){.title = "Curves; dots: their inverse",
+	                                     .x_label = "luma",
+	                                     .y_label = "shown",
+	                                     .x_range = "[0:4]",
+	                                     .y_range = "[0:1.05]",
+	                                     .key = "bottom right"});
+	for (uint32_t i = 0; i < PLOT_COUNT(ends); i++) {
+		plot_curve(page, bent, &ends[i], 0.0, 4.0, 161, NULL, "a = %g, b = 1", (double)ends[i].a);
+		plot_curve(page, unbent, &ends[i], 0.05, 0.85, 12, "points pointtype 7 pointsize 0.4 linecolor rgb '#222222'",
+		           "%s", "");
+	}
+	plot_curve(page, simple, NULL, 0.0, 4.0, 161, plot_dashed(6), "simple, x / (1 + x)");
+	plot_panel_end(page);
+	plot_panel_begin(page, &(plot_panel){.title = "The blue channel of (0, 0.1, 1) x, a = 0.6, b = 1",
+	                                     .x_label = "x",
+	                                     .x_range = "[0:20]",
+	                                     .y_range = "[0:6]",
+	                                     .key = "center right",
+	                                     .extra = PLOT_LINE_AT_ONE});
+	plot_curve(page, blue_by_largest, NULL, 0.0, 20.0, 161, NULL, "by the largest channel");
+	plot_curve(page, blue_by_luminance, NULL, 0.0, 20.0, 161, NULL, "by the luminance");
+	plot_panel_end(page);
+}
+
+/* ---- fireflies --------------------------------------------------------------------------------------------------- */
+
+#define VALUES 16
+
+/* Fifteen values of 1 and a red firefly. */
+static stilb_vec3 sample(int i, double firefly)
+{
+	return i > 0 ? gray(1.0) : stilb_vec3_make((float)firefly, 0.1f * (float)firefly, 0.05f * (float)firefly);
+}
+
+static plot_point plain_mean(double firefly, const void *context)
+{
+	(void)context;
+	double sum = 0.0;
+	for (int i = 0; i < VALUES; i++)
+		sum += (double)shade_luminance(sample(i, firefly));
+	return (plot_point){firefly, sum / VALUES};
+}
+
+static plot_point weighted_mean(double firefly, const void *context)
+{
+	(void)context;
+	stilb_vec4 sums = {0.0f, 0.0f, 0.0f, 0.0f};
+	for (int i = 0; i < VALUES; i++)
+		sums = shade_firefly_add(sums, sample(i, firefly), 1.0f);
+	return (plot_point){firefly, (double)shade_luminance(shade_firefly_mean(sums))};
+}
+
+/* Tone map each, average, tone map back, by one of two lumas. */
+typedef float luma_function(stilb_vec3 color);
+
+static float by_luminance(stilb_vec3 color)
+{
+	return shade_luminance(color);
+}
+
+static float by_largest(stilb_vec3 color)
+{
+	return shade_largest(color);
+}
+
+typedef struct luma {
+	luma_function *of;
+} luma;
+
+static plot_point mapped_mean(double firefly, const void *context)
+{
+	const luma *l = context;
+	stilb_vec3 mean = gray(0.0);
+	for (int i = 0; i < VALUES; i++) {
+		const stilb_vec3 color = sample(i, firefly);
+		mean += shade_tonemap_simple(color, l->of(color), 1.0f) * (1.0f / VALUES);
+	}
+	return (plot_point){firefly, (double)shade_luminance(shade_tonemap_simple_inverse(mean, l->of(mean), 1.0f))};
+}
+
+static void draw_firefly(plot_page *page, const void *subject)
+{
+	(void)subject;
+	static const luma luminance = {by_luminance}, largest = {by_largest};
+	plot_panel_begin(page, &(plot_panel){.title = "Mean of fifteen 1 and a red one: luminance",
+	                                     .x_label = "the red one",
+	                                     .x_range = "[1:1000]",
+	                                     .y_range = "[0.8:50]",
+	                                     .logarithmic = "xy",
+	                                     .key = "top left"});
+	plot_curve(page, plain_mean, NULL, 1.0, 1000.0, 61, NULL, "plain mean");
+	plot_curve(page, weighted_mean, NULL, 1.0, 1000.0, 61, NULL, "weighted, 1 / (1 + luminance)");
+	plot_curve(page, mapped_mean, &luminance, 1.0, 1000.0, 19,
+	           "points pointtype 7 pointsize 0.5 linecolor rgb '#222222'", "mapped by luminance, mean, back");
+	plot_curve(page, mapped_mean, &largest, 1.0, 1000.0, 61, plot_dashed(1), "mapped by the largest channel, back");
+	plot_panel_end(page);
+}
+
+/* ---- encodings --------------------------------------------------------------------------------------------------- */
+
+/* A colour of that height: its channels are a random share of the largest. */
+static stilb_vec3 random_color(double largest, uint64_t i)
+{
+	stilb_vec3 color = gray(largest);
+	for (uint64_t k = 0; k < 3; k++)
+		if (k != i % 3)
+			color[k] *= stilb_random_float(4, 3 * i + k);
+	return color;
+}
+
+#define COLORS_EACH 400
+
+/* Largest error of the largest channel, as a share of it. */
+static plot_point rgbm_error(double largest, const void *context)
+{
+	const float *gamma = context;
+	double worst = 0.0;
+	for (uint64_t i = 0; i < COLORS_EACH; i++) {
+		const stilb_vec3 color = random_color(largest * (1.0 + 0.02 * (double)i / COLORS_EACH), i);
+		const stilb_vec4 stored = shade_unorm8(shade_rgbm_encode(color, SHADE_RGBM_FACTOR, *gamma));
+		const stilb_vec3 back = shade_rgbm_decode(stored, SHADE_RGBM_FACTOR, *gamma);
+		worst = fmax(worst, fabs((double)(shade_largest(back) / shade_largest(color)) - 1.0));
+	}
+	return (plot_point){largest, 100.0 * worst};
+}
+
+/* What the header promises of the largest channel x: gamma k / (k - 1) / 510, k = 255 m. */
+static plot_point rgbm_bound(double largest, const void *context)
+{
+	const float *gamma = context;
+	double k = fmax(ceil(pow(largest, 1.0 / (double)*gamma) / (double)SHADE_RGBM_FACTOR * 255.0), 2.0);
+	return (plot_point){largest, 100.0 * (double)*gamma * k / (k - 1.0) / 510.0};
+}
+
+/* The stored colour multiplied by the tint, against the tint times the decoded colour; percent. */
+static plot_point tint_error_power(double tint, const void *context)
+{
+	(void)context;
+	const stilb_vec3 color = stilb_vec3_make(0.8f, 0.5f, 0.3f);
+	stilb_vec4 stored = shade_rgbm_encode(color, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA);
+	stored *= (stilb_vec4){1.0f, 1.0f, 1.0f, 0.0f} * shade_rgbm_tint(gray(tint), SHADE_RGBM_GAMMA)[0] +
+	          (stilb_vec4){0.0f, 0.0f, 0.0f, 1.0f};
+	const stilb_vec3 back = shade_rgbm_decode(stored, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA);
+	return (plot_point){tint, 100.0 * ((double)back[0] / (0.8 * tint) - 1.0)};
+}
+
+static plot_point tint_error_srgb(double tint, const void *context)
+{
+	(void)context;
+	float stored = shade_srgb_from_linear(0.8f) * shade_srgb_from_linear((float)tint);
+	return (plot_point){tint, 100.0 * ((double)shade_srgb_to_linear(stored) / (0.8 * tint) - 1.0)};
+}
+
+static void draw_rgbm(plot_page *page, const void *subject)
+{
+	(void)subject;
+	static const float gammas[] = {2.2f, 2.0f};
+	plot_panel_begin(page, &(plot_panel){.title = "Largest error of the largest channel; dashed: promised",
+	                                     .x_label = "largest channel",
+	                                     .y_label = "percent",
+	                                     .x_range = "[1e-3:60]",
+	                                     .y_range = "[0.2:2]",
+	                                     .logarithmic = "xy",
+	                                     .key = "top right"});
+	for (uint32_t i = 0; i < 2; i++) {
+		const double range = (double)shade_rgbm_range(SHADE_RGBM_FACTOR, gammas[i]);
+		plot_curve(page, rgbm_error, &gammas[i], 1e-3, range / 1.03, 161, NULL, "gamma %g, up to %.1f",
+		           (double)gammas[i], range);
+		plot_curve(page, rgbm_bound, &gammas[i], 1e-3, range / 1.03, 161, plot_dashed(i), "%s", "");
+	}
+	plot_panel_end(page);
+	plot_panel_begin(page, &(plot_panel){.title = "Error when the stored colour is multiplied",
+	                                     .x_label = "tint",
+	                                     .y_label = "percent",
+	                                     .x_range = "[0:1]",
+	                                     .key = "top right"});
+	plot_curve(page, tint_error_power, NULL, 0.02, 1.0, 99, NULL, "a pure power (RGBM)");
+	plot_curve(page, tint_error_srgb, NULL, 0.02, 1.0, 99, NULL, "sRGB's transfer");
+	plot_panel_end(page);
+}
+
+/* Largest error of the luminance, and of any channel as a share of the largest; percent, over the power of two. */
+static plot_point logluv_error(double power, bool of_luminance)
+{
+	double worst = 0.0;
+	for (uint64_t i = 0; i < COLORS_EACH; i++) {
+		const stilb_vec3 color = random_color(exp2(power + (double)i / COLORS_EACH), i);
+		const stilb_vec3 back = shade_logluv_decode(shade_unorm8(shade_logluv_encode(color)));
+		if (of_luminance) {
+			worst = fmax(worst, fabs((double)(shade_luminance(back) / shade_luminance(color)) - 1.0));
+			continue;
+		}
+		for (int k = 0; k < 3; k++)
+			worst = fmax(worst, fabs((double)((back[k] - color[k]) / shade_largest(color))));
+	}
+	return (plot_point){power, 100.0 * worst};
+}
+
+static plot_point logluv_luminance(double power, const void *context)
+{
+	(void)context;
+	return logluv_error(power, true);
+}
+
+static plot_point logluv_hue(double power, const void *context)
+{
+	(void)context;
+	return logluv_error(power, false);
+}
+
+static void draw_logluv(plot_page *page, const void *subject)
+{
+	(void)subject;
+	plot_panel_begin(page, &(plot_panel){.title = "Largest errors of random colours",
+	                                     .x_label = "largest channel, power of two",
+	                                     .y_label = "percent",
+	                                     .x_range = "[-70:70]",
+	                                     .y_range = "[0.01:200]",
+	                                     .logarithmic = "y",
+	                                     .key = "top center"});
+	plot_curve(page, logluv_luminance, NULL, -62.0, 63.0, 126, NULL, "luminance");
+	plot_curve(page, logluv_hue, NULL, -62.0, 63.0, 126, NULL, "any channel, of the largest");
+	plot_panel_end(page);
+}
+
+/* ---- sRGB -------------------------------------------------------------------------------------------------------- */
+
+static plot_point srgb_code(double light, const void *context)
+{
+	(void)context;
+	return (plot_point){light, (double)shade_srgb_from_linear((float)light)};
+}
+
+static plot_point power_code(double light, const void *context)
+{
+	(void)context;
+	return (plot_point){light, pow(light, 1.0 / 2.2)};
+}
+
+static plot_point srgb_light(double code, const void *context)
+{
+	(void)context;
+	return (plot_point){(double)shade_srgb_to_linear((float)code), code};
+}
+
+static void draw_srgb(plot_page *page, const void *subject)
+{
+	(void)subject;
+	for (int i = 0; i < 2; i++) {
+		const double end = i == 0 ? 1.0 : 0.01;
+		plot_panel_begin(page,
+		                 &(plot_panel){.title = i == 0 ? "Code of a linear light; dots: the inverse" : "Near black",
+		                               .x_label = "light",
+		                               .y_label = "code",
+		                               .key = "bottom right"});
+		plot_curve(page, srgb_code, NULL, 0.0, end, 201, NULL, "sRGB");
+		plot_curve(page, power_code, NULL, 0.0, end, 201, plot_dashed(1), "power 1 / 2.2");
+		plot_curve(page, srgb_light, NULL, 0.0, i == 0 ? 1.0 : 0.0998, 15,
+		           "points pointtype 7 pointsize 0.5 linecolor rgb '#222222'", "%s", "");
+		plot_panel_end(page);
+	}
+}
+
+/* ---- the table --------------------------------------------------------------------------------------------------- */
+
+#define KARIS_TONE "Karis, \"Tone mapping\" (2013)"
+
+static const plot plots[] = {
+	{.name = "tonemap",
+     .title = "Tone mapping",
+     .formula = "T(x) = x up to a, then (a^2 - b x) / (2 a - b - x)",
+     .source = KARIS_TONE,
+     .columns = 2,
+     .rows = 1,
+     .draw = draw_tonemap},
+	{.name = "firefly",
+     .title = "Averages without fireflies",
+     .formula = "weight 1 / (1 + luminance / range)",
+     .source = KARIS_TONE,
+     .columns = 1,
+     .rows = 1,
+     .draw = draw_firefly},
+	{.name = "rgbm",
+     .title = "RGBM",
+     .formula = "colour = (6 rgb m)^{gamma}, in 8 bits each",
+     .source = "Karis, \"RGBM color encoding\" (2009)",
+     .columns = 2,
+     .rows = 1,
+     .draw = draw_rgbm},
+	{.name = "logluv",
+     .title = "LogLuv",
+     .formula = "u', v' and 2 log_2 Y + 127, in 8, 8 and 16 bits",
+     .source = "Ward Larson (1998); Karis (2009)",
+     .columns = 1,
+     .rows = 1,
+     .draw = draw_logluv},
+	{.name = "srgb",
+     .title = "sRGB",
+     .formula = "12.92 x up to 0.0031308, then 1.055 x^{1 / 2.4} - 0.055",
+     .source = "IEC 61966-2-1:1999",
+     .columns = 2,
+     .rows = 1,
+     .draw = draw_srgb},
+};
+const plot_topic shade_plots_color = {"colour", plots, PLOT_COUNT(plots)};

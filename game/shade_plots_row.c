@@ -1,0 +1,378 @@
+/* Plots of the rows of gi's catalogue: what each distribution, model and sampler looks like. */
+#include "shade_plots.h"
+
+#include "gi/gi_catalog.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+
+#define DEGREES (180.0 / M_PI)
+
+static const float roughnesses[] = {0.1f, 0.3f, 0.5f, 0.7f, 1.0f};
+
+/* A row with one set of numbers, seen in the plane of light and normal. */
+typedef struct subject {
+	const stilb_gi_row *row;
+	stilb_gi_shape shape;
+	double light; /* angle from the normal, to the left */
+	double scale;
+} subject;
+
+static stilb_vec3 in_plane(double angle)
+{
+	return stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle));
+}
+
+static bool is_anisotropic(const stilb_gi_row *row)
+{
+	return strstr(row->name, "anisotropic") != NULL;
+}
+
+static subject subject_of(const stilb_gi_row *row, float roughness)
+{
+	return (subject){
+		.row = row,
+		.shape = {roughness, is_anisotropic(row) ? STILB_GI_CATALOG_ANISOTROPY : 0.0f, in_plane(-45.0 / DEGREES)},
+		.light = 45.0 / DEGREES,
+		.scale = 1.0,
+	};
+}
+
+/* ---- distributions ----------------------------------------------------------------------------------------------- */
+
+static plot_point density(double degrees, const void *context)
+{
+	const subject *s = context;
+	return (plot_point){degrees, (double)s->row->density(&s->shape, in_plane(degrees / DEGREES))};
+}
+
+static plot_point density_across(double degrees, const void *context)
+{
+	const subject *s = context;
+	const stilb_vec3 h = in_plane(degrees / DEGREES);
+	return (plot_point){degrees, (double)s->row->density(&s->shape, stilb_vec3_make(0.0f, h[0], h[2]))};
+}
+
+/* What of the row's measure lies within an angle of the axis; the rows are even around it but for the anisotropic one. */
+static plot_point measured_within(double degrees, const void *context)
+{
+	const subject *s = context;
+	const double end = degrees / DEGREES;
+	double sum = 0.0;
+	const int steps = 2000;
+	for (int i = 0; i < steps; i++) { /* more of them near the axis, where D is high */
+		double t = (i + 0.5) / steps, theta = end * t * t, width = end * 2.0 * t / steps;
+		double cosine = s->row->measure == STILB_GI_MEASURE_D_COS ? cos(theta) : 1.0;
+		double around = 0.0;
+		for (int k = 0; k < 8; k++) {
+			double phi = (k + 0.5) * M_PI / 16.0;
+			stilb_vec3 h =
+				stilb_vec3_make((float)(sin(theta) * cos(phi)), (float)(sin(theta) * sin(phi)), (float)cos(theta));
+			around += (double)s->row->density(&s->shape, h) / 8.0;
+		}
+		sum += around * cosine * 2.0 * M_PI * sin(theta) * width;
+	}
+	return (plot_point){degrees, sum};
+}
+
+static void draw_distribution(plot_page *page, const void *context)
+{
+	const stilb_gi_row *row = context;
+	const char *end = row->measure == STILB_GI_MEASURE_D_COS ? "D n·h" : "D";
+	char title[64];
+	plot_panel_begin(page, &(plot_panel){.title = is_anisotropic(row) ? "Density; dashed: across" : "Density",
+	                                     .x_label = "angle from the axis (degrees)",
+	                                     .y_label = "sr^{-1}",
+	                                     .x_range = "[0:90]",
+	                                     .y_range = "[1e-4:*]",
+	                                     .logarithmic = "y",
+	                                     .key = "top right",
+	                                     .extra = "set xtics 15"});
+	for (uint32_t i = 0; i < PLOT_COUNT(roughnesses); i++) {
+		const subject s = subject_of(row, roughnesses[i]);
+		plot_curve(page, density, &s, 0.0, 90.0, 181, NULL, "roughness %.1f", (double)roughnesses[i]);
+		if (is_anisotropic(row))
+			plot_curve(page, density_across, &s, 0.0, 90.0, 181, plot_dashed(i), "%s", "");
+	}
+	plot_panel_end(page);
+	snprintf(title, sizeof title, "Integral of %s up to the angle: ends at 1", end);
+	plot_panel_begin(page, &(plot_panel){.title = title,
+	                                     .x_label = "angle from the axis (degrees)",
+	                                     .x_range = "[0:90]",
+	                                     .y_range = "[0:1.1]",
+	                                     .extra = "set xtics 15\n" PLOT_LINE_AT_ONE});
+	for (uint32_t i = 0; i < PLOT_COUNT(roughnesses); i++) {
+		const subject s = subject_of(row, roughnesses[i]);
+		plot_curve(page, measured_within, &s, 0.0, 90.0, 91, NULL, "%s", "");
+	}
+	plot_panel_end(page);
+}
+
+/* ---- reflection models ------------------------------------------------------------------------------------------- */
+
+static const shade_frame upright = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
+
+static shade_brdf_parameters white_of(const subject *s)
+{
+	return stilb_gi_white(s->shape.roughness, s->shape.anisotropy);
+}
+
+/* What a light of irradiance 1 across its beam shows at the view angle. */
+static plot_point lobe_at(const subject *s, double angle)
+{
+	stilb_vec3 radiance = shade_brdf_cos(s->row->model, white_of(s), upright, in_plane(-s->light), in_plane(angle));
+	return (plot_point){angle, (double)radiance[0] * s->scale};
+}
+
+/* The same over t in [-1, 1], close together around the mirrored light, where smooth surfaces have all their light. */
+static plot_point lobe(double t, const void *context)
+{
+	const subject *s = context;
+	return lobe_at(s, s->light + t * fabs(t) * (M_PI / 2.0 + (t < 0.0 ? s->light : -s->light)));
+}
+
+static double lobe_peak(const subject *s)
+{
+	double peak = 0.0;
+	for (int i = -9000; i <= 9000; i++)
+		peak = fmax(peak, lobe_at(s, i * 0.01 / DEGREES).y);
+	return peak;
+}
+
+static bool is_diffuse(const stilb_gi_row *row)
+{
+	return row->model.kind == SHADE_BRDF_LAMBERT || row->model.kind == SHADE_BRDF_WRAPPED;
+}
+
+static void draw_lobes(plot_page *page, const stilb_gi_row *row)
+{
+	plot_panel_begin(page, &(plot_panel){.kind = PLOT_LOBES,
+	                                     .title = "Lobes for light at 45°, scaled to the peak (sr^{-1})",
+	                                     .key = "bottom center vertical maxrows 3"});
+	plot_light(page, 45.0 / DEGREES);
+	for (uint32_t i = 0; i < (is_diffuse(row) ? 1 : PLOT_COUNT(roughnesses)); i++) {
+		subject s = subject_of(row, roughnesses[i]);
+		char words[32];
+		double peak = lobe_peak(&s);
+		s.scale = 1.0 / peak;
+		snprintf(words, sizeof words, is_diffuse(row) ? "every view" : "roughness %.1f", (double)roughnesses[i]);
+		plot_curve(page, lobe, &s, -1.0, 1.0, 241, NULL, "%s: %.3g", words, peak);
+	}
+	plot_panel_end(page);
+}
+
+static plot_point albedo_of_view(double degrees, const void *context)
+{
+	const subject *s = context;
+	const shade_brdf_parameters white = white_of(s);
+	return (plot_point){degrees,
+	                    stilb_gi_albedo_of_view(&s->row->model, &white, (stilb_gi_angles){degrees / DEGREES, 0.0})};
+}
+
+/* Of a light's beam, how much leaves again: for a reciprocal model the same as above. */
+static plot_point albedo_of_light(double degrees, const void *context)
+{
+	const subject *s = context;
+	const shade_brdf_parameters white = white_of(s);
+	return (plot_point){degrees,
+	                    stilb_gi_albedo_of_light(&s->row->model, &white, (stilb_gi_angles){degrees / DEGREES, 0.0})};
+}
+
+/* In the colours of the lobes. */
+static void draw_albedos(plot_page *page, const stilb_gi_row *row)
+{
+	const bool high = row->largest_albedo > 2.0;
+	plot_panel_begin(page, &(plot_panel){.title = row->reciprocal ? "Albedo of a white surface"
+	                                                              : "Albedo: full of a view, dashed of a light",
+	                                     .x_label = "angle from the normal (degrees)",
+	                                     .x_range = "[0:90]",
+	                                     .y_range = high ? "[0.1:100]" : "[0:1.2<*]",
+	                                     .logarithmic = high ? "y" : NULL,
+	                                     .extra = "set xtics 15\n" PLOT_LINE_AT_ONE});
+	for (uint32_t i = 0; i < (is_diffuse(row) ? 1 : PLOT_COUNT(roughnesses)); i++) {
+		const subject s = subject_of(row, roughnesses[i]);
+		plot_curve(page, albedo_of_view, &s, 0.0, 89.0, 60, NULL, "%s", "");
+		if (!row->reciprocal)
+			plot_curve(page, albedo_of_light, &s, 0.0, 89.0, 60, plot_dashed(i), "%s", "");
+	}
+	plot_panel_end(page);
+}
+
+static void draw_model(plot_page *page, const void *context)
+{
+	draw_lobes(page, context);
+	draw_albedos(page, context);
+}
+
+/* A name as it is typed. */
+static void set_title(char *title, size_t size, const char *name)
+{
+	snprintf(title, size, "%s", name);
+	for (char *c = title; *c; c++)
+		*c = *c == '_' ? '-' : *c;
+}
+
+/* ---- samplers ---------------------------------------------------------------------------------------------------- */
+
+#define GRID 24 /* strata along each side */
+#define BINS 60
+#define DRAWS 200000
+
+static shade_sample draw_sample(const subject *s, uint64_t i)
+{
+	const stilb_vec2 u = {stilb_random_float(1, 2 * i), stilb_random_float(1, 2 * i + 1)};
+	return s->row->sample(&s->shape, u);
+}
+
+/* Directions seen from above, one from each cell of the unit square. */
+static void draw_cloud(plot_page *page, const subject *s, const char *title)
+{
+	plot_point above[GRID * GRID], below[GRID * GRID];
+	uint32_t above_count = 0, below_count = 0;
+	for (uint32_t i = 0; i < GRID * GRID; i++) {
+		const stilb_vec2 u = {((float)(i % GRID) + stilb_random_float(2, 2 * i)) / GRID,
+		                      ((float)(i / GRID) + stilb_random_float(2, 2 * i + 1)) / GRID};
+		const stilb_vec3 d = s->row->sample(&s->shape, u).direction;
+		const plot_point at = {(double)d[0], (double)d[1]};
+		if (d[2] >= 0.0f)
+			above[above_count++] = at;
+		else
+			below[below_count++] = at;
+	}
+	plot_panel_begin(page,
+	                 &(plot_panel){.kind = PLOT_MAP,
+	                               .title = title,
+	                               .x_range = "[-1.1:1.1]",
+	                               .y_range = "[-1.1:1.1]",
+	                               .extra = "set object 1 circle at 0,0 size 1 fillstyle empty border linecolor rgb "
+	                                        "'#b0b0b0'"});
+	if (below_count > 0)
+		plot_points(page, below, below_count, "points pointtype 7 pointsize 0.35 linecolor rgb '#b8b8b8'", "");
+	plot_points(page, above, above_count, "points pointtype 7 pointsize 0.35 linecolor rgb '#0072B2'", "");
+	plot_panel_end(page);
+}
+
+/* The density around the axis, over the direction's height. */
+static plot_point ring_density(double z, const void *context)
+{
+	const subject *s = context;
+	const int steps = 720;
+	double sum = 0.0, radius = sqrt(fmax(1.0 - z * z, 0.0));
+	for (int i = 0; i < steps; i++) {
+		double phi = (i + 0.5) / steps * 2.0 * M_PI;
+		stilb_vec3 d = stilb_vec3_make((float)(radius * cos(phi)), (float)(radius * sin(phi)), (float)z);
+		sum += (double)s->row->density(&s->shape, d);
+	}
+	return (plot_point){z, sum * 2.0 * M_PI / steps};
+}
+
+static void draw_histogram(plot_page *page, const subject *s)
+{
+	uint32_t counts[BINS] = {0};
+	double lowest = 0.0;
+	for (uint64_t i = 0; i < DRAWS; i++) {
+		double z = (double)draw_sample(s, i).direction[2];
+		lowest = fmin(lowest, z);
+		counts[(uint32_t)fmin(fmax((z + 1.0) * 0.5 * BINS, 0.0), BINS - 1.0)]++;
+	}
+	plot_point bars[BINS];
+	for (uint32_t i = 0; i < BINS; i++)
+		bars[i] = (plot_point){((double)i + 0.5) * 2.0 / BINS - 1.0, (double)counts[i] / DRAWS * BINS / 2.0};
+	plot_panel_begin(page, &(plot_panel){.title = "200,000 draws, and the density that goes with them",
+	                                     .x_label = "height of the direction, cos of the polar angle",
+	                                     .x_range = lowest < -0.001 ? "[-1:1]" : "[0:1]",
+	                                     .y_range = "[0:*]",
+	                                     .key = "top left",
+	                                     .extra = "set boxwidth 0.0333\nset style fill solid 0.35 noborder"});
+	plot_points(page, bars, BINS, "boxes linecolor rgb '#0072B2'", "draws");
+	plot_curve(page, ring_density, s, lowest < -0.001 ? -0.9999 : 0.0001, 0.9999, 400,
+	           "lines linewidth 2 linecolor rgb '#D55E00'", "integral of the density around");
+	plot_panel_end(page);
+}
+
+static void draw_sampler(plot_page *page, const void *context)
+{
+	const subject s = subject_of(context, 0.6f);
+	draw_cloud(page, &s, "Directions from above; grey: below the horizon");
+	draw_histogram(page, &s);
+}
+
+static void draw_samplers(plot_page *page, const void *context)
+{
+	(void)context;
+	size_t count;
+	const stilb_gi_row *rows = stilb_gi_catalog(&count);
+	for (size_t i = 0; i < count; i++)
+		if (rows[i].kind == STILB_GI_SAMPLER) {
+			const subject s = subject_of(&rows[i], 0.6f);
+			char title[64];
+			set_title(title, sizeof title, rows[i].name + strlen("sample_"));
+			draw_cloud(page, &s, title);
+		}
+}
+
+/* ---- a row as a plot --------------------------------------------------------------------------------------------- */
+
+/* The catalogue's formula with gnuplot's superscripts and Greek letters. */
+static void set_formula(char *out, size_t size, const char *formula)
+{
+	size_t length = 0;
+	bool raised = false;
+	for (const char *c = formula; *c && length + 8 < size;) {
+		const char *piece = NULL;
+		size_t taken = 1;
+		if (strncmp(c, "alpha", 5) == 0)
+			piece = "α", taken = 5;
+		else if (strncmp(c, "pi", 2) == 0 && !(c > formula && isalpha((unsigned char)c[-1])))
+			piece = "π", taken = 2;
+		else if (*c == '_')
+			piece = "-";
+		else if (strncmp(c, "^(", 2) == 0)
+			piece = "^{", taken = 2, raised = true;
+		else if (*c == ')' && raised)
+			piece = "}", raised = false;
+		if (piece)
+			length += (size_t)snprintf(out + length, size - length, "%s", piece);
+		else
+			out[length++] = *c;
+		c += taken;
+	}
+	out[length] = '\0';
+}
+
+bool shade_plot_of_row(const char *name, row_plot *out)
+{
+	static void (*const draw[STILB_GI_KIND_COUNT])(plot_page *, const void *) = {draw_distribution, draw_model,
+	                                                                             draw_sampler};
+	const stilb_gi_row *row = stilb_gi_catalog_find(name);
+	if (!row)
+		return false;
+	set_title(out->title, sizeof out->title, row->name);
+	set_formula(out->formula, sizeof out->formula, row->formula);
+	out->plot = (plot){.name = row->name,
+	                   .title = out->title,
+	                   .formula = out->formula,
+	                   .source = row->source,
+	                   .columns = 2,
+	                   .rows = 1,
+	                   .draw = draw[row->kind],
+	                   .subject = row,
+	                   .cloud = row->kind == STILB_GI_SAMPLER};
+	return true;
+}
+
+static const plot plots[] = {
+	{.name = "samplers",
+     .title = "Samplers",
+     .formula =
+         "576 stratified directions from above (grey: below the horizon), roughness 0.6, the view at 45° to the left",
+     .source = "see each",
+     .columns = 5,
+     .rows = 3,
+     .panel_width = 260,
+     .panel_height = 270,
+     .cloud = true,
+     .draw = draw_samplers},
+};
+const plot_topic shade_plots_sampling = {"sampling", plots, PLOT_COUNT(plots)};

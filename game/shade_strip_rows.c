@@ -1,0 +1,231 @@
+/* The strips: what the spheres of each row are made of. */
+#include "shade_strip.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define COLUMNS 11
+
+static stilb_vec3 gray(float reflectance)
+{
+	return stilb_vec3_make(reflectance, reflectance, reflectance);
+}
+
+/* Paint of the diffuse rows. */
+static stilb_vec3 clay(void)
+{
+	return stilb_vec3_make(0.62f, 0.26f, 0.15f);
+}
+
+/* F0 of metals. Source: Hoffman, "Background: Physics and Math of Shading" (2013), table 1. */
+static stilb_vec3 gold(void)
+{
+	return stilb_vec3_make(1.000f, 0.766f, 0.336f);
+}
+
+static float roughness_of(int column)
+{
+	return column == 0 ? 0.05f : 0.1f * (float)column;
+}
+
+static strip_sphere highlight_of(int kind, stilb_vec3 specular, float roughness)
+{
+	return (strip_sphere){
+		.diffuse_gain = 1.0f,
+		.model = {.kind = kind, .ndf = SHADE_NDF_GGX, .g = SHADE_G_SMITH_GGX, .f = SHADE_F_SCHLICK},
+		.highlight = {.specular = specular, .roughness = roughness},
+		.highlight_gain = 1.0f,
+	};
+}
+
+/* ---- classic ----------------------------------------------------------------------------------------------------- */
+
+static void make_metal(int column, strip_sphere *sphere, strip_words words)
+{
+	*sphere = highlight_of(SHADE_BRDF_MICROFACET, gold(), roughness_of(column));
+	sphere->mirror = 1.0f;
+	snprintf(words, sizeof(strip_words), "roughness %.3g", (double)roughness_of(column));
+}
+
+static void make_normalised(int column, strip_sphere *sphere, strip_words words)
+{
+	const float roughness = roughness_of(column);
+	*sphere = highlight_of(SHADE_BRDF_BLINN_PHONG_MODIFIED, gray(0.5f), roughness);
+	sphere->diffuse = stilb_vec3_make(0.06f, 0.12f, 0.30f);
+	const double n = (double)shade_exponent_from_alpha(shade_alpha_from_roughness(roughness));
+	snprintf(words, sizeof(strip_words), n < 10.0 ? "n = %.1f" : "n = %.0f", n);
+}
+
+/* The highlight of old, (n.h)^n without a factor, under lights of the games' convention: over pi here. */
+static void make_old(int column, strip_sphere *sphere, strip_words words)
+{
+	make_normalised(column, sphere, words);
+	float n = shade_exponent_from_alpha(shade_alpha_from_roughness(roughness_of(column)));
+	sphere->highlight_gain = SHADE_INV_PI / shade_blinn_phong_modified_factor(n);
+}
+
+static void make_wrapped(int column, strip_sphere *sphere, strip_words words)
+{
+	const float wrap = 0.1f * (float)column;
+	*sphere = (strip_sphere){.diffuse = clay(), .wrap = wrap, .diffuse_gain = 1.0f};
+	snprintf(words, sizeof(strip_words), "w = %.1f", (double)wrap);
+}
+
+/* Without the second 1 / (1 + w). */
+static void make_wrapped_old(int column, strip_sphere *sphere, strip_words words)
+{
+	make_wrapped(column, sphere, words);
+	sphere->diffuse_gain = 1.0f + sphere->wrap;
+}
+
+static void make_mixed(int column, strip_sphere *sphere, strip_words words)
+{
+	const float specular = 0.1f * (float)column;
+	*sphere = highlight_of(SHADE_BRDF_BLINN_PHONG_MODIFIED, gray(specular), 0.35f);
+	sphere->diffuse = clay() * (1.0f - specular);
+	sphere->mirror = 1.0f;
+	snprintf(words, sizeof(strip_words), "%d %% + %d %%", 100 - 10 * column, 10 * column);
+}
+
+/* The paint keeps all its light, whatever the highlight takes. */
+static void make_mixed_old(int column, strip_sphere *sphere, strip_words words)
+{
+	make_mixed(column, sphere, words);
+	sphere->diffuse = clay();
+	snprintf(words, sizeof(strip_words), "100 %% + %d %%", 10 * column);
+}
+
+static const strip_row classic[] = {
+	{"Microfacets (GGX, Smith,\nSchlick): gold,\nsmooth to rough", make_metal},
+	{"Blinn-Phong of old:\nwithout its factor the\nhighlight loses light", make_old},
+	{"Blinn-Phong, normalised:\nsmaller is brighter", make_normalised},
+	{"Wrapped diffuse of old:\ngains up to 2 x", make_wrapped_old},
+	{"Wrapped diffuse,\nenergy conserving", make_wrapped},
+	{"Diffuse + specular,\nadded up: more light\nleaves than came", make_mixed_old},
+	{"100 % diffuse to\n100 % specular,\nthe sum limited to one", make_mixed},
+};
+
+/* ---- models ------------------------------------------------------------------------------------------------------ */
+
+static void make_model(int column, int kind, strip_sphere *sphere, strip_words words)
+{
+	*sphere = highlight_of(kind, gray(0.5f), roughness_of(column));
+	sphere->diffuse = stilb_vec3_make(0.05f, 0.16f, 0.12f);
+	snprintf(words, sizeof(strip_words), "roughness %.3g", (double)roughness_of(column));
+}
+
+static void make_phong(int column, strip_sphere *sphere, strip_words words)
+{
+	make_model(column, SHADE_BRDF_PHONG, sphere, words);
+}
+
+static void make_phong_modified(int column, strip_sphere *sphere, strip_words words)
+{
+	make_model(column, SHADE_BRDF_PHONG_MODIFIED, sphere, words);
+}
+
+static void make_blinn_phong(int column, strip_sphere *sphere, strip_words words)
+{
+	make_model(column, SHADE_BRDF_BLINN_PHONG, sphere, words);
+}
+
+static void make_blinn_phong_modified(int column, strip_sphere *sphere, strip_words words)
+{
+	make_model(column, SHADE_BRDF_BLINN_PHONG_MODIFIED, sphere, words);
+}
+
+static void make_minimalist(int column, strip_sphere *sphere, strip_words words)
+{
+	make_model(column, SHADE_BRDF_MINIMALIST, sphere, words);
+}
+
+static void make_microfacet(int column, strip_sphere *sphere, strip_words words)
+{
+	make_model(column, SHADE_BRDF_MICROFACET, sphere, words);
+}
+
+static const strip_row models[] = {
+	{"Phong", make_phong},
+	{"Phong, modified", make_phong_modified},
+	{"Blinn-Phong", make_blinn_phong},
+	{"Blinn-Phong,\nmodified", make_blinn_phong_modified},
+	{"Minimalist\nCook-Torrance", make_minimalist},
+	{"Microfacets:\nGGX, Smith,\nSchlick", make_microfacet},
+};
+
+/* ---- distributions ----------------------------------------------------------------------------------------------- */
+
+static void make_distribution(int column, int ndf, float anisotropy, strip_sphere *sphere, strip_words words)
+{
+	*sphere = highlight_of(SHADE_BRDF_MICROFACET, stilb_vec3_make(0.56f, 0.57f, 0.58f), roughness_of(column));
+	sphere->model.ndf = ndf;
+	sphere->highlight.anisotropy = anisotropy;
+	sphere->mirror = 1.0f;
+	snprintf(words, sizeof(strip_words), "roughness %.3g", (double)roughness_of(column));
+}
+
+static void make_blinn(int column, strip_sphere *sphere, strip_words words)
+{
+	make_distribution(column, SHADE_NDF_BLINN, 0.0f, sphere, words);
+}
+
+static void make_beckmann(int column, strip_sphere *sphere, strip_words words)
+{
+	make_distribution(column, SHADE_NDF_BECKMANN, 0.0f, sphere, words);
+}
+
+static void make_ggx(int column, strip_sphere *sphere, strip_words words)
+{
+	make_distribution(column, SHADE_NDF_GGX, 0.0f, sphere, words);
+}
+
+static void make_brushed_around(int column, strip_sphere *sphere, strip_words words)
+{
+	make_distribution(column, SHADE_NDF_GGX_ANISOTROPIC, 0.6f, sphere, words);
+}
+
+static void make_brushed_up(int column, strip_sphere *sphere, strip_words words)
+{
+	make_distribution(column, SHADE_NDF_GGX_ANISOTROPIC, -0.6f, sphere, words);
+}
+
+static const strip_row distributions[] = {
+	{"Blinn", make_blinn},
+	{"Beckmann", make_beckmann},
+	{"GGX: a bright core\nand a long tail", make_ggx},
+	{"GGX, anisotropy 0.6:\nwide around the\nvertical axis", make_brushed_around},
+	{"GGX, anisotropy -0.6:\nwide along it", make_brushed_up},
+};
+
+#define COUNT(rows) ((int)(sizeof(rows) / sizeof *(rows)))
+
+const strip strips[] = {
+	{.name = "classic",
+     .title = "Energy conservation and roughness",
+     .rows = classic,
+     .row_count = COUNT(classic),
+     .column_count = COLUMNS},
+	{.name = "models",
+     .title = "Reflection models",
+     .rows = models,
+     .row_count = COUNT(models),
+     .column_count = COLUMNS},
+	{.name = "distributions",
+     .title = "Distributions of normals, with Smith's shadowing of GGX: iron",
+     .rows = distributions,
+     .row_count = COUNT(distributions),
+     .column_count = COLUMNS},
+	{.name = "bump",
+     .title = "Bumps without tangents, from dents to hills",
+     .rows = strip_bump_rows,
+     .row_count = STRIP_BUMP_ROWS,
+     .column_count = COLUMNS},
+	{.name = "filter",
+     .title = "A normal map of small bumps, mip level by mip level",
+     .rows = strip_filter_rows,
+     .row_count = STRIP_FILTER_ROWS,
+     .column_count = 9,
+     .prepare = strip_filter_prepare,
+     .finish = strip_filter_finish},
+};
+const int strip_count = COUNT(strips);

@@ -1,0 +1,277 @@
+/* The inspector of materials with a mouse and keys, without a renderer. */
+#include "engine_internal.h"
+#include "shading/shade_brdf.h"
+#include "shading/shade_light.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* ---- a user -------------------------------------------------------------------------------------------------------- */
+
+static stilb_ui *ui;
+static stilb_ui_input input;
+static engine_inspector inspector;
+static stilb_render_shading shading;
+static bool open;
+
+static int set_up(void **state)
+{
+	(void)state;
+	const stilb_ui_desc desc = stilb_ui_desc_default();
+	input = (stilb_ui_input){.width = 1280.0f, .height = 720.0f, .seconds = 1.0f};
+	inspector = (engine_inspector){0};
+	shading = stilb_render_shading_default();
+	open = true;
+	return stilb_ui_create(&desc, &ui) == STILB_OK ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	stilb_ui_destroy(ui);
+	return 0;
+}
+
+static void draw(void)
+{
+	stilb_ui_begin(ui, &input);
+	engine_inspector_draw(&inspector, ui, &shading, &open);
+	stilb_ui_end(ui);
+	input.mouse_presses = 0;
+	memset(input.keys, 0, sizeof input.keys);
+}
+
+static void point_at(float x, float y)
+{
+	input.mouse_present = true;
+	input.mouse_x = x;
+	input.mouse_y = y;
+	draw(); /* who is under the mouse is known from the frame before */
+	draw();
+}
+
+static void click(float x, float y)
+{
+	point_at(x, y);
+	input.mouse_down = true;
+	input.mouse_presses = 1;
+	draw();
+	input.mouse_down = false;
+	draw();
+}
+
+static void key(stilb_ui_key which)
+{
+	input.keys[which] = 1;
+	draw();
+}
+
+/* x within the panel, from its left 0 to its right 1. */
+static float across(float share)
+{
+	return inspector.place.x0 + share * (inspector.place.x1 - inspector.place.x0);
+}
+
+/* Clicks along a line from below the title down to `end` of the panel's height; each time from the default, or Lambert. */
+static void click_down(float share, float end, bool lambert, void (*look)(void))
+{
+	const float height = inspector.place.y1 - inspector.place.y0;
+	for (float y = inspector.place.y0 + 30.0f; y < inspector.place.y0 + end * height; y += 5.0f) {
+		shading = stilb_render_shading_default();
+		if (lambert)
+			shading.brdf = SHADE_BRDF_LAMBERT;
+		click(across(share), y);
+		look();
+	}
+}
+
+/* ---- choosing ------------------------------------------------------------------------------------------------------ */
+
+static uint32_t seen[5][SHADE_BRDF_COUNT + SHADE_G_COUNT];
+
+static void look_at_choice(void)
+{
+	seen[0][shading.brdf]++;
+	seen[1][shading.ndf]++;
+	seen[2][shading.g]++;
+	seen[3][shading.f]++;
+	seen[4][shading.light]++;
+}
+
+static uint32_t count_seen(int list)
+{
+	uint32_t count = 0;
+	for (int i = 0; i < SHADE_BRDF_COUNT + SHADE_G_COUNT; i++)
+		count += seen[list][i] > 0;
+	return count;
+}
+
+/* Every word of every list can be clicked. */
+static void test_each_word(void **state)
+{
+	(void)state;
+	memset(seen, 0, sizeof seen);
+	draw();
+	click_down(0.2f, 0.72f, false, look_at_choice);
+	assert_int_equal(count_seen(0), SHADE_BRDF_COUNT);
+	assert_int_equal(count_seen(4), SHADE_LIGHT_COUNT);
+	assert_int_equal(count_seen(1) + count_seen(2) + count_seen(3), 3); /* nothing there */
+	memset(seen, 0, sizeof seen);
+	click_down(0.7f, 0.72f, false, look_at_choice);
+	assert_int_equal(count_seen(1), SHADE_NDF_COUNT);
+	assert_int_equal(count_seen(2), SHADE_G_COUNT);
+	assert_int_equal(count_seen(3), SHADE_F_COUNT);
+	assert_int_equal(count_seen(4), 1);
+	assert_true(open);
+}
+
+static void look_at_model(void)
+{
+	const stilb_render_shading at_first = stilb_render_shading_default();
+	bool same = shading.ndf == at_first.ndf && shading.g == at_first.g && shading.f == at_first.f;
+	seen[0][shading.brdf]++;
+	assert_true(same || shading.brdf == SHADE_BRDF_MICROFACET);
+	assert_true(shading.brdf == SHADE_BRDF_LAMBERT || shading.brdf == SHADE_BRDF_MICROFACET);
+}
+
+/* Who takes a part gets the model that has parts, also with a click on the part that was marked already. */
+static void test_a_part_chooses_its_model(void **state)
+{
+	(void)state;
+	memset(seen, 0, sizeof seen);
+	draw();
+	click_down(0.7f, 0.72f, true, look_at_model);
+	const uint32_t rows = SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT;
+	assert_in_range(seen[0][SHADE_BRDF_MICROFACET], 3 * rows, 4 * rows); /* a row is 18 pixels high */
+	assert_true(seen[0][SHADE_BRDF_LAMBERT] > 0);                        /* headings */
+}
+
+static void test_words(void **state)
+{
+	(void)state;
+	assert_string_equal(stilb_engine_brdf_names[SHADE_BRDF_BLINN_PHONG_MODIFIED], "blinn_phong_modified");
+	assert_string_equal(stilb_engine_ndf_names[SHADE_NDF_GGX_ANISOTROPIC], "ggx_anisotropic");
+	assert_string_equal(stilb_engine_g_names[SHADE_G_SMITH_GGX], "smith_ggx");
+	assert_string_equal(stilb_engine_f_names[SHADE_F_NONE], "none");
+	assert_string_equal(stilb_engine_light_names[SHADE_LIGHT_SUBTRACTED], "subtracted");
+	assert_null(stilb_engine_brdf_names[SHADE_BRDF_COUNT]);
+	assert_null(stilb_engine_light_names[SHADE_LIGHT_COUNT]);
+}
+
+static void test_keys(void **state)
+{
+	(void)state;
+	draw();
+	shading.brdf = SHADE_BRDF_WRAPPED;
+	for (int i = 0; i < 10 && shading.brdf == SHADE_BRDF_WRAPPED; i++) {
+		key(STILB_UI_KEY_TAB); /* from list to list until that of the models has the keys */
+		key(STILB_UI_KEY_DOWN);
+	}
+	assert_int_equal(shading.brdf, SHADE_BRDF_PHONG);
+	key(STILB_UI_KEY_UP);
+	key(STILB_UI_KEY_UP);
+	assert_int_equal(shading.brdf, SHADE_BRDF_LAMBERT);
+	key(STILB_UI_KEY_UP); /* there is no row above */
+	assert_int_equal(shading.brdf, SHADE_BRDF_LAMBERT);
+}
+
+/* ---- sliders ------------------------------------------------------------------------------------------------------- */
+
+static uint32_t moved[4];
+
+static void look_at_sliders(void)
+{
+	const float values[4] = {shading.roughness, shading.anisotropy, shading.wrap, shading.specular};
+	for (int i = 0; i < 4; i++) {
+		assert_true(values[i] >= -1.0f && values[i] <= 1.0f);
+		moved[i] += values[i] > 0.2f;
+		moved[i] += values[i] < -0.2f ? 100 : 0;
+	}
+}
+
+/* To the right of the middle is more, to the left less; the button takes all back. */
+static void test_sliders(void **state)
+{
+	(void)state;
+	draw();
+	memset(moved, 0, sizeof moved);
+	click_down(0.9f, 1.0f, false, look_at_sliders);
+	for (int i = 0; i < 4; i++)
+		assert_in_range(moved[i], 3, 5); /* clicks on 22 pixels */
+	memset(moved, 0, sizeof moved);
+	click_down(0.53f, 1.0f, false, look_at_sliders);
+	for (int i = 0; i < 4; i++)
+		assert_in_range(moved[i], 300, 500);
+	const stilb_render_shading at_first = stilb_render_shading_default();
+	shading =
+		(stilb_render_shading){.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK, .wrap = 0.5f, .specular = 1.0f};
+	click(across(0.75f), inspector.place.y1 - 18.0f);
+	assert_memory_equal(&shading, &at_first, sizeof shading);
+}
+
+/* ---- the window ---------------------------------------------------------------------------------------------------- */
+
+static void test_window(void **state)
+{
+	(void)state;
+	draw();
+	point_at(across(0.5f), inspector.place.y0 + 100.0f);
+	assert_true(stilb_ui_wants_mouse(ui));
+	point_at(20.0f, 700.0f);
+	assert_false(stilb_ui_wants_mouse(ui));
+	const stilb_ui_rect before = inspector.place;
+	point_at(across(0.4f), before.y0 + 10.0f);
+	input.mouse_down = true;
+	input.mouse_presses = 1;
+	draw();
+	input.mouse_x -= 300.0f;
+	input.mouse_y += 50.0f;
+	draw();
+	input.mouse_down = false;
+	draw();
+	assert_true(inspector.place.x0 == before.x0 - 300.0f && inspector.place.y0 == before.y0 + 50.0f);
+	const stilb_render_shading at_first = stilb_render_shading_default();
+	assert_memory_equal(&shading, &at_first, sizeof shading);
+	click(inspector.place.x1 - 14.0f, inspector.place.y0 + 13.0f);
+	assert_false(open);
+}
+
+/* Pictures that the window does not fit in, and numbers that a lobe has not: nothing of it is drawn wrong or crashes. */
+static void test_small_and_odd(void **state)
+{
+	(void)state;
+	static const float sizes[][2] = {{1.0f, 1.0f}, {64.0f, 48.0f}, {320.0f, 180.0f}, {5000.0f, 100.0f}};
+	for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+		input.width = sizes[s][0];
+		input.height = sizes[s][1];
+		inspector = (engine_inspector){0};
+		for (uint32_t brdf = 0; brdf < SHADE_BRDF_COUNT; brdf++)
+			for (float added = -1.0f; added <= 1.0f; added += 1.0f) {
+				shading = (stilb_render_shading){
+					.brdf = brdf, .roughness = added, .anisotropy = added, .wrap = added, .specular = added};
+				point_at(0.5f * input.width, 0.5f * input.height);
+				const stilb_ui_draw_list *list = stilb_ui_list(ui);
+				assert_false(list->out_of_memory);
+				for (uint32_t v = 0; v < list->vertex_count; v++)
+					assert_true(isfinite(list->vertices[v].position[0]) && isfinite(list->vertices[v].position[1]));
+			}
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(test_each_word, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_a_part_chooses_its_model, set_up, tear_down),
+		cmocka_unit_test(test_words),
+		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_sliders, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_window, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_small_and_odd, set_up, tear_down),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,361 @@
+/* stilb shade: plots, spheres, the table, refusals. gnuplot is a script of this test's, which keeps what it is given; with the
+ * argument "gnuplot" it is the real one, which draws every plot. */
+#include "image/image.h"
+#include "support/stilb_program.h"
+
+#include <math.h>
+
+/* ---- gnuplot --------------------------------------------------------------------------------------------------------- */
+
+static char path_here[PATH_MAX + 16];
+static const char *const with_fake[] = {NO_DISPLAY, path_here, NULL};
+static const char *const without_gnuplot[] = {NO_DISPLAY, "PATH=/nonexistent", NULL};
+
+/* A gnuplot that copies its script to the file `script`, and makes a picture that is no picture. */
+static void make_gnuplot(const char *last_line)
+{
+	FILE *file = fopen("gnuplot", "w");
+	assert_non_null(file);
+	fprintf(file,
+	        "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\n/bin/cp \"$1\" script\n"
+	        "out=$(/bin/sed -n \"s/^set output '\\(.*\\)'$/\\1/p\" \"$1\")\necho drawn > \"$out\"\n%s\n",
+	        last_line);
+	assert_int_equal(fclose(file), 0);
+	assert_int_equal(chmod("gnuplot", 0755), 0);
+	snprintf(path_here, sizeof path_here, "PATH=%s", stilb_folder);
+}
+
+static char text[1 << 20];
+
+static const char *read_text(const char *path)
+{
+	FILE *file = fopen(path, "r");
+	if (!file)
+		print_error("no file '%s'\n", path);
+	assert_non_null(file);
+	text[fread(text, 1, sizeof text - 1, file)] = '\0';
+	fclose(file);
+	return text;
+}
+
+static bool exists(const char *path)
+{
+	return access(path, F_OK) == 0;
+}
+
+/* ---- plots ----------------------------------------------------------------------------------------------------------- */
+
+static void test_plot(void **state)
+{
+	(void)state;
+	make_gnuplot("");
+	assert_int_equal(stilb_code(with_fake, "shade plot lambert -o lambert.svg"), 0);
+	assert_string_equal(run.err, "");
+	assert_string_equal(run.out, "picture: lambert.svg\n");
+	assert_string_equal(read_text("lambert.svg"), "drawn\n");
+	assert_said(read_text("script"), "set terminal svg ");
+	assert_said(text, "Lobes for light at 45");
+	/* Lambert's albedo is 1 at every angle. */
+	assert_said(text, "\n0 1\n");
+	assert_said(text, "\n89 1\n");
+	assert_int_equal(stilb_code(with_fake, "shade plot ggx_smith_ggx -o a.png"), 0);
+	assert_said(read_text("script"), "set terminal pngcairo ");
+	assert_said(text, "roughness 0.3");
+}
+
+/* Every curve is numbers, in every plot; no plot is the same as another. */
+static void test_all_plots(void **state)
+{
+	(void)state;
+	make_gnuplot("");
+	assert_int_equal(stilb_code(with_fake, "shade list"), 0);
+	char *list = strdup(run.out), *rest = NULL;
+	int plots = 0;
+	for (char *line = strtok_r(list, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+		char name[64], words[128];
+		if (line[0] != ' ' || sscanf(line, " %63s", name) != 1)
+			continue;
+		snprintf(words, sizeof words, "shade plot %s -o %s.svg", name, name);
+		int code = stilb_code(with_fake, words);
+		if (code != 0)
+			print_error("%s: %s\n", words, run.err);
+		assert_int_equal(code, 0);
+		read_text("script");
+		if (strstr(text, "nan") || strstr(text, "inf ") || !strstr(text, "\nplot "))
+			print_error("%s: no numbers, or nothing is drawn\n", name);
+		assert_null(strstr(text, "nan"));
+		assert_null(strstr(text, "inf "));
+		assert_non_null(strstr(text, "\nplot "));
+		plots++;
+	}
+	free(list);
+	assert_in_range(plots, 80, 200);
+}
+
+static void test_plot_failures(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(without_gnuplot, "shade plot ggx-smith-ggx -o a.svg"), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "gnuplot-nox");
+	make_gnuplot("exit 1");
+	assert_int_equal(stilb_code(with_fake, "shade plot ggx-smith-ggx -o a.svg"), 1);
+	assert_error_lines(1);
+	assert_said(run.err, "'a.svg'");
+	assert_false(exists("a.svg"));
+}
+
+static void test_catalog(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(without_gnuplot, "shade catalog -o all"), 2);
+	assert_said(run.err, "gnuplot-nox");
+	make_gnuplot("");
+	assert_int_equal(stilb_code(with_fake, "shade catalog -o missing/all"), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "'missing/all'");
+	assert_false(exists("all"));
+}
+
+/* ---- spheres --------------------------------------------------------------------------------------------------------- */
+
+#define SIZE "284x196"
+
+/* The strip `classic` at that size: where the middle of a sphere is. As its layout says. */
+static void middle(int row, int column, int *x, int *y)
+{
+	const double cell = fmin(284.0 / (2.05 + 11.0 + 0.12), 196.0 / (0.42 + 7.0 * 1.22 + 0.12));
+	*x = (int)(0.5 * (284.0 - cell * 13.17) + cell * (2.05 + column + 0.5));
+	*y = (int)(0.5 * (196.0 - cell * 9.08) + cell * (0.42 + row * 1.22 + 0.5));
+}
+
+static double radiance(const stilb_image *picture, int row, int column, int dx, int dy, int channel)
+{
+	int x, y;
+	middle(row, column, &x, &y);
+	return (double)((const float *)
+	                    picture->pixels)[3 * ((size_t)(y + dy) * picture->width + (size_t)(x + dx)) + (size_t)channel];
+}
+
+/* Of all that a sphere shows. */
+static double brightest(const stilb_image *picture, int row, int column)
+{
+	double most = 0.0;
+	for (int dy = -8; dy <= 8; dy++)
+		for (int dx = -8; dx <= 8; dx++)
+			most = fmax(most, radiance(picture, row, column, dx, dy, 1));
+	return most;
+}
+
+enum { METAL, OLD, NORMALISED, WRAPPED_OLD, WRAPPED, MIXED_OLD, MIXED };
+
+static void test_spheres(void **state)
+{
+	(void)state;
+	stilb_image picture;
+	stilb_good("shade spheres --size " SIZE " -o spheres.exr");
+	assert_int_equal(stilb_image_load("spheres.exr", &picture), STILB_OK);
+	assert_int_equal(picture.width, 284);
+	assert_int_equal(picture.channels, 3);
+	for (int column = 0; column <= 10; column++) {
+		/* What was wrong with wrapped diffuse is the factor 1 + w, everywhere. */
+		const double wrap = 0.1 * column, share = radiance(&picture, WRAPPED_OLD, column, -2, -3, 0) /
+		                                          radiance(&picture, WRAPPED, column, -2, -3, 0);
+		assert_true(fabs(share - (1.0 + wrap)) < 1e-4);
+		/* The limited sum shows less than the one without a limit, but where nothing was to be limited. */
+		const double limited = radiance(&picture, MIXED, column, 5, 5, 0),
+					 unlimited = radiance(&picture, MIXED_OLD, column, 5, 5, 0);
+		assert_true(column == 0 ? limited == unlimited : limited < unlimited);
+	}
+	/* Normalised highlights get brighter as they get smaller; without the factor they do not. */
+	assert_true(brightest(&picture, NORMALISED, 2) > 4.0 * brightest(&picture, NORMALISED, 6));
+	assert_true(brightest(&picture, OLD, 2) < 1.01 * brightest(&picture, OLD, 6));
+	assert_true(fabs(brightest(&picture, OLD, 10) / brightest(&picture, NORMALISED, 10) - 1.0) < 1e-4);
+	/* Gold. */
+	assert_true(radiance(&picture, METAL, 10, 0, 0, 0) > radiance(&picture, METAL, 10, 0, 0, 1));
+	assert_true(radiance(&picture, METAL, 10, 0, 0, 1) > radiance(&picture, METAL, 10, 0, 0, 2));
+	stilb_image_finish(&picture);
+}
+
+/* The same bytes from any number of workers; every strip. */
+static void test_spheres_workers(void **state)
+{
+	(void)state;
+	static const char *const strips[] = {"classic", "models", "distributions", "bump", "filter"};
+	for (size_t i = 0; i < sizeof strips / sizeof *strips; i++) {
+		for (int workers = 0; workers <= 2; workers++)
+			stilb_good("shade spheres --strip %s --size 200x160 --workers %d -o %d.png", strips[i], workers, workers);
+		stilb_image pictures[3];
+		for (int workers = 0; workers <= 2; workers++) {
+			char path[16];
+			snprintf(path, sizeof path, "%d.png", workers);
+			assert_int_equal(stilb_image_load(path, &pictures[workers]), STILB_OK);
+			assert_int_equal(stilb_image_size(&pictures[workers]), stilb_image_size(&pictures[0]));
+			assert_memory_equal(pictures[workers].pixels, pictures[0].pixels, stilb_image_size(&pictures[0]));
+		}
+		for (int workers = 0; workers <= 2; workers++)
+			stilb_image_finish(&pictures[workers]);
+	}
+}
+
+/* Words are there at the usual size, and not where nobody could read them. */
+static void test_spheres_words(void **state)
+{
+	(void)state;
+	static const char *const sizes[] = {"1432x987", "200x160"};
+	for (int i = 0; i < 2; i++) {
+		stilb_image picture;
+		stilb_good("shade spheres --size %s -o words.png", sizes[i]);
+		assert_int_equal(stilb_image_load("words.png", &picture), STILB_OK);
+		int bright = 0;
+		for (uint32_t y = 0; y < picture.height; y++)
+			for (uint32_t x = 0; x < picture.width / 8; x++) /* left of all spheres */
+				bright += ((const uint8_t *)picture.pixels)[3 * ((size_t)y * picture.width + x)] > 180;
+		assert_true(i == 0 ? bright > 500 : bright == 0);
+		stilb_image_finish(&picture);
+	}
+}
+
+/* ---- table ----------------------------------------------------------------------------------------------------------- */
+
+static void test_table(void **state)
+{
+	(void)state;
+	stilb_good("shade table -o table.md");
+	read_text("table.md");
+	assert_said(text, "| `ggx_smith_beckmann` | ");
+	assert_said(text, "| 1.00000 | **no** | yes | 1.616 |");
+	assert_said(text, "| `sample_ggx_visible` | ");
+	/* D x G x F: 3 x 32 lines; more light than came only with Smith-Beckmann's G. */
+	int lines = 0, gains = 0;
+	char *rest = NULL;
+	char *at = strstr(text, "## Albedo of D x G x F");
+	assert_non_null(at);
+	for (char *line = strtok_r(at, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+		if (strncmp(line, "| `", 3) != 0)
+			continue;
+		lines++;
+		if (strstr(line, "**")) {
+			gains++;
+			assert_said(line, "`smith_beckmann`");
+		}
+	}
+	assert_int_equal(lines, 3 * 32);
+	assert_int_equal(gains, 3);
+}
+
+/* ---- refused --------------------------------------------------------------------------------------------------------- */
+
+static const char *const refusals[][2] = {
+	{"shade", "nothing to do"},
+	{"shade lobes", "'lobes'"},
+	{"shade plot -o a.svg", "stilb shade plot NAME -o FILE"},
+	{"shade plot gxg -o a.svg", "'gxg'"},
+	{"shade plot ggx-smith-ggx", "FILE.svg or FILE.png"},
+	{"shade plot ggx-smith-ggx -o a.pdf", "'a.pdf'"},
+	{"shade plot ggx-smith-ggx -o missing/a.svg", "missing"},
+	{"shade plot ggx-smith-ggx -o a.svg --dpi 3", "'--dpi'"},
+	{"shade list all", "'all'"},
+	{"shade spheres", "-o FILE.png"},
+	{"shade spheres -o a.gif", "a.gif"},
+	{"shade spheres -o missing/a.png", "missing"},
+	{"shade spheres -o a.png --strip cubes", "classic, models, distributions, bump, filter"},
+	{"shade spheres -o a.png --size 0x10", "1..16384"},
+	{"shade spheres -o a.png --workers 257", "0..256"},
+	{"shade table -o missing/a.md", "missing"},
+	{"shade table extra", "'extra'"},
+	{"shade catalog", "-o FOLDER"},
+};
+
+static void test_refusals(void **state)
+{
+	(void)state;
+	make_gnuplot("");
+	const int entries = folder_entries();
+	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+		int code = stilb_code(with_fake, refusals[i][0]);
+		if (code != 2 || !strstr(run.err, refusals[i][1]))
+			print_error("stilb %s: %d %s", refusals[i][0], code, run.err);
+		assert_int_equal(code, 2);
+		assert_string_equal(run.out, "");
+		assert_error_lines(1);
+		assert_said(run.err, refusals[i][1]);
+		assert_int_equal(folder_entries(), entries); /* nothing new */
+	}
+}
+
+static void test_help(void **state)
+{
+	(void)state;
+	static const char *const parts[][2] = {
+		{"", "spheres"},       {"list ", "stilb shade plot"}, {"plot ", "-o FILE"},
+		{"table ", "-o FILE"}, {"spheres ", "--strip NAME"},  {"catalog ", "-o FOLDER"}};
+	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+		stilb_good("shade %s--help", parts[i][0]);
+		assert_said(run.out, parts[i][1]);
+	}
+}
+
+static void test_full_disk(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(no_display, "shade table -o /dev/full"), 1);
+	assert_error_lines(1);
+}
+
+/* ---- the real gnuplot ------------------------------------------------------------------------------------------------ */
+
+static void test_real_gnuplot(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(no_display, "shade list"), 0);
+	char *list = strdup(run.out), *rest = NULL;
+	for (char *line = strtok_r(list, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+		char name[64];
+		if (line[0] != ' ' || sscanf(line, " %63s", name) != 1)
+			continue;
+		stilb_good("shade plot %s -o %s.svg", name, name); /* and it says nothing */
+		char path[80];
+		snprintf(path, sizeof path, "%s.svg", name);
+		assert_said(read_text(path), "</svg>");
+	}
+	free(list);
+	stilb_good("shade plot fresnel -o fresnel.png");
+	stilb_image picture;
+	assert_int_equal(stilb_image_load("fresnel.png", &picture), STILB_OK);
+	assert_int_equal(picture.width, 1040);
+	stilb_image_finish(&picture);
+}
+
+static int run_real_gnuplot(void)
+{
+	const struct CMUnitTest tests[] = {cmocka_unit_test_setup(test_real_gnuplot, folder_fresh)};
+	if (system("gnuplot --version >/dev/null 2>&1") != 0) {
+		folder_leave(NULL);
+		printf("skipped: gnuplot is not installed (Debian package gnuplot-nox)\n");
+		return 77;
+	}
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup(test_help, folder_fresh),
+		cmocka_unit_test_setup(test_plot, folder_fresh),
+		cmocka_unit_test_setup(test_all_plots, folder_fresh),
+		cmocka_unit_test_setup(test_plot_failures, folder_fresh),
+		cmocka_unit_test_setup(test_catalog, folder_fresh),
+		cmocka_unit_test_setup(test_spheres, folder_fresh),
+		cmocka_unit_test_setup(test_spheres_workers, folder_fresh),
+		cmocka_unit_test_setup(test_spheres_words, folder_fresh),
+		cmocka_unit_test_setup(test_table, folder_fresh),
+		cmocka_unit_test_setup(test_refusals, folder_fresh),
+		cmocka_unit_test_setup(test_full_disk, folder_fresh),
+	};
+	if (!folder_enter(argc > 1 ? argv[1] : NULL, "test_game_shade"))
+		return 1;
+	if (argc > 2 && strcmp(argv[2], "gnuplot") == 0)
+		return run_real_gnuplot();
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}

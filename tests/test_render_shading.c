@@ -1,0 +1,397 @@
+/* The formulas that a view chooses, on the GPU, held against the same headers compiled as C: every model, every light, what
+ * is added to materials; in every way of replay, and made when they are first needed. */
+#include "render/vulkan/vulkan_internal.h"
+#include "shading/shade_energy.h"
+#include "shading/shade_surface.h"
+#include "support/picture_reference.h"
+
+#define WIDTH 72u
+#define HEIGHT 56u
+#define PLACES 5
+
+/* What pixels see, a hundredth of a pixel around their middles: a rasteriser puts corners on a grid of 1/256 pixel. */
+static reference_hit hits[HEIGHT][WIDTH][PLACES];
+static stilb_scene *scene;
+static reference_camera camera;
+
+typedef struct stage {
+	stilb_render *render;
+	stilb_job_pool *pool;
+	stilb_render_view view;
+} stage;
+
+static float clamped(float value, float low, float high)
+{
+	return fminf(fmaxf(value, low), high);
+}
+
+static stilb_vec3 vec_of(const float v[3])
+{
+	return stilb_vec3_make(v[0], v[1], v[2]);
+}
+
+static stilb_vec3 vec_of_dvec(dvec v)
+{
+	return stilb_vec3_make((float)v.x, (float)v.y, (float)v.z);
+}
+
+/* ---- the scene: a sphere over a tile, near a lamp, with materials in which everything counts ----------------------- */
+
+static void make_scene(void)
+{
+	scene = reference_scene(2);
+	scene->part_mesh[1] = 1;
+	scene->part_transform[0] = stilb_mat4_scale_translate(0.7f, 0.0f, 0.75f, 0.0f);
+	scene->materials[0] = (stilb_scene_material){{0.5f, 0.2f, 0.1f}, {0.2f, 0.3f, 0.4f}, 0.55f, 0.6f, 0.3f};
+	scene->materials[1] = (stilb_scene_material){{0.1f, 0.3f, 0.6f}, {0.4f, 0.2f, 0.1f}, 0.8f, -0.3f, 0.0f};
+	scene->sun = (stilb_scene_sun){{0.48f, 0.8f, 0.36f}, {3.0f, 2.5f, 2.0f}};
+	scene->sky = (stilb_scene_sky){{0.3f, 0.45f, 0.8f}, {0.2f, 0.1f, 0.05f}};
+	scene->lamp = (stilb_scene_lamp){{0.4f, 2.2f, 0.9f}, {0.0f, -0.8f, -0.6f}, {9.0f, 7.0f, 5.0f}, 0.4f, 2.3f};
+	camera = reference_camera_at((dvec){1.7, 2.6, 3.1}, (dvec){0.1, 0.4, -0.1}, (dvec){0, 1, 0}, 1.9, WIDTH, HEIGHT);
+}
+
+static int trace_scene(void **state)
+{
+	(void)state;
+	static const double places[PLACES][2] = {{0.5, 0.5}, {0.49, 0.49}, {0.51, 0.49}, {0.49, 0.51}, {0.51, 0.51}};
+	make_scene();
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++)
+			for (int p = 0; p < PLACES; p++)
+				hits[y][x][p] =
+					reference_trace(scene, camera.position, reference_ray(&camera, x + places[p][0], y + places[p][1]));
+	return 0;
+}
+
+static int drop_scene(void **state)
+{
+	(void)state;
+	stilb_scene_destroy(scene);
+	return 0;
+}
+
+/* ---- as C has it ---------------------------------------------------------------------------------------------------- */
+
+static shade_material expected_material(const stilb_scene_material *m, const stilb_render_shading *shading)
+{
+	shade_reflectance reflectance = {vec_of(m->diffuse), vec_of(m->specular)};
+	const stilb_vec3 added = stilb_vec3_make(shading->specular, shading->specular, shading->specular);
+	if (shading->specular != 0.0f)
+		reflectance = shade_limit_to_one(reflectance.diffuse, reflectance.specular + added);
+	return (shade_material){
+		.diffuse = reflectance.diffuse,
+		.specular = reflectance.specular,
+		.roughness = clamped(m->roughness + shading->roughness, 0.0f, 1.0f),
+		.anisotropy = clamped(m->anisotropy + shading->anisotropy, -1.0f, 1.0f),
+		.wrap = clamped(m->wrap + shading->wrap, 0.0f, 1.0f),
+	};
+}
+
+static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render_shading *shading)
+{
+	const shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
+	const shade_material material = expected_material(&scene->materials[hit->part], shading);
+	const shade_sun sun = {vec_of(scene->sun.direction), vec_of(scene->sun.irradiance)};
+	const shade_sky sky = {vec_of(scene->sky.sky), vec_of(scene->sky.ground)};
+	const shade_lamp lamp = {vec_of(scene->lamp.position), vec_of(scene->lamp.axis), vec_of(scene->lamp.intensity),
+	                         scene->lamp.radius, scene->lamp.reach};
+	const stilb_vec3 n = vec_of_dvec(hit->normal);
+	const stilb_vec3 v = vec_of_dvec(dvec_unit(dvec_mad(camera.position, -1.0, hit->position)));
+	const shade_frame frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
+	const shade_sun light = shade_light_at((int)shading->light, sun, lamp, vec_of_dvec(hit->position));
+	stilb_vec3 radiance = shade_surface_radiance(model, material, light, sky, frame, v);
+	if (shading->light == SHADE_LIGHT_HEMISPHERE && shading->brdf > SHADE_BRDF_WRAPPED) {
+		float exponent = shade_exponent_from_alpha(shade_alpha_from_roughness(material.roughness));
+		float mirrored_y = 2.0f * stilb_vec3_dot(n, v) * n[1] - v[1];
+		radiance += material.specular *
+		            shade_hemisphere_radiance(mirrored_y, shade_exponent_about_r(exponent), sky.sky, sky.ground);
+	}
+	return radiance;
+}
+
+/* Each pixel that is sure to be of one part lies between the radiances of its places. */
+static void assert_as_in_c(const stilb_image *image, const stilb_render_shading *shading)
+{
+	uint32_t seen[2] = {0};
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++) {
+			double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {0};
+			const uint32_t part = hits[y][x][0].part;
+			bool sure = part != REFERENCE_MISS;
+			for (int p = 0; p < PLACES && sure; p++) {
+				sure = hits[y][x][p].part == part;
+				stilb_vec3 radiance = sure ? expected_radiance(&hits[y][x][p], shading) : (stilb_vec3){0};
+				for (int c = 0; c < 3; c++) {
+					low[c] = fmin(low[c], (double)radiance[c]);
+					high[c] = fmax(high[c], (double)radiance[c]);
+				}
+			}
+			if (!sure)
+				continue;
+			seen[part]++;
+			assert_pixel_between(image, x, y, low, high, 3e-3);
+		}
+	assert_true(seen[0] > 200 && seen[1] > 200);
+}
+
+/* ---- on the GPU ----------------------------------------------------------------------------------------------------- */
+
+static stage stage_make(int way)
+{
+	const stilb_render_desc desc = {
+		.replay = (stilb_render_replay_mode)(way % 3),
+		.materials = (stilb_render_materials)(way / 3),
+		.output = STILB_RENDER_OUTPUT_LINEAR,
+		.width = WIDTH,
+		.height = HEIGHT,
+		.samples = 1,
+		.context_count = 3,
+		.validate = true,
+	};
+	stage s = {.view = {.view_projection = reference_matrix(&camera),
+	                    .camera_position = {1.7f, 2.6f, 3.1f},
+	                    .sun = scene->sun,
+	                    .sky = scene->sky,
+	                    .lamp = scene->lamp}};
+	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 2}, &s.pool), 0);
+	if (stilb_render_create(&desc, &s.render) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	assert_int_equal(stilb_render_upload_scene(s.render, scene), STILB_OK);
+	return s;
+}
+
+static void stage_finish(stage *s)
+{
+	assert_int_equal(stilb_render_validation_messages(s->render), 0);
+	stilb_render_destroy(s->render);
+	stilb_job_pool_destroy(s->pool);
+}
+
+static stilb_image stage_draw(stage *s, const stilb_render_shading *shading)
+{
+	static const stilb_render_pass pass = {.name = "main"};
+	const uint32_t model = 0;
+	stilb_image image = {0};
+	s->view.shading = *shading;
+	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
+	assert_int_equal(stilb_render_record(s->render, 0, scene, &model, 1, s->pool, 0), STILB_OK);
+	assert_int_equal(stilb_render_replay(s->render, &pass, 1, &s->view, 1, s->pool, 0), STILB_OK);
+	assert_int_equal(stilb_render_read_image(s->render, &image), STILB_OK);
+	return image;
+}
+
+static void assert_drawn(stage *s, const stilb_render_shading *shading)
+{
+	stilb_image image = stage_draw(s, shading);
+	assert_as_in_c(&image, shading);
+	stilb_image_finish(&image);
+}
+
+static stilb_render_shading microfacets(uint32_t ndf, uint32_t g, uint32_t f)
+{
+	return (stilb_render_shading){.brdf = SHADE_BRDF_MICROFACET, .ndf = ndf, .g = g, .f = f};
+}
+
+static void every_model_is_as_in_c(void **state)
+{
+	(void)state;
+	stage s = stage_make(0);
+	for (uint32_t brdf = 0; brdf < SHADE_BRDF_MICROFACET; brdf++)
+		assert_drawn(&s, &(stilb_render_shading){.brdf = brdf});
+	for (uint32_t ndf = 0; ndf < SHADE_NDF_COUNT; ndf++)
+		for (uint32_t g = 0; g < SHADE_G_COUNT; g++) {
+			stilb_render_shading shading = microfacets(ndf, g, (ndf + g) % SHADE_F_COUNT);
+			assert_drawn(&s, &shading);
+		}
+	stage_finish(&s);
+}
+
+static void every_light_is_as_in_c(void **state)
+{
+	(void)state;
+	stage s = stage_make(0);
+	for (uint32_t light = 0; light < SHADE_LIGHT_COUNT; light++) {
+		stilb_render_shading shading = microfacets(SHADE_NDF_GGX_ANISOTROPIC, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK);
+		shading.light = light;
+		assert_drawn(&s, &shading);
+		assert_drawn(&s, &(stilb_render_shading){.brdf = SHADE_BRDF_WRAPPED, .light = light});
+	}
+	stage_finish(&s);
+}
+
+static void what_is_added_to_materials(void **state)
+{
+	(void)state;
+	static const float steps[] = {-1.0f, -0.3f, 0.25f, 1.0f};
+	stage s = stage_make(0);
+	for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+		stilb_render_shading shading = microfacets(SHADE_NDF_GGX_ANISOTROPIC, SHADE_G_SCHLICK_GGX, SHADE_F_SCHLICK);
+		shading.roughness = fmaxf(steps[i], -0.3f); /* a mirror's highlight would be smaller than a pixel */
+		assert_drawn(&s, &shading);
+		shading.anisotropy = 0.7f * steps[i];
+		assert_drawn(&s, &shading);
+		shading.wrap = steps[i];
+		assert_drawn(&s, &shading);
+		shading.specular = steps[i];
+		assert_drawn(&s, &shading);
+	}
+	stage_finish(&s);
+}
+
+/* With secondary lists the pipelines are bound by other threads than the one that makes them. */
+static void the_same_in_every_way_of_replay(void **state)
+{
+	(void)state;
+	const stilb_render_shading choices[] = {
+		stilb_render_shading_default(),
+		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK},
+		microfacets(SHADE_NDF_BECKMANN, SHADE_G_NEUMANN, SHADE_F_COOK_TORRANCE),
+		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK}, /* again */
+	};
+	enum { CHOICES = sizeof choices / sizeof *choices };
+	stilb_image first[CHOICES];
+	for (int way = 0; way < 9; way++) {
+		stage s = stage_make(way);
+		for (int c = 0; c < CHOICES; c++) {
+			stilb_image image = stage_draw(&s, &choices[c]);
+			if (way == 0) {
+				first[c] = image;
+				continue;
+			}
+			assert_memory_equal(image.pixels, first[c].pixels, stilb_image_size(&image));
+			stilb_image_finish(&image);
+		}
+		stage_finish(&s);
+	}
+	assert_memory_equal(first[1].pixels, first[3].pixels, stilb_image_size(&first[1]));
+	assert_memory_not_equal(first[0].pixels, first[1].pixels, stilb_image_size(&first[1]));
+	for (int c = 0; c < CHOICES; c++)
+		stilb_image_finish(&first[c]);
+}
+
+static void record_part(stage *s, uint32_t pass, uint32_t part)
+{
+	stilb_render_context *context = stilb_render_context_get(s->render, 0);
+	assert_int_equal(stilb_render_pass_begin(s->render, pass, 1), STILB_OK);
+	stilb_render_segment_begin(context, pass, 0);
+	stilb_render_draw(context, stilb_render_scene_mesh(s->render, scene->part_mesh[part]),
+	                  stilb_render_scene_material(s->render, scene->part_material[part]), &scene->part_transform[part]);
+	stilb_render_segment_end(context);
+	assert_int_equal(stilb_render_pass_end(s->render, pass), STILB_OK);
+}
+
+/* The sphere in one pass, the tile in another whose view is shaded otherwise. */
+static void each_pass_has_its_views_formulas(void **state)
+{
+	(void)state;
+	static const stilb_render_pass passes[2] = {{.name = "sphere"}, {.name = "tile", .view = 1, .order = 1}};
+	for (int way = 0; way < 3; way++) {
+		stage s = stage_make(way);
+		stilb_render_view views[2] = {s.view, s.view};
+		stilb_image image;
+		views[0].shading = microfacets(SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK);
+		views[1].shading = (stilb_render_shading){.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_SPHERE};
+		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
+		for (uint32_t part = 0; part < 2; part++)
+			record_part(&s, part, part);
+		assert_int_equal(stilb_render_replay(s.render, passes, 2, views, 2, s.pool, 0), STILB_OK);
+		assert_int_equal(stilb_render_read_image(s.render, &image), STILB_OK);
+		for (uint32_t part = 0; part < 2; part++) {
+			stilb_image whole = stage_draw(&s, &views[part].shading);
+			for (uint32_t y = 0; y < HEIGHT; y++)
+				for (uint32_t x = 0; x < WIDTH; x++)
+					for (int c = 0; c < 3 && hits[y][x][0].part == part && hits[y][x][4].part == part; c++)
+						assert_true(picture_value(&image, x, y, c) == picture_value(&whole, x, y, c));
+			stilb_image_finish(&whole);
+		}
+		stilb_image_finish(&image);
+		stage_finish(&s);
+	}
+}
+
+/* ---- pipelines ------------------------------------------------------------------------------------------------------ */
+
+static const vulkan_device *device_of(const stage *s)
+{
+	return (const vulkan_device *)s->render->device;
+}
+
+static void draw_and_drop(stage *s, const stilb_render_shading *shading)
+{
+	stilb_image image = stage_draw(s, shading);
+	stilb_image_finish(&image);
+}
+
+static void pipelines_are_made_when_needed_and_kept(void **state)
+{
+	(void)state;
+	stage s = stage_make(0);
+	stilb_render_shading shading = {.brdf = SHADE_BRDF_MINIMALIST};
+	assert_int_equal(device_of(&s)->shading_count, 0);
+	draw_and_drop(&s, &shading);
+	assert_int_equal(device_of(&s)->shading_count, 1);
+	const VkPipeline made = device_of(&s)->shadings[0].pipelines[0][VULKAN_PIPELINE_ANY];
+	assert_true(made != VK_NULL_HANDLE);
+	assert_true(device_of(&s)->shadings[0].pipelines[1][VULKAN_PIPELINE_ANY] == VK_NULL_HANDLE); /* no textures */
+	shading.ndf = shading.g = shading.f = 1;                                                     /* not read */
+	shading.roughness = 0.5f;                                                                    /* no formula */
+	draw_and_drop(&s, &shading);
+	assert_int_equal(device_of(&s)->shading_count, 1);
+	for (int round = 0; round < 2; round++)
+		for (uint32_t g = 0; g < SHADE_G_COUNT; g++) {
+			shading = microfacets(SHADE_NDF_GGX, g, SHADE_F_NONE);
+			draw_and_drop(&s, &shading);
+		}
+	assert_int_equal(device_of(&s)->shading_count, 1 + SHADE_G_COUNT);
+	assert_true(device_of(&s)->shadings[0].pipelines[0][VULKAN_PIPELINE_ANY] == made);
+	stage_finish(&s);
+}
+
+/* A draw with a texture needs another pipeline, also for formulas that are there already. */
+static void textures_have_pipelines_of_their_own(void **state)
+{
+	(void)state;
+	static const stilb_render_pass pass = {.name = "main"};
+	uint8_t codes[4] = {255, 255, 255, 255};
+	const stilb_image white = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes};
+	stage s = stage_make(0);
+	stilb_render_texture texture;
+	stilb_render_material material;
+	stilb_image image;
+	const stilb_render_shading shading = microfacets(SHADE_NDF_BLINN, SHADE_G_KELEMEN, SHADE_F_SCHLICK);
+	draw_and_drop(&s, &shading);
+	assert_int_equal(stilb_render_texture_create(s.render, &white, &texture), STILB_OK);
+	assert_int_equal(stilb_render_material_create(s.render, &scene->materials[0], texture, &material), STILB_OK);
+	assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
+	stilb_render_context *context = stilb_render_context_get(s.render, 0);
+	assert_int_equal(stilb_render_pass_begin(s.render, 0, 1), STILB_OK);
+	stilb_render_segment_begin(context, 0, 0);
+	stilb_render_draw(context, stilb_render_scene_mesh(s.render, 1), stilb_render_scene_material(s.render, 1),
+	                  &scene->part_transform[1]);
+	stilb_render_draw(context, stilb_render_scene_mesh(s.render, 0), material, &scene->part_transform[0]);
+	stilb_render_segment_end(context);
+	assert_int_equal(stilb_render_pass_end(s.render, 0), STILB_OK);
+	assert_int_equal(stilb_render_replay(s.render, &pass, 1, &s.view, 1, s.pool, 0), STILB_OK);
+	assert_int_equal(stilb_render_read_image(s.render, &image), STILB_OK);
+	assert_as_in_c(&image, &shading); /* white changes nothing */
+	assert_int_equal(device_of(&s)->shading_count, 1);
+	assert_true(device_of(&s)->shadings[0].pipelines[1][VULKAN_PIPELINE_ANY] != VK_NULL_HANDLE);
+	stilb_image_finish(&image);
+	stage_finish(&s);
+}
+
+int main(void)
+{
+	if (reference_no_driver())
+		return 77;
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_model_is_as_in_c),
+		cmocka_unit_test(every_light_is_as_in_c),
+		cmocka_unit_test(what_is_added_to_materials),
+		cmocka_unit_test(the_same_in_every_way_of_replay),
+		cmocka_unit_test(each_pass_has_its_views_formulas),
+		cmocka_unit_test(pipelines_are_made_when_needed_and_kept),
+		cmocka_unit_test(textures_have_pipelines_of_their_own),
+	};
+	return cmocka_run_group_tests(tests, trace_scene, drop_scene);
+}
