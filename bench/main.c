@@ -14,8 +14,8 @@
 #define QUICK_ROUNDS 3
 #define DEFAULT_SECONDS 0.5
 
-static const bench_suite *const suites[] = {&bench_queue_suite, &bench_jobs_suite, &bench_cull_suite,
-                                            &bench_record_suite, &bench_profiler_suite};
+static const bench_suite *const suites[] = {&bench_queue_suite,  &bench_jobs_suite,     &bench_cull_suite,
+                                            &bench_record_suite, &bench_profiler_suite, &bench_shade_suite};
 
 /* NULL after the last. */
 static const bench_suite *suite_at(size_t i)

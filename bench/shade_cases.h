@@ -1,0 +1,14 @@
+/* shade_cases: the cases of the suite `shade`, known to stilb-bench and to its program. */
+#ifndef BENCH_SHADE_CASES_H
+#define BENCH_SHADE_CASES_H
+
+/* X(name, title, symbol, divisions, square roots, powers): the counts are of what no way of writing an evaluation avoids. */
+#define SHADE_BENCH_CASES(X)                                                                                           \
+	X("wrapped", "energy-conserving wrapped diffuse", wrapped, 1, 0, 0)                                                \
+	X("phong-modified", "modified Phong", phong_modified, 0, 0, 1)                                                     \
+	X("blinn-phong-modified", "modified Blinn-Phong", blinn_phong_modified, 1, 1, 2)                                   \
+	X("minimalist", "minimalist Cook-Torrance", minimalist, 1, 1, 1)                                                   \
+	X("ggx", "GGX, Smith's G fused with the denominator, Schlick", ggx, 1, 2, 0)                                       \
+	X("cook-torrance", "Beckmann, Cook-Torrance G and F", cook_torrance, 4, 3, 1)
+
+#endif

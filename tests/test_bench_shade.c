@@ -1,0 +1,73 @@
+/* stilb-bench shade: short runs of the real program, which holds every way of writing an evaluation against the formula in
+ * double, and the goal judged from made-up numbers. */
+#include "support/bench_program.h"
+
+static char programs[PATH_MAX]; /* where stilb-bench and the programs beside it lie */
+
+static const char *const names[] = {"wrapped", "phong-modified", "blinn-phong-modified", "minimalist",
+                                    "ggx",     "cook-torrance"};
+
+static void test_list(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(NULL, "--help"), 0);
+	assert_said(run.out, "\n  shade ");
+	assert_int_equal(stilb_code(NULL, "shade --list"), 0);
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		assert_said(run.out, names[i]);
+}
+
+static void test_runs(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(NULL, "shade --rounds 1 --seconds 0.02 --json s.json"), 0);
+	read_stats("s.json");
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		assert_true(row_median(names[i], "stilb", "scalar") > 0.0);
+		assert_true(row_median(names[i], "stilb", "hand") > 0.0);
+		assert_true(row_median(names[i], "stilb", "limit") > 0.0);
+		const double error = row_median(names[i], "stilb", "error");
+		assert_true(error > 0.0 && error < 20.0);
+	}
+	assert_said(run.out, "goal: ggx within 1.1 x");
+}
+
+/* Whether the goal's line has the verdict when the program says that ratio. */
+static void assert_goal(const char *ratio, const char *verdict)
+{
+	char program[256];
+	snprintf(program, sizeof program, "echo scalar 2; echo hand 2; echo limit 1; echo of-hand %s; echo error 1", ratio);
+	write_program("stilb-bench-shade", program);
+	assert_int_equal(stilb_code(NULL, "shade --rounds 1 --seconds 0.02 --case ggx"), 0);
+	assert_said(run.out, verdict);
+}
+
+static void test_goal(void **state)
+{
+	(void)state;
+	char command[2 * PATH_MAX], home[PATH_MAX];
+	snprintf(command, sizeof command, "cp '%s/stilb-bench' .", programs);
+	assert_int_equal(system(command), 0);
+	write_program("stilb-bench-limits", "echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; "
+	                                    "echo futex-wake-p50 4; echo futex-wake-p99 5");
+	memcpy(home, stilb_path, sizeof home);
+	assert_non_null(realpath("stilb-bench", stilb_path));
+	assert_goal("1.099", "1.099, met");
+	assert_goal("1.101", "1.101, MISSED");
+	memcpy(stilb_path, home, sizeof home);
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup(test_list, folder_fresh),
+		cmocka_unit_test_setup(test_runs, folder_fresh),
+		cmocka_unit_test_setup(test_goal, folder_fresh),
+	};
+	if (argc != 2 || !folder_enter(argv[1], "test_bench_shade")) {
+		fprintf(stderr, "usage: test_bench_shade STILB-BENCH\n");
+		return 1;
+	}
+	snprintf(programs, sizeof programs, "%.*s", (int)(strrchr(stilb_path, '/') - stilb_path), stilb_path);
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}
