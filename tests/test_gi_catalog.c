@@ -154,6 +154,7 @@ static double asymmetry(const stilb_gi_row *row, shade_proof_random *random)
 	const shade_frame frame = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
 	stilb_vec3 l = shade_proof_random_above(random, frame.n), v = shade_proof_random_above(random, frame.n);
 	shade_brdf_parameters white = stilb_gi_white(shade_proof_range(random, 0.3f, 0.7f), 0.5f);
+	SHADE_PROOF_LIGHT3(shade_brdf_cos(row->model, white, frame, l, v));
 	double there = (double)shade_brdf_cos(row->model, white, frame, l, v)[0] * (double)v[2];
 	double back = (double)shade_brdf_cos(row->model, white, frame, v, l)[0] * (double)l[2];
 	return fabs(there - back) / (there + back + 0.01);
@@ -163,7 +164,7 @@ static void check_reciprocity(const stilb_gi_row *row)
 {
 	shade_proof_random random = {.seed = 17};
 	double worst = 0.0;
-	for (int i = 0; i < 20000; i++)
+	for (int i = 0; i < 30000; i++) /* of 39 rows: above 10^6 */
 		worst = fmax(worst, asymmetry(row, &random));
 	if (row->reciprocal ? worst > 1e-4 : worst < 0.5)
 		fail_msg("%s: f(l, v) and f(v, l) differ by %g of their sum", row->name, worst);

@@ -18,8 +18,7 @@ void *__wrap_stilb_memory_alloc(size_t count, size_t size)
 	return failing_allocation-- == 0 ? NULL : __real_stilb_memory_alloc(count, size);
 }
 
-/* ---- maps
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
 
 static stilb_image made(uint32_t width, uint32_t height, uint32_t channels, stilb_image_format format)
 {
@@ -88,8 +87,7 @@ static const float *last_pixel(const stilb_image_normals *chain)
 	return chain->levels[chain->level_count - 1].pixels;
 }
 
-/* ---- truth: the whole map at once, in double
- * ------------------------------------------------------------------------- */
+/* ---- truth: the whole map at once, in double --------------------------------------------------------------------- */
 
 typedef struct truth {
 	double normal[3], alpha;
@@ -162,8 +160,7 @@ static truth truth_of(stilb_normal_filter filter, const maps *m)
 	return (truth){{v[0] / size, v[1] / size, v[2] / size}, fmin(sqrt(alpha2), 1.0)};
 }
 
-/* ---- tests
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- tests ------------------------------------------------------------------------------------------------------- */
 
 /* However the sides divide: every pixel weighs the same in the last level. */
 static void the_last_level_stands_for_the_map(void **state)

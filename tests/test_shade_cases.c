@@ -1,16 +1,7 @@
 /* The rows that the GPU is compared with, in C: they are numbered 0, 1, 2, ..., and every input gives numbers: no NaN, no
  * infinity. Built once for each topic. The first argument is the count of random inputs for each row. */
 #include "shade_topic.h"
-
-#include "base/base.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
+#include "support/shade_proof.h"
 
 typedef struct shade_row {
 	const char *name;
@@ -66,15 +57,13 @@ static void rows_are_finite(void **state)
 static void rows_are_finite_at_their_corners(void **state)
 {
 	(void)state;
-	static const float ends[3] = {0.0f, 0.5f, 0.99999994f};
 	for (int i = 0; i < SHADE_TOPIC_COUNT; i++)
-		for (int corner = 0; corner < 6561; corner++) {
+		for (int corner = 0; corner < SHADE_PROOF_CORNERS; corner++) {
 			stilb_vec4 a, b;
-			for (int k = 0, rest = corner; k < 8; k++, rest /= 3)
-				if (k < 4)
-					a[k] = ends[rest % 3];
-				else
-					b[k - 4] = ends[rest % 3];
+			for (int k = 0; k < 4; k++) {
+				a[k] = shade_proof_corner(corner, k);
+				b[k] = shade_proof_corner(corner, k + 4);
+			}
 			check_finite(i, a, b);
 		}
 }

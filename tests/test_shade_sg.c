@@ -24,8 +24,7 @@ static shade_sg lobe(stilb_vec3 axis, double sharpness, float amplitude)
 	return g;
 }
 
-/* ---- truths in double
- * ------------------------------------------------------------------------------------------------ */
+/* ---- truths in double -------------------------------------------------------------------------------------------- */
 
 /* 1 - exp(-2 x) over x; 2 at 0. */
 static double mass(double x)
@@ -52,8 +51,7 @@ static double inner_product(double s1, double s2, double angle)
 	return 2.0 * M_PI * (exp(size - s1 - s2) - exp(-size - s1 - s2)) / size;
 }
 
-/* ---- exactness: Spherical Gaussians
- * ---------------------------------------------------------------------------------- */
+/* ---- exactness: Spherical Gaussians ------------------------------------------------------------------------------ */
 
 static void lobes_are_exponentials(void **state)
 {
@@ -171,8 +169,7 @@ static void convolution_keeps_the_formula(void **state)
 	SHADE_PROOF_NEAR(got.amplitude[0], 4.0 * M_PI, 1e-6, 0.0);
 }
 
-/* ---- exactness: von Mises-Fisher -----------------------------------------------------------------------------------
- * */
+/* ---- exactness: von Mises-Fisher --------------------------------------------------------------------------------- */
 
 static void densities_have_their_formula(void **state)
 {
@@ -305,8 +302,7 @@ static void added_lobes_keep_integral_and_mean(void **state)
 	SHADE_PROOF_NEAR3(sum.amplitude, 0.0, 0.0, 0.0, 0.0, 0.0);
 }
 
-/* ---- quadrature
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- quadrature -------------------------------------------------------------------------------------------------- */
 
 typedef struct lobes {
 	shade_sg a, b;
@@ -381,8 +377,7 @@ static void convolution_is_as_good_as_it_says(void **state)
 	assert_true(convolution_error(2.0, 2.0) > 0.006);
 }
 
-/* ---- properties
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- properties -------------------------------------------------------------------------------------------------- */
 
 static shade_sg random_lobe(shade_proof_random *random)
 {
@@ -478,6 +473,10 @@ static void variances_round_trip(void **state)
 		if (k < 100.0f)
 			SHADE_PROOF_NEAR(shade_vmf_inverse_sharpness(spread), (double)k, k < 1.0f ? 2e-6 : 4e-6 * (double)k, 0.0);
 		shade_vmf d = {shade_proof_random_direction(&random), k};
+		shade_mean_direction mean = {d.axis, fminf(v, 0.999f)};
+		shade_mean_direction back = shade_mean_direction_from_vector(shade_mean_direction_vector(mean));
+		SHADE_PROOF_NEAR(back.variance, (double)mean.variance, 0.0, 3e-7);
+		SHADE_PROOF_NEAR3(back.axis, d.axis[0], d.axis[1], d.axis[2], 0.0, 4e-7);
 		SHADE_PROOF_LIGHT(shade_vmf_density(d, shade_proof_random_direction(&random)));
 		SHADE_PROOF_LIGHT(shade_vmf_density(d, d.axis));
 	}

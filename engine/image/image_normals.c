@@ -15,8 +15,7 @@ typedef union normals_texel {
 	shade_lean lean;
 } normals_texel;
 
-/* ---- one texel: in, average, out
- * ------------------------------------------------------------------------------------- */
+/* ---- one texel: in, average, out --------------------------------------------------------------------------------- */
 
 static normals_texel texel_from(stilb_normal_filter filter, shade_rough_normal pixel)
 {
@@ -60,8 +59,7 @@ static shade_rough_normal texel_resolve(stilb_normal_filter filter, normals_texe
 	}
 }
 
-/* ---- levels
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- levels ------------------------------------------------------------------------------------------------------ */
 
 static shade_rough_normal pixel_load(const stilb_image *level, uint32_t x, uint32_t y)
 {
@@ -143,8 +141,7 @@ static void level_make(const normals_source *source, stilb_image *level, normals
 	}
 }
 
-/* ---- level 0: what was given
- * ----------------------------------------------------------------------------------------- */
+/* ---- level 0: what was given ------------------------------------------------------------------------------------- */
 
 static stilb_result desc_check(const stilb_image_normals_desc *desc)
 {
@@ -219,8 +216,7 @@ static stilb_result level_0_make(const stilb_image_normals_desc *desc, stilb_ima
 	return STILB_OK;
 }
 
-/* ---- the chain
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- the chain --------------------------------------------------------------------------------------------------- */
 
 stilb_image_normals_desc stilb_image_normals_desc_default(const stilb_image *normals)
 {

@@ -5,8 +5,8 @@
  * then the same as: tone map each value, average, tone map back. This holds because luminance is linear: the mean's
  * luma is the mean of the lumas. With the largest channel as luma, or with a curve that is linear up to a, the two
  * differ, and only tone map, average, inverse gives the latter's result.
- * It is biased: as bright as the plain mean at most, far below it where few bright values carry the light (caustics), and
- * the plain mean itself where range is far above all values.
+ * It is biased: as bright as the plain mean at most, far below it where few bright values carry the light (caustics),
+ * and the plain mean itself where range is far above all values.
  *
  * Colours are linear, each channel in [0, 1e30].
  * Source: Karis, "Tone mapping" (2013), weight.

@@ -178,7 +178,7 @@ SHADE_FN float shade_falloff_sphere(float square, float radius)
 
 /* E / I of a disk, m^-2: 1 / (d^2 + radius^2). Exact on the axis for a surface that faces the disk. Elsewhere it is
  * taken times the cosine at the disk, as from afar: too little by 3 (sin(b) radius / d)^2 of it, b being the angle to
- * the axis; 1 % at most from 17 radii on. Source: Karis, "Disk". */
+ * the axis; 1 % at most from 18 radii on. Source: Karis, "Disk". */
 SHADE_FN float shade_falloff_disk(float square, float radius)
 {
 	return 1.0f / max(square + radius * radius, SHADE_LIGHT_SQUARE_MIN);

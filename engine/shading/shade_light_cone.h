@@ -15,8 +15,8 @@
  *
  * A cone is kept as its chord, the distance between the tips of its axis and of a direction on its rim: 2 sin of half
  * the angle. At 2 it holds every direction, below 0 none. Chords keep their digits where the cosine, 1 - 1e-7 in the
- * highlight of a smooth surface, has lost them. Each cone is SHADE_CONE_EPSILON larger than its formula says: unit
- * vectors are rounded.
+ * highlight of a smooth surface, has lost them. Each cone is a little larger than its formula says, since unit vectors,
+ * tolerances and peaks are rounded: by SHADE_CONE_EPSILON, and as if for a tolerance SHADE_CONE_SHARE_EPSILON smaller.
  *
  * Sources: Karis, "Tiled Light Culling" (2012), axis and angle for Phong; its sequel "Sparse shadows through tracing"
  * asks how to do the same for Blinn: the answer below and the form for GGX are derived here.
@@ -24,6 +24,7 @@
 #ifndef SHADE_LIGHT_CONE_H
 #define SHADE_LIGHT_CONE_H
 
+#include "shade_frame.h"
 #include "shade_phong.h"
 #include "shade_series.h"
 #include "shade_specular.h"
@@ -31,8 +32,10 @@
 #include "glsl_begin.h"
 
 #define SHADE_CONE_EPSILON 2e-6f
+#define SHADE_CONE_SHARE_EPSILON 2e-6f
+#define SHADE_CONE_COSINE_EPSILON 3e-7f
 #define SHADE_CONE_SHARE_MIN 1e-30f
-#define SHADE_CONE_ACROSS_MIN 1e-6f
+#define SHADE_CONE_APART_MIN 1e-6f
 
 /* axis: unit. chord: 2 sin(half angle / 2). */
 SHADE_STRUCT(shade_cone)
@@ -105,18 +108,24 @@ SHADE_FN shade_cone shade_cone_mirrored(vec3 n, vec3 v, float chord)
 	return cone;
 }
 
+/* Which share of the peak the tolerance is. */
+SHADE_FN float shade_cone_share(float tolerance, float peak)
+{
+	return tolerance / peak * (1.0f - SHADE_CONE_SHARE_EPSILON);
+}
+
 /* Phong, modified or not, of exponent n > 0: beyond, shade_phong_modified and shade_phong are at most the tolerance,
  * sr^-1. Karis's tolerance, of a pi-folded light, is pi times this one. */
 SHADE_FN shade_cone shade_cone_phong(vec3 n, vec3 v, float exponent, float tolerance)
 {
-	float share = tolerance / shade_phong_modified_factor(exponent);
+	float share = shade_cone_share(tolerance, shade_phong_modified_factor(exponent));
 	return shade_cone_mirrored(n, v, shade_cone_chord_phong(share, exponent));
 }
 
 /* Blinn-Phong, modified or not: beyond, shade_blinn_phong_modified and shade_blinn_phong are at most the tolerance. */
 SHADE_FN shade_cone shade_cone_blinn_phong(vec3 n, vec3 v, float exponent, float tolerance)
 {
-	float share = tolerance / shade_blinn_phong_modified_factor(exponent);
+	float share = shade_cone_share(tolerance, shade_blinn_phong_modified_factor(exponent));
 	return shade_cone_mirrored(n, v, shade_cone_chord_blinn_phong(share, exponent));
 }
 
@@ -124,8 +133,10 @@ SHADE_FN shade_cone shade_cone_blinn_phong(vec3 n, vec3 v, float exponent, float
  * at most D G1(v) / (4 (n.v)), since G1(l) <= 1; so the peak is D(0) G1(v) / (4 (n.v)). */
 SHADE_FN shade_cone shade_cone_ggx(vec3 n, vec3 v, float alpha, float tolerance)
 {
-	float peak = 0.5f * shade_d_ggx(0.0f, alpha) * shade_v1_smith_ggx(max(dot(n, v), 0.0f), alpha);
-	return shade_cone_mirrored(n, v, shade_cone_chord_ggx(tolerance / peak, alpha));
+	// G1(v) / (n.v) of a smooth surface falls steeply from n.v = 0 on, and a float n.v is rounded.
+	float n_dot_v = max(dot(n, v) - SHADE_CONE_COSINE_EPSILON, 0.0f);
+	float peak = 0.5f * shade_d_ggx(0.0f, alpha) * shade_v1_smith_ggx(n_dot_v, alpha);
+	return shade_cone_mirrored(n, v, shade_cone_chord_ggx(shade_cone_share(tolerance, peak), alpha));
 }
 
 /* ---- angles ------------------------------------------------------------------------------------------------------ */
@@ -178,9 +189,7 @@ SHADE_FN float shade_cone_half_angle(shade_cone cone)
 SHADE_FN vec3 shade_cone_across(vec3 a, vec3 b)
 {
 	vec3 apart = select(dot(a, b) > 0.0f, b - a, b + a);
-	vec3 across = apart - a * dot(a, apart);
-	vec3 anywhere = select(abs(a[2]) < abs(a[0]), vec3(-a[1], a[0], 0.0f), vec3(0.0f, -a[2], a[1]));
-	return normalize(select(length(across) > SHADE_CONE_ACROSS_MIN, across, anywhere));
+	return shade_frame_from_tangent(a, select(length(apart) > SHADE_CONE_APART_MIN, apart, vec3(0.0f))).t;
 }
 
 /* The union of two cones where the first is not the smaller one. */

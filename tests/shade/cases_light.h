@@ -117,7 +117,7 @@ SHADE_FN vec4 shade_case_cones(int row, vec4 a, vec4 b)
 		return vec4(cone.axis,
 		            select(shade_cone_holds(cone, shade_case_direction(b[1], b[2])), 1.0f, 0.0f) + cone.chord);
 	if (row == 18)
-		return vec4(shade_cone_half_angle(cone), 0.0f, 0.0f, 0.0f);
+		return vec4(shade_cone_half_angle(cone), shade_cone_share(tolerance, 0.1f + b[3]), 0.0f, 0.0f);
 	shade_half_angle p = shade_half_angle_from_chord(2.0f * a[2]);
 	shade_half_angle q = shade_half_angle_from_chord(2.0f * a[3]);
 	shade_half_angle both = shade_half_angle_sum(p, q);

@@ -8,6 +8,8 @@
 #ifndef SHADE_GPU_H
 #define SHADE_GPU_H
 
+#include "support/shade_proof.h"
+
 #include "render/vulkan/vulkan_internal.h"
 
 #include <setjmp.h>
@@ -75,9 +77,9 @@ static inline void shade_gpu_fill_inputs(void)
 	float *input = shade_gpu.inputs.mapped;
 	for (uint64_t i = 0; i < 8 * (uint64_t)SHADE_GPU_COUNT; i++)
 		input[i] = stilb_random_float(3, i);
-	memset(input, 0, 8 * sizeof *input); /* corners of the range */
-	for (int i = 8; i < 16; i++)
-		input[i] = 0.99999994f;
+	for (int corner = 0; corner < SHADE_PROOF_CORNERS; corner++)
+		for (int k = 0; k < 8; k++)
+			input[8 * corner + k] = shade_proof_corner(corner, k);
 }
 
 /* Device, buffers and code; the pipeline is the test's to make. */

@@ -83,6 +83,17 @@ static inline stilb_vec3 shade_proof_random_color(shade_proof_random *random, fl
 	return kind < 0.25f ? stilb_vec3_make(r, r, r) : stilb_vec3_make(r, g, b);
 }
 
+/* Number k of eight for the rows of shade/cases_*.h: every combination of the lowest, the middle and the highest. */
+#define SHADE_PROOF_CORNERS 6561 /* 3^8 */
+
+static inline float shade_proof_corner(int corner, int k)
+{
+	static const float ends[3] = {0.0f, 0.5f, 0.99999994f};
+	for (; k > 0; k--)
+		corner /= 3;
+	return ends[corner % 3];
+}
+
 /* ---- comparisons ------------------------------------------------------------------------------------------------ */
 
 /* |got - want| <= max(relative * |want|, absolute); NaN never is. */
