@@ -2,6 +2,7 @@
 
 #include "base/base_file.h"
 #include "image/image.h"
+#include "shading/shade_brdf.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -18,18 +19,17 @@ const char *const demo_device_choices[] = {"vulkan", "null", NULL};
 
 demo_options demo_options_default(void)
 {
-	const stilb_render_shading shading = stilb_render_shading_default();
 	return (demo_options){
 		.models = 10000,
 		.seed = 1,
 		.size = {1280, 720},
 		.workers = FLAG_WORKERS_AUTO,
 		.profile_ring = 64,
-		.brdf = (int)shading.brdf,
-		.ndf = (int)shading.ndf,
-		.g = (int)shading.g,
-		.f = (int)shading.f,
-		.light = (int)shading.light,
+		.brdf = DEMO_NOT_GIVEN,
+		.ndf = DEMO_NOT_GIVEN,
+		.g = DEMO_NOT_GIVEN,
+		.f = DEMO_NOT_GIVEN,
+		.light = (int)stilb_render_shading_default().light,
 	};
 }
 
@@ -52,11 +52,12 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 	     "lists as they are; one command a draw; that in parallel (indirect)", 0, 0, demo_replay_choices},
 		{"--materials", FLAG_CHOICE, &o->materials, "index|bind|pipeline",
 	     "by index; by descriptor set; by one of two pipelines (index)", 0, 0, demo_materials_choices},
-		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "reflection model (blinn-phong-modified)", 0, 0,
+		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "reflection model: lambert, phong, ... (blinn-phong-modified)", 0, 0,
 	     stilb_engine_brdf_names},
-		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet (ggx)", 0, 0, stilb_engine_ndf_names},
-		{"--g", FLAG_CHOICE, &o->g, "NAME", "its G (smith-ggx)", 0, 0, stilb_engine_g_names},
-		{"--f", FLAG_CHOICE, &o->f, "NAME", "its F (schlick)", 0, 0, stilb_engine_f_names},
+		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet, which it implies (ggx)", 0, 0,
+	     stilb_engine_ndf_names},
+		{"--g", FLAG_CHOICE, &o->g, "NAME", "its G, the same (smith-ggx)", 0, 0, stilb_engine_g_names},
+		{"--f", FLAG_CHOICE, &o->f, "NAME", "its F, the same (schlick)", 0, 0, stilb_engine_f_names},
 		{"--light-model", FLAG_CHOICE, &o->light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
 	     stilb_engine_light_names},
 		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: the CPU's side alone (vulkan)", 0, 0,
@@ -201,6 +202,12 @@ static bool demo_check_profile(const demo_options *o)
 	return true;
 }
 
+/* D, G or F is given: parts of the one model that is made of parts. */
+static bool demo_wants_parts(const demo_options *o)
+{
+	return o->ndf != DEMO_NOT_GIVEN || o->g != DEMO_NOT_GIVEN || o->f != DEMO_NOT_GIVEN;
+}
+
 bool demo_options_check(const demo_options *o)
 {
 	if (o->samples != 0 && o->samples != 1 && o->samples != 4) {
@@ -213,6 +220,11 @@ bool demo_options_check(const demo_options *o)
 	}
 	if (o->screenshot && o->device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
+		return false;
+	}
+	if (demo_wants_parts(o) && o->brdf != DEMO_NOT_GIVEN && o->brdf != SHADE_BRDF_MICROFACET) {
+		stilb_log("--brdf: %s has no D, G and F to choose; --ndf, --g and --f are parts of --brdf microfacet",
+		          stilb_engine_brdf_names[o->brdf]);
 		return false;
 	}
 	if (!demo_check_profile(o) || !demo_outputs_differ(o))
@@ -228,6 +240,22 @@ bool demo_options_check(const demo_options *o)
 	if (result != STILB_OK)
 		stilb_log("%s", stilb_error_message());
 	return result == STILB_OK;
+}
+
+static uint32_t demo_choice(int given, uint32_t otherwise)
+{
+	return given == DEMO_NOT_GIVEN ? otherwise : (uint32_t)given;
+}
+
+static stilb_render_shading demo_shading(const demo_options *o)
+{
+	stilb_render_shading shading = stilb_render_shading_default();
+	shading.brdf = demo_choice(o->brdf, demo_wants_parts(o) ? SHADE_BRDF_MICROFACET : shading.brdf);
+	shading.ndf = demo_choice(o->ndf, shading.ndf);
+	shading.g = demo_choice(o->g, shading.g);
+	shading.f = demo_choice(o->f, shading.f);
+	shading.light = (uint32_t)o->light;
+	return shading;
 }
 
 stilb_engine_desc demo_options_engine(const demo_options *o)
@@ -249,11 +277,7 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.present = !o->no_present;
 	desc.animate = o->animate;
 	desc.validate = o->validate;
-	desc.shading.brdf = (uint32_t)o->brdf;
-	desc.shading.ndf = (uint32_t)o->ndf;
-	desc.shading.g = (uint32_t)o->g;
-	desc.shading.f = (uint32_t)o->f;
-	desc.shading.light = (uint32_t)o->light;
+	desc.shading = demo_shading(o);
 	desc.overlay = o->overlay;
 	desc.inspector = o->inspector;
 	desc.ui_aa = (stilb_ui_aa)o->ui_aa;

@@ -13,11 +13,14 @@
 	"WASD fly, Q/E down/up, shift fast, right mouse looks, Esc releases the mouse,\n"                                  \
 	"F1 profiler, space freezes it, F2 materials, P captures a trace, F12 picture, - and + workers"
 
+#define DEMO_NOT_GIVEN (-1)
+
 typedef struct demo_options {
 	uint64_t models, frames, seed, samples, profile_ring;
 	uint32_t workers, size[2];
 	int view, cull, replay, materials, device, ui_aa;
-	int brdf, ndf, g, f, light;
+	int brdf, ndf, g, f; /* DEMO_NOT_GIVEN, or the number of the word */
+	int light;
 	bool headless, no_present, animate, validate, overlay, inspector, no_profile;
 	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault;
 } demo_options;

@@ -11,8 +11,9 @@
 #include <strings.h>
 
 #define PANEL_WIDTH 520
-#define PANEL_HEIGHT 400
-#define TITLE_HEIGHT 64
+#define NARROW_PANEL_WIDTH 400 /* of three beside each other */
+#define PANEL_HEIGHT 380
+#define TITLE_HEIGHT 76
 
 struct plot_page {
 	FILE *script;
@@ -25,23 +26,30 @@ struct plot_page {
 /* Told apart with every kind of colour blindness. Source: Okabe and Ito, "Color Universal Design" (2002). */
 #define COLORS(X)                                                                                                      \
 	X("#0072B2") X("#D55E00") X("#009E73") X("#CC79A7") X("#E69F00") X("#56B4E9") X("#222222") X("#8a8a8a")
-#define PLAIN(color) color,
 #define FULL_LINE(color) "lines linewidth 2 linecolor rgb '" color "'",
 #define DASHED_LINE(color) "lines dashtype 2 linewidth 1.6 linecolor rgb '" color "'",
 
-static const char *const colors[] = {COLORS(PLAIN)};
 static const char *const full_lines[] = {COLORS(FULL_LINE)};
 static const char *const dashed_lines[] = {COLORS(DASHED_LINE)};
-#define COLOR_COUNT (sizeof colors / sizeof *colors)
-
-const char *plot_color(uint32_t index)
-{
-	return colors[index % COLOR_COUNT];
-}
+#define COLOR_COUNT (sizeof full_lines / sizeof *full_lines)
 
 const char *plot_dashed(uint32_t index)
 {
 	return dashed_lines[index % COLOR_COUNT];
+}
+
+/* One more clause of the panel's plot command. */
+static void add_clause(plot_page *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void add_clause(plot_page *page, const char *format, ...)
+{
+	size_t length = strlen(page->clauses);
+	va_list arguments;
+	if (length > 0)
+		length += (size_t)snprintf(page->clauses + length, sizeof page->clauses - length, ", ");
+	va_start(arguments, format);
+	vsnprintf(page->clauses + length, sizeof page->clauses - length, format, arguments);
+	va_end(arguments);
 }
 
 /* ---- panels ------------------------------------------------------------------------------------------------------ */
@@ -96,8 +104,8 @@ void plot_panel_begin(plot_page *page, const plot_panel *panel)
 	if (panel->extra)
 		fprintf(script, "%s\n", panel->extra);
 	if (lobes) {
-		plot_clause(page, "cos(t),sin(t) with lines linecolor rgb '#dcdcdc' notitle");
-		plot_clause(page, "0.5*cos(t),0.5*sin(t) with lines linecolor rgb '#e8e8e8' notitle");
+		add_clause(page, "cos(t),sin(t) with lines linecolor rgb '#dcdcdc' notitle");
+		add_clause(page, "0.5*cos(t),0.5*sin(t) with lines linecolor rgb '#e8e8e8' notitle");
 	}
 }
 
@@ -112,25 +120,14 @@ void plot_panel_skip(plot_page *page, int count)
 		fprintf(page->script, "set multiplot next\n");
 }
 
-void plot_clause(plot_page *page, const char *format, ...)
-{
-	size_t length = strlen(page->clauses);
-	va_list arguments;
-	if (length > 0)
-		length += (size_t)snprintf(page->clauses + length, sizeof page->clauses - length, ", ");
-	va_start(arguments, format);
-	vsnprintf(page->clauses + length, sizeof page->clauses - length, format, arguments);
-	va_end(arguments);
-}
-
 /* ---- curves ------------------------------------------------------------------------------------------------------ */
 
 static void add_block(plot_page *page, const char *style, const char *words)
 {
 	if (!style)
 		style = full_lines[page->curves++ % COLOR_COUNT];
-	plot_clause(page, "$block%u using 1:2 with %s %s%s%s", page->blocks, style, words[0] ? "title \"" : "notitle",
-	            words, words[0] ? "\"" : "");
+	add_clause(page, "$block%u using 1:2 with %s %s%s%s", page->blocks, style, words[0] ? "title \"" : "notitle", words,
+	           words[0] ? "\"" : "");
 }
 
 /* A number that is none interrupts the line. */
@@ -215,19 +212,31 @@ stilb_result plot_path_check(const char *path)
 	return stilb_file_check(path);
 }
 
+/* As gnuplot's quoted strings want it. */
+static void write_quoted(FILE *script, const char *words)
+{
+	for (; *words; words++) {
+		if (*words == '"')
+			fputc('\\', script);
+		fputc(*words, script);
+	}
+}
+
 static void write_script(FILE *script, const void *context)
 {
 	const plot *p = context;
 	plot_page page = {.script = script};
-	fprintf(script, "set encoding utf8\nset multiplot layout %u,%u title \"{/:Bold=16 %s}\\n{/=12 %s}\"\n", p->rows,
+	fprintf(script, "set encoding utf8\nset multiplot layout %u,%u title \"{/:Bold=16 %s}\\n{/=12 %s}\\n{/=9 ", p->rows,
 	        p->columns, p->title, p->formula);
+	write_quoted(script, p->source);
+	fprintf(script, "}\"\n");
 	p->draw(&page, p->subject);
 	fprintf(script, "unset multiplot\n");
 }
 
 stilb_result plot_save(const plot *p, const char *path)
 {
-	const uint32_t width = p->panel_width ? p->panel_width : PANEL_WIDTH;
+	const uint32_t width = p->panel_width ? p->panel_width : p->columns > 2 ? NARROW_PANEL_WIDTH : PANEL_WIDTH;
 	const uint32_t height = p->panel_height ? p->panel_height : PANEL_HEIGHT;
 	char terminal[160];
 	snprintf(terminal, sizeof terminal, "%s size %u,%u enhanced font 'DejaVu Sans,12' background '#ffffff'",

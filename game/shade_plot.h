@@ -25,7 +25,7 @@ typedef struct plot {
 } plot;
 
 typedef struct plot_topic {
-	const char *name; /* "brdf" */
+	const char *name; /* "reflection" */
 	const plot *plots;
 	uint32_t count;
 } plot_topic;
@@ -86,11 +86,7 @@ void plot_light(plot_page *page, double angle);
 
 #define PLOT_LINE_AT_ONE "set arrow from graph 0,first 1 to graph 1,first 1 nohead dashtype 2 linecolor rgb '#606060'"
 
-/* A clause of gnuplot's plot command as it is. */
-void plot_clause(plot_page *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* Colour of a panel's curve `index`, from 0; and a dashed line of that colour, as a style. */
+/* A dashed line in the colour of the panel's curve `index`, from 0, as a style. */
 const char *plot_dashed(uint32_t index);
-const char *plot_color(uint32_t index);
 
 #endif

@@ -459,6 +459,7 @@ static const plot plots[] = {
      .source = KARIS,
      .columns = 3,
      .rows = 1,
+     .panel_width = 500,
      .draw = draw_shadowing},
 	{.name = "visibility",
      .title = "The fused GGX visibility",

@@ -217,8 +217,8 @@ static void draw_rgbm(plot_page *page, const void *subject)
 	                                     .x_label = "largest channel",
 	                                     .y_label = "percent",
 	                                     .x_range = "[1e-3:60]",
-	                                     .y_range = "[0.2:2]",
-	                                     .logarithmic = "xy",
+	                                     .y_range = "[0:1]",
+	                                     .logarithmic = "x",
 	                                     .key = "top right"});
 	for (uint32_t i = 0; i < 2; i++) {
 		const double range = (double)shade_rgbm_range(SHADE_RGBM_FACTOR, gammas[i]);

@@ -200,7 +200,7 @@ static void draw_cone_lobe(plot_page *page)
 	static const int kinds[LOBE_KINDS] = {SHADE_BRDF_PHONG_MODIFIED, SHADE_BRDF_BLINN_PHONG_MODIFIED,
 	                                      SHADE_BRDF_MICROFACET};
 	plot_panel_begin(page, &(plot_panel){.kind = PLOT_LOBES,
-	                                     .title = "Lobes (logarithmic) and cones, roughness 0.35, 0.01 sr^{-1}",
+	                                     .title = "Roughness 0.35, 0.01 sr^{-1}; lobes logarithmic",
 	                                     .key = "bottom center vertical maxrows 3"});
 	for (lobe_kind kind = 0; kind < LOBE_KINDS; kind++) {
 		const lobe_subject s = {.model = {kinds[kind], SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_NONE},

@@ -79,32 +79,37 @@ static plot_point measured_within(double degrees, const void *context)
 static void draw_distribution(plot_page *page, const void *context)
 {
 	const stilb_gi_row *row = context;
-	const char *end = row->measure == STILB_GI_MEASURE_D_COS ? "D n·h" : "D";
-	char title[64];
-	plot_panel_begin(page, &(plot_panel){.title = is_anisotropic(row) ? "Density; dashed: across" : "Density",
-	                                     .x_label = "angle from the axis (degrees)",
-	                                     .y_label = "sr^{-1}",
-	                                     .x_range = "[0:90]",
-	                                     .y_range = "[1e-4:*]",
-	                                     .logarithmic = "y",
-	                                     .key = "top right",
-	                                     .extra = "set xtics 15"});
+	const char *measure = row->measure == STILB_GI_MEASURE_D_COS ? "D n·h" : "D";
+	const subject widest = subject_of(row, 1.0f);
+	const bool whole = density(180.0, &widest).y > 0.0; /* the sphere, not the hemisphere */
+	const double end = whole ? 180.0 : 90.0;
+	plot_panel panel = {.title = is_anisotropic(row) ? "Density; dashed: across" : "Density",
+	                    .x_label = "angle from the axis (degrees)",
+	                    .y_label = "sr^{-1}",
+	                    .x_range = whole ? "[0:180]" : "[0:90]",
+	                    .y_range = "[1e-4:*]",
+	                    .logarithmic = "y",
+	                    .key = "top right",
+	                    .extra = whole ? "set xtics 30" : "set xtics 15"};
+	plot_panel_begin(page, &panel);
 	for (uint32_t i = 0; i < PLOT_COUNT(roughnesses); i++) {
 		const subject s = subject_of(row, roughnesses[i]);
-		plot_curve(page, density, &s, 0.0, 90.0, 181, NULL, "roughness %.1f", (double)roughnesses[i]);
+		plot_curve(page, density, &s, 0.0, end, 181, NULL, "roughness %.1f", (double)roughnesses[i]);
 		if (is_anisotropic(row))
-			plot_curve(page, density_across, &s, 0.0, 90.0, 181, plot_dashed(i), "%s", "");
+			plot_curve(page, density_across, &s, 0.0, end, 181, plot_dashed(i), "%s", "");
 	}
 	plot_panel_end(page);
-	snprintf(title, sizeof title, "Integral of %s up to the angle: ends at 1", end);
-	plot_panel_begin(page, &(plot_panel){.title = title,
-	                                     .x_label = "angle from the axis (degrees)",
-	                                     .x_range = "[0:90]",
-	                                     .y_range = "[0:1.1]",
-	                                     .extra = "set xtics 15\n" PLOT_LINE_AT_ONE});
+	char title[64];
+	snprintf(title, sizeof title, "Integral of %s up to the angle: ends at 1", measure);
+	panel.title = title;
+	panel.y_label = NULL;
+	panel.y_range = "[0:1.1]";
+	panel.logarithmic = panel.key = NULL;
+	panel.extra = whole ? "set xtics 30\n" PLOT_LINE_AT_ONE : "set xtics 15\n" PLOT_LINE_AT_ONE;
+	plot_panel_begin(page, &panel);
 	for (uint32_t i = 0; i < PLOT_COUNT(roughnesses); i++) {
 		const subject s = subject_of(row, roughnesses[i]);
-		plot_curve(page, measured_within, &s, 0.0, 90.0, 91, NULL, "%s", "");
+		plot_curve(page, measured_within, &s, 0.0, end, 91, NULL, "%s", "");
 	}
 	plot_panel_end(page);
 }
@@ -157,7 +162,7 @@ static void draw_lobes(plot_page *page, const stilb_gi_row *row)
 		double peak = lobe_peak(&s);
 		s.scale = 1.0 / peak;
 		snprintf(words, sizeof words, is_diffuse(row) ? "every view" : "roughness %.1f", (double)roughnesses[i]);
-		plot_curve(page, lobe, &s, -1.0, 1.0, 241, NULL, "%s: %.3g", words, peak);
+		plot_curve(page, lobe, &s, -1.0, 1.0, 241, NULL, "%s: %.4g", words, peak);
 	}
 	plot_panel_end(page);
 }
@@ -312,6 +317,46 @@ static void draw_samplers(plot_page *page, const void *context)
 		}
 }
 
+/* ---- stratified draws -------------------------------------------------------------------------------------------- */
+
+#define REPEATS 100
+
+/* The mean of x^2 over a disk is 1/4: how far off its estimate from side * side points is, root mean square. */
+static plot_point disk_error(double side, const void *context)
+{
+	const bool *stratified = context;
+	const int columns = (int)side, count = columns * columns;
+	double squares = 0.0;
+	for (int repeat = 0; repeat < REPEATS; repeat++) {
+		double sum = 0.0;
+		for (int i = 0; i < count; i++) {
+			const uint64_t at = (uint64_t)repeat * 1000000u + (uint64_t)i;
+			stilb_vec2 u = {stilb_random_float(6, 2 * at), stilb_random_float(6, 2 * at + 1)};
+			if (*stratified)
+				u = shade_sample_stratified(i, columns, columns, u);
+			const double x = (double)shade_sample_disk(u)[0];
+			sum += x * x;
+		}
+		squares += (sum / count - 0.25) * (sum / count - 0.25);
+	}
+	return (plot_point){count, sqrt(squares / REPEATS)};
+}
+
+static void draw_stratified(plot_page *page, const void *context)
+{
+	(void)context;
+	static const bool free_draws = false, stratified = true;
+	plot_panel_begin(page, &(plot_panel){.title = "Error of the mean of x^2 over a disk",
+	                                     .x_label = "points",
+	                                     .logarithmic = "xy",
+	                                     .key = "bottom left"});
+	plot_curve(page, disk_error, &free_draws, 1.0, 64.0, 13,
+	           "linespoints pointtype 7 linewidth 2 linecolor rgb '#0072B2'", "free");
+	plot_curve(page, disk_error, &stratified, 1.0, 64.0, 13,
+	           "linespoints pointtype 7 linewidth 2 linecolor rgb '#D55E00'", "one in each cell");
+	plot_panel_end(page);
+}
+
 /* ---- a row as a plot --------------------------------------------------------------------------------------------- */
 
 /* The catalogue's formula with gnuplot's superscripts and Greek letters. */
@@ -374,5 +419,12 @@ static const plot plots[] = {
      .panel_height = 270,
      .cloud = true,
      .draw = draw_samplers},
+	{.name = "stratified",
+     .title = "Stratified draws",
+     .formula = "one pair for each cell of a grid",
+     .source = "Cook, \"Stochastic Sampling in Computer Graphics\" (1986)",
+     .columns = 1,
+     .rows = 1,
+     .draw = draw_stratified},
 };
 const plot_topic shade_plots_sampling = {"sampling", plots, PLOT_COUNT(plots)};

@@ -139,6 +139,7 @@ static void draw_integrals(plot_page *page, const void *subject)
 	(void)subject;
 	plot_panel_begin(page, &(plot_panel){.title = "Integral and amplitude of integral 1",
 	                                     .x_label = "sharpness",
+	                                     .y_range = "[1e-4:1e6]",
 	                                     .logarithmic = "xy",
 	                                     .key = "top left"});
 	plot_curve(page, integral, NULL, 0.01, 10000.0, 101, NULL, "integral of amplitude 1");
@@ -227,7 +228,7 @@ static plot_point fitted_share(double sharpness, const void *context)
 	}
 	shade_vmf fit = {.inverse_sharpness = NAN};
 	if (stilb_gi_vmf_fit(directions, NULL, DIRECTIONS, &fit) != STILB_OK)
-		return (plot_point){sharpness, NAN};
+		return (plot_point){sharpness, (double)NAN};
 	return (plot_point){sharpness, 1.0 / (double)fit.inverse_sharpness / sharpness};
 }
 

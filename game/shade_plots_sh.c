@@ -172,7 +172,7 @@ static void draw_projection(plot_page *page, const shade_sh *f)
 	panel.title = "Projected surroundings";
 	panel.x_label = "angle in the plane x, z (degrees)";
 	panel.x_range = "[-180:180]";
-	panel.y_range = "[0:3.4]";
+	panel.y_range = "[0:3.9]";
 	panel.extra = "set xtics 60";
 	plot_panel_begin(page, &panel);
 	plot_curve(page, radiance_true, NULL, -180.0, 180.0, 181, plot_dashed(6), "radiance");
@@ -208,15 +208,14 @@ static void draw_dominant(plot_page *page, const shade_sh *f)
 	const shade_sh both =
 		shade_sh_add(shade_sh_directional(d, light.irradiance[0]), shade_sh_ambient(light.ambient[0]));
 	plot_panel panel = from_light;
-	panel.title = "Dominant light and ambient in its place";
+	panel.title = "Dominant light and ambient";
 	panel.x_label = "angle in the plane x, z (degrees)";
 	panel.x_range = "[-180:180]";
 	panel.y_range = "[0:3]";
 	panel.extra = "set xtics 60";
 	plot_panel_begin(page, &panel);
 	plot_curve(page, irradiance, f, -180.0, 180.0, 181, NULL, "irradiance");
-	plot_curve(page, irradiance, &both, -180.0, 180.0, 181, NULL, "of one light (%.2f) and ambient",
-	           (double)light.irradiance[0]);
+	plot_curve(page, irradiance, &both, -180.0, 180.0, 181, NULL, "of one light and ambient");
 	plot_panel_end(page);
 }
 

@@ -193,6 +193,8 @@ static stilb_vec3 normal_radiance(const surroundings *world, const cell *c, stil
 static stilb_vec3 sphere_radiance(const surroundings *world, const cell *c, strip_place place)
 {
 	const strip_sphere *sphere = &c->sphere;
+	if (sphere->radiance)
+		return sphere->radiance(sphere, strip_normal(place.x, place.y));
 	if (!sphere->relief)
 		return normal_radiance(world, c, strip_normal(place.x, place.y), sphere->highlight.roughness);
 	stilb_vec3 sum = stilb_vec3_make(0.0f, 0.0f, 0.0f);
@@ -334,7 +336,7 @@ stilb_result strip_draw(const strip *s, stilb_image *picture, bool tone_mapped, 
 	p->picture = picture;
 	p->place = layout_of(s, picture);
 	p->world = studio();
-	p->tone_mapped = tone_mapped;
+	p->tone_mapped = tone_mapped && !s->tone_mapped;
 	stilb_result result = s->prepare ? s->prepare() : STILB_OK;
 	if (result == STILB_OK)
 		result = paint(p, pool);

@@ -19,6 +19,9 @@ typedef struct strip_place {
  * sphere's relief_samples, whose light is averaged. */
 typedef void strip_relief(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness);
 
+/* In place of the studio's light: the radiance of a place with normal n, seen along -z. */
+typedef stilb_vec3 strip_radiance(const strip_sphere *sphere, stilb_vec3 n);
+
 /* What a sphere is made of: evenly reflected light and a highlight. */
 struct strip_sphere {
 	stilb_vec3 diffuse;
@@ -31,6 +34,8 @@ struct strip_sphere {
 	strip_relief *relief; /* NULL: smooth */
 	float relief_scale;
 	uint32_t relief_level, relief_samples;
+	strip_radiance *radiance; /* NULL: the studio's */
+	float number;             /* for radiance: what changes from column to column */
 };
 
 /* Of a smooth sphere of radius 1. */
@@ -51,6 +56,7 @@ typedef struct strip {
 	const char *title;
 	const strip_row *rows;
 	int row_count, column_count;
+	bool tone_mapped;              /* the rows do it themselves */
 	stilb_result (*prepare)(void); /* called before the first row, or NULL */
 	void (*finish)(void);
 } strip;
@@ -61,6 +67,11 @@ extern const strip_row strip_bump_rows[], strip_filter_rows[];
 #define STRIP_FILTER_ROWS 3
 stilb_result strip_filter_prepare(void);
 void strip_filter_finish(void);
+/* shade_strip_light.c */
+extern const strip_row strip_light_rows[], strip_sh_rows[], strip_tonemap_rows[];
+#define STRIP_LIGHT_ROWS 4
+#define STRIP_SH_ROWS 4
+#define STRIP_TONEMAP_ROWS 4
 
 extern const strip strips[];
 extern const int strip_count;

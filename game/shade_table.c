@@ -92,7 +92,7 @@ static void table_write(FILE *out)
 		"# The shading catalogue, measured\n\n"
 		"Written by `stilb shade table`: every number is computed when it is asked for, by quadrature in double "
 		"around\n"
-		"the float functions of `engine/shading`. [shading.md](shading.md) says what they are for.\n\n"
+		"the float functions of `engine/shading`. [shading.md](../shading.md) says what they are for.\n\n"
 		"*is 1*: the integral that normalises the row; *measured*: that integral where it is farthest from 1, over\n"
 		"roughnesses from 0 to 1 and views from 0° to 70°. *largest albedo*: the most that a white surface gives back\n"
 		"of the light, seen from a view and from a light, up to 89° and over all roughnesses; a row that does not\n"

@@ -225,6 +225,31 @@ static void another_size_is_another_view(void **state)
 	stilb_engine_destroy(engine);
 }
 
+/* The formulas of the next frame; the inspector over it draws, and changes none of it by itself. */
+static void formulas_are_part_of_the_stream(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = null_desc(2);
+	desc.animate = false;
+	desc.inspector = true;
+	stilb_engine *engine = make_engine(&desc);
+	assert_frame(engine);
+	uint64_t before = stilb_engine_stream_hash(engine);
+	const stilb_render_shading at_first = stilb_engine_shading(engine);
+	assert_memory_equal(&at_first, &desc.shading, sizeof at_first);
+	stilb_render_shading shading = at_first;
+	shading.g++;
+	shading.roughness = 0.25f;
+	stilb_engine_set_shading(engine, &shading);
+	for (int f = 0; f < 3; f++)
+		assert_frame(engine);
+	assert_true(stilb_engine_stream_hash(engine) != before);
+	stilb_engine_set_shading(engine, &at_first);
+	assert_frame(engine);
+	assert_true(stilb_engine_stream_hash(engine) == before);
+	stilb_engine_destroy(engine);
+}
+
 /* ---- the tables ---------------------------------------------------------------------------------------------------------- */
 
 /* Frame.c runs what the tables say: here a second view from elsewhere, drawn before the first one, and the first again. */
@@ -323,22 +348,18 @@ static void no_memory_anywhere(void **state)
 	(void)state;
 	stilb_engine_desc desc = null_desc(2);
 	no_memory(&desc);
-	desc.overlay = true;
+	desc.overlay = desc.inspector = true;
 	no_memory(&desc);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(frames_do_not_depend_on_workers),
-		cmocka_unit_test(moving_models_come_and_go),
-		cmocka_unit_test(workers_change_between_frames),
-		cmocka_unit_test(reports_say_what_happened),
-		cmocka_unit_test(another_size_is_another_view),
-		cmocka_unit_test(the_tables_drive_the_frame),
-		cmocka_unit_test(destroy_at_any_time),
-		cmocka_unit_test(what_cannot_start_says_why),
-		cmocka_unit_test(no_memory_anywhere),
+		cmocka_unit_test(frames_do_not_depend_on_workers), cmocka_unit_test(moving_models_come_and_go),
+		cmocka_unit_test(workers_change_between_frames),   cmocka_unit_test(reports_say_what_happened),
+		cmocka_unit_test(another_size_is_another_view),    cmocka_unit_test(formulas_are_part_of_the_stream),
+		cmocka_unit_test(the_tables_drive_the_frame),      cmocka_unit_test(destroy_at_any_time),
+		cmocka_unit_test(what_cannot_start_says_why),      cmocka_unit_test(no_memory_anywhere),
 		cmocka_unit_test(reference_no_third_party),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -17,10 +17,11 @@ static void test_help_and_version(void **state)
 	assert_said(run.out, "bench");
 	stilb_good("demo --help");
 	static const char *const flags[] = {
-		"--models", "--workers",    "--frames",  "--headless",     "--no-present", "--animate", "--validate",
-		"--size",   "--view",       "--cull",    "--replay",       "--device",     "--gpu",     "--msaa",
-		"--seed",   "--screenshot", "--trace",   "--stats",        "--materials",  "--fault",   "--capture",
-		"--spike",  "--ui-aa",      "--overlay", "--profile-ring", "--no-profile"};
+		"--models", "--workers",    "--frames",      "--headless",     "--no-present", "--animate", "--validate",
+		"--size",   "--view",       "--cull",        "--replay",       "--device",     "--gpu",     "--msaa",
+		"--seed",   "--screenshot", "--trace",       "--stats",        "--materials",  "--fault",   "--capture",
+		"--spike",  "--ui-aa",      "--overlay",     "--profile-ring", "--no-profile", "--brdf",    "--ndf",
+		"--g",      "--f",          "--light-model", "--inspector"};
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[32];
 		snprintf(line, sizeof line, "\n  %s ", flags[i]);
@@ -126,6 +127,15 @@ static const char *const refusals[][2] = {
 	{"demo --no-profile --trace a.json", "--no-profile"},
 	{"demo --no-profile --spike auto", "--no-profile"},
 	{"demo --ui-aa soft", "feather, article, off"},
+	{"demo --brdf none",
+     "lambert, wrapped, phong, phong_modified, blinn_phong, blinn_phong_modified, minimalist, microfacet"},
+	{"demo --ndf none", "blinn, beckmann, ggx, ggx_anisotropic"},
+	{"demo --g none",
+     "implicit, neumann, cook_torrance, kelemen, smith_beckmann, smith_ggx, schlick_beckmann, schlick_ggx"},
+	{"demo --f any", "none, schlick, cook_torrance"},
+	{"demo --light-model moon", "sun, hemisphere, sphere, disk, windowed, subtracted"},
+	{"demo --brdf phong --f schlick", "parts of --brdf microfacet"},
+	{"demo --g kelemen --brdf blinn-phong", "blinn_phong has no D, G and F"},
 	{"demo --fault slow:0", "slow:N"},
 	{"info --bogus", "'--bogus'"},
 	{"info --json missing/a.json", "does not exist"},
@@ -333,7 +343,13 @@ static void test_stream_hash(void **state)
 	                                     "--view half",
 	                                     "--view few",
 	                                     "--animate --frames 6",
-	                                     "--models 401"};
+	                                     "--models 401",
+	                                     "--brdf lambert",
+	                                     "--brdf microfacet",
+	                                     "--ndf ggx-anisotropic",
+	                                     "--g neumann",
+	                                     "--f none",
+	                                     "--light-model disk"};
 	enum { SAME = sizeof same / sizeof *same, OTHERS = sizeof others / sizeof *others };
 	uint64_t hashes[OTHERS];
 	for (size_t o = 0; o < OTHERS; o++) {

@@ -130,6 +130,82 @@ static void test_flags_change_the_picture(void **state)
 	assert_int_equal(picture.width * picture.height, 1);
 }
 
+/* ---- formulas and lights --------------------------------------------------------------------------------------------- */
+
+#define SHADED "demo --headless --models 100 --size 200x150 --frames 2 "
+
+/* Each name is another picture, and the stats say which. */
+static void test_each_name_is_another_picture(void **state)
+{
+	(void)state;
+	static const char *const names[] = {
+		"",
+		"--brdf lambert",
+		"--brdf wrapped --light-model disk", /* its materials do not wrap: the same as lambert under the sun */
+		"--brdf phong",
+		"--brdf phong-modified",
+		"--brdf blinn-phong",
+		"--brdf minimalist",
+		"--brdf microfacet",
+		"--ndf beckmann",
+		"--ndf blinn",
+		"--g implicit",
+		"--g cook-torrance",
+		"--f none",
+		"--brdf microfacet --ndf beckmann --g kelemen --f cook-torrance",
+		"--light-model hemisphere",
+		"--light-model sphere",
+		"--light-model disk",
+		"--light-model windowed",
+		"--light-model subtracted",
+	};
+	enum { NAMES = sizeof names / sizeof *names };
+	stilb_image pictures[NAMES];
+	uint64_t hashes[NAMES];
+	for (size_t i = 0; i < NAMES; i++) {
+		stilb_good(SHADED "%s --screenshot a.png --stats a.json --validate", names[i]);
+		hashes[i] = stat_hash("a.json");
+		assert_int_equal(stilb_image_load("a.png", &pictures[i]), STILB_OK);
+		for (size_t k = 0; k < i; k++) {
+			assert_true(hashes[k] != hashes[i]);
+			assert_memory_not_equal(pictures[k].pixels, pictures[i].pixels, stilb_image_size(&pictures[i]));
+		}
+	}
+	assert_string_equal(stat_text("light_model", '"'), "subtracted");
+	assert_string_equal(stat_text("brdf", '"'), "blinn_phong_modified");
+	for (size_t i = 0; i < NAMES; i++)
+		stilb_image_finish(&pictures[i]);
+}
+
+static void test_the_same_formulas_in_every_way(void **state)
+{
+	(void)state;
+	static const char *const routes[] = {
+		"--replay direct --workers 2",
+		"--replay secondary --workers 2",
+		"--replay secondary --materials bind",
+		"--replay direct --materials pipeline",
+		"--replay indirect --materials pipeline --workers 3",
+		"--brdf microfacet --g=schlick_ggx", /* as identifiers, too */
+	};
+	stilb_good(SHADED
+	           "--ndf ggx-anisotropic --g schlick-ggx --light-model sphere --screenshot first.png --stats a.json");
+	uint64_t hash = stat_hash("a.json");
+	assert_string_equal(stat_text("brdf", '"'), "microfacet");
+	assert_string_equal(stat_text("ndf", '"'), "ggx_anisotropic");
+	assert_string_equal(stat_text("g", '"'), "schlick_ggx");
+	assert_string_equal(stat_text("f", '"'), "schlick");
+	read_picture("first.png");
+	for (size_t i = 0; i < sizeof routes / sizeof *routes; i++) {
+		stilb_good(SHADED
+		           "--ndf ggx-anisotropic --g schlick-ggx --light-model sphere --screenshot other.png --stats a.json "
+		           "--validate %s",
+		           routes[i]);
+		assert_true(stat_hash("a.json") == hash);
+		assert_true(same_picture("other.png"));
+	}
+}
+
 static void test_linear_picture(void **state)
 {
 	(void)state;
@@ -190,8 +266,24 @@ static void test_overlay(void **state)
 		assert_true(trace_check_zones(&report, "GPU", "scene") >= 1);
 		trace_check_finish(&report);
 	}
-	stilb_good("demo --headless --models 1 --size 1x1 --frames 2 --overlay --validate --screenshot tiny.png");
+	stilb_good(
+		"demo --headless --models 1 --size 1x1 --frames 2 --overlay --inspector --validate --screenshot tiny.png");
 	stilb_good("demo --headless --models 1 --size 200x100 --frames 2 --overlay --no-profile --validate");
+}
+
+/* The materials' window is drawn over the picture's right side, alone and with the profiler's. */
+static void test_inspector(void **state)
+{
+	(void)state;
+	stilb_good(LARGE "--size 960x640 --screenshot plain.png --stats a.json");
+	uint64_t hash = stat_hash("a.json");
+	read_picture("plain.png");
+	static const char *const drawn[] = {"", "--overlay", "--replay secondary --workers 2"};
+	for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i++) {
+		stilb_good(LARGE "--size 960x640 %s --inspector --validate --screenshot over.png --stats a.json", drawn[i]);
+		assert_true(stat_hash("a.json") == hash);
+		assert_in_range(same_rows("over.png"), 1, 40);
+	}
 }
 
 /* The same window over a file: another frame, another picture; the same frame, the same one. */
@@ -320,8 +412,11 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_same_picture_and_draws_while_models_move),
 		FRESH_TEST(test_same_picture_and_draws_with_samples),
 		FRESH_TEST(test_flags_change_the_picture),
+		FRESH_TEST(test_each_name_is_another_picture),
+		FRESH_TEST(test_the_same_formulas_in_every_way),
 		FRESH_TEST(test_linear_picture),
 		FRESH_TEST(test_overlay),
+		FRESH_TEST(test_inspector),
 		FRESH_TEST(test_show_of_a_trace),
 		FRESH_TEST(test_stats_and_trace),
 		FRESH_TEST(test_full_disk),

@@ -22,7 +22,7 @@ typedef struct values {
 	const char *text;
 } values;
 
-static const char *const choices[] = {"red", "green", "greenish", NULL};
+static const char *const choices[] = {"red", "green", "greenish", "sky_blue", NULL};
 static values v;
 static char said[8192]; /* by the last parse, on stderr */
 
@@ -32,7 +32,7 @@ static const flag table[] = {
 	{"--seed", FLAG_NUMBER, &v.seed, "N", "any number", 0, UINT64_MAX, NULL},
 	{"--workers", FLAG_WORKERS, &v.workers, "N", "threads", 0, 256, NULL},
 	{"--size", FLAG_SIZE, v.size, "WxH", "a size", 1, 16384, NULL},
-	{"--choice", FLAG_CHOICE, &v.choice, "red|green|greenish", "a colour", 0, 0, choices},
+	{"--choice", FLAG_CHOICE, &v.choice, "red|green|greenish|sky-blue", "a colour", 0, 0, choices},
 	{"--text", FLAG_TEXT, &v.text, "FILE", "a name", 0, 0, NULL},
 };
 #define TABLE (sizeof table / sizeof *table)
@@ -97,6 +97,10 @@ static void test_every_kind(void **state)
 	assert_right(PARSE("--text", "--loud")); /* a value may look like a flag */
 	assert_string_equal(v.text, "--loud");
 	assert_false(v.loud);
+	assert_right(PARSE("--choice", "sky_blue"));
+	assert_int_equal(v.choice, 3);
+	assert_right(PARSE("--choice=sky-blue")); /* as flags are written */
+	assert_int_equal(v.choice, 3);
 	assert_right(PARSE("--text=a=b"));
 	assert_string_equal(v.text, "a=b");
 	assert_right(PARSE("--text", "=")); /* the value's own sign */
@@ -162,6 +166,10 @@ static void test_wrong_values(void **state)
 		{"--choice", "gree"},
 		{"--choice", "greeni"},
 		{"--choice", "Red"},
+		{"--choice", "sky-"},
+		{"--choice", "sky blue"},
+		{"--choice", "sky--blue"},
+		{"--choice", "-red"},
 	};
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
 		char joined[64], quoted[64];
@@ -177,7 +185,7 @@ static void test_wrong_values(void **state)
 	PARSE("--workers", "x");
 	assert_non_null(strstr(said, "0..256 or 'auto'"));
 	PARSE("--choice", "x");
-	assert_non_null(strstr(said, "red, green, greenish"));
+	assert_non_null(strstr(said, "red, green, greenish, sky_blue"));
 	PARSE("--size", "x");
 	assert_non_null(strstr(said, "1..16384"));
 }

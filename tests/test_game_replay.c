@@ -38,9 +38,10 @@ static void assert_whole(void)
 static void test_the_same_draws(void **state)
 {
 	(void)state;
-	static const char *const whats[] = {"", "--view few --models 5000", "--animate --workers 2 --seed 5 --view half"};
+	static const char *const whats[] = {"", "--view few --models 5000", "--animate --workers 2 --seed 5 --view half",
+	                                    "--ndf beckmann --light-model windowed"};
 	int way = 0;
-	for (size_t w = 0; w < 3; w++) {
+	for (size_t w = 0; w < sizeof whats / sizeof *whats; w++) {
 		stilb_good(NULL_DEMO "%s --dump a.dump --stats a.json", whats[w]);
 		assert_said(run.out, "dump: a.dump");
 		uint64_t hash = stat_hash("a.json");
@@ -281,8 +282,10 @@ static void test_the_same_picture(void **state)
 static void test_the_same_picture_in_other_ways(void **state)
 {
 	(void)state;
-	static const char *const whats[] = {"--msaa 4 --view half --workers 0", "--view few --models 3000 --seed 3"};
-	for (size_t w = 0; w < 2; w++) {
+	static const char *const whats[] = {"--msaa 4 --view half --workers 0", "--view few --models 3000 --seed 3",
+	                                    "--ndf ggx-anisotropic --g schlick-ggx --light-model subtracted",
+	                                    "--brdf minimalist --light-model hemisphere"};
+	for (size_t w = 0; w < sizeof whats / sizeof *whats; w++) {
 		stilb_good("demo --headless --frames 2 " SMALL "%s --dump a.dump --screenshot a.png", whats[w]);
 		stilb_good("replay a.dump --frames 1 --screenshot b.png --validate");
 		assert_true(same_picture("a.png", "b.png"));

@@ -177,6 +177,8 @@ static void test_actions(void **state)
 	assert_false(held(STILB_WINDOW_KEY_F12).screenshot);
 	assert_true(pressed(STILB_WINDOW_KEY_F1, 1).overlay && pressed(STILB_WINDOW_KEY_F1, 3).overlay);
 	assert_false(pressed(STILB_WINDOW_KEY_F1, 2).overlay); /* opened and closed */
+	assert_true(pressed(STILB_WINDOW_KEY_F2, 1).inspector && !pressed(STILB_WINDOW_KEY_F2, 1).overlay);
+	assert_false(pressed(STILB_WINDOW_KEY_F2, 2).inspector || held(STILB_WINDOW_KEY_F2).inspector);
 	assert_true(pressed(STILB_WINDOW_KEY_SPACE, 1).freeze);
 	assert_false(pressed(STILB_WINDOW_KEY_SPACE, 2).freeze || held(STILB_WINDOW_KEY_SPACE).freeze);
 	assert_int_equal(pressed(STILB_WINDOW_KEY_PLUS, 3).workers, 3);
@@ -186,7 +188,7 @@ static void test_actions(void **state)
 	assert_int_equal(stilb_input_from_window(&both).workers, 3);
 	stilb_input_state nothing = stilb_input_from_window(&(stilb_window_state){0});
 	assert_false(nothing.fast || nothing.capture || nothing.screenshot || nothing.workers);
-	assert_false(nothing.overlay || nothing.freeze);
+	assert_false(nothing.overlay || nothing.inspector || nothing.freeze);
 	assert_true(nothing.look[0] == 0.0f && nothing.look[1] == 0.0f);
 }
 
@@ -202,7 +204,7 @@ static void test_keys_of_a_user_interface(void **state)
 	assert_true(all.move[0] == 1.0f && all.move[1] == 1.0f && all.move[2] == 1.0f && all.fast && all.freeze);
 	assert_true(without.move[0] == 0.0f && without.move[1] == 0.0f && without.move[2] == 0.0f);
 	assert_false(without.fast || without.freeze);
-	assert_true(without.capture && without.screenshot && without.overlay && without.workers == 1);
+	assert_true(without.capture && without.screenshot && without.overlay && without.inspector && without.workers == 1);
 	assert_memory_equal(without.look, all.look, sizeof all.look);
 }
 

@@ -3,6 +3,7 @@
  * to the display, so it falls into the middle of frames. All under Vulkan validation.
  */
 #include "engine_internal.h"
+#include "shading/shade_brdf.h"
 
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
@@ -383,6 +384,74 @@ static void test_overlay(void **state)
 	run_frames(f, 3);
 }
 
+static bool inspector_is_open(const fixture *f)
+{
+	return f->engine->overlay.inspector_open;
+}
+
+static bool shades_as_microfacets(const fixture *f)
+{
+	return stilb_engine_shading(f->engine).brdf == SHADE_BRDF_MICROFACET;
+}
+
+static bool shades_with_blinn(const fixture *f)
+{
+	return stilb_engine_shading(f->engine).ndf == SHADE_NDF_BLINN;
+}
+
+static void click_at(fixture *f, float x, float y)
+{
+	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, (int)x, (int)y);
+	XSync(f->display, False);
+	expect(f, overlay_wants_mouse, true);
+	send_button(f, 1, true);
+	send_button(f, 1, false);
+}
+
+/* F2 opens and closes the materials' window; a click in it changes the formulas of the frames that follow. */
+static void test_inspector(void **state)
+{
+	fixture *f = *state;
+	XSetInputFocus(f->display, f->window, RevertToParent, CurrentTime);
+	XResizeWindow(f->display, f->window, 640, 480);
+	XSync(f->display, False);
+	expect_size(f, 640, 480);
+	run_frames(f, 3);
+	assert_false(inspector_is_open(f));
+	type_key(f, XK_F2);
+	expect(f, inspector_is_open, true);
+	assert_false(overlay_is_open(f));
+	run_frames(f, 2);
+	type_key(f, XK_space); /* means nothing to it */
+	run_frames(f, 2);
+	const uint64_t hash = stilb_engine_stream_hash(f->engine);
+	const stilb_ui_rect place = f->engine->overlay.inspector.place;
+	const stilb_ui_style *style = stilb_ui_style_get(f->engine->overlay.ui);
+	/* The first row of the right column, below the title and a heading. */
+	click_at(f, place.x1 - 60.0f, place.y0 + style->title_height + style->margin + 1.5f * style->row_height);
+	expect(f, shades_as_microfacets, true);
+	assert_true(shades_with_blinn(f));
+	run_frames(f, 3);
+	assert_true(stilb_engine_stream_hash(f->engine) != hash);
+
+	type_key(f, XK_F1); /* both at once */
+	expect(f, overlay_is_open, true);
+	assert_true(inspector_is_open(f));
+	run_frames(f, 3);
+	type_key(f, XK_F2);
+	expect(f, inspector_is_open, false);
+	assert_true(overlay_is_open(f));
+	type_key(f, XK_F1);
+	expect(f, overlay_is_open, false);
+	assert_true(shades_as_microfacets(f)); /* stays */
+	type_key(f, XK_F2);
+	expect(f, inspector_is_open, true);
+	run_frames(f, 2);
+	click_at(f, place.x1 - 14.0f, place.y0 + 13.0f); /* its box */
+	expect(f, inspector_is_open, false);
+	run_frames(f, 2);
+}
+
 static void test_close(void **state)
 {
 	fixture *f = *state;
@@ -416,6 +485,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_minimise, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_overlay, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_inspector, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_close, set_up, tear_down),
 	};
 	int failed = cmocka_run_group_tests_name("window events", tests, NULL, NULL);

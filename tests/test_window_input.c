@@ -133,6 +133,7 @@ static void test_each_key(void **state)
 		KeySym symbol;
 		stilb_window_key key;
 	} keys[] = {{XK_F1, STILB_WINDOW_KEY_F1},
+	            {XK_F2, STILB_WINDOW_KEY_F2},
 	            {XK_space, STILB_WINDOW_KEY_SPACE},
 	            {XK_Tab, STILB_WINDOW_KEY_TAB},
 	            {XK_Return, STILB_WINDOW_KEY_ENTER},

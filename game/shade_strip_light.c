@@ -1,0 +1,263 @@
+/* Strips of spheres under lamps, under spherical harmonics and through tone curves. */
+#include "shade_strip.h"
+
+#include "shading/shade_diffuse.h"
+#include "shading/shade_light.h"
+#include "shading/shade_sh.h"
+#include "shading/shade_tonemap.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static stilb_vec3 even(float value)
+{
+	return stilb_vec3_make(value, value, value);
+}
+
+/* ---- lamps ------------------------------------------------------------------------------------------------------- */
+
+#define BALL_RADIUS 0.5f
+#define LAMP_RADIUS 0.25f
+#define LAMP_REACH 4.0f
+
+/* Distances between the lamp's middle and the ball's; they grow by the same share. */
+static float lamp_distance(int column)
+{
+	return 0.8f * powf(1.19f, (float)column);
+}
+
+static stilb_vec3 lamp_radiance(int light, const strip_sphere *sphere, stilb_vec3 n)
+{
+	const stilb_vec3 to_lamp = stilb_vec3_normalize(stilb_vec3_make(-0.75f, 0.45f, 0.55f));
+	const shade_lamp lamp = {
+		.position = to_lamp * sphere->number,
+		.axis = -to_lamp,
+		.intensity = stilb_vec3_make(5.0f, 4.6f, 4.0f),
+		.radius = LAMP_RADIUS,
+		.reach = LAMP_REACH,
+	};
+	const shade_sun seen = shade_lamp_at(light, lamp, n * BALL_RADIUS);
+	const stilb_vec3 sky = shade_hemisphere_irradiance(n[1], even(0.03f), even(0.01f));
+	return shade_lambert(sphere->diffuse) * (seen.irradiance * fmaxf(stilb_vec3_dot(n, seen.direction), 0.0f) + sky);
+}
+
+static stilb_vec3 radiance_sphere(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return lamp_radiance(SHADE_LIGHT_SPHERE, sphere, n);
+}
+
+static stilb_vec3 radiance_disk(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return lamp_radiance(SHADE_LIGHT_DISK, sphere, n);
+}
+
+static stilb_vec3 radiance_windowed(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return lamp_radiance(SHADE_LIGHT_WINDOWED, sphere, n);
+}
+
+static stilb_vec3 radiance_subtracted(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return lamp_radiance(SHADE_LIGHT_SUBTRACTED, sphere, n);
+}
+
+static void make_lit(int column, strip_radiance *radiance, strip_sphere *sphere, strip_words words)
+{
+	const float distance = lamp_distance(column);
+	*sphere = (strip_sphere){.diffuse = even(0.6f), .radiance = radiance, .number = distance};
+	snprintf(words, sizeof(strip_words), "%.2f m", (double)distance);
+}
+
+static void make_sphere(int column, strip_sphere *sphere, strip_words words)
+{
+	make_lit(column, radiance_sphere, sphere, words);
+}
+
+static void make_disk(int column, strip_sphere *sphere, strip_words words)
+{
+	make_lit(column, radiance_disk, sphere, words);
+}
+
+static void make_windowed(int column, strip_sphere *sphere, strip_words words)
+{
+	make_lit(column, radiance_windowed, sphere, words);
+}
+
+static void make_subtracted(int column, strip_sphere *sphere, strip_words words)
+{
+	make_lit(column, radiance_subtracted, sphere, words);
+}
+
+const strip_row strip_light_rows[STRIP_LIGHT_ROWS] = {
+	{"Sphere: 1 / d²", make_sphere},
+	{"Disk that faces\nthe ball", make_disk},
+	{"Windowed, ends\nat 4 m", make_windowed},
+	{"Subtracted, ends\nat 4 m", make_subtracted},
+};
+
+/* ---- spherical harmonics ----------------------------------------------------------------------------------------- */
+
+static const stilb_vec3 sky_above = {0.16f, 0.22f, 0.34f, 0.0f}, ground_below = {0.09f, 0.06f, 0.035f, 0.0f};
+
+static shade_sun harmonic_sun(void)
+{
+	return (shade_sun){stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.45f, 0.55f)), stilb_vec3_make(2.8f, 2.5f, 1.9f)};
+}
+
+/* A sky of two colours has a band 0, its mean, and a band 1 along the vertical, which is that of the hemisphere's
+ * irradiance: E(n) = pi (mean + (sky - ground) n_y / 2) = A_1 (c_1 Y_1) there. */
+static shade_sh sky_channel(int channel, float share)
+{
+	shade_sh f = shade_sh_ambient(0.5f * (sky_above[channel] + ground_below[channel]));
+	f.c[1] = -0.5f * SHADE_PI * (sky_above[channel] - ground_below[channel]) / (SHADE_SH_A1 * SHADE_SH_Y1);
+	return shade_sh_scale(f, share);
+}
+
+static shade_sh_rgb surroundings_of(const strip_sphere *sphere)
+{
+	const shade_sun sun = harmonic_sun();
+	const float share = sphere->number;
+	const shade_sh_rgb sky = {sky_channel(0, share), sky_channel(1, share), sky_channel(2, share)};
+	return shade_sh_rgb_add(shade_sh_rgb_directional(sun.direction, sun.irradiance), sky);
+}
+
+static stilb_vec3 reflected(const strip_sphere *sphere, stilb_vec3 irradiance)
+{
+	if (fminf(irradiance[0], fminf(irradiance[1], irradiance[2])) < 0.0f)
+		return stilb_vec3_make(0.6f, 0.0f, 0.6f);
+	return shade_lambert(sphere->diffuse) * irradiance;
+}
+
+static stilb_vec3 radiance_true(const strip_sphere *sphere, stilb_vec3 n)
+{
+	const shade_sun sun = harmonic_sun();
+	return reflected(sphere, sun.irradiance * fmaxf(stilb_vec3_dot(n, sun.direction), 0.0f) +
+	                             shade_hemisphere_irradiance(n[1], sky_above, ground_below) * sphere->number);
+}
+
+static stilb_vec3 radiance_bands(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return reflected(sphere, shade_sh_rgb_irradiance(surroundings_of(sphere), n));
+}
+
+static stilb_vec3 radiance_window(const strip_sphere *sphere, stilb_vec3 n)
+{
+	const shade_sh_rgb soft = shade_sh_rgb_window(surroundings_of(sphere), SHADE_SH_WINDOW_IRRADIANCE);
+	return reflected(sphere, shade_sh_rgb_irradiance(soft, n));
+}
+
+static stilb_vec3 radiance_dominant(const strip_sphere *sphere, stilb_vec3 n)
+{
+	const shade_sh_light light = shade_sh_dominant_light(surroundings_of(sphere));
+	return reflected(sphere,
+	                 light.irradiance * fmaxf(stilb_vec3_dot(n, light.direction), 0.0f) + light.ambient * SHADE_PI);
+}
+
+static void make_harmonic(int column, strip_radiance *radiance, strip_sphere *sphere, strip_words words)
+{
+	*sphere = (strip_sphere){.diffuse = even(0.7f), .radiance = radiance, .number = 0.1f * (float)(10 - column)};
+	snprintf(words, sizeof(strip_words), "sky %d %%", 100 - 10 * column);
+}
+
+static void make_true(int column, strip_sphere *sphere, strip_words words)
+{
+	make_harmonic(column, radiance_true, sphere, words);
+}
+
+static void make_bands(int column, strip_sphere *sphere, strip_words words)
+{
+	make_harmonic(column, radiance_bands, sphere, words);
+}
+
+static void make_window(int column, strip_sphere *sphere, strip_words words)
+{
+	make_harmonic(column, radiance_window, sphere, words);
+}
+
+static void make_dominant(int column, strip_sphere *sphere, strip_words words)
+{
+	make_harmonic(column, radiance_dominant, sphere, words);
+}
+
+const strip_row strip_sh_rows[STRIP_SH_ROWS] = {
+	{"Truth", make_true},
+	{"Three bands", make_bands},
+	{"Three bands,\nwindowed", make_window},
+	{"Dominant light taken\nfrom the bands,\nand ambient", make_dominant},
+};
+
+/* ---- tone curves ------------------------------------------------------------------------------------------------- */
+
+/* A red ball under one light that gets stronger; a little light from all around. */
+static stilb_vec3 exposed(const strip_sphere *sphere, stilb_vec3 n)
+{
+	const stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-0.5f, 0.6f, 0.6f));
+	const float lit = fmaxf(stilb_vec3_dot(n, l), 0.0f) + 0.12f * (0.6f + 0.4f * n[1]);
+	return sphere->diffuse * (lit * sphere->number);
+}
+
+/* As the picture's format does it, but before edges are smoothed. */
+static stilb_vec3 clipped(stilb_vec3 color)
+{
+	for (int k = 0; k < 3; k++)
+		color[k] = fminf(color[k], 1.0f);
+	return color;
+}
+
+static stilb_vec3 mapped_clipped(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return clipped(exposed(sphere, n));
+}
+
+static stilb_vec3 mapped_channels(const strip_sphere *sphere, stilb_vec3 n)
+{
+	stilb_vec3 color = exposed(sphere, n);
+	for (int k = 0; k < 3; k++)
+		color[k] = shade_tonemap_curve(color[k], SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	return color;
+}
+
+static stilb_vec3 mapped_largest(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return shade_tonemap(exposed(sphere, n), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+}
+
+static stilb_vec3 mapped_luminance(const strip_sphere *sphere, stilb_vec3 n)
+{
+	return clipped(shade_tonemap_luminance(exposed(sphere, n), SHADE_TONEMAP_A, SHADE_TONEMAP_B));
+}
+
+static void make_exposed(int column, strip_radiance *radiance, strip_sphere *sphere, strip_words words)
+{
+	const float stops = (float)(column - 2);
+	*sphere =
+		(strip_sphere){.diffuse = stilb_vec3_make(0.80f, 0.24f, 0.07f), .radiance = radiance, .number = exp2f(stops)};
+	snprintf(words, sizeof(strip_words), "light x %g", (double)sphere->number);
+}
+
+static void make_clipped(int column, strip_sphere *sphere, strip_words words)
+{
+	make_exposed(column, mapped_clipped, sphere, words);
+}
+
+static void make_channels(int column, strip_sphere *sphere, strip_words words)
+{
+	make_exposed(column, mapped_channels, sphere, words);
+}
+
+static void make_largest(int column, strip_sphere *sphere, strip_words words)
+{
+	make_exposed(column, mapped_largest, sphere, words);
+}
+
+static void make_luminance(int column, strip_sphere *sphere, strip_words words)
+{
+	make_exposed(column, mapped_luminance, sphere, words);
+}
+
+const strip_row strip_tonemap_rows[STRIP_TONEMAP_ROWS] = {
+	{"Clipped", make_clipped},
+	{"A curve for each\nchannel: colours wash\nout", make_channels},
+	{"The largest channel's\ncurve: the hue stays", make_largest},
+	{"The luminance's curve:\nbright colours leave\nthe range", make_luminance},
+};
