@@ -186,27 +186,50 @@ static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_re
 
 /* ---- the window -------------------------------------------------------------------------------------------------------- */
 
+/* At the right of the picture at first, and where the user moved it from then on. In a low picture the lobe and the sliders
+ * stand beside the lists instead of below them. */
+static void inspector_place(engine_inspector *inspector, const stilb_ui *ui, float lists)
+{
+	const stilb_ui_style *style = stilb_ui_style_get((stilb_ui *)ui);
+	const stilb_ui_input *input = stilb_ui_input_get(ui);
+	const float column = INSPECTOR_COLUMN + 2.0f * style->gap, head = style->title_height + 2.0f * style->margin;
+	const float below = style->gap + inspector_sliders_height(ui);
+	const bool beside = input->height < head + lists + below, moved = !stilb_ui_is_empty(inspector->place);
+	const float width = (beside ? 3.0f : 2.0f) * column - 2.0f * style->gap + 2.0f * style->margin;
+	const float height = head + lists + (beside ? 0.0f : below);
+	stilb_ui_rect *place = &inspector->place;
+	if (!moved)
+		*place = (stilb_ui_rect){.x0 = input->width - width - 2.0f * style->margin, .y0 = 2.0f * style->margin};
+	else
+		place->x0 = place->x1 - width; /* its right end stays where it is */
+	*place = (stilb_ui_rect){place->x0, place->y0, place->x0 + width, place->y0 + height};
+	inspector->beside = beside;
+}
+
 void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading, bool *open)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
-	const stilb_ui_input *input = stilb_ui_input_get(ui);
+	const float gap = 2.0f * style->gap;
 	const float lists = inspector_list_height(ui, SHADE_NDF_COUNT) + inspector_list_height(ui, SHADE_G_COUNT) +
 	                    inspector_list_height(ui, SHADE_F_COUNT);
-	const float sliders = inspector_sliders_height(ui);
-	if (stilb_ui_is_empty(inspector->place)) {
-		float width = 2.0f * INSPECTOR_COLUMN + 2.0f * style->gap + 2.0f * style->margin;
-		float x = fmaxf(input->width - width - 2.0f * style->margin, 0.0f), y = 2.0f * style->margin;
-		float height = style->title_height + lists + style->gap + sliders + 2.0f * style->margin;
-		inspector->place = (stilb_ui_rect){x, y, x + width, y + height};
-	}
+	inspector_place(inspector, ui, lists);
 	stilb_ui_id_push(ui, "inspector");
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Materials", &inspector->place, STILB_UI_PANEL_MOVABLE, open);
-	inspector_lists(ui, stilb_ui_cut_top(&area, lists), shading);
-	stilb_ui_cut_top(&area, style->gap);
-	stilb_ui_rect lobe = stilb_ui_cut_left(&area, INSPECTOR_LOBE);
-	stilb_ui_cut_left(&area, 2.0f * style->gap);
+	stilb_ui_rect rest = area, lobe;
+	if (inspector->beside) {
+		area = stilb_ui_cut_left(&rest, 2.0f * INSPECTOR_COLUMN + gap);
+		stilb_ui_cut_left(&rest, gap);
+		lobe = stilb_ui_cut_top(&rest, INSPECTOR_LOBE);
+		stilb_ui_cut_top(&rest, style->gap);
+	} else {
+		area = stilb_ui_cut_top(&rest, lists);
+		stilb_ui_cut_top(&rest, style->gap);
+		lobe = stilb_ui_cut_left(&rest, INSPECTOR_LOBE);
+		stilb_ui_cut_left(&rest, gap);
+	}
+	inspector_lists(ui, area, shading);
 	inspector_draw_lobe(ui, lobe, shading);
-	inspector_sliders(ui, area, shading);
+	inspector_sliders(ui, rest, shading);
 	stilb_ui_panel_end(ui);
 	stilb_ui_id_pop(ui);
 }

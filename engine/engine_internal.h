@@ -13,6 +13,7 @@
 /* The window in which formulas are chosen; {0} at first. */
 typedef struct engine_inspector {
 	stilb_ui_rect place; /* empty: not yet drawn */
+	bool beside;         /* the sliders stand beside the lists */
 } engine_inspector;
 
 /* What stands over the picture; {0} before any of it is opened for the first time. */

@@ -223,8 +223,9 @@ bool demo_options_check(const demo_options *o)
 		return false;
 	}
 	if (demo_wants_parts(o) && o->brdf != DEMO_NOT_GIVEN && o->brdf != SHADE_BRDF_MICROFACET) {
+		char brdf[FLAG_CHOICE_SIZE];
 		stilb_log("--brdf: %s has no D, G and F to choose; --ndf, --g and --f are parts of --brdf microfacet",
-		          stilb_engine_brdf_names[o->brdf]);
+		          flags_choice(brdf, stilb_engine_brdf_names[o->brdf]));
 		return false;
 	}
 	if (!demo_check_profile(o) || !demo_outputs_differ(o))

@@ -26,6 +26,23 @@ static const char *demo_bound_name(stage bound)
 	return names[bound];
 }
 
+static void demo_put_choice(stilb_json *json, const char *name, const char *choice)
+{
+	char text[FLAG_CHOICE_SIZE];
+	stilb_json_string(json, name, flags_choice(text, choice));
+}
+
+static void demo_put_shading(stilb_json *json, stilb_render_shading shading)
+{
+	demo_put_choice(json, "brdf", stilb_engine_brdf_names[shading.brdf]);
+	if (shading.brdf == SHADE_BRDF_MICROFACET) {
+		demo_put_choice(json, "ndf", stilb_engine_ndf_names[shading.ndf]);
+		demo_put_choice(json, "g", stilb_engine_g_names[shading.g]);
+		demo_put_choice(json, "f", stilb_engine_f_names[shading.f]);
+	}
+	demo_put_choice(json, "light_model", stilb_engine_light_names[shading.light]);
+}
+
 stilb_result demo_report_save(const demo_report *report)
 {
 	const demo_options *o = report->options;
@@ -47,14 +64,7 @@ stilb_result demo_report_save(const demo_report *report)
 	stilb_json_string(&json, "cull", demo_cull_choices[o->cull]);
 	stilb_json_string(&json, "culled_by", demo_cull_choices[report->last.cull]);
 	stilb_json_string(&json, "stream_hash", hash);
-	const stilb_render_shading shading = stilb_engine_shading(report->engine);
-	stilb_json_string(&json, "brdf", stilb_engine_brdf_names[shading.brdf]);
-	if (shading.brdf == SHADE_BRDF_MICROFACET) {
-		stilb_json_string(&json, "ndf", stilb_engine_ndf_names[shading.ndf]);
-		stilb_json_string(&json, "g", stilb_engine_g_names[shading.g]);
-		stilb_json_string(&json, "f", stilb_engine_f_names[shading.f]);
-	}
-	stilb_json_string(&json, "light_model", stilb_engine_light_names[shading.light]);
+	demo_put_shading(&json, stilb_engine_shading(report->engine));
 	stilb_json_begin(&json, "commands", '{');
 	stilb_json_int(&json, "draw", (int64_t)render->draw_commands);
 	stilb_json_int(&json, "draw_indirect", (int64_t)render->indirect_commands);

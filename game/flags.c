@@ -44,7 +44,15 @@ static flags_result parse_size(const flag *f, const char *value)
 	return FLAGS_OK;
 }
 
-/* Choices may be identifiers of C: there a '-' that is typed is a '_'. */
+const char *flags_choice(char text[FLAG_CHOICE_SIZE], const char *choice)
+{
+	snprintf(text, FLAG_CHOICE_SIZE, "%s", choice);
+	for (char *c = text; *c; c++)
+		*c = *c == '_' ? '-' : *c;
+	return text;
+}
+
+/* A '_' may be typed as it is, too. */
 static bool is_choice(const char *choice, const char *value)
 {
 	for (; *value && (*choice == *value || (*choice == '_' && *value == '-')); value++)
@@ -61,8 +69,9 @@ static flags_result parse_choice(const flag *f, const char *value)
 		}
 	char list[256] = "";
 	for (int i = 0; f->choices[i]; i++) {
+		char choice[FLAG_CHOICE_SIZE];
 		size_t length = strlen(list);
-		snprintf(list + length, sizeof list - length, "%s%s", i ? ", " : "", f->choices[i]);
+		snprintf(list + length, sizeof list - length, "%s%s", i ? ", " : "", flags_choice(choice, f->choices[i]));
 	}
 	stilb_log("%s: '%s' is not one of: %s", f->name, value, list);
 	return FLAGS_REFUSED;

@@ -25,7 +25,7 @@ typedef struct flag {
 	const char *argument; /* as help shows it, NULL for a switch */
 	const char *help;
 	uint64_t low, high;
-	const char *const *choices; /* NULL-terminated; '-' may be typed for a '_' */
+	const char *const *choices; /* NULL-terminated; may be identifiers of C, whose '_' is typed and shown as '-' */
 } flag;
 
 typedef enum flags_result {
@@ -36,6 +36,10 @@ typedef enum flags_result {
 
 /* Reads argv[0..argc-1], which holds flags only. */
 flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **argv);
+
+/* A choice as it is typed and shown: with '-' for each '_'. */
+#define FLAG_CHOICE_SIZE 64
+const char *flags_choice(char text[FLAG_CHOICE_SIZE], const char *choice);
 
 /* One line a flag, on stdout. */
 void flags_print(const flag *flags, size_t flag_count);

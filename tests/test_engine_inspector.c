@@ -240,6 +240,29 @@ static void test_window(void **state)
 	assert_false(open);
 }
 
+/* Where there is no room below the lists, lobe and sliders stand beside them; the right end stays when that changes. */
+static void test_low_picture(void **state)
+{
+	(void)state;
+	draw();
+	const stilb_ui_rect tall = inspector.place;
+	input.height = 480.0f;
+	draw();
+	const stilb_ui_rect low = inspector.place;
+	assert_true(low.y0 >= 0.0f && low.y1 <= 480.0f && low.x1 == tall.x1 && low.x0 < tall.x0);
+	memset(moved, 0, sizeof moved);
+	click_down(0.95f, 1.0f, false, look_at_sliders);
+	for (int i = 0; i < 4; i++)
+		assert_in_range(moved[i], 3, 5);
+	memset(seen, 0, sizeof seen);
+	click_down(0.45f, 1.0f, false, look_at_choice);
+	assert_int_equal(count_seen(1) + count_seen(2) + count_seen(3), SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT);
+	input.height = 720.0f;
+	draw();
+	draw();
+	assert_memory_equal(&inspector.place, &tall, sizeof tall);
+}
+
 /* Pictures that the window does not fit in, and numbers that a lobe has not: nothing of it is drawn wrong or crashes. */
 static void test_small_and_odd(void **state)
 {
@@ -271,6 +294,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_sliders, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_window, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_low_picture, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_small_and_odd, set_up, tear_down),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -185,7 +185,7 @@ static void test_wrong_values(void **state)
 	PARSE("--workers", "x");
 	assert_non_null(strstr(said, "0..256 or 'auto'"));
 	PARSE("--choice", "x");
-	assert_non_null(strstr(said, "red, green, greenish, sky_blue"));
+	assert_non_null(strstr(said, "red, green, greenish, sky-blue"));
 	PARSE("--size", "x");
 	assert_non_null(strstr(said, "1..16384"));
 }

@@ -59,7 +59,15 @@ static void frames_stand_on_their_normal(void **state)
 		SHADE_PROOF_NEAR3(back, w[0], w[1], w[2], 0.0, 1e-5);
 		SHADE_PROOF_NEAR3(local, stilb_vec3_dot(any.t, w), stilb_vec3_dot(any.b, w), stilb_vec3_dot(n, w), 0.0, 1e-5);
 	}
-	stilb_vec3 n = {0.6f, 0.0f, 0.8f};
+	stilb_vec3 n = {0.6f, 0.0f, 0.8f}, across = {0.8f, 0.0f, -0.6f}, other = {0.0f, 1.0f, 0.0f};
+	/* Whatever its length, a tangent 0.12 degrees from the normal has a direction, and one 0.03 degrees from it has none. */
+	for (float length = 1e-3f; length < 1e4f; length *= 1e3f) {
+		shade_frame along = shade_frame_from_tangent(n, (n + other * 2e-3f) * length);
+		SHADE_PROOF_NEAR3(along.t, other[0], other[1], other[2], 0.0, 1e-4);
+		shade_frame any = shade_frame_from_normal(n),
+					too_near = shade_frame_from_tangent(n, (n + across * 5e-4f) * length);
+		assert_true(too_near.t[0] == any.t[0] && too_near.t[1] == any.t[1] && too_near.t[2] == any.t[2]);
+	}
 	frame_is_orthonormal(shade_frame_from_tangent(n, n), 5e-7);
 	frame_is_orthonormal(shade_frame_from_tangent(n, stilb_vec3_make(0.0f, 0.0f, 0.0f)), 5e-7);
 }
@@ -100,6 +108,10 @@ static void materials_are_limited_to_one(void **state)
 	shade_reflectance kept = shade_limit_to_one(stilb_vec3_make(0.5f, 0.0f, 1.0f), stilb_vec3_make(0.25f, 1.0f, 0.0f));
 	SHADE_PROOF_NEAR3(kept.diffuse, 0.5, 0.0, 1.0, 0.0, 0.0);
 	SHADE_PROOF_NEAR3(kept.specular, 0.25, 1.0, 0.0, 0.0, 0.0);
+	/* A small share beside a large one keeps its digits. */
+	kept = shade_limit_to_one(stilb_vec3_make(1e-5f, 2.0f, 0.0f), stilb_vec3_make(2.0f, 1e-5f, 0.0f));
+	SHADE_PROOF_NEAR(kept.diffuse[0], 5e-6 / 1.000005, 1e-6, 0.0);
+	SHADE_PROOF_NEAR(kept.specular[1], 5e-6 / 1.000005, 1e-6, 0.0);
 }
 
 static void brdf_is_near(shade_brdf_model model, shade_brdf_parameters p, const shade_frame *frame, stilb_vec3 l,

@@ -292,6 +292,19 @@ static void uv_steps_are_solved(void **state)
 	}
 }
 
+/* u and v a millionth of a radian apart span nothing that could be told from rounding: a step across them is 10^6 steps of
+ * v, and fades. */
+static void uv_steps_fade_where_u_and_v_are_parallel(void **state)
+{
+	(void)state;
+	stilb_vec3 up = stilb_vec3_make(0.0f, 1.0f, 0.0f), across = stilb_vec3_make(0.0f, 0.0f, 1.0f);
+	stilb_vec3 u = stilb_vec3_make(1.0f, 0.0f, 0.0f), v = stilb_vec3_make(1.0f, 0.0f, 1e-6f);
+	stilb_vec2 faded = shade_ray_differential_uv(up, across, u, v);
+	SHADE_PROOF_NEAR(faded[1], 1e5, 1e-3, 0.0);
+	stilb_vec2 none = shade_ray_differential_uv(up, across, u, u);
+	assert_true(none[0] == 0.0f && none[1] == 0.0f);
+}
+
 /* A tracer's whole way: camera ray, hit, uv, derivative map, normal. The steps cancel: what is left is the hills'
  * normal. */
 static void traced_bumps_are_the_hills(void **state)
@@ -419,6 +432,7 @@ int main(void)
 		cmocka_unit_test(pinhole_rays_differ_as_their_neighbours),
 		cmocka_unit_test(hits_differ_as_their_neighbours),
 		cmocka_unit_test(uv_steps_are_solved),
+		cmocka_unit_test(uv_steps_fade_where_u_and_v_are_parallel),
 		cmocka_unit_test(traced_bumps_are_the_hills),
 	};
 	const struct CMUnitTest properties[] = {

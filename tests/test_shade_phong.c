@@ -11,8 +11,7 @@ static const double exponents[] = {0.0, 0.01, 0.5, 1.0, 2.0, 7.0, 30.0, 200.0, 8
 
 /* ---- exactness -------------------------------------------------------------------------------------------------- */
 
-/* Tilts around a lobe of the exponent n: the cosine to the power is between 1 and about e^-10, as far as there is one.
- * */
+/* Tilts around a lobe of the exponent n: the cosine to the power is between 1 and about e^-10, if there is one. */
 static double tilt2(double n, int step)
 {
 	return fmin(step * 2.0 / (n + 2.0), 0.999);

@@ -113,6 +113,7 @@ static void strata_get_one_pair_each(void **state)
 	assert_true(shade_pdf_stratified(last) == 1.0f);
 	assert_true(shade_pdf_stratified((stilb_vec2){-1e-6f, 0.5f}) == 0.0f);
 	assert_true(shade_pdf_stratified((stilb_vec2){0.5f, 1.0004f}) == 0.0f);
+	assert_true(shade_pdf_stratified((stilb_vec2){1.0004f, 0.5f}) == 0.0f);
 }
 
 /* Shirley and Chiu's map as published: four wedges. */

@@ -282,6 +282,11 @@ static void dominant_direction_is_band_1(void **state)
 		shade_sh f = shade_sh_add(shade_sh_directional(l, irradiance), shade_sh_ambient(irradiance));
 		SHADE_PROOF_NEAR3(shade_sh_dominant_direction(f), l[0], l[1], l[2], 0.0, 1e-6);
 	}
+	for (int axis = 0; axis < 6; axis++) {
+		stilb_vec3 l = {0};
+		l[axis / 2] = axis % 2 ? -1.0f : 1.0f;
+		SHADE_PROOF_NEAR3(shade_sh_dominant_direction(shade_sh_directional(l, 1.0f)), l[0], l[1], l[2], 0.0, 0.0);
+	}
 	SHADE_PROOF_NEAR3(shade_sh_dominant_direction(shade_sh_ambient(0.0f)), 0.0, 1.0, 0.0, 0.0, 0.0);
 	SHADE_PROOF_NEAR3(shade_sh_dominant_direction(shade_sh_ambient(1e30f)), 0.0, 1.0, 0.0, 0.0, 0.0);
 	/* Noise of a float step does not turn a uniform light. */

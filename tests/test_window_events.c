@@ -427,8 +427,9 @@ static void test_inspector(void **state)
 	const uint64_t hash = stilb_engine_stream_hash(f->engine);
 	const stilb_ui_rect place = f->engine->overlay.inspector.place;
 	const stilb_ui_style *style = stilb_ui_style_get(f->engine->overlay.ui);
-	/* The first row of the right column, below the title and a heading. */
-	click_at(f, place.x1 - 60.0f, place.y0 + style->title_height + style->margin + 1.5f * style->row_height);
+	/* In so low a picture there are three columns: the first row of the middle one, below the title and a heading. */
+	click_at(f, 0.5f * (place.x0 + place.x1),
+	         place.y0 + style->title_height + style->margin + 1.5f * style->row_height);
 	expect(f, shades_as_microfacets, true);
 	assert_true(shades_with_blinn(f));
 	run_frames(f, 3);

@@ -19,8 +19,15 @@
 #error "glsl_begin.h twice without glsl_end.h: include other shading headers before it"
 #endif
 
+#ifdef GL_ES
+#error "the shading headers are GLSL 4.20 or later, core profile: '#version 450', not an 'es' version"
+#endif
+
 #ifdef GL_core_profile
 
+#if __VERSION__ < 420
+#error "the shading headers are GLSL 4.20 or later: '#version 450'"
+#endif
 #define SHADE_FN
 #define SHADE_CONST const
 #define SHADE_STRUCT(name) struct name
@@ -135,8 +142,15 @@
 #define stilb_vec3(...) GLSL_CALL(GLSL_VEC3_, GLSL_COUNT(__VA_ARGS__))(__VA_ARGS__)
 #define stilb_vec4(...) GLSL_CALL(GLSL_VEC4_, GLSL_COUNT(__VA_ARGS__))(__VA_ARGS__)
 #define glsl_uint(x) ((glsl_uint)(x))
+#ifdef __clang__
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wkeyword-macro" /* of -pedantic */
+#endif
 #define float(x) ((float)(x))
 #define int(x) ((int)(x))
+#ifdef __clang__
+#pragma clang diagnostic pop
+#endif
 
 // clang-format off
 #define GLSL_VEC2_1(v) \

@@ -27,7 +27,8 @@
 #include "glsl_begin.h"
 
 /* cos^n of an angle in [0, pi / 2] given by its sin^2, n >= 0; 0 at a right angle. Of a float cosine near 1, with steps
- * of 6e-8, pow(cos, n) would make nothing right for the exponents of 10^6 that a smooth surface has. */
+ * of 6e-8, pow(cos, n) would make nothing right for the exponents of 10^6 that a smooth surface has. In return a cosine
+ * below 1e-3 has no digits left, which only the flattest lobes (n below 2) show, at their very end. */
 SHADE_FN float shade_cos_power(float sin2, float n)
 {
 	return select(sin2 < 1.0f, exp(0.5f * n * shade_log1p(-sin2)), 0.0f);
@@ -107,8 +108,7 @@ SHADE_FN float shade_blinn_phong_factor_high(float n)
 	return (n + 4.0f) / (8.0f * SHADE_PI);
 }
 
-/* (n + 2) (n + 4) / (8 pi (2^(-n/2) + n)), between (n + 6) / (8 pi) and (n + 8) / (8 pi); n = 0 gives Lambert's 1 / pi.
- * */
+/* (n + 2) (n + 4) / (8 pi (2^(-n/2) + n)), between (n + 6) / (8 pi) and (n + 8) / (8 pi); n = 0: Lambert's 1 / pi. */
 SHADE_FN float shade_blinn_phong_modified_factor(float n)
 {
 	return (n + 2.0f) * (n + 4.0f) / (8.0f * SHADE_PI * (exp2(-0.5f * n) + n));

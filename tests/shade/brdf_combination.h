@@ -1,5 +1,4 @@
-/* brdf_combination: one D x G x F out of eight numbers in [0, 1), C and GLSL: for test_shade_brdf_gpu.c. [any-thread]
- * */
+/* brdf_combination: one D x G x F out of eight numbers in [0, 1), C and GLSL; for test_shade_brdf_gpu.c. [any-thread] */
 #ifndef SHADE_BRDF_COMBINATION_H
 #define SHADE_BRDF_COMBINATION_H
 

@@ -265,6 +265,7 @@ typedef struct pipeline_constants {
 	uint32_t formulas[VULKAN_FORMULAS];
 } pipeline_constants;
 
+/* The formulas come after the two others. */
 #define PIPELINE_FORMULA(index)                                                                                        \
 	{                                                                                                                  \
 		2 + (index), offsetof(pipeline_constants, formulas) + (index) * sizeof(uint32_t), sizeof(uint32_t)             \
@@ -329,20 +330,23 @@ static VkResult mesh_modules_make(vulkan_device *device, bool texture)
 
 /* ---- one set of mesh pipelines for each choice of formulas ------------------------------------------------------- */
 
+static VkResult shading_make_one(vulkan_device *device, vulkan_shading *shading, bool texture,
+                                 vulkan_pipeline_materials materials)
+{
+	VkPipeline *pipeline = &shading->pipelines[texture][materials];
+	if (*pipeline != VK_NULL_HANDLE)
+		return VK_SUCCESS;
+	PROFILE("make a pipeline");
+	return pipeline_make(device, shading->formulas, texture, materials, pipeline);
+}
+
 /* Those that this device's way with materials needs, as far as there are none yet. */
 static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, bool texture)
 {
-	bool alternate = device->base.materials == STILB_RENDER_MATERIALS_PIPELINE;
-	VkResult result = VK_SUCCESS;
-	for (int m = alternate ? VULKAN_PIPELINE_EVEN : VULKAN_PIPELINE_ANY;
-	     m <= (alternate ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_ANY) && result == VK_SUCCESS; m++) {
-		VkPipeline *pipeline = &shading->pipelines[texture][m];
-		if (*pipeline != VK_NULL_HANDLE)
-			continue;
-		PROFILE("make a pipeline");
-		result = pipeline_make(device, shading->formulas, texture, (vulkan_pipeline_materials)m, pipeline);
-	}
-	return result;
+	if (device->base.materials != STILB_RENDER_MATERIALS_PIPELINE)
+		return shading_make_one(device, shading, texture, VULKAN_PIPELINE_ANY);
+	VkResult result = shading_make_one(device, shading, texture, VULKAN_PIPELINE_EVEN);
+	return result == VK_SUCCESS ? shading_make_one(device, shading, texture, VULKAN_PIPELINE_ODD) : result;
 }
 
 /* The entry for these formulas, which may be new; NULL without memory. */
@@ -358,6 +362,13 @@ static vulkan_shading *shading_find(vulkan_device *device, const uint32_t formul
 	*shading = (vulkan_shading){0};
 	memcpy(shading->formulas, formulas, sizeof shading->formulas);
 	return shading;
+}
+
+static void shading_destroy(const vulkan_device *device, const vulkan_shading *shading)
+{
+	for (int texture = 0; texture < 2; texture++)
+		for (int m = 0; m < VULKAN_PIPELINE_MATERIALS; m++)
+			vkDestroyPipeline(device->device, shading->pipelines[texture][m], device->allocator);
 }
 
 stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
@@ -438,8 +449,7 @@ stilb_result vulkan_pipeline_create(vulkan_device *device)
 void vulkan_pipeline_destroy(vulkan_device *device)
 {
 	for (uint32_t s = 0; s < device->shading_count; s++)
-		for (int pipeline = 0; pipeline < 2 * VULKAN_PIPELINE_MATERIALS; pipeline++)
-			vkDestroyPipeline(device->device, (&device->shadings[s].pipelines[0][0])[pipeline], device->allocator);
+		shading_destroy(device, &device->shadings[s]);
 	free(device->shadings);
 	for (int texture = 0; texture < 2; texture++) {
 		for (int stage = 0; stage < 2; stage++)
