@@ -166,7 +166,7 @@ int bench_save_plot(const bench_results *results, const char *path)
 	char terminal[128];
 	snprintf(terminal, sizeof terminal, "pngcairo size %zu,%zu font 'sans,11' noenhanced", layout.columns * PANEL_WIDTH,
 	         layout.rows * PANEL_HEIGHT + 50);
-	if (gnuplot_save(path, terminal, write_script, results) == STILB_OK)
+	if (gnuplot_save(path, terminal, NULL, write_script, results) == STILB_OK)
 		return EXIT_DONE;
 	stilb_log("%s", stilb_error_message());
 	return EXIT_FAILED;

@@ -50,6 +50,8 @@ static void report(FILE *out, const bench_results *results)
 		        value(results, &cases[i], "hand-error"));
 	}
 	fprintf(out, "\n  limit: its divisions, square roots and powers alone, waiting for nothing\n"
+	             "  hand: the formula fused in plain floats; a power is powf of a cosine, fast and short of digits\n"
+	             "  8 wide: the functions of engine/shading again, on eight points at a time\n"
 	             "  error: the largest, relative to the formula in double, in millionths\n");
 	const bench_row *goal = bench_find(results, GOAL_CASE, "stilb", "of-hand");
 	if (goal)

@@ -60,7 +60,7 @@ static void frames_stand_on_their_normal(void **state)
 		SHADE_PROOF_NEAR3(local, stilb_vec3_dot(any.t, w), stilb_vec3_dot(any.b, w), stilb_vec3_dot(n, w), 0.0, 1e-5);
 	}
 	stilb_vec3 n = {0.6f, 0.0f, 0.8f}, across = {0.8f, 0.0f, -0.6f}, other = {0.0f, 1.0f, 0.0f};
-	/* Whatever its length, a tangent 0.12 degrees from the normal has a direction, and one 0.03 degrees from it has none. */
+	/* Of any length, a tangent 0.12 degrees from the normal has a direction, and one 0.03 degrees from it has none. */
 	for (float length = 1e-3f; length < 1e4f; length *= 1e3f) {
 		shade_frame along = shade_frame_from_tangent(n, (n + other * 2e-3f) * length);
 		SHADE_PROOF_NEAR3(along.t, other[0], other[1], other[2], 0.0, 1e-4);

@@ -292,8 +292,8 @@ static void uv_steps_are_solved(void **state)
 	}
 }
 
-/* u and v a millionth of a radian apart span nothing that could be told from rounding: a step across them is 10^6 steps of
- * v, and fades. */
+/* u and v a millionth of a radian apart span nothing that could be told from rounding: a step across them is 10^6 steps
+ * of v, and fades. */
 static void uv_steps_fade_where_u_and_v_are_parallel(void **state)
 {
 	(void)state;

@@ -272,8 +272,8 @@ static surface random_surface(shade_proof_random *random)
 	return s;
 }
 
-/* A direction anywhere, or near the cone's rim: between 1e-7 and a tenth of the half angle beside it, towards n, away from
- * it, or to any side. */
+/* A direction anywhere, or near the cone's rim: between 1e-7 and a tenth of the half angle beside it, towards n, away
+ * from it, or to any side. */
 static vector random_light(shade_proof_random *random, const surface *s, shade_cone cone)
 {
 	vector anywhere = widened(shade_proof_random_direction(random)), axis = widened(cone.axis);
@@ -329,8 +329,8 @@ static void no_light_outside_ggx_exceeds(void **state)
 	no_light_outside_exceeds(GGX, 3);
 }
 
-/* The same for what a shader computes, in float: the zoo's rows, and D V n.l with each G that the header names. As far as
- * that has digits: cos^2 near a right angle and the half vector of nearly opposite vectors have not. */
+/* The same for what a shader computes, in float: the zoo's rows, and D V n.l with each G that the header names. As far
+ * as that has digits: cos^2 near a right angle and the half vector of nearly opposite vectors have not. */
 static void no_light_outside_exceeds_in_float(void **state)
 {
 	(void)state;

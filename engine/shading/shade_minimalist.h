@@ -7,8 +7,9 @@
  * Schlick x Kelemen it is too dark at grazing angles for water (ks 0.02: down to 0.29 of it), within 40 % for 0.05 (up
  * to 87 degrees), and too bright for metals (0.8: twice as much at 60 degrees, and more beyond). Reciprocal, but not
  * energy conserving: a smooth surface reflects ks / (n.v), more than 1 as soon as n.v < ks (beyond 88.9, 87.1 and 36.9
- * degrees for ks 0.02, 0.05 and 0.8); 57 ks at 89 degrees, and 2 ks for the roughest. Source: Schueler, "The Blinn-Phong
- * Normalization Zoo" (2011); "An Efficient and Physically Plausible Real-Time Shading Model", ShaderX7 (2009).
+ * degrees for ks 0.02, 0.05 and 0.8); 57 ks at 89 degrees, and 2 ks for the roughest.
+ * Source: Schueler, "The Blinn-Phong Normalization Zoo" (2011); "An Efficient and Physically Plausible Real-Time
+ * Shading Model", ShaderX7 (2009).
  */
 #ifndef SHADE_MINIMALIST_H
 #define SHADE_MINIMALIST_H

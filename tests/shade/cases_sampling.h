@@ -131,7 +131,8 @@ SHADE_FN vec4 shade_case_sampling(int row, vec4 a, vec4 b)
 	vec3 l = shade_case_direction(a[2], a[3]);
 	vec3 v = shade_case_above(vec3(0.0f, 0.0f, 1.0f), b[0], b[1]);
 	vec3 v_steep = normalize(vec3(0.0f, 0.0f, 2.0f) + shade_case_direction(b[0], b[1]));
-	shade_alphas alphas = {shade_case_range(b[2], 0.05f, 0.5f), shade_case_range(b[3], 0.05f, 0.5f)};
+	shade_alphas alphas = {shade_case_skewed(b[2], SHADE_ALPHA_MIN, 1.0f),
+	                       shade_case_skewed(b[3], SHADE_ALPHA_MIN, 1.0f)};
 	vec2 u_inner = vec2(0.8f * u[0], u[1]);
 	float n = shade_case_skewed(b[2], 5.0f, 100.0f);
 	if (row < 10)
