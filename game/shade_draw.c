@@ -8,6 +8,7 @@
 #include "shade_strip.h"
 #include "shade_table.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -29,15 +30,22 @@ static const plot *plot_find(const char *name)
 
 /* ---- list -------------------------------------------------------------------------------------------------------- */
 
+static void list_row(const stilb_gi_row *row)
+{
+	char name[64], formula[256];
+	shade_plot_typed(name, sizeof name, row->name);
+	shade_plot_typed(formula, sizeof formula, row->formula);
+	printf("  %-34s %s\n", name, formula);
+}
+
 static void list_rows(stilb_gi_kind kind, const char *heading)
 {
 	size_t count;
 	const stilb_gi_row *rows = stilb_gi_catalog(&count);
 	printf("\n%s\n", heading);
 	for (size_t i = 0; i < count; i++) {
-		row_plot of_row;
-		if (rows[i].kind == kind && shade_plot_of_row(rows[i].name, &of_row))
-			printf("  %-34s %s\n", of_row.title, rows[i].formula);
+		if (rows[i].kind == kind)
+			list_row(&rows[i]);
 	}
 }
 
@@ -61,16 +69,96 @@ int shade_list_command(int argc, char **argv)
 
 /* ---- plot -------------------------------------------------------------------------------------------------------- */
 
-static bool is_flag(const char *word)
+/* The first word that is neither a flag nor -o's value; it is taken out. NULL: there is none. */
+static const char *take_name(int *argc, char **argv)
 {
-	return word[0] == '-';
+	for (int i = 0; i < *argc; i++) {
+		const char *word = argv[i];
+		if (word[0] == '-' || (i > 0 && strcmp(argv[i - 1], "-o") == 0))
+			continue;
+		for (int k = i + 1; k < *argc; k++)
+			argv[k - 1] = argv[k];
+		--*argc;
+		return word;
+	}
+	return NULL;
+}
+
+#define NAME_SIZE 64
+#define NEAR_NAMES 6
+
+/* How many letters must be added, left out or changed, capitals aside. Source: Levenshtein (1965). */
+static int edits(const char *a, const char *b)
+{
+	int row[NAME_SIZE]; /* from a so far to each beginning of b */
+	const int length = (int)strlen(b);
+	for (int k = 0; k <= length; k++)
+		row[k] = k;
+	for (int i = 0; a[i]; i++) {
+		int diagonal = row[0]++;
+		for (int k = 1; k <= length; k++) {
+			const int change = diagonal + (tolower((unsigned char)a[i]) != b[k - 1]);
+			const int step = (row[k] < row[k - 1] ? row[k] : row[k - 1]) + 1;
+			diagonal = row[k];
+			row[k] = change < step ? change : step;
+		}
+	}
+	return row[length];
+}
+
+/* How a name is near: the first kinds are offered first. */
+typedef enum nearness { NEAR_BEGINS, NEAR_CONTAINS, NEAR_MISTYPED, NEAR_KINDS } nearness;
+
+static bool is_near(const char *name, const char *typed, nearness how)
+{
+	const char *at = strcasestr(name, typed);
+	if (how == NEAR_MISTYPED)
+		return !at && 3 * edits(typed, name) <= (int)strlen(typed) + 1;
+	return at && (at == name) == (how == NEAR_BEGINS);
+}
+
+typedef struct near_names {
+	const char *typed;
+	nearness how;
+	char words[NEAR_NAMES * (NAME_SIZE + 2)]; /* "a, b" */
+	int count;
+} near_names;
+
+static void offer(near_names *near, const char *name)
+{
+	char typed_so[NAME_SIZE];
+	shade_plot_typed(typed_so, sizeof typed_so, name);
+	if (near->count == NEAR_NAMES || !is_near(typed_so, near->typed, near->how))
+		return;
+	strcat(near->words, near->count++ > 0 ? ", " : "");
+	strcat(near->words, typed_so);
+}
+
+static void refuse_name(const char *name)
+{
+	char typed[NAME_SIZE];
+	size_t count;
+	const stilb_gi_row *rows = stilb_gi_catalog(&count);
+	shade_plot_typed(typed, sizeof typed, name);
+	near_names near = {.typed = typed};
+	for (near.how = 0; near.how < NEAR_KINDS; near.how++) {
+		for (uint32_t t = 0; t < plot_topic_count; t++)
+			for (uint32_t i = 0; i < plot_topics[t]->count; i++)
+				offer(&near, plot_topics[t]->plots[i].name);
+		for (size_t i = 0; i < count; i++)
+			offer(&near, rows[i].name);
+	}
+	if (near.count > 0)
+		stilb_log("shade plot: '%s' is not known; near it: %s; 'stilb shade list' has all names", name, near.words);
+	else
+		stilb_log("shade plot: '%s' is not known; 'stilb shade list' has the names", name);
 }
 
 int shade_plot_command(int argc, char **argv)
 {
-	const char *name = argc > 0 && !is_flag(argv[0]) ? argv[0] : NULL, *output = NULL;
+	const char *name = take_name(&argc, argv), *second = take_name(&argc, argv), *output = NULL;
 	const flag flags[] = {{"-o", FLAG_TEXT, &output, "FILE", "the picture: .svg or .png", 0, 0, NULL}};
-	flags_result parsed = flags_parse(flags, 1, name ? argc - 1 : argc, name ? argv + 1 : argv);
+	flags_result parsed = flags_parse(flags, 1, argc, argv);
 	if (parsed == FLAGS_HELP) {
 		printf("stilb shade plot NAME -o FILE: lobes, albedo and other curves of a formula, drawn by gnuplot.\n"
 		       "'stilb shade list' has the names.\n\n");
@@ -85,8 +173,10 @@ int shade_plot_command(int argc, char **argv)
 		p = &of_row.plot;
 	if (!name)
 		stilb_log("shade plot: no name; give stilb shade plot NAME -o FILE; 'stilb shade list' has them");
+	else if (second)
+		stilb_log("shade plot: '%s' beside '%s'; one plot at a time, and the picture is -o FILE", second, name);
 	else if (!p)
-		stilb_log("shade plot: '%s' is not known; 'stilb shade list' has the names", name);
+		refuse_name(name);
 	else if (!output)
 		stilb_log("shade plot: no output; give -o FILE.svg or FILE.png");
 	else if (!gnuplot_found())
@@ -156,16 +246,20 @@ static stilb_result catalog_plots(const char *folder)
 	return result;
 }
 
+/* As a page shows them without scaling. */
+#define CATALOG_SPHERE 64.0f
+
 static stilb_result catalog_strips(const char *folder)
 {
-	static const uint32_t own_size[2] = {0, 0};
 	stilb_result result = STILB_OK;
 	for (int i = 0; i < strip_count && result == STILB_OK; i++) {
 		char path[PATH_MAX], name[64];
+		uint32_t size[2];
+		strip_size(&strips[i], CATALOG_SPHERE, size);
 		snprintf(name, sizeof name, "spheres-%s", strips[i].name);
 		result = catalog_path(path, folder, name, ".png");
 		if (result == STILB_OK)
-			result = strip_save(&strips[i], own_size, FLAG_WORKERS_AUTO, path);
+			result = strip_save(&strips[i], size, FLAG_WORKERS_AUTO, path);
 		if (result == STILB_OK)
 			printf("%s\n", path);
 	}
@@ -205,7 +299,8 @@ int shade_catalog_command(int argc, char **argv)
 		return EXIT_REFUSED;
 	}
 	if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-		stilb_log("-o: cannot make the folder '%s': %s", folder, strerror(errno));
+		stilb_log("-o: cannot make the folder '%s': %s", folder,
+		          errno == ENOENT ? "the folder for it does not exist; create it first" : strerror(errno));
 		return EXIT_REFUSED;
 	}
 	stilb_result result = catalog_plots(folder);

@@ -27,11 +27,18 @@ struct plot_page {
 #define COLORS(X)                                                                                                      \
 	X("#0072B2") X("#D55E00") X("#009E73") X("#CC79A7") X("#E69F00") X("#56B4E9") X("#222222") X("#8a8a8a")
 #define FULL_LINE(color) "lines linewidth 2 linecolor rgb '" color "'",
+#define COLOR(color) color,
 #define DASHED_LINE(color) "lines dashtype 2 linewidth 1.6 linecolor rgb '" color "'",
 
 static const char *const full_lines[] = {COLORS(FULL_LINE)};
 static const char *const dashed_lines[] = {COLORS(DASHED_LINE)};
+static const char *const colors[] = {COLORS(COLOR)};
 #define COLOR_COUNT (sizeof full_lines / sizeof *full_lines)
+
+const char *plot_color(uint32_t index)
+{
+	return colors[index % COLOR_COUNT];
+}
 
 const char *plot_dashed(uint32_t index)
 {
@@ -72,7 +79,7 @@ static void commands_lobes(plot_page *page)
 {
 	fprintf(
 		page->script,
-		"set size ratio -1\nunset border\nunset tics\nunset grid\nset parametric\nset trange [0:pi]\nset samples 91\n"
+		"set size ratio -1\nunset border\nunset tics\nunset grid\nset parametric\nset trange [0:pi]\nset samples 61\n"
 		"set arrow from -1.12,0 to 1.12,0 nohead linewidth 1.5 linecolor rgb '#707070' back\n"
 		"set arrow from 0,0 to 0,1.16 head filled size 0.04,20 linewidth 1 linecolor rgb '#707070' back\n"
 		"set label 'n' at 0.04,1.14 textcolor rgb '#505050'\n");
@@ -98,7 +105,7 @@ void plot_panel_begin(plot_page *page, const plot_panel *panel)
 	if (panel->logarithmic)
 		fprintf(script, "set logscale %s\nset format %s '10^{%%L}'\n", panel->logarithmic, panel->logarithmic);
 	if (panel->key)
-		fprintf(script, "set key %s Left reverse spacing 1.15 samplen 2 font ',11' opaque width -1\n", panel->key);
+		fprintf(script, "set key %s Left reverse spacing 1.15 samplen 2 font ',11' opaque width 0\n", panel->key);
 	else
 		fprintf(script, "unset key\n");
 	if (panel->extra)
@@ -130,6 +137,86 @@ static void add_block(plot_page *page, const char *style, const char *words)
 	           words[0] ? "\"" : "");
 }
 
+/* ---- fewer points ------------------------------------------------------------------------------------------------ */
+
+#define CURVE_POINTS_MAX 1024
+#define STRAIGHT 4e-4 /* of a panel: a tenth of a pixel */
+
+/* A curve as the axes show it. */
+typedef struct trace {
+	double x[CURVE_POINTS_MAX], y[CURVE_POINTS_MAX];
+	bool kept[CURVE_POINTS_MAX];
+} trace;
+
+/* From point i to the line between two others. */
+static double distance_from_line(const trace *t, uint32_t i, uint32_t from, uint32_t to)
+{
+	const double x = t->x[i] - t->x[from], y = t->y[i] - t->y[from];
+	const double dx = t->x[to] - t->x[from], dy = t->y[to] - t->y[from], square = dx * dx + dy * dy;
+	const double share = square > 0.0 ? fmin(fmax((x * dx + y * dy) / square, 0.0), 1.0) : 0.0;
+	return hypot(x - share * dx, y - share * dy);
+}
+
+/* Keeps what the line between the two would miss. Source: Douglas and Peucker, "Algorithms for the Reduction of the
+ * Number of Points Required to Represent a Digitized Line" (1973). */
+static void keep_corners(trace *t, uint32_t first, uint32_t last)
+{
+	double farthest = STRAIGHT;
+	uint32_t corner = first;
+	for (uint32_t i = first + 1; i < last; i++) {
+		const double distance = distance_from_line(t, i, first, last);
+		if (distance > farthest) {
+			farthest = distance;
+			corner = i;
+		}
+	}
+	if (corner == first)
+		return;
+	t->kept[corner] = true;
+	keep_corners(t, first, corner);
+	keep_corners(t, corner, last);
+}
+
+/* What the axis shows is then in [0, 1]: the range where it is a number, or all values. */
+static void scale_axis(double *values, uint32_t count, bool logarithmic, const char *range)
+{
+	double low = (double)INFINITY, high = (double)-INFINITY, ends[2];
+	for (uint32_t i = 0; i < count; i++) {
+		low = isfinite(values[i]) && (values[i] > 0.0 || !logarithmic) ? fmin(low, values[i]) : low;
+		high = isfinite(values[i]) ? fmax(high, values[i]) : high;
+	}
+	const int given = range ? sscanf(range, "[%lf:%lf", &ends[0], &ends[1]) : 0;
+	low = given > 0 ? ends[0] : low;
+	high = given > 1 ? ends[1] : high;
+	for (uint32_t i = 0; i < count && high > low; i++)
+		values[i] = logarithmic ? log(values[i] / low) / log(high / low) : (values[i] - low) / (high - low);
+}
+
+static bool is_logarithmic(const plot_page *page, char axis)
+{
+	return page->panel.logarithmic && strchr(page->panel.logarithmic, axis);
+}
+
+/* Curves are computed at many points, most of which lie on lines between others: a fifth of them is enough. */
+static void choose_points(const plot_page *page, trace *t, uint32_t count)
+{
+	if (page->panel.kind == PLOT_CURVES) {
+		scale_axis(t->x, count, is_logarithmic(page, 'x'), page->panel.x_range);
+		scale_axis(t->y, count, is_logarithmic(page, 'y'), page->panel.y_range);
+	}
+	uint32_t first = 0; /* of the unbroken part */
+	for (uint32_t i = 0; i < count; i++) {
+		const bool gap = !isfinite(t->x[i] + t->y[i]);
+		t->kept[i] = gap || i == first || i + 1 == count;
+		if (gap && i > first)
+			t->kept[i - 1] = true;
+		if (i > first && (gap || i + 1 == count))
+			keep_corners(t, first, gap ? i - 1 : i);
+		if (gap)
+			first = i + 1;
+	}
+}
+
 /* A number that is none interrupts the line. */
 static void write_point(FILE *script, plot_point at)
 {
@@ -151,22 +238,29 @@ void plot_points(plot_page *page, const plot_point *points, uint32_t count, cons
 /* Evenly in t; in the logarithm of t where the axis is logarithmic. */
 static double parameter(const plot_page *page, double from, double to, double share)
 {
-	const char *axes = page->panel.logarithmic;
-	if (axes && strchr(axes, 'x'))
+	if (is_logarithmic(page, 'x'))
 		return from * pow(to / from, share);
 	return from + (to - from) * share;
 }
 
 static void write_block(plot_page *page, plot_function *f, const void *context, double from, double to, uint32_t points,
-                        bool angles)
+                        bool angles, bool line)
 {
-	fprintf(page->script, "$block%u << END\n", ++page->blocks);
+	plot_point at[CURVE_POINTS_MAX];
+	trace t;
+	points = points < CURVE_POINTS_MAX ? points : CURVE_POINTS_MAX;
 	for (uint32_t i = 0; i < points; i++) {
-		plot_point at = f(parameter(page, from, to, (double)i / (points - 1)), context);
+		at[i] = f(parameter(page, from, to, (double)i / (points - 1)), context);
 		if (angles)
-			at = (plot_point){at.y * sin(at.x), at.y * cos(at.x)};
-		write_point(page->script, at);
+			at[i] = (plot_point){at[i].y * sin(at[i].x), at[i].y * cos(at[i].x)};
+		t.x[i] = at[i].x;
+		t.y[i] = at[i].y;
 	}
+	choose_points(page, &t, points);
+	fprintf(page->script, "$block%u << END\n", ++page->blocks);
+	for (uint32_t i = 0; i < points; i++)
+		if (!line || t.kept[i])
+			write_point(page->script, at[i]);
 	fprintf(page->script, "END\n");
 }
 
@@ -178,23 +272,23 @@ void plot_curve(plot_page *page, plot_function *f, const void *context, double f
 	va_start(arguments, words);
 	vsnprintf(title, sizeof title, words, arguments);
 	va_end(arguments);
-	write_block(page, f, context, from, to, points, page->panel.kind == PLOT_LOBES);
+	const bool line = !style || !strstr(style, "points");
+	write_block(page, f, context, from, to, points, page->panel.kind == PLOT_LOBES, line);
 	add_block(page, style, title);
 }
 
 void plot_lobe(plot_page *page, plot_function *f, const void *context, double from, double to, uint32_t points,
                const char *style)
 {
-	write_block(page, f, context, from, to, points, true);
+	write_block(page, f, context, from, to, points, true, true);
 	add_block(page, style, "");
 }
 
-void plot_light(plot_page *page, double angle)
+void plot_light(plot_page *page, double angle, const char *color)
 {
-	fprintf(
-		page->script,
-		"set arrow from %.4f,%.4f to %.4f,%.4f head filled size 0.05,20 linewidth 2.5 linecolor rgb '#E0A800' front\n",
-		-1.08 * sin(angle), 1.08 * cos(angle), -0.03 * sin(angle), 0.03 * cos(angle));
+	fprintf(page->script,
+	        "set arrow from %.4f,%.4f to %.4f,%.4f head filled size 0.05,20 linewidth 2.5 linecolor rgb '%s' front\n",
+	        -1.08 * sin(angle), 1.08 * cos(angle), -0.03 * sin(angle), 0.03 * cos(angle), color);
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
@@ -238,9 +332,9 @@ stilb_result plot_save(const plot *p, const char *path)
 {
 	const uint32_t width = p->panel_width ? p->panel_width : p->columns > 2 ? NARROW_PANEL_WIDTH : PANEL_WIDTH;
 	const uint32_t height = p->panel_height ? p->panel_height : PANEL_HEIGHT;
+	const bool svg = ends_with(path, ".svg");
 	char terminal[160];
 	snprintf(terminal, sizeof terminal, "%s size %u,%u enhanced font 'DejaVu Sans,12' background '#ffffff'",
-	         ends_with(path, ".svg") ? "svg fontscale 1.15" : "pngcairo", width * p->columns,
-	         height * p->rows + TITLE_HEIGHT);
-	return gnuplot_save(path, terminal, write_script, p);
+	         svg ? "svg fontscale 1.15" : "pngcairo", width * p->columns, height * p->rows + TITLE_HEIGHT);
+	return gnuplot_save(path, terminal, svg ? p->title : NULL, write_script, p);
 }

@@ -38,7 +38,7 @@ stilb_result plot_path_check(const char *path);
 /* STILB_ERROR_FILE as gnuplot_save. */
 stilb_result plot_save(const plot *p, const char *path);
 
-/* ---- for the tables: what draws panels ---------------------------------------------------------------------------- */
+/* ---- for the tables: what draws panels --------------------------------------------------------------------------- */
 
 typedef enum plot_kind {
 	PLOT_CURVES, /* x and y */
@@ -66,8 +66,8 @@ typedef struct plot_point {
 /* The point of a curve at t. */
 typedef plot_point plot_function(double t, const void *context);
 
-/* A curve over t in [from, to]; its style is gnuplot's, NULL for a line in the next colour. words, for the key, may be
- * empty. */
+/* A curve over t in [from, to], computed at so many points, 1024 at most; its style is gnuplot's, NULL for a line in the
+ * next colour. words, for the key, may be empty. */
 void plot_curve(plot_page *page, plot_function *f, const void *context, double from, double to, uint32_t points,
                 const char *style, const char *words, ...) __attribute__((format(printf, 8, 9)));
 
@@ -82,9 +82,13 @@ void plot_panel_skip(plot_page *page, int count);
 void plot_points(plot_page *page, const plot_point *points, uint32_t count, const char *style, const char *words);
 
 /* Of a PLOT_LOBES panel: the direction that light comes from, polar angle from the normal to the left, radians. */
-void plot_light(plot_page *page, double angle);
+#define PLOT_LIGHT_COLOR "#303030"
+void plot_light(plot_page *page, double angle, const char *color);
 
 #define PLOT_LINE_AT_ONE "set arrow from graph 0,first 1 to graph 1,first 1 nohead dashtype 2 linecolor rgb '#606060'"
+
+/* The colour of the panel's curve `index`, from 0, as "#rrggbb". */
+const char *plot_color(uint32_t index);
 
 /* A dashed line in the colour of the panel's curve `index`, from 0, as a style. */
 const char *plot_dashed(uint32_t index);

@@ -12,6 +12,9 @@ typedef struct row_plot {
 	char title[64], formula[256];
 } row_plot;
 
+/* With '-' for each '_', as names are typed. */
+void shade_plot_typed(char *out, size_t size, const char *words);
+
 /* The row of gi's catalogue with that name ('-' or '_'); false: there is none. */
 bool shade_plot_of_row(const char *name, row_plot *out);
 

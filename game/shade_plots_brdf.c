@@ -250,7 +250,7 @@ static void draw_ndf_panel(plot_page *page, float roughness, bool logarithmic)
 	                                     .x_range = logarithmic ? "[0:90]" : "[0:60]",
 	                                     .y_range = logarithmic ? "[1e-4:*]" : "[0:*]",
 	                                     .logarithmic = logarithmic ? "y" : NULL,
-	                                     .key = logarithmic ? "bottom left" : "top right",
+	                                     .key = roughness > 0.6f ? "bottom left" : "top right",
 	                                     .extra = "set xtics 15"});
 	for (int ndf = SHADE_NDF_BLINN; ndf <= SHADE_NDF_GGX; ndf++) {
 		const distribution d = {ndf, shade_alpha_from_roughness(roughness)};
@@ -307,8 +307,8 @@ static void draw_shadowing(plot_page *page, const void *subject)
 {
 	(void)subject;
 	plot_panel panels[3] = {angle_panel, angle_panel, angle_panel};
-	panels[0].title = "G, light along the normal";
-	panels[1].title = "G, light mirrored to the view";
+	panels[0].title = "G, light along the normal (implicit as Neumann)";
+	panels[1].title = "G, light mirrored (Cook-Torrance as Kelemen)";
 	panels[2].title = "Albedo with GGX, F = 1";
 	panels[0].key = "bottom left";
 	panels[2].extra = "set xtics 15\n" PLOT_LINE_AT_ONE;
@@ -386,7 +386,7 @@ static void draw_fresnel(plot_page *page, const void *subject)
 	panel.title = "F: full Cook-Torrance, dashed Schlick";
 	panel.x_label = "angle between v and h (degrees)";
 	panel.y_range = "[0:1]";
-	panel.key = "top left";
+	panel.key = "at graph 0.03,0.7 left top";
 	plot_panel_begin(page, &panel);
 	for (uint32_t i = 0; i < PLOT_COUNT(f0s); i++) {
 		const fresnel exact = {SHADE_F_COOK_TORRANCE, f0s[i]}, schlick = {SHADE_F_SCHLICK, f0s[i]};

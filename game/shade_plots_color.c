@@ -140,12 +140,13 @@ static void draw_firefly(plot_page *page, const void *subject)
 {
 	(void)subject;
 	static const luma luminance = {by_luminance}, largest = {by_largest};
-	plot_panel_begin(page, &(plot_panel){.title = "Mean of fifteen 1 and a red one: luminance",
-	                                     .x_label = "the red one",
+	plot_panel_begin(page, &(plot_panel){.title = "Mean luminance of 15 white pixels of 1 and a red one",
+	                                     .x_label = "red channel of the red pixel",
 	                                     .x_range = "[1:1000]",
 	                                     .y_range = "[0.8:50]",
 	                                     .logarithmic = "xy",
-	                                     .key = "top left"});
+	                                     .key = "top left",
+	                                     .extra = "set ytics ('1' 1, '2' 2, '5' 5, '10' 10, '20' 20, '50' 50)"});
 	plot_curve(page, plain_mean, NULL, 1.0, 1000.0, 61, NULL, "plain mean");
 	plot_curve(page, weighted_mean, NULL, 1.0, 1000.0, 61, NULL, "weighted, 1 / (1 + luminance)");
 	plot_curve(page, mapped_mean, &luminance, 1.0, 1000.0, 19,
@@ -242,7 +243,8 @@ static plot_point logluv_error(double power, bool of_luminance)
 {
 	double worst = 0.0;
 	for (uint64_t i = 0; i < COLORS_EACH; i++) {
-		const stilb_vec3 color = random_color(exp2(power + (double)i / COLORS_EACH), i);
+		stilb_vec3 color = random_color(1.0, i);
+		color *= (float)exp2(power + (double)i / COLORS_EACH) / shade_luminance(color);
 		const stilb_vec3 back = shade_logluv_decode(shade_unorm8(shade_logluv_encode(color)));
 		if (of_luminance) {
 			worst = fmax(worst, fabs((double)(shade_luminance(back) / shade_luminance(color)) - 1.0));
@@ -270,14 +272,14 @@ static void draw_logluv(plot_page *page, const void *subject)
 {
 	(void)subject;
 	plot_panel_begin(page, &(plot_panel){.title = "Largest errors of random colours",
-	                                     .x_label = "largest channel, power of two",
+	                                     .x_label = "luminance, power of two",
 	                                     .y_label = "percent",
 	                                     .x_range = "[-70:70]",
 	                                     .y_range = "[0.01:200]",
 	                                     .logarithmic = "y",
 	                                     .key = "top center"});
-	plot_curve(page, logluv_luminance, NULL, -62.0, 63.0, 126, NULL, "luminance");
-	plot_curve(page, logluv_hue, NULL, -62.0, 63.0, 126, NULL, "any channel, of the largest");
+	plot_curve(page, logluv_luminance, NULL, -63.0, 63.0, 127, NULL, "luminance");
+	plot_curve(page, logluv_hue, NULL, -63.0, 63.0, 127, NULL, "any channel, of the largest");
 	plot_panel_end(page);
 }
 

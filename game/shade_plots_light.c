@@ -144,7 +144,7 @@ static plot_point cone_angle(double roughness, const void *context)
 {
 	const cone_subject *c = context;
 	const shade_cone cone = cone_of(c->kind, (float)roughness, in_plane(0.0), c->tolerance);
-	return (plot_point){roughness, cone.chord < 0.0f ? (double)NAN : (double)shade_cone_half_angle(cone) * DEGREES};
+	return (plot_point){roughness, cone.chord < 0.0f ? 0.0 : (double)shade_cone_half_angle(cone) * DEGREES};
 }
 
 static void draw_cone_angles(plot_page *page, float tolerance, const char *key)
@@ -200,7 +200,8 @@ static void draw_cone_lobe(plot_page *page)
 	static const int kinds[LOBE_KINDS] = {SHADE_BRDF_PHONG_MODIFIED, SHADE_BRDF_BLINN_PHONG_MODIFIED,
 	                                      SHADE_BRDF_MICROFACET};
 	plot_panel_begin(page, &(plot_panel){.kind = PLOT_LOBES,
-	                                     .title = "Roughness 0.35, 0.01 sr^{-1}; lobes logarithmic",
+	                                     .title = "Roughness 0.35, tolerance 0.01 sr^{-1}",
+	                                     .y_range = "[-0.7:1.2]",
 	                                     .key = "bottom center vertical maxrows 3"});
 	for (lobe_kind kind = 0; kind < LOBE_KINDS; kind++) {
 		const lobe_subject s = {.model = {kinds[kind], SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_NONE},
@@ -286,7 +287,8 @@ static const plot plots[] = {
      .draw = draw_falloff},
 	{.name = "cones",
      .title = "Cones that hold a highlight",
-     .formula = "Beyond the half angle no light of irradiance 1 shows more than the tolerance",
+     .formula =
+         "Beyond the half angle no light of irradiance 1 shows more than the tolerance; left: lobes, logarithmic",
      .source = "Karis, \"Tiled Light Culling\" (2012); Blinn-Phong and GGX derived here",
      .columns = 3,
      .rows = 1,

@@ -17,6 +17,7 @@ typedef struct subject {
 	stilb_gi_shape shape;
 	double light; /* angle from the normal, to the left */
 	double scale;
+	double end; /* of a curve over angles, degrees */
 } subject;
 
 static stilb_vec3 in_plane(double angle)
@@ -41,24 +42,32 @@ static subject subject_of(const stilb_gi_row *row, float roughness)
 
 /* ---- distributions ----------------------------------------------------------------------------------------------- */
 
-static plot_point density(double degrees, const void *context)
+/* Over t in [0, 1]: closer together near the axis, where smooth surfaces have all their normals. */
+static double degrees_of(const subject *s, double t)
+{
+	return s->end * t * t;
+}
+
+static plot_point density(double t, const void *context)
 {
 	const subject *s = context;
+	const double degrees = degrees_of(s, t);
 	return (plot_point){degrees, (double)s->row->density(&s->shape, in_plane(degrees / DEGREES))};
 }
 
-static plot_point density_across(double degrees, const void *context)
+static plot_point density_across(double t, const void *context)
 {
 	const subject *s = context;
+	const double degrees = degrees_of(s, t);
 	const stilb_vec3 h = in_plane(degrees / DEGREES);
 	return (plot_point){degrees, (double)s->row->density(&s->shape, stilb_vec3_make(0.0f, h[0], h[2]))};
 }
 
-/* What of the row's measure lies within an angle of the axis; the rows are even around it but for the anisotropic one. */
-static plot_point measured_within(double degrees, const void *context)
+/* What of the row's measure lies within an angle of the axis. */
+static plot_point measured_within(double share, const void *context)
 {
 	const subject *s = context;
-	const double end = degrees / DEGREES;
+	const double degrees = degrees_of(s, share), end = degrees / DEGREES;
 	double sum = 0.0;
 	const int steps = 2000;
 	for (int i = 0; i < steps; i++) { /* more of them near the axis, where D is high */
@@ -81,9 +90,9 @@ static void draw_distribution(plot_page *page, const void *context)
 	const stilb_gi_row *row = context;
 	const char *measure = row->measure == STILB_GI_MEASURE_D_COS ? "D n·h" : "D";
 	const subject widest = subject_of(row, 1.0f);
-	const bool whole = density(180.0, &widest).y > 0.0; /* the sphere, not the hemisphere */
+	const bool whole = row->density(&widest.shape, in_plane(M_PI)) > 0.0f; /* the sphere, not the hemisphere */
 	const double end = whole ? 180.0 : 90.0;
-	plot_panel panel = {.title = is_anisotropic(row) ? "Density; dashed: across" : "Density",
+	plot_panel panel = {.title = is_anisotropic(row) ? "Density; dashed: along b" : "Density",
 	                    .x_label = "angle from the axis (degrees)",
 	                    .y_label = "sr^{-1}",
 	                    .x_range = whole ? "[0:180]" : "[0:90]",
@@ -93,10 +102,11 @@ static void draw_distribution(plot_page *page, const void *context)
 	                    .extra = whole ? "set xtics 30" : "set xtics 15"};
 	plot_panel_begin(page, &panel);
 	for (uint32_t i = 0; i < PLOT_COUNT(roughnesses); i++) {
-		const subject s = subject_of(row, roughnesses[i]);
-		plot_curve(page, density, &s, 0.0, end, 181, NULL, "roughness %.1f", (double)roughnesses[i]);
+		subject s = subject_of(row, roughnesses[i]);
+		s.end = end;
+		plot_curve(page, density, &s, 0.0, 1.0, 361, NULL, "roughness %.1f", (double)roughnesses[i]);
 		if (is_anisotropic(row))
-			plot_curve(page, density_across, &s, 0.0, end, 181, plot_dashed(i), "%s", "");
+			plot_curve(page, density_across, &s, 0.0, 1.0, 361, plot_dashed(i), "%s", "");
 	}
 	plot_panel_end(page);
 	char title[64];
@@ -108,8 +118,9 @@ static void draw_distribution(plot_page *page, const void *context)
 	panel.extra = whole ? "set xtics 30\n" PLOT_LINE_AT_ONE : "set xtics 15\n" PLOT_LINE_AT_ONE;
 	plot_panel_begin(page, &panel);
 	for (uint32_t i = 0; i < PLOT_COUNT(roughnesses); i++) {
-		const subject s = subject_of(row, roughnesses[i]);
-		plot_curve(page, measured_within, &s, 0.0, end, 91, NULL, "%s", "");
+		subject s = subject_of(row, roughnesses[i]);
+		s.end = end;
+		plot_curve(page, measured_within, &s, 0.0, 1.0, 121, NULL, "%s", "");
 	}
 	plot_panel_end(page);
 }
@@ -153,16 +164,16 @@ static bool is_diffuse(const stilb_gi_row *row)
 static void draw_lobes(plot_page *page, const stilb_gi_row *row)
 {
 	plot_panel_begin(page, &(plot_panel){.kind = PLOT_LOBES,
-	                                     .title = "Lobes for light at 45°, scaled to the peak (sr^{-1})",
+	                                     .title = "f n·l for light at 45°, scaled to its peak (below, sr^{-1})",
 	                                     .key = "bottom center vertical maxrows 3"});
-	plot_light(page, 45.0 / DEGREES);
+	plot_light(page, 45.0 / DEGREES, PLOT_LIGHT_COLOR);
 	for (uint32_t i = 0; i < (is_diffuse(row) ? 1 : PLOT_COUNT(roughnesses)); i++) {
 		subject s = subject_of(row, roughnesses[i]);
 		char words[32];
 		double peak = lobe_peak(&s);
 		s.scale = 1.0 / peak;
 		snprintf(words, sizeof words, is_diffuse(row) ? "every view" : "roughness %.1f", (double)roughnesses[i]);
-		plot_curve(page, lobe, &s, -1.0, 1.0, 241, NULL, "%s: %.4g", words, peak);
+		plot_curve(page, lobe, &s, -1.0, 1.0, 361, NULL, "%s: %.4g", words, peak);
 	}
 	plot_panel_end(page);
 }
@@ -192,7 +203,7 @@ static void draw_albedos(plot_page *page, const stilb_gi_row *row)
 	                                                              : "Albedo: full of a view, dashed of a light",
 	                                     .x_label = "angle from the normal (degrees)",
 	                                     .x_range = "[0:90]",
-	                                     .y_range = high ? "[0.1:100]" : "[0:1.2<*]",
+	                                     .y_range = high ? "[0.01:100]" : "[0:1.2<*]",
 	                                     .logarithmic = high ? "y" : NULL,
 	                                     .extra = "set xtics 15\n" PLOT_LINE_AT_ONE});
 	for (uint32_t i = 0; i < (is_diffuse(row) ? 1 : PLOT_COUNT(roughnesses)); i++) {
@@ -210,11 +221,10 @@ static void draw_model(plot_page *page, const void *context)
 	draw_albedos(page, context);
 }
 
-/* A name as it is typed. */
-static void set_title(char *title, size_t size, const char *name)
+void shade_plot_typed(char *out, size_t size, const char *words)
 {
-	snprintf(title, size, "%s", name);
-	for (char *c = title; *c; c++)
+	snprintf(out, size, "%s", words);
+	for (char *c = out; *c; c++)
 		*c = *c == '_' ? '-' : *c;
 }
 
@@ -223,6 +233,7 @@ static void set_title(char *title, size_t size, const char *name)
 #define GRID 24 /* strata along each side */
 #define BINS 60
 #define DRAWS 200000
+#define SAMPLER_ROUGHNESS 0.6f
 
 static shade_sample draw_sample(const subject *s, uint64_t i)
 {
@@ -284,12 +295,14 @@ static void draw_histogram(plot_page *page, const subject *s)
 	plot_point bars[BINS];
 	for (uint32_t i = 0; i < BINS; i++)
 		bars[i] = (plot_point){((double)i + 0.5) * 2.0 / BINS - 1.0, (double)counts[i] / DRAWS * BINS / 2.0};
-	plot_panel_begin(page, &(plot_panel){.title = "200,000 draws, and the density that goes with them",
-	                                     .x_label = "height of the direction, cos of the polar angle",
-	                                     .x_range = lowest < -0.001 ? "[-1:1]" : "[0:1]",
-	                                     .y_range = "[0:*]",
-	                                     .key = "top left",
-	                                     .extra = "set boxwidth 0.0333\nset style fill solid 0.35 noborder"});
+	plot_panel_begin(
+		page,
+		&(plot_panel){.title = "200,000 draws and their density",
+	                  .x_label = "height of the direction, cos of the polar angle",
+	                  .x_range = lowest < -0.001 ? "[-1:1]" : "[0:1]",
+	                  .y_range = "[0:*]",
+	                  .key = "top left",
+	                  .extra = "set boxwidth 0.0333\nset style fill solid 0.35 noborder\nset offsets 0,0,graph 0.3,0"});
 	plot_points(page, bars, BINS, "boxes linecolor rgb '#0072B2'", "draws");
 	plot_curve(page, ring_density, s, lowest < -0.001 ? -0.9999 : 0.0001, 0.9999, 400,
 	           "lines linewidth 2 linecolor rgb '#D55E00'", "integral of the density around");
@@ -298,7 +311,7 @@ static void draw_histogram(plot_page *page, const subject *s)
 
 static void draw_sampler(plot_page *page, const void *context)
 {
-	const subject s = subject_of(context, 0.6f);
+	const subject s = subject_of(context, SAMPLER_ROUGHNESS);
 	draw_cloud(page, &s, "Directions from above; grey: below the horizon");
 	draw_histogram(page, &s);
 }
@@ -309,10 +322,10 @@ static void draw_samplers(plot_page *page, const void *context)
 	size_t count;
 	const stilb_gi_row *rows = stilb_gi_catalog(&count);
 	for (size_t i = 0; i < count; i++)
-		if (rows[i].kind == STILB_GI_SAMPLER) {
-			const subject s = subject_of(&rows[i], 0.6f);
+		if (rows[i].kind == STILB_GI_SAMPLER && strcmp(rows[i].name, "sample_stratified") != 0) {
+			const subject s = subject_of(&rows[i], SAMPLER_ROUGHNESS);
 			char title[64];
-			set_title(title, sizeof title, rows[i].name + strlen("sample_"));
+			shade_plot_typed(title, sizeof title, rows[i].name + strlen("sample_"));
 			draw_cloud(page, &s, title);
 		}
 }
@@ -375,6 +388,8 @@ static void set_formula(char *out, size_t size, const char *formula)
 			piece = "-";
 		else if (strncmp(c, "^(", 2) == 0)
 			piece = "^{", taken = 2, raised = true;
+		else if (*c == '.' && c > formula && isalpha((unsigned char)c[-1]) && isalpha((unsigned char)c[1]))
+			piece = "·";
 		else if (*c == ')' && raised)
 			piece = "}", raised = false;
 		if (piece)
@@ -386,6 +401,30 @@ static void set_formula(char *out, size_t size, const char *formula)
 	out[length] = '\0';
 }
 
+static bool depends_on_roughness(const stilb_gi_row *row)
+{
+	const subject a = subject_of(row, 0.5f), b = subject_of(row, 1.0f);
+	return row->density(&a.shape, in_plane(0.0)) != row->density(&b.shape, in_plane(0.0));
+}
+
+/* With which numbers the row is drawn. */
+static void add_remark(char *formula, size_t size, const stilb_gi_row *row)
+{
+	const size_t length = strlen(formula);
+	formula += length;
+	size -= length;
+	if (strcmp(row->name, "sample_disk") == 0)
+		snprintf(formula, size, "; lifted to the hemisphere");
+	else if (strcmp(row->name, "sample_stratified") == 0)
+		snprintf(formula, size, "; as directions of the sphere");
+	else if (row->kind == STILB_GI_SAMPLER && depends_on_roughness(row))
+		snprintf(formula, size, "; roughness %g, the view at 45° to the left", (double)SAMPLER_ROUGHNESS);
+	else if (row->kind == STILB_GI_BRDF && row->model.kind == SHADE_BRDF_WRAPPED)
+		snprintf(formula, size, "; w = %g", (double)stilb_gi_white(1.0f, 0.0f).wrap);
+	else if (is_anisotropic(row))
+		snprintf(formula, size, "; anisotropy %g, along t, the wide axis", (double)STILB_GI_CATALOG_ANISOTROPY);
+}
+
 bool shade_plot_of_row(const char *name, row_plot *out)
 {
 	static void (*const draw[STILB_GI_KIND_COUNT])(plot_page *, const void *) = {draw_distribution, draw_model,
@@ -393,8 +432,9 @@ bool shade_plot_of_row(const char *name, row_plot *out)
 	const stilb_gi_row *row = stilb_gi_catalog_find(name);
 	if (!row)
 		return false;
-	set_title(out->title, sizeof out->title, row->name);
+	shade_plot_typed(out->title, sizeof out->title, row->name);
 	set_formula(out->formula, sizeof out->formula, row->formula);
+	add_remark(out->formula, sizeof out->formula, row);
 	out->plot = (plot){.name = row->name,
 	                   .title = out->title,
 	                   .formula = out->formula,
@@ -410,9 +450,10 @@ bool shade_plot_of_row(const char *name, row_plot *out)
 static const plot plots[] = {
 	{.name = "samplers",
      .title = "Samplers",
-     .formula =
-         "576 stratified directions from above (grey: below the horizon), roughness 0.6, the view at 45° to the left",
-     .source = "see each",
+     .formula = "576 directions from above, one from each cell of a grid (grey: below the horizon); roughness 0.6, the "
+                "view at "
+                "45° to the left",
+     .source = "The sources are in docs/shading.md",
      .columns = 5,
      .rows = 3,
      .panel_width = 260,

@@ -238,7 +238,7 @@ static void draw_vmf_fit(plot_page *page)
 	plot_panel_begin(page, &(plot_panel){.title = "Sharpness back from the averaged vector r",
 	                                     .x_label = "sharpness",
 	                                     .y_label = "as a share of the right one",
-	                                     .y_range = "[0.9:1.15]",
+	                                     .y_range = "[0.9:1.2]",
 	                                     .logarithmic = "x",
 	                                     .key = "top right"});
 	plot_curve(page, sharpness_share, &fast, 0.1, 10000.0, 121, NULL, "r (3 - r^2) / (1 - r^2)");
@@ -403,7 +403,8 @@ static const plot plots[] = {
      .draw = draw_vmf},
 	{.name = "normal-filter",
      .title = "Filters of normals and roughness",
-     .formula = "Two texels averaged to one",
+     .formula =
+         "Two texels averaged to one; convolution lies on vMF at the left and on variance in the middle, as LEAN does",
      .source = "Karis, \"Normal map filtering using vMF\" (2018); Toksvig (2004); Olano and Baker (2010)",
      .columns = 3,
      .rows = 1,

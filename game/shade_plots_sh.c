@@ -186,7 +186,7 @@ static void draw_turned(plot_page *page, const shade_sh *f)
 {
 	static const double turns[] = {0.0, 40.0, 80.0};
 	plot_panel_begin(page, &(plot_panel){.kind = PLOT_LOBES,
-	                                     .title = "Rotated by 0°, 40°, 80°; arrow: dominant light",
+	                                     .title = "Rotated; arrows: the dominant light",
 	                                     .y_range = "[-0.6:1.2]",
 	                                     .key = "bottom center vertical maxrows 1",
 	                                     .extra = "unset label\nset label 'z' at 0.05,1.14"});
@@ -195,8 +195,8 @@ static void draw_turned(plot_page *page, const shade_sh *f)
 		                           in_plane(-turns[i] / DEGREES)};
 		const shade_sh turned = shade_sh_rotate(*f, frame);
 		const stilb_vec3 to_light = shade_sh_dominant_direction(turned);
-		plot_light(page, -atan2((double)to_light[0], (double)to_light[2]));
-		plot_curve(page, radiance_around, &turned, -M_PI, M_PI, 181, NULL, "%.0f°", turns[i]);
+		plot_light(page, -atan2((double)to_light[0], (double)to_light[2]), plot_color(i));
+		plot_curve(page, radiance_around, &turned, -M_PI, M_PI, 181, NULL, "by %.0f°", turns[i]);
 	}
 	plot_panel_end(page);
 }
@@ -280,7 +280,7 @@ static plot_point bump_error(double step, const void *context)
 	return (plot_point){step * 1000.0, worst};
 }
 
-/* Where the ray of a pixel's neighbour meets the plane, against what the differential says: a camera above the ground. */
+/* Where the ray of a pixel's neighbour meets the ground, against what the differential says. */
 static plot_point ray_error(double degrees, const void *context)
 {
 	const double *pixel = context;

@@ -37,7 +37,7 @@ static flags_result spheres_parse(spheres_options *o, int argc, char **argv)
 		flags_print(flags, count);
 		printf("\nStrips:\n");
 		for (int i = 0; i < strip_count; i++)
-			printf("  %-12s %s\n", strips[i].name, strips[i].title);
+			printf("  %-14s %s\n", strips[i].name, strips[i].title);
 	}
 	return result;
 }
@@ -47,7 +47,7 @@ static stilb_result spheres_draw(const strip *s, const uint32_t asked[2], const 
 	const char *dot = strrchr(path, '.');
 	uint32_t size[2] = {asked[0], asked[1]};
 	if (size[0] == 0)
-		strip_default_size(s, size);
+		strip_size(s, 100.0f, size);
 	stilb_image picture;
 	stilb_result result = stilb_image_create(&picture, size[0], size[1], 3, STILB_IMAGE_F32_LINEAR);
 	if (result == STILB_OK)

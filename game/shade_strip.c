@@ -44,9 +44,9 @@ static layout layout_of(const strip *s, const stilb_image *picture)
 	};
 }
 
-void strip_default_size(const strip *s, uint32_t size[2])
+void strip_size(const strip *s, float sphere, uint32_t size[2])
 {
-	const float cell = 100.0f / (2.0f * SPHERE_RADIUS);
+	const float cell = sphere / (2.0f * SPHERE_RADIUS);
 	size[0] = (uint32_t)ceilf(cell * layout_columns(s));
 	size[1] = (uint32_t)ceilf(cell * layout_rows(s));
 }
@@ -87,7 +87,8 @@ static int lamp_points(const lamp *light, const shade_brdf_parameters *highlight
 	return (int)fminf(fmaxf(across * across, 1.0f), highlight->anisotropy == 0.0f ? 64.0f : (float)LAMP_POINTS_MAX);
 }
 
-/* Evenly over the lamp, by turns of the golden angle. Source: Vogel, "A better way to construct the sunflower head" (1979). */
+/* Evenly over the lamp, by turns of the golden angle.
+ * Source: Vogel, "A better way to construct the sunflower head" (1979). */
 static stilb_vec3 lamp_point(const lamp *light, int i, int count)
 {
 	if (count == 1)
@@ -97,8 +98,8 @@ static stilb_vec3 lamp_point(const lamp *light, int i, int count)
 	return stilb_vec3_normalize(light->direction + frame.t * (radius * cosf(turn)) + frame.b * (radius * sinf(turn)));
 }
 
-/* Light from a part of a lamp in place of a point: a lobe about h gets wider by half as much, alpha'^2 = alpha^2 + 2 sigma^2.
- * The parts are made as wide as their distance, so that they melt into one another. */
+/* Light from a part of a lamp in place of a point: a lobe about h gets wider by half as much, and
+ * alpha'^2 = alpha^2 + 2 sigma^2. The parts are made as wide as their distance, so that they melt into one another. */
 static float widened_roughness(float roughness, float radius)
 {
 	float alpha = shade_alpha_from_roughness(roughness), sigma = 0.5f * radius;

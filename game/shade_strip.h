@@ -1,5 +1,5 @@
-/* shade_strip: rows of spheres, from left to right with one number that changes; each pixel is computed with the functions
- * of engine/shading. */
+/* shade_strip: rows of spheres, from left to right with one number that changes; each pixel is computed with the
+ * functions of engine/shading. */
 #ifndef STILB_SHADE_STRIP_H
 #define STILB_SHADE_STRIP_H
 
@@ -76,8 +76,8 @@ extern const strip_row strip_light_rows[], strip_sh_rows[], strip_tonemap_rows[]
 extern const strip strips[];
 extern const int strip_count;
 
-/* Size of the whole picture that gives spheres of 100 pixels. */
-void strip_default_size(const strip *s, uint32_t size[2]);
+/* Size of the whole picture that gives spheres so many pixels wide. */
+void strip_size(const strip *s, float sphere, uint32_t size[2]);
 
 /* Draws a strip of this size (0, 0: its own) on a pool of so many workers (or FLAG_WORKERS_AUTO), and saves it.
  * Errors as stilb_image_save, and STILB_ERROR_THREAD. */

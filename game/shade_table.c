@@ -1,4 +1,4 @@
-/* stilb shade table: what the catalogue promises of every row, and the albedo of every D x G x F, measured when asked. */
+/* stilb shade table: what the catalogue promises of each row, and the albedo of each D x G x F, measured when asked. */
 #include "shade_table.h"
 #include "shade.h"
 

@@ -1,11 +1,11 @@
-/* stilb shade: plots, spheres, the table, refusals. gnuplot is a script of this test's, which keeps what it is given; with the
- * argument "gnuplot" it is the real one, which draws every plot. */
+/* stilb shade: plots, spheres, the table, refusals. gnuplot is a script of this test's, which keeps what it is given;
+ * with the argument "gnuplot" it is the real one, which draws every plot. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 
 #include <math.h>
 
-/* ---- gnuplot --------------------------------------------------------------------------------------------------------- */
+/* ---- gnuplot ----------------------------------------------------------------------------------------------------- */
 
 static char path_here[PATH_MAX + 16];
 static const char *const with_fake[] = {NO_DISPLAY, path_here, NULL};
@@ -43,7 +43,7 @@ static bool exists(const char *path)
 	return access(path, F_OK) == 0;
 }
 
-/* ---- plots ----------------------------------------------------------------------------------------------------------- */
+/* ---- plots ------------------------------------------------------------------------------------------------------- */
 
 static void test_plot(void **state)
 {
@@ -54,13 +54,42 @@ static void test_plot(void **state)
 	assert_string_equal(run.out, "picture: lambert.svg\n");
 	assert_string_equal(read_text("lambert.svg"), "drawn\n");
 	assert_said(read_text("script"), "set terminal svg ");
-	assert_said(text, "Lobes for light at 45");
-	/* Lambert's albedo is 1 at every angle. */
-	assert_said(text, "\n0 1\n");
-	assert_said(text, "\n89 1\n");
-	assert_int_equal(stilb_code(with_fake, "shade plot ggx_smith_ggx -o a.png"), 0);
+	assert_said(text, "f n·l for light at 45");
+	/* Lambert's albedo is 1 at every angle: a line, which needs two points. */
+	assert_said(text, "\n0 1\n89 1\nEND\n");
+	assert_int_equal(stilb_code(with_fake, "shade plot -o a.png ggx_smith_ggx"), 0);
 	assert_said(read_text("script"), "set terminal pngcairo ");
 	assert_said(text, "roughness 0.3");
+}
+
+/* Points that lie on lines are left out, and no others: 121 of a metal's Fresnel term, flat but for its dip. */
+static void test_plot_points(void **state)
+{
+	(void)state;
+	make_gnuplot("");
+	assert_int_equal(stilb_code(with_fake, "shade plot fresnel -o a.svg"), 0);
+	const char *at = strstr(read_text("script"), "$block7 << END\n");
+	assert_non_null(at);
+	int count = 0;
+	double x, y, last = -1.0, least = 1.0;
+	for (at = strchr(at, '\n') + 1; sscanf(at, "%lf %lf", &x, &y) == 2; at = strchr(at, '\n') + 1) {
+		assert_true(x > last);
+		last = x;
+		least = fmin(least, y);
+		count++;
+	}
+	assert_true(last == 90.0);
+	assert_true(fabs(least - 0.4947) < 0.0005); /* at 87 degrees */
+	assert_in_range(count, 20, 60);
+}
+
+/* An .svg gets its own title, and no empty groups. */
+static void test_plot_svg(void **state)
+{
+	(void)state;
+	make_gnuplot("printf '<title>Gnuplot</title>\\n<g a>\\n</g>\\n<g b>\\n<path/>\\n</g>\\n<g c>\\n' >\"$out\"");
+	assert_int_equal(stilb_code(with_fake, "shade plot fresnel -o a.svg"), 0);
+	assert_string_equal(read_text("a.svg"), "<title>Fresnel</title>\n<g b>\n<path/>\n</g>\n<g c>\n");
 }
 
 /* Every curve is numbers, in every plot; no plot is the same as another. */
@@ -84,10 +113,10 @@ static void test_all_plots(void **state)
 			print_error("%s: %s\n", words, run.err);
 		assert_int_equal(code, 0);
 		read_text("script");
-		/* What is no number is an empty line; a cone that holds no direction has no angle. */
-		if ((strstr(text, "\n\n") && strcmp(name, "cones") != 0) || !strstr(text, "\nplot "))
+		/* What is no number is an empty line. */
+		if (strstr(text, "\n\n") || !strstr(text, "\nplot "))
 			print_error("%s: no numbers, or nothing is drawn\n", name);
-		assert_true(!strstr(text, "\n\n") || strcmp(name, "cones") == 0);
+		assert_null(strstr(text, "\n\n"));
 		assert_non_null(strstr(text, "\nplot "));
 	}
 	free(list);
@@ -119,7 +148,7 @@ static void test_catalog(void **state)
 	assert_false(exists("all"));
 }
 
-/* ---- spheres --------------------------------------------------------------------------------------------------------- */
+/* ---- spheres ----------------------------------------------------------------------------------------------------- */
 
 #define SIZE "659x454" /* cells of 50 pixels */
 
@@ -237,10 +266,10 @@ static void test_strips(void **state)
 static void test_spheres_words(void **state)
 {
 	(void)state;
-	static const char *const sizes[] = {"716x494", "200x160"};
+	static const char *const sizes[] = {"716x295", "200x84"};
 	for (int i = 0; i < 2; i++) {
 		stilb_image picture;
-		stilb_good("shade spheres --size %s -o words.png", sizes[i]);
+		stilb_good("shade spheres --strip harmonics --size %s -o words.png", sizes[i]);
 		assert_int_equal(stilb_image_load("words.png", &picture), STILB_OK);
 		int bright = 0;
 		for (uint32_t y = 0; y < picture.height; y++)
@@ -251,7 +280,7 @@ static void test_spheres_words(void **state)
 	}
 }
 
-/* ---- table ----------------------------------------------------------------------------------------------------------- */
+/* ---- table ------------------------------------------------------------------------------------------------------- */
 
 static void test_table(void **state)
 {
@@ -279,13 +308,19 @@ static void test_table(void **state)
 	assert_int_equal(gains, 3);
 }
 
-/* ---- refused --------------------------------------------------------------------------------------------------------- */
+/* ---- refused ----------------------------------------------------------------------------------------------------- */
 
 static const char *const refusals[][2] = {
 	{"shade", "nothing to do"},
 	{"shade lobes", "'lobes'"},
 	{"shade plot -o a.svg", "stilb shade plot NAME -o FILE"},
 	{"shade plot gxg -o a.svg", "'gxg'"},
+	{"shade plot -o a.svg fresnl", "near it: fresnel;"},
+	{"shade plot Fresnel -o a.svg", "near it: fresnel;"},
+	{"shade plot smith_ggx -o a.svg", "near it: blinn-smith-ggx, beckmann-smith-ggx, ggx-smith-ggx,"},
+	{"shade plot ggx -o a.svg", "ggx-smith-beckmann, ggx-smith-ggx;"},
+	{"shade plot gxg -o a.svg", "'stilb shade list' has the names"},
+	{"shade plot fresnel a.svg", "the picture is -o FILE"},
 	{"shade plot ggx-smith-ggx", "FILE.svg or FILE.png"},
 	{"shade plot ggx-smith-ggx -o a.pdf", "'a.pdf'"},
 	{"shade plot ggx-smith-ggx -o missing/a.svg", "missing"},
@@ -344,7 +379,7 @@ static void test_full_disk(void **state)
 	assert_error_lines(1);
 }
 
-/* ---- the real gnuplot ------------------------------------------------------------------------------------------------ */
+/* ---- the real gnuplot -------------------------------------------------------------------------------------------- */
 
 static void test_real_gnuplot(void **state)
 {
@@ -379,20 +414,30 @@ static int run_real_gnuplot(void)
 	return cmocka_run_group_tests(tests, NULL, folder_leave);
 }
 
+/* What takes seconds. */
+static int run_long(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup(test_all_plots, folder_fresh),
+		cmocka_unit_test_setup(test_strips, folder_fresh),
+		cmocka_unit_test_setup(test_table, folder_fresh),
+	};
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}
+
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup(test_help, folder_fresh),
 		cmocka_unit_test_setup(test_plot, folder_fresh),
-		cmocka_unit_test_setup(test_all_plots, folder_fresh),
+		cmocka_unit_test_setup(test_plot_points, folder_fresh),
+		cmocka_unit_test_setup(test_plot_svg, folder_fresh),
 		cmocka_unit_test_setup(test_plot_failures, folder_fresh),
 		cmocka_unit_test_setup(test_catalog, folder_fresh),
 		cmocka_unit_test_setup(test_spheres, folder_fresh),
 		cmocka_unit_test_setup(test_spheres_negative, folder_fresh),
 		cmocka_unit_test_setup(test_spheres_workers, folder_fresh),
-		cmocka_unit_test_setup(test_strips, folder_fresh),
 		cmocka_unit_test_setup(test_spheres_words, folder_fresh),
-		cmocka_unit_test_setup(test_table, folder_fresh),
 		cmocka_unit_test_setup(test_refusals, folder_fresh),
 		cmocka_unit_test_setup(test_full_disk, folder_fresh),
 	};
@@ -400,5 +445,7 @@ int main(int argc, char **argv)
 		return 1;
 	if (argc > 2 && strcmp(argv[2], "gnuplot") == 0)
 		return run_real_gnuplot();
+	if (argc > 2 && strcmp(argv[2], "long") == 0)
+		return run_long();
 	return cmocka_run_group_tests(tests, NULL, folder_leave);
 }
