@@ -131,6 +131,11 @@ uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBR
 stilb_render_shading stilb_engine_shading(const stilb_engine *engine);
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading);
 
+/* After a choice of another model or D than before. Wrapped light and anisotropic GGX need materials with such numbers in
+ * order to be seen: where nothing is added yet, choosing them adds wrap 0.5 or anisotropy 0.6, and choosing another takes
+ * just that away again. [any-thread] */
+void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_render_shading *shading);
+
 /* The words for what can be chosen, in the order of the numbers in stilb_render_shading; NULL-terminated. [any-thread] */
 extern const char *const stilb_engine_brdf_names[];
 extern const char *const stilb_engine_ndf_names[];

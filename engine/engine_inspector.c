@@ -13,6 +13,9 @@
 #define INSPECTOR_LOBE 156.0f
 #define INSPECTOR_LOBE_POINTS 181
 #define INSPECTOR_ARROW 7.0f
+#define INSPECTOR_BORDER 2.0f /* the panel's, or a little more */
+#define INSPECTOR_WRAP 0.5f
+#define INSPECTOR_ANISOTROPY 0.6f
 
 /* ---- words --------------------------------------------------------------------------------------------------------- */
 
@@ -32,31 +35,84 @@ static_assert(sizeof stilb_engine_brdf_names / sizeof(char *) == SHADE_BRDF_COUN
                   sizeof stilb_engine_light_names / sizeof(char *) == SHADE_LIGHT_COUNT + 1,
               "one word a number");
 
-/* ---- lists --------------------------------------------------------------------------------------------------------- */
+/* ---- what a choice adds ---------------------------------------------------------------------------------------------- */
 
-static float inspector_list_height(const stilb_ui *ui, uint32_t rows)
+static bool inspector_bends(const stilb_render_shading *shading)
 {
-	const stilb_ui_style *style = stilb_ui_style_get((stilb_ui *)ui);
-	return (float)(1 + rows) * style->row_height + style->gap;
+	return shading->brdf == SHADE_BRDF_MICROFACET && shading->ndf == SHADE_NDF_GGX_ANISOTROPIC;
 }
 
-/* A heading and a row for each word; true when the user took another one. Muted: it has no say at present. */
-static bool inspector_list(stilb_ui *ui, stilb_ui_rect *area, const char *heading, const char *const *words,
-                           uint32_t *chosen, bool muted)
+/* What is added, when the formula that shows it comes or goes; what the user added stays. */
+static float inspector_added(float added, bool before, bool now, float shown)
+{
+	if (before == now || added != (now ? 0.0f : shown))
+		return added;
+	return now ? shown : 0.0f;
+}
+
+void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_render_shading *shading)
+{
+	shading->wrap = inspector_added(shading->wrap, before->brdf == SHADE_BRDF_WRAPPED,
+	                                shading->brdf == SHADE_BRDF_WRAPPED, INSPECTOR_WRAP);
+	shading->anisotropy =
+		inspector_added(shading->anisotropy, inspector_bends(before), inspector_bends(shading), INSPECTOR_ANISOTROPY);
+}
+
+/* ---- lists --------------------------------------------------------------------------------------------------------- */
+
+/* One of those that stand in a column. */
+typedef struct inspector_list {
+	const char *heading;
+	const char *const *words;
+	uint32_t *chosen;
+	uint32_t count;
+	uint32_t rows; /* that can be seen: all, until there is no room for them */
+} inspector_list;
+
+static float inspector_column_height(const stilb_ui_style *style, uint32_t lists, uint32_t rows)
+{
+	return (float)(lists + rows) * style->row_height + (float)lists * style->gap;
+}
+
+/* Where the column is too high for the area, its longest lists give up rows. */
+static void inspector_fit(const stilb_ui_style *style, stilb_ui_rect area, inspector_list *lists, uint32_t count)
+{
+	for (;;) {
+		uint32_t rows = 0;
+		inspector_list *longest = lists;
+		for (uint32_t i = 0; i < count; i++) {
+			rows += lists[i].rows;
+			longest = lists[i].rows > longest->rows ? &lists[i] : longest;
+		}
+		if (inspector_column_height(style, count, rows) <= area.y1 - area.y0 || longest->rows == 1)
+			return;
+		longest->rows--;
+	}
+}
+
+/* As little as brings the chosen row into view; only when another one was chosen than was last shown. */
+static void inspector_follow(const stilb_ui_style *style, const inspector_list *list, stilb_ui_list_state *state)
+{
+	const float row = style->row_height, top = (float)*list->chosen * row;
+	if (state->selected != *list->chosen)
+		state->scroll = fminf(fmaxf(state->scroll, top + row - (float)list->rows * row), top);
+	state->selected = *list->chosen;
+}
+
+/* A heading and a row for each word; true when the user took one. Muted: it has no say at present. */
+static bool inspector_draw_list(stilb_ui *ui, stilb_ui_rect *area, const inspector_list *list,
+                                stilb_ui_list_state *state, bool muted)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
-	uint32_t count = 0;
-	while (words[count])
-		count++;
 	stilb_ui_rect head = stilb_ui_cut_top(area, style->row_height);
 	stilb_ui_draw_text(stilb_ui_list(ui), stilb_ui_font_get(ui, STILB_UI_TEXT_STRONG), head, STILB_UI_ALIGN_LEFT,
-	                   muted ? style->text_muted : style->text_strong, heading);
-	stilb_ui_list_state list = {.selected = *chosen};
-	stilb_ui_rows rows =
-		stilb_ui_rows_begin(ui, stilb_ui_cut_top(area, (float)count * style->row_height), heading, count, &list);
+	                   muted ? style->text_muted : style->text_strong, list->heading);
+	inspector_follow(style, list, state);
+	stilb_ui_rows rows = stilb_ui_rows_begin(ui, stilb_ui_cut_top(area, (float)list->rows * style->row_height),
+	                                         list->heading, list->count, state);
 	for (uint32_t r = rows.first; r < rows.end; r++) {
 		char word[48];
-		snprintf(word, sizeof word, "%s", words[r]);
+		snprintf(word, sizeof word, "%s", list->words[r]);
 		for (char *c = word; *c; c++)
 			*c = *c == '_' ? ' ' : *c;
 		stilb_ui_rect row = stilb_ui_row(ui, &rows, r);
@@ -66,53 +122,74 @@ static bool inspector_list(stilb_ui *ui, stilb_ui_rect *area, const char *headin
 	stilb_ui_rows_end(ui);
 	stilb_ui_cut_top(area, style->gap);
 	bool taken = rows.changed || rows.clicked != STILB_UI_NO_ROW;
-	*chosen = taken ? list.selected : *chosen;
+	*list->chosen = taken ? state->selected : *list->chosen;
 	return taken;
 }
 
-static void inspector_lists(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
+static bool inspector_column(stilb_ui *ui, stilb_ui_rect area, inspector_list *lists, uint32_t count,
+                             stilb_ui_list_state *states, bool muted)
 {
-	const float gap = 2.0f * stilb_ui_style_get(ui)->gap;
-	stilb_ui_rect left = stilb_ui_cut_left(&area, 0.5f * (area.x1 - area.x0 - gap));
-	stilb_ui_cut_left(&area, gap);
-	inspector_list(ui, &left, "Model", stilb_engine_brdf_names, &shading->brdf, false);
-	inspector_list(ui, &left, "Light", stilb_engine_light_names, &shading->light, false);
+	bool taken = false;
+	inspector_fit(stilb_ui_style_get(ui), area, lists, count);
+	for (uint32_t i = 0; i < count; i++)
+		taken |= inspector_draw_list(ui, &area, &lists[i], &states[i], muted);
+	return taken;
+}
+
+static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_rect left, stilb_ui_rect right,
+                            stilb_render_shading *shading)
+{
+	inspector_list whole[] = {
+		{"Model", stilb_engine_brdf_names, &shading->brdf, SHADE_BRDF_COUNT, SHADE_BRDF_COUNT},
+		{"Light", stilb_engine_light_names, &shading->light, SHADE_LIGHT_COUNT, SHADE_LIGHT_COUNT},
+	};
+	inspector_list parts[] = {
+		{"D: facets", stilb_engine_ndf_names, &shading->ndf, SHADE_NDF_COUNT, SHADE_NDF_COUNT},
+		{"G: shadowing", stilb_engine_g_names, &shading->g, SHADE_G_COUNT, SHADE_G_COUNT},
+		{"F: Fresnel", stilb_engine_f_names, &shading->f, SHADE_F_COUNT, SHADE_F_COUNT},
+	};
+	const stilb_render_shading before = *shading;
+	inspector_column(ui, left, whole, 2, inspector->lists, false);
 	/* Who takes a part wants the model that is made of parts. */
-	const bool other = shading->brdf != SHADE_BRDF_MICROFACET;
-	bool taken = inspector_list(ui, &area, "D: facets", stilb_engine_ndf_names, &shading->ndf, other);
-	taken |= inspector_list(ui, &area, "G: shadowing", stilb_engine_g_names, &shading->g, other);
-	taken |= inspector_list(ui, &area, "F: Fresnel", stilb_engine_f_names, &shading->f, other);
-	if (taken)
+	if (inspector_column(ui, right, parts, 3, inspector->lists + 2, shading->brdf != SHADE_BRDF_MICROFACET))
 		shading->brdf = SHADE_BRDF_MICROFACET;
+	stilb_engine_shading_chosen(&before, shading);
 }
 
 /* ---- sliders --------------------------------------------------------------------------------------------------------- */
 
+/* Those that the chosen formulas do not read are dim. */
 static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
 {
 	static const stilb_ui_slider_range range = {-1.0f, 1.0f, 0.01f, "%+.2f"};
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
+	const bool lambert = shading->brdf == SHADE_BRDF_LAMBERT,
+			   highlight = !lambert && shading->brdf != SHADE_BRDF_WRAPPED;
 	const struct {
 		const char *label;
 		float *value;
+		bool read;
 	} rows[] = {
-		{"Roughness", &shading->roughness},
-		{"Anisotropy", &shading->anisotropy},
-		{"Wrap", &shading->wrap},
-		{"Specular", &shading->specular},
+		{"Roughness", &shading->roughness, highlight},
+		{"Anisotropy", &shading->anisotropy, inspector_bends(shading)},
+		{"Wrap", &shading->wrap, !lambert},
+		{"Specular", &shading->specular, highlight},
 	};
+	stilb_ui_draw_text(stilb_ui_list(ui), stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL),
+	                   stilb_ui_cut_top(&area, style->row_height), STILB_UI_ALIGN_LEFT, style->text,
+	                   "Added to each material's own");
 	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
-		stilb_ui_slider(ui, stilb_ui_cut_top(&area, style->control_height), rows[r].label, rows[r].value, &range);
+		(rows[r].read ? stilb_ui_slider : stilb_ui_slider_muted)(ui, stilb_ui_cut_top(&area, style->control_height),
+		                                                         rows[r].label, rows[r].value, &range);
 		stilb_ui_cut_top(&area, style->gap);
 	}
 	if (stilb_ui_button(ui, stilb_ui_cut_top(&area, style->control_height), "Default"))
 		*shading = stilb_render_shading_default();
 }
 
-static float inspector_sliders_height(const stilb_ui *ui)
+static float inspector_sliders_height(const stilb_ui_style *style)
 {
-	const stilb_ui_style *style = stilb_ui_style_get((stilb_ui *)ui);
-	return 5.0f * style->control_height + 4.0f * style->gap;
+	return style->row_height + 5.0f * style->control_height + 4.0f * style->gap;
 }
 
 /* ---- the lobe -------------------------------------------------------------------------------------------------------- */
@@ -149,19 +226,22 @@ static float inspector_lobe(const stilb_render_shading *shading, float values[IN
 	return most;
 }
 
-/* Over the angle, with the root of the value as length: a highlight is some hundred times as high as what is around it. */
+/* Over the angle, with the root of the value as length: a highlight is some hundred times as high as what is around it.
+ * Nothing where there is no room for the words. */
 static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_render_shading *shading)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
+	const float line = stilb_ui_font_line(font);
+	if (area.y1 - area.y0 < 4.0f * line)
+		return;
 	stilb_ui_draw_list *list = stilb_ui_list(ui);
 	float values[INSPECTOR_LOBE_POINTS];
 	stilb_ui_point points[INSPECTOR_LOBE_POINTS];
 	const float most = inspector_lobe(shading, values);
 	stilb_ui_draw_rounded(list, area, style->radius, style->plot_background);
 	const stilb_ui_rect inside = stilb_ui_inset(area, style->gap);
-	const float line = stilb_ui_font_line(font),
-				reach = fminf(0.5f * (inside.x1 - inside.x0), inside.y1 - inside.y0 - 2.0f * line);
+	const float reach = fminf(0.5f * (inside.x1 - inside.x0), inside.y1 - inside.y0 - 2.0f * line);
 	const stilb_ui_point foot = {0.5f * (inside.x0 + inside.x1), inside.y1 - line};
 	const float slant = reach * 0.70710678f;
 	stilb_ui_draw_line(list, (stilb_ui_point){inside.x0, foot.y}, (stilb_ui_point){inside.x1, foot.y}, 1.0f,
@@ -187,19 +267,23 @@ static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_re
 /* ---- the window -------------------------------------------------------------------------------------------------------- */
 
 /* At the right of the picture at first, and where the user moved it from then on. In a low picture the lobe and the sliders
- * stand beside the lists instead of below them. */
-static void inspector_place(engine_inspector *inspector, const stilb_ui *ui, float lists)
+ * stand beside the lists instead of below them; in a small one all of it shrinks, and lists scroll. */
+static void inspector_place(engine_inspector *inspector, const stilb_ui_style *style, const stilb_ui_input *input,
+                            float lists)
 {
-	const stilb_ui_style *style = stilb_ui_style_get((stilb_ui *)ui);
-	const stilb_ui_input *input = stilb_ui_input_get(ui);
-	const float column = INSPECTOR_COLUMN + 2.0f * style->gap, head = style->title_height + 2.0f * style->margin;
-	const float below = style->gap + inspector_sliders_height(ui);
-	const bool beside = input->height < head + lists + below, moved = !stilb_ui_is_empty(inspector->place);
-	const float width = (beside ? 3.0f : 2.0f) * column - 2.0f * style->gap + 2.0f * style->margin;
-	const float height = head + lists + (beside ? 0.0f : below);
+	const float gap = 2.0f * style->gap, around = 2.0f * style->margin;
+	const float head = style->title_height + around + INSPECTOR_BORDER,
+				below = style->gap + inspector_sliders_height(style);
+	const bool beside = input->height - around < head + lists + below;
+	const float columns = beside ? 3.0f : 2.0f;
+	const float wanted_x = columns * (INSPECTOR_COLUMN + gap) - gap + around;
+	const float wanted_y = head + lists + (beside ? 0.0f : below);
+	const float width = fmaxf(fminf(wanted_x, input->width - around), INSPECTOR_COLUMN);
+	const float height = fmaxf(fminf(wanted_y, input->height - around), head);
+	const float free_x = input->width - width, free_y = input->height - height;
 	stilb_ui_rect *place = &inspector->place;
-	if (!moved)
-		*place = (stilb_ui_rect){.x0 = input->width - width - 2.0f * style->margin, .y0 = 2.0f * style->margin};
+	if (stilb_ui_is_empty(*place))
+		*place = (stilb_ui_rect){.x0 = free_x - fminf(around, 0.5f * free_x), .y0 = fminf(around, 0.5f * free_y)};
 	else
 		place->x0 = place->x1 - width; /* its right end stays where it is */
 	*place = (stilb_ui_rect){place->x0, place->y0, place->x0 + width, place->y0 + height};
@@ -210,24 +294,27 @@ void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_rend
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const float gap = 2.0f * style->gap;
-	const float lists = inspector_list_height(ui, SHADE_NDF_COUNT) + inspector_list_height(ui, SHADE_G_COUNT) +
-	                    inspector_list_height(ui, SHADE_F_COUNT);
-	inspector_place(inspector, ui, lists);
+	const float lists = inspector_column_height(style, 3, SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT);
+	inspector_place(inspector, style, stilb_ui_input_get(ui), lists);
 	stilb_ui_id_push(ui, "inspector");
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Materials", &inspector->place, STILB_UI_PANEL_MOVABLE, open);
-	stilb_ui_rect rest = area, lobe;
+	const float columns = inspector->beside ? 3.0f : 2.0f;
+	const float column = floorf((area.x1 - area.x0 + gap) / columns - gap);
+	stilb_ui_rect rest = area, upper = inspector->beside ? area : stilb_ui_cut_top(&rest, lists), lobe;
+	stilb_ui_rect left = stilb_ui_cut_left(&upper, column);
+	stilb_ui_cut_left(&upper, gap);
+	stilb_ui_rect right = stilb_ui_cut_left(&upper, column);
 	if (inspector->beside) {
-		area = stilb_ui_cut_left(&rest, 2.0f * INSPECTOR_COLUMN + gap);
-		stilb_ui_cut_left(&rest, gap);
-		lobe = stilb_ui_cut_top(&rest, INSPECTOR_LOBE);
+		stilb_ui_cut_left(&rest, 2.0f * (column + gap));
+		const float room = rest.y1 - rest.y0 - style->gap - inspector_sliders_height(style);
+		lobe = stilb_ui_cut_top(&rest, fmaxf(fminf(room, INSPECTOR_LOBE), 0.0f));
 		stilb_ui_cut_top(&rest, style->gap);
 	} else {
-		area = stilb_ui_cut_top(&rest, lists);
 		stilb_ui_cut_top(&rest, style->gap);
-		lobe = stilb_ui_cut_left(&rest, INSPECTOR_LOBE);
+		lobe = stilb_ui_cut_left(&rest, column);
 		stilb_ui_cut_left(&rest, gap);
 	}
-	inspector_lists(ui, area, shading);
+	inspector_lists(inspector, ui, left, right, shading);
 	inspector_draw_lobe(ui, lobe, shading);
 	inspector_sliders(ui, rest, shading);
 	stilb_ui_panel_end(ui);

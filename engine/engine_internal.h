@@ -14,6 +14,7 @@
 typedef struct engine_inspector {
 	stilb_ui_rect place; /* empty: not yet drawn */
 	bool beside;         /* the sliders stand beside the lists */
+	stilb_ui_list_state lists[5];
 } engine_inspector;
 
 /* What stands over the picture; {0} before any of it is opened for the first time. */

@@ -30,6 +30,10 @@ demo_options demo_options_default(void)
 		.g = DEMO_NOT_GIVEN,
 		.f = DEMO_NOT_GIVEN,
 		.light = (int)stilb_render_shading_default().light,
+		.roughness = NAN,
+		.anisotropy = NAN,
+		.wrap = NAN,
+		.specular = NAN,
 	};
 }
 
@@ -52,14 +56,18 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 	     "lists as they are; one command a draw; that in parallel (indirect)", 0, 0, demo_replay_choices},
 		{"--materials", FLAG_CHOICE, &o->materials, "index|bind|pipeline",
 	     "by index; by descriptor set; by one of two pipelines (index)", 0, 0, demo_materials_choices},
-		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "reflection model: lambert, phong, ... (blinn-phong-modified)", 0, 0,
-	     stilb_engine_brdf_names},
+		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "reflection model: lambert, wrapped, ... (blinn-phong-modified)", 0,
+	     0, stilb_engine_brdf_names},
 		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet, which it implies (ggx)", 0, 0,
 	     stilb_engine_ndf_names},
 		{"--g", FLAG_CHOICE, &o->g, "NAME", "its G, the same (smith-ggx)", 0, 0, stilb_engine_g_names},
 		{"--f", FLAG_CHOICE, &o->f, "NAME", "its F, the same (schlick)", 0, 0, stilb_engine_f_names},
 		{"--light-model", FLAG_CHOICE, &o->light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
 	     stilb_engine_light_names},
+		{"--roughness", FLAG_DECIMAL, &o->roughness, "X", "added to every material's roughness, -1..1 (0)", 0, 1, NULL},
+		{"--anisotropy", FLAG_DECIMAL, &o->anisotropy, "X", "the same (0; 0.6 with --ndf ggx-anisotropic)", 0, 1, NULL},
+		{"--wrap", FLAG_DECIMAL, &o->wrap, "X", "the same (0; 0.5 with --brdf wrapped)", 0, 1, NULL},
+		{"--specular", FLAG_DECIMAL, &o->specular, "X", "the same, to its specular reflectance (0)", 0, 1, NULL},
 		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: the CPU's side alone (vulkan)", 0, 0,
 	     demo_device_choices},
 		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
@@ -248,14 +256,25 @@ static uint32_t demo_choice(int given, uint32_t otherwise)
 	return given == DEMO_NOT_GIVEN ? otherwise : (uint32_t)given;
 }
 
+static float demo_added(float given, float otherwise)
+{
+	return isnan(given) ? otherwise : given;
+}
+
 static stilb_render_shading demo_shading(const demo_options *o)
 {
-	stilb_render_shading shading = stilb_render_shading_default();
+	const stilb_render_shading at_first = stilb_render_shading_default();
+	stilb_render_shading shading = at_first;
 	shading.brdf = demo_choice(o->brdf, demo_wants_parts(o) ? SHADE_BRDF_MICROFACET : shading.brdf);
 	shading.ndf = demo_choice(o->ndf, shading.ndf);
 	shading.g = demo_choice(o->g, shading.g);
 	shading.f = demo_choice(o->f, shading.f);
 	shading.light = (uint32_t)o->light;
+	stilb_engine_shading_chosen(&at_first, &shading);
+	shading.roughness = demo_added(o->roughness, shading.roughness);
+	shading.anisotropy = demo_added(o->anisotropy, shading.anisotropy);
+	shading.wrap = demo_added(o->wrap, shading.wrap);
+	shading.specular = demo_added(o->specular, shading.specular);
 	return shading;
 }
 

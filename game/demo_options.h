@@ -21,6 +21,7 @@ typedef struct demo_options {
 	int view, cull, replay, materials, device, ui_aa;
 	int brdf, ndf, g, f; /* DEMO_NOT_GIVEN, or the number of the word */
 	int light;
+	float roughness, anisotropy, wrap, specular; /* added; NAN: what the choice adds by itself */
 	bool headless, no_present, animate, validate, overlay, inspector, no_profile;
 	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault;
 } demo_options;

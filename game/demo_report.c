@@ -41,6 +41,12 @@ static void demo_put_shading(stilb_json *json, stilb_render_shading shading)
 		demo_put_choice(json, "f", stilb_engine_f_names[shading.f]);
 	}
 	demo_put_choice(json, "light_model", stilb_engine_light_names[shading.light]);
+	stilb_json_begin(json, "added", '{');
+	stilb_json_double(json, "roughness", (double)shading.roughness);
+	stilb_json_double(json, "anisotropy", (double)shading.anisotropy);
+	stilb_json_double(json, "wrap", (double)shading.wrap);
+	stilb_json_double(json, "specular", (double)shading.specular);
+	stilb_json_end(json, '}');
 }
 
 stilb_result demo_report_save(const demo_report *report)

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +25,20 @@ static flags_result refuse_number(const flag *f, const char *value)
 	stilb_log("%s: '%s' is not a whole number in %" PRIu64 "..%" PRIu64 "%s", f->name, value, f->low, f->high,
 	          f->kind == FLAG_WORKERS ? " or 'auto'" : "");
 	return FLAGS_REFUSED;
+}
+
+/* Sign, digits and point, and no other way to write a number, in range. */
+static flags_result parse_decimal(const flag *f, const char *value)
+{
+	char *end;
+	float number = strtof(value, &end);
+	bool whole = end != value && *end == '\0' && strspn(value, "+-.0123456789") == strlen(value);
+	if (!whole || fabsf(number) > (float)f->high) {
+		stilb_log("%s: '%s' is not a number like 0.25 in -%" PRIu64 "..%" PRIu64, f->name, value, f->high, f->high);
+		return FLAGS_REFUSED;
+	}
+	*(float *)f->value = number + 0.0f; /* -0 is 0 */
+	return FLAGS_OK;
 }
 
 static flags_result parse_size(const flag *f, const char *value)
@@ -83,6 +98,8 @@ static flags_result parse_value(const flag *f, const char *value)
 	switch (f->kind) {
 	case FLAG_NUMBER:
 		return parse_number(value, f->low, f->high, f->value) ? FLAGS_OK : refuse_number(f, value);
+	case FLAG_DECIMAL:
+		return parse_decimal(f, value);
 	case FLAG_WORKERS:
 		number = FLAG_WORKERS_AUTO;
 		if (strcmp(value, "auto") != 0 && !parse_number(value, f->low, f->high, &number))

@@ -10,6 +10,7 @@
 typedef enum flag_kind {
 	FLAG_SWITCH,  /* bool: no value */
 	FLAG_NUMBER,  /* uint64_t in [low, high] */
+	FLAG_DECIMAL, /* float in [-high, high] */
 	FLAG_WORKERS, /* uint32_t in [low, high], or FLAG_WORKERS_AUTO for "auto" */
 	FLAG_SIZE,    /* uint32_t[2] from WxH, both in [low, high] */
 	FLAG_CHOICE,  /* int: index into choices */

@@ -150,6 +150,48 @@ static void test_a_part_chooses_its_model(void **state)
 	assert_true(seen[0][SHADE_BRDF_LAMBERT] > 0);                        /* headings */
 }
 
+static float wrap_then_anisotropy(uint32_t brdf, uint32_t ndf)
+{
+	const stilb_render_shading before = shading;
+	shading.brdf = brdf;
+	shading.ndf = ndf;
+	stilb_engine_shading_chosen(&before, &shading);
+	return shading.wrap + 10.0f * shading.anisotropy;
+}
+
+/* Who chooses what shows nothing with the materials' own numbers gets some; it goes with the choice, unless it was set. */
+static void test_a_choice_can_be_seen(void **state)
+{
+	(void)state;
+	enum { BENT = SHADE_NDF_GGX_ANISOTROPIC };
+	shading = stilb_render_shading_default();
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_WRAPPED, SHADE_NDF_GGX) == 0.5f);
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_WRAPPED, BENT) == 0.5f);
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_MICROFACET, BENT) == 6.0f);
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_PHONG, BENT) == 0.0f);
+	shading.wrap = 0.5f; /* set for Phong: it stays for Lambert */
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_LAMBERT, BENT) == 0.5f);
+	shading.wrap = 0.25f;
+	shading.anisotropy = -0.5f;
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_WRAPPED, BENT) == -4.75f);
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_MICROFACET, BENT) == -4.75f);
+	assert_true(wrap_then_anisotropy(SHADE_BRDF_MICROFACET, SHADE_NDF_BLINN) == -4.75f);
+}
+
+/* The same with the mouse: the second row below the first heading is wrapped. */
+static void test_wrapped_clicked(void **state)
+{
+	(void)state;
+	draw();
+	const float first = inspector.place.y0 + 34.0f + 18.0f + 9.0f;
+	click(across(0.2f), first + 18.0f);
+	assert_int_equal(shading.brdf, SHADE_BRDF_WRAPPED);
+	assert_true(shading.wrap == 0.5f);
+	click(across(0.2f), first);
+	assert_int_equal(shading.brdf, SHADE_BRDF_LAMBERT);
+	assert_true(shading.wrap == 0.0f);
+}
+
 static void test_words(void **state)
 {
 	(void)state;
@@ -185,6 +227,8 @@ static uint32_t moved[4];
 
 static void look_at_sliders(void)
 {
+	if (shading.brdf != stilb_render_shading_default().brdf)
+		return; /* that was a list */
 	const float values[4] = {shading.roughness, shading.anisotropy, shading.wrap, shading.specular};
 	for (int i = 0; i < 4; i++) {
 		assert_true(values[i] >= -1.0f && values[i] <= 1.0f);
@@ -263,6 +307,88 @@ static void test_low_picture(void **state)
 	assert_memory_equal(&inspector.place, &tall, sizeof tall);
 }
 
+/* Turns the wheel to the top of what is there, and from there down. */
+static void scroll_down(float x, float y, float notches)
+{
+	point_at(x, y);
+	input.wheel = 100.0f;
+	draw();
+	input.wheel = -notches;
+	draw();
+	input.wheel = 0.0f;
+}
+
+static void each_word_of_column(float share)
+{
+	for (float notches = 0.0f; notches < 3.0f; notches += 1.0f)
+		for (float y = inspector.place.y0 + 30.0f; y < inspector.place.y1; y += 6.0f) {
+			shading = stilb_render_shading_default();
+			scroll_down(across(share), y, notches);
+			click(across(share), y);
+			look_at_choice();
+		}
+}
+
+/* In a small picture lists scroll: each word, each slider, the button and the box that closes it can still be clicked. */
+static void test_small_picture(void **state)
+{
+	(void)state;
+	static const float sizes[][2] = {{640.0f, 360.0f}, {400.0f, 300.0f}};
+	for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+		input.width = sizes[s][0];
+		input.height = sizes[s][1];
+		inspector = (engine_inspector){0};
+		draw();
+		const stilb_ui_rect place = inspector.place;
+		assert_true(place.x0 >= 0.0f && place.y0 >= 0.0f && place.x1 <= input.width && place.y1 <= input.height);
+		memset(seen, 0, sizeof seen);
+		each_word_of_column(0.15f);
+		each_word_of_column(0.45f);
+		assert_int_equal(count_seen(0), SHADE_BRDF_COUNT);
+		assert_int_equal(count_seen(1), SHADE_NDF_COUNT);
+		assert_int_equal(count_seen(2), SHADE_G_COUNT);
+		assert_int_equal(count_seen(3), SHADE_F_COUNT);
+		assert_int_equal(count_seen(4), SHADE_LIGHT_COUNT);
+		memset(moved, 0, sizeof moved);
+		click_down(0.93f, 1.0f, false, look_at_sliders);
+		for (int i = 0; i < 4; i++)
+			assert_in_range(moved[i], 3, 5);
+		const stilb_render_shading at_first = stilb_render_shading_default();
+		shading.wrap = 1.0f;
+		click(across(0.85f), place.y1 - 18.0f);
+		assert_memory_equal(&shading, &at_first, sizeof shading);
+		click(place.x1 - 14.0f, place.y0 + 13.0f);
+		assert_false(open);
+		open = true;
+	}
+}
+
+static bool list_shows(size_t list, uint32_t row, float rows)
+{
+	const float scroll = inspector.lists[list].scroll, top = 18.0f * (float)row;
+	return scroll <= top && top + 18.0f <= scroll + 18.0f * rows;
+}
+
+/* What is chosen is in view, whoever chose it; then the user may scroll away from it. */
+static void test_chosen_is_in_view(void **state)
+{
+	(void)state;
+	input.width = 400.0f;
+	input.height = 300.0f;
+	shading.brdf = SHADE_BRDF_MICROFACET;
+	shading.g = SHADE_G_SCHLICK_GGX;
+	draw();
+	assert_true(list_shows(0, SHADE_BRDF_MICROFACET, 5.0f));
+	assert_true(list_shows(2 + 1, SHADE_G_SCHLICK_GGX, 3.0f));
+	shading.g = SHADE_G_IMPLICIT;
+	draw();
+	assert_true(list_shows(2 + 1, SHADE_G_IMPLICIT, 3.0f));
+	scroll_down(across(0.45f), inspector.place.y0 + 145.0f, 1.0f);
+	assert_false(list_shows(2 + 1, SHADE_G_IMPLICIT, 3.0f));
+	draw();
+	assert_false(list_shows(2 + 1, SHADE_G_IMPLICIT, 3.0f));
+}
+
 /* Pictures that the window does not fit in, and numbers that a lobe has not: nothing of it is drawn wrong or crashes. */
 static void test_small_and_odd(void **state)
 {
@@ -290,11 +416,15 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_each_word, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_a_part_chooses_its_model, set_up, tear_down),
+		cmocka_unit_test(test_a_choice_can_be_seen),
+		cmocka_unit_test_setup_teardown(test_wrapped_clicked, set_up, tear_down),
 		cmocka_unit_test(test_words),
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_sliders, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_window, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_low_picture, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_small_picture, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_chosen_is_in_view, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_small_and_odd, set_up, tear_down),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -17,11 +17,12 @@ static void test_help_and_version(void **state)
 	assert_said(run.out, "bench");
 	stilb_good("demo --help");
 	static const char *const flags[] = {
-		"--models", "--workers",    "--frames",      "--headless",     "--no-present", "--animate", "--validate",
-		"--size",   "--view",       "--cull",        "--replay",       "--device",     "--gpu",     "--msaa",
-		"--seed",   "--screenshot", "--trace",       "--stats",        "--materials",  "--fault",   "--capture",
-		"--spike",  "--ui-aa",      "--overlay",     "--profile-ring", "--no-profile", "--brdf",    "--ndf",
-		"--g",      "--f",          "--light-model", "--inspector"};
+		"--models",       "--workers",    "--frames",    "--headless",   "--no-present", "--animate",
+		"--validate",     "--size",       "--view",      "--cull",       "--replay",     "--device",
+		"--gpu",          "--msaa",       "--seed",      "--screenshot", "--trace",      "--stats",
+		"--materials",    "--fault",      "--capture",   "--spike",      "--ui-aa",      "--overlay",
+		"--profile-ring", "--no-profile", "--brdf",      "--ndf",        "--g",          "--f",
+		"--light-model",  "--inspector",  "--roughness", "--wrap",       "--anisotropy", "--specular"};
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[32];
 		snprintf(line, sizeof line, "\n  %s ", flags[i]);
@@ -136,6 +137,10 @@ static const char *const refusals[][2] = {
 	{"demo --light-model moon", "sun, hemisphere, sphere, disk, windowed, subtracted"},
 	{"demo --brdf phong --f schlick", "parts of --brdf microfacet"},
 	{"demo --g kelemen --brdf blinn-phong", "blinn-phong has no D, G and F"},
+	{"demo --roughness 1.01", "-1..1"},
+	{"demo --wrap wide", "'wide'"},
+	{"demo --anisotropy {}", "--anisotropy"},
+	{"demo --specular", "missing"},
 	{"demo --fault slow:0", "slow:N"},
 	{"info --bogus", "'--bogus'"},
 	{"info --json missing/a.json", "does not exist"},

@@ -141,18 +141,24 @@ static void test_each_name_is_another_picture(void **state)
 	static const char *const names[] = {
 		"",
 		"--brdf lambert",
-		"--brdf wrapped --light-model disk", /* its materials do not wrap: the same as lambert under the sun */
+		"--brdf wrapped",
 		"--brdf phong",
 		"--brdf phong-modified",
 		"--brdf blinn-phong",
 		"--brdf minimalist",
 		"--brdf microfacet",
+		"--ndf ggx-anisotropic",
 		"--ndf beckmann",
 		"--ndf blinn",
 		"--g implicit",
 		"--g cook-torrance",
 		"--f none",
 		"--brdf microfacet --ndf beckmann --g kelemen --f cook-torrance",
+		"--roughness 0.3",
+		"--roughness -0.3",
+		"--wrap 0.5",
+		"--specular -0.1",
+		"--ndf ggx-anisotropic --anisotropy -0.6",
 		"--light-model hemisphere",
 		"--light-model sphere",
 		"--light-model disk",
@@ -175,6 +181,33 @@ static void test_each_name_is_another_picture(void **state)
 	assert_string_equal(stat_text("brdf", '"'), "blinn-phong-modified");
 	for (size_t i = 0; i < NAMES; i++)
 		stilb_image_finish(&pictures[i]);
+}
+
+/* What is added is in the stats; given, it counts as given, and a choice adds nothing to it. */
+static void test_numbers_added_to_materials(void **state)
+{
+	(void)state;
+	stilb_good(SHADED "--brdf lambert --screenshot first.png --stats a.json");
+	read_stats("a.json");
+	assert_string_equal(stat_text("added.wrap", '0'), "0.000000");
+	read_picture("first.png");
+	stilb_good(SHADED "--brdf wrapped --wrap 0 --screenshot other.png");
+	assert_true(same_picture("other.png"));
+	stilb_good(SHADED "--brdf wrapped --screenshot first.png --stats a.json");
+	read_stats("a.json");
+	assert_string_equal(stat_text("added.wrap", '0'), "0.500000");
+	read_picture("first.png");
+	stilb_good(SHADED "--brdf wrapped --wrap=.5 --screenshot other.png");
+	assert_true(same_picture("other.png"));
+	stilb_good(SHADED "--brdf microfacet --screenshot first.png");
+	read_picture("first.png");
+	stilb_good(SHADED "--ndf ggx-anisotropic --anisotropy 0 --screenshot other.png");
+	assert_true(same_picture("other.png")); /* but for the last bits, which eight bits a channel do not show */
+	stilb_good(SHADED "--ndf ggx-anisotropic --roughness -0.25 --specular +1 --stats a.json");
+	read_stats("a.json");
+	assert_string_equal(stat_text("added.roughness", '0'), "-0.250000");
+	assert_string_equal(stat_text("added.anisotropy", '0'), "0.600000");
+	assert_string_equal(stat_text("added.specular", '0'), "1.000000");
 }
 
 static void test_the_same_formulas_in_every_way(void **state)
@@ -413,6 +446,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_same_picture_and_draws_with_samples),
 		FRESH_TEST(test_flags_change_the_picture),
 		FRESH_TEST(test_each_name_is_another_picture),
+		FRESH_TEST(test_numbers_added_to_materials),
 		FRESH_TEST(test_the_same_formulas_in_every_way),
 		FRESH_TEST(test_linear_picture),
 		FRESH_TEST(test_overlay),

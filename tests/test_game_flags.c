@@ -3,6 +3,7 @@
 #include "game/stage_times.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -19,6 +20,7 @@ typedef struct values {
 	uint64_t number, seed;
 	uint32_t workers, size[2];
 	int choice;
+	float share;
 	const char *text;
 } values;
 
@@ -33,11 +35,12 @@ static const flag table[] = {
 	{"--workers", FLAG_WORKERS, &v.workers, "N", "threads", 0, 256, NULL},
 	{"--size", FLAG_SIZE, v.size, "WxH", "a size", 1, 16384, NULL},
 	{"--choice", FLAG_CHOICE, &v.choice, "red|green|greenish|sky-blue", "a colour", 0, 0, choices},
+	{"--share", FLAG_DECIMAL, &v.share, "X", "a share", 0, 2, NULL},
 	{"--text", FLAG_TEXT, &v.text, "FILE", "a name", 0, 0, NULL},
 };
 #define TABLE (sizeof table / sizeof *table)
 
-static const values defaults = {false, 10, 1, 5, {12, 34}, 1, "old"};
+static const values defaults = {false, 10, 1, 5, {12, 34}, 1, 0.5f, "old"};
 
 /* Parses a list of words that ends with NULL, from the defaults on; said is what came on stderr. */
 static flags_result parse(const char *const *words)
@@ -101,6 +104,10 @@ static void test_every_kind(void **state)
 	assert_int_equal(v.choice, 3);
 	assert_right(PARSE("--choice=sky-blue")); /* as flags are written */
 	assert_int_equal(v.choice, 3);
+	assert_right(PARSE("--share", "-0.25")); /* a sign is no flag's dash */
+	assert_true(v.share == -0.25f);
+	assert_right(PARSE("--share=+1.5"));
+	assert_true(v.share == 1.5f);
 	assert_right(PARSE("--text=a=b"));
 	assert_string_equal(v.text, "a=b");
 	assert_right(PARSE("--text", "=")); /* the value's own sign */
@@ -122,6 +129,16 @@ static void test_bounds(void **state)
 	assert_true(v.number == 77);
 	assert_right(PARSE("--workers", "auto"));
 	assert_true(v.workers == FLAG_WORKERS_AUTO);
+	static const struct {
+		const char *text;
+		float share;
+	} shares[] = {{"2", 2.0f}, {"-2.000", -2.0f}, {".5", 0.5f}, {"1.", 1.0f}, {"0", 0.0f}, {"0.0000001", 1e-7f}};
+	for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+		assert_right(PARSE("--share", shares[i].text));
+		assert_true(v.share == shares[i].share);
+	}
+	assert_right(PARSE("--share=-0"));
+	assert_false(signbit(v.share)); /* one zero: bits are hashed */
 }
 
 static void test_wrong_values(void **state)
@@ -162,6 +179,21 @@ static void test_wrong_values(void **state)
 		{"--size", "-1x1"},
 		{"--size", "1 x1"},
 		{"--size", "4294967297x1"},
+		{"--share", "2.0001"},
+		{"--share", "-2.0001"},
+		{"--share", "-"},
+		{"--share", "."},
+		{"--share", "1.2.3"},
+		{"--share", "+-1"},
+		{"--share", " 1"},
+		{"--share", "1 "},
+		{"--share", "1,5"},
+		{"--share", "1e-1"},
+		{"--share", "0x1"},
+		{"--share", "nan"},
+		{"--share", "-inf"},
+		{"--share", "half"},
+		{"--share", "99999999999999999999999999999999999999999999"},
 		{"--choice", "blue"},
 		{"--choice", "gree"},
 		{"--choice", "greeni"},
@@ -186,6 +218,8 @@ static void test_wrong_values(void **state)
 	assert_non_null(strstr(said, "0..256 or 'auto'"));
 	PARSE("--choice", "x");
 	assert_non_null(strstr(said, "red, green, greenish, sky-blue"));
+	PARSE("--share", "x");
+	assert_non_null(strstr(said, "-2..2"));
 	PARSE("--size", "x");
 	assert_non_null(strstr(said, "1..16384"));
 }

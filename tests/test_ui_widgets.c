@@ -310,6 +310,46 @@ static void test_slider(void **state)
 	user_destroy(&u);
 }
 
+/* Knob and track stay below the words, so that no value hides its own digits. */
+static void test_slider_words_are_free(void **state)
+{
+	(void)state;
+	user u = control_user();
+	const stilb_ui_color accent = stilb_ui_style_get(u.ui)->accent;
+	for (value = range.minimum; value <= range.maximum; value += 0.5f) {
+		user_frame(&u);
+		const stilb_ui_draw_list *list = stilb_ui_list(u.ui);
+		uint32_t knob = 0;
+		for (uint32_t v = 0; v < list->vertex_count; v++) {
+			const stilb_render_vertex_2d *at = &list->vertices[v];
+			if (at->position[1] < places[4].y0 || memcmp(at->color, &accent, 3) != 0)
+				continue;
+			knob++;
+			assert_true(at->position[1] > places[4].y1 - 8.0f);
+		}
+		assert_true(knob > 0);
+	}
+	user_destroy(&u);
+}
+
+static void muted_slider(stilb_ui *ui)
+{
+	slid += stilb_ui_slider_muted(ui, places[4], "spike", &value, &range);
+}
+
+/* A dim one is moved like any other. */
+static void test_slider_muted(void **state)
+{
+	(void)state;
+	user u = control_user();
+	u.screen = muted_slider;
+	user_frame(&u);
+	user_click(&u, 114, 100);
+	assert_float_equal(value, 5.0f, 0.05f);
+	assert_int_equal(slid, 1);
+	user_destroy(&u);
+}
+
 static void test_keyboard(void **state)
 {
 	(void)state;
@@ -787,6 +827,8 @@ int main(void)
 		cmocka_unit_test(test_wheel_goes_through_what_does_not_take_it),
 		cmocka_unit_test(test_buttons),
 		cmocka_unit_test(test_slider),
+		cmocka_unit_test(test_slider_words_are_free),
+		cmocka_unit_test(test_slider_muted),
 		cmocka_unit_test(test_keyboard),
 		cmocka_unit_test(test_what_is_gone_has_no_keys),
 		cmocka_unit_test(test_equal_labels_with_pushed_ids),

@@ -203,6 +203,10 @@ typedef struct stilb_ui_slider_range {
 bool stilb_ui_slider(stilb_ui *ui, stilb_ui_rect rect, const char *label, float *value,
                      const stilb_ui_slider_range *range);
 
+/* The same, dim: the value has no say at present. */
+bool stilb_ui_slider_muted(stilb_ui *ui, stilb_ui_rect rect, const char *label, float *value,
+                           const stilb_ui_slider_range *range);
+
 /* Values from left to right as a line over a grid; the value under the mouse is shown. Where maximum <= minimum the
  * values' own range is taken. NaN leaves a gap. */
 void stilb_ui_plot(stilb_ui *ui, stilb_ui_rect rect, const char *label, const float *values, uint32_t count,

@@ -280,38 +280,58 @@ static float slider_value(const stilb_ui *ui, stilb_ui_rect track, float knob, c
 	return slider_snap(range, value);
 }
 
-bool stilb_ui_slider(stilb_ui *ui, stilb_ui_rect rect, const char *label, float *value,
-                     const stilb_ui_slider_range *range)
+/* Below the words, where it covers neither of them. */
+static void draw_slider_track(stilb_ui *ui, stilb_ui_rect inside, float knob, float share, stilb_ui_color color)
+{
+	const float height = roundf(5.0f * ui->scale), radius = 0.5f * height;
+	const float at = inside.x0 + roundf(share * (inside.x1 - inside.x0 - knob));
+	stilb_ui_rect track = stilb_ui_cut_bottom(&inside, height);
+	stilb_ui_draw_rounded(&ui->list, track, radius, ui->style.plot_background);
+	stilb_ui_draw_rounded(&ui->list, (stilb_ui_rect){track.x0, track.y0, at + knob, track.y1}, radius,
+	                      ui->style.row_selected);
+	stilb_ui_draw_rounded(&ui->list, (stilb_ui_rect){at, track.y0, at + knob, track.y1}, radius, color);
+}
+
+static bool slider(stilb_ui *ui, stilb_ui_rect rect, const char *label, float *value,
+                   const stilb_ui_slider_range *range, bool muted)
 {
 	const stilb_ui_style *style = &ui->style;
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
 	stilb_ui_action action = stilb_ui_area(ui, label, rect, STILB_UI_TAKES_KEYS | STILB_UI_TAKES_FOCUS);
-	float knob = roundf(8.0f * ui->scale), before = *value;
-	stilb_ui_rect track = rect_on_pixels(rect), inside = stilb_ui_inset(track, line_width(ui));
+	float knob = roundf(12.0f * ui->scale), before = *value;
+	stilb_ui_rect box = rect_on_pixels(rect), inside = stilb_ui_inset(box, line_width(ui));
 	if (action.held || action.focused)
 		*value = slider_value(ui, inside, knob, &action, range, *value);
-	draw_control(ui, track, style->radius, style->control_active, style->control_border);
+	draw_control(ui, box, style->radius, style->control_active, style->control_border);
 
 	float reach = range->maximum - range->minimum;
 	float share = reach > 0.0f ? ui_clamp((*value - range->minimum) / reach, 0.0f, 1.0f) : 0.0f;
-	float at = inside.x0 + roundf(share * (inside.x1 - inside.x0 - knob));
-	stilb_ui_rect filled = {inside.x0, inside.y0, at + knob, inside.y1};
-	stilb_ui_rect handle = {at, inside.y0, at + knob, inside.y1};
-	stilb_ui_draw_rounded(&ui->list, filled, style->radius - line_width(ui), style->row_selected);
-	stilb_ui_draw_rounded(&ui->list, handle, style->radius - line_width(ui),
-	                      action.hovered || action.held ? stilb_ui_mix(style->accent, style->text_strong, 0.3f)
-	                                                    : style->accent);
+	stilb_ui_color color = muted ? style->control_border : style->accent;
+	draw_slider_track(ui, inside, knob, share,
+	                  action.hovered || action.held ? stilb_ui_mix(color, style->text_strong, 0.3f) : color);
 	char text[64];
 	snprintf(text, sizeof text, range->format ? range->format : "%.2f", (double)*value);
-	stilb_ui_rect room = inside;
-	room.x0 += text_padding(ui);
-	room.x1 -= text_padding(ui);
+	stilb_ui_rect room = {inside.x0 + text_padding(ui), inside.y0, inside.x1 - text_padding(ui),
+	                      inside.y1 - roundf(4.0f * ui->scale)};
 	stilb_ui_draw_text(&ui->list, font, stilb_ui_cut_right(&room, ceilf(stilb_ui_text_width(font, text))),
-	                   STILB_UI_ALIGN_RIGHT, style->text_strong, text);
+	                   STILB_UI_ALIGN_RIGHT, muted ? style->text_muted : style->text_strong, text);
 	room.x1 -= style->gap;
-	stilb_ui_draw_text(&ui->list, font, room, STILB_UI_ALIGN_LEFT, style->text, ui_label_shown(label).text);
-	ui_draw_focus(ui, track, style->radius, &action);
+	stilb_ui_draw_text(&ui->list, font, room, STILB_UI_ALIGN_LEFT, muted ? style->text_muted : style->text,
+	                   ui_label_shown(label).text);
+	ui_draw_focus(ui, box, style->radius, &action);
 	return *value != before;
+}
+
+bool stilb_ui_slider(stilb_ui *ui, stilb_ui_rect rect, const char *label, float *value,
+                     const stilb_ui_slider_range *range)
+{
+	return slider(ui, rect, label, value, range, false);
+}
+
+bool stilb_ui_slider_muted(stilb_ui *ui, stilb_ui_rect rect, const char *label, float *value,
+                           const stilb_ui_slider_range *range)
+{
+	return slider(ui, rect, label, value, range, true);
 }
 
 /* ---- tooltip ----------------------------------------------------------------------------------------------------- */
