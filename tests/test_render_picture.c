@@ -318,7 +318,8 @@ static stilb_scene *grid_scene(void)
 	assert_int_equal(stilb_scene_create_stress(GRID * GRID, 1, &scene), STILB_OK);
 	for (uint32_t m = 0; m < GRID * GRID; m++) {
 		scene->part_transform[2 * m] = stilb_mat4_scale_translate(0.0001f, 0.0f, -5.0f, 0.0f);
-		scene->materials[2 * m + 1] = (stilb_scene_material){{(float)(m + 1) / 512.0f, 0.25f, 0.5f}, {0}, .roughness = 1.0f};
+		scene->materials[2 * m + 1] =
+			(stilb_scene_material){{(float)(m + 1) / 512.0f, 0.25f, 0.5f}, {0}, .roughness = 1.0f};
 	}
 	memset(&scene->sky, 0, sizeof scene->sky);
 	reference_set3(scene->sky.sky, 0.0f, 0.0f, 9.0f);

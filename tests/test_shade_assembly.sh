@@ -23,8 +23,8 @@ fail() {
 	failed=1
 }
 
-# function NAME MODEL: an evaluation whose model the compiler knows.
-function() {
+# evaluation NAME MODEL: an evaluation whose model the compiler knows.
+evaluation() {
 	cat << END
 void $1(const stilb_vec4 *in, stilb_vec4 *out);
 void $1(const stilb_vec4 *in, stilb_vec4 *out)
@@ -56,20 +56,20 @@ calls() {
 ggx='.kind = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_GGX'
 {
 	echo '#include "shading/shade_brdf.h"'
-	function lambert '.kind = SHADE_BRDF_LAMBERT'
-	function wrapped '.kind = SHADE_BRDF_WRAPPED'
+	evaluation lambert '.kind = SHADE_BRDF_LAMBERT'
+	evaluation wrapped '.kind = SHADE_BRDF_WRAPPED'
 	for g in IMPLICIT NEUMANN COOK_TORRANCE KELEMEN SMITH_BECKMANN SMITH_GGX SCHLICK_BECKMANN SCHLICK_GGX; do
 		for f in NONE SCHLICK COOK_TORRANCE; do
-			function "ggx_${g}_$f" "$ggx, .g = SHADE_G_$g, .f = SHADE_F_$f"
+			evaluation "ggx_${g}_$f" "$ggx, .g = SHADE_G_$g, .f = SHADE_F_$f"
 		done
 	done
 } > "$work/no_exp.c"
 {
 	echo '#include "shading/shade_brdf.h"'
 	for kind in PHONG PHONG_MODIFIED BLINN_PHONG BLINN_PHONG_MODIFIED MINIMALIST; do
-		function "$kind" ".kind = SHADE_BRDF_$kind"
+		evaluation "$kind" ".kind = SHADE_BRDF_$kind"
 	done
-	function beckmann '.kind = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_BECKMANN, .g = SHADE_G_SMITH_BECKMANN'
+	evaluation beckmann '.kind = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_BECKMANN, .g = SHADE_G_SMITH_BECKMANN'
 } > "$work/exp.c"
 
 for file in no_exp exp; do
