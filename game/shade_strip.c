@@ -313,7 +313,7 @@ static stilb_result write_captions(const painting *p, strip_words words[STRIP_RO
 static void make_cell(painting *p, int row, int column, char *words)
 {
 	cell *c = &p->cells[row][column];
-	p->s->rows[row].make(column, &c->sphere, words);
+	p->s->rows[row].make(&p->s->rows[row], column, &c->sphere, words);
 	for (int i = 0; i < LAMPS; i++)
 		c->lamps[i] = lamp_divide(&p->world.lamps[i], &c->sphere);
 }

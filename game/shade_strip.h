@@ -35,7 +35,8 @@ struct strip_sphere {
 	float relief_scale;
 	uint32_t relief_level, relief_samples;
 	strip_radiance *radiance; /* NULL: the studio's */
-	float number;             /* for radiance: what changes from column to column */
+	float number;             /* for radiance: what changes from column to column, */
+	int light;                /* and which lamp it is, a SHADE_LIGHT_ */
 };
 
 /* Of a smooth sphere of radius 1. */
@@ -45,11 +46,18 @@ stilb_vec3 strip_normal(float x, float y);
 #define STRIP_COLUMNS_MAX 12
 typedef char strip_words[32];
 
-typedef struct strip_row {
+typedef struct strip_row strip_row;
+struct strip_row {
 	const char *caption; /* one to three lines */
-	/* The sphere of column x, and in words what its number is. */
-	void (*make)(int column, strip_sphere *sphere, strip_words words);
-} strip_row;
+	/* The sphere of a column, and in words what its number is. */
+	void (*make)(const strip_row *row, int column, strip_sphere *sphere, strip_words words);
+	/* What tells rows with the same make apart. */
+	int kind; /* of its model (SHADE_BRDF_), its distribution (SHADE_NDF_) or its lamp (SHADE_LIGHT_) */
+	float anisotropy;
+	strip_relief *relief;
+	uint32_t relief_samples;
+	strip_radiance *radiance;
+};
 
 typedef struct strip {
 	const char *name;

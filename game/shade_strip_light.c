@@ -26,7 +26,7 @@ static float lamp_distance(int column)
 	return 0.8f * powf(1.19f, (float)column);
 }
 
-static stilb_vec3 lamp_radiance(int light, const strip_sphere *sphere, stilb_vec3 n)
+static stilb_vec3 lamp_radiance(const strip_sphere *sphere, stilb_vec3 n)
 {
 	const stilb_vec3 to_lamp = stilb_vec3_normalize(stilb_vec3_make(-0.75f, 0.45f, 0.55f));
 	const shade_lamp lamp = {
@@ -36,63 +36,23 @@ static stilb_vec3 lamp_radiance(int light, const strip_sphere *sphere, stilb_vec
 		.radius = LAMP_RADIUS,
 		.reach = LAMP_REACH,
 	};
-	const shade_sun seen = shade_lamp_at(light, lamp, n * BALL_RADIUS);
+	const shade_sun seen = shade_lamp_at(sphere->light, lamp, n * BALL_RADIUS);
 	const stilb_vec3 sky = shade_hemisphere_irradiance(n[1], even(0.03f), even(0.01f));
 	return shade_lambert(sphere->diffuse) * (seen.irradiance * fmaxf(stilb_vec3_dot(n, seen.direction), 0.0f) + sky);
 }
 
-static stilb_vec3 radiance_sphere(const strip_sphere *sphere, stilb_vec3 n)
-{
-	return lamp_radiance(SHADE_LIGHT_SPHERE, sphere, n);
-}
-
-static stilb_vec3 radiance_disk(const strip_sphere *sphere, stilb_vec3 n)
-{
-	return lamp_radiance(SHADE_LIGHT_DISK, sphere, n);
-}
-
-static stilb_vec3 radiance_windowed(const strip_sphere *sphere, stilb_vec3 n)
-{
-	return lamp_radiance(SHADE_LIGHT_WINDOWED, sphere, n);
-}
-
-static stilb_vec3 radiance_subtracted(const strip_sphere *sphere, stilb_vec3 n)
-{
-	return lamp_radiance(SHADE_LIGHT_SUBTRACTED, sphere, n);
-}
-
-static void make_lit(int column, strip_radiance *radiance, strip_sphere *sphere, strip_words words)
+static void make_lit(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	const float distance = lamp_distance(column);
-	*sphere = (strip_sphere){.diffuse = even(0.6f), .radiance = radiance, .number = distance};
+	*sphere = (strip_sphere){.diffuse = even(0.6f), .radiance = lamp_radiance, .number = distance, .light = row->kind};
 	snprintf(words, sizeof(strip_words), "%.2f m", (double)distance);
 }
 
-static void make_sphere(int column, strip_sphere *sphere, strip_words words)
-{
-	make_lit(column, radiance_sphere, sphere, words);
-}
-
-static void make_disk(int column, strip_sphere *sphere, strip_words words)
-{
-	make_lit(column, radiance_disk, sphere, words);
-}
-
-static void make_windowed(int column, strip_sphere *sphere, strip_words words)
-{
-	make_lit(column, radiance_windowed, sphere, words);
-}
-
-static void make_subtracted(int column, strip_sphere *sphere, strip_words words)
-{
-	make_lit(column, radiance_subtracted, sphere, words);
-}
-
 const strip_row strip_light_rows[STRIP_LIGHT_ROWS] = {
-	{"Sphere: 1 / d²", make_sphere},
-	{"Disk that faces\nthe ball", make_disk},
-	{"Windowed, ends\nat 4 m", make_windowed},
-	{"Subtracted, ends\nat 4 m", make_subtracted},
+	{.caption = "Sphere: 1 / d²", .make = make_lit, .kind = SHADE_LIGHT_SPHERE},
+	{.caption = "Disk that faces\nthe ball", .make = make_lit, .kind = SHADE_LIGHT_DISK},
+	{.caption = "Windowed, ends\nat 4 m", .make = make_lit, .kind = SHADE_LIGHT_WINDOWED},
+	{.caption = "Subtracted, ends\nat 4 m", .make = make_lit, .kind = SHADE_LIGHT_SUBTRACTED},
 };
 
 /* ---- spherical harmonics ----------------------------------------------------------------------------------------- */
@@ -153,37 +113,19 @@ static stilb_vec3 radiance_dominant(const strip_sphere *sphere, stilb_vec3 n)
 	                 light.irradiance * fmaxf(stilb_vec3_dot(n, light.direction), 0.0f) + light.ambient * SHADE_PI);
 }
 
-static void make_harmonic(int column, strip_radiance *radiance, strip_sphere *sphere, strip_words words)
+static void make_harmonic(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	*sphere = (strip_sphere){.diffuse = even(0.7f), .radiance = radiance, .number = 0.1f * (float)(10 - column)};
+	*sphere = (strip_sphere){.diffuse = even(0.7f), .radiance = row->radiance, .number = 0.1f * (float)(10 - column)};
 	snprintf(words, sizeof(strip_words), "sky %d %%", 100 - 10 * column);
 }
 
-static void make_true(int column, strip_sphere *sphere, strip_words words)
-{
-	make_harmonic(column, radiance_true, sphere, words);
-}
-
-static void make_bands(int column, strip_sphere *sphere, strip_words words)
-{
-	make_harmonic(column, radiance_bands, sphere, words);
-}
-
-static void make_window(int column, strip_sphere *sphere, strip_words words)
-{
-	make_harmonic(column, radiance_window, sphere, words);
-}
-
-static void make_dominant(int column, strip_sphere *sphere, strip_words words)
-{
-	make_harmonic(column, radiance_dominant, sphere, words);
-}
-
 const strip_row strip_sh_rows[STRIP_SH_ROWS] = {
-	{"Truth", make_true},
-	{"Three bands", make_bands},
-	{"Three bands,\nwindowed", make_window},
-	{"Dominant light taken\nfrom the bands,\nand ambient", make_dominant},
+	{.caption = "Truth", .make = make_harmonic, .radiance = radiance_true},
+	{.caption = "Three bands", .make = make_harmonic, .radiance = radiance_bands},
+	{.caption = "Three bands,\nwindowed", .make = make_harmonic, .radiance = radiance_window},
+	{.caption = "Dominant light taken\nfrom the bands,\nand ambient",
+     .make = make_harmonic,
+     .radiance = radiance_dominant},
 };
 
 /* ---- tone curves ------------------------------------------------------------------------------------------------- */
@@ -227,37 +169,19 @@ static stilb_vec3 mapped_luminance(const strip_sphere *sphere, stilb_vec3 n)
 	return clipped(shade_tonemap_luminance(exposed(sphere, n), SHADE_TONEMAP_A, SHADE_TONEMAP_B));
 }
 
-static void make_exposed(int column, strip_radiance *radiance, strip_sphere *sphere, strip_words words)
+static void make_exposed(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	const float stops = (float)(column - 2);
-	*sphere =
-		(strip_sphere){.diffuse = stilb_vec3_make(0.80f, 0.24f, 0.07f), .radiance = radiance, .number = exp2f(stops)};
+	*sphere = (strip_sphere){
+		.diffuse = stilb_vec3_make(0.80f, 0.24f, 0.07f), .radiance = row->radiance, .number = exp2f(stops)};
 	snprintf(words, sizeof(strip_words), "light x %g", (double)sphere->number);
 }
 
-static void make_clipped(int column, strip_sphere *sphere, strip_words words)
-{
-	make_exposed(column, mapped_clipped, sphere, words);
-}
-
-static void make_channels(int column, strip_sphere *sphere, strip_words words)
-{
-	make_exposed(column, mapped_channels, sphere, words);
-}
-
-static void make_largest(int column, strip_sphere *sphere, strip_words words)
-{
-	make_exposed(column, mapped_largest, sphere, words);
-}
-
-static void make_luminance(int column, strip_sphere *sphere, strip_words words)
-{
-	make_exposed(column, mapped_luminance, sphere, words);
-}
-
 const strip_row strip_tonemap_rows[STRIP_TONEMAP_ROWS] = {
-	{"Clipped", make_clipped},
-	{"A curve for each\nchannel: colours wash\nout", make_channels},
-	{"The largest channel's\ncurve: the hue stays", make_largest},
-	{"The luminance's curve:\nbright colours leave\nthe range", make_luminance},
+	{.caption = "Clipped", .make = make_exposed, .radiance = mapped_clipped},
+	{.caption = "A curve for each\nchannel: colours wash\nout", .make = make_exposed, .radiance = mapped_channels},
+	{.caption = "The largest channel's\ncurve: the hue stays", .make = make_exposed, .radiance = mapped_largest},
+	{.caption = "The luminance's curve:\nbright colours leave\nthe range",
+     .make = make_exposed,
+     .radiance = mapped_luminance},
 };

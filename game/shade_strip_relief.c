@@ -77,7 +77,7 @@ static void bump_by_uv(const strip_sphere *sphere, strip_place place, uint32_t i
 	*n = shade_bump_normal(p, shade_bump_gradient(p, dp_du, dp_dv, dh[0], dh[1]), sphere->relief_scale);
 }
 
-static void make_bump(int column, strip_relief *relief, strip_sphere *sphere, strip_words words)
+static void make_bump(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	const float scale = 0.2f * (float)(column - 5);
 	*sphere = (strip_sphere){
@@ -87,32 +87,26 @@ static void make_bump(int column, strip_relief *relief, strip_sphere *sphere, st
 		.highlight = {.specular = stilb_vec3_make(0.05f, 0.05f, 0.05f), .roughness = 0.4f},
 		.highlight_gain = 1.0f,
 		.mirror = 1.0f,
-		.relief = relief,
+		.relief = row->relief,
 		.relief_scale = scale,
-		.relief_samples = 1,
+		.relief_samples = row->relief_samples,
 	};
 	snprintf(words, sizeof(strip_words), "scale %.1f", (double)scale);
 }
 
-static void make_height(int column, strip_sphere *sphere, strip_words words)
-{
-	make_bump(column, bump_by_height, sphere, words);
-}
-
-static void make_derivatives(int column, strip_sphere *sphere, strip_words words)
-{
-	make_bump(column, bump_by_derivatives, sphere, words);
-}
-
-static void make_gradient(int column, strip_sphere *sphere, strip_words words)
-{
-	make_bump(column, bump_by_uv, sphere, words);
-}
-
 const strip_row strip_bump_rows[STRIP_BUMP_ROWS] = {
-	{"Height, by differences\nbetween pixels", make_height},
-	{"Derivative map, by the\nchain rule", make_derivatives},
-	{"Gradient along u and v\n(as a tracer has it)", make_gradient},
+	{.caption = "Height, by differences\nbetween pixels",
+     .make = make_bump,
+     .relief = bump_by_height,
+     .relief_samples = 1},
+	{.caption = "Derivative map, by the\nchain rule",
+     .make = make_bump,
+     .relief = bump_by_derivatives,
+     .relief_samples = 1},
+	{.caption = "Gradient along u and v\n(as a tracer has it)",
+     .make = make_bump,
+     .relief = bump_by_uv,
+     .relief_samples = 1},
 };
 
 /* ---- normal maps ------------------------------------------------------------------------------------------------- */
@@ -215,7 +209,7 @@ static void map_true(const strip_sphere *sphere, strip_place place, uint32_t i, 
 	*roughness = MAP_ROUGHNESS;
 }
 
-static void make_map(int column, strip_relief *relief, uint32_t samples, strip_sphere *sphere, strip_words words)
+static void make_map(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	*sphere = (strip_sphere){
 		.diffuse_gain = 1.0f,
@@ -223,30 +217,21 @@ static void make_map(int column, strip_relief *relief, uint32_t samples, strip_s
 		.highlight = {.specular = stilb_vec3_make(0.95f, 0.64f, 0.54f), .roughness = MAP_ROUGHNESS},
 		.highlight_gain = 1.0f,
 		.mirror = 1.0f,
-		.relief = relief,
+		.relief = row->relief,
 		.relief_level = (uint32_t)column,
-		.relief_samples = samples,
+		.relief_samples = row->relief_samples,
 	};
 	snprintf(words, sizeof(strip_words), "level %d", column);
 }
 
-static void make_normal_alone(int column, strip_sphere *sphere, strip_words words)
-{
-	make_map(column, map_normal_alone, 1, sphere, words);
-}
-
-static void make_filtered(int column, strip_sphere *sphere, strip_words words)
-{
-	make_map(column, map_filtered, 1, sphere, words);
-}
-
-static void make_true(int column, strip_sphere *sphere, strip_words words)
-{
-	make_map(column, map_true, TRUTH_SIDE * TRUTH_SIDE, sphere, words);
-}
-
 const strip_row strip_filter_rows[STRIP_FILTER_ROWS] = {
-	{"Normals averaged, the\nroughness kept: bumps\nturn into a mirror", make_normal_alone},
-	{"vMF: bumps turn into\nroughness", make_filtered},
-	{"Truth: the light of all\ntexels below, averaged", make_true},
+	{.caption = "Normals averaged, the\nroughness kept: bumps\nturn into a mirror",
+     .make = make_map,
+     .relief = map_normal_alone,
+     .relief_samples = 1},
+	{.caption = "vMF: bumps turn into\nroughness", .make = make_map, .relief = map_filtered, .relief_samples = 1},
+	{.caption = "Truth: the light of all\ntexels below, averaged",
+     .make = make_map,
+     .relief = map_true,
+     .relief_samples = TRUTH_SIDE * TRUTH_SIDE},
 };

@@ -40,15 +40,17 @@ static strip_sphere highlight_of(int kind, stilb_vec3 specular, float roughness)
 
 /* ---- classic ----------------------------------------------------------------------------------------------------- */
 
-static void make_metal(int column, strip_sphere *sphere, strip_words words)
+static void make_metal(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
+	(void)row;
 	*sphere = highlight_of(SHADE_BRDF_MICROFACET, gold(), roughness_of(column));
 	sphere->mirror = 1.0f;
 	snprintf(words, sizeof(strip_words), "roughness %.3g", (double)roughness_of(column));
 }
 
-static void make_normalised(int column, strip_sphere *sphere, strip_words words)
+static void make_normalised(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
+	(void)row;
 	const float roughness = roughness_of(column);
 	*sphere = highlight_of(SHADE_BRDF_BLINN_PHONG_MODIFIED, gray(0.5f), roughness);
 	sphere->diffuse = stilb_vec3_make(0.06f, 0.12f, 0.30f);
@@ -57,29 +59,31 @@ static void make_normalised(int column, strip_sphere *sphere, strip_words words)
 }
 
 /* The highlight of old, (n.h)^n without a factor, under lights of the games' convention: over pi here. */
-static void make_old(int column, strip_sphere *sphere, strip_words words)
+static void make_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	make_normalised(column, sphere, words);
+	make_normalised(row, column, sphere, words);
 	float n = shade_exponent_from_alpha(shade_alpha_from_roughness(roughness_of(column)));
 	sphere->highlight_gain = SHADE_INV_PI / shade_blinn_phong_modified_factor(n);
 }
 
-static void make_wrapped(int column, strip_sphere *sphere, strip_words words)
+static void make_wrapped(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
+	(void)row;
 	const float wrap = 0.1f * (float)column;
 	*sphere = (strip_sphere){.diffuse = clay(), .wrap = wrap, .diffuse_gain = 1.0f};
 	snprintf(words, sizeof(strip_words), "w = %.1f", (double)wrap);
 }
 
 /* Without the second 1 / (1 + w). */
-static void make_wrapped_old(int column, strip_sphere *sphere, strip_words words)
+static void make_wrapped_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	make_wrapped(column, sphere, words);
+	make_wrapped(row, column, sphere, words);
 	sphere->diffuse_gain = 1.0f + sphere->wrap;
 }
 
-static void make_mixed(int column, strip_sphere *sphere, strip_words words)
+static void make_mixed(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
+	(void)row;
 	const float specular = 0.1f * (float)column;
 	*sphere = highlight_of(SHADE_BRDF_BLINN_PHONG_MODIFIED, gray(specular), 0.35f);
 	sphere->diffuse = clay() * (1.0f - specular);
@@ -88,113 +92,64 @@ static void make_mixed(int column, strip_sphere *sphere, strip_words words)
 }
 
 /* The paint keeps all its light, whatever the highlight takes. */
-static void make_mixed_old(int column, strip_sphere *sphere, strip_words words)
+static void make_mixed_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	make_mixed(column, sphere, words);
+	make_mixed(row, column, sphere, words);
 	sphere->diffuse = clay();
 	snprintf(words, sizeof(strip_words), "100 %% + %d %%", 10 * column);
 }
 
 static const strip_row classic[] = {
-	{"Microfacets (GGX, Smith,\nSchlick): gold,\nsmooth to rough", make_metal},
-	{"Blinn-Phong of old:\nwithout its factor the\nhighlight loses light", make_old},
-	{"Blinn-Phong, normalised:\nsmaller is brighter", make_normalised},
-	{"Wrapped diffuse of old:\ngains up to 2 x", make_wrapped_old},
-	{"Wrapped diffuse,\nenergy conserving", make_wrapped},
-	{"Diffuse + specular,\nadded up: more light\nleaves than came", make_mixed_old},
-	{"100 % diffuse to\n100 % specular,\nthe sum limited to one", make_mixed},
+	{.caption = "Microfacets (GGX, Smith,\nSchlick): gold,\nsmooth to rough", .make = make_metal},
+	{.caption = "Blinn-Phong of old:\nwithout its factor the\nhighlight loses light", .make = make_old},
+	{.caption = "Blinn-Phong, normalised:\nsmaller is brighter", .make = make_normalised},
+	{.caption = "Wrapped diffuse of old:\ngains up to 2 x", .make = make_wrapped_old},
+	{.caption = "Wrapped diffuse,\nenergy conserving", .make = make_wrapped},
+	{.caption = "Diffuse + specular,\nadded up: more light\nleaves than came", .make = make_mixed_old},
+	{.caption = "100 % diffuse to\n100 % specular,\nthe sum limited to one", .make = make_mixed},
 };
 
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
-static void make_model(int column, int kind, strip_sphere *sphere, strip_words words)
+static void make_model(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	*sphere = highlight_of(kind, gray(0.5f), roughness_of(column));
+	*sphere = highlight_of(row->kind, gray(0.5f), roughness_of(column));
 	sphere->diffuse = stilb_vec3_make(0.05f, 0.16f, 0.12f);
 	snprintf(words, sizeof(strip_words), "roughness %.3g", (double)roughness_of(column));
 }
 
-static void make_phong(int column, strip_sphere *sphere, strip_words words)
-{
-	make_model(column, SHADE_BRDF_PHONG, sphere, words);
-}
-
-static void make_phong_modified(int column, strip_sphere *sphere, strip_words words)
-{
-	make_model(column, SHADE_BRDF_PHONG_MODIFIED, sphere, words);
-}
-
-static void make_blinn_phong(int column, strip_sphere *sphere, strip_words words)
-{
-	make_model(column, SHADE_BRDF_BLINN_PHONG, sphere, words);
-}
-
-static void make_blinn_phong_modified(int column, strip_sphere *sphere, strip_words words)
-{
-	make_model(column, SHADE_BRDF_BLINN_PHONG_MODIFIED, sphere, words);
-}
-
-static void make_minimalist(int column, strip_sphere *sphere, strip_words words)
-{
-	make_model(column, SHADE_BRDF_MINIMALIST, sphere, words);
-}
-
-static void make_microfacet(int column, strip_sphere *sphere, strip_words words)
-{
-	make_model(column, SHADE_BRDF_MICROFACET, sphere, words);
-}
-
 static const strip_row models[] = {
-	{"Phong", make_phong},
-	{"Phong, modified", make_phong_modified},
-	{"Blinn-Phong", make_blinn_phong},
-	{"Blinn-Phong,\nmodified", make_blinn_phong_modified},
-	{"Minimalist\nCook-Torrance", make_minimalist},
-	{"Microfacets:\nGGX, Smith,\nSchlick", make_microfacet},
+	{.caption = "Phong", .make = make_model, .kind = SHADE_BRDF_PHONG},
+	{.caption = "Phong, modified", .make = make_model, .kind = SHADE_BRDF_PHONG_MODIFIED},
+	{.caption = "Blinn-Phong", .make = make_model, .kind = SHADE_BRDF_BLINN_PHONG},
+	{.caption = "Blinn-Phong,\nmodified", .make = make_model, .kind = SHADE_BRDF_BLINN_PHONG_MODIFIED},
+	{.caption = "Minimalist\nCook-Torrance", .make = make_model, .kind = SHADE_BRDF_MINIMALIST},
+	{.caption = "Microfacets:\nGGX, Smith,\nSchlick", .make = make_model, .kind = SHADE_BRDF_MICROFACET},
 };
 
 /* ---- distributions ----------------------------------------------------------------------------------------------- */
 
-static void make_distribution(int column, int ndf, float anisotropy, strip_sphere *sphere, strip_words words)
+static void make_distribution(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	*sphere = highlight_of(SHADE_BRDF_MICROFACET, stilb_vec3_make(0.56f, 0.57f, 0.58f), roughness_of(column));
-	sphere->model.ndf = ndf;
-	sphere->highlight.anisotropy = anisotropy;
+	sphere->model.ndf = row->kind;
+	sphere->highlight.anisotropy = row->anisotropy;
 	sphere->mirror = 1.0f;
 	snprintf(words, sizeof(strip_words), "roughness %.3g", (double)roughness_of(column));
 }
 
-static void make_blinn(int column, strip_sphere *sphere, strip_words words)
-{
-	make_distribution(column, SHADE_NDF_BLINN, 0.0f, sphere, words);
-}
-
-static void make_beckmann(int column, strip_sphere *sphere, strip_words words)
-{
-	make_distribution(column, SHADE_NDF_BECKMANN, 0.0f, sphere, words);
-}
-
-static void make_ggx(int column, strip_sphere *sphere, strip_words words)
-{
-	make_distribution(column, SHADE_NDF_GGX, 0.0f, sphere, words);
-}
-
-static void make_brushed_around(int column, strip_sphere *sphere, strip_words words)
-{
-	make_distribution(column, SHADE_NDF_GGX_ANISOTROPIC, 0.6f, sphere, words);
-}
-
-static void make_brushed_up(int column, strip_sphere *sphere, strip_words words)
-{
-	make_distribution(column, SHADE_NDF_GGX_ANISOTROPIC, -0.6f, sphere, words);
-}
-
 static const strip_row distributions[] = {
-	{"Blinn", make_blinn},
-	{"Beckmann", make_beckmann},
-	{"GGX: a bright core\nand a long tail", make_ggx},
-	{"GGX, anisotropy 0.6:\nwide around the\nvertical axis", make_brushed_around},
-	{"GGX, anisotropy -0.6:\nwide along it", make_brushed_up},
+	{.caption = "Blinn", .make = make_distribution, .kind = SHADE_NDF_BLINN},
+	{.caption = "Beckmann", .make = make_distribution, .kind = SHADE_NDF_BECKMANN},
+	{.caption = "GGX: a bright core\nand a long tail", .make = make_distribution, .kind = SHADE_NDF_GGX},
+	{.caption = "GGX, anisotropy 0.6:\nwide around the\nvertical axis",
+     .make = make_distribution,
+     .kind = SHADE_NDF_GGX_ANISOTROPIC,
+     .anisotropy = 0.6f},
+	{.caption = "GGX, anisotropy -0.6:\nwide along it",
+     .make = make_distribution,
+     .kind = SHADE_NDF_GGX_ANISOTROPIC,
+     .anisotropy = -0.6f},
 };
 
 #define COUNT(rows) ((int)(sizeof(rows) / sizeof *(rows)))

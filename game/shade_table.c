@@ -3,6 +3,7 @@
 #include "shade.h"
 
 #include "base/base_file.h"
+#include "engine.h"
 #include "gi/gi_catalog.h"
 
 #include <math.h>
@@ -51,17 +52,12 @@ static void table_rows(FILE *out, stilb_gi_kind kind, const char *heading)
 
 /* ---- D x G x F --------------------------------------------------------------------------------------------------- */
 
-#define NAME(integer, identifier) [integer] = #identifier,
-static const char *const ndf_names[SHADE_NDF_COUNT] = {SHADE_NDFS(NAME)};
-static const char *const g_names[SHADE_G_COUNT] = {SHADE_GS(NAME)};
-static const char *const f_names[SHADE_F_COUNT] = {SHADE_FS(NAME)};
-
 static const float table_roughnesses[] = {0.2f, 0.5f, 0.8f};
 static const double table_angles[] = {0.0, 60.0, 85.0};
 
 static void table_pair(FILE *out, shade_brdf_model model, float f0)
 {
-	fprintf(out, "| `%s` | `%s` |", ndf_names[model.ndf], g_names[model.g]);
+	fprintf(out, "| `%s` | `%s` |", stilb_engine_ndf_names[model.ndf], stilb_engine_g_names[model.g]);
 	for (int r = 0; r < 3; r++)
 		for (int a = 0; a < 3; a++) {
 			shade_brdf_parameters p = stilb_gi_white(
@@ -75,7 +71,7 @@ static void table_pair(FILE *out, shade_brdf_model model, float f0)
 
 static void table_fresnel(FILE *out, int f, float f0)
 {
-	fprintf(out, "\n### F = %s, F0 = %g\n\n| D | G |", f_names[f], (double)f0);
+	fprintf(out, "\n### F = %s, F0 = %g\n\n| D | G |", stilb_engine_f_names[f], (double)f0);
 	for (int r = 0; r < 3; r++)
 		for (int a = 0; a < 3; a++)
 			fprintf(out, " %.1f, %.0f° |", (double)table_roughnesses[r], table_angles[a]);

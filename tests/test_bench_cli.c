@@ -202,27 +202,6 @@ static void test_json_goes_where_it_is_told(void **state)
 
 /* ---- programs that are not as they should be --------------------------------------------------------------------- */
 
-/* A copy of stilb-bench in this folder, where programs of the test lie beside it. */
-static int copy_code(const char *line)
-{
-	char home[PATH_MAX];
-	memcpy(home, stilb_path, sizeof home);
-	assert_non_null(realpath("stilb-bench", stilb_path));
-	int code = bench_code(line);
-	memcpy(stilb_path, home, sizeof home);
-	return code;
-}
-
-static void copy_program(const char *from, const char *to)
-{
-	char command[2 * PATH_MAX + 16];
-	snprintf(command, sizeof command, "cp '%s' '%s'", from, to);
-	assert_int_equal(system(command), 0);
-}
-
-#define GOOD_LIMITS                                                                                                    \
-	"echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; echo futex-wake-p50 4; echo futex-wake-p99 5"
-
 /* The load notices a lost item, one that comes twice and one that is another, and the program says so. */
 static void test_wrong_results_are_failures(void **state)
 {
@@ -235,7 +214,7 @@ static void test_wrong_results_are_failures(void **state)
 		char line[256];
 		snprintf(line, sizeof line, "queue --seconds 0.05 --rounds 1 --case 1P1C --only mutex,%s --json a.json",
 		         faulty[i]);
-		assert_int_equal(copy_code(line), 1);
+		assert_int_equal(copy_code(NULL, line), 1);
 		assert_said(run.err, "\nstilb: ");
 		assert_said(run.err, "wrong result");
 		assert_said(run.out, "FAILED in 1 of 1 runs: wrong result");
@@ -254,14 +233,14 @@ static void test_programs_that_hang_or_die(void **state)
 	write_program("stilb-bench-limits", GOOD_LIMITS);
 	write_program("stilb-bench-queue-own",
 	              "case $1 in mutex) echo throughput 7; echo items 8;; *) exec sleep 60;; esac");
-	assert_int_equal(copy_code("queue --quick --seconds 0.01 --rounds 2 --case 1P1C --only mutex,sutter --json a.json"),
-	                 0);
+	assert_int_equal(
+		copy_code(NULL, "queue --quick --seconds 0.01 --rounds 2 --case 1P1C --only mutex,sutter --json a.json"), 0);
 	assert_said(run.out, "TIMED OUT in 1 of 1 runs"); /* and is left out of the second round */
 	read_stats("a.json");
 	assert_true(assert_row("1P1C", "mutex", "throughput", 2) == 7.0);
 	assert_true(row_value("1P1C", "sutter", "timed-out", "median") == 1.0);
 	assert_int_equal(row_of("1P1C", "sutter", "throughput"), -1);
-	assert_int_equal(copy_code("queue --quick --seconds 0.01 --rounds 1 --case 1P1C --only stilb-low-lock"), 1);
+	assert_int_equal(copy_code(NULL, "queue --quick --seconds 0.01 --rounds 1 --case 1P1C --only stilb-low-lock"), 1);
 	assert_said(run.err, "stilb: stilb-low-lock in 1P1C: no result after");
 
 	static const char *const deaths[][2] = {{"kill -SEGV $$", "signal 11"},
@@ -271,11 +250,11 @@ static void test_programs_that_hang_or_die(void **state)
 	                                        {"exit 0", "exit status 0"}};
 	for (size_t i = 0; i < sizeof deaths / sizeof *deaths; i++) {
 		write_program("stilb-bench-queue-own", deaths[i][0]);
-		assert_int_equal(copy_code("queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex"), 1);
+		assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex"), 1);
 		assert_said(run.err, deaths[i][1]);
 	}
 	write_program("stilb-bench-queue-own", "exit 77"); /* has no such case: no row, no failure */
-	assert_int_equal(copy_code("queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex --json a.json"), 0);
+	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex --json a.json"), 0);
 	read_stats("a.json");
 	assert_int_equal(row_of("1P1C", "mutex", "throughput"), -1);
 }
@@ -313,9 +292,9 @@ static void test_what_is_not_built_is_named(void **state)
 {
 	(void)state;
 	copy_program(stilb_path, "stilb-bench");
-	assert_int_equal(copy_code("queue --list"), 0);
+	assert_int_equal(copy_code(NULL, "queue --list"), 0);
 	assert_said(run.out, "not built: needs libtbb-dev");
-	assert_int_equal(copy_code("queue --only tbb"), 2);
+	assert_int_equal(copy_code(NULL, "queue --only tbb"), 2);
 	assert_error_lines(1);
 }
 

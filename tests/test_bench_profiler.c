@@ -2,8 +2,6 @@
  * numbers. */
 #include "support/bench_program.h"
 
-static char programs[PATH_MAX]; /* where stilb-bench and the programs beside it lie */
-
 static void test_list(void **state)
 {
 	(void)state;
@@ -48,21 +46,14 @@ static void assert_goal(const char *what, const char *verdict)
 static void test_goals(void **state)
 {
 	(void)state;
-	char command[2 * PATH_MAX], home[PATH_MAX];
-	snprintf(command, sizeof command, "cp '%s/stilb-bench' .", programs);
-	assert_int_equal(system(command), 0);
-	write_program("stilb-bench-limits", "echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; "
-	                                    "echo futex-wake-p50 4; echo futex-wake-p99 5");
+	copy_bench();
 	write_program("stilb-bench-profiler-own", "case $2 in\n"
 	                                          "zone) echo pair 20; echo zone 20.6; echo of-pair 1.03 ;;\n"
 	                                          "next) echo pair 20; echo zone 10; echo of-pair 0.5 ;;\n"
 	                                          "switches) echo kernel 10; echo seen 9; echo of-kernel 0.9 ;;\n"
 	                                          "live) echo snapshot 100 ;;\n"
 	                                          "esac");
-	memcpy(home, stilb_path, sizeof home);
-	assert_non_null(realpath("stilb-bench", stilb_path));
-	const int code = stilb_code(NULL, "profiler --rounds 1 --seconds 0.05 --only stilb --case zone,next,switches,live");
-	memcpy(stilb_path, home, sizeof home);
+	const int code = copy_code(NULL, "profiler --rounds 1 --seconds 0.05 --only stilb --case zone,next,switches,live");
 	assert_int_equal(code, 0);
 	assert_goal("empty zone / two rdtsc", "MISSED");
 	assert_goal("PROFILE_NEXT / two rdtsc", "met");
@@ -82,6 +73,5 @@ int main(int argc, char **argv)
 		fprintf(stderr, "usage: test_bench_profiler STILB-BENCH\n");
 		return 1;
 	}
-	snprintf(programs, sizeof programs, "%.*s", (int)(strrchr(stilb_path, '/') - stilb_path), stilb_path);
 	return cmocka_run_group_tests(tests, NULL, folder_leave);
 }

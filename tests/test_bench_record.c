@@ -10,30 +10,18 @@ static int bench_code(const char *line)
 
 /* ---- programs made up by a test, beside a copy of stilb-bench ------------------------------------------------------ */
 
-static void copy_program(const char *name)
+static void copy_own(void)
 {
-	char command[2 * PATH_MAX];
-	snprintf(command, sizeof command, "cp '%s/%s' '%s'", programs, name, name);
-	assert_int_equal(system(command), 0);
-}
-
-static void make_copies(void)
-{
-	copy_program("stilb-bench");
-	write_program("stilb-bench-limits", "echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; "
-	                                    "echo futex-wake-p50 4; echo futex-wake-p99 5");
+	char path[PATH_MAX + 32];
+	snprintf(path, sizeof path, "%s/stilb-bench-record-own", programs);
+	copy_program(path, "stilb-bench-record-own");
 }
 
 /* Runs the copy. A program that fails ends at once and frees nothing: leaks are looked for in the runs that are good. */
-static int copy_code(const char *line, const char *more)
+static int made_up_code(const char *line, const char *more)
 {
 	const char *const environment[] = {"ASAN_OPTIONS=detect_leaks=0", more, NULL};
-	char home[PATH_MAX];
-	memcpy(home, stilb_path, sizeof home);
-	assert_non_null(realpath("stilb-bench", stilb_path));
-	int code = stilb_code(environment, line);
-	memcpy(stilb_path, home, sizeof home);
-	return code;
+	return copy_code(environment, line);
 }
 
 /* ---- words ------------------------------------------------------------------------------------------------------- */
@@ -132,10 +120,10 @@ static void test_pictures_are_the_same(void **state)
 static void test_wrong_picture(void **state)
 {
 	(void)state;
-	make_copies();
-	copy_program("stilb-bench-record-own");
+	copy_bench();
+	copy_own();
 	write_program("stilb-bench-record-vulkan_bare", "echo high 1; echo low 2");
-	int code = copy_code(SHORT_PICTURE, NULL);
+	int code = made_up_code(SHORT_PICTURE, NULL);
 	if (strstr(run.err, "Vulkan driver"))
 		skip();
 	assert_int_equal(code, 1);
@@ -149,16 +137,16 @@ static void test_wrong_picture(void **state)
 static void test_no_lavapipe(void **state)
 {
 	(void)state;
-	make_copies();
-	copy_program("stilb-bench-record-own");
+	copy_bench();
+	copy_own();
 	write_program("stilb-bench-record-vulkan_bare", "echo nothing to draw with >&2; exit 77");
-	assert_int_equal(copy_code(SHORT_PICTURE, NULL), 0);
+	assert_int_equal(made_up_code(SHORT_PICTURE, NULL), 0);
 	assert_said(run.err, "stilb: the cases picture* are left out: nothing to draw with");
 	read_stats("a.json");
 	assert_true(isnan(row_median("picture", "stilb-direct", "frame")));
 	some("draws", "stilb", "record");
 	write_program("stilb-bench-record-vulkan_bare", "echo broken >&2; exit 1");
-	assert_int_equal(copy_code(SHORT_PICTURE, NULL), 1);
+	assert_int_equal(made_up_code(SHORT_PICTURE, NULL), 1);
 	assert_said(run.err, "compared with: broken");
 }
 
@@ -179,7 +167,7 @@ static void assert_goal(const char *goal, const char *verdict)
 static void test_goals(void **state)
 {
 	(void)state;
-	make_copies();
+	copy_bench();
 	write_program("stilb-bench-record-vulkan_bare", "[ $5 ] && echo frame 100 || { echo high 1; echo low 2; }");
 	write_program("stilb-bench-record-limits", "echo record 2");
 	write_program("stilb-bench-record-own", "case $1-$2 in\n"
@@ -194,7 +182,7 @@ static void test_goals(void **state)
 	                                        "stilb-indirect-picture) [ $5 = 16777218 ] && echo frame 103;;\n"
 	                                        "*) exit 77;;\n"
 	                                        "esac");
-	assert_int_equal(copy_code("record --seconds 0.01 --rounds 1 --only stilb*,write,vulkan-bare", NULL), 0);
+	assert_int_equal(made_up_code("record --seconds 0.01 --rounds 1 --only stilb*,write,vulkan-bare", NULL), 0);
 	assert_goal("record by hand, 1 thread", "goal <= 6      met");
 	assert_goal("record from a scene, 1 thread", "MISSED");
 	assert_goal("bytes recorded", "MISSED");
@@ -215,14 +203,14 @@ static void test_goals(void **state)
 static void test_plot(void **state)
 {
 	(void)state;
-	make_copies();
+	copy_bench();
 	write_program("stilb-bench-record-vulkan_bare", "exit 77");
 	write_program("stilb-bench-record-limits", "echo record 2.5");
 	write_program("gnuplot", "[ $1 = --version ] && exit\ncp $1 script\n"
 	                         "echo drawn >$(sed -n \"s/^set output '\\(.*\\)'$/\\1/p\" $1)");
 	char path[PATH_MAX + 32];
 	snprintf(path, sizeof path, "PATH=%s:/usr/bin:/bin", stilb_folder);
-	assert_int_equal(copy_code("record --seconds 0.01 --rounds 1 --only write --plot a.png", path), 0);
+	assert_int_equal(made_up_code("record --seconds 0.01 --rounds 1 --only write --plot a.png", path), 0);
 	assert_int_equal(system("grep -q drawn a.png && grep -q '^-0.20 2.5 2.5 2.5$' script"), 0);
 }
 

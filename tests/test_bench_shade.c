@@ -2,8 +2,6 @@
  * double, and the goal judged from made-up numbers. */
 #include "support/bench_program.h"
 
-static char programs[PATH_MAX]; /* where stilb-bench and the programs beside it lie */
-
 static const char *const names[] = {"wrapped", "phong-modified", "blinn-phong-modified", "minimalist",
                                     "ggx",     "cook-torrance"};
 
@@ -38,23 +36,16 @@ static void assert_goal(const char *ratio, const char *verdict)
 	char program[256];
 	snprintf(program, sizeof program, "echo scalar 2; echo hand 2; echo limit 1; echo of-hand %s; echo error 1", ratio);
 	write_program("stilb-bench-shade", program);
-	assert_int_equal(stilb_code(NULL, "shade --rounds 1 --seconds 0.02 --case ggx"), 0);
+	assert_int_equal(copy_code(NULL, "shade --rounds 1 --seconds 0.02 --case ggx"), 0);
 	assert_said(run.out, verdict);
 }
 
 static void test_goal(void **state)
 {
 	(void)state;
-	char command[2 * PATH_MAX], home[PATH_MAX];
-	snprintf(command, sizeof command, "cp '%s/stilb-bench' .", programs);
-	assert_int_equal(system(command), 0);
-	write_program("stilb-bench-limits", "echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; "
-	                                    "echo futex-wake-p50 4; echo futex-wake-p99 5");
-	memcpy(home, stilb_path, sizeof home);
-	assert_non_null(realpath("stilb-bench", stilb_path));
+	copy_bench();
 	assert_goal("1.099", "1.099, met");
 	assert_goal("1.101", "1.101, MISSED");
-	memcpy(stilb_path, home, sizeof home);
 }
 
 int main(int argc, char **argv)
@@ -68,6 +59,5 @@ int main(int argc, char **argv)
 		fprintf(stderr, "usage: test_bench_shade STILB-BENCH\n");
 		return 1;
 	}
-	snprintf(programs, sizeof programs, "%.*s", (int)(strrchr(stilb_path, '/') - stilb_path), stilb_path);
 	return cmocka_run_group_tests(tests, NULL, folder_leave);
 }

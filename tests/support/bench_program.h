@@ -44,4 +44,32 @@ static inline void write_program(const char *name, const char *script)
 	assert_int_equal(chmod(name, 0755), 0);
 }
 
+#define GOOD_LIMITS                                                                                                    \
+	"echo clock 1; echo uncontended-atomic 2; echo contended-atomic 3; echo futex-wake-p50 4; echo futex-wake-p99 5"
+
+static inline void copy_program(const char *from, const char *to)
+{
+	char command[2 * PATH_MAX + 16];
+	snprintf(command, sizeof command, "cp '%s' '%s'", from, to);
+	assert_int_equal(system(command), 0);
+}
+
+/* A copy of stilb-bench in the current folder, which finds the made-up programs beside it, and limits for it. */
+static inline void copy_bench(void)
+{
+	copy_program(stilb_path, "stilb-bench");
+	write_program("stilb-bench-limits", GOOD_LIMITS);
+}
+
+/* Runs the copy. */
+static inline int copy_code(const char *const *environment, const char *line)
+{
+	char home[PATH_MAX];
+	memcpy(home, stilb_path, sizeof home);
+	assert_non_null(realpath("stilb-bench", stilb_path));
+	int code = stilb_code(environment, line);
+	memcpy(stilb_path, home, sizeof home);
+	return code;
+}
+
 #endif
