@@ -122,7 +122,11 @@ static void make_resources(frame *f)
 	make_texture(f, 1, 1, STILB_IMAGE_U8_SRGB);
 	make_texture(f, 2, 3, STILB_IMAGE_F16_LINEAR);
 	for (uint32_t m = 0; m < 50; m++) {
-		const stilb_scene_material material = {{0.5f, 0.25f, (float)m}, {0.1f, 0.2f, 0.3f}, 0.5f, 0.25f, 0.75f};
+		const stilb_scene_material material = {.diffuse = {0.5f, 0.25f, (float)m},
+		                                       .specular = {0.1f, 0.2f, 0.3f},
+		                                       .roughness = 0.5f,
+		                                       .anisotropy = 0.25f,
+		                                       .wrap = 0.75f};
 		const stilb_render_texture texture = m % 5 == 0 ? f->textures[1 + m / 5 % 2] : (stilb_render_texture){0};
 		assert_int_equal(stilb_render_material_create(f->render, &material, texture, &f->materials[m]), STILB_OK);
 	}

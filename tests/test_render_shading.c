@@ -42,8 +42,13 @@ static void make_scene(void)
 	scene = reference_scene(2);
 	scene->part_mesh[1] = 1;
 	scene->part_transform[0] = stilb_mat4_scale_translate(0.7f, 0.0f, 0.75f, 0.0f);
-	scene->materials[0] = (stilb_scene_material){{0.5f, 0.2f, 0.1f}, {0.2f, 0.3f, 0.4f}, 0.55f, 0.6f, 0.3f};
-	scene->materials[1] = (stilb_scene_material){{0.1f, 0.3f, 0.6f}, {0.4f, 0.2f, 0.1f}, 0.8f, -0.3f, 0.0f};
+	scene->materials[0] = (stilb_scene_material){.diffuse = {0.5f, 0.2f, 0.1f},
+	                                             .specular = {0.2f, 0.3f, 0.4f},
+	                                             .roughness = 0.55f,
+	                                             .anisotropy = 0.6f,
+	                                             .wrap = 0.3f};
+	scene->materials[1] = (stilb_scene_material){
+		.diffuse = {0.1f, 0.3f, 0.6f}, .specular = {0.4f, 0.2f, 0.1f}, .roughness = 0.8f, .anisotropy = -0.3f};
 	scene->sun = (stilb_scene_sun){{0.48f, 0.8f, 0.36f}, {3.0f, 2.5f, 2.0f}};
 	scene->sky = (stilb_scene_sky){{0.3f, 0.45f, 0.8f}, {0.2f, 0.1f, 0.05f}};
 	scene->lamp = (stilb_scene_lamp){{0.4f, 2.2f, 0.9f}, {0.0f, -0.8f, -0.6f}, {9.0f, 7.0f, 5.0f}, 0.4f, 2.3f};

@@ -13,6 +13,7 @@
 
 #include "base/base.h"
 #include "base/base_math.h"
+#include "image/image.h"
 
 /* Position and unit normal in model space; uv in widths and heights of a texture, (0, 0) its top left. */
 typedef struct stilb_scene_vertex {
@@ -37,6 +38,9 @@ typedef struct stilb_scene_material {
 	float roughness;  /* [0, 1]; alpha is its square */
 	float anisotropy; /* (-1, 1), 0: none; above 0 a highlight is stretched along the tangent, below across it */
 	float wrap;       /* [0, 1]: how far diffuse light reaches around the terminator; 0: not at all */
+	float
+		emission[3]; /* radiance that leaves the front, the same in all directions; the renderer of frames draws none */
+	uint32_t diffuse_texture; /* 1 + its index in textures: multiplies diffuse; 0: none */
 } stilb_scene_material;
 
 /* direction points from the surface to the sun, unit; irradiance is measured across the beam. */
@@ -61,10 +65,26 @@ typedef struct stilb_scene_lamp {
 	float reach;        /* metres, > radius: where windowed and subtracted light end */
 } stilb_scene_lamp;
 
-/* Yaw 0 looks along -Z and grows to the left; pitch raises the view. */
+typedef enum stilb_scene_light_kind {
+	STILB_SCENE_LIGHT_POINT,
+	STILB_SCENE_LIGHT_SPOT,
+	STILB_SCENE_LIGHT_DIRECTIONAL,
+} stilb_scene_light_kind;
+
+/* Lights without a size, beside the sun: what scene files hold. */
+typedef struct stilb_scene_light {
+	stilb_scene_light_kind kind;
+	float position[3];          /* not DIRECTIONAL */
+	float direction[3];         /* unit, the way it shines; not POINT */
+	float intensity[3];         /* W sr^-1; DIRECTIONAL: irradiance across the beam, W m^-2 */
+	float cos_inner, cos_outer; /* SPOT: full inside the inner angle from the axis, smoothly to nothing at the outer */
+} stilb_scene_light;
+
+/* Yaw 0 looks along -Z and grows to the left; pitch raises the view; roll turns the picture about the view, positive
+ * lowers the right side. */
 typedef struct stilb_scene_camera {
 	float position[3];
-	float yaw, pitch;
+	float yaw, pitch, roll;
 	float fov_y;
 	float near_z, far_z;
 } stilb_scene_camera;
@@ -92,8 +112,15 @@ typedef struct stilb_scene {
 	uint32_t moved_count; /* models whose bounds changed in this frame's scene_update ... */
 	uint32_t *moved;      /* ... and their ids, ascending: [model_count] */
 
-	stilb_scene_sun sun;
+	uint32_t texture_count;
+	stilb_image *textures; /* [texture_count]; row 0 is v = 0, and repeated outside [0, 1] */
+	uint32_t light_count;
+	stilb_scene_light *lights; /* [light_count] */
+
+	stilb_scene_sun sun; /* irradiance 0: there is none */
 	stilb_scene_sky sky;
+	stilb_image
+		environment; /* latitude-longitude map of the surroundings' radiance in the place of sky, or {0}: none */
 	stilb_scene_lamp lamp;
 	stilb_scene_camera camera;
 	uint64_t seed; /* of the stress test */

@@ -1,0 +1,61 @@
+/*
+ * gi_integrator: what turns camera rays into radiance, one function for each name of STILB_GI_INTEGRATORS.
+ *
+ * gi_render.c makes a batch of camera samples of one tile, traces the camera rays sixteen at a time, fills the hits, and hands
+ * it to the integrator, which writes radiance. A sample's result must depend on nothing but the sample: not on the batch it is
+ * in, not on the worker.
+ */
+#ifndef STILB_GI_INTEGRATOR_H
+#define STILB_GI_INTEGRATOR_H
+
+#include "gi/gi_render.h"
+#include "gi/gi_sampler.h"
+#include "gi/gi_world.h"
+
+struct gi_cache;
+
+/* What all batches of a render share; nobody writes it while batches run (gi_cache says itself what it allows). */
+typedef struct gi_view {
+	const stilb_gi_scene *scene;
+	stilb_gi_settings settings;
+	gi_sampler sampler;
+	struct gi_cache *cache; /* IRRADIANCE_CACHE only */
+} gi_view;
+
+#define GI_BATCH 1024 /* samples at most */
+
+typedef struct gi_batch {
+	const gi_view *view;
+	uint32_t worker;
+	uint32_t count;
+	const gi_point *points; /* [count] */
+	const RTCRayHit *rays;  /* [count] camera rays and what they hit; dir is unit */
+	stilb_vec3 *radiance;   /* [count] out */
+	void *scratch; /* of this worker: gi_integrator.scratch_size bytes, cache line aligned, kept between batches */
+	uint64_t rays_traced, shadow_rays; /* out: added to */
+} gi_batch;
+
+typedef struct gi_integrator {
+	void (*shade)(gi_batch *batch);
+	size_t scratch_size;
+} gi_integrator;
+
+const gi_integrator *gi_integrator_of(stilb_gi_integrator name); /* gi_integrator.c */
+
+extern const gi_integrator gi_integrator_color, gi_integrator_direct, gi_integrator_ao; /* gi_simple.c */
+extern const gi_integrator gi_integrator_montecarlo;                                    /* gi_montecarlo.c */
+extern const gi_integrator gi_integrator_path, gi_integrator_split;                     /* gi_path.c */
+extern const gi_integrator gi_integrator_irradiance_cache;                              /* gi_cache_shade.c */
+
+/* Radiance that arrives at the origin of ray from its direction, traced here: a path of at most depth bounces, whose numbers
+ * are point's from vertex on. emission: count what the first surface, or the surroundings, emit; 0 depth leaves nothing else.
+ * gi_path.c; for gathers (split, irradiance cache, ao's teaching relatives). */
+stilb_vec3 gi_path_radiance(const gi_view *view, RTCRayHit *ray, gi_point point, uint32_t vertex, uint32_t depth,
+                            bool emission, gi_batch *counters);
+
+/* Light from the lights at a surface, seen along -view_direction: one sample of one light, shadow ray and all, MIS weight 1.
+ * gi_path.c. */
+stilb_vec3 gi_direct_light(const gi_view *view, const gi_surface *surface, stilb_vec3 to_viewer, gi_point point,
+                           uint32_t vertex, gi_batch *counters);
+
+#endif
