@@ -257,9 +257,7 @@ static void *image_load_allocate(void *context, const image_shape *shape)
 	return made.pixels;
 }
 
-/* The whole file into memory, to be freed also after a failure. NULL, or why not. Only regular files: devices and pipes may
- * have no end. */
-static const char *image_file_read(const char *path, void **data, size_t *size)
+const char *image_file_read(const char *path, void **data, size_t *size)
 {
 	struct stat info;
 	if (stat(path, &info) != 0)
@@ -282,21 +280,25 @@ static const char *image_file_read(const char *path, void **data, size_t *size)
 	return got == *size ? NULL : "the file ended early";
 }
 
-static image_outcome image_decode(const image_kind *kind, image_load *load, image_message *message)
+static image_outcome image_decode(const char *name, const void *data, size_t size, image_load *load,
+                                  image_message *message)
 {
-	void *data = NULL;
-	size_t size = 0;
-	bool png = strcmp(kind->codec, IMAGE_CODEC_PNG) == 0;
-	image_outcome outcome = IMAGE_OUTCOME_CODEC;
 	const image_codec *codec = image_codec_load(message);
-	const char *trouble = codec ? image_file_read(load->path, &data, &size) : NULL;
-	if (trouble)
-		snprintf(message->text, sizeof message->text, "%s", trouble);
-	else if (codec && (!png || image_png_is_whole(data, size, message)))
-		outcome = codec->decode(kind->codec, data, size, png ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32, image_load_allocate,
-		                        load, message);
-	free(data);
-	return outcome;
+	bool png = strcmp(name, IMAGE_CODEC_PNG) == 0;
+	bool light = strcmp(name, IMAGE_CODEC_EXR) == 0 || strcmp(name, IMAGE_CODEC_HDR) == 0;
+	if (!codec || (png && !image_png_is_whole(data, size, message)))
+		return IMAGE_OUTCOME_CODEC;
+	return codec->decode(name, data, size, light ? IMAGE_SCALAR_F32 : IMAGE_SCALAR_U8, image_load_allocate, load,
+	                     message);
+}
+
+/* Leaves {0} in the picture unless all went well. */
+static stilb_result image_load_end(image_load *load, image_outcome outcome, const image_message *message)
+{
+	if (outcome == IMAGE_OUTCOME_DONE)
+		return STILB_OK;
+	stilb_image_finish(load->image);
+	return outcome == IMAGE_OUTCOME_CALLBACK ? load->result : image_fail(outcome, "read", load->path, message);
 }
 
 stilb_result stilb_image_load(const char *path, stilb_image *image)
@@ -307,11 +309,71 @@ stilb_result stilb_image_load(const char *path, stilb_image *image)
 		return STILB_ERROR_ARGUMENT;
 	image_load load = {.path = path, .image = image};
 	image_message message = {0};
-	image_outcome outcome = image_decode(kind, &load, &message);
-	if (outcome == IMAGE_OUTCOME_DONE)
-		return STILB_OK;
-	stilb_image_finish(image);
-	return outcome == IMAGE_OUTCOME_CALLBACK ? load.result : image_fail(outcome, "read", path, &message);
+	image_outcome outcome = IMAGE_OUTCOME_CODEC;
+	void *data = NULL;
+	size_t size = 0;
+	const char *trouble = image_file_read(path, &data, &size);
+	if (trouble)
+		snprintf(message.text, sizeof message.text, "%s", trouble);
+	else
+		outcome = image_decode(kind->codec, data, size, &load, &message);
+	free(data);
+	return image_load_end(&load, outcome, &message);
+}
+
+/* ---- pictures made elsewhere ------------------------------------------------------------------------------------- */
+
+/* How files of a kind begin. RIFF and TIFF share their first bytes with others, which the decoder then refuses. */
+static const struct image_signature {
+	const char *bytes;
+	size_t size;
+	const char *codec;
+} IMAGE_SIGNATURES[] = {
+	{"\x89PNG", 4, IMAGE_CODEC_PNG},
+	{"\x76\x2f\x31\x01", 4, IMAGE_CODEC_EXR},
+	{"#?", 2, IMAGE_CODEC_HDR},
+	{"\xff\xd8\xff", 3, "jpeg"},
+	{"BM", 2, "bmp"},
+	{"GIF8", 4, "gif"},
+	{"DDS ", 4, "dds"},
+	{"8BPS", 4, "psd"},
+	{"II*\0", 4, "tiff"},
+	{"MM\0*", 4, "tiff"},
+	{"RIFF", 4, "webp"},
+};
+
+/* The codec for a file that begins so; TGA has no signature, so name decides there. NULL: none. */
+static const char *image_codec_of(const char *name, const void *data, size_t size)
+{
+	for (size_t i = 0; i < sizeof IMAGE_SIGNATURES / sizeof *IMAGE_SIGNATURES; i++) {
+		const struct image_signature *signature = &IMAGE_SIGNATURES[i];
+		if (size >= signature->size && memcmp(data, signature->bytes, signature->size) == 0)
+			return signature->codec;
+	}
+	const char *dot = strrchr(name, '.');
+	return dot && strcasecmp(dot, ".tga") == 0 ? "targa" : NULL;
+}
+
+stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, stilb_image *image)
+{
+	*image = (stilb_image){0};
+	image_load load = {.path = name, .image = image};
+	image_message message = {.text = "it is no picture of a known kind"};
+	const char *codec = image_codec_of(name, data, size);
+	return image_load_end(&load, codec ? image_decode(codec, data, size, &load, &message) : IMAGE_OUTCOME_CODEC,
+	                      &message);
+}
+
+stilb_result stilb_image_import(const char *path, stilb_image *image)
+{
+	*image = (stilb_image){0};
+	void *data = NULL;
+	size_t size = 0;
+	const char *trouble = image_file_read(path, &data, &size);
+	stilb_result result = trouble ? stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", path, trouble)
+	                              : stilb_image_import_memory(path, data, size, image);
+	free(data);
+	return result;
 }
 
 const char *stilb_image_library_version(void)

@@ -59,6 +59,14 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path);
  * kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);
 
+/* Reads a picture that others made: PNG, JPEG, TGA, BMP, GIF, TIFF, DDS, PSD, WebP into U8_SRGB, EXR and Radiance HDR
+ * into F32_LINEAR. The kind is told by the first bytes, TGA's by its extension; of several pictures in a file the first
+ * counts. [any-thread] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then image is {0}. */
+stilb_result stilb_image_import(const char *path, stilb_image *image);
+
+/* The same from a file in memory; name is what messages call it. */
+stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, stilb_image *image);
+
 /* OpenImageIO's version, as loaded: "2.4.7"; "not found" when it cannot be. [any-thread] */
 const char *stilb_image_library_version(void);
 

@@ -12,6 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct stilb_image_layers;
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -19,6 +21,7 @@ extern "C" {
 /* The library's name of a file format. */
 #define IMAGE_CODEC_PNG "png"
 #define IMAGE_CODEC_EXR "openexr"
+#define IMAGE_CODEC_HDR "hdr"
 
 typedef enum image_scalar {
 	IMAGE_SCALAR_U8,
@@ -42,6 +45,15 @@ typedef int image_sink(void *context, const void *data, size_t size);
 /* Returns the memory for a picture of this shape, or NULL to refuse it. */
 typedef void *image_allocate(void *context, const image_shape *shape);
 
+/* Who takes a picture of many channels. create returns the memory for [height][width][channels] floats, or NULL to refuse;
+ * then follow the channels' names, in order, and the attributes; both texts are gone afterwards. False: no memory. */
+typedef struct image_layers_sink {
+	void *context;
+	float *(*create)(void *context, uint32_t width, uint32_t height, uint32_t channels);
+	bool (*channel)(void *context, const char *name);
+	bool (*attribute)(void *context, const char *name, const char *text);
+} image_layers_sink;
+
 typedef enum image_outcome {
 	IMAGE_OUTCOME_DONE,
 	IMAGE_OUTCOME_CALLBACK, /* the sink or allocate failed and knows why */
@@ -57,6 +69,11 @@ typedef struct image_codec {
 	/* Decodes data into what allocate returns, converted to `wanted` scalars. */
 	image_outcome (*decode)(const char *codec, const void *data, size_t size, image_scalar wanted,
 	                        image_allocate *allocate, void *context, image_message *message);
+	/* The same for pictures of many channels, all floats, as EXR. */
+	image_outcome (*encode_layers)(const struct stilb_image_layers *layers, image_sink *sink, void *context,
+	                               image_message *message);
+	image_outcome (*decode_layers)(const void *data, size_t size, const image_layers_sink *sink,
+	                               image_message *message);
 	/* "2.4.7": of the library that is loaded. */
 	const char *(*version)(void);
 } image_codec;
@@ -66,6 +83,10 @@ typedef struct image_codec {
 
 /* The loaded module; NULL with a message when it cannot be loaded. [any-thread] */
 const image_codec *image_codec_load(image_message *message);
+
+/* The whole file into memory, to be freed also after a failure. NULL, or why not. Only regular files: devices and pipes may
+ * have no end. */
+const char *image_file_read(const char *path, void **data, size_t *size);
 
 /* False with a message when data is not a PNG file whose chunks are all there with the right checksums. Asked before
  * decoding, because libpng prints its own lines on stderr about such files. Source: ISO/IEC 15948 (PNG), chapter 5. */

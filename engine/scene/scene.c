@@ -2,6 +2,7 @@
 
 #include "shading/shade_energy.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,12 +47,37 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 	return STILB_OK;
 }
 
+stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)
+{
+	bool failed = false;
+	STILB_ASSERT(!scene->textures);
+	scene->textures = scene_array(&failed, count, sizeof(stilb_image));
+	if (failed)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u textures", count);
+	scene->texture_count = count;
+	return STILB_OK;
+}
+
+stilb_result scene_add_lights(stilb_scene *scene, uint32_t count)
+{
+	bool failed = false;
+	STILB_ASSERT(!scene->lights);
+	scene->lights = scene_array(&failed, count, sizeof(stilb_scene_light));
+	if (failed)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", count);
+	scene->light_count = count;
+	return STILB_OK;
+}
+
 void stilb_scene_destroy(stilb_scene *scene)
 {
 	if (!scene)
 		return;
 	for (uint32_t i = 0; i < scene->mesh_count; i++)
 		stilb_scene_mesh_finish(&scene->meshes[i]);
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		stilb_image_finish(&scene->textures[i]);
+	stilb_image_finish(&scene->environment);
 	free(scene->bounds.x);
 	free(scene->bounds.y);
 	free(scene->bounds.z);
@@ -63,7 +89,97 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->part_transform);
 	free(scene->meshes);
 	free(scene->materials);
+	free(scene->textures);
+	free(scene->lights);
 	free(scene);
+}
+
+/* ---- bounds ------------------------------------------------------------------------------------------------------ */
+
+typedef struct scene_box {
+	float low[3], high[3];
+} scene_box;
+
+static const scene_box scene_box_empty = {{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+
+static void scene_box_add(scene_box *box, const float p[3], float radius)
+{
+	for (int i = 0; i < 3; i++) {
+		box->low[i] = fminf(box->low[i], p[i] - radius);
+		box->high[i] = fmaxf(box->high[i], p[i] + radius);
+	}
+}
+
+static stilb_vec3 scene_box_middle(const scene_box *box)
+{
+	stilb_vec3 middle = {0};
+	for (int i = 0; i < 3; i++)
+		middle[i] = box->low[i] <= box->high[i] ? 0.5f * box->low[i] + 0.5f * box->high[i] : 0.0f;
+	return middle;
+}
+
+static bool scene_world(const stilb_mat4 *transform, const float p[3], float out[3])
+{
+	const float *m = transform->m;
+	bool finite = true;
+	for (int row = 0; row < 3; row++) {
+		out[row] = m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row];
+		finite &= fabsf(out[row]) <= 1e18f; /* farther out, squares of distances are no numbers */
+	}
+	return finite;
+}
+
+/* Calls add for every vertex of the model, in world space. */
+static void scene_each_vertex(const stilb_scene *scene, uint32_t model, void (*add)(void *context, const float p[3]),
+                              void *context)
+{
+	float p[3];
+	for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++) {
+		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[part]];
+		for (uint32_t v = 0; v < mesh->vertex_count; v++)
+			if (scene_world(&scene->part_transform[part], mesh->vertices[v].position, p))
+				add(context, p);
+	}
+}
+
+static void scene_grow_box(void *box, const float p[3])
+{
+	scene_box_add(box, p, 0.0f);
+}
+
+static void scene_grow_sphere(void *context, const float p[3])
+{
+	stilb_sphere *sphere = context;
+	float x = p[0] - sphere->x, y = p[1] - sphere->y, z = p[2] - sphere->z;
+	sphere->radius = fmaxf(sphere->radius, sqrtf(x * x + y * y + z * z));
+}
+
+void scene_fit_bounds(stilb_scene *scene, uint32_t model)
+{
+	scene_box box = scene_box_empty;
+	scene_each_vertex(scene, model, scene_grow_box, &box);
+	stilb_vec3 middle = scene_box_middle(&box);
+	stilb_sphere sphere = {middle[0], middle[1], middle[2], 0.0f};
+	scene_each_vertex(scene, model, scene_grow_sphere, &sphere);
+	scene->bounds.x[model] = sphere.x;
+	scene->bounds.y[model] = sphere.y;
+	scene->bounds.z[model] = sphere.z;
+	scene->bounds.radius[model] = sphere.radius * 1.00001f; /* more than rounding can cost */
+}
+
+stilb_sphere scene_sphere(const stilb_scene *scene)
+{
+	scene_box box = scene_box_empty;
+	const stilb_scene_bounds *b = &scene->bounds;
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		scene_box_add(&box, (float[3]){b->x[m], b->y[m], b->z[m]}, b->radius[m]);
+	stilb_vec3 middle = scene_box_middle(&box);
+	stilb_sphere sphere = {middle[0], middle[1], middle[2], 0.0f};
+	for (uint32_t m = 0; m < scene->model_count; m++) {
+		float x = b->x[m] - sphere.x, y = b->y[m] - sphere.y, z = b->z[m] - sphere.z;
+		sphere.radius = fmaxf(sphere.radius, sqrtf(x * x + y * y + z * z) + b->radius[m]);
+	}
+	return sphere;
 }
 
 static float scene_clamp(float value, float low, float high)
@@ -87,9 +203,34 @@ stilb_scene_material stilb_scene_material_make(const float diffuse[3], const flo
 	return material;
 }
 
+/* ---- camera ------------------------------------------------------------------------------------------------------ */
+
+stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, float fov_y)
+{
+	stilb_vec3 view = target - position;
+	float distance = sqrtf(stilb_vec3_dot(view, view));
+	return (stilb_scene_camera){
+		.position = {position[0], position[1], position[2]},
+		.yaw = atan2f(-view[0], -view[2]),
+		.pitch = atan2f(view[1], sqrtf(view[0] * view[0] + view[2] * view[2])),
+		.fov_y = fov_y,
+		.near_z = 1e-3f * distance,
+		.far_z = 1e3f * distance,
+	};
+}
+
+/* The view of a camera whose right side is lowered: about the axis of the view, which stays. */
+static stilb_mat4 scene_roll(float roll)
+{
+	float s = sinf(roll), c = cosf(roll);
+	return (stilb_mat4){.m = {[0] = c, [1] = s, [4] = -s, [5] = c, [10] = 1.0f, [15] = 1.0f}};
+}
+
 stilb_mat4 stilb_scene_camera_matrix(const stilb_scene_camera *camera, float aspect)
 {
 	stilb_vec3 position = stilb_vec3_make(camera->position[0], camera->position[1], camera->position[2]);
-	return stilb_mat4_multiply(stilb_mat4_perspective(camera->fov_y, aspect, camera->near_z, camera->far_z),
-	                           stilb_mat4_view(position, camera->yaw, camera->pitch));
+	stilb_mat4 view = stilb_mat4_view(position, camera->yaw, camera->pitch);
+	if (camera->roll != 0.0f) /* else the same bits as ever */
+		view = stilb_mat4_multiply(scene_roll(camera->roll), view);
+	return stilb_mat4_multiply(stilb_mat4_perspective(camera->fov_y, aspect, camera->near_z, camera->far_z), view);
 }

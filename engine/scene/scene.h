@@ -4,7 +4,8 @@
  * A model is a bounding sphere and a run of parts; a part is a mesh, a material and a transform. Arrays are indexed by
  * id; whoever holds the scene may read them directly, and only scene_... functions and the stage `scene_update` write.
  *
- * Life cycle.  stilb_scene_create_stress (later: import) -> stilb_scene_animate once a frame -> stilb_scene_destroy.
+ * Life cycle.  stilb_scene_open or stilb_scene_create_stress -> stilb_scene_animate once a frame (the stress test
+ *              alone) -> stilb_scene_destroy.
  * Threads.     One writer, and nobody reads while it writes: main thread in scene_update, any thread reads after it.
  * Units.       Metres, seconds, radians; linear Rec.709; radiance in W sr^-1 m^-2, irradiance in W m^-2.
  */
@@ -35,11 +36,10 @@ typedef struct stilb_scene_mesh {
 typedef struct stilb_scene_material {
 	float diffuse[3];
 	float specular[3];
-	float roughness;  /* [0, 1]; alpha is its square */
-	float anisotropy; /* (-1, 1), 0: none; above 0 a highlight is stretched along the tangent, below across it */
-	float wrap;       /* [0, 1]: how far diffuse light reaches around the terminator; 0: not at all */
-	float
-		emission[3]; /* radiance that leaves the front, the same in all directions; the renderer of frames draws none */
+	float roughness;   /* [0, 1]; alpha is its square */
+	float anisotropy;  /* (-1, 1), 0: none; above 0 a highlight is stretched along the tangent, below across it */
+	float wrap;        /* [0, 1]: how far diffuse light reaches around the terminator; 0: not at all */
+	float emission[3]; /* radiance that leaves the front, in all directions; the renderer of frames draws none */
 	uint32_t diffuse_texture; /* 1 + its index in textures: multiplies diffuse; 0: none */
 } stilb_scene_material;
 
@@ -80,8 +80,8 @@ typedef struct stilb_scene_light {
 	float cos_inner, cos_outer; /* SPOT: full inside the inner angle from the axis, smoothly to nothing at the outer */
 } stilb_scene_light;
 
-/* Yaw 0 looks along -Z and grows to the left; pitch raises the view; roll turns the picture about the view, positive
- * lowers the right side. */
+/* Yaw 0 looks along -Z and grows to the left; pitch raises the view; roll then turns the camera about its view,
+ * positive lowers its right side: the axis to the right is cos roll * right - sin roll * up of the upright camera. */
 typedef struct stilb_scene_camera {
 	float position[3];
 	float yaw, pitch, roll;
@@ -113,18 +113,57 @@ typedef struct stilb_scene {
 	uint32_t *moved;      /* ... and their ids, ascending: [model_count] */
 
 	uint32_t texture_count;
-	stilb_image *textures; /* [texture_count]; row 0 is v = 0, and repeated outside [0, 1] */
+	stilb_image *textures; /* [texture_count]; 3 channels; row 0 is v = 0, and repeated outside [0, 1] */
 	uint32_t light_count;
 	stilb_scene_light *lights; /* [light_count] */
 
 	stilb_scene_sun sun; /* irradiance 0: there is none */
 	stilb_scene_sky sky;
-	stilb_image
-		environment; /* latitude-longitude map of the surroundings' radiance in the place of sky, or {0}: none */
+	stilb_image environment; /* latitude-longitude map of the surroundings' radiance in the place of sky: 3 channels,
+	                          F32_LINEAR (stilb_scene_set_environment); {0}: none */
 	stilb_scene_lamp lamp;
 	stilb_scene_camera camera;
 	uint64_t seed; /* of the stress test */
 } stilb_scene;
+
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
+
+/* X(name, what it shows). furnace takes a number: whatever the view, its radiance is 1 / (1 - RHO). In the middle of
+ * the picture of plane-wall, at (1, 0, 0), the open share of the sky is (1 + cos 45 deg) / 2. */
+#define STILB_SCENE_BUILTINS(X)                                                                                        \
+	X("cornell", "the Cornell box: two blocks, a light in the ceiling")                                                \
+	X("outdoor", "nine bumpy spheres on a field under a blue sky and a small bright sun")                              \
+	X("furnace:RHO", "inside a ball that shines with radiance 1 and reflects RHO, 0 <= RHO < 1")                       \
+	X("plane-wall", "a plane and a black wall 1 high along x = 0, under a sky of radiance 1")                          \
+	X("stress", "10,000 spheres over tiles, as stilb demo shows them")                                                 \
+	X("spheres", "seven spheres of different materials under a sky and an area light")
+
+/* "cornell, outdoor, furnace:RHO, ...". [any-thread] */
+const char *stilb_scene_builtin_names(void);
+
+/* The scene that name stands for: a built-in, or else a file of any format that Assimp reads (./cornell is a file): its
+ * triangles, materials, textures, lights, first camera. A file without a camera is seen whole; one without any light
+ * gets a grey sky. What cannot be kept is told with stilb_log: a texture that is missing (its material becomes
+ * magenta), transparency.
+ *
+ * Files are read by another process, stilb-scene-import: what crashes or never ends there is an error here. It may take
+ * three quarters of the machine's memory, 8 GiB at most, and 120 s, or as many as the environment's
+ * STILB_IMPORT_SECONDS says.
+ *
+ * [main-thread] STILB_ERROR_ARGUMENT: a built-in's number is out of its range, there is no such file. STILB_ERROR_FILE:
+ * no importer knows the file, it is damaged, it has no triangle. STILB_ERROR_MEMORY. *scene is NULL then. */
+stilb_result stilb_scene_open(const char *name, stilb_scene **scene);
+
+/* The surroundings from a latitude-longitude map, EXR or HDR (radiance), or 8 bits of sRGB: top row up, its middle
+ * column at -Z, +X a quarter of the width to the right of that. Numbers that are none or below 0 become 0. [one-writer]
+ * Errors of stilb_image_import; then the scene is as before. */
+stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path);
+
+/* The same radiance from everywhere, in the place of sky and map. [one-writer] */
+void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3]);
+
+/* Assimp's version, "5.2.4"; "not found" when what reads files cannot be started. [main-thread] */
+const char *stilb_scene_library_version(void);
 
 /* ---- the stress test ------------------------------------------------------------------------------------------- */
 

@@ -1,8 +1,8 @@
-#include "scene/scene.h"
+#include "scene/scene_internal.h"
 
 #include <stdlib.h>
 
-static stilb_result mesh_alloc(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count)
+stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count)
 {
 	*mesh = (stilb_scene_mesh){
 		.vertices = stilb_memory_alloc(vertex_count, sizeof(stilb_scene_vertex)),
@@ -27,7 +27,7 @@ stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh)
 {
 	static const float corners[4][2] = {{-1, -1}, {-1, 1}, {1, 1}, {1, -1}};
 	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-	stilb_result result = mesh_alloc(mesh, 4, 6);
+	stilb_result result = scene_mesh_create(mesh, 4, 6);
 	if (result != STILB_OK)
 		return result;
 	for (int i = 0; i < 4; i++) {
@@ -116,7 +116,7 @@ stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 {
 	STILB_ASSERT(splits <= 6);
 	uint32_t triangles = 20u << (2 * splits), vertices = triangles / 2 + 2; /* Euler: V = F / 2 + 2 */
-	stilb_result result = mesh_alloc(mesh, vertices, triangles * 3);
+	stilb_result result = scene_mesh_create(mesh, vertices, triangles * 3);
 	if (result != STILB_OK)
 		return result;
 	mesh_edges edges = {

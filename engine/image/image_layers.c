@@ -1,0 +1,215 @@
+#include "image/image_layers.h"
+
+#include "base/base_file.h"
+#include "image/image_internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* Why a picture of this shape is refused, or NULL. The sides are bounded first, so that the product cannot overflow. */
+static const char *layers_refusal(uint32_t width, uint32_t height, uint32_t channels)
+{
+	if (width < 1 || height < 1 || width > STILB_IMAGE_MAX_SIDE || height > STILB_IMAGE_MAX_SIDE)
+		return "width and height must be 1 to 65536";
+	if (channels < 1 || channels > STILB_IMAGE_MAX_CHANNELS)
+		return "1 to 64 channels are supported";
+	if ((uint64_t)width * height * channels * sizeof(float) > STILB_IMAGE_MAX_BYTES)
+		return "its pixels would take more than 4 GiB";
+	return NULL;
+}
+
+static bool layers_path_is_exr(const char *path)
+{
+	size_t length = strlen(path);
+	return length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
+}
+
+/* Whether every channel has a name of its own. Asked here because the library drops one of two without a word. */
+static stilb_result layers_names_check(const stilb_image_layers *layers, const char *path)
+{
+	for (uint32_t i = 0; i < layers->channel_count; i++) {
+		const char *name = layers->channels[i].name;
+		if (!name[0])
+			return stilb_fail(STILB_ERROR_ARGUMENT, "cannot write '%s': channel %u has no name", path, i);
+		for (uint32_t j = 0; j < i; j++) {
+			if (strcmp(layers->channels[j].name, name) == 0)
+				return stilb_fail(STILB_ERROR_ARGUMENT, "cannot write '%s': it has the channel '%s' twice", path, name);
+		}
+	}
+	return STILB_OK;
+}
+
+static stilb_result layers_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message)
+{
+	if (outcome == IMAGE_OUTCOME_MEMORY)
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot %s '%s': out of memory", verb, path);
+	return stilb_fail(STILB_ERROR_FILE, "cannot %s '%s': %s", verb, path, message->text);
+}
+
+/* ---- saving -------------------------------------------------------------------------------------------------------- */
+
+typedef struct layers_save {
+	const char *path;
+	stilb_result result;
+} layers_save;
+
+/* image_sink */
+static int layers_save_sink(void *context, const void *data, size_t size)
+{
+	layers_save *save = context;
+	save->result = stilb_file_save(save->path, data, size);
+	return save->result == STILB_OK ? 0 : -1;
+}
+
+stilb_result stilb_image_layers_save(const stilb_image_layers *layers, const char *path)
+{
+	const char *refusal = layers_refusal(layers->width, layers->height, layers->channel_count);
+	if (!layers_path_is_exr(path))
+		refusal = "pictures of many channels are .exr";
+	if (refusal)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot write '%s': %s", path, refusal);
+	stilb_result checked = layers_names_check(layers, path);
+	if (checked == STILB_OK)
+		checked = stilb_file_check(path); /* before the work of encoding */
+	if (checked != STILB_OK)
+		return checked;
+	layers_save save = {.path = path};
+	image_message message = {0};
+	image_outcome outcome = IMAGE_OUTCOME_CODEC;
+	const image_codec *codec = image_codec_load(&message);
+	if (codec)
+		outcome = codec->encode_layers(layers, layers_save_sink, &save, &message);
+	if (outcome == IMAGE_OUTCOME_DONE || outcome == IMAGE_OUTCOME_CALLBACK)
+		return save.result;
+	return layers_fail(outcome, "write", path, &message);
+}
+
+/* ---- loading ------------------------------------------------------------------------------------------------------- */
+
+/* What a loaded stilb_image_layers begins: public.channels are channels, and so on. */
+typedef struct layers_owned {
+	stilb_image_layers layers;
+	stilb_image_channel *channels;
+	stilb_image_attribute *attributes;
+	float *pixels;
+} layers_owned;
+
+typedef struct layers_load {
+	const char *path;
+	layers_owned *owned;
+	stilb_result result;
+} layers_load;
+
+static float *layers_load_create(void *context, uint32_t width, uint32_t height, uint32_t channels)
+{
+	layers_load *load = context;
+	const char *refusal = layers_refusal(width, height, channels);
+	if (refusal) {
+		load->result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it has %u x %u pixels and %u channels; %s",
+		                          load->path, width, height, channels, refusal);
+		return NULL;
+	}
+	layers_owned *owned = load->owned;
+	owned->layers = (stilb_image_layers){.width = width, .height = height};
+	owned->pixels = stilb_memory_alloc((size_t)width * height * channels, sizeof(float));
+	owned->channels = calloc(channels, sizeof *owned->channels);
+	owned->layers.channels = owned->channels;
+	for (uint32_t i = 0; owned->pixels && owned->channels && i < channels; i++)
+		owned->channels[i] = (stilb_image_channel){.values = owned->pixels + i, .stride = channels};
+	return owned->channels ? owned->pixels : NULL;
+}
+
+static bool layers_load_channel(void *context, const char *name)
+{
+	layers_owned *owned = ((layers_load *)context)->owned;
+	char *copy = strdup(name);
+	if (copy)
+		owned->channels[owned->layers.channel_count++].name = copy;
+	return copy != NULL;
+}
+
+static bool layers_load_attribute(void *context, const char *name, const char *text)
+{
+	layers_owned *owned = ((layers_load *)context)->owned;
+	uint32_t count = owned->layers.attribute_count;
+	stilb_image_attribute *grown = realloc(owned->attributes, (count + 1) * sizeof *grown);
+	if (!grown)
+		return false;
+	owned->layers.attributes = owned->attributes = grown;
+	grown[count] = (stilb_image_attribute){.name = strdup(name), .text = strdup(text)};
+	owned->layers.attribute_count++;
+	return grown[count].name && grown[count].text;
+}
+
+static image_outcome layers_decode(layers_load *load, image_message *message)
+{
+	void *data = NULL;
+	size_t size = 0;
+	image_layers_sink sink = {load, layers_load_create, layers_load_channel, layers_load_attribute};
+	image_outcome outcome = IMAGE_OUTCOME_CODEC;
+	const image_codec *codec = image_codec_load(message);
+	const char *trouble = codec ? image_file_read(load->path, &data, &size) : NULL;
+	if (trouble)
+		snprintf(message->text, sizeof message->text, "%s", trouble);
+	else if (codec)
+		outcome = codec->decode_layers(data, size, &sink, message);
+	free(data);
+	return outcome;
+}
+
+stilb_result stilb_image_layers_load(const char *path, stilb_image_layers **layers)
+{
+	*layers = NULL;
+	if (!layers_path_is_exr(path))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot read '%s': pictures of many channels are .exr", path);
+	layers_load load = {.path = path, .owned = calloc(1, sizeof *load.owned), .result = STILB_OK};
+	if (!load.owned)
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", path);
+	image_message message = {0};
+	image_outcome outcome = layers_decode(&load, &message);
+	if (outcome == IMAGE_OUTCOME_DONE) {
+		*layers = &load.owned->layers;
+		return STILB_OK;
+	}
+	stilb_image_layers_finish(&load.owned->layers);
+	if (outcome == IMAGE_OUTCOME_CALLBACK && load.result != STILB_OK)
+		return load.result;
+	return layers_fail(outcome == IMAGE_OUTCOME_CALLBACK ? IMAGE_OUTCOME_MEMORY : outcome, "read", path, &message);
+}
+
+void stilb_image_layers_finish(stilb_image_layers *layers)
+{
+	if (!layers)
+		return;
+	layers_owned *owned = (layers_owned *)layers; /* its first member */
+	for (uint32_t i = 0; i < layers->channel_count; i++)
+		free((char *)owned->channels[i].name);
+	for (uint32_t i = 0; i < layers->attribute_count; i++) {
+		free((char *)owned->attributes[i].name);
+		free((char *)owned->attributes[i].text);
+	}
+	free(owned->channels);
+	free(owned->attributes);
+	free(owned->pixels);
+	free(owned);
+}
+
+const stilb_image_channel *stilb_image_layers_channel(const stilb_image_layers *layers, const char *name)
+{
+	for (uint32_t i = 0; i < layers->channel_count; i++) {
+		if (strcmp(layers->channels[i].name, name) == 0)
+			return &layers->channels[i];
+	}
+	return NULL;
+}
+
+const char *stilb_image_layers_attribute(const stilb_image_layers *layers, const char *name)
+{
+	for (uint32_t i = 0; i < layers->attribute_count; i++) {
+		if (strcmp(layers->attributes[i].name, name) == 0)
+			return layers->attributes[i].text;
+	}
+	return NULL;
+}

@@ -1,0 +1,159 @@
+#include "scene/importer/importer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define IMPORTER_NO_MESH UINT32_MAX
+
+static bool mesh_is_triangle(const struct aiMesh *mesh, const struct aiFace *face)
+{
+	if (face->mNumIndices != 3)
+		return false; /* points and lines; Assimp has made triangles of all else */
+	for (int i = 0; i < 3; i++)
+		if (face->mIndices[i] >= mesh->mNumVertices)
+			return false;
+	return true;
+}
+
+static uint32_t mesh_triangles(const struct aiMesh *mesh)
+{
+	uint32_t count = 0;
+	for (uint32_t f = 0; mesh->mVertices && f < mesh->mNumFaces; f++)
+		count += mesh_is_triangle(mesh, &mesh->mFaces[f]);
+	return count;
+}
+
+/* Of the triangle of these vertices, or up where it has none. */
+static stilb_vec3 mesh_normal(const struct aiMesh *mesh, const uint32_t index[3])
+{
+	stilb_vec3 p[3];
+	for (int i = 0; i < 3; i++)
+		p[i] = importer_vector(&mesh->mVertices[index[i]]);
+	stilb_vec3 normal = stilb_vec3_cross(p[1] - p[0], p[2] - p[0]);
+	float length = sqrtf(stilb_vec3_dot(normal, normal));
+	return length > 0.0f && length < INFINITY ? normal * (1.0f / length) : stilb_vec3_make(0, 1, 0);
+}
+
+static float mesh_texture_coordinate(float value)
+{
+	return fabsf(value) < 1e6f ? value : 0.0f; /* NaN too; farther out a float has no place in a texture */
+}
+
+/* The normal stays 0 when the file's is none. */
+static stilb_scene_vertex mesh_vertex(const struct aiMesh *mesh, uint32_t v)
+{
+	stilb_scene_vertex vertex = {.position = {mesh->mVertices[v].x, mesh->mVertices[v].y, mesh->mVertices[v].z}};
+	if (mesh->mNormals) {
+		stilb_vec3 normal = importer_vector(&mesh->mNormals[v]);
+		float length = sqrtf(stilb_vec3_dot(normal, normal));
+		for (int i = 0; length > 1e-18f && length < 1e18f && i < 3; i++)
+			vertex.normal[i] = normal[i] / length;
+	}
+	if (mesh->mTextureCoords[0]) {
+		vertex.uv[0] = mesh_texture_coordinate(mesh->mTextureCoords[0][v].x);
+		vertex.uv[1] = mesh_texture_coordinate(mesh->mTextureCoords[0][v].y);
+	}
+	return vertex;
+}
+
+static stilb_result mesh_convert(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
+{
+	stilb_result result = scene_mesh_create(mesh, from->mNumVertices, 3 * triangles);
+	if (result != STILB_OK)
+		return result;
+	for (uint32_t v = 0; v < from->mNumVertices; v++)
+		mesh->vertices[v] = mesh_vertex(from, v);
+	uint32_t *index = mesh->indices;
+	for (uint32_t f = 0; f < from->mNumFaces; f++) {
+		if (!mesh_is_triangle(from, &from->mFaces[f]))
+			continue;
+		stilb_vec3 normal = mesh_normal(from, from->mFaces[f].mIndices);
+		for (int i = 0; i < 3; i++) {
+			float *own = mesh->vertices[ *index++ = from->mFaces[f].mIndices[i]].normal;
+			for (int k = 0; own[0] == 0.0f && own[1] == 0.0f && own[2] == 0.0f && k < 3; k++)
+				own[k] = normal[k];
+		}
+	}
+	return STILB_OK;
+}
+
+/* Where each of Assimp's meshes stands among the scene's, and how much there is. */
+typedef struct mesh_plan {
+	uint32_t *place;     /* IMPORTER_NO_MESH: it has no triangles */
+	uint32_t *triangles; /* of each */
+	uint32_t meshes, models, parts;
+} mesh_plan;
+
+static uint32_t mesh_place(const mesh_plan *plan, const importer *import, const struct aiNode *node, uint32_t i)
+{
+	uint32_t mesh = node->mMeshes[i];
+	return mesh < import->from->mNumMeshes ? plan->place[mesh] : IMPORTER_NO_MESH;
+}
+
+static stilb_result mesh_plan_make(const importer *import, mesh_plan *plan)
+{
+	const uint32_t count = import->from->mNumMeshes;
+	plan->place = malloc((count + 1) * sizeof *plan->place);
+	plan->triangles = malloc((count + 1) * sizeof *plan->triangles);
+	if (!plan->place || !plan->triangles)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its meshes");
+	for (uint32_t m = 0; m < count; m++) {
+		plan->triangles[m] = mesh_triangles(import->from->mMeshes[m]);
+		plan->place[m] = plan->triangles[m] ? plan->meshes++ : IMPORTER_NO_MESH;
+	}
+	for (uint32_t n = 0; n < import->node_count; n++) {
+		const struct aiNode *node = import->nodes[n].node;
+		uint32_t own = 0;
+		for (uint32_t i = 0; i < node->mNumMeshes; i++)
+			own += mesh_place(plan, import, node, i) != IMPORTER_NO_MESH;
+		plan->parts += own;
+		plan->models += own > 0;
+		if (plan->parts > STILB_SCENE_MAX_MODELS)
+			return stilb_fail(STILB_ERROR_FILE, "it shows more than %u meshes", STILB_SCENE_MAX_MODELS);
+	}
+	if (plan->parts == 0)
+		return stilb_fail(STILB_ERROR_FILE, "it has no triangles");
+	return STILB_OK;
+}
+
+static void mesh_add_parts(importer *import, const mesh_plan *plan)
+{
+	stilb_scene *scene = import->scene;
+	uint32_t part = 0, model = 0;
+	for (uint32_t n = 0; n < import->node_count; n++) {
+		const struct aiNode *node = import->nodes[n].node;
+		const uint32_t first = part;
+		for (uint32_t i = 0; i < node->mNumMeshes; i++) {
+			uint32_t place = mesh_place(plan, import, node, i);
+			if (place == IMPORTER_NO_MESH)
+				continue;
+			uint32_t material = import->from->mMeshes[node->mMeshes[i]]->mMaterialIndex;
+			scene->part_mesh[part] = place;
+			scene->part_material[part] = material < scene->material_count ? material : 0;
+			scene->part_transform[part++] = import->nodes[n].to_world;
+		}
+		if (part > first)
+			scene->first_part[++model] = part;
+	}
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		scene_fit_bounds(scene, m);
+}
+
+stilb_result importer_add_meshes(importer *import)
+{
+	mesh_plan plan = {0};
+	const struct aiScene *from = import->from;
+	stilb_result result = mesh_plan_make(import, &plan);
+	const uint32_t materials = from->mNumMaterials ? from->mNumMaterials : 1;
+	if (result == STILB_OK)
+		result = scene_create(plan.models, plan.parts, plan.meshes, materials, &import->scene);
+	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++)
+		if (plan.place[m] != IMPORTER_NO_MESH)
+			result = mesh_convert(from->mMeshes[m], plan.triangles[m], &import->scene->meshes[plan.place[m]]);
+	if (result == STILB_OK)
+		mesh_add_parts(import, &plan);
+	free(plan.place);
+	free(plan.triangles);
+	return result;
+}

@@ -1,0 +1,89 @@
+#include "scene/importer/importer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Assimp's matrices are row by row. */
+static stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m)
+{
+	return (stilb_mat4){.m = {m->a1, m->b1, m->c1, m->d1, m->a2, m->b2, m->c2, m->d2, m->a3, m->b3, m->c3, m->d3, m->a4,
+	                          m->b4, m->c4, m->d4}};
+}
+
+static bool importer_is_finite(const stilb_mat4 *m)
+{
+	bool finite = true;
+	for (int i = 0; i < 16; i++)
+		finite &= isfinite(m->m[i]) != 0;
+	return finite;
+}
+
+/* The list is its own queue of what is still to visit: breadth first, so no hierarchy is too deep for it. */
+stilb_result importer_list_nodes(importer *import)
+{
+	uint32_t room = 1024;
+	import->nodes = malloc(room * sizeof *import->nodes);
+	if (!import->nodes)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
+	if (!import->from->mRootNode)
+		return stilb_fail(STILB_ERROR_FILE, "it has no root node");
+	import->nodes[0].node = import->from->mRootNode;
+	import->nodes[0].to_world = importer_matrix(&import->from->mRootNode->mTransformation);
+	import->node_count = 1;
+	for (uint32_t i = 0; i < import->node_count; i++) {
+		const struct aiNode *node = import->nodes[i].node;
+		const stilb_mat4 to_world = import->nodes[i].to_world;
+		if ((uint64_t)import->node_count + node->mNumChildren > IMPORTER_MAX_NODES)
+			return stilb_fail(STILB_ERROR_FILE, "it has more than %u nodes", IMPORTER_MAX_NODES);
+		while (import->node_count + node->mNumChildren > room) {
+			room *= 2;
+			importer_node *more = realloc(import->nodes, room * sizeof *more);
+			if (!more)
+				return stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
+			import->nodes = more;
+		}
+		for (uint32_t c = 0; c < node->mNumChildren; c++) {
+			if (!node->mChildren[c])
+				continue; /* Assimp 5.2 leaves holes in the hierarchy of .raw */
+			const stilb_mat4 own = importer_matrix(&node->mChildren[c]->mTransformation);
+			const importer_node child = {node->mChildren[c], stilb_mat4_multiply(to_world, own)};
+			if (importer_is_finite(&child.to_world))
+				import->nodes[import->node_count++] = child;
+			else
+				import->odd_nodes++;
+		}
+	}
+	return STILB_OK;
+}
+
+const importer_node *importer_find_node(const importer *import, const struct aiString *name)
+{
+	for (uint32_t i = 0; i < import->node_count; i++)
+		if (strcmp(import->nodes[i].node->mName.data, name->data) == 0)
+			return &import->nodes[i];
+	return NULL;
+}
+
+static stilb_vec3 importer_rotate(const stilb_mat4 *m, stilb_vec3 v)
+{
+	stilb_vec3 turned = {0};
+	for (int row = 0; row < 3; row++)
+		turned[row] = m->m[row] * v[0] + m->m[4 + row] * v[1] + m->m[8 + row] * v[2];
+	return turned;
+}
+
+stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p)
+{
+	if (!node)
+		return p;
+	const float *m = node->to_world.m;
+	return importer_rotate(&node->to_world, p) + stilb_vec3_make(m[12], m[13], m[14]);
+}
+
+stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d)
+{
+	stilb_vec3 turned = node ? importer_rotate(&node->to_world, d) : d;
+	float length = sqrtf(stilb_vec3_dot(turned, turned));
+	return length > 1e-18f && length < 1e18f ? turned * (1.0f / length) : stilb_vec3_make(0, 0, -1);
+}

@@ -1,0 +1,167 @@
+/* What a view needs beside surfaces: lights, a sky, a camera. */
+#include "scene/importer/importer.h"
+
+#include "shading/shade_constants.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+/* Intensity of a light as physics has it, falling with the square of the distance. A file whose lights fall so says it;
+ * in the others a light of brightness 1 shows a white surface that faces it white, which is an irradiance of pi, and
+ * what that takes at the distance of the scene's middle, where its own law of distance says how much is left, is its
+ * intensity. */
+static float light_scale(const importer *import, const struct aiLight *light, stilb_vec3 position)
+{
+	const bool directional = light->mType == aiLightSource_DIRECTIONAL;
+	if (import->gltf)
+		return 1.0f;
+	if (directional)
+		return SHADE_PI;
+	stilb_sphere scene = scene_sphere(import->scene);
+	stilb_vec3 away = position - stilb_vec3_make(scene.x, scene.y, scene.z);
+	float distance = fmaxf(sqrtf(stilb_vec3_dot(away, away)), 0.1f * scene.radius);
+	float left = light->mAttenuationConstant + light->mAttenuationLinear * distance +
+	             light->mAttenuationQuadratic * distance * distance;
+	return SHADE_PI * distance * distance / (left > 0.0f ? left : 1.0f);
+}
+
+/* Cones are told by the angle between axis and edge in glTF, across the whole cone elsewhere. */
+static float light_cone_cosine(const importer *import, float angle)
+{
+	float half = import->gltf ? angle : 0.5f * angle;
+	return half > 0.0f ? cosf(fminf(half, 0.5f * SHADE_PI)) : 1.0f;
+}
+
+static bool light_convert(const importer *import, const struct aiLight *from, stilb_scene_light *light)
+{
+	const importer_node *node = importer_find_node(import, &from->mName);
+	const stilb_vec3 position = importer_point(node, importer_vector(&from->mPosition));
+	const stilb_vec3 direction = importer_direction(node, importer_vector(&from->mDirection));
+	const float scale = light_scale(import, from, position);
+	const float color[3] = {from->mColorDiffuse.r, from->mColorDiffuse.g, from->mColorDiffuse.b};
+	bool good = false;
+	*light = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_POINT};
+	if (from->mType == aiLightSource_DIRECTIONAL)
+		light->kind = STILB_SCENE_LIGHT_DIRECTIONAL;
+	else if (from->mType == aiLightSource_SPOT)
+		light->kind = STILB_SCENE_LIGHT_SPOT;
+	for (int i = 0; i < 3; i++) {
+		float intensity = color[i] * scale;
+		light->position[i] = position[i];
+		light->direction[i] = direction[i];
+		light->intensity[i] = intensity > 0.0f && intensity < 1e18f ? intensity : 0.0f;
+		good |= light->intensity[i] > 0.0f;
+		if (!(fabsf(position[i]) < 1e18f))
+			return false;
+	}
+	light->cos_inner = light_cone_cosine(import, from->mAngleInnerCone);
+	light->cos_outer = fminf(light_cone_cosine(import, from->mAngleOuterCone), light->cos_inner);
+	return good;
+}
+
+static stilb_result view_add_lights(importer *import)
+{
+	const struct aiScene *from = import->from;
+	stilb_scene *scene = import->scene;
+	stilb_result result = scene_add_lights(scene, from->mNumLights);
+	if (result != STILB_OK)
+		return result;
+	scene->light_count = 0;
+	for (uint32_t i = 0; i < from->mNumLights; i++) {
+		const struct aiLight *light = from->mLights[i];
+		const struct aiColor3D *ambient = &light->mColorAmbient;
+		if (light->mType != aiLightSource_AMBIENT)
+			scene->light_count += light_convert(import, light, &scene->lights[scene->light_count]);
+		else if (ambient->r >= 0.0f && ambient->g >= 0.0f && ambient->b >= 0.0f &&
+		         ambient->r + ambient->g + ambient->b < 1e9f)
+			stilb_scene_set_sky(scene, (const float[3]){ambient->r, ambient->g, ambient->b});
+	}
+	return STILB_OK;
+}
+
+static bool view_is_lit(const stilb_scene *scene)
+{
+	float light = (float)scene->light_count;
+	for (int i = 0; i < 3; i++)
+		light += scene->sky.sky[i];
+	for (uint32_t p = 0; p < scene->part_count; p++)
+		for (int i = 0; i < 3; i++)
+			light += scene->materials[scene->part_material[p]].emission[i];
+	return light > 0.0f;
+}
+
+/* ---- camera ------------------------------------------------------------------------------------------------------ */
+
+#define CAMERA_FOV 0.7f /* of a camera that is made up, radians */
+
+/* From the front, a little to the right and above, so far that the sphere around the scene is in every picture that is
+ * no higher than wide. */
+static stilb_scene_camera camera_about(const stilb_scene *scene)
+{
+	stilb_sphere sphere = scene_sphere(scene);
+	float radius = sphere.radius > 0.0f ? sphere.radius : 1.0f;
+	stilb_vec3 middle = stilb_vec3_make(sphere.x, sphere.y, sphere.z);
+	stilb_vec3 away = stilb_vec3_normalize(stilb_vec3_make(0.45f, 0.35f, 1.0f));
+	return scene_camera_look(middle + away * (radius / sinf(0.5f * CAMERA_FOV)), middle, CAMERA_FOV);
+}
+
+/* About the view, from the upright camera's axes: they are the rows of its matrix. */
+static float camera_roll(const stilb_scene_camera *camera, stilb_vec3 up)
+{
+	stilb_mat4 view = stilb_mat4_view((stilb_vec3){0}, camera->yaw, camera->pitch);
+	stilb_vec3 upright_right = stilb_vec3_make(view.m[0], view.m[4], view.m[8]);
+	stilb_vec3 upright_up = stilb_vec3_make(view.m[1], view.m[5], view.m[9]);
+	float sine = stilb_vec3_dot(up, upright_right), cosine = stilb_vec3_dot(up, upright_up);
+	return fabsf(sine) > 1e-5f || cosine < 0.0f ? atan2f(sine, cosine) : 0.0f;
+}
+
+/* From one side to the other of a picture in the file's own ratio; of glTF Assimp 5.2 has angle of height times ratio
+ * there. */
+static float camera_fov_y(const importer *import, const struct aiCamera *from)
+{
+	const bool has_ratio = from->mAspect > 0.01f && from->mAspect < 100.0f;
+	if (import->gltf)
+		return from->mHorizontalFOV / (has_ratio ? from->mAspect : 1.0f);
+	return 2.0f * atanf(tanf(0.5f * from->mHorizontalFOV) / (has_ratio ? from->mAspect : 4.0f / 3.0f));
+}
+
+/* false: it has no place or no angle. */
+static bool camera_convert(const importer *import, const struct aiCamera *from, stilb_scene_camera *camera)
+{
+	const importer_node *node = importer_find_node(import, &from->mName);
+	/* A glTF camera stands where its node does; Assimp 5.2 has the node's place in it a second time. */
+	stilb_vec3 own = import->gltf ? (stilb_vec3){0} : importer_vector(&from->mPosition);
+	stilb_vec3 position = importer_point(node, own);
+	stilb_vec3 view = importer_direction(node, importer_vector(&from->mLookAt));
+	stilb_vec3 up = importer_direction(node, importer_vector(&from->mUp));
+	const float fov_y = camera_fov_y(import, from);
+	stilb_sphere scene = scene_sphere(import->scene);
+	if (!(fov_y > 0.03f && fov_y < 3.1f) || !(fabsf(position[0]) + fabsf(position[1]) + fabsf(position[2]) < 1e18f))
+		return false;
+	stilb_vec3 away = position - stilb_vec3_make(scene.x, scene.y, scene.z);
+	float distance = sqrtf(stilb_vec3_dot(away, away)) + scene.radius;
+	*camera = scene_camera_look(position, position + view, fov_y);
+	camera->near_z = 1e-4f * distance;
+	camera->far_z = 10.0f * distance;
+	camera->roll = camera_roll(camera, up);
+	return true;
+}
+
+stilb_result importer_add_view(importer *import)
+{
+	stilb_scene *scene = import->scene;
+	stilb_result result = view_add_lights(import);
+	if (result != STILB_OK)
+		return result;
+	if (!view_is_lit(scene)) {
+		importer_warn("it has no light: a grey sky shines on it");
+		scene->sky = (stilb_scene_sky){{1, 1, 1}, {0.4f, 0.4f, 0.4f}};
+	}
+	for (uint32_t i = 0; i < import->from->mNumCameras; i++)
+		if (camera_convert(import, import->from->mCameras[i], &scene->camera))
+			return STILB_OK;
+	scene->camera = camera_about(scene);
+	return STILB_OK;
+}
