@@ -16,16 +16,16 @@ typedef struct gi_camera {
 	float half_width, half_height;           /* of the picture plane at distance 1 */
 	float to_u, to_v;                        /* pixels to the plane */
 	stilb_gi_lens lens;
+	const struct gi_primary_kernels *kernels; /* gi_primary.h */
 } gi_camera;
 
 gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *lens, uint32_t width, uint32_t height);
 
+/* A point of the aperture, from u in [0, 1)^2: metres along right and up. */
+stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u);
+
 /* The ray through (x, y) in pixels from the top left corner of the picture, lens in [0, 1)^2. dir is unit, tnear 0, tfar inf. */
 void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, RTCRayHit *ray);
-
-/* The same for sixteen. */
-void gi_camera_rays16(const gi_camera *camera, const float x[16], const float y[16], const float lens_u[16],
-                      const float lens_v[16], RTCRayHit16 *rays);
 
 /* Where in the filter: pixel coordinates relative to the pixel's centre, distributed as the filter's weight (all weights are
  * positive, so that every sample counts the same). Source: Ernst, Stamminger, Greiner, "Filter importance sampling" (2006). */

@@ -89,12 +89,14 @@ typedef struct stilb_gi_cache_settings {
 	const char *load, *save; /* files, or NULL */
 } stilb_gi_cache_settings;
 
+#define STILB_GI_MAX_PIXELS (1u << 26) /* 8192 x 8192: 168 bytes each while it is rendered */
+
 typedef struct stilb_gi_settings {
 	stilb_gi_integrator integrator;
-	uint32_t width, height;
-	uint32_t samples; /* a pixel, 1..65536; with a limit below: the most */
-	double seconds;   /* end after this long; 0: no limit */
-	float error;      /* end where the estimated relative RMSE of the picture is below; 0: no limit */
+	uint32_t width, height; /* 1..65536 each, and at most STILB_GI_MAX_PIXELS */
+	uint32_t samples;       /* a pixel, 1..65536; with a limit below: the most */
+	double seconds;         /* end after this long; 0: no limit */
+	float error;            /* end where the estimated relative RMSE of the picture is below; 0: no limit */
 	uint64_t seed;
 	stilb_gi_sampler_kind sampler;
 	stilb_gi_filter_kind filter;
@@ -108,12 +110,17 @@ typedef struct stilb_gi_settings {
 	uint32_t rays;       /* N of ao, montecarlo and split: at a hit */
 	float ao_distance;   /* metres: what lies farther does not occlude; 0: no end */
 	bool ao_weighted;    /* a near hit occludes more than a far one: 1 - d / ao_distance */
-	bool progressive;    /* each tile in steps of 32, 16, ... 1 pixels */
+	bool progressive;    /* first every 32nd pixel of every 32nd row, then every 16th, ...; off: tile by tile */
+	float exposure;      /* of .png alone: the picture is brighter by so many times two */
 	stilb_gi_cache_settings cache;
 } stilb_gi_settings;
 
 /* path, 64 samples of 512 x 512, sobol, box, depth 64, GGX; the scene's camera. */
 stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene);
+
+/* Rays that MONTECARLO traces for these settings, where every ray hits something and shadow rays are left out: pixels x
+ * samples x (1 + N + N^2 + ... + N^depth). Exact below 2^53; +infinity when beyond all numbers. [any-thread] */
+double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings);
 
 typedef struct stilb_gi_render stilb_gi_render;
 
@@ -122,12 +129,30 @@ stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_
                                     stilb_job_pool *pool, stilb_gi_render **out);
 void stilb_gi_render_destroy(stilb_gi_render *render);
 
-/* Renders until the picture is finished, a limit is reached, or stop is asked for; whatever tiles are begun are finished.
- * The calling thread takes part. */
+/* Renders until the picture is finished, a limit is reached, or stop is asked for; what is left undone the next call does.
+ * The calling thread takes part. STILB_OK also when stopped: progress.end says why it ended. STILB_ERROR_FILE: the irradiance
+ * cache could not be loaded, or not be saved: then the picture is finished nevertheless; STILB_ERROR_MEMORY. */
 stilb_result stilb_gi_render_run(stilb_gi_render *render);
 
-/* Makes run return soon. [any-thread], and from signal handlers. */
+/* Makes run return within some milliseconds; asked for between two calls, the next returns at once. [any-thread], and from
+ * signal handlers. */
 void stilb_gi_render_stop(stilb_gi_render *render);
+
+/* Why run returned. */
+typedef enum stilb_gi_end {
+	STILB_GI_END_NOT, /* it has not, or never ran */
+	STILB_GI_END_SAMPLES,
+	STILB_GI_END_SECONDS,
+	STILB_GI_END_ERROR, /* the estimate is below settings.error */
+	STILB_GI_END_STOPPED,
+} stilb_gi_end;
+
+/* All pixels that lie on every block-th column and row, and not on those of the pass before, from first_sample on. */
+typedef struct stilb_gi_pass {
+	uint32_t block, first_sample, sample_count;
+	double seconds;
+	bool finished;
+} stilb_gi_pass;
 
 #define STILB_GI_MAX_PASSES 64
 
@@ -136,16 +161,16 @@ typedef struct stilb_gi_progress {
 	double done;    /* share of the work, [0, 1] */
 	uint64_t rays;  /* traced, all kinds; and of these: */
 	uint64_t camera_rays, shadow_rays;
-	uint32_t samples;  /* every pixel has at least so many */
-	uint32_t block;    /* progressive: every block of so many pixels has one; 1 when done */
-	const char *stage; /* "overture 3", "pass 2", ... */
-	bool finished;
-	uint32_t records; /* in the irradiance cache */
+	uint32_t samples; /* every pixel has at least so many */
+	uint32_t block;   /* progressive: every block of so many pixels has one; 1 when done */
+	char stage[32];   /* "overture 3", "pass 2", ... */
+	bool finished;    /* nothing is left to do: see end */
+	stilb_gi_end end;
+	uint32_t records;     /* in the irradiance cache */
+	double error;         /* of the last whole pass, as settings.error has it; 0: not known */
+	uint64_t bad_samples; /* that were no number: they count as black */
 	uint32_t pass_count;
-	struct {
-		uint32_t block, first_sample, sample_count;
-		double seconds;
-	} passes[STILB_GI_MAX_PASSES]; /* finished ones */
+	stilb_gi_pass passes[STILB_GI_MAX_PASSES]; /* those begun, in order */
 } stilb_gi_progress;
 
 /* [any-thread] */
@@ -155,6 +180,9 @@ void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progre
  * [any-thread], while run runs too: pixels of tiles in work may be old ones. */
 void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb);
 
+/* What .png holds: exposure, tone map (shade_tonemap.h), sRGB; 3 numbers a pixel. [any-thread] */
+void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *srgb);
+
 /* The picture and what belongs to it. Sizes are width x height; valid until destroy, to be read while run does not run. */
 typedef struct stilb_gi_film {
 	uint32_t width, height;
@@ -162,7 +190,8 @@ typedef struct stilb_gi_film {
 	const float *albedo;   /* [3] diffuse + specular reflectance of the first hit, mean */
 	const float *normal;   /* [3] shading normal of the first hit, world, mean; 0 for a miss */
 	const float *depth;    /* distance along the view to the first hit, mean over those that hit; +infinity: none */
-	const float *variance; /* [3] of the mean: the square of its standard error, from the samples */
+	const float *variance; /* [3] of the mean: the square of its standard error, as if samples were independent of one
+	                        * another, so above the truth where the sampler spreads them; 0 below 2 samples */
 	const uint32_t *samples;
 } stilb_gi_film;
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
@@ -171,9 +200,11 @@ stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
  * the tone map and sRGB. Whole or not at all. [main-thread] */
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path);
 
-/* What is left to do, so that another process can go on: the same settings, scene and binary give the same bits as one
- * that was never stopped. checkpoint writes whole or not at all; resume refuses (STILB_ERROR_FILE) what belongs to other
- * settings and names the first that differs. */
+/* What is there, so that another process can go on: the same settings, scene and binary give the same bits as one that was
+ * never stopped. checkpoint writes whole or not at all, while run does not run. resume, before the first run, refuses
+ * (STILB_ERROR_FILE) what is damaged or belongs to another scene or other settings, and names the first that differs; the
+ * limits, progressive and exposure may be others, and with them samples, but for STRATIFIED and BLUE_NOISE, whose samples
+ * depend on how many there will be. */
 stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const char *path);
 stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path);
 

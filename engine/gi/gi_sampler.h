@@ -3,6 +3,7 @@
  *
  * A gi_point is one sample of one pixel; its numbers are asked for by dimension, in any order. A dimension pair (2k, 2k + 1)
  * is one stratified point of the square. gi_sampler_branch opens a sample into n of its own kind: the rays of a gather.
+ * Numbers are made of integers: every instruction set gives the same bits.
  */
 #ifndef STILB_GI_SAMPLER_H
 #define STILB_GI_SAMPLER_H
@@ -22,10 +23,13 @@
 #define GI_DIMENSION_ROULETTE 6
 #define GI_DIMENSION_OF(vertex) (GI_DIMENSIONS_CAMERA + GI_DIMENSIONS_VERTEX * (vertex))
 
+struct gi_sampler_kernels;
+
 typedef struct gi_sampler {
 	stilb_gi_sampler_kind kind;
 	uint64_t seed;
 	uint32_t samples; /* a pixel, planned: what the grids of STRATIFIED are made for */
+	const struct gi_sampler_kernels *kernels;
 } gi_sampler;
 
 typedef struct gi_point {
@@ -33,6 +37,9 @@ typedef struct gi_point {
 	uint32_t index; /* of the sample */
 	uint32_t count; /* planned */
 } gi_point;
+
+/* samples >= 1. */
+gi_sampler gi_sampler_make(stilb_gi_sampler_kind kind, uint64_t seed, uint32_t samples);
 
 gi_point gi_sampler_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uint32_t index);
 

@@ -25,18 +25,19 @@ typedef enum stilb_gi_isa {
 		STILB_GI_ISA_COUNT
 } stilb_gi_isa;
 
-typedef enum stilb_gi_intersector {
-	STILB_GI_EMBREE,
-	STILB_GI_BRUTE, /* every ray against every triangle, in double: the truth of tests, and free of Embree's threads */
-} stilb_gi_intersector;
+/* How rays meet triangles. A program that names only BRUTE does not load Embree. */
+typedef struct stilb_gi_intersector stilb_gi_intersector;
+extern const stilb_gi_intersector stilb_gi_embree;
+extern const stilb_gi_intersector stilb_gi_brute; /* every ray against every triangle, in double: the truth of tests */
 
 typedef struct stilb_gi_scene_desc {
 	stilb_job_pool *pool; /* builds the tree */
-	stilb_gi_intersector intersector;
+	const stilb_gi_intersector *intersector;
 	stilb_gi_isa isa;
+	uint64_t memory; /* bytes that the tree may take; 0: what the machine has free */
 } stilb_gi_scene_desc;
 
-/* pool, Embree, every instruction set. */
+/* Embree, every instruction set. */
 stilb_gi_scene_desc stilb_gi_scene_desc_default(stilb_job_pool *pool);
 
 /* What was made: for --stats and the bench. */
@@ -47,7 +48,7 @@ typedef struct stilb_gi_scene_info {
 	uint32_t lights;       /* emitting triangles and lights without a size */
 	double build_s;        /* Embree's part */
 	const char *isa;       /* "avx512", ...: what Embree runs on */
-	float low[3], high[3]; /* the box around all triangles; low > high: there are none */
+	float low[3], high[3]; /* a box around all triangles; low > high: there are none */
 } stilb_gi_scene_info;
 
 /* Copies what it needs: scene may go afterwards, but for its textures and environment, which must stay.
@@ -57,5 +58,8 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
 void stilb_gi_scene_destroy(stilb_gi_scene *scene);
 
 const stilb_gi_scene_info *stilb_gi_scene_info_of(const stilb_gi_scene *scene);
+
+/* Embree's version, as the program was built for: "3.13.5". [any-thread] */
+const char *stilb_gi_library_version(void);
 
 #endif

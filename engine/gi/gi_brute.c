@@ -1,0 +1,156 @@
+/* gi_brute: every ray against every triangle, in double. The truth that Embree is held against, and what tests of the
+ * concurrency use, as the thread sanitizer cannot look into Embree. */
+#include "gi/gi_world.h"
+
+#include <stdlib.h>
+
+typedef struct brute_triangle {
+	double v0[3], e1[3], e2[3];
+	uint32_t part, triangle;
+} brute_triangle;
+
+typedef struct brute {
+	uint64_t count;
+	brute_triangle triangles[];
+} brute;
+
+static void brute_cross(const double a[3], const double b[3], double out[3])
+{
+	out[0] = a[1] * b[2] - a[2] * b[1];
+	out[1] = a[2] * b[0] - a[0] * b[2];
+	out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double brute_dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Where the ray meets it: t, u, v; false: it does not. Source: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle
+ * Intersection" (1997). */
+static bool brute_meet(const brute_triangle *triangle, const RTCRay *ray, double tuv[3])
+{
+	double direction[3] = {(double)ray->dir_x, (double)ray->dir_y, (double)ray->dir_z};
+	double from[3] = {(double)ray->org_x - triangle->v0[0], (double)ray->org_y - triangle->v0[1],
+	                  (double)ray->org_z - triangle->v0[2]};
+	double p[3], q[3];
+	brute_cross(direction, triangle->e2, p);
+	double determinant = brute_dot(triangle->e1, p);
+	if (determinant == 0.0)
+		return false;
+	tuv[1] = brute_dot(from, p) / determinant;
+	brute_cross(from, triangle->e1, q);
+	tuv[2] = brute_dot(direction, q) / determinant;
+	tuv[0] = brute_dot(triangle->e2, q) / determinant;
+	return tuv[1] >= 0.0 && tuv[2] >= 0.0 && tuv[1] + tuv[2] <= 1.0 && tuv[0] > (double)ray->tnear &&
+	       tuv[0] <= (double)ray->tfar;
+}
+
+static void brute_intersect(const gi_tracer *tracer, RTCRayHit *ray)
+{
+	const brute *state = tracer->state;
+	for (uint64_t i = 0; i < state->count; i++) {
+		const brute_triangle *triangle = &state->triangles[i];
+		double tuv[3], normal[3];
+		if (!brute_meet(triangle, &ray->ray, tuv))
+			continue;
+		brute_cross(triangle->e1, triangle->e2, normal);
+		ray->ray.tfar = (float)tuv[0];
+		ray->hit.u = (float)tuv[1];
+		ray->hit.v = (float)tuv[2];
+		ray->hit.Ng_x = (float)normal[0];
+		ray->hit.Ng_y = (float)normal[1];
+		ray->hit.Ng_z = (float)normal[2];
+		ray->hit.geomID = triangle->part;
+		ray->hit.primID = triangle->triangle;
+	}
+}
+
+static void brute_intersect16(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays)
+{
+	for (uint32_t i = 0; i < 16; i++) {
+		if (!valid[i])
+			continue;
+		RTCRayHit ray = gi_ray_of(rays, i);
+		brute_intersect(tracer, &ray);
+		rays->ray.tfar[i] = ray.ray.tfar;
+		rays->hit.u[i] = ray.hit.u;
+		rays->hit.v[i] = ray.hit.v;
+		rays->hit.Ng_x[i] = ray.hit.Ng_x;
+		rays->hit.Ng_y[i] = ray.hit.Ng_y;
+		rays->hit.Ng_z[i] = ray.hit.Ng_z;
+		rays->hit.geomID[i] = ray.hit.geomID;
+		rays->hit.primID[i] = ray.hit.primID;
+	}
+}
+
+static bool brute_meets_any(const brute *state, const RTCRay *ray)
+{
+	double tuv[3];
+	for (uint64_t i = 0; i < state->count; i++)
+		if (brute_meet(&state->triangles[i], ray, tuv))
+			return true;
+	return false;
+}
+
+static void brute_occluded(const gi_tracer *tracer, RTCRay *rays, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (brute_meets_any(tracer->state, &rays[i]))
+			rays[i].tfar = -INFINITY;
+}
+
+/* ---- life cycle --------------------------------------------------------------------------------------------------- */
+
+/* To the world in double, where the mesh is shared. */
+static void brute_corner(const gi_part *part, const float p[3], double out[3])
+{
+	for (int i = 0; i < 3; i++) {
+		out[i] = (double)p[i];
+		if (part->instance)
+			out[i] = (double)part->to_world.m[i] * (double)p[0] + (double)part->to_world.m[4 + i] * (double)p[1] +
+			         (double)part->to_world.m[8 + i] * (double)p[2] + (double)part->to_world.m[12 + i];
+	}
+}
+
+static void brute_part(const stilb_gi_scene *world, uint32_t index, brute *state)
+{
+	const gi_part *part = &world->parts[index];
+	const gi_mesh *mesh = &world->meshes[part->mesh];
+	for (uint32_t k = 0; k < mesh->triangle_count; k++) {
+		brute_triangle *triangle = &state->triangles[state->count++];
+		double v1[3], v2[3];
+		brute_corner(part, mesh->vertices[mesh->triangles[k].vertex[0]].position, triangle->v0);
+		brute_corner(part, mesh->vertices[mesh->triangles[k].vertex[1]].position, v1);
+		brute_corner(part, mesh->vertices[mesh->triangles[k].vertex[2]].position, v2);
+		for (int i = 0; i < 3; i++) {
+			triangle->e1[i] = v1[i] - triangle->v0[i];
+			triangle->e2[i] = v2[i] - triangle->v0[i];
+		}
+		triangle->part = index;
+		triangle->triangle = k;
+	}
+}
+
+static stilb_result brute_create(const stilb_gi_scene *world, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
+                                 stilb_gi_scene_info *info)
+{
+	(void)desc;
+	brute *state = stilb_memory_alloc(1, sizeof *state + info->triangles * sizeof *state->triangles);
+	if (!state)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %llu triangles", (unsigned long long)info->triangles);
+	state->count = 0;
+	for (uint32_t part = 0; part < world->part_count; part++)
+		brute_part(world, part, state);
+	*tracer = (gi_tracer){
+		.intersect = brute_intersect, .intersect16 = brute_intersect16, .occluded = brute_occluded, .state = state};
+	info->isa = "none";
+	return STILB_OK;
+}
+
+static void brute_destroy(gi_tracer *tracer)
+{
+	free(tracer->state);
+}
+
+const stilb_gi_intersector stilb_gi_brute = {.name = "brute", .create = brute_create, .destroy = brute_destroy};

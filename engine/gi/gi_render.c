@@ -1,0 +1,552 @@
+/*
+ * The driver: passes over the picture, tiles as jobs, batches of samples in a tile.
+ *
+ * A pass has a grid of pixels and a number of samples to bring each of them to. A pixel remembers how many it has, so a
+ * pass that was cut short is simply done again: whatever is there already is not rendered twice.
+ */
+#include "gi/gi_render_internal.h"
+#include "gi/gi_settings.h"
+#include "profiler/prof.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define RENDER_TILE 16u              /* points of the pass's grid, a side */
+#define RENDER_SMALLEST_TILE 4u      /* where there would be too few tiles for the workers */
+#define RENDER_TILES_FOR_A_WORKER 8u /* so that none waits long for the last tile of another */
+#define RENDER_RAYS_OF_BATCH 0x40000 /* at most, about: between two looks at stop */
+#define RENDER_RAYS_OF_PATH 8
+#define RENDER_FIRST_SAMPLES 16u
+
+/* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+/* Rays of a sample, about: those of its first hit, and what follows from each. */
+static double render_rays_of_sample(const stilb_gi_settings *settings)
+{
+	switch (settings->integrator) {
+	case STILB_GI_INTEGRATOR_MONTECARLO:
+		return stilb_gi_montecarlo_rays(settings) / ((double)settings->width * settings->height * settings->samples);
+	case STILB_GI_INTEGRATOR_AO:
+		return settings->rays;
+	case STILB_GI_INTEGRATOR_SPLIT:
+		return settings->rays * RENDER_RAYS_OF_PATH;
+	case STILB_GI_INTEGRATOR_IRRADIANCE_CACHE:
+		return settings->cache.mode == STILB_GI_CACHE_LIVE ? settings->cache.rays : RENDER_RAYS_OF_PATH;
+	default:
+		return RENDER_RAYS_OF_PATH;
+	}
+}
+
+static uint32_t render_batch_size(const stilb_gi_settings *settings)
+{
+	double fitting = RENDER_RAYS_OF_BATCH / render_rays_of_sample(settings);
+	return fitting >= GI_BATCH ? GI_BATCH : fitting > 1.0 ? (uint32_t)fitting : 1;
+}
+
+static stilb_result render_create_workers(stilb_gi_render *render)
+{
+	uint32_t count = stilb_job_pool_worker_count(render->pool) + 1;
+	size_t scratch_size = render->integrator->scratch_size ? render->integrator->scratch_size : 1;
+	bool whole = (render->workers = stilb_memory_alloc(count, sizeof *render->workers)) != NULL;
+	for (; whole && render->worker_count < count; render->worker_count++) {
+		gi_render_worker *worker = &render->workers[render->worker_count];
+		worker->count = 0;
+		worker->counters = (gi_render_counters){0};
+		whole = (worker->scratch = stilb_memory_alloc(1, scratch_size)) != NULL;
+	}
+	return whole ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "out of memory for %u threads that render", count);
+}
+
+static stilb_result render_fill(stilb_gi_render *render)
+{
+	const stilb_gi_settings *settings = &render->view.settings;
+	stilb_result result = gi_film_create(&render->film, settings->width, settings->height, settings->firefly_weight);
+	if (result == STILB_OK)
+		result = render_create_workers(render);
+	if (result == STILB_OK && settings->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
+		result = gi_cache_create(&render->view, render->pool, &render->view.cache);
+	return result;
+}
+
+stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_settings *settings,
+                                    stilb_job_pool *pool, stilb_gi_render **out)
+{
+	*out = NULL;
+	stilb_result result = gi_settings_check(settings);
+	if (result != STILB_OK)
+		return result;
+	stilb_gi_render *render = calloc(1, sizeof *render);
+	if (!render)
+		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a picture");
+	render->view.scene = scene;
+	render->view.settings = *settings;
+	render->view.sampler = gi_sampler_make(settings->sampler, settings->seed, settings->samples);
+	render->camera = gi_camera_make(&settings->camera, &settings->lens, settings->width, settings->height);
+	render->integrator = gi_integrator_of(settings->integrator);
+	render->batch_size = render_batch_size(settings);
+	render->pool = pool;
+	render->estimate = HUGE_VAL;
+	pthread_mutex_init(&render->lock, NULL);
+	result = render_fill(render);
+	if (result == STILB_OK)
+		*out = render;
+	else
+		stilb_gi_render_destroy(render);
+	return result;
+}
+
+void stilb_gi_render_destroy(stilb_gi_render *render)
+{
+	if (!render)
+		return;
+	gi_cache_destroy(render->view.cache);
+	for (uint32_t i = 0; i < render->worker_count; i++)
+		free(render->workers[i].scratch);
+	free(render->workers);
+	gi_film_finish(&render->film);
+	pthread_mutex_destroy(&render->lock);
+	free(render);
+}
+
+/* ---- batches ------------------------------------------------------------------------------------------------------- */
+
+/* Relaxed, and no read-modify-write: this thread alone adds. */
+static void counter_add(_Atomic uint64_t *counter, uint64_t count)
+{
+	atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + count, memory_order_relaxed);
+}
+
+static void batch_to_film(stilb_gi_render *render, gi_render_worker *worker)
+{
+	PROFILE("gi.film");
+	uint64_t bad = 0;
+	for (uint32_t i = 0; i < worker->count; i++) {
+		gi_film_sample sample = {.radiance = worker->radiance[i],
+		                         .albedo = worker->primary.albedo[i],
+		                         .normal = worker->primary.normal[i],
+		                         .depth = worker->primary.depth[i]};
+		bad += !gi_film_add(&render->film, worker->pixels[i], &sample);
+	}
+	counter_add(&worker->counters.bad_samples, bad);
+}
+
+static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
+{
+	gi_batch batch = {.view = &render->view,
+	                  .worker = (uint32_t)(worker - render->workers),
+	                  .count = worker->count,
+	                  .points = worker->points,
+	                  .rays = worker->primary.rays,
+	                  .radiance = worker->radiance,
+	                  .scratch = worker->scratch};
+	{
+		PROFILE("gi.primary");
+		gi_primary_trace(&render->view, &render->camera, worker->x, worker->y, worker->points, worker->count,
+		                 &worker->primary);
+	}
+	render->integrator->shade(&batch);
+	batch_to_film(render, worker);
+	counter_add(&worker->counters.samples, batch.count);
+	counter_add(&worker->counters.rays, batch.count + batch.rays_traced);
+	counter_add(&worker->counters.camera_rays, batch.count);
+	counter_add(&worker->counters.shadow_rays, batch.shadow_rays);
+}
+
+/* ---- tiles --------------------------------------------------------------------------------------------------------- */
+
+typedef struct render_grid {
+	stilb_gi_render *render;
+	uint32_t block, target; /* every block-th pixel is to have target samples */
+	uint32_t tile, tiles_x; /* points of the grid a side; tiles in a row */
+	uint32_t tile_count;
+} render_grid;
+
+static uint32_t parts_of(uint32_t whole, uint32_t part)
+{
+	return (whole + part - 1) / part;
+}
+
+static render_grid grid_make(stilb_gi_render *render, const stilb_gi_pass *pass)
+{
+	render_grid grid = {.render = render, .block = pass->block, .target = pass->first_sample + pass->sample_count};
+	uint32_t width = parts_of(render->film.width, grid.block), height = parts_of(render->film.height, grid.block);
+	uint32_t wanted = RENDER_TILES_FOR_A_WORKER * render->worker_count;
+	for (grid.tile = RENDER_TILE;; grid.tile /= 2) {
+		grid.tiles_x = parts_of(width, grid.tile);
+		grid.tile_count = grid.tiles_x * parts_of(height, grid.tile);
+		if (grid.tile_count >= wanted || grid.tile == RENDER_SMALLEST_TILE)
+			return grid;
+	}
+}
+
+static bool render_is_ending(const stilb_gi_render *render)
+{
+	/* Relaxed: see stilb_gi_render. */
+	return atomic_load_explicit(&render->stop, memory_order_relaxed) ||
+	       (render->deadline_ns && stilb_time_ns() >= render->deadline_ns);
+}
+
+/* Renders what the batch holds, unless the render is to end: false, and the batch is forgotten. */
+static bool batch_flush(stilb_gi_render *render, gi_render_worker *worker)
+{
+	bool go_on = !render_is_ending(render);
+	if (go_on && worker->count > 0)
+		batch_render(render, worker);
+	worker->count = 0;
+	return go_on;
+}
+
+static bool pixel_render(const render_grid *grid, gi_render_worker *worker, uint32_t x, uint32_t y)
+{
+	stilb_gi_render *render = grid->render;
+	size_t pixel = (size_t)y * render->film.width + x;
+	for (uint32_t i = render->film.pixels[pixel].samples; i < grid->target; i++) {
+		uint32_t at = worker->count++;
+		worker->points[at] = gi_sampler_point(&render->view.sampler, x, y, i);
+		worker->pixels[at] = pixel;
+		worker->x[at] = (uint16_t)x;
+		worker->y[at] = (uint16_t)y;
+		if (worker->count == render->batch_size && !batch_flush(render, worker))
+			return false;
+	}
+	return true;
+}
+
+typedef struct render_tile {
+	uint32_t x, y; /* the first point of the grid */
+	uint32_t side;
+} render_tile;
+
+static render_tile tile_of(const render_grid *grid, uint32_t index)
+{
+	return (render_tile){index % grid->tiles_x * grid->tile, index / grid->tiles_x * grid->tile, grid->tile};
+}
+
+/* The x of a Morton code of 8 bits; its y is that of the code without the lowest bit. */
+static uint32_t morton_x(uint32_t code)
+{
+	code &= 0x55;
+	code = (code | code >> 1) & 0x33;
+	return (code | code >> 2) & 0x0f;
+}
+static_assert(RENDER_TILE <= 16, "so that a point's Morton code has 8 bits");
+
+/* The tile's points lie along a Morton curve, so that sixteen rays in a row, a packet, start close to one another. False: the
+ * picture ends before that point. */
+static bool tile_pixel(const render_grid *grid, const render_tile *tile, uint32_t point, uint32_t *x, uint32_t *y)
+{
+	*x = (tile->x + morton_x(point)) * grid->block;
+	*y = (tile->y + morton_x(point >> 1)) * grid->block;
+	return *x < grid->render->film.width && *y < grid->render->film.height;
+}
+
+static bool tile_gather(const render_grid *grid, gi_render_worker *worker, const render_tile *tile)
+{
+	for (uint32_t i = 0, x, y; i < tile->side * tile->side; i++) {
+		if (tile_pixel(grid, tile, i, &x, &y) && !pixel_render(grid, worker, x, y))
+			return false;
+	}
+	return batch_flush(grid->render, worker);
+}
+
+static void tile_resolve(const render_grid *grid, const render_tile *tile)
+{
+	gi_film *film = &grid->render->film;
+	for (uint32_t i = 0, x, y; i < tile->side * tile->side; i++) {
+		if (tile_pixel(grid, tile, i, &x, &y))
+			gi_film_resolve(film, (size_t)y * film->width + x);
+	}
+}
+
+/* stilb_job_range_fn */
+static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	const render_grid *grid = context;
+	for (uint32_t i = begin; i < end; i++) {
+		PROFILE("gi.tile");
+		render_tile tile = tile_of(grid, i);
+		if (!tile_gather(grid, &grid->render->workers[worker], &tile))
+			atomic_store_explicit(&grid->render->cut, true, memory_order_relaxed); /* see stilb_gi_render */
+		tile_resolve(grid, &tile);
+	}
+}
+
+/* ---- passes -------------------------------------------------------------------------------------------------------- */
+
+static double render_seconds(const stilb_gi_render *render)
+{
+	double now = render->begun_ns ? (double)(stilb_time_ns() - render->begun_ns) * 1e-9 : 0.0;
+	return render->seconds + now;
+}
+
+/* How many more samples of the whole picture there is time for, judged by those that are done; at least one. */
+static uint32_t samples_in_time(const stilb_gi_render *render, uint32_t done)
+{
+	double spent = 0.0;
+	for (uint32_t i = 0; i < render->pass_count; i++)
+		spent += render->passes[i].seconds;
+	double fitting = (render->view.settings.seconds - render_seconds(render)) * done / fmax(spent, 1e-9);
+	return fitting < 1.0 ? 1 : fitting < 65536.0 ? (uint32_t)fitting : 65536;
+}
+
+/* Samples of each pixel in the first round over the picture. Without a limit all: one pass. A progressive picture is to be
+ * whole soon, and fast: its first round has as many as a packet has rays. With a limit it is to be whole at once. */
+static uint32_t first_samples(const stilb_gi_settings *settings)
+{
+	if (settings->seconds > 0.0 || settings->error > 0.0f)
+		return 1;
+	return settings->progressive && settings->samples > RENDER_FIRST_SAMPLES ? RENDER_FIRST_SAMPLES : settings->samples;
+}
+
+/* The pass after the last one: the first round, then as many samples again as there are, so that whenever it ends all pixels
+ * have about as many. False: all is done. */
+static bool render_plan(const stilb_gi_render *render, stilb_gi_pass *next)
+{
+	const stilb_gi_settings *settings = &render->view.settings;
+	if (render->pass_count == 0) {
+		*next = (stilb_gi_pass){.block = settings->progressive ? GI_FILM_LARGEST_BLOCK : 1,
+		                        .sample_count = first_samples(settings)};
+		return true;
+	}
+	const stilb_gi_pass *last = &render->passes[render->pass_count - 1];
+	*next = (stilb_gi_pass){.block = last->block / 2, last->first_sample, last->sample_count};
+	if (last->block > 1)
+		return true;
+	uint32_t done = last->first_sample + last->sample_count;
+	uint32_t left = settings->samples > done ? settings->samples - done : 0; /* a checkpoint may have more */
+	*next = (stilb_gi_pass){.block = 1, .first_sample = done, .sample_count = done < left ? done : left};
+	if (settings->seconds > 0.0) {
+		uint32_t fitting = samples_in_time(render, done);
+		next->sample_count = fitting < next->sample_count ? fitting : next->sample_count;
+	}
+	if (render->pass_count == STILB_GI_MAX_PASSES - 1)
+		next->sample_count = left;
+	return left > 0;
+}
+
+/* The pass that is not finished, or a new one; NULL: there is nothing more to do. */
+static stilb_gi_pass *render_next_pass(stilb_gi_render *render)
+{
+	if (render->pass_count > 0 && !render->passes[render->pass_count - 1].finished)
+		return &render->passes[render->pass_count - 1];
+	stilb_gi_pass next;
+	if (!render_plan(render, &next))
+		return NULL;
+	pthread_mutex_lock(&render->lock);
+	stilb_gi_pass *pass = &render->passes[render->pass_count++];
+	*pass = next;
+	snprintf(render->stage, sizeof render->stage, "pass %u", render->pass_count);
+	pthread_mutex_unlock(&render->lock);
+	return pass;
+}
+
+/* After a whole pass, where there is a limit to it; else what it was. */
+static double render_estimate(const stilb_gi_render *render, const stilb_gi_pass *last)
+{
+	bool wanted = last && last->finished && render->view.settings.error > 0.0f;
+	return wanted ? gi_film_error(&render->film) : render->estimate;
+}
+
+static void render_pass(stilb_gi_render *render, stilb_gi_pass *pass)
+{
+	PROFILE("gi.pass");
+	render_grid grid = grid_make(render, pass);
+	uint64_t begun = stilb_time_ns();
+	atomic_store_explicit(&render->cut, false, memory_order_relaxed); /* see stilb_gi_render */
+	stilb_job_parallel_for(render->pool, grid.tile_count, 1, tiles_render, &grid, 0);
+	stilb_gi_pass done = *pass;
+	done.finished = !atomic_load_explicit(&render->cut, memory_order_relaxed);
+	double estimate = render_estimate(render, &done);
+	done.seconds += (double)(stilb_time_ns() - begun) * 1e-9;
+	pthread_mutex_lock(&render->lock);
+	*pass = done;
+	render->estimate = estimate;
+	pthread_mutex_unlock(&render->lock);
+}
+
+/* Whether the whole passes so far are enough. Asked before each pass, and first of all by a render that goes on: so it ends
+ * where one that was never stopped does. */
+static bool render_is_good_enough(const stilb_gi_render *render)
+{
+	return render->estimate <= (double)render->view.settings.error;
+}
+
+static stilb_gi_end render_end(const stilb_gi_render *render)
+{
+	bool stopped = atomic_load_explicit(&render->stop, memory_order_relaxed); /* see stilb_gi_render */
+	return stopped ? STILB_GI_END_STOPPED : STILB_GI_END_SECONDS;
+}
+
+static stilb_gi_end render_passes(stilb_gi_render *render)
+{
+	for (;;) {
+		if (render_is_good_enough(render))
+			return STILB_GI_END_ERROR;
+		stilb_gi_pass *pass = render_next_pass(render);
+		if (!pass)
+			return STILB_GI_END_SAMPLES;
+		if (render_is_ending(render))
+			return render_end(render);
+		render_pass(render, pass);
+	}
+}
+
+/* ---- run ----------------------------------------------------------------------------------------------------------- */
+
+/* gi_cache_report */
+static bool overture_report(void *user, const gi_cache_progress *progress)
+{
+	stilb_gi_render *render = user;
+	pthread_mutex_lock(&render->lock);
+	render->overture_done = progress->done;
+	snprintf(render->stage, sizeof render->stage, "overture %u", progress->round);
+	pthread_mutex_unlock(&render->lock);
+	return !render_is_ending(render);
+}
+
+/* The irradiance cache's own pass over the picture; told to stop, it goes on in the next run. */
+static stilb_result render_overture(stilb_gi_render *render)
+{
+	if (!render->view.cache || render->overture_finished)
+		return STILB_OK;
+	PROFILE("gi.overture");
+	stilb_result result = gi_cache_prepare(render->view.cache, overture_report, render);
+	render->overture_finished = result == STILB_OK && !render_is_ending(render);
+	if (!render->overture_finished)
+		return result;
+	pthread_mutex_lock(&render->lock);
+	render->overture_done = 1.0;
+	pthread_mutex_unlock(&render->lock);
+	return STILB_OK;
+}
+
+static void run_begin(stilb_gi_render *render)
+{
+	double seconds = render->view.settings.seconds, left = fmax(seconds - render->seconds, 0.0);
+	const stilb_gi_pass *last = render->pass_count ? &render->passes[render->pass_count - 1] : NULL;
+	double estimate = render_estimate(render, last);
+	pthread_mutex_lock(&render->lock);
+	render->begun_ns = stilb_time_ns();
+	render->deadline_ns = seconds > 0.0 ? render->begun_ns + (uint64_t)(left * 1e9) : 0;
+	render->estimate = estimate;
+	render->end = STILB_GI_END_NOT;
+	pthread_mutex_unlock(&render->lock);
+}
+
+static void run_end(stilb_gi_render *render, stilb_gi_end end)
+{
+	pthread_mutex_lock(&render->lock);
+	render->seconds = render_seconds(render);
+	render->begun_ns = 0;
+	render->end = end;
+	pthread_mutex_unlock(&render->lock);
+	atomic_store_explicit(&render->stop, false, memory_order_relaxed); /* see stilb_gi_render */
+}
+
+static bool end_is_final(stilb_gi_end end)
+{
+	return end == STILB_GI_END_SAMPLES || end == STILB_GI_END_SECONDS || end == STILB_GI_END_ERROR;
+}
+
+stilb_result stilb_gi_render_run(stilb_gi_render *render)
+{
+	PROFILE("gi.render");
+	run_begin(render);
+	stilb_result result = render_overture(render);
+	stilb_gi_end end = result == STILB_OK ? render_passes(render) : STILB_GI_END_NOT;
+	run_end(render, end);
+	if (end_is_final(end) && render->view.cache)
+		result = gi_cache_save(render->view.cache);
+	return result;
+}
+
+void stilb_gi_render_stop(stilb_gi_render *render)
+{
+	atomic_store_explicit(&render->stop, true, memory_order_relaxed); /* see stilb_gi_render */
+}
+
+/* ---- what can be seen of it ---------------------------------------------------------------------------------------- */
+
+gi_render_totals gi_render_totals_of(const stilb_gi_render *render)
+{
+	gi_render_totals totals = render->resumed;
+	for (uint32_t i = 0; i < render->worker_count; i++) {
+		const gi_render_counters *counters = &render->workers[i].counters; /* relaxed: see gi_render_counters */
+		totals.samples += atomic_load_explicit(&counters->samples, memory_order_relaxed);
+		totals.rays += atomic_load_explicit(&counters->rays, memory_order_relaxed);
+		totals.camera_rays += atomic_load_explicit(&counters->camera_rays, memory_order_relaxed);
+		totals.shadow_rays += atomic_load_explicit(&counters->shadow_rays, memory_order_relaxed);
+		totals.bad_samples += atomic_load_explicit(&counters->bad_samples, memory_order_relaxed);
+	}
+	return totals;
+}
+
+/* Of the limits that are set the one that will be reached first. The error falls with the root of the samples. */
+static double render_done(const stilb_gi_render *render, const stilb_gi_progress *progress, uint64_t samples)
+{
+	const stilb_gi_settings *settings = &render->view.settings;
+	double done = (double)samples / ((double)settings->width * settings->height * settings->samples);
+	if (render->view.cache)
+		done = 0.5 * (render->overture_done + done); /* the overture counts as half of the work */
+	if (settings->seconds > 0.0)
+		done = fmax(done, progress->seconds / settings->seconds);
+	if (settings->error > 0.0f && render->estimate < HUGE_VAL && render->estimate > 0.0)
+		done = fmax(done, pow((double)settings->error / render->estimate, 2.0));
+	return progress->finished ? 1.0 : fmin(done, 1.0);
+}
+
+static void progress_of_passes(const stilb_gi_render *render, stilb_gi_progress *progress)
+{
+	for (uint32_t i = 0; i < render->pass_count; i++) {
+		const stilb_gi_pass *pass = &render->passes[i];
+		progress->passes[i] = *pass;
+		if (!pass->finished)
+			continue;
+		progress->block = pass->block;
+		progress->samples = pass->block == 1 ? pass->first_sample + pass->sample_count : 0;
+	}
+	progress->pass_count = render->pass_count;
+}
+
+void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progress)
+{
+	*progress = (stilb_gi_progress){0};
+	gi_render_totals totals = gi_render_totals_of(render);
+	gi_cache_progress cache = {0};
+	if (render->view.cache)
+		cache = gi_cache_progress_of(render->view.cache);
+	progress->rays = totals.rays + cache.rays;
+	progress->camera_rays = totals.camera_rays;
+	progress->shadow_rays = totals.shadow_rays + cache.shadow_rays;
+	progress->bad_samples = totals.bad_samples;
+	progress->records = cache.records;
+	pthread_mutex_lock(&render->lock);
+	progress->seconds = render_seconds(render);
+	progress->error = render->estimate < HUGE_VAL ? render->estimate : 0.0;
+	progress->end = render->end;
+	progress->finished = end_is_final(render->end);
+	snprintf(progress->stage, sizeof progress->stage, "%s", render->stage);
+	progress_of_passes(render, progress);
+	progress->done = render_done(render, progress, totals.samples);
+	pthread_mutex_unlock(&render->lock);
+}
+
+void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb)
+{
+	gi_film_preview(&render->film, rgb);
+}
+
+stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render)
+{
+	const gi_film *film = &render->film;
+	/* While nobody renders an atomic float is a float. */
+	return (stilb_gi_film){.width = film->width,
+	                       .height = film->height,
+	                       .radiance = (const float *)film->radiance,
+	                       .albedo = film->albedo,
+	                       .normal = film->normal,
+	                       .depth = film->depth,
+	                       .variance = film->variance,
+	                       .samples = (const uint32_t *)film->samples};
+}

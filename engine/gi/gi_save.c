@@ -1,0 +1,150 @@
+/* The picture as a file: everything, as it is, as .exr; what can be seen of it as .png. */
+#include "gi/gi_render_internal.h"
+#include "gi/gi_settings.h"
+#include "image/image_layers.h"
+#include "profiler/prof.h"
+#include "shading/shade_srgb.h"
+#include "shading/shade_tonemap.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* ---- .png ---------------------------------------------------------------------------------------------------------- */
+
+#define DISPLAY_BRIGHTEST 1e30f /* what the tone map takes */
+
+/* NaN is black. */
+static float display_light(float radiance, float scale)
+{
+	return fminf(fmaxf(radiance * scale, 0.0f), DISPLAY_BRIGHTEST);
+}
+
+static uint8_t display_code(float light)
+{
+	return (uint8_t)(shade_srgb_from_linear(light) * 255.0f + 0.5f);
+}
+
+void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *srgb)
+{
+	float scale = exp2f(exposure);
+	for (size_t i = 0; i < pixels; i++, rgb += 3, srgb += 3) {
+		stilb_vec3 light = {display_light(rgb[0], scale), display_light(rgb[1], scale), display_light(rgb[2], scale)};
+		stilb_vec3 shown = shade_tonemap(light, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+		for (int c = 0; c < 3; c++)
+			srgb[c] = display_code(shown[c]);
+	}
+}
+
+/* Blocks are filled, as on a display: a picture that was stopped has no holes. */
+static stilb_result save_display(const stilb_gi_render *render, const char *path)
+{
+	const gi_film *film = &render->film;
+	size_t pixels = (size_t)film->width * film->height;
+	stilb_image image;
+	stilb_result result = stilb_image_create(&image, film->width, film->height, 3, STILB_IMAGE_U8_SRGB);
+	if (result != STILB_OK)
+		return result;
+	float *rgb = stilb_memory_alloc(pixels, sizeof(float[3]));
+	if (rgb) {
+		gi_film_preview(film, rgb);
+		stilb_gi_display(rgb, pixels, render->view.settings.exposure, image.pixels);
+		result = stilb_image_save(&image, path);
+	} else {
+		result = stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
+	}
+	free(rgb);
+	stilb_image_finish(&image);
+	return result;
+}
+
+/* ---- .exr ---------------------------------------------------------------------------------------------------------- */
+
+#define SAVE_CHANNELS 14
+_Static_assert(SAVE_CHANNELS * sizeof(float) * (uint64_t)STILB_GI_MAX_PIXELS <= STILB_IMAGE_MAX_BYTES,
+               "what can be rendered can be saved");
+
+/* Three channels of one plane. */
+static void save_triple(stilb_image_channel *channels, const char *const names[3], const float *plane)
+{
+	for (int c = 0; c < 3; c++)
+		channels[c] = (stilb_image_channel){.name = names[c], .values = plane + c, .stride = 3};
+}
+
+/* counts: room for the samples as floats, which hold them exactly. */
+static void save_channels(const stilb_gi_film *film, float *counts, stilb_image_channel channels[SAVE_CHANNELS])
+{
+	for (size_t i = 0; i < (size_t)film->width * film->height; i++)
+		counts[i] = (float)film->samples[i];
+	save_triple(channels, (const char *[]){"R", "G", "B"}, film->radiance);
+	save_triple(channels + 3, (const char *[]){"albedo.R", "albedo.G", "albedo.B"}, film->albedo);
+	save_triple(channels + 6, (const char *[]){"normal.X", "normal.Y", "normal.Z"}, film->normal);
+	save_triple(channels + 9, (const char *[]){"variance.R", "variance.G", "variance.B"}, film->variance);
+	channels[12] = (stilb_image_channel){.name = "depth.Z", .values = film->depth, .stride = 1};
+	channels[13] = (stilb_image_channel){.name = "samples", .values = counts, .stride = 1};
+}
+
+#define SAVE_MAX_ATTRIBUTES 64u
+#define SAVE_PREFIX "stilb:"
+
+typedef struct save_attributes {
+	uint32_t count;
+	stilb_image_attribute list[SAVE_MAX_ATTRIBUTES];
+	struct {
+		char name[GI_SETTING_TEXT], text[GI_SETTING_TEXT];
+	} texts[SAVE_MAX_ATTRIBUTES];
+} save_attributes;
+
+static void save_attribute(save_attributes *attributes, const char *name, const char *text)
+{
+	uint32_t i = attributes->count++;
+	STILB_ASSERT(i < SAVE_MAX_ATTRIBUTES);
+	snprintf(attributes->texts[i].name, GI_SETTING_TEXT, SAVE_PREFIX "%s", name);
+	snprintf(attributes->texts[i].text, GI_SETTING_TEXT, "%s", text);
+	attributes->list[i] = (stilb_image_attribute){attributes->texts[i].name, attributes->texts[i].text};
+}
+
+/* What decides about the picture, and nothing else: the same picture is the same file, whether it was stopped or not. */
+static void save_settings(const stilb_gi_render *render, save_attributes *attributes)
+{
+	attributes->count = 0;
+	for (uint32_t i = 0; i < gi_settings_count(); i++) {
+		gi_setting setting = gi_settings_get(&render->view.settings, i);
+		if (setting.role != GI_SETTING_VIEW)
+			save_attribute(attributes, setting.name, setting.value);
+	}
+	save_attribute(attributes, "isa", render->view.scene->info.isa);
+}
+
+static stilb_result save_layers(const stilb_gi_render *render, const char *path)
+{
+	stilb_gi_film film = stilb_gi_render_film(render);
+	float *counts = stilb_memory_alloc((size_t)film.width * film.height, sizeof *counts);
+	if (!counts)
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
+	stilb_image_channel channels[SAVE_CHANNELS];
+	save_attributes attributes;
+	save_channels(&film, counts, channels);
+	save_settings(render, &attributes);
+	stilb_image_layers layers = {.width = film.width,
+	                             .height = film.height,
+	                             .channel_count = SAVE_CHANNELS,
+	                             .attribute_count = attributes.count,
+	                             .channels = channels,
+	                             .attributes = attributes.list};
+	stilb_result result = stilb_image_layers_save(&layers, path);
+	free(counts);
+	return result;
+}
+
+stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path)
+{
+	PROFILE("gi.save");
+	stilb_result result = stilb_image_path_check(path);
+	if (result != STILB_OK)
+		return result;
+	const char *dot = strrchr(path, '.');
+	return strcasecmp(dot, ".exr") == 0 ? save_layers(render, path) : save_display(render, path);
+}

@@ -1,0 +1,47 @@
+#include "gi/gi_scene_hash.h"
+
+#include "gi/gi_environment.h"
+
+static uint64_t hash_u32(uint64_t hash, uint32_t value)
+{
+	return stilb_hash_fnv1a64(hash, &value, sizeof value);
+}
+
+static uint64_t hash_surfaces(uint64_t hash, const stilb_gi_scene *scene)
+{
+	for (uint32_t i = 0; i < scene->mesh_count; i++) {
+		const gi_mesh *mesh = &scene->meshes[i];
+		hash = stilb_hash_fnv1a64(hash, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices);
+		hash = stilb_hash_fnv1a64(hash, mesh->triangles, mesh->triangle_count * sizeof *mesh->triangles);
+	}
+	for (uint32_t i = 0; i < scene->part_count; i++) {
+		const gi_part *part = &scene->parts[i];
+		hash = hash_u32(hash_u32(hash, part->mesh), part->material);
+		hash = stilb_hash_fnv1a64(hash, &part->to_world, sizeof part->to_world);
+	}
+	hash = stilb_hash_fnv1a64(hash, scene->materials, scene->material_count * sizeof *scene->materials);
+	for (uint32_t i = 0; i < scene->texture_count; i++) {
+		const stilb_image *texture = &scene->textures[i];
+		hash = hash_u32(hash_u32(hash, texture->width), texture->height);
+		hash = stilb_hash_fnv1a64(hash, texture->pixels, stilb_image_size(texture));
+	}
+	return hash;
+}
+
+static uint64_t hash_lights(uint64_t hash, const gi_lights *lights)
+{
+	hash = stilb_hash_fnv1a64(hash, lights->points, lights->point_count * sizeof *lights->points);
+	const gi_environment *environment = lights->environment;
+	if (!environment->map) {
+		hash = stilb_hash_fnv1a64(hash, &environment->sky, sizeof(float[3]));
+		return stilb_hash_fnv1a64(hash, &environment->ground, sizeof(float[3]));
+	}
+	size_t numbers = (size_t)environment->width * environment->height * environment->channels;
+	hash = hash_u32(hash_u32(hash, environment->width), environment->height);
+	return stilb_hash_fnv1a64(hash, environment->map, numbers * sizeof *environment->map);
+}
+
+uint64_t gi_scene_hash(const stilb_gi_scene *scene)
+{
+	return hash_lights(hash_surfaces(STILB_FNV1A64_START, scene), &scene->lights);
+}

@@ -1,0 +1,208 @@
+#include "gi/gi_settings.h"
+
+#include "shading/shade_specular.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene)
+{
+	return (stilb_gi_settings){
+		.integrator = STILB_GI_INTEGRATOR_PATH,
+		.width = 512,
+		.height = 512,
+		.samples = 64,
+		.sampler = STILB_GI_SAMPLER_SOBOL,
+		.filter = STILB_GI_FILTER_BOX,
+		.camera = scene->camera,
+		.lens = {.focus = 1.0f},
+		.depth = 64,
+		.model = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK},
+		.rays = 16,
+		.cache = {.radius = STILB_GI_CACHE_HESSIAN, .error = 0.2f, .rays = 1024, .gradients = true, .overture = true},
+	};
+}
+
+/* ---- the table ------------------------------------------------------------------------------------------------------ */
+
+typedef enum field_kind {
+	FIELD_U32,
+	FIELD_U64,
+	FIELD_BOOL,
+	FIELD_FLOAT,
+	FIELD_DOUBLE,
+	FIELD_NAME, /* an enum: names[value] */
+} field_kind;
+
+typedef struct field {
+	const char *name;
+	field_kind kind;
+	gi_setting_role role;
+	size_t offset;
+	double low, high; /* the range, both ends included; not FIELD_BOOL and FIELD_U64 */
+	const char *const *names;
+} field;
+
+#define FIELD_NAME_1(id, name, ...) #name,
+#define FIELD_NAME_2(number, name) #name,
+static const char *const INTEGRATOR_NAMES[] = {STILB_GI_INTEGRATORS(FIELD_NAME_1)};
+static const char *const SAMPLER_NAMES[] = {STILB_GI_SAMPLERS(FIELD_NAME_1)};
+static const char *const FILTER_NAMES[] = {STILB_GI_FILTERS(FIELD_NAME_1)};
+static const char *const BRDF_NAMES[] = {SHADE_BRDFS(FIELD_NAME_2)};
+static const char *const ONLY_NAMES[] = {"all", "indirect"};
+static const char *const MODE_NAMES[] = {"frozen", "live"};
+static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian"};
+
+#define AT(member) offsetof(stilb_gi_settings, member)
+#define ROW(kind, role, member, low, high)                                                                             \
+	{                                                                                                                  \
+#member, kind, role, AT(member), low, high, NULL                                                               \
+	}
+#define NUMBER(kind, member, low, high) ROW(kind, GI_SETTING_SAMPLE, member, low, high)
+#define LIMIT(kind, member, low, high) ROW(kind, GI_SETTING_LIMIT, member, low, high)
+#define VIEW(kind, member, low, high) ROW(kind, GI_SETTING_VIEW, member, low, high)
+#define SWITCH(member) ROW(FIELD_BOOL, GI_SETTING_SAMPLE, member, 0, 1)
+#define NAMED(member, names)                                                                                           \
+	{                                                                                                                  \
+#member, FIELD_NAME, GI_SETTING_SAMPLE, AT(member), 0, sizeof names / sizeof *names - 1, names                 \
+	}
+#define ANY_HEIGHT 1e30
+
+static const field FIELDS[] = {
+	NAMED(integrator, INTEGRATOR_NAMES),
+	NUMBER(FIELD_U32, width, 1, 65536),
+	NUMBER(FIELD_U32, height, 1, 65536),
+	LIMIT(FIELD_U32, samples, 1, 65536), /* but see gi_settings_get */
+	LIMIT(FIELD_DOUBLE, seconds, 0, 1e9),
+	LIMIT(FIELD_FLOAT, error, 0, 1e9),
+	NUMBER(FIELD_U64, seed, 0, 0),
+	NAMED(sampler, SAMPLER_NAMES),
+	NAMED(filter, FILTER_NAMES),
+	NUMBER(FIELD_FLOAT, camera.position[0], -ANY_HEIGHT, ANY_HEIGHT),
+	NUMBER(FIELD_FLOAT, camera.position[1], -ANY_HEIGHT, ANY_HEIGHT),
+	NUMBER(FIELD_FLOAT, camera.position[2], -ANY_HEIGHT, ANY_HEIGHT),
+	NUMBER(FIELD_FLOAT, camera.yaw, -1e6, 1e6),
+	NUMBER(FIELD_FLOAT, camera.pitch, -1e6, 1e6),
+	NUMBER(FIELD_FLOAT, camera.roll, -1e6, 1e6),
+	NUMBER(FIELD_FLOAT, camera.fov_y, 1e-4, 3.14),
+	NUMBER(FIELD_FLOAT, lens.radius, 0, ANY_HEIGHT),
+	NUMBER(FIELD_FLOAT, lens.focus, 1e-30, ANY_HEIGHT),
+	NUMBER(FIELD_U32, lens.blades, 0, 16),
+	NUMBER(FIELD_FLOAT, lens.rotation, -1e6, 1e6),
+	NUMBER(FIELD_U32, depth, 0, 1024),
+	NAMED(model.kind, BRDF_NAMES),
+	NUMBER(FIELD_U32, model.ndf, 0, SHADE_NDF_COUNT - 1),
+	NUMBER(FIELD_U32, model.g, 0, SHADE_G_COUNT - 1),
+	NUMBER(FIELD_U32, model.f, 0, SHADE_F_COUNT - 1),
+	NAMED(only, ONLY_NAMES),
+	SWITCH(firefly_weight),
+	NUMBER(FIELD_FLOAT, roulette, 0, 1),
+	NUMBER(FIELD_U32, rays, 1, 65536),
+	NUMBER(FIELD_FLOAT, ao_distance, 0, ANY_HEIGHT),
+	SWITCH(ao_weighted),
+	VIEW(FIELD_BOOL, progressive, 0, 1),
+	VIEW(FIELD_FLOAT, exposure, -100, 100),
+	NAMED(cache.mode, MODE_NAMES),
+	NAMED(cache.radius, RADIUS_NAMES),
+	NUMBER(FIELD_FLOAT, cache.error, 1e-4, 1),
+	NUMBER(FIELD_U32, cache.rays, 16, 65536),
+	SWITCH(cache.gradients),
+	SWITCH(cache.overture),
+	SWITCH(cache.show_records),
+};
+
+uint32_t gi_settings_count(void)
+{
+	return sizeof FIELDS / sizeof *FIELDS;
+}
+
+/* Enums and the integers of shade_brdf_model are four bytes, as FIELD_U32 is. */
+static double field_number(const stilb_gi_settings *settings, const field *f)
+{
+	const char *at = (const char *)settings + f->offset;
+	uint32_t integer;
+	float single;
+	double number = 0.0;
+	switch (f->kind) {
+	case FIELD_U32:
+	case FIELD_NAME:
+		memcpy(&integer, at, sizeof integer);
+		return integer;
+	case FIELD_FLOAT:
+		memcpy(&single, at, sizeof single);
+		return (double)single;
+	case FIELD_DOUBLE:
+		memcpy(&number, at, sizeof number);
+		return number;
+	case FIELD_BOOL:
+		return *(const bool *)at;
+	case FIELD_U64:
+		break; /* any will do, and a double could not hold it */
+	}
+	return number;
+}
+
+/* Whether samples lie elsewhere when others will follow them: gi_sampler.c. */
+static bool sampler_plans(stilb_gi_sampler_kind sampler)
+{
+	return sampler == STILB_GI_SAMPLER_STRATIFIED || sampler == STILB_GI_SAMPLER_BLUE_NOISE;
+}
+
+gi_setting gi_settings_get(const stilb_gi_settings *settings, uint32_t index)
+{
+	const field *f = &FIELDS[index];
+	gi_setting setting = {.name = f->name, .role = f->role};
+	double number = field_number(settings, f);
+	uint64_t integer;
+	if (f->offset == AT(samples) && sampler_plans(settings->sampler))
+		setting.role = GI_SETTING_SAMPLE;
+	switch (f->kind) {
+	case FIELD_U64:
+		memcpy(&integer, (const char *)settings + f->offset, sizeof integer);
+		snprintf(setting.value, sizeof setting.value, "%llu", (unsigned long long)integer);
+		break;
+	case FIELD_NAME:
+		snprintf(setting.value, sizeof setting.value, "%s", number <= f->high ? f->names[(uint32_t)number] : "?");
+		break;
+	case FIELD_BOOL:
+		snprintf(setting.value, sizeof setting.value, "%s", number != 0.0 ? "yes" : "no");
+		break;
+	default:
+		snprintf(setting.value, sizeof setting.value, f->kind == FIELD_DOUBLE ? "%.17g" : "%.9g", number);
+		break;
+	}
+	return setting;
+}
+
+/* ---- ranges ------------------------------------------------------------------------------------------------------- */
+
+static stilb_result field_check(const stilb_gi_settings *settings, const field *f)
+{
+	double number = field_number(settings, f);
+	if (f->kind == FIELD_U64 || (number >= f->low && number <= f->high)) /* NaN is not */
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: %s is %.9g; it must be %.9g to %.9g", f->name, number,
+	                  f->low, f->high);
+}
+
+stilb_result gi_settings_check(const stilb_gi_settings *settings)
+{
+	for (uint32_t i = 0; i < gi_settings_count(); i++) {
+		stilb_result result = field_check(settings, &FIELDS[i]);
+		if (result != STILB_OK)
+			return result;
+	}
+	if ((uint64_t)settings->width * settings->height > STILB_GI_MAX_PIXELS)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "cannot render: width x height is %u x %u; at most %u pixels are possible", settings->width,
+		                  settings->height, STILB_GI_MAX_PIXELS);
+	if (settings->lens.blades == 1 || settings->lens.blades == 2)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "cannot render: lens.blades is %u; an aperture is round (0) or has 3 to 16",
+		                  settings->lens.blades);
+	if (settings->ao_weighted && !(settings->ao_distance > 0.0f))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: ao_weighted needs an ao_distance above 0");
+	return STILB_OK;
+}
