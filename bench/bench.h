@@ -101,7 +101,7 @@ typedef struct bench_suite {
 } bench_suite;
 
 extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite,
-	bench_profiler_suite, bench_shade_suite;
+	bench_profiler_suite, bench_shade_suite, bench_gi_suite, bench_furnace_suite;
 /* These depend on the number of CPUs: filled at the first call. */
 const bench_suite *bench_steps_suite(void);
 const bench_suite *bench_threads_suite(void);
@@ -156,7 +156,7 @@ typedef enum bench_child_state {
 	BENCH_CHILD_TIMED_OUT
 } bench_child_state;
 
-#define BENCH_CHILD_VALUES 32
+#define BENCH_CHILD_VALUES 64
 
 typedef struct bench_child_result {
 	bench_child_state state;

@@ -10,7 +10,7 @@
 
 static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
-	const stilb_job_pool_desc desc = {.worker_count = workers, .hooks = engine_profile_hooks()};
+	const stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_engine_job_hooks()};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
 	if (error == 0)
 		return STILB_OK;

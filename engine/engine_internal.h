@@ -53,9 +53,6 @@ struct stilb_engine {
 
 /* engine_profile.c */
 
-/* For the pool of workers. */
-stilb_job_hooks engine_profile_hooks(void);
-
 /* Before there are workers: the calling thread is "main" from now on, and captures begin. */
 stilb_result engine_profile_start(const stilb_engine_desc *desc);
 

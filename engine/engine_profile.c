@@ -88,7 +88,7 @@ static void engine_on_wait_end(void *user, uint32_t worker)
 	engine_waits--;
 }
 
-stilb_job_hooks engine_profile_hooks(void)
+stilb_job_hooks stilb_engine_job_hooks(void)
 {
 	return (stilb_job_hooks){
 		.thread_start = engine_on_thread_start,

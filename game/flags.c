@@ -27,18 +27,63 @@ static flags_result refuse_number(const flag *f, const char *value)
 	return FLAGS_REFUSED;
 }
 
-/* Sign, digits and point, and no other way to write a number, in range. */
-static flags_result parse_decimal(const flag *f, const char *value)
+/* Sign, digits and point, and no other way to write a number. */
+static bool parse_real(const char *value, float *number)
 {
 	char *end;
-	float number = strtof(value, &end);
-	bool whole = end != value && *end == '\0' && strspn(value, "+-.0123456789") == strlen(value);
-	if (!whole || fabsf(number) > (float)f->high) {
+	*number = strtof(value, &end) + 0.0f; /* -0 is 0 */
+	return end != value && *end == '\0' && strspn(value, "+-.0123456789") == strlen(value) && isfinite(*number);
+}
+
+static flags_result parse_decimal(const flag *f, const char *value)
+{
+	float number;
+	if (!parse_real(value, &number) || fabsf(number) > (float)f->high) {
 		stilb_log("%s: '%s' is not a number like 0.25 in -%" PRIu64 "..%" PRIu64, f->name, value, f->high, f->high);
 		return FLAGS_REFUSED;
 	}
-	*(float *)f->value = number + 0.0f; /* -0 is 0 */
+	*(float *)f->value = number;
 	return FLAGS_OK;
+}
+
+static flags_result parse_amount(const flag *f, const char *value)
+{
+	float number;
+	if (!parse_real(value, &number) || number < (float)f->low || number > (float)f->high) {
+		stilb_log("%s: '%s' is not a number like 0.25 in %" PRIu64 "..%" PRIu64, f->name, value, f->low, f->high);
+		return FLAGS_REFUSED;
+	}
+	*(float *)f->value = number;
+	return FLAGS_OK;
+}
+
+/* text is taken apart. */
+static bool split_numbers(char *text, uint32_t low, uint32_t high, flag_list *list)
+{
+	char *next = text;
+	while (next && list->count < high)
+		if (!parse_real(strsep(&next, ","), &list->numbers[list->count++]))
+			return false;
+	return !next && list->count >= low;
+}
+
+bool flags_numbers(const char *text, uint32_t low, uint32_t high, flag_list *out)
+{
+	flag_list list = {0};
+	char *copy = strdup(text);
+	bool right = copy && split_numbers(copy, low, high, &list);
+	free(copy);
+	if (right)
+		*out = list;
+	return right;
+}
+
+static flags_result parse_list(const flag *f, const char *value)
+{
+	if (flags_numbers(value, (uint32_t)f->low, (uint32_t)f->high, f->value))
+		return FLAGS_OK;
+	stilb_log("%s: '%s' is not %s, numbers with commas between", f->name, value, f->argument);
+	return FLAGS_REFUSED;
 }
 
 static flags_result parse_size(const flag *f, const char *value)
@@ -117,10 +162,34 @@ static flags_result parse_value(const flag *f, const char *value)
 		}
 		*(const char **)f->value = value;
 		return FLAGS_OK;
+	case FLAG_AMOUNT:
+		return parse_amount(f, value);
+	case FLAG_LIST:
+		return parse_list(f, value);
 	case FLAG_SWITCH:
+	case FLAG_WORD:
+	case FLAG_TITLE:
 		break;
 	}
 	return FLAGS_OK;
+}
+
+/* Returns how many arguments it took, 0 when refused. */
+static int parse_word(const flag *flags, size_t flag_count, const char *word)
+{
+	for (size_t i = 0; i < flag_count; i++) {
+		if (flags[i].kind != FLAG_WORD || word[0] == '\0')
+			continue;
+		const char **value = flags[i].value;
+		if (*value) {
+			stilb_log("'%s' is one word too many: the %s is '%s'", word, flags[i].name, *value);
+			return 0;
+		}
+		*value = word;
+		return 1;
+	}
+	stilb_log("unknown flag '%s'; --help lists them all", word);
+	return 0;
 }
 
 static const flag *find_flag(const flag *flags, size_t flag_count, const char *name, size_t length)
@@ -134,6 +203,8 @@ static const flag *find_flag(const flag *flags, size_t flag_count, const char *n
 /* Reads one flag and its value; returns how many arguments it took, 0 when refused. */
 static int parse_one(const flag *flags, size_t flag_count, int argc, char **argv)
 {
+	if (argv[0][0] != '-')
+		return parse_word(flags, flag_count, argv[0]);
 	const char *equals = strchr(argv[0], '=');
 	size_t length = equals ? (size_t)(equals - argv[0]) : strlen(argv[0]);
 	const flag *f = find_flag(flags, flag_count, argv[0], length);
@@ -172,10 +243,27 @@ flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **
 	return FLAGS_OK;
 }
 
+bool flags_given(const flag *flags, size_t flag_count, int argc, char **argv, const char *name)
+{
+	for (int i = 0; i < argc; i++) {
+		const char *equals = strchr(argv[i], '=');
+		size_t length = equals ? (size_t)(equals - argv[i]) : strlen(argv[i]);
+		const flag *f = argv[i][0] == '-' ? find_flag(flags, flag_count, argv[i], length) : NULL;
+		if (f && strcmp(f->name, name) == 0)
+			return true;
+		i += f && f->kind != FLAG_SWITCH && !equals; /* its value */
+	}
+	return false;
+}
+
 void flags_print(const flag *flags, size_t flag_count)
 {
 	for (size_t i = 0; i < flag_count; i++) {
 		char left[64];
+		if (flags[i].kind == FLAG_TITLE)
+			printf("%s%s:\n", i > 0 ? "\n" : "", flags[i].name);
+		if (flags[i].kind == FLAG_WORD || flags[i].kind == FLAG_TITLE)
+			continue;
 		snprintf(left, sizeof left, "%s %s", flags[i].name, flags[i].argument ? flags[i].argument : "");
 		printf("  %-28s %s\n", left, flags[i].help);
 	}

@@ -5,10 +5,12 @@
 #include "base/base_file.h"
 #include "base/base_json.h"
 #include "engine.h"
+#include "gi/gi_scene.h"
 
 #include <stdio.h>
 
 #define INFO_MAX_GPUS 32u
+#define INFO_LIBRARIES (STILB_ENGINE_LIBRARIES + 2)
 
 typedef struct info_machine {
 	stilb_cpu_features cpu;
@@ -16,7 +18,7 @@ typedef struct info_machine {
 	stilb_render_gpu gpus[INFO_MAX_GPUS];
 	uint32_t gpu_count;
 	const char *gpu_error; /* NULL when there is Vulkan */
-	stilb_engine_library libraries[STILB_ENGINE_LIBRARIES];
+	stilb_engine_library libraries[INFO_LIBRARIES];
 	uint32_t library_count;
 } info_machine;
 
@@ -44,6 +46,8 @@ static void info_query(info_machine *machine)
 	if (stilb_render_gpu_list(machine->gpus, INFO_MAX_GPUS, &machine->gpu_count) != STILB_OK)
 		machine->gpu_error = stilb_error_message();
 	machine->library_count = stilb_engine_libraries(machine->libraries);
+	machine->libraries[machine->library_count++] = (stilb_engine_library){"Embree", stilb_gi_library_version()};
+	machine->libraries[machine->library_count++] = (stilb_engine_library){"Assimp", stilb_scene_library_version()};
 }
 
 static void info_print(FILE *out, const info_machine *machine)

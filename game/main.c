@@ -14,6 +14,7 @@ static const struct command {
 	const char *help;
 } commands[] = {
 	{"demo", demo_command, "run the stress test: thousands of models, recorded by many threads"},
+	{"render", render_command, "make a picture of a scene by ray tracing: path tracer, irradiance cache, occlusion"},
 	{"bench", bench_command, "measure culling, recording, threads, queues and jobs on this machine"},
 	{"replay", replay_command, "play a frame that 'stilb demo --dump' wrote, and measure its commands"},
 	{"trace", trace_command, "what takes the time in a trace file, and which zones got slower in another"},

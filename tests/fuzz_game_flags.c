@@ -60,7 +60,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	uint64_t number = 10, seed = 1;
 	uint32_t workers = 5, side[2] = {12, 34};
 	int choice = 1;
-	const char *text = "old";
+	const char *text = "old", *word = NULL;
+	float amount = 2.0f;
+	flag_list place = {.count = 2};
 	const flag flags[] = {
 		{"--loud", FLAG_SWITCH, &loud, NULL, "say more", 0, 0, NULL},
 		{"--number", FLAG_NUMBER, &number, "N", "a number", 3, 4000, NULL},
@@ -69,6 +71,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		{"--size", FLAG_SIZE, side, "WxH", "a size", 1, 16384, NULL},
 		{"--choice", FLAG_CHOICE, &choice, "red|green|greenish", "a colour", 0, 0, choices},
 		{"--text", FLAG_TEXT, &text, "FILE", "a name", 0, 0, NULL},
+		{"--amount", FLAG_AMOUNT, &amount, "X", "an amount", 1, 40, NULL},
+		{"--place", FLAG_LIST, &place, "X,Y[,Z]", "a place", 2, 3, NULL},
+		{"word", FLAG_WORD, &word, NULL, NULL, 0, 0, NULL},
 	};
 	char *copy = malloc(size + 1), *words[WORDS_MAX];
 	require(copy != NULL);
@@ -87,6 +92,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	require(workers <= 256 || workers == FLAG_WORKERS_AUTO);
 	require(side[0] >= 1 && side[0] <= 16384 && side[1] >= 1 && side[1] <= 16384);
 	require(choice >= 0 && choice < 3 && text[0] != '\0');
+	require(amount >= 1.0f && amount <= 40.0f && place.count >= 2 && place.count <= 3);
+	require(!word || (word[0] != '\0' && word[0] != '-'));
+	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++)
+		if (result == FLAGS_OK && flags[i].kind != FLAG_WORD)
+			flags_given(flags, sizeof flags / sizeof *flags, count, words, flags[i].name);
 	if (result == FLAGS_HELP)
 		require(!loud && number == 10 && seed == 1 && workers == 5);
 	free(copy);

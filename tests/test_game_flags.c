@@ -20,8 +20,9 @@ typedef struct values {
 	uint64_t number, seed;
 	uint32_t workers, size[2];
 	int choice;
-	float share;
-	const char *text;
+	float share, amount;
+	flag_list place;
+	const char *text, *thing;
 } values;
 
 static const char *const choices[] = {"red", "green", "greenish", "sky_blue", NULL};
@@ -36,14 +37,24 @@ static const flag table[] = {
 	{"--size", FLAG_SIZE, v.size, "WxH", "a size", 1, 16384, NULL},
 	{"--choice", FLAG_CHOICE, &v.choice, "red|green|greenish|sky-blue", "a colour", 0, 0, choices},
 	{"--share", FLAG_DECIMAL, &v.share, "X", "a share", 0, 2, NULL},
+	{"--amount", FLAG_AMOUNT, &v.amount, "X", "an amount", 1, 40, NULL},
+	{"--place", FLAG_LIST, &v.place, "X,Y[,Z]", "a place", 2, 3, NULL},
 	{"--text", FLAG_TEXT, &v.text, "FILE", "a name", 0, 0, NULL},
 };
 #define TABLE (sizeof table / sizeof *table)
 
-static const values defaults = {false, 10, 1, 5, {12, 34}, 1, 0.5f, "old"};
+/* The same with a word. */
+static const flag table_with_word[] = {
+	{"--number", FLAG_NUMBER, &v.number, "N", "a number", 3, 4000, NULL},
+	{"thing", FLAG_WORD, &v.thing, NULL, NULL, 0, 0, NULL},
+	{"--loud", FLAG_SWITCH, &v.loud, NULL, "say more", 0, 0, NULL},
+};
+#define TABLE_WITH_WORD (sizeof table_with_word / sizeof *table_with_word)
+
+static const values defaults = {false, 10, 1, 5, {12, 34}, 1, 0.5f, 2.0f, {0}, "old", NULL};
 
 /* Parses a list of words that ends with NULL, from the defaults on; said is what came on stderr. */
-static flags_result parse(const char *const *words)
+static flags_result parse_by(const flag *flags, size_t count, const char *const *words)
 {
 	int argc = 0;
 	while (words[argc])
@@ -54,7 +65,7 @@ static flags_result parse(const char *const *words)
 	fflush(stderr);
 	int kept = dup(STDERR_FILENO);
 	dup2(fileno(file), STDERR_FILENO);
-	flags_result result = flags_parse(table, TABLE, argc, (char **)(uintptr_t)words);
+	flags_result result = flags_parse(flags, count, argc, (char **)(uintptr_t)words);
 	fflush(stderr);
 	dup2(kept, STDERR_FILENO);
 	close(kept);
@@ -64,7 +75,13 @@ static flags_result parse(const char *const *words)
 	return result;
 }
 
+static flags_result parse(const char *const *words)
+{
+	return parse_by(table, TABLE, words);
+}
+
 #define PARSE(...) parse((const char *const[]){__VA_ARGS__, NULL})
+#define PARSE_WORDS(...) parse_by(table_with_word, TABLE_WITH_WORD, (const char *const[]){__VA_ARGS__, NULL})
 
 static void assert_right(flags_result result)
 {
@@ -108,6 +125,10 @@ static void test_every_kind(void **state)
 	assert_true(v.share == -0.25f);
 	assert_right(PARSE("--share=+1.5"));
 	assert_true(v.share == 1.5f);
+	assert_right(PARSE("--amount", "39.5", "--place", "-1,.5"));
+	assert_true(v.amount == 39.5f && v.place.count == 2 && v.place.numbers[0] == -1.0f && v.place.numbers[1] == 0.5f);
+	assert_right(PARSE("--place=1,2", "--place=3,4,-5"));
+	assert_true(v.place.count == 3 && v.place.numbers[0] == 3.0f && v.place.numbers[2] == -5.0f);
 	assert_right(PARSE("--text=a=b"));
 	assert_string_equal(v.text, "a=b");
 	assert_right(PARSE("--text", "=")); /* the value's own sign */
@@ -194,6 +215,21 @@ static void test_wrong_values(void **state)
 		{"--share", "-inf"},
 		{"--share", "half"},
 		{"--share", "99999999999999999999999999999999999999999999"},
+		{"--amount", "0.999"},
+		{"--amount", "40.01"},
+		{"--amount", "-1"},
+		{"--amount", "nan"},
+		{"--amount", "1e1"},
+		{"--place", "1"},
+		{"--place", "1,2,3,4"},
+		{"--place", "1,"},
+		{"--place", ",1"},
+		{"--place", "1,,2"},
+		{"--place", "1 2"},
+		{"--place", "1, 2"},
+		{"--place", "1,2,x"},
+		{"--place", "1,2,nan"},
+		{"--place", "1,99999999999999999999999999999999999999999999"},
 		{"--choice", "blue"},
 		{"--choice", "gree"},
 		{"--choice", "greeni"},
@@ -220,6 +256,10 @@ static void test_wrong_values(void **state)
 	assert_non_null(strstr(said, "red, green, greenish, sky-blue"));
 	PARSE("--share", "x");
 	assert_non_null(strstr(said, "-2..2"));
+	PARSE("--amount", "x");
+	assert_non_null(strstr(said, "1..40"));
+	PARSE("--place", "x");
+	assert_non_null(strstr(said, "X,Y[,Z]"));
 	PARSE("--size", "x");
 	assert_non_null(strstr(said, "1..16384"));
 }
@@ -265,6 +305,51 @@ static void test_the_last_one_counts(void **state)
 	assert_right(PARSE("--workers", "auto", "--workers", "3"));
 	assert_true(v.workers == 3);
 	assert_wrong(PARSE("--number", "bad", "--number", "5"), "bad"); /* each must be right */
+}
+
+/* Wherever it stands; a flag's value is none. */
+static void test_a_word(void **state)
+{
+	(void)state;
+	assert_right(PARSE_WORDS("a", "--number", "5"));
+	assert_string_equal(v.thing, "a");
+	assert_right(PARSE_WORDS("--number", "5", "b", "--loud"));
+	assert_string_equal(v.thing, "b");
+	assert_true(v.number == 5 && v.loud);
+	assert_right(PARSE_WORDS("--loud", "c"));
+	assert_string_equal(v.thing, "c");
+	assert_right(PARSE_WORDS("--loud"));
+	assert_null(v.thing);
+	assert_wrong(PARSE_WORDS("a", "b"), "'b' is one word too many: the thing is 'a'");
+	assert_wrong(PARSE_WORDS(""), "''");
+	assert_wrong(PARSE_WORDS("thing=1", "--bogus"), "'--bogus'");
+	assert_wrong(PARSE_WORDS("-"), "'-'"); /* standard input is no thing */
+}
+
+static void test_what_was_given(void **state)
+{
+	(void)state;
+	char *words[] = {"--number", "5", "--text", "--loud", "--size=1x1", "word", "--seed", "--workers"};
+	const int count = sizeof words / sizeof *words;
+	static const char *const given[] = {"--number", "--text", "--size", "--seed"};
+	static const char *const not_given[] = {"--loud", "--workers", "--share", "5", "word", "--nothing", ""};
+	for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+		assert_true(flags_given(table, TABLE, count, words, given[i]));
+	for (size_t i = 0; i < sizeof not_given / sizeof *not_given; i++)
+		assert_false(flags_given(table, TABLE, count, words, not_given[i]));
+	assert_false(flags_given(table, TABLE, 0, NULL, "--number"));
+}
+
+static void test_numbers(void **state)
+{
+	(void)state;
+	flag_list list = {.count = 7};
+	assert_true(flags_numbers("1,-2.5,.5", 3, 3, &list));
+	assert_true(list.count == 3 && list.numbers[1] == -2.5f);
+	assert_false(flags_numbers("1,2", 3, 3, &list));
+	assert_false(flags_numbers("sky.exr", 1, 8, &list));
+	assert_false(flags_numbers("", 0, 8, &list));
+	assert_true(list.count == 3); /* as it was */
 }
 
 static void test_help_wins(void **state)
@@ -397,6 +482,9 @@ int main(void)
 		cmocka_unit_test(test_empty_and_missing_values),
 		cmocka_unit_test(test_unknown_flags),
 		cmocka_unit_test(test_the_last_one_counts),
+		cmocka_unit_test(test_a_word),
+		cmocka_unit_test(test_what_was_given),
+		cmocka_unit_test(test_numbers),
 		cmocka_unit_test(test_help_wins),
 		cmocka_unit_test(test_one_frame_and_none),
 		cmocka_unit_test(test_warm_up_is_left_out),

@@ -229,9 +229,9 @@ test_summary() {
 	for preset in release clang asan tsan; do
 		called "cmake --preset $preset -DSTILB_WERROR=ON -DSTILB_TESTS=ON"
 	done
-	! grep -qE '^(model|viewer|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
+	! grep -qE '^(model|truth|viewer|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
 
-	grep -q -- '^ctest .*/build/asan .* -LE ^(model|fuzz|viewer)\$$' "$calls" || fail "the sanitizers run what they cannot see"
+	grep -q -- '^ctest .*/build/asan .* -LE ^(model|truth|fuzz|viewer)\$$' "$calls" || fail "the sanitizers run what they cannot see"
 
 	fresh_house quick
 	dev 0 test --quick

@@ -1,0 +1,453 @@
+#include "render_options.h"
+
+#include "base/base_file.h"
+#include "engine.h"
+#include "image/image.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define RENDER_WORD(id, name, ...) #name,
+#define RENDER_HELP(id, name, help) {#name, help},
+#define RENDER_SCENE(name, help) {name, help},
+
+const char *const render_integrators[] = {STILB_GI_INTEGRATORS(RENDER_WORD) NULL};
+const char *const render_samplers[] = {STILB_GI_SAMPLERS(RENDER_WORD) NULL};
+const char *const render_filters[] = {STILB_GI_FILTERS(RENDER_WORD) NULL};
+static const char *const isa_choices[] = {STILB_GI_ISAS(RENDER_WORD) NULL};
+static const char *const only_choices[] = {"all", "indirect", NULL};
+static const char *const firefly_choices[] = {"keep", "weight", NULL};
+static const char *const ao_choices[] = {"hits", "distance", NULL};
+static const char *const cache_choices[] = {"frozen", "live", NULL};
+static const char *const radius_choices[] = {"split-sphere", "hessian", NULL};
+static const char *const switch_choices[] = {"off", "on", NULL};
+
+#define RENDER_MAX_SAMPLES 65536
+#define RENDER_BRANCHED_DEPTH 2 /* of montecarlo: N rays at a hit are N^depth at the last */
+
+/* ---- defaults ------------------------------------------------------------------------------------------------------ */
+
+/* What makes a picture of the default size in some seconds. */
+static void options_default_of(int integrator, stilb_gi_settings *settings)
+{
+	switch (integrator) {
+	case STILB_GI_INTEGRATOR_AO:
+	case STILB_GI_INTEGRATOR_SPLIT:
+		settings->samples = 16;
+		settings->rays = 16;
+		break;
+	case STILB_GI_INTEGRATOR_MONTECARLO:
+		settings->samples = 4;
+		settings->rays = 8;
+		settings->depth = RENDER_BRANCHED_DEPTH;
+		break;
+	case STILB_GI_INTEGRATOR_IRRADIANCE_CACHE:
+		settings->samples = 16;
+		break;
+	default:
+		break;
+	}
+}
+
+static stilb_gi_settings options_settings_default(int integrator)
+{
+	static const stilb_scene nothing;
+	stilb_gi_settings settings = stilb_gi_settings_default(&nothing);
+	options_default_of(integrator, &settings);
+	return settings;
+}
+
+static render_options options_default(void)
+{
+	const stilb_gi_settings s = options_settings_default(STILB_GI_INTEGRATOR_PATH);
+	return (render_options){
+		.size = {s.width, s.height},
+		.workers = FLAG_WORKERS_AUTO,
+		.seed = s.seed,
+		.integrator = (int)s.integrator,
+		.sampler = (int)s.sampler,
+		.filter = (int)s.filter,
+		.roulette = s.roulette,
+		.ao_distance = s.ao_distance,
+		.cache = RENDER_NOT_GIVEN,
+		.cache_error = s.cache.error,
+		.cache_rays = s.cache.rays,
+		.cache_radius = (int)s.cache.radius,
+		.gradients = s.cache.gradients,
+		.overture = s.cache.overture,
+		.brdf = RENDER_NOT_GIVEN,
+		.ndf = RENDER_NOT_GIVEN,
+		.g = RENDER_NOT_GIVEN,
+		.f = RENDER_NOT_GIVEN,
+		.checkpoint_s = 60.0f,
+	};
+}
+
+/* ---- flags --------------------------------------------------------------------------------------------------------- */
+
+static void options_print(const flag *flags, size_t count)
+{
+	static const char *const integrators[][2] = {STILB_GI_INTEGRATORS(RENDER_HELP)};
+	static const char *const samplers[][2] = {STILB_GI_SAMPLERS(RENDER_HELP)};
+	static const char *const filters[][2] = {STILB_GI_FILTERS(RENDER_HELP)};
+	char text[FLAG_CHOICE_SIZE];
+	static const char *const scenes[][2] = {STILB_SCENE_BUILTINS(RENDER_SCENE)};
+	printf(
+		"stilb render SCENE -o FILE [FLAGS]: a picture by ray tracing. SCENE is a file (glTF, OBJ, ...) or one of:\n");
+	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
+		printf("  %-18s %s\n", scenes[i][0], scenes[i][1]);
+	flags_print(flags, count);
+	printf("\nIntegrators:\n");
+	for (size_t i = 0; i < sizeof integrators / sizeof *integrators; i++)
+		printf("  %-18s %s\n", flags_choice(text, integrators[i][0]), integrators[i][1]);
+	printf("\nSamplers:\n");
+	for (size_t i = 0; i < sizeof samplers / sizeof *samplers; i++)
+		printf("  %-18s %s\n", flags_choice(text, samplers[i][0]), samplers[i][1]);
+	printf("\nFilters:\n");
+	for (size_t i = 0; i < sizeof filters / sizeof *filters; i++)
+		printf("  %-18s %s\n", flags_choice(text, filters[i][0]), filters[i][1]);
+	printf("\nCtrl-C writes what there is, and OUTPUT.checkpoint, with which --resume goes on.\n");
+}
+
+#define RENDER_BIT(name) (1u << STILB_GI_INTEGRATOR_##name)
+#define RENDER_GATHERS (RENDER_BIT(AO) | RENDER_BIT(MONTECARLO) | RENDER_BIT(SPLIT))
+#define RENDER_PATHS (RENDER_BIT(PATH) | RENDER_BIT(SPLIT) | RENDER_BIT(IRRADIANCE_CACHE))
+#define RENDER_INDIRECT (RENDER_PATHS | RENDER_BIT(MONTECARLO))
+#define RENDER_LIT (RENDER_INDIRECT | RENDER_BIT(DIRECT))
+
+/* Flags that not every integrator has a use for. */
+static const struct {
+	const char *flag;
+	uint32_t integrators;
+} options_uses[] = {
+	{"--rays", RENDER_GATHERS},
+	{"--depth", RENDER_INDIRECT},
+	{"--roulette", RENDER_PATHS},
+	{"--only", RENDER_INDIRECT},
+	{"--fireflies", RENDER_LIT},
+	{"--brdf", RENDER_LIT},
+	{"--ndf", RENDER_LIT},
+	{"--g", RENDER_LIT},
+	{"--f", RENDER_LIT},
+	{"--ao", RENDER_BIT(AO)},
+	{"--ao-distance", RENDER_BIT(AO)},
+	{"--cache", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--cache-error", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--cache-rays", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--cache-radius", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--gradients", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--overture", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--show-records", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--cache-load", RENDER_BIT(IRRADIANCE_CACHE)},
+	{"--cache-save", RENDER_BIT(IRRADIANCE_CACHE)},
+};
+
+static void options_say_unused(const render_options *o, const flag *flags, size_t count, int argc, char **argv)
+{
+	char text[FLAG_CHOICE_SIZE];
+	for (size_t i = 0; i < sizeof options_uses / sizeof *options_uses; i++)
+		if (!(options_uses[i].integrators >> o->integrator & 1) &&
+		    flags_given(flags, count, argc, argv, options_uses[i].flag))
+			stilb_log("%s: --integrator %s makes no use of it", options_uses[i].flag,
+			          flags_choice(text, render_integrators[o->integrator]));
+}
+
+/* What is not given depends on what is. */
+static void options_complete(render_options *o, const flag *flags, size_t count, int argc, char **argv)
+{
+	const stilb_gi_settings s = options_settings_default(o->integrator);
+	const bool limited = o->seconds > 0.0f || o->error > 0.0f; /* that, and not the samples, is to end it */
+	if (!flags_given(flags, count, argc, argv, "--spp"))
+		o->samples = limited ? RENDER_MAX_SAMPLES : s.samples;
+	if (!flags_given(flags, count, argc, argv, "--rays"))
+		o->rays = s.rays;
+	if (!flags_given(flags, count, argc, argv, "--depth"))
+		o->depth = s.depth;
+	if (o->cache == RENDER_NOT_GIVEN) /* without an overture records appear as they are needed */
+		o->cache = o->overture ? STILB_GI_CACHE_FROZEN : STILB_GI_CACHE_LIVE;
+	const char *extension = ".checkpoint";
+	if (o->output && strlen(o->output) + strlen(extension) < sizeof o->checkpoint)
+		snprintf(o->checkpoint, sizeof o->checkpoint, "%s%s", o->output, extension);
+}
+
+flags_result render_options_parse(render_options *o, int argc, char **argv)
+{
+	*o = options_default();
+	const flag flags[] = {
+		{"scene", FLAG_WORD, &o->scene, NULL, NULL, 0, 0, NULL},
+		{"The picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .png tone mapped", 0, 0, NULL},
+		{"--integrator", FLAG_CHOICE, &o->integrator, "NAME", "what is computed, see below (path)", 0, 0,
+	     render_integrators},
+		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (512x512)", 1, 16384, NULL},
+		{"--spp", FLAG_NUMBER, &o->samples, "N", "samples a pixel, 1..65536 (64; ao, split, cache 16; montecarlo 4)", 1,
+	     RENDER_MAX_SAMPLES, NULL},
+		{"--time", FLAG_AMOUNT, &o->seconds, "S", "end after so many seconds, 0: when all samples are there (0)", 0,
+	     10000000, NULL},
+		{"--error", FLAG_AMOUNT, &o->error, "E", "end below this relative error of the picture, 0..1 (0: not)", 0, 1,
+	     NULL},
+		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads that render, 1..256 or auto (one a CPU)", 1,
+	     STILB_JOB_MAX_WORKERS, NULL},
+		{"--preview", FLAG_SWITCH, &o->preview, NULL, "a window in which the picture gets finer; closing it stops", 0,
+	     0, NULL},
+		{"--exposure", FLAG_DECIMAL, &o->exposure, "EV", "of .png and preview: brighter by 2^EV, -32..32 (0)", 0, 32,
+	     NULL},
+
+		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--camera", FLAG_LIST, &o->camera, "X,Y,Z,YAW,PITCH[,FOV]",
+	     "where it stands and looks, metres and degrees (the scene's)", 5, 6, NULL},
+		{"--aperture", FLAG_AMOUNT, &o->aperture, "R", "radius of the lens, metres; 0: all is sharp (0)", 0, 1000,
+	     NULL},
+		{"--focus", FLAG_AMOUNT, &o->focus, "D", "metres to the plane that is sharp, with --aperture", 0, 1000000,
+	     NULL},
+		{"--blades", FLAG_NUMBER, &o->blades, "N", "corners of the aperture, 3..16; 0: round (0)", 0, 16, NULL},
+		{"--environment", FLAG_TEXT, &o->environment, "FILE|R,G,B",
+	     "a panorama (.hdr, .exr, ...) or a colour around the scene (its own)", 0, 0, NULL},
+		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "model of the highlights: phong, minimalist, ... (microfacet)", 0, 0,
+	     stilb_engine_brdf_names},
+		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet, which it implies (ggx)", 0, 0,
+	     stilb_engine_ndf_names},
+		{"--g", FLAG_CHOICE, &o->g, "NAME", "its G, the same (smith-ggx)", 0, 0, stilb_engine_g_names},
+		{"--f", FLAG_CHOICE, &o->f, "NAME", "its F, the same (schlick)", 0, 0, stilb_engine_f_names},
+
+		{"The light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--depth", FLAG_NUMBER, &o->depth, "N",
+	     "reflections at most, 0..1024: 1 is direct light alone (64; montecarlo 2)", 0, 1024, NULL},
+		{"--only", FLAG_CHOICE, &o->only, "all|indirect", "which light is shown (all)", 0, 0, only_choices},
+		{"--rays", FLAG_NUMBER, &o->rays, "N", "at a hit, of ao and split (16), and of montecarlo (8)", 1, 65536, NULL},
+		{"--roulette", FLAG_AMOUNT, &o->roulette, "P", "a path's chance to go on, 0..1; 0: its throughput (0)", 0, 1,
+	     NULL},
+		{"--fireflies", FLAG_CHOICE, &o->fireflies, "keep|weight",
+	     "weight: bright samples count less; biased, and the file says so (keep)", 0, 0, firefly_choices},
+		{"--sampler", FLAG_CHOICE, &o->sampler, "NAME", "how random numbers are laid out, see below (sobol)", 0, 0,
+	     render_samplers},
+		{"--filter", FLAG_CHOICE, &o->filter, "NAME", "of pixels, see below (box)", 0, 0, render_filters},
+		{"--seed", FLAG_NUMBER, &o->seed, "N", "of all random numbers, 0..2^64-1 (0)", 0, UINT64_MAX, NULL},
+		{"--isa", FLAG_CHOICE, &o->isa, "NAME", "auto, sse2, sse42, avx, avx2 or avx512: for the same bits (auto)", 0,
+	     0, isa_choices},
+		{"--ao", FLAG_CHOICE, &o->ao, "hits|distance", "distance: what is near shades more (hits)", 0, 0, ao_choices},
+		{"--ao-distance", FLAG_AMOUNT, &o->ao_distance, "D", "metres: what is farther does not shade; 0: all does (0)",
+	     0, 1000000, NULL},
+
+		{"The irradiance cache", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--cache", FLAG_CHOICE, &o->cache, "frozen|live", "same bits every time, or sooner and without them (frozen)",
+	     0, 0, cache_choices},
+		{"--cache-error", FLAG_AMOUNT, &o->cache_error, "A",
+	     "how far a record reaches, up to 1: larger is coarser (0.1)", 0, 1, NULL},
+		{"--cache-rays", FLAG_NUMBER, &o->cache_rays, "N", "that a record gathers, 16..65536 (1024)", 16, 65536, NULL},
+		{"--cache-radius", FLAG_CHOICE, &o->cache_radius, "split-sphere|hessian",
+	     "Ward's mean distance, or the occlusion Hessian (hessian)", 0, 0, radius_choices},
+		{"--gradients", FLAG_CHOICE, &o->gradients, "on|off", "of records (on)", 0, 0, switch_choices},
+		{"--overture", FLAG_CHOICE, &o->overture, "on|off", "off: no records before the picture is begun (on)", 0, 0,
+	     switch_choices},
+		{"--show-records", FLAG_SWITCH, &o->show_records, NULL, "draw where the records lie", 0, 0, NULL},
+		{"--cache-load", FLAG_TEXT, &o->cache_load, "FILE", "begin with the records of an earlier run", 0, 0, NULL},
+		{"--cache-save", FLAG_TEXT, &o->cache_save, "FILE", "keep the records", 0, 0, NULL},
+
+		{"The run", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--resume", FLAG_SWITCH, &o->resume, NULL, "go on from OUTPUT.checkpoint, if there is one", 0, 0, NULL},
+		{"--checkpoint", FLAG_AMOUNT, &o->checkpoint_s, "S", "seconds between checkpoints, 0: on Ctrl-C alone (60)", 0,
+	     1000000, NULL},
+		{"--dry-run", FLAG_SWITCH, &o->dry_run, NULL, "say how many rays it would be, and render nothing", 0, 0, NULL},
+		{"--force", FLAG_SWITCH, &o->force, NULL, "render also what would take very long", 0, 0, NULL},
+		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "times, rays, and what was rendered", 0, 0, NULL},
+		{"--trace", FLAG_TEXT, &o->trace, "FILE", "what each thread did when: .json, .folded or .csv", 0, 0, NULL},
+	};
+	const size_t count = sizeof flags / sizeof *flags;
+	flags_result result = flags_parse(flags, count, argc, argv);
+	if (result == FLAGS_HELP)
+		options_print(flags, count);
+	if (result != FLAGS_OK)
+		return result;
+	options_complete(o, flags, count, argc, argv);
+	options_say_unused(o, flags, count, argc, argv);
+	return FLAGS_OK;
+}
+
+/* ---- checks -------------------------------------------------------------------------------------------------------- */
+
+#define RENDER_OUTPUTS 5
+
+static void options_outputs(const render_options *o, const char *paths[RENDER_OUTPUTS])
+{
+	paths[0] = o->output;
+	paths[1] = o->checkpoint[0] ? o->checkpoint : NULL;
+	paths[2] = o->stats;
+	paths[3] = o->trace;
+	paths[4] = o->cache_save;
+}
+
+FILE *render_options_words(const render_options *o)
+{
+	const char *paths[RENDER_OUTPUTS];
+	options_outputs(o, paths);
+	for (int i = 0; i < RENDER_OUTPUTS; i++)
+		if (paths[i] && stilb_file_is_stdout(paths[i]))
+			return stderr;
+	return stdout;
+}
+
+/* One file cannot hold two outputs, and none takes the place of what is read. */
+static bool options_outputs_differ(const render_options *o)
+{
+	const char *outputs[RENDER_OUTPUTS], *const inputs[] = {o->scene, o->environment};
+	options_outputs(o, outputs);
+	for (int i = 0; i < RENDER_OUTPUTS; i++) {
+		for (int k = i + 1; k < RENDER_OUTPUTS; k++)
+			if (outputs[i] && outputs[k] && stilb_file_same(outputs[i], outputs[k])) {
+				stilb_log("two outputs would go to '%s'; give each a name of its own", outputs[k]);
+				return false;
+			}
+		for (size_t k = 0; k < sizeof inputs / sizeof *inputs; k++)
+			if (outputs[i] && inputs[k] && stilb_file_same(outputs[i], inputs[k])) {
+				stilb_log("the output would replace '%s'; give it another name", inputs[k]);
+				return false;
+			}
+	}
+	return true;
+}
+
+static bool options_readable(const char *flag_name, const char *path)
+{
+	struct stat info;
+	int error = stat(path, &info) != 0 || access(path, R_OK) != 0 ? errno : S_ISDIR(info.st_mode) ? EISDIR : 0;
+	if (error != 0)
+		stilb_log("%s: cannot read '%s': %s", flag_name, path, strerror(error));
+	return error == 0;
+}
+
+static bool options_files_check(const render_options *o)
+{
+	if (!options_outputs_differ(o) || (o->cache_load && !options_readable("--cache-load", o->cache_load)))
+		return false;
+	const char *const others[] = {o->stats, o->trace, o->cache_save};
+	stilb_result result = STILB_OK;
+	for (size_t i = 0; i < sizeof others / sizeof *others && result == STILB_OK; i++)
+		if (others[i])
+			result = stilb_file_check(others[i]);
+	if (result == STILB_OK && o->output) /* last: it takes a moment */
+		result = stilb_image_path_check(o->output);
+	if (result != STILB_OK)
+		stilb_log("%s", stilb_error_message());
+	return result == STILB_OK;
+}
+
+static bool options_lens_check(const render_options *o)
+{
+	if (o->aperture > 0.0f && o->focus <= 0.0f)
+		stilb_log("--aperture: what is sharp? Give --focus D, too, the metres to it");
+	else if (o->aperture <= 0.0f && (o->focus > 0.0f || o->blades > 0))
+		stilb_log("%s: without --aperture R all is sharp; give it, too", o->focus > 0.0f ? "--focus" : "--blades");
+	else if (o->blades == 1 || o->blades == 2)
+		stilb_log("--blades: '%u' corners make no aperture; give 3..16, or 0 for a round one", (unsigned)o->blades);
+	else
+		return true;
+	return false;
+}
+
+bool render_options_check(const render_options *o)
+{
+	if (!o->scene) {
+		stilb_log("no scene; give one: stilb render SCENE -o FILE, a file or one of %s", stilb_scene_builtin_names());
+		return false;
+	}
+	if (!o->output && !o->dry_run && !o->preview) {
+		stilb_log("no output; give -o FILE.exr, -o FILE.png or --preview");
+		return false;
+	}
+	if (!o->output && o->resume) {
+		stilb_log("--resume: the checkpoint lies beside the output; give -o FILE, too");
+		return false;
+	}
+	if (o->camera.count == 6 && !(o->camera.numbers[5] > 0.0f && o->camera.numbers[5] < 180.0f)) {
+		stilb_log("--camera: '%g' is no field of view; give degrees between 0 and 180", (double)o->camera.numbers[5]);
+		return false;
+	}
+	return options_lens_check(o) && options_files_check(o);
+}
+
+/* ---- settings ------------------------------------------------------------------------------------------------------ */
+
+static float options_radians(float degrees)
+{
+	return degrees * (float)M_PI / 180.0f;
+}
+
+static void options_place(const flag_list *given, stilb_scene_camera *camera)
+{
+	if (given->count == 0)
+		return;
+	for (int i = 0; i < 3; i++)
+		camera->position[i] = given->numbers[i];
+	camera->yaw = options_radians(given->numbers[3]);
+	camera->pitch = options_radians(given->numbers[4]);
+	camera->roll = 0.0f;
+	if (given->count > 5)
+		camera->fov_y = options_radians(given->numbers[5]);
+}
+
+static shade_brdf_model options_model(const render_options *o, shade_brdf_model model)
+{
+	const bool parts = o->ndf != RENDER_NOT_GIVEN || o->g != RENDER_NOT_GIVEN || o->f != RENDER_NOT_GIVEN;
+	model.kind = o->brdf != RENDER_NOT_GIVEN ? o->brdf : parts ? SHADE_BRDF_MICROFACET : model.kind;
+	model.ndf = o->ndf != RENDER_NOT_GIVEN ? o->ndf : model.ndf;
+	model.g = o->g != RENDER_NOT_GIVEN ? o->g : model.g;
+	model.f = o->f != RENDER_NOT_GIVEN ? o->f : model.f;
+	return model;
+}
+
+stilb_gi_settings render_options_settings(const render_options *o, const stilb_scene *scene)
+{
+	stilb_gi_settings s = stilb_gi_settings_default(scene);
+	s.integrator = (stilb_gi_integrator)o->integrator;
+	s.width = o->size[0];
+	s.height = o->size[1];
+	s.samples = (uint32_t)o->samples;
+	s.seconds = (double)o->seconds;
+	s.error = o->error;
+	s.seed = o->seed;
+	s.sampler = (stilb_gi_sampler_kind)o->sampler;
+	s.filter = (stilb_gi_filter_kind)o->filter;
+	options_place(&o->camera, &s.camera);
+	s.lens.radius = o->aperture;
+	s.lens.focus = o->focus > 0.0f ? o->focus : s.lens.focus;
+	s.lens.blades = (uint32_t)o->blades;
+	s.depth = (uint32_t)o->depth;
+	s.model = options_model(o, s.model);
+	s.only = (stilb_gi_only)o->only;
+	s.firefly_weight = o->fireflies == 1;
+	s.roulette = o->roulette;
+	s.rays = (uint32_t)o->rays;
+	s.ao_distance = o->ao_distance;
+	s.ao_weighted = o->ao == 1;
+	s.progressive = true; /* what is stopped early is a whole picture, if a coarse one */
+	s.exposure = o->exposure;
+	s.cache.mode = (stilb_gi_cache_mode)o->cache;
+	s.cache.radius = (stilb_gi_cache_radius)o->cache_radius;
+	s.cache.error = o->cache_error;
+	s.cache.rays = (uint32_t)o->cache_rays;
+	s.cache.gradients = o->gradients;
+	s.cache.overture = o->overture;
+	s.cache.show_records = o->show_records;
+	s.cache.load = o->cache_load;
+	s.cache.save = o->cache_save;
+	return s;
+}
+
+stilb_result render_options_surroundings(const render_options *o, stilb_scene *scene)
+{
+	flag_list color;
+	if (!o->environment)
+		return STILB_OK;
+	if (!flags_numbers(o->environment, 3, 3, &color))
+		return stilb_scene_set_environment(scene, o->environment);
+	for (int i = 0; i < 3; i++)
+		if (color.numbers[i] < 0.0f)
+			return stilb_fail(STILB_ERROR_ARGUMENT,
+			                  "--environment: there is no light of '%s'; give radiances of 0 and more", o->environment);
+	stilb_scene_set_sky(scene, color.numbers);
+	return STILB_OK;
+}

@@ -1,0 +1,126 @@
+#include "render_progress.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#define PROGRESS_BAR_NS 100000000u    /* between two states of the bar */
+#define PROGRESS_LINE_NS 10000000000u /* between two plain lines */
+#define PROGRESS_BAR_MAX 40
+#define PROGRESS_BAR_MIN 8
+
+void render_progress_begin(render_progress *progress)
+{
+	const char *kind = getenv("TERM");
+	const bool simple = kind && strcmp(kind, "dumb") == 0;
+	*progress = (render_progress){.terminal = isatty(STDERR_FILENO) && !simple, .start_ns = stilb_time_ns()};
+	progress->last_ns = progress->start_ns;
+}
+
+void render_progress_clear(void)
+{
+	if (isatty(STDERR_FILENO))
+		fputs("\r\033[K", stderr);
+}
+
+/* "1:02:03", "4:05". */
+static void progress_time(double seconds, char *text, size_t size)
+{
+	const uint64_t all = seconds < 3.6e7 ? (uint64_t)(seconds + 0.5) : 36000000u;
+	if (all >= 3600)
+		snprintf(text, size, "%" PRIu64 ":%02" PRIu64 ":%02" PRIu64, all / 3600, all / 60 % 60, all % 60);
+	else
+		snprintf(text, size, "%" PRIu64 ":%02" PRIu64, all / 60, all % 60);
+}
+
+/* What a checkpoint brought took no time of this run. */
+static void progress_note_start(render_progress *progress, render_stage stage, const stilb_gi_progress *at)
+{
+	if (stage != RENDER_RENDERING || progress->first_ns != 0)
+		return;
+	progress->first_ns = stilb_time_ns();
+	progress->first_done = at->done;
+}
+
+/* Seconds to the end at the rate so far; negative: nothing can be said yet. */
+static double progress_left(const render_progress *progress, const stilb_gi_progress *at)
+{
+	const double passed = (double)(stilb_time_ns() - progress->first_ns) * 1e-9;
+	const double done = at->done - progress->first_done;
+	return passed > 0.3 && done > 0.0 ? passed * (1.0 - at->done) / done : -1.0;
+}
+
+/* "pass 3, 12 samples, 5.31 Mrays/s, 0:12 left". */
+static void progress_describe(const render_progress *progress, render_stage stage, const stilb_gi_progress *at,
+                              char *text, size_t size)
+{
+	static const char *const stages[] = {[RENDER_OPENING] = "opening the scene",
+	                                     [RENDER_BUILDING] = "preparing the scene",
+	                                     [RENDER_WRITING] = "writing the picture",
+	                                     [RENDER_DONE] = "done"};
+	if (stage != RENDER_RENDERING) {
+		snprintf(text, size, "%s", stages[stage]);
+		return;
+	}
+	char left[32] = "?";
+	const double seconds = progress_left(progress, at);
+	if (seconds >= 0.0)
+		progress_time(seconds, left, sizeof left);
+	const double rate = at->seconds > 0.0 ? (double)at->rays / at->seconds * 1e-6 : 0.0;
+	snprintf(text, size, "%s, %" PRIu32 " sample%s, %.2f Mrays/s, %s left", at->stage, at->samples,
+	         at->samples == 1 ? "" : "s", rate, left);
+}
+
+static int progress_percent(render_stage stage, const stilb_gi_progress *at)
+{
+	return stage < RENDER_WRITING ? (int)(at->done * 100.0) : 100;
+}
+
+void render_progress_words(const render_progress *progress, render_stage stage, const stilb_gi_progress *at, char *text,
+                           size_t size)
+{
+	char words[160];
+	progress_describe(progress, stage, at, words, sizeof words);
+	snprintf(text, size, "%d %%, %s", progress_percent(stage, at), words);
+}
+
+static int progress_columns(void)
+{
+	struct winsize size;
+	return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+/* "[####....]  42 %, words", as long as there is room. */
+static void progress_bar(int percent, const char *words)
+{
+	char bar[PROGRESS_BAR_MAX + 1];
+	const int columns = progress_columns(), room = columns - (int)strlen(words) - 4;
+	const int length = room > PROGRESS_BAR_MAX ? PROGRESS_BAR_MAX : room;
+	if (length < PROGRESS_BAR_MIN) {
+		fprintf(stderr, "\r%.*s\033[K", columns > 1 ? columns - 1 : 0, words);
+		return;
+	}
+	const int full = percent * length / 100;
+	memset(bar, '#', (size_t)full);
+	memset(bar + full, '.', (size_t)(length - full));
+	bar[length] = '\0';
+	fprintf(stderr, "\r[%s] %s\033[K", bar, words);
+}
+
+void render_progress_show(render_progress *progress, render_stage stage, const stilb_gi_progress *at)
+{
+	char words[192];
+	const uint64_t now = stilb_time_ns();
+	progress_note_start(progress, stage, at);
+	if (now - progress->last_ns < (progress->terminal ? PROGRESS_BAR_NS : PROGRESS_LINE_NS))
+		return;
+	progress->last_ns = now;
+	render_progress_words(progress, stage, at, words, sizeof words);
+	if (progress->terminal)
+		progress_bar(progress_percent(stage, at), words);
+	else
+		fprintf(stderr, "%s\n", words);
+	fflush(stderr);
+}

@@ -1,0 +1,337 @@
+#include "render_work.h"
+
+#include "engine.h"
+#include "profiler/prof.h"
+#include "profiler/prof_snapshot.h"
+#include "profiler/prof_trace.h"
+#include "render_progress.h"
+
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define WORK_RING_EVENTS (1u << 22) /* of each thread's profile: 64 MiB */
+
+struct render_work {
+	const render_options *options;
+	pthread_t thread;
+	render_result result; /* the thread's until it has ended */
+
+	pthread_mutex_t lock; /* of what follows */
+	render_stage stage;
+	stilb_gi_render *render; /* NULL: there is none, or none any more */
+	bool stop;
+	bool pause; /* stopped for a checkpoint */
+};
+
+/* The pieces of one run, all of the work's thread. */
+typedef struct work_pieces {
+	render_work *work;
+	const render_options *options;
+	render_result *result;
+	stilb_job_pool *pool;
+	stilb_scene *scene;
+	stilb_gi_scene *gi_scene;
+	stilb_gi_render *render;
+	bool warned; /* that a checkpoint could not be written */
+} work_pieces;
+
+static double work_seconds_since(uint64_t start)
+{
+	return (double)(stilb_time_ns() - start) * 1e-9;
+}
+
+/* ---- shared with the main thread ----------------------------------------------------------------------------------- */
+
+static void work_enter(render_work *work, render_stage stage)
+{
+	pthread_mutex_lock(&work->lock);
+	work->stage = stage;
+	pthread_mutex_unlock(&work->lock);
+}
+
+static void work_publish(render_work *work, stilb_gi_render *render)
+{
+	pthread_mutex_lock(&work->lock);
+	work->render = render;
+	pthread_mutex_unlock(&work->lock);
+}
+
+static bool work_is_stopped(render_work *work)
+{
+	pthread_mutex_lock(&work->lock);
+	const bool stop = work->stop;
+	pthread_mutex_unlock(&work->lock);
+	return stop;
+}
+
+/* Whether the render was stopped for a checkpoint alone. */
+static bool work_take_pause(render_work *work)
+{
+	pthread_mutex_lock(&work->lock);
+	const bool pause = work->pause && !work->stop;
+	work->pause = false;
+	pthread_mutex_unlock(&work->lock);
+	return pause;
+}
+
+render_stage render_work_look(render_work *work, stilb_gi_progress *progress)
+{
+	*progress = (stilb_gi_progress){0};
+	pthread_mutex_lock(&work->lock);
+	if (work->render)
+		stilb_gi_render_progress(work->render, progress);
+	const render_stage stage = work->stage;
+	pthread_mutex_unlock(&work->lock);
+	return stage;
+}
+
+bool render_work_preview(render_work *work, float *rgb)
+{
+	pthread_mutex_lock(&work->lock);
+	const bool there = work->render != NULL;
+	if (there)
+		stilb_gi_render_preview(work->render, rgb);
+	pthread_mutex_unlock(&work->lock);
+	return there;
+}
+
+void render_work_stop(render_work *work)
+{
+	pthread_mutex_lock(&work->lock);
+	work->stop = true;
+	if (work->render && work->stage == RENDER_RENDERING)
+		stilb_gi_render_stop(work->render);
+	pthread_mutex_unlock(&work->lock);
+}
+
+void render_work_checkpoint(render_work *work)
+{
+	pthread_mutex_lock(&work->lock);
+	work->pause = true;
+	if (work->render && work->stage == RENDER_RENDERING)
+		stilb_gi_render_stop(work->render);
+	pthread_mutex_unlock(&work->lock);
+}
+
+/* ---- failures ------------------------------------------------------------------------------------------------------ */
+
+/* The message belongs to this thread and goes with it. */
+static bool work_fail(work_pieces *p, int code)
+{
+	p->result->code = code;
+	snprintf(p->result->message, sizeof p->result->message, "%s", stilb_error_message());
+	return false;
+}
+
+/* What the user gave is refused, and what the machine lacks is a failure. */
+static bool work_good(work_pieces *p, stilb_result result)
+{
+	if (result == STILB_OK)
+		return true;
+	return work_fail(p, result == STILB_ERROR_ARGUMENT || result == STILB_ERROR_FILE ? EXIT_REFUSED : EXIT_FAILED);
+}
+
+/* ---- stages -------------------------------------------------------------------------------------------------------- */
+
+static bool work_pool(work_pieces *p)
+{
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	const uint32_t asked = p->options->workers;
+	p->result->workers = asked == FLAG_WORKERS_AUTO ? stilb_job_cpu_count() : asked;
+	desc.worker_count = p->result->workers - 1; /* this thread is one, too */
+	desc.affinity = STILB_JOB_AFFINITY_NONE;    /* whoever else works here keeps his CPU */
+	desc.hooks = stilb_engine_job_hooks();
+	int error = stilb_job_pool_create(&desc, &p->pool);
+	if (error == 0)
+		return true;
+	stilb_fail(STILB_ERROR_THREAD, "--workers: cannot start %u threads: %s; give a smaller number", p->result->workers,
+	           strerror(-error));
+	return work_fail(p, EXIT_FAILED);
+}
+
+static bool work_open(work_pieces *p)
+{
+	PROFILE("open the scene");
+	const uint64_t start = stilb_time_ns();
+	work_enter(p->work, RENDER_OPENING);
+	if (!work_good(p, stilb_scene_open(p->options->scene, &p->scene)) ||
+	    !work_good(p, render_options_surroundings(p->options, p->scene)))
+		return false;
+	p->result->open_s = work_seconds_since(start);
+	return true;
+}
+
+static bool work_build(work_pieces *p)
+{
+	PROFILE("prepare the scene");
+	const uint64_t start = stilb_time_ns();
+	work_enter(p->work, RENDER_BUILDING);
+	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(p->pool);
+	desc.isa = (stilb_gi_isa)p->options->isa;
+	if (!work_good(p, stilb_gi_scene_create(p->scene, &desc, &p->gi_scene)))
+		return false;
+	p->result->scene = *stilb_gi_scene_info_of(p->gi_scene);
+	if (p->result->scene.dropped > 0)
+		stilb_log("'%s': %llu triangles are left out: they have no area, or a coordinate that is no number",
+		          p->options->scene, (unsigned long long)p->result->scene.dropped);
+	p->result->settings = render_options_settings(p->options, p->scene);
+	if (!work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render)))
+		return false;
+	p->result->build_s = work_seconds_since(start);
+	return true;
+}
+
+/* A checkpoint of another picture is refused, and without --resume an old one is not touched before there is a newer. */
+static bool work_resume(work_pieces *p)
+{
+	const char *path = p->options->checkpoint;
+	const bool there = path[0] && access(path, F_OK) == 0;
+	if (!p->options->resume) {
+		if (there)
+			stilb_log("'%s' of an earlier run is not used; with --resume it would be", path);
+		return true;
+	}
+	if (there)
+		return work_good(p, stilb_gi_render_resume(p->render, path));
+	stilb_log("there is no '%s' to go on from: this begins anew", path);
+	return true;
+}
+
+/* A disk that is full is said once, and the picture goes on. */
+static void work_checkpoint(work_pieces *p)
+{
+	PROFILE("checkpoint");
+	if (!p->options->checkpoint[0])
+		return;
+	p->result->checkpointed = stilb_gi_render_checkpoint(p->render, p->options->checkpoint) == STILB_OK;
+	if (p->result->checkpointed || p->warned)
+		return;
+	p->warned = true;
+	render_progress_clear();
+	stilb_log("%s", stilb_error_message());
+}
+
+static bool work_render(work_pieces *p)
+{
+	work_enter(p->work, RENDER_RENDERING);
+	work_publish(p->work, p->render);
+	while (!work_is_stopped(p->work)) {
+		if (stilb_gi_render_run(p->render) != STILB_OK)
+			return work_fail(p, EXIT_FAILED);
+		stilb_gi_render_progress(p->render, &p->result->progress);
+		if (p->result->progress.finished || !work_take_pause(p->work))
+			break;
+		work_checkpoint(p);
+	}
+	stilb_gi_render_progress(p->render, &p->result->progress);
+	p->result->stopped = !p->result->progress.finished;
+	return true;
+}
+
+/* The samples must not be lost with a picture that cannot be written. */
+static bool work_save(work_pieces *p)
+{
+	PROFILE("write the picture");
+	const uint64_t start = stilb_time_ns();
+	work_enter(p->work, RENDER_WRITING);
+	if (p->options->output && p->result->progress.done > 0.0) {
+		p->result->saved = stilb_gi_render_save(p->render, p->options->output) == STILB_OK;
+		if (!p->result->saved)
+			work_fail(p, EXIT_FAILED);
+	}
+	if (p->result->progress.done > 0.0 && (p->result->stopped || (p->options->output && !p->result->saved)))
+		work_checkpoint(p);
+	else if (p->result->progress.finished && p->options->checkpoint[0])
+		unlink(p->options->checkpoint);
+	p->result->save_s = work_seconds_since(start);
+	return p->result->code == EXIT_DONE;
+}
+
+static void work_trace(work_pieces *p)
+{
+	stilb_prof_snapshot snapshot = {0};
+	const char *path = p->options->trace;
+	int error = stilb_prof_snapshot_take(&snapshot, NULL);
+	if (error == 0)
+		error = stilb_prof_trace_save(&snapshot, "stilb", path);
+	stilb_prof_snapshot_finish(&snapshot);
+	if (error == 0)
+		return;
+	stilb_fail(STILB_ERROR_FILE, "cannot write '%s': %s", path, strerror(-error));
+	work_fail(p, EXIT_FAILED);
+}
+
+static void work_finish(work_pieces *p)
+{
+	work_publish(p->work, NULL);
+	stilb_gi_render_destroy(p->render);
+	stilb_gi_scene_destroy(p->gi_scene);
+	stilb_scene_destroy(p->scene);
+	stilb_job_pool_destroy(p->pool);
+}
+
+/* All of it is one frame of the profile. */
+static void *work_main(void *data)
+{
+	render_work *work = data;
+	work_pieces pieces = {.work = work, .options = work->options, .result = &work->result};
+	stilb_prof_thread_begin("render");
+	stilb_prof_frame_mark();
+	if (work_pool(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces) && work_render(&pieces))
+		work_save(&pieces);
+	stilb_prof_frame_mark();
+	if (work->options->trace && pieces.render)
+		work_trace(&pieces);
+	work_enter(work, RENDER_DONE);
+	work_finish(&pieces);
+	stilb_prof_thread_end();
+	return NULL;
+}
+
+/* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+/* Signals are the main thread's: they wake it. */
+static int work_create_thread(render_work *work)
+{
+	sigset_t all, before;
+	sigfillset(&all);
+	pthread_sigmask(SIG_BLOCK, &all, &before);
+	int error = pthread_create(&work->thread, NULL, work_main, work);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	return error;
+}
+
+stilb_result render_work_start(const render_options *options, render_work **out)
+{
+	*out = NULL;
+	render_work *work = calloc(1, sizeof *work);
+	if (!work)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory to render with");
+	work->options = options;
+	pthread_mutex_init(&work->lock, NULL);
+	stilb_prof_ring_events_set(WORK_RING_EVENTS);
+	stilb_prof_record_set(options->trace != NULL);
+	stilb_prof_switches_set(options->trace != NULL);
+	int error = work_create_thread(work);
+	if (error != 0) {
+		pthread_mutex_destroy(&work->lock);
+		free(work);
+		return stilb_fail(STILB_ERROR_THREAD, "cannot start a thread: %s", strerror(error));
+	}
+	*out = work;
+	return STILB_OK;
+}
+
+render_result render_work_join(render_work *work)
+{
+	pthread_join(work->thread, NULL);
+	const render_result result = work->result;
+	pthread_mutex_destroy(&work->lock);
+	free(work);
+	return result;
+}

@@ -1,0 +1,194 @@
+/* stilb render --preview on a virtual display: the window shows the picture while it gets finer, and closing it stops and saves. */
+#include "image/image.h"
+#include "support/stilb_program.h"
+
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+#include <math.h>
+
+#define TITLE "Stilb: cornell"
+#define SIDE 400
+
+static Display *display;
+
+/* 0: there is none, or not yet. */
+static Window find_window(void)
+{
+	Window root, parent, *children = NULL, found = 0;
+	unsigned count = 0;
+	XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
+	for (unsigned i = 0; i < count && !found; i++) {
+		char *name = NULL;
+		if (XFetchName(display, children[i], &name) && name && strcmp(name, TITLE) == 0)
+			found = children[i];
+		if (name)
+			XFree(name);
+	}
+	if (children)
+		XFree(children);
+	return found;
+}
+
+/* Until it can be seen. */
+static Window wait_for_window(void)
+{
+	XWindowAttributes attributes = {.map_state = IsUnmapped};
+	Window window = 0;
+	for (int i = 0; i < 1500 && attributes.map_state != IsViewable; i++, usleep(20000)) {
+		window = find_window();
+		if (window)
+			XGetWindowAttributes(display, window, &attributes);
+	}
+	assert_int_equal(attributes.map_state, IsViewable);
+	return window;
+}
+
+static XImage *grab(Window window)
+{
+	XImage *image = XGetImage(display, window, 0, 0, SIDE, SIDE, AllPlanes, ZPixmap);
+	assert_non_null(image);
+	return image;
+}
+
+/* A pixel's channels, 0..255. */
+static void channels(XImage *image, int x, int y, int out[3])
+{
+	const unsigned long pixel = XGetPixel(image, x, y);
+	for (int c = 0; c < 3; c++)
+		out[c] = (int)(pixel >> (16 - 8 * c) & 0xff);
+}
+
+/* Waits until the left wall is red and the right one green: the whole picture is there, however coarse. */
+static bool shows_cornell(Window window)
+{
+	int left[3], right[3];
+	for (int i = 0; i < 500; i++, usleep(20000)) {
+		XImage *image = grab(window);
+		channels(image, SIDE / 20, SIDE / 2, left);
+		channels(image, SIDE - SIDE / 20, SIDE / 2, right);
+		XDestroyImage(image);
+		if (left[0] > left[1] + 20 && right[1] > right[0] + 20)
+			return true;
+	}
+	return false;
+}
+
+/* As the window manager does when its button is pressed. */
+static void close_window(Window window)
+{
+	XEvent event = {0};
+	event.xclient.type = ClientMessage;
+	event.xclient.window = window;
+	event.xclient.message_type = XInternAtom(display, "WM_PROTOCOLS", False);
+	event.xclient.format = 32;
+	event.xclient.data.l[0] = (long)XInternAtom(display, "WM_DELETE_WINDOW", False);
+	XSendEvent(display, window, False, NoEventMask, &event);
+	XSync(display, False);
+}
+
+/* A test that failed leaves no window to the next. */
+static int end_run(void **state)
+{
+	(void)state;
+	if (run.pid > 0 && waitpid(run.pid, NULL, WNOHANG) == 0) {
+		kill(run.pid, SIGKILL);
+		waitpid(run.pid, NULL, 0);
+	}
+	return 0;
+}
+
+#define LONG "render cornell --size 400x400 --spp 4096 --workers 1 --preview "
+
+static void test_closing_stops_and_saves(void **state)
+{
+	(void)state;
+	stilb_start(NULL, -1, LONG "-o a.png --stats a.json");
+	Window window = wait_for_window();
+	assert_true(shows_cornell(window));
+	close_window(window);
+	program_wait(&run);
+	assert_string_equal(run.err, "");
+	assert_int_equal(run.code, 0);
+	assert_said(run.out, "picture: a.png");
+	assert_true(access("a.png.checkpoint", F_OK) == 0);
+	read_stats("a.json");
+	assert_string_equal(stat_text("end", '"'), "stopped");
+}
+
+/* What is shown is what is saved: the window of a stopped run and its .png, but for the samples in between. */
+static void test_it_shows_what_is_saved(void **state)
+{
+	(void)state;
+	stilb_start(NULL, -1, LONG "-o a.png");
+	Window window = wait_for_window();
+	assert_true(shows_cornell(window));
+	usleep(1000000);
+	XImage *shown = grab(window);
+	close_window(window);
+	program_wait(&run);
+	stilb_image saved;
+	assert_int_equal(stilb_image_load("a.png", &saved), STILB_OK);
+	const uint8_t *pixels = saved.pixels;
+	double difference = 0.0;
+	for (int y = 0; y < SIDE; y++)
+		for (int x = 0; x < SIDE; x++) {
+			int window_pixel[3];
+			channels(shown, x, y, window_pixel);
+			for (int c = 0; c < 3; c++)
+				difference += abs(window_pixel[c] - pixels[(y * SIDE + x) * 3 + c]);
+		}
+	difference /= 3.0 * SIDE * SIDE;
+	if (difference > 12.0)
+		print_error("the window differs from the file by %.1f codes on average\n", difference);
+	assert_true(difference <= 12.0);
+	XDestroyImage(shown);
+	stilb_image_finish(&saved);
+}
+
+/* A run that ends by itself closes its window, unless somebody sits before a terminal. */
+static void test_it_ends_by_itself(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_code(NULL, "render cornell --size 64x64 --spp 4 --preview -o a.exr"), 0);
+	assert_string_equal(run.err, "");
+	assert_int_equal(stilb_code(no_display, "render cornell --size 64x64 --spp 4 -o b.exr"), 0);
+	stilb_image a, b;
+	assert_int_equal(stilb_image_load("a.exr", &a), STILB_OK);
+	assert_int_equal(stilb_image_load("b.exr", &b), STILB_OK);
+	assert_memory_equal(a.pixels, b.pixels, stilb_image_size(&a)); /* looking changes nothing */
+	stilb_image_finish(&a);
+	stilb_image_finish(&b);
+}
+
+static void test_without_an_output_it_is_only_looked_at(void **state)
+{
+	(void)state;
+	stilb_start(NULL, -1, LONG);
+	Window window = wait_for_window();
+	close_window(window);
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+	assert_int_equal(folder_entries(), 0);
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(test_closing_stops_and_saves, folder_fresh, end_run),
+		cmocka_unit_test_setup_teardown(test_it_shows_what_is_saved, folder_fresh, end_run),
+		cmocka_unit_test_setup_teardown(test_it_ends_by_itself, folder_fresh, end_run),
+		cmocka_unit_test_setup_teardown(test_without_an_output_it_is_only_looked_at, folder_fresh, end_run),
+	};
+	display = XOpenDisplay(NULL);
+	if (!display) {
+		printf("no X display: set DISPLAY, or install xvfb and use ./dev test\n");
+		return 77;
+	}
+	if (!folder_enter(argc > 1 ? argv[1] : NULL, "game_render_window")) {
+		fprintf(stderr, "usage: %s PATH-OF-STILB\n", argv[0]);
+		return 2;
+	}
+	int failed = cmocka_run_group_tests(tests, NULL, folder_leave);
+	XCloseDisplay(display);
+	return failed;
+}

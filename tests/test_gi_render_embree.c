@@ -1,0 +1,83 @@
+/* The same bits with Embree: 1, 2, 3 and 7 threads, every integrator and sampler, through checkpoints and without. */
+#include "gi_render_fixture.h"
+
+static char folder[] = "test_gi_render_embree_XXXXXX";
+static char path[64];
+
+static int folder_make(void **state)
+{
+	(void)state;
+	if (!mkdtemp(folder))
+		return -1;
+	snprintf(path, sizeof path, "%s/a.checkpoint", folder);
+	return 0;
+}
+
+static int folder_remove(void **state)
+{
+	(void)state;
+	remove(path);
+	return rmdir(folder);
+}
+
+static const uint32_t workers[] = {0, 1, 2, 6}; /* beside the thread that asks */
+#define WORKER_COUNTS (sizeof workers / sizeof *workers)
+
+static void same_bits_for_workers(void **state)
+{
+	(void)state;
+	enum { COUNT = STILB_GI_INTEGRATOR_COUNT + STILB_GI_SAMPLER_COUNT };
+	uint64_t hashes[COUNT];
+	for (size_t w = 0; w < WORKER_COUNTS; w++) {
+		render_fixture fixture = render_fixture_with("cornell", workers[w], &stilb_gi_embree);
+		for (int i = 0; i < COUNT; i++) {
+			stilb_gi_settings settings = render_fixture_settings(&fixture);
+			settings.samples = 4;
+			settings.depth = 3;
+			settings.progressive = w % 2;
+			if (i < STILB_GI_INTEGRATOR_COUNT)
+				settings.integrator = (stilb_gi_integrator)i;
+			else
+				settings.sampler = (stilb_gi_sampler_kind)(i - STILB_GI_INTEGRATOR_COUNT);
+			uint64_t hash = render_whole(&fixture, &settings);
+			if (w == 0)
+				hashes[i] = hash;
+			assert_int_equal(hash, hashes[i]);
+		}
+		render_fixture_finish(&fixture);
+	}
+}
+
+/* Half the samples and a checkpoint, and the rest with other threads. */
+static void same_bits_with_resume(void **state)
+{
+	(void)state;
+	uint64_t whole = 0;
+	for (size_t w = 0; w < WORKER_COUNTS; w++) {
+		render_fixture fixture = render_fixture_with("cornell", workers[w], &stilb_gi_embree);
+		stilb_gi_settings settings = render_fixture_settings(&fixture);
+		stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+		if (w > 0 && stilb_gi_render_resume(render, path) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+		if (w > 0)
+			assert_int_equal(film_hash(render), whole);
+		stilb_gi_render_destroy(render);
+		whole = render_whole(&fixture, &settings);
+		settings.samples /= 2;
+		render = render_fixture_create(&fixture, &settings);
+		assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+		assert_int_equal(stilb_gi_render_checkpoint(render, path), STILB_OK);
+		stilb_gi_render_destroy(render);
+		render_fixture_finish(&fixture);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(same_bits_for_workers),
+		cmocka_unit_test(same_bits_with_resume),
+	};
+	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+}

@@ -1,0 +1,254 @@
+/* Renders as files: every layer in the .exr as it is in the film, the picture in the .png as on a display. */
+#include "gi_render_fixture.h"
+
+#include "image/image_layers.h"
+#include "shading/shade_tonemap.h"
+
+#include <math.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+static char folder[] = "test_gi_save_XXXXXX";
+static char exr[64], png[64];
+
+static int folder_make(void **state)
+{
+	(void)state;
+	if (!mkdtemp(folder))
+		return -1;
+	snprintf(exr, sizeof exr, "%s/a.exr", folder);
+	snprintf(png, sizeof png, "%s/a.png", folder);
+	return 0;
+}
+
+static int folder_remove(void **state)
+{
+	(void)state;
+	remove(exr);
+	remove(png);
+	return rmdir(folder);
+}
+
+static void saved(const stilb_gi_render *render, const char *path)
+{
+	if (stilb_gi_render_save(render, path) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+}
+
+static stilb_image_layers *loaded(const char *path)
+{
+	stilb_image_layers *layers;
+	if (stilb_image_layers_load(path, &layers) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return layers;
+}
+
+/* The file's channel is number c of each pixel's `stride` numbers in the plane, bit by bit. */
+static void holds(const stilb_image_layers *layers, const char *name, const float *plane, size_t stride)
+{
+	const stilb_image_channel *channel = stilb_image_layers_channel(layers, name);
+	if (!channel)
+		fail_msg("there is no channel %s", name);
+	for (size_t i = 0; i < (size_t)layers->width * layers->height; i++)
+		assert_memory_equal(&channel->values[i * channel->stride], &plane[i * stride], sizeof *plane);
+}
+
+static void every_layer(void **state)
+{
+	(void)state;
+	render_fixture fixture = render_fixture_make("cornell", 1);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.camera.yaw = 0.7f; /* past the box too: nothing is hit there */
+	settings.lens.radius = 0.1f;
+	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+	assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+	saved(render, exr);
+	stilb_gi_film film = stilb_gi_render_film(render);
+	stilb_image_layers *layers = loaded(exr);
+	assert_int_equal(layers->width, film.width);
+	assert_int_equal(layers->height, film.height);
+	assert_int_equal(layers->channel_count, 14);
+	static const char *const names[4][3] = {{"R", "G", "B"},
+	                                        {"albedo.R", "albedo.G", "albedo.B"},
+	                                        {"normal.X", "normal.Y", "normal.Z"},
+	                                        {"variance.R", "variance.G", "variance.B"}};
+	const float *planes[4] = {film.radiance, film.albedo, film.normal, film.variance};
+	for (int layer = 0; layer < 4; layer++) {
+		for (int c = 0; c < 3; c++)
+			holds(layers, names[layer][c], planes[layer] + c, 3);
+	}
+	holds(layers, "depth.Z", film.depth, 1);
+	const stilb_image_channel *samples = stilb_image_layers_channel(layers, "samples");
+	assert_true(samples->values[0] == (float)settings.samples);
+	bool missed = false;
+	for (size_t i = 0; i < (size_t)film.width * film.height; i++)
+		missed |= isinf(film.depth[i]) != 0;
+	assert_true(missed);
+	stilb_image_layers_finish(layers);
+	stilb_gi_render_destroy(render);
+	render_fixture_finish(&fixture);
+}
+
+static void says(const stilb_image_layers *layers, const char *name, const char *text)
+{
+	const char *found = stilb_image_layers_attribute(layers, name);
+	assert_non_null(found);
+	assert_string_equal(found, text);
+}
+
+static void every_setting(void **state)
+{
+	(void)state;
+	render_fixture fixture = render_fixture_make("cornell", 0);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.integrator = STILB_GI_INTEGRATOR_AO;
+	settings.firefly_weight = true;
+	settings.lens.radius = 0.1f;
+	settings.seed = 12345678901234567890u;
+	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+	saved(render, exr);
+	stilb_image_layers *layers = loaded(exr);
+	says(layers, "stilb:integrator", "ao");
+	says(layers, "stilb:firefly_weight", "yes");
+	says(layers, "stilb:width", "37");
+	says(layers, "stilb:samples", "6");
+	says(layers, "stilb:seed", "12345678901234567890");
+	says(layers, "stilb:isa", stilb_gi_scene_info_of(fixture.gi)->isa);
+	assert_true(strtof(stilb_image_layers_attribute(layers, "stilb:lens.radius"), NULL) == 0.1f);
+	assert_null(stilb_image_layers_attribute(layers, "stilb:progressive"));
+	assert_non_null(stilb_image_layers_attribute(layers, "Software"));
+	stilb_image_layers_finish(layers);
+	stilb_gi_render_destroy(render);
+	render_fixture_finish(&fixture);
+}
+
+static size_t read_file(const char *path, unsigned char *data, size_t size)
+{
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	size_t got = fread(data, 1, size, file);
+	fclose(file);
+	return got;
+}
+
+/* The same bytes, whatever the order of its pixels was. */
+static void same_picture_same_file(void **state)
+{
+	(void)state;
+	static unsigned char files[2][400000];
+	size_t sizes[2];
+	for (uint32_t i = 0; i < 2; i++) {
+		render_fixture fixture = render_fixture_make("cornell", i);
+		stilb_gi_settings settings = render_fixture_settings(&fixture);
+		settings.progressive = i;
+		stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+		assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+		saved(render, exr);
+		sizes[i] = read_file(exr, files[i], sizeof files[i]);
+		stilb_gi_render_destroy(render);
+		render_fixture_finish(&fixture);
+	}
+	assert_in_range(sizes[0], 1000, sizeof files[0] - 1);
+	assert_int_equal(sizes[0], sizes[1]);
+	assert_memory_equal(files[0], files[1], sizes[0]);
+}
+
+/* Linear to 0.6, then below 1; two stops are four times the light. */
+static void display(void **state)
+{
+	(void)state;
+	const float rgb[][3] = {{0.0f, 0.0f, 0.0f}, {0.125f, 0.05f, 0.01f}, {1e30f, 0.0f, NAN}, {-1.0f, INFINITY, 0.1f}};
+	uint8_t plain[4][3], bright[4][3];
+	stilb_gi_display(rgb[0], 4, 0.0f, plain[0]);
+	stilb_gi_display(rgb[0], 4, 2.0f, bright[0]);
+	assert_true(plain[0][0] == 0 && plain[0][2] == 0);
+	assert_int_equal(plain[1][0], 99); /* sRGB codes of the numbers themselves */
+	assert_int_equal(plain[1][1], 63);
+	assert_int_equal(plain[1][2], 25);
+	assert_int_equal(bright[1][0], 188);
+	assert_int_equal(bright[1][1], 124);
+	assert_int_equal(bright[1][2], 56);
+	assert_true(plain[2][0] == 255 && plain[2][1] == 0 && plain[2][2] == 0);
+	assert_true(plain[3][0] == 0 && plain[3][1] == 255);
+}
+
+static void picture(void **state)
+{
+	(void)state;
+	render_fixture fixture = render_fixture_make("cornell", 0);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.exposure = 1.0f;
+	settings.progressive = true;
+	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+	assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+	saved(render, png);
+	stilb_image image;
+	assert_int_equal(stilb_image_load(png, &image), STILB_OK);
+	static uint8_t shown[21][37][3];
+	stilb_gi_display(stilb_gi_render_film(render).radiance, sizeof shown / 3, settings.exposure, shown[0][0]);
+	assert_int_equal(stilb_image_size(&image), sizeof shown);
+	assert_memory_equal(image.pixels, shown, sizeof shown);
+	stilb_image_finish(&image);
+	saved(render, exr); /* .exr is not exposed, and any reader of pictures reads it */
+	assert_int_equal(stilb_image_load(exr, &image), STILB_OK);
+	assert_int_equal(image.channels, 3);
+	assert_memory_equal(image.pixels, stilb_gi_render_film(render).radiance, stilb_image_size(&image));
+	stilb_image_finish(&image);
+	stilb_gi_render_destroy(render);
+	render_fixture_finish(&fixture);
+}
+
+/* ---- what goes wrong ------------------------------------------------------------------------------------------------- */
+
+static void refused(const stilb_gi_render *render, const char *path, stilb_result expected)
+{
+	assert_int_equal(stilb_gi_render_save(render, path), expected);
+	assert_non_null(strstr(stilb_error_message(), path));
+}
+
+static void full_disks_and_wrong_paths(void **state)
+{
+	(void)state;
+	static unsigned char before[400000], after[sizeof before];
+	render_fixture fixture = render_fixture_make("cornell", 0);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.samples = 1;
+	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+	assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+	refused(render, "no/such/folder/a.exr", STILB_ERROR_ARGUMENT);
+	refused(render, "a.jpeg", STILB_ERROR_ARGUMENT);
+	refused(render, "a", STILB_ERROR_ARGUMENT);
+	refused(render, "", STILB_ERROR_ARGUMENT);
+	for (int i = 0; i < 2; i++) {
+		const char *path = i ? png : exr;
+		saved(render, path);
+		size_t size = read_file(path, before, sizeof before);
+		struct rlimit old, small = {.rlim_cur = size / 2};
+		assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
+		small.rlim_max = old.rlim_max;
+		signal(SIGXFSZ, SIG_IGN);
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+		stilb_result result = stilb_gi_render_save(render, path);
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
+		assert_int_equal(result, STILB_ERROR_FILE);
+		assert_int_equal(read_file(path, after, sizeof after), size);
+		assert_memory_equal(before, after, size);
+	}
+	char link[96];
+	snprintf(link, sizeof link, "%s/full.exr", folder);
+	assert_int_equal(symlink("/dev/full", link), 0);
+	refused(render, link, STILB_ERROR_FILE);
+	remove(link);
+	stilb_gi_render_destroy(render);
+	render_fixture_finish(&fixture);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_layer), cmocka_unit_test(every_setting), cmocka_unit_test(same_picture_same_file),
+		cmocka_unit_test(display),     cmocka_unit_test(picture),       cmocka_unit_test(full_disks_and_wrong_paths),
+	};
+	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+}

@@ -1,0 +1,241 @@
+/* Embree behind gi_tracer against every triangle tested in double: triangles of the world and of instances, single rays,
+ * packets and streams; and the same hits however many workers built the tree. */
+
+#include "gi_world_fixture.h"
+
+#define RAYS 4000
+
+static RTCRayHit embree_rays[RAYS], brute_rays[RAYS];
+
+static void random_rays(RTCRayHit *rays, float reach)
+{
+	shade_proof_random random = {.seed = 7};
+	for (uint32_t i = 0; i < RAYS; i++) {
+		stilb_vec3 origin = world_direction(&random) * (reach * shade_proof_uniform(&random));
+		rays[i] = world_ray(origin, world_direction(&random));
+	}
+}
+
+static void trace_all(const stilb_gi_scene *gi, RTCRayHit *rays)
+{
+	for (uint32_t i = 0; i < RAYS; i++)
+		gi->tracer.intersect(&gi->tracer, &rays[i]);
+}
+
+/* Within this of an edge the one may hit where the other misses. */
+static bool near_edge(const RTCRayHit *ray)
+{
+	float u = ray->hit.u, v = ray->hit.v;
+	return gi_hit(ray) && fminf(fminf(u, v), 1.0f - u - v) < 1e-4f;
+}
+
+static bool same_triangle(const RTCRayHit *a, const RTCRayHit *b)
+{
+	return gi_hit(a) == gi_hit(b) && (!gi_hit(a) || (a->hit.geomID == b->hit.geomID && a->hit.primID == b->hit.primID));
+}
+
+static void assert_normals_agree(const RTCRayHit *a, const RTCRayHit *b)
+{
+	stilb_vec3 x = stilb_vec3_normalize(stilb_vec3_make(a->hit.Ng_x, a->hit.Ng_y, a->hit.Ng_z));
+	stilb_vec3 y = stilb_vec3_normalize(stilb_vec3_make(b->hit.Ng_x, b->hit.Ng_y, b->hit.Ng_z));
+	SHADE_PROOF_NEAR3(x, (double)y[0], (double)y[1], (double)y[2], 0.0, 2e-4);
+}
+
+static uint32_t assert_hits_agree(const stilb_gi_scene *embree, const stilb_gi_scene *brute, float reach)
+{
+	random_rays(embree_rays, reach);
+	memcpy(brute_rays, embree_rays, sizeof embree_rays);
+	trace_all(embree, embree_rays);
+	trace_all(brute, brute_rays);
+	uint32_t hits = 0, apart = 0;
+	for (uint32_t i = 0; i < RAYS; i++) {
+		const RTCRayHit *a = &embree_rays[i], *b = &brute_rays[i];
+		if (!same_triangle(a, b)) {
+			assert_true(near_edge(a) || near_edge(b));
+			apart++;
+		} else if (gi_hit(a)) {
+			float grazing = fabsf(a->ray.dir_x * b->hit.Ng_x + a->ray.dir_y * b->hit.Ng_y + a->ray.dir_z * b->hit.Ng_z);
+			hits++;
+			if (grazing <
+			    1e-2f * sqrtf(b->hit.Ng_x * b->hit.Ng_x + b->hit.Ng_y * b->hit.Ng_y + b->hit.Ng_z * b->hit.Ng_z))
+				continue;
+			SHADE_PROOF_NEAR(a->ray.tfar, (double)b->ray.tfar, 1e-4, 1e-4 * (double)reach);
+			SHADE_PROOF_NEAR(a->hit.u, (double)b->hit.u, 0.0, 1e-3);
+			SHADE_PROOF_NEAR(a->hit.v, (double)b->hit.v, 0.0, 1e-3);
+			assert_normals_agree(a, b);
+		}
+	}
+	assert_in_range(apart, 0, RAYS / 200);
+	return hits;
+}
+
+/* shear: how far from turning nothing; one in two is a mirror. */
+static stilb_mat4 random_transform(shade_proof_random *random, float shear)
+{
+	stilb_mat4 m = stilb_mat4_identity();
+	m.m[0] = shade_proof_uniform(random) < 0.5f ? -1.0f : 1.0f;
+	for (int column = 0; column < 3; column++)
+		for (int row = 0; row < 3; row++)
+			m.m[column * 4 + row] += shade_proof_range(random, -shear, shear);
+	for (int row = 0; row < 3; row++)
+		m.m[12 + row] = shade_proof_range(random, -10.0f, 10.0f);
+	return m;
+}
+
+static stilb_scene *soup_scene(uint32_t parts, uint32_t triangles, float shear)
+{
+	shade_proof_random random = {.seed = 3};
+	stilb_scene *scene = world_scene(parts, 1, 1);
+	world_soup(&scene->meshes[0], triangles, &random);
+	for (uint32_t part = 0; part < parts; part++)
+		scene->part_transform[part] = random_transform(&random, shear);
+	return scene;
+}
+
+static void triangles_of_the_world(void **state)
+{
+	(void)state;
+	stilb_scene *scene = soup_scene(20, 50, 1.0f);
+	world_fixture embree = world_trace(scene, &stilb_gi_embree, 1), brute = world_trace(scene, &stilb_gi_brute, 0);
+	assert_false(embree.gi->parts[0].instance);
+	assert_in_range(assert_hits_agree(embree.gi, brute.gi, 15.0f), RAYS / 10, RAYS);
+	world_untrace(&brute);
+	world_finish(&embree);
+}
+
+/* Half of them turned inside out by their transform. */
+static void triangles_of_instances(void **state)
+{
+	(void)state;
+	stilb_scene *scene = soup_scene(20, 5000, 0.25f);
+	world_fixture embree = world_trace(scene, &stilb_gi_embree, 1), brute = world_trace(scene, &stilb_gi_brute, 0);
+	assert_true(embree.gi->parts[0].instance);
+	assert_int_equal(stilb_gi_scene_info_of(embree.gi)->triangles, 20 * 5000);
+	assert_int_equal(embree.gi->mesh_count, 1);
+	/* A hundred thousand triangles for each ray: few rays. */
+	random_rays(embree_rays, 15.0f);
+	uint32_t hits = 0;
+	for (uint32_t i = 0; i < 250; i++) {
+		RTCRayHit a = embree_rays[i], b = a;
+		embree.gi->tracer.intersect(&embree.gi->tracer, &a);
+		brute.gi->tracer.intersect(&brute.gi->tracer, &b);
+		assert_true(same_triangle(&a, &b) || near_edge(&a) || near_edge(&b) || fabsf(a.ray.tfar - b.ray.tfar) < 1e-4f);
+		if (!gi_hit(&a) || !same_triangle(&a, &b))
+			continue;
+		hits++;
+		SHADE_PROOF_NEAR(a.ray.tfar, (double)b.ray.tfar, 1e-3, 1e-3);
+	}
+	assert_in_range(hits, 15, 250);
+	world_untrace(&brute);
+	world_finish(&embree);
+}
+
+/* The same part as an instance and as triangles of its own: the same side is the front. */
+static void instances_have_the_same_front(void **state)
+{
+	(void)state;
+	for (int mirrored = 0; mirrored < 2; mirrored++) {
+		stilb_scene *many = world_scene(60, 1, 1), *one = world_scene(1, 1, 1);
+		assert_int_equal(stilb_scene_mesh_sphere(3, &many->meshes[0]), STILB_OK);
+		assert_int_equal(stilb_scene_mesh_sphere(3, &one->meshes[0]), STILB_OK);
+		for (uint32_t part = 0; part < 60; part++) {
+			many->part_transform[part] = stilb_mat4_scale_translate(1.0f, 4.0f * (float)part, 0.0f, 0.0f);
+			many->part_transform[part].m[0] = mirrored ? -2.0f : 2.0f;
+		}
+		one->part_transform[0] = many->part_transform[0];
+		world_fixture a = world_trace(many, &stilb_gi_embree, 0), b = world_trace(one, &stilb_gi_embree, 0);
+		assert_true(a.gi->parts[0].instance);
+		assert_false(b.gi->parts[0].instance);
+		RTCRayHit x = world_ray(stilb_vec3_make(0.1f, 0.2f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f)), y = x;
+		a.gi->tracer.intersect(&a.gi->tracer, &x);
+		b.gi->tracer.intersect(&b.gi->tracer, &y);
+		gi_surface s, t;
+		assert_true(gi_hit(&x) && gi_hit(&y));
+		gi_surface_at(a.gi, &x, &s);
+		gi_surface_at(b.gi, &y, &t);
+		assert_true(s.front && t.front);
+		for (int k = 0; k < 3; k++) {
+			SHADE_PROOF_NEAR(s.position[k], (double)t.position[k], 0.0, 1e-5);
+			SHADE_PROOF_NEAR(s.geometric[k], (double)t.geometric[k], 0.0, 1e-5);
+			SHADE_PROOF_NEAR(s.normal[k], (double)t.normal[k], 0.0, 1e-3); /* turned after or before the blend */
+		}
+		world_finish(&a);
+		world_finish(&b);
+	}
+}
+
+/* Packets and streams answer as single rays do. */
+static void packets_and_streams(void **state)
+{
+	(void)state;
+	const stilb_gi_intersector *const intersectors[] = {&stilb_gi_embree, &stilb_gi_brute};
+	for (int which = 0; which < 2; which++) {
+		stilb_scene *scene = soup_scene(20, 50, 1.0f);
+		world_fixture world = world_trace(scene, intersectors[which], 0);
+		const gi_tracer *tracer = &world.gi->tracer;
+		random_rays(embree_rays, 15.0f);
+		memcpy(brute_rays, embree_rays, sizeof embree_rays);
+		trace_all(world.gi, embree_rays);
+		static RTCRay shadow[RAYS];
+		for (uint32_t i = 0; i < RAYS; i++) {
+			shadow[i] = brute_rays[i].ray;
+			if (gi_hit(&embree_rays[i]) && i % 2)
+				shadow[i].tfar = 0.99f * embree_rays[i].ray.tfar;
+		}
+		tracer->occluded(tracer, shadow, RAYS);
+		for (uint32_t i = 0; i < RAYS; i++)
+			assert_int_equal(shadow[i].tfar < 0.0f, gi_hit(&embree_rays[i]) && i % 2 == 0);
+		for (uint32_t first = 0; first < RAYS; first += 16) {
+			RTCRayHit16 packet;
+			int valid[16] __attribute__((aligned(64)));
+			memset(&packet, 0, sizeof packet);
+			for (uint32_t i = 0; i < 16; i++) {
+				const RTCRayHit *ray = &brute_rays[first + i];
+				valid[i] = i == 5 ? 0 : -1;
+				packet.ray.org_x[i] = ray->ray.org_x;
+				packet.ray.org_y[i] = ray->ray.org_y;
+				packet.ray.org_z[i] = ray->ray.org_z;
+				packet.ray.dir_x[i] = ray->ray.dir_x;
+				packet.ray.dir_y[i] = ray->ray.dir_y;
+				packet.ray.dir_z[i] = ray->ray.dir_z;
+				packet.ray.tfar[i] = INFINITY;
+				packet.ray.mask[i] = UINT32_MAX;
+				packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+			}
+			tracer->intersect16(tracer, valid, &packet);
+			for (uint32_t i = 0; i < 16; i++) {
+				RTCRayHit ray = gi_ray_of(&packet, i);
+				if (i == 5)
+					assert_false(gi_hit(&ray));
+				else
+					assert_true(same_triangle(&ray, &embree_rays[first + i]) || near_edge(&ray) ||
+					            near_edge(&embree_rays[first + i]));
+			}
+		}
+		world_finish(&world);
+	}
+}
+
+static void workers_build_the_same_tree(void **state)
+{
+	(void)state;
+	static RTCRayHit first[RAYS], other[RAYS];
+	for (uint32_t workers = 0; workers < 8; workers = 2 * workers + 1) {
+		world_fixture world = world_trace(soup_scene(400, 100, 1.0f), &stilb_gi_embree, workers);
+		RTCRayHit *rays = workers ? other : first;
+		random_rays(rays, 15.0f);
+		trace_all(world.gi, rays);
+		assert_memory_equal(rays, first, sizeof first);
+		world_finish(&world);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(triangles_of_the_world),        cmocka_unit_test(triangles_of_instances),
+		cmocka_unit_test(instances_have_the_same_front), cmocka_unit_test(packets_and_streams),
+		cmocka_unit_test(workers_build_the_same_tree),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
