@@ -1,5 +1,6 @@
-/* The suite `furnace`: is the integrator right, and is it the random numbers' fault if not? After the article "What's wrong
- * with this picture?" (R. Driscoll, 2010): error against bounces, mean error and variance against survival. */
+/* The suite `furnace`: is the integrator right, and is it the random numbers' fault if not? After the article
+ * "What's wrong with this picture?" (R. Driscoll, 2010): error against bounces, mean error and variance against
+ * survival. */
 #include "bench/bench.h"
 #include "bench/furnace_cases.h"
 
@@ -58,7 +59,7 @@ static const bench_subject subjects[] = {
      .abilities = NUMBERS},
 };
 
-/* ---- tables ------------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 static const bench_row *row_of(const bench_results *results, const char *on, const char *subject, const char *metric,
                                unsigned number)
@@ -68,8 +69,8 @@ static const bench_row *row_of(const bench_results *results, const char *on, con
 	return bench_find(results, on, subject, name);
 }
 
-/* What theory expects of independent runs whose sum is normal. Just above the survival where the variance is infinite 1,000
- * are too few for that: most experiments see nothing of the rare bright paths. */
+/* What theory expects of independent runs whose sum is normal. Just above the survival where the variance is
+ * infinite 1,000 are too few for that: most experiments see nothing of the rare bright paths. */
 static double expected_error(unsigned percent)
 {
 	return 100.0 * sqrt(2.0 / M_PI * furnace_variance(percent / 100.0) / FURNACE_RUNS) / FURNACE_RADIANCE;
@@ -164,7 +165,7 @@ static void report(FILE *out, const bench_results *results)
 	report_equal(out, results);
 }
 
-/* ---- picture ------------------------------------------------------------------------------------------------------ */
+/* ---- picture ----------------------------------------------------------------------------------------------------- */
 
 static const struct {
 	const char *color;

@@ -1,6 +1,6 @@
 /*
- * The cases of the suite `furnace`: light in a ball that shines everywhere and reflects half of what arrives, so that radiance
- * is Le / (1 - rho) = 2. Metrics are named by these numbers.
+ * The cases of the suite `furnace`: light in a ball that shines everywhere and reflects half of what arrives, so that
+ * radiance is Le / (1 - rho) = 2. Metrics are named by these numbers.
  */
 #ifndef FURNACE_CASES_H
 #define FURNACE_CASES_H
@@ -28,8 +28,9 @@
 #define FURNACE_CASE_EQUAL_TIME "equal-time"
 
 /*
- * What theory says of a path of Russian roulette with survival p: X = 1 + (rho / p) X' with probability p, else 1, so that
- * E[X] = 1 / (1 - rho) and E[X^2] = (1 + rho) / (1 - rho) / (1 - rho^2 / p): the variance is infinite for p <= rho^2.
+ * What theory says of a path of Russian roulette with survival p: X = 1 + (rho / p) X' with probability p, else 1, so
+ * that E[X] = 1 / (1 - rho) and E[X^2] = (1 + rho) / (1 - rho) / (1 - rho^2 / p): where p <= rho^2
+ * the variance is infinite.
  */
 static inline double furnace_variance(double survival)
 {

@@ -1,5 +1,6 @@
-/* The case equal-time: the Cornell box by `path` and by `montecarlo`, in as much time. All cut after the same bounces, so all
- * mean the same picture, and how renderings of one kind differ among themselves is their error: no reference is needed. */
+/* The case equal-time: the Cornell box by `path` and by `montecarlo`, in as much time. All cut after the same
+ * bounces, so all mean the same picture, and how renderings of one kind differ among themselves is their error: no
+ * reference is needed. */
 #include "bench/furnace_cases.h"
 #include "bench/furnace_run.h"
 

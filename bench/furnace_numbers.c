@@ -13,7 +13,7 @@ static void three_of(float (*next)(void), float numbers[3])
 		numbers[i] = next();
 }
 
-/* ---- Owen-scrambled Sobol points, as the engine takes them: an experiment is a pixel, a run one of its samples ------ */
+/* ---- Owen-scrambled Sobol points, as the engine takes them: an experiment is a pixel, a run one of its samples --- */
 
 static gi_sampler owen_sampler;
 static gi_point owen_point;
@@ -37,9 +37,10 @@ static void owen_vertex(uint32_t vertex, float numbers[3])
 	numbers[2] = eight[GI_DIMENSION_ROULETTE];
 }
 
-/* ---- PCG-XSH-RR 64/32. Source: O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for
- * Random Number Generation" (2014). ------------------------------------------------------------------------------------ */
+/* ---- PCG --------------------------------------------------------------------------------------------------------- */
 
+/* PCG-XSH-RR 64/32. Source: O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for
+ * Random Number Generation" (2014). */
 static uint64_t pcg_state;
 
 static float pcg_next(void)
@@ -61,7 +62,7 @@ static void pcg_vertex(uint32_t vertex, float numbers[3])
 	three_of(pcg_next, numbers);
 }
 
-/* ---- rand() of this C library ---------------------------------------------------------------------------------------- */
+/* ---- rand() of this C library ------------------------------------------------------------------------------------ */
 
 static float rand_next(void)
 {
@@ -75,7 +76,7 @@ static void rand_vertex(uint32_t vertex, float numbers[3])
 	three_of(rand_next, numbers);
 }
 
-/* ---- rand() as Microsoft's C library has it: bits 16 to 30 of a congruential generator ------------------------------- */
+/* ---- rand() as Microsoft's C library has it: bits 16 to 30 of a congruential generator --------------------------- */
 
 static uint32_t rand15_state;
 
@@ -96,7 +97,7 @@ static void rand15_vertex(uint32_t vertex, float numbers[3])
 	three_of(rand15_next, numbers);
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------- */
+/* ------------------------------------------------------------------------------------------------------------------ */
 
 const furnace_numbers *furnace_numbers_find(const char *name)
 {

@@ -1,5 +1,5 @@
-/* The program of the suite `furnace`: paths inside a ball whose radiance is known, on Embree and on the engine's surfaces, with
- * numbers from the subject's source. No path may lose its ball. */
+/* The program of the suite `furnace`: paths inside a ball whose radiance is known, on Embree and on the engine's
+ * surfaces, with numbers from the subject's source. No path may lose its ball. */
 #include "bench/furnace_run.h"
 #include "bench/furnace_cases.h"
 
@@ -42,7 +42,7 @@ void furnace_world_close(furnace_world *world)
 	stilb_job_pool_destroy(world->pool);
 }
 
-/* ---- one path ----------------------------------------------------------------------------------------------------- */
+/* ---- one path ---------------------------------------------------------------------------------------------------- */
 
 /* Where a path is, and what a further bounce is worth to the camera. */
 typedef struct walk {
@@ -79,7 +79,7 @@ static void walk_bounce(walk *w, const float numbers[3])
 	walk_trace(w, gi_ray_origin(&w->surface, chosen.direction), chosen.direction);
 }
 
-/* ---- cut after n bounces ------------------------------------------------------------------------------------------ */
+/* ---- cut after n bounces ----------------------------------------------------------------------------------------- */
 
 static void run_bounces(const furnace_world *world, const furnace_numbers *numbers)
 {
@@ -109,7 +109,7 @@ static void run_bounces(const furnace_world *world, const furnace_numbers *numbe
 	}
 }
 
-/* ---- Russian roulette --------------------------------------------------------------------------------------------- */
+/* ---- Russian roulette -------------------------------------------------------------------------------------------- */
 
 static double roulette_path(const furnace_world *world, const furnace_numbers *numbers, double survival)
 {

@@ -6,9 +6,10 @@
 
 #include "gi/gi_scene.h"
 
-/* ---- numbers ------------------------------------------------------------------------------------------------------ */
+/* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
-/* Where random numbers come from. One experiment after the other, one run after the other: the simple ones just go on. */
+/* Where random numbers come from. One experiment after the other, one run after the other: the simple ones just go
+ * on. */
 typedef struct furnace_numbers {
 	const char *name;
 	void (*seed)(uint32_t seed);
@@ -19,7 +20,7 @@ typedef struct furnace_numbers {
 /* By the name of the subject; NULL: there is none. */
 const furnace_numbers *furnace_numbers_find(const char *name);
 
-/* ---- a scene, and the threads that trace it ------------------------------------------------------------------------ */
+/* ---- a scene, and the threads that trace it ---------------------------------------------------------------------- */
 
 typedef struct furnace_world {
 	stilb_job_pool *pool;
@@ -31,7 +32,7 @@ typedef struct furnace_world {
 furnace_world furnace_world_open(const char *name, uint32_t workers);
 void furnace_world_close(furnace_world *world);
 
-/* ---- the case equal-time ------------------------------------------------------------------------------------------- */
+/* ---- the case equal-time ----------------------------------------------------------------------------------------- */
 
 void furnace_equal_time(const bench_child *child);
 

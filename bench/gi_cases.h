@@ -11,7 +11,7 @@
 	X("cache-time", "Cornell box by irradiance cache, one thread: until an RMSE of .0112", cache_time)                 \
 	X("cache-0.25s", "indirect light in 0.25 s: irradiance cache, path tracer", equal_time)                            \
 	X("cache-1s", "indirect light in 1 s: irradiance cache, path tracer", equal_time)                                  \
-	X("hessian", "indirect light from as many records: occlusion Hessian, split sphere", hessian)                      \
+	X("hessian", "indirect light from as many records: occlusion Hessian, split sphere plain, bounded", hessian)       \
 	X("workers", "path tracing with one thread, with two", workers)                                                    \
 	X("pathtracer", "paths of depth 5 in Embree's own Cornell box, beside its example program", rate)
 

@@ -63,7 +63,7 @@ void gi_run_build(const bench_child *child)
 	geometry *geometries = calloc(scene->part_count, sizeof *geometries);
 	for (uint32_t p = 0; p < scene->part_count; p++)
 		geometries[p] = geometry_of(&scene->meshes[scene->part_mesh[p]]);
-	double own = INFINITY, theirs = INFINITY, spent = 0.0;
+	double own = (double)INFINITY, theirs = (double)INFINITY, spent = 0.0;
 	for (uint32_t turn = 0; turn < 3 || spent < child->seconds; turn++) {
 		/* The least of each: a build is the same work every time. */
 		stilb_job_pool *pool;
@@ -294,7 +294,7 @@ void gi_run_primary(const bench_child *child)
 	RTCRayHit16 *packets = packets_of(&t);
 
 	RTCScene scene = gi_embree_scene(world.gi);
-	double own = INFINITY, raw = INFINITY, spent = 0.0;
+	double own = (double)INFINITY, raw = (double)INFINITY, spent = 0.0;
 	while (spent < child->seconds) {
 		double a = primary_pass(&view, &camera, all, primary);
 		uint64_t begin = bench_child_now_ns();
@@ -318,7 +318,7 @@ void gi_run_path(const bench_child *child)
 	settings.seed = child->round;
 	tape t = record(&world, &settings);
 	RTCScene scene = gi_embree_scene(world.gi);
-	double own = INFINITY, raw = INFINITY, spent = 0.0;
+	double own = (double)INFINITY, raw = (double)INFINITY, spent = 0.0;
 	while (spent < child->seconds) {
 		gi_run_picture picture = gi_run_render(&world, &settings);
 		if (picture.rays != t.closest_count + t.shadow_count)

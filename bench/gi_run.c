@@ -55,7 +55,7 @@ static void run_sobol(const bench_child *child)
 	gi_run_world world = cornell(0);
 	stilb_gi_settings settings = gi_run_cornell(world.scene);
 	settings.samples = 4;
-	double sobol = INFINITY, random = INFINITY, spent = 0.0;
+	double sobol = (double)INFINITY, random = (double)INFINITY, spent = 0.0;
 	while (spent < child->seconds) {
 		settings.seed++;
 		settings.sampler = STILB_GI_SAMPLER_SOBOL;
@@ -80,7 +80,7 @@ static void run_workers(const bench_child *child)
 	gi_run_world one = cornell(0), two = cornell(1);
 	stilb_gi_settings settings = gi_run_cornell(one.scene);
 	settings.samples = 16;
-	double a = INFINITY, b = INFINITY, spent = 0.0;
+	double a = (double)INFINITY, b = (double)INFINITY, spent = 0.0;
 	while (spent < child->seconds) {
 		double alone = once(&one, &settings), both = once(&two, &settings);
 		a = fmin(a, alone);
@@ -230,18 +230,16 @@ static gi_run_picture indirect(const gi_run_world *world, stilb_gi_cache_radius 
 	return gi_run_render(world, &settings);
 }
 
-/* Both with as many records: the split sphere's error is searched for. */
-static void run_hessian(const bench_child *child)
+/* As many records as wanted: the error is searched for. */
+static gi_run_picture indirect_with(const gi_run_world *world, stilb_gi_cache_radius radius, uint32_t records)
 {
-	gi_run_reference reference = gi_run_reference_read(child->argument);
-	gi_run_world world = cornell(bench_child_cpu_count() - 1);
-	gi_run_picture hessian = indirect(&world, STILB_GI_CACHE_HESSIAN, 0.25f), split = {0};
+	gi_run_picture picture = {0};
 	float low = 0.01f, high = 1.0f;
 	for (int search = 0; search < RECORD_SEARCHES; search++) {
 		float middle = sqrtf(low * high);
-		gi_run_picture_finish(&split);
-		split = indirect(&world, STILB_GI_CACHE_SPLIT_SPHERE, middle);
-		double apart = (double)split.records / (double)hessian.records - 1.0;
+		gi_run_picture_finish(&picture);
+		picture = indirect(world, radius, middle);
+		double apart = (double)picture.records / (double)records - 1.0;
 		if (fabs(apart) < RECORDS_APART)
 			break;
 		if (apart > 0.0)
@@ -249,14 +247,31 @@ static void run_hessian(const bench_child *child)
 		else
 			high = middle;
 	}
-	gi_run_error a = gi_run_compare(&reference, hessian.rgb, true), b = gi_run_compare(&reference, split.rgb, true);
-	bench_child_metric("hessian-rmse", sqrt(a.square));
-	bench_child_metric("split-rmse", sqrt(b.square));
-	bench_child_metric("ratio", sqrt(a.square / b.square));
+	return picture;
+}
+
+/* Against Ward's plain radii, and against those that are bounded. */
+static void run_hessian(const bench_child *child)
+{
+	gi_run_reference reference = gi_run_reference_read(child->argument);
+	gi_run_world world = cornell(bench_child_cpu_count() - 1);
+	gi_run_picture hessian = indirect(&world, STILB_GI_CACHE_HESSIAN, 0.25f);
+	gi_run_picture plain = indirect_with(&world, STILB_GI_CACHE_HARMONIC, hessian.records);
+	gi_run_picture bounded = indirect_with(&world, STILB_GI_CACHE_SPLIT_SPHERE, hessian.records);
+	double square = gi_run_compare(&reference, hessian.rgb, true).square;
+	double plain_square = gi_run_compare(&reference, plain.rgb, true).square;
+	double bounded_square = gi_run_compare(&reference, bounded.rgb, true).square;
+	bench_child_metric("hessian-rmse", sqrt(square));
+	bench_child_metric("plain-rmse", sqrt(plain_square));
+	bench_child_metric("bounded-rmse", sqrt(bounded_square));
+	bench_child_metric("ratio", sqrt(square / plain_square));
+	bench_child_metric("ratio-bounded", sqrt(square / bounded_square));
 	bench_child_metric("hessian-records", (double)hessian.records);
-	bench_child_metric("split-records", (double)split.records);
+	bench_child_metric("plain-records", (double)plain.records);
+	bench_child_metric("bounded-records", (double)bounded.records);
 	gi_run_picture_finish(&hessian);
-	gi_run_picture_finish(&split);
+	gi_run_picture_finish(&plain);
+	gi_run_picture_finish(&bounded);
 	gi_run_world_finish(&world);
 }
 

@@ -27,14 +27,16 @@ static void render_on_signal(int signal_number)
 	render_interrupted = 1; /* what there is is written */
 }
 
-/* A second one kills. Who ignores a terminal's end (nohup) goes on doing so. */
+/* A second one kills. What goes on when its terminal has gone (nohup) does so. */
 static void render_catch_signals(void)
 {
 	static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
 	const struct sigaction once = {.sa_handler = render_on_signal, .sa_flags = SA_RESETHAND};
 	for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
 		struct sigaction before;
-		if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+		const bool nohup =
+			signals[i] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
+		if (!nohup)
 			sigaction(signals[i], &once, NULL);
 	}
 }
@@ -201,7 +203,7 @@ static int render_finish(const render_options *o, const render_result *result)
 		stilb_log("%s", result->message);
 	if (result->code == EXIT_REFUSED)
 		return EXIT_REFUSED;
-	if (result->code == EXIT_DONE && result->progress.done <= 0.0)
+	if (result->code == EXIT_DONE && result->progress.camera_rays == 0)
 		stilb_log("stopped before there was a picture");
 	else if (result->code == EXIT_DONE)
 		render_report_print(o, result);

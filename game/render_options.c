@@ -17,12 +17,12 @@
 const char *const render_integrators[] = {STILB_GI_INTEGRATORS(RENDER_WORD) NULL};
 const char *const render_samplers[] = {STILB_GI_SAMPLERS(RENDER_WORD) NULL};
 const char *const render_filters[] = {STILB_GI_FILTERS(RENDER_WORD) NULL};
+const char *const render_cache_radii[] = {"split-sphere", "hessian", "harmonic", NULL};
 static const char *const isa_choices[] = {STILB_GI_ISAS(RENDER_WORD) NULL};
 static const char *const only_choices[] = {"all", "indirect", NULL};
 static const char *const firefly_choices[] = {"keep", "weight", NULL};
 static const char *const ao_choices[] = {"hits", "distance", NULL};
 static const char *const cache_choices[] = {"frozen", "live", NULL};
-static const char *const radius_choices[] = {"split-sphere", "hessian", NULL};
 static const char *const switch_choices[] = {"off", "on", NULL};
 
 #define RENDER_MAX_SAMPLES 65536
@@ -236,10 +236,10 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 		{"--cache", FLAG_CHOICE, &o->cache, "frozen|live", "same bits every time, or sooner and without them (frozen)",
 	     0, 0, cache_choices},
 		{"--cache-error", FLAG_AMOUNT, &o->cache_error, "A",
-	     "how far a record reaches, up to 1: larger is coarser (0.1)", 0, 1, NULL},
+	     "how far a record reaches, up to 1: larger is coarser (0.2)", 0, 1, NULL},
 		{"--cache-rays", FLAG_NUMBER, &o->cache_rays, "N", "that a record gathers, 16..65536 (1024)", 16, 65536, NULL},
-		{"--cache-radius", FLAG_CHOICE, &o->cache_radius, "split-sphere|hessian",
-	     "Ward's mean distance, or the occlusion Hessian (hessian)", 0, 0, radius_choices},
+		{"--cache-radius", FLAG_CHOICE, &o->cache_radius, "NAME",
+	     "split-sphere, hessian, or harmonic: split-sphere without bounds (hessian)", 0, 0, render_cache_radii},
 		{"--gradients", FLAG_CHOICE, &o->gradients, "on|off", "of records (on)", 0, 0, switch_choices},
 		{"--overture", FLAG_CHOICE, &o->overture, "on|off", "off: no records before the picture is begun (on)", 0, 0,
 	     switch_choices},

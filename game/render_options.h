@@ -27,6 +27,7 @@ typedef struct render_options {
 extern const char *const render_integrators[];
 extern const char *const render_samplers[];
 extern const char *const render_filters[];
+extern const char *const render_cache_radii[];
 
 /* Reads the flags, or prints the help. */
 flags_result render_options_parse(render_options *o, int argc, char **argv);

@@ -44,7 +44,7 @@ static void report_put_cache(stilb_json *json, const stilb_gi_cache_settings *ca
 {
 	stilb_json_begin(json, "cache", '{');
 	stilb_json_string(json, "mode", cache->mode == STILB_GI_CACHE_LIVE ? "live" : "frozen");
-	stilb_json_string(json, "radius", cache->radius == STILB_GI_CACHE_HESSIAN ? "hessian" : "split-sphere");
+	stilb_json_string(json, "radius", render_cache_radii[cache->radius]);
 	stilb_json_double(json, "error", (double)cache->error);
 	stilb_json_int(json, "rays", cache->rays);
 	stilb_json_bool(json, "gradients", cache->gradients);

@@ -177,7 +177,7 @@ static bool work_build(work_pieces *p)
 		return false;
 	p->result->scene = *stilb_gi_scene_info_of(p->gi_scene);
 	if (p->result->scene.dropped > 0)
-		stilb_log("'%s': %llu triangles are left out: they have no area, or a coordinate that is no number",
+		stilb_log("'%s': %llu triangles are left out: they have no area, or a place that is no number or too far away",
 		          p->options->scene, (unsigned long long)p->result->scene.dropped);
 	p->result->settings = render_options_settings(p->options, p->scene);
 	if (!work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render)))
@@ -216,13 +216,16 @@ static void work_checkpoint(work_pieces *p)
 	stilb_log("%s", stilb_error_message());
 }
 
-static bool work_render(work_pieces *p)
+/* What fails here, a cache that cannot be saved, leaves a picture. */
+static void work_render(work_pieces *p)
 {
 	work_enter(p->work, RENDER_RENDERING);
 	work_publish(p->work, p->render);
 	while (!work_is_stopped(p->work)) {
-		if (stilb_gi_render_run(p->render) != STILB_OK)
-			return work_fail(p, EXIT_FAILED);
+		if (stilb_gi_render_run(p->render) != STILB_OK) {
+			work_fail(p, EXIT_FAILED);
+			break;
+		}
 		stilb_gi_render_progress(p->render, &p->result->progress);
 		if (p->result->progress.finished || !work_take_pause(p->work))
 			break;
@@ -230,26 +233,25 @@ static bool work_render(work_pieces *p)
 	}
 	stilb_gi_render_progress(p->render, &p->result->progress);
 	p->result->stopped = !p->result->progress.finished;
-	return true;
 }
 
 /* The samples must not be lost with a picture that cannot be written. */
-static bool work_save(work_pieces *p)
+static void work_save(work_pieces *p)
 {
 	PROFILE("write the picture");
 	const uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_WRITING);
-	if (p->options->output && p->result->progress.done > 0.0) {
+	const bool picture = p->result->progress.camera_rays > 0;
+	if (p->options->output && picture) {
 		p->result->saved = stilb_gi_render_save(p->render, p->options->output) == STILB_OK;
 		if (!p->result->saved)
 			work_fail(p, EXIT_FAILED);
 	}
-	if (p->result->progress.done > 0.0 && (p->result->stopped || (p->options->output && !p->result->saved)))
+	if (picture && (p->result->stopped || (p->options->output && !p->result->saved)))
 		work_checkpoint(p);
 	else if (p->result->progress.finished && p->options->checkpoint[0])
 		unlink(p->options->checkpoint);
 	p->result->save_s = work_seconds_since(start);
-	return p->result->code == EXIT_DONE;
 }
 
 static void work_trace(work_pieces *p)
@@ -282,8 +284,10 @@ static void *work_main(void *data)
 	work_pieces pieces = {.work = work, .options = work->options, .result = &work->result};
 	stilb_prof_thread_begin("render");
 	stilb_prof_frame_mark();
-	if (work_pool(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces) && work_render(&pieces))
+	if (work_pool(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces)) {
+		work_render(&pieces);
 		work_save(&pieces);
+	}
 	stilb_prof_frame_mark();
 	if (work->options->trace && pieces.render)
 		work_trace(&pieces);

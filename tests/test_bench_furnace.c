@@ -1,5 +1,5 @@
-/* stilb-bench furnace: short runs of the real program, whose numbers are held against theory, and its verdict on a program
- * that is wrong. */
+/* stilb-bench furnace: short runs of the real program, whose numbers are held against theory, and its verdict on a
+ * program that is wrong. */
 #include "support/bench_program.h"
 
 #include "bench/furnace_cases.h"

@@ -259,6 +259,8 @@ static const refusal refused_late[] = {
 	{"render cornell -o a.png --environment 1,-2,3", "--environment"},
 	{"render cornell -o a.png --integrator irradiance-cache --cache-error 0", "cache"},
 	{"render cornell -o a.png --integrator irradiance-cache --overture off --cache frozen", "overture"},
+	{"render cornell -o a.png --camera 10000000000000,0,0,0,0", "camera.position"},
+	{"render cornell -o a.png --integrator irradiance-cache --cache-load /dev/null", "/dev/null"},
 };
 
 static void assert_refused(const refusal *refusals, size_t count)
@@ -327,6 +329,9 @@ static void test_full_disk(void **state)
 	assert_error_lines(1);
 	assert_said(run.err, "/dev/full");
 	assert_true(exists("a.png"));
+	assert_int_equal(stilb_code(no_display, SMALL "-o c.png --integrator irradiance-cache --cache-save /dev/full"), 1);
+	assert_said(run.err, "/dev/full");
+	assert_int_equal(remove("c.png"), 0); /* it is finished, whatever becomes of the cache */
 	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --trace /dev/full"), 1);
 	assert_said(run.err, "/dev/full");
 

@@ -1,4 +1,5 @@
-/* Records and the tree they lie in: what holds where, that the tree finds just that, and that threads may fill it together. */
+/* Records and the tree they lie in: what holds where, that the tree finds just that, and that threads may fill it
+ * together. */
 #include "gi/gi_cache_octree.h"
 
 #include <math.h>
@@ -15,10 +16,10 @@ static const float low[3] = {-1.0f, 0.0f, 2.0f}, high[3] = {1.0f, 3.0f, 4.0f};
 static const gi_cache_limits limits = {
 	.error = 0.5f, .turn = 0.5f, .gradients = true, .shortest = 0.01f, .longest = 0.5f, .unit = 0.2f};
 
-static gi_cache_record record_of(const gi_cache_gathered *gathered, stilb_vec3 position, bool hessian)
+static gi_cache_record record_of(const gi_cache_gathered *gathered, stilb_vec3 position, stilb_gi_cache_radius radius)
 {
 	gi_cache_limits with = limits;
-	with.hessian = hessian;
+	with.radius = radius;
 	return gi_cache_record_make(gathered, shade_frame_from_normal(stilb_vec3_make(0.0f, 1.0f, 0.0f)), position, &with);
 }
 
@@ -38,7 +39,7 @@ static void split_sphere_has_wards_radius(void **state)
 {
 	(void)state;
 	gi_cache_gathered gathered = gathered_grey(1.0f, 2.5f);
-	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), false);
+	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_SPLIT_SPHERE);
 	assert_true(fabsf(error_at(&record, 0.1f, 1.0f, 3.0f) - 0.1f / (0.5f / 2.5f)) < 1e-5f);
 	assert_true(fabsf(error_at(&record, 0.0f, 1.0f, 3.1f) - 0.1f / (0.5f / 2.5f)) < 1e-5f);
 	stilb_vec3 turned = stilb_vec3_normalize(stilb_vec3_make(0.2f, 1.0f, 0.0f));
@@ -46,11 +47,23 @@ static void split_sphere_has_wards_radius(void **state)
 	assert_true(fabsf(error - sqrtf(1.0f - turned[1]) / 0.5f) < 1e-4f);
 }
 
+/* Where the gradient would use the irradiance up, only the plain mean goes on. */
+static void harmonic_radius_is_not_bounded_by_gradients(void **state)
+{
+	(void)state;
+	gi_cache_gathered gathered = gathered_grey(1.0f, 2.5f);
+	gathered.translation[0] = stilb_vec3_make(10.0f, 10.0f, 10.0f);
+	gi_cache_record bounded = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_SPLIT_SPHERE);
+	gi_cache_record plain = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_HARMONIC);
+	assert_true(fabsf(1.0f / bounded.irradiance[3] - 0.1f) < 1e-6f);
+	assert_true(fabsf(1.0f / plain.irradiance[3] - 0.5f / 2.5f) < 1e-6f);
+}
+
 static void a_place_below_is_another_surface(void **state)
 {
 	(void)state;
 	gi_cache_gathered gathered = gathered_grey(1.0f, 2.5f);
-	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), false);
+	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_SPLIT_SPHERE);
 	assert_true(error_at(&record, 0.0f, 1.05f, 3.0f) < 1.0f);
 	assert_true(error_at(&record, 0.0f, 0.95f, 3.0f) == INFINITY);
 }
@@ -64,7 +77,7 @@ static void hessian_makes_an_ellipse(void **state)
 	gathered.hessian[0] = across * c * c + along * s * s;
 	gathered.hessian[1] = (across - along) * c * s;
 	gathered.hessian[2] = across * s * s + along * c * c;
-	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), true);
+	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_HESSIAN);
 	shade_frame frame = shade_frame_from_normal(record.normal);
 	float radius = powf(4.0f / (float)M_PI * 0.5f * 0.2f * 0.2f / across, 0.25f);
 	stilb_vec3 bent = frame.t * c + frame.b * s, straight = frame.b * c - frame.t * s;
@@ -77,13 +90,13 @@ static void hessian_makes_an_ellipse(void **state)
 static void radii_stay_within_limits(void **state)
 {
 	(void)state;
-	for (int hessian = 0; hessian < 2; hessian++) {
+	for (stilb_gi_cache_radius kind = STILB_GI_CACHE_SPLIT_SPHERE; kind <= STILB_GI_CACHE_HARMONIC; kind++) {
 		gi_cache_gathered far = gathered_grey(1.0f, 0.0f), near = gathered_grey(1.0f, 1e9f),
 						  black = gathered_grey(0.0f, 0.0f);
 		near.hessian[0] = near.hessian[2] = 1e20f;
-		gi_cache_record a = record_of(&far, stilb_vec3_make(0.0f, 1.0f, 3.0f), hessian);
-		gi_cache_record b = record_of(&near, stilb_vec3_make(0.0f, 1.0f, 3.0f), hessian);
-		gi_cache_record c = record_of(&black, stilb_vec3_make(0.0f, 1.0f, 3.0f), hessian);
+		gi_cache_record a = record_of(&far, stilb_vec3_make(0.0f, 1.0f, 3.0f), kind);
+		gi_cache_record b = record_of(&near, stilb_vec3_make(0.0f, 1.0f, 3.0f), kind);
+		gi_cache_record c = record_of(&black, stilb_vec3_make(0.0f, 1.0f, 3.0f), kind);
 		assert_true(fabsf(1.0f / a.irradiance[3] - limits.longest) < 1e-6f);
 		assert_true(fabsf(1.0f / b.irradiance[3] - limits.shortest) < 1e-6f);
 		assert_true(fabsf(1.0f / c.irradiance[3] - limits.longest) < 1e-6f);
@@ -98,7 +111,7 @@ static void gradients_are_limited_by_colour(void **state)
 	(void)state;
 	gi_cache_gathered gathered = gathered_grey(1.0f, 0.1f);
 	gathered.translation[0] = stilb_vec3_make(-10.0f, 1.0f, 0.0f);
-	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), false);
+	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_SPLIT_SPHERE);
 	float radius = 1.0f / record.irradiance[3];
 	stilb_vec3 there = record.position + record.tangent * radius;
 	stilb_vec3 irradiance = gi_cache_record_irradiance(&record, there, record.normal);
@@ -208,19 +221,17 @@ static void places_outside_are_no_harm(void **state)
 	gi_cache_octree_destroy(octree);
 }
 
-/* Two records, a radius 0.3 apart: the longer one is cut to the shorter's and the way. */
-static void neighbours_clamp_each_other(void **state)
+/* A record of radius 0.5 at 0.03 from one of radius 0.05. */
+static void a_neighbour_clamps_what_comes_after_it(void **state)
 {
 	(void)state;
 	gi_cache_octree *octree = octree_with(0);
 	gi_cache_gathered far = gathered_grey(1.0f, 1.0f), near = gathered_grey(1.0f, 10.0f);
-	gi_cache_record longer = record_of(&far, stilb_vec3_make(0.0f, 1.0f, 3.0f), false);
-	gi_cache_record shorter = record_of(&near, stilb_vec3_make(0.3f, 1.0f, 3.0f), false);
-	assert_true(gi_cache_octree_insert(octree, &longer));
-	gi_cache_octree_clamp(octree, &shorter, true);
-	float clamped = 1.0f / gi_cache_octree_record(octree, 0)->irradiance[3];
-	assert_true(fabsf(clamped - 0.35f) < 1e-5f);
-	assert_true(fabsf(1.0f / shorter.irradiance[3] - 0.05f) < 1e-6f);
+	gi_cache_record shorter = record_of(&near, stilb_vec3_make(0.03f, 1.0f, 3.0f), STILB_GI_CACHE_SPLIT_SPHERE);
+	gi_cache_record longer = record_of(&far, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_SPLIT_SPHERE);
+	assert_true(gi_cache_octree_insert(octree, &shorter));
+	gi_cache_octree_clamp(octree, &longer);
+	assert_true(fabsf(1.0f / longer.irradiance[3] - 0.08f) < 1e-6f);
 	gi_cache_octree_destroy(octree);
 }
 
@@ -276,11 +287,17 @@ static void threads_fill_one_tree(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(split_sphere_has_wards_radius),   cmocka_unit_test(a_place_below_is_another_surface),
-		cmocka_unit_test(hessian_makes_an_ellipse),        cmocka_unit_test(radii_stay_within_limits),
-		cmocka_unit_test(gradients_are_limited_by_colour), cmocka_unit_test(weight_is_bounded_and_ends_at_nothing),
-		cmocka_unit_test(tree_finds_what_all_records_say), cmocka_unit_test(places_outside_are_no_harm),
-		cmocka_unit_test(neighbours_clamp_each_other),     cmocka_unit_test(threads_fill_one_tree),
+		cmocka_unit_test(split_sphere_has_wards_radius),
+		cmocka_unit_test(harmonic_radius_is_not_bounded_by_gradients),
+		cmocka_unit_test(a_place_below_is_another_surface),
+		cmocka_unit_test(hessian_makes_an_ellipse),
+		cmocka_unit_test(radii_stay_within_limits),
+		cmocka_unit_test(gradients_are_limited_by_colour),
+		cmocka_unit_test(weight_is_bounded_and_ends_at_nothing),
+		cmocka_unit_test(tree_finds_what_all_records_say),
+		cmocka_unit_test(places_outside_are_no_harm),
+		cmocka_unit_test(a_neighbour_clamps_what_comes_after_it),
+		cmocka_unit_test(threads_fill_one_tree),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,7 +30,7 @@ static int references_make(void **state)
 	settings = stilb_gi_settings_default(fixture.scene);
 	settings.width = settings.height = SIDE;
 	settings.only = STILB_GI_ONLY_INDIRECT;
-	settings.samples = 256;
+	settings.samples = 160;
 	for (int i = 0; i < 2; i++) {
 		settings.seed = 100 + (uint64_t)i;
 		references[i] = picture(&settings, NULL);
@@ -49,8 +49,8 @@ static int references_drop(void **state)
 	return 0;
 }
 
-/* The product of the differences to two references has the square of the true difference as its mean: their own noise is not in
- * it. */
+/* The product of the differences to two references has the square of the true difference as its mean: their own noise
+ * is not in it. */
 static double square_error(const float *rgb, double *bias)
 {
 	double square = 0.0, sum = 0.0, truth = 0.0;
@@ -93,7 +93,7 @@ static double split_sphere_at(uint32_t wanted, uint32_t *records)
 	split.cache.radius = STILB_GI_CACHE_SPLIT_SPHERE;
 	split.cache.rays = 2048;
 	double low = 0.2, high = 1.0, rmse = 0.0, bias;
-	for (int i = 0; i < 6; i++) {
+	for (int i = 0; i < 5; i++) {
 		double middle = 0.5 * (low + high);
 		split.cache.error = (float)middle;
 		rmse = rmse_of(&split, records, &bias);

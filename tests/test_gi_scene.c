@@ -16,7 +16,7 @@ static stilb_result create(const stilb_scene *scene, stilb_gi_scene_desc desc, u
 static stilb_scene *damaged_scene(void)
 {
 	static const float positions[][3] = {{0, 0, 0},   {1, 0, 0},        {0, 1, 0},     {2, 0, 0},
-	                                     {NAN, 0, 0}, {0, INFINITY, 0}, {1e30f, 0, 0}, {0, 0, -INFINITY}};
+	                                     {NAN, 0, 0}, {0, INFINITY, 0}, {2e10f, 0, 0}, {0, 0, -INFINITY}};
 	static const uint32_t indices[][3] = {{0, 1, 2}, {0, 1, 3}, {2, 2, 2}, {0, 1, 4}, {5, 1, 0},
 	                                      {0, 6, 2}, {7, 1, 2}, {0, 1, 8}, {4, 5, 7}};
 	stilb_scene *scene = world_scene(1, 1, 1);

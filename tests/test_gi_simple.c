@@ -39,7 +39,8 @@ static stilb_vec3 mean_at(const gi_view *view, float x, float z, uint32_t first,
 
 static path_samples samples;
 
-/* The plane is 200 m wide: rays leave it, and are told what light there is, some hundredths of a millimetre above it. */
+/* The plane is 200 m wide: rays leave it, and are told what light there is, some hundredths of a millimetre above
+ * it. */
 #define OFFSET 2e-4
 
 /* One sample from above the plane. */
@@ -59,7 +60,7 @@ static void assert_near(double value, double truth, double relative, const char 
 		fail_msg("%s: %.7g, not %.7g", what, value, truth);
 }
 
-/* ---- color -------------------------------------------------------------------------------------------------------- */
+/* ---- color ------------------------------------------------------------------------------------------------------- */
 
 static void color_is_all_that_a_surface_reflects(void **state)
 {
@@ -82,7 +83,7 @@ static void color_is_all_that_a_surface_reflects(void **state)
 	path_fixture_finish(&fixture);
 }
 
-/* ---- direct ------------------------------------------------------------------------------------------------------- */
+/* ---- direct ------------------------------------------------------------------------------------------------------ */
 
 /* Of the plane, from I cos / d^2. */
 static double from_point_light(const stilb_scene_light *light, double x, double z, int channel)
@@ -154,8 +155,8 @@ static void many_lights_add_up(void **state)
 	path_fixture_finish(&fixture);
 }
 
-/* Lambert's formula for the irradiance of a polygon: half the sum of the angles that its edges take up, each weighed by how
- * upright the edge's plane stands; y is up. Source: Lambert, "Photometria" (1760). */
+/* Lambert's formula for the irradiance of a polygon: half the sum of the angles that its edges take up, each weighed
+ * by how upright the edge's plane stands; y is up. Source: Lambert, "Photometria" (1760). */
 static double polygon_irradiance(const double (*corner)[3], int count)
 {
 	double sum = 0.0;
@@ -215,7 +216,7 @@ static void a_mirror_shows_the_sky(void **state)
 	path_fixture_finish(&fixture);
 }
 
-/* ---- ambient occlusion -------------------------------------------------------------------------------------------- */
+/* ---- ambient occlusion ------------------------------------------------------------------------------------------- */
 
 /* Below a wall that ends at the angle a over the horizon, and has no ends to its sides: (1 + cos a) / 2. */
 static double open_beside_wall(double height, double distance)
@@ -223,8 +224,8 @@ static double open_beside_wall(double height, double distance)
 	return 0.5 * (1.0 + cos(atan2(height, distance)));
 }
 
-/* How much a wall, higher and longer than reach, takes away: cosine-weighted directions fall evenly onto the disk, and the
- * wall is met after distance / w where w is the disk's coordinate towards it. */
+/* How much a wall, higher and longer than reach, takes away: cosine-weighted directions fall evenly onto the disk,
+ * and the wall is met after distance / w where w is the disk's coordinate towards it. */
 static double taken_by_wall(double distance, double reach, bool weighted)
 {
 	const double c = distance / reach, s = sqrt(1.0 - c * c);

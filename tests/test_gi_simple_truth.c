@@ -9,9 +9,10 @@
 
 static path_samples samples;
 
-/* ---- ambient occlusion -------------------------------------------------------------------------------------------- */
+/* ---- ambient occlusion ------------------------------------------------------------------------------------------- */
 
-/* The built-in plane-wall with a wall of another height, ten times as long: where it ends nothing of it is left to see. */
+/* The built-in plane-wall with a wall of another height, ten times as long: where it ends nothing of it is left to
+ * see. */
 static path_fixture walled(float height)
 {
 	stilb_scene *scene;
@@ -57,12 +58,13 @@ static void ao_beside_walls(void **state)
 	}
 }
 
-/* ---- montecarlo and path ------------------------------------------------------------------------------------------ */
+/* ---- montecarlo and path ----------------------------------------------------------------------------------------- */
 
 #define RENDERINGS 16
 
-/* Mean radiances of two integrators over as many renderings, each pair with a seed of its own. The error is what the pairs'
- * differences tell: pixels differ among themselves, and camera rays are shared. largest: what that error may be, relative. */
+/* Mean radiances of two integrators over as many renderings, each pair with a seed of its own. The error is what the
+ * pairs' differences tell: pixels differ among themselves, and camera rays are shared. largest: what that error may
+ * be, relative. */
 static void expect_same(const char *name, gi_view a, gi_view b, double largest)
 {
 	path_mean difference = {0}, level = {0};

@@ -63,7 +63,7 @@ static gi_cache_limits limits_make(const gi_view *view)
 	return (gi_cache_limits){
 		.error = settings->error,
 		.turn = hessian ? sqrtf(settings->error) : settings->error,
-		.hessian = hessian,
+		.radius = settings->radius,
 		.gradients = settings->gradients,
 		.longest = scale * LONGEST_OF_SCENE,
 		.unit = scale * UNIT_OF_SCENE,
@@ -94,6 +94,8 @@ static stilb_result cache_fill(gi_cache *cache)
 		result = gi_cache_overture_init(&cache->overture, cache->view->settings.cache.overture);
 	if (result == STILB_OK)
 		result = workers_create(cache);
+	if (result == STILB_OK && cache->view->settings.cache.load)
+		result = gi_cache_load(cache, cache->view->settings.cache.load);
 	return result;
 }
 
@@ -140,13 +142,6 @@ void gi_cache_destroy(gi_cache *cache)
 
 stilb_result gi_cache_prepare(gi_cache *cache, gi_cache_report *report, void *user)
 {
-	const char *load = cache->view->settings.cache.load;
-	if (load && !cache->loaded) {
-		stilb_result result = gi_cache_load(cache, load);
-		if (result != STILB_OK)
-			return result;
-		cache->loaded = true;
-	}
 	return gi_cache_overture_run(cache, report, user);
 }
 
@@ -165,11 +160,11 @@ bool gi_cache_record_is_at(const gi_cache *cache, stilb_vec3 position, float pix
 	return gi_cache_octree_record_near(cache->octree, position, pixels * pixel_size(cache, position));
 }
 
-bool gi_cache_add_live(gi_cache *cache, const gi_cache_record *record)
+bool gi_cache_add(gi_cache *cache, const gi_cache_record *record)
 {
 	gi_cache_record limited = *record;
-	if (!cache->limits.hessian)
-		gi_cache_octree_clamp(cache->octree, &limited, false);
+	if (cache->limits.radius == STILB_GI_CACHE_SPLIT_SPHERE)
+		gi_cache_octree_clamp(cache->octree, &limited);
 	return gi_cache_octree_insert(cache->octree, &limited);
 }
 

@@ -1,16 +1,17 @@
 /*
- * gi_cache: the irradiance cache: diffuse indirect light is gathered at few places, the records, and interpolated between
- * them.
+ * gi_cache: the irradiance cache: diffuse indirect light is gathered at few places, the records, and interpolated
+ * between them.
  *
  * Life cycle.  gi_cache_create -> gi_cache_prepare: the overture, which fills it -> batches of the integrator
  *              irradiance_cache read it (gi_view.cache) -> gi_cache_save -> gi_cache_destroy.
- * Modes.       FROZEN: the overture goes in rounds. The records of a round depend on those of older rounds alone and are
- *              added in the order of their pixels, and nothing is added after it: the same bits for every worker count.
+ * Modes.       FROZEN: the overture goes in rounds. The records of a round depend on those of older rounds alone and
+ *              are added in the order of their pixels, and nothing is added after it: the same bits for every worker
+ *              count.
  *              LIVE: whoever misses a record gathers it there and then, and everyone sees it at once.
  * Source:      Ward, Rubinstein, Clear, "A Ray Tracing Solution for Diffuse Interreflection" (1988); Ward, Heckbert,
- *              "Irradiance Gradients" (1992); Krivanek et al., "Making Radiance and Irradiance Caching Practical: Adaptive
- *              Caching and Neighbor Clamping" (2006); Schwarzhaupt, Jensen, Jarosz, "Practical Hessian-Based Error Control
- *              for Irradiance Caching" (2012).
+ *              "Irradiance Gradients" (1992); Krivanek et al., "Making Radiance and Irradiance Caching Practical:
+ *              Adaptive Caching and Neighbor Clamping" (2006); Schwarzhaupt, Jensen, Jarosz, "Practical Hessian-Based
+ *              Error Control for Irradiance Caching" (2012).
  * Threads.     create, prepare, save, destroy: [main-thread] of the pool.
  */
 #ifndef STILB_GI_CACHE_H
@@ -31,13 +32,13 @@ typedef struct gi_cache_progress {
 /* Called between rounds, on the thread that called prepare. False: stop. */
 typedef bool gi_cache_report(void *user, const gi_cache_progress *progress);
 
-/* view must stay; its cache may be set afterwards. STILB_ERROR_ARGUMENT names the setting that is out of its range;
- * STILB_ERROR_MEMORY. */
+/* Loads settings.cache.load if there is one. view must stay; its cache may be set afterwards. STILB_ERROR_ARGUMENT names
+ * the setting that is out of its range; STILB_ERROR_FILE: what was to be loaded is no cache, is damaged, or belongs to
+ * another scene or other settings; STILB_ERROR_MEMORY. */
 stilb_result gi_cache_create(const gi_view *view, stilb_job_pool *pool, gi_cache **out);
 
-/* Loads settings.cache.load if there is one, then goes through the overture. Told to stop, it returns STILB_OK early, and the
- * next call goes on where it was: with the same records in the end. report may be NULL. STILB_ERROR_FILE: what was to be loaded is
- * no cache, is damaged, or belongs to another scene or other settings; STILB_ERROR_MEMORY. */
+/* The overture. Told to stop, it returns STILB_OK early, and the next call goes on where it was: with the same records in
+ * the end. report may be NULL. STILB_ERROR_MEMORY. */
 stilb_result gi_cache_prepare(gi_cache *cache, gi_cache_report *report, void *user);
 
 /* Writes settings.cache.save, whole or not at all; nothing without one. */

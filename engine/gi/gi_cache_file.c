@@ -1,6 +1,6 @@
 /*
- * A cache in a file: a line that says what it is; cache_header; the records as they are in memory; the FNV-1a hash of header and
- * records. Numbers are the machine's own.
+ * A cache in a file: a line that says what it is; cache_header; the records as they are in memory; the FNV-1a hash of
+ * header and records. Numbers are the machine's own.
  */
 #include "gi/gi_cache_internal.h"
 

@@ -1,6 +1,6 @@
 /*
- * One record: a ray through every cell of the hemisphere, and what the surfaces there reflect. Where these have records already,
- * their indirect light is taken from those; else a path goes on from there.
+ * One record: a ray through every cell of the hemisphere, and what the surfaces there reflect. Where these have records
+ * already, their indirect light is taken from those; else a path goes on from there.
  */
 #include "gi/gi_cache_internal.h"
 
@@ -40,7 +40,8 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 	}
 }
 
-/* Indirect light of what a ray hit from the cache; and the question for its direct light. False: a path has to find both. */
+/* Indirect light of what a ray hit from the cache; and the question for its direct light. False: a path has to find
+ * both. */
 static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker, uint32_t i)
 {
 	const gi_view *view = cache->view;

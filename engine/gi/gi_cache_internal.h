@@ -52,7 +52,6 @@ struct gi_cache {
 	uint32_t worker_count;
 	gi_cache_worker *workers;
 	gi_cache_overture overture;
-	bool loaded;
 };
 
 /* gi_cache.c */
@@ -69,8 +68,8 @@ bool gi_cache_find(const gi_cache *cache, const gi_surface *surface, stilb_vec3 
 /* Whether a record lies there, to so many pixels. [any-thread] */
 bool gi_cache_record_is_at(const gi_cache *cache, stilb_vec3 position, float pixels);
 
-/* Adds a record while others look up and add. False: no memory. [any-thread] */
-bool gi_cache_add_live(gi_cache *cache, const gi_cache_record *record);
+/* Adds a record, while others look up and add. False: no memory. [any-thread] */
+bool gi_cache_add(gi_cache *cache, const gi_cache_record *record);
 
 /* gi_cache_gather.c */
 

@@ -6,11 +6,11 @@
 
 #define DEPTH 16u /* of the tree: a place is a 16-bit number for each axis, whose bits from the top name the cells */
 
-/* One mention of a record in a cell's list. The sphere about it is here, so that most records that do not reach a place are
- * passed over without a look at them. */
+/* One mention of a record in a cell's list. The sphere about it is here, so that most records that do not reach a place
+ * are passed over without a look at them. */
 typedef struct octree_mention {
 	stilb_vec4 sphere; /* [3] radius squared */
-	gi_cache_record *record;
+	const gi_cache_record *record;
 	const struct octree_mention *next;
 } octree_mention;
 
@@ -121,7 +121,7 @@ static octree_cell *cell_want(gi_cache_octree *octree, const uint32_t place[3], 
 	return at;
 }
 
-static bool mention_add(gi_cache_octree *octree, octree_cell *cell, gi_cache_record *record, float radius)
+static bool mention_add(gi_cache_octree *octree, octree_cell *cell, const gi_cache_record *record, float radius)
 {
 	octree_mention *made = gi_cache_slab_take(&octree->mentions);
 	if (!made)
@@ -262,7 +262,7 @@ bool gi_cache_octree_record_near(const gi_cache_octree *octree, stilb_vec3 posit
 
 /* ---- neighbour clamping ------------------------------------------------------------------------------------------ */
 
-void gi_cache_octree_clamp(gi_cache_octree *octree, gi_cache_record *record, bool both)
+void gi_cache_octree_clamp(const gi_cache_octree *octree, gi_cache_record *record)
 {
 	stilb_vec3 position = record->position;
 	for (octree_walk walk = walk_begin(octree, position); walk.cell; walk_down(&walk)) {
@@ -272,8 +272,6 @@ void gi_cache_octree_clamp(gi_cache_octree *octree, gi_cache_record *record, boo
 			stilb_vec3 way = position - m->sphere;
 			float distance = sqrtf(stilb_vec3_dot(way, way));
 			gi_cache_record_limit(record, 1.0f / m->record->irradiance[3] + distance);
-			if (both)
-				gi_cache_record_limit(m->record, 1.0f / record->irradiance[3] + distance);
 		}
 	}
 }

@@ -1,11 +1,12 @@
 /*
  * The overture: records for what the picture shows, before it is made.
  *
- * Strips.    Pixels are looked at in levels, every 32nd pixel of every 32nd row first, then what lies between, finer and finer;
- *            and a level in strips of rows that lie far from one another. A pixel that no record covers is missing one.
- * Rounds.    FROZEN: some of the missing pixels, far from one another, gather a record each, as jobs; then the records are
- *            added in the order in which the pixels were chosen, and all that are still missing look again. Who is chosen
- *            does not depend on the workers, so nothing does.
+ * Strips.    Pixels are looked at in levels, every 32nd pixel of every 32nd row first, then what lies between, finer
+ *            and finer; and a level in strips of rows that lie far from one another. A pixel that no record covers is
+ *            missing one.
+ * Rounds.    FROZEN: some of the missing pixels, far from one another, gather a record each, as jobs; then the records
+ *            are added in the order in which the pixels were chosen, and all that are still missing look again. Who is
+ *            chosen does not depend on the workers, so nothing does.
  *            LIVE: whoever looks and misses gathers there and then.
  */
 #include "gi/gi_cache_internal.h"
@@ -117,7 +118,7 @@ static void look_rows(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 				!pixel_is_of_coarser_level(pixel->x, pixel->y, overture->block) && pixel_look(cache, pixel);
 			if (pixel->missing && cache->view->settings.cache.mode == STILB_GI_CACHE_LIVE) {
 				gi_cache_record record = pixel_gather(cache, pixel, worker);
-				if (!gi_cache_add_live(cache, &record))
+				if (!gi_cache_add(cache, &record))
 					atomic_store_explicit(&strip->full, true, memory_order_relaxed); /* read after the loop has ended */
 				pixel->missing = false;
 			}
@@ -235,10 +236,7 @@ static stilb_result round_run(gi_cache *cache)
 	round_choose(overture, gi_cache_octree_count(cache->octree), &round);
 	stilb_job_parallel_for(cache->pool, round.count, 1, round_gather, &round, 0);
 	for (uint32_t i = 0; i < round.count; i++) {
-		gi_cache_record *record = &round.records[i];
-		if (!cache->limits.hessian)
-			gi_cache_octree_clamp(cache->octree, record, true);
-		if (!gi_cache_octree_insert(cache->octree, record))
+		if (!gi_cache_add(cache, &round.records[i]))
 			return stilb_fail(STILB_ERROR_MEMORY, "no memory for more than %u records of the irradiance cache",
 			                  gi_cache_octree_count(cache->octree));
 		overture->pixels[round.chosen[i]].missing = false;

@@ -36,9 +36,9 @@ static void turn_axes(const tangent_axes *axes, shade_frame *frame, gi_cache_gat
 	}
 }
 
-/* The radius at which the error of a linear extrapolation, summed over the record's ellipse, is the tolerated one: that of the
- * whole irradiance, times limits->error, over a square of side limits->unit.
- * Source: Schwarzhaupt, Jensen, Jarosz (2012), eq. 16, where the tolerated error is one number. */
+/* The radius at which the error of a linear extrapolation, summed over the record's ellipse, is the tolerated one: that
+ * of the whole irradiance, times limits->error, over a square of side limits->unit.
+ * Source: Schwarzhaupt, Jensen, Jarosz (2012), where the tolerated error is one number. */
 static float hessian_radius(float curvature, float irradiance, const gi_cache_limits *limits)
 {
 	float tolerated = limits->error * irradiance * limits->unit * limits->unit;
@@ -53,8 +53,8 @@ static float clamp_radius(float radius, float reach, const gi_cache_limits *limi
 	return fmaxf(fminf(fminf(radius, reach), limits->longest), limits->shortest);
 }
 
-/* No record reaches farther than where its linear extrapolation would have used up the whole irradiance, or than what it sees is
- * away. */
+/* But for plain harmonic means, no record reaches farther than where its linear extrapolation would have used up the whole irradiance, or than what
+ * it sees is away. */
 static float farthest_reach(const gi_cache_gathered *gathered)
 {
 	float t = gi_cache_mean(gathered->translation[0]);
@@ -92,7 +92,7 @@ gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_fr
 {
 	gi_cache_gathered turned = *gathered;
 	float radius[2];
-	if (limits->hessian) {
+	if (limits->radius == STILB_GI_CACHE_HESSIAN) {
 		tangent_axes axes = principal_axes(gathered->hessian);
 		turn_axes(&axes, &frame, &turned);
 		for (int i = 0; i < 2; i++)
@@ -100,7 +100,7 @@ gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_fr
 	} else {
 		radius[0] = radius[1] = limits->error / gathered->nearness;
 	}
-	float reach = farthest_reach(gathered);
+	float reach = limits->radius == STILB_GI_CACHE_HARMONIC ? INFINITY : farthest_reach(gathered);
 	for (int i = 0; i < 2; i++)
 		radius[i] = clamp_radius(radius[i], reach, limits);
 

@@ -4,14 +4,16 @@
  *
  * Validity.  The error that is expected of a record at a place is Ward's, with an ellipsoid in the place of his sphere:
  *                e = |(dt / r_t, db / r_b, dn / r_n)| + sqrt(1 - n.n_i) / turn
- *            where dt, db, dn is the way from the record, in its own frame. The record counts where e < 1 and where it does
- *            not see the place from below. With radii a R and turn = a this is his test for the error a and radius R.
- * Source:    Ward, Rubinstein, Clear (1988), eq. 2 to 4; Schwarzhaupt, Jensen, Jarosz (2012), 5.
+ *            where dt, db, dn is the way from the record, in its own frame. The record counts where e < 1 and where it
+ *            does not see the place from below. With radii a R and turn = a this is his test for the error a and radius
+ *            R.
+ * Source:    Ward, Rubinstein, Clear (1988); Schwarzhaupt, Jensen, Jarosz (2012).
  */
 #ifndef STILB_GI_CACHE_RECORD_H
 #define STILB_GI_CACHE_RECORD_H
 
 #include "gi/gi_cache_strata.h"
+#include "gi/gi_render.h"
 #include "shading/shade_frame.h"
 
 /* Two cache lines: rows of three numbers, and a fourth that has nothing to do with them. */
@@ -26,9 +28,9 @@ typedef struct gi_cache_record {
 
 /* How long radii are. */
 typedef struct gi_cache_limits {
-	float error;             /* Ward's a */
-	float turn;              /* of gi_cache_record_error */
-	bool hessian;            /* radii from the second derivative, else Ward's */
+	float error; /* Ward's a */
+	float turn;  /* of gi_cache_record_error */
+	stilb_gi_cache_radius radius;
 	bool gradients;          /* kept in the record */
 	float shortest, longest; /* metres */
 	float unit;              /* metres: side of the area that the Hessian's error is summed over */
@@ -60,8 +62,8 @@ static inline float gi_cache_record_error(const gi_cache_record *record, stilb_v
 	return sqrtf(t * t + b * b + n * n) + sqrtf(turned) / turn;
 }
 
-/* Ward's weight less what it is where the record ceases to hold, so that none comes or goes with a jump; bounded at the record's own
- * place. */
+/* Ward's weight less what it is where the record ceases to hold, so that none comes or goes with a jump; bounded at the
+ * record's own place. */
 static inline float gi_cache_record_weight(float error)
 {
 	return 1.0f / fmaxf(error, 1.0f / 16.0f) - 1.0f;

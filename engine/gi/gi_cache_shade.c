@@ -1,6 +1,6 @@
 /*
- * The integrator: emission and direct light as ever, diffuse indirect light from the cache, and a path for what a cache cannot
- * hold: highlights, and diffuse light where no record holds.
+ * The integrator: emission and direct light as ever, diffuse indirect light from the cache, and a path for what a cache
+ * cannot hold: highlights, and diffuse light where no record holds.
  */
 #include "gi/gi_cache_internal.h"
 
@@ -68,13 +68,14 @@ static void shade_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *su
 			return;
 		}
 		gi_cache_record record = gi_cache_gather(cache, batch->worker, surface, batch->points[sample]);
-		gi_cache_add_live(cache, &record); /* without memory for it it serves this sample alone */
+		gi_cache_add(cache, &record); /* without memory for it it serves this sample alone */
 		irradiance = record.irradiance;
 	}
 	batch->radiance[sample] += surface->diffuse * SHADE_INV_PI * irradiance;
 }
 
-/* One direction of the highlight. The density of the direct light's other way is the highlight's alone, since share is 1. */
+/* One direction of the highlight. The density of the direct light's other way is the highlight's alone, since share is
+ * 1. */
 static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
                            const float numbers[8])
 {

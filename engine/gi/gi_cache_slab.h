@@ -1,6 +1,6 @@
 /*
- * gi_cache_slab: items of one size that stay where they are, taken one by one by any thread without a lock and given back
- * all at once. [any-thread] but for init and finish.
+ * gi_cache_slab: items of one size that stay where they are, taken one by one by any thread without a lock and given
+ * back all at once. [any-thread] but for init and finish.
  */
 #ifndef STILB_GI_CACHE_SLAB_H
 #define STILB_GI_CACHE_SLAB_H

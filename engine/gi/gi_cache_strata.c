@@ -6,8 +6,8 @@
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* Integral of tan(theta) over projected area up to theta, over pi: of tan(t) d(sin^2 t). Finite, while a single ray's tan(theta)
- * has no finite variance: that is why a ring uses its mean. */
+/* Integral of tan(theta) over projected area up to theta, over pi: of tan(t) d(sin^2 t). Finite, while a single ray's
+ * tan(theta) has no finite variance: that is why a ring uses its mean. */
 static double tangent_integral(double theta)
 {
 	return theta - sin(theta) * cos(theta);

@@ -1,19 +1,20 @@
 /*
- * gi_cache_strata: the hemisphere of a record cut into rings of equal projected area and those into sectors, and what one
- * ray in each says together: irradiance, how it changes when the surface turns or moves, and how that changes. [any-thread]
+ * gi_cache_strata: the hemisphere of a record cut into rings of equal projected area and those into sectors, and what
+ * one ray in each says together: irradiance, how it changes when the surface turns or moves, and how that changes.
+ * [any-thread]
  *
- * Derivatives.  Radiance is constant within a cell, and what divides two cells is seen at the distance of the nearer one.
- *               A point at distance r in the unit direction w seems to move by -x / r when the surface moves by x along
- *               itself, so the edge between two cells moves, and with it n.w times the difference of their radiances.
- *               For a piece of an edge that does not move in the world, with m = w x dw:
+ * Derivatives.  Radiance is constant within a cell, and what divides two cells is seen at the distance of the nearer
+ *               one. A point at distance r in the unit direction w seems to move by -x / r when the surface moves by x
+ *               along itself, so the edge between two cells moves, and with it n.w times the difference of their
+ *               radiances. For a piece of an edge that does not move in the world, with m = w x dw:
  *                   gradient   dL (n.w / r) m
  *                   Hessian    dL (4 n.w / r^2) sym(m w^T)
  *               of which only the parts along the surface count. Summed over rings and sectors the first is Ward and
  *               Heckbert's gradient. The horizon does not move and has n.w = 0: it adds nothing.
- * Source:       Ward, Heckbert, "Irradiance Gradients" (1992), eq. 2 and 5. The second derivative is the first's, taken once
- *               more of the integral of n.p (p x dp) / |p|^4; it knows occlusion as that of Schwarzhaupt, Jensen, Jarosz,
- *               "Practical Hessian-Based Error Control for Irradiance Caching" (2012), 4.2, does, whose cells are
- *               triangles between hits.
+ * Source:       Ward, Heckbert, "Irradiance Gradients" (1992). The second derivative is the first's, taken
+ *               once more of the integral of n.p (p x dp) / |p|^4; it knows occlusion as that of Schwarzhaupt, Jensen,
+ *               Jarosz, "Practical Hessian-Based Error Control for Irradiance Caching" (2012) does, whose cells
+ *               are triangles between hits.
  */
 #ifndef STILB_GI_CACHE_STRATA_H
 #define STILB_GI_CACHE_STRATA_H

@@ -80,6 +80,7 @@ typedef struct checkpoint_state {
 	gi_render_totals totals;
 	uint32_t pass_count, weighted;
 	checkpoint_pass passes[STILB_GI_MAX_PASSES];
+	double estimate;
 } checkpoint_state;
 
 static void state_make(const stilb_gi_render *render, checkpoint_state *state)
@@ -89,6 +90,7 @@ static void state_make(const stilb_gi_render *render, checkpoint_state *state)
 	state->totals = gi_render_totals_of(render);
 	state->pass_count = render->pass_count;
 	state->weighted = render->film.weights != NULL;
+	state->estimate = render->estimate;
 	for (uint32_t i = 0; i < render->pass_count; i++) {
 		const stilb_gi_pass *pass = &render->passes[i];
 		state->passes[i] =
@@ -213,7 +215,7 @@ static bool pass_is_possible(const checkpoint_pass *pass)
 
 static bool state_is_possible(const checkpoint_state *state, const gi_film *film)
 {
-	bool possible = state->seconds >= 0.0 && state->pass_count <= STILB_GI_MAX_PASSES;
+	bool possible = state->seconds >= 0.0 && state->estimate >= 0.0 && state->pass_count <= STILB_GI_MAX_PASSES;
 	for (uint32_t i = 0; possible && i < state->pass_count; i++)
 		possible = pass_is_possible(&state->passes[i]);
 	return possible && state->weighted == (film->weights != NULL);
@@ -252,13 +254,15 @@ static stilb_result read_all(checkpoint_reader *reader, const stilb_gi_render *r
 
 /* ---- going on ------------------------------------------------------------------------------------------------------ */
 
-/* The render may want less than was planned: its last pass is cut to that. */
+/* The render may want less than was planned: its last pass is cut to that. It may want more, too: of a full list the first is
+ * forgotten, so that there is room for one that brings all the rest. */
 static void take_passes(stilb_gi_render *render, const checkpoint_state *state)
 {
 	uint32_t samples = render->view.settings.samples;
-	render->pass_count = state->pass_count;
-	for (uint32_t i = 0; i < state->pass_count; i++) {
-		const checkpoint_pass *from = &state->passes[i];
+	const uint32_t forgotten = state->pass_count == STILB_GI_MAX_PASSES;
+	render->pass_count = state->pass_count - forgotten;
+	for (uint32_t i = 0; i < render->pass_count; i++) {
+		const checkpoint_pass *from = &state->passes[i + forgotten];
 		render->passes[i] =
 			(stilb_gi_pass){from->block, from->first_sample, from->sample_count, from->seconds, from->finished != 0};
 	}
@@ -296,6 +300,7 @@ stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path)
 		pthread_mutex_lock(&render->lock);
 		take_passes(render, &reader.state);
 		render->seconds = reader.state.seconds;
+		render->estimate = reader.state.estimate;
 		render->resumed = reader.state.totals;
 		pthread_mutex_unlock(&render->lock);
 	}

@@ -28,7 +28,11 @@ typedef struct embree {
 	_Atomic int64_t bytes;
 	_Atomic int error; /* the first RTCError */
 	int64_t bytes_max;
+	bool scarce; /* bytes_max might not be enough */
 } embree;
+
+#define EMBREE_BYTES                                                                                                   \
+	512.0 /* for a triangle or an instance while the tree is built, with room to spare (a finished one has some 100) */
 
 /* ---- rays --------------------------------------------------------------------------------------------------------- */
 
@@ -214,12 +218,13 @@ static void embree_join(void *data, uint32_t worker)
 	rtcJoinCommitScene(data);
 }
 
-/* Every thread of the pool joins. A job that cannot be had is a thread fewer. */
+/* Every thread of the pool joins. A job that cannot be had is a thread fewer. Where memory might run out this thread builds
+ * alone: Embree 3.13 breaks down when it is told so while several threads build. */
 static void embree_commit(embree *state, stilb_job_pool *pool, RTCScene scene)
 {
 	PROFILE("gi.build");
 	stilb_job_group group = {0};
-	for (uint32_t worker = 1; worker < state->workers; worker++) {
+	for (uint32_t worker = 1; worker < state->workers && !state->scarce; worker++) {
 		stilb_job_options options = {.pinned = true, .target = worker};
 		stilb_job_submit_with(pool, embree_join, scene, &group, &options, 0);
 	}
@@ -299,6 +304,15 @@ static stilb_result embree_build(embree *state, const stilb_gi_scene *world, con
 	return embree_result(state);
 }
 
+/* Triangles and instances of all trees together. */
+static uint64_t embree_primitives(const stilb_gi_scene *world)
+{
+	uint64_t count = world->part_count;
+	for (uint32_t mesh = 0; mesh < world->mesh_count; mesh++)
+		count += world->meshes[mesh].triangle_count;
+	return count;
+}
+
 static stilb_result embree_create(const stilb_gi_scene *world, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
                                   stilb_gi_scene_info *info)
 {
@@ -320,6 +334,7 @@ static stilb_result embree_create(const stilb_gi_scene *world, const stilb_gi_sc
 	                  .bytes_max = desc->memory ? (int64_t)desc->memory : embree_memory()};
 	tracer->state = state;
 	info->isa = embree_isa_names[isa];
+	state->scarce = EMBREE_BYTES * (double)embree_primitives(world) > (double)state->bytes_max;
 	result = embree_device(state, info->isa);
 	if (result == STILB_OK)
 		result = embree_build(state, world, desc, tracer, info);

@@ -1,6 +1,6 @@
-/* The integrator montecarlo: N rays at every hit, N more where each of them ends. Its cost is exponential: the baseline for
- * teaching, and the simplest estimator that the others can be held against. Lights with a size are found by the rays
- * alone; lights without one, which no ray can find, are asked. */
+/* The integrator montecarlo: N rays at every hit, N more where each of them ends. Its cost is exponential: the
+ * baseline for teaching, and the simplest estimator that the others can be held against. Lights with a size are
+ * found by the rays alone; lights without one, which no ray can find, are asked. */
 #include "gi/gi_bsdf.h"
 #include "gi/gi_integrator.h"
 #include "gi/gi_ray.h"

@@ -2,8 +2,8 @@
  * One path for each sample, to any depth: next-event estimation and multiple importance sampling at every vertex, Russian
  * roulette from the third bounce.
  *
- * Paths go in waves: all of them one bounce at a time. A bounce's shadow rays are gathered and sent as one stream (1.5 times as
- * many a second as one by one); its closest-hit rays go one by one, since incoherent packets gain nothing.
+ * Paths go in waves: all of them one bounce at a time. A bounce's shadow rays are gathered and sent together (in the Cornell
+ * box that takes less than half the time); its closest-hit rays go one by one, since incoherent packets gain nothing.
  * A path reads and writes nothing but its own state, so it does not matter which wave it is in.
  *
  * Depth. `depth` reflections at most: 0 leaves what is seen of the lights themselves, 1 adds light reflected once, ...
@@ -151,8 +151,9 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 }
 
 /* In a large scene what shading reads of a hit lies far away, the more so as tracing has filled the caches since. So it is
- * asked for while others are shaded: triangles first, and when they have come, their vertices. */
-static void wave_fetch_triangles(const path_wave *wave, uint32_t first)
+ * asked for while others are shaded: triangles first, and when they have come, their vertices. Always inline: gcc takes a call
+ * of what only fetches for one without an effect, and drops it. */
+static inline __attribute__((always_inline)) void wave_fetch_triangles(const path_wave *wave, uint32_t first)
 {
 	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
 		const RTCRayHit *ray = &wave->rays[i];
@@ -161,7 +162,7 @@ static void wave_fetch_triangles(const path_wave *wave, uint32_t first)
 	}
 }
 
-static void wave_fetch_vertices(const path_wave *wave, uint32_t first)
+static inline __attribute__((always_inline)) void wave_fetch_vertices(const path_wave *wave, uint32_t first)
 {
 	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
 		const RTCRayHit *ray = &wave->rays[i];

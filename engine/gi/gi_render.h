@@ -74,8 +74,9 @@ typedef enum stilb_gi_cache_mode {
 } stilb_gi_cache_mode;
 
 typedef enum stilb_gi_cache_radius {
-	STILB_GI_CACHE_SPLIT_SPHERE, /* Ward's harmonic mean distance */
+	STILB_GI_CACHE_SPLIT_SPHERE, /* Ward's harmonic mean distance, bounded by gradients, distances and neighbours */
 	STILB_GI_CACHE_HESSIAN,      /* the occlusion Hessian's ellipse */
+	STILB_GI_CACHE_HARMONIC,     /* Ward's of 1988: the mean distance as it is */
 } stilb_gi_cache_radius;
 
 typedef struct stilb_gi_cache_settings {
@@ -102,7 +103,7 @@ typedef struct stilb_gi_settings {
 	stilb_gi_filter_kind filter;
 	stilb_scene_camera camera;
 	stilb_gi_lens lens;
-	uint32_t depth;         /* bounces of indirect light at most, 0..1024 */
+	uint32_t depth;         /* reflections at most, 0..1024; 0: lights alone, 1: and direct light */
 	shade_brdf_model model; /* of the highlights: diffuse light is Lambert's */
 	stilb_gi_only only;
 	bool firefly_weight; /* Karis's: biased */
@@ -124,14 +125,15 @@ double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings);
 
 typedef struct stilb_gi_render stilb_gi_render;
 
-/* STILB_ERROR_ARGUMENT names the setting that is out of its range; STILB_ERROR_MEMORY. scene must outlive it. */
+/* scene must outlive it. STILB_ERROR_ARGUMENT names the setting that is out of its range; STILB_ERROR_FILE: the irradiance
+ * cache that is to be loaded is none, or another one; STILB_ERROR_MEMORY. */
 stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_settings *settings,
                                     stilb_job_pool *pool, stilb_gi_render **out);
 void stilb_gi_render_destroy(stilb_gi_render *render);
 
 /* Renders until the picture is finished, a limit is reached, or stop is asked for; what is left undone the next call does.
  * The calling thread takes part. STILB_OK also when stopped: progress.end says why it ended. STILB_ERROR_FILE: the irradiance
- * cache could not be loaded, or not be saved: then the picture is finished nevertheless; STILB_ERROR_MEMORY. */
+ * cache could not be saved, but the picture is finished; STILB_ERROR_MEMORY. */
 stilb_result stilb_gi_render_run(stilb_gi_render *render);
 
 /* Makes run return within some milliseconds; asked for between two calls, the next returns at once. [any-thread], and from

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #define SCENE_COPIES 65536u        /* triangles more than the mesh has itself */
-#define SCENE_COORDINATE_MAX 1e15f /* metres; products of four are still numbers */
+#define SCENE_COORDINATE_MAX 1e10f /* metres; products of three edges between such places are still numbers */
 #define SCENE_TRIANGLES_MAX (1u << 30)
 
 static_assert(sizeof(stilb_scene_vertex) == 32, "gi_primary loads whole vertices");
@@ -116,7 +116,11 @@ static bool scene_part_emits(const stilb_scene *scene, uint32_t part)
 
 static bool scene_part_may_share(const stilb_scene *scene, uint32_t part)
 {
-	return !scene_part_emits(scene, part) && scene_keeps_shape(&scene->part_transform[part]);
+	const stilb_mat4 *to_world = &scene->part_transform[part];
+	for (int i = 12; i < 15; i++)
+		if (!(fabsf(to_world->m[i]) <= SCENE_COORDINATE_MAX))
+			return false; /* its triangles are looked at one by one */
+	return !scene_part_emits(scene, part) && scene_keeps_shape(to_world);
 }
 
 static void scene_plan_finish(scene_plan *plan)
@@ -388,9 +392,6 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
 		stilb_gi_scene_destroy(world);
 		return result;
 	}
-	if (world->info.dropped)
-		stilb_log("%llu triangles without an area or with coordinates that are no numbers are left out",
-		          (unsigned long long)world->info.dropped);
 	*out = world;
 	return STILB_OK;
 }

@@ -43,7 +43,7 @@ stilb_gi_scene_desc stilb_gi_scene_desc_default(stilb_job_pool *pool);
 /* What was made: for --stats and the bench. */
 typedef struct stilb_gi_scene_info {
 	uint64_t triangles;    /* of the scene: a mesh counts once for each of its parts */
-	uint64_t dropped;      /* triangles without an area or with a number that is none */
+	uint64_t dropped;      /* left out: without an area, or with a corner that is no number or too far away */
 	uint64_t bytes;        /* of Embree's tree, and of ours */
 	uint32_t lights;       /* emitting triangles and lights without a size */
 	double build_s;        /* Embree's part */

@@ -53,7 +53,7 @@ static const char *const FILTER_NAMES[] = {STILB_GI_FILTERS(FIELD_NAME_1)};
 static const char *const BRDF_NAMES[] = {SHADE_BRDFS(FIELD_NAME_2)};
 static const char *const ONLY_NAMES[] = {"all", "indirect"};
 static const char *const MODE_NAMES[] = {"frozen", "live"};
-static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian"};
+static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian", "harmonic"};
 
 #define AT(member) offsetof(stilb_gi_settings, member)
 #define ROW(kind, role, member, low, high)                                                                             \
@@ -68,7 +68,7 @@ static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian"};
 	{                                                                                                                  \
 #member, FIELD_NAME, GI_SETTING_SAMPLE, AT(member), 0, sizeof names / sizeof *names - 1, names                 \
 	}
-#define ANY_HEIGHT 1e30
+#define FARTHEST 1e12 /* metres: well beyond all triangles, so that a camera may see them all; squares are numbers */
 
 static const field FIELDS[] = {
 	NAMED(integrator, INTEGRATOR_NAMES),
@@ -80,15 +80,15 @@ static const field FIELDS[] = {
 	NUMBER(FIELD_U64, seed, 0, 0),
 	NAMED(sampler, SAMPLER_NAMES),
 	NAMED(filter, FILTER_NAMES),
-	NUMBER(FIELD_FLOAT, camera.position[0], -ANY_HEIGHT, ANY_HEIGHT),
-	NUMBER(FIELD_FLOAT, camera.position[1], -ANY_HEIGHT, ANY_HEIGHT),
-	NUMBER(FIELD_FLOAT, camera.position[2], -ANY_HEIGHT, ANY_HEIGHT),
+	NUMBER(FIELD_FLOAT, camera.position[0], -FARTHEST, FARTHEST),
+	NUMBER(FIELD_FLOAT, camera.position[1], -FARTHEST, FARTHEST),
+	NUMBER(FIELD_FLOAT, camera.position[2], -FARTHEST, FARTHEST),
 	NUMBER(FIELD_FLOAT, camera.yaw, -1e6, 1e6),
 	NUMBER(FIELD_FLOAT, camera.pitch, -1e6, 1e6),
 	NUMBER(FIELD_FLOAT, camera.roll, -1e6, 1e6),
 	NUMBER(FIELD_FLOAT, camera.fov_y, 1e-4, 3.14),
-	NUMBER(FIELD_FLOAT, lens.radius, 0, ANY_HEIGHT),
-	NUMBER(FIELD_FLOAT, lens.focus, 1e-30, ANY_HEIGHT),
+	NUMBER(FIELD_FLOAT, lens.radius, 0, FARTHEST),
+	NUMBER(FIELD_FLOAT, lens.focus, 1e-9, FARTHEST),
 	NUMBER(FIELD_U32, lens.blades, 0, 16),
 	NUMBER(FIELD_FLOAT, lens.rotation, -1e6, 1e6),
 	NUMBER(FIELD_U32, depth, 0, 1024),
@@ -100,7 +100,7 @@ static const field FIELDS[] = {
 	SWITCH(firefly_weight),
 	NUMBER(FIELD_FLOAT, roulette, 0, 1),
 	NUMBER(FIELD_U32, rays, 1, 65536),
-	NUMBER(FIELD_FLOAT, ao_distance, 0, ANY_HEIGHT),
+	NUMBER(FIELD_FLOAT, ao_distance, 0, FARTHEST),
 	SWITCH(ao_weighted),
 	VIEW(FIELD_BOOL, progressive, 0, 1),
 	VIEW(FIELD_FLOAT, exposure, -100, 100),

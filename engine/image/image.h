@@ -54,7 +54,8 @@ stilb_result stilb_image_path_check(const char *path);
  * [any-thread] STILB_ERROR_ARGUMENT as stilb_image_path_check, STILB_ERROR_FILE (disk full), STILB_ERROR_MEMORY. */
 stilb_result stilb_image_save(const stilb_image *image, const char *path);
 
-/* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .exr into F32_LINEAR; its first part, up to 4 channels.
+/* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .exr into F32_LINEAR; its first part, up to 4 channels, or
+ * R G B (A) of one with more (image_layers.h reads all).
  * [any-thread] STILB_ERROR_ARGUMENT for an unknown extension, STILB_ERROR_FILE for a file that is missing, damaged or of a
  * kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);
