@@ -230,22 +230,18 @@ static gi_run_picture indirect(const gi_run_world *world, stilb_gi_cache_radius 
 	return gi_run_render(world, &settings);
 }
 
-/* As many records as wanted: the error is searched for. */
-static gi_run_picture indirect_with(const gi_run_world *world, stilb_gi_cache_radius radius, uint32_t records)
+/* As many records as wanted: the error is searched for, by a record's area, which goes with its square. */
+static gi_run_picture indirect_with(const gi_run_world *world, stilb_gi_cache_radius radius, uint64_t records)
 {
 	gi_run_picture picture = {0};
-	float low = 0.01f, high = 1.0f;
+	float error = 0.2f;
 	for (int search = 0; search < RECORD_SEARCHES; search++) {
-		float middle = sqrtf(low * high);
 		gi_run_picture_finish(&picture);
-		picture = indirect(world, radius, middle);
-		double apart = (double)picture.records / (double)records - 1.0;
-		if (fabs(apart) < RECORDS_APART)
+		picture = indirect(world, radius, error);
+		double share = (double)picture.records / (double)records;
+		if (fabs(share - 1.0) < RECORDS_APART)
 			break;
-		if (apart > 0.0)
-			low = middle;
-		else
-			high = middle;
+		error = fminf(error * (float)sqrt(share), 1.0f);
 	}
 	return picture;
 }
@@ -255,7 +251,8 @@ static void run_hessian(const bench_child *child)
 {
 	gi_run_reference reference = gi_run_reference_read(child->argument);
 	gi_run_world world = cornell(bench_child_cpu_count() - 1);
-	gi_run_picture hessian = indirect(&world, STILB_GI_CACHE_HESSIAN, 0.25f);
+	float error = cache_settings(&world).cache.error;
+	gi_run_picture hessian = indirect(&world, STILB_GI_CACHE_HESSIAN, error);
 	gi_run_picture plain = indirect_with(&world, STILB_GI_CACHE_HARMONIC, hessian.records);
 	gi_run_picture bounded = indirect_with(&world, STILB_GI_CACHE_SPLIT_SPHERE, hessian.records);
 	double square = gi_run_compare(&reference, hessian.rgb, true).square;

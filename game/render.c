@@ -210,7 +210,8 @@ static int render_finish(const render_options *o, const render_result *result)
 	const bool stats = render_write_stats(o, result);
 	if (o->trace && result->code == EXIT_DONE)
 		fprintf(render_options_words(o), "trace: %s\n", o->trace);
-	return stats ? result->code : EXIT_FAILED;
+	const bool whole = stats && (result->progress.camera_rays > 0 || !o->output);
+	return result->code == EXIT_DONE && !whole ? EXIT_FAILED : result->code;
 }
 
 static int render_main(const render_options *o)

@@ -236,7 +236,7 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 		{"--cache", FLAG_CHOICE, &o->cache, "frozen|live", "same bits every time, or sooner and without them (frozen)",
 	     0, 0, cache_choices},
 		{"--cache-error", FLAG_AMOUNT, &o->cache_error, "A",
-	     "how far a record reaches, up to 1: larger is coarser (0.2)", 0, 1, NULL},
+	     "how far a record reaches, up to 1: larger is coarser (0.05)", 0, 1, NULL},
 		{"--cache-rays", FLAG_NUMBER, &o->cache_rays, "N", "that a record gathers, 16..65536 (1024)", 16, 65536, NULL},
 		{"--cache-radius", FLAG_CHOICE, &o->cache_radius, "NAME",
 	     "split-sphere, hessian, or harmonic: split-sphere without bounds (hessian)", 0, 0, render_cache_radii},

@@ -92,7 +92,7 @@ static double split_sphere_at(uint32_t wanted, uint32_t *records)
 	split.integrator = STILB_GI_INTEGRATOR_IRRADIANCE_CACHE;
 	split.cache.radius = STILB_GI_CACHE_SPLIT_SPHERE;
 	split.cache.rays = 2048;
-	double low = 0.2, high = 1.0, rmse = 0.0, bias;
+	double low = 0.05, high = 1.0, rmse = 0.0, bias;
 	for (int i = 0; i < 5; i++) {
 		double middle = 0.5 * (low + high);
 		split.cache.error = (float)middle;

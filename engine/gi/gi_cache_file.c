@@ -22,6 +22,7 @@ typedef struct cache_header {
 	uint32_t depth, radius, gradients;
 	float error;
 	uint32_t count, record_size;
+	shade_brdf_model model; /* of the highlights that the gathered light came from */
 } cache_header;
 
 static cache_header header_make(const gi_cache *cache)
@@ -33,7 +34,8 @@ static cache_header header_make(const gi_cache *cache)
 	                      .gradients = settings->cache.gradients,
 	                      .error = settings->cache.error,
 	                      .count = gi_cache_octree_count(cache->octree),
-	                      .record_size = sizeof(gi_cache_record)};
+	                      .record_size = sizeof(gi_cache_record),
+	                      .model = settings->model};
 }
 
 /* ---- save -------------------------------------------------------------------------------------------------------- */
@@ -58,8 +60,14 @@ stilb_result gi_cache_save(const gi_cache *cache)
 	cache_header header = header_make(cache);
 	stilb_file_write(&file, magic, MAGIC_SIZE);
 	uint64_t hash = write_hashed(&file, STILB_FNV1A64_START, &header, sizeof header);
-	for (uint32_t i = 0; i < header.count; i++)
-		hash = write_hashed(&file, hash, gi_cache_octree_record(cache->octree, i), sizeof(gi_cache_record));
+	for (uint32_t i = 0; i < header.count; i++) {
+		const gi_cache_record *record = gi_cache_octree_record(cache->octree, i);
+		if (!record) {
+			stilb_file_finish(&file);
+			return stilb_fail(STILB_ERROR_MEMORY, "memory ran out while the cache was filled: %s is not written", path);
+		}
+		hash = write_hashed(&file, hash, record, sizeof *record);
+	}
 	stilb_file_write(&file, &hash, sizeof hash);
 	return stilb_file_commit(&file);
 }
@@ -85,6 +93,8 @@ static stilb_result check_header(const char *path, const cache_header *header, c
 		return refuse(path, header->gradients ? "was made with gradients" : "was made without gradients");
 	if (header->error != wanted->error)
 		return refuse(path, "was made with another error");
+	if (memcmp(&header->model, &wanted->model, sizeof wanted->model) != 0)
+		return refuse(path, "was made with other highlights (--brdf, --ndf, --g, --f)");
 	return STILB_OK;
 }
 

@@ -17,6 +17,7 @@
 #define RENDER_TILES_FOR_A_WORKER 8u /* so that none waits long for the last tile of another */
 #define RENDER_RAYS_OF_BATCH 0x40000 /* at most, about: between two looks at stop */
 #define RENDER_RAYS_OF_PATH 8
+#define RENDER_OVERTURE_SHARE 0.5
 #define RENDER_FIRST_SAMPLES 16u
 
 /* ---- life ---------------------------------------------------------------------------------------------------------- */
@@ -394,6 +395,13 @@ static stilb_gi_end render_passes(stilb_gi_render *render)
 
 /* ---- run ----------------------------------------------------------------------------------------------------------- */
 
+/* Of a limited time the picture has half for itself: where the records do not reach, paths do. */
+static bool overture_is_ending(const stilb_gi_render *render)
+{
+	double share = render->view.settings.seconds * RENDER_OVERTURE_SHARE;
+	return render_is_ending(render) || (render->deadline_ns && render_seconds(render) >= share);
+}
+
 /* gi_cache_report */
 static bool overture_report(void *user, const gi_cache_progress *progress)
 {
@@ -402,7 +410,7 @@ static bool overture_report(void *user, const gi_cache_progress *progress)
 	render->overture_done = progress->done;
 	snprintf(render->stage, sizeof render->stage, "overture %u", progress->round);
 	pthread_mutex_unlock(&render->lock);
-	return !render_is_ending(render);
+	return !overture_is_ending(render);
 }
 
 /* The irradiance cache's own pass over the picture; told to stop, it goes on in the next run. */

@@ -101,7 +101,6 @@ typedef struct scene_plan {
 	uint32_t *shared; /* 1 + its number in the world where it is shared; 0: each part has its own */
 	uint64_t vertices, triangles;
 	uint32_t meshes;
-	uint64_t lights;
 } scene_plan;
 
 static bool scene_emits(const stilb_scene_material *material)

@@ -21,7 +21,7 @@ stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene)
 		.depth = 64,
 		.model = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK},
 		.rays = 16,
-		.cache = {.radius = STILB_GI_CACHE_HESSIAN, .error = 0.2f, .rays = 1024, .gradients = true, .overture = true},
+		.cache = {.radius = STILB_GI_CACHE_HESSIAN, .error = 0.05f, .rays = 1024, .gradients = true, .overture = true},
 	};
 }
 
