@@ -42,7 +42,11 @@ static stilb_render_material seed_material(stilb_render *render, bool textured)
 {
 	static uint8_t pixels[3 * 1 * 4] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
 	const stilb_image image = {3, 1, 4, STILB_IMAGE_U8_SRGB, pixels};
-	const stilb_scene_material material = {{0.5f, 0.5f, 0.5f}, {0.1f, 0.1f, 0.1f}, 0.6f, 0.1f, 0.2f};
+	const stilb_scene_material material = {.diffuse = {0.5f, 0.5f, 0.5f},
+	                                       .specular = {0.1f, 0.1f, 0.1f},
+	                                       .roughness = 0.6f,
+	                                       .anisotropy = 0.1f,
+	                                       .wrap = 0.2f};
 	stilb_render_texture texture = {0};
 	stilb_render_material out;
 	require(!textured || stilb_render_texture_create(render, &image, &texture) == STILB_OK);
