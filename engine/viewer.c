@@ -334,13 +334,3 @@ stilb_result stilb_engine_viewer_frame(stilb_engine_viewer *viewer, const char *
 	stilb_result result = viewer_input(viewer, seconds, close, &drawn);
 	return result == STILB_OK && drawn ? viewer_draw(viewer, words) : result;
 }
-
-stilb_result stilb_engine_viewer_screenshot(stilb_engine_viewer *viewer, const char *path)
-{
-	stilb_image image = {0};
-	stilb_result result = stilb_render_read_image(viewer->render, &image);
-	if (result == STILB_OK)
-		result = stilb_image_save(&image, path);
-	stilb_image_finish(&image);
-	return result;
-}

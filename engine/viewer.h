@@ -33,7 +33,4 @@ void stilb_engine_viewer_picture(stilb_engine_viewer *viewer, const uint8_t *srg
 /* Waits for the user to do something, at most `seconds`, and draws. *close: the user wants out. */
 stilb_result stilb_engine_viewer_frame(stilb_engine_viewer *viewer, const char *words, double seconds, bool *close);
 
-/* What was drawn last, as .png or .exr. */
-stilb_result stilb_engine_viewer_screenshot(stilb_engine_viewer *viewer, const char *path);
-
 #endif

@@ -2,6 +2,7 @@
 #ifndef GI_WORLD_FIXTURE_H
 #define GI_WORLD_FIXTURE_H
 
+#include "gi/gi_ray.h"
 #include "gi/gi_world.h"
 #include "scene/scene_internal.h"
 #include "support/shade_proof.h"
@@ -74,21 +75,6 @@ static inline void world_soup(stilb_scene_mesh *mesh, uint32_t count, shade_proo
 			vertex->position[k] = shade_proof_range(random, -1.0f, 1.0f);
 		mesh->indices[i] = i;
 	}
-}
-
-static inline RTCRayHit world_ray(stilb_vec3 origin, stilb_vec3 direction)
-{
-	return (RTCRayHit){
-		.ray = {.org_x = origin[0],
-	            .org_y = origin[1],
-	            .org_z = origin[2],
-	            .dir_x = direction[0],
-	            .dir_y = direction[1],
-	            .dir_z = direction[2],
-	            .tfar = INFINITY,
-	            .mask = UINT32_MAX},
-		.hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
-	};
 }
 
 static inline stilb_vec3 world_direction(shade_proof_random *random)

@@ -1,9 +1,8 @@
 /* stilb render --preview on a virtual display: the window shows the picture while it gets finer, and closing it stops and saves. */
 #include "image/image.h"
 #include "support/stilb_program.h"
+#include "support/x11_window.h"
 
-#include <X11/Xlib.h>
-#include <X11/Xutil.h>
 #include <math.h>
 
 #define TITLE "Stilb: cornell"
@@ -11,31 +10,13 @@
 
 static Display *display;
 
-/* 0: there is none, or not yet. */
-static Window find_window(void)
-{
-	Window root, parent, *children = NULL, found = 0;
-	unsigned count = 0;
-	XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
-	for (unsigned i = 0; i < count && !found; i++) {
-		char *name = NULL;
-		if (XFetchName(display, children[i], &name) && name && strcmp(name, TITLE) == 0)
-			found = children[i];
-		if (name)
-			XFree(name);
-	}
-	if (children)
-		XFree(children);
-	return found;
-}
-
 /* Until it can be seen. */
 static Window wait_for_window(void)
 {
 	XWindowAttributes attributes = {.map_state = IsUnmapped};
 	Window window = 0;
 	for (int i = 0; i < 1500 && attributes.map_state != IsViewable; i++, usleep(20000)) {
-		window = find_window();
+		window = x11_window_find(display, TITLE);
 		if (window)
 			XGetWindowAttributes(display, window, &attributes);
 	}

@@ -1,27 +1,18 @@
 /* Pictures through the irradiance cache: the same bits for every number of workers, live as good as frozen, files. */
 #include "gi_render_fixture.h"
+#include "support/folder.h"
 
 #include "gi/gi_cache.h"
 
 #include <math.h>
 
-static char folder[] = "test_gi_cache_XXXXXX";
-static char path[64];
+static const char path[] = "a.cache";
 
-static int folder_make(void **state)
-{
-	(void)state;
-	if (!mkdtemp(folder))
-		return -1;
-	snprintf(path, sizeof path, "%s/a.cache", folder);
-	return 0;
-}
-
-static int folder_remove(void **state)
+static int tear_down(void **state)
 {
 	(void)state;
 	remove(path);
-	return rmdir(folder);
+	return folder_remove();
 }
 
 static stilb_gi_settings cached(const render_fixture *fixture)
@@ -313,5 +304,5 @@ int main(void)
 		cmocka_unit_test(foreign_and_damaged_files_are_refused),
 		cmocka_unit_test(settings_are_checked),
 	};
-	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+	return cmocka_run_group_tests(tests, folder_make, tear_down);
 }

@@ -1,5 +1,6 @@
 /* Checkpoints: a render that goes on elsewhere has the same bits, and a file that is not its own is refused by name. */
 #include "gi_render_fixture.h"
+#include "support/folder.h"
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -9,23 +10,13 @@
 #include <sys/stat.h>
 #include <time.h>
 
-static char folder[] = "test_gi_checkpoint_XXXXXX";
-static char path[64];
+static const char path[] = "a.checkpoint";
 
-static int folder_make(void **state)
-{
-	(void)state;
-	if (!mkdtemp(folder))
-		return -1;
-	snprintf(path, sizeof path, "%s/a.checkpoint", folder);
-	return 0;
-}
-
-static int folder_remove(void **state)
+static int tear_down(void **state)
 {
 	(void)state;
 	remove(path);
-	return rmdir(folder);
+	return folder_remove();
 }
 
 /* ---- stopped, written, read ------------------------------------------------------------------------------------------ */
@@ -316,7 +307,7 @@ static void no_files(void **state)
 	stilb_gi_settings settings = render_fixture_settings(&fixture);
 	remove(path);
 	refuses(&fixture, &settings, path, "No such file");
-	refuses(&fixture, &settings, folder, "cannot resume");
+	refuses(&fixture, &settings, ".", "cannot resume");
 	refuses(&fixture, &settings, "/dev/zero", "regular");
 	write_file("", 0);
 	refuses(&fixture, &settings, path, "no checkpoint");
@@ -406,5 +397,5 @@ int main(void)
 		cmocka_unit_test(foreign_settings),   cmocka_unit_test(damaged_files), cmocka_unit_test(forged_files),
 		cmocka_unit_test(no_files),           cmocka_unit_test(no_memory),     cmocka_unit_test(full_disk),
 	};
-	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+	return cmocka_run_group_tests(tests, folder_make, tear_down);
 }

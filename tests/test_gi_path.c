@@ -2,10 +2,10 @@
  * estimators of one integral, and samples that do not know which batch they are in. */
 #include "gi_path_fixture.h"
 
-#include "gi/gi_bsdf.h"
+#include "gi/gi_direct.h"
+#include "gi/gi_ray.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #define SIGMAS 4.5 /* one test in 100,000 fails by chance */
 
@@ -109,56 +109,67 @@ static void direct_and_indirect_light_are_all_light(void **state)
 	free(indirect);
 }
 
-/* Light reflected once by the first hit of the camera ray, found by the BSDF's directions alone. */
-static stilb_vec3 found_by_bsdf(const gi_view *view, const path_samples *samples, uint32_t i)
+/* Where a camera ray ended, as a path's first vertex sees it. */
+typedef struct first_vertex {
+	gi_bsdf bsdf;
+	stilb_vec3 origin; /* of the rays that leave */
+	float numbers[8];
+} first_vertex;
+
+/* False: it hit nothing. */
+static bool first_vertex_of(const gi_view *view, const path_samples *samples, uint32_t i, first_vertex *vertex)
 {
 	const RTCRayHit *camera = &samples->rays[i];
 	if (!gi_hit(camera))
-		return (stilb_vec3){0};
+		return false;
 	gi_surface surface;
 	gi_surface_at(view->scene, camera, &surface);
-	stilb_vec3 to_viewer = -stilb_vec3_make(camera->ray.dir_x, camera->ray.dir_y, camera->ray.dir_z);
-	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, to_viewer);
-	float numbers[8];
-	gi_sample_8(&view->sampler, samples->points[i], GI_DIMENSION_OF(0), numbers);
+	vertex->bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_dir(&camera->ray));
+	vertex->origin = gi_ray_origin(&surface, surface.geometric);
+	gi_sample_8(&view->sampler, samples->points[i], GI_DIMENSION_OF(0), vertex->numbers);
+	return true;
+}
+
+/* Light reflected once by the first hit of the camera ray, found by the BSDF's directions alone. */
+static stilb_vec3 found_by_bsdf(const gi_view *view, const first_vertex *vertex)
+{
+	const float *numbers = vertex->numbers;
+	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
 	gi_bsdf_sample chosen;
-	if (!gi_bsdf_sample_direction(&bsdf, numbers[0], (stilb_vec2){numbers[1], numbers[2]}, &chosen))
+	if (!gi_bsdf_sample_direction(&vertex->bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
 		return (stilb_vec3){0};
-	stilb_vec3 origin = gi_ray_origin(&surface, chosen.direction);
-	RTCRayHit ray = {.ray = {.org_x = origin[0],
-	                         .org_y = origin[1],
-	                         .org_z = origin[2],
-	                         .dir_x = chosen.direction[0],
-	                         .dir_y = chosen.direction[1],
-	                         .dir_z = chosen.direction[2],
-	                         .tfar = INFINITY,
-	                         .mask = UINT32_MAX},
-	                 .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
-	gi_batch counters = {.view = view};
-	return chosen.weight * gi_path_radiance(view, &ray, samples->points[i], 1, 0, true, &counters);
+	RTCRayHit ray = gi_rayhit_make(vertex->origin, chosen.direction);
+	view->scene->tracer.intersect(&view->scene->tracer, &ray);
+	gi_surface surface;
+	const bool hit = gi_hit(&ray);
+	if (hit)
+		gi_surface_at(view->scene, &ray, &surface);
+	return chosen.weight * gi_direct_found(view, 0.0f, vertex->bsdf.frame.n, &ray, hit ? &surface : NULL);
 }
 
 /* By asking a light alone. */
-static stilb_vec3 found_by_light(const gi_view *view, const path_samples *samples, uint32_t i)
+static stilb_vec3 found_by_light(const gi_view *view, const first_vertex *vertex)
 {
-	const RTCRayHit *camera = &samples->rays[i];
-	if (!gi_hit(camera))
+	RTCRay shadow;
+	stilb_vec3 direct;
+	if (!gi_direct_ask(view, &vertex->bsdf, vertex->origin, vertex->numbers, false, &shadow, &direct))
 		return (stilb_vec3){0};
-	gi_surface surface;
-	gi_surface_at(view->scene, camera, &surface);
-	gi_batch counters = {.view = view};
-	stilb_vec3 to_viewer = -stilb_vec3_make(camera->ray.dir_x, camera->ray.dir_y, camera->ray.dir_z);
-	return gi_direct_light(view, &surface, to_viewer, samples->points[i], 0, &counters);
+	view->scene->tracer.occluded(&view->scene->tracer, &shadow, 1);
+	return shadow.tfar >= 0.0f ? direct : (stilb_vec3){0};
 }
 
-/* By both, weighed: what the path does, without what is seen of the lights themselves. */
-static stilb_vec3 found_by_path(const gi_view *view, const path_samples *samples, uint32_t i)
+/* By both, weighed: what the path does, without what is seen of the lights themselves. Into samples. */
+static void found_by_path(const gi_view *view, path_samples *samples)
 {
-	RTCRayHit ray = samples->rays[i];
-	ray.ray.tfar = INFINITY;
-	ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-	gi_batch counters = {.view = view};
-	return gi_path_radiance(view, &ray, samples->points[i], 0, 1, false, &counters);
+	gi_batch batch = {.view = view,
+	                  .count = samples->count,
+	                  .points = samples->points,
+	                  .rays = samples->rays,
+	                  .radiance = samples->radiance,
+	                  .scratch = stilb_memory_alloc(1, gi_integrator_path.scratch_size)};
+	assert_non_null(batch.scratch);
+	gi_path_gather(&batch, 0, 1);
+	free(batch.scratch);
 }
 
 static void three_ways_to_find_light_agree(void **state)
@@ -172,10 +183,13 @@ static void three_ways_to_find_light_agree(void **state)
 		path_mean bsdf = {0}, light = {0}, both = {0};
 		for (uint64_t first = 0; first < 32 * 32 * 32; first += GI_BATCH) {
 			path_samples_take(&view, first, GI_BATCH, samples);
+			found_by_path(&view, samples);
 			for (uint32_t i = 0; i < GI_BATCH; i++) {
-				path_mean_add(&bsdf, found_by_bsdf(&view, samples, i));
-				path_mean_add(&light, found_by_light(&view, samples, i));
-				path_mean_add(&both, found_by_path(&view, samples, i));
+				first_vertex vertex;
+				const bool hit = first_vertex_of(&view, samples, i, &vertex);
+				path_mean_add(&bsdf, hit ? found_by_bsdf(&view, &vertex) : (stilb_vec3){0});
+				path_mean_add(&light, hit ? found_by_light(&view, &vertex) : (stilb_vec3){0});
+				path_mean_add(&both, samples->radiance[i]);
 			}
 		}
 		printf("%-8s bsdf %.4f +- %.4f, light %.4f +- %.4f, both %.4f +- %.4f\n", names[n], path_mean_of(&bsdf, 0),
@@ -212,7 +226,7 @@ static void expect_same_bits(stilb_vec3 a, stilb_vec3 b, uint32_t sample)
 			fail_msg("sample %u, channel %d: %.9g and %.9g", sample, c, (double)a[c], (double)b[c]);
 }
 
-/* One after the other, in other company, or asked for alone. */
+/* Alone or in other company. */
 static void a_sample_does_not_know_its_batch(void **state)
 {
 	(void)state;
@@ -222,23 +236,18 @@ static void a_sample_does_not_know_its_batch(void **state)
 		path_fixture fixture = path_fixture_open(names[n]);
 		gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_PATH, 32, 1);
 		samples_of(&view, all);
+		uint64_t rays_traced = 0, shadow_rays = 0;
 		for (uint32_t first = 0, count = 1; first < GI_BATCH; first += count, count = count % 37 + 1) {
 			count = first + count < GI_BATCH ? count : GI_BATCH - first;
 			path_samples_take(&view, first, count, part);
 			path_samples_shade(&view, part);
 			for (uint32_t i = 0; i < count; i++)
 				expect_same_bits(part->radiance[i], all->radiance[first + i], first + i);
+			rays_traced += part->rays_traced;
+			shadow_rays += part->shadow_rays;
 		}
-		gi_batch counters = {.view = &view};
-		for (uint32_t i = 0; i < GI_BATCH; i++) {
-			RTCRayHit ray = all->rays[i];
-			ray.ray.tfar = INFINITY;
-			ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-			stilb_vec3 alone = gi_path_radiance(&view, &ray, all->points[i], 0, view.settings.depth, true, &counters);
-			expect_same_bits(alone, all->radiance[i], i);
-		}
-		assert_int_equal(counters.rays_traced, all->rays_traced + GI_BATCH);
-		assert_int_equal(counters.shadow_rays, all->shadow_rays);
+		assert_int_equal(rays_traced, all->rays_traced);
+		assert_int_equal(shadow_rays, all->shadow_rays);
 		path_fixture_finish(&fixture);
 	}
 	free(all);

@@ -1,23 +1,14 @@
 /* The same bits with Embree: 1, 2, 3 and 7 threads, every integrator and sampler, through checkpoints and without. */
 #include "gi_render_fixture.h"
+#include "support/folder.h"
 
-static char folder[] = "test_gi_render_embree_XXXXXX";
-static char path[64];
+static const char path[] = "a.checkpoint";
 
-static int folder_make(void **state)
-{
-	(void)state;
-	if (!mkdtemp(folder))
-		return -1;
-	snprintf(path, sizeof path, "%s/a.checkpoint", folder);
-	return 0;
-}
-
-static int folder_remove(void **state)
+static int tear_down(void **state)
 {
 	(void)state;
 	remove(path);
-	return rmdir(folder);
+	return folder_remove();
 }
 
 static const uint32_t workers[] = {0, 1, 2, 6}; /* beside the thread that asks */
@@ -79,5 +70,5 @@ int main(void)
 		cmocka_unit_test(same_bits_for_workers),
 		cmocka_unit_test(same_bits_with_resume),
 	};
-	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+	return cmocka_run_group_tests(tests, folder_make, tear_down);
 }

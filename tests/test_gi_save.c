@@ -1,5 +1,6 @@
 /* Renders as files: every layer in the .exr as it is in the film, the picture in the .png as on a display. */
 #include "gi_render_fixture.h"
+#include "support/folder.h"
 
 #include "image/image_layers.h"
 #include "shading/shade_tonemap.h"
@@ -9,25 +10,14 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-static char folder[] = "test_gi_save_XXXXXX";
-static char exr[64], png[64];
+static const char exr[] = "a.exr", png[] = "a.png";
 
-static int folder_make(void **state)
-{
-	(void)state;
-	if (!mkdtemp(folder))
-		return -1;
-	snprintf(exr, sizeof exr, "%s/a.exr", folder);
-	snprintf(png, sizeof png, "%s/a.png", folder);
-	return 0;
-}
-
-static int folder_remove(void **state)
+static int tear_down(void **state)
 {
 	(void)state;
 	remove(exr);
 	remove(png);
-	return rmdir(folder);
+	return folder_remove();
 }
 
 static void saved(const stilb_gi_render *render, const char *path)
@@ -235,8 +225,7 @@ static void full_disks_and_wrong_paths(void **state)
 		assert_int_equal(read_file(path, after, sizeof after), size);
 		assert_memory_equal(before, after, size);
 	}
-	char link[96];
-	snprintf(link, sizeof link, "%s/full.exr", folder);
+	static const char link[] = "full.exr";
 	assert_int_equal(symlink("/dev/full", link), 0);
 	refused(render, link, STILB_ERROR_FILE);
 	remove(link);
@@ -250,5 +239,5 @@ int main(void)
 		cmocka_unit_test(every_layer), cmocka_unit_test(every_setting), cmocka_unit_test(same_picture_same_file),
 		cmocka_unit_test(display),     cmocka_unit_test(picture),       cmocka_unit_test(full_disks_and_wrong_paths),
 	};
-	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+	return cmocka_run_group_tests(tests, folder_make, tear_down);
 }

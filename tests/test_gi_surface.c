@@ -1,6 +1,7 @@
 /* Where rays go on after a hit: none is lost in a closed sphere of any size anywhere, none meets the triangle it starts on,
  * shadow rays end at the light and not before; and what a surface says about itself. */
 
+#include "gi/gi_light_shape.h"
 #include "gi/gi_texture.h"
 #include "gi_world_fixture.h"
 
@@ -21,7 +22,7 @@ static uint32_t rays_lost(const stilb_gi_scene *gi, stilb_vec3 center, uint32_t 
 	stilb_vec3 origin = center, direction = world_direction(&random);
 	uint32_t lost = 0, last = UINT32_MAX;
 	for (uint32_t i = 0; i < count; i++) {
-		RTCRayHit ray = world_ray(origin, direction);
+		RTCRayHit ray = gi_rayhit_make(origin, direction);
 		gi->tracer.intersect(&gi->tracer, &ray);
 		gi_surface surface = {0};
 		if (gi_hit(&ray))
@@ -156,14 +157,14 @@ static void slivers_are_not_met_again(void **state)
 			for (int c = 0; c < 3; c++)
 				at[c] = corners[0][c] * (1.0f - u - v) + corners[1][c] * u + corners[2][c] * v;
 			stilb_vec3 towards = world_direction(&random);
-			RTCRayHit ray = world_ray(at - towards, towards);
+			RTCRayHit ray = gi_rayhit_make(at - towards, towards);
 			world.gi->tracer.intersect(&world.gi->tracer, &ray);
 			if (!gi_hit(&ray))
 				continue;
 			gi_surface surface;
 			gi_surface_at(world.gi, &ray, &surface);
 			stilb_vec3 direction = cosine_direction(surface.geometric, &random);
-			RTCRayHit again = world_ray(gi_ray_origin(&surface, direction), direction);
+			RTCRayHit again = gi_rayhit_make(gi_ray_origin(&surface, direction), direction);
 			world.gi->tracer.intersect(&world.gi->tracer, &again);
 			assert_false(gi_hit(&again));
 		}
@@ -176,7 +177,7 @@ static void offsets_are_small(void **state)
 {
 	(void)state;
 	world_fixture world = world_trace(sphere_scene(1.0f, stilb_vec3_make(0.0f, 0.0f, 0.0f), 3), &stilb_gi_embree, 0);
-	RTCRayHit ray = world_ray(stilb_vec3_make(0.0f, 0.1f, 3.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
+	RTCRayHit ray = gi_rayhit_make(stilb_vec3_make(0.0f, 0.1f, 3.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
 	world.gi->tracer.intersect(&world.gi->tracer, &ray);
 	gi_surface surface;
 	gi_surface_at(world.gi, &ray, &surface);
@@ -188,8 +189,8 @@ static void offsets_are_small(void **state)
 	world_finish(&world);
 }
 
-/* From points anywhere to points of a triangle far from the origin: nothing is in between. With a smaller triangle 40 errors
- * before the light's middle, it is seen. */
+/* From points anywhere to points of a triangle far from the origin, ours and those that the light itself chooses: nothing is
+ * in between. */
 static void shadow_rays_end_at_the_light(void **state)
 {
 	(void)state;
@@ -203,8 +204,12 @@ static void shadow_rays_end_at_the_light(void **state)
 	for (int i = 0; i < 3; i++)
 		corner[i] = stilb_vec3_make(corners[i][0], corners[i][1], corners[i][2]);
 	stilb_vec3 normal = stilb_vec3_normalize(stilb_vec3_cross(corner[1] - corner[0], corner[2] - corner[0]));
+	gi_emitter emitter = {.emission = {1.0f, 1.0f, 1.0f}};
+	memcpy(emitter.position, corners, sizeof corners);
+	const gi_light_shape light = gi_light_shape_make(&emitter);
 	float error = gi_triangle_error(corners[0], corners[1], corners[2]);
 	assert_true(error < 1e-4f);
+	int asked = 0;
 	for (int i = 0; i < 100000; i++) {
 		float u = shade_proof_uniform(&random), v = shade_proof_uniform(&random) * (1.0f - u);
 		stilb_vec3 at = corner[0] + ((corner[1] - corner[0]) * u + (corner[2] - corner[0]) * v);
@@ -215,11 +220,19 @@ static void shadow_rays_end_at_the_light(void **state)
 		float cosine = fabsf(stilb_vec3_dot(direction, normal));
 		if (cosine < 1e-3f)
 			continue;
-		RTCRay shadow = world_ray(origin, direction).ray;
+		RTCRay shadow = gi_rayhit_make(origin, direction).ray;
 		shadow.tfar = gi_shadow_distance(distance, error, cosine);
 		tracer->occluded(tracer, &shadow, 1);
 		assert_true(shadow.tfar >= 0.0f);
+		gi_light_sample sample;
+		if (!gi_light_shape_sample(&light, origin, (stilb_vec2){u, v}, &sample))
+			continue;
+		shadow = gi_ray_make(origin, sample.direction, sample.distance);
+		tracer->occluded(tracer, &shadow, 1);
+		assert_true(shadow.tfar >= 0.0f);
+		asked++;
 	}
+	assert_true(asked > 40000);
 	world_finish(&world);
 }
 
@@ -229,8 +242,8 @@ static const float unit_corners[3][3] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f},
 
 static gi_surface surface_from(const stilb_gi_scene *gi, float z, float slant)
 {
-	RTCRayHit ray = world_ray(stilb_vec3_make(0.25f - slant * z, 0.5f, z),
-	                          stilb_vec3_normalize(stilb_vec3_make(slant * z, 0.0f, -z)));
+	RTCRayHit ray = gi_rayhit_make(stilb_vec3_make(0.25f - slant * z, 0.5f, z),
+	                               stilb_vec3_normalize(stilb_vec3_make(slant * z, 0.0f, -z)));
 	gi->tracer.intersect(&gi->tracer, &ray);
 	assert_true(gi_hit(&ray));
 	gi_surface surface;

@@ -12,7 +12,7 @@ static void random_rays(RTCRayHit *rays, float reach)
 	shade_proof_random random = {.seed = 7};
 	for (uint32_t i = 0; i < RAYS; i++) {
 		stilb_vec3 origin = world_direction(&random) * (reach * shade_proof_uniform(&random));
-		rays[i] = world_ray(origin, world_direction(&random));
+		rays[i] = gi_rayhit_make(origin, world_direction(&random));
 	}
 }
 
@@ -146,7 +146,7 @@ static void instances_have_the_same_front(void **state)
 		world_fixture a = world_trace(many, &stilb_gi_embree, 0), b = world_trace(one, &stilb_gi_embree, 0);
 		assert_true(a.gi->parts[0].instance);
 		assert_false(b.gi->parts[0].instance);
-		RTCRayHit x = world_ray(stilb_vec3_make(0.1f, 0.2f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f)), y = x;
+		RTCRayHit x = gi_rayhit_make(stilb_vec3_make(0.1f, 0.2f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f)), y = x;
 		a.gi->tracer.intersect(&a.gi->tracer, &x);
 		b.gi->tracer.intersect(&b.gi->tracer, &y);
 		gi_surface s, t;

@@ -1,5 +1,6 @@
 /* Pictures of many channels: to a file and back, and every way that a file or a request can be wrong. */
 #include "image/image_layers.h"
+#include "support/folder.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -11,23 +12,13 @@
 
 #include <cmocka.h>
 
-static char folder[] = "test_image_layers_XXXXXX";
-static char path[64];
+static const char path[] = "a.exr";
 
-static int folder_make(void **state)
-{
-	(void)state;
-	if (!mkdtemp(folder))
-		return -1;
-	snprintf(path, sizeof path, "%s/a.exr", folder);
-	return 0;
-}
-
-static int folder_remove(void **state)
+static int tear_down(void **state)
 {
 	(void)state;
 	remove(path);
-	return rmdir(folder);
+	return folder_remove();
 }
 
 #define W 29
@@ -197,7 +188,7 @@ static void refused_files(void **state)
 	remove(path);
 	not_read(path, STILB_ERROR_FILE);
 	not_read("a.png", STILB_ERROR_ARGUMENT);
-	not_read(folder, STILB_ERROR_ARGUMENT);
+	not_read(".", STILB_ERROR_ARGUMENT);
 	stilb_image_layers layers = layers_make(), *back;
 	assert_int_equal(stilb_image_layers_save(&layers, path), STILB_OK);
 	size_t size = read_file(whole, sizeof whole);
@@ -223,5 +214,5 @@ int main(void)
 		cmocka_unit_test(there_and_back), cmocka_unit_test(one_plane),     cmocka_unit_test(picture_of_many),
 		cmocka_unit_test(same_bytes),     cmocka_unit_test(refused_files), cmocka_unit_test(refused_requests),
 	};
-	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+	return cmocka_run_group_tests(tests, folder_make, tear_down);
 }

@@ -4,6 +4,7 @@
  */
 #include "gi/gi_cache_internal.h"
 
+#include "gi/gi_counter.h"
 #include "gi/gi_direct.h"
 #include "gi/gi_ray.h"
 #include "profiler/prof.h"
@@ -11,13 +12,6 @@
 #include "shading/shade_constants.h"
 
 #define REUSE_DEPTH 16u /* a record holds light of all depths: paths of fewer reflections would see too much in it */
-
-/* This thread's own counter, so no read-modify-write; relaxed: a number to show. */
-static void count(_Atomic uint64_t *counter, uint64_t more)
-{
-	uint64_t now = atomic_load_explicit(counter, memory_order_relaxed);
-	atomic_store_explicit(counter, now + more, memory_order_relaxed);
-}
 
 /* Rays and points of cells first .. first + number - 1. */
 static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi_surface *surface, shade_frame frame,
@@ -73,8 +67,8 @@ static void trace_shadows(const gi_cache *cache, gi_cache_worker *worker)
 	for (uint32_t i = 0; i < worker->shadow_count; i++)
 		if (worker->shadows[i].tfar >= 0.0f)
 			worker->radiance[worker->shadows[i].id] += worker->direct[i];
-	count(&worker->traced, worker->shadow_count);
-	count(&worker->shadow_rays, worker->shadow_count);
+	gi_counter_add(&worker->traced, worker->shadow_count);
+	gi_counter_add(&worker->shadow_rays, worker->shadow_count);
 	worker->shadow_count = 0;
 }
 
@@ -92,8 +86,8 @@ static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_cou
 	gi_path_gather(&batch, 1, cache->view->settings.depth - 1);
 	for (uint32_t i = 0; i < path_count; i++)
 		worker->radiance[worker->targets[i]] = worker->path_radiance[i];
-	count(&worker->traced, batch.rays_traced);
-	count(&worker->shadow_rays, batch.shadow_rays);
+	gi_counter_add(&worker->traced, batch.rays_traced);
+	gi_counter_add(&worker->shadow_rays, batch.shadow_rays);
 }
 
 /* What is nearer than the shortest radius cannot be told apart by records, and would outweigh all else. */
@@ -125,7 +119,7 @@ static void gather_cells(gi_cache *cache, uint32_t index, const gi_surface *surf
 		for (uint32_t i = 0; i < number; i++)
 			worker->cells[first + i] = (gi_cache_cell){worker->radiance[i], nearness(&worker->rays[i], shortest)};
 	}
-	count(&worker->traced, cells);
+	gi_counter_add(&worker->traced, cells);
 }
 
 gi_cache_record gi_cache_gather(gi_cache *cache, uint32_t worker, const gi_surface *surface, gi_point point)

@@ -53,8 +53,8 @@ static float clamp_radius(float radius, float reach, const gi_cache_limits *limi
 	return fmaxf(fminf(fminf(radius, reach), limits->longest), limits->shortest);
 }
 
-/* But for plain harmonic means, no record reaches farther than where its linear extrapolation would have used up the whole irradiance, or than what
- * it sees is away. */
+/* But for plain harmonic means, no record reaches farther than where its linear extrapolation would have used up the whole
+ * irradiance, or than what it sees is away. */
 static float farthest_reach(const gi_cache_gathered *gathered)
 {
 	float t = gi_cache_mean(gathered->translation[0]);

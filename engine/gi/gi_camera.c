@@ -1,4 +1,5 @@
 #include "gi/gi_primary.h"
+#include "gi/gi_ray.h"
 
 #include "shading/shade_sampling.h"
 
@@ -55,15 +56,5 @@ void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, R
 		direction = direction * camera->lens.focus - offset;
 	}
 	direction = stilb_vec3_normalize(direction);
-	*ray = (RTCRayHit){
-		.ray = {.org_x = origin[0],
-	            .org_y = origin[1],
-	            .org_z = origin[2],
-	            .dir_x = direction[0],
-	            .dir_y = direction[1],
-	            .dir_z = direction[2],
-	            .tfar = INFINITY,
-	            .mask = UINT32_MAX},
-		.hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
-	};
+	*ray = gi_rayhit_make(origin, direction);
 }

@@ -47,19 +47,8 @@ extern const gi_integrator gi_integrator_montecarlo;                            
 extern const gi_integrator gi_integrator_path, gi_integrator_split;                     /* gi_path.c */
 extern const gi_integrator gi_integrator_irradiance_cache;                              /* gi_cache_shade.c */
 
-/* Radiance that arrives at the origin of ray from its direction, traced here: a path of at most depth bounces, whose numbers
- * are point's from vertex on. emission: count what the first surface, or the surroundings, emit; 0 depth leaves nothing else.
- * gi_path.c; for gathers (split, irradiance cache, ao's teaching relatives). */
-stilb_vec3 gi_path_radiance(const gi_view *view, RTCRayHit *ray, gi_point point, uint32_t vertex, uint32_t depth,
-                            bool emission, gi_batch *counters);
-
 /* For a whole batch of rays that are traced already: radiance[i] is what the surface that rays[i] hit reflects towards its
  * origin, after depth reflections at most; nothing for a miss. Scratch is gi_integrator_path's. gi_path.c. */
 void gi_path_gather(gi_batch *batch, uint32_t vertex, uint32_t depth);
-
-/* Light from the lights at a surface, seen along -view_direction: one sample of one light, shadow ray and all, MIS weight 1.
- * gi_path.c. */
-stilb_vec3 gi_direct_light(const gi_view *view, const gi_surface *surface, stilb_vec3 to_viewer, gi_point point,
-                           uint32_t vertex, gi_batch *counters);
 
 #endif

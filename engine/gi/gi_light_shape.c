@@ -9,7 +9,6 @@
 #define NEAR 0.2f             /* area over squared distance: from here on solid angles are worth their time */
 #define SOLID_ANGLE_MIN 0.01f /* sr: below it the angles' own rounding shows */
 #define SQUARE_ANGLE 1e-5f /* cosine, and difference of corners over the edges' length, of what counts as a rectangle */
-#define DISTANCE_ROUNDING 4e-7f
 #define BELOW_ONE 0.99999994f
 #define SQUARE_MIN 1e-14f /* keeps what divides above 0 */
 
@@ -260,9 +259,9 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 	if (angle == 0.0f)
 		to_light = point_by_area(shape, to_corner, u);
 	const float distance = length_of(to_light);
-	const float end = distance - distance * (shape->error / height + DISTANCE_ROUNDING);
-	sample->direction = to_light * (1.0f / distance);
-	sample->distance = end > 0.0f ? end : 0.0f;
+	const float scale = 1.0f / distance;
+	sample->direction = to_light * scale;
+	sample->distance = gi_shadow_distance(distance, shape->error, height * scale);
 	sample->radiance = shape->emission;
 	sample->pdf = angle > 0.0f ? 1.0f / angle : density_by_area(shape, height, distance);
 	sample->delta = false;

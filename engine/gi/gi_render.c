@@ -4,6 +4,7 @@
  * A pass has a grid of pixels and a number of samples to bring each of them to. A pixel remembers how many it has, so a
  * pass that was cut short is simply done again: whatever is there already is not rendered twice.
  */
+#include "gi/gi_counter.h"
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
 #include "profiler/prof.h"
@@ -112,12 +113,6 @@ void stilb_gi_render_destroy(stilb_gi_render *render)
 
 /* ---- batches ------------------------------------------------------------------------------------------------------- */
 
-/* Relaxed, and no read-modify-write: this thread alone adds. */
-static void counter_add(_Atomic uint64_t *counter, uint64_t count)
-{
-	atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + count, memory_order_relaxed);
-}
-
 static void batch_to_film(stilb_gi_render *render, gi_render_worker *worker)
 {
 	PROFILE("gi.film");
@@ -129,7 +124,7 @@ static void batch_to_film(stilb_gi_render *render, gi_render_worker *worker)
 		                         .depth = worker->primary.depth[i]};
 		bad += !gi_film_add(&render->film, worker->pixels[i], &sample);
 	}
-	counter_add(&worker->counters.bad_samples, bad);
+	gi_counter_add(&worker->counters.bad_samples, bad);
 }
 
 static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
@@ -148,10 +143,10 @@ static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 	}
 	render->integrator->shade(&batch);
 	batch_to_film(render, worker);
-	counter_add(&worker->counters.samples, batch.count);
-	counter_add(&worker->counters.rays, batch.count + batch.rays_traced);
-	counter_add(&worker->counters.camera_rays, batch.count);
-	counter_add(&worker->counters.shadow_rays, batch.shadow_rays);
+	gi_counter_add(&worker->counters.samples, batch.count);
+	gi_counter_add(&worker->counters.rays, batch.count + batch.rays_traced);
+	gi_counter_add(&worker->counters.camera_rays, batch.count);
+	gi_counter_add(&worker->counters.shadow_rays, batch.shadow_rays);
 }
 
 /* ---- tiles --------------------------------------------------------------------------------------------------------- */

@@ -207,11 +207,6 @@ stilb_vec2 gi_sample_2d(const gi_sampler *sampler, gi_point point, uint32_t dime
 	return sobol_pair(point, dimension);
 }
 
-float gi_sample_1d(const gi_sampler *sampler, gi_point point, uint32_t dimension)
-{
-	return gi_sample_2d(sampler, point, dimension & ~1u)[dimension & 1];
-}
-
 static void stratified_8(gi_point point, uint32_t first, float numbers[8])
 {
 	const strata grid = strata_of(point.count);

@@ -46,8 +46,7 @@ gi_point gi_sampler_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uin
 /* The i-th of n points below this one; dimension tells branches of one point apart. */
 gi_point gi_sampler_branch(const gi_sampler *sampler, gi_point parent, uint32_t dimension, uint32_t i, uint32_t n);
 
-/* In [0, 1). The pair's dimension is even. */
-float gi_sample_1d(const gi_sampler *sampler, gi_point point, uint32_t dimension);
+/* In [0, 1). dimension is even. */
 stilb_vec2 gi_sample_2d(const gi_sampler *sampler, gi_point point, uint32_t dimension);
 
 /* Dimensions first .. first + 7 at once: the same numbers, sooner. first is a multiple of 8. */
