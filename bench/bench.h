@@ -101,7 +101,7 @@ typedef struct bench_suite {
 } bench_suite;
 
 extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite,
-	bench_profiler_suite, bench_shade_suite, bench_gi_suite, bench_furnace_suite;
+	bench_profiler_suite, bench_shade_suite, bench_gi_suite, bench_furnace_suite, bench_input_suite;
 /* These depend on the number of CPUs: filled at the first call. */
 const bench_suite *bench_steps_suite(void);
 const bench_suite *bench_threads_suite(void);

@@ -16,7 +16,7 @@
 
 static const bench_suite *const suites[] = {&bench_queue_suite,  &bench_jobs_suite,     &bench_cull_suite,
                                             &bench_record_suite, &bench_profiler_suite, &bench_shade_suite,
-                                            &bench_gi_suite,     &bench_furnace_suite};
+                                            &bench_gi_suite,     &bench_furnace_suite,  &bench_input_suite};
 
 /* NULL after the last. */
 static const bench_suite *suite_at(size_t i)

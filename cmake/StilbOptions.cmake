@@ -46,7 +46,9 @@ if(STILB_SANITIZE)
 endif()
 if(STILB_SANITIZE MATCHES address)
 	# Programs only; exported, so that shared libraries opened at run time call it too.
+	add_library(stilb-dlclose OBJECT EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/tests/support/dlclose_noop.c)
+	target_link_libraries(stilb-dlclose PRIVATE stilb-flags)
 	target_sources(stilb-flags INTERFACE
-		$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/tests/support/dlclose_noop.c>)
+		$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:stilb-dlclose>>)
 	target_link_options(stilb-flags INTERFACE $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:LINKER:--export-dynamic-symbol=dlclose>)
 endif()

@@ -51,6 +51,7 @@ stilb_engine_desc stilb_engine_desc_default(void)
 		.profile = true,
 		.profile_ring_mib = 64,
 		.capture = stilb_prof_capture_desc_default(),
+		.control = stilb_input_control_settings_default(),
 	};
 }
 
@@ -105,6 +106,8 @@ static stilb_result engine_start(stilb_engine *engine)
 	engine_fill_passes(engine);
 	if (result == STILB_OK)
 		result = engine_overlay_open(engine, desc->overlay, desc->inspector);
+	if (result == STILB_OK)
+		result = engine_input_start(engine);
 	return result;
 }
 
@@ -132,6 +135,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 	if (!engine)
 		return;
 	engine_profile_stop_capture(); /* first: what it still has to write is of all threads */
+	engine_input_finish(&engine->input);
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		stilb_cull_visible_finish(&engine->visible[v]);
@@ -218,6 +222,13 @@ stilb_render_shading stilb_engine_shading(const stilb_engine *engine)
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading)
 {
 	engine->shading = *shading;
+}
+
+void stilb_engine_set_view(stilb_engine *engine, stilb_scene_stress_view view)
+{
+	uint32_t width, height;
+	stilb_render_size(engine->render, &width, &height);
+	engine->scene->camera = stilb_scene_stress_camera(engine->scene, view, (float)width / (float)height);
 }
 
 stilb_scene *stilb_engine_scene(stilb_engine *engine)

@@ -12,12 +12,22 @@
 #include "base/base.h"
 #include "culling/cull.h"
 #include "input/input.h"
+#include "input/input_control.h"
 #include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/scene.h"
 #include "ui/ui_draw.h"
 
 typedef struct stilb_engine stilb_engine;
+
+/* Where gamepads come from. */
+typedef enum stilb_engine_gamepad {
+	STILB_ENGINE_GAMEPAD_AUTO, /* in a window as HIDRAW, and OFF without one; trouble is said and does not end it */
+	STILB_ENGINE_GAMEPAD_OFF,
+	STILB_ENGINE_GAMEPAD_HIDRAW, /* from the kernel directly, and in a window from its library what is not read so */
+	STILB_ENGINE_GAMEPAD_HIDAPI, /* the same through hidapi */
+	STILB_ENGINE_GAMEPAD_REPLAY  /* from a recording: the same camera in every run */
+} stilb_engine_gamepad;
 
 typedef struct stilb_engine_desc {
 	uint32_t models; /* 1..STILB_SCENE_MAX_MODELS */
@@ -46,12 +56,16 @@ typedef struct stilb_engine_desc {
 	uint32_t profile_ring_mib; /* what each thread keeps of it, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory
 	                               is taken as it is used */
 	stilb_prof_capture_desc capture; /* files of the frames around a moment; without a path there are none */
+	stilb_engine_gamepad gamepad;
+	const char *gamepad_recording;         /* of REPLAY, see input_recording.h */
+	const char *gamepad_sys, *gamepad_dev; /* NULL: /sys and /dev; others for tests */
+	stilb_input_control_settings control;  /* how pads and keys fly */
 } stilb_engine_desc;
 
 #define STILB_ENGINE_PROFILE_RING_MAX 1024u
 
 /* 10,000 models, seed 1, CPUs - 1 workers (at least 1), auto culling, all visible, Vulkan, indirect, 1280x720, headless;
- * profiled with rings of 64 MiB, no captures. */
+ * profiled with rings of 64 MiB, no captures; gamepads AUTO. */
 stilb_engine_desc stilb_engine_desc_default(void);
 
 /* The default number of workers. [any-thread] */
@@ -65,9 +79,10 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **e
 void stilb_engine_destroy(stilb_engine *engine);
 
 /* What a frame cost, milliseconds of the main thread's time; the stages of frame.c. gpu is the device's own measure of a
- * frame some two frames back, 0 when there is none. */
+ * frame some two frames back, 0 when there is none. pad is how old the newest gamepad report was when its draws were
+ * handed to the device; 0 when none came since the frame before, or in replays. */
 typedef struct stilb_engine_times {
-	double frame, update, cull, record, ui, replay, present, gpu;
+	double frame, update, cull, record, ui, replay, present, gpu, pad;
 } stilb_engine_times;
 
 /* What came of the last frame. */
@@ -77,9 +92,11 @@ typedef struct stilb_engine_report {
 	uint32_t visible;       /* models */
 	stilb_cull_method cull; /* what found them; never AUTO */
 	stilb_render_stats render;
-	stilb_input_state input; /* {0} without a window */
-	bool close;              /* the user wants out */
-	bool drawn;              /* false: the window is minimised, nothing was done */
+	stilb_input_state input; /* {0} without a window and gamepads */
+	int64_t time_us; /* of the camera: of the run headless, of the recording in a replay, else CLOCK_MONOTONIC */
+	bool replayed;   /* the recording is over */
+	bool close;      /* the user wants out */
+	bool drawn;      /* false: the window is minimised, nothing was done */
 } stilb_engine_report;
 
 /* Runs one frame. Waits a moment instead while the window is minimised. */
@@ -104,8 +121,8 @@ stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 /* The last frames that are still held, at most last_frames (0: all), as a file: prof_trace.h. */
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames);
 
-/* Asks for a file of the frames around this moment, which desc.capture describes. STILB_ERROR_ARGUMENT: nothing is
- * captured. */
+/* Asks for a file of the frames around this moment, which desc.capture describes; a gamepad that asked for it in the last
+ * frame shakes. STILB_ERROR_ARGUMENT: nothing is captured. */
 stilb_result stilb_engine_capture(stilb_engine *engine);
 
 const char *stilb_engine_device_name(const stilb_engine *engine);
@@ -145,6 +162,24 @@ extern const char *const stilb_engine_ndf_names[];
 extern const char *const stilb_engine_g_names[];
 extern const char *const stilb_engine_f_names[];
 extern const char *const stilb_engine_light_names[];
+
+/* The gamepads there are, at most STILB_INPUT_PADS_MAX, also those that may not be opened. Texts are valid until the next
+ * frame. */
+uint32_t stilb_engine_gamepads(const stilb_engine *engine, stilb_input_control_pad pads[STILB_INPUT_PADS_MAX]);
+
+/* What came from them in all. */
+typedef struct stilb_engine_gamepad_counts {
+	uint64_t reports; /* that frames took */
+	uint64_t corrupt; /* of those: refused */
+	uint64_t lost;    /* between two frames: more than the buffer holds */
+} stilb_engine_gamepad_counts;
+stilb_engine_gamepad_counts stilb_engine_gamepad_counts_get(const stilb_engine *engine);
+
+/* Where the scene's camera is. */
+stilb_input_pose stilb_engine_pose(const stilb_engine *engine);
+
+/* Puts the camera where desc.view = view would have it. */
+void stilb_engine_set_view(stilb_engine *engine, stilb_scene_stress_view view);
 
 /* The scene and its camera: change them between frames only. */
 stilb_scene *stilb_engine_scene(stilb_engine *engine);

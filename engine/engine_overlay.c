@@ -1,14 +1,17 @@
 /*
- * What stands over the picture, the profiler and the inspector: made when one of them is first opened, it gets the mouse and
- * the keys before the camera does, and is drawn as a 2D pass of its own.
+ * What stands over the picture, the profiler, the inspector and the notice of gamepads: made when one of them is first
+ * opened, it gets the mouse and the keys before the camera does, and is drawn as a 2D pass of its own.
  */
 #include "engine_internal.h"
 
 #include "profiler/prof.h"
 
+/* Once. */
 static stilb_result engine_overlay_create(stilb_engine *engine)
 {
 	engine_overlay *overlay = &engine->overlay;
+	if (overlay->ui)
+		return STILB_OK;
 	stilb_ui_desc desc = stilb_ui_desc_default();
 	desc.render = engine->render;
 	desc.aa = engine->desc.ui_aa;
@@ -23,11 +26,9 @@ static stilb_result engine_overlay_create(stilb_engine *engine)
 
 stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector)
 {
-	if ((profiler || inspector) && !engine->overlay.ui) {
-		stilb_result result = engine_overlay_create(engine);
-		if (result != STILB_OK)
-			return result;
-	}
+	stilb_result result = profiler || inspector ? engine_overlay_create(engine) : STILB_OK;
+	if (result != STILB_OK)
+		return result;
 	engine->overlay.profiler_open = profiler;
 	engine->overlay.inspector_open = inspector;
 	return STILB_OK;
@@ -68,21 +69,36 @@ stilb_ui_input engine_ui_input(const stilb_window_state *window)
 void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window, stilb_input_state *input)
 {
 	engine_overlay *overlay = &engine->overlay;
+	/* Of the frame before: what the user saw when acting. */
+	if (engine_overlay_is_open(overlay) && stilb_ui_wants_keys(overlay->ui))
+		*input = stilb_input_without_keys(*input);
+	overlay->input = engine_ui_input(window);
+	overlay->input.seconds = engine->step;
+}
+
+void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
+{
+	engine_overlay *overlay = &engine->overlay;
 	if ((input->overlay || input->inspector) &&
 	    engine_overlay_open(engine, overlay->profiler_open != input->overlay,
 	                        overlay->inspector_open != input->inspector) != STILB_OK)
 		stilb_log("%s", stilb_error_message()); /* the picture goes on without it */
-	/* Of the frame before: what the user saw when acting. */
-	bool open = engine_overlay_is_open(overlay);
-	bool mouse = open && stilb_ui_wants_mouse(overlay->ui);
-	bool keys = open && stilb_ui_wants_keys(overlay->ui);
-	stilb_window_set_capturing(engine->window, !mouse);
-	if (keys)
-		*input = stilb_input_without_keys(*input);
 	if (overlay->profiler_open && input->freeze)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
-	overlay->input = engine_ui_input(window);
-	overlay->input.seconds = engine->step;
+	if (engine->window)
+		stilb_window_set_capturing(engine->window,
+		                           !engine_overlay_is_open(overlay) || !stilb_ui_wants_mouse(overlay->ui));
+}
+
+void engine_overlay_deny(stilb_engine *engine, uint32_t pad, const stilb_input_pad_info *info)
+{
+	char rule[512];
+	stilb_log("%s: %s may not be opened: no permission; as root put this into " ENGINE_NOTICE_FILE ": %s", info->path,
+	          info->name[0] ? info->name : "a gamepad", stilb_input_udev_rule(info, rule, sizeof rule));
+	if (engine_overlay_create(engine) == STILB_OK)
+		engine_notice_add(&engine->overlay.notice, pad, info);
+	else
+		stilb_log("%s", stilb_error_message());
 }
 
 static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *shading)
@@ -93,6 +109,8 @@ static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *
 		stilb_ui_profiler_draw(overlay->profiler, overlay->ui);
 	if (overlay->inspector_open)
 		engine_inspector_draw(&overlay->inspector, overlay->ui, shading, &overlay->inspector_open);
+	if (overlay->notice.pad_count > 0)
+		engine_notice_draw(&overlay->notice, overlay->ui);
 	stilb_ui_end(overlay->ui);
 }
 

@@ -140,7 +140,10 @@ stilb_result stilb_engine_capture(stilb_engine *engine)
 	if (!engine->desc.profile)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "nothing to capture: the profiler is off");
 	int error = stilb_prof_capture_now();
-	return error == 0 ? STILB_OK : stilb_fail(STILB_ERROR_ARGUMENT, "cannot capture: %s", strerror(-error));
+	if (error != 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot capture: %s", strerror(-error));
+	engine_input_captured(engine);
+	return STILB_OK;
 }
 
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames)

@@ -3,8 +3,8 @@
  * stage above it wrote. What comes back (GPU times, the window's size) enters with the next frame's input.
  *
  *   stage          reads                       writes                                  threads
- *   frame_begin    the window, the device      input, step, rewound contexts           main
- *   scene_update   input, step                 transforms, bounds, camera, moved list  main
+ *   frame_begin    the window, the device      keys, step, rewound contexts            main
+ *   scene_update   keys, gamepads, step        camera, transforms, bounds, moved list  main
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
  *   ui             input, profiler snapshots   the open overlay's command list          main
@@ -18,7 +18,7 @@
 #include <time.h>
 
 #define FRAME_STEP (1.0f / 60.0f)
-#define FRAME_MAX_STEP 0.1f /* after a stall the camera does not leap */
+#define FRAME_MAX_STEP 0.1f /* after a stall what moves does not leap */
 #define FRAME_OWNER 0u      /* the main thread's worker index */
 
 /* Ends a stage: its time goes to *ms, and the next stage begins now. */
@@ -40,7 +40,7 @@ static stilb_result frame_resize(stilb_engine *engine, const stilb_window_state 
 	return stilb_render_resize(engine->render, state->width, state->height);
 }
 
-static stilb_result frame_input(stilb_engine *engine, stilb_engine_report *report)
+static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *report)
 {
 	stilb_window_state state;
 	report->drawn = true;
@@ -54,27 +54,25 @@ static stilb_result frame_input(stilb_engine *engine, stilb_engine_report *repor
 	float elapsed = engine->last_ns ? (float)((double)(now - engine->last_ns) * 1e-9) : FRAME_STEP;
 	engine->step = elapsed < FRAME_MAX_STEP ? elapsed : FRAME_MAX_STEP;
 	engine->last_ns = now;
+	engine->input.focused = state.focused && state.width > 0;
 	report->input = stilb_input_from_window(&state);
 	report->close = state.close;
 	engine_overlay_input(engine, &state, &report->input);
 	return frame_resize(engine, &state, &report->drawn);
 }
 
+/* What keys and gamepads say; also while nothing is drawn, so that it is not kept for later. */
+static void frame_input(stilb_engine *engine, stilb_engine_report *report)
+{
+	report->time_us = engine_input_frame(engine, &report->input);
+	report->replayed = engine->input.replayed;
+	engine_overlay_act(engine, &report->input);
+}
+
 static stilb_result frame_begin(stilb_engine *engine)
 {
 	PROFILE("frame begin");
 	return stilb_render_frame_begin(engine->render);
-}
-
-static void frame_move_camera(stilb_scene_camera *camera, const stilb_input_state *input, float seconds)
-{
-	stilb_input_pose pose = {
-		{camera->position[0], camera->position[1], camera->position[2]}, camera->yaw, camera->pitch};
-	pose = stilb_input_fly(pose, input, seconds);
-	for (int i = 0; i < 3; i++)
-		camera->position[i] = pose.position[i];
-	camera->yaw = pose.yaw;
-	camera->pitch = pose.pitch;
 }
 
 static void frame_stall(void)
@@ -88,12 +86,11 @@ static void scene_update(stilb_engine *engine)
 	PROFILE("scene update");
 	if (engine->frame + 1 == engine->desc.slow_frame)
 		frame_stall();
+	frame_input(engine, &engine->report); /* as late as can be: the picture is of this moment */
 	stilb_scene *scene = engine->scene;
 	scene->moved_count = 0;
 	if (engine->desc.animate)
 		stilb_scene_animate(scene, engine->seconds);
-	if (engine->window)
-		frame_move_camera(&scene->camera, &engine->report.input, engine->step);
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);
 	stilb_render_view *view = &engine->views[0];
@@ -177,6 +174,7 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	if (result == STILB_OK)
 		result = replay(engine);
 	frame_clock(&clock, &times->replay);
+	times->pad = engine_input_latency(engine);
 	if (result == STILB_OK && engine->desc.present)
 		result = present(engine);
 	frame_clock(&clock, &times->present);
@@ -189,7 +187,9 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *report)
 {
 	engine->report = (stilb_engine_report){.frame = engine->frame};
-	stilb_result result = frame_input(engine, &engine->report);
+	stilb_result result = frame_window(engine, &engine->report);
+	if (result == STILB_OK && !engine->report.drawn)
+		frame_input(engine, &engine->report);
 	if (result == STILB_OK && engine->report.drawn) {
 		stilb_prof_frame_mark();
 		result = frame_stages(engine, &engine->report.times);

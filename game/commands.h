@@ -5,6 +5,7 @@
 int bench_command(int argc, char **argv); /* becomes stilb-bench: returns only when it cannot */
 int demo_command(int argc, char **argv);
 int info_command(int argc, char **argv);
+int pads_command(int argc, char **argv);
 int render_command(int argc, char **argv);
 int replay_command(int argc, char **argv);
 int shade_command(int argc, char **argv);

@@ -1,7 +1,9 @@
 /* stilb demo: the stress test, in a window or headless. */
 #include "commands.h"
+#include "demo_gamepads.h"
 #include "demo_options.h"
 #include "demo_report.h"
+#include "demo_track.h"
 #include "stage_times.h"
 
 #include <inttypes.h>
@@ -11,6 +13,7 @@
 
 #define DEMO_FRAMES 120u /* headless */
 #define DEMO_TRACE_FRAMES 1000u
+#define DEMO_VIEWS 3u /* stilb_scene_stress_view */
 
 typedef struct demo_run {
 	demo_options options;
@@ -18,6 +21,9 @@ typedef struct demo_run {
 	stilb_engine_report report; /* of the last frame drawn */
 	stage_times times;
 	uint64_t frames; /* drawn */
+	demo_track track;
+	demo_gamepads gamepads;
+	int view; /* as stilb_scene_stress_view */
 	bool window;
 	int capture_error; /* of the last capture; the capturing thread's until the engine is gone */
 	bool capture_failed;
@@ -72,7 +78,7 @@ static void demo_say_result(const demo_run *run, stilb_result result, const char
 		stilb_log("%s", stilb_error_message());
 }
 
-/* What the keys asked for. A file that cannot be written is said and does not end the run. */
+/* What keys and gamepads asked for. A file that cannot be written is said and does not end the run. */
 static stilb_result demo_act(demo_run *run, const stilb_engine_report *report)
 {
 	if (report->input.capture && stilb_engine_capture(run->engine) != STILB_OK)
@@ -80,6 +86,10 @@ static stilb_result demo_act(demo_run *run, const stilb_engine_report *report)
 	if (report->input.screenshot) {
 		const char *path = run->options.screenshot ? run->options.screenshot : DEMO_PICTURE;
 		demo_say_result(run, stilb_engine_screenshot(run->engine, path), "picture", path);
+	}
+	if (report->input.next_view % DEMO_VIEWS > 0) {
+		run->view = (int)(((uint32_t)run->view + report->input.next_view) % DEMO_VIEWS);
+		stilb_engine_set_view(run->engine, (stilb_scene_stress_view)run->view);
 	}
 	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + report->input.workers;
 	workers = workers < 0 ? 0 : workers > STILB_JOB_MAX_WORKERS ? STILB_JOB_MAX_WORKERS : workers;
@@ -107,9 +117,11 @@ static stilb_result demo_loop(demo_run *run)
 {
 	uint64_t wanted = run->options.frames, last_title = 0;
 	stilb_engine_report report = {0};
+	/* A recording is flown to its end when there is nobody who would close a window. */
+	const bool whole = wanted == 0 && !run->window && demo_options_is_replay(&run->options);
 	if (wanted == 0)
-		wanted = run->window ? UINT64_MAX : DEMO_FRAMES;
-	while (run->frames < wanted && !demo_interrupted && !report.close) {
+		wanted = run->window || whole ? UINT64_MAX : DEMO_FRAMES;
+	while (run->frames < wanted && !demo_interrupted && !report.close && !(whole && report.replayed)) {
 		stilb_result result = demo_act(run, &report); /* what the frame before was asked for */
 		if (result == STILB_OK)
 			result = stilb_engine_frame(run->engine, &report);
@@ -118,9 +130,11 @@ static stilb_result demo_loop(demo_run *run)
 		if (report.drawn) {
 			run->report = report;
 			run->frames++;
+			demo_track_add(&run->track, run->engine, &report);
 			if (!stage_times_add(&run->times, &report.times))
 				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
 		}
+		demo_gamepads_say(&run->gamepads, run->engine, demo_options_words(&run->options));
 		demo_title(run, &last_title);
 	}
 	return STILB_OK;
@@ -141,7 +155,7 @@ static bool demo_finish(demo_run *run)
 	bool good = stage_times_summarise(&run->times, report.summary, &report.warmup);
 	if (!good)
 		stilb_log("no memory to sort the stage times: they are given as 0");
-	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK;
+	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK, track = STILB_OK;
 	if (o->screenshot)
 		demo_say_result(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);
 	if (o->trace)
@@ -150,16 +164,20 @@ static bool demo_finish(demo_run *run)
 		demo_say_result(run, stats = demo_report_save(&report), "stats", o->stats);
 	if (o->dump)
 		demo_say_result(run, dump = stilb_engine_dump(run->engine, o->dump), "dump", o->dump);
+	if (o->track)
+		demo_say_result(run, track = demo_track_save(&run->track), "track", o->track);
 	demo_report_print(&report);
 	uint32_t messages = stilb_engine_validation_messages(run->engine);
 	if (messages > 0)
 		stilb_log("the validation layer had %u message%s", messages, messages == 1 ? "" : "s");
-	return good && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK && dump == STILB_OK && messages == 0;
+	return good && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK && dump == STILB_OK &&
+	       track == STILB_OK && messages == 0;
 }
 
 static int demo_main(demo_run *run)
 {
-	if (demo_start(run) != STILB_OK) {
+	if (demo_start(run) != STILB_OK ||
+	    (run->options.track && demo_track_open(&run->track, run->options.track) != STILB_OK)) {
 		stilb_log("%s", stilb_error_message());
 		return EXIT_FAILED;
 	}
@@ -190,7 +208,9 @@ int demo_command(int argc, char **argv)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !demo_options_check(&run.options))
 		return EXIT_REFUSED;
+	run.view = run.options.view;
 	int code = demo_main(&run);
+	demo_track_finish(&run.track);
 	stilb_engine_destroy(run.engine); /* writes captures that were asked for */
 	stage_times_finish(&run.times);
 	return code == EXIT_DONE && run.capture_failed ? EXIT_FAILED : code;

@@ -34,6 +34,7 @@ demo_options demo_options_default(void)
 		.anisotropy = NAN,
 		.wrap = NAN,
 		.specular = NAN,
+		.sensitivity = 1.0f,
 	};
 }
 
@@ -88,6 +89,11 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials' window from the start, too", 0, 0, NULL},
 		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "feather|article|off",
 	     "their edges: soft; soft outside alone; hard (feather)", 0, 0, ui_aa_choices},
+		{"--gamepad", FLAG_TEXT, &o->gamepad, "SOURCE",
+	     "auto, off, hidraw, hidapi or replay:FILE (auto: hidraw in a window)", 0, 0, NULL},
+		{"--invert-y", FLAG_SWITCH, &o->invert_y, NULL, "the right stick looks down when pushed up", 0, 0, NULL},
+		{"--sensitivity", FLAG_AMOUNT, &o->sensitivity, "X", "of looking with the right stick, 0..10 (1)", 0, 10, NULL},
+		{"--track", FLAG_TEXT, &o->track, "FILE", "the camera's way: a line for each frame", 0, 0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
 		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the last frame's commands, for 'stilb replay'", 0, 0, NULL},
 		{"--fault", FLAG_TEXT, &o->fault, "KIND:N", "on purpose: memory:N, lost:N fail, frame slow:N is slow", 0, 0,
@@ -110,7 +116,7 @@ static bool has_extension(const char *path, const char *extension)
 	return dot && strcasecmp(dot, extension) == 0;
 }
 
-#define DEMO_OUTPUTS 5
+#define DEMO_OUTPUTS 6
 
 static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
 {
@@ -119,6 +125,7 @@ static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
 	paths[2] = o->stats;
 	paths[3] = o->dump;
 	paths[4] = o->capture;
+	paths[5] = o->track;
 }
 
 FILE *demo_options_words(const demo_options *o)
@@ -187,6 +194,34 @@ static bool demo_parse_spike(const char *text, stilb_prof_capture_desc *capture)
 	       capture->spike_ms <= 1e6;
 }
 
+/* "auto", "hidraw", "replay:flight.rec"; *recording is the file's name in the last case. */
+static bool demo_parse_gamepad(const char *text, stilb_engine_gamepad *gamepad, const char **recording)
+{
+	static const char *const words[] = {[STILB_ENGINE_GAMEPAD_AUTO] = "auto",
+	                                    [STILB_ENGINE_GAMEPAD_OFF] = "off",
+	                                    [STILB_ENGINE_GAMEPAD_HIDRAW] = "hidraw",
+	                                    [STILB_ENGINE_GAMEPAD_HIDAPI] = "hidapi",
+	                                    [STILB_ENGINE_GAMEPAD_REPLAY] = "replay:"};
+	*gamepad = STILB_ENGINE_GAMEPAD_AUTO;
+	*recording = NULL;
+	if (!text)
+		return true;
+	while (*gamepad < STILB_ENGINE_GAMEPAD_REPLAY && strcmp(text, words[*gamepad]) != 0)
+		++*gamepad;
+	if (*gamepad < STILB_ENGINE_GAMEPAD_REPLAY)
+		return true;
+	const size_t length = strlen(words[STILB_ENGINE_GAMEPAD_REPLAY]);
+	*recording = text + length;
+	return strncmp(text, words[STILB_ENGINE_GAMEPAD_REPLAY], length) == 0 && text[length] != '\0';
+}
+
+bool demo_options_is_replay(const demo_options *o)
+{
+	stilb_engine_gamepad gamepad;
+	const char *recording;
+	return demo_parse_gamepad(o->gamepad, &gamepad, &recording) && gamepad == STILB_ENGINE_GAMEPAD_REPLAY;
+}
+
 /* The profiler's files and what they need. */
 static bool demo_check_profile(const demo_options *o)
 {
@@ -226,6 +261,10 @@ bool demo_options_check(const demo_options *o)
 		stilb_log("--fault: '%s' is not known; give memory:N, lost:N or slow:N with N from 1 on", o->fault);
 		return false;
 	}
+	if (!demo_parse_gamepad(o->gamepad, &(stilb_engine_gamepad){0}, &(const char *){NULL})) {
+		stilb_log("--gamepad: '%s' is not known; give auto, off, hidraw, hidapi or replay:FILE", o->gamepad);
+		return false;
+	}
 	if (o->screenshot && o->device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
@@ -242,7 +281,7 @@ bool demo_options_check(const demo_options *o)
 	stilb_result result = stilb_cpu_isa(&isa);
 	if (result == STILB_OK && o->screenshot)
 		result = stilb_image_path_check(o->screenshot);
-	const char *const files[] = {o->trace, o->stats, o->dump, o->capture};
+	const char *const files[] = {o->trace, o->stats, o->dump, o->capture, o->track};
 	for (size_t i = 0; i < sizeof files / sizeof *files && result == STILB_OK; i++)
 		if (files[i])
 			result = stilb_file_check(files[i]);
@@ -298,6 +337,9 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.animate = o->animate;
 	desc.validate = o->validate;
 	desc.shading = demo_shading(o);
+	demo_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
+	desc.control.invert_y = o->invert_y;
+	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
 	desc.overlay = o->overlay;
 	desc.inspector = o->inspector;
 	desc.ui_aa = (stilb_ui_aa)o->ui_aa;

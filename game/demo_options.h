@@ -11,7 +11,9 @@
 #define DEMO_CAPTURE "stilb-capture.json"
 #define DEMO_KEYS                                                                                                      \
 	"WASD fly, Q/E down/up, shift fast, right mouse looks, Esc releases the mouse,\n"                                  \
-	"F1 profiler, space freezes it, F2 materials, P captures a trace, F12 picture, - and + workers"
+	"F1 profiler, space freezes it, F2 materials, V next view, P captures a trace, F12 picture, - and + workers\n"     \
+	"gamepad: left stick flies, right stick looks, triggers slower and faster, shoulders down and up;\n"               \
+	"A freezes the profiler, B next view, X captures a trace, Y profiler, menu materials, view picture"
 
 #define DEMO_NOT_GIVEN (-1)
 
@@ -22,8 +24,9 @@ typedef struct demo_options {
 	int brdf, ndf, g, f; /* DEMO_NOT_GIVEN, or the number of the word */
 	int light;
 	float roughness, anisotropy, wrap, specular; /* added; NAN: what the choice adds by itself */
-	bool headless, no_present, animate, validate, overlay, inspector, no_profile;
-	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault;
+	bool headless, no_present, animate, validate, overlay, inspector, no_profile, invert_y;
+	float sensitivity; /* of looking with a stick */
+	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track;
 } demo_options;
 
 /* The words of the choices, in the order of the engine's enumerations; NULL-terminated. */
@@ -43,6 +46,9 @@ bool demo_options_check(const demo_options *o);
 
 /* The engine for these options, which are right. */
 stilb_engine_desc demo_options_engine(const demo_options *o);
+
+/* A recording is flown, which ends. */
+bool demo_options_is_replay(const demo_options *o);
 
 /* Where the words go: not among the bytes of a file that is written to stdout. */
 FILE *demo_options_words(const demo_options *o);

@@ -49,6 +49,22 @@ static void demo_put_shading(stilb_json *json, stilb_render_shading shading)
 	stilb_json_end(json, '}');
 }
 
+static void demo_put_gamepads(stilb_json *json, const demo_report *report)
+{
+	const stilb_engine_gamepad_counts counts = stilb_engine_gamepad_counts_get(report->engine);
+	const stage_summary *latency = &report->summary[STAGE_PAD];
+	stilb_json_begin(json, "gamepads", '{');
+	stilb_json_int(json, "reports", (int64_t)counts.reports);
+	stilb_json_int(json, "corrupt", (int64_t)counts.corrupt);
+	stilb_json_int(json, "lost", (int64_t)counts.lost);
+	stilb_json_begin(json, "latency_ms", '{');
+	stilb_json_double(json, "median", latency->median);
+	stilb_json_double(json, "p99", latency->p99);
+	stilb_json_double(json, "min", latency->min);
+	stilb_json_end(json, '}');
+	stilb_json_end(json, '}');
+}
+
 stilb_result demo_report_save(const demo_report *report)
 {
 	const demo_options *o = report->options;
@@ -89,6 +105,7 @@ stilb_result demo_report_save(const demo_report *report)
 	}
 	stilb_json_end(&json, '}');
 	stilb_json_double(&json, "gpu_ms", summary[STAGE_GPU].median);
+	demo_put_gamepads(&json, report);
 	stilb_json_string(&json, "bound", demo_bound_name(demo_bound(summary)));
 	stilb_json_end(&json, '}');
 	return stilb_json_save(&json, o->stats);
@@ -114,9 +131,14 @@ void demo_report_print(const demo_report *report)
 	        report->frames == 1 ? "" : "s", report->warmup);
 	fprintf(out, "  %-8s %9s %9s %9s\n", "stage", "median", "p99", "min");
 	for (int s = 0; s < STAGE_COUNT; s++)
-		if (s != STAGE_GPU || o->device != STILB_RENDER_DEVICE_NULL)
+		if (s < STAGE_GPU || (s == STAGE_GPU && o->device != STILB_RENDER_DEVICE_NULL) ||
+		    (s == STAGE_PAD && summary[s].median > 0.0))
 			fprintf(out, "  %-8s %9.3f %9.3f %9.3f\n", stage_names[s], summary[s].median, summary[s].p99,
 			        summary[s].min);
 	stage bound = demo_bound(summary);
+	const stilb_engine_gamepad_counts pads = stilb_engine_gamepad_counts_get(report->engine);
+	if (pads.reports > 0)
+		fprintf(out, "gamepads: %" PRIu64 " reports, %" PRIu64 " corrupt, %" PRIu64 " lost\n", pads.reports,
+		        pads.corrupt, pads.lost);
 	fprintf(out, "bound by: %s, %.3f ms\n", demo_bound_name(bound), summary[bound].median);
 }

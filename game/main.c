@@ -19,6 +19,7 @@ static const struct command {
 	{"replay", replay_command, "play a frame that 'stilb demo --dump' wrote, and measure its commands"},
 	{"trace", trace_command, "what takes the time in a trace file, and which zones got slower in another"},
 	{"shade", shade_command, "draw what the shading formulas look like: lobes, curves, spheres"},
+	{"pads", pads_command, "gamepads: which there are, what they say; record and replay them, describe descriptors"},
 	{"info", info_command, "show the CPU's features, the GPUs and the libraries"},
 };
 

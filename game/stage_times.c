@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const stage_names[STAGE_COUNT] = {"frame", "cull", "record", "ui", "replay", "present", "gpu"};
+const char *const stage_names[STAGE_COUNT] = {"frame", "cull", "record", "ui", "replay", "present", "gpu", "pad"};
 
 static bool stage_times_grow(stage_times *times)
 {
@@ -29,6 +29,7 @@ bool stage_times_add(stage_times *times, const stilb_engine_times *frame)
 	out[STAGE_REPLAY] = (float)frame->replay;
 	out[STAGE_PRESENT] = (float)frame->present;
 	out[STAGE_GPU] = (float)frame->gpu;
+	out[STAGE_PAD] = (float)frame->pad;
 	times->count++;
 	return true;
 }
@@ -66,7 +67,7 @@ bool stage_times_summarise(const stage_times *times, stage_summary summary[STAGE
 		uint64_t known = 0;
 		for (uint64_t i = 0; i < count; i++) {
 			float ms = times->frames[(times->count - count + i) % times->capacity][s];
-			if (s != STAGE_GPU || ms > 0.0f)
+			if (s < STAGE_GPU || ms > 0.0f)
 				values[known++] = ms;
 		}
 		qsort(values, known, sizeof *values, compare_floats);

@@ -4,17 +4,16 @@
  */
 #include "engine_internal.h"
 #include "shading/shade_brdf.h"
+#include "support/x11_window.h"
 
 #include <X11/Xatom.h>
-#include <X11/Xlib.h>
-#include <X11/Xutil.h>
+#include <math.h>
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -24,23 +23,6 @@ typedef struct fixture {
 	Display *display; /* the outside connection */
 	Window window;
 } fixture;
-
-static Window find_window(Display *display, const char *title)
-{
-	Window root, parent, *children = NULL, found = 0;
-	unsigned count = 0;
-	XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
-	for (unsigned i = 0; i < count && !found; i++) {
-		char *name = NULL;
-		if (XFetchName(display, children[i], &name) && name && strncmp(name, title, strlen(title)) == 0)
-			found = children[i];
-		if (name)
-			XFree(name);
-	}
-	if (children)
-		XFree(children);
-	return found;
-}
 
 static int set_up(void **state)
 {
@@ -57,7 +39,7 @@ static int set_up(void **state)
 		return -1;
 	}
 	f->display = XOpenDisplay(NULL);
-	f->window = f->display ? find_window(f->display, "Stilb") : 0;
+	f->window = f->display ? x11_window_find(f->display, "Stilb") : 0;
 	*state = f;
 	return f->window ? 0 : -1;
 }
@@ -262,11 +244,38 @@ static void test_keys(void **state)
 		run_frame(f);
 	send_key(f, XK_w, false);
 	assert_true(camera->position[2] < before); /* forward is -Z */
-	for (int i = 0; i < 10; i++)
-		run_frame(f);
-	float rest = camera->position[2];
+	float way = 1.0f, rest;
+	for (int i = 0; i < 100 && way > 1e-5f; i++) { /* released: it slows down and stands still */
+		rest = camera->position[2];
+		run_frames(f, 30);
+		way = fabsf(camera->position[2] - rest);
+	}
+	assert_true(way <= 1e-5f);
+}
+
+/* The keyboard goes elsewhere with a key held: the camera does not glide on. */
+static void test_focus(void **state)
+{
+	fixture *f = *state;
+	const stilb_scene_camera *camera = &stilb_engine_scene(f->engine)->camera;
+	Window other = XCreateSimpleWindow(f->display, DefaultRootWindow(f->display), 400, 0, 10, 10, 0, 0, 0);
+	XMapWindow(f->display, other);
+	XSetInputFocus(f->display, f->window, RevertToParent, CurrentTime);
 	run_frames(f, 3);
-	assert_true(camera->position[2] == rest); /* released: it stands still */
+	float before = camera->position[2];
+	send_key(f, XK_w, true);
+	for (int i = 0; i < 100 && camera->position[2] == before; i++)
+		run_frame(f);
+	assert_true(camera->position[2] < before);
+	XSetInputFocus(f->display, other, RevertToParent, CurrentTime);
+	XSync(f->display, False);
+	for (int i = 0; i < 100 && f->engine->input.focused; i++)
+		run_frame(f);
+	assert_false(f->engine->input.focused);
+	before = camera->position[2];
+	run_frames(f, 5);
+	assert_true(camera->position[2] == before);
+	XDestroyWindow(f->display, other);
 }
 
 static void send_button(fixture *f, unsigned button, bool down)
@@ -485,6 +494,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_resize_during_frames, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_minimise, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_focus, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_overlay, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_inspector, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_close, set_up, tear_down),

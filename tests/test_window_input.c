@@ -1,13 +1,11 @@
 /* The window's keys, pointer and wheel under a virtual display: a second connection to it plays the user. */
+#include "support/x11_window.h"
 #include "window/window.h"
 
-#include <X11/Xlib.h>
-#include <X11/Xutil.h>
 #include <X11/keysym.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -16,23 +14,6 @@ static stilb_window *window;
 static Display *display; /* the user's connection */
 static Window target;
 
-static Window find_window(const char *title)
-{
-	Window root, parent, *children = NULL, found = 0;
-	unsigned count = 0;
-	XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
-	for (unsigned i = 0; i < count && !found; i++) {
-		char *name = NULL;
-		if (XFetchName(display, children[i], &name) && name && strcmp(name, title) == 0)
-			found = children[i];
-		if (name)
-			XFree(name);
-	}
-	if (children)
-		XFree(children);
-	return found;
-}
-
 static int set_up(void **state)
 {
 	(void)state;
@@ -40,7 +21,7 @@ static int set_up(void **state)
 		fprintf(stderr, "%s\n", stilb_error_message());
 		return -1;
 	}
-	target = find_window("Stilb input");
+	target = x11_window_find(display, "Stilb input");
 	if (target) /* as a window manager would; else the keys go where the pointer is */
 		XSetInputFocus(display, target, RevertToParent, CurrentTime);
 	return target ? 0 : -1;
@@ -147,6 +128,7 @@ static void test_each_key(void **state)
 	            {XK_Shift_L, STILB_WINDOW_KEY_SHIFT},
 	            {XK_Escape, STILB_WINDOW_KEY_ESCAPE},
 	            {XK_p, STILB_WINDOW_KEY_P},
+	            {XK_v, STILB_WINDOW_KEY_V},
 	            {XK_w, STILB_WINDOW_KEY_W},
 	            {XK_F12, STILB_WINDOW_KEY_F12}};
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
@@ -174,6 +156,30 @@ static void test_held_key_repeats(void **state)
 	assert_int_equal(now.repeated[awaited], 1);
 	send_key(XK_Down, false);
 	polled(key_went);
+	assert_quiet();
+}
+
+static bool focused(const stilb_window_state *state)
+{
+	return state->focused;
+}
+
+static bool unfocused(const stilb_window_state *state)
+{
+	return !state->focused;
+}
+
+static void test_focus(void **state)
+{
+	(void)state;
+	Window other = XCreateSimpleWindow(display, DefaultRootWindow(display), 400, 0, 10, 10, 0, 0, 0);
+	XMapWindow(display, other);
+	polled(focused);
+	XSetInputFocus(display, other, RevertToParent, CurrentTime);
+	polled(unfocused);
+	XSetInputFocus(display, target, RevertToParent, CurrentTime);
+	polled(focused);
+	XDestroyWindow(display, other);
 	assert_quiet();
 }
 
@@ -313,9 +319,13 @@ int main(void)
 		return 77;
 	}
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_each_key), cmocka_unit_test(test_held_key_repeats),
-		cmocka_unit_test(test_pointer),  cmocka_unit_test(test_left_button),
-		cmocka_unit_test(test_wheel),    cmocka_unit_test(test_right_button_captures),
+		cmocka_unit_test(test_each_key),
+		cmocka_unit_test(test_held_key_repeats),
+		cmocka_unit_test(test_focus),
+		cmocka_unit_test(test_pointer),
+		cmocka_unit_test(test_left_button),
+		cmocka_unit_test(test_wheel),
+		cmocka_unit_test(test_right_button_captures),
 	};
 	int failed = cmocka_run_group_tests_name("window input", tests, set_up, tear_down);
 	XCloseDisplay(display);

@@ -5,12 +5,14 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct stilb_window {
 	GLFWwindow *handle;
 	uint8_t pressed[STILB_WINDOW_KEY_COUNT], repeated[STILB_WINDOW_KEY_COUNT]; /* since the last poll */
 	uint8_t clicks;
 	float wheel;
+	bool focused;
 	bool capturing; /* the right button captures */
 	bool captured;
 	bool fresh; /* captured since the last poll: the pointer jumped, its way does not count */
@@ -44,6 +46,8 @@ static stilb_window_key window_key(int key)
 		return STILB_WINDOW_KEY_E;
 	case GLFW_KEY_P:
 		return STILB_WINDOW_KEY_P;
+	case GLFW_KEY_V:
+		return STILB_WINDOW_KEY_V;
 	case GLFW_KEY_F1:
 		return STILB_WINDOW_KEY_F1;
 	case GLFW_KEY_F2:
@@ -135,6 +139,13 @@ static void window_on_wheel(GLFWwindow *handle, double sideways, double notches)
 	window->wheel += (float)notches;
 }
 
+/* Told, not asked for: without a window manager keys also come to a window that the display server calls unfocused. */
+static void window_on_focus(GLFWwindow *handle, int focused)
+{
+	stilb_window *window = glfwGetWindowUserPointer(handle);
+	window->focused = focused;
+}
+
 static stilb_result window_fail(const char *what)
 {
 	stilb_result result = stilb_fail(STILB_ERROR_WINDOW, "cannot %s: %s", what, window_error);
@@ -161,12 +172,13 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 		free(window);
 		return window_fail("open a window");
 	}
-	window->capturing = true;
+	window->focused = window->capturing = true;
 	glfwSetWindowUserPointer(window->handle, window);
 	glfwSetKeyCallback(window->handle, window_on_key);
 	glfwSetCharCallback(window->handle, window_on_character);
 	glfwSetMouseButtonCallback(window->handle, window_on_button);
 	glfwSetScrollCallback(window->handle, window_on_wheel);
+	glfwSetWindowFocusCallback(window->handle, window_on_focus);
 	*out = window;
 	return STILB_OK;
 }
@@ -237,7 +249,7 @@ static void window_read_pointer(stilb_window *window, stilb_window_state *state)
 static void window_read(stilb_window *window, stilb_window_state *state)
 {
 	int width, height;
-	*state = (stilb_window_state){.close = glfwWindowShouldClose(window->handle)};
+	*state = (stilb_window_state){.close = glfwWindowShouldClose(window->handle), .focused = window->focused};
 	glfwGetFramebufferSize(window->handle, &width, &height);
 	bool minimised = glfwGetWindowAttrib(window->handle, GLFW_ICONIFIED);
 	state->width = minimised || width < 0 ? 0 : (uint32_t)width;
@@ -257,6 +269,25 @@ void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state 
 {
 	glfwWaitEventsTimeout(seconds);
 	window_read(window, state);
+}
+
+void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS])
+{
+	(void)window; /* GLFW's gamepads are the process's, and are there while a window is */
+	static_assert(STILB_WINDOW_GAMEPADS == GLFW_JOYSTICK_LAST + 1, "a place for each");
+	for (int i = 0; i < STILB_WINDOW_GAMEPADS; i++) {
+		stilb_window_gamepad *pad = &gamepads[i];
+		GLFWgamepadstate state;
+		*pad = (stilb_window_gamepad){0};
+		if (!glfwGetGamepadState(i, &state))
+			continue;
+		static_assert(sizeof pad->axes == sizeof state.axes, "all axes");
+		memcpy(pad->axes, state.axes, sizeof pad->axes);
+		for (uint32_t b = 0; b <= GLFW_GAMEPAD_BUTTON_LAST; b++)
+			pad->buttons |= (uint32_t)(state.buttons[b] == GLFW_PRESS) << b;
+		pad->guid = glfwGetJoystickGUID(i);
+		pad->name = pad->guid ? glfwGetJoystickName(i) : NULL;
+	}
 }
 
 const char *const *stilb_window_surface_extensions(void *user, uint32_t *count)

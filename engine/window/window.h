@@ -1,5 +1,5 @@
 /*
- * window: the window, its keys and mouse, and its Vulkan surface, through GLFW.
+ * window: the window, its keys and mouse, the gamepads that GLFW knows, and its Vulkan surface, through GLFW.
  *
  * Life cycle.  stilb_window_create -> stilb_window_poll once a frame -> stilb_window_destroy.
  * Threads.     All [main-thread]: the one that created the window.
@@ -20,6 +20,7 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_Q,
 	STILB_WINDOW_KEY_E,
 	STILB_WINDOW_KEY_P,
+	STILB_WINDOW_KEY_V,
 	STILB_WINDOW_KEY_F1,
 	STILB_WINDOW_KEY_F2,
 	STILB_WINDOW_KEY_F12,
@@ -42,6 +43,7 @@ typedef enum stilb_window_key {
 typedef struct stilb_window_state {
 	uint32_t width, height;                   /* of the picture, pixels; 0 while minimised */
 	bool close;                               /* the user wants the window closed */
+	bool focused;                             /* keys come here; true until the window is told otherwise */
 	bool held[STILB_WINDOW_KEY_COUNT];        /* is down now */
 	uint8_t pressed[STILB_WINDOW_KEY_COUNT];  /* how often it went down */
 	uint8_t repeated[STILB_WINDOW_KEY_COUNT]; /* how often it would have been typed again, being held */
@@ -71,6 +73,19 @@ void stilb_window_set_capturing(stilb_window *window, bool capturing);
 
 /* The same after waiting for an event, at most `seconds`: for a minimised window. */
 void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state);
+
+/* A gamepad as GLFW maps it. The texts are valid until the next poll. */
+typedef struct stilb_window_gamepad {
+	const char *name; /* NULL: there is none at this place, or GLFW does not know its layout */
+	const char *guid; /* 32 hexadecimal digits: bus, vendor, product, version */
+	float axes[6]; /* in the order of GLFW_GAMEPAD_AXIS_...: sticks to the right and down, triggers; all in [-1, 1] */
+	uint32_t buttons; /* bit 1 << GLFW_GAMEPAD_BUTTON_...: is down */
+} stilb_window_gamepad;
+
+#define STILB_WINDOW_GAMEPADS 16
+
+/* As they are now. */
+void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS]);
 
 /* The three calls that render's stilb_render_surface wants; user is the window, instance a VkInstance, *surface a
  * VkSurfaceKHR; returns a VkResult. */

@@ -262,6 +262,17 @@ test_summary() {
 	require=model dev 1 test
 	grep -q '^model   failed ' "$scratch/out" || fail "no line for the tier"
 
+	fresh_house "the tier vm fetches its kernel"
+	mkdir -p "$scratch/house/tests/vm"
+	stand_in kernel.sh 'exit 1'
+	mv "$scratch/bin/kernel.sh" "$scratch/house/tests/vm"
+	require=vm dev 0 test
+	called "kernel.sh $scratch/house/build/vm-kernel"
+	grep -q '^vm      passed ' "$scratch/out" || fail "without a kernel the tests cannot say why they are skipped"
+	: >"$calls"
+	require=vm dev 0 test --no-install
+	not_called kernel.sh
+
 	fresh_house "a build that fails"
 	stand_in cmake '[ "$2" != asan ]'
 	dev 1 test

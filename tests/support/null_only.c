@@ -1,7 +1,8 @@
 /*
- * Stands in for everything that would load Vulkan, GLFW or OpenImageIO: linked into the tests of the null device, so that
+ * Stands in for everything that would load Vulkan, GLFW, OpenImageIO or hidapi: linked into the tests of the null device, so that
  * no third-party library is there and the thread sanitizer sees all that runs. Each call fails as on a bare machine.
  */
+#include "input/input_device_internal.h"
 #include "render/render_internal.h"
 #include "window/window.h"
 
@@ -52,6 +53,12 @@ void stilb_window_set_capturing(stilb_window *window, bool capturing)
 	(void)window, (void)capturing;
 }
 
+void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS])
+{
+	(void)window;
+	memset(gamepads, 0, STILB_WINDOW_GAMEPADS * sizeof *gamepads);
+}
+
 const char *const *stilb_window_surface_extensions(void *user, uint32_t *count)
 {
 	(void)user;
@@ -69,3 +76,5 @@ const char *stilb_window_library_version(void)
 {
 	return "none";
 }
+
+const input_backend input_backend_hidapi = {.name = "none"};

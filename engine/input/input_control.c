@@ -1,0 +1,361 @@
+#include "input/input_control.h"
+#include "input/input_layout.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CONTROL_TRIGGER_INNER 0.05f /* worn triggers do not come back quite */
+#define CONTROL_TOUCH_MIN 0.1f      /* a stick without a dead zone must move so far to be touched */
+#define CONTROL_DRIFT 0.1f          /* 1/s: what moves no faster is not touched */
+
+typedef struct control_pad {
+	uint32_t number; /* 0: this place is free */
+	bool denied;
+	bool readable;    /* layout is one */
+	char unread[160]; /* why not */
+	stilb_input_pad_info info;
+	stilb_input_layout layout;
+	stilb_input_pad_state state;
+	float rest[STILB_INPUT_AXIS_COUNT]; /* the axes at the last touch, and drifting after them */
+	uint64_t reports, corrupt;
+	int64_t last_us;
+} control_pad;
+
+struct stilb_input_control {
+	stilb_input_control_settings settings;
+	stilb_input_camera camera;
+	bool focused;
+	stilb_input_wish keys;     /* as the last frame said */
+	int64_t keys_until_us;     /* and how long that is believed */
+	stilb_input_state actions; /* of the leading pad since the last frame */
+	uint32_t leader;
+	control_pad pads[STILB_INPUT_PADS_MAX];
+};
+
+stilb_input_control_settings stilb_input_control_settings_default(void)
+{
+	return (stilb_input_control_settings){
+		.camera = stilb_input_camera_settings_default(),
+		.inner = 0.12f,
+		.outer = 0.95f,
+		.curve = 2.0f,
+		.sensitivity = {1.0f, 1.0f, 1.0f, 1.0f},
+		.boost = 3.0f,
+	};
+}
+
+stilb_result stilb_input_control_create(const stilb_input_control_settings *settings, const stilb_input_pose *pose,
+                                        int64_t time_us, stilb_input_control **out)
+{
+	*out = NULL;
+	stilb_input_control *control = calloc(1, sizeof *control);
+	if (!control)
+		return stilb_fail(STILB_ERROR_MEMORY, "input: no memory");
+	control->settings = *settings;
+	control->focused = true;
+	control->keys_until_us = time_us;
+	control->camera = stilb_input_camera_make(&settings->camera, pose, time_us);
+	*out = control;
+	return STILB_OK;
+}
+
+void stilb_input_control_destroy(stilb_input_control *control)
+{
+	free(control);
+}
+
+/* ---- what is wanted -------------------------------------------------------------------------------------------- */
+
+static control_pad *control_find(stilb_input_control *control, uint32_t number)
+{
+	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++)
+		if (control->pads[i].number == number)
+			return &control->pads[i];
+	return NULL;
+}
+
+static float control_trigger(float value)
+{
+	float out[2];
+	stilb_input_stick((const float[2]){value, 0.0f}, CONTROL_TRIGGER_INNER, 1.0f, 1.0f, out);
+	return out[0];
+}
+
+static float control_button(const stilb_input_pad_state *state, stilb_input_button button)
+{
+	return (float)(state->buttons >> button & 1u);
+}
+
+static stilb_input_wish control_pad_wish(const stilb_input_control_settings *settings,
+                                         const stilb_input_pad_state *state)
+{
+	const float *axes = state->axes, *sensitivity = settings->sensitivity;
+	float left[2], right[2];
+	stilb_input_stick(&axes[STILB_INPUT_LEFT_X], settings->inner, settings->outer, settings->curve, left);
+	stilb_input_stick(&axes[STILB_INPUT_RIGHT_X], settings->inner, settings->outer, settings->curve, right);
+	return (stilb_input_wish){
+		.move = {left[0] * sensitivity[0],
+	             control_button(state, STILB_INPUT_RIGHT_SHOULDER) - control_button(state, STILB_INPUT_LEFT_SHOULDER),
+	             left[1] * sensitivity[1]},
+		.turn = {-right[0] * sensitivity[2], right[1] * sensitivity[3] * (settings->invert_y ? -1.0f : 1.0f)},
+		.boost = settings->boost *
+	             (control_trigger(axes[STILB_INPUT_RIGHT_TRIGGER]) - control_trigger(axes[STILB_INPUT_LEFT_TRIGGER])),
+	};
+}
+
+static stilb_input_wish control_keys_wish(const stilb_input_state *keys)
+{
+	return (stilb_input_wish){
+		.move = {keys->move[0], keys->move[1], keys->move[2]},
+		.boost = keys->fast ? log2f(STILB_INPUT_FAST) : 0.0f,
+	};
+}
+
+/* Tells the camera what the leading pad and the keys want together. */
+static void control_steer(stilb_input_control *control, int64_t time_us)
+{
+	stilb_input_wish wish = {0};
+	if (control->focused)
+		wish = control->keys;
+	const control_pad *leader = control->leader ? control_find(control, control->leader) : NULL;
+	if (control->focused && leader) {
+		const stilb_input_wish pad = control_pad_wish(&control->settings, &leader->state);
+		for (int i = 0; i < 3; i++)
+			wish.move[i] += pad.move[i];
+		for (int i = 0; i < 2; i++)
+			wish.turn[i] += pad.turn[i];
+		wish.boost += pad.boost;
+	}
+	stilb_input_camera_steer(&control->camera, time_us, &wish);
+}
+
+/* After a stalled frame the camera has not leapt: keys that were held before it may have been let go since. */
+static void control_forget_keys(stilb_input_control *control, int64_t time_us)
+{
+	if (time_us <= control->keys_until_us)
+		return;
+	control->keys = (stilb_input_wish){0};
+	control_steer(control, control->keys_until_us);
+}
+
+/* ---- pads ------------------------------------------------------------------------------------------------------ */
+
+static void control_recognise(control_pad *pad)
+{
+	pad->readable = pad->info.descriptor_size > 0 && stilb_input_layout_find(&pad->info, &pad->layout) == STILB_OK;
+	if (!pad->readable)
+		snprintf(pad->unread, sizeof pad->unread, "%s",
+		         pad->info.descriptor_size > 0 ? stilb_error_message() : "by the window library");
+}
+
+static void control_add(stilb_input_control *control, const stilb_input_event *event)
+{
+	control_pad *pad = control_find(control, 0);
+	if (!pad)
+		return;
+	memset(pad, 0, sizeof *pad);
+	pad->number = event->pad;
+	pad->denied = event->kind == STILB_INPUT_PAD_DENIED;
+	pad->info = *event->info;
+	pad->last_us = event->time_us;
+	control_recognise(pad);
+}
+
+static void control_remove(stilb_input_control *control, control_pad *pad, int64_t time_us)
+{
+	const bool led = pad->number == control->leader;
+	pad->number = 0;
+	if (!led)
+		return;
+	control->leader = 0;
+	stilb_input_camera_stop(&control->camera, time_us);
+	control_steer(control, time_us); /* the keys go on */
+}
+
+/* Whether its new state says that somebody has it in hand. */
+static bool control_touched(control_pad *pad, const stilb_input_pad_state *state, float dead_zone, int64_t time_us)
+{
+	const float drift = CONTROL_DRIFT * (float)(1e-6 * ((double)time_us - (double)pad->last_us));
+	bool touched = (state->buttons & ~pad->state.buttons) != 0;
+	for (int i = 0; i < STILB_INPUT_AXIS_COUNT; i++) {
+		pad->rest[i] = stilb_input_step_towards(pad->rest[i], pad->state.axes[i], drift);
+		touched = touched || fabsf(state->axes[i] - pad->rest[i]) > dead_zone;
+	}
+	if (touched)
+		memcpy(pad->rest, state->axes, sizeof pad->rest);
+	return touched;
+}
+
+static void control_act(stilb_input_state *actions, uint32_t pressed)
+{
+	for (uint32_t button = 0; button < STILB_INPUT_BUTTON_COUNT; button++) {
+		if (!(pressed >> button & 1u))
+			continue;
+		switch ((stilb_input_button)button) {
+		case STILB_INPUT_SOUTH:
+			actions->freeze = !actions->freeze;
+			break;
+		case STILB_INPUT_EAST:
+		case STILB_INPUT_RIGHT:
+			actions->next_view++;
+			break;
+		case STILB_INPUT_WEST:
+			actions->capture = true;
+			break;
+		case STILB_INPUT_NORTH:
+			actions->overlay = !actions->overlay;
+			break;
+		case STILB_INPUT_START:
+			actions->inspector = !actions->inspector;
+			break;
+		case STILB_INPUT_BACK:
+			actions->screenshot = true;
+			break;
+		case STILB_INPUT_UP:
+			actions->workers++;
+			break;
+		case STILB_INPUT_DOWN:
+			actions->workers--;
+			break;
+		default:
+			break;
+		}
+	}
+}
+
+static void control_state(stilb_input_control *control, control_pad *pad, const stilb_input_pad_state *state,
+                          int64_t time_us)
+{
+	if (pad->reports == 0 && control->leader) { /* it may lie on its side: that alone takes nobody's camera */
+		pad->state = *state;
+		memcpy(pad->rest, state->axes, sizeof pad->rest);
+	}
+	const uint32_t pressed = state->buttons & ~pad->state.buttons;
+	if (control_touched(pad, state, fmaxf(control->settings.inner, CONTROL_TOUCH_MIN), time_us))
+		control->leader = pad->number;
+	pad->state = *state;
+	pad->last_us = time_us;
+	pad->reports++;
+	if (control->focused)
+		control_act(&control->actions, pressed); /* a press is a touch: this pad leads */
+	control_steer(control, time_us);
+}
+
+static void control_report(stilb_input_control *control, control_pad *pad, const stilb_input_event *event)
+{
+	if (!pad->readable)
+		return;
+	stilb_input_pad_state state = pad->state;
+	switch (stilb_input_decode(&pad->layout, event->bytes, event->size, &state)) {
+	case STILB_INPUT_DECODED:
+		control_state(control, pad, &state, event->time_us);
+		break;
+	case STILB_INPUT_CORRUPT:
+		pad->corrupt++;
+		break;
+	case STILB_INPUT_OTHER:
+		break;
+	}
+}
+
+void stilb_input_control_event(stilb_input_control *control, const stilb_input_event *event)
+{
+	if (event->pad == 0)
+		return;
+	control_forget_keys(control, event->time_us);
+	if (event->kind == STILB_INPUT_PAD_ADDED || event->kind == STILB_INPUT_PAD_DENIED) {
+		control_add(control, event);
+		return;
+	}
+	control_pad *pad = control_find(control, event->pad);
+	if (!pad)
+		return;
+	if (event->kind == STILB_INPUT_PAD_REMOVED)
+		control_remove(control, pad, event->time_us);
+	else if (event->kind == STILB_INPUT_PAD_REPORT)
+		control_report(control, pad, event);
+	else
+		control_state(control, pad, &event->state, event->time_us);
+}
+
+uint32_t stilb_input_control_pads(const stilb_input_control *control,
+                                  stilb_input_control_pad pads[STILB_INPUT_PADS_MAX])
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++) {
+		const control_pad *pad = &control->pads[i];
+		if (pad->number == 0)
+			continue;
+		pads[count++] = (stilb_input_control_pad){
+			.pad = pad->number,
+			.info = &pad->info,
+			.name = pad->readable ? pad->layout.name : pad->info.name,
+			.recognised = pad->readable ? pad->layout.recognised : pad->unread,
+			.denied = pad->denied,
+			.leads = pad->number == control->leader,
+			.state = pad->state,
+			.reports = pad->reports,
+			.corrupt = pad->corrupt,
+			.last_us = pad->last_us,
+		};
+	}
+	return count;
+}
+
+uint32_t stilb_input_control_leader(const stilb_input_control *control, int64_t *last_us)
+{
+	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX && last_us; i++)
+		if (control->leader && control->pads[i].number == control->leader)
+			*last_us = control->pads[i].last_us;
+	return control->leader;
+}
+
+/* ---- the frame ------------------------------------------------------------------------------------------------- */
+
+static void control_look(stilb_input_control *control, int64_t time_us, const float look[2])
+{
+	if (look[0] != 0.0f || look[1] != 0.0f)
+		stilb_input_camera_turn(&control->camera, time_us, look[0], look[1]);
+}
+
+/* The keys of the window and what the pad's buttons add to them. */
+static stilb_input_state control_take(stilb_input_control *control, stilb_input_state state)
+{
+	const stilb_input_state pad = control->actions;
+	control->actions = (stilb_input_state){0};
+	memcpy(state.move, control->camera.wish.move, sizeof state.move);
+	state.capture = state.capture || pad.capture;
+	state.screenshot = state.screenshot || pad.screenshot;
+	state.overlay = state.overlay != pad.overlay;
+	state.inspector = state.inspector != pad.inspector;
+	state.freeze = state.freeze != pad.freeze;
+	state.next_view += pad.next_view;
+	state.workers += pad.workers;
+	return state;
+}
+
+void stilb_input_control_frame(stilb_input_control *control, int64_t time_us, const stilb_input_state *keys,
+                               bool focused, stilb_input_state *out, stilb_input_pose *pose)
+{
+	control_forget_keys(control, time_us);
+	if (control->focused && !focused)
+		stilb_input_camera_stop(&control->camera, time_us);
+	control->focused = focused;
+	control->keys = control_keys_wish(keys);
+	control->keys_until_us = time_us + STILB_INPUT_KEYS_US;
+	control_steer(control, time_us);
+	if (focused)
+		control_look(control, time_us, keys->look);
+	stilb_input_camera_advance(&control->camera, time_us);
+	*out = control_take(control, *keys);
+	*pose = stilb_input_camera_at(&control->camera, time_us);
+}
+
+void stilb_input_control_place(stilb_input_control *control, int64_t time_us, const stilb_input_pose *pose)
+{
+	control_forget_keys(control, time_us);
+	control->camera = stilb_input_camera_make(&control->settings.camera, pose, time_us);
+	control_steer(control, time_us);
+}

@@ -1,0 +1,50 @@
+#include "input/input_text_internal.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+/* Bytes of the character that from begins with, 0 where it is no UTF-8 (RFC 3629: the shortest form, no surrogates, at
+ * most U+10FFFF). *code becomes its number. */
+static size_t text_character(const uint8_t *from, size_t length, uint32_t *code)
+{
+	static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
+	*code = from[0];
+	if (from[0] < 0x80)
+		return 1;
+	const size_t bytes = from[0] >= 0xf0 ? 4 : from[0] >= 0xe0 ? 3 : 2;
+	if (from[0] < 0xc0 || from[0] > 0xf4 || bytes > length)
+		return 0;
+	*code = from[0] & (0xffu >> (bytes + 1));
+	for (size_t i = 1; i < bytes; i++) {
+		if ((from[i] & 0xc0) != 0x80)
+			return 0;
+		*code = *code << 6 | (from[i] & 0x3fu);
+	}
+	return *code < least[bytes] || *code > 0x10ffff || (*code >= 0xd800 && *code <= 0xdfff) ? 0 : bytes;
+}
+
+static bool text_is_control(uint32_t code)
+{
+	return code < 0x20 || (code >= 0x7f && code < 0xa0);
+}
+
+void input_text_copy(char *to, size_t size, const char *from, size_t length)
+{
+	size_t used = 0;
+	for (size_t i = 0; i < length;) {
+		uint32_t code;
+		const size_t bytes = text_character((const uint8_t *)from + i, length - i, &code);
+		const bool shown = bytes > 0 && !text_is_control(code);
+		const size_t room = shown ? bytes : 1;
+		if (used + room >= size)
+			break;
+		if (shown)
+			memcpy(to + used, from + i, bytes);
+		else
+			to[used] = '?';
+		used += room;
+		i += bytes > 0 ? bytes : 1;
+	}
+	to[used] = '\0';
+}

@@ -1,0 +1,38 @@
+#include "demo_track.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+stilb_result demo_track_open(demo_track *track, const char *path)
+{
+	static const char head[] = "# frame, time in microseconds, place in metres, yaw and pitch in radians\n";
+	stilb_result result = stilb_file_open(&track->file, path);
+	if (result == STILB_OK)
+		stilb_file_write(&track->file, head, strlen(head)); /* an error is kept for the end */
+	return result;
+}
+
+void demo_track_add(demo_track *track, const stilb_engine *engine, const stilb_engine_report *report)
+{
+	if (!track->file.path)
+		return;
+	stilb_input_pose pose = stilb_engine_pose(engine);
+	char line[160];
+	if (report->frame == 1)
+		track->begin_us = report->time_us;
+	/* Nine digits tell any two floats apart. */
+	int length = snprintf(line, sizeof line, "%" PRIu64 " %" PRId64 " %.9g %.9g %.9g %.9g %.9g\n", report->frame,
+	                      report->time_us - track->begin_us, (double)pose.position[0], (double)pose.position[1],
+	                      (double)pose.position[2], (double)pose.yaw, (double)pose.pitch);
+	stilb_file_write(&track->file, line, (size_t)length);
+}
+
+stilb_result demo_track_save(demo_track *track)
+{
+	return stilb_file_commit(&track->file);
+}
+
+void demo_track_finish(demo_track *track)
+{
+	stilb_file_finish(&track->file);
+}

@@ -1,0 +1,193 @@
+/* The notice of gamepads that may not be opened, over the picture: it comes, says which and what to do, and goes. */
+#include "engine_internal.h"
+#include "image/image.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define WIDTH 700u
+#define HEIGHT 400u
+
+static stilb_engine *engine;
+static uint8_t plain[WIDTH * HEIGHT * 3];
+
+static int set_up(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.models = 1;
+	desc.workers = 0;
+	desc.width = WIDTH;
+	desc.height = HEIGHT;
+	desc.validate = true;
+	if (stilb_engine_create(&desc, &engine) == STILB_OK)
+		return 0;
+	fprintf(stderr, "%s\n", stilb_error_message());
+	return -1;
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	stilb_engine_destroy(engine);
+	return 0;
+}
+
+static int no_notice(void **state)
+{
+	(void)state;
+	engine->overlay.notice = (engine_notice){0};
+	return 0;
+}
+
+static void draw(uint8_t *pixels)
+{
+	stilb_engine_report report;
+	stilb_image image;
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(stilb_render_read_image(engine->render, &image), STILB_OK);
+	assert_int_equal(stilb_image_size(&image), (size_t)WIDTH * HEIGHT * image.channels);
+	for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++)
+		memcpy(pixels + 3 * i, (const uint8_t *)image.pixels + image.channels * i, 3);
+	stilb_image_finish(&image);
+}
+
+/* The first row and the row after the last one in which the picture is not as without the notice; equal: none. */
+static void changed(uint32_t rows[2])
+{
+	static uint8_t now[sizeof plain];
+	rows[0] = rows[1] = 0;
+	draw(now);
+	for (uint32_t row = 0; row < HEIGHT; row++)
+		if (memcmp(now + (size_t)row * WIDTH * 3, plain + (size_t)row * WIDTH * 3, (size_t)WIDTH * 3) != 0) {
+			rows[0] = rows[1] == 0 ? row : rows[0];
+			rows[1] = row + 1;
+		}
+}
+
+static void deny(uint32_t pad, const char *path, const char *name, uint16_t vendor)
+{
+	stilb_input_pad_info info = {.bus = STILB_INPUT_BUS_USB, .vendor = vendor, .product = 0x05c4};
+	snprintf(info.path, sizeof info.path, "%s", path);
+	snprintf(info.name, sizeof info.name, "%s", name);
+	engine_overlay_deny(engine, pad, &info);
+}
+
+static void it_comes_and_goes(void **state)
+{
+	(void)state;
+	uint32_t one[2], two[2], none[2];
+	draw(plain);
+	deny(1, "/dev/hidraw3", "Sony Interactive Entertainment Wireless Controller", 0x054c);
+	changed(one);
+	assert_true(one[0] > 0 && one[1] > one[0] + 80 && one[1] < 220); /* at the top, as high as its words */
+	deny(2, "/dev/hidraw4", "", 0x057e);
+	deny(2, "/dev/hidraw4", "", 0x057e); /* the same again is no third one */
+	assert_int_equal(engine->overlay.notice.pad_count, 2);
+	changed(two);
+	assert_true(two[1] > one[1] + 20); /* another pad, another rule */
+	engine_notice_remove(&engine->overlay.notice, 1);
+	changed(two);
+	engine_notice_remove(&engine->overlay.notice, 7); /* never told of */
+	assert_true(two[0] == one[0] && two[1] > two[0] + 80);
+	engine_notice_remove(&engine->overlay.notice, 2);
+	changed(none);
+	assert_int_equal(none[1], 0);
+}
+
+/* Pads of one make need one rule. */
+static void equal_rules_are_said_once(void **state)
+{
+	(void)state;
+	uint32_t one[2], two[2];
+	draw(plain);
+	deny(1, "/dev/hidraw3", "Pad", 0x054c);
+	changed(one);
+	deny(2, "/dev/hidraw4", "Pad", 0x054c);
+	changed(two);
+	assert_true(two[1] > one[1] && two[1] < one[1] + 20); /* one line more */
+}
+
+static void it_goes_by_itself(void **state)
+{
+	(void)state;
+	uint32_t rows[2];
+	int frames = 0;
+	draw(plain);
+	deny(1, "/dev/hidraw3", "Pad", 0x054c);
+	engine->overlay.input.seconds = 8.0f; /* a frame */
+	do {
+		changed(rows);
+		frames++;
+	} while (rows[1] > 0 && frames < 100);
+	assert_in_range(frames, 3, 8);
+	assert_int_equal(engine->overlay.notice.pad_count, 0);
+	engine->overlay.input.seconds = 0.0f;
+}
+
+static void more_than_there_is_room_for(void **state)
+{
+	(void)state;
+	uint32_t rows[2];
+	char endless[128];
+	memset(endless, 'w', sizeof endless);
+	endless[127] = '\0';
+	draw(plain);
+	for (uint32_t pad = 1; pad <= 9; pad++)
+		deny(pad, "/dev/hidraw63", endless, (uint16_t)(0x1000 + pad));
+	assert_int_equal(engine->overlay.notice.pad_count, ENGINE_NOTICE_PADS);
+	assert_int_equal(engine->overlay.notice.pads[ENGINE_NOTICE_PADS - 1].pad, 9); /* the last ones */
+	changed(rows);
+	assert_true(rows[1] > rows[0]);
+	static const uint32_t sizes[][2] = {{1, 1}, {40, 30}, {160, 400}, {WIDTH, HEIGHT}};
+	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+		stilb_engine_report report;
+		assert_int_equal(stilb_engine_resize(engine, sizes[i][0], sizes[i][1]), STILB_OK);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	}
+}
+
+/* With a folder: the pictures, to be looked at. */
+static void save_pictures(const char *folder)
+{
+	char path[256];
+	stilb_engine_report report;
+	assert_int_equal(set_up(NULL), 0);
+	deny(1, "/dev/hidraw3", "Sony Interactive Entertainment Wireless Controller", 0x054c);
+	for (int pads = 1; pads <= 2; pads++) {
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		snprintf(path, sizeof path, "%s/notice-%d.png", folder, pads);
+		assert_int_equal(stilb_engine_screenshot(engine, path), STILB_OK);
+		deny(2, "/dev/hidraw4", "Xbox Wireless Controller", 0x045e);
+	}
+	assert_int_equal(stilb_engine_resize(engine, 300, 400), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	snprintf(path, sizeof path, "%s/notice-narrow.png", folder);
+	assert_int_equal(stilb_engine_screenshot(engine, path), STILB_OK);
+	tear_down(NULL);
+}
+
+#define TEST(name) cmocka_unit_test_setup(name, no_notice)
+
+int main(int argc, char **argv)
+{
+	if (argc == 2) {
+		save_pictures(argv[1]);
+		return 0;
+	}
+	const struct CMUnitTest tests[] = {
+		TEST(it_comes_and_goes),
+		TEST(equal_rules_are_said_once),
+		TEST(it_goes_by_itself),
+		TEST(more_than_there_is_room_for),
+	};
+	return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,372 @@
+/* input_descriptor against the kernel: every pad's report descriptor, and others made of them by chance, are given to
+ * Linux through /dev/uhid; what it makes of them (debugfs, hid/.../rdesc) must be what we make of them.
+ *
+ *   soak_vm_descriptor COUNT        so many by chance */
+#include "input/input_descriptor.h"
+#include "vm/uhid_pad.h"
+#include "vm/vm_room.h"
+
+#include <dirent.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define USAGES_MAX 12288u     /* of one field: HID_MAX_USAGES */
+#define CHANGED_ELEMENTS 500u /* more take the kernel long to print, and say nothing new */
+
+static uint32_t by_chance; /* how many */
+static int64_t started_us;
+static const input_test_descriptor *given; /* to the kernel now */
+static stilb_input_descriptor parsed;
+
+/* ---- what the kernel says ---------------------------------------------------------------------------------------- */
+
+/* A field as drivers/hid/hid-debug.c prints it. */
+typedef struct kernel_field {
+	uint8_t kind, id;
+	bool constant, variable, relative, null,
+		ranged; /* ranged: the logical ends are printed; not where they are equal */
+	int32_t logical_min, logical_max;
+	uint32_t size, count, offset; /* bits; without the id */
+	uint32_t usage_count;
+	uint32_t usages[USAGES_MAX]; /* NO_NUMBER: it has a name that is not in the list here */
+} kernel_field;
+
+#define NO_NUMBER 0xffffffffu
+
+static uint32_t usage_number(const char *text)
+{
+	static const struct {
+		const char *name;
+		uint32_t usage;
+	} names[] = {
+		{"GenericDesktop.X", 0x10030},  {"GenericDesktop.Y", 0x10031},  {"GenericDesktop.Z", 0x10032},
+		{"GenericDesktop.Rx", 0x10033}, {"GenericDesktop.Ry", 0x10034}, {"GenericDesktop.Rz", 0x10035},
+	};
+	uint32_t page, id;
+	int end = 0;
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		if (strcmp(text, names[i].name) == 0)
+			return names[i].usage;
+	if (sscanf(text, "Button.%4x%n", &id, &end) == 1 && text[end] == '\0')
+		return 0x90000 | id;
+	if (sscanf(text, "%4x.%4x%n", &page, &id, &end) == 2 && end == 9 && text[end] == '\0')
+		return page << 16 | id;
+	return NO_NUMBER;
+}
+
+/* The kernel's text of the one pad that is plugged in. */
+static FILE *kernel_open(const input_test_descriptor *pad)
+{
+	char start[32], path[512];
+	FILE *file = NULL;
+	snprintf(start, sizeof start, "%04X:%04X:%04X.", pad->bus, pad->vendor, pad->product);
+	DIR *folder = opendir("/sys/kernel/debug/hid");
+	assert_non_null(folder);
+	for (struct dirent *entry; (entry = readdir(folder));) {
+		if (strncmp(entry->d_name, start, strlen(start)) != 0)
+			continue;
+		snprintf(path, sizeof path, "/sys/kernel/debug/hid/%s/rdesc", entry->d_name);
+		file = fopen(path, "r");
+	}
+	closedir(folder);
+	assert_non_null(file);
+	return file;
+}
+
+/* ---- and what we say --------------------------------------------------------------------------------------------- */
+
+/* Our field with the element that begins at the kernel's bit; of an array's fields the one with the value, if given. */
+static const stilb_input_field *field_at(const kernel_field *theirs, uint32_t bit, const int64_t *value)
+{
+	const uint32_t id_bits = parsed.numbered ? 8 : 0;
+	for (uint32_t i = 0; i < parsed.field_count; i++) {
+		const stilb_input_field *field = &parsed.fields[i];
+		const uint32_t begin = field->bit - id_bits;
+		if (field->kind == theirs->kind && field->report_id == theirs->id && bit >= begin &&
+		    bit < begin + field->size * field->count &&
+		    (!value || (*value >= field->logical_min && *value <= field->logical_max)))
+			return field;
+	}
+	return NULL;
+}
+
+static void same(bool condition, const char *what, const kernel_field *theirs)
+{
+	if (!condition)
+		fail_msg("%s: kind %u, report %u, bit %u, %u bits times %u, %d..%d", what, theirs->kind, theirs->id,
+		         theirs->offset, theirs->size, theirs->count, theirs->logical_min, theirs->logical_max);
+}
+
+static void same_element(const kernel_field *theirs, const stilb_input_field *ours, uint32_t usage, uint32_t our_usage)
+{
+	same(ours != NULL, "no such element", theirs);
+	same(ours->size == theirs->size, "another size", theirs);
+	same(usage == NO_NUMBER || usage == our_usage, "another usage", theirs);
+	same(!(ours->flags & STILB_INPUT_VARIABLE) != theirs->variable, "variable", theirs);
+	same(!(ours->flags & STILB_INPUT_RELATIVE) != theirs->relative, "relative", theirs);
+	same(!(ours->flags & STILB_INPUT_NULL) != theirs->null, "null", theirs);
+}
+
+/* Returns the elements that have a usage for us; usage 0 of page 0 is none. */
+static uint32_t compare_variable(const kernel_field *theirs)
+{
+	const uint32_t id_bits = parsed.numbered ? 8 : 0;
+	uint32_t elements = 0;
+	for (uint32_t i = 0; i < theirs->count; i++) {
+		const uint32_t bit = theirs->offset + i * theirs->size;
+		const stilb_input_field *ours = field_at(theirs, bit, NULL);
+		same(ours != NULL, "no such element", theirs);
+		const uint32_t element = (bit + id_bits - ours->bit) / ours->size;
+		const uint32_t usage = ours->usage + element;
+		same_element(theirs, ours, theirs->usages[i], usage < ours->usage_last ? usage : ours->usage_last);
+		same((bit + id_bits - ours->bit) % ours->size == 0, "another bit", theirs);
+		if (theirs->ranged)
+			same((int32_t)ours->logical_min == theirs->logical_min && (int32_t)ours->logical_max == theirs->logical_max,
+			     "another range", theirs);
+		elements += ours->usage != 0;
+	}
+	return elements;
+}
+
+/* The same. Usages beyond the values name nothing; the kernel fills its list up with the last one. */
+static uint32_t compare_array(const kernel_field *theirs)
+{
+	uint32_t values = 0;
+	for (uint32_t i = 0; theirs->ranged && i < theirs->usage_count; i++) {
+		const int64_t value = (int64_t)theirs->logical_min + i;
+		const stilb_input_field *ours = field_at(theirs, theirs->offset, &value);
+		if (!ours)
+			break;
+		same_element(theirs, ours, theirs->usages[i], ours->usage + (uint32_t)(value - ours->logical_min));
+		same(ours->count == theirs->count, "another count", theirs);
+		values++;
+	}
+	const stilb_input_field *first = field_at(theirs, theirs->offset, NULL);
+	same(first && (values > 0 || !theirs->ranged), "no such array", theirs);
+	return first->usage ? theirs->count : 0;
+}
+
+/* Elements that we have a usage for; those of an array once, however many fields it takes. */
+static uint32_t our_elements(void)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < parsed.field_count; i++) {
+		const stilb_input_field *field = &parsed.fields[i], *before = field - 1;
+		const bool again = i > 0 && !(field->flags & STILB_INPUT_VARIABLE) && before->bit == field->bit &&
+		                   before->kind == field->kind && before->report_id == field->report_id;
+		if (field->usage && !again)
+			count += field->count;
+	}
+	return count;
+}
+
+static uint32_t compare(const kernel_field *field)
+{
+	if (field->constant || field->size == 0 || field->count == 0)
+		return 0;
+	return field->variable ? compare_variable(field) : compare_array(field);
+}
+
+/* Reads line by line and compares where a field ends. Returns the elements, as compare does. */
+static uint32_t compare_all(FILE *file)
+{
+	static kernel_field field;
+	static char line[4 * STILB_INPUT_DESCRIPTOR_MAX]; /* the first has all bytes */
+	uint32_t elements = 0, id;
+	while (fgets(line, sizeof line, file)) {
+		char *text = line + strspn(line, " "), *end = text + strlen(text);
+		while (end > text && (end[-1] == '\n' || end[-1] == ' '))
+			*--end = '\0';
+		const size_t indent = (size_t)(text - line);
+		if (indent == 2) {
+			field.kind = *text == 'I'   ? STILB_INPUT_FIELD_INPUT
+			             : *text == 'O' ? STILB_INPUT_FIELD_OUTPUT
+			                            : STILB_INPUT_FIELD_FEATURE;
+			const char *bracket = strchr(text, '(');
+			field.id = bracket && sscanf(bracket, "(%u)", &id) == 1 ? (uint8_t)id : 0;
+		} else if (indent == 4) { /* Field(...) */
+			field.usage_count = 0;
+			field.ranged = false;
+		} else if (indent == 8 && field.usage_count < USAGES_MAX) {
+			field.usages[field.usage_count++] = usage_number(text);
+		} else if (sscanf(text, "Logical Minimum(%d)", &field.logical_min) == 1) {
+			field.ranged = true;
+		} else if (sscanf(text, "Logical Maximum(%d)", &field.logical_max) == 1 ||
+		           sscanf(text, "Report Size(%u)", &field.size) == 1 ||
+		           sscanf(text, "Report Count(%u)", &field.count) == 1 ||
+		           sscanf(text, "Report Offset(%u)", &field.offset) == 1) {
+			continue;
+		} else if (strncmp(text, "Flags(", 6) == 0) {
+			field.constant = strstr(text, "Constant") != NULL;
+			field.variable = strstr(text, "Variable") != NULL;
+			field.relative = strstr(text, "Relative") != NULL;
+			field.null = strstr(text, "NullState") != NULL;
+			elements += compare(&field);
+		}
+	}
+	return elements;
+}
+
+static uint32_t give_to_kernel(const input_test_descriptor *pad)
+{
+	given = pad;
+	uhid_pad *plugged = uhid_pad_create(pad, "descriptor");
+	FILE *file = kernel_open(pad);
+	const uint32_t elements = compare_all(file);
+	fclose(file);
+	uhid_pad_destroy(plugged);
+	assert_int_equal(elements, our_elements());
+	given = NULL;
+	return elements;
+}
+
+/* ---- descriptors by chance --------------------------------------------------------------------------------------- */
+
+typedef struct item {
+	size_t at, size;
+	uint32_t value;
+} item;
+
+static item item_at(const uint8_t *bytes, size_t at)
+{
+	item found = {.at = at, .size = 1u + ((bytes[at] & 3) == 3 ? 4 : bytes[at] & 3)};
+	for (size_t i = 1; i < found.size; i++)
+		found.value |= (uint32_t)bytes[at + i] << 8 * (i - 1);
+	return found;
+}
+
+/* False: Linux refuses it, or means to read it otherwise, and we do not: long items, sizes over 256, counts over 12288,
+ * delimiters, ranges with their page or of very many usages, senseless values of padding and of what has no bits. */
+static bool kernel_reads(const uint8_t *bytes, size_t size)
+{
+	uint8_t all_data[STILB_INPUT_DESCRIPTOR_MAX];
+	uint32_t usage_min = 0;
+	memcpy(all_data, bytes, size);
+	for (size_t at = 0; at < size;) {
+		const item found = item_at(bytes, at);
+		const uint8_t tag = bytes[at] & 0xfc;
+		if (tag >= 0xf0 || (tag == 0x74 && found.value > 256) || (tag == 0x94 && found.value > 12288) || tag == 0xa8 ||
+		    ((tag == 0x18 || tag == 0x28) && found.size > 3))
+			return false;
+		if (tag == 0x28 && (found.value < usage_min || found.value - usage_min > 255))
+			return false;
+		if (tag == 0x18)
+			usage_min = found.value;
+		if ((tag & 0x0c) == 0) /* a main item */
+			usage_min = 0;
+		if ((tag == 0x80 || tag == 0x90 || tag == 0xb0) && found.size > 1)
+			all_data[at + 1] &= 0xfe;
+		if ((tag == 0x74 || tag == 0x94) && found.value == 0) {
+			if (found.size == 1)
+				return false;
+			all_data[at + 1] = 1;
+		}
+		at += found.size;
+	}
+	return stilb_input_descriptor_parse(all_data, size, &parsed) == STILB_OK &&
+	       stilb_input_descriptor_parse(bytes, size, &parsed) == STILB_OK && parsed.field_count > 0;
+}
+
+static uint32_t pick(uint64_t *state, uint32_t below)
+{
+	return (uint32_t)(stilb_random_u64(8, ++*state) % below);
+}
+
+/* Some items of a pad's descriptor with other data or another tag, some left out, some twice. Returns the size. */
+static size_t change(const input_test_descriptor *pad, uint64_t *state, uint8_t *bytes)
+{
+	static const uint8_t ends[] = {0, 1, 2, 3, 7, 8, 9, 15, 16, 31, 32, 33, 127, 128, 254, 255};
+	const uint32_t one_in = 8 + pick(state, 60);
+	size_t size = 0;
+	for (size_t at = 0; at < pad->size;) {
+		const item found = item_at(pad->bytes, at);
+		const uint32_t what = pick(state, one_in);
+		const uint32_t times = what == 0 ? 0 : what == 1 ? 2 : 1;
+		for (uint32_t i = 0; i < times && size + found.size <= STILB_INPUT_DESCRIPTOR_MAX; i++) {
+			memcpy(bytes + size, pad->bytes + at, found.size);
+			if (what == 2)
+				bytes[size] = (uint8_t)(bytes[size] ^ 1u << (4 + pick(state, 4)));
+			if (what >= 3 && what <= 4 && found.size > 1)
+				bytes[size + 1] = ends[pick(state, sizeof ends)];
+			size += found.size;
+		}
+		at += found.size;
+	}
+	return size;
+}
+
+/* ---- tests ------------------------------------------------------------------------------------------------------- */
+
+/* hid-generic reads all: the drivers of known pads put descriptors of their own in the place of the pads'. */
+static int generic_alone(void **state)
+{
+	(void)state;
+	vm_module_set("hid", "ignore_special_drivers", "1");
+	started_us = vm_now_us();
+	return 0;
+}
+
+static int all_drivers(void **state)
+{
+	(void)state;
+	vm_module_set("hid", "ignore_special_drivers", "0");
+	print_message("vm: descriptors took %.1f s\n", 1e-6 * (double)(vm_now_us() - started_us));
+	return 0;
+}
+
+static void test_pads(void **state)
+{
+	(void)state;
+	uint32_t elements = 0;
+	for (size_t i = 0; i < input_test_descriptor_count; i++) {
+		const input_test_descriptor *pad = &input_test_descriptors[i];
+		assert_int_equal(stilb_input_descriptor_parse(pad->bytes, pad->size, &parsed), STILB_OK);
+		elements += give_to_kernel(pad);
+	}
+	print_message("vm: %zu descriptors of pads: %u elements as the kernel has them\n", input_test_descriptor_count,
+	              elements);
+}
+
+static void test_changed(void **state)
+{
+	(void)state;
+	uint64_t random = 0;
+	uint32_t elements = 0, tries = 0;
+	for (uint32_t i = 0; i < by_chance; tries++) {
+		static uint8_t bytes[STILB_INPUT_DESCRIPTOR_MAX];
+		static input_test_descriptor pad; /* outlives a failure */
+		pad = input_test_descriptors[pick(&random, (uint32_t)input_test_descriptor_count)];
+		pad.size = change(&pad, &random, bytes);
+		pad.bytes = bytes;
+		if (!kernel_reads(pad.bytes, pad.size) || our_elements() > CHANGED_ELEMENTS)
+			continue;
+		elements += give_to_kernel(&pad);
+		i++;
+	}
+	print_message("vm: %u changed ones (of %u): %u elements as the kernel has them\n", by_chance, tries, elements);
+}
+
+/* The descriptor that a test failed at. */
+static int print_given(void **state)
+{
+	(void)state;
+	for (size_t i = 0; given && i < given->size; i++)
+		printf("%02x%s", given->bytes[i], i + 1 < given->size ? " " : "\n");
+	given = NULL;
+	return 0;
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_teardown(test_pads, print_given),
+		cmocka_unit_test_teardown(test_changed, print_given),
+	};
+	by_chance = argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10) : 0;
+	return cmocka_run_group_tests(tests, generic_alone, all_drivers);
+}
