@@ -452,8 +452,8 @@ static void a_pad_shakes_for_a_while(void **state)
 	assert_shakes(0, &layout, 1.0f, 0.25f, 0);
 	assert_shakes(0, &layout, 0, 0, 1);
 	assert_in_range(input_now_us() - before_us, 60000, 5000000);
-	stilb_input_pads_rumble(pads, pad, 1.5f, -1.0f, 60000); /* the ends of the ranges */
-	stilb_input_pads_rumble(pads, pad + 1, 1, 1, 100);      /* no such pad */
+	stilb_input_pads_rumble(pads, pad, 1.5f, 0, 60000); /* the ends of the ranges */
+	stilb_input_pads_rumble(pads, pad + 1, 1, 1, 100);  /* no such pad */
 	assert_shakes(0, &layout, 1, 0, 2);
 	stilb_input_pads_rumble(pads, pad, __builtin_nanf(""), 1, 0); /* for no time: it stops at once */
 	assert_shakes(0, &layout, 0, 0, 3);
@@ -653,6 +653,10 @@ static void a_flood_of_events_hides_no_pad(void **state)
 	}
 	fake_write(plugged, "", 0, 0600); /* of these two no event tells */
 	unlink(denied);
+	fake_path(path, fake.sys, "class/hidraw/hidraw%d/device", 1);
+	unlink(path);
+	*strrchr(path, '/') = '\0';
+	rmdir(path);
 	pthread_mutex_unlock(&fake.lock);
 	bool is_added = false, is_removed = false;
 	while (!is_added || !is_removed) {

@@ -5,8 +5,8 @@
  *   reader thread    one a pad               -> stamps each report, keeps it in the pad's ring; writes rumble
  *   frame            stilb_input_pads_next   <- all that came since the frame before, none lost, each with its own time
  *
- * Nothing but destroy waits for a device on the caller's thread. Reports are not looked into: who reads the events decodes
- * them, so that a recording goes the same way.
+ * Nothing but destroy waits for a device on the caller's thread. Reports are not looked into: who reads the events
+ * decodes them, so that a recording goes the same way.
  *
  * Life cycle.  create -> next until false, once a frame; rumble -> destroy. All [main-thread], or one thread's.
  */
@@ -31,8 +31,8 @@ typedef struct stilb_input_pads_desc {
 /* Returns before the first pad is found. STILB_ERROR_THREAD, STILB_ERROR_MEMORY, STILB_ERROR_DEVICE (no inotify). */
 stilb_result stilb_input_pads_create(const stilb_input_pads_desc *desc, stilb_input_pads **pads);
 
-/* Closes all; a pad that shakes is stopped first. Waits for the threads: a pad that leaves a question unanswered keeps its
- * own in the kernel for up to 5 s. NULL is fine. */
+/* Closes all; a pad that shakes is stopped first. Waits for the threads: a pad that leaves a question unanswered keeps
+ * its own in the kernel for up to 5 s. NULL is fine. */
 void stilb_input_pads_destroy(stilb_input_pads *pads);
 
 /* The next event until `until_us` (CLOCK_MONOTONIC); false: none any more. Never waits. */

@@ -194,8 +194,8 @@ static void reader_retry(input_reader *reader)
 	}
 }
 
-/* Reports are lost only where the ring was full, and then not the newest one: it tells where the sticks are now. One that
- * finds no room has an arrow without an end. */
+/* Reports are lost only where the ring was full, and then not the newest one: it tells where the sticks are now. One
+ * that finds no room has an arrow without an end. */
 static void reader_keep(input_reader *reader, int64_t now_us, const uint8_t *report, uint32_t size)
 {
 	PROFILE("pad report");
