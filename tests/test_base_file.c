@@ -1,7 +1,7 @@
 /* base_file: files are whole or not there, whatever goes wrong, and nothing else is left in the folder. */
 #include "base/base_file.h"
+#include "support/folder.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
@@ -41,31 +41,11 @@ int __wrap_fsync(int descriptor)
 
 /* ---- a folder of its own, which is the current one ------------------------------------------------------------------- */
 
-static char folder[] = "test_base_file_XXXXXX";
-
-static int folder_make(void **state)
-{
-	(void)state;
-	return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
-}
-
-/* Entries beside "." and ".."; removes them as well. */
-static int folder_clear(void)
-{
-	int count = 0;
-	DIR *dir = opendir(".");
-	for (struct dirent *entry; dir && (entry = readdir(dir));)
-		if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
-			count += remove(entry->d_name) == 0;
-	closedir(dir);
-	return count;
-}
-
-static int folder_remove(void **state)
+static int folder_leave(void **state)
 {
 	(void)state;
 	folder_clear();
-	return chdir("..") == 0 ? rmdir(folder) : -1;
+	return folder_remove();
 }
 
 static int folder_fresh(void **state)
@@ -460,5 +440,5 @@ int main(void)
 		FRESH_TEST(test_failing_rename_and_fsync),
 		FRESH_TEST(test_folder_gone_after_the_check),
 	};
-	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+	return cmocka_run_group_tests(tests, folder_make, folder_leave);
 }

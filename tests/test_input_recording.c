@@ -6,7 +6,6 @@
 #include "support/failing_memory.h"
 #include "support/folder.h"
 
-#include <dirent.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -19,17 +18,6 @@
 #include <cmocka.h>
 
 /* ---- a folder of its own, which is the current one ----------------------------------------------------------------- */
-
-static int folder_clear(void)
-{
-	int count = 0;
-	DIR *dir = opendir(".");
-	for (struct dirent *entry; dir && (entry = readdir(dir));)
-		if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
-			count += remove(entry->d_name) == 0;
-	closedir(dir);
-	return count;
-}
 
 static int folder_leave(void **state)
 {
