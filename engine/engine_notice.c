@@ -68,8 +68,22 @@ static void notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *
 	}
 }
 
-/* The words from the area's top on; draw false: only how much room they take. */
-static void notice_content(const engine_notice *notice, stilb_ui *ui, bool draw, stilb_ui_rect *area)
+/* Measured with ui NULL, like notice_text. */
+static void notice_help(const engine_notice *notice, const stilb_ui_style *style, stilb_ui *ui,
+                        const stilb_ui_font *font, stilb_ui_rect *area)
+{
+	notice_text(ui, font, area, style->text,
+	            "may not be opened by this user. As root put this line into " ENGINE_NOTICE_FILE
+	            ", run 'udevadm control --reload', and plug it in again:");
+	for (uint32_t i = 0; i < notice->pad_count; i++)
+		if (i == 0 || strcmp(notice->pads[i].rule, notice->pads[i - 1].rule) != 0) {
+			stilb_ui_cut_top(area, style->gap);
+			notice_text(ui, font, area, style->accent, notice->pads[i].rule);
+		}
+}
+
+/* The words from the area's top on; draw false: only how much room they take. brief: half a rule would help nobody. */
+static void notice_content(const engine_notice *notice, stilb_ui *ui, bool draw, bool brief, stilb_ui_rect *area)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
@@ -77,28 +91,34 @@ static void notice_content(const engine_notice *notice, stilb_ui *ui, bool draw,
 	for (uint32_t i = 0; i < notice->pad_count; i++)
 		notice_text(out, font, area, style->text_strong, notice->pads[i].who);
 	stilb_ui_cut_top(area, style->gap);
-	notice_text(out, font, area, style->text,
-	            "may not be opened by this user. As root put this into " ENGINE_NOTICE_FILE " and plug it in again:");
-	for (uint32_t i = 0; i < notice->pad_count; i++)
-		if (i == 0 || strcmp(notice->pads[i].rule, notice->pads[i - 1].rule) != 0) {
-			stilb_ui_cut_top(area, style->gap);
-			notice_text(out, font, area, style->accent, notice->pads[i].rule);
-		}
+	if (brief)
+		notice_text(out, font, area, style->text,
+		            "may not be opened by this user. The terminal says what to do, and so does a larger window.");
+	else
+		notice_help(notice, style, out, font, area);
+}
+
+/* Of the whole panel. */
+static float notice_height(const engine_notice *notice, stilb_ui *ui, bool brief, float width)
+{
+	const stilb_ui_style *style = stilb_ui_style_get(ui);
+	const float edge = style->margin + NOTICE_BORDER;
+	stilb_ui_rect inner = {0.0f, 0.0f, width - 2.0f * edge, 1e6f};
+	notice_content(notice, ui, false, brief, &inner);
+	return style->title_height + inner.y0 + 2.0f * edge;
 }
 
 void engine_notice_draw(engine_notice *notice, stilb_ui *ui)
 {
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
-	const stilb_ui_style *style = stilb_ui_style_get(ui);
-	const float width = fminf(NOTICE_WIDTH, input->width - 2.0f * style->margin);
-	stilb_ui_rect inner = {0.0f, 0.0f, width - 2.0f * (style->margin + NOTICE_BORDER), 1e6f};
-	notice_content(notice, ui, false, &inner);
+	const float width = fminf(NOTICE_WIDTH, input->width - 2.0f * stilb_ui_style_get(ui)->margin);
 	const float left = floorf(0.5f * (input->width - width));
-	const float height = style->title_height + inner.y0 + 2.0f * (style->margin + NOTICE_BORDER);
+	const bool brief = NOTICE_TOP + notice_height(notice, ui, false, width) > input->height;
+	const float height = notice_height(notice, ui, brief, width);
 	stilb_ui_rect place = {left, NOTICE_TOP, left + width, NOTICE_TOP + height};
 	bool open = true;
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "No permission for a gamepad", &place, 0, &open);
-	notice_content(notice, ui, true, &area);
+	notice_content(notice, ui, true, brief, &area);
 	stilb_ui_panel_end(ui);
 	notice->seconds -= input->seconds;
 	if (!open || notice->seconds <= 0.0f)

@@ -93,8 +93,10 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 void engine_overlay_deny(stilb_engine *engine, uint32_t pad, const stilb_input_pad_info *info)
 {
 	char rule[512];
-	stilb_log("%s: %s may not be opened: no permission; as root put this into " ENGINE_NOTICE_FILE ": %s", info->path,
-	          info->name[0] ? info->name : "a gamepad", stilb_input_udev_rule(info, rule, sizeof rule));
+	stilb_log("%s: %s may not be opened: no permission; as root put this line into", info->path,
+	          info->name[0] ? info->name : "a gamepad");
+	stilb_log("  " ENGINE_NOTICE_FILE ", run 'udevadm control --reload', and plug it in again:");
+	stilb_log("  %s", stilb_input_udev_rule(info, rule, sizeof rule));
 	if (engine_overlay_create(engine) == STILB_OK)
 		engine_notice_add(&engine->overlay.notice, pad, info);
 	else

@@ -134,7 +134,7 @@ static stilb_result demo_loop(demo_run *run)
 			if (!stage_times_add(&run->times, &report.times))
 				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
 		}
-		demo_gamepads_say(&run->gamepads, run->engine, demo_options_words(&run->options));
+		demo_gamepads_say(&run->gamepads, run->engine, report.replayed, demo_options_words(&run->options));
 		demo_title(run, &last_title);
 	}
 	return STILB_OK;

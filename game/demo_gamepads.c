@@ -1,10 +1,17 @@
 #include "demo_gamepads.h"
 
-void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, FILE *out)
+/* "gamepad: Wireless Controller at /dev/hidraw3, known pad 054c:05c4"; a pad of a recording may have no path. */
+static void demo_gamepads_came(const stilb_input_control_pad *pad, FILE *out)
+{
+	const char *path = pad->info->path;
+	fprintf(out, "gamepad: %s%s%s, %s\n", pad->name, path[0] ? " at " : "", path, pad->recognised);
+}
+
+void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool replayed, FILE *out)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
 	const uint32_t count = stilb_engine_gamepads(engine, pads);
-	demo_gamepads now = {0};
+	demo_gamepads now = {.replayed = replayed};
 	for (uint32_t i = 0; i < count; i++) {
 		if (pads[i].denied)
 			continue;
@@ -12,12 +19,14 @@ void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, FILE
 		for (uint32_t k = 0; k < gamepads->count; k++)
 			told |= gamepads->told[k].pad == pads[i].pad;
 		if (!told)
-			fprintf(out, "gamepad: %s at %s, %s\n", pads[i].name, pads[i].info->path, pads[i].recognised);
+			demo_gamepads_came(&pads[i], out);
 		now.told[now.count].pad = pads[i].pad;
 		snprintf(now.told[now.count].name, sizeof now.told[now.count].name, "%s", pads[i].name);
 		now.count++;
 	}
-	for (uint32_t k = 0; k < gamepads->count; k++) {
+	if (replayed && !gamepads->replayed)
+		fprintf(out, "recording ended\n"); /* nobody has pulled its pads */
+	for (uint32_t k = 0; !replayed && k < gamepads->count; k++) {
 		bool there = false;
 		for (uint32_t i = 0; i < now.count; i++)
 			there |= now.told[i].pad == gamepads->told[k].pad;

@@ -2,6 +2,7 @@
 
 #include "base/base_file.h"
 #include "image/image.h"
+#include "input/input_recording.h"
 #include "shading/shade_brdf.h"
 
 #include <inttypes.h>
@@ -9,6 +10,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char *const view_choices[] = {"all", "half", "few", NULL};
 static const char *const ui_aa_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
@@ -118,6 +120,9 @@ static bool has_extension(const char *path, const char *extension)
 
 #define DEMO_OUTPUTS 6
 
+static const char *const demo_output_flags[DEMO_OUTPUTS] = {"--screenshot", "--trace",   "--stats",
+                                                            "--dump",       "--capture", "--track"};
+
 static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
 {
 	paths[0] = o->screenshot;
@@ -222,6 +227,41 @@ bool demo_options_is_replay(const demo_options *o)
 	return demo_parse_gamepad(o->gamepad, &gamepad, &recording) && gamepad == STILB_ENGINE_GAMEPAD_REPLAY;
 }
 
+/* A file is read now and once more at the start; from a pipe or a terminal it can be read only once. */
+static bool demo_is_readable_twice(const char *path)
+{
+	struct stat info;
+	return strcmp(path, "-") != 0 && (stat(path, &info) != 0 || S_ISREG(info.st_mode) || S_ISDIR(info.st_mode));
+}
+
+/* The recording that is flown is right, as far as can be said before the start, and stays. */
+static bool demo_check_recording(const demo_options *o)
+{
+	stilb_engine_gamepad gamepad;
+	const char *path;
+	if (!demo_parse_gamepad(o->gamepad, &gamepad, &path)) {
+		stilb_log("--gamepad: '%s' is not known; give auto, off, hidraw, hidapi or replay:FILE", o->gamepad);
+		return false;
+	}
+	if (gamepad != STILB_ENGINE_GAMEPAD_REPLAY || !demo_is_readable_twice(path))
+		return true;
+	stilb_input_recording *recording;
+	if (stilb_input_recording_load(path, &recording) != STILB_OK) {
+		stilb_log("--gamepad: %s", stilb_error_message());
+		return false;
+	}
+	stilb_input_recording_free(recording);
+	const char *outputs[DEMO_OUTPUTS];
+	demo_outputs(o, outputs);
+	for (int i = 0; i < DEMO_OUTPUTS; i++)
+		if (outputs[i] && stilb_file_same(path, outputs[i])) {
+			stilb_log("%s: '%s' would replace the recording '%s' that --gamepad replays; give it another name",
+			          demo_output_flags[i], outputs[i], path);
+			return false;
+		}
+	return true;
+}
+
 /* The profiler's files and what they need. */
 static bool demo_check_profile(const demo_options *o)
 {
@@ -261,10 +301,6 @@ bool demo_options_check(const demo_options *o)
 		stilb_log("--fault: '%s' is not known; give memory:N, lost:N or slow:N with N from 1 on", o->fault);
 		return false;
 	}
-	if (!demo_parse_gamepad(o->gamepad, &(stilb_engine_gamepad){0}, &(const char *){NULL})) {
-		stilb_log("--gamepad: '%s' is not known; give auto, off, hidraw, hidapi or replay:FILE", o->gamepad);
-		return false;
-	}
 	if (o->screenshot && o->device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
@@ -275,7 +311,7 @@ bool demo_options_check(const demo_options *o)
 		          flags_choice(brdf, stilb_engine_brdf_names[o->brdf]));
 		return false;
 	}
-	if (!demo_check_profile(o) || !demo_outputs_differ(o))
+	if (!demo_check_profile(o) || !demo_outputs_differ(o) || !demo_check_recording(o))
 		return false;
 	stilb_isa isa;
 	stilb_result result = stilb_cpu_isa(&isa);

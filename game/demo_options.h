@@ -11,9 +11,12 @@
 #define DEMO_CAPTURE "stilb-capture.json"
 #define DEMO_KEYS                                                                                                      \
 	"WASD fly, Q/E down/up, shift fast, right mouse looks, Esc releases the mouse,\n"                                  \
-	"F1 profiler, space freezes it, F2 materials, V next view, P captures a trace, F12 picture, - and + workers\n"     \
+	"F1 profiler, space freezes it, F2 materials, V next view, P captures a trace,\n"                                  \
+	"F12 picture, - and + workers\n"                                                                                   \
 	"gamepad: left stick flies, right stick looks, triggers slower and faster, shoulders down and up;\n"               \
-	"A freezes the profiler, B next view, X captures a trace, Y profiler, menu materials, view picture"
+	"buttons go by place: A/cross freezes the profiler, B/circle next view, X/square captures a trace,\n"              \
+	"Y/triangle profiler, menu/options materials, view/share picture;\n"                                               \
+	"d-pad right next view, up and down workers"
 
 #define DEMO_NOT_GIVEN (-1)
 

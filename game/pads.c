@@ -26,9 +26,10 @@ static flags_result pads_parse(pads_options *o, int argc, char **argv, bool give
 	     0, NULL},
 		{"--seconds", FLAG_AMOUNT, &o->seconds, "S", "end --watch and --record after S seconds, 0..86400 (0: Ctrl-C)",
 	     0, 86400, NULL},
-		{"--rumble", FLAG_SWITCH, &o->rumble, NULL, "shake every pad for half a second", 0, 0, NULL},
-		{"--describe", FLAG_TEXT, &o->describe, "FILE", "fields and mapping of a report descriptor or of /dev/hidrawN",
-	     0, 0, NULL},
+		{"--rumble", FLAG_SWITCH, &o->rumble, NULL,
+	     "shake one pad after the other for half a second, and say how it went", 0, 0, NULL},
+		{"--describe", FLAG_TEXT, &o->describe, "FILE",
+	     "fields and mapping of a report descriptor, a recording or /dev/hidrawN", 0, 0, NULL},
 		{"--id", FLAG_TEXT, &o->id, "VVVV:PPPP", "vendor and product of the descriptor in FILE, hexadecimal", 0, 0,
 	     NULL},
 		{"--bus", FLAG_CHOICE, &o->bus, "NAME", "and its bus: usb (default), bluetooth", 0, 0, pads_buses},
@@ -125,8 +126,9 @@ int pads_command(int argc, char **argv)
 
 FILE *pads_words(const pads_options *o)
 {
-	const bool taken = (o->json && stilb_file_is_stdout(o->json)) || (o->record && stilb_file_is_stdout(o->record));
-	return taken ? stderr : stdout;
+	if (o->json && stilb_file_is_stdout(o->json))
+		return NULL;
+	return o->record && stilb_file_is_stdout(o->record) ? stderr : stdout;
 }
 
 stilb_result pads_open(const pads_options *o, stilb_input_pads **pads)
@@ -173,12 +175,49 @@ const char *pads_buttons_text(uint32_t buttons, char text[PADS_BUTTONS_SIZE])
 	return text;
 }
 
+void pads_print_wrapped(FILE *out, const char *title, const char *text)
+{
+	const size_t indent = strlen(title), room = PADS_COLUMNS - indent;
+	fputs(title, out);
+	while (strlen(text) > room) {
+		size_t length = room;
+		while (length > 0 && text[length] != ' ')
+			length--;
+		if (length == 0) /* a word that is longer than the line */
+			length = strcspn(text, " ");
+		if (text[length] == '\0')
+			break;
+		fprintf(out, "%.*s\n%*s", (int)length, text, (int)indent, "");
+		text += length + 1;
+	}
+	fprintf(out, "%s\n", text);
+}
+
+const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE])
+{
+	const char *own = pad->info->name;
+	const size_t length = strlen(own) < 50 ? strlen(own) : 50; /* what a layout's name keeps of it */
+	const char after = strncmp(pad->name, own, length) == 0 ? pad->name[length] : '?';
+	if (length > 0 && (after == ',' || after == '\0'))
+		snprintf(text, PADS_RECOGNISED_SIZE, "%s", pad->recognised);
+	else
+		snprintf(text, PADS_RECOGNISED_SIZE, "%s: %s", pad->name, pad->recognised);
+	return text;
+}
+
+bool pads_shakes(const stilb_input_pad_info *info)
+{
+	static stilb_input_layout layout;
+	return stilb_input_layout_find(info, &layout) == STILB_OK && layout.rumble != STILB_INPUT_RUMBLE_NONE;
+}
+
 void pads_print_rule(FILE *out, const stilb_input_pad_info *info)
 {
 	char rule[512];
 	fprintf(out,
-	        "  no permission to read %s. As root, put this line into /etc/udev/rules.d/70-stilb-pads.rules,\n"
-	        "  run 'udevadm control --reload', and plug the pad in again:\n\n    %s\n\n",
+	        "  no permission to read %s. As root, put this line into\n"
+	        "  /etc/udev/rules.d/70-stilb-pads.rules, run 'udevadm control --reload', and plug\n"
+	        "  the pad in again:\n\n    %s\n\n",
 	        info->path, stilb_input_udev_rule(info, rule, sizeof rule));
 }
 

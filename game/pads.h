@@ -15,6 +15,7 @@
 #include <stdio.h>
 
 #define PADS_RUMBLE_MS 500
+#define PADS_COLUMNS 80
 
 typedef struct pads_options {
 	const char *describe, *id, *record, *replay, *json; /* NULL: not given */
@@ -30,7 +31,8 @@ int pads_list(const pads_options *o);
 int pads_describe(const pads_options *o);
 int pads_follow(const pads_options *o);
 
-/* Where words go: standard output, unless a file does. */
+/* Where words go: standard output, or, where a recording goes there, standard error. NULL: JSON goes there, which says it
+ * all. */
 FILE *pads_words(const pads_options *o);
 
 /* Starts looking for pads. */
@@ -46,6 +48,16 @@ const char *pads_bus_text(uint16_t bus, char text[16]);
 /* "south, left_shoulder", or "-". */
 #define PADS_BUTTONS_SIZE 256
 const char *pads_buttons_text(uint32_t buttons, char text[PADS_BUTTONS_SIZE]);
+
+/* Text after a title, broken at blanks; what comes after the first line stands below it. */
+void pads_print_wrapped(FILE *out, const char *title, const char *text);
+
+/* "DualShock 4, USB: known pad 054c:05c4"; without the name of its layout where that is only the pad's own. */
+#define PADS_RECOGNISED_SIZE 512
+const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE]);
+
+/* Whether it is of those that can be made to shake. */
+bool pads_shakes(const stilb_input_pad_info *info);
 
 /* Says which rule a pad without permission wants, and where it goes. */
 void pads_print_rule(FILE *out, const stilb_input_pad_info *info);

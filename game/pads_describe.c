@@ -2,6 +2,8 @@
 #include "flags.h"
 #include "pads.h"
 
+#include "input/input_recording.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -11,6 +13,7 @@ typedef struct describe_run {
 	stilb_input_pad_info info;
 	stilb_input_descriptor descriptor;
 	stilb_input_layout layout;
+	bool identified; /* its bus and numbers are known */
 	bool gamepad;
 	char why_not[256];
 } describe_run;
@@ -32,19 +35,42 @@ static bool describe_take_id(const char *text, stilb_input_pad_info *info)
 	return true;
 }
 
-static bool describe_read_file(const char *path, stilb_input_pad_info *info)
+/* The letters that a recording's lines begin with, and '#', begin no descriptor: as items they are reserved or cannot come
+ * first (HID 1.11, section 6.2.2). */
+static bool describe_is_recording(FILE *file)
 {
-	const bool standard = strcmp(path, "-") == 0;
-	const char *name = standard ? "standard input" : path;
+	const int first = getc(file);
+	if (first != EOF)
+		ungetc(first, file);
+	return first != EOF && first != 0 && strchr("#DRNPI", first);
+}
+
+/* The first pad of a recording, with all that it says of it. */
+static bool describe_take_recording(const pads_options *o, describe_run *run)
+{
+	stilb_input_recording *recording;
+	stilb_input_event event;
+	if (o->id) {
+		stilb_log("--id does not go with a recording: '%s' has its own numbers", o->describe);
+		return false;
+	}
+	if (stilb_input_recording_load(o->describe, &recording) != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return false;
+	}
+	if (stilb_input_recording_next(recording, INT64_MAX, &event)) /* a recording begins with a pad */
+		run->info = *event.info;
+	run->identified = true;
+	stilb_input_recording_free(recording);
+	return true;
+}
+
+static bool describe_take_bytes(const char *name, FILE *file, stilb_input_pad_info *info)
+{
 	uint8_t bytes[STILB_INPUT_DESCRIPTOR_MAX + 1];
-	FILE *file = standard ? stdin : fopen(path, "rbe");
-	const size_t size = file ? fread(bytes, 1, sizeof bytes, file) : 0;
-	const bool failed = !file || ferror(file);
-	const int error = errno;
-	if (file && !standard)
-		fclose(file);
-	if (failed) {
-		stilb_log("cannot read '%s': %s", name, strerror(error));
+	const size_t size = fread(bytes, 1, sizeof bytes, file);
+	if (ferror(file)) {
+		stilb_log("cannot read '%s': %s", name, strerror(errno));
 		return false;
 	}
 	if (size == 0 || size > STILB_INPUT_DESCRIPTOR_MAX) {
@@ -58,18 +84,35 @@ static bool describe_read_file(const char *path, stilb_input_pad_info *info)
 	return true;
 }
 
+static bool describe_take_file(const pads_options *o, describe_run *run)
+{
+	const bool standard = strcmp(o->describe, "-") == 0;
+	FILE *file = standard ? stdin : fopen(o->describe, "rbe");
+	if (!file) {
+		stilb_log("cannot read '%s': %s", o->describe, strerror(errno));
+		return false;
+	}
+	const bool recorded = describe_is_recording(file);
+	const bool taken = recorded || describe_take_bytes(standard ? "standard input" : o->describe, file, &run->info);
+	if (!standard)
+		fclose(file);
+	return recorded ? describe_take_recording(o, run) : taken;
+}
+
 /* A node is looked up in sysfs, which needs no permission; anything else is read. */
-static bool describe_take(const pads_options *o, stilb_input_pad_info *info)
+static bool describe_take(const pads_options *o, describe_run *run)
 {
 	static const uint16_t buses[] = {STILB_INPUT_BUS_USB, STILB_INPUT_BUS_BLUETOOTH};
 	if (strncmp(o->describe, "/dev/hidraw", 11) == 0) {
-		if (stilb_input_look(o->describe, info) == STILB_OK)
+		run->identified = true;
+		if (stilb_input_look(o->describe, &run->info) == STILB_OK)
 			return true;
 		stilb_log("%s", stilb_error_message());
 		return false;
 	}
-	info->bus = buses[o->bus];
-	return (!o->id || describe_take_id(o->id, info)) && describe_read_file(o->describe, info);
+	run->info.bus = buses[o->bus];
+	run->identified = o->id;
+	return (!o->id || describe_take_id(o->id, &run->info)) && describe_take_file(o, run);
 }
 
 /* ---- as a table ---------------------------------------------------------------------------------------------------- */
@@ -137,7 +180,7 @@ static void describe_print(FILE *out, const pads_options *o, const describe_run 
 	char bus[16];
 	const stilb_input_pad_info *info = &run->info;
 	fprintf(out, "%s: %u bytes, %" PRIu32 " fields", o->describe, info->descriptor_size, run->descriptor.field_count);
-	if (info->path[0] || o->id)
+	if (run->identified)
 		fprintf(out, "; %s, vendor %04x, product %04x\n", pads_bus_text(info->bus, bus), info->vendor, info->product);
 	else
 		fprintf(out, "; taken for an unknown pad's, as --id is not given\n");
@@ -235,16 +278,22 @@ static stilb_result describe_save(const pads_options *o, const describe_run *run
 int pads_describe(const pads_options *o)
 {
 	static describe_run run;
-	if (!describe_take(o, &run.info))
+	FILE *words = pads_words(o);
+	if (!describe_take(o, &run))
 		return EXIT_REFUSED;
 	if (stilb_input_descriptor_parse(run.info.descriptor, run.info.descriptor_size, &run.descriptor) != STILB_OK) {
 		stilb_log("'%s' is no report descriptor: %s", o->describe, stilb_error_message());
 		return EXIT_REFUSED;
 	}
+	if (run.descriptor.field_count == 0) {
+		stilb_log("'%s' is no report descriptor: it has no fields", o->describe);
+		return EXIT_FAILED;
+	}
 	run.gamepad = stilb_input_layout_find(&run.info, &run.layout) == STILB_OK;
 	if (!run.gamepad)
 		snprintf(run.why_not, sizeof run.why_not, "%s", stilb_error_message());
-	describe_print(pads_words(o), o, &run);
+	if (words)
+		describe_print(words, o, &run);
 	if (o->json && describe_save(o, &run) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return EXIT_FAILED;

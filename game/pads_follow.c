@@ -11,7 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FOLLOW_TICK_MS 33 /* between two pictures */
+#define FOLLOW_TICK_MS 33   /* between two pictures */
+#define FOLLOW_LOOK_MS 1000 /* for the first look at most: what reports meanwhile must not overflow */
 
 typedef struct follow_run {
 	const pads_options *o;
@@ -19,11 +20,11 @@ typedef struct follow_run {
 	stilb_input_recording *recording;
 	stilb_input_recorder *recorder; /* NULL: nothing is recorded */
 	stilb_input_control *control;
-	int64_t start_us; /* CLOCK_MONOTONIC, when it began */
-	int64_t last_us;  /* time of the last event, since then */
-	uint32_t added;
+	int64_t start_us;         /* CLOCK_MONOTONIC, when it began */
+	int64_t last_us;          /* time of the last event, since then */
+	uint32_t added, gamepads; /* a recording may have other pads, too */
 	uint64_t reports, corrupt;
-	FILE *words;
+	FILE *words;   /* NULL: JSON says it */
 	bool terminal; /* a picture instead of lines */
 	bool states;   /* lines of states */
 	bool failed;   /* the recorder, whose close says why */
@@ -47,6 +48,17 @@ typedef enum follow_what {
 	FOLLOW_STATE
 } follow_what;
 
+/* "added: /dev/hidraw0 Wireless Controller; DualShock 4, USB: known pad 054c:05c4" */
+static void follow_print_added(follow_run *run, const stilb_input_control_pad *pad)
+{
+	const stilb_input_pad_info *info = pad->info;
+	char recognised[PADS_RECOGNISED_SIZE];
+	fprintf(run->words, "added:%s%s%s%s; %s\n", info->path[0] ? " " : "", info->path, info->name[0] ? " " : "",
+	        info->name[0] || info->path[0] ? info->name : " ?", pads_recognised_text(pad, recognised));
+	if (run->o->rumble)
+		fprintf(run->words, "                 %s\n", pads_shakes(info) ? "shakes" : "has no motors that are known");
+}
+
 static void follow_print(follow_run *run, follow_what what, uint32_t number, const stilb_input_control_pad *pad)
 {
 	char buttons[PADS_BUTTONS_SIZE];
@@ -56,7 +68,7 @@ static void follow_print(follow_run *run, follow_what what, uint32_t number, con
 	fprintf(run->words, "%12.6f  %" PRIu32 "  ", (double)run->last_us * 1e-6, number);
 	switch (what) {
 	case FOLLOW_ADDED:
-		fprintf(run->words, "added: %s %s; %s: %s\n", pad->info->path, pad->info->name, pad->name, pad->recognised);
+		follow_print_added(run, pad);
 		break;
 	case FOLLOW_DENIED:
 		fprintf(run->words, "denied: %s %s\n", pad->info->path, pad->info->name);
@@ -133,6 +145,12 @@ static follow_what follow_judge(const stilb_input_event *event, const stilb_inpu
 
 /* ---- events -------------------------------------------------------------------------------------------------------- */
 
+static bool follow_is_gamepad(const stilb_input_event *event)
+{
+	static stilb_input_layout layout;
+	return event->kind == STILB_INPUT_PAD_ADDED && stilb_input_layout_find(event->info, &layout) == STILB_OK;
+}
+
 static void follow_take(follow_run *run, const stilb_input_event *event)
 {
 	const stilb_input_control_pad before = follow_find(run, event->pad);
@@ -141,6 +159,7 @@ static void follow_take(follow_run *run, const stilb_input_event *event)
 	const follow_what what = follow_judge(event, &before, &after);
 	run->last_us = run->recording ? event->time_us : event->time_us - run->start_us;
 	run->added += event->kind == STILB_INPUT_PAD_ADDED;
+	run->gamepads += follow_is_gamepad(event);
 	run->reports += event->kind == STILB_INPUT_PAD_REPORT;
 	run->corrupt += what == FOLLOW_CORRUPT;
 	if (run->o->rumble && event->kind == STILB_INPUT_PAD_ADDED)
@@ -175,7 +194,7 @@ static void follow_loop(follow_run *run)
 	const bool paced = run->pads || run->o->watch;
 	const int64_t limit_us = run->o->seconds > 0.0f ? (int64_t)((double)run->o->seconds * 1e6) : INT64_MAX;
 	const int64_t end_us = run->recording ? stilb_input_recording_end_us(run->recording) : INT64_MAX;
-	for (bool over = false; !over && !pads_interrupted && !run->failed && !ferror(run->words);) {
+	for (bool over = false; !over && !pads_interrupted && !run->failed && !(run->words && ferror(run->words));) {
 		stilb_input_event event;
 		const int64_t passed_us = follow_now_us() - run->start_us;
 		const int64_t until_us = paced && passed_us < limit_us ? passed_us : limit_us;
@@ -184,7 +203,7 @@ static void follow_loop(follow_run *run)
 		over = until_us >= limit_us || until_us >= end_us;
 		if (run->terminal)
 			pads_view_draw(&run->view, run->control, run->recording ? until_us : run->start_us + until_us);
-		else
+		else if (run->words)
 			fflush(run->words);
 		if (!over)
 			follow_wait(run);
@@ -204,10 +223,12 @@ static stilb_result follow_save(follow_run *run)
 	return stilb_json_save(json, run->o->json);
 }
 
+/* The time is a recording's own, or what passed. */
 static void follow_print_end(const follow_run *run)
 {
+	const int64_t time_us = run->recording ? run->last_us : follow_now_us() - run->start_us;
 	fprintf(run->words, "%" PRIu64 " reports of %" PRIu32 " pad%s in %.3f s, %" PRIu64 " corrupt", run->reports,
-	        run->added, run->added == 1 ? "" : "s", (double)run->last_us * 1e-6, run->corrupt);
+	        run->added, run->added == 1 ? "" : "s", (double)time_us * 1e-6, run->corrupt);
 	if (run->pads)
 		fprintf(run->words, ", %" PRIu64 " lost", stilb_input_pads_stats_get(run->pads).lost);
 	fprintf(run->words, "\n");
@@ -219,7 +240,8 @@ static int follow_finish(follow_run *run)
 	int code = EXIT_DONE;
 	if (run->terminal)
 		pads_view_finish();
-	follow_print_end(run);
+	if (run->words)
+		follow_print_end(run);
 	if (run->o->json && follow_save(run) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		code = EXIT_FAILED;
@@ -227,8 +249,12 @@ static int follow_finish(follow_run *run)
 	if (run->recorder && stilb_input_recorder_close(run->recorder) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		code = EXIT_FAILED;
-	} else if (run->recorder) {
+	} else if (run->recorder && run->words) {
 		fprintf(run->words, "recording: %s\n", run->o->record);
+	}
+	if (run->added > 0 && run->gamepads == 0 && run->recording) {
+		stilb_log("no pad of '%s' is a gamepad", run->o->replay);
+		code = EXIT_FAILED;
 	}
 	return code;
 }
@@ -248,6 +274,17 @@ static stilb_result follow_open(follow_run *run)
 	return result;
 }
 
+/* Where no picture says it: what goes on, and that there is nothing to see yet. */
+static void follow_greet(follow_run *run)
+{
+	const double look_ms = (double)run->o->seconds * 1e3;
+	fprintf(stderr, "%s; Ctrl-C ends it\n", run->o->record ? "recording" : "watching");
+	stilb_input_pads_wait(run->pads, look_ms > 0.0 && look_ms < FOLLOW_LOOK_MS ? (int)look_ms : FOLLOW_LOOK_MS);
+	const stilb_input_pads_stats stats = stilb_input_pads_stats_get(run->pads);
+	if (stats.added + stats.denied == 0 && !pads_interrupted)
+		fprintf(stderr, "no gamepad yet; waiting\n");
+}
+
 static int follow_run_all(follow_run *run)
 {
 	if (follow_open(run) != STILB_OK) {
@@ -255,7 +292,7 @@ static int follow_run_all(follow_run *run)
 		return EXIT_FAILED;
 	}
 	if (run->pads && !run->terminal)
-		fprintf(stderr, "%s; Ctrl-C ends it\n", run->o->record ? "recording" : "watching");
+		follow_greet(run);
 	if (run->terminal)
 		pads_view_begin(&run->view);
 	if (run->o->json) {

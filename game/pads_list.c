@@ -10,13 +10,13 @@
 
 static void list_print_pad(FILE *out, const pads_options *o, const stilb_input_control_pad *pad)
 {
-	char bus[16];
+	char bus[16], recognised[PADS_RECOGNISED_SIZE];
 	const stilb_input_pad_info *info = pad->info;
 	fprintf(out, "%s\n  path        %s\n  bus         %s, vendor %04x, product %04x\n",
 	        info->name[0] ? info->name : "?", info->path, pads_bus_text(info->bus, bus), info->vendor, info->product);
 	if (info->unique[0])
 		fprintf(out, "  serial      %s\n", info->unique);
-	fprintf(out, "  recognised  %s: %s\n", pad->name, pad->recognised);
+	pads_print_wrapped(out, "  recognised  ", pads_recognised_text(pad, recognised));
 	if (pad->denied)
 		pads_print_rule(out, info);
 	else
@@ -45,7 +45,8 @@ static void list_print_others(FILE *out, const stilb_input_control_pad *pads, ui
 		if (list_has(pads, count, path) || stilb_input_look(path, &info) != STILB_OK ||
 		    stilb_input_layout_find(&info, &layout) == STILB_OK)
 			continue;
-		fprintf(out, "%s  %s, %s: %s\n", title ? "" : "\nno gamepads:\n", path, info.name, stilb_error_message());
+		fprintf(out, "%s  %s, %s\n", title ? "" : "\nno gamepads:\n", path, info.name[0] ? info.name : "?");
+		pads_print_wrapped(out, "    ", stilb_error_message());
 		title = true;
 	}
 }
@@ -55,9 +56,8 @@ static void list_print(FILE *out, const pads_options *o, const stilb_input_contr
 	for (uint32_t i = 0; i < count; i++)
 		list_print_pad(out, o, &pads[i]);
 	if (count == 0)
-		fprintf(out,
-		        "No gamepad was found. Plug one in by USB, or pair it by Bluetooth. Xbox pads on USB have no hidraw\n"
-		        "device: they work in a window, in 'stilb demo'.\n");
+		fprintf(out, "No gamepad was found. Plug one in by USB, or pair it by Bluetooth. Xbox pads on\n"
+		             "USB have no hidraw device: they work in a window, in 'stilb demo'.\n");
 	list_print_others(out, pads, count);
 }
 
@@ -88,33 +88,48 @@ static stilb_result list_save(const pads_options *o, const stilb_input_control_p
 
 /* ---- the command --------------------------------------------------------------------------------------------------- */
 
-/* A signal ends it: closing a pad stops it. */
-static void list_rumble(stilb_input_pads *pads, const stilb_input_control_pad *seen, uint32_t count)
+/* Shakes a pad, and says what came of it. A signal ends it: closing a pad stops it. */
+static const char *list_rumble_pad(stilb_input_pads *pads, const stilb_input_control_pad *pad)
 {
 	const struct timespec time = {.tv_nsec = (PADS_RUMBLE_MS + 100) * 1000000L};
+	if (pad->denied)
+		return "may not be opened";
+	if (!pads_shakes(pad->info))
+		return "has no motors that are known";
+	const uint64_t written = stilb_input_pads_stats_get(pads).written;
+	stilb_input_pads_rumble(pads, pad->pad, 0.6f, 0.6f, PADS_RUMBLE_MS);
+	nanosleep(&time, NULL);
+	return stilb_input_pads_stats_get(pads).written > written ? "shook" : "did not take it";
+}
+
+/* One after the other: which of them it is can be felt. */
+static void list_rumble(FILE *out, stilb_input_pads *pads, const stilb_input_control_pad *seen, uint32_t count)
+{
 	pads_catch_signals();
-	for (uint32_t i = 0; i < count; i++)
-		if (!seen[i].denied)
-			stilb_input_pads_rumble(pads, seen[i].pad, 0.6f, 0.6f, PADS_RUMBLE_MS);
-	if (count > 0)
-		nanosleep(&time, NULL);
+	for (uint32_t i = 0; i < count && !pads_interrupted; i++) {
+		const char *what = list_rumble_pad(pads, &seen[i]);
+		if (out)
+			fprintf(out, "%s, %s: %s\n", seen[i].info->path, seen[i].info->name[0] ? seen[i].info->name : "?", what);
+	}
 }
 
 static int list_run(const pads_options *o, stilb_input_pads *pads, stilb_input_control *control)
 {
 	stilb_input_control_pad seen[STILB_INPUT_PADS_MAX];
 	stilb_input_event event;
+	FILE *words = pads_words(o);
 	stilb_input_pads_wait(pads, LIST_LOOK_MS);
 	while (stilb_input_pads_next(pads, INT64_MAX, &event))
 		stilb_input_control_event(control, &event);
 	const uint32_t count = stilb_input_control_pads(control, seen);
-	list_print(pads_words(o), o, seen, count);
+	if (words)
+		list_print(words, o, seen, count);
 	if (o->json && list_save(o, seen, count) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return EXIT_FAILED;
 	}
 	if (o->rumble)
-		list_rumble(pads, seen, count);
+		list_rumble(words, pads, seen, count);
 	return EXIT_DONE;
 }
 

@@ -106,7 +106,8 @@ static void view_print_pad(view_text *text, const pads_view *view, const stilb_i
 {
 	char buttons[PADS_BUTTONS_SIZE];
 	const float *axes = pad->state.axes;
-	view_print(text, "%s (%s) %s%s", pad->info->name, pad->name, pad->info->path, pad->leads ? ", leads" : "");
+	view_print(text, "%s (%s)%s%s%s", pad->info->name, pad->name, pad->info->path[0] ? " " : "", pad->info->path,
+	           pad->leads ? ", leads" : "");
 	view_end_line(text);
 	if (pad->denied) {
 		view_print_denied(text, pad->info);

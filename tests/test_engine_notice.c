@@ -16,6 +16,7 @@
 #define HEIGHT 400u
 
 static stilb_engine *engine;
+static uint32_t width = WIDTH, height = HEIGHT; /* of the picture, at most these */
 static uint8_t plain[WIDTH * HEIGHT * 3];
 
 static int set_up(void **state)
@@ -54,8 +55,8 @@ static void draw(uint8_t *pixels)
 	stilb_image image;
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(stilb_render_read_image(engine->render, &image), STILB_OK);
-	assert_int_equal(stilb_image_size(&image), (size_t)WIDTH * HEIGHT * image.channels);
-	for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++)
+	assert_int_equal(stilb_image_size(&image), (size_t)width * height * image.channels);
+	for (size_t i = 0; i < (size_t)width * height; i++)
 		memcpy(pixels + 3 * i, (const uint8_t *)image.pixels + image.channels * i, 3);
 	stilb_image_finish(&image);
 }
@@ -66,8 +67,8 @@ static void changed(uint32_t rows[2])
 	static uint8_t now[sizeof plain];
 	rows[0] = rows[1] = 0;
 	draw(now);
-	for (uint32_t row = 0; row < HEIGHT; row++)
-		if (memcmp(now + (size_t)row * WIDTH * 3, plain + (size_t)row * WIDTH * 3, (size_t)WIDTH * 3) != 0) {
+	for (uint32_t row = 0; row < height; row++)
+		if (memcmp(now + (size_t)row * width * 3, plain + (size_t)row * width * 3, (size_t)width * 3) != 0) {
 			rows[0] = rows[1] == 0 ? row : rows[0];
 			rows[1] = row + 1;
 		}
@@ -133,6 +134,58 @@ static void it_goes_by_itself(void **state)
 	engine->overlay.input.seconds = 0.0f;
 }
 
+static void resize(uint32_t to_width, uint32_t to_height)
+{
+	width = to_width;
+	height = to_height;
+	assert_int_equal(stilb_engine_resize(engine, width, height), STILB_OK);
+}
+
+/* The terminal has the same, in lines that are not too long for it. */
+static void it_is_logged(void **state)
+{
+	(void)state;
+	static const char *const words[] = {"/dev/hidraw3: Wireless Controller", ENGINE_NOTICE_FILE,
+	                                    "udevadm control --reload", "TAG+=\"uaccess\""};
+	char line[512];
+	bool said[4] = {false};
+	FILE *log = tmpfile();
+	const int terminal = dup(STDERR_FILENO);
+	assert_true(log && terminal >= 0 && dup2(fileno(log), STDERR_FILENO) >= 0);
+	deny(1, "/dev/hidraw3", "Wireless Controller", 0x054c);
+	assert_true(dup2(terminal, STDERR_FILENO) >= 0);
+	close(terminal);
+	rewind(log);
+	while (fgets(line, sizeof line, log)) {
+		assert_in_range(strlen(line), 1, 110);
+		for (int i = 0; i < 4; i++)
+			said[i] |= strstr(line, words[i]) != NULL;
+	}
+	fclose(log);
+	for (int i = 0; i < 4; i++)
+		assert_true(said[i]);
+}
+
+/* A panel that would be cut off points to the terminal instead, and is whole. */
+static void half_a_rule_is_not_shown(void **state)
+{
+	(void)state;
+	uint32_t rows[2];
+	resize(320, 400);
+	draw(plain);
+	deny(1, "/dev/hidraw3", "Wireless Controller", 0x054c);
+	changed(rows);
+	assert_in_range(rows[1], 200, 300); /* narrow: in more lines */
+	no_notice(NULL);
+	resize(320, 180);
+	draw(plain);
+	deny(1, "/dev/hidraw3", "Wireless Controller", 0x054c);
+	changed(rows);
+	assert_in_range(rows[1], 80, 170);
+	no_notice(NULL);
+	resize(WIDTH, HEIGHT);
+}
+
 static void more_than_there_is_room_for(void **state)
 {
 	(void)state;
@@ -172,6 +225,10 @@ static void save_pictures(const char *folder)
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	snprintf(path, sizeof path, "%s/notice-narrow.png", folder);
 	assert_int_equal(stilb_engine_screenshot(engine, path), STILB_OK);
+	assert_int_equal(stilb_engine_resize(engine, 320, 180), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	snprintf(path, sizeof path, "%s/notice-low.png", folder);
+	assert_int_equal(stilb_engine_screenshot(engine, path), STILB_OK);
 	tear_down(NULL);
 }
 
@@ -184,10 +241,8 @@ int main(int argc, char **argv)
 		return 0;
 	}
 	const struct CMUnitTest tests[] = {
-		TEST(it_comes_and_goes),
-		TEST(equal_rules_are_said_once),
-		TEST(it_goes_by_itself),
-		TEST(more_than_there_is_room_for),
+		TEST(it_comes_and_goes), TEST(equal_rules_are_said_once), TEST(it_goes_by_itself),
+		TEST(it_is_logged),      TEST(half_a_rule_is_not_shown),  TEST(more_than_there_is_room_for),
 	};
 	return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -17,10 +17,12 @@ static stilb_input_recorder *recorder;
 static uint8_t report[64];
 static int64_t now_us;
 static uint32_t pad;
+static const char *node = "/dev/hidraw3";
 
 static void plug(uint16_t bus, uint16_t product)
 {
-	stilb_input_pad_info info = {.path = "/dev/hidraw3", .bus = bus, .vendor = 0x054c, .product = product};
+	stilb_input_pad_info info = {.bus = bus, .vendor = 0x054c, .product = product};
+	snprintf(info.path, sizeof info.path, "%s", node);
 	snprintf(info.name, sizeof info.name, "Wireless Controller");
 	const input_test_descriptor *descriptor = input_test_descriptor_find(bus, 0x054c, product);
 	assert_non_null(descriptor);
@@ -165,8 +167,9 @@ static void test_the_flight(void **state)
 	(void)state;
 	record_flight("flight.rec");
 	stilb_good(FLIGHT "--gamepad replay:flight.rec --track a.txt --stats a.json");
-	assert_said(run.out, "gamepad: ");
-	assert_said(run.out, "gamepad gone: ");
+	assert_said(run.out, "gamepad: DualShock 4, USB at /dev/hidraw3, ");
+	assert_said(run.out, "recording ended");
+	assert_null(strstr(run.out, "gamepad gone: ")); /* nobody has pulled it */
 	assert_said(run.out, "track: a.txt");
 	assert_said(run.out, "375 reports, 0 corrupt, 0 lost");
 	read_track("a.txt");
@@ -235,12 +238,27 @@ static void test_pulled_in_flight(void **state)
 	say(500);
 	recorded();
 	stilb_good(FLIGHT "--gamepad replay:pulled.rec --track a.txt --frames 120");
+	assert_said(run.out, "gamepad gone: DualShock 4, USB");
+	assert_said(run.out, "recording ended");
 	read_track("a.txt");
 	const track_line *pulled = at_ms(517), *back = at_ms(983);
 	assert_memory_equal(pulled->place, back->place, sizeof pulled->place); /* stands still at once */
 	assert_true(fabs(at_ms(1480)->place[2] - back->place[2]) > 2.0);       /* and goes on */
 	/* The recording ends with the stick pushed, too. */
 	assert_memory_equal(at_ms(1520)->place, track[track_count - 1].place, sizeof pulled->place);
+}
+
+static void test_a_pad_without_a_path(void **state)
+{
+	(void)state;
+	node = "";
+	record("nowhere.rec");
+	plug(STILB_INPUT_BUS_USB, 0x05c4);
+	say(40);
+	recorded();
+	node = "/dev/hidraw3";
+	stilb_good(FLIGHT "--gamepad replay:nowhere.rec");
+	assert_said(run.out, "gamepad: DualShock 4, USB, known pad");
 }
 
 /* Reports by radio with a wrong checksum say to turn round and round; the sound ones say nothing. */
@@ -315,14 +333,36 @@ static void test_refusals(void **state)
 	refused(FLIGHT "--sensitivity -1", 2, "--sensitivity");
 	refused(FLIGHT "--track nowhere/a.txt", 2, "nowhere");
 	refused(FLIGHT "--track a.txt --stats a.txt", 2, "two outputs would go to 'a.txt'");
-	refused(FLIGHT "--gamepad replay:none.rec", 1, "none.rec");
+	refused(FLIGHT "--gamepad replay:none.rec", 2, "--gamepad: cannot read 'none.rec'");
+	refused(FLIGHT "--gamepad replay:.", 2, "--gamepad: ");
 	FILE *broken = fopen("broken.rec", "w");
 	assert_non_null(broken);
 	fputs("R: 3 05 01 09\nE: 000000.000000 4 01 02\n", broken);
 	fclose(broken);
-	refused(FLIGHT "--gamepad replay:broken.rec", 1, "broken.rec");
+	refused(FLIGHT "--gamepad replay:broken.rec", 2, "broken.rec");
+	refused(FLIGHT "--gamepad replay:/dev/null", 1, "/dev/null"); /* what is no file is read at the start alone */
 	assert_int_equal(folder_entries(), 1);
 	refused(FLIGHT "--frames 3 --track /dev/full", 1, "/dev/full");
+}
+
+static void test_an_output_never_replaces_the_recording(void **state)
+{
+	(void)state;
+	static const char *const flags[] = {"--trace", "--stats", "--dump", "--capture", "--track"};
+	record_flight("flight.rec");
+	record_flight("same.rec");
+	assert_int_equal(symlink("flight.rec", "other.rec"), 0);
+	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
+		char line[256], words[256];
+		snprintf(line, sizeof line, FLIGHT "--gamepad replay:other.rec %s ./flight.rec", flags[i]);
+		snprintf(words, sizeof words, "%s: './flight.rec' would replace the recording 'other.rec'", flags[i]);
+		refused(line, 2, words);
+	}
+	record_flight("flight.png");
+	refused("demo --headless --gamepad replay:flight.png --screenshot flight.png", 2,
+	        "--screenshot: 'flight.png' would replace");
+	assert_true(same_file("flight.rec", "same.rec"));
+	assert_true(same_file("flight.png", "same.rec"));
 }
 
 /* Live without a window: who asks for it gets it; without gamepads the camera stands. */
@@ -344,10 +384,15 @@ static void test_live_and_headless(void **state)
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
-		FRESH_TEST(test_the_flight),        FRESH_TEST(test_every_run_is_the_same),
-		FRESH_TEST(test_pulled_in_flight),  FRESH_TEST(test_corrupt_reports),
-		FRESH_TEST(test_buttons),           FRESH_TEST(test_refusals),
+		FRESH_TEST(test_the_flight),
+		FRESH_TEST(test_every_run_is_the_same),
+		FRESH_TEST(test_pulled_in_flight),
+		FRESH_TEST(test_corrupt_reports),
+		FRESH_TEST(test_buttons),
+		FRESH_TEST(test_refusals),
 		FRESH_TEST(test_live_and_headless),
+		FRESH_TEST(test_a_pad_without_a_path),
+		FRESH_TEST(test_an_output_never_replaces_the_recording),
 	};
 	if (argc != 2 || !folder_enter(argv[1], "test_game_gamepad")) {
 		fprintf(stderr, "usage: test_game_gamepad STILB\n");

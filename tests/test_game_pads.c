@@ -74,6 +74,9 @@ static const char *const refusals[][2] = {
 	{"pads --replay good.rec --record a --json a", "two outputs"},
 	{"pads --replay missing.rec", "No such file"},
 	{"pads --replay good.bin", "line 1: "},
+	{"pads --replay good.rec", "'good.rec': it holds no report"},
+	{"pads --describe letters.rec --id 054c:05c4", "--id does not go with a recording"},
+	{"pads --describe letters.rec", "'letters.rec': line 1: begins with none of"},
 	{"pads --replay {}", "--replay"},
 	{"pads --describe missing.bin", "No such file"},
 	{"pads --describe empty.bin", "no bytes"},
@@ -91,6 +94,7 @@ static void test_refusals(void **state)
 	const input_test_descriptor *ds4 = ds4_usb();
 	write_file("good.bin", ds4->bytes, ds4->size);
 	write_file("good.rec", "", 0);
+	write_file("letters.rec", "Rubbish", 7);
 	write_file("empty.bin", "", 0);
 	write_file("large.bin", large, sizeof large);
 	write_file("broken.bin", broken, sizeof broken);
@@ -102,7 +106,7 @@ static void test_refusals(void **state)
 		assert_string_equal(run.out, "");
 		assert_error_lines(1);
 		assert_said(run.err, refusals[i][1]);
-		assert_int_equal(folder_entries(), 5);
+		assert_int_equal(folder_entries(), 6);
 	}
 }
 
@@ -228,6 +232,36 @@ static void test_replay(void **state)
 	assert_int_equal(folder_entries(), 2);
 }
 
+/* Its first pad, with its own bus, numbers and name. */
+static void test_describe_recording(void **state)
+{
+	(void)state;
+	write_recording("a.rec", 1);
+	stilb_good("pads --describe a.rec");
+	assert_said(run.out, "a.rec: 507 bytes");
+	assert_said(run.out, "; USB, vendor 054c, product 05c4\n");
+	assert_said(run.out, "\nDualShock 4, USB: known pad 054c:05c4\n");
+	stilb_good("pads --describe a.rec --json a.json");
+	read_stats("a.json");
+	assert_string_equal(stat_text("name", '"'), "Wireless Controller");
+	assert_string_equal(stat_text("product", '"'), "05c4");
+	assert_int_equal(stilb_code(no_display, "pads --describe a.rec --json -"), 0);
+	assert_memory_equal(run.out, "{\n", 2); /* one or the other: no table */
+	assert_string_equal(run.err, "");
+}
+
+/* Bytes that can be items, but say nothing. */
+static void test_describe_rubbish(void **state)
+{
+	(void)state;
+	static const uint8_t zeros[16];
+	write_file("zeros.bin", zeros, sizeof zeros);
+	assert_int_equal(stilb_code(no_display, "pads --describe zeros.bin"), 1);
+	assert_string_equal(run.out, "");
+	assert_error_lines(1);
+	assert_said(run.err, "'zeros.bin' is no report descriptor: it has no fields");
+}
+
 static void test_replay_json(void **state)
 {
 	(void)state;
@@ -235,7 +269,7 @@ static void test_replay_json(void **state)
 	assert_int_equal(stilb_code(no_display, "pads --replay a.rec --json -"), 0);
 	json_flat_finish(&stats);
 	assert_true(json_flat_text(run.out, strlen(run.out), &stats));
-	assert_said(run.err, "4 reports of 1 pad");
+	assert_string_equal(run.err, "");
 	assert_string_equal(stat_text("recording", '"'), "a.rec");
 	assert_string_equal(stat_text("events[0].event", '"'), "added");
 	assert_string_equal(stat_text("events[0].layout", '"'), "DualShock 4, USB");
@@ -246,6 +280,24 @@ static void test_replay_json(void **state)
 	assert_string_equal(stat_text("events[3].event", '"'), "removed");
 	assert_int_equal(stat_int("reports"), 4);
 	assert_int_equal(stat_int("corrupt"), 0);
+}
+
+/* What is no gamepad: said, and no success. Pads without a path or a name, and one whose descriptor is none but that is
+ * known by its numbers. */
+static void test_replay_others(void **state)
+{
+	(void)state;
+	static const char other[] = "R: 1 c0\nN: Keyboard\nI: 3 0001 0002\nE: 000000.000000 1 00\n",
+					  known[] = "R: 2 26 ff\nI: 3 054c 05c4\nE: 000000.000000 10 01 80 80 80 80 28 00 00 00 00\n";
+	write_file("a.rec", other, sizeof other - 1);
+	assert_int_equal(stilb_code(no_display, "pads --replay a.rec"), 1);
+	assert_error_lines(1);
+	assert_said(run.err, "no pad of 'a.rec' is a gamepad");
+	assert_said(run.out, "  1  added: Keyboard; 'Keyboard' (0001:0002) is no gamepad: ");
+	write_file("a.rec", known, sizeof known - 1);
+	stilb_good("pads --replay a.rec");
+	assert_said(run.out, "  1  added: ?; DualShock 4, USB: known pad 054c:05c4\n");
+	assert_said(run.out, "  south\n");
 }
 
 /* A wrong checksum is told, and the state stays. */
@@ -380,6 +432,9 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_describe_keyboard, folder_fresh),
 		cmocka_unit_test_setup(test_replay, folder_fresh),
 		cmocka_unit_test_setup(test_replay_json, folder_fresh),
+		cmocka_unit_test_setup(test_describe_recording, folder_fresh),
+		cmocka_unit_test_setup(test_describe_rubbish, folder_fresh),
+		cmocka_unit_test_setup(test_replay_others, folder_fresh),
 		cmocka_unit_test_setup(test_replay_corrupt, folder_fresh),
 		cmocka_unit_test_setup(test_replay_pace, folder_fresh),
 		cmocka_unit_test_setup(test_full_disk, folder_fresh),

@@ -122,6 +122,44 @@ static void test_none(void **state)
 	assert_int_equal(live_code("", "STILB pads"), 0);
 	assert_said(run.out, "No gamepad was found.");
 	assert_string_equal(run.err, "");
+	assert_int_equal(live_code("", "STILB pads --watch --seconds 0.2"), 0);
+	assert_string_equal(run.err, "watching; Ctrl-C ends it\nno gamepad yet; waiting\n");
+	assert_said(run.out, "0 reports of 0 pads in 0.");
+	assert_true(strstr(run.out, " in 0.000 s") == NULL);
+}
+
+/* The old recording stays where there is nothing to put in its place. */
+static void test_record_nothing(void **state)
+{
+	(void)state;
+	char text[16] = "";
+	FILE *file = fopen("a.rec", "w");
+	assert_non_null(file);
+	fputs("old", file);
+	fclose(file);
+	assert_int_equal(live_code("", "STILB pads --record a.rec --seconds 0.2"), 1);
+	assert_said(run.err, "no gamepad was heard: 'a.rec' is not written\n");
+	file = fopen("a.rec", "r");
+	assert_non_null(file);
+	assert_non_null(fgets(text, sizeof text, file));
+	fclose(file);
+	assert_string_equal(text, "old");
+	assert_int_equal(folder_entries(), 1);
+}
+
+/* Each pad: what came of it. */
+static void test_rumble(void **state)
+{
+	(void)state;
+	const input_test_descriptor *asus = input_test_descriptor_find(3, 0x18d1, 0x2c40);
+	assert_non_null(asus);
+	write_pad();
+	assert_int_equal(live_code(PAD, "STILB pads --rumble"), 0);
+	assert_said(run.out, "\n/dev/hidraw7, Wireless Controller: shook\n");
+	write_device("pad.umockdev", "Pad", asus->vendor, asus->product, asus->bytes, asus->size);
+	assert_int_equal(live_code(PAD, "STILB pads --rumble"), 0);
+	assert_said(run.out, "\n  recognised  its descriptor: two sticks");
+	assert_said(run.out, "\n/dev/hidraw7, Pad: has no motors that are known\n");
 }
 
 /* What is no gamepad is named, with the reason. */
@@ -133,7 +171,9 @@ static void test_others(void **state)
 	write_device("pad.umockdev", "Mouse", 0x046d, 0xc077, mouse, sizeof mouse);
 	assert_int_equal(live_code(PAD, "STILB pads"), 0);
 	assert_said(run.out, "No gamepad was found.");
-	assert_said(run.out, "\nno gamepads:\n  /dev/hidraw7, Mouse: ");
+	assert_said(run.out, "\nno gamepads:\n  /dev/hidraw7, Mouse\n    'Mouse' (046d:c077) is no gamepad: ");
+	for (const char *at = run.out, *end; (end = strchr(at, '\n')); at = end + 1)
+		assert_true(end - at <= 80);
 }
 
 /* The node is there and may not be opened: which, and what helps. Root is let in everywhere unless it gives that up. */
@@ -141,13 +181,15 @@ static void test_denied(void **state)
 {
 	(void)state;
 	write_pad();
-	assert_int_equal(live_code(PAD, "rm $UMOCKDEV_DIR/dev/hidraw7 && echo > $UMOCKDEV_DIR/dev/hidraw7 && "
-	                                "chmod 0 $UMOCKDEV_DIR/dev/hidraw7 && "
-	                                "exec setpriv --bounding-set=-all --inh-caps=-all STILB pads --json a.json"),
+	assert_int_equal(live_code(PAD,
+	                           "rm $UMOCKDEV_DIR/dev/hidraw7 && echo > $UMOCKDEV_DIR/dev/hidraw7 && "
+	                           "chmod 0 $UMOCKDEV_DIR/dev/hidraw7 && "
+	                           "exec setpriv --bounding-set=-all --inh-caps=-all STILB pads --rumble --json a.json"),
 	                 0);
 	assert_said(run.out, "  no permission to read /dev/hidraw7.");
 	assert_said(run.out, "/etc/udev/rules.d/");
 	assert_said(run.out, "TAG+=\"uaccess\"");
+	assert_said(run.out, "\n/dev/hidraw7, Wireless Controller: may not be opened\n");
 	read_stats("a.json");
 	assert_string_equal(stat_text("pads[0].permission", 'w'), "false");
 	assert_said(stat_text("pads[0].udev_rule", '"'), "054C:05C4");
@@ -191,6 +233,8 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup(test_list, folder_fresh),
 		cmocka_unit_test_setup(test_none, folder_fresh),
+		cmocka_unit_test_setup(test_record_nothing, folder_fresh),
+		cmocka_unit_test_setup(test_rumble, folder_fresh),
 		cmocka_unit_test_setup(test_others, folder_fresh),
 		cmocka_unit_test_setup(test_denied, folder_fresh),
 		cmocka_unit_test_setup(test_watch_and_record, folder_fresh),

@@ -264,7 +264,7 @@ static void test_another_order_of_buttons(void **user)
 	find(&info, &layout);
 	assert_true(layout.known);
 	assert_string_equal(layout.recognised,
-	                    "known pad, its descriptor: two sticks, triggers, 10 buttons in the from the top order");
+	                    "known pad, its descriptor: two sticks, triggers, 10 buttons counted from the top one");
 	uint8_t report[49] = {0x01, 0, 0x04, 0, 0, 0, 128, 128, 128, 128};
 	stilb_input_pad_state state = {0};
 	assert_int_equal(stilb_input_decode(&layout, report, sizeof report, &state), STILB_INPUT_DECODED);

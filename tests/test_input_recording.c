@@ -271,18 +271,24 @@ static void test_until(void **state)
 	folder_clear();
 }
 
+/* What has no report does not take the place of what was there. */
 static void test_nothing_recorded(void **state)
 {
 	(void)state;
+	static made_event made;
 	stilb_input_recorder *recorder;
-	stilb_input_event event;
-	assert_int_equal(stilb_input_recorder_create("a.rec", &recorder), STILB_OK);
-	assert_int_equal(stilb_input_recorder_close(recorder), STILB_OK);
-	stilb_input_recording *recording = load("a.rec");
-	assert_int_equal(stilb_input_recording_reports(recording), 0);
-	assert_int_equal(stilb_input_recording_end_us(recording), 0);
-	assert_false(stilb_input_recording_next(recording, INT64_MAX, &event));
-	stilb_input_recording_free(recording);
+	write_text("a.rec", golden, sizeof golden - 1);
+	for (int described = 0; described < 2; described++) {
+		assert_int_equal(stilb_input_recorder_create("a.rec", &recorder), STILB_OK);
+		made = made_added(1, 0, "Pad", 0);
+		made.event.kind = described ? STILB_INPUT_PAD_ADDED : STILB_INPUT_PAD_DENIED;
+		record(recorder, &made);
+		assert_int_equal(stilb_input_recorder_close(recorder), STILB_ERROR_FILE);
+		assert_non_null(strstr(stilb_error_message(), "no gamepad was heard: 'a.rec' is not written"));
+	}
+	write_text("golden.rec", golden, sizeof golden - 1);
+	assert_same_files("a.rec", "golden.rec");
+	assert_int_equal(folder_clear(), 2);
 	stilb_input_recording_free(NULL);
 	assert_int_equal(stilb_input_recorder_close(NULL), STILB_OK);
 	folder_clear();
@@ -364,7 +370,8 @@ static void test_names(void **state)
 	stilb_input_event event;
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		char text[256];
-		const int length = snprintf(text, sizeof text, "N: %s\nR: 1 c0\nI: 3 1 2\n", names[i][0]);
+		const int length =
+			snprintf(text, sizeof text, "N: %s\nR: 1 c0\nI: 3 1 2\nE: 000000.000000 1 00\n", names[i][0]);
 		write_text("a.rec", text, (size_t)length);
 		stilb_input_recording *recording = load("a.rec");
 		assert_true(stilb_input_recording_next(recording, 0, &event));
@@ -432,6 +439,13 @@ static const struct {
 	{PAD "# removed\n# removed\n", "line 4: pad 0 was removed before"},
 	{PAD "# removed 000001.000000\nE: 000002.000000 1 00\n", "line 4: pad 0 was removed before"},
 	{PAD "# removed\nN: again\n", "line 4: pad 0 was removed before"},
+	{"", "it holds no report"},
+	{"# a remark\n", "it holds no report"},
+	{"D: 0\nD: 1\n", "it holds no report"},
+	{PAD "# removed\n", "it holds no report"},
+	{PAD "E: 000009.000000 1 00\nE: 000007.999999 1 00\n", "line 4: the time goes back by 1.000001 s"},
+	{PAD "E: 000009.000000 1 00\nE: 000008.500000 1 00\nE: 000007.999999 1 00\n", "line 5: the time goes back"},
+	{PAD "E: 000009.000000 1 00\n# removed 000001.000000\n", "line 4: the time goes back"},
 };
 
 static void assert_refused(const char *path, const char *message)
@@ -464,17 +478,39 @@ static void test_refusals(void **state)
 static void test_line_length(void **state)
 {
 	(void)state;
-	static char text[16384];
-	memset(text, '#', sizeof text);
-	text[16382] = '\n';
-	write_text("a.rec", text, 16383);
+	static const char report[] = PAD "E: 000000.000000 1 00\n";
+	static char text[sizeof report - 1 + 16384];
+	const size_t before = sizeof report - 1;
+	memcpy(text, report, before);
+	char *line = text + before;
+	memset(line, '#', 16384);
+	line[16382] = '\n';
+	write_text("a.rec", text, before + 16383);
 	stilb_input_recording_free(load("a.rec"));
-	write_text("a.rec", text, 16382); /* without an end */
+	write_text("a.rec", text, before + 16382); /* without an end */
 	stilb_input_recording_free(load("a.rec"));
-	text[16382] = '#';
-	text[16383] = '\n';
-	write_text("a.rec", text, 16384);
+	line[16382] = '#';
+	line[16383] = '\n';
+	write_text("a.rec", text, before + 16384);
 	assert_refused("a.rec", "is longer");
+	folder_clear();
+}
+
+/* A pad's time may go back by a second, another pad's by more: both count as the time above. */
+static void test_disorder(void **state)
+{
+	(void)state;
+	static const char text[] = PAD "D: 1\n" PAD "D: 0\nE: 000009.000000 1 00\nE: 000008.000000 1 01\n"
+								   "D: 1\nE: 000001.000000 1 02\n";
+	stilb_input_event event;
+	write_text("a.rec", text, sizeof text - 1);
+	stilb_input_recording *recording = load("a.rec");
+	assert_int_equal(stilb_input_recording_reports(recording), 3);
+	assert_int_equal(stilb_input_recording_end_us(recording), 0);
+	for (int i = 0; i < 5; i++)
+		assert_true(stilb_input_recording_next(recording, 0, &event));
+	assert_int_equal(event.bytes[0], 2);
+	stilb_input_recording_free(recording);
 	folder_clear();
 }
 
@@ -672,6 +708,7 @@ int main(void)
 		cmocka_unit_test(test_nothing_recorded), cmocka_unit_test(test_foreign),     cmocka_unit_test(test_names),
 		cmocka_unit_test(test_refusals),         cmocka_unit_test(test_line_length), cmocka_unit_test(test_limits),
 		cmocka_unit_test(test_full_disk),        cmocka_unit_test(test_no_memory),   cmocka_unit_test(test_damaged),
+		cmocka_unit_test(test_disorder),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_leave);
 }

@@ -208,7 +208,7 @@ static const stilb_input_hello switch_bluetooth_hello[] = {
 /* Triangle, circle, cross, square: adaptors for PlayStation 2 pads, and what was copied from them. Source: the mapping
  * of 0079:0006 in SDL_GameControllerDB. */
 static const input_button_order from_the_top = {
-	"from the top",
+	"counted from the top one",
 	12,
 	{STILB_INPUT_NORTH, STILB_INPUT_EAST, STILB_INPUT_SOUTH, STILB_INPUT_WEST, STILB_INPUT_LEFT_SHOULDER,
      STILB_INPUT_RIGHT_SHOULDER, INPUT_BUTTON_LEFT_TRIGGER, INPUT_BUTTON_RIGHT_TRIGGER, STILB_INPUT_BACK,

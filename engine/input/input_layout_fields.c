@@ -35,7 +35,7 @@ enum {
 
 /* What DirectInput pads and Sony's do. */
 static const input_button_order usual_order = {
-	"usual",
+	"in the usual order",
 	14,
 	{STILB_INPUT_WEST, STILB_INPUT_SOUTH, STILB_INPUT_EAST, STILB_INPUT_NORTH, STILB_INPUT_LEFT_SHOULDER,
      STILB_INPUT_RIGHT_SHOULDER, INPUT_BUTTON_LEFT_TRIGGER, INPUT_BUTTON_RIGHT_TRIGGER, STILB_INPUT_BACK,
@@ -44,7 +44,7 @@ static const input_button_order usual_order = {
 
 /* Linux's own, from BTN_SOUTH on (linux/input-event-codes.h), which Android asks of its pads. */
 static const input_button_order android_order = {
-	"Android",
+	"in the Android order",
 	15,
 	{STILB_INPUT_SOUTH, STILB_INPUT_EAST, INPUT_BUTTON_NONE, STILB_INPUT_WEST, STILB_INPUT_NORTH, INPUT_BUTTON_NONE,
      STILB_INPUT_LEFT_SHOULDER, STILB_INPUT_RIGHT_SHOULDER, INPUT_BUTTON_LEFT_TRIGGER, INPUT_BUTTON_RIGHT_TRIGGER,
@@ -53,7 +53,7 @@ static const input_button_order android_order = {
 
 /* Xbox pads with their first firmware; the driver xpadneo adds the last two for all of them. */
 static const input_button_order xbox_order = {
-	"Xbox",
+	"in the Xbox order",
 	12,
 	{STILB_INPUT_SOUTH, STILB_INPUT_EAST, STILB_INPUT_WEST, STILB_INPUT_NORTH, STILB_INPUT_LEFT_SHOULDER,
      STILB_INPUT_RIGHT_SHOULDER, STILB_INPUT_BACK, STILB_INPUT_START, STILB_INPUT_LEFT_STICK, STILB_INPUT_RIGHT_STICK,
@@ -355,8 +355,8 @@ static bool has_xbox_rumble(const stilb_input_descriptor *descriptor)
 static void describe(const builder *b, const input_button_order *order, char *text, size_t size)
 {
 	const bool right = b->axes >> STILB_INPUT_RIGHT_Y & 1, triggers = b->axes >> STILB_INPUT_LEFT_TRIGGER & 1;
-	snprintf(text, size, "%s%s, %d buttons in the %s order", right ? "two sticks" : "one stick",
-	         triggers ? ", triggers" : "", __builtin_popcount(b->buttons), order->name);
+	snprintf(text, size, "%s%s, %d buttons %s", right ? "two sticks" : "one stick", triggers ? ", triggers" : "",
+	         __builtin_popcount(b->buttons), order->words);
 }
 
 bool input_layout_from_fields(const stilb_input_descriptor *descriptor, const input_button_order *order,

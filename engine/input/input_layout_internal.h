@@ -17,7 +17,7 @@ enum {
 
 /* What the buttons 1, 2, ... of a descriptor are. */
 typedef struct input_button_order {
-	const char *name;
+	const char *words; /* "in the usual order": what comes after the number of buttons */
 	uint32_t count;
 	uint8_t targets[INPUT_BUTTONS_MAX];
 } input_button_order;

@@ -135,8 +135,11 @@ static void recorder_report(stilb_input_recorder *recorder, const uint8_t *bytes
 
 static void recorder_print_event(stilb_input_recorder *recorder, const stilb_input_event *event)
 {
+	static const char title[] = "# recorded by Stilb " STILB_VERSION ", in the format of hid-recorder\n";
 	recorder->length = 0;
 	recorder_note_time(recorder, event->time_us);
+	if (recorder->described == 0)
+		recorder_print(recorder, "%s", title);
 	if (recorder->current != event->pad)
 		recorder_print(recorder, "D: %" PRIu32 "\n", event->pad - 1);
 	recorder->current = event->pad;
@@ -167,7 +170,6 @@ stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stil
 
 stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder **recorder)
 {
-	static const char title[] = "# recorded by Stilb " STILB_VERSION ", in the format of hid-recorder\n";
 	stilb_input_recorder *made = calloc(1, sizeof *made);
 	*recorder = NULL;
 	if (!made)
@@ -177,16 +179,25 @@ stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder 
 		free(made);
 		return result;
 	}
-	stilb_file_write(&made->file, title, sizeof title - 1); /* an error comes out with the next, or in close */
 	*recorder = made;
 	return STILB_OK;
+}
+
+/* A recording without a report cannot be read again: it does not replace one that can. */
+static stilb_result recorder_commit(stilb_input_recorder *recorder)
+{
+	if (recorder->failed)
+		return recorder_say(recorder);
+	if (recorder->reports == 0)
+		return stilb_fail(STILB_ERROR_FILE, "no gamepad was heard: '%s' is not written", recorder->file.path);
+	return stilb_file_commit(&recorder->file);
 }
 
 stilb_result stilb_input_recorder_close(stilb_input_recorder *recorder)
 {
 	if (!recorder)
 		return STILB_OK;
-	const stilb_result result = recorder->failed ? recorder_say(recorder) : stilb_file_commit(&recorder->file);
+	const stilb_result result = recorder_commit(recorder);
 	stilb_file_finish(&recorder->file);
 	free(recorder);
 	return result;

@@ -9,12 +9,15 @@
 #include <string.h>
 
 #define RECORDING_LINE_MAX 16384u /* the longest line, and room for more than any that is right */
+#define RECORDING_BACK_US 1000000 /* more than a pad's time goes back by because lines were written out of order */
 
 typedef struct recording_pad {
 	stilb_input_pad_info info;
 	uint32_t number; /* from 1 */
 	bool identified; /* there was an I line */
 	bool removed;
+	bool timed; /* a line of it had a time: */
+	int64_t last_us;
 } recording_pad;
 
 typedef struct recording_event {
@@ -201,6 +204,19 @@ static void reader_advance(recording_reader *reader, int64_t time_us)
 		reader->last_us = time_us - reader->first_us;
 }
 
+/* The time of a line about one pad. */
+static stilb_result reader_take_pad_time(recording_reader *reader, recording_pad *pad, int64_t time_us)
+{
+	if (pad->timed && pad->last_us - time_us > RECORDING_BACK_US)
+		return reader_refuse(reader, "the time goes back by %.6f s; are these several recordings?",
+		                     (double)(pad->last_us - time_us) * 1e-6);
+	if (!pad->timed || time_us > pad->last_us)
+		pad->last_us = time_us;
+	pad->timed = true;
+	reader_advance(reader, time_us);
+	return STILB_OK;
+}
+
 /* The index of the pad that lines are about; pad_count: it was not described yet. */
 static uint32_t reader_find_pad(const recording_reader *reader)
 {
@@ -328,15 +344,15 @@ static stilb_result reader_report(recording_reader *reader, const char *at)
 		return result;
 	if (reader->recording->reports++ == INPUT_RECORDING_REPORTS_MAX)
 		return reader_refuse(reader, "there are more than %u reports", INPUT_RECORDING_REPORTS_MAX);
-	reader_advance(reader, time_us);
-	return reader_push(reader, STILB_INPUT_PAD_REPORT, pad, bytes, size);
+	result = reader_take_pad_time(reader, reader->recording->pads[pad], time_us);
+	return result == STILB_OK ? reader_push(reader, STILB_INPUT_PAD_REPORT, pad, bytes, size) : result;
 }
 
 /* "# added TIME" and "# removed TIME" are meant for this reader; any other remark is not. */
 static stilb_result reader_remark(recording_reader *reader, const char *at)
 {
 	uint32_t pad;
-	int64_t time_us;
+	int64_t time_us = 0;
 	const bool removed = strncmp(at, "removed", 7) == 0;
 	if (!removed && strncmp(at, "added", 5) != 0)
 		return STILB_OK;
@@ -344,11 +360,14 @@ static stilb_result reader_remark(recording_reader *reader, const char *at)
 	const char *end = *at ? take_time(at, &time_us) : at;
 	if (!end || *skip_blanks(end))
 		return STILB_OK;
-	if (*at)
+	const bool timed = *at != '\0';
+	if (timed && !removed)
 		reader_advance(reader, time_us);
 	if (!removed)
 		return STILB_OK;
-	const stilb_result result = reader_known_pad(reader, &pad);
+	stilb_result result = reader_known_pad(reader, &pad);
+	if (result == STILB_OK && timed)
+		result = reader_take_pad_time(reader, reader->recording->pads[pad], time_us);
 	if (result != STILB_OK)
 		return result;
 	reader->recording->pads[pad]->removed = true;
@@ -377,13 +396,16 @@ static stilb_result reader_take_line(recording_reader *reader)
 
 /* ---- life ---------------------------------------------------------------------------------------------------------- */
 
-static stilb_result reader_check_pads(const recording_reader *reader)
+/* Pads that are described, and a report at least: a flight by a recording without one would just stand still. */
+static stilb_result reader_check_end(const recording_reader *reader)
 {
 	const stilb_input_recording *r = reader->recording;
 	for (uint32_t i = 0; i < r->pad_count; i++)
 		if (!pad_is_described(r->pads[i]))
 			return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': pad %" PRIu32 " has no %s line", reader->name,
 			                  r->pads[i]->number - 1, r->pads[i]->identified ? "R" : "I");
+	if (r->reports == 0)
+		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it holds no report", reader->name);
 	return STILB_OK;
 }
 
@@ -403,7 +425,7 @@ stilb_result input_recording_read(FILE *stream, const char *name, stilb_input_re
 		while (result == STILB_OK && reader_next_line(reader, &result))
 			result = reader_take_line(reader);
 		if (result == STILB_OK)
-			result = reader_check_pads(reader);
+			result = reader_check_end(reader);
 	}
 	free(reader);
 	if (result == STILB_OK)

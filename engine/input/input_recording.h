@@ -13,7 +13,7 @@
  *                                the last D went. Without: the time of the line before
  *
  * Events come back with the same numbers, times and bytes as were written, times beginning at 0; a time before the one
- * above it counts as that. Of a pad's info, `unique` and `device` are not kept.
+ * above it counts as that, unless it is more than a second before one of the same pad: that is refused. Of a pad's info, `unique` and `device` are not kept.
  * Threads.  One thread's.
  */
 #ifndef STILB_INPUT_RECORDING_H
@@ -30,12 +30,14 @@ stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder 
  * STILB_ERROR_FILE: the recording has failed; close will say so again. */
 stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stilb_input_event *event);
 
-/* Also after errors: then nothing is left, and what was there before stays. NULL is fine. */
+/* Also after errors: then nothing is left, and what was there before stays. Without a report, too: STILB_ERROR_FILE. NULL
+ * is fine. */
 stilb_result stilb_input_recorder_close(stilb_input_recorder *recorder);
 
 typedef struct stilb_input_recording stilb_input_recording;
 
-/* Reads and checks all of it; "-" is standard input. STILB_ERROR_FILE names the line and what is wrong. */
+/* Reads and checks all of it; "-" is standard input. STILB_ERROR_FILE names the line and what is wrong, or
+ * says that there is no report. */
 stilb_result stilb_input_recording_load(const char *path, stilb_input_recording **recording);
 void stilb_input_recording_free(stilb_input_recording *recording);
 
