@@ -215,7 +215,7 @@ static void load_throttle(void)
 LOAD_INLINE void load_produce(queue_load_thread *self, const queue_load_mode mode)
 {
 	uint64_t item = load_first_item(self);
-	while (!__atomic_load_n(&load_stop, __ATOMIC_RELAXED)) {
+	do { /* once at least: a short run may be over before a busy machine gives this thread a CPU */
 		uint32_t turns = 0;
 		uint64_t begin = mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* a full queue counts */
 		while (!subject_push(&load_queue, &self->own, (void *)++item))
@@ -224,7 +224,7 @@ LOAD_INLINE void load_produce(queue_load_thread *self, const queue_load_mode mod
 		load_count(self, 1);
 		if (item % QUEUE_LOAD_LOOK_EVERY == 0)
 			load_throttle();
-	}
+	} while (!__atomic_load_n(&load_stop, __ATOMIC_RELAXED));
 }
 
 LOAD_INLINE void load_consume(queue_load_thread *self, const queue_load_mode mode)
@@ -254,7 +254,7 @@ LOAD_INLINE void load_consume(queue_load_thread *self, const queue_load_mode mod
 static void load_produce_batches(queue_load_thread *self)
 {
 	uint64_t item = load_first_item(self);
-	while (!__atomic_load_n(&load_stop, __ATOMIC_RELAXED)) {
+	do { /* as above */
 		void *items[QUEUE_LOAD_BATCH];
 		for (size_t i = 0; i < QUEUE_LOAD_BATCH; i++)
 			items[i] = (void *)++item;
@@ -267,7 +267,7 @@ static void load_produce_batches(queue_load_thread *self)
 		load_count(self, QUEUE_LOAD_BATCH);
 		if (item % QUEUE_LOAD_LOOK_EVERY == 0)
 			load_throttle();
-	}
+	} while (!__atomic_load_n(&load_stop, __ATOMIC_RELAXED));
 }
 
 static void load_consume_batches(queue_load_thread *self)
