@@ -220,8 +220,9 @@ static int render_main(const render_options *o)
 	render_window window = {0};
 	render_catch_signals();
 	if (render_work_start(o, &work) != STILB_OK) {
-		stilb_log("%s", stilb_error_message());
-		return EXIT_FAILED;
+		render_result failed = {.code = EXIT_FAILED};
+		snprintf(failed.message, sizeof failed.message, "%s", stilb_error_message());
+		return render_finish(o, &failed);
 	}
 	if (o->preview)
 		render_window_open(&window, o);

@@ -11,9 +11,11 @@ static double report_rate(const stilb_gi_progress *progress)
 	return progress->seconds > 0.0 ? (double)progress->rays / progress->seconds : 0.0;
 }
 
-/* Why it ended, in a word. */
+/* Why it ended, in a word. "failure": before it was finished, by no wish of the user. */
 static const char *report_end(const render_result *result)
 {
+	if (result->code != EXIT_DONE && result->progress.end == STILB_GI_END_NOT)
+		return "failure";
 	static const char *const ends[] = {[STILB_GI_END_NOT] = "stopped",
 	                                   [STILB_GI_END_SAMPLES] = "samples",
 	                                   [STILB_GI_END_SECONDS] = "time",
@@ -114,32 +116,54 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 	stilb_json_double(json, "focus", (double)s->lens.focus);
 }
 
-stilb_result render_report_save(const render_options *o, const render_result *result)
+/* A run that failed before the scene was ready: its scene's name, the time spent, and the reason. */
+static void report_put_failure(stilb_json *json, const render_options *o, const render_result *result)
+{
+	stilb_json_begin(json, "scene", '{');
+	stilb_json_string(json, "name", o->scene);
+	stilb_json_end(json, '}');
+	stilb_json_double(json, "open_s", result->open_s);
+	stilb_json_string(json, "end", report_end(result));
+	stilb_json_string(json, "message", result->message);
+	stilb_json_bool(json, "finished", false);
+}
+
+static void report_put_run(stilb_json *json, const render_options *o, const render_result *result)
 {
 	const stilb_gi_progress *progress = &result->progress;
+	report_put_scene(json, o->scene, &result->scene);
+	stilb_json_double(json, "open_s", result->open_s);
+	stilb_json_double(json, "build_s", result->build_s);
+	stilb_json_double(json, "render_s", progress->seconds);
+	stilb_json_double(json, "save_s", result->save_s);
+	stilb_json_string(json, "end", report_end(result));
+	if (result->message[0])
+		stilb_json_string(json, "message", result->message);
+	stilb_json_bool(json, "finished", progress->finished);
+	stilb_json_double(json, "done", progress->done);
+	stilb_json_int(json, "spp", progress->samples);
+	stilb_json_double(json, "error", progress->error);
+	stilb_json_int(json, "rays", (int64_t)progress->rays);
+	stilb_json_int(json, "camera_rays", (int64_t)progress->camera_rays);
+	stilb_json_int(json, "shadow_rays", (int64_t)progress->shadow_rays);
+	stilb_json_int(json, "bad_samples", (int64_t)progress->bad_samples);
+	stilb_json_double(json, "mrays_per_s", report_rate(progress) * 1e-6);
+	stilb_json_int(json, "workers", result->workers);
+	stilb_json_string(json, "isa", result->scene.isa);
+	report_put_settings(json, &result->settings);
+	if (result->settings.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
+		report_put_cache(json, &result->settings.cache, progress->records);
+	report_put_passes(json, progress);
+}
+
+stilb_result render_report_save(const render_options *o, const render_result *result)
+{
 	stilb_json json = {0};
 	stilb_json_begin(&json, NULL, '{');
-	report_put_scene(&json, o->scene, &result->scene);
-	stilb_json_double(&json, "open_s", result->open_s);
-	stilb_json_double(&json, "build_s", result->build_s);
-	stilb_json_double(&json, "render_s", progress->seconds);
-	stilb_json_double(&json, "save_s", result->save_s);
-	stilb_json_string(&json, "end", report_end(result));
-	stilb_json_bool(&json, "finished", progress->finished);
-	stilb_json_double(&json, "done", progress->done);
-	stilb_json_int(&json, "spp", progress->samples);
-	stilb_json_double(&json, "error", progress->error);
-	stilb_json_int(&json, "rays", (int64_t)progress->rays);
-	stilb_json_int(&json, "camera_rays", (int64_t)progress->camera_rays);
-	stilb_json_int(&json, "shadow_rays", (int64_t)progress->shadow_rays);
-	stilb_json_int(&json, "bad_samples", (int64_t)progress->bad_samples);
-	stilb_json_double(&json, "mrays_per_s", report_rate(progress) * 1e-6);
-	stilb_json_int(&json, "workers", result->workers);
-	stilb_json_string(&json, "isa", result->scene.isa);
-	report_put_settings(&json, &result->settings);
-	if (result->settings.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
-		report_put_cache(&json, &result->settings.cache, progress->records);
-	report_put_passes(&json, progress);
+	if (result->prepared)
+		report_put_run(&json, o, result);
+	else
+		report_put_failure(&json, o, result);
 	stilb_json_end(&json, '}');
 	return stilb_json_save(&json, o->stats);
 }

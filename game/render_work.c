@@ -180,6 +180,7 @@ static bool work_build(work_pieces *p)
 		stilb_log("'%s': %llu triangles are left out: they have no area, or a place that is no number or too far away",
 		          p->options->scene, (unsigned long long)p->result->scene.dropped);
 	p->result->settings = render_options_settings(p->options, p->scene);
+	p->result->prepared = true;
 	if (!work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render)))
 		return false;
 	p->result->build_s = work_seconds_since(start);

@@ -24,6 +24,7 @@ typedef enum render_stage {
 typedef struct render_result {
 	int code;                 /* of the program */
 	char message[512];        /* why it is not 0, "" where it is said already */
+	bool prepared;            /* the scene was ready: settings, scene and progress hold; else all three are {0} */
 	bool stopped;             /* before it was finished, by the user */
 	bool saved, checkpointed; /* which files were written */
 	uint32_t workers;         /* threads that rendered */

@@ -105,6 +105,7 @@ void stilb_json_end(stilb_json *json, char bracket)
 
 void stilb_json_string(stilb_json *json, const char *key, const char *value)
 {
+	STILB_ASSERT(value);
 	json_lead(json, key);
 	json_quote(json, value);
 }
