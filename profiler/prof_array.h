@@ -2,20 +2,27 @@
 #ifndef STILB_PROF_ARRAY_H
 #define STILB_PROF_ARRAY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* The items with room for count > 0 of that size, maybe elsewhere; NULL: no memory, and all stays as it was. */
-static inline void *prof_array_room(void *items, size_t size, size_t count, size_t *capacity)
+/* Makes room for count > 0 items of that size. array is the address of the pointer to the items, which is stored with the
+ * capacity when they move: a caller that fails later leaves no pointer to freed memory. False: no memory, nothing changed. */
+static inline bool prof_array_room(void *array, size_t size, size_t count, size_t *capacity)
 {
 	if (count <= *capacity)
-		return items;
+		return true;
 	const size_t more = *capacity + *capacity / 2 + 64, wanted = count > more ? count : more;
-	void *grown = wanted <= PTRDIFF_MAX / size ? realloc(items, wanted * size) : NULL;
-	if (grown != NULL)
-		*capacity = wanted;
-	return grown;
+	void *items;
+	memcpy(&items, array, sizeof items); /* a pointer to any type */
+	items = wanted <= PTRDIFF_MAX / size ? realloc(items, wanted * size) : NULL;
+	if (items == NULL)
+		return false;
+	memcpy(array, &items, sizeof items);
+	*capacity = wanted;
+	return true;
 }
 
 #endif

@@ -127,10 +127,8 @@ static int prof_read_bytes(int file, char **text, size_t *size)
 	const size_t expected = fstat(file, &info) == 0 && info.st_size > 0 ? (size_t)info.st_size : 0;
 	for (;;) {
 		const size_t wanted = *size < expected ? expected + 2 : *size + PROF_READ_CHUNK;
-		void *more = prof_array_room(*text, 1, wanted, &capacity);
-		if (more == NULL)
+		if (!prof_array_room(text, 1, wanted, &capacity))
 			return -ENOMEM;
-		*text = more;
 		const ssize_t got = read(file, *text + *size, capacity - *size - 1);
 		if (got == 0)
 			return 0;

@@ -138,11 +138,8 @@ static bool prof_labels_grow(prof_read *read)
 static bool prof_label_at(prof_read *read, size_t slot, const char *name, size_t size, bool keep, uint32_t *label)
 {
 	if (read->label_slots[slot] == 0) {
-		void *labels =
-			prof_array_room(read->labels, sizeof *read->labels, read->label_count + 1, &read->label_capacity);
-		if (labels == NULL)
+		if (!prof_array_room(&read->labels, sizeof *read->labels, read->label_count + 1, &read->label_capacity))
 			return prof_read_no_memory(read);
-		read->labels = labels;
 		if (!keep && (name = prof_strings_add(&read->strings, name, size)) == NULL)
 			return prof_read_no_memory(read);
 		read->labels[read->label_count++] = (stilb_prof_label){.name = name, .function = "", .file = ""};
@@ -208,12 +205,10 @@ static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t
 		return NULL;
 	const size_t slot = prof_lane_slot(read, pid, tid);
 	if (read->lane_slots[slot] == 0) {
-		void *lanes = prof_array_room(read->lanes, sizeof *read->lanes, read->lane_count + 1, &read->lane_capacity);
-		if (lanes == NULL) {
+		if (!prof_array_room(&read->lanes, sizeof *read->lanes, read->lane_count + 1, &read->lane_capacity)) {
 			read->no_memory = true;
 			return NULL;
 		}
-		read->lanes = lanes;
 		read->lanes[read->lane_count++] =
 			(prof_read_lane){.pid = pid, .tid = tid, .sort = INT64_MAX, .open = STILB_PROF_NONE};
 		read->lane_slots[slot] = (uint32_t)read->lane_count;
@@ -243,12 +238,11 @@ static stilb_prof_zone *prof_lane_zone_add(prof_read *read, prof_read_lane *lane
 	uint32_t label;
 	if (!prof_read_label(read, event->name, &label))
 		return NULL;
-	void *zones = prof_array_room(lane->zones, sizeof *lane->zones, lane->zone_count + 1, &lane->zone_capacity);
-	if (zones == NULL || lane->zone_count >= STILB_PROF_NONE - 1) {
+	if (!prof_array_room(&lane->zones, sizeof *lane->zones, lane->zone_count + 1, &lane->zone_capacity) ||
+	    lane->zone_count >= STILB_PROF_NONE - 1) {
 		read->no_memory = true;
 		return NULL;
 	}
-	lane->zones = zones;
 	lane->used = true;
 	stilb_prof_zone *zone = &lane->zones[lane->zone_count++];
 	*zone = (stilb_prof_zone){
@@ -312,10 +306,8 @@ static bool prof_point_add(prof_read *read, const prof_raw_event *event, prof_sp
 		point.lane = (uint32_t)(lane - read->lanes);
 	}
 	point.ns = prof_read_time(read, event->ts);
-	void *points = prof_array_room(read->points, sizeof *read->points, read->point_count + 1, &read->point_capacity);
-	if (points == NULL)
+	if (!prof_array_room(&read->points, sizeof *read->points, read->point_count + 1, &read->point_capacity))
 		return prof_read_no_memory(read);
-	read->points = points;
 	read->points[read->point_count++] = point;
 	return true;
 }
@@ -329,10 +321,8 @@ static bool prof_event_flow(prof_read *read, const prof_raw_event *event, uint64
 	lane->used = true;
 	end.lane = (uint32_t)(lane - read->lanes);
 	end.ns = prof_read_time(read, event->ts);
-	void *ends = prof_array_room(read->ends, sizeof *read->ends, read->end_count + 1, &read->end_capacity);
-	if (ends == NULL)
+	if (!prof_array_room(&read->ends, sizeof *read->ends, read->end_count + 1, &read->end_capacity))
 		return prof_read_no_memory(read);
-	read->ends = ends;
 	read->ends[read->end_count++] = end;
 	return true;
 }
@@ -491,10 +481,8 @@ static bool prof_event_instant(prof_read *read, const prof_raw_event *event)
 		return false;
 	if (!args.has_number)
 		return true;
-	void *marks = prof_array_room(read->marks, sizeof *read->marks, read->mark_count + 1, &read->mark_capacity);
-	if (marks == NULL)
+	if (!prof_array_room(&read->marks, sizeof *read->marks, read->mark_count + 1, &read->mark_capacity))
 		return prof_read_no_memory(read);
-	read->marks = marks;
 	read->marks[read->mark_count++] = (prof_read_mark){prof_read_time(read, event->ts), args.number};
 	return true;
 }

@@ -85,10 +85,8 @@ static prof_thread *prof_thread_map(uint32_t events)
 /* A new ring at the end of the list, or NULL. */
 static prof_thread *prof_thread_add(void)
 {
-	prof_thread **threads = prof_array_room(prof.threads, sizeof *threads, prof.count + 1, &prof.capacity);
-	if (threads == NULL)
+	if (!prof_array_room(&prof.threads, sizeof *prof.threads, prof.count + 1, &prof.capacity))
 		return NULL;
-	prof.threads = threads;
 	prof_thread *thread = prof_thread_map(prof.ring_events);
 	if (thread != NULL) {
 		thread->ring.lane = (uint32_t)prof.count;
@@ -469,12 +467,10 @@ static int prof_copy_events(const stilb_prof_ring *ring, prof_copy *copy, prof_l
 	const uint64_t begin = lane->device ? copy->begin.ns : copy->begin.ticks;
 	const uint64_t end = lane->device ? copy->end.ns : copy->end.ticks;
 	const uint64_t first = prof_ring_find(ring, head, begin, lane->limit);
-	stilb_prof_event *events = prof_array_room(copy->events, sizeof *events,
-	                                           copy->event_count + (size_t)(head - first) + 1, &copy->event_capacity);
-	if (events == NULL)
+	if (!prof_array_room(&copy->events, sizeof *copy->events, copy->event_count + (size_t)(head - first) + 1,
+	                     &copy->event_capacity))
 		return -ENOMEM;
-	copy->events = events;
-	events += copy->event_count;
+	stilb_prof_event *events = copy->events + copy->event_count;
 	for (uint64_t i = first; i < head; i++) {
 		prof_give_way(i);
 		events[i - first] = prof_event_load(ring, i);
@@ -498,13 +494,11 @@ static int prof_copy_switches(const prof_thread *thread, prof_copy *copy, prof_l
 	lane->no_switches = thread->switches.refused;
 	if (lane->no_switches != NULL)
 		return 0;
-	prof_switch_event *switches = prof_array_room(copy->switches, sizeof *switches,
-	                                              copy->switch_count + PROF_SWITCHES_MAX, &copy->switch_capacity);
-	if (switches == NULL)
+	if (!prof_array_room(&copy->switches, sizeof *copy->switches, copy->switch_count + PROF_SWITCHES_MAX,
+	                     &copy->switch_capacity))
 		return -ENOMEM;
-	copy->switches = switches;
 	lane->first_switch = copy->switch_count;
-	lane->switch_count = prof_switches_copy(&thread->switches, copy->begin.ns, switches + copy->switch_count);
+	lane->switch_count = prof_switches_copy(&thread->switches, copy->begin.ns, copy->switches + copy->switch_count);
 	copy->switch_count += lane->switch_count;
 	return 0;
 }
@@ -584,10 +578,7 @@ int prof_copy_take(prof_copy *copy, const stilb_prof_window *window)
 	prof_copy_window(copy, window);
 	pthread_rwlock_rdlock(&prof.lock);
 	copy->events_recorded = prof.discarded;
-	prof_lane_copy *lanes = prof_array_room(copy->lanes, sizeof *lanes, prof.count + 1, &copy->lane_capacity);
-	if (lanes != NULL)
-		copy->lanes = lanes;
-	else
+	if (!prof_array_room(&copy->lanes, sizeof *copy->lanes, prof.count + 1, &copy->lane_capacity))
 		error = -ENOMEM;
 	while (error == 0 && copy->lane_count < prof.count) {
 		const uint32_t i = copy->lane_count++;

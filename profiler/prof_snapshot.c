@@ -14,13 +14,7 @@
 
 /* Room for count items in an array of m, and one more, so that there always is an array to point into. False: no
  * memory. */
-#define ROOM(m, items, count, capacity)                                                                                \
-	({                                                                                                                 \
-		void *room_ = prof_array_room((m)->items, sizeof *(m)->items, (count) + 1, &(m)->capacity);                    \
-		if (room_ != NULL)                                                                                             \
-			(m)->items = room_;                                                                                        \
-		room_ != NULL;                                                                                                 \
-	})
+#define ROOM(m, items, count, capacity) prof_array_room(&(m)->items, sizeof *(m)->items, (count) + 1, &(m)->capacity)
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 

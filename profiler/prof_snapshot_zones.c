@@ -70,14 +70,12 @@ static void zones_walk_zone(zones_walk *walk, const prof_record *record, bool op
 static void zones_walk_point(zones_walk *walk, const prof_record *record)
 {
 	prof_snapshot_memory *m = walk->m;
-	stilb_prof_point *points = prof_array_room(m->points, sizeof *points, m->point_count + 1, &m->point_capacity);
 	const uint32_t label = prof_snapshot_label(m, record->site);
-	if (points == NULL || label == PROF_NONE) {
+	if (label == PROF_NONE || !prof_array_room(&m->points, sizeof *m->points, m->point_count + 1, &m->point_capacity)) {
 		walk->failed = true;
 		return;
 	}
-	m->points = points;
-	points[m->point_count++] = (stilb_prof_point){
+	m->points[m->point_count++] = (stilb_prof_point){
 		.ns = prof_snapshot_ns(m, walk->lane, record->begin),
 		.value = record->value,
 		.label = label,
@@ -89,14 +87,12 @@ static void zones_walk_point(zones_walk *walk, const prof_record *record)
 static void zones_walk_flow(zones_walk *walk, const prof_record *record)
 {
 	prof_snapshot_memory *m = walk->m;
-	prof_flow_mark *marks = prof_array_room(m->marks, sizeof *marks, m->mark_count + 1, &m->mark_capacity);
 	const uint32_t label = prof_snapshot_label(m, record->site);
-	if (marks == NULL || label == PROF_NONE) {
+	if (label == PROF_NONE || !prof_array_room(&m->marks, sizeof *m->marks, m->mark_count + 1, &m->mark_capacity)) {
 		walk->failed = true;
 		return;
 	}
-	m->marks = marks;
-	marks[m->mark_count++] = (prof_flow_mark){
+	m->marks[m->mark_count++] = (prof_flow_mark){
 		.id = record->flow,
 		.ns = prof_snapshot_ns(m, walk->lane, record->begin),
 		.label = label,

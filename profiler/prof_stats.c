@@ -99,14 +99,9 @@ void prof_sort(uint64_t *values, uint64_t *scratch, size_t count)
 static bool prof_stats_row_add(prof_stats_memory *memory, uint32_t label, stilb_prof_lane_kind kind)
 {
 	const size_t count = (size_t)memory->row_count + 1;
-	void *rows = prof_array_room(memory->rows, sizeof *memory->rows, count, &memory->row_capacity);
-	if (rows == NULL)
+	if (!prof_array_room(&memory->rows, sizeof *memory->rows, count, &memory->row_capacity) ||
+	    !prof_array_room(&memory->sums, sizeof *memory->sums, count, &memory->sum_capacity))
 		return false;
-	memory->rows = rows;
-	void *sums = prof_array_room(memory->sums, sizeof *memory->sums, count, &memory->sum_capacity);
-	if (sums == NULL)
-		return false;
-	memory->sums = sums;
 	memory->rows[count - 1] = (stilb_prof_row){.label = label, .kind = kind};
 	memory->sums[count - 1] = (prof_sum){.lane = STILB_PROF_NONE};
 	memory->row_count++;
@@ -133,11 +128,8 @@ static stilb_prof_row *prof_walk_row(prof_walk *walk, uint32_t label)
 
 static bool prof_stats_sample_add(prof_stats_memory *memory, uint32_t row, uint64_t duration_ns)
 {
-	void *samples =
-		prof_array_room(memory->samples, sizeof *memory->samples, memory->sample_count + 1, &memory->sample_capacity);
-	if (samples == NULL)
+	if (!prof_array_room(&memory->samples, sizeof *memory->samples, memory->sample_count + 1, &memory->sample_capacity))
 		return false;
-	memory->samples = samples;
 	memory->samples[memory->sample_count++] = (prof_sample){duration_ns, row};
 	return true;
 }
@@ -273,11 +265,9 @@ static void prof_stats_deal(prof_stats_memory *memory)
 
 static bool prof_stats_quantiles(prof_stats_memory *memory)
 {
-	void *sorted =
-		prof_array_room(memory->sorted, sizeof *memory->sorted, 2 * memory->sample_count + 1, &memory->sorted_capacity);
-	if (sorted == NULL)
+	if (!prof_array_room(&memory->sorted, sizeof *memory->sorted, 2 * memory->sample_count + 1,
+	                     &memory->sorted_capacity))
 		return false;
-	memory->sorted = sorted;
 	prof_stats_deal(memory);
 	for (uint32_t r = 0; r < memory->row_count; r++) {
 		stilb_prof_row *row = &memory->rows[r];
@@ -303,10 +293,9 @@ static int prof_stats_prepare(stilb_prof_stats *stats, const stilb_prof_snapshot
 	memory->row_count = 0;
 	memory->sample_count = 0;
 	const size_t keys = 2 * (size_t)snapshot->label_count + 1;
-	void *row_of = prof_array_room(memory->row_of, sizeof *memory->row_of, keys, &memory->row_of_capacity);
-	if (row_of == NULL)
+	if (!prof_array_room(&memory->row_of, sizeof *memory->row_of, keys, &memory->row_of_capacity))
 		return -ENOMEM;
-	memory->row_of = memset(row_of, 0, keys * sizeof *memory->row_of);
+	memset(memory->row_of, 0, keys * sizeof *memory->row_of);
 	return 0;
 }
 

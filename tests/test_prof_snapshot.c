@@ -899,6 +899,51 @@ static void no_memory(void **state)
 	assert_int_equal(s.flow_count, 150);
 }
 
+/* Counters and flows in such a number that the array of points (or of marks) grows, and so moves, for the same event for
+ * which the array of labels does: both arrays begin with room for 64, the labels' with one place kept free. */
+#define GROWING_LABELS 64
+static const stilb_prof_site growing_counters[GROWING_LABELS] STILB_PROF_SECTION_ = {
+	[0 ... GROWING_LABELS - 1] = STILB_PROF_SITE_INIT_("counter", "", 0, STILB_PROF_KIND_COUNTER)};
+static const stilb_prof_site growing_flows[GROWING_LABELS] STILB_PROF_SECTION_ = {
+	[0 ... GROWING_LABELS - 1] = STILB_PROF_SITE_INIT_("flow", "", 0, STILB_PROF_KIND_FLOW_BEGIN)};
+
+/* Fails each allocation of a first snapshot in turn. */
+static void fail_each_allocation(void)
+{
+	for (int failures = 0;; failures++) {
+		fail_allocation = failures;
+		const int error = stilb_prof_snapshot_take(&s, NULL);
+		const bool failed = fail_allocation < 0;
+		fail_allocation = -1;
+		if (!failed)
+			break;
+		assert_int_equal(error, -ENOMEM);
+		assert_null(s.memory);
+	}
+	check_snapshot();
+	assert_int_equal(s.label_count, GROWING_LABELS);
+}
+
+static void no_memory_for_a_label_when_points_have_moved(void **state)
+{
+	(void)state;
+	for (int i = GROWING_LABELS - 1; i >= 0; i--) /* read back from the last */
+		stilb_prof_counter(&growing_counters[i], i);
+	stilb_prof_counter(&growing_counters[0], 0);
+	fail_each_allocation();
+	assert_int_equal(s.point_count, GROWING_LABELS + 1);
+}
+
+static void no_memory_for_a_label_when_flows_have_moved(void **state)
+{
+	(void)state;
+	for (int i = GROWING_LABELS - 1; i >= 0; i--)
+		stilb_prof_flow_begin(&growing_flows[i]);
+	stilb_prof_flow_begin(&growing_flows[0]);
+	fail_each_allocation();
+	assert_int_equal(s.flow_count, GROWING_LABELS + 1);
+}
+
 /* ---- a thread that records meanwhile ----------------------------------------------------------------------------- */
 
 static volatile bool stop;
@@ -976,6 +1021,8 @@ int main(void)
 		SNAPSHOT_TEST(sleep_is_off_the_cpu),
 		SNAPSHOT_TEST(memory_is_used_again),
 		SNAPSHOT_TEST(no_memory),
+		SNAPSHOT_TEST(no_memory_for_a_label_when_points_have_moved),
+		SNAPSHOT_TEST(no_memory_for_a_label_when_flows_have_moved),
 		SNAPSHOT_TEST(snapshots_of_a_busy_thread),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

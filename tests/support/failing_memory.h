@@ -1,10 +1,14 @@
-/* Allocations that are counted and fail when told to. For tests linked with --wrap=malloc, --wrap=calloc and
+/* Allocations that are counted and fail when told to; realloc always moves, and what it leaves behind is overwritten and
+ * freed, so that an old pointer that is still used shows. For tests linked with --wrap=malloc, --wrap=calloc and
  * --wrap=realloc; include it in one file of a test. */
 #ifndef FAILING_MEMORY_H
 #define FAILING_MEMORY_H
 
+#include <malloc.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
 
 static int fail_allocation = -1; /* so many succeed, then one fails; -1: never */
 static int allocations __attribute__((unused));
@@ -34,7 +38,16 @@ void *__wrap_calloc(size_t count, size_t size)
 
 void *__wrap_realloc(void *memory, size_t size)
 {
-	return allocation_fails() ? NULL : __real_realloc(memory, size);
+	if (allocation_fails())
+		return NULL;
+	const size_t old_size = memory != NULL ? malloc_usable_size(memory) : 0;
+	void *moved = __real_malloc(size);
+	if (moved != NULL && memory != NULL) {
+		memcpy(moved, memory, old_size < size ? old_size : size);
+		memset(memory, 0xdd, old_size);
+		free(memory);
+	}
+	return moved;
 }
 
 #endif
