@@ -3,7 +3,7 @@
 #define STILB_ENGINE_INTERNAL_H
 
 #include "engine.h"
-#include "input/input_pads.h"
+#include "input/device/input_pads.h"
 #include "input/input_recording.h"
 #include "input/input_window.h"
 #include "jobs/job.h"

@@ -1,6 +1,6 @@
 /* The stilb program: finds the subcommand. */
 #include "commands.h"
-#include "flags.h"
+#include "game/cli/flags.h"
 
 #include <limits.h>
 #include <malloc.h>

@@ -1,5 +1,5 @@
 /* OpenMP. Tasks live in a parallel region, so every spawn opens one. Its threads spin between regions. */
-#include "bench/jobs_subject.h"
+#include "bench/jobs/jobs_subject.h"
 
 #include <omp.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* oneTBB. The case runs inside an arena of as many threads as asked for, else there would be no more than there are CPUs. */
-#include "bench/jobs_subject.h"
+#include "bench/jobs/jobs_subject.h"
 
 #include <atomic>
 #include <optional>

@@ -3,7 +3,7 @@
 #include <microprofile.h>
 
 #define PROFILER_SCOPE MICROPROFILE_SCOPEI("bench", "empty", 0xff8800)
-#include "bench/profiler_run.h"
+#include "bench/profiler/profiler_run.h"
 
 static void thread_start(const char *name)
 {

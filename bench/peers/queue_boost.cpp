@@ -4,7 +4,7 @@
 typedef boost::lockfree::queue<void *> *subject_queue;
 typedef char subject_thread;
 #define SUBJECT_BATCH 0
-#include "bench/queue_load.h"
+#include "bench/queue/queue_load.h"
 
 static void subject_open(subject_queue *queue, const queue_load *)
 {

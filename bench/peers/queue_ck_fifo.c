@@ -24,7 +24,7 @@ typedef struct subject_thread {
 	uint32_t count;       /* consumer: length of free */
 } subject_thread;
 #define SUBJECT_BATCH 0
-#include "bench/queue_load.h"
+#include "bench/queue/queue_load.h"
 
 static void subject_open(subject_queue *queue, const queue_load *load)
 {

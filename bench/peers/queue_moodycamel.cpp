@@ -11,7 +11,7 @@ struct subject_thread {
 	moodycamel::ProducerToken *producer;
 	moodycamel::ConsumerToken *consumer;
 };
-#include "bench/queue_load.h"
+#include "bench/queue/queue_load.h"
 
 static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t thread)
 {
@@ -44,7 +44,7 @@ static inline size_t subject_pop_n(subject_queue *queue, subject_thread *self, v
 #else
 
 typedef char subject_thread;
-#include "bench/queue_load.h"
+#include "bench/queue/queue_load.h"
 
 static void subject_enter(subject_queue *, subject_thread *, uint32_t)
 {

@@ -19,7 +19,7 @@ typedef struct subject_queue {
 
 typedef char subject_thread;
 #define SUBJECT_BATCH 0
-#include "bench/queue_load.h"
+#include "bench/queue/queue_load.h"
 
 static_assert(CELLS == QUEUE_LOAD_BOUNDED, "every bounded queue has the same capacity");
 

@@ -1,7 +1,7 @@
 /* The program of the subject vulkan-bare: frames, their times, and the checksum of the last picture. */
 #include "bench/subjects/vulkan_bare.h"
 
-#include "bench/record_child.h"
+#include "bench/record/record_child.h"
 #include "shading/shade_tonemap.h"
 
 /* ---- what the CPU writes for a frame ------------------------------------------------------------------------------- */

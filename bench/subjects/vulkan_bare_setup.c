@@ -1,7 +1,7 @@
 /* The bare program's device, memory, pipeline and frames. */
 #include "bench/subjects/vulkan_bare.h"
 
-#include "bench/record_child.h"
+#include "bench/record/record_child.h"
 
 /* The engine's shaders. */
 static const uint32_t vertex_code[] =

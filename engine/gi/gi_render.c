@@ -4,9 +4,9 @@
  * A pass has a grid of pixels and a number of samples to bring each of them to. A pixel remembers how many it has, so a
  * pass that was cut short is simply done again: whatever is there already is not rendered twice.
  */
-#include "gi/gi_counter.h"
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
+#include "gi/sample/gi_counter.h"
 #include "profiler/prof.h"
 
 #include <math.h>

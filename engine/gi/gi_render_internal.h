@@ -4,11 +4,11 @@
 #ifndef GI_RENDER_INTERNAL_H
 #define GI_RENDER_INTERNAL_H
 
-#include "gi/gi_cache.h"
-#include "gi/gi_camera.h"
-#include "gi/gi_film.h"
-#include "gi/gi_integrator.h"
-#include "gi/gi_primary.h"
+#include "gi/cache/gi_cache.h"
+#include "gi/film/gi_camera.h"
+#include "gi/film/gi_film.h"
+#include "gi/film/gi_primary.h"
+#include "gi/integrate/gi_integrator.h"
 
 #include <pthread.h>
 

@@ -1,6 +1,6 @@
 #include "gi/gi_scene_hash.h"
 
-#include "gi/gi_environment.h"
+#include "gi/light/gi_environment.h"
 
 static uint64_t hash_u32(uint64_t hash, uint32_t value)
 {

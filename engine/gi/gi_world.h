@@ -5,9 +5,9 @@
 #define STILB_GI_WORLD_H
 
 #include "base/base_math.h"
-#include "gi/gi_light.h"
 #include "gi/gi_scene.h"
-#include "gi/gi_trace.h"
+#include "gi/light/gi_light.h"
+#include "gi/trace/gi_trace.h"
 
 /* Counter-clockwise seen from the front. */
 typedef struct gi_triangle {

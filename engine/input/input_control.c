@@ -1,5 +1,5 @@
 #include "input/input_control.h"
-#include "input/input_layout.h"
+#include "input/hid/input_layout.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #include "input/input_look.h"
 
-#include "input/input_device_internal.h"
+#include "input/device/input_device_internal.h"
 
 #include <string.h>
 

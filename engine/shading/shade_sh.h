@@ -98,7 +98,7 @@ SHADE_FN float shade_sh_evaluate(shade_sh f, vec3 d)
 
 /* The light that comes from the direction l alone, with the given irradiance across its beam (a sun's). It is also the
  * step of every projection: a piece of surroundings of radiance L and solid angle dw is such a light of irradiance L
- * dw, and their sum the projection (gi/gi_sh.h has the loops).
+ * dw, and their sum the projection (gi/numeric_sh.h has the loops).
  * Source: maxest, "Projecting Light and Transfer Functions into SH". */
 SHADE_FN shade_sh shade_sh_directional(vec3 l, float irradiance)
 {

@@ -2,7 +2,7 @@
  * Stands in for everything that would load Vulkan, GLFW, OpenImageIO or hidapi: linked into the tests of the null device, so that
  * no third-party library is there and the thread sanitizer sees all that runs. Each call fails as on a bare machine.
  */
-#include "input/input_device_internal.h"
+#include "input/device/input_device_internal.h"
 #include "render/render_internal.h"
 #include "window/window.h"
 

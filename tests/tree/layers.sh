@@ -60,6 +60,7 @@ function check_own(file, name,   from, to, path) {
 	}
 	to = room_of(path)
 	if (to == from || may[from] ~ /\*/) return
+	if (index(" " may[from] " ", " " to "+ ")) return
 	if (index(" " may[from] " ", " " to " ") == 0) bad(from " may not include " to " (\"" name "\")")
 	else if (to in public ? index(public[to] " ", " " path " ") == 0 : path ~ /_internal\.h$/) bad("\"" name "\" is internal to " to)
 }

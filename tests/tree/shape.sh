@@ -43,19 +43,19 @@ fences() {
 
 # A test that is not registered never fails.
 forgotten_tests() {
-	for file in tests/test_*.c tests/test_*.sh; do
-		[ -e "$file" ] || continue
+	find tests -name 'test_*.c' -o -name 'test_*.sh' -o -name 'fuzz_*.c' | sort | while read -r file; do
 		name=$(basename "$file")
-		find tests -maxdepth 1 \( -name CMakeLists.txt -o -name '*.cmake' \) -exec cat {} + |
-			grep -E "(^|[^a-z0-9_])${name%.*}([^a-z0-9_]|$)" >/dev/null ||
-			echo "$file: tests/CMakeLists.txt does not name it"
+		list=$(dirname "$file")/CMakeLists.txt
+		[ -e "$list" ] || list=tests/CMakeLists.txt
+		grep -E "(^|[^a-z0-9_])${name%.*}([^a-z0-9_]|$)" "$list" >/dev/null || echo "$file: $list does not name it"
 	done
 }
 
 # CI must name every tier that has tests, or a tier that is skipped there would pass.
 forgotten_tiers() {
 	for tier in unit device window model truth fuzz; do
-		sed 's/#.*//' tests/CMakeLists.txt | tr '\n' ' ' | grep -E "LABELS [^)]*\\b$tier\\b" >/dev/null || continue
+		find tests -name CMakeLists.txt -exec sed 's/#.*//' {} + | tr '\n' ' ' |
+			grep -E "LABELS [^)]*\\b$tier\\b" >/dev/null || continue
 		grep -qE "STILB_REQUIRE=[a-z,]*\\b$tier\\b" .ci/run || echo ".ci/run: STILB_REQUIRE does not name the tier $tier"
 	done
 }

@@ -9,7 +9,7 @@ failures=0
 # A tree that breaks no rule.
 fresh_tree() {
 	rm -rf "$scratch/tree"
-	mkdir -p "$scratch/tree"/{.ci,jobs,profiler,engine/{base,shading,scene,image,window,render/vulkan},game,tests}
+	mkdir -p "$scratch/tree"/{.ci,jobs,profiler,engine/{base,shading,scene,image,window,render/vulkan},game,bench,tests}
 	cd "$scratch/tree"
 	header jobs/job.h STILB_JOB_H '<stdint.h>'
 	header jobs/job_queue.h STILB_JOB_QUEUE_H '"job.h"'
@@ -19,6 +19,7 @@ fresh_tree() {
 	header engine/scene/scene.h STILB_SCENE_H '"base/base.h"'
 	header engine/scene/scene_internal.h STILB_SCENE_INTERNAL_H '"scene/scene.h"' '"profiler/prof.h"'
 	header engine/render/render.h STILB_RENDER_H '"scene/scene.h"' '"jobs/job.h"' '"jobs/job_queue.h"'
+	header engine/render/render_internal.h STILB_RENDER_INTERNAL_H '"render/render.h"'
 	header engine/engine.h STILB_ENGINE_H '"render/render.h"'
 	printf '#include "render/render.h"\n#include "triangle_spv.h"\n#include <vulkan/vulkan.h>\n' >engine/render/vulkan/vulkan.c
 	printf '#include <vector>\n#include <OpenImageIO/imageio.h>\n' >engine/image/oiio.cpp
@@ -75,6 +76,10 @@ test_layers() {
 	include engine/render/render.h '"jobs/job_lock.h"' '"jobs/job_lock.h" is internal to jobs'
 	include engine/render/render.h '"engine.h"' 'render may not include engine'
 	include game/main.c '"render/render.h"' 'game may not include render'
+	include bench/record.c '"render/render_internal.h"' '"render/render_internal.h" is internal to render'
+	fresh_tree
+	printf '#include "scene/scene_internal.h"\n' >bench/gi.c
+	expect_good layers.sh "$scratch/tree"
 	include engine/scene/scene.h '"../base/base.h"' 'name headers from the top'
 	include engine/render/sky.frag '"../engine.h"' 'render may not include engine'
 	include engine/scene/scene.h '"base/gone.h"' 'is not in the tree'
@@ -116,6 +121,11 @@ test_shape() {
 	fresh_tree
 	echo >tests/test_scene.c
 	expect 'tests/test_scene.c: tests/CMakeLists.txt does not name it' shape.sh "$scratch/tree"
+	fresh_tree
+	mkdir tests/scene
+	echo >tests/scene/test_scene_open.c
+	echo 'stilb_test(test_scene_opened)' >tests/scene/CMakeLists.txt
+	expect 'tests/scene/test_scene_open.c: tests/scene/CMakeLists.txt does not name it' shape.sh "$scratch/tree"
 
 	fresh_tree
 	printf 'stilb_test(test_scene_build\n\tLABELS model tsan)\n' >tests/CMakeLists.txt

@@ -2,7 +2,7 @@
  * Linux through /dev/uhid; what it makes of them (debugfs, hid/.../rdesc) must be what we make of them.
  *
  *   soak_vm_descriptor COUNT        so many by chance */
-#include "input/input_descriptor.h"
+#include "input/hid/input_descriptor.h"
 #include "vm/uhid_pad.h"
 #include "vm/vm_room.h"
 

@@ -1,6 +1,6 @@
 /* Pads on a real kernel: what is made through /dev/uhid is found, read, shaken and lost by both backends at once.
  * Runs in the virtual machine of boot.sh, as root, with the modules that init.sh loads. */
-#include "input_descriptors.h"
+#include "support/input_descriptors.h"
 #include "vm/vm_ds4.h"
 #include "vm/vm_room.h"
 

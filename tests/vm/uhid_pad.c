@@ -1,6 +1,6 @@
 #include "vm/uhid_pad.h"
 
-#include "input/input_layout.h"
+#include "input/hid/input_layout.h"
 
 #include <errno.h>
 #include <fcntl.h>

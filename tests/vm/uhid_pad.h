@@ -9,7 +9,7 @@
 #ifndef STILB_UHID_PAD_H
 #define STILB_UHID_PAD_H
 
-#include "input_descriptors.h"
+#include "support/input_descriptors.h"
 
 #include <stdbool.h>
 

@@ -2,7 +2,7 @@
 #ifndef STILB_VM_DS4_H
 #define STILB_VM_DS4_H
 
-#include "input/input_layout.h"
+#include "input/hid/input_layout.h"
 
 #include <string.h>
 

@@ -7,9 +7,9 @@
 #ifndef STILB_VM_ROOM_H
 #define STILB_VM_ROOM_H
 
+#include "input/device/input_pads.h"
+#include "input/hid/input_layout.h"
 #include "input/input_control.h"
-#include "input/input_layout.h"
-#include "input/input_pads.h"
 #include "vm/uhid_pad.h"
 
 #include <pthread.h>

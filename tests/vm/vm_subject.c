@@ -6,7 +6,7 @@
  *                    went, reports, and how many descriptors and threads there are more than at the start
  *   enumerate        what a program does that trusts hidapi: enumerates all the time
  */
-#include "input/input_pads.h"
+#include "input/device/input_pads.h"
 
 #include <dirent.h>
 #include <hidapi/hidapi.h>

@@ -4,7 +4,7 @@
  */
 #include "scene/importer/importer.h"
 
-#include "scene/scene_stream.h"
+#include "scene/open/scene_stream.h"
 
 #include <assimp/cimport.h>
 #include <assimp/commonMetaData.h>

@@ -1,0 +1,205 @@
+/* The suite `cull`: its table, its goals, met or missed, and a picture. */
+#include "bench/cull/bench_cull.h"
+
+#define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
+#define FLAT "stilb-flat-avx512"
+#define OCTREE "stilb-octree"
+
+/* ---- table ---------------------------------------------------------------------------------------------------------- */
+
+static void print_case(FILE *out, const bench_results *results, const char *on)
+{
+	char line[512];
+	int length = snprintf(line, sizeof line, "  %-10s", on);
+	bool any = false;
+	for (size_t s = 0; s < bench_cull_suite.subject_count; s++) {
+		const bench_row *row = bench_find(results, on, bench_cull_suite.subjects[s].name, "per-model");
+		int width = (int)sizeof line - length;
+		if (row)
+			length += snprintf(line + length, (size_t)width, " %*.3f", 17, row->median);
+		else
+			length += snprintf(line + length, (size_t)width, " %*s", 17, "-");
+		any |= row != NULL;
+	}
+	if (any)
+		fprintf(out, "%s\n", line);
+}
+
+static void print_table(FILE *out, const bench_results *results)
+{
+	fprintf(out, "\nns for each model of the scene, medians; case: models, percent visible\n  %-10s", "");
+	for (size_t s = 0; s < bench_cull_suite.subject_count; s++)
+		fprintf(out, " %17s", bench_cull_suite.subjects[s].name);
+	fputc('\n', out);
+	for (size_t c = 0; c < bench_cull_suite.case_count; c++)
+		print_case(out, results, bench_cull_suite.cases[c].name);
+}
+
+/* ---- goals ---------------------------------------------------------------------------------------------------------- */
+
+/* Theirs / ours in each round is to be at least so much; 0: no goal, only to be seen. */
+typedef struct ratio_goal {
+	const char *on, *ours, *theirs;
+	double least;
+} ratio_goal;
+
+static const ratio_goal ratio_goals[] = {
+	{"10k-1", OCTREE, FLAT, 2.0},
+	{"10k-10", OCTREE, FLAT, 0.0},
+	{"10k-50", OCTREE, FLAT, 0.0},
+	{"10k-100", OCTREE, FLAT, 2.0},
+	{"100k-1", OCTREE, FLAT, 0.0},
+	{"100k-10", OCTREE, FLAT, 0.0},
+	{"100k-50", OCTREE, FLAT, 0.0},
+	{"100k-100", OCTREE, FLAT, 2.0},
+	{"1M-1", OCTREE, FLAT, 6.0},
+	{"1M-10", OCTREE, FLAT, 0.0},
+	{"1M-50", OCTREE, FLAT, 0.0},
+	{"1M-100", OCTREE, FLAT, 2.0},
+	{"10k-move", OCTREE, "rebuild", 10.0},
+	{"100k-move", OCTREE, "rebuild", 10.0},
+	{"1M-move", OCTREE, "rebuild", 10.0},
+	{"10k-50", "stilb-flat-avx2", "stilb-flat-scalar", 0.0},
+	{"10k-50", FLAT, "stilb-flat-avx2", 0.0},
+	{"100k-50", "stilb-flat-2", FLAT, 0.0},
+	{"1M-50", "stilb-flat-2", FLAT, 0.0},
+	{"1M-1", "stilb-octree-2", OCTREE, 0.0},
+	{"1M-10", "stilb-octree-2", OCTREE, 0.0},
+	{"10k-50", "stream", FLAT, 0.0},
+	{"100k-50", "stream", FLAT, 0.0},
+	{"1M-50", "stream", FLAT, 0.0},
+};
+
+static const char *verdict(bool met)
+{
+	return met ? "met" : "MISSED";
+}
+
+static void print_ratio(FILE *out, const bench_results *results, const ratio_goal *g)
+{
+	const bench_row *our = bench_find(results, g->on, g->ours, "p50"),
+					*their = bench_find(results, g->on, g->theirs, "p50");
+	bench_ratio ratio;
+	if (!our || !their || !bench_paired_ratio(results, their, our, &ratio))
+		return;
+	fprintf(out, "  %-10s %-18s %9.4g us, %-18s / it %7.3g [%.3g-%.3g]", g->on, g->ours, our->median, g->theirs,
+	        ratio.median, ratio.min, ratio.max);
+	if (g->least > 0.0)
+		fprintf(out, ", goal >= %.3g  %s", g->least, verdict(ratio.median >= g->least));
+	fputc('\n', out);
+}
+
+/* The choice is to cost at most a tenth more than the better of what it chooses from. */
+static void print_choice(FILE *out, const bench_results *results, const char *on)
+{
+	const bench_row *our = bench_find(results, on, "stilb-auto", "p50"), *flat = bench_find(results, on, FLAT, "p50"),
+					*octree = bench_find(results, on, OCTREE, "p50");
+	bench_ratio ratio;
+	if (!our || !flat || !octree)
+		return;
+	const bench_row *better = octree->median < flat->median ? octree : flat;
+	if (bench_paired_ratio(results, our, better, &ratio))
+		fprintf(out, "  %-10s %-18s %9.4g us, it / %-18s %7.3g [%.3g-%.3g], goal <= 1.1  %s\n", on, our->name,
+		        our->median, better->name, ratio.median, ratio.min, ratio.max, verdict(ratio.median <= 1.1));
+}
+
+/* Microseconds, at most. */
+static const struct {
+	const char *on, *subject;
+	double most;
+} time_goals[] = {
+	{"10k-1", FLAT, 2.0}, {"10k-10", FLAT, 2.0}, {"10k-50", FLAT, 2.0}, {"10k-100", FLAT, 2.0}, {"1M-1", OCTREE, 60.0},
+};
+
+void bench_cull_report(FILE *out, const bench_results *results)
+{
+	print_table(out, results);
+	fprintf(out, "\ngoals; ratios of the same round: median [least-most]\n");
+	for (size_t c = 0; c < bench_cull_suite.case_count; c++)
+		print_choice(out, results, bench_cull_suite.cases[c].name);
+	for (size_t i = 0; i < COUNT(ratio_goals); i++)
+		print_ratio(out, results, &ratio_goals[i]);
+	for (size_t i = 0; i < COUNT(time_goals); i++) {
+		const bench_row *row = bench_find(results, time_goals[i].on, time_goals[i].subject, "p50");
+		if (row)
+			fprintf(out, "  %-10s %-18s %9.4g us [%.4g-%.4g], goal <= %.3g us  %s\n", time_goals[i].on, row->name,
+			        row->median, row->min, row->max, time_goals[i].most, verdict(row->median <= time_goals[i].most));
+	}
+}
+
+/* ---- picture -------------------------------------------------------------------------------------------------------- */
+
+/* A diagram: cases from left to right, NULL-terminated. */
+typedef struct diagram {
+	const char *title, *ticks, *x_label;
+	const char *cases[5];
+} diagram;
+
+#define SHARES "'1 %%' 0, '10 %%' 1, '50 %%' 2, 'all' 3" /* gnuplot takes them as formats */
+
+static const diagram diagrams[2 * BENCH_CULL_PLOT_ROWS] = {
+	{"10,000 models", SHARES, "visible", {"10k-1", "10k-10", "10k-50", "10k-100"}},
+	{"100,000 models", SHARES, "visible", {"100k-1", "100k-10", "100k-50", "100k-100"}},
+	{"1,000,000 models", SHARES, "visible", {"1M-1", "1M-10", "1M-50", "1M-100"}},
+	{"a tenth moves in each frame, 10 % visible",
+     "'10,000' 0, '100,000' 1, '1,000,000' 2",
+     "models",
+     {"10k-move", "100k-move", "1M-move"}},
+};
+
+/* The octree in red, flat in blue: one thread full, two dashed; what is compared with them in grey. */
+static const struct {
+	const char *subject, *style;
+} lines[] = {
+	{"stilb-flat-scalar", "linecolor rgb '#90b0d8' pointtype 9"},
+	{"stilb-flat-avx2", "linecolor rgb '#4080c8' pointtype 11"},
+	{"stilb-flat-avx512", "linecolor rgb '#0040a0' pointtype 5"},
+	{"stilb-flat-2", "linecolor rgb '#0040a0' dashtype 2 pointtype 4"},
+	{"stilb-octree", "linecolor rgb '#c00000' pointtype 7"},
+	{"stilb-octree-2", "linecolor rgb '#c00000' dashtype 2 pointtype 6"},
+	{"stilb-auto", "linecolor rgb '#007030' linewidth 3 pointtype 1"},
+	{"rebuild", "linecolor rgb '#808080' pointtype 8"},
+	{"stream", "linecolor rgb '#808080' dashtype 3 pointtype 2"},
+};
+
+/* x, median, least, most of a subject's cases; false: none ran. */
+static bool write_line(FILE *out, const bench_results *results, size_t place, size_t line)
+{
+	bool any = false;
+	fprintf(out, "$line%zu_%zu << END\n", place, line);
+	for (int x = 0; diagrams[place].cases[x]; x++) {
+		const bench_row *row = bench_find(results, diagrams[place].cases[x], lines[line].subject, "per-model");
+		if (row)
+			fprintf(out, "%d %.6g %.6g %.6g\n", x, row->median, row->min, row->max);
+		any |= row != NULL;
+	}
+	fprintf(out, "END\n");
+	return any;
+}
+
+static void plot_diagram(FILE *out, const bench_results *results, size_t place)
+{
+	bool any[COUNT(lines)];
+	for (size_t i = 0; i < COUNT(lines); i++)
+		any[i] = write_line(out, results, place, i);
+	const double height = 0.94 / BENCH_CULL_PLOT_ROWS;
+	fprintf(out,
+	        "set origin %.2f,%.4f\nset size 0.5,%.4f\nset title \"%s\"\nset ylabel 'ns for each model of the scene'\n"
+	        "set xlabel '%s'\nset logscale y\nset yrange [*:*]\nset xrange [-0.2:%d.2]\nset xtics (%s)\n"
+	        "set grid ytics mytics linecolor rgb '#d0d0d0'\nplot NaN notitle",
+	        0.5 * (double)(place % 2), height * (double)(BENCH_CULL_PLOT_ROWS - 1 - place / 2), height,
+	        diagrams[place].title, diagrams[place].x_label, diagrams[place].cases[3] ? 3 : 2, diagrams[place].ticks);
+	for (size_t i = 0; i < COUNT(lines); i++)
+		if (any[i])
+			fprintf(out,
+			        ", $line%zu_%zu using 1:2 with linespoints %s title '%s', $line%zu_%zu using 1:2:3:4 with "
+			        "yerrorbars %s notitle",
+			        place, i, lines[i].style, lines[i].subject, place, i, lines[i].style);
+	fputc('\n', out);
+}
+
+void bench_cull_plot(FILE *out, const bench_results *results)
+{
+	for (size_t place = 0; place < COUNT(diagrams); place++)
+		plot_diagram(out, results, place);
+}

@@ -1,0 +1,169 @@
+/* The suite `gi`: the renderer of rays beside Embree alone, beside a plain path tracer, and its parts beside each other. What
+ * a case is: gi_cases.h. */
+#include "bench/gi/gi_cases.h"
+#include "bench/harness/bench.h"
+
+#include "base/base.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
+#define PROGRAM "stilb-bench-gi"
+
+static const bench_metric build_metrics[] = {
+	{"stilb", "ms", true, NULL}, {"embree", "ms", true, NULL}, {"ratio", "x", true, NULL}};
+static const bench_metric rate_metrics[] = {
+	{"stilb", "Mrays/s", false, NULL}, {"embree", "Mrays/s", false, NULL}, {"ratio", "x", false, NULL}};
+static const bench_metric path_metrics[] = {{"stilb", "Mrays/s", false, NULL},
+                                            {"embree", "Mrays/s", false, NULL},
+                                            {"ratio", "x", false, NULL},
+                                            {"shadow", "%", false, NULL}};
+static const bench_metric samples_metrics[] = {
+	{"sobol", "Msamples/s", false, NULL}, {"random", "Msamples/s", false, NULL}, {"ratio", "x", false, NULL}};
+static const bench_metric workers_metrics[] = {
+	{"one", "Msamples/s", false, NULL}, {"two", "Msamples/s", false, NULL}, {"ratio", "x", false, NULL}};
+static const bench_metric efficiency_metrics[] = {{"stilb", "1/s", false, NULL},
+                                                  {"baseline", "1/s", false, NULL},
+                                                  {"ratio", "x", false, NULL},
+                                                  {"stilb-seconds", "s", true, NULL},
+                                                  {"stilb-rmse", "radiance", true, NULL},
+                                                  {"baseline-seconds", "s", true, NULL},
+                                                  {"baseline-rmse", "radiance", true, NULL}};
+static const bench_metric cache_time_metrics[] = {{"seconds", "s", true, NULL},
+                                                  {"rmse", "radiance", true, NULL},
+                                                  {"bias", "%", true, NULL},
+                                                  {"records", "records", true, NULL}};
+static const bench_metric equal_time_metrics[] = {
+	{"cache-rmse", "radiance", true, NULL}, {"path-rmse", "radiance", true, NULL}, {"ratio", "x", true, NULL},
+	{"cache-seconds", "s", true, NULL},     {"path-seconds", "s", true, NULL},     {"bias", "%", true, NULL}};
+static const bench_metric hessian_metrics[] = {
+	{"hessian-rmse", "radiance", true, NULL}, {"plain-rmse", "radiance", true, NULL},
+	{"bounded-rmse", "radiance", true, NULL}, {"ratio", "x", true, NULL},
+	{"ratio-bounded", "x", true, NULL},       {"hessian-records", "records", true, NULL},
+	{"plain-records", "records", true, NULL}, {"bounded-records", "records", true, NULL}};
+
+static const bench_case cases[] = {
+#define CASE(NAME, TITLE, METRICS)                                                                                     \
+	{.name = NAME, .title = TITLE, .metrics = METRICS##_metrics, .metric_count = COUNT(METRICS##_metrics)},
+	GI_CASES(CASE)
+#undef CASE
+};
+
+static const bench_subject subjects[] = {
+	{.name = "stilb", .program = PROGRAM, .note = "what is compared takes turns in one process"},
+};
+
+/* ---- goals -------------------------------------------------------------------------------------------------------- */
+
+typedef struct goal {
+	const char *name, *metric, *what;
+	double bound;
+	bool at_most;
+} goal;
+
+static const goal goals[] = {
+	{"build", "ratio", "time / rtcCommitScene", 1.02, true},
+	{"primary", "ratio", "rate / rtcIntersect16 alone", 0.8, false},
+	{"path", "ratio", "rate / Embree alone on the same rays", 0.75, false},
+	{"sobol", "ratio", "Owen-scrambled Sobol / independent numbers", 0.95, false},
+	{"efficiency", "ratio", "1 / (RMSE^2 s) / the baseline's", 2.0, false},
+	{"cache-time", "seconds", "seconds (Radiance's rpict: 25.4 on another machine)", 1.3, true},
+	{"cache-time", "rmse", "RMSE", .01117, true},
+	{"cache-time", "bias", "bias, %", 0.3, true},
+	{"cache-0.25s", "ratio", "RMSE of the cache / of the path tracer", 1.0, true},
+	{"cache-1s", "ratio", "RMSE of the cache / of the path tracer", 1.0, true},
+	{"hessian", "ratio", "RMSE of the Hessian / of the plain split sphere", 0.25, true},
+	{"workers", "ratio", "two threads / one", 1.95, false},
+	{"pathtracer", "ratio", "rays/s / embree-tools' pathtracer", 1.3, false},
+};
+
+static double magnitude(double a)
+{
+	return a < 0.0 ? -a : a;
+}
+
+static void report_case(FILE *out, const bench_results *results, const bench_case *on)
+{
+	bool titled = false;
+	for (size_t m = 0; m < on->metric_count; m++) {
+		const bench_row *row = bench_find(results, on->name, "stilb", on->metrics[m].name);
+		if (!row)
+			continue;
+		if (!titled)
+			fprintf(out, "  %s: %s\n", on->name, on->title);
+		titled = true;
+		fprintf(out, "    %-18s %10.4g [%.4g-%.4g] %s\n", row->metric, row->median, row->min, row->max, row->unit);
+	}
+}
+
+static void report(FILE *out, const bench_results *results)
+{
+	for (size_t i = 0; i < COUNT(cases); i++)
+		report_case(out, results, &cases[i]);
+	fprintf(out, "\ngoals (medians)\n");
+	for (size_t i = 0; i < COUNT(goals); i++) {
+		const goal *g = &goals[i];
+		const bench_row *row = bench_find(results, g->name, "stilb", g->metric);
+		if (!row)
+			continue;
+		double value = magnitude(row->median);
+		bool met = g->at_most ? value <= g->bound : value >= g->bound;
+		fprintf(out, "  %-12s %-52s %9.4g   %s %.4g: %s\n", g->name, g->what, value,
+		        g->at_most ? "at most " : "at least", g->bound, met ? "met" : "MISSED");
+	}
+	fprintf(out,
+	        "\n  embree: the same rays by rtcIntersect1 and rtcOccluded1 (build: rtcCommitScene; primary: "
+	        "rtcIntersect16), 1,037,244 triangles, one thread\n"
+	        "  baseline: a scalar path tracer with PCG32, one light sample a hit, MIS, Russian roulette\n"
+	        "  RMSE: linear radiance without the pixels around the light, against a reference made first, whose own "
+	        "noise is taken off\n");
+}
+
+/* ---- the reference ------------------------------------------------------------------------------------------------ */
+
+#define REFERENCE_SAMPLES 512u
+#define REFERENCE_SAMPLES_QUICK 64u
+#define REFERENCE_SECONDS 300.0
+
+static char reference[256];
+
+static void remove_reference(void)
+{
+	unlink(reference);
+}
+
+/* The Cornell box, rendered once for all rounds. */
+static const char *prepare(const bench_options *options)
+{
+	const char *folder = getenv("TMPDIR");
+	snprintf(reference, sizeof reference, "%s/stilb-bench-gi-XXXXXX", folder && *folder ? folder : "/tmp");
+	int file = mkstemp(reference);
+	if (file < 0) {
+		stilb_log("%s: cannot make a file for the reference; set TMPDIR to a folder where one can be written",
+		          reference);
+		return NULL;
+	}
+	close(file);
+	atexit(remove_reference);
+	bench_child_result result;
+	bench_child_run(PROGRAM, "stilb", "reference", 0.0, options->quick ? REFERENCE_SAMPLES_QUICK : REFERENCE_SAMPLES,
+	                reference, REFERENCE_SECONDS, &result);
+	if (result.state == BENCH_CHILD_DONE)
+		return reference;
+	stilb_log("cannot render the reference: %s", result.message);
+	return NULL;
+}
+
+const bench_suite bench_gi_suite = {.name = "gi",
+                                    .help = "the renderer of rays: speed and error beside Embree and a plain tracer",
+                                    .subjects = subjects,
+                                    .subject_count = COUNT(subjects),
+                                    .cases = cases,
+                                    .case_count = COUNT(cases),
+                                    .prepare = prepare,
+                                    .report = report,
+                                    .report_alone = true,
+                                    .start_seconds = 0.5,
+                                    .quick_timeout = 8.0};

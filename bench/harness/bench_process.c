@@ -1,0 +1,207 @@
+/* One run: starts a program, reads what it prints, kills it when it takes too long. */
+#include "bench/harness/bench.h"
+#include "bench/harness/bench_child.h"
+#include "bench/harness/bench_internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* What a stream said: the last bytes of it, always a string. */
+typedef struct text {
+	char bytes[4096];
+	size_t length;
+} text;
+
+/* False at the end of the stream. */
+static bool text_read(text *t, int descriptor)
+{
+	if (t->length == sizeof t->bytes - 1) { /* the end matters more */
+		t->length /= 2;
+		memmove(t->bytes, t->bytes + sizeof t->bytes - 1 - t->length, t->length);
+	}
+	ssize_t got = read(descriptor, t->bytes + t->length, sizeof t->bytes - 1 - t->length);
+	if (got > 0)
+		t->length += (size_t)got;
+	t->bytes[t->length] = '\0';
+	return got > 0 || (got < 0 && errno == EINTR);
+}
+
+static void text_last_line(const text *t, char *line, size_t size)
+{
+	size_t end = t->length;
+	while (end > 0 && t->bytes[end - 1] == '\n')
+		end--;
+	size_t start = end;
+	while (start > 0 && t->bytes[start - 1] != '\n')
+		start--;
+	snprintf(line, size, "%.*s", (int)(end - start), t->bytes + start);
+}
+
+bool bench_program_path(const char *program, char *path, size_t size)
+{
+	char self[PATH_MAX];
+	ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+	if (length < 0)
+		return false;
+	self[length] = '\0';
+	int folder = (int)(strrchr(self, '/') - self);
+	return snprintf(path, size, "%.*s/%s", folder, self, program) < (int)size && access(path, X_OK) == 0;
+}
+
+/* In the new process: does not return. */
+static void become(const char *path, char *const *argv, const int out[2], const int error[2])
+{
+	prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody is left to read what an orphan measures */
+	signal(SIGPIPE, SIG_DFL);
+	int nothing = open("/dev/null", O_RDONLY);
+	dup2(nothing, STDIN_FILENO);
+	dup2(out[1], STDOUT_FILENO);
+	dup2(error[1], STDERR_FILENO);
+	execv(path, argv);
+	fprintf(stderr, "cannot start %s: %s\n", path, strerror(errno));
+	_exit(127);
+}
+
+/* The process id, and the ends to read from; -1 with errno. */
+static pid_t start(const char *path, char *const *argv, int *out, int *error)
+{
+	int outs[2], errors[2];
+	if (pipe2(outs, O_CLOEXEC) != 0)
+		return -1;
+	if (pipe2(errors, O_CLOEXEC) != 0) {
+		close(outs[0]), close(outs[1]);
+		return -1;
+	}
+	fflush(NULL); /* or the child would write it again */
+	pid_t child = fork();
+	if (child == 0)
+		become(path, argv, outs, errors);
+	close(outs[1]), close(errors[1]);
+	*out = outs[0], *error = errors[0];
+	if (child < 0)
+		close(outs[0]), close(errors[0]);
+	return child;
+}
+
+/* Reads both streams to their ends; false: the time was over first. */
+static bool collect(int out, int error, text *outs, text *errors, uint64_t deadline_ns)
+{
+	struct pollfd streams[2] = {{.fd = out, .events = POLLIN}, {.fd = error, .events = POLLIN}};
+	text *texts[2] = {outs, errors};
+	while (streams[0].fd >= 0 || streams[1].fd >= 0) {
+		uint64_t now = bench_child_now_ns();
+		if (now >= deadline_ns)
+			return false;
+		poll(streams, 2, (int)((deadline_ns - now) / 1000000 + 1));
+		for (int i = 0; i < 2; i++)
+			if (streams[i].fd >= 0 && streams[i].revents != 0 && !text_read(texts[i], streams[i].fd))
+				streams[i].fd = -1;
+	}
+	return true;
+}
+
+/* Lines "metric value". */
+static bool parse_values(const char *lines, bench_child_result *result)
+{
+	int taken = 0;
+	for (; *lines; lines += taken) {
+		if (result->value_count == BENCH_CHILD_VALUES)
+			return false;
+		size_t i = result->value_count++;
+		if (sscanf(lines, "%47s %lf%n", result->values[i].metric, &result->values[i].value, &taken) != 2 ||
+		    lines[taken++] != '\n')
+			return false;
+	}
+	return result->value_count > 0;
+}
+
+static void judge(int status, const text *outs, const text *errors, bench_child_result *result)
+{
+	text_last_line(errors, result->message, sizeof result->message);
+	if (WIFEXITED(status) && WEXITSTATUS(status) == BENCH_CHILD_SKIP) {
+		result->state = BENCH_CHILD_SKIPPED;
+	} else if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && parse_values(outs->bytes, result)) {
+		result->state = BENCH_CHILD_DONE;
+	} else {
+		result->state = BENCH_CHILD_FAILED;
+		if (WIFSIGNALED(status))
+			snprintf(result->message, sizeof result->message, "killed by signal %d (%s)", WTERMSIG(status),
+			         strsignal(WTERMSIG(status)));
+		else if (!result->message[0])
+			snprintf(result->message, sizeof result->message, "exit status %d, and said: %.100s", WEXITSTATUS(status),
+			         outs->bytes);
+	}
+}
+
+/* CPU time of the machine so far, in the kernel's ticks: all of it, and what the hypervisor gave to others. */
+typedef struct cpu_ticks {
+	uint64_t all, stolen;
+} cpu_ticks;
+
+static cpu_ticks read_cpu_ticks(void)
+{
+	cpu_ticks ticks = {0, 0};
+	FILE *stat = fopen("/proc/stat", "re");
+	if (!stat)
+		return ticks;
+	unsigned long long column[8] = {0};
+	if (fscanf(stat, "cpu %llu %llu %llu %llu %llu %llu %llu %llu", &column[0], &column[1], &column[2], &column[3],
+	           &column[4], &column[5], &column[6], &column[7]) == 8) {
+		for (int i = 0; i < 8; i++)
+			ticks.all += column[i];
+		ticks.stolen = column[7];
+	}
+	fclose(stat);
+	return ticks;
+}
+
+void bench_child_run(const char *program, const char *subject, const char *case_name, double seconds, uint32_t round,
+                     const char *argument, double timeout, bench_child_result *result)
+{
+	*result = (bench_child_result){.state = BENCH_CHILD_FAILED};
+	char path[PATH_MAX], length[32], number[16];
+	if (!bench_program_path(program, path, sizeof path)) {
+		snprintf(result->message, sizeof result->message, "%s is not beside stilb-bench", program);
+		return;
+	}
+	snprintf(length, sizeof length, "%.6f", seconds);
+	snprintf(number, sizeof number, "%u", round);
+	/* execv takes them as not const, and leaves them alone. */
+	char *argv[] = {path, (char *)subject, (char *)case_name, length, number, (char *)argument, NULL};
+
+	text outs = {.length = 0}, errors = {.length = 0};
+	int out, error, status = 0;
+	cpu_ticks before = read_cpu_ticks();
+	uint64_t begin = bench_child_now_ns();
+	pid_t child = start(path, argv, &out, &error);
+	if (child < 0) {
+		snprintf(result->message, sizeof result->message, "cannot start %s: %s", program, strerror(errno));
+		return;
+	}
+	bool in_time = collect(out, error, &outs, &errors, begin + (uint64_t)(timeout * 1e9));
+	if (!in_time)
+		kill(child, SIGKILL);
+	close(out), close(error);
+	struct rusage usage = {0};
+	while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+	}
+	result->seconds = (double)(bench_child_now_ns() - begin) * 1e-9;
+	cpu_ticks after = read_cpu_ticks();
+	result->peak_mb = (double)usage.ru_maxrss / 1024.0;
+	if (after.all > before.all)
+		result->steal = 100.0 * (double)(after.stolen - before.stolen) / (double)(after.all - before.all);
+	if (in_time) {
+		judge(status, &outs, &errors, result);
+	} else {
+		result->state = BENCH_CHILD_TIMED_OUT;
+		snprintf(result->message, sizeof result->message, "no result after %.1f s, killed", timeout);
+	}
+}

@@ -1,0 +1,417 @@
+/* The rounds: which subject runs in which case, in which order, for how long; and what is kept of it. */
+#include "bench/harness/bench_child.h"
+#include "bench/harness/bench_internal.h"
+
+#include "base/base_file.h"
+#include "game/cli/flags.h"
+#include "game/cli/gnuplot.h"
+
+#include <fnmatch.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define QUICK_BUDGET 17.0         /* seconds that the runs of --quick share; processes and killed runs come on top */
+#define QUICK_DEADLINE 25.0       /* no run starts later than this with --quick */
+#define QUICK_TIMEOUT 1.5         /* seconds beyond its length that a run is given */
+#define TIMEOUT 20.0              /* the same without --quick */
+#define TIMEOUTS_BEFORE_LEAVING 2 /* then a subject is left out of the case for the rest */
+#define PROCESS_SECONDS 0.008     /* what starting and ending a process takes */
+
+/* ---- choosing ---------------------------------------------------------------------------------------------------- */
+
+/* Is name among "a,b*"? list NULL: everything is. */
+static bool listed(const char *list, const char *name)
+{
+	if (!list)
+		return true;
+	for (const char *at = list; *at;) {
+		size_t length = strcspn(at, ",");
+		char pattern[128];
+		snprintf(pattern, sizeof pattern, "%.*s", (int)length, at);
+		if (fnmatch(pattern, name, 0) == 0)
+			return true;
+		at += length + (at[length] == ',');
+	}
+	return false;
+}
+
+/* The name of a subject (cases false) or case; NULL after the last. */
+static const char *name_of(const bench_suite *suite, bool cases, size_t i)
+{
+	if (cases)
+		return i < suite->case_count ? suite->cases[i].name : NULL;
+	return i < suite->subject_count ? suite->subjects[i].name : NULL;
+}
+
+/* Every word of the list must mean something. */
+static bool check_list(const bench_suite *suite, const char *flag_name, const char *list, bool cases)
+{
+	for (const char *at = list; at && *at;) {
+		char word[128];
+		size_t length = strcspn(at, ","), i = 0;
+		snprintf(word, sizeof word, "%.*s", (int)length, at);
+		while (name_of(suite, cases, i) && !listed(word, name_of(suite, cases, i)))
+			i++;
+		if (!name_of(suite, cases, i)) {
+			stilb_log("%s: '%s' is no %s of this suite; --list shows them", flag_name, word,
+			          cases ? "case" : "subject");
+			return false;
+		}
+		at += length + (at[length] == ',');
+	}
+	return true;
+}
+
+static bool built(const bench_subject *subject)
+{
+	char path[PATH_MAX];
+	return bench_program_path(subject->program, path, sizeof path);
+}
+
+static bool runs(const bench_subject *subject, const bench_case *on)
+{
+	return (on->needs & ~subject->abilities) == 0;
+}
+
+static void print_list(const bench_suite *suite)
+{
+	printf("subjects of %s:\n", suite->name);
+	for (size_t i = 0; i < suite->subject_count; i++) {
+		const bench_subject *subject = &suite->subjects[i];
+		printf("  %-20s", subject->name);
+		if (!built(subject))
+			printf(" (not built%s%s)", subject->package ? ": needs " : "", subject->package ? subject->package : "");
+		printf(" %s\n", subject->note ? subject->note : "");
+	}
+	printf("\ncases of %s:\n", suite->name);
+	for (size_t i = 0; i < suite->case_count; i++)
+		printf("  %-20s %s\n", suite->cases[i].name, suite->cases[i].title);
+}
+
+/* ---- the table of results ---------------------------------------------------------------------------------------- */
+
+/* STILB_OK, or out of memory. */
+static stilb_result add_row(bench_results *results, const bench_case *on, const bench_subject *subject,
+                            const bench_metric *metric)
+{
+	if (results->row_count == results->row_capacity) {
+		size_t capacity = results->row_capacity ? results->row_capacity * 2 : 256;
+		bench_row *grown = realloc(results->rows, capacity * sizeof *grown);
+		if (!grown)
+			return stilb_fail(STILB_ERROR_MEMORY, "out of memory for the table");
+		results->rows = grown;
+		results->row_capacity = capacity;
+	}
+	double *values = malloc(results->options->rounds * sizeof *values);
+	if (!values)
+		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for the table");
+	for (uint32_t i = 0; i < results->options->rounds; i++)
+		values[i] = BENCH_NO_NUMBER;
+	results->rows[results->row_count++] = (bench_row){.on = on,
+	                                                  .subject = subject,
+	                                                  .name = subject->name,
+	                                                  .metric = metric->name,
+	                                                  .unit = metric->unit,
+	                                                  .less_is_better = metric->less_is_better,
+	                                                  .values = values};
+	return STILB_OK;
+}
+
+/* The rows of a case: those of one metric stand together. */
+static stilb_result add_rows(bench_results *results, const bench_case *on)
+{
+	static const bench_metric own[] = {{BENCH_METRIC_MEMORY, "MiB", true, NULL}, {BENCH_METRIC_STEAL, "%", true, NULL}};
+	for (size_t m = 0; m < on->metric_count + 2; m++) {
+		const bench_metric *metric = m < on->metric_count ? &on->metrics[m] : &own[m - on->metric_count];
+		for (size_t p = 0; p < results->pair_count; p++)
+			if (results->pairs[p].on == on && add_row(results, on, results->pairs[p].subject, metric) != STILB_OK)
+				return STILB_ERROR_MEMORY;
+	}
+	return STILB_OK;
+}
+
+/* The pairs that run: the limits, then whatever was chosen and is built. */
+static stilb_result plan(bench_results *results)
+{
+	const bench_suite *suite = results->suite;
+	const bench_options *options = results->options;
+	results->pairs = calloc(1 + suite->case_count * suite->subject_count, sizeof *results->pairs);
+	if (!results->pairs)
+		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for the table");
+	results->pairs[results->pair_count++] = (bench_pair){.on = &bench_limits_case, .subject = &bench_limits_subject};
+	for (size_t c = 0; c < suite->case_count; c++)
+		for (size_t s = 0; s < suite->subject_count; s++) {
+			const bench_case *on = &suite->cases[c];
+			const bench_subject *subject = &suite->subjects[s];
+			if (listed(options->cases, on->name) && listed(options->only, subject->name) && runs(subject, on) &&
+			    built(subject))
+				results->pairs[results->pair_count++] = (bench_pair){.on = on, .subject = subject};
+		}
+	if (results->pair_count == 1)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "no subject that was chosen is built and has the case; --list shows them");
+	for (size_t p = 0; p < results->pair_count; p++)
+		if ((p == 0 || results->pairs[p].on != results->pairs[p - 1].on) &&
+		    add_rows(results, results->pairs[p].on) != STILB_OK)
+			return STILB_ERROR_MEMORY;
+	return STILB_OK;
+}
+
+static void results_finish(bench_results *results)
+{
+	for (size_t i = 0; i < results->row_count; i++)
+		free((double *)results->rows[i].values);
+	free(results->rows);
+	free(results->pairs);
+}
+
+void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,
+                     uint32_t round, double value)
+{
+	for (size_t i = 0; i < results->row_count; i++) {
+		bench_row *row = &results->rows[i];
+		if (row->on == on && row->subject == subject && strcmp(row->metric, metric) == 0) {
+			((double *)row->values)[round] = value;
+			return;
+		}
+	}
+}
+
+/* In this round. */
+static void set_value(bench_results *results, const bench_pair *pair, const char *metric, double value)
+{
+	bench_set_value(results, pair->on, pair->subject, metric, results->rounds - 1, value);
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+/* Median, least and largest of those that are numbers; returns how many. */
+static uint32_t summarise(const double *values, uint32_t count, bench_ratio *summary)
+{
+	double *sorted = malloc((count ? count : 1) * sizeof *sorted);
+	uint32_t known = 0;
+	for (uint32_t i = 0; sorted && i < count; i++)
+		if (isfinite(values[i]))
+			sorted[known++] = values[i];
+	if (known > 0) {
+		qsort(sorted, known, sizeof *sorted, compare_doubles);
+		summary->median = (sorted[known / 2] + sorted[(known - 1) / 2]) * 0.5;
+		summary->min = sorted[0];
+		summary->max = sorted[known - 1];
+	}
+	free(sorted);
+	return known;
+}
+
+static void summarise_rows(bench_results *results)
+{
+	for (size_t i = 0; i < results->row_count; i++) {
+		bench_row *row = &results->rows[i];
+		bench_ratio summary = {BENCH_NO_NUMBER, BENCH_NO_NUMBER, BENCH_NO_NUMBER};
+		row->runs = summarise(row->values, results->rounds, &summary);
+		row->median = summary.median, row->min = summary.min, row->max = summary.max;
+	}
+}
+
+const bench_row *bench_find(const bench_results *results, const char *case_name, const char *subject_name,
+                            const char *metric)
+{
+	if (!case_name)
+		case_name = bench_limits_case.name, subject_name = bench_limits_subject.name;
+	for (size_t i = 0; i < results->row_count; i++) {
+		const bench_row *row = &results->rows[i];
+		if (strcmp(row->on->name, case_name) == 0 && strcmp(row->name, subject_name) == 0 &&
+		    strcmp(row->metric, metric) == 0)
+			return row->runs > 0 ? row : NULL;
+	}
+	return NULL;
+}
+
+bool bench_paired_ratio(const bench_results *results, const bench_row *numerator, const bench_row *denominator,
+                        bench_ratio *ratio)
+{
+	double *ratios = malloc((results->rounds ? results->rounds : 1) * sizeof *ratios);
+	for (uint32_t i = 0; ratios && i < results->rounds; i++)
+		ratios[i] = numerator->values[i] / denominator->values[i];
+	bool any = ratios && summarise(ratios, results->rounds, ratio) > 0;
+	free(ratios);
+	return any;
+}
+
+double bench_of_limit(const bench_row *row, const bench_row *limit)
+{
+	static const struct {
+		const char *unit;
+		double ns;
+	} times[] = {{"ns", 1.0}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}},
+	  rates[] = {{"Mops/s", 1e3}, {"Mjobs/s", 1e3}, {"kops/s", 1e6}};
+	for (size_t i = 0; i < sizeof times / sizeof *times; i++)
+		if (strcmp(row->unit, times[i].unit) == 0)
+			return row->median * times[i].ns / limit->median;
+	for (size_t i = 0; i < sizeof rates / sizeof *rates; i++)
+		if (strcmp(row->unit, rates[i].unit) == 0)
+			return row->median * limit->median / rates[i].ns;
+	return BENCH_NO_NUMBER;
+}
+
+/* ---- running ----------------------------------------------------------------------------------------------------- */
+
+static double length_of(const bench_case *on)
+{
+	return on->length > 0.0 ? on->length : 1.0;
+}
+
+/* With --quick the runs share a budget. */
+static double run_seconds(const bench_results *results)
+{
+	const bench_options *options = results->options;
+	if (options->seconds > 0.0)
+		return options->seconds;
+	double lengths = 0.0;
+	for (size_t p = 0; p < results->pair_count; p++)
+		lengths += length_of(results->pairs[p].on);
+	double starting = (double)results->pair_count * (PROCESS_SECONDS + results->suite->start_seconds);
+	double seconds = (QUICK_BUDGET / options->rounds - starting) / lengths;
+	return fmin(fmax(seconds, 0.01), 0.2);
+}
+
+static void run_pair(bench_results *results, bench_pair *pair, const char *argument)
+{
+	double seconds = results->seconds * length_of(pair->on);
+	double usual = results->suite->quick_timeout > 0.0 ? results->suite->quick_timeout : QUICK_TIMEOUT;
+	double timeout = seconds * 1.5 + (results->options->quick ? usual : TIMEOUT);
+	bench_child_result child;
+	bench_child_run(pair->subject->program, pair->subject->name, pair->on->name, seconds, results->rounds - 1, argument,
+	                timeout, &child);
+	pair->attempts++;
+	switch (child.state) {
+	case BENCH_CHILD_DONE:
+		for (size_t i = 0; i < child.value_count; i++)
+			set_value(results, pair, child.values[i].metric, child.values[i].value);
+		set_value(results, pair, BENCH_METRIC_MEMORY, child.peak_mb);
+		set_value(results, pair, BENCH_METRIC_STEAL, child.steal);
+		return;
+	case BENCH_CHILD_SKIPPED:
+		pair->skipped = true;
+		break;
+	case BENCH_CHILD_FAILED:
+		pair->failures++;
+		break;
+	case BENCH_CHILD_TIMED_OUT:
+		pair->timeouts++;
+		break;
+	}
+	memcpy(pair->message, child.message, sizeof pair->message);
+}
+
+static bool left_out(const bench_results *results, const bench_pair *pair)
+{
+	uint32_t patience = results->options->quick ? 1 : TIMEOUTS_BEFORE_LEAVING;
+	return pair->skipped || pair->timeouts >= patience;
+}
+
+/* The pairs [first, end) of one case, starting with another one each round: a run leaves its mark on the next one. */
+static bool run_case(bench_results *results, size_t first, size_t end, const char *argument, uint64_t deadline_ns)
+{
+	size_t count = end - first, turn = results->rounds - 1;
+	for (size_t i = 0; i < count; i++) {
+		bench_pair *pair = &results->pairs[first + (i + turn) % count];
+		if (left_out(results, pair))
+			continue;
+		if (bench_child_now_ns() > deadline_ns)
+			return false;
+		if (isatty(STDERR_FILENO))
+			fprintf(stderr, "\r\033[Kround %u of %u: %s, %s", results->rounds, results->options->rounds, pair->on->name,
+			        pair->subject->name);
+		run_pair(results, pair, argument);
+	}
+	return true;
+}
+
+static void run_rounds(bench_results *results, const char *argument)
+{
+	uint64_t begin = bench_child_now_ns();
+	uint64_t deadline_ns = results->options->quick ? begin + (uint64_t)(QUICK_DEADLINE * 1e9) : UINT64_MAX;
+	bool in_time = true;
+	while (in_time && results->rounds < results->options->rounds) {
+		results->rounds++;
+		for (size_t first = 0, end; in_time && first < results->pair_count; first = end) {
+			for (end = first; end < results->pair_count && results->pairs[end].on == results->pairs[first].on;)
+				end++;
+			in_time = run_case(results, first, end, argument, deadline_ns);
+		}
+		fprintf(stderr, "%sround %u of %u done after %.0f s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "",
+		        results->rounds, results->options->rounds, (double)(bench_child_now_ns() - begin) * 1e-9);
+	}
+	if (!in_time)
+		stilb_log("--quick: no time left for all rounds; the tables say how many runs each row has");
+}
+
+/* 1 if a result was wrong, or one of ours did not return. */
+static int verdict(const bench_results *results)
+{
+	int code = EXIT_DONE;
+	for (size_t p = 0; p < results->pair_count; p++) {
+		const bench_pair *pair = &results->pairs[p];
+		bool ours = strncmp(pair->subject->name, "stilb", 5) == 0;
+		if (pair->failures == 0 && !(ours && pair->timeouts > 0))
+			continue;
+		stilb_log("%s in %s: %s", pair->subject->name, pair->on->name, pair->message);
+		code = EXIT_FAILED;
+	}
+	return code;
+}
+
+static int run_and_report(bench_results *results)
+{
+	const bench_options *options = results->options;
+	const char *argument = NULL;
+	results->seconds = run_seconds(results);
+	if (results->suite->prepare && !(argument = results->suite->prepare(options)))
+		return EXIT_FAILED;
+	run_rounds(results, argument);
+	summarise_rows(results);
+	if (results->suite->finish) {
+		results->suite->finish(results);
+		summarise_rows(results); /* and what it has added */
+	}
+	bench_print(options->json && stilb_file_is_stdout(options->json) ? stderr : stdout, results);
+	int code = verdict(results);
+	if (options->json && bench_save_json(results, options->json) != EXIT_DONE)
+		code = EXIT_FAILED;
+	if (options->plot && bench_save_plot(results, options->plot) != EXIT_DONE)
+		code = EXIT_FAILED;
+	return code;
+}
+
+int bench_run(const bench_suite *suite, const bench_options *options)
+{
+	if (!check_list(suite, "--only", options->only, false) || !check_list(suite, "--case", options->cases, true))
+		return EXIT_REFUSED;
+	if (options->list) {
+		print_list(suite);
+		return EXIT_DONE;
+	}
+	if (options->plot && !gnuplot_found()) {
+		stilb_log("--plot: " GNUPLOT_MISSING);
+		return EXIT_REFUSED;
+	}
+	bench_results results = {.suite = suite, .options = options};
+	stilb_result planned = plan(&results);
+	int code;
+	if (planned == STILB_OK) {
+		code = run_and_report(&results);
+	} else {
+		stilb_log("%s", stilb_error_message());
+		code = planned == STILB_ERROR_ARGUMENT ? EXIT_REFUSED : EXIT_FAILED;
+	}
+	results_finish(&results);
+	return code;
+}

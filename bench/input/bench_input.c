@@ -1,0 +1,61 @@
+/* The suite `input`: what gamepads cost a frame. What a case is: input_cases.h. */
+#include "bench/harness/bench.h"
+#include "bench/input/input_cases.h"
+
+#define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
+
+/* ---- metrics ----------------------------------------------------------------------------------------------------- */
+
+static const bench_metric parse_metrics[] = {
+	{"joystick", "us", true, NULL},
+	{"pad", "us", true, NULL},
+	{"fullest", "us", true, NULL},
+};
+static const bench_metric find_metrics[] = {
+	{"known", "us", true, NULL},
+	{"fields", "us", true, NULL},
+};
+static const bench_metric decode_metrics[] = {
+	{"usb", "ns", true, NULL},
+	{"bluetooth", "ns", true, NULL},
+	{"crc", "ns", true, NULL},
+};
+static const bench_metric frame_metrics[] = {
+	{"idle", "us", true, NULL},
+	{"reports-16", "us", true, NULL},
+	{"reports-500", "us", true, NULL},
+};
+static const bench_metric camera_metrics[] = {
+	{"frame", "ns", true, NULL},
+};
+
+static const bench_case cases[] = {
+#define CASE(NAME, TITLE, METRICS)                                                                                     \
+	{.name = NAME, .title = TITLE, .metrics = METRICS##_metrics, .metric_count = COUNT(METRICS##_metrics)},
+	INPUT_CASES(CASE)
+#undef CASE
+};
+
+static const bench_subject subjects[] = {
+	{.name = "stilb", .program = "stilb-bench-input", .note = "each number is the least of many batches"},
+};
+
+/* ---- goals ------------------------------------------------------------------------------------------------------- */
+
+#define PARSE_GOAL_US 10.0
+
+static void report(FILE *out, const bench_results *results)
+{
+	const bench_row *row = bench_find(results, "parse", "stilb", "joystick");
+	if (row)
+		fprintf(out, "\ngoals (medians)\n  a descriptor of 625 bytes  %.3g us   at most %.3g: %s\n", row->median,
+		        PARSE_GOAL_US, row->median <= PARSE_GOAL_US ? "met" : "MISSED");
+}
+
+const bench_suite bench_input_suite = {.name = "input",
+                                       .help = "gamepads: descriptors, reports, a frame's control, the camera",
+                                       .subjects = subjects,
+                                       .subject_count = COUNT(subjects),
+                                       .cases = cases,
+                                       .case_count = COUNT(cases),
+                                       .report = report};

@@ -1,0 +1,138 @@
+/* What the machine itself allows: the serial loop, one futex wake, one number handed from a thread to another. */
+#include "bench/harness/bench_child.h"
+#include "bench/jobs/jobs_subject.h"
+
+#include <linux/futex.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+static bool serial_open(uint32_t threads, bool steals)
+{
+	(void)threads, (void)steals;
+	return true;
+}
+
+static void serial_close(void)
+{
+}
+
+static void serial_spawn(jobs_fn *fn, char *data, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; ++i)
+		fn(data + i, 0);
+}
+
+static void serial_loop(jobs_range_fn *fn, void *context, uint32_t count)
+{
+	fn(0, count, 0, context);
+}
+
+static uint64_t serial_fib(uint32_t n)
+{
+	return n < 2 ? n : serial_fib(n - 1) + serial_fib(n - 2);
+}
+
+static const jobs_subject serial = {.name = "serial",
+                                    .open = serial_open,
+                                    .close = serial_close,
+                                    .spawn = serial_spawn,
+                                    .array = serial_loop,
+                                    .join = serial_loop,
+                                    .loop = serial_loop,
+                                    .fib = serial_fib};
+static const jobs_subject ideal = {.name = "ideal",
+                                   .ideal = true,
+                                   .open = serial_open,
+                                   .close = serial_close,
+                                   .join = serial_loop,
+                                   .loop = serial_loop};
+
+/* One other thread, which waits for a number to change: asleep on a futex, or looking all the time. */
+static struct {
+	_Alignas(128) _Atomic uint32_t number; /* odd: a job is there. Release by who changes it, acquire by who waits */
+	jobs_fn *fn;
+	void *data;
+	_Alignas(128) uint64_t seen;
+	bool spin;
+	_Atomic bool stop; /* relaxed: ordered by number */
+	pthread_t thread;
+} hand;
+
+static void *hand_main(void *unused)
+{
+	(void)unused;
+	for (;;) {
+		uint32_t number;
+		while (!((number = atomic_load_explicit(&hand.number, memory_order_acquire)) & 1)) /* pairs with hand_submit */
+			if (!hand.spin)
+				syscall(SYS_futex, &hand.number, FUTEX_WAIT_PRIVATE, number, NULL, NULL, 0);
+		hand.seen = bench_child_now_ns();
+		if (atomic_load_explicit(&hand.stop, memory_order_relaxed))
+			return NULL;
+		hand.fn(hand.data, 0);
+		atomic_store_explicit(&hand.number, number + 1, memory_order_release); /* pairs with hand_wait */
+	}
+}
+
+static bool hand_open(uint32_t threads, bool spin)
+{
+	hand.spin = spin;
+	return threads == 2 && pthread_create(&hand.thread, NULL, hand_main, NULL) == 0;
+}
+
+static bool futex_open(uint32_t threads, bool steals)
+{
+	(void)steals;
+	return hand_open(threads, false);
+}
+
+static bool counter_open(uint32_t threads, bool steals)
+{
+	(void)steals;
+	return hand_open(threads, true);
+}
+
+static void hand_give(void)
+{
+	atomic_fetch_add_explicit(&hand.number, 1, memory_order_release); /* pairs with the acquire in hand_main */
+	if (!hand.spin)
+		syscall(SYS_futex, &hand.number, FUTEX_WAKE_PRIVATE, 1, NULL, NULL, 0);
+}
+
+static void hand_submit(jobs_fn *fn, void *data)
+{
+	hand.fn = fn;
+	hand.data = data;
+	hand_give();
+}
+
+static void hand_wait(void)
+{
+	while (atomic_load_explicit(&hand.number, memory_order_acquire) & 1) /* pairs with the release in hand_main */
+		;
+}
+
+static uint64_t hand_seen(void)
+{
+	return hand.seen;
+}
+
+static void hand_close(void)
+{
+	atomic_store_explicit(&hand.stop, true, memory_order_relaxed);
+	hand_give();
+	pthread_join(hand.thread, NULL);
+}
+
+static const jobs_subject futex = {
+	.name = "futex", .open = futex_open, .close = hand_close, .submit = hand_submit, .wait = hand_wait};
+static const jobs_subject counter = {.name = "counter",
+                                     .open = counter_open,
+                                     .close = hand_close,
+                                     .submit = hand_submit,
+                                     .wait = hand_wait,
+                                     .stolen_at = hand_seen};
+const jobs_subject *const jobs_subjects[] = {&serial, &ideal, &futex, &counter, NULL};

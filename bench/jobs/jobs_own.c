@@ -1,0 +1,176 @@
+/* Stilb's pool as it is, over the lock-free queue, and over the article's and a mutex queue. */
+#include "bench/harness/bench_child.h"
+#include "bench/jobs/jobs_subject.h"
+#include "bench/subjects/queue_subjects.h"
+#include "jobs/job_internal.h"
+
+static stilb_job_pool *pool;
+static stilb_job_group group; /* of submit */
+static uint64_t last_steal;   /* written by the thief before the job begins, read when the job has run */
+
+static void note_steal(void *user, uint32_t worker, uint32_t victim)
+{
+	(void)user, (void)worker, (void)victim;
+	last_steal = bench_child_now_ns();
+}
+
+static stilb_job_pool_desc describe(uint32_t threads, bool steals)
+{
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	desc.worker_count = threads - 1;
+	if (steals)
+		desc.hooks.steal = note_steal;
+	return desc;
+}
+
+static bool open_low_lock(uint32_t threads, bool steals)
+{
+	stilb_job_pool_desc desc = describe(threads, steals);
+	desc.queue = STILB_JOB_QUEUE_LOW_LOCK;
+	return stilb_job_pool_create(&desc, &pool) == 0;
+}
+
+static bool open_lock_free(uint32_t threads, bool steals)
+{
+	stilb_job_pool_desc desc = describe(threads, steals);
+	desc.queue = STILB_JOB_QUEUE_LOCK_FREE;
+	return stilb_job_pool_create(&desc, &pool) == 0;
+}
+
+static stilb_job_queue *make_sutter(void)
+{
+	const stilb_job_queue_desc desc = stilb_job_queue_desc_default();
+	stilb_job_queue *queue;
+	return queue_sutter_create(&desc, &queue) == 0 ? queue : NULL;
+}
+
+static stilb_job_queue *make_mutex(void)
+{
+	const stilb_job_queue_desc desc = stilb_job_queue_desc_default();
+	stilb_job_queue *queue;
+	return queue_mutex_create(&desc, &queue) == 0 ? queue : NULL;
+}
+
+static bool open_over_sutter(uint32_t threads, bool steals)
+{
+	stilb_job_pool_desc desc = describe(threads, steals);
+	return job_pool_create_over(&desc, make_sutter, &pool) == 0;
+}
+
+static bool open_over_mutex(uint32_t threads, bool steals)
+{
+	stilb_job_pool_desc desc = describe(threads, steals);
+	return job_pool_create_over(&desc, make_mutex, &pool) == 0;
+}
+
+static void close_pool(void)
+{
+	stilb_job_pool_destroy(pool);
+}
+
+static void must(int error)
+{
+	if (error)
+		bench_child_fail("a job was refused: %d", error);
+}
+
+static void spawn_as(jobs_fn *fn, char *data, uint32_t count, uint32_t worker)
+{
+	stilb_job_group jobs = {0};
+	for (uint32_t i = 0; i < count; i++)
+		must(stilb_job_submit(pool, fn, data + i, &jobs, worker));
+	stilb_job_wait(pool, &jobs, worker);
+}
+
+static void spawn(jobs_fn *fn, char *data, uint32_t count)
+{
+	spawn_as(fn, data, count, 0);
+}
+
+static void outside(jobs_fn *fn, char *data, uint32_t count)
+{
+	spawn_as(fn, data, count, STILB_JOB_OUTSIDE);
+}
+
+static void array(jobs_range_fn *fn, void *context, uint32_t count)
+{
+	stilb_job_group jobs = {0};
+	must(stilb_job_submit_array(pool, count, 1, fn, context, &jobs, 0));
+	stilb_job_wait(pool, &jobs, 0);
+}
+
+static void loop(jobs_range_fn *fn, void *context, uint32_t count)
+{
+	stilb_job_parallel_for(pool, count, 1, fn, context, 0);
+}
+
+/* One call of fib(n - 1) as a job; lives on the stack of the call that waits for it. */
+typedef struct fib_call {
+	uint32_t n;
+	uint64_t result;
+} fib_call;
+
+static uint64_t fib_on(uint32_t n, uint32_t worker);
+
+static void fib_job(void *data, uint32_t worker)
+{
+	fib_call *call = data;
+	call->result = fib_on(call->n, worker);
+}
+
+static uint64_t fib_on(uint32_t n, uint32_t worker)
+{
+	if (n < 2)
+		return n;
+	stilb_job_group jobs = {0};
+	fib_call first = {.n = n - 1};
+	must(stilb_job_submit(pool, fib_job, &first, &jobs, worker));
+	uint64_t second = fib_on(n - 2, worker);
+	stilb_job_wait(pool, &jobs, worker);
+	return first.result + second;
+}
+
+static uint64_t fib(uint32_t n)
+{
+	return fib_on(n, 0);
+}
+
+static void submit(jobs_fn *fn, void *data)
+{
+	must(stilb_job_submit(pool, fn, data, &group, 0));
+}
+
+static void wait(void)
+{
+	stilb_job_wait(pool, &group, 0);
+}
+
+static void phase_begin(void)
+{
+	stilb_job_phase_begin(pool);
+}
+
+static void phase_end(void)
+{
+	stilb_job_phase_end(pool);
+}
+
+static uint64_t stolen_at(void)
+{
+	return last_steal;
+}
+
+#define POOL(NAME, OPEN)                                                                                               \
+	{                                                                                                                  \
+		.name = NAME, .open = OPEN, .close = close_pool, .spawn = spawn, .outside = outside, .array = array,           \
+		.join = loop, .loop = loop, .fib = fib, .submit = submit, .wait = wait, .phase_begin = phase_begin,            \
+		.phase_end = phase_end, .stolen_at = stolen_at                                                                 \
+	}
+
+static const jobs_subject pools[] = {
+	POOL("stilb", open_low_lock),
+	POOL("stilb-lock-free", open_lock_free),
+	POOL("stilb-over-sutter", open_over_sutter),
+	POOL("stilb-over-mutex", open_over_mutex),
+};
+const jobs_subject *const jobs_subjects[] = {&pools[0], &pools[1], &pools[2], &pools[3], NULL};

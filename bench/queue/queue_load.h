@@ -1,0 +1,553 @@
+/*
+ * queue_load: the load that every queue is measured under. The program of a queue defines the types
+ *   subject_queue    the queue; one object, zero at the start
+ *   subject_thread   what a thread keeps of it: tokens, spare nodes
+ * and SUBJECT_BATCH (1: it takes several items at once), includes this header, defines the subject_... functions
+ * declared here, and returns queue_load_main from main. One source for all, in C and in C++, compiled into each
+ * program, so that a queue of inline functions is inlined.
+ *
+ * Cases.    [batch16- | latency- | stall- | calm-][pinned-]<producers>P<consumers>C
+ * Run.      Producers push for the given time; then consumers take what is left. A caller whose push or pop finds the
+ *           queue full or empty pauses 16 times, then yields at each further try. Threads are left to the scheduler, or
+ *           pinned: thread i, producers first, to CPU i modulo the number of CPUs.
+ * Backlog.  Producers wait while more than QUEUE_LOAD_BACKLOG items lie in the queue: otherwise the queue whose
+ *           producers run ahead would be measured by how fast the kernel hands out fresh memory.
+ * Check.    Items are distinct. Their number, sum and sum of squares must come out as they went in.
+ */
+#ifndef BENCH_QUEUE_LOAD_H
+#define BENCH_QUEUE_LOAD_H
+
+#include "bench/harness/bench_child.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <string.h>
+
+#define QUEUE_LOAD_BATCH 16
+#define QUEUE_LOAD_BOUNDED 4096 /* capacity of queues that need one */
+#ifndef QUEUE_LOAD_BACKLOG
+#define QUEUE_LOAD_BACKLOG 1000000
+#endif
+#define QUEUE_LOAD_LOOK_EVERY                                                                                          \
+	(QUEUE_LOAD_BACKLOG >= 100000 ? 1024 : 16) /* items, until a producer looks at the backlog */
+#define QUEUE_LOAD_STALL_BACKLOG 8000000       /* so that producers never wait for a consumer that sleeps */
+/* Calls, where gaps are measured: threads that kept their time slices of some milliseconds would leave gaps of their own,
+ * a slice with consumers alone, or with producers alone. */
+#define QUEUE_LOAD_YIELD_EVERY 256
+#define QUEUE_LOAD_MAX_THREADS 1024
+#define QUEUE_LOAD_STALL_EVERY_NS 22000000
+#define QUEUE_LOAD_STALL_NS 20000000
+
+/* Own lines, and the neighbours that are prefetched with them. */
+#define QUEUE_LOAD_ALIGNED __attribute__((aligned(128)))
+
+typedef enum queue_load_mode {
+	QUEUE_LOAD_PLAIN,   /* throughput */
+	QUEUE_LOAD_LATENCY, /* time of every call that succeeds */
+	QUEUE_LOAD_GAPS     /* longest time in which no call succeeded */
+} queue_load_mode;
+
+typedef struct queue_load {
+	const char *subject, *case_name;
+	queue_load_mode mode;
+	bool batch, pinned, stall;
+	uint32_t producers, consumers;
+	uint32_t threads; /* those, and the main thread, which comes last */
+	double seconds;
+} queue_load;
+
+/* ---- what the program of a queue defines ------------------------------------------------------------------------- */
+
+static void subject_open(subject_queue *queue, const queue_load *load);
+/* Called by each thread before all else; thread: 0..load->threads - 1. */
+static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t thread);
+/* false: full; false: empty. */
+static inline bool subject_push(subject_queue *queue, subject_thread *self, void *item);
+static inline bool subject_pop(subject_queue *queue, subject_thread *self, void **item);
+#if SUBJECT_BATCH
+/* How many went in; how many came out. */
+static inline size_t subject_push_n(subject_queue *queue, subject_thread *self, void **items, size_t count);
+static inline size_t subject_pop_n(subject_queue *queue, subject_thread *self, void **items, size_t count);
+#endif
+#ifdef SUBJECT_ENDLESS
+/* No queue: pop always has something. Are the calls counted right? */
+static bool subject_verify(subject_queue *queue, uint64_t pushes, uint64_t pops);
+#endif
+
+/* ---- cases ------------------------------------------------------------------------------------------------------- */
+
+static inline queue_load queue_load_parse(const bench_child *child)
+{
+	queue_load load;
+	memset(&load, 0, sizeof load);
+	load.subject = child->subject;
+	load.case_name = child->case_name;
+	const char *name = child->case_name, *digits = strrchr(name, '-');
+	if (sscanf(digits ? digits + 1 : name, "%uP%uC", &load.producers, &load.consumers) != 2 || load.producers == 0 ||
+	    load.consumers == 0 || load.producers + load.consumers >= QUEUE_LOAD_MAX_THREADS)
+		exit(BENCH_CHILD_SKIP);
+	load.stall = strstr(name, "stall-") != NULL;
+	load.batch = strstr(name, "batch16-") != NULL;
+	load.pinned = strstr(name, "pinned-") != NULL;
+	load.mode = strstr(name, "latency-")                      ? QUEUE_LOAD_LATENCY
+	            : load.stall || strstr(name, "calm-") != NULL ? QUEUE_LOAD_GAPS
+	                                                          : QUEUE_LOAD_PLAIN;
+	load.threads = load.producers + load.consumers + 1;
+	load.seconds = child->seconds;
+	return load;
+}
+
+/* ---- distribution of times: 64 equal steps in each power of two -------------------------------------------------- */
+
+#define QUEUE_LOAD_STEPS 64
+#define QUEUE_LOAD_BUCKETS (QUEUE_LOAD_STEPS * 40)
+
+static inline uint32_t queue_load_bucket(uint64_t ticks)
+{
+	if (ticks < QUEUE_LOAD_STEPS)
+		return (uint32_t)ticks;
+	uint32_t shift = 57u - (uint32_t)__builtin_clzll(ticks); /* leaves 64..127 */
+	uint32_t bucket = shift * QUEUE_LOAD_STEPS + (uint32_t)(ticks >> shift);
+	return bucket < QUEUE_LOAD_BUCKETS ? bucket : QUEUE_LOAD_BUCKETS - 1;
+}
+
+/* The middle of a bucket, in ticks. */
+static inline double queue_load_bucket_middle(uint32_t bucket)
+{
+	if (bucket < QUEUE_LOAD_STEPS)
+		return bucket;
+	uint32_t shift = bucket / QUEUE_LOAD_STEPS - 1;
+	return ((double)(bucket - shift * QUEUE_LOAD_STEPS) + 0.5) * (double)(UINT64_C(1) << shift);
+}
+
+/* ---- threads ----------------------------------------------------------------------------------------------------- */
+
+#define QUEUE_LOAD_MARK_SHIFT 15 /* gaps are seen in steps of 2^15 ticks, some 10 us */
+
+/* What identifies a set of items. */
+typedef struct queue_load_sums {
+	uint64_t sum, squares;
+} queue_load_sums;
+
+typedef struct QUEUE_LOAD_ALIGNED queue_load_thread {
+	uint64_t count;       /* items; relaxed: others look at it now and then to see the backlog */
+	queue_load_sums sums; /* consumers: of what they took */
+	subject_thread own;
+	uint32_t index;
+	uint64_t end_ns;
+	uint32_t *times; /* [QUEUE_LOAD_BUCKETS], or NULL */
+	uint8_t *marks;  /* [load_mark_count], or NULL: 1 where a call succeeded */
+	pthread_t thread;
+} queue_load_thread;
+
+static QUEUE_LOAD_ALIGNED subject_queue load_queue;
+static queue_load_thread load_threads[QUEUE_LOAD_MAX_THREADS];
+/* Set once by the main thread, relaxed: producers only have to see it some time. */
+static QUEUE_LOAD_ALIGNED bool load_stop;
+/* Release by the main thread when all producers have ended, acquire by the consumers: an empty queue then stays so. */
+static bool load_drain;
+static QUEUE_LOAD_ALIGNED queue_load load_setup;
+static int64_t load_backlog;
+static uint64_t load_start_ticks;
+static uint64_t load_mark_count;
+static pthread_barrier_t load_barrier;
+
+static inline void load_wait(uint32_t *turns)
+{
+	if (*turns < 16) {
+		++*turns;
+#if defined(__x86_64__)
+		__builtin_ia32_pause();
+#endif
+	} else {
+		sched_yield();
+	}
+}
+
+static inline void load_count(queue_load_thread *self, uint64_t items)
+{
+	__atomic_store_n(&self->count, self->count + items, __ATOMIC_RELAXED);
+}
+
+static inline void load_take(queue_load_thread *self, void *item)
+{
+	self->sums.sum += (uint64_t)item;
+	self->sums.squares += (uint64_t)item * (uint64_t)item;
+}
+
+/* A producer's first item is one more than this, and each next one more than that. */
+static inline uint64_t load_first_item(const queue_load_thread *self)
+{
+	return (uint64_t)(self->index + 1) << 40;
+}
+
+static inline void load_note(queue_load_thread *self, queue_load_mode mode, uint64_t begin)
+{
+	if (mode == QUEUE_LOAD_LATENCY) {
+		self->times[queue_load_bucket(bench_child_ticks() - begin)]++;
+	} else if (mode == QUEUE_LOAD_GAPS) {
+		uint64_t mark = (bench_child_ticks() - load_start_ticks) >> QUEUE_LOAD_MARK_SHIFT;
+		if (mark < load_mark_count)
+			self->marks[mark] = 1;
+		if (self->count % QUEUE_LOAD_YIELD_EVERY == 0)
+			sched_yield();
+	}
+}
+
+static uint64_t load_sum_counts(uint32_t first, uint32_t end)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = first; i < end; i++)
+		sum += __atomic_load_n(&load_threads[i].count, __ATOMIC_RELAXED);
+	return sum;
+}
+
+static void load_throttle(void)
+{
+	uint32_t turns = 0, producers = load_setup.producers;
+	while ((int64_t)(load_sum_counts(0, producers) - load_sum_counts(producers, load_setup.threads)) > load_backlog)
+		load_wait(&turns);
+}
+
+#define LOAD_INLINE static inline __attribute__((always_inline))
+
+LOAD_INLINE void load_produce(queue_load_thread *self, const queue_load_mode mode)
+{
+	uint64_t item = load_first_item(self);
+	do { /* once at least: a short run may be over before a busy machine gives this thread a CPU */
+		uint32_t turns = 0;
+		uint64_t begin = mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* a full queue counts */
+		while (!subject_push(&load_queue, &self->own, (void *)++item))
+			--item, load_wait(&turns);
+		load_note(self, mode, begin);
+		load_count(self, 1);
+		if (item % QUEUE_LOAD_LOOK_EVERY == 0)
+			load_throttle();
+	} while (!__atomic_load_n(&load_stop, __ATOMIC_RELAXED));
+}
+
+LOAD_INLINE void load_consume(queue_load_thread *self, const queue_load_mode mode)
+{
+	for (uint32_t turns = 0;;) {
+		bool last = __atomic_load_n(&load_drain, __ATOMIC_ACQUIRE);
+		uint64_t begin = mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0;
+		void *item = NULL;
+		if (subject_pop(&load_queue, &self->own, &item)) {
+			load_note(self, mode, begin);
+			load_count(self, 1);
+			load_take(self, item);
+			turns = 0;
+#ifdef SUBJECT_ENDLESS
+			if (last)
+				return;
+#endif
+		} else if (last) {
+			return;
+		} else {
+			load_wait(&turns);
+		}
+	}
+}
+
+#if SUBJECT_BATCH
+static void load_produce_batches(queue_load_thread *self)
+{
+	uint64_t item = load_first_item(self);
+	do { /* as above */
+		void *items[QUEUE_LOAD_BATCH];
+		for (size_t i = 0; i < QUEUE_LOAD_BATCH; i++)
+			items[i] = (void *)++item;
+		uint32_t turns = 0;
+		for (size_t done = 0, more; done < QUEUE_LOAD_BATCH; done += more) {
+			more = subject_push_n(&load_queue, &self->own, items + done, QUEUE_LOAD_BATCH - done);
+			if (more == 0)
+				load_wait(&turns);
+		}
+		load_count(self, QUEUE_LOAD_BATCH);
+		if (item % QUEUE_LOAD_LOOK_EVERY == 0)
+			load_throttle();
+	} while (!__atomic_load_n(&load_stop, __ATOMIC_RELAXED));
+}
+
+static void load_consume_batches(queue_load_thread *self)
+{
+	for (uint32_t turns = 0;;) {
+		bool last = __atomic_load_n(&load_drain, __ATOMIC_ACQUIRE);
+		void *items[QUEUE_LOAD_BATCH];
+		size_t count = subject_pop_n(&load_queue, &self->own, items, QUEUE_LOAD_BATCH);
+		for (size_t i = 0; i < count; i++)
+			load_take(self, items[i]);
+		if (count > 0) {
+			load_count(self, count);
+			turns = 0;
+		} else if (last) {
+			return;
+		} else {
+			load_wait(&turns);
+		}
+	}
+}
+#endif
+
+static void load_work(queue_load_thread *self)
+{
+	bool producer = self->index < load_setup.producers;
+#if SUBJECT_BATCH
+	if (load_setup.batch) {
+		(producer ? load_produce_batches : load_consume_batches)(self);
+		return;
+	}
+#endif
+	switch (load_setup.mode) { /* each with loops of its own: nothing is asked in them that does not change */
+	case QUEUE_LOAD_PLAIN:
+		if (producer)
+			load_produce(self, QUEUE_LOAD_PLAIN);
+		else
+			load_consume(self, QUEUE_LOAD_PLAIN);
+		break;
+	case QUEUE_LOAD_LATENCY:
+		if (producer)
+			load_produce(self, QUEUE_LOAD_LATENCY);
+		else
+			load_consume(self, QUEUE_LOAD_LATENCY);
+		break;
+	case QUEUE_LOAD_GAPS:
+		if (producer)
+			load_produce(self, QUEUE_LOAD_GAPS);
+		else
+			load_consume(self, QUEUE_LOAD_GAPS);
+		break;
+	}
+}
+
+static void *load_thread_main(void *data)
+{
+	queue_load_thread *self = (queue_load_thread *)data;
+	if (load_setup.pinned)
+		bench_child_pin(self->index);
+	subject_enter(&load_queue, &self->own, self->index);
+	pthread_barrier_wait(&load_barrier);
+	load_work(self);
+	self->end_ns = bench_child_now_ns();
+	return NULL;
+}
+
+/* ---- the main thread --------------------------------------------------------------------------------------------- */
+
+static void *load_allocate(size_t size)
+{
+	void *made = malloc(size);
+	if (!made)
+		bench_child_fail("out of memory");
+	memset(made, 0, size); /* touched now, not during the run */
+	return made;
+}
+
+static void load_start(uint32_t workers)
+{
+	for (uint32_t i = 0; i < workers; i++) {
+		queue_load_thread *t = &load_threads[i];
+		t->index = i;
+		if (load_setup.mode == QUEUE_LOAD_LATENCY)
+			t->times = (uint32_t *)load_allocate(QUEUE_LOAD_BUCKETS * sizeof *t->times);
+		if (load_setup.mode == QUEUE_LOAD_GAPS)
+			t->marks = (uint8_t *)load_allocate(load_mark_count);
+		if (pthread_create(&t->thread, NULL, load_thread_main, t) != 0)
+			bench_child_fail("cannot create thread %u", i);
+	}
+}
+
+static void load_sleep(uint64_t nanoseconds)
+{
+	struct timespec time;
+	time.tv_sec = (time_t)(nanoseconds / 1000000000u);
+	time.tv_nsec = (long)(nanoseconds % 1000000000u);
+	nanosleep(&time, NULL);
+}
+
+/* A thread that gets the signal sleeps wherever it is: between any two instructions. */
+static void load_fall_asleep(int number)
+{
+	(void)number;
+	load_sleep(QUEUE_LOAD_STALL_NS);
+}
+
+/* While the threads run; in the stall case, every now and then one of them is put to sleep. */
+static void load_pass_time(uint32_t workers, uint32_t seed)
+{
+	uint64_t end = bench_child_now_ns() + (uint64_t)(load_setup.seconds * 1e9), now;
+	uint64_t random = seed + 1;
+	while ((now = bench_child_now_ns()) < end) {
+		if (!load_setup.stall) {
+			load_sleep(end - now);
+			continue;
+		}
+		load_sleep(QUEUE_LOAD_STALL_EVERY_NS);
+		random = random * 6364136223846793005u + 1442695040888963407u; /* Knuth's MMIX generator */
+		pthread_kill(load_threads[(random >> 33) % workers].thread, SIGUSR1);
+	}
+}
+
+static void load_join(uint32_t first, uint32_t end)
+{
+	for (uint32_t i = first; i < end; i++)
+		pthread_join(load_threads[i].thread, NULL);
+}
+
+/* Some queues may say "empty" to a consumer while another one is about to give an item back: the main thread looks
+ * again, alone. */
+static void load_sweep(queue_load_thread *self)
+{
+#ifdef SUBJECT_ENDLESS
+	(void)self;
+#else
+	void *item = NULL;
+	subject_enter(&load_queue, &self->own, self->index);
+	while (subject_pop(&load_queue, &self->own, &item)) {
+		load_count(self, 1);
+		load_take(self, item);
+	}
+#endif
+}
+
+#ifdef SUBJECT_ENDLESS
+
+static uint64_t load_verify(uint64_t in, uint64_t out)
+{
+	if (!subject_verify(&load_queue, in, out))
+		bench_child_fail("wrong result: the count is not that of the calls");
+	return (in + out) / 2;
+}
+
+#else
+
+/* Of first + 1, first + 2, ... first + count, modulo 2^64. */
+static queue_load_sums load_sums_of_range(uint64_t first, uint64_t count)
+{
+	unsigned __int128 n = count, numbers = n * (n + 1) / 2, squares = n * (n + 1) * (2 * n + 1) / 6;
+	queue_load_sums sums = {(uint64_t)(n * first + numbers),
+	                        (uint64_t)(n * first * first + 2 * first * numbers + squares)};
+	return sums;
+}
+
+static void load_add_sums(queue_load_sums *total, queue_load_sums more)
+{
+	total->sum += more.sum;
+	total->squares += more.squares;
+}
+
+/* Returns the number of items that went through. */
+static uint64_t load_verify(uint64_t in, uint64_t out)
+{
+	queue_load_sums pushed = {0, 0}, popped = {0, 0};
+	for (uint32_t i = 0; i < load_setup.producers; i++)
+		load_add_sums(&pushed, load_sums_of_range(load_first_item(&load_threads[i]), load_threads[i].count));
+	for (uint32_t i = load_setup.producers; i < load_setup.threads; i++)
+		load_add_sums(&popped, load_threads[i].sums);
+	if (in != out || pushed.sum != popped.sum || pushed.squares != popped.squares)
+		bench_child_fail("wrong result: %llu items in, %llu out, sums %s", (unsigned long long)in,
+		                 (unsigned long long)out, pushed.sum == popped.sum ? "equal" : "differ");
+	if (in == 0)
+		bench_child_fail("no item was pushed");
+	return out;
+}
+
+#endif
+
+static void load_report_times(const char *call, uint32_t first, uint32_t end, double ns_per_tick)
+{
+	static const struct {
+		const char *name;
+		double share;
+	} points[] = {{"p50", 0.5}, {"p99", 0.99}, {"p99.9", 0.999}};
+	uint64_t total = 0;
+	for (uint32_t i = first; i < end; i++)
+		for (uint32_t b = 0; b < QUEUE_LOAD_BUCKETS; b++)
+			total += load_threads[i].times[b];
+	for (size_t p = 0; p < sizeof points / sizeof *points; p++) {
+		uint64_t below = 0;
+		uint32_t bucket = 0;
+		for (; bucket < QUEUE_LOAD_BUCKETS - 1; bucket++) {
+			for (uint32_t i = first; i < end; i++)
+				below += load_threads[i].times[bucket];
+			if ((double)below >= points[p].share * (double)total)
+				break;
+		}
+		char name[32];
+		snprintf(name, sizeof name, "%s-%s", call, points[p].name);
+		bench_child_metric(name, queue_load_bucket_middle(bucket) * ns_per_tick);
+	}
+}
+
+/* The longest run of marks in which no thread had a success, between the first success and the end. */
+static void load_report_gap(const char *name, uint32_t first, uint32_t end, uint64_t marks, double ns_per_tick)
+{
+	uint64_t longest = 0, current = 0;
+	bool begun = false;
+	for (uint64_t m = 0; m < marks; m++) {
+		bool marked = false;
+		for (uint32_t i = first; i < end; i++)
+			marked |= load_threads[i].marks[m] != 0;
+		begun |= marked;
+		current = marked ? 0 : current + begun;
+		longest = current > longest ? current : longest;
+	}
+	bench_child_metric(name, (double)(longest << QUEUE_LOAD_MARK_SHIFT) * ns_per_tick * 1e-6);
+}
+
+static void load_report(uint64_t items, double elapsed_ns, uint64_t stop_ticks, double ns_per_tick)
+{
+	uint32_t producers = load_setup.producers, workers = load_setup.threads - 1;
+	if (load_setup.mode == QUEUE_LOAD_LATENCY) {
+		load_report_times("push", 0, producers, ns_per_tick);
+		load_report_times("pop", producers, workers, ns_per_tick);
+	} else if (load_setup.mode == QUEUE_LOAD_GAPS) {
+		uint64_t marks = (stop_ticks - load_start_ticks) >> QUEUE_LOAD_MARK_SHIFT;
+		marks = marks < load_mark_count ? marks : load_mark_count;
+		load_report_gap("push-gap", 0, producers, marks, ns_per_tick);
+		load_report_gap("pop-gap", producers, workers, marks, ns_per_tick);
+	}
+	bench_child_metric("throughput", (double)items * 1e3 / elapsed_ns);
+	bench_child_metric("items", (double)items);
+}
+
+static int queue_load_main(int argc, char **argv)
+{
+	bench_child child = bench_child_args(argc, argv);
+	load_setup = queue_load_parse(&child);
+	if (load_setup.batch && !SUBJECT_BATCH)
+		return BENCH_CHILD_SKIP;
+	uint32_t workers = load_setup.threads - 1;
+	load_backlog = load_setup.mode == QUEUE_LOAD_GAPS ? QUEUE_LOAD_STALL_BACKLOG : QUEUE_LOAD_BACKLOG;
+	load_mark_count = (uint64_t)(load_setup.seconds * 6e9) >> QUEUE_LOAD_MARK_SHIFT; /* for any clock below 6 GHz */
+	load_threads[workers].index = workers;
+	struct sigaction action;
+	memset(&action, 0, sizeof action);
+	action.sa_handler = load_fall_asleep;
+	action.sa_flags = SA_RESTART;
+	sigaction(SIGUSR1, &action, NULL);
+	subject_open(&load_queue, &load_setup);
+	pthread_barrier_init(&load_barrier, NULL, workers + 1);
+	load_start(workers);
+
+	uint64_t start_ns = bench_child_now_ns(), end_ns = start_ns;
+	load_start_ticks = bench_child_ticks(); /* the barrier shows it to the others */
+	pthread_barrier_wait(&load_barrier);
+	load_pass_time(workers, child.round);
+	uint64_t stop_ticks = bench_child_ticks();
+	double ns_per_tick = (double)(bench_child_now_ns() - start_ns) / (double)(stop_ticks - load_start_ticks);
+	__atomic_store_n(&load_stop, true, __ATOMIC_RELAXED);
+	load_join(0, load_setup.producers);
+	__atomic_store_n(&load_drain, true, __ATOMIC_RELEASE);
+	load_join(load_setup.producers, workers);
+	for (uint32_t i = 0; i < workers; i++)
+		end_ns = load_threads[i].end_ns > end_ns ? load_threads[i].end_ns : end_ns;
+	load_sweep(&load_threads[workers]);
+	uint32_t producers = load_setup.producers;
+	uint64_t items = load_verify(load_sum_counts(0, producers), load_sum_counts(producers, load_setup.threads));
+	load_report(items, (double)(end_ns - start_ns), stop_ticks, ns_per_tick);
+	return 0;
+}
+
+#endif

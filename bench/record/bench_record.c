@@ -1,0 +1,157 @@
+/* The suite `record`: recording and replay beside the machine's limits and a bare Vulkan program. What a case is:
+ * record_cases.h. */
+#include "bench/record/bench_record.h"
+#include "bench/record/record_child.h"
+
+#include "base/base.h"
+
+#define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
+
+/* ---- metrics ------------------------------------------------------------------------------------------------------ */
+
+static const bench_metric draws_metrics[] = {
+	{"record", "ns/draw", true, NULL},
+	{"bytes", "B/draw", true, NULL},
+};
+static const bench_metric phase_metrics[] = {
+	{"one", "us", true, NULL},
+	{"two", "us", true, NULL},
+	{"speed-up", "x", false, NULL},
+};
+static const bench_metric parked_metrics[] = {
+	{"one", "us", true, NULL},       {"two", "us", true, NULL},    {"wake", "us", true, NULL},
+	{"wake-cost", "us", true, NULL}, {"of-best", "x", true, NULL},
+};
+static const bench_metric replay_metrics[] = {
+	{"replay", "ns/draw", true, NULL},
+};
+static const bench_metric sort_metrics[] = {
+	{"sort", "ns/draw", true, NULL},
+	{"replay", "ns/draw", true, NULL},
+};
+static const bench_metric frame_metrics[] = {
+	{"frame", "ms", true, NULL},
+	{"cull", "us", true, NULL},
+	{"record", "us", true, NULL},
+	{"replay", "us", true, NULL},
+};
+static const bench_metric picture_metrics[] = {
+	{"frame", "ms", true, NULL},
+	{"least", "ms", true, NULL},
+	{"cpu", "ms", true, NULL},
+	{"replay", "ns/draw", true, NULL},
+};
+
+#define METRICS_DRAWS draws_metrics
+#define METRICS_PHASE phase_metrics
+#define METRICS_PARKED parked_metrics
+#define METRICS_REPLAY replay_metrics
+#define METRICS_SORT sort_metrics
+#define METRICS_FRAME frame_metrics
+#define METRICS_PICTURE picture_metrics
+
+/* A frame on lavapipe takes longer than many of the other runs. */
+#define LENGTH(KIND) (RECORD_##KIND == RECORD_PICTURE ? 6.0 : 1.0)
+
+/* What a subject must be able to do. */
+#define CAN(KIND) (1u << RECORD_##KIND)
+
+static const bench_case cases[] = {
+#define CASE(NAME, TITLE, KIND, ...)                                                                                   \
+	{.name = NAME,                                                                                                     \
+	 .title = TITLE,                                                                                                   \
+	 .metrics = METRICS_##KIND,                                                                                        \
+	 .metric_count = COUNT(METRICS_##KIND),                                                                            \
+	 .needs = CAN(KIND),                                                                                               \
+	 .length = LENGTH(KIND)},
+	RECORD_CASES(CASE)
+#undef CASE
+};
+
+/* ---- subjects ----------------------------------------------------------------------------------------------------- */
+
+#define OWN "stilb-bench-record-own"
+#define LIMITS "stilb-bench-record-limits"
+#define CAN_RECORD (CAN(DRAWS) | CAN(PHASE) | CAN(PARKED))
+#define CAN_REPLAY (CAN(REPLAY) | CAN(SORT) | CAN(FRAME) | CAN(PICTURE))
+
+static const bench_subject subjects[] = {
+	{.name = "stilb",
+     .program = OWN,
+     .note = "stilb_render_draw for each draw, in segments of 256",
+     .abilities = CAN_RECORD},
+	{.name = "stilb-scene", .program = OWN, .note = "stilb_render_record", .abilities = CAN_RECORD},
+	{.name = "stilb-indirect", .program = OWN, .note = "replay as multi-draw-indirect", .abilities = CAN_REPLAY},
+	{.name = "stilb-direct", .program = OWN, .note = "replay as one command a draw", .abilities = CAN_REPLAY},
+	{.name = "stilb-secondary",
+     .program = OWN,
+     .note = "replay in a secondary command buffer a worker",
+     .abilities = CAN_REPLAY},
+	{.name = "write",
+     .program = LIMITS,
+     .note = "a loop that writes 32 bytes and copies 64 a draw",
+     .abilities = CAN(DRAWS),
+     .reference = true},
+	{.name = "write-non-temporal",
+     .program = LIMITS,
+     .note = "the same, the 64 past the caches",
+     .abilities = CAN(DRAWS),
+     .reference = true},
+	{.name = "atomic",
+     .program = LIMITS,
+     .note = "one uncontended fetch-add a draw, and nothing else",
+     .abilities = CAN(DRAWS),
+     .reference = true},
+	{.name = "malloc",
+     .program = LIMITS,
+     .note = "one malloc and free of 96 bytes a draw, and nothing else",
+     .abilities = CAN(DRAWS),
+     .reference = true},
+	{.name = "radix",
+     .program = LIMITS,
+     .note = "a plain stable radix sort, 3 passes of 8 bits over key and number",
+     .abilities = CAN(SORT),
+     .reference = true},
+	{.name = "vulkan-bare",
+     .program = "stilb-bench-record-vulkan_bare",
+     .package = "libvulkan-dev",
+     .note = "a plain Vulkan program: one multi-draw-indirect, one thread",
+     .abilities = CAN(PICTURE),
+     .reference = true},
+};
+
+/* ---- the suite ---------------------------------------------------------------------------------------------------- */
+
+/* The checksum of the bare program's picture, which all others must draw too. */
+static const char *prepare(const bench_options *options)
+{
+	static char sum[32];
+	bench_child_result result;
+	bench_child_run("stilb-bench-record-vulkan_bare", "vulkan-bare", "picture", 0.0, 0, NULL, 60.0, &result);
+	if (result.state == BENCH_CHILD_SKIPPED) {
+		stilb_log("the cases picture* are left out: %s", result.message);
+		return RECORD_NO_PICTURE;
+	}
+	if (result.state != BENCH_CHILD_DONE || result.value_count != 2) {
+		stilb_log("cannot draw the picture that all frames on lavapipe are compared with: %s", result.message);
+		return NULL;
+	}
+	uint64_t high = (uint64_t)result.values[0].value, low = (uint64_t)result.values[1].value;
+	snprintf(sum, sizeof sum, "%llu%s", (unsigned long long)(high << 24 | low), options->quick ? RECORD_SHORT : "");
+	if (options->quick)
+		stilb_log("--quick leaves out picture-bind and picture-pipeline");
+	return sum;
+}
+
+const bench_suite bench_record_suite = {.name = "record",
+                                        .help = "recording and replay of draws: the engine beside the machine's limits",
+                                        .subjects = subjects,
+                                        .subject_count = COUNT(subjects),
+                                        .cases = cases,
+                                        .case_count = COUNT(cases),
+                                        .prepare = prepare,
+                                        .report = bench_record_report,
+                                        .plot = bench_record_plot,
+                                        .plot_rows = BENCH_RECORD_PLOT_ROWS,
+                                        .start_seconds = 0.05,
+                                        .quick_timeout = 4.0}; /* a frame on lavapipe may take half a second */

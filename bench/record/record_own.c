@@ -1,0 +1,469 @@
+/* The engine's own subjects of the suite `record`: recording by hand and from a scene, the three ways of replay, whole
+ * frames on the null device and on lavapipe. Every run ends with the check of what was replayed. */
+#include "bench/record/record_child.h"
+
+#include "culling/cull.h"
+#include "jobs/job.h"
+#include "render/render.h"
+
+#include <stdatomic.h>
+
+#define SEGMENT_DRAWS 256u /* by hand: what one job records */
+#define WARM_UP_FRAMES 4   /* both frame slots have grown, and their pages are there */
+#define BLOCK_FRAMES 16    /* of one kind in a row, where two kinds take turns */
+#define BUSY_NS 300000     /* the main thread works alone for so long, ten times what a worker waits before it sleeps */
+#define OWNER 0u
+
+/* ---- the subjects ------------------------------------------------------------------------------------------------- */
+
+typedef enum recorder {
+	BY_HAND, /* stilb_render_draw for each draw, as a user would */
+	SCENE,   /* stilb_render_record */
+} recorder;
+
+static const struct subject {
+	const char *name;
+	recorder recorder;
+	stilb_render_replay_mode replay;
+} subjects[] = {
+	{"stilb", BY_HAND, STILB_RENDER_REPLAY_INDIRECT},          {"stilb-scene", SCENE, STILB_RENDER_REPLAY_INDIRECT},
+	{"stilb-indirect", SCENE, STILB_RENDER_REPLAY_INDIRECT},   {"stilb-direct", SCENE, STILB_RENDER_REPLAY_DIRECT},
+	{"stilb-secondary", SCENE, STILB_RENDER_REPLAY_SECONDARY},
+};
+
+static const stilb_render_materials materials[] = {
+	[RECORD_INDEX] = STILB_RENDER_MATERIALS_INDEX,
+	[RECORD_BIND] = STILB_RENDER_MATERIALS_BIND,
+	[RECORD_PIPELINE] = STILB_RENDER_MATERIALS_PIPELINE,
+};
+
+/* ---- a run -------------------------------------------------------------------------------------------------------- */
+
+/* What a program that records by hand keeps for each of its objects. */
+typedef struct object {
+	stilb_render_mesh mesh;
+	stilb_render_material material;
+} object;
+
+typedef struct run {
+	const struct subject *subject;
+	const record_case *on;
+	const bench_child *child;
+	uint64_t until; /* the end of measuring, ns */
+	uint32_t draws;
+	stilb_scene *scene;
+	uint32_t *models; /* all of them: nothing is culled unless the case says so */
+	object *objects;  /* [draws] */
+	uint64_t *keys;   /* [draws] for sorting */
+	stilb_render *render;
+	stilb_job_pool *alone; /* without workers */
+	stilb_job_pool *pool;  /* with the case's threads */
+	stilb_render_pass pass;
+	stilb_render_view view;
+	stilb_cull *cull;
+	stilb_cull_visible visible;
+} run;
+
+static void expect(stilb_result result)
+{
+	if (result != STILB_OK)
+		bench_child_fail("%s", stilb_error_message());
+}
+
+static bool time_left(const run *r, const record_samples *samples)
+{
+	return samples->count < 3 || bench_child_now_ns() < r->until;
+}
+
+static double ns_per_draw(const run *r, record_samples *samples)
+{
+	return record_samples_median(samples) / r->draws;
+}
+
+/* ---- the stages of a frame ----------------------------------------------------------------------------------------- */
+
+/* The slice of a loop over segments. */
+static void hand_record(uint32_t begin, uint32_t end, uint32_t worker, void *data)
+{
+	const run *r = data;
+	stilb_render_context *context = stilb_render_context_get(r->render, worker);
+	for (uint32_t segment = begin; segment < end; segment++) {
+		uint32_t first = segment * SEGMENT_DRAWS, after = first + SEGMENT_DRAWS;
+		after = after < r->draws ? after : r->draws;
+		stilb_render_segment_begin(context, 0, segment);
+		for (uint32_t i = first; i < after; i++)
+			stilb_render_draw(context, r->objects[i].mesh, r->objects[i].material, &r->scene->part_transform[i]);
+		stilb_render_segment_end(context);
+	}
+}
+
+/* The same with keys. */
+static void hand_record_keys(const run *r)
+{
+	stilb_render_context *context = stilb_render_context_get(r->render, OWNER);
+	expect(stilb_render_pass_begin(r->render, 0, 1));
+	stilb_render_segment_begin(context, 0, 0);
+	for (uint32_t i = 0; i < r->draws; i++)
+		stilb_render_draw_with_key(context, r->keys[i], r->objects[i].mesh, r->objects[i].material,
+		                           &r->scene->part_transform[i]);
+	stilb_render_segment_end(context);
+	expect(stilb_render_pass_end(r->render, 0));
+}
+
+static void record(run *r, stilb_job_pool *pool)
+{
+	if (r->subject->recorder == SCENE) {
+		expect(stilb_render_record(r->render, 0, r->scene, r->models, r->scene->model_count, pool, OWNER));
+		return;
+	}
+	const uint32_t segments = (r->draws + SEGMENT_DRAWS - 1) / SEGMENT_DRAWS;
+	expect(stilb_render_pass_begin(r->render, 0, segments));
+	stilb_job_parallel_for(pool, segments, 1, hand_record, r, OWNER);
+	expect(stilb_render_pass_end(r->render, 0));
+}
+
+static void replay(run *r, stilb_job_pool *pool)
+{
+	expect(stilb_render_replay(r->render, &r->pass, 1, &r->view, 1, pool, OWNER));
+}
+
+/* A frame of which the recording is timed; the rest is there because a frame has it. */
+static uint64_t frame_recording(run *r, stilb_job_pool *pool)
+{
+	expect(stilb_render_frame_begin(r->render));
+	uint64_t begin = bench_child_now_ns();
+	record(r, pool);
+	uint64_t end = bench_child_now_ns();
+	replay(r, r->alone);
+	return end - begin;
+}
+
+static uint64_t frame_replaying(run *r)
+{
+	expect(stilb_render_frame_begin(r->render));
+	record(r, r->pool);
+	uint64_t begin = bench_child_now_ns();
+	replay(r, r->pool);
+	return bench_child_now_ns() - begin;
+}
+
+/* ---- the kinds of case --------------------------------------------------------------------------------------------- */
+
+static record_samples first, second, third, fourth; /* what each is of, its kind says */
+
+static void measure_draws(run *r)
+{
+	for (int i = 0; i < WARM_UP_FRAMES; i++)
+		frame_recording(r, r->alone);
+	while (time_left(r, &first))
+		record_samples_add(&first, frame_recording(r, r->alone));
+	bench_child_metric("record", ns_per_draw(r, &first));
+	stilb_render_stats stats = stilb_render_stats_get(r->render);
+	bench_child_metric("bytes", (double)stats.recorded_bytes / (double)stats.draws);
+}
+
+static void measure_phase(run *r)
+{
+	while (time_left(r, &second)) {
+		for (int i = 0; i < WARM_UP_FRAMES; i++)
+			frame_recording(r, r->alone);
+		for (int i = 0; i < BLOCK_FRAMES; i++)
+			record_samples_add(&first, frame_recording(r, r->alone));
+		stilb_job_phase_begin(r->pool);
+		for (int i = 0; i < WARM_UP_FRAMES; i++)
+			frame_recording(r, r->pool);
+		for (int i = 0; i < BLOCK_FRAMES; i++)
+			record_samples_add(&second, frame_recording(r, r->pool));
+		stilb_job_phase_end(r->pool);
+	}
+	const double one = record_samples_median(&first), two = record_samples_median(&second);
+	bench_child_metric("one", one * 1e-3);
+	bench_child_metric("two", two * 1e-3);
+	bench_child_metric("speed-up", one / two);
+}
+
+/* The main thread has other work, and all workers fall asleep. */
+static void be_busy(void)
+{
+	for (uint64_t until = bench_child_now_ns() + BUSY_NS; bench_child_now_ns() < until;)
+		;
+}
+
+/* When the one job of a wake ran, 0 before. Release by the job, acquire by wake_worker. */
+static _Atomic uint64_t woken_at;
+
+static void woken(void *data, uint32_t worker)
+{
+	(void)data, (void)worker;
+	atomic_store_explicit(&woken_at, bench_child_now_ns(), memory_order_release); /* pairs with wake_worker */
+}
+
+/* The two terms that a sleeping worker adds: the time from the waker's call until the woken worker runs, and the time
+ * that the call takes the waker. */
+static void wake_worker(run *r, record_samples *wake, record_samples *cost)
+{
+	stilb_job_group group = {0};
+	atomic_store_explicit(&woken_at, 0, memory_order_relaxed); /* submit publishes it */
+	uint64_t begin = bench_child_now_ns(), started;
+	if (stilb_job_submit(r->pool, woken, NULL, &group, OWNER) != 0)
+		bench_child_fail("out of memory");
+	uint64_t end = bench_child_now_ns();
+	while ((started = atomic_load_explicit(&woken_at, memory_order_acquire)) == 0) /* pairs with woken; does not help */
+		;
+	stilb_job_wait(r->pool, &group, OWNER);
+	record_samples_add(wake, started - begin);
+	record_samples_add(cost, end - begin);
+}
+
+/* Of the work T1 the waker does T - cost and the woken worker T - wake, so at best T = (T1 + wake + cost) / 2. */
+static void measure_parked(run *r)
+{
+	for (int i = 0; i < WARM_UP_FRAMES; i++)
+		frame_recording(r, r->pool);
+	while (time_left(r, &second)) {
+		be_busy();
+		record_samples_add(&first, frame_recording(r, r->alone));
+		be_busy();
+		record_samples_add(&second, frame_recording(r, r->pool));
+		be_busy();
+		wake_worker(r, &third, &fourth);
+	}
+	const double one = record_samples_median(&first), two = record_samples_median(&second);
+	const double wake = record_samples_median(&third), cost = record_samples_median(&fourth);
+	bench_child_metric("one", one * 1e-3);
+	bench_child_metric("two", two * 1e-3);
+	bench_child_metric("wake", wake * 1e-3);
+	bench_child_metric("wake-cost", cost * 1e-3);
+	bench_child_metric("of-best", two / ((one + wake + cost) / 2.0));
+}
+
+static void measure_replay(run *r)
+{
+	stilb_job_phase_begin(r->pool);
+	for (int i = 0; i < WARM_UP_FRAMES; i++)
+		frame_replaying(r);
+	while (time_left(r, &first))
+		record_samples_add(&first, frame_replaying(r));
+	stilb_job_phase_end(r->pool);
+	bench_child_metric("replay", ns_per_draw(r, &first));
+}
+
+static uint64_t frame_with_keys(run *r, bool sort)
+{
+	r->pass.sort = sort;
+	expect(stilb_render_frame_begin(r->render));
+	hand_record_keys(r);
+	uint64_t begin = bench_child_now_ns();
+	replay(r, r->alone);
+	return bench_child_now_ns() - begin;
+}
+
+/* What a sorted pass takes longer than one in the order of recording. The last frame is sorted. */
+static void measure_sort(run *r)
+{
+	for (int i = 0; i < WARM_UP_FRAMES; i++)
+		frame_with_keys(r, true);
+	while (time_left(r, &second)) {
+		record_samples_add(&first, frame_with_keys(r, false));
+		record_samples_add(&second, frame_with_keys(r, true));
+	}
+	const double unsorted = ns_per_draw(r, &first), sorted = ns_per_draw(r, &second);
+	bench_child_metric("sort", sorted - unsorted);
+	bench_child_metric("replay", sorted);
+}
+
+/* The stages as in the engine's frame. */
+static void frame_stages(run *r, const stilb_frustum *frustum, uint64_t at[4])
+{
+	expect(stilb_render_frame_begin(r->render));
+	at[0] = bench_child_now_ns();
+	expect(stilb_cull_run(r->cull, STILB_CULL_AUTO, r->scene, frustum, r->pool, OWNER, &r->visible));
+	at[1] = bench_child_now_ns();
+	expect(stilb_render_record(r->render, 0, r->scene, r->visible.ids, r->visible.count, r->pool, OWNER));
+	at[2] = bench_child_now_ns();
+	replay(r, r->pool);
+	at[3] = bench_child_now_ns();
+}
+
+static void measure_frame(run *r)
+{
+	const stilb_frustum frustum = stilb_frustum_from_matrix(&r->view.view_projection);
+	uint64_t at[4];
+	expect(stilb_cull_create(r->scene, &r->cull));
+	stilb_job_phase_begin(r->pool);
+	for (int i = 0; i < WARM_UP_FRAMES; i++)
+		frame_stages(r, &frustum, at);
+	while (time_left(r, &first)) {
+		frame_stages(r, &frustum, at);
+		record_samples_add(&first, at[3] - at[0]);
+		record_samples_add(&second, at[1] - at[0]);
+		record_samples_add(&third, at[2] - at[1]);
+		record_samples_add(&fourth, at[3] - at[2]);
+	}
+	stilb_job_phase_end(r->pool);
+	bench_child_metric("frame", record_samples_median(&first) * 1e-6);
+	bench_child_metric("cull", record_samples_median(&second) * 1e-3);
+	bench_child_metric("record", record_samples_median(&third) * 1e-3);
+	bench_child_metric("replay", record_samples_median(&fourth) * 1e-3);
+	stilb_cull_visible_finish(&r->visible);
+	stilb_cull_destroy(r->cull);
+}
+
+static void measure_picture(run *r)
+{
+	record_picture_times times = {0};
+	do {
+		expect(stilb_render_frame_begin(r->render));
+		record(r, r->pool);
+		uint64_t begin = bench_child_now_ns();
+		replay(r, r->pool);
+		uint64_t end = bench_child_now_ns();
+		expect(stilb_render_present(r->render));
+		record_samples_add(&second, end - begin);
+	} while (record_picture_frame(&times, &first, r->until));
+	record_picture_print(&times, &first);
+	bench_child_metric("replay", ns_per_draw(r, &second));
+}
+
+static void (*const measures[])(run *r) = {
+	[RECORD_DRAWS] = measure_draws,     [RECORD_PHASE] = measure_phase, [RECORD_PARKED] = measure_parked,
+	[RECORD_REPLAY] = measure_replay,   [RECORD_SORT] = measure_sort,   [RECORD_FRAME] = measure_frame,
+	[RECORD_PICTURE] = measure_picture,
+};
+
+/* ---- the proof ----------------------------------------------------------------------------------------------------- */
+
+static const uint64_t *sorted_keys; /* for the comparison */
+
+static int order_by_key(const void *a, const void *b)
+{
+	const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	const uint64_t key_x = sorted_keys[x], key_y = sorted_keys[y];
+	return key_x != key_y ? (key_x > key_y) - (key_x < key_y) : (x > y) - (x < y);
+}
+
+/* The stream hash as render.h defines it, of all draws in scene order, or in the order of their keys. */
+static uint64_t expected_hash(const run *r)
+{
+	uint32_t *order = record_alloc(r->draws, sizeof *order);
+	for (uint32_t i = 0; i < r->draws; i++)
+		order[i] = i;
+	sorted_keys = r->keys;
+	if (r->pass.sort)
+		qsort(order, r->draws, sizeof *order, order_by_key);
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &r->view.shading, sizeof r->view.shading);
+	for (uint32_t k = 0; k < r->draws; k++) {
+		const uint32_t i = order[k], ids[2] = {r->scene->part_mesh[i], r->scene->part_material[i]};
+		hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
+		hash = stilb_hash_fnv1a64(hash, r->scene->part_transform[i].m, sizeof r->scene->part_transform[i].m);
+		hash = stilb_hash_fnv1a64(hash, &r->scene->meshes[ids[0]].index_count, sizeof(uint32_t));
+	}
+	free(order);
+	return hash;
+}
+
+static void verify(const run *r)
+{
+	if (stilb_render_stats_get(r->render).draws != r->draws)
+		bench_child_fail("wrong result: %llu draws of %u were replayed",
+		                 (unsigned long long)stilb_render_stats_get(r->render).draws, r->draws);
+	if (stilb_render_stream_hash(r->render) != expected_hash(r))
+		bench_child_fail("wrong result: what was replayed is not the scene");
+	if (r->on->kind != RECORD_PICTURE)
+		return;
+	stilb_image image;
+	expect(stilb_render_read_image(r->render, &image));
+	record_picture_check(record_picture_sum(image.pixels, (size_t)image.width * image.height), r->child->argument);
+	stilb_image_finish(&image);
+}
+
+/* ---- the program --------------------------------------------------------------------------------------------------- */
+
+static stilb_job_pool *make_pool(uint32_t threads)
+{
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	stilb_job_pool *pool;
+	desc.worker_count = threads - 1;
+	if (stilb_job_pool_create(&desc, &pool) != 0)
+		bench_child_fail("cannot start the job system");
+	return pool;
+}
+
+static void make_render(run *r)
+{
+	const bool picture = r->on->kind == RECORD_PICTURE;
+	const stilb_render_desc desc = {
+		.device = picture ? STILB_RENDER_DEVICE_VULKAN : STILB_RENDER_DEVICE_NULL,
+		.replay = r->subject->replay,
+		.materials = materials[r->on->materials],
+		.gpu = picture ? "llvmpipe" : NULL,
+		.width = RECORD_WIDTH,
+		.height = RECORD_HEIGHT,
+		.samples = 1,
+		.context_count = r->on->threads,
+	};
+	expect(stilb_render_create(&desc, &r->render));
+	expect(stilb_render_upload_scene(r->render, r->scene));
+}
+
+static void make_scene(run *r)
+{
+	expect(stilb_scene_create_stress(r->on->models, 1, &r->scene));
+	r->draws = r->scene->part_count;
+	r->models = record_alloc(r->scene->model_count, sizeof *r->models);
+	for (uint32_t i = 0; i < r->scene->model_count; i++)
+		r->models[i] = i;
+	r->view = (stilb_render_view){
+		.view_projection = stilb_scene_camera_matrix(&r->scene->camera, (float)RECORD_WIDTH / (float)RECORD_HEIGHT),
+		.sun = r->scene->sun,
+		.sky = r->scene->sky,
+		.shading = stilb_render_shading_default(),
+	};
+	memcpy(r->view.camera_position, r->scene->camera.position, sizeof r->view.camera_position);
+	r->pass = (stilb_render_pass){.name = "main"};
+}
+
+static void make_objects(run *r)
+{
+	r->objects = record_alloc(r->draws, sizeof *r->objects);
+	r->keys = record_alloc(r->draws, sizeof *r->keys);
+	for (uint32_t i = 0; i < r->draws; i++) {
+		r->objects[i] = (object){
+			.mesh = stilb_render_scene_mesh(r->render, r->scene->part_mesh[i]),
+			.material = stilb_render_scene_material(r->render, r->scene->part_material[i]),
+		};
+		r->keys[i] = stilb_random_u64(1, i) & 0xffffff;
+	}
+}
+
+static const struct subject *find_subject(const char *name)
+{
+	for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++)
+		if (strcmp(subjects[i].name, name) == 0)
+			return &subjects[i];
+	bench_child_fail("no subject %s", name);
+}
+
+int main(int argc, char **argv)
+{
+	const bench_child child = bench_child_args(argc, argv);
+	run r = {.subject = find_subject(child.subject), .on = record_case_find(child.case_name), .child = &child};
+	if (record_picture_skips(r.on, child.argument))
+		return BENCH_CHILD_SKIP;
+	make_scene(&r);
+	make_render(&r);
+	make_objects(&r);
+	r.alone = make_pool(1);
+	r.pool = make_pool(r.on->threads);
+	r.until = record_deadline(child.seconds);
+	measures[r.on->kind](&r);
+	verify(&r);
+	stilb_job_pool_destroy(r.pool);
+	stilb_job_pool_destroy(r.alone);
+	stilb_render_destroy(r.render);
+	stilb_scene_destroy(r.scene);
+	free(r.objects);
+	free(r.keys);
+	free(r.models);
+	return 0;
+}

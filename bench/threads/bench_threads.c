@@ -1,0 +1,293 @@
+/*
+ * The suite `threads`: what another thread is worth. A sweep over worker counts of the whole frame, and the experiments
+ * of the article that the stress test comes from (Rory Driscoll, "Direct3D 11 Multithreading", 2009) done again.
+ */
+#include "bench/threads/bench_threads.h"
+#include "bench/harness/bench_internal.h"
+
+#include "game/cli/flags.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+#define PROGRAM "stilb-bench-threads"
+#define MAX_COUNTS 16
+#define MAX_WORKERS 256u /* STILB_JOB_MAX_WORKERS */
+
+/* ---- metrics ----------------------------------------------------------------------------------------------------- */
+
+static const bench_metric sweep_metrics[] = {
+	{"frame", "ms", true, NULL},        {"cull", "ms", true, NULL},        {"record", "ms", true, NULL},
+	{"replay", "ms", true, NULL},       {"rest", "ms", true, NULL},        {"p99", "ms", true, NULL},
+	{"worst", "ms", true, NULL},        {"cpu", "ms", true, NULL},         {"switched-out", "1/s", true, NULL},
+	{"visible", "models", false, NULL}, {"software", "bool", false, NULL}, {"speed-up", "x", false, NULL},
+	{"efficiency", "%", false, NULL},
+};
+static const bench_metric pool_metrics[] = {
+	{"frame", "ms", true, NULL}, {"p99", "ms", true, NULL},           {"worst", "ms", true, NULL},
+	{"cpu", "ms", true, NULL},   {"switched-out", "1/s", true, NULL},
+};
+static const bench_metric dedicated_metrics[] = {
+	{"frame", "ms", true, NULL},   {"p99", "ms", true, NULL}, {"worst", "ms", true, NULL},
+	{"latency", "ms", true, NULL}, {"cpu", "ms", true, NULL},
+};
+static const bench_metric queue_metrics[] = {
+	{"frame", "ms", true, NULL},  {"p99", "ms", true, NULL},       {"worst", "ms", true, NULL},
+	{"feed", "ms", true, NULL},   {"recording", "%", false, NULL}, {"waiting", "%", true, NULL},
+	{"no-work", "%", true, NULL}, {"cpu", "ms", true, NULL},       {"switched-out", "1/s", true, NULL},
+};
+static const bench_metric replay_metrics[] = {
+	{"replay", "ms", true, NULL}, {"record", "ms", true, NULL}, {"frame", "ms", true, NULL},
+	{"p99", "ms", true, NULL},    {"worst", "ms", true, NULL},
+};
+static const bench_metric stolen_metrics[] = {
+	{"before", "ms", true, NULL}, {"before-mean", "ms", true, NULL}, {"before-p99", "ms", true, NULL},
+	{"during", "ms", true, NULL}, {"during-mean", "ms", true, NULL}, {"during-p99", "ms", true, NULL},
+	{"worst", "ms", true, NULL},  {"after", "ms", true, NULL},       {"recovery", "ms", true, NULL},
+};
+
+/* ---- cases and subjects ------------------------------------------------------------------------------------------ */
+
+/* What a subject can, and a case needs. */
+enum { SWEEP = 1, TWO_POOLS = 2, DEDICATED = 4, QUEUES = 8, STOLEN = 16, REPLAYS = 32 };
+
+#define CASE(NAME, TITLE, METRICS, NEEDS, LENGTH)                                                                      \
+	{                                                                                                                  \
+		.name = NAME, .title = TITLE, .metrics = METRICS##_metrics, .metric_count = COUNT(METRICS##_metrics),          \
+		.needs = NEEDS, .length = LENGTH                                                                               \
+	}
+
+static const bench_case cases[] = {
+	CASE("null-all", "null device, every model in view", sweep, SWEEP, 1.0),
+	CASE("null-half", "null device, half of the models in view", sweep, SWEEP, 1.0),
+	CASE("null-few", "null device, one model in a hundred in view", sweep, SWEEP, 1.0),
+	CASE("one-vs-four", "as many workers as CPUs are left, and twice as many as there are CPUs", pool, TWO_POOLS, 1.0),
+	CASE("dedicated", "one render thread that is fed every model, and the engine's workers", dedicated, DEDICATED, 1.0),
+	CASE("mutex-vs-lowlock", "every draw through a queue", queue, QUEUES, 1.0),
+	CASE("mutex-vs-lowlock-2009", "every draw through a queue, and it costs what it did in 2009", queue, QUEUES, 1.0),
+	CASE("mutex-vs-lowlock-segments", "512 draws at once through a queue", queue, QUEUES, 1.0),
+	CASE("stolen", "another process takes a core for a third of the run", stolen, STOLEN, 2.0),
+	CASE("white-bar", "Vulkan: what the main thread does with the lists of every model in view", replay, REPLAYS, 2.0),
+	CASE("vulkan-all", "Vulkan, every model in view", sweep, SWEEP, 4.0),
+	CASE("vulkan-half", "Vulkan, half of the models in view", sweep, SWEEP, 2.0),
+	CASE("vulkan-few", "Vulkan, one model in a hundred in view", sweep, SWEEP, 1.0),
+};
+
+/* The first two get their number of workers in fill_subjects. */
+static const bench_subject others[] = {
+	{.name = "sutter-",
+     .program = PROGRAM,
+     .note = "as many workers, fed every draw of 2009 through the article's queue",
+     .abilities = TWO_POOLS},
+	{.name = "sutter-", .program = PROGRAM, .abilities = TWO_POOLS},
+	{.name = "dedicated",
+     .program = PROGRAM,
+     .note = "the main thread culls and pushes every model into stilb_job_spsc; one thread records and replays",
+     .abilities = DEDICATED},
+	{.name = "stilb-direct",
+     .program = PROGRAM,
+     .note = "replay of every draw into one command buffer, on the main thread",
+     .abilities = REPLAYS},
+	{.name = "stilb-secondary",
+     .program = PROGRAM,
+     .note = "the same into a secondary command buffer per worker, in parallel: the article's deferred contexts",
+     .abilities = REPLAYS},
+	{.name = "stilb-indirect",
+     .program = PROGRAM,
+     .note = "one multi-draw-indirect that reads what the workers wrote",
+     .abilities = REPLAYS},
+	{.name = "no-queue", .program = PROGRAM, .note = "one thread, no queue", .abilities = QUEUES, .reference = true},
+	{.name = "mutex", .program = PROGRAM, .note = "a list under one pthread mutex", .abilities = QUEUES},
+	{.name = "kernel-mutex",
+     .program = PROGRAM,
+     .note = "the same list under a lock that asks the kernel at every call, as Windows' mutex objects do",
+     .abilities = QUEUES},
+	{.name = "sutter",
+     .program = PROGRAM,
+     .note = "the queue of the article (Dr. Dobb's Journal, November 2008)",
+     .abilities = QUEUES},
+	{.name = "stilb-low-lock", .program = PROGRAM, .abilities = QUEUES},
+	{.name = "stilb-lock-free", .program = PROGRAM, .abilities = QUEUES},
+};
+
+uint32_t bench_threads_counts[MAX_COUNTS];
+size_t bench_threads_count;
+static char names[MAX_COUNTS + COUNT(others)][32];
+static bench_subject subjects[MAX_COUNTS + COUNT(others)];
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;
+}
+
+uint32_t bench_threads_fitting(void)
+{
+	uint32_t cpus = bench_cpu_count();
+	return least(cpus > 1 ? cpus - 1 : 1, MAX_WORKERS);
+}
+
+uint32_t bench_threads_too_many(void)
+{
+	return least(2 * bench_cpu_count(), MAX_WORKERS);
+}
+
+const char *bench_threads_name(uint32_t workers)
+{
+	for (size_t i = 0; i < bench_threads_count; i++)
+		if (bench_threads_counts[i] == workers)
+			return subjects[i].name;
+	return "";
+}
+
+static void add_count(uint32_t workers)
+{
+	if (bench_threads_count < MAX_COUNTS &&
+	    (bench_threads_count == 0 || workers > bench_threads_counts[bench_threads_count - 1]))
+		bench_threads_counts[bench_threads_count++] = workers;
+}
+
+/* 0 to twice the CPUs; where those are many, powers of two and what lies around the number of CPUs. */
+static void choose_counts(void)
+{
+	uint32_t fitting = bench_threads_fitting(), most = bench_threads_too_many();
+	if (most < 9) {
+		for (uint32_t workers = 0; workers <= most; workers++)
+			add_count(workers);
+		return;
+	}
+	add_count(0);
+	for (uint32_t workers = 1; workers < fitting; workers *= 2)
+		add_count(workers);
+	add_count(fitting);
+	add_count(fitting + 1);
+	add_count(least(fitting + fitting / 2, most));
+	add_count(most);
+}
+
+static size_t fill_subjects(void)
+{
+	size_t filled = 0;
+	uint32_t fitting = bench_threads_fitting(), most = bench_threads_too_many(), pools[] = {fitting, most};
+	for (size_t i = 0; i < bench_threads_count; i++, filled++) {
+		uint32_t workers = bench_threads_counts[i];
+		snprintf(names[filled], sizeof names[filled], BENCH_THREADS_OURS "%u", workers);
+		uint32_t few = workers == 0 || workers == fitting ? DEDICATED : 0;
+		uint32_t two = workers == fitting || workers == most ? TWO_POOLS : 0;
+		uint32_t stolen = workers == 0 || workers == fitting || workers == most ? STOLEN : 0;
+		subjects[filled] =
+			(bench_subject){.name = names[filled], .program = PROGRAM, .abilities = SWEEP | few | two | stolen};
+	}
+	for (size_t i = 0; i < COUNT(others); i++, filled++) {
+		subjects[filled] = others[i];
+		if (i < COUNT(pools)) {
+			snprintf(names[filled], sizeof names[filled], "%s%u", others[i].name, pools[i]);
+			subjects[filled].name = names[filled];
+		}
+	}
+	return filled;
+}
+
+/* ---- before the first run ---------------------------------------------------------------------------------------- */
+
+static uint64_t hashes[3];
+
+uint64_t bench_threads_hash(size_t view)
+{
+	return hashes[view];
+}
+
+static bool find_hash(const char *view, uint64_t *hash)
+{
+	bench_child_result result;
+	bench_child_run(PROGRAM, "reference", view, 0.0, 0, NULL, 20.0, &result);
+	if (result.state != BENCH_CHILD_DONE || result.value_count != 2) {
+		stilb_log("cannot draw the frame that all runs are to draw: %s", result.message);
+		return false;
+	}
+	*hash = (uint64_t)result.values[0].value << 32 | (uint64_t)result.values[1].value;
+	return true;
+}
+
+/* What every run's command stream must be, and where its timeline goes. */
+static const char *prepare(const bench_options *options)
+{
+	static char argument[PATH_MAX + 64];
+	const char *traces = options->traces ? options->traces : "";
+	if (options->traces && mkdir(options->traces, 0777) != 0 && errno != EEXIST) {
+		stilb_log("--traces: cannot make the folder '%s': %s", options->traces, strerror(errno));
+		return NULL;
+	}
+	if (!find_hash("all", &hashes[0]) || !find_hash("half", &hashes[1]) || !find_hash("few", &hashes[2]))
+		return NULL;
+	snprintf(argument, sizeof argument, "%016llx:%016llx:%016llx:%s", (unsigned long long)hashes[0],
+	         (unsigned long long)hashes[1], (unsigned long long)hashes[2], traces);
+	return argument;
+}
+
+/* ---- after the last run ------------------------------------------------------------------------------------------ */
+
+/* Every run has left the timeline of its worst frame: the worst of all is kept. A run that failed may have left one. */
+static void keep_worst(const bench_results *results, const bench_row *row)
+{
+	const char *folder = results->options->traces;
+	char path[PATH_MAX], kept[PATH_MAX];
+	snprintf(kept, sizeof kept, "%s/%s.%s.trace.json", folder, row->on->name, row->name);
+	for (uint32_t round = 0; round < results->rounds; round++) {
+		snprintf(path, sizeof path, "%s/%s.%s.%u.trace.json", folder, row->on->name, row->name, round);
+		bool worst = row->runs > 0 && row->values[round] == row->max;
+		if (worst ? rename(path, kept) != 0 : unlink(path) != 0 && errno != ENOENT)
+			stilb_log("--traces: '%s': %s", path, strerror(errno));
+	}
+}
+
+/* How many times as fast as without workers in the same round, and the part of that which the CPUs allow. */
+static void add_gain(bench_results *results, const bench_case *on, const bench_subject *subject, uint32_t workers)
+{
+	const bench_row *alone = bench_find(results, on->name, subjects[0].name, "frame");
+	const bench_row *frame = bench_find(results, on->name, subject->name, "frame");
+	for (uint32_t round = 0; alone && frame && round < results->rounds; round++) {
+		double gain = alone->values[round] / frame->values[round];
+		bench_set_value(results, on, subject, "speed-up", round, gain);
+		bench_set_value(results, on, subject, "efficiency", round,
+		                100.0 * gain / least(workers + 1, bench_cpu_count()));
+	}
+}
+
+static void finish(bench_results *results)
+{
+	for (size_t c = 0; c < COUNT(cases); c++)
+		for (size_t n = 0; cases[c].needs == SWEEP && n < bench_threads_count; n++)
+			add_gain(results, &cases[c], &subjects[n], bench_threads_counts[n]);
+	for (size_t i = 0; results->options->traces && i < results->row_count; i++)
+		if (strcmp(results->rows[i].metric, "worst") == 0)
+			keep_worst(results, &results->rows[i]);
+}
+
+/* ---- the suite --------------------------------------------------------------------------------------------------- */
+
+const bench_suite *bench_threads_suite(void)
+{
+	static bench_suite suite = {.name = "threads",
+	                            .help = "the frame by number of workers, and the experiments of the article of 2009",
+	                            .subjects = subjects,
+	                            .cases = cases,
+	                            .case_count = COUNT(cases),
+	                            .prepare = prepare,
+	                            .finish = finish,
+	                            .traces = true,
+	                            .quick_rounds = 1,
+	                            .start_seconds = 0.1,
+	                            .report = bench_threads_report,
+	                            .report_alone = true,
+	                            .plot = bench_threads_plot,
+	                            .plot_rows = BENCH_THREADS_PLOT_ROWS};
+	if (suite.subject_count == 0) {
+		choose_counts();
+		suite.subject_count = fill_subjects();
+	}
+	return &suite;
+}

@@ -1,0 +1,132 @@
+/*
+ * One record: a ray through every cell of the hemisphere, and what the surfaces there reflect. Where these have records
+ * already, their indirect light is taken from those; else a path goes on from there.
+ */
+#include "gi/cache/gi_cache_internal.h"
+
+#include "gi/integrate/gi_direct.h"
+#include "gi/sample/gi_counter.h"
+#include "gi/trace/gi_ray.h"
+#include "profiler/prof.h"
+
+#include "shading/shade_constants.h"
+
+#define REUSE_DEPTH 16u /* a record holds light of all depths: paths of fewer reflections would see too much in it */
+
+/* Rays and points of cells first .. first + number - 1. */
+static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi_surface *surface, shade_frame frame,
+                        gi_point point, uint32_t first, uint32_t number)
+{
+	PROFILE("gi.cache.rays");
+	const gi_view *view = cache->view;
+	uint32_t cells = gi_cache_strata_cells(&cache->strata);
+	stilb_vec3 origin = gi_ray_origin(surface, surface->geometric);
+	for (uint32_t i = 0; i < number; i++) {
+		gi_point branch = gi_sampler_branch(&view->sampler, point, GI_DIMENSION_OF(0), first + i, cells);
+		stilb_vec2 u = gi_sample_2d(&view->sampler, branch, GI_DIMENSION_OF(0));
+		stilb_vec3 local = gi_cache_strata_direction(&cache->strata, first + i, u);
+		stilb_vec3 direction = shade_frame_to_world(frame, local);
+		worker->points[i] = branch;
+		worker->rays[i] = gi_rayhit_make(origin, direction);
+		/* Above the plane of the shading normal, and yet below the triangle: nothing comes from there. */
+		if (stilb_vec3_dot(direction, surface->geometric) > 0.0f)
+			view->scene->tracer.intersect(&view->scene->tracer, &worker->rays[i]);
+	}
+}
+
+/* Indirect light of what a ray hit from the cache; and the question for its direct light. False: a path has to find
+ * both. */
+static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker, uint32_t i)
+{
+	const gi_view *view = cache->view;
+	const RTCRayHit *ray = &worker->rays[i];
+	gi_surface surface;
+	gi_surface_at(view->scene, ray, &surface);
+	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_dir(&ray->ray));
+	stilb_vec3 irradiance = {0};
+	if (bsdf.share > 0.0f || (gi_cache_wants(&surface) && !gi_cache_find(cache, &surface, &irradiance)))
+		return false;
+	worker->radiance[i] = surface.diffuse * SHADE_INV_PI * irradiance;
+
+	float numbers[8];
+	gi_sample_8(&view->sampler, worker->points[i], GI_DIMENSION_OF(1), numbers);
+	RTCRay *shadow = &worker->shadows[worker->shadow_count];
+	if (gi_direct_ask(view, &bsdf, gi_ray_origin(&surface, surface.geometric), numbers, false, shadow,
+	                  &worker->direct[worker->shadow_count])) {
+		shadow->id = i;
+		worker->shadow_count++;
+	}
+	return true;
+}
+
+static void trace_shadows(const gi_cache *cache, gi_cache_worker *worker)
+{
+	PROFILE("gi.cache.shadow");
+	const gi_tracer *tracer = &cache->view->scene->tracer;
+	tracer->occluded(tracer, worker->shadows, worker->shadow_count);
+	for (uint32_t i = 0; i < worker->shadow_count; i++)
+		if (worker->shadows[i].tfar >= 0.0f)
+			worker->radiance[worker->shadows[i].id] += worker->direct[i];
+	gi_counter_add(&worker->traced, worker->shadow_count);
+	gi_counter_add(&worker->shadow_rays, worker->shadow_count);
+	worker->shadow_count = 0;
+}
+
+/* The first path_count of rays and points: those of the cells in targets. */
+static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_count)
+{
+	gi_cache_worker *worker = &cache->workers[index];
+	gi_batch batch = {.view = cache->view,
+	                  .worker = index,
+	                  .count = path_count,
+	                  .points = worker->path_points,
+	                  .rays = worker->path_rays,
+	                  .radiance = worker->path_radiance,
+	                  .scratch = worker->scratch};
+	gi_path_gather(&batch, 1, cache->view->settings.depth - 1);
+	for (uint32_t i = 0; i < path_count; i++)
+		worker->radiance[worker->targets[i]] = worker->path_radiance[i];
+	gi_counter_add(&worker->traced, batch.rays_traced);
+	gi_counter_add(&worker->shadow_rays, batch.shadow_rays);
+}
+
+/* What is nearer than the shortest radius cannot be told apart by records, and would outweigh all else. */
+static float nearness(const RTCRayHit *ray, float shortest)
+{
+	return gi_hit(ray) ? 1.0f / fmaxf(ray->ray.tfar, shortest) : 0.0f;
+}
+
+static void gather_cells(gi_cache *cache, uint32_t index, const gi_surface *surface, shade_frame frame, gi_point point,
+                         float shortest)
+{
+	gi_cache_worker *worker = &cache->workers[index];
+	uint32_t cells = gi_cache_strata_cells(&cache->strata);
+	bool reuse = cache->view->settings.depth >= REUSE_DEPTH;
+	for (uint32_t first = 0, number; first < cells; first += number) {
+		number = cells - first < GI_BATCH ? cells - first : GI_BATCH;
+		trace_cells(cache, worker, surface, frame, point, first, number);
+		uint32_t paths = 0;
+		for (uint32_t i = 0; i < number; i++) {
+			worker->radiance[i] = (stilb_vec3){0};
+			if (!gi_hit(&worker->rays[i]) || (reuse && reflected_from_cache(cache, worker, i)))
+				continue;
+			worker->path_rays[paths] = worker->rays[i];
+			worker->path_points[paths] = worker->points[i];
+			worker->targets[paths++] = i;
+		}
+		trace_shadows(cache, worker);
+		trace_paths(cache, index, paths);
+		for (uint32_t i = 0; i < number; i++)
+			worker->cells[first + i] = (gi_cache_cell){worker->radiance[i], nearness(&worker->rays[i], shortest)};
+	}
+	gi_counter_add(&worker->traced, cells);
+}
+
+gi_cache_record gi_cache_gather(gi_cache *cache, uint32_t worker, const gi_surface *surface, gi_point point)
+{
+	shade_frame frame = shade_frame_from_normal(surface->normal);
+	gi_cache_limits limits = gi_cache_limits_at(cache, surface->position);
+	gather_cells(cache, worker, surface, frame, point, limits.shortest);
+	gi_cache_gathered gathered = gi_cache_strata_gather(&cache->strata, cache->workers[worker].cells);
+	return gi_cache_record_make(&gathered, frame, surface->position, &limits);
+}

@@ -1,0 +1,128 @@
+#include "gi/cache/gi_cache_record.h"
+
+#include "shading/shade_constants.h"
+
+/* ---- the Hessian's ellipse --------------------------------------------------------------------------------------- */
+
+/* A turn of the tangent plane's axes, and what the second derivative is along the new ones. */
+typedef struct tangent_axes {
+	float cosine, sine;
+	float curvature[2];
+} tangent_axes;
+
+/* The axes along which the matrix {xx, xy, yy} is diagonal. */
+static tangent_axes principal_axes(const float matrix[3])
+{
+	float mean = 0.5f * (matrix[0] + matrix[2]);
+	float half = 0.5f * (matrix[0] - matrix[2]);
+	float off = matrix[1];
+	float spread = sqrtf(half * half + off * off);
+	float angle = 0.5f * atan2f(off, half);
+	return (tangent_axes){.cosine = cosf(angle), .sine = sinf(angle), .curvature = {mean + spread, mean - spread}};
+}
+
+/* Turns t and b, and what is given along them. */
+static void turn_axes(const tangent_axes *axes, shade_frame *frame, gi_cache_gathered *gathered)
+{
+	float c = axes->cosine, s = axes->sine;
+	stilb_vec3 t = frame->t, b = frame->b;
+	frame->t = t * c + b * s;
+	frame->b = b * c - t * s;
+	stilb_vec3 *pairs[2] = {gathered->translation, gathered->rotation};
+	for (int i = 0; i < 2; i++) {
+		stilb_vec3 x = pairs[i][0], y = pairs[i][1];
+		pairs[i][0] = x * c + y * s;
+		pairs[i][1] = y * c - x * s;
+	}
+}
+
+/* The radius at which the error of a linear extrapolation, summed over the record's ellipse, is the tolerated one: that
+ * of the whole irradiance, times limits->error, over a square of side limits->unit.
+ * Source: Schwarzhaupt, Jensen, Jarosz (2012), where the tolerated error is one number. */
+static float hessian_radius(float curvature, float irradiance, const gi_cache_limits *limits)
+{
+	float tolerated = limits->error * irradiance * limits->unit * limits->unit;
+	return sqrtf(sqrtf(4.0f * SHADE_INV_PI * tolerated / fabsf(curvature)));
+}
+
+/* ---- radii ------------------------------------------------------------------------------------------------------- */
+
+/* fminf and fmaxf pass over what is no number: a radius of 0 / 0, where nothing shines, is the longest. */
+static float clamp_radius(float radius, float reach, const gi_cache_limits *limits)
+{
+	return fmaxf(fminf(fminf(radius, reach), limits->longest), limits->shortest);
+}
+
+/* But for plain harmonic means, no record reaches farther than where its linear extrapolation would have used up the whole
+ * irradiance, or than what it sees is away. */
+static float farthest_reach(const gi_cache_gathered *gathered)
+{
+	float t = gi_cache_mean(gathered->translation[0]);
+	float b = gi_cache_mean(gathered->translation[1]);
+	float level = gi_cache_mean(gathered->irradiance) / sqrtf(t * t + b * b);
+	return fminf(level, 1.0f / gathered->nearness);
+}
+
+static void gradients_drop(gi_cache_gathered *gathered)
+{
+	for (int i = 0; i < 2; i++)
+		gathered->rotation[i] = gathered->translation[i] = (stilb_vec3){0};
+}
+
+/* A colour whose gradient would make it negative within the radii gets a flatter one. */
+static void gradients_limit(gi_cache_gathered *gathered, const float radius[2])
+{
+	for (int i = 0; i < 3; i++) {
+		float t = gathered->translation[0][i] * radius[0];
+		float b = gathered->translation[1][i] * radius[1];
+		float change = sqrtf(t * t + b * b);
+		float kept = change > gathered->irradiance[i] ? gathered->irradiance[i] / change : 1.0f;
+		gathered->translation[0][i] *= kept;
+		gathered->translation[1][i] *= kept;
+	}
+}
+
+static stilb_vec4 row(stilb_vec3 v, float last)
+{
+	return (stilb_vec4){v[0], v[1], v[2], last};
+}
+
+gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_frame frame, stilb_vec3 position,
+                                     const gi_cache_limits *limits)
+{
+	gi_cache_gathered turned = *gathered;
+	float radius[2];
+	if (limits->radius == STILB_GI_CACHE_HESSIAN) {
+		tangent_axes axes = principal_axes(gathered->hessian);
+		turn_axes(&axes, &frame, &turned);
+		for (int i = 0; i < 2; i++)
+			radius[i] = hessian_radius(axes.curvature[i], gi_cache_mean(gathered->irradiance), limits);
+	} else {
+		radius[0] = radius[1] = limits->error / gathered->nearness;
+	}
+	float reach = limits->radius == STILB_GI_CACHE_HARMONIC ? INFINITY : farthest_reach(gathered);
+	for (int i = 0; i < 2; i++)
+		radius[i] = clamp_radius(radius[i], reach, limits);
+
+	if (!limits->gradients)
+		gradients_drop(&turned);
+	float shorter = fminf(radius[0], radius[1]);
+	gradients_limit(&turned, radius);
+	return (gi_cache_record){
+		.position = row(position, 1.0f / radius[0]),
+		.normal = row(frame.n, 1.0f / radius[1]),
+		.tangent = row(frame.t, 1.0f / shorter),
+		.irradiance = row(turned.irradiance, 1.0f / fmaxf(radius[0], radius[1])),
+		.translation = {row(turned.translation[0], 0.0f), row(turned.translation[1], 0.0f)},
+		.rotation = {row(turned.rotation[0], 0.0f), row(turned.rotation[1], 0.0f)},
+	};
+}
+
+void gi_cache_record_limit(gi_cache_record *record, float radius)
+{
+	float inverse = 1.0f / radius;
+	record->position[3] = fmaxf(record->position[3], inverse);
+	record->normal[3] = fmaxf(record->normal[3], inverse);
+	record->tangent[3] = fmaxf(record->tangent[3], inverse);
+	record->irradiance[3] = fmaxf(record->irradiance[3], inverse);
+}

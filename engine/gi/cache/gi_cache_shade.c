@@ -1,0 +1,212 @@
+/*
+ * The integrator: emission and direct light as ever, diffuse indirect light from the cache, and a path for what a cache
+ * cannot hold: highlights, and diffuse light where no record holds.
+ */
+#include "gi/cache/gi_cache_internal.h"
+
+#include "gi/integrate/gi_direct.h"
+#include "gi/trace/gi_ray.h"
+#include "profiler/prof.h"
+
+#include "shading/shade_constants.h"
+#include "shading/shade_sampling.h"
+
+#define BRANCHES 2u        /* paths that a sample may want: a highlight's and a diffuse one */
+#define RECORD_PIXELS 1.2f /* radius of a record in the picture that shows them */
+
+/* A ray for which the cache has no answer. */
+typedef struct cache_branch {
+	stilb_vec3 weight; /* of what is reflected towards the surface */
+	stilb_vec3 shown;  /* of emission that it finds */
+	stilb_vec3 normal; /* of the surface it left, and the density with which it left: for the weight of emission */
+	float pdf;
+	uint32_t target; /* sample */
+} cache_branch;
+
+typedef struct cache_scratch {
+	RTCRay shadows[GI_BATCH];
+	stilb_vec3 direct[GI_BATCH];
+	cache_branch branches[BRANCHES * GI_BATCH];
+	RTCRayHit rays[BRANCHES * GI_BATCH];
+	gi_point points[BRANCHES * GI_BATCH];
+	stilb_vec3 reflected[GI_BATCH];
+	uint32_t shadow_count, branch_count;
+} cache_scratch;
+
+/* ---- one sample -------------------------------------------------------------------------------------------------- */
+
+static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, stilb_vec3 direction,
+                        const cache_branch *wanted)
+{
+	cache_scratch *scratch = batch->scratch;
+	uint32_t i = scratch->branch_count++;
+	scratch->branches[i] = *wanted;
+	scratch->branches[i].target = sample;
+	scratch->rays[i] = gi_rayhit_make(origin, direction);
+	scratch->points[i] = batch->points[sample];
+}
+
+/* Diffuse indirect light without a record: one direction stands for all. */
+static void want_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
+{
+	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
+	shade_sample chosen = shade_sample_cosine(u);
+	stilb_vec3 direction = shade_frame_to_world(shade_frame_from_normal(surface->normal), chosen.direction);
+	if (stilb_vec3_dot(direction, surface->geometric) <= 0.0f)
+		return;
+	cache_branch wanted = {.weight = surface->diffuse};
+	want_branch(batch, sample, gi_ray_origin(surface, surface->geometric), direction, &wanted);
+}
+
+static void shade_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
+{
+	gi_cache *cache = batch->view->cache;
+	stilb_vec3 irradiance;
+	if (!gi_cache_find(cache, surface, &irradiance)) {
+		if (batch->view->settings.cache.mode == STILB_GI_CACHE_FROZEN) {
+			want_diffuse(batch, sample, surface, numbers);
+			return;
+		}
+		gi_cache_record record = gi_cache_gather(cache, batch->worker, surface, batch->points[sample]);
+		gi_cache_add(cache, &record); /* without memory for it it serves this sample alone */
+		irradiance = record.irradiance;
+	}
+	batch->radiance[sample] += surface->diffuse * SHADE_INV_PI * irradiance;
+}
+
+/* One direction of the highlight. The density of the direct light's other way is the highlight's alone, since share is
+ * 1. */
+static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
+                           const float numbers[8])
+{
+	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
+	gi_bsdf_sample chosen;
+	if (!gi_bsdf_sample_direction(bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
+		return;
+	float n_dot_l = stilb_vec3_dot(bsdf->frame.n, chosen.direction);
+	stilb_vec3 diffuse = bsdf->diffuse * (SHADE_INV_PI * n_dot_l / chosen.pdf);
+	cache_branch wanted = {.weight = chosen.weight - diffuse, .normal = bsdf->frame.n, .pdf = chosen.pdf};
+	if (batch->view->settings.only != STILB_GI_ONLY_INDIRECT)
+		wanted.shown = chosen.weight;
+	want_branch(batch, sample, gi_ray_origin(surface, surface->geometric), chosen.direction, &wanted);
+}
+
+static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
+                        const float numbers[8])
+{
+	cache_scratch *scratch = batch->scratch;
+	uint32_t i = scratch->shadow_count;
+	stilb_vec3 origin = gi_ray_origin(surface, surface->geometric);
+	if (!gi_direct_ask(batch->view, bsdf, origin, numbers, bsdf->share > 0.0f, &scratch->shadows[i],
+	                   &scratch->direct[i]))
+		return;
+	scratch->shadows[i].id = sample;
+	scratch->shadow_count++;
+}
+
+static void shade_surface(gi_batch *batch, uint32_t sample, const gi_surface *surface)
+{
+	const gi_view *view = batch->view;
+	bool indirect_only = view->settings.only == STILB_GI_ONLY_INDIRECT;
+	if (!indirect_only)
+		batch->radiance[sample] = surface->emission;
+	if (view->settings.depth == 0)
+		return;
+	float numbers[8];
+	gi_sample_8(&view->sampler, batch->points[sample], GI_DIMENSION_OF(0), numbers);
+	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, surface, -gi_ray_dir(&batch->rays[sample].ray));
+	if (bsdf.share > 0.0f) {
+		bsdf.share = 1.0f;
+		want_highlight(batch, sample, surface, &bsdf, numbers);
+	}
+	if (!indirect_only)
+		want_direct(batch, sample, surface, &bsdf, numbers);
+	if (view->settings.depth > 1 && gi_cache_wants(surface))
+		shade_diffuse(batch, sample, surface, numbers);
+}
+
+static void shade_one(gi_batch *batch, uint32_t sample)
+{
+	const gi_view *view = batch->view;
+	const RTCRayHit *ray = &batch->rays[sample];
+	batch->radiance[sample] = (stilb_vec3){0};
+	if (!gi_hit(ray)) {
+		if (view->settings.only != STILB_GI_ONLY_INDIRECT)
+			batch->radiance[sample] = gi_environment_radiance(&view->scene->lights, gi_ray_dir(&ray->ray));
+		return;
+	}
+	gi_surface surface;
+	gi_surface_at(view->scene, ray, &surface);
+	if (view->settings.cache.show_records && gi_cache_record_is_at(view->cache, surface.position, RECORD_PIXELS))
+		batch->radiance[sample] = stilb_vec3_make(1.0f, 0.02f, 0.02f);
+	else
+		shade_surface(batch, sample, &surface);
+}
+
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
+
+static void trace_shadows(gi_batch *batch)
+{
+	PROFILE("gi.shadow");
+	cache_scratch *scratch = batch->scratch;
+	const gi_tracer *tracer = &batch->view->scene->tracer;
+	tracer->occluded(tracer, scratch->shadows, scratch->shadow_count);
+	for (uint32_t i = 0; i < scratch->shadow_count; i++)
+		if (scratch->shadows[i].tfar >= 0.0f)
+			batch->radiance[scratch->shadows[i].id] += scratch->direct[i];
+	batch->rays_traced += scratch->shadow_count;
+	batch->shadow_rays += scratch->shadow_count;
+}
+
+/* Emission that a branch found. */
+static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, const RTCRayHit *ray)
+{
+	if (branch->shown[0] + branch->shown[1] + branch->shown[2] == 0.0f)
+		return (stilb_vec3){0};
+	gi_surface surface;
+	bool hit = gi_hit(ray);
+	if (hit)
+		gi_surface_at(view->scene, ray, &surface);
+	return branch->shown * gi_direct_found(view, branch->pdf, branch->normal, ray, hit ? &surface : NULL);
+}
+
+static void trace_branches(gi_batch *batch)
+{
+	PROFILE("gi.cache.branch");
+	cache_scratch *scratch = batch->scratch;
+	const gi_view *view = batch->view;
+	for (uint32_t first = 0; first < scratch->branch_count; first += GI_BATCH) {
+		uint32_t left = scratch->branch_count - first;
+		gi_batch paths = *batch;
+		paths.count = left < GI_BATCH ? left : GI_BATCH;
+		paths.points = &scratch->points[first];
+		paths.rays = &scratch->rays[first];
+		paths.radiance = scratch->reflected;
+		paths.scratch = view->cache->workers[batch->worker].scratch;
+		for (uint32_t i = 0; i < paths.count; i++)
+			view->scene->tracer.intersect(&view->scene->tracer, &scratch->rays[first + i]);
+		gi_path_gather(&paths, 1, view->settings.depth - 1);
+		for (uint32_t i = 0; i < paths.count; i++) {
+			const cache_branch *branch = &scratch->branches[first + i];
+			batch->radiance[branch->target] += branch->weight * scratch->reflected[i];
+			batch->radiance[branch->target] += branch_found(view, branch, &paths.rays[i]);
+		}
+		batch->rays_traced = paths.rays_traced + paths.count;
+		batch->shadow_rays = paths.shadow_rays;
+	}
+}
+
+static void cache_shade(gi_batch *batch)
+{
+	cache_scratch *scratch = batch->scratch;
+	scratch->shadow_count = scratch->branch_count = 0;
+	{
+		PROFILE("gi.shade");
+		for (uint32_t i = 0; i < batch->count; i++)
+			shade_one(batch, i);
+	}
+	trace_shadows(batch);
+	trace_branches(batch);
+}
+
+const gi_integrator gi_integrator_irradiance_cache = {.shade = cache_shade, .scratch_size = sizeof(cache_scratch)};

@@ -1,0 +1,74 @@
+#include "gi/cache/gi_cache_slab.h"
+
+#include "base/base.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void gi_cache_slab_init(gi_cache_slab *slab, size_t size)
+{
+	*slab = (gi_cache_slab){.size = size};
+}
+
+void gi_cache_slab_finish(gi_cache_slab *slab)
+{
+	for (uint32_t i = 0; i < GI_CACHE_SLAB_BLOCKS; i++)
+		free(atomic_load_explicit(&slab->blocks[i], memory_order_relaxed)); /* relaxed: all users have ended */
+}
+
+/* Block b holds GI_CACHE_SLAB_FIRST << b items, so the item's number over FIRST, plus one, has b + 1 bits. */
+static uint32_t block_of(uint32_t item, uint32_t *place)
+{
+	uint32_t block = 31u - (uint32_t)__builtin_clz(item / GI_CACHE_SLAB_FIRST + 1u);
+	*place = item - GI_CACHE_SLAB_FIRST * ((1u << block) - 1u);
+	return block;
+}
+
+/* The block, made if nobody has yet. */
+static char *block_want(gi_cache_slab *slab, uint32_t block)
+{
+	/* acquire: pairs with the release of whoever made it; its zeros are visible */
+	char *there = atomic_load_explicit(&slab->blocks[block], memory_order_acquire);
+	if (there)
+		return there;
+	size_t bytes = slab->size * (GI_CACHE_SLAB_FIRST << block);
+	char *made = stilb_memory_alloc(1, bytes);
+	if (!made)
+		return NULL;
+	memset(made, 0, bytes);
+	/* release: the zeros are published with it; acquire on failure: somebody else's are taken over */
+	if (atomic_compare_exchange_strong_explicit(&slab->blocks[block], &there, made, memory_order_release,
+	                                            memory_order_acquire))
+		return made;
+	free(made);
+	return there;
+}
+
+void *gi_cache_slab_take(gi_cache_slab *slab)
+{
+	/* relaxed: only the number matters; blocks publish themselves, and items are published by who takes them */
+	uint32_t item = atomic_load_explicit(&slab->taken, memory_order_relaxed);
+	uint32_t place, block;
+	do {
+		block = block_of(item, &place);
+		if (block >= GI_CACHE_SLAB_BLOCKS)
+			return NULL;
+	} while (!atomic_compare_exchange_weak_explicit(&slab->taken, &item, item + 1u, memory_order_relaxed,
+	                                                memory_order_relaxed));
+	char *there = block_want(slab, block);
+	return there ? there + slab->size * place : NULL;
+}
+
+uint32_t gi_cache_slab_count(const gi_cache_slab *slab)
+{
+	return atomic_load_explicit(&slab->taken, memory_order_relaxed); /* relaxed: a number to show, or nobody takes */
+}
+
+void *gi_cache_slab_item(const gi_cache_slab *slab, uint32_t i)
+{
+	uint32_t place;
+	uint32_t block = block_of(i, &place);
+	/* acquire: pairs with the release in block_want */
+	char *there = atomic_load_explicit(&slab->blocks[block], memory_order_acquire);
+	return there ? there + slab->size * place : NULL;
+}

@@ -1,0 +1,60 @@
+#include "gi/film/gi_primary.h"
+#include "gi/trace/gi_ray.h"
+
+#include "shading/shade_sampling.h"
+
+gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *lens, uint32_t width, uint32_t height)
+{
+	/* The rows of world to clip are the camera's axes, stretched: what the renderer of frames shows is what is seen here. */
+	stilb_mat4 clip = stilb_scene_camera_matrix(camera, 1.0f);
+	stilb_isa isa;
+	if (stilb_cpu_isa(&isa) != STILB_OK)
+		isa = STILB_ISA_SCALAR; /* the same bits */
+	float half_height = tanf(0.5f * camera->fov_y), half_width = half_height * ((float)width / (float)height);
+	const float *m = clip.m;
+	return (gi_camera){
+		.position = stilb_vec3_make(camera->position[0], camera->position[1], camera->position[2]),
+		.right = stilb_vec3_normalize(stilb_vec3_make(m[0], m[4], m[8])),
+		.up = stilb_vec3_normalize(-stilb_vec3_make(m[1], m[5], m[9])),
+		.forward = stilb_vec3_normalize(stilb_vec3_make(m[3], m[7], m[11])),
+		.half_width = half_width,
+		.half_height = half_height,
+		.to_u = 2.0f * half_width / (float)width,
+		.to_v = 2.0f * half_height / (float)height,
+		.lens = *lens,
+		.kernels = gi_primary_kernels_for(isa),
+	};
+}
+
+/* Evenly spread over a regular polygon: a sector, then a point of its triangle. */
+static stilb_vec2 camera_polygon(const stilb_gi_lens *lens, stilb_vec2 u)
+{
+	float place = u[0] * (float)lens->blades, sector = floorf(place);
+	float step = 2.0f * SHADE_PI / (float)lens->blades;
+	float from = lens->rotation + sector * step, to = from + step;
+	float radius = sqrtf(place - sector), along = u[1];
+	float a = radius * (1.0f - along), b = radius * along;
+	return (stilb_vec2){a * cosf(from) + b * cosf(to), a * sinf(from) + b * sinf(to)};
+}
+
+stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u)
+{
+	stilb_vec2 place = camera->lens.blades ? camera_polygon(&camera->lens, u) : shade_sample_disk(u);
+	return place * camera->lens.radius;
+}
+
+void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, RTCRayHit *ray)
+{
+	/* As lanes_pinhole does it, to the bit. */
+	float across = x * camera->to_u - camera->half_width, up = camera->half_height - y * camera->to_v;
+	stilb_vec3 direction = camera->forward + camera->right * across + camera->up * up;
+	stilb_vec3 origin = camera->position;
+	if (camera->lens.radius > 0.0f) {
+		stilb_vec2 place = gi_camera_aperture(camera, lens);
+		stilb_vec3 offset = camera->right * place[0] + camera->up * place[1];
+		origin += offset;
+		direction = direction * camera->lens.focus - offset;
+	}
+	direction = stilb_vec3_normalize(direction);
+	*ray = gi_rayhit_make(origin, direction);
+}

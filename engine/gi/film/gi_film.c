@@ -1,0 +1,189 @@
+#include "gi/film/gi_film.h"
+
+#include "shading/shade_firefly.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FILM_FIREFLY_RANGE 1.0f /* white: what is brighter weighs less than half */
+
+/* ---- life ---------------------------------------------------------------------------------------------------------- */
+
+static void *film_zeroed(size_t count, size_t size)
+{
+	void *memory = stilb_memory_alloc(count, size);
+	if (memory)
+		memset(memory, 0, count * size);
+	return memory;
+}
+
+stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool weighted)
+{
+	size_t count = (size_t)width * height;
+	*film = (gi_film){.width = width, .height = height};
+	film->pixels = film_zeroed(count, sizeof *film->pixels);
+	film->weights = weighted ? film_zeroed(count, sizeof *film->weights) : NULL;
+	film->radiance = film_zeroed(count, sizeof(float[3]));
+	film->samples = film_zeroed(count, sizeof *film->samples);
+	film->albedo = film_zeroed(count, sizeof(float[3]));
+	film->normal = film_zeroed(count, sizeof(float[3]));
+	film->depth = film_zeroed(count, sizeof *film->depth);
+	film->variance = film_zeroed(count, sizeof(float[3]));
+	bool whole = film->pixels && film->radiance && film->samples && film->albedo && film->normal && film->depth &&
+	             film->variance && (film->weights || !weighted);
+	if (!whole) {
+		gi_film_finish(film);
+		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels; render a smaller one",
+		                  width, height);
+	}
+	for (size_t i = 0; i < count; i++)
+		film->depth[i] = INFINITY;
+	return STILB_OK;
+}
+
+void gi_film_finish(gi_film *film)
+{
+	free(film->pixels);
+	free(film->weights);
+	free(film->radiance);
+	free(film->samples);
+	free(film->albedo);
+	free(film->normal);
+	free(film->depth);
+	free(film->variance);
+	*film = (gi_film){0};
+}
+
+/* ---- samples ------------------------------------------------------------------------------------------------------- */
+
+static void film_add_weighted(gi_film *film, size_t index, const stilb_vec3 radiance)
+{
+	gi_film_pixel *pixel = &film->pixels[index];
+	gi_film_weight *weights = &film->weights[index];
+	double weight = (double)shade_firefly_weight(fmaxf(shade_luminance(radiance), 0.0f), FILM_FIREFLY_RANGE);
+	weights->weight += weight;
+	weights->weight_squared += weight * weight;
+	for (int c = 0; c < 3; c++) {
+		double weighted = weight * (double)radiance[c];
+		pixel->radiance[c] += weighted;
+		pixel->radiance_squared[c] += weighted * weighted;
+		weights->product[c] += weight * weighted;
+	}
+}
+
+static void film_add_plain(gi_film_pixel *pixel, const stilb_vec3 radiance)
+{
+	for (int c = 0; c < 3; c++) {
+		double value = (double)radiance[c];
+		pixel->radiance[c] += value;
+		pixel->radiance_squared[c] += value * value;
+	}
+}
+
+bool gi_film_add(gi_film *film, size_t index, const gi_film_sample *sample)
+{
+	gi_film_pixel *pixel = &film->pixels[index];
+	stilb_vec3 radiance = sample->radiance;
+	bool good = isfinite(radiance[0]) && isfinite(radiance[1]) && isfinite(radiance[2]);
+	if (!good)
+		radiance = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	if (film->weights)
+		film_add_weighted(film, index, radiance);
+	else
+		film_add_plain(pixel, radiance);
+	for (int c = 0; c < 3; c++) {
+		pixel->albedo[c] += (double)sample->albedo[c];
+		pixel->normal[c] += (double)sample->normal[c];
+	}
+	if (sample->depth < INFINITY) {
+		pixel->depth += (double)sample->depth;
+		pixel->hits++;
+	}
+	pixel->samples++;
+	return good;
+}
+
+/* ---- the picture --------------------------------------------------------------------------------------------------- */
+
+/* Of the mean m of n values, from the sums: sum (w x - m w)^2 / (sum w)^2 x n / (n - 1); with all w = 1 it is the sample
+ * variance over n. Source: the delta method for a ratio of means. */
+static double film_variance(const gi_film_pixel *pixel, const gi_film_weight *w, int channel, double mean)
+{
+	if (pixel->samples < 2)
+		return 0.0;
+	double n = pixel->samples;
+	double squares =
+		pixel->radiance_squared[channel] - 2.0 * mean * w->product[channel] + mean * mean * w->weight_squared;
+	return fmax(squares, 0.0) / (w->weight * w->weight) * (n / (n - 1.0));
+}
+
+static gi_film_weight film_weight(const gi_film *film, size_t index)
+{
+	if (film->weights)
+		return film->weights[index];
+	const gi_film_pixel *pixel = &film->pixels[index];
+	double n = pixel->samples;
+	return (gi_film_weight){n, n, {pixel->radiance[0], pixel->radiance[1], pixel->radiance[2]}};
+}
+
+void gi_film_resolve(gi_film *film, size_t index)
+{
+	const gi_film_pixel *pixel = &film->pixels[index];
+	if (pixel->samples == 0)
+		return;
+	double n = pixel->samples;
+	gi_film_weight weight = film_weight(film, index);
+	for (int c = 0; c < 3; c++) {
+		size_t at = 3 * index + (size_t)c;
+		double mean = pixel->radiance[c] / weight.weight;
+		/* Relaxed: gi_film_preview may see old numbers beside new ones. */
+		atomic_store_explicit(&film->radiance[at], (float)mean, memory_order_relaxed);
+		film->variance[at] = (float)film_variance(pixel, &weight, c, mean);
+		film->albedo[at] = (float)(pixel->albedo[c] / n);
+		film->normal[at] = (float)(pixel->normal[c] / n);
+	}
+	film->depth[index] = pixel->hits ? (float)(pixel->depth / pixel->hits) : INFINITY;
+	/* Release: with film_shown's acquire, who sees samples sees radiance too. */
+	atomic_store_explicit(&film->samples[index], pixel->samples, memory_order_release);
+}
+
+double gi_film_error(const gi_film *film)
+{
+	size_t count = (size_t)film->width * film->height;
+	double variance = 0.0, mean = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		if (film->pixels[i].samples < 2)
+			return HUGE_VAL;
+		for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+			variance += (double)film->variance[c];
+			mean += (double)atomic_load_explicit(&film->radiance[c], memory_order_relaxed); /* nobody writes now */
+		}
+	}
+	double numbers = 3.0 * (double)count;
+	return variance > 0.0 ? sqrt(variance / numbers) / (mean / numbers) : 0.0;
+}
+
+/* The pixel that stands for this one: itself, or the corner of the smallest block around it that has samples. */
+static size_t film_shown(const gi_film *film, uint32_t x, uint32_t y)
+{
+	size_t own = (size_t)y * film->width + x, at = own;
+	for (uint32_t block = 1; block <= GI_FILM_LARGEST_BLOCK; block *= 2) {
+		at = (size_t)(y & ~(block - 1)) * film->width + (x & ~(block - 1));
+		/* Acquire: pairs with gi_film_resolve's release. */
+		if (atomic_load_explicit(&film->samples[at], memory_order_acquire) > 0)
+			return at;
+	}
+	return own;
+}
+
+void gi_film_preview(const gi_film *film, float *rgb)
+{
+	for (uint32_t y = 0; y < film->height; y++) {
+		for (uint32_t x = 0; x < film->width; x++) {
+			size_t shown = film_shown(film, x, y);
+			for (size_t c = 0; c < 3; c++) /* relaxed: see gi_film_resolve */
+				*rgb++ = atomic_load_explicit(&film->radiance[3 * shown + c], memory_order_relaxed);
+		}
+	}
+}

@@ -1,0 +1,173 @@
+/*
+ * gi_primary_lanes: the loops over sixteen camera rays in plain C, which the compiler turns into SIMD. Included by one file for
+ * each instruction set, which names its table KERNELS.
+ */
+#ifndef STILB_GI_PRIMARY_LANES_H
+#define STILB_GI_PRIMARY_LANES_H
+
+#include "gi/film/gi_primary.h"
+#include "gi/sample/gi_sampler_kernels.h"
+#include "gi/trace/gi_packet.h"
+
+/* ---- numbers ------------------------------------------------------------------------------------------------------ */
+
+static void lanes_sobol(const gi_point *points, uint32_t dimension, uint32_t count, float *u, float *v)
+{
+	for (uint32_t first = 0; first < count; first += 16) {
+		uint32_t columns[4][16]; /* hash, low half and high half; index; count */
+		float pair[2][16];
+		for (uint32_t lane = 0; lane < 16; lane += 4)
+			gi_packet_gather(&points[first + lane], sizeof *points, &columns[0][lane]);
+		for (int i = 0; i < 16; i++) {
+			uint32_t low = columns[0][i], high = columns[1][i], index = gi_reverse(columns[2][i]);
+			uint32_t x = gi_reverse(gi_owen_hash(index, gi_seed_halves(low, high, GI_SEED_SHUFFLE + dimension)));
+			pair[0][i] = gi_owen_fraction(x, gi_seed_halves(low, high, dimension));
+			pair[1][i] = gi_owen_fraction(gi_sobol_second(x), gi_seed_halves(low, high, dimension + 1));
+		}
+		memcpy(u + first, pair[0], sizeof pair[0]);
+		memcpy(v + first, pair[1], sizeof pair[1]);
+	}
+}
+
+/* ---- rays --------------------------------------------------------------------------------------------------------- */
+
+static void lanes_pinhole(const gi_camera *camera, const float *x, const float *y, struct RTCRay16 *rays)
+{
+	const stilb_vec3 right = camera->right, up = camera->up, forward = camera->forward;
+	for (int i = 0; i < 16; i++) {
+		float a = x[i] * camera->to_u - camera->half_width, b = camera->half_height - y[i] * camera->to_v;
+		float dx = forward[0] + right[0] * a + up[0] * b, dy = forward[1] + right[1] * a + up[1] * b,
+			  dz = forward[2] + right[2] * a + up[2] * b;
+		float unit = 1.0f / sqrtf(dx * dx + dy * dy + dz * dz);
+		rays->org_x[i] = camera->position[0];
+		rays->org_y[i] = camera->position[1];
+		rays->org_z[i] = camera->position[2];
+		rays->dir_x[i] = dx * unit;
+		rays->dir_y[i] = dy * unit;
+		rays->dir_z[i] = dz * unit;
+	}
+}
+
+/* Its sines and cosines are the C library's, one at a time. */
+static void lanes_lens(const gi_camera *camera, const gi_primary_places *places, uint32_t first, struct RTCRay16 *rays)
+{
+	for (uint32_t i = 0; i < 16; i++) {
+		RTCRayHit ray;
+		stilb_vec2 lens = {places->lens_u[first + i], places->lens_v[first + i]};
+		gi_camera_ray(camera, places->x[first + i], places->y[first + i], lens, &ray);
+		rays->org_x[i] = ray.ray.org_x;
+		rays->org_y[i] = ray.ray.org_y;
+		rays->org_z[i] = ray.ray.org_z;
+		rays->dir_x[i] = ray.ray.dir_x;
+		rays->dir_y[i] = ray.ray.dir_y;
+		rays->dir_z[i] = ray.ray.dir_z;
+	}
+}
+
+static void lanes_rays(const gi_camera *camera, const gi_primary_places *places, uint32_t first, RTCRayHit16 *rays)
+{
+	if (camera->lens.radius > 0.0f)
+		lanes_lens(camera, places, first, &rays->ray);
+	else
+		lanes_pinhole(camera, places->x + first, places->y + first, &rays->ray);
+	for (int i = 0; i < 16; i++) {
+		rays->ray.tnear[i] = rays->ray.time[i] = 0.0f;
+		rays->ray.tfar[i] = INFINITY;
+		rays->ray.mask[i] = UINT32_MAX;
+		rays->ray.id[i] = rays->ray.flags[i] = 0;
+		rays->hit.geomID[i] = rays->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+	}
+}
+
+/* ---- surfaces ----------------------------------------------------------------------------------------------------- */
+
+static stilb_vec4 lanes_four(const float *from)
+{
+	stilb_vec4 four;
+	memcpy(&four, from, sizeof four);
+	return four;
+}
+
+static void lanes_store(stilb_vec4 four, float *to)
+{
+	memcpy(to, &four, sizeof four);
+}
+
+/* Reflectance, and the interpolated normal of any length, the texture's u behind it: a row of four is loaded whole. Of what
+ * is not plain this is not the answer yet; whether it is plain. */
+static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albedo[4], float normal[4])
+{
+	const gi_part *part = packet->parts[lane];
+	if (!part) {
+		lanes_store((stilb_vec4){0}, normal);
+		lanes_store((stilb_vec4){0}, albedo);
+		return true;
+	}
+	const uint32_t *index = packet->triangles[lane]->vertex;
+	stilb_vec4 a = lanes_four(part->vertices[index[0]].normal);
+	stilb_vec4 b = lanes_four(part->vertices[index[1]].normal) - a, c = lanes_four(part->vertices[index[2]].normal) - a;
+	lanes_store(a + (b * packet->rays.hit.u[lane] + c * packet->rays.hit.v[lane]), normal);
+	lanes_store(lanes_four(part->albedo), albedo);
+	return part->plain;
+}
+
+/* Columns of interpolated normals become unit and turn to the geometric normal's side, which is the viewer's. Whether that is
+ * all that is to be done: gi_surface_at knows what else. */
+static bool lanes_normals(const RTCRayHit16 *rays, float normals[3][16])
+{
+	int32_t more = 0;
+	for (int i = 0; i < 16; i++) {
+		float x = normals[0][i], y = normals[1][i], z = normals[2][i];
+		float dx = rays->ray.dir_x[i], dy = rays->ray.dir_y[i], dz = rays->ray.dir_z[i];
+		float gx = rays->hit.Ng_x[i], gy = rays->hit.Ng_y[i], gz = rays->hit.Ng_z[i];
+		float square = x * x + y * y + z * z;
+		int32_t miss = rays->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID, none = !(square > GI_NORMAL_NONE);
+		float unit = 1.0f / sqrtf(none ? 1.0f : square);
+		float from_viewer = gx * dx + gy * dy + gz * dz, from_normal = gx * x + gy * y + gz * z;
+		float side = from_viewer * from_normal > 0.0f ? -unit : unit;
+		normals[0][i] = x *= side;
+		normals[1][i] = y *= side;
+		normals[2][i] = z *= side;
+		more |= (!miss) & (none | !(-(x * dx + y * dy + z * dz) >= GI_NORMAL_LOWEST));
+	}
+	return !more;
+}
+
+static void lanes_depths(const gi_camera *camera, const RTCRayHit16 *rays, float *restrict depths)
+{
+	for (int i = 0; i < 16; i++)
+		depths[i] =
+			rays->ray.tfar[i] * (rays->ray.dir_x[i] * camera->forward[0] + rays->ray.dir_y[i] * camera->forward[1] +
+		                         rays->ray.dir_z[i] * camera->forward[2]);
+}
+
+/* Textures, instances, and normals that files have wrong. */
+static void lanes_rare(const stilb_gi_scene *scene, uint32_t i, gi_primary *out)
+{
+	gi_surface surface;
+	gi_surface_at(scene, &out->rays[i], &surface);
+	lanes_store(surface.diffuse + surface.specular, out->albedo[i]);
+	lanes_store(surface.normal, out->normal[i]);
+}
+
+static void lanes_surfaces(const stilb_gi_scene *scene, const gi_camera *camera, const gi_primary_packet *packet,
+                           uint32_t first, gi_primary *out)
+{
+	float normals[4][16];
+	bool plain = true;
+	for (uint32_t lane = 0; lane < 16; lane++)
+		plain &= lanes_row(packet, lane, out->albedo[first + lane], out->normal[first + lane]);
+	for (uint32_t lane = 0; lane < 16; lane += 4)
+		gi_packet_gather(out->normal[first + lane], sizeof *out->normal, &normals[0][lane]);
+	plain &= lanes_normals(&packet->rays, normals);
+	gi_packet_scatter_all(normals, out->normal[first], sizeof *out->normal);
+	lanes_depths(camera, &packet->rays, out->depth + first);
+	gi_packet_store_hits(&packet->rays, out->rays + first);
+	for (uint32_t lane = 0; !plain && lane < 16; lane++)
+		if (packet->parts[lane])
+			lanes_rare(scene, first + lane, out);
+}
+
+const gi_primary_kernels KERNELS = {.sobol = lanes_sobol, .rays = lanes_rays, .surfaces = lanes_surfaces};
+
+#endif

@@ -1,5 +1,0 @@
-/* Camera rays and surfaces with AVX-512. */
-#if defined(__x86_64__)
-#define KERNELS gi_primary_kernels_avx512
-#include "gi/gi_primary_lanes.h"
-#endif

@@ -1,0 +1,46 @@
+#include "gi/integrate/gi_direct.h"
+
+#include "gi/trace/gi_ray.h"
+
+/* The power heuristic, beta = 2, written so that no square overflows.
+ * Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation" (1997), 9.2.4. */
+static float mis_weight(float pdf, float other)
+{
+	float ratio = other / pdf;
+	return 1.0f / (1.0f + ratio * ratio);
+}
+
+bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
+                   RTCRay *shadow, stilb_vec3 *direct)
+{
+	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
+	gi_light_sample light;
+	if (!gi_light_sample_at(&view->scene->lights, origin, bsdf->frame.n, numbers[GI_DIMENSION_CHOICE], u, &light))
+		return false;
+	const stilb_vec3 sent = gi_bsdf_cos(bsdf, light.direction) * light.radiance;
+	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
+		return false;
+	float weight = 1.0f / light.pdf;
+	if (weighed && !light.delta)
+		weight *= mis_weight(light.pdf, gi_bsdf_pdf(bsdf, light.direction));
+	*direct = sent * weight;
+	*shadow = gi_ray_make(origin, light.direction, light.distance);
+	return true;
+}
+
+stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const RTCRayHit *ray,
+                           const gi_surface *surface)
+{
+	const gi_lights *lights = &view->scene->lights;
+	stilb_vec3 origin = gi_ray_org(&ray->ray), direction = gi_ray_dir(&ray->ray);
+	if (!surface) {
+		stilb_vec3 radiance = gi_environment_radiance(lights, direction);
+		return pdf > 0.0f ? radiance * mis_weight(pdf, gi_environment_pdf(lights, origin, normal, direction))
+		                  : radiance;
+	}
+	const gi_part *part = &view->scene->parts[surface->part];
+	if (pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
+		return surface->emission;
+	float asked = gi_light_pdf(lights, origin, normal, part->first_light + surface->triangle, ray->ray.tfar);
+	return surface->emission * mis_weight(pdf, asked);
+}

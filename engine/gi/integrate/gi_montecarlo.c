@@ -1,0 +1,103 @@
+/* The integrator montecarlo: N rays at every hit, N more where each of them ends. Its cost is exponential: the
+ * baseline for teaching, and the simplest estimator that the others can be held against. Lights with a size are
+ * found by the rays alone; lights without one, which no ray can find, are asked. */
+#include "gi/integrate/gi_integrator.h"
+#include "gi/sample/gi_bsdf.h"
+#include "gi/trace/gi_ray.h"
+#include "profiler/prof.h"
+
+double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings)
+{
+	double rays = 0.0, level = (double)settings->width * settings->height * settings->samples;
+	for (uint32_t bounce = 0; bounce <= settings->depth; bounce++, level *= settings->rays)
+		rays += level;
+	return rays;
+}
+
+/* A surface, and how it is seen. */
+typedef struct hit {
+	gi_surface surface;
+	gi_bsdf bsdf;
+	gi_point point;
+	uint32_t vertex; /* 0: the camera's */
+} hit;
+
+/* Light from one of the lights without a size, or none. */
+static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
+{
+	const gi_view *view = batch->view;
+	const gi_lights *lights = &view->scene->lights;
+	const stilb_vec3 none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	if (lights->point_count == 0)
+		return none;
+	float numbers[GI_DIMENSIONS_VERTEX];
+	gi_sample_8(&view->sampler, at->point, GI_DIMENSION_OF(at->vertex), numbers);
+	const stilb_vec2 place = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
+	gi_light_sample light;
+	if (!gi_light_sample_at(lights, at->surface.position, at->surface.normal, numbers[GI_DIMENSION_CHOICE], place,
+	                        &light) ||
+	    !light.delta || stilb_vec3_dot(at->surface.geometric, light.direction) <= 0.0f)
+		return none;
+	stilb_vec3 origin = gi_ray_origin(&at->surface, light.direction);
+	RTCRay shadow = gi_ray_make(origin, light.direction, light.distance);
+	view->scene->tracer.occluded(&view->scene->tracer, &shadow, 1);
+	batch->rays_traced++;
+	batch->shadow_rays++;
+	if (shadow.tfar < 0.0f)
+		return none;
+	return gi_bsdf_cos(&at->bsdf, light.direction) * light.radiance / light.pdf;
+}
+
+static stilb_vec3 radiance_along(gi_batch *batch, const RTCRayHit *ray, gi_point point, uint32_t vertex);
+
+/* The k-th of the rays that gather light at a surface: as likely as its cosine where the surface is diffuse. */
+static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
+{
+	const gi_view *view = batch->view;
+	const gi_sampler *sampler = &view->sampler;
+	const uint32_t dimension = GI_DIMENSION_OF(at->vertex);
+	gi_point branch = gi_sampler_branch(sampler, at->point, dimension, k, view->settings.rays);
+	float numbers[GI_DIMENSIONS_VERTEX];
+	gi_sample_8(sampler, branch, dimension, numbers);
+	const stilb_vec2 place = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
+	gi_bsdf_sample chosen;
+	if (!gi_bsdf_sample_direction(&at->bsdf, numbers[GI_DIMENSION_LOBE], place, &chosen))
+		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	RTCRayHit ray = gi_rayhit_make(gi_ray_origin(&at->surface, chosen.direction), chosen.direction);
+	view->scene->tracer.intersect(&view->scene->tracer, &ray);
+	batch->rays_traced++;
+	return chosen.weight * radiance_along(batch, &ray, branch, at->vertex + 1);
+}
+
+/* Radiance that comes back along a ray that has been traced to the vertex. */
+static stilb_vec3 radiance_along(gi_batch *batch, const RTCRayHit *ray, gi_point point, uint32_t vertex)
+{
+	const gi_view *view = batch->view;
+	const bool indirect = view->settings.only == STILB_GI_ONLY_INDIRECT;
+	const stilb_vec3 direction = gi_ray_dir(&ray->ray);
+	stilb_vec3 radiance = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	if (!gi_hit(ray))
+		return indirect && vertex <= 1 ? radiance : gi_environment_radiance(&view->scene->lights, direction);
+	hit at = {.point = point, .vertex = vertex};
+	gi_surface_at(view->scene, ray, &at.surface);
+	if (!indirect || vertex > 1)
+		radiance += at.surface.emission;
+	if (vertex == view->settings.depth)
+		return radiance;
+	at.bsdf = gi_bsdf_make(&view->settings.model, &at.surface, -direction);
+	if (!indirect || vertex > 0)
+		radiance += light_without_size(batch, &at);
+	stilb_vec3 sum = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	for (uint32_t k = 0; k < view->settings.rays; k++)
+		sum += gathered(batch, &at, k);
+	return radiance + sum / (float)view->settings.rays;
+}
+
+static void montecarlo_shade(gi_batch *batch)
+{
+	PROFILE("gi.bounce");
+	for (uint32_t i = 0; i < batch->count; i++)
+		batch->radiance[i] = radiance_along(batch, &batch->rays[i], batch->points[i], 0);
+}
+
+const gi_integrator gi_integrator_montecarlo = {.shade = montecarlo_shade};

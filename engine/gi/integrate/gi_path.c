@@ -1,0 +1,322 @@
+/*
+ * One path for each sample, to any depth: next-event estimation and multiple importance sampling at every vertex, Russian
+ * roulette from the third bounce.
+ *
+ * Paths go in waves: all of them one bounce at a time. A bounce's shadow rays are gathered and sent together (in the Cornell
+ * box that takes less than half the time); its closest-hit rays go one by one, since incoherent packets gain nothing.
+ * A path reads and writes nothing but its own state, so it does not matter which wave it is in.
+ *
+ * Depth. `depth` reflections at most: 0 leaves what is seen of the lights themselves, 1 adds light reflected once, ...
+ */
+#include "gi/integrate/gi_direct.h"
+#include "gi/trace/gi_ray.h"
+#include "profiler/prof.h"
+
+#include "base/glsl_types.h"
+
+#define VERTICES 32          /* that are shaded together: they fit into the first cache */
+#define ROULETTE_BOUNCE 3    /* the first ray that may not be sent */
+#define ROULETTE_SCALE 1.15f /* on the square root of a path's throughput: measured in the Cornell box */
+
+/* A path on its way; its ray lies beside it. */
+typedef struct path_state {
+	stilb_vec3 throughput;
+	stilb_vec3 normal; /* of the surface that the ray left: the light's density depends on it */
+	gi_point point;
+	float pdf;     /* of the ray's direction; 0: no other way finds what it hits, and emission counts in full */
+	uint32_t slot; /* where its radiance goes: no other path of the wave has it */
+} path_state;
+
+/* Paths that run together, each array in the order in which rays are sent. Paths that end leave; the others close ranks. */
+typedef struct path_wave {
+	const gi_view *view;
+	uint32_t vertex;                     /* where the rays arrive: numbers of the sampler */
+	uint32_t bounce;                     /* reflections so far */
+	uint32_t depth;                      /* reflections at most */
+	uint32_t direct_from, emission_from; /* the reflections at which lights count: the first of each */
+	uint32_t count, shadow_count;
+	path_state *paths;    /* [count] */
+	RTCRayHit *rays;      /* [count] */
+	RTCRay *shadows;      /* [shadow_count] id: the path's slot */
+	stilb_vec3 *direct;   /* [shadow_count] what a shadow ray brings if nothing lies in its way */
+	stilb_vec3 *radiance; /* of the slots */
+	uint64_t rays_traced, shadow_rays;
+} path_wave;
+
+/* Where a ray of a path ended, from stage to stage. */
+typedef struct path_vertex {
+	gi_surface surface;
+	gi_bsdf bsdf;
+	stilb_vec3 origin; /* of the rays that leave */
+	float numbers[8];
+	uint32_t path; /* of the wave */
+} path_vertex;
+
+/* ---- one vertex -------------------------------------------------------------------------------------------------- */
+
+/* Whether the path goes on, and what it is worth then. By the square root of what it is worth: the throughput itself ends too
+ * many paths at the first chance. */
+static bool roulette(const gi_view *view, path_state *path, float u)
+{
+	float survival = view->settings.roulette;
+	if (survival == 0.0f) {
+		stilb_vec3 t = path->throughput;
+		survival = glsl_min_1(ROULETTE_SCALE * sqrtf(glsl_max_1(glsl_max_1(t[0], t[1]), t[2])), 1.0f);
+	}
+	if (u >= survival)
+		return false;
+	path->throughput *= 1.0f / survival;
+	return true;
+}
+
+static bool reflects(const gi_surface *surface)
+{
+	stilb_vec3 all = surface->diffuse + surface->specular;
+	return all[0] + all[1] + all[2] > 0.0f;
+}
+
+/* Adds what shines where the ray of path i ended. False: the path ends there too. */
+static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
+{
+	const path_state *path = &wave->paths[i];
+	const RTCRayHit *ray = &wave->rays[i];
+	const bool hit = gi_hit(ray);
+	if (hit)
+		gi_surface_at(wave->view->scene, ray, surface);
+	if (wave->bounce >= wave->emission_from)
+		wave->radiance[path->slot] +=
+			path->throughput * gi_direct_found(wave->view, path->pdf, path->normal, ray, hit ? surface : NULL);
+	return hit && wave->bounce < wave->depth && reflects(surface);
+}
+
+/* Asks a light, and puts the shadow ray in the stream. */
+static void path_ask_light(path_wave *wave, const path_state *path, const path_vertex *vertex)
+{
+	RTCRay *shadow = &wave->shadows[wave->shadow_count];
+	stilb_vec3 *direct = &wave->direct[wave->shadow_count];
+	if (!gi_direct_ask(wave->view, &vertex->bsdf, vertex->origin, vertex->numbers, true, shadow, direct))
+		return;
+	*direct *= path->throughput;
+	shadow->id = path->slot;
+	wave->shadow_count++;
+}
+
+/* Makes the path to the next vertex, and its ray. False: it ends here, but for its shadow ray. */
+static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_state *path, RTCRayHit *ray)
+{
+	const float *numbers = vertex->numbers;
+	gi_bsdf_sample next;
+	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
+	if (!gi_bsdf_sample_direction(&vertex->bsdf, numbers[GI_DIMENSION_LOBE], u, &next))
+		return false;
+	path->throughput *= next.weight;
+	if (wave->bounce + 1 >= ROULETTE_BOUNCE && !roulette(wave->view, path, numbers[GI_DIMENSION_ROULETTE]))
+		return false;
+	path->pdf = next.pdf;
+	path->normal = vertex->bsdf.frame.n;
+	*ray = gi_rayhit_make(vertex->origin, next.direction);
+	return true;
+}
+
+/* ---- waves ------------------------------------------------------------------------------------------------------- */
+
+/* The vertices of paths first, ..., first + count - 1, each stage for all of them before the next: what one vertex waits for,
+ * another's arithmetic fills. Paths that go on move to kept and behind it; returns where the next ones go. */
+static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count, uint32_t kept)
+{
+	const gi_view *view = wave->view;
+	path_vertex vertices[VERTICES];
+	uint32_t live = 0;
+	for (uint32_t i = first; i < first + count; i++) {
+		vertices[live].path = i;
+		live += path_found(wave, i, &vertices[live].surface);
+	}
+	for (uint32_t k = 0; k < live; k++)
+		gi_sample_8(&view->sampler, wave->paths[vertices[k].path].point, GI_DIMENSION_OF(wave->vertex),
+		            vertices[k].numbers);
+	for (uint32_t k = 0; k < live; k++) {
+		path_vertex *vertex = &vertices[k];
+		stilb_vec3 to_viewer = -gi_ray_dir(&wave->rays[vertex->path].ray);
+		vertex->bsdf = gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer);
+		vertex->origin = gi_ray_origin(&vertex->surface, vertex->surface.geometric);
+	}
+	if (wave->bounce + 1 >= wave->direct_from)
+		for (uint32_t k = 0; k < live; k++)
+			path_ask_light(wave, &wave->paths[vertices[k].path], &vertices[k]);
+	for (uint32_t k = 0; k < live; k++) {
+		wave->paths[kept] = wave->paths[vertices[k].path];
+		kept += path_go_on(wave, &vertices[k], &wave->paths[kept], &wave->rays[kept]);
+	}
+	return kept;
+}
+
+/* In a large scene what shading reads of a hit lies far away, the more so as tracing has filled the caches since. So it is
+ * asked for while others are shaded: triangles first, and when they have come, their vertices. Always inline: gcc takes a call
+ * of what only fetches for one without an effect, and drops it. */
+static inline __attribute__((always_inline)) void wave_fetch_triangles(const path_wave *wave, uint32_t first)
+{
+	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
+		const RTCRayHit *ray = &wave->rays[i];
+		if (gi_hit(ray))
+			__builtin_prefetch(&wave->view->scene->parts[ray->hit.geomID].triangles[ray->hit.primID]);
+	}
+}
+
+static inline __attribute__((always_inline)) void wave_fetch_vertices(const path_wave *wave, uint32_t first)
+{
+	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
+		const RTCRayHit *ray = &wave->rays[i];
+		if (!gi_hit(ray))
+			continue;
+		const gi_part *part = &wave->view->scene->parts[ray->hit.geomID];
+		for (int k = 0; k < 3; k++)
+			__builtin_prefetch(&part->vertices[part->triangles[ray->hit.primID].vertex[k]]);
+	}
+}
+
+static void wave_shade(path_wave *wave)
+{
+	PROFILE("gi.shade");
+	uint32_t kept = 0;
+	wave_fetch_triangles(wave, 0);
+	wave_fetch_triangles(wave, VERTICES);
+	wave_fetch_vertices(wave, 0);
+	for (uint32_t first = 0; first < wave->count; first += VERTICES) {
+		uint32_t rest = wave->count - first;
+		wave_fetch_triangles(wave, first + 2 * VERTICES);
+		wave_fetch_vertices(wave, first + VERTICES);
+		kept = wave_shade_some(wave, first, rest < VERTICES ? rest : VERTICES, kept);
+	}
+	wave->count = kept;
+}
+
+static void wave_shadows(path_wave *wave)
+{
+	PROFILE("gi.shadow");
+	const gi_tracer *tracer = &wave->view->scene->tracer;
+	tracer->occluded(tracer, wave->shadows, wave->shadow_count);
+	for (uint32_t s = 0; s < wave->shadow_count; s++)
+		if (wave->shadows[s].tfar >= 0.0f)
+			wave->radiance[wave->shadows[s].id] += wave->direct[s];
+	wave->rays_traced += wave->shadow_count;
+	wave->shadow_rays += wave->shadow_count;
+	wave->shadow_count = 0;
+}
+
+static void wave_intersect(path_wave *wave)
+{
+	PROFILE("gi.bounce");
+	const gi_tracer *tracer = &wave->view->scene->tracer;
+	for (uint32_t i = 0; i < wave->count; i++)
+		tracer->intersect(tracer, &wave->rays[i]);
+	wave->rays_traced += wave->count;
+}
+
+/* Until every path has ended. The rays are traced already. */
+static void wave_run(path_wave *wave)
+{
+	for (;;) {
+		wave_shade(wave);
+		wave_shadows(wave);
+		if (wave->count == 0)
+			return;
+		wave_intersect(wave);
+		wave->vertex++;
+		wave->bounce++;
+	}
+}
+
+/* ---- the integrators --------------------------------------------------------------------------------------------- */
+
+typedef struct path_scratch {
+	RTCRayHit rays[GI_BATCH];
+	RTCRay shadows[GI_BATCH];
+	path_state paths[GI_BATCH];
+	stilb_vec3 direct[GI_BATCH];
+	stilb_vec3 radiance[GI_BATCH]; /* split's */
+} path_scratch;
+
+static path_wave wave_begin(gi_batch *batch)
+{
+	const stilb_gi_settings *settings = &batch->view->settings;
+	path_scratch *scratch = batch->scratch;
+	bool indirect = settings->only == STILB_GI_ONLY_INDIRECT;
+	return (path_wave){.view = batch->view,
+	                   .depth = settings->depth,
+	                   .direct_from = indirect ? 2 : 1,
+	                   .emission_from = indirect ? 2 : 0,
+	                   .paths = scratch->paths,
+	                   .rays = scratch->rays,
+	                   .shadows = scratch->shadows,
+	                   .direct = scratch->direct,
+	                   .radiance = batch->radiance};
+}
+
+/* Another path. Its slot is its number in the wave. */
+static void wave_add(path_wave *wave, const RTCRayHit *ray, gi_point point)
+{
+	uint32_t slot = wave->count++;
+	wave->radiance[slot] = (stilb_vec3){0};
+	wave->rays[slot] = *ray;
+	wave->paths[slot] = (path_state){.throughput = stilb_vec3_make(1.0f, 1.0f, 1.0f), .point = point, .slot = slot};
+}
+
+static void wave_end(const path_wave *wave, gi_batch *counters)
+{
+	counters->rays_traced += wave->rays_traced;
+	counters->shadow_rays += wave->shadow_rays;
+}
+
+static void path_shade(gi_batch *batch)
+{
+	path_wave wave = wave_begin(batch);
+	for (uint32_t i = 0; i < batch->count; i++)
+		wave_add(&wave, &batch->rays[i], batch->points[i]);
+	wave_run(&wave);
+	wave_end(&wave, batch);
+}
+
+const gi_integrator gi_integrator_path = {.shade = path_shade, .scratch_size = sizeof(path_scratch)};
+
+/* The camera ray's hit is shared by the sample's N paths, whose numbers are N stratified points below the sample's. Every path
+ * has a light sample of its own at the first hit too. */
+static void split_shade(gi_batch *batch)
+{
+	path_scratch *scratch = batch->scratch;
+	const gi_view *view = batch->view;
+	const uint32_t branches = view->settings.rays;
+	for (uint32_t i = 0; i < batch->count; i++)
+		batch->radiance[i] = (stilb_vec3){0};
+	for (uint64_t first = 0, end = (uint64_t)batch->count * branches; first < end; first += GI_BATCH) {
+		path_wave wave = wave_begin(batch);
+		const uint32_t count = end - first < GI_BATCH ? (uint32_t)(end - first) : GI_BATCH;
+		wave.radiance = scratch->radiance;
+		for (uint32_t i = 0; i < count; i++) {
+			uint32_t sample = (uint32_t)((first + i) / branches), branch = (uint32_t)((first + i) % branches);
+			wave_add(&wave, &batch->rays[sample],
+			         gi_sampler_branch(&view->sampler, batch->points[sample], GI_DIMENSION_OF(0), branch, branches));
+		}
+		wave_run(&wave);
+		wave_end(&wave, batch);
+		for (uint32_t i = 0; i < count; i++)
+			batch->radiance[(first + i) / branches] += scratch->radiance[i];
+	}
+	for (uint32_t i = 0; i < batch->count; i++)
+		batch->radiance[i] /= (float)branches;
+}
+
+const gi_integrator gi_integrator_split = {.shade = split_shade, .scratch_size = sizeof(path_scratch)};
+
+/* ---- for other integrators --------------------------------------------------------------------------------------- */
+
+void gi_path_gather(gi_batch *batch, uint32_t vertex, uint32_t depth)
+{
+	path_wave wave = wave_begin(batch);
+	wave.vertex = vertex;
+	wave.depth = depth;
+	wave.direct_from = wave.emission_from = 1;
+	for (uint32_t i = 0; i < batch->count; i++)
+		wave_add(&wave, &batch->rays[i], batch->points[i]);
+	wave_run(&wave);
+	wave_end(&wave, batch);
+}

@@ -1,0 +1,184 @@
+/* The integrators without bounces: color, direct, ao. */
+#include "gi/integrate/gi_direct.h"
+#include "gi/integrate/gi_integrator.h"
+#include "gi/trace/gi_ray.h"
+#include "profiler/prof.h"
+
+#include "shading/shade_sampling.h"
+
+/* ---- color ------------------------------------------------------------------------------------------------------- */
+
+/* All that a surface reflects, whatever the light; nothing where there is no surface. */
+static void color_shade(gi_batch *batch)
+{
+	for (uint32_t i = 0; i < batch->count; i++) {
+		batch->radiance[i] = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+		if (!gi_hit(&batch->rays[i]))
+			continue;
+		gi_surface surface;
+		gi_surface_at(batch->view->scene, &batch->rays[i], &surface);
+		batch->radiance[i] = surface.diffuse + surface.specular;
+	}
+}
+
+const gi_integrator gi_integrator_color = {.shade = color_shade};
+
+/* ---- direct ------------------------------------------------------------------------------------------------------ */
+
+typedef struct direct_scratch {
+	RTCRay shadows[GI_BATCH];   /* id: the sample that asks */
+	stilb_vec3 light[GI_BATCH]; /* of each of them, if nothing is in its way */
+	uint32_t count;
+} direct_scratch;
+
+/* A highlight is narrow: what shines in it is found by a ray of its own rather than by asking, each weighed against the
+ * other. */
+static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, const gi_surface *surface,
+                                      const float numbers[GI_DIMENSIONS_VERTEX])
+{
+	const gi_view *view = batch->view;
+	const stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
+	gi_bsdf_sample chosen;
+	if (!gi_bsdf_sample_direction(bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
+		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	RTCRayHit ray = gi_rayhit_make(gi_ray_origin(surface, chosen.direction), chosen.direction);
+	view->scene->tracer.intersect(&view->scene->tracer, &ray);
+	batch->rays_traced++;
+	gi_surface found;
+	if (gi_hit(&ray))
+		gi_surface_at(view->scene, &ray, &found);
+	return chosen.weight * gi_direct_found(view, chosen.pdf, bsdf->frame.n, &ray, gi_hit(&ray) ? &found : NULL);
+}
+
+/* What the sample sees of the lights themselves and in a highlight; one light is asked what it sends to the surface. */
+static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t i)
+{
+	const gi_view *view = batch->view;
+	const RTCRayHit *ray = &batch->rays[i];
+	const stilb_vec3 direction = gi_ray_dir(&ray->ray);
+	if (!gi_hit(ray))
+		return gi_environment_radiance(&view->scene->lights, direction);
+	gi_surface surface;
+	gi_surface_at(view->scene, ray, &surface);
+	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -direction);
+	float numbers[GI_DIMENSIONS_VERTEX];
+	gi_sample_8(&view->sampler, batch->points[i], GI_DIMENSION_OF(0), numbers);
+	const bool highlight = bsdf.share > 0.0f;
+	RTCRay *shadow = &scratch->shadows[scratch->count];
+	if (gi_direct_ask(view, &bsdf, gi_ray_origin(&surface, -direction), numbers, highlight, shadow,
+	                  &scratch->light[scratch->count])) {
+		shadow->id = i;
+		scratch->count++;
+	}
+	return highlight ? surface.emission + direct_in_highlight(batch, &bsdf, &surface, numbers) : surface.emission;
+}
+
+static void direct_flush(gi_batch *batch, direct_scratch *scratch)
+{
+	PROFILE("gi.shadow");
+	const gi_tracer *tracer = &batch->view->scene->tracer;
+	tracer->occluded(tracer, scratch->shadows, scratch->count);
+	for (uint32_t s = 0; s < scratch->count; s++)
+		if (scratch->shadows[s].tfar >= 0.0f)
+			batch->radiance[scratch->shadows[s].id] += scratch->light[s];
+	batch->rays_traced += scratch->count;
+	batch->shadow_rays += scratch->count;
+}
+
+static void direct_shade(gi_batch *batch)
+{
+	direct_scratch *scratch = batch->scratch;
+	scratch->count = 0;
+	const bool any = batch->view->settings.only != STILB_GI_ONLY_INDIRECT;
+	for (uint32_t i = 0; i < batch->count; i++)
+		batch->radiance[i] = any ? direct_seen(batch, scratch, i) : stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	direct_flush(batch, scratch);
+}
+
+const gi_integrator gi_integrator_direct = {.shade = direct_shade, .scratch_size = sizeof(direct_scratch)};
+
+/* ---- ao ---------------------------------------------------------------------------------------------------------- */
+
+#define AO_STREAM 256
+
+typedef struct ao_scratch {
+	RTCRay rays[AO_STREAM]; /* id: the sample that asks */
+	uint32_t count;
+} ao_scratch;
+
+/* The k-th of the sample's rays: cosine-weighted, so that the share of rays that get away is the answer. */
+static RTCRay ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t i, uint32_t k)
+{
+	const gi_view *view = batch->view;
+	const uint32_t dimension = GI_DIMENSION_OF(0) + GI_DIMENSION_DIRECTION;
+	gi_point branch = gi_sampler_branch(&view->sampler, batch->points[i], dimension, k, view->settings.rays);
+	shade_sample chosen = shade_sample_cosine(gi_sample_2d(&view->sampler, branch, dimension));
+	stilb_vec3 direction = shade_frame_to_world(shade_frame_from_normal(surface->normal), chosen.direction);
+	float distance = view->settings.ao_distance;
+	RTCRay ray = gi_ray_make(gi_ray_origin(surface, direction), direction, distance > 0.0f ? distance : INFINITY);
+	ray.id = i;
+	return ray;
+}
+
+/* Below the triangle, where a shading normal leans: there is nothing but the surface itself. */
+static bool ao_below(const gi_surface *surface, const RTCRay *ray)
+{
+	return stilb_vec3_dot(surface->geometric, gi_ray_dir(ray)) <= 0.0f;
+}
+
+/* Counts the rays of the stream that got away, and empties it. */
+static void ao_flush(gi_batch *batch, ao_scratch *scratch)
+{
+	PROFILE("gi.shadow");
+	const gi_tracer *tracer = &batch->view->scene->tracer;
+	tracer->occluded(tracer, scratch->rays, scratch->count);
+	for (uint32_t r = 0; r < scratch->count; r++)
+		if (scratch->rays[r].tfar >= 0.0f)
+			batch->radiance[scratch->rays[r].id] += 1.0f;
+	batch->rays_traced += scratch->count;
+	batch->shadow_rays += scratch->count;
+	scratch->count = 0;
+}
+
+/* How far the nearest thing on the ray is, as a share of ao_distance; 1: there is none that near. */
+static float ao_reach(gi_batch *batch, const RTCRay *ray)
+{
+	const gi_tracer *tracer = &batch->view->scene->tracer;
+	RTCRayHit hit = gi_rayhit_make(gi_ray_org(ray), gi_ray_dir(ray));
+	hit.ray.tfar = ray->tfar;
+	tracer->intersect(tracer, &hit);
+	batch->rays_traced++;
+	return gi_hit(&hit) ? hit.ray.tfar / batch->view->settings.ao_distance : 1.0f;
+}
+
+static void ao_shade(gi_batch *batch)
+{
+	const stilb_gi_settings *settings = &batch->view->settings;
+	ao_scratch *scratch = batch->scratch;
+	scratch->count = 0;
+	for (uint32_t i = 0; i < batch->count; i++) {
+		batch->radiance[i] = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+		if (!gi_hit(&batch->rays[i]))
+			continue;
+		gi_surface surface;
+		gi_surface_at(batch->view->scene, &batch->rays[i], &surface);
+		for (uint32_t k = 0; k < settings->rays; k++) {
+			RTCRay ray = ao_ray(batch, &surface, i, k);
+			if (ao_below(&surface, &ray))
+				continue;
+			if (settings->ao_weighted) {
+				batch->radiance[i] += ao_reach(batch, &ray);
+				continue;
+			}
+			scratch->rays[scratch->count++] = ray;
+			if (scratch->count == AO_STREAM)
+				ao_flush(batch, scratch);
+		}
+	}
+	ao_flush(batch, scratch);
+	for (uint32_t i = 0; i < batch->count; i++)
+		batch->radiance[i] =
+			gi_hit(&batch->rays[i]) ? batch->radiance[i] / (float)settings->rays : stilb_vec3_make(1.0f, 1.0f, 1.0f);
+}
+
+const gi_integrator gi_integrator_ao = {.shade = ao_shade, .scratch_size = sizeof(ao_scratch)};

@@ -1,0 +1,182 @@
+#include "gi/light/gi_environment.h"
+
+#include "numeric/numeric_sh.h"
+#include "shading/shade_sampling.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- radiance ---------------------------------------------------------------------------------------------------- */
+
+/* What a map may hold; files have numbers that are none, too. */
+static float valid(float value)
+{
+	return value > 0.0f ? value < STILB_NUMERIC_SH_LIMIT ? value : STILB_NUMERIC_SH_LIMIT : 0.0f;
+}
+
+static stilb_vec3 texel_radiance(const gi_environment *environment, uint32_t x, uint32_t y)
+{
+	const float *texel = environment->map + ((size_t)y * environment->width + x) * environment->channels;
+	if (environment->channels < 3)
+		return stilb_vec3_make(valid(texel[0]), valid(texel[0]), valid(texel[0]));
+	return stilb_vec3_make(valid(texel[0]), valid(texel[1]), valid(texel[2]));
+}
+
+static float brightness(stilb_vec3 radiance)
+{
+	return (radiance[0] + radiance[1] + radiance[2]) * (1.0f / 3.0f);
+}
+
+/* The texel of a direction: the inverse of stilb_numeric_latlong_direction. */
+static void texel_of(const gi_environment *environment, stilb_vec3 direction, uint32_t *x, uint32_t *y)
+{
+	float u = atan2f(direction[0], -direction[2]) * (0.5f * SHADE_INV_PI) + 0.5f;
+	float v = acosf(fminf(fmaxf(direction[1], -1.0f), 1.0f)) * SHADE_INV_PI;
+	uint32_t column = (uint32_t)(u * (float)environment->width), row = (uint32_t)(v * (float)environment->height);
+	*x = column < environment->width ? column : environment->width - 1;
+	*y = row < environment->height ? row : environment->height - 1;
+}
+
+stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direction)
+{
+	if (!environment->map)
+		return direction[1] < 0.0f ? environment->ground : environment->sky;
+	uint32_t x, y;
+	texel_of(environment, direction, &x, &y);
+	return texel_radiance(environment, x, y);
+}
+
+/* ---- making ------------------------------------------------------------------------------------------------------ */
+
+/* Sums of brightness along each row and, weighed by the rows' solid angle, over the rows; both then as shares. */
+static void sum_up(gi_environment *environment)
+{
+	const uint32_t width = environment->width, height = environment->height;
+	double total = 0.0;
+	for (uint32_t y = 0; y < height; y++) {
+		float *columns = environment->columns + (size_t)y * width;
+		double row = 0.0;
+		for (uint32_t x = 0; x < width; x++) {
+			row += (double)brightness(texel_radiance(environment, x, y));
+			columns[x] = (float)row;
+		}
+		for (uint32_t x = 0; x < width && row > 0.0; x++)
+			columns[x] = (float)((double)columns[x] / row);
+		total += row * (2.0 * M_PI / width) * (cos(M_PI * y / height) - cos(M_PI * (y + 1.0) / height));
+		environment->rows[y] = (float)total;
+	}
+	for (uint32_t y = 0; y < height && total > 0.0; y++)
+		environment->rows[y] = (float)((double)environment->rows[y] / total);
+	environment->density = total > 0.0 ? (float)(1.0 / total) : 0.0f;
+	environment->mean = (float)(total / (4.0 * M_PI));
+}
+
+static stilb_result use_map(const stilb_image *map, gi_environment *environment)
+{
+	if (map->format != STILB_IMAGE_F32_LINEAR)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "an environment map has linear floats, this picture has not; give it as .exr or .hdr");
+	environment->map = map->pixels;
+	environment->width = map->width;
+	environment->height = map->height;
+	environment->channels = map->channels;
+	environment->rows = stilb_memory_alloc(map->height, sizeof(float));
+	environment->columns = stilb_memory_alloc((size_t)map->height * map->width, sizeof(float));
+	if (!environment->rows || !environment->columns)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for an environment map of %u x %u texels", map->width,
+		                  map->height);
+	sum_up(environment);
+	return STILB_OK;
+}
+
+stilb_result gi_environment_create(const stilb_scene *scene, gi_environment **out)
+{
+	*out = NULL;
+	gi_environment *environment = stilb_memory_alloc(1, sizeof *environment);
+	if (!environment)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for an environment");
+	const float *sky = scene->sky.sky, *ground = scene->sky.ground;
+	*environment = (gi_environment){.sky = {sky[0], sky[1], sky[2]}, .ground = {ground[0], ground[1], ground[2]}};
+	environment->mean = 0.5f * (brightness(environment->sky) + brightness(environment->ground));
+	stilb_result result = scene->environment.pixels ? use_map(&scene->environment, environment) : STILB_OK;
+	if (result == STILB_OK)
+		*out = environment;
+	else
+		gi_environment_destroy(environment);
+	return result;
+}
+
+void gi_environment_destroy(gi_environment *environment)
+{
+	if (!environment)
+		return;
+	free(environment->rows);
+	free(environment->columns);
+	free(environment);
+}
+
+/* ---- sampling ---------------------------------------------------------------------------------------------------- */
+
+/* Where u falls among the shares of count cells, and what of u is left inside that cell, [0, 1). */
+static uint32_t find(const float *shares, uint32_t count, float *u)
+{
+	uint32_t low = 0, high = count - 1; /* shares[high] > u or high is the last */
+	while (low < high) {
+		uint32_t middle = (low + high) / 2;
+		if (shares[middle] > *u)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	float before = low > 0 ? shares[low - 1] : 0.0f, width = shares[low] - before;
+	*u = width > 0.0f ? fminf(fmaxf((*u - before) / width, 0.0f), SHADE_UNIFORM_MAX) : 0.0f;
+	return low;
+}
+
+static bool sample_map(const gi_environment *environment, stilb_vec2 u, gi_light_sample *sample)
+{
+	float across = u[0], down = u[1];
+	uint32_t y = find(environment->rows, environment->height, &down);
+	uint32_t x = find(environment->columns + (size_t)y * environment->width, environment->width, &across);
+	double top = cos(M_PI * y / environment->height), bottom = cos(M_PI * (y + 1.0) / environment->height);
+	float height = (float)(top + (bottom - top) * (double)down);
+	float sine = sqrtf(fmaxf(1.0f - height * height, 0.0f));
+	float phi = 2.0f * SHADE_PI * (((float)x + across) / (float)environment->width - 0.5f);
+	sample->direction = stilb_vec3_make(sine * sinf(phi), height, -sine * cosf(phi));
+	sample->radiance = texel_radiance(environment, x, y);
+	sample->pdf = brightness(sample->radiance) * environment->density;
+	return sample->pdf > 0.0f;
+}
+
+static bool sample_two_colours(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u,
+                               gi_light_sample *sample)
+{
+	shade_sample chosen = shade_sample_cosine(u);
+	sample->direction = shade_frame_to_world(shade_frame_from_normal(normal), chosen.direction);
+	sample->radiance = gi_environment_at(environment, sample->direction);
+	sample->pdf = chosen.pdf;
+	return brightness(sample->radiance) > 0.0f;
+}
+
+bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u, gi_light_sample *sample)
+{
+	sample->distance = INFINITY;
+	sample->delta = false;
+	return environment->map ? sample_map(environment, u, sample) : sample_two_colours(environment, normal, u, sample);
+}
+
+float gi_environment_importance(const gi_environment *environment, stilb_vec3 normal)
+{
+	if (environment->map)
+		return SHADE_PI * environment->mean;
+	const float above = 0.5f + 0.5f * normal[1];
+	return SHADE_PI * (above * brightness(environment->sky) + (1.0f - above) * brightness(environment->ground));
+}
+
+float gi_environment_density(const gi_environment *environment, stilb_vec3 normal, stilb_vec3 direction)
+{
+	if (environment->map)
+		return brightness(gi_environment_at(environment, direction)) * environment->density;
+	const float cosine = stilb_vec3_dot(normal, direction);
+	return cosine > 0.0f ? cosine * SHADE_INV_PI : 0.0f;
+}

@@ -1,0 +1,349 @@
+#include "gi/light/gi_light.h"
+
+#include "gi/light/gi_environment.h"
+#include "gi/light/gi_light_shape.h"
+#include "gi/light/gi_light_tree.h"
+#include "shading/shade_constants.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BELOW_ONE 0.99999994f
+#define SUN_FACING_MIN 0.02f /* as in the tree */
+
+/* ---- making ------------------------------------------------------------------------------------------------------ */
+
+static float brightness(const float color[3])
+{
+	return (color[0] + color[1] + color[2]) * (1.0f / 3.0f);
+}
+
+/* Of light that is given by numbers of a file. */
+static bool shines(const float color[3])
+{
+	return brightness(color) > 0.0f && isfinite(brightness(color));
+}
+
+static void copy_points(const stilb_scene *scene, gi_lights *lights)
+{
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		if (shines(scene->lights[i].intensity))
+			lights->points[lights->point_count++] = scene->lights[i];
+	const stilb_scene_sun *sun = &scene->sun;
+	if (shines(sun->irradiance))
+		lights->points[lights->point_count++] = (stilb_scene_light){
+			.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
+			.direction = {-sun->direction[0], -sun->direction[1], -sun->direction[2]},
+			.intensity = {sun->irradiance[0], sun->irradiance[1], sun->irradiance[2]},
+		};
+}
+
+static void make_shapes(const gi_emitter *emitters, uint32_t count, gi_lights *lights)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		gi_light_shape *shape = &lights->shapes[lights->shape_count];
+		lights->shape_of[i] = lights->shape_count++;
+		if (i + 1 < count && gi_light_shape_join(&emitters[i], &emitters[i + 1], shape)) {
+			lights->shape_of[i + 1] = lights->shape_of[i];
+			i++;
+		} else {
+			*shape = gi_light_shape_make(&emitters[i]);
+		}
+	}
+}
+
+static gi_light_node shape_node(const gi_light_shape *shape)
+{
+	const stilb_vec3 far = shape->rectangle ? shape->corner + shape->edge_1 + shape->edge_2 : shape->corner;
+	const stilb_vec3 one = shape->corner + shape->edge_1, two = shape->corner + shape->edge_2;
+	gi_light_node node = {.cos_cone = 1.0f};
+	for (int i = 0; i < 3; i++) {
+		node.low[i] = fminf(fminf(shape->corner[i], far[i]), fminf(one[i], two[i]));
+		node.high[i] = fmaxf(fmaxf(shape->corner[i], far[i]), fmaxf(one[i], two[i]));
+		node.axis[i] = shape->normal[i];
+	}
+	const float emission[3] = {shape->emission[0], shape->emission[1], shape->emission[2]};
+	node.power = shape->area * (shines(emission) ? brightness(emission) : 0.0f);
+	return node;
+}
+
+static gi_light_node point_node(const stilb_scene_light *point)
+{
+	const bool spot = point->kind == STILB_SCENE_LIGHT_SPOT;
+	gi_light_node node = {.cos_cone = spot ? 1.0f : -1.0f, .cos_beam = spot ? point->cos_outer : -1.0f};
+	memcpy(node.low, point->position, sizeof node.low);
+	memcpy(node.high, point->position, sizeof node.high);
+	memcpy(node.axis, point->direction, sizeof node.axis);
+	node.power = node.lamps = brightness(point->intensity);
+	return node;
+}
+
+/* Lights with a place make the tree, numbered shapes first; the others are asked one by one. */
+static void make_choice(gi_lights *lights, gi_light_node *leaves)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < lights->shape_count; i++) {
+		gi_light_node node = shape_node(&lights->shapes[i]);
+		node.light = i;
+		if (node.power > 0.0f)
+			leaves[count++] = node;
+	}
+	for (uint32_t i = 0; i < lights->point_count; i++) {
+		if (lights->points[i].kind == STILB_SCENE_LIGHT_DIRECTIONAL) {
+			lights->distant[lights->distant_count++] = i;
+			continue;
+		}
+		leaves[count] = point_node(&lights->points[i]);
+		leaves[count++].light = lights->shape_count + i;
+	}
+	if (lights->environment->mean > 0.0f)
+		lights->distant[lights->distant_count++] = GI_LIGHT_ENVIRONMENT;
+	lights->placed_count = count;
+	for (uint32_t i = 0; i < lights->shape_count; i++)
+		lights->leaf_of[i] = GI_LIGHT_LEAF;
+	if (count == 0)
+		return;
+	gi_light_tree_build(lights->nodes, leaves, count);
+	for (uint32_t i = 0; i < 2 * count - 1; i++)
+		if (lights->nodes[i].child == GI_LIGHT_LEAF && lights->nodes[i].light < lights->shape_count)
+			lights->leaf_of[lights->nodes[i].light] = i;
+}
+
+stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitters, uint32_t emitter_count,
+                              gi_lights *lights)
+{
+	*lights = (gi_lights){0};
+	stilb_result result = gi_environment_create(scene, &lights->environment);
+	if (result != STILB_OK)
+		return result;
+	const size_t points = (size_t)scene->light_count + 1, placed = points + emitter_count;
+	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);
+	lights->points = stilb_memory_alloc(points, sizeof *lights->points);
+	lights->distant = stilb_memory_alloc(points + 1, sizeof *lights->distant);
+	lights->shapes = stilb_memory_alloc(emitter_count, sizeof *lights->shapes);
+	lights->shape_of = stilb_memory_alloc(emitter_count, sizeof *lights->shape_of);
+	lights->leaf_of = stilb_memory_alloc(emitter_count, sizeof *lights->leaf_of);
+	lights->nodes = stilb_memory_alloc(2 * placed, sizeof *lights->nodes);
+	if (leaves && lights->points && lights->distant && lights->shapes && lights->shape_of && lights->leaf_of &&
+	    lights->nodes) {
+		copy_points(scene, lights);
+		make_shapes(emitters, emitter_count, lights);
+		make_choice(lights, leaves);
+	} else {
+		gi_lights_destroy(lights);
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", emitter_count + scene->light_count);
+	}
+	free(leaves);
+	return result;
+}
+
+void gi_lights_destroy(gi_lights *lights)
+{
+	gi_environment_destroy(lights->environment);
+	free(lights->points);
+	free(lights->distant);
+	free(lights->shapes);
+	free(lights->shape_of);
+	free(lights->leaf_of);
+	free(lights->nodes);
+	*lights = (gi_lights){0};
+}
+
+/* ---- lights without a size ---------------------------------------------------------------------------------------- */
+
+/* How much of its intensity a spot sends at this cosine from its axis. */
+static float spot_share(const stilb_scene_light *spot, float cosine)
+{
+	if (cosine >= spot->cos_inner)
+		return 1.0f;
+	if (cosine <= spot->cos_outer)
+		return 0.0f;
+	float t = (cosine - spot->cos_outer) / (spot->cos_inner - spot->cos_outer);
+	return t * t * (3.0f - 2.0f * t);
+}
+
+static stilb_vec3 vector(const float v[3])
+{
+	return stilb_vec3_make(v[0], v[1], v[2]);
+}
+
+static bool sample_directional(const stilb_scene_light *light, gi_light_sample *sample)
+{
+	*sample = (gi_light_sample){
+		.direction = -vector(light->direction),
+		.distance = INFINITY,
+		.radiance = vector(light->intensity),
+		.pdf = 1.0f,
+		.delta = true,
+	};
+	return true;
+}
+
+static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi_light_sample *sample)
+{
+	const stilb_vec3 to_light = vector(light->position) - position;
+	const float distance2 = stilb_vec3_dot(to_light, to_light), distance = sqrtf(distance2);
+	const stilb_vec3 direction = to_light * (1.0f / distance);
+	const bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
+	const float share = spot ? spot_share(light, -stilb_vec3_dot(vector(light->direction), direction)) : 1.0f;
+	*sample = (gi_light_sample){
+		.direction = direction,
+		.distance = distance,
+		.radiance = vector(light->intensity) * (share / distance2),
+		.pdf = 1.0f,
+		.delta = true,
+	};
+	return distance2 > 0.0f && share > 0.0f;
+}
+
+/* ---- which light ------------------------------------------------------------------------------------------------- */
+
+/* Irradiance that a distant light may give. */
+static float distant_importance(const gi_lights *lights, uint32_t distant, stilb_vec3 normal)
+{
+	if (lights->distant[distant] == GI_LIGHT_ENVIRONMENT)
+		return gi_environment_importance(lights->environment, normal);
+	const stilb_scene_light *sun = &lights->points[lights->distant[distant]];
+	const float facing = -stilb_vec3_dot(vector(sun->direction), normal);
+	return brightness(sun->intensity) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
+}
+
+/* Lights are asked in groups: one is all those with a place, then each distant one. What blocks their light is not known, so
+ * half of the questions go to all groups alike, and half by how much light they may give. */
+static float group_importance(const gi_lights *lights, uint32_t group, stilb_vec3 position, stilb_vec3 normal)
+{
+	if (lights->placed_count == 0)
+		return distant_importance(lights, group, normal);
+	return group == 0 ? gi_light_node_importance(&lights->nodes[0], position, normal)
+	                  : distant_importance(lights, group - 1, normal);
+}
+
+static uint32_t group_count(const gi_lights *lights)
+{
+	return lights->distant_count + (lights->placed_count > 0);
+}
+
+#define GROUPS_KEPT 8
+
+typedef struct group_sum {
+	float all;      /* of the importances of all groups */
+	uint32_t count; /* of those that have any */
+	float kept[GROUPS_KEPT];
+} group_sum;
+
+static group_sum sum_groups(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal)
+{
+	group_sum sum;
+	sum.all = 0.0f;
+	sum.count = 0;
+	for (uint32_t group = 0; group < group_count(lights); group++) {
+		float importance = group_importance(lights, group, position, normal);
+		sum.all += importance;
+		sum.count += importance > 0.0f;
+		if (group < GROUPS_KEPT)
+			sum.kept[group] = importance;
+	}
+	return sum;
+}
+
+static float group_probability(const gi_lights *lights, const group_sum *sum, uint32_t group, stilb_vec3 position,
+                               stilb_vec3 normal)
+{
+	float importance = group < GROUPS_KEPT ? sum->kept[group] : group_importance(lights, group, position, normal);
+	return importance > 0.0f ? 0.5f / (float)sum->count + 0.5f * importance / sum->all : 0.0f;
+}
+
+/* The group at u, which is stretched to [0, 1) again, and its probability. */
+static uint32_t choose_group(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float *u,
+                             float *probability)
+{
+	const uint32_t groups = group_count(lights);
+	*probability = 1.0f;
+	if (groups == 1)
+		return 0;
+	const group_sum sum = sum_groups(lights, position, normal);
+	uint32_t chosen = 0;
+	for (uint32_t group = 0; group < groups; group++) {
+		float chance = group_probability(lights, &sum, group, position, normal);
+		if (chance == 0.0f)
+			continue;
+		chosen = group;
+		*probability = chance;
+		if (*u < chance)
+			break;
+		*u -= chance;
+	}
+	const float left = *u / *probability; /* rounding may leave more than 1 after the last */
+	*u = left < BELOW_ONE ? left : BELOW_ONE;
+	return chosen;
+}
+
+static float probability_of_group(const gi_lights *lights, uint32_t group, stilb_vec3 position, stilb_vec3 normal)
+{
+	if (group_count(lights) == 1)
+		return 1.0f;
+	const group_sum sum = sum_groups(lights, position, normal);
+	return group_probability(lights, &sum, group, position, normal);
+}
+
+/* ---- the interface ------------------------------------------------------------------------------------------------ */
+
+static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
+                          gi_light_sample *sample)
+{
+	float probability;
+	uint32_t leaf = gi_light_tree_choose(lights->nodes, position, normal, u_choice, &probability);
+	if (leaf == GI_LIGHT_LEAF)
+		return false;
+	const uint32_t light = lights->nodes[leaf].light;
+	bool found = light < lights->shape_count
+	                 ? gi_light_shape_sample(&lights->shapes[light], position, u, sample)
+	                 : sample_point(&lights->points[light - lights->shape_count], position, sample);
+	if (found)
+		sample->pdf *= probability;
+	return found;
+}
+
+bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
+                        gi_light_sample *sample)
+{
+	if (group_count(lights) == 0)
+		return false;
+	float probability;
+	const uint32_t group = choose_group(lights, position, normal, &u_choice, &probability);
+	bool found;
+	if (lights->placed_count > 0 && group == 0) {
+		found = sample_placed(lights, position, normal, u_choice, u, sample);
+	} else {
+		const uint32_t distant = lights->distant[group - (lights->placed_count > 0)];
+		found = distant == GI_LIGHT_ENVIRONMENT ? gi_environment_sample(lights->environment, normal, u, sample)
+		                                        : sample_directional(&lights->points[distant], sample);
+	}
+	if (found)
+		sample->pdf *= probability;
+	return found;
+}
+
+float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance)
+{
+	const uint32_t shape = lights->shape_of[light];
+	if (lights->leaf_of[shape] == GI_LIGHT_LEAF)
+		return 0.0f;
+	return gi_light_shape_density(&lights->shapes[shape], position, distance) *
+	       gi_light_tree_probability(lights->nodes, position, normal, lights->leaf_of[shape]) *
+	       probability_of_group(lights, 0, position, normal);
+}
+
+float gi_environment_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, stilb_vec3 direction)
+{
+	if (!(lights->environment->mean > 0.0f))
+		return 0.0f;
+	return probability_of_group(lights, group_count(lights) - 1, position, normal) *
+	       gi_environment_density(lights->environment, normal, direction);
+}
+
+stilb_vec3 gi_environment_radiance(const gi_lights *lights, stilb_vec3 direction)
+{
+	return gi_environment_at(lights->environment, direction);
+}

@@ -1,0 +1,376 @@
+/*
+ * gi_embree: Embree's tree behind gi_tracer. The only file that calls Embree, so that programs which do not name
+ * stilb_gi_embree do not load it.
+ *
+ * Build.    Embree has no threads of its own here ("threads=N,user_threads=N"): the pool's workers join the build, one pinned
+ *           job each. Who comes late finds it done and returns at once, so no worker waits for another to come.
+ * Robust.   The tree's robust mode: no ray passes between two triangles that share an edge.
+ */
+#include "gi/trace/gi_embree.h"
+#include "gi/gi_world.h"
+#include "gi/trace/gi_packet.h"
+
+#include "profiler/prof.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct embree {
+	RTCDevice device;
+	RTCScene scene;
+	RTCScene *shared; /* of each mesh that is shared, else NULL */
+	uint32_t mesh_count;
+	const gi_part *parts;
+	uint32_t workers;
+	/* Both are called by the threads that build; relaxed: the pool orders them before who waits for the build. */
+	_Atomic int64_t bytes;
+	_Atomic int error; /* the first RTCError */
+	int64_t bytes_max;
+	bool scarce; /* bytes_max might not be enough */
+} embree;
+
+#define EMBREE_BYTES                                                                                                   \
+	512.0 /* for a triangle or an instance while the tree is built, with room to spare (a finished one has some 100) */
+
+/* ---- rays --------------------------------------------------------------------------------------------------------- */
+
+static void embree_intersect(const gi_tracer *tracer, RTCRayHit *ray)
+{
+	const embree *state = tracer->state;
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	rtcIntersect1(state->scene, &context, ray);
+}
+
+static void embree_intersect16(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays)
+{
+	const embree *state = tracer->state;
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+	rtcIntersect16(valid, state->scene, &context, rays);
+}
+
+/* In packets: Embree's streams (rtcOccluded1M) sort the rays first, which costs more than it saves (here 70 against 45 ns in
+ * the Cornell box and 176 against 148 among a million triangles; measured by the path tracer's own rays). */
+static void embree_occluded(const gi_tracer *tracer, RTCRay *rays, uint32_t count)
+{
+	const embree *state = tracer->state;
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	for (uint32_t first = 0; first < count; first += 16) {
+		uint32_t lanes = count - first < 16 ? count - first : 16;
+		RTCRay rest[16]; /* the last, where there are less than sixteen */
+		const RTCRay *from = rays + first;
+		int valid[16] __attribute__((aligned(64)));
+		struct RTCRay16 packet;
+		for (uint32_t lane = 0; lane < 16; lane++)
+			valid[lane] = lane < lanes ? -1 : 0;
+		if (lanes < 16) {
+			memset(rest, 0, sizeof rest);
+			memcpy(rest, from, lanes * sizeof *rest);
+			from = rest;
+		}
+		gi_packet_load_rays(from, &packet);
+		rtcOccluded16(valid, state->scene, &context, &packet);
+		for (uint32_t lane = 0; lane < lanes; lane++)
+			rays[first + lane].tfar = packet.tfar[lane];
+	}
+}
+
+/* Embree names the instance beside the geometry, and gives the normal in the mesh's space. */
+static void embree_normal(const gi_part *part, float *x, float *y, float *z)
+{
+	const float *m = part->normal_to_world, normal[3] = {*x, *y, *z};
+	*x = m[0] * normal[0] + m[3] * normal[1] + m[6] * normal[2];
+	*y = m[1] * normal[0] + m[4] * normal[1] + m[7] * normal[2];
+	*z = m[2] * normal[0] + m[5] * normal[1] + m[8] * normal[2];
+}
+
+static void embree_intersect_instances(const gi_tracer *tracer, RTCRayHit *ray)
+{
+	const embree *state = tracer->state;
+	ray->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+	embree_intersect(tracer, ray);
+	if (!gi_hit(ray) || ray->hit.instID[0] == RTC_INVALID_GEOMETRY_ID)
+		return;
+	ray->hit.geomID = ray->hit.instID[0];
+	embree_normal(&state->parts[ray->hit.geomID], &ray->hit.Ng_x, &ray->hit.Ng_y, &ray->hit.Ng_z);
+}
+
+static void embree_intersect16_instances(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays)
+{
+	const embree *state = tracer->state;
+	for (int i = 0; i < 16; i++)
+		rays->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+	embree_intersect16(tracer, valid, rays);
+	for (int i = 0; i < 16; i++) {
+		uint32_t part = rays->hit.instID[0][i];
+		if (!valid[i] || rays->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID || part == RTC_INVALID_GEOMETRY_ID)
+			continue;
+		rays->hit.geomID[i] = part;
+		embree_normal(&state->parts[part], &rays->hit.Ng_x[i], &rays->hit.Ng_y[i], &rays->hit.Ng_z[i]);
+	}
+}
+
+/* ---- the device --------------------------------------------------------------------------------------------------- */
+
+static const char *const embree_isa_names[STILB_GI_ISA_COUNT] = {
+#define EMBREE_ISA_NAME(id, name) [STILB_GI_ISA_##id] = #name,
+	STILB_GI_ISAS(EMBREE_ISA_NAME)
+#undef EMBREE_ISA_NAME
+};
+
+static bool embree_isa_here(stilb_gi_isa isa)
+{
+	stilb_cpu_features cpu = stilb_cpu_query();
+	switch (isa) {
+	case STILB_GI_ISA_SSE42:
+		return cpu.sse42;
+	case STILB_GI_ISA_AVX:
+		return __builtin_cpu_supports("avx");
+	case STILB_GI_ISA_AVX2:
+		return cpu.avx2 && cpu.fma;
+	case STILB_GI_ISA_AVX512:
+		return cpu.avx512;
+	default:
+		return true;
+	}
+}
+
+/* AUTO becomes the widest: it is named, so that the picture can name it. */
+static stilb_result embree_isa(stilb_gi_isa *isa)
+{
+	if (*isa == STILB_GI_ISA_AUTO)
+		for (*isa = STILB_GI_ISA_AVX512; !embree_isa_here(*isa);)
+			(*isa)--;
+	if (*isa < STILB_GI_ISA_COUNT && embree_isa_here(*isa))
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_ARGUMENT, "this machine has no %s; choose a narrower instruction set, or auto",
+	                  *isa < STILB_GI_ISA_COUNT ? embree_isa_names[*isa] : "such instruction set");
+}
+
+static void embree_on_error(void *user, enum RTCError code, const char *text)
+{
+	embree *state = user;
+	(void)text;
+	int none = RTC_ERROR_NONE;
+	atomic_compare_exchange_strong_explicit(&state->error, &none, (int)code, memory_order_relaxed,
+	                                        memory_order_relaxed);
+}
+
+static bool embree_on_memory(void *user, ssize_t bytes, bool post)
+{
+	embree *state = user;
+	int64_t now = atomic_fetch_add_explicit(&state->bytes, bytes, memory_order_relaxed) + bytes;
+	return post || bytes <= 0 || now <= state->bytes_max;
+}
+
+/* What the machine has free, as Linux says it; without that no bound. */
+static int64_t embree_memory(void)
+{
+	long long kilobytes = 0;
+	char line[128];
+	FILE *file = fopen("/proc/meminfo", "r");
+	while (file && kilobytes == 0 && fgets(line, sizeof line, file))
+		sscanf(line, "MemAvailable: %lld kB", &kilobytes);
+	if (file)
+		fclose(file);
+	return kilobytes > 0 ? (int64_t)kilobytes * 1024 : INT64_MAX;
+}
+
+static stilb_result embree_result(const embree *state)
+{
+	switch (atomic_load_explicit(&state->error, memory_order_relaxed)) {
+	case RTC_ERROR_NONE:
+		return STILB_OK;
+	case RTC_ERROR_OUT_OF_MEMORY:
+	case RTC_ERROR_CANCELLED:
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tree of the scene's triangles; try a smaller scene");
+	case RTC_ERROR_UNSUPPORTED_CPU:
+		return stilb_fail(STILB_ERROR_DEVICE, "Embree does not support this CPU");
+	default:
+		return stilb_fail(STILB_ERROR_DEVICE, "Embree failed to build the tree of the scene's triangles");
+	}
+}
+
+static stilb_result embree_device(embree *state, const char *isa)
+{
+	char config[96];
+	snprintf(config, sizeof config, "threads=%u,user_threads=%u,isa=%s", state->workers, state->workers, isa);
+	state->device = rtcNewDevice(config);
+	if (!state->device)
+		return stilb_fail(STILB_ERROR_DEVICE, "Embree does not start on this machine (error %d)",
+		                  (int)rtcGetDeviceError(NULL));
+	rtcSetDeviceErrorFunction(state->device, embree_on_error, state);
+	rtcSetDeviceMemoryMonitorFunction(state->device, embree_on_memory, state);
+	return STILB_OK;
+}
+
+/* ---- building ----------------------------------------------------------------------------------------------------- */
+
+static void embree_join(void *data, uint32_t worker)
+{
+	PROFILE("gi.join");
+	(void)worker;
+	rtcJoinCommitScene(data);
+}
+
+/* Every thread of the pool joins. A job that cannot be had is a thread fewer. Where memory might run out this thread builds
+ * alone: Embree 3.13 breaks down when it is told so while several threads build. */
+static void embree_commit(embree *state, stilb_job_pool *pool, RTCScene scene)
+{
+	PROFILE("gi.build");
+	stilb_job_group group = {0};
+	for (uint32_t worker = 1; worker < state->workers && !state->scarce; worker++) {
+		stilb_job_options options = {.pinned = true, .target = worker};
+		stilb_job_submit_with(pool, embree_join, scene, &group, &options, 0);
+	}
+	embree_join(scene, 0);
+	stilb_job_wait(pool, &group, 0);
+}
+
+static RTCScene embree_scene(embree *state)
+{
+	RTCScene scene = rtcNewScene(state->device);
+	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+	return scene;
+}
+
+static void embree_attach(RTCScene scene, RTCGeometry geometry, uint32_t id)
+{
+	rtcCommitGeometry(geometry);
+	rtcAttachGeometryByID(scene, geometry, id);
+	rtcReleaseGeometry(geometry);
+}
+
+static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mesh, uint32_t id)
+{
+	RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+	rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices, 0,
+	                           sizeof *mesh->vertices, mesh->vertex_count);
+	rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0,
+	                           sizeof *mesh->triangles, mesh->triangle_count);
+	embree_attach(scene, geometry, id);
+}
+
+static void embree_attach_instance(embree *state, const gi_part *part, uint32_t id)
+{
+	RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE);
+	rtcSetGeometryInstancedScene(geometry, state->shared[part->mesh]);
+	rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, part->to_world.m);
+	embree_attach(state->scene, geometry, id);
+}
+
+/* Fills the scene; whether it has instances. */
+static bool embree_fill(embree *state, const stilb_gi_scene *world, stilb_job_pool *pool)
+{
+	bool instances = false;
+	state->scene = embree_scene(state);
+	for (uint32_t i = 0; i < world->part_count; i++) {
+		const gi_part *part = &world->parts[i];
+		const gi_mesh *mesh = &world->meshes[part->mesh];
+		if (mesh->triangle_count == 0)
+			continue;
+		if (!part->instance) {
+			embree_attach_mesh(state, state->scene, mesh, i);
+			continue;
+		}
+		instances = true;
+		if (!state->shared[part->mesh]) {
+			state->shared[part->mesh] = embree_scene(state);
+			embree_attach_mesh(state, state->shared[part->mesh], mesh, 0);
+			embree_commit(state, pool, state->shared[part->mesh]);
+		}
+		embree_attach_instance(state, part, i);
+	}
+	return instances;
+}
+
+static stilb_result embree_build(embree *state, const stilb_gi_scene *world, const stilb_gi_scene_desc *desc,
+                                 gi_tracer *tracer, stilb_gi_scene_info *info)
+{
+	uint64_t begin = stilb_time_ns();
+	bool instances = embree_fill(state, world, desc->pool);
+	embree_commit(state, desc->pool, state->scene);
+	info->build_s = (double)(stilb_time_ns() - begin) * 1e-9;
+	info->bytes += (uint64_t)atomic_load_explicit(&state->bytes, memory_order_relaxed);
+	tracer->intersect = instances ? embree_intersect_instances : embree_intersect;
+	tracer->intersect16 = instances ? embree_intersect16_instances : embree_intersect16;
+	tracer->occluded = embree_occluded;
+	return embree_result(state);
+}
+
+/* Triangles and instances of all trees together. */
+static uint64_t embree_primitives(const stilb_gi_scene *world)
+{
+	uint64_t count = world->part_count;
+	for (uint32_t mesh = 0; mesh < world->mesh_count; mesh++)
+		count += world->meshes[mesh].triangle_count;
+	return count;
+}
+
+static stilb_result embree_create(const stilb_gi_scene *world, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
+                                  stilb_gi_scene_info *info)
+{
+	stilb_gi_isa isa = desc->isa;
+	stilb_result result = embree_isa(&isa);
+	if (result != STILB_OK)
+		return result;
+	embree *state = calloc(1, sizeof *state);
+	RTCScene *shared = calloc((size_t)world->mesh_count + 1, sizeof *shared);
+	if (!state || !shared) {
+		free(state);
+		free(shared);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", world->mesh_count);
+	}
+	*state = (embree){.shared = shared,
+	                  .mesh_count = world->mesh_count,
+	                  .parts = world->parts,
+	                  .workers = stilb_job_pool_worker_count(desc->pool) + 1,
+	                  .bytes_max = desc->memory ? (int64_t)desc->memory : embree_memory()};
+	tracer->state = state;
+	info->isa = embree_isa_names[isa];
+	state->scarce = EMBREE_BYTES * (double)embree_primitives(world) > (double)state->bytes_max;
+	result = embree_device(state, info->isa);
+	if (result == STILB_OK)
+		result = embree_build(state, world, desc, tracer, info);
+	return result;
+}
+
+static void embree_destroy(gi_tracer *tracer)
+{
+	embree *state = tracer->state;
+	if (!state)
+		return;
+	if (state->scene)
+		rtcReleaseScene(state->scene);
+	for (uint32_t mesh = 0; mesh < state->mesh_count; mesh++)
+		if (state->shared[mesh])
+			rtcReleaseScene(state->shared[mesh]);
+	if (state->device)
+		rtcReleaseDevice(state->device);
+	free(state->shared);
+	free(state);
+}
+
+const stilb_gi_intersector stilb_gi_embree = {.name = "embree", .create = embree_create, .destroy = embree_destroy};
+
+stilb_gi_scene_desc stilb_gi_scene_desc_default(stilb_job_pool *pool)
+{
+	return (stilb_gi_scene_desc){.pool = pool, .intersector = &stilb_gi_embree, .isa = STILB_GI_ISA_AUTO};
+}
+
+const char *stilb_gi_library_version(void)
+{
+	return RTC_VERSION_STRING;
+}
+
+RTCScene gi_embree_scene(const stilb_gi_scene *scene)
+{
+	const embree *state = scene->tracer.state;
+	return state->scene;
+}

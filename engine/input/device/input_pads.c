@@ -1,0 +1,504 @@
+#include "input/device/input_pads.h"
+#include "input/device/input_reader_internal.h"
+#include "profiler/prof.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#define PADS_MAX 32u         /* plugged in, or gone and not yet taken by the frame */
+#define PADS_GRACE_US 500000 /* a new node that may not be opened: udev opens it up a while after it came */
+#define PADS_RETRIES 16u     /* nodes in their time of grace; of more, the last is told of at once */
+#define PADS_NAME_MAX 24u    /* "hidraw" and a number */
+
+/* A node that could not be opened when it came. */
+typedef struct pads_retry {
+	char name[PADS_NAME_MAX];
+	int64_t due_us;
+} pads_retry;
+
+/*
+ * A reader is made by the watcher, who puts it into a slot; the frame reads it there and, when all of it was taken,
+ * empties the slot and gives it back; the watcher then destroys it. Nobody waits for another.
+ */
+struct stilb_input_pads {
+	/* Set up before the watcher starts, unchanged until it has ended. */
+	input_hub hub;
+	const input_backend *backend;
+	input_roots roots;
+	char *root_texts; /* both of roots */
+	uint64_t ring_bytes;
+	pthread_t watcher;
+	int inotify_fd, wake_fd;
+
+	/* Between threads: as said where they are used. */
+	input_reader *slots[PADS_MAX];
+	input_reader *returned; /* a list of those that the frame is done with */
+	uint32_t stop;
+	uint32_t looked; /* the first look at what is plugged in is done */
+
+	/* The watcher's own. */
+	uint32_t number; /* of the pad that came last */
+	bool is_crowded; /* a pad found no slot */
+	uint32_t retry_count;
+	pads_retry retries[PADS_RETRIES];
+
+	/* The frame's own. */
+	input_reader *held; /* its event was given out, and is to be taken */
+	stilb_input_event_kind held_kind;
+	uint32_t held_slot;
+	int64_t last_us; /* of the last event given out */
+	bool has_looked;
+};
+
+/* ---- slots ------------------------------------------------------------------------------------------------------- */
+
+static input_reader *pads_slot(const stilb_input_pads *pads, uint32_t i)
+{
+	/* Acquire: pairs with pads_publish. The watcher reads what it wrote, or that the frame has emptied it. */
+	return __atomic_load_n(&pads->slots[i], __ATOMIC_ACQUIRE);
+}
+
+/* The watcher's. An empty slot, PADS_MAX: there is none. */
+static uint32_t pads_free_slot(const stilb_input_pads *pads)
+{
+	for (uint32_t i = 0; i < PADS_MAX; i++)
+		if (pads_slot(pads, i) == NULL)
+			return i;
+	return PADS_MAX;
+}
+
+/* The watcher's. The frame sees it from here on. */
+static void pads_publish(stilb_input_pads *pads, uint32_t i, input_reader *reader)
+{
+	__atomic_store_n(&pads->slots[i], reader, __ATOMIC_RELEASE); /* pairs with pads_slot */
+	input_hub_tell(&pads->hub);
+}
+
+/* The frame's. All of it was taken. */
+static void pads_return(stilb_input_pads *pads, uint32_t i)
+{
+	input_reader *reader = __atomic_load_n(&pads->slots[i], __ATOMIC_RELAXED); /* this thread has seen it before */
+	/* Relaxed: whoever gets the reader from the list, sees the slot empty, as that is told after it. */
+	__atomic_store_n(&pads->slots[i], (input_reader *)NULL, __ATOMIC_RELAXED);
+	reader->next = __atomic_load_n(&pads->returned, __ATOMIC_RELAXED); /* the exchange looks again */
+	/* Release: pairs with pads_reap. Only this thread adds, and that one takes all. */
+	while (
+		!__atomic_compare_exchange_n(&pads->returned, &reader->next, reader, true, __ATOMIC_RELEASE, __ATOMIC_RELAXED))
+		;
+	eventfd_write(pads->wake_fd, 1);
+}
+
+static void pads_end(input_reader *reader)
+{
+	if (!reader->denied)
+		pthread_join(reader->thread, NULL);
+	input_reader_destroy(reader);
+}
+
+/* The watcher's. Destroys what the frame is done with; true: there was something. */
+static bool pads_reap(stilb_input_pads *pads)
+{
+	/* Acquire: pairs with pads_return. */
+	input_reader *first = __atomic_exchange_n(&pads->returned, NULL, __ATOMIC_ACQUIRE);
+	for (input_reader *reader = first, *next; reader != NULL; reader = next) {
+		next = reader->next;
+		pads_end(reader);
+	}
+	return first != NULL;
+}
+
+/* ---- what is plugged in: the watcher ----------------------------------------------------------------------------- */
+
+/* The pad at a node, NULL: there is none, or it is gone. */
+static input_reader *pads_find(const stilb_input_pads *pads, const char *name)
+{
+	for (uint32_t i = 0; i < PADS_MAX; i++) {
+		input_reader *reader = pads_slot(pads, i);
+		if (reader != NULL && !input_reader_has_ended(reader) && strcmp(strrchr(reader->info.path, '/') + 1, name) == 0)
+			return reader;
+	}
+	return NULL;
+}
+
+static void pads_deny(stilb_input_pads *pads, uint32_t slot, input_reader *reader)
+{
+	reader->denied = true;
+	reader->added_us = input_now_us();
+	reader->number = ++pads->number;
+	__atomic_fetch_add(&pads->hub.stats.denied, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	pads_publish(pads, slot, reader);
+}
+
+/* 0, or why it cannot be read after all: *reader is then to be destroyed. */
+static int pads_add(stilb_input_pads *pads, uint32_t slot, input_reader *reader)
+{
+	reader->added_us = input_now_us();
+	reader->number = pads->number + 1;
+	const int error = input_reader_start(reader, pads->ring_bytes);
+	if (error != 0)
+		return error;
+	pads->number++;
+	__atomic_fetch_add(&pads->hub.stats.added, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	pads_publish(pads, slot, reader);
+	return 0;
+}
+
+/* Looks at the node again when its time of grace is over. False: there is no room for that. */
+static bool pads_wait_for(stilb_input_pads *pads, const char *name)
+{
+	for (uint32_t i = 0; i < pads->retry_count; i++)
+		if (strcmp(pads->retries[i].name, name) == 0)
+			return true;
+	if (pads->retry_count == PADS_RETRIES)
+		return false;
+	pads_retry *retry = &pads->retries[pads->retry_count++];
+	snprintf(retry->name, sizeof retry->name, "%s", name);
+	retry->due_us = input_now_us() + PADS_GRACE_US;
+	return true;
+}
+
+static void pads_wait_no_more(stilb_input_pads *pads, const char *name)
+{
+	for (uint32_t i = 0; i < pads->retry_count; i++)
+		if (strcmp(pads->retries[i].name, name) == 0) {
+			pads->retries[i] = pads->retries[--pads->retry_count];
+			return;
+		}
+}
+
+/* Opens the node's device; -ENOTSUP: it is no pad. */
+static int pads_open(const stilb_input_pads *pads, const char *name, input_reader *reader)
+{
+	const int error = input_device_info(&pads->roots, name, &reader->info);
+	if (error != 0)
+		return error;
+	if (stilb_input_layout_find(&reader->info, &reader->layout) != STILB_OK)
+		return -ENOTSUP;
+	return input_device_open(pads->backend, reader->info.path, &reader->device);
+}
+
+/* Whatever is at the node becomes what the frame sees of it. has_grace: it may not be opened just because it is new. */
+static void pads_look(stilb_input_pads *pads, const char *name, bool has_grace)
+{
+	PROFILE("pad look");
+	input_reader *known = pads_find(pads, name), *reader;
+	const uint32_t slot = pads_free_slot(pads);
+	pads->is_crowded |= slot == PADS_MAX;
+	if ((known != NULL && !known->denied) || slot == PADS_MAX)
+		return;
+	int error = input_reader_create(&pads->hub, &reader);
+	if (error == 0)
+		error = pads_open(pads, name, reader);
+	const bool is_denied = error == -EACCES || error == -EPERM;
+	if (is_denied && (known != NULL || (has_grace && pads_wait_for(pads, name)))) {
+		input_reader_destroy(reader);
+		return;
+	}
+	pads_wait_no_more(pads, name);
+	if (is_denied) {
+		pads_deny(pads, slot, reader);
+		return;
+	}
+	if (known != NULL) /* it may be opened now, or is gone */
+		input_reader_end(known, input_now_us());
+	if (error == 0)
+		error = pads_add(pads, slot, reader);
+	if (error == 0)
+		return;
+	if (error != -ENOTSUP && error != -ENODEV && error != -EIO)
+		stilb_log("gamepad at %s/%s: cannot be read: %s", pads->roots.dev, name, strerror(-error));
+	input_reader_destroy(reader);
+}
+
+/* The node is gone. A reader of its own finds out by itself: after its last report. */
+static void pads_gone(stilb_input_pads *pads, const char *name)
+{
+	pads_wait_no_more(pads, name);
+	input_reader *known = pads_find(pads, name);
+	if (known != NULL && known->denied)
+		input_reader_end(known, input_now_us());
+}
+
+/* Looks at all nodes there are, and for those that are gone. */
+static void pads_scan(stilb_input_pads *pads)
+{
+	PROFILE("pads scan");
+	char path[PATH_MAX];
+	pads->is_crowded = false;
+	snprintf(path, sizeof path, "%s/class/hidraw", pads->roots.sys);
+	DIR *folder = opendir(path);
+	if (folder == NULL && errno != ENOENT)
+		stilb_log("gamepads: cannot look into %s: %s", path, strerror(errno));
+	for (struct dirent *entry; folder != NULL && (entry = readdir(folder)) != NULL;)
+		if (input_device_is_hidraw(entry->d_name) && strlen(entry->d_name) < PADS_NAME_MAX)
+			pads_look(pads, entry->d_name, false);
+	if (folder != NULL)
+		closedir(folder);
+	for (uint32_t i = 0; i < PADS_MAX; i++) {
+		input_reader *reader = pads_slot(pads, i);
+		if (reader != NULL && reader->denied && !input_reader_has_ended(reader) && access(reader->info.path, F_OK) != 0)
+			input_reader_end(reader, input_now_us());
+	}
+}
+
+static void pads_notice(stilb_input_pads *pads, const struct inotify_event *event)
+{
+	if (event->mask & IN_Q_OVERFLOW) {
+		pads_scan(pads);
+		return;
+	}
+	if (event->len == 0 || !input_device_is_hidraw(event->name) || strlen(event->name) >= PADS_NAME_MAX)
+		return;
+	if (event->mask & (IN_DELETE | IN_MOVED_FROM))
+		pads_gone(pads, event->name);
+	else
+		pads_look(pads, event->name, true);
+}
+
+static void pads_notice_all(stilb_input_pads *pads)
+{
+	_Alignas(struct inotify_event) char bytes[4096];
+	ssize_t size;
+	while ((size = read(pads->inotify_fd, bytes, sizeof bytes)) > 0)
+		for (ssize_t at = 0; at < size;) {
+			const struct inotify_event *event = (const struct inotify_event *)(bytes + at);
+			pads_notice(pads, event);
+			at += (ssize_t)(sizeof *event + event->len);
+		}
+}
+
+/* Looks at those whose time of grace is over. Returns how long until the next, -1: there is none. */
+static int pads_retry_all(stilb_input_pads *pads)
+{
+	int64_t now_us = input_now_us(), next_us = INT64_MAX;
+	for (uint32_t i = 0; i < pads->retry_count;) {
+		pads_retry retry = pads->retries[i];
+		if (retry.due_us <= now_us) {
+			pads_wait_no_more(pads, retry.name);
+			pads_look(pads, retry.name, false);
+		} else {
+			next_us = retry.due_us < next_us ? retry.due_us : next_us;
+			i++;
+		}
+	}
+	return next_us == INT64_MAX ? -1 : (int)((next_us - now_us + 999) / 1000);
+}
+
+/* Asks all to end before it waits for one. */
+static void pads_end_all(stilb_input_pads *pads)
+{
+	for (uint32_t i = 0; i < PADS_MAX; i++) {
+		input_reader *reader = pads_slot(pads, i);
+		if (reader != NULL && !reader->denied)
+			input_reader_stop(reader);
+	}
+	pads_reap(pads);
+	for (uint32_t i = 0; i < PADS_MAX; i++) {
+		input_reader *reader = pads_slot(pads, i);
+		if (reader != NULL)
+			pads_end(reader);
+	}
+}
+
+static void *pads_watch(void *user)
+{
+	stilb_input_pads *pads = user;
+	stilb_prof_thread_begin("pads");
+	pthread_setname_np(pthread_self(), "pads");
+	pads_scan(pads);
+	__atomic_store_n(&pads->looked, 1, __ATOMIC_RELAXED); /* goes out with the telling */
+	input_hub_tell(&pads->hub);
+	/* Acquire: pairs with stilb_input_pads_destroy; the slots are seen as the frame left them. */
+	while (__atomic_load_n(&pads->stop, __ATOMIC_ACQUIRE) == 0) {
+		struct pollfd fds[2] = {{.fd = pads->inotify_fd, .events = POLLIN}, {.fd = pads->wake_fd, .events = POLLIN}};
+		poll(fds, 2, pads_retry_all(pads));
+		eventfd_t woken;
+		eventfd_read(pads->wake_fd, &woken);
+		pads_notice_all(pads);
+		if (pads_reap(pads) && pads->is_crowded)
+			pads_scan(pads);
+	}
+	pads_end_all(pads);
+	stilb_prof_thread_end();
+	return NULL;
+}
+
+/* ---- the frame --------------------------------------------------------------------------------------------------- */
+
+/* Is done with the event that was given out last. */
+static void pads_take(stilb_input_pads *pads)
+{
+	if (pads->held == NULL)
+		return;
+	input_reader_take(pads->held, pads->held_kind);
+	pads->held = NULL;
+	if (pads->held_kind == STILB_INPUT_PAD_REMOVED)
+		pads_return(pads, pads->held_slot);
+}
+
+bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input_event *event)
+{
+	pads_take(pads);
+	for (uint32_t i = 0; i < PADS_MAX; i++) {
+		stilb_input_event first;
+		input_reader *reader = pads_slot(pads, i);
+		if (reader == NULL || !input_reader_peek(reader, &first) || first.time_us > until_us)
+			continue;
+		if (pads->held == NULL || first.time_us < event->time_us ||
+		    (first.time_us == event->time_us && first.pad < event->pad)) {
+			*event = first;
+			pads->held = reader;
+			pads->held_kind = first.kind;
+			pads->held_slot = i;
+		}
+	}
+	if (pads->held == NULL)
+		return false;
+	/* Readers do not wait for one another: what one stamped may come in when something later has been given out. */
+	if (event->time_us < pads->last_us)
+		event->time_us = pads->last_us;
+	pads->last_us = event->time_us;
+	return true;
+}
+
+static bool pads_has_news(stilb_input_pads *pads)
+{
+	if (!pads->has_looked) {
+		pads->has_looked = __atomic_load_n(&pads->looked, __ATOMIC_RELAXED) != 0; /* as in pads_watch */
+		return pads->has_looked;
+	}
+	for (uint32_t i = 0; i < PADS_MAX; i++) {
+		stilb_input_event event;
+		const input_reader *reader = pads_slot(pads, i);
+		if (reader != NULL && input_reader_peek(reader, &event))
+			return true;
+	}
+	return false;
+}
+
+void stilb_input_pads_wait(stilb_input_pads *pads, int timeout_ms)
+{
+	const int64_t until_us = input_now_us() + 1000 * (int64_t)timeout_ms;
+	pads_take(pads);
+	while (true) {
+		/* Acquire and release: pairs with input_hub_tell, which says why. */
+		__atomic_exchange_n(&pads->hub.waiting, 1, __ATOMIC_ACQ_REL);
+		const int64_t left_us = until_us - input_now_us();
+		if (pads_has_news(pads) || left_us <= 0)
+			break;
+		struct pollfd arrived = {.fd = pads->hub.arrived_fd, .events = POLLIN};
+		poll(&arrived, 1, (int)((left_us + 999) / 1000));
+		eventfd_t count;
+		eventfd_read(pads->hub.arrived_fd, &count);
+	}
+	__atomic_exchange_n(&pads->hub.waiting, 0, __ATOMIC_ACQ_REL); /* not a store: that would part the readers' chain */
+}
+
+static float pads_motor(float strength)
+{
+	return strength > 0.0f ? (strength < 1.0f ? strength : 1.0f) : 0.0f; /* NaN stands still */
+}
+
+void stilb_input_pads_rumble(stilb_input_pads *pads, uint32_t pad, float heavy, float light, uint32_t duration_ms)
+{
+	for (uint32_t i = 0; i < PADS_MAX; i++) {
+		input_reader *reader = pads_slot(pads, i);
+		if (reader != NULL && reader->number == pad && !reader->denied)
+			input_reader_shake(reader, pads_motor(heavy), pads_motor(light), duration_ms < 5000 ? duration_ms : 5000);
+	}
+}
+
+stilb_input_pads_stats stilb_input_pads_stats_get(const stilb_input_pads *pads)
+{
+	const stilb_input_pads_stats *stats = &pads->hub.stats;
+	return (stilb_input_pads_stats){
+		/* Relaxed: numbers, no data depends on them. */
+		.reports = __atomic_load_n(&stats->reports, __ATOMIC_RELAXED),
+		.lost = __atomic_load_n(&stats->lost, __ATOMIC_RELAXED),
+		.added = __atomic_load_n(&stats->added, __ATOMIC_RELAXED),
+		.removed = __atomic_load_n(&stats->removed, __ATOMIC_RELAXED),
+		.denied = __atomic_load_n(&stats->denied, __ATOMIC_RELAXED),
+		.written = __atomic_load_n(&stats->written, __ATOMIC_RELAXED),
+	};
+}
+
+/* ---- life cycle -------------------------------------------------------------------------------------------------- */
+
+/* Frees what is there; the watcher does not run. */
+static void pads_free(stilb_input_pads *pads)
+{
+	const int fds[] = {pads->inotify_fd, pads->wake_fd, pads->hub.arrived_fd};
+	for (size_t i = 0; i < sizeof fds / sizeof *fds; i++)
+		if (fds[i] >= 0)
+			close(fds[i]);
+	free(pads->root_texts);
+	free(pads);
+}
+
+static stilb_result pads_set_up(stilb_input_pads *pads, const stilb_input_pads_desc *desc)
+{
+	const char *sys = desc->sys != NULL ? desc->sys : "/sys", *dev = desc->dev != NULL ? desc->dev : "/dev";
+	if (asprintf(&pads->root_texts, "%s%c%s", sys, 0, dev) < 0) {
+		pads->root_texts = NULL;
+		return stilb_fail(STILB_ERROR_MEMORY, "gamepads: out of memory");
+	}
+	pads->roots = (input_roots){.sys = pads->root_texts, .dev = pads->root_texts + strlen(sys) + 1};
+	pads->backend = desc->backend == STILB_INPUT_BACKEND_HIDAPI ? &input_backend_hidapi : &input_backend_hidraw;
+	pads->ring_bytes = 16384; /* at least: some of the longest reports */
+	while (pads->ring_bytes < 1024 * (uint64_t)(desc->ring_kib > 0 ? desc->ring_kib : 256))
+		pads->ring_bytes *= 2;
+	pads->inotify_fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);
+	pads->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+	pads->hub.arrived_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+	if (pads->inotify_fd < 0 || pads->wake_fd < 0 || pads->hub.arrived_fd < 0)
+		return stilb_fail(STILB_ERROR_DEVICE,
+		                  "gamepads: cannot watch %s: %s; see ulimit -n and the sysctl fs.inotify.max_user_instances",
+		                  pads->roots.dev, strerror(errno));
+	const uint32_t events = IN_CREATE | IN_ATTRIB | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM;
+	if (inotify_add_watch(pads->inotify_fd, pads->roots.dev, events) < 0)
+		return stilb_fail(STILB_ERROR_DEVICE, "gamepads: cannot watch %s: %s", pads->roots.dev, strerror(errno));
+	const int error = input_thread_create(&pads->watcher, pads_watch, pads);
+	if (error != 0)
+		return stilb_fail(STILB_ERROR_THREAD, "gamepads: no thread to watch %s: %s", pads->roots.dev, strerror(-error));
+	return STILB_OK;
+}
+
+stilb_result stilb_input_pads_create(const stilb_input_pads_desc *desc, stilb_input_pads **pads)
+{
+	*pads = calloc(1, sizeof **pads);
+	if (*pads == NULL)
+		return stilb_fail(STILB_ERROR_MEMORY, "gamepads: out of memory");
+	(*pads)->inotify_fd = (*pads)->wake_fd = (*pads)->hub.arrived_fd = -1;
+	const stilb_result result = pads_set_up(*pads, desc);
+	if (result != STILB_OK) {
+		pads_free(*pads);
+		*pads = NULL;
+	}
+	return result;
+}
+
+void stilb_input_pads_destroy(stilb_input_pads *pads)
+{
+	if (pads == NULL)
+		return;
+	__atomic_store_n(&pads->stop, 1, __ATOMIC_RELEASE); /* pairs with pads_watch */
+	eventfd_write(pads->wake_fd, 1);
+	pthread_join(pads->watcher, NULL);
+	pads_free(pads);
+}
+
+const char *stilb_input_udev_rule(const stilb_input_pad_info *info, char *text, size_t size)
+{
+	/* The kernel names a HID device bus:vendor:product.instance, in upper-case hexadecimal, on every bus. */
+	snprintf(text, size, "KERNEL==\"hidraw*\", KERNELS==\"*:%04X:%04X.*\", MODE=\"0660\", TAG+=\"uaccess\"",
+	         info->vendor, info->product);
+	return text;
+}

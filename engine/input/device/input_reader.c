@@ -1,0 +1,344 @@
+#include "input/device/input_reader_internal.h"
+#include "profiler/prof.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#define READER_RUMBLE_US 30000 /* between two output reports: faster ones wedge pads, xpadneo's issue 303 */
+#define READER_REPEAT_US 40000 /* a Switch pad stops by itself: SDL tells it as often as this, hid-nintendo in 50 ms */
+#define READER_LATE_MS 5       /* how often a report that found no room tries again */
+
+STILB_PROF_FLOW(reader_flow, "pad report", 0x4fa3d1);
+
+/* ---- between threads --------------------------------------------------------------------------------------------- */
+
+void input_hub_tell(input_hub *hub)
+{
+	/* A read-modify-write that changes nothing: it stands before or after the exchange in stilb_input_pads_wait.
+	 * Before: release, that one sees what has come. After: acquire, this one sees that somebody waits. */
+	if (__atomic_fetch_or(&hub->waiting, 0, __ATOMIC_ACQ_REL) != 0)
+		eventfd_write(hub->arrived_fd, 1);
+}
+
+static void hub_count(uint64_t *count)
+{
+	__atomic_fetch_add(count, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+}
+
+int64_t input_now_us(void)
+{
+	return (int64_t)(stilb_time_ns() / 1000);
+}
+
+int input_thread_create(pthread_t *thread, void *(*run)(void *), void *user)
+{
+	static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
+	sigset_t signals, old;
+	sigfillset(&signals);
+	for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
+		sigdelset(&signals, faults[i]);
+	pthread_sigmask(SIG_SETMASK, &signals, &old);
+	const int error = pthread_create(thread, NULL, run, user);
+	pthread_sigmask(SIG_SETMASK, &old, NULL);
+	return -error;
+}
+
+static bool reader_stops(const input_reader *reader)
+{
+	return __atomic_load_n(&reader->stop, __ATOMIC_RELAXED) != 0; /* nothing goes with it */
+}
+
+void input_reader_stop(input_reader *reader)
+{
+	__atomic_store_n(&reader->stop, 1, __ATOMIC_RELAXED); /* nothing goes with it */
+	eventfd_write(reader->wake_fd, 1);
+}
+
+void input_reader_end(input_reader *reader, int64_t time_us)
+{
+	reader->ended_us = time_us;
+	__atomic_store_n(&reader->ended, 1, __ATOMIC_RELEASE); /* pairs with input_reader_has_ended */
+	hub_count(&reader->hub->stats.removed);
+	input_hub_tell(reader->hub);
+}
+
+bool input_reader_has_ended(const input_reader *reader)
+{
+	return __atomic_load_n(&reader->ended, __ATOMIC_ACQUIRE) != 0; /* pairs with input_reader_end */
+}
+
+/* ---- shaking ----------------------------------------------------------------------------------------------------- */
+
+/* A word: 1 << 63, and 16 bits each for the two motors and the milliseconds. */
+void input_reader_shake(input_reader *reader, float heavy, float light, uint32_t duration_ms)
+{
+	const uint64_t motors[2] = {(uint64_t)(heavy * 65535.0f + 0.5f), (uint64_t)(light * 65535.0f + 0.5f)};
+	/* Relaxed: the word is all there is. */
+	__atomic_store_n(&reader->rumble, UINT64_C(1) << 63 | motors[0] << 32 | motors[1] << 16 | duration_ms,
+	                 __ATOMIC_RELAXED);
+	eventfd_write(reader->wake_fd, 1);
+}
+
+static void reader_shake_fetch(input_reader *reader, int64_t now_us)
+{
+	const uint64_t word = __atomic_exchange_n(&reader->rumble, 0, __ATOMIC_RELAXED); /* the word is all there is */
+	if (word == 0)
+		return;
+	reader->shake.heavy = (float)(word >> 32 & 0xffff) / 65535.0f;
+	reader->shake.light = (float)(word >> 16 & 0xffff) / 65535.0f;
+	reader->shake.until_us = now_us + 1000 * (int64_t)(word & 0xffff);
+	reader->shake.is_new = true;
+}
+
+static void reader_shake_write(input_reader *reader)
+{
+	uint8_t report[STILB_INPUT_OUTPUT_MAX];
+	const size_t size = stilb_input_rumble_report(&reader->layout, reader->shake.heavy, reader->shake.light,
+	                                              reader->shake.sequence, report);
+	reader->shake.is_new = false;
+	if (size == 0)
+		return;
+	PROFILE("pad rumble");
+	reader->shake.sequence++;
+	reader->shake.moves = reader->shake.heavy > 0.0f || reader->shake.light > 0.0f;
+	if (reader->device.backend->write(&reader->device, report, size) >= 0)
+		hub_count(&reader->hub->stats.written);
+	reader->shake.written_us = input_now_us();
+}
+
+/* When the next report is to be written, INT64_MAX: there is none. */
+static int64_t reader_shake_due(const input_reader *reader)
+{
+	const bool repeats = reader->layout.rumble == STILB_INPUT_RUMBLE_SWITCH && reader->shake.until_us != 0;
+	if (reader->shake.is_new)
+		return reader->shake.written_us + READER_RUMBLE_US;
+	return repeats ? reader->shake.written_us + READER_REPEAT_US : INT64_MAX;
+}
+
+/* Writes what is due. Returns when to come again, or INT64_MAX. */
+static int64_t reader_shake(input_reader *reader, int64_t now_us)
+{
+	reader_shake_fetch(reader, now_us);
+	if (reader->shake.until_us != 0 && now_us >= reader->shake.until_us) {
+		reader->shake.heavy = reader->shake.light = 0;
+		reader->shake.until_us = 0;
+		reader->shake.is_new = true;
+	}
+	if (now_us >= reader_shake_due(reader))
+		reader_shake_write(reader);
+	const int64_t due_us = reader_shake_due(reader);
+	const int64_t until_us = reader->shake.until_us != 0 ? reader->shake.until_us : INT64_MAX;
+	return due_us < until_us ? due_us : until_us;
+}
+
+/* It does not go on for ever, with nobody there to stop it. */
+static void reader_shake_end(input_reader *reader)
+{
+	const int64_t wait_us = reader->shake.written_us + READER_RUMBLE_US - input_now_us();
+	if (!reader->shake.moves)
+		return;
+	if (wait_us > 0)
+		usleep((useconds_t)wait_us);
+	reader->shake.heavy = reader->shake.light = 0;
+	reader_shake_write(reader);
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+/* Waits that long, or until it is told to end. */
+static void reader_pause(const input_reader *reader, int ms)
+{
+	const int64_t until_us = input_now_us() + 1000 * (int64_t)ms;
+	for (int left_ms = ms; left_ms > 0 && !reader_stops(reader);) {
+		struct pollfd wake = {.fd = reader->wake_fd, .events = POLLIN};
+		eventfd_t woken;
+		poll(&wake, 1, left_ms);
+		eventfd_read(reader->wake_fd, &woken); /* what else it is woken for is looked at afterwards */
+		left_ms = (int)((until_us - input_now_us() + 999) / 1000);
+	}
+}
+
+/* What a pad does not answer is its own affair: it is read all the same. */
+static void reader_hello(input_reader *reader)
+{
+	PROFILE("pad hello");
+	const input_backend *backend = reader->device.backend;
+	for (size_t i = 0; i < STILB_INPUT_HELLO_MAX && !reader_stops(reader); i++) {
+		const stilb_input_hello *hello = &reader->layout.hello[i];
+		uint8_t answer[sizeof hello->bytes];
+		if (hello->kind == STILB_INPUT_HELLO_END)
+			return;
+		STILB_ASSERT(hello->size <= sizeof answer);
+		memcpy(answer, hello->bytes, sizeof answer);
+		if (hello->kind == STILB_INPUT_HELLO_GET_FEATURE)
+			backend->get_feature(&reader->device, answer, hello->size);
+		else
+			backend->write(&reader->device, hello->bytes, hello->size);
+		reader_pause(reader, hello->pause_ms);
+	}
+}
+
+/* Gives the report that found no room to the ring, if it finds room now. */
+static void reader_retry(input_reader *reader)
+{
+	input_late *late = &reader->late;
+	if (late->size > 0 && input_ring_push(&reader->ring, late->time_us, 0, late->bytes, late->size)) {
+		late->size = 0;
+		input_hub_tell(reader->hub);
+	}
+}
+
+/* Reports are lost only where the ring was full, and then not the newest one: it tells where the sticks are now. One
+ * that finds no room has an arrow without an end. */
+static void reader_keep(input_reader *reader, int64_t now_us, const uint8_t *report, uint32_t size)
+{
+	PROFILE("pad report");
+	hub_count(&reader->hub->stats.reports);
+	reader_retry(reader);
+	if (reader->late.size == 0 &&
+	    input_ring_push(&reader->ring, now_us, stilb_prof_flow_begin(reader_flow), report, size)) {
+		input_hub_tell(reader->hub);
+		return;
+	}
+	if (reader->late.size > 0)
+		hub_count(&reader->hub->stats.lost);
+	reader->late.time_us = now_us;
+	reader->late.size = size;
+	memcpy(reader->late.bytes, report, size);
+}
+
+static int reader_timeout_ms(const input_reader *reader, int64_t now_us, int64_t shake_us)
+{
+	int64_t wait_us = shake_us == INT64_MAX ? -1 : shake_us > now_us ? shake_us - now_us : 0;
+	if (reader->late.size > 0 && (wait_us < 0 || wait_us > 1000 * READER_LATE_MS))
+		wait_us = 1000 * READER_LATE_MS;
+	return wait_us < 0 ? -1 : (int)((wait_us + 999) / 1000);
+}
+
+/* Until the pad is gone, or it is told to end. */
+static void reader_loop(input_reader *reader)
+{
+	uint8_t report[STILB_INPUT_REPORT_MAX];
+	while (!reader_stops(reader)) {
+		const int64_t before_us = input_now_us();
+		const int64_t shake_us = reader_shake(reader, before_us);
+		const int timeout_ms = reader_timeout_ms(reader, before_us, shake_us);
+		const int size =
+			reader->device.backend->read(&reader->device, reader->wake_fd, timeout_ms, report, sizeof report);
+		if (size < 0)
+			return;
+		if (size > 0) {
+			reader_keep(reader, input_now_us(), report, (uint32_t)size);
+		} else {
+			eventfd_t woken;
+			eventfd_read(reader->wake_fd, &woken);
+			reader_retry(reader);
+		}
+	}
+	reader_shake_end(reader);
+}
+
+static void *reader_run(void *user)
+{
+	input_reader *reader = user;
+	const char *node = strrchr(reader->info.path, '/') + 1;
+	char name[80];
+	snprintf(name, sizeof name, "pad %s", node);
+	stilb_prof_thread_begin(name);
+	name[15] = '\0'; /* what the kernel takes */
+	pthread_setname_np(pthread_self(), name);
+	reader_hello(reader);
+	reader_loop(reader);
+	/* Before the node is closed: then the kernel may give its name to the next pad, and the watcher must know that this
+	 * one has ended. */
+	input_reader_end(reader, input_now_us());
+	reader->device.backend->close(&reader->device);
+	stilb_prof_thread_end();
+	return NULL;
+}
+
+/* ---- life cycle -------------------------------------------------------------------------------------------------- */
+
+int input_reader_create(input_hub *hub, input_reader **reader)
+{
+	*reader = stilb_memory_alloc(1, sizeof **reader);
+	if (*reader == NULL)
+		return -ENOMEM;
+	memset(*reader, 0, sizeof **reader);
+	(*reader)->hub = hub;
+	(*reader)->wake_fd = -1;
+	return 0;
+}
+
+void input_reader_destroy(input_reader *reader)
+{
+	if (reader == NULL)
+		return;
+	input_ring_finish(&reader->ring);
+	if (reader->wake_fd >= 0)
+		close(reader->wake_fd);
+	free(reader);
+}
+
+int input_reader_start(input_reader *reader, uint64_t ring_bytes)
+{
+	int error = input_ring_init(&reader->ring, ring_bytes, STILB_INPUT_REPORT_MAX);
+	if (error == 0 && (reader->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) < 0)
+		error = -errno;
+	if (error == 0)
+		error = input_thread_create(&reader->thread, reader_run, reader);
+	if (error != 0)
+		reader->device.backend->close(&reader->device);
+	return error;
+}
+
+/* ---- the frame's side -------------------------------------------------------------------------------------------- */
+
+bool input_reader_peek(const input_reader *reader, stilb_input_event *event)
+{
+	*event = (stilb_input_event){.pad = reader->number, .info = &reader->info};
+	if (!reader->announced) {
+		event->kind = reader->denied ? STILB_INPUT_PAD_DENIED : STILB_INPUT_PAD_ADDED;
+		event->time_us = reader->added_us;
+		return true;
+	}
+	const bool has_ended = input_reader_has_ended(reader); /* before looking: what came before the end is seen */
+	const input_record *record = reader->denied ? NULL : input_ring_peek(&reader->ring);
+	if (record != NULL) {
+		event->kind = STILB_INPUT_PAD_REPORT;
+		event->time_us = record->time_us;
+		event->bytes = record->bytes;
+		event->size = record->size;
+	} else if (has_ended && reader->late.size > 0) {
+		event->kind = STILB_INPUT_PAD_REPORT;
+		event->time_us = reader->late.time_us;
+		event->bytes = reader->late.bytes;
+		event->size = reader->late.size;
+	} else if (has_ended) {
+		event->kind = STILB_INPUT_PAD_REMOVED;
+		event->time_us = reader->ended_us;
+	}
+	return record != NULL || has_ended;
+}
+
+void input_reader_take(input_reader *reader, stilb_input_event_kind kind)
+{
+	reader->announced = true;
+	if (kind != STILB_INPUT_PAD_REPORT)
+		return;
+	const input_record *record = input_ring_peek(&reader->ring);
+	if (record == NULL) {
+		reader->late.size = 0;
+		return;
+	}
+	/* Short: what runs where an arrow ends counts for the frame in which it began. */
+	PROFILE("pad report");
+	stilb_prof_flow_end(reader_flow, record->flow);
+	input_ring_pop(&reader->ring);
+}

@@ -1,0 +1,229 @@
+#include "input/hid/input_layout_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- CRC ------------------------------------------------------------------------------------------------------- */
+
+uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size)
+{
+	/* Of half a byte: in the 4 ms between two reports of a Bluetooth pad a table of 1 KiB would be gone from the cache. */
+	static const uint32_t table[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4,
+	                                   0x4db26158, 0x5005713c, 0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
+	                                   0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
+	const uint8_t *bytes = data;
+	crc = ~crc;
+	for (size_t i = 0; i < size; i++) {
+		crc ^= bytes[i];
+		crc = table[crc & 15] ^ crc >> 4;
+		crc = table[crc & 15] ^ crc >> 4;
+	}
+	return ~crc;
+}
+
+/* ---- decode ---------------------------------------------------------------------------------------------------- */
+
+/* The middle of the range is rest: of an even number of values the upper one of both, as pads do (128 of 0..255). */
+static float stick_value(int64_t value, int64_t low, int64_t high)
+{
+	const int64_t least = low < high ? low : high, most = low < high ? high : low;
+	const int64_t rest = least + (most - least + 1) / 2;
+	const int64_t inside = value < least ? least : value > most ? most : value;
+	const int64_t side = inside >= rest ? most - rest : rest - least;
+	const float away = side > 0 ? (float)((double)(inside - rest) / (double)side) : 0.0f;
+	return low < high ? away : 0.0f - away;
+}
+
+static float trigger_value(int64_t value, int64_t low, int64_t high)
+{
+	const double pressed = low == high ? 0.0 : (double)(value - low) / (double)(high - low);
+	return (float)(pressed < 0.0 ? 0.0 : pressed > 1.0 ? 1.0 : pressed);
+}
+
+/* Bits of the directions: of eight from up on, the one next to where the value is around the circle. */
+static uint32_t hat_directions(int64_t value, int64_t low, int64_t high)
+{
+	enum {
+		UP = 1u << STILB_INPUT_UP,
+		DOWN = 1u << STILB_INPUT_DOWN,
+		LEFT = 1u << STILB_INPUT_LEFT,
+		RIGHT = 1u << STILB_INPUT_RIGHT
+	};
+	static const uint32_t directions[8] = {UP, UP | RIGHT, RIGHT, DOWN | RIGHT, DOWN, DOWN | LEFT, LEFT, UP | LEFT};
+	if (value < low || value > high)
+		return 0;
+	const int64_t steps = high - low + 1;
+	return directions[((value - low) * 16 + steps) / (2 * steps) % 8];
+}
+
+/* What buttons a report tells of, and which of them are down. */
+typedef struct decoded_buttons {
+	uint32_t told, down;
+} decoded_buttons;
+
+static void decode_source(const stilb_input_source *source, int64_t value, stilb_input_pad_state *state,
+                          decoded_buttons *buttons)
+{
+	const int64_t low = source->low, high = source->high;
+	const uint32_t every_direction =
+		1u << STILB_INPUT_UP | 1u << STILB_INPUT_DOWN | 1u << STILB_INPUT_LEFT | 1u << STILB_INPUT_RIGHT;
+	switch ((stilb_input_source_kind)source->kind) {
+	case STILB_INPUT_SOURCE_AXIS:
+		state->axes[source->target] =
+			source->target < STILB_INPUT_LEFT_TRIGGER ? stick_value(value, low, high) : trigger_value(value, low, high);
+		break;
+	case STILB_INPUT_SOURCE_BUTTON:
+		buttons->told |= 1u << source->target;
+		buttons->down |= (uint32_t)(value >= low && value <= high) << source->target;
+		break;
+	case STILB_INPUT_SOURCE_HAT:
+		buttons->told |= every_direction;
+		buttons->down |= hat_directions(value, low, high);
+		break;
+	}
+}
+
+static bool source_value(const stilb_input_source *source, const uint8_t *report, size_t size, int64_t *value)
+{
+	uint32_t bits;
+	if (!stilb_input_bits(report, size, source->bit, source->bits, &bits))
+		return false;
+	const int64_t sign = (int64_t)1 << (source->bits - 1);
+	*value = source->is_signed ? (int64_t)(bits ^ (uint32_t)sign) - sign : (int64_t)bits;
+	return true;
+}
+
+static const stilb_input_layout_report *find_report(const stilb_input_layout *layout, uint8_t id)
+{
+	for (uint32_t i = 0; i < layout->report_count; i++)
+		if (layout->reports[i].id == 0 || layout->reports[i].id == id)
+			return &layout->reports[i];
+	return NULL;
+}
+
+/* What the Bluetooth header before the report was, which the pad's CRC covers too: HID data, input (output). */
+static const uint8_t bluetooth_input = 0xa1;
+
+static bool crc_holds(const stilb_input_layout_report *layout, const uint8_t *report, size_t size)
+{
+	const size_t at = layout->crc;
+	if (at == 0)
+		return true;
+	if (size < at + 4)
+		return false;
+	const uint32_t told = (uint32_t)report[at] | (uint32_t)report[at + 1] << 8 | (uint32_t)report[at + 2] << 16 |
+	                      (uint32_t)report[at + 3] << 24;
+	return stilb_input_crc32(stilb_input_crc32(0, &bluetooth_input, 1), report, at) == told;
+}
+
+stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const uint8_t *report, size_t size,
+                                       stilb_input_pad_state *state)
+{
+	if (size == 0)
+		return STILB_INPUT_CORRUPT;
+	const stilb_input_layout_report *known = find_report(layout, report[0]);
+	if (known == NULL)
+		return STILB_INPUT_OTHER;
+	if (!crc_holds(known, report, size))
+		return STILB_INPUT_CORRUPT;
+	uint32_t absent;
+	if (known->absent != 0 && stilb_input_bits(report, size, known->absent, 1, &absent) && absent) {
+		*state = (stilb_input_pad_state){0};
+		return STILB_INPUT_DECODED;
+	}
+	decoded_buttons buttons = {0};
+	bool any = false;
+	for (uint32_t i = 0; i < known->source_count; i++) {
+		int64_t value;
+		if (!source_value(&known->sources[i], report, size, &value))
+			continue;
+		decode_source(&known->sources[i], value, state, &buttons);
+		any = true;
+	}
+	state->buttons = (state->buttons & ~buttons.told) | buttons.down;
+	return any ? STILB_INPUT_DECODED : STILB_INPUT_CORRUPT;
+}
+
+/* ---- find ------------------------------------------------------------------------------------------------------ */
+
+static const char *bus_text(uint16_t bus)
+{
+	return bus == STILB_INPUT_BUS_USB ? ", USB" : bus == STILB_INPUT_BUS_BLUETOOTH ? ", Bluetooth" : "";
+}
+
+static const char *name_or(const stilb_input_pad_info *info, const char *otherwise)
+{
+	return info->name[0] != '\0' ? info->name : otherwise;
+}
+
+static void copy_reports(const stilb_input_layout_report *reports, stilb_input_layout *out)
+{
+	while (out->report_count < STILB_INPUT_LAYOUT_REPORTS_MAX && reports[out->report_count].size != 0) {
+		stilb_input_layout_report *report = &out->reports[out->report_count];
+		*report = reports[out->report_count++];
+		while (report->source_count < STILB_INPUT_SOURCES_MAX && report->sources[report->source_count].bits != 0)
+			report->source_count++;
+	}
+}
+
+static void copy_hello(const stilb_input_hello *hello, stilb_input_layout *out)
+{
+	for (uint32_t i = 0; i + 1 < STILB_INPUT_HELLO_MAX && hello[i].kind != STILB_INPUT_HELLO_END; i++)
+		out->hello[i] = hello[i];
+}
+
+/* "'Mouse' (046d:c077) is no gamepad: ..." */
+static stilb_result refuse(const stilb_input_pad_info *info, const char *why)
+{
+	return stilb_fail(STILB_ERROR_ARGUMENT, "'%s' (%04x:%04x) is no gamepad: %s", name_or(info, "this device"),
+	                  info->vendor, info->product, why);
+}
+
+static stilb_result refuse_fields(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor)
+{
+	char usage[64], why[160];
+	if (descriptor->field_count == 0)
+		return refuse(info, "its report descriptor has no fields");
+	snprintf(why, sizeof why, "its report descriptor has no stick with buttons, but is of %s",
+	         stilb_input_usage_text(descriptor->fields[0].collection, usage, sizeof usage));
+	return refuse(info, why);
+}
+
+static stilb_result find_by_fields(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor,
+                                   const input_known *row, stilb_input_layout *out)
+{
+	char found[64];
+	if (!input_layout_from_fields(descriptor, row == NULL ? NULL : row->buttons, out, found, sizeof found))
+		return refuse_fields(info, descriptor);
+	snprintf(out->recognised, sizeof out->recognised, "%sits descriptor: %s", row == NULL ? "" : "known pad, ", found);
+	return STILB_OK;
+}
+
+stilb_result stilb_input_layout_find(const stilb_input_pad_info *info, stilb_input_layout *out)
+{
+	stilb_input_descriptor descriptor = {0};
+	const bool has = info->descriptor_size > 0;
+	const bool readable =
+		has && stilb_input_descriptor_parse(info->descriptor, info->descriptor_size, &descriptor) == STILB_OK;
+	const input_known *row = input_known_find(info, readable ? &descriptor : NULL);
+	*out = (stilb_input_layout){.known = row != NULL};
+	if (row == NULL)
+		snprintf(out->name, sizeof out->name, "%.50s%s", name_or(info, "gamepad"), bus_text(info->bus));
+	else
+		snprintf(out->name, sizeof out->name, "%s%s", row->name, bus_text(info->bus));
+	if (row != NULL && row->reports != NULL) {
+		copy_reports(row->reports, out);
+		out->rumble = row->rumble;
+		if (row->hello != NULL)
+			copy_hello(row->hello, out);
+		snprintf(out->recognised, sizeof out->recognised, "known pad %04x:%04x", info->vendor, info->product);
+		return STILB_OK;
+	}
+	if (readable)
+		return find_by_fields(info, &descriptor, row, out);
+	if (!has)
+		return refuse(info, "it has no report descriptor");
+	char why[256];
+	snprintf(why, sizeof why, "%s", stilb_error_message());
+	return refuse(info, why);
+}

@@ -1,0 +1,140 @@
+#include "numeric/numeric_albedo.h"
+
+#include "numeric/numeric_quadrature.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#define PANELS_AROUND 2 /* of 16 points, in half a turn; in the polar direction there is one in each step of 1 of t */
+
+typedef struct albedo {
+	const shade_brdf_model *model;
+	const shade_brdf_parameters *parameters;
+	bool of_light;                /* the fixed direction is l */
+	bool about_mirrored;          /* the pole is the mirrored direction, not the normal as the half vectors' */
+	stilb_vec3 fixed;             /* in the frame: z along the normal */
+	double sine, cosine, azimuth; /* of the fixed direction */
+	double alpha;
+	double tangent; /* of the polar angle, or of half of it about the mirrored direction, while the azimuth runs */
+} albedo;
+
+static const shade_frame frame = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
+
+/* The integrand in the direction `other`: f(l, v) times the cosine of the direction that runs. */
+static double reflected(const albedo *a, const double other[3])
+{
+	stilb_vec3 moving = stilb_vec3_make((float)other[0], (float)other[1], (float)other[2]);
+	if (!a->of_light)
+		return (double)shade_brdf_cos(*a->model, *a->parameters, frame, moving, a->fixed)[0];
+	return (double)shade_brdf_cos(*a->model, *a->parameters, frame, a->fixed, moving)[0] * other[2] / a->cosine;
+}
+
+static double over_directions(const double direction[3], const void *context)
+{
+	return reflected(context, direction);
+}
+
+/* The integrand in a direction whose x axis is the azimuth of the fixed one. */
+static double reflected_turned(const albedo *a, const double other[3])
+{
+	double x = cos(a->azimuth), y = sin(a->azimuth);
+	const double turned[3] = {other[0] * x - other[1] * y, other[0] * y + other[1] * x, other[2]};
+	return reflected(a, turned);
+}
+
+/* Half vector at the azimuth phi from the fixed direction; the direction that runs is the fixed one mirrored at it, and
+ * d(direction) = 4 (fixed.h) dh. */
+static double over_half_azimuth(double phi, const void *context)
+{
+	const albedo *a = context;
+	double z = 1.0 / sqrt(1.0 + a->tangent * a->tangent), radius = a->tangent * z;
+	const double h[3] = {radius * cos(phi), radius * sin(phi), z};
+	double fixed_h = a->sine * h[0] + a->cosine * h[2];
+	const double other[3] = {2.0 * fixed_h * h[0] - a->sine, 2.0 * fixed_h * h[1], 2.0 * fixed_h * h[2] - a->cosine};
+	return reflected_turned(a, other) * 4.0 * fixed_h;
+}
+
+/* The direction that runs, at the azimuth phi about the mirrored one; phi = 0 is towards the normal. Its polar angle is
+ * twice that of `tangent`, and so d(direction) = 4 cos(half) d(half direction). */
+static double over_mirrored_azimuth(double phi, const void *context)
+{
+	const albedo *a = context;
+	double z2 = 1.0 / (1.0 + a->tangent * a->tangent);
+	double along = 2.0 * z2 - 1.0, across = 2.0 * a->tangent * z2;
+	const double other[3] = {across * cos(phi) * a->cosine - along * a->sine, across * sin(phi),
+	                         across * cos(phi) * a->sine + along * a->cosine};
+	return reflected_turned(a, other) * 4.0 * sqrt(z2);
+}
+
+/* The azimuth up to which the direction that runs is above the horizon. Of half vectors: 2 (fixed.h) (n.h) > n.fixed. */
+static double horizon(const albedo *a)
+{
+	double z2 = 1.0 / (1.0 + a->tangent * a->tangent), cotangent = a->cosine / a->sine;
+	double lowest = a->about_mirrored ? -cotangent * (2.0 * z2 - 1.0) / (2.0 * a->tangent * z2)
+	                                  : cotangent * (0.5 / z2 - 1.0) / a->tangent;
+	return acos(fmin(1.0, fmax(-1.0, lowest)));
+}
+
+static double over_polar(double t, const void *context)
+{
+	albedo a = *(const albedo *)context;
+	a.tangent = a.alpha * sinh(t);
+	double end = a.sine > 0.0 ? horizon(&a) : M_PI;
+	stilb_numeric_function *f = a.about_mirrored ? over_mirrored_azimuth : over_half_azimuth;
+	double right = stilb_numeric_integrate(f, &a, 0.0, end, PANELS_AROUND);
+	bool symmetric = a.model->kind != SHADE_BRDF_MICROFACET || a.model->ndf != SHADE_NDF_GGX_ANISOTROPIC;
+	double left = symmetric ? right : stilb_numeric_integrate(f, &a, -end, 0.0, PANELS_AROUND);
+	/* sin(theta) dtheta, where dtheta = cos^2(theta) d(tan(theta)) */
+	double z2 = 1.0 / (1.0 + a.tangent * a.tangent);
+	return (right + left) * a.tangent * z2 * sqrt(z2) * a.alpha * cosh(t);
+}
+
+/* From the polar angle low to high. */
+static double between(const albedo *a, double low, double high)
+{
+	double first = asinh(tan(low) / a->alpha), last = asinh(tan(high) / a->alpha);
+	int panels = (int)ceil(last - first);
+	return panels > 0 ? stilb_numeric_integrate(over_polar, a, first, last, panels) : 0.0;
+}
+
+/* Up to the first angle the whole turn is above the horizon, and from the last on nothing of it; Phong's lobes end a
+ * quarter turn from the mirrored direction. */
+static double over_lobe(const albedo *a, double polar)
+{
+	double whole = M_PI / 4.0 - polar / 2.0, last = M_PI / 4.0 + (a->about_mirrored ? 0.0 : polar / 2.0);
+	return between(a, 0.0, whole) + between(a, whole, last);
+}
+
+static double integrate(const shade_brdf_model *model, const shade_brdf_parameters *parameters,
+                        stilb_numeric_angles fixed, bool of_light)
+{
+	double sine = sin(fixed.polar), cosine = cos(fixed.polar);
+	const albedo a = {
+		.model = model,
+		.parameters = parameters,
+		.of_light = of_light,
+		.about_mirrored = model->kind == SHADE_BRDF_PHONG || model->kind == SHADE_BRDF_PHONG_MODIFIED,
+		.fixed = stilb_vec3_make((float)(sine * cos(fixed.azimuth)), (float)(sine * sin(fixed.azimuth)), (float)cosine),
+		.sine = sine,
+		.cosine = cosine,
+		.azimuth = fixed.azimuth,
+		.alpha = (double)shade_alpha_from_roughness(parameters->roughness),
+	};
+	if (model->kind != SHADE_BRDF_LAMBERT && model->kind != SHADE_BRDF_WRAPPED)
+		return over_lobe(&a, fixed.polar);
+	/* Wrapped diffuse is lit from below its horizon too, down to n.l = -w. */
+	double wrap = model->kind == SHADE_BRDF_WRAPPED && !of_light ? (double)parameters->wrap : 0.0;
+	return stilb_numeric_integrate_sphere(over_directions, &a, -wrap, 1.0, 1);
+}
+
+double stilb_numeric_albedo_of_view(const shade_brdf_model *model, const shade_brdf_parameters *parameters,
+                                    stilb_numeric_angles view)
+{
+	return integrate(model, parameters, view, false);
+}
+
+double stilb_numeric_albedo_of_light(const shade_brdf_model *model, const shade_brdf_parameters *parameters,
+                                     stilb_numeric_angles light)
+{
+	return integrate(model, parameters, light, true);
+}

@@ -1,0 +1,52 @@
+/* Names to scenes: the table of built-ins, and files for all other names. */
+#include "profiler/prof.h"
+#include "scene/open/scene_builtin.h"
+#include "scene/open/scene_import.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct scene_builtin {
+	const char *name; /* one that ends in ':' takes a number, which follows it */
+	stilb_result (*create)(float number, stilb_scene **scene);
+} scene_builtins[] = {
+	{"cornell", scene_create_cornell},       {"outdoor", scene_create_outdoor}, {"furnace:", scene_create_furnace},
+	{"plane-wall", scene_create_plane_wall}, {"stress", scene_create_field},    {"spheres", scene_create_spheres},
+};
+
+const char *stilb_scene_builtin_names(void)
+{
+#define SCENE_BUILTIN_NAME(name, text) ", " name
+	static const char names[] = STILB_SCENE_BUILTINS(SCENE_BUILTIN_NAME);
+#undef SCENE_BUILTIN_NAME
+	return &names[2]; /* without the first comma */
+}
+
+static stilb_result scene_open_furnace_number(const char *text, float *number)
+{
+	char *end;
+	*number = strtof(text, &end);
+	if (end != text && *end == '\0' && *number >= 0.0f && *number < 1.0f)
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_ARGUMENT,
+	                  "furnace:%s: needs the share of light that its faces reflect, at least 0 and below 1; try "
+	                  "furnace:0.5",
+	                  text);
+}
+
+stilb_result stilb_scene_open(const char *name, stilb_scene **scene)
+{
+	PROFILE("scene open");
+	*scene = NULL;
+	for (size_t i = 0; i < sizeof scene_builtins / sizeof *scene_builtins; i++) {
+		const struct scene_builtin *builtin = &scene_builtins[i];
+		size_t length = strlen(builtin->name);
+		bool takes_number = builtin->name[length - 1] == ':';
+		float number = 0.0f;
+		if (takes_number ? strncmp(name, builtin->name, length) : strcmp(name, builtin->name))
+			continue;
+		stilb_result result = takes_number ? scene_open_furnace_number(name + length, &number) : STILB_OK;
+		return result == STILB_OK ? builtin->create(number, scene) : result;
+	}
+	return scene_import(name, scene);
+}

@@ -1,0 +1,261 @@
+#include "scene/open/scene_stream.h"
+
+#include "scene/scene_internal.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <unistd.h>
+
+/* ---- bytes ------------------------------------------------------------------------------------------------------- */
+
+static bool stream_put(int file, const void *data, size_t size)
+{
+	const char *bytes = data;
+	while (size > 0) {
+		ssize_t put = write(file, bytes, size);
+		if (put < 0 && errno == EINTR)
+			continue;
+		if (put <= 0)
+			return false;
+		bytes += put;
+		size -= (size_t)put;
+	}
+	return true;
+}
+
+/* Waits for something to read, at most until the deadline. */
+static bool stream_wait(scene_stream *stream)
+{
+	for (;;) {
+		uint64_t now = stilb_time_ns();
+		struct pollfd wait = {.fd = stream->file, .events = POLLIN};
+		if (now >= stream->deadline_ns) {
+			stream->late = true;
+			return false;
+		}
+		uint64_t left_ms = (stream->deadline_ns - now) / 1000000 + 1;
+		int ready = poll(&wait, 1, left_ms < 1000 ? (int)left_ms : 1000);
+		if (ready > 0)
+			return true;
+		if (ready < 0 && errno != EINTR)
+			return false;
+	}
+}
+
+static bool stream_get(scene_stream *stream, void *data, size_t size)
+{
+	char *bytes = data;
+	while (size > 0) {
+		if (!stream_wait(stream))
+			return false;
+		ssize_t got = read(stream->file, bytes, size);
+		if (got < 0 && errno == EINTR)
+			continue;
+		stream->ended |= got == 0;
+		if (got <= 0)
+			return false;
+		bytes += got;
+		size -= (size_t)got;
+	}
+	return true;
+}
+
+/* ---- messages ---------------------------------------------------------------------------------------------------- */
+
+void scene_stream_version(char text[static 64])
+{
+	snprintf(text, 64, "stilb %s scene %zu %zu %zu %zu", STILB_VERSION, sizeof(stilb_scene),
+	         sizeof(stilb_scene_material), sizeof(stilb_scene_vertex), sizeof(scene_message));
+}
+
+bool scene_stream_write_message(int file, const scene_message *message)
+{
+	return stream_put(file, message, sizeof *message);
+}
+
+bool scene_stream_read_message(scene_stream *stream, scene_message *message)
+{
+	if (!stream_get(stream, message, sizeof *message))
+		return false;
+	message->text[sizeof message->text - 1] = '\0';
+	return true;
+}
+
+/* ---- scenes ------------------------------------------------------------------------------------------------------ */
+
+typedef struct stream_counts {
+	uint32_t models, parts, meshes, materials, textures, lights;
+} stream_counts;
+
+typedef struct stream_array {
+	void *data;
+	size_t size;
+} stream_array;
+
+#define STREAM_MAX_VERTICES (1u << 28) /* of a mesh, 8 GiB: an import may not have more memory */
+
+/* More is a mistake; less than this there is memory for. */
+static bool stream_counts_can_be(const stream_counts *counts)
+{
+	const uint32_t most = STILB_SCENE_MAX_MODELS;
+	return counts->models <= most && counts->parts <= most && counts->meshes <= most && counts->materials <= most &&
+	       counts->textures <= most && counts->lights <= most;
+}
+
+#define STREAM_ARRAYS 10
+
+/* What a scene holds but for the insides of its meshes and textures, in the order of the stream. */
+static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_ARRAYS])
+{
+	const size_t models = scene->model_count, parts = scene->part_count;
+	const stream_array all[STREAM_ARRAYS] = {
+		{scene->bounds.x, models * sizeof(float)},
+		{scene->bounds.y, models * sizeof(float)},
+		{scene->bounds.z, models * sizeof(float)},
+		{scene->bounds.radius, models * sizeof(float)},
+		{scene->first_part, (models + 1) * sizeof(uint32_t)},
+		{scene->part_mesh, parts * sizeof(uint32_t)},
+		{scene->part_material, parts * sizeof(uint32_t)},
+		{scene->part_transform, parts * sizeof(stilb_mat4)},
+		{scene->materials, scene->material_count * sizeof(stilb_scene_material)},
+		{scene->lights, scene->light_count * sizeof(stilb_scene_light)},
+	};
+	for (int i = 0; i < STREAM_ARRAYS; i++)
+		arrays[i] = all[i];
+}
+
+bool scene_stream_write(int file, const stilb_scene *scene)
+{
+	const stream_counts counts = {scene->model_count,    scene->part_count,    scene->mesh_count,
+	                              scene->material_count, scene->texture_count, scene->light_count};
+	stream_array arrays[STREAM_ARRAYS];
+	stream_arrays(scene, arrays);
+	bool good = stream_put(file, &counts, sizeof counts) && stream_put(file, &scene->sun, sizeof scene->sun) &&
+	            stream_put(file, &scene->sky, sizeof scene->sky) &&
+	            stream_put(file, &scene->camera, sizeof scene->camera);
+	for (int i = 0; good && i < STREAM_ARRAYS; i++)
+		good = stream_put(file, arrays[i].data, arrays[i].size);
+	for (uint32_t i = 0; good && i < scene->mesh_count; i++) {
+		const stilb_scene_mesh *mesh = &scene->meshes[i];
+		const uint32_t sizes[2] = {mesh->vertex_count, mesh->index_count};
+		good = stream_put(file, sizes, sizeof sizes) &&
+		       stream_put(file, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices) &&
+		       stream_put(file, mesh->indices, mesh->index_count * sizeof *mesh->indices);
+	}
+	for (uint32_t i = 0; good && i < scene->texture_count; i++)
+		good = stream_put(file, &scene->textures[i], sizeof scene->textures[i]) &&
+		       stream_put(file, scene->textures[i].pixels, stilb_image_size(&scene->textures[i]));
+	return good;
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+static stilb_result stream_broken(void)
+{
+	return stilb_fail(STILB_ERROR_FILE, "the scene broke off");
+}
+
+static stilb_result stream_wrong(const char *what)
+{
+	return stilb_fail(STILB_ERROR_FILE, "the scene has %s that cannot be", what);
+}
+
+static bool stream_all_below(const uint32_t *values, uint32_t count, uint32_t limit)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (values[i] >= limit)
+			return false;
+	return true;
+}
+
+static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mesh)
+{
+	uint32_t sizes[2];
+	if (!stream_get(stream, sizes, sizeof sizes))
+		return stream_broken();
+	if (sizes[1] % 3 != 0 || sizes[0] > STREAM_MAX_VERTICES || sizes[1] > 3 * STREAM_MAX_VERTICES)
+		return stream_wrong("triangles");
+	stilb_result result = scene_mesh_create(mesh, sizes[0], sizes[1]);
+	if (result != STILB_OK)
+		return result;
+	if (!stream_get(stream, mesh->vertices, sizes[0] * sizeof *mesh->vertices) ||
+	    !stream_get(stream, mesh->indices, sizes[1] * sizeof *mesh->indices))
+		return stream_broken();
+	return stream_all_below(mesh->indices, mesh->index_count, mesh->vertex_count) ? STILB_OK
+	                                                                              : stream_wrong("triangles");
+}
+
+static stilb_result stream_read_texture(scene_stream *stream, stilb_image *texture)
+{
+	stilb_image shape;
+	if (!stream_get(stream, &shape, sizeof shape))
+		return stream_broken();
+	stilb_result result = stilb_image_create(texture, shape.width, shape.height, shape.channels, shape.format);
+	if (result != STILB_OK)
+		return result;
+	return stream_get(stream, texture->pixels, stilb_image_size(texture)) ? STILB_OK : stream_broken();
+}
+
+static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
+{
+	stream_array arrays[STREAM_ARRAYS];
+	stream_arrays(scene, arrays);
+	bool good = stream_get(stream, &scene->sun, sizeof scene->sun) &&
+	            stream_get(stream, &scene->sky, sizeof scene->sky) &&
+	            stream_get(stream, &scene->camera, sizeof scene->camera);
+	for (int i = 0; good && i < STREAM_ARRAYS; i++)
+		good = stream_get(stream, arrays[i].data, arrays[i].size);
+	if (!good)
+		return stream_broken();
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; result == STILB_OK && i < scene->mesh_count; i++)
+		result = stream_read_mesh(stream, &scene->meshes[i]);
+	for (uint32_t i = 0; result == STILB_OK && i < scene->texture_count; i++)
+		result = stream_read_texture(stream, &scene->textures[i]);
+	return result;
+}
+
+/* What indexes what. */
+static stilb_result stream_check(const stilb_scene *scene)
+{
+	bool rising = scene->first_part[0] == 0 && scene->first_part[scene->model_count] == scene->part_count;
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		rising &= scene->first_part[m] <= scene->first_part[m + 1];
+	if (!rising || !stream_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) ||
+	    !stream_all_below(scene->part_material, scene->part_count, scene->material_count))
+		return stream_wrong("parts");
+	for (uint32_t m = 0; m < scene->material_count; m++)
+		if (scene->materials[m].diffuse_texture > scene->texture_count)
+			return stream_wrong("textures");
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		if ((unsigned)scene->lights[i].kind > STILB_SCENE_LIGHT_DIRECTIONAL)
+			return stream_wrong("lights");
+	return STILB_OK;
+}
+
+stilb_result scene_stream_read(scene_stream *stream, stilb_scene **out)
+{
+	stream_counts counts;
+	stilb_scene *scene = NULL;
+	*out = NULL;
+	if (!stream_get(stream, &counts, sizeof counts))
+		return stream_broken();
+	if (!stream_counts_can_be(&counts))
+		return stilb_fail(STILB_ERROR_FILE, "the scene has more than %u of something", STILB_SCENE_MAX_MODELS);
+	stilb_result result = scene_create(counts.models, counts.parts, counts.meshes, counts.materials, &scene);
+	if (result == STILB_OK)
+		result = scene_add_textures(scene, counts.textures);
+	if (result == STILB_OK)
+		result = scene_add_lights(scene, counts.lights);
+	if (result == STILB_OK)
+		result = stream_read_into(stream, scene);
+	if (result == STILB_OK)
+		result = stream_check(scene);
+	if (result != STILB_OK) {
+		stilb_scene_destroy(scene);
+		return result;
+	}
+	*out = scene;
+	return STILB_OK;
+}

@@ -1,0 +1,217 @@
+/* stilb demo: the stress test, in a window or headless. */
+#include "demo_gamepads.h"
+#include "demo_options.h"
+#include "demo_report.h"
+#include "demo_track.h"
+#include "game/cli/stage_times.h"
+#include "game/commands.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DEMO_FRAMES 120u /* headless */
+#define DEMO_TRACE_FRAMES 1000u
+#define DEMO_VIEWS 3u /* stilb_scene_stress_view */
+
+typedef struct demo_run {
+	demo_options options;
+	stilb_engine *engine;
+	stilb_engine_report report; /* of the last frame drawn */
+	stage_times times;
+	uint64_t frames; /* drawn */
+	demo_track track;
+	demo_gamepads gamepads;
+	int view; /* as stilb_scene_stress_view */
+	bool window;
+	int capture_error; /* of the last capture; the capturing thread's until the engine is gone */
+	bool capture_failed;
+} demo_run;
+
+static volatile sig_atomic_t demo_interrupted;
+
+static void demo_on_signal(int signal_number)
+{
+	(void)signal_number;
+	demo_interrupted = 1; /* the loop ends, and what was asked for is written */
+}
+
+/* Called on the capturing thread. A disk that is full is said once, not for every slow frame. */
+static void demo_on_captured(void *user, const stilb_prof_captured *captured)
+{
+	demo_run *run = user;
+	FILE *out = demo_options_words(&run->options);
+	if (captured->error == 0 && captured->cause == STILB_PROF_CAUSE_SPIKE)
+		fprintf(out, "trace: %s, frame %" PRIu64 " took %.1f ms\n", captured->path, captured->frame,
+		        captured->frame_ms);
+	else if (captured->error == 0)
+		fprintf(out, "trace: %s\n", captured->path);
+	else if (captured->error != run->capture_error)
+		stilb_log("cannot write '%s': %s", captured->path, strerror(-captured->error));
+	fflush(out);
+	run->capture_error = captured->error;
+	run->capture_failed |= captured->error != 0;
+}
+
+/* Without a display the stress test runs headless. */
+static stilb_result demo_start(demo_run *run)
+{
+	stilb_engine_desc desc = demo_options_engine(&run->options);
+	desc.capture.done = demo_on_captured;
+	desc.capture.user = run;
+	stilb_result result = stilb_engine_create(&desc, &run->engine);
+	if (result == STILB_ERROR_WINDOW) {
+		stilb_log("%s; running headless", stilb_error_message());
+		desc.window = false;
+		result = stilb_engine_create(&desc, &run->engine);
+	}
+	run->window = desc.window;
+	return result;
+}
+
+static void demo_say_result(const demo_run *run, stilb_result result, const char *what, const char *path)
+{
+	if (result == STILB_OK)
+		fprintf(demo_options_words(&run->options), "%s: %s\n", what, path);
+	else
+		stilb_log("%s", stilb_error_message());
+}
+
+/* What keys and gamepads asked for. A file that cannot be written is said and does not end the run. */
+static stilb_result demo_act(demo_run *run, const stilb_engine_report *report)
+{
+	if (report->input.capture && stilb_engine_capture(run->engine) != STILB_OK)
+		stilb_log("%s", stilb_error_message());
+	if (report->input.screenshot) {
+		const char *path = run->options.screenshot ? run->options.screenshot : DEMO_PICTURE;
+		demo_say_result(run, stilb_engine_screenshot(run->engine, path), "picture", path);
+	}
+	if (report->input.next_view % DEMO_VIEWS > 0) {
+		run->view = (int)(((uint32_t)run->view + report->input.next_view) % DEMO_VIEWS);
+		stilb_engine_set_view(run->engine, (stilb_scene_stress_view)run->view);
+	}
+	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + report->input.workers;
+	workers = workers < 0 ? 0 : workers > STILB_JOB_MAX_WORKERS ? STILB_JOB_MAX_WORKERS : workers;
+	if (workers == (int64_t)stilb_engine_workers(run->engine))
+		return STILB_OK;
+	fprintf(demo_options_words(&run->options), "workers: %" PRId64 "\n", workers);
+	return stilb_engine_set_workers(run->engine, (uint32_t)workers);
+}
+
+/* Twice a second the window's title says how it goes. */
+static void demo_title(demo_run *run, uint64_t *last)
+{
+	uint64_t now = stilb_time_ns();
+	char title[160];
+	if (!run->window || now - *last < 500000000u)
+		return;
+	*last = now;
+	uint32_t workers = stilb_engine_workers(run->engine);
+	snprintf(title, sizeof title, "Stilb: %u of %" PRIu64 " models, %u worker%s, frame %.1f ms", run->report.visible,
+	         run->options.models, workers, workers == 1 ? "" : "s", run->report.times.frame);
+	stilb_engine_set_title(run->engine, title);
+}
+
+static stilb_result demo_loop(demo_run *run)
+{
+	uint64_t wanted = run->options.frames, last_title = 0;
+	stilb_engine_report report = {0};
+	/* A recording is flown to its end when there is nobody who would close a window. */
+	const bool whole = wanted == 0 && !run->window && demo_options_is_replay(&run->options);
+	if (wanted == 0)
+		wanted = run->window || whole ? UINT64_MAX : DEMO_FRAMES;
+	while (run->frames < wanted && !demo_interrupted && !report.close && !(whole && report.replayed)) {
+		stilb_result result = demo_act(run, &report); /* what the frame before was asked for */
+		if (result == STILB_OK)
+			result = stilb_engine_frame(run->engine, &report);
+		if (result != STILB_OK)
+			return result;
+		if (report.drawn) {
+			run->report = report;
+			run->frames++;
+			demo_track_add(&run->track, run->engine, &report);
+			if (!stage_times_add(&run->times, &report.times))
+				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
+		}
+		demo_gamepads_say(&run->gamepads, run->engine, report.replayed, demo_options_words(&run->options));
+		demo_title(run, &last_title);
+	}
+	return STILB_OK;
+}
+
+/* Writes what was asked for, prints the summary. All is tried, also after a failure. */
+static bool demo_finish(demo_run *run)
+{
+	const demo_options *o = &run->options;
+	demo_report report = {.options = o, .engine = run->engine, .last = run->report, .frames = run->frames};
+	double gpu_ms;
+	stilb_result waited = stilb_engine_wait(run->engine, &gpu_ms);
+	if (waited != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return false;
+	}
+	stage_times_last_gpu(&run->times, gpu_ms);
+	bool good = stage_times_summarise(&run->times, report.summary, &report.warmup);
+	if (!good)
+		stilb_log("no memory to sort the stage times: they are given as 0");
+	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK, track = STILB_OK;
+	if (o->screenshot)
+		demo_say_result(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);
+	if (o->trace)
+		demo_say_result(run, trace = stilb_engine_trace(run->engine, o->trace, DEMO_TRACE_FRAMES), "trace", o->trace);
+	if (o->stats)
+		demo_say_result(run, stats = demo_report_save(&report), "stats", o->stats);
+	if (o->dump)
+		demo_say_result(run, dump = stilb_engine_dump(run->engine, o->dump), "dump", o->dump);
+	if (o->track)
+		demo_say_result(run, track = demo_track_save(&run->track), "track", o->track);
+	demo_report_print(&report);
+	uint32_t messages = stilb_engine_validation_messages(run->engine);
+	if (messages > 0)
+		stilb_log("the validation layer had %u message%s", messages, messages == 1 ? "" : "s");
+	return good && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK && dump == STILB_OK &&
+	       track == STILB_OK && messages == 0;
+}
+
+static int demo_main(demo_run *run)
+{
+	if (demo_start(run) != STILB_OK ||
+	    (run->options.track && demo_track_open(&run->track, run->options.track) != STILB_OK)) {
+		stilb_log("%s", stilb_error_message());
+		return EXIT_FAILED;
+	}
+	const struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
+	sigaction(SIGINT, &once, NULL);
+	sigaction(SIGTERM, &once, NULL);
+	if (run->options.no_profile)
+		signal(SIGUSR1, SIG_IGN); /* asks for a capture, which there is none of; it would kill */
+	if (run->window)
+		fprintf(demo_options_words(&run->options), DEMO_KEYS ";\nclose the window to end\n");
+	fflush(stdout);
+	if (demo_loop(run) != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return EXIT_FAILED;
+	}
+	if (run->frames == 0) {
+		stilb_log("no frame was drawn");
+		return EXIT_FAILED;
+	}
+	return demo_finish(run) ? EXIT_DONE : EXIT_FAILED;
+}
+
+int demo_command(int argc, char **argv)
+{
+	demo_run run = {.options = demo_options_default()};
+	flags_result parsed = demo_options_parse(&run.options, argc, argv);
+	if (parsed == FLAGS_HELP)
+		return EXIT_DONE;
+	if (parsed == FLAGS_REFUSED || !demo_options_check(&run.options))
+		return EXIT_REFUSED;
+	run.view = run.options.view;
+	int code = demo_main(&run);
+	demo_track_finish(&run.track);
+	stilb_engine_destroy(run.engine); /* writes captures that were asked for */
+	stage_times_finish(&run.times);
+	return code == EXIT_DONE && run.capture_failed ? EXIT_FAILED : code;
+}

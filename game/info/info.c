@@ -1,0 +1,140 @@
+/* stilb info: what this machine offers. */
+#include "game/cli/flags.h"
+#include "game/commands.h"
+
+#include "base/base_file.h"
+#include "base/base_json.h"
+#include "engine.h"
+#include "gi/gi_scene.h"
+
+#include <stdio.h>
+
+#define INFO_MAX_GPUS 32u
+#define INFO_LIBRARIES (STILB_ENGINE_LIBRARIES + 2)
+
+typedef struct info_machine {
+	stilb_cpu_features cpu;
+	uint32_t cpus; /* usable by this process */
+	stilb_render_gpu gpus[INFO_MAX_GPUS];
+	uint32_t gpu_count;
+	const char *gpu_error; /* NULL when there is Vulkan */
+	stilb_engine_library libraries[INFO_LIBRARIES];
+	uint32_t library_count;
+} info_machine;
+
+typedef struct info_feature {
+	const char *name;
+	bool there;
+} info_feature;
+
+#define INFO_FEATURES 6
+
+static void info_cpu_features(const stilb_cpu_features *cpu, info_feature features[INFO_FEATURES])
+{
+	features[0] = (info_feature){"sse4.2", cpu->sse42};
+	features[1] = (info_feature){"avx2", cpu->avx2};
+	features[2] = (info_feature){"fma", cpu->fma};
+	features[3] = (info_feature){"f16c", cpu->f16c};
+	features[4] = (info_feature){"avx512", cpu->avx512};
+	features[5] = (info_feature){"invariant_tsc", cpu->invariant_tsc};
+}
+
+static void info_query(info_machine *machine)
+{
+	machine->cpu = stilb_cpu_query();
+	machine->cpus = stilb_job_cpu_count();
+	if (stilb_render_gpu_list(machine->gpus, INFO_MAX_GPUS, &machine->gpu_count) != STILB_OK)
+		machine->gpu_error = stilb_error_message();
+	machine->library_count = stilb_engine_libraries(machine->libraries);
+	machine->libraries[machine->library_count++] = (stilb_engine_library){"Embree", stilb_gi_library_version()};
+	machine->libraries[machine->library_count++] = (stilb_engine_library){"Assimp", stilb_scene_library_version()};
+}
+
+static void info_print(FILE *out, const info_machine *machine)
+{
+	info_feature features[INFO_FEATURES];
+	info_cpu_features(&machine->cpu, features);
+	fprintf(out, "Stilb " STILB_VERSION "\n\nCPU: %s, %u usable\n    ", machine->cpu.name, machine->cpus);
+	for (int i = 0; i < INFO_FEATURES; i++)
+		fprintf(out, " %s%s", features[i].there ? "" : "no-", features[i].name);
+	fprintf(out, "\n\nGPUs (--gpu takes the number or a part of the name):\n");
+	for (uint32_t i = 0; i < machine->gpu_count; i++) {
+		const stilb_render_gpu *gpu = &machine->gpus[i];
+		fprintf(out, "  %u  %s, %s, Vulkan %s\n     %s\n", i, gpu->name, gpu->type, gpu->api_version, gpu->driver);
+		if (gpu->missing)
+			fprintf(out, "     cannot run Stilb: it lacks %s\n", gpu->missing);
+	}
+	if (machine->gpu_error)
+		fprintf(out, "  none: %s\n", machine->gpu_error);
+	fprintf(out, "\nLibraries:\n");
+	for (uint32_t i = 0; i < machine->library_count; i++)
+		fprintf(out, "  %-14s %s\n", machine->libraries[i].name, machine->libraries[i].version);
+}
+
+static void info_json_gpus(stilb_json *json, const info_machine *machine)
+{
+	stilb_json_begin(json, "gpus", '[');
+	for (uint32_t i = 0; i < machine->gpu_count; i++) {
+		const stilb_render_gpu *gpu = &machine->gpus[i];
+		stilb_json_begin(json, NULL, '{');
+		stilb_json_string(json, "name", gpu->name);
+		stilb_json_string(json, "type", gpu->type);
+		stilb_json_string(json, "driver", gpu->driver);
+		stilb_json_string(json, "vulkan", gpu->api_version);
+		stilb_json_string(json, "missing", gpu->missing ? gpu->missing : "");
+		stilb_json_end(json, '}');
+	}
+	stilb_json_end(json, ']');
+}
+
+static stilb_result info_save(const info_machine *machine, const char *path)
+{
+	info_feature features[INFO_FEATURES];
+	info_cpu_features(&machine->cpu, features);
+	stilb_json json = {0};
+	stilb_json_begin(&json, NULL, '{');
+	stilb_json_string(&json, "version", STILB_VERSION);
+	stilb_json_begin(&json, "cpu", '{');
+	stilb_json_string(&json, "name", machine->cpu.name);
+	stilb_json_int(&json, "usable", machine->cpus);
+	stilb_json_begin(&json, "features", '{');
+	for (int i = 0; i < INFO_FEATURES; i++)
+		stilb_json_bool(&json, features[i].name, features[i].there);
+	stilb_json_end(&json, '}');
+	stilb_json_end(&json, '}');
+	info_json_gpus(&json, machine);
+	stilb_json_begin(&json, "libraries", '{');
+	for (uint32_t i = 0; i < machine->library_count; i++)
+		stilb_json_string(&json, machine->libraries[i].name, machine->libraries[i].version);
+	stilb_json_end(&json, '}');
+	stilb_json_end(&json, '}');
+	return stilb_json_save(&json, path);
+}
+
+int info_command(int argc, char **argv)
+{
+	const char *path = NULL;
+	const flag flags[] = {
+		{"--json", FLAG_TEXT, &path, "FILE", "the same as JSON; - is standard output", 0, 0, NULL},
+	};
+	flags_result parsed = flags_parse(flags, 1, argc, argv);
+	if (parsed == FLAGS_HELP) {
+		printf("stilb info: what this machine offers: CPU features, GPUs, libraries.\n\n");
+		flags_print(flags, 1);
+		return EXIT_DONE;
+	}
+	if (parsed == FLAGS_REFUSED)
+		return EXIT_REFUSED;
+	if (path && stilb_file_check(path) != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return EXIT_REFUSED;
+	}
+	static info_machine machine;
+	info_query(&machine);
+	info_print(path && stilb_file_is_stdout(path) ? stderr : stdout, &machine);
+	if (path && info_save(&machine, path) != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return EXIT_FAILED;
+	}
+	return EXIT_DONE;
+}

@@ -1,0 +1,252 @@
+/* stilb render: a picture by ray tracing, with the progress of it, and in a window if that is wanted. */
+#include "game/commands.h"
+#include "render_options.h"
+#include "render_progress.h"
+#include "render_report.h"
+#include "render_work.h"
+
+#include "profiler/prof.h"
+#include "viewer.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#define RENDER_TICK 0.1           /* seconds between two looks at the work */
+#define RENDER_PREVIEW_SHARE 0.04 /* of the time, for the window's pictures */
+#define RENDER_MANY_RAYS 1e10     /* of montecarlo: more need --force; minutes to hours */
+
+static volatile sig_atomic_t render_interrupted;
+
+static void render_on_signal(int signal_number)
+{
+	(void)signal_number;
+	render_interrupted = 1; /* what there is is written */
+}
+
+/* A second one kills. What goes on when its terminal has gone (nohup) does so. */
+static void render_catch_signals(void)
+{
+	static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+	const struct sigaction once = {.sa_handler = render_on_signal, .sa_flags = SA_RESETHAND};
+	for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+		struct sigaction before;
+		const bool nohup =
+			signals[i] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
+		if (!nohup)
+			sigaction(signals[i], &once, NULL);
+	}
+}
+
+/* ---- the window ---------------------------------------------------------------------------------------------------- */
+
+/* {0}: there is none. */
+typedef struct render_window {
+	stilb_engine_viewer *viewer;
+	float *radiance;
+	uint8_t *srgb;
+	size_t pixels;
+	float exposure;
+	uint64_t next_ns; /* when the picture is taken again */
+	bool closed;
+} render_window;
+
+static void render_window_finish(render_window *window)
+{
+	stilb_engine_viewer_destroy(window->viewer);
+	free(window->radiance);
+	free(window->srgb);
+	*window = (render_window){0};
+}
+
+/* Without a window all goes on. */
+static void render_window_open(render_window *window, const render_options *o)
+{
+	char title[160];
+	snprintf(title, sizeof title, "Stilb: %s", o->scene);
+	const stilb_engine_viewer_desc desc = {.title = title, .width = o->size[0], .height = o->size[1], .window = true};
+	*window = (render_window){.pixels = (size_t)o->size[0] * o->size[1], .exposure = o->exposure};
+	window->radiance = calloc(window->pixels, 3 * sizeof *window->radiance);
+	window->srgb = calloc(window->pixels, 3);
+	stilb_result result = window->radiance && window->srgb
+	                          ? stilb_engine_viewer_create(&desc, &window->viewer)
+	                          : stilb_fail(STILB_ERROR_MEMORY, "no memory for the preview");
+	if (result == STILB_OK)
+		return;
+	stilb_log("%s; rendering without a preview", stilb_error_message());
+	render_window_finish(window);
+}
+
+/* Takes the picture, at times that leave the processors to the work. */
+static void render_window_refresh(render_window *window, render_work *work)
+{
+	const uint64_t start = stilb_time_ns();
+	if (start < window->next_ns || !render_work_preview(work, window->radiance))
+		return;
+	stilb_gi_display(window->radiance, window->pixels, window->exposure, window->srgb);
+	stilb_engine_viewer_picture(window->viewer, window->srgb);
+	const uint64_t now = stilb_time_ns();
+	window->next_ns = now + (uint64_t)((double)(now - start) / RENDER_PREVIEW_SHARE);
+}
+
+/* A window that fails is said and closed, and the work goes on. */
+static void render_window_frame(render_window *window, const char *words, double seconds)
+{
+	stilb_result result = stilb_engine_viewer_frame(window->viewer, words, seconds, &window->closed);
+	if (result == STILB_OK)
+		return;
+	render_progress_clear();
+	stilb_log("%s; rendering on without a preview", stilb_error_message());
+	render_window_finish(window);
+}
+
+/* ---- beside the work ----------------------------------------------------------------------------------------------- */
+
+static void render_sleep(double seconds)
+{
+	const struct timespec time = {.tv_nsec = (long)(seconds * 1e9)};
+	nanosleep(&time, NULL); /* a signal ends it */
+}
+
+/* Shows what the work does until it is done; asks it for checkpoints, and to stop. */
+static void render_attend(const render_options *o, render_work *work, render_window *window)
+{
+	render_progress progress;
+	stilb_gi_progress at;
+	render_stage stage;
+	char words[192];
+	const uint64_t between = (uint64_t)((double)o->checkpoint_s * 1e9);
+	uint64_t checkpoint_ns = stilb_time_ns();
+	render_progress_begin(&progress);
+	while ((stage = render_work_look(work, &at)) != RENDER_DONE) {
+		const uint64_t now = stilb_time_ns();
+		if (render_interrupted || window->closed)
+			render_work_stop(work);
+		else if (between > 0 && now - checkpoint_ns >= between) {
+			render_work_checkpoint(work);
+			checkpoint_ns = now;
+		}
+		render_progress_show(&progress, stage, &at);
+		if (window->viewer && !window->closed) {
+			render_progress_words(&progress, stage, &at, words, sizeof words);
+			render_window_refresh(window, work);
+			render_window_frame(window, words, RENDER_TICK);
+		} else {
+			render_sleep(RENDER_TICK);
+		}
+	}
+	if (progress.terminal)
+		render_progress_clear();
+}
+
+/* On a terminal the picture stays to be looked at. */
+static void render_linger(render_window *window, const render_result *result)
+{
+	if (!window->viewer || result->code != EXIT_DONE || !isatty(STDERR_FILENO))
+		return;
+	while (window->viewer && !window->closed && !render_interrupted)
+		render_window_frame(window, "finished; close the window to end", RENDER_TICK);
+}
+
+/* ---- the command --------------------------------------------------------------------------------------------------- */
+
+/* Rays of montecarlo, which may be more than anybody waits for. */
+static bool render_check_rays(const render_options *o)
+{
+	static const stilb_scene nothing;
+	const stilb_gi_settings settings = render_options_settings(o, &nothing);
+	if (settings.integrator != STILB_GI_INTEGRATOR_MONTECARLO || o->force)
+		return true;
+	const double rays = stilb_gi_montecarlo_rays(&settings);
+	if (rays <= RENDER_MANY_RAYS)
+		return true;
+	stilb_log(
+		"--integrator montecarlo: %.3g rays would take very long; lower --depth, --rays or --spp, or give --force",
+		rays);
+	return false;
+}
+
+static int render_dry_run(const render_options *o)
+{
+	static const stilb_scene nothing;
+	const stilb_gi_settings s = render_options_settings(o, &nothing);
+	const double pixels = (double)s.width * s.height;
+	char name[FLAG_CHOICE_SIZE];
+	printf("%s: %.0f pixels, %" PRIu32 " sample%s a pixel", flags_choice(name, render_integrators[s.integrator]),
+	       pixels, s.samples, s.samples == 1 ? "" : "s");
+	if (s.integrator == STILB_GI_INTEGRATOR_MONTECARLO)
+		printf(", %" PRIu32 " rays at each of %" PRIu32 " bounces: %.0f rays at most, and shadow rays\n", s.rays,
+		       s.depth, stilb_gi_montecarlo_rays(&s));
+	else
+		printf(": %.0f camera rays\n", pixels * s.samples);
+	return EXIT_DONE;
+}
+
+static bool render_write_stats(const render_options *o, const render_result *result)
+{
+	if (!o->stats)
+		return true;
+	if (render_report_save(o, result) == STILB_OK) {
+		fprintf(render_options_words(o), "stats: %s\n", o->stats);
+		return true;
+	}
+	stilb_log("%s", stilb_error_message());
+	return false;
+}
+
+static int render_finish(const render_options *o, const render_result *result)
+{
+	if (result->message[0])
+		stilb_log("%s", result->message);
+	if (result->code == EXIT_REFUSED)
+		return EXIT_REFUSED;
+	if (result->code == EXIT_DONE && result->progress.camera_rays == 0)
+		stilb_log("stopped before there was a picture");
+	else if (result->code == EXIT_DONE)
+		render_report_print(o, result);
+	const bool stats = render_write_stats(o, result);
+	if (o->trace && result->code == EXIT_DONE)
+		fprintf(render_options_words(o), "trace: %s\n", o->trace);
+	const bool whole = stats && (result->progress.camera_rays > 0 || !o->output);
+	return result->code == EXIT_DONE && !whole ? EXIT_FAILED : result->code;
+}
+
+static int render_main(const render_options *o)
+{
+	render_work *work;
+	render_window window = {0};
+	render_catch_signals();
+	if (render_work_start(o, &work) != STILB_OK) {
+		render_result failed = {.code = EXIT_FAILED};
+		snprintf(failed.message, sizeof failed.message, "%s", stilb_error_message());
+		return render_finish(o, &failed);
+	}
+	if (o->preview)
+		render_window_open(&window, o);
+	render_attend(o, work, &window);
+	const render_result result = render_work_join(work);
+	const int code = render_finish(o, &result);
+	fflush(stdout);
+	render_linger(&window, &result);
+	render_window_finish(&window);
+	stilb_prof_shutdown(); /* last: the window's renderer has a lane in the profile */
+	return code;
+}
+
+int render_command(int argc, char **argv)
+{
+	static render_options options;
+	flags_result parsed = render_options_parse(&options, argc, argv);
+	if (parsed == FLAGS_HELP)
+		return EXIT_DONE;
+	if (parsed == FLAGS_REFUSED || !render_options_check(&options))
+		return EXIT_REFUSED;
+	if (options.dry_run)
+		return render_dry_run(&options);
+	if (!render_check_rays(&options))
+		return EXIT_REFUSED;
+	return render_main(&options);
+}

@@ -1,0 +1,92 @@
+/*
+ * How a trace becomes a snapshot: prof_read_json.c reads JSON, prof_read_events.c makes arrays of the events as they
+ * come, prof_read_link.c puts them in order: nesting, arrows, frames, switches.
+ */
+#ifndef STILB_PROF_READ_INTERNAL_H
+#define STILB_PROF_READ_INTERNAL_H
+
+#include "profiler/prof_internal.h"
+#include "profiler/prof_snapshot.h"
+#include "profiler/read/prof_read_json.h"
+
+/* Times may lie before 0 in other programs' files. While reading they have this added, so that their order stays. */
+#define PROF_READ_ZERO (UINT64_C(1) << 62)
+
+/* Strings that stay where they are, in blocks. */
+typedef struct prof_strings {
+	struct prof_strings_block *blocks;
+	char *at;
+	size_t room;
+} prof_strings;
+
+/* One pid and tid. Zones stand as they came. Until they are linked, parent chains the open B events, and self_ns and
+ * off_cpu_ns hold begin and end in tenths of nanoseconds, modulo 2^64: a writer that has zones end before they touch
+ * may do so by less than a nanosecond. */
+typedef struct prof_read_lane {
+	uint64_t pid, tid;
+	const char *name;        /* NULL: none given */
+	const char *no_switches; /* as in stilb_prof_lane */
+	int64_t sort;
+	uint64_t kernel_tid;
+	uint64_t switches_from; /* of a thread "...: off the CPU" */
+	uint64_t switches_ns;   /* as in stilb_prof_lane */
+	bool device, used, frames;
+	uint32_t open;  /* the innermost open B, or STILB_PROF_NONE */
+	uint32_t index; /* in the snapshot, or STILB_PROF_NONE */
+	stilb_prof_zone *zones;
+	size_t zone_count, zone_capacity;
+	stilb_prof_switch *switches;
+	size_t switch_count;
+} prof_read_lane;
+
+/* One end of an arrow. */
+typedef struct prof_read_end {
+	uint64_t id, ns;
+	uint32_t lane, label;
+	uint64_t frame; /* that its f names, or UINT64_MAX */
+	char phase;
+} prof_read_end;
+
+typedef struct prof_read_mark {
+	uint64_t ns, number;
+} prof_read_mark;
+
+/* All that lives as long as the snapshot, and what is needed on the way to it. */
+typedef struct prof_read {
+	prof_memory memory;
+	prof_scan scan;
+	prof_strings strings;
+	stilb_prof_label *labels;
+	uint32_t *label_slots; /* open addressing, a power of two: 1 + the label, 0: free */
+	prof_read_lane *lanes;
+	uint32_t *lane_slots;
+	uint32_t last_lane; /* index of the lane found last */
+	stilb_prof_point *points;
+	prof_read_end *ends;
+	prof_read_mark *marks;
+	size_t label_count, label_capacity, label_slot_count, lane_count, lane_capacity, lane_slot_count;
+	size_t point_count, point_capacity, end_count, end_capacity, mark_count, mark_capacity;
+	stilb_prof_lane *out_lanes;
+	stilb_prof_frame *out_frames;
+	stilb_prof_flow *out_flows;
+	size_t out_lane_count, out_frame_count, out_flow_count;
+	uint64_t first_ns, last_ns; /* of all times */
+	stilb_prof_snapshot header; /* what otherData says; clock is NULL without it */
+	uint64_t header_begin_ns, header_end_ns;
+	bool no_memory;
+} prof_read;
+
+/* Copies size bytes, which end up before a 0; NULL: no memory. */
+char *prof_strings_add(prof_strings *strings, const char *text, size_t size);
+void prof_strings_free(prof_strings *strings);
+
+/* NULL: there is none. */
+prof_read_lane *prof_read_lane_find(prof_read *read, uint64_t pid, uint64_t tid);
+
+/* The whole text into the arrays. False: read->scan says what is wrong, or read->no_memory is set. */
+bool prof_read_events(prof_read *read);
+
+/* The arrays into a snapshot. False: no memory. */
+bool prof_read_link(prof_read *read, stilb_prof_snapshot *snapshot);
+
+#endif

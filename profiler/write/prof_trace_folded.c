@@ -1,0 +1,128 @@
+/* Folded stacks: the zones of all frames merged into one tree for each lane, one line for each node that has time of
+ * its own. */
+#include "profiler/prof_internal.h"
+#include "profiler/write/prof_text.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FOLDED_NONE UINT32_MAX
+
+typedef struct folded_node {
+	uint32_t parent; /* FOLDED_NONE: the node is a lane */
+	uint32_t label;  /* or the lane's index */
+	uint64_t self_ns;
+} folded_node;
+
+typedef struct folded {
+	const stilb_prof_snapshot *snapshot;
+	folded_node *nodes; /* parents first */
+	uint32_t count, capacity;
+	uint32_t *slots;   /* an open hash table of nodes, FOLDED_NONE where empty; twice the capacity, a power of two */
+	uint32_t *of_zone; /* the nodes of the lane's zones */
+} folded;
+
+static uint32_t *folded_slot(const folded *f, uint32_t parent, uint32_t label)
+{
+	const uint32_t mask = 2 * f->capacity - 1;
+	const uint64_t key = (uint64_t)parent << 32 | label;
+	uint32_t at = (uint32_t)(key * UINT64_C(0x9e3779b97f4a7c15) >> 32) & mask; /* Fibonacci hashing */
+	while (f->slots[at] != FOLDED_NONE &&
+	       (f->nodes[f->slots[at]].parent != parent || f->nodes[f->slots[at]].label != label))
+		at = (at + 1) & mask;
+	return &f->slots[at];
+}
+
+static bool folded_grow(folded *f)
+{
+	const uint32_t capacity = f->capacity > 0 ? 2 * f->capacity : 256;
+	folded_node *nodes = realloc(f->nodes, capacity * sizeof *nodes);
+	if (nodes != NULL)
+		f->nodes = nodes;
+	uint32_t *slots = realloc(f->slots, 2 * (size_t)capacity * sizeof *slots);
+	if (slots != NULL)
+		f->slots = slots;
+	if (nodes == NULL || slots == NULL)
+		return false;
+	f->capacity = capacity;
+	memset(slots, 0xff, 2 * (size_t)capacity * sizeof *slots);
+	for (uint32_t i = 0; i < f->count; i++)
+		*folded_slot(f, nodes[i].parent, nodes[i].label) = i;
+	return true;
+}
+
+/* FOLDED_NONE: no memory. */
+static uint32_t folded_node_of(folded *f, uint32_t parent, uint32_t label)
+{
+	if (f->count == f->capacity && !folded_grow(f))
+		return FOLDED_NONE;
+	uint32_t *slot = folded_slot(f, parent, label);
+	if (*slot == FOLDED_NONE) {
+		*slot = f->count;
+		f->nodes[f->count++] = (folded_node){.parent = parent, .label = label};
+	}
+	return *slot;
+}
+
+static bool folded_lane(folded *f, uint32_t index)
+{
+	const stilb_prof_lane *lane = &f->snapshot->lanes[index];
+	const uint32_t root = folded_node_of(f, FOLDED_NONE, index);
+	uint32_t *of_zone = realloc(f->of_zone, ((size_t)lane->zone_count + 1) * sizeof *of_zone);
+	if (of_zone != NULL)
+		f->of_zone = of_zone;
+	if (root == FOLDED_NONE || of_zone == NULL)
+		return false;
+	for (uint32_t i = 0; i < lane->zone_count; i++) {
+		const stilb_prof_zone *zone = &lane->zones[i];
+		prof_give_way(i);
+		of_zone[i] = folded_node_of(f, zone->parent < i ? of_zone[zone->parent] : root, zone->label);
+		if (of_zone[i] == FOLDED_NONE)
+			return false;
+		f->nodes[of_zone[i]].self_ns += zone->self_ns;
+	}
+	return true;
+}
+
+/* ';' divides the names of a line, and a line ends at its end. */
+static void folded_name(prof_text *text, const char *name)
+{
+	for (const char *at = name; *at != 0; at++)
+		prof_text_bytes(text, *at == ';' ? "," : *at == '\n' || *at == '\r' ? " " : at, 1);
+}
+
+static void folded_line(const folded *f, uint32_t node, prof_text *text, uint32_t *path)
+{
+	uint32_t depth = 0;
+	for (uint32_t i = node; i != FOLDED_NONE; i = f->nodes[i].parent)
+		path[depth++] = i;
+	folded_name(text, f->snapshot->lanes[f->nodes[path[--depth]].label].name);
+	while (depth-- > 0) {
+		prof_text_bytes(text, ";", 1);
+		folded_name(text, f->snapshot->labels[f->nodes[path[depth]].label].name);
+	}
+	prof_text_bytes(text, " ", 1);
+	prof_text_u64(text, f->nodes[node].self_ns);
+	prof_text_bytes(text, "\n", 1);
+}
+
+int stilb_prof_trace_write_folded(const stilb_prof_snapshot *snapshot, stilb_prof_sink sink)
+{
+	folded f = {.snapshot = snapshot};
+	prof_text *text = prof_text_create(sink);
+	bool good = text != NULL;
+	for (uint32_t i = 0; i < snapshot->lane_count && good; i++)
+		good = folded_lane(&f, i);
+	uint32_t *path = good ? malloc(((size_t)f.count + 1) * sizeof *path) : NULL;
+	for (uint32_t i = 0; path != NULL && i < f.count && text->error == 0; i++)
+		if (f.nodes[i].self_ns > 0)
+			folded_line(&f, i, text, path);
+	good = path != NULL;
+	free(path);
+	free(f.of_zone);
+	free(f.slots);
+	free(f.nodes);
+	return prof_text_finish(text, good ? 0 : -ENOMEM);
+}

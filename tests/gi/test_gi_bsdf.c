@@ -1,0 +1,232 @@
+/* What paths scatter: every model of the catalogue through gi_bsdf: its samples, their weights and its density say the same, a
+ * white surface gives back what quadrature says, light goes both ways alike, and nothing comes from below the surface. */
+#include "support/shade_proof.h"
+
+#include "gi/sample/gi_bsdf.h"
+#include "numeric/numeric_catalog.h"
+
+#include <stdio.h>
+
+static const shade_brdf_model lambert = {.kind = SHADE_BRDF_LAMBERT};
+
+/* Leaning, so that no axis of the world is one of the frame. */
+static stilb_vec3 test_normal(void)
+{
+	return stilb_vec3_normalize(stilb_vec3_make(0.3f, 0.8f, -0.5f));
+}
+
+static gi_surface make_surface(float diffuse, float specular, float roughness, float anisotropy)
+{
+	return (gi_surface){.geometric = test_normal(),
+	                    .normal = test_normal(),
+	                    .diffuse = stilb_vec3_make(diffuse, diffuse, diffuse),
+	                    .specular = stilb_vec3_make(specular, specular, specular),
+	                    .roughness = roughness,
+	                    .anisotropy = anisotropy};
+}
+
+/* At this angle from the normal, and around it from the tangent that gi_bsdf takes. */
+static stilb_vec3 direction_at(stilb_numeric_angles angles)
+{
+	stilb_vec3 n = test_normal();
+	shade_frame frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
+	double sine = sin(angles.polar);
+	return shade_frame_to_world(frame, stilb_vec3_make((float)(sine * cos(angles.azimuth)),
+	                                                   (float)(sine * sin(angles.azimuth)), (float)cos(angles.polar)));
+}
+
+typedef void row_check(const stilb_numeric_row *row);
+
+static void each_brdf(row_check *check)
+{
+	size_t count, seen = 0;
+	const stilb_numeric_row *rows = stilb_numeric_catalog(&count);
+	for (size_t i = 0; i < count; i++)
+		if (rows[i].kind == STILB_NUMERIC_BRDF && rows[i].model.kind != SHADE_BRDF_WRAPPED) {
+			check(&rows[i]);
+			seen++;
+		}
+	assert_true(seen > 30);
+}
+
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
+
+typedef struct estimate {
+	double sum, sum2, largest;
+	int count;
+} estimate;
+
+static void estimate_add(estimate *to, double value)
+{
+	to->sum += value;
+	to->sum2 += value * value;
+	to->largest = fmax(to->largest, value);
+	to->count++;
+}
+
+static double estimate_mean(const estimate *of)
+{
+	return of->sum / of->count;
+}
+
+static double estimate_sigma(const estimate *of)
+{
+	double mean = estimate_mean(of);
+	return sqrt(fmax(of->sum2 / of->count - mean * mean, 0.0) / of->count);
+}
+
+static bool draw(const gi_bsdf *bsdf, shade_proof_random *random, gi_bsdf_sample *chosen)
+{
+	float u_lobe = shade_proof_uniform(random);
+	stilb_vec2 u = {shade_proof_uniform(random), shade_proof_uniform(random)};
+	return gi_bsdf_sample_direction(bsdf, u_lobe, u, chosen);
+}
+
+/* A highlight alone, F0 = 1, under light from everywhere: the mean weight is the albedo. */
+static void check_furnace(const stilb_numeric_row *row)
+{
+	static const float roughnesses[] = {0.15f, 0.5f, 1.0f};
+	static const double polars[] = {0.0, 0.8, 1.4};
+	shade_proof_random random = {.seed = 3};
+	for (int r = 0; r < 3; r++)
+		for (int p = 0; p < 3; p++) {
+			const stilb_numeric_angles view = {polars[p], 0.7};
+			float anisotropy = row->model.ndf == SHADE_NDF_GGX_ANISOTROPIC ? 0.4f : 0.0f;
+			gi_surface surface = make_surface(0.0f, 1.0f, roughnesses[r], anisotropy);
+			if (row->model.kind == SHADE_BRDF_LAMBERT)
+				surface.diffuse = surface.specular;
+			gi_bsdf bsdf = gi_bsdf_make(&row->model, &surface, direction_at(view));
+			estimate albedo = {0};
+			for (int i = 0; i < 2000; i++) {
+				gi_bsdf_sample chosen;
+				estimate_add(&albedo, draw(&bsdf, &random, &chosen) ? (double)chosen.weight[0] : 0.0);
+			}
+			const shade_brdf_parameters white = stilb_numeric_white(roughnesses[r], anisotropy);
+			double truth = stilb_numeric_albedo_of_view(&row->model, &white, view);
+			double off = fabs(estimate_mean(&albedo) - truth);
+			if (!(off <= 4.5 * estimate_sigma(&albedo) + 1e-3))
+				fail_msg("%s, roughness %g, %g rad: albedo %.4f, not %.4f: %.1f sigma", row->name,
+				         (double)roughnesses[r], polars[p], estimate_mean(&albedo), truth,
+				         off / estimate_sigma(&albedo));
+			/* Not much more than a mirror sends back: no fireflies. */
+			if (row->conserving && !(albedo.largest <= 8.0))
+				fail_msg("%s, roughness %g, %g rad: a weight of %g", row->name, (double)roughnesses[r], polars[p],
+				         albedo.largest);
+		}
+}
+
+static void white_surfaces_give_back_their_albedo(void **state)
+{
+	(void)state;
+	each_brdf(check_furnace);
+}
+
+/* Of a diffuse surface with a highlight: weight x density is the BSDF, and what divides by the density integrates: the mean of
+ * cos / pdf over the samples is the integral of cos, pi. */
+static void check_samples(const stilb_numeric_row *row)
+{
+	shade_proof_random random = {.seed = 5};
+	estimate projected = {0};
+	gi_surface surface = make_surface(0.4f, 0.5f, 0.4f, 0.3f);
+	gi_bsdf bsdf = gi_bsdf_make(&row->model, &surface, direction_at((stilb_numeric_angles){0.9, 2.0}));
+	for (int i = 0; i < 4000; i++) {
+		gi_bsdf_sample chosen;
+		if (!draw(&bsdf, &random, &chosen)) {
+			estimate_add(&projected, 0.0);
+			continue;
+		}
+		stilb_vec3 want = gi_bsdf_cos(&bsdf, chosen.direction);
+		SHADE_PROOF_NEAR(chosen.weight[0] * chosen.pdf, want[0], 1e-4, 1e-7);
+		SHADE_PROOF_NEAR(gi_bsdf_pdf(&bsdf, chosen.direction), chosen.pdf, 1e-3, 1e-6);
+		estimate_add(&projected, (double)(stilb_vec3_dot(test_normal(), chosen.direction) / chosen.pdf));
+	}
+	SHADE_PROOF_NEAR(estimate_mean(&projected), M_PI, 0.0, 4.5 * estimate_sigma(&projected) + 1e-4);
+}
+
+static void samples_weights_and_densities_agree(void **state)
+{
+	(void)state;
+	each_brdf(check_samples);
+}
+
+/* No rounding: what makes a furnace of diffuse walls exact to the last bounce. */
+static void diffuse_weights_are_the_reflectance(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 9};
+	gi_surface surface = make_surface(0.37f, 0.0f, 0.5f, 0.0f);
+	gi_bsdf bsdf = gi_bsdf_make(&lambert, &surface, test_normal());
+	for (int i = 0; i < 1000; i++) {
+		gi_bsdf_sample chosen;
+		if (!draw(&bsdf, &random, &chosen))
+			continue;
+		assert_true(chosen.weight[0] == 0.37f);
+		SHADE_PROOF_NEAR(stilb_vec3_dot(chosen.direction, chosen.direction), 1.0, 1e-6, 0.0);
+	}
+}
+
+/* ---- symmetry and sides ------------------------------------------------------------------------------------------ */
+
+static void check_reciprocity(const stilb_numeric_row *row)
+{
+	shade_proof_random random = {.seed = 11};
+	double largest = 0.0;
+	for (int i = 0; i < 300; i++) {
+		gi_surface surface = make_surface(0.3f, 0.6f, shade_proof_range(&random, 0.1f, 1.0f), 0.3f);
+		stilb_vec3 v = shade_proof_random_above(&random, test_normal());
+		stilb_vec3 l = shade_proof_random_above(&random, test_normal());
+		gi_bsdf to_v = gi_bsdf_make(&row->model, &surface, v), to_l = gi_bsdf_make(&row->model, &surface, l);
+		double there = (double)(gi_bsdf_cos(&to_v, l)[0] / stilb_vec3_dot(test_normal(), l));
+		double back = (double)(gi_bsdf_cos(&to_l, v)[0] / stilb_vec3_dot(test_normal(), v));
+		largest = fmax(largest, fabs(there - back) / fmax(there, back));
+	}
+	if (row->reciprocal ? largest > 2e-4 : largest < 0.1)
+		fail_msg("%s: the two ways differ by %g of the larger", row->name, largest);
+}
+
+static void reciprocal_models_stay_reciprocal(void **state)
+{
+	(void)state;
+	each_brdf(check_reciprocity);
+}
+
+/* Where the shading normal leans away from the triangle's, both horizons hold. */
+static void nothing_comes_from_below(void **state)
+{
+	(void)state;
+	const shade_brdf_model ggx = stilb_numeric_catalog_find("ggx_smith_ggx")->model;
+	shade_proof_random random = {.seed = 13};
+	int below = 0;
+	for (int i = 0; i < 5000; i++) {
+		gi_surface surface = make_surface(0.5f, 0.3f, 0.8f, 0.0f);
+		surface.geometric = stilb_vec3_normalize(test_normal() + shade_proof_random_direction(&random) * 0.5f);
+		stilb_vec3 v = shade_proof_random_above(&random, surface.geometric);
+		gi_bsdf bsdf = gi_bsdf_make(i % 2 ? &ggx : &lambert, &surface, v);
+		stilb_vec3 l = shade_proof_random_direction(&random), f = gi_bsdf_cos(&bsdf, l);
+		if (stilb_vec3_dot(l, surface.geometric) <= 0.0f || stilb_vec3_dot(l, surface.normal) <= 0.0f)
+			assert_true(f[0] == 0.0f && f[1] == 0.0f && f[2] == 0.0f);
+		else
+			SHADE_PROOF_LIGHT(f[0]);
+		gi_bsdf_sample chosen;
+		if (!draw(&bsdf, &random, &chosen)) {
+			below++;
+			continue;
+		}
+		assert_true(stilb_vec3_dot(chosen.direction, surface.geometric) > 0.0f);
+		assert_true(chosen.pdf > 0.0f);
+		SHADE_PROOF_LIGHT(chosen.weight[0]);
+	}
+	assert_in_range(below, 100, 2500);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(white_surfaces_give_back_their_albedo),
+		cmocka_unit_test(samples_weights_and_densities_agree),
+		cmocka_unit_test(diffuse_weights_are_the_reflectance),
+		cmocka_unit_test(reciprocal_models_stay_reciprocal),
+		cmocka_unit_test(nothing_comes_from_below),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

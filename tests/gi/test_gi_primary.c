@@ -1,0 +1,178 @@
+/* Camera rays sixteen at a time: every instruction set gives the bits of plain C, and these are those of single rays and of
+ * gi_surface_at. */
+
+#include "gi_world_fixture.h"
+
+#include "gi/film/gi_primary.h"
+
+#define WIDTH 61u /* no multiple of anything */
+#define HEIGHT 47u
+
+static gi_primary scalar, wide;
+static uint16_t xs[GI_BATCH], ys[GI_BATCH];
+static gi_point points[GI_BATCH];
+
+/* A smooth ball, one without normals, one whose normals point inwards, a textured one and instances; and nothing behind. */
+static stilb_scene *all_kinds(void)
+{
+	static float texels[2][2][3] = {{{1.0f, 0.0f, 0.5f}, {0.0f, 1.0f, 0.2f}}, {{0.3f, 0.1f, 1.0f}, {0.9f, 1.0f, 1.0f}}};
+	static stilb_image image = {2, 2, 3, STILB_IMAGE_F32_LINEAR, texels};
+	stilb_scene *scene = world_scene(84, 4, 2);
+	for (uint32_t mesh = 0; mesh < 4; mesh++)
+		assert_int_equal(stilb_scene_mesh_sphere(mesh == 3 ? 3 : 2, &scene->meshes[mesh]), STILB_OK);
+	for (uint32_t i = 0; i < scene->meshes[1].vertex_count; i++)
+		for (int k = 0; k < 3; k++) {
+			scene->meshes[1].vertices[i].normal[k] = 0.0f;
+			scene->meshes[2].vertices[i].normal[k] *= -1.0f;
+		}
+	for (uint32_t part = 0; part < 84; part++) {
+		scene->part_mesh[part] = part < 3 ? part : 3;
+		scene->part_transform[part] =
+			stilb_mat4_scale_translate(part < 4 ? 1.0f : 0.4f, 2.2f * (float)(part % 4) - 3.3f, part < 4 ? 0.0f : 2.0f,
+		                               part < 4 ? 0.0f : -(float)part);
+	}
+	scene->part_mesh[3] = 0;
+	scene->part_material[3] = 1;
+	scene->materials[0].specular[1] = 0.25f;
+	scene->materials[1].diffuse_texture = 1;
+	scene->texture_count = 1;
+	scene->textures = &image;
+	scene->camera =
+		(stilb_scene_camera){.position = {0.0f, 0.5f, 8.0f}, .fov_y = 0.9f, .near_z = 0.1f, .far_z = 100.0f};
+	return scene;
+}
+
+static void give_back(world_fixture *world)
+{
+	world->scene->texture_count = 0;
+	world->scene->textures = NULL;
+	world_finish(world);
+}
+
+static gi_view view_of(const world_fixture *world, stilb_gi_sampler_kind sampler, stilb_gi_filter_kind filter)
+{
+	gi_view view = {.scene = world->gi, .sampler = gi_sampler_make(sampler, 5, 4)};
+	view.settings.filter = filter;
+	view.settings.width = WIDTH;
+	view.settings.height = HEIGHT;
+	return view;
+}
+
+static void batch(const gi_view *view, uint32_t first, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		xs[i] = (uint16_t)((first + i) % WIDTH);
+		ys[i] = (uint16_t)((first + i) / WIDTH % HEIGHT);
+		points[i] = gi_sampler_point(&view->sampler, xs[i], ys[i], 3);
+	}
+}
+
+static void trace(const gi_view *view, gi_camera camera, stilb_isa isa, uint32_t count, gi_primary *out)
+{
+	memset(out, 0xab, sizeof *out);
+	camera.kernels = gi_primary_kernels_for(isa);
+	gi_primary_trace(view, &camera, xs, ys, points, count, out);
+}
+
+static void assert_rows_equal(const float a[][4], const float b[][4], uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		assert_memory_equal(a[i], b[i], 3 * sizeof(float));
+}
+
+static void instruction_sets_agree(void **state)
+{
+	(void)state;
+	world_fixture world = world_trace(all_kinds(), &stilb_gi_embree, 0);
+	static const uint32_t counts[] = {1, 15, 16, 17, 500, GI_BATCH};
+	for (stilb_isa isa = STILB_ISA_AVX2; isa <= stilb_cpu_widest_isa(); isa++)
+		for (int lens = 0; lens < 2; lens++) {
+			gi_view view = view_of(&world, STILB_GI_SAMPLER_SOBOL, STILB_GI_FILTER_GAUSSIAN);
+			gi_camera camera = gi_camera_make(
+				&world.scene->camera, &(stilb_gi_lens){.radius = 0.1f * (float)lens, .focus = 6.0f}, WIDTH, HEIGHT);
+			for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+				batch(&view, 700, counts[c]);
+				trace(&view, camera, STILB_ISA_SCALAR, counts[c], &scalar);
+				trace(&view, camera, isa, counts[c], &wide);
+				for (uint32_t i = 0; i < counts[c]; i++) {
+					assert_memory_equal(&scalar.rays[i].ray, &wide.rays[i].ray, sizeof scalar.rays[i].ray);
+					assert_int_equal(scalar.rays[i].hit.geomID, wide.rays[i].hit.geomID);
+				}
+				assert_rows_equal((const float(*)[4])scalar.albedo, (const float(*)[4])wide.albedo, counts[c]);
+				assert_rows_equal((const float(*)[4])scalar.normal, (const float(*)[4])wide.normal, counts[c]);
+				assert_memory_equal(scalar.depth, wide.depth, counts[c] * sizeof *scalar.depth);
+			}
+		}
+	give_back(&world);
+}
+
+/* What one ray gives, made without packets. */
+static void assert_sample(const gi_view *view, const gi_camera *camera, const gi_primary *out, uint32_t i)
+{
+	stilb_vec2 offset =
+		gi_filter_offset(view->settings.filter, gi_sample_2d(&view->sampler, points[i], GI_DIMENSION_PIXEL));
+	RTCRayHit ray;
+	gi_camera_ray(camera, (float)xs[i] + 0.5f + offset[0], (float)ys[i] + 0.5f + offset[1],
+	              gi_sample_2d(&view->sampler, points[i], GI_DIMENSION_LENS), &ray);
+	const RTCRayHit *got = &out->rays[i];
+	SHADE_PROOF_NEAR3(stilb_vec3_make(got->ray.dir_x, got->ray.dir_y, got->ray.dir_z), ray.ray.dir_x, ray.ray.dir_y,
+	                  ray.ray.dir_z, 0.0, 3e-7);
+	SHADE_PROOF_NEAR3(stilb_vec3_make(got->ray.org_x, got->ray.org_y, got->ray.org_z), ray.ray.org_x, ray.ray.org_y,
+	                  ray.ray.org_z, 0.0, 1e-6);
+	stilb_vec3 albedo = {0}, normal = {0};
+	float depth = INFINITY;
+	if (gi_hit(got)) {
+		gi_surface surface;
+		gi_surface_at(view->scene, got, &surface);
+		albedo = surface.diffuse + surface.specular;
+		normal = surface.normal;
+		depth = stilb_vec3_dot(surface.position - camera->position, camera->forward);
+	}
+	for (int k = 0; k < 3; k++) {
+		assert_true(out->albedo[i][k] == albedo[k]);
+		assert_true(out->normal[i][k] == normal[k]);
+	}
+	if (gi_hit(got))
+		SHADE_PROOF_NEAR(out->depth[i], depth, 1e-5, 0.0);
+	else
+		assert_true(out->depth[i] == INFINITY);
+}
+
+static void packets_are_single_rays(void **state)
+{
+	(void)state;
+	world_fixture world = world_trace(all_kinds(), &stilb_gi_embree, 0);
+	uint32_t hits[84] = {0}, misses = 0;
+	for (int sampler = 0; sampler < STILB_GI_SAMPLER_COUNT; sampler++)
+		for (int lens = 0; lens < 2; lens++) {
+			gi_view view =
+				view_of(&world, sampler, sampler == 0 ? STILB_GI_FILTER_BLACKMAN_HARRIS : STILB_GI_FILTER_BOX);
+			gi_camera camera = gi_camera_make(
+				&world.scene->camera, &(stilb_gi_lens){.radius = 0.1f * (float)lens, .focus = 6.0f, .blades = 5}, WIDTH,
+				HEIGHT);
+			for (uint32_t first = 0; first < WIDTH * HEIGHT; first += 1000) {
+				batch(&view, first, 1000);
+				gi_primary_trace(&view, &camera, xs, ys, points, 1000, &wide);
+				for (uint32_t i = 0; i < 1000; i++) {
+					assert_sample(&view, &camera, &wide, i);
+					if (gi_hit(&wide.rays[i]))
+						hits[wide.rays[i].hit.geomID]++;
+					else
+						misses++;
+				}
+			}
+		}
+	for (uint32_t part = 0; part < 5; part++)
+		assert_true(hits[part] > 20); /* every kind was seen */
+	assert_true(world.gi->parts[4].instance && misses > 100);
+	give_back(&world);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(instruction_sets_agree),
+		cmocka_unit_test(packets_are_single_rays),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,459 @@
+/*
+ * Scene files: what of glTF and OBJ arrives where, and what happens with files that are missing, damaged, endless or
+ * insatiable. Every file is made here.
+ */
+#include "scene/open/scene_import.h"
+#include "scene/scene.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SANITIZED 1
+#elif defined(__has_feature)
+#define SANITIZED __has_feature(address_sanitizer)
+#else
+#define SANITIZED 0
+#endif
+
+static char folder[] = "/tmp/test_scene_import_XXXXXX";
+
+static const char *in_folder(const char *name)
+{
+	static char path[4][512];
+	static unsigned turn;
+	char *out = path[turn++ % 4];
+	snprintf(out, sizeof path[0], "%s/%s", folder, name);
+	return out;
+}
+
+static const char *write_bytes(const char *name, const void *data, size_t size)
+{
+	const char *path = in_folder(name);
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	assert_int_equal(fwrite(data, 1, size, file), size);
+	assert_int_equal(fclose(file), 0);
+	return path;
+}
+
+static const char *write_text(const char *name, const char *text)
+{
+	return write_bytes(name, text, strlen(text));
+}
+
+/* A PNG of one colour. */
+static const char *write_picture(const char *name, uint8_t red, uint8_t green, uint8_t blue)
+{
+	const char *path = in_folder(name);
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, 4, 2, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
+	for (int i = 0; i < 24; i++)
+		((uint8_t *)image.pixels)[i] = i % 3 == 0 ? red : i % 3 == 1 ? green : blue;
+	assert_int_equal(stilb_image_save(&image, path), STILB_OK);
+	stilb_image_finish(&image);
+	return path;
+}
+
+static size_t read_file(const char *path, unsigned char *out, size_t room)
+{
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	size_t size = fread(out, 1, room, file);
+	fclose(file);
+	return size;
+}
+
+static void base64(const void *data, size_t size, char *out)
+{
+	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+	const unsigned char *in = data;
+	for (size_t i = 0; i < size; i += 3) {
+		uint32_t three =
+			(uint32_t)in[i] << 16 | (i + 1 < size ? (uint32_t)in[i + 1] << 8 : 0) | (i + 2 < size ? in[i + 2] : 0);
+		for (int k = 0; k < 4; k++)
+			*out++ = i + (size_t)k > size ? '=' : digits[three >> (18 - 6 * k) & 63];
+	}
+	*out = '\0';
+}
+
+static bool near(float a, float b)
+{
+	return fabsf(a - b) < 1e-4f * fmaxf(1.0f, fabsf(b));
+}
+
+static void assert_three(const float *got, float a, float b, float c)
+{
+	if (!near(got[0], a) || !near(got[1], b) || !near(got[2], c))
+		fail_msg("%g %g %g instead of %g %g %g", (double)got[0], (double)got[1], (double)got[2], (double)a, (double)b,
+		         (double)c);
+}
+
+static stilb_scene *open_scene(const char *path)
+{
+	stilb_scene *scene;
+	if (stilb_scene_open(path, &scene) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return scene;
+}
+
+/* Opening fails, and the message names the file and says this. */
+static void assert_refused(const char *path, stilb_result result, const char *says)
+{
+	stilb_scene *scene = (stilb_scene *)&scene;
+	assert_int_equal(stilb_scene_open(path, &scene), result);
+	assert_null(scene);
+	if (!strstr(stilb_error_message(), path) || !strstr(stilb_error_message(), says))
+		fail_msg("'%s' does not say '%s'", stilb_error_message(), says);
+}
+
+/* ---- glTF -------------------------------------------------------------------------------------------------------- */
+
+/* A triangle in the plane z = 0, twice as large and moved by its node; a second node mirrors it. Materials: %s is
+ * inserted as the rest of the material. */
+static const char *gltf(const char *name, const char *material, const char *rest)
+{
+	static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+	static const float uvs[6] = {0.25f, 0.5f, 1, 0, 0, 0};
+	unsigned char buffer[60];
+	char data[128], *text;
+	memcpy(buffer, positions, 36);
+	memcpy(buffer + 36, uvs, 24);
+	base64(buffer, sizeof buffer, data);
+	assert_true(asprintf(&text,
+	                     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],"
+	                     "\"nodes\":[{\"mesh\":0,\"scale\":[2,2,2],\"translation\":[1,2,3]},"
+	                     "{\"mesh\":0,\"scale\":[-1,1,1]},{\"name\":\"third\"},{\"name\":\"fourth\"}],"
+	                     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},"
+	                     "\"material\":0}]}],\"materials\":[{\"name\":\"paint\",%s}],"
+	                     "\"buffers\":[{\"byteLength\":60,\"uri\":\"data:application/octet-stream;base64,%s\"}],"
+	                     "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":36},"
+	                     "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":24}],"
+	                     "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+	                     "\"min\":[0,0,0],\"max\":[1,1,0]},"
+	                     "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}]%s}",
+	                     material, data, rest) > 0);
+	const char *path = write_text(name, text);
+	free(text);
+	return path;
+}
+
+static void gltf_geometry_and_metal(void **state)
+{
+	(void)state;
+	const char *path = gltf("metal.gltf",
+	                        "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.4,0.2,1],\"metallicFactor\":0.25,"
+	                        "\"roughnessFactor\":0.3},\"emissiveFactor\":[1,0.5,0]",
+	                        "");
+	stilb_scene *scene = open_scene(path);
+	assert_int_equal(scene->model_count, 2);
+	assert_int_equal(scene->part_count, 2);
+	assert_int_equal(scene->mesh_count, 1);
+	assert_int_equal(scene->meshes[0].index_count, 3);
+	assert_three(&scene->part_transform[0].m[12], 1, 2, 3);
+	assert_true(scene->part_transform[0].m[0] == 2.0f && scene->part_transform[1].m[0] == -1.0f);
+	assert_three(scene->meshes[0].vertices[0].normal, 0, 0, 1); /* made, since the file has none */
+	/* (0, 0) is the top left in glTF and here. */
+	for (uint32_t v = 0; v < 3; v++)
+		if (scene->meshes[0].vertices[v].position[0] == 0.0f && scene->meshes[0].vertices[v].position[1] == 0.0f)
+			assert_true(near(scene->meshes[0].vertices[v].uv[0], 0.25f) &&
+			            near(scene->meshes[0].vertices[v].uv[1], 0.5f));
+	const stilb_scene_material *paint = &scene->materials[scene->part_material[0]];
+	assert_three(paint->diffuse, 0.8f * 0.75f * 0.96f, 0.4f * 0.75f * 0.96f, 0.2f * 0.75f * 0.96f);
+	assert_three(paint->specular, 0.03f + 0.2f, 0.03f + 0.1f, 0.03f + 0.05f);
+	assert_true(near(paint->roughness, 0.3f));
+	assert_three(paint->emission, 1, 0.5f, 0);
+	/* It shines, so there is no made-up sky; the made-up camera sees all. */
+	assert_three(scene->sky.sky, 0, 0, 0);
+	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, 1.0f);
+	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
+	for (uint32_t m = 0; m < 2; m++)
+		for (int p = 0; p < 6; p++) {
+			const stilb_plane *plane = &frustum.planes[p];
+			assert_true(plane->x * scene->bounds.x[m] + plane->y * scene->bounds.y[m] + plane->z * scene->bounds.z[m] +
+			                plane->distance >=
+			            -1e-3f);
+		}
+	stilb_scene_destroy(scene);
+}
+
+static void gltf_camera_and_light(void **state)
+{
+	(void)state;
+	/* The camera stands at (0, 0, 5) turned by 30 degrees about its view: quaternion (0, 0, sin 15, cos 15). Turned to
+	 * the left about +z means that its right side rises. */
+	const char *path = gltf(
+		"camera.gltf", "\"doubleSided\":true",
+		",\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.6,\"aspectRatio\":1.5,\"znear\":0.1}}],"
+		"\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
+		"{\"type\":\"point\",\"color\":[1,0.5,0.25],\"intensity\":8},"
+		"{\"type\":\"spot\",\"intensity\":2,\"spot\":{\"innerConeAngle\":0.2,\"outerConeAngle\":0.5}},"
+		"{\"type\":\"directional\",\"intensity\":3}]}}");
+	unsigned char text[4096];
+	size_t size = read_file(path, text, sizeof text - 1);
+	text[size] = '\0';
+	/* Nodes 2 and 3 become camera and lights. */
+	char *made;
+	char *third = strstr((char *)text, "{\"name\":\"third\"},{\"name\":\"fourth\"}");
+	*third = '\0';
+	assert_true(
+		asprintf(&made,
+	             "%s{\"camera\":0,\"translation\":[0,0,5],\"rotation\":[0,0,0.2588190451,0.9659258263]},"
+	             "{\"name\":\"lamps\",\"children\":[4,5,6],\"scale\":[2,2,2],\"translation\":[10,0,0]},"
+	             "{\"name\":\"a\",\"translation\":[1,2,3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+	             "{\"name\":\"b\",\"rotation\":[-0.70710678,0,0,0.70710678],"
+	             "\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},"
+	             "{\"name\":\"c\",\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}%s",
+	             text, third + strlen("{\"name\":\"third\"},{\"name\":\"fourth\"}")) > 0);
+	stilb_scene *scene = open_scene(write_text("camera.gltf", made));
+	free(made);
+	assert_three(scene->camera.position, 0, 0, 5);
+	assert_three((const float[3]){scene->camera.yaw, scene->camera.pitch, scene->camera.roll}, 0, 0, -0.52359878f);
+	assert_true(near(scene->camera.fov_y, 0.6f));
+	assert_int_equal(scene->light_count, 3);
+	const stilb_scene_light *light = scene->lights;
+	for (uint32_t i = 0; i < 3; i++, light++)
+		if (light->kind == STILB_SCENE_LIGHT_POINT) {
+			assert_three(light->position, 12, 4, 6); /* in its parent */
+			assert_three(light->intensity, 8, 4, 2);
+		} else if (light->kind == STILB_SCENE_LIGHT_SPOT) {
+			assert_three(light->direction, 0, -1, 0);
+			assert_three(light->intensity, 2, 2, 2);
+			assert_true(near(light->cos_inner, cosf(0.2f)) && near(light->cos_outer, cosf(0.5f)));
+		} else {
+			assert_three(light->direction, 0, 0, -1);
+			assert_three(light->intensity, 3, 3, 3);
+		}
+	stilb_scene_destroy(scene);
+}
+
+static void gltf_texture_in_the_file(void **state)
+{
+	(void)state;
+	unsigned char png[4096];
+	char coded[6000], rest[7000];
+	size_t size = read_file(write_picture("inside.png", 255, 0, 128), png, sizeof png);
+	base64(png, size, coded);
+	snprintf(rest, sizeof rest, ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"data:image/png;base64,%s\"}]",
+	         coded);
+	stilb_scene *scene = open_scene(gltf(
+		"inside.gltf", "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":1}", rest));
+	assert_int_equal(scene->texture_count, 1);
+	assert_int_equal(scene->textures[0].width, 4);
+	assert_int_equal(scene->textures[0].channels, 3);
+	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){255, 0, 128}), 3);
+	const stilb_scene_material *paint = &scene->materials[scene->part_material[0]];
+	assert_int_equal(paint->diffuse_texture, 1);
+	assert_three(paint->diffuse, 0, 0, 0);            /* metal */
+	assert_three(paint->specular, 1, 0, 0.21586051f); /* in the texture's mean colour */
+	stilb_scene_destroy(scene);
+}
+
+/* ---- OBJ --------------------------------------------------------------------------------------------------------- */
+
+#define SQUARE                                                                                                         \
+	"mtllib square.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl one\n"              \
+	"f 1/1 2/2 3/3 4/4\n"
+
+static void obj_material_and_texture(void **state)
+{
+	(void)state;
+	write_text("square.mtl", "newmtl one\nKd 0.5 0.25 1\nKs 0.5 0.5 0.5\nNs 30\nmap_Kd sub\\PAINT.png\n");
+	assert_int_equal(mkdir(in_folder("Sub"), 0700), 0);
+	write_picture("Sub/paint.png", 10, 20, 30); /* other capitals, and a path of another system */
+	stilb_scene *scene = open_scene(write_text("square.obj", SQUARE));
+	const stilb_scene_mesh *mesh = &scene->meshes[0];
+	assert_int_equal(mesh->index_count, 6);           /* the square in triangles */
+	for (uint32_t v = 0; v < mesh->vertex_count; v++) /* OBJ's (0, 0) is the bottom left */
+		assert_true(near(mesh->vertices[v].uv[1], 1.0f - mesh->vertices[v].position[1]));
+	const stilb_scene_material *one = &scene->materials[scene->part_material[0]];
+	assert_three(one->diffuse, 0.5f, 0.25f, 1.0f / 1.04f); /* at most 1 with its highlight */
+	assert_three(one->specular, 0.04f, 0.04f, 0.04f / 1.04f);
+	assert_true(near(one->roughness, powf(2.0f / 32.0f, 0.25f)));
+	assert_int_equal(one->diffuse_texture, 1);
+	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){10, 20, 30}), 3);
+	assert_true(scene->sky.sky[0] > 0.0f); /* nothing else shines */
+	stilb_scene_destroy(scene);
+	write_text("square.mtl", "newmtl one\nKd 0 0 0\nKs 1 1 1\nNs 30\nmap_Kd Sub/paint.png\n");
+	scene = open_scene(in_folder("square.obj"));
+	one = &scene->materials[scene->part_material[0]];
+	assert_three(one->diffuse, 1 / 1.08f, 1 / 1.08f, 1 / 1.08f); /* black with a texture: the texture is meant */
+	stilb_scene_destroy(scene);
+	write_text("square.mtl", "newmtl one\nKd 0 0 0\nKs 0.9 0.8 0.7\nNs 30\n");
+	scene = open_scene(in_folder("square.obj"));
+	one = &scene->materials[scene->part_material[0]];
+	assert_three(one->specular, 0.9f, 0.8f, 0.7f); /* black without: a metal */
+	stilb_scene_destroy(scene);
+}
+
+/* Two faces that meet at the y axis: a file without normals gets smooth ones where it is bent by less than 60
+ * degrees. */
+static void edges_are_smooth_unless_sharp(void **state)
+{
+	(void)state;
+	static const float bends[2] = {0.5f, 1.4f};
+	for (int i = 0; i < 2; i++) {
+		char text[256];
+		snprintf(text, sizeof text, "v 0 0 0\nv 0 1 0\nv -1 0 0\nv %g 0 %g\nf 1 2 3\nf 1 4 2\n", (double)cosf(bends[i]),
+		         (double)-sinf(bends[i]));
+		stilb_scene *scene = open_scene(write_text("bend.obj", text));
+		const stilb_scene_mesh *mesh = &scene->meshes[0];
+		assert_int_equal(mesh->vertex_count, i == 0 ? 4 : 6);
+		for (uint32_t v = 0; v < mesh->vertex_count; v++)
+			if (i == 0 && mesh->vertices[v].position[0] == 0.0f)
+				assert_three(mesh->vertices[v].normal, sinf(0.25f), 0, cosf(0.25f));
+		stilb_scene_destroy(scene);
+	}
+}
+
+static void what_lacks_its_texture_is_magenta(void **state)
+{
+	(void)state;
+	write_text("square.mtl", "newmtl one\nKd 1 1 1\nmap_Kd nowhere.png\n");
+	stilb_scene *scene = open_scene(in_folder("square.obj"));
+	assert_int_equal(scene->texture_count, 0);
+	assert_three(scene->materials[scene->part_material[0]].diffuse, 1, 0, 1);
+	stilb_scene_destroy(scene);
+	write_text("square.mtl", "newmtl one\nKd 1 1 1\nmap_Kd broken.png\n");
+	write_text("broken.png", "\x89PNG is how it begins");
+	scene = open_scene(in_folder("square.obj"));
+	assert_three(scene->materials[scene->part_material[0]].diffuse, 1, 0, 1);
+	stilb_scene_destroy(scene);
+}
+
+static void numbers_that_are_none_go_no_further(void **state)
+{
+	(void)state;
+	static const char path_text[] = "v nan 0 0\nv 1 inf 0\nv 0 1e38 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
+	stilb_scene *scene = open_scene(write_text("numbers.obj", path_text));
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		assert_true(scene->bounds.radius[m] < 1e19f && scene->bounds.x[m] < 1e19f); /* and no NaN */
+	for (uint32_t v = 0; v < scene->meshes[0].vertex_count; v++)
+		for (int i = 0; i < 3; i++)
+			assert_true(fabsf(scene->meshes[0].vertices[v].normal[i]) <= 1.0f);
+	assert_true(scene->camera.position[2] > 0.0f && scene->camera.position[2] < 1e21f);
+	stilb_scene_destroy(scene);
+}
+
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
+
+static void files_that_are_no_scenes(void **state)
+{
+	(void)state;
+	assert_refused("/nonexistent/house.obj", STILB_ERROR_ARGUMENT, "no such file");
+	assert_refused(folder, STILB_ERROR_ARGUMENT, "folder");
+	assert_int_equal(mkfifo(in_folder("pipe.obj"), 0600), 0);
+	assert_refused(in_folder("pipe.obj"), STILB_ERROR_ARGUMENT, "not a regular file"); /* and does not wait */
+	assert_refused("/dev/zero", STILB_ERROR_ARGUMENT, "not a regular file");
+	assert_refused(write_text("empty.obj", ""), STILB_ERROR_FILE, "too small");
+	assert_refused(write_text("letter.txt", "Dear Sir or Madam"), STILB_ERROR_FILE, "knows no such format");
+	assert_refused(write_text("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), STILB_ERROR_FILE, "no triangles");
+	assert_refused(write_text("range.obj", "v 0 0 0\nf 1 2 3\n"), STILB_ERROR_FILE, "index");
+	assert_refused(write_text("half.gltf", "{\"asset\":{\"version\":\"2.0\"},\"sce"), STILB_ERROR_FILE, "damaged");
+	assert_refused(write_text("loop.gltf", "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+	                                       "\"nodes\":[{\"children\":[0]}]}"),
+	               STILB_ERROR_FILE, "recursive");
+}
+
+/* Assimp 5.2 takes the index of a PLY file as it is, and crashes. */
+static void a_crash_is_an_error(void **state)
+{
+	(void)state;
+	const char *path = write_text("crash.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+	                                           "property float y\nproperty float z\nelement face 1\n"
+	                                           "property list uchar int vertex_indices\nend_header\n"
+	                                           "0 0 0\n1 0 0\n0 1 0\n3 0 1 999999999\n");
+	assert_refused(path, STILB_ERROR_FILE, SANITIZED ? "ended early" : "Assimp crashed on it (Segmentation fault)");
+}
+
+/* One that claims more than there is in the world, and one that is allowed nothing. */
+static void memory_and_time_have_an_end(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	const scene_import_limits quick = {.bytes = 8ull << 30, .seconds = 1e-4};
+	assert_int_equal(scene_import_within(in_folder("square.obj"), &quick, &scene), STILB_ERROR_FILE);
+	assert_null(scene);
+	assert_non_null(strstr(stilb_error_message(), "STILB_IMPORT_SECONDS"));
+	if (SANITIZED)
+		return; /* there no limit of memory holds */
+	assert_refused(write_text("large.off", "OFF\n999999999 6 0\n0 0 0\n"), STILB_ERROR_MEMORY, "memory");
+	const scene_import_limits small = {.bytes = 1 << 20, .seconds = 60};
+	assert_int_not_equal(scene_import_within(in_folder("square.obj"), &small, &scene), STILB_OK);
+	assert_null(scene);
+	assert_non_null(strstr(stilb_error_message(), "square.obj"));
+	print_message("with one MiB: %s\n", stilb_error_message());
+}
+
+/* What Assimp does with a file that is wrong in one place is its business: here a scene or a message comes of it. */
+static void damaged_files_end_in_a_scene_or_a_message(void **state)
+{
+	(void)state;
+	unsigned char whole[8192], damaged[8192];
+	size_t size = read_file(gltf("whole.gltf", "\"doubleSided\":true", ""), whole, sizeof whole);
+	int scenes = 0, tried = SANITIZED ? 10 : 24;
+	for (int i = 0; i < tried; i++) {
+		stilb_scene *scene;
+		memcpy(damaged, whole, size);
+		for (uint64_t k = 0; k < 3; k++)
+			damaged[stilb_random_u64(7, (uint64_t)i * 8 + k) % size] =
+				(unsigned char)stilb_random_u64(8, (uint64_t)i * 8 + k);
+		const char *path = write_bytes("damaged.gltf", damaged, i % 4 == 3 ? size * (size_t)i / 32 : size);
+		if (stilb_scene_open(path, &scene) == STILB_OK)
+			scenes++;
+		else
+			assert_non_null(strstr(stilb_error_message(), path));
+		stilb_scene_destroy(scene);
+	}
+	assert_true(scenes < tried);
+}
+
+static void the_library_has_a_version(void **state)
+{
+	(void)state;
+	int major, minor, patch;
+	assert_int_equal(sscanf(stilb_scene_library_version(), "%d.%d.%d", &major, &minor, &patch), 3);
+	assert_true(major >= 5);
+}
+
+static int folder_make(void **state)
+{
+	(void)state;
+	return mkdtemp(folder) ? 0 : -1;
+}
+
+static int folder_remove(void **state)
+{
+	(void)state;
+	char command[256];
+	snprintf(command, sizeof command, "rm -r '%s'", folder);
+	return system(command);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(gltf_geometry_and_metal),
+		cmocka_unit_test(gltf_camera_and_light),
+		cmocka_unit_test(gltf_texture_in_the_file),
+		cmocka_unit_test(obj_material_and_texture),
+		cmocka_unit_test(edges_are_smooth_unless_sharp),
+		cmocka_unit_test(what_lacks_its_texture_is_magenta),
+		cmocka_unit_test(numbers_that_are_none_go_no_further),
+		cmocka_unit_test(files_that_are_no_scenes),
+		cmocka_unit_test(a_crash_is_an_error),
+		cmocka_unit_test(memory_and_time_have_an_end),
+		cmocka_unit_test(damaged_files_end_in_a_scene_or_a_message),
+		cmocka_unit_test(the_library_has_a_version),
+	};
+	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+}

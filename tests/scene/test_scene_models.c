@@ -1,0 +1,171 @@
+/*
+ * Every file of Debian's package assimp-testmodels, scenes of some forty formats among damaged and made-up ones and
+ * files that are none: each ends in a scene that can be used, or in a message with its name and a reason. The named
+ * ones end as here.
+ */
+#include "scene/open/scene_import.h"
+#include "scene/scene.h"
+
+#include <fts.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define MODELS "/usr/share/assimp/models"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SANITIZED 1
+#elif defined(__has_feature)
+#define SANITIZED __has_feature(address_sanitizer)
+#else
+#define SANITIZED 0
+#endif
+
+static void assert_usable(const stilb_scene *scene)
+{
+	uint64_t triangles = 0;
+	for (uint32_t p = 0; p < scene->part_count; p++)
+		triangles += scene->meshes[scene->part_mesh[p]].index_count / 3;
+	assert_true(triangles > 0);
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		assert_true(isfinite(scene->bounds.x[m] + scene->bounds.y[m] + scene->bounds.z[m] + scene->bounds.radius[m]));
+	for (uint32_t m = 0; m < scene->material_count; m++) {
+		const stilb_scene_material *material = &scene->materials[m];
+		assert_true(material->diffuse_texture <= scene->texture_count);
+		assert_true(material->roughness >= 0.0f && material->roughness <= 1.0f);
+		for (int i = 0; i < 3; i++)
+			assert_true(material->diffuse[i] >= 0.0f && material->specular[i] >= 0.0f &&
+			            material->diffuse[i] + material->specular[i] <= 1.0001f && material->emission[i] >= 0.0f &&
+			            isfinite(material->emission[i]));
+	}
+	for (uint32_t t = 0; t < scene->texture_count; t++)
+		assert_true(scene->textures[t].channels == 3 && scene->textures[t].format != STILB_IMAGE_F16_LINEAR);
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		for (int k = 0; k < 3; k++)
+			assert_true(isfinite(scene->lights[i].position[k]) && isfinite(scene->lights[i].direction[k]) &&
+			            scene->lights[i].intensity[k] >= 0.0f && isfinite(scene->lights[i].intensity[k]));
+	const stilb_scene_camera *camera = &scene->camera;
+	assert_true(camera->fov_y > 0.0f && camera->fov_y < 3.2f && camera->near_z > 0.0f && isfinite(camera->far_z));
+	for (int i = 0; i < 3; i++)
+		assert_true(isfinite(camera->position[i]));
+	assert_true(isfinite(camera->yaw + camera->pitch + camera->roll));
+}
+
+/* ---- named ones -------------------------------------------------------------------------------------------------- */
+
+static const struct {
+	const char *name;
+	const char *says; /* of the refusal; NULL: it opens */
+} models_named[] = {
+	{"glTF2/IndexOutOfRange/IndexOutOfRange.gltf", NULL},
+	{"glTF2/IndexOutOfRange/AllIndicesOutOfRange.gltf", "has no faces"},
+	{"glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", NULL},
+	{"glTF2/RecursiveNodes/RecursiveNodes.gltf", "recursive"},
+	{"glTF2/MissingBin/BoxTextured.gltf", "BoxTextured0.bin"},
+	{"glTF2/wrongTypes/badArray.gltf", "not of type"},
+	{"glTF2/wrongTypes/badNumber.gltf", "not of type"},
+	{"glTF2/wrongTypes/badUint.gltf", "not of type"},
+	{"invalid/OutOfMemory.off", "memory"},
+	{"invalid/malformed.obj", "index"},
+	{"invalid/readme.txt", "no such format"},
+	{"OBJ/spider.obj", NULL},
+	{"RAW/WithColor.raw", NULL},
+	{"Collada/duck.dae", NULL},
+};
+
+static void named_files_end_as_they_should(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < sizeof models_named / sizeof *models_named; i++) {
+		char path[512];
+		stilb_scene *scene;
+		if (SANITIZED && strstr(models_named[i].name, "OutOfMemory"))
+			continue; /* there no limit of memory holds */
+		snprintf(path, sizeof path, MODELS "/%s", models_named[i].name);
+		stilb_result result = stilb_scene_open(path, &scene);
+		if (!models_named[i].says != (result == STILB_OK))
+			fail_msg("%s: %s", path, result == STILB_OK ? "opens" : stilb_error_message());
+		if (result != STILB_OK && !strstr(stilb_error_message(), models_named[i].says))
+			fail_msg("'%s' does not say '%s'", stilb_error_message(), models_named[i].says);
+		if (result == STILB_OK)
+			assert_usable(scene);
+		stilb_scene_destroy(scene);
+	}
+}
+
+static void cameras_and_lights_stand_where_they_should(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_open(MODELS "/glTF2/cameras/Cameras.gltf", &scene), STILB_OK);
+	assert_true(fabsf(scene->camera.position[2] - 3.0f) < 1e-5f && fabsf(scene->camera.fov_y - 0.7f) < 1e-5f);
+	stilb_scene_destroy(scene);
+	/* Blender's start-up scene, whose up is z: its camera is turned about its view. */
+	assert_int_equal(stilb_scene_open(MODELS "/BLEND/BlenderDefault_250.blend", &scene), STILB_OK);
+	assert_true(fabsf(scene->camera.position[2] - 5.34367f) < 1e-4f);
+	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, 1.0f);
+	assert_true(fabsf(matrix.m[8]) < 0.05f &&
+	            matrix.m[9] < -0.5f); /* +z is up in the picture, but for 0.6 deg; y is down */
+	assert_int_equal(scene->light_count, 1);
+	stilb_scene_destroy(scene);
+}
+
+/* ---- all --------------------------------------------------------------------------------------------------------- */
+
+/* In the quick run every third, by a hash of its name. */
+static bool models_skip(const char *path, bool all)
+{
+	return !all && stilb_hash_fnv1a64(STILB_FNV1A64_START, path, strlen(path)) % 3 != 0;
+}
+
+static bool models_all;
+
+static void every_file_ends_in_a_scene_or_a_message(void **state)
+{
+	(void)state;
+	char *roots[] = {MODELS, NULL};
+	FTS *walk = fts_open(roots, FTS_PHYSICAL, NULL);
+	int files = 0, scenes = 0;
+	assert_non_null(walk);
+	for (FTSENT *entry; (entry = fts_read(walk));) {
+		stilb_scene *scene;
+		if (entry->fts_info != FTS_F || models_skip(entry->fts_path, models_all) ||
+		    (SANITIZED && strstr(entry->fts_path, "OutOfMemory")))
+			continue;
+		files++;
+		if (stilb_scene_open(entry->fts_path, &scene) == STILB_OK) {
+			assert_usable(scene);
+			scenes++;
+		} else if (!strstr(stilb_error_message(), entry->fts_path) || strstr(stilb_error_message(), "crashed") ||
+		           strstr(stilb_error_message(), "exit status") || strstr(stilb_error_message(), "broke off")) {
+			fail_msg("%s: %s", entry->fts_path, stilb_error_message());
+		}
+		stilb_scene_destroy(scene);
+	}
+	fts_close(walk);
+	print_message("%d of %d files are scenes\n", scenes, files);
+	assert_true(scenes * 3 > files); /* of all it is 55 in a hundred */
+}
+
+int main(int argc, char **argv)
+{
+	(void)argv;
+	models_all = argc > 1;
+	if (access(MODELS, R_OK) != 0) {
+		printf("skipped: no " MODELS "; install assimp-testmodels\n");
+		return 77;
+	}
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(named_files_end_as_they_should),
+		cmocka_unit_test(cameras_and_lights_stand_where_they_should),
+		cmocka_unit_test(every_file_ends_in_a_scene_or_a_message),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

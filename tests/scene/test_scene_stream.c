@@ -1,0 +1,168 @@
+/* A scene through a pipe's bytes and back, and streams that are damaged: what is read is a scene that can be used, or
+ * none. */
+#include "scene/open/scene_stream.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* The bytes of a scene, to be freed. */
+static unsigned char *bytes_of(const stilb_scene *scene, size_t *size)
+{
+	FILE *file = tmpfile();
+	assert_true(scene_stream_write(fileno(file), scene));
+	*size = (size_t)lseek(fileno(file), 0, SEEK_END);
+	unsigned char *bytes = malloc(*size);
+	assert_int_equal(pread(fileno(file), bytes, *size, 0), *size);
+	fclose(file);
+	return bytes;
+}
+
+static stilb_result read_bytes(const unsigned char *bytes, size_t size, stilb_scene **scene)
+{
+	FILE *file = tmpfile();
+	assert_int_equal(pwrite(fileno(file), bytes, size, 0), size);
+	scene_stream stream = {.file = fileno(file), .deadline_ns = UINT64_MAX};
+	stilb_result result = scene_stream_read(&stream, scene);
+	fclose(file);
+	return result;
+}
+
+/* A small scene with one of everything. */
+static stilb_scene *make(void)
+{
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_open("furnace:0.5", &scene), STILB_OK);
+	scene->light_count = 1;
+	scene->lights = calloc(1, sizeof *scene->lights);
+	scene->lights[0] = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_SPOT, .intensity = {1, 2, 3}, .cos_outer = 0.5f};
+	scene->texture_count = 1;
+	scene->textures = calloc(1, sizeof *scene->textures);
+	assert_int_equal(stilb_image_create(scene->textures, 3, 2, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
+	((uint8_t *)scene->textures[0].pixels)[7] = 99;
+	scene->materials[0].diffuse_texture = 1;
+	scene->sky.ground[1] = 0.25f;
+	return scene;
+}
+
+static void a_scene_comes_back_the_same(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	size_t size, again;
+	unsigned char *bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_OK);
+	assert_memory_equal(back->meshes[0].vertices, scene->meshes[0].vertices,
+	                    scene->meshes[0].vertex_count * sizeof *scene->meshes[0].vertices);
+	assert_memory_equal(back->lights, scene->lights, sizeof *scene->lights);
+	assert_memory_equal(back->materials, scene->materials, sizeof *scene->materials);
+	assert_memory_equal(&back->camera, &scene->camera, sizeof scene->camera);
+	assert_memory_equal(back->textures[0].pixels, scene->textures[0].pixels, 18);
+	assert_true(back->sky.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
+	unsigned char *second = bytes_of(back, &again);
+	assert_int_equal(again, size);
+	free(second);
+	stilb_scene_destroy(back);
+	/* Every length but the whole is too short. */
+	for (size_t cut = 0; cut < size; cut += 1 + cut / 8) {
+		assert_int_equal(read_bytes(bytes, cut, &back), STILB_ERROR_FILE);
+		assert_null(back);
+	}
+	free(bytes);
+	stilb_scene_destroy(scene);
+}
+
+static void assert_usable(const stilb_scene *scene)
+{
+	for (uint32_t p = 0; p < scene->part_count; p++)
+		assert_true(scene->part_mesh[p] < scene->mesh_count && scene->part_material[p] < scene->material_count);
+	for (uint32_t m = 0; m < scene->mesh_count; m++)
+		for (uint32_t i = 0; i < scene->meshes[m].index_count; i++)
+			assert_true(scene->meshes[m].indices[i] < scene->meshes[m].vertex_count);
+	for (uint32_t m = 0; m < scene->material_count; m++)
+		assert_true(scene->materials[m].diffuse_texture <= scene->texture_count);
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		assert_true(scene->lights[i].kind <= STILB_SCENE_LIGHT_DIRECTIONAL);
+}
+
+/* All that comes before the vertices, each byte in turn, and bytes here and there after it. */
+static void damaged_streams_give_no_damaged_scene(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	size_t size;
+	int refused = 0, tried = 0;
+	unsigned char *bytes = bytes_of(scene, &size);
+	for (size_t at = 0; at < size; at += at < 512 ? 1 : 509) {
+		const unsigned char old = bytes[at];
+		bytes[at] = (unsigned char)(stilb_random_u64(1, at) | 1) ^ old;
+		stilb_result result = read_bytes(bytes, size, &back);
+		if (result == STILB_OK)
+			assert_usable(back);
+		refused += result != STILB_OK;
+		tried++;
+		stilb_scene_destroy(back);
+		bytes[at] = old;
+	}
+	assert_true(refused > 30);
+	assert_true(refused < tried);
+	free(bytes);
+	stilb_scene_destroy(scene);
+}
+
+/* An index that is one too large, in each place that has one. */
+static void nothing_points_past_the_end(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	uint32_t *const places[] = {&scene->meshes[0].indices[7], &scene->part_mesh[0],
+	                            &scene->part_material[0],     &scene->materials[0].diffuse_texture,
+	                            &scene->first_part[1],        (uint32_t *)&scene->lights[0].kind};
+	const uint32_t wrong[] = {scene->meshes[0].vertex_count, scene->mesh_count,     scene->material_count,
+	                          scene->texture_count + 1,      scene->part_count + 1, STILB_SCENE_LIGHT_DIRECTIONAL + 1};
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+		size_t size;
+		const uint32_t old = *places[i];
+		*places[i] = wrong[i];
+		unsigned char *bytes = bytes_of(scene, &size);
+		*places[i] = old;
+		assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+		assert_non_null(strstr(stilb_error_message(), "cannot be"));
+		free(bytes);
+	}
+	stilb_scene_destroy(scene);
+}
+
+static void the_deadline_ends_waiting(void **state)
+{
+	(void)state;
+	int ends[2];
+	scene_message message;
+	assert_int_equal(pipe(ends), 0);
+	uint64_t start = stilb_time_ns();
+	scene_stream stream = {.file = ends[0], .deadline_ns = start + 20000000};
+	assert_false(scene_stream_read_message(&stream, &message));
+	assert_true(stream.late && !stream.ended);
+	assert_true(stilb_time_ns() - start >= 20000000);
+	close(ends[1]);
+	stream = (scene_stream){.file = ends[0], .deadline_ns = UINT64_MAX};
+	assert_false(scene_stream_read_message(&stream, &message));
+	assert_true(stream.ended && !stream.late);
+	close(ends[0]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_scene_comes_back_the_same),
+		cmocka_unit_test(damaged_streams_give_no_damaged_scene),
+		cmocka_unit_test(nothing_points_past_the_end),
+		cmocka_unit_test(the_deadline_ends_waiting),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

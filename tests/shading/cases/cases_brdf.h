@@ -1,0 +1,73 @@
+/* cases_brdf: whole reflection models, and what stands around them, as rows; shade/README.md says how rows are read.
+ * test_shade_brdf_gpu.c has all combinations of D, G and F. [any-thread] */
+#ifndef SHADE_CASES_BRDF_H
+#define SHADE_CASES_BRDF_H
+
+#include "case_inputs.h"
+#include "shading/shade_brdf.h"
+#include "shading/shade_diffuse.h"
+#include "shading/shade_energy.h"
+#include "shading/shade_frame.h"
+#include "shading/shade_surface.h"
+
+#include "shading/glsl_begin.h"
+
+/* X(row, name, relative, absolute) */
+#define SHADE_CASES_BRDF(X)                                                                                            \
+	X(0, shade_lambert, 1e-5f, 1e-6f)                                                                                  \
+	X(1, shade_wrapped, 1e-5f, 1e-6f)                                                                                  \
+	X(2, shade_limit_to_one_diffuse, 1e-5f, 1e-6f)                                                                     \
+	X(3, shade_limit_to_one_specular, 1e-5f, 1e-6f)                                                                    \
+	X(4, shade_frame_from_normal, 1e-5f, 1e-6f)                                                                        \
+	X(5, shade_frame_from_tangent, 1e-5f, 1e-6f)                                                                       \
+	X(6, shade_brdf_cos, 1e-5f, 1e-6f)                                                                                 \
+	X(7, shade_microfacet_cos, 1e-5f, 1e-6f)                                                                           \
+	X(8, shade_surface_brdf_cos, 1e-5f, 1e-6f)                                                                         \
+	X(9, shade_surface_radiance, 1e-5f, 1e-6f)
+#define SHADE_CASES_BRDF_COUNT 10
+
+/* Any model about any normal. */
+SHADE_FN vec4 shade_case_brdf_model(int row, vec4 a, vec4 b)
+{
+	vec3 n = shade_case_direction(a[0], a[1]);
+	vec3 l = shade_case_above(n, a[2], a[3]);
+	vec3 v = shade_case_above(n, b[0], b[1]);
+	shade_frame frame = shade_frame_from_tangent(n, l);
+	int choice = int(b[2] * 63.999f);
+	shade_brdf_model model = {choice / 8, choice / 16, choice - choice / 8 * 8, choice / 24};
+	shade_brdf_parameters p = {vec3(b), b[3], shade_case_range(a[0], -0.7f, 0.7f), a[1]};
+	if (row == 6)
+		return vec4(shade_brdf_cos(model, p, frame, l, v), 0.0f);
+	if (row == 7)
+		return vec4(shade_microfacet_cos(model, p, frame, shade_angles_of(n, l, v), l, v), 0.0f);
+	shade_reflectance share = shade_limit_to_one(vec3(a), vec3(b));
+	shade_material material = {share.diffuse, share.specular, p.roughness, p.anisotropy, p.wrap};
+	if (row == 8)
+		return vec4(shade_surface_brdf_cos(model, material, frame, l, v), 0.0f);
+	shade_sun sun = {l, vec3(4.0f, 3.0f, 2.0f)};
+	shade_sky sky = {vec3(0.3f, 0.5f, 0.9f), vec3(0.2f, 0.1f, 0.05f)};
+	return vec4(shade_surface_radiance(model, material, sun, sky, frame, v), 0.0f);
+}
+
+SHADE_FN vec4 shade_case_brdf(int row, vec4 a, vec4 b)
+{
+	vec3 n = shade_case_direction(a[0], a[1]);
+	vec3 w = shade_case_direction(a[2], a[3]);
+	shade_reflectance share = shade_limit_to_one(vec3(a) * 2.0f - 0.2f, vec3(b) * 2.0f - 0.2f);
+	if (row == 0)
+		return vec4(shade_lambert(vec3(a)), 0.0f);
+	if (row == 1)
+		return vec4(shade_wrapped(shade_case_range(a[0], -1.0f, 1.0f), a[1]), 0.0f, 0.0f, 0.0f);
+	if (row == 2)
+		return vec4(share.diffuse, 0.0f);
+	if (row == 3)
+		return vec4(share.specular, 0.0f);
+	if (row == 4)
+		return vec4(shade_frame_to_local(shade_frame_from_normal(n), w), 0.0f);
+	if (row == 5)
+		return vec4(shade_frame_to_world(shade_frame_from_tangent(n, w), vec3(b)), 0.0f);
+	return shade_case_brdf_model(row, a, b);
+}
+
+#include "shading/glsl_end.h"
+#endif

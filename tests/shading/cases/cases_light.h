@@ -1,0 +1,146 @@
+/* cases_light: lights, their units and their cones as rows; shade/README.md says how rows are read. [any-thread] */
+#ifndef SHADE_CASES_LIGHT_H
+#define SHADE_CASES_LIGHT_H
+
+#include "case_inputs.h"
+#include "shading/shade_light.h"
+#include "shading/shade_light_cone.h"
+
+#include "shading/glsl_begin.h"
+
+/* X(row, name, relative, absolute) Near the peak a chord is the root of 1 - tolerance / peak, where a quotient that is
+ * one bit off counts for more: 3e-5. An arcus tangent: 1e-5. */
+#define SHADE_CASES_LIGHT(X)                                                                                           \
+	X(0, shade_intensity, 1e-5f, 1e-6f)                                                                                \
+	X(1, shade_intensity_from_flux, 1e-5f, 1e-6f)                                                                      \
+	X(2, shade_flux_from_intensity, 1e-5f, 1e-6f)                                                                      \
+	X(3, shade_pi_folded, 1e-5f, 1e-6f)                                                                                \
+	X(4, shade_watts_from_lumens, 1e-5f, 1e-6f)                                                                        \
+	X(5, shade_hemisphere_irradiance, 1e-5f, 1e-6f)                                                                    \
+	X(6, shade_hemisphere_share, 1e-5f, 1e-6f)                                                                         \
+	X(7, shade_hemisphere_radiance, 1e-5f, 1e-6f)                                                                      \
+	X(8, shade_falloff, 1e-5f, 1e-6f)                                                                                  \
+	X(9, shade_tolerance_and_reach, 1e-5f, 1e-6f)                                                                      \
+	X(10, shade_lamp_falloff, 1e-5f, 1e-6f)                                                                            \
+	X(11, shade_lamp_at_direction, 1e-5f, 1e-6f)                                                                       \
+	X(12, shade_light_at_irradiance, 1e-5f, 1e-6f)                                                                     \
+	X(13, shade_cone_chord, 1e-5f, 1e-6f)                                                                              \
+	X(14, shade_cone_phong, 1e-5f, 3e-5f)                                                                              \
+	X(15, shade_cone_blinn_phong, 1e-5f, 3e-5f)                                                                        \
+	X(16, shade_cone_ggx, 1e-5f, 3e-5f)                                                                                \
+	X(17, shade_cone_mirrored, 1e-5f, 1e-6f)                                                                           \
+	X(18, shade_cone_half_angle, 1e-5f, 1e-5f)                                                                         \
+	X(19, shade_half_angle, 1e-5f, 1e-6f)                                                                              \
+	X(20, shade_cone_across, 1e-5f, 1e-6f)                                                                             \
+	X(21, shade_cone_union, 1e-5f, 1e-6f)
+#define SHADE_CASES_LIGHT_COUNT 22
+
+SHADE_FN shade_lamp shade_case_lamp(vec4 a, vec4 b)
+{
+	float radius = shade_case_range(a[3], 0.0f, 2.0f);
+	shade_lamp lamp = {vec3(a) * 4.0f - 2.0f, shade_case_direction(b[0], b[1]), vec3(b), radius, radius + 4.0f * b[2]};
+	return lamp;
+}
+
+SHADE_FN vec4 shade_case_lights(int row, vec4 a, vec4 b)
+{
+	shade_lamp lamp = shade_case_lamp(a, b);
+	vec3 position = vec3(3.0f * b[3] - 1.0f, 2.0f * a[0], 1.0f - a[1]);
+	shade_sun sun = {shade_case_direction(a[0], b[0]), vec3(4.0f, 3.0f, 2.0f)};
+	float square = shade_case_skewed(b[3], 0.0f, 100.0f);
+	float cosine = 2.0f * a[1] - 1.0f;
+	if (row == 8)
+		return vec4(shade_falloff_sphere(square, lamp.radius), shade_falloff_disk(square, lamp.radius),
+		            shade_falloff_window(0.2f * square, lamp.reach), shade_falloff_subtracted(2.0f * b[0], b[1]));
+	if (row == 9)
+		return vec4(shade_tolerance_from_reach(lamp.reach), shade_reach_from_error(a[0], a[1] + 1e-3f), 0.0f, 0.0f);
+	if (row == 10)
+		return vec4(shade_lamp_falloff(SHADE_LIGHT_SPHERE, lamp, square, cosine),
+		            shade_lamp_falloff(SHADE_LIGHT_DISK, lamp, square, cosine),
+		            shade_lamp_falloff(SHADE_LIGHT_WINDOWED, lamp, 0.2f * square, cosine),
+		            shade_lamp_falloff(SHADE_LIGHT_SUBTRACTED, lamp, 0.2f * square, cosine));
+	if (row == 11)
+		return vec4(shade_lamp_at(SHADE_LIGHT_SPHERE, lamp, position).direction, 0.0f);
+	return vec4(shade_light_at(int(b[3] * 6.0f), sun, lamp, position).irradiance,
+	            shade_light_at(int(a[2] * 6.0f), sun, lamp, position).direction[0]);
+}
+
+SHADE_FN vec4 shade_case_units(int row, vec4 a, vec4 b)
+{
+	vec3 light = vec3(a) * shade_case_skewed(b[0], 0.0f, 1e4f);
+	float radius = shade_case_range(b[1], 0.0f, 2.0f);
+	float exponent = shade_case_skewed(b[2], 0.0f, 1e6f);
+	if (row == 0)
+		return vec4(shade_intensity_from_radiance(light, radius)[0], shade_radiance_from_intensity(light, radius)[1],
+		            0.0f, 0.0f);
+	if (row == 1)
+		return vec4(shade_intensity_from_flux_sphere(light)[0], shade_intensity_from_flux_disk(light)[1], 0.0f, 0.0f);
+	if (row == 2)
+		return vec4(shade_flux_from_intensity_sphere(light)[0], shade_flux_from_intensity_disk(light)[1], 0.0f, 0.0f);
+	if (row == 3)
+		return vec4(shade_from_pi_folded(light)[0], shade_to_pi_folded(light)[1], 0.0f, 0.0f);
+	if (row == 4)
+		return vec4(shade_watts_from_lumens(1000.0f * b[3], vec3(a) + 1e-3f), 0.0f);
+	if (row == 5)
+		return vec4(shade_hemisphere_irradiance(2.0f * a[3] - 1.0f, vec3(a), vec3(b)), 0.0f);
+	if (row == 6) // a wide lobe, and a narrow one at the horizon, where it has a share of both
+		return vec4(shade_hemisphere_share(2.0f * a[3] - 1.0f, 8.0f * b[0]),
+		            shade_hemisphere_share((2.0f * a[2] - 1.0f) * 4.0f / sqrt(exponent + 16.0f), exponent), 0.0f, 0.0f);
+	return vec4(shade_hemisphere_radiance(2.0f * a[3] - 1.0f, 8.0f * b[3], vec3(a), vec3(b)), 0.0f);
+}
+
+SHADE_FN vec4 shade_case_cone_of(shade_cone cone)
+{
+	return vec4(cone.axis, cone.chord);
+}
+
+SHADE_FN vec4 shade_case_cones(int row, vec4 a, vec4 b)
+{
+	vec3 n = shade_case_direction(a[0], a[1]);
+	vec3 v = shade_case_above(n, a[2], a[3]);
+	float exponent = shade_case_skewed(b[0], 1e-2f, 2e6f);
+	float alpha = shade_case_range(b[1], SHADE_ALPHA_MIN, 1.0f);
+	float tolerance = shade_case_skewed(b[2], 1e-4f, 10.0f);
+	float share = 2.0f * b[3] - 0.5f; // rounds once on both sides, since what counts is 1 - share
+	if (row == 13)
+		return vec4(shade_cone_chord_phong(share, exponent), shade_cone_chord_blinn_phong(share, exponent),
+		            shade_cone_chord_ggx(share, alpha),
+		            shade_cone_chord_of_facets(share) + shade_cone_depth(0.1f * tolerance + 1e-6f));
+	if (row == 14)
+		return shade_case_cone_of(shade_cone_phong(n, v, exponent, tolerance));
+	if (row == 15)
+		return shade_case_cone_of(shade_cone_blinn_phong(n, v, exponent, tolerance));
+	if (row == 16)
+		return shade_case_cone_of(shade_cone_ggx(n, v, alpha, tolerance));
+	shade_cone cone = shade_cone_mirrored(n, v, 2.2f * b[0] - 0.1f);
+	if (row == 17) // inside or outside by far more than rounding
+		return vec4(cone.axis,
+		            select(shade_cone_holds(cone, shade_case_direction(b[1], b[2])), 1.0f, 0.0f) + cone.chord);
+	if (row == 18)
+		return vec4(shade_cone_half_angle(cone), shade_cone_share(tolerance, 0.1f + b[3]), 0.0f, 0.0f);
+	shade_half_angle p = shade_half_angle_from_chord(2.0f * a[2]);
+	shade_half_angle q = shade_half_angle_from_chord(2.0f * a[3]);
+	shade_half_angle both = shade_half_angle_sum(p, q);
+	shade_half_angle left = shade_half_angle_difference(p, q);
+	if (row == 19)
+		return vec4(both.sine, both.cosine, left.sine, left.cosine);
+	if (row == 20)
+		return vec4(shade_cone_across(n, shade_case_direction(b[1], b[2])), 0.0f);
+	shade_cone other = {shade_case_direction(b[1], b[2]), 2.1f * b[3] - 0.1f};
+	if (a[3] < 0.5f)
+		return shade_case_cone_of(shade_cone_union(cone, other));
+	// The rows above order the cones themselves.
+	return shade_case_cone_of(shade_cone_union_ordered(cone, shade_cone_mirrored(n, v, cone.chord * b[3])));
+}
+
+SHADE_FN vec4 shade_case_light(int row, vec4 a, vec4 b)
+{
+	if (row < 8)
+		return shade_case_units(row, a, b);
+	if (row < 13)
+		return shade_case_lights(row, a, b);
+	return shade_case_cones(row, a, b);
+}
+
+#include "shading/glsl_end.h"
+#endif

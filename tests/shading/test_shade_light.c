@@ -1,0 +1,444 @@
+/* Lights: units, falloffs and lamps against closed forms in double, and against the integral over the lamp's body. */
+#include "numeric/numeric_quadrature.h"
+#include "shading/shade_diffuse.h"
+#include "shading/shade_light.h"
+#include "support/shade_proof.h"
+
+/* ---- exactness --------------------------------------------------------------------------------------------------- */
+
+static const stilb_vec3 COLOR = {3.0f, 0.5f, 7e5f};
+
+static void units_are_the_ones_of_their_formulas(void **state)
+{
+	(void)state;
+	const double r0 = 0.25, disc = M_PI * r0 * r0;
+	SHADE_PROOF_NEAR3(shade_intensity_from_radiance(COLOR, 0.25f), 3.0 * disc, 0.5 * disc, 7e5 * disc, 3e-7, 0.0);
+	SHADE_PROOF_NEAR3(shade_radiance_from_intensity(COLOR, 0.25f), 3.0 / disc, 0.5 / disc, 7e5 / disc, 3e-7, 0.0);
+	const double sphere = 4.0 * M_PI, face = M_PI;
+	SHADE_PROOF_NEAR3(shade_flux_from_intensity_sphere(COLOR), 3.0 * sphere, 0.5 * sphere, 7e5 * sphere, 3e-7, 0.0);
+	SHADE_PROOF_NEAR3(shade_intensity_from_flux_sphere(COLOR), 3.0 / sphere, 0.5 / sphere, 7e5 / sphere, 3e-7, 0.0);
+	SHADE_PROOF_NEAR3(shade_flux_from_intensity_disk(COLOR), 3.0 * face, 0.5 * face, 7e5 * face, 3e-7, 0.0);
+	SHADE_PROOF_NEAR3(shade_intensity_from_flux_disk(COLOR), 3.0 / face, 0.5 / face, 7e5 / face, 3e-7, 0.0);
+	/* 1 lm of white is 1 / 179 W; of a colour, as much as its luminance says; black has none. */
+	SHADE_PROOF_NEAR3(shade_watts_from_lumens(179.0f, (stilb_vec3){0}), 0.0, 0.0, 0.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR3(shade_watts_from_lumens(179.0f, stilb_vec3_make(1.0f, 1.0f, 1.0f)), 1.0, 1.0, 1.0, 3e-7, 0.0);
+	SHADE_PROOF_NEAR3(shade_watts_from_lumens(179.0f, stilb_vec3_make(0.0f, 8.0f, 0.0f)), 0.0, 1.0 / 0.7152, 0.0, 3e-7,
+	                  0.0);
+}
+
+/* What flows out through a lamp's surface is its flux: a surface of radiance L emits pi L per area. */
+static void flux_is_what_leaves_the_surface(void **state)
+{
+	(void)state;
+	stilb_vec3 intensity = shade_intensity_from_radiance(COLOR, 0.5f);
+	SHADE_PROOF_NEAR(shade_flux_from_intensity_sphere(intensity)[0], M_PI * 3.0 * (4.0 * M_PI * 0.25), 3e-7, 0.0);
+	SHADE_PROOF_NEAR(shade_flux_from_intensity_disk(intensity)[0], M_PI * 3.0 * (M_PI * 0.25), 3e-7, 0.0);
+}
+
+/* The games' convention: a light of 1 that a white surface faces shows it as 1, without a pi in sight. */
+static void folded_light_shows_white_as_one(void **state)
+{
+	(void)state;
+	stilb_vec3 one = stilb_vec3_make(1.0f, 1.0f, 1.0f);
+	SHADE_PROOF_NEAR3(shade_lambert(one) * shade_from_pi_folded(one), 1.0, 1.0, 1.0, 3e-7, 0.0);
+	SHADE_PROOF_NEAR3(shade_to_pi_folded(one), 1.0 / M_PI, 1.0 / M_PI, 1.0 / M_PI, 1e-7, 0.0);
+	/* Schueler's two intensities: I = pi L r0^2 is the folded I' = L r0^2. */
+	stilb_vec3 folded = shade_to_pi_folded(shade_intensity_from_radiance(COLOR, 0.25f));
+	SHADE_PROOF_NEAR(folded[0], 3.0 / 16.0, 3e-7, 0.0);
+}
+
+static void the_sky_lights_evenly(void **state)
+{
+	(void)state;
+	stilb_vec3 sky = {2.0f, 0.3f, 0.0f}, ground = {0.5f, 0.9f, 1.0f};
+	for (int i = -4; i <= 4; i++) {
+		double y = i / 4.0, up = 0.5 * (1.0 + y), down = 0.5 * (1.0 - y);
+		SHADE_PROOF_NEAR3(shade_hemisphere_irradiance((float)y, sky, ground), M_PI * (2.0 * up + 0.5 * down),
+		                  M_PI * (0.3 * up + 0.9 * down), M_PI * down, 3e-7, 1e-7);
+	}
+}
+
+static double share_in_double(double y, double n)
+{
+	double k = 2.0 / M_PI * (n + 0.5 + 1.0 / (8.0 * n + 49.0 / 8.0));
+	return 0.5 * (1.0 + copysign(sqrt(-expm1(k * log1p(-y * y))), y));
+}
+
+static void shares_are_those_of_the_formula(void **state)
+{
+	(void)state;
+	static const double exponents[] = {0.0, 0.25, 1.0, 3.0, 20.0, 1e3, 1e6};
+	for (size_t i = 0; i < sizeof exponents / sizeof exponents[0]; i++)
+		for (int step = -20; step <= 20; step++) {
+			double y = (double)(float)(step / 20.0 * fmin(0.999, 5.0 / sqrt(exponents[i] + 1.0)));
+			float share = shade_hemisphere_share((float)y, (float)exponents[i]);
+			SHADE_PROOF_NEAR(share, share_in_double(y, exponents[i]), 0.0, 4e-7);
+		}
+	stilb_vec3 sky = {2.0f, 0.3f, 0.0f}, ground = {0.5f, 0.9f, 1.0f};
+	/* An exponent of 1 is the diffuse sky over pi. */
+	SHADE_PROOF_NEAR3(shade_hemisphere_radiance(0.5f, 1.0f, sky, ground), 1.625, 0.45, 0.25, 0.0, 1e-6);
+}
+
+static void falloffs_are_those_of_their_formulas(void **state)
+{
+	(void)state;
+	static const double squares[] = {0.0, 1e-3, 0.24, 0.26, 1.0, 30.0, 1e18};
+	for (size_t i = 0; i < sizeof squares / sizeof squares[0]; i++) {
+		double square = (double)(float)squares[i];
+		SHADE_PROOF_NEAR(shade_falloff_sphere((float)square, 0.5f), 1.0 / fmax(square, 0.25), 3e-7, 0.0);
+		SHADE_PROOF_NEAR(shade_falloff_disk((float)square, 0.5f), 1.0 / (square + 0.25), 3e-7, 0.0);
+		double left = fmax(1.0 - square / 36.0, 0.0);
+		SHADE_PROOF_NEAR(shade_falloff_window((float)square, 6.0f), left * left, 1e-6, 0.0);
+	}
+	SHADE_PROOF_NEAR(shade_falloff_subtracted(0.5f, 0.3f), 0.2, 2e-7, 0.0);
+	assert_true(shade_falloff_subtracted(0.3f, 0.5f) == 0.0f);
+	SHADE_PROOF_NEAR(shade_tolerance_from_reach(8.0f), 1.0 / 64.0, 1e-7, 0.0);
+	SHADE_PROOF_NEAR(shade_reach_from_error(50.0f, 0.02f), 50.0, 1e-7, 0.0);
+}
+
+/* A lamp at (1, 2, 3) that shines along +Y, seen from a point 2 m above and 1 m beside it. */
+static const shade_lamp LAMP = {{1.0f, 2.0f, 3.0f}, {0.0f, 1.0f, 0.0f}, {10.0f, 20.0f, 0.0f}, 0.5f, 4.0f};
+
+static void lamps_are_seen_as_suns(void **state)
+{
+	(void)state;
+	stilb_vec3 position = stilb_vec3_make(2.0f, 4.0f, 3.0f);
+	shade_sun sphere = shade_lamp_at(SHADE_LIGHT_SPHERE, LAMP, position);
+	double length = sqrt(5.0);
+	SHADE_PROOF_NEAR3(sphere.direction, -1.0 / length, -2.0 / length, 0.0, 0.0, 1e-7);
+	SHADE_PROOF_NEAR3(sphere.irradiance, 2.0, 4.0, 0.0, 3e-7, 0.0);
+	shade_sun disk = shade_lamp_at(SHADE_LIGHT_DISK, LAMP, position);
+	SHADE_PROOF_NEAR3(disk.direction, -1.0 / length, -2.0 / length, 0.0, 0.0, 1e-7);
+	SHADE_PROOF_NEAR(disk.irradiance[0], 10.0 * (2.0 / length) / 5.25, 4e-7, 0.0);
+	double left = 1.0 - 5.0 / 16.0;
+	shade_sun windowed = shade_lamp_at(SHADE_LIGHT_WINDOWED, LAMP, position);
+	SHADE_PROOF_NEAR(windowed.irradiance[0], 2.0 * left * left, 4e-7, 0.0);
+	shade_sun subtracted = shade_lamp_at(SHADE_LIGHT_SUBTRACTED, LAMP, position);
+	SHADE_PROOF_NEAR(subtracted.irradiance[0], 10.0 * (1.0 / 5.0 - 1.0 / 16.0), 4e-7, 0.0);
+	/* Behind the disk there is no light; in the centre the lamp is seen against its axis, as bright as its surface. */
+	shade_sun behind = shade_lamp_at(SHADE_LIGHT_DISK, LAMP, stilb_vec3_make(1.0f, 1.0f, 3.0f));
+	assert_true(behind.irradiance[0] == 0.0f && behind.direction[1] == 1.0f);
+	for (int light = SHADE_LIGHT_SPHERE; light <= SHADE_LIGHT_DISK; light++) {
+		shade_sun centre = shade_lamp_at(light, LAMP, LAMP.position);
+		SHADE_PROOF_NEAR3(centre.direction, 0.0, -1.0, 0.0, 0.0, 0.0);
+		SHADE_PROOF_NEAR(centre.irradiance[0], 10.0 / 0.25, 1e-7, 0.0);
+	}
+}
+
+static void every_light_is_chosen_by_its_number(void **state)
+{
+	(void)state;
+	const shade_sun sun = {{0.0f, 1.0f, 0.0f}, {4.0f, 3.0f, 2.0f}};
+	stilb_vec3 position = stilb_vec3_make(2.0f, 4.0f, 3.0f);
+	SHADE_PROOF_NEAR3(shade_light_at(SHADE_LIGHT_SUN, sun, LAMP, position).irradiance, 4.0, 3.0, 2.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR3(shade_light_at(SHADE_LIGHT_HEMISPHERE, sun, LAMP, position).irradiance, 0.0, 0.0, 0.0, 0.0, 0.0);
+	for (int light = SHADE_LIGHT_SPHERE; light < SHADE_LIGHT_COUNT; light++) {
+		shade_sun one = shade_light_at(light, sun, LAMP, position), other = shade_lamp_at(light, LAMP, position);
+		assert_true(one.irradiance[0] > 0.0f && one.irradiance[0] == other.irradiance[0]);
+		assert_true(one.direction[1] == other.direction[1]);
+	}
+	static const char *const names[] = {
+#define NAME(light, name) [light] = #name,
+		SHADE_LIGHTS(NAME)
+#undef NAME
+	};
+	assert_int_equal(sizeof names / sizeof names[0], SHADE_LIGHT_COUNT);
+	assert_string_equal(names[SHADE_LIGHT_SUBTRACTED], "subtracted");
+}
+
+/* ---- falloffs against the integral over the lamp's body ---------------------------------------------------------- */
+
+/* A receiver in the origin of a frame whose z points to the lamp's centre; its normal is tilted in the x-z plane. */
+typedef struct receiver {
+	double normal[3];
+} receiver;
+
+static double cosine_of_receiver(const double direction[3], const void *context)
+{
+	const double *n = ((const receiver *)context)->normal;
+	return fmax(n[0] * direction[0] + n[2] * direction[2], 0.0);
+}
+
+/* E of a sphere of radiance 1: the integral of n.l over the cap that it covers. */
+static void spheres_are_exact_above_the_horizon(void **state)
+{
+	(void)state;
+	for (double distance = 1.001; distance < 40.0; distance *= 1.7) {
+		double sine = 1.0 / distance, cosine = sqrt(1.0 - sine * sine);
+		for (int step = 0; step <= 10; step++) {
+			double tilt = step / 10.0 * acos(sine); /* at the end the sphere touches the horizon */
+			const receiver r = {{sin(tilt), 0.0, cos(tilt)}};
+			double truth = stilb_numeric_integrate_sphere(cosine_of_receiver, &r, cosine, 1.0, 4);
+			stilb_vec3 intensity = shade_intensity_from_radiance(stilb_vec3_make(1.0f, 1.0f, 1.0f), 1.0f);
+			double irradiance = (double)(intensity[0] * shade_falloff_sphere((float)(distance * distance), 1.0f));
+			SHADE_PROOF_NEAR(irradiance * cos(tilt), truth, 1e-6, 1e-6);
+		}
+	}
+}
+
+/* E on a surface parallel to a disk of radius 1 and radiance 1, at the height h and the distance x from its axis.
+ * Source: Foote, "Illumination from Circular Disk Source" (1915). */
+static double foote(double h, double x)
+{
+	double a = h * h + x * x + 1.0;
+	return 0.5 * M_PI * (1.0 - (a - 2.0) / sqrt(a * a - 4.0 * x * x));
+}
+
+static double ring_of_disk(double radius, const void *context)
+{
+	const double *at = context;
+	double square = at[0] * at[0] + radius * radius;
+	return 2.0 * M_PI * radius * at[0] * at[0] / (square * square);
+}
+
+static void disks_are_exact_on_the_axis_and_far_away(void **state)
+{
+	(void)state;
+	const shade_lamp lamp = {{0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {(float)M_PI, 0.0f, 0.0f}, 1.0f, 0.0f};
+	for (double h = 0.01; h < 100.0; h *= 1.5) {
+		const shade_sun seen = shade_lamp_at(SHADE_LIGHT_DISK, lamp, stilb_vec3_make(0.0f, (float)h, 0.0f));
+		double truth = stilb_numeric_integrate(ring_of_disk, &h, 0.0, 1.0, 200);
+		SHADE_PROOF_NEAR(seen.irradiance[0], truth, 1e-6, 0.0);
+		SHADE_PROOF_NEAR(foote(h, 0.0), truth, 1e-9, 0.0);
+	}
+	/* Off the axis, on a surface parallel to the disk: short of Foote by 3 (sin r0 / d)^2 of it, and the next order. */
+	for (double distance = 5.0; distance < 100.0; distance *= 1.4)
+		for (int step = 0; step < 9; step++) {
+			double angle = step * M_PI / 18.0, h = distance * cos(angle), x = distance * sin(angle);
+			const shade_sun seen = shade_lamp_at(SHADE_LIGHT_DISK, lamp, stilb_vec3_make((float)x, (float)h, 0.0f));
+			double n_dot_l = -(double)seen.direction[1];
+			double order = 1.0 / (distance * distance), share = 1.0 - 3.0 * sin(angle) * sin(angle) * order;
+			SHADE_PROOF_NEAR((double)seen.irradiance[0] * n_dot_l, share * foote(h, x), 8.0 * order * order + 1e-6,
+			                 0.0);
+		}
+}
+
+/* Through a sphere about a lamp flows the lamp's flux, at any distance. */
+static double through_height(double y, const void *context)
+{
+	const int light = *(const int *)context;
+	const shade_lamp lamp = {{0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {2.0f, 2.0f, 2.0f}, 0.1f, 0.0f};
+	float x = (float)sqrt(1.0 - y * y);
+	shade_sun seen = shade_lamp_at(light, lamp, stilb_vec3_make(5.0f * x, 5.0f * (float)y, 0.0f));
+	return 2.0 * M_PI * 25.0 * (double)seen.irradiance[0];
+}
+
+static void flux_is_kept(void **state)
+{
+	(void)state;
+	stilb_vec3 intensity = stilb_vec3_make(2.0f, 2.0f, 2.0f);
+	int sphere = SHADE_LIGHT_SPHERE, disk = SHADE_LIGHT_DISK;
+	SHADE_PROOF_NEAR(stilb_numeric_integrate(through_height, &sphere, -1.0, 1.0, 4),
+	                 shade_flux_from_intensity_sphere(intensity)[0], 1e-6, 0.0);
+	/* r0^2 + d^2 for d^2: 0.04 % short at 50 radii. */
+	SHADE_PROOF_NEAR(stilb_numeric_integrate(through_height, &disk, 0.0, 1.0, 4),
+	                 (double)shade_flux_from_intensity_disk(intensity)[0] / (1.0 + 1.0 / 2500.0), 1e-6, 0.0);
+}
+
+/* ---- the sky against the integral over all directions ------------------------------------------------------------ */
+
+typedef struct lobe {
+	double axis[3]; /* z is up */
+	double exponent;
+} lobe;
+
+static double lobe_at(const double direction[3], const void *context)
+{
+	const lobe *l = context;
+	double cosine = l->axis[0] * direction[0] + l->axis[2] * direction[2];
+	return cosine > 0.0 ? pow(cosine, l->exponent) : 0.0;
+}
+
+static double power_of_cosine(double angle, const void *context)
+{
+	return pow(fmax(cos(angle), 0.0), *(const double *)context);
+}
+
+/* The share as an integral over one angle, which the header says is the same. */
+static double exact_share(double y, double exponent)
+{
+	double width = fmin(M_PI / 2.0, 12.0 / sqrt(exponent + 1.0)), end = fmin(fmax(asin(y), -width), width);
+	double above = stilb_numeric_integrate(power_of_cosine, &exponent, -width, end, 20);
+	return above / (2.0 * stilb_numeric_integrate(power_of_cosine, &exponent, 0.0, width, 20));
+}
+
+static void a_lobe_is_cut_by_the_horizon_as_one_angle_says(void **state)
+{
+	(void)state;
+	static const double exponents[] = {1.0, 2.0, 7.0, 30.0};
+	for (size_t i = 0; i < sizeof exponents / sizeof exponents[0]; i++)
+		for (int step = -3; step <= 3; step++) {
+			double y = step / 4.0;
+			const lobe l = {{sqrt(1.0 - y * y), 0.0, y}, exponents[i]};
+			double above = stilb_numeric_integrate_sphere(lobe_at, &l, 0.0, 1.0, 24);
+			double below = stilb_numeric_integrate_sphere(lobe_at, &l, -1.0, 0.0, 24);
+			SHADE_PROOF_NEAR(above / (above + below), exact_share(y, exponents[i]), 0.0, 1e-4);
+			if (i == 0) /* Liu and Jordan's irradiance is that lobe */
+				SHADE_PROOF_NEAR(
+					shade_hemisphere_irradiance((float)y, stilb_vec3_make(1.0f, 1.0f, 1.0f), (stilb_vec3){0})[0], above,
+					0.0, 1e-4);
+		}
+}
+
+static void shares_are_near_the_exact_ones(void **state)
+{
+	(void)state;
+	double worst = 0.0, worst_below_half = 0.0;
+	for (double exponent = 0.0; exponent < 1e6; exponent = exponent * 1.5 + 0.05)
+		for (int step = -50; step <= 50; step++) {
+			double y = step / 50.0 * fmin(1.0, 6.0 / sqrt(exponent + 1.0));
+			double share = (double)shade_hemisphere_share((float)y, (float)exponent);
+			double error = fabs(share - exact_share((double)(float)y, exponent));
+			if (exponent >= 0.5)
+				worst = fmax(worst, error);
+			else
+				worst_below_half = fmax(worst_below_half, error);
+		}
+	if (!(worst < 0.0032 && worst > 0.0025 && worst_below_half < 0.0065 && worst_below_half > 0.004))
+		fail_msg("the shares are off by %g, and by %g below an exponent of 0.5", worst, worst_below_half);
+	/* The line of exponent 1 and the smoothstep of exponent 3. */
+	for (int step = -10; step <= 10; step++) {
+		double y = step / 10.0;
+		SHADE_PROOF_NEAR(shade_hemisphere_share((float)y, 1.0f), 0.5 + 0.5 * y, 0.0, 1e-6);
+		SHADE_PROOF_NEAR(exact_share(y, 3.0), 0.25 * (2.0 + 3.0 * y - y * y * y), 0.0, 1e-9);
+	}
+}
+
+/* ---- random lights ----------------------------------------------------------------------------------------------- */
+
+static void units_go_there_and_back(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 1};
+	for (int i = 0; i < SHADE_PROOF_COUNT; i++) {
+		float light = shade_proof_log_range(&random, 1e-15f, 1e15f),
+			  radius = shade_proof_log_range(&random, 2e-4f, 1e4f);
+		stilb_vec3 color = stilb_vec3_make(light, 0.0f, 2.0f * light);
+		stilb_vec3 radius_and_back =
+			shade_radiance_from_intensity(shade_intensity_from_radiance(color, radius), radius);
+		stilb_vec3 sphere = shade_intensity_from_flux_sphere(shade_flux_from_intensity_sphere(color));
+		stilb_vec3 disk = shade_intensity_from_flux_disk(shade_flux_from_intensity_disk(color));
+		stilb_vec3 folded = shade_from_pi_folded(shade_to_pi_folded(color));
+		const stilb_vec3 results[] = {radius_and_back, sphere, disk, folded};
+		for (size_t k = 0; k < sizeof results / sizeof results[0]; k++)
+			SHADE_PROOF_NEAR3(results[k], light, 0.0, 2.0f * light, 4e-7, 0.0);
+		float lumens = shade_proof_range(&random, 0.0f, 1e5f);
+		stilb_vec3 watts = shade_watts_from_lumens(lumens, color);
+		SHADE_PROOF_NEAR(179.0 * (double)shade_luminance(watts), lumens, 1e-6, 0.0);
+	}
+}
+
+static shade_lamp random_lamp(shade_proof_random *random)
+{
+	shade_lamp lamp = {.axis = shade_proof_random_direction(random)};
+	lamp.intensity = shade_proof_random_color(random, shade_proof_log_range(random, 1e-6f, 1e15f));
+	lamp.position = shade_proof_random_direction(random) * shade_proof_log_range(random, 1e-6f, 1e8f);
+	lamp.radius = shade_proof_uniform(random) < 0.1f ? 0.0f : shade_proof_log_range(random, 1e-6f, 1e3f);
+	lamp.reach = lamp.radius + shade_proof_log_range(random, 1e-2f, 1e6f);
+	return lamp;
+}
+
+/* Nearest, inside, around and far away. */
+static stilb_vec3 random_position(shade_proof_random *random, const shade_lamp *lamp)
+{
+	float far = shade_proof_uniform(random) < 0.5f ? 2.0f * lamp->reach : 1e8f;
+	float distance = shade_proof_uniform(random) < 0.05f ? 0.0f : shade_proof_log_range(random, 1e-7f, far);
+	return lamp->position + shade_proof_random_direction(random) * distance;
+}
+
+/* No lamp is brighter than its own surface, which shows pi L at most; the two that end are darker than the one that
+ * does not, and end; the subtracted one misses its tolerance at most, and keeps more than the windowed one. */
+static void lamps_keep_their_bounds(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 2};
+	for (int i = 0; i < SHADE_PROOF_COUNT; i++) {
+		shade_lamp lamp = random_lamp(&random);
+		stilb_vec3 position = random_position(&random, &lamp);
+		shade_sun seen[SHADE_LIGHT_COUNT];
+		for (int light = SHADE_LIGHT_SPHERE; light < SHADE_LIGHT_COUNT; light++) {
+			seen[light] = shade_lamp_at(light, lamp, position);
+			SHADE_PROOF_LIGHT3(seen[light].irradiance);
+			SHADE_PROOF_NEAR(stilb_vec3_dot(seen[light].direction, seen[light].direction), 1.0, 0.0, 2e-6);
+		}
+		float sphere = seen[SHADE_LIGHT_SPHERE].irradiance[0], intensity = lamp.intensity[0];
+		float surface = (float)M_PI * shade_radiance_from_intensity(lamp.intensity, lamp.radius)[0];
+		assert_true(sphere <= 1.000001f * surface && seen[SHADE_LIGHT_DISK].irradiance[0] <= 1.000001f * surface);
+		assert_true(seen[SHADE_LIGHT_WINDOWED].irradiance[0] <= sphere);
+		float subtracted = seen[SHADE_LIGHT_SUBTRACTED].irradiance[0];
+		assert_true(subtracted <= sphere);
+		assert_true(sphere - subtracted <=
+		            1.000001f * intensity * shade_tolerance_from_reach(lamp.reach) + 1e-6f * sphere);
+		stilb_vec3 offset = position - lamp.position;
+		if (sqrtf(stilb_vec3_dot(offset, offset)) > fmaxf(lamp.radius, 1e-4f)) /* (1 - x^2)^2 <= 1 - x^2 */
+			assert_true(seen[SHADE_LIGHT_WINDOWED].irradiance[0] <= subtracted + 1e-6f * sphere);
+		if (sqrtf(stilb_vec3_dot(offset, offset)) > 1.00001f * lamp.reach)
+			assert_true(seen[SHADE_LIGHT_WINDOWED].irradiance[0] == 0.0f && subtracted == 0.0f);
+	}
+}
+
+/* Further away is never brighter. */
+static void falloffs_fall(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 3};
+	for (int i = 0; i < SHADE_PROOF_COUNT; i++) {
+		shade_lamp lamp = random_lamp(&random);
+		float near = shade_proof_log_range(&random, 1e-14f, 1e16f);
+		float far = near * shade_proof_range(&random, 1.0f, 3.0f), cosine = shade_proof_range(&random, -1.0f, 1.0f);
+		for (int light = SHADE_LIGHT_SPHERE; light < SHADE_LIGHT_COUNT; light++)
+			assert_true(shade_lamp_falloff(light, lamp, near, cosine) >= shade_lamp_falloff(light, lamp, far, cosine));
+		/* At reach_from_error a sphere's irradiance is the error. */
+		float intensity = shade_proof_log_range(&random, 1e-6f, 1e6f),
+			  error = shade_proof_log_range(&random, 1e-6f, 1.0f);
+		float reach = shade_reach_from_error(intensity, error);
+		SHADE_PROOF_NEAR(intensity * shade_tolerance_from_reach(reach), error, 1e-6, intensity > 1e-4f ? 0.0 : 1e30);
+	}
+}
+
+static void skies_stay_between_their_colours(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 4};
+	for (int i = 0; i < SHADE_PROOF_COUNT; i++) {
+		float y = shade_proof_range(&random, -1.0f, 1.0f), highest = shade_proof_log_range(&random, 1e-6f, 1e15f);
+		float exponent = shade_proof_uniform(&random) < 0.1f ? 0.0f : shade_proof_log_range(&random, 1e-3f, 1e6f);
+		y = i < 2 ? (i == 0 ? -1.0f : 1.0f) : i % 2 ? y : y * fminf(1.0f, 4.0f / sqrtf(exponent));
+		stilb_vec3 sky = shade_proof_random_color(&random, highest),
+				   ground = shade_proof_random_color(&random, highest);
+		stilb_vec3 irradiance = shade_hemisphere_irradiance(y, sky, ground);
+		stilb_vec3 radiance = shade_hemisphere_radiance(y, exponent, sky, ground);
+		SHADE_PROOF_LIGHT3(irradiance);
+		SHADE_PROOF_LIGHT3(radiance);
+		assert_true(radiance[0] <= 1.000001f * fmaxf(sky[0], ground[0]));
+		float share = shade_hemisphere_share(y, exponent);
+		assert_true(share >= 0.0f && share <= 1.0f);
+		SHADE_PROOF_NEAR(shade_hemisphere_share(-y, exponent), 1.0 - (double)share, 0.0, 1e-7);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest exactness[] = {
+		cmocka_unit_test(units_are_the_ones_of_their_formulas),
+		cmocka_unit_test(flux_is_what_leaves_the_surface),
+		cmocka_unit_test(folded_light_shows_white_as_one),
+		cmocka_unit_test(the_sky_lights_evenly),
+		cmocka_unit_test(shares_are_those_of_the_formula),
+		cmocka_unit_test(falloffs_are_those_of_their_formulas),
+		cmocka_unit_test(lamps_are_seen_as_suns),
+		cmocka_unit_test(every_light_is_chosen_by_its_number),
+	};
+	const struct CMUnitTest properties[] = {
+		cmocka_unit_test(spheres_are_exact_above_the_horizon),
+		cmocka_unit_test(disks_are_exact_on_the_axis_and_far_away),
+		cmocka_unit_test(flux_is_kept),
+		cmocka_unit_test(a_lobe_is_cut_by_the_horizon_as_one_angle_says),
+		cmocka_unit_test(shares_are_near_the_exact_ones),
+		cmocka_unit_test(units_go_there_and_back),
+		cmocka_unit_test(lamps_keep_their_bounds),
+		cmocka_unit_test(falloffs_fall),
+		cmocka_unit_test(skies_stay_between_their_colours),
+	};
+	return SHADE_PROOF_RUN(exactness, properties);
+}
