@@ -46,12 +46,19 @@ const char *stilb_result_text(stilb_result result);
 
 /* ---- asserts and log ------------------------------------------------------------------------------------------ */
 
-/* For the programmer's mistakes; gone (but still compiled) with NDEBUG. */
+/* Contracts of functions. A broken one is the programmer's mistake: it prints file, line, function and condition and
+ * ends the program with SIGABRT. All of them are compiled but not run with NDEBUG, so release builds pay nothing.
+ *
+ *   STILB_ASSERT(index < count);              cheap: an argument, a state, a range
+ *   STILB_CHECK(octree_is_sound(octree));     walks a whole structure; for the end of a change to it
+ *
+ * Which thread calls, and which lock it holds, is asserted with base_contract.h. */
 #ifdef NDEBUG
 #define STILB_ASSERT(condition) ((void)sizeof(!(condition)))
 #else
 #define STILB_ASSERT(condition) assert(condition)
 #endif
+#define STILB_CHECK(condition) STILB_ASSERT(condition)
 
 /* One line on stderr, "stilb: " in front; control characters become '?'. */
 void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));

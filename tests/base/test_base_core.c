@@ -1,15 +1,12 @@
 /* base: results and their messages, log lines, memory, hash and random numbers, time and CPU. */
 #include "base/base.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <threads.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- results ------------------------------------------------------------------------------------------------------- */
 

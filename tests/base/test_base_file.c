@@ -1,17 +1,14 @@
 /* base_file: files are whole or not there, whatever goes wrong, and nothing else is left in the folder. */
 #include "base/base_file.h"
 #include "support/folder.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- the calls that can be made to fail ------------------------------------------------------------------------------ */
 

@@ -1,17 +1,14 @@
 /* base_json: what it writes is JSON to a strict reader, and the values come back. */
 #include "base/base_json.h"
 #include "support/json_flat.h"
+#include "support/test.h"
 
 #include <locale.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static json_flat flat;
 

@@ -1,13 +1,10 @@
 /* base_math against closed forms, and the frustum against clip space. */
 #include "base/base.h"
 #include "base/base_math.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979323846f
 

@@ -1,14 +1,11 @@
 /* The engine flown by gamepads that are made up in sockets: plugged, pulled, stalled, denied, and shaken. No device draws. */
 #include "engine_internal.h"
 #include "support/fake_hidraw.h"
+#include "support/test.h"
 #include "support/trace_check.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 
 #define NODE 3
 #define TRIES 2000 /* of a millisecond */

@@ -2,13 +2,10 @@
 #include "engine_internal.h"
 #include "shading/shade_brdf.h"
 #include "shading/shade_light.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* ---- a user -------------------------------------------------------------------------------------------------------- */
 

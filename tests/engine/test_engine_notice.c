@@ -1,16 +1,13 @@
 /* The notice of gamepads that may not be opened, over the picture: it comes, says which and what to do, and goes. */
 #include "engine_internal.h"
 #include "image/image.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define WIDTH 700u
 #define HEIGHT 400u

@@ -2,14 +2,11 @@
  * linker sends allocations here (--wrap). */
 #include "engine_internal.h"
 #include "support/render_reference.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define MODELS 3000u
 #define FRAMES 6

@@ -1,17 +1,14 @@
 /* The command line's table: every kind, every way to be wrong, one line for each; and the medians of stage times. */
 #include "game/cli/flags.h"
 #include "game/cli/stage_times.h"
+#include "support/test.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- flags ----------------------------------------------------------------------------------------------------------- */
 

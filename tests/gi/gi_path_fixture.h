@@ -4,12 +4,9 @@
 
 #include "gi/film/gi_camera.h"
 #include "gi/integrate/gi_integrator.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 typedef struct path_fixture {
 	stilb_job_pool *pool;

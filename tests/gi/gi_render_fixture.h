@@ -3,15 +3,12 @@
 #define GI_RENDER_FIXTURE_H
 
 #include "gi/gi_render.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 typedef struct render_fixture {
 	stilb_job_pool *pool;

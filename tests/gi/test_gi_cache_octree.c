@@ -1,15 +1,12 @@
 /* Records and the tree they lie in: what holds where, that the tree finds just that, and that threads may fill it
  * together. */
 #include "gi/cache/gi_cache_octree.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const float low[3] = {-1.0f, 0.0f, 2.0f}, high[3] = {1.0f, 3.0f, 4.0f};
 

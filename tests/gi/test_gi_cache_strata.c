@@ -1,13 +1,10 @@
 /* What a hemisphere of rays says: irradiance and its derivatives against closed forms, and against their own
  * differences. */
 #include "gi/cache/gi_cache_strata.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define RAYS 4096
 #define TRIES 16 /* other numbers each: what is compared is their mean */

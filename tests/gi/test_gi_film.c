@@ -2,14 +2,11 @@
 #include "gi/film/gi_film.h"
 
 #include "shading/shade_firefly.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define COUNT 1000
 

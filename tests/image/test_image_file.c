@@ -2,19 +2,16 @@
 
 #include "image/image.h"
 #include "image/image_internal.h"
+#include "support/test.h"
 
 #include <dirent.h>
 #include <fcntl.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static char folder[] = "test_image_file_XXXXXX";
 

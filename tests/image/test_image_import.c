@@ -1,15 +1,12 @@
 /* Pictures that others made: each kind is known by how it begins, and one that is damaged ends in a message. */
 #include "image/image.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* Two pixels, side by side, of code ff 80 00 (in HDR light 1, 0.5, 0), as files in hexadecimal. */
 static const struct {

@@ -1,16 +1,13 @@
 /* Pictures of many channels: to a file and back, and every way that a file or a request can be wrong. */
 #include "image/image_layers.h"
 #include "support/folder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static const char path[] = "a.exr";
 

@@ -2,14 +2,11 @@
  * every frame rate. */
 #include "base/base_math.h"
 #include "input/input_camera.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979323846f
 #define SECOND 1000000

@@ -3,15 +3,12 @@
 #include "input/hid/input_layout.h"
 #include "input/input_control.h"
 #include "support/input_descriptors.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SECOND 1000000
 #define BUTTON(name) (1u << STILB_INPUT_##name)

@@ -2,15 +2,12 @@
 #include "input/hid/input_descriptor.h"
 
 #include "support/input_descriptors.h"
+#include "support/test.h"
 #include "test_input_descriptor_tables.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 

@@ -2,14 +2,11 @@
 #include "input/device/input_device_internal.h"
 #include "input/device/input_pads.h"
 #include "support/fake_hidraw.h"
+#include "support/test.h"
 
 #include <dirent.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 
 static const uint8_t bytes[4100] = {0x05, 0x01, 0x09, 0x05, 0xa1, 0x01};
 static const input_test_descriptor pad = {

@@ -1,12 +1,9 @@
 /* input: keys and mouse of a window become wishes. */
 #include "input/input.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static stilb_input_state held(stilb_window_key key)
 {

@@ -4,14 +4,11 @@
 #include "input/hid/input_layout.h"
 #include "input/input_recording.h"
 #include "support/input_descriptors.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const char *folder;
 

@@ -1,14 +1,11 @@
 /* input_layout: what a layout makes of reports, and what is made of the descriptor of a pad that nobody knows. */
 #include "input/hid/input_layout.h"
 #include "support/input_descriptors.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* ---- CRC ------------------------------------------------------------------------------------------------------- */
 

@@ -4,15 +4,12 @@
 #include "input/device/input_reader_internal.h"
 #include "input/hid/input_layout.h"
 #include "support/fake_hidraw.h"
+#include "support/test.h"
 
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <sys/resource.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 /* In the place of the real one, so that the program loads no hidapi: the thread sanitizer could not see into it. */
 const input_backend input_backend_hidapi = {.name = "none"};

@@ -5,17 +5,14 @@
 #include "support/failing_memory.h"
 #include "support/folder.h"
 #include "support/input_descriptors.h"
+#include "support/test.h"
 
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- a folder of its own, which is the current one ----------------------------------------------------------------- */
 

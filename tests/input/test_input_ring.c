@@ -1,14 +1,11 @@
 /* The ring from a reader to the frame: in order, whole, with room for as much as it says. */
 #include "input/device/input_ring_internal.h"
+#include "support/test.h"
 
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define CAPACITY 1024u
 #define LONGEST 300u

@@ -4,16 +4,13 @@
 #include "input/device/input_reader_internal.h"
 #include "input/hid/input_layout.h"
 #include "support/input_descriptors.h"
+#include "support/test.h"
 #include "support/umockdev.h"
 
 #include <errno.h>
 #include <limits.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <sys/eventfd.h>
-
-#include <cmocka.h>
 
 #ifdef STILB_TEST_HIDAPI
 #include <hidapi/hidapi.h>

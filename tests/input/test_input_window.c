@@ -1,15 +1,12 @@
 /* The gamepads that the window library reads: as states, as events, and never beside the same pad read directly. */
 #include "input/input_window.h"
 #include "support/input_descriptors.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MS 1000
 #define NEAR(a, b) assert_float_equal(a, b, 1e-6f)

@@ -5,8 +5,6 @@
 
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,9 +12,8 @@
 #include <string.h>
 #include <time.h>
 
-#include <cmocka.h>
-
 #include "jobs/job.h"
+#include "support/test.h"
 
 /* Counted by jobs, read by the test: release and acquire, so that a test that polls sees what the jobs wrote, too. */
 typedef _Atomic uint32_t counter;

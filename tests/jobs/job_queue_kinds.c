@@ -1,13 +1,10 @@
 #include "job_queue_kinds.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include <cmocka.h>
-
 #include "bench/subjects/queue_subjects.h"
+#include "support/test.h"
 
 static int create_low_lock(const stilb_job_queue_desc *desc, stilb_job_queue **queue)
 {

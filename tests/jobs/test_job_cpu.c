@@ -1,7 +1,5 @@
 /* CPU counting: the affinity mask of this process, and cgroup files made for the test. */
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -10,9 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "jobs/job_internal.h"
+#include "support/test.h"
 
 static char root[] = "/tmp/stilb-cgroup-XXXXXX";
 

@@ -3,17 +3,14 @@
  * section. What interleavings can do to it is shown by test_job_model_low_lock.
  */
 #include <pthread.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <time.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "jobs/job_lock.h"
+#include "support/test.h"
 
 enum { THREADS = 16, ROUNDS = 20000, WAITERS = 4, STALL_MS = 300 };
 

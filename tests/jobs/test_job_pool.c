@@ -2,8 +2,6 @@
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,9 +11,8 @@
 #include <string.h>
 #include <time.h>
 
-#include <cmocka.h>
-
 #include "jobs/job.h"
+#include "support/test.h"
 
 static const uint32_t worker_counts[] = {0, 1, 2, 8, 64};
 enum { WORKER_COUNTS = sizeof worker_counts / sizeof *worker_counts };

@@ -1,17 +1,14 @@
 /* What job_queue.h promises, with one thread at a time, for every kind of queue. */
 #include <errno.h>
 #include <limits.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "job_queue_kinds.h"
 #include "job_random.h"
+#include "support/test.h"
 
 enum { THREADS = 8, MANY = 5000 }; /* MANY: more than some segments, and their ends fall everywhere */
 

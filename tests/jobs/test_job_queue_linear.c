@@ -7,9 +7,7 @@
  */
 #include <errno.h>
 #include <pthread.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -18,12 +16,11 @@
 #include <string.h>
 #include <time.h>
 
-#include <cmocka.h>
-
 #include "job_history.h"
 #include "job_queue_kinds.h"
 #include "job_random.h"
 #include "jobs/job_sys.h"
+#include "support/test.h"
 
 #define OPERATIONS 200000
 static uint32_t operations = OPERATIONS;

@@ -10,9 +10,7 @@
  */
 #include <errno.h>
 #include <pthread.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -21,11 +19,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "job_queue_kinds.h"
 #include "job_random.h"
 #include "jobs/job_sys.h"
+#include "support/test.h"
 
 /* PROGRESS: items pushed and popped beside stopped threads, many segments of them. */
 enum { THREADS = 4, ROUNDS = 100, PROGRESS = 20000, SOME = 200, PATIENCE_S = 30, STOP_MS = 5 };

@@ -6,18 +6,15 @@
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <time.h>
 
-#include <cmocka.h>
-
 #include "job_queue_kinds.h"
 #include "job_random.h"
+#include "support/test.h"
 
 #if defined(__SANITIZE_THREAD__)
 #define SLOWER 8

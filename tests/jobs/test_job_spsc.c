@@ -2,16 +2,13 @@
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 
-#include <cmocka.h>
-
 #include "jobs/job_spsc.h"
+#include "support/test.h"
 
 enum { MANY = 1000000, BLOCK = 511 };
 

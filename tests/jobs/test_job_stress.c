@@ -2,14 +2,11 @@
  * Jobs, waits and loops mixed at random, handing plain (not atomic) data to one another: under the thread sanitizer
  * every missing order shows as a race, without it as a wrong sum. Runs with more threads than CPUs as well.
  */
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include <cmocka.h>
-
 #include "jobs/job.h"
+#include "support/test.h"
 
 #if defined(__SANITIZE_THREAD__)
 #define ROUNDS 800

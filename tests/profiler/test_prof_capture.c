@@ -3,15 +3,14 @@
 #include "profiler/prof_frames.h"
 #include "profiler/prof_internal.h"
 #include "profiler/prof_trace.h"
+#include "support/test.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +18,6 @@
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- between the capture and the rest: linked with --wrap -------------------------------------------------------- */
 

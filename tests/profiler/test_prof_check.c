@@ -1,15 +1,12 @@
 /* The judge of traces: a good one passes, and each rule is seen to fail by breaking it. */
+#include "support/test.h"
 #include "support/trace_check.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static const char *program; /* trace_check */
 

@@ -1,12 +1,9 @@
 /* Clocks: what ticks mean in nanoseconds. With the argument "monotonic": where the TSC cannot be used. */
+#include "support/test.h"
 #include "test_prof_records.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 static prof_timeline timeline;
 

@@ -1,10 +1,6 @@
 /* prof.h in C++17: compiled by the C++ compiler of the build, read back here. */
+#include "support/test.h"
 #include "test_prof_records.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 int test_prof_cpp_zones(void);
 void test_prof_cpp_never(void);

@@ -4,6 +4,7 @@
  */
 #include "profiler/prof_capture.h"
 #include "profiler/prof_internal.h"
+#include "support/test.h"
 #include "support/trace_check.h"
 
 #include <errno.h>
@@ -11,7 +12,6 @@
 #include <pthread.h>
 #include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,8 +21,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static void sleep_us(long us)
 {

@@ -3,14 +3,11 @@
 
 #include "support/failing_memory.h"
 #include "support/prof_made.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 
 /* ---- Mann-Whitney ------------------------------------------------------------------------------------------------ */
 

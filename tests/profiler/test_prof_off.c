@@ -1,16 +1,14 @@
 /* STILB_PROFILE_OFF leaves nothing behind: the code of an object with macros is that of an object without. The arguments
  * are the objects of test_prof_off_object.c: on, off, none. */
+#include "support/test.h"
+
 #include <elf.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static char **paths;
 

@@ -3,13 +3,12 @@
  * of everything else, run in a child process whose first system call ends it (seccomp); allocations are counted
  * (--wrap).
  */
+#include "support/test.h"
 #include "test_prof_records.h"
 
 #include <linux/filter.h>
 #include <linux/seccomp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -17,8 +16,6 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define ZONES 10000000
 

@@ -4,17 +4,14 @@
 #include "profiler/prof_trace.h"
 #include "support/failing_memory.h"
 #include "support/prof_made.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- traces in memory -------------------------------------------------------------------------------------------- */
 

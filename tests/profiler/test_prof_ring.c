@@ -1,14 +1,11 @@
 /* Rings: wrap-around, windows, copies while a thread records, threads that come and go. */
+#include "support/test.h"
 #include "test_prof_records.h"
 
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <sys/mman.h>
-
-#include <cmocka.h>
 
 static int shut_down(void **state)
 {

@@ -1,18 +1,15 @@
 /* Snapshots: the tree from the order of ends, times, windows, charging, flows, points, what they cost. */
 #include "profiler/prof_internal.h"
 #include "support/failing_memory.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 /* ---- context switches made by hand ------------------------------------------------------------------------------- */
 

@@ -2,17 +2,14 @@
 #include "profiler/prof_trace.h"
 #include "support/prof_made.h"
 #include "support/program.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <sys/stat.h>
-
-#include <cmocka.h>
 
 static const char *node, *script, *modules, *chromium;
 

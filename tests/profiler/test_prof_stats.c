@@ -4,15 +4,12 @@
 #include "profiler/prof_sort.h"
 #include "support/failing_memory.h"
 #include "support/prof_made.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <inttypes.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 /* ---- the long way ------------------------------------------------------------------------------------------------ */
 

@@ -1,14 +1,13 @@
 /* Context switches: every one that /proc counts is noted, whole and in order, also while they are read. */
 #include "profiler/prof_internal.h"
 #include "profiler/prof_snapshot.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +17,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static prof_switch_event events[PROF_SWITCHES_MAX];
 

@@ -2,6 +2,7 @@
 #include "profiler/prof_read.h"
 #include "profiler/write/prof_text.h"
 #include "support/failing_memory.h"
+#include "support/test.h"
 #include "test_prof_capture.h"
 
 #include <dirent.h>
@@ -9,7 +10,6 @@
 #include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -19,8 +19,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- a locale that writes another decimal point (the linker's --wrap) -------------------------------------------- */
 

@@ -1,14 +1,11 @@
 /* What each macro records: zones, counters, instants, flows, lanes of devices; and sites. */
+#include "support/test.h"
 #include "test_prof_records.h"
 
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static int begin_thread(void **state)
 {

@@ -3,14 +3,11 @@
 #include "render/render_dump.h"
 #include "render/render_internal.h"
 #include "support/render_reference.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ---- memory that runs out ------------------------------------------------------------------------------------------ */
 

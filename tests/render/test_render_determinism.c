@@ -3,15 +3,12 @@
  * too. So segments are recorded in orders that no scheduler would think of. Arguments: the number of schedules;
  * "vulkan", to compare pictures instead; WORKERS SCHEDULE, to repeat one schedule. */
 #include "support/render_fixture.h"
+#include "support/test.h"
 
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 #define MOST_WORKERS 8u
 #define ALL_MODES (FIXTURE_REPLAYS * FIXTURE_MATERIALS)

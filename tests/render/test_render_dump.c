@@ -2,16 +2,13 @@
  * reason or played. The linker sends allocations here (--wrap). */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define PATH "test_render_dump.dump"
 #define PATH_AGAIN "test_render_dump_again.dump"

@@ -2,15 +2,12 @@
  * pixel, in every way of replay. */
 #include "render/render_dump.h"
 #include "support/picture_reference.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PATH "test_render_dump_picture.dump"
 #define SIDE 96u

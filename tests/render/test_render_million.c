@@ -2,13 +2,10 @@
  * also where there was no memory for so many, and all memory is given back. The linker sends allocations here
  * (--wrap). */
 #include "support/render_fixture.h"
+#include "support/test.h"
 
 #include <malloc.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 
 #define MODELS 500000u
 #define DRAWS (2 * MODELS)

@@ -2,13 +2,10 @@
  * little memory there was the frame before. The linker sends allocations here (--wrap). */
 #include "render/render_internal.h"
 #include "support/render_reference.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define FIRST_ROWS RENDER_FIRST_CAPACITY
 

@@ -1,15 +1,12 @@
 /* Meshes, textures and materials that come and go: from all workers while frames are drawn, without memory, with bad
  * input, and until no index is left. The linker sends allocations here (--wrap). */
 #include "support/render_gpu.h"
+#include "support/test.h"
 
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <sys/mman.h>
-
-#include <cmocka.h>
 
 /* ---- memory that runs out once ---------------------------------------------------------------------------------- */
 

@@ -1,14 +1,11 @@
 /* Passes that sort: by ascending key, equal keys as recorded, whoever recorded them; held against a merge sort of the
  * same draws. The linker sends allocations here (--wrap). */
 #include "support/render_fixture.h"
+#include "support/test.h"
 
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 
 /* ---- memory that runs out once ---------------------------------------------------------------------------------- */
 

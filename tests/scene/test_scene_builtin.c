@@ -1,15 +1,12 @@
 /* The built-in scenes against what each promises, the camera's roll, and the surroundings from pictures. */
 #include "scene/scene.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static stilb_scene *open_scene(const char *name)
 {

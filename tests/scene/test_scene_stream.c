@@ -1,15 +1,12 @@
 /* A scene through a pipe's bytes and back, and streams that are damaged: what is read is a scene that can be used, or
  * none. */
 #include "scene/open/scene_stream.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* The bytes of a scene, to be freed. */
 static unsigned char *bytes_of(const stilb_scene *scene, size_t *size)

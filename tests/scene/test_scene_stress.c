@@ -1,13 +1,10 @@
 /* The stress test's scene against its definition: what stands where, what varies, what moves, what each camera sees. */
 #include "scene/scene.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static stilb_scene *make(uint32_t models, uint64_t seed)
 {

@@ -11,13 +11,10 @@
 #include "shading/shade_energy.h"
 
 #include "base/base.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void every_word_answers_right(void **state)
 {

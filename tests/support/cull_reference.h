@@ -3,15 +3,12 @@
 #define CULL_REFERENCE_H
 
 #include "culling/cull_internal.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static inline bool reference_visible(stilb_sphere sphere, const stilb_frustum *frustum)
 {

@@ -5,15 +5,12 @@
 
 #include "render/render.h"
 #include "scene/scene_internal.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define REFERENCE_PI 3.14159265358979323846
 

@@ -5,14 +5,11 @@
 
 #include "render/render.h"
 #include "scene/scene.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define REFERENCE_HASH_START 14695981039346656037ull
 

@@ -11,13 +11,10 @@
 #include "support/shade_proof.h"
 
 #include "render/vulkan/vulkan_internal.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SHADE_GPU_COUNT 20000u
 #define SHADE_GPU_GROUP 64u

@@ -12,14 +12,11 @@
 
 #include "base/base.h"
 #include "base/base_math.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define SHADE_PROOF_COUNT 1000000 /* random arguments for each function */
 

@@ -4,18 +4,16 @@
 
 #include "json_flat.h"
 #include "support/program.h"
+#include "support/test.h"
 #include "trace_check.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
-#include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <sys/stat.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 static char stilb_path[PATH_MAX], stilb_folder[PATH_MAX];
 static program_run run;

@@ -1,13 +1,10 @@
 /* ui: what the profiler's window says about a frame, on snapshots made by hand. */
+#include "support/test.h"
 #include "test_ui_profiler_made.h"
 #include "ui/ui_profiler_data.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define ASSERT_NS(ns, us) assert_int_equal((ns), made_ns(us))
 

@@ -1,15 +1,12 @@
 /* ui: the profiler's window over anything that a trace file could hold: nothing reaches beyond memory, every vertex is a
  * place, and the words fit. Best run with the sanitizers. */
 #include "base/base.h"
+#include "support/test.h"
 #include "test_ui_profiler_made.h"
 #include "ui/ui_profiler_internal.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 
 #define SNAPSHOTS 150u
 #define DRAWS 12u

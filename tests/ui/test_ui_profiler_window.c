@@ -1,16 +1,13 @@
 /* ui: the profiler's window with a mouse, keys and frames that pass, on snapshots made by hand and without a renderer. */
+#include "support/test.h"
 #include "test_ui_profiler_made.h"
 #include "ui/ui_internal.h"
 #include "ui/ui_profiler_internal.h"
 
 #include <errno.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define FRAMES 300u
 

@@ -3,16 +3,13 @@
 #ifndef TEST_UI_RASTER_H
 #define TEST_UI_RASTER_H
 
+#include "support/test.h"
 #include "ui/ui_internal.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct raster_picture {
 	uint32_t width, height;

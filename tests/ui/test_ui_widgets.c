@@ -1,15 +1,12 @@
 /* ui: what widgets answer to a user who moves, presses and types. */
+#include "support/test.h"
 #include "ui/ui_internal.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 

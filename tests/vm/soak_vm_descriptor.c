@@ -3,17 +3,14 @@
  *
  *   soak_vm_descriptor COUNT        so many by chance */
 #include "input/hid/input_descriptor.h"
+#include "support/test.h"
 #include "vm/uhid_pad.h"
 #include "vm/vm_room.h"
 
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define USAGES_MAX 12288u     /* of one field: HID_MAX_USAGES */
 #define CHANGED_ELEMENTS 500u /* more take the kernel long to print, and say nothing new */

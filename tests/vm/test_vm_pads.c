@@ -1,21 +1,18 @@
 /* Pads on a real kernel: what is made through /dev/uhid is found, read, shaken and lost by both backends at once.
  * Runs in the virtual machine of boot.sh, as root, with the modules that init.sh loads. */
 #include "support/input_descriptors.h"
+#include "support/test.h"
 #include "vm/vm_ds4.h"
 #include "vm/vm_room.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/input.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define USB "00:00:00:00:00:01"
 

@@ -7,21 +7,18 @@
  * from that.
  *
  * test_vm_storm CYCLES SUBJECT-PROGRAM */
+#include "support/test.h"
 #include "vm/vm_ds4.h"
 #include "vm/vm_room.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static uint32_t cycles;
 static const char *program;

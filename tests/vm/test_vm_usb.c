@@ -1,19 +1,16 @@
 /* Pads at the kernel's real USB stack: a gadget of the kernel (configfs, usb_f_hid) at a host controller made of
  * software (dummy_hcd), so that usbhid asks for descriptors and polls as it does with a cable. Runs in the virtual
  * machine of boot.sh, as root. */
+#include "support/test.h"
 #include "vm/vm_ds4.h"
 #include "vm/vm_room.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define GADGETS "/sys/kernel/config/usb_gadget"
 #define REPORTS 100u

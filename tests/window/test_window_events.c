@@ -4,19 +4,16 @@
  */
 #include "engine_internal.h"
 #include "shading/shade_brdf.h"
+#include "support/test.h"
 #include "support/x11_window.h"
 
 #include <X11/Xatom.h>
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 typedef struct fixture {
 	stilb_engine *engine;

@@ -5,14 +5,11 @@
  */
 #include "engine_internal.h"
 #include "support/fake_hidraw.h"
+#include "support/test.h"
 #include "support/umockdev.h"
 
 #include <linux/input.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 
 #define NODE 3
 #define TRIES 3000 /* frames, a few milliseconds each */

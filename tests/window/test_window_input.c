@@ -1,14 +1,11 @@
 /* The window's keys, pointer and wheel under a virtual display: a second connection to it plays the user. */
+#include "support/test.h"
 #include "support/x11_window.h"
 #include "window/window.h"
 
 #include <X11/keysym.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static stilb_window *window;
 static Display *display; /* the user's connection */

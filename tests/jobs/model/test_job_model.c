@@ -4,13 +4,9 @@
  * operations stands for them. With "must-fail" as an argument, for a copy of the sources with a fault put in, some
  * scenario has to find it.
  */
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Small states. */
 #define STILB_JOB_LINE_H
@@ -40,6 +36,7 @@
 #define job_sys_ticks_in(nanoseconds) UINT64_C(0)
 #include "jobs/job_pool.c"
 #include "jobs/job_queue.c"
+#include "support/test.h"
 
 #undef free
 #undef malloc

@@ -4,13 +4,9 @@
  * any step; and the same of copies with one fault each (job_model.cmake), run with the argument must-fail: the checker has
  * to find the fault in one of the scenarios.
  */
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "job_model_sys.h"
 
@@ -19,6 +15,7 @@
 #define JOB_SPARE_SEGMENTS 1
 #define JOB_BACKOFF_PAUSES 0
 #include "jobs/job_queue_lock_free.c"
+#include "support/test.h"
 
 #undef free
 #undef malloc

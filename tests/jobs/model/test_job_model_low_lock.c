@@ -7,13 +7,9 @@
  * tests/CMakeLists.txt builds this file again around copies of the sources with one fault each. Those are run with the
  * argument must-fail: the checker has to find the fault in one of the scenarios.
  */
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "job_model_sys.h"
 
@@ -40,6 +36,7 @@ static void model_lock_give(job_lock *lock)
 #define job_lock_give model_lock_give
 #define JOB_SEGMENT_CELLS 2
 #include "jobs/job_queue_low_lock.c"
+#include "support/test.h"
 #undef job_lock_take
 #undef job_lock_give
 

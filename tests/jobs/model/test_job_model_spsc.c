@@ -5,18 +5,15 @@
  * tests/CMakeLists.txt builds this file again around copies of jobs/job_spsc.c with one fault each. Those are run with the
  * argument must-fail: the checker has to find the fault.
  */
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "job_model_sys.h"
 
 #define JOB_SPSC_BLOCK_CELLS 2
 #include "jobs/job_spsc.c"
+#include "support/test.h"
 
 #undef free
 #undef malloc

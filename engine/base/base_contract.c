@@ -1,0 +1,54 @@
+/* base_contract: who owns an object and who holds a lock, for the asserts of base.h. */
+#include "base/base_contract.h"
+
+#include <stdatomic.h>
+
+/* pthread_self is a pointer on Linux and never 0. */
+static uintptr_t me(void)
+{
+	return (uintptr_t)pthread_self();
+}
+
+void stilb_owner_take(stilb_owner *owner)
+{
+	/* Relaxed: only the thread that stored its own identity can read it as equal; whatever another thread reads is
+	 * different from its own. */
+	atomic_store_explicit(&owner->thread, me(), memory_order_relaxed);
+}
+
+bool stilb_owner_is_me(const stilb_owner *owner)
+{
+	uintptr_t thread = atomic_load_explicit(&owner->thread, memory_order_relaxed); /* see stilb_owner_take */
+	return thread == 0 || thread == me();
+}
+
+bool stilb_lock_init(stilb_lock *lock)
+{
+	*lock = (stilb_lock){0};
+	return pthread_mutex_init(&lock->mutex, NULL) == 0;
+}
+
+void stilb_lock_finish(stilb_lock *lock)
+{
+	STILB_ASSERT(atomic_load_explicit(&lock->holder.thread, memory_order_relaxed) == 0 && "nobody holds the lock");
+	pthread_mutex_destroy(&lock->mutex);
+}
+
+void stilb_lock_take(stilb_lock *lock)
+{
+	STILB_ASSERT(!stilb_lock_is_mine(lock) && "the lock is not taken twice");
+	pthread_mutex_lock(&lock->mutex);
+	stilb_owner_take(&lock->holder);
+}
+
+void stilb_lock_give(stilb_lock *lock)
+{
+	STILB_ASSERT_LOCKED(lock);
+	atomic_store_explicit(&lock->holder.thread, 0, memory_order_relaxed); /* see stilb_owner_take */
+	pthread_mutex_unlock(&lock->mutex);
+}
+
+bool stilb_lock_is_mine(const stilb_lock *lock)
+{
+	return atomic_load_explicit(&lock->holder.thread, memory_order_relaxed) == me(); /* see stilb_owner_take */
+}
