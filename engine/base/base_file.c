@@ -1,11 +1,12 @@
 #include "base/base_file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -152,36 +153,114 @@ static FILE *file_open_direct(const char *path)
 	return stream;
 }
 
-/* Differs for every file of this process. */
-static unsigned file_serial(void)
+/* ---- temporary files ------------------------------------------------------------------------------------------------
+ *
+ * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" where that name is taken. Whoever writes one holds
+ * its lock (flock) until it is renamed or removed, and the kernel releases the lock of a process that dies: a temporary
+ * file without a lock was left behind and may go. Unlike a process number, a lock also tells that of other containers.
+ */
+
+#define FILE_TEMPORARY_MAX 48 /* bytes of ".<pid>-<number>.tmp" at most, with room to spare */
+#define FILE_TRIES 1000u      /* names that may be taken */
+
+/* The last name of path, shortened where the longest name of a file would not leave room for FILE_TEMPORARY_MAX. */
+static size_t file_stem(const char *path, const char **stem)
 {
-	static atomic_uint serial;
-	return atomic_fetch_add_explicit(&serial, 1, memory_order_relaxed); /* a counter, orders nothing */
+	const char *slash = strrchr(path, '/');
+	*stem = slash ? slash + 1 : path;
+	const size_t length = strlen(*stem);
+	return length < NAME_MAX - FILE_TEMPORARY_MAX ? length : NAME_MAX - FILE_TEMPORARY_MAX;
 }
 
-/* Makes a file beside the target under a name that is free: one of a killed process may still be there, with this
- * process's number. The name is short, since the target's may be as long as a name can be. -1 with errno. */
+/* True if name is that of a temporary file of this stem, of any process. */
+static bool file_is_temporary(const char *name, const char *stem, size_t length)
+{
+	if (strncmp(name, stem, length) != 0 || name[length] != '.')
+		return false;
+	const char *rest = name + length + 1;
+	size_t digits = strspn(rest, "0123456789");
+	rest += digits;
+	if (digits > 0 && *rest == '-') {
+		digits = strspn(rest + 1, "0123456789");
+		rest += 1 + digits;
+	}
+	return digits > 0 && strcmp(rest, ".tmp") == 0;
+}
+
+/* Removes a temporary file that nobody writes. */
+static void file_remove_stale(int folder, const char *name)
+{
+	struct stat info;
+	int descriptor = openat(folder, name, O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+	if (descriptor < 0)
+		return;
+	if (fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode) && flock(descriptor, LOCK_EX | LOCK_NB) == 0)
+		unlinkat(folder, name, 0);
+	close(descriptor);
+}
+
+static void file_clean_target(const char *target)
+{
+	const char *stem;
+	const size_t length = file_stem(target, &stem);
+	char *path = file_folder(target);
+	DIR *folder = path ? opendir(path) : NULL;
+	free(path);
+	if (!folder)
+		return;
+	for (struct dirent *entry; (entry = readdir(folder));)
+		if (file_is_temporary(entry->d_name, stem, length))
+			file_remove_stale(dirfd(folder), entry->d_name);
+	closedir(folder);
+}
+
+void stilb_file_clean(const char *path)
+{
+	char *target = stilb_file_is_stdout(path) ? NULL : file_resolve(path);
+	if (target)
+		file_clean_target(target);
+	free(target);
+}
+
+/* Creates and locks the file of this name. Between the two another process may take it for a stale one and remove it: then
+ * it has no name any more, and the next try makes another. -1 with errno, EEXIST for another try. */
+static int file_create_locked(const char *name)
+{
+	struct stat info;
+	int descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+	if (descriptor < 0)
+		return -1;
+	if (flock(descriptor, LOCK_EX) != 0 || fstat(descriptor, &info) != 0 || info.st_nlink > 0)
+		return descriptor; /* a file system without locks: then nobody takes it for a stale one either */
+	close(descriptor);
+	errno = EEXIST;
+	return -1;
+}
+
+/* Makes a file beside the target under a name that is free. -1 with errno. */
 static int file_create_temporary(stilb_file *file)
 {
-	char *folder = file_folder(file->target);
-	int descriptor = -1;
-	int error = folder ? EEXIST : ENOMEM;
-	for (int tries = 0; descriptor < 0 && error == EEXIST && tries < 1000; tries++) {
-		char *name = NULL;
-		if (asprintf(&name, "%s/stilb-%d-%u.tmp", folder, (int)getpid(), file_serial()) < 0) {
+	const char *stem;
+	const size_t length = file_stem(file->target, &stem);
+	file_clean_target(file->target);
+	int error = EEXIST;
+	for (unsigned number = 0; error == EEXIST && number < FILE_TRIES; number++) {
+		char end[FILE_TEMPORARY_MAX], *name;
+		snprintf(end, sizeof end, number == 0 ? ".%d.tmp" : ".%d-%u.tmp", (int)getpid(), number);
+		if (asprintf(&name, "%.*s%s", (int)((stem - file->target) + (ptrdiff_t)length), file->target, end) < 0) {
 			error = ENOMEM;
 			break;
 		}
-		descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+		int descriptor = file_create_locked(name);
 		error = errno;
-		if (descriptor < 0)
-			free(name);
-		else
+		if (descriptor >= 0) {
 			file->temporary = name;
+			return descriptor;
+		}
+		free(name);
 	}
-	free(folder);
 	errno = error;
-	return descriptor;
+	return -1;
 }
 
 static FILE *file_open_temporary(stilb_file *file)
@@ -230,8 +309,36 @@ static int file_flush(stilb_file *file)
 	errno = 0;
 	if (ferror(file->stream) || fflush(file->stream) != 0)
 		return errno ? errno : ENOSPC;
-	if (file->temporary && fsync(fileno(file->stream)) != 0)
+	return file->temporary && fsync(fileno(file->stream)) != 0 ? errno : 0;
+}
+
+/* Makes the new name last: without it a power cut may bring the old file back. Some file systems cannot, and the file has
+ * its place already, so a failure is none. */
+static void file_sync_folder(const char *target)
+{
+	char *path = file_folder(target);
+	int folder = path ? open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+	free(path);
+	if (folder < 0)
+		return;
+	fsync(folder);
+	close(folder);
+}
+
+/* 0 or an errno. Renamed before it is closed: closing releases the lock that keeps others from removing it. */
+static int file_move_into_place(stilb_file *file)
+{
+	if (rename(file->temporary, file->target) != 0)
 		return errno;
+	free(file->temporary); /* there is nothing left to remove */
+	file->temporary = NULL;
+	file_sync_folder(file->target);
+	return 0;
+}
+
+/* 0 or an errno. */
+static int file_close(stilb_file *file)
+{
 	FILE *stream = file->stream;
 	file->stream = NULL;
 	return fclose(stream) == 0 ? 0 : errno;
@@ -240,23 +347,19 @@ static int file_flush(stilb_file *file)
 stilb_result stilb_file_commit(stilb_file *file)
 {
 	int error = file_flush(file);
-	if (!error && file->temporary && rename(file->temporary, file->target) != 0)
-		error = errno;
+	if (!error)
+		error = file->temporary ? file_move_into_place(file) : file_close(file);
 	stilb_result result = error ? file_fail(file->path, "write", error) : STILB_OK;
-	if (!error) {
-		free(file->temporary); /* renamed: there is nothing left to remove */
-		file->temporary = NULL;
-	}
 	stilb_file_finish(file);
 	return result;
 }
 
 void stilb_file_finish(stilb_file *file)
 {
-	if (file->stream)
-		fclose(file->stream);
 	if (file->temporary)
 		unlink(file->temporary);
+	if (file->stream)
+		fclose(file->stream);
 	free(file->path);
 	free(file->target);
 	free(file->temporary);
@@ -271,4 +374,32 @@ stilb_result stilb_file_save(const char *path, const void *data, size_t size)
 		return result;
 	stilb_file_write(&file, data, size); /* commit reports what went wrong */
 	return stilb_file_commit(&file);
+}
+
+/* ---- reading ------------------------------------------------------------------------------------------------------- */
+
+/* NULL, or why the descriptor cannot be read as a file. */
+static const char *file_unreadable(int descriptor)
+{
+	struct stat info;
+	if (fstat(descriptor, &info) != 0)
+		return strerror(errno);
+	if (S_ISDIR(info.st_mode))
+		return "it is a folder, not a file";
+	return S_ISREG(info.st_mode) ? NULL : "it is a device or a pipe; give a regular file";
+}
+
+stilb_result stilb_file_read_open(const char *path, FILE **stream)
+{
+	/* Not waiting, for the writer of a pipe; regular files know no waiting. */
+	int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+	const char *why = descriptor < 0 ? strerror(errno) : file_unreadable(descriptor);
+	*stream = why ? NULL : fdopen(descriptor, "rb");
+	if (*stream)
+		return STILB_OK;
+	if (!why)
+		why = strerror(errno);
+	if (descriptor >= 0)
+		close(descriptor);
+	return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", path, why);
 }

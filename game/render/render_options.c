@@ -4,11 +4,8 @@
 #include "engine.h"
 #include "image/image.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define RENDER_WORD(id, name, ...) #name,
 #define RENDER_HELP(id, name, help) {#name, help},
@@ -312,11 +309,11 @@ static bool options_outputs_differ(const render_options *o)
 
 static bool options_readable(const char *flag_name, const char *path)
 {
-	struct stat info;
-	int error = stat(path, &info) != 0 || access(path, R_OK) != 0 ? errno : S_ISDIR(info.st_mode) ? EISDIR : 0;
-	if (error != 0)
-		stilb_log("%s: cannot read '%s': %s", flag_name, path, strerror(error));
-	return error == 0;
+	FILE *stream;
+	if (stilb_file_read_open(path, &stream) == STILB_OK)
+		return fclose(stream) == 0;
+	stilb_log("%s: %s", flag_name, stilb_error_message());
+	return false;
 }
 
 static bool options_files_check(const render_options *o)

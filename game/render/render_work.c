@@ -1,5 +1,6 @@
 #include "render_work.h"
 
+#include "base/base_file.h"
 #include "engine.h"
 #include "profiler/prof.h"
 #include "profiler/prof_snapshot.h"
@@ -192,6 +193,8 @@ static bool work_resume(work_pieces *p)
 {
 	const char *path = p->options->checkpoint;
 	const bool there = path[0] && access(path, F_OK) == 0;
+	if (path[0])
+		stilb_file_clean(path); /* this run may write none itself */
 	if (!p->options->resume) {
 		if (there)
 			stilb_log("'%s' of an earlier run is not used; with --resume it would be", path);

@@ -5,14 +5,19 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* ---- the calls that can be made to fail ------------------------------------------------------------------------------ */
 
 static int rename_error, fsync_error, fsync_calls;
+static bool renamed, folder_synced; /* since the test began; the folder after the last rename */
 
 int __wrap_rename(const char *from, const char *to);
 int __real_rename(const char *from, const char *to);
@@ -21,7 +26,9 @@ int __real_fsync(int descriptor);
 
 int __wrap_rename(const char *from, const char *to)
 {
-	if (!rename_error)
+	renamed = !rename_error;
+	folder_synced = false;
+	if (renamed)
 		return __real_rename(from, to);
 	errno = rename_error;
 	return -1;
@@ -29,7 +36,10 @@ int __wrap_rename(const char *from, const char *to)
 
 int __wrap_fsync(int descriptor)
 {
+	struct stat info;
 	fsync_calls++;
+	assert_int_equal(fstat(descriptor, &info), 0);
+	folder_synced |= renamed && S_ISDIR(info.st_mode);
 	if (!fsync_error)
 		return __real_fsync(descriptor);
 	errno = fsync_error;
@@ -50,6 +60,7 @@ static int folder_fresh(void **state)
 	(void)state;
 	folder_clear();
 	rename_error = fsync_error = 0;
+	renamed = folder_synced = false;
 	return 0;
 }
 
@@ -101,7 +112,8 @@ static void test_new_file(void **state)
 	umask(mask);
 	assert_content("a.txt", "one");
 	assert_entries(1);
-	assert_int_equal(fsync_calls, 1);
+	assert_int_equal(fsync_calls, 2);
+	assert_true(folder_synced);
 	struct stat info;
 	assert_int_equal(stat("a.txt", &info), 0);
 	assert_int_equal(info.st_mode & 07777, 0640);
@@ -194,23 +206,121 @@ static void test_dangling_links(void **state)
 	assert_entries(4);
 }
 
-static void test_names_left_by_a_killed_process(void **state)
+/* ---- temporary files of others --------------------------------------------------------------------------------------- */
+
+/* Starts a process that begins to write path and never ends by itself; returns its number. */
+static pid_t begin_elsewhere(const char *path)
+{
+	int ready[2];
+	char byte;
+	assert_int_equal(pipe(ready), 0);
+	pid_t pid = fork();
+	assert_true(pid >= 0);
+	if (pid == 0) {
+		stilb_file file;
+		prctl(PR_SET_PDEATHSIG, SIGKILL); /* also where the test fails */
+		if (stilb_file_open(&file, path) != STILB_OK || stilb_file_write(&file, "half", 4) != 0 ||
+		    write(ready[1], "", 1) != 1)
+			_exit(1);
+		for (;;)
+			pause();
+	}
+	close(ready[1]);
+	assert_int_equal(read(ready[0], &byte, 1), 1);
+	close(ready[0]);
+	return pid;
+}
+
+static void kill_and_wait(pid_t pid)
+{
+	assert_int_equal(kill(pid, SIGKILL), 0);
+	assert_int_equal(waitpid(pid, NULL, 0), pid);
+}
+
+static void test_a_killed_process_leaves_what_the_next_removes(void **state)
 {
 	(void)state;
-	stilb_file file;
-	assert_int_equal(stilb_file_open(&file, "a.txt"), STILB_OK);
-	unsigned serial;
-	int pid, taken = 0;
-	assert_int_equal(sscanf(strrchr(file.temporary, '/'), "/stilb-%d-%u.tmp", &pid, &serial), 2);
-	stilb_file_finish(&file);
-	for (unsigned i = 1; i <= 20; i++, taken++) {
-		char name[64];
-		snprintf(name, sizeof name, "stilb-%d-%u.tmp", pid, serial + i);
-		put(name, "theirs");
-	}
+	char name[64];
+	const pid_t alive = begin_elsewhere("a.txt"), dead = begin_elsewhere("a.txt"), other = begin_elsewhere("b.txt");
+	kill_and_wait(dead);
+	kill_and_wait(other);
+	assert_entries(3);
 	assert_int_equal(save("a.txt", "mine"), STILB_OK);
+	assert_entries(3);
+	snprintf(name, sizeof name, "a.txt.%d.tmp", (int)alive);
+	assert_int_equal(access(name, F_OK), 0); /* still being written */
+	snprintf(name, sizeof name, "b.txt.%d.tmp", (int)other);
+	assert_int_equal(access(name, F_OK), 0);
+	stilb_file_clean("./b.txt");
+	assert_entries(2);
+	kill_and_wait(alive);
+	assert_int_equal(symlink("a.txt", "link"), 0);
+	stilb_file_clean("link");
+	assert_entries(2);
 	assert_content("a.txt", "mine");
-	assert_entries(taken + 1);
+}
+
+/* Names that only look alike, and a name of a temporary file that is none. */
+static void test_cleaning_touches_nothing_else(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"a.txt.tmp",   "a.txt.x1.tmp",  "a.txt.1.tmp~", "a.txt.1-.tmp",
+	                                    "a.txt..tmp",  "b.txt.1.tmp",   "xa.txt.1.tmp", "a.txt.1-2-3.tmp",
+	                                    "a.txtx1.tmp", "a.txt.1.2.tmp", "a.txt.-1.tmp"};
+	const int count = sizeof names / sizeof *names;
+	for (int i = 0; i < count; i++)
+		put(names[i], "user");
+	assert_int_equal(mkdir("a.txt.1.tmp", 0777), 0);
+	assert_int_equal(symlink("b.txt.1.tmp", "a.txt.2.tmp"), 0);
+	assert_int_equal(mkfifo("a.txt.3.tmp", 0666), 0);
+	put("a.txt.4.tmp", "left behind");
+	put("a.txt.5-17.tmp", "left behind");
+	assert_int_equal(save("a.txt", "new"), STILB_OK);
+	assert_entries(count + 4);
+	stilb_file_clean("/nonexistent/a.txt");
+	stilb_file_clean("-");
+}
+
+/* A name as long as names can be leaves no room for an ending. */
+static void test_longest_name(void **state)
+{
+	(void)state;
+	char name[NAME_MAX + 1];
+	memset(name, 'n', NAME_MAX);
+	name[NAME_MAX] = '\0';
+	kill_and_wait(begin_elsewhere(name));
+	assert_entries(1);
+	assert_int_equal(save(name, "whole"), STILB_OK);
+	assert_content(name, "whole");
+	assert_entries(1);
+}
+
+/* ---- reading --------------------------------------------------------------------------------------------------------- */
+
+static void assert_unreadable(const char *path, const char *why)
+{
+	FILE *stream = stdin;
+	assert_int_equal(stilb_file_read_open(path, &stream), STILB_ERROR_FILE);
+	assert_null(stream);
+	assert_non_null(strstr(stilb_error_message(), path));
+	assert_non_null(strstr(stilb_error_message(), why));
+}
+
+static void test_reading(void **state)
+{
+	(void)state;
+	FILE *stream;
+	char text[8] = "";
+	put("a.txt", "text");
+	assert_int_equal(stilb_file_read_open("a.txt", &stream), STILB_OK);
+	assert_int_equal(fread(text, 1, sizeof text, stream), 4);
+	assert_string_equal(text, "text");
+	fclose(stream);
+	assert_int_equal(mkfifo("pipe", 0666), 0);
+	assert_unreadable("pipe", "regular file"); /* and does not wait for a writer */
+	assert_unreadable("/dev/null", "regular file");
+	assert_unreadable(".", "folder");
+	assert_unreadable("missing", strerror(ENOENT));
 }
 
 /* ---- refused --------------------------------------------------------------------------------------------------------- */
@@ -425,7 +535,10 @@ int main(void)
 		FRESH_TEST(test_existing_file_keeps_its_mode),
 		FRESH_TEST(test_links_are_followed),
 		FRESH_TEST(test_dangling_links),
-		FRESH_TEST(test_names_left_by_a_killed_process),
+		FRESH_TEST(test_a_killed_process_leaves_what_the_next_removes),
+		FRESH_TEST(test_cleaning_touches_nothing_else),
+		FRESH_TEST(test_longest_name),
+		FRESH_TEST(test_reading),
 		FRESH_TEST(test_refused_paths),
 		FRESH_TEST(test_device),
 		FRESH_TEST(test_write_reports_errors),

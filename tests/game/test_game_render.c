@@ -189,6 +189,40 @@ static void test_checkpoints_that_are_none(void **state)
 	assert_said(run.err, "--resume");
 }
 
+/* A pipe that nobody writes to is refused, not waited for. */
+static void test_pipes_are_no_files(void **state)
+{
+	(void)state;
+	assert_int_equal(mkfifo("a.png.checkpoint", 0666), 0);
+	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --resume"), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "'a.png.checkpoint': it is a device or a pipe");
+	assert_int_equal(
+		stilb_code(no_display, SMALL "-o b.png --integrator irradiance-cache --cache-load a.png.checkpoint"), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "--cache-load: cannot read 'a.png.checkpoint': it is a device or a pipe");
+	assert_int_equal(folder_entries(), 1);
+}
+
+static void touch(const char *path)
+{
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	fclose(file);
+}
+
+/* What a killed run leaves is named after what it was to become, and the next run removes it. */
+static void test_what_a_killed_run_left_is_removed(void **state)
+{
+	(void)state;
+	touch("a.exr.12.tmp");
+	touch("a.exr.checkpoint.12.tmp");
+	touch("a.json.12.tmp");
+	assert_int_equal(stilb_code(no_display, SMALL "-o a.exr --resume --stats a.json"), 0);
+	assert_true(exists("a.exr") && exists("a.json"));
+	assert_int_equal(folder_entries(), 2);
+}
+
 static void test_limits(void **state)
 {
 	(void)state;
@@ -457,6 +491,8 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_it_just_works, folder_fresh),
 		cmocka_unit_test_setup(test_interrupt, folder_fresh),
 		cmocka_unit_test_setup(test_refusals, folder_fresh),
+		cmocka_unit_test_setup(test_pipes_are_no_files, folder_fresh),
+		cmocka_unit_test_setup(test_what_a_killed_run_left_is_removed, folder_fresh),
 		cmocka_unit_test_setup(test_an_output_never_replaces_the_scene, folder_fresh),
 		cmocka_unit_test_setup(test_dry_run, folder_fresh),
 		cmocka_unit_test_setup(test_help, folder_fresh),

@@ -307,7 +307,7 @@ static void no_files(void **state)
 	stilb_gi_settings settings = render_fixture_settings(&fixture);
 	remove(path);
 	refuses(&fixture, &settings, path, "No such file");
-	refuses(&fixture, &settings, ".", "cannot resume");
+	refuses(&fixture, &settings, ".", "it is a folder");
 	refuses(&fixture, &settings, "/dev/zero", "regular");
 	write_file("", 0);
 	refuses(&fixture, &settings, path, "no checkpoint");

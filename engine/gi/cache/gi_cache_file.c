@@ -160,10 +160,11 @@ static stilb_result read_records(gi_cache *cache, FILE *stream, const char *path
 stilb_result gi_cache_load(gi_cache *cache, const char *path)
 {
 	PROFILE("gi.cache.load");
-	FILE *stream = fopen(path, "rb");
-	if (!stream)
-		return stilb_fail(STILB_ERROR_FILE, "irradiance cache %s: %s", path, strerror(errno));
-	stilb_result result = read_records(cache, stream, path);
+	FILE *stream;
+	stilb_result result = stilb_file_read_open(path, &stream);
+	if (result != STILB_OK)
+		return result;
+	result = read_records(cache, stream, path);
 	fclose(stream);
 	return result;
 }

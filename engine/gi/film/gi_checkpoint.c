@@ -27,8 +27,8 @@
 /* Of a file that feeds the render; 0 where there is none. */
 static uint64_t hash_file(const char *path)
 {
-	FILE *stream = path ? fopen(path, "rb") : NULL;
-	if (!stream)
+	FILE *stream;
+	if (!path || stilb_file_read_open(path, &stream) != STILB_OK)
 		return 0;
 	char part[4096];
 	uint64_t hash = STILB_FNV1A64_START;
@@ -290,10 +290,11 @@ stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path)
 	PROFILE("gi.resume");
 	if (render->pass_count > 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot resume from '%s': the render has begun already", path);
-	checkpoint_reader reader = {.path = path, .stream = fopen(path, "rb"), .hash = STILB_FNV1A64_START};
-	if (!reader.stream)
-		return resume_fail(&reader, strerror(errno));
-	stilb_result result = read_all(&reader, render);
+	checkpoint_reader reader = {.path = path, .hash = STILB_FNV1A64_START};
+	stilb_result result = stilb_file_read_open(path, &reader.stream);
+	if (result != STILB_OK)
+		return result;
+	result = read_all(&reader, render);
 	fclose(reader.stream);
 	if (result == STILB_OK) {
 		take_film(&render->film, &reader.film);
