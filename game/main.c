@@ -1,6 +1,7 @@
 /* The stilb program: finds the subcommand. */
 #include "commands.h"
 #include "game/cli/flags.h"
+#include "profiler/prof.h"
 
 #include <limits.h>
 #include <malloc.h>
@@ -53,6 +54,7 @@ static void keep_freed_memory(void)
 int main(int argc, char **argv)
 {
 	keep_freed_memory();
+	stilb_prof_record_set(false); /* commands that show or write a profile switch it on */
 	signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report, and what else was asked for is still written */
 	if (argc < 2) {
 		stilb_log("no command; 'stilb demo' runs the stress test, 'stilb --help' lists all");

@@ -3,6 +3,7 @@
 #include "bench/harness/bench_child.h"
 
 #include "culling/cull_internal.h"
+#include "profiler/prof.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -285,6 +286,7 @@ int main(int argc, char **argv)
 {
 	static run r;
 	const bench_child child = bench_child_args(argc, argv);
+	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
 	const subject *s = find_subject(child.subject);
 	r.on = find_case(child.case_name);
 	r.method = s->method;

@@ -5,6 +5,7 @@
 
 #include "gi/sample/gi_bsdf.h"
 #include "gi/trace/gi_ray.h"
+#include "profiler/prof.h"
 
 #include <math.h>
 #include <string.h>
@@ -161,6 +162,7 @@ static void run_survival(const furnace_world *world, const furnace_numbers *numb
 int main(int argc, char **argv)
 {
 	const bench_child child = bench_child_args(argc, argv);
+	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
 	if (strcmp(child.case_name, FURNACE_CASE_EQUAL_TIME) == 0) {
 		furnace_equal_time(&child);
 		return 0;

@@ -1,6 +1,7 @@
 #include "bench/gi/gi_run.h"
 
 #include "base/base.h"
+#include "profiler/prof.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -354,6 +355,7 @@ static bool is_case(const bench_child *child, const char *name)
 int main(int argc, char **argv)
 {
 	bench_child child = bench_child_args(argc, argv);
+	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
 	if (is_case(&child, "reference")) {
 		gi_run_reference_write(child.argument, child.round);
 		bench_child_metric("samples", child.round); /* a run that prints nothing has failed */

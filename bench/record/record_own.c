@@ -4,6 +4,7 @@
 
 #include "culling/cull.h"
 #include "jobs/job.h"
+#include "profiler/prof.h"
 #include "render/render.h"
 
 #include <stdatomic.h>
@@ -447,6 +448,7 @@ static const struct subject *find_subject(const char *name)
 int main(int argc, char **argv)
 {
 	const bench_child child = bench_child_args(argc, argv);
+	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
 	run r = {.subject = find_subject(child.subject), .on = record_case_find(child.case_name), .child = &child};
 	if (record_picture_skips(r.on, child.argument))
 		return BENCH_CHILD_SKIP;
