@@ -2,15 +2,16 @@
  * profiler: what every thread did in the last frames, always on. A stand-alone library: C17 and Linux, no other part
  * of Stilb. This header also compiles as C++17.
  *
- * What it is.   PROFILE("name") times the rest of its scope. A thread that called stilb_prof_thread_begin owns a ring
- *               of 16-byte events and writes one event at the end of each zone; the oldest are overwritten, so memory
- *               is fixed, nothing blocks and nothing needs to be switched on. A snapshot (prof_snapshot.h) is a copy of
- *               what is still held, taken while all threads go on recording.
- * Life cycle.   stilb_prof_thread_begin on each thread -> zones -> stilb_prof_thread_end on each thread;
- *               snapshots at any time; stilb_prof_shutdown last.
+ * What it is.   PROFILE("name") times the rest of its scope. Each thread owns a ring of 16-byte events and writes one
+ *               event at the end of each zone; the oldest are overwritten, so memory is fixed and nothing needs to be
+ *               switched on. A snapshot (prof_snapshot.h) is a copy of what is still held, taken while all threads go
+ *               on recording.
+ * Life cycle.   Zones, snapshots, in any order; stilb_prof_shutdown last. A thread gets its ring at its first zone and
+ *               leaves it when it exits; stilb_prof_thread_begin gives it one earlier, with a name.
  * Per frame.    stilb_prof_frame_mark, once, by one thread.
  * Threads.      [any-thread] may be called anywhere, at any time. [one-writer] has one thread as its caller.
- *               Zones write only what belongs to the calling thread: no lock, no allocation, no system call.
+ *               Zones write only what belongs to the calling thread: no lock, no allocation, no system call, save
+ *               for the first one of a thread that did not call stilb_prof_thread_begin.
  *               Not for signal handlers: a handler's zone could fall into the middle of the same thread's.
  * Errors.       0 or a negative errno. Nothing here prints.
  * Clock.        rdtsc where the CPU says that it is invariant, else CLOCK_MONOTONIC. rdtsc is not serialising: the CPU
@@ -140,18 +141,23 @@ void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id);
  * or on are lost. [any-thread] */
 void stilb_prof_record_set(bool on);
 
-/* Gives the calling thread a ring: a ring left by an ended thread of that name, with what it holds, or a new one. Until
- * then its zones are not recorded. name is copied, 63 bytes at most; NULL counts as "thread".
- * -EALREADY: it has one; -ENOMEM: no memory, and its zones stay unrecorded. [any-thread] */
+/* Gives the calling thread a ring: a ring left by an ended thread of that name, with what it holds, or a new one. name is
+ * copied, 63 bytes at most; NULL counts as "thread".
+ * A thread that records without having called this gets a ring at its first zone, counter, instant or flow, which then
+ * takes some twenty microseconds. Its name is "main" in the main thread, else the one that pthread_setname_np gave it, else
+ * "thread 1", "thread 2" and so on; a later stilb_prof_thread_begin renames the ring. Where there is no memory for it,
+ * what the thread records is counted (stilb_prof_snapshot.without_ring), and now and then the thread tries again.
+ * -EALREADY: the thread has begun before; -ENOMEM: no memory. [any-thread] */
 int stilb_prof_thread_begin(const char *name);
 
-/* Takes the ring away again; what it holds stays for later snapshots. Must be called before the thread exits. Without a
- * ring it does nothing. At most 64 rings of ended threads and lanes are kept, then the next of another name takes over
+/* Takes the ring away again; what it holds stays for later snapshots. Without a ring it does nothing. A thread that exits
+ * does this by itself. At most 64 rings of ended threads and lanes are kept, then the next of another name takes over
  * the one that ended first, so memory does not grow with the number of threads that come and go. [any-thread] */
 void stilb_prof_thread_end(void);
 
 /* Events in rings made from now on: a power of two, 64..2^26; 65,536 (1 MiB) unless set. -EINVAL otherwise. Rings of up
- * to 1 MiB are in memory from the start; of larger ones a page is taken when it is first written. [any-thread] */
+ * to 1 MiB that stilb_prof_thread_begin makes are in memory from the start; of all others a page is taken when it is
+ * first written. [any-thread] */
 int stilb_prof_ring_events_set(uint32_t events);
 
 /* Whether threads that begin from now on also note when they run and when they do not; off unless set. Where the kernel
@@ -177,8 +183,9 @@ void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *s
 /* What it holds stays for later snapshots. NULL: does nothing. [any-thread], when nobody writes to it */
 void stilb_prof_lane_destroy(stilb_prof_lane_handle *lane);
 
-/* Frees all rings and forgets the frames. The calling thread's ring is ended; no other thread may have one or be in any
- * call. Recording may begin anew afterwards. [one-writer] */
+/* Forgets all that was recorded and frees the rings of the calling thread, of ended threads and of lanes, which must not be
+ * used any more. A thread that still lives keeps its ring, empty; the next shutdown after its end frees it. No other
+ * thread may be in any call but those that record. Recording may begin anew afterwards. [one-writer] */
 void stilb_prof_shutdown(void);
 
 /* ---- what the macros expand to: not for use by name -------------------------------------------------------------- */
@@ -264,7 +271,7 @@ extern const stilb_prof_site __stop_stilb_prof_section[] __attribute__((visibili
 /* 0: nothing is recorded; else each time that recording is switched on has a number of its own. */
 extern uint32_t stilb_prof_session __attribute__((visibility("hidden")));
 
-/* NULL: this thread does not record. */
+/* Never NULL: a thread without a ring has one that belongs to no session and is never written. */
 extern __thread stilb_prof_ring *stilb_prof_thread_ring
 	__attribute__((visibility("hidden"), tls_model("initial-exec")));
 
@@ -274,8 +281,9 @@ uint64_t stilb_prof_clock_monotonic(void);
 /* Puts sites into the list, once; returns true. */
 bool stilb_prof_site_list(stilb_prof_site *sites, size_t count);
 
-/* A new session: the ring's open zones were lost. */
-void stilb_prof_ring_restart(stilb_prof_ring *ring, uint32_t session);
+/* The calling thread's ring, in this session: made now when it has none, without its open zones when they belong to an
+ * earlier session. NULL: no memory for one; the event that was to be recorded is counted. */
+stilb_prof_ring *stilb_prof_ring_enter(uint32_t session);
 
 #ifdef __cplusplus
 static inline const stilb_prof_site *stilb_prof_site_use(stilb_prof_site *site)
@@ -337,9 +345,17 @@ static inline stilb_prof_ring *stilb_prof_recorder(void)
 	if (__builtin_expect(session == 0, 1))
 		return NULL;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	if (__builtin_expect(ring != NULL && ring->session != session, 0))
-		stilb_prof_ring_restart(ring, session);
-	return ring;
+	return __builtin_expect(ring->session == session, 1) ? ring : stilb_prof_ring_enter(session);
+}
+
+/* The ring whose innermost zone is to end; NULL: none is open. */
+static inline stilb_prof_ring *stilb_prof_ender(void)
+{
+	const uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
+	if (__builtin_expect(session == 0, 1))
+		return NULL;
+	stilb_prof_ring *ring = stilb_prof_thread_ring;
+	return __builtin_expect(ring->session == session && ring->depth > 0, 1) ? ring : NULL;
 }
 
 /* Writes an event. */
@@ -410,8 +426,6 @@ static inline void stilb_prof_scope_end(const uint32_t *scope)
 	if (__builtin_expect(*scope == 0, 1))
 		return;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	if (__builtin_expect(ring == NULL, 0))
-		return;
 	const uint64_t end = stilb_prof_clock(ring);
 	if (__builtin_expect(__atomic_load_n(&ring->depth, __ATOMIC_RELAXED) >= *scope, 1))
 		stilb_prof_pop(ring, *scope - 1, end);
@@ -422,8 +436,6 @@ static inline void stilb_prof_scope_end_precise(const uint32_t *scope)
 	if (__builtin_expect(*scope == 0, 1))
 		return;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	if (__builtin_expect(ring == NULL, 0))
-		return;
 	const uint64_t end = stilb_prof_clock_precise(ring);
 	if (__builtin_expect(__atomic_load_n(&ring->depth, __ATOMIC_RELAXED) >= *scope, 1))
 		stilb_prof_pop(ring, *scope - 1, end);
@@ -438,15 +450,15 @@ static inline void stilb_prof_zone_begin(const stilb_prof_site *site)
 
 static inline void stilb_prof_zone_end(void)
 {
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring != NULL && ring->depth > 0)
+	stilb_prof_ring *ring = stilb_prof_ender();
+	if (ring != NULL)
 		stilb_prof_pop(ring, ring->depth - 1, stilb_prof_clock(ring));
 }
 
 static inline void stilb_prof_zone_next(const stilb_prof_site *site)
 {
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring == NULL || ring->depth == 0)
+	stilb_prof_ring *ring = stilb_prof_ender();
+	if (ring == NULL)
 		return;
 	const uint32_t depth = ring->depth - 1;
 	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1)) {

@@ -132,12 +132,12 @@ typedef struct prof_copy {
 	stilb_prof_event *events;
 	struct prof_switch_event *switches;
 	size_t event_count, event_capacity, switch_count, switch_capacity;
-	uint64_t events_recorded, events_held, too_deep; /* of all lanes, whatever the window */
-	prof_anchor frames[PROF_FRAMES_MAX];             /* where each frame began; the last is not whole */
-	uint64_t first_frame;                            /* number of frames[0], counted from 0 */
-	uint32_t frame_count;                            /* frame begins held */
-	uint32_t window_first, window_count;             /* whole frames in the window: indices into frames */
-	prof_anchor begin, end;                          /* the window: {0} and {UINT64_MAX} where it is open */
+	uint64_t events_recorded, events_held, too_deep, without_ring; /* of all lanes, whatever the window */
+	prof_anchor frames[PROF_FRAMES_MAX];                           /* where each frame began; the last is not whole */
+	uint64_t first_frame;                                          /* number of frames[0], counted from 0 */
+	uint32_t frame_count;                                          /* frame begins held */
+	uint32_t window_first, window_count;                           /* whole frames in the window: indices into frames */
+	prof_anchor begin, end; /* the window: {0} and {UINT64_MAX} where it is open */
 } prof_copy;
 
 /* Copies the events that end at or after the window's begin and begin before its end, the open zones, and all frames,

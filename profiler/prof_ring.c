@@ -16,7 +16,9 @@
 #include "profiler/prof_array.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -26,6 +28,8 @@
 #define PROF_RING_EVENTS_MIN 64
 #define PROF_RING_EVENTS_MAX (1u << 26)
 #define PROF_OPEN_TRIES 64
+#define PROF_COMM_MAX 16        /* a kernel's name of a thread, with its end */
+#define PROF_REFUSED_TRIES 1024 /* a thread without a ring asks for one each time that it could not record so often */
 
 /* What records to a ring: a thread, or whoever writes to a lane. One mapping: this, padded to PROF_HEADER_SIZE, then
  * the events. */
@@ -33,10 +37,13 @@ typedef struct prof_thread {
 	stilb_prof_ring ring; /* first: stilb_prof_thread_ring points to it */
 	char name[PROF_NAME_MAX];
 	bool device;
+	bool unnamed; /* made at the thread's first event: stilb_prof_thread_begin has not been called */
 	uint32_t tid;
 	prof_switches switches;
 	uint64_t ended;              /* 0: alive; else the time order in which threads ended */
 	uint64_t begun_ns, ended_ns; /* when the last one took the ring and when it left; 0: alive */
+	uint64_t first;              /* number of the first event since the last shutdown; those before it do not count */
+	uint64_t first_too_deep;     /* likewise */
 	size_t mapping;
 } prof_thread;
 
@@ -44,8 +51,17 @@ typedef struct prof_thread {
 static_assert(sizeof(prof_thread) <= PROF_HEADER_SIZE, "header");
 static_assert(offsetof(prof_thread, ring) == 0, "the ring comes first");
 
-__thread stilb_prof_ring *stilb_prof_thread_ring;
+/* No session is 0, so the first event of a thread goes to stilb_prof_ring_enter; and no zone is open. */
+static const stilb_prof_ring prof_ring_none;
+
+__thread stilb_prof_ring *stilb_prof_thread_ring = (stilb_prof_ring *)&prof_ring_none;
 uint32_t stilb_prof_session = 1;
+
+/* What the calling thread knows of itself. */
+static __thread struct {
+	uint32_t inside;  /* calls that hold the lock or make a ring: a zone of the allocator must not enter again */
+	uint32_t refused; /* events since it was refused a ring; 0: it was not */
+} prof_self __attribute__((tls_model("initial-exec"))); /* in a shared object other models may allocate */
 
 /* The lock guards everything but what zones and frame marks write. Copies share it: one for the screen does not wait
  * for one that is to become a file. */
@@ -54,8 +70,10 @@ static struct {
 	prof_thread **threads; /* in the order of their lanes in a snapshot */
 	size_t count, capacity;
 	uint32_t ring_events;
-	uint64_t ended;     /* threads that have ended so far */
-	uint64_t discarded; /* events in rings that another thread took over */
+	uint32_t made;         /* rings so far: the next one's number */
+	uint64_t ended;        /* threads that have ended so far */
+	uint64_t discarded;    /* events in rings that another thread took over */
+	uint64_t without_ring; /* events of threads that were refused one; atomic, outside the lock */
 } prof = {.lock = PTHREAD_RWLOCK_INITIALIZER, .ring_events = PROF_RING_EVENTS};
 
 static struct {
@@ -64,13 +82,32 @@ static struct {
 	prof_frame_hook *hook;
 } prof_frames;
 
+static void prof_lock(void)
+{
+	prof_self.inside++;
+	pthread_rwlock_wrlock(&prof.lock);
+}
+
+static void prof_lock_shared(void)
+{
+	prof_self.inside++;
+	pthread_rwlock_rdlock(&prof.lock);
+}
+
+static void prof_unlock(void)
+{
+	pthread_rwlock_unlock(&prof.lock);
+	prof_self.inside--;
+}
+
 /* ---- threads ----------------------------------------------------------------------------------------------------- */
 
-static prof_thread *prof_thread_map(uint32_t events)
+/* A small ring may be populated now, so that the first lap takes no page faults; a large one may never be filled. */
+static prof_thread *prof_thread_map(uint32_t events, bool populate)
 {
 	const size_t size = PROF_HEADER_SIZE + (size_t)events * sizeof(stilb_prof_event);
-	/* A small ring is populated now, so that the first lap takes no page faults; a large one may never be filled. */
-	const int flags = MAP_PRIVATE | MAP_ANONYMOUS | (events <= PROF_RING_EVENTS ? MAP_POPULATE : MAP_NORESERVE);
+	const bool now = populate && events <= PROF_RING_EVENTS;
+	const int flags = MAP_PRIVATE | MAP_ANONYMOUS | (now ? MAP_POPULATE : MAP_NORESERVE);
 	void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, flags, -1, 0);
 	if (memory == MAP_FAILED)
 		return NULL;
@@ -83,13 +120,13 @@ static prof_thread *prof_thread_map(uint32_t events)
 }
 
 /* A new ring at the end of the list, or NULL. */
-static prof_thread *prof_thread_add(void)
+static prof_thread *prof_thread_add(bool populate)
 {
 	if (!prof_array_room(&prof.threads, sizeof *prof.threads, prof.count + 1, &prof.capacity))
 		return NULL;
-	prof_thread *thread = prof_thread_map(prof.ring_events);
+	prof_thread *thread = prof_thread_map(prof.ring_events, populate);
 	if (thread != NULL) {
-		thread->ring.lane = (uint32_t)prof.count;
+		thread->ring.lane = prof.made++;
 		prof.threads[prof.count++] = thread;
 	}
 	return thread;
@@ -113,8 +150,8 @@ static prof_thread *prof_thread_reuse(const char *name, bool device)
 	}
 	if (same != NULL || ended < PROF_ENDED_MAX)
 		return same;
-	prof.discarded += oldest->ring.head;
-	oldest->ring.head = 0; /* the lock orders it: nobody else looks at the ring of an ended thread */
+	prof.discarded += oldest->ring.head - oldest->first;
+	oldest->ring.head = oldest->first = 0; /* the lock orders it: nobody else looks at the ring of an ended thread */
 	return oldest;
 }
 
@@ -137,118 +174,293 @@ static bool prof_name_follows(const char *a, const char *b)
 	return digits_a != digits_b ? digits_a > digits_b : strcmp(a + stem, b + stem) > 0;
 }
 
-/* The last of the list takes its place: workers begin in any order, and are looked for by number. */
-static void prof_thread_place(void)
+/* The thread gets that name and takes its place in the list: workers begin in any order, and are looked for by number. */
+static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MAX])
 {
 	const size_t last = prof.count - 1;
-	prof_thread *added = prof.threads[last];
-	size_t place = 0;
-	while (place < last && !prof_name_follows(prof.threads[place]->name, added->name))
+	size_t old = 0, place = 0;
+	memcpy(thread->name, name, PROF_NAME_MAX);
+	while (prof.threads[old] != thread)
+		old++;
+	memmove(&prof.threads[old], &prof.threads[old + 1], (last - old) * sizeof *prof.threads);
+	while (place < last && !prof_name_follows(prof.threads[place]->name, name))
 		place++;
 	memmove(&prof.threads[place + 1], &prof.threads[place], (last - place) * sizeof *prof.threads);
-	prof.threads[place] = added;
+	prof.threads[place] = thread;
 }
 
-/* switches are the new owner's. NULL: no memory. */
-static prof_thread *prof_thread_take(const char *name, bool device, prof_switches *switches)
+static bool prof_name_lives(const char *name)
 {
-	char short_name[PROF_NAME_MAX] = "thread";
-	if (name != NULL) {
-		const size_t length = strnlen(name, PROF_NAME_MAX - 1);
-		memcpy(short_name, name, length);
-		short_name[length] = 0;
-	}
-	pthread_rwlock_wrlock(&prof.lock);
-	prof_thread *thread = prof_thread_reuse(short_name, device);
+	for (size_t i = 0; i < prof.count; i++)
+		if (prof.threads[i]->ended == 0 && strcmp(prof.threads[i]->name, name) == 0)
+			return true;
+	return false;
+}
+
+/* The first of "thread 1", "thread 2", ... that no living thread has. */
+static void prof_name_number(char name[PROF_NAME_MAX])
+{
+	uint32_t number = 1;
+	do
+		snprintf(name, PROF_NAME_MAX, "thread %u", number++);
+	while (prof_name_lives(name));
+}
+
+/* The ring of a thread or device that begins; an empty name is a number. NULL: no memory. */
+static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool unnamed)
+{
+	prof_lock();
+	if (name[0] == 0)
+		prof_name_number(name);
+	prof_thread *thread = prof_thread_reuse(name, device);
 	const bool added = thread == NULL;
 	if (added)
-		thread = prof_thread_add();
+		thread = prof_thread_add(!unnamed);
 	if (thread != NULL) {
-		memcpy(thread->name, short_name, PROF_NAME_MAX);
 		if (added)
-			prof_thread_place();
+			prof_thread_rename(thread, name);
+		else
+			memcpy(thread->name, name, PROF_NAME_MAX);
 		thread->device = device;
+		thread->unnamed = unnamed;
 		thread->tid = device ? 0 : (uint32_t)gettid();
 		prof_switches_close(&thread->switches);
-		thread->switches = *switches;
+		if (!device)
+			thread->switches.refused = "it is only beginning"; /* until prof_thread_watch */
 		/* Relaxed: if another session has begun, the first zone says so (stilb_prof_recorder). */
 		thread->ring.session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED);
 		thread->ended = 0;
 		thread->begun_ns = stilb_prof_clock_monotonic();
 		thread->ended_ns = 0;
-	} else {
-		prof_switches_close(switches);
 	}
-	pthread_rwlock_unlock(&prof.lock);
+	prof_unlock();
 	return thread;
+}
+
+/* From now on it is known when the calling thread runs, if that was asked for. Outside the lock: it opens files. */
+static void prof_thread_watch(prof_thread *thread)
+{
+	prof_switches switches = prof_switches_open(thread->name);
+	prof_lock();
+	prof_switches_close(&thread->switches);
+	thread->switches = switches;
+	thread->begun_ns = stilb_prof_clock_monotonic();
+	prof_unlock();
 }
 
 static void prof_thread_leave(prof_thread *thread)
 {
-	pthread_rwlock_wrlock(&prof.lock);
+	prof_lock();
 	thread->ring.depth = 0;
 	thread->ended = ++prof.ended;
 	thread->ended_ns = stilb_prof_clock_monotonic();
-	pthread_rwlock_unlock(&prof.lock);
+	prof_unlock();
+}
+
+/* ---- the calling thread ------------------------------------------------------------------------------------------ */
+
+static bool prof_self_has_ring(void)
+{
+	return stilb_prof_thread_ring != &prof_ring_none;
+}
+
+/* A key has a destructor, which is how a thread that exits is seen. */
+static struct {
+	pthread_once_t once;
+	pthread_key_t key;
+	bool works;
+} prof_exit = {.once = PTHREAD_ONCE_INIT};
+
+static void prof_exit_run(void *unused)
+{
+	(void)unused;
+	stilb_prof_thread_end();
+}
+
+static void prof_exit_make(void)
+{
+	prof_exit.works = pthread_key_create(&prof_exit.key, prof_exit_run) == 0;
+}
+
+/* Before this code is unloaded: threads that exit later must not call it. */
+__attribute__((destructor)) static void prof_exit_delete(void)
+{
+	pthread_once(&prof_exit.once, prof_exit_make); /* whoever has made it has done so before */
+	if (prof_exit.works)
+		pthread_key_delete(prof_exit.key);
+}
+
+/* When the calling thread exits its ring is taken away. False: no memory. */
+static bool prof_exit_watch(void)
+{
+	pthread_once(&prof_exit.once, prof_exit_make);
+	return prof_exit.works && pthread_setspecific(prof_exit.key, &prof_exit) == 0;
+}
+
+static int prof_self_begin(char name[PROF_NAME_MAX], bool unnamed)
+{
+	/* A thread that begins by a call may also end by one. */
+	if (!prof_exit_watch() && unnamed)
+		return -ENOMEM;
+	prof_thread *thread = prof_thread_take(name, false, unnamed);
+	if (thread == NULL)
+		return -ENOMEM;
+	prof_thread_watch(thread);
+	prof_self.refused = 0;
+	stilb_prof_thread_ring = &thread->ring;
+	return 0;
+}
+
+/* An unnamed thread gets its name. */
+static void prof_self_rename(const char name[PROF_NAME_MAX])
+{
+	prof_thread *thread = (prof_thread *)stilb_prof_thread_ring;
+	prof_lock();
+	prof_thread_rename(thread, name);
+	thread->unnamed = false;
+	prof_unlock();
+	if (thread->switches.schedstat != 0) /* its counters have the name; only this thread writes it */
+		prof_thread_watch(thread);
+}
+
+static void prof_name_copy(char to[PROF_NAME_MAX], const char *name)
+{
+	const size_t length = strnlen(name, PROF_NAME_MAX - 1);
+	memcpy(to, name, length);
+	memset(to + length, 0, PROF_NAME_MAX - length);
 }
 
 int stilb_prof_thread_begin(const char *name)
 {
-	if (stilb_prof_thread_ring != NULL)
+	char copy[PROF_NAME_MAX];
+	prof_name_copy(copy, name != NULL && name[0] != 0 ? name : "thread");
+	if (!prof_self_has_ring())
+		return prof_self_begin(copy, false);
+	if (!((const prof_thread *)stilb_prof_thread_ring)->unnamed) /* written by this thread alone */
 		return -EALREADY;
-	prof_switches switches = prof_switches_open(name != NULL ? name : "thread");
-	prof_thread *thread = prof_thread_take(name, false, &switches);
-	if (thread == NULL)
-		return -ENOMEM;
-	stilb_prof_thread_ring = &thread->ring;
+	prof_self_rename(copy);
 	return 0;
 }
 
 void stilb_prof_thread_end(void)
 {
-	prof_thread *thread = (prof_thread *)stilb_prof_thread_ring;
-	if (thread == NULL)
+	if (!prof_self_has_ring())
 		return;
-	stilb_prof_thread_ring = NULL;
+	prof_thread *thread = (prof_thread *)stilb_prof_thread_ring;
+	stilb_prof_thread_ring = (stilb_prof_ring *)&prof_ring_none;
 	prof_thread_leave(thread);
 }
+
+/* The name that the program gave the calling thread: "main", or what pthread_setname_np said; empty when it has the main
+ * thread's, as a thread has to which none was given. */
+static void prof_self_name(char name[PROF_NAME_MAX])
+{
+	char main_name[PROF_COMM_MAX + 1] = "";
+	memset(name, 0, PROF_NAME_MAX);
+	if (gettid() == getpid()) {
+		prof_name_copy(name, "main");
+		return;
+	}
+	const int file = open("/proc/self/comm", O_RDONLY | O_CLOEXEC);
+	if (file >= 0) {
+		if (read(file, main_name, PROF_COMM_MAX) < 0)
+			main_name[0] = 0;
+		close(file);
+	}
+	main_name[strcspn(main_name, "\n")] = 0;
+	if (pthread_getname_np(pthread_self(), name, PROF_COMM_MAX) != 0 || strcmp(name, main_name) == 0)
+		memset(name, 0, PROF_NAME_MAX);
+}
+
+/* The thread's first event, or the first after it has been refused a ring for a while. */
+static bool prof_self_enter(void)
+{
+	char name[PROF_NAME_MAX];
+	const int error = errno; /* a zone may stand between a call that fails and the look at errno */
+	if (prof_self.inside == 0 && prof_self.refused % PROF_REFUSED_TRIES == 0) {
+		prof_self.inside++;
+		prof_self_name(name);
+		prof_self_begin(name, true);
+		prof_self.inside--;
+		errno = error;
+	}
+	if (prof_self_has_ring())
+		return true;
+	prof_self.refused += prof_self.inside == 0;
+	__atomic_add_fetch(&prof.without_ring, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	return false;
+}
+
+stilb_prof_ring *stilb_prof_ring_enter(uint32_t session)
+{
+	if (!prof_self_has_ring() && !prof_self_enter())
+		return NULL;
+	stilb_prof_ring *ring = stilb_prof_thread_ring;
+	if (ring->session != session) {
+		/* Release, in this order: pairs with prof_copy_open_zone. */
+		__atomic_store_n(&ring->session, session, __ATOMIC_RELEASE);
+		__atomic_store_n(&ring->depth, 0, __ATOMIC_RELEASE);
+	}
+	return ring;
+}
+
+/* ---- all threads ------------------------------------------------------------------------------------------------- */
 
 int stilb_prof_ring_events_set(uint32_t events)
 {
 	if (events < PROF_RING_EVENTS_MIN || events > PROF_RING_EVENTS_MAX || (events & (events - 1)) != 0)
 		return -EINVAL;
-	pthread_rwlock_wrlock(&prof.lock);
+	prof_lock();
 	prof.ring_events = events;
-	pthread_rwlock_unlock(&prof.lock);
+	prof_unlock();
 	return 0;
 }
 
 uint32_t prof_ring_count(uint32_t *ended)
 {
-	pthread_rwlock_rdlock(&prof.lock);
+	prof_lock_shared();
 	const uint32_t count = (uint32_t)prof.count;
 	*ended = 0;
 	for (uint32_t i = 0; i < count; i++)
 		*ended += prof.threads[i]->ended != 0;
-	pthread_rwlock_unlock(&prof.lock);
+	prof_unlock();
 	return count;
+}
+
+/* A living thread may be recording: what it writes stays untouched, and what it has written no longer counts. */
+static void prof_thread_forget(prof_thread *thread)
+{
+	thread->first = __atomic_load_n(&thread->ring.head, __ATOMIC_RELAXED); /* numbers: no data depends on them */
+	thread->first_too_deep = __atomic_load_n(&thread->ring.too_deep, __ATOMIC_RELAXED);
 }
 
 void stilb_prof_shutdown(void)
 {
+	size_t living = 0;
 	stilb_prof_thread_end();
-	pthread_rwlock_wrlock(&prof.lock);
+	prof_lock();
 	for (size_t i = 0; i < prof.count; i++) {
-		prof_switches_close(&prof.threads[i]->switches);
-		munmap(prof.threads[i], prof.threads[i]->mapping);
+		prof_thread *thread = prof.threads[i];
+		if (thread->ended == 0 && !thread->device) {
+			prof_thread_forget(thread);
+			prof.threads[living++] = thread;
+			continue;
+		}
+		prof_switches_close(&thread->switches);
+		munmap(thread, thread->mapping);
 	}
-	free(prof.threads);
-	prof.threads = NULL;
-	prof.count = prof.capacity = 0;
+	prof.count = living;
+	if (living == 0) {
+		free(prof.threads);
+		prof.threads = NULL;
+		prof.capacity = 0;
+		prof.made = 0;
+	}
 	prof.ended = prof.discarded = 0;
 	prof.ring_events = PROF_RING_EVENTS;
+	__atomic_store_n(&prof.without_ring, 0, __ATOMIC_RELAXED); /* a number: no data depends on it */
 	__atomic_store_n(&prof_frames.count, 0, __ATOMIC_RELAXED); /* no partner: nobody else is in a call */
-	pthread_rwlock_unlock(&prof.lock);
+	prof_unlock();
 }
 
 /* ---- recording --------------------------------------------------------------------------------------------------- */
@@ -266,13 +478,6 @@ void stilb_prof_record_set(bool on)
 	pthread_mutex_unlock(&lock);
 }
 
-void stilb_prof_ring_restart(stilb_prof_ring *ring, uint32_t session)
-{
-	/* Release, in this order: pairs with prof_copy_open_zone. */
-	__atomic_store_n(&ring->session, session, __ATOMIC_RELEASE);
-	__atomic_store_n(&ring->depth, 0, __ATOMIC_RELEASE);
-}
-
 /* Zones open around a flow's end, as many as fit. */
 static uint32_t prof_flow_level(const stilb_prof_ring *ring)
 {
@@ -281,8 +486,8 @@ static uint32_t prof_flow_level(const stilb_prof_ring *ring)
 
 uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
 {
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring == NULL || flow->kind != STILB_PROF_KIND_FLOW_BEGIN)
+	stilb_prof_ring *ring = flow->kind == STILB_PROF_KIND_FLOW_BEGIN ? stilb_prof_recorder() : NULL;
+	if (ring == NULL)
 		return 0;
 	const uint64_t begun = prof_frames_begun();
 	const uint64_t id = prof_flow_id(begun > 0 ? begun - 1 : 0, ring->lane, ring->flows++);
@@ -292,18 +497,18 @@ uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
 
 void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id)
 {
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring == NULL || id == 0 || flow->kind != STILB_PROF_KIND_FLOW_BEGIN)
-		return;
-	stilb_prof_write(ring, flow + 1, stilb_prof_clock(ring), prof_flow_level(ring), id);
+	stilb_prof_ring *ring = id != 0 && flow->kind == STILB_PROF_KIND_FLOW_BEGIN ? stilb_prof_recorder() : NULL;
+	if (ring != NULL)
+		stilb_prof_write(ring, flow + 1, stilb_prof_clock(ring), prof_flow_level(ring), id);
 }
 
 /* ---- lanes of devices -------------------------------------------------------------------------------------------- */
 
 int stilb_prof_lane_create(const char *name, stilb_prof_lane_handle **lane)
 {
-	prof_switches none = {0};
-	*lane = (stilb_prof_lane_handle *)prof_thread_take(name, true, &none);
+	char copy[PROF_NAME_MAX];
+	prof_name_copy(copy, name != NULL && name[0] != 0 ? name : "thread");
+	*lane = (stilb_prof_lane_handle *)prof_thread_take(copy, true, false);
 	return *lane != NULL ? 0 : -ENOMEM;
 }
 
@@ -403,11 +608,12 @@ static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
 	return head >= size ? head - size + 1 : 0;
 }
 
-/* The number of the first event before head that ends at or after begin: they stand in the order of their ends. */
-static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t head, uint64_t begin, uint64_t limit)
+/* The number of the first event in oldest .. head - 1 that ends at or after begin: they stand in the order of their ends. */
+static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t oldest, uint64_t head, uint64_t begin,
+                               uint64_t limit)
 {
-	const uint64_t size = (uint64_t)ring->mask + 1;
-	uint64_t low = head > size ? head - size : 0, high = head;
+	const uint64_t size = (uint64_t)ring->mask + 1, held = head > size ? head - size : 0;
+	uint64_t low = held > oldest ? held : oldest, high = head;
 	while (begin > 0 && low < high) {
 		const uint64_t middle = low + (high - low) / 2;
 		const stilb_prof_event event = prof_event_load(ring, middle);
@@ -423,7 +629,7 @@ static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t head, uint6
 static bool prof_copy_open_zone(const stilb_prof_ring *ring, uint32_t depth, stilb_prof_open_zone *zone)
 {
 	for (int i = 0; i < PROF_OPEN_TRIES; i++) {
-		/* Acquire: pair with stilb_prof_open, stilb_prof_write and stilb_prof_ring_restart; the second loads of session
+		/* Acquire: pair with stilb_prof_open, stilb_prof_write and stilb_prof_ring_enter; the second loads of session
 		 * and head are ordered by them. */
 		const uint32_t session = __atomic_load_n(&ring->session, __ATOMIC_ACQUIRE);
 		const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE);
@@ -461,12 +667,13 @@ uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones
 }
 
 /* Copies the ring's events of the window to the end of the copy's. */
-static int prof_copy_events(const stilb_prof_ring *ring, prof_copy *copy, prof_lane_copy *lane)
+static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
 {
+	const stilb_prof_ring *ring = &thread->ring;
 	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_write */
 	const uint64_t begin = lane->device ? copy->begin.ns : copy->begin.ticks;
 	const uint64_t end = lane->device ? copy->end.ns : copy->end.ticks;
-	const uint64_t first = prof_ring_find(ring, head, begin, lane->limit);
+	const uint64_t first = prof_ring_find(ring, thread->first, head, begin, lane->limit);
 	if (!prof_array_room(&copy->events, sizeof *copy->events, copy->event_count + (size_t)(head - first) + 1,
 	                     &copy->event_capacity))
 		return -ENOMEM;
@@ -483,8 +690,9 @@ static int prof_copy_events(const stilb_prof_ring *ring, prof_copy *copy, prof_l
 	}
 	lane->first = copy->event_count;
 	copy->event_count += lane->event_count;
-	copy->events_recorded += head;
-	copy->events_held += head > valid ? head - valid : 0;
+	copy->events_recorded += head - thread->first;
+	const uint64_t held = valid > thread->first ? valid : thread->first;
+	copy->events_held += head > held ? head - held : 0;
 	return 0;
 }
 
@@ -520,13 +728,13 @@ static int prof_copy_lane(const prof_thread *thread, prof_copy *copy, prof_lane_
 	memcpy(lane->name, thread->name, PROF_NAME_MAX);
 	lane->limit =
 		prof_lane_now(lane) + (UINT64_C(1) << 32); /* clocks of two CPUs may differ a little, and it goes on */
-	int error = prof_copy_events(&thread->ring, copy, lane);
+	int error = prof_copy_events(thread, copy, lane);
 	if (error == 0)
 		error = prof_copy_switches(thread, copy, lane);
 	if (!lane->device)
 		lane->open_count = prof_copy_open(&thread->ring, lane->open);
 	lane->now = prof_lane_now(lane);
-	copy->too_deep += __atomic_load_n(&thread->ring.too_deep, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	copy->too_deep += __atomic_load_n(&thread->ring.too_deep, __ATOMIC_RELAXED) - thread->first_too_deep; /* a number */
 	return error;
 }
 
@@ -576,15 +784,16 @@ int prof_copy_take(prof_copy *copy, const stilb_prof_window *window)
 	copy->events_held = copy->too_deep = 0;
 	copy->frame_count = prof_frames_copy(copy->frames, PROF_FRAMES_MAX, &copy->first_frame);
 	prof_copy_window(copy, window);
-	pthread_rwlock_rdlock(&prof.lock);
+	prof_lock_shared();
 	copy->events_recorded = prof.discarded;
+	copy->without_ring = __atomic_load_n(&prof.without_ring, __ATOMIC_RELAXED); /* a number: no data depends on it */
 	if (!prof_array_room(&copy->lanes, sizeof *copy->lanes, prof.count + 1, &copy->lane_capacity))
 		error = -ENOMEM;
 	while (error == 0 && copy->lane_count < prof.count) {
 		const uint32_t i = copy->lane_count++;
 		error = prof_copy_lane(prof.threads[i], copy, &copy->lanes[i]);
 	}
-	pthread_rwlock_unlock(&prof.lock);
+	prof_unlock();
 	if (error == 0)
 		prof_copy_point(copy);
 	else

@@ -109,7 +109,8 @@ void prof_schedstat_close(uint32_t handle)
 /* When a thread begins or ends at this moment, the next frame has this one's time too. */
 void prof_schedstat_sample(void)
 {
-	if (pthread_mutex_trylock(&prof_stats.lock) != 0)
+	/* A ring first: a thread that gets one opens its schedstat, under this lock. */
+	if (stilb_prof_recorder() == NULL || pthread_mutex_trylock(&prof_stats.lock) != 0)
 		return;
 	for (uint32_t i = 0; i < prof_stats.used; i++) {
 		prof_schedstat *thread = &prof_stats.threads[i];

@@ -443,6 +443,7 @@ static void prof_snapshot_fill(stilb_prof_snapshot *s, const prof_snapshot_memor
 		.events_lost = m->copy.events_recorded - m->copy.events_held,
 		.events_held = m->copy.events_held,
 		.too_deep = m->copy.too_deep,
+		.without_ring = m->copy.without_ring,
 		.memory = s->memory,
 	};
 }

@@ -108,8 +108,9 @@ typedef struct stilb_prof_snapshot {
 	double resolution_ns; /* the shortest difference between two reads */
 	double bias_ns;       /* how much shorter than it was a zone reads, because rdtsc does not wait */
 	double zone_cost_ns;  /* what recording one zone costs */
-	/* events_recorded = events_lost (overwritten) + events_held, over all lanes; too_deep zones were never recorded. */
-	uint64_t events_recorded, events_lost, events_held, too_deep;
+	/* events_recorded = events_lost (overwritten) + events_held, over all lanes. Never recorded were too_deep zones, and
+	 * without_ring zones, counters, instants and flows of threads for whose ring there was no memory. */
+	uint64_t events_recorded, events_lost, events_held, too_deep, without_ring;
 	void *memory; /* its own */
 } stilb_prof_snapshot;
 

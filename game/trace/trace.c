@@ -118,6 +118,9 @@ void trace_print_what(FILE *out, const char *path, const stilb_prof_snapshot *tr
 	if (trace->events_lost > 0 || trace->too_deep > 0)
 		fprintf(out, "%" PRIu64 " older events were overwritten, %" PRIu64 " zones nested too deep to be recorded\n",
 		        trace->events_lost, trace->too_deep);
+	if (trace->without_ring > 0)
+		fprintf(out, "%" PRIu64 " zones and other events are missing: there was no memory to record their threads\n",
+		        trace->without_ring);
 }
 
 void trace_json_ns(stilb_json *json, const char *key, uint64_t ns)

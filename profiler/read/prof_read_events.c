@@ -627,6 +627,7 @@ static bool prof_header_member(prof_read *read, prof_span key)
 		{"events_lost", NULL, &h->events_lost},
 		{"events_held", NULL, &h->events_held},
 		{"too_deep", NULL, &h->too_deep},
+		{"without_ring", NULL, &h->without_ring},
 	};
 	prof_span value;
 	const char next = prof_scan_next(&read->scan);

@@ -366,6 +366,7 @@ static void chrome_tail(chrome *c)
 	chrome_account(c, "events_lost", s->events_lost);
 	chrome_account(c, "events_held", s->events_held);
 	chrome_account(c, "too_deep", s->too_deep);
+	chrome_account(c, "without_ring", s->without_ring);
 	chrome_account(c, "zones_written", c->zones_written);
 	prof_text_add(c->text, "}}\n");
 }

@@ -63,6 +63,7 @@ static void test_top(void **state)
 	assert_said(run.out, "3 lanes, 200 zones, 40 frames");
 	assert_said(run.out, "the slowest is 120 with 0.037 ms");
 	assert_said(run.out, "400 older events were overwritten, 3 zones nested too deep");
+	assert_said(run.out, "2 zones and other events are missing: there was no memory to record their threads");
 	long long calls;
 	double total, self, share, off_cpu, p50;
 	assert_int_equal(

@@ -41,7 +41,7 @@ static const char good[] =
 	"{\"ph\":\"B\",\"pid\":7,\"tid\":2,\"ts\":9.000,\"name\":\"open\"}\n"
 	"],\"otherData\":{\"clock\":\"rdtsc\",\"hz\":2596000000,\"resolution_ns\":10.015,\"bias_ns\":20.500,"
 	"\"zone_cost_ns\":18.700,\"epoch_ns\":1,\"begin_ns\":0,\"end_ns\":20000,\"events_recorded\":9,\"events_lost\":3,"
-	"\"events_held\":6,\"too_deep\":0,\"zones_written\":7}}\n";
+	"\"events_held\":6,\"too_deep\":0,\"without_ring\":0,\"zones_written\":7}}\n";
 
 static void the_good_trace_passes(void **state)
 {
@@ -185,6 +185,7 @@ static const breach breaches[] = {
 	{"\"zone_cost_ns\":18.700,", "", "without zone_cost_ns"},
 	{"\"epoch_ns\":1,", "", "without epoch_ns"},
 	{"\"too_deep\":0,", "", "without too_deep"},
+	{"\"without_ring\":0,", "", "without without_ring"},
 	{"\"begin_ns\":0", "\"begin_ns\":20001", "without a window"},
 	{"\"events_held\":6,", "", "without the accounts"},
 	{"\"events_lost\":3", "\"events_lost\":2", "do not add up"},

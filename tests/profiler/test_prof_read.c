@@ -104,7 +104,7 @@ static void assert_same(const stilb_prof_snapshot *a, const stilb_prof_snapshot 
 	assert_true(a->hz == b->hz && a->resolution_ns == b->resolution_ns && a->bias_ns == b->bias_ns &&
 	            a->zone_cost_ns == b->zone_cost_ns);
 	assert_true(a->events_recorded == b->events_recorded && a->events_lost == b->events_lost &&
-	            a->events_held == b->events_held && a->too_deep == b->too_deep);
+	            a->events_held == b->events_held && a->too_deep == b->too_deep && a->without_ring == b->without_ring);
 	for (uint32_t i = 0; i < a->lane_count; i++)
 		assert_same_lane(a, &a->lanes[i], b, &b->lanes[i]);
 	for (uint32_t i = 0; i < a->frame_count; i++)

@@ -130,6 +130,7 @@ static const stilb_prof_snapshot made = {
 	.events_lost = 7,
 	.events_held = 13,
 	.too_deep = 3,
+	.without_ring = 2,
 };
 
 /* The whole text; pid is %d. A zone that touches is a tenth shorter: worker_zones touch nothing, the frames and the
@@ -175,7 +176,8 @@ static const char made_text[] =
 	"{\"ph\":\"X\",\"pid\":%1$d,\"tid\":6,\"ts\":3.000,\"dur\":3.001,\"name\":\"a, \\\"pass\\\"\"}\n"
 	"],\"otherData\":{\"clock\":\"rdtsc\",\"hz\":2596000000,\"resolution_ns\":10.015,\"bias_ns\":20.500,"
 	"\"zone_cost_ns\":18.700,\"epoch_ns\":123456789,\"begin_ns\":500,\"end_ns\":20000,\"events_recorded\":20,"
-	"\"events_lost\":7,\"events_held\":13,\"too_deep\":3,\"zones_written\":7}}\n";
+	"\"events_lost\":7,\"events_held\":13,\"too_deep\":3,\"without_ring\":2,"
+	"\"zones_written\":7}}\n";
 
 static stilb_prof_sink sink_of(capture *c)
 {
@@ -620,6 +622,7 @@ static void assert_same(const stilb_prof_snapshot *a, const stilb_prof_snapshot 
 	assert_int_equal(a->events_lost, b->events_lost);
 	assert_int_equal(a->events_held, b->events_held);
 	assert_int_equal(a->too_deep, b->too_deep);
+	assert_int_equal(a->without_ring, b->without_ring);
 }
 
 static void assert_reads_back(const stilb_prof_snapshot *s)

@@ -75,7 +75,8 @@ static inline void made_init(made *m, uint32_t lanes)
 	                                    .events_recorded = 1000,
 	                                    .events_lost = 400,
 	                                    .events_held = 600,
-	                                    .too_deep = 3};
+	                                    .too_deep = 3,
+	                                    .without_ring = 2};
 }
 
 static inline void made_finish(made *m)

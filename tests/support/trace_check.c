@@ -90,7 +90,7 @@ typedef struct parser {
 	event *current; /* the event being read */
 	const char *unit, *clock;
 	bool has_events, has_other;
-	text_span hz, resolution, bias, cost, epoch, first, last, recorded, lost, held, too_deep, written;
+	text_span hz, resolution, bias, cost, epoch, first, last, recorded, lost, held, too_deep, without_ring, written;
 } parser;
 
 static bool fail_at(parser *p, size_t line, const char *format, ...) __attribute__((format(printf, 3, 4)));
@@ -420,6 +420,7 @@ static bool member_other(parser *p, const char *key, int depth)
 		{"events_lost", &p->lost},
 		{"events_held", &p->held},
 		{"too_deep", &p->too_deep},
+		{"without_ring", &p->without_ring},
 		{"zones_written", &p->written},
 	};
 	for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
@@ -789,8 +790,9 @@ static bool judge_accounts(judge *j)
 {
 	parser *p = j->p;
 	int64_t recorded, lost, held, written, first, last;
-	const text_span needed[] = {p->hz, p->resolution, p->bias, p->cost, p->epoch, p->too_deep};
-	static const char *const names[] = {"hz", "resolution_ns", "bias_ns", "zone_cost_ns", "epoch_ns", "too_deep"};
+	const text_span needed[] = {p->hz, p->resolution, p->bias, p->cost, p->epoch, p->too_deep, p->without_ring};
+	static const char *const names[] = {"hz",       "resolution_ns", "bias_ns",     "zone_cost_ns",
+	                                    "epoch_ns", "too_deep",      "without_ring"};
 	if (p->clock == NULL)
 		return fail_at(p, 0, "otherData without clock");
 	for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++)
