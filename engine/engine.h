@@ -112,7 +112,7 @@ uint32_t stilb_engine_workers(const stilb_engine *engine);
 /* Of the last frame; see render.h. */
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
 
-/* The last frame's picture as .png or .exr (image.h). With output LINEAR it is the radiance itself. */
+/* The last frame's picture as .png, .exr or .hdr (image.h). With output LINEAR it is the radiance itself. */
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
 
 /* The last frame's command stream, for `stilb replay`; see render_dump.h. */

@@ -198,8 +198,8 @@ typedef struct stilb_gi_film {
 } stilb_gi_film;
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
 
-/* .exr: R G B, albedo.*, normal.*, depth.Z, samples, variance.*, with the settings as attributes; .png: the picture through
- * the tone map and sRGB. Whole or not at all. [main-thread] */
+/* .exr: R G B, albedo.*, normal.*, depth.Z, samples, variance.*, with the settings as attributes; .hdr: R G B; .png: the
+ * picture through the tone map and sRGB. Whole or not at all. [main-thread] */
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path);
 
 /* What is there, so that another process can go on: the same settings, scene and binary give the same bits as one that was

@@ -1,12 +1,14 @@
 /*
- * image: pictures in memory, and as PNG and EXR files.
+ * image: pictures in memory, and as PNG, EXR and Radiance HDR files.
  *
  * A picture is rows of pixels, top row first, each pixel `channels` values one after the other, nothing in between.
  * Channels: 1 grey, 2 grey and alpha, 3 red green blue, 4 with alpha. Alpha is linear in every format and colour is
  * stored as given: nothing is multiplied or divided by alpha.
  *
- * PNG is 8 bits of sRGB, EXR is linear Rec.709 and never tone mapped; saving converts between the two as needed. Files
- * are written whole or not at all, and the same picture gives the same bytes (no date, no host name).
+ * PNG is 8 bits of sRGB; EXR and HDR are linear Rec.709 and never tone mapped; saving converts between the two as needed.
+ * Files are written whole or not at all, and the same picture gives the same bytes (no date, no host name). PNG goes
+ * through libpng, EXR through OpenEXR, HDR through code of our own; OpenImageIO, which reads all other formats, is loaded
+ * with the first such picture.
  *
  * Life cycle.  stilb_image_create or stilb_image_load -> stilb_image_save -> stilb_image_finish.
  * Threads.     [one-writer] per picture: any thread may work on a picture that no other thread writes to.
@@ -44,18 +46,23 @@ void stilb_image_finish(stilb_image *image);
 /* Bytes of all pixels. [any-thread] */
 size_t stilb_image_size(const stilb_image *image);
 
-/* STILB_ERROR_ARGUMENT when no picture can be saved as path: an extension other than .png and .exr (capitals count as
- * small letters), a missing folder, a directory, no permission; STILB_ERROR_FILE when the module for pictures is missing.
- * To be asked before the work starts; writes nothing. [any-thread] */
+/* STILB_ERROR_ARGUMENT when no picture can be saved as path: an extension other than .png, .exr and .hdr (capitals count
+ * as small letters), a missing folder, a directory, no permission. To be asked before the work starts; writes nothing.
+ * [any-thread] */
 stilb_result stilb_image_path_check(const char *path);
 
-/* Writes path: .png as 8 bits of sRGB, .exr as 32-bit floats from F32_LINEAR and as 16-bit floats from the rest. Linear
+/* Does a picture saved as path keep linear light (.exr, .hdr), not codes for a display? False for an extension that cannot
+ * be saved. [any-thread] */
+bool stilb_image_path_is_light(const char *path);
+
+/* Writes path: .png as 8 bits of sRGB, .exr as 32-bit floats from F32_LINEAR and as 16-bit floats from the rest, .hdr as
+ * 8 bits a channel with one exponent for the three (grey becomes RGB; a picture with alpha is STILB_ERROR_FILE). Linear
  * values become codes by the sRGB transfer, clamped to [0, 1] and rounded to the nearest; NaN becomes 0.
  * [any-thread] STILB_ERROR_ARGUMENT as stilb_image_path_check, STILB_ERROR_FILE (disk full), STILB_ERROR_MEMORY. */
 stilb_result stilb_image_save(const stilb_image *image, const char *path);
 
-/* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .exr into F32_LINEAR; its first part, up to 4 channels, or
- * R G B (A) of one with more (image_layers.h reads all).
+/* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .hdr and .exr into F32_LINEAR; of an .exr the first part,
+ * up to 4 channels, or R G B (A) of one with more (image_layers.h reads all).
  * [any-thread] STILB_ERROR_ARGUMENT for an unknown extension, STILB_ERROR_FILE for a file that is missing, damaged or of a
  * kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);

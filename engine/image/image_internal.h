@@ -1,96 +1,122 @@
 /*
- * image_internal: the border between image.c and OpenImageIO, plain C on both sides. Behind it is image_oiio.cpp, the
- * engine's only C++; no exception leaves it.
+ * image_internal: what the files of image/ share: the table of file formats, and the border to OpenImageIO.
  *
- * OpenImageIO brings some 260 shared libraries along, 0.17 s of every start. So image_oiio.cpp is a module of its own,
- * stilb-image-oiio.so, which image_codec.c loads when the first picture is read or written.
+ * PNG (libpng), EXR (OpenEXR) and Radiance HDR (our own reader and writer) are codecs of this library. Every other format
+ * is read by OpenImageIO, which brings some 260 shared libraries and 0.5 GB of addresses along; it stands behind
+ * image_oiio.cpp, a module that image_foreign.c loads with the first picture of such a format.
  */
 #ifndef STILB_IMAGE_INTERNAL_H
 #define STILB_IMAGE_INTERNAL_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-struct stilb_image_layers;
+#include "image/image.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* The library's name of a file format. */
-#define IMAGE_CODEC_PNG "png"
-#define IMAGE_CODEC_EXR "openexr"
-#define IMAGE_CODEC_HDR "hdr"
-
 typedef enum image_scalar {
-	IMAGE_SCALAR_U8,
+	IMAGE_SCALAR_U8, /* sRGB codes, alpha linear */
 	IMAGE_SCALAR_F16,
 	IMAGE_SCALAR_F32,
 } image_scalar;
 
-/* Pixels without a gap: [height][width][channels]. */
+/* Pixels without a gap: [height][width][channels], the top row first. */
 typedef struct image_shape {
 	uint32_t width, height, channels;
 	image_scalar scalar;
 } image_shape;
 
 typedef struct image_message {
-	char text[512];
+	char text[512]; /* one line, without the file's name */
 } image_message;
-
-/* Takes the whole file. Returns 0, or anything else for failure. */
-typedef int image_sink(void *context, const void *data, size_t size);
-
-/* Returns the memory for a picture of this shape, or NULL to refuse it. */
-typedef void *image_allocate(void *context, const image_shape *shape);
-
-/* Who takes a picture of many channels. create returns the memory for [height][width][channels] floats, or NULL to refuse;
- * then follow the channels' names, in order, and the attributes; both texts are gone afterwards. False: no memory. */
-typedef struct image_layers_sink {
-	void *context;
-	float *(*create)(void *context, uint32_t width, uint32_t height, uint32_t channels);
-	bool (*channel)(void *context, const char *name);
-	bool (*attribute)(void *context, const char *name, const char *text);
-} image_layers_sink;
 
 typedef enum image_outcome {
 	IMAGE_OUTCOME_DONE,
-	IMAGE_OUTCOME_CALLBACK, /* the sink or allocate failed and knows why */
+	IMAGE_OUTCOME_CALLBACK, /* allocate refused and knows why */
 	IMAGE_OUTCOME_CODEC,    /* message says why */
 	IMAGE_OUTCOME_MEMORY,
 } image_outcome;
 
-/* What the module offers, as the symbol IMAGE_CODEC_SYMBOL. */
+/* A file that is made in memory. Begins as {0}; the owner frees data. */
+typedef struct image_bytes {
+	unsigned char *data;
+	size_t size, room;
+} image_bytes;
+
+/* Writes size bytes at offset, which may lie at or before the end; false: out of memory. */
+bool image_bytes_write(image_bytes *bytes, size_t offset, const void *data, size_t size);
+
+/* Returns the memory for a picture of this shape, or NULL to refuse it. A codec asks as soon as it has read the header
+ * and before it takes memory that grows with the picture. */
+typedef void *image_allocate(void *context, const image_shape *shape);
+
+/* A file format of this library. [any-thread] Neither function prints. */
 typedef struct image_codec {
-	/* Encodes into memory; the file holds `stored` scalars. codec is IMAGE_CODEC_... */
-	image_outcome (*encode)(const char *codec, const image_shape *shape, const void *pixels, image_scalar stored,
-	                        image_sink *sink, void *context, image_message *message);
-	/* Decodes data into what allocate returns, converted to `wanted` scalars. */
-	image_outcome (*decode)(const char *codec, const void *data, size_t size, image_scalar wanted,
-	                        image_allocate *allocate, void *context, image_message *message);
-	/* The same for pictures of many channels, all floats, as EXR. */
-	image_outcome (*encode_layers)(const struct stilb_image_layers *layers, image_sink *sink, void *context,
-	                               image_message *message);
-	image_outcome (*decode_layers)(const void *data, size_t size, const image_layers_sink *sink,
-	                               image_message *message);
-	/* "2.4.7": of the library that is loaded. */
-	const char *(*version)(void);
+	const char *extension; /* ".png" */
+	bool codes;            /* holds sRGB codes (scalar U8), not linear light (F32) */
+
+	/* Encodes pixels of U8 (codes) or of F16 or F32 (light) to the end of file. `stored` is what light is stored as;
+	 * formats without a choice ignore it. */
+	image_outcome (*encode)(const image_shape *shape, const void *pixels, image_scalar stored, image_bytes *file,
+	                        image_message *message);
+
+	/* Decodes a file into what allocate returns: U8 or F32, as codes says. */
+	image_outcome (*decode)(const void *data, size_t size, image_allocate *allocate, void *context,
+	                        image_message *message);
 } image_codec;
 
-#define IMAGE_CODEC_FILE "stilb-image-oiio.so"
-#define IMAGE_CODEC_SYMBOL "image_codec_oiio"
+extern const image_codec image_codec_png, image_codec_exr, image_codec_hdr;
 
-/* The loaded module; NULL with a message when it cannot be loaded. [any-thread] */
-const image_codec *image_codec_load(image_message *message);
+/* Sets message to text up to its first line's end. */
+void image_message_set(image_message *message, const char *text);
 
-/* The whole file into memory, to be freed also after a failure. NULL, or why not. Only regular files: devices and pipes may
- * have no end. */
+/* ---- pictures in memory (image.c) -------------------------------------------------------------------------------- */
+
+extern const size_t image_scalar_bytes[];         /* indexed by image_scalar */
+extern const image_scalar image_format_scalars[]; /* indexed by stilb_image_format */
+
+/* Why a picture of this shape is refused, or NULL. */
+const char *image_refusal(const stilb_image *image);
+
+/* ---- files (image_file.c) ---------------------------------------------------------------------------------------- */
+
+/* The whole file into memory, to be freed also after a failure. NULL, or why not. Only regular files: devices and pipes
+ * may have no end. */
 const char *image_file_read(const char *path, void **data, size_t *size);
 
-/* False with a message when data is not a PNG file whose chunks are all there with the right checksums. Asked before
- * decoding, because libpng prints its own lines on stderr about such files. Source: ISO/IEC 15948 (PNG), chapter 5. */
-bool image_png_is_whole(const void *data, size_t size, image_message *message);
+/* A picture that is being read; the context of image_load_allocate. */
+typedef struct image_load {
+	const char *path;    /* what messages call it */
+	stilb_image *image;  /* {0} at first */
+	stilb_result result; /* why image_load_allocate refused */
+} image_load;
+
+/* image_allocate. Pixels stay untouched until they are decoded: a short file that claims to be huge costs address space
+ * only. */
+void *image_load_allocate(void *context, const image_shape *shape);
+
+/* The result of reading, with its message; leaves {0} in the picture unless all went well. */
+stilb_result image_load_end(image_load *load, image_outcome outcome, const image_message *message);
+
+/* STILB_ERROR_MEMORY or STILB_ERROR_FILE with "cannot <verb> '<path>': ..."; outcome is MEMORY or CODEC. */
+stilb_result image_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message);
+
+/* ---- other formats ----------------------------------------------------------------------------------------------- */
+
+/* What the module with OpenImageIO offers, as the symbol IMAGE_FOREIGN_SYMBOL. */
+typedef struct image_foreign {
+	/* Decodes data, a file of the format that OpenImageIO calls `format`, into U8 that allocate returns. */
+	image_outcome (*decode)(const char *format, const void *data, size_t size, image_allocate *allocate, void *context,
+	                        image_message *message);
+	/* "2.4.7": of the library that is loaded. */
+	const char *(*version)(void);
+} image_foreign;
+
+#define IMAGE_FOREIGN_FILE "stilb-image-oiio.so"
+#define IMAGE_FOREIGN_SYMBOL "image_foreign_oiio"
+
+/* Loads the module at the first call; NULL with a message when it cannot be loaded. [any-thread] */
+const image_foreign *image_foreign_load(image_message *message);
 
 #ifdef __cplusplus
 }

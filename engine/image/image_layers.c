@@ -1,7 +1,7 @@
 #include "image/image_layers.h"
 
 #include "base/base_file.h"
-#include "image/image_internal.h"
+#include "image/image_exr.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +26,7 @@ static bool layers_path_is_exr(const char *path)
 	return length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
 }
 
-/* Whether every channel has a name of its own. Asked here because the library drops one of two without a word. */
+/* Whether every channel has a name of its own. Asked here because a reader finds only one of two. */
 static stilb_result layers_names_check(const stilb_image_layers *layers, const char *path)
 {
 	for (uint32_t i = 0; i < layers->channel_count; i++) {
@@ -41,26 +41,25 @@ static stilb_result layers_names_check(const stilb_image_layers *layers, const c
 	return STILB_OK;
 }
 
-static stilb_result layers_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message)
-{
-	if (outcome == IMAGE_OUTCOME_MEMORY)
-		return stilb_fail(STILB_ERROR_MEMORY, "cannot %s '%s': out of memory", verb, path);
-	return stilb_fail(STILB_ERROR_FILE, "cannot %s '%s': %s", verb, path, message->text);
-}
-
 /* ---- saving -------------------------------------------------------------------------------------------------------- */
 
-typedef struct layers_save {
-	const char *path;
-	stilb_result result;
-} layers_save;
-
-/* image_sink */
-static int layers_save_sink(void *context, const void *data, size_t size)
+static image_outcome layers_encode(const stilb_image_layers *layers, image_bytes *file, image_message *message)
 {
-	layers_save *save = context;
-	save->result = stilb_file_save(save->path, data, size);
-	return save->result == STILB_OK ? 0 : -1;
+	image_exr_channel channels[STILB_IMAGE_MAX_CHANNELS];
+	for (uint32_t i = 0; i < layers->channel_count; i++) {
+		const stilb_image_channel *channel = &layers->channels[i];
+		const size_t step = channel->stride * sizeof(float);
+		channels[i] = (image_exr_channel){channel->name, channel->values, step, step * layers->width};
+	}
+	const image_exr_file from = {.width = layers->width,
+	                             .height = layers->height,
+	                             .channel_count = layers->channel_count,
+	                             .attribute_count = layers->attribute_count,
+	                             .channels = channels,
+	                             .attributes = layers->attributes,
+	                             .scalar = IMAGE_SCALAR_F32,
+	                             .stored = IMAGE_SCALAR_F32};
+	return image_exr_encode(&from, file, message);
 }
 
 stilb_result stilb_image_layers_save(const stilb_image_layers *layers, const char *path)
@@ -75,15 +74,13 @@ stilb_result stilb_image_layers_save(const stilb_image_layers *layers, const cha
 		checked = stilb_file_check(path); /* before the work of encoding */
 	if (checked != STILB_OK)
 		return checked;
-	layers_save save = {.path = path};
+	image_bytes file = {0};
 	image_message message = {0};
-	image_outcome outcome = IMAGE_OUTCOME_CODEC;
-	const image_codec *codec = image_codec_load(&message);
-	if (codec)
-		outcome = codec->encode_layers(layers, layers_save_sink, &save, &message);
-	if (outcome == IMAGE_OUTCOME_DONE || outcome == IMAGE_OUTCOME_CALLBACK)
-		return save.result;
-	return layers_fail(outcome, "write", path, &message);
+	image_outcome outcome = layers_encode(layers, &file, &message);
+	stilb_result result = outcome == IMAGE_OUTCOME_DONE ? stilb_file_save(path, file.data, file.size)
+	                                                    : image_fail(outcome, "write", path, &message);
+	free(file.data);
+	return result;
 }
 
 /* ---- loading ------------------------------------------------------------------------------------------------------- */
@@ -147,14 +144,13 @@ static image_outcome layers_decode(layers_load *load, image_message *message)
 {
 	void *data = NULL;
 	size_t size = 0;
-	image_layers_sink sink = {load, layers_load_create, layers_load_channel, layers_load_attribute};
+	const image_exr_sink sink = {load, layers_load_create, layers_load_channel, layers_load_attribute};
 	image_outcome outcome = IMAGE_OUTCOME_CODEC;
-	const image_codec *codec = image_codec_load(message);
-	const char *trouble = codec ? image_file_read(load->path, &data, &size) : NULL;
+	const char *trouble = image_file_read(load->path, &data, &size);
 	if (trouble)
-		snprintf(message->text, sizeof message->text, "%s", trouble);
-	else if (codec)
-		outcome = codec->decode_layers(data, size, &sink, message);
+		image_message_set(message, trouble);
+	else
+		outcome = image_exr_decode(data, size, &sink, message);
 	free(data);
 	return outcome;
 }
@@ -176,7 +172,7 @@ stilb_result stilb_image_layers_load(const char *path, stilb_image_layers **laye
 	stilb_image_layers_finish(&load.owned->layers);
 	if (outcome == IMAGE_OUTCOME_CALLBACK && load.result != STILB_OK)
 		return load.result;
-	return layers_fail(outcome == IMAGE_OUTCOME_CALLBACK ? IMAGE_OUTCOME_MEMORY : outcome, "read", path, &message);
+	return image_fail(outcome == IMAGE_OUTCOME_CALLBACK ? IMAGE_OUTCOME_MEMORY : outcome, "read", path, &message);
 }
 
 void stilb_image_layers_finish(stilb_image_layers *layers)

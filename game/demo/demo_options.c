@@ -76,8 +76,8 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
 		{"--msaa", FLAG_NUMBER, &o->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
 		{"--seed", FLAG_NUMBER, &o->seed, "N", "of sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
-		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the last frame as .png, or its radiance as .exr", 0, 0,
-	     NULL},
+		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the last frame as .png, or its radiance as .exr or .hdr",
+	     0, 0, NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the last 1000 frames: .json, .folded or .csv", 0, 0,
 	     NULL},
 		{"--capture", FLAG_TEXT, &o->capture, "FILE", "name of captures: P, SIGUSR1, slow frames (" DEMO_CAPTURE ")", 0,
@@ -110,12 +110,6 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		printf("\nIn the window:\n" DEMO_KEYS "\n");
 	}
 	return result;
-}
-
-static bool has_extension(const char *path, const char *extension)
-{
-	const char *dot = strrchr(path, '.');
-	return dot && strcasecmp(dot, extension) == 0;
 }
 
 #define DEMO_OUTPUTS 6
@@ -390,7 +384,7 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	demo_parse_fault(o->fault, &faults);
 	desc.faults = faults.render;
 	desc.slow_frame = faults.slow_frame;
-	if (o->screenshot && has_extension(o->screenshot, ".exr")) /* the window then shows the same, clipped */
+	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* the window then shows the same, clipped */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
 }

@@ -176,7 +176,7 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 	const flag flags[] = {
 		{"scene", FLAG_WORD, &o->scene, NULL, NULL, 0, 0, NULL},
 		{"The picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .png tone mapped", 0, 0, NULL},
+		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .hdr, .png tone mapped", 0, 0, NULL},
 		{"--integrator", FLAG_CHOICE, &o->integrator, "NAME", "what is computed, see below (path)", 0, 0,
 	     render_integrators},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (512x512)", 1, 16384, NULL},

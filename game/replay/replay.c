@@ -55,7 +55,8 @@ static flags_result replay_parse(replay_options *o, int argc, char **argv)
 		{"--size", FLAG_SIZE, o->size, "WxH", "another picture size; another shape stretches it", 1, 16384, NULL},
 		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
 		{"--validate", FLAG_SWITCH, &o->validate, NULL, "Vulkan validation; any message fails the run", 0, 0, NULL},
-		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the picture as .png, or its radiance as .exr", 0, 0, NULL},
+		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the picture as .png, or its radiance as .exr or .hdr", 0,
+	     0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times, counts, and the cost of each kind of command", 0,
 	     0, NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "no window: there never is one", 0, 0, NULL},
@@ -115,9 +116,8 @@ static FILE *replay_words(const replay_options *o)
 static stilb_result replay_start(replay_run *run)
 {
 	const replay_options *o = &run->options;
-	const char *dot = o->screenshot ? strrchr(o->screenshot, '.') : NULL;
-	const stilb_render_output output =
-		dot && strcasecmp(dot, ".exr") == 0 ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
+	const bool light = o->screenshot && stilb_image_path_is_light(o->screenshot);
+	const stilb_render_output output = light ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
 	const stilb_engine_replay_desc desc = {
 		.path = o->file,
 		.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers,

@@ -23,7 +23,8 @@ static flags_result spheres_parse(spheres_options *o, int argc, char **argv)
 	for (int i = 0; i < strip_count && i < MAX_STRIPS; i++)
 		names[i] = strips[i].name;
 	const flag flags[] = {
-		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture, .png or (radiance, not tone mapped) .exr", 0, 0, NULL},
+		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture, .png, or (radiance, not tone mapped) .exr or .hdr", 0, 0,
+	     NULL},
 		{"--strip", FLAG_CHOICE, &o->strip, "NAME", "which rows, see below (classic)", 0, 0, names},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (spheres of 100 pixels)", 1, 16384, NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0,
@@ -44,14 +45,13 @@ static flags_result spheres_parse(spheres_options *o, int argc, char **argv)
 
 static stilb_result spheres_draw(const strip *s, const uint32_t asked[2], const char *path, stilb_job_pool *pool)
 {
-	const char *dot = strrchr(path, '.');
 	uint32_t size[2] = {asked[0], asked[1]};
 	if (size[0] == 0)
 		strip_size(s, 100.0f, size);
 	stilb_image picture;
 	stilb_result result = stilb_image_create(&picture, size[0], size[1], 3, STILB_IMAGE_F32_LINEAR);
 	if (result == STILB_OK)
-		result = strip_draw(s, &picture, !dot || strcasecmp(dot, ".exr") != 0, pool);
+		result = strip_draw(s, &picture, !stilb_image_path_is_light(path), pool);
 	if (result == STILB_OK)
 		result = stilb_image_save(&picture, path);
 	stilb_image_finish(&picture);

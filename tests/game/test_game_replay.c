@@ -128,7 +128,7 @@ static const char *const refusals[][2] = {
 	{"replay a.dump --materials none", "index, bind, pipeline"},
 	{"replay a.dump --size 0x1", "'0x1'"},
 	{"replay a.dump --device null --screenshot a.png", "null device"},
-	{"replay a.dump --screenshot a.bmp", ".png or .exr"},
+	{"replay a.dump --screenshot a.bmp", ".png, .exr or .hdr"},
 	{"replay a.dump --stats missing/a.json", "does not exist"},
 	{"replay a.dump --stats a.png --screenshot a.png", "two outputs"},
 	{NULL_DEMO "--dump missing/a.dump", "does not exist"},

@@ -4,6 +4,15 @@
 #include "support/stilb_program.h"
 
 #include <math.h>
+#include <sys/resource.h>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SANITIZED true
+#elif defined(__has_feature)
+#define SANITIZED __has_feature(address_sanitizer)
+#else
+#define SANITIZED false
+#endif
 
 /* ---- gnuplot ----------------------------------------------------------------------------------------------------- */
 
@@ -179,6 +188,23 @@ static double brightest(const stilb_image *picture, int row, int column)
 }
 
 enum { METAL, OLD, NORMALISED, WRAPPED_OLD, WRAPPED, MIXED_OLD, MIXED };
+
+/* In 300 MB of addresses: what writes pictures is small. OpenImageIO alone takes more, and the program then ended by
+ * SIGABRT. */
+static void test_spheres_in_little_memory(void **state)
+{
+	(void)state;
+	struct rlimit before;
+	if (SANITIZED)
+		return; /* sanitizers take terabytes of addresses */
+	assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
+	setrlimit(RLIMIT_AS, &(struct rlimit){300u << 20, before.rlim_max});
+	int code = stilb_code(no_display, "shade spheres --size " SIZE " -o little.png");
+	setrlimit(RLIMIT_AS, &before);
+	if (code != 0)
+		fail_msg("exit %d: %s", code, run.err);
+	assert_true(exists("little.png"));
+}
 
 static void test_spheres(void **state)
 {
@@ -435,6 +461,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_plot_failures, folder_fresh),
 		cmocka_unit_test_setup(test_catalog, folder_fresh),
 		cmocka_unit_test_setup(test_spheres, folder_fresh),
+		cmocka_unit_test_setup(test_spheres_in_little_memory, folder_fresh),
 		cmocka_unit_test_setup(test_spheres_negative, folder_fresh),
 		cmocka_unit_test_setup(test_spheres_workers, folder_fresh),
 		cmocka_unit_test_setup(test_spheres_words, folder_fresh),

@@ -185,6 +185,16 @@ static void picture(void **state)
 	assert_int_equal(image.channels, 3);
 	assert_memory_equal(image.pixels, stilb_gi_render_film(render).radiance, stilb_image_size(&image));
 	stilb_image_finish(&image);
+	const char *hdr = "a.hdr"; /* neither, with 8 bits of a pixel's brightest channel */
+	saved(render, hdr);
+	assert_int_equal(stilb_image_load(hdr, &image), STILB_OK);
+	const float *light = stilb_gi_render_film(render).radiance, *kept = image.pixels;
+	for (size_t i = 0; i < sizeof shown; i++) {
+		const float *pixel = light + i / 3 * 3;
+		assert_true(fabsf(kept[i] - light[i]) <= fmaxf(fmaxf(pixel[0], pixel[1]), pixel[2]) / 256.0f);
+	}
+	stilb_image_finish(&image);
+	remove(hdr);
 	stilb_gi_render_destroy(render);
 	render_fixture_finish(&fixture);
 }

@@ -1,7 +1,6 @@
 /* Pictures to files and back: bits, conversions, and every way a path can be wrong. */
 
 #include "image/image.h"
-#include "image/image_internal.h"
 #include "support/test.h"
 
 #include <dirent.h>
@@ -459,8 +458,8 @@ static void truncated_files_are_refused(void **state)
 	stilb_image image = picture(40, 40, 3, STILB_IMAGE_U8_SRGB);
 	for (size_t i = 0; i < stilb_image_size(&image); i++)
 		((uint8_t *)image.pixels)[i] = (uint8_t)stilb_random_u64(3, i);
-	static const char *const names[] = {"cut.png", "cut.exr"};
-	for (int n = 0; n < 2; n++) {
+	static const char *const names[] = {"cut.png", "cut.exr", "cut.hdr"};
+	for (int n = 0; n < 3; n++) {
 		char path[256];
 		snprintf(path, sizeof path, "%s/%s", folder, names[n]);
 		save(&image, path);
@@ -537,31 +536,78 @@ static void huge_claims_are_refused(void **state)
 	load_fails(in_folder("huge.png"), STILB_ERROR_FILE, "65537 x 1");
 }
 
-/* What no picture reaches through stilb_image_save: the border itself reports, and throws nothing. */
-static int sink_refuses(void *context, const void *data, size_t size)
-{
-	(void)data;
-	*(size_t *)context = size;
-	return -1;
-}
+/* ---- HDR ----------------------------------------------------------------------------------------------------------- */
 
-static void border_reports_everything(void **state)
+/* Widths that are coded pixel by pixel, in runs, and in runs of more than 127; each value within half a step of 2^-8 of
+ * its pixel's largest. */
+static void hdr_keeps_eight_bits_of_the_largest(void **state)
 {
 	(void)state;
-	uint8_t pixel[3] = {1, 2, 3};
-	image_shape shape = {1, 1, 3, IMAGE_SCALAR_U8};
-	image_message message = {0};
-	size_t size = 0;
-	const image_codec *codec = image_codec_load(&message);
-	assert_non_null(codec);
-	image_outcome outcome =
-		codec->encode("no such codec", &shape, pixel, IMAGE_SCALAR_U8, sink_refuses, &size, &message);
-	assert_int_equal(outcome, IMAGE_OUTCOME_CODEC);
-	assert_true(message.text[0] != '\0');
-	assert_int_equal(size, 0);
-	outcome = codec->encode(IMAGE_CODEC_PNG, &shape, pixel, IMAGE_SCALAR_U8, sink_refuses, &size, &message);
-	assert_int_equal(outcome, IMAGE_OUTCOME_CALLBACK);
-	assert_true(size > 50);
+	static const uint32_t widths[] = {1, 7, 8, 129, 300};
+	for (size_t w = 0; w < sizeof widths / sizeof *widths; w++) {
+		stilb_image image = picture(widths[w], 5, 3, STILB_IMAGE_F32_LINEAR);
+		float *light = image.pixels;
+		const size_t count = (size_t)widths[w] * 5 * 3;
+		for (size_t i = 0; i < count; i++) /* runs and single values by turns, over many exponents */
+			light[i] = i / 60 % 2 ? 0.75f : ldexpf(stilb_random_float(w, i), (int)(i % 40) - 20);
+		light[0] = 1.9999f; /* rounds up to the next power of two */
+		save(&image, in_folder("light.hdr"));
+		stilb_image back = load(in_folder("light.hdr"));
+		assert_int_equal(back.width, widths[w]);
+		assert_int_equal(back.height, 5);
+		assert_int_equal(back.channels, 3);
+		const float *read = back.pixels;
+		for (size_t i = 0; i < count; i++) {
+			const float *pixel = light + i / 3 * 3, most = fmaxf(fmaxf(pixel[0], pixel[1]), pixel[2]);
+			if (!(fabsf(read[i] - light[i]) <= most / 256.0f))
+				fail_msg("width %u: %g came back as %g", widths[w], (double)light[i], (double)read[i]);
+		}
+		stilb_image_finish(&image);
+		stilb_image_finish(&back);
+	}
+}
+
+static void hdr_holds_no_alpha_and_nothing_odd(void **state)
+{
+	(void)state;
+	stilb_image image = picture(4, 1, 4, STILB_IMAGE_U8_SRGB);
+	refused(&image, in_folder("alpha.hdr"), STILB_ERROR_FILE, "alpha");
+	stilb_image_finish(&image);
+	image = picture(4, 1, 1, STILB_IMAGE_F32_LINEAR);
+	memcpy(image.pixels, (float[]){NAN, -1.0f, INFINITY, 1e-39f}, 16);
+	save(&image, in_folder("odd.hdr"));
+	stilb_image back = load(in_folder("odd.hdr"));
+	const float *light = back.pixels;
+	assert_true(light[0] == 0.0f && light[3] == 0.0f && light[9] == 0.0f);
+	assert_true(light[6] > 1e38f && light[6] < INFINITY && light[7] == light[6]);
+	stilb_image_finish(&image);
+	stilb_image_finish(&back);
+	image = picture(3, 1, 3, STILB_IMAGE_F16_LINEAR);
+	memcpy(image.pixels, (uint16_t[]){0x3c00, 0x3800, 0, 0, 0, 0, 0x4000, 0x4000, 0x4000}, 18);
+	save(&image, in_folder("half.hdr"));
+	back = load(in_folder("half.hdr"));
+	assert_memory_equal(back.pixels, ((float[]){1.0f, 0.5f, 0, 0, 0, 0, 2, 2, 2}), 36);
+	stilb_image_finish(&image);
+	stilb_image_finish(&back);
+}
+
+/* ---- what is loaded ------------------------------------------------------------------------------------------------ */
+
+/* Our own formats need no OpenImageIO, which brings 260 libraries. */
+static void no_large_library_is_loaded(void **state)
+{
+	(void)state;
+	char line[4096];
+	bool png = false, large = false;
+	FILE *maps = fopen("/proc/self/maps", "r");
+	assert_non_null(maps);
+	while (fgets(line, sizeof line, maps)) {
+		png |= strstr(line, "libpng") != NULL;
+		large |= strstr(line, "OpenImageIO") != NULL || strstr(line, "stilb-image-oiio") != NULL;
+	}
+	fclose(maps);
+	assert_true(png);
+	assert_false(large);
 }
 
 /* Lines on stderr are the program's: the libraries behind the border print nothing, not about damaged files either. The
@@ -574,9 +620,9 @@ static void libraries_print_nothing(void **state)
 	stilb_image image = picture(40, 40, 3, STILB_IMAGE_U8_SRGB), back;
 	int real = dup(STDERR_FILENO);
 	dup2(fileno(kept), STDERR_FILENO);
-	static const char *const names[] = {"quiet.png", "quiet.exr"};
+	static const char *const names[] = {"quiet.png", "quiet.exr", "quiet.hdr"};
 	int failures = 0;
-	for (int n = 0; n < 2; n++) {
+	for (int n = 0; n < 3; n++) {
 		const char *path = in_folder(names[n]);
 		failures += stilb_image_save(&image, path) != STILB_OK;
 		failures += stilb_image_load(path, &back) != STILB_OK;
@@ -601,17 +647,29 @@ static void libraries_print_nothing(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		IMAGE_TEST(png_keeps_every_bit),        IMAGE_TEST(exr_keeps_every_float),
-		IMAGE_TEST(exr_keeps_every_half),       IMAGE_TEST(first_row_is_the_top),
-		IMAGE_TEST(linear_becomes_srgb_in_png), IMAGE_TEST(halves_become_srgb_in_png),
-		IMAGE_TEST(alpha_stays_linear),         IMAGE_TEST(codes_survive_exr),
-		IMAGE_TEST(exr_is_not_clamped),         IMAGE_TEST(same_bytes_twice),
-		IMAGE_TEST(bad_paths_are_refused),      IMAGE_TEST(full_disk_is_reported),
-		IMAGE_TEST(old_file_survives_refusal),  IMAGE_TEST(bad_sizes_are_refused),
-		IMAGE_TEST(missing_files_are_named),    IMAGE_TEST(truncated_files_are_refused),
-		IMAGE_TEST(damaged_files_are_refused),  IMAGE_TEST(rows_before_the_file_are_refused),
-		IMAGE_TEST(huge_claims_are_refused),    IMAGE_TEST(border_reports_everything),
+		IMAGE_TEST(png_keeps_every_bit),
+		IMAGE_TEST(exr_keeps_every_float),
+		IMAGE_TEST(exr_keeps_every_half),
+		IMAGE_TEST(first_row_is_the_top),
+		IMAGE_TEST(linear_becomes_srgb_in_png),
+		IMAGE_TEST(halves_become_srgb_in_png),
+		IMAGE_TEST(alpha_stays_linear),
+		IMAGE_TEST(codes_survive_exr),
+		IMAGE_TEST(exr_is_not_clamped),
+		IMAGE_TEST(same_bytes_twice),
+		IMAGE_TEST(bad_paths_are_refused),
+		IMAGE_TEST(full_disk_is_reported),
+		IMAGE_TEST(old_file_survives_refusal),
+		IMAGE_TEST(bad_sizes_are_refused),
+		IMAGE_TEST(missing_files_are_named),
+		IMAGE_TEST(truncated_files_are_refused),
+		IMAGE_TEST(damaged_files_are_refused),
+		IMAGE_TEST(rows_before_the_file_are_refused),
+		IMAGE_TEST(huge_claims_are_refused),
+		IMAGE_TEST(hdr_keeps_eight_bits_of_the_largest),
+		IMAGE_TEST(hdr_holds_no_alpha_and_nothing_odd),
 		IMAGE_TEST(libraries_print_nothing),
+		IMAGE_TEST(no_large_library_is_loaded),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }

@@ -117,6 +117,44 @@ static void files_are_read_from_disk(void **state)
 	free(bytes);
 }
 
+/* The eight orders in which a Radiance file may list the pixels: the top left is light 1, to its right 2, below it 4; and
+ * a run of old files, of pixels that are like the one before. */
+static void hdr_of_every_order(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *order;
+		unsigned char exponents[6]; /* in the file's order; light 1 is 0x80 with exponent 0x81 */
+	} orders[] = {
+		{"-Y 3 +X 2", {0x81, 0x82, 0x83, 0x84, 0x85, 0x86}}, {"-Y 3 -X 2", {0x82, 0x81, 0x84, 0x83, 0x86, 0x85}},
+		{"+Y 3 +X 2", {0x85, 0x86, 0x83, 0x84, 0x81, 0x82}}, {"+Y 3 -X 2", {0x86, 0x85, 0x84, 0x83, 0x82, 0x81}},
+		{"+X 2 -Y 3", {0x81, 0x83, 0x85, 0x82, 0x84, 0x86}}, {"+X 2 +Y 3", {0x85, 0x83, 0x81, 0x86, 0x84, 0x82}},
+		{"-X 2 -Y 3", {0x82, 0x84, 0x86, 0x81, 0x83, 0x85}}, {"-X 2 +Y 3", {0x86, 0x84, 0x82, 0x85, 0x83, 0x81}}};
+	stilb_image image;
+	unsigned char file[128];
+	for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
+		size_t size = (size_t)snprintf((char *)file, sizeof file, "#?RGBE\n# who\nEXPOSURE=1\n\n%s\n", orders[i].order);
+		for (int p = 0; p < 6; p++, size += 4)
+			memcpy(file + size, (const unsigned char[]){0x80, 0x80, 0x80, orders[i].exponents[p]}, 4);
+		assert_int_equal(stilb_image_import_memory("order", file, size, &image), STILB_OK);
+		assert_true(image.width == 2 && image.height == 3);
+		for (int p = 0; p < 6; p++)
+			assert_true(((const float *)image.pixels)[3 * p] == (float)(1 << p));
+		stilb_image_finish(&image);
+	}
+	static const char runs[] = "#?RADIANCE\n\n-Y 1 +X 262\n\x80\0\0\x81\1\1\1\4\1\1\1\1\x80\0\0\x82";
+	assert_int_equal(stilb_image_import_memory("runs", runs, sizeof runs - 1, &image), STILB_OK);
+	for (int p = 0; p < 262; p++)
+		assert_true(((const float *)image.pixels)[3 * p] == (p < 261 ? 1.0f : 2.0f));
+	stilb_image_finish(&image);
+	assert_int_equal(stilb_image_import_memory("runs", runs, sizeof runs - 5, &image), STILB_ERROR_FILE);
+	static const char early[] = "#?RADIANCE\n\n-Y 1 +X 9\n\1\1\1\4\1\1\1\4\1\1\1\1";
+	assert_int_equal(stilb_image_import_memory("early", early, sizeof early - 1, &image), STILB_ERROR_FILE);
+	static const char xyz[] = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x80\0\0\x81";
+	assert_int_equal(stilb_image_import_memory("xyz", xyz, sizeof xyz - 1, &image), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "red, green and blue"));
+}
+
 static void assert_refused(const char *path, const char *says)
 {
 	stilb_image image = {.width = 1};
@@ -168,9 +206,8 @@ static void damaged_pictures_do_no_harm(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_kind_is_read),
-		cmocka_unit_test(files_are_read_from_disk),
-		cmocka_unit_test(refusals_name_file_and_reason),
+		cmocka_unit_test(every_kind_is_read),          cmocka_unit_test(files_are_read_from_disk),
+		cmocka_unit_test(hdr_of_every_order),          cmocka_unit_test(refusals_name_file_and_reason),
 		cmocka_unit_test(damaged_pictures_do_no_harm),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,9 @@
 /*
- * Stands in for everything that would load Vulkan, GLFW, OpenImageIO or hidapi: linked into the tests of the null device, so that
- * no third-party library is there and the thread sanitizer sees all that runs. Each call fails as on a bare machine.
+ * Stands in for everything that would load Vulkan, GLFW, libpng, OpenEXR or hidapi: linked into the tests of the null
+ * device, so that no third-party library is there and the thread sanitizer sees all that runs. Each call fails as on a
+ * bare machine.
  */
+#include "image/image_internal.h"
 #include "input/device/input_device_internal.h"
 #include "render/render_internal.h"
 #include "window/window.h"
@@ -78,3 +80,7 @@ const char *stilb_window_library_version(void)
 }
 
 const input_backend input_backend_hidapi = {.name = "none"};
+
+/* Pictures cannot be saved: the functions are not there. */
+const image_codec image_codec_png = {.extension = ".png"}, image_codec_exr = {.extension = ".exr"},
+				  image_codec_hdr = {.extension = ".hdr"};

@@ -82,7 +82,8 @@ static inline void reference_no_third_party(void **state)
 {
 	(void)state;
 	assert_true(reference_library_loaded("libcmocka")); /* the question works */
-	static const char *const libraries[] = {"libvulkan", "libglfw", "libOpenImageIO", "libOpenEXR", "libembree"};
+	static const char *const libraries[] = {"libvulkan",  "libglfw", "libOpenImageIO",
+	                                        "libOpenEXR", "libpng",  "libembree"};
 	for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
 		assert_false(reference_library_loaded(libraries[i]));
 }

@@ -1,4 +1,4 @@
-/* The picture as a file: everything, as it is, as .exr; what can be seen of it as .png. */
+/* The picture as a file: everything, as it is, as .exr; its light as .hdr; what can be seen of it as .png. */
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
 #include "image/image_layers.h"
@@ -139,12 +139,27 @@ static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 	return result;
 }
 
+/* ---- .hdr ---------------------------------------------------------------------------------------------------------- */
+
+static stilb_result save_light(const stilb_gi_render *render, const char *path)
+{
+	const stilb_gi_film film = stilb_gi_render_film(render);
+	const stilb_image image = {.width = film.width,
+	                           .height = film.height,
+	                           .channels = 3,
+	                           .format = STILB_IMAGE_F32_LINEAR,
+	                           .pixels = (void *)(uintptr_t)film.radiance}; /* is only read */
+	return stilb_image_save(&image, path);
+}
+
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path)
 {
 	PROFILE("gi.save");
 	stilb_result result = stilb_image_path_check(path);
 	if (result != STILB_OK)
 		return result;
+	if (!stilb_image_path_is_light(path))
+		return save_display(render, path);
 	const char *dot = strrchr(path, '.');
-	return strcasecmp(dot, ".exr") == 0 ? save_layers(render, path) : save_display(render, path);
+	return strcasecmp(dot, ".exr") == 0 ? save_layers(render, path) : save_light(render, path);
 }

@@ -1,0 +1,48 @@
+/* image_exr: EXR files with any channels, below image_codec_exr and image_layers. */
+#ifndef STILB_IMAGE_EXR_H
+#define STILB_IMAGE_EXR_H
+
+#include "image/image_internal.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct stilb_image_attribute;
+
+/* A channel to be written. */
+typedef struct image_exr_channel {
+	const char *name;
+	const void *first;           /* the top left pixel's value */
+	size_t pixel_step, row_step; /* bytes from one value to the next, and from one row to the next */
+} image_exr_channel;
+
+typedef struct image_exr_file {
+	uint32_t width, height, channel_count, attribute_count;
+	const image_exr_channel *channels; /* names differ, in any order */
+	const struct stilb_image_attribute *attributes;
+	image_scalar scalar, stored; /* of the values given, and of the file's: F16 or F32 */
+} image_exr_file;
+
+/* Encodes, with zip compression. The same input gives the same bytes. */
+image_outcome image_exr_encode(const image_exr_file *from, image_bytes *file, image_message *message);
+
+/* Takes a file with all its channels. create returns the memory for [height][width][channels] floats, or NULL to refuse;
+ * then follow the channels' names, in the order of the floats, and the attributes that are text; both texts are gone
+ * afterwards. False: out of memory. */
+typedef struct image_exr_sink {
+	void *context;
+	float *(*create)(void *context, uint32_t width, uint32_t height, uint32_t channels);
+	bool (*channel)(void *context, const char *name);
+	bool (*attribute)(void *context, const char *name, const char *text);
+} image_exr_sink;
+
+/* Decodes the file's first part. Order of channels: those without a layer (no dot in the name) first, then layer by layer;
+ * in a layer R G B (X Y Z) A, then the others by name. */
+image_outcome image_exr_decode(const void *data, size_t size, const image_exr_sink *sink, image_message *message);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,266 @@
+/* Pictures as files of our own codecs: saving with conversion, and loading by extension. */
+#include "image/image.h"
+
+#include "base/base_file.h"
+#include "image/image_internal.h"
+#include "shading/shade_srgb.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const image_codec *const image_codecs[] = {&image_codec_png, &image_codec_exr, &image_codec_hdr};
+
+#define IMAGE_EXTENSIONS ".png, .exr or .hdr"
+
+/* From the last dot of the last name; NULL: there is none. A leading dot hides a file and starts no extension. */
+static const char *image_extension(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	const char *name = slash ? slash + 1 : path;
+	const char *dot = strrchr(name, '.');
+	return dot == name ? NULL : dot;
+}
+
+static const image_codec *image_codec_find(const char *extension)
+{
+	for (size_t i = 0; i < sizeof image_codecs / sizeof *image_codecs; i++)
+		if (strcasecmp(extension, image_codecs[i]->extension) == 0)
+			return image_codecs[i];
+	return NULL;
+}
+
+/* By the extension; NULL with a message ("cannot <verb> ...") for an unknown one. */
+static const image_codec *image_codec_of(const char *path, const char *verb)
+{
+	const char *extension = image_extension(path);
+	const image_codec *codec = extension ? image_codec_find(extension) : NULL;
+	if (!extension)
+		stilb_fail(STILB_ERROR_ARGUMENT, "cannot %s '%s': it has no extension; pictures are " IMAGE_EXTENSIONS, verb,
+		           path);
+	else if (!codec)
+		stilb_fail(STILB_ERROR_ARGUMENT,
+		           "cannot %s '%s': pictures of type '%s' are not supported; use " IMAGE_EXTENSIONS, verb, path,
+		           extension);
+	return codec;
+}
+
+bool stilb_image_path_is_light(const char *path)
+{
+	const char *extension = image_extension(path);
+	const image_codec *codec = extension ? image_codec_find(extension) : NULL;
+	return codec && !codec->codes;
+}
+
+stilb_result stilb_image_path_check(const char *path)
+{
+	return image_codec_of(path, "write") ? stilb_file_check(path) : STILB_ERROR_ARGUMENT;
+}
+
+/* ---- conversion: the colour channels go through the transfer, alpha does not ----------------------------------------- */
+
+static bool image_channel_is_alpha(const stilb_image *image, size_t index)
+{
+	uint32_t channels = image->channels;
+	return channels % 2 == 0 && index % channels == channels - 1;
+}
+
+/* Exact: every binary16 is a float. */
+static float image_half_to_float(uint16_t half)
+{
+	int exponent = half >> 10 & 31;
+	float mantissa = (float)(half & 1023);
+	float magnitude = exponent == 0 ? ldexpf(mantissa, -24) : ldexpf(mantissa + 1024.0f, exponent - 25);
+	if (exponent == 31)
+		magnitude = mantissa == 0.0f ? INFINITY : NAN;
+	return half & 0x8000 ? -magnitude : magnitude;
+}
+
+static uint8_t image_code(float light, bool alpha)
+{
+	if (!(light > 0.0f))
+		return 0; /* NaN too */
+	float clamped = light < 1.0f ? light : 1.0f;
+	float code = alpha ? clamped : shade_srgb_from_linear(clamped);
+	return (uint8_t)(code * 255.0f + 0.5f);
+}
+
+static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
+{
+	const float *floats = image->pixels;
+	const uint16_t *halves = image->pixels;
+	const size_t count = (size_t)image->width * image->height * image->channels;
+	for (size_t i = 0; i < count; i++) {
+		float light = image->format == STILB_IMAGE_F32_LINEAR ? floats[i] : image_half_to_float(halves[i]);
+		codes[i] = image_code(light, image_channel_is_alpha(image, i));
+	}
+}
+
+static void image_convert_to_light(const stilb_image *image, float *light)
+{
+	float table[256];
+	for (int code = 0; code < 256; code++)
+		table[code] = shade_srgb_to_linear((float)code / 255.0f);
+	const uint8_t *codes = image->pixels;
+	const uint16_t *halves = image->pixels;
+	const size_t count = (size_t)image->width * image->height * image->channels;
+	for (size_t i = 0; i < count; i++)
+		if (image->format == STILB_IMAGE_F16_LINEAR)
+			light[i] = image_half_to_float(halves[i]);
+		else
+			light[i] = image_channel_is_alpha(image, i) ? (float)codes[i] / 255.0f : table[codes[i]];
+}
+
+/* ---- saving ------------------------------------------------------------------------------------------------------- */
+
+/* What the encoder is given: the picture's own pixels, or a converted copy to be freed; and what the file holds. */
+typedef struct image_source {
+	image_shape shape;
+	image_scalar stored;
+	const void *pixels;
+	void *converted;
+} image_source;
+
+/* Codecs of codes take U8; the one of halves and floats takes each as it is; that of shared exponents takes floats. */
+static bool image_source_make(const stilb_image *image, const image_codec *codec, image_source *source)
+{
+	const image_scalar own = image_format_scalars[image->format];
+	*source = (image_source){.shape = {image->width, image->height, image->channels, own}, .stored = own};
+	source->pixels = image->pixels;
+	const bool same = codec->codes == (own == IMAGE_SCALAR_U8);
+	if (same && !(own == IMAGE_SCALAR_F16 && codec == &image_codec_hdr))
+		return true;
+	source->shape.scalar = codec->codes ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32;
+	source->stored = codec->codes ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F16; /* 8 bits of sRGB fit into halves */
+	size_t count = (size_t)image->width * image->height * image->channels;
+	source->converted = stilb_memory_alloc(count, image_scalar_bytes[source->shape.scalar]);
+	if (!source->converted)
+		return false;
+	if (codec->codes)
+		image_convert_to_codes(image, source->converted);
+	else
+		image_convert_to_light(image, source->converted);
+	source->pixels = source->converted;
+	return true;
+}
+
+stilb_result image_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message)
+{
+	if (outcome == IMAGE_OUTCOME_MEMORY)
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot %s '%s': out of memory", verb, path);
+	return stilb_fail(STILB_ERROR_FILE, "cannot %s '%s': %s", verb, path, message->text);
+}
+
+stilb_result stilb_image_save(const stilb_image *image, const char *path)
+{
+	const image_codec *codec = image_codec_of(path, "write");
+	if (!codec)
+		return STILB_ERROR_ARGUMENT;
+	const char *refusal = image->pixels ? image_refusal(image) : "the picture is empty";
+	if (refusal)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot write '%s': %s", path, refusal);
+	stilb_result result = stilb_file_check(path); /* before the work of encoding */
+	if (result != STILB_OK)
+		return result;
+	image_source source;
+	if (!image_source_make(image, codec, &source))
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
+	image_bytes file = {0};
+	image_message message = {0};
+	image_outcome outcome = codec->encode(&source.shape, source.pixels, source.stored, &file, &message);
+	free(source.converted);
+	if (outcome == IMAGE_OUTCOME_DONE)
+		result = stilb_file_save(path, file.data, file.size);
+	else
+		result = image_fail(outcome, "write", path, &message);
+	free(file.data);
+	return result;
+}
+
+/* ---- loading ------------------------------------------------------------------------------------------------------ */
+
+void *image_load_allocate(void *context, const image_shape *shape)
+{
+	image_load *load = context;
+	stilb_image made = {.width = shape->width, .height = shape->height, .channels = shape->channels};
+	made.format = shape->scalar == IMAGE_SCALAR_U8 ? STILB_IMAGE_U8_SRGB : STILB_IMAGE_F32_LINEAR;
+	const char *refusal = image_refusal(&made);
+	if (refusal) {
+		load->result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it has %u x %u pixels; %s", load->path,
+		                          made.width, made.height, refusal);
+		return NULL;
+	}
+	made.pixels = stilb_memory_alloc(stilb_image_size(&made), 1);
+	if (!made.pixels)
+		load->result = stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", load->path);
+	else
+		*load->image = made;
+	return made.pixels;
+}
+
+/* Reads exactly size bytes; NULL, or why not. */
+static const char *image_read_all(int file, char *data, size_t size)
+{
+	for (size_t got = 0; got < size;) {
+		ssize_t more = read(file, data + got, size - got);
+		if (more < 0 && errno == EINTR)
+			continue;
+		if (more <= 0)
+			return more < 0 ? strerror(errno) : "the file ended early";
+		got += (size_t)more;
+	}
+	return NULL;
+}
+
+const char *image_file_read(const char *path, void **data, size_t *size)
+{
+	struct stat info;
+	const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* without waiting for a pipe's other end */
+	const char *trouble = NULL;
+	if (file < 0 || fstat(file, &info) != 0)
+		trouble = strerror(errno);
+	else if (!S_ISREG(info.st_mode))
+		trouble = S_ISDIR(info.st_mode) ? "it is a folder, not a file" : "it is not a regular file";
+	else if (info.st_size == 0)
+		trouble = "the file is empty";
+	if (!trouble) {
+		*size = (size_t)info.st_size;
+		*data = malloc(*size);
+		trouble = *data ? image_read_all(file, *data, *size) : strerror(ENOMEM);
+	}
+	if (file >= 0)
+		close(file);
+	return trouble;
+}
+
+stilb_result image_load_end(image_load *load, image_outcome outcome, const image_message *message)
+{
+	if (outcome == IMAGE_OUTCOME_DONE)
+		return STILB_OK;
+	stilb_image_finish(load->image);
+	return outcome == IMAGE_OUTCOME_CALLBACK ? load->result : image_fail(outcome, "read", load->path, message);
+}
+
+stilb_result stilb_image_load(const char *path, stilb_image *image)
+{
+	*image = (stilb_image){0};
+	const image_codec *codec = image_codec_of(path, "read");
+	if (!codec)
+		return STILB_ERROR_ARGUMENT;
+	image_load load = {.path = path, .image = image};
+	image_message message = {0};
+	image_outcome outcome = IMAGE_OUTCOME_CODEC;
+	void *data = NULL;
+	size_t size = 0;
+	const char *trouble = image_file_read(path, &data, &size);
+	if (trouble)
+		image_message_set(&message, trouble);
+	else
+		outcome = codec->decode(data, size, image_load_allocate, &load, &message);
+	free(data);
+	return image_load_end(&load, outcome, &message);
+}

@@ -1,0 +1,81 @@
+/* Pictures that others made: PNG, EXR and HDR by our own codecs, every other format by OpenImageIO. */
+#include "image/image.h"
+#include "image/image_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* How files of a format begin. RIFF and TIFF share their first bytes with others, which the decoder then refuses. */
+static const struct image_signature {
+	const char *bytes;
+	size_t size;
+	const image_codec *codec; /* NULL: OpenImageIO's */
+	const char *foreign;      /* OpenImageIO's name */
+} image_signatures[] = {
+	{"\x89PNG", 4, &image_codec_png, NULL},
+	{"\x76\x2f\x31\x01", 4, &image_codec_exr, NULL},
+	{"#?", 2, &image_codec_hdr, NULL},
+	{"\xff\xd8\xff", 3, NULL, "jpeg"},
+	{"BM", 2, NULL, "bmp"},
+	{"GIF8", 4, NULL, "gif"},
+	{"DDS ", 4, NULL, "dds"},
+	{"8BPS", 4, NULL, "psd"},
+	{"II*\0", 4, NULL, "tiff"},
+	{"MM\0*", 4, NULL, "tiff"},
+	{"RIFF", 4, NULL, "webp"},
+};
+
+static const struct image_signature image_signature_targa = {.foreign = "targa"};
+
+/* The format of a file that begins so; TGA has no signature, so name decides there. NULL: none. */
+static const struct image_signature *image_signature_of(const char *name, const void *data, size_t size)
+{
+	for (size_t i = 0; i < sizeof image_signatures / sizeof *image_signatures; i++) {
+		const struct image_signature *signature = &image_signatures[i];
+		if (size >= signature->size && memcmp(data, signature->bytes, signature->size) == 0)
+			return signature;
+	}
+	const char *dot = strrchr(name, '.');
+	return dot && strcasecmp(dot, ".tga") == 0 ? &image_signature_targa : NULL;
+}
+
+static image_outcome image_decode_foreign(const char *format, const void *data, size_t size, image_load *load,
+                                          image_message *message)
+{
+	const image_foreign *foreign = image_foreign_load(message);
+	return foreign ? foreign->decode(format, data, size, image_load_allocate, load, message) : IMAGE_OUTCOME_CODEC;
+}
+
+stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, stilb_image *image)
+{
+	*image = (stilb_image){0};
+	image_load load = {.path = name, .image = image};
+	image_message message = {.text = "it is no picture of a known kind"};
+	image_outcome outcome = IMAGE_OUTCOME_CODEC;
+	const struct image_signature *signature = image_signature_of(name, data, size);
+	if (signature && signature->codec)
+		outcome = signature->codec->decode(data, size, image_load_allocate, &load, &message);
+	else if (signature)
+		outcome = image_decode_foreign(signature->foreign, data, size, &load, &message);
+	return image_load_end(&load, outcome, &message);
+}
+
+stilb_result stilb_image_import(const char *path, stilb_image *image)
+{
+	*image = (stilb_image){0};
+	void *data = NULL;
+	size_t size = 0;
+	const char *trouble = image_file_read(path, &data, &size);
+	stilb_result result = trouble ? stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", path, trouble)
+	                              : stilb_image_import_memory(path, data, size, image);
+	free(data);
+	return result;
+}
+
+const char *stilb_image_library_version(void)
+{
+	image_message message;
+	const image_foreign *foreign = image_foreign_load(&message);
+	return foreign ? foreign->version() : "not found";
+}
