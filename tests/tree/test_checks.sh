@@ -40,7 +40,7 @@ header() { # FILE GUARD INCLUDE...
 expect() { # WHAT-THE-CHECK-SAYS CHECK FOLDER: the check must fail and say so
 	local wanted=$1 said
 	shift
-	if said=$("$checks/$1" "$2" 2>&1); then
+	if said=$("$checks/$1" "${@:2}" 2>&1); then
 		echo "not noticed: $wanted"
 		failures=$((failures + 1))
 	elif [[ $said != *"$wanted"* ]]; then
@@ -51,7 +51,7 @@ expect() { # WHAT-THE-CHECK-SAYS CHECK FOLDER: the check must fail and say so
 
 expect_good() { # CHECK FOLDER
 	local said
-	said=$("$checks/$1" "$2" 2>&1) || {
+	said=$("$checks/$1" "${@:2}" 2>&1) || {
 		printf 'a tree without fault fails in %s:\n%s\n' "$1" "$said"
 		failures=$((failures + 1))
 	}
@@ -139,6 +139,29 @@ library() { # MODULE CODE
 	ar rcs "$scratch/lib/sub/libstilb-$1.a" "$scratch/lib/a.o"
 }
 
+test_circles() {
+	local lib=$scratch/lib
+	rm -rf "$lib" && mkdir -p "$lib/sub"
+	cd "$lib"
+	echo 'int b(void); int a(void) { return b(); }' >a.c
+	echo 'int c(void); int b(void) { return c(); }' >b.c
+	echo 'int a(void); int c(void) { return 1; }' >c.c
+	echo >none.txt
+	echo 'x a.c b.c c.c # why' >listed.txt
+	archive() {
+		rm -f sub/libstilb-x.a
+		for f in a b c; do "${CC:-cc}" -O0 -c $f.c -o $f.c.o; done
+		ar rcs sub/libstilb-x.a a.c.o b.c.o c.c.o
+	}
+	archive
+	expect_good circles.sh "$lib" none.txt
+	expect 'x: circles.txt lists a circle that is not there: a.c b.c c.c' circles.sh "$lib" listed.txt
+	echo 'int a(void); int c(void) { return a(); }' >c.c
+	archive
+	expect 'x: a circle of object files: a.c b.c c.c' circles.sh "$lib" none.txt
+	expect_good circles.sh "$lib" listed.txt
+}
+
 test_symbols() {
 	library jobs 'int stilb_job_a; int job_b; static int help = 1; int *stilb_job_c(void) { return &help; }'
 	expect_good symbols.sh "$scratch/lib"
@@ -161,5 +184,6 @@ test_symbols() {
 test_layers
 test_shape
 test_symbols
+test_circles
 [ $failures -eq 0 ] || { echo "$failures planted violations went wrong"; exit 1; }
 echo "every planted violation was reported"
