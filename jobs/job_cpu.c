@@ -43,7 +43,7 @@ uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
 	int here = sched_getcpu();
 	uint32_t count = 0;
 	if (set && here >= 0)
-		for (size_t i = 1; i < size * 8 && count < max; ++i) {
+		for (size_t i = 1; i < size * 8 && count < max; i++) {
 			size_t cpu = ((size_t)here + i) % (size * 8);
 			if (CPU_ISSET_S(cpu, size, set))
 				cpus[count++] = (uint32_t)cpu;
@@ -62,7 +62,7 @@ static bool read_line(const char *mount, const char *dir, const char *file, char
 	FILE *stream = fopen(path, "re");
 	if (!stream)
 		return false;
-	bool got = fgets(line, size, stream) != NULL;
+	bool got = fgets(line, size, stream);
 	fclose(stream);
 	return got;
 }
@@ -137,7 +137,7 @@ static uint32_t line_limit(char *line, const char *mount)
 	if (!dir)
 		return 0;
 	*dir++ = '\0';
-	++controllers;
+	controllers++;
 	if (*controllers == '\0')
 		return smallest_limit(limit_v2, mount, dir);
 	return list_has(controllers, "cpu") ? smallest_limit(limit_v1, mount, dir) : 0;

@@ -9,7 +9,7 @@ static job_deque_buffer *buffer_create(int64_t capacity)
 	if (buffer) {
 		buffer->smaller = NULL;
 		buffer->mask = capacity - 1;
-		for (int64_t i = 0; i < capacity; ++i)
+		for (int64_t i = 0; i < capacity; i++)
 			atomic_init(&buffer->cell[i], NULL);
 	}
 	return buffer;
@@ -45,7 +45,7 @@ int job_deque_grow(job_deque *deque)
 	if (!buffer)
 		return -ENOMEM;
 	buffer->smaller = old;
-	for (int64_t i = atomic_load_explicit(&deque->top, memory_order_relaxed); i < bottom; ++i)
+	for (int64_t i = atomic_load_explicit(&deque->top, memory_order_relaxed); i < bottom; i++)
 		atomic_store_explicit(&buffer->cell[i & buffer->mask],
 		                      atomic_load_explicit(&old->cell[i & old->mask], memory_order_relaxed),
 		                      memory_order_relaxed);

@@ -55,7 +55,7 @@ static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads,
 static void span_run(const loop_span *span, uint32_t worker)
 {
 	uint32_t begin = span->first * span->grain;
-	for (uint32_t i = 0; i < span->slices; ++i, begin += span->grain) {
+	for (uint32_t i = 0; i < span->slices; i++, begin += span->grain) {
 		uint32_t left = span->count - begin;
 		span->fn(begin, begin + (left < span->grain ? left : span->grain), worker, span->context);
 	}
@@ -103,7 +103,7 @@ static bool wake_helper(stilb_job_pool *pool, const loop_span *span)
 static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, stilb_job_group *until)
 {
 	stilb_job_pool *pool = slot->pool;
-	for (int i = 0; i < JOB_LOOP_DEPTH; ++i) {
+	for (int i = 0; i < JOB_LOOP_DEPTH; i++) {
 		loop_span span;
 		job_loop *loop = &owner->loop[i];
 		if (!loop_claim(loop, scope, pool->worker_count + 1, &span))
@@ -122,7 +122,7 @@ static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, s
 bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *until)
 {
 	stilb_job_pool *pool = slot->pool;
-	for (uint32_t i = 0; i <= pool->worker_count; ++i)
+	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		if (slot_help(slot, &pool->slot[i], scope, until))
 			return true;
 	return false;
@@ -130,8 +130,8 @@ bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 
 bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 {
-	for (uint32_t i = 0; i <= pool->worker_count; ++i)
-		for (int j = 0; j < JOB_LOOP_DEPTH; ++j) {
+	for (uint32_t i = 0; i <= pool->worker_count; i++)
+		for (int j = 0; j < JOB_LOOP_DEPTH; j++) {
 			job_loop *loop = &pool->slot[i].loop[j];
 			/* Relaxed: a loop is done with or without help. */
 			if ((uint32_t)atomic_load_explicit(&loop->claim, memory_order_relaxed) > 0 &&
@@ -281,7 +281,7 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 		loop->finished += all - mine;
 		loop_wait(loop, slot, span, loop->finished);
 	}
-	--slot->loops_open;
+	slot->loops_open--;
 }
 
 /* Nobody is awake to help, and by what slices of fn took last time it would be over before somebody is. If this time they take

@@ -61,7 +61,7 @@ static inline __attribute__((cold)) void job_lock_wait_and_take(job_lock *lock)
 			return;
 		job_sys_pause();
 	} while (job_sys_ticks() - start < spin);
-	for (uint32_t turns = JOB_LOCK_YIELDS; turns > 0; --turns) {
+	for (uint32_t turns = JOB_LOCK_YIELDS; turns > 0; turns--) {
 		sched_yield();
 		if (job_lock_try(lock))
 			return;

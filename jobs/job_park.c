@@ -90,7 +90,7 @@ bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning)
 	list->idler[count] = *idler;
 	idler->parker->rescue = false;
 	if (idler->worker && !idler->scope.all)
-		++list->waiting;
+		list->waiting++;
 	bool alone = list->waiting == list->workers;
 	job_lock_give(&list->lock);
 	return alone;
@@ -102,8 +102,8 @@ static void list_remove(job_idle_list *list, uint32_t i, bool spins)
 	/* Seq_cst keeps the chain of changes unbroken from any (1) to any (b). */
 	uint32_t state = atomic_fetch_add_explicit(&list->state, spins ? SPINNER - 1u : -1u, memory_order_seq_cst);
 	if (list->idler[i].worker && !list->idler[i].scope.all)
-		--list->waiting;
-	for (; i + 1 < IDLERS(state); ++i)
+		list->waiting--;
+	for (; i + 1 < IDLERS(state); i++)
 		list->idler[i] = list->idler[i + 1];
 }
 
@@ -112,7 +112,7 @@ static uint32_t list_find(const job_idle_list *list, const job_parker *parker)
 {
 	uint32_t i = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
 	while (i > 0 && list->idler[i - 1].parker != parker)
-		--i;
+		i--;
 	return i;
 }
 
@@ -153,7 +153,7 @@ static uint32_t list_find_for(const job_idle_list *list, const job_work *work, b
 {
 	uint32_t count = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
 	*rescue = false;
-	for (uint32_t i = count; i > 0; --i)
+	for (uint32_t i = count; i > 0; i--)
 		if (scope_accepts(&list->idler[i - 1].scope, work))
 			return i;
 	if (work->kind == JOB_WORK_LOOP || list->waiting < list->workers)
@@ -161,7 +161,7 @@ static uint32_t list_find_for(const job_idle_list *list, const job_work *work, b
 	*rescue = true;
 	uint32_t i = count;
 	while (i > 0 && !list->idler[i - 1].scope.jobs)
-		--i;
+		i--;
 	return i;
 }
 
@@ -220,7 +220,7 @@ bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit)
 	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* ordered by the lock */
 	uint32_t place = SPINNERS(state) < limit ? IDLERS(state) : 0;
 	while (place > 0 && !list->idler[place - 1].scope.all)
-		--place;
+		place--;
 	if (place == 0)
 		job_lock_give(&list->lock);
 	else

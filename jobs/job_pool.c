@@ -85,9 +85,9 @@ static void *worker_main(void *data)
 static void stop_workers(stilb_job_pool *pool, uint32_t started)
 {
 	atomic_store_explicit(&pool->stop, true, memory_order_release); /* pairs with the acquire in stopping */
-	for (uint32_t i = 1; i <= started; ++i)
+	for (uint32_t i = 1; i <= started; i++)
 		job_parker_wake(&pool->slot[i].parker);
-	for (uint32_t i = 1; i <= started; ++i)
+	for (uint32_t i = 1; i <= started; i++)
 		pthread_join(pool->slot[i].thread, NULL);
 }
 
@@ -95,9 +95,9 @@ static void stop_workers(stilb_job_pool *pool, uint32_t started)
 
 static void pool_free(stilb_job_pool *pool)
 {
-	for (uint32_t i = 0; i <= pool->worker_count; ++i)
+	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		job_deque_finish(&pool->slot[i].deque);
-	for (int i = 0; i < JOB_SHARED_COUNT; ++i)
+	for (int i = 0; i < JOB_SHARED_COUNT; i++)
 		stilb_job_queue_destroy(pool->shared[i]);
 	job_record_store_finish(&pool->records);
 	free(pool);
@@ -108,7 +108,7 @@ static int make_queues(stilb_job_pool *pool, const stilb_job_pool_desc *desc, jo
 {
 	stilb_job_queue_desc queue = {
 		.kind = desc->queue, .capacity = SIZE_MAX, .thread_count = desc->worker_count + 1 + JOB_GUESTS};
-	for (int i = 0; i < JOB_SHARED_COUNT; ++i) {
+	for (int i = 0; i < JOB_SHARED_COUNT; i++) {
 		int error = 0;
 		if (make)
 			pool->shared[i] = make();
@@ -117,7 +117,7 @@ static int make_queues(stilb_job_pool *pool, const stilb_job_pool_desc *desc, jo
 		if (error || !pool->shared[i])
 			return error ? error : -ENOMEM;
 	}
-	for (uint32_t i = 0; i <= desc->worker_count; ++i) {
+	for (uint32_t i = 0; i <= desc->worker_count; i++) {
 		int error = job_deque_init(&pool->slot[i].deque);
 		if (error)
 			return error;
@@ -132,7 +132,7 @@ static void slot_init(job_slot *slot, stilb_job_pool *pool, uint32_t index)
 	slot->cpu = NO_CPU;
 	atomic_init(&slot->inbox, NULL);
 	atomic_init(&slot->parker.state, 0);
-	for (int i = 0; i < JOB_LOOP_DEPTH; ++i)
+	for (int i = 0; i < JOB_LOOP_DEPTH; i++)
 		atomic_init(&slot->loop[i].claim, 0);
 }
 
@@ -152,7 +152,7 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 	pool->crowded = desc->worker_count >= pool->cpus;
 	pool->hooks = desc->hooks;
 	pool->owner = pthread_self();
-	for (uint32_t i = 0; i <= desc->worker_count; ++i)
+	for (uint32_t i = 0; i <= desc->worker_count; i++)
 		slot_init(&pool->slot[i], pool, i);
 	return pool;
 }
@@ -168,13 +168,13 @@ static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 		return;
 	pool->idle.spare = true;
 	pool->idle.spare_cpu = job_sys_cpu();
-	for (uint32_t i = 1; i <= desc->worker_count; ++i)
+	for (uint32_t i = 1; i <= desc->worker_count; i++)
 		pool->slot[i].cpu = cpus[i - 1];
 }
 
 static int start_workers(stilb_job_pool *pool)
 {
-	for (uint32_t i = 1; i <= pool->worker_count; ++i) {
+	for (uint32_t i = 1; i <= pool->worker_count; i++) {
 		int error = pthread_create(&pool->slot[i].thread, NULL, worker_main, &pool->slot[i]);
 		if (error) {
 			stop_workers(pool, i - 1);
@@ -224,11 +224,11 @@ static bool pool_quiet(stilb_job_pool *pool)
 {
 	uint64_t finished = 0, submitted = 0;
 	/* Acquire pairs with job_count. */
-	for (uint32_t i = 0; i <= pool->worker_count; ++i)
+	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		finished += atomic_load_explicit(&pool->slot[i].finished, memory_order_acquire);
-	for (uint32_t i = 0; i <= pool->worker_count; ++i)
+	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		submitted += atomic_load_explicit(&pool->slot[i].submitted, memory_order_acquire);
-	for (int i = 0; i < JOB_GUESTS; ++i)
+	for (int i = 0; i < JOB_GUESTS; i++)
 		submitted += atomic_load_explicit(&pool->guest[i].submitted, memory_order_acquire);
 	return finished == submitted;
 }

@@ -37,7 +37,7 @@ int stilb_job_queue_push_n(stilb_job_queue *queue, void *const *items, size_t co
 {
 	if (count > INT32_MAX)
 		return -EINVAL;
-	for (size_t i = 0; i < count; ++i)
+	for (size_t i = 0; i < count; i++)
 		if (!items[i])
 			return -EINVAL;
 	return count == 0 ? 0 : queue->ops->push_n(queue, items, count, thread);

@@ -164,8 +164,8 @@ static bool segment_in_use(job_lock_free *queue, const job_segment *segment)
 {
 	/* Sequentially consistent: see above. Also acquire, pairs with place_move and lock_free_rest. */
 	uint32_t count = atomic_load_explicit(&queue->record_count, memory_order_seq_cst);
-	for (uint32_t i = 0; i < count; ++i)
-		for (uint32_t end = 0; end < ENDS; ++end)
+	for (uint32_t i = 0; i < count; i++)
+		for (uint32_t end = 0; end < ENDS; end++)
 			if (atomic_load_explicit(&queue->record[i].hazard[end], memory_order_seq_cst) == segment)
 				return true;
 	return false;
@@ -193,7 +193,7 @@ static bool slot_occupied(job_lock_free *queue, job_record *self)
 static void segment_retire(job_lock_free *queue, job_record *self, job_segment *segment)
 {
 	uint32_t count = slot_count(queue);
-	for (uint32_t i = 0; i < count && slot_occupied(queue, self); ++i)
+	for (uint32_t i = 0; i < count && slot_occupied(queue, self); i++)
 		self->slot = (self->slot + 1) % count;
 	while ((segment = slot_swap(queue, self, segment))) {
 		if (!segment_in_use(queue, segment)) {
@@ -210,7 +210,7 @@ static job_segment *segment_create(void)
 	if (!segment)
 		return NULL;
 	segment->empty = NULL;
-	for (uint32_t i = 0; i < JOB_SEGMENT_CELLS; ++i)
+	for (uint32_t i = 0; i < JOB_SEGMENT_CELLS; i++)
 		atomic_init(&segment->cell[i], NULL);
 	return segment;
 }
@@ -219,13 +219,13 @@ static job_segment *segment_create(void)
 static job_segment *segment_find(job_lock_free *queue, job_record *self)
 {
 	uint32_t count = slot_count(queue), looks = 0;
-	for (uint32_t i = 0; i < count && looks < LOOKS_FOR_SEGMENT; ++i) {
+	for (uint32_t i = 0; i < count && looks < LOOKS_FOR_SEGMENT; i++) {
 		job_segment *segment = slot_occupied(queue, self) ? slot_swap(queue, self, NULL) : NULL;
 		if (segment) {
 			if (!segment_in_use(queue, segment))
 				return segment;
 			segment_retire(queue, self, segment);
-			++looks;
+			looks++;
 		}
 		self->slot = (self->slot + 1) % count;
 	}
@@ -277,7 +277,7 @@ static void place_back_off(job_place *place)
 {
 	uint32_t more = place->pauses * 2 + 4;
 	place->pauses = more > JOB_BACKOFF_PAUSES ? JOB_BACKOFF_PAUSES : more;
-	for (uint32_t i = 0; i < place->pauses; ++i)
+	for (uint32_t i = 0; i < place->pauses; i++)
 		job_sys_pause();
 }
 
@@ -349,10 +349,10 @@ static int lock_free_pop(stilb_job_queue *base, void **item, uint32_t thread)
 			if (error)
 				return error;
 		} else if (*item = seen, cell_change(place, &seen, taken_mark(place->empty))) {
-			++place->index;
+			place->index++;
 			return 0;
 		} else {
-			++place->index;
+			place->index++;
 			place_back_off(place);
 		}
 	}
@@ -360,7 +360,7 @@ static int lock_free_pop(stilb_job_queue *base, void **item, uint32_t thread)
 
 static int lock_free_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread)
 {
-	for (size_t i = 0; i < max; ++i) {
+	for (size_t i = 0; i < max; i++) {
 		int error = lock_free_pop(queue, &items[i], thread);
 		if (error)
 			return i > 0 ? (int)i : error;
@@ -443,7 +443,7 @@ static int lock_free_push(stilb_job_queue *base, void *item, uint32_t thread)
 			return -EAGAIN;
 		void *seen = place->empty;
 		if (cell_change(place, &seen, item)) {
-			++place->index;
+			place->index++;
 			return 0;
 		}
 		if (place->index > 0) /* in a segment new to this thread others have been busy before */
@@ -457,7 +457,7 @@ static int lock_free_push(stilb_job_queue *base, void *item, uint32_t thread)
 
 static int lock_free_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread)
 {
-	for (size_t i = 0; i < count; ++i) {
+	for (size_t i = 0; i < count; i++) {
 		int error = lock_free_push(queue, items[i], thread);
 		if (error)
 			return i > 0 ? (int)i : error;
@@ -475,7 +475,7 @@ static void lock_free_close(stilb_job_queue *queue)
 static void lock_free_rest(stilb_job_queue *queue, uint32_t thread)
 {
 	job_record *self = &lock_free_of(queue)->record[thread];
-	for (uint32_t end = 0; end < ENDS; ++end) {
+	for (uint32_t end = 0; end < ENDS; end++) {
 		self->place[end].segment = NULL;
 		/* Release pairs with segment_in_use: what was done in the segment is done. */
 		atomic_store_explicit(&self->hazard[end], NULL, memory_order_release);
@@ -493,7 +493,7 @@ static void lock_free_destroy(stilb_job_queue *base)
 		segment = next;
 	}
 	uint32_t slots = slot_count(queue);
-	for (uint32_t i = 0; i < slots; ++i)
+	for (uint32_t i = 0; i < slots; i++)
 		free(atomic_load_explicit(&queue->slot[i], memory_order_relaxed));
 	free(queue);
 }

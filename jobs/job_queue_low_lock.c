@@ -94,7 +94,7 @@ static size_t segments_create(segment **fresh, size_t have, size_t count)
 		memset(one, 0, sizeof *one); /* the kernel finds its pages now, not under the lock */
 		one->next = *fresh;
 		*fresh = one;
-		++have;
+		have++;
 	}
 	return have;
 }
@@ -115,7 +115,7 @@ static void ring_insert(low_lock *self, segment *fresh)
 		segment *next = fresh->next;
 		fresh->next = self->push.at->next;
 		self->push.at->next = fresh;
-		++self->push.segments;
+		self->push.segments++;
 		fresh = next;
 	}
 }

@@ -28,7 +28,7 @@ static job_record *slab_create(job_record_store *store)
 	job_record_slab *slab = aligned_alloc(alignof(job_record_slab), sizeof *slab);
 	if (!slab)
 		return NULL;
-	for (uint32_t i = 0; i < JOB_RECORD_SLAB; ++i) {
+	for (uint32_t i = 0; i < JOB_RECORD_SLAB; i++) {
 		slab->record[i].next = i + 1 < JOB_RECORD_SLAB ? &slab->record[i + 1] : NULL;
 		slab->record[i].tag = 0;
 		atomic_init(&slab->record[i].root, 0);
@@ -47,7 +47,7 @@ job_record *job_record_take(job_record_store *store, job_record_cache *cache)
 	job_record *record = cache->given;
 	if (record) {
 		cache->given = record->next;
-		--cache->given_count;
+		cache->given_count--;
 		return record;
 	}
 	/* A look before the exchange, which would fetch the line for nothing. Relaxed: a guess. */

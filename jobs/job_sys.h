@@ -31,7 +31,7 @@ static inline void job_sys_pause(void)
 static inline void job_sys_relax(uint32_t *turns)
 {
 	if (*turns < JOB_PAUSES_BEFORE_YIELD) {
-		++*turns;
+		(*turns)++;
 		job_sys_pause();
 	} else {
 		sched_yield();

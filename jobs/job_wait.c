@@ -88,7 +88,7 @@ static void wake_waiter(stilb_job_pool *pool, uint32_t waiter)
 		return;
 	}
 	/* Rare. A thread woken in vain looks around and sleeps again. */
-	for (uint32_t i = 0; i <= pool->worker_count && waiter == WAITERS_MANY; ++i)
+	for (uint32_t i = 0; i <= pool->worker_count && waiter == WAITERS_MANY; i++)
 		job_parker_wake(&pool->slot[i].parker);
 	job_lock_take(&pool->visitors_lock); /* keeps them from returning while they are woken */
 	for (job_visitor *visitor = pool->visitors; visitor; visitor = visitor->next)

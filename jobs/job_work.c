@@ -93,7 +93,7 @@ static job_record *steal(job_slot *slot, const job_scope *scope)
 {
 	uint32_t threads = slot->pool->worker_count + 1, victim = slot->victim;
 	job_record *record = NULL;
-	for (uint32_t i = 0; i < threads && !record; ++i, victim = victim + 1 < threads ? victim + 1 : 0)
+	for (uint32_t i = 0; i < threads && !record; i++, victim = victim + 1 < threads ? victim + 1 : 0)
 		record = steal_from(slot, victim, scope);
 	return record;
 }
@@ -120,7 +120,7 @@ static void run(job_slot *slot, job_record *record, bool stolen, const job_scope
 {
 	stilb_job_group *group = record->group;
 	uint32_t jobs = 0;
-	for (int i = 0; record; ++i) {
+	for (int i = 0; record; i++) {
 		if (record->group != group) {
 			if (group)
 				job_group_finish(slot, group, jobs);
@@ -131,7 +131,7 @@ static void run(job_slot *slot, job_record *record, bool stolen, const job_scope
 		run_one(slot, record);
 		if (stolen)
 			note_catch(slot, job_sys_ticks() - start);
-		++jobs;
+		jobs++;
 		bool enough = until && (until == group ? job_group_done_but(until, jobs) : job_group_done(until));
 		record = NULL;
 		if (!scope || enough || i + 1 == JOBS_IN_A_ROW || urgent(slot))
@@ -205,7 +205,7 @@ static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work
 /* Is there something to be stolen? */
 static bool deques_have(stilb_job_pool *pool, const job_scope *scope)
 {
-	for (uint32_t i = 0; i <= pool->worker_count; ++i) {
+	for (uint32_t i = 0; i <= pool->worker_count; i++) {
 		int64_t top;
 		job_record *record = job_deque_oldest(&pool->slot[i].deque, &top);
 		if (record && scope_has(scope, record))
@@ -299,7 +299,7 @@ static bool glimpse(job_slot *slot, const job_scope *scope)
 	stilb_job_pool *pool = slot->pool;
 	if (job_loop_exists(pool, scope) || atomic_load_explicit(&slot->inbox, memory_order_relaxed))
 		return true;
-	for (uint32_t i = 0; i < JOB_SHARED_COUNT; ++i)
+	for (uint32_t i = 0; i < JOB_SHARED_COUNT; i++)
 		if ((i == JOB_SHARED_HIGH ? scope->high : scope->all) &&
 		    atomic_load_explicit(&pool->shared_hint[i], memory_order_relaxed))
 			return true;
@@ -338,7 +338,7 @@ bool job_work_linger(job_slot *slot, const job_scope *scope, stilb_job_group *un
 
 static void rest(job_slot *slot)
 {
-	for (int i = 0; i < JOB_SHARED_COUNT; ++i)
+	for (int i = 0; i < JOB_SHARED_COUNT; i++)
 		stilb_job_queue_rest(slot->pool->shared[i], slot->index);
 }
 
@@ -381,9 +381,9 @@ uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker)
 	uint32_t jobs = 0, there = 0;
 	fetch_pinned(slot);
 	for (job_record *record = slot->pinned; record; record = record->next)
-		++there;
+		there++;
 	/* Not those that come meanwhile: such a job may submit itself again. */
-	for (job_record *record; jobs < there && (record = take_pinned(slot)); ++jobs)
+	for (job_record *record; jobs < there && (record = take_pinned(slot)); jobs++)
 		run(slot, record, false, NULL, NULL);
 	return jobs;
 }

@@ -14,7 +14,7 @@ static void twice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	(void)worker;
 	uint32_t *numbers = context;
-	for (uint32_t i = begin; i < end; ++i)
+	for (uint32_t i = begin; i < end; i++)
 		numbers[i] *= 2;
 }
 
@@ -22,14 +22,14 @@ static void clear(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	(void)worker;
 	uint32_t *numbers = context;
-	for (uint32_t i = begin; i < end; ++i)
+	for (uint32_t i = begin; i < end; i++)
 		numbers[i] = 0;
 }
 
 int main(void)
 {
 	static uint32_t doubled[NUMBERS], cleared[NUMBERS];
-	for (uint32_t i = 0; i < NUMBERS; ++i)
+	for (uint32_t i = 0; i < NUMBERS; i++)
 		doubled[i] = cleared[i] = i + 1;
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	stilb_job_pool *pool;
@@ -43,7 +43,7 @@ int main(void)
 	stilb_job_wait(pool, &group, 0);
 
 	int right_doubled = 0, right_cleared = 0;
-	for (uint32_t i = 0; i < NUMBERS; ++i) {
+	for (uint32_t i = 0; i < NUMBERS; i++) {
 		right_doubled += doubled[i] == 2 * (i + 1);
 		right_cleared += cleared[i] == 0;
 	}

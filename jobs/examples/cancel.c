@@ -29,7 +29,7 @@ int main(void)
 	if (stilb_job_pool_create(&desc, &pool) != 0)
 		return 1;
 	stilb_job_group group = {0};
-	for (int i = 0; i < JOBS; ++i)
+	for (int i = 0; i < JOBS; i++)
 		if (stilb_job_submit(pool, slow, NULL, &group, 0) != 0)
 			return 1;
 	while (atomic_load_explicit(&ran, memory_order_relaxed) == 0)

@@ -54,7 +54,7 @@ int main(void)
 	stilb_job_group loading = {0}, drawing = {0}, showing = {0};
 	stilb_job_options after_loading = {.after = &loading}, after_drawing = {.after = &drawing};
 	int errors = 0;
-	for (int i = 0; i < 4; ++i)
+	for (int i = 0; i < 4; i++)
 		errors += stilb_job_submit(pool, load, &p.loaded[i], &loading, 0) != 0;
 	errors += stilb_job_submit_with(pool, shade, &p, &drawing, &after_loading, 0) != 0;
 	errors += stilb_job_submit_with(pool, light, &p, &drawing, &after_loading, 0) != 0;

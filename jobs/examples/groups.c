@@ -26,7 +26,7 @@ static int compare(const void *a, const void *b)
 static void merge(const part *whole, size_t half)
 {
 	size_t left = 0, right = half;
-	for (size_t i = 0; i < whole->count; ++i) {
+	for (size_t i = 0; i < whole->count; i++) {
 		bool take_left = right == whole->count || (left < half && whole->numbers[left] <= whole->numbers[right]);
 		whole->scratch[i] = whole->numbers[take_left ? left++ : right++];
 	}
@@ -55,7 +55,7 @@ int main(void)
 {
 	static int numbers[NUMBERS], scratch[NUMBERS];
 	uint32_t random = 1;
-	for (int i = 0; i < NUMBERS; ++i)
+	for (int i = 0; i < NUMBERS; i++)
 		numbers[i] = (int)((random = random * 1664525u + 1013904223u) >> 8); /* Numerical Recipes' generator */
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	part all = {.numbers = numbers, .scratch = scratch, .count = NUMBERS};
@@ -64,7 +64,7 @@ int main(void)
 	sort(&all, 0);
 	int ordered = 1;
 	while (ordered < NUMBERS && numbers[ordered - 1] <= numbers[ordered])
-		++ordered;
+		ordered++;
 	printf("%d numbers in order\n", ordered);
 	stilb_job_pool_destroy(all.pool);
 	return 0;

@@ -26,29 +26,29 @@ static uint64_t now_ns(void)
 
 static uint64_t submit(void *user, uint32_t worker)
 {
-	++((counts *)user)[worker].submits; /* no thread from outside submits here */
+	((counts *)user)[worker].submits++; /* no thread from outside submits here */
 	return now_ns();
 }
 
 static void job_begin(void *user, uint32_t worker, uint64_t tag)
 {
-	++((counts *)user)[worker].begins;
+	((counts *)user)[worker].begins++;
 	((counts *)user)[worker].early += now_ns() < tag;
 }
 
 static void job_end(void *user, uint32_t worker)
 {
-	++((counts *)user)[worker].ends;
+	((counts *)user)[worker].ends++;
 }
 
 static void park(void *user, uint32_t worker)
 {
-	++((counts *)user)[worker].parks;
+	((counts *)user)[worker].parks++;
 }
 
 static void wake(void *user, uint32_t worker)
 {
-	++((counts *)user)[worker].wakes;
+	((counts *)user)[worker].wakes++;
 }
 
 static void nothing(void *data, uint32_t worker)
@@ -68,14 +68,14 @@ int main(void)
 	if (stilb_job_pool_create(&desc, &pool) != 0)
 		return 1;
 	stilb_job_group group = {0};
-	for (int i = 0; i < JOBS; ++i)
+	for (int i = 0; i < JOBS; i++)
 		if (stilb_job_submit(pool, nothing, NULL, &group, 0) != 0)
 			return 1;
 	stilb_job_wait(pool, &group, 0);
 	stilb_job_pool_destroy(pool); /* joins the workers: now their slots may be read */
 
 	counts all = {0};
-	for (int i = 0; i <= WORKERS; ++i) {
+	for (int i = 0; i <= WORKERS; i++) {
 		all.submits += by_thread[i].submits;
 		all.begins += by_thread[i].begins;
 		all.early += by_thread[i].early;

@@ -27,7 +27,7 @@ int main(void)
 	stilb_job_group group = {0};
 	stilb_job_options low = {.priority = STILB_JOB_LOW}; /* the shared queues hold what has a priority */
 	atomic_uint ran = 0;
-	for (int i = 0; i < JOBS; ++i)
+	for (int i = 0; i < JOBS; i++)
 		if (stilb_job_submit_with(pool, count, &ran, &group, &low, 0) != 0)
 			return 1;
 	stilb_job_wait(pool, &group, 0);

@@ -28,7 +28,7 @@ static void *serve(void *data)
 {
 	connection *self = data;
 	stilb_job_group group = {0};
-	for (int i = 0; i < REQUESTS; ++i)
+	for (int i = 0; i < REQUESTS; i++)
 		self->errors += stilb_job_submit(self->pool, answer, &self->answers[i], &group, STILB_JOB_OUTSIDE) != 0;
 	stilb_job_wait(self->pool, &group, STILB_JOB_OUTSIDE);
 	return NULL;
@@ -41,16 +41,16 @@ int main(void)
 	if (stilb_job_pool_create(&desc, &pool) != 0)
 		return 1;
 	static connection connections[CONNECTIONS];
-	for (int i = 0; i < CONNECTIONS; ++i) {
+	for (int i = 0; i < CONNECTIONS; i++) {
 		connections[i].pool = pool;
 		if (pthread_create(&connections[i].thread, NULL, serve, &connections[i]) != 0)
 			return 1;
 	}
 	int answered = 0, errors = 0;
-	for (int i = 0; i < CONNECTIONS; ++i) {
+	for (int i = 0; i < CONNECTIONS; i++) {
 		pthread_join(connections[i].thread, NULL);
 		errors += connections[i].errors;
-		for (int k = 0; k < REQUESTS; ++k)
+		for (int k = 0; k < REQUESTS; k++)
 			answered += connections[i].answers[k];
 	}
 	stilb_job_pool_destroy(pool);

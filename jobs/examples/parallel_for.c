@@ -19,7 +19,7 @@ static void add_squares(uint32_t begin, uint32_t end, uint32_t worker, void *con
 {
 	slot *slots = context;
 	uint64_t sum = 0;
-	for (uint64_t i = begin; i < end; ++i)
+	for (uint64_t i = begin; i < end; i++)
 		sum += i * i;
 	slots[worker].sum += sum;
 }
@@ -34,13 +34,13 @@ int main(void)
 	slot *slots = aligned_alloc(_Alignof(slot), threads * sizeof *slots);
 	if (!slots)
 		return 1;
-	for (uint32_t i = 0; i < threads; ++i)
+	for (uint32_t i = 0; i < threads; i++)
 		slots[i].sum = 0;
 
 	stilb_job_parallel_for(pool, NUMBERS, GRAIN, add_squares, slots, 0);
 
 	uint64_t sum = 0;
-	for (uint32_t i = 0; i < threads; ++i)
+	for (uint32_t i = 0; i < threads; i++)
 		sum += slots[i].sum;
 	printf("sum of squares %llu\n", (unsigned long long)sum);
 	free(slots);

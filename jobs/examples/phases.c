@@ -15,14 +15,14 @@ static void count_each(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 {
 	(void)worker;
 	uint32_t *counts = context;
-	for (uint32_t i = begin; i < end; ++i)
-		++counts[i]; /* a slice is run by one thread, and the loop's return orders it before the next */
+	for (uint32_t i = begin; i < end; i++)
+		counts[i]++; /* a slice is run by one thread, and the loop's return orders it before the next */
 }
 
 static uint64_t sum(const uint32_t *counts, uint32_t count)
 {
 	uint64_t total = 0;
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		total += counts[i];
 	return total;
 }
@@ -34,7 +34,7 @@ int main(void)
 	stilb_job_pool *pool;
 	if (stilb_job_pool_create(&desc, &pool) != 0)
 		return 1;
-	for (int frame = 0; frame < FRAMES; ++frame) {
+	for (int frame = 0; frame < FRAMES; frame++) {
 		stilb_job_phase_begin(pool);
 		stilb_job_parallel_for(pool, MODELS, GRAIN, count_each, updates, 0);
 		stilb_job_parallel_for(pool, DRAWS, GRAIN, count_each, draws, 0);

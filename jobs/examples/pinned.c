@@ -22,7 +22,7 @@ static void upload(void *data, uint32_t worker)
 {
 	(void)worker;
 	screen *s = data;
-	++s->uploads;
+	s->uploads++;
 	s->elsewhere += !pthread_equal(pthread_self(), s->main_thread);
 }
 
@@ -41,7 +41,7 @@ int main(void)
 	screen s = {.main_thread = pthread_self()};
 	if (stilb_job_pool_create(&desc, &s.pool) != 0)
 		return 1;
-	for (int i = 0; i < PICTURES; ++i)
+	for (int i = 0; i < PICTURES; i++)
 		if (stilb_job_submit(s.pool, decode, &s, &s.done, 0) != 0)
 			return 1;
 	stilb_job_wait(s.pool, &s.done, 0); /* a job may submit into its own group: this waits for the uploads, too */

@@ -42,14 +42,14 @@ int main(void)
 	log order = {.count = 0};
 	entry entries[JOBS];
 	stilb_job_group group = {0};
-	for (int i = 0; i < JOBS; ++i) {
+	for (int i = 0; i < JOBS; i++) {
 		entries[i] = (entry){&order, kinds[i % 3].name};
 		stilb_job_options options = {.priority = kinds[i % 3].priority};
 		if (stilb_job_submit_with(pool, write_name, &entries[i], &group, &options, 0) != 0)
 			return 1;
 	}
 	stilb_job_wait(pool, &group, 0);
-	for (int i = 0; i < order.count; ++i)
+	for (int i = 0; i < order.count; i++)
 		printf("%s%s", order.names[i], i + 1 < order.count ? " " : "\n");
 	stilb_job_pool_destroy(pool);
 	return 0;

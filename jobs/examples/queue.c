@@ -23,9 +23,9 @@ typedef struct member {
 static void *produce(void *data)
 {
 	member *self = data;
-	for (int i = 0; i < EACH; ++i)
+	for (int i = 0; i < EACH; i++)
 		if (stilb_job_queue_push(self->queue, &self->items[i], self->number) == 0)
-			++self->count;
+			self->count++;
 	return NULL;
 }
 
@@ -40,7 +40,7 @@ static void *consume(void *data)
 			continue;
 		}
 		self->sum += *(uint64_t *)item;
-		++self->count;
+		self->count++;
 	}
 	return NULL;
 }
@@ -48,7 +48,7 @@ static void *consume(void *data)
 int main(void)
 {
 	static uint64_t items[PRODUCERS * EACH];
-	for (uint64_t i = 0; i < PRODUCERS * EACH; ++i)
+	for (uint64_t i = 0; i < PRODUCERS * EACH; i++)
 		items[i] = i + 1;
 
 	member members[PRODUCERS + CONSUMERS] = {0};
@@ -57,14 +57,14 @@ int main(void)
 	stilb_job_queue *queue;
 	if (stilb_job_queue_create(&desc, &queue) != 0)
 		return 1;
-	for (uint32_t i = 0; i < PRODUCERS + CONSUMERS; ++i) {
+	for (uint32_t i = 0; i < PRODUCERS + CONSUMERS; i++) {
 		members[i] = (member){.queue = queue, .number = i, .items = &items[i < PRODUCERS ? i * EACH : 0]};
 		if (pthread_create(&members[i].thread, NULL, i < PRODUCERS ? produce : consume, &members[i]) != 0)
 			return 1;
 	}
 
 	uint64_t count = 0, sum = 0;
-	for (uint32_t i = 0; i < PRODUCERS + CONSUMERS; ++i) {
+	for (uint32_t i = 0; i < PRODUCERS + CONSUMERS; i++) {
 		if (i == PRODUCERS)
 			stilb_job_queue_close(queue); /* the producers have been joined */
 		pthread_join(members[i].thread, NULL);

@@ -20,7 +20,7 @@ typedef struct reading {
 static void *read_sensor(void *data)
 {
 	static reading readings[READINGS];
-	for (int i = 0; i < READINGS; ++i) {
+	for (int i = 0; i < READINGS; i++) {
 		readings[i] = (reading){.time = i, .value = i * 37 % 100};
 		if (stilb_job_spsc_push(data, &readings[i]) != 0)
 			break;
@@ -44,7 +44,7 @@ int main(void)
 			continue;
 		}
 		const reading *got = item; /* all that the reader wrote is visible here */
-		++count;
+		count++;
 		if (got->value > highest)
 			highest = got->value;
 	}

@@ -31,9 +31,9 @@ static bool before(span a, span b)
 
 static history_violation read_lives(const history_op *ops, size_t count, uint32_t value_limit, life *lives)
 {
-	for (uint32_t i = 0; i < value_limit; ++i)
+	for (uint32_t i = 0; i < value_limit; i++)
 		lives[i] = (life){NEVER, NEVER};
-	for (size_t i = 0; i < count; ++i) {
+	for (size_t i = 0; i < count; i++) {
 		if (ops[i].call == HISTORY_EMPTY)
 			continue;
 		if (ops[i].value >= value_limit)
@@ -43,7 +43,7 @@ static history_violation read_lives(const history_op *ops, size_t count, uint32_
 			return HISTORY_REPEATED;
 		*call = (span){ops[i].begin, ops[i].end};
 	}
-	for (uint32_t i = 0; i < value_limit; ++i)
+	for (uint32_t i = 0; i < value_limit; i++)
 		if (before(lives[i].pop, lives[i].push))
 			return HISTORY_FRESH; /* never pushed counts as pushed at the end of time */
 	return HISTORY_LINEARISABLE;
@@ -74,8 +74,8 @@ static bool overtaken(life *lives, life *ended, uint32_t count)
 	qsort(ended, count, sizeof *ended, by_push_end);
 	span latest = {0, 0};
 	uint32_t next = 0;
-	for (uint32_t i = 0; i < count; ++i) {
-		for (; next < count && before(ended[next].push, lives[i].push); ++next)
+	for (uint32_t i = 0; i < count; i++) {
+		for (; next < count && before(ended[next].push, lives[i].push); next++)
 			if (ended[next].pop.begin > latest.begin)
 				latest = ended[next].pop;
 		if (before(lives[i].pop, latest))
@@ -90,11 +90,11 @@ static bool overtaken(life *lives, life *ended, uint32_t count)
 static uint32_t cover(const life *lives, uint32_t count, span *covered)
 {
 	uint32_t certain = 0, joined = 0;
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		if (before(lives[i].push, lives[i].pop))
 			covered[certain++] = (span){lives[i].push.end, lives[i].pop.begin};
 	qsort(covered, certain, sizeof *covered, by_begin);
-	for (uint32_t i = 0; i < certain; ++i) {
+	for (uint32_t i = 0; i < certain; i++) {
 		span *last = joined ? &covered[joined - 1] : NULL;
 		if (!last || covered[i].begin >= last->end)
 			covered[joined++] = covered[i];
@@ -124,12 +124,12 @@ static history_violation check_with(const history_op *ops, size_t count, uint32_
 	history_violation violation = read_lives(ops, count, value_limit, lives);
 	if (violation != HISTORY_LINEARISABLE)
 		return violation;
-	for (uint32_t i = 0; i < value_limit; ++i)
+	for (uint32_t i = 0; i < value_limit; i++)
 		ended[i] = lives[i];
 	if (overtaken(lives, ended, value_limit))
 		return HISTORY_OVERTAKEN;
 	uint32_t covers = cover(lives, value_limit, covered);
-	for (size_t i = 0; i < count; ++i)
+	for (size_t i = 0; i < count; i++)
 		if (ops[i].call == HISTORY_EMPTY && never_empty(covered, covers, &ops[i]))
 			return HISTORY_NEVER_EMPTY;
 	return HISTORY_LINEARISABLE;

@@ -45,7 +45,7 @@ static inline bool await(counter *value, uint32_t wanted)
 {
 	uint64_t start = now_ns();
 	uint32_t last = count_of(value), now = last;
-	for (uint32_t turns = 0; now != wanted; ++turns, now = count_of(value)) {
+	for (uint32_t turns = 0; now != wanted; turns++, now = count_of(value)) {
 		if (now != last)
 			start = now_ns();
 		else if (now_ns() - start > 10000000000u)
@@ -163,7 +163,7 @@ static inline void submit_priority(stilb_job_pool *pool, stilb_job_fn *fn, void 
 static inline void hold_workers(stilb_job_pool *pool, blocker *b, stilb_job_group *group, uint32_t first, uint32_t last)
 {
 	uint32_t before = count_of(&b->inside);
-	for (uint32_t i = first; i <= last; ++i)
+	for (uint32_t i = first; i <= last; i++)
 		submit_pinned(pool, blocker_job, b, group, i, 0);
 	assert_true(await(&b->inside, before + last + 1 - first));
 }

@@ -42,9 +42,9 @@ static void *produce(void *data)
 {
 	soldier *self = data;
 	void *items[BATCH];
-	for (uint32_t done = 0, calls = 0; done < self->soak->each; ++calls) {
+	for (uint32_t done = 0, calls = 0; done < self->soak->each; calls++) {
 		size_t left = self->soak->each - done, count = calls % 2 ? 1 : left < BATCH ? left : BATCH;
-		for (size_t i = 0; i < count; ++i)
+		for (size_t i = 0; i < count; i++)
 			items[i] = (void *)((uintptr_t)self->number * self->soak->each + done + i + 1);
 		int pushed = stilb_job_queue_push_n(self->soak->queue, items, count, self->number);
 		if (pushed > 0)
@@ -59,9 +59,9 @@ static void receive(soldier *self, void *item)
 {
 	uint64_t value = (uint64_t)(uintptr_t)item - 1;
 	uint32_t producer = (uint32_t)(value / self->soak->each), number = (uint32_t)(value % self->soak->each);
-	++self->popped;
+	self->popped++;
 	if (producer >= SIDE) {
-		++self->forged;
+		self->forged++;
 		return;
 	}
 	self->disorder += number < self->newest[producer];
@@ -75,11 +75,11 @@ static void *consume(void *data)
 {
 	soldier *self = data;
 	void *items[BATCH];
-	for (uint32_t calls = 0;; ++calls) {
+	for (uint32_t calls = 0;; calls++) {
 		int popped = stilb_job_queue_pop_n(self->soak->queue, items, calls % 2 ? 1 : BATCH, self->number);
 		if (popped == -EPIPE)
 			return NULL;
-		for (int i = 0; i < popped; ++i)
+		for (int i = 0; i < popped; i++)
 			receive(self, items[i]);
 		if (popped <= 0)
 			sched_yield();
@@ -90,13 +90,13 @@ static void *consume(void *data)
 static bool sum_up(soldier *consumers, uint64_t items)
 {
 	uint64_t popped = 0, missing = 0, wrong = 0;
-	for (uint32_t i = 0; i < SIDE; ++i) {
+	for (uint32_t i = 0; i < SIDE; i++) {
 		popped += consumers[i].popped;
 		wrong += consumers[i].disorder + consumers[i].repeated + consumers[i].forged;
 	}
-	for (uint64_t value = 0; value < items; ++value) {
+	for (uint64_t value = 0; value < items; value++) {
 		uint32_t times = 0;
-		for (uint32_t i = 0; i < SIDE; ++i)
+		for (uint32_t i = 0; i < SIDE; i++)
 			times += consumers[i].seen[value / 8] >> value % 8 & 1;
 		missing += times == 0;
 		wrong += times > 1;
@@ -120,7 +120,7 @@ static bool soak_kind(stilb_job_queue_kind kind, const char *name, uint64_t item
 	stilb_job_queue_desc desc = {.kind = kind, .capacity = CAPACITY, .thread_count = 2 * SIDE};
 	soldier soldiers[2 * SIDE];
 	bool fine = stilb_job_queue_create(&desc, &run.queue) == 0;
-	for (uint32_t i = 0; i < 2 * SIDE; ++i) {
+	for (uint32_t i = 0; i < 2 * SIDE; i++) {
 		soldiers[i] = (soldier){.soak = &run, .number = i, .seen = i < SIDE ? NULL : calloc(items / 8 + 1, 1)};
 		fine = fine && (i < SIDE || soldiers[i].seen);
 	}
@@ -129,12 +129,12 @@ static bool soak_kind(stilb_job_queue_kind kind, const char *name, uint64_t item
 		exit(1);
 	}
 	double start = now_s();
-	for (uint32_t i = 0; i < 2 * SIDE; ++i)
+	for (uint32_t i = 0; i < 2 * SIDE; i++)
 		if (pthread_create(&soldiers[i].thread, NULL, i < SIDE ? produce : consume, &soldiers[i]) != 0) {
 			fprintf(stderr, "soak_job_queue: cannot create a thread\n");
 			exit(1);
 		}
-	for (uint32_t i = 0; i < 2 * SIDE; ++i) {
+	for (uint32_t i = 0; i < 2 * SIDE; i++) {
 		if (i == SIDE)
 			stilb_job_queue_close(run.queue);
 		pthread_join(soldiers[i].thread, NULL);
@@ -142,7 +142,7 @@ static bool soak_kind(stilb_job_queue_kind kind, const char *name, uint64_t item
 	double took = now_s() - start;
 	fine = sum_up(soldiers + SIDE, (uint64_t)run.each * SIDE);
 	printf("%s: %llu items in %.1f s: %s\n", name, (unsigned long long)run.each * SIDE, took, fine ? "fine" : "FAILED");
-	for (uint32_t i = SIDE; i < 2 * SIDE; ++i)
+	for (uint32_t i = SIDE; i < 2 * SIDE; i++)
 		free(soldiers[i].seen);
 	stilb_job_queue_destroy(run.queue);
 	return fine;
@@ -157,7 +157,7 @@ int main(int argc, char **argv)
 	uint64_t items = argc > 2 ? strtoull(argv[2], &end, 10) : 100000000;
 	bool known = argc <= 3 && *end == '\0' && items >= SIDE && items <= (uint64_t)SIDE * UINT32_MAX;
 	bool fine = true, any = false;
-	for (int kind = STILB_JOB_QUEUE_LOW_LOCK; known && kind <= STILB_JOB_QUEUE_LOCK_FREE; ++kind)
+	for (int kind = STILB_JOB_QUEUE_LOW_LOCK; known && kind <= STILB_JOB_QUEUE_LOCK_FREE; kind++)
 		if (strcmp(wanted, names[kind]) == 0 || strcmp(wanted, "all") == 0) {
 			any = true;
 			fine = soak_kind((stilb_job_queue_kind)kind, names[kind], items) && fine;

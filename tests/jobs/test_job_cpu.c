@@ -91,11 +91,11 @@ static void test_nonsense(void **state)
 {
 	(void)state;
 	static const char *const lines[] = {"", "\n", "0", "0:", "0::", "::::", "garbage\n", "0::relative\n"};
-	for (size_t i = 0; i < sizeof lines / sizeof *lines; ++i)
+	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
 		assert_int_equal(quota(lines[i]), 0);
 	static const char *const limits[] = {"",           "0 100000\n", "-5 100000\n",
 	                                     "100000 0\n", "100000\n",   "9999999999999999999 1\n"};
-	for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
+	for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
 		write_file("cpu.max", limits[i]);
 		assert_int_equal(quota("0::/\n"), 0);
 	}
@@ -111,7 +111,7 @@ static void test_affinity(void **state)
 	assert_true(all >= 1 && all <= (uint32_t)CPU_COUNT(&before));
 	int first = 0;
 	while (!CPU_ISSET(first, &before))
-		++first;
+		first++;
 	CPU_ZERO(&one);
 	CPU_SET(first, &one);
 	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);

@@ -91,7 +91,7 @@ static void do_nothing(void *data, uint32_t worker)
 
 static void count_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	for (; begin < end; ++begin)
+	for (; begin < end; begin++)
 		count_job(context, worker);
 }
 
@@ -119,9 +119,9 @@ static void test_create_refuses(void **state)
 static void test_most_workers(void **state)
 {
 	(void)state;
-	for (int queue = 0; queue < 2; ++queue) {
+	for (int queue = 0; queue < 2; queue++) {
 		work w = {.pool = pool_with((shape){.workers = STILB_JOB_MAX_WORKERS, .queue = (stilb_job_queue_kind)queue})};
-		for (int i = 0; i < 1000; ++i)
+		for (int i = 0; i < 1000; i++)
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, &w.group, 0), 0);
 		stilb_job_wait(w.pool, &w.group, 0);
 		assert_int_equal(w.ran, 1000);
@@ -139,8 +139,8 @@ static void test_submit_refuses(void **state)
 		                                 {.pinned = true, .target = s.workers + 1},
 		                                 {.pinned = true, .target = STILB_JOB_OUTSIDE},
 		                                 {.after = &w.group}}; /* would wait for itself */
-		for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
-			for (int outside = 0; outside < 2; ++outside)
+		for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+			for (int outside = 0; outside < 2; outside++)
 				assert_int_equal(
 					stilb_job_submit_with(w.pool, count_job, &w, &w.group, &bad[i], outside ? STILB_JOB_OUTSIDE : 0),
 					-EINVAL);
@@ -189,7 +189,7 @@ static void test_create_without_threads(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
-		for (uint32_t threads = 0; threads < s.workers; ++threads) {
+		for (uint32_t threads = 0; threads < s.workers; threads++) {
 			work w = {0};
 			atomic_store_explicit(&threads_to_grant, threads, memory_order_relaxed);
 			check_refused(desc_of(s, &w), -EAGAIN);
@@ -208,7 +208,7 @@ static void test_create_without_memory(void **state)
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		int64_t before = blocks, allocations = 0;
-		for (;; ++allocations) {
+		for (;; allocations++) {
 			work w = {0};
 			stilb_job_pool_desc desc = desc_of(s, &w);
 			stilb_job_pool *pool = (stilb_job_pool *)&desc;
@@ -240,7 +240,7 @@ static void submit_all(work *w, uint32_t thread)
 	const stilb_job_options options[] = {{.priority = STILB_JOB_HIGH},
 	                                     {.priority = STILB_JOB_LOW},
 	                                     {.pinned = true, .target = stilb_job_pool_worker_count(w->pool)}};
-	for (uint32_t i = 0; i < SUBMITS; ++i) {
+	for (uint32_t i = 0; i < SUBMITS; i++) {
 		int error;
 		if (i % 5 < 3)
 			error = stilb_job_submit_with(w->pool, count_job, w, &w->group, &options[i % 5], thread);
@@ -307,7 +307,7 @@ static void test_submit_without_memory(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int from = 0; from < 3; ++from)
+		for (int from = 0; from < 3; from++)
 			for (int64_t allocations = 0; allocations < 20; allocations += 1 + allocations / 2)
 				check_submits(s, allocations, from);
 }
@@ -318,11 +318,11 @@ static void test_thousand_pools(void **state)
 {
 	(void)state;
 	int64_t before = blocks;
-	for (uint32_t i = 0; i < 1000; ++i) {
+	for (uint32_t i = 0; i < 1000; i++) {
 		shape s = {.workers = i % 4, .queue = (stilb_job_queue_kind)(i / 4 % 2)};
 		work w = {.pool = pool_with(s)};
 		uint32_t jobs = i % 3 * 20;
-		for (uint32_t k = 0; k < jobs; ++k)
+		for (uint32_t k = 0; k < jobs; k++)
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, &w.group, k % 2 ? STILB_JOB_OUTSIDE : 0), 0);
 		if (i % 5 == 0)
 			stilb_job_wait(w.pool, &w.group, 0);

@@ -41,7 +41,7 @@ static void note_start(void *data, uint32_t worker)
 /* Jobs of one priority, tagged in the order of submission. */
 static void submit_some(order *o, stilb_job_priority priority, uint32_t rank)
 {
-	for (uint32_t i = o->begin; i < o->end; ++i) {
+	for (uint32_t i = o->begin; i < o->end; i++) {
 		order_job *job = &o->job[rank * EACH + i];
 		*job = (order_job){o, rank * EACH + i};
 		stilb_job_options options = {.priority = priority};
@@ -85,7 +85,7 @@ static void test_priorities(void **state)
 		if (s.workers == 0)
 			stilb_job_wait(o.pool, &o.group, 0);
 		assert_true(await(&o.ran, ORDERED));
-		for (uint32_t i = 0; i < ORDERED; ++i)
+		for (uint32_t i = 0; i < ORDERED; i++)
 			assert_int_equal(o.tag[i], i);
 		assert_int_equal(o.wrong, 0);
 		stilb_job_pool_destroy(o.pool);
@@ -117,7 +117,7 @@ static void jumped_over(void *data, uint32_t worker)
 static void submit_jumped_over(void *data, uint32_t worker)
 {
 	jumper *j = data;
-	for (int i = 0; i < 10; ++i)
+	for (int i = 0; i < 10; i++)
 		if (stilb_job_submit(j->pool, jumped_over, j, &j->group, worker) != 0)
 			count_up(&j->wrong);
 }
@@ -216,7 +216,7 @@ static void check_target(void *data, uint32_t worker)
 static void pin_to_all(void *data, uint32_t worker)
 {
 	pinning *p = data;
-	for (uint32_t i = 0; i < p->threads; ++i) {
+	for (uint32_t i = 0; i < p->threads; i++) {
 		stilb_job_options options = {.pinned = true, .target = i};
 		if (stilb_job_submit_with(p->pool, check_target, &p->job[i], &p->group, &options, worker) != 0)
 			count_up(&p->wrong);
@@ -225,7 +225,7 @@ static void pin_to_all(void *data, uint32_t worker)
 
 static void *pin_to_all_from_outside(void *data)
 {
-	for (int i = 0; i < 50; ++i)
+	for (int i = 0; i < 50; i++)
 		pin_to_all(data, STILB_JOB_OUTSIDE);
 	return NULL;
 }
@@ -233,7 +233,7 @@ static void *pin_to_all_from_outside(void *data)
 static void pinning_init(pinning *p, stilb_job_pool *pool)
 {
 	*p = (pinning){.pool = pool, .threads = stilb_job_pool_worker_count(pool) + 1};
-	for (uint32_t i = 0; i < p->threads; ++i)
+	for (uint32_t i = 0; i < p->threads; i++)
 		p->job[i] = (pinned_job){p, i};
 }
 
@@ -244,9 +244,9 @@ static void test_pinned_jobs_run_on_their_target(void **state)
 		pinning p;
 		pinning_init(&p, pool_with(s));
 		pthread_t outside = outside_start(pin_to_all_from_outside, &p);
-		for (int i = 0; i < 50; ++i)
+		for (int i = 0; i < 50; i++)
 			pin_to_all(&p, 0);
-		for (int i = 0; i < 50; ++i)
+		for (int i = 0; i < 50; i++)
 			assert_int_equal(stilb_job_submit(p.pool, pin_to_all, &p, &p.group, 0), 0);
 		pthread_join(outside, NULL);
 		stilb_job_wait(p.pool, &p.group, 0);
@@ -263,8 +263,8 @@ static void test_pinned_job_wakes_its_target(void **state)
 		sleep_log log = {0};
 		pinning p;
 		pinning_init(&p, pool_with_hooks(s, sleep_log_hooks(&log)));
-		for (uint32_t round = 0; round < 2; ++round)
-			for (uint32_t i = 1; i < p.threads; ++i) {
+		for (uint32_t round = 0; round < 2; round++)
+			for (uint32_t i = 1; i < p.threads; i++) {
 				assert_true(await(&log.asleep, s.workers));
 				submit_pinned(p.pool, check_target, &p.job[i], NULL, i, 0);
 				assert_true(await(&p.ran, round * s.workers + i));
@@ -302,7 +302,7 @@ static void check_number(void *data, uint32_t worker)
 
 static void pin_numbered(pinner *p, uint32_t worker)
 {
-	for (uint32_t i = 0; i < PINNED_EACH; ++i) {
+	for (uint32_t i = 0; i < PINNED_EACH; i++) {
 		p->job[i] = (numbered){p, i};
 		stilb_job_options options = {.pinned = true, .target = p->target};
 		if (stilb_job_submit_with(p->pool, check_number, &p->job[i], NULL, &options, worker) != 0)
@@ -323,16 +323,16 @@ static void test_pinned_jobs_keep_their_order(void **state)
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		pthread_t thread[PINNERS];
 		stilb_job_pool *pool = pool_with(s);
-		for (int i = 0; i < PINNERS; ++i)
+		for (int i = 0; i < PINNERS; i++)
 			pinners[i] = (pinner){.pool = pool, .target = s.workers};
-		for (int i = 1; i < PINNERS; ++i)
+		for (int i = 1; i < PINNERS; i++)
 			thread[i] = outside_start(pin_numbered_from_outside, &pinners[i]);
 		pin_numbered(&pinners[0], 0);
-		for (int i = 1; i < PINNERS; ++i)
+		for (int i = 1; i < PINNERS; i++)
 			pthread_join(thread[i], NULL);
 		if (s.workers == 0)
 			assert_int_equal(stilb_job_run_pinned(pool, 0), PINNERS * PINNED_EACH);
-		for (int i = 0; i < PINNERS; ++i) {
+		for (int i = 0; i < PINNERS; i++) {
 			assert_true(await(&pinners[i].ran, PINNED_EACH));
 			assert_int_equal(pinners[i].wrong, 0);
 		}
@@ -358,7 +358,7 @@ static void submit_for_next_frame(void *data, uint32_t worker)
 static void run_own_pinned(void *data, uint32_t worker)
 {
 	pinning *p = data;
-	for (int i = 0; i < 3; ++i) {
+	for (int i = 0; i < 3; i++) {
 		stilb_job_options options = {.pinned = true, .target = worker};
 		if (stilb_job_submit_with(p->pool, check_target, &p->job[worker], NULL, &options, worker) != 0)
 			count_up(&p->wrong);
@@ -374,19 +374,19 @@ static void test_run_pinned_says_how_many(void **state)
 		pinning p;
 		pinning_init(&p, pool_with(s));
 		assert_int_equal(stilb_job_run_pinned(p.pool, 0), 0);
-		for (int i = 0; i < 5; ++i)
+		for (int i = 0; i < 5; i++)
 			submit_pinned(p.pool, check_target, &p.job[0], &p.group, 0, 0);
 		assert_int_equal(p.ran, 0);
 		assert_int_equal(stilb_job_run_pinned(p.pool, 0), 5);
 		assert_int_equal(p.ran, 5);
 		assert_int_equal(stilb_job_run_pinned(p.pool, 0), 0);
-		for (uint32_t i = 0; i <= s.workers; ++i)
+		for (uint32_t i = 0; i <= s.workers; i++)
 			submit_pinned(p.pool, run_own_pinned, &p, &p.group, i, 0);
 		stilb_job_wait(p.pool, &p.group, 0);
 		assert_int_equal(p.ran, 5 + 3 * p.threads);
 		each_frame e = {.pool = p.pool};
 		submit_pinned(p.pool, submit_for_next_frame, &e, NULL, 0, 0);
-		for (uint32_t frame = 1; frame <= 3; ++frame) {
+		for (uint32_t frame = 1; frame <= 3; frame++) {
 			assert_int_equal(stilb_job_run_pinned(p.pool, 0), 1);
 			assert_int_equal(e.ran, frame);
 		}
@@ -429,13 +429,13 @@ static void append_link(void *data, uint32_t worker)
 	chain_link *link = data;
 	(void)worker;
 	if (link->chain->length++ != link->number)
-		++link->chain->wrong;
+		link->chain->wrong++;
 }
 
 static void *submit_chain(void *data)
 {
 	chain *c = data;
-	for (uint32_t i = 0; i < LINKS; ++i) {
+	for (uint32_t i = 0; i < LINKS; i++) {
 		c->link[i] = (chain_link){c, i};
 		stilb_job_options options = {.after = i ? &c->group[i - 1] : &c->gate};
 		if (stilb_job_submit_with(c->pool, append_link, &c->link[i], &c->group[i], &options, c->worker) != 0)
@@ -449,7 +449,7 @@ static void test_chain(void **state)
 	(void)state;
 	static chain c;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int way = 0; way < 3; ++way) {
+		for (int way = 0; way < 3; way++) {
 			c = (chain){.pool = pool_with(s), .worker = way == 1 ? STILB_JOB_OUTSIDE : 0};
 			if (way < 2) /* else the first link starts at once, and others while the rest is submitted */
 				submit_pinned(c.pool, do_nothing, NULL, &c.gate, 0, 0);
@@ -482,7 +482,7 @@ static void write_all(void *data, uint32_t worker)
 {
 	fan *f = data;
 	(void)worker;
-	for (uint32_t i = 0; i < FAN; ++i)
+	for (uint32_t i = 0; i < FAN; i++)
 		f->cell[i] = i + 1;
 }
 
@@ -498,7 +498,7 @@ static void read_all(void *data, uint32_t worker)
 {
 	fan *f = data;
 	(void)worker;
-	for (uint32_t i = 0; i < FAN; ++i)
+	for (uint32_t i = 0; i < FAN; i++)
 		if (f->cell[i] == 0)
 			count_up(&f->wrong);
 	count_up(&f->ran);
@@ -511,7 +511,7 @@ static void test_fan_out_and_in(void **state)
 		fan out = {.pool = pool_with(s)};
 		stilb_job_options after = {.after = &out.first};
 		submit_pinned(out.pool, write_all, &out, &out.first, 0, 0);
-		for (int i = 0; i < FAN; ++i)
+		for (int i = 0; i < FAN; i++)
 			assert_int_equal(stilb_job_submit_with(out.pool, read_all, &out, &out.then, &after, 0), 0);
 		nap_us(1000);
 		assert_int_equal(count_of(&out.ran), 0);
@@ -522,9 +522,9 @@ static void test_fan_out_and_in(void **state)
 
 		fan in = {.pool = out.pool};
 		after.after = &in.first;
-		for (int i = 0; i < FAN; ++i)
+		for (int i = 0; i < FAN; i++)
 			assert_int_equal(stilb_job_submit(in.pool, write_cell, &in.cell[i], &in.first, 0), 0);
-		for (int i = 0; i < 3; ++i)
+		for (int i = 0; i < 3; i++)
 			assert_int_equal(stilb_job_submit_with(in.pool, read_all, &in, &in.then, &after, 0), 0);
 		stilb_job_wait(in.pool, &in.then, 0);
 		assert_int_equal(in.ran, 3);
@@ -541,7 +541,7 @@ static void test_follower_of_a_group_that_finishes(void **state)
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		fan f = {.pool = pool_with(s)};
 		stilb_job_options after = {.after = &f.first};
-		for (uint32_t i = 1; i <= 1000; ++i) {
+		for (uint32_t i = 1; i <= 1000; i++) {
 			memset(f.cell, 0, sizeof f.cell);
 			if (i % 10 > 0) /* else it has nothing to wait for */
 				assert_int_equal(stilb_job_submit(f.pool, write_all, &f, &f.first, 0), 0);
@@ -571,7 +571,7 @@ static void test_followers_keep_priority_and_target(void **state)
 		submit_pinned(o.pool, do_nothing, NULL, &gate, s.workers, 0); /* its thread sends the followers */
 		pinning p;
 		pinning_init(&p, o.pool);
-		for (uint32_t i = 0; i < p.threads; ++i) {
+		for (uint32_t i = 0; i < p.threads; i++) {
 			stilb_job_options options = {.pinned = true, .target = i, .after = &gate};
 			assert_int_equal(stilb_job_submit_with(p.pool, check_target, &p.job[i], &p.group, &options, 0), 0);
 		}
@@ -584,7 +584,7 @@ static void test_followers_keep_priority_and_target(void **state)
 			hold_workers(o.pool, &b, &held, 1, s.workers);
 			if (s.workers == 0)
 				submit_pinned(o.pool, do_nothing, NULL, &held, 0, 0);
-			for (uint32_t i = 0; i < 30; ++i) {
+			for (uint32_t i = 0; i < 30; i++) {
 				uint32_t rank = 2 - i % 3;
 				o.job[i] = (order_job){&o, rank};
 				stilb_job_options options = {.priority = priority[rank], .after = &held};
@@ -594,7 +594,7 @@ static void test_followers_keep_priority_and_target(void **state)
 			if (s.workers == 0)
 				stilb_job_wait(o.pool, &o.group, 0);
 			assert_true(await(&o.ran, 30));
-			for (uint32_t i = 0; i < 30; ++i)
+			for (uint32_t i = 0; i < 30; i++)
 				assert_int_equal(o.tag[i], i / 10);
 		}
 		stilb_job_pool_destroy(o.pool);
@@ -618,7 +618,7 @@ static void cover_range(uint32_t begin, uint32_t end, uint32_t worker, void *con
 	cover *c = context;
 	if (begin >= end || end > c->count || end - begin > c->grain || worker >= c->threads)
 		count_up(&c->wrong);
-	for (uint32_t i = begin; i < end && i < CELLS; ++i)
+	for (uint32_t i = begin; i < end && i < CELLS; i++)
 		count_up(&c->runs[i]);
 }
 
@@ -638,7 +638,7 @@ static void *submit_cover_from_outside(void *data)
 static void cover_check(cover *c, uint32_t times)
 {
 	uint32_t bad = 0;
-	for (uint32_t i = 0; i < CELLS; ++i)
+	for (uint32_t i = 0; i < CELLS; i++)
 		bad += c->runs[i] != (i < c->count ? times : 0);
 	assert_int_equal(bad, 0);
 	assert_int_equal(c->wrong, 0);
@@ -652,8 +652,8 @@ static void test_arrays_cover_every_index_once(void **state)
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		stilb_job_group group = {0};
 		stilb_job_pool *pool = pool_with(s);
-		for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
-			for (size_t k = 0; k < sizeof grains / sizeof *grains; ++k) {
+		for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+			for (size_t k = 0; k < sizeof grains / sizeof *grains; k++) {
 				c = (cover){.pool = pool, .group = &group, .threads = s.workers + 1};
 				c.count = counts[i];
 				c.grain = grains[k];
@@ -704,7 +704,7 @@ static void test_huge_arrays(void **state)
 		stilb_job_pool *pool = pool_with(s);
 		uint64_t expected = 0;
 		_Atomic uint64_t sum = 0;
-		for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+		for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
 			if (sizes[i].grain == 0 && s.workers != 2)
 				continue; /* a million slices: once is enough */
 			assert_int_equal(stilb_job_submit_array(pool, sizes[i].count, sizes[i].grain, add_extent, &sum, &group, 0),
@@ -729,13 +729,13 @@ typedef struct nest {
 static void nested_array(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	const nest *outer = context;
-	for (uint32_t i = begin; i < end; ++i) {
+	for (uint32_t i = begin; i < end; i++) {
 		if (outer->levels == 0) {
 			count_up(outer->leaves);
 			continue;
 		}
 		nest inner = *outer;
-		--inner.levels;
+		inner.levels--;
 		stilb_job_group group = {0};
 		if (stilb_job_submit_array(inner.pool, WIDTH, 1, nested_array, &inner, &group, worker) != 0)
 			count_up(inner.wrong);
@@ -746,13 +746,13 @@ static void nested_array(uint32_t begin, uint32_t end, uint32_t worker, void *co
 static void nested_loop(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	const nest *outer = context;
-	for (uint32_t i = begin; i < end; ++i) {
+	for (uint32_t i = begin; i < end; i++) {
 		if (outer->levels == 0) {
 			count_up(outer->leaves);
 			continue;
 		}
 		nest inner = *outer;
-		--inner.levels;
+		inner.levels--;
 		stilb_job_parallel_for(inner.pool, WIDTH, 1, nested_loop, &inner, worker);
 	}
 }
@@ -763,7 +763,7 @@ static void test_arrays_and_loops_nest(void **state)
 	(void)state;
 	enum { LEVELS = 7 };
 	uint32_t expected = 1;
-	for (int i = 0; i < LEVELS; ++i)
+	for (int i = 0; i < LEVELS; i++)
 		expected *= WIDTH;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		counter leaves = 0, wrong = 0;
@@ -817,7 +817,7 @@ static void never_slice(uint32_t begin, uint32_t end, uint32_t worker, void *con
 static void submit_to_cancel(cancelling *c, uint32_t threads)
 {
 	stilb_job_options after = {.after = &c->gate};
-	for (uint32_t i = 0; i < 100; ++i) {
+	for (uint32_t i = 0; i < 100; i++) {
 		assert_int_equal(stilb_job_submit(c->pool, count_ran, c, &c->group, 0), 0);
 		assert_int_equal(stilb_job_submit_with(c->pool, count_ran, c, &c->then, &after, 0), 0);
 		submit_priority(c->pool, count_ran, c, &c->group, i % 2 ? STILB_JOB_HIGH : STILB_JOB_LOW, 0);
@@ -870,7 +870,7 @@ static void test_cancelled_pool_is_gone_soon(void **state)
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		cancelling c = {.pool = pool_with(s)};
-		for (uint32_t i = 0; i < 20000; ++i)
+		for (uint32_t i = 0; i < 20000; i++)
 			assert_int_equal(stilb_job_submit(c.pool, sleep_long, &c, &c.group, 0), 0);
 		uint64_t start = now_ns();
 		stilb_job_pool_cancel(c.pool);
@@ -899,9 +899,9 @@ static void count_guest_job(void *data, uint32_t worker)
 static void *submit_and_wait(void *data)
 {
 	guest *g = data;
-	for (uint32_t round = 1; round <= g->rounds; ++round) {
+	for (uint32_t round = 1; round <= g->rounds; round++) {
 		stilb_job_group group = {0};
-		for (uint32_t i = 0; i < g->jobs; ++i)
+		for (uint32_t i = 0; i < g->jobs; i++)
 			if (stilb_job_submit(g->pool, count_guest_job, g, &group, STILB_JOB_OUTSIDE) != 0)
 				count_up(&g->wrong);
 		stilb_job_wait(g->pool, &group, STILB_JOB_OUTSIDE);
@@ -917,11 +917,11 @@ static void run_guests(shape s, uint32_t guests, uint32_t rounds, uint32_t jobs)
 	static guest g[MOST_GUESTS];
 	pthread_t thread[MOST_GUESTS];
 	stilb_job_pool *pool = pool_with(s);
-	for (uint32_t i = 0; i < guests; ++i) {
+	for (uint32_t i = 0; i < guests; i++) {
 		g[i] = (guest){.pool = pool, .rounds = rounds, .jobs = jobs};
 		thread[i] = outside_start(submit_and_wait, &g[i]);
 	}
-	for (uint32_t i = 0; i < guests; ++i) {
+	for (uint32_t i = 0; i < guests; i++) {
 		pthread_join(thread[i], NULL);
 		assert_int_equal(g[i].ran, rounds * jobs);
 		assert_int_equal(g[i].wrong, 0);
@@ -982,12 +982,12 @@ static void test_threads_that_wait_leave_room(void **state)
 		pthread_t thread[CROWD];
 		crowd c = {.pool = pool_with(s)};
 		hold_workers(c.pool, &c.held, &c.group, 1, 1);
-		for (int i = 0; i < CROWD; ++i)
+		for (int i = 0; i < CROWD; i++)
 			thread[i] = outside_start(wait_in_a_crowd, &c);
 		assert_true(await(&c.waiting, CROWD));
 		nap_us(1000); /* and now they sleep */
 		outside_run(submit_release, &c);
-		for (int i = 0; i < CROWD; ++i)
+		for (int i = 0; i < CROWD; i++)
 			pthread_join(thread[i], NULL);
 		assert_int_equal(c.wrong, 0);
 		stilb_job_pool_destroy(c.pool);
@@ -997,7 +997,7 @@ static void test_threads_that_wait_leave_room(void **state)
 static void *submit_only(void *data)
 {
 	fan *f = data;
-	for (uint32_t i = 0; i < FAN; ++i)
+	for (uint32_t i = 0; i < FAN; i++)
 		if (stilb_job_submit(f->pool, write_cell, &f->cell[i], &f->first, STILB_JOB_OUTSIDE) != 0)
 			count_up(&f->wrong);
 	return NULL;
@@ -1028,19 +1028,19 @@ static shape spinning_shape(stilb_job_queue_kind queue)
 static void test_nobody_sleeps_in_a_phase(void **state)
 {
 	(void)state;
-	for (int queue = 0; queue < 2; ++queue) {
+	for (int queue = 0; queue < 2; queue++) {
 		sleep_log log = {0};
 		cancelling c = {0};
 		shape s = spinning_shape((stilb_job_queue_kind)queue);
 		c.pool = pool_with_hooks(s, sleep_log_hooks(&log));
-		for (int round = 0; round < 2; ++round) {
+		for (int round = 0; round < 2; round++) {
 			assert_true(await(&log.asleep, s.workers));
 			stilb_job_phase_begin(c.pool);
 			stilb_job_phase_begin(c.pool);
 			assert_true(await(&log.asleep, 0));
 			uint32_t parks = count_of(&log.parks);
 			nap_us(20000);
-			for (uint32_t i = 1; i <= 100; ++i) {
+			for (uint32_t i = 1; i <= 100; i++) {
 				assert_int_equal(stilb_job_submit(c.pool, count_ran, &c, NULL, 0), 0);
 				assert_true(await(&c.ran, (uint32_t)round * 100 + i));
 			}
@@ -1111,7 +1111,7 @@ static void check_bound(const masks *m, uint32_t workers, const cpu_set_t *all, 
 {
 	cpu_set_t used;
 	CPU_ZERO(&used);
-	for (uint32_t i = 1; i <= workers; ++i) {
+	for (uint32_t i = 1; i <= workers; i++) {
 		cpu_set_t fresh;
 		assert_int_equal(CPU_COUNT(&m->worker[i]), 1);
 		CPU_AND(&fresh, &m->worker[i], all);
@@ -1128,8 +1128,8 @@ static void test_workers_are_bound_if_there_are_enough_cpus(void **state)
 	cpu_set_t all, after;
 	assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
 	uint32_t cpus = (uint32_t)CPU_COUNT(&all);
-	for (uint32_t workers = 1; workers < cpus && workers <= MOST_WORKERS; ++workers)
-		for (int tries = 0;; ++tries) {
+	for (uint32_t workers = 1; workers < cpus && workers <= MOST_WORKERS; workers++)
+		for (int tries = 0;; tries++) {
 			masks m;
 			int before = sched_getcpu();
 			stilb_job_pool *pool = pool_with_masks(&m, workers, STILB_JOB_AFFINITY_AUTO);
@@ -1151,7 +1151,7 @@ static void check_unbound(uint32_t workers, stilb_job_affinity affinity)
 	cpu_set_t all, after;
 	sched_getaffinity(0, sizeof all, &all);
 	stilb_job_pool_destroy(pool_with_masks(&m, workers, affinity));
-	for (uint32_t i = 1; i <= workers; ++i)
+	for (uint32_t i = 1; i <= workers; i++)
 		assert_true(CPU_EQUAL(&m.worker[i], &all));
 	sched_getaffinity(0, sizeof after, &after);
 	assert_true(CPU_EQUAL(&all, &after));
@@ -1194,7 +1194,7 @@ static void test_worker_makes_room_for_the_owner(void **state)
 	stilb_job_pool *pool = NULL;
 	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
 	masks m = {0};
-	for (uint32_t i = 1; i <= 20; ++i) {
+	for (uint32_t i = 1; i <= 20; i++) {
 		assert_true(await(&log.asleep, 1));
 		submit_pinned(pool, note_cpu, &m, NULL, 1, 0);
 		assert_true(await(&m.ran, 2 * i - 1));

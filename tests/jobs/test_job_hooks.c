@@ -93,7 +93,7 @@ static void log_stop(hook_log *log)
 	stilb_job_pool_destroy(log->pool);
 	assert_int_equal(log->begun, log->ended);
 	assert_int_equal(log->wrong, 0);
-	for (int i = 0; i <= OUTSIDE; ++i) {
+	for (int i = 0; i <= OUTSIDE; i++) {
 		assert_int_equal(log->thread[i].depth, 0);
 		assert_int_equal(log->thread[i].waiting, 0);
 	}
@@ -127,7 +127,7 @@ static void check_tag_and_wait(void *data, uint32_t worker)
 	stilb_job_group group = {0};
 	uint32_t depth = job->log->thread[worker].depth;
 	check_tag(data, worker);
-	for (uint64_t i = 0; i < 4; ++i) {
+	for (uint64_t i = 0; i < 4; i++) {
 		child[i] = (tagged){job->log, job->tag * 10 + i};
 		job->log->thread[worker].next = child[i].tag;
 		if (stilb_job_submit(job->log->pool, check_tag, &child[i], &group, worker) != 0)
@@ -147,7 +147,7 @@ static void test_jobs_pair_and_nest(void **state)
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		log_start(&log, s);
 		stilb_job_group group = {0};
-		for (uint64_t i = 0; i < 100; ++i) {
+		for (uint64_t i = 0; i < 100; i++) {
 			job[i] = (tagged){&log, 1000 + i};
 			log.thread[0].next = 1000 + i;
 			assert_int_equal(stilb_job_submit(log.pool, check_tag_and_wait, &job[i], &group, 0), 0);
@@ -178,7 +178,7 @@ static void *submit_in_all_ways(void *data)
 	const stilb_job_options options[] = {{.priority = STILB_JOB_NORMAL},   {.priority = STILB_JOB_HIGH},
 	                                     {.priority = STILB_JOB_LOW},      {.pinned = true, .target = 0},
 	                                     {.pinned = true, .target = last}, {.after = &m->first}};
-	for (uint64_t i = 0; i < 6; ++i) {
+	for (uint64_t i = 0; i < 6; i++) {
 		m->job[i] = (tagged){m->log, 500 + i};
 		thread_of(m->log, m->worker)->next = 500 + i;
 		if (stilb_job_submit_with(m->log->pool, check_tag, &m->job[i], i == 0 ? &m->first : &m->group, &options[i],
@@ -193,7 +193,7 @@ static void test_every_way_of_submitting_has_its_tag(void **state)
 	(void)state;
 	static hook_log log;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
-		for (int outside = 0; outside < 2; ++outside) {
+		for (int outside = 0; outside < 2; outside++) {
 			log_start(&log, s);
 			submitter m = {.log = &log, .worker = outside ? STILB_JOB_OUTSIDE : 0};
 			if (outside)
@@ -215,7 +215,7 @@ static void test_cancelled_jobs_do_not_begin(void **state)
 	static hook_log log;
 	tagged job = {&log, 7};
 	log_start(&log, (shape){.workers = 0});
-	for (int i = 0; i < 10; ++i)
+	for (int i = 0; i < 10; i++)
 		assert_int_equal(stilb_job_submit(log.pool, check_tag, &job, NULL, 0), 0);
 	stilb_job_pool_cancel(log.pool);
 	log_stop(&log);
@@ -232,7 +232,7 @@ static void test_without_submit_tags_are_zero(void **state)
 	                           (stilb_job_hooks){.user = &log, .job_begin = on_job_begin, .job_end = on_job_end});
 	tagged job = {&log, 0};
 	stilb_job_group group = {0};
-	for (int i = 0; i < 100; ++i)
+	for (int i = 0; i < 100; i++)
 		assert_int_equal(stilb_job_submit(log.pool, check_tag, &job, &group, 0), 0);
 	stilb_job_wait(log.pool, &group, 0);
 	log_stop(&log);
@@ -295,7 +295,7 @@ static void test_helpers_of_a_loop_know_its_tag(void **state)
 		do { /* who helps depends on the kernel, and may take some time on a busy machine */
 			log.thread[0].next = OUTER_TAG;
 			stilb_job_parallel_for(log.pool, SLICES, 1, outer_slice, &l, 0);
-			++rounds;
+			rounds++;
 		} while (s.workers > 0 && (count_of(&l.helped) == 0 || (s.workers > 1 && count_of(&l.inner_helped) == 0)) &&
 		         now_ns() - start < 10000000000u);
 		log_stop(&log);
@@ -320,7 +320,7 @@ static void test_arrays_are_a_job_and_a_loop(void **state)
 	loops l = {.log = &log};
 	inner_loop inner = {.loops = &l, .caller = UINT32_MAX, .tag = 77};
 	stilb_job_group group = {0};
-	for (int i = 0; i <= 2; ++i)
+	for (int i = 0; i <= 2; i++)
 		log.thread[i].next = 77;
 	assert_int_equal(stilb_job_submit_array(log.pool, 200, 1, inner_slice, &inner, &group, 0), 0);
 	stilb_job_wait(log.pool, &group, 0);
@@ -402,7 +402,7 @@ static void test_waits_for_loops(void **state)
 	static hook_log log;
 	log_start(&log, (shape){.workers = 1});
 	stilb_job_phase_begin(log.pool); /* the worker stays awake: a loop that looks short wakes nobody */
-	for (uint32_t i = 0; i < 20; ++i) {
+	for (uint32_t i = 0; i < 20; i++) {
 		until_waiting u = {.log = &log, .waiter = 0};
 		stilb_job_parallel_for(log.pool, 2, 1, slice_of_two, &u, 0);
 		assert_int_equal(log.waits, i + 1);
@@ -427,7 +427,7 @@ static void test_every_steal_is_reported(void **state)
 	static hook_log log;
 	log_start(&log, (shape){.workers = 1});
 	log.thread[0].next = 3;
-	for (int i = 0; i < 50; ++i)
+	for (int i = 0; i < 50; i++)
 		assert_int_equal(stilb_job_submit(log.pool, count_job, &log, NULL, 0), 0);
 	assert_true(await(&log.ended, 50)); /* the owner does nothing */
 	assert_int_equal(log.steals, 50);

@@ -36,14 +36,14 @@ static void enter(struct shared *s)
 {
 	job_lock_take(&s->lock);
 	s->overlaps += s->inside++ != 0;
-	++s->entered;
-	--s->inside;
+	s->entered++;
+	s->inside--;
 	job_lock_give(&s->lock);
 }
 
 static void *enter_often(void *data)
 {
-	for (uint32_t i = 0; i < ROUNDS; ++i)
+	for (uint32_t i = 0; i < ROUNDS; i++)
 		enter(data);
 	return NULL;
 }
@@ -53,9 +53,9 @@ static void test_one_at_a_time(void **state)
 	(void)state;
 	shared = (struct shared){0};
 	pthread_t threads[THREADS];
-	for (uint32_t i = 0; i < THREADS; ++i)
+	for (uint32_t i = 0; i < THREADS; i++)
 		assert_int_equal(pthread_create(&threads[i], NULL, enter_often, &shared), 0);
-	for (uint32_t i = 0; i < THREADS; ++i)
+	for (uint32_t i = 0; i < THREADS; i++)
 		pthread_join(threads[i], NULL);
 	assert_int_equal(shared.entered, (uint64_t)THREADS * ROUNDS);
 	assert_int_equal(shared.overlaps, 0);
@@ -78,7 +78,7 @@ static void *enter_and_stall(void *data)
 	struct shared *s = data;
 	job_lock_take(&s->lock);
 	raise(SIGUSR1);
-	++s->entered;
+	s->entered++;
 	job_lock_give(&s->lock);
 	return NULL;
 }
@@ -111,13 +111,13 @@ static void test_waiters_sleep_while_holder_stalls(void **state)
 	/* Relaxed: only waits for the holder to be in. */
 	while (!atomic_load_explicit(&shared.lock.held, memory_order_relaxed))
 		sleep_ms(1);
-	for (uint32_t i = 0; i < WAITERS; ++i)
+	for (uint32_t i = 0; i < WAITERS; i++)
 		assert_int_equal(pthread_create(&waiters[i].thread, NULL, enter_once, &waiters[i]), 0);
 	sleep_ms(STALL_MS);
 	assert_int_equal(write(stall_pipe[1], "", 1), 1);
 	pthread_join(holder, NULL);
 	double cpu_ms = 0;
-	for (uint32_t i = 0; i < WAITERS; ++i) {
+	for (uint32_t i = 0; i < WAITERS; i++) {
 		pthread_join(waiters[i].thread, NULL);
 		cpu_ms += waiters[i].cpu_ms;
 	}
@@ -138,12 +138,12 @@ enum { LONG_THREADS = 8, LONG_ROUNDS = 10 };
 static void *stay_long(void *data)
 {
 	struct shared *s = data;
-	for (uint32_t i = 0; i < LONG_ROUNDS; ++i) {
+	for (uint32_t i = 0; i < LONG_ROUNDS; i++) {
 		job_lock_take(&s->lock);
 		s->overlaps += s->inside++ != 0;
-		++s->entered;
+		s->entered++;
 		sleep_ms(1); /* all others go to sleep meanwhile */
-		--s->inside;
+		s->inside--;
 		job_lock_give(&s->lock);
 	}
 	return NULL;
@@ -154,9 +154,9 @@ static void test_nobody_is_forgotten(void **state)
 	(void)state;
 	shared = (struct shared){0};
 	pthread_t threads[LONG_THREADS];
-	for (uint32_t i = 0; i < LONG_THREADS; ++i)
+	for (uint32_t i = 0; i < LONG_THREADS; i++)
 		assert_int_equal(pthread_create(&threads[i], NULL, stay_long, &shared), 0);
-	for (uint32_t i = 0; i < LONG_THREADS; ++i)
+	for (uint32_t i = 0; i < LONG_THREADS; i++)
 		pthread_join(threads[i], NULL);
 	assert_int_equal(shared.entered, LONG_THREADS * LONG_ROUNDS);
 	assert_int_equal(shared.overlaps, 0);
@@ -170,7 +170,7 @@ static void test_a_waiter_is_woken(void **state)
 	(void)state;
 	enum { TIMES = 20 };
 	double best_ms = 1e9;
-	for (uint32_t i = 0; i < TIMES; ++i) {
+	for (uint32_t i = 0; i < TIMES; i++) {
 		shared = (struct shared){0};
 		waiter w;
 		job_lock_take(&shared.lock);

@@ -37,7 +37,7 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
 	if (threads_to_grant == 0)
 		return EAGAIN;
 	if (threads_to_grant != UINT32_MAX)
-		--threads_to_grant;
+		threads_to_grant--;
 	return __real_pthread_create(thread, attributes, fn, data);
 }
 
@@ -126,7 +126,7 @@ static void test_hooks_come_in_pairs(void **state)
 	(void)state;
 	hook_log log = {0};
 	stilb_job_pool *pool = pool_with(8, log_hooks(&log));
-	for (int i = 0; i < 1000 && log.parks < 8; ++i)
+	for (int i = 0; i < 1000 && log.parks < 8; i++)
 		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 	assert_true(log.parks >= 8);
 	stilb_job_pool_destroy(pool);
@@ -156,11 +156,11 @@ static void count_job(void *data, uint32_t worker)
 static void test_submit_and_wait(void **state)
 {
 	(void)state;
-	for (int k = 0; k < WORKER_COUNTS; ++k) {
+	for (int k = 0; k < WORKER_COUNTS; k++) {
 		work w = {.pool = pool_with(worker_counts[k], (stilb_job_hooks){0}), .worker_count = worker_counts[k]};
 		stilb_job_group group = {0};
 		stilb_job_wait(w.pool, &group, 0); /* nothing to wait for */
-		for (int i = 0; i < 2000; ++i)
+		for (int i = 0; i < 2000; i++)
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, &group, 0), 0);
 		stilb_job_wait(w.pool, &group, 0);
 		assert_int_equal(w.ran, 2000);
@@ -174,7 +174,7 @@ static void test_group_is_reusable(void **state)
 	(void)state;
 	work w = {.pool = pool_with(2, (stilb_job_hooks){0}), .worker_count = 2};
 	stilb_job_group group = {0};
-	for (uint32_t i = 1; i <= 10000; ++i) {
+	for (uint32_t i = 1; i <= 10000; i++) {
 		assert_int_equal(stilb_job_submit(w.pool, count_job, &w, &group, 0), 0);
 		stilb_job_wait(w.pool, &group, 0);
 		assert_int_equal(w.ran, i);
@@ -194,7 +194,7 @@ static void grow_tree(void *data, uint32_t worker)
 {
 	tree *t = data;
 	count_job(t->work, worker);
-	for (int i = 0; i < 2 && t->depth > 0; ++i) {
+	for (int i = 0; i < 2 && t->depth > 0; i++) {
 		tree *child = __real_malloc(sizeof *child);
 		*child = (tree){t->work, t->group, t->depth - 1};
 		if (stilb_job_submit(t->work->pool, grow_tree, child, t->group, worker) != 0)
@@ -206,7 +206,7 @@ static void grow_tree(void *data, uint32_t worker)
 static void test_jobs_submit_jobs(void **state)
 {
 	(void)state;
-	for (int k = 0; k < WORKER_COUNTS; ++k) {
+	for (int k = 0; k < WORKER_COUNTS; k++) {
 		work w = {.pool = pool_with(worker_counts[k], (stilb_job_hooks){0}), .worker_count = worker_counts[k]};
 		stilb_job_group group = {0};
 		tree *root = __real_malloc(sizeof *root);
@@ -225,7 +225,7 @@ static void wait_inside(void *data, uint32_t worker)
 	work *w = data;
 	work inner = {.pool = w->pool, .worker_count = w->worker_count};
 	stilb_job_group group = {0};
-	for (int i = 0; i < 10; ++i)
+	for (int i = 0; i < 10; i++)
 		stilb_job_submit(w->pool, count_job, &inner, &group, worker);
 	stilb_job_wait(w->pool, &group, worker);
 	if (inner.ran != 10 || inner.wrong)
@@ -236,10 +236,10 @@ static void wait_inside(void *data, uint32_t worker)
 static void test_jobs_wait_for_jobs(void **state)
 {
 	(void)state;
-	for (int k = 0; k < WORKER_COUNTS; ++k) {
+	for (int k = 0; k < WORKER_COUNTS; k++) {
 		work w = {.pool = pool_with(worker_counts[k], (stilb_job_hooks){0}), .worker_count = worker_counts[k]};
 		stilb_job_group group = {0};
-		for (int i = 0; i < 200; ++i)
+		for (int i = 0; i < 200; i++)
 			assert_int_equal(stilb_job_submit(w.pool, wait_inside, &w, &group, 0), 0);
 		stilb_job_wait(w.pool, &group, 0);
 		assert_int_equal(w.ran, 200);
@@ -276,11 +276,11 @@ static void wait_for_slow(void *data, uint32_t worker)
 static void test_several_wait_for_one_group(void **state)
 {
 	(void)state;
-	for (int i = 0; i < 20; ++i) {
+	for (int i = 0; i < 20; i++) {
 		shared_group s = {.work = {.pool = pool_with(4, (stilb_job_hooks){0})}};
 		stilb_job_group waiters = {0};
 		assert_int_equal(stilb_job_submit(s.work.pool, slow_job, &s, &s.slow, 0), 0);
-		for (int k = 0; k < 3; ++k)
+		for (int k = 0; k < 3; k++)
 			assert_int_equal(stilb_job_submit(s.work.pool, wait_for_slow, &s, &waiters, 0), 0);
 		count_up(&s.go);
 		stilb_job_wait(s.work.pool, &waiters, 0);
@@ -308,7 +308,7 @@ static void cover_range(uint32_t begin, uint32_t end, uint32_t worker, void *con
 	uint32_t grain = c->grain ? c->grain : 1;
 	if (begin >= end || end > c->count || end - begin > grain || begin % grain != 0 || worker > c->worker_count)
 		count_up(&c->wrong);
-	for (uint32_t i = begin; i < end; ++i)
+	for (uint32_t i = begin; i < end; i++)
 		count_up(&c->runs[i]);
 }
 
@@ -319,7 +319,7 @@ static void cover_check(cover *c, uint32_t count, uint32_t grain)
 	c->grain = grain;
 	stilb_job_parallel_for(c->pool, count, grain, cover_range, c, 0);
 	uint32_t bad = 0;
-	for (uint32_t i = 0; i < COUNT_MAX; ++i)
+	for (uint32_t i = 0; i < COUNT_MAX; i++)
 		bad += c->runs[i] != (i < count);
 	assert_int_equal(bad, 0);
 	assert_int_equal(c->wrong, 0);
@@ -331,11 +331,11 @@ static void test_loop_covers_every_index_once(void **state)
 	static const uint32_t counts[] = {0, 1, 2, 3, 7, 63, 64, 65, 1000, 4999, 5000};
 	static const uint32_t grains[] = {0, 1, 2, 3, 64, 999, 5000, UINT32_MAX};
 	static cover c;
-	for (int k = 0; k < WORKER_COUNTS; ++k) {
+	for (int k = 0; k < WORKER_COUNTS; k++) {
 		c.worker_count = worker_counts[k];
 		c.pool = pool_with(c.worker_count, (stilb_job_hooks){0});
-		for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
-			for (size_t g = 0; g < sizeof grains / sizeof *grains; ++g)
+		for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+			for (size_t g = 0; g < sizeof grains / sizeof *grains; g++)
 				cover_check(&c, counts[i], grains[g]);
 		stilb_job_pool_destroy(c.pool);
 	}
@@ -377,7 +377,7 @@ static void nest_range(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 	nest *outer = context;
 	if (++outer->inside[worker] > 3) /* helping must not pile up slices: one per level at most */
 		count_up(&outer->work.wrong);
-	for (uint32_t i = begin; i < end; ++i) {
+	for (uint32_t i = begin; i < end; i++) {
 		if (outer->level == 2) {
 			count_job(&outer->work, worker);
 			continue;
@@ -392,7 +392,7 @@ static void nest_range(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 			count_up(&outer->work.wrong);
 		atomic_fetch_add_explicit(&outer->work.ran, inner.work.ran, memory_order_relaxed);
 	}
-	--outer->inside[worker];
+	outer->inside[worker]--;
 }
 
 static uint32_t nest_inside[STILB_JOB_MAX_WORKERS + 1];
@@ -410,10 +410,10 @@ static void nest_job(void *data, uint32_t worker)
 static void test_loops_in_loops_in_jobs(void **state)
 {
 	(void)state;
-	for (int k = 0; k < WORKER_COUNTS; ++k) {
+	for (int k = 0; k < WORKER_COUNTS; k++) {
 		work w = {.pool = pool_with(worker_counts[k], (stilb_job_hooks){0}), .worker_count = worker_counts[k]};
 		stilb_job_group group = {0};
-		for (int i = 0; i < 20; ++i)
+		for (int i = 0; i < 20; i++)
 			assert_int_equal(stilb_job_submit(w.pool, nest_job, &w, &group, 0), 0);
 		nest_job(&w, 0);
 		stilb_job_wait(w.pool, &group, 0);
@@ -452,7 +452,7 @@ static void test_loop_gets_help(void **state)
 {
 	(void)state;
 	stilb_job_pool *pool = pool_with(1, (stilb_job_hooks){0});
-	for (int i = 0; i < 20; ++i) {
+	for (int i = 0; i < 20; i++) {
 		meeting m = {0};
 		stilb_job_parallel_for(pool, 2, 1, meet, &m, 0);
 		assert_int_equal(m.met, 2);
@@ -469,13 +469,13 @@ static void test_parked_workers_wake(void **state)
 	for (uint32_t workers = 1; workers <= 4; workers += 3) {
 		hook_log log = {0};
 		work w = {.pool = pool_with(workers, log_hooks(&log)), .worker_count = workers};
-		for (uint32_t i = 1; i <= 25; ++i) {
+		for (uint32_t i = 1; i <= 25; i++) {
 			nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
-			for (int k = 0; k < 2000 && log.parks - log.wakes < workers; ++k)
+			for (int k = 0; k < 2000 && log.parks - log.wakes < workers; k++)
 				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 			assert_int_equal(log.parks - log.wakes, workers); /* idle means asleep, not spinning */
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, NULL, 0), 0);
-			for (int k = 0; k < 2000 && w.ran < i; ++k)
+			for (int k = 0; k < 2000 && w.ran < i; k++)
 				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 			assert_int_equal(w.ran, i);
 		}
@@ -509,7 +509,7 @@ static void wait_for_owner_to_sleep(void *data, uint32_t worker)
 	count_up(&s->started);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 	stilb_job_submit(s->work.pool, note_helper, s, NULL, worker);
-	for (int i = 0; i < 2000 && s->work.ran == 0; ++i) /* keeps the only worker busy: the owner must get up */
+	for (int i = 0; i < 2000 && s->work.ran == 0; i++) /* keeps the only worker busy: the owner must get up */
 		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 }
@@ -517,7 +517,7 @@ static void wait_for_owner_to_sleep(void *data, uint32_t worker)
 static void test_waiting_owner_wakes(void **state)
 {
 	(void)state;
-	for (int i = 0; i < 5; ++i) {
+	for (int i = 0; i < 5; i++) {
 		sleeper s = {0};
 		s.work.pool = pool_with(1, log_hooks(&s.log));
 		assert_int_equal(stilb_job_submit(s.work.pool, wait_for_owner_to_sleep, &s, &s.group, 0), 0);
@@ -537,13 +537,13 @@ static void test_destroy_runs_what_is_queued(void **state)
 {
 	(void)state;
 	stilb_job_pool_destroy(NULL);
-	for (uint32_t i = 0; i < 200; ++i) {
+	for (uint32_t i = 0; i < 200; i++) {
 		work w = {.worker_count = i % 4};
 		w.pool = pool_with(w.worker_count, (stilb_job_hooks){0});
 		stilb_job_group unused = {0};
 		tree *root = __real_malloc(sizeof *root);
 		*root = (tree){&w, &unused, 3};
-		for (int k = 0; k < 20; ++k)
+		for (int k = 0; k < 20; k++)
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, NULL, 0), 0);
 		assert_int_equal(stilb_job_submit(w.pool, grow_tree, root, NULL, 0), 0);
 		stilb_job_pool_destroy(w.pool);
@@ -558,7 +558,7 @@ static void test_pools_side_by_side(void **state)
 	work a = {.pool = pool_with(2, (stilb_job_hooks){0}), .worker_count = 2};
 	work b = {.pool = pool_with(1, (stilb_job_hooks){0}), .worker_count = 1};
 	stilb_job_group group_a = {0}, group_b = {0};
-	for (int i = 0; i < 100; ++i) {
+	for (int i = 0; i < 100; i++) {
 		assert_int_equal(stilb_job_submit(a.pool, count_job, &a, &group_a, 0), 0);
 		assert_int_equal(stilb_job_submit(b.pool, count_job, &b, &group_b, 0), 0);
 	}
@@ -586,7 +586,7 @@ static void test_create_cleans_up_after_a_failure(void **state)
 	(void)state;
 	hook_log log = {0};
 	stilb_job_pool_desc desc = {.worker_count = 8, .hooks = log_hooks(&log)};
-	for (uint32_t granted = 0; granted < 8; ++granted) {
+	for (uint32_t granted = 0; granted < 8; granted++) {
 		memset(&log, 0, sizeof log);
 		stilb_job_pool *pool = (stilb_job_pool *)&desc;
 		threads_to_grant = granted;
@@ -614,7 +614,7 @@ static void test_submit_without_memory(void **state)
 	int error;
 	out_of_memory = true;
 	while ((error = stilb_job_submit(w.pool, count_job, &w, &group, 0)) == 0)
-		++submitted; /* records that have been made already */
+		submitted++; /* records that have been made already */
 	extent e = {0};
 	stilb_job_parallel_for(w.pool, 100, 10, add_range, &e, 0); /* needs none */
 	out_of_memory = false;

@@ -34,7 +34,7 @@ static void memory_meanwhile(void)
 static bool memory_refuses(void)
 {
 	memory_meanwhile();
-	++memory.calls;
+	memory.calls++;
 	if (memory.fails || (memory.fails_at_random && next_random(&memory.random) % 2))
 		return true;
 	return memory.calls_until_failure > 0 && --memory.calls_until_failure == 0;
@@ -75,7 +75,7 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 void __wrap_free(void *block)
 {
 	memory_meanwhile();
-	memory.live -= block != NULL;
+	memory.live -= block ? 1 : 0;
 	__real_free(block);
 }
 
@@ -110,7 +110,7 @@ static int push(uintptr_t value, uint32_t thread)
 static int push_many(uintptr_t first, size_t count, uint32_t thread)
 {
 	static void *items[MANY];
-	for (size_t i = 0; i < count; ++i)
+	for (size_t i = 0; i < count; i++)
 		items[i] = item_of(first + i);
 	return stilb_job_queue_push_n(queue, items, count, thread);
 }
@@ -125,7 +125,7 @@ static void pop_expect(uintptr_t value, uint32_t thread)
 /* The next `count` values, whether they come singly or not. */
 static void drain_expect(uintptr_t first, size_t count, uint32_t thread)
 {
-	for (size_t i = 0; i < count; ++i)
+	for (size_t i = 0; i < count; i++)
 		pop_expect(first + i, thread);
 }
 
@@ -142,14 +142,14 @@ static void test_fifo(void **state)
 	(void)state;
 	start(SIZE_MAX);
 	empty_expect(-EAGAIN, 0);
-	for (uintptr_t round = 0; round < 3; ++round) {
-		for (uintptr_t i = 0; i < MANY; ++i)
+	for (uintptr_t round = 0; round < 3; round++) {
+		for (uintptr_t i = 0; i < MANY; i++)
 			assert_int_equal(push(i, i % THREADS), 0);
-		for (uintptr_t i = 0; i < MANY; ++i) {
+		for (uintptr_t i = 0; i < MANY; i++) {
 			assert_false(stilb_job_queue_empty(queue, i % 3));
 			pop_expect(i, i % 5);
 		}
-		for (uint32_t thread = 0; thread < THREADS; ++thread)
+		for (uint32_t thread = 0; thread < THREADS; thread++)
 			empty_expect(-EAGAIN, thread);
 	}
 	finish();
@@ -160,10 +160,10 @@ static void test_ends_interleaved(void **state)
 	(void)state;
 	start(SIZE_MAX);
 	uintptr_t pushed = 0, popped = 0;
-	for (uintptr_t i = 0; i < MANY; ++i) {
-		for (uintptr_t k = 0; k < i % 7; ++k)
+	for (uintptr_t i = 0; i < MANY; i++) {
+		for (uintptr_t k = 0; k < i % 7; k++)
 			assert_int_equal(push(pushed++, i % THREADS), 0);
-		for (uintptr_t k = 0; k < i % 5 && popped < pushed; ++k)
+		for (uintptr_t k = 0; k < i % 5 && popped < pushed; k++)
 			pop_expect(popped++, (i + 1) % THREADS);
 	}
 	assert_true(popped < pushed);
@@ -179,14 +179,14 @@ static void test_batches(void **state)
 	static void *items[MANY];
 	start(SIZE_MAX);
 	uintptr_t pushed = 0, popped = 0;
-	for (size_t in = 0; in < SIZES; ++in)
-		for (size_t out = 0; out < SIZES; ++out) {
-			for (int i = 0; i < 3; ++i, pushed += sizes[in])
+	for (size_t in = 0; in < SIZES; in++)
+		for (size_t out = 0; out < SIZES; out++) {
+			for (int i = 0; i < 3; i++, pushed += sizes[in])
 				assert_int_equal(push_many(pushed, sizes[in], 0), sizes[in]);
 			while (popped < pushed) {
 				size_t left = pushed - popped, expected = left < sizes[out] ? left : sizes[out];
 				assert_int_equal(stilb_job_queue_pop_n(queue, items, sizes[out], 1), expected);
-				for (size_t i = 0; i < expected; ++i)
+				for (size_t i = 0; i < expected; i++)
 					assert_ptr_equal(items[i], item_of(popped + i));
 				popped += expected;
 			}
@@ -203,13 +203,13 @@ static void test_bounded(void **state)
 	if (!kind->bounded)
 		skip();
 	static const size_t capacities[] = {1, 2, 3, 511, 512, 513, 1023, 1024, 1025, 2048};
-	for (size_t c = 0; c < sizeof capacities / sizeof *capacities; ++c) {
+	for (size_t c = 0; c < sizeof capacities / sizeof *capacities; c++) {
 		size_t capacity = capacities[c];
 		start(capacity);
 		uintptr_t pushed = 0, popped = 0;
-		for (; pushed < capacity; ++pushed)
+		for (; pushed < capacity; pushed++)
 			assert_int_equal(push(pushed, pushed % THREADS), 0);
-		for (size_t i = 0; i < MANY / 2; ++i) { /* full, pop one, push one */
+		for (size_t i = 0; i < MANY / 2; i++) { /* full, pop one, push one */
 			assert_int_equal(push(pushed, i % THREADS), -EAGAIN);
 			assert_int_equal(push_many(pushed, 3, i % THREADS), -EAGAIN);
 			pop_expect(popped++, (i + 1) % THREADS);
@@ -219,7 +219,7 @@ static void test_bounded(void **state)
 		empty_expect(-EAGAIN, 0);
 		popped = pushed;
 		for (size_t i = 0; i < 20;
-		     ++i, pushed += capacity, popped += capacity) { /* more at once than there is room for */
+		     i++, pushed += capacity, popped += capacity) { /* more at once than there is room for */
 			assert_int_equal(push_many(pushed, capacity + 1 + i, i % THREADS), capacity);
 			drain_expect(popped, capacity, (i + 1) % THREADS);
 		}
@@ -252,7 +252,7 @@ static void test_closing(void **state)
 		start(SIZE_MAX);
 		assert_int_equal(push_many(0, inside, 0), inside);
 		stilb_job_queue_close(queue);
-		for (uint32_t thread = 0; thread < THREADS; ++thread) {
+		for (uint32_t thread = 0; thread < THREADS; thread++) {
 			assert_int_equal(push(0, thread), -EPIPE);
 			assert_int_equal(push_many(0, 3, thread), -EPIPE);
 		}
@@ -260,7 +260,7 @@ static void test_closing(void **state)
 		drain_expect(0, inside / 2, 1);
 		stilb_job_queue_close(queue); /* again: fine */
 		drain_expect(inside / 2, inside - inside / 2, 2);
-		for (uint32_t thread = 0; thread < THREADS; ++thread) {
+		for (uint32_t thread = 0; thread < THREADS; thread++) {
 			empty_expect(-EPIPE, thread);
 			assert_int_equal(push(0, thread), -EPIPE);
 		}
@@ -300,7 +300,7 @@ static void test_memory_goes_round(void **state)
 	(void)state;
 	enum { SEGMENTS = 64, ITEMS = SEGMENTS * 1024 };
 	start(SIZE_MAX);
-	for (uint32_t thread = 0; thread < THREADS; ++thread) {
+	for (uint32_t thread = 0; thread < THREADS; thread++) {
 		assert_int_equal(push(0, thread), 0); /* and is not heard of again, unless below */
 		pop_expect(0, thread);
 		if (thread % 2)
@@ -308,7 +308,7 @@ static void test_memory_goes_round(void **state)
 	}
 	long warm_calls = 0;
 	memory.most = memory.live;
-	for (uintptr_t i = 0; i < ITEMS; ++i) {
+	for (uintptr_t i = 0; i < ITEMS; i++) {
 		if (i == ITEMS / 2)
 			warm_calls = memory.calls;
 		assert_int_equal(push(i, i / 1500 % 2), 0);
@@ -326,7 +326,7 @@ static void test_out_of_memory_in_create(void **state)
 {
 	(void)state;
 	int error = -ENOMEM;
-	for (long call = 1; error; ++call) {
+	for (long call = 1; error; call++) {
 		stilb_job_queue_desc desc = {.capacity = SIZE_MAX, .thread_count = THREADS};
 		stilb_job_queue *made = (stilb_job_queue *)&desc;
 		memset(&memory, 0, sizeof memory);
@@ -351,10 +351,10 @@ static void test_out_of_memory_in_push(void **state)
 		start(SIZE_MAX);
 		assert_int_equal(push_many(0, 700, 0), 700);
 		uintptr_t pushed = 700, popped = 0;
-		for (int round = 0; round < 3; ++round) {
+		for (int round = 0; round < 3; round++) {
 			memory.fails = true;
 			int result = 0;
-			for (int tries = 0; result != -ENOMEM; pushed += result > 0 ? (uintptr_t)result : 0, ++tries) {
+			for (int tries = 0; result != -ENOMEM; pushed += result > 0 ? (uintptr_t)result : 0, tries++) {
 				result = push_many(pushed, batch, 0);
 				assert_true(result > 0 || result == -ENOMEM);
 				assert_true(tries < MANY);
@@ -393,18 +393,18 @@ static void test_no_lock_while_allocating(void **state)
 	uintptr_t outer_pushed = 0, outer_popped = 0;
 	void *item = NULL;
 	memory.meanwhile = push_and_pop;
-	for (uintptr_t i = 0; i < 4 * MANY; ++i) {
+	for (uintptr_t i = 0; i < 4 * MANY; i++) {
 		outer_pushed += push(i, 0) == 0;
 		if (i % 3 == 0)
 			outer_popped += stilb_job_queue_pop(queue, &item, 1) == 0;
 	}
 	while (stilb_job_queue_pop(queue, &item, 1) == 0)
-		++outer_popped;
+		outer_popped++;
 	memory.meanwhile = NULL;
 	assert_true(inner_pushed > 0);
 	assert_int_equal(outer_pushed, 4 * MANY);
 	while (stilb_job_queue_pop(queue, &item, 1) == 0)
-		++outer_popped; /* what came while the last one was freed */
+		outer_popped++; /* what came while the last one was freed */
 	assert_int_equal(outer_popped + inner_popped, outer_pushed + inner_pushed);
 	finish();
 }
@@ -447,7 +447,7 @@ static void random_pop(believed *model, uint64_t draw, uint32_t thread)
 	if (draw % 4 && result == 0)
 		result = 1;
 	assert_int_equal(result, most > 0 ? (int)most : model->closed ? -EPIPE : -EAGAIN);
-	for (int i = 0; i < result; ++i)
+	for (int i = 0; i < result; i++)
 		assert_ptr_equal(items[i], item_of(model->popped++));
 }
 
@@ -456,7 +456,7 @@ static void random_calls_with(uint64_t random, size_t capacity)
 	believed model = {.capacity = capacity};
 	start(capacity);
 	memory.fails_at_random = random % 2;
-	for (int i = 0; i < MANY; ++i) {
+	for (int i = 0; i < MANY; i++) {
 		uint64_t draw = next_random(&random);
 		uint32_t thread = draw % THREADS;
 		draw /= THREADS;
@@ -482,7 +482,7 @@ static void test_random_calls(void **state)
 {
 	(void)state;
 	static const size_t capacities[] = {SIZE_MAX, 1, 100, 512, 1500};
-	for (uint64_t seed = 0; seed < 100; ++seed)
+	for (uint64_t seed = 0; seed < 100; seed++)
 		random_calls_with(seed, kind->bounded ? capacities[seed / 2 % 5] : SIZE_MAX);
 }
 
@@ -492,9 +492,9 @@ static void test_most_threads(void **state)
 	(void)state;
 	memset(&memory, 0, sizeof memory);
 	queue = queue_kind_create(kind, SIZE_MAX, STILB_JOB_QUEUE_MAX_THREADS);
-	for (uint32_t thread = 0; thread < STILB_JOB_QUEUE_MAX_THREADS; ++thread)
+	for (uint32_t thread = 0; thread < STILB_JOB_QUEUE_MAX_THREADS; thread++)
 		assert_int_equal(push(thread, thread), 0);
-	for (uint32_t thread = 0; thread < STILB_JOB_QUEUE_MAX_THREADS; ++thread)
+	for (uint32_t thread = 0; thread < STILB_JOB_QUEUE_MAX_THREADS; thread++)
 		pop_expect(thread, STILB_JOB_QUEUE_MAX_THREADS - 1 - thread);
 	empty_expect(-EAGAIN, 0);
 	finish();
@@ -521,7 +521,7 @@ static void test_create(void **state)
 		{.kind = (stilb_job_queue_kind)2, .capacity = 1, .thread_count = 1},
 		{.kind = (stilb_job_queue_kind)-1, .capacity = 1, .thread_count = 1},
 	};
-	for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		made = (stilb_job_queue *)&desc;
 		assert_int_equal(stilb_job_queue_create(&bad[i], &made), -EINVAL);
 		assert_null(made);
@@ -549,7 +549,7 @@ int main(void)
 		cmocka_unit_test(test_random_calls),
 	};
 	int failed = cmocka_run_group_tests_name("create", create, NULL, NULL);
-	for (int i = 0; i < QUEUE_KINDS; ++i) {
+	for (int i = 0; i < QUEUE_KINDS; i++) {
 		kind = &queue_kinds[i];
 		failed += cmocka_run_group_tests_name(kind->name, tests, NULL, NULL);
 	}

@@ -64,7 +64,7 @@ static void pause_at_random(recorder *self)
 {
 	uint64_t draw = next_random(&self->random);
 	if (draw % 64 == 0)
-		for (uint32_t i = 0; i < draw / 64 % 256; ++i)
+		for (uint32_t i = 0; i < draw / 64 % 256; i++)
 			job_sys_pause();
 }
 
@@ -99,13 +99,13 @@ static void *produce(void *data)
 		uint32_t batch = batch_at_random(self);
 		batch = batch < r->each - done ? batch : r->each - done;
 		void *items[MOST_BATCH];
-		for (uint32_t i = 0; i < batch; ++i)
+		for (uint32_t i = 0; i < batch; i++)
 			items[i] = item_of(self->number * r->each + done + i);
 		uint64_t begin = history_now();
 		int pushed = batch == 1 ? !stilb_job_queue_push(r->queue, items[0], self->number)
 		                        : stilb_job_queue_push_n(r->queue, items, batch, self->number);
 		uint64_t end = history_now();
-		for (int i = 0; i < pushed; ++i)
+		for (int i = 0; i < pushed; i++)
 			record(self, HISTORY_PUSH, begin, end, items[i]);
 		if (pushed <= 0)
 			yield_at_random(self);
@@ -132,14 +132,14 @@ static bool consume_once(recorder *self)
 	             : batch == 1 ? !stilb_job_queue_pop(r->queue, items, self->number)
 	                          : stilb_job_queue_pop_n(r->queue, items, batch, self->number);
 	uint64_t end = history_now();
-	for (int i = 0; i < popped; ++i)
+	for (int i = 0; i < popped; i++)
 		record(self, HISTORY_POP, begin, end, items[i]);
 	if (popped > 0)
 		return true;
 	/* Calls that found nothing may be left out, for they change nothing: no more are kept than found something. */
 	if (self->empty_calls * 2 <= self->count) {
 		record(self, HISTORY_EMPTY, begin, end, NULL);
-		++self->empty_calls;
+		self->empty_calls++;
 	}
 	return false;
 }
@@ -188,7 +188,7 @@ static size_t record_run(stilb_job_queue *queue, uint32_t side, uint32_t values,
 	r.producers_left = side;
 	r.threads_left = 2 * side;
 	recorder recorders[MOST_THREADS];
-	for (uint32_t i = 0; i < 2 * side; ++i) {
+	for (uint32_t i = 0; i < 2 * side; i++) {
 		size_t room =
 			i < side ? r.each : (size_t)values * 2 + 2; /* any consumer may get all, and half as many misses */
 		recorders[i] = (recorder){.run = &r, .number = i, .random = seed + i, .room = room};
@@ -199,13 +199,13 @@ static size_t record_run(stilb_job_queue *queue, uint32_t side, uint32_t values,
 	atomic_store_explicit(&r.start, 1, memory_order_relaxed);
 	disturb(&r, recorders, seed);
 	size_t count = 0;
-	for (uint32_t i = 0; i < 2 * side; ++i) {
+	for (uint32_t i = 0; i < 2 * side; i++) {
 		pthread_join(recorders[i].thread, NULL);
 		count += recorders[i].count;
 	}
 	history_op *next = *ops = malloc(count * sizeof **ops);
 	assert_non_null(*ops);
-	for (uint32_t i = 0; i < 2 * side; ++i) {
+	for (uint32_t i = 0; i < 2 * side; i++) {
 		memcpy(next, recorders[i].ops, recorders[i].count * sizeof *next);
 		next += recorders[i].count;
 		free(recorders[i].ops);
@@ -218,7 +218,7 @@ static size_t record_run(stilb_job_queue *queue, uint32_t side, uint32_t values,
 static size_t count_calls(const history_op *ops, size_t count, history_call call)
 {
 	size_t calls = 0;
-	for (size_t i = 0; i < count; ++i)
+	for (size_t i = 0; i < count; i++)
 		calls += ops[i].call == call;
 	return calls;
 }
@@ -244,7 +244,7 @@ static void check_kind(const queue_kind *kind, uint32_t side, size_t capacity)
 static void test_kinds(void **state)
 {
 	(void)state;
-	for (int kind = 0; kind < QUEUE_KINDS; ++kind)
+	for (int kind = 0; kind < QUEUE_KINDS; kind++)
 		for (uint32_t side = 1; side <= 4; side *= 2)
 			check_kind(&queue_kinds[kind], side, SIZE_MAX);
 }
@@ -252,7 +252,7 @@ static void test_kinds(void **state)
 static void test_kinds_bounded(void **state)
 {
 	(void)state;
-	for (int kind = 0; kind < QUEUE_KINDS; ++kind)
+	for (int kind = 0; kind < QUEUE_KINDS; kind++)
 		for (uint32_t side = 2; queue_kinds[kind].bounded && side <= 4; side *= 2)
 			check_kind(&queue_kinds[kind], side, CAPACITY);
 }
@@ -319,7 +319,7 @@ static int broken_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 	else if (pthread_mutex_trylock(&self->lock) != 0)
 		return -EAGAIN;
 	struct broken_fifo *fifo = self->fifos;
-	for (uint32_t i = 0; i < MOST_THREADS && fifo->head == fifo->tail; ++i)
+	for (uint32_t i = 0; i < MOST_THREADS && fifo->head == fifo->tail; i++)
 		fifo = &self->fifos[self->turn++ % MOST_THREADS];
 	int result = -EAGAIN;
 	if (broken_now(self, FAULT_FORGE)) {
@@ -336,7 +336,7 @@ static int broken_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 
 static int broken_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread)
 {
-	for (size_t i = 0; i < count; ++i)
+	for (size_t i = 0; i < count; i++)
 		broken_push(queue, items[i], thread);
 	return (int)count;
 }
@@ -370,13 +370,13 @@ static history_violation check_broken(queue_fault fault, uint64_t seed)
 	                                  .rest = broken_rest};
 	enum { SIDE = 2, VALUES = 20000 };
 	broken_queue queue = {.base.ops = &ops, .fault = fault, .lock = PTHREAD_MUTEX_INITIALIZER};
-	for (uint32_t i = 0; i < MOST_THREADS; ++i)
+	for (uint32_t i = 0; i < MOST_THREADS; i++)
 		queue.fifos[i].items = malloc(VALUES * sizeof(void *));
 	history_op *history = NULL;
 	size_t count = record_run(&queue.base, SIDE, VALUES, seed, &history);
 	history_violation violation = history_check(history, count, VALUES);
 	free(history);
-	for (uint32_t i = 0; i < MOST_THREADS; ++i)
+	for (uint32_t i = 0; i < MOST_THREADS; i++)
 		free(queue.fifos[i].items);
 	return violation;
 }
@@ -391,12 +391,12 @@ static void test_broken_queues(void **state)
 		[FAULT_SWAP] = HISTORY_OVERTAKEN,  [FAULT_SIDES] = HISTORY_OVERTAKEN, [FAULT_LATE] = HISTORY_OVERTAKEN,
 		[FAULT_SHY] = HISTORY_NEVER_EMPTY,
 	};
-	for (uint64_t seed = 0; seed < RUNS / 5; ++seed)
+	for (uint64_t seed = 0; seed < RUNS / 5; seed++)
 		assert_int_equal(check_broken(FAULT_NONE, seed), HISTORY_LINEARISABLE);
-	for (queue_fault fault = FAULT_NONE + 1; fault < FAULTS; ++fault) {
+	for (queue_fault fault = FAULT_NONE + 1; fault < FAULTS; fault++) {
 		uint64_t seed = 0;
 		while (seed < RUNS && check_broken(fault, seed) != expected[fault])
-			++seed;
+			seed++;
 		print_message("fault %d found in run %u\n", fault, (unsigned)seed);
 		assert_true(seed < RUNS);
 	}
@@ -457,7 +457,7 @@ static void test_examples(void **state)
 	     5,
 	     {PUSH(0, 1, 2), PUSH(1, 4, 5), POP(0, 6, 7), EMPTY(3, 8), POP(1, 9, 10)}},
 	};
-	for (size_t i = 0; i < sizeof examples / sizeof *examples; ++i) {
+	for (size_t i = 0; i < sizeof examples / sizeof *examples; i++) {
 		history_violation violation = history_check(examples[i].ops, examples[i].count, VALUES);
 		if (violation != examples[i].expected)
 			fail_msg("%s: %s", examples[i].what, history_violation_name(violation));
@@ -477,10 +477,10 @@ typedef struct search {
 static bool some_order(search s)
 {
 	uint64_t first_end = UINT64_MAX;
-	for (uint32_t i = 0; i < s.count; ++i)
+	for (uint32_t i = 0; i < s.count; i++)
 		if (!(s.done >> i & 1) && s.ops[i].end < first_end)
 			first_end = s.ops[i].end;
-	for (uint32_t i = 0; i < s.count; ++i) {
+	for (uint32_t i = 0; i < s.count; i++) {
 		const history_op *op = &s.ops[i];
 		if (s.done >> i & 1 || op->begin > first_end)
 			continue;
@@ -503,7 +503,7 @@ static bool some_order(search s)
 static uint32_t random_run(uint64_t *random, history_op *ops)
 {
 	uint32_t count = 2 + (uint32_t)(next_random(random) % 6), pushed = 0, popped = 0;
-	for (uint32_t i = 0; i < count; ++i) {
+	for (uint32_t i = 0; i < count; i++) {
 		uint64_t draw = next_random(random), middle = 20 * (i + 3);
 		ops[i] = (history_op){.begin = middle - draw % 40, .end = middle + draw / 64 % 40};
 		draw /= 4096;
@@ -529,12 +529,12 @@ static void test_against_search(void **state)
 	(void)state;
 	uint32_t verdicts[HISTORY_NO_MEMORY] = {0};
 	uint64_t random = 1;
-	for (uint32_t i = 0; i < 200000; ++i) {
+	for (uint32_t i = 0; i < 200000; i++) {
 		history_op ops[8];
 		uint32_t count = random_run(&random, ops);
 		history_violation violation = history_check(ops, count, 8);
 		assert_int_equal(violation == HISTORY_LINEARISABLE, some_order((search){.ops = ops, .count = count}));
-		++verdicts[violation];
+		verdicts[violation]++;
 	}
 	print_message("linearisable %u, fresh %u, overtaken %u, never empty %u\n", verdicts[HISTORY_LINEARISABLE],
 	              verdicts[HISTORY_FRESH], verdicts[HISTORY_OVERTAKEN], verdicts[HISTORY_NEVER_EMPTY]);

@@ -53,7 +53,7 @@ static void stand_still(int signal)
 {
 	(void)signal;
 	int saved = errno;
-	++own->stops[own->place];
+	own->stops[own->place]++;
 	own->stood = 1;
 	atomic_store_explicit(&own->stands, true, memory_order_release);
 	char byte;
@@ -119,7 +119,7 @@ static void sleep_us(uint64_t us)
 static void count_calls(walker *walkers, uint32_t first, uint32_t *pushed, uint32_t *popped)
 {
 	*pushed = *popped = 0;
-	for (uint32_t i = first; i < THREADS; ++i) {
+	for (uint32_t i = first; i < THREADS; i++) {
 		*pushed += atomic_load_explicit(&walkers[i].pushed, memory_order_relaxed);
 		*popped += atomic_load_explicit(&walkers[i].popped, memory_order_relaxed);
 	}
@@ -142,7 +142,7 @@ static bool progress_within(walker *walkers, uint32_t first, uint32_t wanted, ui
 
 static void await_walkers(walker *walkers, uint32_t count, bool stand)
 {
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		while (atomic_load_explicit(&walkers[i].stands, memory_order_acquire) != stand)
 			sleep_us(20);
 }
@@ -150,8 +150,8 @@ static void await_walkers(walker *walkers, uint32_t count, bool stand)
 /* The first `count` stand still when this returns; they are stopped one after the other. */
 static void stop_walkers(walker *walkers, uint32_t count, uint64_t *random)
 {
-	for (uint32_t i = 0; i < count; ++i) {
-		for (uint64_t pauses = next_random(random) % 64; pauses > 0; --pauses)
+	for (uint32_t i = 0; i < count; i++) {
+		for (uint64_t pauses = next_random(random) % 64; pauses > 0; pauses--)
 			job_sys_pause();
 		pthread_kill(walkers[i].thread, SIGUSR1);
 		await_walkers(walkers + i, 1, true);
@@ -160,7 +160,7 @@ static void stop_walkers(walker *walkers, uint32_t count, uint64_t *random)
 
 static void release_walkers(walker *walkers, uint32_t count)
 {
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		assert_int_equal(write(gate[1], "", 1), 1);
 	await_walkers(walkers, count, false);
 }
@@ -170,7 +170,7 @@ static uint32_t stop_and_watch(walker *walkers)
 {
 	uint32_t waits = 0;
 	uint64_t random = 1;
-	for (uint32_t round = 0; round < rounds; ++round) {
+	for (uint32_t round = 0; round < rounds; round++) {
 		uint32_t stopped = 1 + round % (THREADS - 1);
 		stop_walkers(walkers, stopped, &random);
 		bool goes_on = kind->lock_free ? progress_within(walkers, stopped, PROGRESS, PATIENCE_S * 1000)
@@ -191,7 +191,7 @@ static void run_walkers(size_t capacity)
 	static walker walkers[THREADS];
 	memset(walkers, 0, sizeof walkers);
 	stilb_job_queue *queue = queue_kind_create(kind, capacity, THREADS);
-	for (uint32_t i = 0; i < THREADS; ++i) {
+	for (uint32_t i = 0; i < THREADS; i++) {
 		walkers[i].queue = queue;
 		walkers[i].number = i;
 		walkers[i].stop = &stop;
@@ -203,12 +203,12 @@ static void run_walkers(size_t capacity)
 	atomic_store_explicit(&stop, true, memory_order_relaxed);
 	uint64_t pushed = 0, popped = 0, longest = 0;
 	uint32_t stops[PLACES] = {0};
-	for (uint32_t i = 0; i < THREADS; ++i) {
+	for (uint32_t i = 0; i < THREADS; i++) {
 		pthread_join(walkers[i].thread, NULL);
 		pushed += walkers[i].pushed_sum;
 		popped += walkers[i].popped_sum;
 		longest = walkers[i].longest > longest ? walkers[i].longest : longest;
-		for (int place = 0; place < PLACES; ++place)
+		for (int place = 0; place < PLACES; place++)
 			stops[place] += walkers[i].stops[place];
 	}
 	void *item = NULL;
@@ -248,7 +248,7 @@ int main(int argc, char **argv)
 	sigaction(SIGUSR1, &(struct sigaction){.sa_handler = stand_still, .sa_flags = SA_RESTART}, NULL);
 	const struct CMUnitTest tests[] = {cmocka_unit_test(test_stall), cmocka_unit_test(test_stall_bounded)};
 	int failed = 0;
-	for (int i = 0; i < (argc > 1 ? QUEUE_KINDS : QUEUE_KINDS_OURS); ++i) {
+	for (int i = 0; i < (argc > 1 ? QUEUE_KINDS : QUEUE_KINDS_OURS); i++) {
 		kind = &queue_kinds[i];
 		failed += cmocka_run_group_tests_name(kind->name, tests, NULL, NULL);
 	}

@@ -101,7 +101,7 @@ static void rest_at_random(member *self)
 static int push_some(member *self, parcel *parcels, size_t count)
 {
 	void *items[BATCH];
-	for (size_t i = 0; i < count; ++i)
+	for (size_t i = 0; i < count; i++)
 		items[i] = &parcels[i];
 	if (count > 1)
 		return stilb_job_queue_push_n(self->crowd->queue, items, count, self->number);
@@ -116,7 +116,7 @@ static void *produce(void *data)
 	parcel *own = self->crowd->parcels + (size_t)self->producer * self->crowd->each;
 	while (self->pushed < self->last) {
 		size_t count = items_at_once(self, self->last - self->pushed);
-		for (uint32_t i = self->pushed; i < self->pushed + count; ++i) {
+		for (uint32_t i = self->pushed; i < self->pushed + count; i++) {
 			own[i].producer = self->producer;
 			own[i].number = i;
 			own[i].seal = seal_of(self->producer, i);
@@ -143,8 +143,8 @@ static void receive(member *self, parcel *got)
 	/* In this style the one consumer sees all: after an item that does not end a push comes the next of the same push. */
 	self->tears += self->crowd->style == WHOLE && self->next_whole && self->next_whole != got;
 	self->next_whole = (got->number + 1) % BATCH && got->number + 1 < self->crowd->each ? got + 1 : NULL;
-	++got->popped;
-	++self->popped;
+	got->popped++;
+	self->popped++;
 }
 
 static int pop_some(member *self)
@@ -155,7 +155,7 @@ static int pop_some(member *self)
 	                     : stilb_job_queue_pop(self->crowd->queue, items, self->number);
 	if (max == 1 && popped == 0)
 		popped = 1;
-	for (int i = 0; i < popped; ++i)
+	for (int i = 0; i < popped; i++)
 		receive(self, items[i]);
 	return popped;
 }
@@ -173,7 +173,7 @@ static void *consume(void *data)
 			sched_yield();
 		rest_at_random(self);
 	}
-	for (int i = 0; i < 20 && self->popped < self->most; ++i) { /* and so it stays */
+	for (int i = 0; i < 20 && self->popped < self->most; i++) { /* and so it stays */
 		sched_yield();
 		self->surprises += pop_some(self) != -EPIPE;
 	}
@@ -198,7 +198,7 @@ static void member_start(member *self, void *(*role)(void *))
 
 static void crowd_start(crowd *all, member *members, uint64_t seed)
 {
-	for (uint32_t i = 0; i < all->producers + all->consumers; ++i) {
+	for (uint32_t i = 0; i < all->producers + all->consumers; i++) {
 		members[i] = (member){.crowd = all, .number = i, .random = seed * THREADS + i, .most = UINT32_MAX};
 		members[i].producer = i;
 		members[i].last = all->each;
@@ -225,12 +225,12 @@ static void crowd_destroy(crowd *all)
 static void crowd_finish(crowd *all, member *members)
 {
 	uint64_t pushed = 0, popped = 0;
-	for (uint32_t i = 0; i < all->producers; ++i) {
+	for (uint32_t i = 0; i < all->producers; i++) {
 		pushed += members[i].pushed;
-		for (uint32_t k = 0; k < all->each; ++k)
+		for (uint32_t k = 0; k < all->each; k++)
 			assert_int_equal(all->parcels[(size_t)i * all->each + k].popped, k < members[i].pushed);
 	}
-	for (uint32_t i = 0; i < all->consumers; ++i)
+	for (uint32_t i = 0; i < all->consumers; i++)
 		popped += members[all->producers + i].popped;
 	assert_int_equal(pushed, popped);
 	crowd_destroy(all);
@@ -241,12 +241,12 @@ static void run_crowd(uint32_t producers, uint32_t consumers, crowd_style style,
 	member members[THREADS];
 	crowd all = crowd_create(producers, consumers, style, capacity);
 	crowd_start(&all, members, style);
-	for (uint32_t i = 0; i < producers; ++i) {
+	for (uint32_t i = 0; i < producers; i++) {
 		member_join(&members[i]);
 		assert_int_equal(members[i].pushed, all.each);
 	}
 	stilb_job_queue_close(all.queue);
-	for (uint32_t i = producers; i < producers + consumers; ++i)
+	for (uint32_t i = producers; i < producers + consumers; i++)
 		member_join(&members[i]);
 	crowd_finish(&all, members);
 }
@@ -254,7 +254,7 @@ static void run_crowd(uint32_t producers, uint32_t consumers, crowd_style style,
 static void test_crowds(void **state)
 {
 	(void)state;
-	for (crowd_style style = SINGLE; style < STYLES; ++style)
+	for (crowd_style style = SINGLE; style < STYLES; style++)
 		for (uint32_t side = 1; side <= SIDE_MOST; side *= 2)
 			run_crowd(side, side, style, SIZE_MAX);
 }
@@ -281,14 +281,14 @@ static void test_close_under_load(void **state)
 {
 	(void)state;
 	uint64_t random = 1;
-	for (int round = 0; round < ROUNDS; ++round) {
+	for (int round = 0; round < ROUNDS; round++) {
 		member members[THREADS];
 		uint32_t side = 1u << round % 3;
 		crowd all = crowd_create(side, side, (crowd_style)(round % 3), SIZE_MAX);
 		crowd_start(&all, members, (uint64_t)round);
 		nanosleep(&(struct timespec){.tv_nsec = (long)(next_random(&random) % 1000000)}, NULL);
 		stilb_job_queue_close(all.queue);
-		for (uint32_t i = 0; i < 2 * side; ++i)
+		for (uint32_t i = 0; i < 2 * side; i++)
 			member_join(&members[i]);
 		crowd_finish(&all, members);
 	}
@@ -302,12 +302,12 @@ static void test_numbers_reused(void **state)
 	enum { SIDE = 2, GENERATIONS = 40 };
 	crowd all = crowd_create(SIDE, SIDE, MIXED, SIZE_MAX);
 	uint32_t each = all.each / GENERATIONS / 2 * 2;
-	for (uint32_t generation = 0; generation <= GENERATIONS; ++generation) {
+	for (uint32_t generation = 0; generation <= GENERATIONS; generation++) {
 		member members[2 * SIDE];
 		bool last = generation == GENERATIONS;
 		if (last)
 			stilb_job_queue_close(all.queue);
-		for (uint32_t i = 0; i < 2 * SIDE; ++i) {
+		for (uint32_t i = 0; i < 2 * SIDE; i++) {
 			member *self = &members[i];
 			*self =
 				(member){.crowd = &all, .number = (i + generation) % (2 * SIDE), .random = generation, .producer = i};
@@ -316,14 +316,14 @@ static void test_numbers_reused(void **state)
 			self->most = last ? UINT32_MAX : generation == 0 ? each / 2 : each;
 			member_start(self, i < SIDE ? produce : consume);
 		}
-		for (uint32_t i = 0; i < 2 * SIDE; ++i)
+		for (uint32_t i = 0; i < 2 * SIDE; i++)
 			member_join(&members[i]);
 		if (generation % 2)
-			for (uint32_t number = 0; number < 2 * SIDE; ++number)
+			for (uint32_t number = 0; number < 2 * SIDE; number++)
 				stilb_job_queue_rest(all.queue, number);
 	}
-	for (uint32_t i = 0; i < SIDE; ++i)
-		for (uint32_t k = 0; k < all.each; ++k)
+	for (uint32_t i = 0; i < SIDE; i++)
+		for (uint32_t k = 0; k < all.each; k++)
 			assert_int_equal(all.parcels[(size_t)i * all.each + k].popped, k < each * GENERATIONS);
 	crowd_destroy(&all);
 }
@@ -337,7 +337,7 @@ static void test_whole_pushes(void **state)
 	member members[4];
 	crowd all = crowd_create(3, 1, WHOLE, SIZE_MAX);
 	crowd_start(&all, members, 1);
-	for (uint32_t i = 0; i < 3; ++i)
+	for (uint32_t i = 0; i < 3; i++)
 		member_join(&members[i]);
 	stilb_job_queue_close(all.queue);
 	member_join(&members[3]);
@@ -359,7 +359,7 @@ static cpu_set_t share_one_cpu(void)
 	CPU_ZERO(&one);
 	int cpu = 0;
 	while (!CPU_ISSET(cpu, &all))
-		++cpu;
+		cpu++;
 	CPU_SET(cpu, &one);
 	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0); /* threads made from now on inherit it */
 	return all;
@@ -388,7 +388,7 @@ static void test_never_empty(void **state)
 	void *item = &both;
 	assert_int_equal(stilb_job_queue_push(both.queue, item, 1), 0);
 	assert_int_equal(pthread_create(&other, NULL, look_for_emptiness, &both), 0);
-	for (int i = 0; i < INTERRUPTIONS; ++i) {
+	for (int i = 0; i < INTERRUPTIONS; i++) {
 		sleep_a_little();
 		assert_int_equal(stilb_job_queue_push(both.queue, item, 1), 0);
 		assert_int_equal(stilb_job_queue_pop(both.queue, &item, 1), 0);
@@ -417,7 +417,7 @@ static void test_close_after_push(void **state)
 	(void)state;
 	cpu_set_t cpus = share_one_cpu();
 	uint32_t found = 0;
-	for (int i = 0; i < INTERRUPTIONS; ++i) {
+	for (int i = 0; i < INTERRUPTIONS; i++) {
 		pair both = {.queue = queue_kind_create(kind, SIZE_MAX, 2)};
 		pthread_t other;
 		assert_int_equal(pthread_create(&other, NULL, pop_to_the_end, &both), 0);
@@ -441,7 +441,7 @@ int main(void)
 		cmocka_unit_test(test_never_empty),    cmocka_unit_test(test_close_after_push),
 	};
 	int failed = 0;
-	for (int i = 0; i < QUEUE_KINDS; ++i) {
+	for (int i = 0; i < QUEUE_KINDS; i++) {
 		kind = &queue_kinds[i];
 		failed += cmocka_run_group_tests_name(kind->name, tests, NULL, NULL);
 	}

@@ -53,7 +53,7 @@ static void *submit_watched(void *data)
 {
 	watched *w = data;
 	stilb_job_options low = {.priority = STILB_JOB_LOW};
-	for (int i = 0; i < 10; ++i)
+	for (int i = 0; i < 10; i++)
 		if (stilb_job_submit(w->pool, watched_job, w, &w->group, STILB_JOB_OUTSIDE) != 0 ||
 		    stilb_job_submit_with(w->pool, watched_job, w, &w->group, &low, STILB_JOB_OUTSIDE) != 0)
 			count_up(&w->wrong);
@@ -119,7 +119,7 @@ static void check_restriction(shape s, uint32_t free)
 		assert_true(await(&r.submitted, 1));
 	}
 	outside_run(submit_watched, &r.unrelated);
-	for (int i = 0; i < 5; ++i)
+	for (int i = 0; i < 5; i++)
 		assert_int_equal(stilb_job_submit(pool, watched_job, &r.unrelated, &r.unrelated.group, 0), 0);
 	pthread_t onlooker = outside_start(look_on, &r);
 	stilb_job_wait(pool, &group, 0);
@@ -177,7 +177,7 @@ static void test_wait_of_a_job_is_restricted_too(void **state)
 		submit_pinned(w.unrelated.pool, wait_for_held_child, &w, &w.group, 1, 0);
 		assert_true(await(&w.child.inside, 1));
 		assert_true(await(&log.asleep, 1));
-		for (int i = 0; i < 5; ++i)
+		for (int i = 0; i < 5; i++)
 			assert_int_equal(stilb_job_submit(w.unrelated.pool, watched_job, &w.unrelated, &w.unrelated.group, 0), 0);
 		outside_run(submit_watched, &w.unrelated);
 		nap_us(2000);
@@ -198,7 +198,7 @@ static void test_without_workers_a_wait_does_everything(void **state)
 			continue;
 		watched w = {.pool = pool_with(s)};
 		outside_run(submit_watched, &w);
-		for (int i = 0; i < 5; ++i)
+		for (int i = 0; i < 5; i++)
 			assert_int_equal(stilb_job_submit(w.pool, watched_job, &w, &w.group, 0), 0);
 		submit_pinned(w.pool, watched_job, &w, &w.group, 0, 0);
 		stilb_job_wait(w.pool, &w.group, 0);
@@ -214,7 +214,7 @@ static void *submit_high_and_pinned(void *data)
 	restriction *r = data;
 	stilb_job_options high = {.priority = STILB_JOB_HIGH}, pinned = {.pinned = true, .target = 0};
 	watched *w = &r->unrelated;
-	for (uint32_t i = 1; i <= 10; ++i) {
+	for (uint32_t i = 1; i <= 10; i++) {
 		if (!await(&r->log.asleep, 1) ||
 		    stilb_job_submit_with(w->pool, watched_job, w, NULL, i % 2 ? &high : &pinned, STILB_JOB_OUTSIDE) != 0 ||
 		    !await(&w->ran, i))
@@ -284,14 +284,14 @@ static void test_when_all_wait_somebody_does_the_rest(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int way = 0; way < 4; ++way) {
+		for (int way = 0; way < 4; way++) {
 			bool late = way & 1, owner_waits = way & 2;
 			sleep_log log = {0};
 			rescue r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log)), .late = late};
 			rescue_level top = {&r, 3};
 			if (late && s.workers > 0)
 				submit_pinned(r.pool, do_nothing, NULL, &r.gate, 0, 0); /* keeps the gate closed */
-			for (uint32_t i = 0; i <= s.workers; ++i)
+			for (uint32_t i = 0; i <= s.workers; i++)
 				if (i > 0 || s.workers == 0)
 					submit_pinned(r.pool, wait_for_low, &top, &r.jobs, i, 0);
 			uint32_t waiting = s.workers > 0 ? s.workers : 1;
@@ -331,10 +331,10 @@ static void test_when_all_wait_in_loops_too(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int round = 0; round < 5; ++round) {
+		for (int round = 0; round < 5; round++) {
 			rescue r = {.pool = pool_with(s)};
 			rescue_level top = {&r, 2};
-			for (uint32_t i = 0; i <= s.workers; ++i)
+			for (uint32_t i = 0; i <= s.workers; i++)
 				submit_pinned(r.pool, loop_of_waits, &top, &r.jobs, i, 0);
 			stilb_job_wait(r.pool, &r.jobs, 0);
 			assert_int_equal(r.ran, 12 * (s.workers + 1));
@@ -363,7 +363,7 @@ static void slice_waits_for_owner(uint32_t begin, uint32_t end, uint32_t worker,
 	(void)begin;
 	(void)end;
 	count_up(&log->inside);
-	for (int i = 0; i < 1000 && worker == 0 && count_of(&log->inside) < 2; ++i)
+	for (int i = 0; i < 1000 && worker == 0 && count_of(&log->inside) < 2; i++)
 		nap_us(50); /* for a helper; there may be none */
 	stilb_job_group group = {0};
 	stilb_job_options pinned = {.pinned = true, .target = 0};
@@ -378,7 +378,7 @@ static void test_slice_waits_for_the_owner(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int i = 0; i < 20 && s.workers > 0; ++i) {
+		for (int i = 0; i < 20 && s.workers > 0; i++) {
 			slice_log log = {.pool = pool_with(s)};
 			stilb_job_parallel_for(log.pool, 2, 1, slice_waits_for_owner, &log, 0);
 			assert_in_range(log.ran, 1, 2);
@@ -415,14 +415,14 @@ static void descend(void *data, uint32_t worker)
 	if (outer->below > 0) {
 		level inner = {log, outer->below - 1, outer->width, outer->child};
 		stilb_job_group group = {0};
-		for (uint32_t i = 0; i < outer->width; ++i)
+		for (uint32_t i = 0; i < outer->width; i++)
 			if (stilb_job_submit_with(log->pool, descend, &inner, &group, &outer->child, worker) != 0)
 				count_up(&log->wrong);
 		stilb_job_wait(log->pool, &group, worker);
 	} else {
 		count_up(&log->ran);
 	}
-	--log->thread[worker].now;
+	log->thread[worker].now--;
 }
 
 /* What rescues may start on top of a job that waits for something the owner is in the middle of: a few, not all 200. */
@@ -436,15 +436,15 @@ static void check_depth(shape s, uint32_t siblings, stilb_job_priority priority,
 	level top = {&log, below, width, {.priority = child}};
 	stilb_job_group group = {0};
 	uint32_t leaves = siblings;
-	for (uint32_t i = 0; i < below; ++i)
+	for (uint32_t i = 0; i < below; i++)
 		leaves *= width;
-	for (uint32_t i = 0; i < siblings; ++i)
+	for (uint32_t i = 0; i < siblings; i++)
 		submit_priority(log.pool, descend, &top, &group, priority, 0);
 	stilb_job_wait(log.pool, &group, 0);
 	assert_int_equal(log.ran, leaves);
 	assert_int_equal(log.wrong, 0);
 	stilb_job_pool_destroy(log.pool);
-	for (uint32_t i = 0; i <= s.workers; ++i) {
+	for (uint32_t i = 0; i <= s.workers; i++) {
 		assert_int_equal(log.thread[i].now, 0);
 		assert_in_range(log.thread[i].most, 0, 1 + below + (s.workers > 0 ? RESCUES : 0));
 	}
@@ -461,7 +461,7 @@ static void test_waits_do_not_pile_up(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int round = 0; round < 3; ++round) {
+		for (int round = 0; round < 3; round++) {
 			check_depth(s, 200, STILB_JOB_NORMAL, 1, 1, STILB_JOB_NORMAL);
 			check_depth(s, 200, STILB_JOB_NORMAL, 2, 2, STILB_JOB_NORMAL);
 			check_depth(s, 200, STILB_JOB_NORMAL, 1, 1, STILB_JOB_HIGH);
@@ -493,7 +493,7 @@ static void test_wait_leaves_siblings_alone(void **state)
 		level top = {&log, 1, 1, {.pinned = true, .target = 1}};
 		stilb_job_group group = {0};
 		hold_workers(log.pool, &r.held, NULL, 1, 1);
-		for (int i = 0; i < 200; ++i)
+		for (int i = 0; i < 200; i++)
 			assert_int_equal(stilb_job_submit(log.pool, descend, &top, &group, 0), 0);
 		pthread_t outside = outside_start(release_when_asleep, &r);
 		stilb_job_wait(log.pool, &group, 0);
@@ -554,7 +554,7 @@ static void spin_ns(uint64_t nanoseconds)
  * helps, so a wake-up lost is a job that never runs. */
 static bool rounds_are_run(round *r, uint32_t rounds, uint32_t thread)
 {
-	for (uint32_t i = 1; i <= rounds; ++i) {
+	for (uint32_t i = 1; i <= rounds; i++) {
 		spin_ns(i * 37 % 50000);
 		if (submit_by(r, i % 5, thread) != 0 || !await(&r->ran, i))
 			return false;
@@ -604,7 +604,7 @@ typedef struct tired {
 static void *wait_while_tired(void *data)
 {
 	tired *t = data;
-	for (int i = 0; i < ROUNDS; ++i) {
+	for (int i = 0; i < ROUNDS; i++) {
 		stilb_job_group group = {0};
 		stilb_job_options pinned = {.pinned = true, .target = 1};
 		if (stilb_job_submit_with(t->pool, last_some_time, &t->turn, &group, &pinned, t->worker) != 0)
@@ -641,7 +641,7 @@ static void check_burst(shape s, bool memory)
 	round r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log))};
 	blocker b = {0};
 	hold_workers(r.pool, &b, NULL, 1, s.workers);
-	for (uint32_t i = 0; i < BURST; ++i) /* leaves records behind, not a larger deque */
+	for (uint32_t i = 0; i < BURST; i++) /* leaves records behind, not a larger deque */
 		submit_priority(r.pool, count_round, &r, &r.group, STILB_JOB_LOW, 0);
 	blocker_release(&b);
 	stilb_job_wait(r.pool, &r.group, 0);
@@ -669,7 +669,7 @@ static void test_full_queue_with_sleeping_workers(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int round_number = 0; round_number < 3; ++round_number) {
+		for (int round_number = 0; round_number < 3; round_number++) {
 			check_burst(s, true);
 			check_burst(s, false);
 		}
@@ -688,19 +688,19 @@ static void test_full_queue_with_waiting_workers(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int memory = 0; memory < 2; ++memory) {
+		for (int memory = 0; memory < 2; memory++) {
 			sleep_log log = {0};
 			rescue r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log))};
 			round burst = {.pool = r.pool};
 			submit_pinned(r.pool, do_nothing, NULL, &r.gate, 0, 0);
-			for (uint32_t i = 1; i <= s.workers; ++i)
+			for (uint32_t i = 1; i <= s.workers; i++)
 				submit_pinned(r.pool, wait_for_gate, &r, &r.jobs, i, 0);
 			assert_true(await(&r.begun, s.workers));
 			assert_true(await(&log.asleep, s.workers));
 			uint32_t submitted = 0;
 			atomic_store_explicit(&out_of_memory, !memory, memory_order_relaxed);
 			while (submitted < BURST / 4 && stilb_job_submit(r.pool, count_round, &burst, &burst.group, 0) == 0)
-				++submitted;
+				submitted++;
 			atomic_store_explicit(&out_of_memory, false, memory_order_relaxed);
 			assert_true(s.workers == 0 ||
 			            await(&burst.ran, submitted)); /* every worker waits: one does it all the same */
@@ -728,7 +728,7 @@ static void test_waiting_on_a_thread_that_never_runs(void **state)
 		hold_workers(log.pool, &b, &held, 1, s.workers);
 
 		stilb_job_options after = {.after = &own};
-		for (int i = 0; i < 10; ++i)
+		for (int i = 0; i < 10; i++)
 			assert_int_equal(stilb_job_submit(log.pool, descend, &top, &own, 0), 0);
 		assert_int_equal(stilb_job_submit_with(log.pool, descend, &top, &follow, &after, 0), 0);
 		submit_pinned(log.pool, descend, &top, &own, 0, 0);
@@ -770,7 +770,7 @@ static void count_lonely(void *data, uint32_t worker)
 
 static void lonely_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	for (; begin < end; ++begin)
+	for (; begin < end; begin++)
 		count_lonely(context, worker);
 }
 
@@ -791,7 +791,7 @@ static void wait_in_every_way(void *data, uint32_t worker)
 {
 	lonely *l = data;
 	stilb_job_options pinned = {.pinned = true, .target = 1};
-	for (uint32_t way = 0; way < 7; ++way) {
+	for (uint32_t way = 0; way < 7; way++) {
 		stilb_job_group group = {0}, then = {0};
 		stilb_job_options options = {.priority = (stilb_job_priority)(way % 3), .after = way == 6 ? &then : NULL};
 		int error = 0;
@@ -819,7 +819,7 @@ static void test_deadlock_with_one_worker(void **state)
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers != 1)
 			continue;
-		for (int i = 0; i < 20; ++i) {
+		for (int i = 0; i < 20; i++) {
 			lonely l = {.pool = pool_with(s)};
 			assert_int_equal(stilb_job_submit(l.pool, wait_in_every_way, &l, NULL, 0), 0);
 			assert_true(await(&l.done, 1));

@@ -21,7 +21,7 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size);
 
 static bool allocation_allowed(void)
 {
-	++allocations;
+	allocations++;
 	return allowed == SIZE_MAX || (allowed > 0 && allowed--);
 }
 
@@ -53,7 +53,7 @@ static uintptr_t pop(stilb_job_spsc *queue)
 {
 	void *item = NULL;
 	int error = stilb_job_spsc_pop(queue, &item);
-	assert_true(error == 0 || (error == -EAGAIN && item == NULL));
+	assert_true(error == 0 || (error == -EAGAIN && !item));
 	return (uintptr_t)item;
 }
 
@@ -63,10 +63,10 @@ static void test_fifo(void **state)
 	stilb_job_spsc *queue = create();
 	assert_int_equal(pop(queue), 0);
 	uintptr_t pushed = 0, popped = 0;
-	for (uintptr_t i = 0; i < 5000; ++i) { /* up and down over many block ends */
-		for (uintptr_t k = 0; k < i % 7; ++k)
+	for (uintptr_t i = 0; i < 5000; i++) { /* up and down over many block ends */
+		for (uintptr_t k = 0; k < i % 7; k++)
 			assert_int_equal(push(queue, ++pushed), 0);
-		for (uintptr_t k = 0; k < i % 5; ++k)
+		for (uintptr_t k = 0; k < i % 5; k++)
 			assert_int_equal(pop(queue), ++popped);
 	}
 	assert_true(pushed - popped > 2 * BLOCK);
@@ -82,11 +82,11 @@ static void test_destroy(void **state)
 	stilb_job_spsc_destroy(NULL);
 	/* With items left, over several blocks, some of them used twice: the leak check of the sanitizer build sees all. */
 	stilb_job_spsc *queue = create();
-	for (uintptr_t i = 1; i <= 4 * BLOCK; ++i)
+	for (uintptr_t i = 1; i <= 4 * BLOCK; i++)
 		assert_int_equal(push(queue, i), 0);
-	for (uintptr_t i = 1; i <= 3 * BLOCK; ++i)
+	for (uintptr_t i = 1; i <= 3 * BLOCK; i++)
 		assert_int_equal(pop(queue), i);
-	for (uintptr_t i = 1; i <= 2 * BLOCK; ++i)
+	for (uintptr_t i = 1; i <= 2 * BLOCK; i++)
 		assert_int_equal(push(queue, i), 0);
 	stilb_job_spsc_destroy(queue);
 }
@@ -117,7 +117,7 @@ static void test_memory_is_used_again(void **state)
 	stilb_job_spsc *queue = create();
 	size_t before = allocations;
 	uintptr_t pushed = 0, popped = 0;
-	for (int round = 0; round < 50; ++round) {
+	for (int round = 0; round < 50; round++) {
 		while (pushed - popped < FULLEST)
 			assert_int_equal(push(queue, ++pushed), 0);
 		while (popped < pushed)
@@ -131,7 +131,7 @@ static void test_memory_is_used_again(void **state)
 static void test_out_of_memory(void **state)
 {
 	(void)state;
-	for (size_t i = 0; i < 2; ++i) {
+	for (size_t i = 0; i < 2; i++) {
 		stilb_job_spsc *none = (void *)&allowed;
 		allowed = i;
 		int error = stilb_job_spsc_create(&none);
@@ -145,18 +145,18 @@ static void test_out_of_memory(void **state)
 	allowed = 1; /* a second block, but no third */
 	int error;
 	while ((error = push(queue, pushed + 1)) == 0)
-		++pushed;
+		pushed++;
 	assert_int_equal(error, -ENOMEM);
 	assert_int_equal(push(queue, pushed + 1), -ENOMEM);
 	assert_int_equal(pushed, 2 * BLOCK - 1);
 
 	/* Nothing is lost, and once the consumer has left a block there is memory again. */
-	for (uintptr_t i = 1; i <= BLOCK; ++i)
+	for (uintptr_t i = 1; i <= BLOCK; i++)
 		assert_int_equal(pop(queue), i);
 	assert_int_equal(push(queue, pushed + 1), 0);
 	allowed = SIZE_MAX;
 	assert_int_equal(push(queue, pushed + 2), 0);
-	for (uintptr_t i = BLOCK + 1; i <= pushed + 2; ++i)
+	for (uintptr_t i = BLOCK + 1; i <= pushed + 2; i++)
 		assert_int_equal(pop(queue), i);
 	assert_int_equal(pop(queue), 0);
 	stilb_job_spsc_destroy(queue);
@@ -171,7 +171,7 @@ static parcel parcels[MANY];
 
 static void *produce(void *data)
 {
-	for (uint32_t i = 0; i < MANY; ++i) {
+	for (uint32_t i = 0; i < MANY; i++) {
 		parcels[i] = (parcel){i, 2 * i};
 		if (stilb_job_spsc_push(data, &parcels[i]) != 0)
 			break; /* shows as items missing */
@@ -196,7 +196,7 @@ static void test_two_threads(void **state)
 		}
 		const parcel *got = item;
 		wrong += got != &parcels[received] || got->number != received || got->twice != 2 * received;
-		++received;
+		received++;
 	}
 	assert_int_equal(pthread_join(producer, NULL), 0);
 	assert_int_equal(received, MANY);

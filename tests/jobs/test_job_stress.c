@@ -49,9 +49,9 @@ static uint64_t leaf_value(uint64_t random)
 static uint64_t expected(uint64_t random, uint32_t depth)
 {
 	uint64_t sum = leaf_value(random), state = random;
-	for (uint32_t i = 0; i < CELLS; ++i)
+	for (uint32_t i = 0; i < CELLS; i++)
 		sum += leaf_value(random + i);
-	for (int i = 0; i < FAN && depth > 0; ++i)
+	for (int i = 0; i < FAN && depth > 0; i++)
 		sum += expected(next_random(&state), depth - 1);
 	return sum;
 }
@@ -59,9 +59,9 @@ static uint64_t expected(uint64_t random, uint32_t depth)
 static void fill_cells(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	task *t = context;
-	for (uint32_t i = begin; i < end; ++i) {
+	for (uint32_t i = begin; i < end; i++) {
 		t->cells[i] = leaf_value(t->random + i);
-		++t->by_worker[worker];
+		t->by_worker[worker]++;
 	}
 }
 
@@ -71,21 +71,21 @@ static void run(void *data, uint32_t worker)
 	task children[FAN];
 	stilb_job_group group = {0};
 	uint64_t state = t->random, filled = 0;
-	for (int i = 0; i < FAN && t->depth > 0; ++i) {
+	for (int i = 0; i < FAN && t->depth > 0; i++) {
 		children[i] = (task){.pool = t->pool, .random = next_random(&state), .depth = t->depth - 1};
 		if (stilb_job_submit(t->pool, run, &children[i], &group, worker) != 0)
 			run(&children[i], worker);
 	}
 	stilb_job_parallel_for(t->pool, CELLS, 1 + (uint32_t)(t->random % 9), fill_cells, t, worker);
 	t->result = leaf_value(t->random);
-	for (int i = 0; i < CELLS; ++i)
+	for (int i = 0; i < CELLS; i++)
 		t->result += t->cells[i];
-	for (int i = 0; i <= 8; ++i)
+	for (int i = 0; i <= 8; i++)
 		filled += t->by_worker[i];
 	if (filled != CELLS)
 		t->result = 0; /* shows as a wrong sum */
 	stilb_job_wait(t->pool, &group, worker);
-	for (int i = 0; i < FAN && t->depth > 0; ++i)
+	for (int i = 0; i < FAN && t->depth > 0; i++)
 		t->result += children[i].result;
 }
 
@@ -94,7 +94,7 @@ static void stress(uint32_t workers, uint32_t rounds)
 	stilb_job_pool_desc desc = {.worker_count = workers};
 	stilb_job_pool *pool = NULL;
 	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
-	for (uint32_t i = 0; i < rounds; ++i) {
+	for (uint32_t i = 0; i < rounds; i++) {
 		task root = {.pool = pool, .random = i, .depth = i % 4};
 		stilb_job_group group = {0};
 		if (i % 2) {

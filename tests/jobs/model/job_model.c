@@ -154,7 +154,7 @@ void model_futex_wake_one(_Atomic uint32_t *word)
 	model_step(NULL, "futex_wake", 0); /* the address is only compared: its memory may be gone */
 	if (model_fault_now == MODEL_FAULT_NO_WAKE)
 		return;
-	for (uint32_t i = 0; i < world.count; ++i) {
+	for (uint32_t i = 0; i < world.count; i++) {
 		if (world.threads[i].status == IN_FUTEX && world.threads[i].word == word) {
 			world.threads[i].status = READY;
 			world.threads[i].word = NULL;
@@ -201,7 +201,7 @@ pthread_t model_thread_self(void)
 /* Small blocks are cells, the lowest free one first: freed memory is used again at once, as an allocator may. */
 void *model_malloc(size_t size)
 {
-	for (uint32_t i = 0; i < CELLS && size <= CELL_SIZE; ++i) {
+	for (uint32_t i = 0; i < CELLS && size <= CELL_SIZE; i++) {
 		if (!(world.cells_used >> i & 1)) {
 			world.cells_used |= 1u << i;
 			return world.cell[i];
@@ -302,7 +302,7 @@ static uint64_t state_hash(void)
 {
 	uint64_t hash = hash_bytes(0x5851f42d4c957f2du, (const char *)&world, world_used());
 	hash = hash_bytes(hash, search.scenario->data, search.scenario->data_size);
-	for (uint32_t i = 0; i < world.count; ++i)
+	for (uint32_t i = 0; i < world.count; i++)
 		hash = hash_bytes(hash, stacks[i] + STACK_SIZE - stack_used(i), stack_used(i));
 	return hash ? hash : 1;
 }
@@ -310,7 +310,7 @@ static uint64_t state_hash(void)
 static char *state_save(void)
 {
 	size_t size = world_used() + search.scenario->data_size;
-	for (uint32_t i = 0; i < world.count; ++i)
+	for (uint32_t i = 0; i < world.count; i++)
 		size += stack_used(i);
 	char *saved = malloc(size), *at = saved;
 	if (!saved)
@@ -319,7 +319,7 @@ static char *state_save(void)
 	at += world_used();
 	memcpy(at, search.scenario->data, search.scenario->data_size);
 	at += search.scenario->data_size;
-	for (uint32_t i = 0; i < world.count; ++i) {
+	for (uint32_t i = 0; i < world.count; i++) {
 		memcpy(at, stacks[i] + STACK_SIZE - stack_used(i), stack_used(i));
 		at += stack_used(i);
 	}
@@ -334,7 +334,7 @@ static void state_restore(const char *at)
 	at += world.large_used;
 	memcpy(search.scenario->data, at, search.scenario->data_size);
 	at += search.scenario->data_size;
-	for (uint32_t i = 0; i < world.count; ++i) {
+	for (uint32_t i = 0; i < world.count; i++) {
 		memcpy(stacks[i] + STACK_SIZE - stack_used(i), at, stack_used(i));
 		at += stack_used(i);
 	}
@@ -383,7 +383,7 @@ static bool run_over(void)
 {
 	if (search.scenario->main_ends_all)
 		return world.threads[0].status == DONE;
-	for (uint32_t i = 0; i < world.count; ++i)
+	for (uint32_t i = 0; i < world.count; i++)
 		if (world.threads[i].status != DONE && world.threads[i].status != STOPPED)
 			return false;
 	return true;
@@ -412,7 +412,7 @@ static void state_visit(uint32_t from, bool first)
 		failure = "more states than allowed";
 		return;
 	}
-	for (uint32_t i = 0; i < world.count; ++i)
+	for (uint32_t i = 0; i < world.count; i++)
 		enabled |= thread_enabled(&world.threads[i]);
 	if (run_over()) {
 		search.ends_well[state] = 1;
@@ -440,10 +440,10 @@ static bool search_turn(void)
 	frame *top = &search.path[search.path_count - 1];
 	state_restore(top->saved);
 	while (top->next < 2 * world.count && !choice_enabled(top->next))
-		++top->next;
+		top->next++;
 	if (top->next == 2 * world.count) {
 		free(top->saved);
-		--search.path_count;
+		search.path_count--;
 		return true;
 	}
 	top->chosen = (int)top->next++;
@@ -469,13 +469,13 @@ static bool all_end_well(void)
 			search.ends_well[e->from] |= search.ends_well[e->to];
 		}
 	}
-	return memchr(search.ends_well, 0, search.states) == NULL;
+	return !memchr(search.ends_well, 0, search.states);
 }
 
 static void print_path(void)
 {
 	fprintf(stderr, "model: %s, after\n", failure);
-	for (size_t i = 0; i < search.path_count; ++i) {
+	for (size_t i = 0; i < search.path_count; i++) {
 		state_restore(search.path[i].saved);
 		int chosen = search.path[i].chosen;
 		if (chosen >= (int)world.count)

@@ -151,8 +151,8 @@ static uint64_t worker_runs, owner_runs;
 static void count_run(void *data, uint32_t worker)
 {
 	(void)data;
-	++*(worker ? &worker_runs : &owner_runs);
-	++shared.ran; /* between two steps, so atomic here */
+	(*(worker ? &worker_runs : &owner_runs))++;
+	shared.ran++; /* between two steps, so atomic here */
 }
 
 static void add(stilb_job_fn *fn, stilb_job_group *group, uint32_t worker)
@@ -186,7 +186,7 @@ static void workers_alone(void)
 static void submit_main(void)
 {
 	begin();
-	for (uint32_t i = 0; i < with.jobs; ++i)
+	for (uint32_t i = 0; i < with.jobs; i++)
 		add(count_run, NULL, 0);
 	workers_alone();
 }
@@ -194,7 +194,7 @@ static void submit_main(void)
 static void submit_shared_main(void)
 {
 	begin();
-	for (uint32_t i = 0; i < with.jobs; ++i)
+	for (uint32_t i = 0; i < with.jobs; i++)
 		add_with(count_run, NULL, (stilb_job_options){.priority = i ? STILB_JOB_LOW : STILB_JOB_HIGH}, 0);
 	workers_alone();
 }
@@ -202,7 +202,7 @@ static void submit_shared_main(void)
 static void submit_pinned_main(void)
 {
 	begin();
-	for (uint32_t i = 0; i < with.jobs; ++i)
+	for (uint32_t i = 0; i < with.jobs; i++)
 		add_with(count_run, NULL, (stilb_job_options){.pinned = true, .target = with.workers}, 0);
 	workers_alone();
 }
@@ -210,7 +210,7 @@ static void submit_pinned_main(void)
 static void destroy_main(void)
 {
 	begin();
-	for (uint32_t i = 0; i < with.jobs; ++i)
+	for (uint32_t i = 0; i < with.jobs; i++)
 		add(count_run, NULL, 0);
 	stilb_job_pool_destroy(shared.pool);
 }
@@ -248,7 +248,7 @@ static void cancel_main(void)
 static void wait_main(void)
 {
 	begin();
-	for (uint32_t i = 0; i < with.jobs; ++i)
+	for (uint32_t i = 0; i < with.jobs; i++)
 		add(count_run, &shared.group, 0);
 	stilb_job_wait(shared.pool, &shared.group, 0);
 	end();
@@ -262,7 +262,7 @@ static void submit_and_wait(void *data, uint32_t worker)
 	add(count_run, &inner, worker);
 	stilb_job_wait(shared.pool, &inner, worker);
 	fail_unless(shared.ran >= 1, "inner wait returned too early");
-	++shared.ran;
+	shared.ran++;
 }
 
 static void nested_main(void)
@@ -387,10 +387,10 @@ static void outside_main(void)
 static void run_slice(uint32_t begin_at, uint32_t end_at, uint32_t worker, void *context)
 {
 	(void)context;
-	++*(worker ? &worker_runs : &owner_runs);
-	for (uint32_t i = begin_at; i < end_at; ++i) {
+	(*(worker ? &worker_runs : &owner_runs))++;
+	for (uint32_t i = begin_at; i < end_at; i++) {
 		model_step(NULL, "slice", __LINE__); /* others may run in the middle of it */
-		++shared.slice_runs[i];
+		shared.slice_runs[i]++;
 	}
 }
 
@@ -398,7 +398,7 @@ static void loop_main(void)
 {
 	begin();
 	stilb_job_parallel_for(shared.pool, with.jobs, 1, run_slice, NULL, 0);
-	for (uint32_t i = 0; i < with.jobs; ++i)
+	for (uint32_t i = 0; i < with.jobs; i++)
 		fail_unless(shared.slice_runs[i] == 1, "a slice lost, run twice or not finished");
 	shared.ran = with.jobs;
 	end();
@@ -407,9 +407,9 @@ static void loop_main(void)
 static void run_other_slice(uint32_t begin_at, uint32_t end_at, uint32_t worker, void *context)
 {
 	(void)context;
-	++*(worker ? &worker_runs : &owner_runs);
-	for (uint32_t i = begin_at; i < end_at; ++i)
-		++shared.slice_runs[2 + i];
+	(*(worker ? &worker_runs : &owner_runs))++;
+	for (uint32_t i = begin_at; i < end_at; i++)
+		shared.slice_runs[2 + i]++;
 }
 
 /* One loop after the other in the same place: a helper of the first may come late. */
@@ -418,7 +418,7 @@ static void loops_main(void)
 	begin();
 	stilb_job_parallel_for(shared.pool, 2, 1, run_slice, NULL, 0);
 	stilb_job_parallel_for(shared.pool, 2, 1, run_other_slice, NULL, 0);
-	for (uint32_t i = 0; i < 4; ++i)
+	for (uint32_t i = 0; i < 4; i++)
 		fail_unless(shared.slice_runs[i] == 1, "a slice lost, run twice or not finished");
 	shared.ran = with.jobs;
 	end();
@@ -429,7 +429,7 @@ static void array_main(void)
 	begin();
 	stilb_job_submit_array(shared.pool, with.jobs, 1, run_slice, NULL, &shared.group, 0);
 	stilb_job_wait(shared.pool, &shared.group, 0);
-	for (uint32_t i = 0; i < with.jobs; ++i)
+	for (uint32_t i = 0; i < with.jobs; i++)
 		fail_unless(shared.slice_runs[i] == 1, "a slice lost, run twice or not finished");
 	shared.ran = with.jobs;
 	end();
@@ -511,7 +511,7 @@ static model_result explore(const scenario *s)
 static void test_scenarios(void **state)
 {
 	(void)state;
-	for (size_t i = 0; i < sizeof scenarios / sizeof scenarios[0]; ++i) {
+	for (size_t i = 0; i < sizeof scenarios / sizeof scenarios[0]; i++) {
 		const scenario *s = &scenarios[i];
 		model_result result = explore(s);
 		if (must_fail && result.failure)

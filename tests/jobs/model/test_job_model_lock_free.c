@@ -57,7 +57,7 @@ static void fail_unless(bool condition, const char *why)
 static int32_t count_but(const bool *of, uint32_t thread)
 {
 	int32_t count = 0;
-	for (uint32_t i = 0; i < THREADS; ++i)
+	for (uint32_t i = 0; i < THREADS; i++)
 		count += of[i] && i != thread;
 	return count;
 }
@@ -67,7 +67,7 @@ static void note_moment(void)
 {
 	int32_t surely = __builtin_popcount(shared.pushed & ~shared.popped);
 	int32_t at_most = __builtin_popcount(shared.began & ~shared.popped);
-	for (uint32_t i = 0; i < THREADS; ++i) {
+	for (uint32_t i = 0; i < THREADS; i++) {
 		if (shared.in_pop[i] && surely - count_but(shared.in_pop, i) <= 0)
 			shared.may_be_empty[i] = true;
 		/* Without what thread i itself is pushing. */
@@ -146,7 +146,7 @@ static void produce_from(uint32_t thread, uint32_t first)
 	}
 	if (--shared.producers_left == 0 && !with.closer)
 		shared.queue->ops->close(shared.queue);
-	++shared.ended;
+	shared.ended++;
 }
 
 static void *produce(void *data)
@@ -159,7 +159,7 @@ static void *consume(void *data)
 {
 	while (pop((uint32_t)(uintptr_t)data) != -EPIPE)
 		;
-	++shared.ended;
+	shared.ended++;
 	return NULL;
 }
 
@@ -167,32 +167,32 @@ static void *close_any_time(void *data)
 {
 	(void)data;
 	shared.queue->ops->close(shared.queue);
-	++shared.ended;
+	shared.ended++;
 	return NULL;
 }
 
 static void *visit(void *data)
 {
 	uint32_t thread = (uint32_t)(uintptr_t)data;
-	for (uint32_t i = 0; i < with.visits; ++i) {
+	for (uint32_t i = 0; i < with.visits; i++) {
 		if (with.visit_pushes)
 			fail_unless(push(thread, i) == 0, "push");
 		else
 			pop(thread);
 		shared.queue->ops->rest(shared.queue, thread);
 	}
-	++shared.ended;
+	shared.ended++;
 	return NULL;
 }
 
 /* Goes round the segments while the others are anywhere. */
 static void churn(void)
 {
-	for (uint32_t i = with.before; i < with.before + with.rounds; ++i) {
+	for (uint32_t i = with.before; i < with.before + with.rounds; i++) {
 		fail_unless(push(0, i) == 0, "push");
 		pop(0);
 	}
-	++shared.ended;
+	shared.ended++;
 }
 
 static void queue_main(void)
@@ -200,12 +200,12 @@ static void queue_main(void)
 	size_t capacity = with.capacity == UNLIMITED ? SIZE_MAX : with.capacity;
 	stilb_job_queue_desc desc = {.capacity = capacity, .thread_count = THREADS};
 	fail_unless(job_queue_lock_free_create(&desc, &shared.queue) == 0, "create");
-	for (uint32_t i = 0; i < with.before; ++i)
+	for (uint32_t i = 0; i < with.before; i++)
 		fail_unless(push(0, i) == 0 && (i >= with.before - with.left || pop(0) == 0), "before");
 	shared.producers_left = with.producers;
-	for (uintptr_t i = 1; i <= with.guests; ++i)
+	for (uintptr_t i = 1; i <= with.guests; i++)
 		model_spawn(visit, (void *)i);
-	for (uintptr_t i = 1; i < with.producers + with.consumers; ++i)
+	for (uintptr_t i = 1; i < with.producers + with.consumers; i++)
 		model_spawn(i < with.producers ? produce : consume, (void *)i);
 	if (with.closer)
 		model_spawn(close_any_time, NULL);
@@ -238,10 +238,10 @@ static void recycle_main(void)
 {
 	stilb_job_queue_desc desc = {.capacity = SIZE_MAX, .thread_count = 1};
 	fail_unless(job_queue_lock_free_create(&desc, &shared.queue) == 0, "create");
-	for (uintptr_t i = 0; i < 20; ++i) {
-		for (uintptr_t j = 0; j <= i % 3; ++j)
+	for (uintptr_t i = 0; i < 20; i++) {
+		for (uintptr_t j = 0; j <= i % 3; j++)
 			fail_unless(shared.queue->ops->push(shared.queue, (void *)(j + 1), 0) == 0, "push");
-		for (uintptr_t j = 0; j <= i % 3; ++j) {
+		for (uintptr_t j = 0; j <= i % 3; j++) {
 			void *item = NULL;
 			fail_unless(shared.queue->ops->pop(shared.queue, &item, 0) == 0 && (uintptr_t)item == j + 1, "order");
 		}

@@ -80,7 +80,7 @@ static void fail_unless(bool condition, const char *why)
 static int32_t sum_but(const int32_t *of, uint32_t thread)
 {
 	int32_t sum = 0;
-	for (uint32_t i = 0; i < 4; ++i)
+	for (uint32_t i = 0; i < 4; i++)
 		sum += i == thread ? 0 : of[i];
 	return sum;
 }
@@ -88,7 +88,7 @@ static int32_t sum_but(const int32_t *of, uint32_t thread)
 /* Called whenever a call begins or ends: for each call in progress, is the queue empty or full now for all we know? */
 static void note_moment(void)
 {
-	for (uint32_t i = 0; i < 4; ++i) {
+	for (uint32_t i = 0; i < 4; i++) {
 		int32_t surely = shared.pushed - shared.popped - sum_but(shared.popping, i);
 		int32_t at_most = shared.pushed + sum_but(shared.pushing, i) - shared.popped;
 		if (surely <= 0)
@@ -147,7 +147,7 @@ static stilb_job_queue *queue_create(void)
 static int push(uint32_t thread, uintptr_t first, uint32_t count)
 {
 	void *items[PER_THREAD];
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		items[i] = (void *)(first + i);
 	push_begin(thread, (int32_t)count);
 	int result = 0;
@@ -169,7 +169,7 @@ static int pop(uint32_t thread, uintptr_t *items)
 	else
 		result = shared.queue->ops->pop_n(shared.queue, taken, with.batch, thread);
 	pop_end(thread, result);
-	for (int i = 0; i < result; ++i)
+	for (int i = 0; i < result; i++)
 		items[i] = (uintptr_t)taken[i];
 	return result;
 }
@@ -201,7 +201,7 @@ static void see(uint32_t consumer, uintptr_t item)
 	fail_unless(item != 0 && producer < with.producers, "an item nobody pushed");
 	fail_unless(item > shared.last[consumer][producer], "one producer's items out of order");
 	shared.last[consumer][producer] = (uint32_t)item;
-	++shared.seen[item - 1];
+	shared.seen[item - 1]++;
 }
 
 static void *consume(void *data)
@@ -210,7 +210,7 @@ static void *consume(void *data)
 	uintptr_t items[PER_THREAD];
 	int result;
 	while ((result = pop(thread, items)) != -EPIPE)
-		for (int i = 0; i < result; ++i)
+		for (int i = 0; i < result; i++)
 			see(thread, items[i]);
 	fail_unless(shared.pushed == shared.popped + sum_but(shared.popping, thread) || sum_but(shared.popping, thread) > 0,
 	            "closed and empty, but items are left");
@@ -228,12 +228,12 @@ static void queue_main(void)
 {
 	shared.queue = queue_create();
 	shared.producers_left = with.producers;
-	for (uint32_t i = 0; i < with.before; ++i)
+	for (uint32_t i = 0; i < with.before; i++)
 		push(0, i + 1, 1);
 	uintptr_t thread = 1;
-	for (; thread < with.producers; ++thread)
+	for (; thread < with.producers; thread++)
 		model_spawn(produce, (void *)thread);
-	for (; thread < with.producers + with.consumers; ++thread)
+	for (; thread < with.producers + with.consumers; thread++)
 		model_spawn(consume, (void *)thread);
 	if (with.closer)
 		model_spawn(close_any_time, NULL);
@@ -243,7 +243,7 @@ static void queue_main(void)
 static void queue_check(void)
 {
 	int32_t seen = 0;
-	for (uint32_t i = 0; i < PER_THREAD * 4; ++i) {
+	for (uint32_t i = 0; i < PER_THREAD * 4; i++) {
 		fail_unless(shared.seen[i] <= 1, "an item seen twice");
 		seen += (int32_t)shared.seen[i];
 	}
@@ -259,11 +259,11 @@ static void queue_check(void)
 static void recycle_main(void)
 {
 	shared.queue = queue_create();
-	for (uint32_t i = 0; i < 20; ++i) {
+	for (uint32_t i = 0; i < 20; i++) {
 		uint32_t count = i % 3 + 1;
-		for (uint32_t j = 0; j < count; ++j)
+		for (uint32_t j = 0; j < count; j++)
 			fail_unless(shared.queue->ops->push(shared.queue, (void *)(uintptr_t)(j + 1), 0) == 0, "push");
-		for (uint32_t j = 0; j < count; ++j) {
+		for (uint32_t j = 0; j < count; j++) {
 			void *item = NULL;
 			fail_unless(shared.queue->ops->pop(shared.queue, &item, 0) == 0, "pop");
 			fail_unless((uintptr_t)item == j + 1, "order");
@@ -277,11 +277,11 @@ static void recycle_main(void)
 static void *lock_and_leave(void *data)
 {
 	(void)data;
-	for (uint32_t i = 0; i < with.each; ++i) {
+	for (uint32_t i = 0; i < with.each; i++) {
 		job_lock_take(&shared.lock);
 		fail_unless(shared.inside++ == 0, "two threads in one section");
 		model_step(NULL, "inside", __LINE__);
-		--shared.inside;
+		shared.inside--;
 		job_lock_give(&shared.lock);
 	}
 	return NULL;
@@ -289,7 +289,7 @@ static void *lock_and_leave(void *data)
 
 static void lock_main(void)
 {
-	for (uint32_t i = 1; i < with.producers; ++i)
+	for (uint32_t i = 1; i < with.producers; i++)
 		model_spawn(lock_and_leave, NULL);
 	lock_and_leave(NULL);
 }
@@ -367,7 +367,7 @@ static void test_faults_are_found(void **state)
 		return; /* there is one already */
 	must_fail = true;
 	static const model_fault faults[] = {MODEL_FAULT_NO_LOCK, MODEL_FAULT_NO_WAKE};
-	for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
+	for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
 		model_fault_now = faults[i];
 		failed = false;
 		run_all();

@@ -52,7 +52,7 @@ static void produce(void)
 {
 	fail_unless(stilb_job_spsc_create(&shared.queue) == 0, "create");
 	model_spawn(consume, NULL);
-	for (uintptr_t i = 1; i <= item_count; ++i)
+	for (uintptr_t i = 1; i <= item_count; i++)
 		fail_unless(stilb_job_spsc_push(shared.queue, (void *)i) == 0, "push");
 	stilb_job_spsc_close(shared.queue);
 	fail_unless(stilb_job_spsc_push(shared.queue, (void *)1) == -EPIPE, "a push after close");
@@ -76,7 +76,7 @@ static void test_spsc(void **state)
 {
 	(void)state;
 	const char *failure = NULL;
-	for (uintptr_t items = 0; items <= 9 && !failure; ++items)
+	for (uintptr_t items = 0; items <= 9 && !failure; items++)
 		failure = failure_with(items);
 	if (must_fail)
 		assert_non_null(failure);
