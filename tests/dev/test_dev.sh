@@ -22,10 +22,11 @@ stand_in() { # NAME SCRIPT: a command that writes down its call and then runs SC
 fresh_house() {
 	test=$1
 	rm -rf "${scratch:?}"/{bin,house}
-	mkdir -p "$scratch"/{bin,house/build/release}
+	mkdir -p "$scratch"/{bin,house/build/release,house/tests/{gi,jobs,profiler,vm,tree}}
+	touch "$scratch"/house/tests/{gi,jobs,profiler,vm}/CMakeLists.txt
 	cp "$source/dev" "$source/packages.txt" "$scratch/house"
 	local tool
-	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nproc paste rm sed setarch sleep true; do
+	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nproc paste rm sed setarch sleep true xargs; do
 		ln -s "$(command -v "$tool")" "$scratch/bin/$tool"
 	done
 	awk '!/^#/ && NF { print "installed", $2 }' "$source/packages.txt" >"$scratch/installed"
@@ -104,7 +105,8 @@ remove_package() {
 
 test_refuses_before_anything_else() {
 	local arguments
-	for arguments in frobnicate '--wrong' 'test --quik' 'test --quick more' 'build x' 'lint x' ''; do
+	for arguments in frobnicate '--wrong' 'test --quik' 'test --quick more' 'test gi --quick' 'test nothing' \
+		'test gi nothing' 'build x' 'fmt x' 'lint x' ''; do
 		fresh_house "refuses '$arguments'"
 		# shellcheck disable=SC2086
 		dev 2 $arguments
@@ -183,12 +185,12 @@ test_demo() {
 	dev 0 demo --models 5 --title 'two words' --no-install
 	called "stilb demo --screenshot stilb-demo.png --trace stilb-demo.trace.json --models 5 --title two words"
 	[ "$(cat "$scratch/out")" = "stilb ran" ] || fail "something else is on stdout"
-	called "cmake --preset release -DSTILB_WERROR=ON -DSTILB_TESTS=OFF"
+	called "cmake --preset release $options -DSTILB_TESTS=OFF"
 
 	fresh_house "demo when tests were built before"
 	touch "$scratch/house/build/release/CMakeCache.txt"
 	dev 0 demo
-	called "cmake --preset release -DSTILB_WERROR=ON"
+	called "cmake --preset release $options"
 
 	fresh_house "demo when the build fails"
 	stand_in cmake 'exit 1'
@@ -215,6 +217,50 @@ test_bench() {
 	not_called stilb-bench
 }
 
+test_compiler_cache() {
+	fresh_house "the compiler cache, where there is one"
+	stand_in ccache ''
+	dev 0 build
+	called "cmake --preset release ${options//LAUNCHER=/LAUNCHER=$scratch/bin/ccache} -DSTILB_TESTS=OFF"
+}
+
+test_modules() {
+	fresh_house "two modules"
+	dev 0 test gi profiler
+	called "cmake --preset release $options -DSTILB_TESTS=ON"
+	called "cmake --build --preset release --target stilb-tests-gi stilb-tests-profiler"
+	grep -qE -- '^ctest .*/build/release .* -L \^module=gi\$$' "$calls" || fail "the tests of gi did not run"
+	grep -q '^profiler  passed   2 passed, ' "$scratch/out" || fail "no line for the module"
+	prints out "display for release modulegi: :7"
+	last_line "4 passed, 0 failed, 0 skipped"
+	not_called "cmake --preset clang"
+
+	fresh_house "a module that does not build"
+	stand_in cmake '[ "$1" = --preset ]'
+	dev 1 test gi
+	not_called ctest
+	last_line "0 passed, 1 failed, 0 skipped"
+
+	fresh_house "the module vm fetches its kernel"
+	stand_in kernel.sh ''
+	mv "$scratch/bin/kernel.sh" "$scratch/house/tests/vm"
+	dev 0 test vm
+	called "kernel.sh $scratch/house/build/vm-kernel"
+}
+
+test_fmt() {
+	fresh_house fmt
+	remove_package clang-format
+	stand_in clang-format ''
+	printf '#!/bin/bash\nprintf "%%s\\n" a.c notes.md b/c.h "b/with space.cpp"\n' >"$scratch/house/tests/tree/files.sh"
+	chmod +x "$scratch/house/tests/tree/files.sh"
+	dev 0 fmt
+	called "apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300 clang-format"
+	called "clang-format -i a.c b/c.h b/with space.cpp"
+	stand_in clang-format 'exit 1'
+	dev 123 fmt
+}
+
 test_summary() {
 	fresh_house "all good"
 	dev 0 test
@@ -227,7 +273,7 @@ test_summary() {
 	[ $tries -le 50 ] || fail "the display server still runs"
 	local preset
 	for preset in release clang asan tsan; do
-		called "cmake --preset $preset -DSTILB_WERROR=ON -DSTILB_TESTS=ON"
+		called "cmake --preset $preset $options -DSTILB_TESTS=ON"
 	done
 	! grep -qE '^(model|truth|viewer|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
 
@@ -242,33 +288,32 @@ test_summary() {
 	fresh_house "one failure"
 	junit release-device 'test_a run' 'test_bad fail' 'test_gone gone'
 	dev 1 test
-	grep -q '^device  failed   1 passed, failed: test_bad test_gone, ' "$scratch/out" || fail "no line for the tier"
+	grep -q '^device    failed   1 passed, failed: test_bad test_gone, ' "$scratch/out" || fail "no line for the tier"
 	last_line "11 passed, 2 failed, 0 skipped"
 
 	fresh_house "a skip"
 	junit release-device 'test_a skip'
 	dev 0 test
-	grep -q '^device  skipped  0 passed, skipped: test_a (no driver here), ' "$scratch/out" || fail "no line for the tier"
+	grep -q '^device    skipped  0 passed, skipped: test_a (no driver here), ' "$scratch/out" || fail "no line for the tier"
 	last_line "10 passed, 0 failed, 1 skipped"
 
 	fresh_house "a skip where none is allowed"
 	junit release-device 'test_a skip' 'test_b run'
 	require=unit,device dev 1 test
-	grep -q '^device  failed ' "$scratch/out" || fail "no line for the tier"
+	grep -q '^device    failed ' "$scratch/out" || fail "no line for the tier"
 	last_line "11 passed, 1 failed, 0 skipped"
 
 	fresh_house "a required tier without tests"
 	junit release-model
 	require=model dev 1 test
-	grep -q '^model   failed ' "$scratch/out" || fail "no line for the tier"
+	grep -q '^model     failed ' "$scratch/out" || fail "no line for the tier"
 
 	fresh_house "the tier vm fetches its kernel"
-	mkdir -p "$scratch/house/tests/vm"
 	stand_in kernel.sh 'exit 1'
 	mv "$scratch/bin/kernel.sh" "$scratch/house/tests/vm"
 	require=vm dev 0 test
 	called "kernel.sh $scratch/house/build/vm-kernel"
-	grep -q '^vm      passed ' "$scratch/out" || fail "without a kernel the tests cannot say why they are skipped"
+	grep -q '^vm        passed ' "$scratch/out" || fail "without a kernel the tests cannot say why they are skipped"
 	: >"$calls"
 	require=vm dev 0 test --no-install
 	not_called kernel.sh
@@ -276,8 +321,8 @@ test_summary() {
 	fresh_house "a build that fails"
 	stand_in cmake '[ "$2" != asan ]'
 	dev 1 test
-	grep -q '^asan    failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
-	grep -q '^fuzz    failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
+	grep -q '^asan      failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
+	grep -q '^fuzz      failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
 	last_line "10 passed, 2 failed, 0 skipped"
 
 	fresh_house "without Xvfb"
@@ -303,11 +348,16 @@ test_packages() {
 	[ -z "$wrong" ] || fail "these rows are wrong: $wrong"
 }
 
+# How ./dev configures where there is no compiler cache.
+options="-DSTILB_WERROR=ON -DCMAKE_C_COMPILER_LAUNCHER= -DCMAKE_CXX_COMPILER_LAUNCHER="
 require=
 test_refuses_before_anything_else
 test_set_up
 test_demo
 test_bench
+test_compiler_cache
+test_modules
+test_fmt
 test_summary
 test_packages
 [ $failures -eq 0 ] || { echo "$failures failed"; exit 1; }
