@@ -8,7 +8,7 @@
 
 static VkResult slot_create(vulkan_device *device, vulkan_slot *slot)
 {
-	const VkCommandPoolCreateInfo pool = {
+	VkCommandPoolCreateInfo pool = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
 		.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
 		.queueFamilyIndex = device->queue_family,
@@ -16,7 +16,7 @@ static VkResult slot_create(vulkan_device *device, vulkan_slot *slot)
 	VkResult result = vkCreateCommandPool(device->device, &pool, device->allocator, &slot->pool);
 	if (result != VK_SUCCESS)
 		return result;
-	const VkCommandBufferAllocateInfo buffers = {
+	VkCommandBufferAllocateInfo buffers = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
 		.commandPool = slot->pool,
 		.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
@@ -25,18 +25,18 @@ static VkResult slot_create(vulkan_device *device, vulkan_slot *slot)
 	result = vkAllocateCommandBuffers(device->device, &buffers, &slot->draw);
 	if (result == VK_SUCCESS)
 		result = vkAllocateCommandBuffers(device->device, &buffers, &slot->show);
-	const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+	VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
 	return result == VK_SUCCESS ? vkCreateSemaphore(device->device, &semaphore, device->allocator, &slot->acquired)
 	                            : result;
 }
 
 static VkResult frames_make(vulkan_device *device)
 {
-	const VkSemaphoreTypeCreateInfo type = {
+	VkSemaphoreTypeCreateInfo type = {
 		.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
 		.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE,
 	};
-	const VkSemaphoreCreateInfo timeline = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
+	VkSemaphoreCreateInfo timeline = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
 	VkResult result = vkCreateSemaphore(device->device, &timeline, device->allocator, &device->timeline);
 	for (int i = 0; i < VULKAN_SLOTS && result == VK_SUCCESS; i++)
 		result = slot_create(device, &device->slots[i]);
@@ -101,7 +101,7 @@ static stilb_result target_check(const vulkan_device *device, const VkImageCreat
 static stilb_result target_create(vulkan_device *device, VkFormat format, VkSampleCountFlagBits samples,
                                   VkImageUsageFlags usage, VkImageAspectFlags aspect, vulkan_image *image)
 {
-	const VkImageCreateInfo info = {
+	VkImageCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
 		.imageType = VK_IMAGE_TYPE_2D,
 		.format = format,
@@ -151,7 +151,7 @@ void vulkan_targets_destroy(vulkan_device *device)
 
 stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 {
-	const VkSemaphoreWaitInfo info = {
+	VkSemaphoreWaitInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
 		.semaphoreCount = 1,
 		.pSemaphores = &device->timeline,
@@ -165,7 +165,7 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot)
 {
 	PROFILE("reset commands"); /* frees those of the slot's last frame */
-	const VkCommandBufferBeginInfo begin = {
+	VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
 	};
@@ -239,59 +239,20 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
 
 /* ---- barriers ---------------------------------------------------------------------------------------------------- */
 
-VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                                              VkImageLayout to, VkPipelineStageFlags2 from_stage,
-                                              VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
-                                              VkAccessFlags2 to_access)
-{
-	return (VkImageMemoryBarrier2){
-		.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-		.srcStageMask = from_stage,
-		.srcAccessMask = from_access,
-		.dstStageMask = to_stage,
-		.dstAccessMask = to_access,
-		.oldLayout = from,
-		.newLayout = to,
-		.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-		.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-		.image = image,
-		.subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1},
-	};
-}
-
-void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count)
-{
-	const VkDependencyInfo dependency = {
-		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-		.imageMemoryBarrierCount = count,
-		.pImageMemoryBarriers = transitions,
-	};
-	vkCmdPipelineBarrier2(commands, &dependency);
-}
-
-void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                          VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
-                          VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access)
-{
-	const VkImageMemoryBarrier2 transition =
-		vulkan_image_transition(image, aspect, from, to, from_stage, from_access, to_stage, to_access);
-	vulkan_image_barriers(commands, &transition, 1);
-}
-
 /* ---- submission -------------------------------------------------------------------------------------------------- */
 
 stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal)
 {
-	const VkCommandBufferSubmitInfo buffer = {
+	VkCommandBufferSubmitInfo buffer = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
 		.commandBuffer = commands,
 	};
-	const VkSemaphoreSubmitInfo waits = {
+	VkSemaphoreSubmitInfo waits = {
 		.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
 		.semaphore = wait,
 		.stageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
 	};
-	const VkSemaphoreSubmitInfo signals[2] = {
+	VkSemaphoreSubmitInfo signals[2] = {
 		{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
 	     .semaphore = device->timeline,
 	     .value = device->timeline_value + 1,
@@ -300,7 +261,7 @@ stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands
 	     .semaphore = signal,
 	     .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT},
 	};
-	const VkSubmitInfo2 submit = {
+	VkSubmitInfo2 submit = {
 		.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
 		.waitSemaphoreInfoCount = wait != VK_NULL_HANDLE,
 		.pWaitSemaphoreInfos = &waits,
@@ -314,23 +275,6 @@ stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands
 		return vulkan_fail(device, result, "give the GPU a frame");
 	device->timeline_value++;
 	return STILB_OK;
-}
-
-void vulkan_host_barrier(VkCommandBuffer commands)
-{
-	const VkMemoryBarrier2 barrier = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-		.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
-		.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT,
-	};
-	const VkDependencyInfo dependency = {
-		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-		.memoryBarrierCount = 1,
-		.pMemoryBarriers = &barrier,
-	};
-	vkCmdPipelineBarrier2(commands, &dependency);
 }
 
 stilb_result vulkan_submit(render_device *base)

@@ -223,6 +223,23 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted);
 void vulkan_instance_destroy(vulkan_device *device);
 
+/* vulkan_barrier.c: barriers between the commands of a queue. */
+
+/* One image barrier: everything in from_stage and its writes come before everything in to_stage, and the layout changes in
+ * between. VK_IMAGE_LAYOUT_UNDEFINED as `from` discards the contents. */
+VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                                              VkImageLayout to, VkPipelineStageFlags2 from_stage,
+                                              VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
+                                              VkAccessFlags2 to_access);
+/* Records several of them as one command. */
+void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count);
+/* Records a single transition. */
+void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                          VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
+                          VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
+/* Makes copies recorded so far visible to the CPU once the submission has finished. */
+void vulkan_host_barrier(VkCommandBuffer commands);
+
 /* vulkan_memory.c: buffers and images, each with memory of its own (a frame has few). */
 
 typedef enum vulkan_memory_kind {
@@ -281,17 +298,6 @@ stilb_result vulkan_wait(render_device *base);
 /* Submits a command buffer, waits for wait (or null) before transfers, signals signal (or null) and the timeline. */
 stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal);
 stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value);
-/* What was copied before it is there for the CPU once the submission is done. */
-void vulkan_host_barrier(VkCommandBuffer commands);
-VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                                              VkImageLayout to, VkPipelineStageFlags2 from_stage,
-                                              VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
-                                              VkAccessFlags2 to_access);
-void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count);
-/* One alone. */
-void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                          VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
-                          VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
 
 /* vulkan_times.c: timestamps, in the order of the calls of a frame. */
 stilb_result vulkan_times_create(vulkan_device *device);
