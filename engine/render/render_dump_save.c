@@ -139,7 +139,7 @@ static render_dump_texture save_texture(const save_job *job, uint32_t place)
 {
 	uint32_t id = job->textures.ids[place];
 	const stilb_image *pictures = job->render->resources.pictures;
-	const stilb_image image = pictures ? pictures[id] : (stilb_image){0};
+	stilb_image image = pictures ? pictures[id] : (stilb_image){0};
 	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
 }
 
@@ -319,7 +319,7 @@ static stilb_result save_put(save_job *job, const char *path)
 /* Sizes the file, and fills in what other threads may move meanwhile: the heaps. */
 static stilb_result save_put_resources(save_job *job)
 {
-	pthread_mutex_lock(&job->render->resources.lock);
+	stilb_lock_take(&job->render->resources.lock);
 	stilb_result result = save_size(job);
 	job->bytes = result == STILB_OK ? calloc(1, job->header.file_size) : NULL;
 	if (job->bytes) {
@@ -327,7 +327,7 @@ static stilb_result save_put_resources(save_job *job)
 		save_put_materials(job);
 		save_put_meshes(job);
 	}
-	pthread_mutex_unlock(&job->render->resources.lock);
+	stilb_lock_give(&job->render->resources.lock);
 	if (result != STILB_OK || job->bytes)
 		return result;
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for a dump of %llu bytes",

@@ -175,7 +175,7 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
 	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)}},
 	};
-	resources->lock_made = pthread_mutex_init(&resources->lock, NULL) == 0;
+	resources->lock_made = stilb_lock_init(&resources->lock);
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
 	if (!resources->meshes || !resources->materials || !resources->textures || !resources->lock_made ||
@@ -210,7 +210,7 @@ void render_resources_destroy(render_resources *resources)
 	free(resources->pictures);
 	free(resources->retired);
 	if (resources->lock_made)
-		pthread_mutex_destroy(&resources->lock);
+		stilb_lock_finish(&resources->lock);
 	*resources = (render_resources){0};
 }
 
@@ -266,10 +266,10 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	stilb_result result = mesh_check(mesh);
 	if (result != STILB_OK)
 		return result;
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	if (!mesh_add(resources, mesh, false, &out->id))
 		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 	return result;
 }
 
@@ -335,7 +335,7 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 	stilb_result result = texture_convert(image, &converted);
 	if (result != STILB_OK)
 		return result;
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	if (!texture_add(resources, converted, &index))
 		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
 	else {
@@ -345,7 +345,7 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 		else
 			texture_drop(resources, index); /* the last added: the lock was held all the time */
 	}
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 	if (result != STILB_OK)
 		stilb_image_finish(&converted);
 	return result;
@@ -390,12 +390,12 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 	render_resources *resources = &render->resources;
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	*out = (stilb_render_material){0};
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(texture.id == 0 || resources->textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
 	stilb_result result = STILB_OK;
 	if (!material_add(resources, material, index, false, &out->id))
 		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 	return result;
 }
 
@@ -427,9 +427,9 @@ void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh)
 {
 	if (mesh.id == 0)
 		return;
-	pthread_mutex_lock(&render->resources.lock);
+	stilb_lock_take(&render->resources.lock);
 	mesh_retire(&render->resources, mesh.id);
-	pthread_mutex_unlock(&render->resources.lock);
+	stilb_lock_give(&render->resources.lock);
 }
 
 void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture texture)
@@ -438,20 +438,20 @@ void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture tex
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	if (texture.id == 0)
 		return;
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(resources->textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
 	resources->textures[index] = generation_after(resources->textures[index]);
 	resource_retire(resources, RENDER_RESOURCE_TEXTURE, index);
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 }
 
 void stilb_render_material_destroy(stilb_render *render, stilb_render_material material)
 {
 	if (material.id == 0)
 		return;
-	pthread_mutex_lock(&render->resources.lock);
+	stilb_lock_take(&render->resources.lock);
 	material_retire(&render->resources, material.id);
-	pthread_mutex_unlock(&render->resources.lock);
+	stilb_lock_give(&render->resources.lock);
 }
 
 /* ---- scenes -------------------------------------------------------------------------------------------------------- */
@@ -476,7 +476,7 @@ stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *
 	if (result != STILB_OK)
 		return result;
 	uint32_t handle, meshes = 0, materials = 0;
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
 		if (!mesh_add(resources, &scene->meshes[i], true, &handle))
 			result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
@@ -491,7 +491,7 @@ stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *
 	}
 	if (result != STILB_OK)
 		scene_retire(render, meshes, materials);
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 	return result;
 }
 
@@ -541,7 +541,7 @@ static void resource_release(stilb_render *render, render_retired retired)
 void render_resources_frame(stilb_render *render)
 {
 	render_resources *resources = &render->resources;
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	uint64_t frame = ++resources->frame;
 	uint32_t kept = 0, released = 0;
 	for (uint32_t i = 0; i < resources->retired_count; i++) {
@@ -552,19 +552,19 @@ void render_resources_frame(stilb_render *render)
 			resources->retired[kept++] = resources->retired[i];
 	}
 	resources->retired_count = kept;
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 }
 
 stilb_result render_resources_update(stilb_render *render)
 {
 	PROFILE("upload");
 	render_resources *resources = &render->resources;
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	stilb_result result = render->device->functions->update(render->device, resources);
 	resources->uploads_sent = resources->upload_count;
 	for (int h = 0; h < RENDER_HEAPS; h++)
 		resources->heaps[h].dirty.count = 0;
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 	return result;
 }
 
@@ -585,7 +585,7 @@ static void uploads_drop(render_resources *resources, uint32_t count)
 void render_resources_sent(stilb_render *render, bool good)
 {
 	render_resources *resources = &render->resources;
-	pthread_mutex_lock(&resources->lock);
+	stilb_lock_take(&resources->lock);
 	if (good)
 		uploads_drop(resources, resources->uploads_sent);
 	for (int h = 0; h < RENDER_HEAPS && !good; h++) {
@@ -596,5 +596,5 @@ void render_resources_sent(stilb_render *render, bool good)
 		heap->dirty.count = 1;
 	}
 	resources->uploads_sent = 0;
-	pthread_mutex_unlock(&resources->lock);
+	stilb_lock_give(&resources->lock);
 }

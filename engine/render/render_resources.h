@@ -10,9 +10,8 @@
 #ifndef STILB_RENDER_RESOURCES_H
 #define STILB_RENDER_RESOURCES_H
 
+#include "base/base_contract.h"
 #include "render/render.h"
-
-#include <pthread.h>
 
 #define RENDER_INDEX_MASK 0xffffffu
 #define RENDER_GENERATION_SHIFT 24u
@@ -92,7 +91,7 @@ typedef struct render_resources {
 	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: generation above, index of the texture below, 0: none */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
-	pthread_mutex_t lock; /* all below */
+	stilb_lock lock; /* guards everything below */
 	bool lock_made;
 	render_indices indices[RENDER_RESOURCE_KINDS];
 	render_heap heaps[RENDER_HEAPS];
