@@ -124,7 +124,7 @@ static void avx2_test_bits(cull_spheres spheres, uint32_t count, const stilb_fru
 
 static void avx2_sixteen(cull_sixteen *cells, const cull_level *level, uint32_t planes)
 {
-	const __m256d zero = _mm256_setzero_pd();
+	__m256d zero = _mm256_setzero_pd();
 	uint32_t rejected = 0;
 	for (uint32_t plane = 0; plane < CULL_PLANES; plane++)
 		cells->inside[plane] = 0;

@@ -151,7 +151,7 @@ static void avx512_test_bits(cull_spheres spheres, uint32_t count, const stilb_f
 
 static void avx512_sixteen(cull_sixteen *cells, const cull_level *level, uint32_t planes)
 {
-	const __m512d zero = _mm512_setzero_pd();
+	__m512d zero = _mm512_setzero_pd();
 	__m512d reach0 = _mm512_cvtps_pd(_mm256_loadu_ps(cells->reach[0]));
 	__m512d reach1 = _mm512_cvtps_pd(_mm256_loadu_ps(cells->reach[1]));
 	uint32_t rejected = 0;

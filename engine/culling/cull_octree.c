@@ -39,7 +39,7 @@ void cull_octree_cell_center(const stilb_cull_octree *octree, cull_cell_name nam
 
 cull_cell_name cull_octree_name(const stilb_cull_octree *octree, stilb_sphere bounds)
 {
-	const float center[3] = {bounds.x, bounds.y, bounds.z};
+	float center[3] = {bounds.x, bounds.y, bounds.z};
 	double radius = (double)bounds.radius, half = octree->size * 0.5;
 	double place[3]; /* in [0, 1) of the root */
 	cull_cell_name name = {0};

@@ -31,14 +31,14 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
                                    stilb_render_texture *out)
 {
-	const stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels};
+	stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels};
 	return stilb_render_texture_create(render, &image, out);
 }
 
 static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render *render, stilb_render_texture *textures)
 {
 	static const uint8_t white[4] = {255, 255, 255, 255};
-	const render_dump_texture none = {0, 1, 1, STILB_IMAGE_U8_SRGB};
+	render_dump_texture none = {0, 1, 1, STILB_IMAGE_U8_SRGB};
 	const uint8_t *pixels = dump->pixels;
 	uint32_t next = 1;
 	stilb_result result = STILB_OK;
@@ -58,8 +58,8 @@ static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render 
 static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render *render,
                                      const stilb_render_texture *textures, stilb_render_material *materials)
 {
-	const stilb_scene_material none = {.roughness = 1.0f};
-	const stilb_render_texture no_texture = {0};
+	stilb_scene_material none = {.roughness = 1.0f};
+	stilb_render_texture no_texture = {0};
 	uint32_t next = 0;
 	stilb_result result = STILB_OK;
 	for (uint32_t m = 0; m < dump->header->materials && result == STILB_OK; m++) {
@@ -83,7 +83,7 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 static stilb_result upload_mesh(stilb_render *render, const stilb_scene_vertex *vertices, uint32_t vertex_count,
                                 const uint32_t *indices, uint32_t index_count, stilb_render_mesh *out)
 {
-	const stilb_scene_mesh mesh = {(stilb_scene_vertex *)vertices, (uint32_t *)indices, vertex_count, index_count};
+	stilb_scene_mesh mesh = {(stilb_scene_vertex *)vertices, (uint32_t *)indices, vertex_count, index_count};
 	return stilb_render_mesh_create(render, &mesh, out);
 }
 

@@ -16,7 +16,7 @@
 
 bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_DUMP_PARTS + 1])
 {
-	const struct {
+	struct {
 		uint64_t count, size;
 	} parts[RENDER_DUMP_PARTS] = {
 		[RENDER_DUMP_HEADER] = {1, sizeof(render_dump_header)},

@@ -233,10 +233,10 @@ static void measure_summarise(double *values, uint32_t count, stilb_render_dump_
 static void measure_rows(const measure_job *job, const measure_round *rounds, const measure_frame *real, double *values,
                          stilb_render_dump_costs *costs)
 {
-	const bool secondary = job->render->device->replay == STILB_RENDER_REPLAY_SECONDARY;
-	const bool indirect = job->render->device->replay == STILB_RENDER_REPLAY_INDIRECT;
-	const uint32_t passes = job->dump->header->passes;
-	const stilb_render_dump_cost rows[STILB_RENDER_DUMP_COSTS] = {
+	bool secondary = job->render->device->replay == STILB_RENDER_REPLAY_SECONDARY;
+	bool indirect = job->render->device->replay == STILB_RENDER_REPLAY_INDIRECT;
+	uint32_t passes = job->dump->header->passes;
+	stilb_render_dump_cost rows[STILB_RENDER_DUMP_COSTS] = {
 		[KIND_RECORD] = {"record a draw", "real: its recording", real->draws, false, 0, 0, 0},
 		[KIND_ORDER] = {"order a draw", "real: its ordering", real->draws, false, 0, 0, 0},
 		[KIND_BEGIN] = {secondary ? "execute" : "begin a pass",

@@ -6,7 +6,7 @@
 /* Joins the runs of a pass's segments, in number order; runs that continue each other become one. */
 static stilb_result replay_order(const stilb_render_pass *pass, render_pass_lists *lists)
 {
-	const uint64_t kind = pass->kind == STILB_RENDER_PASS_2D ? RENDER_STATE_2D : 0;
+	uint64_t kind = pass->kind == STILB_RENDER_PASS_2D ? RENDER_STATE_2D : 0;
 	lists->run_count = 0;
 	lists->draws = lists->states = 0;
 	uint32_t most = 0;
@@ -196,7 +196,7 @@ static uint64_t hash_draw(uint64_t hash, const render_command *command, const re
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 4; c++)
 			transform[4 * c + r] = row->transform[4 * r + c];
-	const uint32_t ids[2] = {row->mesh, row->material};
+	uint32_t ids[2] = {row->mesh, row->material};
 	hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
 	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
 	return stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);

@@ -57,17 +57,17 @@ static VkResult device_make(vulkan_device *device)
 		.bufferDeviceAddress = VK_TRUE,
 		.timelineSemaphore = VK_TRUE,
 	};
-	const VkPhysicalDeviceFeatures features = {
+	VkPhysicalDeviceFeatures features = {
 		.multiDrawIndirect = VK_TRUE,
 		.drawIndirectFirstInstance = VK_TRUE,
 	};
-	const VkDeviceQueueCreateInfo queue = {
+	VkDeviceQueueCreateInfo queue = {
 		.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
 		.queueFamilyIndex = device->queue_family,
 		.queueCount = 1,
 		.pQueuePriorities = &priority,
 	};
-	const VkDeviceCreateInfo info = {
+	VkDeviceCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
 		.pNext = &v12,
 		.queueCreateInfoCount = 1,

@@ -4,8 +4,8 @@
 
 void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
 {
-	const VkRect2D area = {.extent = {device->base.width, device->base.height}};
-	const VkViewport viewport = {
+	VkRect2D area = {.extent = {device->base.width, device->base.height}};
+	VkViewport viewport = {
 		.width = (float)device->base.width, .height = (float)device->base.height, .minDepth = 0.0f, .maxDepth = 1.0f};
 	vkCmdSetViewport(commands, 0, 1, &viewport);
 	vkCmdSetScissor(commands, 0, 1, &area);
@@ -16,7 +16,7 @@ void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
 static void draws_bind_buffers_2d(vulkan_device *device, VkCommandBuffer commands)
 {
 	const vulkan_slot *slot = vulkan_slot_now(device);
-	const vulkan_push_2d push = {
+	vulkan_push_2d push = {
 		.scale = {2.0f / (float)device->base.width, 2.0f / (float)device->base.height},
 		.rows = slot->memory[RENDER_MEMORY_ROWS].address,
 	};
@@ -29,7 +29,7 @@ static void draws_bind_buffers_2d(vulkan_device *device, VkCommandBuffer command
 static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
 {
 	const vulkan_slot *slot = vulkan_slot_now(device);
-	const vulkan_push push = {
+	vulkan_push push = {
 		.view = slot->views.address + device->pass * sizeof(vulkan_view),
 		.rows = slot->memory[RENDER_MEMORY_ROWS].address,
 		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
@@ -99,7 +99,7 @@ vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer command
 {
 	vulkan_sent sent = {0};
 	uint64_t state = RENDER_NO_STATE;
-	const uint32_t most = device->properties.limits.maxDrawIndirectCount;
+	uint32_t most = device->properties.limits.maxDrawIndirectCount;
 	VkBuffer buffer = vulkan_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer;
 	for (const render_run *run = stream->runs; run < stream->runs + stream->run_count; run++) {
 		sent.binds += draws_bind(device, commands, state, run->state);

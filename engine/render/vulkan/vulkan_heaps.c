@@ -61,8 +61,8 @@ VkResult vulkan_material_sets_create(vulkan_device *device)
 {
 	if (device->base.materials != STILB_RENDER_MATERIALS_BIND)
 		return VK_SUCCESS;
-	const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, VULKAN_SLOTS};
-	const VkDescriptorPoolCreateInfo info = {
+	VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, VULKAN_SLOTS};
+	VkDescriptorPoolCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
 		.maxSets = VULKAN_SLOTS,
 		.poolSizeCount = 1,
@@ -70,7 +70,7 @@ VkResult vulkan_material_sets_create(vulkan_device *device)
 	};
 	VkResult result = vkCreateDescriptorPool(device->device, &info, device->allocator, &device->material_pool);
 	for (int i = 0; i < VULKAN_SLOTS && result == VK_SUCCESS; i++) {
-		const VkDescriptorSetAllocateInfo set = {
+		VkDescriptorSetAllocateInfo set = {
 			.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
 			.descriptorPool = device->material_pool,
 			.descriptorSetCount = 1,
@@ -87,8 +87,8 @@ static void material_set_update(vulkan_device *device, vulkan_slot *slot)
 	VkBuffer materials = device->heaps[RENDER_HEAP_MATERIALS].buffer;
 	if (!slot->material_set || slot->material_buffer == materials)
 		return;
-	const VkDescriptorBufferInfo buffer = {.buffer = materials, .range = sizeof(render_material)};
-	const VkWriteDescriptorSet write = {
+	VkDescriptorBufferInfo buffer = {.buffer = materials, .range = sizeof(render_material)};
+	VkWriteDescriptorSet write = {
 		.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
 		.dstSet = slot->material_set,
 		.descriptorCount = 1,
@@ -146,7 +146,7 @@ static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, in
 	VkDeviceSize stride = heap_stride(device, heap, kind);
 	for (uint32_t r = 0; r < ranges->count; r++) {
 		render_range range = ranges->items[r];
-		const VkBufferCopy copy = {.srcOffset = at, .dstOffset = range.first * stride, .size = range.count * stride};
+		VkBufferCopy copy = {.srcOffset = at, .dstOffset = range.first * stride, .size = range.count * stride};
 		elements_write((uint8_t *)slot->staging.mapped + at, stride, heap->data + (size_t)range.first * heap->element,
 		               heap->element, range.count);
 		vkCmdCopyBuffer(slot->draw, slot->staging.buffer, device->heaps[kind].buffer, 1, &copy);
@@ -158,9 +158,9 @@ static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, in
 /* Nothing on the GPU reads what the copies write meanwhile: the draws of frames before, and then those of this one. */
 static void heaps_barrier(VkCommandBuffer commands, bool before)
 {
-	const VkPipelineStageFlags2 readers = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
-	                                      VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
-	const VkMemoryBarrier2 barrier = {
+	VkPipelineStageFlags2 readers = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+	                                VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+	VkMemoryBarrier2 barrier = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
 		.srcStageMask = before ? readers | VK_PIPELINE_STAGE_2_COPY_BIT : VK_PIPELINE_STAGE_2_COPY_BIT,
 		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,

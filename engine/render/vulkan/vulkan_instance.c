@@ -126,7 +126,7 @@ static stilb_result vulkan_surface_create(vulkan_device *device, const stilb_ren
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc)
 {
 	static const char *const layer = "VK_LAYER_KHRONOS_validation";
-	const VkApplicationInfo application = {
+	VkApplicationInfo application = {
 		.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
 		.pApplicationName = "stilb",
 		.pEngineName = "stilb",
@@ -145,15 +145,15 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 		return stilb_fail(STILB_ERROR_DEVICE,
 		                  "--validate needs the Vulkan validation layer; install it with 'apt install "
 		                  "vulkan-validationlayers'");
-	const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+	VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
 	VkDebugUtilsMessengerCreateInfoEXT messenger = vulkan_messenger_info(device);
-	const VkValidationFeaturesEXT features = {
+	VkValidationFeaturesEXT features = {
 		.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
 		.pNext = &messenger,
 		.enabledValidationFeatureCount = 1,
 		.pEnabledValidationFeatures = enabled,
 	};
-	const VkInstanceCreateInfo info = {
+	VkInstanceCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
 		.pNext = desc->validate ? &features : NULL,
 		.pApplicationInfo = &application,
@@ -200,7 +200,7 @@ static const char *gpu_missing(VkPhysicalDevice gpu)
 	                                        .pNext = &v13};
 	VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
 	vkGetPhysicalDeviceFeatures2(gpu, &features);
-	const struct {
+	struct {
 		VkBool32 there;
 		const char *name;
 	} needs[] = {

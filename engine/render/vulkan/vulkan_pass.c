@@ -9,14 +9,14 @@
  * continues where the pass before stopped. 2D passes draw into the picture alone. */
 static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, bool first, bool scene)
 {
-	const VkPipelineStageFlags2 color_stage = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
-	const VkPipelineStageFlags2 depth_stage =
+	VkPipelineStageFlags2 color_stage = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+	VkPipelineStageFlags2 depth_stage =
 		VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
-	const VkAccessFlags2 color_access = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
-	const VkAccessFlags2 depth_access =
+	VkAccessFlags2 color_access = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+	VkAccessFlags2 depth_access =
 		VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-	const VkImageLayout attachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
-	const VkImageLayout before = first ? VK_IMAGE_LAYOUT_UNDEFINED : attachment;
+	VkImageLayout attachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
+	VkImageLayout before = first ? VK_IMAGE_LAYOUT_UNDEFINED : attachment;
 	VkImageMemoryBarrier2 taken[3];
 	uint32_t count = 0;
 	taken[count++] = vulkan_image_transition(device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
@@ -50,8 +50,8 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
 {
 	bool scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
 	bool resolve = device->color_samples.image != VK_NULL_HANDLE && scene;
-	const VkAttachmentLoadOp load = first ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
-	const VkRenderingAttachmentInfo color = {
+	VkAttachmentLoadOp load = first ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
+	VkRenderingAttachmentInfo color = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
 		.imageView = resolve ? device->color_samples.view : device->color.view,
 		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
@@ -62,7 +62,7 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
 		.clearValue = {.color = pass_clear_color(device, stream->view)},
 	};
-	const VkRenderingAttachmentInfo depth = {
+	VkRenderingAttachmentInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
 		.imageView = device->depth.view,
 		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
@@ -70,7 +70,7 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
 		.clearValue = {.depthStencil = {.depth = 0.0f}}, /* reversed: 0 is far */
 	};
-	const VkRenderingInfo rendering = {
+	VkRenderingInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
 		.flags = contents,
 		.renderArea = {.extent = {device->base.width, device->base.height}},

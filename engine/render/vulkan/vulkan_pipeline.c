@@ -64,7 +64,7 @@ static const pipeline_code flat_code[2][2] = {
 
 static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShaderModule *module)
 {
-	const VkShaderModuleCreateInfo info = {
+	VkShaderModuleCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
 		.codeSize = code.size,
 		.pCode = code.words,
@@ -77,13 +77,13 @@ static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShade
 static VkResult set_layout_create(vulkan_device *device, VkDescriptorType type, const VkSampler *sampler,
                                   VkDescriptorSetLayout *layout)
 {
-	const VkDescriptorSetLayoutBinding binding = {
+	VkDescriptorSetLayoutBinding binding = {
 		.descriptorType = type,
 		.descriptorCount = 1,
 		.stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
 		.pImmutableSamplers = sampler,
 	};
-	const VkDescriptorSetLayoutCreateInfo info = {
+	VkDescriptorSetLayoutCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
 		.bindingCount = 1,
 		.pBindings = &binding,
@@ -100,12 +100,12 @@ static VkResult layout_create(vulkan_device *device)
 		result = set_layout_create(device, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, NULL, &device->material_layout);
 	if (result != VK_SUCCESS)
 		return result;
-	const VkDescriptorSetLayout sets[2] = {device->texture_layout, device->material_layout};
-	const VkPushConstantRange range = {
+	VkDescriptorSetLayout sets[2] = {device->texture_layout, device->material_layout};
+	VkPushConstantRange range = {
 		.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
 		.size = sizeof(vulkan_push),
 	};
-	const VkPipelineLayoutCreateInfo info = {
+	VkPipelineLayoutCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
 		.setLayoutCount = bind ? 2 : 1,
 		.pSetLayouts = sets,
@@ -286,23 +286,22 @@ static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VUL
 {
 	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY, .materials = materials};
 	memcpy(constants.formulas, formulas, sizeof constants.formulas);
-	const VkSpecializationInfo specialization = {2 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants,
-	                                             &constants};
-	const VkPipelineShaderStageCreateInfo stages[2] = {
+	VkSpecializationInfo specialization = {2 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
+	VkPipelineShaderStageCreateInfo stages[2] = {
 		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, device->mesh_modules[texture][0], NULL),
 		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, device->mesh_modules[texture][1], &specialization),
 	};
-	const VkPipelineMultisampleStateCreateInfo multisample = {
+	VkPipelineMultisampleStateCreateInfo multisample = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
 		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
 	};
-	const VkPipelineRenderingCreateInfo rendering = {
+	VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
 		.colorAttachmentCount = 1,
 		.pColorAttachmentFormats = &device->color_format,
 		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
 	};
-	const VkGraphicsPipelineCreateInfo info = {
+	VkGraphicsPipelineCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
 		.pNext = &rendering,
 		.stageCount = 2,
@@ -375,7 +374,7 @@ stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *
 {
 	const stilb_render_shading *wanted = &stream->view->shading;
 	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* the others are the same whatever D, G and F */
-	const uint32_t formulas[VULKAN_FORMULAS] = {
+	uint32_t formulas[VULKAN_FORMULAS] = {
 		[VULKAN_FORMULA_BRDF] = wanted->brdf,
 		[VULKAN_FORMULA_NDF] = microfacet ? wanted->ndf : 0,
 		[VULKAN_FORMULA_G] = microfacet ? wanted->g : 0,
@@ -394,16 +393,16 @@ stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *
 
 static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule modules[2], bool texture)
 {
-	const VkPipelineShaderStageCreateInfo stages[2] = {
+	VkPipelineShaderStageCreateInfo stages[2] = {
 		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], NULL),
 		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], NULL),
 	};
-	const VkPipelineRenderingCreateInfo rendering = {
+	VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
 		.colorAttachmentCount = 1,
 		.pColorAttachmentFormats = &device->color_format,
 	};
-	const VkGraphicsPipelineCreateInfo info = {
+	VkGraphicsPipelineCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
 		.pNext = &rendering,
 		.stageCount = 2,

@@ -43,7 +43,7 @@ static VkExtent2D swapchain_extent(const vulkan_device *device, const VkSurfaceC
 
 static VkResult swapchain_make_semaphores(vulkan_device *device)
 {
-	const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+	VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
 	VkResult result = VK_SUCCESS;
 	for (uint32_t i = 0; i < device->swapchain.image_count && result == VK_SUCCESS; i++)
 		result = vkCreateSemaphore(device->device, &semaphore, device->allocator, &device->swapchain.shown[i]);
@@ -54,7 +54,7 @@ static VkResult swapchain_make(vulkan_device *device, const VkSurfaceCapabilitie
 {
 	vulkan_swapchain *swapchain = &device->swapchain;
 	uint32_t wanted = can->minImageCount + 1;
-	const VkSwapchainCreateInfoKHR info = {
+	VkSwapchainCreateInfoKHR info = {
 		.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
 		.surface = device->surface,
 		.minImageCount = can->maxImageCount && wanted > can->maxImageCount ? can->maxImageCount : wanted,
@@ -118,7 +118,7 @@ static stilb_result swapchain_renew(vulkan_device *device)
 
 static stilb_result show_begin(vulkan_device *device, vulkan_slot *slot)
 {
-	const VkCommandBufferBeginInfo begin = {
+	VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
 	};
@@ -139,16 +139,16 @@ static stilb_result show_submit(vulkan_device *device, vulkan_slot *slot, VkSema
 /* The window may have another size for a frame or two while it is being resized: the blit scales. */
 static void show_blit(vulkan_device *device, VkCommandBuffer commands, VkImage image)
 {
-	const VkImageSubresourceLayers layers = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1};
+	VkImageSubresourceLayers layers = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1};
 	VkExtent2D to = device->swapchain.extent;
-	const VkImageBlit2 region = {
+	VkImageBlit2 region = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_BLIT_2,
 		.srcSubresource = layers,
 		.srcOffsets = {{0, 0, 0}, {(int32_t)device->base.width, (int32_t)device->base.height, 1}},
 		.dstSubresource = layers,
 		.dstOffsets = {{0, 0, 0}, {(int32_t)to.width, (int32_t)to.height, 1}},
 	};
-	const VkBlitImageInfo2 blit = {
+	VkBlitImageInfo2 blit = {
 		.sType = VK_STRUCTURE_TYPE_BLIT_IMAGE_INFO_2,
 		.srcImage = device->color.image,
 		.srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
@@ -208,7 +208,7 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 	result = show_submit(device, slot, slot->acquired, shown);
 	if (result != STILB_OK)
 		return result;
-	const VkPresentInfoKHR info = {
+	VkPresentInfoKHR info = {
 		.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
 		.waitSemaphoreCount = 1,
 		.pWaitSemaphores = &shown,
@@ -234,7 +234,7 @@ static uint32_t picture_pixel_size(const vulkan_device *device)
 
 static void picture_copy(vulkan_device *device, vulkan_slot *slot)
 {
-	const VkBufferImageCopy region = {
+	VkBufferImageCopy region = {
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
 		.imageExtent = {device->base.width, device->base.height, 1},
 	};

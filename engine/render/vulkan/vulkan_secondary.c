@@ -7,7 +7,7 @@
 
 static VkResult list_create(vulkan_device *device, vulkan_list *list)
 {
-	const VkCommandPoolCreateInfo info = {
+	VkCommandPoolCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
 		.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
 		.queueFamilyIndex = device->queue_family,
@@ -51,7 +51,7 @@ static VkResult list_next(vulkan_device *device, vulkan_list *list, VkCommandBuf
 {
 	VkResult result = list->used == 0 ? vkResetCommandPool(device->device, list->pool, 0) : VK_SUCCESS;
 	if (result == VK_SUCCESS && list->used == list->made) {
-		const VkCommandBufferAllocateInfo info = {
+		VkCommandBufferAllocateInfo info = {
 			.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
 			.commandPool = list->pool,
 			.level = VK_COMMAND_BUFFER_LEVEL_SECONDARY,
@@ -67,18 +67,18 @@ static VkResult list_next(vulkan_device *device, vulkan_list *list, VkCommandBuf
 
 static VkResult list_begin(vulkan_device *device, VkCommandBuffer commands)
 {
-	const VkCommandBufferInheritanceRenderingInfo rendering = {
+	VkCommandBufferInheritanceRenderingInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_RENDERING_INFO,
 		.colorAttachmentCount = 1,
 		.pColorAttachmentFormats = &device->color_format,
 		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
 		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
 	};
-	const VkCommandBufferInheritanceInfo inheritance = {
+	VkCommandBufferInheritanceInfo inheritance = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO,
 		.pNext = &rendering,
 	};
-	const VkCommandBufferBeginInfo begin = {
+	VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT | VK_COMMAND_BUFFER_USAGE_RENDER_PASS_CONTINUE_BIT,
 		.pInheritanceInfo = &inheritance,

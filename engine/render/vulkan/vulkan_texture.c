@@ -13,15 +13,15 @@ static const VkFormat texture_formats[] = {
 
 static VkResult textures_make(vulkan_device *device)
 {
-	const VkSamplerCreateInfo sampler = {
+	VkSamplerCreateInfo sampler = {
 		.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
 		.magFilter = VK_FILTER_LINEAR,
 		.minFilter = VK_FILTER_LINEAR,
 		.addressModeU = VK_SAMPLER_ADDRESS_MODE_REPEAT,
 		.addressModeV = VK_SAMPLER_ADDRESS_MODE_REPEAT,
 	};
-	const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, STILB_RENDER_MAX_TEXTURES};
-	const VkDescriptorPoolCreateInfo pool = {
+	VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, STILB_RENDER_MAX_TEXTURES};
+	VkDescriptorPoolCreateInfo pool = {
 		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
 		.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
 		.maxSets = STILB_RENDER_MAX_TEXTURES,
@@ -58,9 +58,9 @@ void vulkan_textures_destroy(vulkan_device *device)
 /* Beyond its limits a GPU may do anything, so they are asked for first. */
 static stilb_result texture_check(const vulkan_device *device, const VkImageCreateInfo *info)
 {
-	const VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
-	                                    VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
-	                                    VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+	VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
+	                              VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
+	                              VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
 	VkFormatProperties format;
 	VkImageFormatProperties can;
 	vkGetPhysicalDeviceFormatProperties(device->gpu, info->format, &format);
@@ -81,7 +81,7 @@ static stilb_result texture_check(const vulkan_device *device, const VkImageCrea
 
 static VkResult texture_set_create(vulkan_device *device, vulkan_texture *texture)
 {
-	const VkDescriptorSetAllocateInfo info = {
+	VkDescriptorSetAllocateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
 		.descriptorPool = device->texture_pool,
 		.descriptorSetCount = 1,
@@ -90,11 +90,11 @@ static VkResult texture_set_create(vulkan_device *device, vulkan_texture *textur
 	VkResult result = vkAllocateDescriptorSets(device->device, &info, &texture->set);
 	if (result != VK_SUCCESS)
 		return result;
-	const VkDescriptorImageInfo image = {
+	VkDescriptorImageInfo image = {
 		.imageView = texture->image.view,
 		.imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
 	};
-	const VkWriteDescriptorSet write = {
+	VkWriteDescriptorSet write = {
 		.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
 		.dstSet = texture->set,
 		.descriptorCount = 1,
@@ -109,7 +109,7 @@ stilb_result vulkan_texture_create(render_device *base, uint32_t index, const st
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_texture *texture = &device->textures[index];
-	const VkImageCreateInfo info = {
+	VkImageCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
 		.imageType = VK_IMAGE_TYPE_2D,
 		.format = texture_formats[image->format],
@@ -148,7 +148,7 @@ void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upl
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
 	VkImage image = device->textures[upload->texture].image.image;
-	const VkBufferImageCopy region = {
+	VkBufferImageCopy region = {
 		.bufferOffset = at,
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
 		.imageExtent = {upload->image.width, upload->image.height, 1},

@@ -40,7 +40,7 @@ stilb_result vulkan_times_create(vulkan_device *device)
 	vulkan_times *times = &device->times;
 	if (!device->timestamp_mask)
 		return STILB_OK;
-	const VkQueryPoolCreateInfo info = {
+	VkQueryPoolCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
 		.queryType = VK_QUERY_TYPE_TIMESTAMP,
 		.queryCount = TIMES_QUERIES * VULKAN_SLOTS,
