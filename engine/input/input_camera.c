@@ -19,7 +19,7 @@ double stilb_input_follow(double value, double target, double a, double dt, doub
 		*sum += value * dt;
 		return value;
 	}
-	const double gone = -expm1(-a * dt); /* 1 - e */
+	double gone = -expm1(-a * dt); /* 1 - e */
 	*sum += target * dt + (value - target) * gone / a;
 	return target + (value - target) * (1.0 - gone);
 }
@@ -57,14 +57,14 @@ static double camera_rate(float a)
 
 static double camera_clamp_pitch(double pitch)
 {
-	const double limit = (double)STILB_INPUT_PITCH_LIMIT;
+	double limit = (double)STILB_INPUT_PITCH_LIMIT;
 	return fmax(-limit, fmin(limit, pitch));
 }
 
 /* The rate of turning to the left or upwards, after dt seconds; *angle grows by what was turned. */
 static double camera_turned(const stilb_input_camera *camera, int axis, double dt, double *angle)
 {
-	const double a = camera_rate(camera->settings.turn_follow);
+	double a = camera_rate(camera->settings.turn_follow);
 	return stilb_input_follow(camera->turning[axis], camera->wanted_turning[axis], a, dt, angle);
 }
 
@@ -80,7 +80,7 @@ static void camera_add(const stilb_input_camera *camera, double dt, const double
 	camera_turned(camera, 0, dt, &yaw);
 	camera_turned(camera, 1, dt, &pitch);
 	pitch = camera_clamp_pitch(pitch);
-	const double ahead = cos(pitch) * motion[2];
+	double ahead = cos(pitch) * motion[2];
 	place[0] += cos(yaw) * motion[0] - sin(yaw) * ahead;
 	place[1] += motion[1] + sin(pitch) * motion[2];
 	place[2] += -sin(yaw) * motion[0] - cos(yaw) * ahead;
@@ -95,7 +95,7 @@ static void camera_add(const stilb_input_camera *camera, double dt, const double
 static void camera_way(const stilb_input_camera *camera, double dt, double place[3])
 {
 	static const double nodes[2] = {0.11270166537925831, 0.88729833462074169};
-	const double weight = 5.0 / 18.0;
+	double weight = 5.0 / 18.0;
 	double middle[3] = {0};
 	for (int i = 0; i < 3; i++)
 		camera_moved(camera, i, dt, &middle[i]);
@@ -118,7 +118,7 @@ static double camera_settle(double value, double target)
 
 static void camera_step(stilb_input_camera *camera, uint64_t dt_us)
 {
-	const double dt = (double)dt_us * 1e-6;
+	double dt = (double)dt_us * 1e-6;
 	camera_way(camera, dt, camera->position);
 	for (int i = 0; i < 3; i++)
 		camera->motion[i] = camera_settle(camera_moved(camera, i, dt, NULL), camera->wanted_motion[i]);
@@ -226,19 +226,19 @@ stilb_input_camera stilb_input_camera_make(const stilb_input_camera_settings *se
 
 void stilb_input_camera_steer(stilb_input_camera *camera, int64_t time_us, const stilb_input_wish *wish)
 {
-	const stilb_input_wish clean = camera_clean_wish(wish);
+	stilb_input_wish clean = camera_clean_wish(wish);
 	if (camera_same_wish(&clean, &camera->wish))
 		return;
 	camera_reach(camera, time_us);
 	camera->wish = clean;
-	const double move[3] = {(double)clean.move[0], (double)clean.move[1], (double)clean.move[2]};
+	double move[3] = {(double)clean.move[0], (double)clean.move[1], (double)clean.move[2]};
 	/* A keyboard's diagonal is no faster; a stick that is pushed half way stays slow. */
-	const double speed = (double)camera->settings.speed * exp2((double)clean.boost) / fmax(1.0, camera_length(move));
+	double speed = (double)camera->settings.speed * exp2((double)clean.boost) / fmax(1.0, camera_length(move));
 	for (int i = 0; i < 3; i++)
 		camera->wanted_motion[i] = speed * move[i];
 	for (int i = 0; i < 2; i++)
 		camera->wanted_turning[i] = (double)camera->settings.turn_rate * (double)clean.turn[i];
-	const bool slower = camera_length(camera->wanted_motion) < camera_length(camera->motion);
+	bool slower = camera_length(camera->wanted_motion) < camera_length(camera->motion);
 	camera->follow = camera_rate(slower ? camera->settings.brake : camera->settings.accelerate);
 }
 

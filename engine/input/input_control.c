@@ -121,7 +121,7 @@ static void control_steer(stilb_input_control *control, int64_t time_us)
 		wish = control->keys;
 	const control_pad *leader = control->leader ? control_find(control, control->leader) : NULL;
 	if (control->focused && leader) {
-		const stilb_input_wish pad = control_pad_wish(&control->settings, &leader->state);
+		stilb_input_wish pad = control_pad_wish(&control->settings, &leader->state);
 		for (int i = 0; i < 3; i++)
 			wish.move[i] += pad.move[i];
 		for (int i = 0; i < 2; i++)
@@ -165,7 +165,7 @@ static void control_add(stilb_input_control *control, const stilb_input_event *e
 
 static void control_remove(stilb_input_control *control, control_pad *pad, int64_t time_us)
 {
-	const bool led = pad->number == control->leader;
+	bool led = pad->number == control->leader;
 	pad->number = 0;
 	if (!led)
 		return;
@@ -177,7 +177,7 @@ static void control_remove(stilb_input_control *control, control_pad *pad, int64
 /* Whether its new state says that somebody has it in hand. */
 static bool control_touched(control_pad *pad, const stilb_input_pad_state *state, float dead_zone, int64_t time_us)
 {
-	const float drift = CONTROL_DRIFT * (float)(1e-6 * ((double)time_us - (double)pad->last_us));
+	float drift = CONTROL_DRIFT * (float)(1e-6 * ((double)time_us - (double)pad->last_us));
 	bool touched = (state->buttons & ~pad->state.buttons) != 0;
 	for (int i = 0; i < STILB_INPUT_AXIS_COUNT; i++) {
 		pad->rest[i] = stilb_input_step_towards(pad->rest[i], pad->state.axes[i], drift);
@@ -232,7 +232,7 @@ static void control_state(stilb_input_control *control, control_pad *pad, const 
 		pad->state = *state;
 		memcpy(pad->rest, state->axes, sizeof pad->rest);
 	}
-	const uint32_t pressed = state->buttons & ~pad->state.buttons;
+	uint32_t pressed = state->buttons & ~pad->state.buttons;
 	if (control_touched(pad, state, fmaxf(control->settings.inner, CONTROL_TOUCH_MIN), time_us))
 		control->leader = pad->number;
 	pad->state = *state;
@@ -323,7 +323,7 @@ static void control_look(stilb_input_control *control, int64_t time_us, const fl
 /* The keys of the window and what the pad's buttons add to them. */
 static stilb_input_state control_take(stilb_input_control *control, stilb_input_state state)
 {
-	const stilb_input_state pad = control->actions;
+	stilb_input_state pad = control->actions;
 	control->actions = (stilb_input_state){0};
 	memcpy(state.move, control->camera.wish.move, sizeof state.move);
 	state.capture = state.capture || pad.capture;

@@ -45,8 +45,8 @@ static void recorder_print(stilb_input_recorder *recorder, const char *format, .
 {
 	va_list arguments;
 	va_start(arguments, format);
-	const size_t room = sizeof recorder->text - recorder->length;
-	const int length = vsnprintf(recorder->text + recorder->length, room, format, arguments);
+	size_t room = sizeof recorder->text - recorder->length;
+	int length = vsnprintf(recorder->text + recorder->length, room, format, arguments);
 	va_end(arguments);
 	STILB_ASSERT(length >= 0 && (size_t)length < room);
 	recorder->length += (size_t)length;
@@ -67,7 +67,7 @@ static void recorder_print_bytes(stilb_input_recorder *recorder, const uint8_t *
 
 static void recorder_print_time(stilb_input_recorder *recorder, const char *before)
 {
-	const int64_t us = recorder->last_us - recorder->start_us;
+	int64_t us = recorder->last_us - recorder->start_us;
 	recorder_print(recorder, "%s %06" PRId64 ".%06" PRId64, before, us / 1000000, us % 1000000);
 }
 
@@ -162,7 +162,7 @@ stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stil
 	if (event->kind == STILB_INPUT_PAD_REPORT && recorder->reports == INPUT_RECORDING_REPORTS_MAX)
 		return recorder_fail(recorder, "more reports came than a recording may have, 16777216");
 	recorder_print_event(recorder, event);
-	const int error = stilb_file_write(&recorder->file, recorder->text, recorder->length);
+	int error = stilb_file_write(&recorder->file, recorder->text, recorder->length);
 	return error ? recorder_fail(recorder, strerror(-error)) : STILB_OK;
 }
 
@@ -174,7 +174,7 @@ stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder 
 	*recorder = NULL;
 	if (!made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a recorder");
-	const stilb_result result = stilb_file_open(&made->file, path);
+	stilb_result result = stilb_file_open(&made->file, path);
 	if (result != STILB_OK) {
 		free(made);
 		return result;
@@ -197,7 +197,7 @@ stilb_result stilb_input_recorder_close(stilb_input_recorder *recorder)
 {
 	if (!recorder)
 		return STILB_OK;
-	const stilb_result result = recorder_commit(recorder);
+	stilb_result result = recorder_commit(recorder);
 	stilb_file_finish(&recorder->file);
 	free(recorder);
 	return result;

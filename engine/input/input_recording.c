@@ -80,7 +80,7 @@ static bool reader_next_line(recording_reader *reader, stilb_result *result)
 	}
 	reader->line++;
 	size_t length = strlen(reader->text);
-	const bool whole = length > 0 && reader->text[length - 1] == '\n';
+	bool whole = length > 0 && reader->text[length - 1] == '\n';
 	if (!whole && !feof(reader->stream)) {
 		*result = reader_refuse(reader, "is longer than %u bytes or has a zero byte: it is no recording",
 		                        RECORDING_LINE_MAX - 2);
@@ -102,7 +102,7 @@ static const char *take_number(const char *at, int base, uint64_t most, uint64_t
 {
 	const char *digits = base == 16 ? "0123456789abcdefABCDEF" : "0123456789";
 	at = skip_blanks(at);
-	const size_t length = strspn(at, digits);
+	size_t length = strspn(at, digits);
 	if (length == 0 || length > 16)
 		return NULL;
 	*number = strtoull(at, NULL, base);
@@ -134,7 +134,7 @@ static int take_bytes(const char *at, uint8_t *bytes, uint32_t most)
 {
 	uint32_t count = 0;
 	for (const char *next = skip_blanks(at); *next; next = skip_blanks(next + 2), count++) {
-		const int high = hex_digit(next[0]), low = high < 0 ? -1 : hex_digit(next[1]);
+		int high = hex_digit(next[0]), low = high < 0 ? -1 : hex_digit(next[1]);
 		if (low < 0 || next == at || (next[2] != '\0' && next[2] != ' ' && next[2] != '\t'))
 			return -1;
 		if (count < most)
@@ -151,7 +151,7 @@ static stilb_result reader_take_bytes(const recording_reader *reader, const char
 	at = take_number(at, 10, UINT32_MAX, &said);
 	if (!at || said == 0 || said > most)
 		return reader_refuse(reader, "the %s's size is none of 1..%" PRIu32, what, most);
-	const int there = take_bytes(at, bytes, most);
+	int there = take_bytes(at, bytes, most);
 	if (there < 0)
 		return reader_refuse(reader, "the %s has something else than bytes of two hexadecimal digits", what);
 	if ((uint64_t)there != said)
@@ -167,7 +167,7 @@ static bool grow(void **array, size_t *capacity, size_t needed, size_t size)
 {
 	if (needed <= *capacity)
 		return true;
-	const size_t more = needed * 2;
+	size_t more = needed * 2;
 	void *grown = realloc(*array, more * size);
 	if (!grown)
 		return false;
@@ -231,7 +231,7 @@ static uint32_t reader_find_pad(const recording_reader *reader)
 static stilb_result reader_describe_pad(recording_reader *reader, recording_pad **pad)
 {
 	stilb_input_recording *r = reader->recording;
-	const uint32_t i = reader_find_pad(reader);
+	uint32_t i = reader_find_pad(reader);
 	if (i == r->pad_count) {
 		if (i == INPUT_RECORDING_PADS_MAX)
 			return reader_refuse(reader, "there are more than %u pads", INPUT_RECORDING_PADS_MAX);
@@ -240,7 +240,7 @@ static stilb_result reader_describe_pad(recording_reader *reader, recording_pad 
 			return reader_no_memory(reader);
 		r->pads[i]->number = reader->number;
 		r->pad_count++;
-		const stilb_result result = reader_push(reader, STILB_INPUT_PAD_ADDED, i, NULL, 0);
+		stilb_result result = reader_push(reader, STILB_INPUT_PAD_ADDED, i, NULL, 0);
 		if (result != STILB_OK)
 			return result;
 	}
@@ -353,14 +353,14 @@ static stilb_result reader_remark(recording_reader *reader, const char *at)
 {
 	uint32_t pad;
 	int64_t time_us = 0;
-	const bool removed = strncmp(at, "removed", 7) == 0;
+	bool removed = strncmp(at, "removed", 7) == 0;
 	if (!removed && strncmp(at, "added", 5) != 0)
 		return STILB_OK;
 	at = skip_blanks(at + (removed ? 7 : 5));
 	const char *end = *at ? take_time(at, &time_us) : at;
 	if (!end || *skip_blanks(end))
 		return STILB_OK;
-	const bool timed = *at != '\0';
+	bool timed = *at != '\0';
 	if (timed && !removed)
 		reader_advance(reader, time_us);
 	if (!removed)
@@ -385,7 +385,7 @@ static stilb_result reader_take_line(recording_reader *reader)
 	};
 	const char *text = reader->text;
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-		const size_t length = strlen(kinds[i].begin);
+		size_t length = strlen(kinds[i].begin);
 		if (strncmp(text, kinds[i].begin, length) == 0)
 			return kinds[i].take(reader, text + length + (text[length] == ' '));
 	}
@@ -443,7 +443,7 @@ stilb_result stilb_input_recording_load(const char *path, stilb_input_recording 
 	FILE *stream = fopen(path, "re");
 	if (!stream)
 		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", path, strerror(errno));
-	const stilb_result result = input_recording_read(stream, path, recording);
+	stilb_result result = input_recording_read(stream, path, recording);
 	fclose(stream);
 	return result;
 }

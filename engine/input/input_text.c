@@ -12,7 +12,7 @@ static size_t text_character(const uint8_t *from, size_t length, uint32_t *code)
 	*code = from[0];
 	if (from[0] < 0x80)
 		return 1;
-	const size_t bytes = from[0] >= 0xf0 ? 4 : from[0] >= 0xe0 ? 3 : 2;
+	size_t bytes = from[0] >= 0xf0 ? 4 : from[0] >= 0xe0 ? 3 : 2;
 	if (from[0] < 0xc0 || from[0] > 0xf4 || bytes > length)
 		return 0;
 	*code = from[0] & (0xffu >> (bytes + 1));
@@ -34,9 +34,9 @@ void input_text_copy(char *to, size_t size, const char *from, size_t length)
 	size_t used = 0;
 	for (size_t i = 0; i < length;) {
 		uint32_t code;
-		const size_t bytes = text_character((const uint8_t *)from + i, length - i, &code);
-		const bool shown = bytes > 0 && !text_is_control(code);
-		const size_t room = shown ? bytes : 1;
+		size_t bytes = text_character((const uint8_t *)from + i, length - i, &code);
+		bool shown = bytes > 0 && !text_is_control(code);
+		size_t room = shown ? bytes : 1;
 		if (used + room >= size)
 			break;
 		if (shown)

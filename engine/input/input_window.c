@@ -45,7 +45,7 @@ static bool window_guid_has_ids(const char *guid)
 bool stilb_input_window_same(const char *guid, const char *name, const stilb_input_pad_info *info)
 {
 	/* The kernel may append to the name (hid-input.c: " Gamepad"), and a driver may change the product (xpadneo). */
-	const bool same_name = info->name[0] && strncmp(name, info->name, strlen(info->name)) == 0;
+	bool same_name = info->name[0] && strncmp(name, info->name, strlen(info->name)) == 0;
 	if (!window_guid_has_ids(guid))
 		return same_name;
 	return window_guid_number(guid, 0) == info->bus && window_guid_number(guid, 8) == info->vendor &&
@@ -57,7 +57,7 @@ bool stilb_input_window_same(const char *guid, const char *name, const stilb_inp
 static bool window_is_read_directly(const stilb_window_gamepad *gamepad, const stilb_input_control *control)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
-	const uint32_t count = stilb_input_control_pads(control, pads);
+	uint32_t count = stilb_input_control_pads(control, pads);
 	for (uint32_t i = 0; i < count; i++)
 		if (!pads[i].denied && pads[i].pad < WINDOW_PAD &&
 		    stilb_input_window_same(gamepad->guid, gamepad->name, pads[i].info))
@@ -96,7 +96,7 @@ static void window_remove(stilb_input_window *window, int place, int64_t time_us
 static void window_report(stilb_input_window *window, int place, const stilb_window_gamepad *gamepad, int64_t time_us,
                           stilb_input_control *control)
 {
-	const stilb_input_pad_state state = stilb_input_window_state(gamepad);
+	stilb_input_pad_state state = stilb_input_window_state(gamepad);
 	if (memcmp(&state, &window->places[place].state, sizeof state) == 0)
 		return;
 	window->places[place].state = state;

@@ -30,7 +30,7 @@ static void write_seed(const char *folder, size_t index)
 	char path[512];
 	snprintf(path, sizeof path, "%s/own-%zu", folder, index);
 	FILE *file = fopen(path, "w");
-	require(file != NULL && stilb_input_descriptor_parse(pad->bytes, pad->size, &parsed) == STILB_OK);
+	require(file && stilb_input_descriptor_parse(pad->bytes, pad->size, &parsed) == STILB_OK);
 	fputc((int)index, file);
 	fputc((int)(pad->size & 0xff), file);
 	fputc((int)(pad->size >> 8), file);
@@ -84,7 +84,7 @@ static void require_layout(const stilb_input_layout *layout)
 			require_source(&report->sources[k], report->size);
 	}
 	uint8_t output[STILB_INPUT_OUTPUT_MAX];
-	const size_t size = stilb_input_rumble_report(layout, 0.5f, 1.0f, 3, output);
+	size_t size = stilb_input_rumble_report(layout, 0.5f, 1.0f, 3, output);
 	require((size == 0) == (layout->rumble == STILB_INPUT_RUMBLE_NONE) && size <= sizeof output);
 }
 
@@ -98,10 +98,10 @@ static void require_state(const stilb_input_pad_state *state)
 static void make_crc_right(const stilb_input_layout *layout, uint8_t *report, size_t size)
 {
 	for (uint32_t i = 0; i < layout->report_count; i++) {
-		const size_t at = layout->reports[i].crc;
+		size_t at = layout->reports[i].crc;
 		if (at == 0 || layout->reports[i].id != report[0] || size < at + 4)
 			continue;
-		const uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, "\xa1", 1), report, at);
+		uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, "\xa1", 1), report, at);
 		for (size_t k = 0; k < 4; k++)
 			report[at + k] = (uint8_t)(crc >> 8 * k);
 	}
@@ -111,11 +111,11 @@ static void make_crc_right(const stilb_input_layout *layout, uint8_t *report, si
 static void use_report(const stilb_input_layout *layout, const uint8_t *report, size_t size,
                        stilb_input_pad_state *state)
 {
-	const stilb_input_pad_state before = *state;
-	const stilb_input_decoded decoded = stilb_input_decode(layout, report, size, state);
+	stilb_input_pad_state before = *state;
+	stilb_input_decoded decoded = stilb_input_decode(layout, report, size, state);
 	require_state(state);
 	require(decoded == STILB_INPUT_DECODED || memcmp(state, &before, sizeof before) == 0);
-	const stilb_input_pad_state once = *state;
+	stilb_input_pad_state once = *state;
 	require(stilb_input_decode(layout, report, size, state) == decoded && memcmp(state, &once, sizeof once) == 0);
 }
 
@@ -131,8 +131,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		info.product = input_test_descriptors[data[0]].product;
 		info.bus = input_test_descriptors[data[0]].bus;
 	}
-	const size_t asked = (size_t)data[1] | (size_t)data[2] << 8, left = size - 3;
-	const size_t most = left < STILB_INPUT_DESCRIPTOR_MAX ? left : STILB_INPUT_DESCRIPTOR_MAX;
+	size_t asked = (size_t)data[1] | (size_t)data[2] << 8, left = size - 3;
+	size_t most = left < STILB_INPUT_DESCRIPTOR_MAX ? left : STILB_INPUT_DESCRIPTOR_MAX;
 	info.descriptor_size = (uint16_t)(asked < most ? asked : most);
 	memcpy(info.descriptor, data + 3, info.descriptor_size);
 	if (stilb_input_layout_find(&info, &layout) != STILB_OK) {
@@ -142,10 +142,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	require_layout(&layout);
 	stilb_input_pad_state state = {0};
 	for (size_t at = 3 + info.descriptor_size; at < size;) {
-		const uint8_t length = data[at++];
-		const size_t here = (length & 0x7fu) < size - at ? length & 0x7fu : size - at;
+		uint8_t length = data[at++];
+		size_t here = (length & 0x7fu) < size - at ? length & 0x7fu : size - at;
 		uint8_t *report = malloc(here > 0 ? here : 1); /* of just that size: what reads beyond it is seen */
-		require(report != NULL);
+		require(report);
 		memcpy(report, data + at, here);
 		if (length & 0x80 && here > 0)
 			make_crc_right(&layout, report, here);

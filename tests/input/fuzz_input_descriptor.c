@@ -84,11 +84,11 @@ UNTRACED size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_s
 	uint64_t random = stilb_random_u64(seed, 0);
 	if (size == 0 || random % 4 == 0)
 		return LLVMFuzzerMutate(data, size, max_size);
-	const size_t at = item_at(data, size, (random >> 8 & 0xffff) % size), length = item_size(data + at, size - at);
-	const size_t other = item_at(data, size, (random >> 24 & 0xffff) % size);
-	const size_t other_length = item_size(data + other, size - other);
-	const uint8_t made[] = {(uint8_t)((random >> 48 & 0xfc) | (random >> 40 & 3)), (uint8_t)(random >> 56),
-	                        (uint8_t)(random >> 52), (uint8_t)(random >> 44), (uint8_t)(random >> 40)};
+	size_t at = item_at(data, size, (random >> 8 & 0xffff) % size), length = item_size(data + at, size - at);
+	size_t other = item_at(data, size, (random >> 24 & 0xffff) % size);
+	size_t other_length = item_size(data + other, size - other);
+	uint8_t made[] = {(uint8_t)((random >> 48 & 0xfc) | (random >> 40 & 3)), (uint8_t)(random >> 56),
+	                  (uint8_t)(random >> 52), (uint8_t)(random >> 44), (uint8_t)(random >> 40)};
 	switch (random >> 4 & 7) {
 	case 0: /* an item goes */
 		return replace(data, size, max_size, at, length, data, 0);
@@ -132,11 +132,8 @@ UNTRACED static void plain_walk(const uint8_t *data, size_t size, plain_sizes *s
 	uint32_t depth = 0;
 	for (size_t at = 0, length; at < size; at += length) {
 		length = item_size(data + at, size - at);
-		const uint32_t value = data[at] == 0xfe ? 0 : item_data(data + at, length);
-		const int kind = (data[at] & 0xfc) == 0x80   ? 0
-		                 : (data[at] & 0xfc) == 0x90 ? 1
-		                 : (data[at] & 0xfc) == 0xb0 ? 2
-		                                             : -1;
+		uint32_t value = data[at] == 0xfe ? 0 : item_data(data + at, length);
+		int kind = (data[at] & 0xfc) == 0x80 ? 0 : (data[at] & 0xfc) == 0x90 ? 1 : (data[at] & 0xfc) == 0xb0 ? 2 : -1;
 		switch (data[at] & 0xfc) {
 		case 0x74:
 			now.size = value;
@@ -179,9 +176,9 @@ UNTRACED static void require_reports(const stilb_input_descriptor *parsed, plain
 
 UNTRACED static void require_value(const stilb_input_field *field, uint32_t i, const uint8_t *report, size_t size)
 {
-	const uint64_t begin = field->bit + (uint64_t)i * field->size, end = begin + field->size;
+	uint64_t begin = field->bit + (uint64_t)i * field->size, end = begin + field->size;
 	int64_t value = INT64_MIN;
-	const bool read = stilb_input_field_value(field, i, report, size, &value);
+	bool read = stilb_input_field_value(field, i, report, size, &value);
 	require(read == (i < field->count && field->size <= 32 && end <= 8 * size));
 	if (!read) {
 		require(value == INT64_MIN);
@@ -197,7 +194,7 @@ UNTRACED static void require_value(const stilb_input_field *field, uint32_t i, c
 
 UNTRACED static void require_field(const stilb_input_field *field, const plain_sizes *sizes, uint64_t seed)
 {
-	const uint32_t bits = sizes->bits[field->kind][field->report_id] + (sizes->numbered ? 8 : 0);
+	uint32_t bits = sizes->bits[field->kind][field->report_id] + (sizes->numbered ? 8 : 0);
 	require(field->kind < 3 && field->size >= 1 && field->count >= 1);
 	require((uint64_t)field->bit + (uint64_t)field->size * field->count <= bits);
 	require(field->bit >= (sizes->numbered ? 8 : 0));
@@ -207,9 +204,9 @@ UNTRACED static void require_field(const stilb_input_field *field, const plain_s
 		require(field->usage_last - field->usage < field->count);
 	else
 		require(field->usage_last - field->usage <= field->logical_max - field->logical_min);
-	const size_t whole = (bits + 7) / 8, size = seed % 4 ? whole : seed / 4 % (whole + 1);
+	size_t whole = (bits + 7) / 8, size = seed % 4 ? whole : seed / 4 % (whole + 1);
 	const uint8_t *report = random_bytes + STILB_INPUT_REPORT_MAX - size;
-	const uint32_t step = 1 + field->count / 16;
+	uint32_t step = 1 + field->count / 16;
 	for (uint32_t i = 0; i <= field->count; i += step)
 		require_value(field, i, report, size);
 	require_value(field, field->count - 1, report, size);
@@ -219,10 +216,10 @@ UNTRACED int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	static stilb_input_descriptor parsed;
 	uint8_t *copy = malloc(size ? size : 1); /* of just that size: what reads beyond it is seen */
-	require(copy != NULL);
+	require(copy);
 	if (size > 0)
 		memcpy(copy, data, size);
-	const stilb_result result = stilb_input_descriptor_parse(copy, size, &parsed);
+	stilb_result result = stilb_input_descriptor_parse(copy, size, &parsed);
 	free(copy);
 	if (result != STILB_OK) {
 		size_t offset;
@@ -234,7 +231,7 @@ UNTRACED int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	plain_walk(data, size, &sizes);
 	require_reports(&parsed, &sizes);
 	require(parsed.field_count <= STILB_INPUT_FIELDS_MAX);
-	const uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, data, size);
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, data, size);
 	for (uint32_t i = 0; i < parsed.field_count; i++)
 		require_field(&parsed.fields[i], &sizes, stilb_random_u64(hash, i));
 	return 0;

@@ -14,7 +14,7 @@
 /* cmocka's comparison rounds to float first. */
 #define assert_close(value, wanted, most)                                                                              \
 	do {                                                                                                               \
-		const double close_value = (value), close_wanted = (wanted);                                                   \
+		double close_value = (value), close_wanted = (wanted);                                                         \
 		if (!(fabs(close_value - close_wanted) <= (most)))                                                             \
 			fail_msg("%s is %.17g, not %.17g", #value, close_value, close_wanted);                                     \
 	} while (0)
@@ -97,7 +97,7 @@ static void test_step_towards(void **state)
 	assert_true(stilb_input_step_towards(-3.0f, 3.0f, INFINITY) == 3.0f);
 	for (uint64_t i = 0; i < 1000; i++) { /* from anywhere, to anywhere: lands exactly, never beyond, and stays */
 		float value = 2.0f * stilb_random_float(1, i) - 1.0f, target = 2.0f * stilb_random_float(2, i) - 1.0f;
-		const float step = 0.01f + stilb_random_float(3, i), first = value;
+		float step = 0.01f + stilb_random_float(3, i), first = value;
 		for (int n = 0; n < 300; n++) {
 			value = stilb_input_step_towards(value, target, step);
 			assert_true(first < target ? value <= target : value >= target);
@@ -120,15 +120,15 @@ static float magnitude(const float v[2])
 static void test_stick(void **state)
 {
 	(void)state;
-	const float inner = 0.12f, outer = 0.95f;
+	float inner = 0.12f, outer = 0.95f;
 	for (int angle = 0; angle < 360; angle += 7) {
-		const float x = cosf((float)angle * PI / 180.0f), y = sinf((float)angle * PI / 180.0f);
+		float x = cosf((float)angle * PI / 180.0f), y = sinf((float)angle * PI / 180.0f);
 		float before = 0.0f;
 		for (int i = 0; i <= 140; i++) { /* beyond 1: the corners of a square gate */
-			const float m = (float)i * 0.01f, in[2] = {x * m, y * m};
+			float m = (float)i * 0.01f, in[2] = {x * m, y * m};
 			float out[2];
 			stilb_input_stick(in, inner, outer, 2.0f, out);
-			const float t = fminf(fmaxf((m - inner) / (outer - inner), 0.0f), 1.0f);
+			float t = fminf(fmaxf((m - inner) / (outer - inner), 0.0f), 1.0f);
 			assert_float_equal(magnitude(out), t * t, 1e-5f);
 			assert_float_equal(out[0], x * t * t, 1e-5f); /* radial: the direction stays */
 			assert_float_equal(out[1], y * t * t, 1e-5f);
@@ -189,7 +189,7 @@ static void assert_same_pose(const stilb_input_pose *a, const stilb_input_pose *
 static void test_axes(void **state)
 {
 	(void)state;
-	const float s = stiff.speed, r = s * sqrtf(0.5f);
+	float s = stiff.speed, r = s * sqrtf(0.5f);
 	stilb_input_pose pose = moved(0, 0, 0, 0, 1);
 	assert_position(&pose, 0, 0, -s);
 	pose = moved(0, 0, 1, 0, 0);
@@ -220,7 +220,7 @@ static void test_axes_are_the_views(void **state)
 {
 	(void)state;
 	for (uint64_t i = 0; i < 50; i++) {
-		const float yaw = 6.0f * stilb_random_float(1, i) - 3.0f, pitch = 3.0f * stilb_random_float(2, i) - 1.5f;
+		float yaw = 6.0f * stilb_random_float(1, i) - 3.0f, pitch = 3.0f * stilb_random_float(2, i) - 1.5f;
 		stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0, 0, 0), yaw, pitch);
 		stilb_input_pose pose = moved(yaw, pitch, 0, 0, 1.0f / stiff.speed);
 		assert_position(&pose, -view.m[2], -view.m[6], -view.m[10]);
@@ -235,7 +235,7 @@ static void test_boost(void **state)
 	static const float boosts[] = {0.0f, 1.0f, 3.0f, -2.0f, 2.5849625f, 8.0f};
 	for (size_t i = 0; i < sizeof boosts / sizeof *boosts; i++) {
 		stilb_input_pose pose = flown(0, 0, &(stilb_input_wish){.move = {0.5f, 0, 0}, .boost = boosts[i]});
-		const float way = 6.0f * exp2f(boosts[i]);
+		float way = 6.0f * exp2f(boosts[i]);
 		assert_float_equal(pose.position[0], way, way * 1e-6f);
 	}
 }
@@ -280,7 +280,7 @@ static void test_pitch_stops(void **state)
 	stilb_input_camera_turn(&camera, 3 * SECOND, 0, -100.0f);
 	assert_true(stilb_input_camera_at(&camera, 4 * SECOND).pitch == -STILB_INPUT_PITCH_LIMIT);
 
-	const stilb_input_camera_settings soft = stilb_input_camera_settings_default();
+	stilb_input_camera_settings soft = stilb_input_camera_settings_default();
 	camera = camera_at_origin(&soft, 0, 1.5f); /* with smoothing, too: at the stop it does not turn any more */
 	stilb_input_camera_steer(&camera, 0, &(stilb_input_wish){.turn = {0, 1.0f}});
 	stilb_input_camera_steer(&camera, SECOND, &(stilb_input_wish){.turn = {0, -0.001f}});
@@ -315,18 +315,18 @@ static void test_mouse_turns_at_once(void **state)
 static void test_speed_follows(void **state)
 {
 	(void)state;
-	const stilb_input_camera_settings settings = stilb_input_camera_settings_default();
+	stilb_input_camera_settings settings = stilb_input_camera_settings_default();
 	stilb_input_camera camera = camera_at_origin(&settings, 0, 0);
 	stilb_input_camera_steer(&camera, 0, &(stilb_input_wish){.move = {1, 0, 0}});
 	for (int64_t t = 0; t <= SECOND; t += 12345) {
-		const double s = (double)t * 1e-6;
+		double s = (double)t * 1e-6;
 		assert_close((double)stilb_input_camera_at(&camera, t).position[0], 12.0 * (s + expm1(-12.0 * s) / 12.0), 1e-6);
 	}
 	stilb_input_camera_steer(&camera, SECOND, &(stilb_input_wish){0});
-	const double start = 12.0 * (1.0 + expm1(-12.0) / 12.0), v = -12.0 * expm1(-12.0);
+	double start = 12.0 * (1.0 + expm1(-12.0) / 12.0), v = -12.0 * expm1(-12.0);
 	assert_close(camera.motion[0], v, 1e-9);
 	for (int64_t t = 0; t <= SECOND; t += 12345) {
-		const double s = (double)t * 1e-6;
+		double s = (double)t * 1e-6;
 		assert_close((double)stilb_input_camera_at(&camera, SECOND + t).position[0],
 		             start - v * expm1(-16.0 * s) / 16.0, 2e-6);
 	}
@@ -341,11 +341,11 @@ static void test_speed_follows(void **state)
 static void test_stop(void **state)
 {
 	(void)state;
-	const stilb_input_camera_settings settings = stilb_input_camera_settings_default();
+	stilb_input_camera_settings settings = stilb_input_camera_settings_default();
 	stilb_input_camera camera = camera_at_origin(&settings, 0, 0);
-	const stilb_input_wish wish = {.move = {1, 1, 1}, .turn = {1, 1}, .boost = 1};
+	stilb_input_wish wish = {.move = {1, 1, 1}, .turn = {1, 1}, .boost = 1};
 	stilb_input_camera_steer(&camera, 0, &wish);
-	const stilb_input_pose before = stilb_input_camera_at(&camera, SECOND / 2);
+	stilb_input_pose before = stilb_input_camera_at(&camera, SECOND / 2);
 	stilb_input_camera_stop(&camera, SECOND / 2);
 	stilb_input_pose pose = stilb_input_camera_at(&camera, SECOND);
 	assert_same_pose(&pose, &before);
@@ -374,8 +374,8 @@ static float random_side(uint64_t seed, uint64_t i)
 static void make_wishes(timed_wish wishes[WISHES], int64_t start_us)
 {
 	for (uint32_t i = 0; i < WISHES; i++) {
-		const uint64_t n = i - (i % 8 == 7); /* some are said twice */
-		const int64_t jitter = (int64_t)(stilb_random_u64(7, n) % 12500);
+		uint64_t n = i - (i % 8 == 7); /* some are said twice */
+		int64_t jitter = (int64_t)(stilb_random_u64(7, n) % 12500);
 		wishes[i].time_us = start_us + (int64_t)(i - (i % 8 == 7)) * 12500 + (i % 16 == 7 ? 0 : jitter);
 		wishes[i].wish = (stilb_input_wish){
 			.move = {random_side(1, n), random_side(2, n), random_side(3, n)},
@@ -398,8 +398,8 @@ typedef struct flight {
 
 static flight flight_begin(const timed_wish *wishes, int64_t start_us)
 {
-	const stilb_input_camera_settings settings = stilb_input_camera_settings_default();
-	const stilb_input_pose pose = {.position = {3, 2, 1}, .yaw = 1.0f, .pitch = -0.2f};
+	stilb_input_camera_settings settings = stilb_input_camera_settings_default();
+	stilb_input_pose pose = {.position = {3, 2, 1}, .yaw = 1.0f, .pitch = -0.2f};
 	return (flight){.wishes = wishes, .camera = stilb_input_camera_make(&settings, &pose, start_us)};
 }
 
@@ -427,7 +427,7 @@ static void fly_at_odd_times(const timed_wish *wishes, stilb_input_pose poses[WI
 {
 	flight f = flight_begin(wishes, 0);
 	for (uint64_t time = 0, n = 0; time < WISHES_SECONDS * SECOND; n++) {
-		const uint64_t second = time / SECOND + 1, step = n % 30 == 29 ? 700000 : stilb_random_u64(11, n) % 40000;
+		uint64_t second = time / SECOND + 1, step = n % 30 == 29 ? 700000 : stilb_random_u64(11, n) % 40000;
 		time = time + step < second * SECOND ? time + step : second * SECOND;
 		stilb_input_pose pose = flight_frame(&f, (int64_t)time);
 		if (time == second * SECOND)
@@ -451,7 +451,7 @@ static void test_path_is_the_same_at_every_rate(void **state)
 	fly_at_odd_times(wishes, poses);
 	assert_memory_equal(poses, wanted, sizeof poses);
 	/* A recording is played at another time of day. */
-	const int64_t later = 86400LL * SECOND + 1234567;
+	int64_t later = 86400LL * SECOND + 1234567;
 	make_wishes(wishes, later);
 	fly_at_rate(60, wishes, later, poses);
 	assert_memory_equal(poses, wanted, sizeof poses);
@@ -465,7 +465,7 @@ typedef struct motion_state {
 static motion_state motion_slope(const motion_state *at, const stilb_input_camera *wanted)
 {
 	const double *motion = &at->v[3], yaw = at->v[6], pitch = at->v[7], *turning = &at->v[8];
-	const double follow = (double)wanted->settings.turn_follow;
+	double follow = (double)wanted->settings.turn_follow;
 	motion_state slope = {{cos(yaw) * motion[0] - sin(yaw) * cos(pitch) * motion[2], motion[1] + sin(pitch) * motion[2],
 	                       -sin(yaw) * motion[0] - cos(yaw) * cos(pitch) * motion[2]}};
 	for (int i = 0; i < 3; i++)
@@ -488,10 +488,10 @@ static motion_state motion_add(const motion_state *a, const motion_state *b, dou
 /* The classical method of Runge and Kutta, of fourth order. */
 static motion_state motion_step(const motion_state *at, const stilb_input_camera *wanted, double dt)
 {
-	const motion_state a = motion_slope(at, wanted), at_b = motion_add(at, &a, dt / 2);
-	const motion_state b = motion_slope(&at_b, wanted), at_c = motion_add(at, &b, dt / 2);
-	const motion_state c = motion_slope(&at_c, wanted), at_d = motion_add(at, &c, dt);
-	const motion_state d = motion_slope(&at_d, wanted);
+	motion_state a = motion_slope(at, wanted), at_b = motion_add(at, &a, dt / 2);
+	motion_state b = motion_slope(&at_b, wanted), at_c = motion_add(at, &b, dt / 2);
+	motion_state c = motion_slope(&at_c, wanted), at_d = motion_add(at, &c, dt);
+	motion_state d = motion_slope(&at_d, wanted);
 	motion_state end = motion_add(at, &a, dt / 6);
 	end = motion_add(&end, &b, dt / 3);
 	end = motion_add(&end, &c, dt / 3);
@@ -512,10 +512,10 @@ static void test_path_is_the_solution(void **state)
 		stilb_input_camera_steer(camera, wishes[i].time_us, &wishes[i].wish);
 		for (int k = 0; k < 3; k++)
 			worst = fmax(worst, fabs(camera->position[k] - exact.v[k]) * (camera->time_us == wishes[i].time_us));
-		const int64_t span = wishes[i + 1].time_us - wishes[i].time_us;
-		const int steps = (int)(span / 250) + 1;
+		int64_t span = wishes[i + 1].time_us - wishes[i].time_us;
+		int steps = (int)(span / 250) + 1;
 		for (int s = 0; s < steps; s++) {
-			const motion_state before = exact;
+			motion_state before = exact;
 			exact = motion_step(&exact, camera, (double)span * 1e-6 / steps);
 			length += hypot(exact.v[0] - before.v[0], exact.v[2] - before.v[2]);
 		}
@@ -528,8 +528,8 @@ static void test_path_is_the_solution(void **state)
 static void test_nothing_new_changes_nothing(void **state)
 {
 	(void)state;
-	const stilb_input_camera_settings settings = stilb_input_camera_settings_default();
-	const stilb_input_wish wish = {.move = {0.3f, 0.1f, 0.9f}, .turn = {0.5f, 0.1f}};
+	stilb_input_camera_settings settings = stilb_input_camera_settings_default();
+	stilb_input_wish wish = {.move = {0.3f, 0.1f, 0.9f}, .turn = {0.5f, 0.1f}};
 	stilb_input_camera once = camera_at_origin(&settings, 0, 0), often = once;
 	stilb_input_camera_steer(&once, 0, &wish);
 	for (int i = 0; i < 1000; i++) /* a pad reports, even where nothing happens */
@@ -543,7 +543,7 @@ static void test_nothing_new_changes_nothing(void **state)
 	b = stilb_input_camera_at(&once, SECOND); /* looking changes nothing either */
 	assert_same_pose(&a, &b);
 	/* A pose that nothing moves keeps its bits. */
-	const stilb_input_pose pose = {.position = {0.1f, -7.3f, 1e6f}, .yaw = 3.1f, .pitch = -1.3f};
+	stilb_input_pose pose = {.position = {0.1f, -7.3f, 1e6f}, .yaw = 3.1f, .pitch = -1.3f};
 	stilb_input_camera still = stilb_input_camera_make(&settings, &pose, 5);
 	for (int64_t time = 5; time < 3 * SECOND; time += 16667) {
 		stilb_input_camera_advance(&still, time);
@@ -555,9 +555,9 @@ static void test_nothing_new_changes_nothing(void **state)
 static void test_nonsense(void **state)
 {
 	(void)state;
-	const stilb_input_camera_settings settings = stilb_input_camera_settings_default();
+	stilb_input_camera_settings settings = stilb_input_camera_settings_default();
 	stilb_input_camera camera = camera_at_origin(&settings, 0, 0);
-	const stilb_input_pose start = stilb_input_camera_at(&camera, 0);
+	stilb_input_pose start = stilb_input_camera_at(&camera, 0);
 	stilb_input_camera_steer(
 		&camera, 0, &(stilb_input_wish){.move = {NAN, INFINITY, -INFINITY}, .turn = {NAN, INFINITY}, .boost = NAN});
 	stilb_input_camera_turn(&camera, 10, NAN, 0);
@@ -590,7 +590,7 @@ static void test_nonsense(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_follow_is_the_same_at_every_rate),
 		cmocka_unit_test(test_follow_never_overshoots),
 		cmocka_unit_test(test_follow_at_the_ends),

@@ -42,7 +42,7 @@ static int begin_with(const stilb_input_control_settings *settings)
 static int begin(void **state)
 {
 	(void)state;
-	const stilb_input_control_settings settings = plain_settings();
+	stilb_input_control_settings settings = plain_settings();
 	return begin_with(&settings);
 }
 
@@ -57,7 +57,7 @@ static int end(void **state)
 /* A pad that the window library reads, which needs no descriptor. */
 static void plug(uint32_t pad, int64_t time_us)
 {
-	const stilb_input_pad_info info = {.path = "window:0", .name = "Made-up Pad"};
+	stilb_input_pad_info info = {.path = "window:0", .name = "Made-up Pad"};
 	stilb_input_control_event(
 		control, &(stilb_input_event){.kind = STILB_INPUT_PAD_ADDED, .pad = pad, .time_us = time_us, .info = &info});
 }
@@ -98,8 +98,8 @@ static void frame(int64_t time_us)
 
 static void assert_pose(float x, float y, float z, float yaw, float pitch)
 {
-	const float wanted[5] = {x, y, z, yaw, pitch};
-	const float is[5] = {pose.position[0], pose.position[1], pose.position[2], pose.yaw, pose.pitch};
+	float wanted[5] = {x, y, z, yaw, pitch};
+	float is[5] = {pose.position[0], pose.position[1], pose.position[2], pose.yaw, pose.pitch};
 	for (int i = 0; i < 5; i++)
 		if (!(fabsf(is[i] - wanted[i]) <= 1e-5f))
 			fail_msg("%g %g %g, %g %g is not %g %g %g, %g %g", (double)is[0], (double)is[1], (double)is[2],
@@ -184,7 +184,7 @@ static void test_settings(void **state)
 static void test_keys_and_pad_add_up(void **state)
 {
 	(void)state;
-	const stilb_input_state ahead = {.move = {0, 0, 1}};
+	stilb_input_state ahead = {.move = {0, 0, 1}};
 	plug(1, 0);
 	push(1, 0, STILB_INPUT_LEFT_X, 0.55f);
 	frame_with(0, ahead);
@@ -192,7 +192,7 @@ static void test_keys_and_pad_add_up(void **state)
 	assert_float_equal(out.move[0], 0.5f, 1e-6f); /* and is told */
 	assert_true(out.move[2] == 1.0f);
 	frame_with(SECOND / 10, ahead);
-	const float s = 0.1f / hypotf(1.0f, 0.5f); /* no faster together */
+	float s = 0.1f / hypotf(1.0f, 0.5f); /* no faster together */
 	assert_pose(0.5f * s, 0, -s, 0, 0);
 	push(1, SECOND / 10, STILB_INPUT_LEFT_Y, -1); /* against each other: nothing */
 	frame_with(SECOND / 5, ahead);
@@ -202,7 +202,7 @@ static void test_keys_and_pad_add_up(void **state)
 static void test_fast_keys(void **state)
 {
 	(void)state;
-	const stilb_input_state fast = {.move = {1, 0, 0}, .fast = true};
+	stilb_input_state fast = {.move = {1, 0, 0}, .fast = true};
 	frame_with(0, fast);
 	frame_with(SECOND / 10, fast);
 	assert_pose(0.1f * STILB_INPUT_FAST, 0, 0, 0, 0);
@@ -304,7 +304,7 @@ static void test_the_last_touched_leads(void **state)
 	assert_int_equal(leader(), 2);
 	/* The other one is heard no more, until it is touched again; that its stick is still held is no touch. */
 	frame(60);
-	const stilb_input_pose before = pose;
+	stilb_input_pose before = pose;
 	for (int i = 0; i < 100; i++)
 		push(1, 60 + i * 4000, STILB_INPUT_LEFT_X, i % 2 ? 1.0f : 0.95f);
 	frame(SECOND);
@@ -382,17 +382,17 @@ static void test_unplug_stops(void **state)
 	pull(2, SECOND / 2); /* not the one that leads */
 	assert_int_equal(leader(), 1);
 	frame(SECOND);
-	const stilb_input_pose at_second = pose;
+	stilb_input_pose at_second = pose;
 	pull(1, SECOND);
 	assert_int_equal(leader(), 0);
 	frame(2 * SECOND);
 	assert_memory_equal(&pose, &at_second, sizeof pose); /* dead */
-	const stilb_input_state ahead = {.move = {0, 1, 0}};
+	stilb_input_state ahead = {.move = {0, 1, 0}};
 	frame_with(2 * SECOND, ahead); /* the keyboard goes on */
 	frame_with(2 * SECOND + 90000, ahead);
 	assert_true(pose.position[1] > at_second.position[1] + 0.1f && pose.position[0] == at_second.position[0]);
 	frame(3 * SECOND);
-	const stilb_input_pose rest = pose;
+	stilb_input_pose rest = pose;
 	plug(3, 3 * SECOND); /* it comes back under another number, and resumes */
 	push(3, 3 * SECOND, STILB_INPUT_LEFT_X, 1);
 	frame(4 * SECOND);
@@ -405,13 +405,13 @@ static void test_unplug_stops(void **state)
 static void test_keys_go_on_when_the_pad_is_pulled(void **state)
 {
 	(void)state;
-	const stilb_input_state right = {.move = {1, 0, 0}};
+	stilb_input_state right = {.move = {1, 0, 0}};
 	plug(1, 0);
 	push(1, 0, STILB_INPUT_LEFT_Y, 1);
 	frame_with(0, right);
 	pull(1, SECOND / 20);
 	frame_with(SECOND / 10, right);
-	const float half = 0.05f * sqrtf(0.5f);
+	float half = 0.05f * sqrtf(0.5f);
 	assert_pose(half + 0.05f, 0, -half, 0, 0);
 }
 
@@ -423,7 +423,7 @@ static void test_focus(void **state)
 	plug(1, 0);
 	push(1, 0, STILB_INPUT_LEFT_X, 1);
 	frame(SECOND);
-	const stilb_input_state keys = {.move = {0, 1, 0}, .look = {1, 1}};
+	stilb_input_state keys = {.move = {0, 1, 0}, .look = {1, 1}};
 	stilb_input_pose lost;
 	stilb_input_control_frame(control, SECOND, &keys, false, &out, &lost);
 	assert_memory_equal(&lost, &pose, sizeof pose);
@@ -442,7 +442,7 @@ static void test_focus(void **state)
 static void test_keys_end_in_a_stall(void **state)
 {
 	(void)state;
-	const stilb_input_state ahead = {.move = {0, 0, 1}};
+	stilb_input_state ahead = {.move = {0, 0, 1}};
 	frame_with(0, ahead);
 	frame_with(SECOND, ahead);
 	assert_pose(0, 0, -0.1f, 0, 0);
@@ -463,7 +463,7 @@ static void test_place(void **state)
 	touch(1, 0, (stilb_input_pad_state){.axes = {1, 1, 1, 1}});
 	frame(SECOND);
 	press(1, SECOND, 0);
-	const stilb_input_pose place = {.position = {0.1f, -1e5f, 3.3f}, .yaw = -3.1f, .pitch = 1.5f};
+	stilb_input_pose place = {.position = {0.1f, -1e5f, 3.3f}, .yaw = -3.1f, .pitch = 1.5f};
 	stilb_input_control_place(control, SECOND, &place);
 	for (int i = 0; i < 100; i++) {
 		frame(SECOND + i * 16667);
@@ -474,7 +474,7 @@ static void test_place(void **state)
 	frame(3 * SECOND);
 	assert_memory_equal(&pose, &place, sizeof pose);
 	frame(4 * SECOND);
-	const stilb_input_pose flown = pose;
+	stilb_input_pose flown = pose;
 	stilb_input_control_place(control, 4 * SECOND, &place);
 	frame(5 * SECOND);
 	assert_true(pose.position[2] != place.position[2]);
@@ -511,9 +511,9 @@ static void test_list(void **state)
 	assert_true(stilb_input_control_leader(control, &last_us) == 0 && last_us == 77);
 
 	plug(5, 100);
-	const stilb_input_pad_info ds4 = info_of(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
+	stilb_input_pad_info ds4 = info_of(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
 	add(6, STILB_INPUT_PAD_DENIED, &ds4);
-	const stilb_input_pad_info broken = {.name = "Broken", .descriptor_size = 2, .descriptor = {0x26, 0x01}};
+	stilb_input_pad_info broken = {.name = "Broken", .descriptor_size = 2, .descriptor = {0x26, 0x01}};
 	add(7, STILB_INPUT_PAD_ADDED, &broken);
 	push(5, 200, STILB_INPUT_LEFT_Y, -0.5f);
 	assert_int_equal(stilb_input_control_pads(control, pads), 3);
@@ -584,17 +584,17 @@ static const ds4_sticks ds4_rest = {128, 128, 128, 128};
 static void ds4_usb(uint8_t bytes[64], ds4_sticks sticks)
 {
 	memset(bytes, 0, 64);
-	const uint8_t head[] = {0x01, sticks.lx, sticks.ly, sticks.rx, sticks.ry, 0x08};
+	uint8_t head[] = {0x01, sticks.lx, sticks.ly, sticks.rx, sticks.ry, 0x08};
 	memcpy(bytes, head, sizeof head);
 }
 
 static void ds4_bluetooth(uint8_t bytes[78], ds4_sticks sticks)
 {
 	memset(bytes, 0, 78);
-	const uint8_t head[] = {0x11, 0xc0, 0x00, sticks.lx, sticks.ly, sticks.rx, sticks.ry, 0x08};
+	uint8_t head[] = {0x11, 0xc0, 0x00, sticks.lx, sticks.ly, sticks.rx, sticks.ry, 0x08};
 	memcpy(bytes, head, sizeof head);
-	const uint8_t seed = 0xa1;
-	const uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, &seed, 1), bytes, 74);
+	uint8_t seed = 0xa1;
+	uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, &seed, 1), bytes, 74);
 	for (int i = 0; i < 4; i++)
 		bytes[74 + i] = (uint8_t)(crc >> 8 * i);
 }
@@ -602,7 +602,7 @@ static void ds4_bluetooth(uint8_t bytes[78], ds4_sticks sticks)
 static void test_corrupt_reports_move_nothing(void **state)
 {
 	(void)state;
-	const stilb_input_pad_info info = info_of(STILB_INPUT_BUS_BLUETOOTH, 0x054c, 0x05c4);
+	stilb_input_pad_info info = info_of(STILB_INPUT_BUS_BLUETOOTH, 0x054c, 0x05c4);
 	add(1, STILB_INPUT_PAD_ADDED, &info);
 	uint8_t bytes[78];
 	ds4_bluetooth(bytes, ds4_rest);
@@ -639,9 +639,9 @@ typedef struct timed_report {
 static void record(timed_report reports[REPORTS])
 {
 	for (int i = 0; i < REPORTS; i++) {
-		const double t = i * 0.004;
-		const bool rest = i % 250 > 200;
-		const ds4_sticks sticks = {
+		double t = i * 0.004;
+		bool rest = i % 250 > 200;
+		ds4_sticks sticks = {
 			(uint8_t)(128 + (rest ? 0 : 127 * sin(3.0 * t))), (uint8_t)(128 + (rest ? 0 : 127 * cos(4.1 * t))),
 			(uint8_t)(128 + (rest ? 0 : 127 * sin(1.7 * t))), (uint8_t)(128 + (rest ? 0 : 60 * cos(2.3 * t)))};
 		ds4_usb(reports[i].bytes, sticks);
@@ -663,17 +663,17 @@ static int64_t next_at_rate(int64_t time_us, uint64_t frame, int rate)
 static int64_t next_at_odd_times(int64_t time_us, uint64_t frame, int rate)
 {
 	(void)rate;
-	const int64_t step = frame % 30 == 29 ? SECOND / 2 : (int64_t)(stilb_random_u64(11, frame) % 40000);
-	const int64_t second = (time_us / SECOND + 1) * SECOND;
+	int64_t step = frame % 30 == 29 ? SECOND / 2 : (int64_t)(stilb_random_u64(11, frame) % 40000);
+	int64_t second = (time_us / SECOND + 1) * SECOND;
 	return time_us + step < second ? time_us + step : second;
 }
 
 /* Plays the reports into frames; poses at the whole seconds. */
 static void play(const timed_report reports[REPORTS], next_frame *next, int rate, stilb_input_pose poses[SECONDS])
 {
-	const stilb_input_control_settings settings = stilb_input_control_settings_default();
+	stilb_input_control_settings settings = stilb_input_control_settings_default();
 	assert_int_equal(begin_with(&settings), 0);
-	const stilb_input_pad_info info = info_of(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
+	stilb_input_pad_info info = info_of(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
 	stilb_input_control_event(control, &(stilb_input_event){.kind = STILB_INPUT_PAD_ADDED, .pad = 1, .info = &info});
 	int report_next = 0;
 	int64_t time = 0;
@@ -711,7 +711,7 @@ static void test_path_is_the_same_at_every_rate(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_sticks_and_triggers, begin, end),
 		cmocka_unit_test_setup_teardown(test_settings, begin, end),
 		cmocka_unit_test_setup_teardown(test_keys_and_pad_add_up, begin, end),

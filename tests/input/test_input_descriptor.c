@@ -36,7 +36,7 @@ static size_t from_hex(const char *hex, uint8_t *bytes, size_t capacity)
 			at++;
 			continue;
 		}
-		const char pair[3] = {at[0], at[1], '\0'};
+		char pair[3] = {at[0], at[1], '\0'};
 		assert_true(size < capacity);
 		bytes[size++] = (uint8_t)strtoul(pair, NULL, 16);
 		at += 2;
@@ -235,7 +235,7 @@ static void write_bits(uint8_t *report, uint32_t bit, uint32_t count, uint64_t v
 static void element_says(const stilb_input_field *field, uint32_t i, size_t size, uint8_t around)
 {
 	uint8_t report[STILB_INPUT_REPORT_MAX];
-	const int64_t values[] = {field->logical_min, field->logical_max, (field->logical_min + field->logical_max) / 2};
+	int64_t values[] = {field->logical_min, field->logical_max, (field->logical_min + field->logical_max) / 2};
 	for (size_t k = 0; k < COUNT(values); k++) {
 		int64_t value = INT64_MIN;
 		memset(report, around, size);
@@ -297,8 +297,8 @@ static void test_signed_values(void **state)
 	                                    "00@99 1 10036 -1..0\n");
 	reports_are("i00:13");
 	const char *ones = "ff ff ff ff ff ff ff ff ff ff ff ff ff", *tops = "80 80 00 80 00 00 00 80 00 00 00 80 04";
-	const int64_t of_ones[] = {-1, 255, -1, -1, 4294967295, -1, -1};
-	const int64_t of_tops[] = {-128, 128, -32768, INT32_MIN, 2147483648, -4, 0};
+	int64_t of_ones[] = {-1, 255, -1, -1, 4294967295, -1, -1};
+	int64_t of_tops[] = {-128, 128, -32768, INT32_MIN, 2147483648, -4, 0};
 	for (uint32_t i = 0; i < 7; i++) {
 		assert_int_equal(value_of(i, 0, ones), of_ones[i]);
 		assert_int_equal(value_of(i, 0, tops), of_tops[i]);
@@ -675,7 +675,7 @@ static void test_as_many_reports_as_fit(void **state)
 	made.size = 0;
 	made_add("25 01 75 08 95 01");
 	for (uint32_t id = 1; id < 256; id++) {
-		const uint8_t item[] = {0x85, (uint8_t)id, 0x81, 0x02};
+		uint8_t item[] = {0x85, (uint8_t)id, 0x81, 0x02};
 		memcpy(made.bytes + made.size, item, sizeof item);
 		made.size += sizeof item;
 	}
@@ -742,7 +742,7 @@ static void test_usage_text(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_tables),
 		cmocka_unit_test(test_outputs_of_an_xbox_pad),
 		cmocka_unit_test(test_prefixes_are_refused),

@@ -126,7 +126,7 @@ static void descriptors_of_any_size(void **state)
 		other.size = sizes[i];
 		fake_describe(0, &other, NULL);
 		assert_int_equal(look("hidraw0"), 0);
-		const size_t kept = sizes[i] < STILB_INPUT_DESCRIPTOR_MAX ? sizes[i] : STILB_INPUT_DESCRIPTOR_MAX;
+		size_t kept = sizes[i] < STILB_INPUT_DESCRIPTOR_MAX ? sizes[i] : STILB_INPUT_DESCRIPTOR_MAX;
 		assert_int_equal(info.descriptor_size, kept);
 		fake_unplug(0);
 	}
@@ -150,7 +150,7 @@ static uint32_t open_files(void)
 	uint32_t count = 0;
 	DIR *folder = opendir("/proc/self/fd");
 	assert_non_null(folder);
-	while (readdir(folder) != NULL)
+	while (readdir(folder))
 		count++;
 	closedir(folder);
 	return count;
@@ -162,7 +162,7 @@ static void what_is_no_hidraw_is_refused(void **state)
 	(void)state;
 	static const input_backend *const backends[] = {&input_backend_hidraw, &input_backend_hidapi};
 	static const char *const paths[] = {"/dev/null", "/dev/zero", "/nonexistent", "/proc/self/status", "/dev/null/x"};
-	const uint32_t files = open_files();
+	uint32_t files = open_files();
 	for (size_t b = 0; b < 2; b++)
 		for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
 			input_device device;
@@ -216,7 +216,7 @@ static void the_rule_names_the_kind_of_pad(void **state)
 int main(void)
 {
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		TEST(names_of_nodes),
 		TEST(what_sysfs_says_is_read),
 		TEST(a_uevent_file_may_say_little),

@@ -96,7 +96,7 @@ static void test_mouse(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_keys),
 		cmocka_unit_test(test_actions),
 		cmocka_unit_test(test_keys_of_a_user_interface),

@@ -16,7 +16,7 @@ static stilb_input_pad_info info_of(uint16_t bus, uint16_t vendor, uint16_t prod
 {
 	stilb_input_pad_info info = {.bus = bus, .vendor = vendor, .product = product, .name = "a pad"};
 	const input_test_descriptor *descriptor = input_test_descriptor_find(bus, vendor, product);
-	if (descriptor != NULL) {
+	if (descriptor) {
 		info.descriptor_size = (uint16_t)descriptor->size;
 		memcpy(info.descriptor, descriptor->bytes, descriptor->size);
 	}
@@ -50,7 +50,7 @@ static FILE *open_text(const char *name, const char *kind, char *path, size_t si
 {
 	snprintf(path, size, "%s/%s.%s", folder, name, kind);
 	FILE *file = fopen(path, "r");
-	if (file == NULL)
+	if (!file)
 		fail_msg("%s is missing", path);
 	return file;
 }
@@ -58,7 +58,7 @@ static FILE *open_text(const char *name, const char *kind, char *path, size_t si
 /* The next line that is no remark, without its end; false: there is none. */
 static bool next_line(FILE *file, char line[512])
 {
-	while (fgets(line, 512, file) != NULL) {
+	while (fgets(line, 512, file)) {
 		line[strcspn(line, "\n")] = '\0';
 		if (line[0] != '#')
 			return true;
@@ -87,11 +87,11 @@ static void replay(const char *name)
 		if (event.kind != STILB_INPUT_PAD_REPORT)
 			continue;
 		char text[600], what[512];
-		const stilb_input_pad_state before = state;
-		const stilb_input_decoded decoded = stilb_input_decode(&layout, event.bytes, event.size, &state);
+		stilb_input_pad_state before = state;
+		stilb_input_decoded decoded = stilb_input_decode(&layout, event.bytes, event.size, &state);
 		state_text(&state, what);
 		snprintf(text, sizeof text, "%06d.%06d %s", (int)(event.time_us / 1000000), (int)(event.time_us % 1000000),
-		         words[decoded] != NULL ? words[decoded] : what);
+		         words[decoded] ? words[decoded] : what);
 		if (!next_line(expected, line))
 			fail_msg("%s ends before report %u", expected_path, reports);
 		if (strcmp(text, line) != 0)
@@ -155,7 +155,7 @@ static void test_names(void **user)
 	(void)user;
 	static stilb_input_layout layout;
 	for (size_t i = 0; i < sizeof pads / sizeof *pads; i++) {
-		const stilb_input_pad_info info = info_of(pads[i].bus, pads[i].vendor, pads[i].product);
+		stilb_input_pad_info info = info_of(pads[i].bus, pads[i].vendor, pads[i].product);
 		find(&info, &layout);
 		assert_string_equal(layout.name, pads[i].name);
 		assert_string_equal(layout.recognised, pads[i].recognised);
@@ -273,11 +273,11 @@ static void test_adaptor_without_its_pad(void **user)
 {
 	(void)user;
 	static stilb_input_layout layout;
-	const stilb_input_pad_info info = info_of(3, 0x054c, 0x0ba0);
+	stilb_input_pad_info info = info_of(3, 0x054c, 0x0ba0);
 	find(&info, &layout);
 	uint8_t report[64] = {0x01, 255, 128, 128, 128, 0x28, 0, 0, 255};
 	stilb_input_pad_state state = {0};
-	const stilb_input_pad_state rest = {0};
+	stilb_input_pad_state rest = {0};
 	assert_int_equal(stilb_input_decode(&layout, report, sizeof report, &state), STILB_INPUT_DECODED);
 	assert_true(state.axes[STILB_INPUT_LEFT_X] == 1.0f && state.axes[STILB_INPUT_LEFT_TRIGGER] == 1.0f);
 	assert_int_equal(state.buttons, 1u << STILB_INPUT_SOUTH);
@@ -294,7 +294,7 @@ static void test_hello(void **user)
 	static stilb_input_layout layout;
 	static const uint16_t features[][4] = {{5, 0x05c4, 0x05, 41}, {5, 0x0ce6, 0x05, 41}, {3, 0x0268, 0xf2, 17}};
 	for (size_t i = 0; i < 3; i++) {
-		const stilb_input_pad_info info = info_of(features[i][0], 0x054c, features[i][1]);
+		stilb_input_pad_info info = info_of(features[i][0], 0x054c, features[i][1]);
 		find(&info, &layout);
 		assert_int_equal(layout.hello[0].kind, STILB_INPUT_HELLO_GET_FEATURE);
 		assert_int_equal(layout.hello[0].bytes[0], features[i][2]);
@@ -330,12 +330,12 @@ static void rumble_is(uint16_t bus, uint16_t vendor, uint16_t product, float hea
 {
 	static stilb_input_layout layout;
 	uint8_t report[STILB_INPUT_OUTPUT_MAX], expected[STILB_INPUT_OUTPUT_MAX] = {0};
-	const stilb_input_pad_info info = info_of(bus, vendor, product);
+	stilb_input_pad_info info = info_of(bus, vendor, product);
 	find(&info, &layout);
 	memset(report, 0x5a, sizeof report);
 	assert_int_equal(stilb_input_rumble_report(&layout, heavy, light, sequence, report), size);
 	memcpy(expected, bytes, known);
-	const bool crc = bus == STILB_INPUT_BUS_BLUETOOTH && vendor == 0x054c;
+	bool crc = bus == STILB_INPUT_BUS_BLUETOOTH && vendor == 0x054c;
 	assert_memory_equal(report, expected, crc ? size - 4 : size);
 }
 
@@ -392,7 +392,7 @@ int main(int argc, char **argv)
 		return 1;
 	}
 	folder = argv[1];
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_recordings),
 		cmocka_unit_test(test_names),
 		cmocka_unit_test(test_xbox_by_its_descriptor),

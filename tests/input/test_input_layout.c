@@ -59,8 +59,8 @@ static stilb_input_layout one_source(stilb_input_source source)
 
 static stilb_input_pad_state decode_u32(stilb_input_source source, uint32_t value)
 {
-	const stilb_input_layout layout = one_source(source);
-	const uint8_t report[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
+	stilb_input_layout layout = one_source(source);
+	uint8_t report[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
 	stilb_input_pad_state state = {0};
 	assert_int_equal(stilb_input_decode(&layout, report, sizeof report, &state), STILB_INPUT_DECODED);
 	return state;
@@ -108,13 +108,13 @@ static void test_axes(void **user)
 		{STILB_INPUT_RIGHT_TRIGGER, 8, false, 7, 7, 9, 0.0},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		const stilb_input_source source = {.kind = STILB_INPUT_SOURCE_AXIS,
-		                                   .target = (uint8_t)cases[i].axis,
-		                                   .bits = cases[i].bits,
-		                                   .is_signed = cases[i].is_signed,
-		                                   .low = cases[i].low,
-		                                   .high = cases[i].high};
-		const stilb_input_pad_state state = decode_u32(source, cases[i].value);
+		stilb_input_source source = {.kind = STILB_INPUT_SOURCE_AXIS,
+		                             .target = (uint8_t)cases[i].axis,
+		                             .bits = cases[i].bits,
+		                             .is_signed = cases[i].is_signed,
+		                             .low = cases[i].low,
+		                             .high = cases[i].high};
+		stilb_input_pad_state state = decode_u32(source, cases[i].value);
 		if (state.axes[cases[i].axis] != (float)cases[i].expected)
 			fail_msg("case %zu: %f instead of %f", i, (double)state.axes[cases[i].axis], cases[i].expected);
 		for (int k = 0; k < STILB_INPUT_AXIS_COUNT; k++)
@@ -131,10 +131,10 @@ static void test_axes_rise(void **user)
 		float before[2] = {-2.0f, -2.0f};
 		for (uint32_t value = 0; value <= top; value++)
 			for (int k = 0; k < 2; k++) {
-				const stilb_input_axis axis = k == 0 ? STILB_INPUT_LEFT_X : STILB_INPUT_LEFT_TRIGGER;
-				const stilb_input_source source = {
+				stilb_input_axis axis = k == 0 ? STILB_INPUT_LEFT_X : STILB_INPUT_LEFT_TRIGGER;
+				stilb_input_source source = {
 					.kind = STILB_INPUT_SOURCE_AXIS, .target = (uint8_t)axis, .bits = 16, .high = top};
-				const float now = decode_u32(source, value).axes[axis];
+				float now = decode_u32(source, value).axes[axis];
 				assert_true(now > before[k] && now >= (k == 0 ? -1.0f : 0.0f) && now <= 1.0f);
 				before[k] = now;
 			}
@@ -152,7 +152,7 @@ static const uint32_t around[8] = {UP, UP | RIGHT, RIGHT, DOWN | RIGHT, DOWN, DO
 
 static uint32_t hat_buttons(int64_t low, int64_t high, uint32_t value)
 {
-	const stilb_input_source source = {.kind = STILB_INPUT_SOURCE_HAT, .bits = 16, .low = low, .high = high};
+	stilb_input_source source = {.kind = STILB_INPUT_SOURCE_HAT, .bits = 16, .low = low, .high = high};
 	return decode_u32(source, value).buttons;
 }
 
@@ -162,8 +162,8 @@ static void test_hats(void **user)
 	for (uint32_t i = 0; i < 8; i++) {
 		assert_int_equal(hat_buttons(0, 7, i), around[i]);
 		assert_int_equal(hat_buttons(1, 8, i + 1), around[i]);
-		for (uint32_t k = 0; k < 45; k++) {                    /* the nearest of the eight, of an angle */
-			const uint32_t degrees = (45 * i + k + 338) % 360; /* from 22 below to 22 above */
+		for (uint32_t k = 0; k < 45; k++) {              /* the nearest of the eight, of an angle */
+			uint32_t degrees = (45 * i + k + 338) % 360; /* from 22 below to 22 above */
 			assert_int_equal(hat_buttons(0, 359, degrees), around[i]);
 		}
 	}
@@ -210,7 +210,7 @@ static void test_short_reports(void **user)
 	stilb_input_layout layout = {.report_count = 1, .reports[0] = {.id = 3, .size = 3, .source_count = 2}};
 	layout.reports[0].sources[0] = axis_byte(STILB_INPUT_LEFT_X, 1);
 	layout.reports[0].sources[1] = axis_byte(STILB_INPUT_RIGHT_X, 2);
-	const uint8_t report[3] = {3, 0, 0};
+	uint8_t report[3] = {3, 0, 0};
 	stilb_input_pad_state state = {.axes = {0.25f, 0, 0.25f}};
 	assert_int_equal(stilb_input_decode(&layout, NULL, 0, &state), STILB_INPUT_CORRUPT);
 	assert_int_equal(stilb_input_decode(&layout, report, 1, &state), STILB_INPUT_CORRUPT);
@@ -219,7 +219,7 @@ static void test_short_reports(void **user)
 	assert_true(state.axes[STILB_INPUT_LEFT_X] == -1.0f && state.axes[STILB_INPUT_RIGHT_X] == 0.25f);
 	assert_int_equal(stilb_input_decode(&layout, report, 3, &state), STILB_INPUT_DECODED);
 	assert_true(state.axes[STILB_INPUT_RIGHT_X] == -1.0f);
-	const uint8_t other[3] = {4, 255, 255};
+	uint8_t other[3] = {4, 255, 255};
 	assert_int_equal(stilb_input_decode(&layout, other, 3, &state), STILB_INPUT_OTHER);
 	assert_true(state.axes[STILB_INPUT_LEFT_X] == -1.0f);
 	layout.reports[0].id = 0; /* without numbers any first byte is the state's */
@@ -235,7 +235,7 @@ static void test_corrupt_reports(void **user)
 	stilb_input_layout layout = {.report_count = 1, .reports[0] = {.id = 7, .size = 9, .crc = 5, .source_count = 1}};
 	layout.reports[0].sources[0] = axis_byte(STILB_INPUT_LEFT_X, 1);
 	uint8_t report[10] = {0xa1, 7, 255, 1, 2, 3};
-	const uint32_t crc = crc32_bit_by_bit(0, report, 6);
+	uint32_t crc = crc32_bit_by_bit(0, report, 6);
 	for (int i = 0; i < 4; i++)
 		report[6 + i] = (uint8_t)(crc >> 8 * i);
 	stilb_input_pad_state state = {0};
@@ -317,7 +317,7 @@ static void refused(const char *why, const uint8_t *bytes, size_t size)
 {
 	static stilb_input_layout layout;
 	assert_int_equal(find_bytes(bytes, size, &layout), STILB_ERROR_ARGUMENT);
-	if (strstr(stilb_error_message(), why) == NULL || strstr(stilb_error_message(), "'thing' (1234:5678)") == NULL)
+	if (!strstr(stilb_error_message(), why) || !strstr(stilb_error_message(), "'thing' (1234:5678)"))
 		fail_msg("'%s' instead of '%s'", stilb_error_message(), why);
 }
 
@@ -528,7 +528,7 @@ static void test_too_many_sources(void **user)
 	static const uint8_t bytes[] = {GAME_PAD, X_AND_Y, PAGE(9), USAGES(1, 14), LOGICAL(1, 14), SIZE(4, 8), ARRAY, END};
 	assert_int_equal(find_bytes(bytes, sizeof bytes, &layout), STILB_OK);
 	assert_int_equal(layout.reports[0].source_count, STILB_INPUT_SOURCES_MAX);
-	const uint8_t report[6] = {128, 128, 0, 0, 0, 0x20};
+	uint8_t report[6] = {128, 128, 0, 0, 0, 0x20};
 	stilb_input_pad_state state = {0};
 	assert_int_equal(stilb_input_decode(&layout, report, sizeof report, &state), STILB_INPUT_DECODED);
 	assert_int_equal(state.buttons, 1u << STILB_INPUT_SOUTH);
@@ -664,7 +664,7 @@ static void test_fields_agree_with_the_table(void **user)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_crc),
 		cmocka_unit_test(test_names),
 		cmocka_unit_test(test_axes),

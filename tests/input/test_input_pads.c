@@ -23,7 +23,7 @@ static int set_up(void **state)
 	ds4 = input_test_descriptor_find(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
 	asus = input_test_descriptor_find(STILB_INPUT_BUS_USB, 0x18d1, 0x2c40);
 	fake_begin();
-	return ds4 == NULL || asus == NULL;
+	return !ds4 || !asus;
 }
 
 static int tear_down(void **state)
@@ -37,7 +37,7 @@ static int tear_down(void **state)
 
 static void begin_kib(uint32_t ring_kib)
 {
-	const stilb_input_pads_desc desc = {.sys = fake.sys, .dev = fake.dev, .ring_kib = ring_kib};
+	stilb_input_pads_desc desc = {.sys = fake.sys, .dev = fake.dev, .ring_kib = ring_kib};
 	assert_int_equal(stilb_input_pads_create(&desc, &pads), STILB_OK);
 	stilb_input_pads_wait(pads, 5000);
 }
@@ -56,7 +56,7 @@ static void sleep_ms(int ms)
 static stilb_input_event next(void)
 {
 	stilb_input_event event;
-	const int64_t until_us = input_now_us() + 10000000;
+	int64_t until_us = input_now_us() + 10000000;
 	while (!stilb_input_pads_next(pads, input_now_us(), &event)) {
 		assert_true(input_now_us() < until_us);
 		stilb_input_pads_wait(pads, 100);
@@ -66,7 +66,7 @@ static stilb_input_event next(void)
 
 static stilb_input_event next_of(stilb_input_event_kind kind)
 {
-	const stilb_input_event event = next();
+	stilb_input_event event = next();
 	assert_int_equal(event.kind, kind);
 	return event;
 }
@@ -74,7 +74,7 @@ static stilb_input_event next_of(stilb_input_event_kind kind)
 static bool is_quiet(int ms)
 {
 	stilb_input_event event;
-	const int64_t until_us = input_now_us() + 1000 * (int64_t)ms;
+	int64_t until_us = input_now_us() + 1000 * (int64_t)ms;
 	while (input_now_us() < until_us) {
 		if (stilb_input_pads_next(pads, INT64_MAX, &event))
 			return false;
@@ -88,7 +88,7 @@ static uint32_t count_entries(const char *path)
 	uint32_t count = 0;
 	DIR *folder = opendir(path);
 	assert_non_null(folder);
-	while (readdir(folder) != NULL)
+	while (readdir(folder))
 		count++;
 	closedir(folder);
 	return count;
@@ -118,14 +118,14 @@ static void pads_there_at_the_start_are_added(void **state)
 	(void)state;
 	fake_plug(3, ds4);
 	fake_plug(12, asus);
-	const int64_t before_us = input_now_us();
+	int64_t before_us = input_now_us();
 	begin();
 	stilb_input_event event;
 	uint32_t seen = 0;
 	while (stilb_input_pads_next(pads, input_now_us(), &event)) { /* without waiting: the first look is done */
 		char path[PATH_MAX], device[PATH_MAX], serial[16];
 		assert_int_equal(event.kind, STILB_INPUT_PAD_ADDED);
-		const int node = event.info->vendor == ds4->vendor ? 3 : 12;
+		int node = event.info->vendor == ds4->vendor ? 3 : 12;
 		const input_test_descriptor *pad = node == 3 ? ds4 : asus;
 		seen |= 1u << node;
 		fake_path(path, fake.dev, "hidraw%d", node);
@@ -155,13 +155,13 @@ static void a_pad_comes_reports_and_goes(void **state)
 			send_number(0, i);
 		fake_unplug(0);
 		for (uint32_t i = 0; i < 20; i++) { /* what it sent comes before its end */
-			const stilb_input_event event = next();
+			stilb_input_event event = next();
 			assert_int_equal(number_of(&event), i);
 			assert_int_equal(event.pad, life);
 		}
 		assert_int_equal(next_of(STILB_INPUT_PAD_REMOVED).pad, life);
 	}
-	const stilb_input_pads_stats stats = stilb_input_pads_stats_get(pads);
+	stilb_input_pads_stats stats = stilb_input_pads_stats_get(pads);
 	assert_int_equal(stats.added, 3);
 	assert_int_equal(stats.removed, 3);
 	assert_int_equal(stats.reports, 60);
@@ -211,7 +211,7 @@ static void a_pad_that_is_gone_at_once_is_no_pad(void **state)
 	fake_plug(1, asus);
 	bool is_next = false;
 	for (int alive = 0; alive != 0 || !is_next;) { /* a life that was seen has its end */
-		const stilb_input_event event = next();
+		stilb_input_event event = next();
 		assert_true(event.kind == STILB_INPUT_PAD_ADDED || event.kind == STILB_INPUT_PAD_REMOVED);
 		if (event.info->vendor == asus->vendor)
 			is_next = true;
@@ -234,7 +234,7 @@ static void a_node_is_used_again_at_once(void **state)
 	while (stilb_input_pads_stats_get(pads).added == 1)
 		sleep_ms(1);
 	assert_int_equal(next_of(STILB_INPUT_PAD_REMOVED).pad, 1);
-	const stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
+	stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
 	assert_int_equal(added.pad, 2);
 	assert_int_equal(added.info->vendor, asus->vendor);
 }
@@ -247,7 +247,7 @@ static void a_pad_without_permission_is_told_of(void **state)
 	char rule[256];
 	fake_plug_mode(5, ds4, 0);
 	begin();
-	const stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED);
+	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED);
 	assert_string_equal(stilb_input_udev_rule(denied.info, rule, sizeof rule),
 	                    "KERNEL==\"hidraw*\", KERNELS==\"*:054C:05C4.*\", MODE=\"0660\", TAG+=\"uaccess\"");
 	stilb_input_pads_rumble(pads, denied.pad, 1, 1, 100); /* of no use, and no harm */
@@ -255,10 +255,10 @@ static void a_pad_without_permission_is_told_of(void **state)
 	assert_true(is_quiet(20));
 	fake_chmod(5, 0600);
 	assert_int_equal(next_of(STILB_INPUT_PAD_REMOVED).pad, denied.pad);
-	const uint32_t added = next_of(STILB_INPUT_PAD_ADDED).pad;
+	uint32_t added = next_of(STILB_INPUT_PAD_ADDED).pad;
 	assert_true(added > denied.pad);
 	send_number(5, 7);
-	const stilb_input_event event = next();
+	stilb_input_event event = next();
 	assert_int_equal(number_of(&event), 7);
 	assert_int_equal(event.pad, added);
 	assert_int_equal(stilb_input_pads_stats_get(pads).denied, 1);
@@ -269,7 +269,7 @@ static void a_denied_pad_goes(void **state)
 	(void)state;
 	fake_plug_mode(5, ds4, 0);
 	begin();
-	const uint32_t denied = next_of(STILB_INPUT_PAD_DENIED).pad;
+	uint32_t denied = next_of(STILB_INPUT_PAD_DENIED).pad;
 	fake_unplug(5);
 	assert_int_equal(next_of(STILB_INPUT_PAD_REMOVED).pad, denied);
 	fake_plug(5, ds4);
@@ -281,13 +281,13 @@ static void a_new_node_has_time_to_be_opened_up(void **state)
 {
 	(void)state;
 	begin();
-	const int64_t before_us = input_now_us();
+	int64_t before_us = input_now_us();
 	fake_plug_mode(0, ds4, 0);
 	fake_plug_mode(1, asus, 0);
 	sleep_ms(30);
 	fake_chmod(0, 0600);
 	assert_int_equal(next_of(STILB_INPUT_PAD_ADDED).info->vendor, ds4->vendor);
-	const stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED); /* nobody opened that one up */
+	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED); /* nobody opened that one up */
 	assert_int_equal(denied.info->vendor, asus->vendor);
 	assert_in_range(denied.time_us - before_us, 500000, 5000000);
 	fake_plug_mode(2, ds4, 0);
@@ -306,7 +306,7 @@ static void events_come_in_time_order_until_a_time(void **state)
 	begin();
 	next_of(STILB_INPUT_PAD_ADDED);
 	next_of(STILB_INPUT_PAD_ADDED);
-	const int64_t before_us = input_now_us();
+	int64_t before_us = input_now_us();
 	for (uint32_t i = 0; i < 40; i++) {
 		send_number((int)(i & 1), i);
 		do /* until its reader has stamped it */
@@ -423,7 +423,7 @@ static void a_full_ring_ends_with_the_newest(void **state)
 static void assert_shakes(int node, const stilb_input_layout *layout, float heavy, float light, uint32_t sequence)
 {
 	uint8_t wanted[STILB_INPUT_OUTPUT_MAX], got[STILB_INPUT_OUTPUT_MAX];
-	const size_t size = stilb_input_rumble_report(layout, heavy, light, sequence, wanted);
+	size_t size = stilb_input_rumble_report(layout, heavy, light, sequence, wanted);
 	assert_true(size > 0);
 	assert_int_equal(fake_receive(node, got, sizeof got, 5000), size);
 	assert_memory_equal(got, wanted, size);
@@ -441,10 +441,10 @@ static void a_pad_shakes_for_a_while(void **state)
 	(void)state;
 	fake_plug(0, ds4);
 	begin();
-	const stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
-	const stilb_input_layout layout = layout_of(added.info);
-	const uint32_t pad = added.pad;
-	const int64_t before_us = input_now_us();
+	stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
+	stilb_input_layout layout = layout_of(added.info);
+	uint32_t pad = added.pad;
+	int64_t before_us = input_now_us();
 	stilb_input_pads_rumble(pads, pad, 1.0f, 0.25f, 60);
 	assert_shakes(0, &layout, 1.0f, 0.25f, 0);
 	assert_shakes(0, &layout, 0, 0, 1);
@@ -465,11 +465,11 @@ static void rumble_is_limited_in_rate(void **state)
 	(void)state;
 	fake_plug(0, ds4);
 	begin();
-	const stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
-	const stilb_input_layout layout = layout_of(added.info);
+	stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
+	stilb_input_layout layout = layout_of(added.info);
 	stilb_input_pads_rumble(pads, added.pad, 0.5f, 0, 5000);
 	assert_shakes(0, &layout, 0.5f, 0, 0);
-	const int64_t before_us = input_now_us();
+	int64_t before_us = input_now_us();
 	for (int i = 0; i <= 500; i++) {
 		stilb_input_pads_rumble(pads, added.pad, (float)i / 500, (float)i / 500, 5000);
 		usleep(100);
@@ -490,8 +490,8 @@ static void what_forgets_to_shake_is_reminded(void **state)
 	(void)state;
 	fake_plug(0, input_test_descriptor_find(STILB_INPUT_BUS_BLUETOOTH, 0x057e, 0x2009));
 	begin();
-	const stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
-	const stilb_input_layout layout = layout_of(added.info);
+	stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
+	stilb_input_layout layout = layout_of(added.info);
 	uint8_t report[STILB_INPUT_OUTPUT_MAX];
 	for (const stilb_input_hello *hello = layout.hello; hello->kind != STILB_INPUT_HELLO_END; hello++)
 		assert_int_equal(fake_receive(0, report, sizeof report, 5000), hello->size);
@@ -515,8 +515,8 @@ static void what_shakes_is_stopped_at_the_end(void **state)
 	(void)state;
 	fake_plug(0, ds4);
 	begin();
-	const stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
-	const stilb_input_layout layout = layout_of(added.info);
+	stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
+	stilb_input_layout layout = layout_of(added.info);
 	stilb_input_pads_rumble(pads, added.pad, 1, 1, 5000);
 	assert_shakes(0, &layout, 1, 1, 0);
 	stilb_input_pads_destroy(pads);
@@ -532,8 +532,8 @@ static void what_should_have_stopped_is_stopped_at_the_end(void **state)
 	(void)state;
 	fake_plug(0, ds4);
 	begin();
-	const stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
-	const stilb_input_layout layout = layout_of(added.info);
+	stilb_input_event added = next_of(STILB_INPUT_PAD_ADDED);
+	stilb_input_layout layout = layout_of(added.info);
 	stilb_input_pads_rumble(pads, added.pad, 1, 1, 5);
 	assert_shakes(0, &layout, 1, 1, 0);
 	sleep_ms(10);
@@ -547,7 +547,7 @@ static void what_should_have_stopped_is_stopped_at_the_end(void **state)
 static void a_pad_that_does_not_answer_is_waited_for(void **state)
 {
 	(void)state;
-	const uint32_t fds = count_entries("/proc/self/fd");
+	uint32_t fds = count_entries("/proc/self/fd");
 	fake.feature_ms = 100;
 	fake_plug(0, input_test_descriptor_find(STILB_INPUT_BUS_BLUETOOTH, 0x054c, 0x05c4));
 	begin();
@@ -564,7 +564,7 @@ static void a_pad_is_greeted(void **state)
 	assert_non_null(bluetooth);
 	fake_plug(0, bluetooth);
 	begin();
-	const stilb_input_layout layout = layout_of(next_of(STILB_INPUT_PAD_ADDED).info);
+	stilb_input_layout layout = layout_of(next_of(STILB_INPUT_PAD_ADDED).info);
 	assert_int_equal(layout.hello[0].kind, STILB_INPUT_HELLO_GET_FEATURE);
 	send_number(0, 0); /* read after the greeting */
 	next_of(STILB_INPUT_PAD_REPORT);
@@ -581,9 +581,9 @@ static uint32_t lives = 100; /* as many as the program was told to try */
 static void many_lives_leave_nothing(void **state)
 {
 	(void)state;
-	const uint32_t before = count_entries("/proc/self/fd");
+	uint32_t before = count_entries("/proc/self/fd");
 	begin();
-	const uint32_t fds = count_entries("/proc/self/fd"), threads = count_entries("/proc/self/task");
+	uint32_t fds = count_entries("/proc/self/fd"), threads = count_entries("/proc/self/task");
 	for (uint32_t i = 0; i < lives; i++) {
 		fake_plug((int)(i % 3), ds4);
 		assert_int_equal(next_of(STILB_INPUT_PAD_ADDED).pad, i + 1);
@@ -615,7 +615,7 @@ static void a_crowd_waits_for_room(void **state)
 			fake_unplug(i);
 	uint32_t added = 0, removed = 0;
 	while (added < 8 || removed < 32) {
-		const stilb_input_event event = next();
+		stilb_input_event event = next();
 		added += event.kind == STILB_INPUT_PAD_ADDED;
 		removed += event.kind == STILB_INPUT_PAD_REMOVED;
 	}
@@ -628,7 +628,7 @@ static void a_flood_of_events_hides_no_pad(void **state)
 	(void)state;
 	uint32_t kept = 0;
 	FILE *file = fopen("/proc/sys/fs/inotify/max_queued_events", "r");
-	if (file == NULL || fscanf(file, "%u", &kept) != 1 || kept > 100000)
+	if (!file || fscanf(file, "%u", &kept) != 1 || kept > 100000)
 		skip();
 	fclose(file);
 	char denied[PATH_MAX], plugged[PATH_MAX], path[PATH_MAX];
@@ -657,7 +657,7 @@ static void a_flood_of_events_hides_no_pad(void **state)
 	pthread_mutex_unlock(&fake.lock);
 	bool is_added = false, is_removed = false;
 	while (!is_added || !is_removed) {
-		const stilb_input_event event = next();
+		stilb_input_event event = next();
 		is_added |= event.kind == STILB_INPUT_PAD_ADDED;
 		is_removed |= event.kind == STILB_INPUT_PAD_REMOVED;
 	}
@@ -685,11 +685,11 @@ static void who_waits_is_told(void **state)
 	pthread_t sender;
 	fake_plug(0, ds4);
 	begin();
-	const uint32_t pad = next_of(STILB_INPUT_PAD_ADDED).pad;
+	uint32_t pad = next_of(STILB_INPUT_PAD_ADDED).pad;
 	assert_int_equal(pthread_create(&sender, NULL, answer, NULL), 0);
 	stilb_input_pads_rumble(pads, pad, 1, 1, 5000);
 	for (uint32_t i = 0; i < 500;) {
-		const int64_t before_us = input_now_us();
+		int64_t before_us = input_now_us();
 		stilb_input_pads_wait(pads, 30000);
 		assert_true(input_now_us() - before_us < 15000000);
 		for (stilb_input_event event; stilb_input_pads_next(pads, INT64_MAX, &event); i++)
@@ -721,7 +721,7 @@ void *__wrap_stilb_memory_alloc(size_t count, size_t size);
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *user)
 {
-	const int before = __atomic_load_n(&threads_before_failure, __ATOMIC_RELAXED);
+	int before = __atomic_load_n(&threads_before_failure, __ATOMIC_RELAXED);
 	if (before >= 0)
 		fail_thread(before - 1);
 	if (before == 0)
@@ -764,7 +764,7 @@ static void a_pad_without_memory_is_left(void **state)
 
 static void assert_is_refused(stilb_result result, const char *text)
 {
-	const stilb_input_pads_desc desc = {.sys = fake.sys, .dev = fake.dev};
+	stilb_input_pads_desc desc = {.sys = fake.sys, .dev = fake.dev};
 	assert_int_equal(stilb_input_pads_create(&desc, &pads), result);
 	assert_null(pads);
 	assert_non_null(strstr(stilb_error_message(), text));
@@ -773,7 +773,7 @@ static void assert_is_refused(stilb_result result, const char *text)
 static void nothing_to_watch_with_is_said(void **state)
 {
 	(void)state;
-	const uint32_t fds = count_entries("/proc/self/fd");
+	uint32_t fds = count_entries("/proc/self/fd");
 	fail_thread(0);
 	assert_is_refused(STILB_ERROR_THREAD, fake.dev);
 	struct rlimit limit, none;
@@ -788,8 +788,8 @@ static void nothing_to_watch_with_is_said(void **state)
 static void nothing_to_watch_is_said(void **state)
 {
 	(void)state;
-	const stilb_input_pads_desc desc = {.sys = fake.sys, .dev = "/nonexistent/dev"};
-	const uint32_t fds = count_entries("/proc/self/fd");
+	stilb_input_pads_desc desc = {.sys = fake.sys, .dev = "/nonexistent/dev"};
+	uint32_t fds = count_entries("/proc/self/fd");
 	assert_int_equal(stilb_input_pads_create(&desc, &pads), STILB_ERROR_DEVICE);
 	assert_null(pads);
 	assert_non_null(strstr(stilb_error_message(), "/nonexistent/dev"));
@@ -800,11 +800,11 @@ static void nothing_to_watch_is_said(void **state)
 static void a_machine_without_hid_has_no_pads(void **state)
 {
 	(void)state;
-	const stilb_input_pads_desc desc = {.sys = "/nonexistent/sys", .dev = fake.dev};
+	stilb_input_pads_desc desc = {.sys = "/nonexistent/sys", .dev = fake.dev};
 	assert_int_equal(stilb_input_pads_create(&desc, &pads), STILB_OK);
 	stilb_input_pads_wait(pads, 5000);
 	assert_true(is_quiet(1));
-	const int64_t before_us = input_now_us();
+	int64_t before_us = input_now_us();
 	stilb_input_pads_wait(pads, 20);
 	assert_true(input_now_us() - before_us >= 20000);
 }
@@ -813,7 +813,7 @@ static void a_machine_without_hid_has_no_pads(void **state)
 int main(int argc, char **argv)
 {
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		TEST(pads_there_at_the_start_are_added),
 		TEST(a_pad_comes_reports_and_goes),
 		TEST(what_is_no_pad_is_left_alone),
@@ -842,7 +842,7 @@ int main(int argc, char **argv)
 		TEST(nothing_to_watch_is_said),
 		TEST(a_machine_without_hid_has_no_pads),
 	};
-	const struct CMUnitTest long_tests[] = {
+	struct CMUnitTest long_tests[] = {
 		TEST(many_lives_leave_nothing),
 		TEST(a_flood_of_events_hides_no_pad),
 	};

@@ -13,7 +13,7 @@
 /* Record `number` as it is pushed: its size and its bytes follow from its number. */
 static uint32_t make(uint64_t number, uint8_t bytes[LONGEST])
 {
-	const uint32_t size = (uint32_t)(stilb_random_u64(1, number) % (LONGEST + 1));
+	uint32_t size = (uint32_t)(stilb_random_u64(1, number) % (LONGEST + 1));
 	for (uint32_t i = 0; i < size; i++)
 		bytes[i] = (uint8_t)(number + i);
 	return size;
@@ -22,14 +22,14 @@ static uint32_t make(uint64_t number, uint8_t bytes[LONGEST])
 static bool push(input_ring *ring, uint64_t number)
 {
 	uint8_t bytes[LONGEST];
-	const uint32_t size = make(number, bytes);
+	uint32_t size = make(number, bytes);
 	return input_ring_push(ring, (int64_t)number, ~number, bytes, size);
 }
 
 static bool is_record(const input_record *record, uint64_t number)
 {
 	uint8_t bytes[LONGEST];
-	const uint32_t size = make(number, bytes);
+	uint32_t size = make(number, bytes);
 	return record->time_us == (int64_t)number && record->flow == ~number && record->size == size &&
 	       memcmp(record->bytes, bytes, size) == 0;
 }
@@ -46,14 +46,14 @@ static void it_is_a_queue_of_whole_records(void **state)
 		uint8_t bytes[LONGEST];
 		/* Now it is mostly full, now mostly empty. */
 		if (stilb_random_u64(2, step) % 100 < (step / 1000 % 2 ? 70 : 30)) {
-			const uint64_t length = (sizeof(input_record) + make(pushed, bytes) + 7) / 8 * 8;
-			const bool fits = used + length <= CAPACITY;
+			uint64_t length = (sizeof(input_record) + make(pushed, bytes) + 7) / 8 * 8;
+			bool fits = used + length <= CAPACITY;
 			assert_int_equal(push(&ring, pushed), fits);
 			pushed += fits;
 			used += fits ? length : 0;
 		} else if (pushed > popped) {
 			const input_record *record = input_ring_peek(&ring);
-			assert_true(record != NULL && is_record(record, popped));
+			assert_true(record && is_record(record, popped));
 			assert_ptr_equal(input_ring_peek(&ring), record);
 			used -= (sizeof(input_record) + record->size + 7) / 8 * 8;
 			input_ring_pop(&ring);
@@ -97,7 +97,7 @@ static void two_threads_agree(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_is_a_queue_of_whole_records),
 		cmocka_unit_test(two_threads_agree),
 	};

@@ -65,7 +65,7 @@ static void stream_add(stream *got, const uint8_t *bytes, size_t size)
 static stilb_input_event next_event(stilb_input_pads *pads)
 {
 	stilb_input_event event;
-	const int64_t until_us = input_now_us() + 10000000;
+	int64_t until_us = input_now_us() + 10000000;
 	while (!stilb_input_pads_next(pads, input_now_us(), &event)) {
 		assert_true(input_now_us() < until_us);
 		stilb_input_pads_wait(pads, 100);
@@ -76,7 +76,7 @@ static stilb_input_event next_event(stilb_input_pads *pads)
 static void read_reports(stilb_input_pads *pads, stream *got, uint32_t reports)
 {
 	while (got->next < reports) {
-		const stilb_input_event event = next_event(pads);
+		stilb_input_event event = next_event(pads);
 		assert_int_equal(event.kind, STILB_INPUT_PAD_REPORT);
 		stream_add(got, event.bytes, event.size);
 	}
@@ -86,7 +86,7 @@ static void read_reports(stilb_input_pads *pads, stream *got, uint32_t reports)
 static void live_with(stilb_input_pads *pads)
 {
 	static stream got;
-	const stilb_input_event added = next_event(pads);
+	stilb_input_event added = next_event(pads);
 	assert_int_equal(added.kind, STILB_INPUT_PAD_ADDED);
 	assert_string_equal(added.info->path, NODE);
 	assert_string_equal(added.info->name, NAME);
@@ -129,7 +129,7 @@ static void a_device_is_read_and_asked(void **state)
 	stream got = {.next = 0};
 	uint8_t report[4 * SIZE] = {feature[0]};
 	input_device device;
-	const int wake_fd = eventfd(1, EFD_NONBLOCK);
+	int wake_fd = eventfd(1, EFD_NONBLOCK);
 	assert_int_equal(input_device_open(&DEVICE_BACKEND, NODE, &device), 0);
 	assert_int_equal(DEVICE_BACKEND.get_feature(&device, report, sizeof feature), sizeof feature);
 	assert_memory_equal(report, feature, sizeof feature);
@@ -165,7 +165,7 @@ static void what_is_no_hidraw_is_not_opened(void **state)
 	static const char *const paths[] = {"/dev/null", "/dev/zero", "/dev/hidraw8", "/etc/passwd", "/dev"};
 	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
 		input_device device;
-		const int error = input_device_open(&DEVICE_BACKEND, paths[i], &device);
+		int error = input_device_open(&DEVICE_BACKEND, paths[i], &device);
 		assert_true(error == -ENODEV || error == -EISDIR);
 	}
 }
@@ -213,7 +213,7 @@ static void script_add(char operation, const uint8_t *bytes, size_t size)
 	char *at = bed_script + bed_script_size;
 	at += sprintf(at, "%c 5 ", operation);
 	for (size_t i = 0; i < size; i++) {
-		const bool is_escaped = bytes[i] <= 32 || bytes[i] == '^';
+		bool is_escaped = bytes[i] <= 32 || bytes[i] == '^';
 		if (is_escaped)
 			*at++ = '^';
 		*at++ = (char)(bytes[i] == '^' ? '`' : is_escaped ? bytes[i] + 64 : bytes[i]);
@@ -256,13 +256,13 @@ static void run_case(void **state)
 {
 	char folder[] = "/tmp/stilb-umockdev-XXXXXX";
 	program_run run;
-	const umockdev_bed bed = {.node = NODE,
-	                          .devices = bed_devices,
-	                          .ioctls = bed_ioctls,
-	                          .script = bed_script,
-	                          .script_size = bed_script_size};
+	umockdev_bed bed = {.node = NODE,
+	                    .devices = bed_devices,
+	                    .ioctls = bed_ioctls,
+	                    .script = bed_script,
+	                    .script_size = bed_script_size};
 	assert_non_null(mkdtemp(folder));
-	const bool is_run = umockdev_run(&run, &bed, folder, (const char *const[]){program, *state, NULL});
+	bool is_run = umockdev_run(&run, &bed, folder, (const char *const[]){program, *state, NULL});
 	rmdir(folder);
 	assert_true(is_run);
 	if (run.code != 0)

@@ -430,8 +430,8 @@ static void test_inspector(void **state)
 	run_frames(f, 2);
 	type_key(f, XK_space); /* means nothing to it */
 	run_frames(f, 2);
-	const uint64_t hash = stilb_engine_stream_hash(f->engine);
-	const stilb_ui_rect place = f->engine->overlay.inspector.place;
+	uint64_t hash = stilb_engine_stream_hash(f->engine);
+	stilb_ui_rect place = f->engine->overlay.inspector.place;
 	const stilb_ui_style *style = stilb_ui_style_get(f->engine->overlay.ui);
 	/* In so low a picture there are three columns: the first row of the middle one, below the title and a heading. */
 	click_at(f, 0.5f * (place.x0 + place.x1),
@@ -485,7 +485,7 @@ int main(void)
 		printf("no X display: set DISPLAY, or install xvfb and use ./dev test\n");
 		return 77;
 	}
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_shows_picture, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_resize, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_resize_during_frames, set_up, tear_down),

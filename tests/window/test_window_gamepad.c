@@ -149,7 +149,7 @@ static void run_frame(void)
 
 static bool moved_since(const stilb_input_pose *before)
 {
-	const stilb_input_pose now = stilb_engine_pose(engine);
+	stilb_input_pose now = stilb_engine_pose(engine);
 	return memcmp(&now, before, sizeof now) != 0;
 }
 
@@ -194,7 +194,7 @@ static void pull_evdev(int event)
 
 static void expect_rest(void)
 {
-	const stilb_input_pose rest = stilb_engine_pose(engine);
+	stilb_input_pose rest = stilb_engine_pose(engine);
 	for (int i = 0; i < 5; i++)
 		run_frame();
 	assert_false(moved_since(&rest));
@@ -239,7 +239,7 @@ static void test_both_ways_to_a_pad(void **state)
 
 static int run_inside(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_both_ways_to_a_pad, set_up, tear_down),
 	};
 	fake_begin();
@@ -259,7 +259,7 @@ static int run_outside(const char *self)
 	if (!mkdtemp(folder))
 		return 1;
 	for (size_t i = 0; i < EVDEV_PADS; i++) {
-		const int event = evdev_pads[i].event;
+		int event = evdev_pads[i].event;
 		write_pad(folder, &evdev_pads[i]);
 		snprintf(arguments[i][0], sizeof arguments[i][0], "%s/device%d", folder, event);
 		for (int k = 1; k < 3; k++)

@@ -315,7 +315,7 @@ int main(void)
 		printf("no X display: set DISPLAY, or install xvfb and use ./dev test\n");
 		return 77;
 	}
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_each_key),
 		cmocka_unit_test(test_held_key_repeats),
 		cmocka_unit_test(test_focus),

@@ -16,7 +16,7 @@
 bool input_device_is_hidraw(const char *name)
 {
 	static const char prefix[] = "hidraw";
-	const size_t length = sizeof prefix - 1;
+	size_t length = sizeof prefix - 1;
 	return strncmp(name, prefix, length) == 0 && name[length] != '\0' &&
 	       strspn(name + length, "0123456789") == strlen(name + length);
 }
@@ -29,7 +29,7 @@ static ssize_t input_sysfs_read(const input_roots *roots, const char *name, cons
 	char path[PATH_MAX];
 	if (snprintf(path, sizeof path, "%s/class/hidraw/%s/device/%s", roots->sys, name, leaf) >= (int)sizeof path)
 		return -ENAMETOOLONG;
-	const int fd = open(path, O_RDONLY | O_CLOEXEC);
+	int fd = open(path, O_RDONLY | O_CLOEXEC);
 	if (fd < 0)
 		return -errno;
 	size_t filled = 0;
@@ -38,7 +38,7 @@ static ssize_t input_sysfs_read(const input_roots *roots, const char *name, cons
 		got = read(fd, (char *)bytes + filled, size - filled);
 		filled += got > 0 ? (size_t)got : 0;
 	} while ((got > 0 && filled < size) || (got < 0 && errno == EINTR));
-	const int error = got < 0 ? -errno : 0;
+	int error = got < 0 ? -errno : 0;
 	close(fd);
 	return error != 0 ? error : (ssize_t)filled;
 }
@@ -46,8 +46,8 @@ static ssize_t input_sysfs_read(const input_roots *roots, const char *name, cons
 /* The value of KEY=value in a uevent file; NULL: it has none. */
 static const char *input_uevent_value(const char *uevent, const char *key, size_t *length)
 {
-	const size_t key_length = strlen(key);
-	for (const char *line = uevent; line != NULL; line = strchr(line, '\n')) {
+	size_t key_length = strlen(key);
+	for (const char *line = uevent; line; line = strchr(line, '\n')) {
 		line += *line == '\n';
 		if (strncmp(line, key, key_length) == 0 && line[key_length] == '=') {
 			*length = strcspn(line + key_length + 1, "\n");
@@ -70,7 +70,7 @@ static int input_uevent_id(const char *uevent, stilb_input_pad_info *info)
 	size_t length;
 	unsigned bus, vendor, product;
 	const char *value = input_uevent_value(uevent, "HID_ID", &length);
-	if (value == NULL || sscanf(value, "%4x:%8x:%8x", &bus, &vendor, &product) != 3)
+	if (!value || sscanf(value, "%4x:%8x:%8x", &bus, &vendor, &product) != 3)
 		return -ENODEV;
 	info->bus = (uint16_t)bus;
 	info->vendor = (uint16_t)vendor;
@@ -82,9 +82,9 @@ static int input_uevent_id(const char *uevent, stilb_input_pad_info *info)
 static void input_device_folder(const input_roots *roots, const char *name, stilb_input_pad_info *info)
 {
 	char path[PATH_MAX];
-	const int length = snprintf(path, sizeof path, "%s/class/hidraw/%s/device", roots->sys, name);
+	int length = snprintf(path, sizeof path, "%s/class/hidraw/%s/device", roots->sys, name);
 	char *real = length < (int)sizeof path ? realpath(path, NULL) : NULL;
-	if (real != NULL && strlen(real) < sizeof info->device)
+	if (real && strlen(real) < sizeof info->device)
 		strcpy(info->device, real);
 	free(real);
 }
@@ -95,7 +95,7 @@ int input_device_info(const input_roots *roots, const char *name, stilb_input_pa
 	if (snprintf(info->path, sizeof info->path, "%s/%s", roots->dev, name) >= (int)sizeof info->path)
 		return -ENAMETOOLONG;
 	char uevent[INPUT_UEVENT_MAX + 1];
-	const ssize_t size = input_sysfs_read(roots, name, "uevent", uevent, INPUT_UEVENT_MAX);
+	ssize_t size = input_sysfs_read(roots, name, "uevent", uevent, INPUT_UEVENT_MAX);
 	if (size < 0)
 		return size == -ENOENT ? -ENODEV : (int)size;
 	uevent[size] = '\0';
@@ -104,8 +104,7 @@ int input_device_info(const input_roots *roots, const char *name, stilb_input_pa
 	input_uevent_text(uevent, "HID_NAME", info->name, sizeof info->name);
 	input_uevent_text(uevent, "HID_UNIQ", info->unique, sizeof info->unique);
 	input_device_folder(roots, name, info);
-	const ssize_t described =
-		input_sysfs_read(roots, name, "report_descriptor", info->descriptor, sizeof info->descriptor);
+	ssize_t described = input_sysfs_read(roots, name, "report_descriptor", info->descriptor, sizeof info->descriptor);
 	if (described < 0)
 		return described == -ENOENT ? -ENODEV : (int)described;
 	info->descriptor_size = (uint16_t)described;
@@ -116,7 +115,7 @@ int input_device_info(const input_roots *roots, const char *name, stilb_input_pa
 
 int input_device_open(const input_backend *backend, const char *path, input_device *device)
 {
-	const int fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
+	int fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
 	if (fd < 0)
 		return errno == ENOENT || errno == ENXIO ? -ENODEV : -errno;
 	int size; /* of its descriptor; only a hidraw knows it */

@@ -24,7 +24,7 @@ static int hidapi_open(const char *path, int fd, input_device *device)
 	device->hid = hid_open_path(path);
 	pthread_mutex_unlock(&hidapi_lock);
 	close(fd); /* only now: while it is open the kernel gives the node's name to no other device */
-	return device->hid != NULL ? 0 : -ENODEV;
+	return device->hid ? 0 : -ENODEV;
 }
 
 static void hidapi_close(input_device *device)
@@ -40,10 +40,10 @@ static bool hidapi_is_woken(int wake_fd)
 
 static int hidapi_read(input_device *device, int wake_fd, int timeout_ms, uint8_t *report, size_t size)
 {
-	const bool is_endless = timeout_ms < 0;
+	bool is_endless = timeout_ms < 0;
 	while (true) {
-		const int slice = is_endless || timeout_ms > HIDAPI_SLICE_MS ? HIDAPI_SLICE_MS : timeout_ms;
-		const int got = hid_read_timeout(device->hid, report, size, slice);
+		int slice = is_endless || timeout_ms > HIDAPI_SLICE_MS ? HIDAPI_SLICE_MS : timeout_ms;
+		int got = hid_read_timeout(device->hid, report, size, slice);
 		if (got != 0)
 			return got > 0 ? got : -ENODEV;
 		timeout_ms -= is_endless ? 0 : slice;
@@ -54,13 +54,13 @@ static int hidapi_read(input_device *device, int wake_fd, int timeout_ms, uint8_
 
 static int hidapi_write(input_device *device, const uint8_t *report, size_t size)
 {
-	const int put = hid_write(device->hid, report, size);
+	int put = hid_write(device->hid, report, size);
 	return put < 0 ? -EIO : put;
 }
 
 static int hidapi_get_feature(input_device *device, uint8_t *report, size_t size)
 {
-	const int got = hid_get_feature_report(device->hid, report, size);
+	int got = hid_get_feature_report(device->hid, report, size);
 	return got < 0 ? -EIO : got;
 }
 

@@ -27,7 +27,7 @@ static int hidraw_read(input_device *device, int wake_fd, int timeout_ms, uint8_
 	if (fds[0].revents == 0)
 		return 0;
 	/* Reports that came before the device was pulled can still be read; only then read fails. */
-	const ssize_t got = read(device->fd, report, size);
+	ssize_t got = read(device->fd, report, size);
 	if (got > 0)
 		return (int)got;
 	if (got < 0 && (errno == EAGAIN || errno == EINTR))
@@ -37,13 +37,13 @@ static int hidraw_read(input_device *device, int wake_fd, int timeout_ms, uint8_
 
 static int hidraw_write(input_device *device, const uint8_t *report, size_t size)
 {
-	const ssize_t put = write(device->fd, report, size);
+	ssize_t put = write(device->fd, report, size);
 	return put < 0 ? -errno : (int)put;
 }
 
 static int hidraw_get_feature(input_device *device, uint8_t *report, size_t size)
 {
-	const int got = ioctl(device->fd, HIDIOCGFEATURE(size), report);
+	int got = ioctl(device->fd, HIDIOCGFEATURE(size), report);
 	return got < 0 ? -errno : got;
 }
 

@@ -70,7 +70,7 @@ static input_reader *pads_slot(const stilb_input_pads *pads, uint32_t i)
 static uint32_t pads_free_slot(const stilb_input_pads *pads)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++)
-		if (pads_slot(pads, i) == NULL)
+		if (!pads_slot(pads, i))
 			return i;
 	return PADS_MAX;
 }
@@ -108,11 +108,11 @@ static bool pads_reap(stilb_input_pads *pads)
 {
 	/* Acquire: pairs with pads_return. */
 	input_reader *first = __atomic_exchange_n(&pads->returned, NULL, __ATOMIC_ACQUIRE);
-	for (input_reader *reader = first, *next; reader != NULL; reader = next) {
+	for (input_reader *reader = first, *next; reader; reader = next) {
 		next = reader->next;
 		pads_end(reader);
 	}
-	return first != NULL;
+	return first;
 }
 
 /* ---- what is plugged in: the watcher ----------------------------------------------------------------------------- */
@@ -122,7 +122,7 @@ static input_reader *pads_find(const stilb_input_pads *pads, const char *name)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		input_reader *reader = pads_slot(pads, i);
-		if (reader != NULL && !input_reader_has_ended(reader) && strcmp(strrchr(reader->info.path, '/') + 1, name) == 0)
+		if (reader && !input_reader_has_ended(reader) && strcmp(strrchr(reader->info.path, '/') + 1, name) == 0)
 			return reader;
 	}
 	return NULL;
@@ -142,7 +142,7 @@ static int pads_add(stilb_input_pads *pads, uint32_t slot, input_reader *reader)
 {
 	reader->added_us = input_now_us();
 	reader->number = pads->number + 1;
-	const int error = input_reader_start(reader, pads->ring_bytes);
+	int error = input_reader_start(reader, pads->ring_bytes);
 	if (error != 0)
 		return error;
 	pads->number++;
@@ -177,7 +177,7 @@ static void pads_wait_no_more(stilb_input_pads *pads, const char *name)
 /* Opens the node's device; -ENOTSUP: it is no pad. */
 static int pads_open(const stilb_input_pads *pads, const char *name, input_reader *reader)
 {
-	const int error = input_device_info(&pads->roots, name, &reader->info);
+	int error = input_device_info(&pads->roots, name, &reader->info);
 	if (error != 0)
 		return error;
 	if (stilb_input_layout_find(&reader->info, &reader->layout) != STILB_OK)
@@ -190,15 +190,15 @@ static void pads_look(stilb_input_pads *pads, const char *name, bool has_grace)
 {
 	PROFILE("pad look");
 	input_reader *known = pads_find(pads, name), *reader;
-	const uint32_t slot = pads_free_slot(pads);
+	uint32_t slot = pads_free_slot(pads);
 	pads->is_crowded |= slot == PADS_MAX;
-	if ((known != NULL && !known->denied) || slot == PADS_MAX)
+	if ((known && !known->denied) || slot == PADS_MAX)
 		return;
 	int error = input_reader_create(&pads->hub, &reader);
 	if (error == 0)
 		error = pads_open(pads, name, reader);
-	const bool is_denied = error == -EACCES || error == -EPERM;
-	if (is_denied && (known != NULL || (has_grace && pads_wait_for(pads, name)))) {
+	bool is_denied = error == -EACCES || error == -EPERM;
+	if (is_denied && (known || (has_grace && pads_wait_for(pads, name)))) {
 		input_reader_destroy(reader);
 		return;
 	}
@@ -207,7 +207,7 @@ static void pads_look(stilb_input_pads *pads, const char *name, bool has_grace)
 		pads_deny(pads, slot, reader);
 		return;
 	}
-	if (known != NULL) /* it may be opened now, or is gone */
+	if (known) /* it may be opened now, or is gone */
 		input_reader_end(known, input_now_us());
 	if (error == 0)
 		error = pads_add(pads, slot, reader);
@@ -223,7 +223,7 @@ static void pads_gone(stilb_input_pads *pads, const char *name)
 {
 	pads_wait_no_more(pads, name);
 	input_reader *known = pads_find(pads, name);
-	if (known != NULL && known->denied)
+	if (known && known->denied)
 		input_reader_end(known, input_now_us());
 }
 
@@ -235,16 +235,16 @@ static void pads_scan(stilb_input_pads *pads)
 	pads->is_crowded = false;
 	snprintf(path, sizeof path, "%s/class/hidraw", pads->roots.sys);
 	DIR *folder = opendir(path);
-	if (folder == NULL && errno != ENOENT)
+	if (!folder && errno != ENOENT)
 		stilb_log("gamepads: cannot look into %s: %s", path, strerror(errno));
-	for (struct dirent *entry; folder != NULL && (entry = readdir(folder)) != NULL;)
+	for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;)
 		if (input_device_is_hidraw(entry->d_name) && strlen(entry->d_name) < PADS_NAME_MAX)
 			pads_look(pads, entry->d_name, false);
-	if (folder != NULL)
+	if (folder)
 		closedir(folder);
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		input_reader *reader = pads_slot(pads, i);
-		if (reader != NULL && reader->denied && !input_reader_has_ended(reader) && access(reader->info.path, F_OK) != 0)
+		if (reader && reader->denied && !input_reader_has_ended(reader) && access(reader->info.path, F_OK) != 0)
 			input_reader_end(reader, input_now_us());
 	}
 }
@@ -297,13 +297,13 @@ static void pads_end_all(stilb_input_pads *pads)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		input_reader *reader = pads_slot(pads, i);
-		if (reader != NULL && !reader->denied)
+		if (reader && !reader->denied)
 			input_reader_stop(reader);
 	}
 	pads_reap(pads);
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		input_reader *reader = pads_slot(pads, i);
-		if (reader != NULL)
+		if (reader)
 			pads_end(reader);
 	}
 }
@@ -336,7 +336,7 @@ static void *pads_watch(void *user)
 /* Is done with the event that was given out last. */
 static void pads_take(stilb_input_pads *pads)
 {
-	if (pads->held == NULL)
+	if (!pads->held)
 		return;
 	input_reader_take(pads->held, pads->held_kind);
 	pads->held = NULL;
@@ -350,9 +350,9 @@ bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		stilb_input_event first;
 		input_reader *reader = pads_slot(pads, i);
-		if (reader == NULL || !input_reader_peek(reader, &first) || first.time_us > until_us)
+		if (!reader || !input_reader_peek(reader, &first) || first.time_us > until_us)
 			continue;
-		if (pads->held == NULL || first.time_us < event->time_us ||
+		if (!pads->held || first.time_us < event->time_us ||
 		    (first.time_us == event->time_us && first.pad < event->pad)) {
 			*event = first;
 			pads->held = reader;
@@ -360,7 +360,7 @@ bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input
 			pads->held_slot = i;
 		}
 	}
-	if (pads->held == NULL)
+	if (!pads->held)
 		return false;
 	/* Readers do not wait for one another: what one stamped may come in when something later has been given out. */
 	if (event->time_us < pads->last_us)
@@ -378,7 +378,7 @@ static bool pads_has_news(stilb_input_pads *pads)
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		stilb_input_event event;
 		const input_reader *reader = pads_slot(pads, i);
-		if (reader != NULL && input_reader_peek(reader, &event))
+		if (reader && input_reader_peek(reader, &event))
 			return true;
 	}
 	return false;
@@ -386,12 +386,12 @@ static bool pads_has_news(stilb_input_pads *pads)
 
 void stilb_input_pads_wait(stilb_input_pads *pads, int timeout_ms)
 {
-	const int64_t until_us = input_now_us() + 1000 * (int64_t)timeout_ms;
+	int64_t until_us = input_now_us() + 1000 * (int64_t)timeout_ms;
 	pads_take(pads);
 	while (true) {
 		/* Acquire and release: pairs with input_hub_tell, which says why. */
 		__atomic_exchange_n(&pads->hub.waiting, 1, __ATOMIC_ACQ_REL);
-		const int64_t left_us = until_us - input_now_us();
+		int64_t left_us = until_us - input_now_us();
 		if (pads_has_news(pads) || left_us <= 0)
 			break;
 		struct pollfd arrived = {.fd = pads->hub.arrived_fd, .events = POLLIN};
@@ -411,7 +411,7 @@ void stilb_input_pads_rumble(stilb_input_pads *pads, uint32_t pad, float heavy, 
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		input_reader *reader = pads_slot(pads, i);
-		if (reader != NULL && reader->number == pad && !reader->denied)
+		if (reader && reader->number == pad && !reader->denied)
 			input_reader_shake(reader, pads_motor(heavy), pads_motor(light), duration_ms < 5000 ? duration_ms : 5000);
 	}
 }
@@ -435,7 +435,7 @@ stilb_input_pads_stats stilb_input_pads_stats_get(const stilb_input_pads *pads)
 /* Frees what is there; the watcher does not run. */
 static void pads_free(stilb_input_pads *pads)
 {
-	const int fds[] = {pads->inotify_fd, pads->wake_fd, pads->hub.arrived_fd};
+	int fds[] = {pads->inotify_fd, pads->wake_fd, pads->hub.arrived_fd};
 	for (size_t i = 0; i < sizeof fds / sizeof *fds; i++)
 		if (fds[i] >= 0)
 			close(fds[i]);
@@ -445,7 +445,7 @@ static void pads_free(stilb_input_pads *pads)
 
 static stilb_result pads_set_up(stilb_input_pads *pads, const stilb_input_pads_desc *desc)
 {
-	const char *sys = desc->sys != NULL ? desc->sys : "/sys", *dev = desc->dev != NULL ? desc->dev : "/dev";
+	const char *sys = desc->sys ? desc->sys : "/sys", *dev = desc->dev ? desc->dev : "/dev";
 	if (asprintf(&pads->root_texts, "%s%c%s", sys, 0, dev) < 0) {
 		pads->root_texts = NULL;
 		return stilb_fail(STILB_ERROR_MEMORY, "gamepads: out of memory");
@@ -462,10 +462,10 @@ static stilb_result pads_set_up(stilb_input_pads *pads, const stilb_input_pads_d
 		return stilb_fail(STILB_ERROR_DEVICE,
 		                  "gamepads: cannot watch %s: %s; see ulimit -n and the sysctl fs.inotify.max_user_instances",
 		                  pads->roots.dev, strerror(errno));
-	const uint32_t events = IN_CREATE | IN_ATTRIB | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM;
+	uint32_t events = IN_CREATE | IN_ATTRIB | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM;
 	if (inotify_add_watch(pads->inotify_fd, pads->roots.dev, events) < 0)
 		return stilb_fail(STILB_ERROR_DEVICE, "gamepads: cannot watch %s: %s", pads->roots.dev, strerror(errno));
-	const int error = input_thread_create(&pads->watcher, pads_watch, pads);
+	int error = input_thread_create(&pads->watcher, pads_watch, pads);
 	if (error != 0)
 		return stilb_fail(STILB_ERROR_THREAD, "gamepads: no thread to watch %s: %s", pads->roots.dev, strerror(-error));
 	return STILB_OK;
@@ -474,10 +474,10 @@ static stilb_result pads_set_up(stilb_input_pads *pads, const stilb_input_pads_d
 stilb_result stilb_input_pads_create(const stilb_input_pads_desc *desc, stilb_input_pads **pads)
 {
 	*pads = calloc(1, sizeof **pads);
-	if (*pads == NULL)
+	if (!*pads)
 		return stilb_fail(STILB_ERROR_MEMORY, "gamepads: out of memory");
 	(*pads)->inotify_fd = (*pads)->wake_fd = (*pads)->hub.arrived_fd = -1;
-	const stilb_result result = pads_set_up(*pads, desc);
+	stilb_result result = pads_set_up(*pads, desc);
 	if (result != STILB_OK) {
 		pads_free(*pads);
 		*pads = NULL;
@@ -487,7 +487,7 @@ stilb_result stilb_input_pads_create(const stilb_input_pads_desc *desc, stilb_in
 
 void stilb_input_pads_destroy(stilb_input_pads *pads)
 {
-	if (pads == NULL)
+	if (!pads)
 		return;
 	__atomic_store_n(&pads->stop, 1, __ATOMIC_RELEASE); /* pairs with pads_watch */
 	eventfd_write(pads->wake_fd, 1);

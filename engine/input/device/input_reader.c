@@ -44,7 +44,7 @@ int input_thread_create(pthread_t *thread, void *(*run)(void *), void *user)
 	for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
 		sigdelset(&signals, faults[i]);
 	pthread_sigmask(SIG_SETMASK, &signals, &old);
-	const int error = pthread_create(thread, NULL, run, user);
+	int error = pthread_create(thread, NULL, run, user);
 	pthread_sigmask(SIG_SETMASK, &old, NULL);
 	return -error;
 }
@@ -78,7 +78,7 @@ bool input_reader_has_ended(const input_reader *reader)
 /* A word: 1 << 63, and 16 bits each for the two motors and the milliseconds. */
 void input_reader_shake(input_reader *reader, float heavy, float light, uint32_t duration_ms)
 {
-	const uint64_t motors[2] = {(uint64_t)(heavy * 65535.0f + 0.5f), (uint64_t)(light * 65535.0f + 0.5f)};
+	uint64_t motors[2] = {(uint64_t)(heavy * 65535.0f + 0.5f), (uint64_t)(light * 65535.0f + 0.5f)};
 	/* Relaxed: the word is all there is. */
 	__atomic_store_n(&reader->rumble, UINT64_C(1) << 63 | motors[0] << 32 | motors[1] << 16 | duration_ms,
 	                 __ATOMIC_RELAXED);
@@ -87,7 +87,7 @@ void input_reader_shake(input_reader *reader, float heavy, float light, uint32_t
 
 static void reader_shake_fetch(input_reader *reader, int64_t now_us)
 {
-	const uint64_t word = __atomic_exchange_n(&reader->rumble, 0, __ATOMIC_RELAXED); /* the word is all there is */
+	uint64_t word = __atomic_exchange_n(&reader->rumble, 0, __ATOMIC_RELAXED); /* the word is all there is */
 	if (word == 0)
 		return;
 	reader->shake.heavy = (float)(word >> 32 & 0xffff) / 65535.0f;
@@ -99,8 +99,8 @@ static void reader_shake_fetch(input_reader *reader, int64_t now_us)
 static void reader_shake_write(input_reader *reader)
 {
 	uint8_t report[STILB_INPUT_OUTPUT_MAX];
-	const size_t size = stilb_input_rumble_report(&reader->layout, reader->shake.heavy, reader->shake.light,
-	                                              reader->shake.sequence, report);
+	size_t size = stilb_input_rumble_report(&reader->layout, reader->shake.heavy, reader->shake.light,
+	                                        reader->shake.sequence, report);
 	reader->shake.is_new = false;
 	if (size == 0)
 		return;
@@ -115,7 +115,7 @@ static void reader_shake_write(input_reader *reader)
 /* When the next report is to be written, INT64_MAX: there is none. */
 static int64_t reader_shake_due(const input_reader *reader)
 {
-	const bool repeats = reader->layout.rumble == STILB_INPUT_RUMBLE_SWITCH && reader->shake.until_us != 0;
+	bool repeats = reader->layout.rumble == STILB_INPUT_RUMBLE_SWITCH && reader->shake.until_us != 0;
 	if (reader->shake.is_new)
 		return reader->shake.written_us + READER_RUMBLE_US;
 	return repeats ? reader->shake.written_us + READER_REPEAT_US : INT64_MAX;
@@ -132,15 +132,15 @@ static int64_t reader_shake(input_reader *reader, int64_t now_us)
 	}
 	if (now_us >= reader_shake_due(reader))
 		reader_shake_write(reader);
-	const int64_t due_us = reader_shake_due(reader);
-	const int64_t until_us = reader->shake.until_us != 0 ? reader->shake.until_us : INT64_MAX;
+	int64_t due_us = reader_shake_due(reader);
+	int64_t until_us = reader->shake.until_us != 0 ? reader->shake.until_us : INT64_MAX;
 	return due_us < until_us ? due_us : until_us;
 }
 
 /* It does not go on for ever, with nobody there to stop it. */
 static void reader_shake_end(input_reader *reader)
 {
-	const int64_t wait_us = reader->shake.written_us + READER_RUMBLE_US - input_now_us();
+	int64_t wait_us = reader->shake.written_us + READER_RUMBLE_US - input_now_us();
 	if (!reader->shake.moves)
 		return;
 	if (wait_us > 0)
@@ -154,7 +154,7 @@ static void reader_shake_end(input_reader *reader)
 /* Waits that long, or until it is told to end. */
 static void reader_pause(const input_reader *reader, int ms)
 {
-	const int64_t until_us = input_now_us() + 1000 * (int64_t)ms;
+	int64_t until_us = input_now_us() + 1000 * (int64_t)ms;
 	for (int left_ms = ms; left_ms > 0 && !reader_stops(reader);) {
 		struct pollfd wake = {.fd = reader->wake_fd, .events = POLLIN};
 		eventfd_t woken;
@@ -226,11 +226,10 @@ static void reader_loop(input_reader *reader)
 {
 	uint8_t report[STILB_INPUT_REPORT_MAX];
 	while (!reader_stops(reader)) {
-		const int64_t before_us = input_now_us();
-		const int64_t shake_us = reader_shake(reader, before_us);
-		const int timeout_ms = reader_timeout_ms(reader, before_us, shake_us);
-		const int size =
-			reader->device.backend->read(&reader->device, reader->wake_fd, timeout_ms, report, sizeof report);
+		int64_t before_us = input_now_us();
+		int64_t shake_us = reader_shake(reader, before_us);
+		int timeout_ms = reader_timeout_ms(reader, before_us, shake_us);
+		int size = reader->device.backend->read(&reader->device, reader->wake_fd, timeout_ms, report, sizeof report);
 		if (size < 0)
 			return;
 		if (size > 0) {
@@ -268,7 +267,7 @@ static void *reader_run(void *user)
 int input_reader_create(input_hub *hub, input_reader **reader)
 {
 	*reader = stilb_memory_alloc(1, sizeof **reader);
-	if (*reader == NULL)
+	if (!*reader)
 		return -ENOMEM;
 	memset(*reader, 0, sizeof **reader);
 	(*reader)->hub = hub;
@@ -278,7 +277,7 @@ int input_reader_create(input_hub *hub, input_reader **reader)
 
 void input_reader_destroy(input_reader *reader)
 {
-	if (reader == NULL)
+	if (!reader)
 		return;
 	input_ring_finish(&reader->ring);
 	if (reader->wake_fd >= 0)
@@ -308,9 +307,9 @@ bool input_reader_peek(const input_reader *reader, stilb_input_event *event)
 		event->time_us = reader->added_us;
 		return true;
 	}
-	const bool has_ended = input_reader_has_ended(reader); /* before looking: what came before the end is seen */
+	bool has_ended = input_reader_has_ended(reader); /* before looking: what came before the end is seen */
 	const input_record *record = reader->denied ? NULL : input_ring_peek(&reader->ring);
-	if (record != NULL) {
+	if (record) {
 		event->kind = STILB_INPUT_PAD_REPORT;
 		event->time_us = record->time_us;
 		event->bytes = record->bytes;
@@ -324,7 +323,7 @@ bool input_reader_peek(const input_reader *reader, stilb_input_event *event)
 		event->kind = STILB_INPUT_PAD_REMOVED;
 		event->time_us = reader->ended_us;
 	}
-	return record != NULL || has_ended;
+	return record || has_ended;
 }
 
 void input_reader_take(input_reader *reader, stilb_input_event_kind kind)
@@ -333,7 +332,7 @@ void input_reader_take(input_reader *reader, stilb_input_event_kind kind)
 	if (kind != STILB_INPUT_PAD_REPORT)
 		return;
 	const input_record *record = input_ring_peek(&reader->ring);
-	if (record == NULL) {
+	if (!record) {
 		reader->late.size = 0;
 		return;
 	}

@@ -30,7 +30,7 @@ int input_ring_init(input_ring *ring, uint64_t capacity, uint32_t record_max)
 {
 	STILB_ASSERT((capacity & (capacity - 1)) == 0 && capacity >= 2 * ring_length(record_max));
 	*ring = (input_ring){.memory = malloc(capacity + ring_length(record_max)), .capacity = capacity};
-	return ring->memory != NULL ? 0 : -ENOMEM;
+	return ring->memory ? 0 : -ENOMEM;
 }
 
 void input_ring_finish(input_ring *ring)
@@ -41,8 +41,8 @@ void input_ring_finish(input_ring *ring)
 
 bool input_ring_push(input_ring *ring, int64_t time_us, uint64_t flow, const uint8_t *bytes, uint32_t size)
 {
-	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED); /* written by this thread alone */
-	const uint64_t end = head + ring_length(size);
+	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED); /* written by this thread alone */
+	uint64_t end = head + ring_length(size);
 	if (end - ring->tail_seen > ring->capacity)
 		ring->tail_seen = __atomic_load_n(&ring->tail, __ATOMIC_ACQUIRE); /* pairs with input_ring_pop */
 	if (end - ring->tail_seen > ring->capacity)
@@ -58,14 +58,14 @@ bool input_ring_push(input_ring *ring, int64_t time_us, uint64_t flow, const uin
 
 const input_record *input_ring_peek(const input_ring *ring)
 {
-	const uint64_t tail = __atomic_load_n(&ring->tail, __ATOMIC_RELAXED); /* written by this thread alone */
+	uint64_t tail = __atomic_load_n(&ring->tail, __ATOMIC_RELAXED); /* written by this thread alone */
 	/* Acquire: pairs with input_ring_push. */
 	return __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE) != tail ? ring_at(ring, tail) : NULL;
 }
 
 void input_ring_pop(input_ring *ring)
 {
-	const uint64_t tail = __atomic_load_n(&ring->tail, __ATOMIC_RELAXED); /* written by this thread alone */
+	uint64_t tail = __atomic_load_n(&ring->tail, __ATOMIC_RELAXED); /* written by this thread alone */
 	/* Release: pairs with input_ring_push, which writes to the record's place only now. */
 	__atomic_store_n(&ring->tail, tail + ring_length(ring_at(ring, tail)->size), __ATOMIC_RELEASE);
 }

@@ -129,8 +129,8 @@ static size_t item_read(const descriptor_parser *parser, const uint8_t *bytes, s
  * range that ends before it begins goes on to the end of its page, as in Linux. */
 static stilb_result range_add(descriptor_parser *parser, uint32_t first, uint32_t last)
 {
-	const uint16_t page = (uint16_t)(first >> 16 ? first >> 16 : last >> 16);
-	const bool ends = (last & 0xffff) >= (first & 0xffff) && (last >> 16 == page || last >> 16 == 0);
+	uint16_t page = (uint16_t)(first >> 16 ? first >> 16 : last >> 16);
+	bool ends = (last & 0xffff) >= (first & 0xffff) && (last >> 16 == page || last >> 16 == 0);
 	if (parser->local.delimited && parser->local.chosen)
 		return STILB_OK;
 	parser->local.chosen = true;

@@ -365,7 +365,7 @@ const input_known *input_known_find(const stilb_input_pad_info *info, const stil
 	for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
 		const input_known *row = &known[i];
 		if (row->vendor == info->vendor && (row->bus == 0 || row->bus == info->bus) && is_product(row, info->product) &&
-		    (row->reports == NULL || descriptor == NULL || has_report(descriptor, row->reports)))
+		    (!row->reports || !descriptor || has_report(descriptor, row->reports)))
 			return row;
 	}
 	return NULL;

@@ -26,17 +26,17 @@ uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size)
 /* The middle of the range is rest: of an even number of values the upper one of both, as pads do (128 of 0..255). */
 static float stick_value(int64_t value, int64_t low, int64_t high)
 {
-	const int64_t least = low < high ? low : high, most = low < high ? high : low;
-	const int64_t rest = least + (most - least + 1) / 2;
-	const int64_t inside = value < least ? least : value > most ? most : value;
-	const int64_t side = inside >= rest ? most - rest : rest - least;
-	const float away = side > 0 ? (float)((double)(inside - rest) / (double)side) : 0.0f;
+	int64_t least = low < high ? low : high, most = low < high ? high : low;
+	int64_t rest = least + (most - least + 1) / 2;
+	int64_t inside = value < least ? least : value > most ? most : value;
+	int64_t side = inside >= rest ? most - rest : rest - least;
+	float away = side > 0 ? (float)((double)(inside - rest) / (double)side) : 0.0f;
 	return low < high ? away : 0.0f - away;
 }
 
 static float trigger_value(int64_t value, int64_t low, int64_t high)
 {
-	const double pressed = low == high ? 0.0 : (double)(value - low) / (double)(high - low);
+	double pressed = low == high ? 0.0 : (double)(value - low) / (double)(high - low);
 	return (float)(pressed < 0.0 ? 0.0 : pressed > 1.0 ? 1.0 : pressed);
 }
 
@@ -52,7 +52,7 @@ static uint32_t hat_directions(int64_t value, int64_t low, int64_t high)
 	static const uint32_t directions[8] = {UP, UP | RIGHT, RIGHT, DOWN | RIGHT, DOWN, DOWN | LEFT, LEFT, UP | LEFT};
 	if (value < low || value > high)
 		return 0;
-	const int64_t steps = high - low + 1;
+	int64_t steps = high - low + 1;
 	return directions[((value - low) * 16 + steps) / (2 * steps) % 8];
 }
 
@@ -64,8 +64,8 @@ typedef struct decoded_buttons {
 static void decode_source(const stilb_input_source *source, int64_t value, stilb_input_pad_state *state,
                           decoded_buttons *buttons)
 {
-	const int64_t low = source->low, high = source->high;
-	const uint32_t every_direction =
+	int64_t low = source->low, high = source->high;
+	uint32_t every_direction =
 		1u << STILB_INPUT_UP | 1u << STILB_INPUT_DOWN | 1u << STILB_INPUT_LEFT | 1u << STILB_INPUT_RIGHT;
 	switch ((stilb_input_source_kind)source->kind) {
 	case STILB_INPUT_SOURCE_AXIS:
@@ -88,7 +88,7 @@ static bool source_value(const stilb_input_source *source, const uint8_t *report
 	uint32_t bits;
 	if (!stilb_input_bits(report, size, source->bit, source->bits, &bits))
 		return false;
-	const int64_t sign = (int64_t)1 << (source->bits - 1);
+	int64_t sign = (int64_t)1 << (source->bits - 1);
 	*value = source->is_signed ? (int64_t)(bits ^ (uint32_t)sign) - sign : (int64_t)bits;
 	return true;
 }
@@ -106,13 +106,13 @@ static const uint8_t bluetooth_input = 0xa1;
 
 static bool crc_holds(const stilb_input_layout_report *layout, const uint8_t *report, size_t size)
 {
-	const size_t at = layout->crc;
+	size_t at = layout->crc;
 	if (at == 0)
 		return true;
 	if (size < at + 4)
 		return false;
-	const uint32_t told = (uint32_t)report[at] | (uint32_t)report[at + 1] << 8 | (uint32_t)report[at + 2] << 16 |
-	                      (uint32_t)report[at + 3] << 24;
+	uint32_t told = (uint32_t)report[at] | (uint32_t)report[at + 1] << 8 | (uint32_t)report[at + 2] << 16 |
+	                (uint32_t)report[at + 3] << 24;
 	return stilb_input_crc32(stilb_input_crc32(0, &bluetooth_input, 1), report, at) == told;
 }
 
@@ -122,7 +122,7 @@ stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const u
 	if (size == 0)
 		return STILB_INPUT_CORRUPT;
 	const stilb_input_layout_report *known = find_report(layout, report[0]);
-	if (known == NULL)
+	if (!known)
 		return STILB_INPUT_OTHER;
 	if (!crc_holds(known, report, size))
 		return STILB_INPUT_CORRUPT;
@@ -193,28 +193,28 @@ static stilb_result find_by_fields(const stilb_input_pad_info *info, const stilb
                                    const input_known *row, stilb_input_layout *out)
 {
 	char found[64];
-	if (!input_layout_from_fields(descriptor, row == NULL ? NULL : row->buttons, out, found, sizeof found))
+	if (!input_layout_from_fields(descriptor, row ? row->buttons : NULL, out, found, sizeof found))
 		return refuse_fields(info, descriptor);
-	snprintf(out->recognised, sizeof out->recognised, "%sits descriptor: %s", row == NULL ? "" : "known pad, ", found);
+	snprintf(out->recognised, sizeof out->recognised, "%sits descriptor: %s", row ? "known pad, " : "", found);
 	return STILB_OK;
 }
 
 stilb_result stilb_input_layout_find(const stilb_input_pad_info *info, stilb_input_layout *out)
 {
 	stilb_input_descriptor descriptor = {0};
-	const bool has = info->descriptor_size > 0;
-	const bool readable =
+	bool has = info->descriptor_size > 0;
+	bool readable =
 		has && stilb_input_descriptor_parse(info->descriptor, info->descriptor_size, &descriptor) == STILB_OK;
 	const input_known *row = input_known_find(info, readable ? &descriptor : NULL);
-	*out = (stilb_input_layout){.known = row != NULL};
-	if (row == NULL)
+	*out = (stilb_input_layout){.known = row};
+	if (!row)
 		snprintf(out->name, sizeof out->name, "%.50s%s", name_or(info, "gamepad"), bus_text(info->bus));
 	else
 		snprintf(out->name, sizeof out->name, "%s%s", row->name, bus_text(info->bus));
-	if (row != NULL && row->reports != NULL) {
+	if (row && row->reports) {
 		copy_reports(row->reports, out);
 		out->rumble = row->rumble;
-		if (row->hello != NULL)
+		if (row->hello)
 			copy_hello(row->hello, out);
 		snprintf(out->recognised, sizeof out->recognised, "known pad %04x:%04x", info->vendor, info->product);
 		return STILB_OK;

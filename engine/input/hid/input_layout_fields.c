@@ -93,7 +93,7 @@ static element find(const stilb_input_descriptor *descriptor, const stilb_input_
 {
 	for (uint32_t i = 0; i < descriptor->field_count; i++) {
 		const stilb_input_field *f = &descriptor->fields[i];
-		if (is_readable(f) && !is_array(f) && (report == NULL || f->report_id == report->id) && usage >= f->usage &&
+		if (is_readable(f) && !is_array(f) && (!report || f->report_id == report->id) && usage >= f->usage &&
 		    usage <= last_usage(f))
 			return (element){f, usage - f->usage};
 	}
@@ -107,8 +107,8 @@ static const stilb_input_report *find_main_report(const stilb_input_descriptor *
 		const stilb_input_report *r = &descriptor->reports[i];
 		if (r->kind != STILB_INPUT_FIELD_INPUT)
 			continue;
-		const element x = find(descriptor, r, USAGE_X), y = find(descriptor, r, USAGE_Y);
-		if (x.field != NULL && y.field != NULL && is_pad(x.field))
+		element x = find(descriptor, r, USAGE_X), y = find(descriptor, r, USAGE_Y);
+		if (x.field && y.field && is_pad(x.field))
 			return r;
 	}
 	return NULL;
@@ -145,7 +145,7 @@ static stilb_input_layout_report *layout_report(builder *b, uint8_t id)
 static void add(builder *b, element e, stilb_input_source_kind kind, uint32_t target, int64_t low, int64_t high)
 {
 	stilb_input_layout_report *report = layout_report(b, e.field->report_id);
-	if (report == NULL || report->source_count == STILB_INPUT_SOURCES_MAX)
+	if (!report || report->source_count == STILB_INPUT_SOURCES_MAX)
 		return;
 	report->sources[report->source_count++] = (stilb_input_source){
 		.kind = (uint8_t)kind,
@@ -166,8 +166,8 @@ static void add(builder *b, element e, stilb_input_source_kind kind, uint32_t ta
 
 static void add_axis(builder *b, element e, stilb_input_axis axis)
 {
-	const bool down_is_more = axis == STILB_INPUT_LEFT_Y || axis == STILB_INPUT_RIGHT_Y;
-	if (e.field != NULL && !(b->axes >> axis & 1))
+	bool down_is_more = axis == STILB_INPUT_LEFT_Y || axis == STILB_INPUT_RIGHT_Y;
+	if (e.field && !(b->axes >> axis & 1))
 		add(b, e, STILB_INPUT_SOURCE_AXIS, axis, down_is_more ? e.field->logical_max : e.field->logical_min,
 		    down_is_more ? e.field->logical_min : e.field->logical_max);
 }
@@ -177,8 +177,8 @@ static void add_axis(builder *b, element e, stilb_input_axis axis)
 static void add_button(builder *b, element e, uint32_t target)
 {
 	const stilb_input_field *f = e.field;
-	const bool is_bit = f->size == 1;
-	const int64_t low = is_bit ? 0 : f->logical_min, high = is_bit ? 1 : f->logical_max;
+	bool is_bit = f->size == 1;
+	int64_t low = is_bit ? 0 : f->logical_min, high = is_bit ? 1 : f->logical_max;
 	if (target < STILB_INPUT_BUTTON_COUNT)
 		add(b, e, STILB_INPUT_SOURCE_BUTTON, target, low + (high - low + 1) / 2, high);
 	else if (target == INPUT_BUTTON_LEFT_TRIGGER && !(b->axes >> STILB_INPUT_LEFT_TRIGGER & 1))
@@ -191,8 +191,8 @@ static void add_button(builder *b, element e, uint32_t target)
 
 static bool same_range(element a, element b)
 {
-	return a.field != NULL && b.field != NULL && a.field->size == b.field->size &&
-	       a.field->logical_min == b.field->logical_min && a.field->logical_max == b.field->logical_max;
+	return a.field && b.field && a.field->size == b.field->size && a.field->logical_min == b.field->logical_min &&
+	       a.field->logical_max == b.field->logical_max;
 }
 
 /* Two axes that their descriptor puts together, apart from the left stick's. */
@@ -216,10 +216,10 @@ static bool add_trigger_pair(builder *b, element left, element right)
 static void add_axes(builder *b)
 {
 	const stilb_input_descriptor *d = b->descriptor;
-	const element x = find(d, b->main, USAGE_X), y = find(d, b->main, USAGE_Y), z = find(d, b->main, USAGE_Z),
-				  rx = find(d, b->main, USAGE_RX), ry = find(d, b->main, USAGE_RY), rz = find(d, b->main, USAGE_RZ);
-	const bool z_stick = same_range(z, x) && same_range(rz, x), r_stick = same_range(rx, x) && same_range(ry, x);
-	const bool r_is_right = r_stick && (!z_stick || (is_grouped(rx, ry, x) && !is_grouped(z, rz, x)));
+	element x = find(d, b->main, USAGE_X), y = find(d, b->main, USAGE_Y), z = find(d, b->main, USAGE_Z),
+			rx = find(d, b->main, USAGE_RX), ry = find(d, b->main, USAGE_RY), rz = find(d, b->main, USAGE_RZ);
+	bool z_stick = same_range(z, x) && same_range(rz, x), r_stick = same_range(rx, x) && same_range(ry, x);
+	bool r_is_right = r_stick && (!z_stick || (is_grouped(rx, ry, x) && !is_grouped(z, rz, x)));
 	add_axis(b, x, STILB_INPUT_LEFT_X);
 	add_axis(b, y, STILB_INPUT_LEFT_Y);
 	if (r_is_right || z_stick) {
@@ -243,11 +243,11 @@ static void add_axes(builder *b)
  * nothing. */
 static void add_hat(builder *b)
 {
-	const element hat = find(b->descriptor, b->main, USAGE_HAT);
-	if (hat.field == NULL)
+	element hat = find(b->descriptor, b->main, USAGE_HAT);
+	if (!hat.field)
 		return;
-	const int64_t first = hat.field->logical_min, values = hat.field->logical_max - first + 1;
-	const bool has_more = values == 9 || values == 16;
+	int64_t first = hat.field->logical_min, values = hat.field->logical_max - first + 1;
+	bool has_more = values == 9 || values == 16;
 	add(b, hat, STILB_INPUT_SOURCE_HAT, STILB_INPUT_UP, first, has_more ? first + 7 : hat.field->logical_max);
 }
 
@@ -266,8 +266,8 @@ static void add_named_buttons(builder *b)
 		{USAGE_CONSUMER_BACK, STILB_INPUT_BACK, true}, {USAGE_CONSUMER_RECORD, STILB_INPUT_EXTRA, true},
 	};
 	for (size_t i = 0; i < sizeof named / sizeof *named; i++) {
-		const element e = find(b->descriptor, named[i].anywhere ? NULL : b->main, named[i].usage);
-		if (e.field != NULL)
+		element e = find(b->descriptor, named[i].anywhere ? NULL : b->main, named[i].usage);
+		if (e.field)
 			add_button(b, e, named[i].button);
 	}
 }
@@ -302,7 +302,7 @@ static uint32_t count_numbered(const builder *b)
 /* Each element of an array may name any of its buttons. */
 static void add_array_button(builder *b, const stilb_input_field *f, uint32_t nth, uint32_t target)
 {
-	const int64_t value = f->logical_min + nth;
+	int64_t value = f->logical_min + nth;
 	if (target >= STILB_INPUT_BUTTON_COUNT)
 		return;
 	for (uint32_t i = 0; i < f->count && i < STILB_INPUT_SOURCES_MAX; i++)
@@ -315,9 +315,9 @@ static void add_numbered_buttons(builder *b, const input_button_order *order)
 		const stilb_input_field *f = &b->descriptor->fields[i];
 		if (!is_numbered(b, f))
 			continue;
-		const uint32_t first = first_number(f), last = last_number(f);
+		uint32_t first = first_number(f), last = last_number(f);
 		for (uint32_t number = first > 0 ? first : 1; number <= last && number <= order->count; number++) {
-			const uint32_t target = order->targets[number - 1];
+			uint32_t target = order->targets[number - 1];
 			if (is_array(f))
 				add_array_button(b, f, number - first, target);
 			else
@@ -330,7 +330,7 @@ static void add_numbered_buttons(builder *b, const input_button_order *order)
  * did if they count no further. */
 static const input_button_order *likely_order(const builder *b)
 {
-	const bool has_brake = find(b->descriptor, b->main, USAGE_BRAKE).field != NULL;
+	bool has_brake = find(b->descriptor, b->main, USAGE_BRAKE).field;
 	if (b->numbered > 12 && has_brake)
 		return &android_order;
 	if (b->numbered <= 12 && (b->z_is_trigger || has_brake))
@@ -354,7 +354,7 @@ static bool has_xbox_rumble(const stilb_input_descriptor *descriptor)
 
 static void describe(const builder *b, const input_button_order *order, char *text, size_t size)
 {
-	const bool right = b->axes >> STILB_INPUT_RIGHT_Y & 1, triggers = b->axes >> STILB_INPUT_LEFT_TRIGGER & 1;
+	bool right = b->axes >> STILB_INPUT_RIGHT_Y & 1, triggers = b->axes >> STILB_INPUT_LEFT_TRIGGER & 1;
 	snprintf(text, size, "%s%s, %d buttons %s", right ? "two sticks" : "one stick", triggers ? ", triggers" : "",
 	         __builtin_popcount(b->buttons), order->words);
 }
@@ -364,13 +364,13 @@ bool input_layout_from_fields(const stilb_input_descriptor *descriptor, const in
 {
 	builder b = {.descriptor = descriptor, .main = find_main_report(descriptor), .out = out};
 	out->report_count = 0;
-	if (b.main == NULL)
+	if (!b.main)
 		return false;
 	b.numbered = count_numbered(&b);
 	if (b.numbered == 0)
 		return false;
 	add_axes(&b);
-	if (order == NULL)
+	if (!order)
 		order = likely_order(&b);
 	add_hat(&b);
 	add_named_buttons(&b);

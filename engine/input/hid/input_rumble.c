@@ -13,8 +13,8 @@ static uint8_t scaled(float strength, float most)
 /* Over Bluetooth the last four bytes are a CRC-32 of the header 0xa2 (HID data, output) and all before them. */
 static size_t with_crc(uint8_t *report, size_t size)
 {
-	const uint8_t bluetooth_output = 0xa2;
-	const uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, &bluetooth_output, 1), report, size - 4);
+	uint8_t bluetooth_output = 0xa2;
+	uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, &bluetooth_output, 1), report, size - 4);
 	for (size_t i = 0; i < 4; i++)
 		report[size - 4 + i] = (uint8_t)(crc >> 8 * i);
 	return size;
@@ -50,19 +50,19 @@ static void xbox_motors(uint8_t *report, float heavy, float light)
 /* The step, of 0..100, whose amplitude is next to `strength`: the table of hid-nintendo in closed form. */
 static uint32_t switch_amplitude(float strength)
 {
-	const float amplitude = fminf(fmaxf(strength, 0.0f), 1.0f);
+	float amplitude = fminf(fmaxf(strength, 0.0f), 1.0f);
 	if (amplitude < 0.01f)
 		return 0;
-	const float step = amplitude < 0.117f  ? 4.0f * log2f(amplitude / 0.01f) + 1.0f
-	                   : amplitude < 0.23f ? 16.0f * log2f(17.0f * amplitude)
-	                                       : 32.0f * log2f(8.7f * amplitude);
+	float step = amplitude < 0.117f  ? 4.0f * log2f(amplitude / 0.01f) + 1.0f
+	             : amplitude < 0.23f ? 16.0f * log2f(17.0f * amplitude)
+	                                 : 32.0f * log2f(8.7f * amplitude);
 	return (uint32_t)(fminf(step, 100.0f) + 0.5f);
 }
 
 /* One side: 320 Hz and 160 Hz, at which it stands still as 00 01 40 40, with the same amplitude. */
 static void switch_motor(uint8_t at[4], float strength)
 {
-	const uint32_t step = switch_amplitude(strength);
+	uint32_t step = switch_amplitude(strength);
 	at[0] = 0x00;
 	at[1] = (uint8_t)(0x01 + 2 * step);
 	at[2] = (uint8_t)(0x40 + (step & 1) * 0x80);
