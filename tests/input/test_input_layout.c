@@ -520,6 +520,18 @@ static void test_two_pads_in_one(void **user)
 	          BUTTONS(2), SIZE(6, 1), PADDING, END);
 }
 
+#define ONE_AXIS(usage) PAGE(1), USAGE(usage), LOGICAL(0, 255), SIZE(8, 1), VARIABLE
+
+/* A report with X or Y alone (a wheel, a pedal) is no stick: the pad is in the report that has both. */
+static void test_half_a_stick(void **user)
+{
+	(void)user;
+	LAYOUT_IS("3:4 left_x@8+8[0,255] left_y@16+8[255,0] west@24+1 south@25+1", GAME_PAD, ID(1), ONE_AXIS(0x30),
+	          BUTTONS(8), ID(2), ONE_AXIS(0x31), BUTTONS(8), ID(3), X_AND_Y, BUTTONS(2), SIZE(6, 1), PADDING, END);
+	REFUSED("no stick with buttons", GAME_PAD, ONE_AXIS(0x30), BUTTONS(8), END);
+	REFUSED("no stick with buttons", GAME_PAD, ONE_AXIS(0x31), BUTTONS(8), END);
+}
+
 /* More than a layout holds: what comes first stays. */
 static void test_too_many_sources(void **user)
 {
@@ -681,6 +693,7 @@ int main(void)
 		cmocka_unit_test(test_orders),
 		cmocka_unit_test(test_odd_buttons),
 		cmocka_unit_test(test_two_pads_in_one),
+		cmocka_unit_test(test_half_a_stick),
 		cmocka_unit_test(test_too_many_sources),
 		cmocka_unit_test(test_xbox_rumble),
 		cmocka_unit_test(test_every_descriptor),
