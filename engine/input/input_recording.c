@@ -291,21 +291,15 @@ static stilb_result reader_descriptor(recording_reader *reader, const char *at)
 	return result;
 }
 
-static stilb_result reader_name(recording_reader *reader, const char *at)
+/* N: and P:, the pad's name and path. */
+static stilb_result reader_name_or_path(recording_reader *reader, const char *at)
 {
 	recording_pad *pad;
+	bool is_name = reader->text[0] == 'N';
 	stilb_result result = reader_describe_pad(reader, &pad);
 	if (result == STILB_OK)
-		input_text_copy(pad->info.name, sizeof pad->info.name, at, strlen(at));
-	return result;
-}
-
-static stilb_result reader_path(recording_reader *reader, const char *at)
-{
-	recording_pad *pad;
-	stilb_result result = reader_describe_pad(reader, &pad);
-	if (result == STILB_OK)
-		input_text_copy(pad->info.path, sizeof pad->info.path, at, strlen(at));
+		input_text_copy(is_name ? pad->info.name : pad->info.path,
+		                is_name ? sizeof pad->info.name : sizeof pad->info.path, at, strlen(at));
 	return result;
 }
 
@@ -380,8 +374,8 @@ static stilb_result reader_take_line(recording_reader *reader)
 		const char *begin;
 		stilb_result (*take)(recording_reader *reader, const char *at);
 	} kinds[] = {
-		{"E:", reader_report}, {"D:", reader_device},   {"R:", reader_descriptor}, {"N:", reader_name},
-		{"P:", reader_path},   {"I:", reader_identity}, {"#", reader_remark},
+		{"E:", reader_report},       {"D:", reader_device},   {"R:", reader_descriptor}, {"N:", reader_name_or_path},
+		{"P:", reader_name_or_path}, {"I:", reader_identity}, {"#", reader_remark},
 	};
 	const char *text = reader->text;
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
@@ -477,17 +471,7 @@ bool stilb_input_recording_next(stilb_input_recording *recording, int64_t until_
 	return true;
 }
 
-void stilb_input_recording_rewind(stilb_input_recording *recording)
-{
-	recording->next = 0;
-}
-
 int64_t stilb_input_recording_end_us(const stilb_input_recording *recording)
 {
 	return recording->event_count ? recording->events[recording->event_count - 1].time_us : 0;
-}
-
-uint64_t stilb_input_recording_reports(const stilb_input_recording *recording)
-{
-	return recording->reports;
 }

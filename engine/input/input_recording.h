@@ -44,11 +44,7 @@ void stilb_input_recording_free(stilb_input_recording *recording);
 /* The next event until `until_us`, the recording's time; false: none. */
 bool stilb_input_recording_next(stilb_input_recording *recording, int64_t until_us, stilb_input_event *event);
 
-/* From the start again. */
-void stilb_input_recording_rewind(stilb_input_recording *recording);
-
-/* Time of its last event, and how many reports there are. */
+/* Time of its last event. */
 int64_t stilb_input_recording_end_us(const stilb_input_recording *recording);
-uint64_t stilb_input_recording_reports(const stilb_input_recording *recording);
 
 #endif

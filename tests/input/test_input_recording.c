@@ -174,7 +174,6 @@ static void test_round_trip(void **state)
 	assert_int_equal(stilb_input_recorder_create("a.rec", &recorder), STILB_OK);
 	static const uint32_t pads[] = {2, 3, 900000}; /* those that are recorded */
 	bool there[3] = {false};
-	uint64_t reports = 0;
 	for (size_t i = 0; i < count; i++) {
 		const stilb_input_event *event = &made[i].event;
 		record(recorder, &made[i]);
@@ -185,26 +184,23 @@ static void test_round_trip(void **state)
 			kept[i] = there[k] || event->kind == STILB_INPUT_PAD_ADDED;
 			there[k] = kept[i] && event->kind != STILB_INPUT_PAD_REMOVED;
 		}
-		reports += kept[i] && event->kind == STILB_INPUT_PAD_REPORT;
 	}
 	assert_int_equal(stilb_input_recorder_close(recorder), STILB_OK);
+	stilb_input_event read;
 	stilb_input_recording *recording = load("a.rec");
-	assert_int_equal(stilb_input_recording_reports(recording), reports);
 	assert_int_equal(stilb_input_recording_end_us(recording), 3599999999);
-	for (int round = 0; round < 2; round++) {
-		stilb_input_event event;
-		for (size_t i = 0; i < count; i++) {
-			if (!kept[i])
-				continue;
-			assert_true(stilb_input_recording_next(recording, INT64_MAX, &event));
-			assert_same_event(&event, &made[i], MADE_START);
-		}
-		assert_false(stilb_input_recording_next(recording, INT64_MAX, &event));
-		stilb_input_recording_rewind(recording);
+	for (size_t i = 0; i < count; i++) {
+		if (!kept[i])
+			continue;
+		assert_true(stilb_input_recording_next(recording, INT64_MAX, &read));
+		assert_same_event(&read, &made[i], MADE_START);
 	}
-	record_again(recording, "b.rec");
-	assert_same_files("a.rec", "b.rec");
+	assert_false(stilb_input_recording_next(recording, INT64_MAX, &read));
 	stilb_input_recording_free(recording);
+	recording = load("a.rec");
+	record_again(recording, "b.rec");
+	stilb_input_recording_free(recording);
+	assert_same_files("a.rec", "b.rec");
 	assert_int_equal(folder_clear(), 2);
 }
 
@@ -501,7 +497,6 @@ static void test_disorder(void **state)
 	stilb_input_event event;
 	write_text("a.rec", text, sizeof text - 1);
 	stilb_input_recording *recording = load("a.rec");
-	assert_int_equal(stilb_input_recording_reports(recording), 3);
 	assert_int_equal(stilb_input_recording_end_us(recording), 0);
 	for (int i = 0; i < 5; i++)
 		assert_true(stilb_input_recording_next(recording, 0, &event));
@@ -537,8 +532,9 @@ static void test_limits(void **state)
 	assert_true(stilb_input_recording_next(recording, 0, &event));
 	assert_int_equal(event.size, sizeof large);
 	assert_memory_equal(event.bytes, large, sizeof large);
-	stilb_input_recording_rewind(recording);
+	stilb_input_recording_free(recording);
 
+	recording = load("a.rec");
 	assert_int_equal(stilb_input_recorder_create("b.rec", &recorder), STILB_OK);
 	while (stilb_input_recording_next(recording, 0, &event))
 		assert_int_equal(stilb_input_recorder_add(recorder, &event), STILB_OK);
@@ -632,8 +628,8 @@ static size_t walk(stilb_input_recording *recording)
 	stilb_input_event event;
 	for (; stilb_input_recording_next(recording, INT64_MAX, &event); count++) {
 		assert_true(event.time_us >= last_us);
-		assert_int_equal(event.info != NULL, event.kind == STILB_INPUT_PAD_ADDED);
-		assert_int_equal(event.bytes != NULL, event.kind == STILB_INPUT_PAD_REPORT);
+		assert_true(event.kind == STILB_INPUT_PAD_ADDED ? event.info && true : !event.info);
+		assert_true(event.kind == STILB_INPUT_PAD_REPORT ? event.bytes && true : !event.bytes);
 		assert_true(event.pad > 0);
 		if (event.info)
 			assert_in_range(event.info->descriptor_size, 1, STILB_INPUT_DESCRIPTOR_MAX);
@@ -643,8 +639,7 @@ static size_t walk(stilb_input_recording *recording)
 		last_us = event.time_us;
 	}
 	assert_int_equal(stilb_input_recording_end_us(recording), last_us);
-	assert_int_equal(stilb_input_recording_reports(recording), reports);
-	stilb_input_recording_rewind(recording);
+	assert_true(reports > 0);
 	return count;
 }
 
@@ -681,6 +676,9 @@ static void test_damaged(void **state)
 			taken++;
 			size_t events = walk(recording);
 			if (taken % 32 == 0) { /* takes time: it is synced to the disk */
+				stilb_input_recording_free(recording);
+				rewind(stream);
+				assert_int_equal(input_recording_read(stream, "damaged", &recording), STILB_OK);
 				record_again(recording, "a.rec");
 				stilb_input_recording_free(recording);
 				recording = load("a.rec");

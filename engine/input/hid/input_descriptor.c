@@ -445,15 +445,3 @@ bool stilb_input_bits(const uint8_t *report, size_t size, uint32_t bit, uint32_t
 	*value = (uint32_t)(word >> bit % 8 & (UINT64_MAX >> (64 - bits)));
 	return true;
 }
-
-bool stilb_input_field_value(const stilb_input_field *field, uint32_t i, const uint8_t *report, size_t size,
-                             int64_t *value)
-{
-	uint32_t bits;
-	if (i >= field->count || !stilb_input_bits(report, size, field->bit + i * field->size, field->size, &bits))
-		return false;
-	*value = bits;
-	if (field->logical_min < 0 && bits >> (field->size - 1))
-		*value -= (int64_t)1 << field->size;
-	return true;
-}

@@ -62,12 +62,9 @@ typedef struct stilb_input_descriptor {
  * larger than STILB_INPUT_REPORT_MAX bytes, more fields or reports than fit, id 0, ... *out then has no fields. */
 stilb_result stilb_input_descriptor_parse(const uint8_t *bytes, size_t size, stilb_input_descriptor *out);
 
-/* The value of element i of the field in a report; sign-extended where logical_min is negative. False: the report is
- * too short for it, or i or the size is out of range. */
-bool stilb_input_field_value(const stilb_input_field *field, uint32_t i, const uint8_t *report, size_t size,
-                             int64_t *value);
-
-/* The same for bits anywhere: 1..32 of them from `bit` on, least first. False where they are not within size bytes. */
+/* The value of 1..32 bits of a report from `bit` on, the least significant first: element i of a field is the field's
+ * size bits from field.bit + i * field.size on, to be sign-extended where its logical_min is negative. False: there
+ * are no such bits in size bytes, or it is a number of bits other than 1..32; *value is then unchanged. */
 bool stilb_input_bits(const uint8_t *report, size_t size, uint32_t bit, uint32_t bits, uint32_t *value);
 
 /* "Generic Desktop / X", "Button / 3", "0xff00 / 0x20"; into text, always terminated. Returns text. */
