@@ -162,6 +162,18 @@ test_circles() {
 	expect_good circles.sh "$lib" listed.txt
 }
 
+test_links() {
+	local tree=$scratch/links
+	rm -rf "$tree" && mkdir -p "$tree/docs"
+	printf '# A title\n[good](docs/b.md) [too](docs/b.md#two-words-2) [far](https://example.org)\n```\n[code](gone.md)\n```\n' >"$tree/a.md"
+	printf '# Two words: 2\n[back](../a.md#a-title)\n' >"$tree/docs/b.md"
+	expect_good links.sh "$tree"
+	echo '[lost](gone.md)' >>"$tree/docs/b.md"
+	expect 'docs/b.md:3: there is no gone.md' links.sh "$tree"
+	printf '# Two words: 2\n[back](../a.md#title)\n' >"$tree/docs/b.md"
+	expect 'docs/b.md:2: docs/../a.md has no heading #title' links.sh "$tree"
+}
+
 test_symbols() {
 	library jobs 'int stilb_job_a; int job_b; static int help = 1; int *stilb_job_c(void) { return &help; }'
 	expect_good symbols.sh "$scratch/lib"
@@ -185,5 +197,6 @@ test_layers
 test_shape
 test_symbols
 test_circles
+test_links
 [ $failures -eq 0 ] || { echo "$failures planted violations went wrong"; exit 1; }
 echo "every planted violation was reported"
