@@ -48,16 +48,16 @@ void furnace_world_close(furnace_world *world)
 /* Where a path is, and what a further bounce is worth to the camera. */
 typedef struct walk {
 	const stilb_gi_scene *gi;
-	RTCRayHit ray;
+	gi_ray_hit ray;
 	gi_surface surface;
 	double throughput;
 } walk;
 
 static void walk_trace(walk *w, stilb_vec3 origin, stilb_vec3 direction)
 {
-	w->ray = gi_rayhit_make(origin, direction);
+	w->ray = gi_ray_hit_make(origin, direction);
 	w->gi->tracer.intersect(&w->gi->tracer, &w->ray);
-	if (!gi_hit(&w->ray))
+	if (!gi_is_hit(&w->ray))
 		bench_child_fail("a ray left the ball");
 	gi_surface_at(w->gi, &w->ray, &w->surface);
 }
@@ -72,12 +72,12 @@ static walk walk_begin(const furnace_world *world)
 static void walk_bounce(walk *w, const float numbers[3])
 {
 	const shade_brdf_model lambert = {.kind = SHADE_BRDF_LAMBERT};
-	gi_bsdf bsdf = gi_bsdf_make(&lambert, &w->surface, -gi_ray_dir(&w->ray.ray));
+	gi_bsdf bsdf = gi_bsdf_make(&lambert, &w->surface, -gi_ray_direction(&w->ray.ray));
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(&bsdf, 0.0f, (stilb_vec2){numbers[0], numbers[1]}, &chosen))
 		bench_child_fail("a direction points into the ball's wall");
 	w->throughput *= (double)chosen.weight[0];
-	walk_trace(w, gi_ray_origin(&w->surface, chosen.direction), chosen.direction);
+	walk_trace(w, gi_surface_ray_origin(&w->surface, chosen.direction), chosen.direction);
 }
 
 /* ---- cut after n bounces ----------------------------------------------------------------------------------------- */

@@ -94,8 +94,8 @@ void gi_run_build(const bench_child *child)
 /* Rays in the order in which they were traced. */
 typedef struct tape {
 	gi_tracer behind; /* what answers */
-	RTCRayHit *closest;
-	RTCRay *shadow;
+	gi_ray_hit *closest;
+	gi_ray *shadow;
 	size_t closest_count, closest_room, shadow_count, shadow_room;
 } tape;
 
@@ -108,51 +108,33 @@ static void *grown(void *array, size_t *room, size_t size)
 	return array;
 }
 
-static void record_closest(tape *t, const RTCRayHit *ray)
+static void record_closest(tape *t, const gi_ray_hit *ray)
 {
 	if (t->closest_count == t->closest_room)
 		t->closest = grown(t->closest, &t->closest_room, sizeof *t->closest);
 	t->closest[t->closest_count++] = *ray;
 }
 
-static void tape_intersect(const gi_tracer *tracer, RTCRayHit *ray)
+static void tape_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	tape *t = tracer->state;
 	record_closest(t, ray);
 	t->behind.intersect(&t->behind, ray);
 }
 
-/* Before it is traced. */
-static RTCRayHit lane_of(const RTCRayHit16 *rays, uint32_t i)
-{
-	const struct RTCRay16 *r = &rays->ray;
-	return (RTCRayHit){.ray = {.org_x = r->org_x[i],
-	                           .org_y = r->org_y[i],
-	                           .org_z = r->org_z[i],
-	                           .tnear = r->tnear[i],
-	                           .dir_x = r->dir_x[i],
-	                           .dir_y = r->dir_y[i],
-	                           .dir_z = r->dir_z[i],
-	                           .time = r->time[i],
-	                           .tfar = r->tfar[i],
-	                           .mask = r->mask[i],
-	                           .id = r->id[i],
-	                           .flags = r->flags[i]},
-	                   .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
-}
-
-static void tape_intersect16(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays)
+static void tape_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
 {
 	tape *t = tracer->state;
 	for (uint32_t i = 0; i < 16; i++)
 		if (valid[i]) {
-			RTCRayHit ray = lane_of(rays, i);
+			gi_ray_hit ray = gi_ray_of(rays, i);
+			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* not traced yet */
 			record_closest(t, &ray);
 		}
 	t->behind.intersect16(&t->behind, valid, rays);
 }
 
-static void tape_occluded(const gi_tracer *tracer, RTCRay *rays, uint32_t count)
+static void tape_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 {
 	tape *t = tracer->state;
 	for (uint32_t i = 0; i < count; i++) {
@@ -179,34 +161,34 @@ static tape record(gi_run_world *world, const stilb_gi_settings *settings)
 static void raw_closest(RTCScene scene, const tape *t)
 {
 	for (size_t i = 0; i < t->closest_count; i++) {
-		RTCRayHit ray = t->closest[i];
+		gi_ray_hit ray = t->closest[i];
 		struct RTCIntersectContext context;
 		rtcInitIntersectContext(&context);
-		rtcIntersect1(scene, &context, &ray);
+		rtcIntersect1(scene, &context, gi_embree_ray_hit(&ray));
 	}
 }
 
 static void raw_shadow(RTCScene scene, const tape *t)
 {
 	for (size_t i = 0; i < t->shadow_count; i++) {
-		RTCRay ray = t->shadow[i];
+		gi_ray ray = t->shadow[i];
 		struct RTCIntersectContext context;
 		rtcInitIntersectContext(&context);
-		rtcOccluded1(scene, &context, &ray);
+		rtcOccluded1(scene, &context, gi_embree_ray(&ray));
 	}
 }
 
 /* Sixteen after sixteen, as they were traced. */
-static void raw_packets(RTCScene scene, const RTCRayHit16 *packets, size_t count)
+static void raw_packets(RTCScene scene, const gi_ray_hit16 *packets, size_t count)
 {
 	static const int valid[16]
 		__attribute__((aligned(64))) = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
 	for (size_t i = 0; i < count; i++) {
-		RTCRayHit16 rays = packets[i];
+		gi_ray_hit16 rays = packets[i];
 		struct RTCIntersectContext context;
 		rtcInitIntersectContext(&context);
 		context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-		rtcIntersect16(valid, scene, &context, &rays);
+		rtcIntersect16(valid, scene, &context, gi_embree_ray_hit16(&rays));
 	}
 }
 
@@ -255,20 +237,22 @@ static double primary_pass(const gi_view *view, const gi_camera *camera, const s
 }
 
 /* Sixteen rays side by side. */
-static RTCRayHit16 *packets_of(const tape *t)
+static gi_ray_hit16 *packets_of(const tape *t)
 {
-	RTCRayHit16 *packets = stilb_memory_alloc(t->closest_count / 16, sizeof *packets);
+	gi_ray_hit16 *packets = stilb_memory_alloc(t->closest_count / 16, sizeof *packets);
 	if (!packets)
 		bench_child_fail("no memory for the rays");
 	for (size_t i = 0; i < t->closest_count / 16 * 16; i++) {
-		const RTCRay *from = &t->closest[i].ray;
-		struct RTCRay16 *to = &packets[i / 16].ray;
+		const gi_ray *from = &t->closest[i].ray;
+		gi_ray16 *to = &packets[i / 16].ray;
 		const size_t lane = i % 16;
-		to->org_x[lane] = from->org_x, to->org_y[lane] = from->org_y, to->org_z[lane] = from->org_z;
-		to->dir_x[lane] = from->dir_x, to->dir_y[lane] = from->dir_y, to->dir_z[lane] = from->dir_z;
-		to->tnear[lane] = from->tnear, to->tfar[lane] = from->tfar, to->time[lane] = from->time;
+		for (int axis = 0; axis < 3; axis++) {
+			to->origin[axis][lane] = from->origin[axis];
+			to->direction[axis][lane] = from->direction[axis];
+		}
+		to->t_min[lane] = from->t_min, to->t_max[lane] = from->t_max, to->time[lane] = from->time;
 		to->mask[lane] = from->mask, to->id[lane] = from->id, to->flags[lane] = from->flags;
-		packets[i / 16].hit.geomID[lane] = packets[i / 16].hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+		packets[i / 16].hit.part[lane] = packets[i / 16].hit.instance[lane] = GI_NO_PART;
 	}
 	return packets;
 }
@@ -291,7 +275,7 @@ void gi_run_primary(const bench_child *child)
 	world.gi->tracer = t.behind;
 	if (t.closest_count != SIDE * SIDE)
 		bench_child_fail("%zu camera rays of %u", t.closest_count, SIDE * SIDE);
-	RTCRayHit16 *packets = packets_of(&t);
+	gi_ray_hit16 *packets = packets_of(&t);
 
 	RTCScene scene = gi_embree_scene(world.gi);
 	double own = (double)INFINITY, raw = (double)INFINITY, spent = 0.0;

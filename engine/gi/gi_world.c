@@ -163,19 +163,19 @@ static stilb_vec3 world_inside(const gi_part *part, const stilb_vec4 first[3], f
 	return corner[0] + (e1 * (share[1] / sum) + e2 * (share[2] / sum));
 }
 
-void gi_surface_at(const stilb_gi_scene *scene, const RTCRayHit *ray, gi_surface *surface)
+void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface)
 {
-	const gi_part *part = &scene->parts[ray->hit.geomID];
-	world_corners corners = world_corners_of(part, ray->hit.primID);
+	const gi_part *part = &scene->parts[ray->hit.part];
+	world_corners corners = world_corners_of(part, ray->hit.triangle);
 	float u = ray->hit.u, v = ray->hit.v;
 	const stilb_vec4 *a = corners.first, *b = corners.second;
 	stilb_vec4 first = a[0] + ((a[1] - a[0]) * u + (a[2] - a[0]) * v);
 	stilb_vec4 second = b[0] + ((b[1] - b[0]) * u + (b[2] - b[0]) * v);
-	stilb_vec3 from_viewer = stilb_vec3_make(ray->ray.dir_x, ray->ray.dir_y, ray->ray.dir_z);
-	stilb_vec3 geometric = world_unit(stilb_vec3_make(ray->hit.Ng_x, ray->hit.Ng_y, ray->hit.Ng_z));
+	stilb_vec3 from_viewer = stilb_vec3_make(ray->ray.direction[0], ray->ray.direction[1], ray->ray.direction[2]);
+	stilb_vec3 geometric = world_unit(stilb_vec3_make(ray->hit.normal[0], ray->hit.normal[1], ray->hit.normal[2]));
 	stilb_vec3 normal = stilb_vec3_make(first[3], second[0], second[1]);
 	surface->position = first;
-	surface->error = part->triangles[ray->hit.primID].error;
+	surface->error = part->triangles[ray->hit.triangle].error;
 	if (part->instance) {
 		surface->position = world_transform(&part->to_world, first);
 		surface->error = surface->error * part->stretch + world_transform_error(part, surface->position);
@@ -188,12 +188,12 @@ void gi_surface_at(const stilb_gi_scene *scene, const RTCRayHit *ray, gi_surface
 	surface->geometric = surface->front ? geometric : -geometric;
 	surface->normal = world_shading_normal(normal, surface->geometric, -from_viewer);
 	surface->uv = (stilb_vec2){second[2], second[3]};
-	surface->part = ray->hit.geomID;
-	surface->triangle = ray->hit.primID;
+	surface->part = ray->hit.part;
+	surface->triangle = ray->hit.triangle;
 	world_material(scene, part, surface);
 }
 
-stilb_vec3 gi_ray_origin(const gi_surface *surface, stilb_vec3 direction)
+stilb_vec3 gi_surface_ray_origin(const gi_surface *surface, stilb_vec3 direction)
 {
 	float side = stilb_vec3_dot(surface->geometric, direction) < 0.0f ? -1.0f : 1.0f;
 	return surface->position + surface->geometric * (side * surface->error);

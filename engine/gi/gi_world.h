@@ -78,12 +78,12 @@ typedef struct gi_surface {
 #define GI_NORMAL_NONE 1e-12f  /* square of an interpolated normal: below this the triangle's own counts */
 #define GI_NORMAL_LOWEST 1e-3f /* cosine of the shading normal to the viewer, at least */
 
-/* gi_hit(ray) holds. */
-void gi_surface_at(const stilb_gi_scene *scene, const RTCRayHit *ray, gi_surface *surface);
+/* gi_is_hit(ray) holds. */
+void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface);
 
 /* Where a ray into direction starts, so that it neither meets this triangle again nor passes through another: position
- * moved along geometric, to the side of direction, by the error and no more. With it every ray has tnear = 0. */
-stilb_vec3 gi_ray_origin(const gi_surface *surface, stilb_vec3 direction);
+ * moved along geometric, to the side of direction, by the error and no more. With it every ray has t_min = 0. */
+stilb_vec3 gi_surface_ray_origin(const gi_surface *surface, stilb_vec3 direction);
 
 /* gi_triangle.error. */
 float gi_triangle_shape_error(const float v0[3], const float v1[3], const float v2[3]);
@@ -91,7 +91,7 @@ float gi_triangle_shape_error(const float v0[3], const float v1[3], const float 
 /* gi_surface.error for any point of a triangle in the world's space. */
 float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3]);
 
-/* tfar of a shadow ray to a point at this distance on a triangle of that error, which the ray meets under this cosine > 0:
+/* t_max of a shadow ray to a point at this distance on a triangle of that error, which the ray meets under this cosine > 0:
  * so short of it that it does not meet the triangle, and no shorter. The direction's own rounding counts too. */
 static inline float gi_shadow_distance(float distance, float error, float cosine)
 {

@@ -54,7 +54,7 @@ static inline gi_view path_view(const path_fixture *fixture, stilb_gi_integrator
 
 /* Camera samples of a picture, in order: sample s is number s % samples of pixel s / samples. */
 typedef struct path_samples {
-	RTCRayHit rays[GI_BATCH];
+	gi_ray_hit rays[GI_BATCH];
 	gi_point points[GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH];
 	uint32_t count;

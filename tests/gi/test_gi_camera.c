@@ -20,10 +20,11 @@ static stilb_scene_camera some_camera(float roll)
 	                            .far_z = 100.0f};
 }
 
-static stilb_vec3 point_of(const RTCRayHit *ray, float t)
+static stilb_vec3 point_of(const gi_ray_hit *ray, float t)
 {
-	return stilb_vec3_make(ray->ray.org_x + t * ray->ray.dir_x, ray->ray.org_y + t * ray->ray.dir_y,
-	                       ray->ray.org_z + t * ray->ray.dir_z);
+	return stilb_vec3_make(ray->ray.origin[0] + t * ray->ray.direction[0],
+	                       ray->ray.origin[1] + t * ray->ray.direction[1],
+	                       ray->ray.origin[2] + t * ray->ray.direction[2]);
 }
 
 /* A point of each ray, through the matrix, comes back to the ray's pixel. */
@@ -36,17 +37,18 @@ static void rays_undo_the_projection(void **state)
 		stilb_mat4 clip = stilb_scene_camera_matrix(&from, (float)WIDTH / (float)HEIGHT);
 		for (float y = 0.0f; y <= (float)HEIGHT; y += 45.0f)
 			for (float x = 0.0f; x <= (float)WIDTH; x += 40.0f) {
-				RTCRayHit ray;
+				gi_ray_hit ray;
 				gi_camera_ray(&camera, x, y, (stilb_vec2){0.3f, 0.9f}, &ray);
-				assert_true(ray.ray.tnear == 0.0f && ray.ray.tfar == INFINITY && !gi_hit(&ray));
+				assert_true(ray.ray.t_min == 0.0f && ray.ray.t_max == INFINITY && !gi_is_hit(&ray));
 				stilb_vec3 p = point_of(&ray, 5.0f);
 				float q[4];
 				for (int row = 0; row < 4; row++)
 					q[row] = clip.m[row] * p[0] + clip.m[4 + row] * p[1] + clip.m[8 + row] * p[2] + clip.m[12 + row];
 				SHADE_PROOF_NEAR((q[0] / q[3] * 0.5f + 0.5f) * (float)WIDTH, x, 0.0, 2e-3);
 				SHADE_PROOF_NEAR((q[1] / q[3] * 0.5f + 0.5f) * (float)HEIGHT, y, 0.0, 2e-3);
-				double length = (double)(ray.ray.dir_x * ray.ray.dir_x + ray.ray.dir_y * ray.ray.dir_y +
-				                         ray.ray.dir_z * ray.ray.dir_z);
+				double length =
+					(double)(ray.ray.direction[0] * ray.ray.direction[0] + ray.ray.direction[1] * ray.ray.direction[1] +
+				             ray.ray.direction[2] * ray.ray.direction[2]);
 				SHADE_PROOF_NEAR(length, 1.0, 0.0, 4e-7);
 			}
 	}
@@ -72,13 +74,14 @@ static void the_focal_plane_is_sharp(void **state)
 			float x = shade_proof_range(&random, 0.0f, (float)WIDTH),
 				  y = shade_proof_range(&random, 0.0f, (float)HEIGHT);
 			stilb_vec2 u = {shade_proof_uniform(&random), shade_proof_uniform(&random)};
-			RTCRayHit ray, straight;
+			gi_ray_hit ray, straight;
 			gi_camera_ray(&camera, x, y, u, &ray);
 			gi_camera_ray(&sharp, x, y, u, &straight);
 			stilb_vec3 forward = camera.forward;
-			float along = ray.ray.dir_x * forward[0] + ray.ray.dir_y * forward[1] + ray.ray.dir_z * forward[2];
-			float direct =
-				straight.ray.dir_x * forward[0] + straight.ray.dir_y * forward[1] + straight.ray.dir_z * forward[2];
+			float along = ray.ray.direction[0] * forward[0] + ray.ray.direction[1] * forward[1] +
+			              ray.ray.direction[2] * forward[2];
+			float direct = straight.ray.direction[0] * forward[0] + straight.ray.direction[1] * forward[1] +
+			               straight.ray.direction[2] * forward[2];
 			stilb_vec3 a = point_of(&ray, 7.0f / along), b = point_of(&straight, 7.0f / direct);
 			SHADE_PROOF_NEAR(depth_of(&camera, a), 7.0, 0.0, 2e-5);
 			SHADE_PROOF_NEAR3(a, b[0], b[1], b[2], 0.0, 2e-5);
@@ -103,11 +106,11 @@ static void the_circle_of_confusion(void **state)
 		                       camera.up * (camera.half_height - 50.0f * camera.to_v)) *
 								  z;
 		for (int i = 0; i < COUNT; i++) {
-			RTCRayHit ray;
+			gi_ray_hit ray;
 			gi_camera_ray(&camera, 100.0f, 50.0f,
 			              (stilb_vec2){shade_proof_uniform(&random), shade_proof_uniform(&random)}, &ray);
-			float along = ray.ray.dir_x * camera.forward[0] + ray.ray.dir_y * camera.forward[1] +
-			              ray.ray.dir_z * camera.forward[2];
+			float along = ray.ray.direction[0] * camera.forward[0] + ray.ray.direction[1] * camera.forward[1] +
+			              ray.ray.direction[2] * camera.forward[2];
 			stilb_vec3 off = point_of(&ray, z / along) - middle;
 			double square = (double)stilb_vec3_dot(off, off);
 			largest = fmax(largest, sqrt(square));

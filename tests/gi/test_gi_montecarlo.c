@@ -121,7 +121,7 @@ static stilb_vec3 plane_at(const gi_view *view, float x, uint32_t index)
 {
 	samples.count = 1;
 	samples.points[0] = gi_sampler_point(&view->sampler, 0, 0, index);
-	samples.rays[0] = gi_rayhit_make(stilb_vec3_make(x, 0.5f, 0.0f), stilb_vec3_make(0.0f, -1.0f, 0.0f));
+	samples.rays[0] = gi_ray_hit_make(stilb_vec3_make(x, 0.5f, 0.0f), stilb_vec3_make(0.0f, -1.0f, 0.0f));
 	view->scene->tracer.intersect(&view->scene->tracer, &samples.rays[0]);
 	path_samples_shade(view, &samples);
 	return samples.radiance[0];

@@ -119,13 +119,13 @@ typedef struct first_vertex {
 /* False: it hit nothing. */
 static bool first_vertex_of(const gi_view *view, const path_samples *samples, uint32_t i, first_vertex *vertex)
 {
-	const RTCRayHit *camera = &samples->rays[i];
-	if (!gi_hit(camera))
+	const gi_ray_hit *camera = &samples->rays[i];
+	if (!gi_is_hit(camera))
 		return false;
 	gi_surface surface;
 	gi_surface_at(view->scene, camera, &surface);
-	vertex->bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_dir(&camera->ray));
-	vertex->origin = gi_ray_origin(&surface, surface.geometric);
+	vertex->bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_direction(&camera->ray));
+	vertex->origin = gi_surface_ray_origin(&surface, surface.geometric);
 	gi_sample_8(&view->sampler, samples->points[i], GI_DIMENSION_OF(0), vertex->numbers);
 	return true;
 }
@@ -138,10 +138,10 @@ static stilb_vec3 found_by_bsdf(const gi_view *view, const first_vertex *vertex)
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(&vertex->bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
 		return (stilb_vec3){0};
-	RTCRayHit ray = gi_rayhit_make(vertex->origin, chosen.direction);
+	gi_ray_hit ray = gi_ray_hit_make(vertex->origin, chosen.direction);
 	view->scene->tracer.intersect(&view->scene->tracer, &ray);
 	gi_surface surface;
-	const bool hit = gi_hit(&ray);
+	const bool hit = gi_is_hit(&ray);
 	if (hit)
 		gi_surface_at(view->scene, &ray, &surface);
 	return chosen.weight * gi_direct_found(view, 0.0f, vertex->bsdf.frame.n, &ray, hit ? &surface : NULL);
@@ -150,12 +150,12 @@ static stilb_vec3 found_by_bsdf(const gi_view *view, const first_vertex *vertex)
 /* By asking a light alone. */
 static stilb_vec3 found_by_light(const gi_view *view, const first_vertex *vertex)
 {
-	RTCRay shadow;
+	gi_ray shadow;
 	stilb_vec3 direct;
 	if (!gi_direct_ask(view, &vertex->bsdf, vertex->origin, vertex->numbers, false, &shadow, &direct))
 		return (stilb_vec3){0};
 	view->scene->tracer.occluded(&view->scene->tracer, &shadow, 1);
-	return shadow.tfar >= 0.0f ? direct : (stilb_vec3){0};
+	return shadow.t_max >= 0.0f ? direct : (stilb_vec3){0};
 }
 
 /* By both, weighed: what the path does, without what is seen of the lights themselves. Into samples. */

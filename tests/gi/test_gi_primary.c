@@ -96,7 +96,7 @@ static void instruction_sets_agree(void **state)
 				trace(&view, camera, isa, counts[c], &wide);
 				for (uint32_t i = 0; i < counts[c]; i++) {
 					assert_memory_equal(&scalar.rays[i].ray, &wide.rays[i].ray, sizeof scalar.rays[i].ray);
-					assert_int_equal(scalar.rays[i].hit.geomID, wide.rays[i].hit.geomID);
+					assert_int_equal(scalar.rays[i].hit.part, wide.rays[i].hit.part);
 				}
 				assert_rows_equal((const float(*)[4])scalar.albedo, (const float(*)[4])wide.albedo, counts[c]);
 				assert_rows_equal((const float(*)[4])scalar.normal, (const float(*)[4])wide.normal, counts[c]);
@@ -111,17 +111,17 @@ static void assert_sample(const gi_view *view, const gi_camera *camera, const gi
 {
 	stilb_vec2 offset =
 		gi_filter_offset(view->settings.filter, gi_sample_2d(&view->sampler, points[i], GI_DIMENSION_PIXEL));
-	RTCRayHit ray;
+	gi_ray_hit ray;
 	gi_camera_ray(camera, (float)xs[i] + 0.5f + offset[0], (float)ys[i] + 0.5f + offset[1],
 	              gi_sample_2d(&view->sampler, points[i], GI_DIMENSION_LENS), &ray);
-	const RTCRayHit *got = &out->rays[i];
-	SHADE_PROOF_NEAR3(stilb_vec3_make(got->ray.dir_x, got->ray.dir_y, got->ray.dir_z), ray.ray.dir_x, ray.ray.dir_y,
-	                  ray.ray.dir_z, 0.0, 3e-7);
-	SHADE_PROOF_NEAR3(stilb_vec3_make(got->ray.org_x, got->ray.org_y, got->ray.org_z), ray.ray.org_x, ray.ray.org_y,
-	                  ray.ray.org_z, 0.0, 1e-6);
+	const gi_ray_hit *got = &out->rays[i];
+	SHADE_PROOF_NEAR3(stilb_vec3_make(got->ray.direction[0], got->ray.direction[1], got->ray.direction[2]),
+	                  ray.ray.direction[0], ray.ray.direction[1], ray.ray.direction[2], 0.0, 3e-7);
+	SHADE_PROOF_NEAR3(stilb_vec3_make(got->ray.origin[0], got->ray.origin[1], got->ray.origin[2]), ray.ray.origin[0],
+	                  ray.ray.origin[1], ray.ray.origin[2], 0.0, 1e-6);
 	stilb_vec3 albedo = {0}, normal = {0};
 	float depth = INFINITY;
-	if (gi_hit(got)) {
+	if (gi_is_hit(got)) {
 		gi_surface surface;
 		gi_surface_at(view->scene, got, &surface);
 		albedo = surface.diffuse + surface.specular;
@@ -132,7 +132,7 @@ static void assert_sample(const gi_view *view, const gi_camera *camera, const gi
 		assert_true(out->albedo[i][k] == albedo[k]);
 		assert_true(out->normal[i][k] == normal[k]);
 	}
-	if (gi_hit(got))
+	if (gi_is_hit(got))
 		SHADE_PROOF_NEAR(out->depth[i], depth, 1e-5, 0.0);
 	else
 		assert_true(out->depth[i] == INFINITY);
@@ -155,8 +155,8 @@ static void packets_are_single_rays(void **state)
 				gi_primary_trace(&view, &camera, xs, ys, points, 1000, &wide);
 				for (uint32_t i = 0; i < 1000; i++) {
 					assert_sample(&view, &camera, &wide, i);
-					if (gi_hit(&wide.rays[i]))
-						hits[wide.rays[i].hit.geomID]++;
+					if (gi_is_hit(&wide.rays[i]))
+						hits[wide.rays[i].hit.part]++;
 					else
 						misses++;
 				}

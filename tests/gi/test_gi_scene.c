@@ -39,9 +39,9 @@ static void damaged_triangles_are_left_out(void **state)
 		assert_int_equal(info->triangles, 1);
 		assert_int_equal(info->dropped, 8);
 		assert_true(info->low[0] == 0.0f && info->low[2] == 0.0f && info->high[0] == 1.0f && info->high[1] == 1.0f);
-		RTCRayHit ray = gi_rayhit_make(stilb_vec3_make(0.25f, 0.25f, 1.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
+		gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make(0.25f, 0.25f, 1.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
 		world.gi->tracer.intersect(&world.gi->tracer, &ray);
-		assert_true(gi_hit(&ray) && ray.hit.primID == 0);
+		assert_true(gi_is_hit(&ray) && ray.hit.triangle == 0);
 		world_finish(&world);
 	}
 }
@@ -55,9 +55,9 @@ static void nothing_to_see(void **state)
 	const stilb_gi_scene_info *info = stilb_gi_scene_info_of(world.gi);
 	assert_int_equal(info->triangles, 0);
 	assert_true(info->low[0] > info->high[0]);
-	RTCRayHit ray = gi_rayhit_make(stilb_vec3_make(0.0f, 0.0f, 0.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
+	gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make(0.0f, 0.0f, 0.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
 	world.gi->tracer.intersect(&world.gi->tracer, &ray);
-	assert_false(gi_hit(&ray));
+	assert_false(gi_is_hit(&ray));
 	world_finish(&world);
 }
 
@@ -84,7 +84,7 @@ static void the_scene_may_go(void **state)
 	stilb_gi_scene *gi;
 	assert_int_equal(create(scene, stilb_gi_scene_desc_default(NULL), 1, &gi), STILB_OK);
 	stilb_scene_destroy(scene);
-	RTCRayHit ray = gi_rayhit_make(stilb_vec3_make(0.1f, 0.2f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
+	gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make(0.1f, 0.2f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
 	gi->tracer.intersect(&gi->tracer, &ray);
 	gi_surface surface;
 	gi_surface_at(gi, &ray, &surface);
@@ -113,10 +113,10 @@ static void which_parts_are_instances(void **state)
 	assert_int_equal(world.gi->mesh_count, 3);
 	assert_int_equal(stilb_gi_scene_info_of(world.gi)->triangles, 40 * 5120);
 	for (uint32_t part = 0; part < 40; part++) {
-		RTCRayHit ray = gi_rayhit_make(stilb_vec3_make((float)part, 0.0f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
+		gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make((float)part, 0.0f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
 		world.gi->tracer.intersect(&world.gi->tracer, &ray);
 		if (part < 5 - 1 || part > 20) /* the sheared one covers its neighbours */
-			assert_int_equal(ray.hit.geomID, part);
+			assert_int_equal(ray.hit.part, part);
 	}
 	world_finish(&world);
 }

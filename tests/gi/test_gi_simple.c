@@ -26,9 +26,9 @@ static stilb_vec3 mean_at(const gi_view *view, float x, float z, uint32_t first,
 	samples->count = count;
 	for (uint32_t i = 0; i < count; i++) {
 		samples->points[i] = gi_sampler_point(&view->sampler, 0, 0, first + i);
-		samples->rays[i] = gi_rayhit_make(origin, direction);
+		samples->rays[i] = gi_ray_hit_make(origin, direction);
 		view->scene->tracer.intersect(&view->scene->tracer, &samples->rays[i]);
-		assert_true(gi_hit(&samples->rays[i]));
+		assert_true(gi_is_hit(&samples->rays[i]));
 	}
 	path_samples_shade(view, samples);
 	stilb_vec3 sum = {0};
@@ -48,7 +48,7 @@ static stilb_vec3 look(const gi_view *view, stilb_vec3 direction)
 {
 	samples.count = 1;
 	samples.points[0] = gi_sampler_point(&view->sampler, 0, 0, 0);
-	samples.rays[0] = gi_rayhit_make(stilb_vec3_make(1.0f, 0.5f, 0.0f), direction);
+	samples.rays[0] = gi_ray_hit_make(stilb_vec3_make(1.0f, 0.5f, 0.0f), direction);
 	view->scene->tracer.intersect(&view->scene->tracer, &samples.rays[0]);
 	path_samples_shade(view, &samples);
 	return samples.radiance[0];
@@ -76,7 +76,7 @@ static void color_is_all_that_a_surface_reflects(void **state)
 	const float truth[3] = {0.5f, 0.5f, 0.4f};
 	for (int c = 0; c < 3; c++)
 		assert_near((double)seen[c], (double)truth[c], 1e-6, "reflectance");
-	samples.rays[0].hit.geomID = RTC_INVALID_GEOMETRY_ID;
+	samples.rays[0].hit.part = GI_NO_PART;
 	path_samples_shade(&view, &samples);
 	for (int c = 0; c < 3; c++)
 		assert_true(samples.radiance[0][c] == 0.0f);
@@ -259,7 +259,7 @@ static void ao_of_a_miss_is_open(void **state)
 	path_fixture fixture = path_fixture_make(plane_wall(0));
 	const gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_AO, 1, 1);
 	mean_at(&view, 1.0f, 0.0f, 0, 1, &samples);
-	samples.rays[0].hit.geomID = RTC_INVALID_GEOMETRY_ID;
+	samples.rays[0].hit.part = GI_NO_PART;
 	path_samples_shade(&view, &samples);
 	assert_true(samples.radiance[0][0] == 1.0f && samples.radiance[0][2] == 1.0f);
 	path_fixture_finish(&fixture);

@@ -31,7 +31,7 @@ static double openness(const gi_view *view, float x)
 {
 	samples.count = 1;
 	samples.points[0] = gi_sampler_point(&view->sampler, 0, 0, 0);
-	samples.rays[0] = gi_rayhit_make(stilb_vec3_make(x, 1.0f, 0.0f), stilb_vec3_make(0.0f, -1.0f, 0.0f));
+	samples.rays[0] = gi_ray_hit_make(stilb_vec3_make(x, 1.0f, 0.0f), stilb_vec3_make(0.0f, -1.0f, 0.0f));
 	view->scene->tracer.intersect(&view->scene->tracer, &samples.rays[0]);
 	path_samples_shade(view, &samples);
 	return (double)samples.radiance[0][0];

@@ -22,22 +22,22 @@ static uint32_t rays_lost(const stilb_gi_scene *gi, stilb_vec3 center, uint32_t 
 	stilb_vec3 origin = center, direction = world_direction(&random);
 	uint32_t lost = 0, last = UINT32_MAX;
 	for (uint32_t i = 0; i < count; i++) {
-		RTCRayHit ray = gi_rayhit_make(origin, direction);
+		gi_ray_hit ray = gi_ray_hit_make(origin, direction);
 		gi->tracer.intersect(&gi->tracer, &ray);
 		gi_surface surface = {0};
-		if (gi_hit(&ray))
+		if (gi_is_hit(&ray))
 			gi_surface_at(gi, &ray, &surface);
-		if (!gi_hit(&ray) || surface.front || ray.hit.primID == last) {
+		if (!gi_is_hit(&ray) || surface.front || ray.hit.triangle == last) {
 			lost++;
 			origin = center;
 			direction = world_direction(&random);
 			last = UINT32_MAX;
 			continue;
 		}
-		last = ray.hit.primID;
+		last = ray.hit.triangle;
 		surface.error *= error_scale;
 		direction = cosine_direction(surface.geometric, &random);
-		origin = gi_ray_origin(&surface, direction);
+		origin = gi_surface_ray_origin(&surface, direction);
 	}
 	return lost;
 }
@@ -157,16 +157,16 @@ static void slivers_are_not_met_again(void **state)
 			for (int c = 0; c < 3; c++)
 				at[c] = corners[0][c] * (1.0f - u - v) + corners[1][c] * u + corners[2][c] * v;
 			stilb_vec3 towards = world_direction(&random);
-			RTCRayHit ray = gi_rayhit_make(at - towards, towards);
+			gi_ray_hit ray = gi_ray_hit_make(at - towards, towards);
 			world.gi->tracer.intersect(&world.gi->tracer, &ray);
-			if (!gi_hit(&ray))
+			if (!gi_is_hit(&ray))
 				continue;
 			gi_surface surface;
 			gi_surface_at(world.gi, &ray, &surface);
 			stilb_vec3 direction = cosine_direction(surface.geometric, &random);
-			RTCRayHit again = gi_rayhit_make(gi_ray_origin(&surface, direction), direction);
+			gi_ray_hit again = gi_ray_hit_make(gi_surface_ray_origin(&surface, direction), direction);
 			world.gi->tracer.intersect(&world.gi->tracer, &again);
-			assert_false(gi_hit(&again));
+			assert_false(gi_is_hit(&again));
 		}
 		world_finish(&world);
 	}
@@ -177,13 +177,13 @@ static void offsets_are_small(void **state)
 {
 	(void)state;
 	world_fixture world = world_trace(sphere_scene(1.0f, stilb_vec3_make(0.0f, 0.0f, 0.0f), 3), &stilb_gi_embree, 0);
-	RTCRayHit ray = gi_rayhit_make(stilb_vec3_make(0.0f, 0.1f, 3.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
+	gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make(0.0f, 0.1f, 3.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
 	world.gi->tracer.intersect(&world.gi->tracer, &ray);
 	gi_surface surface;
 	gi_surface_at(world.gi, &ray, &surface);
 	assert_true(surface.front && surface.error > 0x1p-24f && surface.error < 10.0f * 0x1p-24f);
-	stilb_vec3 outside = gi_ray_origin(&surface, surface.geometric),
-			   inside = gi_ray_origin(&surface, -surface.geometric);
+	stilb_vec3 outside = gi_surface_ray_origin(&surface, surface.geometric),
+			   inside = gi_surface_ray_origin(&surface, -surface.geometric);
 	assert_true(stilb_vec3_dot(outside - surface.position, surface.geometric) > 0.0f);
 	assert_true(stilb_vec3_dot(inside - surface.position, surface.geometric) < 0.0f);
 	world_finish(&world);
@@ -220,16 +220,16 @@ static void shadow_rays_end_at_the_light(void **state)
 		float cosine = fabsf(stilb_vec3_dot(direction, normal));
 		if (cosine < 1e-3f)
 			continue;
-		RTCRay shadow = gi_rayhit_make(origin, direction).ray;
-		shadow.tfar = gi_shadow_distance(distance, error, cosine);
+		gi_ray shadow = gi_ray_hit_make(origin, direction).ray;
+		shadow.t_max = gi_shadow_distance(distance, error, cosine);
 		tracer->occluded(tracer, &shadow, 1);
-		assert_true(shadow.tfar >= 0.0f);
+		assert_true(shadow.t_max >= 0.0f);
 		gi_light_sample sample;
 		if (!gi_light_shape_sample(&light, origin, (stilb_vec2){u, v}, &sample))
 			continue;
 		shadow = gi_ray_make(origin, sample.direction, sample.distance);
 		tracer->occluded(tracer, &shadow, 1);
-		assert_true(shadow.tfar >= 0.0f);
+		assert_true(shadow.t_max >= 0.0f);
 		asked++;
 	}
 	assert_true(asked > 40000);
@@ -242,10 +242,10 @@ static const float unit_corners[3][3] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f},
 
 static gi_surface surface_from(const stilb_gi_scene *gi, float z, float slant)
 {
-	RTCRayHit ray = gi_rayhit_make(stilb_vec3_make(0.25f - slant * z, 0.5f, z),
-	                               stilb_vec3_normalize(stilb_vec3_make(slant * z, 0.0f, -z)));
+	gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make(0.25f - slant * z, 0.5f, z),
+	                                 stilb_vec3_normalize(stilb_vec3_make(slant * z, 0.0f, -z)));
 	gi->tracer.intersect(&gi->tracer, &ray);
-	assert_true(gi_hit(&ray));
+	assert_true(gi_is_hit(&ray));
 	gi_surface surface;
 	gi_surface_at(gi, &ray, &surface);
 	return surface;

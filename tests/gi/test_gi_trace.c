@@ -5,39 +5,40 @@
 
 #define RAYS 4000
 
-static RTCRayHit embree_rays[RAYS], brute_rays[RAYS];
+static gi_ray_hit embree_rays[RAYS], brute_rays[RAYS];
 
-static void random_rays(RTCRayHit *rays, float reach)
+static void random_rays(gi_ray_hit *rays, float reach)
 {
 	shade_proof_random random = {.seed = 7};
 	for (uint32_t i = 0; i < RAYS; i++) {
 		stilb_vec3 origin = world_direction(&random) * (reach * shade_proof_uniform(&random));
-		rays[i] = gi_rayhit_make(origin, world_direction(&random));
+		rays[i] = gi_ray_hit_make(origin, world_direction(&random));
 	}
 }
 
-static void trace_all(const stilb_gi_scene *gi, RTCRayHit *rays)
+static void trace_all(const stilb_gi_scene *gi, gi_ray_hit *rays)
 {
 	for (uint32_t i = 0; i < RAYS; i++)
 		gi->tracer.intersect(&gi->tracer, &rays[i]);
 }
 
 /* Within this of an edge the one may hit where the other misses. */
-static bool near_edge(const RTCRayHit *ray)
+static bool near_edge(const gi_ray_hit *ray)
 {
 	float u = ray->hit.u, v = ray->hit.v;
-	return gi_hit(ray) && fminf(fminf(u, v), 1.0f - u - v) < 1e-4f;
+	return gi_is_hit(ray) && fminf(fminf(u, v), 1.0f - u - v) < 1e-4f;
 }
 
-static bool same_triangle(const RTCRayHit *a, const RTCRayHit *b)
+static bool same_triangle(const gi_ray_hit *a, const gi_ray_hit *b)
 {
-	return gi_hit(a) == gi_hit(b) && (!gi_hit(a) || (a->hit.geomID == b->hit.geomID && a->hit.primID == b->hit.primID));
+	return gi_is_hit(a) == gi_is_hit(b) &&
+	       (!gi_is_hit(a) || (a->hit.part == b->hit.part && a->hit.triangle == b->hit.triangle));
 }
 
-static void assert_normals_agree(const RTCRayHit *a, const RTCRayHit *b)
+static void assert_normals_agree(const gi_ray_hit *a, const gi_ray_hit *b)
 {
-	stilb_vec3 x = stilb_vec3_normalize(stilb_vec3_make(a->hit.Ng_x, a->hit.Ng_y, a->hit.Ng_z));
-	stilb_vec3 y = stilb_vec3_normalize(stilb_vec3_make(b->hit.Ng_x, b->hit.Ng_y, b->hit.Ng_z));
+	stilb_vec3 x = stilb_vec3_normalize(stilb_vec3_make(a->hit.normal[0], a->hit.normal[1], a->hit.normal[2]));
+	stilb_vec3 y = stilb_vec3_normalize(stilb_vec3_make(b->hit.normal[0], b->hit.normal[1], b->hit.normal[2]));
 	SHADE_PROOF_NEAR3(x, (double)y[0], (double)y[1], (double)y[2], 0.0, 2e-4);
 }
 
@@ -49,17 +50,18 @@ static uint32_t assert_hits_agree(const stilb_gi_scene *embree, const stilb_gi_s
 	trace_all(brute, brute_rays);
 	uint32_t hits = 0, apart = 0;
 	for (uint32_t i = 0; i < RAYS; i++) {
-		const RTCRayHit *a = &embree_rays[i], *b = &brute_rays[i];
+		const gi_ray_hit *a = &embree_rays[i], *b = &brute_rays[i];
 		if (!same_triangle(a, b)) {
 			assert_true(near_edge(a) || near_edge(b));
 			apart++;
-		} else if (gi_hit(a)) {
-			float grazing = fabsf(a->ray.dir_x * b->hit.Ng_x + a->ray.dir_y * b->hit.Ng_y + a->ray.dir_z * b->hit.Ng_z);
+		} else if (gi_is_hit(a)) {
+			float grazing = fabsf(a->ray.direction[0] * b->hit.normal[0] + a->ray.direction[1] * b->hit.normal[1] +
+			                      a->ray.direction[2] * b->hit.normal[2]);
 			hits++;
-			if (grazing <
-			    1e-2f * sqrtf(b->hit.Ng_x * b->hit.Ng_x + b->hit.Ng_y * b->hit.Ng_y + b->hit.Ng_z * b->hit.Ng_z))
+			if (grazing < 1e-2f * sqrtf(b->hit.normal[0] * b->hit.normal[0] + b->hit.normal[1] * b->hit.normal[1] +
+			                            b->hit.normal[2] * b->hit.normal[2]))
 				continue;
-			SHADE_PROOF_NEAR(a->ray.tfar, (double)b->ray.tfar, 1e-4, 1e-4 * (double)reach);
+			SHADE_PROOF_NEAR(a->ray.t_max, (double)b->ray.t_max, 1e-4, 1e-4 * (double)reach);
 			SHADE_PROOF_NEAR(a->hit.u, (double)b->hit.u, 0.0, 1e-3);
 			SHADE_PROOF_NEAR(a->hit.v, (double)b->hit.v, 0.0, 1e-3);
 			assert_normals_agree(a, b);
@@ -116,14 +118,15 @@ static void triangles_of_instances(void **state)
 	random_rays(embree_rays, 15.0f);
 	uint32_t hits = 0;
 	for (uint32_t i = 0; i < 250; i++) {
-		RTCRayHit a = embree_rays[i], b = a;
+		gi_ray_hit a = embree_rays[i], b = a;
 		embree.gi->tracer.intersect(&embree.gi->tracer, &a);
 		brute.gi->tracer.intersect(&brute.gi->tracer, &b);
-		assert_true(same_triangle(&a, &b) || near_edge(&a) || near_edge(&b) || fabsf(a.ray.tfar - b.ray.tfar) < 1e-4f);
-		if (!gi_hit(&a) || !same_triangle(&a, &b))
+		assert_true(same_triangle(&a, &b) || near_edge(&a) || near_edge(&b) ||
+		            fabsf(a.ray.t_max - b.ray.t_max) < 1e-4f);
+		if (!gi_is_hit(&a) || !same_triangle(&a, &b))
 			continue;
 		hits++;
-		SHADE_PROOF_NEAR(a.ray.tfar, (double)b.ray.tfar, 1e-3, 1e-3);
+		SHADE_PROOF_NEAR(a.ray.t_max, (double)b.ray.t_max, 1e-3, 1e-3);
 	}
 	assert_in_range(hits, 15, 250);
 	world_untrace(&brute);
@@ -146,11 +149,11 @@ static void instances_have_the_same_front(void **state)
 		world_fixture a = world_trace(many, &stilb_gi_embree, 0), b = world_trace(one, &stilb_gi_embree, 0);
 		assert_true(a.gi->parts[0].instance);
 		assert_false(b.gi->parts[0].instance);
-		RTCRayHit x = gi_rayhit_make(stilb_vec3_make(0.1f, 0.2f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f)), y = x;
+		gi_ray_hit x = gi_ray_hit_make(stilb_vec3_make(0.1f, 0.2f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f)), y = x;
 		a.gi->tracer.intersect(&a.gi->tracer, &x);
 		b.gi->tracer.intersect(&b.gi->tracer, &y);
 		gi_surface s, t;
-		assert_true(gi_hit(&x) && gi_hit(&y));
+		assert_true(gi_is_hit(&x) && gi_is_hit(&y));
 		gi_surface_at(a.gi, &x, &s);
 		gi_surface_at(b.gi, &y, &t);
 		assert_true(s.front && t.front);
@@ -176,37 +179,37 @@ static void packets_and_streams(void **state)
 		random_rays(embree_rays, 15.0f);
 		memcpy(brute_rays, embree_rays, sizeof embree_rays);
 		trace_all(world.gi, embree_rays);
-		static RTCRay shadow[RAYS];
+		static gi_ray shadow[RAYS];
 		for (uint32_t i = 0; i < RAYS; i++) {
 			shadow[i] = brute_rays[i].ray;
-			if (gi_hit(&embree_rays[i]) && i % 2)
-				shadow[i].tfar = 0.99f * embree_rays[i].ray.tfar;
+			if (gi_is_hit(&embree_rays[i]) && i % 2)
+				shadow[i].t_max = 0.99f * embree_rays[i].ray.t_max;
 		}
 		tracer->occluded(tracer, shadow, RAYS);
 		for (uint32_t i = 0; i < RAYS; i++)
-			assert_int_equal(shadow[i].tfar < 0.0f, gi_hit(&embree_rays[i]) && i % 2 == 0);
+			assert_int_equal(shadow[i].t_max < 0.0f, gi_is_hit(&embree_rays[i]) && i % 2 == 0);
 		for (uint32_t first = 0; first < RAYS; first += 16) {
-			RTCRayHit16 packet;
+			gi_ray_hit16 packet;
 			int valid[16] __attribute__((aligned(64)));
 			memset(&packet, 0, sizeof packet);
 			for (uint32_t i = 0; i < 16; i++) {
-				const RTCRayHit *ray = &brute_rays[first + i];
+				const gi_ray_hit *ray = &brute_rays[first + i];
 				valid[i] = i == 5 ? 0 : -1;
-				packet.ray.org_x[i] = ray->ray.org_x;
-				packet.ray.org_y[i] = ray->ray.org_y;
-				packet.ray.org_z[i] = ray->ray.org_z;
-				packet.ray.dir_x[i] = ray->ray.dir_x;
-				packet.ray.dir_y[i] = ray->ray.dir_y;
-				packet.ray.dir_z[i] = ray->ray.dir_z;
-				packet.ray.tfar[i] = INFINITY;
+				packet.ray.origin[0][i] = ray->ray.origin[0];
+				packet.ray.origin[1][i] = ray->ray.origin[1];
+				packet.ray.origin[2][i] = ray->ray.origin[2];
+				packet.ray.direction[0][i] = ray->ray.direction[0];
+				packet.ray.direction[1][i] = ray->ray.direction[1];
+				packet.ray.direction[2][i] = ray->ray.direction[2];
+				packet.ray.t_max[i] = INFINITY;
 				packet.ray.mask[i] = UINT32_MAX;
-				packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+				packet.hit.part[i] = GI_NO_PART;
 			}
 			tracer->intersect16(tracer, valid, &packet);
 			for (uint32_t i = 0; i < 16; i++) {
-				RTCRayHit ray = gi_ray_of(&packet, i);
+				gi_ray_hit ray = gi_ray_of(&packet, i);
 				if (i == 5)
-					assert_false(gi_hit(&ray));
+					assert_false(gi_is_hit(&ray));
 				else
 					assert_true(same_triangle(&ray, &embree_rays[first + i]) || near_edge(&ray) ||
 					            near_edge(&embree_rays[first + i]));
@@ -219,10 +222,10 @@ static void packets_and_streams(void **state)
 static void workers_build_the_same_tree(void **state)
 {
 	(void)state;
-	static RTCRayHit first[RAYS], other[RAYS];
+	static gi_ray_hit first[RAYS], other[RAYS];
 	for (uint32_t workers = 0; workers < 8; workers = 2 * workers + 1) {
 		world_fixture world = world_trace(soup_scene(400, 100, 1.0f), &stilb_gi_embree, workers);
-		RTCRayHit *rays = workers ? other : first;
+		gi_ray_hit *rays = workers ? other : first;
 		random_rays(rays, 15.0f);
 		trace_all(world.gi, rays);
 		assert_memory_equal(rays, first, sizeof first);

@@ -20,14 +20,14 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 	PROFILE("gi.cache.rays");
 	const gi_view *view = cache->view;
 	uint32_t cells = gi_cache_strata_cells(&cache->strata);
-	stilb_vec3 origin = gi_ray_origin(surface, surface->geometric);
+	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
 	for (uint32_t i = 0; i < number; i++) {
 		gi_point branch = gi_sampler_branch(&view->sampler, point, GI_DIMENSION_OF(0), first + i, cells);
 		stilb_vec2 u = gi_sample_2d(&view->sampler, branch, GI_DIMENSION_OF(0));
 		stilb_vec3 local = gi_cache_strata_direction(&cache->strata, first + i, u);
 		stilb_vec3 direction = shade_frame_to_world(frame, local);
 		worker->points[i] = branch;
-		worker->rays[i] = gi_rayhit_make(origin, direction);
+		worker->rays[i] = gi_ray_hit_make(origin, direction);
 		/* Above the plane of the shading normal, and yet below the triangle: nothing comes from there. */
 		if (stilb_vec3_dot(direction, surface->geometric) > 0.0f)
 			view->scene->tracer.intersect(&view->scene->tracer, &worker->rays[i]);
@@ -39,10 +39,10 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker, uint32_t i)
 {
 	const gi_view *view = cache->view;
-	const RTCRayHit *ray = &worker->rays[i];
+	const gi_ray_hit *ray = &worker->rays[i];
 	gi_surface surface;
 	gi_surface_at(view->scene, ray, &surface);
-	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_dir(&ray->ray));
+	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_direction(&ray->ray));
 	stilb_vec3 irradiance = {0};
 	if (bsdf.share > 0.0f || (gi_cache_wants(&surface) && !gi_cache_find(cache, &surface, &irradiance)))
 		return false;
@@ -50,8 +50,8 @@ static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker,
 
 	float numbers[8];
 	gi_sample_8(&view->sampler, worker->points[i], GI_DIMENSION_OF(1), numbers);
-	RTCRay *shadow = &worker->shadows[worker->shadow_count];
-	if (gi_direct_ask(view, &bsdf, gi_ray_origin(&surface, surface.geometric), numbers, false, shadow,
+	gi_ray *shadow = &worker->shadows[worker->shadow_count];
+	if (gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, surface.geometric), numbers, false, shadow,
 	                  &worker->direct[worker->shadow_count])) {
 		shadow->id = i;
 		worker->shadow_count++;
@@ -65,7 +65,7 @@ static void trace_shadows(const gi_cache *cache, gi_cache_worker *worker)
 	const gi_tracer *tracer = &cache->view->scene->tracer;
 	tracer->occluded(tracer, worker->shadows, worker->shadow_count);
 	for (uint32_t i = 0; i < worker->shadow_count; i++)
-		if (worker->shadows[i].tfar >= 0.0f)
+		if (worker->shadows[i].t_max >= 0.0f)
 			worker->radiance[worker->shadows[i].id] += worker->direct[i];
 	gi_counter_add(&worker->traced, worker->shadow_count);
 	gi_counter_add(&worker->shadow_rays, worker->shadow_count);
@@ -91,9 +91,9 @@ static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_cou
 }
 
 /* What is nearer than the shortest radius cannot be told apart by records, and would outweigh all else. */
-static float nearness(const RTCRayHit *ray, float shortest)
+static float nearness(const gi_ray_hit *ray, float shortest)
 {
-	return gi_hit(ray) ? 1.0f / fmaxf(ray->ray.tfar, shortest) : 0.0f;
+	return gi_is_hit(ray) ? 1.0f / fmaxf(ray->ray.t_max, shortest) : 0.0f;
 }
 
 static void gather_cells(gi_cache *cache, uint32_t index, const gi_surface *surface, shade_frame frame, gi_point point,
@@ -108,7 +108,7 @@ static void gather_cells(gi_cache *cache, uint32_t index, const gi_surface *surf
 		uint32_t paths = 0;
 		for (uint32_t i = 0; i < number; i++) {
 			worker->radiance[i] = (stilb_vec3){0};
-			if (!gi_hit(&worker->rays[i]) || (reuse && reflected_from_cache(cache, worker, i)))
+			if (!gi_is_hit(&worker->rays[i]) || (reuse && reflected_from_cache(cache, worker, i)))
 				continue;
 			worker->path_rays[paths] = worker->rays[i];
 			worker->path_points[paths] = worker->points[i];

@@ -10,12 +10,12 @@
 
 /* What a worker gathers with: a batch of the hemisphere's rays. */
 typedef struct gi_cache_worker {
-	RTCRayHit rays[GI_BATCH];
+	gi_ray_hit rays[GI_BATCH];
 	gi_point points[GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH];
-	RTCRay shadows[GI_BATCH]; /* id: of the ray at whose end it starts; and what comes if nothing lies in the way */
+	gi_ray shadows[GI_BATCH]; /* id: of the ray at whose end it starts; and what comes if nothing lies in the way */
 	stilb_vec3 direct[GI_BATCH];
-	RTCRayHit path_rays[GI_BATCH]; /* those of the rays that go on as paths */
+	gi_ray_hit path_rays[GI_BATCH]; /* those of the rays that go on as paths */
 	gi_point path_points[GI_BATCH];
 	stilb_vec3 path_radiance[GI_BATCH];
 	uint32_t targets[GI_BATCH]; /* which they are */

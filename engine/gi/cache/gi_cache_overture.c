@@ -86,10 +86,10 @@ static bool covered(const gi_cache *cache, const gi_surface *surface)
 static bool pixel_look(gi_cache *cache, gi_cache_pixel *pixel)
 {
 	const gi_view *view = cache->view;
-	RTCRayHit ray;
+	gi_ray_hit ray;
 	gi_camera_ray(&cache->camera, (float)pixel->x + 0.5f, (float)pixel->y + 0.5f, (stilb_vec2){0.5f, 0.5f}, &ray);
 	view->scene->tracer.intersect(&view->scene->tracer, &ray);
-	if (!gi_hit(&ray))
+	if (!gi_is_hit(&ray))
 		return false;
 	gi_surface_at(view->scene, &ray, &pixel->surface);
 	return gi_cache_wants(&pixel->surface) && !covered(cache, &pixel->surface);

@@ -24,10 +24,10 @@ typedef struct cache_branch {
 } cache_branch;
 
 typedef struct cache_scratch {
-	RTCRay shadows[GI_BATCH];
+	gi_ray shadows[GI_BATCH];
 	stilb_vec3 direct[GI_BATCH];
 	cache_branch branches[BRANCHES * GI_BATCH];
-	RTCRayHit rays[BRANCHES * GI_BATCH];
+	gi_ray_hit rays[BRANCHES * GI_BATCH];
 	gi_point points[BRANCHES * GI_BATCH];
 	stilb_vec3 reflected[GI_BATCH];
 	uint32_t shadow_count, branch_count;
@@ -42,7 +42,7 @@ static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, sti
 	uint32_t i = scratch->branch_count++;
 	scratch->branches[i] = *wanted;
 	scratch->branches[i].target = sample;
-	scratch->rays[i] = gi_rayhit_make(origin, direction);
+	scratch->rays[i] = gi_ray_hit_make(origin, direction);
 	scratch->points[i] = batch->points[sample];
 }
 
@@ -55,7 +55,7 @@ static void want_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *sur
 	if (stilb_vec3_dot(direction, surface->geometric) <= 0.0f)
 		return;
 	cache_branch wanted = {.weight = surface->diffuse};
-	want_branch(batch, sample, gi_ray_origin(surface, surface->geometric), direction, &wanted);
+	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), direction, &wanted);
 }
 
 static void shade_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
@@ -88,7 +88,7 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 	cache_branch wanted = {.weight = chosen.weight - diffuse, .normal = bsdf->frame.n, .pdf = chosen.pdf};
 	if (batch->view->settings.only != STILB_GI_ONLY_INDIRECT)
 		wanted.shown = chosen.weight;
-	want_branch(batch, sample, gi_ray_origin(surface, surface->geometric), chosen.direction, &wanted);
+	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), chosen.direction, &wanted);
 }
 
 static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
@@ -96,7 +96,7 @@ static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surf
 {
 	cache_scratch *scratch = batch->scratch;
 	uint32_t i = scratch->shadow_count;
-	stilb_vec3 origin = gi_ray_origin(surface, surface->geometric);
+	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
 	if (!gi_direct_ask(batch->view, bsdf, origin, numbers, bsdf->share > 0.0f, &scratch->shadows[i],
 	                   &scratch->direct[i]))
 		return;
@@ -114,7 +114,7 @@ static void shade_surface(gi_batch *batch, uint32_t sample, const gi_surface *su
 		return;
 	float numbers[8];
 	gi_sample_8(&view->sampler, batch->points[sample], GI_DIMENSION_OF(0), numbers);
-	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, surface, -gi_ray_dir(&batch->rays[sample].ray));
+	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, surface, -gi_ray_direction(&batch->rays[sample].ray));
 	if (bsdf.share > 0.0f) {
 		bsdf.share = 1.0f;
 		want_highlight(batch, sample, surface, &bsdf, numbers);
@@ -128,11 +128,11 @@ static void shade_surface(gi_batch *batch, uint32_t sample, const gi_surface *su
 static void shade_one(gi_batch *batch, uint32_t sample)
 {
 	const gi_view *view = batch->view;
-	const RTCRayHit *ray = &batch->rays[sample];
+	const gi_ray_hit *ray = &batch->rays[sample];
 	batch->radiance[sample] = (stilb_vec3){0};
-	if (!gi_hit(ray)) {
+	if (!gi_is_hit(ray)) {
 		if (view->settings.only != STILB_GI_ONLY_INDIRECT)
-			batch->radiance[sample] = gi_environment_radiance(&view->scene->lights, gi_ray_dir(&ray->ray));
+			batch->radiance[sample] = gi_environment_radiance(&view->scene->lights, gi_ray_direction(&ray->ray));
 		return;
 	}
 	gi_surface surface;
@@ -152,19 +152,19 @@ static void trace_shadows(gi_batch *batch)
 	const gi_tracer *tracer = &batch->view->scene->tracer;
 	tracer->occluded(tracer, scratch->shadows, scratch->shadow_count);
 	for (uint32_t i = 0; i < scratch->shadow_count; i++)
-		if (scratch->shadows[i].tfar >= 0.0f)
+		if (scratch->shadows[i].t_max >= 0.0f)
 			batch->radiance[scratch->shadows[i].id] += scratch->direct[i];
 	batch->rays_traced += scratch->shadow_count;
 	batch->shadow_rays += scratch->shadow_count;
 }
 
 /* Emission that a branch found. */
-static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, const RTCRayHit *ray)
+static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, const gi_ray_hit *ray)
 {
 	if (branch->shown[0] + branch->shown[1] + branch->shown[2] == 0.0f)
 		return (stilb_vec3){0};
 	gi_surface surface;
-	bool hit = gi_hit(ray);
+	bool hit = gi_is_hit(ray);
 	if (hit)
 		gi_surface_at(view->scene, ray, &surface);
 	return branch->shown * gi_direct_found(view, branch->pdf, branch->normal, ray, hit ? &surface : NULL);

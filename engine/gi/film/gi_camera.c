@@ -43,7 +43,7 @@ stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u)
 	return place * camera->lens.radius;
 }
 
-void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, RTCRayHit *ray)
+void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, gi_ray_hit *ray)
 {
 	/* As lanes_pinhole does it, to the bit. */
 	float across = x * camera->to_u - camera->half_width, up = camera->half_height - y * camera->to_v;
@@ -56,5 +56,5 @@ void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, R
 		direction = direction * camera->lens.focus - offset;
 	}
 	direction = stilb_vec3_normalize(direction);
-	*ray = gi_rayhit_make(origin, direction);
+	*ray = gi_ray_hit_make(origin, direction);
 }

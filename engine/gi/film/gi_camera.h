@@ -24,8 +24,8 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 /* A point of the aperture, from u in [0, 1)^2: metres along right and up. */
 stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u);
 
-/* The ray through (x, y) in pixels from the top left corner of the picture, lens in [0, 1)^2. dir is unit, tnear 0, tfar inf. */
-void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, RTCRayHit *ray);
+/* The ray through (x, y) in pixels from the top left corner of the picture, lens in [0, 1)^2. direction is unit, t_min 0, t_max inf. */
+void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, gi_ray_hit *ray);
 
 /* Where in the filter: pixel coordinates relative to the pixel's centre, distributed as the filter's weight (all weights are
  * positive, so that every sample counts the same). Source: Ernst, Stamminger, Greiner, "Filter importance sampling" (2006). */

@@ -55,11 +55,11 @@ static void primary_fetch_triangles(const stilb_gi_scene *scene, gi_primary_pack
 {
 	for (uint32_t lane = 0; lane < 16; lane++) {
 		packet->parts[lane] = NULL;
-		if (packet->rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID)
+		if (packet->rays.hit.part[lane] == GI_NO_PART)
 			continue;
-		const gi_part *part = &scene->parts[packet->rays.hit.geomID[lane]];
+		const gi_part *part = &scene->parts[packet->rays.hit.part[lane]];
 		packet->parts[lane] = part;
-		packet->triangles[lane] = &part->triangles[packet->rays.hit.primID[lane]];
+		packet->triangles[lane] = &part->triangles[packet->rays.hit.triangle[lane]];
 		__builtin_prefetch(packet->triangles[lane]);
 	}
 }

@@ -11,7 +11,7 @@
 #include "gi/integrate/gi_integrator.h"
 
 typedef struct gi_primary {
-	RTCRayHit rays[GI_BATCH];  /* dir is unit */
+	gi_ray_hit rays[GI_BATCH]; /* direction is unit */
 	float albedo[GI_BATCH][4]; /* diffuse + specular reflectance, [3] is not used; 0 for a miss */
 	float normal[GI_BATCH][4]; /* shading normal in the world, [3] is not used; 0 for a miss */
 	float depth[GI_BATCH];     /* along the view; +infinity for a miss */
@@ -30,7 +30,7 @@ typedef struct gi_primary_places {
 } gi_primary_places;
 
 typedef struct gi_primary_packet {
-	RTCRayHit16 rays;
+	gi_ray_hit16 rays;
 	const gi_part *parts[16]; /* that were hit; NULL: none */
 	const gi_triangle *triangles[16];
 } gi_primary_packet;
@@ -39,7 +39,7 @@ typedef struct gi_primary_kernels {
 	/* gi_sample_2d of Sobol points; count is a multiple of 16. */
 	void (*sobol)(const gi_point *points, uint32_t dimension, uint32_t count, float *u, float *v);
 	/* gi_camera_ray of sixteen places from first on. */
-	void (*rays)(const gi_camera *camera, const gi_primary_places *places, uint32_t first, RTCRayHit16 *rays);
+	void (*rays)(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray_hit16 *rays);
 	/* Rays and G-buffer of a packet to sixteen places of out from first on. */
 	void (*surfaces)(const stilb_gi_scene *scene, const gi_camera *camera, const gi_primary_packet *packet,
 	                 uint32_t first, gi_primary *out);

@@ -31,7 +31,7 @@ static void lanes_sobol(const gi_point *points, uint32_t dimension, uint32_t cou
 
 /* ---- rays --------------------------------------------------------------------------------------------------------- */
 
-static void lanes_pinhole(const gi_camera *camera, const float *x, const float *y, struct RTCRay16 *rays)
+static void lanes_pinhole(const gi_camera *camera, const float *x, const float *y, gi_ray16 *rays)
 {
 	const stilb_vec3 right = camera->right, up = camera->up, forward = camera->forward;
 	for (int i = 0; i < 16; i++) {
@@ -39,43 +39,43 @@ static void lanes_pinhole(const gi_camera *camera, const float *x, const float *
 		float dx = forward[0] + right[0] * a + up[0] * b, dy = forward[1] + right[1] * a + up[1] * b,
 			  dz = forward[2] + right[2] * a + up[2] * b;
 		float unit = 1.0f / sqrtf(dx * dx + dy * dy + dz * dz);
-		rays->org_x[i] = camera->position[0];
-		rays->org_y[i] = camera->position[1];
-		rays->org_z[i] = camera->position[2];
-		rays->dir_x[i] = dx * unit;
-		rays->dir_y[i] = dy * unit;
-		rays->dir_z[i] = dz * unit;
+		rays->origin[0][i] = camera->position[0];
+		rays->origin[1][i] = camera->position[1];
+		rays->origin[2][i] = camera->position[2];
+		rays->direction[0][i] = dx * unit;
+		rays->direction[1][i] = dy * unit;
+		rays->direction[2][i] = dz * unit;
 	}
 }
 
 /* Its sines and cosines are the C library's, one at a time. */
-static void lanes_lens(const gi_camera *camera, const gi_primary_places *places, uint32_t first, struct RTCRay16 *rays)
+static void lanes_lens(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray16 *rays)
 {
 	for (uint32_t i = 0; i < 16; i++) {
-		RTCRayHit ray;
+		gi_ray_hit ray;
 		stilb_vec2 lens = {places->lens_u[first + i], places->lens_v[first + i]};
 		gi_camera_ray(camera, places->x[first + i], places->y[first + i], lens, &ray);
-		rays->org_x[i] = ray.ray.org_x;
-		rays->org_y[i] = ray.ray.org_y;
-		rays->org_z[i] = ray.ray.org_z;
-		rays->dir_x[i] = ray.ray.dir_x;
-		rays->dir_y[i] = ray.ray.dir_y;
-		rays->dir_z[i] = ray.ray.dir_z;
+		rays->origin[0][i] = ray.ray.origin[0];
+		rays->origin[1][i] = ray.ray.origin[1];
+		rays->origin[2][i] = ray.ray.origin[2];
+		rays->direction[0][i] = ray.ray.direction[0];
+		rays->direction[1][i] = ray.ray.direction[1];
+		rays->direction[2][i] = ray.ray.direction[2];
 	}
 }
 
-static void lanes_rays(const gi_camera *camera, const gi_primary_places *places, uint32_t first, RTCRayHit16 *rays)
+static void lanes_rays(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray_hit16 *rays)
 {
 	if (camera->lens.radius > 0.0f)
 		lanes_lens(camera, places, first, &rays->ray);
 	else
 		lanes_pinhole(camera, places->x + first, places->y + first, &rays->ray);
 	for (int i = 0; i < 16; i++) {
-		rays->ray.tnear[i] = rays->ray.time[i] = 0.0f;
-		rays->ray.tfar[i] = INFINITY;
+		rays->ray.t_min[i] = rays->ray.time[i] = 0.0f;
+		rays->ray.t_max[i] = INFINITY;
 		rays->ray.mask[i] = UINT32_MAX;
 		rays->ray.id[i] = rays->ray.flags[i] = 0;
-		rays->hit.geomID[i] = rays->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+		rays->hit.part[i] = rays->hit.instance[i] = GI_NO_PART;
 	}
 }
 
@@ -113,15 +113,15 @@ static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albe
 
 /* Columns of interpolated normals become unit and turn to the geometric normal's side, which is the viewer's. Whether that is
  * all that is to be done: gi_surface_at knows what else. */
-static bool lanes_normals(const RTCRayHit16 *rays, float normals[3][16])
+static bool lanes_normals(const gi_ray_hit16 *rays, float normals[3][16])
 {
 	int32_t more = 0;
 	for (int i = 0; i < 16; i++) {
 		float x = normals[0][i], y = normals[1][i], z = normals[2][i];
-		float dx = rays->ray.dir_x[i], dy = rays->ray.dir_y[i], dz = rays->ray.dir_z[i];
-		float gx = rays->hit.Ng_x[i], gy = rays->hit.Ng_y[i], gz = rays->hit.Ng_z[i];
+		float dx = rays->ray.direction[0][i], dy = rays->ray.direction[1][i], dz = rays->ray.direction[2][i];
+		float gx = rays->hit.normal[0][i], gy = rays->hit.normal[1][i], gz = rays->hit.normal[2][i];
 		float square = x * x + y * y + z * z;
-		int32_t miss = rays->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID, none = !(square > GI_NORMAL_NONE);
+		int32_t miss = rays->hit.part[i] == GI_NO_PART, none = !(square > GI_NORMAL_NONE);
 		float unit = 1.0f / sqrtf(none ? 1.0f : square);
 		float from_viewer = gx * dx + gy * dy + gz * dz, from_normal = gx * x + gy * y + gz * z;
 		float side = from_viewer * from_normal > 0.0f ? -unit : unit;
@@ -133,12 +133,12 @@ static bool lanes_normals(const RTCRayHit16 *rays, float normals[3][16])
 	return !more;
 }
 
-static void lanes_depths(const gi_camera *camera, const RTCRayHit16 *rays, float *restrict depths)
+static void lanes_depths(const gi_camera *camera, const gi_ray_hit16 *rays, float *restrict depths)
 {
 	for (int i = 0; i < 16; i++)
-		depths[i] =
-			rays->ray.tfar[i] * (rays->ray.dir_x[i] * camera->forward[0] + rays->ray.dir_y[i] * camera->forward[1] +
-		                         rays->ray.dir_z[i] * camera->forward[2]);
+		depths[i] = rays->ray.t_max[i] *
+		            (rays->ray.direction[0][i] * camera->forward[0] + rays->ray.direction[1][i] * camera->forward[1] +
+		             rays->ray.direction[2][i] * camera->forward[2]);
 }
 
 /* Textures, instances, and normals that files have wrong. */

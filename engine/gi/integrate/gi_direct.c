@@ -11,7 +11,7 @@ static float mis_weight(float pdf, float other)
 }
 
 bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
-                   RTCRay *shadow, stilb_vec3 *direct)
+                   gi_ray *shadow, stilb_vec3 *direct)
 {
 	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
 	gi_light_sample light;
@@ -28,11 +28,11 @@ bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, 
 	return true;
 }
 
-stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const RTCRayHit *ray,
+stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const gi_ray_hit *ray,
                            const gi_surface *surface)
 {
 	const gi_lights *lights = &view->scene->lights;
-	stilb_vec3 origin = gi_ray_org(&ray->ray), direction = gi_ray_dir(&ray->ray);
+	stilb_vec3 origin = gi_ray_origin(&ray->ray), direction = gi_ray_direction(&ray->ray);
 	if (!surface) {
 		stilb_vec3 radiance = gi_environment_radiance(lights, direction);
 		return pdf > 0.0f ? radiance * mis_weight(pdf, gi_environment_pdf(lights, origin, normal, direction))
@@ -41,6 +41,6 @@ stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, co
 	const gi_part *part = &view->scene->parts[surface->part];
 	if (pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
 		return surface->emission;
-	float asked = gi_light_pdf(lights, origin, normal, part->first_light + surface->triangle, ray->ray.tfar);
+	float asked = gi_light_pdf(lights, origin, normal, part->first_light + surface->triangle, ray->ray.t_max);
 	return surface->emission * mis_weight(pdf, asked);
 }

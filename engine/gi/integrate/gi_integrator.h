@@ -29,7 +29,7 @@ typedef struct gi_batch {
 	uint32_t worker;
 	uint32_t count;
 	const gi_point *points; /* [count] */
-	const RTCRayHit *rays;  /* [count] camera rays and what they hit; dir is unit */
+	const gi_ray_hit *rays; /* [count] camera rays and what they hit; direction is unit */
 	stilb_vec3 *radiance;   /* [count] out */
 	void *scratch; /* of this worker: gi_integrator.scratch_size bytes, cache line aligned, kept between batches */
 	uint64_t rays_traced, shadow_rays; /* out: added to */

@@ -38,17 +38,17 @@ static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
 	                        &light) ||
 	    !light.delta || stilb_vec3_dot(at->surface.geometric, light.direction) <= 0.0f)
 		return none;
-	stilb_vec3 origin = gi_ray_origin(&at->surface, light.direction);
-	RTCRay shadow = gi_ray_make(origin, light.direction, light.distance);
+	stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);
+	gi_ray shadow = gi_ray_make(origin, light.direction, light.distance);
 	view->scene->tracer.occluded(&view->scene->tracer, &shadow, 1);
 	batch->rays_traced++;
 	batch->shadow_rays++;
-	if (shadow.tfar < 0.0f)
+	if (shadow.t_max < 0.0f)
 		return none;
 	return gi_bsdf_cos(&at->bsdf, light.direction) * light.radiance / light.pdf;
 }
 
-static stilb_vec3 radiance_along(gi_batch *batch, const RTCRayHit *ray, gi_point point, uint32_t vertex);
+static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex);
 
 /* The k-th of the rays that gather light at a surface: as likely as its cosine where the surface is diffuse. */
 static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
@@ -63,20 +63,20 @@ static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(&at->bsdf, numbers[GI_DIMENSION_LOBE], place, &chosen))
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	RTCRayHit ray = gi_rayhit_make(gi_ray_origin(&at->surface, chosen.direction), chosen.direction);
+	gi_ray_hit ray = gi_ray_hit_make(gi_surface_ray_origin(&at->surface, chosen.direction), chosen.direction);
 	view->scene->tracer.intersect(&view->scene->tracer, &ray);
 	batch->rays_traced++;
 	return chosen.weight * radiance_along(batch, &ray, branch, at->vertex + 1);
 }
 
 /* Radiance that comes back along a ray that has been traced to the vertex. */
-static stilb_vec3 radiance_along(gi_batch *batch, const RTCRayHit *ray, gi_point point, uint32_t vertex)
+static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex)
 {
 	const gi_view *view = batch->view;
 	const bool indirect = view->settings.only == STILB_GI_ONLY_INDIRECT;
-	const stilb_vec3 direction = gi_ray_dir(&ray->ray);
+	const stilb_vec3 direction = gi_ray_direction(&ray->ray);
 	stilb_vec3 radiance = stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	if (!gi_hit(ray))
+	if (!gi_is_hit(ray))
 		return indirect && vertex <= 1 ? radiance : gi_environment_radiance(&view->scene->lights, direction);
 	hit at = {.point = point, .vertex = vertex};
 	gi_surface_at(view->scene, ray, &at.surface);

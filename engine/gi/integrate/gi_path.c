@@ -36,8 +36,8 @@ typedef struct path_wave {
 	uint32_t direct_from, emission_from; /* the reflections at which lights count: the first of each */
 	uint32_t count, shadow_count;
 	path_state *paths;    /* [count] */
-	RTCRayHit *rays;      /* [count] */
-	RTCRay *shadows;      /* [shadow_count] id: the path's slot */
+	gi_ray_hit *rays;     /* [count] */
+	gi_ray *shadows;      /* [shadow_count] id: the path's slot */
 	stilb_vec3 *direct;   /* [shadow_count] what a shadow ray brings if nothing lies in its way */
 	stilb_vec3 *radiance; /* of the slots */
 	uint64_t rays_traced, shadow_rays;
@@ -79,8 +79,8 @@ static bool reflects(const gi_surface *surface)
 static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 {
 	const path_state *path = &wave->paths[i];
-	const RTCRayHit *ray = &wave->rays[i];
-	const bool hit = gi_hit(ray);
+	const gi_ray_hit *ray = &wave->rays[i];
+	const bool hit = gi_is_hit(ray);
 	if (hit)
 		gi_surface_at(wave->view->scene, ray, surface);
 	if (wave->bounce >= wave->emission_from)
@@ -92,7 +92,7 @@ static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 /* Asks a light, and puts the shadow ray in the stream. */
 static void path_ask_light(path_wave *wave, const path_state *path, const path_vertex *vertex)
 {
-	RTCRay *shadow = &wave->shadows[wave->shadow_count];
+	gi_ray *shadow = &wave->shadows[wave->shadow_count];
 	stilb_vec3 *direct = &wave->direct[wave->shadow_count];
 	if (!gi_direct_ask(wave->view, &vertex->bsdf, vertex->origin, vertex->numbers, true, shadow, direct))
 		return;
@@ -102,7 +102,7 @@ static void path_ask_light(path_wave *wave, const path_state *path, const path_v
 }
 
 /* Makes the path to the next vertex, and its ray. False: it ends here, but for its shadow ray. */
-static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_state *path, RTCRayHit *ray)
+static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_state *path, gi_ray_hit *ray)
 {
 	const float *numbers = vertex->numbers;
 	gi_bsdf_sample next;
@@ -114,7 +114,7 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 		return false;
 	path->pdf = next.pdf;
 	path->normal = vertex->bsdf.frame.n;
-	*ray = gi_rayhit_make(vertex->origin, next.direction);
+	*ray = gi_ray_hit_make(vertex->origin, next.direction);
 	return true;
 }
 
@@ -136,9 +136,9 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 		            vertices[k].numbers);
 	for (uint32_t k = 0; k < live; k++) {
 		path_vertex *vertex = &vertices[k];
-		stilb_vec3 to_viewer = -gi_ray_dir(&wave->rays[vertex->path].ray);
+		stilb_vec3 to_viewer = -gi_ray_direction(&wave->rays[vertex->path].ray);
 		vertex->bsdf = gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer);
-		vertex->origin = gi_ray_origin(&vertex->surface, vertex->surface.geometric);
+		vertex->origin = gi_surface_ray_origin(&vertex->surface, vertex->surface.geometric);
 	}
 	if (wave->bounce + 1 >= wave->direct_from)
 		for (uint32_t k = 0; k < live; k++)
@@ -156,21 +156,21 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 static inline __attribute__((always_inline)) void wave_fetch_triangles(const path_wave *wave, uint32_t first)
 {
 	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
-		const RTCRayHit *ray = &wave->rays[i];
-		if (gi_hit(ray))
-			__builtin_prefetch(&wave->view->scene->parts[ray->hit.geomID].triangles[ray->hit.primID]);
+		const gi_ray_hit *ray = &wave->rays[i];
+		if (gi_is_hit(ray))
+			__builtin_prefetch(&wave->view->scene->parts[ray->hit.part].triangles[ray->hit.triangle]);
 	}
 }
 
 static inline __attribute__((always_inline)) void wave_fetch_vertices(const path_wave *wave, uint32_t first)
 {
 	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
-		const RTCRayHit *ray = &wave->rays[i];
-		if (!gi_hit(ray))
+		const gi_ray_hit *ray = &wave->rays[i];
+		if (!gi_is_hit(ray))
 			continue;
-		const gi_part *part = &wave->view->scene->parts[ray->hit.geomID];
+		const gi_part *part = &wave->view->scene->parts[ray->hit.part];
 		for (int k = 0; k < 3; k++)
-			__builtin_prefetch(&part->vertices[part->triangles[ray->hit.primID].vertex[k]]);
+			__builtin_prefetch(&part->vertices[part->triangles[ray->hit.triangle].vertex[k]]);
 	}
 }
 
@@ -196,7 +196,7 @@ static void wave_shadows(path_wave *wave)
 	const gi_tracer *tracer = &wave->view->scene->tracer;
 	tracer->occluded(tracer, wave->shadows, wave->shadow_count);
 	for (uint32_t s = 0; s < wave->shadow_count; s++)
-		if (wave->shadows[s].tfar >= 0.0f)
+		if (wave->shadows[s].t_max >= 0.0f)
 			wave->radiance[wave->shadows[s].id] += wave->direct[s];
 	wave->rays_traced += wave->shadow_count;
 	wave->shadow_rays += wave->shadow_count;
@@ -229,8 +229,8 @@ static void wave_run(path_wave *wave)
 /* ---- the integrators --------------------------------------------------------------------------------------------- */
 
 typedef struct path_scratch {
-	RTCRayHit rays[GI_BATCH];
-	RTCRay shadows[GI_BATCH];
+	gi_ray_hit rays[GI_BATCH];
+	gi_ray shadows[GI_BATCH];
 	path_state paths[GI_BATCH];
 	stilb_vec3 direct[GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH]; /* split's */
@@ -253,7 +253,7 @@ static path_wave wave_begin(gi_batch *batch)
 }
 
 /* Another path. Its slot is its number in the wave. */
-static void wave_add(path_wave *wave, const RTCRayHit *ray, gi_point point)
+static void wave_add(path_wave *wave, const gi_ray_hit *ray, gi_point point)
 {
 	uint32_t slot = wave->count++;
 	wave->radiance[slot] = (stilb_vec3){0};

@@ -13,7 +13,7 @@ static void color_shade(gi_batch *batch)
 {
 	for (uint32_t i = 0; i < batch->count; i++) {
 		batch->radiance[i] = stilb_vec3_make(0.0f, 0.0f, 0.0f);
-		if (!gi_hit(&batch->rays[i]))
+		if (!gi_is_hit(&batch->rays[i]))
 			continue;
 		gi_surface surface;
 		gi_surface_at(batch->view->scene, &batch->rays[i], &surface);
@@ -26,7 +26,7 @@ const gi_integrator gi_integrator_color = {.shade = color_shade};
 /* ---- direct ------------------------------------------------------------------------------------------------------ */
 
 typedef struct direct_scratch {
-	RTCRay shadows[GI_BATCH];   /* id: the sample that asks */
+	gi_ray shadows[GI_BATCH];   /* id: the sample that asks */
 	stilb_vec3 light[GI_BATCH]; /* of each of them, if nothing is in its way */
 	uint32_t count;
 } direct_scratch;
@@ -41,22 +41,22 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	RTCRayHit ray = gi_rayhit_make(gi_ray_origin(surface, chosen.direction), chosen.direction);
+	gi_ray_hit ray = gi_ray_hit_make(gi_surface_ray_origin(surface, chosen.direction), chosen.direction);
 	view->scene->tracer.intersect(&view->scene->tracer, &ray);
 	batch->rays_traced++;
 	gi_surface found;
-	if (gi_hit(&ray))
+	if (gi_is_hit(&ray))
 		gi_surface_at(view->scene, &ray, &found);
-	return chosen.weight * gi_direct_found(view, chosen.pdf, bsdf->frame.n, &ray, gi_hit(&ray) ? &found : NULL);
+	return chosen.weight * gi_direct_found(view, chosen.pdf, bsdf->frame.n, &ray, gi_is_hit(&ray) ? &found : NULL);
 }
 
 /* What the sample sees of the lights themselves and in a highlight; one light is asked what it sends to the surface. */
 static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t i)
 {
 	const gi_view *view = batch->view;
-	const RTCRayHit *ray = &batch->rays[i];
-	const stilb_vec3 direction = gi_ray_dir(&ray->ray);
-	if (!gi_hit(ray))
+	const gi_ray_hit *ray = &batch->rays[i];
+	const stilb_vec3 direction = gi_ray_direction(&ray->ray);
+	if (!gi_is_hit(ray))
 		return gi_environment_radiance(&view->scene->lights, direction);
 	gi_surface surface;
 	gi_surface_at(view->scene, ray, &surface);
@@ -64,8 +64,8 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, batch->points[i], GI_DIMENSION_OF(0), numbers);
 	const bool highlight = bsdf.share > 0.0f;
-	RTCRay *shadow = &scratch->shadows[scratch->count];
-	if (gi_direct_ask(view, &bsdf, gi_ray_origin(&surface, -direction), numbers, highlight, shadow,
+	gi_ray *shadow = &scratch->shadows[scratch->count];
+	if (gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, -direction), numbers, highlight, shadow,
 	                  &scratch->light[scratch->count])) {
 		shadow->id = i;
 		scratch->count++;
@@ -79,7 +79,7 @@ static void direct_flush(gi_batch *batch, direct_scratch *scratch)
 	const gi_tracer *tracer = &batch->view->scene->tracer;
 	tracer->occluded(tracer, scratch->shadows, scratch->count);
 	for (uint32_t s = 0; s < scratch->count; s++)
-		if (scratch->shadows[s].tfar >= 0.0f)
+		if (scratch->shadows[s].t_max >= 0.0f)
 			batch->radiance[scratch->shadows[s].id] += scratch->light[s];
 	batch->rays_traced += scratch->count;
 	batch->shadow_rays += scratch->count;
@@ -102,12 +102,12 @@ const gi_integrator gi_integrator_direct = {.shade = direct_shade, .scratch_size
 #define AO_STREAM 256
 
 typedef struct ao_scratch {
-	RTCRay rays[AO_STREAM]; /* id: the sample that asks */
+	gi_ray rays[AO_STREAM]; /* id: the sample that asks */
 	uint32_t count;
 } ao_scratch;
 
 /* The k-th of the sample's rays: cosine-weighted, so that the share of rays that get away is the answer. */
-static RTCRay ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t i, uint32_t k)
+static gi_ray ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t i, uint32_t k)
 {
 	const gi_view *view = batch->view;
 	const uint32_t dimension = GI_DIMENSION_OF(0) + GI_DIMENSION_DIRECTION;
@@ -115,15 +115,16 @@ static RTCRay ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t 
 	shade_sample chosen = shade_sample_cosine(gi_sample_2d(&view->sampler, branch, dimension));
 	stilb_vec3 direction = shade_frame_to_world(shade_frame_from_normal(surface->normal), chosen.direction);
 	float distance = view->settings.ao_distance;
-	RTCRay ray = gi_ray_make(gi_ray_origin(surface, direction), direction, distance > 0.0f ? distance : INFINITY);
+	gi_ray ray =
+		gi_ray_make(gi_surface_ray_origin(surface, direction), direction, distance > 0.0f ? distance : INFINITY);
 	ray.id = i;
 	return ray;
 }
 
 /* Below the triangle, where a shading normal leans: there is nothing but the surface itself. */
-static bool ao_below(const gi_surface *surface, const RTCRay *ray)
+static bool ao_below(const gi_surface *surface, const gi_ray *ray)
 {
-	return stilb_vec3_dot(surface->geometric, gi_ray_dir(ray)) <= 0.0f;
+	return stilb_vec3_dot(surface->geometric, gi_ray_direction(ray)) <= 0.0f;
 }
 
 /* Counts the rays of the stream that got away, and empties it. */
@@ -133,7 +134,7 @@ static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 	const gi_tracer *tracer = &batch->view->scene->tracer;
 	tracer->occluded(tracer, scratch->rays, scratch->count);
 	for (uint32_t r = 0; r < scratch->count; r++)
-		if (scratch->rays[r].tfar >= 0.0f)
+		if (scratch->rays[r].t_max >= 0.0f)
 			batch->radiance[scratch->rays[r].id] += 1.0f;
 	batch->rays_traced += scratch->count;
 	batch->shadow_rays += scratch->count;
@@ -141,14 +142,14 @@ static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 }
 
 /* How far the nearest thing on the ray is, as a share of ao_distance; 1: there is none that near. */
-static float ao_reach(gi_batch *batch, const RTCRay *ray)
+static float ao_reach(gi_batch *batch, const gi_ray *ray)
 {
 	const gi_tracer *tracer = &batch->view->scene->tracer;
-	RTCRayHit hit = gi_rayhit_make(gi_ray_org(ray), gi_ray_dir(ray));
-	hit.ray.tfar = ray->tfar;
+	gi_ray_hit hit = gi_ray_hit_make(gi_ray_origin(ray), gi_ray_direction(ray));
+	hit.ray.t_max = ray->t_max;
 	tracer->intersect(tracer, &hit);
 	batch->rays_traced++;
-	return gi_hit(&hit) ? hit.ray.tfar / batch->view->settings.ao_distance : 1.0f;
+	return gi_is_hit(&hit) ? hit.ray.t_max / batch->view->settings.ao_distance : 1.0f;
 }
 
 static void ao_shade(gi_batch *batch)
@@ -158,12 +159,12 @@ static void ao_shade(gi_batch *batch)
 	scratch->count = 0;
 	for (uint32_t i = 0; i < batch->count; i++) {
 		batch->radiance[i] = stilb_vec3_make(0.0f, 0.0f, 0.0f);
-		if (!gi_hit(&batch->rays[i]))
+		if (!gi_is_hit(&batch->rays[i]))
 			continue;
 		gi_surface surface;
 		gi_surface_at(batch->view->scene, &batch->rays[i], &surface);
 		for (uint32_t k = 0; k < settings->rays; k++) {
-			RTCRay ray = ao_ray(batch, &surface, i, k);
+			gi_ray ray = ao_ray(batch, &surface, i, k);
 			if (ao_below(&surface, &ray))
 				continue;
 			if (settings->ao_weighted) {
@@ -178,7 +179,7 @@ static void ao_shade(gi_batch *batch)
 	ao_flush(batch, scratch);
 	for (uint32_t i = 0; i < batch->count; i++)
 		batch->radiance[i] =
-			gi_hit(&batch->rays[i]) ? batch->radiance[i] / (float)settings->rays : stilb_vec3_make(1.0f, 1.0f, 1.0f);
+			gi_is_hit(&batch->rays[i]) ? batch->radiance[i] / (float)settings->rays : stilb_vec3_make(1.0f, 1.0f, 1.0f);
 }
 
 const gi_integrator gi_integrator_ao = {.shade = ao_shade, .scratch_size = sizeof(ao_scratch)};

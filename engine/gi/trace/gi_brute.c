@@ -28,11 +28,13 @@ static double brute_dot(const double a[3], const double b[3])
 
 /* Where the ray meets it: t, u, v; false: it does not. Source: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle
  * Intersection" (1997). */
-static bool brute_meet(const brute_triangle *triangle, const RTCRay *ray, double tuv[3])
+static bool brute_meet(const brute_triangle *triangle, const gi_ray *ray, double tuv[3])
 {
-	double direction[3] = {(double)ray->dir_x, (double)ray->dir_y, (double)ray->dir_z};
-	double from[3] = {(double)ray->org_x - triangle->v0[0], (double)ray->org_y - triangle->v0[1],
-	                  (double)ray->org_z - triangle->v0[2]};
+	double direction[3], from[3];
+	for (int i = 0; i < 3; i++) {
+		direction[i] = (double)ray->direction[i];
+		from[i] = (double)ray->origin[i] - triangle->v0[i];
+	}
 	double p[3], q[3];
 	brute_cross(direction, triangle->e2, p);
 	double determinant = brute_dot(triangle->e1, p);
@@ -42,11 +44,11 @@ static bool brute_meet(const brute_triangle *triangle, const RTCRay *ray, double
 	brute_cross(from, triangle->e1, q);
 	tuv[2] = brute_dot(direction, q) / determinant;
 	tuv[0] = brute_dot(triangle->e2, q) / determinant;
-	return tuv[1] >= 0.0 && tuv[2] >= 0.0 && tuv[1] + tuv[2] <= 1.0 && tuv[0] > (double)ray->tnear &&
-	       tuv[0] <= (double)ray->tfar;
+	return tuv[1] >= 0.0 && tuv[2] >= 0.0 && tuv[1] + tuv[2] <= 1.0 && tuv[0] > (double)ray->t_min &&
+	       tuv[0] <= (double)ray->t_max;
 }
 
-static void brute_intersect(const gi_tracer *tracer, RTCRayHit *ray)
+static void brute_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	const brute *state = tracer->state;
 	for (uint64_t i = 0; i < state->count; i++) {
@@ -55,36 +57,34 @@ static void brute_intersect(const gi_tracer *tracer, RTCRayHit *ray)
 		if (!brute_meet(triangle, &ray->ray, tuv))
 			continue;
 		brute_cross(triangle->e1, triangle->e2, normal);
-		ray->ray.tfar = (float)tuv[0];
+		ray->ray.t_max = (float)tuv[0];
 		ray->hit.u = (float)tuv[1];
 		ray->hit.v = (float)tuv[2];
-		ray->hit.Ng_x = (float)normal[0];
-		ray->hit.Ng_y = (float)normal[1];
-		ray->hit.Ng_z = (float)normal[2];
-		ray->hit.geomID = triangle->part;
-		ray->hit.primID = triangle->triangle;
+		for (int k = 0; k < 3; k++)
+			ray->hit.normal[k] = (float)normal[k];
+		ray->hit.part = triangle->part;
+		ray->hit.triangle = triangle->triangle;
 	}
 }
 
-static void brute_intersect16(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays)
+static void brute_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
 {
 	for (uint32_t i = 0; i < 16; i++) {
 		if (!valid[i])
 			continue;
-		RTCRayHit ray = gi_ray_of(rays, i);
+		gi_ray_hit ray = gi_ray_of(rays, i);
 		brute_intersect(tracer, &ray);
-		rays->ray.tfar[i] = ray.ray.tfar;
+		rays->ray.t_max[i] = ray.ray.t_max;
 		rays->hit.u[i] = ray.hit.u;
 		rays->hit.v[i] = ray.hit.v;
-		rays->hit.Ng_x[i] = ray.hit.Ng_x;
-		rays->hit.Ng_y[i] = ray.hit.Ng_y;
-		rays->hit.Ng_z[i] = ray.hit.Ng_z;
-		rays->hit.geomID[i] = ray.hit.geomID;
-		rays->hit.primID[i] = ray.hit.primID;
+		for (int k = 0; k < 3; k++)
+			rays->hit.normal[k][i] = ray.hit.normal[k];
+		rays->hit.part[i] = ray.hit.part;
+		rays->hit.triangle[i] = ray.hit.triangle;
 	}
 }
 
-static bool brute_meets_any(const brute *state, const RTCRay *ray)
+static bool brute_meets_any(const brute *state, const gi_ray *ray)
 {
 	double tuv[3];
 	for (uint64_t i = 0; i < state->count; i++)
@@ -93,11 +93,11 @@ static bool brute_meets_any(const brute *state, const RTCRay *ray)
 	return false;
 }
 
-static void brute_occluded(const gi_tracer *tracer, RTCRay *rays, uint32_t count)
+static void brute_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++)
 		if (brute_meets_any(tracer->state, &rays[i]))
-			rays[i].tfar = -INFINITY;
+			rays[i].t_max = -INFINITY;
 }
 
 /* ---- life cycle --------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /*
- * gi_embree: Embree's tree behind gi_tracer. The only file that calls Embree, so that programs which do not name
- * stilb_gi_embree do not load it.
+ * gi_embree: Embree's tree behind gi_tracer. The only file of the library that calls Embree, so that programs which do not
+ * name stilb_gi_embree do not load it.
  *
  * Build.    Embree has no threads of its own here ("threads=N,user_threads=N"): the pool's workers join the build, one pinned
  *           job each. Who comes late finds it done and returns at once, so no worker waits for another to come.
@@ -12,7 +12,9 @@
 
 #include "profiler/prof.h"
 
+#include <assert.h>
 #include <stdatomic.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,51 +38,108 @@ typedef struct embree {
 
 /* ---- rays --------------------------------------------------------------------------------------------------------- */
 
-static void embree_intersect(const gi_tracer *tracer, RTCRayHit *ray)
+#define EMBREE_SAME(ours, our_field, theirs, their_field)                                                              \
+	static_assert(offsetof(ours, our_field) == offsetof(struct theirs, their_field),                                   \
+	              "Embree has " #their_field " elsewhere")
+
+static_assert(sizeof(gi_ray) == sizeof(struct RTCRay) && _Alignof(gi_ray) == _Alignof(struct RTCRay), "a ray");
+EMBREE_SAME(gi_ray, origin[0], RTCRay, org_x);
+EMBREE_SAME(gi_ray, origin[1], RTCRay, org_y);
+EMBREE_SAME(gi_ray, origin[2], RTCRay, org_z);
+EMBREE_SAME(gi_ray, t_min, RTCRay, tnear);
+EMBREE_SAME(gi_ray, direction[0], RTCRay, dir_x);
+EMBREE_SAME(gi_ray, direction[1], RTCRay, dir_y);
+EMBREE_SAME(gi_ray, direction[2], RTCRay, dir_z);
+EMBREE_SAME(gi_ray, time, RTCRay, time);
+EMBREE_SAME(gi_ray, t_max, RTCRay, tfar);
+EMBREE_SAME(gi_ray, mask, RTCRay, mask);
+EMBREE_SAME(gi_ray, id, RTCRay, id);
+EMBREE_SAME(gi_ray, flags, RTCRay, flags);
+
+static_assert(RTC_MAX_INSTANCE_LEVEL_COUNT == 1 && RTC_INVALID_GEOMETRY_ID == GI_NO_PART, "one instance, or none");
+static_assert(sizeof(gi_hit) == sizeof(struct RTCHit) && _Alignof(gi_hit) == _Alignof(struct RTCHit), "a hit");
+EMBREE_SAME(gi_hit, normal[0], RTCHit, Ng_x);
+EMBREE_SAME(gi_hit, normal[1], RTCHit, Ng_y);
+EMBREE_SAME(gi_hit, normal[2], RTCHit, Ng_z);
+EMBREE_SAME(gi_hit, u, RTCHit, u);
+EMBREE_SAME(gi_hit, v, RTCHit, v);
+EMBREE_SAME(gi_hit, triangle, RTCHit, primID);
+EMBREE_SAME(gi_hit, part, RTCHit, geomID);
+EMBREE_SAME(gi_hit, instance, RTCHit, instID);
+static_assert(sizeof(gi_ray_hit) == sizeof(struct RTCRayHit), "a ray and its hit");
+EMBREE_SAME(gi_ray_hit, hit, RTCRayHit, hit);
+
+static_assert(sizeof(gi_ray16) == sizeof(struct RTCRay16) && _Alignof(gi_ray16) == _Alignof(struct RTCRay16), "rays");
+EMBREE_SAME(gi_ray16, origin[0], RTCRay16, org_x);
+EMBREE_SAME(gi_ray16, origin[1], RTCRay16, org_y);
+EMBREE_SAME(gi_ray16, origin[2], RTCRay16, org_z);
+EMBREE_SAME(gi_ray16, t_min, RTCRay16, tnear);
+EMBREE_SAME(gi_ray16, direction[0], RTCRay16, dir_x);
+EMBREE_SAME(gi_ray16, direction[1], RTCRay16, dir_y);
+EMBREE_SAME(gi_ray16, direction[2], RTCRay16, dir_z);
+EMBREE_SAME(gi_ray16, time, RTCRay16, time);
+EMBREE_SAME(gi_ray16, t_max, RTCRay16, tfar);
+EMBREE_SAME(gi_ray16, mask, RTCRay16, mask);
+EMBREE_SAME(gi_ray16, id, RTCRay16, id);
+EMBREE_SAME(gi_ray16, flags, RTCRay16, flags);
+
+static_assert(sizeof(gi_hit16) == sizeof(struct RTCHit16) && _Alignof(gi_hit16) == _Alignof(struct RTCHit16), "hits");
+EMBREE_SAME(gi_hit16, normal[0], RTCHit16, Ng_x);
+EMBREE_SAME(gi_hit16, normal[1], RTCHit16, Ng_y);
+EMBREE_SAME(gi_hit16, normal[2], RTCHit16, Ng_z);
+EMBREE_SAME(gi_hit16, u, RTCHit16, u);
+EMBREE_SAME(gi_hit16, v, RTCHit16, v);
+EMBREE_SAME(gi_hit16, triangle, RTCHit16, primID);
+EMBREE_SAME(gi_hit16, part, RTCHit16, geomID);
+EMBREE_SAME(gi_hit16, instance, RTCHit16, instID);
+static_assert(sizeof(gi_ray_hit16) == sizeof(struct RTCRayHit16), "sixteen rays and their hits");
+EMBREE_SAME(gi_ray_hit16, hit, RTCRayHit16, hit);
+
+static void embree_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	const embree *state = tracer->state;
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
-	rtcIntersect1(state->scene, &context, ray);
+	rtcIntersect1(state->scene, &context, gi_embree_ray_hit(ray));
 }
 
-static void embree_intersect16(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays)
+static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
 {
 	const embree *state = tracer->state;
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
 	context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-	rtcIntersect16(valid, state->scene, &context, rays);
+	rtcIntersect16(valid, state->scene, &context, gi_embree_ray_hit16(rays));
 }
 
-/* In packets: Embree's streams (rtcOccluded1M) sort the rays first, which costs more than it saves (here 70 against 45 ns in
- * the Cornell box and 176 against 148 among a million triangles; measured by the path tracer's own rays). */
-static void embree_occluded(const gi_tracer *tracer, RTCRay *rays, uint32_t count)
+/* In packets of sixteen. Embree's streams (rtcOccluded1M) sort the rays first, which costs more than it saves: 70 ns a ray
+ * against 45 in the Cornell box, 176 against 148 among a million triangles, measured with the path tracer's own rays. */
+static void embree_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 {
 	const embree *state = tracer->state;
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
 	for (uint32_t first = 0; first < count; first += 16) {
 		uint32_t lanes = count - first < 16 ? count - first : 16;
-		RTCRay rest[16]; /* the last, where there are less than sixteen */
-		const RTCRay *from = rays + first;
+		gi_ray padded[16]; /* the last rays, where there are fewer than sixteen */
+		const gi_ray *from = rays + first;
 		int valid[16] __attribute__((aligned(64)));
-		struct RTCRay16 packet;
+		gi_ray16 packet;
 		for (uint32_t lane = 0; lane < 16; lane++)
 			valid[lane] = lane < lanes ? -1 : 0;
 		if (lanes < 16) {
-			memset(rest, 0, sizeof rest);
-			memcpy(rest, from, lanes * sizeof *rest);
-			from = rest;
+			memset(padded, 0, sizeof padded);
+			memcpy(padded, from, lanes * sizeof *padded);
+			from = padded;
 		}
 		gi_packet_load_rays(from, &packet);
-		rtcOccluded16(valid, state->scene, &context, &packet);
+		rtcOccluded16(valid, state->scene, &context, gi_embree_ray16(&packet));
 		for (uint32_t lane = 0; lane < lanes; lane++)
-			rays[first + lane].tfar = packet.tfar[lane];
+			rays[first + lane].t_max = packet.t_max[lane];
 	}
 }
 
-/* Embree names the instance beside the geometry, and gives the normal in the mesh's space. */
+/* Embree gives the normal of an instance's triangle in the mesh's space; made world space here. */
 static void embree_normal(const gi_part *part, float *x, float *y, float *z)
 {
 	const float *m = part->normal_to_world, normal[3] = {*x, *y, *z};
@@ -89,29 +148,31 @@ static void embree_normal(const gi_part *part, float *x, float *y, float *z)
 	*z = m[2] * normal[0] + m[5] * normal[1] + m[8] * normal[2];
 }
 
-static void embree_intersect_instances(const gi_tracer *tracer, RTCRayHit *ray)
+/* Of an instance Embree numbers the instance and, within it, the mesh: the instance's number is the part's. */
+static void embree_intersect_instances(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	const embree *state = tracer->state;
-	ray->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+	ray->hit.instance = GI_NO_PART;
 	embree_intersect(tracer, ray);
-	if (!gi_hit(ray) || ray->hit.instID[0] == RTC_INVALID_GEOMETRY_ID)
+	if (!gi_is_hit(ray) || ray->hit.instance == GI_NO_PART)
 		return;
-	ray->hit.geomID = ray->hit.instID[0];
-	embree_normal(&state->parts[ray->hit.geomID], &ray->hit.Ng_x, &ray->hit.Ng_y, &ray->hit.Ng_z);
+	ray->hit.part = ray->hit.instance;
+	embree_normal(&state->parts[ray->hit.part], &ray->hit.normal[0], &ray->hit.normal[1], &ray->hit.normal[2]);
 }
 
-static void embree_intersect16_instances(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays)
+static void embree_intersect16_instances(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
 {
 	const embree *state = tracer->state;
+	gi_hit16 *hit = &rays->hit;
 	for (int i = 0; i < 16; i++)
-		rays->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+		hit->instance[i] = GI_NO_PART;
 	embree_intersect16(tracer, valid, rays);
 	for (int i = 0; i < 16; i++) {
-		uint32_t part = rays->hit.instID[0][i];
-		if (!valid[i] || rays->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID || part == RTC_INVALID_GEOMETRY_ID)
+		uint32_t part = hit->instance[i];
+		if (!valid[i] || hit->part[i] == GI_NO_PART || part == GI_NO_PART)
 			continue;
-		rays->hit.geomID[i] = part;
-		embree_normal(&state->parts[part], &rays->hit.Ng_x[i], &rays->hit.Ng_y[i], &rays->hit.Ng_z[i]);
+		hit->part[i] = part;
+		embree_normal(&state->parts[part], &hit->normal[0][i], &hit->normal[1][i], &hit->normal[2][i]);
 	}
 }
 

@@ -1,5 +1,7 @@
-/* gi_packet: rays one by one, as integrators keep them, to packets of sixteen, as Embree traces them fastest, and back.
- * [any-thread] */
+/*
+ * gi_packet: sixteen rays transposed between the two layouts: one struct a ray, as integrators keep them, and one row a
+ * number (gi_ray_hit16), as intersectors trace packets. [any-thread]
+ */
 #ifndef STILB_GI_PACKET_H
 #define STILB_GI_PACKET_H
 
@@ -10,8 +12,8 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Rows become columns. */
-static inline void gi_packet_turn(stilb_vec4 m[4])
+/* Transposes a 4 x 4 matrix. */
+static inline void gi_packet_transpose(stilb_vec4 m[4])
 {
 	stilb_vec4 a = __builtin_shufflevector(m[0], m[1], 0, 4, 1, 5), b = __builtin_shufflevector(m[2], m[3], 0, 4, 1, 5);
 	stilb_vec4 c = __builtin_shufflevector(m[0], m[1], 2, 6, 3, 7), d = __builtin_shufflevector(m[2], m[3], 2, 6, 3, 7);
@@ -21,33 +23,35 @@ static inline void gi_packet_turn(stilb_vec4 m[4])
 	m[3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
 }
 
-/* Four floats of each of four rays from one place to four rows of a packet. Both are arrays of 4-byte numbers. */
+/* Four structs, stride bytes apart: the four 4-byte numbers at `from` in each of them go to four lanes of four rows of a
+ * packet, which are sixteen numbers apart. */
 static inline void gi_packet_gather(const void *from, size_t stride, void *rows)
 {
 	stilb_vec4 m[4];
 	for (int i = 0; i < 4; i++)
 		memcpy(&m[i], (const char *)from + (size_t)i * stride, sizeof m[i]);
-	gi_packet_turn(m);
+	gi_packet_transpose(m);
 	for (int i = 0; i < 4; i++)
 		memcpy((char *)rows + (size_t)i * 16 * sizeof(float), &m[i], sizeof m[i]);
 }
 
-/* ... and back. */
+/* The inverse of gi_packet_gather. */
 static inline void gi_packet_scatter(const void *rows, void *to, size_t stride)
 {
 	stilb_vec4 m[4];
 	for (int i = 0; i < 4; i++)
 		memcpy(&m[i], (const char *)rows + (size_t)i * 16 * sizeof(float), sizeof m[i]);
-	gi_packet_turn(m);
+	gi_packet_transpose(m);
 	for (int i = 0; i < 4; i++)
 		memcpy((char *)to + (size_t)i * stride, &m[i], sizeof m[i]);
 }
 
-static_assert(offsetof(RTCRay, dir_x) == 16 && offsetof(RTCRay, tfar) == 32 && sizeof(RTCRay) == 48, "as below");
-static_assert(offsetof(RTCRayHit, hit) == 48 && sizeof(RTCRayHit) == 80, "as below");
-static_assert(offsetof(RTCRayHit16, hit) == 12 * 64 && sizeof(RTCRayHit16) == 20 * 64, "as below");
+static_assert(sizeof(gi_ray) == 12 * 4 && sizeof(gi_ray16) == 12 * 64, "a ray is 12 columns of the packet");
+static_assert(offsetof(gi_ray_hit, hit) == 12 * 4 && sizeof(gi_ray_hit) == 20 * 4, "12 columns and 8");
+static_assert(offsetof(gi_ray_hit16, hit) == 12 * 64 && sizeof(gi_ray_hit16) == 20 * 64, "12 rows and 8");
 
-static inline void gi_packet_load_rays(const RTCRay rays[16], struct RTCRay16 *packet)
+/* Sixteen rays into a packet. */
+static inline void gi_packet_load_rays(const gi_ray rays[16], gi_ray16 *packet)
 {
 	for (uint32_t lane = 0; lane < 16; lane += 4)
 		for (uint32_t row = 0; row < 12; row += 4)
@@ -55,7 +59,7 @@ static inline void gi_packet_load_rays(const RTCRay rays[16], struct RTCRay16 *p
 }
 
 #ifdef __AVX512F__
-/* gi_packet_scatter of sixteen rays: four are turned in each quarter of a register. */
+/* gi_packet_scatter for all sixteen lanes: each quarter of a register transposes a 4 x 4 matrix. */
 static inline void gi_packet_scatter_all(const void *rows, void *to, size_t stride)
 {
 	typedef float row __attribute__((vector_size(64)));
@@ -78,6 +82,7 @@ static inline void gi_packet_scatter_all(const void *rows, void *to, size_t stri
 	}
 }
 #else
+/* gi_packet_scatter for all sixteen lanes. */
 static inline void gi_packet_scatter_all(const void *rows, void *to, size_t stride)
 {
 	for (uint32_t lane = 0; lane < 16; lane += 4)
@@ -85,7 +90,8 @@ static inline void gi_packet_scatter_all(const void *rows, void *to, size_t stri
 }
 #endif
 
-static inline void gi_packet_store_hits(const RTCRayHit16 *packet, RTCRayHit rays[16])
+/* A packet into sixteen rays and their hits. */
+static inline void gi_packet_store_hits(const gi_ray_hit16 *packet, gi_ray_hit rays[16])
 {
 	for (uint32_t row = 0; row < 20; row += 4)
 		gi_packet_scatter_all((const char *)packet + row * 64, (char *)rays + row * 4, sizeof *rays);

@@ -1,7 +1,8 @@
 /*
- * gi_ray: Embree's ray structs from vectors, and back. [any-thread]
+ * gi_ray: rays made of vectors, and their vectors back. [any-thread]
  *
- * Whole vectors are moved, as Embree itself does: a load that spans several stores just made has to wait for all of them.
+ * Whole vectors are moved, not three floats: a vector load right after stores of its parts would wait for all of them
+ * (store forwarding fails), and intersectors load whole vectors.
  */
 #ifndef STILB_GI_RAY_H
 #define STILB_GI_RAY_H
@@ -9,38 +10,41 @@
 #include "base/base_math.h"
 #include "gi/trace/gi_trace.h"
 
+#include <assert.h>
 #include <stddef.h>
 #include <string.h>
 
-_Static_assert(offsetof(RTCRay, tnear) == 12 && offsetof(RTCRay, dir_x) == 16 && offsetof(RTCRay, time) == 28 &&
-                   offsetof(RTCRay, tfar) == 32 && offsetof(RTCRay, mask) == 36 && sizeof(RTCRay) == 48,
-               "three vectors: origin and tnear, direction and time, tfar and three integers");
-_Static_assert(offsetof(struct RTCHit, geomID) == 24 && offsetof(struct RTCHit, instID) == 28,
-               "two vectors: ..., geomID, instID");
+static_assert(offsetof(gi_ray, t_min) == 12 && offsetof(gi_ray, direction) == 16 && offsetof(gi_ray, time) == 28 &&
+                  offsetof(gi_ray, t_max) == 32 && offsetof(gi_ray, mask) == 36 && sizeof(gi_ray) == 48,
+              "three vectors: origin and t_min, direction and time, t_max and three integers");
+static_assert(offsetof(gi_hit, part) == 24 && offsetof(gi_hit, instance) == 28 && sizeof(gi_hit) == 32,
+              "two vectors, the second ends with part and instance");
 
-static inline stilb_vec3 gi_ray_org(const RTCRay *ray)
+/* Lane 3 is t_min. */
+static inline stilb_vec3 gi_ray_origin(const gi_ray *ray)
 {
-	stilb_vec3 org;
-	memcpy(&org, (const char *)ray, sizeof org);
-	return org;
+	stilb_vec3 origin;
+	memcpy(&origin, (const char *)ray, sizeof origin);
+	return origin;
 }
 
-static inline stilb_vec3 gi_ray_dir(const RTCRay *ray)
+/* Lane 3 is the time. */
+static inline stilb_vec3 gi_ray_direction(const gi_ray *ray)
 {
-	stilb_vec3 dir;
-	memcpy(&dir, (const char *)ray + 16, sizeof dir);
-	return dir;
+	stilb_vec3 direction;
+	memcpy(&direction, (const char *)ray + 16, sizeof direction);
+	return direction;
 }
 
-/* Four words of a ray. */
+/* The last four words of a ray or of a hit. */
 typedef int32_t gi_ray_words __attribute__((vector_size(16)));
 
-/* From origin, tnear 0, to length. */
-static inline RTCRay gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length)
+/* From origin (t_min is 0) to t_max = length; id 0. */
+static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length)
 {
 	stilb_vec4 tail = {length};
 	gi_ray_words words;
-	RTCRay ray;
+	gi_ray ray;
 	origin[3] = 0.0f;
 	direction[3] = 0.0f;
 	memcpy(&words, &tail, sizeof words);
@@ -51,11 +55,11 @@ static inline RTCRay gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float 
 	return ray;
 }
 
-/* Without an end, and nothing hit yet. */
-static inline RTCRayHit gi_rayhit_make(stilb_vec3 origin, stilb_vec3 direction)
+/* From origin to infinity, with no hit yet. */
+static inline gi_ray_hit gi_ray_hit_make(stilb_vec3 origin, stilb_vec3 direction)
 {
-	const gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)RTC_INVALID_GEOMETRY_ID, (int32_t)RTC_INVALID_GEOMETRY_ID};
-	RTCRayHit ray;
+	const gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)GI_NO_PART, (int32_t)GI_NO_PART};
+	gi_ray_hit ray;
 	ray.ray = gi_ray_make(origin, direction, INFINITY);
 	memcpy((char *)&ray.hit, &zero, sizeof zero);
 	memcpy((char *)&ray.hit + 16, &nothing, sizeof nothing);

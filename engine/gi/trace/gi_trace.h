@@ -1,61 +1,108 @@
 /*
- * gi_trace: rays against the triangles, behind one call, so that a test can put another intersector there.
- * Rays and hits are Embree's structs. [any-thread]
+ * gi_trace: rays, what they hit, and the one interface through which they are traced, so that a test can put another
+ * intersector behind it. [any-thread]
+ *
+ *   gi_ray_hit ray = gi_ray_hit_make(origin, direction);      gi_ray.h
+ *   tracer->intersect(tracer, &ray);
+ *   if (gi_is_hit(&ray))
+ *       ... ray.ray.t_max metres away, on triangle ray.hit.triangle of part ray.hit.part
+ *
+ * Layout.  A ray is three vectors of 16 bytes and a hit is two, so that whole vectors are loaded and stored. It is also the
+ *          layout of Embree's structs: gi_embree.c asserts that, field by field, and passes these on as they are. Nothing
+ *          outside gi/trace names a type of Embree.
  */
 #ifndef STILB_GI_TRACE_H
 #define STILB_GI_TRACE_H
 
-#include <embree3/rtcore.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Embree names them for C++ alone. */
-typedef struct RTCRay RTCRay;
-typedef struct RTCRayHit RTCRayHit;
-typedef struct RTCRayHit16 RTCRayHit16;
+#define GI_PACKET 16u /* rays that are traced together */
 
-/* geomID of a hit is the part's number in the scene, for instances too (the intersector sees to it); u, v and primID are
- * Embree's; Ng is in the world's space and not unit. */
+/* gi_hit.part of a ray that hit nothing; gi_hit.instance of a hit on a triangle that is no instance's. */
+#define GI_NO_PART UINT32_MAX
+
+/* The segment origin + t direction, t_min < t <= t_max. direction need not be unit; t counts in its length. */
+typedef struct gi_ray {
+	float origin[3], t_min;
+	float direction[3], time; /* time: 0, nothing moves */
+	float t_max;              /* out: where the hit is; of an occluded shadow ray -infinity */
+	uint32_t mask;            /* all bits set: the ray meets everything */
+	uint32_t id;              /* for the caller, kept as it is */
+	uint32_t flags;           /* 0 */
+} __attribute__((aligned(16))) gi_ray;
+
+typedef struct gi_hit {
+	float normal[3];   /* of the triangle, in world space, counter-clockwise side, not unit */
+	float u, v;        /* barycentric: the point is (1 - u - v) a + u b + v c of the corners a, b, c */
+	uint32_t triangle; /* its index in the mesh of the part */
+	uint32_t part;     /* its index in the scene, of instances too; GI_NO_PART: the ray hit nothing */
+	uint32_t instance; /* for the intersector */
+} __attribute__((aligned(16))) gi_hit;
+
+/* A ray and the closest hit on it. */
+typedef struct gi_ray_hit {
+	gi_ray ray;
+	gi_hit hit;
+} gi_ray_hit;
+
+/* The same sixteen times, each number a row of its own: [axis][lane] and [lane]. */
+typedef struct gi_ray16 {
+	float origin[3][GI_PACKET], t_min[GI_PACKET];
+	float direction[3][GI_PACKET], time[GI_PACKET];
+	float t_max[GI_PACKET];
+	uint32_t mask[GI_PACKET], id[GI_PACKET], flags[GI_PACKET];
+} __attribute__((aligned(64))) gi_ray16;
+
+typedef struct gi_hit16 {
+	float normal[3][GI_PACKET];
+	float u[GI_PACKET], v[GI_PACKET];
+	uint32_t triangle[GI_PACKET], part[GI_PACKET], instance[GI_PACKET];
+} __attribute__((aligned(64))) gi_hit16;
+
+typedef struct gi_ray_hit16 {
+	gi_ray16 ray;
+	gi_hit16 hit;
+} gi_ray_hit16;
+
+/* How rays are traced against the triangles of one scene. */
 typedef struct gi_tracer gi_tracer;
 struct gi_tracer {
-	/* One ray, going anywhere. */
-	void (*intersect)(const gi_tracer *tracer, RTCRayHit *ray);
-	/* Sixteen that start side by side; valid: -1 or 0 each. */
-	void (*intersect16)(const gi_tracer *tracer, const int *valid, RTCRayHit16 *rays);
-	/* Many short questions: tfar becomes -infinity where something lies between tnear and tfar. */
-	void (*occluded)(const gi_tracer *tracer, RTCRay *rays, uint32_t count);
+	/* The closest hit of one ray: t_max and hit. hit.part is GI_NO_PART before. */
+	void (*intersect)(const gi_tracer *tracer, gi_ray_hit *ray);
+	/* The same for sixteen rays with nearby origins and directions. valid: [16], -1 to trace that lane or 0, 64-byte
+	 * aligned. */
+	void (*intersect16)(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays);
+	/* Any hit: t_max becomes -infinity where something lies on the segment, and stays as it is where nothing does. */
+	void (*occluded)(const gi_tracer *tracer, gi_ray *rays, uint32_t count);
 	void *state;
 };
 
-static inline bool gi_hit(const RTCRayHit *ray)
+static inline bool gi_is_hit(const gi_ray_hit *ray)
 {
-	return ray->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+	return ray->hit.part != GI_NO_PART;
 }
 
-/* One of the sixteen. */
-static inline RTCRayHit gi_ray_of(const RTCRayHit16 *rays, uint32_t i)
+/* One lane of sixteen. */
+static inline gi_ray_hit gi_ray_of(const gi_ray_hit16 *rays, uint32_t lane)
 {
-	return (RTCRayHit){
-		.ray = {.org_x = rays->ray.org_x[i],
-	            .org_y = rays->ray.org_y[i],
-	            .org_z = rays->ray.org_z[i],
-	            .tnear = rays->ray.tnear[i],
-	            .dir_x = rays->ray.dir_x[i],
-	            .dir_y = rays->ray.dir_y[i],
-	            .dir_z = rays->ray.dir_z[i],
-	            .time = rays->ray.time[i],
-	            .tfar = rays->ray.tfar[i],
-	            .mask = rays->ray.mask[i],
-	            .id = rays->ray.id[i],
-	            .flags = rays->ray.flags[i]},
-		.hit = {.Ng_x = rays->hit.Ng_x[i],
-	            .Ng_y = rays->hit.Ng_y[i],
-	            .Ng_z = rays->hit.Ng_z[i],
-	            .u = rays->hit.u[i],
-	            .v = rays->hit.v[i],
-	            .primID = rays->hit.primID[i],
-	            .geomID = rays->hit.geomID[i],
-	            .instID = {rays->hit.instID[0][i]}},
+	const gi_ray16 *ray = &rays->ray;
+	const gi_hit16 *hit = &rays->hit;
+	return (gi_ray_hit){
+		.ray = {.origin = {ray->origin[0][lane], ray->origin[1][lane], ray->origin[2][lane]},
+	            .t_min = ray->t_min[lane],
+	            .direction = {ray->direction[0][lane], ray->direction[1][lane], ray->direction[2][lane]},
+	            .time = ray->time[lane],
+	            .t_max = ray->t_max[lane],
+	            .mask = ray->mask[lane],
+	            .id = ray->id[lane],
+	            .flags = ray->flags[lane]},
+		.hit = {.normal = {hit->normal[0][lane], hit->normal[1][lane], hit->normal[2][lane]},
+	            .u = hit->u[lane],
+	            .v = hit->v[lane],
+	            .triangle = hit->triangle[lane],
+	            .part = hit->part[lane],
+	            .instance = hit->instance[lane]},
 	};
 }
 
