@@ -171,12 +171,10 @@ static bool scene_position_fine(const stilb_scene_vertex *vertex)
 	return true;
 }
 
-/* Has it an area, as rays see it: in float? */
-static bool scene_triangle_fine(const stilb_scene_vertex *v0, const stilb_scene_vertex *v1,
-                                const stilb_scene_vertex *v2)
+/* Is the triangle's area more than 0 in float arithmetic, which is what rays are traced in? */
+static bool scene_triangle_has_area(const stilb_scene_vertex *v0, const stilb_scene_vertex *v1,
+                                    const stilb_scene_vertex *v2)
 {
-	if (!scene_position_fine(v0) || !scene_position_fine(v1) || !scene_position_fine(v2))
-		return false;
 	float a[3], b[3];
 	for (int i = 0; i < 3; i++) {
 		a[i] = v1->position[i] - v0->position[i];
@@ -232,18 +230,26 @@ static void scene_mesh_add(stilb_gi_scene *world, const stilb_scene_mesh *mesh, 
 		scene_normal(normal_matrix, vertex->normal, vertices[i].normal);
 	}
 	bool mirrored = scene_mirrored(transform);
-	uint32_t count = 0;
+	uint32_t count = 0, invalid = 0;
 	for (uint32_t i = 0; i + 2 < mesh->index_count; i += 3) {
 		uint32_t a = mesh->indices[i], b = mesh->indices[i + 1 + mirrored], c = mesh->indices[i + 2 - mirrored];
 		if (a >= mesh->vertex_count || b >= mesh->vertex_count || c >= mesh->vertex_count ||
-		    !scene_triangle_fine(&vertices[a], &vertices[b], &vertices[c]))
+		    !scene_position_fine(&vertices[a]) || !scene_position_fine(&vertices[b]) ||
+		    !scene_position_fine(&vertices[c])) {
+			invalid++;
+			continue;
+		}
+		if (!scene_triangle_has_area(&vertices[a], &vertices[b], &vertices[c]))
 			continue;
 		triangles[count++] = (gi_triangle){
 			.vertex = {a, b, c},
 			.error = gi_triangle_shape_error(vertices[a].position, vertices[b].position, vertices[c].position)};
 	}
-	*out = (gi_mesh){
-		.vertices = vertices, .triangles = triangles, .vertex_count = mesh->vertex_count, .triangle_count = count};
+	*out = (gi_mesh){.vertices = vertices,
+	                 .triangles = triangles,
+	                 .vertex_count = mesh->vertex_count,
+	                 .triangle_count = count,
+	                 .invalid_count = invalid};
 	scene_mesh_box(out);
 	world->mesh_count++;
 }
@@ -273,13 +279,15 @@ static void scene_part_add(stilb_gi_scene *world, const stilb_scene *scene, cons
 	}
 	part->vertices = world->meshes[part->mesh].vertices;
 	part->triangles = world->meshes[part->mesh].triangles;
-	uint32_t count = world->meshes[part->mesh].triangle_count;
+	const uint32_t count = world->meshes[part->mesh].triangle_count;
+	const uint32_t invalid = world->meshes[part->mesh].invalid_count;
 	if (emits) {
 		part->first_light = world->info.lights;
 		world->info.lights += count;
 	}
 	world->info.triangles += count;
-	world->info.dropped += scene->meshes[mesh].index_count / 3 - count;
+	world->info.invalid += invalid;
+	world->info.flat += scene->meshes[mesh].index_count / 3 - count - invalid;
 }
 
 /* Around the boxes of all parts' meshes: of an instance that is turned, more than it fills. */

@@ -42,12 +42,13 @@ stilb_gi_scene_desc stilb_gi_scene_desc_default(stilb_job_pool *pool);
 
 /* What was made: for --stats and the bench. */
 typedef struct stilb_gi_scene_info {
-	uint64_t triangles;    /* of the scene: a mesh counts once for each of its parts */
-	uint64_t dropped;      /* left out: without an area, or with a corner that is no number or too far away */
-	uint64_t bytes;        /* of Embree's tree, and of ours */
-	uint32_t lights;       /* emitting triangles and lights without a size */
-	double build_s;        /* Embree's part */
-	const char *isa;       /* "avx512", ...: what Embree runs on */
+	uint64_t triangles; /* of the scene: a mesh counts once for each of its parts */
+	uint64_t flat;      /* left out: triangles of area 0, such as those at the poles of a sphere; nothing is missing */
+	uint64_t invalid;   /* left out: triangles with a corner that is NaN, infinite, beyond 1e10 m or not in the mesh */
+	uint64_t bytes;     /* of Embree's tree, and of ours */
+	uint32_t lights;    /* emitting triangles and lights without a size */
+	double build_s;     /* Embree's part */
+	const char *isa;    /* "avx512", ...: what Embree runs on */
 	float low[3], high[3]; /* a box around all triangles; low > high: there are none */
 } stilb_gi_scene_info;
 

@@ -21,7 +21,8 @@ typedef struct gi_mesh {
 	const stilb_scene_vertex *vertices;
 	const gi_triangle *triangles;
 	uint32_t vertex_count, triangle_count;
-	float low[3], high[3]; /* the box around its triangles; low > high: there are none */
+	uint32_t invalid_count; /* triangles left out because a corner is NaN, infinite, too far away or missing */
+	float low[3], high[3];  /* the box around its triangles; low > high: there are none */
 } gi_mesh;
 
 #define GI_NO_LIGHT UINT32_MAX

@@ -60,7 +60,8 @@ static void report_put_scene(stilb_json *json, const char *name, const stilb_gi_
 	stilb_json_begin(json, "scene", '{');
 	stilb_json_string(json, "name", name);
 	stilb_json_int(json, "triangles", (int64_t)scene->triangles);
-	stilb_json_int(json, "dropped", (int64_t)scene->dropped);
+	stilb_json_int(json, "flat", (int64_t)scene->flat);
+	stilb_json_int(json, "invalid", (int64_t)scene->invalid);
 	stilb_json_int(json, "lights", scene->lights);
 	stilb_json_int(json, "bytes", (int64_t)scene->bytes);
 	stilb_json_double(json, "tree_s", scene->build_s);

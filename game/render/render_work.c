@@ -177,9 +177,10 @@ static bool work_build(work_pieces *p)
 	if (!work_good(p, stilb_gi_scene_create(p->scene, &desc, &p->gi_scene)))
 		return false;
 	p->result->scene = *stilb_gi_scene_info_of(p->gi_scene);
-	if (p->result->scene.dropped > 0)
-		stilb_log("'%s': %llu triangles are left out: they have no area, or a place that is no number or too far away",
-		          p->options->scene, (unsigned long long)p->result->scene.dropped);
+	const unsigned long long invalid = p->result->scene.invalid;
+	if (invalid > 0)
+		stilb_log("'%s': %llu triangle%s left out: a coordinate is NaN, infinite or beyond 1e10 m", p->options->scene,
+		          invalid, invalid == 1 ? " is" : "s are");
 	p->result->settings = render_options_settings(p->options, p->scene);
 	p->result->prepared = true;
 	if (!work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render)))

@@ -475,6 +475,32 @@ static void assert_renders(const char *scene, const char *integrator)
 	stilb_image_finish(&image);
 }
 
+static void write_text(const char *path, const char *text)
+{
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	fputs(text, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* A triangle of area 0 is in --stats alone; one with a coordinate that is NaN is told in a line. */
+static void test_triangles_left_out(void **state)
+{
+	(void)state;
+	write_text("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+	assert_int_equal(stilb_code(no_display, "render flat.obj --size 8x8 --spp 1 -o a.png --stats a.json"), 0);
+	assert_null(strstr(run.err, "left out"));
+	read_stats("a.json");
+	assert_int_equal(stat_int("scene.triangles"), 1);
+	assert_int_equal(stat_int("scene.flat"), 1);
+	assert_int_equal(stat_int("scene.invalid"), 0);
+	write_text("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n");
+	assert_int_equal(stilb_code(no_display, "render nan.obj --size 8x8 --spp 1 -o a.png --stats a.json"), 0);
+	assert_said(run.err, "'nan.obj': 1 triangle is left out: a coordinate is NaN");
+	read_stats("a.json");
+	assert_int_equal(stat_int("scene.invalid"), 1);
+}
+
 static void test_every_integrator_and_scene(void **state)
 {
 	(void)state;
@@ -494,6 +520,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_pipes_are_no_files, folder_fresh),
 		cmocka_unit_test_setup(test_what_a_killed_run_left_is_removed, folder_fresh),
 		cmocka_unit_test_setup(test_an_output_never_replaces_the_scene, folder_fresh),
+		cmocka_unit_test_setup(test_triangles_left_out, folder_fresh),
 		cmocka_unit_test_setup(test_dry_run, folder_fresh),
 		cmocka_unit_test_setup(test_help, folder_fresh),
 	};

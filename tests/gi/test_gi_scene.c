@@ -37,7 +37,8 @@ static void damaged_triangles_are_left_out(void **state)
 		world_fixture world = world_trace(damaged_scene(), intersectors[which], 0);
 		const stilb_gi_scene_info *info = stilb_gi_scene_info_of(world.gi);
 		assert_int_equal(info->triangles, 1);
-		assert_int_equal(info->dropped, 8);
+		assert_int_equal(info->flat, 2);
+		assert_int_equal(info->invalid, 6);
 		assert_true(info->low[0] == 0.0f && info->low[2] == 0.0f && info->high[0] == 1.0f && info->high[1] == 1.0f);
 		gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make(0.25f, 0.25f, 1.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
 		world.gi->tracer.intersect(&world.gi->tracer, &ray);
@@ -71,7 +72,8 @@ static void flat_transforms(void **state)
 	scene->part_transform[2].m[5] = NAN;
 	world_fixture world = world_trace(scene, &stilb_gi_embree, 0);
 	assert_int_equal(stilb_gi_scene_info_of(world.gi)->triangles, 80);
-	assert_int_equal(stilb_gi_scene_info_of(world.gi)->dropped, 160);
+	assert_int_equal(stilb_gi_scene_info_of(world.gi)->flat, 80);
+	assert_int_equal(stilb_gi_scene_info_of(world.gi)->invalid, 80);
 	world_finish(&world);
 }
 
