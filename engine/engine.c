@@ -1,6 +1,7 @@
 #include "engine_internal.h"
 
 #include "image/image.h"
+#include "job_prof/job_prof.h"
 #include "render/render_dump.h"
 
 #include <stdlib.h>
@@ -10,7 +11,7 @@
 
 static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
-	const stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_engine_job_hooks()};
+	const stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_job_prof_hooks("worker")};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
 	if (error == 0)
 		return STILB_OK;

@@ -71,9 +71,6 @@ stilb_engine_desc stilb_engine_desc_default(void);
 /* The default number of workers. [any-thread] */
 uint32_t stilb_engine_default_workers(void);
 
-/* For a pool of a program's own: what its workers, jobs and waits are called in the profile. [any-thread] */
-stilb_job_hooks stilb_engine_job_hooks(void);
-
 /* STILB_ERROR_WINDOW: no window can be opened here, headless would do. */
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **engine);
 void stilb_engine_destroy(stilb_engine *engine);

@@ -2,6 +2,7 @@
 
 #include "base/base_file.h"
 #include "engine.h"
+#include "job_prof/job_prof.h"
 #include "profiler/prof.h"
 #include "profiler/prof_snapshot.h"
 #include "profiler/prof_trace.h"
@@ -146,7 +147,7 @@ static bool work_pool(work_pieces *p)
 	p->result->workers = asked == FLAG_WORKERS_AUTO ? stilb_job_cpu_count() : asked;
 	desc.worker_count = p->result->workers - 1; /* this thread is one, too */
 	desc.affinity = STILB_JOB_AFFINITY_NONE;    /* whoever else works here keeps his CPU */
-	desc.hooks = stilb_engine_job_hooks();
+	desc.hooks = stilb_job_prof_hooks("worker");
 	int error = stilb_job_pool_create(&desc, &p->pool);
 	if (error == 0)
 		return true;

@@ -1,6 +1,6 @@
-/* Adds up on the worker pool, inside a zone of the profiler, and prints the sum only if the trace shows the zone. */
-#include <stilb/job.h>
-#include <stilb/prof.h>
+/* Adds up on the worker pool, inside a zone of the profiler, and prints the sum only if the trace shows the zone and the
+ * pool's workers. */
+#include <stilb/job_prof.h>
 #include <stilb/prof_snapshot.h>
 #include <stilb/prof_trace.h>
 
@@ -34,7 +34,8 @@ int main(void)
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	stilb_job_pool *pool = NULL;
 	desc.worker_count = 2;
-	if (stilb_job_pool_create(&desc, &pool) != 0 || stilb_prof_thread_begin("main") != 0)
+	desc.hooks = stilb_job_prof_hooks("worker");
+	if (stilb_job_pool_create(&desc, &pool) != 0)
 		return 1;
 	{
 		PROFILE("add numbers");
@@ -44,7 +45,7 @@ int main(void)
 	stilb_prof_snapshot snapshot = {0};
 	const stilb_prof_sink sink = {keep, NULL};
 	if (stilb_prof_snapshot_take(&snapshot, NULL) != 0 || stilb_prof_trace_write_chrome(&snapshot, NULL, sink) != 0 ||
-	    strstr(trace, "add numbers") == NULL)
+	    strstr(trace, "add numbers") == NULL || strstr(trace, "\"worker 2\"") == NULL)
 		return 1;
 	stilb_prof_snapshot_finish(&snapshot);
 	stilb_prof_shutdown();

@@ -1,4 +1,6 @@
 // The public headers are valid C++, and none needs another before it.
+#include <stilb/job_prof.h>
+
 #include <stilb/prof.h>
 
 #include <stilb/prof_capture.h>
