@@ -93,6 +93,7 @@ typedef struct stilb_engine_report {
 	int64_t time_us; /* of the camera: of the run headless, of the recording in a replay, else CLOCK_MONOTONIC */
 	bool replayed;   /* the recording is over */
 	bool close;      /* the user wants out */
+	bool lost;       /* the window's display has gone: frames are drawn on, to memory, and nobody can close them */
 	bool drawn;      /* false: the window is minimised, nothing was done */
 } stilb_engine_report;
 

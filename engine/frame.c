@@ -48,7 +48,7 @@ static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *repo
 	if (!engine->window)
 		return STILB_OK;
 	stilb_window_poll(engine->window, &state);
-	if (state.width == 0 || state.height == 0)
+	if (!state.lost && (state.width == 0 || state.height == 0))
 		stilb_window_wait(engine->window, 0.05, &state);
 	uint64_t now = stilb_time_ns();
 	float elapsed = engine->last_ns ? (float)((double)(now - engine->last_ns) * 1e-9) : FRAME_STEP;
@@ -57,6 +57,9 @@ static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *repo
 	engine->input.focused = state.focused && state.width > 0;
 	report->input = stilb_input_from_window(&state);
 	report->close = state.close;
+	report->lost = state.lost;
+	if (state.lost)
+		return STILB_OK; /* on without: the picture keeps its size */
 	engine_overlay_input(engine, &state, &report->input);
 	return frame_resize(engine, &state, &report->drawn);
 }
@@ -146,10 +149,13 @@ static stilb_result replay(stilb_engine *engine)
 	                           engine->pool, FRAME_OWNER);
 }
 
+/* A window that has gone meanwhile is not the frame's failure: stilb_window_poll says it to the next. */
 static stilb_result present(stilb_engine *engine)
 {
 	PROFILE("present");
-	return stilb_render_present(engine->render);
+	const stilb_result result = stilb_render_present(engine->render);
+	engine->report.lost |= result == STILB_ERROR_WINDOW;
+	return result == STILB_ERROR_WINDOW ? STILB_OK : result;
 }
 
 static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times)

@@ -124,6 +124,8 @@ static stilb_result view_input(stilb_engine_trace_view *view, bool *close, bool 
 	if (!view->window)
 		return STILB_OK;
 	stilb_window_wait(view->window, 0.1, &state);
+	if (state.lost)
+		return stilb_fail(STILB_ERROR_WINDOW, "the display has gone");
 	const uint64_t now = stilb_time_ns();
 	*close = state.close;
 	*drawn = state.width > 0 && state.height > 0;

@@ -249,6 +249,8 @@ static stilb_result viewer_input(stilb_engine_viewer *viewer, double seconds, bo
 		return STILB_OK;
 	stilb_window_set_capturing(viewer->window, false); /* there is no camera */
 	stilb_window_wait(viewer->window, seconds, &state);
+	if (state.lost)
+		return stilb_fail(STILB_ERROR_WINDOW, "the display has gone");
 	*close = state.close || state.pressed[STILB_WINDOW_KEY_ESCAPE] > 0;
 	*drawn = state.width > 0 && state.height > VIEWER_STRIP;
 	if (!*drawn)

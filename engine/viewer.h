@@ -30,7 +30,8 @@ void stilb_engine_viewer_destroy(stilb_engine_viewer *viewer);
 /* Copies srgb: 3 bytes a pixel, row 0 on top, of the size given at create. */
 void stilb_engine_viewer_picture(stilb_engine_viewer *viewer, const uint8_t *srgb);
 
-/* Waits for the user to do something, at most `seconds`, and draws. *close: the user wants out. */
+/* Waits for the user to do something, at most `seconds`, and draws. *close: the user wants out. STILB_ERROR_WINDOW: the
+ * window's display has gone, and only destroy may follow. */
 stilb_result stilb_engine_viewer_frame(stilb_engine_viewer *viewer, const char *words, double seconds, bool *close);
 
 #endif

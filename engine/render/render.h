@@ -227,7 +227,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
                                  uint32_t worker);
 
 /* Shows the picture in the window, or copies it to memory when there is none. An outdated or minimised window is no
- * error. */
+ * error. STILB_ERROR_WINDOW: the window or its display has gone; later pictures are copied to memory. */
 stilb_result stilb_render_present(stilb_render *render);
 
 /* The last replayed picture, top row first; waits for the device; between frames. STILB_ERROR_DEVICE: there is none, since

@@ -1,5 +1,7 @@
 #include "window/window.h"
 
+#include "window/window_display.h"
+
 #define GLFW_INCLUDE_VULKAN /* for glfwCreateWindowSurface; nothing else of Vulkan is used here */
 #include <GLFW/glfw3.h>
 
@@ -146,55 +148,101 @@ static void window_on_focus(GLFWwindow *handle, int focused)
 	window->focused = focused;
 }
 
+/* What one guarded call takes and gives back. */
+typedef struct window_call {
+	stilb_window *window;
+	stilb_window_state *state;
+	const char *title;
+	uint32_t width, height;
+	double seconds;
+	VkInstance instance;
+	VkSurfaceKHR surface;
+	VkResult result;
+} window_call;
+
+static void window_call_terminate(void *data)
+{
+	(void)data;
+	glfwTerminate();
+}
+
 static stilb_result window_fail(const char *what)
 {
 	stilb_result result = stilb_fail(STILB_ERROR_WINDOW, "cannot %s: %s", what, window_error);
-	glfwTerminate();
+	window_display_call(window_call_terminate, NULL);
 	return result;
+}
+
+static void window_call_create(void *data)
+{
+	window_call *call = data;
+	stilb_window *window = call->window;
+	GLFWwindow *handle = glfwCreateWindow((int)call->width, (int)call->height, call->title, NULL, NULL);
+	if (!handle)
+		return;
+	glfwSetWindowUserPointer(handle, window);
+	glfwSetKeyCallback(handle, window_on_key);
+	glfwSetCharCallback(handle, window_on_character);
+	glfwSetMouseButtonCallback(handle, window_on_button);
+	glfwSetScrollCallback(handle, window_on_wheel);
+	glfwSetWindowFocusCallback(handle, window_on_focus);
+	window->handle = handle;
 }
 
 stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **out)
 {
 	*out = NULL;
+	snprintf(window_error, sizeof window_error, "the display has gone; start the program again");
+	if (window_display_is_lost())
+		return window_fail("open a window");
 	snprintf(window_error, sizeof window_error, "no reason given");
 	glfwSetErrorCallback(window_on_error);
 	if (!glfwInit())
 		return window_fail("open a window");
+	window_display_watch();
 	snprintf(window_error, sizeof window_error, "no Vulkan driver that can draw to windows");
 	if (!glfwVulkanSupported())
 		return window_fail("open a window");
 	snprintf(window_error, sizeof window_error, "out of memory");
 	stilb_window *window = calloc(1, sizeof *window);
+	window_call call = {.window = window, .title = title, .width = width, .height = height};
 	glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-	if (window)
-		window->handle = glfwCreateWindow((int)width, (int)height, title, NULL, NULL);
+	if (window && !window_display_call(window_call_create, &call))
+		snprintf(window_error, sizeof window_error, "the display has gone");
 	if (!window || !window->handle) {
 		free(window);
 		return window_fail("open a window");
 	}
 	window->focused = window->capturing = true;
-	glfwSetWindowUserPointer(window->handle, window);
-	glfwSetKeyCallback(window->handle, window_on_key);
-	glfwSetCharCallback(window->handle, window_on_character);
-	glfwSetMouseButtonCallback(window->handle, window_on_button);
-	glfwSetScrollCallback(window->handle, window_on_wheel);
-	glfwSetWindowFocusCallback(window->handle, window_on_focus);
 	*out = window;
 	return STILB_OK;
+}
+
+static void window_call_destroy(void *data)
+{
+	stilb_window *window = data;
+	glfwDestroyWindow(window->handle);
+	glfwTerminate();
 }
 
 void stilb_window_destroy(stilb_window *window)
 {
 	if (!window)
 		return;
-	glfwDestroyWindow(window->handle);
-	glfwTerminate();
+	window_display_call(window_call_destroy, window);
 	free(window);
+}
+
+static void window_call_title(void *data)
+{
+	window_call *call = data;
+	glfwSetWindowTitle(call->window->handle, call->title);
 }
 
 void stilb_window_title(stilb_window *window, const char *title)
 {
-	glfwSetWindowTitle(window->handle, title);
+	window_call call = {.window = window, .title = title};
+	window_display_call(window_call_title, &call);
 }
 
 static bool window_is_down(GLFWwindow *handle, int key)
@@ -259,16 +307,26 @@ static void window_read(stilb_window *window, stilb_window_state *state)
 	window_read_pointer(window, state);
 }
 
+static void window_call_poll(void *data)
+{
+	window_call *call = data;
+	if (call->seconds > 0.0)
+		glfwWaitEventsTimeout(call->seconds);
+	else
+		glfwPollEvents();
+	window_read(call->window, call->state);
+}
+
 void stilb_window_poll(stilb_window *window, stilb_window_state *state)
 {
-	glfwPollEvents();
-	window_read(window, state);
+	stilb_window_wait(window, 0.0, state);
 }
 
 void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state)
 {
-	glfwWaitEventsTimeout(seconds);
-	window_read(window, state);
+	window_call call = {.window = window, .state = state, .seconds = seconds};
+	if (!window_display_call(window_call_poll, &call))
+		*state = (stilb_window_state){.lost = true};
 }
 
 void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS])
@@ -279,7 +337,7 @@ void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[S
 		stilb_window_gamepad *pad = &gamepads[i];
 		GLFWgamepadstate state;
 		*pad = (stilb_window_gamepad){0};
-		if (!glfwGetGamepadState(i, &state))
+		if (window_display_is_lost() || !glfwGetGamepadState(i, &state))
 			continue;
 		static_assert(sizeof pad->axes == sizeof state.axes, "all axes");
 		memcpy(pad->axes, state.axes, sizeof pad->axes);
@@ -296,13 +354,18 @@ const char *const *stilb_window_surface_extensions(void *user, uint32_t *count)
 	return glfwGetRequiredInstanceExtensions(count);
 }
 
+static void window_call_surface(void *data)
+{
+	window_call *call = data;
+	call->result = glfwCreateWindowSurface(call->instance, call->window->handle, NULL, &call->surface);
+}
+
 int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface)
 {
-	stilb_window *window = user;
-	VkSurfaceKHR handle = VK_NULL_HANDLE;
-	VkResult result = glfwCreateWindowSurface(instance, window->handle, NULL, &handle);
-	*surface = (uint64_t)handle;
-	return result;
+	window_call call = {.window = user, .instance = instance, .result = VK_ERROR_SURFACE_LOST_KHR};
+	window_display_call(window_call_surface, &call);
+	*surface = (uint64_t)call.surface;
+	return call.result;
 }
 
 const char *stilb_window_library_version(void)

@@ -2,6 +2,8 @@
  * window: the window, its keys and mouse, the gamepads that GLFW knows, and its Vulkan surface, through GLFW.
  *
  * Life cycle.  stilb_window_create -> stilb_window_poll once a frame -> stilb_window_destroy.
+ * The display. An X server may end at any moment. The window is lost then, which stilb_window_state says: all calls are still
+ *              allowed and do nothing, and no window can be opened again in this process.
  * Threads.     All [main-thread]: the one that created the window.
  */
 #ifndef STILB_WINDOW_H
@@ -43,6 +45,7 @@ typedef enum stilb_window_key {
 typedef struct stilb_window_state {
 	uint32_t width, height;                   /* of the picture, pixels; 0 while minimised */
 	bool close;                               /* the user wants the window closed */
+	bool lost;                                /* its display has gone; the rest is {0} */
 	bool focused;                             /* keys come here; true until the window is told otherwise */
 	bool held[STILB_WINDOW_KEY_COUNT];        /* is down now */
 	uint8_t pressed[STILB_WINDOW_KEY_COUNT];  /* how often it went down */
@@ -56,7 +59,8 @@ typedef struct stilb_window_state {
 	float wheel;                              /* notches, away from the user is positive */
 } stilb_window_state;
 
-/* Opens a window of about this size, pixels. STILB_ERROR_WINDOW without a display or without Vulkan for windows. */
+/* Opens a window of about this size, pixels. STILB_ERROR_WINDOW without a display, without Vulkan for windows, and after
+ * a display has been lost. */
 stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **window);
 
 /* NULL is fine. */
@@ -71,7 +75,8 @@ void stilb_window_poll(stilb_window *window, stilb_window_state *state);
  * been captured stays so. */
 void stilb_window_set_capturing(stilb_window *window, bool capturing);
 
-/* The same after waiting for an event, at most `seconds`: for a minimised window. */
+/* The same after waiting for an event, at most `seconds` (0 or less: not at all): for a minimised window. Returns at once when
+ * the display is lost. */
 void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state);
 
 /* A gamepad as GLFW maps it. The texts are valid until the next poll. */

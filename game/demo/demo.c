@@ -1,6 +1,7 @@
 /* stilb demo: the stress test, in a window or headless. */
 #include "demo_gamepads.h"
 #include "demo_options.h"
+#include "demo_progress.h"
 #include "demo_report.h"
 #include "demo_track.h"
 #include "game/cli/stage_times.h"
@@ -25,16 +26,16 @@ typedef struct demo_run {
 	demo_gamepads gamepads;
 	int view; /* as stilb_scene_stress_view */
 	bool window;
+	bool lost;         /* there was a window, and its display has gone */
 	int capture_error; /* of the last capture; the capturing thread's until the engine is gone */
 	bool capture_failed;
 } demo_run;
 
-static volatile sig_atomic_t demo_interrupted;
+static volatile sig_atomic_t demo_interrupted; /* the signal; 0: none */
 
 static void demo_on_signal(int signal_number)
 {
-	(void)signal_number;
-	demo_interrupted = 1; /* the loop ends, and what was asked for is written */
+	demo_interrupted = signal_number; /* the loop ends, and what was asked for is written */
 }
 
 /* Called on the capturing thread. A disk that is full is said once, not for every slow frame. */
@@ -113,31 +114,81 @@ static void demo_title(demo_run *run, uint64_t *last)
 	stilb_engine_set_title(run->engine, title);
 }
 
+/* Frames after which it ends by itself; 0: somebody or something else ends it. */
+static uint64_t demo_frames_wanted(const demo_run *run)
+{
+	const bool open_end = run->window || run->lost || demo_options_is_replay(&run->options);
+	return run->options.frames > 0 ? run->options.frames : open_end ? 0 : DEMO_FRAMES;
+}
+
+/* A recording is flown to its end when there is nobody who would close a window. */
+static bool demo_is_over(const demo_run *run, const stilb_engine_report *report)
+{
+	const uint64_t wanted = demo_frames_wanted(run);
+	if (demo_interrupted || report->close)
+		return true;
+	if (wanted > 0)
+		return run->frames >= wanted;
+	return !run->window && (!demo_options_is_replay(&run->options) || report->replayed);
+}
+
+/* What was asked for is written all the same. */
+static void demo_lose_window(demo_run *run)
+{
+	run->window = false;
+	run->lost = true;
+	const bool over = demo_frames_wanted(run) == 0 && !demo_options_is_replay(&run->options);
+	stilb_log("the display has gone after %" PRIu64 " frames; %s", run->frames,
+	          over ? "ending, since nobody could close the window" : "running on headless");
+}
+
+static stilb_result demo_frame(demo_run *run, stilb_engine_report *report)
+{
+	stilb_result result = demo_act(run, report); /* what the frame before was asked for */
+	if (result == STILB_OK)
+		result = stilb_engine_frame(run->engine, report);
+	if (result != STILB_OK)
+		return result;
+	if (report->drawn) {
+		run->report = *report;
+		run->frames++;
+		demo_track_add(&run->track, run->engine, report);
+		if (!stage_times_add(&run->times, &report->times))
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
+	}
+	if (report->lost && run->window)
+		demo_lose_window(run);
+	return STILB_OK;
+}
+
 static stilb_result demo_loop(demo_run *run)
 {
-	uint64_t wanted = run->options.frames, last_title = 0;
+	uint64_t last_title = 0;
 	stilb_engine_report report = {0};
-	/* A recording is flown to its end when there is nobody who would close a window. */
-	const bool whole = wanted == 0 && !run->window && demo_options_is_replay(&run->options);
-	if (wanted == 0)
-		wanted = run->window || whole ? UINT64_MAX : DEMO_FRAMES;
-	while (run->frames < wanted && !demo_interrupted && !report.close && !(whole && report.replayed)) {
-		stilb_result result = demo_act(run, &report); /* what the frame before was asked for */
-		if (result == STILB_OK)
-			result = stilb_engine_frame(run->engine, &report);
-		if (result != STILB_OK)
-			return result;
-		if (report.drawn) {
-			run->report = report;
-			run->frames++;
-			demo_track_add(&run->track, run->engine, &report);
-			if (!stage_times_add(&run->times, &report.times))
-				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
-		}
+	demo_progress progress;
+	demo_progress_begin(&progress);
+	stilb_result result = STILB_OK;
+	while (result == STILB_OK && !demo_is_over(run, &report)) {
+		result = demo_frame(run, &report);
 		demo_gamepads_say(&run->gamepads, run->engine, report.replayed, demo_options_words(&run->options));
 		demo_title(run, &last_title);
+		if (!run->window)
+			demo_progress_show(&progress, run->frames, demo_frames_wanted(run));
 	}
-	return STILB_OK;
+	demo_progress_end(&progress);
+	return result;
+}
+
+static void demo_say_end(const demo_run *run)
+{
+	const uint64_t wanted = demo_frames_wanted(run);
+	char of[32] = "";
+	if (!demo_interrupted)
+		return;
+	if (wanted > 0)
+		snprintf(of, sizeof of, " of %" PRIu64, wanted);
+	fprintf(demo_options_words(&run->options), "stopped by SIG%s after %" PRIu64 "%s frames\n",
+	        sigabbrev_np(demo_interrupted), run->frames, of);
 }
 
 /* Writes what was asked for, prints the summary. All is tried, also after a failure. */
@@ -166,6 +217,7 @@ static bool demo_finish(demo_run *run)
 		demo_say_result(run, dump = stilb_engine_dump(run->engine, o->dump), "dump", o->dump);
 	if (o->track)
 		demo_say_result(run, track = demo_track_save(&run->track), "track", o->track);
+	demo_say_end(run);
 	demo_report_print(&report);
 	uint32_t messages = stilb_engine_validation_messages(run->engine);
 	if (messages > 0)
@@ -197,7 +249,8 @@ static int demo_main(demo_run *run)
 		stilb_log("no frame was drawn");
 		return EXIT_FAILED;
 	}
-	return demo_finish(run) ? EXIT_DONE : EXIT_FAILED;
+	const bool cut = run->lost && demo_frames_wanted(run) == 0 && !run->report.replayed;
+	return demo_finish(run) && !cut ? EXIT_DONE : EXIT_FAILED;
 }
 
 int demo_command(int argc, char **argv)

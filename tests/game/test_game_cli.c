@@ -408,6 +408,8 @@ static void test_interrupts_end_it_well(void **state)
 		assert_true(ready);
 		assert_int_equal(run.code, 0);
 		assert_string_equal(run.err, "");
+		assert_said(run.out, i == 0 ? "stopped by SIGINT after " : "stopped by SIGTERM after ");
+		assert_said(run.out, " of 1000000 frames\n");
 		assert_said(run.out, "bound by: ");
 		read_stats("a.json");
 		assert_in_range(stat_int("frames"), 1, 999999);
@@ -417,6 +419,41 @@ static void test_interrupts_end_it_well(void **state)
 		trace_check_finish(&report);
 		assert_int_equal(folder_entries(), 2);
 	}
+}
+
+/* A headless run that takes longer says on a terminal how far it is, and takes the line away at its end. */
+static void test_progress_on_a_terminal(void **state)
+{
+	(void)state;
+	static char said[65536];
+	size_t length = 0;
+	int master = posix_openpt(O_RDWR | O_NOCTTY), status;
+	assert_true(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);
+	int terminal = open(ptsname(master), O_RDWR | O_NOCTTY);
+	assert_true(terminal >= 0);
+	pid_t pid = fork();
+	assert_true(pid >= 0);
+	if (pid == 0) {
+		dup2(terminal, STDERR_FILENO);
+		dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+		close(terminal);
+		close(master);
+		setenv("TERM", "xterm", 1);
+		execl(stilb_path, stilb_path, "demo", "--headless", "--device", "null", "--frames", "1000000", NULL);
+		_exit(127);
+	}
+	close(terminal);
+	bool stopped = false;
+	for (ssize_t got; (got = read(master, said + length, sizeof said - 1 - length)) > 0;) {
+		length += (size_t)got;
+		if (!stopped && strstr(said, " of 1000000 frames, ") && strstr(said, " s left\033[K"))
+			stopped = kill(pid, SIGINT) == 0;
+	}
+	close(master);
+	assert_int_equal(waitpid(pid, &status, 0), pid);
+	assert_int_equal(status, 0);
+	assert_true(stopped);
+	assert_true(length >= 4 && strcmp(said + length - 4, "\r\033[K") == 0);
 }
 
 #define FRESH_TEST(name) cmocka_unit_test_setup(name, folder_fresh)
@@ -440,6 +477,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_stream_hash),
 		FRESH_TEST(test_views),
 		FRESH_TEST(test_interrupts_end_it_well),
+		FRESH_TEST(test_progress_on_a_terminal),
 	};
 	if (argc != 2 || !folder_enter(argv[1], "test_game_cli")) {
 		fprintf(stderr, "usage: test_game_cli STILB\n");

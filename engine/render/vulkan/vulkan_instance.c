@@ -47,6 +47,9 @@ stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char
 		                  "cannot %s: device lost (VK_ERROR_DEVICE_LOST %d): GPU '%s' was reset or its driver failed, "
 		                  "'dmesg' may say why; start again, or take another with --gpu",
 		                  what, (int)error, device->base.name);
+	if (error == VK_ERROR_SURFACE_LOST_KHR)
+		return stilb_fail(STILB_ERROR_WINDOW, "cannot %s: the window or its display has gone (%s %d)", what,
+		                  vulkan_error_name(error), (int)error);
 	if (error == VK_ERROR_OUT_OF_HOST_MEMORY || error == VK_ERROR_OUT_OF_DEVICE_MEMORY)
 		result = STILB_ERROR_MEMORY;
 	const char *advice = result == STILB_ERROR_MEMORY ? "; try fewer models or a smaller --size" : "";

@@ -165,6 +165,7 @@ typedef struct vulkan_device {
 	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL: not validating */
 	PFN_vkCmdEndDebugUtilsLabelEXT label_end;
 	VkSurfaceKHR surface; /* null without a window */
+	bool surface_lost;    /* it has gone: the picture goes to memory */
 	VkPhysicalDevice gpu;
 	VkPhysicalDeviceProperties properties;
 	VkPhysicalDeviceMemoryProperties memory;

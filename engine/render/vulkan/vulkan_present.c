@@ -265,7 +265,11 @@ stilb_result vulkan_present(render_device *base)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
-	return device->surface ? window_present(device, slot) : memory_present(device, slot);
+	if (!device->surface || device->surface_lost)
+		return memory_present(device, slot);
+	const stilb_result result = window_present(device, slot);
+	device->surface_lost = result == STILB_ERROR_WINDOW;
+	return result;
 }
 
 /* Four channels to three: the alpha of an opaque picture is no information. */

@@ -1,0 +1,41 @@
+#include "demo_progress.h"
+
+#include "base/base.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PROGRESS_QUIET_NS 2000000000u  /* runs that are shorter say nothing */
+#define PROGRESS_BETWEEN_NS 200000000u /* between two states of the line */
+
+void demo_progress_begin(demo_progress *progress)
+{
+	const char *kind = getenv("TERM");
+	const bool dumb = kind && strcmp(kind, "dumb") == 0;
+	*progress = (demo_progress){.start_ns = stilb_time_ns(), .terminal = isatty(STDERR_FILENO) && !dumb};
+}
+
+void demo_progress_show(demo_progress *progress, uint64_t frames, uint64_t wanted)
+{
+	const uint64_t now = stilb_time_ns(), passed = now - progress->start_ns;
+	if (!progress->terminal || passed < PROGRESS_QUIET_NS || now - progress->last_ns < PROGRESS_BETWEEN_NS)
+		return;
+	progress->last_ns = now;
+	progress->shown = true;
+	fprintf(stderr, "\r%" PRIu64, frames);
+	if (wanted > 0)
+		fprintf(stderr, " of %" PRIu64, wanted);
+	fputs(" frames", stderr);
+	if (wanted > frames && frames > 0)
+		fprintf(stderr, ", %.0f s left", (double)passed * 1e-9 * (double)(wanted - frames) / (double)frames);
+	fputs("\033[K", stderr);
+}
+
+void demo_progress_end(demo_progress *progress)
+{
+	if (progress->shown)
+		fputs("\r\033[K", stderr);
+}

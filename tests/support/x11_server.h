@@ -1,0 +1,87 @@
+/* x11_server: an X server of a test's own, so that it can be killed. */
+#ifndef X11_SERVER_H
+#define X11_SERVER_H
+
+#include <X11/Xlib.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+typedef struct x11_server {
+	pid_t pid;
+	char name[32]; /* ":7" */
+} x11_server;
+
+/* Starts Xvfb on a free display. False: it is not installed, or does not start. */
+static inline bool x11_server_start(x11_server *server)
+{
+	int ready[2];
+	char number[16], end[16];
+	if (pipe(ready) != 0)
+		return false;
+	server->pid = fork();
+	if (server->pid == 0) {
+		prctl(PR_SET_PDEATHSIG, SIGKILL);
+		close(ready[0]);
+		snprintf(end, sizeof end, "%d", ready[1]);
+		if (!freopen("/dev/null", "w", stderr))
+			_exit(126);
+		execlp("Xvfb", "Xvfb", "-displayfd", end, "-screen", "0", "800x600x24", "-nolisten", "tcp", (char *)NULL);
+		_exit(127);
+	}
+	close(ready[1]);
+	ssize_t length = 0, got;
+	while (length < (ssize_t)sizeof number - 1 && (length == 0 || number[length - 1] != '\n') &&
+	       (got = read(ready[0], number + length, 1)) > 0)
+		length += got;
+	close(ready[0]);
+	if (length < 2 || number[length - 1] != '\n') {
+		waitpid(server->pid, NULL, 0);
+		return false;
+	}
+	number[length - 1] = '\0';
+	snprintf(server->name, sizeof server->name, ":%s", number);
+	return true;
+}
+
+/* As a crash does: nobody is told. */
+static inline void x11_server_kill(x11_server *server)
+{
+	if (server->pid > 0) {
+		kill(server->pid, SIGKILL);
+		waitpid(server->pid, NULL, 0);
+	}
+	server->pid = 0;
+}
+
+/* Waits half a minute for a window to be seen whose title begins so. */
+static inline bool x11_server_shows(const x11_server *server, const char *title)
+{
+	Display *display = XOpenDisplay(server->name);
+	bool there = false;
+	for (int i = 0; display && !there && i < 1500; i++, usleep(20000)) {
+		Window root, parent, *children = NULL;
+		unsigned count = 0;
+		XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
+		for (unsigned c = 0; c < count && !there; c++) {
+			XWindowAttributes attributes;
+			char *name = NULL;
+			there = XFetchName(display, children[c], &name) && name && strncmp(name, title, strlen(title)) == 0 &&
+			        XGetWindowAttributes(display, children[c], &attributes) && attributes.map_state == IsViewable;
+			if (name)
+				XFree(name);
+		}
+		if (children)
+			XFree(children);
+	}
+	if (display)
+		XCloseDisplay(display);
+	return there;
+}
+
+#endif
