@@ -230,9 +230,14 @@ static samples *samples_make(const gi_view *view)
 /* The camera stage over it. */
 static double primary_pass(const gi_view *view, const gi_camera *camera, const samples *s, gi_primary *primary)
 {
+	stilb_isa isa;
+	const gi_primary_kernels *kernels =
+		gi_primary_kernels_for(stilb_cpu_isa(&isa) == STILB_OK ? isa : STILB_ISA_SCALAR);
 	uint64_t begin = bench_child_now_ns();
-	for (uint32_t i = 0; i < SIDE * SIDE; i += GI_BATCH)
-		gi_primary_trace(view, camera, s->x + i, s->y + i, s->points + i, GI_BATCH, primary);
+	for (uint32_t i = 0; i < SIDE * SIDE; i += GI_BATCH) {
+		gi_primary_samples batch = {GI_BATCH, s->x + i, s->y + i, s->points + i};
+		gi_primary_trace(kernels, view, camera, &batch, primary);
+	}
 	return seconds_since(begin);
 }
 

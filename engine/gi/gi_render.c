@@ -67,8 +67,17 @@ static stilb_result render_fill(stilb_gi_render *render)
 	if (result == STILB_OK)
 		result = render_create_workers(render);
 	if (result == STILB_OK && settings->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
-		result = gi_cache_create(&render->view, render->pool, &render->view.cache);
+		result = gi_cache_fill_create(&render->view, render->pool, &render->cache_fill);
+	if (result == STILB_OK && render->cache_fill)
+		render->view.cache = gi_cache_fill_records(render->cache_fill);
 	return result;
+}
+
+/* The widest that this CPU has, or what STILB_ISA names; all give the same bits. */
+static const gi_primary_kernels *primary_kernels(void)
+{
+	stilb_isa isa;
+	return gi_primary_kernels_for(stilb_cpu_isa(&isa) == STILB_OK ? isa : STILB_ISA_SCALAR);
 }
 
 stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_settings *settings,
@@ -85,6 +94,7 @@ stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_
 	render->view.settings = *settings;
 	render->view.sampler = gi_sampler_make(settings->sampler, settings->seed, settings->samples);
 	render->camera = gi_camera_make(&settings->camera, &settings->lens, settings->width, settings->height);
+	render->kernels = primary_kernels();
 	render->integrator = gi_integrator_of(settings->integrator);
 	render->batch_size = render_batch_size(settings);
 	render->pool = pool;
@@ -102,7 +112,7 @@ void stilb_gi_render_destroy(stilb_gi_render *render)
 {
 	if (!render)
 		return;
-	gi_cache_destroy(render->view.cache);
+	gi_cache_fill_destroy(render->cache_fill);
 	for (uint32_t i = 0; i < render->worker_count; i++)
 		free(render->workers[i].scratch);
 	free(render->workers);
@@ -138,8 +148,8 @@ static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 	                  .scratch = worker->scratch};
 	{
 		PROFILE("gi.primary");
-		gi_primary_trace(&render->view, &render->camera, worker->x, worker->y, worker->points, worker->count,
-		                 &worker->primary);
+		gi_primary_samples samples = {worker->count, worker->x, worker->y, worker->points};
+		gi_primary_trace(render->kernels, &render->view, &render->camera, &samples, &worker->primary);
 	}
 	render->integrator->shade(&batch);
 	batch_to_film(render, worker);
@@ -411,10 +421,10 @@ static bool overture_report(void *user, const gi_cache_progress *progress)
 /* The irradiance cache's own pass over the picture; told to stop, it goes on in the next run. */
 static stilb_result render_overture(stilb_gi_render *render)
 {
-	if (!render->view.cache || render->overture_finished)
+	if (!render->cache_fill || render->overture_finished)
 		return STILB_OK;
 	PROFILE("gi.overture");
-	stilb_result result = gi_cache_prepare(render->view.cache, overture_report, render);
+	stilb_result result = gi_cache_fill_run(render->cache_fill, overture_report, render);
 	render->overture_finished = result == STILB_OK && !render_is_ending(render);
 	if (!render->overture_finished)
 		return result;
@@ -459,8 +469,8 @@ stilb_result stilb_gi_render_run(stilb_gi_render *render)
 	stilb_result result = render_overture(render);
 	stilb_gi_end end = result == STILB_OK ? render_passes(render) : STILB_GI_END_NOT;
 	run_end(render, end);
-	if (end_is_final(end) && render->view.cache)
-		result = gi_cache_save(render->view.cache);
+	if (end_is_final(end) && render->cache_fill)
+		result = gi_cache_fill_save(render->cache_fill);
 	return result;
 }
 
@@ -490,7 +500,7 @@ static double render_done(const stilb_gi_render *render, const stilb_gi_progress
 {
 	const stilb_gi_settings *settings = &render->view.settings;
 	double done = (double)samples / ((double)settings->width * settings->height * settings->samples);
-	if (render->view.cache)
+	if (render->cache_fill)
 		done = 0.5 * (render->overture_done + done); /* the overture counts as half of the work */
 	if (settings->seconds > 0.0)
 		done = fmax(done, progress->seconds / settings->seconds);
@@ -517,8 +527,8 @@ void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progre
 	*progress = (stilb_gi_progress){0};
 	gi_render_totals totals = gi_render_totals_of(render);
 	gi_cache_progress cache = {0};
-	if (render->view.cache)
-		cache = gi_cache_progress_of(render->view.cache);
+	if (render->cache_fill)
+		cache = gi_cache_fill_progress(render->cache_fill);
 	progress->rays = totals.rays + cache.rays;
 	progress->camera_rays = totals.camera_rays;
 	progress->shadow_rays = totals.shadow_rays + cache.shadow_rays;

@@ -4,7 +4,7 @@
 #ifndef GI_RENDER_INTERNAL_H
 #define GI_RENDER_INTERNAL_H
 
-#include "gi/cache/gi_cache.h"
+#include "gi/cache/gi_cache_fill.h"
 #include "gi/film/gi_camera.h"
 #include "gi/film/gi_film.h"
 #include "gi/film/gi_primary.h"
@@ -36,7 +36,9 @@ typedef struct gi_render_worker {
 
 struct stilb_gi_render {
 	gi_view view;
+	gi_cache_fill *cache_fill; /* IRRADIANCE_CACHE only */
 	gi_camera camera;
+	const gi_primary_kernels *kernels;
 	const gi_integrator *integrator;
 	stilb_job_pool *pool;
 	gi_film film;

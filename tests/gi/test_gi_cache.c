@@ -2,7 +2,7 @@
 #include "gi_render_fixture.h"
 #include "support/folder.h"
 
-#include "gi/cache/gi_cache.h"
+#include "gi/cache/gi_cache_fill.h"
 
 #include <math.h>
 
@@ -50,7 +50,7 @@ static void frozen_has_the_same_bits_for_every_worker_count(void **state)
 
 typedef struct overture {
 	gi_view view;
-	gi_cache *cache;
+	gi_cache_fill *fill;
 	uint32_t reports, stop_after;
 } overture;
 
@@ -91,15 +91,15 @@ static void stopped_overture_ends_with_the_same_records(void **state)
 		overture o = overture_make(&fixture, &settings);
 		if (stops)
 			o.stop_after = 1;
-		assert_int_equal(gi_cache_create(&o.view, fixture.pool, &o.cache), STILB_OK);
+		assert_int_equal(gi_cache_fill_create(&o.view, fixture.pool, &o.fill), STILB_OK);
 		uint32_t calls = 0;
 		do
-			assert_int_equal(gi_cache_prepare(o.cache, report, &o), STILB_OK);
-		while (++calls < 1000 && gi_cache_progress_of(o.cache).done < 1.0);
+			assert_int_equal(gi_cache_fill_run(o.fill, report, &o), STILB_OK);
+		while (++calls < 1000 && gi_cache_fill_progress(o.fill).done < 1.0);
 		assert_true(stops ? calls > 3 : calls == 1);
-		assert_int_equal(gi_cache_save(o.cache), STILB_OK);
+		assert_int_equal(gi_cache_fill_save(o.fill), STILB_OK);
 		hashes[stops] = file_hash();
-		gi_cache_destroy(o.cache);
+		gi_cache_fill_destroy(o.fill);
 	}
 	assert_true(hashes[0] == hashes[1]);
 	render_fixture_finish(&fixture);
@@ -148,10 +148,10 @@ static void final_pass_adds_no_record(void **state)
 	render_fixture fixture = render_fixture_make("cornell", 1);
 	stilb_gi_settings settings = cached(&fixture);
 	overture o = overture_make(&fixture, &settings);
-	assert_int_equal(gi_cache_create(&o.view, fixture.pool, &o.cache), STILB_OK);
-	assert_int_equal(gi_cache_prepare(o.cache, NULL, NULL), STILB_OK);
-	uint32_t after_overture = gi_cache_progress_of(o.cache).records, after_picture;
-	gi_cache_destroy(o.cache);
+	assert_int_equal(gi_cache_fill_create(&o.view, fixture.pool, &o.fill), STILB_OK);
+	assert_int_equal(gi_cache_fill_run(o.fill, NULL, NULL), STILB_OK);
+	uint32_t after_overture = gi_cache_fill_progress(o.fill).records, after_picture;
+	gi_cache_fill_destroy(o.fill);
 	settings.samples = 8;
 	mean_of(&fixture, &settings, &after_picture);
 	assert_true(after_overture > 10);
@@ -279,15 +279,9 @@ static void settings_are_checked(void **state)
 	stilb_gi_settings settings = cached(&fixture);
 	settings.cache.overture = false;
 	overture o = overture_make(&fixture, &settings);
-	assert_int_equal(gi_cache_create(&o.view, fixture.pool, &o.cache), STILB_ERROR_ARGUMENT);
+	assert_int_equal(gi_cache_fill_create(&o.view, fixture.pool, &o.fill), STILB_ERROR_ARGUMENT);
 	assert_non_null(strstr(stilb_error_message(), "live"));
-	o.view.settings.cache.overture = true;
-	o.view.settings.cache.rays = 15;
-	assert_int_equal(gi_cache_create(&o.view, fixture.pool, &o.cache), STILB_ERROR_ARGUMENT);
-	o.view.settings.cache.rays = 16;
-	o.view.settings.cache.error = 1.5f;
-	assert_int_equal(gi_cache_create(&o.view, fixture.pool, &o.cache), STILB_ERROR_ARGUMENT);
-	assert_null(o.cache);
+	assert_null(o.fill);
 	render_fixture_finish(&fixture);
 }
 

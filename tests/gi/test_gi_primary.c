@@ -67,11 +67,11 @@ static void batch(const gi_view *view, uint32_t first, uint32_t count)
 	}
 }
 
-static void trace(const gi_view *view, gi_camera camera, stilb_isa isa, uint32_t count, gi_primary *out)
+static void trace(const gi_view *view, const gi_camera *camera, stilb_isa isa, uint32_t count, gi_primary *out)
 {
+	gi_primary_samples samples = {count, xs, ys, points};
 	memset(out, 0xab, sizeof *out);
-	camera.kernels = gi_primary_kernels_for(isa);
-	gi_primary_trace(view, &camera, xs, ys, points, count, out);
+	gi_primary_trace(gi_primary_kernels_for(isa), view, camera, &samples, out);
 }
 
 static void assert_rows_equal(const float a[][4], const float b[][4], uint32_t count)
@@ -92,8 +92,8 @@ static void instruction_sets_agree(void **state)
 				&world.scene->camera, &(stilb_gi_lens){.radius = 0.1f * (float)lens, .focus = 6.0f}, WIDTH, HEIGHT);
 			for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
 				batch(&view, 700, counts[c]);
-				trace(&view, camera, STILB_ISA_SCALAR, counts[c], &scalar);
-				trace(&view, camera, isa, counts[c], &wide);
+				trace(&view, &camera, STILB_ISA_SCALAR, counts[c], &scalar);
+				trace(&view, &camera, isa, counts[c], &wide);
 				for (uint32_t i = 0; i < counts[c]; i++) {
 					assert_memory_equal(&scalar.rays[i].ray, &wide.rays[i].ray, sizeof scalar.rays[i].ray);
 					assert_int_equal(scalar.rays[i].hit.part, wide.rays[i].hit.part);
@@ -152,7 +152,7 @@ static void packets_are_single_rays(void **state)
 				HEIGHT);
 			for (uint32_t first = 0; first < WIDTH * HEIGHT; first += 1000) {
 				batch(&view, first, 1000);
-				gi_primary_trace(&view, &camera, xs, ys, points, 1000, &wide);
+				trace(&view, &camera, stilb_cpu_widest_isa(), 1000, &wide);
 				for (uint32_t i = 0; i < 1000; i++) {
 					assert_sample(&view, &camera, &wide, i);
 					if (gi_is_hit(&wide.rays[i]))

@@ -1,27 +1,16 @@
-#include "gi/cache/gi_cache_internal.h"
+#include "gi/cache/gi_cache.h"
+
+#include "gi/film/gi_camera.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define LONGEST_OF_SCENE 0.125f   /* the longest radius, of the scene's diagonal */
-#define UNIT_OF_SCENE 0.0625f     /* gi_cache_limits.unit */
-#define SHORTEST_PIXELS 1.5f      /* the shortest radius, in pixels where the record lies, */
-#define SHORTEST_OF_LONGEST 0.08f /* but no more than this share of the longest */
+#define LONGEST_OF_SCENE 0.125f   /* the longest radius, as a share of the scene's diagonal */
+#define UNIT_OF_SCENE 0.0625f     /* gi_cache_limits.unit, the same */
+#define SHORTEST_PIXELS 1.5f      /* the shortest radius, in widths of a pixel at the record, */
+#define SHORTEST_OF_LONGEST 0.08f /* but at most this share of the longest */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
-
-static stilb_result settings_check(const stilb_gi_cache_settings *settings)
-{
-	if (!(settings->error > 0.0f && settings->error <= 1.0f))
-		return stilb_fail(STILB_ERROR_ARGUMENT, "cache error %g: must be above 0 and at most 1",
-		                  (double)settings->error);
-	if (settings->rays < 16 || settings->rays > 65536)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "cache rays %u: must be from 16 to 65536", settings->rays);
-	if (settings->mode == STILB_GI_CACHE_FROZEN && !settings->overture && !settings->load)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "a frozen cache without an overture stays empty: take the live mode, "
-		                                        "or load a cache");
-	return STILB_OK;
-}
 
 static bool worker_create(gi_cache_worker *worker, uint32_t cells)
 {
@@ -30,9 +19,8 @@ static bool worker_create(gi_cache_worker *worker, uint32_t cells)
 	return worker->cells && worker->scratch;
 }
 
-static stilb_result workers_create(gi_cache *cache)
+static stilb_result workers_create(gi_cache *cache, uint32_t count)
 {
-	uint32_t count = stilb_job_pool_worker_count(cache->pool) + 1u;
 	cache->workers = stilb_memory_alloc(count, sizeof(gi_cache_worker));
 	if (!cache->workers)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
@@ -70,10 +58,10 @@ static gi_cache_limits limits_make(const gi_view *view)
 	};
 }
 
-/* Of a pixel, at that place, metres. */
+/* Width of a pixel whose centre shows that place, metres. */
 static float pixel_size(const gi_cache *cache, stilb_vec3 position)
 {
-	stilb_vec3 way = position - cache->camera.position;
+	stilb_vec3 way = position - cache->eye;
 	return cache->footprint * sqrtf(stilb_vec3_dot(way, way));
 }
 
@@ -84,37 +72,30 @@ gi_cache_limits gi_cache_limits_at(const gi_cache *cache, stilb_vec3 position)
 	return limits;
 }
 
-static stilb_result cache_fill(gi_cache *cache)
+static stilb_result cache_make(gi_cache *cache, uint32_t worker_count)
 {
 	const stilb_gi_scene_info *info = &cache->view->scene->info;
 	stilb_result result = gi_cache_strata_create(cache->view->settings.cache.rays, &cache->strata);
 	if (result == STILB_OK)
 		result = gi_cache_octree_create(info->low, info->high, &cache->octree);
 	if (result == STILB_OK)
-		result = gi_cache_overture_init(&cache->overture, cache->view->settings.cache.overture);
-	if (result == STILB_OK)
-		result = workers_create(cache);
-	if (result == STILB_OK && cache->view->settings.cache.load)
-		result = gi_cache_load(cache, cache->view->settings.cache.load);
+		result = workers_create(cache, worker_count);
 	return result;
 }
 
-stilb_result gi_cache_create(const gi_view *view, stilb_job_pool *pool, gi_cache **out)
+stilb_result gi_cache_create(const gi_view *view, uint32_t worker_count, gi_cache **out)
 {
 	*out = NULL;
 	const stilb_gi_settings *settings = &view->settings;
-	stilb_result result = settings_check(&settings->cache);
-	if (result != STILB_OK)
-		return result;
 	gi_cache *cache = stilb_memory_alloc(1, sizeof(*cache));
 	if (!cache)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
+	gi_camera camera = gi_camera_make(&settings->camera, &settings->lens, settings->width, settings->height);
 	*cache = (gi_cache){.view = view,
-	                    .pool = pool,
-	                    .camera = gi_camera_make(&settings->camera, &settings->lens, settings->width, settings->height),
+	                    .eye = camera.position,
+	                    .footprint = 2.0f * camera.half_height / (float)settings->height,
 	                    .limits = limits_make(view)};
-	cache->footprint = 2.0f * cache->camera.half_height / (float)settings->height;
-	result = cache_fill(cache);
+	stilb_result result = cache_make(cache, worker_count);
 	if (result == STILB_OK)
 		*out = cache;
 	else
@@ -127,23 +108,16 @@ void gi_cache_destroy(gi_cache *cache)
 	if (!cache)
 		return;
 	for (uint32_t i = 0; i < cache->worker_count; i++) {
-		gi_cache_worker *worker = &cache->workers[i];
-		free(worker->cells);
-		free(worker->scratch);
+		free(cache->workers[i].cells);
+		free(cache->workers[i].scratch);
 	}
 	free(cache->workers);
-	gi_cache_overture_finish(&cache->overture);
 	gi_cache_octree_destroy(cache->octree);
 	gi_cache_strata_destroy(&cache->strata);
 	free(cache);
 }
 
 /* ---- use --------------------------------------------------------------------------------------------------------- */
-
-stilb_result gi_cache_prepare(gi_cache *cache, gi_cache_report *report, void *user)
-{
-	return gi_cache_overture_run(cache, report, user);
-}
 
 bool gi_cache_wants(const gi_surface *surface)
 {
@@ -153,6 +127,11 @@ bool gi_cache_wants(const gi_surface *surface)
 bool gi_cache_find(const gi_cache *cache, const gi_surface *surface, stilb_vec3 *irradiance)
 {
 	return gi_cache_octree_lookup(cache->octree, surface->position, surface->normal, cache->limits.turn, irradiance);
+}
+
+bool gi_cache_covers(const gi_cache *cache, const gi_surface *surface, float reach)
+{
+	return gi_cache_octree_covers(cache->octree, surface->position, surface->normal, cache->limits.turn, reach);
 }
 
 bool gi_cache_record_is_at(const gi_cache *cache, stilb_vec3 position, float pixels)
@@ -166,17 +145,4 @@ bool gi_cache_add(gi_cache *cache, const gi_cache_record *record)
 	if (cache->limits.radius == STILB_GI_CACHE_SPLIT_SPHERE)
 		gi_cache_octree_clamp(cache->octree, &limited);
 	return gi_cache_octree_insert(cache->octree, &limited);
-}
-
-gi_cache_progress gi_cache_progress_of(const gi_cache *cache)
-{
-	/* relaxed, here and below: numbers to show */
-	gi_cache_progress progress = {.round = atomic_load_explicit(&cache->overture.round, memory_order_relaxed),
-	                              .done = (double)atomic_load_explicit(&cache->overture.done, memory_order_relaxed),
-	                              .records = gi_cache_octree_count(cache->octree)};
-	for (uint32_t i = 0; i < cache->worker_count; i++) {
-		progress.rays += atomic_load_explicit(&cache->workers[i].traced, memory_order_relaxed);
-		progress.shadow_rays += atomic_load_explicit(&cache->workers[i].shadow_rays, memory_order_relaxed);
-	}
-	return progress;
 }

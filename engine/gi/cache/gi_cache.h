@@ -1,52 +1,82 @@
 /*
- * gi_cache: the irradiance cache: diffuse indirect light is gathered at few places, the records, and interpolated
- * between them.
+ * gi_cache: the irradiance cache: diffuse indirect light is gathered at few places, the records, and interpolated between
+ * them. This file holds the records and what is derived from the settings; three others work on it:
  *
- * Life cycle.  gi_cache_create -> gi_cache_prepare: the overture, which fills it -> batches of the integrator
- *              irradiance_cache read it (gi_view.cache) -> gi_cache_save -> gi_cache_destroy.
- * Modes.       FROZEN: the overture goes in rounds. The records of a round depend on those of older rounds alone and
- *              are added in the order of their pixels, and nothing is added after it: the same bits for every worker
- *              count.
- *              LIVE: whoever misses a record gathers it there and then, and everyone sees it at once.
+ *   gi_cache_gather.h   makes a record at a surface
+ *   gi_cache_fill.h     creates a cache, fills it before the picture (the overture), saves it
+ *   gi_cache_file.h     reads and writes records
+ *
+ * Life cycle.  gi_cache_create -> find and add, from batches of the integrator irradiance_cache and from the overture ->
+ *              gi_cache_destroy. gi_cache_fill does both ends.
+ * Threads.     create, destroy: one thread. All others: [any-thread], while others add.
  * Source:      Ward, Rubinstein, Clear, "A Ray Tracing Solution for Diffuse Interreflection" (1988); Ward, Heckbert,
  *              "Irradiance Gradients" (1992); Krivanek et al., "Making Radiance and Irradiance Caching Practical:
  *              Adaptive Caching and Neighbor Clamping" (2006); Schwarzhaupt, Jensen, Jarosz, "Practical Hessian-Based
  *              Error Control for Irradiance Caching" (2012).
- * Threads.     create, prepare, save, destroy: [main-thread] of the pool.
  */
 #ifndef STILB_GI_CACHE_H
 #define STILB_GI_CACHE_H
 
+#include "gi/cache/gi_cache_octree.h"
 #include "gi/integrate/gi_integrator.h"
-#include "jobs/job.h"
 
-typedef struct gi_cache gi_cache;
+#include <stdatomic.h>
 
-typedef struct gi_cache_progress {
-	uint32_t round;   /* of the overture, from 1 */
-	double done;      /* share of the overture's pixels that have records, [0, 1] */
-	uint32_t records; /* so far */
-	uint64_t rays, shadow_rays;
-} gi_cache_progress;
+/* One thread's memory for gathering a record, a batch of the hemisphere's rays at a time. */
+typedef struct gi_cache_worker {
+	gi_ray_hit rays[GI_BATCH];
+	gi_point points[GI_BATCH];
+	stilb_vec3 radiance[GI_BATCH];
+	gi_ray shadows[GI_BATCH];    /* [shadow_count] id: index of the ray at whose end it starts */
+	stilb_vec3 direct[GI_BATCH]; /* [shadow_count] radiance that counts if the shadow ray is not occluded */
+	uint32_t shadow_count;
+	/* The rays that go on as paths: copies, and their indices in rays. */
+	gi_ray_hit path_rays[GI_BATCH];
+	gi_point path_points[GI_BATCH];
+	stilb_vec3 path_radiance[GI_BATCH];
+	uint32_t targets[GI_BATCH];
+	gi_cache_cell *cells; /* [gi_cache_strata_cells] */
+	void *scratch;        /* gi_integrator_path.scratch_size bytes */
+	/* Rays of all kinds, and the shadow rays among them. One writer; relaxed: progress reads them at any time. */
+	_Atomic uint64_t traced;
+	_Atomic uint64_t shadow_rays;
+	char unused[STILB_CACHE_LINE];
+} gi_cache_worker;
 
-/* Called between rounds, on the thread that called prepare. False: stop. */
-typedef bool gi_cache_report(void *user, const gi_cache_progress *progress);
+typedef struct gi_cache {
+	const gi_view *view;
+	stilb_vec3 eye;  /* the camera's position */
+	float footprint; /* width of a pixel at distance 1 from the eye, metres */
+	gi_cache_limits limits;
+	gi_cache_strata strata;
+	gi_cache_octree *octree;
+	uint32_t worker_count;
+	gi_cache_worker *workers; /* [worker_count] */
+} gi_cache;
 
-/* Loads settings.cache.load if there is one. view must stay; its cache may be set afterwards. STILB_ERROR_ARGUMENT names
- * the setting that is out of its range; STILB_ERROR_FILE: what was to be loaded is no cache, is damaged, or belongs to
- * another scene or other settings; STILB_ERROR_MEMORY. */
-stilb_result gi_cache_create(const gi_view *view, stilb_job_pool *pool, gi_cache **out);
+/* An empty cache for view->settings, which gi_settings_check accepts. view must outlive it; view->cache need not be set yet.
+ * worker_count >= 1: threads that will gather. STILB_ERROR_MEMORY; then *out is NULL. */
+stilb_result gi_cache_create(const gi_view *view, uint32_t worker_count, gi_cache **out);
 
-/* The overture. Told to stop, it returns STILB_OK early, and the next call goes on where it was: with the same records in
- * the end. report may be NULL. STILB_ERROR_MEMORY. */
-stilb_result gi_cache_prepare(gi_cache *cache, gi_cache_report *report, void *user);
-
-/* Writes settings.cache.save, whole or not at all; nothing without one. */
-stilb_result gi_cache_save(const gi_cache *cache);
-
+/* Accepts NULL. */
 void gi_cache_destroy(gi_cache *cache);
 
-/* What it holds, and what it cost so far. [any-thread] */
-gi_cache_progress gi_cache_progress_of(const gi_cache *cache);
+/* How long radii may be of a record at that place, metres, and how it is made. */
+gi_cache_limits gi_cache_limits_at(const gi_cache *cache, stilb_vec3 position);
+
+/* True if the surface reflects diffuse light, which is what a cache holds. */
+bool gi_cache_wants(const gi_surface *surface);
+
+/* Irradiance at the surface, W m^-2, from all records that are valid there. False: none is, and irradiance is not written. */
+bool gi_cache_find(const gi_cache *cache, const gi_surface *surface, stilb_vec3 *irradiance);
+
+/* True if a record covers the surface with an error below reach (gi_cache_record_error, (0, 1]). */
+bool gi_cache_covers(const gi_cache *cache, const gi_surface *surface, float reach);
+
+/* True if a record lies within so many pixels' widths of the position. */
+bool gi_cache_record_is_at(const gi_cache *cache, stilb_vec3 position, float pixels);
+
+/* Adds a copy of the record, its radii limited by its neighbours where the settings say so. False: no memory. */
+bool gi_cache_add(gi_cache *cache, const gi_cache_record *record);
 
 #endif

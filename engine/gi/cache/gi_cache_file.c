@@ -2,7 +2,7 @@
  * A cache in a file: a line that says what it is; cache_header; the records as they are in memory; the FNV-1a hash of
  * header and records. Numbers are the machine's own.
  */
-#include "gi/cache/gi_cache_internal.h"
+#include "gi/cache/gi_cache_file.h"
 
 #include "base/base_file.h"
 #include "gi/gi_scene_hash.h"
@@ -47,12 +47,9 @@ static uint64_t write_hashed(stilb_file *file, uint64_t hash, const void *data, 
 	return stilb_hash_fnv1a64(hash, data, size);
 }
 
-stilb_result gi_cache_save(const gi_cache *cache)
+stilb_result gi_cache_save(const gi_cache *cache, const char *path)
 {
 	PROFILE("gi.cache.save");
-	const char *path = cache->view->settings.cache.save;
-	if (!path)
-		return STILB_OK;
 	stilb_file file;
 	stilb_result result = stilb_file_open(&file, path);
 	if (result != STILB_OK)

@@ -2,7 +2,7 @@
  * One record: a ray through every cell of the hemisphere, and what the surfaces there reflect. Where these have records
  * already, their indirect light is taken from those; else a path goes on from there.
  */
-#include "gi/cache/gi_cache_internal.h"
+#include "gi/cache/gi_cache_gather.h"
 
 #include "gi/integrate/gi_direct.h"
 #include "gi/sample/gi_counter.h"

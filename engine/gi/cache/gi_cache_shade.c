@@ -2,7 +2,7 @@
  * The integrator: emission and direct light as ever, diffuse indirect light from the cache, and a path for what a cache
  * cannot hold: highlights, and diffuse light where no record holds.
  */
-#include "gi/cache/gi_cache_internal.h"
+#include "gi/cache/gi_cache_gather.h"
 
 #include "gi/integrate/gi_direct.h"
 #include "gi/trace/gi_ray.h"

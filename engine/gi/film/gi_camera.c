@@ -1,4 +1,4 @@
-#include "gi/film/gi_primary.h"
+#include "gi/film/gi_camera.h"
 #include "gi/trace/gi_ray.h"
 
 #include "shading/shade_sampling.h"
@@ -7,9 +7,6 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 {
 	/* The rows of world to clip are the camera's axes, stretched: what the renderer of frames shows is what is seen here. */
 	stilb_mat4 clip = stilb_scene_camera_matrix(camera, 1.0f);
-	stilb_isa isa;
-	if (stilb_cpu_isa(&isa) != STILB_OK)
-		isa = STILB_ISA_SCALAR; /* the same bits */
 	float half_height = tanf(0.5f * camera->fov_y), half_width = half_height * ((float)width / (float)height);
 	const float *m = clip.m;
 	return (gi_camera){
@@ -22,7 +19,6 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 		.to_u = 2.0f * half_width / (float)width,
 		.to_v = 2.0f * half_height / (float)height,
 		.lens = *lens,
-		.kernels = gi_primary_kernels_for(isa),
 	};
 }
 

@@ -16,7 +16,6 @@ typedef struct gi_camera {
 	float half_width, half_height;           /* of the picture plane at distance 1 */
 	float to_u, to_v;                        /* pixels to the plane */
 	stilb_gi_lens lens;
-	const struct gi_primary_kernels *kernels; /* gi_primary.h */
 } gi_camera;
 
 gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *lens, uint32_t width, uint32_t height);

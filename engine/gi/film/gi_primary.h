@@ -17,10 +17,22 @@ typedef struct gi_primary {
 	float depth[GI_BATCH];     /* along the view; +infinity for a miss */
 } gi_primary;
 
-/* Samples of pixels (x[i], y[i]); i < count <= GI_BATCH; out is written up to the next
- * multiple of 16. Neighbours in the batch should be neighbours in the picture. */
-void gi_primary_trace(const gi_view *view, const gi_camera *camera, const uint16_t *x, const uint16_t *y,
-                      const gi_point *points, uint32_t count, gi_primary *out);
+/* Samples to be traced. Neighbours in the arrays should be neighbours in the picture: sixteen of them are one packet. */
+typedef struct gi_primary_samples {
+	uint32_t count;         /* at most GI_BATCH */
+	const uint16_t *x, *y;  /* [count] pixels, from the top left corner */
+	const gi_point *points; /* [count] */
+} gi_primary_samples;
+
+/* The functions for one instruction set, below. */
+typedef struct gi_primary_kernels gi_primary_kernels;
+
+/* Those for an instruction set that this CPU has. */
+const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa);
+
+/* Camera rays through all samples, and the first rows of out for each. out is written up to the next multiple of 16. */
+void gi_primary_trace(const gi_primary_kernels *kernels, const gi_view *view, const gi_camera *camera,
+                      const gi_primary_samples *samples, gi_primary *out);
 
 /* ---- inside ------------------------------------------------------------------------------------------------------- */
 
@@ -35,7 +47,7 @@ typedef struct gi_primary_packet {
 	const gi_triangle *triangles[16];
 } gi_primary_packet;
 
-typedef struct gi_primary_kernels {
+struct gi_primary_kernels {
 	/* gi_sample_2d of Sobol points; count is a multiple of 16. */
 	void (*sobol)(const gi_point *points, uint32_t dimension, uint32_t count, float *u, float *v);
 	/* gi_camera_ray of sixteen places from first on. */
@@ -43,11 +55,8 @@ typedef struct gi_primary_kernels {
 	/* Rays and G-buffer of a packet to sixteen places of out from first on. */
 	void (*surfaces)(const stilb_gi_scene *scene, const gi_camera *camera, const gi_primary_packet *packet,
 	                 uint32_t first, gi_primary *out);
-} gi_primary_kernels;
+};
 
 extern const gi_primary_kernels gi_primary_kernels_scalar, gi_primary_kernels_avx2, gi_primary_kernels_avx512;
-
-/* The table for an instruction set that this CPU has. */
-const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa);
 
 #endif

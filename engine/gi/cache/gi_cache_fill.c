@@ -1,0 +1,343 @@
+/*
+ * The overture: records for what the picture shows, before it is made.
+ *
+ * Strips.    Pixels are looked at in levels, every 32nd pixel of every 32nd row first, then what lies between, finer
+ *            and finer; and a level in strips of rows that lie far from one another. A pixel that no record covers is
+ *            missing one.
+ * Rounds.    FROZEN: some of the missing pixels, far from one another, gather a record each, as jobs; then the records
+ *            are added in the order in which the pixels were chosen, and all that are still missing look again. Who is
+ *            chosen does not depend on the workers, so nothing does.
+ *            LIVE: whoever looks and misses gathers there and then.
+ */
+#include "gi/cache/gi_cache_fill.h"
+
+#include "gi/cache/gi_cache_file.h"
+#include "gi/cache/gi_cache_gather.h"
+#include "gi/film/gi_camera.h"
+#include "profiler/prof.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FIRST_BLOCK 32u
+#define STRIP 8192u      /* pixels, about */
+#define ROUND_LEAST 16u  /* records of a round at least, where so many are missing; and later */
+#define ROUND_SHARE 8u   /* one for so many as there are; */
+#define ROUND_MOST 1024u /* at most */
+#define ROUND_WORTH 32u  /* missing pixels for which a round is begun before the next strip is looked at */
+#define SPACING 8        /* between the pixels of a round, pixels */
+#define REACH 0.8f /* the overture wants records nearer than the picture does: there are some between pixels too */
+
+typedef struct fill_pixel {
+	gi_surface surface;
+	uint32_t x, y;
+	bool missing; /* no record covers it */
+} fill_pixel;
+
+struct gi_cache_fill {
+	gi_cache *cache;
+	stilb_job_pool *pool;
+	gi_camera camera;
+	uint32_t block, strip;    /* the next to be looked at; block 0: all have been */
+	uint32_t count, capacity; /* of pixels */
+	fill_pixel *pixels;       /* those that are missing a record */
+	gi_cache_record *records; /* [ROUND_MOST] of a round; NULL: no overture is wanted */
+	uint64_t looked;          /* pixels so far */
+	_Atomic uint32_t round;   /* relaxed, both: written by run, read by progress, order nothing */
+	_Atomic float done;
+};
+
+/* ---- life cycle -------------------------------------------------------------------------------------------------- */
+
+static stilb_result fill_make(gi_cache_fill *fill, const gi_view *view)
+{
+	const stilb_gi_cache_settings *settings = &view->settings.cache;
+	if (settings->mode == STILB_GI_CACHE_FROZEN && !settings->overture && !settings->load)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a frozen cache without an overture stays empty: take the live mode, "
+		                                        "or load a cache");
+	stilb_result result = gi_cache_create(view, stilb_job_pool_worker_count(fill->pool) + 1u, &fill->cache);
+	if (result == STILB_OK && settings->load)
+		result = gi_cache_load(fill->cache, settings->load);
+	if (result != STILB_OK || !settings->overture)
+		return result;
+	fill->block = FIRST_BLOCK;
+	fill->records = stilb_memory_alloc(ROUND_MOST, sizeof(*fill->records));
+	return fill->records ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache's overture");
+}
+
+stilb_result gi_cache_fill_create(const gi_view *view, stilb_job_pool *pool, gi_cache_fill **out)
+{
+	*out = NULL;
+	const stilb_gi_settings *settings = &view->settings;
+	gi_cache_fill *fill = stilb_memory_alloc(1, sizeof(*fill));
+	if (!fill)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
+	*fill = (gi_cache_fill){
+		.pool = pool, .camera = gi_camera_make(&settings->camera, &settings->lens, settings->width, settings->height)};
+	stilb_result result = fill_make(fill, view);
+	if (result == STILB_OK)
+		*out = fill;
+	else
+		gi_cache_fill_destroy(fill);
+	return result;
+}
+
+void gi_cache_fill_destroy(gi_cache_fill *fill)
+{
+	if (!fill)
+		return;
+	gi_cache_destroy(fill->cache);
+	free(fill->pixels);
+	free(fill->records);
+	free(fill);
+}
+
+gi_cache *gi_cache_fill_records(gi_cache_fill *fill)
+{
+	return fill->cache;
+}
+
+stilb_result gi_cache_fill_save(const gi_cache_fill *fill)
+{
+	const char *path = fill->cache->view->settings.cache.save;
+	return path ? gi_cache_save(fill->cache, path) : STILB_OK;
+}
+
+gi_cache_progress gi_cache_fill_progress(const gi_cache_fill *fill)
+{
+	const gi_cache *cache = fill->cache;
+	/* relaxed, here and below: see gi_cache_fill and gi_cache_worker */
+	gi_cache_progress progress = {.round = atomic_load_explicit(&fill->round, memory_order_relaxed),
+	                              .done = (double)atomic_load_explicit(&fill->done, memory_order_relaxed),
+	                              .records = gi_cache_octree_count(cache->octree)};
+	for (uint32_t i = 0; i < cache->worker_count; i++) {
+		progress.rays += atomic_load_explicit(&cache->workers[i].traced, memory_order_relaxed);
+		progress.shadow_rays += atomic_load_explicit(&cache->workers[i].shadow_rays, memory_order_relaxed);
+	}
+	return progress;
+}
+
+/* ---- levels and strips ------------------------------------------------------------------------------------------- */
+
+typedef struct fill_strip {
+	gi_cache_fill *fill;
+	uint32_t first_row, row_step, rows; /* of the level: its row r is the picture's r * block */
+	uint32_t columns;                   /* slots for a row */
+	_Atomic bool full;                  /* LIVE: no memory for a record */
+} fill_strip;
+
+static uint32_t divide_up(uint32_t a, uint32_t b)
+{
+	return (a + b - 1u) / b;
+}
+
+static uint32_t level_strips(const stilb_gi_settings *settings, uint32_t block)
+{
+	uint32_t rows = divide_up(settings->height, block);
+	uint64_t pixels = (uint64_t)rows * divide_up(settings->width, block);
+	uint64_t strips = (pixels + STRIP - 1u) / STRIP;
+	return strips < rows ? (uint32_t)strips : rows;
+}
+
+static bool pixel_is_of_coarser_level(uint32_t x, uint32_t y, uint32_t block)
+{
+	return block < FIRST_BLOCK && x % (2u * block) == 0 && y % (2u * block) == 0;
+}
+
+/* Whether the pixel's centre shows a surface that wants a record and has none. */
+static bool pixel_look(const gi_cache_fill *fill, fill_pixel *pixel)
+{
+	const gi_view *view = fill->cache->view;
+	gi_ray_hit ray;
+	gi_camera_ray(&fill->camera, (float)pixel->x + 0.5f, (float)pixel->y + 0.5f, (stilb_vec2){0.5f, 0.5f}, &ray);
+	view->scene->tracer.intersect(&view->scene->tracer, &ray);
+	if (!gi_is_hit(&ray))
+		return false;
+	gi_surface_at(view->scene, &ray, &pixel->surface);
+	return gi_cache_wants(&pixel->surface) && !gi_cache_covers(fill->cache, &pixel->surface, REACH);
+}
+
+static gi_cache_record pixel_gather(gi_cache *cache, const fill_pixel *pixel, uint32_t worker)
+{
+	gi_point point = gi_sampler_point(&cache->view->sampler, pixel->x, pixel->y, 0);
+	return gi_cache_gather(cache, worker, &pixel->surface, point);
+}
+
+static void look_rows(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	PROFILE("gi.overture.look");
+	fill_strip *strip = context;
+	gi_cache_fill *fill = strip->fill;
+	gi_cache *cache = fill->cache;
+	for (uint32_t i = begin; i < end; i++) {
+		fill_pixel *slots = &fill->pixels[fill->count + i * strip->columns];
+		uint32_t y = (strip->first_row + i * strip->row_step) * fill->block;
+		for (uint32_t column = 0; column < strip->columns; column++) {
+			fill_pixel *pixel = &slots[column];
+			pixel->x = column * fill->block;
+			pixel->y = y;
+			pixel->missing = !pixel_is_of_coarser_level(pixel->x, pixel->y, fill->block) && pixel_look(fill, pixel);
+			if (pixel->missing && cache->view->settings.cache.mode == STILB_GI_CACHE_LIVE) {
+				gi_cache_record record = pixel_gather(cache, pixel, worker);
+				if (!gi_cache_add(cache, &record))
+					atomic_store_explicit(&strip->full, true, memory_order_relaxed); /* read after the loop has ended */
+				pixel->missing = false;
+			}
+		}
+	}
+}
+
+/* Room for so many pixels behind the missing ones. */
+static stilb_result pixels_want(gi_cache_fill *fill, uint32_t more)
+{
+	if (fill->count + more <= fill->capacity)
+		return STILB_OK;
+	fill_pixel *larger = stilb_memory_alloc(fill->count + more, sizeof(*larger));
+	if (!larger)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache's overture");
+	if (fill->count > 0)
+		memcpy(larger, fill->pixels, fill->count * sizeof(*larger));
+	free(fill->pixels);
+	fill->pixels = larger;
+	fill->capacity = fill->count + more;
+	return STILB_OK;
+}
+
+/* The first count pixels, without those that are no longer missing. */
+static void pixels_compact(gi_cache_fill *fill, uint32_t count)
+{
+	fill->count = 0;
+	for (uint32_t i = 0; i < count; i++)
+		if (fill->pixels[i].missing)
+			fill->pixels[fill->count++] = fill->pixels[i];
+}
+
+static stilb_result strip_look(gi_cache_fill *fill)
+{
+	const stilb_gi_settings *settings = &fill->cache->view->settings;
+	uint32_t strips = level_strips(settings, fill->block);
+	uint32_t level_rows = divide_up(settings->height, fill->block);
+	fill_strip strip = {.fill = fill,
+	                    .first_row = fill->strip,
+	                    .row_step = strips,
+	                    .rows = divide_up(level_rows - fill->strip, strips),
+	                    .columns = divide_up(settings->width, fill->block)};
+	uint32_t looked = strip.rows * strip.columns;
+	stilb_result result = pixels_want(fill, looked);
+	if (result != STILB_OK)
+		return result;
+	stilb_job_parallel_for(fill->pool, strip.rows, 1, look_rows, &strip, 0);
+	/* relaxed: the loop has ended, and with it all stores */
+	if (atomic_load_explicit(&strip.full, memory_order_relaxed))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for more records of the irradiance cache");
+	pixels_compact(fill, fill->count + looked);
+	fill->looked += looked;
+	if (++fill->strip == strips) {
+		fill->strip = 0;
+		fill->block /= 2u;
+	}
+	return STILB_OK;
+}
+
+/* ---- rounds ------------------------------------------------------------------------------------------------------ */
+
+typedef struct fill_round {
+	gi_cache_fill *fill;
+	uint32_t count;
+	uint32_t chosen[ROUND_MOST]; /* of the missing pixels */
+	gi_cache_record *records;    /* [count] */
+} fill_round;
+
+static bool too_near(const fill_pixel *a, const fill_pixel *b)
+{
+	int dx = abs((int)a->x - (int)b->x), dy = abs((int)a->y - (int)b->y);
+	return dx < SPACING && dy < SPACING;
+}
+
+/* Evenly from all that are missing, none near another. */
+static void round_choose(const gi_cache_fill *fill, uint32_t records, fill_round *round)
+{
+	uint32_t wanted = records / ROUND_SHARE;
+	wanted = wanted < ROUND_LEAST ? ROUND_LEAST : wanted > ROUND_MOST ? ROUND_MOST : wanted;
+	if (wanted > fill->count)
+		wanted = fill->count;
+	for (uint32_t i = 0; i < wanted; i++) {
+		uint32_t candidate = (uint32_t)((uint64_t)i * fill->count / wanted);
+		bool alone = true;
+		for (uint32_t k = 0; k < round->count && alone; k++)
+			alone = !too_near(&fill->pixels[candidate], &fill->pixels[round->chosen[k]]);
+		if (alone)
+			round->chosen[round->count++] = candidate;
+	}
+}
+
+static void round_gather(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	PROFILE("gi.overture.record");
+	fill_round *round = context;
+	for (uint32_t i = begin; i < end; i++)
+		round->records[i] = pixel_gather(round->fill->cache, &round->fill->pixels[round->chosen[i]], worker);
+}
+
+static void round_look_again(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)worker;
+	gi_cache_fill *fill = context;
+	for (uint32_t i = begin; i < end; i++) {
+		fill_pixel *pixel = &fill->pixels[i];
+		pixel->missing = pixel->missing && !gi_cache_covers(fill->cache, &pixel->surface, REACH);
+	}
+}
+
+static stilb_result round_run(gi_cache_fill *fill)
+{
+	gi_cache *cache = fill->cache;
+	fill_round round = {.fill = fill, .records = fill->records};
+	round_choose(fill, gi_cache_octree_count(cache->octree), &round);
+	stilb_job_parallel_for(fill->pool, round.count, 1, round_gather, &round, 0);
+	for (uint32_t i = 0; i < round.count; i++) {
+		if (!gi_cache_add(cache, &round.records[i]))
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for more than %u records of the irradiance cache",
+			                  gi_cache_octree_count(cache->octree));
+		fill->pixels[round.chosen[i]].missing = false;
+	}
+	stilb_job_parallel_for(fill->pool, fill->count, 64, round_look_again, fill, 0);
+	pixels_compact(fill, fill->count);
+	return STILB_OK;
+}
+
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
+
+static bool overture_has_ended(const gi_cache_fill *fill)
+{
+	return fill->block == 0 && fill->count == 0;
+}
+
+/* relaxed, here and below: numbers to show */
+static void overture_count(gi_cache_fill *fill)
+{
+	const stilb_gi_settings *settings = &fill->cache->view->settings;
+	uint64_t total = 0;
+	for (uint32_t block = FIRST_BLOCK; block > 0; block /= 2u)
+		total += (uint64_t)divide_up(settings->width, block) * divide_up(settings->height, block);
+	float done = (float)(fill->looked - fill->count) / (float)total;
+	atomic_store_explicit(&fill->done, done, memory_order_relaxed);
+	atomic_fetch_add_explicit(&fill->round, 1u, memory_order_relaxed);
+}
+
+stilb_result gi_cache_fill_run(gi_cache_fill *fill, gi_cache_report *report, void *user)
+{
+	if (fill->cache->view->settings.depth < 2)
+		return STILB_OK; /* there is no indirect light */
+	while (!overture_has_ended(fill)) {
+		bool look = fill->block > 0 && fill->count < ROUND_WORTH;
+		stilb_result result = look ? strip_look(fill) : round_run(fill);
+		if (result != STILB_OK)
+			return result;
+		overture_count(fill);
+		gi_cache_progress progress = gi_cache_fill_progress(fill);
+		if (report && !report(user, &progress))
+			return STILB_OK;
+	}
+	return STILB_OK;
+}
