@@ -1,7 +1,7 @@
 /* Our stages beside Embree alone on the rays that they traced: what is left is ours. One thread. */
 #include "bench/gi/gi_run.h"
 #include "gi/film/gi_primary.h"
-#include "gi/gi_world.h"
+#include "gi/gi_scene_internal.h"
 #include "gi/trace/gi_embree.h"
 
 #include <math.h>

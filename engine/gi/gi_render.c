@@ -13,18 +13,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define RENDER_TILE 16u              /* points of the pass's grid, a side */
-#define RENDER_SMALLEST_TILE 4u      /* where there would be too few tiles for the workers */
-#define RENDER_TILES_FOR_A_WORKER 8u /* so that none waits long for the last tile of another */
-#define RENDER_RAYS_OF_BATCH 0x40000 /* at most, about: between two looks at stop */
-#define RENDER_RAYS_OF_PATH 8
-#define RENDER_OVERTURE_SHARE 0.5
-#define RENDER_FIRST_SAMPLES 16u
+#define TILE 16u              /* points of the pass's grid, a side */
+#define SMALLEST_TILE 4u      /* where there would be too few tiles for the workers */
+#define TILES_FOR_A_WORKER 8u /* so that none waits long for the last tile of another */
+#define RAYS_OF_BATCH 0x40000 /* at most, about: between two looks at stop */
+#define RAYS_OF_PATH 8
+#define OVERTURE_SHARE 0.5
+#define FIRST_SAMPLES 16u
 
 /* ---- life ---------------------------------------------------------------------------------------------------------- */
 
 /* Rays of a sample, about: those of its first hit, and what follows from each. */
-static double render_rays_of_sample(const stilb_gi_settings *settings)
+static double rays_of_sample(const stilb_gi_settings *settings)
 {
 	switch (settings->integrator) {
 	case STILB_GI_INTEGRATOR_MONTECARLO:
@@ -32,21 +32,21 @@ static double render_rays_of_sample(const stilb_gi_settings *settings)
 	case STILB_GI_INTEGRATOR_AO:
 		return settings->rays;
 	case STILB_GI_INTEGRATOR_SPLIT:
-		return settings->rays * RENDER_RAYS_OF_PATH;
+		return settings->rays * RAYS_OF_PATH;
 	case STILB_GI_INTEGRATOR_IRRADIANCE_CACHE:
-		return settings->cache.mode == STILB_GI_CACHE_LIVE ? settings->cache.rays : RENDER_RAYS_OF_PATH;
+		return settings->cache.mode == STILB_GI_CACHE_LIVE ? settings->cache.rays : RAYS_OF_PATH;
 	default:
-		return RENDER_RAYS_OF_PATH;
+		return RAYS_OF_PATH;
 	}
 }
 
-static uint32_t render_batch_size(const stilb_gi_settings *settings)
+static uint32_t batch_size_for(const stilb_gi_settings *settings)
 {
-	double fitting = RENDER_RAYS_OF_BATCH / render_rays_of_sample(settings);
+	double fitting = RAYS_OF_BATCH / rays_of_sample(settings);
 	return fitting >= GI_BATCH ? GI_BATCH : fitting > 1.0 ? (uint32_t)fitting : 1;
 }
 
-static stilb_result render_create_workers(stilb_gi_render *render)
+static stilb_result workers_create(stilb_gi_render *render)
 {
 	uint32_t count = stilb_job_pool_worker_count(render->pool) + 1;
 	size_t scratch_size = render->integrator->scratch_size ? render->integrator->scratch_size : 1;
@@ -60,12 +60,12 @@ static stilb_result render_create_workers(stilb_gi_render *render)
 	return whole ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "out of memory for %u threads that render", count);
 }
 
-static stilb_result render_fill(stilb_gi_render *render)
+static stilb_result gi_render_fill(stilb_gi_render *render)
 {
 	const stilb_gi_settings *settings = &render->view.settings;
 	stilb_result result = gi_film_create(&render->film, settings->width, settings->height, settings->firefly_weight);
 	if (result == STILB_OK)
-		result = render_create_workers(render);
+		result = workers_create(render);
 	if (result == STILB_OK && settings->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		result = gi_cache_fill_create(&render->view, render->pool, &render->cache_fill);
 	if (result == STILB_OK && render->cache_fill)
@@ -96,11 +96,11 @@ stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_
 	render->camera = gi_camera_make(&settings->camera, &settings->lens, settings->width, settings->height);
 	render->kernels = primary_kernels();
 	render->integrator = gi_integrator_of(settings->integrator);
-	render->batch_size = render_batch_size(settings);
+	render->batch_size = batch_size_for(settings);
 	render->pool = pool;
 	render->estimate = HUGE_VAL;
 	pthread_mutex_init(&render->lock, NULL);
-	result = render_fill(render);
+	result = gi_render_fill(render);
 	if (result == STILB_OK)
 		*out = render;
 	else
@@ -161,32 +161,32 @@ static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 
 /* ---- tiles --------------------------------------------------------------------------------------------------------- */
 
-typedef struct render_grid {
+typedef struct tile_grid {
 	stilb_gi_render *render;
 	uint32_t block, target; /* every block-th pixel is to have target samples */
 	uint32_t tile, tiles_x; /* points of the grid a side; tiles in a row */
 	uint32_t tile_count;
-} render_grid;
+} tile_grid;
 
 static uint32_t parts_of(uint32_t whole, uint32_t part)
 {
 	return (whole + part - 1) / part;
 }
 
-static render_grid grid_make(stilb_gi_render *render, const stilb_gi_pass *pass)
+static tile_grid grid_make(stilb_gi_render *render, const stilb_gi_pass *pass)
 {
-	render_grid grid = {.render = render, .block = pass->block, .target = pass->first_sample + pass->sample_count};
+	tile_grid grid = {.render = render, .block = pass->block, .target = pass->first_sample + pass->sample_count};
 	uint32_t width = parts_of(render->film.width, grid.block), height = parts_of(render->film.height, grid.block);
-	uint32_t wanted = RENDER_TILES_FOR_A_WORKER * render->worker_count;
-	for (grid.tile = RENDER_TILE;; grid.tile /= 2) {
+	uint32_t wanted = TILES_FOR_A_WORKER * render->worker_count;
+	for (grid.tile = TILE;; grid.tile /= 2) {
 		grid.tiles_x = parts_of(width, grid.tile);
 		grid.tile_count = grid.tiles_x * parts_of(height, grid.tile);
-		if (grid.tile_count >= wanted || grid.tile == RENDER_SMALLEST_TILE)
+		if (grid.tile_count >= wanted || grid.tile == SMALLEST_TILE)
 			return grid;
 	}
 }
 
-static bool render_is_ending(const stilb_gi_render *render)
+static bool is_ending(const stilb_gi_render *render)
 {
 	/* Relaxed: see stilb_gi_render. */
 	return atomic_load_explicit(&render->stop, memory_order_relaxed) ||
@@ -196,14 +196,14 @@ static bool render_is_ending(const stilb_gi_render *render)
 /* Renders what the batch holds, unless the render is to end: false, and the batch is forgotten. */
 static bool batch_flush(stilb_gi_render *render, gi_render_worker *worker)
 {
-	bool go_on = !render_is_ending(render);
+	bool go_on = !is_ending(render);
 	if (go_on && worker->count > 0)
 		batch_render(render, worker);
 	worker->count = 0;
 	return go_on;
 }
 
-static bool pixel_render(const render_grid *grid, gi_render_worker *worker, uint32_t x, uint32_t y)
+static bool pixel_render(const tile_grid *grid, gi_render_worker *worker, uint32_t x, uint32_t y)
 {
 	stilb_gi_render *render = grid->render;
 	size_t pixel = (size_t)y * render->film.width + x;
@@ -219,14 +219,14 @@ static bool pixel_render(const render_grid *grid, gi_render_worker *worker, uint
 	return true;
 }
 
-typedef struct render_tile {
+typedef struct grid_tile {
 	uint32_t x, y; /* the first point of the grid */
 	uint32_t side;
-} render_tile;
+} grid_tile;
 
-static render_tile tile_of(const render_grid *grid, uint32_t index)
+static grid_tile tile_of(const tile_grid *grid, uint32_t index)
 {
-	return (render_tile){index % grid->tiles_x * grid->tile, index / grid->tiles_x * grid->tile, grid->tile};
+	return (grid_tile){index % grid->tiles_x * grid->tile, index / grid->tiles_x * grid->tile, grid->tile};
 }
 
 /* The x of a Morton code of 8 bits; its y is that of the code without the lowest bit. */
@@ -236,18 +236,18 @@ static uint32_t morton_x(uint32_t code)
 	code = (code | code >> 1) & 0x33;
 	return (code | code >> 2) & 0x0f;
 }
-static_assert(RENDER_TILE <= 16, "so that a point's Morton code has 8 bits");
+static_assert(TILE <= 16, "so that a point's Morton code has 8 bits");
 
 /* The tile's points lie along a Morton curve, so that sixteen rays in a row, a packet, start close to one another. False: the
  * picture ends before that point. */
-static bool tile_pixel(const render_grid *grid, const render_tile *tile, uint32_t point, uint32_t *x, uint32_t *y)
+static bool tile_pixel(const tile_grid *grid, const grid_tile *tile, uint32_t point, uint32_t *x, uint32_t *y)
 {
 	*x = (tile->x + morton_x(point)) * grid->block;
 	*y = (tile->y + morton_x(point >> 1)) * grid->block;
 	return *x < grid->render->film.width && *y < grid->render->film.height;
 }
 
-static bool tile_gather(const render_grid *grid, gi_render_worker *worker, const render_tile *tile)
+static bool tile_gather(const tile_grid *grid, gi_render_worker *worker, const grid_tile *tile)
 {
 	for (uint32_t i = 0, x, y; i < tile->side * tile->side; i++) {
 		if (tile_pixel(grid, tile, i, &x, &y) && !pixel_render(grid, worker, x, y))
@@ -256,7 +256,7 @@ static bool tile_gather(const render_grid *grid, gi_render_worker *worker, const
 	return batch_flush(grid->render, worker);
 }
 
-static void tile_resolve(const render_grid *grid, const render_tile *tile)
+static void tile_resolve(const tile_grid *grid, const grid_tile *tile)
 {
 	gi_film *film = &grid->render->film;
 	for (uint32_t i = 0, x, y; i < tile->side * tile->side; i++) {
@@ -268,10 +268,10 @@ static void tile_resolve(const render_grid *grid, const render_tile *tile)
 /* stilb_job_range_fn */
 static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	const render_grid *grid = context;
+	const tile_grid *grid = context;
 	for (uint32_t i = begin; i < end; i++) {
 		PROFILE("gi.tile");
-		render_tile tile = tile_of(grid, i);
+		grid_tile tile = tile_of(grid, i);
 		if (!tile_gather(grid, &grid->render->workers[worker], &tile))
 			atomic_store_explicit(&grid->render->cut, true, memory_order_relaxed); /* see stilb_gi_render */
 		tile_resolve(grid, &tile);
@@ -280,7 +280,7 @@ static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *co
 
 /* ---- passes -------------------------------------------------------------------------------------------------------- */
 
-static double render_seconds(const stilb_gi_render *render)
+static double seconds_spent(const stilb_gi_render *render)
 {
 	double now = render->begun_ns ? (double)(stilb_time_ns() - render->begun_ns) * 1e-9 : 0.0;
 	return render->seconds + now;
@@ -292,7 +292,7 @@ static uint32_t samples_in_time(const stilb_gi_render *render, uint32_t done)
 	double spent = 0.0;
 	for (uint32_t i = 0; i < render->pass_count; i++)
 		spent += render->passes[i].seconds;
-	double fitting = (render->view.settings.seconds - render_seconds(render)) * done / fmax(spent, 1e-9);
+	double fitting = (render->view.settings.seconds - seconds_spent(render)) * done / fmax(spent, 1e-9);
 	return fitting < 1.0 ? 1 : fitting < 65536.0 ? (uint32_t)fitting : 65536;
 }
 
@@ -302,12 +302,12 @@ static uint32_t first_samples(const stilb_gi_settings *settings)
 {
 	if (settings->seconds > 0.0 || settings->error > 0.0f)
 		return 1;
-	return settings->progressive && settings->samples > RENDER_FIRST_SAMPLES ? RENDER_FIRST_SAMPLES : settings->samples;
+	return settings->progressive && settings->samples > FIRST_SAMPLES ? FIRST_SAMPLES : settings->samples;
 }
 
 /* The pass after the last one: the first round, then as many samples again as there are, so that whenever it ends all pixels
  * have about as many. False: all is done. */
-static bool render_plan(const stilb_gi_render *render, stilb_gi_pass *next)
+static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 {
 	const stilb_gi_settings *settings = &render->view.settings;
 	if (render->pass_count == 0) {
@@ -332,12 +332,12 @@ static bool render_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 }
 
 /* The pass that is not finished, or a new one; NULL: there is nothing more to do. */
-static stilb_gi_pass *render_next_pass(stilb_gi_render *render)
+static stilb_gi_pass *pass_next(stilb_gi_render *render)
 {
 	if (render->pass_count > 0 && !render->passes[render->pass_count - 1].finished)
 		return &render->passes[render->pass_count - 1];
 	stilb_gi_pass next;
-	if (!render_plan(render, &next))
+	if (!pass_plan(render, &next))
 		return NULL;
 	pthread_mutex_lock(&render->lock);
 	stilb_gi_pass *pass = &render->passes[render->pass_count++];
@@ -348,22 +348,22 @@ static stilb_gi_pass *render_next_pass(stilb_gi_render *render)
 }
 
 /* After a whole pass, where there is a limit to it; else what it was. */
-static double render_estimate(const stilb_gi_render *render, const stilb_gi_pass *last)
+static double error_after(const stilb_gi_render *render, const stilb_gi_pass *last)
 {
 	bool wanted = last && last->finished && render->view.settings.error > 0.0f;
 	return wanted ? gi_film_error(&render->film) : render->estimate;
 }
 
-static void render_pass(stilb_gi_render *render, stilb_gi_pass *pass)
+static void pass_run(stilb_gi_render *render, stilb_gi_pass *pass)
 {
 	PROFILE("gi.pass");
-	render_grid grid = grid_make(render, pass);
+	tile_grid grid = grid_make(render, pass);
 	uint64_t begun = stilb_time_ns();
 	atomic_store_explicit(&render->cut, false, memory_order_relaxed); /* see stilb_gi_render */
 	stilb_job_parallel_for(render->pool, grid.tile_count, 1, tiles_render, &grid, 0);
 	stilb_gi_pass done = *pass;
 	done.finished = !atomic_load_explicit(&render->cut, memory_order_relaxed);
-	double estimate = render_estimate(render, &done);
+	double estimate = error_after(render, &done);
 	done.seconds += (double)(stilb_time_ns() - begun) * 1e-9;
 	pthread_mutex_lock(&render->lock);
 	*pass = done;
@@ -373,28 +373,28 @@ static void render_pass(stilb_gi_render *render, stilb_gi_pass *pass)
 
 /* Whether the whole passes so far are enough. Asked before each pass, and first of all by a render that goes on: so it ends
  * where one that was never stopped does. */
-static bool render_is_good_enough(const stilb_gi_render *render)
+static bool is_good_enough(const stilb_gi_render *render)
 {
 	return render->estimate <= (double)render->view.settings.error;
 }
 
-static stilb_gi_end render_end(const stilb_gi_render *render)
+static stilb_gi_end end_of(const stilb_gi_render *render)
 {
 	bool stopped = atomic_load_explicit(&render->stop, memory_order_relaxed); /* see stilb_gi_render */
 	return stopped ? STILB_GI_END_STOPPED : STILB_GI_END_SECONDS;
 }
 
-static stilb_gi_end render_passes(stilb_gi_render *render)
+static stilb_gi_end passes_run(stilb_gi_render *render)
 {
 	for (;;) {
-		if (render_is_good_enough(render))
+		if (is_good_enough(render))
 			return STILB_GI_END_ERROR;
-		stilb_gi_pass *pass = render_next_pass(render);
+		stilb_gi_pass *pass = pass_next(render);
 		if (!pass)
 			return STILB_GI_END_SAMPLES;
-		if (render_is_ending(render))
-			return render_end(render);
-		render_pass(render, pass);
+		if (is_ending(render))
+			return end_of(render);
+		pass_run(render, pass);
 	}
 }
 
@@ -403,8 +403,8 @@ static stilb_gi_end render_passes(stilb_gi_render *render)
 /* Of a limited time the picture has half for itself: where the records do not reach, paths do. */
 static bool overture_is_ending(const stilb_gi_render *render)
 {
-	double share = render->view.settings.seconds * RENDER_OVERTURE_SHARE;
-	return render_is_ending(render) || (render->deadline_ns && render_seconds(render) >= share);
+	double share = render->view.settings.seconds * OVERTURE_SHARE;
+	return is_ending(render) || (render->deadline_ns && seconds_spent(render) >= share);
 }
 
 /* gi_cache_report */
@@ -419,13 +419,13 @@ static bool overture_report(void *user, const gi_cache_progress *progress)
 }
 
 /* The irradiance cache's own pass over the picture; told to stop, it goes on in the next run. */
-static stilb_result render_overture(stilb_gi_render *render)
+static stilb_result overture_run(stilb_gi_render *render)
 {
 	if (!render->cache_fill || render->overture_finished)
 		return STILB_OK;
 	PROFILE("gi.overture");
 	stilb_result result = gi_cache_fill_run(render->cache_fill, overture_report, render);
-	render->overture_finished = result == STILB_OK && !render_is_ending(render);
+	render->overture_finished = result == STILB_OK && !is_ending(render);
 	if (!render->overture_finished)
 		return result;
 	pthread_mutex_lock(&render->lock);
@@ -438,7 +438,7 @@ static void run_begin(stilb_gi_render *render)
 {
 	double seconds = render->view.settings.seconds, left = fmax(seconds - render->seconds, 0.0);
 	const stilb_gi_pass *last = render->pass_count ? &render->passes[render->pass_count - 1] : NULL;
-	double estimate = render_estimate(render, last);
+	double estimate = error_after(render, last);
 	pthread_mutex_lock(&render->lock);
 	render->begun_ns = stilb_time_ns();
 	render->deadline_ns = seconds > 0.0 ? render->begun_ns + (uint64_t)(left * 1e9) : 0;
@@ -450,7 +450,7 @@ static void run_begin(stilb_gi_render *render)
 static void run_end(stilb_gi_render *render, stilb_gi_end end)
 {
 	pthread_mutex_lock(&render->lock);
-	render->seconds = render_seconds(render);
+	render->seconds = seconds_spent(render);
 	render->begun_ns = 0;
 	render->end = end;
 	pthread_mutex_unlock(&render->lock);
@@ -466,8 +466,8 @@ stilb_result stilb_gi_render_run(stilb_gi_render *render)
 {
 	PROFILE("gi.render");
 	run_begin(render);
-	stilb_result result = render_overture(render);
-	stilb_gi_end end = result == STILB_OK ? render_passes(render) : STILB_GI_END_NOT;
+	stilb_result result = overture_run(render);
+	stilb_gi_end end = result == STILB_OK ? passes_run(render) : STILB_GI_END_NOT;
 	run_end(render, end);
 	if (end_is_final(end) && render->cache_fill)
 		result = gi_cache_fill_save(render->cache_fill);
@@ -496,7 +496,7 @@ gi_render_totals gi_render_totals_of(const stilb_gi_render *render)
 }
 
 /* Of the limits that are set the one that will be reached first. The error falls with the root of the samples. */
-static double render_done(const stilb_gi_render *render, const stilb_gi_progress *progress, uint64_t samples)
+static double share_done(const stilb_gi_render *render, const stilb_gi_progress *progress, uint64_t samples)
 {
 	const stilb_gi_settings *settings = &render->view.settings;
 	double done = (double)samples / ((double)settings->width * settings->height * settings->samples);
@@ -535,13 +535,13 @@ void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progre
 	progress->bad_samples = totals.bad_samples;
 	progress->records = cache.records;
 	pthread_mutex_lock(&render->lock);
-	progress->seconds = render_seconds(render);
+	progress->seconds = seconds_spent(render);
 	progress->error = render->estimate < HUGE_VAL ? render->estimate : 0.0;
 	progress->end = render->end;
 	progress->finished = end_is_final(render->end);
 	snprintf(progress->stage, sizeof progress->stage, "%s", render->stage);
 	progress_of_passes(render, progress);
-	progress->done = render_done(render, progress, totals.samples);
+	progress->done = share_done(render, progress, totals.samples);
 	pthread_mutex_unlock(&render->lock);
 }
 

@@ -4,7 +4,7 @@
 #ifndef GI_SCENE_HASH_H
 #define GI_SCENE_HASH_H
 
-#include "gi/gi_world.h"
+#include "gi/gi_scene_internal.h"
 
 /* FNV-1a of every number that a ray's radiance depends on: triangles, materials, textures, lights, surroundings. Reads all of
  * the scene, some milliseconds for a million triangles: not for every frame. [any-thread] */

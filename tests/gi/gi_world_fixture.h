@@ -2,7 +2,7 @@
 #ifndef GI_WORLD_FIXTURE_H
 #define GI_WORLD_FIXTURE_H
 
-#include "gi/gi_world.h"
+#include "gi/gi_surface.h"
 #include "gi/trace/gi_ray.h"
 #include "scene/scene_internal.h"
 #include "support/shade_proof.h"

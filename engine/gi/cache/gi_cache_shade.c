@@ -58,7 +58,7 @@ static void want_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *sur
 	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), direction, &wanted);
 }
 
-static void shade_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
+static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
 {
 	gi_cache *cache = batch->view->cache;
 	stilb_vec3 irradiance;
@@ -104,7 +104,7 @@ static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surf
 	scratch->shadow_count++;
 }
 
-static void shade_surface(gi_batch *batch, uint32_t sample, const gi_surface *surface)
+static void sample_surface(gi_batch *batch, uint32_t sample, const gi_surface *surface)
 {
 	const gi_view *view = batch->view;
 	bool indirect_only = view->settings.only == STILB_GI_ONLY_INDIRECT;
@@ -122,10 +122,10 @@ static void shade_surface(gi_batch *batch, uint32_t sample, const gi_surface *su
 	if (!indirect_only)
 		want_direct(batch, sample, surface, &bsdf, numbers);
 	if (view->settings.depth > 1 && gi_cache_wants(surface))
-		shade_diffuse(batch, sample, surface, numbers);
+		sample_diffuse(batch, sample, surface, numbers);
 }
 
-static void shade_one(gi_batch *batch, uint32_t sample)
+static void sample_start(gi_batch *batch, uint32_t sample)
 {
 	const gi_view *view = batch->view;
 	const gi_ray_hit *ray = &batch->rays[sample];
@@ -140,7 +140,7 @@ static void shade_one(gi_batch *batch, uint32_t sample)
 	if (view->settings.cache.show_records && gi_cache_record_is_at(view->cache, surface.position, RECORD_PIXELS))
 		batch->radiance[sample] = stilb_vec3_make(1.0f, 0.02f, 0.02f);
 	else
-		shade_surface(batch, sample, &surface);
+		sample_surface(batch, sample, &surface);
 }
 
 /* ---- rays -------------------------------------------------------------------------------------------------------- */
@@ -203,7 +203,7 @@ static void cache_shade(gi_batch *batch)
 	{
 		PROFILE("gi.shade");
 		for (uint32_t i = 0; i < batch->count; i++)
-			shade_one(batch, i);
+			sample_start(batch, i);
 	}
 	trace_shadows(batch);
 	trace_branches(batch);

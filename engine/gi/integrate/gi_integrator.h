@@ -9,7 +9,7 @@
 #define STILB_GI_INTEGRATOR_H
 
 #include "gi/gi_render.h"
-#include "gi/gi_world.h"
+#include "gi/gi_surface.h"
 #include "gi/sample/gi_sampler.h"
 
 struct gi_cache;

@@ -1,6 +1,6 @@
 #include "gi/light/gi_light_shape.h"
 
-#include "gi/gi_world.h"
+#include "gi/gi_surface.h"
 #include "shading/shade_constants.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #ifndef STILB_GI_BSDF_H
 #define STILB_GI_BSDF_H
 
-#include "gi/gi_world.h"
+#include "gi/gi_surface.h"
 #include "shading/shade_brdf.h"
 #include "shading/shade_sampling.h"
 

@@ -1,6 +1,6 @@
 /* gi_brute: every ray against every triangle, in double. The truth that Embree is held against, and what tests of the
  * concurrency use, as the thread sanitizer cannot look into Embree. */
-#include "gi/gi_world.h"
+#include "gi/gi_scene_internal.h"
 
 #include <stdlib.h>
 
@@ -113,10 +113,10 @@ static void brute_corner(const gi_part *part, const float p[3], double out[3])
 	}
 }
 
-static void brute_part(const stilb_gi_scene *world, uint32_t index, brute *state)
+static void brute_part(const stilb_gi_scene *gi, uint32_t index, brute *state)
 {
-	const gi_part *part = &world->parts[index];
-	const gi_mesh *mesh = &world->meshes[part->mesh];
+	const gi_part *part = &gi->parts[index];
+	const gi_mesh *mesh = &gi->meshes[part->mesh];
 	for (uint32_t k = 0; k < mesh->triangle_count; k++) {
 		brute_triangle *triangle = &state->triangles[state->count++];
 		double v1[3], v2[3];
@@ -132,7 +132,7 @@ static void brute_part(const stilb_gi_scene *world, uint32_t index, brute *state
 	}
 }
 
-static stilb_result brute_create(const stilb_gi_scene *world, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
+static stilb_result brute_create(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
                                  stilb_gi_scene_info *info)
 {
 	(void)desc;
@@ -140,8 +140,8 @@ static stilb_result brute_create(const stilb_gi_scene *world, const stilb_gi_sce
 	if (!state)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %llu triangles", (unsigned long long)info->triangles);
 	state->count = 0;
-	for (uint32_t part = 0; part < world->part_count; part++)
-		brute_part(world, part, state);
+	for (uint32_t part = 0; part < gi->part_count; part++)
+		brute_part(gi, part, state);
 	*tracer = (gi_tracer){
 		.intersect = brute_intersect, .intersect16 = brute_intersect16, .occluded = brute_occluded, .state = state};
 	info->isa = "none";

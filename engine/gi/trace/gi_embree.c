@@ -7,7 +7,7 @@
  * Robust.   The tree's robust mode: no ray passes between two triangles that share an edge.
  */
 #include "gi/trace/gi_embree.h"
-#include "gi/gi_world.h"
+#include "gi/gi_scene_internal.h"
 #include "gi/trace/gi_packet.h"
 
 #include "profiler/prof.h"
@@ -327,13 +327,13 @@ static void embree_attach_instance(embree *state, const gi_part *part, uint32_t 
 }
 
 /* Fills the scene; whether it has instances. */
-static bool embree_fill(embree *state, const stilb_gi_scene *world, stilb_job_pool *pool)
+static bool embree_fill(embree *state, const stilb_gi_scene *gi, stilb_job_pool *pool)
 {
 	bool instances = false;
 	state->scene = embree_scene(state);
-	for (uint32_t i = 0; i < world->part_count; i++) {
-		const gi_part *part = &world->parts[i];
-		const gi_mesh *mesh = &world->meshes[part->mesh];
+	for (uint32_t i = 0; i < gi->part_count; i++) {
+		const gi_part *part = &gi->parts[i];
+		const gi_mesh *mesh = &gi->meshes[part->mesh];
 		if (mesh->triangle_count == 0)
 			continue;
 		if (!part->instance) {
@@ -351,11 +351,11 @@ static bool embree_fill(embree *state, const stilb_gi_scene *world, stilb_job_po
 	return instances;
 }
 
-static stilb_result embree_build(embree *state, const stilb_gi_scene *world, const stilb_gi_scene_desc *desc,
+static stilb_result embree_build(embree *state, const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc,
                                  gi_tracer *tracer, stilb_gi_scene_info *info)
 {
 	uint64_t begin = stilb_time_ns();
-	bool instances = embree_fill(state, world, desc->pool);
+	bool instances = embree_fill(state, gi, desc->pool);
 	embree_commit(state, desc->pool, state->scene);
 	info->build_s = (double)(stilb_time_ns() - begin) * 1e-9;
 	info->bytes += (uint64_t)atomic_load_explicit(&state->bytes, memory_order_relaxed);
@@ -366,15 +366,15 @@ static stilb_result embree_build(embree *state, const stilb_gi_scene *world, con
 }
 
 /* Triangles and instances of all trees together. */
-static uint64_t embree_primitives(const stilb_gi_scene *world)
+static uint64_t embree_primitives(const stilb_gi_scene *gi)
 {
-	uint64_t count = world->part_count;
-	for (uint32_t mesh = 0; mesh < world->mesh_count; mesh++)
-		count += world->meshes[mesh].triangle_count;
+	uint64_t count = gi->part_count;
+	for (uint32_t mesh = 0; mesh < gi->mesh_count; mesh++)
+		count += gi->meshes[mesh].triangle_count;
 	return count;
 }
 
-static stilb_result embree_create(const stilb_gi_scene *world, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
+static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
                                   stilb_gi_scene_info *info)
 {
 	stilb_gi_isa isa = desc->isa;
@@ -382,23 +382,23 @@ static stilb_result embree_create(const stilb_gi_scene *world, const stilb_gi_sc
 	if (result != STILB_OK)
 		return result;
 	embree *state = calloc(1, sizeof *state);
-	RTCScene *shared = calloc((size_t)world->mesh_count + 1, sizeof *shared);
+	RTCScene *shared = calloc((size_t)gi->mesh_count + 1, sizeof *shared);
 	if (!state || !shared) {
 		free(state);
 		free(shared);
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", world->mesh_count);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", gi->mesh_count);
 	}
 	*state = (embree){.shared = shared,
-	                  .mesh_count = world->mesh_count,
-	                  .parts = world->parts,
+	                  .mesh_count = gi->mesh_count,
+	                  .parts = gi->parts,
 	                  .workers = stilb_job_pool_worker_count(desc->pool) + 1,
 	                  .bytes_max = desc->memory ? (int64_t)desc->memory : embree_memory()};
 	tracer->state = state;
 	info->isa = embree_isa_names[isa];
-	state->scarce = EMBREE_BYTES * (double)embree_primitives(world) > (double)state->bytes_max;
+	state->scarce = EMBREE_BYTES * (double)embree_primitives(gi) > (double)state->bytes_max;
 	result = embree_device(state, info->isa);
 	if (result == STILB_OK)
-		result = embree_build(state, world, desc, tracer, info);
+		result = embree_build(state, gi, desc, tracer, info);
 	return result;
 }
 

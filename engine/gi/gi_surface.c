@@ -1,5 +1,4 @@
-/* gi_world: what a ray's hit means for shading, and where the next ray may start. */
-#include "gi/gi_world.h"
+#include "gi/gi_surface.h"
 
 #include "gi/gi_texture.h"
 
@@ -7,20 +6,20 @@
 #include <string.h>
 
 /* Half the distance from 1 to the next float: a rounding is off by so much, relatively, at most. */
-#define WORLD_ROUNDING 0x1p-24f
+#define ROUNDING 0x1p-24f
 
 /* Barycentric: nearer to an edge than this the position is looked at once more. */
-#define WORLD_NEAR_EDGE 0x1p-6f
+#define NEAR_EDGE 0x1p-6f
 
 /* Three corners: positions with normal.x behind them, and the rest of the normal with uv. */
-typedef struct world_corners {
+typedef struct triangle_corners {
 	stilb_vec4 first[3], second[3];
-} world_corners;
+} triangle_corners;
 
-static world_corners world_corners_of(const gi_part *part, uint32_t triangle)
+static triangle_corners corners_of(const gi_part *part, uint32_t triangle)
 {
 	const uint32_t *index = part->triangles[triangle].vertex;
-	world_corners corners;
+	triangle_corners corners;
 	for (int i = 0; i < 3; i++) {
 		const stilb_scene_vertex *vertex = &part->vertices[index[i]];
 		memcpy(&corners.first[i], vertex, sizeof corners.first[i]);
@@ -29,50 +28,50 @@ static world_corners world_corners_of(const gi_part *part, uint32_t triangle)
 	return corners;
 }
 
-static stilb_vec3 world_transform(const stilb_mat4 *m, stilb_vec3 p)
+static stilb_vec3 transform_point(const stilb_mat4 *m, stilb_vec3 p)
 {
 	stilb_vec4 column[4];
 	memcpy(column, m->m, sizeof column);
 	return column[0] * p[0] + column[1] * p[1] + column[2] * p[2] + column[3];
 }
 
-static stilb_vec3 world_rotate(const float m[9], stilb_vec3 n)
+static stilb_vec3 rotate(const float m[9], stilb_vec3 n)
 {
 	return stilb_vec3_make(m[0] * n[0] + m[3] * n[1] + m[6] * n[2], m[1] * n[0] + m[4] * n[1] + m[7] * n[2],
 	                       m[2] * n[0] + m[5] * n[1] + m[8] * n[2]);
 }
 
-static float world_length(stilb_vec3 v)
+static float length_of(stilb_vec3 v)
 {
 	return sqrtf(stilb_vec3_dot(v, v));
 }
 
-static float world_min(float a, float b)
+static float smaller(float a, float b)
 {
 	return a < b ? a : b;
 }
 
-static float world_max(float a, float b)
+static float larger(float a, float b)
 {
 	return a > b ? a : b;
 }
 
 /* Unit; also of what is too small or too large to be squared. */
-static stilb_vec3 world_unit(stilb_vec3 v)
+static stilb_vec3 unit_of(stilb_vec3 v)
 {
 	float square = stilb_vec3_dot(v, v);
 	if (!(square > 1e-30f && square < 1e30f)) {
-		v *= 1.0f / world_max(world_max(fabsf(v[0]), fabsf(v[1])), world_max(fabsf(v[2]), FLT_MIN));
+		v *= 1.0f / larger(larger(fabsf(v[0]), fabsf(v[1])), larger(fabsf(v[2]), FLT_MIN));
 		square = stilb_vec3_dot(v, v);
 	}
 	return v * (1.0f / sqrtf(square));
 }
 
 /*
- * How far from the triangle's plane a ray must start that must not meet it. What is rounded, in units of WORLD_ROUNDING:
+ * How far from the triangle's plane a ray must start that must not meet it. What is rounded, in units of ROUNDING:
  *
  * - The position is v0 + (u e1 + v e2). Its last sum is off by one unit of the position, and so it is again when it is moved
- *   away from the plane: world_place_error, one more for safety.
+ *   away from the plane: place_error, one more for safety.
  * - The terms in brackets are off by less than 4 units of the edges' length. The intersector finds t from (v0 - origin) . Ng:
  *   difference, products and sum are off by 4 units of that length, and Ng itself by 6 |a| |b| / |a x b|, for its components
  *   are differences of products, which for an obtuse triangle nearly cancel out. a and b are the two shorter edges, which
@@ -81,9 +80,9 @@ static stilb_vec3 world_unit(stilb_vec3 v)
  * Source of the method: Pharr, Jakob, Humphreys, "Physically Based Rendering", 3rd ed. (2016), 3.9, where the
  * intersector's part is a bound on t instead.
  */
-static float world_place_error(stilb_vec3 position, stilb_vec3 unit)
+static float place_error(stilb_vec3 position, stilb_vec3 unit)
 {
-	return 3.0f * WORLD_ROUNDING *
+	return 3.0f * ROUNDING *
 	       (fabsf(unit[0] * position[0]) + fabsf(unit[1] * position[1]) + fabsf(unit[2] * position[2]));
 }
 
@@ -91,10 +90,10 @@ float gi_triangle_shape_error(const float v0[3], const float v1[3], const float 
 {
 	stilb_vec3 corner = stilb_vec3_make(v0[0], v0[1], v0[2]);
 	stilb_vec3 e1 = stilb_vec3_make(v1[0], v1[1], v1[2]) - corner, e2 = stilb_vec3_make(v2[0], v2[1], v2[2]) - corner;
-	float a = world_length(e1), b = world_length(e2), c = world_length(e2 - e1);
-	float longest = world_max(world_max(a, b), c), area2 = world_length(stilb_vec3_cross(e1, e2));
+	float a = length_of(e1), b = length_of(e2), c = length_of(e2 - e1);
+	float longest = larger(larger(a, b), c), area2 = length_of(stilb_vec3_cross(e1, e2));
 	float shorter = a * b * c / longest; /* product of the other two */
-	return WORLD_ROUNDING * longest * (8.0f + 6.0f * shorter / world_max(area2, FLT_MIN));
+	return ROUNDING * longest * (8.0f + 6.0f * shorter / larger(area2, FLT_MIN));
 }
 
 float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3])
@@ -102,13 +101,13 @@ float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3])
 	stilb_vec3 corner = stilb_vec3_make(v0[0], v0[1], v0[2]), largest = {0};
 	stilb_vec3 e1 = stilb_vec3_make(v1[0], v1[1], v1[2]) - corner, e2 = stilb_vec3_make(v2[0], v2[1], v2[2]) - corner;
 	for (int i = 0; i < 3; i++)
-		largest[i] = world_max(world_max(fabsf(v0[i]), fabsf(v1[i])), fabsf(v2[i]));
-	return world_place_error(largest, world_unit(stilb_vec3_cross(e1, e2))) + gi_triangle_shape_error(v0, v1, v2);
+		largest[i] = larger(larger(fabsf(v0[i]), fabsf(v1[i])), fabsf(v2[i]));
+	return place_error(largest, unit_of(stilb_vec3_cross(e1, e2))) + gi_triangle_shape_error(v0, v1, v2);
 }
 
 /* The interpolated normal, made to lie on the geometric one's side (files exist where it does not), and bent back where the
  * viewer, who sees the triangle, would be below its horizon. */
-static stilb_vec3 world_shading_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_vec3 to_viewer)
+static stilb_vec3 shading_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_vec3 to_viewer)
 {
 	float square = stilb_vec3_dot(normal, normal);
 	if (!(square > GI_NORMAL_NONE))
@@ -122,7 +121,7 @@ static stilb_vec3 world_shading_normal(stilb_vec3 normal, stilb_vec3 geometric, 
 	return normal;
 }
 
-static void world_material(const stilb_gi_scene *scene, const gi_part *part, gi_surface *surface)
+static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_surface *surface)
 {
 	const stilb_scene_material *material = &scene->materials[part->material];
 	surface->diffuse = stilb_vec3_make(material->diffuse[0], material->diffuse[1], material->diffuse[2]);
@@ -138,26 +137,26 @@ static void world_material(const stilb_gi_scene *scene, const gi_part *part, gi_
 
 /* Of an instance: of the sums of three products and a translation that take a point to the world and, when the intersector
  * takes the ray to the mesh's space, back. */
-static float world_transform_error(const gi_part *part, stilb_vec3 position)
+static float transform_error(const gi_part *part, stilb_vec3 position)
 {
 	const float *t = part->to_world.m + 12;
-	return 8.0f * WORLD_ROUNDING * (world_length(position) + world_length(stilb_vec3_make(t[0], t[1], t[2])));
+	return 8.0f * ROUNDING * (length_of(position) + length_of(stilb_vec3_make(t[0], t[1], t[2])));
 }
 
 /* Where u and v say, but two errors from the edges at least: where a wall meets a floor, the floor's point must not lie behind
  * the wall. */
-static stilb_vec3 world_inside(const gi_part *part, const stilb_vec4 first[3], float u, float v, float error)
+static stilb_vec3 point_inside(const gi_part *part, const stilb_vec4 first[3], float u, float v, float error)
 {
 	stilb_vec3 corner[3];
 	for (int i = 0; i < 3; i++)
-		corner[i] = part->instance ? world_transform(&part->to_world, first[i]) : first[i];
+		corner[i] = part->instance ? transform_point(&part->to_world, first[i]) : first[i];
 	stilb_vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
 	float share[3] = {1.0f - u - v, u, v};
-	const float edges[3] = {world_length(e2 - e1), world_length(e2), world_length(e1)};
-	float area2 = world_max(world_length(stilb_vec3_cross(e1, e2)), FLT_MIN), sum = 0.0f;
+	const float edges[3] = {length_of(e2 - e1), length_of(e2), length_of(e1)};
+	float area2 = larger(length_of(stilb_vec3_cross(e1, e2)), FLT_MIN), sum = 0.0f;
 	for (int i = 0; i < 3; i++) {
 		float least = 2.0f * error * edges[i] / area2;
-		share[i] = world_max(share[i], least < 0.25f ? least : 0.25f);
+		share[i] = larger(share[i], least < 0.25f ? least : 0.25f);
 		sum += share[i];
 	}
 	return corner[0] + (e1 * (share[1] / sum) + e2 * (share[2] / sum));
@@ -166,31 +165,31 @@ static stilb_vec3 world_inside(const gi_part *part, const stilb_vec4 first[3], f
 void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface)
 {
 	const gi_part *part = &scene->parts[ray->hit.part];
-	world_corners corners = world_corners_of(part, ray->hit.triangle);
+	triangle_corners corners = corners_of(part, ray->hit.triangle);
 	float u = ray->hit.u, v = ray->hit.v;
 	const stilb_vec4 *a = corners.first, *b = corners.second;
 	stilb_vec4 first = a[0] + ((a[1] - a[0]) * u + (a[2] - a[0]) * v);
 	stilb_vec4 second = b[0] + ((b[1] - b[0]) * u + (b[2] - b[0]) * v);
 	stilb_vec3 from_viewer = stilb_vec3_make(ray->ray.direction[0], ray->ray.direction[1], ray->ray.direction[2]);
-	stilb_vec3 geometric = world_unit(stilb_vec3_make(ray->hit.normal[0], ray->hit.normal[1], ray->hit.normal[2]));
+	stilb_vec3 geometric = unit_of(stilb_vec3_make(ray->hit.normal[0], ray->hit.normal[1], ray->hit.normal[2]));
 	stilb_vec3 normal = stilb_vec3_make(first[3], second[0], second[1]);
 	surface->position = first;
 	surface->error = part->triangles[ray->hit.triangle].error;
 	if (part->instance) {
-		surface->position = world_transform(&part->to_world, first);
-		surface->error = surface->error * part->stretch + world_transform_error(part, surface->position);
-		normal = world_rotate(part->normal_to_world, normal);
+		surface->position = transform_point(&part->to_world, first);
+		surface->error = surface->error * part->stretch + transform_error(part, surface->position);
+		normal = rotate(part->normal_to_world, normal);
 	}
-	surface->error += world_place_error(surface->position, geometric);
-	if (world_min(world_min(u, v), 1.0f - u - v) < WORLD_NEAR_EDGE)
-		surface->position = world_inside(part, a, u, v, surface->error);
+	surface->error += place_error(surface->position, geometric);
+	if (smaller(smaller(u, v), 1.0f - u - v) < NEAR_EDGE)
+		surface->position = point_inside(part, a, u, v, surface->error);
 	surface->front = stilb_vec3_dot(geometric, from_viewer) <= 0.0f;
 	surface->geometric = surface->front ? geometric : -geometric;
-	surface->normal = world_shading_normal(normal, surface->geometric, -from_viewer);
+	surface->normal = shading_normal(normal, surface->geometric, -from_viewer);
 	surface->uv = (stilb_vec2){second[2], second[3]};
 	surface->part = ray->hit.part;
 	surface->triangle = ray->hit.triangle;
-	world_material(scene, part, surface);
+	material_at(scene, part, surface);
 }
 
 stilb_vec3 gi_surface_ray_origin(const gi_surface *surface, stilb_vec3 direction)
