@@ -6,12 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-int shade_complain(int code)
-{
-	stilb_log("%s", stilb_error_message());
-	return code;
-}
-
 static const struct shade_part {
 	const char *name;
 	int (*run)(int argc, char **argv);
