@@ -1,6 +1,7 @@
 /* The stilb program: finds the subcommand. */
 #include "commands.h"
 #include "game/cli/flags.h"
+#include "game/cli/nearest.h"
 #include "profiler/prof.h"
 
 #include <limits.h>
@@ -71,6 +72,12 @@ int main(int argc, char **argv)
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (strcmp(argv[1], commands[i].name) == 0)
 			return finish(commands[i].run(argc - 2, argv + 2));
-	stilb_log("unknown command '%s'; 'stilb --help' lists them", argv[1]);
+	nearest_word nearest = nearest_begin(argv[1], strlen(argv[1]));
+	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+		nearest_try(&nearest, commands[i].name);
+	if (nearest.best)
+		stilb_log("unknown command '%s'; did you mean 'stilb %s'? 'stilb --help' lists all", argv[1], nearest.best);
+	else
+		stilb_log("unknown command '%s'; 'stilb --help' lists them", argv[1]);
 	return EXIT_REFUSED;
 }

@@ -73,6 +73,12 @@ void *stilb_memory_alloc(size_t count, size_t size)
 	return memory;
 }
 
+bool stilb_memory_is_scarce(size_t bytes)
+{
+	void *probe = mmap(NULL, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+	return probe == MAP_FAILED || munmap(probe, bytes) != 0;
+}
+
 uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size)
 {
 	const unsigned char *bytes = data;

@@ -71,6 +71,10 @@ void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
  * them; NULL on overflow or when there is no memory. free() it. */
 void *stilb_memory_alloc(size_t count, size_t size);
 
+/* True if the process cannot have `bytes` more addresses now: its own limit (ulimit -v) or the machine's is near. Touches
+ * none of them. For libraries that fail without a reason. */
+bool stilb_memory_is_scarce(size_t bytes);
+
 /* ---- hashing --------------------------------------------------------------------------------------------------- */
 
 #define STILB_FNV1A64_START 0xcbf29ce484222325u

@@ -1,6 +1,9 @@
 #include "flags.h"
 
+#include "nearest.h"
+
 #include <errno.h>
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -27,34 +30,27 @@ static flags_result refuse_number(const flag *f, const char *value)
 	return FLAGS_REFUSED;
 }
 
-/* Sign, digits and point, and no other way to write a number. */
+/* Sign, digits, point and exponent; no "inf", "nan" or hexadecimal. What is too large for a float is infinite. */
 static bool parse_real(const char *value, float *number)
 {
 	char *end;
 	*number = strtof(value, &end) + 0.0f; /* -0 is 0 */
-	return end != value && *end == '\0' && strspn(value, "+-.0123456789") == strlen(value) && isfinite(*number);
+	return end != value && *end == '\0' && strspn(value, "+-.0123456789eE") == strlen(value);
 }
 
-static flags_result parse_decimal(const flag *f, const char *value)
+/* A number between low and high, or one line about it. */
+static flags_result parse_between(const flag *f, const char *value, double low, double high)
 {
 	float number;
-	if (!parse_real(value, &number) || fabsf(number) > (float)f->high) {
-		stilb_log("%s: '%s' is not a number like 0.25 in -%" PRIu64 "..%" PRIu64, f->name, value, f->high, f->high);
-		return FLAGS_REFUSED;
+	const bool real = parse_real(value, &number);
+	if (real && (double)number >= low && (double)number <= high) {
+		*(float *)f->value = number;
+		return FLAGS_OK;
 	}
-	*(float *)f->value = number;
-	return FLAGS_OK;
-}
-
-static flags_result parse_amount(const flag *f, const char *value)
-{
-	float number;
-	if (!parse_real(value, &number) || number < (float)f->low || number > (float)f->high) {
-		stilb_log("%s: '%s' is not a number like 0.25 in %" PRIu64 "..%" PRIu64, f->name, value, f->low, f->high);
-		return FLAGS_REFUSED;
-	}
-	*(float *)f->value = number;
-	return FLAGS_OK;
+	stilb_log(real ? "%s: '%s' is out of range; give a number in %.0f..%.0f"
+	               : "%s: '%s' is not a number like 0.25 in %.0f..%.0f",
+	          f->name, value, low, high);
+	return FLAGS_REFUSED;
 }
 
 /* text is taken apart. */
@@ -80,10 +76,19 @@ bool flags_numbers(const char *text, uint32_t low, uint32_t high, flag_list *out
 
 static flags_result parse_list(const flag *f, const char *value)
 {
-	if (flags_numbers(value, (uint32_t)f->low, (uint32_t)f->high, f->value))
-		return FLAGS_OK;
-	stilb_log("%s: '%s' is not %s, numbers with commas between", f->name, value, f->argument);
-	return FLAGS_REFUSED;
+	flag_list list;
+	if (!flags_numbers(value, (uint32_t)f->low, (uint32_t)f->high, &list)) {
+		stilb_log("%s: '%s' is not %s, numbers with commas between", f->name, value, f->argument);
+		return FLAGS_REFUSED;
+	}
+	for (uint32_t i = 0; i < list.count; i++)
+		if (!isfinite(list.numbers[i])) {
+			stilb_log("%s: '%s' is out of range: number %" PRIu32 "; give numbers in -%.2g..%.2g", f->name, value,
+			          i + 1, (double)FLT_MAX, (double)FLT_MAX);
+			return FLAGS_REFUSED;
+		}
+	*(flag_list *)f->value = list;
+	return FLAGS_OK;
 }
 
 static flags_result parse_size(const flag *f, const char *value)
@@ -144,7 +149,7 @@ static flags_result parse_value(const flag *f, const char *value)
 	case FLAG_NUMBER:
 		return parse_number(value, f->low, f->high, f->value) ? FLAGS_OK : refuse_number(f, value);
 	case FLAG_DECIMAL:
-		return parse_decimal(f, value);
+		return parse_between(f, value, -(double)f->high, (double)f->high);
 	case FLAG_WORKERS:
 		number = FLAG_WORKERS_AUTO;
 		if (strcmp(value, "auto") != 0 && !parse_number(value, f->low, f->high, &number))
@@ -163,7 +168,7 @@ static flags_result parse_value(const flag *f, const char *value)
 		*(const char **)f->value = value;
 		return FLAGS_OK;
 	case FLAG_AMOUNT:
-		return parse_amount(f, value);
+		return parse_between(f, value, (double)f->low, (double)f->high);
 	case FLAG_LIST:
 		return parse_list(f, value);
 	case FLAG_SWITCH:
@@ -172,6 +177,20 @@ static flags_result parse_value(const flag *f, const char *value)
 		break;
 	}
 	return FLAGS_OK;
+}
+
+/* Returns 0: it took no argument. */
+static int refuse_flag(const flag *flags, size_t flag_count, const char *word)
+{
+	nearest_word nearest = nearest_begin(word, strcspn(word, "="));
+	for (size_t i = 0; i < flag_count; i++)
+		if (flags[i].kind != FLAG_WORD && flags[i].kind != FLAG_TITLE)
+			nearest_try(&nearest, flags[i].name);
+	if (nearest.best)
+		stilb_log("unknown flag '%s'; did you mean '%s'? --help lists them all", word, nearest.best);
+	else
+		stilb_log("unknown flag '%s'; --help lists them all", word);
+	return 0;
 }
 
 /* Returns how many arguments it took, 0 when refused. */
@@ -188,8 +207,7 @@ static int parse_word(const flag *flags, size_t flag_count, const char *word)
 		*value = word;
 		return 1;
 	}
-	stilb_log("unknown flag '%s'; --help lists them all", word);
-	return 0;
+	return refuse_flag(flags, flag_count, word);
 }
 
 static const flag *find_flag(const flag *flags, size_t flag_count, const char *name, size_t length)
@@ -209,8 +227,7 @@ static int parse_one(const flag *flags, size_t flag_count, int argc, char **argv
 	size_t length = equals ? (size_t)(equals - argv[0]) : strlen(argv[0]);
 	const flag *f = find_flag(flags, flag_count, argv[0], length);
 	if (!f) {
-		stilb_log("unknown flag '%s'; --help lists them all", argv[0]);
-		return 0;
+		return refuse_flag(flags, flag_count, argv[0]);
 	}
 	if (f->kind == FLAG_SWITCH) {
 		if (equals) {
@@ -267,4 +284,22 @@ void flags_print(const flag *flags, size_t flag_count)
 		snprintf(left, sizeof left, "%s %s", flags[i].name, flags[i].argument ? flags[i].argument : "");
 		printf("  %-28s %s\n", left, flags[i].help);
 	}
+}
+
+int exit_code_of(stilb_result result)
+{
+	switch (result) {
+	case STILB_OK:
+		return EXIT_DONE;
+	case STILB_ERROR_ARGUMENT:
+	case STILB_ERROR_FILE:
+	case STILB_ERROR_DEVICE:
+	case STILB_ERROR_WINDOW:
+		return EXIT_REFUSED;
+	case STILB_ERROR_MEMORY:
+	case STILB_ERROR_DEVICE_LOST:
+	case STILB_ERROR_THREAD:
+		break;
+	}
+	return EXIT_FAILED;
 }

@@ -50,7 +50,8 @@ typedef enum flags_result {
 /* Reads argv[0..argc-1]. */
 flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **argv);
 
-/* Reads low to high numbers with commas between, high <= FLAG_LIST_MAX; false, and *list stays, when text is none. */
+/* Reads low to high numbers with commas between, high <= FLAG_LIST_MAX; false, and *list stays, when text is none. A number
+ * that is too large for a float is infinite. */
 bool flags_numbers(const char *text, uint32_t low, uint32_t high, flag_list *list);
 
 /* Whether the flag of this name is among argv[0..argc-1], which flags_parse took. */
@@ -65,5 +66,9 @@ void flags_print(const flag *flags, size_t flag_count);
 
 /* Exit codes of every subcommand. */
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_REFUSED = 2 };
+
+/* The exit code for what could not be started: refused where the user named something wrong or the machine lacks it (a
+ * damaged file, no such GPU, no driver, no display), failed where memory or threads ran out. */
+int exit_code_of(stilb_result result);
 
 #endif

@@ -228,10 +228,12 @@ static bool demo_finish(demo_run *run)
 
 static int demo_main(demo_run *run)
 {
-	if (demo_start(run) != STILB_OK ||
-	    (run->options.track && demo_track_open(&run->track, run->options.track) != STILB_OK)) {
+	stilb_result started = demo_start(run);
+	if (started == STILB_OK && run->options.track)
+		started = demo_track_open(&run->track, run->options.track);
+	if (started != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
-		return EXIT_FAILED;
+		return exit_code_of(started);
 	}
 	const struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
 	sigaction(SIGINT, &once, NULL);

@@ -4,6 +4,8 @@
 #include "engine.h"
 #include "image/image.h"
 
+#include <float.h>
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -179,7 +181,7 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .hdr, .png tone mapped", 0, 0, NULL},
 		{"--integrator", FLAG_CHOICE, &o->integrator, "NAME", "what is computed, see below (path)", 0, 0,
 	     render_integrators},
-		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (512x512)", 1, 16384, NULL},
+		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, at most 67108864 pixels (512x512)", 1, 65536, NULL},
 		{"--spp", FLAG_NUMBER, &o->samples, "N", "samples a pixel, 1..65536 (64; ao, split, cache 16; montecarlo 4)", 1,
 	     RENDER_MAX_SAMPLES, NULL},
 		{"--time", FLAG_AMOUNT, &o->seconds, "S", "end after so many seconds, 0: when all samples are there (0)", 0,
@@ -359,6 +361,11 @@ bool render_options_check(const render_options *o)
 		stilb_log("--resume: the checkpoint lies beside the output; give -o FILE, too");
 		return false;
 	}
+	if ((uint64_t)o->size[0] * o->size[1] > STILB_GI_MAX_PIXELS) {
+		stilb_log("--size: %ux%u is %" PRIu64 " pixels; at most %u are possible", o->size[0], o->size[1],
+		          (uint64_t)o->size[0] * o->size[1], STILB_GI_MAX_PIXELS);
+		return false;
+	}
 	if (o->camera.count == 6 && !(o->camera.numbers[5] > 0.0f && o->camera.numbers[5] < 180.0f)) {
 		stilb_log("--camera: '%g' is no field of view; give degrees between 0 and 180", (double)o->camera.numbers[5]);
 		return false;
@@ -442,9 +449,9 @@ stilb_result render_options_surroundings(const render_options *o, stilb_scene *s
 	if (!flags_numbers(o->environment, 3, 3, &color))
 		return stilb_scene_set_environment(scene, o->environment);
 	for (int i = 0; i < 3; i++)
-		if (color.numbers[i] < 0.0f)
-			return stilb_fail(STILB_ERROR_ARGUMENT,
-			                  "--environment: there is no light of '%s'; give radiances of 0 and more", o->environment);
+		if (!(color.numbers[i] >= 0.0f && isfinite(color.numbers[i])))
+			return stilb_fail(STILB_ERROR_ARGUMENT, "--environment: '%s' is out of range; give radiances in 0..%.2g",
+			                  o->environment, (double)FLT_MAX);
 	stilb_scene_set_sky(scene, color.numbers);
 	return STILB_OK;
 }

@@ -130,12 +130,9 @@ static bool work_fail(work_pieces *p, int code)
 	return false;
 }
 
-/* What the user gave is refused, and what the machine lacks is a failure. */
 static bool work_good(work_pieces *p, stilb_result result)
 {
-	if (result == STILB_OK)
-		return true;
-	return work_fail(p, result == STILB_ERROR_ARGUMENT || result == STILB_ERROR_FILE ? EXIT_REFUSED : EXIT_FAILED);
+	return result == STILB_OK || work_fail(p, exit_code_of(result));
 }
 
 /* ---- stages -------------------------------------------------------------------------------------------------------- */

@@ -307,9 +307,11 @@ static bool replay_finish(replay_run *run)
 
 static int replay_main(replay_run *run)
 {
-	if (replay_start(run) != STILB_OK || replay_play(run) != STILB_OK) {
+	const stilb_result started = replay_start(run), played = started == STILB_OK ? replay_play(run) : started;
+	if (played != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
-		return EXIT_FAILED;
+		/* Draws that are not those of the file's hash come to light with the first frame. */
+		return started != STILB_OK || played == STILB_ERROR_FILE ? exit_code_of(played) : EXIT_FAILED;
 	}
 	return replay_finish(run) ? EXIT_DONE : EXIT_FAILED;
 }

@@ -77,10 +77,13 @@ static int show_run(const show_options *o, const stilb_prof_snapshot *trace, uin
 	stilb_result result = stilb_engine_trace_view_create(&desc, &view);
 	if (result == STILB_ERROR_WINDOW) {
 		stilb_log("%s; --screenshot FILE draws without a window", stilb_error_message());
-		return EXIT_FAILED;
+		return EXIT_REFUSED;
 	}
-	if (result == STILB_OK)
-		result = o->screenshot ? show_picture(view, o->screenshot) : show_window(view);
+	if (result != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return exit_code_of(result);
+	}
+	result = o->screenshot ? show_picture(view, o->screenshot) : show_window(view);
 	stilb_engine_trace_view_destroy(view);
 	if (result != STILB_OK)
 		return show_fail();

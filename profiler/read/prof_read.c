@@ -64,21 +64,28 @@ static int prof_read_say(int result, char *error, size_t error_size, const char 
 	return result;
 }
 
-/* What stands there, as an error can show it. */
-static void prof_read_found(const prof_scan *scan, char found[32])
+#define PROF_READ_FOUND 48
+
+/* What stands there, as an error can show it: a number up to its end, else one byte. */
+static void prof_read_found(const prof_scan *scan, char found[PROF_READ_FOUND])
 {
+	const char *end = scan->failed;
+	while (end < scan->end && end - scan->failed < 24 && *end != '\0' && strchr("+-.0123456789eE", *end) != NULL)
+		end++;
 	const unsigned char c = scan->failed < scan->end ? (unsigned char)*scan->failed : 0;
 	if (scan->failed == scan->end)
-		snprintf(found, 32, "the file ends");
+		snprintf(found, PROF_READ_FOUND, "the file ends");
+	else if (c == '-' || (c >= '0' && c <= '9'))
+		snprintf(found, PROF_READ_FOUND, "there is '%.*s'", (int)(end - scan->failed), scan->failed);
 	else if (c > 0x20 && c < 0x7f)
-		snprintf(found, 32, "there is '%c'", c);
+		snprintf(found, PROF_READ_FOUND, "there is '%c'", c);
 	else
-		snprintf(found, 32, "there is byte 0x%02x", c);
+		snprintf(found, PROF_READ_FOUND, "there is byte 0x%02x", c);
 }
 
 static int prof_read_bad(const prof_scan *scan, const char *name, char *error, size_t error_size)
 {
-	char found[32];
+	char found[PROF_READ_FOUND];
 	size_t line = 1;
 	for (const char *at = scan->begin; at < scan->failed; at++)
 		line += *at == '\n';

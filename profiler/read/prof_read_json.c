@@ -223,6 +223,7 @@ static prof_decimal prof_decimal_of(prof_span number)
 }
 
 #define PROF_NS_MAX (INT64_C(1) << 61) /* more than 70 years */
+#define PROF_TIME_RANGE "a time below 2.3e15 microseconds (70 years)"
 
 static prof_time prof_time_of(int64_t ns, int tenths, bool negative)
 {
@@ -248,12 +249,12 @@ static bool prof_scan_us_slow(prof_scan *scan, bool is_signed, prof_time *time)
 			break;
 		}
 		if (value > PROF_NS_MAX / 10 - 1)
-			return prof_scan_fail(scan, number.text, "a time of less than 70 years");
+			return prof_scan_fail(scan, number.text, PROF_TIME_RANGE);
 		value = 10 * value + (*at - '0');
 	}
 	for (; place > 0 && value > 0; place--, value *= 10)
 		if (value > PROF_NS_MAX / 10)
-			return prof_scan_fail(scan, number.text, "a time of less than 70 years");
+			return prof_scan_fail(scan, number.text, PROF_TIME_RANGE);
 	*time = prof_time_of(value, tenths, decimal.negative);
 	if (time->ns < 0 && !is_signed)
 		return prof_scan_fail(scan, number.text, "a duration of 0 or more");

@@ -15,6 +15,9 @@ static void test_help_and_version(void **state)
 	assert_said(run.out, "demo");
 	assert_said(run.out, "info");
 	assert_said(run.out, "bench");
+	assert_int_equal(stilb_code(no_display, "rendr cornell"), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "unknown command 'rendr'; did you mean 'stilb render'?");
 	stilb_good("demo --help");
 	static const char *const flags[] = {
 		"--models",   "--workers",    "--frames",      "--headless",     "--no-present", "--animate", "--validate",
@@ -216,13 +219,13 @@ static void test_pictures_need_no_module(void **state)
 static void test_no_driver(void **state)
 {
 	(void)state;
-	assert_int_equal(stilb_code(no_driver, "demo --headless --models 1 --size 8x8 --frames 1 --stats a.json"), 1);
+	assert_int_equal(stilb_code(no_driver, "demo --headless --models 1 --size 8x8 --frames 1 --stats a.json"), 2);
 	assert_error_lines(1);
 	assert_said(run.err, "mesa-vulkan-drivers");
 	assert_said(run.err, "--device null");
 	assert_string_equal(run.out, "");
 	assert_int_equal(folder_entries(), 0);
-	assert_int_equal(stilb_code(no_driver, "demo --models 1 --size 8x8 --frames 1"), 1); /* where a window was wanted */
+	assert_int_equal(stilb_code(no_driver, "demo --models 1 --size 8x8 --frames 1"), 2); /* where a window was wanted */
 	assert_said(run.err, "mesa-vulkan-drivers");
 	assert_int_equal(stilb_code(no_driver, SMALL), 0);
 	assert_string_equal(run.err, "");

@@ -335,7 +335,7 @@ static void test_show_of_a_trace(void **state)
 	stilb_good("trace show t.json --frame 8 --size 640x360 --screenshot eight.png");
 	assert_false(same_picture("eight.png"));
 	stilb_good("trace show t.json --size 1x1 --screenshot tiny.png");
-	assert_int_equal(stilb_code(no_display, "trace show t.json"), 1);
+	assert_int_equal(stilb_code(no_display, "trace show t.json"), 2);
 	assert_error_lines(1);
 	assert_said(run.err, "--screenshot FILE draws without a window");
 }
@@ -412,7 +412,7 @@ static void test_choice_of_a_gpu(void **state)
 	for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
 		char line[256];
 		snprintf(line, sizeof line, SMALL "--gpu %s", none[i]);
-		assert_int_equal(stilb_code(no_display, line), 1);
+		assert_int_equal(stilb_code(no_display, line), 2);
 		assert_error_lines(1);
 		assert_said(run.err, none[i]);
 	}

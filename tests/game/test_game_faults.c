@@ -40,6 +40,20 @@ static void test_a_render_without_threads_reports(void **state)
 	assert_string_equal(stat_text("finished", 'w'), "false");
 }
 
+/* What runs out is called by its name. */
+static void test_memory_is_said(void **state)
+{
+	(void)state;
+	if (!preload[0])
+		skip(); /* a sanitizer needs more addresses itself */
+	assert_int_equal(code_within(200 << 20, SMALL "--stats a.json"), 1);
+	assert_said(run.err, "no memory to start Embree; raise the limit");
+	read_stats("a.json");
+	assert_non_null(strstr(stat_text("message", '"'), "no memory to start Embree"));
+	assert_int_equal(code_within(300 << 20, "demo --headless --frames 1 --models 10 --size 64x64"), 1);
+	assert_said(run.err, "no memory to load a Vulkan driver");
+}
+
 /* Each allocation of ours fails once. Nothing is left behind but whole statistics. */
 static void every_allocation_fails_once(const char *line)
 {
@@ -82,6 +96,7 @@ int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup(test_a_render_without_threads_reports, folder_fresh),
+		cmocka_unit_test_setup(test_memory_is_said, folder_fresh),
 		cmocka_unit_test_setup(test_every_allocation_of_a_render_fails_once, folder_fresh),
 	};
 	if (argc > 2)

@@ -1,5 +1,6 @@
 /* The command line's table: every kind, every way to be wrong, one line for each; and the medians of stage times. */
 #include "game/cli/flags.h"
+#include "game/cli/nearest.h"
 #include "game/cli/stage_times.h"
 #include "support/test.h"
 
@@ -150,7 +151,8 @@ static void test_bounds(void **state)
 	static const struct {
 		const char *text;
 		float share;
-	} shares[] = {{"2", 2.0f}, {"-2.000", -2.0f}, {".5", 0.5f}, {"1.", 1.0f}, {"0", 0.0f}, {"0.0000001", 1e-7f}};
+	} shares[] = {{"2", 2.0f}, {"-2.000", -2.0f},    {".5", 0.5f},    {"1.", 1.0f},
+	              {"0", 0.0f}, {"0.0000001", 1e-7f}, {"1e-7", 1e-7f}, {"-15E-1", -1.5f}};
 	for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
 		assert_right(PARSE("--share", shares[i].text));
 		assert_true(v.share == shares[i].share);
@@ -206,7 +208,9 @@ static void test_wrong_values(void **state)
 		{"--share", " 1"},
 		{"--share", "1 "},
 		{"--share", "1,5"},
-		{"--share", "1e-1"},
+		{"--share", "1e1"},
+		{"--share", "1e"},
+		{"--share", "e1"},
 		{"--share", "0x1"},
 		{"--share", "nan"},
 		{"--share", "-inf"},
@@ -216,7 +220,8 @@ static void test_wrong_values(void **state)
 		{"--amount", "40.01"},
 		{"--amount", "-1"},
 		{"--amount", "nan"},
-		{"--amount", "1e1"},
+		{"--amount", "4.1e1"},
+		{"--amount", "1e308"},
 		{"--place", "1"},
 		{"--place", "1,2,3,4"},
 		{"--place", "1,"},
@@ -227,6 +232,7 @@ static void test_wrong_values(void **state)
 		{"--place", "1,2,x"},
 		{"--place", "1,2,nan"},
 		{"--place", "1,99999999999999999999999999999999999999999999"},
+		{"--place", "-1e39,1"},
 		{"--choice", "blue"},
 		{"--choice", "gree"},
 		{"--choice", "greeni"},
@@ -252,9 +258,14 @@ static void test_wrong_values(void **state)
 	PARSE("--choice", "x");
 	assert_non_null(strstr(said, "red, green, greenish, sky-blue"));
 	PARSE("--share", "x");
+	assert_non_null(strstr(said, "not a number"));
 	assert_non_null(strstr(said, "-2..2"));
+	PARSE("--share", "1e38");
+	assert_non_null(strstr(said, "out of range; give a number in -2..2"));
 	PARSE("--amount", "x");
 	assert_non_null(strstr(said, "1..40"));
+	PARSE("--place", "1,1e39");
+	assert_non_null(strstr(said, "out of range: number 2; give numbers in -3.4e+38..3.4e+38"));
 	PARSE("--place", "x");
 	assert_non_null(strstr(said, "X,Y[,Z]"));
 	PARSE("--size", "x");
@@ -276,6 +287,60 @@ static void test_empty_and_missing_values(void **state)
 	}
 	assert_wrong(PARSE("--loud=yes"), "--loud takes no value");
 	assert_wrong(PARSE("--loud="), "--loud takes no value");
+}
+
+static void test_mistyped_flags(void **state)
+{
+	(void)state;
+	static const char *const pairs[][2] = {{"--lou", "'--loud'"},      {"--wrokers", "'--workers'"},
+	                                       {"--seeed=4", "'--seed'"},  {"workers", "'--workers'"},
+	                                       {"--chioce", "'--choice'"}, {"--numbr", "'--number'"}};
+	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+		assert_wrong(PARSE(pairs[i][0], "5"), pairs[i][0]);
+		assert_non_null(strstr(said, "; did you mean "));
+		assert_non_null(strstr(said, pairs[i][1]));
+	}
+	assert_wrong(PARSE("--bogus", "5"), "--bogus");
+	assert_null(strstr(said, "did you mean"));
+}
+
+static const char *nearest_of(const char *typed)
+{
+	static const char *const words[] = {"demo", "render", "bench", "replay", "trace", "shade", "pads", "info"};
+	nearest_word nearest = nearest_begin(typed, strlen(typed));
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		nearest_try(&nearest, words[i]);
+	return nearest.best ? nearest.best : "";
+}
+
+static void test_nearest(void **state)
+{
+	(void)state;
+	assert_string_equal(nearest_of("rneder"), "render");
+	assert_string_equal(nearest_of("rendr"), "render");
+	assert_string_equal(nearest_of("rendering"), "render");
+	assert_string_equal(nearest_of("dmeo"), "demo");
+	assert_string_equal(nearest_of("reply"), "replay");
+	assert_string_equal(nearest_of("pad"), "pads");
+	assert_string_equal(nearest_of("demo"), "demo");
+	assert_string_equal(nearest_of("x"), "");
+	assert_string_equal(nearest_of(""), "");
+	assert_string_equal(nearest_of("dx"), "");
+	assert_string_equal(nearest_of("model.gltf"), "");
+	assert_string_equal(nearest_of("renderrenderrenderrenderrenderrender"), "");
+}
+
+static void test_exit_codes(void **state)
+{
+	(void)state;
+	assert_int_equal(exit_code_of(STILB_OK), 0);
+	assert_int_equal(exit_code_of(STILB_ERROR_ARGUMENT), 2);
+	assert_int_equal(exit_code_of(STILB_ERROR_FILE), 2);
+	assert_int_equal(exit_code_of(STILB_ERROR_DEVICE), 2);
+	assert_int_equal(exit_code_of(STILB_ERROR_WINDOW), 2);
+	assert_int_equal(exit_code_of(STILB_ERROR_MEMORY), 1);
+	assert_int_equal(exit_code_of(STILB_ERROR_THREAD), 1);
+	assert_int_equal(exit_code_of(STILB_ERROR_DEVICE_LOST), 1);
 }
 
 static void test_unknown_flags(void **state)
@@ -478,6 +543,9 @@ int main(void)
 		cmocka_unit_test(test_wrong_values),
 		cmocka_unit_test(test_empty_and_missing_values),
 		cmocka_unit_test(test_unknown_flags),
+		cmocka_unit_test(test_mistyped_flags),
+		cmocka_unit_test(test_nearest),
+		cmocka_unit_test(test_exit_codes),
 		cmocka_unit_test(test_the_last_one_counts),
 		cmocka_unit_test(test_a_word),
 		cmocka_unit_test(test_what_was_given),

@@ -160,7 +160,7 @@ static void assert_bad(const char *path, const char *reason)
 	char line[256], quoted[64];
 	snprintf(line, sizeof line, "replay %s --device null --stats a.json", path);
 	snprintf(quoted, sizeof quoted, "'%s'", path);
-	assert_int_equal(stilb_code(no_display, line), 1);
+	assert_int_equal(stilb_code(no_display, line), 2);
 	assert_string_equal(run.out, "");
 	assert_error_lines(1);
 	assert_said(run.err, quoted);
@@ -240,7 +240,7 @@ static void test_no_driver(void **state)
 {
 	(void)state;
 	stilb_good(NULL_DEMO "--models 1 --dump a.dump");
-	assert_int_equal(stilb_code(no_driver, "replay a.dump"), 1);
+	assert_int_equal(stilb_code(no_driver, "replay a.dump"), 2);
 	assert_error_lines(1);
 	assert_said(run.err, "mesa-vulkan-drivers");
 }

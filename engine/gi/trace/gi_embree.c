@@ -262,9 +262,14 @@ static stilb_result embree_device(embree *state, const char *isa)
 	char config[96];
 	snprintf(config, sizeof config, "threads=%u,user_threads=%u,isa=%s", state->workers, state->workers, isa);
 	state->device = rtcNewDevice(config);
-	if (!state->device)
-		return stilb_fail(STILB_ERROR_DEVICE, "Embree does not start on this machine (error %d)",
-		                  (int)rtcGetDeviceError(NULL));
+	if (!state->device) {
+		const enum RTCError error = rtcGetDeviceError(NULL);
+		if (error == RTC_ERROR_OUT_OF_MEMORY)
+			return stilb_fail(
+				STILB_ERROR_MEMORY,
+				"no memory to start Embree; raise the limit that 'ulimit -v' shows, or give fewer --workers");
+		return stilb_fail(STILB_ERROR_DEVICE, "Embree does not start on this machine (error %d)", (int)error);
+	}
 	rtcSetDeviceErrorFunction(state->device, embree_on_error, state);
 	rtcSetDeviceMemoryMonitorFunction(state->device, embree_on_memory, state);
 	return STILB_OK;

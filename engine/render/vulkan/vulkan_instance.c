@@ -8,6 +8,7 @@
 
 #define VULKAN_MAX_GPUS 32
 #define VULKAN_MAX_EXTENSIONS 16
+#define VULKAN_DRIVER_BYTES ((size_t)1 << 29) /* of addresses that loading one may need: Mesa's brings LLVM along */
 
 /* ---- errors -------------------------------------------------------------------------------------------------------- */
 
@@ -57,8 +58,14 @@ stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char
 	                  (int)error, advice);
 }
 
+/* The loader drops drivers that it cannot load, also those for which there is no memory. */
 static stilb_result vulkan_fail_no_driver(const char *call, VkResult error)
 {
+	if (error == VK_ERROR_OUT_OF_HOST_MEMORY || stilb_memory_is_scarce(VULKAN_DRIVER_BYTES))
+		return stilb_fail(STILB_ERROR_MEMORY,
+		                  "no memory to load a Vulkan driver (%s gives %d); raise the limit that 'ulimit -v' shows, or "
+		                  "run without a GPU with --device null",
+		                  call, (int)error);
 	return stilb_fail(STILB_ERROR_DEVICE,
 	                  "no Vulkan driver found (%s gives %d); install one, for example the software driver "
 	                  "with 'apt install mesa-vulkan-drivers', or run without a GPU with --device null",
@@ -283,7 +290,7 @@ stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted)
 		return vulkan_fail_no_driver("vkEnumeratePhysicalDevices", result);
 	uint32_t found = gpu_find(gpus, count, wanted);
 	if (found == count)
-		return stilb_fail(STILB_ERROR_DEVICE, "no GPU '%s' here; 'stilb info' lists what there is", wanted);
+		return stilb_fail(STILB_ERROR_ARGUMENT, "no GPU '%s' here; 'stilb info' lists what there is", wanted);
 	device->gpu = gpus[found];
 	vkGetPhysicalDeviceProperties(device->gpu, &device->properties);
 	vkGetPhysicalDeviceMemoryProperties(device->gpu, &device->memory);
