@@ -6,8 +6,13 @@ option(STILB_JOBS_EXAMPLES "Build the examples of the jobs library" ${STILB_TEST
 option(STILB_PROFILER_EXAMPLES "Build the examples of the profiler library" ${STILB_TESTS}) # likewise
 option(STILB_BENCH "Build stilb-bench, the measurements against other libraries" ${STILB_ENGINE})
 option(STILB_WERROR "Treat warnings as errors (on in ./dev and CI)" OFF)
+option(STILB_HARDENED "Build with a distribution's hardening (off where it passes flags of its own)" ${PROJECT_IS_TOP_LEVEL})
 option(STILB_PROFILE "Compile the PROFILE macros in" ON)
 set(STILB_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them (address,undefined or thread)")
+
+if(STILB_SANITIZE) # sanitizers see more, and wrap the same calls
+	set(STILB_HARDENED OFF)
+endif()
 
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
 	set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
@@ -35,6 +40,28 @@ target_compile_options(stilb-flags INTERFACE -ffp-contract=off -Wall -Wextra -Ws
 	$<$<BOOL:${STILB_WERROR}>:-Werror>)
 # Only what a program uses is loaded: the tests of the null device load no Vulkan and no GLFW.
 target_link_options(stilb-flags INTERFACE -Wl,--as-needed)
+
+# ---- hardening: what distributions build their programs with; tests/install/hardening.sh reads it back ----
+if(STILB_HARDENED)
+	include(CheckPIESupported)
+	check_pie_supported() # programs are linked as position independent, too
+	target_compile_options(stilb-flags INTERFACE -fstack-protector-strong -fstack-clash-protection)
+	if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+		target_compile_options(stilb-flags INTERFACE -fcf-protection)
+	endif()
+	# Checked calls of the C library need the optimiser.
+	target_compile_options(stilb-flags INTERFACE $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
+	target_link_options(stilb-flags INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
+endif()
+
+# stilb_hot(FILE...): loops of nanoseconds that handle numbers and pointers of ours, never bytes from outside: a canary per
+# call, or a probe per page of stack, costs there and guards nothing. Everything else of the hardening stays.
+function(stilb_hot)
+	if(STILB_HARDENED)
+		set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -fno-stack-protector -fno-stack-clash-protection)
+	endif()
+endfunction()
+
 if(STILB_SANITIZE)
 	target_compile_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
 	target_link_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE})
