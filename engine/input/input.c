@@ -1,24 +1,34 @@
 #include "input/input.h"
 
-static float input_axis(const bool *held, stilb_window_key plus, stilb_window_key minus)
+/* 1, 0 or -1. */
+static float axis_of_keys(const bool *held, stilb_window_key plus, stilb_window_key minus)
 {
 	return (float)held[plus] - (float)held[minus];
 }
 
+/* A key that switches something: pressed twice between two frames it has switched there and back. */
+static bool pressed_odd(const stilb_window_state *window, stilb_window_key key)
+{
+	return window->pressed[key] % 2 > 0;
+}
+
 stilb_input_state stilb_input_from_window(const stilb_window_state *window)
 {
+	STILB_ASSERT(window);
+	STILB_ASSERT(!window->held[STILB_WINDOW_KEY_MINUS] && !window->held[STILB_WINDOW_KEY_PLUS] &&
+	             "typed characters are never held");
 	const bool *held = window->held;
 	return (stilb_input_state){
-		.move = {input_axis(held, STILB_WINDOW_KEY_D, STILB_WINDOW_KEY_A),
-	             input_axis(held, STILB_WINDOW_KEY_E, STILB_WINDOW_KEY_Q),
-	             input_axis(held, STILB_WINDOW_KEY_W, STILB_WINDOW_KEY_S)},
+		.move = {axis_of_keys(held, STILB_WINDOW_KEY_D, STILB_WINDOW_KEY_A),
+	             axis_of_keys(held, STILB_WINDOW_KEY_E, STILB_WINDOW_KEY_Q),
+	             axis_of_keys(held, STILB_WINDOW_KEY_W, STILB_WINDOW_KEY_S)},
 		.look = {-window->mouse_x * STILB_INPUT_TURN, -window->mouse_y * STILB_INPUT_TURN},
 		.fast = held[STILB_WINDOW_KEY_SHIFT],
 		.capture = window->pressed[STILB_WINDOW_KEY_P] > 0,
 		.screenshot = window->pressed[STILB_WINDOW_KEY_F12] > 0,
-		.overlay = window->pressed[STILB_WINDOW_KEY_F1] % 2 > 0,
-		.inspector = window->pressed[STILB_WINDOW_KEY_F2] % 2 > 0,
-		.freeze = window->pressed[STILB_WINDOW_KEY_SPACE] % 2 > 0,
+		.overlay = pressed_odd(window, STILB_WINDOW_KEY_F1),
+		.inspector = pressed_odd(window, STILB_WINDOW_KEY_F2),
+		.freeze = pressed_odd(window, STILB_WINDOW_KEY_SPACE),
 		.next_view = window->pressed[STILB_WINDOW_KEY_V],
 		.workers = window->pressed[STILB_WINDOW_KEY_PLUS] - window->pressed[STILB_WINDOW_KEY_MINUS],
 	};

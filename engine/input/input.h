@@ -1,8 +1,16 @@
 /*
- * input: what the user wants, once a frame, as plain numbers: where to fly, where to look, what to do; here from the
- * keyboard and the mouse, to which input_control adds the gamepads.
+ * input: what the user asked for in one frame, as plain numbers: where to fly, where to look, what to do. This header
+ * reads keyboard and mouse; input_control.h adds the gamepads and moves the camera.
  *
- * Per frame.  stilb_input_from_window, then stilb_input_control_frame.
+ * Per frame.  stilb_input_from_window, then stilb_input_control_frame:
+ *
+ *     stilb_window_poll(window, &seen);
+ *     stilb_input_state keys = stilb_input_from_window(&seen);
+ *     if (a_text_field_has_the_keyboard)
+ *         keys = stilb_input_without_keys(keys);
+ *     stilb_input_control_frame(control, now_us, &keys, seen.focused, &all, &pose);
+ *
+ * Life cycle. None: a stilb_input_state is a value, {0} asks for nothing.
  * Threads.    Pure functions of their arguments. [any-thread]
  */
 #ifndef STILB_INPUT_H
@@ -11,28 +19,41 @@
 #include "base/base.h"
 #include "window/window.h"
 
-/* One frame's wishes. */
+/* What is asked for in one frame. Of the switches, true means that this frame changes them: a key pressed twice between
+ * two frames changes nothing. */
 typedef struct stilb_input_state {
-	float move[3];      /* right, up, forward; each in [-1, 1]; more than 1 long flies like 1 */
-	float look[2];      /* turn to the left and upwards, radians */
-	bool fast;          /* fly at STILB_INPUT_FAST times the speed */
-	bool capture;       /* write a trace */
-	bool screenshot;    /* write a picture */
-	bool overlay;       /* open or close the profiler */
-	bool inspector;     /* open or close the materials' window */
-	bool freeze;        /* let it stand still, or go on */
-	uint32_t next_view; /* how many views further */
-	int32_t workers;    /* change of the worker count */
+	/* Right, up, forward; each in [-1, 1]. The camera normalises a vector longer than 1. */
+	float move[3];
+	/* Turn to the left and upwards, radians, at once. */
+	float look[2];
+	/* Fly STILB_INPUT_FAST times as fast. */
+	bool fast;
+	/* Write a trace; write a picture. */
+	bool capture, screenshot;
+	/* Open or close the profiler; open or close the materials' window. */
+	bool overlay, inspector;
+	/* Freeze the profiler, or let it run again. */
+	bool freeze;
+	/* Go on by so many views. */
+	uint32_t next_view;
+	/* Add so many workers; negative: remove them. */
+	int32_t workers;
 } stilb_input_state;
 
-#define STILB_INPUT_FAST 6.0f    /* times, with shift */
-#define STILB_INPUT_TURN 0.0025f /* radians a pixel of the mouse */
+/* Speed with shift held, relative to the speed without. */
+#define STILB_INPUT_FAST 6.0f
 
-/* WASD and Q/E move, shift is fast, the captured mouse looks, P captures, F12 takes a picture, F1 opens and closes the
- * profiler, space freezes it, F2 opens and closes the materials' window, V shows the next view, - and + change workers. */
+/* Radians for each pixel that the captured mouse moves. */
+#define STILB_INPUT_TURN 0.0025f
+
+/* The window's state as the program's keys read it: WASD and Q/E move, shift is fast, the captured mouse looks, P writes a
+ * trace, F12 a picture, F1 opens and closes the profiler, space freezes it, F2 opens and closes the materials' window, V
+ * shows the next view, - and + change the number of workers. Keys held together that oppose each other cancel.
+ * Asserts that window is not NULL. [any-thread] */
 stilb_input_state stilb_input_from_window(const stilb_window_state *window);
 
-/* The same without flying and freezing: the keys belong to a user interface. */
+/* The same without flying and freezing, which are the keys that a user interface with the keyboard's focus takes (letters
+ * and space); the mouse and the other keys stay. [any-thread] */
 stilb_input_state stilb_input_without_keys(stilb_input_state input);
 
 #endif

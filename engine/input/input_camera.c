@@ -3,16 +3,17 @@
 #include <math.h>
 
 #define CAMERA_FULL_TURN 6.28318530717958647692
-#define CAMERA_MOVE_MAX 1e6f  /* far beyond any: so that its square is a number */
-#define CAMERA_TURN_MAX 10.0f /* of the full rate */
+#define CAMERA_MOVE_MAX 1e6f  /* larger than any wish, and its square is still finite */
+#define CAMERA_TURN_MAX 10.0f /* times the turning rate */
 #define CAMERA_BOOST_MAX 8.0f
-#define CAMERA_SETTLED 1e-9 /* m/s or radians/s from the target: it is there */
+#define CAMERA_SETTLED 1e-9 /* m/s or radians/s: a difference below this counts as none */
 
 /* ---- following ------------------------------------------------------------------------------------------------- */
 
 double stilb_input_follow(double value, double target, double a, double dt, double *area)
 {
-	double none = 0.0, *sum = area ? area : &none;
+	double unused = 0.0, *sum = area ? area : &unused;
+	STILB_ASSERT(!isnan(value) && !isnan(target) && !isnan(a) && !isnan(dt) && "v' = a (target - v) has numbers");
 	if (!(dt > 0.0))
 		return value;
 	if (!(a > 0.0)) {
@@ -26,12 +27,15 @@ double stilb_input_follow(double value, double target, double a, double dt, doub
 
 float stilb_input_step_towards(float value, float target, float step)
 {
+	STILB_ASSERT(step >= 0.0f && "a step goes towards the target");
 	float way = target - value;
 	return fabsf(way) <= step ? target : value + copysignf(step, way);
 }
 
 void stilb_input_stick(const float in[2], float inner, float outer, float curve, float out[2])
 {
+	STILB_ASSERT(inner >= 0.0f && outer > 0.0f && "a dead zone and a range");
+	STILB_ASSERT(curve > 0.0f && "the response rises");
 	float length = hypotf(in[0], in[1]);
 	float scale = 0.0f;
 	if (isfinite(length) && length > inner) {
@@ -50,6 +54,7 @@ stilb_input_camera_settings stilb_input_camera_settings_default(void)
 		.speed = 12.0f, .turn_rate = 2.2f, .accelerate = 12.0f, .brake = 16.0f, .turn_follow = 24.0f};
 }
 
+/* A setting of 0 means no smoothing. */
 static double camera_rate(float a)
 {
 	return a > 0.0f ? (double)a : (double)INFINITY;
@@ -61,38 +66,40 @@ static double camera_clamp_pitch(double pitch)
 	return fmax(-limit, fmin(limit, pitch));
 }
 
-/* The rate of turning to the left or upwards, after dt seconds; *angle grows by what was turned. */
+/* Turning rate about axis 0 (to the left) or 1 (upwards) after dt seconds; the angle turned is added to *angle. */
 static double camera_turned(const stilb_input_camera *camera, int axis, double dt, double *angle)
 {
 	double a = camera_rate(camera->settings.turn_follow);
 	return stilb_input_follow(camera->turning[axis], camera->wanted_turning[axis], a, dt, angle);
 }
 
+/* Velocity along one of the camera's axes after dt seconds; the distance flown is added to *way, which may be NULL. */
 static double camera_moved(const stilb_input_camera *camera, int axis, double dt, double *way)
 {
 	return stilb_input_follow(camera->motion[axis], camera->wanted_motion[axis], camera->follow, dt, way);
 }
 
-/* Adds `motion`, along the axes that the camera has dt seconds on, to the world's `place`. */
-static void camera_add(const stilb_input_camera *camera, double dt, const double motion[3], double place[3])
+/* Adds a displacement, given along the axes that the camera will have after dt seconds, to the world position. */
+static void camera_add(const stilb_input_camera *camera, double dt, const double along[3], double position[3])
 {
 	double yaw = camera->yaw, pitch = camera->pitch;
 	camera_turned(camera, 0, dt, &yaw);
 	camera_turned(camera, 1, dt, &pitch);
 	pitch = camera_clamp_pitch(pitch);
-	double ahead = cos(pitch) * motion[2];
-	place[0] += cos(yaw) * motion[0] - sin(yaw) * ahead;
-	place[1] += motion[1] + sin(pitch) * motion[2];
-	place[2] += -sin(yaw) * motion[0] - cos(yaw) * ahead;
+	double ahead = cos(pitch) * along[2];
+	position[0] += cos(yaw) * along[0] - sin(yaw) * ahead;
+	position[1] += along[1] + sin(pitch) * along[2];
+	position[2] += -sin(yaw) * along[0] - cos(yaw) * ahead;
 }
 
 /*
- * Adds the way of dt seconds to `place`: the integral of axes(t) motion(t). With axes(t) = middle + (axes(t) - middle) its
- * first part is the analytic integral of the motion, along the axes of the step's middle; while the view does not turn that
- * is all. The rest is small and smooth: Gauss and Legendre's rule of three points, whose middle one adds nothing.
+ * Adds the displacement of dt seconds to the position: the integral of A(t) v(t), where A(t) are the camera's axes and v(t)
+ * its velocity along them. With Am the axes at the middle of the step, A v = Am v + (A - Am) v. The first part is Am times
+ * the closed-form integral of v, and exact; while the view does not turn it is all. The second part is small and smooth
+ * and is integrated by Gauss-Legendre quadrature with three points; at the middle point A - Am is 0.
  * Source of nodes and weights: Abramowitz and Stegun, Handbook of Mathematical Functions, table 25.4, n = 3.
  */
-static void camera_way(const stilb_input_camera *camera, double dt, double place[3])
+static void camera_displace(const stilb_input_camera *camera, double dt, double position[3])
 {
 	static const double nodes[2] = {0.11270166537925831, 0.88729833462074169};
 	double weight = 5.0 / 18.0;
@@ -105,12 +112,12 @@ static void camera_way(const stilb_input_camera *camera, double dt, double place
 			there[i] = camera_moved(camera, i, nodes[n] * dt, NULL) * weight * dt;
 			middle[i] -= there[i];
 		}
-		camera_add(camera, nodes[n] * dt, there, place);
+		camera_add(camera, nodes[n] * dt, there, position);
 	}
-	camera_add(camera, 0.5 * dt, middle, place);
+	camera_add(camera, 0.5 * dt, middle, position);
 }
 
-/* The last of an exponential's way takes for ever and moves nothing. */
+/* An exponential never arrives: differences that move nothing visible are dropped, so that a camera comes to rest. */
 static double camera_settle(double value, double target)
 {
 	return fabs(value - target) < CAMERA_SETTLED ? target : value;
@@ -119,14 +126,14 @@ static double camera_settle(double value, double target)
 static void camera_step(stilb_input_camera *camera, uint64_t dt_us)
 {
 	double dt = (double)dt_us * 1e-6;
-	camera_way(camera, dt, camera->position);
+	camera_displace(camera, dt, camera->position);
 	for (int i = 0; i < 3; i++)
 		camera->motion[i] = camera_settle(camera_moved(camera, i, dt, NULL), camera->wanted_motion[i]);
 	double *const angles[2] = {&camera->yaw, &camera->pitch};
 	for (int i = 0; i < 2; i++)
 		camera->turning[i] = camera_settle(camera_turned(camera, i, dt, angles[i]), camera->wanted_turning[i]);
 	camera->yaw = remainder(camera->yaw, CAMERA_FULL_TURN);
-	if (camera->pitch != camera_clamp_pitch(camera->pitch)) { /* turning beyond the stop is not stored */
+	if (camera->pitch != camera_clamp_pitch(camera->pitch)) { /* at the limit the turning ends */
 		camera->pitch = camera_clamp_pitch(camera->pitch);
 		camera->turning[1] = 0.0;
 	}
@@ -134,6 +141,18 @@ static void camera_step(stilb_input_camera *camera, uint64_t dt_us)
 }
 
 /* ---- the camera ------------------------------------------------------------------------------------------------ */
+
+/* For STILB_CHECK: finite, and the angles within their limits. */
+static bool camera_is_sound(const stilb_input_camera *camera)
+{
+	bool sound = camera->follow > 0.0 && isfinite(camera->yaw) && fabs(camera->yaw) <= CAMERA_FULL_TURN / 2 &&
+	             fabs(camera->pitch) <= (double)STILB_INPUT_PITCH_LIMIT;
+	for (int i = 0; i < 3; i++)
+		sound = sound && isfinite(camera->position[i]) && isfinite(camera->motion[i]);
+	for (int i = 0; i < 2; i++)
+		sound = sound && isfinite(camera->turning[i]);
+	return sound;
+}
 
 static bool camera_stands(const stilb_input_camera *camera)
 {
@@ -145,12 +164,14 @@ static bool camera_stands(const stilb_input_camera *camera)
 	return stands;
 }
 
-/* Times are whatever a recording says: their difference is taken where it cannot overflow. */
+/* Microseconds from the camera's time to time_us, 0 if that is in the past. Unsigned, because times come from recordings
+ * and the difference of any two int64_t must not overflow. */
 static uint64_t camera_until(const stilb_input_camera *camera, int64_t time_us)
 {
 	return time_us > camera->time_us ? (uint64_t)time_us - (uint64_t)camera->time_us : 0;
 }
 
+/* Stands still from here on, wanting nothing. */
 static void camera_stand(stilb_input_camera *camera)
 {
 	camera->wish = (stilb_input_wish){0};
@@ -162,6 +183,7 @@ static void camera_stand(stilb_input_camera *camera)
 
 void stilb_input_camera_advance(stilb_input_camera *camera, int64_t time_us)
 {
+	STILB_ASSERT(camera && camera->follow > 0.0 && "made by stilb_input_camera_make");
 	uint64_t left = camera_until(camera, time_us);
 	if (left > STILB_INPUT_GAP_US)
 		camera_stand(camera);
@@ -170,13 +192,15 @@ void stilb_input_camera_advance(stilb_input_camera *camera, int64_t time_us)
 	else
 		for (; left >= STILB_INPUT_TICK_US; left -= STILB_INPUT_TICK_US)
 			camera_step(camera, STILB_INPUT_TICK_US);
+	STILB_CHECK(camera_is_sound(camera));
 }
 
-/* To exactly this time, which is where ticks are counted from now on. */
+/* Advances to exactly time_us, from where ticks are counted from now on. */
 static void camera_reach(stilb_input_camera *camera, int64_t time_us)
 {
 	stilb_input_camera_advance(camera, time_us);
 	uint64_t left = camera_until(camera, time_us);
+	STILB_ASSERT(left < STILB_INPUT_TICK_US);
 	if (left > 0)
 		camera_step(camera, left);
 }
@@ -211,9 +235,25 @@ static double camera_length(const double v[3])
 	return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+/* Whether each is a number of at least 0, and those that are no rates finite. */
+static bool settings_are_sound(const stilb_input_camera_settings *settings)
+{
+	return settings->speed >= 0.0f && isfinite(settings->speed) && settings->turn_rate >= 0.0f &&
+	       isfinite(settings->turn_rate) && settings->accelerate >= 0.0f && settings->brake >= 0.0f &&
+	       settings->turn_follow >= 0.0f;
+}
+
+static bool pose_is_finite(const stilb_input_pose *pose)
+{
+	return isfinite(pose->position[0]) && isfinite(pose->position[1]) && isfinite(pose->position[2]) &&
+	       isfinite(pose->yaw) && isfinite(pose->pitch);
+}
+
 stilb_input_camera stilb_input_camera_make(const stilb_input_camera_settings *settings, const stilb_input_pose *pose,
                                            int64_t time_us)
 {
+	STILB_ASSERT(settings && settings_are_sound(settings) && "speeds and rates are at least 0");
+	STILB_ASSERT(pose && pose_is_finite(pose) && "the camera is somewhere");
 	return (stilb_input_camera){
 		.settings = *settings,
 		.follow = camera_rate(settings->brake),
@@ -226,13 +266,14 @@ stilb_input_camera stilb_input_camera_make(const stilb_input_camera_settings *se
 
 void stilb_input_camera_steer(stilb_input_camera *camera, int64_t time_us, const stilb_input_wish *wish)
 {
+	STILB_ASSERT(camera && wish);
 	stilb_input_wish clean = camera_clean_wish(wish);
 	if (camera_same_wish(&clean, &camera->wish))
 		return;
 	camera_reach(camera, time_us);
 	camera->wish = clean;
 	double move[3] = {(double)clean.move[0], (double)clean.move[1], (double)clean.move[2]};
-	/* A keyboard's diagonal is no faster; a stick that is pushed half way stays slow. */
+	/* Two keys together are no faster than one; a stick pushed half way flies at half the speed. */
 	double speed = (double)camera->settings.speed * exp2((double)clean.boost) / fmax(1.0, camera_length(move));
 	for (int i = 0; i < 3; i++)
 		camera->wanted_motion[i] = speed * move[i];
@@ -240,6 +281,7 @@ void stilb_input_camera_steer(stilb_input_camera *camera, int64_t time_us, const
 		camera->wanted_turning[i] = (double)camera->settings.turn_rate * (double)clean.turn[i];
 	bool slower = camera_length(camera->wanted_motion) < camera_length(camera->motion);
 	camera->follow = camera_rate(slower ? camera->settings.brake : camera->settings.accelerate);
+	STILB_CHECK(camera_is_sound(camera));
 }
 
 void stilb_input_camera_turn(stilb_input_camera *camera, int64_t time_us, float left, float up)
@@ -249,6 +291,7 @@ void stilb_input_camera_turn(stilb_input_camera *camera, int64_t time_us, float 
 	camera_reach(camera, time_us);
 	camera->yaw = remainder(camera->yaw + (double)left, CAMERA_FULL_TURN);
 	camera->pitch = camera_clamp_pitch(camera->pitch + (double)up);
+	STILB_CHECK(camera_is_sound(camera));
 }
 
 void stilb_input_camera_stop(stilb_input_camera *camera, int64_t time_us)
@@ -259,6 +302,7 @@ void stilb_input_camera_stop(stilb_input_camera *camera, int64_t time_us)
 
 stilb_input_pose stilb_input_camera_at(const stilb_input_camera *camera, int64_t time_us)
 {
+	STILB_ASSERT(camera);
 	stilb_input_camera then = *camera;
 	camera_reach(&then, time_us);
 	return (stilb_input_pose){

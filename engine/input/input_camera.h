@@ -1,94 +1,125 @@
 /*
- * input_camera: the camera that flies: from wishes, each with its own time, to a place, yaw and pitch at any time, the same
- * at every frame rate.
+ * input_camera: a flying camera: from what the user wants, each wish with its time, to position, yaw and pitch at any
+ * time. The path is the same at every frame rate.
  *
- * How.  Speed and turning follow the wish with v' = a (u - v), which is solved, not stepped: after dt
+ * Model.  Velocity and turning rate follow the wish by v' = a (u - v), which is solved in closed form, not stepped:
  *
- *         v1 = u + (v0 - u) e,  x1 = x0 + u dt + (v0 - u) (1 - e) / a,  e = exp(-a dt)
+ *             v1 = u + (v0 - u) e,  x1 = x0 + u dt + (v0 - u) (1 - e) / a,  e = exp(-a dt)
  *
- *       (so for a = 1 and u = 1 from rest, v = 1 - 1/e after a second at every rate, where v += (u - v) a dt gives 0.6352 at
- *       60 Hz). The speed follows along the camera's own axes, and as these turn, the state goes on in ticks of 4 ms counted
- *       from the last wish, never from a frame: a frame looks at where it is in between and changes nothing. Two runs with
- *       the same wishes at the same times are therefore equal to the bit, whatever the frames between; and as only
- *       differences of times count, so is a recording that is played later.
+ *         With a = 1/s and u = 1 from rest v is 1 - 1/e after a second at every rate; v += (u - v) a dt gives 0.6352
+ *         instead at 60 Hz. The velocity is along the camera's own axes. As these turn, the state advances in ticks of
+ *         STILB_INPUT_TICK_US counted from the last wish, never from a frame; a frame evaluates the state between two
+ *         ticks and does not change it. So the same wishes at the same times give the same bits whatever frames were
+ *         drawn between them, and only differences of times count: a recording played later flies the same path.
  *
- * Pure functions of their arguments. [any-thread]
+ * Life cycle.  A plain value: make -> steer, turn, stop in time order; advance and at once a frame.
+ *
+ *     stilb_input_camera_settings settings = stilb_input_camera_settings_default();
+ *     stilb_input_camera camera = stilb_input_camera_make(&settings, &start, 0);
+ *     stilb_input_camera_steer(&camera, 0, &(stilb_input_wish){.move = {0, 0, 1}});
+ *     stilb_input_pose pose = stilb_input_camera_at(&camera, 1000000); // after a second of flying ahead
+ *
+ * Threads.  Functions of their arguments without globals: [any-thread], one thread at a time for one camera.
+ * Times.    Microseconds of any clock. A time before the camera's own counts as the camera's own.
  */
 #ifndef STILB_INPUT_CAMERA_H
 #define STILB_INPUT_CAMERA_H
 
 #include "base/base.h"
 
-/* Position and direction of what flies; yaw 0 looks along -Z and grows to the left. */
+/* Where the camera is and where it looks: metres; radians. Yaw 0 looks along -Z and grows to the left, pitch grows
+ * upwards. There is no roll. */
 typedef struct stilb_input_pose {
 	float position[3];
 	float yaw, pitch;
 } stilb_input_pose;
 
-/* What is wanted from a moment on. What is not finite counts as 0, what is out of range as its end. */
+/* What is wanted from a time on. A component that is not finite counts as 0, one out of range as the range's end. */
 typedef struct stilb_input_wish {
-	float move[3]; /* right, up (along +Y), forward (where it looks); longer than 1 flies like 1 */
-	float turn[2]; /* to the left, upwards; of the full rate, [-10, 10] */
-	float boost;   /* the speed is 2^boost times what it is; [-8, 8] */
+	/* Right, up (along +Y), forward (along the view), relative to the speed; a vector longer than 1 is normalised. */
+	float move[3];
+	/* To the left, upwards, relative to the turning rate; [-10, 10]. */
+	float turn[2];
+	/* The speed is multiplied by 2^boost; [-8, 8]. */
+	float boost;
 } stilb_input_wish;
 
-/* Rates a are 1/s: after 0.69 / a seconds half of the way is left; 0 follows at once. */
+/* All at least 0 and not NaN. A rate a is in 1/s: after 0.69 / a seconds half of the difference is left; a = 0 means
+ * that there is no smoothing. */
 typedef struct stilb_input_camera_settings {
-	float speed;       /* m/s */
-	float turn_rate;   /* radians/s at the full */
-	float accelerate;  /* a of speed after a wish that is no slower than the flight */
-	float brake;       /* and after one that is slower */
-	float turn_follow; /* a of turning */
+	/* m/s; finite. */
+	float speed;
+	/* radians/s; finite. */
+	float turn_rate;
+	/* Rate after a wish that asks for at least the present speed, and after one that asks for less. */
+	float accelerate, brake;
+	/* Rate of the turning. */
+	float turn_follow;
 } stilb_input_camera_settings;
 
-#define STILB_INPUT_PITCH_LIMIT 1.55f /* radians: short of straight up and down */
+/* The pitch stays within this of the horizon, radians: just short of straight up and down. */
+#define STILB_INPUT_PITCH_LIMIT 1.55f
+
+/* Length of a tick, microseconds. */
 #define STILB_INPUT_TICK_US 4000
 
-/* Not asked for longer than this, nobody was there to fly: it has stood still since the gap began. */
+/* A camera that nothing was asked of for longer than this, microseconds, has stood still since the last call: the program
+ * was stopped meanwhile. */
 #define STILB_INPUT_GAP_US 60000000
 
-/* 12 m/s, 2.2 rad/s, 12, 16, 24. */
+/* 12 m/s, 2.2 radians/s; accelerate 12/s, brake 16/s, turn_follow 24/s. [any-thread] */
 stilb_input_camera_settings stilb_input_camera_settings_default(void);
 
-/* To be seen, not changed, from outside. */
+/* The state: may be read and copied, is changed by the functions below alone. */
 typedef struct stilb_input_camera {
 	stilb_input_camera_settings settings;
 	stilb_input_wish wish;
-	double wanted_motion[3], wanted_turning[2]; /* what the wish comes to, and how the motion follows: a, 1/s */
+	/* The velocity (m/s) and turning rates (radians/s) that the wish asks for. */
+	double wanted_motion[3], wanted_turning[2];
+	/* Rate at which the velocity follows, 1/s. */
 	double follow;
-	int64_t time_us;               /* of what stands below: the last wish, or some ticks after it */
-	double position[3], motion[3]; /* m; m/s to the right, up, forward */
-	double yaw, pitch, turning[2]; /* radians; radians/s to the left, upwards */
+	/* The time that the members below are for: that of the last wish, or some ticks after it. */
+	int64_t time_us;
+	/* Metres, in the world; m/s to the right, up and forward. */
+	double position[3], motion[3];
+	/* Radians; radians/s to the left and upwards. */
+	double yaw, pitch, turning[2];
 } stilb_input_camera;
 
-/* Stands still at the pose. */
+/* A camera that stands still at the pose from time_us on; the yaw is brought into [-pi, pi], the pitch to its limit.
+ * Asserts that the settings are in their ranges and the pose is finite. [any-thread] */
 stilb_input_camera stilb_input_camera_make(const stilb_input_camera_settings *settings, const stilb_input_pose *pose,
                                            int64_t time_us);
 
-/* From time_us on this is wanted; what is wanted already changes nothing. Times before the last one count as that. */
+/* From time_us on the wish is wanted. Wanting the same as before changes nothing, not even the ticks. [any-thread] */
 void stilb_input_camera_steer(stilb_input_camera *camera, int64_t time_us, const stilb_input_wish *wish);
 
-/* Turns at once: the mouse. */
+/* Turns at once by radians to the left and upwards: the mouse. Does nothing if one of them is not finite.
+ * [any-thread] */
 void stilb_input_camera_turn(stilb_input_camera *camera, int64_t time_us, float left, float up);
 
-/* Stands still at once, wants nothing: the pad was pulled, the window lost the keyboard. */
+/* Stands still at once and wants nothing: the pad was unplugged, or the window lost the keyboard. [any-thread] */
 void stilb_input_camera_stop(stilb_input_camera *camera, int64_t time_us);
 
-/* Goes on to the last tick until time_us: once a frame, so that stilb_input_camera_at has a short way. Changes no path. */
+/* Advances the state by whole ticks up to time_us, once a frame, so that stilb_input_camera_at has few ticks to compute.
+ * Does not change the path. [any-thread] */
 void stilb_input_camera_advance(stilb_input_camera *camera, int64_t time_us);
 
-/* Where it is at a time at or after its last wish. */
+/* The pose at a time at or after the last wish; the camera is not changed. [any-thread] */
 stilb_input_pose stilb_input_camera_at(const stilb_input_camera *camera, int64_t time_us);
 
-/* Follows a target: value after dt seconds; *area, which may be NULL, grows by the exact integral over them. Never
- * overshoots. a 0: stays; INFINITY: is there at once. */
+/* Solves v' = a (target - v) over dt seconds from v = value: returns v, and adds the integral of v over the dt seconds to
+ * *area, which may be NULL. Never overshoots the target. a <= 0: v stays; a = INFINITY: v is at the target at once.
+ * dt <= 0: nothing happens. Asserts that no argument is NaN. [any-thread] */
 double stilb_input_follow(double value, double target, double a, double dt, double *area);
 
-/* At most `step` towards the target, from above or from below; lands exactly on it. */
+/* value moved towards target by at most step >= 0; lands exactly on it. Asserts the step. [any-thread] */
 float stilb_input_step_towards(float value, float target, float step);
 
-/* A stick as it is wanted: scaled, radial: nothing within `inner`, all beyond `outer`, in between the magnitude rises as
- * t^curve, the direction stays. The result is at most 1 long. out may be in. */
+/* Response of a stick: scaled radial dead zone. Up to the length `inner` the result is 0, from `outer` on its length is 1;
+ * in between it is t^curve with t = (length - inner) / (outer - inner), so there is no jump at the edge. The direction is
+ * kept. With outer <= inner the stick is a switch at inner. A stick that is not finite gives 0. out may be in. Asserts
+ * inner >= 0, outer > 0 and curve > 0. [any-thread] */
 void stilb_input_stick(const float in[2], float inner, float outer, float curve, float out[2]);
 
 #endif

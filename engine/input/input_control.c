@@ -1,35 +1,39 @@
 #include "input/input_control.h"
+
+#include "base/base_contract.h"
 #include "input/hid/input_layout.h"
+#include "input/input_pad_internal.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define CONTROL_TRIGGER_INNER 0.05f /* worn triggers do not come back quite */
-#define CONTROL_TOUCH_MIN 0.1f      /* a stick without a dead zone must move so far to be touched */
-#define CONTROL_DRIFT 0.1f          /* 1/s: what moves no faster is not touched */
+#define CONTROL_TRIGGER_INNER 0.05f /* dead zone: worn triggers do not return to 0 */
+#define CONTROL_TOUCH_MIN 0.1f      /* least movement that counts as a touch, also without a dead zone */
+#define CONTROL_DRIFT 0.1f          /* 1/s: an axis that moves more slowly than this is not being touched */
 
 typedef struct control_pad {
-	uint32_t number; /* 0: this place is free */
+	uint32_t number; /* 0: this entry is free */
 	bool denied;
-	bool readable;    /* layout is one */
-	char unread[160]; /* why not */
+	bool readable;    /* there is a layout */
+	char unread[160]; /* the reason if there is none */
 	stilb_input_pad_info info;
 	stilb_input_layout layout;
 	stilb_input_pad_state state;
-	float rest[STILB_INPUT_AXIS_COUNT]; /* the axes at the last touch, and drifting after them */
+	float rest[STILB_INPUT_AXIS_COUNT]; /* the axes at the last touch, following the axes by CONTROL_DRIFT since */
 	uint64_t reports, corrupt;
 	int64_t last_us;
 } control_pad;
 
 struct stilb_input_control {
+	stilb_owner owner;
 	stilb_input_control_settings settings;
 	stilb_input_camera camera;
 	bool focused;
-	stilb_input_wish keys;     /* as the last frame said */
-	int64_t keys_until_us;     /* and how long that is believed */
-	stilb_input_state actions; /* of the leading pad since the last frame */
+	stilb_input_wish keys;     /* held at the last frame */
+	int64_t keys_until_us;     /* the time from which they count as released */
+	stilb_input_state actions; /* presses on the leading pad since the last frame */
 	uint32_t leader;
 	control_pad pads[STILB_INPUT_PADS_MAX];
 };
@@ -46,13 +50,39 @@ stilb_input_control_settings stilb_input_control_settings_default(void)
 	};
 }
 
+static bool control_settings_are_sound(const stilb_input_control_settings *settings)
+{
+	bool sound = settings->inner >= 0.0f && settings->outer > 0.0f && settings->curve > 0.0f &&
+	             settings->boost >= 0.0f && settings->boost <= 8.0f;
+	for (int i = 0; i < 4; i++)
+		sound = sound && settings->sensitivity[i] >= 0.0f && settings->sensitivity[i] <= 10.0f;
+	return sound;
+}
+
+/* For STILB_CHECK: no pad is there twice, and the leading one is there. */
+static bool control_is_sound(const stilb_input_control *control)
+{
+	bool leader_is_there = control->leader == 0;
+	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++) {
+		uint32_t number = control->pads[i].number;
+		leader_is_there = leader_is_there || number == control->leader;
+		for (uint32_t k = 0; k < i; k++)
+			if (number != 0 && control->pads[k].number == number)
+				return false;
+	}
+	return leader_is_there;
+}
+
 stilb_result stilb_input_control_create(const stilb_input_control_settings *settings, const stilb_input_pose *pose,
                                         int64_t time_us, stilb_input_control **out)
 {
+	STILB_ASSERT(settings && control_settings_are_sound(settings) && "the settings are in their ranges");
+	STILB_ASSERT(pose && out);
 	*out = NULL;
 	stilb_input_control *control = calloc(1, sizeof *control);
 	if (!control)
-		return stilb_fail(STILB_ERROR_MEMORY, "input: no memory");
+		return stilb_fail(STILB_ERROR_MEMORY, "input: out of memory");
+	stilb_owner_take(&control->owner);
 	control->settings = *settings;
 	control->focused = true;
 	control->keys_until_us = time_us;
@@ -63,11 +93,15 @@ stilb_result stilb_input_control_create(const stilb_input_control_settings *sett
 
 void stilb_input_control_destroy(stilb_input_control *control)
 {
+	if (!control)
+		return;
+	STILB_ASSERT_OWNER(control->owner);
 	free(control);
 }
 
 /* ---- what is wanted -------------------------------------------------------------------------------------------- */
 
+/* The pad of this number, 0: a free entry; NULL if there is none. */
 static control_pad *control_find(stilb_input_control *control, uint32_t number)
 {
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++)
@@ -83,6 +117,7 @@ static float control_trigger(float value)
 	return out[0];
 }
 
+/* 1 or 0. */
 static float control_button(const stilb_input_pad_state *state, stilb_input_button button)
 {
 	return (float)(state->buttons >> button & 1u);
@@ -131,7 +166,7 @@ static void control_steer(stilb_input_control *control, int64_t time_us)
 	stilb_input_camera_steer(&control->camera, time_us, &wish);
 }
 
-/* After a stalled frame the camera has not leapt: keys that were held before it may have been let go since. */
+/* Releases the keys at the time until which they counted as held, so that a stalled program does not fly on. */
 static void control_forget_keys(stilb_input_control *control, int64_t time_us)
 {
 	if (time_us <= control->keys_until_us)
@@ -152,6 +187,8 @@ static void control_recognise(control_pad *pad)
 
 static void control_add(stilb_input_control *control, const stilb_input_event *event)
 {
+	STILB_ASSERT(event->info && "ADDED and DENIED say what the pad is");
+	STILB_ASSERT(!control_find(control, event->pad) && "a pad is added once");
 	control_pad *pad = control_find(control, 0);
 	if (!pad)
 		return;
@@ -171,12 +208,13 @@ static void control_remove(stilb_input_control *control, control_pad *pad, int64
 		return;
 	control->leader = 0;
 	stilb_input_camera_stop(&control->camera, time_us);
-	control_steer(control, time_us); /* the keys go on */
+	control_steer(control, time_us); /* held keys fly on */
 }
 
-/* Whether its new state says that somebody has it in hand. */
+/* Whether the pad's new state is a touch; see input_control.h. */
 static bool control_touched(control_pad *pad, const stilb_input_pad_state *state, float dead_zone, int64_t time_us)
 {
+	STILB_ASSERT(time_us >= pad->last_us && "a pad's events come in time order");
 	float drift = CONTROL_DRIFT * (float)(1e-6 * ((double)time_us - (double)pad->last_us));
 	bool touched = (state->buttons & ~pad->state.buttons) != 0;
 	for (int i = 0; i < STILB_INPUT_AXIS_COUNT; i++) {
@@ -228,7 +266,8 @@ static void control_act(stilb_input_state *actions, uint32_t pressed)
 static void control_state(stilb_input_control *control, control_pad *pad, const stilb_input_pad_state *state,
                           int64_t time_us)
 {
-	if (pad->reports == 0 && control->leader) { /* it may lie on its side: that alone takes nobody's camera */
+	STILB_CHECK(input_pad_state_is_sound(state));
+	if (pad->reports == 0 && control->leader) { /* a pad that lies with its sticks pushed does not take the lead */
 		pad->state = *state;
 		memcpy(pad->rest, state->axes, sizeof pad->rest);
 	}
@@ -239,12 +278,13 @@ static void control_state(stilb_input_control *control, control_pad *pad, const 
 	pad->last_us = time_us;
 	pad->reports++;
 	if (control->focused)
-		control_act(&control->actions, pressed); /* a press is a touch: this pad leads */
+		control_act(&control->actions, pressed); /* a press is a touch, so this pad leads */
 	control_steer(control, time_us);
 }
 
 static void control_report(stilb_input_control *control, control_pad *pad, const stilb_input_event *event)
 {
+	STILB_ASSERT(event->bytes || event->size == 0);
 	if (!pad->readable)
 		return;
 	stilb_input_pad_state state = pad->state;
@@ -262,8 +302,9 @@ static void control_report(stilb_input_control *control, control_pad *pad, const
 
 void stilb_input_control_event(stilb_input_control *control, const stilb_input_event *event)
 {
-	if (event->pad == 0)
-		return;
+	STILB_ASSERT(control && event);
+	STILB_ASSERT_OWNER(control->owner);
+	STILB_ASSERT(event->pad != 0 && "pads are numbered from 1");
 	control_forget_keys(control, event->time_us);
 	if (event->kind == STILB_INPUT_PAD_ADDED || event->kind == STILB_INPUT_PAD_DENIED) {
 		control_add(control, event);
@@ -278,11 +319,14 @@ void stilb_input_control_event(stilb_input_control *control, const stilb_input_e
 		control_report(control, pad, event);
 	else
 		control_state(control, pad, &event->state, event->time_us);
+	STILB_CHECK(control_is_sound(control));
 }
 
 uint32_t stilb_input_control_pads(const stilb_input_control *control,
                                   stilb_input_control_pad pads[STILB_INPUT_PADS_MAX])
 {
+	STILB_ASSERT(control && pads);
+	STILB_ASSERT_OWNER(control->owner);
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++) {
 		const control_pad *pad = &control->pads[i];
@@ -306,6 +350,8 @@ uint32_t stilb_input_control_pads(const stilb_input_control *control,
 
 uint32_t stilb_input_control_leader(const stilb_input_control *control, int64_t *last_us)
 {
+	STILB_ASSERT(control);
+	STILB_ASSERT_OWNER(control->owner);
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX && last_us; i++)
 		if (control->leader && control->pads[i].number == control->leader)
 			*last_us = control->pads[i].last_us;
@@ -320,7 +366,7 @@ static void control_look(stilb_input_control *control, int64_t time_us, const fl
 		stilb_input_camera_turn(&control->camera, time_us, look[0], look[1]);
 }
 
-/* The keys of the window and what the pad's buttons add to them. */
+/* The actions of the keys together with those of the pads' buttons, which are taken. */
 static stilb_input_state control_take(stilb_input_control *control, stilb_input_state state)
 {
 	stilb_input_state pad = control->actions;
@@ -339,6 +385,8 @@ static stilb_input_state control_take(stilb_input_control *control, stilb_input_
 void stilb_input_control_frame(stilb_input_control *control, int64_t time_us, const stilb_input_state *keys,
                                bool focused, stilb_input_state *out, stilb_input_pose *pose)
 {
+	STILB_ASSERT(control && keys && out && pose);
+	STILB_ASSERT_OWNER(control->owner);
 	control_forget_keys(control, time_us);
 	if (control->focused && !focused)
 		stilb_input_camera_stop(&control->camera, time_us);
@@ -355,6 +403,8 @@ void stilb_input_control_frame(stilb_input_control *control, int64_t time_us, co
 
 void stilb_input_control_place(stilb_input_control *control, int64_t time_us, const stilb_input_pose *pose)
 {
+	STILB_ASSERT(control && pose);
+	STILB_ASSERT_OWNER(control->owner);
 	control_forget_keys(control, time_us);
 	control->camera = stilb_input_camera_make(&control->settings.camera, pose, time_us);
 	control_steer(control, time_us);

@@ -1,22 +1,30 @@
 /*
- * input_control: keyboard, mouse and pads together: from what happened to what is wanted, once a frame, and to where the
- * camera is.
+ * input_control: keyboard, mouse and gamepads together: events and keys in, actions and the camera's pose out.
  *
- *   events of pads (live or recorded) -> stilb_input_control_event, in time order
+ *   events of pads (live or recorded) -> stilb_input_control_event, as they come
  *   keys and mouse of the frame       -> stilb_input_control_frame -> actions and pose
  *
- * The pad last touched leads: a button pressed, a stick or trigger moved by more than the dead zone from where it was at the
- * last touch (what drifts slowly is not touched). The others are heard for nothing but that. The leading pad and the keys
- * add up. When the leading pad is pulled or the window loses the keyboard, the camera stands still at once.
+ * The pad touched last leads. Touched means: a button was pressed, or a stick or trigger moved by more than the dead zone
+ * from its position at the last touch; that position follows slow drift, so a worn stick does not take over. Events of
+ * the other pads are only looked at for a touch. The wishes of the leading pad and of the keys are added. When the
+ * leading pad is unplugged or the window loses the keyboard, the camera stands still at once.
  *
- *   left stick            fly to the right, ahead           A, cross (south)      let it stand still, or go on
- *   right stick           look                              B, circle (east)      next view
- *   left, right trigger   slower, faster, by powers of two  X, square (west)      write a trace
- *   left, right shoulder  fly down, up                      Y, triangle (north)   open or close the profiler
- *   d-pad up, down        one worker more, less             menu, options (start) open or close the materials' window
- *   d-pad right           next view                         view, share (back)    write a picture
+ *   left stick            fly right, forward               A, cross (south)      freeze the profiler, let it run
+ *   right stick           look                             B, circle (east)      next view
+ *   left, right trigger   slower, faster by powers of two  X, square (west)      write a trace
+ *   left, right shoulder  fly down, up                     Y, triangle (north)   open or close the profiler
+ *   d-pad up, down        one worker more, less            menu, options (start) open or close the materials' window
+ *   d-pad right           next view                        view, share (back)    write a picture
  *
- * Threads.  One thread's; no I/O, no clock: all times come in.
+ * Life cycle.  create -> a frame: event for each event up to now, then frame -> destroy:
+ *
+ *     stilb_input_control_create(&settings, &start, now_us, &control);
+ *     while (stilb_input_pads_next(pads, now_us, &event))
+ *         stilb_input_control_event(control, &event);
+ *     stilb_input_control_frame(control, now_us, &keys, focused, &actions, &pose);
+ *
+ * Threads.  [owner-thread]: all calls from the thread that created the control; asserted. There is no I/O and no clock:
+ *           all times are arguments, microseconds.
  */
 #ifndef STILB_INPUT_CONTROL_H
 #define STILB_INPUT_CONTROL_H
@@ -25,58 +33,76 @@
 #include "input/input_camera.h"
 #include "input/input_pad.h"
 
-#define STILB_INPUT_PADS_MAX 16u /* pads beyond are not heard */
+/* Pads at a time; events of more are ignored. */
+#define STILB_INPUT_PADS_MAX 16u
 
 typedef struct stilb_input_control_settings {
 	stilb_input_camera_settings camera;
-	float inner, outer, curve; /* of both sticks; see stilb_input_stick */
-	float sensitivity[4];      /* of left x, left y, right x, right y; 0..10 */
-	bool invert_y;             /* of the right stick */
-	float boost;               /* doublings of the speed at the right trigger's end, halvings at the left one's */
+	/* Response of both sticks; see stilb_input_stick. */
+	float inner, outer, curve;
+	/* Factors of left x, left y, right x, right y; 0..10. */
+	float sensitivity[4];
+	/* The right stick looks down when it is pushed up. */
+	bool invert_y;
+	/* The right trigger pulled to its end doubles the speed so many times, the left one halves it as often; 0..8. */
+	float boost;
 } stilb_input_control_settings;
 
-/* 0.12, 0.95, 2; 1 each; not inverted; 3. */
+/* The camera's defaults; inner 0.12, outer 0.95, curve 2; sensitivity 1; not inverted; boost 3. [any-thread] */
 stilb_input_control_settings stilb_input_control_settings_default(void);
 
 typedef struct stilb_input_control stilb_input_control;
 
-/* STILB_ERROR_MEMORY. */
+/* A control without pads, its camera standing still at the pose. STILB_ERROR_MEMORY: *control is then NULL. Asserts the
+ * ranges of the settings. The calling thread becomes the owner. */
 stilb_result stilb_input_control_create(const stilb_input_control_settings *settings, const stilb_input_pose *pose,
                                         int64_t time_us, stilb_input_control **control);
 
-/* NULL is fine. */
+/* NULL is allowed. [owner-thread] */
 void stilb_input_control_destroy(stilb_input_control *control);
 
+/* Takes one event. Events of one pad come in time order, its ADDED or DENIED first; what comes of a pad that was not
+ * added, or was removed, is ignored, and so is a pad beyond STILB_INPUT_PADS_MAX. Nothing of the event is kept by
+ * pointer. [owner-thread] */
 void stilb_input_control_event(stilb_input_control *control, const stilb_input_event *event);
 
-/* Without a frame for longer, nobody knows whether the keys are held: they are not. */
+/* Microseconds after a frame for which its keys still count as held. After that the program is stalled and nobody knows
+ * whether they are: they count as released until the next frame. */
 #define STILB_INPUT_KEYS_US 100000
 
-/* Ends the frame: keys is what the window said (its actions and the pads' come out together in *out, with what the camera
- * was told), *pose is where the camera is at time_us. focused false: the window has lost the keyboard, and all stands still;
- * presses of pads meanwhile are not kept. */
+/* Ends the frame at time_us. keys is what stilb_input_from_window said; *out gets the actions of keys and pads together,
+ * and the movement that the camera was told; *pose is the camera at time_us. focused false: the window has lost the
+ * keyboard; the camera stands still and presses on pads meanwhile are dropped. keys may be out. [owner-thread] */
 void stilb_input_control_frame(stilb_input_control *control, int64_t time_us, const stilb_input_state *keys,
                                bool focused, stilb_input_state *out, stilb_input_pose *pose);
 
-/* Puts the camera elsewhere, standing still. What is wanted goes on. */
+/* Puts the camera elsewhere at time_us, standing still; what is wanted then accelerates it again. Asserts that the pose is
+ * finite. [owner-thread] */
 void stilb_input_control_place(stilb_input_control *control, int64_t time_us, const stilb_input_pose *pose);
 
 /* One pad as it is now. */
 typedef struct stilb_input_control_pad {
-	uint32_t pad;                     /* its number */
-	const stilb_input_pad_info *info; /* until it is removed */
-	const char *name, *recognised;    /* of its layout, or why it has none */
+	/* Its number; see stilb_input_event. */
+	uint32_t pad;
+	/* Valid until the pad is removed. */
+	const stilb_input_pad_info *info;
+	/* Name of the layout and how it was found; for a pad without a layout its own name and the reason. */
+	const char *name, *recognised;
+	/* It may not be opened (no permission); it is the leading one. */
 	bool denied, leads;
 	stilb_input_pad_state state;
-	uint64_t reports, corrupt; /* sound ones with state, and those that were not believed */
-	int64_t last_us;           /* of the last sound report */
+	/* Reports that were decoded, and reports that were refused: a wrong CRC, or too short. */
+	uint64_t reports, corrupt;
+	/* Time of the last decoded report. */
+	int64_t last_us;
 } stilb_input_control_pad;
 
-/* How many there are, at most STILB_INPUT_PADS_MAX; *pads is filled. */
+/* Fills pads with those there are and returns their number. [owner-thread] */
 uint32_t stilb_input_control_pads(const stilb_input_control *control,
                                   stilb_input_control_pad pads[STILB_INPUT_PADS_MAX]);
 
-/* The number of the leading pad, 0: none; and the time of its last sound report (NULL is fine; unchanged without a leader). */
+/* Number of the leading pad, 0 if none leads. *last_us, which may be NULL, gets the time of its last decoded report and is
+ * unchanged if none leads. [owner-thread] */
 uint32_t stilb_input_control_leader(const stilb_input_control *control, int64_t *last_us);
 
 #endif

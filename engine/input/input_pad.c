@@ -1,4 +1,4 @@
-#include "input/input_pad.h"
+#include "input/input_pad_internal.h"
 
 const char *const stilb_input_axis_names[STILB_INPUT_AXIS_COUNT] = {
 	[STILB_INPUT_LEFT_X] = "left_x",
@@ -27,3 +27,13 @@ const char *const stilb_input_button_names[STILB_INPUT_BUTTON_COUNT] = {
 	[STILB_INPUT_RIGHT] = "right",
 	[STILB_INPUT_EXTRA] = "extra",
 };
+
+bool input_pad_state_is_sound(const stilb_input_pad_state *state)
+{
+	for (int i = 0; i < STILB_INPUT_AXIS_COUNT; i++) {
+		float least = i < STILB_INPUT_LEFT_TRIGGER ? -1.0f : 0.0f;
+		if (!(state->axes[i] >= least && state->axes[i] <= 1.0f)) /* false for NaN too */
+			return false;
+	}
+	return state->buttons >> STILB_INPUT_BUTTON_COUNT == 0;
+}

@@ -1,15 +1,22 @@
 /*
- * input_pad: one gamepad as all of them look alike: two sticks, two triggers, sixteen buttons; and what is known of the
- * thing that it is.
+ * input_pad: one gamepad as the engine sees every gamepad: two sticks, two triggers, sixteen buttons; what is known of
+ * the device; and the events that tell of it.
  *
- * Plain data. [any-thread]
+ * Life cycle.  Plain data. A stilb_input_pad_state of {0} is a pad at rest. Events come from input_pads.h (plugged in),
+ *              input_recording.h (a file) or input_window.h (the window library) and go to input_control.h:
+ *
+ *     for (stilb_input_event event; stilb_input_pads_next(pads, now_us, &event);)
+ *         if (event.kind == STILB_INPUT_PAD_ADDED)
+ *             printf("%s came\n", event.info->name);
+ *
+ * Threads.     [any-thread]
  */
 #ifndef STILB_INPUT_PAD_H
 #define STILB_INPUT_PAD_H
 
 #include "base/base.h"
 
-/* Sticks are in [-1, 1], to the right and UP positive, 0 at rest; triggers are in [0, 1]. */
+/* A stick is in [-1, 1], positive to the right and UP, 0 at rest. A trigger is in [0, 1], 0 at rest. */
 typedef enum stilb_input_axis {
 	STILB_INPUT_LEFT_X,
 	STILB_INPUT_LEFT_Y,
@@ -20,7 +27,9 @@ typedef enum stilb_input_axis {
 	STILB_INPUT_AXIS_COUNT
 } stilb_input_axis;
 
-/* By place, as the letters on them differ: SOUTH is a DualShock's cross, an Xbox pad's A, a Switch pad's B. */
+/* Named by position, because the letters differ: SOUTH is a DualShock's cross, an Xbox pad's A, a Switch pad's B. BACK is
+ * also called share, create, view, minus; START options, menu, plus; GUIDE PS, Xbox, home. UP to RIGHT are the d-pad.
+ * EXTRA is a touch pad's click, capture, or the share button of newer Xbox pads. */
 typedef enum stilb_input_button {
 	STILB_INPUT_SOUTH,
 	STILB_INPUT_EAST,
@@ -28,64 +37,81 @@ typedef enum stilb_input_button {
 	STILB_INPUT_NORTH,
 	STILB_INPUT_LEFT_SHOULDER,
 	STILB_INPUT_RIGHT_SHOULDER,
-	STILB_INPUT_BACK,  /* share, create, view, minus */
-	STILB_INPUT_START, /* options, menu, plus */
-	STILB_INPUT_GUIDE, /* PS, Xbox, home */
+	STILB_INPUT_BACK,
+	STILB_INPUT_START,
+	STILB_INPUT_GUIDE,
 	STILB_INPUT_LEFT_STICK,
 	STILB_INPUT_RIGHT_STICK,
-	STILB_INPUT_UP, /* the cross of directions */
+	STILB_INPUT_UP,
 	STILB_INPUT_DOWN,
 	STILB_INPUT_LEFT,
 	STILB_INPUT_RIGHT,
-	STILB_INPUT_EXTRA, /* touch pad, capture, share of newer Xbox pads */
+	STILB_INPUT_EXTRA,
 	STILB_INPUT_BUTTON_COUNT
 } stilb_input_button;
 
-/* "left_x", ... and "south", ...; in the order of the enumerations. */
+/* "left_x", ... and "south", ..., indexed by the enumerations. [any-thread] */
 extern const char *const stilb_input_axis_names[STILB_INPUT_AXIS_COUNT];
 extern const char *const stilb_input_button_names[STILB_INPUT_BUTTON_COUNT];
 
-/* {0} is a pad at rest. */
 typedef struct stilb_input_pad_state {
 	float axes[STILB_INPUT_AXIS_COUNT];
-	uint32_t buttons; /* bit 1 << stilb_input_button: is down */
+	/* Bit 1 << stilb_input_button is set while the button is down. */
+	uint32_t buttons;
 } stilb_input_pad_state;
 
-#define STILB_INPUT_BUS_USB 3u /* linux/input.h: BUS_USB, BUS_BLUETOOTH */
+/* Values of stilb_input_pad_info.bus. Source: BUS_USB and BUS_BLUETOOTH of linux/input.h. */
+#define STILB_INPUT_BUS_USB 3u
 #define STILB_INPUT_BUS_BLUETOOTH 5u
 
-#define STILB_INPUT_DESCRIPTOR_MAX 4096u /* bytes; HID_MAX_DESCRIPTOR_SIZE of linux/hidraw.h */
-#define STILB_INPUT_REPORT_MAX 4096u     /* bytes, the id included; HID_MAX_BUFFER_SIZE is larger, no pad's report is */
+/* Bytes of the longest report descriptor. Source: HID_MAX_DESCRIPTOR_SIZE of linux/hidraw.h. */
+#define STILB_INPUT_DESCRIPTOR_MAX 4096u
 
-/* What can be known of a pad without opening it. Texts are UTF-8 without control characters, cut where they are too
- * long. */
+/* Bytes of the longest report, its id included. The kernel's HID_MAX_BUFFER_SIZE is larger; no known pad comes near it. */
+#define STILB_INPUT_REPORT_MAX 4096u
+
+/* All that can be known of a device without opening it. Texts are UTF-8 without control characters, end with a zero, and
+ * are cut after the last whole character that fits. */
 typedef struct stilb_input_pad_info {
-	char path[64];    /* "/dev/hidraw3"; "window:0" for one that the window library reads */
-	char name[128];   /* as it calls itself */
-	char unique[64];  /* serial number or Bluetooth address, or "" */
-	char device[256]; /* its folder in sysfs, links followed: where its driver and its other nodes are; or "" */
+	/* "/dev/hidraw3"; "window:0" for a pad that the window library reads; "" if a recording does not say it. */
+	char path[64];
+	/* The name that the device reports. */
+	char name[128];
+	/* Serial number or Bluetooth address, or "". */
+	char unique[64];
+	/* Its folder in sysfs, links resolved, which also holds its driver and its other nodes; or "". */
+	char device[256];
 	uint16_t bus, vendor, product;
-	uint16_t descriptor_size; /* 0: it has none */
+	/* Bytes of the descriptor; 0: the pad has none. */
+	uint16_t descriptor_size;
 	uint8_t descriptor[STILB_INPUT_DESCRIPTOR_MAX];
 } stilb_input_pad_info;
 
-/* What happened to a pad. */
+/* ADDED: a pad was opened and reports from now on. DENIED: a pad is there but may not be opened (no permission). Both
+ * have info. REMOVED: the pad of an ADDED or DENIED is gone. REPORT: bytes as the pad sent them. STATE: a state that was
+ * decoded elsewhere, by the window library. */
 typedef enum stilb_input_event_kind {
-	STILB_INPUT_PAD_ADDED,   /* info; from now on it reports */
-	STILB_INPUT_PAD_DENIED,  /* info; it is there and may not be opened: permission */
-	STILB_INPUT_PAD_REMOVED, /* a pad of ADDED or DENIED is gone */
-	STILB_INPUT_PAD_REPORT,  /* bytes */
-	STILB_INPUT_PAD_STATE    /* state, already decoded (the window library does) */
+	STILB_INPUT_PAD_ADDED,
+	STILB_INPUT_PAD_DENIED,
+	STILB_INPUT_PAD_REMOVED,
+	STILB_INPUT_PAD_REPORT,
+	STILB_INPUT_PAD_STATE
 } stilb_input_event_kind;
 
+/* Pointers are valid until the next event is asked for. */
 typedef struct stilb_input_event {
 	stilb_input_event_kind kind;
-	uint32_t pad;    /* its number, from 1; a pad that comes back has another */
-	int64_t time_us; /* CLOCK_MONOTONIC, or a recording's own time, in whole microseconds: what a recording keeps */
-	/* By kind; valid until the next event is asked for. */
+	/* The pad's number, from 1. A pad that is unplugged and plugged in again gets another. */
+	uint32_t pad;
+	/* CLOCK_MONOTONIC, or a recording's own time; whole microseconds, as recordings keep no more. */
+	int64_t time_us;
+	/* ADDED and DENIED; else NULL or the same. */
 	const stilb_input_pad_info *info;
-	const uint8_t *bytes; /* the report as hidraw gives it: the id first where the pad numbers its reports */
+	/* REPORT: size bytes as hidraw gives them, 1..STILB_INPUT_REPORT_MAX; the first is the id if the pad numbers its
+	 * reports. */
+	const uint8_t *bytes;
 	uint32_t size;
+	/* STATE. */
 	stilb_input_pad_state state;
 } stilb_input_event;
 

@@ -1,6 +1,7 @@
-/* input_recording's writer. Each event is a line or a few, made in one buffer. */
+/* The writer of input_recording. An event's lines are composed in one buffer and written in one go. */
 #include "input/input_recording_internal.h"
 
+#include "base/base_contract.h"
 #include "base/base_file.h"
 
 #include <inttypes.h>
@@ -8,21 +9,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RECORDER_TEXT_MAX 1024u /* of an event's lines, what are no bytes */
+#define RECORDER_TEXT_MAX 1024u /* characters of an event's lines without the hexadecimal bytes */
 
 struct stilb_input_recorder {
+	stilb_owner owner;
 	stilb_file file;
-	bool failed; /* nothing is written any more */
+	bool failed; /* nothing more is written; why says the reason */
 	char why[256];
 	int64_t start_us, last_us;
-	uint32_t described;                      /* pads so far */
-	uint32_t count;                          /* of them are there */
-	uint32_t pads[INPUT_RECORDING_PADS_MAX]; /* their numbers */
-	uint32_t current;                        /* the pad of the last D line, 0: none */
+	uint32_t described;                      /* pads that were added so far */
+	uint32_t count;                          /* pads that are there now, */
+	uint32_t pads[INPUT_RECORDING_PADS_MAX]; /* and their numbers */
+	uint32_t current;                        /* pad of the last D line; 0: there is none yet */
 	uint64_t reports;
 	size_t length;
 	char text[RECORDER_TEXT_MAX + 3 * (STILB_INPUT_DESCRIPTOR_MAX + STILB_INPUT_REPORT_MAX)];
 };
+
+/* For STILB_CHECK: pads that are there were added, and the last time is not before the first. */
+static bool recorder_is_sound(const stilb_input_recorder *recorder)
+{
+	return recorder->count <= recorder->described && recorder->described <= INPUT_RECORDING_PADS_MAX &&
+	       recorder->last_us >= recorder->start_us && recorder->length <= sizeof recorder->text;
+}
 
 static stilb_result recorder_say(const stilb_input_recorder *recorder)
 {
@@ -55,6 +64,7 @@ static void recorder_print(stilb_input_recorder *recorder, const char *format, .
 static void recorder_print_bytes(stilb_input_recorder *recorder, const uint8_t *bytes, uint32_t size)
 {
 	static const char digits[] = "0123456789abcdef";
+	STILB_ASSERT(recorder->length + 3 * (size_t)size < sizeof recorder->text);
 	char *to = recorder->text + recorder->length;
 	for (uint32_t i = 0; i < size; i++) {
 		*to++ = ' ';
@@ -73,7 +83,7 @@ static void recorder_print_time(stilb_input_recorder *recorder, const char *befo
 
 /* ---- events -------------------------------------------------------------------------------------------------------- */
 
-/* Its place among the pads that are there; count: it is not. */
+/* The pad's index among those that are there; recorder->count if it is not. */
 static uint32_t recorder_find(const stilb_input_recorder *recorder, uint32_t pad)
 {
 	uint32_t i = 0;
@@ -97,7 +107,7 @@ static bool recorder_keeps(const stilb_input_recorder *recorder, const stilb_inp
 	return false;
 }
 
-/* Times begin with the first event that is kept, and never go back. */
+/* Time 0 of the file is the first event that is written; no time is before the one above it. */
 static void recorder_note_time(stilb_input_recorder *recorder, int64_t time_us)
 {
 	if (recorder->described == 0)
@@ -108,6 +118,8 @@ static void recorder_note_time(stilb_input_recorder *recorder, int64_t time_us)
 
 static void recorder_added(stilb_input_recorder *recorder, uint32_t pad, const stilb_input_pad_info *info)
 {
+	STILB_ASSERT(recorder_find(recorder, pad) == recorder->count && "a pad is added once");
+	STILB_ASSERT(info->descriptor_size <= STILB_INPUT_DESCRIPTOR_MAX);
 	recorder->described++;
 	recorder->pads[recorder->count++] = pad;
 	recorder_print_time(recorder, "# added");
@@ -119,14 +131,15 @@ static void recorder_added(stilb_input_recorder *recorder, uint32_t pad, const s
 
 static void recorder_removed(stilb_input_recorder *recorder, uint32_t pad)
 {
-	recorder->pads[recorder_find(recorder, pad)] = recorder->pads[--recorder->count];
+	recorder->count--;
+	recorder->pads[recorder_find(recorder, pad)] = recorder->pads[recorder->count];
 	recorder_print_time(recorder, "# removed");
 	recorder_print(recorder, "\n");
 }
 
 static void recorder_report(stilb_input_recorder *recorder, const uint8_t *bytes, uint32_t size)
 {
-	STILB_ASSERT(size <= STILB_INPUT_REPORT_MAX);
+	STILB_ASSERT(bytes && size >= 1 && size <= STILB_INPUT_REPORT_MAX);
 	recorder->reports++;
 	recorder_print_time(recorder, "E:");
 	recorder_print(recorder, " %" PRIu32, size);
@@ -153,6 +166,9 @@ static void recorder_print_event(stilb_input_recorder *recorder, const stilb_inp
 
 stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stilb_input_event *event)
 {
+	STILB_ASSERT(recorder && event && event->pad != 0);
+	STILB_ASSERT(event->kind != STILB_INPUT_PAD_ADDED || event->info);
+	STILB_ASSERT_OWNER(recorder->owner);
 	if (recorder->failed)
 		return recorder_say(recorder);
 	if (!recorder_keeps(recorder, event))
@@ -162,6 +178,7 @@ stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stil
 	if (event->kind == STILB_INPUT_PAD_REPORT && recorder->reports == INPUT_RECORDING_REPORTS_MAX)
 		return recorder_fail(recorder, "more reports came than a recording may have, 16777216");
 	recorder_print_event(recorder, event);
+	STILB_CHECK(recorder_is_sound(recorder));
 	int error = stilb_file_write(&recorder->file, recorder->text, recorder->length);
 	return error ? recorder_fail(recorder, strerror(-error)) : STILB_OK;
 }
@@ -170,10 +187,12 @@ stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stil
 
 stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder **recorder)
 {
+	STILB_ASSERT(path && recorder);
 	stilb_input_recorder *made = calloc(1, sizeof *made);
 	*recorder = NULL;
 	if (!made)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a recorder");
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot record to '%s': out of memory", path);
+	stilb_owner_take(&made->owner);
 	stilb_result result = stilb_file_open(&made->file, path);
 	if (result != STILB_OK) {
 		free(made);
@@ -183,7 +202,7 @@ stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder 
 	return STILB_OK;
 }
 
-/* A recording without a report cannot be read again: it does not replace one that can. */
+/* A recording without a report cannot be read, so it does not replace a file that can. */
 static stilb_result recorder_commit(stilb_input_recorder *recorder)
 {
 	if (recorder->failed)
@@ -197,6 +216,7 @@ stilb_result stilb_input_recorder_close(stilb_input_recorder *recorder)
 {
 	if (!recorder)
 		return STILB_OK;
+	STILB_ASSERT_OWNER(recorder->owner);
 	stilb_result result = recorder_commit(recorder);
 	stilb_file_finish(&recorder->file);
 	free(recorder);

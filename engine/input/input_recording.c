@@ -1,5 +1,7 @@
-/* input_recording's reader: nothing is believed before it is checked. */
+/* The reader of input_recording. The file may come from anywhere: everything is checked before it is used. */
 #include "input/input_recording_internal.h"
+
+#include "base/base_contract.h"
 #include "input/input_text_internal.h"
 
 #include <errno.h>
@@ -8,27 +10,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RECORDING_LINE_MAX 16384u /* the longest line, and room for more than any that is right */
-#define RECORDING_BACK_US 1000000 /* more than a pad's time goes back by because lines were written out of order */
+#define RECORDING_LINE_MAX 16384u /* characters; the longest valid line has about 12,300: a report of 4096 bytes */
+#define RECORDING_BACK_US 1000000 /* a pad's time that goes back further is not just lines written out of order */
 
 typedef struct recording_pad {
 	stilb_input_pad_info info;
-	uint32_t number; /* from 1 */
-	bool identified; /* there was an I line */
+	uint32_t number; /* event.pad: from 1 */
+	bool identified; /* an I line was read */
 	bool removed;
-	bool timed; /* a line of it had a time: */
+	bool timed; /* a line with a time was read, the latest of which is */
 	int64_t last_us;
 } recording_pad;
 
 typedef struct recording_event {
 	int64_t time_us;
-	size_t offset; /* of a report's bytes */
-	uint16_t pad;  /* index */
+	size_t offset; /* of a report's bytes in recording->bytes */
+	uint16_t pad;  /* index into recording->pads */
 	uint16_t size;
 	stilb_input_event_kind kind;
 } recording_event;
 
 struct stilb_input_recording {
+	stilb_owner owner;
 	uint32_t pad_count;
 	recording_pad *pads[INPUT_RECORDING_PADS_MAX];
 	recording_event *events;
@@ -40,55 +43,56 @@ struct stilb_input_recording {
 
 /* ---- reading lines ------------------------------------------------------------------------------------------------- */
 
-typedef struct recording_reader {
+typedef struct recording_parser {
 	stilb_input_recording *recording;
 	FILE *stream;
 	const char *name;
-	uint64_t line;   /* from 1 */
-	uint32_t number; /* of the last D line, from 1 */
-	bool timed;      /* a time was read: */
-	int64_t first_us, last_us;
+	uint64_t line;    /* from 1 */
+	uint32_t number;  /* of the pad of the last D line, from 1 */
+	bool timed;       /* a time was read: */
+	int64_t first_us; /* the first one, in the file's time, */
+	int64_t last_us;  /* and the latest, in the recording's, which begins at 0 */
 	char text[RECORDING_LINE_MAX];
-} recording_reader;
+} recording_parser;
 
-static stilb_result reader_refuse(const recording_reader *reader, const char *format, ...)
+static stilb_result parser_refuse(const recording_parser *parser, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-static stilb_result reader_refuse(const recording_reader *reader, const char *format, ...)
+static stilb_result parser_refuse(const recording_parser *parser, const char *format, ...)
 {
 	char reason[256];
 	va_list arguments;
 	va_start(arguments, format);
 	vsnprintf(reason, sizeof reason, format, arguments);
 	va_end(arguments);
-	return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': line %" PRIu64 ": %s", reader->name, reader->line, reason);
+	return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': line %" PRIu64 ": %s", parser->name, parser->line, reason);
 }
 
-static stilb_result reader_no_memory(const recording_reader *reader)
+static stilb_result parser_no_memory(const recording_parser *parser)
 {
-	return stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", reader->name);
+	return stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", parser->name);
 }
 
-/* The next line without its end; false: there is none, or *result says why not. */
-static bool reader_next_line(recording_reader *reader, stilb_result *result)
+/* Reads the next line without its line end. False: there is none; *result is an error if it could not be read. */
+static bool parser_next_line(recording_parser *parser, stilb_result *result)
 {
 	errno = 0;
-	if (!fgets(reader->text, sizeof reader->text, reader->stream)) {
-		if (ferror(reader->stream))
-			*result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", reader->name, strerror(errno));
+	if (!fgets(parser->text, sizeof parser->text, parser->stream)) {
+		if (ferror(parser->stream))
+			*result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", parser->name, strerror(errno));
 		return false;
 	}
-	reader->line++;
-	size_t length = strlen(reader->text);
-	bool whole = length > 0 && reader->text[length - 1] == '\n';
-	if (!whole && !feof(reader->stream)) {
-		*result = reader_refuse(reader, "is longer than %u bytes or has a zero byte: it is no recording",
+	parser->line++;
+	size_t length = strlen(parser->text);
+	bool whole = length > 0 && parser->text[length - 1] == '\n';
+	if (!whole && !feof(parser->stream)) {
+		*result = parser_refuse(parser, "is longer than %u bytes or has a zero byte; is it a recording?",
 		                        RECORDING_LINE_MAX - 2);
 		return false;
 	}
 	length -= whole;
-	length -= length > 0 && reader->text[length - 1] == '\r';
-	reader->text[length] = '\0';
+	length -= length > 0 && parser->text[length - 1] == '\r';
+	parser->text[length] = '\0';
 	return true;
 }
 
@@ -97,7 +101,7 @@ static const char *skip_blanks(const char *at)
 	return at + strspn(at, " \t");
 }
 
-/* Digits of the base, a number of at most `most`; NULL: there is none. */
+/* Reads a number in base 10 or 16 after blanks. Returns what follows it; NULL: there is none, or it is above `most`. */
 static const char *take_number(const char *at, int base, uint64_t most, uint64_t *number)
 {
 	const char *digits = base == 16 ? "0123456789abcdefABCDEF" : "0123456789";
@@ -109,7 +113,8 @@ static const char *take_number(const char *at, int base, uint64_t most, uint64_t
 	return *number <= most ? at + length : NULL;
 }
 
-/* "000001.250000": the part behind the point counts microseconds, as hid-recorder writes it. */
+/* Reads "000001.250000", a time as hid-recorder writes it: the part after the point counts microseconds. Returns what
+ * follows it, or NULL. */
 static const char *take_time(const char *at, int64_t *time_us)
 {
 	uint64_t seconds, us;
@@ -129,7 +134,8 @@ static int hex_digit(char c)
 	                              : -1;
 }
 
-/* Two digits each with blanks between, at most `most`; the count in any case, -1: there is something else. */
+/* Reads bytes of two hexadecimal digits with blanks between them and stores at most `most` of them. Returns how many there
+ * are; -1: there is something else. */
 static int take_bytes(const char *at, uint8_t *bytes, uint32_t most)
 {
 	uint32_t count = 0;
@@ -143,26 +149,26 @@ static int take_bytes(const char *at, uint8_t *bytes, uint32_t most)
 	return (int)count;
 }
 
-/* "64 01 80 ..." into bytes. */
-static stilb_result reader_take_bytes(const recording_reader *reader, const char *at, const char *what, uint8_t *bytes,
+/* Reads "64 01 80 ...": a size and so many bytes. `what` is the word for them in messages. */
+static stilb_result parser_take_bytes(const recording_parser *parser, const char *at, const char *what, uint8_t *bytes,
                                       uint32_t most, uint32_t *size)
 {
 	uint64_t said;
 	at = take_number(at, 10, UINT32_MAX, &said);
 	if (!at || said == 0 || said > most)
-		return reader_refuse(reader, "the %s's size is none of 1..%" PRIu32, what, most);
+		return parser_refuse(parser, "the %s's size is not 1..%" PRIu32, what, most);
 	int there = take_bytes(at, bytes, most);
 	if (there < 0)
-		return reader_refuse(reader, "the %s has something else than bytes of two hexadecimal digits", what);
+		return parser_refuse(parser, "the %s has something other than bytes of two hexadecimal digits", what);
 	if ((uint64_t)there != said)
-		return reader_refuse(reader, "the %s has %d bytes, not the %" PRIu64 " it says", what, there, said);
+		return parser_refuse(parser, "the %s has %d bytes, not the %" PRIu64 " it says", what, there, said);
 	*size = (uint32_t)said;
 	return STILB_OK;
 }
 
 /* ---- events -------------------------------------------------------------------------------------------------------- */
 
-/* Makes room for one more of `size` bytes each; false: no memory. */
+/* Makes *array large enough for `needed` elements of `size` bytes, doubling it as it grows. False: out of memory. */
 static bool grow(void **array, size_t *capacity, size_t needed, size_t size)
 {
 	if (needed <= *capacity)
@@ -176,16 +182,17 @@ static bool grow(void **array, size_t *capacity, size_t needed, size_t size)
 	return true;
 }
 
-static stilb_result reader_push(recording_reader *reader, stilb_input_event_kind kind, uint32_t pad,
+static stilb_result parser_push(recording_parser *parser, stilb_input_event_kind kind, uint32_t pad,
                                 const uint8_t *bytes, uint32_t size)
 {
-	stilb_input_recording *r = reader->recording;
+	stilb_input_recording *r = parser->recording;
+	STILB_ASSERT(pad < r->pad_count && size <= STILB_INPUT_REPORT_MAX);
 	if (!grow((void **)&r->events, &r->event_capacity, r->event_count + 1, sizeof *r->events) ||
 	    !grow((void **)&r->bytes, &r->byte_capacity, r->byte_count + size, 1))
-		return reader_no_memory(reader);
+		return parser_no_memory(parser);
 	if (size > 0)
 		memcpy(r->bytes + r->byte_count, bytes, size);
-	r->events[r->event_count++] = (recording_event){.time_us = reader->last_us,
+	r->events[r->event_count++] = (recording_event){.time_us = parser->last_us,
 	                                                .offset = r->byte_count,
 	                                                .pad = (uint16_t)pad,
 	                                                .size = (uint16_t)size,
@@ -194,58 +201,58 @@ static stilb_result reader_push(recording_reader *reader, stilb_input_event_kind
 	return STILB_OK;
 }
 
-/* The first time of the file is 0; none is before the one above it. */
-static void reader_advance(recording_reader *reader, int64_t time_us)
+/* The first time of the file becomes 0, and a time before the one above it becomes that one. */
+static void parser_advance(recording_parser *parser, int64_t time_us)
 {
-	if (!reader->timed)
-		reader->first_us = time_us;
-	reader->timed = true;
-	if (time_us - reader->first_us > reader->last_us)
-		reader->last_us = time_us - reader->first_us;
+	if (!parser->timed)
+		parser->first_us = time_us;
+	parser->timed = true;
+	if (time_us - parser->first_us > parser->last_us)
+		parser->last_us = time_us - parser->first_us;
 }
 
-/* The time of a line about one pad. */
-static stilb_result reader_take_pad_time(recording_reader *reader, recording_pad *pad, int64_t time_us)
+/* Takes the time of a line about one pad. */
+static stilb_result parser_take_pad_time(recording_parser *parser, recording_pad *pad, int64_t time_us)
 {
 	if (pad->timed && pad->last_us - time_us > RECORDING_BACK_US)
-		return reader_refuse(reader, "the time goes back by %.6f s; are these several recordings?",
+		return parser_refuse(parser, "the time goes back by %.6f s; are these several recordings?",
 		                     (double)(pad->last_us - time_us) * 1e-6);
 	if (!pad->timed || time_us > pad->last_us)
 		pad->last_us = time_us;
 	pad->timed = true;
-	reader_advance(reader, time_us);
+	parser_advance(parser, time_us);
 	return STILB_OK;
 }
 
-/* The index of the pad that lines are about; pad_count: it was not described yet. */
-static uint32_t reader_find_pad(const recording_reader *reader)
+/* Index of the pad that the lines are about; pad_count if nothing was said of it yet. */
+static uint32_t parser_find_pad(const recording_parser *parser)
 {
-	const stilb_input_recording *r = reader->recording;
+	const stilb_input_recording *r = parser->recording;
 	uint32_t i = 0;
-	while (i < r->pad_count && r->pads[i]->number != reader->number)
+	while (i < r->pad_count && r->pads[i]->number != parser->number)
 		i++;
 	return i;
 }
 
-/* The pad that a line of its description is about. */
-static stilb_result reader_describe_pad(recording_reader *reader, recording_pad **pad)
+/* The pad that a line of a description is about; its first line adds it. */
+static stilb_result parser_describe_pad(recording_parser *parser, recording_pad **pad)
 {
-	stilb_input_recording *r = reader->recording;
-	uint32_t i = reader_find_pad(reader);
+	stilb_input_recording *r = parser->recording;
+	uint32_t i = parser_find_pad(parser);
 	if (i == r->pad_count) {
 		if (i == INPUT_RECORDING_PADS_MAX)
-			return reader_refuse(reader, "there are more than %u pads", INPUT_RECORDING_PADS_MAX);
+			return parser_refuse(parser, "there are more than %u pads", INPUT_RECORDING_PADS_MAX);
 		r->pads[i] = calloc(1, sizeof *r->pads[i]);
 		if (!r->pads[i])
-			return reader_no_memory(reader);
-		r->pads[i]->number = reader->number;
+			return parser_no_memory(parser);
+		r->pads[i]->number = parser->number;
 		r->pad_count++;
-		stilb_result result = reader_push(reader, STILB_INPUT_PAD_ADDED, i, NULL, 0);
+		stilb_result result = parser_push(parser, STILB_INPUT_PAD_ADDED, i, NULL, 0);
 		if (result != STILB_OK)
 			return result;
 	}
 	*pad = r->pads[i];
-	return (*pad)->removed ? reader_refuse(reader, "pad %" PRIu32 " was removed before", reader->number - 1) : STILB_OK;
+	return (*pad)->removed ? parser_refuse(parser, "pad %" PRIu32 " was removed before", parser->number - 1) : STILB_OK;
 }
 
 static bool pad_is_described(const recording_pad *pad)
@@ -253,68 +260,68 @@ static bool pad_is_described(const recording_pad *pad)
 	return pad->info.descriptor_size > 0 && pad->identified;
 }
 
-/* The index of the pad that a report is from or that goes. */
-static stilb_result reader_known_pad(const recording_reader *reader, uint32_t *pad)
+/* Index of the pad that a report or a removal is about: one that was described and is there. */
+static stilb_result parser_known_pad(const recording_parser *parser, uint32_t *pad)
 {
-	const stilb_input_recording *r = reader->recording;
-	*pad = reader_find_pad(reader);
+	const stilb_input_recording *r = parser->recording;
+	*pad = parser_find_pad(parser);
 	if (*pad == r->pad_count || !pad_is_described(r->pads[*pad]))
-		return reader_refuse(reader, "pad %" PRIu32 " has no R and I lines before this", reader->number - 1);
+		return parser_refuse(parser, "pad %" PRIu32 " has no R and I lines before this", parser->number - 1);
 	if (r->pads[*pad]->removed)
-		return reader_refuse(reader, "pad %" PRIu32 " was removed before", reader->number - 1);
+		return parser_refuse(parser, "pad %" PRIu32 " was removed before", parser->number - 1);
 	return STILB_OK;
 }
 
 /* ---- kinds of lines ------------------------------------------------------------------------------------------------ */
 
-static stilb_result reader_device(recording_reader *reader, const char *at)
+static stilb_result parser_device(recording_parser *parser, const char *at)
 {
 	uint64_t number;
 	at = take_number(at, 10, UINT32_MAX - 1, &number);
 	if (!at || *skip_blanks(at))
-		return reader_refuse(reader, "D: wants the pad's number, from 0");
-	reader->number = (uint32_t)number + 1;
+		return parser_refuse(parser, "D: needs the pad's number, from 0");
+	parser->number = (uint32_t)number + 1;
 	return STILB_OK;
 }
 
-static stilb_result reader_descriptor(recording_reader *reader, const char *at)
+static stilb_result parser_descriptor(recording_parser *parser, const char *at)
 {
 	recording_pad *pad;
 	uint32_t size;
-	stilb_result result = reader_describe_pad(reader, &pad);
+	stilb_result result = parser_describe_pad(parser, &pad);
 	if (result == STILB_OK && pad->info.descriptor_size > 0)
-		return reader_refuse(reader, "pad %" PRIu32 " has an R line already", reader->number - 1);
+		return parser_refuse(parser, "pad %" PRIu32 " has an R line already", parser->number - 1);
 	if (result == STILB_OK)
-		result = reader_take_bytes(reader, at, "descriptor", pad->info.descriptor, STILB_INPUT_DESCRIPTOR_MAX, &size);
+		result = parser_take_bytes(parser, at, "descriptor", pad->info.descriptor, STILB_INPUT_DESCRIPTOR_MAX, &size);
 	if (result == STILB_OK)
 		pad->info.descriptor_size = (uint16_t)size;
 	return result;
 }
 
 /* N: and P:, the pad's name and path. */
-static stilb_result reader_name_or_path(recording_reader *reader, const char *at)
+static stilb_result parser_name_or_path(recording_parser *parser, const char *at)
 {
 	recording_pad *pad;
-	bool is_name = reader->text[0] == 'N';
-	stilb_result result = reader_describe_pad(reader, &pad);
+	bool is_name = parser->text[0] == 'N';
+	stilb_result result = parser_describe_pad(parser, &pad);
 	if (result == STILB_OK)
 		input_text_copy(is_name ? pad->info.name : pad->info.path,
 		                is_name ? sizeof pad->info.name : sizeof pad->info.path, at, strlen(at));
 	return result;
 }
 
-static stilb_result reader_identity(recording_reader *reader, const char *at)
+static stilb_result parser_identity(recording_parser *parser, const char *at)
 {
 	recording_pad *pad;
 	uint64_t bus = 0, vendor = 0, product = 0;
-	stilb_result result = reader_describe_pad(reader, &pad);
+	stilb_result result = parser_describe_pad(parser, &pad);
 	if (result != STILB_OK)
 		return result;
 	at = take_number(at, 16, UINT16_MAX, &bus);
 	at = at ? take_number(at, 16, UINT16_MAX, &vendor) : NULL;
 	at = at ? take_number(at, 16, UINT16_MAX, &product) : NULL;
 	if (!at || *skip_blanks(at))
-		return reader_refuse(reader, "I: wants bus, vendor and product, like '3 054c 05c4'");
+		return parser_refuse(parser, "I: needs bus, vendor and product, like '3 054c 05c4'");
 	pad->info.bus = (uint16_t)bus;
 	pad->info.vendor = (uint16_t)vendor;
 	pad->info.product = (uint16_t)product;
@@ -322,28 +329,28 @@ static stilb_result reader_identity(recording_reader *reader, const char *at)
 	return STILB_OK;
 }
 
-static stilb_result reader_report(recording_reader *reader, const char *at)
+static stilb_result parser_report(recording_parser *parser, const char *at)
 {
-	static const char wanted[] = "E: wants time, size and bytes, like '000001.250000 2 01 80'";
+	static const char wanted[] = "E: needs time, size and bytes, like '000001.250000 2 01 80'";
 	uint8_t bytes[STILB_INPUT_REPORT_MAX];
 	uint32_t pad, size = 0;
 	int64_t time_us;
 	at = take_time(at, &time_us);
 	if (!at)
-		return reader_refuse(reader, "%s", wanted);
-	stilb_result result = reader_known_pad(reader, &pad);
+		return parser_refuse(parser, "%s", wanted);
+	stilb_result result = parser_known_pad(parser, &pad);
 	if (result == STILB_OK)
-		result = reader_take_bytes(reader, at, "report", bytes, STILB_INPUT_REPORT_MAX, &size);
+		result = parser_take_bytes(parser, at, "report", bytes, STILB_INPUT_REPORT_MAX, &size);
 	if (result != STILB_OK)
 		return result;
-	if (reader->recording->reports++ == INPUT_RECORDING_REPORTS_MAX)
-		return reader_refuse(reader, "there are more than %u reports", INPUT_RECORDING_REPORTS_MAX);
-	result = reader_take_pad_time(reader, reader->recording->pads[pad], time_us);
-	return result == STILB_OK ? reader_push(reader, STILB_INPUT_PAD_REPORT, pad, bytes, size) : result;
+	if (parser->recording->reports++ == INPUT_RECORDING_REPORTS_MAX)
+		return parser_refuse(parser, "there are more than %u reports", INPUT_RECORDING_REPORTS_MAX);
+	result = parser_take_pad_time(parser, parser->recording->pads[pad], time_us);
+	return result == STILB_OK ? parser_push(parser, STILB_INPUT_PAD_REPORT, pad, bytes, size) : result;
 }
 
-/* "# added TIME" and "# removed TIME" are meant for this reader; any other remark is not. */
-static stilb_result reader_remark(recording_reader *reader, const char *at)
+/* "# added TIME" and "# removed TIME" count, the time being optional; any other remark is skipped. */
+static stilb_result parser_remark(recording_parser *parser, const char *at)
 {
 	uint32_t pad;
 	int64_t time_us = 0;
@@ -356,81 +363,99 @@ static stilb_result reader_remark(recording_reader *reader, const char *at)
 		return STILB_OK;
 	bool timed = *at != '\0';
 	if (timed && !removed)
-		reader_advance(reader, time_us);
+		parser_advance(parser, time_us);
 	if (!removed)
 		return STILB_OK;
-	stilb_result result = reader_known_pad(reader, &pad);
+	stilb_result result = parser_known_pad(parser, &pad);
 	if (result == STILB_OK && timed)
-		result = reader_take_pad_time(reader, reader->recording->pads[pad], time_us);
+		result = parser_take_pad_time(parser, parser->recording->pads[pad], time_us);
 	if (result != STILB_OK)
 		return result;
-	reader->recording->pads[pad]->removed = true;
-	return reader_push(reader, STILB_INPUT_PAD_REMOVED, pad, NULL, 0);
+	parser->recording->pads[pad]->removed = true;
+	return parser_push(parser, STILB_INPUT_PAD_REMOVED, pad, NULL, 0);
 }
 
-static stilb_result reader_take_line(recording_reader *reader)
+static stilb_result parser_take_line(recording_parser *parser)
 {
 	static const struct {
 		const char *begin;
-		stilb_result (*take)(recording_reader *reader, const char *at);
+		stilb_result (*take)(recording_parser *parser, const char *at);
 	} kinds[] = {
-		{"E:", reader_report},       {"D:", reader_device},   {"R:", reader_descriptor}, {"N:", reader_name_or_path},
-		{"P:", reader_name_or_path}, {"I:", reader_identity}, {"#", reader_remark},
+		{"E:", parser_report},       {"D:", parser_device},   {"R:", parser_descriptor}, {"N:", parser_name_or_path},
+		{"P:", parser_name_or_path}, {"I:", parser_identity}, {"#", parser_remark},
 	};
-	const char *text = reader->text;
+	const char *text = parser->text;
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
 		size_t length = strlen(kinds[i].begin);
 		if (strncmp(text, kinds[i].begin, length) == 0)
-			return kinds[i].take(reader, text + length + (text[length] == ' '));
+			return kinds[i].take(parser, text + length + (text[length] == ' '));
 	}
 	if (*skip_blanks(text) == '\0')
 		return STILB_OK;
-	return reader_refuse(reader, "begins with none of D: R: N: P: I: E: and #; is it a recording of hid-recorder?");
+	return parser_refuse(parser, "does not begin with D: R: N: P: I: E: or #; is it a recording of hid-recorder?");
+}
+
+/* For STILB_CHECK: times do not go back, and every event is of a pad and within the bytes that there are. */
+static bool recording_is_sound(const stilb_input_recording *r)
+{
+	int64_t last_us = 0;
+	for (size_t i = 0; i < r->event_count; i++) {
+		const recording_event *event = &r->events[i];
+		if (event->time_us < last_us || event->pad >= r->pad_count || event->offset + event->size > r->byte_count)
+			return false;
+		last_us = event->time_us;
+	}
+	return r->next <= r->event_count;
 }
 
 /* ---- life ---------------------------------------------------------------------------------------------------------- */
 
-/* Pads that are described, and a report at least: a flight by a recording without one would just stand still. */
-static stilb_result reader_check_end(const recording_reader *reader)
+/* Checks that every pad is described, and that there is a report: without one a flight would stand still. */
+static stilb_result parser_check_end(const recording_parser *parser)
 {
-	const stilb_input_recording *r = reader->recording;
+	const stilb_input_recording *r = parser->recording;
 	for (uint32_t i = 0; i < r->pad_count; i++)
 		if (!pad_is_described(r->pads[i]))
-			return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': pad %" PRIu32 " has no %s line", reader->name,
+			return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': pad %" PRIu32 " has no %s line", parser->name,
 			                  r->pads[i]->number - 1, r->pads[i]->identified ? "R" : "I");
 	if (r->reports == 0)
-		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it holds no report", reader->name);
+		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it holds no report", parser->name);
 	return STILB_OK;
 }
 
 stilb_result input_recording_read(FILE *stream, const char *name, stilb_input_recording **recording)
 {
-	recording_reader *reader = calloc(1, sizeof *reader);
+	STILB_ASSERT(stream && name && recording);
+	recording_parser *parser = calloc(1, sizeof *parser);
 	stilb_input_recording *made = calloc(1, sizeof *made);
 	stilb_result result = STILB_OK;
 	*recording = NULL;
-	if (!reader || !made) {
+	if (!parser || !made) {
 		result = stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", name);
 	} else {
-		reader->recording = made;
-		reader->stream = stream;
-		reader->name = name;
-		reader->number = 1;
-		while (result == STILB_OK && reader_next_line(reader, &result))
-			result = reader_take_line(reader);
+		parser->recording = made;
+		parser->stream = stream;
+		parser->name = name;
+		parser->number = 1;
+		while (result == STILB_OK && parser_next_line(parser, &result))
+			result = parser_take_line(parser);
 		if (result == STILB_OK)
-			result = reader_check_end(reader);
+			result = parser_check_end(parser);
 	}
-	free(reader);
-	if (result == STILB_OK)
+	free(parser);
+	if (result == STILB_OK) {
+		STILB_CHECK(recording_is_sound(made));
+		stilb_owner_take(&made->owner);
 		*recording = made;
-	else
+	} else {
 		stilb_input_recording_free(made);
+	}
 	return result;
 }
 
 stilb_result stilb_input_recording_load(const char *path, stilb_input_recording **recording)
 {
+	STILB_ASSERT(path && recording);
 	*recording = NULL;
 	if (strcmp(path, "-") == 0)
 		return input_recording_read(stdin, "standard input", recording);
@@ -446,6 +471,7 @@ void stilb_input_recording_free(stilb_input_recording *recording)
 {
 	if (!recording)
 		return;
+	STILB_ASSERT_OWNER(recording->owner);
 	for (uint32_t i = 0; i < recording->pad_count; i++)
 		free(recording->pads[i]);
 	free(recording->events);
@@ -457,9 +483,12 @@ void stilb_input_recording_free(stilb_input_recording *recording)
 
 bool stilb_input_recording_next(stilb_input_recording *recording, int64_t until_us, stilb_input_event *event)
 {
+	STILB_ASSERT(recording && event);
+	STILB_ASSERT_OWNER(recording->owner);
 	if (recording->next == recording->event_count || recording->events[recording->next].time_us > until_us)
 		return false;
 	const recording_event *from = &recording->events[recording->next++];
+	STILB_ASSERT(from->pad < recording->pad_count);
 	const recording_pad *pad = recording->pads[from->pad];
 	*event = (stilb_input_event){.kind = from->kind, .pad = pad->number, .time_us = from->time_us};
 	if (from->kind == STILB_INPUT_PAD_ADDED)
@@ -473,5 +502,7 @@ bool stilb_input_recording_next(stilb_input_recording *recording, int64_t until_
 
 int64_t stilb_input_recording_end_us(const stilb_input_recording *recording)
 {
+	STILB_ASSERT(recording);
+	STILB_ASSERT_OWNER(recording->owner);
 	return recording->event_count ? recording->events[recording->event_count - 1].time_us : 0;
 }

@@ -1,4 +1,4 @@
-/* input_recording_internal: the limits that its writer and its reader share, and reading from any stream. */
+/* input_recording_internal: the limits that writer and reader share, and reading from any stream. */
 #ifndef STILB_INPUT_RECORDING_INTERNAL_H
 #define STILB_INPUT_RECORDING_INTERNAL_H
 
@@ -7,9 +7,9 @@
 #include <stdio.h>
 
 #define INPUT_RECORDING_PADS_MAX 4096u
-#define INPUT_RECORDING_REPORTS_MAX (1u << 24) /* more than four hours of 1000 a second */
+#define INPUT_RECORDING_REPORTS_MAX (1u << 24) /* more than four hours of 1000 reports a second */
 
-/* Messages call the stream `name`. */
+/* stilb_input_recording_load from an open stream, which stays open; error messages call it `name`. [any-thread] */
 stilb_result input_recording_read(FILE *stream, const char *name, stilb_input_recording **recording);
 
 #endif

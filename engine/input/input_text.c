@@ -1,14 +1,17 @@
 #include "input/input_text_internal.h"
 
+#include "base/base.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
-/* Bytes of the character that from begins with, 0 where it is no UTF-8 (RFC 3629: the shortest form, no surrogates, at
- * most U+10FFFF). *code becomes its number. */
+/* Number of bytes of the character at the beginning of from; *code becomes its code point. 0: it is not valid UTF-8, by
+ * RFC 3629: the shortest form, no surrogates, at most U+10FFFF. */
 static size_t text_character(const uint8_t *from, size_t length, uint32_t *code)
 {
 	static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
+	STILB_ASSERT(length > 0);
 	*code = from[0];
 	if (from[0] < 0x80)
 		return 1;
@@ -31,6 +34,7 @@ static bool text_is_control(uint32_t code)
 
 void input_text_copy(char *to, size_t size, const char *from, size_t length)
 {
+	STILB_ASSERT(to && size > 0 && (from || length == 0));
 	size_t used = 0;
 	for (size_t i = 0; i < length;) {
 		uint32_t code;
@@ -46,5 +50,6 @@ void input_text_copy(char *to, size_t size, const char *from, size_t length)
 		used += room;
 		i += bytes > 0 ? bytes : 1;
 	}
+	STILB_ASSERT(used < size);
 	to[used] = '\0';
 }

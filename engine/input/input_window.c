@@ -1,82 +1,99 @@
 #include "input/input_window.h"
 
+#include "input/input_pad_internal.h"
+#include "input/input_text_internal.h"
+
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define WINDOW_PAD 0x80000000u /* numbers from here on; those of directly read pads count from 1 */
+#define FIRST_NUMBER 0x80000000u /* the library's pads are numbered from here on, those read directly from 1 */
 
-/* ---- what the library says ----------------------------------------------------------------------------------------- */
+/* ---- the library's gamepads ---------------------------------------------------------------------------------------- */
 
-/* GLFW's order, which is that of its SDL-style mappings (glfw3.h: GLFW_GAMEPAD_BUTTON_A = 0, ...). */
-static const uint8_t window_buttons[] = {
+/* GLFW's order of buttons (glfw3.h: GLFW_GAMEPAD_BUTTON_A = 0, ...). */
+static const uint8_t button_order[] = {
 	STILB_INPUT_SOUTH,          STILB_INPUT_EAST, STILB_INPUT_WEST,  STILB_INPUT_NORTH, STILB_INPUT_LEFT_SHOULDER,
 	STILB_INPUT_RIGHT_SHOULDER, STILB_INPUT_BACK, STILB_INPUT_START, STILB_INPUT_GUIDE, STILB_INPUT_LEFT_STICK,
 	STILB_INPUT_RIGHT_STICK,    STILB_INPUT_UP,   STILB_INPUT_RIGHT, STILB_INPUT_DOWN,  STILB_INPUT_LEFT,
 };
 
+static float clamped(float value)
+{
+	return fminf(fmaxf(value, -1.0f), 1.0f);
+}
+
 stilb_input_pad_state stilb_input_window_state(const stilb_window_gamepad *gamepad)
 {
+	STILB_ASSERT(gamepad);
 	stilb_input_pad_state state = {0};
-	state.axes[STILB_INPUT_LEFT_X] = gamepad->axes[0];
-	state.axes[STILB_INPUT_LEFT_Y] = 0.0f - gamepad->axes[1]; /* no -0: a pad at rest is {0} */
-	state.axes[STILB_INPUT_RIGHT_X] = gamepad->axes[2];
-	state.axes[STILB_INPUT_RIGHT_Y] = 0.0f - gamepad->axes[3];
-	state.axes[STILB_INPUT_LEFT_TRIGGER] = 0.5f * (gamepad->axes[4] + 1.0f);
-	state.axes[STILB_INPUT_RIGHT_TRIGGER] = 0.5f * (gamepad->axes[5] + 1.0f);
-	for (uint32_t b = 0; b < sizeof window_buttons; b++)
-		state.buttons |= (gamepad->buttons >> b & 1u) << window_buttons[b];
+	state.axes[STILB_INPUT_LEFT_X] = clamped(gamepad->axes[0]);
+	state.axes[STILB_INPUT_LEFT_Y] = 0.0f - clamped(gamepad->axes[1]); /* 0 - 0, not -0: a pad at rest is {0} */
+	state.axes[STILB_INPUT_RIGHT_X] = clamped(gamepad->axes[2]);
+	state.axes[STILB_INPUT_RIGHT_Y] = 0.0f - clamped(gamepad->axes[3]);
+	state.axes[STILB_INPUT_LEFT_TRIGGER] = 0.5f * (clamped(gamepad->axes[4]) + 1.0f);
+	state.axes[STILB_INPUT_RIGHT_TRIGGER] = 0.5f * (clamped(gamepad->axes[5]) + 1.0f);
+	for (uint32_t b = 0; b < sizeof button_order; b++)
+		state.buttons |= (gamepad->buttons >> b & 1u) << button_order[b];
+	STILB_CHECK(input_pad_state_is_sound(&state));
 	return state;
 }
 
-/* The number at a place of the GUID: two bytes, the lower one first (linux_joystick.c of GLFW 3.3, openJoystickDevice). */
-static uint16_t window_guid_number(const char *guid, size_t at)
+/* The 16-bit number at character `at` of a GUID: two bytes in hexadecimal, the lower one first. Source: linux_joystick.c of
+ * GLFW 3.3, openJoystickDevice. */
+static uint16_t guid_number(const char *guid, size_t at)
 {
+	STILB_ASSERT(at + 4 <= strlen(guid));
 	unsigned low = 0, high = 0;
 	return sscanf(guid + at, "%2x%2x", &low, &high) == 2 ? (uint16_t)(low | high << 8) : 0;
 }
 
-/* "bbbb0000vvvv0000pppp0000eeee0000": bus, vendor, product, version. A device that lacks one of them has its name instead. */
-static bool window_guid_has_ids(const char *guid)
+/* Whether the GUID is "bbbb0000vvvv0000pppp0000eeee0000": bus, vendor, product, version. For a device that lacks one of
+ * them GLFW puts the beginning of its name there instead. */
+static bool guid_has_ids(const char *guid)
 {
 	return strlen(guid) == 32 && strncmp(guid + 12, "0000", 4) == 0 && strncmp(guid + 20, "0000", 4) == 0 &&
-	       strcmp(guid + 28, "0000") == 0 && window_guid_number(guid, 8) != 0;
+	       strcmp(guid + 28, "0000") == 0 && guid_number(guid, 8) != 0;
 }
 
 bool stilb_input_window_same(const char *guid, const char *name, const stilb_input_pad_info *info)
 {
+	STILB_ASSERT(guid && name && info);
 	/* The kernel may append to the name (hid-input.c: " Gamepad"), and a driver may change the product (xpadneo). */
-	bool same_name = info->name[0] && strncmp(name, info->name, strlen(info->name)) == 0;
-	if (!window_guid_has_ids(guid))
+	char clean[sizeof info->name];
+	input_text_copy(clean, sizeof clean, name, strlen(name));
+	bool same_name = info->name[0] && strncmp(clean, info->name, strlen(info->name)) == 0;
+	if (!guid_has_ids(guid))
 		return same_name;
-	return window_guid_number(guid, 0) == info->bus && window_guid_number(guid, 8) == info->vendor &&
-	       (window_guid_number(guid, 16) == info->product || same_name);
+	return guid_number(guid, 0) == info->bus && guid_number(guid, 8) == info->vendor &&
+	       (guid_number(guid, 16) == info->product || same_name);
 }
 
-/* ---- what becomes of it -------------------------------------------------------------------------------------------- */
+/* ---- as events ------------------------------------------------------------------------------------------------------ */
 
-static bool window_is_read_directly(const stilb_window_gamepad *gamepad, const stilb_input_control *control)
+static bool is_read_directly(const stilb_window_gamepad *gamepad, const stilb_input_control *control)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
 	uint32_t count = stilb_input_control_pads(control, pads);
 	for (uint32_t i = 0; i < count; i++)
-		if (!pads[i].denied && pads[i].pad < WINDOW_PAD &&
+		if (!pads[i].denied && pads[i].pad < FIRST_NUMBER &&
 		    stilb_input_window_same(gamepad->guid, gamepad->name, pads[i].info))
 			return true;
 	return false;
 }
 
-static void window_add(stilb_input_window *window, int place, const stilb_window_gamepad *gamepad, int64_t time_us,
-                       stilb_input_control *control)
+static void add_pad(stilb_input_window *window, int place, const stilb_window_gamepad *gamepad, int64_t time_us,
+                    stilb_input_control *control)
 {
 	stilb_input_pad_info info = {0};
 	snprintf(info.path, sizeof info.path, "window:%d", place);
-	snprintf(info.name, sizeof info.name, "%s", gamepad->name);
-	if (window_guid_has_ids(gamepad->guid)) {
-		info.bus = window_guid_number(gamepad->guid, 0);
-		info.vendor = window_guid_number(gamepad->guid, 8);
-		info.product = window_guid_number(gamepad->guid, 16);
+	input_text_copy(info.name, sizeof info.name, gamepad->name, strlen(gamepad->name));
+	if (guid_has_ids(gamepad->guid)) {
+		info.bus = guid_number(gamepad->guid, 0);
+		info.vendor = guid_number(gamepad->guid, 8);
+		info.product = guid_number(gamepad->guid, 16);
 	}
-	window->places[place].pad = WINDOW_PAD + window->told++ % WINDOW_PAD;
+	window->places[place].pad = FIRST_NUMBER + window->told++ % FIRST_NUMBER;
 	window->places[place].state = (stilb_input_pad_state){0};
 	stilb_input_control_event(control, &(stilb_input_event){.kind = STILB_INPUT_PAD_ADDED,
 	                                                        .pad = window->places[place].pad,
@@ -84,7 +101,7 @@ static void window_add(stilb_input_window *window, int place, const stilb_window
 	                                                        .info = &info});
 }
 
-static void window_remove(stilb_input_window *window, int place, int64_t time_us, stilb_input_control *control)
+static void remove_pad(stilb_input_window *window, int place, int64_t time_us, stilb_input_control *control)
 {
 	if (window->places[place].pad != 0)
 		stilb_input_control_event(control, &(stilb_input_event){.kind = STILB_INPUT_PAD_REMOVED,
@@ -93,8 +110,8 @@ static void window_remove(stilb_input_window *window, int place, int64_t time_us
 	window->places[place].pad = 0;
 }
 
-static void window_report(stilb_input_window *window, int place, const stilb_window_gamepad *gamepad, int64_t time_us,
-                          stilb_input_control *control)
+static void report_pad(stilb_input_window *window, int place, const stilb_window_gamepad *gamepad, int64_t time_us,
+                       stilb_input_control *control)
 {
 	stilb_input_pad_state state = stilb_input_window_state(gamepad);
 	if (memcmp(&state, &window->places[place].state, sizeof state) == 0)
@@ -109,23 +126,26 @@ static void window_report(stilb_input_window *window, int place, const stilb_win
 void stilb_input_window_feed(stilb_input_window *window, const stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS],
                              int64_t time_us, stilb_input_control *control)
 {
+	STILB_ASSERT(window && gamepads && control);
 	for (int place = 0; place < STILB_WINDOW_GAMEPADS; place++) {
 		const stilb_window_gamepad *gamepad = &gamepads[place];
+		STILB_ASSERT((!gamepad->name || gamepad->guid) && "a gamepad has a GUID");
 		const char *guid = gamepad->name ? gamepad->guid : "";
-		if (strcmp(window->places[place].guid, guid) != 0) { /* another one than before, or none */
-			window_remove(window, place, time_us, control);
+		if (strcmp(window->places[place].guid, guid) != 0) { /* another gamepad than in the last frame, or none */
+			remove_pad(window, place, time_us, control);
 			snprintf(window->places[place].guid, sizeof window->places[place].guid, "%s", guid);
 			window->places[place].since_us = time_us;
 		}
+		STILB_ASSERT(time_us >= window->places[place].since_us && "the time does not go back");
 		if (!gamepad->name)
 			continue;
-		if (window_is_read_directly(gamepad, control)) {
-			window_remove(window, place, time_us, control);
+		if (is_read_directly(gamepad, control)) {
+			remove_pad(window, place, time_us, control);
 			continue;
 		}
 		if (window->places[place].pad == 0 && time_us - window->places[place].since_us >= STILB_INPUT_WINDOW_WAIT_US)
-			window_add(window, place, gamepad, time_us, control);
+			add_pad(window, place, gamepad, time_us, control);
 		if (window->places[place].pad != 0)
-			window_report(window, place, gamepad, time_us, control);
+			report_pad(window, place, gamepad, time_us, control);
 	}
 }

@@ -76,15 +76,15 @@ static const char *const refusals[][2] = {
 	{"pads --replay good.bin", "line 1: "},
 	{"pads --replay good.rec", "'good.rec': it holds no report"},
 	{"pads --describe letters.rec --id 054c:05c4", "--id does not go with a recording"},
-	{"pads --describe letters.rec", "'letters.rec': line 1: begins with none of"},
+	{"pads --describe letters.rec", "'letters.rec': line 1: does not begin with"},
 	{"pads --replay {}", "--replay"},
 	{"pads --describe missing.bin", "No such file"},
 	{"pads --describe empty.bin", "no bytes"},
 	{"pads --describe large.bin", "too many bytes"},
 	{"pads --describe broken.bin", "'broken.bin' is no report descriptor: "},
 	{"pads --describe /dev/hidraw999", "cannot look at '/dev/hidraw999'"},
-	{"pads --describe /dev/hidraw9/../null", "is no name like"},
-	{"pads --describe /dev/hidraw", "is no name like"},
+	{"pads --describe /dev/hidraw9/../null", "is not the path of a hidraw node"},
+	{"pads --describe /dev/hidraw", "is not the path of a hidraw node"},
 };
 
 static void test_refusals(void **state)
@@ -282,7 +282,7 @@ static void test_replay_json(void **state)
 	assert_int_equal(stat_int("corrupt"), 0);
 }
 
-/* What is no gamepad: said, and no success. Pads without a path or a name, and one whose descriptor is none but that is
+/* What is not a gamepad: said, and no success. Pads without a path or a name, and one whose descriptor is none but that is
  * known by its numbers. */
 static void test_replay_others(void **state)
 {
@@ -293,7 +293,7 @@ static void test_replay_others(void **state)
 	assert_int_equal(stilb_code(no_display, "pads --replay a.rec"), 1);
 	assert_error_lines(1);
 	assert_said(run.err, "no pad of 'a.rec' is a gamepad");
-	assert_said(run.out, "  1  added: Keyboard; 'Keyboard' (0001:0002) is no gamepad: ");
+	assert_said(run.out, "  1  added: Keyboard; 'Keyboard' (0001:0002) is not a gamepad: ");
 	write_file("a.rec", known, sizeof known - 1);
 	stilb_good("pads --replay a.rec");
 	assert_said(run.out, "  1  added: ?; DualShock 4, USB: known pad 054c:05c4\n");

@@ -171,7 +171,7 @@ static void test_others(void **state)
 	write_device("pad.umockdev", "Mouse", 0x046d, 0xc077, mouse, sizeof mouse);
 	assert_int_equal(live_code(PAD, "STILB pads"), 0);
 	assert_said(run.out, "No gamepad was found.");
-	assert_said(run.out, "\nno gamepads:\n  /dev/hidraw7, Mouse\n    'Mouse' (046d:c077) is no gamepad: ");
+	assert_said(run.out, "\nno gamepads:\n  /dev/hidraw7, Mouse\n    'Mouse' (046d:c077) is not a gamepad: ");
 	for (const char *at = run.out, *end; (end = strchr(at, '\n')); at = end + 1)
 		assert_true(end - at <= 80);
 }

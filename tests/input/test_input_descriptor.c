@@ -390,9 +390,9 @@ static void test_delimiters(void **state)
 	     "95 03 | 09 07 | a9 01 19 01 29 02 19 03 29 04 09 05 a9 00 | 81 02"); /* the preferred is a range */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 90007 0..127\n00@8 8*2 90001-90002 0..127\n");
 	refused("a9 01 09 30 a9 01", "report descriptor, byte 4: a delimited set within another");
-	refused("09 30 a9 00", "report descriptor, byte 2: the end of a delimited set that was not begun");
+	refused("09 30 a9 00", "report descriptor, byte 2: the end of a delimited set that did not begin");
 	refused("05 01 a9 01 09 30", "report descriptor, byte 6: a delimited set does not end");
-	refused("a9 01 09 30 81 02 a9 00", "report descriptor, byte 6: the end of a delimited set that was not begun");
+	refused("a9 01 09 30 81 02 a9 00", "report descriptor, byte 6: the end of a delimited set that did not begin");
 }
 
 static void test_push_and_pop(void **state)
@@ -525,7 +525,7 @@ static void test_collections(void **state)
 	}
 	good("05 01 19 04 29 05 a1 01 " AXIS "81 02 c0"); /* the first usage of more than one */
 	assert_int_equal(parsed.fields[0].collection, 0x10004);
-	refused("05 01 c0", "report descriptor, byte 2: the end of a collection that was not begun");
+	refused("05 01 c0", "report descriptor, byte 2: the end of a collection that did not begin");
 	refused("a1 01 a1 02 c0", "report descriptor, byte 5: collections that do not end: 1");
 }
 
@@ -562,8 +562,8 @@ static void test_refusals(void **state)
 	refused("86 00 01", "report descriptor, byte 0: report id 256; it must be 1 to 255");
 	refused("05 01 c5 01", "report descriptor, byte 2: the global item 0xc is not defined");
 	refused("f4", "report descriptor, byte 0: the global item 0xf is not defined");
-	refused("15 01 25 00 75 08 95 01 81 02", "report descriptor, byte 8: values from 1 to 0 are no range");
-	refused("15 ff 25 fe 75 08 95 01 81 02", "report descriptor, byte 8: values from -1 to -2 are no range");
+	refused("15 01 25 00 75 08 95 01 81 02", "report descriptor, byte 8: the values from 1 to 0 are not a range");
+	refused("15 ff 25 fe 75 08 95 01 81 02", "report descriptor, byte 8: the values from -1 to -2 are not a range");
 	refused("85 07 75 08 96 00 10 81 02", "report descriptor, byte 7: report 7 is longer than 4096 bytes");
 	refused("75 01 97 ff ff ff ff 81 02", "report descriptor, byte 7: report 0 is longer than 4096 bytes");
 	refused("77 ff ff ff ff 97 ff ff ff ff 81 02", "report descriptor, byte 10: report 0 is longer than 4096 bytes");
@@ -677,7 +677,7 @@ static void test_collections_as_deep_as_fit(void **state)
 	assert_int_equal(parsed.fields[0].group, 32);
 	made.size = 0;
 	made_times(33, "a1 00");
-	made_is(STILB_ERROR_ARGUMENT, "report descriptor, byte 64: more than 32 collections within one another");
+	made_is(STILB_ERROR_ARGUMENT, "report descriptor, byte 64: more than 32 nested collections");
 }
 
 static void test_as_long_as_fits(void **state)

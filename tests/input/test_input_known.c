@@ -125,7 +125,7 @@ static const struct {
 } pads[] = {
 	{3, 0x054c, 0x05c4, "DualShock 4, USB", "known pad 054c:05c4", STILB_INPUT_RUMBLE_DS4_USB},
 	{3, 0x054c, 0x09cc, "DualShock 4, USB", "known pad 054c:09cc", STILB_INPUT_RUMBLE_DS4_USB},
-	{3, 0x054c, 0x0ba0, "DualShock 4 by its adaptor, USB", "known pad 054c:0ba0", STILB_INPUT_RUMBLE_DS4_USB},
+	{3, 0x054c, 0x0ba0, "DualShock 4 wireless adaptor, USB", "known pad 054c:0ba0", STILB_INPUT_RUMBLE_DS4_USB},
 	{5, 0x054c, 0x05c4, "DualShock 4, Bluetooth", "known pad 054c:05c4", STILB_INPUT_RUMBLE_DS4_BLUETOOTH},
 	{5, 0x054c, 0x09cc, "DualShock 4, Bluetooth", "known pad 054c:09cc", STILB_INPUT_RUMBLE_DS4_BLUETOOTH},
 	{3, 0x054c, 0x0ce6, "DualSense, USB", "known pad 054c:0ce6", STILB_INPUT_RUMBLE_DUALSENSE_USB},
@@ -248,7 +248,7 @@ static void test_broken_descriptors(void **user)
 	info = info_of(5, 0x045e, 0x02e0);
 	info.descriptor_size = 300;
 	assert_int_equal(stilb_input_layout_find(&info, &layout), STILB_ERROR_ARGUMENT);
-	assert_non_null(strstr(stilb_error_message(), "'a pad' (045e:02e0) is no gamepad: report descriptor, byte "));
+	assert_non_null(strstr(stilb_error_message(), "'a pad' (045e:02e0) is not a gamepad: report descriptor, byte "));
 }
 
 static void test_another_order_of_buttons(void **user)

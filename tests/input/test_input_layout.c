@@ -640,7 +640,8 @@ static void test_nameless(void **user)
 	assert_string_equal(layout.name, "gamepad");
 	info.descriptor_size = 0;
 	assert_int_equal(stilb_input_layout_find(&info, &layout), STILB_ERROR_ARGUMENT);
-	assert_string_equal(stilb_error_message(), "'this device' (0000:0000) is no gamepad: it has no report descriptor");
+	assert_string_equal(stilb_error_message(),
+	                    "'this device' (0000:0000) is not a gamepad: it has no report descriptor");
 }
 
 /* What these descriptors say is what the table says: any report means the same to both. */

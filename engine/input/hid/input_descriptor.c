@@ -26,9 +26,9 @@ enum { COLLECTION_PHYSICAL, COLLECTION_APPLICATION };
 
 #define LONG_ITEM 0xfeu
 #define STACK_MAX 8u        /* pushes; Linux allows 4 */
-#define COLLECTIONS_MAX 32u /* within one another */
+#define COLLECTIONS_MAX 32u /* nested */
 #define RANGES_MAX STILB_INPUT_FIELDS_MAX
-#define REPORT_BITS_MAX ((STILB_INPUT_REPORT_MAX - 1) * 8) /* the id is not one of them */
+#define REPORT_BITS_MAX ((STILB_INPUT_REPORT_MAX - 1) * 8) /* without the id */
 
 typedef struct descriptor_item {
 	uint8_t type, tag;
@@ -36,7 +36,7 @@ typedef struct descriptor_item {
 	uint32_t data;
 } descriptor_item;
 
-/* What items of type global set: it holds until it is set again. */
+/* Set by global items; each value holds until it is set again. */
 typedef struct descriptor_globals {
 	uint16_t usage_page;
 	uint8_t report_id;
@@ -45,18 +45,18 @@ typedef struct descriptor_globals {
 	int64_t logical_min, logical_max, physical_min, physical_max;
 } descriptor_globals;
 
-/* Usages of one item, or of a minimum and a maximum. */
+/* The usages of one Usage item, or of a Usage Minimum and a Usage Maximum. */
 typedef struct descriptor_range {
 	uint16_t page, first, last;
-	bool extended; /* it was given with its page */
+	bool extended; /* the item gave the page too */
 } descriptor_range;
 
-/* What items of type local set: it holds until the next main item. */
+/* Set by local items; it holds until the next main item. */
 typedef struct descriptor_locals {
 	uint32_t range_count;
-	uint32_t min;   /* of the ranges that follow */
-	bool delimited; /* inside a set of alternatives */
-	bool chosen;    /* which has its usage already */
+	uint32_t min;   /* the last Usage Minimum */
+	bool delimited; /* inside a delimited set of alternative usages */
+	bool chosen;    /* the set's first usage was taken; the others are skipped */
 } descriptor_locals;
 
 typedef struct descriptor_collection {
@@ -66,22 +66,22 @@ typedef struct descriptor_collection {
 
 typedef struct descriptor_parser {
 	stilb_input_descriptor *out;
-	size_t offset; /* of the item at hand */
+	size_t offset; /* of the present item */
 	descriptor_globals global, stack[STACK_MAX];
 	uint32_t stack_depth;
 	descriptor_locals local;
 	descriptor_range ranges[RANGES_MAX];                    /* local.range_count of them */
-	descriptor_collection collections[COLLECTIONS_MAX + 1]; /* [0]: outside of all */
+	descriptor_collection collections[COLLECTIONS_MAX + 1]; /* [depth] is the innermost, [0] is outside of all */
 	uint32_t depth;
-	uint16_t groups;
-	uint16_t report_number[3][256]; /* by kind and id: index of the report, from 1 */
+	uint16_t groups;                /* physical collections so far */
+	uint16_t report_number[3][256]; /* by kind and id: 1 + index in out->reports; 0: there is none yet */
 	uint32_t report_bits[STILB_INPUT_REPORTS_MAX];
 } descriptor_parser;
 
-static stilb_result refuse(const descriptor_parser *parser, const char *format, ...)
+static stilb_result descriptor_refuse(const descriptor_parser *parser, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-static stilb_result refuse(const descriptor_parser *parser, const char *format, ...)
+static stilb_result descriptor_refuse(const descriptor_parser *parser, const char *format, ...)
 {
 	char what[128];
 	va_list arguments;
@@ -93,8 +93,10 @@ static stilb_result refuse(const descriptor_parser *parser, const char *format, 
 
 /* ---- items ------------------------------------------------------------------------------------------------------- */
 
+/* The data in two's complement of its size. */
 static int64_t item_signed(const descriptor_item *item)
 {
+	STILB_ASSERT(item->size <= 4 && item->size != 3);
 	switch (item->size) {
 	case 1:
 		return (int8_t)item->data;
@@ -105,12 +107,13 @@ static int64_t item_signed(const descriptor_item *item)
 	}
 }
 
-/* Reads the item at parser->offset. Returns the bytes it takes, 0: it is cut off. */
+/* Reads the item at parser->offset. Returns its size in bytes; 0: the descriptor ends inside it. */
 static size_t item_read(const descriptor_parser *parser, const uint8_t *bytes, size_t size, descriptor_item *item)
 {
+	STILB_ASSERT(parser->offset < size);
 	const uint8_t *at = bytes + parser->offset;
 	size_t left = size - parser->offset;
-	if (at[0] == LONG_ITEM) { /* none is defined: what it says is skipped */
+	if (at[0] == LONG_ITEM) { /* HID 1.11 defines none: skipped */
 		*item = (descriptor_item){.type = TYPE_RESERVED};
 		return left < 3 || left - 3 < at[1] ? 0 : 3u + at[1];
 	}
@@ -125,7 +128,7 @@ static size_t item_read(const descriptor_parser *parser, const uint8_t *bytes, s
 
 /* ---- local items ------------------------------------------------------------------------------------------------- */
 
-/* Usages of up to 16 bits are completed with the page of now, and again with one that comes later: complete_pages. A
+/* Adds the usages first..last. Usages of up to 16 bits get the present usage page, and a later one in complete_pages. A
  * range that ends before it begins goes on to the end of its page, as in Linux. */
 static stilb_result range_add(descriptor_parser *parser, uint32_t first, uint32_t last)
 {
@@ -135,7 +138,7 @@ static stilb_result range_add(descriptor_parser *parser, uint32_t first, uint32_
 		return STILB_OK;
 	parser->local.chosen = true;
 	if (parser->local.range_count == RANGES_MAX)
-		return refuse(parser, "more than %u usages for one item", RANGES_MAX);
+		return descriptor_refuse(parser, "more than %u usages for one item", RANGES_MAX);
 	parser->ranges[parser->local.range_count++] = (descriptor_range){.page = page ? page : parser->global.usage_page,
 	                                                                 .first = (uint16_t)first,
 	                                                                 .last = ends ? (uint16_t)last : 0xffff,
@@ -147,8 +150,8 @@ static stilb_result range_add(descriptor_parser *parser, uint32_t first, uint32_
 static stilb_result delimiter(descriptor_parser *parser, bool opens)
 {
 	if (opens == parser->local.delimited)
-		return refuse(parser,
-		              opens ? "a delimited set within another" : "the end of a delimited set that was not begun");
+		return descriptor_refuse(parser, opens ? "a delimited set within another"
+		                                       : "the end of a delimited set that did not begin");
 	parser->local.delimited = opens;
 	parser->local.chosen = false;
 	return STILB_OK;
@@ -171,8 +174,9 @@ static stilb_result local_item(descriptor_parser *parser, const descriptor_item 
 	}
 }
 
-/* The page that counts is the last one before the main item. A page that has already completed a usage counts only for
- * the usages after it: pads give pages and usages in turn. Both as in Linux, hid_concatenate_last_usage_page. */
+/* Gives the usages without a page of their own the last page before the main item. Going back from the last usage this
+ * stops at the first that has this page already: the usages before it were meant for the pages given before them. As in
+ * Linux, hid_concatenate_last_usage_page. */
 static void complete_pages(descriptor_parser *parser)
 {
 	for (uint32_t i = parser->local.range_count; i-- > 0;) {
@@ -197,7 +201,7 @@ static stilb_result global_item(descriptor_parser *parser, const descriptor_item
 	case GLOBAL_LOGICAL_MIN:
 		global->logical_min = item_signed(item);
 		return STILB_OK;
-	case GLOBAL_LOGICAL_MAX: /* 25 ff means 255 after a minimum of 0, as Linux has it */
+	case GLOBAL_LOGICAL_MAX: /* unsigned unless the minimum is negative, as in Linux: 25 ff is 255 after a minimum of 0 */
 		global->logical_max = global->logical_min < 0 ? item_signed(item) : (int64_t)item->data;
 		return STILB_OK;
 	case GLOBAL_PHYSICAL_MIN:
@@ -206,7 +210,7 @@ static stilb_result global_item(descriptor_parser *parser, const descriptor_item
 	case GLOBAL_PHYSICAL_MAX:
 		global->physical_max = global->physical_min < 0 ? item_signed(item) : (int64_t)item->data;
 		return STILB_OK;
-	case GLOBAL_EXPONENT: /* by the book a nibble, -8 to 7; some pads write a whole signed number */
+	case GLOBAL_EXPONENT: /* by the specification a nibble, -8 to 7; some pads write a signed byte or more */
 		global->exponent = (int32_t)item_signed(item);
 		if (item->data < 16)
 			global->exponent = (int32_t)item->data - (item->data < 8 ? 0 : 16);
@@ -222,22 +226,22 @@ static stilb_result global_item(descriptor_parser *parser, const descriptor_item
 		return STILB_OK;
 	case GLOBAL_REPORT_ID:
 		if (item->data < 1 || item->data > 255)
-			return refuse(parser, "report id %u; it must be 1 to 255", item->data);
+			return descriptor_refuse(parser, "report id %u; it must be 1 to 255", item->data);
 		global->report_id = (uint8_t)item->data;
 		parser->out->numbered = true;
 		return STILB_OK;
 	case GLOBAL_PUSH:
 		if (parser->stack_depth == STACK_MAX)
-			return refuse(parser, "more than %u pushes", STACK_MAX);
+			return descriptor_refuse(parser, "more than %u pushes", STACK_MAX);
 		parser->stack[parser->stack_depth++] = *global;
 		return STILB_OK;
 	case GLOBAL_POP:
 		if (parser->stack_depth == 0)
-			return refuse(parser, "pop without a push");
+			return descriptor_refuse(parser, "pop without a push");
 		*global = parser->stack[--parser->stack_depth];
 		return STILB_OK;
 	default:
-		return refuse(parser, "the global item 0x%x is not defined", item->tag);
+		return descriptor_refuse(parser, "the global item 0x%x is not defined", item->tag);
 	}
 }
 
@@ -248,46 +252,54 @@ static stilb_result collection_begin(descriptor_parser *parser, uint32_t kind)
 	const descriptor_range *range = &parser->ranges[0];
 	descriptor_collection inner = parser->collections[parser->depth];
 	if (parser->depth == COLLECTIONS_MAX)
-		return refuse(parser, "more than %u collections within one another", COLLECTIONS_MAX);
+		return descriptor_refuse(parser, "more than %u nested collections", COLLECTIONS_MAX);
 	if (kind == COLLECTION_APPLICATION)
 		inner.application = parser->local.range_count ? (uint32_t)range->page << 16 | range->first : 0;
-	if (kind == COLLECTION_PHYSICAL)
-		inner.group = ++parser->groups;
-	parser->collections[++parser->depth] = inner;
+	if (kind == COLLECTION_PHYSICAL) {
+		parser->groups++;
+		inner.group = parser->groups;
+	}
+	parser->depth++;
+	parser->collections[parser->depth] = inner;
 	return STILB_OK;
 }
 
 static stilb_result collection_end(descriptor_parser *parser)
 {
 	if (parser->depth == 0)
-		return refuse(parser, "the end of a collection that was not begun");
+		return descriptor_refuse(parser, "the end of a collection that did not begin");
 	parser->depth--;
 	return STILB_OK;
 }
 
-/* The report that the main item adds to; NULL: there are too many. */
+/* The size in bits, so far, of the report that a main item adds to; NULL: there are too many reports. */
 static uint32_t *report_bits(descriptor_parser *parser, stilb_input_field_kind kind)
 {
+	STILB_ASSERT(kind <= STILB_INPUT_FIELD_FEATURE);
 	stilb_input_descriptor *out = parser->out;
 	uint16_t *number = &parser->report_number[kind][parser->global.report_id];
 	if (*number == 0) {
 		if (out->report_count == STILB_INPUT_REPORTS_MAX)
 			return NULL;
 		out->reports[out->report_count] = (stilb_input_report){.kind = (uint8_t)kind, .id = parser->global.report_id};
-		*number = (uint16_t)++out->report_count;
+		out->report_count++;
+		*number = (uint16_t)out->report_count;
 	}
+	STILB_ASSERT(*number <= out->report_count);
 	return &parser->report_bits[*number - 1];
 }
 
+/* False: there are too many fields. */
 static bool field_add(descriptor_parser *parser, const stilb_input_field *field)
 {
+	STILB_ASSERT(field->size > 0 && field->count > 0 && field->usage <= field->usage_last);
 	if (parser->out->field_count == STILB_INPUT_FIELDS_MAX)
 		return false;
 	parser->out->fields[parser->out->field_count++] = *field;
 	return true;
 }
 
-/* Each range takes its elements in turn, the last one all that are left. */
+/* Adds a field for each range of usages: each takes as many elements as it has usages, the last one all that are left. */
 static bool variable_add(descriptor_parser *parser, stilb_input_field field)
 {
 	uint32_t left = field.count;
@@ -305,7 +317,7 @@ static bool variable_add(descriptor_parser *parser, stilb_input_field field)
 	return true;
 }
 
-/* Values from logical_min on name the usages in turn: each range is a field of the same bits with its own values. */
+/* Adds a field for each range of usages, all of the same bits: the values from logical_min on name the usages in turn. */
 static bool array_add(descriptor_parser *parser, stilb_input_field field)
 {
 	int64_t max = field.logical_max;
@@ -329,16 +341,17 @@ static stilb_result data_item(descriptor_parser *parser, stilb_input_field_kind 
 	uint64_t width = (uint64_t)global->report_size * global->report_count;
 	uint32_t *bits = report_bits(parser, kind);
 	if (!bits)
-		return refuse(parser, "more than %u reports", STILB_INPUT_REPORTS_MAX);
+		return descriptor_refuse(parser, "more than %u reports", STILB_INPUT_REPORTS_MAX);
 	if (width > REPORT_BITS_MAX - *bits)
-		return refuse(parser, "report %u is longer than %u bytes", global->report_id, STILB_INPUT_REPORT_MAX);
+		return descriptor_refuse(parser, "report %u is longer than %u bytes", global->report_id,
+		                         STILB_INPUT_REPORT_MAX);
 	uint32_t bit = *bits;
 	*bits += (uint32_t)width;
 	if (flags & STILB_INPUT_CONSTANT || width == 0)
 		return STILB_OK;
 	if (global->logical_min > global->logical_max)
-		return refuse(parser, "values from %lld to %lld are no range", (long long)global->logical_min,
-		              (long long)global->logical_max);
+		return descriptor_refuse(parser, "the values from %lld to %lld are not a range", (long long)global->logical_min,
+		                         (long long)global->logical_max);
 	stilb_input_field field = {.kind = (uint8_t)kind,
 	                           .report_id = global->report_id,
 	                           .flags = (uint16_t)flags,
@@ -356,12 +369,12 @@ static stilb_result data_item(descriptor_parser *parser, stilb_input_field_kind 
 	bool added = parser->local.range_count == 0 ? field_add(parser, &field)
 	             : flags & STILB_INPUT_VARIABLE ? variable_add(parser, field)
 	                                            : array_add(parser, field);
-	return added ? STILB_OK : refuse(parser, "more than %u fields", STILB_INPUT_FIELDS_MAX);
+	return added ? STILB_OK : descriptor_refuse(parser, "more than %u fields", STILB_INPUT_FIELDS_MAX);
 }
 
 static stilb_result main_item(descriptor_parser *parser, const descriptor_item *item)
 {
-	stilb_result result = STILB_OK; /* also for what is not defined: Bluetooth pads end with a zero */
+	stilb_result result = STILB_OK; /* for undefined items too: descriptors of Bluetooth pads end with a zero */
 	complete_pages(parser);
 	switch (item->tag) {
 	case MAIN_INPUT:
@@ -384,9 +397,25 @@ static stilb_result main_item(descriptor_parser *parser, const descriptor_item *
 	return result;
 }
 
-/* ---- all --------------------------------------------------------------------------------------------------------- */
+/* ---- the whole descriptor ---------------------------------------------------------------------------------------- */
 
-/* Where one report is numbered, all are: what came before the first id too (HID 1.11 section 6.2.2.7). */
+/* For STILB_CHECK: every field is within its report and has a range and usages of one page. */
+static bool descriptor_is_sound(const stilb_input_descriptor *d)
+{
+	bool sound = d->field_count <= STILB_INPUT_FIELDS_MAX && d->report_count <= STILB_INPUT_REPORTS_MAX;
+	for (uint32_t i = 0; sound && i < d->field_count; i++) {
+		const stilb_input_field *field = &d->fields[i];
+		uint64_t end = field->bit + (uint64_t)field->size * field->count;
+		bool inside = false;
+		for (uint32_t k = 0; k < d->report_count; k++)
+			if (d->reports[k].kind == field->kind && d->reports[k].id == field->report_id)
+				inside = end <= 8 * (uint64_t)d->reports[k].size;
+		sound = inside && field->logical_min <= field->logical_max && field->usage >> 16 == field->usage_last >> 16;
+	}
+	return sound;
+}
+
+/* If one report has an id, all have: also those that came before the first id (HID 1.11, section 6.2.2.7). */
 static void finish(const descriptor_parser *parser)
 {
 	stilb_input_descriptor *out = parser->out;
@@ -400,12 +429,13 @@ static stilb_result parse(descriptor_parser *parser, const uint8_t *bytes, size_
 {
 	stilb_result result = STILB_OK;
 	if (size == 0 || size > STILB_INPUT_DESCRIPTOR_MAX)
-		result = refuse(parser, "it has %zu bytes; a report descriptor has 1 to %u", size, STILB_INPUT_DESCRIPTOR_MAX);
+		result = descriptor_refuse(parser, "it has %zu bytes; a report descriptor has 1 to %u", size,
+		                           STILB_INPUT_DESCRIPTOR_MAX);
 	while (result == STILB_OK && parser->offset < size) {
 		descriptor_item item;
 		size_t length = item_read(parser, bytes, size, &item);
 		if (length == 0)
-			result = refuse(parser, "the item is cut off");
+			result = descriptor_refuse(parser, "the item is cut off");
 		else if (item.type == TYPE_MAIN)
 			result = main_item(parser, &item);
 		else if (item.type == TYPE_GLOBAL)
@@ -415,30 +445,33 @@ static stilb_result parse(descriptor_parser *parser, const uint8_t *bytes, size_
 		parser->offset += length;
 	}
 	if (result == STILB_OK && parser->depth)
-		result = refuse(parser, "collections that do not end: %u", parser->depth);
+		result = descriptor_refuse(parser, "collections that do not end: %u", parser->depth);
 	if (result == STILB_OK && parser->local.delimited)
-		result = refuse(parser, "a delimited set does not end");
+		result = descriptor_refuse(parser, "a delimited set does not end");
 	return result;
 }
 
 stilb_result stilb_input_descriptor_parse(const uint8_t *bytes, size_t size, stilb_input_descriptor *out)
 {
+	STILB_ASSERT((bytes || size == 0) && out);
 	descriptor_parser parser = {.out = out};
 	out->field_count = out->report_count = 0;
 	out->numbered = false;
 	stilb_result result = parse(&parser, bytes, size);
 	if (result == STILB_OK)
 		finish(&parser);
-	else
+	STILB_CHECK(result != STILB_OK || descriptor_is_sound(out));
+	if (result != STILB_OK)
 		out->field_count = out->report_count = 0;
 	return result;
 }
 
 bool stilb_input_bits(const uint8_t *report, size_t size, uint32_t bit, uint32_t bits, uint32_t *value)
 {
+	STILB_ASSERT((report || size == 0) && value);
 	if (bits < 1 || bits > 32 || (uint64_t)bit + bits > (uint64_t)size * 8)
 		return false;
-	uint64_t word = 0; /* of the bytes that hold them: at most five */
+	uint64_t word = 0; /* the bytes that hold the bits: at most five */
 	size_t first = bit / 8, end = (bit + bits + 7) / 8;
 	for (size_t i = end; i-- > first;)
 		word = word << 8 | report[i];

@@ -1,8 +1,8 @@
-/* The table of known pads. A row is needed where a pad's descriptor does not say what its bits mean, or where
- * input_layout_fields.c would take it for something else. docs/input.md tells how to add one.
+/* The table of known pads. A row is needed for a pad whose descriptor does not say what its bits mean, or that
+ * input_layout_fields.c reads wrongly. docs/input.md tells how to add one.
  *
  * Sources of the layouts: Linux, drivers/hid/hid-playstation.c (DualShock 4, DualSense), hid-sony.c (DualShock 3) and
- * hid-nintendo.c (Switch Pro); SDL, src/joystick/hidapi. Of the products' numbers: drivers/hid/hid-ids.h, xpadneo. */
+ * hid-nintendo.c (Switch Pro); SDL, src/joystick/hidapi. Sources of the product numbers: drivers/hid/hid-ids.h, xpadneo. */
 #include "input/hid/input_layout_internal.h"
 
 /* ---- sources --------------------------------------------------------------------------------------------------- */
@@ -38,8 +38,8 @@
 
 /* ---- DualShock 4, DualSense ------------------------------------------------------------------------------------ */
 
-/* What both send over Bluetooth until they are asked for a feature report; its triggers are where a DualShock 4 has
- * them. */
+/* The short report that both send over Bluetooth until a feature report is read; its triggers are at the bytes of a
+ * DualShock 4. */
 #define PLAYSTATION_SHORT                                                                                              \
 	{                                                                                                                  \
 		.id = 0x01, .size = 10, .sources = { STICKS(1), PLAYSTATION_BUTTONS(5), TRIGGERS(8) }                          \
@@ -50,7 +50,7 @@ static const stilb_input_layout_report ds4_usb[] = {
 	{.size = 0},
 };
 
-/* The wireless adaptor goes on reporting when its pad is off; bit 2 of byte 31 tells. */
+/* The wireless adaptor goes on reporting while its pad is off; then bit 2 of byte 31 is set. */
 static const stilb_input_layout_report ds4_adaptor[] = {
 	{.id = 0x01, .size = 64, .absent = 8 * 31 + 2, .sources = {STICKS(1), PLAYSTATION_BUTTONS(5), TRIGGERS(8)}},
 	{.size = 0},
@@ -73,7 +73,7 @@ static const stilb_input_layout_report dualsense_bluetooth[] = {
 	{.size = 0},
 };
 
-/* The calibration of the motion sensors: reading it makes them send their long reports. */
+/* Reading the calibration of the motion sensors makes the pad send its long reports. */
 static const stilb_input_hello playstation_hello[] = {
 	{.kind = STILB_INPUT_HELLO_GET_FEATURE, .size = 41, .bytes = {0x05}},
 	{.kind = STILB_INPUT_HELLO_END},
@@ -109,7 +109,7 @@ static const stilb_input_layout_report ds3_usb[] = {
 	{.size = 0},
 };
 
-/* It says nothing over USB before these two were read. */
+/* Over USB the pad sends no reports before these two were read. */
 static const stilb_input_hello ds3_hello[] = {
 	{.kind = STILB_INPUT_HELLO_GET_FEATURE, .size = 17, .bytes = {0xf2}},
 	{.kind = STILB_INPUT_HELLO_GET_FEATURE, .size = 8, .bytes = {0xf5}},
@@ -118,10 +118,10 @@ static const stilb_input_hello ds3_hello[] = {
 
 /* ---- Switch Pro ------------------------------------------------------------------------------------------------ */
 
-/* The range of a stick that hid-nintendo takes where a pad's own calibration cannot be read; up is more. */
+/* The range of a stick that hid-nintendo uses if the pad's calibration cannot be read; up is the larger value. */
 #define SWITCH_STICK(bit, axis) AXIS(axis, bit, 12, 500, 3500)
 
-/* Its triggers are buttons. */
+/* A trigger that is a button. */
 #define SWITCH_TRIGGER(at, number, axis) AXIS(axis, 8 * (at) + (number), 1, 0, 1)
 
 #define SWITCH_FULL                                                                                                    \
@@ -133,9 +133,9 @@ static const stilb_input_hello ds3_hello[] = {
 
 static const stilb_input_layout_report switch_pro[] = {
 	{.id = 0x30, .size = 49, .sources = {SWITCH_FULL}},
-	{.id = 0x21, .size = 49, .sources = {SWITCH_FULL}}, /* an answer, with the state in front of it */
+	{.id = 0x21, .size = 49, .sources = {SWITCH_FULL}}, /* an answer, which begins with the state */
 	{
-		.id = 0x3f, /* what it sends over Bluetooth until it is asked for more */
+		.id = 0x3f, /* the simple report that it sends over Bluetooth until full ones are requested */
 		.size = 12,
 		.sources =
 			{
@@ -163,8 +163,8 @@ static const stilb_input_layout_report switch_pro[] = {
 	{.size = 0},
 };
 
-/* Over USB: a handshake, a fast line, a handshake again, and no more silence after a while. Then, by subcommands (after
- * the number of the packet and motors that stand still): full reports, motors on. It takes some 30 ms to answer. */
+/* Over USB four commands: handshake, 3 Mbit/s, handshake, no timeout. Then two subcommands: full reports, motors on; a
+ * subcommand follows the packet's number and eight bytes of motor data, here at rest. The pad answers within some 30 ms. */
 #define SWITCH_COMMAND(command)                                                                                        \
 	{                                                                                                                  \
 		.kind = STILB_INPUT_HELLO_WRITE, .size = 2, .pause_ms = 30, .bytes = { 0x80, (command) }                       \
@@ -205,8 +205,8 @@ static const stilb_input_hello switch_bluetooth_hello[] = {
 
 /* ---- orders of buttons ----------------------------------------------------------------------------------------- */
 
-/* Triangle, circle, cross, square: adaptors for PlayStation 2 pads, and what was copied from them. Source: the mapping
- * of 0079:0006 in SDL_GameControllerDB. */
+/* Triangle, circle, cross, square: the order of adaptors for PlayStation 2 pads and of pads built like them. Source: the
+ * mapping of 0079:0006 in SDL_GameControllerDB. */
 static const input_button_order from_the_top = {
 	"counted from the top one",
 	12,
@@ -232,7 +232,7 @@ static const input_known known[] = {
 		.rumble = STILB_INPUT_RUMBLE_DS4_USB,
 	},
 	{
-		.name = "DualShock 4 by its adaptor",
+		.name = "DualShock 4 wireless adaptor",
 		.bus = STILB_INPUT_BUS_USB,
 		.vendor = SONY,
 		.products = {0x0ba0},
@@ -308,7 +308,7 @@ static const input_known known[] = {
 		.rumble = STILB_INPUT_RUMBLE_SWITCH,
 		.hello = switch_bluetooth_hello,
 	},
-	/* Their firmware changes what they send under the same number: what counts is the descriptor. */
+	/* Firmware updates change the reports without changing the product number, so the descriptor decides. */
 	{
 		.name = "Xbox One S Controller",
 		.bus = STILB_INPUT_BUS_BLUETOOTH,
@@ -349,7 +349,7 @@ static bool is_product(const input_known *row, uint16_t product)
 	return false;
 }
 
-/* A copy of a pad may have its numbers and another report: then the descriptor knows better. */
+/* Copies of a pad may have its vendor and product and other reports; then the descriptor decides. */
 static bool has_report(const stilb_input_descriptor *descriptor, const stilb_input_layout_report *report)
 {
 	for (uint32_t i = 0; i < descriptor->report_count; i++) {
@@ -362,6 +362,7 @@ static bool has_report(const stilb_input_descriptor *descriptor, const stilb_inp
 
 const input_known *input_known_find(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor)
 {
+	STILB_ASSERT(info);
 	for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
 		const input_known *row = &known[i];
 		if (row->vendor == info->vendor && (row->bus == 0 || row->bus == info->bus) && is_product(row, info->product) &&

@@ -1,4 +1,5 @@
 #include "input/hid/input_layout_internal.h"
+#include "input/input_pad_internal.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -7,7 +8,9 @@
 
 uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size)
 {
-	/* Of half a byte: in the 4 ms between two reports of a Bluetooth pad a table of 1 KiB would be gone from the cache. */
+	STILB_ASSERT(data || size == 0);
+	/* CRCs of half bytes, 64 bytes of table. A table for whole bytes has 1 KiB, which would have left the cache again in the
+	 * 4 ms between two reports of a Bluetooth pad. */
 	static const uint32_t table[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4,
 	                                   0x4db26158, 0x5005713c, 0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
 	                                   0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
@@ -23,7 +26,8 @@ uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size)
 
 /* ---- decode ---------------------------------------------------------------------------------------------------- */
 
-/* The middle of the range is rest: of an even number of values the upper one of both, as pads do (128 of 0..255). */
+/* -1 at low, 1 at high, 0 in the middle: of an even number of values at the upper middle one, as pads have it (128 of
+ * 0..255). Values outside the range count as its end. */
 static float stick_value(int64_t value, int64_t low, int64_t high)
 {
 	int64_t least = low < high ? low : high, most = low < high ? high : low;
@@ -34,13 +38,14 @@ static float stick_value(int64_t value, int64_t low, int64_t high)
 	return low < high ? away : 0.0f - away;
 }
 
+/* 0 at low, 1 at high. Values outside the range count as its end. */
 static float trigger_value(int64_t value, int64_t low, int64_t high)
 {
 	double pressed = low == high ? 0.0 : (double)(value - low) / (double)(high - low);
 	return (float)(pressed < 0.0 ? 0.0 : pressed > 1.0 ? 1.0 : pressed);
 }
 
-/* Bits of the directions: of eight from up on, the one next to where the value is around the circle. */
+/* The d-pad buttons of a hat: low is up, the values follow clockwise; the value is rounded to one of eight directions. */
 static uint32_t hat_directions(int64_t value, int64_t low, int64_t high)
 {
 	enum {
@@ -56,7 +61,7 @@ static uint32_t hat_directions(int64_t value, int64_t low, int64_t high)
 	return directions[((value - low) * 16 + steps) / (2 * steps) % 8];
 }
 
-/* What buttons a report tells of, and which of them are down. */
+/* Bits of the buttons that a report has sources for, and of those that are down. */
 typedef struct decoded_buttons {
 	uint32_t told, down;
 } decoded_buttons;
@@ -64,6 +69,7 @@ typedef struct decoded_buttons {
 static void decode_source(const stilb_input_source *source, int64_t value, stilb_input_pad_state *state,
                           decoded_buttons *buttons)
 {
+	STILB_ASSERT(source->kind != STILB_INPUT_SOURCE_AXIS || source->target < STILB_INPUT_AXIS_COUNT);
 	int64_t low = source->low, high = source->high;
 	uint32_t every_direction =
 		1u << STILB_INPUT_UP | 1u << STILB_INPUT_DOWN | 1u << STILB_INPUT_LEFT | 1u << STILB_INPUT_RIGHT;
@@ -83,6 +89,7 @@ static void decode_source(const stilb_input_source *source, int64_t value, stilb
 	}
 }
 
+/* False: the report is too short. */
 static bool source_value(const stilb_input_source *source, const uint8_t *report, size_t size, int64_t *value)
 {
 	uint32_t bits;
@@ -93,6 +100,7 @@ static bool source_value(const stilb_input_source *source, const uint8_t *report
 	return true;
 }
 
+/* The layout of the report with this first byte, or NULL. */
 static const stilb_input_layout_report *find_report(const stilb_input_layout *layout, uint8_t id)
 {
 	for (uint32_t i = 0; i < layout->report_count; i++)
@@ -101,7 +109,7 @@ static const stilb_input_layout_report *find_report(const stilb_input_layout *la
 	return NULL;
 }
 
-/* What the Bluetooth header before the report was, which the pad's CRC covers too: HID data, input (output). */
+/* Bluetooth's header byte before an input report (HID data, input). hidraw does not give it, but the CRC covers it. */
 static const uint8_t bluetooth_input = 0xa1;
 
 static bool crc_holds(const stilb_input_layout_report *layout, const uint8_t *report, size_t size)
@@ -119,6 +127,8 @@ static bool crc_holds(const stilb_input_layout_report *layout, const uint8_t *re
 stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const uint8_t *report, size_t size,
                                        stilb_input_pad_state *state)
 {
+	STILB_ASSERT(layout && state && (report || size == 0));
+	STILB_CHECK(input_layout_is_sound(layout));
 	if (size == 0)
 		return STILB_INPUT_CORRUPT;
 	const stilb_input_layout_report *known = find_report(layout, report[0]);
@@ -141,7 +151,29 @@ stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const u
 		any = true;
 	}
 	state->buttons = (state->buttons & ~buttons.told) | buttons.down;
+	STILB_CHECK(input_pad_state_is_sound(state));
 	return any ? STILB_INPUT_DECODED : STILB_INPUT_CORRUPT;
+}
+
+/* For STILB_CHECK. */
+static bool source_is_sound(const stilb_input_source *source, uint32_t report_bits)
+{
+	uint32_t targets = source->kind == STILB_INPUT_SOURCE_AXIS ? STILB_INPUT_AXIS_COUNT : STILB_INPUT_BUTTON_COUNT;
+	return source->kind <= STILB_INPUT_SOURCE_HAT && source->target < targets && source->bits >= 1 &&
+	       source->bits <= 32 && source->bit + source->bits <= report_bits;
+}
+
+bool input_layout_is_sound(const stilb_input_layout *layout)
+{
+	bool sound = layout->report_count >= 1 && layout->report_count <= STILB_INPUT_LAYOUT_REPORTS_MAX;
+	for (uint32_t i = 0; sound && i < layout->report_count; i++) {
+		const stilb_input_layout_report *report = &layout->reports[i];
+		sound =
+			report->source_count <= STILB_INPUT_SOURCES_MAX && (report->crc == 0 || report->crc + 4u <= report->size);
+		for (uint32_t k = 0; sound && k < report->source_count; k++)
+			sound = source_is_sound(&report->sources[k], 8u * report->size);
+	}
+	return sound;
 }
 
 /* ---- find ------------------------------------------------------------------------------------------------------ */
@@ -156,6 +188,7 @@ static const char *name_or(const stilb_input_pad_info *info, const char *otherwi
 	return info->name[0] != '\0' ? info->name : otherwise;
 }
 
+/* The table's rows end with an empty report, and reports with an empty source. */
 static void copy_reports(const stilb_input_layout_report *reports, stilb_input_layout *out)
 {
 	while (out->report_count < STILB_INPUT_LAYOUT_REPORTS_MAX && reports[out->report_count].size != 0) {
@@ -172,21 +205,21 @@ static void copy_hello(const stilb_input_hello *hello, stilb_input_layout *out)
 		out->hello[i] = hello[i];
 }
 
-/* "'Mouse' (046d:c077) is no gamepad: ..." */
-static stilb_result refuse(const stilb_input_pad_info *info, const char *why)
+/* "'Mouse' (046d:c077) is not a gamepad: ..." */
+static stilb_result not_a_gamepad(const stilb_input_pad_info *info, const char *why)
 {
-	return stilb_fail(STILB_ERROR_ARGUMENT, "'%s' (%04x:%04x) is no gamepad: %s", name_or(info, "this device"),
+	return stilb_fail(STILB_ERROR_ARGUMENT, "'%s' (%04x:%04x) is not a gamepad: %s", name_or(info, "this device"),
 	                  info->vendor, info->product, why);
 }
 
-static stilb_result refuse_fields(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor)
+static stilb_result not_of_a_gamepad(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor)
 {
 	char usage[64], why[160];
 	if (descriptor->field_count == 0)
-		return refuse(info, "its report descriptor has no fields");
-	snprintf(why, sizeof why, "its report descriptor has no stick with buttons, but is of %s",
+		return not_a_gamepad(info, "its report descriptor has no fields");
+	snprintf(why, sizeof why, "its report descriptor has no stick with buttons, it is that of %s",
 	         stilb_input_usage_text(descriptor->fields[0].collection, usage, sizeof usage));
-	return refuse(info, why);
+	return not_a_gamepad(info, why);
 }
 
 static stilb_result find_by_fields(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor,
@@ -194,13 +227,14 @@ static stilb_result find_by_fields(const stilb_input_pad_info *info, const stilb
 {
 	char found[64];
 	if (!input_layout_from_fields(descriptor, row ? row->buttons : NULL, out, found, sizeof found))
-		return refuse_fields(info, descriptor);
+		return not_of_a_gamepad(info, descriptor);
 	snprintf(out->recognised, sizeof out->recognised, "%sits descriptor: %s", row ? "known pad, " : "", found);
 	return STILB_OK;
 }
 
 stilb_result stilb_input_layout_find(const stilb_input_pad_info *info, stilb_input_layout *out)
 {
+	STILB_ASSERT(info && out && info->descriptor_size <= STILB_INPUT_DESCRIPTOR_MAX);
 	stilb_input_descriptor descriptor = {0};
 	bool has = info->descriptor_size > 0;
 	bool readable =
@@ -222,8 +256,8 @@ stilb_result stilb_input_layout_find(const stilb_input_pad_info *info, stilb_inp
 	if (readable)
 		return find_by_fields(info, &descriptor, row, out);
 	if (!has)
-		return refuse(info, "it has no report descriptor");
+		return not_a_gamepad(info, "it has no report descriptor");
 	char why[256];
 	snprintf(why, sizeof why, "%s", stilb_error_message());
-	return refuse(info, why);
+	return not_a_gamepad(info, why);
 }

@@ -1,51 +1,68 @@
 /*
- * input_layout: where in a pad's reports its sticks, triggers and buttons are, whether a report is sound, what to say
- * to the pad at first, and how it is made to shake.
+ * input_layout: for one kind of pad: the bits of its reports that are sticks, triggers and buttons, how to tell a damaged
+ * report, what to send when it is opened, and how to make it rumble.
  *
- *   descriptor, bus, vendor, product -> layout   the table of known pads (input_known.c), else the descriptor's fields
- *   layout, report -> state
+ *   descriptor, bus, vendor, product -> layout   a row of the table of known pads, else from the descriptor's fields
+ *   layout, report                   -> state
  *
- * A layout is plain data: the table's rows and what is found by the descriptor are the same kind of thing.
- * Pure functions of their arguments. [any-thread]
+ * Life cycle.  A layout is a plain value, whichever way it was found:
+ *
+ *     static stilb_input_layout layout;
+ *     stilb_input_pad_state state = {0};
+ *     if (stilb_input_layout_find(&info, &layout) == STILB_OK &&
+ *         stilb_input_decode(&layout, report, size, &state) == STILB_INPUT_DECODED)
+ *         fly(state.axes[STILB_INPUT_LEFT_X], state.axes[STILB_INPUT_LEFT_Y]);
+ *
+ * Threads.     Pure functions of their arguments. [any-thread]
  */
 #ifndef STILB_INPUT_LAYOUT_H
 #define STILB_INPUT_LAYOUT_H
 
 #include "input/hid/input_descriptor.h"
 
-/* What a value means, by low and high:
- *   AXIS     target: stilb_input_axis; the ends of its range, low may be the greater. A stick rests in the middle, of
- *            an even number of values at the upper of both (128 of 0..255), a trigger at low
- *   BUTTON   target: stilb_input_button; down where the value is in [low, high], of any of its sources
- *   HAT      low is up, the following go clockwise, evenly around, to high; any other value: centred */
+/* Meaning of a source's value, with its low and high:
+ *   AXIS     target is a stilb_input_axis; low and high are the ends of the range, low may be the larger one. A stick is
+ *            at rest in the middle, of an even number of values at the upper of the two middle ones (128 of 0..255); a
+ *            trigger is at rest at low
+ *   BUTTON   target is a stilb_input_button, which is down while the value of any of its sources is in [low, high]
+ *   HAT      low is up, larger values follow clockwise, evenly spaced up to high; any other value is centred */
 typedef enum stilb_input_source_kind {
 	STILB_INPUT_SOURCE_AXIS,
 	STILB_INPUT_SOURCE_BUTTON,
 	STILB_INPUT_SOURCE_HAT
 } stilb_input_source_kind;
 
-/* A few bits of one report. */
+/* A few adjacent bits of a report. */
 typedef struct stilb_input_source {
+	/* stilb_input_source_kind; stilb_input_axis or stilb_input_button. */
 	uint8_t kind, target;
-	uint8_t bits; /* 1..32 */
+	/* How many, 1..32, and whether the value is in two's complement. */
+	uint8_t bits;
 	bool is_signed;
-	uint32_t bit; /* from the start of the report, id included */
+	/* The first bit, from the start of the report, id included. */
+	uint32_t bit;
 	int64_t low, high;
 } stilb_input_source;
 
+/* Sources and reports that a layout holds; further ones are left out. */
 #define STILB_INPUT_SOURCES_MAX 40u
 #define STILB_INPUT_LAYOUT_REPORTS_MAX 4u
 
 /* One of the reports that carry state. */
 typedef struct stilb_input_layout_report {
-	uint8_t id;      /* 0: the reports have no numbers */
-	uint16_t size;   /* bytes of a whole one; shorter ones keep the old state of what they lack */
-	uint16_t crc;    /* offset of a CRC-32, little endian, over 0xa1 and all bytes before it; 0: none */
-	uint16_t absent; /* where this bit is set no pad is there, and all is at rest: a wireless adaptor's; 0: none */
+	/* 0: the pad's reports have no ids. */
+	uint8_t id;
+	/* Bytes of a whole report. A shorter one leaves the state of the missing sources as it was. */
+	uint16_t size;
+	/* Offset of a CRC-32, little endian, over 0xa1 and all bytes before it; 0: there is none. */
+	uint16_t crc;
+	/* While this bit is set no pad is connected (to a wireless adaptor), and everything is at rest; 0: there is none. */
+	uint16_t absent;
 	uint32_t source_count;
 	stilb_input_source sources[STILB_INPUT_SOURCES_MAX];
 } stilb_input_layout_report;
 
+/* The format of the output report that makes the pad rumble. */
 typedef enum stilb_input_rumble_kind {
 	STILB_INPUT_RUMBLE_NONE,
 	STILB_INPUT_RUMBLE_DS4_USB,
@@ -56,47 +73,57 @@ typedef enum stilb_input_rumble_kind {
 	STILB_INPUT_RUMBLE_SWITCH
 } stilb_input_rumble_kind;
 
-/* What is said to a pad when it is opened, in order; all of it may fail, the pad is read all the same. */
+/* One step of what is said to a pad when it is opened. A step that fails does not matter: the pad is read anyway. */
 typedef struct stilb_input_hello {
 	enum { STILB_INPUT_HELLO_END, STILB_INPUT_HELLO_GET_FEATURE, STILB_INPUT_HELLO_WRITE } kind;
-	uint8_t size;      /* bytes to get (id included) or to write */
-	uint16_t pause_ms; /* after it */
-	uint8_t bytes[64]; /* what to write; the feature's id first */
+	/* Bytes to get, id included, or to write; 1..64. */
+	uint8_t size;
+	/* Milliseconds to wait after it. */
+	uint16_t pause_ms;
+	/* The report to write; the id of the feature to get. */
+	uint8_t bytes[64];
 } stilb_input_hello;
 
+/* Steps, the last one being STILB_INPUT_HELLO_END. */
 #define STILB_INPUT_HELLO_MAX 8u
 
 typedef struct stilb_input_layout {
-	char name[64];       /* "DualShock 4, Bluetooth" */
-	char recognised[96]; /* how: "known pad 054c:05c4", "its descriptor: two sticks, ..." */
-	bool known;          /* by the table */
+	/* "DualShock 4, Bluetooth". */
+	char name[64];
+	/* How it was found: "known pad 054c:05c4", "its descriptor: two sticks, ...". */
+	char recognised[96];
+	/* By the table. */
+	bool known;
 	uint32_t report_count;
 	stilb_input_layout_report reports[STILB_INPUT_LAYOUT_REPORTS_MAX];
 	stilb_input_rumble_kind rumble;
 	stilb_input_hello hello[STILB_INPUT_HELLO_MAX];
 } stilb_input_layout;
 
-/* STILB_ERROR_ARGUMENT: it is no gamepad (a keyboard, a mouse, ...) or its descriptor is broken; the message says
- * which. */
+/* Finds the layout of a device. STILB_ERROR_ARGUMENT: it is not a gamepad (a keyboard, a mouse, ...), it has no report
+ * descriptor, or a broken one; the message says which. [any-thread] */
 stilb_result stilb_input_layout_find(const stilb_input_pad_info *info, stilb_input_layout *out);
 
-typedef enum stilb_input_decoded {
-	STILB_INPUT_DECODED, /* *state is new */
-	STILB_INPUT_OTHER,   /* a sound report without state: battery, answers */
-	STILB_INPUT_CORRUPT  /* a wrong CRC, or shorter than anything of it; *state is unchanged */
-} stilb_input_decoded;
+/* DECODED: the state is new. OTHER: a valid report without state, like a battery's or an answer. CORRUPT: the CRC is wrong,
+ * or the report is too short for any of its sources; the state is unchanged. */
+typedef enum stilb_input_decoded { STILB_INPUT_DECODED, STILB_INPUT_OTHER, STILB_INPUT_CORRUPT } stilb_input_decoded;
 
-/* *state is the pad's last one, and becomes the new one. */
+/* Decodes a report of size bytes, as hidraw gives it. *state is the pad's last state, {0} at first, and becomes the new
+ * one. Values outside a range count as its end. [any-thread] */
 stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const uint8_t *report, size_t size,
                                        stilb_input_pad_state *state);
 
-/* The report that makes it shake: the heavy and the light motor, 0..1. sequence counts the reports sent. Returns its
- * size, 0: it cannot shake. */
+/* Bytes of the longest output report. */
 #define STILB_INPUT_OUTPUT_MAX 128u
+
+/* Makes the output report that sets the strength of the heavy (left) and the light (right) motor; values outside [0, 1]
+ * count as its ends. sequence is the number of rumble reports sent to this pad before. Returns the report's size in bytes;
+ * 0: the pad has no known motors. [any-thread] */
 size_t stilb_input_rumble_report(const stilb_input_layout *layout, float heavy, float light, uint32_t sequence,
                                  uint8_t report[STILB_INPUT_OUTPUT_MAX]);
 
-/* CRC-32 of IEEE 802.3 (reflected 0xedb88320), continued from crc; 0 at first. */
+/* CRC-32 of size bytes (reflected polynomial 0xedb88320), continued from crc, which is 0 at first. Source: IEEE 802.3,
+ * section 3.2.9. [any-thread] */
 uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size);
 
 #endif

@@ -1,5 +1,5 @@
-/* input_layout: a pad that nobody knows, by what its report descriptor says of each bit. What the HID usages leave open
- * (which axes are the right stick, which buttons are where) is settled as most pads do it. */
+/* The layout of a pad that is not in the table, from the fields of its report descriptor. HID usages do not say which axes
+ * are the right stick or which button is in which position; that is decided as most pads have it. */
 #include "input/hid/input_layout_internal.h"
 
 #include <stdio.h>
@@ -33,7 +33,7 @@ enum {
 
 /* ---- orders of buttons ----------------------------------------------------------------------------------------- */
 
-/* What DirectInput pads and Sony's do. */
+/* The order of DirectInput pads and of Sony's. */
 static const input_button_order usual_order = {
 	"in the usual order",
 	14,
@@ -42,7 +42,7 @@ static const input_button_order usual_order = {
      STILB_INPUT_START, STILB_INPUT_LEFT_STICK, STILB_INPUT_RIGHT_STICK, STILB_INPUT_GUIDE, STILB_INPUT_EXTRA},
 };
 
-/* Linux's own, from BTN_SOUTH on (linux/input-event-codes.h), which Android asks of its pads. */
+/* The order of Linux's button codes from BTN_SOUTH on (linux/input-event-codes.h), which Android requires of pads. */
 static const input_button_order android_order = {
 	"in the Android order",
 	15,
@@ -51,7 +51,7 @@ static const input_button_order android_order = {
      STILB_INPUT_BACK, STILB_INPUT_START, STILB_INPUT_GUIDE, STILB_INPUT_LEFT_STICK, STILB_INPUT_RIGHT_STICK},
 };
 
-/* Xbox pads with their first firmware; the driver xpadneo adds the last two for all of them. */
+/* The order of Xbox pads with their first firmware; the driver xpadneo adds the last two to all Xbox pads. */
 static const input_button_order xbox_order = {
 	"in the Xbox order",
 	12,
@@ -64,7 +64,7 @@ static const input_button_order xbox_order = {
 
 /* One element of a field. */
 typedef struct element {
-	const stilb_input_field *field; /* NULL: there is none */
+	const stilb_input_field *field; /* NULL: there is no such element */
 	uint32_t index;
 } element;
 
@@ -78,6 +78,7 @@ static bool is_array(const stilb_input_field *f)
 	return !(f->flags & STILB_INPUT_VARIABLE);
 }
 
+/* An input with absolute number values. */
 static bool is_readable(const stilb_input_field *f)
 {
 	return f->kind == STILB_INPUT_FIELD_INPUT && !(f->flags & (STILB_INPUT_CONSTANT | STILB_INPUT_RELATIVE)) &&
@@ -89,6 +90,7 @@ static uint32_t last_usage(const stilb_input_field *f)
 	return f->usage_last > f->usage ? f->usage_last : f->usage;
 }
 
+/* The first element of this usage, in the given report, NULL: in any. Usages of arrays are not elements. */
 static element find(const stilb_input_descriptor *descriptor, const stilb_input_report *report, uint32_t usage)
 {
 	for (uint32_t i = 0; i < descriptor->field_count; i++) {
@@ -100,7 +102,8 @@ static element find(const stilb_input_descriptor *descriptor, const stilb_input_
 	return (element){NULL, 0};
 }
 
-/* The first report with the axes of a stick: an adaptor for several pads has one for each of them. */
+/* The first report with both axes of a stick, or NULL. An adaptor for several pads has one for each of them: the first
+ * counts. */
 static const stilb_input_report *find_main_report(const stilb_input_descriptor *descriptor)
 {
 	for (uint32_t i = 0; i < descriptor->report_count; i++) {
@@ -120,11 +123,12 @@ typedef struct builder {
 	const stilb_input_descriptor *descriptor;
 	const stilb_input_report *main;
 	stilb_input_layout *out;
-	uint32_t axes, buttons; /* bits of those that have a source */
-	uint32_t numbered;      /* the highest number of a button */
-	bool z_is_trigger;      /* and Rz, as on Xbox pads with their first firmware */
+	uint32_t axes, buttons; /* bits of the axes and buttons that have a source */
+	uint32_t numbered;      /* the highest number of a numbered button */
+	bool z_is_trigger;      /* Z and Rz are the triggers, as on Xbox pads with their first firmware */
 } builder;
 
+/* The layout's report of this id, added if it is new; NULL: there are too many. */
 static stilb_input_layout_report *layout_report(builder *b, uint8_t id)
 {
 	stilb_input_layout *out = b->out;
@@ -141,9 +145,10 @@ static stilb_input_layout_report *layout_report(builder *b, uint8_t id)
 	return report;
 }
 
-/* What does not fit is left out: 40 sources are more than a pad's state has. */
+/* Adds a source. One that does not fit is left out: 40 sources are more than a pad's state has. */
 static void add(builder *b, element e, stilb_input_source_kind kind, uint32_t target, int64_t low, int64_t high)
 {
+	STILB_ASSERT(e.field && e.index < e.field->count && e.field->size <= 32);
 	stilb_input_layout_report *report = layout_report(b, e.field->report_id);
 	if (!report || report->source_count == STILB_INPUT_SOURCES_MAX)
 		return;
@@ -172,8 +177,8 @@ static void add_axis(builder *b, element e, stilb_input_axis axis)
 		    down_is_more ? e.field->logical_min : e.field->logical_max);
 }
 
-/* Down from the middle of its range on: some are a byte that says how hard. One bit may have any range and is 0 or
- * 1. */
+/* A button is down from the middle of its range on, because some buttons are a byte of pressure. A button of one bit may
+ * declare any range; its values are 0 and 1. */
 static void add_button(builder *b, element e, uint32_t target)
 {
 	const stilb_input_field *f = e.field;
@@ -195,13 +200,13 @@ static bool same_range(element a, element b)
 	       a.field->logical_max == b.field->logical_max;
 }
 
-/* Two axes that their descriptor puts together, apart from the left stick's. */
+/* Two axes in one physical collection, which is not the left stick's. */
 static bool is_grouped(element a, element b, element x)
 {
 	return a.field->group != 0 && a.field->group == b.field->group && a.field->group != x.field->group;
 }
 
-/* Two axes that are left over rest at their lowest value if they are triggers; a throttle and a rudder do not. */
+/* The remaining pair of axes is the triggers if it can rest at its lowest value; a throttle and a rudder do not. */
 static bool add_trigger_pair(builder *b, element left, element right)
 {
 	if (!same_range(left, right) || left.field->logical_min < 0 || left.field->collection != USAGE_GAME_PAD)
@@ -211,8 +216,9 @@ static bool add_trigger_pair(builder *b, element left, element right)
 	return true;
 }
 
-/* The right stick is the pair that stands in a physical collection of its own, else the one that is like the left
- * stick, else, as with Sony's, Z and Rz. Triggers are brake and accelerator, else the other pair. */
+/* Of the pairs Z, Rz and Rx, Ry the right stick is the one with the range of the left stick. If both have it, it is Rx, Ry
+ * if only these are in a physical collection of their own, else Z, Rz as on Sony's pads. The triggers are brake and
+ * accelerator, else the other pair. */
 static void add_axes(builder *b)
 {
 	const stilb_input_descriptor *d = b->descriptor;
@@ -226,7 +232,7 @@ static void add_axes(builder *b)
 		add_axis(b, r_is_right ? rx : z, STILB_INPUT_RIGHT_X);
 		add_axis(b, r_is_right ? ry : rz, STILB_INPUT_RIGHT_Y);
 	} else if (x.field->collection == USAGE_JOYSTICK) {
-		add_axis(b, rz, STILB_INPUT_RIGHT_X); /* the stick turned around itself */
+		add_axis(b, rz, STILB_INPUT_RIGHT_X); /* twisting the stick */
 		add_axis(b, find(d, b->main, USAGE_RUDDER), STILB_INPUT_RIGHT_X);
 	}
 	add_axis(b, find(d, b->main, USAGE_BRAKE), STILB_INPUT_LEFT_TRIGGER);
@@ -239,8 +245,7 @@ static void add_axes(builder *b)
 
 /* ---- buttons --------------------------------------------------------------------------------------------------- */
 
-/* Eight directions from up on, or four, or the angle. With one value more or in four whole bits the last means
- * nothing. */
+/* Eight directions clockwise from up, or four, or an angle. With 9 or 16 values only the first eight are directions. */
 static void add_hat(builder *b)
 {
 	element hat = find(b->descriptor, b->main, USAGE_HAT);
@@ -251,13 +256,14 @@ static void add_hat(builder *b)
 	add(b, hat, STILB_INPUT_SOURCE_HAT, STILB_INPUT_UP, first, has_more ? first + 7 : hat.field->logical_max);
 }
 
-/* Some firmwares send home by its name in a report of its own, some by its number, all promise both: either will do. */
+/* Buttons with a usage of their own. Some firmware sends home by its usage in a separate report, some by its number, and
+ * the descriptor has both, so either counts. */
 static void add_named_buttons(builder *b)
 {
 	static const struct {
 		uint32_t usage;
 		stilb_input_button button;
-		bool anywhere; /* in another report, too, and in one that is not the pad's */
+		bool anywhere; /* in any report, also in one of another collection */
 	} named[] = {
 		{USAGE_DPAD_UP, STILB_INPUT_UP, false},        {USAGE_DPAD_DOWN, STILB_INPUT_DOWN, false},
 		{USAGE_DPAD_LEFT, STILB_INPUT_LEFT, false},    {USAGE_DPAD_RIGHT, STILB_INPUT_RIGHT, false},
@@ -277,7 +283,7 @@ static bool is_numbered(const builder *b, const stilb_input_field *f)
 	return is_readable(f) && f->report_id == b->main->id && (f->usage & 0xffff0000) == USAGE_BUTTON_PAGE;
 }
 
-/* The numbers of a field's buttons. */
+/* The first and the last of a field's button numbers. */
 static uint32_t first_number(const stilb_input_field *f)
 {
 	return f->usage & 0xffff;
@@ -288,6 +294,7 @@ static uint32_t last_number(const stilb_input_field *f)
 	return last_usage(f) & 0xffff;
 }
 
+/* The highest number of a numbered button; 0: there is none. */
 static uint32_t count_numbered(const builder *b)
 {
 	uint32_t most = 0;
@@ -299,7 +306,7 @@ static uint32_t count_numbered(const builder *b)
 	return most;
 }
 
-/* Each element of an array may name any of its buttons. */
+/* The nth button of an array is down while any of the array's elements has its value. */
 static void add_array_button(builder *b, const stilb_input_field *f, uint32_t nth, uint32_t target)
 {
 	int64_t value = f->logical_min + nth;
@@ -326,8 +333,8 @@ static void add_numbered_buttons(builder *b, const input_button_order *order)
 	}
 }
 
-/* Pads that call their triggers brake and accelerator count as Android asks for it, or as the Xbox pads' first firmware
- * did if they count no further. */
+/* Pads whose triggers are called brake and accelerator have Android's order, or that of the first Xbox firmware if they have
+ * at most 12 numbered buttons. */
 static const input_button_order *likely_order(const builder *b)
 {
 	bool has_brake = find(b->descriptor, b->main, USAGE_BRAKE).field;
@@ -338,9 +345,9 @@ static const input_button_order *likely_order(const builder *b)
 	return &usual_order;
 }
 
-/* ---- all together ---------------------------------------------------------------------------------------------- */
+/* ---- the whole layout ------------------------------------------------------------------------------------------ */
 
-/* Xbox pads and what is made like them: four magnitudes of 0..100 in the output report 3 of nine bytes. */
+/* Xbox pads and compatible ones: four magnitudes of 0..100 in the output report 3 of nine bytes. */
 static bool has_xbox_rumble(const stilb_input_descriptor *descriptor)
 {
 	for (uint32_t i = 0; i < descriptor->field_count; i++) {
@@ -362,6 +369,8 @@ static void describe(const builder *b, const input_button_order *order, char *te
 bool input_layout_from_fields(const stilb_input_descriptor *descriptor, const input_button_order *order,
                               stilb_input_layout *out, char *found, size_t size)
 {
+	STILB_ASSERT(descriptor && out && found && size > 0);
+	STILB_ASSERT(!order || order->count <= INPUT_BUTTONS_MAX);
 	builder b = {.descriptor = descriptor, .main = find_main_report(descriptor), .out = out};
 	out->report_count = 0;
 	if (!b.main)
@@ -377,5 +386,6 @@ bool input_layout_from_fields(const stilb_input_descriptor *descriptor, const in
 	add_numbered_buttons(&b, order);
 	out->rumble = has_xbox_rumble(descriptor) ? STILB_INPUT_RUMBLE_XBOX_BLUETOOTH : STILB_INPUT_RUMBLE_NONE;
 	describe(&b, order, found, size);
+	STILB_CHECK(input_layout_is_sound(out));
 	return true;
 }

@@ -1,12 +1,12 @@
 /*
- * input_layout: what its files share: the rows of known pads, and the two ways to a layout.
+ * input_layout_internal: a row of the table of known pads, and the two ways to a layout: by the table, by the descriptor.
  */
 #ifndef STILB_INPUT_LAYOUT_INTERNAL_H
 #define STILB_INPUT_LAYOUT_INTERNAL_H
 
 #include "input/hid/input_layout.h"
 
-/* What a numbered button of a descriptor can be besides a stilb_input_button. */
+/* Targets of a descriptor's numbered button besides stilb_input_button. */
 enum {
 	INPUT_BUTTON_LEFT_TRIGGER = STILB_INPUT_BUTTON_COUNT, /* a trigger that is only on or off */
 	INPUT_BUTTON_RIGHT_TRIGGER,
@@ -15,9 +15,9 @@ enum {
 
 #define INPUT_BUTTONS_MAX 16u
 
-/* What the buttons 1, 2, ... of a descriptor are. */
+/* Meaning of the buttons 1, 2, ... of a descriptor. */
 typedef struct input_button_order {
-	const char *words; /* "in the usual order": what comes after the number of buttons */
+	const char *words; /* "in the usual order": follows the number of buttons in stilb_input_layout.recognised */
 	uint32_t count;
 	uint8_t targets[INPUT_BUTTONS_MAX];
 } input_button_order;
@@ -27,21 +27,24 @@ typedef struct input_known {
 	const char *name;
 	uint16_t bus; /* 0: any */
 	uint16_t vendor, products[8];
-	/* Its reports, ended by one of size 0, each one's sources by one of 0 bits. The row only counts where the
-	 * descriptor has the first of them. NULL: what its descriptor says, with the buttons in this order, NULL: as they
-	 * mostly are. */
+	/* Its reports, ended by one of size 0; the sources of each are ended by one of 0 bits. The row only counts if the
+	 * descriptor has the first report. NULL: the reports are found by the descriptor's fields. */
 	const stilb_input_layout_report *reports;
+	/* Order of the buttons if reports is NULL; NULL: the most likely one. */
 	const input_button_order *buttons;
 	stilb_input_rumble_kind rumble;
-	const stilb_input_hello *hello; /* ended by HELLO_END, or NULL */
+	const stilb_input_hello *hello; /* ended by STILB_INPUT_HELLO_END, or NULL */
 } input_known;
 
-/* The row of this pad; descriptor is its own, or NULL where it has none that can be read. NULL: there is no row. */
+/* The row of this pad, or NULL. descriptor is the pad's own, NULL if it has none or a broken one. */
 const input_known *input_known_find(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor);
 
-/* Fills reports and rumble of the layout from a descriptor's fields, and says in words what was found. order NULL: the
- * most likely one. False: these are not the fields of a gamepad. */
+/* Fills reports and rumble of the layout from a descriptor's fields, and writes into `found`, of size bytes, what was found
+ * in words. order NULL: the most likely one. False: these are not the fields of a gamepad. */
 bool input_layout_from_fields(const stilb_input_descriptor *descriptor, const input_button_order *order,
                               stilb_input_layout *out, char *found, size_t size);
+
+/* Every source is of a target that there is and within its report. [any-thread] */
+bool input_layout_is_sound(const stilb_input_layout *layout);
 
 #endif

@@ -1,18 +1,21 @@
-/* What makes a pad shake. Sources: Linux, drivers/hid/hid-playstation.c (DualShock 4, DualSense), hid-microsoft.c
+/* Output reports that make a pad rumble. Sources: Linux, drivers/hid/hid-playstation.c (DualShock 4, DualSense), hid-microsoft.c
  * (Xbox), hid-nintendo.c (Switch Pro). */
 #include "input/hid/input_layout.h"
 
 #include <math.h>
 #include <string.h>
 
+/* [0, 1] to 0..most, rounded. */
 static uint8_t scaled(float strength, float most)
 {
 	return (uint8_t)(fminf(fmaxf(strength, 0.0f), 1.0f) * most + 0.5f);
 }
 
-/* Over Bluetooth the last four bytes are a CRC-32 of the header 0xa2 (HID data, output) and all before them. */
+/* Fills the last four of size bytes with the CRC-32 of the Bluetooth header 0xa2 (HID data, output) and all bytes before
+ * them. Returns size. */
 static size_t with_crc(uint8_t *report, size_t size)
 {
+	STILB_ASSERT(size > 4 && size <= STILB_INPUT_OUTPUT_MAX);
 	uint8_t bluetooth_output = 0xa2;
 	uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, &bluetooth_output, 1), report, size - 4);
 	for (size_t i = 0; i < 4; i++)
@@ -20,7 +23,7 @@ static size_t with_crc(uint8_t *report, size_t size)
 	return size;
 }
 
-/* From `at` on: which parts are new (the motors; the light stays as it is), ..., light motor, heavy motor. */
+/* Byte 0: which parts the report sets (the motors, not the light bar); 3: light motor; 4: heavy motor. */
 static void ds4_motors(uint8_t *at, float heavy, float light)
 {
 	at[0] = 0x01;
@@ -28,7 +31,8 @@ static void ds4_motors(uint8_t *at, float heavy, float light)
 	at[4] = scaled(heavy, 255.0f);
 }
 
-/* Which parts are new: the motors, as a DualShock 4 has them, in place of sound; light motor, heavy motor. */
+/* Byte 0: which parts the report sets (the motors, in the mode compatible with a DualShock 4, in place of audio haptics);
+ * 2: light motor; 3: heavy motor. */
 static void dualsense_motors(uint8_t *at, float heavy, float light)
 {
 	at[0] = 0x03;
@@ -36,7 +40,7 @@ static void dualsense_motors(uint8_t *at, float heavy, float light)
 	at[3] = scaled(heavy, 255.0f);
 }
 
-/* Both main motors, but not those of the triggers; for 2.55 s, 255 times: until another report says otherwise. */
+/* Sets the two main motors, not those in the triggers, for 2.55 s, repeated 255 times: until the next report. */
 static void xbox_motors(uint8_t *report, float heavy, float light)
 {
 	report[0] = 0x03;
@@ -47,7 +51,7 @@ static void xbox_motors(uint8_t *report, float heavy, float light)
 	report[8] = 0xff;
 }
 
-/* The step, of 0..100, whose amplitude is next to `strength`: the table of hid-nintendo in closed form. */
+/* The step in 0..100 whose amplitude is closest to `strength`: the table of hid-nintendo in closed form. */
 static uint32_t switch_amplitude(float strength)
 {
 	float amplitude = fminf(fmaxf(strength, 0.0f), 1.0f);
@@ -59,10 +63,11 @@ static uint32_t switch_amplitude(float strength)
 	return (uint32_t)(fminf(step, 100.0f) + 0.5f);
 }
 
-/* One side: 320 Hz and 160 Hz, at which it stands still as 00 01 40 40, with the same amplitude. */
+/* One side's actuator: high band 320 Hz and low band 160 Hz with the same amplitude; amplitude 0 is 00 01 40 40. */
 static void switch_motor(uint8_t at[4], float strength)
 {
 	uint32_t step = switch_amplitude(strength);
+	STILB_ASSERT(step <= 100);
 	at[0] = 0x00;
 	at[1] = (uint8_t)(0x01 + 2 * step);
 	at[2] = (uint8_t)(0x40 + (step & 1) * 0x80);
@@ -72,6 +77,7 @@ static void switch_motor(uint8_t at[4], float strength)
 size_t stilb_input_rumble_report(const stilb_input_layout *layout, float heavy, float light, uint32_t sequence,
                                  uint8_t report[STILB_INPUT_OUTPUT_MAX])
 {
+	STILB_ASSERT(layout && report);
 	memset(report, 0, STILB_INPUT_OUTPUT_MAX);
 	switch (layout->rumble) {
 	case STILB_INPUT_RUMBLE_DS4_USB:
@@ -80,7 +86,7 @@ size_t stilb_input_rumble_report(const stilb_input_layout *layout, float heavy, 
 		return 32;
 	case STILB_INPUT_RUMBLE_DS4_BLUETOOTH:
 		report[0] = 0x11;
-		report[1] = 0xc0; /* it is HID, and has a CRC */
+		report[1] = 0xc0; /* bit 7: HID, bit 6: there is a CRC */
 		ds4_motors(report + 3, heavy, light);
 		return with_crc(report, 78);
 	case STILB_INPUT_RUMBLE_DUALSENSE_USB:
@@ -90,7 +96,7 @@ size_t stilb_input_rumble_report(const stilb_input_layout *layout, float heavy, 
 	case STILB_INPUT_RUMBLE_DUALSENSE_BLUETOOTH:
 		report[0] = 0x31;
 		report[1] = (uint8_t)(sequence << 4);
-		report[2] = 0x10; /* always */
+		report[2] = 0x10; /* a constant, as in hid-playstation */
 		dualsense_motors(report + 3, heavy, light);
 		return with_crc(report, 78);
 	case STILB_INPUT_RUMBLE_XBOX_BLUETOOTH:

@@ -1,10 +1,10 @@
-/* input_usage: usages in words, for people who look at a descriptor. Source: HID Usage Tables 1.12, sections 3 to 15. */
+/* Usages as words, for people who read a descriptor. Source: HID Usage Tables 1.12, sections 3 to 15. */
 #include "input/hid/input_descriptor.h"
 
 #include <stdio.h>
 
 typedef struct usage_name {
-	uint32_t usage; /* or page */
+	uint32_t usage; /* page << 16 | usage; in usage_pages the page alone */
 	const char *name;
 } usage_name;
 
@@ -84,6 +84,7 @@ static const char *usage_find(const usage_name *names, size_t count, uint32_t us
 
 const char *stilb_input_usage_text(uint32_t usage, char *text, size_t size)
 {
+	STILB_ASSERT(text && size > 0);
 	uint32_t page = usage >> 16, id = usage & 0xffff;
 	const char *page_name = usage_find(usage_pages, sizeof usage_pages / sizeof *usage_pages, page);
 	const char *name = usage_find(usage_names, sizeof usage_names / sizeof *usage_names, usage);
