@@ -137,6 +137,7 @@ static void paths_that_are_too_long_are_refused(void **state)
 	(void)state;
 	char name[PATH_MAX + 1], dev[80];
 	memset(name, '1', sizeof name - 1);
+	memcpy(name, "hidraw", 6);
 	name[sizeof name - 1] = '\0';
 	memset(dev, 'd', sizeof dev - 1);
 	dev[sizeof dev - 1] = '\0';

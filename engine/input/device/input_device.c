@@ -11,10 +11,11 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#define INPUT_UEVENT_MAX 4096u /* bytes: what the kernel gives at most, a page */
+#define UEVENT_MAX 4096u /* bytes: a page, the most that the kernel gives */
 
 bool input_device_is_hidraw(const char *name)
 {
+	STILB_ASSERT(name);
 	static const char prefix[] = "hidraw";
 	size_t length = sizeof prefix - 1;
 	return strncmp(name, prefix, length) == 0 && name[length] != '\0' &&
@@ -23,8 +24,8 @@ bool input_device_is_hidraw(const char *name)
 
 /* ---- sysfs ------------------------------------------------------------------------------------------------------- */
 
-/* The file `leaf` of the node's HID device, at most size bytes of it. Bytes read, or a negative errno. */
-static ssize_t input_sysfs_read(const input_roots *roots, const char *name, const char *leaf, void *bytes, size_t size)
+/* Reads at most size bytes of the file `leaf` of the node's HID device. Bytes read, or a negative errno. */
+static ssize_t sysfs_read(const input_roots *roots, const char *name, const char *leaf, void *bytes, size_t size)
 {
 	char path[PATH_MAX];
 	if (snprintf(path, sizeof path, "%s/class/hidraw/%s/device/%s", roots->sys, name, leaf) >= (int)sizeof path)
@@ -43,8 +44,8 @@ static ssize_t input_sysfs_read(const input_roots *roots, const char *name, cons
 	return error != 0 ? error : (ssize_t)filled;
 }
 
-/* The value of KEY=value in a uevent file; NULL: it has none. */
-static const char *input_uevent_value(const char *uevent, const char *key, size_t *length)
+/* The value of the line KEY=value in a uevent file, not terminated, or NULL. */
+static const char *uevent_value(const char *uevent, const char *key, size_t *length)
 {
 	size_t key_length = strlen(key);
 	for (const char *line = uevent; line; line = strchr(line, '\n')) {
@@ -57,19 +58,19 @@ static const char *input_uevent_value(const char *uevent, const char *key, size_
 	return NULL;
 }
 
-static void input_uevent_text(const char *uevent, const char *key, char *out, size_t room)
+static void uevent_text(const char *uevent, const char *key, char *out, size_t room)
 {
 	size_t length = 0;
-	const char *value = input_uevent_value(uevent, key, &length);
+	const char *value = uevent_value(uevent, key, &length);
 	input_text_copy(out, room, value, length);
 }
 
 /* HID_ID=bus:vendor:product, in hexadecimal: 0003:0000054C:000005C4. */
-static int input_uevent_id(const char *uevent, stilb_input_pad_info *info)
+static int uevent_id(const char *uevent, stilb_input_pad_info *info)
 {
 	size_t length;
 	unsigned bus, vendor, product;
-	const char *value = input_uevent_value(uevent, "HID_ID", &length);
+	const char *value = uevent_value(uevent, "HID_ID", &length);
 	if (!value || sscanf(value, "%4x:%8x:%8x", &bus, &vendor, &product) != 3)
 		return -ENODEV;
 	info->bus = (uint16_t)bus;
@@ -78,8 +79,8 @@ static int input_uevent_id(const char *uevent, stilb_input_pad_info *info)
 	return 0;
 }
 
-/* Its folder in sysfs, links followed. One that is too long is no name for it. */
-static void input_device_folder(const input_roots *roots, const char *name, stilb_input_pad_info *info)
+/* The device's folder in sysfs, links resolved; left empty if it does not fit. */
+static void device_folder(const input_roots *roots, const char *name, stilb_input_pad_info *info)
 {
 	char path[PATH_MAX];
 	int length = snprintf(path, sizeof path, "%s/class/hidraw/%s/device", roots->sys, name);
@@ -91,22 +92,24 @@ static void input_device_folder(const input_roots *roots, const char *name, stil
 
 int input_device_info(const input_roots *roots, const char *name, stilb_input_pad_info *info)
 {
+	STILB_ASSERT(roots && info && input_device_is_hidraw(name) && "the name of a node, no path");
 	memset(info, 0, sizeof *info);
 	if (snprintf(info->path, sizeof info->path, "%s/%s", roots->dev, name) >= (int)sizeof info->path)
 		return -ENAMETOOLONG;
-	char uevent[INPUT_UEVENT_MAX + 1];
-	ssize_t size = input_sysfs_read(roots, name, "uevent", uevent, INPUT_UEVENT_MAX);
+	char uevent[UEVENT_MAX + 1];
+	ssize_t size = sysfs_read(roots, name, "uevent", uevent, UEVENT_MAX);
 	if (size < 0)
 		return size == -ENOENT ? -ENODEV : (int)size;
 	uevent[size] = '\0';
-	if (input_uevent_id(uevent, info) != 0)
+	if (uevent_id(uevent, info) != 0)
 		return -ENODEV;
-	input_uevent_text(uevent, "HID_NAME", info->name, sizeof info->name);
-	input_uevent_text(uevent, "HID_UNIQ", info->unique, sizeof info->unique);
-	input_device_folder(roots, name, info);
-	ssize_t described = input_sysfs_read(roots, name, "report_descriptor", info->descriptor, sizeof info->descriptor);
+	uevent_text(uevent, "HID_NAME", info->name, sizeof info->name);
+	uevent_text(uevent, "HID_UNIQ", info->unique, sizeof info->unique);
+	device_folder(roots, name, info);
+	ssize_t described = sysfs_read(roots, name, "report_descriptor", info->descriptor, sizeof info->descriptor);
 	if (described < 0)
 		return described == -ENOENT ? -ENODEV : (int)described;
+	STILB_ASSERT(described <= (ssize_t)sizeof info->descriptor);
 	info->descriptor_size = (uint16_t)described;
 	return 0;
 }
@@ -115,10 +118,11 @@ int input_device_info(const input_roots *roots, const char *name, stilb_input_pa
 
 int input_device_open(const input_backend *backend, const char *path, input_device *device)
 {
+	STILB_ASSERT(backend && path && device);
 	int fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
 	if (fd < 0)
 		return errno == ENOENT || errno == ENXIO ? -ENODEV : -errno;
-	int size; /* of its descriptor; only a hidraw knows it */
+	int size; /* of its descriptor; only a hidraw node answers this */
 	if (ioctl(fd, HIDIOCGRDESCSIZE, &size) < 0) {
 		close(fd);
 		return -ENODEV;

@@ -1,24 +1,25 @@
 /*
- * input_device: hidraw nodes: which there are (from sysfs, never through hidapi, whose enumeration crashes when a pad
- * goes away under it) and two ways to talk to one: hidapi, and the kernel's interface directly.
+ * input_device: hidraw nodes: what sysfs says of them, and two ways to talk to one: the kernel's interface directly, and
+ * hidapi. hidapi is never asked to list devices: its enumeration crashes if a pad is unplugged meanwhile.
  *
- * Threads.  A device belongs to one thread at a time; the rest is [any-thread].
- * Errors.   0 or a negative errno.
+ * Life cycle.  input_device_info -> input_device_open -> the backend's read, write, get_feature -> its close.
+ * Threads.     A device belongs to one thread at a time; the rest is [any-thread].
+ * Errors.      0 or a negative errno.
  */
 #ifndef STILB_INPUT_DEVICE_INTERNAL_H
 #define STILB_INPUT_DEVICE_INTERNAL_H
 
 #include "input/input_pad.h"
 
-/* Where the system's files are: "/sys" and "/dev"; tests have their own. */
+/* Folders of the system's files: "/sys" and "/dev"; tests have their own. */
 typedef struct input_roots {
 	const char *sys, *dev;
 } input_roots;
 
-/* "hidraw" and a number, nothing else. */
+/* Whether name is "hidraw" and a decimal number. */
 bool input_device_is_hidraw(const char *name);
 
-/* Reads what sysfs knows of the node `name` ("hidraw3"). -ENODEV: it is gone. */
+/* Fills *info with what sysfs knows of the node `name` ("hidraw3"). -ENODEV: it is gone. Asserts that it is such a name. */
 int input_device_info(const input_roots *roots, const char *name, stilb_input_pad_info *info);
 
 struct input_backend;
@@ -35,19 +36,21 @@ typedef struct input_device {
 /* One way to talk to a node. */
 typedef struct input_backend {
 	const char *name; /* "hidraw", "hidapi" */
-	/* fd is the node at path, opened and found to be a hidraw; the backend's from here on, also after an error. */
+	/* fd is the node at path, open, and known to be a hidraw node. The backend owns it from here on, also after an error. */
 	int (*open)(const char *path, int fd, input_device *device);
 	void (*close)(input_device *device);
-	/* Waits at most timeout_ms (-1: without end) for a report or for wake_fd to become readable. Bytes read; 0: neither
-	 * came, or wake_fd did; a negative errno: the device was pulled, or is of no use any more. */
+	/* Waits at most timeout_ms (-1: without limit) until there is a report or wake_fd is readable. Returns the report's
+	 * bytes; 0: there is no report; a negative errno: the device was unplugged or failed, close it. */
 	int (*read)(input_device *device, int wake_fd, int timeout_ms, uint8_t *report, size_t size);
+	/* Bytes written, or a negative errno. */
 	int (*write)(input_device *device, const uint8_t *report, size_t size);
-	int (*get_feature)(input_device *device, uint8_t *report, size_t size); /* report[0]: its id. Bytes read */
+	/* report[0] is the feature's id. Bytes read, or a negative errno. */
+	int (*get_feature)(input_device *device, uint8_t *report, size_t size);
 } input_backend;
 
 extern const input_backend input_backend_hidraw, input_backend_hidapi;
 
-/* -EACCES: no permission; -ENODEV: it is gone, or was no hidraw. */
+/* Opens the node at path. -EACCES, -EPERM: no permission; -ENODEV: it is gone, or is not a hidraw node. */
 int input_device_open(const input_backend *backend, const char *path, input_device *device);
 
 #endif

@@ -1,7 +1,7 @@
 /*
- * Through hidapi. Version 0.13.1, Debian 12's, uses a device it has freed where a node opens and is no hidraw (its pull
- * request 559): that is why the node has been looked at before it comes here. Only a pad that is pulled between two
- * system calls of hid_open_path is left; input_hidraw.c has not even that.
+ * Talks to a node through hidapi. Version 0.13.1, Debian 12's, uses freed memory if it opens a node that is not a hidraw node
+ * (its pull request 559), so input_device_open checks the node first. What remains is a pad that is unplugged between two
+ * system calls of hid_open_path; input_hidraw.c does not have this race.
  */
 #include "input/device/input_device_internal.h"
 
@@ -11,11 +11,12 @@
 #include <pthread.h>
 #include <unistd.h>
 
-/* hid_read_timeout waits for hidapi's own descriptor, which hidapi does not show: between such slices the other one is
- * looked at. A report ends a slice, so it costs an idle pad 125 wake-ups a second and a busy one none. */
+/* hid_read_timeout waits for hidapi's file descriptor, which the library does not expose, so the wait is cut into slices of
+ * this length and wake_fd is polled between them. A report ends a slice early: an idle pad costs 125 wake-ups a second, a
+ * busy one none. */
 #define HIDAPI_SLICE_MS 8
 
-/* hid_open_path writes a global: the message of its last error. */
+/* Held around hid_open_path, which writes the message of its last error to a global. */
 static pthread_mutex_t hidapi_lock = PTHREAD_MUTEX_INITIALIZER;
 
 static int hidapi_open(const char *path, int fd, input_device *device)
@@ -23,7 +24,7 @@ static int hidapi_open(const char *path, int fd, input_device *device)
 	pthread_mutex_lock(&hidapi_lock);
 	device->hid = hid_open_path(path);
 	pthread_mutex_unlock(&hidapi_lock);
-	close(fd); /* only now: while it is open the kernel gives the node's name to no other device */
+	close(fd); /* after hid_open_path: as long as fd is open the kernel gives the node's name to no other device */
 	return device->hid ? 0 : -ENODEV;
 }
 
@@ -40,6 +41,7 @@ static bool hidapi_is_woken(int wake_fd)
 
 static int hidapi_read(input_device *device, int wake_fd, int timeout_ms, uint8_t *report, size_t size)
 {
+	STILB_ASSERT(device->hid && size > 0);
 	bool is_endless = timeout_ms < 0;
 	while (true) {
 		int slice = is_endless || timeout_ms > HIDAPI_SLICE_MS ? HIDAPI_SLICE_MS : timeout_ms;
@@ -54,12 +56,14 @@ static int hidapi_read(input_device *device, int wake_fd, int timeout_ms, uint8_
 
 static int hidapi_write(input_device *device, const uint8_t *report, size_t size)
 {
+	STILB_ASSERT(device->hid && size > 0);
 	int put = hid_write(device->hid, report, size);
 	return put < 0 ? -EIO : put;
 }
 
 static int hidapi_get_feature(input_device *device, uint8_t *report, size_t size)
 {
+	STILB_ASSERT(device->hid && size > 0);
 	int got = hid_get_feature_report(device->hid, report, size);
 	return got < 0 ? -EIO : got;
 }

@@ -1,4 +1,4 @@
-/* The kernel's interface directly: Documentation/hid/hidraw.rst. */
+/* Talks to a node by the kernel's own interface. Source: Linux, Documentation/hid/hidraw.rst. */
 #include "input/device/input_device_internal.h"
 
 #include <errno.h>
@@ -21,12 +21,13 @@ static void hidraw_close(input_device *device)
 
 static int hidraw_read(input_device *device, int wake_fd, int timeout_ms, uint8_t *report, size_t size)
 {
+	STILB_ASSERT(device->fd >= 0 && size > 0);
 	struct pollfd fds[2] = {{.fd = device->fd, .events = POLLIN}, {.fd = wake_fd, .events = POLLIN}};
 	if (poll(fds, 2, timeout_ms) < 0)
 		return errno == EINTR ? 0 : -errno;
 	if (fds[0].revents == 0)
 		return 0;
-	/* Reports that came before the device was pulled can still be read; only then read fails. */
+	/* Reports that came before the device was unplugged can still be read; after the last one read fails. */
 	ssize_t got = read(device->fd, report, size);
 	if (got > 0)
 		return (int)got;
@@ -37,12 +38,14 @@ static int hidraw_read(input_device *device, int wake_fd, int timeout_ms, uint8_
 
 static int hidraw_write(input_device *device, const uint8_t *report, size_t size)
 {
+	STILB_ASSERT(device->fd >= 0 && size > 0);
 	ssize_t put = write(device->fd, report, size);
 	return put < 0 ? -errno : (int)put;
 }
 
 static int hidraw_get_feature(input_device *device, uint8_t *report, size_t size)
 {
+	STILB_ASSERT(device->fd >= 0 && size > 0);
 	int got = ioctl(device->fd, HIDIOCGFEATURE(size), report);
 	return got < 0 ? -errno : got;
 }

@@ -13,48 +13,50 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
-#define PADS_MAX 32u         /* plugged in, or gone and not yet taken by the frame */
-#define PADS_GRACE_US 500000 /* a new node that may not be opened: udev opens it up a while after it came */
-#define PADS_RETRIES 16u     /* nodes in their time of grace; of more, the last is told of at once */
-#define PADS_NAME_MAX 24u    /* "hidraw" and a number */
+#define PADS_MAX 32u         /* pads that are plugged in, or whose REMOVED the frame has not taken yet */
+#define PADS_GRACE_US 500000 /* time in which udev may still grant permission for a new node */
+#define PADS_RETRIES 16u     /* new nodes that wait for permission at a time; further ones are DENIED at once */
+#define PADS_NAME_MAX 24u    /* bytes of "hidraw" and a number with its zero */
 
-/* A node that could not be opened when it came. */
+/* A new node that may not be opened yet, and the time at which it is tried again. */
 typedef struct pads_retry {
 	char name[PADS_NAME_MAX];
 	int64_t due_us;
 } pads_retry;
 
 /*
- * A reader is made by the watcher, who puts it into a slot; the frame reads it there and, when all of it was taken,
- * empties the slot and gives it back; the watcher then destroys it. Nobody waits for another.
+ * The watcher creates a reader and puts it into a slot. The frame takes its events there and, after the last one, empties the
+ * slot and puts the reader into the list `returned`; the watcher then destroys it. No thread waits for another.
  */
 struct stilb_input_pads {
-	/* Set up before the watcher starts, unchanged until it has ended. */
+	/* Set up before the watcher starts, then unchanged until it has ended. */
+	stilb_owner owner; /* the frame's thread */
 	input_hub hub;
 	const input_backend *backend;
 	input_roots roots;
-	char *root_texts; /* both of roots */
+	char *root_texts; /* the two strings of roots */
 	uint64_t ring_bytes;
 	pthread_t watcher;
 	int inotify_fd, wake_fd;
 
-	/* Between threads: as said where they are used. */
+	/* Atomic; each use says order and partner. */
 	input_reader *slots[PADS_MAX];
-	input_reader *returned; /* a list of those that the frame is done with */
+	input_reader *returned; /* linked by next: readers whose events were all taken */
 	uint32_t stop;
-	uint32_t looked; /* the first look at what is plugged in is done */
+	uint32_t looked; /* 1 once all pads that were plugged in at the start were found */
 
 	/* The watcher's own. */
-	uint32_t number; /* of the pad that came last */
-	bool is_crowded; /* a pad found no slot */
+	stilb_owner watcher_owner;
+	uint32_t number; /* of the newest pad */
+	bool is_crowded; /* a pad was left out for want of a slot */
 	uint32_t retry_count;
 	pads_retry retries[PADS_RETRIES];
 
 	/* The frame's own. */
-	input_reader *held; /* its event was given out, and is to be taken */
+	input_reader *held; /* the reader whose event was returned last and is taken in the next call; or NULL */
 	stilb_input_event_kind held_kind;
 	uint32_t held_slot;
-	int64_t last_us; /* of the last event given out */
+	int64_t last_us; /* time of the event returned last */
 	bool has_looked;
 };
 
@@ -62,11 +64,11 @@ struct stilb_input_pads {
 
 static input_reader *pads_slot(const stilb_input_pads *pads, uint32_t i)
 {
-	/* Acquire: pairs with pads_publish. The watcher reads what it wrote, or that the frame has emptied it. */
+	/* Acquire: pairs with pads_publish for the frame. The watcher reads its own store, or the frame's that emptied it. */
 	return __atomic_load_n(&pads->slots[i], __ATOMIC_ACQUIRE);
 }
 
-/* The watcher's. An empty slot, PADS_MAX: there is none. */
+/* An empty slot; PADS_MAX: there is none. The watcher's. */
 static uint32_t pads_free_slot(const stilb_input_pads *pads)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++)
@@ -75,21 +77,23 @@ static uint32_t pads_free_slot(const stilb_input_pads *pads)
 	return PADS_MAX;
 }
 
-/* The watcher's. The frame sees it from here on. */
+/* Shows the reader to the frame. The watcher's. */
 static void pads_publish(stilb_input_pads *pads, uint32_t i, input_reader *reader)
 {
+	STILB_ASSERT(i < PADS_MAX && !pads_slot(pads, i) && reader->number == pads->number);
 	__atomic_store_n(&pads->slots[i], reader, __ATOMIC_RELEASE); /* pairs with pads_slot */
 	input_hub_tell(&pads->hub);
 }
 
-/* The frame's. All of it was taken. */
+/* Gives a reader whose events were all taken back to the watcher. The frame's. */
 static void pads_return(stilb_input_pads *pads, uint32_t i)
 {
 	input_reader *reader = __atomic_load_n(&pads->slots[i], __ATOMIC_RELAXED); /* this thread has seen it before */
-	/* Relaxed: whoever gets the reader from the list, sees the slot empty, as that is told after it. */
+	STILB_ASSERT(reader && input_reader_has_ended(reader));
+	/* Relaxed: the release below orders it, so whoever gets the reader from the list sees the slot empty. */
 	__atomic_store_n(&pads->slots[i], (input_reader *)NULL, __ATOMIC_RELAXED);
-	reader->next = __atomic_load_n(&pads->returned, __ATOMIC_RELAXED); /* the exchange looks again */
-	/* Release: pairs with pads_reap. Only this thread adds, and that one takes all. */
+	reader->next = __atomic_load_n(&pads->returned, __ATOMIC_RELAXED); /* the exchange compares it again */
+	/* Release: pairs with pads_reap. Only this thread adds, and pads_reap takes the whole list. */
 	while (
 		!__atomic_compare_exchange_n(&pads->returned, &reader->next, reader, true, __ATOMIC_RELEASE, __ATOMIC_RELAXED))
 		;
@@ -103,10 +107,11 @@ static void pads_end(input_reader *reader)
 	input_reader_destroy(reader);
 }
 
-/* The watcher's. Destroys what the frame is done with; true: there was something. */
+/* Destroys the readers that the frame gave back. True: there was one. The watcher's. */
 static bool pads_reap(stilb_input_pads *pads)
 {
 	/* Acquire: pairs with pads_return. */
+	STILB_ASSERT_OWNER(pads->watcher_owner);
 	input_reader *first = __atomic_exchange_n(&pads->returned, NULL, __ATOMIC_ACQUIRE);
 	for (input_reader *reader = first, *next; reader; reader = next) {
 		next = reader->next;
@@ -115,9 +120,9 @@ static bool pads_reap(stilb_input_pads *pads)
 	return first;
 }
 
-/* ---- what is plugged in: the watcher ----------------------------------------------------------------------------- */
+/* ---- the watcher: what is plugged in ----------------------------------------------------------------------------- */
 
-/* The pad at a node, NULL: there is none, or it is gone. */
+/* The reader of the pad at a node, if it has not ended, or NULL. */
 static input_reader *pads_find(const stilb_input_pads *pads, const char *name)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
@@ -130,14 +135,15 @@ static input_reader *pads_find(const stilb_input_pads *pads, const char *name)
 
 static void pads_deny(stilb_input_pads *pads, uint32_t slot, input_reader *reader)
 {
+	pads->number++;
 	reader->denied = true;
 	reader->added_us = input_now_us();
-	reader->number = ++pads->number;
-	__atomic_fetch_add(&pads->hub.stats.denied, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	reader->number = pads->number;
+	__atomic_fetch_add(&pads->hub.stats.denied, 1, __ATOMIC_RELAXED); /* no other data depends on it */
 	pads_publish(pads, slot, reader);
 }
 
-/* 0, or why it cannot be read after all: *reader is then to be destroyed. */
+/* Starts the reader and shows it to the frame. After an error, a negative errno, the reader is to be destroyed. */
 static int pads_add(stilb_input_pads *pads, uint32_t slot, input_reader *reader)
 {
 	reader->added_us = input_now_us();
@@ -146,17 +152,18 @@ static int pads_add(stilb_input_pads *pads, uint32_t slot, input_reader *reader)
 	if (error != 0)
 		return error;
 	pads->number++;
-	__atomic_fetch_add(&pads->hub.stats.added, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	__atomic_fetch_add(&pads->hub.stats.added, 1, __ATOMIC_RELAXED); /* no other data depends on it */
 	pads_publish(pads, slot, reader);
 	return 0;
 }
 
-/* Looks at the node again when its time of grace is over. False: there is no room for that. */
+/* Has the node tried again after PADS_GRACE_US. False: too many are waiting. */
 static bool pads_wait_for(stilb_input_pads *pads, const char *name)
 {
 	for (uint32_t i = 0; i < pads->retry_count; i++)
 		if (strcmp(pads->retries[i].name, name) == 0)
 			return true;
+	STILB_ASSERT(strlen(name) < PADS_NAME_MAX);
 	if (pads->retry_count == PADS_RETRIES)
 		return false;
 	pads_retry *retry = &pads->retries[pads->retry_count++];
@@ -169,12 +176,13 @@ static void pads_wait_no_more(stilb_input_pads *pads, const char *name)
 {
 	for (uint32_t i = 0; i < pads->retry_count; i++)
 		if (strcmp(pads->retries[i].name, name) == 0) {
-			pads->retries[i] = pads->retries[--pads->retry_count];
+			pads->retry_count--;
+			pads->retries[i] = pads->retries[pads->retry_count];
 			return;
 		}
 }
 
-/* Opens the node's device; -ENOTSUP: it is no pad. */
+/* Opens the node's device. -ENOTSUP: it is not a gamepad; or another negative errno. */
 static int pads_open(const stilb_input_pads *pads, const char *name, input_reader *reader)
 {
 	int error = input_device_info(&pads->roots, name, &reader->info);
@@ -185,10 +193,12 @@ static int pads_open(const stilb_input_pads *pads, const char *name, input_reade
 	return input_device_open(pads->backend, reader->info.path, &reader->device);
 }
 
-/* Whatever is at the node becomes what the frame sees of it. has_grace: it may not be opened just because it is new. */
+/* Brings the frame's view of a node up to date: opens a pad, reports one without permission. has_grace: the node is new, so
+ * permission may still come. */
 static void pads_look(stilb_input_pads *pads, const char *name, bool has_grace)
 {
 	PROFILE("pad look");
+	STILB_ASSERT_OWNER(pads->watcher_owner);
 	input_reader *known = pads_find(pads, name), *reader;
 	uint32_t slot = pads_free_slot(pads);
 	pads->is_crowded |= slot == PADS_MAX;
@@ -207,18 +217,18 @@ static void pads_look(stilb_input_pads *pads, const char *name, bool has_grace)
 		pads_deny(pads, slot, reader);
 		return;
 	}
-	if (known) /* it may be opened now, or is gone */
+	if (known) /* the denied pad may be opened now, or is gone */
 		input_reader_end(known, input_now_us());
 	if (error == 0)
 		error = pads_add(pads, slot, reader);
 	if (error == 0)
 		return;
 	if (error != -ENOTSUP && error != -ENODEV && error != -EIO)
-		stilb_log("gamepad at %s/%s: cannot be read: %s", pads->roots.dev, name, strerror(-error));
+		stilb_log("gamepad at %s/%s cannot be read: %s", pads->roots.dev, name, strerror(-error));
 	input_reader_destroy(reader);
 }
 
-/* The node is gone. A reader of its own finds out by itself: after its last report. */
+/* The node is gone. A pad that was opened is ended by its own thread, after its last report. */
 static void pads_gone(stilb_input_pads *pads, const char *name)
 {
 	pads_wait_no_more(pads, name);
@@ -227,7 +237,7 @@ static void pads_gone(stilb_input_pads *pads, const char *name)
 		input_reader_end(known, input_now_us());
 }
 
-/* Looks at all nodes there are, and for those that are gone. */
+/* Looks at all nodes, and ends the denied pads whose node is gone. */
 static void pads_scan(stilb_input_pads *pads)
 {
 	PROFILE("pads scan");
@@ -275,7 +285,7 @@ static void pads_notice_all(stilb_input_pads *pads)
 		}
 }
 
-/* Looks at those whose time of grace is over. Returns how long until the next, -1: there is none. */
+/* Tries the nodes again whose time of grace is over. Returns the milliseconds until the next; -1: there is none. */
 static int pads_retry_all(stilb_input_pads *pads)
 {
 	int64_t now_us = input_now_us(), next_us = INT64_MAX;
@@ -292,7 +302,7 @@ static int pads_retry_all(stilb_input_pads *pads)
 	return next_us == INT64_MAX ? -1 : (int)((next_us - now_us + 999) / 1000);
 }
 
-/* Asks all to end before it waits for one. */
+/* Tells all readers to stop before it waits for the first one. */
 static void pads_end_all(stilb_input_pads *pads)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
@@ -311,12 +321,13 @@ static void pads_end_all(stilb_input_pads *pads)
 static void *pads_watch(void *user)
 {
 	stilb_input_pads *pads = user;
+	stilb_owner_take(&pads->watcher_owner);
 	stilb_prof_thread_begin("pads");
 	pthread_setname_np(pthread_self(), "pads");
 	pads_scan(pads);
-	__atomic_store_n(&pads->looked, 1, __ATOMIC_RELAXED); /* goes out with the telling */
+	__atomic_store_n(&pads->looked, 1, __ATOMIC_RELAXED); /* ordered by input_hub_tell; read by pads_has_news */
 	input_hub_tell(&pads->hub);
-	/* Acquire: pairs with stilb_input_pads_destroy; the slots are seen as the frame left them. */
+	/* Acquire: pairs with stilb_input_pads_destroy, so that the slots are seen as the frame left them. */
 	while (__atomic_load_n(&pads->stop, __ATOMIC_ACQUIRE) == 0) {
 		struct pollfd fds[2] = {{.fd = pads->inotify_fd, .events = POLLIN}, {.fd = pads->wake_fd, .events = POLLIN}};
 		poll(fds, 2, pads_retry_all(pads));
@@ -333,7 +344,7 @@ static void *pads_watch(void *user)
 
 /* ---- the frame --------------------------------------------------------------------------------------------------- */
 
-/* Is done with the event that was given out last. */
+/* Takes the event that was returned last. */
 static void pads_take(stilb_input_pads *pads)
 {
 	if (!pads->held)
@@ -346,6 +357,8 @@ static void pads_take(stilb_input_pads *pads)
 
 bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input_event *event)
 {
+	STILB_ASSERT(pads && event);
+	STILB_ASSERT_OWNER(pads->owner);
 	pads_take(pads);
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		stilb_input_event first;
@@ -362,7 +375,7 @@ bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input
 	}
 	if (!pads->held)
 		return false;
-	/* Readers do not wait for one another: what one stamped may come in when something later has been given out. */
+	/* A report may be published after a later one of another pad was returned, because readers do not wait for each other. */
 	if (event->time_us < pads->last_us)
 		event->time_us = pads->last_us;
 	pads->last_us = event->time_us;
@@ -372,7 +385,7 @@ bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input
 static bool pads_has_news(stilb_input_pads *pads)
 {
 	if (!pads->has_looked) {
-		pads->has_looked = __atomic_load_n(&pads->looked, __ATOMIC_RELAXED) != 0; /* as in pads_watch */
+		pads->has_looked = __atomic_load_n(&pads->looked, __ATOMIC_RELAXED) != 0; /* of pads_watch */
 		return pads->has_looked;
 	}
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
@@ -386,10 +399,12 @@ static bool pads_has_news(stilb_input_pads *pads)
 
 void stilb_input_pads_wait(stilb_input_pads *pads, int timeout_ms)
 {
+	STILB_ASSERT(pads && timeout_ms >= 0);
+	STILB_ASSERT_OWNER(pads->owner);
 	int64_t until_us = input_now_us() + 1000 * (int64_t)timeout_ms;
 	pads_take(pads);
 	while (true) {
-		/* Acquire and release: pairs with input_hub_tell, which says why. */
+		/* Acquire and release: pairs with input_hub_tell, where the reason is. */
 		__atomic_exchange_n(&pads->hub.waiting, 1, __ATOMIC_ACQ_REL);
 		int64_t left_us = until_us - input_now_us();
 		if (pads_has_news(pads) || left_us <= 0)
@@ -399,28 +414,34 @@ void stilb_input_pads_wait(stilb_input_pads *pads, int timeout_ms)
 		eventfd_t count;
 		eventfd_read(pads->hub.arrived_fd, &count);
 	}
-	__atomic_exchange_n(&pads->hub.waiting, 0, __ATOMIC_ACQ_REL); /* not a store: that would part the readers' chain */
+	/* An exchange, not a store: a store would break the release sequence of the readers' input_hub_tell. */
+	__atomic_exchange_n(&pads->hub.waiting, 0, __ATOMIC_ACQ_REL);
 }
 
+/* [0, 1], NaN being 0. */
 static float pads_motor(float strength)
 {
-	return strength > 0.0f ? (strength < 1.0f ? strength : 1.0f) : 0.0f; /* NaN stands still */
+	return strength > 0.0f ? (strength < 1.0f ? strength : 1.0f) : 0.0f;
 }
 
 void stilb_input_pads_rumble(stilb_input_pads *pads, uint32_t pad, float heavy, float light, uint32_t duration_ms)
 {
+	STILB_ASSERT(pads);
+	STILB_ASSERT_OWNER(pads->owner);
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
 		input_reader *reader = pads_slot(pads, i);
 		if (reader && reader->number == pad && !reader->denied)
-			input_reader_shake(reader, pads_motor(heavy), pads_motor(light), duration_ms < 5000 ? duration_ms : 5000);
+			input_reader_rumble(reader, pads_motor(heavy), pads_motor(light), duration_ms < 5000 ? duration_ms : 5000);
 	}
 }
 
 stilb_input_pads_stats stilb_input_pads_stats_get(const stilb_input_pads *pads)
 {
+	STILB_ASSERT(pads);
+	STILB_ASSERT_OWNER(pads->owner);
 	const stilb_input_pads_stats *stats = &pads->hub.stats;
 	return (stilb_input_pads_stats){
-		/* Relaxed: numbers, no data depends on them. */
+		/* Relaxed: no other data depends on them. */
 		.reports = __atomic_load_n(&stats->reports, __ATOMIC_RELAXED),
 		.lost = __atomic_load_n(&stats->lost, __ATOMIC_RELAXED),
 		.added = __atomic_load_n(&stats->added, __ATOMIC_RELAXED),
@@ -432,7 +453,7 @@ stilb_input_pads_stats stilb_input_pads_stats_get(const stilb_input_pads *pads)
 
 /* ---- life cycle -------------------------------------------------------------------------------------------------- */
 
-/* Frees what is there; the watcher does not run. */
+/* Frees everything; the watcher is not running. */
 static void pads_free(stilb_input_pads *pads)
 {
 	int fds[] = {pads->inotify_fd, pads->wake_fd, pads->hub.arrived_fd};
@@ -452,7 +473,7 @@ static stilb_result pads_set_up(stilb_input_pads *pads, const stilb_input_pads_d
 	}
 	pads->roots = (input_roots){.sys = pads->root_texts, .dev = pads->root_texts + strlen(sys) + 1};
 	pads->backend = desc->backend == STILB_INPUT_BACKEND_HIDAPI ? &input_backend_hidapi : &input_backend_hidraw;
-	pads->ring_bytes = 16384; /* at least: some of the longest reports */
+	pads->ring_bytes = 16384; /* the least: room for several of the longest reports */
 	while (pads->ring_bytes < 1024 * (uint64_t)(desc->ring_kib > 0 ? desc->ring_kib : 256))
 		pads->ring_bytes *= 2;
 	pads->inotify_fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);
@@ -473,9 +494,11 @@ static stilb_result pads_set_up(stilb_input_pads *pads, const stilb_input_pads_d
 
 stilb_result stilb_input_pads_create(const stilb_input_pads_desc *desc, stilb_input_pads **pads)
 {
+	STILB_ASSERT(desc && pads && desc->backend <= STILB_INPUT_BACKEND_HIDAPI);
 	*pads = calloc(1, sizeof **pads);
 	if (!*pads)
 		return stilb_fail(STILB_ERROR_MEMORY, "gamepads: out of memory");
+	stilb_owner_take(&(*pads)->owner);
 	(*pads)->inotify_fd = (*pads)->wake_fd = (*pads)->hub.arrived_fd = -1;
 	stilb_result result = pads_set_up(*pads, desc);
 	if (result != STILB_OK) {
@@ -489,6 +512,7 @@ void stilb_input_pads_destroy(stilb_input_pads *pads)
 {
 	if (!pads)
 		return;
+	STILB_ASSERT_OWNER(pads->owner);
 	__atomic_store_n(&pads->stop, 1, __ATOMIC_RELEASE); /* pairs with pads_watch */
 	eventfd_write(pads->wake_fd, 1);
 	pthread_join(pads->watcher, NULL);
@@ -497,6 +521,7 @@ void stilb_input_pads_destroy(stilb_input_pads *pads)
 
 const char *stilb_input_udev_rule(const stilb_input_pad_info *info, char *text, size_t size)
 {
+	STILB_ASSERT(info && text && size > 0);
 	/* The kernel names a HID device bus:vendor:product.instance, in upper-case hexadecimal, on every bus. */
 	snprintf(text, size, "KERNEL==\"hidraw*\", KERNELS==\"*:%04X:%04X.*\", MODE=\"0660\", TAG+=\"uaccess\"",
 	         info->vendor, info->product);

@@ -10,9 +10,9 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#define READER_RUMBLE_US 30000 /* between two output reports: faster ones wedge pads, xpadneo's issue 303 */
-#define READER_REPEAT_US 40000 /* a Switch pad stops by itself: SDL tells it as often as this, hid-nintendo in 50 ms */
-#define READER_LATE_MS 5       /* how often a report that found no room tries again */
+#define READER_RUMBLE_US 30000 /* least time between two output reports; faster ones hang pads: xpadneo, issue 303 */
+#define READER_REPEAT_US 40000 /* a Switch pad stops by itself; SDL repeats every 40 ms, hid-nintendo every 50 ms */
+#define READER_LATE_MS 5       /* time after which a report that did not fit into the ring tries again */
 
 STILB_PROF_FLOW(reader_flow, "pad report", 0x4fa3d1);
 
@@ -20,15 +20,16 @@ STILB_PROF_FLOW(reader_flow, "pad report", 0x4fa3d1);
 
 void input_hub_tell(input_hub *hub)
 {
-	/* A read-modify-write that changes nothing: it stands before or after the exchange in stilb_input_pads_wait.
-	 * Before: release, that one sees what has come. After: acquire, this one sees that somebody waits. */
+	/* A read-modify-write that changes nothing, so that it is ordered with the exchange in stilb_input_pads_wait. If it comes
+	 * first, its release and the exchange's acquire make the event visible to the waiter. If it comes second, it reads that
+	 * somebody waits. */
 	if (__atomic_fetch_or(&hub->waiting, 0, __ATOMIC_ACQ_REL) != 0)
 		eventfd_write(hub->arrived_fd, 1);
 }
 
 static void hub_count(uint64_t *count)
 {
-	__atomic_fetch_add(count, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	__atomic_fetch_add(count, 1, __ATOMIC_RELAXED); /* no other data depends on it */
 }
 
 int64_t input_now_us(void)
@@ -51,17 +52,19 @@ int input_thread_create(pthread_t *thread, void *(*run)(void *), void *user)
 
 static bool reader_stops(const input_reader *reader)
 {
-	return __atomic_load_n(&reader->stop, __ATOMIC_RELAXED) != 0; /* nothing goes with it */
+	return __atomic_load_n(&reader->stop, __ATOMIC_RELAXED) != 0; /* no other data goes with it */
 }
 
 void input_reader_stop(input_reader *reader)
 {
-	__atomic_store_n(&reader->stop, 1, __ATOMIC_RELAXED); /* nothing goes with it */
+	STILB_ASSERT(!reader->denied && "there is a thread");
+	__atomic_store_n(&reader->stop, 1, __ATOMIC_RELAXED); /* no other data goes with it */
 	eventfd_write(reader->wake_fd, 1);
 }
 
 void input_reader_end(input_reader *reader, int64_t time_us)
 {
+	STILB_ASSERT(!input_reader_has_ended(reader) && "a pad goes once");
 	reader->ended_us = time_us;
 	__atomic_store_n(&reader->ended, 1, __ATOMIC_RELEASE); /* pairs with input_reader_has_ended */
 	hub_count(&reader->hub->stats.removed);
@@ -73,85 +76,87 @@ bool input_reader_has_ended(const input_reader *reader)
 	return __atomic_load_n(&reader->ended, __ATOMIC_ACQUIRE) != 0; /* pairs with input_reader_end */
 }
 
-/* ---- shaking ----------------------------------------------------------------------------------------------------- */
+/* ---- the motors ---------------------------------------------------------------------------------------------------- */
 
-/* A word: 1 << 63, and 16 bits each for the two motors and the milliseconds. */
-void input_reader_shake(input_reader *reader, float heavy, float light, uint32_t duration_ms)
+/* The word is bit 63, so that it is never 0, and 16 bits each of heavy, light and milliseconds. */
+void input_reader_rumble(input_reader *reader, float heavy, float light, uint32_t duration_ms)
 {
+	STILB_ASSERT(heavy >= 0.0f && heavy <= 1.0f && light >= 0.0f && light <= 1.0f && duration_ms <= UINT16_MAX);
 	uint64_t motors[2] = {(uint64_t)(heavy * 65535.0f + 0.5f), (uint64_t)(light * 65535.0f + 0.5f)};
-	/* Relaxed: the word is all there is. */
+	/* Relaxed: the word is all the data; taken by motors_fetch. */
 	__atomic_store_n(&reader->rumble, UINT64_C(1) << 63 | motors[0] << 32 | motors[1] << 16 | duration_ms,
 	                 __ATOMIC_RELAXED);
 	eventfd_write(reader->wake_fd, 1);
 }
 
-static void reader_shake_fetch(input_reader *reader, int64_t now_us)
+static void motors_fetch(input_reader *reader, int64_t now_us)
 {
-	uint64_t word = __atomic_exchange_n(&reader->rumble, 0, __ATOMIC_RELAXED); /* the word is all there is */
+	uint64_t word =
+		__atomic_exchange_n(&reader->rumble, 0, __ATOMIC_RELAXED); /* of input_reader_rumble; no other data */
 	if (word == 0)
 		return;
-	reader->shake.heavy = (float)(word >> 32 & 0xffff) / 65535.0f;
-	reader->shake.light = (float)(word >> 16 & 0xffff) / 65535.0f;
-	reader->shake.until_us = now_us + 1000 * (int64_t)(word & 0xffff);
-	reader->shake.is_new = true;
+	reader->motors.heavy = (float)(word >> 32 & 0xffff) / 65535.0f;
+	reader->motors.light = (float)(word >> 16 & 0xffff) / 65535.0f;
+	reader->motors.until_us = now_us + 1000 * (int64_t)(word & 0xffff);
+	reader->motors.is_new = true;
 }
 
-static void reader_shake_write(input_reader *reader)
+static void motors_write(input_reader *reader)
 {
 	uint8_t report[STILB_INPUT_OUTPUT_MAX];
-	size_t size = stilb_input_rumble_report(&reader->layout, reader->shake.heavy, reader->shake.light,
-	                                        reader->shake.sequence, report);
-	reader->shake.is_new = false;
+	size_t size = stilb_input_rumble_report(&reader->layout, reader->motors.heavy, reader->motors.light,
+	                                        reader->motors.sequence, report);
+	reader->motors.is_new = false;
 	if (size == 0)
 		return;
 	PROFILE("pad rumble");
-	reader->shake.sequence++;
-	reader->shake.moves = reader->shake.heavy > 0.0f || reader->shake.light > 0.0f;
+	reader->motors.sequence++;
+	reader->motors.moves = reader->motors.heavy > 0.0f || reader->motors.light > 0.0f;
 	if (reader->device.backend->write(&reader->device, report, size) >= 0)
 		hub_count(&reader->hub->stats.written);
-	reader->shake.written_us = input_now_us();
+	reader->motors.written_us = input_now_us();
 }
 
-/* When the next report is to be written, INT64_MAX: there is none. */
-static int64_t reader_shake_due(const input_reader *reader)
+/* Time at which the next report is to be written; INT64_MAX: there is none. */
+static int64_t motors_due(const input_reader *reader)
 {
-	bool repeats = reader->layout.rumble == STILB_INPUT_RUMBLE_SWITCH && reader->shake.until_us != 0;
-	if (reader->shake.is_new)
-		return reader->shake.written_us + READER_RUMBLE_US;
-	return repeats ? reader->shake.written_us + READER_REPEAT_US : INT64_MAX;
+	bool repeats = reader->layout.rumble == STILB_INPUT_RUMBLE_SWITCH && reader->motors.until_us != 0;
+	if (reader->motors.is_new)
+		return reader->motors.written_us + READER_RUMBLE_US;
+	return repeats ? reader->motors.written_us + READER_REPEAT_US : INT64_MAX;
 }
 
-/* Writes what is due. Returns when to come again, or INT64_MAX. */
-static int64_t reader_shake(input_reader *reader, int64_t now_us)
+/* Writes a report if one is due. Returns the time of the next call; INT64_MAX: none is needed. */
+static int64_t motors_update(input_reader *reader, int64_t now_us)
 {
-	reader_shake_fetch(reader, now_us);
-	if (reader->shake.until_us != 0 && now_us >= reader->shake.until_us) {
-		reader->shake.heavy = reader->shake.light = 0;
-		reader->shake.until_us = 0;
-		reader->shake.is_new = true;
+	motors_fetch(reader, now_us);
+	if (reader->motors.until_us != 0 && now_us >= reader->motors.until_us) {
+		reader->motors.heavy = reader->motors.light = 0;
+		reader->motors.until_us = 0;
+		reader->motors.is_new = true;
 	}
-	if (now_us >= reader_shake_due(reader))
-		reader_shake_write(reader);
-	int64_t due_us = reader_shake_due(reader);
-	int64_t until_us = reader->shake.until_us != 0 ? reader->shake.until_us : INT64_MAX;
+	if (now_us >= motors_due(reader))
+		motors_write(reader);
+	int64_t due_us = motors_due(reader);
+	int64_t until_us = reader->motors.until_us != 0 ? reader->motors.until_us : INT64_MAX;
 	return due_us < until_us ? due_us : until_us;
 }
 
-/* It does not go on for ever, with nobody there to stop it. */
-static void reader_shake_end(input_reader *reader)
+/* Turns the motors off before the pad is closed: some pads would go on for ever. */
+static void motors_stop(input_reader *reader)
 {
-	int64_t wait_us = reader->shake.written_us + READER_RUMBLE_US - input_now_us();
-	if (!reader->shake.moves)
+	int64_t wait_us = reader->motors.written_us + READER_RUMBLE_US - input_now_us();
+	if (!reader->motors.moves)
 		return;
 	if (wait_us > 0)
 		usleep((useconds_t)wait_us);
-	reader->shake.heavy = reader->shake.light = 0;
-	reader_shake_write(reader);
+	reader->motors.heavy = reader->motors.light = 0;
+	motors_write(reader);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* Waits that long, or until it is told to end. */
+/* Waits ms milliseconds, or until the reader is told to stop. */
 static void reader_pause(const input_reader *reader, int ms)
 {
 	int64_t until_us = input_now_us() + 1000 * (int64_t)ms;
@@ -159,12 +164,12 @@ static void reader_pause(const input_reader *reader, int ms)
 		struct pollfd wake = {.fd = reader->wake_fd, .events = POLLIN};
 		eventfd_t woken;
 		poll(&wake, 1, left_ms);
-		eventfd_read(reader->wake_fd, &woken); /* what else it is woken for is looked at afterwards */
+		eventfd_read(reader->wake_fd, &woken); /* other reasons to wake are dealt with by reader_loop */
 		left_ms = (int)((until_us - input_now_us() + 999) / 1000);
 	}
 }
 
-/* What a pad does not answer is its own affair: it is read all the same. */
+/* Sends what the layout wants said at first. A pad that does not answer is read all the same. */
 static void reader_hello(input_reader *reader)
 {
 	PROFILE("pad hello");
@@ -174,7 +179,7 @@ static void reader_hello(input_reader *reader)
 		uint8_t answer[sizeof hello->bytes];
 		if (hello->kind == STILB_INPUT_HELLO_END)
 			return;
-		STILB_ASSERT(hello->size <= sizeof answer);
+		STILB_ASSERT(hello->size >= 1 && hello->size <= sizeof answer);
 		memcpy(answer, hello->bytes, sizeof answer);
 		if (hello->kind == STILB_INPUT_HELLO_GET_FEATURE)
 			backend->get_feature(&reader->device, answer, hello->size);
@@ -184,7 +189,7 @@ static void reader_hello(input_reader *reader)
 	}
 }
 
-/* Gives the report that found no room to the ring, if it finds room now. */
+/* Moves the report that did not fit into the ring there if it fits now. */
 static void reader_retry(input_reader *reader)
 {
 	input_late *late = &reader->late;
@@ -194,11 +199,13 @@ static void reader_retry(input_reader *reader)
 	}
 }
 
-/* Reports are lost only where the ring was full, and then not the newest one: it tells where the sticks are now. One
- * that finds no room has an arrow without an end. */
+/* Stores a report for the frame. If the ring is full, the newest report is kept aside, because it has the present position
+ * of the sticks, and the one kept aside before is lost. The profiler's arrow of a report that did not fit has no end. */
 static void reader_keep(input_reader *reader, int64_t now_us, const uint8_t *report, uint32_t size)
 {
 	PROFILE("pad report");
+	STILB_ASSERT_OWNER(reader->owner);
+	STILB_ASSERT(size >= 1 && size <= sizeof reader->late.bytes);
 	hub_count(&reader->hub->stats.reports);
 	reader_retry(reader);
 	if (reader->late.size == 0 &&
@@ -213,22 +220,23 @@ static void reader_keep(input_reader *reader, int64_t now_us, const uint8_t *rep
 	memcpy(reader->late.bytes, report, size);
 }
 
-static int reader_timeout_ms(const input_reader *reader, int64_t now_us, int64_t shake_us)
+/* Milliseconds to wait for a report, rounded up; -1: without limit. */
+static int reader_timeout_ms(const input_reader *reader, int64_t now_us, int64_t motors_us)
 {
-	int64_t wait_us = shake_us == INT64_MAX ? -1 : shake_us > now_us ? shake_us - now_us : 0;
+	int64_t wait_us = motors_us == INT64_MAX ? -1 : motors_us > now_us ? motors_us - now_us : 0;
 	if (reader->late.size > 0 && (wait_us < 0 || wait_us > 1000 * READER_LATE_MS))
 		wait_us = 1000 * READER_LATE_MS;
 	return wait_us < 0 ? -1 : (int)((wait_us + 999) / 1000);
 }
 
-/* Until the pad is gone, or it is told to end. */
+/* Reads until the pad is unplugged or the reader is told to stop. */
 static void reader_loop(input_reader *reader)
 {
 	uint8_t report[STILB_INPUT_REPORT_MAX];
 	while (!reader_stops(reader)) {
 		int64_t before_us = input_now_us();
-		int64_t shake_us = reader_shake(reader, before_us);
-		int timeout_ms = reader_timeout_ms(reader, before_us, shake_us);
+		int64_t motors_us = motors_update(reader, before_us);
+		int timeout_ms = reader_timeout_ms(reader, before_us, motors_us);
 		int size = reader->device.backend->read(&reader->device, reader->wake_fd, timeout_ms, report, sizeof report);
 		if (size < 0)
 			return;
@@ -240,22 +248,23 @@ static void reader_loop(input_reader *reader)
 			reader_retry(reader);
 		}
 	}
-	reader_shake_end(reader);
+	motors_stop(reader);
 }
 
 static void *reader_run(void *user)
 {
 	input_reader *reader = user;
+	stilb_owner_take(&reader->owner);
 	const char *node = strrchr(reader->info.path, '/') + 1;
 	char name[80];
 	snprintf(name, sizeof name, "pad %s", node);
 	stilb_prof_thread_begin(name);
-	name[15] = '\0'; /* what the kernel takes */
+	name[15] = '\0'; /* the kernel's names have at most 15 characters */
 	pthread_setname_np(pthread_self(), name);
 	reader_hello(reader);
 	reader_loop(reader);
-	/* Before the node is closed: then the kernel may give its name to the next pad, and the watcher must know that this
-	 * one has ended. */
+	/* Before the node is closed, because from then on the kernel may give its name to the next pad, and by then the watcher
+	 * must know that this one has ended. */
 	input_reader_end(reader, input_now_us());
 	reader->device.backend->close(&reader->device);
 	stilb_prof_thread_end();
@@ -266,6 +275,7 @@ static void *reader_run(void *user)
 
 int input_reader_create(input_hub *hub, input_reader **reader)
 {
+	STILB_ASSERT(hub && reader);
 	*reader = stilb_memory_alloc(1, sizeof **reader);
 	if (!*reader)
 		return -ENOMEM;
@@ -279,6 +289,7 @@ void input_reader_destroy(input_reader *reader)
 {
 	if (!reader)
 		return;
+	STILB_ASSERT((!reader->announced || reader->denied || input_reader_has_ended(reader)) && "nobody reads it");
 	input_ring_finish(&reader->ring);
 	if (reader->wake_fd >= 0)
 		close(reader->wake_fd);
@@ -287,6 +298,7 @@ void input_reader_destroy(input_reader *reader)
 
 int input_reader_start(input_reader *reader, uint64_t ring_bytes)
 {
+	STILB_ASSERT(reader->device.backend && !reader->denied && reader->number != 0);
 	int error = input_ring_init(&reader->ring, ring_bytes, STILB_INPUT_REPORT_MAX);
 	if (error == 0 && (reader->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) < 0)
 		error = -errno;
@@ -307,7 +319,7 @@ bool input_reader_peek(const input_reader *reader, stilb_input_event *event)
 		event->time_us = reader->added_us;
 		return true;
 	}
-	bool has_ended = input_reader_has_ended(reader); /* before looking: what came before the end is seen */
+	bool has_ended = input_reader_has_ended(reader); /* before the ring is read: the last reports are then in it */
 	const input_record *record = reader->denied ? NULL : input_ring_peek(&reader->ring);
 	if (record) {
 		event->kind = STILB_INPUT_PAD_REPORT;
@@ -328,6 +340,7 @@ bool input_reader_peek(const input_reader *reader, stilb_input_event *event)
 
 void input_reader_take(input_reader *reader, stilb_input_event_kind kind)
 {
+	STILB_ASSERT(reader->announced == (kind == STILB_INPUT_PAD_REPORT || kind == STILB_INPUT_PAD_REMOVED));
 	reader->announced = true;
 	if (kind != STILB_INPUT_PAD_REPORT)
 		return;
@@ -336,7 +349,7 @@ void input_reader_take(input_reader *reader, stilb_input_event_kind kind)
 		reader->late.size = 0;
 		return;
 	}
-	/* Short: what runs where an arrow ends counts for the frame in which it began. */
+	/* A short zone: the profiler counts the zone in which an arrow ends for the frame in which the arrow began. */
 	PROFILE("pad report");
 	stilb_prof_flow_end(reader_flow, record->flow);
 	input_ring_pop(&reader->ring);

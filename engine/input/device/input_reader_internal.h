@@ -1,16 +1,17 @@
 /*
- * input_reader: one pad that is plugged in: the thread that reads it and writes to it, and what the frame sees of it.
+ * input_reader: one pad that is plugged in: the thread that reads and writes it, and the frame's side of its events.
  *
- *   watcher   create, start or deny -> (it lives) -> join, destroy
- *   reader    says hello, stamps reports, shakes the pad, ends when the pad is pulled or when it is told to
- *   frame     peek, take -> until the pad's REMOVED was taken; from then on it is the watcher's again
+ *   watcher   create, then start (or denied) -> the reader lives -> join, destroy
+ *   reader    sends the hello, stamps reports, rumbles; ends when the pad is unplugged or it is told to
+ *   frame     peek, take -> until the pad's REMOVED was taken; from then on the reader is the watcher's again
  *
- * Who tells whom. Reports go through the ring. The rest is a word each: stop, rumble (frame or watcher -> reader, who
- * is woken by wake_fd), ended (reader -> frame and watcher).
+ * Between threads.  Reports go through the ring. Everything else is one atomic word each: stop and rumble (frame or watcher
+ *                   to reader, which is woken by wake_fd), ended (reader to frame and watcher).
  */
 #ifndef STILB_INPUT_READER_INTERNAL_H
 #define STILB_INPUT_READER_INTERNAL_H
 
+#include "base/base_contract.h"
 #include "input/device/input_device_internal.h"
 #include "input/device/input_pads.h"
 #include "input/device/input_ring_internal.h"
@@ -18,24 +19,25 @@
 
 #include <pthread.h>
 
-/* What all readers of one stilb_input_pads share. */
+/* Shared by all readers of one stilb_input_pads. */
 typedef struct input_hub {
-	int arrived_fd;   /* an eventfd, written for whoever waits */
-	uint32_t waiting; /* somebody does */
-	/* Counts since create: atomic, relaxed, as nothing depends on them. */
+	int arrived_fd;   /* an eventfd that wakes stilb_input_pads_wait */
+	uint32_t waiting; /* 1 while somebody is in stilb_input_pads_wait */
+	/* Counts since create: atomic, relaxed, because no other data depends on them. */
 	stilb_input_pads_stats stats;
 } input_hub;
 
-/* To be called after events have come, or after anything else that is waited for. */
+/* Wakes stilb_input_pads_wait if somebody is in it: to be called after an event was published. [any-thread] */
 void input_hub_tell(input_hub *hub);
 
-/* In microseconds: CLOCK_MONOTONIC. */
+/* CLOCK_MONOTONIC in microseconds. [any-thread] */
 int64_t input_now_us(void);
 
-/* pthread_create for a thread that takes no signals but those of its own faults. 0 or a negative errno. */
+/* pthread_create with all signals blocked but those that a fault of the thread itself raises, so that the program's signal
+ * handlers run on its own threads. 0 or a negative errno. [any-thread] */
 int input_thread_create(pthread_t *thread, void *(*run)(void *), void *user);
 
-/* The last report that found no room in the ring. */
+/* The newest report that did not fit into the ring. */
 typedef struct input_late {
 	int64_t time_us;
 	uint32_t size; /* 0: there is none */
@@ -43,63 +45,71 @@ typedef struct input_late {
 } input_late;
 
 typedef struct input_reader {
-	/* Set up before the frame sees it, unchanged until it is destroyed. */
+	/* Set up before the frame sees the reader, then unchanged until it is destroyed. */
 	input_hub *hub;
 	uint32_t number;
-	bool denied; /* has no device and no thread */
+	bool denied; /* no permission: there is no device and no thread */
 	int64_t added_us;
 	stilb_input_pad_info info;
 	stilb_input_layout layout;
-	int wake_fd; /* an eventfd; -1 where denied */
+	int wake_fd; /* an eventfd; -1 if denied */
 	pthread_t thread;
 
-	/* Between threads: as said where they are used. */
+	/* Atomic; each use says order and partner. */
 	input_ring ring;
 	uint32_t stop;
 	uint32_t ended;
-	uint64_t rumble; /* 0: nothing new is wanted */
+	uint64_t rumble; /* the newest request; 0: none since the last one was taken */
 
-	/* The reader's, and once it has ended the frame's. */
+	/* The reader thread's, and once it has ended the frame's. */
 	input_late late;
 	int64_t ended_us;
 
-	/* The reader's own. */
+	/* The reader thread's own. */
+	stilb_owner owner;
 	input_device device;
 	struct {
-		float heavy, light; /* what is wanted */
-		int64_t until_us;   /* then it stops; 0: it is still */
-		int64_t written_us; /* the last report */
-		bool is_new;        /* what is wanted has not been written */
-		bool moves;         /* what was written last makes it shake */
-		uint32_t sequence;
-	} shake;
+		float heavy, light; /* the strength to write */
+		int64_t until_us;   /* time at which the motors are to stop; 0: they are stopped */
+		int64_t written_us; /* time of the last report */
+		bool is_new;        /* heavy and light were not written yet */
+		bool moves;         /* the last report turned a motor on */
+		uint32_t sequence;  /* reports written */
+	} motors;
 
 	/* The frame's own. */
 	bool announced;            /* ADDED or DENIED was taken */
-	struct input_reader *next; /* in the list of those that it is done with */
+	struct input_reader *next; /* in stilb_input_pads.returned */
 } input_reader;
 
-/* *reader has its layout and hub; the rest is to be filled. -ENOMEM. */
+/* Allocates a reader of the hub, all else zero. -ENOMEM: *reader is then NULL. [one-writer], the watcher */
 int input_reader_create(input_hub *hub, input_reader **reader);
 
-/* Of one that has no thread, or whose thread was joined. NULL is fine. */
+/* Frees a reader that has no thread, or whose thread was joined. NULL is allowed. [one-writer], the watcher */
 void input_reader_destroy(input_reader *reader);
 
-/* Begins to read reader->device, which is the reader's from here on, also after an error. 0 or a negative errno. */
+/* Starts the thread that reads reader->device, which is closed by the thread, or here after an error. 0 or a negative
+ * errno. [one-writer], the watcher */
 int input_reader_start(input_reader *reader, uint64_t ring_bytes);
 
-/* Asks the thread to end; stops what shakes first. */
+/* Tells the thread to stop the motors and end; does not wait for it. [any-thread] */
 void input_reader_stop(input_reader *reader);
 
-/* The pad is gone: nothing comes after what was there. */
+/* The pad is gone at time_us: after the reports that are in the ring REMOVED follows. Once for each reader; by its own
+ * thread, or by the watcher if it was denied. */
 void input_reader_end(input_reader *reader, int64_t time_us);
+
+/* [any-thread] */
 bool input_reader_has_ended(const input_reader *reader);
 
-/* heavy and light are 0..1. [one-writer], the frame */
-void input_reader_shake(input_reader *reader, float heavy, float light, uint32_t duration_ms);
+/* Asks for strengths heavy and light, both 0..1, for duration_ms <= 65535; replaces what was asked for and not done yet.
+ * [one-writer], the frame */
+void input_reader_rumble(input_reader *reader, float heavy, float light, uint32_t duration_ms);
 
-/* The oldest event that was not taken yet; false: none. What it points to stays until then. [one-writer], the frame */
+/* The oldest event that was not taken; false: there is none. It is valid until it is taken. [one-writer], the frame */
 bool input_reader_peek(const input_reader *reader, stilb_input_event *event);
+
+/* Removes the event that peek gave, which was of this kind. [one-writer], the frame */
 void input_reader_take(input_reader *reader, stilb_input_event_kind kind);
 
 #endif

@@ -5,20 +5,26 @@
 #include <string.h>
 
 /*
- * A record lies in one piece: one that begins before the memory's end may reach beyond capacity, into a margin as long
- * as the longest record. As at most `capacity` bytes of positions are in use, only one record can reach there at a
- * time, and the places that it leaves out at the memory's beginning are nobody's.
+ * A record is contiguous: one that begins before the end of the capacity continues beyond it, into a margin as long as the
+ * longest record, instead of wrapping to the beginning. At most `capacity` positions are in use, so only one record at a
+ * time can be in the margin, and the bytes at the beginning of the memory that belong to its positions stay unused.
  *
- *   reader   writes the record, then publishes head
- *   frame    reads the record, then publishes tail
+ *   producer   writes the record, then publishes head
+ *   consumer   reads the record, then publishes tail
  *
- * All other memory is plain: what one side reads of it was written before the other published.
+ * All other memory is not atomic: what one side reads of it the other wrote before it published.
  */
 
-/* What a record takes: the next one is aligned as well. */
+/* Bytes that a record takes, rounded up so that the next one is aligned too. */
 static uint64_t ring_length(uint32_t size)
 {
 	return (sizeof(input_record) + size + 7) & ~UINT64_C(7);
+}
+
+/* For STILB_CHECK, on either side: positions are aligned, and no more is in use than there is. */
+static bool ring_is_sound(const input_ring *ring, uint64_t head, uint64_t tail)
+{
+	return ring->memory && head - tail <= ring->capacity && head % 8 == 0 && tail % 8 == 0;
 }
 
 static input_record *ring_at(const input_ring *ring, uint64_t position)
@@ -29,7 +35,8 @@ static input_record *ring_at(const input_ring *ring, uint64_t position)
 int input_ring_init(input_ring *ring, uint64_t capacity, uint32_t record_max)
 {
 	STILB_ASSERT((capacity & (capacity - 1)) == 0 && capacity >= 2 * ring_length(record_max));
-	*ring = (input_ring){.memory = malloc(capacity + ring_length(record_max)), .capacity = capacity};
+	*ring = (input_ring){
+		.memory = malloc(capacity + ring_length(record_max)), .capacity = capacity, .record_max = record_max};
 	return ring->memory ? 0 : -ENOMEM;
 }
 
@@ -41,7 +48,9 @@ void input_ring_finish(input_ring *ring)
 
 bool input_ring_push(input_ring *ring, int64_t time_us, uint64_t flow, const uint8_t *bytes, uint32_t size)
 {
+	STILB_ASSERT(size <= ring->record_max && (bytes || size == 0));
 	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED); /* written by this thread alone */
+	STILB_CHECK(ring_is_sound(ring, head, ring->tail_seen));
 	uint64_t end = head + ring_length(size);
 	if (end - ring->tail_seen > ring->capacity)
 		ring->tail_seen = __atomic_load_n(&ring->tail, __ATOMIC_ACQUIRE); /* pairs with input_ring_pop */
@@ -59,13 +68,16 @@ bool input_ring_push(input_ring *ring, int64_t time_us, uint64_t flow, const uin
 const input_record *input_ring_peek(const input_ring *ring)
 {
 	uint64_t tail = __atomic_load_n(&ring->tail, __ATOMIC_RELAXED); /* written by this thread alone */
-	/* Acquire: pairs with input_ring_push. */
-	return __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE) != tail ? ring_at(ring, tail) : NULL;
+	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE); /* pairs with input_ring_push */
+	STILB_CHECK(ring_is_sound(ring, head, tail));
+	return head != tail ? ring_at(ring, tail) : NULL;
 }
 
 void input_ring_pop(input_ring *ring)
 {
 	uint64_t tail = __atomic_load_n(&ring->tail, __ATOMIC_RELAXED); /* written by this thread alone */
-	/* Release: pairs with input_ring_push, which writes to the record's place only now. */
+	/* Relaxed: only compared; input_ring_peek has acquired the record. */
+	STILB_ASSERT(__atomic_load_n(&ring->head, __ATOMIC_RELAXED) != tail && "there is a record to remove");
+	/* Release: pairs with input_ring_push, which may overwrite the record from here on. */
 	__atomic_store_n(&ring->tail, tail + ring_length(ring_at(ring, tail)->size), __ATOMIC_RELEASE);
 }

@@ -1,8 +1,9 @@
 /*
- * input_ring: reports on their way from the thread that reads a pad to the frame: a queue of records of any size in a
- * piece of memory of fixed size. It waits for nothing: a push that finds no room says so.
+ * input_ring: the queue of reports from the thread that reads a pad (the producer) to the frame (the consumer): records of
+ * varying size in memory of fixed size, single producer, single consumer, wait-free. A push into a full ring fails.
  *
  * Life cycle.  init -> push by one thread, peek and pop by one other -> finish when both are done.
+ * Threads.     init and finish while nobody else uses the ring; the others as each one says.
  */
 #ifndef STILB_INPUT_RING_INTERNAL_H
 #define STILB_INPUT_RING_INTERNAL_H
@@ -11,29 +12,33 @@
 
 typedef struct input_record {
 	int64_t time_us;
-	uint64_t flow; /* the profiler's number of its arrow to the frame; 0: none */
-	uint32_t size; /* of the bytes */
+	uint64_t flow; /* the profiler's id of the arrow to the frame that takes it; 0: none */
+	uint32_t size; /* bytes */
 	uint8_t bytes[];
 } input_record;
 
-/* Positions count bytes since the start; a position's place in memory is its remainder by capacity. */
+/* Positions count bytes since init; position p is at memory[p % capacity]. head - tail bytes are in use. */
 typedef struct input_ring {
 	uint8_t *memory;
-	uint64_t capacity;                        /* a power of two */
-	_Alignas(STILB_CACHE_LINE) uint64_t head; /* written by the reader: where the next record goes */
-	uint64_t tail_seen;                       /* the reader's own: tail, when it last looked */
-	_Alignas(STILB_CACHE_LINE) uint64_t tail; /* written by the frame: the oldest record */
+	uint64_t capacity;                        /* bytes, a power of two */
+	uint32_t record_max;                      /* bytes of the longest record */
+	_Alignas(STILB_CACHE_LINE) uint64_t head; /* written by the producer: position of the next record */
+	uint64_t tail_seen;                       /* the producer's own: tail, as it last read it */
+	_Alignas(STILB_CACHE_LINE) uint64_t tail; /* written by the consumer: position of the oldest record */
 } input_ring;
 
-/* For records of up to record_max bytes, several of which fit. -ENOMEM. */
+/* For records of up to record_max bytes. capacity is a power of two, enough for two of the longest records. -ENOMEM. */
 int input_ring_init(input_ring *ring, uint64_t capacity, uint32_t record_max);
 void input_ring_finish(input_ring *ring);
 
-/* False: there is no room, and nothing has changed. [one-writer], the reader */
+/* Appends a record; false: there is no room, and nothing has changed. Asserts size <= record_max. [one-writer], the
+ * producer */
 bool input_ring_push(input_ring *ring, int64_t time_us, uint64_t flow, const uint8_t *bytes, uint32_t size);
 
-/* The oldest record, NULL: there is none. It stays as it is until it is popped. [one-writer], the frame */
+/* The oldest record, or NULL; it is valid until it is popped. [one-writer], the consumer */
 const input_record *input_ring_peek(const input_ring *ring);
+
+/* Removes the oldest record; asserts that there is one. [one-writer], the consumer */
 void input_ring_pop(input_ring *ring);
 
 #endif
