@@ -1,27 +1,32 @@
 #include "window/window.h"
 
-#include "window/window_display.h"
+#include "base/base_contract.h"
+#include "window/window_display_internal.h"
 
 #define GLFW_INCLUDE_VULKAN /* for glfwCreateWindowSurface; nothing else of Vulkan is used here */
 #include <GLFW/glfw3.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define WINDOW_SIZE_MAX 16384u /* pixels a side: the largest picture of common GPUs */
+
 struct stilb_window {
+	stilb_owner owner;
 	GLFWwindow *handle;
 	uint8_t pressed[STILB_WINDOW_KEY_COUNT], repeated[STILB_WINDOW_KEY_COUNT]; /* since the last poll */
 	uint8_t clicks;
 	float wheel;
 	bool focused;
-	bool capturing; /* the right button captures */
+	bool capturing; /* pressing the right button captures the mouse */
 	bool captured;
-	bool fresh; /* captured since the last poll: the pointer jumped, its way does not count */
-	double x, y;
+	bool fresh;  /* captured since the last poll: capturing moves the pointer, which is no movement of the mouse */
+	double x, y; /* of the pointer at the last poll */
 };
 
-/* GLFW reports errors through one callback; the last text is what a message can quote. [main-thread] */
+/* The text of GLFW's last error, for messages: GLFW reports errors through one callback. [main-thread] */
 static char window_error[512];
 
 static void window_on_error(int code, const char *text)
@@ -30,58 +35,52 @@ static void window_on_error(int code, const char *text)
 	snprintf(window_error, sizeof window_error, "%s", text);
 }
 
-/* The key of ours for a key of GLFW's; STILB_WINDOW_KEY_COUNT for the rest. */
-static stilb_window_key window_key(int key)
+/* GLFW's key and ours; several of GLFW's may be one of ours. */
+static const struct {
+	int glfw;
+	stilb_window_key key;
+} window_keys[] = {
+	{GLFW_KEY_W, STILB_WINDOW_KEY_W},
+	{GLFW_KEY_A, STILB_WINDOW_KEY_A},
+	{GLFW_KEY_S, STILB_WINDOW_KEY_S},
+	{GLFW_KEY_D, STILB_WINDOW_KEY_D},
+	{GLFW_KEY_Q, STILB_WINDOW_KEY_Q},
+	{GLFW_KEY_E, STILB_WINDOW_KEY_E},
+	{GLFW_KEY_P, STILB_WINDOW_KEY_P},
+	{GLFW_KEY_V, STILB_WINDOW_KEY_V},
+	{GLFW_KEY_F1, STILB_WINDOW_KEY_F1},
+	{GLFW_KEY_F2, STILB_WINDOW_KEY_F2},
+	{GLFW_KEY_F12, STILB_WINDOW_KEY_F12},
+	{GLFW_KEY_LEFT_SHIFT, STILB_WINDOW_KEY_SHIFT},
+	{GLFW_KEY_RIGHT_SHIFT, STILB_WINDOW_KEY_SHIFT},
+	{GLFW_KEY_LEFT_CONTROL, STILB_WINDOW_KEY_CONTROL},
+	{GLFW_KEY_RIGHT_CONTROL, STILB_WINDOW_KEY_CONTROL},
+	{GLFW_KEY_SPACE, STILB_WINDOW_KEY_SPACE},
+	{GLFW_KEY_TAB, STILB_WINDOW_KEY_TAB},
+	{GLFW_KEY_ENTER, STILB_WINDOW_KEY_ENTER},
+	{GLFW_KEY_KP_ENTER, STILB_WINDOW_KEY_ENTER},
+	{GLFW_KEY_LEFT, STILB_WINDOW_KEY_LEFT},
+	{GLFW_KEY_RIGHT, STILB_WINDOW_KEY_RIGHT},
+	{GLFW_KEY_UP, STILB_WINDOW_KEY_UP},
+	{GLFW_KEY_DOWN, STILB_WINDOW_KEY_DOWN},
+	{GLFW_KEY_ESCAPE, STILB_WINDOW_KEY_ESCAPE},
+};
+#define WINDOW_KEYS (sizeof window_keys / sizeof *window_keys)
+
+/* STILB_WINDOW_KEY_COUNT: it is none of ours. */
+static stilb_window_key window_key(int glfw)
 {
-	switch (key) {
-	case GLFW_KEY_W:
-		return STILB_WINDOW_KEY_W;
-	case GLFW_KEY_A:
-		return STILB_WINDOW_KEY_A;
-	case GLFW_KEY_S:
-		return STILB_WINDOW_KEY_S;
-	case GLFW_KEY_D:
-		return STILB_WINDOW_KEY_D;
-	case GLFW_KEY_Q:
-		return STILB_WINDOW_KEY_Q;
-	case GLFW_KEY_E:
-		return STILB_WINDOW_KEY_E;
-	case GLFW_KEY_P:
-		return STILB_WINDOW_KEY_P;
-	case GLFW_KEY_V:
-		return STILB_WINDOW_KEY_V;
-	case GLFW_KEY_F1:
-		return STILB_WINDOW_KEY_F1;
-	case GLFW_KEY_F2:
-		return STILB_WINDOW_KEY_F2;
-	case GLFW_KEY_F12:
-		return STILB_WINDOW_KEY_F12;
-	case GLFW_KEY_LEFT_SHIFT:
-	case GLFW_KEY_RIGHT_SHIFT:
-		return STILB_WINDOW_KEY_SHIFT;
-	case GLFW_KEY_LEFT_CONTROL:
-	case GLFW_KEY_RIGHT_CONTROL:
-		return STILB_WINDOW_KEY_CONTROL;
-	case GLFW_KEY_SPACE:
-		return STILB_WINDOW_KEY_SPACE;
-	case GLFW_KEY_TAB:
-		return STILB_WINDOW_KEY_TAB;
-	case GLFW_KEY_ENTER:
-	case GLFW_KEY_KP_ENTER:
-		return STILB_WINDOW_KEY_ENTER;
-	case GLFW_KEY_LEFT:
-		return STILB_WINDOW_KEY_LEFT;
-	case GLFW_KEY_RIGHT:
-		return STILB_WINDOW_KEY_RIGHT;
-	case GLFW_KEY_UP:
-		return STILB_WINDOW_KEY_UP;
-	case GLFW_KEY_DOWN:
-		return STILB_WINDOW_KEY_DOWN;
-	case GLFW_KEY_ESCAPE:
-		return STILB_WINDOW_KEY_ESCAPE;
-	default:
-		return STILB_WINDOW_KEY_COUNT;
-	}
+	for (size_t i = 0; i < WINDOW_KEYS; i++)
+		if (window_keys[i].glfw == glfw)
+			return window_keys[i].key;
+	return STILB_WINDOW_KEY_COUNT;
+}
+
+/* For STILB_CHECK. */
+static bool window_is_sound(const stilb_window *window)
+{
+	return window->handle && (!window->fresh || window->captured) && !window->repeated[STILB_WINDOW_KEY_MINUS] &&
+	       !window->repeated[STILB_WINDOW_KEY_PLUS];
 }
 
 static void window_capture(stilb_window *window, bool captured)
@@ -94,9 +93,12 @@ static void window_capture(stilb_window *window, bool captured)
 
 void stilb_window_set_capturing(stilb_window *window, bool capturing)
 {
+	STILB_ASSERT(window);
+	STILB_ASSERT_OWNER(window->owner);
 	window->capturing = capturing;
 }
 
+/* Counts up to 255. */
 static void window_count(uint8_t *count)
 {
 	*count += *count < UINT8_MAX;
@@ -114,7 +116,7 @@ static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int ac
 		window_capture(window, false);
 }
 
-/* - and + lie elsewhere on every layout: they count by what is typed. */
+/* - and + are in other positions on every layout, so the typed characters count. */
 static void window_on_character(GLFWwindow *handle, unsigned character)
 {
 	stilb_window *window = glfwGetWindowUserPointer(handle);
@@ -141,14 +143,15 @@ static void window_on_wheel(GLFWwindow *handle, double sideways, double notches)
 	window->wheel += (float)notches;
 }
 
-/* Told, not asked for: without a window manager keys also come to a window that the display server calls unfocused. */
+/* Only changes that the system reports count: without a window manager a window that glfwGetWindowAttrib calls unfocused
+ * gets keys all the same. */
 static void window_on_focus(GLFWwindow *handle, int focused)
 {
 	stilb_window *window = glfwGetWindowUserPointer(handle);
 	window->focused = focused;
 }
 
-/* What one guarded call takes and gives back. */
+/* Arguments and results of the functions that run within window_display_call. */
 typedef struct window_call {
 	stilb_window *window;
 	stilb_window_state *state;
@@ -191,6 +194,9 @@ static void window_call_create(void *data)
 
 stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **out)
 {
+	STILB_ASSERT(title && out);
+	STILB_ASSERT(width >= 1 && width <= WINDOW_SIZE_MAX && "a width in pixels");
+	STILB_ASSERT(height >= 1 && height <= WINDOW_SIZE_MAX && "a height in pixels");
 	*out = NULL;
 	snprintf(window_error, sizeof window_error, "the display has gone; start the program again");
 	if (window_display_is_lost())
@@ -213,6 +219,7 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 		free(window);
 		return window_fail("open a window");
 	}
+	stilb_owner_take(&window->owner);
 	window->focused = window->capturing = true;
 	*out = window;
 	return STILB_OK;
@@ -229,6 +236,7 @@ void stilb_window_destroy(stilb_window *window)
 {
 	if (!window)
 		return;
+	STILB_ASSERT_OWNER(window->owner);
 	window_display_call(window_call_destroy, window);
 	free(window);
 }
@@ -241,6 +249,8 @@ static void window_call_title(void *data)
 
 void stilb_window_title(stilb_window *window, const char *title)
 {
+	STILB_ASSERT(window && title);
+	STILB_ASSERT_OWNER(window->owner);
 	window_call call = {.window = window, .title = title};
 	window_display_call(window_call_title, &call);
 }
@@ -252,11 +262,8 @@ static bool window_is_down(GLFWwindow *handle, int key)
 
 static void window_read_keys(stilb_window *window, stilb_window_state *state)
 {
-	for (int key = GLFW_KEY_SPACE; key <= GLFW_KEY_LAST; key++) {
-		stilb_window_key ours = window_key(key);
-		if (ours != STILB_WINDOW_KEY_COUNT)
-			state->held[ours] |= window_is_down(window->handle, key);
-	}
+	for (size_t i = 0; i < WINDOW_KEYS; i++)
+		state->held[window_keys[i].key] |= window_is_down(window->handle, window_keys[i].glfw);
 	for (int key = 0; key < STILB_WINDOW_KEY_COUNT; key++) {
 		state->pressed[key] = window->pressed[key];
 		state->repeated[key] = window->repeated[key];
@@ -281,7 +288,8 @@ static void window_read_mouse(stilb_window *window, stilb_window_state *state)
 static void window_read_pointer(stilb_window *window, stilb_window_state *state)
 {
 	int width, height;
-	glfwGetWindowSize(window->handle, &width, &height); /* in the units of the pointer, which need not be pixels */
+	glfwGetWindowSize(window->handle, &width,
+	                  &height); /* in units of the pointer's position, which may differ from pixels */
 	state->button = glfwGetMouseButton(window->handle, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
 	state->pointer = !window->captured && (state->button || glfwGetWindowAttrib(window->handle, GLFW_HOVERED));
 	if (state->pointer && width > 0 && height > 0) {
@@ -305,6 +313,7 @@ static void window_read(stilb_window *window, stilb_window_state *state)
 	window_read_keys(window, state);
 	window_read_mouse(window, state);
 	window_read_pointer(window, state);
+	STILB_CHECK(window_is_sound(window));
 }
 
 static void window_call_poll(void *data)
@@ -324,6 +333,9 @@ void stilb_window_poll(stilb_window *window, stilb_window_state *state)
 
 void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state)
 {
+	STILB_ASSERT(window && state);
+	STILB_ASSERT(!isnan(seconds) && "a time to wait");
+	STILB_ASSERT_OWNER(window->owner);
 	window_call call = {.window = window, .state = state, .seconds = seconds};
 	if (!window_display_call(window_call_poll, &call))
 		*state = (stilb_window_state){.lost = true};
@@ -331,7 +343,8 @@ void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state 
 
 void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS])
 {
-	(void)window; /* GLFW's gamepads are the process's, and are there while a window is */
+	STILB_ASSERT(window && gamepads);
+	STILB_ASSERT_OWNER(window->owner); /* the window is not needed for more: GLFW's gamepads are the process's */
 	static_assert(STILB_WINDOW_GAMEPADS == GLFW_JOYSTICK_LAST + 1, "a place for each");
 	for (int i = 0; i < STILB_WINDOW_GAMEPADS; i++) {
 		stilb_window_gamepad *pad = &gamepads[i];
@@ -350,7 +363,7 @@ void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[S
 
 const char *const *stilb_window_surface_extensions(void *user, uint32_t *count)
 {
-	(void)user;
+	STILB_ASSERT(user && count);
 	return glfwGetRequiredInstanceExtensions(count);
 }
 
@@ -362,6 +375,8 @@ static void window_call_surface(void *data)
 
 int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface)
 {
+	STILB_ASSERT(user && surface);
+	STILB_ASSERT_OWNER(((stilb_window *)user)->owner);
 	window_call call = {.window = user, .instance = instance, .result = VK_ERROR_SURFACE_LOST_KHR};
 	window_display_call(window_call_surface, &call);
 	*surface = (uint64_t)call.surface;

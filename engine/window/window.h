@@ -1,10 +1,19 @@
 /*
  * window: the window, its keys and mouse, the gamepads that GLFW knows, and its Vulkan surface, through GLFW.
  *
- * Life cycle.  stilb_window_create -> stilb_window_poll once a frame -> stilb_window_destroy.
- * The display. An X server may end at any moment. The window is lost then, which stilb_window_state says: all calls are still
- *              allowed and do nothing, and no window can be opened again in this process.
- * Threads.     All [main-thread]: the one that created the window.
+ * Life cycle.  stilb_window_create -> stilb_window_poll once a frame -> stilb_window_destroy:
+ *
+ *     stilb_window_create("Example", 1280, 720, &window);
+ *     for (stilb_window_state state = {0}; !state.close && !state.lost;) {
+ *         stilb_window_poll(window, &state);
+ *         draw(state.width, state.height, state.held[STILB_WINDOW_KEY_W]);
+ *     }
+ *     stilb_window_destroy(window);
+ *
+ * The display. An X server may end at any moment. The window is then lost, which stilb_window_state says: all calls are
+ *              still allowed and do nothing, and no window can be opened again in this process.
+ * Threads.     [main-thread]: all calls from the thread that created the window, which is the process's main thread;
+ *              asserted. There is one window at a time.
  */
 #ifndef STILB_WINDOW_H
 #define STILB_WINDOW_H
@@ -13,7 +22,9 @@
 
 typedef struct stilb_window stilb_window;
 
-/* Letters by their place on a US keyboard, so that WASD is a cross on every layout. */
+/* Letters are keys by their position on a US keyboard, so that WASD is a cross on every layout. MINUS and PLUS are
+ * characters typed on any layout and never held; '=' counts as PLUS, because there + needs shift. SHIFT, CONTROL and ENTER
+ * are either of their keys. */
 typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_W,
 	STILB_WINDOW_KEY_A,
@@ -26,13 +37,13 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_F1,
 	STILB_WINDOW_KEY_F2,
 	STILB_WINDOW_KEY_F12,
-	STILB_WINDOW_KEY_MINUS, /* typed, on any layout; never held */
-	STILB_WINDOW_KEY_PLUS,  /* the same; '=' counts too, where + needs shift */
-	STILB_WINDOW_KEY_SHIFT, /* either */
+	STILB_WINDOW_KEY_MINUS,
+	STILB_WINDOW_KEY_PLUS,
+	STILB_WINDOW_KEY_SHIFT,
 	STILB_WINDOW_KEY_CONTROL,
 	STILB_WINDOW_KEY_SPACE,
 	STILB_WINDOW_KEY_TAB,
-	STILB_WINDOW_KEY_ENTER, /* either */
+	STILB_WINDOW_KEY_ENTER,
 	STILB_WINDOW_KEY_LEFT,
 	STILB_WINDOW_KEY_RIGHT,
 	STILB_WINDOW_KEY_UP,
@@ -41,63 +52,88 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_COUNT
 } stilb_window_key;
 
-/* What happened since the poll before. */
+/* The window as it is now, and what happened since the last poll. Counts stop at 255. */
 typedef struct stilb_window_state {
-	uint32_t width, height;                   /* of the picture, pixels; 0 while minimised */
-	bool close;                               /* the user wants the window closed */
-	bool lost;                                /* its display has gone; the rest is {0} */
-	bool focused;                             /* keys come here; true until the window is told otherwise */
-	bool held[STILB_WINDOW_KEY_COUNT];        /* is down now */
-	uint8_t pressed[STILB_WINDOW_KEY_COUNT];  /* how often it went down */
-	uint8_t repeated[STILB_WINDOW_KEY_COUNT]; /* how often it would have been typed again, being held */
-	bool mouse_captured;                      /* the right button is held: the pointer is hidden and steers */
-	float mouse_x, mouse_y;                   /* its way while captured, pixels, y down */
-	bool pointer;                             /* not captured, and over the picture or pressed there and still held */
-	float pointer_x, pointer_y;               /* where it is, pixels of the picture from the top left */
-	bool button;                              /* the left button is held now */
-	uint8_t clicks;                           /* how often it went down */
-	float wheel;                              /* notches, away from the user is positive */
+	/* Size of the picture, pixels; 0 while the window is minimised. */
+	uint32_t width, height;
+	/* The user wants the window closed. */
+	bool close;
+	/* The display has gone; everything else is {0}. */
+	bool lost;
+	/* The window has the keyboard; true until the system says otherwise. */
+	bool focused;
+	/* The key is down now. */
+	bool held[STILB_WINDOW_KEY_COUNT];
+	/* Number of times that the key was pressed, and number of times that it was repeated while it was held. */
+	uint8_t pressed[STILB_WINDOW_KEY_COUNT], repeated[STILB_WINDOW_KEY_COUNT];
+	/* The right button is held: the pointer is hidden and its movement turns the camera. */
+	bool mouse_captured;
+	/* Movement of the captured pointer, pixels, y down. */
+	float mouse_x, mouse_y;
+	/* The pointer is visible and over the picture, or the left button was pressed there and is still held. */
+	bool pointer;
+	/* Its position, pixels of the picture from the top left; 0 if there is none. */
+	float pointer_x, pointer_y;
+	/* The left button is down now. */
+	bool button;
+	/* Number of times that the left button was pressed. */
+	uint8_t clicks;
+	/* Notches of the wheel; turning it away from the user is positive. */
+	float wheel;
 } stilb_window_state;
 
-/* Opens a window of about this size, pixels. STILB_ERROR_WINDOW without a display, without Vulkan for windows, and after
- * a display has been lost. */
+/* Opens a window whose picture has about width x height pixels, both 1..16384, which the system may change. title is
+ * UTF-8. STILB_ERROR_WINDOW: there is no display, no Vulkan driver for windows, or a display was lost before; *window is
+ * then NULL. The calling thread becomes the owner. [main-thread] */
 stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **window);
 
-/* NULL is fine. */
+/* NULL is allowed. Surfaces of the window must be destroyed before. [main-thread] */
 void stilb_window_destroy(stilb_window *window);
 
+/* title is UTF-8. [main-thread] */
 void stilb_window_title(stilb_window *window, const char *title);
 
-/* Takes in events. Holding the right button captures the mouse; releasing it, or Escape, lets go. */
+/* Handles all events and fills *state. Holding the right button captures the mouse; releasing it, or Escape, ends that.
+ * Does not wait. [main-thread] */
 void stilb_window_poll(stilb_window *window, stilb_window_state *state);
 
-/* Whether the right button captures, true at first: not while the pointer is over something that it belongs to. What has
- * been captured stays so. */
+/* Whether pressing the right button captures the mouse, true at first; to be false while the pointer is over something
+ * that takes clicks itself. A mouse that is captured stays so. [main-thread] */
 void stilb_window_set_capturing(stilb_window *window, bool capturing);
 
-/* The same after waiting for an event, at most `seconds` (0 or less: not at all): for a minimised window. Returns at once when
- * the display is lost. */
+/* As stilb_window_poll, after waiting for an event for at most `seconds` (0 or less: not at all): for a minimised window.
+ * Returns at once when the display is lost. Asserts that seconds is not NaN. [main-thread] */
 void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state);
 
 /* A gamepad as GLFW maps it. The texts are valid until the next poll. */
 typedef struct stilb_window_gamepad {
-	const char *name; /* NULL: there is none at this place, or GLFW does not know its layout */
-	const char *guid; /* 32 hexadecimal digits: bus, vendor, product, version */
-	float axes[6]; /* in the order of GLFW_GAMEPAD_AXIS_...: sticks to the right and down, triggers; all in [-1, 1] */
-	uint32_t buttons; /* bit 1 << GLFW_GAMEPAD_BUTTON_...: is down */
+	/* UTF-8, as the device gives it; NULL: there is no gamepad here, or GLFW does not know its layout. */
+	const char *name;
+	/* 32 hexadecimal digits: bus, vendor, product, version; see glfwGetJoystickGUID. */
+	const char *guid;
+	/* In the order of GLFW_GAMEPAD_AXIS_...: left x, left y, right x, right y, left and right trigger; each in [-1, 1],
+	 * sticks positive to the right and DOWN, triggers -1 at rest. */
+	float axes[6];
+	/* Bit 1 << GLFW_GAMEPAD_BUTTON_... is set while the button is down. */
+	uint32_t buttons;
 } stilb_window_gamepad;
 
+/* Gamepads at a time: GLFW_JOYSTICK_LAST + 1. */
 #define STILB_WINDOW_GAMEPADS 16
 
-/* As they are now. */
+/* Fills all entries with the gamepads as of the last poll. [main-thread] */
 void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS]);
 
-/* The three calls that render's stilb_render_surface wants; user is the window, instance a VkInstance, *surface a
- * VkSurfaceKHR; returns a VkResult. */
+/* For stilb_render_surface, user being the window: the names of the Vulkan instance extensions that a surface needs, owned
+ * by GLFW; *count is their number. NULL: Vulkan cannot draw to windows. [main-thread] */
 const char *const *stilb_window_surface_extensions(void *user, uint32_t *count);
+
+/* For stilb_render_surface, user being the window: creates a surface. instance is a VkInstance with the extensions above,
+ * *surface a VkSurfaceKHR that the caller destroys. Returns a VkResult; VK_ERROR_SURFACE_LOST_KHR if the display is lost.
+ * [main-thread] */
 int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface);
 
-/* "3.3.8 X11 GLX ..." */
+/* "3.3.8 X11 GLX ..."; a static string. [any-thread] */
 const char *stilb_window_library_version(void);
 
 #endif

@@ -1,0 +1,27 @@
+/*
+ * window_display: calls to GLFW that survive the end of the X server.
+ *
+ * When its connection breaks, Xlib by default ends the program by exit(1) within the call that noticed it. Here that call is
+ * left by longjmp instead, out of Xlib and GLFW, and the connection is never used again: neither library is in a state to
+ * be called, so window and GLFW are not shut down but abandoned. Without X11, or with a libX11 before 1.7, calls are not
+ * protected.
+ *
+ * Life cycle.  glfwInit -> window_display_watch -> window_display_call around every call to GLFW.
+ * Threads.     [main-thread], the one that called window_display_watch; asserted.
+ */
+#ifndef STILB_WINDOW_DISPLAY_INTERNAL_H
+#define STILB_WINDOW_DISPLAY_INTERNAL_H
+
+#include <stdbool.h>
+
+/* Installs the handlers for the connection that GLFW has opened: after each glfwInit. */
+void window_display_watch(void);
+
+/* Runs call(data), which may call GLFW. False: the display is lost, and call was left half-way or not begun. Must not be
+ * nested; GLFW's callbacks during the call are protected by it already. */
+bool window_display_call(void (*call)(void *data), void *data);
+
+/* The display is lost, for the rest of the process. [any-thread] */
+bool window_display_is_lost(void);
+
+#endif
