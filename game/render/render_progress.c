@@ -52,7 +52,29 @@ static double progress_left(const render_progress *progress, const stilb_gi_prog
 	return passed > 0.3 && done > 0.0 ? passed * (1.0 - at->done) / done : -1.0;
 }
 
-/* "pass 3, 12 samples, 5.31 Mrays/s, 0:12 left". */
+/* Of the last pass that is whole. */
+static uint32_t progress_pass_samples(const stilb_gi_progress *at)
+{
+	uint32_t samples = 0;
+	for (uint32_t i = 0; i < at->pass_count; i++)
+		if (at->passes[i].finished)
+			samples = at->passes[i].first_sample + at->passes[i].sample_count;
+	return samples;
+}
+
+void render_progress_samples(const stilb_gi_progress *at, char *text, size_t size)
+{
+	const uint32_t samples = at->samples > 0 ? at->samples : progress_pass_samples(at);
+	const char *many = samples == 1 ? "" : "s";
+	if (at->samples > 0)
+		snprintf(text, size, "%" PRIu32 " sample%s a pixel", samples, many);
+	else if (at->block > 0)
+		snprintf(text, size, "%" PRIu32 " sample%s in 1 of %" PRIu32 " pixels", samples, many, at->block * at->block);
+	else
+		snprintf(text, size, "the first pixels");
+}
+
+/* "pass 9, 64 samples a pixel, 5.31 Mrays/s, 0:12 left". */
 static void progress_describe(const render_progress *progress, render_stage stage, const stilb_gi_progress *at,
                               char *text, size_t size)
 {
@@ -69,8 +91,9 @@ static void progress_describe(const render_progress *progress, render_stage stag
 	if (seconds >= 0.0)
 		progress_time(seconds, left, sizeof left);
 	const double rate = at->seconds > 0.0 ? (double)at->rays / at->seconds * 1e-6 : 0.0;
-	snprintf(text, size, "%s, %" PRIu32 " sample%s, %.2f Mrays/s, %s left", at->stage, at->samples,
-	         at->samples == 1 ? "" : "s", rate, left);
+	char samples[64];
+	render_progress_samples(at, samples, sizeof samples);
+	snprintf(text, size, "%s, %s, %.2f Mrays/s, %s left", at->stage, samples, rate, left);
 }
 
 static int progress_percent(render_stage stage, const stilb_gi_progress *at)

@@ -19,7 +19,10 @@ void render_progress_begin(render_progress *progress);
 /* Shows it, where it is time to. */
 void render_progress_show(render_progress *progress, render_stage stage, const stilb_gi_progress *at);
 
-/* The same in words: "42 %, pass 3, 12 samples, 5.31 Mrays/s, 0:12 left". */
+/* The samples that there are: "12 samples a pixel", or in the coarse passes "16 samples in 1 of 64 pixels". */
+void render_progress_samples(const stilb_gi_progress *at, char *text, size_t size);
+
+/* The same in words: "42 %, pass 9, 64 samples a pixel, 5.31 Mrays/s, 0:12 left". */
 void render_progress_words(const render_progress *progress, render_stage stage, const stilb_gi_progress *at, char *text,
                            size_t size);
 

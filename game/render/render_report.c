@@ -1,4 +1,5 @@
 #include "render_report.h"
+#include "render_progress.h"
 
 #include "base/base_json.h"
 #include "engine.h"
@@ -186,15 +187,15 @@ void render_report_print(const render_options *o, const render_result *result)
 	FILE *out = render_options_words(o);
 	const stilb_gi_progress *progress = &result->progress;
 	const stilb_gi_settings *s = &result->settings;
-	char integrator[FLAG_CHOICE_SIZE], sampler[FLAG_CHOICE_SIZE], rays[32], rate[32];
+	char integrator[FLAG_CHOICE_SIZE], sampler[FLAG_CHOICE_SIZE], samples[64], rays[32], rate[32];
 	report_count((double)progress->rays, rays, sizeof rays);
 	report_count(report_rate(progress), rate, sizeof rate);
 	fprintf(out, "%s: %" PRIu64 " triangle%s, %" PRIu32 " light%s, ready in %.2f s\n", o->scene,
 	        result->scene.triangles, result->scene.triangles == 1 ? "" : "s", result->scene.lights,
 	        result->scene.lights == 1 ? "" : "s", result->open_s + result->build_s);
-	fprintf(out, "%s, %ux%u, %u sample%s a pixel (%s); %u worker%s, %s\n",
-	        flags_choice(integrator, render_integrators[s->integrator]), s->width, s->height, progress->samples,
-	        progress->samples == 1 ? "" : "s", flags_choice(sampler, render_samplers[s->sampler]), result->workers,
+	render_progress_samples(progress, samples, sizeof samples);
+	fprintf(out, "%s, %ux%u, %s (%s); %u worker%s, %s\n", flags_choice(integrator, render_integrators[s->integrator]),
+	        s->width, s->height, samples, flags_choice(sampler, render_samplers[s->sampler]), result->workers,
 	        result->workers == 1 ? "" : "s", result->scene.isa);
 	if (s->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		fprintf(out, "%" PRIu32 " records in the cache\n", progress->records);
