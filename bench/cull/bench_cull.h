@@ -8,6 +8,7 @@
 
 /* bench_cull_report.c: one table for all cases, the goals beside what was measured, and a picture. */
 void bench_cull_report(FILE *out, const bench_results *results);
+void bench_cull_goals(FILE *out, const bench_results *results);
 void bench_cull_plot(FILE *out, const bench_results *results);
 
 #endif

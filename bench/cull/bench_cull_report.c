@@ -114,6 +114,10 @@ static const struct {
 void bench_cull_report(FILE *out, const bench_results *results)
 {
 	print_table(out, results);
+}
+
+void bench_cull_goals(FILE *out, const bench_results *results)
+{
 	fprintf(out, "\ngoals; ratios of the same round: median [least-most]\n");
 	for (size_t c = 0; c < bench_cull_suite.case_count; c++)
 		print_choice(out, results, bench_cull_suite.cases[c].name);

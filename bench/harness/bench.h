@@ -90,14 +90,16 @@ typedef struct bench_suite {
 	/* Called once after the last run: adds what follows from the values of a round. */
 	void (*finish)(bench_results *results);
 	void (*report)(FILE *out, const bench_results *results); /* prints more, after the tables */
-	bool report_alone;                                       /* there are too many cases for a table each */
+	/* With --goals: the numbers beside bounds that hold for one CPU (docs/benchmarks.md names it), met or missed. */
+	void (*goals)(FILE *out, const bench_results *results);
+	bool report_alone; /* there are too many cases for a table each */
 	/* In place of the panels: writes gnuplot commands that draw plot_rows rows of two diagrams each. */
 	void (*plot)(FILE *out, const bench_results *results);
 	size_t plot_rows;
-	bool traces;           /* its runs can write timelines of frames, as --traces says */
-	uint32_t quick_rounds; /* with --quick; 0: the usual number */
-	double start_seconds;  /* what a program takes to begin, where that is not next to nothing */
-	double quick_timeout;  /* seconds beyond its length that a run is given with --quick; 0: the usual */
+	bool traces;              /* its runs can write timelines of frames, as --traces says */
+	uint32_t quick_rounds;    /* with --quick; 0: the usual number */
+	double start_seconds;     /* what a program takes to begin, where that is not next to nothing */
+	double quick_cpu_seconds; /* a CPU, beyond a run's length, that it is given with --quick; 0: the usual */
 } bench_suite;
 
 extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite,
@@ -114,9 +116,11 @@ struct bench_options {
 	const char *json, *plot; /* files, or NULL */
 	const char *traces;      /* a folder, or NULL */
 	uint32_t rounds;
-	double seconds; /* length of a run; 0: what fits (--quick) */
-	bool quick;     /* the whole suite takes less than 30 s */
-	bool list;      /* print subjects and cases, run nothing */
+	double seconds;   /* length of a run; 0: what fits (--quick) */
+	bool quick;       /* the whole suite takes less than 30 s */
+	bool list;        /* print subjects and cases, run nothing */
+	bool goals;       /* print the suite's goals too */
+	uint32_t give_up; /* seconds after which a run that has not ended is taken for hanging */
 };
 
 /* Runs and reports. Returns the exit code: 0; 1: a run failed or was wrong, or a file was not written; 2: refused. */
@@ -171,8 +175,15 @@ typedef struct bench_child_result {
 	double steal;   /* percent of the machine's CPU time that the hypervisor took meanwhile */
 } bench_child_result;
 
-/* Runs PROGRAM SUBJECT CASE SECONDS ROUND [ARGUMENT] (argument may be NULL), killed after timeout seconds. */
+/* When a run is killed. CPU time is what tells a run that never ends from one on a busy machine; the clock only guards
+ * against one that waits for ever, and is generous. */
+typedef struct bench_limit {
+	double cpu_seconds; /* of all its threads together, rounded up to whole seconds */
+	double seconds;
+} bench_limit;
+
+/* Runs PROGRAM SUBJECT CASE SECONDS ROUND [ARGUMENT] (argument may be NULL) within the limit. */
 void bench_child_run(const char *program, const char *subject, const char *case_name, double seconds, uint32_t round,
-                     const char *argument, double timeout, bench_child_result *result);
+                     const char *argument, bench_limit limit, bench_child_result *result);
 
 #endif

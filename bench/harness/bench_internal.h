@@ -23,6 +23,7 @@ struct bench_results {
 	const bench_options *options;
 	uint32_t rounds; /* begun */
 	double seconds;  /* of a run */
+	double load;     /* of the machine before the first run: processes that want a CPU, over a minute */
 	bench_pair *pairs;
 	size_t pair_count;
 	bench_row *rows; /* the limits first, then case by case, metric by metric */
@@ -45,7 +46,13 @@ extern const bench_subject bench_limits_subject;
 /* The row's median divided by the limit that bounds it, a time in ns; NaN when it does not know the row's unit. */
 double bench_of_limit(const bench_row *row, const bench_row *limit);
 
+#define BENCH_BUSY_LOAD 0.25 /* of others, a CPU: more disturbs */
+#define BENCH_BUSY_STEAL 2.0 /* percent */
+
+/* Tables; flushed. */
 void bench_print(FILE *out, const bench_results *results);
+/* Three sentences for who does not read tables: what ran, how ours compares, what the numbers are worth. Flushed. */
+void bench_print_words(FILE *out, const bench_results *results);
 int bench_save_json(const bench_results *results, const char *path); /* exit code */
 int bench_save_plot(const bench_results *results, const char *path); /* exit code */
 

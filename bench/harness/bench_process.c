@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <string.h>
@@ -57,8 +58,10 @@ bool bench_program_path(const char *program, char *path, size_t size)
 }
 
 /* In the new process: does not return. */
-static void become(const char *path, char *const *argv, const int out[2], const int error[2])
+static void become(const char *path, char *const *argv, const int out[2], const int error[2], rlim_t cpu_seconds)
 {
+	const struct rlimit cpu = {cpu_seconds, cpu_seconds + 1}; /* SIGXCPU, then SIGKILL */
+	setrlimit(RLIMIT_CPU, &cpu);
 	prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody is left to read what an orphan measures */
 	signal(SIGPIPE, SIG_DFL);
 	int nothing = open("/dev/null", O_RDONLY);
@@ -71,7 +74,7 @@ static void become(const char *path, char *const *argv, const int out[2], const 
 }
 
 /* The process id, and the ends to read from; -1 with errno. */
-static pid_t start(const char *path, char *const *argv, int *out, int *error)
+static pid_t start(const char *path, char *const *argv, rlim_t cpu_seconds, int *out, int *error)
 {
 	int outs[2], errors[2];
 	if (pipe2(outs, O_CLOEXEC) != 0)
@@ -83,7 +86,7 @@ static pid_t start(const char *path, char *const *argv, int *out, int *error)
 	fflush(NULL); /* or the child would write it again */
 	pid_t child = fork();
 	if (child == 0)
-		become(path, argv, outs, errors);
+		become(path, argv, outs, errors, cpu_seconds);
 	close(outs[1]), close(errors[1]);
 	*out = outs[0], *error = errors[0];
 	if (child < 0)
@@ -164,7 +167,7 @@ static cpu_ticks read_cpu_ticks(void)
 }
 
 void bench_child_run(const char *program, const char *subject, const char *case_name, double seconds, uint32_t round,
-                     const char *argument, double timeout, bench_child_result *result)
+                     const char *argument, bench_limit limit, bench_child_result *result)
 {
 	*result = (bench_child_result){.state = BENCH_CHILD_FAILED};
 	char path[PATH_MAX], length[32], number[16];
@@ -181,12 +184,12 @@ void bench_child_run(const char *program, const char *subject, const char *case_
 	int out, error, status = 0;
 	cpu_ticks before = read_cpu_ticks();
 	uint64_t begin = bench_child_now_ns();
-	pid_t child = start(path, argv, &out, &error);
+	pid_t child = start(path, argv, (rlim_t)ceil(limit.cpu_seconds), &out, &error);
 	if (child < 0) {
 		snprintf(result->message, sizeof result->message, "cannot start %s: %s", program, strerror(errno));
 		return;
 	}
-	bool in_time = collect(out, error, &outs, &errors, begin + (uint64_t)(timeout * 1e9));
+	bool in_time = collect(out, error, &outs, &errors, begin + (uint64_t)(limit.seconds * 1e9));
 	if (!in_time)
 		kill(child, SIGKILL);
 	close(out), close(error);
@@ -198,10 +201,12 @@ void bench_child_run(const char *program, const char *subject, const char *case_
 	result->peak_mb = (double)usage.ru_maxrss / 1024.0;
 	if (after.all > before.all)
 		result->steal = 100.0 * (double)(after.stolen - before.stolen) / (double)(after.all - before.all);
-	if (in_time) {
+	const bool spent = in_time && WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+	if (in_time && !spent) {
 		judge(status, &outs, &errors, result);
-	} else {
-		result->state = BENCH_CHILD_TIMED_OUT;
-		snprintf(result->message, sizeof result->message, "no result after %.1f s, killed", timeout);
+		return;
 	}
+	result->state = BENCH_CHILD_TIMED_OUT;
+	snprintf(result->message, sizeof result->message, "no result after %.0f s%s, killed",
+	         spent ? ceil(limit.cpu_seconds) : limit.seconds, spent ? " of CPU time" : "");
 }

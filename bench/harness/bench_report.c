@@ -7,6 +7,7 @@
 #include "game/cli/flags.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
 
@@ -335,6 +336,133 @@ static void print_comparisons(FILE *out, const bench_results *results)
 		}
 }
 
+/* ---- in words ----------------------------------------------------------------------------------------------------- */
+
+/* How many times as good as the best peer the best of ours is, over all tables that have both. */
+typedef struct standing {
+	uint32_t tables, first; /* first: ours is the best */
+	double least;           /* where it is furthest behind: less than 1 */
+	const bench_row *our, *their;
+} standing;
+
+static const bench_row *best_of_ours(const bench_row *rows, size_t count)
+{
+	const bench_row *best = NULL;
+	for (size_t i = 0; i < count; i++)
+		if (rows[i].runs > 0 && ours(&rows[i]) && (!best || better(&rows[i], best)))
+			best = &rows[i];
+	return best;
+}
+
+static standing standing_of(const bench_results *results)
+{
+	standing s = {.least = INFINITY};
+	for (size_t first = 0, end; first < results->row_count; first = end) {
+		const bench_row *rows = &results->rows[first];
+		end = end_of_table(results, first);
+		const bench_row *our = best_of_ours(rows, end - first), *their = best_peer(rows, end - first);
+		if (rows->on == &bench_limits_case || shown_beside(rows->metric) || !our || !their)
+			continue;
+		const double times = our->less_is_better ? their->median / our->median : our->median / their->median;
+		if (!isfinite(times))
+			continue;
+		s.tables++;
+		s.first += times >= 1.0;
+		if (times < s.least)
+			s.least = times, s.our = our, s.their = their;
+	}
+	return s;
+}
+
+static int compare_spread(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+/* The median over all rows of (most - least) / median; NaN where no row has two runs. */
+static double scatter_of(const bench_results *results)
+{
+	size_t count = 0;
+	double *spread = malloc((results->row_count ? results->row_count : 1) * sizeof *spread), median = BENCH_NO_NUMBER;
+	for (size_t i = 0; spread && i < results->row_count; i++) {
+		const bench_row *row = &results->rows[i];
+		if (row->runs > 1 && row->median > 0.0 && !shown_beside(row->metric))
+			spread[count++] = (row->max - row->min) / row->median;
+	}
+	if (count > 0) {
+		qsort(spread, count, sizeof *spread, compare_spread);
+		median = spread[count / 2];
+	}
+	free(spread);
+	return median;
+}
+
+static double most_stolen(const bench_results *results)
+{
+	double most = 0.0;
+	for (size_t i = 0; i < results->row_count; i++)
+		if (strcmp(results->rows[i].metric, BENCH_METRIC_STEAL) == 0 && results->rows[i].runs > 0)
+			most = fmax(most, results->rows[i].max);
+	return most;
+}
+
+static void say_what_ran(FILE *out, const bench_results *results)
+{
+	uint32_t pairs = 0, runs = 0, ended = 0;
+	for (size_t p = 1; p < results->pair_count; p++) { /* the first are the machine's limits */
+		const bench_pair *pair = &results->pairs[p];
+		pairs += !pair->skipped;
+		runs += pair->skipped ? 0 : pair->attempts;
+		ended += pair->skipped ? 0 : pair->attempts - pair->failures - pair->timeouts;
+	}
+	fprintf(out,
+	        "\n%s: %u runs of %.2f s over %u pairs of a subject and a case, in %u round%s; %u of them gave a result.\n",
+	        results->suite->name, runs, results->seconds, pairs, results->rounds, results->rounds == 1 ? "" : "s",
+	        ended);
+}
+
+static void say_standing(FILE *out, const bench_results *results)
+{
+	const standing s = standing_of(results);
+	if (s.tables == 0)
+		fprintf(out, "Nothing of others was measured beside ours, so compare with the limits of the machine above.\n");
+	else if (s.least >= 1.0)
+		fprintf(out, "Ours is at least as good as the best of the others in all %u comparisons.\n", s.tables);
+	else
+		fprintf(
+			out,
+			"Ours is at least as good as the best of the others in %u of %u comparisons, and furthest behind in %s, "
+			"where %s of %s is %.2f times as good as that of %s.\n",
+			s.first, s.tables, s.our->on->name, s.our->metric, s.our->name, s.least, s.their->name);
+}
+
+static void say_trust(FILE *out, const bench_results *results)
+{
+	const double scatter = scatter_of(results), stolen = most_stolen(results);
+	const uint32_t cpus = bench_cpu_count();
+	if (isfinite(scatter))
+		fprintf(out,
+		        "Differences of less than %.0f %% mean nothing here, since rounds of one subject differ by as much",
+		        100.0 * scatter);
+	else
+		fprintf(out, "No subject ran twice, so nobody knows how far chance moves these numbers");
+	if (results->options->quick)
+		fprintf(out, ", the runs were short (--quick)");
+	if (results->load > BENCH_BUSY_LOAD * cpus || stolen > BENCH_BUSY_STEAL)
+		fprintf(out, ", the machine was busy (load %.1f on %u CPUs before, up to %.0f %% of its time stolen)",
+		        results->load, cpus, stolen);
+	fprintf(out, "; all of it holds for this CPU alone.\n");
+}
+
+void bench_print_words(FILE *out, const bench_results *results)
+{
+	say_what_ran(out, results);
+	say_standing(out, results);
+	say_trust(out, results);
+	fflush(out);
+}
+
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 static void print_notes(FILE *out, const bench_results *results)
@@ -367,7 +495,10 @@ void bench_print(FILE *out, const bench_results *results)
 	print_comparisons(out, results);
 	if (results->suite->report)
 		results->suite->report(out, results);
+	if (results->suite->goals && results->options->goals)
+		results->suite->goals(out, results);
 	print_notes(out, results);
+	fflush(out); /* what follows on stderr comes after it, also where both are one file */
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */

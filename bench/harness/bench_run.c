@@ -15,8 +15,8 @@
 
 #define QUICK_BUDGET 17.0         /* seconds that the runs of --quick share; processes and killed runs come on top */
 #define QUICK_DEADLINE 25.0       /* no run starts later than this with --quick */
-#define QUICK_TIMEOUT 1.5         /* seconds beyond its length that a run is given */
-#define TIMEOUT 20.0              /* the same without --quick */
+#define QUICK_CPU_SECONDS 1.5     /* a CPU, beyond its length, that a run is given with --quick */
+#define CPU_SECONDS 20.0          /* the same without --quick */
 #define TIMEOUTS_BEFORE_LEAVING 2 /* then a subject is left out of the case for the rest */
 #define PROCESS_SECONDS 0.008     /* what starting and ending a process takes */
 
@@ -285,11 +285,13 @@ static double run_seconds(const bench_results *results)
 static void run_pair(bench_results *results, bench_pair *pair, const char *argument)
 {
 	double seconds = results->seconds * length_of(pair->on);
-	double usual = results->suite->quick_timeout > 0.0 ? results->suite->quick_timeout : QUICK_TIMEOUT;
-	double timeout = seconds * 1.5 + (results->options->quick ? usual : TIMEOUT);
+	const double usual =
+		results->suite->quick_cpu_seconds > 0.0 ? results->suite->quick_cpu_seconds : QUICK_CPU_SECONDS;
+	const double each = seconds * 1.5 + (results->options->quick ? usual : CPU_SECONDS);
+	const bench_limit limit = {.cpu_seconds = each * bench_cpu_count(), .seconds = results->options->give_up};
 	bench_child_result child;
 	bench_child_run(pair->subject->program, pair->subject->name, pair->on->name, seconds, results->rounds - 1, argument,
-	                timeout, &child);
+	                limit, &child);
 	pair->attempts++;
 	switch (child.state) {
 	case BENCH_CHILD_DONE:
@@ -374,6 +376,8 @@ static int run_and_report(bench_results *results)
 	const bench_options *options = results->options;
 	const char *argument = NULL;
 	results->seconds = run_seconds(results);
+	if (getloadavg(&results->load, 1) != 1)
+		results->load = 0.0;
 	if (results->suite->prepare && !(argument = results->suite->prepare(options)))
 		return EXIT_FAILED;
 	run_rounds(results, argument);
@@ -382,8 +386,10 @@ static int run_and_report(bench_results *results)
 		results->suite->finish(results);
 		summarise_rows(results); /* and what it has added */
 	}
-	bench_print(options->json && stilb_file_is_stdout(options->json) ? stderr : stdout, results);
+	FILE *out = options->json && stilb_file_is_stdout(options->json) ? stderr : stdout;
+	bench_print(out, results);
 	int code = verdict(results);
+	bench_print_words(out, results);
 	if (options->json && bench_save_json(results, options->json) != EXIT_DONE)
 		code = EXIT_FAILED;
 	if (options->plot && bench_save_plot(results, options->plot) != EXIT_DONE)

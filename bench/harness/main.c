@@ -13,6 +13,8 @@
 #define DEFAULT_ROUNDS 5
 #define QUICK_ROUNDS 3
 #define DEFAULT_SECONDS 0.5
+#define DEFAULT_GIVE_UP 120
+#define QUICK_GIVE_UP 30
 
 static const bench_suite *const suites[] = {&bench_queue_suite,  &bench_jobs_suite,     &bench_cull_suite,
                                             &bench_record_suite, &bench_profiler_suite, &bench_shade_suite,
@@ -28,11 +30,12 @@ static const bench_suite *suite_at(size_t i)
 typedef struct arguments {
 	bench_options options;
 	uint64_t rounds;     /* 0: not given */
+	uint64_t give_up;    /* 0: not given */
 	const char *seconds; /* NULL: not given */
 	bool steps;
 } arguments;
 
-#define MAX_FLAGS 11
+#define MAX_FLAGS 12
 
 static size_t flag_table(arguments *a, flag flags[MAX_FLAGS])
 {
@@ -50,6 +53,10 @@ static size_t flag_table(arguments *a, flag flags[MAX_FLAGS])
 		{"--plot", FLAG_TEXT, &options->plot, "FILE", "a picture (PNG), drawn by gnuplot", 0, 0, NULL},
 		{"--traces", FLAG_TEXT, &options->traces, "DIR", "threads only: a timeline of each run's worst frame", 0, 0,
 	     NULL},
+		{"--goals", FLAG_SWITCH, &options->goals, NULL, "judge by the bounds of docs/benchmarks.md, set on another CPU",
+	     0, 0, NULL},
+		{"--give-up", FLAG_NUMBER, &a->give_up, "S", "a run of so many seconds hangs, 1..3600 (120; with --quick 30)",
+	     1, 3600, NULL},
 		{"--list", FLAG_SWITCH, &options->list, NULL, "print the subjects and the cases", 0, 0, NULL},
 		{"--steps", FLAG_SWITCH, &a->steps, NULL, "queue only: Sutter's two-lock queue in four steps", 0, 0, NULL},
 	};
@@ -118,6 +125,7 @@ static int finish_options(arguments *a, const bench_suite *suite)
 	bench_options *options = &a->options;
 	uint32_t quick_rounds = suite->quick_rounds ? suite->quick_rounds : QUICK_ROUNDS;
 	options->rounds = a->rounds ? (uint32_t)a->rounds : options->quick ? quick_rounds : DEFAULT_ROUNDS;
+	options->give_up = a->give_up ? (uint32_t)a->give_up : options->quick ? QUICK_GIVE_UP : DEFAULT_GIVE_UP;
 	options->seconds = options->quick ? 0.0 : DEFAULT_SECONDS;
 	if (a->seconds && !parse_seconds(a->seconds, &options->seconds))
 		return refuse("--seconds", a->seconds, "is not a number in 0.01..60");

@@ -44,7 +44,7 @@ static const bench_subject subjects[] = {
 
 #define PARSE_GOAL_US 10.0
 
-static void report(FILE *out, const bench_results *results)
+static void print_goals(FILE *out, const bench_results *results)
 {
 	const bench_row *row = bench_find(results, "parse", "stilb", "joystick");
 	if (row)
@@ -58,4 +58,4 @@ const bench_suite bench_input_suite = {.name = "input",
                                        .subject_count = COUNT(subjects),
                                        .cases = cases,
                                        .case_count = COUNT(cases),
-                                       .report = report};
+                                       .goals = print_goals};

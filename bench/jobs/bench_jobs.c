@@ -143,7 +143,7 @@ static const char *prepare(const bench_options *options)
 	static char per_us[32];
 	bench_child_result result;
 	(void)options;
-	bench_child_run("stilb-bench-jobs-limits", "serial", "calibrate", 0.0, 0, NULL, 10.0, &result);
+	bench_child_run("stilb-bench-jobs-limits", "serial", "calibrate", 0.0, 0, NULL, (bench_limit){60.0, 60.0}, &result);
 	if (result.state != BENCH_CHILD_DONE || result.value_count != 1) {
 		fprintf(stderr, "stilb: cannot measure how long a job of 1 us is: %s\n", result.message);
 		return NULL;
@@ -190,6 +190,6 @@ const bench_suite bench_jobs_suite = {.name = "jobs",
                                       .panels = panels,
                                       .panel_count = COUNT(panels),
                                       .prepare = prepare,
-                                      .report = bench_jobs_report,
+                                      .goals = bench_jobs_goals,
                                       .plot = bench_jobs_plot,
                                       .plot_rows = BENCH_JOBS_PLOT_ROWS};

@@ -92,7 +92,7 @@ static void print_most(FILE *out, const bench_results *results, const char *metr
 		        our->min, our->max, most, our->median <= most ? "" : "  MISSED");
 }
 
-void bench_jobs_report(FILE *out, const bench_results *results)
+void bench_jobs_goals(FILE *out, const bench_results *results)
 {
 	fprintf(out,
 	        "\n%s beside the best peer and the machine; ratio: ours / theirs in each round, median [least-most]\n"

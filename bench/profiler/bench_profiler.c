@@ -137,7 +137,7 @@ static const goal goals[] = {
 	{"context switches seen", "switches", "stilb", "of-kernel", 1.0, true, NULL},
 };
 
-static void report(FILE *out, const bench_results *results)
+static void print_goals(FILE *out, const bench_results *results)
 {
 	fprintf(out, "\ngoals; median [least-most] over the rounds\n");
 	for (size_t i = 0; i < COUNT(goals); i++) {
@@ -181,5 +181,5 @@ const bench_suite bench_profiler_suite = {.name = "profiler",
                                           .case_count = COUNT(cases),
                                           .panels = panels,
                                           .panel_count = COUNT(panels),
-                                          .report = report,
-                                          .quick_timeout = 10.0};
+                                          .goals = print_goals,
+                                          .quick_cpu_seconds = 10.0};

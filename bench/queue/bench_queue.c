@@ -107,4 +107,4 @@ const bench_suite bench_queue_suite = {.name = "queue",
                                        .case_count = COUNT(cases),
                                        .panels = panels,
                                        .panel_count = COUNT(panels),
-                                       .report = bench_queue_report};
+                                       .goals = bench_queue_goals};

@@ -5,6 +5,6 @@
 #include "bench/harness/bench.h"
 
 /* The goals, and which of them were reached. */
-void bench_queue_report(FILE *out, const bench_results *results);
+void bench_queue_goals(FILE *out, const bench_results *results);
 
 #endif

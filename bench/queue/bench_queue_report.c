@@ -115,7 +115,7 @@ static void print_steady_goal(FILE *out, const bench_results *results, const ste
 	fputc('\n', out);
 }
 
-void bench_queue_report(FILE *out, const bench_results *results)
+void bench_queue_goals(FILE *out, const bench_results *results)
 {
 	fprintf(out, "\ngoals; ratios of the same round: median [least-most]\n");
 	for (size_t i = 0; i < COUNT(ratio_goals); i++)

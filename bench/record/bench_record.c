@@ -127,7 +127,8 @@ static const char *prepare(const bench_options *options)
 {
 	static char sum[32];
 	bench_child_result result;
-	bench_child_run("stilb-bench-record-vulkan_bare", "vulkan-bare", "picture", 0.0, 0, NULL, 60.0, &result);
+	bench_child_run("stilb-bench-record-vulkan_bare", "vulkan-bare", "picture", 0.0, 0, NULL,
+	                (bench_limit){120.0, 120.0}, &result);
 	if (result.state == BENCH_CHILD_SKIPPED) {
 		stilb_log("the cases picture* are left out: %s", result.message);
 		return RECORD_NO_PICTURE;
@@ -150,8 +151,8 @@ const bench_suite bench_record_suite = {.name = "record",
                                         .cases = cases,
                                         .case_count = COUNT(cases),
                                         .prepare = prepare,
-                                        .report = bench_record_report,
+                                        .goals = bench_record_goals,
                                         .plot = bench_record_plot,
                                         .plot_rows = BENCH_RECORD_PLOT_ROWS,
                                         .start_seconds = 0.05,
-                                        .quick_timeout = 4.0}; /* a frame on lavapipe may take half a second */
+                                        .quick_cpu_seconds = 4.0}; /* a frame on lavapipe may take half a second */

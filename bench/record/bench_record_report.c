@@ -82,7 +82,7 @@ static void print_goal(FILE *out, const bench_results *results, const goal *g)
 	fputc('\n', out);
 }
 
-void bench_record_report(FILE *out, const bench_results *results)
+void bench_record_goals(FILE *out, const bench_results *results)
 {
 	fprintf(out, "\ngoals; median [least-most] over the rounds, ratios of the same round\n");
 	for (size_t i = 0; i < COUNT(goals); i++)

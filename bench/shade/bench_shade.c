@@ -53,6 +53,10 @@ static void report(FILE *out, const bench_results *results)
 	             "  hand: the formula fused in plain floats; a power is powf of a cosine, fast and short of digits\n"
 	             "  8 wide: the functions of engine/shading again, on eight points at a time\n"
 	             "  error: the largest, relative to the formula in double, in millionths\n");
+}
+
+static void print_goals(FILE *out, const bench_results *results)
+{
 	const bench_row *goal = bench_find(results, GOAL_CASE, "stilb", "of-hand");
 	if (goal)
 		fprintf(out, "\ngoal: %s within %.1f x of hand-fused code: %.3f, %s\n", GOAL_CASE, GOAL, goal->median,
@@ -122,6 +126,7 @@ const bench_suite bench_shade_suite = {.name = "shade",
                                        .cases = cases,
                                        .case_count = COUNT(cases),
                                        .report = report,
+                                       .goals = print_goals,
                                        .plot = plot,
                                        .plot_rows = 1,
                                        .report_alone = true};

@@ -203,7 +203,7 @@ uint64_t bench_threads_hash(size_t view)
 static bool find_hash(const char *view, uint64_t *hash)
 {
 	bench_child_result result;
-	bench_child_run(PROGRAM, "reference", view, 0.0, 0, NULL, 20.0, &result);
+	bench_child_run(PROGRAM, "reference", view, 0.0, 0, NULL, (bench_limit){120.0, 120.0}, &result);
 	if (result.state != BENCH_CHILD_DONE || result.value_count != 2) {
 		stilb_log("cannot draw the frame that all runs are to draw: %s", result.message);
 		return false;

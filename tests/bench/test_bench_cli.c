@@ -171,7 +171,7 @@ static void test_small_run(void **state)
 static void test_small_run_of_cull(void **state)
 {
 	(void)state;
-	bench_good("cull --quick --seconds 0.01 --rounds 1 --case 10k-10,10k-move --json a.json");
+	bench_good("cull --goals --quick --seconds 0.01 --rounds 1 --case 10k-10,10k-move --json a.json");
 	assert_said(run.out, "goal <= 1.1");
 	assert_said(run.out, "goal >= 10");
 	read_stats("a.json");
@@ -243,14 +243,21 @@ static void test_programs_that_hang_or_die(void **state)
 	write_program("stilb-bench-queue-own",
 	              "case $1 in mutex) echo throughput 7; echo items 8;; *) exec sleep 60;; esac");
 	assert_int_equal(
-		copy_code(NULL, "queue --quick --seconds 0.01 --rounds 2 --case 1P1C --only mutex,sutter --json a.json"), 0);
+		copy_code(NULL,
+	              "queue --give-up 2 --quick --seconds 0.01 --rounds 2 --case 1P1C --only mutex,sutter --json a.json"),
+		0);
 	assert_said(run.out, "TIMED OUT in 1 of 1 runs"); /* and is left out of the second round */
 	read_stats("a.json");
 	assert_true(assert_row("1P1C", "mutex", "throughput", 2) == 7.0);
 	assert_true(row_value("1P1C", "sutter", "timed-out", "median") == 1.0);
 	assert_int_equal(row_of("1P1C", "sutter", "throughput"), -1);
+	assert_int_equal(copy_code(NULL, "queue --give-up 1 --seconds 0.01 --rounds 1 --case 1P1C --only stilb-low-lock"),
+	                 1);
+	assert_said(run.err, "stilb: stilb-low-lock in 1P1C: no result after 1 s, killed");
+	/* One that spins is ended by the CPU time that it takes, however long that is on a busy machine. */
+	write_program("stilb-bench-queue-own", "while :; do :; done");
 	assert_int_equal(copy_code(NULL, "queue --quick --seconds 0.01 --rounds 1 --case 1P1C --only stilb-low-lock"), 1);
-	assert_said(run.err, "stilb: stilb-low-lock in 1P1C: no result after");
+	assert_said(run.err, "of CPU time, killed");
 
 	static const char *const deaths[][2] = {{"kill -SEGV $$", "signal 11"},
 	                                        {"echo broken >&2; exit 3", "broken"},
@@ -266,6 +273,62 @@ static void test_programs_that_hang_or_die(void **state)
 	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex --json a.json"), 0);
 	read_stats("a.json");
 	assert_int_equal(row_of("1P1C", "mutex", "throughput"), -1);
+}
+
+/* ---- in words ---------------------------------------------------------------------------------------------------- */
+
+/* Where the sentences begin; goals and their verdicts are for those who ask. */
+static const char *last_words(void)
+{
+	const char *words = strstr(run.out, "\nqueue: ");
+	assert_non_null(words);
+	assert_int_equal(program_lines(words + 1), 3);
+	assert_null(strstr(run.out, "goal"));
+	assert_null(strstr(run.out, "MISSED"));
+	return words;
+}
+
+static void test_three_sentences_at_the_end(void **state)
+{
+	(void)state;
+	copy_bench();
+	write_program("stilb-bench-queue-own", "case $1-$2 in\n"
+	                                       "stilb-low-lock-1P1C) echo throughput 8;;\n"
+	                                       "stilb-low-lock-2P2C) echo throughput 30;;\n"
+	                                       "*) echo throughput 10;;\n"
+	                                       "esac\necho items 8");
+	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 2 --case 1P1C,2P2C --only mutex,stilb-low-lock"),
+	                 0);
+	const char *words = last_words();
+	assert_said(
+		words,
+		"\nqueue: 8 runs of 0.01 s over 4 pairs of a subject and a case, in 2 rounds; 8 of them gave a result.\n");
+	assert_said(words,
+	            "\nOurs is at least as good as the best of the others in 1 of 2 comparisons, and furthest behind in "
+	            "1P1C, where throughput of stilb-low-lock is 0.80 times as good as that of mutex.\n");
+	assert_said(words, "\nDifferences of less than 0 % mean nothing here");
+	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 2P2C --only mutex,stilb-low-lock"), 0);
+	assert_said(last_words(), "\nOurs is at least as good as the best of the others in all 1 comparisons.\n"
+	                          "No subject ran twice");
+	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 2P2C --only stilb-low-lock"), 0);
+	assert_said(last_words(), "\nNothing of others was measured beside ours");
+	assert_int_equal(copy_code(NULL, "queue --goals --seconds 0.01 --rounds 1 --case 2P2C --only stilb-low-lock"), 0);
+	assert_said(run.out, "\ngoals; ");
+}
+
+/* Both streams in one file: what failed stands after the tables, in a line of its own. */
+static void test_streams_do_not_tear_each_other(void **state)
+{
+	(void)state;
+	copy_bench();
+	assert_int_equal(rename("stilb-bench", "real"), 0);
+	write_program("stilb-bench", "exec ./real \"$@\" 2>&1");
+	write_program("stilb-bench-queue-own", "echo broken >&2; exit 3");
+	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex,stilb-low-lock"), 1);
+	const char *table = strstr(run.out, "\n1P1C: "),
+			   *failed = strstr(run.out, "\nstilb: stilb-low-lock in 1P1C: broken\n");
+	const char *words = strstr(run.out, "\nqueue: ");
+	assert_true(table && failed && words && table < failed && failed < words);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
@@ -319,6 +382,8 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_json_goes_where_it_is_told),
 		FRESH_TEST(test_wrong_results_are_failures),
 		FRESH_TEST(test_programs_that_hang_or_die),
+		FRESH_TEST(test_three_sentences_at_the_end),
+		FRESH_TEST(test_streams_do_not_tear_each_other),
 		FRESH_TEST(test_pictures),
 		FRESH_TEST(test_what_is_not_built_is_named),
 	};

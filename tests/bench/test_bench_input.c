@@ -9,7 +9,7 @@ static void test_numbers(void **state)
 		{"find", "fields"},    {"decode", "usb"},       {"decode", "crc"},    {"decode", "bluetooth"},
 		{"frame", "idle"},     {"frame", "reports-16"}, {"camera", "frame"},  {"frame", "reports-500"},
 	};
-	assert_int_equal(stilb_code(NULL, "input --rounds 1 --seconds 0.01 --json f.json"), 0);
+	assert_int_equal(stilb_code(NULL, "input --goals --rounds 1 --seconds 0.01 --json f.json"), 0);
 	read_stats("f.json");
 	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
 		assert_true(row_median(numbers[i][0], "stilb", numbers[i][1]) > 0.0);

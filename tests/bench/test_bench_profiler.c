@@ -18,7 +18,7 @@ static void test_list(void **state)
 static void test_runs(void **state)
 {
 	(void)state;
-	assert_int_equal(stilb_code(NULL, "profiler --rounds 1 --seconds 0.05 --only stilb,rdtsc --json p.json "
+	assert_int_equal(stilb_code(NULL, "profiler --goals --rounds 1 --seconds 0.05 --only stilb,rdtsc --json p.json "
 	                                  "--case zone,next,precise,work,off,frame,live,switches"),
 	                 0);
 	read_stats("p.json");
@@ -53,7 +53,8 @@ static void test_goals(void **state)
 	                                          "switches) echo kernel 10; echo seen 9; echo of-kernel 0.9 ;;\n"
 	                                          "live) echo snapshot 100 ;;\n"
 	                                          "esac");
-	const int code = copy_code(NULL, "profiler --rounds 1 --seconds 0.05 --only stilb --case zone,next,switches,live");
+	const int code =
+		copy_code(NULL, "profiler --goals --rounds 1 --seconds 0.05 --only stilb --case zone,next,switches,live");
 	assert_int_equal(code, 0);
 	assert_goal("empty zone / two rdtsc", "MISSED");
 	assert_goal("PROFILE_NEXT / two rdtsc", "met");

@@ -95,7 +95,7 @@ static void test_null_device(void **state)
 static void test_pictures_are_the_same(void **state)
 {
 	(void)state;
-	static const char line[] = "record --seconds 0.01 --rounds 1 --case picture* --json a.json";
+	static const char line[] = "record --goals --seconds 0.01 --rounds 1 --case picture* --json a.json";
 	assert_int_equal(bench_code(line), 0);
 	assert_null(strstr(run.out, "FAILED"));
 	if (strstr(run.err, "left out")) {
@@ -182,7 +182,7 @@ static void test_goals(void **state)
 	                                        "stilb-indirect-picture) [ $5 = 16777218 ] && echo frame 103;;\n"
 	                                        "*) exit 77;;\n"
 	                                        "esac");
-	assert_int_equal(made_up_code("record --seconds 0.01 --rounds 1 --only stilb*,write,vulkan-bare", NULL), 0);
+	assert_int_equal(made_up_code("record --goals --seconds 0.01 --rounds 1 --only stilb*,write,vulkan-bare", NULL), 0);
 	assert_goal("record by hand, 1 thread", "goal <= 6      met");
 	assert_goal("record from a scene, 1 thread", "MISSED");
 	assert_goal("bytes recorded", "MISSED");

@@ -18,7 +18,7 @@ static void test_list(void **state)
 static void test_runs(void **state)
 {
 	(void)state;
-	assert_int_equal(stilb_code(NULL, "shade --rounds 1 --seconds 0.02 --json s.json"), 0);
+	assert_int_equal(stilb_code(NULL, "shade --goals --rounds 1 --seconds 0.02 --json s.json"), 0);
 	read_stats("s.json");
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		assert_true(row_median(names[i], "stilb", "scalar") > 0.0);
@@ -36,7 +36,7 @@ static void assert_goal(const char *ratio, const char *verdict)
 	char program[256];
 	snprintf(program, sizeof program, "echo scalar 2; echo hand 2; echo limit 1; echo of-hand %s; echo error 1", ratio);
 	write_program("stilb-bench-shade", program);
-	assert_int_equal(copy_code(NULL, "shade --rounds 1 --seconds 0.02 --case ggx"), 0);
+	assert_int_equal(copy_code(NULL, "shade --goals --rounds 1 --seconds 0.02 --case ggx"), 0);
 	assert_said(run.out, verdict);
 }
 
