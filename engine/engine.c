@@ -241,6 +241,5 @@ uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBR
 {
 	libraries[0] = (stilb_engine_library){"Vulkan loader", stilb_render_vulkan_version()};
 	libraries[1] = (stilb_engine_library){"GLFW", stilb_window_library_version()};
-	libraries[2] = (stilb_engine_library){"OpenImageIO", stilb_image_library_version()};
 	return STILB_ENGINE_LIBRARIES;
 }

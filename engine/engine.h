@@ -142,7 +142,7 @@ typedef struct stilb_engine_library {
 } stilb_engine_library;
 
 /* Fills libraries, returns how many: at most STILB_ENGINE_LIBRARIES. */
-#define STILB_ENGINE_LIBRARIES 3
+#define STILB_ENGINE_LIBRARIES 2
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES]);
 
 /* How the next frame is shaded; the user may have chosen in the inspector. */

@@ -2,14 +2,24 @@
 
 #include "image/image_internal.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-const size_t image_scalar_bytes[] = {[IMAGE_SCALAR_U8] = 1, [IMAGE_SCALAR_F16] = 2, [IMAGE_SCALAR_F32] = 4};
+/* stilb_image's storage. From IMAGE_STORAGE_SHARED on it is a memory file's descriptor plus that. */
+enum { IMAGE_STORAGE_MEMORY, IMAGE_STORAGE_MAPPED, IMAGE_STORAGE_SHARED };
+
+const size_t image_scalar_bytes[] = {
+	[IMAGE_SCALAR_U8] = 1, [IMAGE_SCALAR_F16] = 2, [IMAGE_SCALAR_F32] = 4, [IMAGE_SCALAR_U16] = 2};
 const image_scalar image_format_scalars[] = {[STILB_IMAGE_U8_SRGB] = IMAGE_SCALAR_U8,
                                              [STILB_IMAGE_F16_LINEAR] = IMAGE_SCALAR_F16,
-                                             [STILB_IMAGE_F32_LINEAR] = IMAGE_SCALAR_F32};
+                                             [STILB_IMAGE_F32_LINEAR] = IMAGE_SCALAR_F32,
+                                             [STILB_IMAGE_U16_SRGB] = IMAGE_SCALAR_U16};
 
 size_t stilb_image_size(const stilb_image *image)
 {
@@ -25,27 +35,44 @@ const char *image_refusal(const stilb_image *image)
 		return "width and height must be 1 to 65536";
 	if (image->channels < 1 || image->channels > 4)
 		return "1 to 4 channels are supported";
-	if ((unsigned)image->format > STILB_IMAGE_F32_LINEAR)
+	if ((unsigned)image->format > STILB_IMAGE_U16_SRGB)
 		return "unknown pixel format";
 	if (stilb_image_size(image) > STILB_IMAGE_MAX_BYTES)
 		return "its pixels would take more than 4 GiB";
 	return NULL;
 }
 
-stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
-                                stilb_image_format format)
+/* {0} but for its shape, or a result with a message. */
+static stilb_result image_shape_check(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                      stilb_image_format format)
 {
 	stilb_image made = {.width = width, .height = height, .channels = channels, .format = format};
-	*image = (stilb_image){0};
 	const char *refusal = image_refusal(&made);
+	*image = (stilb_image){0};
 	if (refusal)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot make a picture of %u x %u pixels with %u channels: %s", width,
 		                  height, channels, refusal);
-	made.pixels = stilb_memory_alloc(stilb_image_size(&made), 1);
-	if (!made.pixels)
-		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels", width, height);
-	memset(made.pixels, 0, stilb_image_size(&made));
 	*image = made;
+	return STILB_OK;
+}
+
+static stilb_result image_no_memory(stilb_image *image)
+{
+	const uint32_t width = image->width, height = image->height;
+	*image = (stilb_image){0};
+	return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels", width, height);
+}
+
+stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                stilb_image_format format)
+{
+	stilb_result result = image_shape_check(image, width, height, channels, format);
+	if (result != STILB_OK)
+		return result;
+	image->pixels = stilb_memory_alloc(stilb_image_size(image), 1);
+	if (!image->pixels)
+		return image_no_memory(image);
+	memset(image->pixels, 0, stilb_image_size(image));
 	return STILB_OK;
 }
 
@@ -53,8 +80,72 @@ void stilb_image_finish(stilb_image *image)
 {
 	if (!image)
 		return;
-	free(image->pixels);
+	if (image->storage == IMAGE_STORAGE_MEMORY)
+		free(image->pixels);
+	else
+		munmap(image->pixels, stilb_image_size(image));
+	if (image->storage >= IMAGE_STORAGE_SHARED)
+		close((int)(image->storage - IMAGE_STORAGE_SHARED));
 	*image = (stilb_image){0};
+}
+
+/* ---- pictures that go from process to process -------------------------------------------------------------------- */
+
+#define IMAGE_SEALS (F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE)
+
+stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                       stilb_image_format format)
+{
+	stilb_result result = image_shape_check(image, width, height, channels, format);
+	if (result != STILB_OK)
+		return result;
+	const size_t size = stilb_image_size(image);
+	const int file = memfd_create("picture", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+	void *pixels = MAP_FAILED;
+	if (file >= 0 && ftruncate(file, (off_t)size) == 0)
+		pixels = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+	if (pixels == MAP_FAILED) {
+		if (file >= 0)
+			close(file);
+		return image_no_memory(image);
+	}
+	image->pixels = pixels;
+	image->storage = IMAGE_STORAGE_SHARED + (uint32_t)file;
+	return STILB_OK;
+}
+
+int stilb_image_share(stilb_image *image)
+{
+	STILB_ASSERT(image->storage >= IMAGE_STORAGE_SHARED);
+	const int file = (int)(image->storage - IMAGE_STORAGE_SHARED);
+	munmap(image->pixels, stilb_image_size(image)); /* what can be written through cannot be sealed */
+	*image = (stilb_image){0};
+	if (fcntl(file, F_ADD_SEALS, IMAGE_SEALS | F_SEAL_SEAL) == 0)
+		return file;
+	stilb_fail(STILB_ERROR_FILE, "a picture's memory cannot be sealed: %s", strerror(errno));
+	close(file);
+	return -1;
+}
+
+stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t channels, stilb_image_format format,
+                             stilb_image *image)
+{
+	stilb_result result = image_shape_check(image, width, height, channels, format);
+	if (result != STILB_OK)
+		return result;
+	struct stat info;
+	const size_t size = stilb_image_size(image);
+	const int seals = fcntl(file, F_GET_SEALS);
+	if (seals < 0 || (seals & IMAGE_SEALS) != IMAGE_SEALS || fstat(file, &info) != 0 || (size_t)info.st_size != size) {
+		*image = (stilb_image){0};
+		return stilb_fail(STILB_ERROR_FILE, "a picture's memory is not what it was said to be");
+	}
+	void *pixels = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE, file, 0);
+	if (pixels == MAP_FAILED)
+		return image_no_memory(image);
+	image->pixels = pixels;
+	image->storage = IMAGE_STORAGE_MAPPED;
+	return STILB_OK;
 }
 
 /* ---- what the codecs share ------------------------------------------------------------------------------------------ */

@@ -27,12 +27,14 @@ typedef enum stilb_image_format {
 	STILB_IMAGE_U8_SRGB,    /* uint8_t codes, IEC 61966-2-1 */
 	STILB_IMAGE_F16_LINEAR, /* IEEE binary16 in uint16_t */
 	STILB_IMAGE_F32_LINEAR, /* float */
+	STILB_IMAGE_U16_SRGB,   /* uint16_t codes, the same transfer with 65535 as 1 */
 } stilb_image_format;
 
 typedef struct stilb_image {
 	uint32_t width, height, channels;
 	stilb_image_format format;
-	void *pixels; /* [height][width][channels]; 64-byte aligned */
+	void *pixels;     /* [height][width][channels]; 64-byte aligned */
+	uint32_t storage; /* how pixels are held and given back: 0 is memory of stilb_memory_alloc; others are image.c's */
 } stilb_image;
 
 /* A black picture (alpha 0 too). Width and height 1..STILB_IMAGE_MAX_SIDE, channels 1..4, at most STILB_IMAGE_MAX_BYTES.
@@ -42,6 +44,23 @@ stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t hei
 
 /* Frees the pixels and leaves {0}. Accepts NULL and {0}. [one-writer] */
 void stilb_image_finish(stilb_image *image);
+
+/* As stilb_image_create, in memory that stilb_image_share can hand to another process. */
+stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                       stilb_image_format format);
+
+/* Takes a picture of stilb_image_create_shared out of this process: leaves {0} and returns a descriptor of its pixels,
+ * which nobody can change or cut off any more, for the caller to send and close; or -1 with a message. [one-writer] */
+int stilb_image_share(stilb_image *image);
+
+/* The picture of this shape behind such a descriptor, from any process, trusted or not: one of another size or that can
+ * still be changed is STILB_ERROR_FILE. file may be closed afterwards. Its pixels are this process's own to change.
+ * [any-thread] STILB_ERROR_ARGUMENT for a shape that is refused, STILB_ERROR_MEMORY; then image is {0}. */
+stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t channels, stilb_image_format format,
+                             stilb_image *image);
+
+/* Row y as linear floats, [width][channels]; alpha as it is. [any-thread] */
+void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light);
 
 /* Bytes of all pixels. [any-thread] */
 size_t stilb_image_size(const stilb_image *image);
@@ -66,16 +85,5 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path);
  * [any-thread] STILB_ERROR_ARGUMENT for an unknown extension, STILB_ERROR_FILE for a file that is missing, damaged or of a
  * kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);
-
-/* Reads a picture that others made: PNG, JPEG, TGA, BMP, GIF, TIFF, DDS, PSD, WebP into U8_SRGB, EXR and Radiance HDR
- * into F32_LINEAR. The kind is told by the first bytes, TGA's by its extension; of several pictures in a file the first
- * counts. [any-thread] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then image is {0}. */
-stilb_result stilb_image_import(const char *path, stilb_image *image);
-
-/* The same from a file in memory; name is what messages call it. */
-stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, stilb_image *image);
-
-/* OpenImageIO's version, as loaded: "2.4.7"; "not found" when it cannot be. [any-thread] */
-const char *stilb_image_library_version(void);
 
 #endif

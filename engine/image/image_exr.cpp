@@ -205,18 +205,26 @@ class exr_input
 	{
 		return file_.header(0);
 	}
-	// The first `count` channels side by side.
-	void read(float *pixels, uint32_t count)
+	// F16 if the first `count` channels are halves.
+	image_scalar scalar(uint32_t count) const
+	{
+		bool halves = true;
+		for (uint32_t i = 0; i < count; i++)
+			halves = halves && header().channels()[names[i].c_str()].type == Imf::HALF;
+		return halves ? IMAGE_SCALAR_F16 : IMAGE_SCALAR_F32;
+	}
+	// The first `count` channels side by side, as F16 or F32.
+	void read(void *pixels, uint32_t count, image_scalar scalar)
 	{
 		const Imath::Box2i window = header().dataWindow();
-		const size_t step = count * sizeof(float), row = step * width;
+		const size_t step = count * image_scalar_bytes[scalar], row = step * width;
 		// A slice is addressed by the window's coordinates: its base is where (0, 0) would be.
 		const int64_t corner = int64_t(window.min.y) * int64_t(row) + int64_t(window.min.x) * int64_t(step);
+		const Imf::PixelType type = scalar == IMAGE_SCALAR_F16 ? Imf::HALF : Imf::FLOAT;
 		Imf::FrameBuffer frame;
 		for (uint32_t i = 0; i < count; i++) {
-			const uintptr_t first = reinterpret_cast<uintptr_t>(pixels + i);
-			frame.insert(names[i],
-			             Imf::Slice(Imf::FLOAT, reinterpret_cast<char *>(first - uintptr_t(corner)), step, row));
+			const uintptr_t first = reinterpret_cast<uintptr_t>(pixels) + i * image_scalar_bytes[scalar];
+			frame.insert(names[i], Imf::Slice(type, reinterpret_cast<char *>(first - uintptr_t(corner)), step, row));
 		}
 		Imf::InputPart part(file_, 0);
 		part.setFrameBuffer(frame);
@@ -251,11 +259,11 @@ image_outcome decode_picture(const void *data, size_t size, image_allocate *allo
 		if (channels == 0)
 			throw std::runtime_error("it has " + std::to_string(input.names.size()) +
 			                         " channels, and 1 to 4 are supported");
-		const image_shape shape = {input.width, input.height, channels, IMAGE_SCALAR_F32};
-		auto *pixels = static_cast<float *>(allocate(context, &shape));
+		image_shape shape = {input.width, input.height, channels, input.scalar(channels)};
+		void *pixels = allocate(context, &shape);
 		if (!pixels)
 			return IMAGE_OUTCOME_CALLBACK;
-		input.read(pixels, channels);
+		input.read(pixels, channels, shape.scalar);
 		return IMAGE_OUTCOME_DONE;
 	});
 }
@@ -291,7 +299,7 @@ image_outcome image_exr_decode(const void *data, size_t size, const image_exr_si
 		float *pixels = sink->create(sink->context, input.width, input.height, count);
 		if (!pixels || !tell_texts(input, *sink))
 			return IMAGE_OUTCOME_CALLBACK;
-		input.read(pixels, count);
+		input.read(pixels, count, IMAGE_SCALAR_F32);
 		return IMAGE_OUTCOME_DONE;
 	});
 }

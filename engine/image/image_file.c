@@ -95,24 +95,40 @@ static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 	const uint16_t *halves = image->pixels;
 	const size_t count = (size_t)image->width * image->height * image->channels;
 	for (size_t i = 0; i < count; i++) {
+		if (image->format == STILB_IMAGE_U16_SRGB) {
+			codes[i] = (uint8_t)((halves[i] * 255u + 32767u) / 65535u);
+			continue;
+		}
 		float light = image->format == STILB_IMAGE_F32_LINEAR ? floats[i] : image_half_to_float(halves[i]);
 		codes[i] = image_code(light, image_channel_is_alpha(image, i));
 	}
 }
 
-static void image_convert_to_light(const stilb_image *image, float *light)
+/* Of `count` values from `first` on. */
+static void image_convert_to_light(const stilb_image *image, size_t first, size_t count, float *light)
 {
 	float table[256];
-	for (int code = 0; code < 256; code++)
+	const uint8_t *codes = (const uint8_t *)image->pixels + first;
+	const uint16_t *words = (const uint16_t *)image->pixels + first;
+	if (image->format == STILB_IMAGE_F32_LINEAR)
+		memcpy(light, (const float *)image->pixels + first, count * sizeof *light);
+	for (int code = 0; image->format == STILB_IMAGE_U8_SRGB && code < 256; code++)
 		table[code] = shade_srgb_to_linear((float)code / 255.0f);
-	const uint8_t *codes = image->pixels;
-	const uint16_t *halves = image->pixels;
-	const size_t count = (size_t)image->width * image->height * image->channels;
-	for (size_t i = 0; i < count; i++)
-		if (image->format == STILB_IMAGE_F16_LINEAR)
-			light[i] = image_half_to_float(halves[i]);
-		else
-			light[i] = image_channel_is_alpha(image, i) ? (float)codes[i] / 255.0f : table[codes[i]];
+	for (size_t i = 0; image->format == STILB_IMAGE_U8_SRGB && i < count; i++)
+		light[i] = image_channel_is_alpha(image, first + i) ? (float)codes[i] / 255.0f : table[codes[i]];
+	for (size_t i = 0; image->format == STILB_IMAGE_F16_LINEAR && i < count; i++)
+		light[i] = image_half_to_float(words[i]);
+	for (size_t i = 0; image->format == STILB_IMAGE_U16_SRGB && i < count; i++) {
+		const float code = (float)words[i] / 65535.0f;
+		light[i] = image_channel_is_alpha(image, first + i) ? code : shade_srgb_to_linear(code);
+	}
+}
+
+void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light)
+{
+	const size_t row = (size_t)image->width * image->channels;
+	STILB_ASSERT(y < image->height);
+	image_convert_to_light(image, y * row, row, light);
 }
 
 /* ---- saving ------------------------------------------------------------------------------------------------------- */
@@ -131,11 +147,11 @@ static bool image_source_make(const stilb_image *image, const image_codec *codec
 	const image_scalar own = image_format_scalars[image->format];
 	*source = (image_source){.shape = {image->width, image->height, image->channels, own}, .stored = own};
 	source->pixels = image->pixels;
-	const bool same = codec->codes == (own == IMAGE_SCALAR_U8);
-	if (same && !(own == IMAGE_SCALAR_F16 && codec == &image_codec_hdr))
+	const bool floats = own == IMAGE_SCALAR_F32 || (own == IMAGE_SCALAR_F16 && codec == &image_codec_exr);
+	if (codec->codes ? own == IMAGE_SCALAR_U8 : floats)
 		return true;
 	source->shape.scalar = codec->codes ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32;
-	source->stored = codec->codes ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F16; /* 8 bits of sRGB fit into halves */
+	source->stored = own == IMAGE_SCALAR_U16 ? IMAGE_SCALAR_F32 : IMAGE_SCALAR_F16; /* 8 bits of sRGB fit into halves */
 	size_t count = (size_t)image->width * image->height * image->channels;
 	source->converted = stilb_memory_alloc(count, image_scalar_bytes[source->shape.scalar]);
 	if (!source->converted)
@@ -143,7 +159,7 @@ static bool image_source_make(const stilb_image *image, const image_codec *codec
 	if (codec->codes)
 		image_convert_to_codes(image, source->converted);
 	else
-		image_convert_to_light(image, source->converted);
+		image_convert_to_light(image, 0, count, source->converted);
 	source->pixels = source->converted;
 	return true;
 }
@@ -183,18 +199,32 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path)
 
 /* ---- loading ------------------------------------------------------------------------------------------------------ */
 
-void *image_load_allocate(void *context, const image_shape *shape)
+void *image_load_allocate(void *context, image_shape *shape)
 {
+	static const stilb_image_format formats[] = {[IMAGE_SCALAR_U8] = STILB_IMAGE_U8_SRGB,
+	                                             [IMAGE_SCALAR_U16] = STILB_IMAGE_U16_SRGB,
+	                                             [IMAGE_SCALAR_F16] = STILB_IMAGE_F16_LINEAR,
+	                                             [IMAGE_SCALAR_F32] = STILB_IMAGE_F32_LINEAR};
 	image_load *load = context;
+	if (!load->exact && shape->scalar == IMAGE_SCALAR_U16)
+		shape->scalar = IMAGE_SCALAR_U8;
+	if (!load->exact && shape->scalar == IMAGE_SCALAR_F16)
+		shape->scalar = IMAGE_SCALAR_F32;
 	stilb_image made = {.width = shape->width, .height = shape->height, .channels = shape->channels};
-	made.format = shape->scalar == IMAGE_SCALAR_U8 ? STILB_IMAGE_U8_SRGB : STILB_IMAGE_F32_LINEAR;
+	made.format = formats[shape->scalar];
+	const stilb_image light = {shape->width, shape->height, 3, STILB_IMAGE_F32_LINEAR, NULL, 0};
 	const char *refusal = image_refusal(&made);
+	if (!refusal && load->for_light)
+		refusal = image_refusal(&light);
 	if (refusal) {
 		load->result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it has %u x %u pixels; %s", load->path,
 		                          made.width, made.height, refusal);
 		return NULL;
 	}
-	made.pixels = stilb_memory_alloc(stilb_image_size(&made), 1);
+	if (load->shared)
+		stilb_image_create_shared(&made, made.width, made.height, made.channels, made.format);
+	else
+		made.pixels = stilb_memory_alloc(stilb_image_size(&made), 1);
 	if (!made.pixels)
 		load->result = stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", load->path);
 	else

@@ -261,7 +261,7 @@ static image_outcome hdr_decode(const void *data, size_t size, image_allocate *a
 		image_message_set(message, trouble);
 		return IMAGE_OUTCOME_CODEC;
 	}
-	const image_shape shape = {input.width, input.height, 3, IMAGE_SCALAR_F32};
+	image_shape shape = {input.width, input.height, 3, IMAGE_SCALAR_F32};
 	float *light = allocate(context, &shape);
 	if (!light)
 		return IMAGE_OUTCOME_CALLBACK;

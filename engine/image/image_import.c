@@ -1,5 +1,6 @@
 /* Pictures that others made: PNG, EXR and HDR by our own codecs, every other format by OpenImageIO. */
-#include "image/image.h"
+#include "image/image_import.h"
+
 #include "image/image_internal.h"
 
 #include <stdlib.h>
@@ -47,10 +48,15 @@ static image_outcome image_decode_foreign(const char *format, const void *data, 
 	return foreign ? foreign->decode(format, data, size, image_load_allocate, load, message) : IMAGE_OUTCOME_CODEC;
 }
 
-stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, stilb_image *image)
+stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, uint32_t flags,
+                                       stilb_image *image)
 {
 	*image = (stilb_image){0};
-	image_load load = {.path = name, .image = image};
+	image_load load = {.path = name,
+	                   .image = image,
+	                   .exact = true,
+	                   .shared = flags & STILB_IMAGE_IMPORT_SHARED,
+	                   .for_light = flags & STILB_IMAGE_IMPORT_FOR_LIGHT};
 	image_message message = {.text = "it is no picture of a known kind"};
 	image_outcome outcome = IMAGE_OUTCOME_CODEC;
 	const struct image_signature *signature = image_signature_of(name, data, size);
@@ -61,14 +67,14 @@ stilb_result stilb_image_import_memory(const char *name, const void *data, size_
 	return image_load_end(&load, outcome, &message);
 }
 
-stilb_result stilb_image_import(const char *path, stilb_image *image)
+stilb_result stilb_image_import(const char *path, uint32_t flags, stilb_image *image)
 {
 	*image = (stilb_image){0};
 	void *data = NULL;
 	size_t size = 0;
 	const char *trouble = image_file_read(path, &data, &size);
 	stilb_result result = trouble ? stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s", path, trouble)
-	                              : stilb_image_import_memory(path, data, size, image);
+	                              : stilb_image_import_memory(path, data, size, flags, image);
 	free(data);
 	return result;
 }

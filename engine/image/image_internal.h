@@ -18,6 +18,7 @@ typedef enum image_scalar {
 	IMAGE_SCALAR_U8, /* sRGB codes, alpha linear */
 	IMAGE_SCALAR_F16,
 	IMAGE_SCALAR_F32,
+	IMAGE_SCALAR_U16, /* as U8 */
 } image_scalar;
 
 /* Pixels without a gap: [height][width][channels], the top row first. */
@@ -46,9 +47,10 @@ typedef struct image_bytes {
 /* Writes size bytes at offset, which may lie at or before the end; false: out of memory. */
 bool image_bytes_write(image_bytes *bytes, size_t offset, const void *data, size_t size);
 
-/* Returns the memory for a picture of this shape, or NULL to refuse it. A codec asks as soon as it has read the header
- * and before it takes memory that grows with the picture. */
-typedef void *image_allocate(void *context, const image_shape *shape);
+/* Returns the memory for a picture of this shape, or NULL to refuse it. The scalar is the file's own; allocate may change
+ * it from U16 to U8 and from F16 to F32, and the codec then converts. A codec asks as soon as it has read the header and
+ * before it takes memory that grows with the picture. */
+typedef void *image_allocate(void *context, image_shape *shape);
 
 /* A file format of this library. [any-thread] Neither function prints. */
 typedef struct image_codec {
@@ -60,7 +62,7 @@ typedef struct image_codec {
 	image_outcome (*encode)(const image_shape *shape, const void *pixels, image_scalar stored, image_bytes *file,
 	                        image_message *message);
 
-	/* Decodes a file into what allocate returns: U8 or F32, as codes says. */
+	/* Decodes a file into what allocate returns: U8 or U16, F16 or F32, as codes says. */
 	image_outcome (*decode)(const void *data, size_t size, image_allocate *allocate, void *context,
 	                        image_message *message);
 } image_codec;
@@ -89,11 +91,14 @@ typedef struct image_load {
 	const char *path;    /* what messages call it */
 	stilb_image *image;  /* {0} at first */
 	stilb_result result; /* why image_load_allocate refused */
+	bool exact;          /* 16 bits stay 16 bits, and halves halves */
+	bool shared;         /* pixels as of stilb_image_create_shared */
+	bool for_light;      /* there must be room for three floats a pixel, too */
 } image_load;
 
 /* image_allocate. Pixels stay untouched until they are decoded: a short file that claims to be huge costs address space
  * only. */
-void *image_load_allocate(void *context, const image_shape *shape);
+void *image_load_allocate(void *context, image_shape *shape);
 
 /* The result of reading, with its message; leaves {0} in the picture unless all went well. */
 stilb_result image_load_end(image_load *load, image_outcome outcome, const image_message *message);
@@ -105,7 +110,7 @@ stilb_result image_fail(image_outcome outcome, const char *verb, const char *pat
 
 /* What the module with OpenImageIO offers, as the symbol IMAGE_FOREIGN_SYMBOL. */
 typedef struct image_foreign {
-	/* Decodes data, a file of the format that OpenImageIO calls `format`, into U8 that allocate returns. */
+	/* Decodes data, a file of the format that OpenImageIO calls `format`, into what allocate returns. */
 	image_outcome (*decode)(const char *format, const void *data, size_t size, image_allocate *allocate, void *context,
 	                        image_message *message);
 	/* "2.4.7": of the library that is loaded. */

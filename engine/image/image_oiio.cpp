@@ -47,6 +47,30 @@ bool is_flat(const OIIO::ImageSpec &spec, image_message *message)
 	return false;
 }
 
+// The smallest that holds the file's values.
+image_scalar scalar_of(OIIO::TypeDesc type)
+{
+	switch (type.basetype) {
+	case OIIO::TypeDesc::UINT8:
+	case OIIO::TypeDesc::INT8:
+		return IMAGE_SCALAR_U8;
+	case OIIO::TypeDesc::HALF:
+		return IMAGE_SCALAR_F16;
+	case OIIO::TypeDesc::FLOAT:
+	case OIIO::TypeDesc::DOUBLE:
+		return IMAGE_SCALAR_F32;
+	default:
+		return IMAGE_SCALAR_U16;
+	}
+}
+
+OIIO::TypeDesc type_of(image_scalar scalar)
+{
+	static const OIIO::TypeDesc::BASETYPE types[] = {OIIO::TypeDesc::UINT8, OIIO::TypeDesc::HALF, OIIO::TypeDesc::FLOAT,
+	                                                 OIIO::TypeDesc::UINT16};
+	return types[scalar];
+}
+
 // False with a message for what a stilb_image cannot hold.
 bool shape_of(const OIIO::ImageSpec &spec, image_shape &shape, image_message *message)
 {
@@ -56,7 +80,7 @@ bool shape_of(const OIIO::ImageSpec &spec, image_shape &shape, image_message *me
 		message_set(message, "it has " + std::to_string(spec.nchannels) + " channels, and 1 to 4 are supported");
 		return false;
 	}
-	shape = {uint32_t(spec.width), uint32_t(spec.height), uint32_t(spec.nchannels), IMAGE_SCALAR_U8};
+	shape = {uint32_t(spec.width), uint32_t(spec.height), uint32_t(spec.nchannels), scalar_of(spec.format)};
 	return true;
 }
 
@@ -164,7 +188,7 @@ image_outcome decode(const char *format, const void *data, size_t size, image_al
 	void *pixels = allocate(context, &shape);
 	if (!pixels)
 		return IMAGE_OUTCOME_CALLBACK;
-	if (!input->read_image(0, 0, 0, int(shape.channels), OIIO::TypeDesc::UINT8, pixels)) {
+	if (!input->read_image(0, 0, 0, int(shape.channels), type_of(shape.scalar), pixels)) {
 		message_set(message, input->geterror());
 		return IMAGE_OUTCOME_CODEC;
 	}

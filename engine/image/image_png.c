@@ -95,17 +95,16 @@ static void png_get(png_structp png, png_bytep out, size_t size)
 	job->at += size;
 }
 
-/* After png_read_info: has libpng give 8 bits a channel, grey or RGB, with alpha where the file has any. */
+/* After png_read_info: has libpng give 8 or 16 bits a channel, grey or RGB, with alpha where the file has any. */
 static image_shape png_shape(png_structp png, png_infop info)
 {
 	const int color = png_get_color_type(png, info);
 	const bool alpha = (color & PNG_COLOR_MASK_ALPHA) != 0 || png_get_valid(png, info, PNG_INFO_tRNS) != 0;
-	png_set_expand(png);   /* palettes to RGB, fewer than 8 bits to 8, a transparent colour to alpha */
-	png_set_scale_16(png); /* rounded to the nearest */
+	png_set_expand(png); /* palettes to RGB, fewer than 8 bits to 8, a transparent colour to alpha */
 	return (image_shape){.width = png_get_image_width(png, info),
 	                     .height = png_get_image_height(png, info),
 	                     .channels = (color & PNG_COLOR_MASK_COLOR ? 3u : 1u) + (alpha ? 1u : 0u),
-	                     .scalar = IMAGE_SCALAR_U8};
+	                     .scalar = png_get_bit_depth(png, info) == 16 ? IMAGE_SCALAR_U16 : IMAGE_SCALAR_U8};
 }
 
 /* Leaves through png_longjmp when something fails; false: allocate refused. */
@@ -114,13 +113,17 @@ static bool png_read_all(png_structp png, png_infop info, image_allocate *alloca
 	png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
 	png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* allocate refuses, and says more */
 	png_read_info(png, info);
-	const image_shape shape = png_shape(png, info);
+	image_shape shape = png_shape(png, info);
 	const int passes = png_set_interlace_handling(png);
 	unsigned char *pixels = allocate(context, &shape);
 	if (!pixels)
 		return false;
+	if (shape.scalar == IMAGE_SCALAR_U8)
+		png_set_scale_16(png); /* rounded to the nearest */
+	else
+		png_set_swap(png); /* the file has the high byte first */
 	png_read_update_info(png, info);
-	const size_t row = (size_t)shape.width * shape.channels;
+	const size_t row = (size_t)shape.width * shape.channels * image_scalar_bytes[shape.scalar];
 	if (png_get_rowbytes(png, info) != row)
 		png_error(png, "its rows are not of the size that its header says");
 	for (int pass = 0; pass < passes; pass++)

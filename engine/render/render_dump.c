@@ -31,7 +31,7 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
                                    stilb_render_texture *out)
 {
-	stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels};
+	stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels, 0};
 	return stilb_render_texture_create(render, &image, out);
 }
 

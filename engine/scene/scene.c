@@ -47,6 +47,13 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 	return STILB_OK;
 }
 
+void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
+{
+	stilb_image_finish(&scene->environment);
+	for (int i = 0; i < 3; i++)
+		scene->sky.sky[i] = scene->sky.ground[i] = radiance[i];
+}
+
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)
 {
 	bool failed = false;

@@ -113,7 +113,7 @@ typedef struct stilb_scene {
 	uint32_t *moved;      /* ... and their ids, ascending: [model_count] */
 
 	uint32_t texture_count;
-	stilb_image *textures; /* [texture_count]; 3 channels; row 0 is v = 0, and repeated outside [0, 1] */
+	stilb_image *textures; /* [texture_count]; of 1 to 4 channels; row 0 is v = 0, and repeated outside [0, 1] */
 	uint32_t light_count;
 	stilb_scene_light *lights; /* [light_count] */
 
@@ -146,7 +146,9 @@ const char *stilb_scene_builtin_names(void);
  * gets a grey sky. What cannot be kept is told with stilb_log: a texture that is missing (its material becomes
  * magenta), transparency.
  *
- * Files are read by another process, stilb-scene-import: what crashes or never ends there is an error here. It may take
+ * Files are read by another process, stilb-scene-import: what crashes or never ends there is an error here. It is given
+ * the file, and what the file names below its folder, and below that folder's parent where it says ../; nothing else, and
+ * nothing through a symbolic link that leads out. It may take
  * three quarters of the machine's memory, 8 GiB at most, and 120 s, or as many as the environment's
  * STILB_IMPORT_SECONDS says.
  *
@@ -154,16 +156,29 @@ const char *stilb_scene_builtin_names(void);
  * no importer knows the file, it is damaged, it has no triangle. STILB_ERROR_MEMORY. *scene is NULL then. */
 stilb_result stilb_scene_open(const char *name, stilb_scene **scene);
 
-/* The surroundings from a latitude-longitude map, EXR or HDR (radiance), or 8 bits of sRGB: top row up, its middle
+typedef struct stilb_scene_open_options {
+	bool allow_outside; /* a file may name files outside of its folder and its parent: any that the user may read */
+} stilb_scene_open_options;
+
+/* The same with options. */
+stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_options *options, stilb_scene **scene);
+
+/* The surroundings from a latitude-longitude map, EXR or HDR (radiance), or sRGB of 8 or 16 bits: top row up, its middle
  * column at -Z, +X a quarter of the width to the right of that. Numbers that are none or below 0 become 0. [one-writer]
- * Errors of stilb_image_import; then the scene is as before. */
+ * Read by the import process, too. STILB_ERROR_FILE, STILB_ERROR_MEMORY; then the scene is as before. */
 stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path);
 
 /* The same radiance from everywhere, in the place of sky and map. [one-writer] */
 void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3]);
 
-/* Assimp's version, "5.2.4"; "not found" when what reads files cannot be started. [main-thread] */
-const char *stilb_scene_library_version(void);
+/* What reads files of others, and what guards Stilb against it (docs/import.md). */
+typedef struct stilb_scene_import_info {
+	char assimp[32], openimageio[32]; /* versions, "5.2.4"; "not found" when the process cannot be started */
+	bool privileges, landlock, seccomp, limits;
+} stilb_scene_import_info;
+
+/* Starts the import process and asks it. [main-thread] */
+stilb_scene_import_info stilb_scene_import_query(void);
 
 /* ---- the stress test ------------------------------------------------------------------------------------------- */
 

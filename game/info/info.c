@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 #define INFO_MAX_GPUS 32u
-#define INFO_LIBRARIES (STILB_ENGINE_LIBRARIES + 2)
+#define INFO_LIBRARIES (STILB_ENGINE_LIBRARIES + 3)
 
 typedef struct info_machine {
 	stilb_cpu_features cpu;
@@ -20,6 +20,7 @@ typedef struct info_machine {
 	const char *gpu_error; /* NULL when there is Vulkan */
 	stilb_engine_library libraries[INFO_LIBRARIES];
 	uint32_t library_count;
+	stilb_scene_import_info import;
 } info_machine;
 
 typedef struct info_feature {
@@ -39,6 +40,16 @@ static void info_cpu_features(const stilb_cpu_features *cpu, info_feature featur
 	features[5] = (info_feature){"invariant_tsc", cpu->invariant_tsc};
 }
 
+#define INFO_GUARDS 4
+
+static void info_import_guards(const stilb_scene_import_info *import, info_feature guards[INFO_GUARDS])
+{
+	guards[0] = (info_feature){"landlock", import->landlock};
+	guards[1] = (info_feature){"seccomp", import->seccomp};
+	guards[2] = (info_feature){"no_new_privs", import->privileges};
+	guards[3] = (info_feature){"limits", import->limits};
+}
+
 static void info_query(info_machine *machine)
 {
 	machine->cpu = stilb_cpu_query();
@@ -47,7 +58,9 @@ static void info_query(info_machine *machine)
 		machine->gpu_error = stilb_error_message();
 	machine->library_count = stilb_engine_libraries(machine->libraries);
 	machine->libraries[machine->library_count++] = (stilb_engine_library){"Embree", stilb_gi_library_version()};
-	machine->libraries[machine->library_count++] = (stilb_engine_library){"Assimp", stilb_scene_library_version()};
+	machine->import = stilb_scene_import_query();
+	machine->libraries[machine->library_count++] = (stilb_engine_library){"Assimp", machine->import.assimp};
+	machine->libraries[machine->library_count++] = (stilb_engine_library){"OpenImageIO", machine->import.openimageio};
 }
 
 static void info_print(FILE *out, const info_machine *machine)
@@ -69,6 +82,12 @@ static void info_print(FILE *out, const info_machine *machine)
 	fprintf(out, "\nLibraries:\n");
 	for (uint32_t i = 0; i < machine->library_count; i++)
 		fprintf(out, "  %-14s %s\n", machine->libraries[i].name, machine->libraries[i].version);
+	info_feature guards[INFO_GUARDS];
+	info_import_guards(&machine->import, guards);
+	fprintf(out, "\nFiles of others are read by a process of its own, guarded by:\n ");
+	for (int i = 0; i < INFO_GUARDS; i++)
+		fprintf(out, " %s%s", guards[i].there ? "" : "no-", guards[i].name);
+	fprintf(out, "\n");
 }
 
 static void info_json_gpus(stilb_json *json, const info_machine *machine)
@@ -103,6 +122,12 @@ static stilb_result info_save(const info_machine *machine, const char *path)
 	stilb_json_end(&json, '}');
 	stilb_json_end(&json, '}');
 	info_json_gpus(&json, machine);
+	info_feature guards[INFO_GUARDS];
+	info_import_guards(&machine->import, guards);
+	stilb_json_begin(&json, "import", '{');
+	for (int i = 0; i < INFO_GUARDS; i++)
+		stilb_json_bool(&json, guards[i].name, guards[i].there);
+	stilb_json_end(&json, '}');
 	stilb_json_begin(&json, "libraries", '{');
 	for (uint32_t i = 0; i < machine->library_count; i++)
 		stilb_json_string(&json, machine->libraries[i].name, machine->libraries[i].version);

@@ -205,6 +205,8 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 		{"--blades", FLAG_NUMBER, &o->blades, "N", "corners of the aperture, 3..16; 0: round (0)", 0, 16, NULL},
 		{"--environment", FLAG_TEXT, &o->environment, "FILE|R,G,B",
 	     "a panorama (.hdr, .exr, ...) or a colour around the scene (its own)", 0, 0, NULL},
+		{"--allow-outside", FLAG_SWITCH, &o->allow_outside, NULL,
+	     "the scene's file may name files outside of its folder and its parent", 0, 0, NULL},
 		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "model of the highlights: phong, minimalist, ... (microfacet)", 0, 0,
 	     stilb_engine_brdf_names},
 		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet, which it implies (ggx)", 0, 0,

@@ -19,7 +19,7 @@ typedef struct render_options {
 	int integrator, sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;
 	int brdf, ndf, g, f; /* RENDER_NOT_GIVEN, or the number of the word */
-	bool preview, resume, dry_run, force, show_records;
+	bool preview, resume, dry_run, force, show_records, allow_outside;
 	flag_list camera;
 } render_options;
 

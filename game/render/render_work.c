@@ -158,7 +158,8 @@ static bool work_open(work_pieces *p)
 	PROFILE("open the scene");
 	const uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_OPENING);
-	if (!work_good(p, stilb_scene_open(p->options->scene, &p->scene)) ||
+	const stilb_scene_open_options open = {.allow_outside = p->options->allow_outside};
+	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
 	    !work_good(p, render_options_surroundings(p->options, p->scene)))
 		return false;
 	p->result->open_s = work_seconds_since(start);

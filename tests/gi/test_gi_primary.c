@@ -16,7 +16,7 @@ static gi_point points[GI_BATCH];
 static stilb_scene *all_kinds(void)
 {
 	static float texels[2][2][3] = {{{1.0f, 0.0f, 0.5f}, {0.0f, 1.0f, 0.2f}}, {{0.3f, 0.1f, 1.0f}, {0.9f, 1.0f, 1.0f}}};
-	static stilb_image image = {2, 2, 3, STILB_IMAGE_F32_LINEAR, texels};
+	static stilb_image image = {2, 2, 3, STILB_IMAGE_F32_LINEAR, texels, 0};
 	stilb_scene *scene = world_scene(84, 4, 2);
 	for (uint32_t mesh = 0; mesh < 4; mesh++)
 		assert_int_equal(stilb_scene_mesh_sphere(mesh == 3 ? 3 : 2, &scene->meshes[mesh]), STILB_OK);

@@ -307,9 +307,9 @@ static void textures(void **state)
 	(void)state;
 	static float texels[2][2][3] = {{{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}}, {{0.0f, 0.0f, 1.0f}, {1.0f, 1.0f, 1.0f}}};
 	static uint8_t codes[2][2][1] = {{{255}, {0}}, {{188}, {255}}};
-	stilb_image linear = {2, 2, 3, STILB_IMAGE_F32_LINEAR, texels}, srgb = {2, 2, 1, STILB_IMAGE_U8_SRGB, codes};
+	stilb_image linear = {2, 2, 3, STILB_IMAGE_F32_LINEAR, texels, 0}, srgb = {2, 2, 1, STILB_IMAGE_U8_SRGB, codes, 0};
 	static uint16_t halves[2][2][1] = {{{0x3c00}, {0x0001}}, {{0xb800}, {0x7bff}}};
-	stilb_image half = {2, 2, 1, STILB_IMAGE_F16_LINEAR, halves};
+	stilb_image half = {2, 2, 1, STILB_IMAGE_F16_LINEAR, halves, 0};
 	for (float turn = -2.0f; turn < 3.0f; turn += 1.0f) {
 		SHADE_PROOF_NEAR3(gi_texture_at(&linear, (stilb_vec2){0.25f + turn, 0.25f}), 1.0, 0.0, 0.0, 0.0, 1e-6);
 		SHADE_PROOF_NEAR3(gi_texture_at(&linear, (stilb_vec2){0.75f, 0.25f + turn}), 0.0, 1.0, 0.0, 0.0, 1e-6);
@@ -333,7 +333,7 @@ static void textures_colour_the_surface(void **state)
 	stilb_scene *scene = world_scene(1, 1, 1);
 	world_triangle(&scene->meshes[0], unit_corners);
 	scene->materials[0].diffuse_texture = 1;
-	stilb_image image = {1, 1, 3, STILB_IMAGE_F32_LINEAR, texel};
+	stilb_image image = {1, 1, 3, STILB_IMAGE_F32_LINEAR, texel, 0};
 	scene->texture_count = 1;
 	scene->textures = &image;
 	world_fixture world = world_trace(scene, &stilb_gi_embree, 0);

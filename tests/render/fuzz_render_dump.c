@@ -41,7 +41,7 @@ static stilb_render *make_render(uint32_t way)
 static stilb_render_material seed_material(stilb_render *render, bool textured)
 {
 	static uint8_t pixels[3 * 1 * 4] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
-	const stilb_image image = {3, 1, 4, STILB_IMAGE_U8_SRGB, pixels};
+	const stilb_image image = {3, 1, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
 	const stilb_scene_material material = {.diffuse = {0.5f, 0.5f, 0.5f},
 	                                       .specular = {0.1f, 0.1f, 0.1f},
 	                                       .roughness = 0.6f,

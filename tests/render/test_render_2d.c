@@ -254,7 +254,7 @@ static void clips_are_exact(void **state)
 static stilb_render_texture one_texel(stage *s, color c)
 {
 	uint8_t codes[4] = {c.r, c.g, c.b, c.a};
-	const stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes};
+	const stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes, 0};
 	stilb_render_texture out;
 	assert_int_equal(stilb_render_texture_create(s->render, &image, &out), STILB_OK);
 	return out;
@@ -347,7 +347,7 @@ static void a_picture_at_its_own_size(void **state)
 	uint8_t codes[SIDE * SIDE * 4];
 	for (uint32_t i = 0; i < sizeof codes; i++)
 		codes[i] = (uint8_t)stilb_random_u64(9, i);
-	const stilb_image texels = {SIDE, SIDE, 4, STILB_IMAGE_U8_SRGB, codes};
+	const stilb_image texels = {SIDE, SIDE, 4, STILB_IMAGE_U8_SRGB, codes, 0};
 	stage s = stage_open((stilb_render_desc){0});
 	stilb_render_texture texture;
 	assert_int_equal(stilb_render_texture_create(s.render, &texels, &texture), STILB_OK);

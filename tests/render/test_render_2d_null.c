@@ -46,7 +46,7 @@ static stilb_render *make_render(stilb_render_replay_mode replay)
 static stilb_render_texture make_texture(stilb_render *render)
 {
 	static uint8_t white[4] = {255, 255, 255, 255};
-	const stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, white};
+	const stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, white, 0};
 	stilb_render_texture out;
 	assert_int_equal(stilb_render_texture_create(render, &image, &out), STILB_OK);
 	return out;

@@ -143,7 +143,7 @@ static void content_upload(stilb_render *render)
 		uint8_t pixels[4 * 4 * 3];
 		for (size_t i = 0; i < sizeof pixels; i++)
 			pixels[i] = (uint8_t)(stilb_random_u64(t, i) % 256);
-		const stilb_image image = {4, 4, 3, STILB_IMAGE_U8_SRGB, pixels};
+		const stilb_image image = {4, 4, 3, STILB_IMAGE_U8_SRGB, pixels, 0};
 		if (stilb_render_texture_create(render, &image, &all.textures[t]) != STILB_OK)
 			fail_msg("%s", stilb_error_message());
 	}

@@ -151,7 +151,7 @@ static stilb_result step_texture(trial *t)
 {
 	uint8_t codes[16 * 16 * 3];
 	memset(codes, 200, sizeof codes);
-	const stilb_image image = {16, 16, 3, STILB_IMAGE_U8_SRGB, codes};
+	const stilb_image image = {16, 16, 3, STILB_IMAGE_U8_SRGB, codes, 0};
 	return stilb_render_texture_create(t->render, &image, &t->texture);
 }
 

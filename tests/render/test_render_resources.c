@@ -737,10 +737,13 @@ static void bad_textures(void **state)
 		stilb_image image;
 		const char *said;
 	} bad[] = {
-		{{0, 0, 4, STILB_IMAGE_U8_SRGB, NULL}, "0x0"},         {{0, 5, 4, STILB_IMAGE_U8_SRGB, NULL}, "0x5"},
-		{{20000, 1, 4, STILB_IMAGE_U8_SRGB, NULL}, "20000x1"}, {{1, 16385, 4, STILB_IMAGE_U8_SRGB, NULL}, "1x16385"},
-		{{4, 4, 0, STILB_IMAGE_U8_SRGB, NULL}, "0 channels"},  {{4, 4, 5, STILB_IMAGE_U8_SRGB, NULL}, "5 channels"},
-		{{4, 4, 4, (stilb_image_format)9, NULL}, "format 9"},
+		{{0, 0, 4, STILB_IMAGE_U8_SRGB, NULL, 0}, "0x0"},
+		{{0, 5, 4, STILB_IMAGE_U8_SRGB, NULL, 0}, "0x5"},
+		{{20000, 1, 4, STILB_IMAGE_U8_SRGB, NULL, 0}, "20000x1"},
+		{{1, 16385, 4, STILB_IMAGE_U8_SRGB, NULL, 0}, "1x16385"},
+		{{4, 4, 0, STILB_IMAGE_U8_SRGB, NULL, 0}, "0 channels"},
+		{{4, 4, 5, STILB_IMAGE_U8_SRGB, NULL, 0}, "5 channels"},
+		{{4, 4, 4, (stilb_image_format)9, NULL, 0}, "format 9"},
 	};
 	stilb_render *render = fixture_render(1, 0, 0);
 	for (size_t b = 0; b < sizeof bad / sizeof *bad; b++) {
@@ -769,7 +772,7 @@ static void pictures_get_four_channels(void **state)
 				f16[c] = from[c];
 				f32[c] = (float)from[c];
 			}
-			const stilb_image image = {1, 1, channels, (stilb_image_format)format, pixels[format]};
+			const stilb_image image = {1, 1, channels, (stilb_image_format)format, pixels[format], 0};
 			stilb_render_texture texture;
 			assert_int_equal(stilb_render_texture_create(render, &image, &texture), STILB_OK);
 			const stilb_image *got = &render->resources.uploads[render->resources.upload_count - 1].image;

@@ -358,7 +358,7 @@ static void textures_have_pipelines_of_their_own(void **state)
 	(void)state;
 	static const stilb_render_pass pass = {.name = "main"};
 	uint8_t codes[4] = {255, 255, 255, 255};
-	const stilb_image white = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes};
+	const stilb_image white = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes, 0};
 	stage s = stage_make(0);
 	stilb_render_texture texture;
 	stilb_render_material material;

@@ -97,7 +97,7 @@ static list list_make(uint32_t workers, int replay, int materials)
 	assert_int_equal(stilb_render_upload_scene(l.render, l.scene), STILB_OK);
 	for (uint32_t t = 0; t < TEXTURES; t++) {
 		uint8_t pixel = (uint8_t)t;
-		const stilb_image image = {1, 1, 1, STILB_IMAGE_U8_SRGB, &pixel};
+		const stilb_image image = {1, 1, 1, STILB_IMAGE_U8_SRGB, &pixel, 0};
 		assert_int_equal(stilb_render_texture_create(l.render, &image, &l.textures[t]), STILB_OK);
 	}
 	for (uint32_t m = 0; m < MATERIALS; m++) {

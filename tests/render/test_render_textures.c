@@ -357,7 +357,7 @@ static bool busy_cell(busy *b, uint32_t cell, stilb_render_context *context)
 	stilb_render *render = b->stage->render;
 	uint8_t codes[4 * 3];
 	memset(codes, 188, sizeof codes);
-	const stilb_image image = {2, 2, 3, STILB_IMAGE_U8_SRGB, codes};
+	const stilb_image image = {2, 2, 3, STILB_IMAGE_U8_SRGB, codes, 0};
 	stilb_scene_material material = {.roughness = 1.0f};
 	stilb_mat4 transform = cell_transform(BUSY, cell);
 	stilb_render_texture texture = {0};

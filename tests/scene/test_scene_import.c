@@ -418,8 +418,11 @@ static void the_library_has_a_version(void **state)
 {
 	(void)state;
 	int major, minor, patch;
-	assert_int_equal(sscanf(stilb_scene_library_version(), "%d.%d.%d", &major, &minor, &patch), 3);
+	const stilb_scene_import_info info = stilb_scene_import_query();
+	assert_int_equal(sscanf(info.assimp, "%d.%d.%d", &major, &minor, &patch), 3);
 	assert_true(major >= 5);
+	assert_int_equal(sscanf(info.openimageio, "%d.%d.%d", &major, &minor, &patch), 3);
+	assert_true(info.privileges && info.limits); /* every kernel has them */
 }
 
 static int folder_make(void **state)
@@ -434,6 +437,173 @@ static int folder_remove(void **state)
 	char command[256];
 	snprintf(command, sizeof command, "rm -r '%s'", folder);
 	return system(command);
+}
+
+/* ---- what a file may name ---------------------------------------------------------------------------------------- */
+
+/* The number of textures of a square whose material names one, and what is said about it. */
+static uint32_t textures_of(const char *name, bool allow_outside, char said[static 1024])
+{
+	stilb_scene *scene;
+	char material[512];
+	snprintf(material, sizeof material, "newmtl one\nKd 1 1 1\nmap_Kd %s\n", name);
+	write_text("deep/scene/square.mtl", material);
+	FILE *log = tmpfile();
+	assert_non_null(log);
+	const int real = dup(STDERR_FILENO);
+	dup2(fileno(log), STDERR_FILENO);
+	stilb_result result =
+		stilb_scene_open_with(in_folder("deep/scene/square.obj"), &(stilb_scene_open_options){allow_outside}, &scene);
+	dup2(real, STDERR_FILENO);
+	close(real);
+	said[pread(fileno(log), said, 1023, 0)] = '\0';
+	fclose(log);
+	assert_int_equal(result, STILB_OK); /* whatever it names */
+	const uint32_t count = scene->texture_count;
+	stilb_scene_destroy(scene);
+	return count;
+}
+
+static void files_stay_in_their_folder(void **state)
+{
+	(void)state;
+	char said[1024], name[600];
+	mkdir(in_folder("deep"), 0700);
+	mkdir(in_folder("deep/scene"), 0700);
+	mkdir(in_folder("deep/scene/sub"), 0700);
+	mkdir(in_folder("deep/beside"), 0700);
+	write_text("deep/scene/square.obj", SQUARE);
+	write_picture("deep/scene/sub/in.png", 1, 2, 3);
+	write_picture("deep/beside/near.png", 1, 2, 3);
+	write_picture("far.png", 1, 2, 3);
+	assert_int_equal(symlink("sub/in.png", in_folder("deep/scene/inward.png")), 0);
+	assert_int_equal(symlink("../../far.png", in_folder("deep/scene/outward.png")), 0);
+	assert_int_equal(symlink("../..", in_folder("deep/scene/up")), 0);
+	static const char *const read[] = {
+		"sub/in.png",          "./sub/../sub/in.png",      "SUB\\In.PNG", "inward.png", "../beside/near.png",
+		"../scene/sub/in.png", "sub/../../beside/near.png"};
+	for (size_t i = 0; i < sizeof read / sizeof *read; i++)
+		if (textures_of(read[i], false, said) != 1)
+			fail_msg("%s is not read: %s", read[i], said);
+	snprintf(name, sizeof name, "%s", in_folder("far.png"));
+	const char *const refused[] = {"../../far.png", "sub/../../../far.png", "outward.png", "up/far.png", name,
+	                               "/etc/passwd"};
+	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+		assert_int_equal(textures_of(refused[i], false, said), 0);
+		if (!strstr(said, "--allow-outside") || !strstr(said, refused[i]))
+			fail_msg("%s: %s", refused[i], said);
+	}
+	for (size_t i = 0; i < 5; i++)
+		if (textures_of(refused[i], true, said) != 1)
+			fail_msg("%s is not read: %s", refused[i], said);
+	/* A name of another disk, whose last part lies in the folder. */
+	assert_int_equal(textures_of("/home/somebody/textures/inward.png", false, said), 1);
+	assert_int_equal(textures_of("../../../textures/inward.png", false, said), 1);
+	assert_int_equal(mkfifo(in_folder("deep/scene/fifo.png"), 0600), 0);
+	assert_int_equal(textures_of("fifo.png", false, said), 0);
+	assert_non_null(strstr(said, "not a regular file"));
+}
+
+/* Assimp takes ".5" for no number. */
+static void numbers_may_begin_with_a_point(void **state)
+{
+	(void)state;
+	stilb_scene *scene =
+		open_scene(write_text("point.obj", "# .5\nv .5 -.25 +.125\nv\t1 .0 0\nv 0 1e-1 .5\nvt .5 .5\nf 1/1 2/1 3/1\n"));
+	bool found = false;
+	for (uint32_t v = 0; v < scene->meshes[0].vertex_count; v++) {
+		const float *p = scene->meshes[0].vertices[v].position;
+		found |= p[0] == 0.5f && p[1] == -0.25f && p[2] == 0.125f;
+	}
+	assert_true(found);
+	stilb_scene_destroy(scene);
+}
+
+/* ---- many requests ----------------------------------------------------------------------------------------------- */
+
+static void one_process_serves_many(void **state)
+{
+	(void)state;
+	scene_importer *importer;
+	stilb_image image;
+	stilb_scene *scene;
+	char picture[512], square[512], crash[512];
+	const scene_import_limits limits = scene_import_limits_default();
+	snprintf(picture, sizeof picture, "%s", write_picture("one.png", 255, 0, 128));
+	write_text("square.mtl", "newmtl one\nKd 1 1 1\nmap_Kd one.png\n");
+	snprintf(square, sizeof square, "%s", write_text("square.obj", SQUARE));
+	snprintf(crash, sizeof crash, "%s", in_folder("crash.ply"));
+	assert_int_equal(scene_importer_start(&limits, &importer), STILB_OK);
+	for (int i = 0; i < 3; i++) {
+		assert_int_equal(scene_importer_picture(importer, picture, &image), STILB_OK);
+		assert_int_equal(image.format, STILB_IMAGE_F32_LINEAR);
+		assert_three(image.pixels, 1, 0, 0.21586051f);
+		stilb_image_finish(&image);
+		assert_int_equal(scene_importer_scene(importer, square, &scene), STILB_OK);
+		assert_int_equal(scene->texture_count, 1);
+		stilb_scene_destroy(scene);
+		assert_int_equal(scene_importer_picture(importer, square, &image), STILB_ERROR_FILE);
+		assert_non_null(strstr(stilb_error_message(), "no picture of a known kind"));
+		if (i == 1) /* it is started again for the next */
+			assert_int_equal(scene_importer_scene(importer, crash, &scene), STILB_ERROR_FILE);
+	}
+	scene_importer_stop(importer);
+	scene_importer_stop(NULL);
+}
+
+/* A header that claims 30,000 x 30,000 pixels is refused by itself: there is nothing else in the file. */
+static void large_surroundings_are_refused_by_their_header(void **state)
+{
+	(void)state;
+	static const unsigned char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x75\x30\0\0\x75\x30\x8\x2\0\0\0"
+									   "\xe9\x45\x6f\xed\0\0\0\0IDAT\x35\xaf\x06\x1e";
+	stilb_scene *scene = open_scene("furnace:0.5");
+	const char *path = write_bytes("large.png", png, sizeof png - 1);
+	assert_int_equal(stilb_scene_set_environment(scene, path), STILB_ERROR_FILE);
+	if (!strstr(stilb_error_message(), "30000 x 30000") || !strstr(stilb_error_message(), "4 GiB"))
+		fail_msg("%s", stilb_error_message());
+	assert_null(scene->environment.pixels);
+	assert_int_equal(stilb_scene_set_environment(scene, in_folder("nowhere.png")), STILB_ERROR_FILE);
+	assert_int_equal(stilb_scene_set_environment(scene, write_picture("sky.png", 255, 0, 128)), STILB_OK);
+	assert_three(scene->environment.pixels, 1, 0, 0.21586051f);
+	stilb_scene_destroy(scene);
+}
+
+/* 16 bits, halves, floats, and the channels of the file. */
+static void textures_keep_their_precision(void **state)
+{
+	(void)state;
+	static const unsigned char grey[] = {
+		/* a PNG of one pixel, 16 bits of grey and of alpha: 0x1234, 0xabcd */
+		0x89, 'P',  'N',  'G',  '\r', '\n', 0x1a, '\n', 0,    0,    0,    13,   'I',  'H',  'D',  'R',  0,    0,
+		0,    1,    0,    0,    0,    1,    16,   4,    0,    0,    0,    0xe5, 0x8c, 0xd0, 0x41, 0,    0,    0,
+		13,   'I',  'D',  'A',  'T',  0x78, 0x9c, 0x63, 0x10, 0x32, 0x59, 0x7d, 0x16, 0x00, 0x03, 0x0c, 0x01, 0xbf,
+		0x6e, 0xb9, 0xc6, 0x5d, 0,    0,    0,    0,    'I',  'E',  'N',  'D',  0xae, 0x42, 0x60, 0x82};
+	stilb_image image;
+	write_bytes("grey.png", grey, sizeof grey);
+	for (int i = 0; i < 3; i++) {
+		static const char *const names[] = {"grey.png", "half.exr", "float.exr"};
+		static const stilb_image_format formats[] = {STILB_IMAGE_U16_SRGB, STILB_IMAGE_F16_LINEAR,
+		                                             STILB_IMAGE_F32_LINEAR};
+		if (i > 0) {
+			assert_int_equal(stilb_image_create(&image, 3, 2, 4, formats[i]), STILB_OK);
+			memset(image.pixels, 0x3c, stilb_image_size(&image));
+			assert_int_equal(stilb_image_save(&image, in_folder(names[i])), STILB_OK);
+			stilb_image_finish(&image);
+		}
+		char material[64];
+		snprintf(material, sizeof material, "newmtl one\nKd 1 1 1\nmap_Kd %s\n", names[i]);
+		write_text("square.mtl", material);
+		stilb_scene *scene = open_scene(write_text("square.obj", SQUARE));
+		assert_int_equal(scene->texture_count, 1);
+		assert_int_equal(scene->textures[0].format, formats[i]);
+		assert_int_equal(scene->textures[0].channels, i ? 4 : 2);
+		if (i == 0)
+			assert_memory_equal(scene->textures[0].pixels, ((const uint16_t[]){0x1234, 0xabcd}), 4);
+		if (i > 0)
+			assert_int_equal(((const uint8_t *)scene->textures[0].pixels)[0], 0x3c);
+		stilb_scene_destroy(scene);
+	}
 }
 
 int main(void)
@@ -451,6 +621,11 @@ int main(void)
 		cmocka_unit_test(memory_and_time_have_an_end),
 		cmocka_unit_test(damaged_files_end_in_a_scene_or_a_message),
 		cmocka_unit_test(the_library_has_a_version),
+		cmocka_unit_test(files_stay_in_their_folder),
+		cmocka_unit_test(numbers_may_begin_with_a_point),
+		cmocka_unit_test(one_process_serves_many),
+		cmocka_unit_test(large_surroundings_are_refused_by_their_header),
+		cmocka_unit_test(textures_keep_their_precision),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }

@@ -43,7 +43,7 @@ static void assert_usable(const stilb_scene *scene)
 			            isfinite(material->emission[i]));
 	}
 	for (uint32_t t = 0; t < scene->texture_count; t++)
-		assert_true(scene->textures[t].channels == 3 && scene->textures[t].format != STILB_IMAGE_F16_LINEAR);
+		assert_true(scene->textures[t].channels >= 1 && scene->textures[t].channels <= 4 && scene->textures[t].pixels);
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		for (int k = 0; k < 3; k++)
 			assert_true(isfinite(scene->lights[i].position[k]) && isfinite(scene->lights[i].direction[k]) &&

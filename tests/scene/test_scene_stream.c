@@ -3,9 +3,12 @@
 #include "scene/open/scene_stream.h"
 #include "support/test.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 /* The bytes of a scene, to be freed. */
@@ -25,7 +28,10 @@ static stilb_result read_bytes(const unsigned char *bytes, size_t size, stilb_sc
 	FILE *file = tmpfile();
 	assert_int_equal(pwrite(fileno(file), bytes, size, 0), size);
 	scene_stream stream = {.file = fileno(file), .deadline_ns = UINT64_MAX};
-	stilb_result result = scene_stream_read(&stream, scene);
+	stilb_image texture = {0};
+	stilb_image_create(&texture, 3, 2, 3, STILB_IMAGE_U8_SRGB); /* the one that a scene of make() has */
+	stilb_result result = scene_stream_read(&stream, &texture, 1, scene);
+	assert_null(texture.pixels);
 	fclose(file);
 	return result;
 }
@@ -59,7 +65,7 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_memory_equal(back->lights, scene->lights, sizeof *scene->lights);
 	assert_memory_equal(back->materials, scene->materials, sizeof *scene->materials);
 	assert_memory_equal(&back->camera, &scene->camera, sizeof scene->camera);
-	assert_memory_equal(back->textures[0].pixels, scene->textures[0].pixels, 18);
+	assert_int_equal(back->textures[0].width, 3);
 	assert_true(back->sky.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
 	unsigned char *second = bytes_of(back, &again);
 	assert_int_equal(again, size);
@@ -140,26 +146,101 @@ static void the_deadline_ends_waiting(void **state)
 	(void)state;
 	int ends[2];
 	scene_message message;
-	assert_int_equal(pipe(ends), 0);
+	int passed;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
 	uint64_t start = stilb_time_ns();
 	scene_stream stream = {.file = ends[0], .deadline_ns = start + 20000000};
-	assert_false(scene_stream_read_message(&stream, &message));
+	assert_false(scene_stream_read_message(&stream, &message, &passed));
 	assert_true(stream.late && !stream.ended);
 	assert_true(stilb_time_ns() - start >= 20000000);
 	close(ends[1]);
 	stream = (scene_stream){.file = ends[0], .deadline_ns = UINT64_MAX};
-	assert_false(scene_stream_read_message(&stream, &message));
+	assert_false(scene_stream_read_message(&stream, &message, &passed));
 	assert_true(stream.ended && !stream.late);
 	close(ends[0]);
+}
+
+/* A taken-over process could send for as long as it has time: what is read has an end. */
+static void what_is_sent_has_an_end(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	size_t size;
+	unsigned char *bytes = bytes_of(scene, &size);
+	for (int i = 0; i < 2; i++) {
+		FILE *file = tmpfile();
+		assert_int_equal(pwrite(fileno(file), bytes, size, 0), size);
+		stilb_image texture = {0};
+		stilb_image_create(&texture, 3, 2, 3, STILB_IMAGE_U8_SRGB);
+		scene_stream stream = {.file = fileno(file), .deadline_ns = UINT64_MAX, .limit = i ? size : size - 1};
+		assert_int_equal(scene_stream_read(&stream, &texture, 1, &back), i ? STILB_OK : STILB_ERROR_FILE);
+		assert_int_equal(stream.too_much, !i);
+		stilb_scene_destroy(back);
+		fclose(file);
+	}
+	free(bytes);
+	stilb_scene_destroy(scene);
+}
+
+/* A picture's memory is taken only if nobody can change it or cut it off, and if it is as large as was said. */
+static void pictures_are_sealed(void **state)
+{
+	(void)state;
+	int ends[2], passed;
+	scene_message sent = {.kind = SCENE_MESSAGE_PICTURE,
+	                      .width = 5,
+	                      .height = 4,
+	                      .channels = 2,
+	                      .format = STILB_IMAGE_U16_SRGB},
+				  got;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
+	scene_stream stream = {.file = ends[0], .deadline_ns = UINT64_MAX, .limit = 30000};
+	for (int i = 0; i < 5; i++) {
+		stilb_image image, back;
+		assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
+		((uint16_t *)image.pixels)[39] = 40000;
+		int file = stilb_image_share(&image);
+		assert_true(file >= 0 && !image.pixels);
+		if (i == 1) { /* not sealed */
+			close(file);
+			file = memfd_create("open", MFD_ALLOW_SEALING);
+			assert_int_equal(ftruncate(file, 80), 0);
+		}
+		sent.height = i == 2 ? 5 : 4;
+		sent.width = i == 3 ? 70000 : 5;
+		assert_true(scene_stream_write_message(ends[1], &sent, i == 4 ? -1 : file));
+		close(file);
+		assert_true(scene_stream_read_message(&stream, &got, &passed));
+		assert_true((passed >= 0) == (i != 4));
+		stilb_result result = scene_stream_take_picture(&stream, &got, passed, &back);
+		assert_true((result == STILB_OK) == (i == 0));
+		assert_true(fcntl(passed, F_GETFD) == -1); /* closed in any case */
+		if (i == 0) {
+			assert_int_equal(((uint16_t *)back.pixels)[39], 40000);
+			((uint16_t *)back.pixels)[39] = 1; /* its own to change */
+		}
+		stilb_image_finish(&back);
+	}
+	stream.limit = stream.taken + sizeof sent + 79;
+	stilb_image image, back;
+	assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
+	int file = stilb_image_share(&image);
+	sent.width = 5, sent.height = 4;
+	assert_true(scene_stream_write_message(ends[1], &sent, file));
+	close(file);
+	assert_true(scene_stream_read_message(&stream, &got, &passed));
+	assert_int_equal(scene_stream_take_picture(&stream, &got, passed, &back), STILB_ERROR_FILE);
+	assert_true(stream.too_much);
+	close(ends[0]);
+	close(ends[1]);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_scene_comes_back_the_same),
-		cmocka_unit_test(damaged_streams_give_no_damaged_scene),
-		cmocka_unit_test(nothing_points_past_the_end),
-		cmocka_unit_test(the_deadline_ends_waiting),
+		cmocka_unit_test(a_scene_comes_back_the_same), cmocka_unit_test(damaged_streams_give_no_damaged_scene),
+		cmocka_unit_test(nothing_points_past_the_end), cmocka_unit_test(the_deadline_ends_waiting),
+		cmocka_unit_test(what_is_sent_has_an_end),     cmocka_unit_test(pictures_are_sealed),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

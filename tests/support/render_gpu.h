@@ -88,7 +88,7 @@ static inline stilb_result gpu_material_create(stilb_render *render, uint32_t nu
 static inline stilb_result gpu_texture_create(stilb_render *render, uint32_t number, stilb_render_texture *texture)
 {
 	uint8_t pixels[4] = {(uint8_t)number, (uint8_t)(number >> 8), (uint8_t)(number >> 16), 0xff};
-	const stilb_image source = {1, 1, 4, STILB_IMAGE_U8_SRGB, pixels};
+	const stilb_image source = {1, 1, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
 	return stilb_render_texture_create(render, &source, texture);
 }
 

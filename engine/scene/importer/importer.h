@@ -5,6 +5,7 @@
 #ifndef STILB_SCENE_IMPORTER_H
 #define STILB_SCENE_IMPORTER_H
 
+#include "scene/importer/importer_files.h"
 #include "scene/scene_internal.h"
 
 #include <assimp/scene.h>
@@ -22,6 +23,11 @@ typedef struct importer_texture {
 	stilb_image image;    /* {0}: it could not be loaded */
 	float mean[3];        /* of its texels' light */
 	float stored_mean[3]; /* of the numbers in the file: what they are when they are no colours */
+	char trouble[256];    /* why it could not be loaded */
+	bool told;            /* its trouble was */
+
+	int file; /* while they are loaded: the descriptor of its file, or -1 */
+	const struct aiTexture *embedded;
 } importer_texture;
 
 typedef struct importer {
@@ -32,7 +38,7 @@ typedef struct importer {
 	importer_node *nodes;
 	uint32_t node_count, odd_nodes;
 	importer_texture *textures; /* [texture_count], in the order in which materials name them */
-	uint32_t texture_count, textures_room;
+	uint32_t texture_count;
 
 	uint32_t clear_materials; /* that ask for transparency */
 	stilb_scene *scene;
@@ -61,8 +67,20 @@ stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d); /* the s
  * parts and bounds. STILB_ERROR_FILE: there are no triangles. */
 stilb_result importer_add_meshes(importer *import);
 
-/* importer_texture.c: the index of a texture, loaded at its first use; UINT32_MAX: it cannot be loaded. */
+/* importer_texture.c: lists the textures of all materials and loads them, by several threads. One that cannot be loaded has
+ * no pixels. */
+void importer_load_textures(importer *import);
+void importer_free_textures(importer *import);
+
+/* The index of a texture; UINT32_MAX, with a warning the first time: it could not be loaded. */
 uint32_t importer_texture_of(importer *import, const char *name, const char *material);
+
+/* importer_picture.c: decodes a picture into memory that can be shared. flags: of stilb_image_import_flags. Messages start
+ * without a name. [any-thread] */
+stilb_result importer_decode(const char *name, const importer_bytes *bytes, uint32_t flags, stilb_image *image);
+
+/* Replaces image by three channels of linear floats, nothing below 0 nor infinite; image is {0} after an error. */
+stilb_result importer_picture_to_light(stilb_image *image);
 
 /* importer_material.c: fills the scene's materials, which there are as many of as Assimp's, and textures. */
 stilb_result importer_add_materials(importer *import);

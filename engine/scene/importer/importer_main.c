@@ -1,9 +1,11 @@
 /*
- * stilb-scene-import BYTES PATH: reads a scene file through Assimp, in at most BYTES of memory, and writes what
- * scene_stream.h says to standard output. PATH "": Assimp's version. Started by scene_import.c, by nobody else.
+ * stilb-scene-import BYTES SECONDS: reads scenes and pictures, as many as it is asked for through the socket that is its
+ * descriptor 3, in at most BYTES of memory and SECONDS for each (scene_stream.h). Started by scene_import.c, by nobody else.
  */
 #include "scene/importer/importer.h"
 
+#include "image/image_import.h"
+#include "scene/importer/importer_sandbox.h"
 #include "scene/open/scene_stream.h"
 
 #include <assimp/cimport.h>
@@ -12,33 +14,21 @@
 #include <assimp/postprocess.h>
 #include <assimp/version.h>
 #include <fcntl.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
-
-/* Their shadow memory is larger than any limit, and their reports are for the terminal. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define IMPORTER_SANITIZED 1
-#elif defined(__has_feature)
-#define IMPORTER_SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
-#else
-#define IMPORTER_SANITIZED 0
-#endif
 
 #define IMPORTER_SMOOTH_DEGREES 60.0f /* where a file has no normals, faces that meet at more stay apart */
 
-static int importer_output; /* the pipe: standard output is for those who print without being asked */
+#define IMPORTER_SOCKET 3
 
 static void importer_say(scene_message_kind kind, stilb_result result, const char *format, va_list arguments)
 {
 	scene_message message = {.kind = kind, .result = result};
 	vsnprintf(message.text, sizeof message.text, format, arguments);
-	if (!scene_stream_write_message(importer_output, &message))
+	if (!scene_stream_write_message(importer_stream.file, &message, -1))
 		_exit(1); /* nobody listens */
 }
 
@@ -59,31 +49,6 @@ static void importer_send(scene_message_kind kind, stilb_result result, const ch
 	va_start(arguments, format);
 	importer_say(kind, result, format, arguments);
 	va_end(arguments);
-}
-
-/* The pipe out of the way of prints; nothing else goes out. */
-static void importer_open_output(void)
-{
-	importer_output = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
-	int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-	if (importer_output < 0 || nowhere < 0)
-		_exit(1);
-	dup2(nowhere, STDOUT_FILENO);
-#if !IMPORTER_SANITIZED
-	dup2(nowhere, STDERR_FILENO);
-#endif
-}
-
-static void importer_set_limits(const char *bytes)
-{
-#if !IMPORTER_SANITIZED
-	const rlim_t memory = strtoull(bytes, NULL, 10);
-	setrlimit(RLIMIT_AS, &(struct rlimit){memory, memory});
-#else
-	(void)bytes;
-#endif
-	setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0}); /* a crash is an answer here */
-	prctl(PR_SET_PDEATHSIG, SIGKILL);               /* and not one for a reader that is gone */
 }
 
 /* What Assimp's own words mean to somebody who only wants to see a scene. */
@@ -112,7 +77,8 @@ static stilb_result importer_read(const char *path, const struct aiScene **scene
 	                           aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
 	                               aiComponent_TANGENTS_AND_BITANGENTS);
 	aiSetImportPropertyFloat(properties, AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, IMPORTER_SMOOTH_DEGREES);
-	*scene = aiImportFileExWithProperties(path, steps, NULL, properties);
+	*scene = aiImportFileExWithProperties(path, steps, &importer_file_io, properties);
+	aiReleasePropertyStore(properties);
 	return *scene ? STILB_OK : importer_refuse(path, aiGetErrorString());
 }
 
@@ -126,47 +92,127 @@ static bool importer_is_gltf(const struct aiScene *scene)
 	return false;
 }
 
-static stilb_result importer_convert(const char *path, stilb_scene **scene)
+static stilb_result importer_convert(importer *import, const char *path)
 {
-	importer import = {.path = path};
-	stilb_result result = importer_read(path, &import.from);
+	import->path = path;
+	stilb_result result = importer_read(path, &import->from);
 	if (result != STILB_OK)
 		return result;
-	import.gltf = importer_is_gltf(import.from);
-	result = importer_list_nodes(&import);
+	import->gltf = importer_is_gltf(import->from);
+	importer_load_textures(import);
+	result = importer_list_nodes(import);
 	if (result == STILB_OK)
-		result = importer_add_meshes(&import);
+		result = importer_add_meshes(import);
 	if (result == STILB_OK)
-		result = importer_add_materials(&import);
+		result = importer_add_materials(import);
 	if (result == STILB_OK)
-		result = importer_add_view(&import);
-	if (import.odd_nodes)
-		importer_warn("%u of its nodes have a place that is no number: they are left out", import.odd_nodes);
-	*scene = import.scene;
+		result = importer_add_view(import);
+	if (import->odd_nodes)
+		importer_warn("%u of its nodes have a place that is no number: they are left out", import->odd_nodes);
 	return result;
+}
+
+static void importer_finish(importer *import)
+{
+	importer_free_textures(import);
+	free(import->nodes);
+	stilb_scene_destroy(import->scene);
+	aiReleaseImport(import->from);
+}
+
+/* Sends a picture, which is {0} afterwards. */
+static stilb_result importer_send_picture(stilb_image *picture)
+{
+	const scene_message message = {.kind = SCENE_MESSAGE_PICTURE,
+	                               .width = picture->width,
+	                               .height = picture->height,
+	                               .channels = picture->channels,
+	                               .format = picture->format};
+	const int file = stilb_image_share(picture);
+	if (file < 0)
+		return STILB_ERROR_FILE;
+	if (!scene_stream_write_message(importer_stream.file, &message, file))
+		_exit(1); /* nobody listens */
+	close(file);
+	return STILB_OK;
+}
+
+static stilb_result importer_send_scene(stilb_scene *scene)
+{
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; result == STILB_OK && i < scene->texture_count; i++)
+		result = importer_send_picture(&scene->textures[i]);
+	if (result != STILB_OK)
+		return result;
+	importer_send(SCENE_MESSAGE_SCENE, STILB_OK, "%s", "");
+	if (!scene_stream_write(importer_stream.file, scene))
+		_exit(1);
+	return STILB_OK;
+}
+
+static stilb_result importer_do_scene(const char *path)
+{
+	importer import = {0};
+	stilb_result result = importer_convert(&import, path);
+	if (result == STILB_OK)
+		result = importer_send_scene(import.scene);
+	importer_finish(&import);
+	return result;
+}
+
+static stilb_result importer_do_picture(const char *path)
+{
+	char why[256];
+	importer_bytes bytes = {0};
+	stilb_image picture;
+	const int file = importer_files_ask(path, true, why);
+	if (file < 0 || !importer_bytes_read(file, &bytes))
+		return stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
+	stilb_result result = importer_decode(path, &bytes, STILB_IMAGE_IMPORT_FOR_LIGHT, &picture);
+	importer_bytes_free(&bytes);
+	if (result == STILB_OK)
+		result = importer_picture_to_light(&picture);
+	if (result == STILB_OK)
+		result = importer_send_picture(&picture);
+	stilb_image_finish(&picture);
+	return result;
+}
+
+/* One request, up to its end. */
+static void importer_serve(const scene_message *request, int file)
+{
+	stilb_result result = STILB_OK;
+	importer_files_begin(request->text, file);
+	if (request->kind == SCENE_MESSAGE_READ_SCENE)
+		result = importer_do_scene(request->text);
+	else if (request->kind == SCENE_MESSAGE_READ_PICTURE)
+		result = importer_do_picture(request->text);
+	else
+		importer_send(SCENE_MESSAGE_VERSION, STILB_OK, "Assimp %u.%u.%u\nOpenImageIO %s\n", aiGetVersionMajor(),
+		              aiGetVersionMinor(), aiGetVersionPatch(), stilb_image_library_version());
+	if (result != STILB_OK)
+		importer_send(SCENE_MESSAGE_ERROR, result, "%s", stilb_error_message());
+	importer_files_end();
 }
 
 int main(int argc, char **argv)
 {
-	char version[64];
-	stilb_scene *scene = NULL;
-	if (argc != 3) {
-		fprintf(stderr, "stilb: stilb-scene-import is started by stilb, for scene files\n");
+	scene_message message = {.kind = SCENE_MESSAGE_HELLO};
+	if (argc != 3 || fcntl(IMPORTER_SOCKET, F_SETFD, FD_CLOEXEC) != 0) {
+		fprintf(stderr, "stilb: stilb-scene-import is started by stilb, for files of others\n");
 		return 2;
 	}
-	importer_open_output();
-	importer_set_limits(argv[1]);
-	scene_stream_version(version);
-	importer_send(SCENE_MESSAGE_HELLO, STILB_OK, "%s", version);
-	if (argv[2][0] == '\0') {
-		importer_warn("%u.%u.%u", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
-		_exit(0);
+#if !IMPORTER_SANITIZED
+	dup2(STDOUT_FILENO, STDERR_FILENO); /* nowhere: libraries print what nobody asked for */
+#endif
+	importer_stream = (scene_stream){.file = IMPORTER_SOCKET, .deadline_ns = UINT64_MAX};
+	message.flags = importer_sandbox_enter(strtoull(argv[1], NULL, 10));
+	scene_stream_version(message.text);
+	if (!scene_stream_write_message(IMPORTER_SOCKET, &message, -1))
+		_exit(1);
+	for (int file; scene_stream_read_message(&importer_stream, &message, &file);) {
+		importer_sandbox_allow_time(strtoull(argv[2], NULL, 10));
+		importer_serve(&message, file);
 	}
-	stilb_result result = importer_convert(argv[2], &scene);
-	if (result != STILB_OK) {
-		importer_send(SCENE_MESSAGE_ERROR, result, "%s", stilb_error_message());
-		_exit(0);
-	}
-	importer_send(SCENE_MESSAGE_SCENE, STILB_OK, "%s", "");
-	_exit(scene_stream_write(importer_output, scene) ? 0 : 1); /* Assimp's memory goes with the process */
+	_exit(0);
 }

@@ -182,7 +182,7 @@ static stilb_result material_take_textures(importer *import)
 				used = first + 1;
 			}
 		if (used > first)
-			scene->textures[first] = import->textures[t].image;
+			scene->textures[first] = import->textures[t].image, import->textures[t].image = (stilb_image){0};
 	}
 	scene->texture_count = used;
 	return result;

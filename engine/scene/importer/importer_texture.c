@@ -1,78 +1,14 @@
 /* Textures: in the file itself, or as files beside it. */
 #include "scene/importer/importer.h"
 
-#include "scene/scene_picture.h"
 #include "shading/shade_srgb.h"
 
-#include <dirent.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
-
-/* ---- files ------------------------------------------------------------------------------------------------------- */
-
-/* Writes what in folder is called name, but for capitals, over name; false: nothing is. */
-static bool texture_recall(const char *folder, char *name)
-{
-	DIR *directory = opendir(folder);
-	bool found = false;
-	for (struct dirent *entry; directory && !found && (entry = readdir(directory));)
-		if (strcasecmp(entry->d_name, name) == 0) {
-			memcpy(name, entry->d_name, strlen(name));
-			found = true;
-		}
-	if (directory)
-		closedir(directory);
-	return found;
-}
-
-/* The file at names, which are relative to folder, in whatever capitals it has; false: there is none. */
-static bool texture_walk(const char *folder, const char *names, char path[static PATH_MAX])
-{
-	size_t length = strlen(folder);
-	if (length + strlen(names) + 2 > PATH_MAX)
-		return false;
-	memcpy(path, folder, length + 1);
-	while (*names) {
-		size_t name = strcspn(names, "/");
-		path[length] = '/';
-		memcpy(path + length + 1, names, name);
-		path[length + 1 + name] = '\0';
-		if (access(path, F_OK) != 0) {
-			path[length] = '\0';
-			if (!texture_recall(path, path + length + 1))
-				return false;
-			path[length] = '/';
-		}
-		length += 1 + name;
-		names += name + (names[name] == '/');
-	}
-	return access(path, R_OK) == 0;
-}
-
-/* Where the file is: as named, seen from the scene's folder; there by its last name, since many scenes name files of
- * the disk that they were made on. */
-static bool texture_find(const char *scene, const char *given, char path[static PATH_MAX])
-{
-	char folder[PATH_MAX], name[MAXLEN];
-	const char *slash = strrchr(scene, '/');
-	snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - scene) : 1, slash ? scene : ".");
-	snprintf(name, sizeof name, "%s", given);
-	for (char *c = name; *c; c++)
-		if (*c == '\\')
-			*c = '/';
-	char *start = name;
-	if (strncmp(name, "//", 2) == 0) /* Blender: the scene's folder */
-		start = name + 2;
-	if (start[0] == '/' && texture_walk("", start + 1, path))
-		return true;
-	if (texture_walk(folder, start, path))
-		return true;
-	char *last = strrchr(start, '/');
-	return last && last[1] && texture_walk(folder, last + 1, path);
-}
 
 /* ---- in the file ------------------------------------------------------------------------------------------------- */
 
@@ -100,10 +36,11 @@ static stilb_result texture_from_memory(const struct aiTexture *texture, const c
 	if (!texture->pcData)
 		return stilb_fail(STILB_ERROR_FILE, "it is empty");
 	if (texture->mHeight == 0) { /* a file, mWidth bytes long */
+		const importer_bytes bytes = {(unsigned char *)texture->pcData, texture->mWidth};
 		snprintf(called, sizeof called, "%s.%.*s", name, HINTMAXTEXTURELEN, texture->achFormatHint);
-		return stilb_image_import_memory(called, texture->pcData, texture->mWidth, image);
+		return importer_decode(called, &bytes, 0, image);
 	}
-	stilb_result result = stilb_image_create(image, texture->mWidth, texture->mHeight, 3, STILB_IMAGE_U8_SRGB);
+	stilb_result result = stilb_image_create_shared(image, texture->mWidth, texture->mHeight, 3, STILB_IMAGE_U8_SRGB);
 	uint8_t *out = image->pixels;
 	for (size_t i = 0; result == STILB_OK && i < (size_t)texture->mWidth * texture->mHeight; i++) {
 		*out++ = texture->pcData[i].r;
@@ -113,66 +50,172 @@ static stilb_result texture_from_memory(const struct aiTexture *texture, const c
 	return result;
 }
 
-/* ---- all --------------------------------------------------------------------------------------------------------- */
+/* ---- means ------------------------------------------------------------------------------------------------------- */
 
-static void texture_average(importer_texture *texture)
+/* Channels of the picture that stand for red, green and blue: with one or two it is grey. */
+static uint32_t texture_channel(const stilb_image *image, uint32_t i)
+{
+	return image->channels < 3 ? 0 : i;
+}
+
+/* Of 8-bit codes: how often each of them is there. */
+static void texture_average_codes(importer_texture *texture)
 {
 	const stilb_image *image = &texture->image;
-	double sum[3] = {0}, stored[3] = {0};
-	float table[256];
-	for (int code = 0; code < 256; code++)
-		table[code] = shade_srgb_to_linear((float)code / 255.0f);
-	const uint8_t *codes = image->format == STILB_IMAGE_U8_SRGB ? image->pixels : NULL;
-	const float *floats = image->pixels;
+	const uint8_t *codes = image->pixels;
 	const size_t count = (size_t)image->width * image->height;
-	for (size_t i = 0; i < 3 * count; i++) {
-		sum[i % 3] += (double)(codes ? table[codes[i]] : floats[i]);
-		stored[i % 3] += codes ? codes[i] / 255.0 : (double)floats[i];
-	}
-	for (int i = 0; i < 3; i++) {
-		texture->mean[i] = (float)(sum[i] / (double)count);
-		texture->stored_mean[i] = (float)(stored[i] / (double)count);
+	for (uint32_t i = 0; i < 3; i++) {
+		uint64_t times[256] = {0};
+		double sum = 0, stored = 0;
+		const uint8_t *code = codes + texture_channel(image, i);
+		for (size_t p = 0; p < count; p++, code += image->channels)
+			times[*code]++;
+		for (int c = 0; c < 256; c++) {
+			sum += (double)times[c] * (double)shade_srgb_to_linear((float)c / 255.0f);
+			stored += (double)times[c] * c / 255.0;
+		}
+		texture->mean[i] = (float)(sum / (double)count);
+		texture->stored_mean[i] = (float)(stored / (double)count);
 	}
 }
 
-static stilb_result texture_load(const importer *import, importer_texture *texture)
+static stilb_result texture_average(importer_texture *texture)
 {
-	char path[PATH_MAX];
-	const struct aiTexture *embedded = texture_embedded(import, texture->name);
+	const stilb_image *image = &texture->image;
+	if (image->format == STILB_IMAGE_U8_SRGB) {
+		texture_average_codes(texture);
+		return STILB_OK;
+	}
+	const size_t row = (size_t)image->width * image->channels;
+	const double count = (double)image->width * (double)image->height;
+	double sum[3] = {0}, stored[3] = {0};
+	float *light = malloc(row * sizeof *light);
+	if (!light)
+		return stilb_fail(STILB_ERROR_MEMORY, "out of memory");
+	for (uint32_t y = 0; y < image->height; y++) {
+		stilb_image_row_to_light(image, y, light);
+		for (size_t x = 0; x < image->width; x++)
+			for (uint32_t i = 0; i < 3; i++) {
+				const size_t at = x * image->channels + texture_channel(image, i);
+				sum[i] += (double)light[at];
+				stored[i] += image->format == STILB_IMAGE_U16_SRGB
+				                 ? ((const uint16_t *)image->pixels)[y * row + at] / 65535.0
+				                 : (double)light[at];
+			}
+	}
+	free(light);
+	for (int i = 0; i < 3; i++) {
+		texture->mean[i] = (float)(sum[i] / count);
+		texture->stored_mean[i] = (float)(stored[i] / count);
+	}
+	return STILB_OK;
+}
+
+/* ---- all --------------------------------------------------------------------------------------------------------- */
+
+static void texture_load(importer_texture *texture)
+{
+	importer_bytes bytes = {0};
 	stilb_result result;
-	if (embedded)
-		result = texture_from_memory(embedded, texture->name, &texture->image);
-	else if (texture_find(import->path, texture->name, path))
-		result = stilb_image_import(path, &texture->image);
+	if (texture->embedded)
+		result = texture_from_memory(texture->embedded, texture->name, &texture->image);
+	else if (texture->file < 0)
+		return; /* its trouble is told */
+	else if (!importer_bytes_read(texture->file, &bytes))
+		result = stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
 	else
-		return stilb_fail(STILB_ERROR_FILE, "there is no such file in the scene's folder");
+		result = bytes.size ? importer_decode(texture->name, &bytes, 0, &texture->image)
+		                    : stilb_fail(STILB_ERROR_FILE, "the file is empty");
+	texture->file = -1;
+	importer_bytes_free(&bytes);
 	if (result == STILB_OK)
-		result = scene_picture_to_rgb(&texture->image);
+		result = texture_average(texture);
 	if (result == STILB_OK)
-		texture_average(texture);
-	return result;
+		return;
+	stilb_image_finish(&texture->image);
+	snprintf(texture->trouble, sizeof texture->trouble, "%.255s", stilb_error_message());
+}
+
+typedef struct texture_queue {
+	importer *import;
+	atomic_uint next;
+} texture_queue;
+
+static void *texture_work(void *context)
+{
+	texture_queue *queue = context;
+	for (;;) {
+		/* relaxed: each texture is one thread's; pthread_create and pthread_join order all else */
+		const unsigned i = atomic_fetch_add_explicit(&queue->next, 1, memory_order_relaxed);
+		if (i >= queue->import->texture_count)
+			return NULL;
+		texture_load(&queue->import->textures[i]);
+	}
+}
+
+/* Adds the texture of this kind, if the material has one and no other has it. */
+static void texture_list(importer *import, const struct aiMaterial *material, enum aiTextureType kind)
+{
+	struct aiString path;
+	if (aiGetMaterialTexture(material, kind, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL) != aiReturn_SUCCESS ||
+	    path.data[0] == '\0')
+		return;
+	for (uint32_t i = 0; i < import->texture_count; i++)
+		if (strcmp(import->textures[i].name, path.data) == 0)
+			return;
+	importer_texture *texture = &import->textures[import->texture_count++];
+	snprintf(texture->name, sizeof texture->name, "%s", path.data);
+	texture->file = -1;
+	texture->embedded = texture_embedded(import, texture->name);
+	if (!texture->embedded)
+		texture->file = importer_files_ask(texture->name, true, texture->trouble);
+}
+
+#define TEXTURE_THREADS 16
+
+void importer_load_textures(importer *import)
+{
+	/* Those that importer_material.c asks for. */
+	static const enum aiTextureType kinds[] = {aiTextureType_BASE_COLOR,     aiTextureType_DIFFUSE,
+	                                           aiTextureType_UNKNOWN,        aiTextureType_DIFFUSE_ROUGHNESS,
+	                                           aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE};
+	const size_t most = sizeof kinds / sizeof *kinds * import->from->mNumMaterials;
+	import->textures = calloc(most + 1, sizeof *import->textures);
+	for (unsigned m = 0; import->textures && m < import->from->mNumMaterials; m++)
+		for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+			texture_list(import, import->from->mMaterials[m], kinds[k]);
+	pthread_t threads[TEXTURE_THREADS];
+	texture_queue queue = {.import = import};
+	const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
+	unsigned started = 0;
+	while (started < TEXTURE_THREADS && started + 1 < import->texture_count && started + 1 < cpus &&
+	       pthread_create(&threads[started], NULL, texture_work, &queue) == 0)
+		started++;
+	texture_work(&queue);
+	for (unsigned i = 0; i < started; i++)
+		pthread_join(threads[i], NULL);
+}
+
+void importer_free_textures(importer *import)
+{
+	for (uint32_t i = 0; i < import->texture_count; i++)
+		stilb_image_finish(&import->textures[i].image);
+	free(import->textures);
 }
 
 uint32_t importer_texture_of(importer *import, const char *name, const char *material)
 {
 	uint32_t i = 0;
-	while (i < import->texture_count && strcmp(import->textures[i].name, name))
+	while (i < import->texture_count && strcmp(import->textures[i].name, name) != 0)
 		i++;
-	if (i == import->texture_count) {
-		if (i == import->textures_room) {
-			uint32_t room = 2 * i + 16;
-			importer_texture *more = realloc(import->textures, room * sizeof *more);
-			if (!more)
-				return UINT32_MAX;
-			import->textures = more;
-			import->textures_room = room;
-		}
-		importer_texture *texture = &import->textures[import->texture_count++];
-		*texture = (importer_texture){0};
-		snprintf(texture->name, sizeof texture->name, "%s", name);
-		if (texture_load(import, texture) != STILB_OK)
-			importer_warn("material '%s': texture '%s': %s; what it would cover is magenta", material, name,
-			              stilb_error_message());
-	}
-	return import->textures[i].image.pixels ? i : UINT32_MAX;
+	if (i == import->texture_count)
+		return UINT32_MAX;
+	importer_texture *texture = &import->textures[i];
+	if (texture->image.pixels)
+		return i;
+	if (!texture->told)
+		importer_warn("material '%s': texture '%s': %s; what it would cover is magenta", material, name,
+		              texture->trouble);
+	texture->told = true;
+	return UINT32_MAX;
 }

@@ -3,8 +3,10 @@
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_import.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const struct scene_builtin {
 	const char *name; /* one that ends in ':' takes a number, which follows it */
@@ -36,6 +38,22 @@ static stilb_result scene_open_furnace_number(const char *text, float *number)
 
 stilb_result stilb_scene_open(const char *name, stilb_scene **scene)
 {
+	return stilb_scene_open_with(name, &(stilb_scene_open_options){0}, scene);
+}
+
+/* A file, or a name that is nothing. */
+static stilb_result scene_open_file(const char *path, const stilb_scene_open_options *options, stilb_scene **scene)
+{
+	scene_import_limits limits = scene_import_limits_default();
+	limits.allow_outside = options->allow_outside;
+	if (access(path, F_OK) != 0 && errno == ENOENT)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "'%s': no such file, and no built-in scene (%s)", path,
+		                  stilb_scene_builtin_names());
+	return scene_import_within(path, &limits, scene);
+}
+
+stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_options *options, stilb_scene **scene)
+{
 	PROFILE("scene open");
 	*scene = NULL;
 	for (size_t i = 0; i < sizeof scene_builtins / sizeof *scene_builtins; i++) {
@@ -48,5 +66,5 @@ stilb_result stilb_scene_open(const char *name, stilb_scene **scene)
 		stilb_result result = takes_number ? scene_open_furnace_number(name + length, &number) : STILB_OK;
 		return result == STILB_OK ? builtin->create(number, scene) : result;
 	}
-	return scene_import(name, scene);
+	return scene_open_file(name, options, scene);
 }

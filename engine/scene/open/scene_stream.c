@@ -5,6 +5,8 @@
 #include <errno.h>
 #include <poll.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 /* ---- bytes ------------------------------------------------------------------------------------------------------- */
@@ -35,7 +37,7 @@ static bool stream_wait(scene_stream *stream)
 			return false;
 		}
 		uint64_t left_ms = (stream->deadline_ns - now) / 1000000 + 1;
-		int ready = poll(&wait, 1, left_ms < 1000 ? (int)left_ms : 1000);
+		int ready = poll(&wait, 1, left_ms < 60000 ? (int)left_ms : 60000);
 		if (ready > 0)
 			return true;
 		if (ready < 0 && errno != EINTR)
@@ -43,9 +45,20 @@ static bool stream_wait(scene_stream *stream)
 	}
 }
 
+/* Counts size more bytes; false: they would be too many. */
+static bool stream_count(scene_stream *stream, uint64_t size)
+{
+	stream->too_much |= stream->limit > 0 && size > stream->limit - stream->taken;
+	if (!stream->too_much)
+		stream->taken += size;
+	return !stream->too_much;
+}
+
 static bool stream_get(scene_stream *stream, void *data, size_t size)
 {
 	char *bytes = data;
+	if (!stream_count(stream, size))
+		return false;
 	while (size > 0) {
 		if (!stream_wait(stream))
 			return false;
@@ -69,17 +82,87 @@ void scene_stream_version(char text[static 64])
 	         sizeof(stilb_scene_material), sizeof(stilb_scene_vertex), sizeof(scene_message));
 }
 
-bool scene_stream_write_message(int file, const scene_message *message)
+/* Room for the one descriptor of a message, aligned as its header wants. */
+typedef union stream_descriptor {
+	struct cmsghdr header;
+	char bytes[CMSG_SPACE(sizeof(int))];
+} stream_descriptor;
+
+bool scene_stream_write_message(int file, const scene_message *message, int passed)
 {
-	return stream_put(file, message, sizeof *message);
+	stream_descriptor room = {.header = {CMSG_LEN(sizeof(int)), SOL_SOCKET, SCM_RIGHTS}};
+	memcpy(CMSG_DATA(&room.header), &passed, sizeof passed);
+	struct iovec part = {(void *)(uintptr_t)message, sizeof *message};
+	struct msghdr sent = {.msg_iov = &part, .msg_iovlen = 1};
+	if (passed >= 0) {
+		sent.msg_control = room.bytes;
+		sent.msg_controllen = sizeof room.bytes;
+	}
+	ssize_t put;
+	do
+		put = sendmsg(file, &sent, MSG_NOSIGNAL); /* an end that is gone is an answer, not a signal */
+	while (put < 0 && errno == EINTR);
+	for (size_t done = put < 0 ? 0 : (size_t)put; put > 0 && done < sizeof *message; done += (size_t)put)
+		do
+			put = send(file, (const char *)message + done, sizeof *message - done, MSG_NOSIGNAL);
+		while (put < 0 && errno == EINTR);
+	return put > 0;
 }
 
-bool scene_stream_read_message(scene_stream *stream, scene_message *message)
+/* The descriptor that a message brought, or -1. */
+static int stream_descriptor_of(struct msghdr *got)
 {
-	if (!stream_get(stream, message, sizeof *message))
+	int file = -1;
+	for (struct cmsghdr *part = CMSG_FIRSTHDR(got); part; part = CMSG_NXTHDR(got, part))
+		if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SCM_RIGHTS && part->cmsg_len >= CMSG_LEN(sizeof file))
+			memcpy(&file, CMSG_DATA(part), sizeof file); /* there was room for one, so there is one */
+	return file;
+}
+
+bool scene_stream_read_message(scene_stream *stream, scene_message *message, int *passed)
+{
+	stream_descriptor room;
+	struct iovec part = {message, sizeof *message};
+	struct msghdr got = {
+		.msg_iov = &part, .msg_iovlen = 1, .msg_control = room.bytes, .msg_controllen = sizeof room.bytes};
+	ssize_t size;
+	*passed = -1;
+	do {
+		if (!stream_wait(stream))
+			return false;
+		size = recvmsg(stream->file, &got, MSG_CMSG_CLOEXEC);
+	} while (size < 0 && errno == EINTR);
+	stream->ended |= size == 0 || (size < 0 && errno == ECONNRESET);
+	if (size <= 0)
 		return false;
+	*passed = stream_descriptor_of(&got);
+	if (!stream_count(stream, (uint64_t)size) ||
+	    !stream_get(stream, (char *)message + size, sizeof *message - (size_t)size)) {
+		if (*passed >= 0)
+			close(*passed);
+		*passed = -1;
+		return false;
+	}
 	message->text[sizeof message->text - 1] = '\0';
 	return true;
+}
+
+stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
+                                       stilb_image *picture)
+{
+	*picture = (stilb_image){0};
+	stilb_result result = STILB_OK;
+	if (file < 0)
+		result = stilb_fail(STILB_ERROR_FILE, "a picture came without its pixels");
+	if (result == STILB_OK)
+		result = stilb_image_map(file, message->width, message->height, message->channels, message->format, picture);
+	if (file >= 0)
+		close(file);
+	if (result == STILB_OK && !stream_count(stream, stilb_image_size(picture))) {
+		stilb_image_finish(picture);
+		result = stilb_fail(STILB_ERROR_FILE, "its pictures are too large together");
+	}
+	return result;
 }
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
@@ -143,17 +226,15 @@ bool scene_stream_write(int file, const stilb_scene *scene)
 		       stream_put(file, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices) &&
 		       stream_put(file, mesh->indices, mesh->index_count * sizeof *mesh->indices);
 	}
-	for (uint32_t i = 0; good && i < scene->texture_count; i++)
-		good = stream_put(file, &scene->textures[i], sizeof scene->textures[i]) &&
-		       stream_put(file, scene->textures[i].pixels, stilb_image_size(&scene->textures[i]));
 	return good;
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-static stilb_result stream_broken(void)
+static stilb_result stream_broken(const scene_stream *stream)
 {
-	return stilb_fail(STILB_ERROR_FILE, "the scene broke off");
+	return stilb_fail(STILB_ERROR_FILE,
+	                  stream->too_much ? "the scene is larger than an import may be" : "the scene broke off");
 }
 
 static stilb_result stream_wrong(const char *what)
@@ -173,7 +254,7 @@ static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mes
 {
 	uint32_t sizes[2];
 	if (!stream_get(stream, sizes, sizeof sizes))
-		return stream_broken();
+		return stream_broken(stream);
 	if (sizes[1] % 3 != 0 || sizes[0] > STREAM_MAX_VERTICES || sizes[1] > 3 * STREAM_MAX_VERTICES)
 		return stream_wrong("triangles");
 	stilb_result result = scene_mesh_create(mesh, sizes[0], sizes[1]);
@@ -181,20 +262,9 @@ static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mes
 		return result;
 	if (!stream_get(stream, mesh->vertices, sizes[0] * sizeof *mesh->vertices) ||
 	    !stream_get(stream, mesh->indices, sizes[1] * sizeof *mesh->indices))
-		return stream_broken();
+		return stream_broken(stream);
 	return stream_all_below(mesh->indices, mesh->index_count, mesh->vertex_count) ? STILB_OK
 	                                                                              : stream_wrong("triangles");
-}
-
-static stilb_result stream_read_texture(scene_stream *stream, stilb_image *texture)
-{
-	stilb_image shape;
-	if (!stream_get(stream, &shape, sizeof shape))
-		return stream_broken();
-	stilb_result result = stilb_image_create(texture, shape.width, shape.height, shape.channels, shape.format);
-	if (result != STILB_OK)
-		return result;
-	return stream_get(stream, texture->pixels, stilb_image_size(texture)) ? STILB_OK : stream_broken();
 }
 
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
@@ -207,12 +277,10 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 	for (int i = 0; good && i < STREAM_ARRAYS; i++)
 		good = stream_get(stream, arrays[i].data, arrays[i].size);
 	if (!good)
-		return stream_broken();
+		return stream_broken(stream);
 	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; result == STILB_OK && i < scene->mesh_count; i++)
 		result = stream_read_mesh(stream, &scene->meshes[i]);
-	for (uint32_t i = 0; result == STILB_OK && i < scene->texture_count; i++)
-		result = stream_read_texture(stream, &scene->textures[i]);
 	return result;
 }
 
@@ -234,18 +302,20 @@ static stilb_result stream_check(const stilb_scene *scene)
 	return STILB_OK;
 }
 
-stilb_result scene_stream_read(scene_stream *stream, stilb_scene **out)
+static stilb_result stream_read_scene(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **out)
 {
 	stream_counts counts;
 	stilb_scene *scene = NULL;
 	*out = NULL;
 	if (!stream_get(stream, &counts, sizeof counts))
-		return stream_broken();
+		return stream_broken(stream);
 	if (!stream_counts_can_be(&counts))
 		return stilb_fail(STILB_ERROR_FILE, "the scene has more than %u of something", STILB_SCENE_MAX_MODELS);
 	stilb_result result = scene_create(counts.models, counts.parts, counts.meshes, counts.materials, &scene);
+	if (result == STILB_OK && counts.textures != count)
+		result = stream_wrong("textures");
 	if (result == STILB_OK)
-		result = scene_add_textures(scene, counts.textures);
+		result = scene_add_textures(scene, count);
 	if (result == STILB_OK)
 		result = scene_add_lights(scene, counts.lights);
 	if (result == STILB_OK)
@@ -256,6 +326,18 @@ stilb_result scene_stream_read(scene_stream *stream, stilb_scene **out)
 		stilb_scene_destroy(scene);
 		return result;
 	}
+	for (uint32_t i = 0; i < count; i++) {
+		scene->textures[i] = textures[i];
+		textures[i] = (stilb_image){0};
+	}
 	*out = scene;
 	return STILB_OK;
+}
+
+stilb_result scene_stream_read(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **scene)
+{
+	stilb_result result = stream_read_scene(stream, textures, count, scene);
+	for (uint32_t i = 0; i < count; i++)
+		stilb_image_finish(&textures[i]);
+	return result;
 }
