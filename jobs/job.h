@@ -1,29 +1,50 @@
 /*
- * jobs: a worker pool. A stand-alone library: C17 and Linux, no other part of Stilb.
+ * job: a pool of worker threads that runs jobs and parallel loops. The library stands alone: C17 and Linux, no other
+ * part of Stilb.
  *
- * What it is.   N worker threads beside the thread that made the pool, its owner. Jobs lie in a deque of the thread that
- *               submitted them, where it runs the newest first and others steal the oldest; jobs from outside the pool and
- *               jobs with a priority lie in FIFO queues that all share (job_queue.h). Parallel loops are claimed slice by
- *               slice by whoever is free. A thread that waits helps with what it waits for, so a pool with zero workers
- *               works too: everything then runs in the owner's calls.
- * Life cycle.   stilb_job_pool_create -> submit / parallel_for / wait, any number of times -> stilb_job_pool_destroy.
- * Per frame.    stilb_job_parallel_for, or submits into a group followed by stilb_job_wait. A program with frames puts
- *               stilb_job_phase_begin and _end around the part of a frame that uses the pool.
- * Threads.      The owner has worker index 0, the workers have 1..worker_count. A call takes the index of the thread that
- *               makes it; a thread that is not of the pool passes STILB_JOB_OUTSIDE. [any-thread]: all of them;
- *               [pool-thread]: the owner, jobs and slices; [owner-thread]: the owner alone. Several pools may live side
- *               by side.
- * Errors.       0 or a negative errno. Nothing here prints.
- * Waiting.      stilb_job_wait runs, until its group has finished: what descends from the same outermost job or group, is
- *               nested deeper than the caller and lies at an end of a deque; jobs of high priority, unless the caller is
- *               in one; and jobs pinned to this thread. It starts unrelated work only while every worker of the pool
- *               waits too, for then nobody else would.
- *               - Wait only for jobs that you or your callees submitted; two jobs that wait for each other never return.
- *               - Hold no lock across a wait that another job may want.
+ * Overview.     A pool is N worker threads plus the thread that created it, its owner. A job is a function and a
+ *               pointer. Each thread keeps the jobs it submits in a deque of its own: it runs the newest first, and
+ *               other threads steal the oldest. Jobs from threads outside the pool and jobs with a priority go through
+ *               shared FIFO queues (job_queue.h). The slices of a parallel loop are claimed by any thread that is free.
+ *               A thread that waits runs other jobs of what it waits for, so a pool of zero workers also works:
+ *               everything then runs inside the owner's calls.
+ * Life cycle.   stilb_job_pool_create -> submit, parallel_for and wait, any number of times -> stilb_job_pool_destroy.
+ * Each frame.   stilb_job_parallel_for; or stilb_job_submit into a group, then stilb_job_wait for the group. Programs
+ *               with frames call stilb_job_phase_begin and stilb_job_phase_end around the part of a frame that uses the
+ *               pool.
+ * Example.
+ *                   static void square(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+ *                   {
+ *                       float *values = context;
+ *                       for (uint32_t i = begin; i < end; i++)
+ *                           values[i] *= values[i];
+ *                   }
  *
- * The guarantees, structure by structure: the deques, the loops' claims, the inboxes and the records are lock-free. The
- * shared queues are low-lock or lock-free, as the pool was made. Sleeping and waking, and the list of jobs that follow
- * a group, go through short spin-then-sleep locks. Allocation is as lock-free as malloc.
+ *                   stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+ *                   stilb_job_pool *pool;
+ *                   if (stilb_job_pool_create(&desc, &pool) == 0) {
+ *                       stilb_job_parallel_for(pool, 100000, 1024, square, values, 0);
+ *                       stilb_job_pool_destroy(pool);
+ *                   }
+ * Threads.      The owner has worker index 0, the workers have 1 to worker_count. Every call takes the index of the
+ *               thread that makes it; a thread outside the pool passes STILB_JOB_OUTSIDE. The words at the end of each
+ *               function's comment say who may call it: [any-thread]: every thread; [pool-thread]: the owner, and jobs
+ *               and slices on the thread that runs them; [owner-thread]: the owner alone. A program may have several
+ *               pools at once.
+ * Errors.       Functions return 0 or a negative errno value and print nothing. A broken rule of this header, for
+ *               example the index of another thread, is an assert in builds without NDEBUG and undefined behaviour with
+ *               it.
+ * Waiting.      Until its group has finished, stilb_job_wait runs these jobs: jobs that descend from the same outermost
+ *               job or group as the caller, are nested deeper than the caller and lie at an end of a deque; jobs of
+ *               high priority, unless the caller is inside one; and jobs pinned to the calling thread. It starts an
+ *               unrelated job only while every worker of the pool is waiting as well, because then no other thread
+ *               would.
+ *               - Wait only for jobs that the caller or its callees have submitted. Two jobs that wait for each other
+ *                 never return.
+ *               - Do not hold a lock across a wait if another job may take that lock.
+ * Progress.     Deques, loop claims, inboxes and job records are lock-free. The shared queues are low-lock or
+ *               lock-free, as chosen in stilb_job_pool_desc. Sleeping, waking and jobs `after` a group use short locks
+ *               that spin and then sleep. Memory comes from malloc, whose progress the library inherits.
  */
 #ifndef STILB_JOB_H
 #define STILB_JOB_H
@@ -38,132 +59,157 @@
 extern "C" {
 #endif
 
+/* The most worker threads of one pool. */
 #define STILB_JOB_MAX_WORKERS 256
 
-/* In place of a worker index: the calling thread is not of the pool. */
+/* Passed instead of a worker index by a thread that is neither the owner nor a worker of the pool. */
 #define STILB_JOB_OUTSIDE UINT32_MAX
 
-/* A job: data is what was given at submit, worker is the index (0..worker_count) of the thread that runs it. */
+/* A job. data is the pointer given at submit; worker (0..worker_count) is the index of the thread that runs the job,
+ * which the job passes on to the calls it makes. */
 typedef void stilb_job_fn(void *data, uint32_t worker);
 
-/* A slice [begin, end) of a parallel-for or an array, run on the thread with index worker. */
+/* The part of a parallel loop that covers indices begin <= i < end. worker is the index of the thread that runs it,
+ * context the pointer given with the loop. */
 typedef void stilb_job_range_fn(uint32_t begin, uint32_t end, uint32_t worker, void *context);
 
+/* Created by stilb_job_pool_create. */
 typedef struct stilb_job_pool stilb_job_pool;
 
-/* Counts jobs that have not finished, up to 2^32 - 2. Zero-initialise it; it must outlive its jobs and the waits for it.
- * Only this library touches the fields. A group may be used again, or its memory freed, once stilb_job_wait has
- * returned; a running job may submit into its own group. */
+/* Counts the unfinished jobs that were submitted into it, at most 2^32 - 2. Zero-initialise it; only the library
+ * touches its fields. It must outlive its jobs and every wait for it, and all its jobs belong to one pool. Once
+ * stilb_job_wait has returned the group may be reused or freed. A running job may submit more jobs into its own
+ * group. */
 typedef struct stilb_job_group {
 	uint64_t state;
 	void *after; /* jobs that start when this group has finished */
 } stilb_job_group;
 
+/* The order in which threads look for jobs. */
 typedef enum stilb_job_priority {
-	STILB_JOB_NORMAL, /* zero, the default */
-	STILB_JOB_HIGH,   /* before all others. For short jobs that do not wait: every wait runs them */
-	STILB_JOB_LOW     /* when nothing else is to be done. For long jobs: no wait runs them (but see Waiting) */
+	STILB_JOB_NORMAL, /* the default */
+	STILB_JOB_HIGH,   /* before all others; for short jobs that do not wait, since every wait runs them */
+	STILB_JOB_LOW /* when there is nothing else to do; for long jobs, since no wait runs them (except as in Waiting) */
 } stilb_job_priority;
 
-/* Called on the thread concerned; any may be NULL. This is how a profiler sees the pool without the pool knowing it. */
+/* Functions that the pool calls as things happen, on the thread to which they happen; any may be NULL. This is how a
+ * profiler sees the pool (examples/hooks.c). */
 typedef struct stilb_job_hooks {
-	void *user;
-	void (*thread_start)(void *user, uint32_t worker); /* a worker begins its life */
-	void (*thread_stop)(void *user, uint32_t worker);  /* a worker ends its life */
-	void (*park)(void *user, uint32_t worker);         /* found nothing to do and goes to sleep; the owner, too */
-	void (*wake)(void *user, uint32_t worker);         /* is awake again; pairs with park */
-	/* A job is submitted here, or a loop opened for others to help with. What is returned is its tag. worker is
-	 * STILB_JOB_OUTSIDE on a thread from outside. */
+	void *user; /* the first argument of every hook */
+	/* A worker thread begins, and ends. */
+	void (*thread_start)(void *user, uint32_t worker);
+	void (*thread_stop)(void *user, uint32_t worker);
+	/* A thread has found nothing to do and goes to sleep, and has woken up again. Also for the owner. Calls pair up. */
+	void (*park)(void *user, uint32_t worker);
+	void (*wake)(void *user, uint32_t worker);
+	/* A job is submitted, or a loop is opened for others to help with. The result is a tag of the caller's choice.
+	 * worker is STILB_JOB_OUTSIDE on a thread outside the pool. */
 	uint64_t (*submit)(void *user, uint32_t worker);
-	/* The job with that tag (0 without submit) starts here, perhaps inside the wait of another; or this thread begins to help
-	 * with the loop. Any number of threads help with a loop, each any number of times. */
+	/* The job with this tag starts, possibly inside the wait of another job; or the thread starts to help with the loop
+	 * of this tag. Any number of threads help with a loop, each any number of times. Without a submit hook the tag is
+	 * 0. */
 	void (*job_begin)(void *user, uint32_t worker, uint64_t tag);
-	void (*job_end)(void *user, uint32_t worker); /* it has returned, or the loop has no more; pairs with job_begin */
-	/* This thread waits for a group or for the last slices of its loop, and finds nothing to help with. It may park meanwhile,
-	 * and begin a job that comes. worker may be STILB_JOB_OUTSIDE. */
+	/* The job has returned, or the loop has no slices left. Pairs with job_begin. */
+	void (*job_end)(void *user, uint32_t worker);
+	/* The thread waits for a group, or for the last slices of its own loop, and finds nothing to help with. It may park
+	 * before wait_end, and jobs that arrive may begin and end in between. worker may be STILB_JOB_OUTSIDE. */
 	void (*wait_begin)(void *user, uint32_t worker);
-	void (*wait_end)(void *user, uint32_t worker); /* pairs with wait_begin; the wait may go on after some help */
-	void (*steal)(void *user, uint32_t worker, uint32_t victim); /* took a job from the deque of thread victim */
+	/* Pairs with wait_begin. One wait may have several such pairs, with help given between them. */
+	void (*wait_end)(void *user, uint32_t worker);
+	/* The thread has taken a job from the deque of thread victim. */
+	void (*steal)(void *user, uint32_t worker, uint32_t victim);
 } stilb_job_hooks;
 
+/* Binding of workers to CPUs. */
 typedef enum stilb_job_affinity {
-	/* Each worker is bound to a CPU of its own, away from the CPU of the owner, if worker_count is less than the number of
-	 * CPUs of the affinity mask; else nobody is bound. The owner never is. Two such pools share CPUs: give the second
-	 * one STILB_JOB_AFFINITY_NONE if they work at the same time. */
+	/* Binds each worker to a CPU of its own, and none to the owner's CPU, if worker_count is less than the number of
+	 * CPUs in the affinity mask; binds nothing otherwise. The owner is never bound. Two such pools use the same CPUs:
+	 * if they work at the same time, create the second one with STILB_JOB_AFFINITY_NONE. */
 	STILB_JOB_AFFINITY_AUTO,
 	STILB_JOB_AFFINITY_NONE
 } stilb_job_affinity;
 
+/* The settings of a pool; start from stilb_job_pool_desc_default. */
 typedef struct stilb_job_pool_desc {
-	uint32_t worker_count;      /* threads beside the owner, 0..STILB_JOB_MAX_WORKERS */
-	stilb_job_queue_kind queue; /* of the shared queues */
-	stilb_job_affinity affinity;
-	stilb_job_hooks hooks;
+	uint32_t worker_count;       /* threads beside the owner, 0..STILB_JOB_MAX_WORKERS */
+	stilb_job_queue_kind queue;  /* the kind of the shared queues */
+	stilb_job_affinity affinity; /* default: AUTO */
+	stilb_job_hooks hooks;       /* default: none */
 } stilb_job_pool_desc;
 
-/* worker_count = stilb_job_cpu_count() - 1, at least 1, at most STILB_JOB_MAX_WORKERS; low-lock queues; affinity AUTO; no
- * hooks. [any-thread] */
+/* worker_count is stilb_job_cpu_count() - 1, but at least 1 and at most STILB_JOB_MAX_WORKERS; queues are low-lock,
+ * affinity is AUTO, and there are no hooks. [any-thread] */
 stilb_job_pool_desc stilb_job_pool_desc_default(void);
 
-/* CPUs this process may use: the affinity mask, bounded by the cgroup CPU quota (rounded up), at least 1. [any-thread] */
+/* The number of CPUs this process may use: those of the affinity mask, but no more than the cgroup CPU quota, rounded
+ * up; at least 1. [any-thread] */
 uint32_t stilb_job_cpu_count(void);
 
-/* Starts the workers; the calling thread becomes the owner. -EINVAL: worker_count, queue or affinity out of range;
- * -ENOMEM, -EAGAIN: no memory, no threads to be had. After an error nothing is left running and *pool is NULL. [any-thread] */
+/* Starts the workers and stores the pool in *pool; the calling thread becomes its owner. desc is copied. -EINVAL:
+ * worker_count, queue or affinity is out of range; -ENOMEM: no memory; -EAGAIN: the system refused a thread. After an
+ * error no thread is left running and *pool is NULL. [any-thread] */
 int stilb_job_pool_create(const stilb_job_pool_desc *desc, stilb_job_pool **pool);
 
-/* Runs everything that has been submitted and what those jobs submit, stops and joins the workers. NULL is fine. No other call
- * may be running; jobs that wait for a group that can never finish make this wait for ever. [owner-thread] */
+/* Runs every submitted job and the jobs they submit, then stops and joins the workers and frees the pool. pool may be
+ * NULL. No other call may be in progress, and the owner must not be inside a job. Never returns if a job waits for a
+ * group that cannot finish. [owner-thread] */
 void stilb_job_pool_destroy(stilb_job_pool *pool);
 
-/* From now on jobs that have not started do not run any more: they count as finished, so waits return and destroy ends
- * soon. For going down quickly: cancel, then destroy. Loops that have begun run to their end. [any-thread] */
+/* From now on, jobs that have not started are dropped: they count as finished without running, so waits return and
+ * destroy ends soon. For shutting down quickly: cancel, then destroy. Loops that have begun run to their end. A pool
+ * stays cancelled. [any-thread] */
 void stilb_job_pool_cancel(stilb_job_pool *pool);
 
-/* Threads beside the owner. Per-worker state of a caller needs worker_count + 1 slots. [any-thread] */
+/* The number of threads beside the owner, 0..STILB_JOB_MAX_WORKERS. An array with an element for each thread needs one
+ * element more. [any-thread] */
 uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool);
 
-/* Queues fn(data, worker), counts it in group (may be NULL) and wakes a worker if all that look for work are busy.
- * -ENOMEM: nothing was queued or counted. worker is the caller's own index or STILB_JOB_OUTSIDE. [any-thread] */
+/* Queues fn(data, worker) and counts it in group, which may be NULL; wakes a worker unless one is already looking for
+ * work. worker is the caller's own index or STILB_JOB_OUTSIDE. data must stay valid until the job has run. -ENOMEM:
+ * nothing was queued or counted. [any-thread] */
 int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group, uint32_t worker);
 
-/* Zero is the default of every field. */
+/* What stilb_job_submit_with may ask for. The default of every field is zero. */
 typedef struct stilb_job_options {
 	stilb_job_priority priority;
-	bool pinned;     /* only the thread with index target runs it; the owner does in its waits, loops and run_pinned */
-	uint32_t target; /* 0..worker_count */
-	stilb_job_group *after; /* not before this group has finished; NULL: at once. May be one that is finished already */
+	bool pinned;     /* only thread number target runs the job; the owner does so in waits, loops and run_pinned */
+	uint32_t target; /* 0..worker_count; ignored unless pinned */
+	stilb_job_group *after; /* the job starts after this group has finished, which may have happened; NULL: at once */
 } stilb_job_options;
 
-/* stilb_job_submit with options. Jobs of high or low priority start in the order in which they were submitted, among
- * themselves; pinned jobs have no priority. -EINVAL: priority or target out of range, or after is group: the job would wait
- * for itself. [any-thread] */
+/* stilb_job_submit with options. Among themselves, jobs of high priority start in the order of submission, and so do
+ * jobs of low priority; pinned jobs have no priority. -EINVAL: priority or target is out of range, or after is group,
+ * so the job would wait for itself; -ENOMEM as above. [any-thread] */
 int stilb_job_submit_with(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group,
                           const stilb_job_options *options, uint32_t worker);
 
-/* fn over [0, count) in slices of grain, as stilb_job_parallel_for, as one job of group: returns at once, and it costs no more
- * than one submit, whatever count is. [any-thread] */
+/* Submits the loop of stilb_job_parallel_for as one job of group and returns at once; the cost is that of one submit
+ * for any count. context must stay valid until the loop has run. A count of 0 submits nothing. -ENOMEM as above.
+ * [any-thread] */
 int stilb_job_submit_array(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
                            stilb_job_group *group, uint32_t worker);
 
-/* Runs the jobs pinned to this thread that are there now; how many. For an owner that waits for nothing. [pool-thread] */
+/* Runs the jobs that are pinned to the calling thread at the moment of the call and returns their number; for an owner
+ * that never waits. [pool-thread] */
 uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker);
 
-/* Returns when every job of group has finished; helps meanwhile (see Waiting), sleeps when there is nothing to help with. All
- * that those jobs wrote is visible to the caller. A thread from outside does not help. [any-thread] */
+/* Returns when every job of group has finished. Meanwhile the calling thread runs other jobs (see Waiting) and sleeps
+ * when there are none; a thread outside the pool only sleeps. Everything those jobs wrote is then visible to the
+ * caller. [any-thread] */
 void stilb_job_wait(stilb_job_pool *pool, stilb_job_group *group, uint32_t worker);
 
-/* Runs fn over [0, count) in slices of grain (0 counts as 1; the last may be shorter), on the caller and on every worker
- * that is free or becomes so; returns when all slices have finished and all that they wrote is visible. A slow slice
- * strands nobody; which thread runs which slice is not determined. May be nested. Needs no memory and no help, so it cannot
- * fail; while the caller waits for the last slices of others it helps deeper loops of the same origin and runs what is
- * pinned to its thread, but no other jobs.
- * Sleeping workers are woken only for loops longer than that takes. [pool-thread] */
+/* Calls fn for slices of grain indices that together cover 0 <= i < count, on the calling thread and on every worker
+ * that is free or becomes free; returns when all slices have finished, and everything they wrote is then visible. grain
+ * 0 means 1; the last slice may be shorter. Which thread runs which slice is not determined, and a slow slice delays no
+ * other. May be nested. It needs neither memory nor helpers and so cannot fail. Sleeping workers are woken only for
+ * loops that take longer than a wake-up. While the caller waits for slices that others have claimed, it helps with
+ * loops nested deeper in this one and runs jobs pinned to its thread, but no other jobs. [pool-thread] */
 void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
                             uint32_t worker);
 
-/* Inside a phase workers without work spin, as many as there are CPUs for beside the owner's, so work starts within a fraction
- * of a microsecond; outside one worker spins for some 30 us and then sleeps. Phases nest. [any-thread] */
+/* Between phase_begin and phase_end workers without work spin, as many as there are CPUs beside the owner's, so that
+ * new work starts within a fraction of a microsecond. Otherwise one worker spins for some 30 us, and then it sleeps,
+ * too. Phases nest; every begin needs its end. [any-thread] */
 void stilb_job_phase_begin(stilb_job_pool *pool);
 void stilb_job_phase_end(stilb_job_pool *pool);
 

@@ -1,21 +1,31 @@
 /*
- * job_queue: unbounded or bounded multi-producer, multi-consumer FIFO queues of pointers. Usable alone.
+ * job_queue: FIFO queues of pointers for any number of producers and consumers, bounded or unbounded. Usable alone.
  *
- * Two kinds behind one interface; both are linearisable FIFOs: there is one order of all items, and it agrees with the
- * real-time order of the calls.
- *   low-lock    Sutter's two locks, one for producers and one for consumers, over recycled segments of 512 cells. The
- *               fastest. Not lock-free: a thread stalled inside one of its sections (a few instructions long) stops
- *               its own side for as long as it is stalled; the other side goes on.
- *   lock-free   Segments whose cells are filled and emptied in order, each by a compare-exchange. A thread stalled anywhere
- *               stops nobody. Costs more, and needs to know its threads (see below).
- * Life cycle.   stilb_job_queue_create -> push / pop from any of its threads -> close (optional) -> destroy.
- * Threads.      A queue is made for thread_count threads. Each passes its own number below that to every call, and no two
- *               threads use one number at the same time. The low-lock kind ignores the number. A thread of a lock-free
- *               queue that will not call for a while says so with stilb_job_queue_rest: segments that it might still be
- *               reading cannot be used again until it calls or rests.
- * Items.        Pointers, never null; the queue does not look at what they point to. What a thread wrote before it pushed
+ * Two kinds implement one interface. Both are linearizable: there is a single order of all items, and it agrees with
+ * the real-time order of the calls.
+ *   low-lock    Two locks, one for producers and one for consumers, over reused segments of 512 cells. The fastest
+ *               kind. It is not lock-free: a thread that is preempted inside one of its critical sections, which are a
+ *               few instructions long, holds up the other threads at the same end; the other end continues.
+ *   lock-free   Segments of cells that are filled and emptied in order, each by one compare-exchange. A thread that is
+ *               preempted anywhere holds up nobody. Costs more, and must know its threads (see Threads).
+ * Life cycle.   stilb_job_queue_create -> push and pop from any of its threads -> close (optional) -> destroy.
+ * Example.
+ *                   stilb_job_queue_desc desc = stilb_job_queue_desc_default();
+ *                   stilb_job_queue *queue;
+ *                   if (stilb_job_queue_create(&desc, &queue) == 0) {
+ *                       stilb_job_queue_push(queue, item, 0);
+ *                       while (stilb_job_queue_pop(queue, &item, 0) == 0)
+ *                           use(item);
+ *                       stilb_job_queue_destroy(queue);
+ *                   }
+ * Threads.      A queue is created for thread_count threads. Each of them passes its own number below thread_count to
+ *               every call, and no two threads use the same number at the same time. The low-lock kind ignores the
+ *               number. A thread that will not use a lock-free queue for a while calls stilb_job_queue_rest: until it
+ *               rests or calls again, segments that it might still be reading cannot be reused.
+ * Items.        Pointers that are not NULL; the queue does not follow them. Everything a thread wrote before it pushed
  *               an item is visible to the thread that popped it.
- * Errors.       0, a count, or a negative errno. Nothing here prints, blocks for long or calls back.
+ * Errors.       Functions return 0, a count or a negative errno value. They print nothing, call nothing back and never
+ *               wait for the other end of the queue.
  */
 #ifndef STILB_JOB_QUEUE_H
 #define STILB_JOB_QUEUE_H
@@ -28,51 +38,58 @@
 extern "C" {
 #endif
 
+/* The most threads that a queue can be created for. */
 #define STILB_JOB_QUEUE_MAX_THREADS 1024
 
+/* Created by stilb_job_queue_create. */
 typedef struct stilb_job_queue stilb_job_queue;
 
+/* See the head of this file. */
 typedef enum stilb_job_queue_kind { STILB_JOB_QUEUE_LOW_LOCK, STILB_JOB_QUEUE_LOCK_FREE } stilb_job_queue_kind;
 
+/* The settings of a queue; start from stilb_job_queue_desc_default. */
 typedef struct stilb_job_queue_desc {
 	stilb_job_queue_kind kind;
-	size_t capacity;       /* items it holds at most; SIZE_MAX: as many as memory can hold; 0 is refused */
+	size_t capacity;       /* the most items it holds, at least 1; SIZE_MAX: limited by memory alone */
 	uint32_t thread_count; /* 1..STILB_JOB_QUEUE_MAX_THREADS */
 } stilb_job_queue_desc;
 
-/* Low-lock, unbounded, STILB_JOB_QUEUE_MAX_THREADS threads. [any-thread] */
+/* Low-lock, unbounded, for STILB_JOB_QUEUE_MAX_THREADS threads. [any-thread] */
 stilb_job_queue_desc stilb_job_queue_desc_default(void);
 
-/* -EINVAL: unknown kind, capacity 0 or thread_count out of range; -ENOMEM. After an error *queue is NULL. [any-thread] */
+/* Creates an empty queue. -EINVAL: kind, capacity or thread_count is out of range; -ENOMEM: no memory. After an error
+ * *queue is NULL. [any-thread] */
 int stilb_job_queue_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 
-/* Frees the queue; items in it are forgotten. NULL is fine. No other call may be running. [one-writer] */
+/* Frees the queue; items still in it are dropped. queue may be NULL. No other call may be in progress. [any-thread] */
 void stilb_job_queue_destroy(stilb_job_queue *queue);
 
-/* Appends item. -EAGAIN: full; -EPIPE: closed; -ENOMEM; -EINVAL: item is NULL. After an error the queue is as before and
- * the item still the caller's. [any-thread] */
+/* Appends item. -EAGAIN: the queue is full; -EPIPE: it is closed; -ENOMEM: no memory; -EINVAL: item is NULL. After an
+ * error the queue is unchanged and the item still belongs to the caller. [any-thread] */
 int stilb_job_queue_push(stilb_job_queue *queue, void *item, uint32_t thread);
 
-/* Appends items[0..count) in this order; those of other threads may come to lie between them only in the lock-free
- * kind. Returns how many were appended, always the first ones; if that is none, the error of stilb_job_queue_push.
- * count: 0..INT32_MAX, 0 returns 0. [any-thread] */
+/* Appends items[0] to items[count - 1] in this order; in the lock-free kind, items of other threads may come to lie
+ * between them. count is 0..INT32_MAX. Returns how many items were appended, always the first ones; if none was, the
+ * error of stilb_job_queue_push. A count of 0 returns 0. [any-thread] */
 int stilb_job_queue_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread);
 
-/* Takes the oldest item. -EAGAIN: empty; -EPIPE: closed and empty, and so it stays. [any-thread] */
+/* Takes the oldest item and stores it in *item. -EAGAIN: the queue is empty; -EPIPE: it is closed and empty, for good.
+ * [any-thread] */
 int stilb_job_queue_pop(stilb_job_queue *queue, void **item, uint32_t thread);
 
-/* Takes up to max of the oldest items, oldest first. Returns how many; if that is none, the error of
- * stilb_job_queue_pop. [any-thread] */
+/* Takes up to max of the oldest items and stores them in items[0..max), oldest first. Returns how many there were; if
+ * none, the error of stilb_job_queue_pop. A max of 0 returns 0. [any-thread] */
 int stilb_job_queue_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread);
 
-/* True if the queue was empty at one moment during the call. Takes no lock. [any-thread] */
+/* True if the queue was empty at some moment during the call. Takes no lock. [any-thread] */
 bool stilb_job_queue_empty(stilb_job_queue *queue, uint32_t thread);
 
-/* From now on pushes are refused; what is in the queue can still be popped. Pushes that run at the same moment either
- * succeed, and their items come out, or are refused. May be called more than once. [any-thread] */
+/* Refuses pushes from now on; items in the queue can still be popped. A push in progress either succeeds, and its item
+ * can be popped, or is refused. May be called more than once. [any-thread] */
 void stilb_job_queue_close(stilb_job_queue *queue);
 
-/* This thread holds nothing of the queue until its next call. Cheap. [any-thread] */
+/* Declares that the calling thread refers to no part of the queue until its next call (see Threads). Costs a few
+ * stores. [any-thread] */
 void stilb_job_queue_rest(stilb_job_queue *queue, uint32_t thread);
 
 #ifdef __cplusplus

@@ -1,22 +1,27 @@
 /*
  * job_spsc: an unbounded FIFO queue of pointers from one thread to one other thread. Usable alone.
  *
- * What it is.   Sutter's corrected queue, for the places where one thread feeds one thread: the reader of a game pad, the
- *               writer of a trace. A list whose `divider` parts what has been consumed from what has not; the producer
- *               alone owns memory and uses again what lies before the divider.
- * Guarantee.    Pop and close are wait-free: a bounded number of steps, whatever the other thread does, stalled or not.
- *               So is push as long as it need not allocate (see Memory); a push that does is as good as malloc, which
- *               may take a lock.
- * Life cycle.   stilb_job_spsc_create -> push by one thread, pop by one other -> close (optional) -> destroy. Either end
- *               may be handed to another thread if that hand-over is itself synchronised.
- * Threads.      [producer]: the one thread that pushes; [consumer]: the one that pops; [any-thread].
- * Items.        Pointers, never null; the queue does not look at what they point to. What the producer wrote before it
+ * Overview.     Sutter's corrected queue, for places where one thread feeds one other thread: the reader of a gamepad,
+ *               the writer of a trace. It is a linked list whose `divider` separates consumed from unconsumed nodes.
+ *               Only the producer allocates, and it reuses the nodes before the divider.
+ * Progress.     Pop and close are wait-free: they take a bounded number of steps whatever the other thread does, even
+ *               if it has stopped. So does push, except when it must allocate (see Memory): malloc may take a lock.
+ * Life cycle.   stilb_job_spsc_create -> push by one thread, pop by one other thread -> close (optional) -> destroy.
+ *               Either end may move to another thread if the program synchronises that hand-over.
+ * Example.
+ *                   stilb_job_spsc *queue;                             // shared by both threads
+ *                   if (stilb_job_spsc_create(&queue) != 0) ...
+ *                   stilb_job_spsc_push(queue, item);                  // producer
+ *                   while (stilb_job_spsc_pop(queue, &item) == 0) ...  // consumer
+ *                   stilb_job_spsc_destroy(queue);                     // after both have ended
+ * Threads.      [producer]: the thread that pushes; [consumer]: the thread that pops; [any-thread]: every thread.
+ * Items.        Pointers that are not NULL; the queue does not follow them. Everything the producer wrote before it
  *               pushed an item is visible to the consumer that popped it.
- * Memory.       8 bytes an item, in blocks of 511 items. Blocks that the consumer has left are used again: a queue has at
- *               most two more than its fullest moment filled, and from then on allocates nothing. They are freed by
- *               stilb_job_spsc_destroy alone.
- * Errors.       0 or a negative errno. Nothing here prints, waits or calls back: a consumer that finds the queue empty
- *               decides itself whether to spin, sleep or do something else.
+ * Memory.       8 bytes an item, in blocks of 511 items. Blocks that the consumer has left are reused: a queue has at
+ *               most two blocks more than its longest length filled, and allocates nothing once it has those. Only
+ *               stilb_job_spsc_destroy frees them.
+ * Errors.       Functions return 0 or a negative errno value. They print nothing, call nothing back and never wait: the
+ *               consumer of an empty queue decides by itself whether to spin, sleep or do something else.
  *
  * Source: Herb Sutter, "Writing Lock-Free Code: A Corrected Queue", Dr. Dobb's Journal, October 2008.
  */
@@ -27,23 +32,24 @@
 extern "C" {
 #endif
 
+/* Created by stilb_job_spsc_create. */
 typedef struct stilb_job_spsc stilb_job_spsc;
 
-/* 0 or -ENOMEM; after an error *queue is NULL. [any-thread] */
+/* Creates an empty queue. -ENOMEM: no memory, and *queue is NULL. [any-thread] */
 int stilb_job_spsc_create(stilb_job_spsc **queue);
 
-/* Frees the queue; items in it are forgotten. NULL is fine. No other call may be running. [any-thread] */
+/* Frees the queue; items still in it are dropped. queue may be NULL. No other call may be in progress. [any-thread] */
 void stilb_job_spsc_destroy(stilb_job_spsc *queue);
 
-/* Appends item. -EPIPE: closed; -ENOMEM; -EINVAL: item is NULL. After an error the queue is as before and the item still
- * the caller's. [producer] */
+/* Appends item. -EPIPE: the queue is closed; -ENOMEM: no memory; -EINVAL: item is NULL. After an error the queue is
+ * unchanged and the item still belongs to the caller. [producer] */
 int stilb_job_spsc_push(stilb_job_spsc *queue, void *item);
 
-/* Takes the oldest item. -EAGAIN: empty; -EPIPE: closed and empty, and so it stays. After an error *item is as before.
- * [consumer] */
+/* Takes the oldest item and stores it in *item. -EAGAIN: the queue is empty; -EPIPE: it is closed and empty, for good.
+ * After an error *item is unchanged. [consumer] */
 int stilb_job_spsc_pop(stilb_job_spsc *queue, void **item);
 
-/* From now on pushes are refused; what is in the queue can still be popped. May be called more than once. [producer] */
+/* Refuses pushes from now on; items in the queue can still be popped. May be called more than once. [producer] */
 void stilb_job_spsc_close(stilb_job_spsc *queue);
 
 #ifdef __cplusplus
