@@ -8,8 +8,8 @@
 
 #define CPU_PATH_MAX 4096
 
-/* The affinity mask, for CPU_FREE; NULL if it cannot be had. The kernel wants a mask at least as large as its own and says
- * EINVAL until it is. */
+/* The affinity mask of the calling thread, to be freed with CPU_FREE; NULL if there is no memory or the kernel refuses.
+ * The kernel returns EINVAL until the mask is at least as large as its own. */
 static cpu_set_t *affinity(size_t *size)
 {
 	for (int cpus = 1024; cpus <= 1 << 20; cpus *= 2) {
@@ -38,6 +38,7 @@ static uint32_t affinity_count(void)
 
 uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
 {
+	assert(cpus && max > 0);
 	size_t size;
 	cpu_set_t *set = affinity(&size);
 	int here = sched_getcpu();
@@ -49,12 +50,14 @@ uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
 				cpus[count++] = (uint32_t)cpu;
 		}
 	CPU_FREE(set);
+	assert(count <= max);
 	return count;
 }
 
-/* First line of mount/dir/file; false if there is no such file. */
+/* Reads the first line of the file mount + dir + "/" + file; false if there is no such file. */
 static bool read_line(const char *mount, const char *dir, const char *file, char *line, int size)
 {
+	assert(size > 0);
 	char path[CPU_PATH_MAX];
 	int length = snprintf(path, sizeof path, "%s%s/%s", mount, dir, file);
 	if (length < 0 || (size_t)length >= sizeof path)
@@ -67,7 +70,7 @@ static bool read_line(const char *mount, const char *dir, const char *file, char
 	return got;
 }
 
-/* quota and period in microseconds; 0 if there is no (sensible) limit. */
+/* The CPUs of a quota, rounded up. Both arguments are in microseconds; 0 if they set no limit or make no sense. */
 static uint32_t limit_cpus(long long quota, long long period)
 {
 	if (quota <= 0 || period <= 0)
@@ -76,7 +79,7 @@ static uint32_t limit_cpus(long long quota, long long period)
 	return cpus < UINT32_MAX ? (uint32_t)cpus : 0;
 }
 
-/* cgroup v2, Documentation/admin-guide/cgroup-v2.rst: cpu.max holds "max PERIOD" or "QUOTA PERIOD". */
+/* cgroup v2 (Linux, Documentation/admin-guide/cgroup-v2.rst): cpu.max holds "max PERIOD" or "QUOTA PERIOD". */
 static uint32_t limit_v2(const char *mount, const char *dir)
 {
 	char line[128];
@@ -86,7 +89,7 @@ static uint32_t limit_v2(const char *mount, const char *dir)
 	return limit_cpus(quota, period);
 }
 
-/* cgroup v1, Documentation/scheduler/sched-bwc.rst: the quota is -1 if there is none. */
+/* cgroup v1 (Linux, Documentation/scheduler/sched-bwc.rst): a quota of -1 means no limit. */
 static uint32_t limit_v1(const char *mount, const char *dir)
 {
 	char line[128], cpu_mount[CPU_PATH_MAX];
@@ -100,8 +103,9 @@ static uint32_t limit_v1(const char *mount, const char *dir)
 	return limit_cpus(quota, strtoll(line, NULL, 10));
 }
 
-/* A group is bound by its own limit and by those of all groups above it. Inside a container the path may be the host's
- * and name nothing here; the walk then ends at the root of the mount, which is the container's own group. */
+/* The smallest limit of the group dir and all groups above it, 0 if there is none; shortens dir. Inside a container,
+ * dir may be a path of the host that does not exist here; then only the root of the mount counts, which is the
+ * container's own group. */
 static uint32_t smallest_limit(uint32_t (*limit)(const char *, const char *), const char *mount, char *dir)
 {
 	uint32_t smallest = 0;
@@ -118,7 +122,7 @@ static uint32_t smallest_limit(uint32_t (*limit)(const char *, const char *), co
 	}
 }
 
-/* Is name one of the comma-separated controllers? */
+/* True if name is one of the comma-separated words of list. */
 static bool list_has(const char *list, const char *name)
 {
 	size_t length = strlen(name);
@@ -128,7 +132,7 @@ static bool list_has(const char *list, const char *name)
 	return false;
 }
 
-/* One line of /proc/self/cgroup, "ID:CONTROLLERS:PATH"; version 2 has no controllers there. */
+/* The limit that one line of /proc/self/cgroup, "ID:CONTROLLERS:PATH", leads to. cgroup v2 leaves CONTROLLERS empty. */
 static uint32_t line_limit(char *line, const char *mount)
 {
 	line[strcspn(line, "\n")] = '\0';
@@ -145,6 +149,7 @@ static uint32_t line_limit(char *line, const char *mount)
 
 uint32_t job_cpu_quota(const char *proc_cgroup, const char *mount)
 {
+	assert(proc_cgroup && mount);
 	char line[CPU_PATH_MAX];
 	uint32_t smallest = 0;
 	FILE *stream = fopen(proc_cgroup, "re");

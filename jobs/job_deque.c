@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
+static_assert((JOB_DEQUE_CAPACITY & (JOB_DEQUE_CAPACITY - 1)) == 0, "cells are found by a mask");
+
 static job_deque_buffer *buffer_create(int64_t capacity)
 {
 	job_deque_buffer *buffer = malloc(sizeof *buffer + (size_t)capacity * sizeof buffer->cell[0]);
@@ -23,12 +25,15 @@ int job_deque_init(job_deque *deque)
 	atomic_init(&deque->top, 0);
 	atomic_init(&deque->bottom, 0);
 	atomic_init(&deque->buffer, buffer);
+	deque->top_seen = 0;
+	JOB_CHECK(job_deque_is_sound(deque));
 	return 0;
 }
 
 void job_deque_finish(job_deque *deque)
 {
-	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed); /* the caller is alone */
+	assert(job_deque_empty(deque) && "a record left here would never run");
+	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed); /* no other call runs */
 	while (buffer) {
 		job_deque_buffer *smaller = buffer->smaller;
 		free(buffer);
@@ -38,9 +43,11 @@ void job_deque_finish(job_deque *deque)
 
 int job_deque_grow(job_deque *deque)
 {
-	/* Relaxed: the owner's own, and top may be older than it is: then a record too many is copied. */
+	/* Relaxed: only the owner writes buffer and bottom. Top may have grown since: then taken records are copied,
+	 * too. */
 	job_deque_buffer *old = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
 	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
+	assert(bottom - deque->top_seen == old->mask + 1 && "the buffer is full");
 	job_deque_buffer *buffer = buffer_create((old->mask + 1) * 2);
 	if (!buffer)
 		return -ENOMEM;
@@ -51,4 +58,24 @@ int job_deque_grow(job_deque *deque)
 		                      memory_order_relaxed);
 	atomic_store_explicit(&deque->buffer, buffer, memory_order_release); /* pairs with job_deque_oldest */
 	return 0;
+}
+
+/* Each buffer is twice as large as the one it replaced; the first has JOB_DEQUE_CAPACITY cells. */
+static bool buffers_double(const job_deque_buffer *buffer)
+{
+	for (; buffer->smaller; buffer = buffer->smaller)
+		if (buffer->mask + 1 != (buffer->smaller->mask + 1) * 2)
+			return false;
+	return buffer->mask + 1 == JOB_DEQUE_CAPACITY;
+}
+
+bool job_deque_is_sound(job_deque *deque)
+{
+	/* Relaxed: thieves may move top meanwhile, but only up, and never past bottom. */
+	int64_t top = atomic_load_explicit(&deque->top, memory_order_relaxed);
+	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
+	const job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
+	return 0 <= deque->top_seen && deque->top_seen <= top && top <= bottom && bottom - top <= buffer->mask + 1 &&
+	       (top == bottom || atomic_load_explicit(&buffer->cell[(bottom - 1) & buffer->mask], memory_order_relaxed)) &&
+	       buffers_double(buffer);
 }

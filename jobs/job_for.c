@@ -1,7 +1,5 @@
 #include "jobs/job_internal.h"
 
-#include <assert.h>
-
 /* How often a loop is timed when nothing depends on it. */
 #define MEASURE_EVERY 16
 

@@ -1,6 +1,6 @@
 /*
- * job_line: how far apart data must lie that different threads write. Two cache lines: CPUs prefetch lines in pairs, so
- * data 64 bytes apart still travels together.
+ * job_line: the distance in bytes between data that different threads write. Two 64-byte cache lines, because CPUs
+ * prefetch lines in pairs: data 64 bytes apart would still move between cores together.
  */
 #ifndef STILB_JOB_LINE_H
 #define STILB_JOB_LINE_H

@@ -1,29 +1,33 @@
 /*
- * job_lock: a lock for sections of a few instructions. Free, it costs one exchange to take and one plain store to give.
+ * job_lock: a lock for critical sections of a few instructions. Uncontended, it costs one exchange to take and one
+ * plain store to release.
  *
- * Test and test-and-set: a waiter reads until the lock looks free and only then writes, so waiters do not take the line
- * from the holder. It does so for some 100 ns, then gives its time slice away a few times, then sleeps until woken. The
- * spin is that short on purpose: sections last a few nanoseconds, so a lock that stays taken means another thread that
- * wants it all the time, or a holder that does not run. Either way the CPU is better used by somebody else, at best by one
- * who works at the other end of a queue.
- *
- * Sleeping. `sleepers` is 0 or 1, and a thread sleeps only while it is 1. Who is going to sleep sets it, then tries the lock
- * once more, then sleeps. Who gives the lock and finds it set clears it and wakes one thread. That one sets it again before
- * it tries the lock: there may be more sleepers, so the next to give the lock wakes another. No wake-up is lost if
- * operations happen one after another; the model test runs through that. One gap stays: giving is a store to `held`, then a
- * load of `sleepers`, with no order between the two, for that order would cost more than all the rest. The load may come
- * first and miss a thread that has still found the lock taken; therefore no sleep is longer than JOB_LOCK_SLEEP_NS.
+ * Spinning.  Test and test-and-set: a waiter only reads until the lock looks free, so waiters do not take the cache
+ *            line away from the holder. After some 100 ns it yields a few times, and then it sleeps until woken. The
+ *            spin is that short because critical sections last a few nanoseconds: a lock that stays taken for longer
+ *            has a holder that is not running, or another thread that takes it all the time. In both cases the CPU is
+ *            better used by another thread, for example one at the other end of the queue.
+ * Sleeping.  `sleepers` is 0 or 1, and a thread sleeps only while it is 1. A thread that is going to sleep sets it,
+ *            tries the lock once more, and sleeps. A thread that releases the lock and finds it set clears it and wakes
+ *            one thread, which sets it again before it tries the lock: there may be more sleepers, and the next release
+ *            then wakes another one. On a sequentially consistent machine no wake-up is lost; the model test covers
+ *            that.
+ * Time limit. One gap remains. A release stores `held` and then loads `sleepers` without an order between the two,
+ * because
+ *            that order would cost more than everything else. The load may happen first and miss a thread that has
+ *            still found the lock taken. Therefore no sleep is longer than JOB_LOCK_SLEEP_NS.
  */
 #ifndef STILB_JOB_LOCK_H
 #define STILB_JOB_LOCK_H
 
+#include "jobs/job_contract.h"
 #include "jobs/job_line.h"
 #include "jobs/job_sys.h"
 
 #include <stdbool.h>
 
 #define JOB_LOCK_SPIN_NS 100
-#define JOB_LOCK_SLEEP_NS 4000000 /* about a time slice */
+#define JOB_LOCK_SLEEP_NS 4000000 /* about one time slice of the scheduler */
 #ifndef JOB_LOCK_YIELDS
 #define JOB_LOCK_YIELDS 8
 #endif
@@ -32,12 +36,34 @@
 typedef struct job_lock {
 	_Atomic uint32_t held;
 	_Atomic uint32_t sleepers; /* a futex */
+	_Atomic uintptr_t holder;  /* job_this_thread of the holder, or 0; written in builds with asserts alone */
 } job_lock;
+
+/* For asserts: the calling thread holds the lock, or nobody keeps the holder. */
+static inline bool job_lock_is_mine(const job_lock *lock)
+{
+#ifndef NDEBUG
+	/* Relaxed: only the calling thread stores its own number, and it reads its own stores in order. */
+	return atomic_load_explicit(&lock->holder, memory_order_relaxed) == job_this_thread();
+#else
+	(void)lock;
+	return true;
+#endif
+}
+
+static inline void job_lock_set_mine(job_lock *lock, bool mine)
+{
+#ifndef NDEBUG
+	atomic_store_explicit(&lock->holder, mine ? job_this_thread() : 0, memory_order_relaxed); /* see job_lock_is_mine */
+#else
+	(void)lock, (void)mine;
+#endif
+}
 
 static inline bool job_lock_try(job_lock *lock)
 {
-	/* Relaxed: a hint. The exchange decides; acquire pairs with the release in job_lock_give: the section sees what
-	 * earlier ones wrote. */
+	/* The relaxed load is a hint; the exchange decides. Acquire pairs with the release in job_lock_give: this critical
+	 * section sees what earlier ones wrote. */
 	return !atomic_load_explicit(&lock->held, memory_order_relaxed) &&
 	       !atomic_exchange_explicit(&lock->held, 1, memory_order_acquire);
 }
@@ -45,7 +71,7 @@ static inline bool job_lock_try(job_lock *lock)
 static inline void job_lock_sleep_and_take(job_lock *lock)
 {
 	for (;;) {
-		/* Sequentially consistent: set before the lock is looked at again; pairs with the load in job_lock_give. */
+		/* Seq_cst: set before the lock is tried again; pairs with the load in job_lock_give. */
 		atomic_exchange_explicit(&lock->sleepers, 1, memory_order_seq_cst);
 		if (job_lock_try(lock))
 			return;
@@ -61,7 +87,7 @@ static inline __attribute__((cold)) void job_lock_wait_and_take(job_lock *lock)
 			return;
 		job_sys_pause();
 	} while (job_sys_ticks() - start < spin);
-	for (uint32_t turns = JOB_LOCK_YIELDS; turns > 0; turns--) {
+	for (uint32_t yields = JOB_LOCK_YIELDS; yields > 0; yields--) {
 		sched_yield();
 		if (job_lock_try(lock))
 			return;
@@ -69,24 +95,32 @@ static inline __attribute__((cold)) void job_lock_wait_and_take(job_lock *lock)
 	job_lock_sleep_and_take(lock);
 }
 
+/* Not recursive. */
 static inline void job_lock_take(job_lock *lock)
 {
+#ifndef NDEBUG
+	assert(!job_lock_is_mine(lock) && "the lock is not taken twice");
+#endif
 	if (!job_lock_try(lock))
 		job_lock_wait_and_take(lock);
+	job_lock_set_mine(lock, true);
 }
 
 static inline __attribute__((cold)) void job_lock_wake(job_lock *lock)
 {
-	/* Relaxed: the word says all. Zero: another has cleared it meanwhile, and wakes for us. */
+	/* Relaxed: nothing but the word itself is read. If it is zero, another thread has cleared it and wakes the
+	 * sleeper. */
 	if (atomic_exchange_explicit(&lock->sleepers, 0, memory_order_relaxed))
 		job_sys_futex_wake_one(&lock->sleepers);
 }
 
-/* The lock must live until this returns, not only until another thread has it. */
+/* The lock must live until this returns, not only until another thread has taken it. */
 static inline void job_lock_give(job_lock *lock)
 {
+	assert(job_lock_is_mine(lock) && "the caller holds the lock");
+	job_lock_set_mine(lock, false);
 	atomic_store_explicit(&lock->held, 0, memory_order_release); /* pairs with job_lock_try */
-	/* Relaxed, and so in no order with the store: see above. */
+	/* Relaxed, and not ordered after the store: see "Time limit" above. */
 	if (__builtin_expect(atomic_load_explicit(&lock->sleepers, memory_order_relaxed) != 0, 0))
 		job_lock_wake(lock);
 }

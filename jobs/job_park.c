@@ -1,7 +1,5 @@
 #include "jobs/job_park.h"
 
-#include <assert.h>
-
 enum { PARKER_EMPTY, PARKER_TOKEN, PARKER_ASLEEP };
 
 #define SPINNER JOB_IDLE_SPINNER

@@ -1,3 +1,4 @@
+#include "jobs/job_contract.h"
 #include "jobs/job_queue_internal.h"
 
 #include <errno.h>
@@ -10,6 +11,7 @@ stilb_job_queue_desc stilb_job_queue_desc_default(void)
 
 int stilb_job_queue_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue)
 {
+	assert(desc && queue);
 	*queue = NULL;
 	if (desc->capacity == 0 || desc->thread_count == 0 || desc->thread_count > STILB_JOB_QUEUE_MAX_THREADS)
 		return -EINVAL;
@@ -30,11 +32,13 @@ void stilb_job_queue_destroy(stilb_job_queue *queue)
 
 int stilb_job_queue_push(stilb_job_queue *queue, void *item, uint32_t thread)
 {
+	assert(queue);
 	return item ? queue->ops->push(queue, item, thread) : -EINVAL;
 }
 
 int stilb_job_queue_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread)
 {
+	assert(queue && (items || count == 0));
 	if (count > INT32_MAX)
 		return -EINVAL;
 	for (size_t i = 0; i < count; i++)
@@ -45,26 +49,31 @@ int stilb_job_queue_push_n(stilb_job_queue *queue, void *const *items, size_t co
 
 int stilb_job_queue_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 {
+	assert(queue && item);
 	return queue->ops->pop(queue, item, thread);
 }
 
 int stilb_job_queue_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread)
 {
+	assert(queue && (items || max == 0));
 	size_t most = max < INT32_MAX ? max : INT32_MAX;
 	return max == 0 ? 0 : queue->ops->pop_n(queue, items, most, thread);
 }
 
 bool stilb_job_queue_empty(stilb_job_queue *queue, uint32_t thread)
 {
+	assert(queue);
 	return queue->ops->empty(queue, thread);
 }
 
 void stilb_job_queue_close(stilb_job_queue *queue)
 {
+	assert(queue);
 	queue->ops->close(queue);
 }
 
 void stilb_job_queue_rest(stilb_job_queue *queue, uint32_t thread)
 {
+	assert(queue);
 	queue->ops->rest(queue, thread);
 }

@@ -1,14 +1,14 @@
 /*
- * job_queue_internal: what every kind of queue implements. Tests and benchmarks put other queues behind the same
- * operations and run the same checks on them, and the pool on top of them.
+ * job_queue_internal: the operations that a kind of queue implements. Tests and benchmarks implement them for further
+ * queues, to run the same checks on those, and the pool on top of them.
  */
 #ifndef STILB_JOB_QUEUE_INTERNAL_H
 #define STILB_JOB_QUEUE_INTERNAL_H
 
 #include "jobs/job_queue.h"
 
-/* Each does what the function of job_queue.h with that name promises; arguments have been checked there: no null item, no
- * count of 0. */
+/* Each operation implements the function of job_queue.h of the same name, which has checked the arguments: items are
+ * not NULL, and count and max are 1..INT32_MAX. */
 typedef struct job_queue_ops {
 	int (*push)(stilb_job_queue *queue, void *item, uint32_t thread);
 	int (*push_n)(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread);
@@ -20,12 +20,12 @@ typedef struct job_queue_ops {
 	void (*destroy)(stilb_job_queue *queue);
 } job_queue_ops;
 
-/* The first member of every kind's own struct. */
+/* The first member of the struct of every kind. */
 struct stilb_job_queue {
 	const job_queue_ops *ops;
 };
 
-/* 0 or -ENOMEM. */
+/* Both return 0 or -ENOMEM; desc is in range. */
 int job_queue_low_lock_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 int job_queue_lock_free_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 

@@ -1,119 +1,132 @@
 /*
- * The lock-free queue: a list of segments of cells that are filled from the first to the last and taken in the same order.
+ * The lock-free queue: a list of segments whose cells are filled from first to last and emptied in the same order.
  *
- * Cells.        A cell of a segment is empty, then holds an item, then is taken; each change is one compare-exchange of
- *               the cell itself. There are no tickets and no counters: a producer puts its item into the first empty
- *               cell, a consumer takes the item from the first cell that is not taken. So the filled cells are always
- *               the first ones of the list, and so are the taken ones; each thread remembers how far it got and
- *               searches on from there, with doubled steps and then by halves. When all cells of the last segment are
+ * Cells.        A cell is empty, then holds an item, then is taken; each change is one compare-exchange of the cell
+ *               itself. There are no tickets and no counters: a producer puts its item into the first empty cell, a
+ *               consumer takes the item from the first cell that is not taken. So the cells of the list are, from first
+ *               to last, taken cells, then items, then empty cells. Each thread remembers how far it got and searches
+ *               on from there, first with doubling steps, then by bisection. When all cells of the last segment are
  *               filled, a producer appends another; when all of the first are taken, a consumer unlinks it.
- * Linearisable. A push happens at its successful compare-exchange, a pop too. A pop that finds nothing happens when it
- *               reads an empty cell, or no next segment, behind a taken cell: all before is taken and, cells being
- *               filled in order, all behind is empty. Positions are exact, so the capacity is as well.
- * Lock-free.    A compare-exchange on a cell, an end or a link fails only because another one succeeded; nobody waits
- *               for anybody, a thread stalled anywhere stops nobody, and an item is never in the hands of a stalled
- *               thread but by that thread's own finished pop. Not wait-free: a thread may lose again and again.
- *               Strictness ends at malloc: push asks for a segment when no retired one is free.
- * Close.        stilb_job_queue_close sets a flag that every push reads. A push that read it too early is stopped by
- *               the first consumer that finds the flag and then nothing in the queue: it puts a seal where the next
- *               item would go, by compare-exchange. If that fails an item has come, and it is taken; if not, nothing
- *               ever comes.
- * Reclamation.  Hazard pointers (Maged Michael, IEEE TPDS 2004), but left up between calls: a thread names the segment
- *               it works in at either end, and checks that it still is the end, only when it goes on to another
- *               segment. In between a call stores nothing but its cell. Retired segments lie in slots, from which
- *               producers take one that nobody names. Unlike with epochs, a thread that stops for ever keeps two
- *               segments from being used again, not all that are retired later; and a thread that comes back has
- *               nothing to announce first.
- * Reuse.        The marks "empty" and "taken" change roles each time a segment is used, so nothing has to be cleared.
- * Memory.       Segments of JOB_SEGMENT_CELLS cells of 8 bytes: those with items in them, at most 2 more at the ends,
- *               and at most 3 * threads + JOB_SPARE_SEGMENTS retired, where threads is the highest number that has
- *               called plus one.
+ * Linearizable. A push takes effect at its successful compare-exchange, and so does a pop. A pop that finds nothing
+ * takes
+ *               effect when it reads an empty cell, or no next segment, behind a taken cell: everything before has been
+ *               taken, and everything behind is empty because cells are filled in order. Positions are exact, so the
+ *               capacity is exact, too.
+ * Lock-free.    A compare-exchange of a cell, an end or a link fails only because another one has succeeded. No thread
+ *               waits for another, and a thread that is preempted anywhere keeps no item from the others. Not
+ *               wait-free: a thread may lose again and again. A push that needs a new segment is only as lock-free as
+ *               malloc.
+ * Close.        stilb_job_queue_close sets a flag that every push reads. A push that has read the flag too early is
+ *               stopped by the first consumer that finds the flag set and the queue empty: it puts a seal where the
+ *               next item would go, by compare-exchange. If that fails, an item has arrived, and the consumer takes it;
+ *               if it succeeds, no item can ever follow.
+ * Reclamation.  Hazard pointers (Maged Michael, IEEE TPDS 2004) that stay set between calls: a thread announces the
+ *               segment it works in at either end, and checks that it still is that end, only when it moves to another
+ *               segment; calls in between store nothing but their cell. Retired segments lie in slots, from which
+ *               producers take one that no hazard pointer names. Unlike with epochs, a thread that stops for ever keeps
+ *               two segments from being reused and not all that are retired later, and a thread that continues has
+ *               nothing to announce.
+ * Reuse.        The marks "empty" and "taken" change roles each time a segment is reused, so it need not be cleared.
+ * Memory.       Segments of JOB_SEGMENT_CELLS cells of 8 bytes: those that hold items, at most 2 more at the ends, and
+ *               at most 3 * threads + JOB_SPARE_SEGMENTS retired ones, where threads is one more than the highest
+ *               thread number that has called.
  *
- * Sources. Filling and taking cells by compare-exchange, with indices that lag: Tsigas and Zhang, "A simple, fast and
- * scalable non-blocking concurrent FIFO queue", SPAA 2001; over linked blocks with each thread's own indices:
- * Gidenstam, Sundell and Tsigas, "Cache-aware lock-free queues for multiple producers/consumers and weak memory
- * consistency", OPODIS 2010.
- * Why not tickets by fetch-and-add (LCRQ, Morrison and Afek, PPoPP 2013; FAAArrayQueue, Ramalhete and Correia, 2016):
- * they take two atomic operations per push instead of one, contend on a counter's line and on the cell's, and a consumer
- * whose ticket is ahead of its producer must wait or spoil the cell.
+ * Sources. Filling and emptying cells by compare-exchange, with indices that lag behind: Tsigas and Zhang, "A simple,
+ * fast and scalable non-blocking concurrent FIFO queue", SPAA 2001; over linked blocks, with indices of each thread's
+ * own: Gidenstam, Sundell and Tsigas, "Cache-aware lock-free queues for multiple producers/consumers and weak memory
+ * consistency", OPODIS 2010. Not tickets by fetch-and-add (LCRQ, Morrison and Afek, PPoPP 2013; FAAArrayQueue,
+ * Ramalhete and Correia, 2016): those take two atomic operations per push instead of one and contend for a counter's
+ * line and for the cell's, and a consumer whose ticket is ahead of its producer must wait or invalidate the cell.
  */
+#include "jobs/job_contract.h"
 #include "jobs/job_line.h"
 #include "jobs/job_queue_internal.h"
 #include "jobs/job_sys.h"
 
-#include <assert.h>
 #include <errno.h>
 #include <stdalign.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The model test makes all of these smaller. */
+/* The model test makes all of these smaller. Backing off takes at most JOB_BACKOFF_PAUSES pauses. */
 #ifndef JOB_SEGMENT_CELLS
 #define JOB_SEGMENT_CELLS 1024
 #define JOB_SEGMENT_ALIGN JOB_LINE
 #define JOB_SPARE_SEGMENTS 8
 #define JOB_BACKOFF_PAUSES 512
 #endif
-#define LOOKS_FOR_SEGMENT 8 /* retired segments that may turn out to be in use before a new one is made */
+#define LOOKS_FOR_SEGMENT 8 /* retired segments found in use before a new one is allocated */
 
 enum { HEAD, TAIL, ENDS };
 
-typedef struct job_segment job_segment;
+typedef struct lock_free_segment lock_free_segment;
 
-struct job_segment {
-	_Atomic(job_segment *) next; /* release in segment_append, acquire in tail_move and head_move; then never changed */
+struct lock_free_segment {
+	/* Release in segment_append, acquire in tail_move and head_move; set once. */
+	_Atomic(lock_free_segment *) next;
 	/* Constant from segment_append until the segment is retired. */
 	uint64_t first; /* the position of cell 0 in the order of all items */
-	void *empty;    /* the mark that a cell holds before its item; after it the other one */
+	void *empty;    /* the mark that a cell holds before its item; taken_mark of it is the mark after it */
 	alignas(JOB_SEGMENT_ALIGN) _Atomic(void *) cell[JOB_SEGMENT_CELLS];
 };
 
-/* Where a thread works at one end. */
-typedef struct job_place {
-	job_segment *segment; /* the one that the thread's hazard names, or null */
-	void *empty;          /* the segment's */
-	uint32_t index;       /* all cells before it are filled (tail) or taken (head) */
-	uint32_t pauses;      /* how long to back off next time */
-} job_place;
+/* The position of a thread at one end. */
+typedef struct thread_place {
+	lock_free_segment *segment; /* the one that the thread's hazard pointer names, or NULL */
+	void *empty;                /* the segment's mark */
+	uint32_t index;             /* all cells before it are filled (tail) or taken (head) */
+	uint32_t pauses;            /* the length of the last back-off */
+} thread_place;
 
-typedef struct job_record {
-	alignas(JOB_LINE) _Atomic(job_segment *) hazard[ENDS]; /* set by the thread, read by all */
-	/* The thread's own, in a line of its own. */
-	alignas(JOB_LINE / 2) job_place place[ENDS];
-	uint64_t popped; /* at least so many items have been taken since the queue was made */
-	uint32_t slot;   /* where to look first */
-} job_record;
-static_assert(sizeof(job_record) == JOB_LINE, "small and padded");
+typedef struct thread_state {
+	alignas(JOB_LINE) _Atomic(lock_free_segment *) hazard[ENDS]; /* written by the thread, read by all */
+	/* The thread's own, on a cache line of its own. */
+	alignas(JOB_LINE / 2) thread_place place[ENDS];
+	uint64_t popped;      /* a lower bound of the number of items taken since the queue was created */
+	uint32_t slot;        /* index of the slot to look at first */
+	job_exclusive caller; /* the call in progress */
+} thread_state;
+static_assert(sizeof(thread_state) == JOB_LINE, "small and padded");
 
-typedef struct job_lock_free {
+typedef struct lock_free {
 	stilb_job_queue base;
 	size_t capacity;
-	_Atomic(job_segment *) *slot;  /* ENDS per record and JOB_SPARE_SEGMENTS more; retired segments or null */
-	_Atomic uint32_t record_count; /* records that have been in use: 0..record_count-1 */
+	uint32_t thread_count;
+	_Atomic(lock_free_segment *) *slot; /* retired segments or NULL; ENDS per thread and JOB_SPARE_SEGMENTS more */
+	_Atomic uint32_t used_count;        /* the highest thread number that has called, plus one */
 	_Atomic bool closed;
 	struct {
-		alignas(JOB_LINE) _Atomic(job_segment *) segment;
+		alignas(JOB_LINE) _Atomic(lock_free_segment *) segment;
 	} end[ENDS];
-	job_record record[];
-} job_lock_free;
+	thread_state thread[];
+} lock_free;
 
-/* A cell or a link that holds it ends the queue. Marks are addresses that no item and no segment can have. */
-static alignas(alignof(job_segment)) char seal_mark, other_mark;
+/* Marks are addresses that no item and no segment can have. A cell or a link that holds SEAL ends the queue. */
+static alignas(alignof(lock_free_segment)) char seal_mark, other_mark;
 #define SEAL ((void *)&seal_mark)
 
-/* What a cell holds after its item, if it held this before. */
+/* The mark of a taken cell in a segment whose empty cells hold this mark. */
 static void *taken_mark(const void *empty)
 {
 	return empty ? NULL : &other_mark;
 }
 
-static job_lock_free *lock_free_of(stilb_job_queue *queue)
+static lock_free *lock_free_of(stilb_job_queue *queue)
 {
-	return (job_lock_free *)queue;
+	return (lock_free *)queue;
 }
 
-static bool is_closed(job_lock_free *queue)
+/* Begins a call with this thread number; job_exclusive_end(&self->caller) ends it. */
+static thread_state *thread_begin(lock_free *queue, uint32_t thread)
+{
+	assert(thread < queue->thread_count);
+	thread_state *self = &queue->thread[thread];
+	job_exclusive_begin(&self->caller);
+	return self;
+}
+
+static bool lock_free_closed(lock_free *queue)
 {
 	return atomic_load_explicit(&queue->closed, memory_order_acquire); /* pairs with lock_free_close */
 }
@@ -121,76 +134,82 @@ static bool is_closed(job_lock_free *queue)
 /* ---- hazards and retired segments ------------------------------------------------------------------------------- */
 
 /*
- * A segment is used again when, after the head has left it, no hazard names it. Moving an end, setting a hazard, looking at
- * the end once more and reading the hazards are sequentially consistent. So either the reader finds the hazard, or the end
- * had been moved before the hazard was set, and then the thread that set it sees that and lets go. The tail may be later
- * than the head in leaving a segment, but as long as it has not left, the thread that appended the next segment is in
- * tail_move with its hazard on this one. The same goes for record_count, which is raised before the first hazard is set.
+ * A segment is reused once the head has left it and no hazard pointer names it. Moving an end, setting a hazard
+ * pointer, reloading the end and reading all hazard pointers are seq_cst. So either the reader finds the hazard
+ * pointer, or the end was moved before the hazard pointer was set, and then the thread that set it sees the move and
+ * drops the segment. The tail may leave a segment later than the head; until it has, the thread that appended the next
+ * segment is in tail_move with its hazard pointer on this one. used_count is raised before a thread's first hazard
+ * pointer is set, likewise.
  */
-static void record_announce(job_lock_free *queue, uint32_t thread)
+static void thread_announce(lock_free *queue, uint32_t thread)
 {
-	/* Relaxed: a hint, the exchange decides. */
-	uint32_t count = atomic_load_explicit(&queue->record_count, memory_order_relaxed);
-	while (count <= thread && !atomic_compare_exchange_weak_explicit(&queue->record_count, &count, thread + 1,
+	/* Relaxed: a hint; the exchange decides. */
+	uint32_t count = atomic_load_explicit(&queue->used_count, memory_order_relaxed);
+	while (count <= thread && !atomic_compare_exchange_weak_explicit(&queue->used_count, &count, thread + 1,
 	                                                                 memory_order_seq_cst, memory_order_relaxed))
 		;
 }
 
-/* Goes to the segment that is the end now. */
-static void place_move(job_lock_free *queue, job_record *self, uint32_t end)
+/* Moves the thread's place to the segment that is the end now. */
+static void place_move(lock_free *queue, thread_state *self, uint32_t end)
 {
-	record_announce(queue, (uint32_t)(self - queue->record));
-	job_segment *segment, *seen = atomic_load_explicit(&queue->end[end].segment, memory_order_relaxed); /* a hint */
+	thread_announce(queue, (uint32_t)(self - queue->thread));
+	lock_free_segment *segment,
+		*seen = atomic_load_explicit(&queue->end[end].segment, memory_order_relaxed); /* a hint */
 	do {
 		segment = seen;
-		/* Also release, pairs with segment_in_use: what was done in the segment left is done. */
+		/* Also release, pairs with segment_in_use: all accesses to the previous segment come before. */
 		atomic_exchange_explicit(&self->hazard[end], segment, memory_order_seq_cst);
-		/* Also acquire, pairs with end_advance: the segment's constants are there. */
+		/* Also acquire, pairs with end_advance: the segment's constants are visible. */
 		seen = atomic_load_explicit(&queue->end[end].segment, memory_order_seq_cst);
 	} while (seen != segment);
-	self->place[end] = (job_place){.segment = segment, .empty = segment->empty, .pauses = self->place[end].pauses / 2};
+	self->place[end] =
+		(thread_place){.segment = segment, .empty = segment->empty, .pauses = self->place[end].pauses / 2};
 }
 
-/* True if this call moved the end from segment to next. The caller's hazard is on segment: it cannot have come back. */
-static bool end_advance(job_lock_free *queue, uint32_t end, job_segment *segment, job_segment *next)
+/* True if this call moved the end from segment to next. The caller's hazard pointer names segment, so that it cannot
+ * have been reused in between. */
+static bool end_advance(lock_free *queue, uint32_t end, lock_free_segment *segment, lock_free_segment *next)
 {
-	/* Sequentially consistent: see above. Looked at first, for mostly another thread has been here. */
+	/* Seq_cst: see above. The load comes first because in most cases another thread has moved the end already. */
 	return atomic_load_explicit(&queue->end[end].segment, memory_order_seq_cst) == segment &&
 	       atomic_compare_exchange_strong_explicit(&queue->end[end].segment, &segment, next, memory_order_seq_cst,
 	                                               memory_order_seq_cst);
 }
 
-static bool segment_in_use(job_lock_free *queue, const job_segment *segment)
+static bool segment_in_use(lock_free *queue, const lock_free_segment *segment)
 {
-	/* Sequentially consistent: see above. Also acquire, pairs with place_move and lock_free_rest. */
-	uint32_t count = atomic_load_explicit(&queue->record_count, memory_order_seq_cst);
+	/* Seq_cst: see above. Also acquire, pairs with place_move and lock_free_rest. */
+	uint32_t count = atomic_load_explicit(&queue->used_count, memory_order_seq_cst);
 	for (uint32_t i = 0; i < count; i++)
 		for (uint32_t end = 0; end < ENDS; end++)
-			if (atomic_load_explicit(&queue->record[i].hazard[end], memory_order_seq_cst) == segment)
+			if (atomic_load_explicit(&queue->thread[i].hazard[end], memory_order_seq_cst) == segment)
 				return true;
 	return false;
 }
 
-static uint32_t slot_count(job_lock_free *queue)
+static uint32_t slot_count(lock_free *queue)
 {
-	/* Relaxed: at least what this thread announced; any number up to the true one will do. */
-	return ENDS * atomic_load_explicit(&queue->record_count, memory_order_relaxed) + JOB_SPARE_SEGMENTS;
+	/* Relaxed: at least the number that this thread announced; any number between that and the latest one serves. */
+	return ENDS * atomic_load_explicit(&queue->used_count, memory_order_relaxed) + JOB_SPARE_SEGMENTS;
 }
 
-/* Swaps a segment, or null, with what is in the slot where the thread looks first. */
-static job_segment *slot_swap(job_lock_free *queue, job_record *self, job_segment *segment)
+/* Exchanges the content of the thread's slot with segment; either may be NULL. */
+static lock_free_segment *slot_swap(lock_free *queue, thread_state *self, lock_free_segment *segment)
 {
-	/* Release and acquire pair with each other: who takes a segment out sees what was done before it was put in. */
+	/* Release and acquire pair with each other: a thread that takes a segment out sees all earlier uses of it. */
+	assert(self->slot < ENDS * queue->thread_count + JOB_SPARE_SEGMENTS);
 	return atomic_exchange_explicit(&queue->slot[self->slot], segment, memory_order_acq_rel);
 }
 
-static bool slot_occupied(job_lock_free *queue, job_record *self)
+static bool slot_occupied(lock_free *queue, thread_state *self)
 {
-	return atomic_load_explicit(&queue->slot[self->slot], memory_order_relaxed); /* a hint, the exchange decides */
+	return atomic_load_explicit(&queue->slot[self->slot], memory_order_relaxed); /* a hint; the exchange decides */
 }
 
-/* Puts a segment into a slot, or frees one if all are full: slots outnumber hazards, so then one can be freed. */
-static void segment_retire(job_lock_free *queue, job_record *self, job_segment *segment)
+/* Puts a segment into a free slot. If all are full, frees a segment: there are more slots than hazard pointers, so one
+ * of the segments is not in use. */
+static void segment_retire(lock_free *queue, thread_state *self, lock_free_segment *segment)
 {
 	uint32_t count = slot_count(queue);
 	for (uint32_t i = 0; i < count && slot_occupied(queue, self); i++)
@@ -204,9 +223,9 @@ static void segment_retire(job_lock_free *queue, job_record *self, job_segment *
 	}
 }
 
-static job_segment *segment_create(void)
+static lock_free_segment *segment_create(void)
 {
-	job_segment *segment = aligned_alloc(alignof(job_segment), sizeof *segment);
+	lock_free_segment *segment = aligned_alloc(alignof(lock_free_segment), sizeof *segment);
 	if (!segment)
 		return NULL;
 	segment->empty = NULL;
@@ -215,12 +234,12 @@ static job_segment *segment_create(void)
 	return segment;
 }
 
-/* A segment that nobody uses, or null if there is no memory. */
-static job_segment *segment_find(job_lock_free *queue, job_record *self)
+/* A segment that no thread uses, or NULL if there is no memory. */
+static lock_free_segment *segment_find(lock_free *queue, thread_state *self)
 {
 	uint32_t count = slot_count(queue), looks = 0;
 	for (uint32_t i = 0; i < count && looks < LOOKS_FOR_SEGMENT; i++) {
-		job_segment *segment = slot_occupied(queue, self) ? slot_swap(queue, self, NULL) : NULL;
+		lock_free_segment *segment = slot_occupied(queue, self) ? slot_swap(queue, self, NULL) : NULL;
 		if (segment) {
 			if (!segment_in_use(queue, segment))
 				return segment;
@@ -234,17 +253,18 @@ static job_segment *segment_find(job_lock_free *queue, job_record *self)
 
 /* ---- cells ------------------------------------------------------------------------------------------------------ */
 
-static bool cell_is(const job_segment *segment, uint32_t index, const void *mark)
+static bool cell_is(const lock_free_segment *segment, uint32_t index, const void *mark)
 {
-	/* Acquire pairs with the release of those who changed the cell. As each of them had seen the cell before it changed
-	 * as well, all changes of the cells before it are seen too. */
+	/* Acquire pairs with the release of the thread that changed the cell. That thread had seen the previous cell
+	 * change, and so on, so the changes of all cells before this one are visible as well. */
 	return atomic_load_explicit(&segment->cell[index], memory_order_acquire) == mark;
 }
 
-/* The first cell from index on that holds mark (is: true) or does not (is: false); JOB_SEGMENT_CELLS if there is none. No
- * cell before that does, and all behind it do. */
-static uint32_t cell_search(const job_segment *segment, uint32_t index, const void *mark, bool is)
+/* The first cell at or after index that holds mark, or with is = false the first one that does not; JOB_SEGMENT_CELLS
+ * if there is none. The cells must be sorted: those that do not meet the condition come before those that do. */
+static uint32_t cell_search(const lock_free_segment *segment, uint32_t index, const void *mark, bool is)
 {
+	assert(index <= JOB_SEGMENT_CELLS);
 	uint32_t end = index;
 	for (uint32_t step = 1; end < JOB_SEGMENT_CELLS && cell_is(segment, end, mark) != is; step *= 2) {
 		index = end + 1;
@@ -262,18 +282,29 @@ static uint32_t cell_search(const job_segment *segment, uint32_t index, const vo
 	return index;
 }
 
-/* Changes the cell of the place; false if it does not hold *seen any more, and then *seen is what it holds. */
-static bool cell_change(job_place *place, void **seen, void *to)
+/* For asserts: every cell of the segment is taken, or with taken = false at least filled. Reads all cells. */
+static bool segment_is_used_up(const lock_free_segment *segment, bool taken)
 {
+	void *mark = taken_mark(segment->empty);
+	for (uint32_t i = 0; i < JOB_SEGMENT_CELLS; i++)
+		if (taken ? !cell_is(segment, i, mark) : cell_is(segment, i, segment->empty))
+			return false;
+	return true;
+}
+
+/* Changes the cell of the place from *seen to `to`. False if it holds something else, which is stored in *seen. */
+static bool cell_change(thread_place *place, void **seen, void *to)
+{
+	assert(place->index < JOB_SEGMENT_CELLS);
 	/* Release and acquire pair with each other and with cell_is. */
 	return atomic_compare_exchange_strong_explicit(&place->segment->cell[place->index], seen, to, memory_order_acq_rel,
 	                                               memory_order_acquire);
 }
 
-/* Another thread works in the same cells at the same time. Leaves them to it for a while, the longer the more often that
- * happens: two threads that take the line from one another for every item are slower than either alone. The length is
- * halved when the thread goes to another segment or finds the queue empty. */
-static void place_back_off(job_place *place)
+/* Exponential back-off after a lost compare-exchange: two threads that take the cell's cache line from each other for
+ * every item are slower than either alone. The length is halved when the thread moves to another segment or finds the
+ * queue empty. */
+static void place_back_off(thread_place *place)
 {
 	uint32_t more = place->pauses * 2 + 4;
 	place->pauses = more > JOB_BACKOFF_PAUSES ? JOB_BACKOFF_PAUSES : more;
@@ -283,15 +314,17 @@ static void place_back_off(job_place *place)
 
 /* ---- pop -------------------------------------------------------------------------------------------------------- */
 
-/* Goes on from a segment whose cells are all taken; false if there is no other. */
-static bool head_move(job_lock_free *queue, job_record *self)
+/* Leaves a segment whose cells are all taken for the next one; false if there is none. */
+static bool head_move(lock_free *queue, thread_state *self)
 {
-	job_segment *segment = self->place[HEAD].segment;
+	lock_free_segment *segment = self->place[HEAD].segment;
 	bool unlinked = false;
 	if (segment) {
-		job_segment *next = atomic_load_explicit(&segment->next, memory_order_acquire); /* pairs with segment_append */
+		/* Acquire pairs with segment_append. */
+		lock_free_segment *next = atomic_load_explicit(&segment->next, memory_order_acquire);
 		if (!next || next == SEAL)
 			return false;
+		JOB_CHECK(segment_is_used_up(segment, true));
 		unlinked = end_advance(queue, HEAD, segment, next);
 	}
 	place_move(queue, self, HEAD);
@@ -300,14 +333,14 @@ static bool head_move(job_lock_free *queue, job_record *self)
 	return true;
 }
 
-/* The oldest item, which is in the cell of the head's place; or null, and there was nothing in that cell. */
-static void *head_find(job_lock_free *queue, job_record *self)
+/* The oldest item, which stays in the cell of the head's place; or NULL, and that cell held no item. */
+static void *head_find(lock_free *queue, thread_state *self)
 {
-	job_place *place = &self->place[HEAD];
+	thread_place *place = &self->place[HEAD];
 	for (;;) {
 		void *taken = taken_mark(place->empty);
 		if (place->segment && place->index < JOB_SEGMENT_CELLS) {
-			/* Acquire pairs with the release in cell_change: the item is all there. */
+			/* Acquire pairs with the release in cell_change: what the item points to. */
 			void *seen = atomic_load_explicit(&place->segment->cell[place->index], memory_order_acquire);
 			if (seen != taken)
 				return seen == place->empty || seen == SEAL ? NULL : seen;
@@ -318,16 +351,17 @@ static void *head_find(job_lock_free *queue, job_record *self)
 	}
 }
 
-/* Nothing was found where the next item would go. -EAGAIN; or -EPIPE, if nothing will ever come; or 0, if it just came. */
-static int head_seal(job_lock_free *queue, job_place *place)
+/* Called when there was no item at the head's place: -EAGAIN; or, if the queue is closed, -EPIPE, or 0 if an item has
+ * arrived meanwhile. */
+static int head_seal(lock_free *queue, thread_place *place)
 {
-	if (!is_closed(queue))
+	if (!lock_free_closed(queue))
 		return -EAGAIN;
 	if (place->index < JOB_SEGMENT_CELLS) {
 		void *seen = place->empty;
 		return cell_change(place, &seen, SEAL) || seen == SEAL ? -EPIPE : 0;
 	}
-	job_segment *next = NULL;
+	lock_free_segment *next = NULL;
 	/* Release and acquire pair with tail_move and with each other. */
 	return atomic_compare_exchange_strong_explicit(&place->segment->next, &next, SEAL, memory_order_acq_rel,
 	                                               memory_order_acquire) ||
@@ -336,11 +370,9 @@ static int head_seal(job_lock_free *queue, job_place *place)
 	           : 0;
 }
 
-static int lock_free_pop(stilb_job_queue *base, void **item, uint32_t thread)
+static int pop_one(lock_free *queue, thread_state *self, void **item)
 {
-	job_lock_free *queue = lock_free_of(base);
-	job_record *self = &queue->record[thread];
-	job_place *place = &self->place[HEAD];
+	thread_place *place = &self->place[HEAD];
 	for (;;) {
 		void *seen = head_find(queue, self);
 		if (!seen) {
@@ -358,6 +390,15 @@ static int lock_free_pop(stilb_job_queue *base, void **item, uint32_t thread)
 	}
 }
 
+static int lock_free_pop(stilb_job_queue *base, void **item, uint32_t thread)
+{
+	lock_free *queue = lock_free_of(base);
+	thread_state *self = thread_begin(queue, thread);
+	int error = pop_one(queue, self, item);
+	job_exclusive_end(&self->caller);
+	return error;
+}
+
 static int lock_free_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread)
 {
 	for (size_t i = 0; i < max; i++) {
@@ -370,24 +411,28 @@ static int lock_free_pop_n(stilb_job_queue *queue, void **items, size_t max, uin
 
 static bool lock_free_empty(stilb_job_queue *base, uint32_t thread)
 {
-	job_lock_free *queue = lock_free_of(base);
-	return !head_find(queue, &queue->record[thread]);
+	lock_free *queue = lock_free_of(base);
+	thread_state *self = thread_begin(queue, thread);
+	bool empty = !head_find(queue, self);
+	job_exclusive_end(&self->caller);
+	return empty;
 }
 
 /* ---- push ------------------------------------------------------------------------------------------------------- */
 
-/* Appends a segment to the last one, or finds that another thread has done so. */
-static int segment_append(job_lock_free *queue, job_record *self, job_segment *last, job_segment **next)
+/* Appends a segment to last, unless another thread has done so; *next is the segment after last, or SEAL. 0 or
+ * -ENOMEM. */
+static int segment_append(lock_free *queue, thread_state *self, lock_free_segment *last, lock_free_segment **next)
 {
-	job_segment *segment = segment_find(queue, self);
+	lock_free_segment *segment = segment_find(queue, self);
 	if (!segment)
 		return -ENOMEM;
 	atomic_init(&segment->next, NULL);
 	segment->first = last->first + JOB_SEGMENT_CELLS;
-	if (!cell_is(segment, 0, segment->empty)) /* all are taken */
+	if (!cell_is(segment, 0, segment->empty)) /* reused: all cells are taken */
 		segment->empty = taken_mark(segment->empty);
 	*next = NULL;
-	/* Release: the segment is ready. Acquire: so is the other one. */
+	/* Release: this segment is initialised. Acquire, on failure: so is the other thread's. */
 	if (atomic_compare_exchange_strong_explicit(&last->next, next, segment, memory_order_acq_rel, memory_order_acquire))
 		*next = segment;
 	else
@@ -395,42 +440,43 @@ static int segment_append(job_lock_free *queue, job_record *self, job_segment *l
 	return 0;
 }
 
-/* Goes on from a segment whose cells are all filled. */
-static int tail_move(job_lock_free *queue, job_record *self)
+/* Leaves a segment whose cells are all filled for the next one, which it appends if there is none. 0, -ENOMEM or
+ * -EPIPE. */
+static int tail_move(lock_free *queue, thread_state *self)
 {
-	job_segment *segment = self->place[TAIL].segment;
+	lock_free_segment *segment = self->place[TAIL].segment;
 	if (segment) {
-		job_segment *next = atomic_load_explicit(&segment->next, memory_order_acquire); /* pairs with segment_append */
+		/* Acquire pairs with segment_append. */
+		lock_free_segment *next = atomic_load_explicit(&segment->next, memory_order_acquire);
 		int error = next ? 0 : segment_append(queue, self, segment, &next);
 		if (error)
 			return error;
 		if (next == SEAL)
 			return -EPIPE;
+		JOB_CHECK(segment_is_used_up(segment, false));
 		end_advance(queue, TAIL, segment, next);
 	}
 	place_move(queue, self, TAIL);
 	return 0;
 }
 
-/* Are there as many items before the tail's place as there may be? */
-static bool tail_full(job_lock_free *queue, job_record *self)
+/* True if the queue holds `capacity` items. */
+static bool tail_full(lock_free *queue, thread_state *self)
 {
-	const job_place *tail = &self->place[TAIL], *head = &self->place[HEAD];
+	const thread_place *tail = &self->place[TAIL], *head = &self->place[HEAD];
 	uint64_t pushed = tail->segment->first + tail->index;
 	if (pushed - self->popped < queue->capacity)
 		return false;
 	head_find(queue, self);
 	self->popped = head->segment->first + head->index;
-	/* The head may have passed this place by now: then it is behind the times, and cell_change will say so. */
+	/* The head may have passed the tail's place, which is out of date then; cell_change will fail. */
 	return pushed >= self->popped && pushed - self->popped >= queue->capacity;
 }
 
-static int lock_free_push(stilb_job_queue *base, void *item, uint32_t thread)
+static int push_one(lock_free *queue, thread_state *self, void *item)
 {
-	job_lock_free *queue = lock_free_of(base);
-	job_record *self = &queue->record[thread];
-	job_place *place = &self->place[TAIL];
-	if (is_closed(queue))
+	thread_place *place = &self->place[TAIL];
+	if (lock_free_closed(queue))
 		return -EPIPE;
 	for (;;) {
 		if (!place->segment || place->index == JOB_SEGMENT_CELLS) {
@@ -446,13 +492,22 @@ static int lock_free_push(stilb_job_queue *base, void *item, uint32_t thread)
 			place->index++;
 			return 0;
 		}
-		if (place->index > 0) /* in a segment new to this thread others have been busy before */
+		if (place->index > 0) /* in a segment new to this thread, cells filled by others mean no contention */
 			place_back_off(place);
-		/* A seal is the last of the cells that are not empty. */
+		/* Only the last of the cells that are not empty can hold a seal. */
 		place->index = cell_search(place->segment, place->index, place->empty, true);
 		if (cell_is(place->segment, place->index - 1, SEAL))
 			return -EPIPE;
 	}
+}
+
+static int lock_free_push(stilb_job_queue *base, void *item, uint32_t thread)
+{
+	lock_free *queue = lock_free_of(base);
+	thread_state *self = thread_begin(queue, thread);
+	int error = push_one(queue, self, item);
+	job_exclusive_end(&self->caller);
+	return error;
 }
 
 static int lock_free_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread)
@@ -469,26 +524,27 @@ static int lock_free_push_n(stilb_job_queue *queue, void *const *items, size_t c
 
 static void lock_free_close(stilb_job_queue *queue)
 {
-	atomic_store_explicit(&lock_free_of(queue)->closed, true, memory_order_release); /* pairs with is_closed */
+	atomic_store_explicit(&lock_free_of(queue)->closed, true, memory_order_release); /* pairs with lock_free_closed */
 }
 
 static void lock_free_rest(stilb_job_queue *queue, uint32_t thread)
 {
-	job_record *self = &lock_free_of(queue)->record[thread];
+	thread_state *self = thread_begin(lock_free_of(queue), thread);
 	for (uint32_t end = 0; end < ENDS; end++) {
 		self->place[end].segment = NULL;
-		/* Release pairs with segment_in_use: what was done in the segment is done. */
+		/* Release pairs with segment_in_use: all accesses to the segment come before. */
 		atomic_store_explicit(&self->hazard[end], NULL, memory_order_release);
 	}
+	job_exclusive_end(&self->caller);
 }
 
 static void lock_free_destroy(stilb_job_queue *base)
 {
-	job_lock_free *queue = lock_free_of(base);
-	/* Relaxed throughout: the caller is alone. */
-	job_segment *segment = atomic_load_explicit(&queue->end[HEAD].segment, memory_order_relaxed);
+	lock_free *queue = lock_free_of(base);
+	/* Relaxed throughout: no other call is in progress. */
+	lock_free_segment *segment = atomic_load_explicit(&queue->end[HEAD].segment, memory_order_relaxed);
 	while (segment && segment != SEAL) {
-		job_segment *next = atomic_load_explicit(&segment->next, memory_order_relaxed);
+		lock_free_segment *next = atomic_load_explicit(&segment->next, memory_order_relaxed);
 		free(segment);
 		segment = next;
 	}
@@ -502,20 +558,21 @@ int job_queue_lock_free_create(const stilb_job_queue_desc *desc, stilb_job_queue
 {
 	static const job_queue_ops ops = {lock_free_push,  lock_free_push_n, lock_free_pop,  lock_free_pop_n,
 	                                  lock_free_empty, lock_free_close,  lock_free_rest, lock_free_destroy};
-	size_t slots_at = sizeof(job_lock_free) + desc->thread_count * sizeof(job_record);
-	size_t size = slots_at + (ENDS * desc->thread_count + JOB_SPARE_SEGMENTS) * sizeof(job_segment *);
+	size_t slots_at = sizeof(lock_free) + desc->thread_count * sizeof(thread_state);
+	size_t size = slots_at + (ENDS * desc->thread_count + JOB_SPARE_SEGMENTS) * sizeof(lock_free_segment *);
 	size = (size + JOB_LINE - 1) / JOB_LINE * JOB_LINE;
-	job_lock_free *queue = aligned_alloc(JOB_LINE, size);
-	job_segment *segment = segment_create();
+	lock_free *queue = aligned_alloc(JOB_LINE, size);
+	lock_free_segment *segment = segment_create();
 	if (!queue || !segment) {
 		free(queue);
 		free(segment);
 		return -ENOMEM;
 	}
-	memset(queue, 0, size); /* records that nobody uses, empty slots */
+	memset(queue, 0, size); /* no thread has called, all slots are empty */
 	queue->base.ops = &ops;
 	queue->capacity = desc->capacity;
-	queue->slot = (_Atomic(job_segment *) *)((char *)queue + slots_at);
+	queue->thread_count = desc->thread_count;
+	queue->slot = (_Atomic(lock_free_segment *) *)((char *)queue + slots_at);
 	atomic_init(&segment->next, NULL);
 	segment->first = 0;
 	atomic_init(&queue->end[HEAD].segment, segment);

@@ -1,35 +1,37 @@
 /*
- * The low-lock queue: two locks, one for the producers' end and one for the consumers', over a ring of segments.
+ * The low-lock queue: two locks, one for the producers' end and one for the consumers' end, over a ring of segments.
  *
- * From.      Herb Sutter, "Writing a Generalized Concurrent Queue", Dr. Dobb's Journal, November 2008: two spin locks, each
- *            with its end of the queue on cache lines of its own, allocation and clean-up outside of them. It is the
- *            two-lock queue of Michael and Scott (PODC 1996). Here a node is a segment of 512 cells, filled and emptied
- *            many times before it is freed, and a look whether the queue is empty takes no lock.
- * Promise.   A linearisable FIFO: the order is that in which producers get their lock. Low-lock, never lock-free: a thread
- *            that is stopped inside a section stops its end of the queue until it goes on. The other end goes on as long
- *            as there are items, or room for them.
- * Shared.    What the ends know of one another are two counts: items pushed, items popped. Each is written under its own
- *            end's lock, with release, after the cells it speaks of. Their difference is what the queue holds, so empty
- *            and full are exact at one moment, and no segment need be touched to know (none is ever read that might
- *            be gone). Consumers read the producers' count only when they have taken all they saw last time.
- * Ring.      Segments are linked in a ring. Producers walk ahead, consumers behind them. A producer that finds the next
- *            segment still in use gives the lock, allocates, writes to the pages so that the kernel maps them, takes the
- *            lock and puts the new segment in between. So nothing is allocated under a lock, and the ring grows to the
- *            longest the queue has ever been; then malloc is not called again. It is freed with the queue.
- * Speed.     Measured on two virtual CPUs of an EPYC (Zen 4 or 5; 1 producer and 1 consumer, or 2 and 2, on CPUs of their
- *            own; millions of items in a second). What costs is not the locks (2 to 3 ns each when free) but cache lines on
- *            their way between CPUs, and CPUs whose threads want the same end at the same time:
- *            - A consumer writes null to the cell it has read. The line is then its own, and the producer's CPU, which has
- *              no copy of it any more, fetches it ahead of the stores. Without it the producer keeps a shared copy that
- *              it has to upgrade at the store: pushes cost 5 to 7 ns instead of 2.7, and 1 and 1 do 104 instead of
- *              150; batches of 16, 243 instead of 361. Prefetching for writing did not help (112).
- *            - Who finds the lock taken yields after some 100 ns (job_lock.h), so that the CPU goes to the other end
- *              instead: 2 and 2 do 168 to 189 instead of 109 with 1 us, 8 and 8 on both CPUs 175 to 213 instead of 116.
- *            - Lock, count and the rest of an end on one line or on two makes no difference that can be told from noise.
- *              Nor does a consumer that waits before it reads the producers' count again, so that it reads it less often:
- *              no gain with 1 and 1, and a loss with more. It is not done.
- *            - Batches: one copy and one count for all of their items. How far the producers run ahead then decides, as
- *              what is pushed in one time slice has left the cache when it is popped.
+ * Source.    Herb Sutter, "Writing a Generalized Concurrent Queue", Dr. Dobb's Journal, November 2008: two spin locks,
+ *            each on a cache line together with its end of the queue, with allocation outside of them; the two-lock
+ *            queue of Michael and Scott (PODC 1996). Here a node is a segment of 512 cells that is filled and emptied
+ *            many times before it is freed, and testing for an empty queue takes no lock.
+ * Progress.  A linearizable FIFO in the order in which producers take their lock. Low-lock, not lock-free: a thread
+ *            that is preempted inside a critical section holds up its end of the queue. The other end continues as long
+ *            as there are items, or space for them.
+ * Shared.    The ends share two counts: items pushed and items popped. Each is written under the lock of its own end,
+ *            with release, after the cells that it covers. Their difference is the number of items in the queue, so
+ *            "empty" and "full" are exact at one moment, and deciding them reads no segment, which might have been
+ *            freed. Consumers read the producers' count only when they have taken everything they saw the last time.
+ * Ring.      Segments are linked into a ring. Producers fill them, and consumers follow. A producer that finds the next
+ *            segment still in use releases the lock, allocates a segment, writes to its pages so that the kernel maps
+ *            them, takes the lock again and inserts it. So no allocation happens under a lock. The ring grows to the
+ *            longest length the queue has had, and then malloc is not called again. Destroy frees it.
+ * Speed.     Measured on two virtual CPUs of an AMD EPYC (Zen 4 or 5), with 1 producer and 1 consumer (1+1), or 2 and 2
+ *            (2+2), pinned to CPUs of their own, in million items per second. The cost is not in the locks (2 to 3 ns
+ *            each when free) but in cache lines that move between CPUs, and in threads on both CPUs that want the same
+ *            end at the same time:
+ *            - A consumer writes NULL to the cell it has read. That makes the line exclusive to its CPU and removes it
+ *              from the producer's, whose prefetcher then fetches it ahead of the stores. Without it the producer keeps
+ *              a shared copy that each store has to upgrade: a push costs 5 to 7 ns instead of 2.7, and 1+1 reaches 104
+ *              instead of 150; in batches of 16, 243 instead of 361. Prefetching for writing did not help (112).
+ *            - A thread that finds the lock taken yields after some 100 ns (job_lock.h), so that its CPU can work at
+ *              the other end: 2+2 reaches 168 to 189, against 109 when it spins for 1 us; 8+8 on both CPUs reaches 175
+ *              to 213, against 116.
+ *            - Keeping lock, count and the rest of an end on one line or on two makes no difference beyond noise.
+ *              Making the consumer wait before it reads the producers' count again, to read it less often, gains
+ *              nothing with 1+1 and loses with more threads; so it does not wait.
+ *            - A batch needs one copy and one count for all its items. Its speed then depends on how far the producers
+ *              run ahead, since items pushed in one time slice have left the cache by the time they are popped.
  */
 #include "jobs/job_lock.h"
 #include "jobs/job_queue_internal.h"
@@ -53,11 +55,11 @@ struct segment {
 typedef struct low_lock {
 	stilb_job_queue base;
 	size_t capacity;
-	/* All of an end lies on one line: who takes its lock has then fetched the rest too. */
+	/* Each end lies on one cache line, so taking its lock fetches the rest of it as well. */
 	struct {
 		alignas(JOB_LINE) job_lock lock;
 		_Atomic uint64_t count; /* items pushed so far; release, pairs with acquire in pop and empty */
-		uint64_t stop;          /* at this count push_slow has to look: end of segment, full or closed */
+		uint64_t stop;          /* pushes need no checks before this count: the segment ends, full or closed */
 		uint64_t end;           /* the count at which the segment is full */
 		segment *at;            /* the segment being filled */
 		uint64_t segments;      /* in the ring */
@@ -66,13 +68,13 @@ typedef struct low_lock {
 	struct {
 		alignas(JOB_LINE) job_lock lock;
 		_Atomic uint64_t count; /* items popped so far; release, pairs with acquire in push */
-		_Atomic uint64_t stop;  /* up to here there are items in the segment; written under the lock */
+		_Atomic uint64_t stop;  /* up to this count the segment holds items; written under the lock */
 		uint64_t end;           /* the count at which the segment is used up */
 		segment *at;            /* the segment being emptied */
 	} pop;
 } low_lock;
 
-static low_lock *self_of(stilb_job_queue *queue)
+static low_lock *low_lock_of(stilb_job_queue *queue)
 {
 	return (low_lock *)queue;
 }
@@ -84,14 +86,15 @@ static uint64_t least(uint64_t a, uint64_t b)
 
 /* ---- segments ------------------------------------------------------------------------------------------------- */
 
-/* Adds up to count segments to those in *fresh, which are linked by `next`; how many there are now. */
+/* Extends the list *fresh, linked by `next`, from have to count segments; returns the number reached, which is smaller
+ * if memory runs out. */
 static size_t segments_create(segment **fresh, size_t have, size_t count)
 {
 	while (have < count) {
 		segment *one = malloc(sizeof *one);
 		if (!one)
 			break;
-		memset(one, 0, sizeof *one); /* the kernel finds its pages now, not under the lock */
+		memset(one, 0, sizeof *one); /* maps its pages now instead of under the lock */
 		one->next = *fresh;
 		*fresh = one;
 		have++;
@@ -108,9 +111,21 @@ static void segments_destroy(segment *first)
 	}
 }
 
-/* Puts the segments of the list into the ring, to be filled next. */
+/* For asserts: the ring has the number of segments that it says; rings over 64 segments are trusted. */
+static bool ring_is_sound(const low_lock *self)
+{
+	if (self->push.segments > 64)
+		return true;
+	uint64_t count = 1;
+	for (const segment *at = self->push.at->next; at != self->push.at && count <= 64; at = at->next)
+		count++;
+	return count == self->push.segments;
+}
+
+/* Inserts the segments of the list into the ring, to be filled next. Caller holds push.lock. */
 static void ring_insert(low_lock *self, segment *fresh)
 {
+	assert(job_lock_is_mine(&self->push.lock) && "the caller holds the lock");
 	while (fresh) {
 		segment *next = fresh->next;
 		fresh->next = self->push.at->next;
@@ -118,21 +133,32 @@ static void ring_insert(low_lock *self, segment *fresh)
 		self->push.segments++;
 		fresh = next;
 	}
+	JOB_CHECK(ring_is_sound(self));
 }
 
-/* How many of the segments after the one that is being filled are free: all but those from where consumers stand up to
- * it. Having popped the last item of a segment they still stand there, for they have yet to follow its `next`. */
+/* The number of free segments after the one being filled: all but those from the consumers' segment up to it. Consumers
+ * that have popped the last item of a segment still are in that segment, since they have yet to follow its `next`. */
 static size_t ring_free(const low_lock *self, uint64_t popped)
 {
 	uint64_t begin = popped == 0 ? 0 : (popped - 1) / JOB_SEGMENT_CELLS * JOB_SEGMENT_CELLS;
+	assert(begin < self->push.end && (self->push.end - begin) / JOB_SEGMENT_CELLS <= self->push.segments);
 	return self->push.segments - (self->push.end - begin) / JOB_SEGMENT_CELLS;
 }
 
 /* ---- push ----------------------------------------------------------------------------------------------------- */
 
-/* Writes the items into the cells, for which there are segments, and publishes them. The lock is held. */
+/* For asserts: the producers' counts are in order. Caller holds push.lock. */
+static bool push_is_sound(const low_lock *self)
+{
+	uint64_t count = atomic_load_explicit(&self->push.count, memory_order_relaxed); /* ordered by the lock */
+	return job_lock_is_mine(&self->push.lock) && count <= self->push.stop && self->push.stop <= self->push.end &&
+	       self->push.end - count <= JOB_SEGMENT_CELLS && self->push.end % JOB_SEGMENT_CELLS == 0;
+}
+
+/* Writes the items into cells, for which there are segments, and publishes them. Caller holds push.lock. */
 static void push_fill(low_lock *self, void *const *items, size_t count, uint64_t pushed)
 {
+	assert(job_lock_is_mine(&self->push.lock) && "the caller holds the lock");
 	while (count > 0) {
 		if (pushed == self->push.end) {
 			self->push.at = self->push.at->next;
@@ -144,27 +170,28 @@ static void push_fill(low_lock *self, void *const *items, size_t count, uint64_t
 		count -= part;
 		pushed += part;
 	}
-	/* Release pairs with the acquire in pop: whoever sees the count sees the cells and the links up to there. */
+	/* Release pairs with the acquire in pop: a thread that sees the count sees the cells and links that it covers. */
 	atomic_store_explicit(&self->push.count, pushed, memory_order_release);
 }
 
-/* How many more the queue will take. The lock is held. */
+/* The number of items that the queue still accepts. Caller holds push.lock. */
 static size_t push_left(const low_lock *self, uint64_t pushed, uint64_t popped)
 {
 	/* Relaxed: ordered by the lock. */
 	bool closed = atomic_load_explicit(&self->push.closed, memory_order_relaxed);
+	assert(popped <= pushed && pushed - popped <= self->capacity);
 	return closed ? 0 : self->capacity - (pushed - popped);
 }
 
-/* Pushes what it can. The lock is held, and given in here. */
+/* Pushes as many of the items as it can. Caller holds push.lock, which this releases. */
 static int push_and_give(low_lock *self, void *const *items, size_t count)
 {
 	segment *fresh = NULL;
 	size_t fresh_count = 0;
 	for (bool may_grow = true;;) {
 		uint64_t pushed = atomic_load_explicit(&self->push.count, memory_order_relaxed); /* ordered by the lock */
-		/* Acquire pairs with the release in pop: its use of the cells comes before we write them again. Nobody pushes
-		 * meanwhile, so at the moment of this load the queue holds exactly pushed - popped items. */
+		/* Acquire pairs with the release in pop: its reads of the cells come before they are overwritten here. No other
+		 * thread pushes meanwhile, so at the moment of this load the queue holds exactly pushed - popped items. */
 		uint64_t popped = atomic_load_explicit(&self->pop.count, memory_order_acquire);
 		size_t left = push_left(self, pushed, popped), wanted = least(count, left);
 		size_t cells = self->push.end - pushed + (ring_free(self, popped) + fresh_count) * JOB_SEGMENT_CELLS;
@@ -176,12 +203,13 @@ static int push_and_give(low_lock *self, void *const *items, size_t count)
 			job_lock_take(&self->push.lock);
 			continue;
 		}
-		ring_insert(self, fresh); /* needed or, if others have made room meanwhile, not yet */
+		ring_insert(self, fresh); /* even if consumers have freed segments meanwhile and these are not needed yet */
 		size_t done = least(wanted, cells);
 		if (done > 0)
 			push_fill(self, items, done, pushed);
 		self->push.stop = pushed + done + least(self->push.end - (pushed + done), left - done);
 		bool closed = atomic_load_explicit(&self->push.closed, memory_order_relaxed); /* ordered by the lock */
+		JOB_CHECK(push_is_sound(self));
 		job_lock_give(&self->push.lock);
 		return done > 0 ? (int)done : closed ? -EPIPE : left == 0 ? -EAGAIN : -ENOMEM;
 	}
@@ -190,7 +218,7 @@ static int push_and_give(low_lock *self, void *const *items, size_t count)
 static int low_lock_push(stilb_job_queue *queue, void *item, uint32_t thread)
 {
 	(void)thread;
-	low_lock *self = self_of(queue);
+	low_lock *self = low_lock_of(queue);
 	job_lock_take(&self->push.lock);
 	uint64_t pushed = atomic_load_explicit(&self->push.count, memory_order_relaxed); /* ordered by the lock */
 	if (__builtin_expect(pushed == self->push.stop, 0)) {
@@ -198,8 +226,9 @@ static int low_lock_push(stilb_job_queue *queue, void *item, uint32_t thread)
 		return result < 0 ? result : 0;
 	}
 	self->push.at->cell[pushed % JOB_SEGMENT_CELLS] = item;
-	/* Release pairs with the acquire in pop: whoever sees the count sees the cell. */
+	/* Release pairs with the acquire in pop: a thread that sees the count sees the cell. */
 	atomic_store_explicit(&self->push.count, pushed + 1, memory_order_release);
+	JOB_CHECK(push_is_sound(self));
 	job_lock_give(&self->push.lock);
 	return 0;
 }
@@ -207,16 +236,16 @@ static int low_lock_push(stilb_job_queue *queue, void *item, uint32_t thread)
 static int low_lock_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread)
 {
 	(void)thread;
-	low_lock *self = self_of(queue);
+	low_lock *self = low_lock_of(queue);
 	job_lock_take(&self->push.lock);
 	return push_and_give(self, items, count);
 }
 
 static void low_lock_close(stilb_job_queue *queue)
 {
-	low_lock *self = self_of(queue);
+	low_lock *self = low_lock_of(queue);
 	job_lock_take(&self->push.lock);
-	/* Release pairs with the acquire in pop_refused: who sees it sees the count of all that was ever pushed. */
+	/* Release pairs with the acquire in pop_refused: a thread that sees the flag sees the final count. */
 	atomic_store_explicit(&self->push.closed, true, memory_order_release);
 	/* Ordered by the lock. */
 	self->push.stop = atomic_load_explicit(&self->push.count, memory_order_relaxed);
@@ -228,36 +257,48 @@ static void low_lock_close(stilb_job_queue *queue)
 static bool low_lock_empty(stilb_job_queue *queue, uint32_t thread)
 {
 	(void)thread;
-	low_lock *self = self_of(queue);
-	/* What was popped, then what was pushed: if they are equal, nothing was pushed between the two loads, for nothing is
-	 * popped before it is pushed; so the queue was empty at the first of them. Acquire keeps them in this order; the
-	 * second pairs with the release in push. */
+	low_lock *self = low_lock_of(queue);
+	/* The popped count is loaded first. It never exceeds the pushed count, so if the pushed count loaded later is equal
+	 * to it, the queue was empty at the first load. Acquire keeps the loads in this order; the second pairs with the
+	 * release in push. */
 	uint64_t popped = atomic_load_explicit(&self->pop.count, memory_order_acquire);
 	return atomic_load_explicit(&self->push.count, memory_order_acquire) == popped;
 }
 
-/* Why an empty queue gives nothing. */
+/* The error of a pop that has found the queue empty. */
 static int pop_refused(low_lock *self)
 {
-	/* Acquire pairs with the release in close. Nothing is pushed after it, so what is empty now stays so. */
+	/* Acquire pairs with the release in close. Nothing is pushed after that, so a queue that is empty now stays
+	 * empty. */
 	if (!atomic_load_explicit(&self->push.closed, memory_order_acquire))
 		return -EAGAIN;
 	return low_lock_empty(&self->base, 0) ? -EPIPE : -EAGAIN;
 }
 
-/* A look before the lock is taken, so that idle consumers do not keep one another from it. */
+/* True if a pop would find nothing. Asked before the lock is taken, so that idle consumers do not contend for it. */
 static bool pop_hopeless(low_lock *self)
 {
-	/* Relaxed: while there are items left of those seen at the last refill, the producers' line is left alone. */
+	/* Relaxed, a hint: while items seen at the last refill remain, the producers' cache line is not read. */
 	return atomic_load_explicit(&self->pop.count, memory_order_relaxed) ==
 	           atomic_load_explicit(&self->pop.stop, memory_order_relaxed) &&
 	       low_lock_empty(&self->base, 0);
 }
 
-/* Looks for more after `popped` items, where the last refill ended; false if there are none. The lock is held. */
+/* For asserts: the consumers' counts are in order. Caller holds pop.lock. */
+static bool pop_is_sound(const low_lock *self)
+{
+	uint64_t count = atomic_load_explicit(&self->pop.count, memory_order_relaxed); /* both ordered by the lock */
+	uint64_t stop = atomic_load_explicit(&self->pop.stop, memory_order_relaxed);
+	return job_lock_is_mine(&self->pop.lock) && count <= stop && stop <= self->pop.end &&
+	       self->pop.end - count <= JOB_SEGMENT_CELLS && self->pop.end % JOB_SEGMENT_CELLS == 0;
+}
+
+/* Looks for items after the first `popped`, where the last refill ended; false if there are none. Caller holds
+ * pop.lock. */
 static bool pop_refill(low_lock *self, uint64_t popped)
 {
-	/* Acquire pairs with the release in push: the cells and the links up to there are written. */
+	assert(popped == atomic_load_explicit(&self->pop.stop, memory_order_relaxed) && "all items seen are taken");
+	/* Acquire pairs with the release in push: the cells and links that the count covers are written. */
 	uint64_t pushed = atomic_load_explicit(&self->push.count, memory_order_acquire);
 	if (pushed == popped)
 		return false;
@@ -273,7 +314,7 @@ static bool pop_refill(low_lock *self, uint64_t popped)
 static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 {
 	(void)thread;
-	low_lock *self = self_of(queue);
+	low_lock *self = low_lock_of(queue);
 	if (pop_hopeless(self))
 		return pop_refused(self);
 	job_lock_take(&self->pop.lock);
@@ -284,9 +325,11 @@ static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 	}
 	void **cell = self->pop.at->cell + popped % JOB_SEGMENT_CELLS;
 	*item = *cell;
-	*cell = NULL; /* for speed: see the top */
-	/* Release pairs with the acquire in push: our read of the cell comes before it is written again. */
+	assert(*item && "a published cell holds an item");
+	*cell = NULL; /* for speed, see the head of this file */
+	/* Release pairs with the acquire in push: the cell has been read before it is overwritten. */
 	atomic_store_explicit(&self->pop.count, popped + 1, memory_order_release);
+	JOB_CHECK(pop_is_sound(self));
 	job_lock_give(&self->pop.lock);
 	return 0;
 }
@@ -294,7 +337,7 @@ static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 static int low_lock_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread)
 {
 	(void)thread;
-	low_lock *self = self_of(queue);
+	low_lock *self = low_lock_of(queue);
 	if (pop_hopeless(self))
 		return pop_refused(self);
 	job_lock_take(&self->pop.lock);
@@ -310,12 +353,13 @@ static int low_lock_pop_n(stilb_job_queue *queue, void **items, size_t max, uint
 		size_t part = least(max - taken, stop - popped);
 		void **cell = self->pop.at->cell + popped % JOB_SEGMENT_CELLS;
 		memcpy(items + taken, cell, part * sizeof *items);
-		memset(cell, 0, part * sizeof *items); /* for speed: see the top */
+		memset(cell, 0, part * sizeof *items); /* for speed, see the head of this file */
 		taken += part;
 		popped += part;
 	}
-	/* Release pairs with the acquire in push: our reads of the cells come before they are written again. */
+	/* Release pairs with the acquire in push: the cells have been read before they are overwritten. */
 	atomic_store_explicit(&self->pop.count, popped, memory_order_release);
+	JOB_CHECK(pop_is_sound(self));
 	job_lock_give(&self->pop.lock);
 	return taken > 0 ? (int)taken : pop_refused(self);
 }
@@ -330,9 +374,10 @@ static void low_lock_rest(stilb_job_queue *queue, uint32_t thread)
 
 static void low_lock_destroy(stilb_job_queue *queue)
 {
-	low_lock *self = self_of(queue);
+	low_lock *self = low_lock_of(queue);
+	JOB_CHECK(ring_is_sound(self));
 	segment *first = self->push.at->next;
-	self->push.at->next = NULL; /* opens the ring */
+	self->push.at->next = NULL; /* turns the ring into a list */
 	segments_destroy(first);
 	free(self);
 }
@@ -354,6 +399,7 @@ int job_queue_low_lock_create(const stilb_job_queue_desc *desc, stilb_job_queue 
 		free(self);
 		return -ENOMEM;
 	}
+	assert(desc->capacity > 0);
 	memset(self, 0, sizeof *self);
 	first->next = first;
 	self->base.ops = &low_lock_ops;

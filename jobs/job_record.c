@@ -15,7 +15,8 @@ void job_record_store_init(job_record_store *store)
 
 void job_record_store_finish(job_record_store *store)
 {
-	job_record_slab *slab = atomic_exchange_explicit(&store->slabs, NULL, memory_order_acquire); /* pairs with refill */
+	/* Acquire pairs with slab_create. */
+	job_record_slab *slab = atomic_exchange_explicit(&store->slabs, NULL, memory_order_acquire);
 	while (slab) {
 		job_record_slab *next = slab->next;
 		free(slab);
@@ -34,7 +35,7 @@ static job_record *slab_create(job_record_store *store)
 		atomic_init(&slab->record[i].root, 0);
 		atomic_init(&slab->record[i].level, 0);
 	}
-	slab->next = atomic_load_explicit(&store->slabs, memory_order_relaxed); /* a first guess for the exchange */
+	slab->next = atomic_load_explicit(&store->slabs, memory_order_relaxed); /* the first guess of the exchange */
 	/* Release pairs with the acquire in job_record_store_finish. */
 	while (!atomic_compare_exchange_weak_explicit(&store->slabs, &slab->next, slab, memory_order_release,
 	                                              memory_order_relaxed))
@@ -42,17 +43,30 @@ static job_record *slab_create(job_record_store *store)
 	return slab->record;
 }
 
+/* For asserts: the list given has the length and the last record that the cache says. */
+static bool cache_is_sound(const job_record_cache *cache)
+{
+	uint32_t count = 0;
+	const job_record *last = NULL;
+	for (const job_record *record = cache->given; record && count <= JOB_RECORD_LIST; record = record->next) {
+		last = record;
+		count++;
+	}
+	return count == cache->given_count && (count == 0 || last == cache->given_last);
+}
+
 job_record *job_record_take(job_record_store *store, job_record_cache *cache)
 {
 	job_record *record = cache->given;
+	assert(!record == (cache->given_count == 0));
 	if (record) {
 		cache->given = record->next;
 		cache->given_count--;
 		return record;
 	}
-	/* A look before the exchange, which would fetch the line for nothing. Relaxed: a guess. */
+	/* Relaxed: a hint that saves an exchange, which would fetch the cache line for nothing. */
 	if (!cache->taken && atomic_load_explicit(&store->spare, memory_order_relaxed))
-		cache->taken = atomic_exchange_explicit(&store->spare, NULL, memory_order_acquire); /* pairs with spill */
+		cache->taken = atomic_exchange_explicit(&store->spare, NULL, memory_order_acquire); /* pairs with cache_spill */
 	if (!cache->taken)
 		cache->taken = slab_create(store);
 	record = cache->taken;
@@ -61,10 +75,12 @@ job_record *job_record_take(job_record_store *store, job_record_cache *cache)
 	return record;
 }
 
-static void spill(job_record_store *store, job_record_cache *cache)
+/* Moves the records that were given back to the store. */
+static void cache_spill(job_record_store *store, job_record_cache *cache)
 {
+	JOB_CHECK(cache_is_sound(cache));
 	job_record *first = cache->given, *last = cache->given_last;
-	last->next = atomic_load_explicit(&store->spare, memory_order_relaxed); /* a first guess for the exchange */
+	last->next = atomic_load_explicit(&store->spare, memory_order_relaxed); /* the first guess of the exchange */
 	/* Release pairs with the acquire in job_record_take: the links of the list. */
 	while (!atomic_compare_exchange_weak_explicit(&store->spare, &last->next, first, memory_order_release,
 	                                              memory_order_relaxed))
@@ -75,10 +91,12 @@ static void spill(job_record_store *store, job_record_cache *cache)
 
 void job_record_give(job_record_store *store, job_record_cache *cache, job_record *record)
 {
+	assert(record && record != cache->given && "a record is given back once");
 	if (cache->given_count == JOB_RECORD_LIST)
-		spill(store, cache);
+		cache_spill(store, cache);
 	if (cache->given_count++ == 0)
 		cache->given_last = record;
 	record->next = cache->given;
 	cache->given = record;
+	assert(cache->given_count <= JOB_RECORD_LIST);
 }

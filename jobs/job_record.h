@@ -1,74 +1,76 @@
 /*
- * job_record: one job that has been submitted and not started, 64 bytes, and where such records come from.
+ * job_record: a job that has been submitted and has not started, in 64 bytes, and the allocator of such records.
  *
- * Each thread keeps a few free records and takes and gives without any atomic operation; what it has too many of (a
- * thief frees what others made) goes as one list to a stack that all share, and who has none takes that whole stack: a stack that is only ever emptied as a whole knows no ABA problem, so it is lock-free with one
- * plain compare-exchange. Records come from malloc in slabs and go back when the pool is destroyed, so a guess at a
- * record that another thread has taken meanwhile reads valid memory.
+ * Each thread keeps a cache of free records, which it takes and gives back without atomic operations. A thread that
+ * runs jobs of others collects their records; when its cache holds JOB_RECORD_LIST of them it pushes them as one list
+ * onto a stack shared by all threads. A thread that has none takes the whole stack. A stack that is only ever emptied
+ * as a whole has no ABA problem, so one plain compare-exchange makes it lock-free. Records come from malloc in slabs
+ * that are freed with the pool: a thread that looks at a record which another one has taken meanwhile still reads valid
+ * memory.
  */
 #ifndef STILB_JOB_RECORD_H
 #define STILB_JOB_RECORD_H
 
 #include "jobs/job.h"
+#include "jobs/job_contract.h"
 #include "jobs/job_lock.h"
 
-#include <assert.h>
 #include <stdalign.h>
 
 #ifndef JOB_RECORD_LIST
-#define JOB_RECORD_LIST 128u /* records given back that a thread keeps at most */
-#define JOB_RECORD_SLAB 63u  /* records per malloc */
+#define JOB_RECORD_LIST 128u /* the most records a thread's cache holds that were given back */
+#define JOB_RECORD_SLAB 63u  /* records of one slab */
 #endif
 
 typedef struct job_record {
-	/* An array of jobs (count > 0) has a range function; else it is one job. */
+	/* range if count > 0 (an array of jobs), else one. */
 	union {
 		stilb_job_fn *one;
 		stilb_job_range_fn *range;
 	} fn;
 	void *data;
 	stilb_job_group *group;
-	uint64_t tag;            /* what the submit hook gave; without one 0 for ever */
-	struct job_record *next; /* in a free list, an inbox or the list of a group's followers */
-	/* What it belongs to, see job_internal.h. Relaxed: thieves read it to decide what to steal, and a wrong guess makes
-	 * their exchange fail. */
+	uint64_t tag;            /* the submit hook's result; 0 without that hook */
+	struct job_record *next; /* in a free list, an inbox or a group's list of followers */
+	/* The root and level of the job, see job_internal.h. Relaxed: thieves read them to decide what to steal; if the
+	 * record has been reused meanwhile, their exchange of the deque's top fails. */
 	_Atomic uintptr_t root;
 	_Atomic uint32_t level;
 	uint32_t count;
 	uint32_t grain;
-	uint16_t target; /* the worker that runs it, or JOB_ANYONE */
+	uint16_t target; /* index of the only thread that may run it, or JOB_ANYONE */
 	uint8_t priority;
 } job_record;
 
-static_assert(sizeof(job_record) <= 64, "a record fits a line");
+static_assert(sizeof(job_record) <= 64, "a record fits one cache line");
 
 #define JOB_ANYONE UINT16_MAX
 
 typedef struct job_record_slab job_record_slab;
 
-/* What all threads share. */
+/* Shared by all threads of a pool. */
 typedef struct job_record_store {
-	alignas(JOB_LINE) _Atomic(job_record *) spare; /* chained by next; pushed as lists, taken as a whole */
-	_Atomic(job_record_slab *) slabs;
+	alignas(JOB_LINE) _Atomic(job_record *) spare; /* a stack linked by next; pushed to in lists, emptied as a whole */
+	_Atomic(job_record_slab *) slabs;              /* all slabs, for job_record_store_finish */
 } job_record_store;
 
-/* What one thread has. {0} to begin with. */
+/* One thread's own. All zero: empty. */
 typedef struct job_record_cache {
-	job_record *given; /* given back by this thread, newest first: still in its CPU's cache */
+	job_record *given; /* given back by this thread, newest first, since that one is still in its CPU's cache */
 	job_record *given_last;
 	uint32_t given_count;
-	job_record *taken; /* from the store */
+	job_record *taken; /* from the store; used when given is empty */
 } job_record_cache;
 
 void job_record_store_init(job_record_store *store);
 
-/* Frees all records. [one-writer] */
+/* Frees all records. No other call may be in progress. */
 void job_record_store_finish(job_record_store *store);
 
-/* An uninitialised record, NULL if there is no memory. [its thread] */
+/* A record whose fields are unset, or NULL if there is no memory. cache is the calling thread's. */
 job_record *job_record_take(job_record_store *store, job_record_cache *cache);
 
-/* Gives back a record of the same pool, taken by whichever thread. [its thread] */
+/* Gives back a record of this store, which any thread may have taken. cache is the calling thread's. */
 void job_record_give(job_record_store *store, job_record_cache *cache, job_record *record);
 
 #endif

@@ -1,5 +1,6 @@
 #include "jobs/job_spsc.h"
 
+#include "jobs/job_contract.h"
 #include "jobs/job_line.h"
 
 #include <errno.h>
@@ -12,59 +13,63 @@
 /*
  * The list of the article:   first ... divider ... last
  *
- * A node is one cell of a block, the node after it the next cell, and after a block's end the first cell of the block
- * that follows: so a list of nodes without a pointer and a malloc for each. The nodes up to divider, itself included, have
- * been consumed; those after it up to last wait. Divider and last are equal when the queue is empty: there is always one
- * consumed node between the two ends, and they never touch the same cell.
+ * A node of the list is a cell of a block. The next node is the next cell; after the last cell of a block it is the
+ * first cell of the following block. So the list needs no pointer and no malloc per node. The nodes up to and including
+ * divider have been consumed; those after divider, up to and including last, hold items. The queue is empty if divider
+ * equals last. There is always one consumed node between the two ends, so they never touch the same cell.
  *
- *   producer   writes the item, then publishes last; uses the blocks before the divider's again
+ *   producer   writes the item, then publishes last; reuses the blocks before the divider's
  *   consumer   copies the item, then publishes divider
  *
- * Both do their work first and publish it then. All other memory is plain: what an end reads of it was written before
- * the other end published.
+ * All other memory is plain: whatever an end reads of it was written before the other end published.
  */
 #ifndef JOB_SPSC_BLOCK_CELLS
-#define JOB_SPSC_BLOCK_CELLS 511 /* with the link 4 KiB */
+#define JOB_SPSC_BLOCK_CELLS 511 /* 4 KiB together with the link */
 #endif
 
 typedef struct job_spsc_block {
-	struct job_spsc_block *next; /* valid once last has left this block */
+	struct job_spsc_block *next; /* set once last has left this block */
 	void *cells[JOB_SPSC_BLOCK_CELLS];
 } job_spsc_block;
 
 struct stilb_job_spsc {
-	/* the producer's */
+	/* The producer's. */
 	alignas(JOB_LINE) _Atomic(void **) last;
 	_Atomic bool closed;
 	job_spsc_block *first;   /* the oldest block */
 	job_spsc_block *writing; /* the block of last */
+	job_exclusive producer;
 
-	/* the consumer's */
+	/* The consumer's. */
 	alignas(JOB_LINE) _Atomic(void **) divider;
-	void **seen;             /* last when the consumer looked: only when it has used that up does it look again */
+	void **seen; /* last as of the consumer's latest look; it looks again when it has consumed up to there */
 	job_spsc_block *reading; /* the block of divider */
+	job_exclusive consumer;
 };
 
 static bool block_holds(const job_spsc_block *block, void **cell)
 {
-	/* As numbers: the cell may be of another block. Below the block the difference wraps to a large number. */
+	/* As integers, since the cell may be in another block. For a cell below the block the difference wraps around to a
+	 * large number. */
 	return (uintptr_t)cell - (uintptr_t)block->cells < sizeof block->cells;
 }
 
-/* A block to follow the one that is full: one that the consumer has left, or a new one. NULL: out of memory. */
+/* Returns a block to follow the full one: a block that the consumer has left, or a new one. NULL: no memory. */
 static job_spsc_block *block_take(stilb_job_spsc *queue)
 {
-	/* Acquire pairs with the release in pop: the consumer's reads of blocks before the divider are over. */
+	/* Acquire pairs with the release in pop: the consumer has finished reading the blocks before the divider's. */
 	void **divider = atomic_load_explicit(&queue->divider, memory_order_acquire);
 	job_spsc_block *block = queue->first;
 	if (block_holds(block, divider))
 		return malloc(sizeof *block);
 	queue->first = block->next;
+	assert(block != queue->writing && queue->first && "the divider is in a later block");
 	return block;
 }
 
 int stilb_job_spsc_create(stilb_job_spsc **created)
 {
+	assert(created);
 	*created = NULL;
 	stilb_job_spsc *queue = aligned_alloc(JOB_LINE, sizeof *queue);
 	job_spsc_block *block = malloc(sizeof *block);
@@ -73,13 +78,14 @@ int stilb_job_spsc_create(stilb_job_spsc **created)
 		free(queue);
 		return -ENOMEM;
 	}
-	void **consumed = block->cells; /* the node between the ends; it never held an item */
+	void **consumed = block->cells; /* the consumed node between the ends; no item was ever in it */
 	atomic_init(&queue->last, consumed);
 	atomic_init(&queue->closed, false);
 	queue->first = queue->writing = block;
 	atomic_init(&queue->divider, consumed);
 	queue->seen = consumed;
 	queue->reading = block;
+	queue->producer = queue->consumer = (job_exclusive){0};
 	*created = queue;
 	return 0;
 }
@@ -88,7 +94,7 @@ void stilb_job_spsc_destroy(stilb_job_spsc *queue)
 {
 	if (!queue)
 		return;
-	queue->writing->next = NULL; /* the newest block links nowhere yet */
+	queue->writing->next = NULL; /* not set so far */
 	for (job_spsc_block *block = queue->first; block;) {
 		job_spsc_block *next = block->next;
 		free(block);
@@ -97,13 +103,26 @@ void stilb_job_spsc_destroy(stilb_job_spsc *queue)
 	free(queue);
 }
 
-int stilb_job_spsc_push(stilb_job_spsc *queue, void *item)
+/* For asserts: last lies in the block that is being filled. [producer] */
+static bool producer_is_sound(const stilb_job_spsc *queue)
 {
-	if (!item)
-		return -EINVAL;
-	if (atomic_load_explicit(&queue->closed, memory_order_relaxed)) /* the producer's own */
+	return block_holds(queue->writing,
+	                   atomic_load_explicit(&queue->last, memory_order_relaxed)); /* the producer's own */
+}
+
+/* For asserts: divider lies in the block that is being emptied. [consumer] */
+static bool consumer_is_sound(const stilb_job_spsc *queue)
+{
+	/* Relaxed: the consumer's own. */
+	return block_holds(queue->reading, atomic_load_explicit(&queue->divider, memory_order_relaxed));
+}
+
+static int spsc_push(stilb_job_spsc *queue, void *item)
+{
+	/* Relaxed, both: the producer's own. */
+	if (atomic_load_explicit(&queue->closed, memory_order_relaxed))
 		return -EPIPE;
-	void **last = atomic_load_explicit(&queue->last, memory_order_relaxed); /* the producer's own */
+	void **last = atomic_load_explicit(&queue->last, memory_order_relaxed);
 	void **node = last + 1;
 	if (node == queue->writing->cells + JOB_SPSC_BLOCK_CELLS) {
 		job_spsc_block *block = block_take(queue);
@@ -114,17 +133,29 @@ int stilb_job_spsc_push(stilb_job_spsc *queue, void *item)
 		queue->writing = block;
 	}
 	*node = item;
-	/* Release pairs with the acquire in pop: the link and the item are there before last says so. */
+	/* Release pairs with the acquire in pop: the link and the item are written before last says so. */
 	atomic_store_explicit(&queue->last, node, memory_order_release);
 	return 0;
 }
 
-int stilb_job_spsc_pop(stilb_job_spsc *queue, void **item)
+int stilb_job_spsc_push(stilb_job_spsc *queue, void *item)
+{
+	assert(queue);
+	if (!item)
+		return -EINVAL;
+	job_exclusive_begin(&queue->producer);
+	int result = spsc_push(queue, item);
+	JOB_CHECK(producer_is_sound(queue));
+	job_exclusive_end(&queue->producer);
+	return result;
+}
+
+static int spsc_pop(stilb_job_spsc *queue, void **item)
 {
 	void **divider = atomic_load_explicit(&queue->divider, memory_order_relaxed); /* the consumer's own */
 	if (divider == queue->seen) {
-		/* Closed before last: who sees that it was closed (acquire pairs with the release in close) sees the final
-		 * last. Acquire pairs with the release in push. */
+		/* Closed is loaded before last: a consumer that sees the queue closed (acquire pairs with the release in close)
+		 * then sees the final last. Acquire of last pairs with the release in push. */
 		bool closed = atomic_load_explicit(&queue->closed, memory_order_acquire);
 		queue->seen = atomic_load_explicit(&queue->last, memory_order_acquire);
 		if (divider == queue->seen)
@@ -136,13 +167,27 @@ int stilb_job_spsc_pop(stilb_job_spsc *queue, void **item)
 		node = queue->reading->cells;
 	}
 	*item = *node;
+	assert(*item && "push refuses NULL");
 	/* Release pairs with the acquire in block_take: the item and the link have been read before the producer may
-	 * write over them. */
+	 * overwrite them. */
 	atomic_store_explicit(&queue->divider, node, memory_order_release);
 	return 0;
 }
 
+int stilb_job_spsc_pop(stilb_job_spsc *queue, void **item)
+{
+	assert(queue && item);
+	job_exclusive_begin(&queue->consumer);
+	int result = spsc_pop(queue, item);
+	JOB_CHECK(consumer_is_sound(queue));
+	job_exclusive_end(&queue->consumer);
+	return result;
+}
+
 void stilb_job_spsc_close(stilb_job_spsc *queue)
 {
+	assert(queue);
+	job_exclusive_begin(&queue->producer);
 	atomic_store_explicit(&queue->closed, true, memory_order_release); /* pairs with the acquire in pop */
+	job_exclusive_end(&queue->producer);
 }

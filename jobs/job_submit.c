@@ -1,6 +1,5 @@
 #include "jobs/job_internal.h"
 
-#include <assert.h>
 #include <errno.h>
 
 /* ---- threads from outside -------------------------------------------------------------------------------------- */

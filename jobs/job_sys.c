@@ -1,5 +1,7 @@
 #include "jobs/job_sys.h"
 
+#include "jobs/job_contract.h"
+
 #define CALIBRATION_NS 50000u
 
 static uint64_t clock_ns(void)
@@ -21,11 +23,13 @@ static uint64_t measure(void)
 
 uint64_t job_sys_ticks_in(uint64_t nanoseconds)
 {
-	/* Relaxed: threads that come at the same time measure side by side, and either result serves. */
+	assert(nanoseconds <= UINT32_MAX && "the product below fits 64 bits");
+	/* Relaxed: threads that come here at the same time each measure, and either result serves. */
 	static _Atomic uint64_t rate;
 	uint64_t ticks = atomic_load_explicit(&rate, memory_order_relaxed);
 	if (ticks == 0) {
 		ticks = measure();
+		assert(ticks > 0 && "the clock runs");
 		atomic_store_explicit(&rate, ticks, memory_order_relaxed);
 	}
 	return nanoseconds * ticks >> 20;
@@ -33,6 +37,8 @@ uint64_t job_sys_ticks_in(uint64_t nanoseconds)
 
 bool job_sys_bind(int32_t thread, uint32_t cpu)
 {
+	assert(thread >= 0);
+	assert(cpu < UINT32_MAX && "job_sys_cpu may not know the CPU");
 	cpu_set_t *set = CPU_ALLOC(cpu + 1);
 	if (!set)
 		return false;

@@ -1,7 +1,6 @@
 /*
- * job_sys: what this library asks of the CPU and the kernel while threads race: pause, yield, sleep, wake.
- * The model test (tests/test_job_model.c) puts its own version of this header in its place and so drives the real
- * sources through every interleaving.
+ * job_sys: what the library asks of the CPU and the kernel: pause, yield, sleep, wake, clock, CPU binding. The model
+ * tests replace this header (tests/jobs/model/job_model_sys.h) to run the sources through every interleaving.
  */
 #ifndef STILB_JOB_SYS_H
 #define STILB_JOB_SYS_H
@@ -15,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Pauses before a waiting thread gives its time slice away: the holder of a lock may be waiting for just that. */
+/* Pauses before a waiting thread yields: the thread it waits for may need this CPU. */
 #define JOB_PAUSES_BEFORE_YIELD 64
 
 static inline void job_sys_pause(void)
@@ -27,18 +26,18 @@ static inline void job_sys_pause(void)
 #endif
 }
 
-/* One turn of a loop that waits for another thread. */
-static inline void job_sys_relax(uint32_t *turns)
+/* One round of a loop that waits for another thread. *rounds starts at 0. */
+static inline void job_sys_relax(uint32_t *rounds)
 {
-	if (*turns < JOB_PAUSES_BEFORE_YIELD) {
-		(*turns)++;
+	if (*rounds < JOB_PAUSES_BEFORE_YIELD) {
+		(*rounds)++;
 		job_sys_pause();
 	} else {
 		sched_yield();
 	}
 }
 
-/* A clock for short waits: steady, the same on every CPU, in ticks of its own. */
+/* A steady clock for short intervals, the same on all CPUs. The unit is job_sys_ticks_in's. */
 static inline uint64_t job_sys_ticks(void)
 {
 #if defined(__x86_64__)
@@ -50,32 +49,33 @@ static inline uint64_t job_sys_ticks(void)
 #endif
 }
 
-/* How many ticks there are in so many nanoseconds. The first call in a process measures, which takes 50 us. [any-thread] */
+/* The number of ticks in an interval of less than 2^32 ns. The first call of a process measures the rate, which takes
+ * 50 us. [any-thread] */
 uint64_t job_sys_ticks_in(uint64_t nanoseconds);
 
-/* The CPU this thread runs on at the moment. */
+/* The CPU that the calling thread runs on at this moment; UINT32_MAX if the kernel does not say. */
 static inline uint32_t job_sys_cpu(void)
 {
 	int cpu = sched_getcpu();
 	return cpu < 0 ? UINT32_MAX : (uint32_t)cpu;
 }
 
-/* This thread's number in the kernel. */
+/* The kernel's id of the calling thread. */
 static inline int32_t job_sys_thread(void)
 {
 	return (int32_t)syscall(SYS_gettid);
 }
 
-/* Binds a thread of this process to one CPU; false if that cannot be. */
+/* Binds a thread of this process, 0 for the calling one, to one CPU; false if the kernel refuses. */
 bool job_sys_bind(int32_t thread, uint32_t cpu);
 
-/* Sleeps if *word still is expected. Returns when woken, when it was not, or for no reason: callers loop. */
+/* Sleeps if *word is expected. Returns when woken, at once if *word differs, or spuriously: callers loop. */
 static inline void job_sys_futex_wait(_Atomic uint32_t *word, uint32_t expected)
 {
 	syscall(SYS_futex, word, FUTEX_WAIT_PRIVATE, expected, NULL, NULL, 0);
 }
 
-/* The same, for at most so long. */
+/* job_sys_futex_wait that returns after the given time at the latest. */
 static inline void job_sys_futex_wait_for(_Atomic uint32_t *word, uint32_t expected, uint64_t nanoseconds)
 {
 	struct timespec timeout = {.tv_sec = (time_t)(nanoseconds / 1000000000u),
@@ -83,7 +83,7 @@ static inline void job_sys_futex_wait_for(_Atomic uint32_t *word, uint32_t expec
 	syscall(SYS_futex, word, FUTEX_WAIT_PRIVATE, expected, &timeout, NULL, 0);
 }
 
-/* Sleeps about so long. */
+/* Sleeps for about the given time. */
 static inline void job_sys_nap(uint64_t nanoseconds)
 {
 	struct timespec time = {.tv_sec = (time_t)(nanoseconds / 1000000000u),
@@ -91,6 +91,7 @@ static inline void job_sys_nap(uint64_t nanoseconds)
 	nanosleep(&time, NULL);
 }
 
+/* Wakes one thread that sleeps on word, if there is one. */
 static inline void job_sys_futex_wake_one(_Atomic uint32_t *word)
 {
 	syscall(SYS_futex, word, FUTEX_WAKE_PRIVATE, 1, NULL, NULL, 0);

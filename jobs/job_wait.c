@@ -1,7 +1,5 @@
 #include "jobs/job_internal.h"
 
-#include <assert.h>
-
 /*
  * A group is one 64-bit word: the count of unfinished jobs (low half), who waits (16 bits: worker index + 1, 0 for nobody,
  * WAITERS_OUTSIDE for threads from outside, WAITERS_MANY for several) and whether jobs follow. One word, because the thread that finishes the last job must learn who

@@ -34,6 +34,7 @@ static struct world {
 
 static _Alignas(128) char stacks[THREADS_MAX][STACK_SIZE];
 static int current = -1; /* the coroutine that runs, -1: the checker */
+static bool asserting;   /* in the middle of an assert, which takes no steps */
 static char *checker_sp;
 static const char *failure;
 
@@ -128,9 +129,21 @@ static bool word_dead(const volatile void *word)
 	return owner != current && (world.threads[owner].status == DONE || at < world.threads[owner].sp);
 }
 
+void model_assert_begin(void)
+{
+	asserting = true;
+}
+
+void model_assert_end(bool holds, const char *condition)
+{
+	asserting = false;
+	if (!holds)
+		model_fail(condition);
+}
+
 void model_step(const volatile void *word, const char *what, int line)
 {
-	if (current < 0)
+	if (current < 0 || asserting)
 		return;
 	world.threads[current].what = what;
 	world.threads[current].line = line;

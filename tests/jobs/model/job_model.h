@@ -62,6 +62,11 @@ typedef enum model_fault {
 } model_fault;
 extern model_fault model_fault_now;
 
+/* Around the condition of an assert. Loads of atomics in between are no steps: an assert is checked in every state and adds
+ * none. */
+void model_assert_begin(void);
+void model_assert_end(bool holds, const char *condition);
+
 /* What stands behind the operations below. */
 void model_step(const volatile void *word, const char *what, int line);
 void model_futex_wait(_Atomic uint32_t *word, uint32_t expected);
