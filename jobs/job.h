@@ -62,7 +62,8 @@ extern "C" {
 /* The most worker threads of one pool. */
 #define STILB_JOB_MAX_WORKERS 256
 
-/* Passed instead of a worker index by a thread that is neither the owner nor a worker of the pool. */
+/* Passed instead of a worker index by a thread that is neither the owner nor a worker of the pool. A thread of the pool
+ * may pass it to submit a job through the shared queues, unrelated to the job that it is in, but not to wait. */
 #define STILB_JOB_OUTSIDE UINT32_MAX
 
 /* A job. data is the pointer given at submit; worker (0..worker_count) is the index of the thread that runs the job,

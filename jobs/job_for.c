@@ -1,32 +1,34 @@
 #include "jobs/job_internal.h"
 
-/* How often a loop is timed when nothing depends on it. */
+/* One loop in so many is timed even if its duration decides nothing. */
 #define MEASURE_EVERY 16
 
 /* ---- claiming -------------------------------------------------------------------------------------------------- */
 
-/* What a thread needs to know to run slices of a loop: a copy, for the loop may be another one a moment later. */
+/* Claimed slices of a loop, with a copy of its fields: the loop may be reused a moment later. */
 typedef struct loop_span {
 	stilb_job_range_fn *fn;
 	void *context;
 	uintptr_t root;
-	uint32_t level, count, grain, worth;
+	uint32_t level, count, grain, wake_slices;
 	uint32_t first, slices; /* claimed */
-	uint32_t left;          /* for others */
+	uint32_t left;          /* slices of the loop that are still unclaimed */
 } loop_span;
 
-/* Guided self-scheduling (Polychronopoulos and Kuck, IEEE Transactions on Computers C-36, 1987): a part of what is left,
- * so there are few claims as long as there is much to do, and single slices at the end, when threads must finish together.
- * But no more than most. */
-static uint32_t guided(uint32_t left, uint32_t threads, uint32_t most)
+/* The number of slices to claim by guided self-scheduling (Polychronopoulos and Kuck, IEEE Transactions on Computers
+ * C-36, 1987): a fraction of those left, which makes few claims while there are many, and single slices at the end,
+ * when the threads must finish together. At most limit. */
+static uint32_t guided(uint32_t left, uint32_t threads, uint32_t limit)
 {
+	assert(left > 0 && threads > 0 && limit > 0);
 	uint32_t part = left / (2 * threads);
-	return part > most ? most : part > 0 ? part : 1;
+	return part > limit ? limit : part > 0 ? part : 1;
 }
 
+/* Claims slices of loop, which any thread may have opened, if the scope has it. */
 static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads, loop_span *out)
 {
-	/* Acquire pairs with the release in loop_open: the fields, and what the caller's data points to. */
+	/* Acquire pairs with the release in loop_open: the fields, and all that the caller wrote before. */
 	uint64_t claim = atomic_load_explicit(&loop->claim, memory_order_acquire);
 	while ((uint32_t)claim > 0) {
 		/* Relaxed: see job_loop. */
@@ -38,11 +40,11 @@ static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads,
 		out->context = atomic_load_explicit(&loop->context, memory_order_relaxed);
 		out->count = atomic_load_explicit(&loop->count, memory_order_relaxed);
 		out->grain = atomic_load_explicit(&loop->grain, memory_order_relaxed);
-		out->worth = atomic_load_explicit(&loop->worth, memory_order_relaxed);
-		out->slices = guided((uint32_t)claim, threads, atomic_load_explicit(&loop->most, memory_order_relaxed));
+		out->wake_slices = atomic_load_explicit(&loop->wake_slices, memory_order_relaxed);
+		out->slices = guided((uint32_t)claim, threads, atomic_load_explicit(&loop->claim_limit, memory_order_relaxed));
 		out->first = atomic_load_explicit(&loop->slices, memory_order_relaxed) - (uint32_t)claim;
 		out->left = (uint32_t)claim - out->slices;
-		/* Success needs no order of its own: the load above had it. Acquire on failure: the loop may be a new one. */
+		/* Success needs no order, since the load above has it. Acquire on failure: the loop may have been reused. */
 		if (atomic_compare_exchange_weak_explicit(&loop->claim, &claim, claim - out->slices, memory_order_acquire,
 		                                          memory_order_acquire))
 			return true;
@@ -52,6 +54,7 @@ static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads,
 
 static void span_run(const loop_span *span, uint32_t worker)
 {
+	assert(span->slices > 0 && span->first <= (span->count - 1) / span->grain + 1 - span->slices);
 	uint32_t begin = span->first * span->grain;
 	for (uint32_t i = 0; i < span->slices; i++, begin += span->grain) {
 		uint32_t left = span->count - begin;
@@ -61,7 +64,7 @@ static void span_run(const loop_span *span, uint32_t worker)
 
 /* ---- helping --------------------------------------------------------------------------------------------------- */
 
-/* Runs slices of one of owner's loops after the first have been claimed. */
+/* Runs the claimed span of a loop of owner's, and more slices of the loop while there are any. */
 static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job_scope *scope, loop_span *span,
                       stilb_job_group *until)
 {
@@ -84,20 +87,21 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
 		hooks->job_end(hooks->user, slot->index);
 	slot->level = outer_level;
 	slot->root = outer_root;
-	/* Release: what the slices wrote is seen by the caller, who acquires in loop_wait. */
+	/* Release: the loop's caller, who acquires in loop_finished, sees what the slices wrote. */
 	if (atomic_fetch_add_explicit(&loop->done, done, memory_order_release) & JOB_LOOP_WAITER)
 		job_parker_wake(&owner->parker);
 }
 
-/* Wakes one more thread, if there is one to wake, enough left for it to do and a CPU for it to run on. */
+/* Wakes one more thread if one sleeps, enough slices are left for it and it has a CPU to run on; true if it did. */
 static bool wake_helper(stilb_job_pool *pool, const loop_span *span)
 {
-	/* A relaxed guess: nobody depends on help, so a wake-up missed here strands no work. */
-	return span->left >= span->worth && job_idle_maybe_wanted(&pool->idle) &&
-	       (!pool->crowded || job_idle_awake(&pool->idle) + 1 < pool->cpus) &&
+	/* A relaxed hint: loops finish without help, so a wake-up that is missed here blocks nothing. */
+	return span->left >= span->wake_slices && job_idle_maybe_wanted(&pool->idle) &&
+	       (!pool->oversubscribed || job_idle_awake(&pool->idle) + 1 < pool->cpus) &&
 	       job_idle_wake(&pool->idle, &(job_work){.kind = JOB_WORK_LOOP, .root = span->root, .level = span->level});
 }
 
+/* Claims and runs slices of one of owner's loops. */
 static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, stilb_job_group *until)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -106,9 +110,9 @@ static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, s
 		job_loop *loop = &owner->loop[i];
 		if (!loop_claim(loop, scope, pool->worker_count + 1, &span))
 			continue;
-		/* A spinner that will be back sooner than anybody could be woken stays one, and so leaves the word alone that
-		 * every loop's caller looks at. */
-		if (span.left + span.slices >= span.worth)
+		/* A spinner that will be done sooner than a thread could be woken remains a spinner. That saves writing the
+		 * idle list's word, which the caller of every loop reads. */
+		if (span.left + span.slices >= span.wake_slices)
 			job_work_spin_stop(slot);
 		wake_helper(pool, &span);
 		loop_help(loop, owner, slot, scope, &span, until);
@@ -131,7 +135,7 @@ bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		for (int j = 0; j < JOB_LOOP_DEPTH; j++) {
 			job_loop *loop = &pool->slot[i].loop[j];
-			/* Relaxed: a loop is done with or without help. */
+			/* Relaxed, all: a hint. */
 			if ((uint32_t)atomic_load_explicit(&loop->claim, memory_order_relaxed) > 0 &&
 			    (scope->all || (atomic_load_explicit(&loop->root, memory_order_relaxed) == scope->root &&
 			                    atomic_load_explicit(&loop->level, memory_order_relaxed) > scope->level)))
@@ -142,7 +146,7 @@ bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 
 /* ---- the caller ------------------------------------------------------------------------------------------------ */
 
-/* The memory of how long slices of fn take; one thread's own, so a plain table. */
+/* The entry for fn in the thread's table of slice times; replaces another function's if they share the place. */
 static job_rate *rate_of(job_slot *slot, stilb_job_range_fn *fn)
 {
 	uintptr_t key = (uintptr_t)fn;
@@ -152,9 +156,11 @@ static job_rate *rate_of(job_slot *slot, stilb_job_range_fn *fn)
 	return rate;
 }
 
-static void loop_open(job_loop *loop, const loop_span *span, uint32_t slices, uint32_t most)
+/* Lets other threads claim the slices that span leaves. */
+static void loop_open(job_loop *loop, const loop_span *span, uint32_t slices, uint32_t limit)
 {
-	/* Relaxed: see job_loop; nobody looks at the fields while there are no slices left. */
+	assert(slices > 1 && span->left < slices && limit > 0);
+	/* Relaxed: see job_loop; no thread uses the fields while no slices are left. */
 	atomic_store_explicit(&loop->fn, span->fn, memory_order_relaxed);
 	atomic_store_explicit(&loop->context, span->context, memory_order_relaxed);
 	atomic_store_explicit(&loop->root, span->root, memory_order_relaxed);
@@ -162,14 +168,15 @@ static void loop_open(job_loop *loop, const loop_span *span, uint32_t slices, ui
 	atomic_store_explicit(&loop->count, span->count, memory_order_relaxed);
 	atomic_store_explicit(&loop->grain, span->grain, memory_order_relaxed);
 	atomic_store_explicit(&loop->slices, slices, memory_order_relaxed);
-	atomic_store_explicit(&loop->worth, span->worth, memory_order_relaxed);
-	atomic_store_explicit(&loop->most, most, memory_order_relaxed);
+	atomic_store_explicit(&loop->wake_slices, span->wake_slices, memory_order_relaxed);
+	atomic_store_explicit(&loop->claim_limit, limit, memory_order_relaxed);
+	assert((uint32_t)atomic_load_explicit(&loop->claim, memory_order_relaxed) == 0 && "the previous loop has finished");
 	uint64_t generation = (atomic_load_explicit(&loop->claim, memory_order_relaxed) >> 32) + 1;
 	/* Release pairs with the acquire in loop_claim. */
 	atomic_store_explicit(&loop->claim, generation << 32 | span->left, memory_order_release);
 }
 
-/* Counts go round; so do the sums of them. */
+/* Compares counts without the flag; both wrap around. */
 static bool done_is(uint64_t done, uint64_t wanted)
 {
 	return ((done ^ wanted) & ~JOB_LOOP_WAITER) == 0;
@@ -180,10 +187,11 @@ static bool loop_finished(const job_loop *loop, uint64_t wanted)
 	return done_is(atomic_load_explicit(&loop->done, memory_order_acquire), wanted); /* pairs with loop_help */
 }
 
-/* Asks the helpers to wake this thread. False if they have finished. */
+/* Asks the helpers to wake this thread when they have finished. False if they have. */
 static bool loop_announce(job_loop *loop, uint64_t wanted)
 {
-	/* Acquire, as in loop_finished. In one step with the helpers' counts: either they see the flag, or it sees them. */
+	/* Acquire, as in loop_finished. One word holds flag and count: either a helper finds the flag, or this finds the
+	 * count. */
 	return !done_is(atomic_fetch_or_explicit(&loop->done, JOB_LOOP_WAITER, memory_order_acquire), wanted);
 }
 
@@ -199,8 +207,8 @@ static bool loop_ready(job_slot *slot, void *context)
 	return !loop_announce(wait->loop, wait->wanted);
 }
 
-/* Spins for a wake-up's length, helping with deeper loops; false if the slices have not been finished then. */
-static bool loop_linger(job_loop *loop, job_slot *slot, const job_scope *scope, uint64_t wanted)
+/* Spins for the length of a wake-up and helps with deeper loops; false if the slices have not finished by then. */
+static bool loop_spin(job_loop *loop, job_slot *slot, const job_scope *scope, uint64_t wanted)
 {
 	uint64_t start = job_sys_ticks();
 	do {
@@ -213,7 +221,7 @@ static bool loop_linger(job_loop *loop, job_slot *slot, const job_scope *scope, 
 	return false;
 }
 
-/* Waits for the slices that others have claimed: until done has come to wanted. */
+/* Waits until done has reached wanted, that is, for the slices that others have claimed. */
 static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uint64_t wanted)
 {
 	if (loop_finished(loop, wanted))
@@ -222,25 +230,26 @@ static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uin
 	const job_scope scope = {.root = span->root, .level = span->level};
 	loop_wait_for wait = {.loop = loop, .wanted = wanted};
 	bool announced = false;
-	while (!loop_linger(loop, slot, &scope, wanted)) {
+	while (!loop_spin(loop, slot, &scope, wanted)) {
 		announced = true;
 		if (job_work_park(slot, &scope, loop_ready, &wait) == JOB_IDLE_CHOSEN && !job_work_help(slot, &scope, NULL))
-			job_work_pass(slot, &(job_work){.kind = JOB_WORK_SHARED});
+			job_work_wake_next(slot, &(job_work){.kind = JOB_WORK_SHARED});
 	}
-	if (announced) /* nobody else writes it now; relaxed: the next loop_open publishes it */
+	if (announced) /* clears the flag; no other thread writes now. Relaxed: the next loop_open publishes it. */
 		atomic_store_explicit(&loop->done, wanted & ~JOB_LOOP_WAITER, memory_order_relaxed);
 	job_hook_wait_end(slot->pool, slot->index);
 }
 
-/* From how many slices on a wake-up pays; unknown slices may be long. */
-static uint32_t slices_worth(const stilb_job_pool *pool, uint64_t ticks)
+/* The least number of slices of this duration that is worth a wake-up; 1 if the duration is not known (0). */
+static uint32_t slices_to_wake_for(const stilb_job_pool *pool, uint64_t ticks)
 {
 	return ticks == 0                              ? 1
 	       : ticks * UINT32_MAX < pool->wake_ticks ? UINT32_MAX
 	                                               : (uint32_t)(pool->wake_ticks / ticks) + 1;
 }
 
-/* The loop in the caller's slot, open for all. Not inline: the way of short loops stays short. */
+/* Runs the loop with the help of others. asleep: no thread is awake to help. Not inline, to keep the code of short
+ * loops small. */
 __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, uint32_t slices, bool asleep)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -249,26 +258,27 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 	bool measured = asleep || rate->ticks == 0 || slot->loops_run++ % MEASURE_EVERY == 0;
 	uint64_t start = measured ? job_sys_ticks() : 0;
 	uint32_t threads = pool->worker_count + 1;
-	/* With more threads than CPUs one that has claimed much may not be running, and all would have to wait for it. */
-	uint32_t most = pool->crowded && rate->ticks > 0 ? slices_worth(pool, rate->ticks) : UINT32_MAX;
+	/* With more threads than CPUs a thread may be preempted after a claim, and all would wait for it: claim less at
+	 * once. */
+	uint32_t limit = pool->oversubscribed && rate->ticks > 0 ? slices_to_wake_for(pool, rate->ticks) : UINT32_MAX;
 	uint32_t all = slices - span->first;
-	span->slices = guided(all, threads, most);
+	span->slices = guided(all, threads, limit);
 	span->left = all - span->slices;
 	if (pool->hooks.submit)
 		loop->tag = pool->hooks.submit(pool->hooks.user, slot->index);
-	loop_open(loop, span, slices, most);
-	/* Asked again after the loop has been opened, for the last spinner may have gone to sleep just before; and then after each
-	 * span, for in the relaxed look of a worker that goes to sleep the loop may not have been open yet. */
+	loop_open(loop, span, slices, limit);
+	/* Looks for sleepers after the loop has been opened, since the last spinner may have gone to sleep just before; and
+	 * again after each span, since a worker that looked for work before its sleep may not have seen the loop. */
 	bool woken = wake_helper(pool, span);
 	uint64_t mine = 0;
 	do {
 		span_run(span, slot->index);
 		mine += span->slices;
 		if (!woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle)) {
-			/* What the first slices took says more than what others took some time ago. */
+			/* The duration of these slices says more than that of earlier loops. */
 			if (measured) {
-				span->worth = slices_worth(pool, (job_sys_ticks() - start) / mine);
-				atomic_store_explicit(&loop->worth, span->worth, memory_order_relaxed);
+				span->wake_slices = slices_to_wake_for(pool, (job_sys_ticks() - start) / mine);
+				atomic_store_explicit(&loop->wake_slices, span->wake_slices, memory_order_relaxed);
 			}
 			woken = wake_helper(pool, span);
 		}
@@ -279,11 +289,12 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 		loop->finished += all - mine;
 		loop_wait(loop, slot, span, loop->finished);
 	}
+	assert(slot->loops_open > 0 && loop == &slot->loop[slot->loops_open - 1] && "loops are nested");
 	slot->loops_open--;
 }
 
-/* Nobody is awake to help, and by what slices of fn took last time it would be over before somebody is. If this time they take
- * longer, the rest is left: how many slices were run. */
+/* Runs slices on the caller alone, because no thread is awake and, judging by the last time, the loop ends before one
+ * could be. Stops after the time of a wake-up, should they take longer this time. Returns the number of slices run. */
 static uint32_t loop_run_short(job_slot *slot, const loop_span *span, uint32_t slices, uint64_t start)
 {
 	uint64_t ticks = 0;
@@ -295,43 +306,43 @@ static uint32_t loop_run_short(job_slot *slot, const loop_span *span, uint32_t s
 	}
 	rate_of(slot, span->fn)->ticks = ticks / part.first + 1;
 	slot->alone_until = start + ticks;
-	slot->alone += ticks;
+	slot->alone_ticks += ticks;
 	return part.first;
 }
 
-/* Is it better to let the others sleep? Yes if this loop is shorter than a wake-up. But if one such loop follows another, a
- * worker that is awake would spin from one to the next and help with all of them: so when the short loops in a row have
- * come to what a wake-up costs, it is paid; at worst that is twice what it would have cost to know the future. */
+/* True if the others should not be woken: the loop is shorter than a wake-up. But if short loops follow one another, a
+ * worker that is awake would spin from one to the next and help with all of them. So once the short loops in a row have
+ * taken as long as a wake-up, a worker is woken. The total is at most twice the optimum (the ski rental problem). */
 static bool loop_stays_alone(job_slot *slot, const loop_span *span, uint32_t slices, uint64_t start)
 {
 	uint64_t wake_ticks = slot->pool->wake_ticks;
 	if (start - slot->alone_until > wake_ticks)
-		slot->alone = 0;
-	return slices < span->worth && slot->alone < wake_ticks;
+		slot->alone_ticks = 0;
+	return slices < span->wake_slices && slot->alone_ticks < wake_ticks;
 }
 
 void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
                             uint32_t worker)
 {
-	assert(worker <= pool->worker_count);
+	job_slot *slot = job_slot_of(pool, worker);
+	assert(fn);
 	if (count == 0)
 		return;
-	job_slot *slot = &pool->slot[worker];
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
 	loop_span span = {.fn = fn, .context = context, .count = count, .grain = grain ? grain : 1};
 	uint32_t slices = (count - 1) / span.grain + 1;
-	/* A loop that comes from no job is a root of its own, named by the place where it lies. */
+	/* A loop outside of all jobs is a root of its own, identified by its address. */
 	slot->root = span.root = outer_root ? outer_root : (uintptr_t)&slot->loop[0];
 	slot->level = span.level = outer_level + 1;
 	if (slices > 1 && pool->worker_count > 0 && slot->loops_open < JOB_LOOP_DEPTH) {
 		bool asleep = job_idle_maybe_wanted(&pool->idle);
-		span.worth = slices_worth(pool, rate_of(slot, fn)->ticks);
+		span.wake_slices = slices_to_wake_for(pool, rate_of(slot, fn)->ticks);
 		uint64_t start = asleep ? job_sys_ticks() : 0;
 		if (asleep && loop_stays_alone(slot, &span, slices, start))
 			span.first = loop_run_short(slot, &span, slices, start);
 		else if (asleep)
-			span.worth = 1;
+			span.wake_slices = 1;
 		if (span.first < slices)
 			loop_run(slot, &span, slices, asleep);
 	} else {

@@ -11,24 +11,26 @@ enum { PARKER_EMPTY, PARKER_TOKEN, PARKER_ASLEEP };
 void job_parker_sleep(job_parker *parker)
 {
 	uint32_t state = PARKER_EMPTY;
-	/* Acquire on failure pairs with the release in leave_token, as below; success publishes nothing but the word. */
+	/* Acquire on failure pairs with the release in leave_token. On success nothing but the word is published. */
 	if (atomic_compare_exchange_strong_explicit(&parker->state, &state, PARKER_ASLEEP, memory_order_acquire,
 	                                            memory_order_acquire)) {
-		/* Relaxed: only whether to go on sleeping; the exchange in job_parker_clear synchronises. */
+		/* Relaxed: only decides whether to sleep on; the exchange in job_parker_clear synchronises. */
 		while (atomic_load_explicit(&parker->state, memory_order_relaxed) == PARKER_ASLEEP)
 			job_sys_futex_wait(&parker->state, PARKER_ASLEEP);
+	} else {
+		assert(state == PARKER_TOKEN && "no other thread sleeps on this parker");
 	}
 	job_parker_clear(parker);
 }
 
 void job_parker_clear(job_parker *parker)
 {
-	/* An exchange, not a store: a second token may have been laid on the first, and the thread must see what its giver
-	 * did as well. Acquire pairs with the release in leave_token. */
+	/* An exchange and not a store: a second token may have been left on top of the first, and everything done before
+	 * that one must be visible, too. Acquire pairs with the release in leave_token. */
 	atomic_exchange_explicit(&parker->state, PARKER_EMPTY, memory_order_acquire);
 }
 
-/* True if the thread slept and must be woken by the kernel. */
+/* True if the thread sleeps and must be woken through the kernel. */
 static bool leave_token(job_parker *parker)
 {
 	/* Release pairs with the acquire in job_parker_clear. */
@@ -45,11 +47,23 @@ void job_parker_wake(job_parker *parker)
 
 void job_idle_init(job_idle_list *list, uint32_t workers)
 {
+	assert(workers <= STILB_JOB_MAX_WORKERS);
 	atomic_init(&list->state, 0);
 	list->lock = (job_lock){0};
 	list->spare = false;
 	list->workers = workers;
 	list->waiting = 0;
+}
+
+/* For asserts: the counts are right. Caller holds list->lock. */
+static bool list_is_sound(const job_idle_list *list)
+{
+	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* idlers are ordered by the lock */
+	uint32_t waiting = 0;
+	for (uint32_t i = 0; i < IDLERS(state); i++)
+		waiting += list->idler[i].worker && !list->idler[i].scope.all;
+	return job_lock_is_mine(&list->lock) && IDLERS(state) <= list->workers + 1 && waiting == list->waiting &&
+	       SPINNERS(state) <= list->workers;
 }
 
 void job_idle_bound(job_idle_list *list, job_parker *parker, uint32_t cpu)
@@ -63,9 +77,9 @@ void job_idle_bound(job_idle_list *list, job_parker *parker, uint32_t cpu)
 
 bool job_idle_spin_start(job_idle_list *list, uint32_t limit)
 {
-	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* a first guess for the exchange */
+	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* the first guess of the exchange */
 	while (SPINNERS(state) < limit)
-		/* Seq_cst as every change of the word, so that its changes are one chain (see the head of job_park.h). */
+		/* Seq_cst like every change of the word, so that its changes form one chain (see the head of job_park.h). */
 		if (atomic_compare_exchange_weak_explicit(&list->state, &state, state + SPINNER, memory_order_seq_cst,
 		                                          memory_order_relaxed))
 			return true;
@@ -74,38 +88,14 @@ bool job_idle_spin_start(job_idle_list *list, uint32_t limit)
 
 void job_idle_spin_stop(job_idle_list *list)
 {
-	/* Seq_cst, partner of (b): who saw the spinner published before the spinner looks for more. */
-	atomic_fetch_sub_explicit(&list->state, SPINNER, memory_order_seq_cst);
+	/* Seq_cst, partner of (b): a thread that saw the spinner had published its work before the spinner looks for
+	 * more. */
+	uint32_t state = atomic_fetch_sub_explicit(&list->state, SPINNER, memory_order_seq_cst);
+	assert(SPINNERS(state) > 0 && "a spinner stops once");
+	(void)state;
 }
 
-bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning)
-{
-	job_lock_take(&list->lock);
-	/* Seq_cst: step (1), partner of (b). Unsigned, so subtracting a spinner works by wrapping. */
-	uint32_t state = atomic_fetch_add_explicit(&list->state, spinning ? 1u - SPINNER : 1u, memory_order_seq_cst);
-	uint32_t count = IDLERS(state);
-	assert(count <= STILB_JOB_MAX_WORKERS);
-	list->idler[count] = *idler;
-	idler->parker->rescue = false;
-	if (idler->worker && !idler->scope.all)
-		list->waiting++;
-	bool alone = list->waiting == list->workers;
-	job_lock_give(&list->lock);
-	return alone;
-}
-
-/* Takes idler i off, keeping the order of the rest; the lock is held. */
-static void list_remove(job_idle_list *list, uint32_t i, bool spins)
-{
-	/* Seq_cst keeps the chain of changes unbroken from any (1) to any (b). */
-	uint32_t state = atomic_fetch_add_explicit(&list->state, spins ? SPINNER - 1u : -1u, memory_order_seq_cst);
-	if (list->idler[i].worker && !list->idler[i].scope.all)
-		list->waiting--;
-	for (; i + 1 < IDLERS(state); i++)
-		list->idler[i] = list->idler[i + 1];
-}
-
-/* The place of a thread on the list plus one, or 0. The lock is held. */
+/* The index of a thread on the list plus one; 0 if it is not there. Caller holds list->lock. */
 static uint32_t list_find(const job_idle_list *list, const job_parker *parker)
 {
 	uint32_t i = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
@@ -114,7 +104,38 @@ static uint32_t list_find(const job_idle_list *list, const job_parker *parker)
 	return i;
 }
 
-job_idle_fate job_idle_leave(job_idle_list *list, job_parker *parker)
+bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning)
+{
+	job_lock_take(&list->lock);
+	assert(list_find(list, idler->parker) == 0 && "a thread is on the list once");
+	/* Seq_cst: step (1), partner of (b). Unsigned arithmetic wraps, which makes the sum subtract a spinner. */
+	uint32_t state = atomic_fetch_add_explicit(&list->state, spinning ? 1u - SPINNER : 1u, memory_order_seq_cst);
+	uint32_t count = IDLERS(state);
+	assert(count <= list->workers && "the owner and the workers at most");
+	list->idler[count] = *idler;
+	idler->parker->rescue = false;
+	if (idler->worker && !idler->scope.all)
+		list->waiting++;
+	JOB_CHECK(list_is_sound(list));
+	bool alone = list->waiting == list->workers;
+	job_lock_give(&list->lock);
+	return alone;
+}
+
+/* Removes idler i and keeps the others in order. spins: it becomes a spinner. Caller holds list->lock. */
+static void list_remove(job_idle_list *list, uint32_t i, bool spins)
+{
+	assert(i < IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed))); /* ordered by the lock */
+	/* Seq_cst: keeps the chain of changes unbroken from any (1) to any (b). */
+	uint32_t state = atomic_fetch_add_explicit(&list->state, spins ? SPINNER - 1u : -1u, memory_order_seq_cst);
+	if (list->idler[i].worker && !list->idler[i].scope.all)
+		list->waiting--;
+	for (; i + 1 < IDLERS(state); i++)
+		list->idler[i] = list->idler[i + 1];
+	JOB_CHECK(list_is_sound(list));
+}
+
+job_idle_outcome job_idle_leave(job_idle_list *list, job_parker *parker)
 {
 	job_lock_take(&list->lock);
 	uint32_t place = list_find(list, parker);
@@ -122,9 +143,10 @@ job_idle_fate job_idle_leave(job_idle_list *list, job_parker *parker)
 		list_remove(list, place - 1, false);
 	bool rescue = parker->rescue;
 	job_lock_give(&list->lock);
-	/* Who takes a thread off leaves its token under the lock, so here it is there already: none is left for later. */
+	/* A thread that chooses this one leaves the token under the lock. So the token is there by now, and none can
+	 * follow. */
 	job_parker_clear(parker);
-	return place > 0 ? JOB_IDLE_UNMOVED : rescue ? JOB_IDLE_RESCUE : JOB_IDLE_CHOSEN;
+	return place > 0 ? JOB_IDLE_NOT_CHOSEN : rescue ? JOB_IDLE_RESCUE : JOB_IDLE_CHOSEN;
 }
 
 static bool scope_accepts(const job_scope *scope, const job_work *work)
@@ -146,7 +168,8 @@ static bool scope_accepts(const job_scope *scope, const job_work *work)
 	return false;
 }
 
-/* The newest idler that would do such work, as list_find; *rescue if that is because every worker waits. */
+/* The newest idler whose scope has this work, as in list_find. *rescue: no scope has it, but every worker waits. Caller
+ * holds list->lock. */
 static uint32_t list_find_for(const job_idle_list *list, const job_work *work, bool *rescue)
 {
 	uint32_t count = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
@@ -163,7 +186,8 @@ static uint32_t list_find_for(const job_idle_list *list, const job_work *work, b
 	return i;
 }
 
-/* The waker goes on running: a thread bound to its CPU would have to wait for it. The lock is held. */
+/* If the thread to be woken is bound to the CPU of its waker, which keeps running there, binds it to the spare CPU
+ * instead. Caller holds list->lock. */
 static void move_away(job_idle_list *list, job_parker *parker)
 {
 	if (!parker->bound || !list->spare || parker->cpu != job_sys_cpu() ||
@@ -174,9 +198,10 @@ static void move_away(job_idle_list *list, job_parker *parker)
 	list->spare_cpu = cpu;
 }
 
-/* Takes the idler at that place off the list and gives the lock back; then wakes it. */
-static void wake_place(job_idle_list *list, uint32_t place, bool rescue)
+/* Removes the idler at that place, releases list->lock, which the caller holds, and wakes the thread. */
+static void wake_idler(job_idle_list *list, uint32_t place, bool rescue)
 {
+	assert(place > 0);
 	job_parker *parker = list->idler[place - 1].parker;
 	parker->rescue = rescue;
 	move_away(list, parker);
@@ -195,7 +220,7 @@ bool job_idle_wake(job_idle_list *list, const job_work *work)
 	if (place == 0)
 		job_lock_give(&list->lock);
 	else
-		wake_place(list, place, rescue);
+		wake_idler(list, place, rescue);
 	return place > 0;
 }
 
@@ -209,7 +234,7 @@ void job_idle_wake_thread(job_idle_list *list, job_parker *parker)
 	if (place == 0)
 		job_lock_give(&list->lock);
 	else
-		wake_place(list, place, false);
+		wake_idler(list, place, false);
 }
 
 bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit)
@@ -222,6 +247,6 @@ bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit)
 	if (place == 0)
 		job_lock_give(&list->lock);
 	else
-		wake_place(list, place, false);
+		wake_idler(list, place, false);
 	return place > 0;
 }

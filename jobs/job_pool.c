@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Between two looks of an owner that waits for the last jobs before it takes the pool down. */
+/* The time between two looks of an owner that waits in destroy for jobs that others run. */
 #define NAP_NS 100000u
 
-#define NO_CPU UINT32_MAX
+#define NO_CPU UINT32_MAX /* in job_slot.cpu */
 
 /* ---- the workers ----------------------------------------------------------------------------------------------- */
 
@@ -20,10 +20,10 @@ static void worker_set_name(uint32_t worker)
 	pthread_setname_np(pthread_self(), name);
 }
 
-/* Spinners beside the thread that feeds them: one, or in a phase one for every other CPU. */
+/* The most spinners at a time: one, or in a phase one for each CPU but the owner's. */
 static uint32_t spin_limit(stilb_job_pool *pool)
 {
-	/* Relaxed: a hint, a phase that has just begun or ended makes itself felt a moment later. */
+	/* Relaxed: a hint; the begin or end of a phase takes effect a moment later. */
 	return atomic_load_explicit(&pool->phase, memory_order_relaxed) && pool->cpus > 2 ? pool->cpus - 1 : 1;
 }
 
@@ -33,29 +33,29 @@ static bool stopping(job_slot *slot, void *context)
 	return atomic_load_explicit(&slot->pool->stop, memory_order_acquire); /* pairs with stop_workers */
 }
 
-/* Has found nothing to do. */
+/* The worker has found nothing to do. */
 static void worker_idle(job_slot *slot)
 {
 	stilb_job_pool *pool = slot->pool;
 	if (!slot->spinning)
 		slot->spinning = job_idle_spin_start(&pool->idle, spin_limit(pool));
-	if (slot->spinning && job_work_linger(slot, &job_scope_all, NULL))
+	if (slot->spinning && job_work_spin(slot, &job_scope_all, NULL))
 		return;
 	job_work_park(slot, &job_scope_all, stopping, NULL);
 	if (slot->spinning && spin_limit(pool) > 1)
-		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* phase_begin woke this one, which wakes the next */
+		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* phase_begin wakes one spinner, which wakes the next */
 }
 
-/* Lets a thread with many small jobs get on with them. Counted as a spinner meanwhile: it is about to look for work. */
-static void leave_alone(job_slot *slot)
+/* Pauses stealing from a thread with many small jobs. Counts as a spinner meanwhile: the worker looks for work soon. */
+static void pause_stealing(job_slot *slot)
 {
-	uint64_t start = job_sys_ticks(), rest = job_sys_ticks_in(JOB_STEAL_REST_NS);
-	slot->meagre = false;
+	uint64_t start = job_sys_ticks(), pause = job_sys_ticks_in(JOB_STEAL_PAUSE_NS);
+	slot->steal_unprofitable = false;
 	if (job_deque_empty(&slot->pool->slot[slot->victim].deque))
-		return; /* it was the only one */
+		return; /* that was its only job */
 	if (!slot->spinning)
 		slot->spinning = job_idle_spin_start(&slot->pool->idle, spin_limit(slot->pool));
-	while (job_sys_ticks() - start < rest)
+	while (job_sys_ticks() - start < pause)
 		job_sys_pause();
 }
 
@@ -63,16 +63,17 @@ static void *worker_main(void *data)
 {
 	job_slot *slot = data;
 	stilb_job_pool *pool = slot->pool;
+	job_slot_set_mine(slot);
 	worker_set_name(slot->index);
-	if (slot->cpu != NO_CPU && job_sys_bind(0, slot->cpu)) /* if it cannot be, it goes without */
+	if (slot->cpu != NO_CPU && job_sys_bind(0, slot->cpu)) /* if refused, it stays unbound */
 		job_idle_bound(&pool->idle, &slot->parker, slot->cpu);
 	if (pool->hooks.thread_start)
 		pool->hooks.thread_start(pool->hooks.user, slot->index);
 	while (!stopping(slot, NULL))
 		if (!job_work_help(slot, &job_scope_all, NULL))
 			worker_idle(slot);
-		else if (slot->meagre)
-			leave_alone(slot);
+		else if (slot->steal_unprofitable)
+			pause_stealing(slot);
 	if (slot->spinning)
 		job_idle_spin_stop(&pool->idle);
 	if (pool->hooks.thread_stop)
@@ -80,7 +81,7 @@ static void *worker_main(void *data)
 	return NULL;
 }
 
-/* Joins workers 1..started. */
+/* Stops and joins workers 1 to started. */
 static void stop_workers(stilb_job_pool *pool, uint32_t started)
 {
 	atomic_store_explicit(&pool->stop, true, memory_order_release); /* pairs with the acquire in stopping */
@@ -102,7 +103,7 @@ static void pool_free(stilb_job_pool *pool)
 	free(pool);
 }
 
-/* 0 or -ENOMEM; what has been made is freed by pool_free. */
+/* Creates the shared queues and the deques. 0 or -ENOMEM; pool_free frees those that were created. */
 static int make_queues(stilb_job_pool *pool, const stilb_job_pool_desc *desc, job_queue_maker *make)
 {
 	stilb_job_queue_desc queue = {
@@ -138,7 +139,7 @@ static void slot_init(job_slot *slot, stilb_job_pool *pool, uint32_t index)
 static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 {
 	size_t size = sizeof(stilb_job_pool) + (desc->worker_count + 1) * sizeof(job_slot);
-	stilb_job_pool *pool = aligned_alloc(JOB_LINE, size); /* both parts are multiples of the alignment */
+	stilb_job_pool *pool = aligned_alloc(JOB_LINE, size); /* both structs are multiples of the alignment */
 	if (!pool)
 		return NULL;
 	memset(pool, 0, size);
@@ -148,17 +149,18 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 	pool->cpus = stilb_job_cpu_count();
 	pool->wake_ticks = job_sys_ticks_in(JOB_WAKE_NS);
 	pool->steal_ticks = job_sys_ticks_in(JOB_STEAL_NS);
-	pool->crowded = desc->worker_count >= pool->cpus;
+	pool->oversubscribed = desc->worker_count >= pool->cpus;
 	pool->hooks = desc->hooks;
-	pool->owner = pthread_self();
 	for (uint32_t i = 0; i <= desc->worker_count; i++)
 		slot_init(&pool->slot[i], pool, i);
+	job_slot_set_mine(&pool->slot[0]);
 	return pool;
 }
 
-/* A worker woken by a thread that goes on running starts at once only on another CPU, and left alone the kernel mostly puts it on
- * that thread's own. So each worker gets a CPU of its own and one is left for the owner, if there are enough; should the owner
- * be moved to a worker's CPU, that worker changes over to the one left (job_park.c). */
+/* A worker that is woken by a thread which keeps running starts at once only on another CPU, but the kernel mostly
+ * chooses the waker's. So each worker is bound to a CPU of its own and one CPU is left for the owner, if there are
+ * enough CPUs. If the owner moves to a worker's CPU, its next wake-up of that worker binds it to the CPU left over
+ * (job_park.c). */
 static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 {
 	uint32_t cpus[STILB_JOB_MAX_WORKERS];
@@ -192,6 +194,7 @@ stilb_job_pool_desc stilb_job_pool_desc_default(void)
 
 int job_pool_create_over(const stilb_job_pool_desc *desc, job_queue_maker *make, stilb_job_pool **out)
 {
+	assert(desc && out);
 	*out = NULL;
 	if (desc->worker_count > STILB_JOB_MAX_WORKERS || (uint32_t)desc->queue > STILB_JOB_QUEUE_LOCK_FREE ||
 	    (uint32_t)desc->affinity > STILB_JOB_AFFINITY_NONE)
@@ -216,46 +219,70 @@ int stilb_job_pool_create(const stilb_job_pool_desc *desc, stilb_job_pool **pool
 	return job_pool_create_over(desc, NULL, pool);
 }
 
-/* True if at some moment during the call every job that had been submitted had finished: then nobody is in the middle of one,
- * who could submit another. All that has finished is counted before all that has been submitted, so what comes in between
- * only adds to the latter. */
-static bool pool_quiet(stilb_job_pool *pool)
+/* True if at some moment during the call every submitted job had finished; then no job is in progress that could submit
+ * another. The finished jobs are counted first, so jobs that are submitted or finish between the two counts can only
+ * make the result false. */
+static bool pool_is_quiet(stilb_job_pool *pool)
 {
 	uint64_t finished = 0, submitted = 0;
-	/* Acquire pairs with job_count. */
+	/* Acquire, all: pairs with job_count. */
 	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		finished += atomic_load_explicit(&pool->slot[i].finished, memory_order_acquire);
 	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		submitted += atomic_load_explicit(&pool->slot[i].submitted, memory_order_acquire);
 	for (int i = 0; i < JOB_GUESTS; i++)
 		submitted += atomic_load_explicit(&pool->guest[i].submitted, memory_order_acquire);
+	assert(finished <= submitted);
 	return finished == submitted;
+}
+
+/* For asserts: no thread but the caller is inside the pool, and no job is left. After the workers have been joined. */
+static bool pool_is_deserted(stilb_job_pool *pool)
+{
+	for (uint32_t i = 0; i <= pool->worker_count; i++) {
+		job_slot *slot = &pool->slot[i];
+		/* Relaxed: no other call is in progress. */
+		if (!job_deque_empty(&slot->deque) || atomic_load_explicit(&slot->inbox, memory_order_relaxed) ||
+		    slot->pinned || slot->loops_open > 0 || slot->level > 0)
+			return false;
+	}
+	for (int i = 0; i < JOB_SHARED_COUNT; i++)
+		if (!stilb_job_queue_empty(pool->shared[i], 0))
+			return false;
+	return true;
 }
 
 void stilb_job_pool_destroy(stilb_job_pool *pool)
 {
 	if (!pool)
 		return;
-	assert(pthread_equal(pool->owner, pthread_self()));
-	while (!pool_quiet(pool))
+	assert(job_slot_is_mine(&pool->slot[0]) && "destroyed by its owner");
+	assert(pool->slot[0].level == 0 && "not from inside a job");
+	assert(!pool->visitors && atomic_load_explicit(&pool->guests, memory_order_relaxed) == 0 &&
+	       "no other call is running");
+	while (!pool_is_quiet(pool))
 		if (!job_work_help(&pool->slot[0], &job_scope_all, NULL))
 			job_sys_nap(NAP_NS);
 	stop_workers(pool, pool->worker_count);
+	JOB_CHECK(pool_is_deserted(pool));
 	pool_free(pool);
 }
 
 void stilb_job_pool_cancel(stilb_job_pool *pool)
 {
+	assert(pool);
 	atomic_store_explicit(&pool->cancelled, true, memory_order_relaxed);
 }
 
 uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool)
 {
+	assert(pool);
 	return pool->worker_count;
 }
 
 void stilb_job_phase_begin(stilb_job_pool *pool)
 {
+	assert(pool);
 	/* Relaxed: a hint to spinners. */
 	if (atomic_fetch_add_explicit(&pool->phase, 1, memory_order_relaxed) == 0)
 		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* it wakes the next */
@@ -263,7 +290,9 @@ void stilb_job_phase_begin(stilb_job_pool *pool)
 
 void stilb_job_phase_end(stilb_job_pool *pool)
 {
+	assert(pool);
+	/* Relaxed, as in stilb_job_phase_begin. */
 	uint32_t phases = atomic_fetch_sub_explicit(&pool->phase, 1, memory_order_relaxed);
-	assert(phases > 0);
+	assert(phases > 0 && "a phase ends after it has begun");
 	(void)phases;
 }

@@ -6,16 +6,16 @@
 
 uint32_t job_guest_enter(stilb_job_pool *pool)
 {
-	uint32_t turns = 0;
-	uint32_t used = atomic_load_explicit(&pool->guests, memory_order_relaxed); /* a first guess for the exchange */
+	uint32_t rounds = 0;
+	uint32_t used = atomic_load_explicit(&pool->guests, memory_order_relaxed); /* the first guess of the exchange */
 	for (;;) {
 		uint32_t guest = used == UINT32_MAX ? JOB_GUESTS : (uint32_t)__builtin_ctz(~used);
 		if (guest >= JOB_GUESTS) {
-			job_sys_relax(&turns);
+			job_sys_relax(&rounds);
 			used = atomic_load_explicit(&pool->guests, memory_order_relaxed);
 			continue;
 		}
-		/* Acquire pairs with the release in leave: what the last guest of this number left behind. */
+		/* Acquire pairs with the release in job_guest_leave: the state of the previous guest of this number. */
 		if (atomic_compare_exchange_weak_explicit(&pool->guests, &used, used | 1u << guest, memory_order_acquire,
 		                                          memory_order_relaxed))
 			return guest;
@@ -24,16 +24,20 @@ uint32_t job_guest_enter(stilb_job_pool *pool)
 
 void job_guest_leave(stilb_job_pool *pool, uint32_t guest)
 {
-	atomic_fetch_and_explicit(&pool->guests, ~(1u << guest), memory_order_release); /* pairs with enter */
+	assert(guest < JOB_GUESTS);
+	/* Release pairs with job_guest_enter. */
+	uint32_t used = atomic_fetch_and_explicit(&pool->guests, ~(1u << guest), memory_order_release);
+	assert(used & 1u << guest && "a guest leaves once");
+	(void)used;
 }
 
 /* ---- where a job goes ------------------------------------------------------------------------------------------ */
 
-/* Needs no memory, so it cannot fail. */
+/* Gives the record to one thread. Needs no memory, so it cannot fail. */
 static void push_inbox(job_slot *target, job_record *record)
 {
-	record->next = atomic_load_explicit(&target->inbox, memory_order_relaxed); /* a first guess for the exchange */
-	/* Seq_cst: publishes the record to the target's exchange, and comes before the look at the idle list. */
+	record->next = atomic_load_explicit(&target->inbox, memory_order_relaxed); /* the first guess of the exchange */
+	/* Seq_cst: publishes the record to the target's exchange, and precedes the look at the idle list: step (a). */
 	while (!atomic_compare_exchange_weak_explicit(&target->inbox, &record->next, record, memory_order_seq_cst,
 	                                              memory_order_relaxed))
 		;
@@ -52,12 +56,12 @@ static uint32_t shared_of(const job_record *record)
 	}
 }
 
-/* 0 or -ENOMEM. */
+/* Pushes into the shared queue of the record's priority; thread is the caller's number there. 0 or -ENOMEM. */
 static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread)
 {
 	uint32_t which = shared_of(record);
-	atomic_fetch_add_explicit(&pool->shared_hint[which], 1,
-	                          memory_order_relaxed); /* first: it never falls below zero */
+	/* Relaxed: a hint. Raised before the push, so that it never falls below zero. */
+	atomic_fetch_add_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
 	int error = stilb_job_queue_push(pool->shared[which], record, thread);
 	if (error) {
 		atomic_fetch_sub_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
@@ -69,10 +73,10 @@ static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread
 	return 0;
 }
 
-/* 0 or -ENOMEM. */
+/* Pushes into the calling thread's deque. 0 or -ENOMEM. */
 static int push_own(job_slot *slot, job_record *record)
 {
-	/* Read before the push, after which the record may be gone. */
+	/* Read before the push, after which another thread may have run the job. */
 	job_work work = {.kind = JOB_WORK_JOB,
 	                 .root = atomic_load_explicit(&record->root, memory_order_relaxed),
 	                 .level = atomic_load_explicit(&record->level, memory_order_relaxed)};
@@ -82,19 +86,20 @@ static int push_own(job_slot *slot, job_record *record)
 	return error;
 }
 
-/* Where there is no memory for the way of choice: some worker's inbox. */
-static job_slot *refuge(stilb_job_pool *pool)
+/* The slot whose inbox takes a job when there is no memory for a queue: a worker's, if there is one. */
+static job_slot *fallback_slot(stilb_job_pool *pool)
 {
 	return &pool->slot[pool->worker_count > 0];
 }
 
 void job_submit_record(job_slot *slot, job_record *record)
 {
+	assert(job_slot_is_mine(slot));
 	if (record->target != JOB_ANYONE)
 		push_inbox(&slot->pool->slot[record->target], record);
 	else if ((record->priority != STILB_JOB_NORMAL || push_own(slot, record) != 0) &&
 	         push_shared(slot->pool, record, slot->index) != 0)
-		push_inbox(refuge(slot->pool), record);
+		push_inbox(fallback_slot(slot->pool), record);
 }
 
 static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t guest)
@@ -102,12 +107,12 @@ static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t g
 	if (record->target != JOB_ANYONE)
 		push_inbox(&pool->slot[record->target], record);
 	else if (push_shared(pool, record, pool->worker_count + 1 + guest) != 0)
-		push_inbox(refuge(pool), record);
+		push_inbox(fallback_slot(pool), record);
 }
 
 /* ---- public ---------------------------------------------------------------------------------------------------- */
 
-/* Fills in what the record inherits, counts it and sends it on its way; slot is NULL for a guest. */
+/* Sets the record's root, level and tag, counts it, and puts it where it belongs. slot is NULL for a guest. */
 static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *after, job_slot *slot, uint32_t guest)
 {
 	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)record->group;
@@ -117,7 +122,7 @@ static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *af
 		record->tag = pool->hooks.submit(pool->hooks.user, slot ? slot->index : STILB_JOB_OUTSIDE);
 	job_count(slot ? &slot->submitted : &pool->guest[guest].submitted);
 	if (record->group)
-		job_group_add(record->group, 1); /* first: the job may have finished before the push returns */
+		job_group_add(record->group, 1); /* before the push: the job may have finished by the time that returns */
 	if (after && job_group_follow(pool, after, record))
 		return;
 	if (slot)
@@ -126,11 +131,12 @@ static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *af
 		submit_as_guest(pool, record, guest);
 }
 
-/* Copies the filled-in part of job into a record and submits that. */
+/* Copies the job's own fields into a new record and submits that. 0 or -ENOMEM. */
 static int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_group *after, uint32_t worker)
 {
-	assert(worker == STILB_JOB_OUTSIDE || worker <= pool->worker_count);
-	job_slot *slot = worker == STILB_JOB_OUTSIDE ? NULL : &pool->slot[worker];
+	assert(pool);
+	assert((job->count > 0 ? (bool)job->fn.range : (bool)job->fn.one) && "a job has a function");
+	job_slot *slot = worker == STILB_JOB_OUTSIDE ? NULL : job_slot_of(pool, worker);
 	uint32_t guest = slot ? 0 : job_guest_enter(pool);
 	job_record *record = job_record_take(&pool->records, slot ? &slot->records : &pool->guest[guest].records);
 	if (record) {
@@ -157,6 +163,7 @@ int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_j
 int stilb_job_submit_with(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group,
                           const stilb_job_options *options, uint32_t worker)
 {
+	assert(pool && options);
 	if ((options->pinned && options->target > pool->worker_count) || (uint32_t)options->priority > STILB_JOB_LOW ||
 	    (options->after && options->after == group))
 		return -EINVAL;

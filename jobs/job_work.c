@@ -2,19 +2,21 @@
 
 #include <sched.h>
 
-/* Jobs in a row from one place before the thread looks elsewhere. */
+/* The most jobs in a row from one deque before the thread looks elsewhere. */
 #ifndef JOBS_IN_A_ROW
 #define JOBS_IN_A_ROW 16
 #endif
 
-/* Loops and the shared queue come before the own deque every so many times, so that none of them starves. */
+/* Every so many looks for work, loops and the shared queue come before the thread's own deque, so that none starves. */
 #ifndef SHARED_FIRST
 #define SHARED_FIRST 16
 #endif
 
-/* A yield that takes this many times a wake-up has given the CPU to a stranger; and for how many turns it is not repeated. */
+/* If sched_yield takes longer than this many wake-ups, another process has run on the CPU. */
 #define YIELD_LONG 10
-#define TURNS_WITHOUT_YIELD 100000
+
+/* Spins after such a yield before the thread yields again. */
+#define SPINS_WITHOUT_YIELD 100000
 
 const job_scope job_scope_all = {.all = true, .jobs = true, .high = true};
 
@@ -28,12 +30,13 @@ void job_work_spin_stop(job_slot *slot)
 	}
 }
 
-/* Runs one job, except for telling its group. */
+/* Runs one job; the caller counts it out of its group. */
 static void run_one(job_slot *slot, job_record *record)
 {
 	stilb_job_pool *pool = slot->pool;
 	const stilb_job_hooks *hooks = &pool->hooks;
 	job_record job = {.fn = record->fn, .data = record->data, .count = record->count, .grain = record->grain};
+	assert(record->target == JOB_ANYONE || record->target == slot->index);
 	uint64_t tag = record->tag;
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
@@ -65,15 +68,15 @@ static bool scope_has(const job_scope *scope, const job_record *record)
 	                      atomic_load_explicit(&record->level, memory_order_relaxed) > scope->level);
 }
 
-/* The newest of the thread's own jobs, if the scope has it. */
+/* Takes the newest job of the thread's own deque if the scope has it. */
 static job_record *take_own(job_slot *slot, const job_scope *scope)
 {
-	/* If a thief takes the record that was looked at, the deque is empty: pop gives that one or none. */
+	/* A thief can take this record only if it is the last one, so pop returns this record or NULL. */
 	job_record *newest = job_deque_newest(&slot->deque);
 	return newest && scope_has(scope, newest) ? job_deque_pop(&slot->deque) : NULL;
 }
 
-/* The oldest job of one thread's deque, if the scope has it. */
+/* Takes the oldest job of one thread's deque if the scope has it. */
 static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -82,13 +85,14 @@ static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *
 	job_record *record = job_deque_oldest(deque, &top);
 	if (!record || !scope_has(scope, record) || !job_deque_steal(deque, top))
 		return NULL;
-	slot->victim = victim; /* where there was one there may be more */
+	slot->victim = victim; /* there may be more */
 	if (pool->hooks.steal && victim != slot->index)
 		pool->hooks.steal(pool->hooks.user, slot->index, victim);
 	return record;
 }
 
-/* The same for all threads. A waiting thread looks at its own deque, too: what it may run can lie under what it may not. */
+/* Tries all threads, first the victim of the last steal. A waiting thread tries its own deque, too: a job of its scope
+ * may be the oldest there, below newer jobs outside the scope. */
 static job_record *steal(job_slot *slot, const job_scope *scope)
 {
 	uint32_t threads = slot->pool->worker_count + 1, victim = slot->victim;
@@ -98,24 +102,24 @@ static job_record *steal(job_slot *slot, const job_scope *scope)
 	return record;
 }
 
-/* A steal costs the victim as much as it costs the thief, for it takes the line of the victim's deque away. A thief whose last
- * catch took less than that leaves the victim alone for a moment: two threads that fight over empty jobs are slower than
- * one that runs them in peace. */
-static void note_catch(job_slot *slot, uint64_t ticks)
+/* A steal costs the victim as much as the thief, since it takes away the cache line of the victim's deque. After a
+ * stolen job shorter than that the thief pauses: two threads that contend for empty jobs are slower than one that runs
+ * them undisturbed. ticks: the duration of the stolen job. */
+static void note_steal_cost(job_slot *slot, uint64_t ticks)
 {
-	slot->meagre = ticks < slot->pool->steal_ticks;
+	slot->steal_unprofitable = ticks < slot->pool->steal_ticks;
 }
 
-/* Is there something that comes before the next job of the same place? Relaxed: a guess. */
+/* A hint, relaxed: true if there is work that goes before the next job of the same deque. */
 static bool urgent(job_slot *slot)
 {
 	return atomic_load_explicit(&slot->pool->shared_hint[JOB_SHARED_HIGH], memory_order_relaxed) > 0 ||
 	       atomic_load_explicit(&slot->inbox, memory_order_relaxed);
 }
 
-/* Runs a job and then, if there is a scope, more that it has, from the own deque or where the last one was stolen. Those of one
- * group that come in a row are counted out of it together: it cannot have finished before the last of them anyway, and
- * its word is the one that all threads fight for. */
+/* Runs a job and then, if scope is not NULL, more jobs of the scope, from the thread's own deque or the deque that the
+ * job was stolen from. Consecutive jobs of one group are subtracted from its counter together: the group cannot finish
+ * before the last of them, and the counter is the most contended cache line. */
 static void run(job_slot *slot, job_record *record, bool stolen, const job_scope *scope, stilb_job_group *until)
 {
 	stilb_job_group *group = record->group;
@@ -130,14 +134,14 @@ static void run(job_slot *slot, job_record *record, bool stolen, const job_scope
 		uint64_t start = stolen ? job_sys_ticks() : 0;
 		run_one(slot, record);
 		if (stolen)
-			note_catch(slot, job_sys_ticks() - start);
+			note_steal_cost(slot, job_sys_ticks() - start);
 		jobs++;
 		bool enough = until && (until == group ? job_group_done_but(until, jobs) : job_group_done(until));
 		record = NULL;
 		if (!scope || enough || i + 1 == JOBS_IN_A_ROW || urgent(slot))
 			continue;
 		record = take_own(slot, scope);
-		stolen = !record && stolen && !slot->meagre && (record = steal_from(slot, slot->victim, scope));
+		stolen = !record && stolen && !slot->steal_unprofitable && (record = steal_from(slot, slot->victim, scope));
 	}
 	if (group)
 		job_group_finish(slot, group, jobs);
@@ -145,13 +149,13 @@ static void run(job_slot *slot, job_record *record, bool stolen, const job_scope
 
 /* ---- where to find it ------------------------------------------------------------------------------------------ */
 
-/* Moves the inbox to the end of the thread's own list, oldest first. */
+/* Moves the jobs of the inbox to the end of slot->pinned, oldest first. */
 static void fetch_pinned(job_slot *slot)
 {
-	/* Relaxed: a guess; if it misses one, the look before the sleep does not. */
+	/* Relaxed: a hint; job_work_exists, which precedes every sleep, does not miss any. */
 	if (!atomic_load_explicit(&slot->inbox, memory_order_relaxed))
 		return;
-	/* Acquire pairs with push_inbox: the records. */
+	/* Acquire pairs with push_inbox: the contents of the records. */
 	job_record *newest = atomic_exchange_explicit(&slot->inbox, NULL, memory_order_acquire), *oldest = NULL;
 	while (newest) {
 		job_record *next = newest->next;
@@ -179,16 +183,18 @@ static job_record *take_shared(job_slot *slot, uint32_t which)
 {
 	stilb_job_pool *pool = slot->pool;
 	void *record;
-	/* Relaxed: a guess, as above. */
+	/* Relaxed: a hint, as in fetch_pinned. */
 	if (atomic_load_explicit(&pool->shared_hint[which], memory_order_relaxed) == 0 ||
 	    stilb_job_queue_pop(pool->shared[which], &record, slot->index) != 0)
 		return NULL;
-	atomic_fetch_sub_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
+	uint32_t hint = atomic_fetch_sub_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
+	assert(hint > 0 && "raised before the push");
+	(void)hint;
 	stilb_job_queue_rest(pool->shared[which], slot->index); /* the job may be long */
 	return record;
 }
 
-/* A job that lay where others can see it; *work says what kind it was. */
+/* Takes a job from a place that all threads look at; *work says from which. NULL if there is none. */
 static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work *work)
 {
 	*work = (job_work){.kind = JOB_WORK_SHARED};
@@ -202,7 +208,7 @@ static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work
 	return record;
 }
 
-/* Is there something to be stolen? */
+/* True if the oldest job of some deque is in the scope. */
 static bool deques_have(stilb_job_pool *pool, const job_scope *scope)
 {
 	for (uint32_t i = 0; i <= pool->worker_count; i++) {
@@ -214,7 +220,8 @@ static bool deques_have(stilb_job_pool *pool, const job_scope *scope)
 	return false;
 }
 
-/* Takes a job and says what kind of work it was; NULL if there is none or a loop was helped (then *helped). */
+/* Takes a job; *work says from which place. NULL if there is none, or if slices of a loop were run instead
+ * (*helped). */
 static job_record *take_any(job_slot *slot, const job_scope *scope, stilb_job_group *until, job_work *work,
                             bool *helped)
 {
@@ -226,9 +233,9 @@ static job_record *take_any(job_slot *slot, const job_scope *scope, stilb_job_gr
 		*helped = !record && job_loop_help(slot, scope, until);
 		return record;
 	}
-	slot->turn = (slot->turn + 1) % SHARED_FIRST;
+	slot->poll_round = (slot->poll_round + 1) % SHARED_FIRST;
 	*work = (job_work){.kind = JOB_WORK_SHARED};
-	if (slot->turn == 0) {
+	if (slot->poll_round == 0) {
 		*helped = job_loop_help(slot, scope, until);
 		if (!*helped && scope->all)
 			record = take_shared(slot, JOB_SHARED_NORMAL);
@@ -244,14 +251,15 @@ static job_record *take_any(job_slot *slot, const job_scope *scope, stilb_job_gr
 
 bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *until)
 {
+	assert(job_slot_is_mine(slot));
 	job_work work;
 	bool helped = false;
 	job_record *record = take_any(slot, scope, until, &work, &helped);
 	if (!record)
 		return helped;
 	job_work_spin_stop(slot);
-	if (work.kind != JOB_WORK_OWN) /* who pushed an own one has seen to it that somebody looks for the next */
-		job_work_pass(slot, &work);
+	if (work.kind != JOB_WORK_OWN) /* a push into the own deque has woken a thread already */
+		job_work_wake_next(slot, &work);
 	run(slot, record, work.kind == JOB_WORK_JOB, scope->jobs ? scope : NULL, until);
 	return true;
 }
@@ -273,7 +281,7 @@ bool job_work_rescue(job_slot *slot)
 bool job_work_exists(job_slot *slot, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
-	/* Seq_cst: the look (2) of job_park.h. */
+	/* Seq_cst: step (2) of job_park.h. */
 	if (slot->pinned || atomic_load_explicit(&slot->inbox, memory_order_seq_cst))
 		return true;
 	if (scope->high && !stilb_job_queue_empty(pool->shared[JOB_SHARED_HIGH], slot->index))
@@ -284,17 +292,17 @@ bool job_work_exists(job_slot *slot, const job_scope *scope)
 	return (scope->jobs && deques_have(pool, scope)) || job_loop_exists(pool, scope);
 }
 
-void job_work_pass(job_slot *slot, const job_work *work)
+void job_work_wake_next(job_slot *slot, const job_work *work)
 {
-	/* A relaxed guess will do: a thread that goes to sleep later looks for work itself. */
+	/* A relaxed hint suffices: a thread that goes to sleep later looks for work itself. */
 	if (job_idle_maybe_wanted(&slot->pool->idle) && job_work_exists(slot, &job_scope_all))
 		job_idle_wake(&slot->pool->idle, work);
 }
 
 /* ---- idling ---------------------------------------------------------------------------------------------------- */
 
-/* The same question as job_work_exists, answered by a glance: relaxed, only at what is likely. */
-static bool glimpse(job_slot *slot, const job_scope *scope)
+/* job_work_exists as a hint: relaxed, and only the likely places. */
+static bool work_seems_to_exist(job_slot *slot, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
 	if (job_loop_exists(pool, scope) || atomic_load_explicit(&slot->inbox, memory_order_relaxed))
@@ -308,27 +316,28 @@ static bool glimpse(job_slot *slot, const job_scope *scope)
 
 void job_work_relax(job_slot *slot)
 {
-	if (!slot->pool->crowded || slot->no_yield > 0) {
-		slot->no_yield -= slot->no_yield > 0;
+	if (!slot->pool->oversubscribed || slot->spins_without_yield > 0) {
+		slot->spins_without_yield -= slot->spins_without_yield > 0;
 		job_sys_pause();
 		return;
 	}
-	/* What is waited for may be waiting for this CPU. But if it goes to a stranger for a whole time slice, waiters had better
-	 * spin and sleep like others for a while: the kernel favours who wakes up over who yields. */
+	/* The thread that is waited for may need this CPU. But if a yield hands it to another process for a whole time
+	 * slice, it is better to spin and sleep for a while, since the scheduler favours threads that wake up over threads
+	 * that yield. */
 	uint64_t start = job_sys_ticks();
 	sched_yield();
 	if (job_sys_ticks() - start > YIELD_LONG * slot->pool->wake_ticks)
-		slot->no_yield = TURNS_WITHOUT_YIELD;
+		slot->spins_without_yield = SPINS_WITHOUT_YIELD;
 }
 
-bool job_work_linger(job_slot *slot, const job_scope *scope, stilb_job_group *until)
+bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *until)
 {
 	stilb_job_pool *pool = slot->pool;
 	uint64_t start = job_sys_ticks();
-	/* Relaxed: hints; the caller looks properly afterwards. */
+	/* Relaxed: hints; the caller then looks again with job_work_exists. */
 	while (job_sys_ticks() - start < pool->wake_ticks ||
 	       (scope->all && atomic_load_explicit(&pool->phase, memory_order_relaxed))) {
-		if (glimpse(slot, scope) || (until && job_group_done(until)) ||
+		if (work_seems_to_exist(slot, scope) || (until && job_group_done(until)) ||
 		    atomic_load_explicit(&pool->stop, memory_order_relaxed))
 			return true;
 		job_work_relax(slot);
@@ -336,7 +345,8 @@ bool job_work_linger(job_slot *slot, const job_scope *scope, stilb_job_group *un
 	return false;
 }
 
-static void rest(job_slot *slot)
+/* The thread holds no segments of the shared queues while it sleeps. */
+static void queues_quiesce(job_slot *slot)
 {
 	for (int i = 0; i < JOB_SHARED_COUNT; i++)
 		stilb_job_queue_rest(slot->pool->shared[i], slot->index);
@@ -345,7 +355,7 @@ static void rest(job_slot *slot)
 static void sleep_until_woken(job_slot *slot)
 {
 	const stilb_job_hooks *hooks = &slot->pool->hooks;
-	rest(slot);
+	queues_quiesce(slot);
 	if (hooks->park)
 		hooks->park(hooks->user, slot->index);
 	job_parker_sleep(&slot->parker);
@@ -353,11 +363,12 @@ static void sleep_until_woken(job_slot *slot)
 		hooks->wake(hooks->user, slot->index);
 }
 
-job_idle_fate job_work_park(job_slot *slot, const job_scope *scope, job_ready_fn *ready, void *context)
+job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready_fn *ready, void *context)
 {
 	stilb_job_pool *pool = slot->pool;
+	assert(slot->index > 0 || !slot->spinning); /* only workers spin */
 	job_idler idler = {.parker = &slot->parker, .scope = *scope, .worker = slot->index > 0};
-	/* The steps (1) to (3) of job_park.h. */
+	/* Steps (1) to (3) of job_park.h. */
 	bool alone = job_idle_enter(&pool->idle, &idler, slot->spinning);
 	slot->spinning = false;
 	bool rescue = false;
@@ -370,20 +381,20 @@ job_idle_fate job_work_park(job_slot *slot, const job_scope *scope, job_ready_fn
 		if (!rescue && !job_work_exists(slot, scope))
 			sleep_until_woken(slot);
 	}
-	job_idle_fate fate = job_idle_leave(&pool->idle, &slot->parker);
-	slot->spinning = scope->all && fate == JOB_IDLE_CHOSEN;
-	return rescue ? JOB_IDLE_RESCUE : fate;
+	job_idle_outcome outcome = job_idle_leave(&pool->idle, &slot->parker);
+	slot->spinning = scope->all && outcome == JOB_IDLE_CHOSEN;
+	return rescue ? JOB_IDLE_RESCUE : outcome;
 }
 
 uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker)
 {
-	job_slot *slot = &pool->slot[worker];
-	uint32_t jobs = 0, there = 0;
+	job_slot *slot = job_slot_of(pool, worker);
+	uint32_t jobs = 0, present = 0;
 	fetch_pinned(slot);
 	for (job_record *record = slot->pinned; record; record = record->next)
-		there++;
-	/* Not those that come meanwhile: such a job may submit itself again. */
-	for (job_record *record; jobs < there && (record = take_pinned(slot)); jobs++)
+		present++;
+	/* Not the jobs that arrive meanwhile: a job may submit itself again. */
+	for (job_record *record; jobs < present && (record = take_pinned(slot)); jobs++)
 		run(slot, record, false, NULL, NULL);
 	return jobs;
 }
