@@ -1,0 +1,350 @@
+/* The contracts of jobs, each broken on purpose. */
+#include "jobs/job_internal.h"
+#include "jobs/job_spsc.h"
+#include "support/contract.h"
+#include "support/test.h"
+
+/* ---- calls from inside an allocation: linked with -Wl,--wrap=malloc,--wrap=aligned_alloc ------------------------- */
+
+static void (*inside_allocation)(void);
+
+static void allocation_begins(void)
+{
+	void (*call)(void) = inside_allocation;
+	inside_allocation = NULL;
+	if (call)
+		call();
+}
+
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_malloc(size_t size)
+{
+	allocation_begins();
+	return __real_malloc(size);
+}
+
+void *__real_aligned_alloc(size_t alignment, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size)
+{
+	allocation_begins();
+	return __real_aligned_alloc(alignment, size);
+}
+
+/* ---- the pool ---------------------------------------------------------------------------------------------------- */
+
+static stilb_job_pool *pool_of(uint32_t workers)
+{
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	desc.worker_count = workers;
+	stilb_job_pool *pool = NULL;
+	if (stilb_job_pool_create(&desc, &pool) != 0)
+		_exit(0);
+	return pool;
+}
+
+static void nothing(void *data, uint32_t worker)
+{
+	(void)data;
+	(void)worker;
+}
+
+static void no_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)begin;
+	(void)end;
+	(void)worker;
+	(void)context;
+}
+
+static void a_call_takes_the_callers_index(void **state)
+{
+	(void)state;
+	contract_breaks("the calling thread's own index", stilb_job_submit(pool_of(1), nothing, NULL, NULL, 1));
+	contract_breaks("the index of a thread of the pool", stilb_job_submit(pool_of(1), nothing, NULL, NULL, 2));
+	contract_breaks("the index of a thread of the pool",
+	                (stilb_job_parallel_for(pool_of(0), 1, 1, no_slice, NULL, STILB_JOB_OUTSIDE), 0));
+	contract_breaks("the calling thread's own index", stilb_job_run_pinned(pool_of(1), 1));
+}
+
+static void *submit_as_owner(void *pool)
+{
+	stilb_job_submit(pool, nothing, NULL, NULL, 0);
+	return NULL;
+}
+
+static void *destroy(void *pool)
+{
+	stilb_job_pool_destroy(pool);
+	return NULL;
+}
+
+static void on_another_thread(void *(*fn)(void *), stilb_job_pool *pool)
+{
+	pthread_t thread;
+	if (pthread_create(&thread, NULL, fn, pool) == 0)
+		pthread_join(thread, NULL);
+}
+
+static void the_owner_is_one_thread(void **state)
+{
+	(void)state;
+	contract_breaks("the calling thread's own index", (on_another_thread(submit_as_owner, pool_of(0)), 0));
+	contract_breaks("destroyed by its owner", (on_another_thread(destroy, pool_of(0)), 0));
+}
+
+static void destroy_pool(void *data, uint32_t worker)
+{
+	(void)worker;
+	stilb_job_pool_destroy(data);
+}
+
+static void destroy_inside_a_job(void)
+{
+	stilb_job_pool *pool = pool_of(0);
+	stilb_job_group group = {0};
+	stilb_job_submit(pool, destroy_pool, pool, &group, 0);
+	stilb_job_wait(pool, &group, 0);
+}
+
+static void a_pool_is_destroyed_outside_of_jobs(void **state)
+{
+	(void)state;
+	contract_breaks("not from inside a job", (destroy_inside_a_job(), 0));
+}
+
+static void a_phase_ends_after_it_has_begun(void **state)
+{
+	(void)state;
+	contract_breaks("a phase ends after it has begun", (stilb_job_phase_end(pool_of(0)), 0));
+}
+
+static void a_job_has_a_function(void **state)
+{
+	(void)state;
+	contract_breaks("a job has a function", stilb_job_submit(pool_of(0), NULL, NULL, NULL, 0));
+	contract_breaks("a job has a function", stilb_job_submit_array(pool_of(0), 8, 1, NULL, NULL, NULL, 0));
+	contract_breaks("fn", (stilb_job_parallel_for(pool_of(0), 8, 1, NULL, NULL, 0), 0));
+}
+
+/* ---- groups ------------------------------------------------------------------------------------------------------ */
+
+static void run_in_group(uint64_t state)
+{
+	stilb_job_pool *pool = pool_of(0);
+	stilb_job_group group = {.state = state};
+	stilb_job_submit(pool, nothing, NULL, &group, 0);
+	stilb_job_wait(pool, &group, 0);
+}
+
+static void wait_as_outsider(void)
+{
+	stilb_job_pool *pool = pool_of(0);
+	stilb_job_group group = {0};
+	stilb_job_submit(pool, nothing, NULL, &group, 0);
+	stilb_job_wait(pool, &group, STILB_JOB_OUTSIDE);
+}
+
+static void finish_what_has_not_begun(void)
+{
+	stilb_job_group group = {0};
+	job_group_finish(&pool_of(0)->slot[0], &group, 1);
+}
+
+static void groups_are_whole(void **state)
+{
+	(void)state;
+	contract_breaks("was the group zero-initialised?", (run_in_group(UINT32_MAX), 0));
+	contract_breaks("all jobs and waits of a group are in one pool", (run_in_group((uint64_t)7 << 32), 0));
+	contract_breaks("a thread of the pool waits with its index", (wait_as_outsider(), 0));
+	contract_breaks("a job finishes once", (finish_what_has_not_begun(), 0));
+}
+
+/* ---- queues ------------------------------------------------------------------------------------------------------ */
+
+static stilb_job_queue *queue;
+static stilb_job_spsc *spsc;
+static int item;
+
+static void queue_create(stilb_job_queue_kind kind)
+{
+	stilb_job_queue_desc desc = {.kind = kind, .capacity = SIZE_MAX, .thread_count = 2};
+	if (stilb_job_queue_create(&desc, &queue) != 0)
+		_exit(0);
+}
+
+static void push_with_number(uint32_t thread)
+{
+	queue_create(STILB_JOB_QUEUE_LOCK_FREE);
+	stilb_job_queue_push(queue, &item, thread);
+}
+
+static void pop_with_number_0(void)
+{
+	void *popped;
+	stilb_job_queue_pop(queue, &popped, 0);
+}
+
+/* As if two threads had the same number: the second call comes while the first allocates a segment. */
+static void use_a_number_twice(void)
+{
+	queue_create(STILB_JOB_QUEUE_LOCK_FREE);
+	inside_allocation = pop_with_number_0;
+	while (inside_allocation)
+		stilb_job_queue_push(queue, &item, 0);
+}
+
+static void thread_numbers_of_a_queue(void **state)
+{
+	(void)state;
+	contract_breaks("thread < queue->thread_count", (push_with_number(2), 0));
+	contract_breaks("one thread at a time", (use_a_number_twice(), 0));
+}
+
+static void push_item(void)
+{
+	stilb_job_spsc_push(spsc, &item);
+}
+
+static void push_as_two_threads(void)
+{
+	if (stilb_job_spsc_create(&spsc) != 0)
+		_exit(0);
+	inside_allocation = push_item;
+	while (inside_allocation)
+		push_item();
+}
+
+static void pop_nowhere(stilb_job_queue_kind kind)
+{
+	queue_create(kind);
+	stilb_job_queue_pop(queue, NULL, 0);
+}
+
+static void an_end_has_one_thread(void **state)
+{
+	(void)state;
+	contract_breaks("one thread at a time", (push_as_two_threads(), 0));
+	contract_breaks("queue && item", stilb_job_spsc_pop(NULL, NULL));
+	contract_breaks("queue && item", (pop_nowhere(STILB_JOB_QUEUE_LOW_LOCK), 0));
+}
+
+/* ---- parts ------------------------------------------------------------------------------------------------------- */
+
+static void take_twice(void)
+{
+	job_lock lock = {0};
+	job_lock_take(&lock);
+	job_lock_take(&lock);
+}
+
+static void give_free(void)
+{
+	job_lock lock = {0};
+	job_lock_give(&lock);
+}
+
+static void a_lock_knows_its_holder(void **state)
+{
+	(void)state;
+	contract_breaks("the lock is not taken twice", (take_twice(), 0));
+	contract_breaks("the caller holds the lock", (give_free(), 0));
+}
+
+static void push_into_damaged_deque(void)
+{
+	static job_record record;
+	job_deque deque = {0};
+	if (job_deque_init(&deque) != 0)
+		_exit(0);
+	deque.top_seen = 1; /* an index that the thieves have not reached */
+	job_deque_push(&deque, &record);
+}
+
+static void finish_full_deque(void)
+{
+	static job_record record;
+	job_deque deque = {0};
+	if (job_deque_init(&deque) != 0)
+		_exit(0);
+	job_deque_push(&deque, &record);
+	job_deque_finish(&deque);
+}
+
+static void a_deque_is_sound(void **state)
+{
+	(void)state;
+	contract_breaks("job_deque_is_sound(deque)", (push_into_damaged_deque(), 0));
+	contract_breaks("a record left here would never run", (finish_full_deque(), 0));
+}
+
+static void give_twice(void)
+{
+	job_record_store store;
+	job_record_cache cache = {0};
+	job_record_store_init(&store);
+	job_record *record = job_record_take(&store, &cache);
+	job_record_give(&store, &cache, record);
+	job_record_give(&store, &cache, record);
+}
+
+static void a_record_is_given_back_once(void **state)
+{
+	(void)state;
+	contract_breaks("a record is given back once", (give_twice(), 0));
+}
+
+static void enter_twice(void)
+{
+	static job_idle_list list;
+	job_parker parker = {0};
+	job_idler idler = {.parker = &parker, .scope.all = true, .worker = true};
+	job_idle_init(&list, 2);
+	job_idle_enter(&list, &idler, false);
+	job_idle_enter(&list, &idler, false);
+}
+
+static void enter_miscounted(void)
+{
+	static job_idle_list list;
+	job_parker parker = {0};
+	job_idler idler = {.parker = &parker, .scope.all = true, .worker = true};
+	job_idle_init(&list, 2);
+	list.waiting = 1; /* but nobody is on the list */
+	job_idle_enter(&list, &idler, false);
+}
+
+static void stop_spinning_unasked(void)
+{
+	static job_idle_list list;
+	job_idle_init(&list, 2);
+	job_idle_spin_stop(&list);
+}
+
+static void the_idle_list_is_sound(void **state)
+{
+	(void)state;
+	contract_breaks("a thread is on the list once", (enter_twice(), 0));
+	contract_breaks("list_is_sound(list)", (enter_miscounted(), 0));
+	contract_breaks("a spinner stops once", (stop_spinning_unasked(), 0));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_call_takes_the_callers_index),
+		cmocka_unit_test(the_owner_is_one_thread),
+		cmocka_unit_test(a_pool_is_destroyed_outside_of_jobs),
+		cmocka_unit_test(a_phase_ends_after_it_has_begun),
+		cmocka_unit_test(a_job_has_a_function),
+		cmocka_unit_test(groups_are_whole),
+		cmocka_unit_test(thread_numbers_of_a_queue),
+		cmocka_unit_test(an_end_has_one_thread),
+		cmocka_unit_test(a_lock_knows_its_holder),
+		cmocka_unit_test(a_deque_is_sound),
+		cmocka_unit_test(a_record_is_given_back_once),
+		cmocka_unit_test(the_idle_list_is_sound),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
