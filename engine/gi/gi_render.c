@@ -83,13 +83,17 @@ static const gi_primary_kernels *primary_kernels(void)
 stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_settings *settings,
                                     stilb_job_pool *pool, stilb_gi_render **out)
 {
+	STILB_ASSERT(scene && settings && pool && out);
 	*out = NULL;
 	stilb_result result = gi_settings_check(settings);
 	if (result != STILB_OK)
 		return result;
 	stilb_gi_render *render = calloc(1, sizeof *render);
-	if (!render)
+	if (!render || !stilb_lock_init(&render->lock)) {
+		free(render);
 		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a picture");
+	}
+	stilb_owner_take(&render->owner);
 	render->view.scene = scene;
 	render->view.settings = *settings;
 	render->view.sampler = gi_sampler_make(settings->sampler, settings->seed, settings->samples);
@@ -97,9 +101,9 @@ stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_
 	render->kernels = primary_kernels();
 	render->integrator = gi_integrator_of(settings->integrator);
 	render->batch_size = batch_size_for(settings);
+	STILB_ASSERT(render->batch_size >= 1 && render->batch_size <= GI_BATCH);
 	render->pool = pool;
 	render->estimate = HUGE_VAL;
-	pthread_mutex_init(&render->lock, NULL);
 	result = gi_render_fill(render);
 	if (result == STILB_OK)
 		*out = render;
@@ -112,12 +116,14 @@ void stilb_gi_render_destroy(stilb_gi_render *render)
 {
 	if (!render)
 		return;
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
 	gi_cache_fill_destroy(render->cache_fill);
 	for (uint32_t i = 0; i < render->worker_count; i++)
 		free(render->workers[i].scratch);
 	free(render->workers);
 	gi_film_finish(&render->film);
-	pthread_mutex_destroy(&render->lock);
+	stilb_lock_finish(&render->lock);
 	free(render);
 }
 
@@ -139,6 +145,7 @@ static void batch_to_film(stilb_gi_render *render, gi_render_worker *worker)
 
 static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 {
+	STILB_ASSERT(worker->count > 0 && worker->count <= render->batch_size);
 	gi_batch batch = {.view = &render->view,
 	                  .worker = (uint32_t)(worker - render->workers),
 	                  .count = worker->count,
@@ -170,6 +177,7 @@ typedef struct tile_grid {
 
 static uint32_t parts_of(uint32_t whole, uint32_t part)
 {
+	STILB_ASSERT(part > 0);
 	return (whole + part - 1) / part;
 }
 
@@ -205,10 +213,12 @@ static bool batch_flush(stilb_gi_render *render, gi_render_worker *worker)
 
 static bool pixel_render(const tile_grid *grid, gi_render_worker *worker, uint32_t x, uint32_t y)
 {
+	STILB_ASSERT(x < grid->render->film.width && y < grid->render->film.height);
 	stilb_gi_render *render = grid->render;
 	size_t pixel = (size_t)y * render->film.width + x;
 	for (uint32_t i = render->film.pixels[pixel].samples; i < grid->target; i++) {
 		uint32_t at = worker->count++;
+		STILB_ASSERT(at < render->batch_size);
 		worker->points[at] = gi_sampler_point(&render->view.sampler, x, y, i);
 		worker->pixels[at] = pixel;
 		worker->x[at] = (uint16_t)x;
@@ -226,12 +236,14 @@ typedef struct grid_tile {
 
 static grid_tile tile_of(const tile_grid *grid, uint32_t index)
 {
+	STILB_ASSERT(index < grid->tile_count);
 	return (grid_tile){index % grid->tiles_x * grid->tile, index / grid->tiles_x * grid->tile, grid->tile};
 }
 
 /* The x of a Morton code of 8 bits; its y is that of the code without the lowest bit. */
 static uint32_t morton_x(uint32_t code)
 {
+	STILB_ASSERT(code < 256);
 	code &= 0x55;
 	code = (code | code >> 1) & 0x33;
 	return (code | code >> 2) & 0x0f;
@@ -268,6 +280,7 @@ static void tile_resolve(const tile_grid *grid, const grid_tile *tile)
 /* stilb_job_range_fn */
 static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
+	STILB_ASSERT(worker < ((const tile_grid *)context)->render->worker_count);
 	const tile_grid *grid = context;
 	for (uint32_t i = begin; i < end; i++) {
 		PROFILE("gi.tile");
@@ -289,6 +302,7 @@ static double seconds_spent(const stilb_gi_render *render)
 /* How many more samples of the whole picture there is time for, judged by those that are done; at least one. */
 static uint32_t samples_in_time(const stilb_gi_render *render, uint32_t done)
 {
+	STILB_ASSERT(done > 0 && render->view.settings.seconds > 0.0);
 	double spent = 0.0;
 	for (uint32_t i = 0; i < render->pass_count; i++)
 		spent += render->passes[i].seconds;
@@ -309,6 +323,7 @@ static uint32_t first_samples(const stilb_gi_settings *settings)
  * have about as many. False: all is done. */
 static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 {
+	STILB_ASSERT(render->pass_count < STILB_GI_MAX_PASSES);
 	const stilb_gi_settings *settings = &render->view.settings;
 	if (render->pass_count == 0) {
 		*next = (stilb_gi_pass){.block = settings->progressive ? GI_FILM_LARGEST_BLOCK : 1,
@@ -339,11 +354,11 @@ static stilb_gi_pass *pass_next(stilb_gi_render *render)
 	stilb_gi_pass next;
 	if (!pass_plan(render, &next))
 		return NULL;
-	pthread_mutex_lock(&render->lock);
+	stilb_lock_take(&render->lock);
 	stilb_gi_pass *pass = &render->passes[render->pass_count++];
 	*pass = next;
 	snprintf(render->stage, sizeof render->stage, "pass %u", render->pass_count);
-	pthread_mutex_unlock(&render->lock);
+	stilb_lock_give(&render->lock);
 	return pass;
 }
 
@@ -356,6 +371,8 @@ static double error_after(const stilb_gi_render *render, const stilb_gi_pass *la
 
 static void pass_run(stilb_gi_render *render, stilb_gi_pass *pass)
 {
+	STILB_ASSERT(!pass->finished && pass->sample_count > 0);
+	STILB_ASSERT(pass->block >= 1 && pass->block <= GI_FILM_LARGEST_BLOCK && (pass->block & (pass->block - 1)) == 0);
 	PROFILE("gi.pass");
 	tile_grid grid = grid_make(render, pass);
 	uint64_t begun = stilb_time_ns();
@@ -365,10 +382,10 @@ static void pass_run(stilb_gi_render *render, stilb_gi_pass *pass)
 	done.finished = !atomic_load_explicit(&render->cut, memory_order_relaxed);
 	double estimate = error_after(render, &done);
 	done.seconds += (double)(stilb_time_ns() - begun) * 1e-9;
-	pthread_mutex_lock(&render->lock);
+	stilb_lock_take(&render->lock);
 	*pass = done;
 	render->estimate = estimate;
-	pthread_mutex_unlock(&render->lock);
+	stilb_lock_give(&render->lock);
 }
 
 /* Whether the whole passes so far are enough. Asked before each pass, and first of all by a render that goes on: so it ends
@@ -410,11 +427,12 @@ static bool overture_is_ending(const stilb_gi_render *render)
 /* gi_cache_report */
 static bool overture_report(void *user, const gi_cache_progress *progress)
 {
+	STILB_ASSERT(progress->done >= 0.0 && progress->done <= 1.0);
 	stilb_gi_render *render = user;
-	pthread_mutex_lock(&render->lock);
+	stilb_lock_take(&render->lock);
 	render->overture_done = progress->done;
 	snprintf(render->stage, sizeof render->stage, "overture %u", progress->round);
-	pthread_mutex_unlock(&render->lock);
+	stilb_lock_give(&render->lock);
 	return !overture_is_ending(render);
 }
 
@@ -428,32 +446,34 @@ static stilb_result overture_run(stilb_gi_render *render)
 	render->overture_finished = result == STILB_OK && !is_ending(render);
 	if (!render->overture_finished)
 		return result;
-	pthread_mutex_lock(&render->lock);
+	stilb_lock_take(&render->lock);
 	render->overture_done = 1.0;
-	pthread_mutex_unlock(&render->lock);
+	stilb_lock_give(&render->lock);
 	return STILB_OK;
 }
 
 static void run_begin(stilb_gi_render *render)
 {
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run already");
 	double seconds = render->view.settings.seconds, left = fmax(seconds - render->seconds, 0.0);
 	const stilb_gi_pass *last = render->pass_count ? &render->passes[render->pass_count - 1] : NULL;
 	double estimate = error_after(render, last);
-	pthread_mutex_lock(&render->lock);
+	stilb_lock_take(&render->lock);
 	render->begun_ns = stilb_time_ns();
 	render->deadline_ns = seconds > 0.0 ? render->begun_ns + (uint64_t)(left * 1e9) : 0;
 	render->estimate = estimate;
 	render->end = STILB_GI_END_NOT;
-	pthread_mutex_unlock(&render->lock);
+	stilb_lock_give(&render->lock);
 }
 
 static void run_end(stilb_gi_render *render, stilb_gi_end end)
 {
-	pthread_mutex_lock(&render->lock);
+	STILB_ASSERT(render->begun_ns != 0);
+	stilb_lock_take(&render->lock);
 	render->seconds = seconds_spent(render);
 	render->begun_ns = 0;
 	render->end = end;
-	pthread_mutex_unlock(&render->lock);
+	stilb_lock_give(&render->lock);
 	atomic_store_explicit(&render->stop, false, memory_order_relaxed); /* see stilb_gi_render */
 }
 
@@ -464,6 +484,7 @@ static bool end_is_final(stilb_gi_end end)
 
 stilb_result stilb_gi_render_run(stilb_gi_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	PROFILE("gi.render");
 	run_begin(render);
 	stilb_result result = overture_run(render);
@@ -476,6 +497,7 @@ stilb_result stilb_gi_render_run(stilb_gi_render *render)
 
 void stilb_gi_render_stop(stilb_gi_render *render)
 {
+	STILB_ASSERT(render);
 	atomic_store_explicit(&render->stop, true, memory_order_relaxed); /* see stilb_gi_render */
 }
 
@@ -498,6 +520,7 @@ gi_render_totals gi_render_totals_of(const stilb_gi_render *render)
 /* Of the limits that are set the one that will be reached first. The error falls with the root of the samples. */
 static double share_done(const stilb_gi_render *render, const stilb_gi_progress *progress, uint64_t samples)
 {
+	STILB_ASSERT_LOCKED(&render->lock);
 	const stilb_gi_settings *settings = &render->view.settings;
 	double done = (double)samples / ((double)settings->width * settings->height * settings->samples);
 	if (render->cache_fill)
@@ -511,6 +534,7 @@ static double share_done(const stilb_gi_render *render, const stilb_gi_progress 
 
 static void progress_of_passes(const stilb_gi_render *render, stilb_gi_progress *progress)
 {
+	STILB_ASSERT_LOCKED(&render->lock);
 	for (uint32_t i = 0; i < render->pass_count; i++) {
 		const stilb_gi_pass *pass = &render->passes[i];
 		progress->passes[i] = *pass;
@@ -524,6 +548,7 @@ static void progress_of_passes(const stilb_gi_render *render, stilb_gi_progress 
 
 void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progress)
 {
+	STILB_ASSERT(render && progress);
 	*progress = (stilb_gi_progress){0};
 	gi_render_totals totals = gi_render_totals_of(render);
 	gi_cache_progress cache = {0};
@@ -534,7 +559,7 @@ void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progre
 	progress->shadow_rays = totals.shadow_rays + cache.shadow_rays;
 	progress->bad_samples = totals.bad_samples;
 	progress->records = cache.records;
-	pthread_mutex_lock(&render->lock);
+	stilb_lock_take(&render->lock);
 	progress->seconds = seconds_spent(render);
 	progress->error = render->estimate < HUGE_VAL ? render->estimate : 0.0;
 	progress->end = render->end;
@@ -542,16 +567,19 @@ void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progre
 	snprintf(progress->stage, sizeof progress->stage, "%s", render->stage);
 	progress_of_passes(render, progress);
 	progress->done = share_done(render, progress, totals.samples);
-	pthread_mutex_unlock(&render->lock);
+	stilb_lock_give(&render->lock);
 }
 
 void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb)
 {
+	STILB_ASSERT(render && rgb);
 	gi_film_preview(&render->film, rgb);
 }
 
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
 	const gi_film *film = &render->film;
 	/* While nobody renders an atomic float is a float. */
 	return (stilb_gi_film){.width = film->width,

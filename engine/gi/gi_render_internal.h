@@ -4,13 +4,12 @@
 #ifndef GI_RENDER_INTERNAL_H
 #define GI_RENDER_INTERNAL_H
 
+#include "base/base_contract.h"
 #include "gi/cache/gi_cache_fill.h"
 #include "gi/film/gi_camera.h"
 #include "gi/film/gi_film.h"
 #include "gi/film/gi_primary.h"
 #include "gi/integrate/gi_integrator.h"
-
-#include <pthread.h>
 
 /* What one thread has done. It alone adds, and stilb_gi_render_progress reads meanwhile: all relaxed, a little old is fine. */
 typedef struct gi_render_counters {
@@ -35,6 +34,7 @@ typedef struct gi_render_worker {
 } __attribute__((aligned(STILB_CACHE_LINE))) gi_render_worker;
 
 struct stilb_gi_render {
+	stilb_owner owner; /* the thread that created it */
 	gi_view view;
 	gi_cache_fill *cache_fill; /* IRRADIANCE_CACHE only */
 	gi_camera camera;
@@ -54,7 +54,7 @@ struct stilb_gi_render {
 	uint64_t deadline_ns; /* of stilb_time_ns; 0: none. Written before the loop over tiles */
 
 	/* What progress tells of the run as a whole: written by run, under the lock. */
-	pthread_mutex_t lock;
+	stilb_lock lock;
 	double seconds;       /* of finished calls of run */
 	uint64_t begun_ns;    /* of the one that runs; 0: none */
 	double overture_done; /* share; 1 without one */

@@ -110,11 +110,13 @@ static bool material_emits(const stilb_scene_material *material)
 
 static bool part_emits(const stilb_scene *scene, uint32_t part)
 {
+	STILB_ASSERT(scene->part_material[part] < scene->material_count);
 	return material_emits(&scene->materials[scene->part_material[part]]);
 }
 
 static bool part_may_share(const stilb_scene *scene, uint32_t part)
 {
+	STILB_ASSERT(part < scene->part_count);
 	const stilb_mat4 *to_world = &scene->part_transform[part];
 	for (int i = 12; i < 15; i++)
 		if (!(fabsf(to_world->m[i]) <= COORDINATE_MAX))
@@ -130,6 +132,7 @@ static void plan_finish(mesh_plan *plan)
 
 static void plan_mesh(mesh_plan *plan, const stilb_scene_mesh *mesh)
 {
+	STILB_ASSERT(mesh->indices || mesh->index_count == 0);
 	plan->vertices += mesh->vertex_count;
 	plan->triangles += mesh->index_count / 3;
 	plan->meshes++;
@@ -241,6 +244,7 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const sti
 		}
 		if (!scene_triangle_has_area(&vertices[a], &vertices[b], &vertices[c]))
 			continue;
+		STILB_ASSERT(a != b && b != c && c != a && "degenerate triangles are left out");
 		triangles[count++] = (gi_triangle){
 			.vertex = {a, b, c},
 			.error = gi_triangle_shape_error(vertices[a].position, vertices[b].position, vertices[c].position)};
@@ -252,12 +256,14 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const sti
 	                 .invalid_count = invalid};
 	mesh_box(out);
 	gi->mesh_count++;
+	STILB_ASSERT(count <= mesh->index_count / 3);
 }
 
 /* ---- parts -------------------------------------------------------------------------------------------------------- */
 
 static void part_add(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan, uint32_t index)
 {
+	STILB_ASSERT(index < gi->part_count && scene->part_mesh[index] < scene->mesh_count);
 	gi_part *part = &gi->parts[index];
 	uint32_t mesh = scene->part_mesh[index];
 	bool emits = part_emits(scene, index);
@@ -318,6 +324,7 @@ static stilb_result lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 		const gi_part *part = &gi->parts[i];
 		const gi_mesh *mesh = &gi->meshes[part->mesh];
 		for (uint32_t k = 0; part->first_light != GI_NO_LIGHT && k < mesh->triangle_count; k++) {
+			STILB_ASSERT(part->first_light + k < gi->info.lights && !part->instance);
 			gi_emitter *emitter = &emitters[part->first_light + k];
 			for (int corner = 0; corner < 3; corner++)
 				memcpy(emitter->position[corner], mesh->vertices[mesh->triangles[k].vertex[corner]].position,
@@ -368,6 +375,8 @@ static stilb_result gi_scene_fill(stilb_gi_scene *gi, const stilb_scene *scene, 
 	gi->part_count = scene->part_count;
 	for (uint32_t part = 0; part < scene->part_count; part++)
 		part_add(gi, scene, plan, part);
+	STILB_ASSERT(gi->mesh_count == plan->meshes &&
+	             gi->info.triangles + gi->info.flat + gi->info.invalid >= plan->triangles);
 	box_of_parts(gi);
 	return STILB_OK;
 }
@@ -386,19 +395,60 @@ static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, 
 	return result;
 }
 
+/* Every index is inside what it points into, and every triangle can be hit. For STILB_CHECK. */
+static bool mesh_is_sound(const gi_mesh *mesh)
+{
+	if ((uintptr_t)mesh->vertices % sizeof *mesh->vertices != 0)
+		return false;
+	for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+		const gi_triangle *triangle = &mesh->triangles[i];
+		if (!(triangle->error > 0.0f))
+			return false;
+		for (int k = 0; k < 3; k++)
+			if (triangle->vertex[k] >= mesh->vertex_count)
+				return false;
+	}
+	return true;
+}
+
+static bool part_is_sound(const stilb_gi_scene *gi, const gi_part *part)
+{
+	if (part->mesh >= gi->mesh_count || part->material >= gi->material_count)
+		return false;
+	const gi_mesh *mesh = &gi->meshes[part->mesh];
+	bool lights = part->first_light == GI_NO_LIGHT ||
+	              (!part->instance && part->first_light + mesh->triangle_count <= gi->lights.emitter_count);
+	return lights && part->vertices == mesh->vertices && part->triangles == mesh->triangles;
+}
+
+static bool gi_scene_is_sound(const stilb_gi_scene *gi)
+{
+	for (uint32_t i = 0; i < gi->mesh_count; i++)
+		if (!mesh_is_sound(&gi->meshes[i]))
+			return false;
+	for (uint32_t i = 0; i < gi->part_count; i++)
+		if (!part_is_sound(gi, &gi->parts[i]))
+			return false;
+	return gi->tracer.intersect && gi->tracer.intersect16 && gi->tracer.occluded;
+}
+
 stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scene_desc *desc, stilb_gi_scene **out)
 {
+	STILB_ASSERT(scene && out);
+	STILB_ASSERT(desc && desc->pool && desc->intersector);
 	PROFILE("gi.scene");
 	*out = NULL;
 	stilb_gi_scene *gi = calloc(1, sizeof *gi);
 	if (!gi)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene");
+	stilb_owner_take(&gi->owner);
 	gi->intersector = desc->intersector;
 	stilb_result result = gi_scene_make(gi, scene, desc);
 	if (result != STILB_OK) {
 		stilb_gi_scene_destroy(gi);
 		return result;
 	}
+	STILB_CHECK(gi_scene_is_sound(gi));
 	*out = gi;
 	return STILB_OK;
 }
@@ -407,6 +457,7 @@ void stilb_gi_scene_destroy(stilb_gi_scene *scene)
 {
 	if (!scene)
 		return;
+	STILB_ASSERT_OWNER(scene->owner);
 	scene->intersector->destroy(&scene->tracer);
 	gi_lights_destroy(&scene->lights);
 	free(scene->meshes);
@@ -419,5 +470,6 @@ void stilb_gi_scene_destroy(stilb_gi_scene *scene)
 
 const stilb_gi_scene_info *stilb_gi_scene_info_of(const stilb_gi_scene *scene)
 {
+	STILB_ASSERT(scene);
 	return &scene->info;
 }

@@ -5,6 +5,7 @@
 #ifndef STILB_GI_SCENE_INTERNAL_H
 #define STILB_GI_SCENE_INTERNAL_H
 
+#include "base/base_contract.h"
 #include "base/base_math.h"
 #include "gi/gi_scene.h"
 #include "gi/light/gi_light.h"
@@ -42,6 +43,7 @@ typedef struct gi_part {
 } gi_part;
 
 struct stilb_gi_scene {
+	stilb_owner owner; /* the thread that created it */
 	const stilb_gi_intersector *intersector;
 	gi_tracer tracer;
 	uint32_t mesh_count, part_count, material_count, texture_count;
@@ -51,8 +53,8 @@ struct stilb_gi_scene {
 	const stilb_image *textures;
 	gi_lights lights;
 	stilb_gi_scene_info info;
-	stilb_scene_vertex *vertices; /* of all meshes */
-	gi_triangle *triangles;
+	stilb_scene_vertex *vertices; /* of all meshes, in their order */
+	gi_triangle *triangles;       /* the same */
 };
 
 /* What an intersector is: it fills tracer for a scene whose meshes and parts are made. destroy accepts {0}. */

@@ -9,6 +9,7 @@
 
 stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene)
 {
+	STILB_ASSERT(scene);
 	return (stilb_gi_settings){
 		.integrator = STILB_GI_INTEGRATOR_PATH,
 		.width = 512,
@@ -152,12 +153,14 @@ static bool sampler_plans(stilb_gi_sampler_kind sampler)
 
 gi_setting gi_settings_get(const stilb_gi_settings *settings, uint32_t index)
 {
+	STILB_ASSERT(index < gi_settings_count());
 	const field *f = &FIELDS[index];
 	gi_setting setting = {.name = f->name, .role = f->role};
 	double number = field_number(settings, f);
 	uint64_t integer;
 	if (f->offset == AT(samples) && sampler_plans(settings->sampler))
 		setting.role = GI_SETTING_SAMPLE;
+	STILB_ASSERT(strlen(f->name) < GI_SETTING_TEXT);
 	switch (f->kind) {
 	case FIELD_U64:
 		memcpy(&integer, (const char *)settings + f->offset, sizeof integer);
@@ -189,6 +192,7 @@ static stilb_result field_check(const stilb_gi_settings *settings, const field *
 
 stilb_result gi_settings_check(const stilb_gi_settings *settings)
 {
+	STILB_ASSERT(settings);
 	for (uint32_t i = 0; i < gi_settings_count(); i++) {
 		stilb_result result = field_check(settings, &FIELDS[i]);
 		if (result != STILB_OK)

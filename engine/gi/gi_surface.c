@@ -123,6 +123,7 @@ static stilb_vec3 shading_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_
 
 static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_surface *surface)
 {
+	STILB_ASSERT(part->material < scene->material_count);
 	const stilb_scene_material *material = &scene->materials[part->material];
 	surface->diffuse = stilb_vec3_make(material->diffuse[0], material->diffuse[1], material->diffuse[2]);
 	surface->specular = stilb_vec3_make(material->specular[0], material->specular[1], material->specular[2]);
@@ -164,7 +165,9 @@ static stilb_vec3 point_inside(const gi_part *part, const stilb_vec4 first[3], f
 
 void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface)
 {
+	STILB_ASSERT(gi_is_hit(ray) && ray->hit.part < scene->part_count);
 	const gi_part *part = &scene->parts[ray->hit.part];
+	STILB_ASSERT(ray->hit.triangle < scene->meshes[part->mesh].triangle_count);
 	triangle_corners corners = corners_of(part, ray->hit.triangle);
 	float u = ray->hit.u, v = ray->hit.v;
 	const stilb_vec4 *a = corners.first, *b = corners.second;

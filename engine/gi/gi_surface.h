@@ -40,6 +40,7 @@ float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3])
  * so short of it that it does not meet the triangle, and no shorter. The direction's own rounding counts too. */
 static inline float gi_shadow_distance(float distance, float error, float cosine)
 {
+	STILB_ASSERT(distance >= 0.0f && error >= 0.0f && cosine >= 0.0f);
 	float end = distance - (error + 0x1p-21f * distance) / cosine;
 	return end > 0.0f ? end : 0.0f;
 }

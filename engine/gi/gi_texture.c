@@ -32,6 +32,7 @@ static float texture_scalar(const stilb_image *image, size_t at)
 
 static stilb_vec3 texture_texel(const stilb_image *image, uint32_t x, uint32_t y)
 {
+	STILB_ASSERT(x < image->width && y < image->height);
 	size_t at = ((size_t)y * image->width + x) * image->channels;
 	float red = texture_scalar(image, at);
 	if (image->channels < 3)
@@ -42,6 +43,7 @@ static stilb_vec3 texture_texel(const stilb_image *image, uint32_t x, uint32_t y
 /* The texel before the coordinate and how far it is from there to the next. */
 static uint32_t texture_place(float coordinate, uint32_t size, float *fraction)
 {
+	STILB_ASSERT(size > 0);
 	coordinate -= floorf(coordinate);
 	if (!(coordinate >= 0.0f && coordinate < 1.0f))
 		coordinate = 0.0f;
@@ -54,6 +56,7 @@ stilb_vec3 gi_texture_at(const stilb_image *image, stilb_vec2 uv)
 {
 	if (!image->pixels)
 		return stilb_vec3_make(1.0f, 1.0f, 1.0f);
+	STILB_ASSERT(image->channels >= 1 && image->channels <= 4);
 	float across, down;
 	uint32_t x = texture_place(uv[0], image->width, &across), y = texture_place(uv[1], image->height, &down);
 	uint32_t next_x = (x + 1) % image->width, next_y = (y + 1) % image->height;

@@ -1,5 +1,6 @@
 #include "numeric/numeric_albedo.h"
 
+#include "base/base.h"
 #include "numeric/numeric_quadrature.h"
 
 #include <math.h>
@@ -92,6 +93,7 @@ static double over_polar(double t, const void *context)
 /* From the polar angle low to high. */
 static double between(const albedo *a, double low, double high)
 {
+	STILB_ASSERT(low >= 0.0 && low <= high && high <= M_PI / 2.0);
 	double first = asinh(tan(low) / a->alpha), last = asinh(tan(high) / a->alpha);
 	int panels = (int)ceil(last - first);
 	return panels > 0 ? stilb_numeric_integrate(over_polar, a, first, last, panels) : 0.0;
@@ -108,6 +110,9 @@ static double over_lobe(const albedo *a, double polar)
 static double integrate(const shade_brdf_model *model, const shade_brdf_parameters *parameters,
                         stilb_numeric_angles fixed, bool of_light)
 {
+	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
+	STILB_ASSERT(parameters->roughness >= 0.0f && parameters->roughness <= 1.0f);
+	STILB_ASSERT(fixed.polar >= 0.0 && fixed.polar < M_PI / 2.0);
 	double sine = sin(fixed.polar), cosine = cos(fixed.polar);
 	const albedo a = {
 		.model = model,

@@ -1,5 +1,6 @@
 #include "numeric/numeric_catalog.h"
 
+#include "base/base.h"
 #include "numeric/numeric_quadrature.h"
 
 #include "shading/shade_vmf.h"
@@ -318,6 +319,7 @@ static const stilb_numeric_row rows[] = {
 
 const stilb_numeric_row *stilb_numeric_catalog(size_t *count)
 {
+	STILB_ASSERT(count);
 	*count = sizeof rows / sizeof rows[0];
 	return rows;
 }
@@ -332,6 +334,7 @@ static bool same_name(const char *typed, const char *name)
 
 const stilb_numeric_row *stilb_numeric_catalog_find(const char *name)
 {
+	STILB_ASSERT(name);
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
 		if (same_name(name, rows[i].name))
 			return &rows[i];
@@ -386,6 +389,9 @@ static double density_at_mirrored(const double h[3], const void *context)
 
 double stilb_numeric_measure_of(const stilb_numeric_row *row, const stilb_numeric_shape *shape)
 {
+	STILB_ASSERT(row && shape);
+	STILB_ASSERT(shape->roughness >= 0.0f && shape->roughness <= 1.0f);
+	STILB_ASSERT(shape->anisotropy > -1.0f && shape->anisotropy < 1.0f);
 	if (row->kind == STILB_NUMERIC_BRDF) {
 		float roughness = row->measure == STILB_NUMERIC_MEASURE_SMOOTH ? 0.0f : shape->roughness;
 		shade_brdf_parameters white = stilb_numeric_white(roughness, shape->anisotropy);
@@ -403,6 +409,7 @@ double stilb_numeric_measure_of(const stilb_numeric_row *row, const stilb_numeri
 
 shade_brdf_parameters stilb_numeric_white(float roughness, float anisotropy)
 {
+	STILB_ASSERT(roughness >= 0.0f && roughness <= 1.0f);
 	return (shade_brdf_parameters){
 		.specular = {1.0f, 1.0f, 1.0f}, .roughness = roughness, .anisotropy = anisotropy, .wrap = 1.0f};
 }
@@ -414,6 +421,7 @@ static bool is_anisotropic(const stilb_numeric_row *row)
 
 double stilb_numeric_white_albedo(const stilb_numeric_row *row, float roughness, stilb_numeric_angles angles)
 {
+	STILB_ASSERT(row->kind == STILB_NUMERIC_BRDF);
 	shade_brdf_parameters white =
 		stilb_numeric_white(roughness, is_anisotropic(row) ? STILB_NUMERIC_CATALOG_ANISOTROPY : 0.0f);
 	double of_view = stilb_numeric_albedo_of_view(&row->model, &white, angles);

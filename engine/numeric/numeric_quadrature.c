@@ -1,5 +1,7 @@
 #include "numeric/numeric_quadrature.h"
 
+#include "base/base.h"
+
 #include <math.h>
 
 /* Nodes and weights of the rule of 16 points on [-1, 1]; it is symmetric, so half of it is kept. Source: Abramowitz and
@@ -16,6 +18,8 @@ static const double weights[HALF_POINTS] = {
 
 double stilb_numeric_integrate(stilb_numeric_function *f, const void *context, double low, double high, int panels)
 {
+	STILB_ASSERT(f && panels >= 1);
+	STILB_ASSERT(isfinite(low) && isfinite(high));
 	double half = 0.5 * (high - low) / panels, sum = 0.0;
 	for (int panel = 0; panel < panels; panel++) {
 		double middle = low + (2 * panel + 1) * half;
@@ -34,6 +38,7 @@ typedef struct ring {
 /* Integral over the azimuth at one height z. */
 static double around(double z, const void *context)
 {
+	STILB_ASSERT(z >= -1.0 && z <= 1.0);
 	const ring *r = context;
 	double radius = sqrt(fmax(0.0, 1.0 - z * z)), sum = 0.0;
 	for (int i = 0; i < r->points; i++) {
@@ -47,6 +52,7 @@ static double around(double z, const void *context)
 double stilb_numeric_integrate_sphere(stilb_numeric_direction_function *f, const void *context, double low, double high,
                                       int panels)
 {
+	STILB_ASSERT(low >= -1.0 && low <= high && high <= 1.0);
 	const ring r = {f, context, 32 * panels};
 	return stilb_numeric_integrate(around, &r, low, high, panels);
 }
@@ -68,6 +74,7 @@ static double across(double t, const void *context)
 
 double stilb_numeric_integrate_lobe(stilb_numeric_direction_function *f, const void *context, double width)
 {
+	STILB_ASSERT(f && width > 0.0 && width <= 1.0);
 	const lobe l = {{f, context, LOBE_POINTS}, width};
 	double horizon = asinh(1.0 / width);
 	double above = stilb_numeric_integrate(across, &l, 0.0, horizon, (int)ceil(2.0 * horizon));

@@ -20,6 +20,7 @@ static double product_at(const double direction[3], const void *context)
 
 shade_sh stilb_numeric_sh_project(stilb_numeric_direction_function *f, const void *context, int panels)
 {
+	STILB_ASSERT(f && panels >= 1);
 	shade_sh sh;
 	for (int i = 0; i < 9; i++) {
 		const product p = {f, context, i};
@@ -33,6 +34,7 @@ shade_sh stilb_numeric_sh_project(stilb_numeric_direction_function *f, const voi
 /* With theta the angle from +Y and phi the one from -Z to +X. */
 void stilb_numeric_latlong_direction(double u, double v, double direction[3])
 {
+	STILB_ASSERT(u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0);
 	double theta = M_PI * v, phi = 2.0 * M_PI * (u - 0.5);
 	direction[0] = sin(theta) * sin(phi);
 	direction[1] = cos(theta);
@@ -47,6 +49,7 @@ typedef struct around {
 
 static around column_integrals(uint32_t column, uint32_t width)
 {
+	STILB_ASSERT(column < width);
 	double a = 2.0 * M_PI * ((double)column / width - 0.5), b = 2.0 * M_PI * ((column + 1.0) / width - 0.5);
 	return (around){
 		.one = b - a,
@@ -70,6 +73,7 @@ static void add_texel(around *sum, const around *column, double radiance)
  * times sin(theta) integrated over the row. */
 static void add_row(double sh[9], const around *row, uint32_t y, uint32_t height)
 {
+	STILB_ASSERT(y < height);
 	double a = M_PI * y / height, b = M_PI * (y + 1.0) / height;
 	double ca = cos(a), cb = cos(b), sa = sin(a), sb = sin(b);
 	double s = ca - cb;                                              /* of sin */
@@ -121,6 +125,8 @@ static shade_sh rounded(const double sh[9])
 
 stilb_result stilb_numeric_sh_project_map(const stilb_image *map, shade_sh_rgb *sh)
 {
+	STILB_ASSERT(map && map->pixels && sh);
+	STILB_ASSERT(map->channels >= 1 && map->channels <= 4);
 	if (map->format != STILB_IMAGE_F32_LINEAR)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "an environment map has linear floats, this picture has not; give it as .exr");

@@ -32,6 +32,8 @@ static stilb_result add(direction_sum *sum, stilb_vec3 direction, float weight, 
 
 stilb_result stilb_numeric_vmf_fit(const stilb_vec3 *directions, const float *weights, size_t count, shade_vmf *fit)
 {
+	STILB_ASSERT(fit);
+	STILB_ASSERT(directions || count == 0);
 	direction_sum sum = {.weight = 0.0};
 	for (size_t i = 0; i < count; i++) {
 		stilb_result added = add(&sum, directions[i], weights ? weights[i] : 1.0f, i);

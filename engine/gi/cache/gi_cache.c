@@ -85,12 +85,16 @@ static stilb_result cache_make(gi_cache *cache, uint32_t worker_count)
 
 stilb_result gi_cache_create(const gi_view *view, uint32_t worker_count, gi_cache **out)
 {
+	STILB_ASSERT(view && view->scene && out);
+	STILB_ASSERT(worker_count >= 1);
+	STILB_ASSERT(view->settings.cache.error > 0.0f && view->settings.cache.error <= 1.0f);
 	*out = NULL;
 	const stilb_gi_settings *settings = &view->settings;
 	gi_cache *cache = stilb_memory_alloc(1, sizeof(*cache));
 	if (!cache)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
 	gi_camera camera = gi_camera_make(&settings->camera, &settings->lens, settings->width, settings->height);
+	STILB_ASSERT(camera.half_height > 0.0f);
 	*cache = (gi_cache){.view = view,
 	                    .eye = camera.position,
 	                    .footprint = 2.0f * camera.half_height / (float)settings->height,
@@ -126,21 +130,25 @@ bool gi_cache_wants(const gi_surface *surface)
 
 bool gi_cache_find(const gi_cache *cache, const gi_surface *surface, stilb_vec3 *irradiance)
 {
+	STILB_ASSERT(irradiance);
 	return gi_cache_octree_lookup(cache->octree, surface->position, surface->normal, cache->limits.turn, irradiance);
 }
 
 bool gi_cache_covers(const gi_cache *cache, const gi_surface *surface, float reach)
 {
+	STILB_ASSERT(reach > 0.0f && reach <= 1.0f);
 	return gi_cache_octree_covers(cache->octree, surface->position, surface->normal, cache->limits.turn, reach);
 }
 
 bool gi_cache_record_is_at(const gi_cache *cache, stilb_vec3 position, float pixels)
 {
+	STILB_ASSERT(pixels > 0.0f);
 	return gi_cache_octree_record_near(cache->octree, position, pixels * pixel_size(cache, position));
 }
 
 bool gi_cache_add(gi_cache *cache, const gi_cache_record *record)
 {
+	STILB_ASSERT(cache && record);
 	gi_cache_record limited = *record;
 	if (cache->limits.radius == STILB_GI_CACHE_SPLIT_SPHERE)
 		gi_cache_octree_clamp(cache->octree, &limited);

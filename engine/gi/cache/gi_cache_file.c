@@ -49,6 +49,7 @@ static uint64_t write_hashed(stilb_file *file, uint64_t hash, const void *data, 
 
 stilb_result gi_cache_save(const gi_cache *cache, const char *path)
 {
+	STILB_ASSERT(cache && path);
 	PROFILE("gi.cache.save");
 	stilb_file file;
 	stilb_result result = stilb_file_open(&file, path);
@@ -156,6 +157,7 @@ static stilb_result read_records(gi_cache *cache, FILE *stream, const char *path
 
 stilb_result gi_cache_load(gi_cache *cache, const char *path)
 {
+	STILB_ASSERT(cache && path);
 	PROFILE("gi.cache.load");
 	FILE *stream;
 	stilb_result result = stilb_file_read_open(path, &stream);

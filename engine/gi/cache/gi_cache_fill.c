@@ -67,6 +67,7 @@ static stilb_result fill_make(gi_cache_fill *fill, const gi_view *view)
 
 stilb_result gi_cache_fill_create(const gi_view *view, stilb_job_pool *pool, gi_cache_fill **out)
 {
+	STILB_ASSERT(view && pool && out);
 	*out = NULL;
 	const stilb_gi_settings *settings = &view->settings;
 	gi_cache_fill *fill = stilb_memory_alloc(1, sizeof(*fill));
@@ -128,6 +129,7 @@ typedef struct fill_strip {
 
 static uint32_t divide_up(uint32_t a, uint32_t b)
 {
+	STILB_ASSERT(b > 0);
 	return (a + b - 1u) / b;
 }
 
@@ -165,6 +167,7 @@ static gi_cache_record pixel_gather(gi_cache *cache, const fill_pixel *pixel, ui
 
 static void look_rows(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
+	STILB_ASSERT(worker < ((const fill_strip *)context)->fill->cache->worker_count);
 	PROFILE("gi.overture.look");
 	fill_strip *strip = context;
 	gi_cache_fill *fill = strip->fill;
@@ -206,6 +209,7 @@ static stilb_result pixels_want(gi_cache_fill *fill, uint32_t more)
 /* The first count pixels, without those that are no longer missing. */
 static void pixels_compact(gi_cache_fill *fill, uint32_t count)
 {
+	STILB_ASSERT(count <= fill->capacity);
 	fill->count = 0;
 	for (uint32_t i = 0; i < count; i++)
 		if (fill->pixels[i].missing)
@@ -214,6 +218,7 @@ static void pixels_compact(gi_cache_fill *fill, uint32_t count)
 
 static stilb_result strip_look(gi_cache_fill *fill)
 {
+	STILB_ASSERT(fill->block > 0 && fill->block <= FIRST_BLOCK);
 	const stilb_gi_settings *settings = &fill->cache->view->settings;
 	uint32_t strips = level_strips(settings, fill->block);
 	uint32_t level_rows = divide_up(settings->height, fill->block);
@@ -257,6 +262,7 @@ static bool too_near(const fill_pixel *a, const fill_pixel *b)
 /* Evenly from all that are missing, none near another. */
 static void round_choose(const gi_cache_fill *fill, uint32_t records, fill_round *round)
 {
+	STILB_ASSERT(fill->count > 0);
 	uint32_t wanted = records / ROUND_SHARE;
 	wanted = wanted < ROUND_LEAST ? ROUND_LEAST : wanted > ROUND_MOST ? ROUND_MOST : wanted;
 	if (wanted > fill->count)
@@ -273,6 +279,7 @@ static void round_choose(const gi_cache_fill *fill, uint32_t records, fill_round
 
 static void round_gather(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
+	STILB_ASSERT(end <= ((const fill_round *)context)->count);
 	PROFILE("gi.overture.record");
 	fill_round *round = context;
 	for (uint32_t i = begin; i < end; i++)
@@ -294,6 +301,7 @@ static stilb_result round_run(gi_cache_fill *fill)
 	gi_cache *cache = fill->cache;
 	fill_round round = {.fill = fill, .records = fill->records};
 	round_choose(fill, gi_cache_octree_count(cache->octree), &round);
+	STILB_ASSERT(round.count > 0 && round.count <= ROUND_MOST);
 	stilb_job_parallel_for(fill->pool, round.count, 1, round_gather, &round, 0);
 	for (uint32_t i = 0; i < round.count; i++) {
 		if (!gi_cache_add(cache, &round.records[i]))
@@ -316,6 +324,7 @@ static bool overture_has_ended(const gi_cache_fill *fill)
 /* relaxed, here and below: numbers to show */
 static void overture_count(gi_cache_fill *fill)
 {
+	STILB_ASSERT(fill->looked >= fill->count);
 	const stilb_gi_settings *settings = &fill->cache->view->settings;
 	uint64_t total = 0;
 	for (uint32_t block = FIRST_BLOCK; block > 0; block /= 2u)
@@ -327,6 +336,7 @@ static void overture_count(gi_cache_fill *fill)
 
 stilb_result gi_cache_fill_run(gi_cache_fill *fill, gi_cache_report *report, void *user)
 {
+	STILB_ASSERT(fill->records || fill->block == 0);
 	if (fill->cache->view->settings.depth < 2)
 		return STILB_OK; /* there is no indirect light */
 	while (!overture_has_ended(fill)) {

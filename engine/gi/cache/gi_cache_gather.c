@@ -17,6 +17,7 @@
 static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi_surface *surface, shade_frame frame,
                         gi_point point, uint32_t first, uint32_t number)
 {
+	STILB_ASSERT(number <= GI_BATCH && first + number <= gi_cache_strata_cells(&cache->strata));
 	PROFILE("gi.cache.rays");
 	const gi_view *view = cache->view;
 	uint32_t cells = gi_cache_strata_cells(&cache->strata);
@@ -38,6 +39,7 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
  * both. */
 static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker, uint32_t i)
 {
+	STILB_ASSERT(worker->shadow_count < GI_BATCH);
 	const gi_view *view = cache->view;
 	const gi_ray_hit *ray = &worker->rays[i];
 	gi_surface surface;
@@ -75,6 +77,7 @@ static void trace_shadows(const gi_cache *cache, gi_cache_worker *worker)
 /* The first path_count of rays and points: those of the cells in targets. */
 static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_count)
 {
+	STILB_ASSERT(path_count <= GI_BATCH);
 	gi_cache_worker *worker = &cache->workers[index];
 	gi_batch batch = {.view = cache->view,
 	                  .worker = index,
@@ -124,6 +127,7 @@ static void gather_cells(gi_cache *cache, uint32_t index, const gi_surface *surf
 
 gi_cache_record gi_cache_gather(gi_cache *cache, uint32_t worker, const gi_surface *surface, gi_point point)
 {
+	STILB_ASSERT(worker < cache->worker_count);
 	shade_frame frame = shade_frame_from_normal(surface->normal);
 	gi_cache_limits limits = gi_cache_limits_at(cache, surface->position);
 	gather_cells(cache, worker, surface, frame, point, limits.shortest);

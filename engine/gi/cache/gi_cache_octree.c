@@ -32,6 +32,7 @@ struct gi_cache_octree {
 
 stilb_result gi_cache_octree_create(const float low[3], const float high[3], gi_cache_octree **out)
 {
+	STILB_ASSERT(low && high && out);
 	*out = stilb_memory_alloc(1, sizeof(gi_cache_octree));
 	if (!*out)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
@@ -52,10 +53,29 @@ stilb_result gi_cache_octree_create(const float low[3], const float high[3], gi_
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
 }
 
+/* No cell is deeper than DEPTH, and every mention has a record and a sphere about it. For STILB_CHECK, while nobody inserts,
+ * so the loads are relaxed. */
+static bool cell_is_sound(const octree_cell *cell, uint32_t depth)
+{
+	if (depth > DEPTH)
+		return false;
+	const octree_mention *mention = atomic_load_explicit(&cell->mentions, memory_order_relaxed);
+	for (; mention; mention = mention->next)
+		if (!mention->record || !(mention->sphere[3] > 0.0f))
+			return false;
+	for (int i = 0; i < 8; i++) {
+		const octree_cell *child = atomic_load_explicit(&cell->children[i], memory_order_relaxed);
+		if (child && !cell_is_sound(child, depth + 1))
+			return false;
+	}
+	return true;
+}
+
 void gi_cache_octree_destroy(gi_cache_octree *octree)
 {
 	if (!octree)
 		return;
+	STILB_CHECK(!octree->root || cell_is_sound(octree->root, 0));
 	gi_cache_slab_finish(&octree->cells);
 	gi_cache_slab_finish(&octree->mentions);
 	gi_cache_slab_finish(&octree->records);
@@ -69,6 +89,7 @@ uint32_t gi_cache_octree_count(const gi_cache_octree *octree)
 
 const gi_cache_record *gi_cache_octree_record(const gi_cache_octree *octree, uint32_t i)
 {
+	STILB_ASSERT(i < gi_cache_octree_count(octree));
 	return gi_cache_slab_item(&octree->records, i);
 }
 
@@ -77,6 +98,7 @@ const gi_cache_record *gi_cache_octree_record(const gi_cache_octree *octree, uin
 /* What lies outside the root belongs to the cells at its rim. */
 static uint32_t axis_place(const gi_cache_octree *octree, float x, int axis)
 {
+	STILB_ASSERT(axis >= 0 && axis < 3);
 	float at = (x - octree->low[axis]) * octree->to_cells;
 	const float last = (float)((1u << DEPTH) - 1u);
 	return (uint32_t)(at > 0.0f ? fminf(at, last) : 0.0f);
@@ -85,6 +107,7 @@ static uint32_t axis_place(const gi_cache_octree *octree, float x, int axis)
 /* The child's number: one bit of each axis. */
 static uint32_t child_of(const uint32_t place[3], uint32_t depth)
 {
+	STILB_ASSERT(depth < DEPTH);
 	uint32_t shift = DEPTH - 1u - depth;
 	return (place[0] >> shift & 1u) | (place[1] >> shift & 1u) << 1 | (place[2] >> shift & 1u) << 2;
 }
@@ -103,6 +126,7 @@ static float half_extent(const gi_cache_record *record, stilb_vec3 bitangent, in
 /* The cell at that depth, with all above it; NULL: no memory. */
 static octree_cell *cell_want(gi_cache_octree *octree, const uint32_t place[3], uint32_t depth)
 {
+	STILB_ASSERT(depth <= DEPTH);
 	octree_cell *at = octree->root;
 	for (uint32_t i = 0; i < depth; i++) {
 		_Atomic(octree_cell *) *link = &at->children[child_of(place, i)];
@@ -123,6 +147,7 @@ static octree_cell *cell_want(gi_cache_octree *octree, const uint32_t place[3], 
 
 static bool mention_add(gi_cache_octree *octree, octree_cell *cell, const gi_cache_record *record, float radius)
 {
+	STILB_ASSERT(radius > 0.0f);
 	octree_mention *made = gi_cache_slab_take(&octree->mentions);
 	if (!made)
 		return false;
@@ -140,6 +165,8 @@ static bool mention_add(gi_cache_octree *octree, octree_cell *cell, const gi_cac
 
 bool gi_cache_octree_insert(gi_cache_octree *octree, const gi_cache_record *source)
 {
+	STILB_ASSERT(source->position[3] > 0.0f && source->normal[3] > 0.0f);
+	STILB_ASSERT(source->tangent[3] > 0.0f && source->irradiance[3] > 0.0f);
 	gi_cache_record *record = gi_cache_slab_take(&octree->records);
 	if (!record)
 		return false;
@@ -250,6 +277,7 @@ bool gi_cache_octree_covers(const gi_cache_octree *octree, stilb_vec3 position, 
 
 bool gi_cache_octree_record_near(const gi_cache_octree *octree, stilb_vec3 position, float distance)
 {
+	STILB_ASSERT(distance >= 0.0f);
 	for (octree_walk walk = walk_begin(octree, position); walk.cell; walk_down(&walk)) {
 		for (const octree_mention *m = first_mention(walk.cell); m; m = m->next) {
 			stilb_vec3 way = position - m->sphere;

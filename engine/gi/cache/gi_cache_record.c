@@ -90,6 +90,9 @@ static stilb_vec4 row(stilb_vec3 v, float last)
 gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_frame frame, stilb_vec3 position,
                                      const gi_cache_limits *limits)
 {
+	STILB_ASSERT(limits->error > 0.0f && limits->longest > 0.0f);
+	STILB_ASSERT(limits->shortest >= 0.0f && limits->shortest <= limits->longest);
+	STILB_ASSERT(gathered->nearness >= 0.0f);
 	gi_cache_gathered turned = *gathered;
 	float radius[2];
 	if (limits->radius == STILB_GI_CACHE_HESSIAN) {
@@ -120,6 +123,7 @@ gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_fr
 
 void gi_cache_record_limit(gi_cache_record *record, float radius)
 {
+	STILB_ASSERT(radius > 0.0f);
 	float inverse = 1.0f / radius;
 	record->position[3] = fmaxf(record->position[3], inverse);
 	record->normal[3] = fmaxf(record->normal[3], inverse);

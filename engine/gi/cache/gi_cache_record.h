@@ -50,6 +50,7 @@ void gi_cache_record_limit(gi_cache_record *record, float radius);
 static inline float gi_cache_record_error(const gi_cache_record *record, stilb_vec3 position, stilb_vec3 normal,
                                           float turn)
 {
+	STILB_ASSERT(turn > 0.0f);
 	stilb_vec3 way = position - record->position;
 	stilb_vec3 bitangent = stilb_vec3_cross(record->normal, record->tangent);
 	float t = stilb_vec3_dot(way, record->tangent) * record->position[3];
@@ -66,6 +67,7 @@ static inline float gi_cache_record_error(const gi_cache_record *record, stilb_v
  * record's own place. */
 static inline float gi_cache_record_weight(float error)
 {
+	STILB_ASSERT(error >= 0.0f);
 	return 1.0f / fmaxf(error, 1.0f / 16.0f) - 1.0f;
 }
 

@@ -38,6 +38,8 @@ typedef struct cache_scratch {
 static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, stilb_vec3 direction,
                         const cache_branch *wanted)
 {
+	STILB_ASSERT(sample < batch->count);
+	STILB_ASSERT(((const cache_scratch *)batch->scratch)->branch_count < BRANCHES * GI_BATCH);
 	cache_scratch *scratch = batch->scratch;
 	uint32_t i = scratch->branch_count++;
 	scratch->branches[i] = *wanted;
@@ -79,6 +81,7 @@ static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *s
 static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
                            const float numbers[8])
 {
+	STILB_ASSERT(bsdf->share == 1.0f);
 	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
@@ -94,6 +97,7 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
                         const float numbers[8])
 {
+	STILB_ASSERT(((const cache_scratch *)batch->scratch)->shadow_count < GI_BATCH);
 	cache_scratch *scratch = batch->scratch;
 	uint32_t i = scratch->shadow_count;
 	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
@@ -172,6 +176,7 @@ static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, 
 
 static void trace_branches(gi_batch *batch)
 {
+	STILB_ASSERT(batch->worker < batch->view->cache->worker_count);
 	PROFILE("gi.cache.branch");
 	cache_scratch *scratch = batch->scratch;
 	const gi_view *view = batch->view;
@@ -198,6 +203,8 @@ static void trace_branches(gi_batch *batch)
 
 static void cache_shade(gi_batch *batch)
 {
+	STILB_ASSERT(batch->view->cache);
+	STILB_ASSERT(batch->count <= GI_BATCH);
 	cache_scratch *scratch = batch->scratch;
 	scratch->shadow_count = scratch->branch_count = 0;
 	{

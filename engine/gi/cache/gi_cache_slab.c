@@ -7,6 +7,7 @@
 
 void gi_cache_slab_init(gi_cache_slab *slab, size_t size)
 {
+	STILB_ASSERT(size > 0 && size % 16 == 0);
 	*slab = (gi_cache_slab){.size = size};
 }
 
@@ -27,6 +28,7 @@ static uint32_t block_of(uint32_t item, uint32_t *place)
 /* The block, made if nobody has yet. */
 static char *block_want(gi_cache_slab *slab, uint32_t block)
 {
+	STILB_ASSERT(block < GI_CACHE_SLAB_BLOCKS);
 	/* acquire: pairs with the release of whoever made it; its zeros are visible */
 	char *there = atomic_load_explicit(&slab->blocks[block], memory_order_acquire);
 	if (there)
@@ -46,6 +48,7 @@ static char *block_want(gi_cache_slab *slab, uint32_t block)
 
 void *gi_cache_slab_take(gi_cache_slab *slab)
 {
+	STILB_ASSERT(slab->size > 0 && "after init");
 	/* relaxed: only the number matters; blocks publish themselves, and items are published by who takes them */
 	uint32_t item = atomic_load_explicit(&slab->taken, memory_order_relaxed);
 	uint32_t place, block;
@@ -66,6 +69,7 @@ uint32_t gi_cache_slab_count(const gi_cache_slab *slab)
 
 void *gi_cache_slab_item(const gi_cache_slab *slab, uint32_t i)
 {
+	STILB_ASSERT(i < gi_cache_slab_count(slab));
 	uint32_t place;
 	uint32_t block = block_of(i, &place);
 	/* acquire: pairs with the release in block_want */

@@ -15,6 +15,7 @@ static double tangent_integral(double theta)
 
 static gi_cache_ring ring_make(uint32_t ring, uint32_t ring_count, double sector_angle)
 {
+	STILB_ASSERT(ring < ring_count);
 	double inner = asin(sqrt((double)ring / ring_count));
 	double outer = asin(sqrt((double)(ring + 1) / ring_count));
 	double moved = cos(inner) * cos(inner) * sin(inner);
@@ -42,6 +43,7 @@ static gi_cache_sector sector_make(uint32_t sector, double angle)
 
 stilb_result gi_cache_strata_create(uint32_t rays, gi_cache_strata *strata)
 {
+	STILB_ASSERT(rays >= 16 && strata);
 	uint32_t ring_count = (uint32_t)sqrt(rays / (double)SHADE_PI);
 	uint32_t sector_count = rays / ring_count;
 	*strata = (gi_cache_strata){.ring_count = ring_count,
@@ -74,6 +76,8 @@ uint32_t gi_cache_strata_cells(const gi_cache_strata *strata)
 
 stilb_vec3 gi_cache_strata_direction(const gi_cache_strata *strata, uint32_t cell, stilb_vec2 u)
 {
+	STILB_ASSERT(cell < gi_cache_strata_cells(strata));
+	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
 	uint32_t ring = cell / strata->sector_count;
 	uint32_t sector = cell % strata->sector_count;
 	float sine2 = ((float)ring + u[0]) / (float)strata->ring_count;
@@ -116,6 +120,7 @@ static void add_sector_edge(const gi_cache_ring *ring, const gi_cache_sector *se
 
 gi_cache_gathered gi_cache_strata_gather(const gi_cache_strata *strata, const gi_cache_cell *cells)
 {
+	STILB_ASSERT(strata->ring_count > 0 && strata->sector_count > 0 && cells);
 	uint32_t sectors = strata->sector_count;
 	float width = 1.0f / (float)strata->ring_count;
 	gi_cache_gathered sum = {0};

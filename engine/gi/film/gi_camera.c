@@ -5,6 +5,10 @@
 
 gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *lens, uint32_t width, uint32_t height)
 {
+	STILB_ASSERT(width > 0 && height > 0);
+	STILB_ASSERT(camera->fov_y > 0.0f && camera->fov_y < 3.1415927f);
+	STILB_ASSERT(lens->radius == 0.0f || (lens->radius > 0.0f && lens->focus > 0.0f));
+	STILB_ASSERT(lens->blades == 0 || (lens->blades >= 3 && lens->blades <= 16));
 	/* The rows of world to clip are the camera's axes, stretched: what the renderer of frames shows is what is seen here. */
 	stilb_mat4 clip = stilb_scene_camera_matrix(camera, 1.0f);
 	float half_height = tanf(0.5f * camera->fov_y), half_width = half_height * ((float)width / (float)height);
@@ -25,6 +29,7 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 /* Evenly spread over a regular polygon: a sector, then a point of its triangle. */
 static stilb_vec2 camera_polygon(const stilb_gi_lens *lens, stilb_vec2 u)
 {
+	STILB_ASSERT(lens->blades >= 3);
 	float place = u[0] * (float)lens->blades, sector = floorf(place);
 	float step = 2.0f * SHADE_PI / (float)lens->blades;
 	float from = lens->rotation + sector * step, to = from + step;
@@ -35,6 +40,7 @@ static stilb_vec2 camera_polygon(const stilb_gi_lens *lens, stilb_vec2 u)
 
 stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u)
 {
+	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
 	stilb_vec2 place = camera->lens.blades ? camera_polygon(&camera->lens, u) : shade_sample_disk(u);
 	return place * camera->lens.radius;
 }

@@ -85,6 +85,7 @@ typedef struct checkpoint_state {
 
 static void state_make(const stilb_gi_render *render, checkpoint_state *state)
 {
+	STILB_ASSERT(render->pass_count <= STILB_GI_MAX_PASSES);
 	memset(state, 0, sizeof *state);
 	state->seconds = render->seconds;
 	state->totals = gi_render_totals_of(render);
@@ -111,6 +112,9 @@ static void write_hashed(stilb_file *file, uint64_t *hash, const void *data, siz
 
 stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const char *path)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
+	STILB_ASSERT(path);
 	PROFILE("gi.checkpoint");
 	checkpoint_text text;
 	checkpoint_state state;
@@ -258,6 +262,7 @@ static stilb_result read_all(checkpoint_reader *reader, const stilb_gi_render *r
  * forgotten, so that there is room for one that brings all the rest. */
 static void take_passes(stilb_gi_render *render, const checkpoint_state *state)
 {
+	STILB_ASSERT_LOCKED(&render->lock);
 	uint32_t samples = render->view.settings.samples;
 	const uint32_t forgotten = state->pass_count == STILB_GI_MAX_PASSES;
 	render->pass_count = state->pass_count - forgotten;
@@ -275,6 +280,7 @@ static void take_passes(stilb_gi_render *render, const checkpoint_state *state)
 
 static void take_film(gi_film *film, gi_film *loaded)
 {
+	STILB_ASSERT(loaded->pixels && !loaded->weights == !film->weights);
 	gi_film_pixel *pixels = film->pixels;
 	gi_film_weight *weights = film->weights;
 	film->pixels = loaded->pixels;
@@ -287,6 +293,9 @@ static void take_film(gi_film *film, gi_film *loaded)
 
 stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
+	STILB_ASSERT(path);
 	PROFILE("gi.resume");
 	if (render->pass_count > 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot resume from '%s': the render has begun already", path);
@@ -298,12 +307,12 @@ stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path)
 	fclose(reader.stream);
 	if (result == STILB_OK) {
 		take_film(&render->film, &reader.film);
-		pthread_mutex_lock(&render->lock);
+		stilb_lock_take(&render->lock);
 		take_passes(render, &reader.state);
 		render->seconds = reader.state.seconds;
 		render->estimate = reader.state.estimate;
 		render->resumed = reader.state.totals;
-		pthread_mutex_unlock(&render->lock);
+		stilb_lock_give(&render->lock);
 	}
 	gi_film_finish(&reader.film);
 	return result;

@@ -20,6 +20,7 @@ static void *film_zeroed(size_t count, size_t size)
 
 stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool weighted)
 {
+	STILB_ASSERT(film && width > 0 && height > 0);
 	size_t count = (size_t)width * height;
 	*film = (gi_film){.width = width, .height = height};
 	film->pixels = film_zeroed(count, sizeof *film->pixels);
@@ -59,9 +60,11 @@ void gi_film_finish(gi_film *film)
 
 static void film_add_weighted(gi_film *film, size_t index, const stilb_vec3 radiance)
 {
+	STILB_ASSERT(film->weights);
 	gi_film_pixel *pixel = &film->pixels[index];
 	gi_film_weight *weights = &film->weights[index];
 	double weight = (double)shade_firefly_weight(fmaxf(shade_luminance(radiance), 0.0f), FILM_FIREFLY_RANGE);
+	STILB_ASSERT(weight > 0.0 && weight <= 1.0);
 	weights->weight += weight;
 	weights->weight_squared += weight * weight;
 	for (int c = 0; c < 3; c++) {
@@ -83,6 +86,8 @@ static void film_add_plain(gi_film_pixel *pixel, const stilb_vec3 radiance)
 
 bool gi_film_add(gi_film *film, size_t index, const gi_film_sample *sample)
 {
+	STILB_ASSERT(index < (size_t)film->width * film->height);
+	STILB_ASSERT(sample->albedo && sample->normal);
 	gi_film_pixel *pixel = &film->pixels[index];
 	stilb_vec3 radiance = sample->radiance;
 	bool good = isfinite(radiance[0]) && isfinite(radiance[1]) && isfinite(radiance[2]);
@@ -129,6 +134,8 @@ static gi_film_weight film_weight(const gi_film *film, size_t index)
 
 void gi_film_resolve(gi_film *film, size_t index)
 {
+	STILB_ASSERT(index < (size_t)film->width * film->height);
+	STILB_ASSERT(film->pixels[index].hits <= film->pixels[index].samples);
 	const gi_film_pixel *pixel = &film->pixels[index];
 	if (pixel->samples == 0)
 		return;
@@ -150,6 +157,7 @@ void gi_film_resolve(gi_film *film, size_t index)
 
 double gi_film_error(const gi_film *film)
 {
+	STILB_ASSERT(film->pixels);
 	size_t count = (size_t)film->width * film->height;
 	double variance = 0.0, mean = 0.0;
 	for (size_t i = 0; i < count; i++) {
@@ -167,6 +175,7 @@ double gi_film_error(const gi_film *film)
 /* The pixel that stands for this one: itself, or the corner of the smallest block around it that has samples. */
 static size_t film_shown(const gi_film *film, uint32_t x, uint32_t y)
 {
+	STILB_ASSERT(x < film->width && y < film->height);
 	size_t own = (size_t)y * film->width + x, at = own;
 	for (uint32_t block = 1; block <= GI_FILM_LARGEST_BLOCK; block *= 2) {
 		at = (size_t)(y & ~(block - 1)) * film->width + (x & ~(block - 1));
@@ -179,6 +188,7 @@ static size_t film_shown(const gi_film *film, uint32_t x, uint32_t y)
 
 void gi_film_preview(const gi_film *film, float *rgb)
 {
+	STILB_ASSERT(film->radiance);
 	for (uint32_t y = 0; y < film->height; y++) {
 		for (uint32_t x = 0; x < film->width; x++) {
 			size_t shown = film_shown(film, x, y);

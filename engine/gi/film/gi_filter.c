@@ -11,6 +11,7 @@
 /* erf(result) = x, |x| < 1. Source: Giles, "Approximating the erfinv function" (2010), single precision. */
 static float inverse_erf(float x)
 {
+	STILB_ASSERT(x > -1.0f && x < 1.0f);
 	float w = -logf((1.0f - x) * (1.0f + x));
 	if (w < 5.0f) {
 		w -= 2.5f;
@@ -70,6 +71,8 @@ static float blackman_harris(float u)
 
 stilb_vec2 gi_filter_offset(stilb_gi_filter_kind filter, stilb_vec2 u)
 {
+	STILB_ASSERT(filter < STILB_GI_FILTER_COUNT);
+	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
 	switch (filter) {
 	case STILB_GI_FILTER_GAUSSIAN:
 		return (stilb_vec2){gaussian(u[0]), gaussian(u[1])};

@@ -2,6 +2,7 @@
 
 const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa)
 {
+	STILB_ASSERT(isa < STILB_ISA_COUNT && isa <= stilb_cpu_widest_isa());
 #if defined(__x86_64__)
 	if (isa == STILB_ISA_AVX512)
 		return &gi_primary_kernels_avx512;
@@ -18,6 +19,7 @@ static_assert(GI_BATCH % 16 == 0, "packets are whole");
 static void primary_numbers(const gi_primary_kernels *kernels, const gi_sampler *sampler,
                             const gi_primary_samples *samples, uint32_t dimension, float *u, float *v)
 {
+	STILB_ASSERT(dimension % 2 == 0);
 	uint32_t done = 0;
 	if (sampler->kind == STILB_GI_SAMPLER_SOBOL || sampler->kind == STILB_GI_SAMPLER_BLUE_NOISE) {
 		done = samples->count & ~15u;
@@ -58,6 +60,7 @@ static void primary_fetch_triangles(const stilb_gi_scene *scene, gi_primary_pack
 		packet->parts[lane] = NULL;
 		if (packet->rays.hit.part[lane] == GI_NO_PART)
 			continue;
+		STILB_ASSERT(packet->rays.hit.part[lane] < scene->part_count);
 		const gi_part *part = &scene->parts[packet->rays.hit.part[lane]];
 		packet->parts[lane] = part;
 		packet->triangles[lane] = &part->triangles[packet->rays.hit.triangle[lane]];
@@ -90,6 +93,8 @@ static void primary_hits(const gi_primary_kernels *kernels, const stilb_gi_scene
 void gi_primary_trace(const gi_primary_kernels *kernels, const gi_view *view, const gi_camera *camera,
                       const gi_primary_samples *samples, gi_primary *out)
 {
+	STILB_ASSERT(samples->count <= GI_BATCH);
+	STILB_ASSERT(samples->count == 0 || (samples->x && samples->y && samples->points));
 	gi_primary_places places;
 	gi_primary_packet packets[3];
 	uint32_t packet_count = (samples->count + 15) / 16;

@@ -13,6 +13,7 @@
 
 static void lanes_sobol(const gi_point *points, uint32_t dimension, uint32_t count, float *u, float *v)
 {
+	STILB_ASSERT(count % 16 == 0 && (uintptr_t)points % 8 == 0);
 	for (uint32_t first = 0; first < count; first += 16) {
 		uint32_t columns[4][16]; /* hash, low half and high half; index; count */
 		float pair[2][16];
@@ -66,6 +67,7 @@ static void lanes_lens(const gi_camera *camera, const gi_primary_places *places,
 
 static void lanes_rays(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray_hit16 *rays)
 {
+	STILB_ASSERT(first % 16 == 0 && first < GI_BATCH);
 	if (camera->lens.radius > 0.0f)
 		lanes_lens(camera, places, first, &rays->ray);
 	else
@@ -153,6 +155,7 @@ static void lanes_rare(const stilb_gi_scene *scene, uint32_t i, gi_primary *out)
 static void lanes_surfaces(const stilb_gi_scene *scene, const gi_camera *camera, const gi_primary_packet *packet,
                            uint32_t first, gi_primary *out)
 {
+	STILB_ASSERT(first % 16 == 0 && first < GI_BATCH);
 	float normals[4][16];
 	bool plain = true;
 	for (uint32_t lane = 0; lane < 16; lane++)

@@ -29,6 +29,7 @@ static uint8_t display_code(float light)
 
 void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *srgb)
 {
+	STILB_ASSERT((rgb && srgb) || pixels == 0);
 	float scale = exp2f(exposure);
 	for (size_t i = 0; i < pixels; i++, rgb += 3, srgb += 3) {
 		stilb_vec3 light = {display_light(rgb[0], scale), display_light(rgb[1], scale), display_light(rgb[2], scale)};
@@ -154,6 +155,7 @@ static stilb_result save_light(const stilb_gi_render *render, const char *path)
 
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path)
 {
+	STILB_ASSERT(render && path);
 	PROFILE("gi.save");
 	stilb_result result = stilb_image_path_check(path);
 	if (result != STILB_OK)

@@ -13,6 +13,7 @@ static float mis_weight(float pdf, float other)
 bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
                    gi_ray *shadow, stilb_vec3 *direct)
 {
+	STILB_ASSERT(bsdf->share >= 0.0f && bsdf->share <= 1.0f);
 	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
 	gi_light_sample light;
 	if (!gi_light_sample_at(&view->scene->lights, origin, bsdf->frame.n, numbers[GI_DIMENSION_CHOICE], u, &light))
@@ -31,6 +32,7 @@ bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, 
 stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const gi_ray_hit *ray,
                            const gi_surface *surface)
 {
+	STILB_ASSERT(gi_is_hit(ray) == (surface != NULL));
 	const gi_lights *lights = &view->scene->lights;
 	stilb_vec3 origin = gi_ray_origin(&ray->ray), direction = gi_ray_direction(&ray->ray);
 	if (!surface) {
@@ -41,6 +43,7 @@ stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, co
 	const gi_part *part = &view->scene->parts[surface->part];
 	if (pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
 		return surface->emission;
+	STILB_ASSERT(surface->part == ray->hit.part && surface->triangle == ray->hit.triangle);
 	float asked = gi_light_pdf(lights, origin, normal, part->first_light + surface->triangle, ray->ray.t_max);
 	return surface->emission * mis_weight(pdf, asked);
 }

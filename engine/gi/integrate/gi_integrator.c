@@ -2,6 +2,7 @@
 
 const gi_integrator *gi_integrator_of(stilb_gi_integrator name)
 {
+	STILB_ASSERT(name < STILB_GI_INTEGRATOR_COUNT);
 	static const gi_integrator *const integrators[] = {
 		[STILB_GI_INTEGRATOR_COLOR] = &gi_integrator_color,
 		[STILB_GI_INTEGRATOR_DIRECT] = &gi_integrator_direct,

@@ -8,6 +8,7 @@
 
 double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings)
 {
+	STILB_ASSERT(settings->rays >= 1);
 	double rays = 0.0, level = (double)settings->width * settings->height * settings->samples;
 	for (uint32_t bounce = 0; bounce <= settings->depth; bounce++, level *= settings->rays)
 		rays += level;
@@ -25,6 +26,7 @@ typedef struct hit {
 /* Light from one of the lights without a size, or none. */
 static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
 {
+	STILB_ASSERT(at->vertex < batch->view->settings.depth);
 	const gi_view *view = batch->view;
 	const gi_lights *lights = &view->scene->lights;
 	const stilb_vec3 none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
@@ -53,6 +55,7 @@ static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_poin
 /* The k-th of the rays that gather light at a surface: as likely as its cosine where the surface is diffuse. */
 static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 {
+	STILB_ASSERT(k < batch->view->settings.rays);
 	const gi_view *view = batch->view;
 	const gi_sampler *sampler = &view->sampler;
 	const uint32_t dimension = GI_DIMENSION_OF(at->vertex);
@@ -72,6 +75,7 @@ static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 /* Radiance that comes back along a ray that has been traced to the vertex. */
 static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex)
 {
+	STILB_ASSERT(vertex <= batch->view->settings.depth);
 	const gi_view *view = batch->view;
 	const bool indirect = view->settings.only == STILB_GI_ONLY_INDIRECT;
 	const stilb_vec3 direction = gi_ray_direction(&ray->ray);
@@ -95,6 +99,7 @@ static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_poin
 
 static void montecarlo_shade(gi_batch *batch)
 {
+	STILB_ASSERT(batch->count <= GI_BATCH);
 	PROFILE("gi.bounce");
 	for (uint32_t i = 0; i < batch->count; i++)
 		batch->radiance[i] = radiance_along(batch, &batch->rays[i], batch->points[i], 0);

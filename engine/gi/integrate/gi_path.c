@@ -58,11 +58,13 @@ typedef struct path_vertex {
  * many paths at the first chance. */
 static bool roulette(const gi_view *view, path_state *path, float u)
 {
+	STILB_ASSERT(u >= 0.0f && u < 1.0f);
 	float survival = view->settings.roulette;
 	if (survival == 0.0f) {
 		stilb_vec3 t = path->throughput;
 		survival = glsl_min_1(ROULETTE_SCALE * sqrtf(glsl_max_1(glsl_max_1(t[0], t[1]), t[2])), 1.0f);
 	}
+	STILB_ASSERT(!(survival < 0.0f) && !(survival > 1.0f));
 	if (u >= survival)
 		return false;
 	path->throughput *= 1.0f / survival;
@@ -78,6 +80,7 @@ static bool reflects(const gi_surface *surface)
 /* Adds what shines where the ray of path i ended. False: the path ends there too. */
 static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 {
+	STILB_ASSERT(i < wave->count && wave->paths[i].slot < GI_BATCH);
 	const path_state *path = &wave->paths[i];
 	const gi_ray_hit *ray = &wave->rays[i];
 	const bool hit = gi_is_hit(ray);
@@ -92,6 +95,7 @@ static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 /* Asks a light, and puts the shadow ray in the stream. */
 static void path_ask_light(path_wave *wave, const path_state *path, const path_vertex *vertex)
 {
+	STILB_ASSERT(wave->shadow_count < GI_BATCH);
 	gi_ray *shadow = &wave->shadows[wave->shadow_count];
 	stilb_vec3 *direct = &wave->direct[wave->shadow_count];
 	if (!gi_direct_ask(wave->view, &vertex->bsdf, vertex->origin, vertex->numbers, true, shadow, direct))
@@ -124,6 +128,8 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
  * another's arithmetic fills. Paths that go on move to kept and behind it; returns where the next ones go. */
 static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count, uint32_t kept)
 {
+	STILB_ASSERT(count <= VERTICES && first + count <= wave->count);
+	STILB_ASSERT(kept <= first && "a path is not overwritten before it is shaded");
 	const gi_view *view = wave->view;
 	path_vertex vertices[VERTICES];
 	uint32_t live = 0;
@@ -215,6 +221,7 @@ static void wave_intersect(path_wave *wave)
 /* Until every path has ended. The rays are traced already. */
 static void wave_run(path_wave *wave)
 {
+	STILB_ASSERT(wave->shadow_count == 0);
 	for (;;) {
 		wave_shade(wave);
 		wave_shadows(wave);
@@ -238,6 +245,7 @@ typedef struct path_scratch {
 
 static path_wave wave_begin(gi_batch *batch)
 {
+	STILB_ASSERT(batch->scratch && (uintptr_t)batch->scratch % STILB_CACHE_LINE == 0);
 	const stilb_gi_settings *settings = &batch->view->settings;
 	path_scratch *scratch = batch->scratch;
 	bool indirect = settings->only == STILB_GI_ONLY_INDIRECT;
@@ -255,6 +263,7 @@ static path_wave wave_begin(gi_batch *batch)
 /* Another path. Its slot is its number in the wave. */
 static void wave_add(path_wave *wave, const gi_ray_hit *ray, gi_point point)
 {
+	STILB_ASSERT(wave->count < GI_BATCH);
 	uint32_t slot = wave->count++;
 	wave->radiance[slot] = (stilb_vec3){0};
 	wave->rays[slot] = *ray;
@@ -269,6 +278,7 @@ static void wave_end(const path_wave *wave, gi_batch *counters)
 
 static void path_shade(gi_batch *batch)
 {
+	STILB_ASSERT(batch->count <= GI_BATCH);
 	path_wave wave = wave_begin(batch);
 	for (uint32_t i = 0; i < batch->count; i++)
 		wave_add(&wave, &batch->rays[i], batch->points[i]);
@@ -282,6 +292,7 @@ const gi_integrator gi_integrator_path = {.shade = path_shade, .scratch_size = s
  * has a light sample of its own at the first hit too. */
 static void split_shade(gi_batch *batch)
 {
+	STILB_ASSERT(batch->count <= GI_BATCH && batch->view->settings.rays >= 1);
 	path_scratch *scratch = batch->scratch;
 	const gi_view *view = batch->view;
 	const uint32_t branches = view->settings.rays;
@@ -311,6 +322,7 @@ const gi_integrator gi_integrator_split = {.shade = split_shade, .scratch_size =
 
 void gi_path_gather(gi_batch *batch, uint32_t vertex, uint32_t depth)
 {
+	STILB_ASSERT(batch->count <= GI_BATCH);
 	path_wave wave = wave_begin(batch);
 	wave.vertex = vertex;
 	wave.depth = depth;

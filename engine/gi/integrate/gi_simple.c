@@ -53,6 +53,7 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 /* What the sample sees of the lights themselves and in a highlight; one light is asked what it sends to the surface. */
 static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t i)
 {
+	STILB_ASSERT(scratch->count < GI_BATCH);
 	const gi_view *view = batch->view;
 	const gi_ray_hit *ray = &batch->rays[i];
 	const stilb_vec3 direction = gi_ray_direction(&ray->ray);
@@ -87,6 +88,7 @@ static void direct_flush(gi_batch *batch, direct_scratch *scratch)
 
 static void direct_shade(gi_batch *batch)
 {
+	STILB_ASSERT(batch->count <= GI_BATCH);
 	direct_scratch *scratch = batch->scratch;
 	scratch->count = 0;
 	const bool any = batch->view->settings.only != STILB_GI_ONLY_INDIRECT;
@@ -109,6 +111,7 @@ typedef struct ao_scratch {
 /* The k-th of the sample's rays: cosine-weighted, so that the share of rays that get away is the answer. */
 static gi_ray ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t i, uint32_t k)
 {
+	STILB_ASSERT(i < batch->count && k < batch->view->settings.rays);
 	const gi_view *view = batch->view;
 	const uint32_t dimension = GI_DIMENSION_OF(0) + GI_DIMENSION_DIRECTION;
 	gi_point branch = gi_sampler_branch(&view->sampler, batch->points[i], dimension, k, view->settings.rays);
@@ -130,6 +133,7 @@ static bool ao_below(const gi_surface *surface, const gi_ray *ray)
 /* Counts the rays of the stream that got away, and empties it. */
 static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 {
+	STILB_ASSERT(scratch->count <= AO_STREAM);
 	PROFILE("gi.shadow");
 	const gi_tracer *tracer = &batch->view->scene->tracer;
 	tracer->occluded(tracer, scratch->rays, scratch->count);
@@ -144,6 +148,7 @@ static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 /* How far the nearest thing on the ray is, as a share of ao_distance; 1: there is none that near. */
 static float ao_reach(gi_batch *batch, const gi_ray *ray)
 {
+	STILB_ASSERT(batch->view->settings.ao_distance > 0.0f);
 	const gi_tracer *tracer = &batch->view->scene->tracer;
 	gi_ray_hit hit = gi_ray_hit_make(gi_ray_origin(ray), gi_ray_direction(ray));
 	hit.ray.t_max = ray->t_max;
@@ -154,6 +159,7 @@ static float ao_reach(gi_batch *batch, const gi_ray *ray)
 
 static void ao_shade(gi_batch *batch)
 {
+	STILB_ASSERT(batch->count <= GI_BATCH && batch->view->settings.rays >= 1);
 	const stilb_gi_settings *settings = &batch->view->settings;
 	ao_scratch *scratch = batch->scratch;
 	scratch->count = 0;

@@ -16,6 +16,7 @@ static float valid(float value)
 
 static stilb_vec3 texel_radiance(const gi_environment *environment, uint32_t x, uint32_t y)
 {
+	STILB_ASSERT(x < environment->width && y < environment->height);
 	const float *texel = environment->map + ((size_t)y * environment->width + x) * environment->channels;
 	if (environment->channels < 3)
 		return stilb_vec3_make(valid(texel[0]), valid(texel[0]), valid(texel[0]));
@@ -73,6 +74,8 @@ static void sum_up(gi_environment *environment)
 
 static stilb_result use_map(const stilb_image *map, gi_environment *environment)
 {
+	STILB_ASSERT(map->width > 0 && map->height > 0);
+	STILB_ASSERT(map->channels >= 1 && map->channels <= 4);
 	if (map->format != STILB_IMAGE_F32_LINEAR)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "an environment map has linear floats, this picture has not; give it as .exr or .hdr");
@@ -91,6 +94,7 @@ static stilb_result use_map(const stilb_image *map, gi_environment *environment)
 
 stilb_result gi_environment_create(const stilb_scene *scene, gi_environment **out)
 {
+	STILB_ASSERT(scene && out);
 	*out = NULL;
 	gi_environment *environment = stilb_memory_alloc(1, sizeof *environment);
 	if (!environment)
@@ -120,6 +124,7 @@ void gi_environment_destroy(gi_environment *environment)
 /* Where u falls among the shares of count cells, and what of u is left inside that cell, [0, 1). */
 static uint32_t find(const float *shares, uint32_t count, float *u)
 {
+	STILB_ASSERT(count > 0 && *u >= 0.0f && *u < 1.0f);
 	uint32_t low = 0, high = count - 1; /* shares[high] > u or high is the last */
 	while (low < high) {
 		uint32_t middle = (low + high) / 2;

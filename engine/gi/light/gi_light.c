@@ -110,13 +110,35 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
 			lights->leaf_of[lights->nodes[i].light] = i;
 }
 
+/* Every emitter has its shape, every shape with power its leaf, every distant light its number. For STILB_CHECK. */
+static bool lights_are_sound(const gi_lights *lights)
+{
+	const uint32_t nodes = lights->placed_count > 0 ? 2 * lights->placed_count - 1 : 0;
+	for (uint32_t i = 0; i < lights->emitter_count; i++)
+		if (lights->shape_of[i] >= lights->shape_count)
+			return false;
+	for (uint32_t i = 0; i < lights->shape_count; i++) {
+		uint32_t leaf = lights->leaf_of[i];
+		if (leaf != GI_LIGHT_LEAF && (leaf >= nodes || lights->nodes[leaf].light != i))
+			return false;
+	}
+	for (uint32_t i = 0; i < lights->distant_count; i++)
+		if (lights->distant[i] != GI_LIGHT_ENVIRONMENT && lights->distant[i] >= lights->point_count)
+			return false;
+	return true;
+}
+
 stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitters, uint32_t emitter_count,
                               gi_lights *lights)
 {
-	*lights = (gi_lights){0};
+	STILB_ASSERT(scene && lights);
+	STILB_ASSERT(emitters || emitter_count == 0);
+	*lights = (gi_lights){.emitter_count = emitter_count};
 	stilb_result result = gi_environment_create(scene, &lights->environment);
-	if (result != STILB_OK)
+	if (result != STILB_OK) {
+		*lights = (gi_lights){0};
 		return result;
+	}
 	const size_t points = (size_t)scene->light_count + 1, placed = points + emitter_count;
 	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);
 	lights->points = stilb_memory_alloc(points, sizeof *lights->points);
@@ -130,6 +152,7 @@ stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitte
 		copy_points(scene, lights);
 		make_shapes(emitters, emitter_count, lights);
 		make_choice(lights, leaves);
+		STILB_CHECK(lights_are_sound(lights));
 	} else {
 		gi_lights_destroy(lights);
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", emitter_count + scene->light_count);
@@ -170,6 +193,7 @@ static stilb_vec3 vector(const float v[3])
 
 static bool sample_directional(const stilb_scene_light *light, gi_light_sample *sample)
 {
+	STILB_ASSERT(light->kind == STILB_SCENE_LIGHT_DIRECTIONAL);
 	*sample = (gi_light_sample){
 		.direction = -vector(light->direction),
 		.distance = INFINITY,
@@ -182,6 +206,7 @@ static bool sample_directional(const stilb_scene_light *light, gi_light_sample *
 
 static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi_light_sample *sample)
 {
+	STILB_ASSERT(light->kind != STILB_SCENE_LIGHT_DIRECTIONAL);
 	const stilb_vec3 to_light = vector(light->position) - position;
 	const float distance2 = stilb_vec3_dot(to_light, to_light), distance = sqrtf(distance2);
 	const stilb_vec3 direction = to_light * (1.0f / distance);
@@ -202,6 +227,7 @@ static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi
 /* Irradiance that a distant light may give. */
 static float distant_importance(const gi_lights *lights, uint32_t distant, stilb_vec3 normal)
 {
+	STILB_ASSERT(distant < lights->distant_count);
 	if (lights->distant[distant] == GI_LIGHT_ENVIRONMENT)
 		return gi_environment_importance(lights->environment, normal);
 	const stilb_scene_light *sun = &lights->points[lights->distant[distant]];
@@ -209,19 +235,20 @@ static float distant_importance(const gi_lights *lights, uint32_t distant, stilb
 	return brightness(sun->intensity) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
 }
 
+static uint32_t group_count(const gi_lights *lights)
+{
+	return lights->distant_count + (lights->placed_count > 0);
+}
+
 /* Lights are asked in groups: one is all those with a place, then each distant one. What blocks their light is not known, so
  * half of the questions go to all groups alike, and half by how much light they may give. */
 static float group_importance(const gi_lights *lights, uint32_t group, stilb_vec3 position, stilb_vec3 normal)
 {
+	STILB_ASSERT(group < group_count(lights));
 	if (lights->placed_count == 0)
 		return distant_importance(lights, group, normal);
 	return group == 0 ? gi_light_node_importance(&lights->nodes[0], position, normal)
 	                  : distant_importance(lights, group - 1, normal);
-}
-
-static uint32_t group_count(const gi_lights *lights)
-{
-	return lights->distant_count + (lights->placed_count > 0);
 }
 
 #define GROUPS_KEPT 8
@@ -308,6 +335,8 @@ static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_ve
 bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
                         gi_light_sample *sample)
 {
+	STILB_ASSERT(u_choice >= 0.0f && u_choice < 1.0f);
+	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
 	if (group_count(lights) == 0)
 		return false;
 	float probability;
@@ -327,6 +356,7 @@ bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3
 
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance)
 {
+	STILB_ASSERT(light < lights->emitter_count);
 	const uint32_t shape = lights->shape_of[light];
 	if (lights->leaf_of[shape] == GI_LIGHT_LEAF)
 		return 0.0f;
@@ -345,5 +375,6 @@ float gi_environment_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec
 
 stilb_vec3 gi_environment_radiance(const gi_lights *lights, stilb_vec3 direction)
 {
+	STILB_ASSERT(lights->environment);
 	return gi_environment_at(lights->environment, direction);
 }

@@ -21,8 +21,8 @@ typedef struct gi_emitter {
 
 typedef struct gi_lights {
 	struct gi_light_shape *shapes; /* emitting triangles; two that make a rectangle are one shape */
-	uint32_t shape_count;
-	uint32_t *shape_of;        /* [emitters] */
+	uint32_t shape_count, emitter_count;
+	uint32_t *shape_of;        /* [emitter_count] */
 	stilb_scene_light *points; /* lights without a size; the sun among them */
 	uint32_t point_count;
 	struct gi_light_node *nodes; /* the tree of the lights with a place, gi_light_tree.h */

@@ -172,6 +172,7 @@ static float limited(float x, float low, float high)
 static stilb_vec3 point_of_rectangle(const gi_light_shape *shape, stilb_vec3 to_corner, float height,
                                      const spherical_rectangle *seen, stilb_vec2 u)
 {
+	STILB_ASSERT(shape->rectangle);
 	const float b0 = seen->normal_z[0], b1 = seen->normal_z[2], x0 = seen->x0, y0 = seen->y0, y1 = seen->y1;
 	const float au = u[0] * seen->solid_angle + (2.0f * SHADE_PI - seen->angles[2] - seen->angles[3]);
 	const float sine = sinf(au), across = cosf(au) * b0 - b1, height2 = height * height;
@@ -203,6 +204,7 @@ static float sine_of(float cosine)
 static stilb_vec3 point_of_triangle(const gi_light_shape *shape, stilb_vec3 to_corner, float height, float angle,
                                     stilb_vec2 u)
 {
+	STILB_ASSERT(!shape->rectangle);
 	const stilb_vec3 a = stilb_vec3_normalize(to_corner), b = stilb_vec3_normalize(to_corner + shape->edge_1);
 	const stilb_vec3 c = stilb_vec3_normalize(to_corner + shape->edge_2);
 	const stilb_vec3 c_side = across(c, a);
@@ -250,6 +252,7 @@ static float density_by_area(const gi_light_shape *shape, float height, float di
 
 bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, stilb_vec2 u, gi_light_sample *sample)
 {
+	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
 	const stilb_vec3 to_corner = shape->corner - position;
 	const float height = -stilb_vec3_dot(to_corner, shape->normal);
 	if (!(height > 0.0f))
@@ -270,6 +273,7 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 
 float gi_light_shape_density(const gi_light_shape *shape, stilb_vec3 position, float distance)
 {
+	STILB_ASSERT(!(distance < 0.0f));
 	const stilb_vec3 to_corner = shape->corner - position;
 	const float height = -stilb_vec3_dot(to_corner, shape->normal);
 	if (!(height > 0.0f))

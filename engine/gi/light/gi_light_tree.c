@@ -158,6 +158,7 @@ static uint32_t part(gi_light_node *leaves, uint32_t count, uint32_t level)
 static void build(gi_light_node *nodes, uint32_t at, gi_light_node *leaves, uint32_t count, uint32_t level,
                   uint32_t *used)
 {
+	STILB_ASSERT(count >= 1);
 	const uint32_t parent = nodes[at].parent;
 	if (count == 1) {
 		nodes[at] = leaves[0];
@@ -177,11 +178,28 @@ static void build(gi_light_node *nodes, uint32_t at, gi_light_node *leaves, uint
 	join(&nodes[at], &nodes[child], &nodes[child + 1]);
 }
 
+/* Children name their parent and lie in its box. For STILB_CHECK. */
+static bool tree_is_sound(const gi_light_node *nodes, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		const gi_light_node *parent = &nodes[nodes[i].parent];
+		if (nodes[i].parent >= count || (i > 0 && parent->child != i && parent->child + 1 != i))
+			return false;
+		for (int axis = 0; axis < 3; axis++)
+			if (nodes[i].low[axis] < parent->low[axis] || nodes[i].high[axis] > parent->high[axis])
+				return false;
+	}
+	return true;
+}
+
 void gi_light_tree_build(gi_light_node *nodes, gi_light_node *leaves, uint32_t leaf_count)
 {
+	STILB_ASSERT(leaf_count >= 1);
 	uint32_t used = 1;
 	nodes[0] = (gi_light_node){.parent = 0};
 	build(nodes, 0, leaves, leaf_count, 0, &used);
+	STILB_ASSERT(used == 2 * leaf_count - 1);
+	STILB_CHECK(tree_is_sound(nodes, used));
 }
 
 /* ---- choosing ---------------------------------------------------------------------------------------------------- */
@@ -189,6 +207,7 @@ void gi_light_tree_build(gi_light_node *nodes, gi_light_node *leaves, uint32_t l
 uint32_t gi_light_tree_choose(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, float u,
                               float *probability)
 {
+	STILB_ASSERT(u >= 0.0f && u < 1.0f);
 	uint32_t at = 0;
 	float chance = 1.0f;
 	while (nodes[at].child != GI_LIGHT_LEAF) {
@@ -210,6 +229,7 @@ uint32_t gi_light_tree_choose(const gi_light_node *nodes, stilb_vec3 position, s
 
 float gi_light_tree_probability(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, uint32_t leaf)
 {
+	STILB_ASSERT(nodes[leaf].child == GI_LIGHT_LEAF);
 	float chance = 1.0f;
 	for (uint32_t at = leaf; at != 0; at = nodes[at].parent) {
 		const uint32_t child = nodes[nodes[at].parent].child;

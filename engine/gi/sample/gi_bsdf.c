@@ -61,6 +61,7 @@ static float highlight_share(const gi_bsdf *bsdf)
 
 gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer)
 {
+	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
 	const stilb_vec3 n = surface->normal, specular = surface->specular;
 	gi_bsdf bsdf; /* what a diffuse surface has no use for stays as it is: this is called for every vertex */
 	bsdf.geometric = surface->geometric;
@@ -82,6 +83,7 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, s
 
 stilb_vec3 gi_bsdf_highlight_cos(const gi_bsdf *bsdf, stilb_vec3 direction)
 {
+	STILB_ASSERT(bsdf->share > 0.0f && bsdf->share <= 1.0f);
 	return shade_lambert(bsdf->diffuse) * stilb_vec3_dot(bsdf->frame.n, direction) +
 	       shade_brdf_cos(bsdf->model, bsdf->highlight, bsdf->frame, direction, bsdf->to_viewer);
 }
@@ -93,11 +95,14 @@ static float mixed_pdf(const gi_bsdf *bsdf, stilb_vec3 local)
 
 float gi_bsdf_highlight_pdf(const gi_bsdf *bsdf, stilb_vec3 direction)
 {
+	STILB_ASSERT(bsdf->share > 0.0f && bsdf->share <= 1.0f);
 	return mixed_pdf(bsdf, shade_frame_to_local(bsdf->frame, direction));
 }
 
 bool gi_bsdf_highlight_sample(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u, gi_bsdf_sample *chosen)
 {
+	STILB_ASSERT(bsdf->share > 0.0f && bsdf->share <= 1.0f);
+	STILB_ASSERT(u_lobe >= 0.0f && u_lobe < 1.0f);
 	const shade_sample local = u_lobe < bsdf->share ? highlight_sample(bsdf, u) : shade_sample_cosine(u);
 	chosen->direction = stilb_vec3_normalize(shade_frame_to_world(bsdf->frame, local.direction));
 	chosen->pdf = mixed_pdf(bsdf, local.direction);

@@ -14,6 +14,7 @@
 
 const gi_sampler_kernels *gi_sampler_kernels_for(stilb_isa isa)
 {
+	STILB_ASSERT(isa < STILB_ISA_COUNT && isa <= stilb_cpu_widest_isa());
 #if defined(__x86_64__)
 	if (isa >= STILB_ISA_AVX2)
 		return &gi_sampler_kernels_avx2;
@@ -24,6 +25,8 @@ const gi_sampler_kernels *gi_sampler_kernels_for(stilb_isa isa)
 
 gi_sampler gi_sampler_make(stilb_gi_sampler_kind kind, uint64_t seed, uint32_t samples)
 {
+	STILB_ASSERT(kind < STILB_GI_SAMPLER_COUNT);
+	STILB_ASSERT(samples >= 1);
 	stilb_isa isa;
 	if (stilb_cpu_isa(&isa) != STILB_OK)
 		isa = STILB_ISA_SCALAR; /* the same bits */
@@ -77,6 +80,7 @@ static uint64_t pixel_order(uint64_t hash, uint32_t x, uint32_t y)
  * good. The points must be as many as the samples, or a power of two. */
 static gi_point ordered_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uint32_t index)
 {
+	STILB_ASSERT(sampler->kind == STILB_GI_SAMPLER_BLUE_NOISE && sampler->samples >= 1);
 	const uint64_t hash = mixed(sampler->seed, STREAM_ORDER, 0);
 	const int bits = sampler->samples > 1 ? 32 - __builtin_clz(sampler->samples - 1) : 0;
 	uint64_t place = (pixel_order(hash, x, y) << bits) + index;
@@ -98,6 +102,7 @@ gi_point gi_sampler_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uin
  * alone; but where each sample has one branch only, these are stratified as the samples are. */
 gi_point gi_sampler_branch(const gi_sampler *sampler, gi_point parent, uint32_t dimension, uint32_t i, uint32_t n)
 {
+	STILB_ASSERT(i < n);
 	uint64_t index = (uint64_t)parent.index * n + i, hash;
 	switch (sampler->kind) {
 	case STILB_GI_SAMPLER_RANDOM:
@@ -121,6 +126,7 @@ gi_point gi_sampler_branch(const gi_sampler *sampler, gi_point parent, uint32_t 
  * until it falls below count. Source: Kensler, "Correlated Multi-Jittered Sampling" (2013). */
 static uint32_t permuted(uint32_t i, uint32_t count, uint32_t seed)
 {
+	STILB_ASSERT(i < count);
 	const uint32_t mask = count > 1 ? UINT32_MAX >> __builtin_clz(count - 1) : 0;
 	do {
 		i ^= seed;
@@ -152,6 +158,7 @@ typedef struct strata {
 /* The grid nearest to a square that has a cell for each of count points, count up to 2^24. */
 static strata strata_of(uint32_t count)
 {
+	STILB_ASSERT(count >= 1 && count <= 1u << 24);
 	uint32_t columns = (uint32_t)sqrtf((float)count);
 	return (strata){columns, (count + columns - 1) / columns};
 }
@@ -194,6 +201,7 @@ static stilb_vec2 sobol_pair(gi_point point, uint32_t dimension)
 
 stilb_vec2 gi_sample_2d(const gi_sampler *sampler, gi_point point, uint32_t dimension)
 {
+	STILB_ASSERT(dimension % 2 == 0);
 	switch (sampler->kind) {
 	case STILB_GI_SAMPLER_RANDOM:
 		return random_pair(point, dimension);
@@ -219,6 +227,7 @@ static void stratified_8(gi_point point, uint32_t first, float numbers[8])
 
 void gi_sample_8(const gi_sampler *sampler, gi_point point, uint32_t first, float numbers[8])
 {
+	STILB_ASSERT(first % 8 == 0);
 	switch (sampler->kind) {
 	case STILB_GI_SAMPLER_RANDOM:
 		sampler->kernels->random_8(point.hash, first, numbers);

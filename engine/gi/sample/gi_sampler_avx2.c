@@ -63,6 +63,7 @@ INLINE __m256 avx2_fraction(__m256i x)
 /* Both lanes of a pair do the same until one of them takes the second coordinate. */
 static void avx2_sobol_8(uint64_t hash, uint32_t index, uint32_t first, float numbers[8])
 {
+	STILB_ASSERT((uintptr_t)&gi_sampler_constants % 32 == 0);
 	__m256i shuffle_seed = avx2_seed(hash, first + GI_SEED_SHUFFLE, CONSTANT(pair_steps));
 	__m256i x = avx2_reverse(avx2_owen_hash(_mm256_set1_epi32((int)gi_reverse(index)), shuffle_seed));
 	x = _mm256_blend_epi32(x, avx2_sobol_second(x), 0xaa);

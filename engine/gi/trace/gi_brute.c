@@ -50,6 +50,7 @@ static bool brute_meet(const brute_triangle *triangle, const gi_ray *ray, double
 
 static void brute_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 {
+	STILB_ASSERT(!gi_is_hit(ray) && "nothing hit before");
 	const brute *state = tracer->state;
 	for (uint64_t i = 0; i < state->count; i++) {
 		const brute_triangle *triangle = &state->triangles[i];
@@ -69,7 +70,9 @@ static void brute_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 
 static void brute_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
 {
+	STILB_ASSERT((uintptr_t)valid % 64 == 0 && (uintptr_t)rays % 64 == 0);
 	for (uint32_t i = 0; i < 16; i++) {
+		STILB_ASSERT(valid[i] == 0 || valid[i] == -1);
 		if (!valid[i])
 			continue;
 		gi_ray_hit ray = gi_ray_of(rays, i);
@@ -95,6 +98,7 @@ static bool brute_meets_any(const brute *state, const gi_ray *ray)
 
 static void brute_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 {
+	STILB_ASSERT(rays || count == 0);
 	for (uint32_t i = 0; i < count; i++)
 		if (brute_meets_any(tracer->state, &rays[i]))
 			rays[i].t_max = -INFINITY;
@@ -115,6 +119,7 @@ static void brute_corner(const gi_part *part, const float p[3], double out[3])
 
 static void brute_part(const stilb_gi_scene *gi, uint32_t index, brute *state)
 {
+	STILB_ASSERT(index < gi->part_count);
 	const gi_part *part = &gi->parts[index];
 	const gi_mesh *mesh = &gi->meshes[part->mesh];
 	for (uint32_t k = 0; k < mesh->triangle_count; k++) {
@@ -135,6 +140,7 @@ static void brute_part(const stilb_gi_scene *gi, uint32_t index, brute *state)
 static stilb_result brute_create(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
                                  stilb_gi_scene_info *info)
 {
+	STILB_ASSERT(!tracer->state && "a tracer is created once");
 	(void)desc;
 	brute *state = stilb_memory_alloc(1, sizeof *state + info->triangles * sizeof *state->triangles);
 	if (!state)
@@ -142,6 +148,7 @@ static stilb_result brute_create(const stilb_gi_scene *gi, const stilb_gi_scene_
 	state->count = 0;
 	for (uint32_t part = 0; part < gi->part_count; part++)
 		brute_part(gi, part, state);
+	STILB_ASSERT(state->count == info->triangles);
 	*tracer = (gi_tracer){
 		.intersect = brute_intersect, .intersect16 = brute_intersect16, .occluded = brute_occluded, .state = state};
 	info->isa = "none";

@@ -25,6 +25,7 @@ typedef struct embree {
 	RTCScene *shared; /* of each mesh that is shared, else NULL */
 	uint32_t mesh_count;
 	const gi_part *parts;
+	uint32_t part_count;
 	uint32_t workers;
 	/* Both are called by the threads that build; relaxed: the pool orders them before who waits for the build. */
 	_Atomic int64_t bytes;
@@ -97,6 +98,7 @@ EMBREE_SAME(gi_ray_hit16, hit, RTCRayHit16, hit);
 
 static void embree_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 {
+	STILB_ASSERT(!gi_is_hit(ray) && "nothing hit before");
 	const embree *state = tracer->state;
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
@@ -105,6 +107,7 @@ static void embree_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 
 static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
 {
+	STILB_ASSERT((uintptr_t)valid % 64 == 0 && (uintptr_t)rays % 64 == 0);
 	const embree *state = tracer->state;
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
@@ -116,6 +119,7 @@ static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray
  * against 45 in the Cornell box, 176 against 148 among a million triangles, measured with the path tracer's own rays. */
 static void embree_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 {
+	STILB_ASSERT(rays || count == 0);
 	const embree *state = tracer->state;
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
@@ -156,6 +160,7 @@ static void embree_intersect_instances(const gi_tracer *tracer, gi_ray_hit *ray)
 	embree_intersect(tracer, ray);
 	if (!gi_is_hit(ray) || ray->hit.instance == GI_NO_PART)
 		return;
+	STILB_ASSERT(ray->hit.instance < state->part_count && state->parts[ray->hit.instance].instance);
 	ray->hit.part = ray->hit.instance;
 	embree_normal(&state->parts[ray->hit.part], &ray->hit.normal[0], &ray->hit.normal[1], &ray->hit.normal[2]);
 }
@@ -171,6 +176,7 @@ static void embree_intersect16_instances(const gi_tracer *tracer, const int *val
 		uint32_t part = hit->instance[i];
 		if (!valid[i] || hit->part[i] == GI_NO_PART || part == GI_NO_PART)
 			continue;
+		STILB_ASSERT(part < state->part_count && state->parts[part].instance);
 		hit->part[i] = part;
 		embree_normal(&state->parts[part], &hit->normal[0][i], &hit->normal[1][i], &hit->normal[2][i]);
 	}
@@ -315,6 +321,7 @@ static void embree_attach(RTCScene scene, RTCGeometry geometry, uint32_t id)
 
 static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mesh, uint32_t id)
 {
+	STILB_ASSERT(mesh->triangle_count > 0 && "Embree gets no empty geometry");
 	RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
 	rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices, 0,
 	                           sizeof *mesh->vertices, mesh->vertex_count);
@@ -325,6 +332,8 @@ static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mes
 
 static void embree_attach_instance(embree *state, const gi_part *part, uint32_t id)
 {
+	STILB_ASSERT(part->instance && part->mesh < state->mesh_count);
+	STILB_ASSERT(state->shared[part->mesh] && "the mesh has a tree of its own");
 	RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE);
 	rtcSetGeometryInstancedScene(geometry, state->shared[part->mesh]);
 	rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, part->to_world.m);
@@ -382,6 +391,8 @@ static uint64_t embree_primitives(const stilb_gi_scene *gi)
 static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
                                   stilb_gi_scene_info *info)
 {
+	STILB_ASSERT(!tracer->state && "a tracer is created once");
+	STILB_ASSERT(desc->pool);
 	stilb_gi_isa isa = desc->isa;
 	stilb_result result = embree_isa(&isa);
 	if (result != STILB_OK)
@@ -396,6 +407,7 @@ static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene
 	*state = (embree){.shared = shared,
 	                  .mesh_count = gi->mesh_count,
 	                  .parts = gi->parts,
+	                  .part_count = gi->part_count,
 	                  .workers = stilb_job_pool_worker_count(desc->pool) + 1,
 	                  .bytes_max = desc->memory ? (int64_t)desc->memory : embree_memory()};
 	tracer->state = state;
@@ -437,6 +449,7 @@ const char *stilb_gi_library_version(void)
 
 RTCScene gi_embree_scene(const stilb_gi_scene *scene)
 {
+	STILB_ASSERT(scene->intersector == &stilb_gi_embree);
 	const embree *state = scene->tracer.state;
 	return state->scene;
 }

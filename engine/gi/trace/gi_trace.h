@@ -14,6 +14,8 @@
 #ifndef STILB_GI_TRACE_H
 #define STILB_GI_TRACE_H
 
+#include "base/base.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -86,6 +88,7 @@ static inline bool gi_is_hit(const gi_ray_hit *ray)
 /* One lane of sixteen. */
 static inline gi_ray_hit gi_ray_of(const gi_ray_hit16 *rays, uint32_t lane)
 {
+	STILB_ASSERT(lane < GI_PACKET);
 	const gi_ray16 *ray = &rays->ray;
 	const gi_hit16 *hit = &rays->hit;
 	return (gi_ray_hit){
