@@ -190,6 +190,20 @@ static void chrome_frames(chrome *c)
 
 /* ---- points and flows -------------------------------------------------------------------------------------------- */
 
+/* Viewers do not draw an s without an f, and an f without an s points from nowhere. */
+static bool chrome_flow_is_whole(const stilb_prof_snapshot *s, const stilb_prof_flow *flow)
+{
+	return flow->from_lane < s->lane_count && flow->to_lane < s->lane_count;
+}
+
+static uint64_t chrome_flows_cut(const stilb_prof_snapshot *s)
+{
+	uint64_t cut = 0;
+	for (uint32_t i = 0; i < s->flow_count; i++)
+		cut += !chrome_flow_is_whole(s, &s->flows[i]);
+	return cut;
+}
+
 /* What is on a list, and when; false when it is not on any lane's. */
 static bool chrome_listed(const stilb_prof_snapshot *s, int list, uint32_t index, uint32_t *lane, uint64_t *ns)
 {
@@ -201,7 +215,7 @@ static bool chrome_listed(const stilb_prof_snapshot *s, int list, uint32_t index
 	const stilb_prof_flow *flow = &s->flows[index];
 	*lane = list == CHROME_FROMS ? flow->from_lane : flow->to_lane;
 	*ns = list == CHROME_FROMS ? flow->from_ns : flow->to_ns;
-	return *lane < s->lane_count && flow->from_lane < s->lane_count; /* without an s, an f points from nowhere */
+	return chrome_flow_is_whole(s, flow);
 }
 
 static void chrome_point(chrome *c, uint64_t tid, const stilb_prof_point *point)
@@ -368,6 +382,7 @@ static void chrome_tail(chrome *c)
 	chrome_account(c, "too_deep", s->too_deep);
 	chrome_account(c, "without_ring", s->without_ring);
 	chrome_account(c, "zones_written", c->zones_written);
+	chrome_account(c, "flows_cut", chrome_flows_cut(s));
 	prof_text_add(c->text, "}}\n");
 }
 

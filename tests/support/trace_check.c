@@ -745,12 +745,12 @@ static bool judge_arrows(judge *j)
 	parser *p = j->p;
 	for (size_t i = 0; i < j->arrow_count; i++) {
 		const event *from = j->arrows[i].from, *to = j->arrows[i].to;
-		if (to == NULL) {
-			p->report->flows_open += from != NULL;
+		if (from == NULL && to == NULL)
 			continue;
-		}
 		if (from == NULL)
 			return fail_at(p, to->line, "f without an s");
+		if (to == NULL)
+			return fail_at(p, from->line, "s without an f");
 		if (from->name != to->name || from->cat != to->cat) /* strings are kept once */
 			return fail_at(p, to->line, "the f of flow %" PRId64 " has another name or cat than its s", to->id_value);
 		if (from->begin > to->begin)

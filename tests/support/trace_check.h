@@ -12,7 +12,7 @@
  * that has a length ends a tenth of a nanosecond or more before the next one begins and before its parent ends
  * (viewers add ts and dur as doubles: speedscope loses zones that touch); an E closes the B it names. On "frames"
  * only frames that do not overlap, and marks with s "g"; on off-CPU threads only "sleeping" and "preempted" that do
- * not overlap. An arrow has one s and at most one f, of one name and cat, and does not go back in time.
+ * not overlap. An arrow has one s and one f, of one name and cat, and does not go back in time.
  */
 #ifndef STILB_TRACE_CHECK_H
 #define STILB_TRACE_CHECK_H
@@ -33,7 +33,7 @@ typedef struct trace_check_report {
 	uint64_t open_zones;    /* B without E */
 	uint64_t frames, marks; /* on the thread "frames" */
 	uint64_t instants, counters;
-	uint64_t flows, flows_open; /* with both ends; with an s alone */
+	uint64_t flows;
 	uint64_t flow_ends_outside; /* s and f that no zone is around */
 	uint64_t switches;          /* times off the CPU */
 	uint32_t threads;           /* with a name; "frames" and off-CPU threads left out */
