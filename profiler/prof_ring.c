@@ -174,16 +174,18 @@ static bool prof_name_follows(const char *a, const char *b)
 	return digits_a != digits_b ? digits_a > digits_b : strcmp(a + stem, b + stem) > 0;
 }
 
-/* The thread gets that name and takes its place in the list: workers begin in any order, and are looked for by number. */
+/* The thread gets that name and takes its place in the list: the last but for the number at the end of its name, for workers
+ * begin in any order, and are looked for by number. A main thread that did not say when it begins is the first. */
 static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MAX])
 {
 	const size_t last = prof.count - 1;
+	const bool first = thread->unnamed && thread->tid == (uint32_t)getpid();
 	size_t old = 0, place = 0;
 	memcpy(thread->name, name, PROF_NAME_MAX);
 	while (prof.threads[old] != thread)
 		old++;
 	memmove(&prof.threads[old], &prof.threads[old + 1], (last - old) * sizeof *prof.threads);
-	while (place < last && !prof_name_follows(prof.threads[place]->name, name))
+	while (!first && place < last && !prof_name_follows(prof.threads[place]->name, name))
 		place++;
 	memmove(&prof.threads[place + 1], &prof.threads[place], (last - place) * sizeof *prof.threads);
 	prof.threads[place] = thread;
@@ -217,13 +219,13 @@ static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool
 	if (added)
 		thread = prof_thread_add(!unnamed);
 	if (thread != NULL) {
+		thread->device = device;
+		thread->unnamed = unnamed;
+		thread->tid = device ? 0 : (uint32_t)gettid();
 		if (added)
 			prof_thread_rename(thread, name);
 		else
 			memcpy(thread->name, name, PROF_NAME_MAX);
-		thread->device = device;
-		thread->unnamed = unnamed;
-		thread->tid = device ? 0 : (uint32_t)gettid();
 		prof_switches_close(&thread->switches);
 		if (!device)
 			thread->switches.refused = "it is only beginning"; /* until prof_thread_watch */

@@ -56,8 +56,8 @@ typedef enum stilb_prof_lane_kind {
 	STILB_PROF_LANE_DEVICE, /* zones timed elsewhere: a GPU */
 } stilb_prof_lane_kind;
 
-/* What one thread or device did. Lanes stand in the order in which they were made, but those whose names differ in the number at
- * their end by that number. */
+/* What one thread or device did. Lanes stand in the order in which they were made, but the main thread's is the first
+ * unless it called stilb_prof_thread_begin, and those whose names differ in the number at their end stand by that number. */
 typedef struct stilb_prof_lane {
 	const char *name;
 	stilb_prof_lane_kind kind;
