@@ -110,11 +110,6 @@ static bool profiler_color_labels(ui_profiler_colors *colors, const stilb_prof_s
 
 /* ---- which frame ------------------------------------------------------------------------------------------------- */
 
-const stilb_prof_frame *ui_profiler_frame(const stilb_ui_profiler *profiler)
-{
-	return profiler->snapshot ? &profiler->snapshot->frames[profiler->data.report.frame] : NULL;
-}
-
 void ui_profiler_fit(stilb_ui_profiler *profiler, uint64_t begin_ns, uint64_t end_ns)
 {
 	const double begin = (double)begin_ns - (double)ui_profiler_frame(profiler)->begin_ns;
@@ -316,8 +311,7 @@ void stilb_ui_profiler_draw(stilb_ui_profiler *profiler, stilb_ui *ui)
 	stilb_ui_id_push(ui, "profiler");
 	stilb_ui_area(ui, "panel", panel, STILB_UI_TAKES_WHEEL); /* nothing behind it is reached */
 	stilb_ui_draw_shadow(list, panel, style->radius, 12.0f, style->shadow);
-	stilb_ui_draw_rounded(list, panel, style->radius,
-	                      (stilb_ui_color){style->panel.r, style->panel.g, style->panel.b, 253});
+	stilb_ui_draw_rounded(list, panel, style->radius, style->panel);
 	stilb_ui_draw_rounded_outline(list, panel, style->radius, 1.0f, style->panel_border);
 	stilb_ui_rect area = stilb_ui_inset(panel, margin);
 	stilb_ui_rect head = stilb_ui_cut_top(&area, top);

@@ -201,6 +201,22 @@ void ui_profiler_spans_finish(ui_profiler_spans *spans)
 	*spans = (ui_profiler_spans){0};
 }
 
+/* ---- counters ---------------------------------------------------------------------------------------------------- */
+
+uint32_t ui_profiler_counter_at(const ui_profiler_data *data, const stilb_prof_snapshot *snapshot,
+                                const ui_profiler_counter *counter, uint64_t ns)
+{
+	uint32_t low = counter->first, high = counter->first + counter->count; /* the first that comes after ns */
+	while (low < high) {
+		const uint32_t middle = low + (high - low) / 2;
+		if (snapshot->points[data->points[middle]].ns <= ns)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low > counter->first ? low - 1 : STILB_PROF_NONE;
+}
+
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 uint32_t ui_profiler_frame_find(const stilb_prof_snapshot *snapshot, uint64_t number)
@@ -229,6 +245,27 @@ const char *ui_profiler_time_text(char *text, size_t size, uint64_t ns)
 	else
 		snprintf(text, size, "%.2f s", value * 1e-9);
 	return text;
+}
+
+uint32_t ui_profiler_parts(stilb_prof_lane_kind kind, const ui_profiler_lane_sum *sum, uint64_t least_ns,
+                           ui_profiler_part parts[UI_PROFILER_PARTS])
+{
+	const bool device = kind == STILB_PROF_LANE_DEVICE;
+	const ui_profiler_part all[UI_PROFILER_PARTS] = {
+		{device ? "busy" : "work", sum->work_ns, false},
+		{"wait", sum->wait_ns, false},
+		{"idle", sum->idle_ns + (device ? sum->outside_ns : 0), false},
+		{"asleep", sum->asleep_ns, false},
+		{"lost the CPU", sum->lost_ns, true},
+		{"outside zones", device ? 0 : sum->outside_ns, false},
+	};
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < UI_PROFILER_PARTS; i++)
+		if (all[i].ns > (i == 0 ? 0 : least_ns))
+			parts[count++] = all[i];
+	if (count == 0)
+		parts[count++] = all[0];
+	return count;
 }
 
 void ui_profiler_average(const stilb_prof_frame_stats *history, float average_ms[STILB_PROF_STATS_FRAMES])

@@ -81,12 +81,31 @@ typedef enum ui_profiler_limit {
 	UI_PROFILER_LIMIT_DISPLAY, /* frames are held back until they can be shown */
 } ui_profiler_limit;
 
-/* Where a lane's time went in the frame; what is in no zone is in none of them. */
+/* Where a lane's time went in the frame: each moment counts once, so that together they are the frame's length. A thread
+ * that waits or has nothing to do may be off the CPU as well; asleep and lost count only where it had work, or was in no
+ * zone. */
 typedef struct ui_profiler_lane_sum {
-	uint64_t work_ns, wait_ns, idle_ns;
-	uint64_t off_ns;       /* of work_ns: the thread did not run */
-	uint64_t preempted_ns; /* of off_ns: another thread had the CPU */
+	uint64_t work_ns;    /* in zones of work, on a CPU as far as is known */
+	uint64_t wait_ns;    /* in zones of waiting */
+	uint64_t idle_ns;    /* in zones in which there is nothing to do */
+	uint64_t asleep_ns;  /* off the CPU in work or in no zone, because it slept */
+	uint64_t lost_ns;    /* likewise, because another thread had the CPU */
+	uint64_t outside_ns; /* in no zone, on a CPU as far as is known */
 } ui_profiler_lane_sum;
+
+#define UI_PROFILER_PARTS 6
+
+/* A part of a lane's time by its name. */
+typedef struct ui_profiler_part {
+	const char *name;
+	uint64_t ns;
+	bool lost; /* the CPU, to another thread */
+} ui_profiler_part;
+
+/* The parts of a sum in their order: work first, then those that are longer than least_ns. A device is busy or idle. Returns
+ * how many. */
+uint32_t ui_profiler_parts(stilb_prof_lane_kind kind, const ui_profiler_lane_sum *sum, uint64_t least_ns,
+                           ui_profiler_part parts[UI_PROFILER_PARTS]);
 
 /* Waits for the same thing in the same place, taken together; times without the CPU wherever they were. */
 typedef struct ui_profiler_wait {
@@ -120,17 +139,32 @@ typedef struct ui_profiler_report {
 	char wait_text[320];
 } ui_profiler_report;
 
+/* The curve of a counter: of all points of that name, whichever thread and place in the source recorded them. */
+typedef struct ui_profiler_counter {
+	uint32_t label;          /* the first of that name */
+	uint32_t first, count;   /* its points: data->points[first] .. are indices of the snapshot's, ascending by time */
+	double minimum, maximum; /* of them */
+} ui_profiler_counter;
+
 typedef struct ui_profiler_data {
 	ui_profiler_report report;
-	ui_profiler_lane_sum *lanes;  /* of each lane of the snapshot */
-	uint8_t *kinds;               /* ui_profiler_kind of each label */
-	uint64_t *lane_ns, *label_ns; /* of each lane and label, for counting */
-	uint32_t capacity[4];         /* of these arrays */
+	ui_profiler_lane_sum *lanes;   /* of each lane of the snapshot */
+	uint8_t *kinds;                /* ui_profiler_kind of each label */
+	uint64_t *lane_ns, *label_ns;  /* of each lane and label, for counting */
+	ui_profiler_counter *counters; /* of the whole snapshot, in the order of their first points */
+	uint32_t counter_count;
+	uint32_t *counter_of; /* of each label: index into counters, or STILB_PROF_NONE */
+	uint32_t *points;
+	uint32_t capacity[7]; /* of these arrays */
 } ui_profiler_data;
 
 /* Fills data for the snapshot's frame of that index. False: no memory. */
 bool ui_profiler_data_build(ui_profiler_data *data, const stilb_prof_snapshot *snapshot, uint32_t frame);
 void ui_profiler_data_finish(ui_profiler_data *data);
+
+/* The last point of the counter at that time or before, an index into data->points; STILB_PROF_NONE: there is none. */
+uint32_t ui_profiler_counter_at(const ui_profiler_data *data, const stilb_prof_snapshot *snapshot,
+                                const ui_profiler_counter *counter, uint64_t ns);
 
 /* The snapshot's frame of that number: its index, or STILB_PROF_NONE. */
 uint32_t ui_profiler_frame_find(const stilb_prof_snapshot *snapshot, uint64_t number);

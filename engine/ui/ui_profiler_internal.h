@@ -22,7 +22,9 @@ typedef struct ui_profiler_colors {
 typedef struct ui_profiler_row {
 	uint32_t lane;  /* index into the snapshot's */
 	uint32_t depth; /* levels */
+	uint32_t lines; /* of words below its name */
 	float top;      /* of its first level, pixels; of this frame */
+	float height;   /* with the gap behind it */
 } ui_profiler_row;
 
 struct stilb_ui_profiler {
@@ -57,10 +59,14 @@ struct stilb_ui_profiler {
 	ui_profiler_spans spans;
 };
 
+/* The frame that is shown; NULL: none. */
+static inline const stilb_prof_frame *ui_profiler_frame(const stilb_ui_profiler *profiler)
+{
+	return profiler->snapshot ? &profiler->snapshot->frames[profiler->data.report.frame] : NULL;
+}
+
 /* ---- ui_profiler.c ----------------------------------------------------------------------------------------------- */
 
-/* The frame that is shown; NULL: none. */
-const stilb_prof_frame *ui_profiler_frame(const stilb_ui_profiler *profiler);
 /* What has the keys gets the space key, too: it freezes all the same. */
 void ui_profiler_freeze_key(stilb_ui_profiler *profiler, const stilb_ui *ui, const stilb_ui_action *action);
 
@@ -101,7 +107,29 @@ void ui_profiler_draw_legend(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui
 
 /* False: no memory. After a new snapshot. */
 bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler);
-float ui_profiler_timeline_height(const stilb_ui_profiler *profiler, const stilb_ui *ui);
+/* Of all lanes; sets the height of each. */
+float ui_profiler_timeline_height(stilb_ui_profiler *profiler, const stilb_ui *ui);
 void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area);
+
+/* ---- ui_profiler_counters.c -------------------------------------------------------------------------------------- */
+
+/* Where the lanes stand, and what time they show. */
+typedef struct ui_profiler_view {
+	stilb_ui_rect names, area;
+	double begin_ns, pixels_per_ns; /* begin_ns: at the area's left edge */
+	float level;                    /* height of a line */
+	stilb_ui_action action;         /* of the area */
+} ui_profiler_view;
+
+/* The nearest time that there is. */
+static inline uint64_t ui_profiler_whole_ns(double ns)
+{
+	return ns > 0.0 ? ns < 0x1p63 ? (uint64_t)ns : UINT64_MAX : 0;
+}
+
+float ui_profiler_counters_height(const stilb_ui_profiler *profiler, float level);
+
+/* The curves, from top on downwards; the value under the mouse is told. */
+void ui_profiler_draw_counters(stilb_ui_profiler *profiler, stilb_ui *ui, const ui_profiler_view *view, float top);
 
 #endif

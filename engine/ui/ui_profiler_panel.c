@@ -403,8 +403,11 @@ void ui_profiler_draw_legend(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui
 	double share = frame->end_ns > frame->begin_ns
 	                   ? 100.0 * (double)report->cost_ns / (double)(frame->end_ns - frame->begin_ns)
 	                   : 0.0;
-	snprintf(cost, sizeof cost, "profiler: %u events, %s (%.2f %% of the frame)", report->events,
-	         ui_profiler_time_text(time, sizeof time, report->cost_ns), share);
+	int length = snprintf(cost, sizeof cost, "profiler: %u events, %s (%.2f %% of the frame)", report->events,
+	                      ui_profiler_time_text(time, sizeof time, report->cost_ns), share);
+	if (profiler->snapshot->without_ring > 0)
+		snprintf(cost + length, sizeof cost - (size_t)length, "; %llu more missing: no memory for their threads",
+		         (unsigned long long)profiler->snapshot->without_ring);
 	stilb_ui_draw_text(stilb_ui_list(ui), font, stilb_ui_cut_right(&area, stilb_ui_text_width(font, cost) + 2.0f),
 	                   STILB_UI_ALIGN_RIGHT, style->text_muted, cost);
 	panel_draw_key(ui, &area, stilb_ui_rgb(UI_PROFILER_AVERAGE_LINE), 2.0f, "average of 10 frames");

@@ -1,6 +1,7 @@
 /* What a frame of a snapshot comes down to: where each thread's time went, what limits the frame, who waited for whom. */
 #include "ui/ui_profiler_data.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,6 +29,13 @@ static ui_profiler_kind report_kind(const report_input *in, const stilb_prof_lan
 	return (ui_profiler_kind)in->data->kinds[lane->zones[zone].label];
 }
 
+/* What lies outside all zones is work of which nothing is known. */
+static ui_profiler_kind report_stretch_kind(const report_input *in, const stilb_prof_lane *lane,
+                                            const ui_profiler_stretch *stretch)
+{
+	return stretch->zone == STILB_PROF_NONE ? UI_PROFILER_WORK : report_kind(in, lane, stretch->zone);
+}
+
 static const char *report_label(const report_input *in, uint32_t label)
 {
 	return in->snapshot->labels[label].name;
@@ -52,21 +60,18 @@ static void report_sum_lane(const report_input *in, const stilb_prof_lane *lane,
 	ui_profiler_stretch stretch;
 	*sum = (ui_profiler_lane_sum){0};
 	while (ui_profiler_walk_next(&walk, &stretch)) {
-		uint64_t length = stretch.end_ns - stretch.begin_ns, preempted;
-		if (stretch.zone == STILB_PROF_NONE)
-			continue;
-		switch (report_kind(in, lane, stretch.zone)) {
-		case UI_PROFILER_WORK:
-			sum->work_ns += length;
-			sum->off_ns += ui_profiler_off_cpu(lane, stretch.begin_ns, stretch.end_ns, &preempted);
-			sum->preempted_ns += preempted;
-			break;
-		case UI_PROFILER_WAIT:
+		const uint64_t length = stretch.end_ns - stretch.begin_ns;
+		const ui_profiler_kind kind = report_stretch_kind(in, lane, &stretch);
+		uint64_t lost = 0, off = 0;
+		if (kind == UI_PROFILER_WAIT) {
 			sum->wait_ns += length;
-			break;
-		case UI_PROFILER_IDLE:
+		} else if (kind == UI_PROFILER_IDLE) {
 			sum->idle_ns += length;
-			break;
+		} else {
+			off = ui_profiler_off_cpu(lane, stretch.begin_ns, stretch.end_ns, &lost);
+			sum->lost_ns += lost;
+			sum->asleep_ns += off - lost;
+			*(stretch.zone == STILB_PROF_NONE ? &sum->outside_ns : &sum->work_ns) += length - off;
 		}
 	}
 }
@@ -199,7 +204,7 @@ static void report_count_events(const report_input *in)
 typedef struct report_waits {
 	const report_input *in;
 	uint32_t lane;
-	ui_profiler_wait groups[REPORT_GROUPS];
+	ui_profiler_wait groups[REPORT_GROUPS + 1]; /* the last is for a lost CPU, of which all must be counted */
 	uint32_t count;
 } report_waits;
 
@@ -226,7 +231,7 @@ static void report_wait_add(report_waits *waits, uint32_t label, uint32_t place,
 	ui_profiler_wait *group = waits->groups;
 	while (group < waits->groups + waits->count && !report_wait_is(group, label, place, preempted))
 		group++;
-	if (group == waits->groups + REPORT_GROUPS)
+	if (group >= waits->groups + REPORT_GROUPS + preempted)
 		return;
 	if (group == waits->groups + waits->count) {
 		waits->count++;
@@ -266,8 +271,7 @@ static void report_collect_waits(report_waits *waits, bool idle_too)
 	ui_profiler_walk walk = ui_profiler_walk_begin(lane, in->begin_ns, in->end_ns);
 	ui_profiler_stretch stretch;
 	while (ui_profiler_walk_next(&walk, &stretch)) {
-		ui_profiler_kind kind =
-			stretch.zone == STILB_PROF_NONE ? UI_PROFILER_WORK : report_kind(in, lane, stretch.zone);
+		const ui_profiler_kind kind = report_stretch_kind(in, lane, &stretch);
 		if (kind == UI_PROFILER_WORK)
 			report_wait_off(waits, lane, &stretch);
 		else if (kind == UI_PROFILER_WAIT || idle_too)
@@ -461,12 +465,26 @@ static void report_find_limit(const report_input *in, uint32_t device)
 	}
 }
 
+/* Time outside all zones is the only part whose share of the CPU no zone below it tells. */
+static const char *report_outside_text(const report_input *in, char *text, size_t size)
+{
+	const ui_profiler_report *report = &in->data->report;
+	char part[32];
+	text[0] = 0;
+	if (report->stage_label != STILB_PROF_NONE || report->lane == STILB_PROF_NONE)
+		return text;
+	const uint64_t on_ns = in->data->lanes[report->lane].outside_ns;
+	if (on_ns < report->stage_ns - report->stage_ns / 20)
+		snprintf(text, size, ", %s of it on a CPU", ui_profiler_time_text(part, sizeof part, on_ns));
+	return text;
+}
+
 static void report_say_verdict(const report_input *in)
 {
 	ui_profiler_report *report = &in->data->report;
 	const char *stage =
 		report->stage_label == STILB_PROF_NONE ? "what lies outside all zones" : report_label(in, report->stage_label);
-	char whole[32], part[32], gpu[32];
+	char whole[32], part[32], gpu[32], outside[64];
 	ui_profiler_time_text(whole, sizeof whole, in->end_ns - in->begin_ns);
 	ui_profiler_time_text(part, sizeof part, report->stage_ns);
 	ui_profiler_time_text(gpu, sizeof gpu, report->gpu_ns);
@@ -475,7 +493,8 @@ static void report_say_verdict(const report_input *in)
 		snprintf(report->verdict, sizeof report->verdict, "Nothing was recorded in this frame.");
 		break;
 	case UI_PROFILER_LIMIT_CPU:
-		snprintf(report->verdict, sizeof report->verdict, "CPU-limited: %s decides, %s of %s.", stage, part, whole);
+		snprintf(report->verdict, sizeof report->verdict, "CPU-limited: %s decides, %s of %s%s.", stage, part, whole,
+		         report_outside_text(in, outside, sizeof outside));
 		break;
 	case UI_PROFILER_LIMIT_GPU:
 		snprintf(report->verdict, sizeof report->verdict, "GPU-limited: the GPU was busy for %s of %s; %s decides, %s.",
@@ -556,6 +575,56 @@ static void report_say_wait(const report_input *in)
 	report_append(text, size, ".");
 }
 
+/* ---- counters ---------------------------------------------------------------------------------------------------- */
+
+/* The counter of a label: that of a label of the same name, or a new one. */
+static uint32_t counter_find(ui_profiler_data *data, const stilb_prof_snapshot *snapshot, uint32_t label)
+{
+	const char *name = snapshot->labels[label].name;
+	uint32_t i = 0;
+	while (i < data->counter_count && strcmp(snapshot->labels[data->counters[i].label].name, name) != 0)
+		i++;
+	if (i == data->counter_count)
+		data->counters[data->counter_count++] =
+			(ui_profiler_counter){.label = label, .minimum = (double)INFINITY, .maximum = -(double)INFINITY};
+	return i;
+}
+
+static bool counter_has(const stilb_prof_point *point)
+{
+	return point->counter && isfinite(point->value);
+}
+
+/* Points ascend by time, so those of each counter do. */
+static void report_collect_counters(ui_profiler_data *data, const stilb_prof_snapshot *snapshot)
+{
+	data->counter_count = 0;
+	for (uint32_t i = 0; i < snapshot->label_count; i++)
+		data->counter_of[i] = STILB_PROF_NONE;
+	for (uint32_t i = 0; i < snapshot->point_count; i++) {
+		const stilb_prof_point *point = &snapshot->points[i];
+		if (!counter_has(point))
+			continue;
+		uint32_t *of = &data->counter_of[point->label];
+		if (*of == STILB_PROF_NONE)
+			*of = counter_find(data, snapshot, point->label);
+		ui_profiler_counter *counter = &data->counters[*of];
+		counter->count++;
+		counter->minimum = fmin(counter->minimum, point->value);
+		counter->maximum = fmax(counter->maximum, point->value);
+	}
+	for (uint32_t i = 0, first = 0; i < data->counter_count; i++) {
+		data->counters[i].first = first;
+		first += data->counters[i].count;
+		data->counters[i].count = 0;
+	}
+	for (uint32_t i = 0; i < snapshot->point_count; i++)
+		if (counter_has(&snapshot->points[i])) {
+			ui_profiler_counter *counter = &data->counters[data->counter_of[snapshot->points[i].label]];
+			data->points[counter->first + counter->count++] = i;
+		}
+}
+
 /* ---- all together ------------------------------------------------------------------------------------------------ */
 
 /* Memory for so many elements; what it held is lost. */
@@ -575,7 +644,10 @@ static bool report_memory(ui_profiler_data *data, const stilb_prof_snapshot *sna
 	return report_reserve(&data->lanes, &data->capacity[0], snapshot->lane_count, sizeof *data->lanes) &&
 	       report_reserve(&data->lane_ns, &data->capacity[1], snapshot->lane_count, sizeof *data->lane_ns) &&
 	       report_reserve(&data->kinds, &data->capacity[2], snapshot->label_count, sizeof *data->kinds) &&
-	       report_reserve(&data->label_ns, &data->capacity[3], snapshot->label_count, sizeof *data->label_ns);
+	       report_reserve(&data->label_ns, &data->capacity[3], snapshot->label_count, sizeof *data->label_ns) &&
+	       report_reserve(&data->counters, &data->capacity[4], snapshot->label_count, sizeof *data->counters) &&
+	       report_reserve(&data->counter_of, &data->capacity[5], snapshot->label_count, sizeof *data->counter_of) &&
+	       report_reserve(&data->points, &data->capacity[6], snapshot->point_count, sizeof *data->points);
 }
 
 bool ui_profiler_data_build(ui_profiler_data *data, const stilb_prof_snapshot *snapshot, uint32_t frame)
@@ -591,6 +663,7 @@ bool ui_profiler_data_build(ui_profiler_data *data, const stilb_prof_snapshot *s
 		report_sum_lane(&in, &snapshot->lanes[i], &data->lanes[i]);
 	*report = (ui_profiler_report){
 		.frame = frame, .stage_label = STILB_PROF_NONE, .wait = {.lane = STILB_PROF_NONE}, .lane = STILB_PROF_NONE};
+	report_collect_counters(data, snapshot);
 	report_count_events(&in);
 	report_find_lane(&in);
 	uint32_t device = report_find_device(&in, &report->gpu_ns);
@@ -610,5 +683,8 @@ void ui_profiler_data_finish(ui_profiler_data *data)
 	free(data->lane_ns);
 	free(data->kinds);
 	free(data->label_ns);
+	free(data->counters);
+	free(data->counter_of);
+	free(data->points);
 	*data = (ui_profiler_data){0};
 }

@@ -1,4 +1,4 @@
-/* The lower part of the profiler's window: a lane for each thread and device, time from left to right. */
+/* The lower part of the profiler's window: a lane for each thread and device, and the counters; time from left to right. */
 #include "ui/ui_internal.h"
 #include "ui/ui_profiler_internal.h"
 
@@ -15,7 +15,8 @@
 #define TIMELINE_FLOWS 24u        /* arrows: all are drawn when they are no more */
 #define TIMELINE_LOST 220.0f      /* pixels: a lost CPU that wide is said in words */
 #define TIMELINE_FRAME 8.0f       /* pixels: shorter frames are not told apart by lines */
-#define TIMELINE_OFF_NS 50000u    /* off the CPU in work for less is not worth a word */
+#define TIMELINE_PART 200u        /* of the frame: shorter parts of a lane's time are not worth a word */
+#define TIMELINE_GAP 8.0f         /* pixels between the names and the lanes */
 #define TIMELINE_STRIP 4.0f       /* height of what a thread's CPU did */
 #define TIMELINE_MIN_NS 100.0     /* the closest look */
 #define TIMELINE_MAX_NS 60.0e9    /* the farthest */
@@ -67,9 +68,10 @@ bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler)
 			if (depth == 0)
 				continue;
 			ui_profiler_row *row = &profiler->rows[count];
-			if (same && count < before && row->lane == i && row->depth > depth)
+			const bool stays = same && count < before && row->lane == i;
+			if (stays && row->depth > depth)
 				depth = row->depth;
-			profiler->rows[count++] = (ui_profiler_row){.lane = i, .depth = depth};
+			profiler->rows[count++] = (ui_profiler_row){.lane = i, .depth = depth, .lines = stays ? row->lines : 0};
 		}
 	profiler->row_count = count;
 	profiler->lane_count = snapshot->lane_count;
@@ -81,20 +83,67 @@ static float timeline_level(const stilb_ui *ui)
 	return stilb_ui_font_line(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL)) + 1.0f;
 }
 
-/* Of a lane with the gap behind it: at least its two lines of text on the left. */
-static float timeline_row_height(const ui_profiler_row *row, float level)
+/* Of the column on the left: two of the usual parts stand side by side. */
+static float timeline_names_width(const stilb_ui *ui)
 {
-	float levels = (float)row->depth * level;
-	return (levels > 2.0f * level ? levels : 2.0f * level) + TIMELINE_STRIP + 10.0f;
+	const stilb_ui_font *small = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
+	return floorf(stilb_ui_text_width(small, "work 000.00 ms, wait 000.00 ms,") + 12.0f);
 }
 
-float ui_profiler_timeline_height(const stilb_ui_profiler *profiler, const stilb_ui *ui)
+/* The parts of the lane's time that are worth a word. */
+static uint32_t timeline_parts(const stilb_ui_profiler *profiler, const ui_profiler_row *row,
+                               ui_profiler_part parts[UI_PROFILER_PARTS])
 {
-	const float level = timeline_level(ui);
-	float height = level;
-	for (uint32_t i = 0; profiler->snapshot && i < profiler->row_count; i++)
-		height += timeline_row_height(&profiler->rows[i], level);
-	return height;
+	const stilb_prof_frame *frame = ui_profiler_frame(profiler);
+	return ui_profiler_parts(profiler->snapshot->lanes[row->lane].kind, &profiler->data.lanes[row->lane],
+	                         (frame->end_ns - frame->begin_ns) / TIMELINE_PART, parts);
+}
+
+/* Their words, and the line below the name in which each stands; returns how many lines. */
+static uint32_t timeline_lay_parts(const stilb_ui_font *font, float width, const ui_profiler_part *parts,
+                                   uint32_t count, char texts[][48], uint32_t *lines)
+{
+	float x = 0.0f;
+	uint32_t line = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		char time[32];
+		snprintf(texts[i], sizeof texts[i], "%s %s%s", parts[i].name,
+		         ui_profiler_time_text(time, sizeof time, parts[i].ns), i + 1 < count ? ", " : "");
+		const float w = stilb_ui_text_width(font, texts[i]);
+		if (i > 0 && x + w > width) {
+			x = 0.0f;
+			line++;
+		}
+		lines[i] = line;
+		x += w;
+	}
+	return line + 1;
+}
+
+/* Of a lane with the gap behind it: its zones, or the lines of text on the left. A lane that had more lines before keeps
+ * their room, so that the picture does not jump. */
+static float timeline_row_height(const stilb_ui_profiler *profiler, const stilb_ui *ui, ui_profiler_row *row)
+{
+	ui_profiler_part parts[UI_PROFILER_PARTS];
+	char texts[UI_PROFILER_PARTS][48];
+	uint32_t places[UI_PROFILER_PARTS];
+	const float level = timeline_level(ui), levels = (float)row->depth * level;
+	const uint32_t count = timeline_parts(profiler, row, parts);
+	const uint32_t lines = timeline_lay_parts(stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL), timeline_names_width(ui),
+	                                          parts, count, texts, places);
+	row->lines = lines > row->lines ? lines : row->lines;
+	const float words = level + (float)row->lines * (level - 3.0f) + 3.0f;
+	return (levels > words ? levels : words) + TIMELINE_STRIP + 10.0f;
+}
+
+float ui_profiler_timeline_height(stilb_ui_profiler *profiler, const stilb_ui *ui)
+{
+	float height = timeline_level(ui);
+	for (uint32_t i = 0; profiler->snapshot && i < profiler->row_count; i++) {
+		profiler->rows[i].height = timeline_row_height(profiler, ui, &profiler->rows[i]);
+		height += profiler->rows[i].height;
+	}
+	return profiler->snapshot ? height + ui_profiler_counters_height(profiler, timeline_level(ui)) : height;
 }
 
 /* ---- time -------------------------------------------------------------------------------------------------------- */
@@ -107,12 +156,6 @@ static float timeline_x(const timeline *t, double ns)
 static double timeline_ns(const timeline *t, float x)
 {
 	return t->begin_ns + (double)(x - t->area.x0) / t->pixels_per_ns;
-}
-
-/* The nearest time that there is. */
-static uint64_t timeline_whole_ns(double ns)
-{
-	return ns > 0.0 ? ns < 0x1p63 ? (uint64_t)ns : UINT64_MAX : 0;
 }
 
 /* A stretch of time in x, a little more than what can be seen of it. False: nothing of it can be seen. */
@@ -232,54 +275,60 @@ static const ui_profiler_row *timeline_row_of(const timeline *t, uint32_t lane)
 	return NULL;
 }
 
-/* "work 6.88 ms, wait 3.10 ms": the work, and what else took most. */
-static void timeline_sum_text(stilb_prof_lane_kind kind, const ui_profiler_lane_sum *sum, char *text, size_t size)
+/* Appends what fits: names in a file may be long. */
+__attribute__((format(printf, 3, 4))) static void timeline_say(char *text, size_t size, const char *format, ...)
 {
-	const struct {
-		const char *name;
-		uint64_t ns;
-	} others[] = {{"wait", sum->wait_ns},
-	              {"idle", sum->idle_ns},
-	              {"asleep", sum->off_ns - sum->preempted_ns},
-	              {"no CPU", sum->preempted_ns}};
-	const uint64_t work = sum->work_ns - sum->off_ns;
-	size_t most = 0;
-	char time[32];
-	for (size_t i = 1; i < sizeof others / sizeof *others; i++)
-		if (others[i].ns > others[most].ns)
-			most = i;
-	int length = 0;
-	text[0] = 0;
-	if (work > 0 || others[most].ns == 0)
-		length = snprintf(text, size, "%s %s%s", kind == STILB_PROF_LANE_DEVICE ? "busy" : "work",
-		                  ui_profiler_time_text(time, sizeof time, work), others[most].ns > 0 ? ", " : "");
-	if (others[most].ns > 0)
-		snprintf(text + length, size - (size_t)length, "%s %s", others[most].name,
-		         ui_profiler_time_text(time, sizeof time, others[most].ns));
+	const size_t length = strlen(text);
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(text + length, size - length, format, arguments);
+	va_end(arguments);
 }
 
-/* The name, and where the lane's time went below it. */
+/* The name, and where the lane's time went below it: the parts side by side as far as the column is wide. */
 static void timeline_draw_name(const timeline *t, const ui_profiler_row *row)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
-	const ui_profiler_lane_sum *sum = &t->profiler->data.lanes[row->lane];
-	const float line = t->level;
-	stilb_ui_rect place = {t->names.x0, row->top, t->names.x1 - 8.0f, row->top + line};
-	char text[96], time[32];
+	ui_profiler_part parts[UI_PROFILER_PARTS];
+	char texts[UI_PROFILER_PARTS][48];
+	uint32_t lines[UI_PROFILER_PARTS];
+	const uint32_t count = timeline_parts(t->profiler, row, parts);
+	timeline_lay_parts(t->small, t->names.x1 - t->names.x0, parts, count, texts, lines);
+	stilb_ui_rect place = {t->names.x0, row->top, t->names.x1, row->top + t->level};
 	stilb_ui_draw_text(t->list, t->strong, place, STILB_UI_ALIGN_LEFT, t->style->text_strong, lane->name);
-	place.y0 += line;
-	place.y1 += line;
-	timeline_sum_text(lane->kind, sum, text, sizeof text);
-	stilb_ui_draw_text(t->list, t->small, place, STILB_UI_ALIGN_LEFT, t->style->text_muted, text);
-	const bool lost = sum->preempted_ns > sum->off_ns / 2;
-	if (sum->off_ns < TIMELINE_OFF_NS || row->depth < 3)
-		return;
-	place.y0 += line - 3.0f;
-	place.y1 += line - 3.0f;
-	snprintf(text, sizeof text, "%s %s", lost ? "lost the CPU" : "asleep",
-	         ui_profiler_time_text(time, sizeof time, lost ? sum->preempted_ns : sum->off_ns));
-	stilb_ui_draw_text(t->list, t->small, place, STILB_UI_ALIGN_LEFT,
-	                   lost ? stilb_ui_rgb(UI_PROFILER_BAD) : t->style->text_muted, text);
+	for (uint32_t i = 0; i < count; i++) {
+		place.x0 = i > 0 && lines[i] == lines[i - 1] ? place.x0 : t->names.x0;
+		place.y0 = row->top + t->level + (float)lines[i] * (t->level - 3.0f);
+		place.y1 = place.y0 + t->level;
+		const stilb_ui_color color = parts[i].lost ? stilb_ui_rgb(UI_PROFILER_BAD) : t->style->text_muted;
+		stilb_ui_draw_text(t->list, t->small, place, STILB_UI_ALIGN_LEFT, color, texts[i]);
+		place.x0 += stilb_ui_text_width(t->small, texts[i]);
+	}
+}
+
+/* All parts with their sum, beside the name under the mouse. */
+static void timeline_tip_name(const timeline *t)
+{
+	const stilb_ui_action action = stilb_ui_area(t->ui, "lane names", t->names, STILB_UI_TAKES_WHEEL);
+	const stilb_prof_frame *frame = ui_profiler_frame(t->profiler);
+	for (uint32_t i = 0; action.hovered && i < t->profiler->row_count; i++) {
+		const ui_profiler_row *row = &t->profiler->rows[i];
+		if (action.mouse_y < row->top || action.mouse_y >= row->top + row->height)
+			continue;
+		ui_profiler_part parts[UI_PROFILER_PARTS];
+		char text[512], time[32];
+		const uint32_t count =
+			ui_profiler_parts(t->snapshot->lanes[row->lane].kind, &t->profiler->data.lanes[row->lane], 0, parts);
+		text[0] = '\0';
+		timeline_say(text, sizeof text, "%s\tframe %llu", t->snapshot->lanes[row->lane].name,
+		             (unsigned long long)frame->number);
+		for (uint32_t p = 0; p < count; p++)
+			timeline_say(text, sizeof text, "\n%s\t%s", parts[p].name,
+			             ui_profiler_time_text(time, sizeof time, parts[p].ns));
+		timeline_say(text, sizeof text, "\ntogether\t%s",
+		             ui_profiler_time_text(time, sizeof time, frame->end_ns - frame->begin_ns));
+		stilb_ui_tooltip(t->ui, text);
+	}
 }
 
 static void timeline_span_text(const timeline *t, const ui_profiler_span *span, float width, char *text, size_t size)
@@ -350,8 +399,8 @@ static void timeline_draw_span_name(const timeline *t, const ui_profiler_row *ro
 	if (place.x1 - place.x0 < TIMELINE_TEXT)
 		return;
 	stilb_ui_color ground = timeline_span_color(t, row, span);
-	const uint64_t from = timeline_whole_ns(timeline_ns(t, place.x0)),
-				   to = timeline_whole_ns(timeline_ns(t, place.x0 + TIMELINE_TEXT));
+	const uint64_t from = ui_profiler_whole_ns(timeline_ns(t, place.x0)),
+				   to = ui_profiler_whole_ns(timeline_ns(t, place.x0 + TIMELINE_TEXT));
 	uint64_t preempted;
 	if (ui_profiler_off_cpu(lane, from, to, &preempted) > 0) {
 		const stilb_ui_color shadow = timeline_shadow(preempted > 0);
@@ -388,7 +437,7 @@ static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row
 		return;
 	stilb_ui_draw_rect(t->list, (stilb_ui_rect){x0, strip, x1, strip + TIMELINE_STRIP},
 	                   stilb_ui_rgb(UI_PROFILER_RUNNING));
-	for (uint32_t i = ui_profiler_switch_after(lane, timeline_whole_ns(t->begin_ns)); i < lane->switch_count; i++) {
+	for (uint32_t i = ui_profiler_switch_after(lane, ui_profiler_whole_ns(t->begin_ns)); i < lane->switch_count; i++) {
 		const stilb_prof_switch *s = &lane->switches[i];
 		if (!timeline_clip_x(t, s->out_ns, s->in_ns, &x0, &x1))
 			break;
@@ -409,7 +458,7 @@ static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row
 static void timeline_draw_lane(timeline *t, const ui_profiler_row *row)
 {
 	ui_profiler_spans *spans = &t->profiler->spans;
-	const uint64_t begin = timeline_whole_ns(t->begin_ns), end = timeline_whole_ns(timeline_ns(t, t->area.x1));
+	const uint64_t begin = ui_profiler_whole_ns(t->begin_ns), end = ui_profiler_whole_ns(timeline_ns(t, t->area.x1));
 	if (end <= begin || !ui_profiler_spans_build(spans, &t->snapshot->lanes[row->lane], begin, end,
 	                                             (double)TIMELINE_NARROW / t->pixels_per_ns))
 		return;
@@ -525,7 +574,9 @@ static void timeline_navigate(timeline *t)
 static void timeline_scroll(timeline *t)
 {
 	stilb_ui_profiler *profiler = t->profiler;
-	const float most = ui_profiler_timeline_height(profiler, t->ui) - t->level - (t->area.y1 - t->area.y0);
+	float most = t->area.y0 - t->area.y1 + ui_profiler_counters_height(profiler, t->level);
+	for (uint32_t i = 0; i < profiler->row_count; i++)
+		most += profiler->rows[i].height;
 	profiler->scroll -= t->action.held ? t->action.drag_y : 0.0f;
 	profiler->scroll = profiler->scroll > most ? most : profiler->scroll;
 	profiler->scroll = profiler->scroll < 0.0f ? 0.0f : floorf(profiler->scroll);
@@ -552,16 +603,6 @@ static const stilb_prof_flow *timeline_job_of(const timeline *t)
 			return flow;
 	}
 	return NULL;
-}
-
-/* Appends what fits: names in a file may be long. */
-__attribute__((format(printf, 3, 4))) static void timeline_say(char *text, size_t size, const char *format, ...)
-{
-	const size_t length = strlen(text);
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(text + length, size - length, format, arguments);
-	va_end(arguments);
 }
 
 static void timeline_tip_zone(const timeline *t, char *text, size_t size)
@@ -630,21 +671,23 @@ static timeline timeline_begin(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	              .strong = stilb_ui_font_get(ui, STILB_UI_TEXT_STRONG),
 	              .level = timeline_level(ui),
 	              .hot_lane = STILB_PROF_NONE};
-	const float names = floorf(stilb_ui_text_width(t.small, "work 000.00 ms, wait 000.00 ms") + 12.0f);
 	t.ruler = stilb_ui_cut_top(&area, t.level);
-	t.names = stilb_ui_cut_left(&area, names);
+	t.names = stilb_ui_cut_left(&area, timeline_names_width(ui));
+	stilb_ui_cut_right(&t.names, TIMELINE_GAP);
 	t.ruler.x0 = area.x0;
 	t.area = area;
 	return t;
 }
 
-static void timeline_place_rows(timeline *t)
+/* Returns where the counters begin. */
+static float timeline_place_rows(timeline *t)
 {
 	float y = t->area.y0 + 4.0f - t->profiler->scroll;
 	for (uint32_t i = 0; i < t->profiler->row_count; i++) {
 		t->profiler->rows[i].top = y;
-		y += timeline_row_height(&t->profiler->rows[i], t->level);
+		y += t->profiler->rows[i].height;
 	}
+	return y;
 }
 
 static void timeline_draw_cursor(const timeline *t)
@@ -665,12 +708,14 @@ void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	timeline_scroll(&t);
 	t.begin_ns = (double)ui_profiler_frame(profiler)->begin_ns + profiler->view_begin_ns;
 	t.pixels_per_ns = (double)(t.area.x1 - t.area.x0) / profiler->view_ns;
-	timeline_place_rows(&t);
+	const float counters = timeline_place_rows(&t);
+	const ui_profiler_view view = {t.names, t.area, t.begin_ns, t.pixels_per_ns, t.level, t.action};
 	timeline_draw_bars(&t);
 	timeline_draw_ruler(&t);
 	stilb_ui_clip_push(t.list, (stilb_ui_rect){t.names.x0, t.area.y0, t.area.x1, t.area.y1});
 	for (uint32_t i = 0; i < profiler->row_count; i++)
 		timeline_draw_name(&t, &profiler->rows[i]);
+	ui_profiler_draw_counters(profiler, ui, &view, counters);
 	stilb_ui_clip_push(t.list, t.area);
 	for (uint32_t i = 0; i < profiler->row_count; i++)
 		timeline_draw_lane(&t, &profiler->rows[i]);
@@ -681,6 +726,7 @@ void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	ui_draw_focus(ui, t.area, 0.0f, &t.action);
 	stilb_ui_clip_pop(t.list);
 	stilb_ui_clip_pop(t.list);
+	timeline_tip_name(&t);
 	timeline_tip(&t);
 	if (t.action.double_clicked)
 		timeline_double_click(&t);

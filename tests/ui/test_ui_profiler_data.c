@@ -3,6 +3,7 @@
 #include "test_ui_profiler_made.h"
 #include "ui/ui_profiler_data.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -209,6 +210,7 @@ static void test_report(void **state)
 	ASSERT_NS(report->gpu_ns, 5000);
 	ASSERT_NS(data.lanes[0].work_ns, 9980 - 3100);
 	ASSERT_NS(data.lanes[0].wait_ns, 3100);
+	ASSERT_NS(data.lanes[0].outside_ns, 20);
 	ASSERT_NS(data.lanes[1].idle_ns, 5100);
 	ASSERT_NS(data.lanes[1].work_ns, 4890);
 	assert_int_equal(report->wait.lane, 0);
@@ -448,6 +450,72 @@ static void test_lost_cpu(void **state)
 	                 "main lost the CPU to other threads for 3.00 ms in 2 pieces, 2.00 ms of it at once in record.");
 }
 
+static uint64_t sum_of(const ui_profiler_lane_sum *sum)
+{
+	return sum->work_ns + sum->wait_ns + sum->idle_ns + sum->asleep_ns + sum->lost_ns + sum->outside_ns;
+}
+
+/* A lost CPU counts inside zones and outside of them, for the lane as for the words; and the lane's parts are the frame. */
+static void test_lane_sums(void **state)
+{
+	(void)state;
+	made *m = made_new();
+	made_frame(m, 7, 0, 10000);
+	made_lane(m, "main", STILB_PROF_LANE_THREAD);
+	made_zone(m, 0, "frame", 0, 4000);
+	made_zone(m, 1, "record", 0, 2000);
+	made_zone(m, 1, "wait for workers", 2000, 3500);
+	made_switch(m, 500, 1000, true);
+	made_switch(m, 2500, 3000, true); /* in a wait it is a wait */
+	made_switch(m, 5000, 8000, true);
+	made_switch(m, 8500, 9000, false);
+	made_lane(m, "GPU", STILB_PROF_LANE_DEVICE);
+	made_zone(m, 0, "scene", 1000, 9000);
+	ui_profiler_data data = {0};
+	assert_true(ui_profiler_data_build(&data, &m->snapshot, 0));
+	ASSERT_NS(data.lanes[0].work_ns, 2000);
+	ASSERT_NS(data.lanes[0].wait_ns, 1500);
+	ASSERT_NS(data.lanes[0].idle_ns, 0);
+	ASSERT_NS(data.lanes[0].asleep_ns, 500);
+	ASSERT_NS(data.lanes[0].lost_ns, 3500);
+	ASSERT_NS(data.lanes[0].outside_ns, 2500);
+	ASSERT_NS(sum_of(&data.lanes[0]), 10000);
+	ASSERT_NS(data.report.wait.total_ns, 3500);
+	assert_string_equal(data.report.wait_text,
+	                    "main lost the CPU to other threads for 3.50 ms in 2 pieces, 3.00 ms of it at once.");
+	assert_string_equal(
+		data.report.verdict,
+		"CPU-limited: what lies outside all zones decides, 6.00 ms of 10.00 ms, 2.50 ms of it on a CPU.");
+	ASSERT_NS(data.lanes[1].work_ns, 8000);
+	ASSERT_NS(data.lanes[1].outside_ns, 2000);
+	ui_profiler_data_finish(&data);
+	free(m);
+}
+
+/* However many places there are in which the thread slept, all of what it lost is told. */
+static void test_lost_cpu_among_many_sleeps(void **state)
+{
+	(void)state;
+	static char names[60][8];
+	made *m = made_new();
+	made_frame(m, 7, 0, 16000);
+	made_lane(m, "main", STILB_PROF_LANE_THREAD);
+	made_zone(m, 0, "frame", 0, 16000);
+	for (int i = 0; i < 60; i++) {
+		snprintf(names[i], sizeof names[i], "%d", i);
+		made_zone(m, 1, names[i], 100 * i, 100 * i + 50);
+		made_switch(m, 100 * i + 10, 100 * i + 20, false);
+	}
+	made_switch(m, 9000, 9500, true);
+	made_switch(m, 10000, 10700, true);
+	ui_profiler_data data = {0};
+	assert_true(ui_profiler_data_build(&data, &m->snapshot, 0));
+	ASSERT_NS(data.lanes[0].lost_ns, 1200);
+	ASSERT_NS(data.report.wait.total_ns, 1200);
+	ui_profiler_data_finish(&data);
+	free(m);
+}
+
 /* Main is not held up, but a worker is; parked workers have nothing to do and are not. */
 static void test_worker_lost_cpu(void **state)
 {
@@ -508,6 +576,69 @@ static void test_empty_frames(void **state)
 	made_lane(m, "main", STILB_PROF_LANE_THREAD);
 	made_zone(m, 0, "short", 0, 10);
 	assert_verdict(m, UI_PROFILER_LIMIT_CPU, "CPU-limited: what lies outside all zones decides, 90.0 µs of 100 µs.");
+}
+
+/* ---- counters ---------------------------------------------------------------------------------------------------- */
+
+/* One curve for all points of a name, of two places in the source and two threads; what is no number is left out. */
+static void test_counters(void **state)
+{
+	(void)state;
+	made *m = made_new();
+	made_frame(m, 7, 0, 1000);
+	made_lane(m, "main", STILB_PROF_LANE_THREAD);
+	made_lane(m, "worker 1", STILB_PROF_LANE_THREAD);
+	const uint32_t draws = made_label(m, "draws"), memory = made_label(m, "memory"), again = made_label(m, "again");
+	m->labels[again].name = "draws";
+	made_counter(m, 0, draws, 100, 10);
+	made_counter(m, 1, again, 200, -2.5);
+	made_counter(m, 0, memory, 250, 7);
+	made_counter(m, 0, draws, 300, (double)NAN);
+	made_counter(m, 0, draws, 310, (double)INFINITY);
+	made_counter(m, 0, draws, 400, 11);
+	m->points[m->snapshot.point_count++] = (stilb_prof_point){.ns = made_ns(500), .label = memory}; /* an instant */
+	ui_profiler_data data = {0};
+	for (int twice = 0; twice < 2; twice++) {
+		assert_true(ui_profiler_data_build(&data, &m->snapshot, 0));
+		assert_int_equal(data.counter_count, 2);
+		const ui_profiler_counter *counter = &data.counters[0];
+		assert_int_equal(counter->label, draws);
+		assert_int_equal(counter->count, 3);
+		assert_true(counter->minimum == -2.5 && counter->maximum == 11.0);
+		const uint32_t expected[] = {0, 1, 5};
+		for (uint32_t i = 0; i < 3; i++)
+			assert_int_equal(data.points[counter->first + i], expected[i]);
+		assert_int_equal(ui_profiler_counter_at(&data, &m->snapshot, counter, made_ns(99)), STILB_PROF_NONE);
+		assert_int_equal(ui_profiler_counter_at(&data, &m->snapshot, counter, made_ns(100)), counter->first);
+		assert_int_equal(ui_profiler_counter_at(&data, &m->snapshot, counter, made_ns(399)), counter->first + 1);
+		assert_int_equal(ui_profiler_counter_at(&data, &m->snapshot, counter, made_ns(9999)), counter->first + 2);
+		counter = &data.counters[1];
+		assert_int_equal(counter->label, memory);
+		assert_int_equal(counter->count, 1);
+		assert_int_equal(data.points[counter->first], 2);
+	}
+	ui_profiler_data_finish(&data);
+	free(m);
+}
+
+static void test_parts(void **state)
+{
+	(void)state;
+	const ui_profiler_lane_sum sum = {.work_ns = 5, .wait_ns = 1000, .lost_ns = 300, .outside_ns = 80};
+	ui_profiler_part parts[UI_PROFILER_PARTS];
+	assert_int_equal(ui_profiler_parts(STILB_PROF_LANE_THREAD, &sum, 100, parts), 3);
+	assert_string_equal(parts[0].name, "work");
+	assert_string_equal(parts[1].name, "wait");
+	assert_string_equal(parts[2].name, "lost the CPU");
+	assert_true(parts[2].lost && parts[2].ns == 300);
+	assert_int_equal(ui_profiler_parts(STILB_PROF_LANE_THREAD, &sum, 0, parts), 4);
+	assert_string_equal(parts[3].name, "outside zones");
+	assert_int_equal(ui_profiler_parts(STILB_PROF_LANE_DEVICE, &sum, 50, parts), 4);
+	assert_string_equal(parts[0].name, "busy");
+	assert_string_equal(parts[2].name, "idle");
+	assert_int_equal(parts[2].ns, 80);
+	assert_int_equal(ui_profiler_parts(STILB_PROF_LANE_THREAD, &(ui_profiler_lane_sum){0}, 0, parts), 1);
+	assert_string_equal(parts[0].name, "work");
 }
 
 static void test_kinds(void **state)
@@ -579,10 +710,14 @@ int main(void)
 		cmocka_unit_test(test_display),
 		cmocka_unit_test(test_queue_present),
 		cmocka_unit_test(test_lost_cpu),
+		cmocka_unit_test(test_lane_sums),
+		cmocka_unit_test(test_lost_cpu_among_many_sleeps),
 		cmocka_unit_test(test_worker_lost_cpu),
 		cmocka_unit_test(test_frame_thread),
 		cmocka_unit_test(test_no_wait),
 		cmocka_unit_test(test_empty_frames),
+		cmocka_unit_test(test_counters),
+		cmocka_unit_test(test_parts),
 		cmocka_unit_test(test_kinds),
 		cmocka_unit_test(test_time_text),
 		cmocka_unit_test(test_history),

@@ -21,6 +21,7 @@ typedef struct made {
 	stilb_prof_zone zones[MADE_LANES][MADE_ZONES];
 	stilb_prof_switch switches[MADE_LANES][MADE_OTHERS];
 	stilb_prof_flow flows[MADE_OTHERS];
+	stilb_prof_point points[MADE_OTHERS];
 	stilb_prof_frame frames[MADE_OTHERS];
 } made;
 
@@ -31,6 +32,7 @@ static inline made *made_new(void)
 	m->snapshot = (stilb_prof_snapshot){.labels = m->labels,
 	                                    .lanes = m->lanes,
 	                                    .flows = m->flows,
+	                                    .points = m->points,
 	                                    .frames = m->frames,
 	                                    .clock = "rdtsc",
 	                                    .zone_cost_ns = 20.0};
@@ -98,6 +100,14 @@ static inline uint32_t made_zone(made *m, uint16_t level, const char *name, doub
 	for (uint32_t i = zone->parent; i != STILB_PROF_NONE; i = zones[i].parent)
 		zones[i].size++;
 	return index;
+}
+
+/* Points are made in the order of their times. */
+static inline void made_counter(made *m, uint32_t lane, uint32_t label, double us, double value)
+{
+	assert(m->snapshot.point_count < MADE_OTHERS);
+	m->points[m->snapshot.point_count++] =
+		(stilb_prof_point){.ns = made_ns(us), .value = value, .label = label, .lane = lane, .counter = true};
 }
 
 static inline void made_switch(made *m, double out_us, double in_us, bool preempted)

@@ -77,6 +77,20 @@ static void any_flows(uint64_t from, uint64_t to)
 		                      .to_lane = any(5) ? (uint32_t)any(lanes) : STILB_PROF_NONE};
 }
 
+static void any_points(uint64_t from, uint64_t to)
+{
+	static const double VALUES[] = {0.0, 1.0, -1.0, 1e300, -1e300, 1e-300, 4e9, (double)INFINITY, (double)NAN};
+	static const char *const NAMES[] = {"draws", "wait for it",
+	                                    "a counter whose name is longer than there is room for it"};
+	for (uint64_t i = any(200); i > 0; i--) {
+		from = any_ns(from, from + (to - from) / 40);
+		made_counter(recorded, (uint32_t)any(MADE_LANES), made_label(recorded, NAMES[any(3)]), 0.0, VALUES[any(9)]);
+		stilb_prof_point *point = &recorded->points[recorded->snapshot.point_count - 1];
+		point->ns = from;
+		point->counter = any(5) > 0;
+	}
+}
+
 static void any_snapshot(void)
 {
 	static const uint64_t BASES[] = {0, 1000000, UINT64_C(1) << 40, UINT64_C(1) << 62,
@@ -95,6 +109,7 @@ static void any_snapshot(void)
 	for (uint64_t lanes = any(6); lanes > 0; lanes--)
 		any_lane(from, to);
 	any_flows(from, to);
+	any_points(from, to);
 	recorded->snapshot.begin_ns = from;
 	recorded->snapshot.end_ns = to;
 }
@@ -155,6 +170,25 @@ static void draw_some(stilb_ui *ui, stilb_ui_profiler *profiler)
 	}
 }
 
+/* Each moment of a frame is in one of a lane's parts, and the words tell no other lost time than the lane. */
+static void check_sums(void)
+{
+	ui_profiler_data data = {0};
+	for (uint32_t f = 0; f < recorded->snapshot.frame_count; f += 10) {
+		const uint64_t length = recorded->frames[f].end_ns - recorded->frames[f].begin_ns;
+		assert_true(ui_profiler_data_build(&data, &recorded->snapshot, f));
+		for (uint32_t i = 0; i < recorded->snapshot.lane_count; i++) {
+			const ui_profiler_lane_sum *sum = &data.lanes[i];
+			assert_int_equal(
+				sum->work_ns + sum->wait_ns + sum->idle_ns + sum->asleep_ns + sum->lost_ns + sum->outside_ns, length);
+		}
+		const ui_profiler_wait *wait = &data.report.wait;
+		if (wait->lane != STILB_PROF_NONE && wait->label == STILB_PROF_NONE && wait->preempted)
+			assert_int_equal(wait->total_ns, data.lanes[wait->lane].lost_ns);
+	}
+	ui_profiler_data_finish(&data);
+}
+
 static void test_anything(void **state)
 {
 	(void)state;
@@ -164,6 +198,7 @@ static void test_anything(void **state)
 	for (seed = 1; seed <= SNAPSHOTS; seed++) {
 		stilb_ui_profiler *profiler;
 		any_snapshot();
+		check_sums();
 		const stilb_ui_profiler_desc profiler_desc = {.take = take, .frames = frames, .whole = any(2)};
 		assert_int_equal(stilb_ui_profiler_create(&profiler_desc, &profiler), STILB_OK);
 		if (any(2))

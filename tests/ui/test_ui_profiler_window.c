@@ -1,6 +1,7 @@
 /* ui: the profiler's window with a mouse, keys and frames that pass, on snapshots made by hand and without a renderer. */
 #include "support/test.h"
 #include "test_ui_profiler_made.h"
+#include "test_ui_raster.h"
 #include "ui/ui_internal.h"
 #include "ui/ui_profiler_internal.h"
 
@@ -435,6 +436,130 @@ static void test_job_tooltip(void **state)
 	assert_false(tip_says("submitted"));
 }
 
+/* ---- lanes and counters ------------------------------------------------------------------------------------------ */
+
+/* The parts of a lane's time, which are the frame together. */
+static void test_lane_tooltip(void **state)
+{
+	(void)state;
+	draw();
+	for (float y = input.height; !tip_says("main"); y -= 7.0f) {
+		assert_true(y > 0.0f);
+		point_at(30.0f, y);
+	}
+	assert_true(tip_says("frame 60") && tip_says("work") && tip_says("27.00 ms") && tip_says("wait") &&
+	            tip_says("3.00 ms") && tip_says("together") && tip_says("30.00 ms"));
+	assert_false(tip_says("outside zones"));
+	recorded->zones[0][60 * 4].end_ns -= 7000000; /* the frame's own zone, and what would stick out of it */
+	for (uint32_t i = 60 * 4 + 1; i < 61 * 4; i++)
+		recorded->zones[0][i].begin_ns = recorded->zones[0][i].end_ns = recorded->zones[0][60 * 4].begin_ns;
+	profiler->held_number = UINT64_MAX;
+	draw();
+	draw();
+	assert_true(tip_says("outside zones") && tip_says("7.00 ms") && tip_says("23.00 ms") && tip_says("30.00 ms"));
+}
+
+static void record_counters(void)
+{
+	const uint32_t draws = made_label(recorded, "draws");
+	for (uint32_t i = 0; i < FRAMES; i++)
+		made_counter(recorded, 1, draws, (double)recorded->frames[i].begin_ns * 1e-3 + 5000.0, 1000.0 + i);
+}
+
+/* A curve stands below the lanes, and the mouse reads it. */
+static void test_counters(void **state)
+{
+	(void)state;
+	draw();
+	const uint32_t without = ui->list.index_count;
+	const float height = ui_profiler_timeline_height(profiler, ui);
+	record_counters();
+	profiler->held_number = UINT64_MAX;
+	draw();
+	assert_int_equal(profiler->data.counter_count, 1);
+	assert_true(ui->list.index_count > without);
+	assert_true(ui_profiler_timeline_height(profiler, ui) > height);
+	for (float y = input.height; !tip_says("draws"); y -= 5.0f) {
+		assert_true(y > 0.0f);
+		point_at(input.width - 60.0f, y);
+	}
+	assert_true(tip_says("1060") && tip_says("by worker 1"));
+	const float y = input.mouse_y;
+	float x = 215.0f;
+	for (; !tip_says("1059"); x -= 1.0f) /* before this frame's value that of the one before holds */
+		point_at(x, y);
+	assert_true(x > 100.0f);
+}
+
+/* The height of the curve at x: where its line is, from the bottom of the list's last rectangles. */
+static void test_a_curve_is_as_high_as_its_values(void **state)
+{
+	(void)state;
+	const stilb_ui_rect area = {200.0f, 100.0f, 1200.0f, 300.0f};
+	const ui_profiler_view view = {{0.0f, 100.0f, 190.0f, 300.0f}, area, 0.0, 1e-5, 50.0f, {0}};
+	const uint32_t label = made_label(recorded, "steps");
+	made_counter(recorded, 0, label, 10000.0, 100.0); /* x 300: from here on 100, the highest */
+	made_counter(recorded, 0, label, 50000.0, 25.0);  /* x 700 */
+	draw();
+	stilb_ui_begin(ui, &input);
+	ui->list.vertex_count = ui->list.index_count = 0;
+	ui_profiler_draw_counters(profiler, ui, &view, 100.0f);
+	stilb_ui_end(ui);
+	bool full = false, quarter = false;
+	for (uint32_t v = 0; v < ui->list.vertex_count; v++) {
+		const float x = ui->list.vertices[v].position[0], y = ui->list.vertices[v].position[1];
+		full |= x == 300.0f && y == 100.0f;
+		quarter |= x == 700.0f && y == 173.0f;  /* of 198.5 - 0.25 * 98.5 the pixel */
+		assert_false(x > 192.0f && x < 299.0f); /* nothing before the first value */
+	}
+	assert_true(full);
+	assert_true(quarter);
+}
+
+/* ---- what lies below --------------------------------------------------------------------------------------------- */
+
+/* What the window and a panel over it look like on a ground of that colour. */
+static raster_picture on_ground(stilb_ui_color ground)
+{
+	const raster_picture picture = raster_create(640, 360, (stilb_ui_color){0, 0, 0, 255});
+	stilb_ui_rect place = {100.0f, 150.0f, 300.0f, 300.0f};
+	input.width = 640.0f;
+	input.height = 360.0f;
+	stilb_ui_begin(ui, &input);
+	stilb_ui_draw_rect(stilb_ui_list(ui), (stilb_ui_rect){0.0f, 0.0f, 640.0f, 360.0f}, ground);
+	stilb_ui_profiler_draw(profiler, ui);
+	stilb_ui_draw_rect(stilb_ui_list(ui), (stilb_ui_rect){90.0f, 140.0f, 310.0f, 310.0f}, ground);
+	stilb_ui_panel_begin(ui, "Materials", &place, 0, NULL);
+	stilb_ui_panel_end(ui);
+	stilb_ui_end(ui);
+	raster_draw(&picture, &ui->list, NULL);
+	return picture;
+}
+
+static void assert_same_within(const raster_picture *a, const raster_picture *b, stilb_ui_rect rect)
+{
+	for (uint32_t y = (uint32_t)rect.y0; y < (uint32_t)rect.y1; y++)
+		for (uint32_t x = (uint32_t)rect.x0; x < (uint32_t)rect.x1; x++)
+			for (int c = 0; c < 3; c++)
+				if (fabs(raster_at(a, x, y)[c] - raster_at(b, x, y)[c]) > 1e-12) /* of rounding */
+					fail_msg("at %u, %u: %g and %g", x, y, raster_at(a, x, y)[c], raster_at(b, x, y)[c]);
+}
+
+/* Nothing shines through the window, nor through a panel that lies over it. */
+static void test_what_lies_below_does_not_show(void **state)
+{
+	(void)state;
+	const raster_picture dark = on_ground((stilb_ui_color){0, 0, 0, 255});
+	const raster_picture bright = on_ground((stilb_ui_color){255, 255, 255, 255});
+	assert_same_within(&dark, &bright,
+	                   (stilb_ui_rect){105.0f, 155.0f, 295.0f, 295.0f}); /* without the rounded corners */
+	assert_same_within(&dark, &bright, (stilb_ui_rect){320.0f, 20.0f, 620.0f, 340.0f});
+	assert_true(fabs(raster_at(&dark, 95, 145)[0] - raster_at(&bright, 95, 145)[0]) >
+	            0.1); /* beside the panel it does */
+	free(dark.rgb);
+	free(bright.rgb);
+}
+
 /* Names in a file are as long as they like. */
 static void test_long_names(void **state)
 {
@@ -529,6 +654,10 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_double_click, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_merged_tooltip, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_job_tooltip, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_lane_tooltip, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_counters, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_a_curve_is_as_high_as_its_values, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_what_lies_below_does_not_show, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_long_names, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_no_allocation, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_overwritten, set_up, tear_down),
