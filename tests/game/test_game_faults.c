@@ -99,7 +99,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_memory_is_said, folder_fresh),
 		cmocka_unit_test_setup(test_every_allocation_of_a_render_fails_once, folder_fresh),
 	};
-	if (argc > 2)
+	if (argc > 2 && argv[2][0])
 		snprintf(preload, sizeof preload, "LD_PRELOAD=%s", argv[2]);
 	if (!folder_enter(argc > 1 ? argv[1] : NULL, "game_faults")) {
 		fprintf(stderr, "usage: %s PATH-OF-STILB [LIBRARY-OF-FAILING-PRELOAD]\n", argv[0]);

@@ -4,6 +4,7 @@
 #include "window/window.h"
 
 static x11_server server;
+static Display *other; /* the test's own connection: broken too, so never closed */
 static char error[64]; /* Xlib's handler of the test's own connection was asked */
 
 static int other_lost(Display *display)
@@ -28,7 +29,7 @@ static void test_every_call_outlives_the_display(void **state)
 	bool other_ended = false;
 	assert_true(x11_server_start(&server));
 	assert_int_equal(setenv("DISPLAY", server.name, 1), 0);
-	Display *other = XOpenDisplay(server.name);
+	other = XOpenDisplay(server.name);
 	assert_non_null(other);
 	XSetIOErrorHandler(other_lost);
 	XSetIOErrorExitHandler(other, other_exit, &other_ended);
