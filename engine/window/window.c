@@ -26,6 +26,8 @@ struct stilb_window {
 	double x, y; /* of the pointer at the last poll */
 };
 
+#define WINDOW_GONE "the display has gone"
+
 /* The text of GLFW's last error, for messages: GLFW reports errors through one callback. [main-thread] */
 static char window_error[512];
 
@@ -176,6 +178,15 @@ static stilb_result window_fail(const char *what)
 	return result;
 }
 
+static void window_call_init(void *data)
+{
+	bool *started = data;
+	if (!glfwInit())
+		return;
+	window_display_opened();
+	*started = true;
+}
+
 static void window_call_create(void *data)
 {
 	window_call *call = data;
@@ -198,14 +209,17 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 	STILB_ASSERT(width >= 1 && width <= WINDOW_SIZE_MAX && "a width in pixels");
 	STILB_ASSERT(height >= 1 && height <= WINDOW_SIZE_MAX && "a height in pixels");
 	*out = NULL;
-	snprintf(window_error, sizeof window_error, "the display has gone; start the program again");
+	snprintf(window_error, sizeof window_error, WINDOW_GONE "; start the program again");
 	if (window_display_is_lost())
 		return window_fail("open a window");
 	snprintf(window_error, sizeof window_error, "no reason given");
 	glfwSetErrorCallback(window_on_error);
-	if (!glfwInit())
+	bool started = false;
+	window_display_begin();
+	if (!window_display_call(window_call_init, &started))
+		snprintf(window_error, sizeof window_error, WINDOW_GONE);
+	if (!started)
 		return window_fail("open a window");
-	window_display_watch();
 	snprintf(window_error, sizeof window_error, "no Vulkan driver that can draw to windows");
 	if (!glfwVulkanSupported())
 		return window_fail("open a window");
@@ -214,7 +228,7 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 	window_call call = {.window = window, .title = title, .width = width, .height = height};
 	glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
 	if (window && !window_display_call(window_call_create, &call))
-		snprintf(window_error, sizeof window_error, "the display has gone");
+		snprintf(window_error, sizeof window_error, WINDOW_GONE);
 	if (!window || !window->handle) {
 		free(window);
 		return window_fail("open a window");

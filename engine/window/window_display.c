@@ -10,9 +10,12 @@
  * passed on here. */
 typedef int x11_error_handler(void *connection);
 typedef void x11_exit_handler(void *connection, void *data);
+typedef x11_error_handler *x11_set_error(x11_error_handler *handler);
+typedef void x11_set_exit(void *connection, x11_exit_handler *handler, void *data);
 
 static struct {
-	void *connection;            /* the Display; NULL: none is watched */
+	void *x11;                   /* libX11, never closed; NULL: there is none */
+	void *connection;            /* the Display; NULL: GLFW is opening it, or has none */
 	x11_error_handler *previous; /* handles other connections of the process; NULL: there is none */
 	stilb_owner owner;           /* the thread that calls GLFW */
 	jmp_buf back;                /* into window_display_call, */
@@ -24,49 +27,55 @@ static struct {
 
 bool window_display_is_lost(void)
 {
-	return atomic_load_explicit(&display.lost, memory_order_relaxed); /* partner: display_on_exit */
+	return atomic_load_explicit(&display.lost, memory_order_relaxed); /* partner: display_on_error */
 }
 
-/* Replaces Xlib's handler, which prints two lines, for our connection: the caller of the window reports the loss. */
+/* Replaces Xlib's handler, which prints two lines, for our connection; the caller of the window reports the loss. Xlib has
+ * released its locks before this. On another thread, or outside of window_display_call, it returns, then so does
+ * display_on_exit, and Xlib gives its caller (the Vulkan driver) an error. While GLFW opens the connection it is not known
+ * yet: then the one that fails in a call of ours is ours. */
 static int display_on_error(void *connection)
 {
-	return connection != display.connection && display.previous ? display.previous(connection) : 0;
-}
-
-/* Replaces exit(1). Xlib has released its locks before this. On another thread, or outside of window_display_call, it
- * returns, and Xlib gives its caller (the Vulkan driver) an error. */
-static void display_on_exit(void *connection, void *data)
-{
-	(void)connection, (void)data;
+	const bool calling = stilb_owner_is_me(&display.owner) && display.calling;
+	const bool ours = display.connection ? connection == display.connection : calling;
+	if (!ours)
+		return display.previous ? display.previous(connection) : 0;
 	atomic_store_explicit(&display.lost, true, memory_order_relaxed); /* partner: window_display_is_lost */
-	if (stilb_owner_is_me(&display.owner) && display.calling) {
+	if (calling) {
 		display.calling = false;
 		longjmp(display.back, 1);
 	}
+	return 0;
+}
+
+/* Replaces exit(1). */
+static void display_on_exit(void *connection, void *data)
+{
+	(void)connection, (void)data;
 }
 
 /* Xlib is looked up instead of linked, because GLFW loads it at run time and may run without it. */
-void window_display_watch(void)
+void window_display_begin(void)
 {
 	STILB_ASSERT(!display.calling && "GLFW is not being called");
+	if (!display.x11)
+		display.x11 = dlopen("libX11.so.6", RTLD_LAZY | RTLD_LOCAL);
+	x11_set_error *set_error = display.x11 ? (x11_set_error *)dlsym(display.x11, "XSetIOErrorHandler") : NULL;
+	x11_error_handler *previous = set_error ? set_error(display_on_error) : NULL;
+	if (previous != display_on_error)
+		display.previous = previous;
+	display.connection = NULL;
+	stilb_owner_take(&display.owner);
+}
+
+void window_display_opened(void)
+{
+	STILB_ASSERT_OWNER(display.owner);
 	void *(*connection_of_glfw)(void) = (void *(*)(void))dlsym(RTLD_DEFAULT, "glfwGetX11Display");
-	void *x11 = dlopen("libX11.so.6", RTLD_NOLOAD | RTLD_LAZY);
-	if (!connection_of_glfw || !x11)
-		return;
-	x11_error_handler *(*set_error)(x11_error_handler *) =
-		(x11_error_handler * (*)(x11_error_handler *)) dlsym(x11, "XSetIOErrorHandler");
-	void (*set_exit)(void *, x11_exit_handler *, void *) =
-		(void (*)(void *, x11_exit_handler *, void *))dlsym(x11, "XSetIOErrorExitHandler");
-	void *connection = connection_of_glfw();
-	if (set_error && set_exit && connection) {
-		x11_error_handler *previous = set_error(display_on_error);
-		if (previous != display_on_error)
-			display.previous = previous;
-		display.connection = connection;
-		stilb_owner_take(&display.owner);
-		set_exit(connection, display_on_exit, NULL);
-	}
-	dlclose(x11); /* GLFW keeps it loaded */
+	x11_set_exit *set_exit = display.x11 ? (x11_set_exit *)dlsym(display.x11, "XSetIOErrorExitHandler") : NULL;
+	display.connection = connection_of_glfw ? connection_of_glfw() : NULL;
+	if (display.connection && set_exit)
+		set_exit(display.connection, display_on_exit, NULL);
 }
 
 bool window_display_call(void (*call)(void *data), void *data)

@@ -3,19 +3,23 @@
  *
  * When its connection breaks, Xlib by default ends the program by exit(1) within the call that noticed it. Here that call is
  * left by longjmp instead, out of Xlib and GLFW, and the connection is never used again: neither library is in a state to
- * be called, so window and GLFW are not shut down but abandoned. Without X11, or with a libX11 before 1.7, calls are not
- * protected.
+ * be called, so window and GLFW are not shut down but abandoned. Without X11 there is nothing to protect; with a libX11 before
+ * 1.7, a break that the Vulkan driver notices first still ends the program.
  *
- * Life cycle.  glfwInit -> window_display_watch -> window_display_call around every call to GLFW.
- * Threads.     [main-thread], the one that called window_display_watch; asserted.
+ * Life cycle.  window_display_begin -> window_display_call(glfwInit, then window_display_opened) -> window_display_call
+ *              around every other call to GLFW.
+ * Threads.     [main-thread], the one that called window_display_begin; asserted.
  */
 #ifndef STILB_WINDOW_DISPLAY_INTERNAL_H
 #define STILB_WINDOW_DISPLAY_INTERNAL_H
 
 #include <stdbool.h>
 
-/* Installs the handlers for the connection that GLFW has opened: after each glfwInit. */
-void window_display_watch(void);
+/* Installs the handler of broken connections: before each glfwInit, which may meet one already. */
+void window_display_begin(void);
+
+/* Tells which connection GLFW has opened: after each glfwInit. */
+void window_display_opened(void);
 
 /* Runs call(data), which may call GLFW. False: the display is lost, and call was left half-way or not begun. Must not be
  * nested; GLFW's callbacks during the call are protected by it already. */
