@@ -12,6 +12,6 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stilb-config.cmake ${CMAKE_CURRENT_BIN
 
 if(TARGET stilb)
 	install(TARGETS stilb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-	install(TARGETS stilb-image-oiio LIBRARY DESTINATION lib/stilb) # ../lib/stilb from the program: image_codec.c
+	install(TARGETS stilb-image-oiio LIBRARY DESTINATION lib/stilb) # ../lib/stilb from the program: image_foreign.c
 	install(TARGETS stilb-scene-import RUNTIME DESTINATION lib/stilb) # the same: scene_import.c
 endif()

@@ -93,6 +93,10 @@ void stilb_image_finish(stilb_image *image)
 
 #define IMAGE_SEALS (F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE)
 
+/* Pictures up to this many bytes get their memory at once, not page by page, which takes longer; of a larger one that a
+ * short file merely claims, none is taken until it is decoded. */
+#define IMAGE_POPULATE_MAX (16u << 20)
+
 stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
                                        stilb_image_format format)
 {
@@ -103,7 +107,8 @@ stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint3
 	const int file = memfd_create("picture", MFD_CLOEXEC | MFD_ALLOW_SEALING);
 	void *pixels = MAP_FAILED;
 	if (file >= 0 && ftruncate(file, (off_t)size) == 0)
-		pixels = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+		pixels = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | (size <= IMAGE_POPULATE_MAX ? MAP_POPULATE : 0),
+		              file, 0);
 	if (pixels == MAP_FAILED) {
 		if (file >= 0)
 			close(file);

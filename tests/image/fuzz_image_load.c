@@ -1,4 +1,4 @@
-/* Files of any bytes under the names .png and .exr: stilb_image_load never crashes and returns a picture or a reason. It
+/* Files of any bytes under the names .png, .exr and .hdr: stilb_image_load never crashes and returns a picture or a reason. It
  * starts from pictures that stilb_image_save made. */
 #include "image/image.h"
 
@@ -10,7 +10,7 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 
-static char picture[2][512]; /* the file that is loaded, as .png and as .exr */
+static char picture[3][512]; /* the file that is loaded, as .png, as .exr and as .hdr */
 
 static void require(bool condition)
 {
@@ -52,10 +52,13 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 	mkdir(seeds, 0777);
 	snprintf(picture[0], sizeof picture[0], "%s.png", seeds);
 	snprintf(picture[1], sizeof picture[1], "%s.exr", seeds);
+	snprintf(picture[2], sizeof picture[2], "%s.hdr", seeds);
 	for (uint32_t channels = 1; channels <= 4; channels++) {
 		make_seed(seeds, channels, STILB_IMAGE_U8_SRGB, 0);
 		make_seed(seeds, channels, STILB_IMAGE_F32_LINEAR, 1);
 		make_seed(seeds, channels, STILB_IMAGE_F16_LINEAR, 1);
+		if (channels % 2 == 1) /* no alpha there */
+			make_seed(seeds, channels, STILB_IMAGE_F32_LINEAR, 2);
 	}
 	return 0;
 }
@@ -64,7 +67,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	if (size == 0)
 		return 0;
-	const char *path = picture[data[0] & 1];
+	const char *path = picture[data[0] % 3];
 	FILE *file = fopen(path, "wb");
 	require(file != NULL);
 	require(fwrite(data + 1, 1, size - 1, file) == size - 1);

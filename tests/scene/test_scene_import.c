@@ -535,14 +535,18 @@ static void one_process_serves_many(void **state)
 	snprintf(crash, sizeof crash, "%s", in_folder("crash.ply"));
 	assert_int_equal(scene_importer_start(&limits, &importer), STILB_OK);
 	for (int i = 0; i < 3; i++) {
-		assert_int_equal(scene_importer_picture(importer, picture, &image), STILB_OK);
+		assert_int_equal(scene_importer_picture(importer, picture, true, &image), STILB_OK);
 		assert_int_equal(image.format, STILB_IMAGE_F32_LINEAR);
 		assert_three(image.pixels, 1, 0, 0.21586051f);
+		stilb_image_finish(&image);
+		assert_int_equal(scene_importer_picture(importer, picture, false, &image), STILB_OK);
+		assert_int_equal(image.format, STILB_IMAGE_U8_SRGB);
+		assert_memory_equal(image.pixels, ((const uint8_t[]){255, 0, 128}), 3);
 		stilb_image_finish(&image);
 		assert_int_equal(scene_importer_scene(importer, square, &scene), STILB_OK);
 		assert_int_equal(scene->texture_count, 1);
 		stilb_scene_destroy(scene);
-		assert_int_equal(scene_importer_picture(importer, square, &image), STILB_ERROR_FILE);
+		assert_int_equal(scene_importer_picture(importer, square, true, &image), STILB_ERROR_FILE);
 		assert_non_null(strstr(stilb_error_message(), "no picture of a known kind"));
 		if (i == 1) /* it is started again for the next */
 			assert_int_equal(scene_importer_scene(importer, crash, &scene), STILB_ERROR_FILE);

@@ -160,7 +160,7 @@ static stilb_result importer_do_scene(const char *path)
 	return result;
 }
 
-static stilb_result importer_do_picture(const char *path)
+static stilb_result importer_do_picture(const char *path, bool light)
 {
 	char why[256];
 	importer_bytes bytes = {0};
@@ -168,9 +168,9 @@ static stilb_result importer_do_picture(const char *path)
 	const int file = importer_files_ask(path, true, why);
 	if (file < 0 || !importer_bytes_read(file, &bytes))
 		return stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
-	stilb_result result = importer_decode(path, &bytes, STILB_IMAGE_IMPORT_FOR_LIGHT, &picture);
+	stilb_result result = importer_decode(path, &bytes, light ? STILB_IMAGE_IMPORT_FOR_LIGHT : 0, &picture);
 	importer_bytes_free(&bytes);
-	if (result == STILB_OK)
+	if (result == STILB_OK && light)
 		result = importer_picture_to_light(&picture);
 	if (result == STILB_OK)
 		result = importer_send_picture(&picture);
@@ -186,7 +186,9 @@ static void importer_serve(const scene_message *request, int file)
 	if (request->kind == SCENE_MESSAGE_READ_SCENE)
 		result = importer_do_scene(request->text);
 	else if (request->kind == SCENE_MESSAGE_READ_PICTURE)
-		result = importer_do_picture(request->text);
+		result = importer_do_picture(request->text, false);
+	else if (request->kind == SCENE_MESSAGE_READ_LIGHT)
+		result = importer_do_picture(request->text, true);
 	else
 		importer_send(SCENE_MESSAGE_VERSION, STILB_OK, "Assimp %u.%u.%u\nOpenImageIO %s\n", aiGetVersionMajor(),
 		              aiGetVersionMinor(), aiGetVersionPatch(), stilb_image_library_version());

@@ -214,6 +214,12 @@ static const unsigned sandbox_calls[] = {
 	SYS_time,
 	SYS_dup2,
 #endif
+#if IMPORTER_SANITIZED
+	SYS_pipe2, /* the sanitizers write memory to a pipe to learn whether it is mapped */
+#ifdef __x86_64__
+	SYS_pipe,
+#endif
+#endif
 };
 
 #define SANDBOX_CALLS (sizeof sandbox_calls / sizeof *sandbox_calls)

@@ -379,7 +379,7 @@ stilb_result scene_importer_scene(scene_importer *importer, const char *path, st
 	return result;
 }
 
-stilb_result scene_importer_picture(scene_importer *importer, const char *path, stilb_image *image)
+stilb_result scene_importer_picture(scene_importer *importer, const char *path, bool light, stilb_image *image)
 {
 	stilb_result result;
 	scene_message message;
@@ -388,7 +388,7 @@ stilb_result scene_importer_picture(scene_importer *importer, const char *path, 
 	if (file < 0)
 		return STILB_ERROR_FILE;
 	import_request request = {.importer = importer, .path = path};
-	result = import_ask(&request, SCENE_MESSAGE_READ_PICTURE, file);
+	result = import_ask(&request, light ? SCENE_MESSAGE_READ_LIGHT : SCENE_MESSAGE_READ_PICTURE, file);
 	if (result == STILB_OK)
 		result = import_listen(&request, SCENE_MESSAGE_PICTURE, &message);
 	result = import_finish(&request, result, "the decoder");
@@ -434,7 +434,7 @@ stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 		snprintf(reason, sizeof reason, "%s", stilb_error_message());
 		return stilb_fail(result, "cannot read '%s': %s", path, reason);
 	}
-	result = scene_importer_picture(importer, path, &map);
+	result = scene_importer_picture(importer, path, true, &map);
 	scene_importer_stop(importer);
 	if (result == STILB_OK) {
 		stilb_image_finish(&scene->environment);

@@ -38,9 +38,9 @@ void scene_importer_stop(scene_importer *importer);
 /* The scene in the file at path, which is no built-in's name. Errors of stilb_scene_open. */
 stilb_result scene_importer_scene(scene_importer *importer, const char *path, stilb_scene **scene);
 
-/* The picture in the file at path, three channels of linear light; image is {0} after an error. Errors of
- * stilb_scene_set_environment. */
-stilb_result scene_importer_picture(scene_importer *importer, const char *path, stilb_image *image);
+/* The picture in the file at path: with the precision and the channels of the file, or as light: three channels of linear
+ * floats, nothing below 0. Errors of stilb_scene_set_environment; image is {0} then. */
+stilb_result scene_importer_picture(scene_importer *importer, const char *path, bool light, stilb_image *image);
 
 /* What guards the process: flags of scene_protection (scene_stream.h). */
 uint32_t scene_importer_protection(const scene_importer *importer);

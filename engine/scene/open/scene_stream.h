@@ -29,7 +29,8 @@ typedef enum scene_message_kind {
 	/* to the import process */
 	SCENE_MESSAGE_FILE,         /* the answer to OPEN: a descriptor, or the reason why there is none in text */
 	SCENE_MESSAGE_READ_SCENE,   /* with the file's descriptor; text is its path */
-	SCENE_MESSAGE_READ_PICTURE, /* the same; as three channels of linear floats */
+	SCENE_MESSAGE_READ_PICTURE, /* the same */
+	SCENE_MESSAGE_READ_LIGHT,   /* the same, as three channels of linear floats, nothing below 0 */
 	SCENE_MESSAGE_ABOUT,
 } scene_message_kind;
 
