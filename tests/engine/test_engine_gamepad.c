@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 #define NODE 3
-#define TRIES 2000 /* of a millisecond */
+#define TRIES 300000 /* of a millisecond: against hangs alone */
 
 static stilb_engine *engine;
 static stilb_engine_report report;

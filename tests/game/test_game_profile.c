@@ -33,7 +33,7 @@ static void read_text(const char *path, char *text, size_t size)
 
 static bool await_file(const char *path)
 {
-	for (int i = 0; i < 1000; i++, usleep(10000))
+	for (int i = 0; i < 30000; i++, usleep(10000))
 		if (access(path, F_OK) == 0)
 			return true;
 	return false;

@@ -122,7 +122,7 @@ static void test_resume_gives_the_same_bits(void **state)
 	(void)state;
 #define MEDIUM "render cornell --size 64x48 --spp 600 "
 	stilb_start(no_display, -1, MEDIUM "-o a.exr --workers 2 --checkpoint 0.05");
-	for (int i = 0; i < 6000 && !exists("a.exr.checkpoint") && !exists("a.exr"); i++)
+	for (int i = 0; i < 300000 && !exists("a.exr.checkpoint") && !exists("a.exr"); i++)
 		usleep(1000);
 	kill(run.pid, SIGKILL);
 	program_wait(&run);

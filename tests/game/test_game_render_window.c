@@ -15,7 +15,7 @@ static Window wait_for_window(void)
 {
 	XWindowAttributes attributes = {.map_state = IsUnmapped};
 	Window window = 0;
-	for (int i = 0; i < 1500 && attributes.map_state != IsViewable; i++, usleep(20000)) {
+	for (int i = 0; i < 15000 && attributes.map_state != IsViewable; i++, usleep(20000)) {
 		window = x11_window_find(display, TITLE);
 		if (window)
 			XGetWindowAttributes(display, window, &attributes);
@@ -43,7 +43,7 @@ static void channels(XImage *image, int x, int y, int out[3])
 static bool shows_cornell(Window window)
 {
 	int left[3], right[3];
-	for (int i = 0; i < 500; i++, usleep(20000)) {
+	for (int i = 0; i < 15000; i++, usleep(20000)) {
 		XImage *image = grab(window);
 		channels(image, SIDE / 20, SIDE / 2, left);
 		channels(image, SIDE - SIDE / 20, SIDE / 2, right);

@@ -168,9 +168,9 @@ static void test_nobody_is_forgotten(void **state)
 static void test_a_waiter_is_woken(void **state)
 {
 	(void)state;
-	enum { TIMES = 20 };
+	enum { TIMES = 20, TIMES_WHEN_BUSY = 5000 };
 	double best_ms = 1e9;
-	for (uint32_t i = 0; i < TIMES; i++) {
+	for (uint32_t i = 0; i < TIMES || (best_ms >= 1 && i < TIMES_WHEN_BUSY); i++) {
 		shared = (struct shared){0};
 		waiter w;
 		job_lock_take(&shared.lock);

@@ -428,7 +428,7 @@ typedef struct meeting {
 	counter met;
 } meeting;
 
-/* Returns only when two threads are inside at the same time (or after a second). */
+/* Returns only when two threads are inside at the same time (or after a minute). */
 static void meet(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	meeting *m = context;
@@ -445,7 +445,7 @@ static void meet(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 		}
 		sched_yield();
 		clock_gettime(CLOCK_MONOTONIC, &now);
-	} while (now.tv_sec - start.tv_sec < 2);
+	} while (now.tv_sec - start.tv_sec < 60);
 }
 
 static void test_loop_gets_help(void **state)
@@ -471,11 +471,11 @@ static void test_parked_workers_wake(void **state)
 		work w = {.pool = pool_with(workers, log_hooks(&log)), .worker_count = workers};
 		for (uint32_t i = 1; i <= 25; i++) {
 			nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
-			for (int k = 0; k < 2000 && log.parks - log.wakes < workers; k++)
+			for (int k = 0; k < 60000 && log.parks - log.wakes < workers; k++)
 				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 			assert_int_equal(log.parks - log.wakes, workers); /* idle means asleep, not spinning */
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, NULL, 0), 0);
-			for (int k = 0; k < 2000 && w.ran < i; k++)
+			for (int k = 0; k < 60000 && w.ran < i; k++)
 				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 			assert_int_equal(w.ran, i);
 		}
@@ -509,7 +509,7 @@ static void wait_for_owner_to_sleep(void *data, uint32_t worker)
 	count_up(&s->started);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 	stilb_job_submit(s->work.pool, note_helper, s, NULL, worker);
-	for (int i = 0; i < 2000 && s->work.ran == 0; i++) /* keeps the only worker busy: the owner must get up */
+	for (int i = 0; i < 60000 && s->work.ran == 0; i++) /* keeps the only worker busy: the owner must get up */
 		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 }

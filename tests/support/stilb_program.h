@@ -218,12 +218,12 @@ static inline void assert_trace(const char *path, uint32_t workers, uint64_t fra
 	trace_check_finish(&report);
 }
 
-/* The process catches SIGINT and has worked for a while since; false: it ended, or half a minute went by. */
+/* The process catches SIGINT and has worked for a while since; false: it ended, or five minutes went by. */
 static inline bool catches_interrupts(pid_t pid)
 {
 	char path[64], line[512];
 	long start = -1;
-	for (int i = 0; i < 3000; i++, usleep(10000)) {
+	for (int i = 0; i < 30000; i++, usleep(10000)) {
 		unsigned long long caught = 0;
 		long ticks = 0, user = 0, system = 0;
 		snprintf(path, sizeof path, "/proc/%d/status", (int)pid);

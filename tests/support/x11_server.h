@@ -59,12 +59,12 @@ static inline void x11_server_kill(x11_server *server)
 	server->pid = 0;
 }
 
-/* Waits half a minute for a window to be seen whose title begins so. */
+/* Waits up to five minutes for a window to be seen whose title begins so. */
 static inline bool x11_server_shows(const x11_server *server, const char *title)
 {
 	Display *display = XOpenDisplay(server->name);
 	bool there = false;
-	for (int i = 0; display && !there && i < 1500; i++, usleep(20000)) {
+	for (int i = 0; display && !there && i < 15000; i++, usleep(20000)) {
 		Window root, parent, *children = NULL;
 		unsigned count = 0;
 		XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);

@@ -71,7 +71,7 @@ static void run_frames(fixture *f, int count)
 static void expect_size(fixture *f, uint32_t width, uint32_t height)
 {
 	uint32_t w = 0, h = 0;
-	for (int i = 0; i < 100 && (w != width || h != height); i++) {
+	for (int i = 0; i < 10000 && (w != width || h != height); i++) {
 		run_frame(f);
 		stilb_engine_size(f->engine, &w, &h);
 	}
@@ -95,7 +95,7 @@ static void test_shows_picture(void **state)
 	assert_true(sky->sky[2] > sky->sky[0]); /* bluish */
 	XImage *image = NULL;
 	int sky_pixels = 0, other_pixels = 0;
-	for (int tries = 0; tries < 100 && (sky_pixels == 0 || other_pixels == 0); tries++) {
+	for (int tries = 0; tries < 15000 && (sky_pixels == 0 || other_pixels == 0); tries++) {
 		image = XGetImage(f->display, f->window, 0, 0, 320, 200, AllPlanes, ZPixmap);
 		assert_non_null(image);
 		unsigned long corner = XGetPixel(image, 0, 0);
@@ -182,7 +182,7 @@ static void test_minimise(void **state)
 	run_frames(f, 3);
 	set_iconic(f, true);
 	stilb_engine_report report = run_frame(f);
-	for (int i = 0; i < 100 && report.drawn; i++)
+	for (int i = 0; i < 10000 && report.drawn; i++)
 		report = run_frame(f);
 	assert_false(report.drawn);
 	uint64_t frames = report.frame;
@@ -191,7 +191,7 @@ static void test_minimise(void **state)
 	assert_false(report.drawn);
 	assert_int_equal(report.frame, frames);
 	set_iconic(f, false);
-	for (int i = 0; i < 100 && !report.drawn; i++)
+	for (int i = 0; i < 10000 && !report.drawn; i++)
 		report = run_frame(f);
 	assert_true(report.drawn);
 	run_frames(f, 3);
@@ -237,12 +237,12 @@ static void test_keys(void **state)
 	const stilb_scene_camera *camera = &stilb_engine_scene(f->engine)->camera;
 	float before = camera->position[2];
 	send_key(f, XK_w, true);
-	for (int i = 0; i < 100 && camera->position[2] == before; i++)
+	for (int i = 0; i < 10000 && camera->position[2] == before; i++)
 		run_frame(f);
 	send_key(f, XK_w, false);
 	assert_true(camera->position[2] < before); /* forward is -Z */
 	float way = 1.0f, rest;
-	for (int i = 0; i < 100 && way > 1e-5f; i++) { /* released: it slows down and stands still */
+	for (int i = 0; i < 10000 && way > 1e-5f; i++) { /* released: it slows down and stands still */
 		rest = camera->position[2];
 		run_frames(f, 30);
 		way = fabsf(camera->position[2] - rest);
@@ -261,12 +261,12 @@ static void test_focus(void **state)
 	run_frames(f, 3);
 	float before = camera->position[2];
 	send_key(f, XK_w, true);
-	for (int i = 0; i < 100 && camera->position[2] == before; i++)
+	for (int i = 0; i < 10000 && camera->position[2] == before; i++)
 		run_frame(f);
 	assert_true(camera->position[2] < before);
 	XSetInputFocus(f->display, other, RevertToParent, CurrentTime);
 	XSync(f->display, False);
-	for (int i = 0; i < 100 && f->engine->input.focused; i++)
+	for (int i = 0; i < 10000 && f->engine->input.focused; i++)
 		run_frame(f);
 	assert_false(f->engine->input.focused);
 	before = camera->position[2];
@@ -324,7 +324,7 @@ static bool overlay_feels_wheel(const fixture *f)
 /* Runs frames until it is as wanted. */
 static void expect(fixture *f, bool (*what)(const fixture *f), bool wanted)
 {
-	for (int i = 0; i < 100 && what(f) != wanted; i++)
+	for (int i = 0; i < 10000 && what(f) != wanted; i++)
 		run_frame(f);
 	assert_true(what(f) == wanted);
 }
@@ -371,7 +371,7 @@ static void test_overlay(void **state)
 	assert_true(camera->position[2] == before);
 	type_key(f, XK_Escape);
 	expect(f, overlay_wants_keys, false);
-	for (int i = 0; i < 100 && camera->position[2] == before; i++)
+	for (int i = 0; i < 10000 && camera->position[2] == before; i++)
 		run_frame(f);
 	send_key(f, XK_w, false);
 	assert_true(camera->position[2] < before); /* still held: now it flies */
@@ -380,7 +380,7 @@ static void test_overlay(void **state)
 	expect(f, overlay_is_open, false);
 	send_button(f, 3, true);
 	run_frames(f, 3);
-	for (int i = 0; i < 100 && camera->yaw == yaw; i++) {
+	for (int i = 0; i < 10000 && camera->yaw == yaw; i++) {
 		XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 160 + i % 2 * 40, 100);
 		XSync(f->display, False);
 		run_frame(f);
@@ -473,7 +473,7 @@ static void test_close(void **state)
 	XSendEvent(f->display, f->window, False, NoEventMask, (XEvent *)&event);
 	XSync(f->display, False);
 	stilb_engine_report report = run_frame(f);
-	for (int i = 0; i < 100 && !report.close; i++)
+	for (int i = 0; i < 10000 && !report.close; i++)
 		report = run_frame(f);
 	assert_true(report.close);
 }

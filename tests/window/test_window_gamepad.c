@@ -12,7 +12,7 @@
 #include <stddef.h>
 
 #define NODE 3
-#define TRIES 3000 /* frames, a few milliseconds each */
+#define TRIES 100000 /* frames, a few milliseconds each: against hangs alone */
 
 /* ---- what umockdev is told ------------------------------------------------------------------------------------------- */
 

@@ -36,7 +36,7 @@ static stilb_window_state polled(bool (*there)(const stilb_window_state *state))
 {
 	stilb_window_state state;
 	XSync(display, False);
-	for (int i = 0; i < 200; i++) {
+	for (int i = 0; i < 60000; i++) {
 		stilb_window_poll(window, &state);
 		if (there(&state))
 			return state;
@@ -238,7 +238,7 @@ static void test_left_button(void **state)
 	send_button(1, true);
 	send_button(1, false);
 	XSync(display, False);
-	usleep(50000);
+	usleep(200000);
 	stilb_window_poll(window, &now);
 	assert_true(clicked(&now) && !now.button && now.clicks == 2);
 	assert_quiet();
