@@ -12,8 +12,8 @@ static void print_case(FILE *out, const bench_results *results, const char *on)
 	char line[512];
 	int length = snprintf(line, sizeof line, "  %-10s", on);
 	bool any = false;
-	for (size_t s = 0; s < bench_cull_suite.subject_count; s++) {
-		const bench_row *row = bench_find(results, on, bench_cull_suite.subjects[s].name, "per-model");
+	for (size_t s = 0; s < bench_suite_of(results)->subject_count; s++) {
+		const bench_row *row = bench_find(results, on, bench_suite_of(results)->subjects[s].name, "per-model");
 		int width = (int)sizeof line - length;
 		if (row)
 			length += snprintf(line + length, (size_t)width, " %*.3f", 17, row->median);
@@ -28,11 +28,11 @@ static void print_case(FILE *out, const bench_results *results, const char *on)
 static void print_table(FILE *out, const bench_results *results)
 {
 	fprintf(out, "\nns for each model of the scene, medians; case: models, percent visible\n  %-10s", "");
-	for (size_t s = 0; s < bench_cull_suite.subject_count; s++)
-		fprintf(out, " %17s", bench_cull_suite.subjects[s].name);
+	for (size_t s = 0; s < bench_suite_of(results)->subject_count; s++)
+		fprintf(out, " %17s", bench_suite_of(results)->subjects[s].name);
 	fputc('\n', out);
-	for (size_t c = 0; c < bench_cull_suite.case_count; c++)
-		print_case(out, results, bench_cull_suite.cases[c].name);
+	for (size_t c = 0; c < bench_suite_of(results)->case_count; c++)
+		print_case(out, results, bench_suite_of(results)->cases[c].name);
 }
 
 /* ---- goals ---------------------------------------------------------------------------------------------------------- */
@@ -119,8 +119,8 @@ void bench_cull_report(FILE *out, const bench_results *results)
 void bench_cull_goals(FILE *out, const bench_results *results)
 {
 	fprintf(out, "\ngoals; ratios of the same round: median [least-most]\n");
-	for (size_t c = 0; c < bench_cull_suite.case_count; c++)
-		print_choice(out, results, bench_cull_suite.cases[c].name);
+	for (size_t c = 0; c < bench_suite_of(results)->case_count; c++)
+		print_choice(out, results, bench_suite_of(results)->cases[c].name);
 	for (size_t i = 0; i < COUNT(ratio_goals); i++)
 		print_ratio(out, results, &ratio_goals[i]);
 	for (size_t i = 0; i < COUNT(time_goals); i++) {

@@ -140,6 +140,9 @@ typedef struct bench_row {
 	const double *values; /* one for each round, NaN where there is none */
 } bench_row;
 
+/* The suite that the results are of. */
+const bench_suite *bench_suite_of(const bench_results *results);
+
 /* NULL: it did not run. case_name NULL: one of the limits (subject_name NULL too). */
 const bench_row *bench_find(const bench_results *results, const char *case_name, const char *subject_name,
                             const char *metric);

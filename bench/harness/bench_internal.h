@@ -2,6 +2,7 @@
 #ifndef BENCH_INTERNAL_H
 #define BENCH_INTERNAL_H
 
+#include "base/base.h"
 #include "bench/harness/bench.h"
 
 #include <math.h>
@@ -31,6 +32,13 @@ struct bench_results {
 };
 
 #define BENCH_NO_NUMBER ((double)NAN)
+
+/* Adds the row of a metric, without numbers yet. STILB_OK, or out of memory. */
+stilb_result bench_add_row(bench_results *results, const bench_case *on, const bench_subject *subject,
+                           const bench_metric *metric);
+
+/* Median, least and largest of every row; again after rows have got more values. */
+void bench_summarise(bench_results *results);
 
 /* For a suite's finish: a value that follows from others. */
 void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,

@@ -11,18 +11,6 @@
 #include <string.h>
 #include <sys/utsname.h>
 
-static const bench_metric limit_metrics[] = {
-	{BENCH_LIMIT_CLOCK, "ns", true, NULL},     {BENCH_LIMIT_UNCONTENDED, "ns", true, NULL},
-	{BENCH_LIMIT_CONTENDED, "ns", true, NULL}, {BENCH_LIMIT_WAKE, "ns", true, NULL},
-	{BENCH_LIMIT_WAKE_P99, "ns", true, NULL},
-};
-const bench_case bench_limits_case = {.name = "limits",
-                                      .title = "limits of this machine",
-                                      .metrics = limit_metrics,
-                                      .metric_count = sizeof limit_metrics / sizeof *limit_metrics,
-                                      .length = 0.6};
-const bench_subject bench_limits_subject = {.name = "machine", .program = "stilb-bench-limits", .reference = true};
-
 /* ---- the machine and the build ----------------------------------------------------------------------------------- */
 
 const char *bench_build_flags(void)
@@ -238,8 +226,8 @@ static void print_limits(FILE *out, const bench_results *results)
 {
 	fprintf(out, "\nlimits of this machine, ns; median [least-most]\n");
 	for (size_t m = 0; m < bench_limits_case.metric_count; m++) {
-		const bench_row *row = bench_find(results, NULL, NULL, limit_metrics[m].name);
-		fprintf(out, "  %-20s", limit_metrics[m].name);
+		const bench_row *row = bench_find(results, NULL, NULL, bench_limits_case.metrics[m].name);
+		fprintf(out, "  %-20s", bench_limits_case.metrics[m].name);
 		print_range(out, 26, row ? row->median : BENCH_NO_NUMBER, row ? row->min : 0.0, row ? row->max : 0.0);
 		fputc('\n', out);
 	}

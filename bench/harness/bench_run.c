@@ -93,33 +93,6 @@ static void print_list(const bench_suite *suite)
 
 /* ---- the table of results ---------------------------------------------------------------------------------------- */
 
-/* STILB_OK, or out of memory. */
-static stilb_result add_row(bench_results *results, const bench_case *on, const bench_subject *subject,
-                            const bench_metric *metric)
-{
-	if (results->row_count == results->row_capacity) {
-		size_t capacity = results->row_capacity ? results->row_capacity * 2 : 256;
-		bench_row *grown = realloc(results->rows, capacity * sizeof *grown);
-		if (!grown)
-			return stilb_fail(STILB_ERROR_MEMORY, "out of memory for the table");
-		results->rows = grown;
-		results->row_capacity = capacity;
-	}
-	double *values = malloc(results->options->rounds * sizeof *values);
-	if (!values)
-		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for the table");
-	for (uint32_t i = 0; i < results->options->rounds; i++)
-		values[i] = BENCH_NO_NUMBER;
-	results->rows[results->row_count++] = (bench_row){.on = on,
-	                                                  .subject = subject,
-	                                                  .name = subject->name,
-	                                                  .metric = metric->name,
-	                                                  .unit = metric->unit,
-	                                                  .less_is_better = metric->less_is_better,
-	                                                  .values = values};
-	return STILB_OK;
-}
-
 /* The rows of a case: those of one metric stand together. */
 static stilb_result add_rows(bench_results *results, const bench_case *on)
 {
@@ -127,7 +100,7 @@ static stilb_result add_rows(bench_results *results, const bench_case *on)
 	for (size_t m = 0; m < on->metric_count + 2; m++) {
 		const bench_metric *metric = m < on->metric_count ? &on->metrics[m] : &own[m - on->metric_count];
 		for (size_t p = 0; p < results->pair_count; p++)
-			if (results->pairs[p].on == on && add_row(results, on, results->pairs[p].subject, metric) != STILB_OK)
+			if (results->pairs[p].on == on && bench_add_row(results, on, results->pairs[p].subject, metric) != STILB_OK)
 				return STILB_ERROR_MEMORY;
 	}
 	return STILB_OK;
@@ -168,97 +141,10 @@ static void results_finish(bench_results *results)
 	free(results->pairs);
 }
 
-void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,
-                     uint32_t round, double value)
-{
-	for (size_t i = 0; i < results->row_count; i++) {
-		bench_row *row = &results->rows[i];
-		if (row->on == on && row->subject == subject && strcmp(row->metric, metric) == 0) {
-			((double *)row->values)[round] = value;
-			return;
-		}
-	}
-}
-
 /* In this round. */
 static void set_value(bench_results *results, const bench_pair *pair, const char *metric, double value)
 {
 	bench_set_value(results, pair->on, pair->subject, metric, results->rounds - 1, value);
-}
-
-static int compare_doubles(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
-/* Median, least and largest of those that are numbers; returns how many. */
-static uint32_t summarise(const double *values, uint32_t count, bench_ratio *summary)
-{
-	double *sorted = malloc((count ? count : 1) * sizeof *sorted);
-	uint32_t known = 0;
-	for (uint32_t i = 0; sorted && i < count; i++)
-		if (isfinite(values[i]))
-			sorted[known++] = values[i];
-	if (known > 0) {
-		qsort(sorted, known, sizeof *sorted, compare_doubles);
-		summary->median = (sorted[known / 2] + sorted[(known - 1) / 2]) * 0.5;
-		summary->min = sorted[0];
-		summary->max = sorted[known - 1];
-	}
-	free(sorted);
-	return known;
-}
-
-static void summarise_rows(bench_results *results)
-{
-	for (size_t i = 0; i < results->row_count; i++) {
-		bench_row *row = &results->rows[i];
-		bench_ratio summary = {BENCH_NO_NUMBER, BENCH_NO_NUMBER, BENCH_NO_NUMBER};
-		row->runs = summarise(row->values, results->rounds, &summary);
-		row->median = summary.median, row->min = summary.min, row->max = summary.max;
-	}
-}
-
-const bench_row *bench_find(const bench_results *results, const char *case_name, const char *subject_name,
-                            const char *metric)
-{
-	if (!case_name)
-		case_name = bench_limits_case.name, subject_name = bench_limits_subject.name;
-	for (size_t i = 0; i < results->row_count; i++) {
-		const bench_row *row = &results->rows[i];
-		if (strcmp(row->on->name, case_name) == 0 && strcmp(row->name, subject_name) == 0 &&
-		    strcmp(row->metric, metric) == 0)
-			return row->runs > 0 ? row : NULL;
-	}
-	return NULL;
-}
-
-bool bench_paired_ratio(const bench_results *results, const bench_row *numerator, const bench_row *denominator,
-                        bench_ratio *ratio)
-{
-	double *ratios = malloc((results->rounds ? results->rounds : 1) * sizeof *ratios);
-	for (uint32_t i = 0; ratios && i < results->rounds; i++)
-		ratios[i] = numerator->values[i] / denominator->values[i];
-	bool any = ratios && summarise(ratios, results->rounds, ratio) > 0;
-	free(ratios);
-	return any;
-}
-
-double bench_of_limit(const bench_row *row, const bench_row *limit)
-{
-	static const struct {
-		const char *unit;
-		double ns;
-	} times[] = {{"ns", 1.0}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}},
-	  rates[] = {{"Mops/s", 1e3}, {"Mjobs/s", 1e3}, {"kops/s", 1e6}};
-	for (size_t i = 0; i < sizeof times / sizeof *times; i++)
-		if (strcmp(row->unit, times[i].unit) == 0)
-			return row->median * times[i].ns / limit->median;
-	for (size_t i = 0; i < sizeof rates / sizeof *rates; i++)
-		if (strcmp(row->unit, rates[i].unit) == 0)
-			return row->median * limit->median / rates[i].ns;
-	return BENCH_NO_NUMBER;
 }
 
 /* ---- running ----------------------------------------------------------------------------------------------------- */
@@ -381,10 +267,10 @@ static int run_and_report(bench_results *results)
 	if (results->suite->prepare && !(argument = results->suite->prepare(options)))
 		return EXIT_FAILED;
 	run_rounds(results, argument);
-	summarise_rows(results);
+	bench_summarise(results);
 	if (results->suite->finish) {
 		results->suite->finish(results);
-		summarise_rows(results); /* and what it has added */
+		bench_summarise(results); /* and what it has added */
 	}
 	FILE *out = options->json && stilb_file_is_stdout(options->json) ? stderr : stdout;
 	bench_print(out, results);

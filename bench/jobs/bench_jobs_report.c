@@ -11,8 +11,8 @@
 static const bench_row *best_peer(const bench_results *results, const char *case_name, const char *metric)
 {
 	const bench_row *best = NULL;
-	for (size_t i = 0; i < bench_jobs_suite.subject_count; i++) {
-		const bench_subject *subject = &bench_jobs_suite.subjects[i];
+	for (size_t i = 0; i < bench_suite_of(results)->subject_count; i++) {
+		const bench_subject *subject = &bench_suite_of(results)->subjects[i];
 		if (subject->reference || strncmp(subject->name, OURS, strlen(OURS)) == 0)
 			continue;
 		const bench_row *row = bench_find(results, case_name, subject->name, metric);

@@ -15,8 +15,6 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 #define PROGRAM "stilb-bench-threads"
-#define MAX_COUNTS 16
-#define MAX_WORKERS 256u /* STILB_JOB_MAX_WORKERS */
 
 /* ---- metrics ----------------------------------------------------------------------------------------------------- */
 
@@ -114,59 +112,8 @@ static const bench_subject others[] = {
 	{.name = "stilb-lock-free", .program = PROGRAM, .abilities = QUEUES},
 };
 
-uint32_t bench_threads_counts[MAX_COUNTS];
-size_t bench_threads_count;
-static char names[MAX_COUNTS + COUNT(others)][32];
-static bench_subject subjects[MAX_COUNTS + COUNT(others)];
-
-static uint32_t least(uint32_t a, uint32_t b)
-{
-	return a < b ? a : b;
-}
-
-uint32_t bench_threads_fitting(void)
-{
-	uint32_t cpus = bench_cpu_count();
-	return least(cpus > 1 ? cpus - 1 : 1, MAX_WORKERS);
-}
-
-uint32_t bench_threads_too_many(void)
-{
-	return least(2 * bench_cpu_count(), MAX_WORKERS);
-}
-
-const char *bench_threads_name(uint32_t workers)
-{
-	for (size_t i = 0; i < bench_threads_count; i++)
-		if (bench_threads_counts[i] == workers)
-			return subjects[i].name;
-	return "";
-}
-
-static void add_count(uint32_t workers)
-{
-	if (bench_threads_count < MAX_COUNTS &&
-	    (bench_threads_count == 0 || workers > bench_threads_counts[bench_threads_count - 1]))
-		bench_threads_counts[bench_threads_count++] = workers;
-}
-
-/* 0 to twice the CPUs; where those are many, powers of two and what lies around the number of CPUs. */
-static void choose_counts(void)
-{
-	uint32_t fitting = bench_threads_fitting(), most = bench_threads_too_many();
-	if (most < 9) {
-		for (uint32_t workers = 0; workers <= most; workers++)
-			add_count(workers);
-		return;
-	}
-	add_count(0);
-	for (uint32_t workers = 1; workers < fitting; workers *= 2)
-		add_count(workers);
-	add_count(fitting);
-	add_count(fitting + 1);
-	add_count(least(fitting + fitting / 2, most));
-	add_count(most);
-}
+static char names[2][32]; /* of the two pools, whose number of workers is theirs */
+static bench_subject subjects[BENCH_THREADS_MAX_COUNTS + COUNT(others)];
 
 static size_t fill_subjects(void)
 {
@@ -174,31 +121,23 @@ static size_t fill_subjects(void)
 	uint32_t fitting = bench_threads_fitting(), most = bench_threads_too_many(), pools[] = {fitting, most};
 	for (size_t i = 0; i < bench_threads_count; i++, filled++) {
 		uint32_t workers = bench_threads_counts[i];
-		snprintf(names[filled], sizeof names[filled], BENCH_THREADS_OURS "%u", workers);
 		uint32_t few = workers == 0 || workers == fitting ? DEDICATED : 0;
 		uint32_t two = workers == fitting || workers == most ? TWO_POOLS : 0;
 		uint32_t stolen = workers == 0 || workers == fitting || workers == most ? STOLEN : 0;
-		subjects[filled] =
-			(bench_subject){.name = names[filled], .program = PROGRAM, .abilities = SWEEP | few | two | stolen};
+		subjects[filled] = (bench_subject){
+			.name = bench_threads_name(workers), .program = PROGRAM, .abilities = SWEEP | few | two | stolen};
 	}
 	for (size_t i = 0; i < COUNT(others); i++, filled++) {
 		subjects[filled] = others[i];
 		if (i < COUNT(pools)) {
-			snprintf(names[filled], sizeof names[filled], "%s%u", others[i].name, pools[i]);
-			subjects[filled].name = names[filled];
+			snprintf(names[i], sizeof names[i], "%s%u", others[i].name, pools[i]);
+			subjects[filled].name = names[i];
 		}
 	}
 	return filled;
 }
 
 /* ---- before the first run ---------------------------------------------------------------------------------------- */
-
-static uint64_t hashes[3];
-
-uint64_t bench_threads_hash(size_t view)
-{
-	return hashes[view];
-}
 
 static bool find_hash(const char *view, uint64_t *hash)
 {
@@ -221,10 +160,11 @@ static const char *prepare(const bench_options *options)
 		stilb_log("--traces: cannot make the folder '%s': %s", options->traces, strerror(errno));
 		return NULL;
 	}
-	if (!find_hash("all", &hashes[0]) || !find_hash("half", &hashes[1]) || !find_hash("few", &hashes[2]))
+	if (!find_hash("all", &bench_threads_hashes[0]) || !find_hash("half", &bench_threads_hashes[1]) ||
+	    !find_hash("few", &bench_threads_hashes[2]))
 		return NULL;
-	snprintf(argument, sizeof argument, "%016llx:%016llx:%016llx:%s", (unsigned long long)hashes[0],
-	         (unsigned long long)hashes[1], (unsigned long long)hashes[2], traces);
+	snprintf(argument, sizeof argument, "%016llx:%016llx:%016llx:%s", (unsigned long long)bench_threads_hashes[0],
+	         (unsigned long long)bench_threads_hashes[1], (unsigned long long)bench_threads_hashes[2], traces);
 	return argument;
 }
 
@@ -253,7 +193,7 @@ static void add_gain(bench_results *results, const bench_case *on, const bench_s
 		double gain = alone->values[round] / frame->values[round];
 		bench_set_value(results, on, subject, "speed-up", round, gain);
 		bench_set_value(results, on, subject, "efficiency", round,
-		                100.0 * gain / least(workers + 1, bench_cpu_count()));
+		                100.0 * gain / fmin(workers + 1.0, bench_cpu_count()));
 	}
 }
 
@@ -286,7 +226,7 @@ const bench_suite *bench_threads_suite(void)
 	                            .plot = bench_threads_plot,
 	                            .plot_rows = BENCH_THREADS_PLOT_ROWS};
 	if (suite.subject_count == 0) {
-		choose_counts();
+		bench_threads_choose_counts();
 		suite.subject_count = fill_subjects();
 	}
 	return &suite;

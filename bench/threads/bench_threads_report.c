@@ -228,7 +228,7 @@ static void print_hashes(FILE *out)
 	static const char *const views[] = {"all", "half", "few"};
 	fprintf(out, "\ncommand streams, the same in every run, whatever workers, device or queue:");
 	for (size_t v = 0; v < sizeof views / sizeof *views; v++)
-		fprintf(out, "%s %s %016llx", v ? "," : "", views[v], (unsigned long long)bench_threads_hash(v));
+		fprintf(out, "%s %s %016llx", v ? "," : "", views[v], (unsigned long long)bench_threads_hashes[v]);
 	fputc('\n', out);
 }
 

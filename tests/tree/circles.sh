@@ -20,6 +20,11 @@ symbols() {
 	for name in stilb stilb-bench; do
 		find "$build" -type d -path "*/CMakeFiles/$name.dir" | while read -r folder; do
 			find "$folder" -name '*.o' | sort | while read -r object; do
+				# A build folder keeps the objects of sources that were moved or taken out.
+				source=${folder#"$build"/}
+				source=${source%%/CMakeFiles/*}/${object#"$folder"/}
+				source=${source//__/..}
+				[ -e "$here/../../${source%.o}" ] || continue
 				printf '%s %s:\n' "$name" "$(basename "$object")"
 				nm --extern-only --format=posix "$object" | sed "s|^|$name |"
 			done
