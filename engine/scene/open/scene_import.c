@@ -219,9 +219,10 @@ static stilb_result import_died(const scene_importer *importer, const char *path
 	if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': its import was killed, likely for want of memory",
 		                  path);
-	if (WIFSIGNALED(status))
-		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s crashed on it (%s); the file is damaged", path,
-		                  decoder, strsignal(WTERMSIG(status)));
+	if (WIFSIGNALED(status)) /* the libraries abort where a constructor of theirs finds no memory or thread */
+		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s crashed on it (%s); the file is damaged%s", path,
+		                  decoder, strsignal(WTERMSIG(status)),
+		                  WTERMSIG(status) == SIGABRT ? ", or there is too little memory or too few threads" : "");
 	return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': its import ended early (exit status %d)", path,
 	                  WIFEXITED(status) ? WEXITSTATUS(status) : -1);
 }
