@@ -15,8 +15,7 @@ static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 	int error = stilb_job_pool_create(&desc, &engine->pool);
 	if (error == 0)
 		return STILB_OK;
-	return stilb_fail(STILB_ERROR_THREAD, "cannot start %u workers: %s; try fewer with --workers", workers,
-	                  strerror(-error));
+	return stilb_fail_threads(workers, -error);
 }
 
 uint32_t stilb_engine_default_workers(void)

@@ -40,8 +40,7 @@ static stilb_result replay_start(stilb_engine_replay *replay, const stilb_engine
 	const stilb_job_pool_desc pool = {.worker_count = desc->workers};
 	int error = stilb_job_pool_create(&pool, &replay->pool);
 	if (error != 0)
-		return stilb_fail(STILB_ERROR_THREAD, "cannot start %u workers: %s; try fewer with --workers", desc->workers,
-		                  strerror(-error));
+		return stilb_fail_threads(desc->workers, -error);
 	return stilb_render_dump_upload(replay->dump, replay->render);
 }
 

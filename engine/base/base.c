@@ -1,11 +1,13 @@
 #include "base/base.h"
 
 #include <ctype.h>
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <time.h>
 #if defined(__x86_64__)
 #include <cpuid.h>
@@ -77,6 +79,25 @@ bool stilb_memory_is_scarce(size_t bytes)
 {
 	void *probe = mmap(NULL, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
 	return probe == MAP_FAILED || munmap(probe, bytes) != 0;
+}
+
+#define MEMORY_STACK ((size_t)8 << 20) /* of a thread, where the system does not say */
+
+stilb_result stilb_fail_threads(uint32_t count, int error)
+{
+	struct rlimit stack;
+	const bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur != RLIM_INFINITY;
+	const size_t each = known ? (size_t)stack.rlim_cur : MEMORY_STACK;
+	const char *many = count == 1 ? "" : "s";
+	const bool stacks =
+		error == EAGAIN && count > 0 && each <= SIZE_MAX / count && stilb_memory_is_scarce(count * each);
+	if (error == ENOMEM || stacks)
+		return stilb_fail(
+			STILB_ERROR_MEMORY,
+			"no memory for %u thread%s; try fewer with --workers, or raise the limit that 'ulimit -v' shows", count,
+			many);
+	return stilb_fail(STILB_ERROR_THREAD, "cannot start %u thread%s: %s; try fewer with --workers", count, many,
+	                  strerror(error));
 }
 
 uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size)

@@ -75,6 +75,10 @@ void *stilb_memory_alloc(size_t count, size_t size);
  * none of them. For libraries that fail without a reason. */
 bool stilb_memory_is_scarce(size_t bytes);
 
+/* The failure of threads that could not be started, and the way out. error: what the system said, for which EAGAIN may mean
+ * too many threads or no room for their stacks. Returns STILB_ERROR_MEMORY or STILB_ERROR_THREAD. */
+stilb_result stilb_fail_threads(uint32_t count, int error);
+
 /* ---- hashing --------------------------------------------------------------------------------------------------- */
 
 #define STILB_FNV1A64_START 0xcbf29ce484222325u

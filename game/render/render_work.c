@@ -148,8 +148,7 @@ static bool work_pool(work_pieces *p)
 	int error = stilb_job_pool_create(&desc, &p->pool);
 	if (error == 0)
 		return true;
-	stilb_fail(STILB_ERROR_THREAD, "--workers: cannot start %u threads: %s; give a smaller number", p->result->workers,
-	           strerror(-error));
+	stilb_fail_threads(p->result->workers, -error);
 	return work_fail(p, EXIT_FAILED);
 }
 

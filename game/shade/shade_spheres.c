@@ -66,8 +66,7 @@ stilb_result strip_save(const strip *s, const uint32_t size[2], uint32_t workers
 		desc.worker_count = workers;
 	int error = stilb_job_pool_create(&desc, &pool);
 	if (error)
-		return stilb_fail(STILB_ERROR_THREAD, "--workers: cannot start %u threads: %s; give a smaller number",
-		                  desc.worker_count, strerror(-error));
+		return stilb_fail_threads(desc.worker_count, -error);
 	stilb_result result = spheres_draw(s, size, path, pool);
 	stilb_job_pool_destroy(pool);
 	return result;

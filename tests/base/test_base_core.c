@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "support/test.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -120,6 +121,21 @@ static void test_memory_alloc(void **state)
 		memset(memory, 0xa5, counts[i][0] * counts[i][1]); /* the address sanitizer watches the end */
 		free(memory);
 	}
+}
+
+/* Which of the two a failure to start threads is called. */
+static void test_threads_that_do_not_start(void **state)
+{
+	(void)state;
+	assert_false(stilb_memory_is_scarce(1 << 20));
+	assert_true(stilb_memory_is_scarce(SIZE_MAX / 2)); /* more than there are addresses */
+	assert_int_equal(stilb_fail_threads(3, EPERM), STILB_ERROR_THREAD);
+	assert_non_null(strstr(stilb_error_message(), "cannot start 3 threads: "));
+	assert_int_equal(stilb_fail_threads(1, EAGAIN), STILB_ERROR_THREAD); /* there is room for a stack */
+	assert_non_null(strstr(stilb_error_message(), "cannot start 1 thread: "));
+	assert_int_equal(stilb_fail_threads(UINT32_MAX, EAGAIN), STILB_ERROR_MEMORY);
+	assert_int_equal(stilb_fail_threads(1, ENOMEM), STILB_ERROR_MEMORY);
+	assert_non_null(strstr(stilb_error_message(), "no memory for 1 thread; try fewer with --workers"));
 }
 
 static void test_memory_alloc_refuses_overflow(void **state)
@@ -247,6 +263,7 @@ int main(void)
 		cmocka_unit_test(test_fail_cuts_long_lines),
 		cmocka_unit_test(test_message_is_the_threads_own),
 		cmocka_unit_test(test_result_text),
+		cmocka_unit_test(test_threads_that_do_not_start),
 		cmocka_unit_test(test_log_is_one_line),
 		cmocka_unit_test(test_memory_alloc),
 		cmocka_unit_test(test_memory_alloc_refuses_overflow),

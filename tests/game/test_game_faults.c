@@ -31,12 +31,12 @@ static void test_a_render_without_threads_reports(void **state)
 	if (!preload[0])
 		skip(); /* a sanitizer needs more addresses itself */
 	assert_int_equal(code_within(1 << 30, "render cornell --preview --workers 256 --stats a.json"), 1);
-	assert_said(run.err, "--workers: cannot start 256 threads: ");
+	assert_said(run.err, "no memory for 256 threads; try fewer with --workers");
 	assert_said(run.out, "stats: a.json\n");
 	read_stats("a.json");
 	assert_string_equal(stat_text("scene.name", '"'), "cornell");
 	assert_string_equal(stat_text("end", '"'), "failure");
-	assert_non_null(strstr(stat_text("message", '"'), "cannot start 256 threads"));
+	assert_non_null(strstr(stat_text("message", '"'), "no memory for 256 threads"));
 	assert_string_equal(stat_text("finished", 'w'), "false");
 }
 
