@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* Unchanged while there is a thread that writes, but for files. */
 static struct {
 	stilb_prof_capture_desc desc; /* with strings of its own */
 	char *path, *process_name;
-	uint32_t files; /* written, or being written */
+	uint32_t files; /* numbers that are taken: by files of earlier runs, written ones, those being written */
 } prof_output;
 
 void prof_capture_file_forget(void)
@@ -40,15 +41,20 @@ uint64_t prof_capture_frame(void)
 	return begun > 0 ? begun - 1 : 0;
 }
 
-/* The name of file number n, counted from 0, in a new string: the first has none of the number, and what is no
- * regular file is one for all. NULL: no memory. */
-static char *prof_capture_path(uint32_t n)
+/* What is no regular file takes all captures. */
+static bool prof_capture_is_stream(void)
 {
 	struct stat status;
+	return strcmp(prof_output.path, "-") == 0 || (stat(prof_output.path, &status) == 0 && !S_ISREG(status.st_mode));
+}
+
+/* The name of file number n, counted from 0, in a new string: the first has none of the number. NULL: no memory. */
+static char *prof_capture_path(uint32_t n)
+{
 	const char *path = prof_output.path, *slash = strrchr(path, '/');
 	const char *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
 	char *numbered = NULL;
-	if (n == 0 || strcmp(path, "-") == 0 || (stat(path, &status) == 0 && !S_ISREG(status.st_mode)))
+	if (n == 0 || prof_capture_is_stream())
 		return strdup(path);
 	if (dot == NULL || dot == name)
 		dot = name + strlen(name);
@@ -75,23 +81,46 @@ static int prof_capture_save(const char *path, const stilb_prof_window *window, 
 	if (error == 0 && window->frame_count > 0 && (*frame_count == 0 || snapshot.frames[0].number > frame))
 		error = -ENODATA;
 	if (error == 0)
-		error = stilb_prof_trace_save(&snapshot, prof_output.process_name, path);
+		error = prof_trace_save_fresh(&snapshot, prof_output.process_name, path);
 	stilb_prof_snapshot_finish(&snapshot);
 	return error;
 }
 
+/* A number whose name is free, for this thread alone: those of earlier runs are left out. A file that comes between this and
+ * the save makes that fail with -EEXIST. NULL: no memory. */
+static char *prof_capture_reserve(uint32_t *n)
+{
+	for (;;) {
+		/* Relaxed, also below: a number that orders nothing. */
+		*n = __atomic_fetch_add(&prof_output.files, 1, __ATOMIC_RELAXED);
+		char *path = prof_capture_path(*n);
+		if (path == NULL || prof_capture_is_stream() || access(path, F_OK) != 0)
+			return path;
+		free(path);
+	}
+}
+
+/* The number is free again, unless the other thread has taken the next one. */
+static void prof_capture_give_back(uint32_t n)
+{
+	uint32_t last = n + 1;
+	__atomic_compare_exchange_n(&prof_output.files, &last, n, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+}
+
 int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns, uint32_t after)
 {
-	/* Relaxed, also below: a number that orders nothing. */
-	const uint32_t n = __atomic_fetch_add(&prof_output.files, 1, __ATOMIC_RELAXED);
 	const stilb_prof_window window = prof_capture_window(frame, after);
-	char *path = prof_capture_path(n);
 	stilb_prof_captured captured = {.cause = cause, .frame = frame, .frame_ms = 1e-6 * (double)frame_ns};
-	captured.error = prof_capture_save(path, &window, frame, &captured.frame_count);
+	char *path = NULL;
+	uint32_t n;
+	do {
+		free(path);
+		path = prof_capture_reserve(&n);
+		captured.error = prof_capture_save(path, &window, frame, &captured.frame_count);
+	} while (captured.error == -EEXIST);
 	captured.path = path != NULL ? path : prof_output.path;
-	uint32_t last = n + 1;
-	if (captured.error != 0) /* the number is free again */
-		__atomic_compare_exchange_n(&prof_output.files, &last, n, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+	if (captured.error != 0)
+		prof_capture_give_back(n);
 	if (prof_output.desc.done != NULL)
 		prof_output.desc.done(prof_output.desc.user, &captured);
 	free(path);

@@ -221,6 +221,11 @@ uint64_t prof_frames_begun(void);
  * begin_ns[0] begins. [any-thread] */
 uint32_t prof_frames_last(uint64_t *begin_ns, uint32_t max, uint64_t *first);
 
+/* ---- write/prof_trace.c ------------------------------------------------------------------------------------------ */
+
+/* As stilb_prof_trace_save, but a file that is there is never replaced: -EEXIST. */
+int prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
+
 /* ---- prof_background.c ------------------------------------------------------------------------------------------- */
 
 extern __thread bool prof_background;

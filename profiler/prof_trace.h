@@ -51,15 +51,20 @@ typedef enum stilb_prof_form {
 	STILB_PROF_FORM_FRAMES_CSV,
 } stilb_prof_form;
 
-/* By the ending of path: .folded, .csv, anything else is Chrome trace JSON. */
+/* By the ending of path, in small letters or capitals: .folded, .csv, anything else is Chrome trace JSON. */
 stilb_prof_form stilb_prof_trace_form(const char *path);
+
+/* True if the ending of path names a form: .json, .folded or .csv. For programs that refuse a name that says something
+ * else than what would be written. */
+bool stilb_prof_trace_is_named(const char *path);
 
 /* 0 when path can become a file now, else why not: -ENOENT (no such folder), -EISDIR, -EACCES, ... Creates nothing. */
 int stilb_prof_trace_check(const char *path);
 
 /* Writes the form that path's ending names. A regular or new file is written under a temporary name in the same
- * folder, synced and renamed, links followed: after an error the old file is still there and nothing new is. A
- * device, a pipe and "-" (stdout) are written directly. */
+ * folder, "<path>.<pid>.tmp", synced and renamed, links followed: after an error the old file is still there and nothing
+ * new is, and what a killed process left behind is removed the next time. A device, a pipe and "-" (stdout) are written
+ * directly. */
 int stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
 
 #ifdef __cplusplus

@@ -125,7 +125,7 @@ static bool prof_may_be_trace(const char *text, size_t size)
 	return space == size || text[space] == '{' || text[space] == '[';
 }
 
-/* All of a file, a pipe too, or the beginning of what cannot be a trace. Returns 0 or a negative errno; *text is the
+/* All of a file or of standard input, or the beginning of what cannot be a trace. Returns 0 or a negative errno; *text is the
  * caller's. */
 static int prof_read_bytes(int file, char **text, size_t *size)
 {
@@ -148,17 +148,39 @@ static int prof_read_bytes(int file, char **text, size_t *size)
 	}
 }
 
+/* A descriptor or a negative errno; -ESPIPE: a pipe or a device, which may never end or never begin. Not waiting, for the
+ * writer of a pipe; regular files know no waiting. */
+static int prof_read_open(const char *path)
+{
+	struct stat info;
+	const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+	if (file < 0)
+		return -errno;
+	const int error = fstat(file, &info) != 0 ? -errno
+	                  : S_ISREG(info.st_mode) ? 0
+	                  : S_ISDIR(info.st_mode) ? -EISDIR
+	                                          : -ESPIPE;
+	if (error == 0)
+		return file;
+	close(file);
+	return error;
+}
+
 int stilb_prof_trace_read(const char *path, stilb_prof_snapshot *snapshot, char *error, size_t error_size)
 {
 	const bool is_stdin = strcmp(path, "-") == 0;
 	char *text = NULL;
 	size_t size = 0;
 	stilb_prof_snapshot_finish(snapshot);
-	const int file = is_stdin ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
-	int result = file < 0 ? -errno : prof_read_bytes(file, &text, &size);
+	const int file = is_stdin ? STDIN_FILENO : prof_read_open(path);
+	int result = file < 0 ? file : prof_read_bytes(file, &text, &size);
 	if (file >= 0 && !is_stdin)
 		close(file);
-	if (result != 0)
+	if (file == -ESPIPE)
+		prof_read_say(result, error, error_size,
+		              "cannot read '%s': it is a device or a pipe; give a regular file, or '-' for standard input",
+		              path);
+	else if (result != 0)
 		prof_read_say(result, error, error_size, "cannot read '%s': %s", path, strerror(-result));
 	else
 		result = stilb_prof_trace_parse(text, size, path, snapshot, error, error_size);

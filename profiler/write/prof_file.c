@@ -1,5 +1,6 @@
 #include "profiler/write/prof_file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -8,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -102,31 +104,116 @@ int prof_file_check(const char *path)
 
 static void file_free(prof_file *file)
 {
+	if (file->folder >= 0)
+		close(file->folder);
 	free(file->temporary);
 	free(file->target);
-	*file = (prof_file){.descriptor = -1};
+	*file = (prof_file){.descriptor = -1, .folder = -1};
 }
 
-/* Makes a file beside the target under a name that is free: one of a killed process may still be there, with this
- * process's number. The name is short, since the target's may be as long as a name can be. 0 or a negative errno. */
+/* ---- temporary files ---------------------------------------------------------------------------------------------
+ *
+ * A file is written as "<name>.<pid>.tmp" in its own folder, or "<name>.<pid>-<number>.tmp" when that is taken, by whoever
+ * holds its lock (flock). The kernel drops the locks of a process that dies, so one without a lock was left behind: the
+ * next file of that name removes it.
+ */
+
+#define FILE_SUFFIX_MAX 48 /* bytes of ".<pid>-<number>.tmp", with room to spare */
+#define FILE_TRIES 1000u   /* names that may be taken */
+
+/* How much of the target's name its temporary files begin with: a name may be as long as a name can be. */
+static size_t file_stem(const char *name)
+{
+	const size_t length = strlen(name);
+	return length < NAME_MAX - FILE_SUFFIX_MAX ? length : NAME_MAX - FILE_SUFFIX_MAX;
+}
+
+static const char *file_name(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	return slash != NULL ? slash + 1 : path;
+}
+
+/* Behind the digits at text; NULL when there are none. */
+static const char *file_digits(const char *text)
+{
+	const size_t count = strspn(text, "0123456789");
+	return count > 0 ? text + count : NULL;
+}
+
+/* Of whatever process. */
+static bool file_is_temporary(const char *name, const char *stem, size_t length)
+{
+	if (strncmp(name, stem, length) != 0 || name[length] != '.')
+		return false;
+	const char *end = file_digits(name + length + 1);
+	if (end != NULL && *end == '-')
+		end = file_digits(end + 1);
+	return end != NULL && strcmp(end, ".tmp") == 0;
+}
+
+static void file_remove_abandoned(int folder, const char *name)
+{
+	struct stat info;
+	const int file = openat(folder, name, O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+	if (file < 0)
+		return;
+	if (fstat(file, &info) == 0 && S_ISREG(info.st_mode) && flock(file, LOCK_EX | LOCK_NB) == 0)
+		unlinkat(folder, name, 0);
+	close(file);
+}
+
+/* Those of this target that nobody writes any more. */
+static void file_clean(const prof_file *file)
+{
+	const char *stem = file_name(file->target);
+	const size_t length = file_stem(stem);
+	const int again = file->folder >= 0 ? openat(file->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+	DIR *entries = again >= 0 ? fdopendir(again) : NULL;
+	if (entries == NULL) {
+		if (again >= 0)
+			close(again);
+		return;
+	}
+	for (const struct dirent *entry; (entry = readdir(entries)) != NULL;)
+		if (file_is_temporary(entry->d_name, stem, length))
+			file_remove_abandoned(file->folder, entry->d_name);
+	closedir(entries);
+}
+
+/* A new file with its lock; between the two another process may have taken it for an abandoned one and removed it, and the
+ * next name is tried. A descriptor or a negative errno. */
+static int file_create_locked(const char *name)
+{
+	struct stat info;
+	const int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+	if (file < 0)
+		return -errno;
+	/* Where locks do not work nobody removes it either. */
+	if (flock(file, LOCK_EX) != 0 || fstat(file, &info) != 0 || info.st_nlink > 0)
+		return file;
+	close(file);
+	return -EEXIST;
+}
+
+/* Makes a file beside the target under a name that is free. 0 or a negative errno. */
 static int file_create_temporary(prof_file *file)
 {
-	static uint32_t serial;
-	char *folder = file_folder(file->target);
-	int error = folder != NULL ? -EEXIST : -ENOMEM;
-	for (int tries = 0; error == -EEXIST && tries < 1000; tries++) {
-		/* Relaxed: a counter, orders nothing. */
-		const uint32_t number = __atomic_fetch_add(&serial, 1, __ATOMIC_RELAXED);
+	const char *name = file_name(file->target);
+	const int stem = (int)(name - file->target) + (int)file_stem(name);
+	int error = -EEXIST;
+	for (uint32_t number = 0; error == -EEXIST && number < FILE_TRIES; number++) {
+		char suffix[FILE_SUFFIX_MAX] = "";
+		if (number > 0)
+			snprintf(suffix, sizeof suffix, "-%u", number);
 		free(file->temporary);
-		if (asprintf(&file->temporary, "%s/stilb-prof-%d-%u.tmp", folder, (int)getpid(), number) < 0) {
+		if (asprintf(&file->temporary, "%.*s.%d%s.tmp", stem, file->target, (int)getpid(), suffix) < 0) {
 			file->temporary = NULL;
-			error = -ENOMEM;
-			break;
+			return -ENOMEM;
 		}
-		file->descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-		error = file->descriptor < 0 ? -errno : 0;
+		file->descriptor = file_create_locked(file->temporary);
+		error = file->descriptor < 0 ? file->descriptor : 0;
 	}
-	free(folder);
 	return error;
 }
 
@@ -136,15 +223,21 @@ static int file_open_temporary(prof_file *file, const char *path)
 	file->target = file_resolve(path);
 	if (file->target == NULL)
 		return -errno;
+	char *folder = file_folder(file->target);
+	if (folder == NULL)
+		return -ENOMEM;
+	file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC); /* a folder that cannot be read may take files */
+	free(folder);
+	file_clean(file);
 	const int error = file_create_temporary(file);
 	if (error == 0 && stat(file->target, &old) == 0)
 		fchmod(file->descriptor, old.st_mode & 07777); /* the new file keeps the old one's mode */
 	return error;
 }
 
-int prof_file_open(prof_file *file, const char *path)
+int prof_file_open(prof_file *file, const char *path, bool fresh)
 {
-	*file = (prof_file){.descriptor = -1};
+	*file = (prof_file){.descriptor = -1, .folder = -1, .fresh = fresh};
 	const int kind = file_classify(path);
 	int error = kind < 0 ? kind : 0;
 	if (kind == 1) {
@@ -175,18 +268,42 @@ int prof_file_write(void *user, const void *data, size_t size)
 	return file->error;
 }
 
+/* Without replacing a file that has come meanwhile. Some file systems cannot rename so; a second name for the same file is
+ * refused there if the name is taken. */
+static int file_rename_fresh(const prof_file *file)
+{
+	if (renameat2(AT_FDCWD, file->temporary, AT_FDCWD, file->target, RENAME_NOREPLACE) == 0)
+		return 0;
+	if (errno != EINVAL && errno != ENOSYS)
+		return -errno;
+	if (link(file->temporary, file->target) != 0)
+		return -errno;
+	unlink(file->temporary);
+	return 0;
+}
+
+/* To its place, for good: without the folder's sync a power cut may bring the old file back. That is no error where it
+ * cannot be done, for the file is there. */
+static int file_move(const prof_file *file)
+{
+	const int error = file->fresh ? file_rename_fresh(file) : rename(file->temporary, file->target) != 0 ? -errno : 0;
+	if (error == 0 && file->folder >= 0)
+		fsync(file->folder);
+	return error;
+}
+
 int prof_file_commit(prof_file *file, int error)
 {
 	if (error == 0)
 		error = file->error;
 	if (error == 0 && file->temporary != NULL && fsync(file->descriptor) != 0)
 		error = -errno;
-	if (close(file->descriptor) != 0 && error == 0)
-		error = -errno;
-	if (error == 0 && file->temporary != NULL && rename(file->temporary, file->target) != 0)
-		error = -errno;
+	if (error == 0 && file->temporary != NULL)
+		error = file_move(file); /* before it is closed, which gives up the lock */
 	if (error != 0 && file->temporary != NULL)
 		unlink(file->temporary);
+	if (close(file->descriptor) != 0 && error == 0)
+		error = -errno;
 	file_free(file);
 	return error;
 }

@@ -1,15 +1,17 @@
 /* Which form a file has, and files that are whole or not there. */
 #include "profiler/prof_trace.h"
+#include "profiler/prof_internal.h"
 #include "profiler/write/prof_file.h"
 
 #include <errno.h>
 #include <stdbool.h>
 #include <string.h>
+#include <strings.h>
 
 static bool prof_path_ends_in(const char *path, const char *ending)
 {
 	const size_t length = strlen(path), size = strlen(ending);
-	return length >= size && strcmp(path + length - size, ending) == 0;
+	return length >= size && strcasecmp(path + length - size, ending) == 0;
 }
 
 stilb_prof_form stilb_prof_trace_form(const char *path)
@@ -19,15 +21,20 @@ stilb_prof_form stilb_prof_trace_form(const char *path)
 	return prof_path_ends_in(path, ".csv") ? STILB_PROF_FORM_FRAMES_CSV : STILB_PROF_FORM_CHROME;
 }
 
+bool stilb_prof_trace_is_named(const char *path)
+{
+	return prof_path_ends_in(path, ".json") || stilb_prof_trace_form(path) != STILB_PROF_FORM_CHROME;
+}
+
 int stilb_prof_trace_check(const char *path)
 {
 	return prof_file_check(path);
 }
 
-int stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path)
+static int prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path, bool fresh)
 {
 	prof_file file;
-	int error = prof_file_open(&file, path);
+	int error = prof_file_open(&file, path, fresh);
 	if (error != 0)
 		return error;
 	const stilb_prof_sink sink = {prof_file_write, &file};
@@ -43,4 +50,14 @@ int stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char *proce
 		break;
 	}
 	return prof_file_commit(&file, error);
+}
+
+int stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path)
+{
+	return prof_trace_save(snapshot, process_name, path, false);
+}
+
+int prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path)
+{
+	return prof_trace_save(snapshot, process_name, path, true);
 }

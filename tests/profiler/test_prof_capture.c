@@ -76,9 +76,11 @@ static struct {
 	uint32_t zones, open; /* of the first lane */
 } saved;
 
-int __real_stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
-int __wrap_stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
-int __wrap_stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path)
+static char saved_meanwhile[256]; /* by somebody else, before the next file is written; empty: nothing */
+
+int __real_prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
+int __wrap_prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
+int __wrap_prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path)
 {
 	memset(&saved, 0, sizeof saved);
 	saved.frames = snapshot->frame_count;
@@ -93,7 +95,13 @@ int __wrap_stilb_prof_trace_save(const stilb_prof_snapshot *snapshot, const char
 		saved.zones += !snapshot->lanes[0].zones[i].open;
 		saved.open += snapshot->lanes[0].zones[i].open;
 	}
-	return __real_stilb_prof_trace_save(snapshot, process_name, path);
+	if (saved_meanwhile[0] != 0) {
+		FILE *file = fopen(saved_meanwhile, "w");
+		saved_meanwhile[0] = 0;
+		if (file == NULL || fputs("meanwhile", file) < 0 || fclose(file) != 0)
+			return -EIO;
+	}
+	return __real_prof_trace_save_fresh(snapshot, process_name, path);
 }
 
 /* ---- what done is told ------------------------------------------------------------------------------------------- */
@@ -337,6 +345,57 @@ static void asking_again(void **state)
 	frames_until(3);
 	assert_string_equal(told.path, in_folder("a-3.json"));
 	assert_int_equal(folder_count(), 3);
+}
+
+static void write_text(const char *path, const char *text)
+{
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	assert_true(fputs(text, file) >= 0);
+	assert_int_equal(fclose(file), 0);
+}
+
+static void assert_text(const char *path, const char *expected)
+{
+	char text[64] = "";
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	assert_true(fread(text, 1, sizeof text - 1, file) > 0);
+	fclose(file);
+	assert_string_equal(text, expected);
+}
+
+/* What an earlier run left there stays, and so does a file that comes while a capture is being written. */
+static void files_of_earlier_runs_stay(void **state)
+{
+	(void)state;
+	char path[128];
+	snprintf(path, sizeof path, "%s", in_folder("a.json"));
+	const stilb_prof_capture_desc desc = desc_for(path);
+	write_text(path, "first");
+	write_text(in_folder("a-3.json"), "third");
+	for (int run = 0; run < 2; run++) {
+		start(&desc);
+		frame(10);
+		for (uint32_t i = 0; i < 2; i++) {
+			stilb_prof_capture_now();
+			frames_until(told_count() + 1);
+			assert_int_equal(told.last.error, 0);
+		}
+		assert_int_equal(stilb_prof_capture_stop(), 0);
+	}
+	assert_string_equal(told.path, in_folder("a-6.json"));
+	assert_text(in_folder("a.json"), "first");
+	assert_text(in_folder("a-3.json"), "third");
+	assert_true(is_whole_json(in_folder("a-2.json")) && is_whole_json(in_folder("a-4.json")));
+	snprintf(saved_meanwhile, sizeof saved_meanwhile, "%s", in_folder("a-7.json"));
+	start(&desc);
+	frame(10);
+	stilb_prof_capture_now();
+	frames_until(told_count() + 1);
+	assert_string_equal(told.path, in_folder("a-8.json"));
+	assert_text(in_folder("a-7.json"), "meanwhile");
+	assert_int_equal(folder_count(), 8);
 }
 
 static void many_in_a_row(void **state)
@@ -838,6 +897,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(frames_stand_still, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(without_any_frame, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(asking_again, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(files_of_earlier_runs_stay, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(many_in_a_row, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(names, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(stop_writes_what_is_pending, set_up, tear_down),

@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stddef.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -634,8 +635,17 @@ static void files(void **state)
 	unlink(path);
 	assert_unreadable(path, -ENOENT, "No such file");
 	assert_unreadable(".", -EISDIR, "directory");
-	assert_unreadable("/dev/zero", -EBADMSG, "there is byte 0x00");
-	assert_unreadable("/dev/null", -EBADMSG, "expected a trace, but the file ends");
+	assert_unreadable("/dev/zero", -ESPIPE, "a device or a pipe; give a regular file");
+	assert_unreadable("/dev/null", -ESPIPE, "a device or a pipe");
+	assert_int_equal(mkfifo(path, 0600), 0); /* that nobody writes */
+	assert_unreadable(path, -ESPIPE, "a device or a pipe");
+	unlink(path);
+	const int zero = open("/dev/zero", O_RDONLY), kept = dup(STDIN_FILENO); /* standard input is read whatever it is, */
+	dup2(zero, STDIN_FILENO);
+	assert_unreadable("-", -EBADMSG, "there is byte 0x00"); /* but not for ever */
+	dup2(kept, STDIN_FILENO);
+	close(zero);
+	close(kept);
 	stilb_prof_snapshot_finish(&s);
 	free(b.text);
 	made_finish(&m);

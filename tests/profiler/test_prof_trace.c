@@ -1,5 +1,6 @@
 /* Trace files: what is written of snapshots made by hand and of recorded ones, and what happens when writing fails. */
 #include "profiler/prof_read.h"
+#include "profiler/write/prof_file.h"
 #include "profiler/write/prof_text.h"
 #include "support/failing_memory.h"
 #include "support/test.h"
@@ -874,6 +875,13 @@ static void the_ending_names_the_form(void **state)
 	assert_int_equal(stilb_prof_trace_form("a.json"), STILB_PROF_FORM_CHROME);
 	assert_int_equal(stilb_prof_trace_form("-"), STILB_PROF_FORM_CHROME);
 	assert_int_equal(stilb_prof_trace_form("x.csv/trace"), STILB_PROF_FORM_CHROME);
+	assert_int_equal(stilb_prof_trace_form("x.CSV"), STILB_PROF_FORM_FRAMES_CSV);
+	static const char *const named[] = {"a.json", "A.JSON", "a.folded", "b/a.csv", ".csv"};
+	static const char *const unnamed[] = {"a.foo", "a", "json", "a.json.gz", "a.json/b", "-", ""};
+	for (size_t i = 0; i < sizeof named / sizeof *named; i++)
+		assert_true(stilb_prof_trace_is_named(named[i]));
+	for (size_t i = 0; i < sizeof unnamed / sizeof *unnamed; i++)
+		assert_false(stilb_prof_trace_is_named(unnamed[i]));
 	assert_int_equal(stilb_prof_trace_save(&made, NULL, "t.json"), 0);
 	assert_int_equal(stilb_prof_trace_save(&made, NULL, "t.folded"), 0);
 	assert_int_equal(stilb_prof_trace_save(&made, NULL, "./t.csv"), 0);
@@ -970,6 +978,133 @@ static void nothing_half_written_is_left(void **state)
 	assert_int_equal(count_files(), 1);
 }
 
+/* ---- temporary files --------------------------------------------------------------------------------------------- */
+
+static uint32_t folder_syncs;
+
+int __real_fsync(int file);
+int __wrap_fsync(int file);
+int __wrap_fsync(int file)
+{
+	struct stat info;
+	folder_syncs += fstat(file, &info) == 0 && S_ISDIR(info.st_mode);
+	return __real_fsync(file);
+}
+
+static char temporary_seen[NAME_MAX + 1]; /* what a writer found beside its target */
+
+static void see_temporary(void)
+{
+	DIR *all = opendir(".");
+	assert_non_null(all);
+	for (struct dirent *entry; (entry = readdir(all)) != NULL;)
+		if (strstr(entry->d_name, ".tmp") != NULL)
+			snprintf(temporary_seen, sizeof temporary_seen, "%s", entry->d_name);
+	closedir(all);
+}
+
+/* Named after the file, and the folder is synced behind the rename. */
+static void a_file_is_written_beside_its_place(void **state)
+{
+	(void)state;
+	char expected[64];
+	prof_file file;
+	folder_syncs = 0;
+	snprintf(expected, sizeof expected, "t.json.%d.tmp", (int)getpid());
+	assert_int_equal(prof_file_open(&file, "t.json", false), 0);
+	see_temporary();
+	assert_string_equal(temporary_seen, expected);
+	assert_int_equal(prof_file_write(&file, "text", 4), 0);
+	assert_int_equal(folder_syncs, 0);
+	assert_int_equal(prof_file_commit(&file, 0), 0);
+	assert_int_equal(folder_syncs, 1);
+	assert_string_equal(read_text("t.json"), "text");
+	assert_int_equal(count_files(), 1);
+}
+
+/* Two of one process, as a capture and a crash might. */
+static void two_write_the_same_file(void **state)
+{
+	(void)state;
+	prof_file a, b;
+	assert_int_equal(prof_file_open(&a, "t.json", false), 0);
+	assert_int_equal(prof_file_open(&b, "t.json", false), 0);
+	assert_int_equal(count_files(), 2);
+	prof_file_write(&a, "a", 1);
+	prof_file_write(&b, "b", 1);
+	assert_int_equal(prof_file_commit(&a, 0), 0);
+	assert_string_equal(read_text("t.json"), "a");
+	assert_int_equal(prof_file_commit(&b, 0), 0);
+	assert_string_equal(read_text("t.json"), "b");
+	assert_int_equal(count_files(), 1);
+}
+
+/* A process that is killed in the middle leaves its file there, and the next file of that name removes it; not before, not
+ * that of another name, nor anything else that is called nearly so. */
+static void what_a_killed_process_left_is_removed(void **state)
+{
+	(void)state;
+	static const char *const others[] = {"t.json.tmp",    "t.json.x1.tmp", "t.json.1.tmp~",
+	                                     "t.json.1-.tmp", "u.json.1.tmp",  "xt.json.1.tmp",
+	                                     "t.jsonx1.tmp",  "t.json..tmp",   "t.json.1-2-3.tmp"};
+	int ends[2], status;
+	char left[64], byte;
+	struct stat info;
+	assert_int_equal(pipe(ends), 0);
+	const pid_t child = fork();
+	if (child == 0) {
+		prof_file file;
+		const bool good = prof_file_open(&file, "t.json", false) == 0 && write(ends[1], "", 1) == 1;
+		pause();
+		_exit(good);
+	}
+	assert_true(child > 0);
+	assert_int_equal(read(ends[0], &byte, 1), 1);
+	snprintf(left, sizeof left, "t.json.%d.tmp", (int)child);
+	for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+		write_text(others[i], "");
+	assert_int_equal(mkfifo("t.json.3.tmp", 0600), 0);
+	assert_int_equal(stilb_prof_trace_save(&made, NULL, "t.json"), 0);
+	assert_int_equal(stat(left, &info), 0); /* it is being written */
+	assert_int_equal(kill(child, SIGKILL), 0);
+	assert_int_equal(waitpid(child, &status, 0), child);
+	write_text("t.json.99-7.tmp", "");
+	assert_int_equal(stilb_prof_trace_save(&made, NULL, "t.json"), 0);
+	assert_int_equal(stat(left, &info), -1);
+	assert_int_equal(stat("t.json.99-7.tmp", &info), -1);
+	assert_int_equal(count_files(), 2 + sizeof others / sizeof *others);
+	close(ends[0]);
+	close(ends[1]);
+}
+
+/* A name as long as a name can be still has room for its temporary file. */
+static void the_longest_name_is_written(void **state)
+{
+	(void)state;
+	char name[NAME_MAX + 1];
+	memset(name, 'n', NAME_MAX);
+	memcpy(name + NAME_MAX - 5, ".json", 6);
+	assert_int_equal(stilb_prof_trace_save(&made, NULL, name), 0);
+	assert_begins(name, "{\"display");
+	assert_int_equal(count_files(), 1);
+}
+
+static void a_fresh_file_replaces_none(void **state)
+{
+	(void)state;
+	prof_file file;
+	assert_int_equal(prof_trace_save_fresh(&made, NULL, "t.json"), 0);
+	assert_begins("t.json", "{\"display");
+	write_text("t.json", "old");
+	assert_int_equal(prof_trace_save_fresh(&made, NULL, "t.json"), -EEXIST);
+	assert_string_equal(read_text("t.json"), "old");
+	assert_int_equal(prof_file_open(&file, "u.json", true), 0);
+	write_text("u.json", "meanwhile");
+	assert_int_equal(prof_file_commit(&file, 0), -EEXIST);
+	assert_string_equal(read_text("u.json"), "meanwhile");
+	assert_int_equal(count_files(), 2);
+}
+
 static void a_pipe_is_written_directly(void **state)
 {
 	(void)state;
@@ -1055,6 +1190,11 @@ int main(void)
 		FILE_TEST(bad_places_are_refused),
 		FILE_TEST(a_full_device_is_an_error),
 		FILE_TEST(nothing_half_written_is_left),
+		FILE_TEST(a_file_is_written_beside_its_place),
+		FILE_TEST(two_write_the_same_file),
+		FILE_TEST(what_a_killed_process_left_is_removed),
+		FILE_TEST(the_longest_name_is_written),
+		FILE_TEST(a_fresh_file_replaces_none),
 		FILE_TEST(a_pipe_is_written_directly),
 		FILE_TEST(a_dash_is_stdout),
 		FILE_TEST(no_memory_for_a_file),
