@@ -1,6 +1,7 @@
 #include "demo_options.h"
 
 #include "base/base_file.h"
+#include "game/cli/trace_path.h"
 #include "image/image.h"
 #include "input/input_recording.h"
 #include "shading/shade_brdf.h"
@@ -80,8 +81,8 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 	     0, 0, NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the last 1000 frames: .json, .folded or .csv", 0, 0,
 	     NULL},
-		{"--capture", FLAG_TEXT, &o->capture, "FILE", "name of captures: P, SIGUSR1, slow frames (" DEMO_CAPTURE ")", 0,
-	     0, NULL},
+		{"--capture", FLAG_TEXT, &o->capture, "FILE", "captures, numbered: P, SIGUSR1, slow frames (" DEMO_CAPTURE ")",
+	     0, 0, NULL},
 		{"--spike", FLAG_TEXT, &o->spike, "off|auto|MS", "capture slow frames: over twice the median, or over MS (off)",
 	     0, 0, NULL},
 		{"--profile-ring", FLAG_NUMBER, &o->profile_ring, "MIB", "what each thread's profile may hold, 1..1024 (64)", 1,
@@ -271,6 +272,8 @@ static bool demo_check_profile(const demo_options *o)
 		stilb_log("--capture: there may be several files; give a name, others are numbered after it");
 		return false;
 	}
+	if (!trace_path_check("--trace", o->trace) || !trace_path_check("--capture", o->capture))
+		return false;
 	const char *wish = o->trace ? "--trace" : o->capture ? "--capture" : o->spike ? "--spike" : NULL;
 	if (o->no_profile && wish) {
 		stilb_log("%s: nothing is recorded with --no-profile; leave one of them out", wish);

@@ -2,6 +2,7 @@
 
 #include "base/base_file.h"
 #include "engine.h"
+#include "game/cli/trace_path.h"
 #include "image/image.h"
 
 #include <float.h>
@@ -323,6 +324,8 @@ static bool options_readable(const char *flag_name, const char *path)
 static bool options_files_check(const render_options *o)
 {
 	if (!options_outputs_differ(o) || (o->cache_load && !options_readable("--cache-load", o->cache_load)))
+		return false;
+	if (!trace_path_check("--trace", o->trace))
 		return false;
 	const char *const others[] = {o->stats, o->trace, o->cache_save};
 	stilb_result result = STILB_OK;

@@ -224,7 +224,10 @@ static const char *const refusals[][2] = {
 	{"trace top none.json", "'none.json' is a trace without zones"},
 	{"trace diff a.json none.json", "'none.json' is a trace without zones"},
 	{"trace top short.json", "but the file ends"},
-	{"trace top /dev/null", "'/dev/null'"},
+	{"trace top /dev/null", "cannot read '/dev/null': it is a device or a pipe; give a regular file"},
+	{"trace top pipe", "cannot read 'pipe': it is a device or a pipe"},
+	{"trace show pipe --screenshot x.png", "cannot read 'pipe': it is a device or a pipe"},
+	{"trace diff a.json pipe", "cannot read 'pipe': it is a device or a pipe"},
 };
 
 static void write_text(const char *path, const char *text)
@@ -245,6 +248,7 @@ static void test_refusals(void **state)
 	write_text("text.json", "no trace");
 	assert_int_equal(system("head -c 3000 a.json > short.json"), 0);
 	assert_int_equal(mkdir("folder", 0777), 0);
+	assert_int_equal(mkfifo("pipe", 0600), 0); /* that nobody writes: a reader would wait for ever */
 	const int entries = folder_entries();
 	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
 		int code = stilb_code(no_display, refusals[i][0]);
