@@ -2,6 +2,7 @@
 
 #include "image/image.h"
 #include "job_prof/job_prof.h"
+#include "profiler/prof.h"
 #include "render/render_dump.h"
 
 #include <stdlib.h>
@@ -164,10 +165,17 @@ uint64_t stilb_engine_stream_hash(const stilb_engine *engine)
 
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
 {
+	PROFILE("screenshot"); /* it takes longer than most frames, and says so in theirs */
 	stilb_image image = {0};
-	stilb_result result = stilb_render_read_image(engine->render, &image);
-	if (result == STILB_OK)
+	stilb_result result;
+	{
+		PROFILE("read the picture back");
+		result = stilb_render_read_image(engine->render, &image);
+	}
+	if (result == STILB_OK) {
+		PROFILE("write the picture");
 		result = stilb_image_save(&image, path);
+	}
 	stilb_image_finish(&image);
 	return result;
 }

@@ -1,6 +1,8 @@
 /* stilb demo: the stress test, in a window or headless. */
+#include "base/base_file.h"
 #include "demo_gamepads.h"
 #include "demo_options.h"
+#include "demo_picture.h"
 #include "demo_progress.h"
 #include "demo_report.h"
 #include "demo_track.h"
@@ -10,6 +12,7 @@
 #include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define DEMO_FRAMES 120u /* headless */
@@ -79,15 +82,25 @@ static void demo_say_result(const demo_run *run, stilb_result result, const char
 		stilb_log("%s", stilb_error_message());
 }
 
+static void demo_take_picture(demo_run *run)
+{
+	const char *last = run->options.screenshot;
+	char *path = demo_picture_name(last && !stilb_file_is_stdout(last) ? last : DEMO_PICTURE, last);
+	if (path)
+		demo_say_result(run, stilb_engine_screenshot(run->engine, path), "picture", path);
+	else
+		stilb_log("no memory for a picture's name");
+	fflush(demo_options_words(&run->options));
+	free(path);
+}
+
 /* What keys and gamepads asked for. A file that cannot be written is said and does not end the run. */
 static stilb_result demo_act(demo_run *run, const stilb_engine_report *report)
 {
 	if (report->input.capture && stilb_engine_capture(run->engine) != STILB_OK)
 		stilb_log("%s", stilb_error_message());
-	if (report->input.screenshot) {
-		const char *path = run->options.screenshot ? run->options.screenshot : DEMO_PICTURE;
-		demo_say_result(run, stilb_engine_screenshot(run->engine, path), "picture", path);
-	}
+	if (report->input.screenshot)
+		demo_take_picture(run);
 	if (report->input.next_view % DEMO_VIEWS > 0) {
 		run->view = (int)(((uint32_t)run->view + report->input.next_view) % DEMO_VIEWS);
 		stilb_engine_set_view(run->engine, (stilb_scene_stress_view)run->view);

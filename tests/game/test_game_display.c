@@ -3,6 +3,9 @@
 #include "support/stilb_program.h"
 #include "support/x11_server.h"
 
+#include <X11/Xutil.h>
+#include <X11/keysym.h>
+
 static x11_server server;
 
 /* Starts a run on a server of its own, and kills the server when a window of this title can be seen. */
@@ -85,6 +88,63 @@ static void test_demo_with_frames_to_draw_goes_on(void **state)
 	assert_true(stat_int("frames") > atoll(after + strlen("the display has gone after ")));
 }
 
+/* ---- pictures ------------------------------------------------------------------------------------------------------ */
+
+static bool await_whole(const char *path)
+{
+	stilb_image picture;
+	for (int i = 0; i < 15000; i++, usleep(20000))
+		if (access(path, F_OK) == 0 && stilb_image_load(path, &picture) == STILB_OK) {
+			stilb_image_finish(&picture);
+			return true;
+		}
+	return false;
+}
+
+/* Each picture that F12 takes is a file of its own, beside what was there and what the end of the run writes; and its frame is
+ * explained in the trace. */
+static void test_pictures_are_numbered(void **state)
+{
+	(void)state;
+	char display_name[64], text[16] = "";
+	assert_true(x11_server_start(&server));
+	snprintf(display_name, sizeof display_name, "DISPLAY=%s", server.name);
+	const char *const environment[] = {display_name, "WAYLAND_DISPLAY", NULL};
+	FILE *file = fopen("p-3.png", "w");
+	assert_non_null(file);
+	fputs("mine", file);
+	fclose(file);
+	stilb_start(environment, -1, "demo --models 200 --size 160x120 --workers 1 --trace t.json --screenshot p.png");
+	Display *display = XOpenDisplay(server.name);
+	assert_non_null(display);
+	const Window window = x11_server_await(display, "Stilb: ");
+	bool taken = window != 0;
+	static const char *const names[] = {"p-2.png", "p-4.png"};
+	for (int i = 0; taken && i < 2; i++) {
+		x11_server_type(display, window, XK_F12);
+		taken = await_whole(names[i]);
+	}
+	kill(run.pid, SIGINT);
+	program_wait(&run);
+	XCloseDisplay(display);
+	assert_true(taken);
+	assert_int_equal(run.code, 0);
+	assert_said(run.out, "picture: p-2.png\n");
+	assert_said(run.out, "picture: p-4.png\n");
+	assert_true(await_whole("p.png"));
+	file = fopen("p-3.png", "r");
+	assert_true(file && fread(text, 1, sizeof text - 1, file) == 4);
+	fclose(file);
+	assert_string_equal(text, "mine");
+	trace_check_report report;
+	trace_check_file("t.json", &report);
+	assert_string_equal(report.error, "");
+	assert_int_equal(trace_check_zones(&report, "main", "screenshot"), 3); /* with the last */
+	assert_int_equal(trace_check_zones(&report, "main", "write the picture"), 3);
+	trace_check_finish(&report);
+	assert_int_equal(folder_entries(), 5);
+}
+
 static void test_render_goes_on(void **state)
 {
 	(void)state;
@@ -107,6 +167,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup_teardown(test_demo_without_end, folder_fresh, server_end),
 		cmocka_unit_test_setup_teardown(test_demo_with_frames_to_draw_goes_on, folder_fresh, server_end),
 		cmocka_unit_test_setup_teardown(test_render_goes_on, folder_fresh, server_end),
+		cmocka_unit_test_setup_teardown(test_pictures_are_numbered, folder_fresh, server_end),
 	};
 	if (!x11_server_start(&server)) {
 		printf("no Xvfb: install xvfb\n");

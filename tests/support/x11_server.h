@@ -59,29 +59,52 @@ static inline void x11_server_kill(x11_server *server)
 	server->pid = 0;
 }
 
-/* Waits up to five minutes for a window to be seen whose title begins so. */
-static inline bool x11_server_shows(const x11_server *server, const char *title)
+/* Waits up to five minutes for a window to be seen whose title begins so; 0: there is none. */
+static inline Window x11_server_await(Display *display, const char *title)
 {
-	Display *display = XOpenDisplay(server->name);
-	bool there = false;
-	for (int i = 0; display && !there && i < 15000; i++, usleep(20000)) {
+	Window found = 0;
+	for (int i = 0; !found && i < 15000; i++, usleep(20000)) {
 		Window root, parent, *children = NULL;
 		unsigned count = 0;
 		XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
-		for (unsigned c = 0; c < count && !there; c++) {
+		for (unsigned c = 0; c < count && !found; c++) {
 			XWindowAttributes attributes;
 			char *name = NULL;
-			there = XFetchName(display, children[c], &name) && name && strncmp(name, title, strlen(title)) == 0 &&
-			        XGetWindowAttributes(display, children[c], &attributes) && attributes.map_state == IsViewable;
+			if (XFetchName(display, children[c], &name) && name && strncmp(name, title, strlen(title)) == 0 &&
+			    XGetWindowAttributes(display, children[c], &attributes) && attributes.map_state == IsViewable)
+				found = children[c];
 			if (name)
 				XFree(name);
 		}
 		if (children)
 			XFree(children);
 	}
+	return found;
+}
+
+static inline bool x11_server_shows(const x11_server *server, const char *title)
+{
+	Display *display = XOpenDisplay(server->name);
+	const bool there = display && x11_server_await(display, title) != 0;
 	if (display)
 		XCloseDisplay(display);
 	return there;
+}
+
+/* As if the user pressed and released it. */
+static inline void x11_server_type(Display *display, Window window, KeySym key)
+{
+	XKeyEvent event = {.type = KeyPress,
+	                   .display = display,
+	                   .window = window,
+	                   .root = DefaultRootWindow(display),
+	                   .time = CurrentTime,
+	                   .same_screen = True,
+	                   .keycode = XKeysymToKeycode(display, key)};
+	XSendEvent(display, window, True, KeyPressMask, (XEvent *)&event);
+	event.type = KeyRelease;
+	XSendEvent(display, window, True, KeyReleaseMask, (XEvent *)&event);
+	XSync(display, False);
 }
 
 #endif

@@ -1,0 +1,58 @@
+/* The names that F12 gives to pictures: none is replaced, and the one that the end of the run writes is left alone. */
+#include "game/demo/demo_picture.h"
+#include "support/folder.h"
+#include "support/test.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+static void assert_name(const char *path, const char *last, const char *expected)
+{
+	char *name = demo_picture_name(path, last);
+	assert_non_null(name);
+	assert_string_equal(name, expected);
+	free(name);
+}
+
+static void touch(const char *path)
+{
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	fclose(file);
+}
+
+static void test_names(void **state)
+{
+	(void)state;
+	assert_name("a.png", NULL, "a.png");
+	touch("a.png");
+	assert_name("a.png", NULL, "a-2.png");
+	touch("a-2.png");
+	touch("a-4.png");
+	assert_name("a.png", NULL, "a-3.png");
+	touch("a-3.png");
+	assert_name("a.png", NULL, "a-5.png");
+	assert_name("b.png", "b.png", "b-2.png"); /* though it is not there yet */
+	assert_name("b.png", "./b.png", "b-2.png");
+	assert_name("./b.png", "c.png", "./b.png");
+	assert_int_equal(symlink("nowhere.png", "d.png"), 0); /* its target would be made */
+	assert_name("d.png", NULL, "d-2.png");
+	assert_name("/tmp.x/e", NULL, "/tmp.x/e");
+	touch("e");
+	assert_name("e", NULL, "e-2");
+	touch(".f");
+	assert_name(".f", NULL, ".f-2");
+}
+
+static int folder_end(void **state)
+{
+	(void)state;
+	folder_clear();
+	return folder_remove();
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {cmocka_unit_test(test_names)};
+	return cmocka_run_group_tests(tests, folder_make, folder_end);
+}
