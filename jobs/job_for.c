@@ -25,8 +25,9 @@ static uint32_t guided(uint32_t left, uint32_t threads, uint32_t limit)
 	return part > limit ? limit : part > 0 ? part : 1;
 }
 
-/* Claims slices of loop, which any thread may have opened, if the scope has it. */
-static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads, loop_span *out)
+/* Claims slices of loop, which any thread may have opened, if the scope has it: `wanted` of them at most, or as guided
+ * if that is 0. */
+static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads, uint32_t wanted, loop_span *out)
 {
 	/* Acquire pairs with the release in loop_open: the fields, and all that the caller wrote before. */
 	uint64_t claim = atomic_load_explicit(&loop->claim, memory_order_acquire);
@@ -41,9 +42,10 @@ static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads,
 		out->count = atomic_load_explicit(&loop->count, memory_order_relaxed);
 		out->grain = atomic_load_explicit(&loop->grain, memory_order_relaxed);
 		out->wake_slices = atomic_load_explicit(&loop->wake_slices, memory_order_relaxed);
-		out->slices = guided((uint32_t)claim, threads, atomic_load_explicit(&loop->claim_limit, memory_order_relaxed));
-		out->first = atomic_load_explicit(&loop->slices, memory_order_relaxed) - (uint32_t)claim;
-		out->left = (uint32_t)claim - out->slices;
+		uint32_t left = (uint32_t)claim, limit = atomic_load_explicit(&loop->claim_limit, memory_order_relaxed);
+		out->slices = wanted == 0 ? guided(left, threads, limit) : wanted < left ? wanted : left;
+		out->first = atomic_load_explicit(&loop->slices, memory_order_relaxed) - left;
+		out->left = left - out->slices;
 		/* Success needs no order, since the load above has it. Acquire on failure: the loop may have been reused. */
 		if (atomic_compare_exchange_weak_explicit(&loop->claim, &claim, claim - out->slices, memory_order_acquire,
 		                                          memory_order_acquire))
@@ -82,7 +84,7 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
 		done += span->slices;
 		if (slot->spinning && job_sys_ticks() - start > pool->wake_ticks)
 			job_work_spin_stop(slot);
-	} while (!(until && job_group_done(until)) && loop_claim(loop, scope, pool->worker_count + 1, span));
+	} while (!(until && job_group_done(until)) && loop_claim(loop, scope, pool->worker_count + 1, 0, span));
 	if (hooks->job_end)
 		hooks->job_end(hooks->user, slot->index);
 	slot->level = outer_level;
@@ -108,7 +110,7 @@ static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, s
 	for (int i = 0; i < JOB_LOOP_DEPTH; i++) {
 		loop_span span;
 		job_loop *loop = &owner->loop[i];
-		if (!loop_claim(loop, scope, pool->worker_count + 1, &span))
+		if (!loop_claim(loop, scope, pool->worker_count + 1, 0, &span))
 			continue;
 		/* A spinner that will be done sooner than a thread could be woken remains a spinner. That saves writing the
 		 * idle list's word, which the caller of every loop reads. */
@@ -248,77 +250,89 @@ static uint32_t slices_to_wake_for(const stilb_job_pool *pool, uint64_t ticks)
 	                                               : (uint32_t)(pool->wake_ticks / ticks) + 1;
 }
 
-/* Runs the loop with the help of others. asleep: no thread is awake to help. Not inline, to keep the code of short
- * loops small. */
-__attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, uint32_t slices, bool asleep)
-{
-	stilb_job_pool *pool = slot->pool;
-	job_loop *loop = &slot->loop[slot->loops_open++];
-	job_rate *rate = rate_of(slot, span->fn);
-	bool measured = asleep || rate->ticks == 0 || slot->loops_run++ % MEASURE_EVERY == 0;
-	uint64_t start = measured ? job_sys_ticks() : 0;
-	uint32_t threads = pool->worker_count + 1;
-	/* With more threads than CPUs a thread may be preempted after a claim, and all would wait for it: claim less at
-	 * once. */
-	uint32_t limit = pool->oversubscribed && rate->ticks > 0 ? slices_to_wake_for(pool, rate->ticks) : UINT32_MAX;
-	uint32_t all = slices - span->first;
-	span->slices = guided(all, threads, limit);
-	span->left = all - span->slices;
-	if (pool->hooks.submit)
-		loop->tag = pool->hooks.submit(pool->hooks.user, slot->index);
-	loop_open(loop, span, slices, limit);
-	/* Looks for sleepers after the loop has been opened, since the last spinner may have gone to sleep just before; and
-	 * again after each span, since a worker that looked for work before its sleep may not have seen the loop. */
-	bool woken = wake_helper(pool, span);
-	uint64_t mine = 0;
-	do {
-		span_run(span, slot->index);
-		mine += span->slices;
-		if (!woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle)) {
-			/* The duration of these slices says more than that of earlier loops. */
-			if (measured) {
-				span->wake_slices = slices_to_wake_for(pool, (job_sys_ticks() - start) / mine);
-				atomic_store_explicit(&loop->wake_slices, span->wake_slices, memory_order_relaxed);
-			}
-			woken = wake_helper(pool, span);
-		}
-	} while (loop_claim(loop, &job_scope_all, threads, span));
-	if (measured)
-		rate->ticks = (job_sys_ticks() - start) / mine + 1;
-	if (mine < all) {
-		loop->finished += all - mine;
-		loop_wait(loop, slot, span, loop->finished);
-	}
-	assert(slot->loops_open > 0 && loop == &slot->loop[slot->loops_open - 1] && "loops are nested");
-	slot->loops_open--;
-}
-
-/* Runs slices on the caller alone, because no thread is awake and, judging by the last time, the loop ends before one
- * could be. Stops after the time of a wake-up, should they take longer this time. Returns the number of slices run. */
-static uint32_t loop_run_short(job_slot *slot, const loop_span *span, uint32_t slices, uint64_t start)
-{
-	uint64_t ticks = 0;
-	loop_span part = *span;
-	for (part.first = 0; part.first < slices && ticks < slot->pool->wake_ticks; part.first += part.slices) {
-		part.slices = (slices - part.first + 1) / 2;
-		span_run(&part, slot->index);
-		ticks = job_sys_ticks() - start;
-	}
-	rate_of(slot, span->fn)->ticks = ticks / part.first + 1;
-	slot->alone_until = start + ticks;
-	slot->alone_ticks += ticks;
-	return part.first;
-}
-
-/* True if the others should not be woken: the loop is shorter than a wake-up. But if short loops follow one another, a
- * worker that is awake would spin from one to the next and help with all of them. So once the short loops in a row have
- * taken as long as a wake-up, a worker is woken. The total is at most twice the optimum (the ski rental problem). */
-static bool loop_stays_alone(job_slot *slot, const loop_span *span, uint32_t slices, uint64_t start)
+/* True if the caller should not wake a sleeping worker: judging by the last time, the loop ends before one could be
+ * awake. But if such loops follow one another, a worker that is awake would spin from one to the next and help with all
+ * of them. So once they have taken as long as a wake-up, a worker is woken. The total is at most twice the optimum (the
+ * ski rental problem). */
+static bool loop_starts_alone(job_slot *slot, const loop_span *span, uint32_t slices, uint64_t start)
 {
 	uint64_t wake_ticks = slot->pool->wake_ticks;
 	if (start - slot->alone_until > wake_ticks)
 		slot->alone_ticks = 0;
 	return slices < span->wake_slices && slot->alone_ticks < wake_ticks;
+}
+
+/* wake_helper after a better guess of the number of slices that are worth it. */
+static bool wake_helper_anew(stilb_job_pool *pool, job_loop *loop, loop_span *span, uint32_t wake_slices)
+{
+	span->wake_slices = wake_slices;
+	atomic_store_explicit(&loop->wake_slices, wake_slices, memory_order_relaxed); /* see job_loop */
+	return wake_helper(pool, span);
+}
+
+/* Runs the loop. asleep: no thread is awake to help. The caller of a loop that seems short then starts alone, if a
+ * worker watches (see JOB_WATCH_NS): it claims one slice, then twice as many each time, and no longer counts as alone
+ * when the loop has taken as long as a wake-up. */
+__attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, uint32_t slices, bool asleep)
+{
+	stilb_job_pool *pool = slot->pool;
+	job_loop *loop = &slot->loop[slot->loops_open++];
+	const job_rate *rate = rate_of(slot, span->fn);
+	bool measured = asleep || rate->ticks == 0 || slot->loops_run++ % MEASURE_EVERY == 0;
+	uint64_t start = measured ? job_sys_ticks() : 0;
+	uint32_t threads = pool->worker_count + 1;
+	span->wake_slices = slices_to_wake_for(pool, rate->ticks);
+	bool alone = asleep && loop_starts_alone(slot, span, slices, start), started_alone = alone;
+	/* With more threads than CPUs a thread may be preempted after a claim, and all would wait for it: claim less at
+	 * once. */
+	uint32_t limit = pool->oversubscribed && rate->ticks > 0 ? span->wake_slices : UINT32_MAX;
+	if (asleep && !alone)
+		span->wake_slices = 1;
+	span->slices = alone ? 1 : guided(slices, threads, limit);
+	span->left = slices - span->slices;
+	if (pool->hooks.submit)
+		loop->tag = pool->hooks.submit(pool->hooks.user, slot->index);
+	loop_open(loop, span, slices, limit);
+	bool woken = false;
+	if (alone && !job_work_watched(pool)) {
+		alone = started_alone = false;
+		woken = wake_helper_anew(pool, loop, span, 1);
+	} else if (!alone) {
+		/* Looks for sleepers after the loop has been opened, since the last spinner may have gone to sleep just before;
+		 * and again after each span, since a worker that looked for work before its sleep may not have seen the
+		 * loop. */
+		woken = wake_helper(pool, span);
+	}
+	uint64_t ticks = 0;
+	uint32_t mine = 0;
+	do {
+		span_run(span, slot->index);
+		mine += span->slices;
+		if (alone) {
+			ticks = job_sys_ticks() - start;
+			alone = ticks < pool->wake_ticks;
+		}
+		if (!alone && !woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle))
+			/* The duration of these slices says more than that of earlier loops. */
+			woken = wake_helper_anew(pool, loop, span,
+			                         measured ? slices_to_wake_for(pool, (job_sys_ticks() - start) / mine)
+			                                  : span->wake_slices);
+	} while (loop_claim(loop, &job_scope_all, threads, alone ? mine : 0, span));
+	if (measured) {
+		if (!alone)
+			ticks = job_sys_ticks() - start;
+		rate_of(slot, span->fn)->ticks = ticks / mine + 1; /* loops inside the slices may have replaced the entry */
+	}
+	if (started_alone) {
+		slot->alone_until = start + ticks;
+		slot->alone_ticks += ticks;
+	}
+	if (mine < slices) {
+		loop->finished += slices - mine;
+		loop_wait(loop, slot, span, loop->finished);
+	}
+	assert(slot->loops_open > 0 && loop == &slot->loop[slot->loops_open - 1] && "loops are nested");
+	slot->loops_open--;
 }
 
 void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
@@ -336,15 +350,7 @@ void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain
 	slot->root = span.root = outer_root ? outer_root : (uintptr_t)&slot->loop[0];
 	slot->level = span.level = outer_level + 1;
 	if (slices > 1 && pool->worker_count > 0 && slot->loops_open < JOB_LOOP_DEPTH) {
-		bool asleep = job_idle_maybe_wanted(&pool->idle);
-		span.wake_slices = slices_to_wake_for(pool, rate_of(slot, fn)->ticks);
-		uint64_t start = asleep ? job_sys_ticks() : 0;
-		if (asleep && loop_stays_alone(slot, &span, slices, start))
-			span.first = loop_run_short(slot, &span, slices, start);
-		else if (asleep)
-			span.wake_slices = 1;
-		if (span.first < slices)
-			loop_run(slot, &span, slices, asleep);
+		loop_run(slot, &span, slices, job_idle_maybe_wanted(&pool->idle));
 	} else {
 		span.slices = slices;
 		span_run(&span, worker);

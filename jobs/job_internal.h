@@ -43,6 +43,16 @@
  * looks for work this long before it sleeps, and a loop shorter than this wakes nobody. */
 #define JOB_WAKE_NS 30000u
 
+/* The last worker to go to sleep watches for loops: it sleeps in naps and looks for open loops in between. So a loop
+ * that its caller runs alone, because loops of this function were short, gets help if it turns out long. The first nap
+ * takes JOB_WATCH_NAP_NS, each later one half as long as all before: help comes after half the time that the workers
+ * have slept, or after the first nap. The watch ends after JOB_WATCH_NS, so that idle pools cost nothing. The next loop
+ * then wakes a worker, whatever its length. */
+#define JOB_WATCH_NAP_NS 1000000u
+#ifndef JOB_WATCH_NS
+#define JOB_WATCH_NS 50000000u
+#endif
+
 /* The cost of a steal to its victim, one more cache line to fetch; and the time for which a thief stays away after a
  * steal that was not worth that. */
 #define JOB_STEAL_NS 100u
@@ -101,7 +111,7 @@ typedef struct job_slot {
 	uint32_t loops_open;
 	uint32_t poll_round;          /* counts looks for work, see SHARED_FIRST */
 	uint32_t loops_run;           /* counts loops, see MEASURE_EVERY */
-	uint64_t alone_ticks;         /* total of the latest short loops in a row that ran without help */
+	uint64_t alone_ticks;         /* total of the latest loops in a row that began alone (job_for.c) */
 	uint64_t alone_until;         /* the end of the last of them */
 	uint32_t spins_without_yield; /* spins left in which job_work_relax does not yield */
 	uint32_t victim;              /* the thread to try first when stealing */
@@ -152,9 +162,11 @@ struct stilb_job_pool {
 	/* Jobs in each shared queue, or a few more; relaxed, saves looking into empty queues. */
 	alignas(JOB_LINE) _Atomic uint32_t shared_hint[JOB_SHARED_COUNT];
 	alignas(JOB_LINE) _Atomic uint32_t phase; /* open phases; relaxed, a hint to spinners */
-	_Atomic bool stop;                        /* release in destroy, pairs with acquire in the workers */
-	_Atomic bool cancelled;                   /* relaxed: jobs that start at that moment may or may not run */
-	alignas(JOB_LINE) job_lock after_lock;    /* guards the followers of all groups */
+	/* 1 while a worker watches for loops. Changed and read by acquire-release exchanges alone, see job_work_watched. */
+	_Atomic uint32_t watched;
+	_Atomic bool stop;                     /* release in destroy, pairs with acquire in the workers */
+	_Atomic bool cancelled;                /* relaxed: jobs that start at that moment may or may not run */
+	alignas(JOB_LINE) job_lock after_lock; /* guards the followers of all groups */
 	alignas(JOB_LINE) job_lock visitors_lock;
 	job_visitor *visitors;
 	alignas(JOB_LINE) _Atomic uint32_t guests; /* a bit for each guest in use; acquire to claim, release to give back */
@@ -254,6 +266,9 @@ void job_work_relax(job_slot *slot);
 
 /* The thread, if it is a spinner, is none any more. */
 void job_work_spin_stop(job_slot *slot);
+
+/* True if a worker watches for loops, and finds every loop opened before the call, unless that ends before. */
+bool job_work_watched(stilb_job_pool *pool);
 
 /* Wakes a thread if there is more work and none looks for it. `work` is what the caller has just found. */
 void job_work_wake_next(job_slot *slot, const job_work *work);

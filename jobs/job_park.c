@@ -23,6 +23,24 @@ void job_parker_sleep(job_parker *parker)
 	job_parker_clear(parker);
 }
 
+bool job_parker_sleep_for(job_parker *parker, uint64_t nanoseconds)
+{
+	uint32_t state = PARKER_EMPTY;
+	/* Acquire, all: on failure they pair with the release in leave_token; on success they publish nothing but the
+	 * word. */
+	if (atomic_compare_exchange_strong_explicit(&parker->state, &state, PARKER_ASLEEP, memory_order_acquire,
+	                                            memory_order_acquire)) {
+		job_sys_futex_wait_for(&parker->state, PARKER_ASLEEP, nanoseconds);
+		state = PARKER_ASLEEP;
+		if (atomic_compare_exchange_strong_explicit(&parker->state, &state, PARKER_EMPTY, memory_order_acquire,
+		                                            memory_order_acquire))
+			return false;
+	}
+	assert(state == PARKER_TOKEN && "no other thread sleeps on this parker");
+	job_parker_clear(parker);
+	return true;
+}
+
 void job_parker_clear(job_parker *parker)
 {
 	/* An exchange and not a store: a second token may have been left on top of the first, and everything done before

@@ -44,6 +44,10 @@ typedef struct job_parker {
  * parker's own thread. */
 void job_parker_sleep(job_parker *parker);
 
+/* job_parker_sleep for about the given time at most. False if it took no token: the time is over, or the kernel
+ * returned early. */
+bool job_parker_sleep_for(job_parker *parker, uint64_t nanoseconds);
+
 /* Takes the token if it is there; never sleeps. Only for the parker's own thread. */
 void job_parker_clear(job_parker *parker);
 

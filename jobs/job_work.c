@@ -352,13 +352,46 @@ static void queues_quiesce(job_slot *slot)
 		stilb_job_queue_rest(slot->pool->shared[i], slot->index);
 }
 
-static void sleep_until_woken(job_slot *slot)
+bool job_work_watched(stilb_job_pool *pool)
+{
+	/* A read-modify-write that changes nothing, as in job_idle_wanted_strict. The watcher ends its watch by another one
+	 * and then looks for loops. If that comes later, it synchronises with this one and sees the loop; if it came
+	 * before, this reads 0. */
+	return atomic_fetch_add_explicit(&pool->watched, 0, memory_order_acq_rel) != 0;
+}
+
+/* Sleeps until there is a token or, while the watch lasts, a loop. */
+static void sleep_watching(job_slot *slot)
+{
+	stilb_job_pool *pool = slot->pool;
+	uint64_t nap = JOB_WATCH_NAP_NS, slept = 0, left = JOB_WATCH_NS;
+	bool token = false;
+	/* Acquire-release, both: partners of job_work_watched. */
+	if (left > 0 && atomic_exchange_explicit(&pool->watched, 1, memory_order_acq_rel) == 0) {
+		while (left > 0 && !(token = job_parker_sleep_for(&slot->parker, nap)) &&
+		       !job_loop_exists(pool, &job_scope_all)) {
+			slept += nap;
+			left -= nap < left ? nap : left;
+			nap = slept / 2;
+		}
+		atomic_exchange_explicit(&pool->watched, 0, memory_order_acq_rel);
+		if (token || job_loop_exists(pool, &job_scope_all))
+			return;
+	}
+	job_parker_sleep(&slot->parker);
+}
+
+/* watch: no other thread looks for work when this one sleeps. */
+static void sleep_until_woken(job_slot *slot, bool watch)
 {
 	const stilb_job_hooks *hooks = &slot->pool->hooks;
 	queues_quiesce(slot);
 	if (hooks->park)
 		hooks->park(hooks->user, slot->index);
-	job_parker_sleep(&slot->parker);
+	if (watch)
+		sleep_watching(slot);
+	else
+		job_parker_sleep(&slot->parker);
 	if (hooks->wake)
 		hooks->wake(hooks->user, slot->index);
 }
@@ -369,6 +402,7 @@ job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready
 	assert(slot->index > 0 || !slot->spinning); /* only workers spin */
 	job_idler idler = {.parker = &slot->parker, .scope = *scope, .worker = slot->index > 0};
 	/* Steps (1) to (3) of job_park.h. */
+	bool watch = scope->all && slot->spinning;
 	bool alone = job_idle_enter(&pool->idle, &idler, slot->spinning);
 	slot->spinning = false;
 	bool rescue = false;
@@ -379,7 +413,7 @@ job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready
 			rescue = false;
 		}
 		if (!rescue && !job_work_exists(slot, scope))
-			sleep_until_woken(slot);
+			sleep_until_woken(slot, watch);
 	}
 	job_idle_outcome outcome = job_idle_leave(&pool->idle, &slot->parker);
 	slot->spinning = scope->all && outcome == JOB_IDLE_CHOSEN;

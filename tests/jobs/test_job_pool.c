@@ -460,6 +460,52 @@ static void test_loop_gets_help(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
+/* A loop that is short, or one whose slices return only when two threads are inside (or after a minute, against a
+ * hang). */
+typedef struct changing {
+	meeting meeting;
+	bool is_long;
+} changing;
+
+static void run_changing(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	changing *c = context;
+	(void)begin;
+	(void)end;
+	(void)worker;
+	if (!c->is_long)
+		return;
+	count_up(&c->meeting.inside);
+	for (int i = 0; i < 60000 && c->meeting.inside < 2; i++)
+		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+	if (c->meeting.inside >= 2)
+		count_up(&c->meeting.met);
+}
+
+/* Short loops say that the next one will be short, and the workers sleep, for so long. The guess is wrong: still the
+ * loop must not run on its caller alone. */
+static void test_long_loop_after_short_ones_gets_help(void **state)
+{
+	(void)state;
+	static const long asleep_ms[] = {0, 5, 20, 200}; /* with a watcher, and 200 ms after the watch */
+	for (uint32_t workers = 1; workers <= 3; workers += 2)
+		for (size_t i = 0; i < sizeof asleep_ms / sizeof asleep_ms[0]; i++) {
+			hook_log log = {0};
+			stilb_job_pool *pool = pool_with(workers, log_hooks(&log));
+			changing c = {.is_long = false};
+			for (int k = 0; k < 1000; k++)
+				stilb_job_parallel_for(pool, 2, 1, run_changing, &c, 0);
+			for (int k = 0; k < 10000 && log.parks - log.wakes < workers; k++)
+				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+			assert_int_equal(log.parks - log.wakes, workers);
+			nanosleep(&(struct timespec){.tv_nsec = asleep_ms[i] * 1000000}, NULL);
+			c.is_long = true;
+			stilb_job_parallel_for(pool, 2, 1, run_changing, &c, 0);
+			assert_int_equal(c.meeting.met, 2);
+			stilb_job_pool_destroy(pool);
+		}
+}
+
 /* ---- sleep and wake ------------------------------------------------------------------------------------------- */
 
 /* The owner does not help, so a wake-up lost is a worker that sleeps for ever: the named trap of job systems. */
@@ -651,6 +697,7 @@ int main(void)
 		cmocka_unit_test(test_loop_over_the_largest_count),
 		cmocka_unit_test(test_loops_in_loops_in_jobs),
 		cmocka_unit_test(test_loop_gets_help),
+		cmocka_unit_test(test_long_loop_after_short_ones_gets_help),
 		cmocka_unit_test(test_hooks_come_in_pairs),
 		cmocka_unit_test(test_parked_workers_wake),
 		cmocka_unit_test(test_waiting_owner_wakes),

@@ -28,7 +28,8 @@
 #define job_sys_ticks_in(nanoseconds) model_spin_ticks
 #define JOB_LOCK_YIELDS 0
 #define job_sys_futex_wait model_futex_wait
-#define job_sys_futex_wait_for(word, expected, nanoseconds) model_futex_wait(word, expected) /* never times out */
+/* Never times out. */
+#define job_sys_futex_wait_for(word, expected, nanoseconds) ((void)(nanoseconds), model_futex_wait(word, expected))
 #define job_sys_futex_wake_one model_futex_wake_one
 #define job_sys_nap(nanoseconds) ((void)0)
 #define job_sys_cpu() 0u

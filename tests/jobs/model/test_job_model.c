@@ -17,6 +17,7 @@
 #define JOB_LOOP_DEPTH 2
 #define JOB_GUESTS 1
 #define JOB_RATES 1
+#define JOB_WATCH_NS 0 /* time stands still, so a nap would never end */
 #define SHARED_FIRST 1
 #define JOBS_IN_A_ROW 2
 #include "job_model_sys.h"
