@@ -6,22 +6,25 @@
 #include <math.h>
 #include <stdbool.h>
 
-#define PANELS_AROUND 2 /* of 16 points, in half a turn; in the polar direction there is one in each step of 1 of t */
+/* panels of 16 points in half a turn of azimuth; the polar direction has one panel for each unit of t */
+#define PANELS_AROUND 2
 
 typedef struct albedo {
 	const shade_brdf_model *model;
 	const shade_brdf_parameters *parameters;
-	bool of_light;                /* the fixed direction is l */
-	bool about_mirrored;          /* the pole is the mirrored direction, not the normal as the half vectors' */
-	stilb_vec3 fixed;             /* in the frame: z along the normal */
+	bool of_light; /* the fixed direction is the light's, else the view's */
+	/* polar coordinates are about the mirrored direction; else half vectors about the normal */
+	bool about_mirrored;
+	stilb_vec3 fixed;             /* the fixed direction, z along the normal */
 	double sine, cosine, azimuth; /* of the fixed direction */
 	double alpha;
-	double tangent; /* of the polar angle, or of half of it about the mirrored direction, while the azimuth runs */
+	/* tan of the polar angle, or of half of it about the mirrored direction, while the azimuth varies */
+	double tangent;
 } albedo;
 
 static const shade_frame frame = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
 
-/* The integrand in the direction `other`: f(l, v) times the cosine of the direction that runs. */
+/* The integrand at the varying direction `other`: f(l, v) times its cosine. */
 static double reflected(const albedo *a, const double other[3])
 {
 	stilb_vec3 moving = stilb_vec3_make((float)other[0], (float)other[1], (float)other[2]);
@@ -35,39 +38,39 @@ static double over_directions(const double direction[3], const void *context)
 	return reflected(context, direction);
 }
 
-/* The integrand in a direction whose x axis is the azimuth of the fixed one. */
+/* The same, with `other` in coordinates whose x axis is the azimuth of the fixed direction. */
 static double reflected_turned(const albedo *a, const double other[3])
 {
 	double x = cos(a->azimuth), y = sin(a->azimuth);
-	const double turned[3] = {other[0] * x - other[1] * y, other[0] * y + other[1] * x, other[2]};
+	double turned[3] = {other[0] * x - other[1] * y, other[0] * y + other[1] * x, other[2]};
 	return reflected(a, turned);
 }
 
-/* Half vector at the azimuth phi from the fixed direction; the direction that runs is the fixed one mirrored at it, and
- * d(direction) = 4 (fixed.h) dh. */
+/* The integrand at the half vector of azimuth phi from the fixed direction. The varying direction is the fixed one
+ * mirrored at it; d(direction) = 4 (fixed.h) dh. */
 static double over_half_azimuth(double phi, const void *context)
 {
 	const albedo *a = context;
 	double z = 1.0 / sqrt(1.0 + a->tangent * a->tangent), radius = a->tangent * z;
-	const double h[3] = {radius * cos(phi), radius * sin(phi), z};
+	double h[3] = {radius * cos(phi), radius * sin(phi), z};
 	double fixed_h = a->sine * h[0] + a->cosine * h[2];
-	const double other[3] = {2.0 * fixed_h * h[0] - a->sine, 2.0 * fixed_h * h[1], 2.0 * fixed_h * h[2] - a->cosine};
+	double other[3] = {2.0 * fixed_h * h[0] - a->sine, 2.0 * fixed_h * h[1], 2.0 * fixed_h * h[2] - a->cosine};
 	return reflected_turned(a, other) * 4.0 * fixed_h;
 }
 
-/* The direction that runs, at the azimuth phi about the mirrored one; phi = 0 is towards the normal. Its polar angle is
- * twice that of `tangent`, and so d(direction) = 4 cos(half) d(half direction). */
+/* The integrand at azimuth phi about the mirrored direction; phi = 0 is towards the normal. The polar angle is twice
+ * that of `tangent`, so d(direction) = 4 cos(half) d(half direction). */
 static double over_mirrored_azimuth(double phi, const void *context)
 {
 	const albedo *a = context;
 	double z2 = 1.0 / (1.0 + a->tangent * a->tangent);
 	double along = 2.0 * z2 - 1.0, across = 2.0 * a->tangent * z2;
-	const double other[3] = {across * cos(phi) * a->cosine - along * a->sine, across * sin(phi),
-	                         across * cos(phi) * a->sine + along * a->cosine};
+	double other[3] = {across * cos(phi) * a->cosine - along * a->sine, across * sin(phi),
+	                   across * cos(phi) * a->sine + along * a->cosine};
 	return reflected_turned(a, other) * 4.0 * sqrt(z2);
 }
 
-/* The azimuth up to which the direction that runs is above the horizon. Of half vectors: 2 (fixed.h) (n.h) > n.fixed. */
+/* The azimuth up to which the varying direction is above the horizon. For half vectors: 2 (fixed.h) (n.h) > n.fixed. */
 static double horizon(const albedo *a)
 {
 	double z2 = 1.0 / (1.0 + a->tangent * a->tangent), cotangent = a->cosine / a->sine;
@@ -90,7 +93,7 @@ static double over_polar(double t, const void *context)
 	return (right + left) * a.tangent * z2 * sqrt(z2) * a.alpha * cosh(t);
 }
 
-/* From the polar angle low to high. */
+/* Integral over the polar angle from low to high. */
 static double between(const albedo *a, double low, double high)
 {
 	STILB_ASSERT(low >= 0.0 && low <= high && high <= M_PI / 2.0);
@@ -99,8 +102,8 @@ static double between(const albedo *a, double low, double high)
 	return panels > 0 ? stilb_numeric_integrate(over_polar, a, first, last, panels) : 0.0;
 }
 
-/* Up to the first angle the whole turn is above the horizon, and from the last on nothing of it; Phong's lobes end a
- * quarter turn from the mirrored direction. */
+/* Up to the first angle all azimuths are above the horizon, beyond the last none is; Phong's lobes end a quarter
+ * turn from the mirrored direction. */
 static double over_lobe(const albedo *a, double polar)
 {
 	double whole = M_PI / 4.0 - polar / 2.0, last = M_PI / 4.0 + (a->about_mirrored ? 0.0 : polar / 2.0);
@@ -114,7 +117,7 @@ static double integrate(const shade_brdf_model *model, const shade_brdf_paramete
 	STILB_ASSERT(parameters->roughness >= 0.0f && parameters->roughness <= 1.0f);
 	STILB_ASSERT(fixed.polar >= 0.0 && fixed.polar < M_PI / 2.0);
 	double sine = sin(fixed.polar), cosine = cos(fixed.polar);
-	const albedo a = {
+	albedo a = {
 		.model = model,
 		.parameters = parameters,
 		.of_light = of_light,
@@ -127,7 +130,7 @@ static double integrate(const shade_brdf_model *model, const shade_brdf_paramete
 	};
 	if (model->kind != SHADE_BRDF_LAMBERT && model->kind != SHADE_BRDF_WRAPPED)
 		return over_lobe(&a, fixed.polar);
-	/* Wrapped diffuse is lit from below its horizon too, down to n.l = -w. */
+	/* The wrapped model is also lit from below its horizon, down to n.l = -wrap. */
 	double wrap = model->kind == SHADE_BRDF_WRAPPED && !of_light ? (double)parameters->wrap : 0.0;
 	return stilb_numeric_integrate_sphere(over_directions, &a, -wrap, 1.0, 1);
 }

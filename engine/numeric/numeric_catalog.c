@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- what a shape means to the functions ------------------------------------------------------------------------ */
+/* ---- what a shape means to the functions ------------------------------------------------------------------------- */
 
 static float alpha_of(const stilb_numeric_shape *shape)
 {
@@ -25,7 +25,7 @@ static float exponent_of(const stilb_numeric_shape *shape)
 	return shade_exponent_from_alpha(alpha_of(shape));
 }
 
-/* The lobe of a vMF that is as wide as D: alpha^2 = 2 / sharpness. */
+/* The sharpness of a vMF lobe as wide as D: alpha^2 = 2 / sharpness. */
 static float sharpness_of(const stilb_numeric_shape *shape)
 {
 	return 2.0f / (alpha_of(shape) * alpha_of(shape));
@@ -36,7 +36,7 @@ static float sine2(stilb_vec3 h)
 	return h[0] * h[0] + h[1] * h[1];
 }
 
-/* ---- distributions ---------------------------------------------------------------------------------------------- */
+/* ---- distributions ----------------------------------------------------------------------------------------------- */
 
 static float d_blinn(const stilb_numeric_shape *shape, stilb_vec3 h)
 {
@@ -77,7 +77,7 @@ static float d_vmf(const stilb_numeric_shape *shape, stilb_vec3 direction)
 	return shade_vmf_density(lobe, direction);
 }
 
-/* ---- samplers: a density and a sample, in this order ------------------------------------------------------------ */
+/* ---- samplers: a density and a sample, in this order ------------------------------------------------------------- */
 
 static float pdf_sphere(const stilb_numeric_shape *shape, stilb_vec3 direction)
 {
@@ -116,7 +116,7 @@ static shade_sample sample_cosine(const stilb_numeric_shape *shape, stilb_vec2 u
 	return shade_sample_cosine(u);
 }
 
-/* The disk's points lifted to the hemisphere: an area of the disk is a solid angle times its cosine. */
+/* Points of the disk lifted to the hemisphere: an area of the disk is a solid angle times its cosine. */
 static float pdf_disk(const stilb_numeric_shape *shape, stilb_vec3 direction)
 {
 	(void)shape;
@@ -130,7 +130,7 @@ static shade_sample sample_disk(const stilb_numeric_shape *shape, stilb_vec2 u)
 	return (shade_sample){direction, pdf_disk(shape, direction)};
 }
 
-/* The cells of a 4 x 4 grid, each as likely as any other, lifted to the sphere. */
+/* The cells of a 4 x 4 grid, chosen uniformly, lifted to the sphere. */
 static float pdf_stratified(const stilb_numeric_shape *shape, stilb_vec3 direction)
 {
 	(void)shape;
@@ -237,26 +237,28 @@ static shade_sample sample_ggx_visible(const stilb_numeric_shape *shape, stilb_v
 	return shade_sample_ggx_visible(alphas_of(shape), shape->view, u);
 }
 
-/* ---- the table -------------------------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 #define KARIS "Karis, \"Specular BRDF Reference\" (2013)"
 #define SCHUELER "Schueler, \"The Blinn-Phong Normalization Zoo\" (2011)"
 
 // clang-format off
 #define DISTRIBUTION(id, of, formula_text, source_text) \
-	{.name = #id, .formula = formula_text, .source = source_text, .kind = STILB_NUMERIC_DISTRIBUTION, .measure = of, .density = id}
+	{.name = #id, .formula = formula_text, .source = source_text, .kind = STILB_NUMERIC_DISTRIBUTION, .measure = of, \
+	 .density = id}
 
 #define ZOO(kind_of, id, of, formula_text, source_text, conserves, is_reciprocal, largest) \
 	{.name = #id, .formula = formula_text, .source = source_text, .kind = STILB_NUMERIC_BRDF, .measure = of, \
 	 .model = {.kind = kind_of}, .conserving = conserves, .reciprocal = is_reciprocal, .largest_albedo = largest}
 
-/* Smith's G of Beckmann shadows too little for distributions with more steep facets than Beckmann's. */
+/* Smith's G for Beckmann shadows too little with distributions that have more steep facets than Beckmann's. */
 #define GAINS(d, g) ((g) == SHADE_G_SMITH_BECKMANN && (d) != SHADE_NDF_BECKMANN)
 #define LARGEST(d, g) \
 	(!GAINS(d, g) ? 1.0 : (d) == SHADE_NDF_BLINN ? 1.3026 : (d) == SHADE_NDF_GGX ? 1.6161 : 1.6453)
 #define MICROFACET(d, d_id, g, g_id) \
 	{.name = #d_id "_" #g_id, .formula = "D(" #d_id ") G(" #g_id ") F / (4 n.l n.v)", .source = KARIS, \
-	 .kind = STILB_NUMERIC_BRDF, .measure = STILB_NUMERIC_MEASURE_SMOOTH, .model = {SHADE_BRDF_MICROFACET, d, g, SHADE_F_NONE}, \
+	 .kind = STILB_NUMERIC_BRDF, .measure = STILB_NUMERIC_MEASURE_SMOOTH, \
+	 .model = {SHADE_BRDF_MICROFACET, d, g, SHADE_F_NONE}, \
 	 .conserving = !GAINS(d, g), .reciprocal = true, .largest_albedo = LARGEST(d, g)},
 #define BLINN(g, id) MICROFACET(SHADE_NDF_BLINN, blinn, g, id)
 #define BECKMANN(g, id) MICROFACET(SHADE_NDF_BECKMANN, beckmann, g, id)
@@ -265,7 +267,8 @@ static shade_sample sample_ggx_visible(const stilb_numeric_shape *shape, stilb_v
 
 #define SAMPLER(id, about, formula_text, source_text) \
 	{.name = "sample_" #id, .formula = formula_text, .source = source_text, .kind = STILB_NUMERIC_SAMPLER, \
-	 .measure = STILB_NUMERIC_MEASURE_PDF, .density = pdf_##id, .sample = sample_##id, .pole = STILB_NUMERIC_POLE_##about}
+	 .measure = STILB_NUMERIC_MEASURE_PDF, .density = pdf_##id, .sample = sample_##id, \
+	 .pole = STILB_NUMERIC_POLE_##about}
 
 static const stilb_numeric_row rows[] = {
 	DISTRIBUTION(d_blinn, STILB_NUMERIC_MEASURE_D_COS, "1 / (pi alpha^2) (n.h)^(2 / alpha^2 - 2)", KARIS),
@@ -275,7 +278,8 @@ static const stilb_numeric_row rows[] = {
 		"1 / (pi ax ay ((t.h / ax)^2 + (b.h / ay)^2 + (n.h)^2)^2)", KARIS),
 	DISTRIBUTION(d_blinn_phong, STILB_NUMERIC_MEASURE_D, "(n + 1) / (2 pi) (n.h)^n", SCHUELER),
 	DISTRIBUTION(d_heightfield, STILB_NUMERIC_MEASURE_D_COS, "(n + 2) / (2 pi) (n.h)^n", SCHUELER),
-	DISTRIBUTION(d_vmf, STILB_NUMERIC_MEASURE_D, "k / (4 pi sinh k) exp(k axis.w)", "Karis, \"von Mises-Fisher\" (2018)"),
+	DISTRIBUTION(d_vmf, STILB_NUMERIC_MEASURE_D, "k / (4 pi sinh k) exp(k axis.w)",
+		"Karis, \"von Mises-Fisher\" (2018)"),
 
 	ZOO(SHADE_BRDF_LAMBERT, lambert, STILB_NUMERIC_MEASURE_REFLECTED, "1 / pi",
 		"Driscoll, \"Energy Conservation In Games\" (2009)", true, true, 1.0),
@@ -283,14 +287,14 @@ static const stilb_numeric_row rows[] = {
 		"McAuley, \"Energy-Conserving Wrapped Diffuse\" (2011)", false, false, 14.575),
 	ZOO(SHADE_BRDF_PHONG, phong, STILB_NUMERIC_MEASURE_REFLECTED, "(n + 1) / (2 pi) (r.l)^n / n.l", SCHUELER,
 		false, false, 14.575),
-	ZOO(SHADE_BRDF_PHONG_MODIFIED, phong_modified, STILB_NUMERIC_MEASURE_REFLECTED, "(n + 2) / (2 pi) (r.l)^n", SCHUELER,
-		true, true, 1.0),
+	ZOO(SHADE_BRDF_PHONG_MODIFIED, phong_modified, STILB_NUMERIC_MEASURE_REFLECTED, "(n + 2) / (2 pi) (r.l)^n",
+		SCHUELER, true, true, 1.0),
 	ZOO(SHADE_BRDF_BLINN_PHONG, blinn_phong, STILB_NUMERIC_MEASURE_REFLECTED,
 		"(n + 2) / (4 pi (2 - 2^(-n/2))) (n.h)^n / n.l", SCHUELER, false, false, 28.649),
 	ZOO(SHADE_BRDF_BLINN_PHONG_MODIFIED, blinn_phong_modified, STILB_NUMERIC_MEASURE_REFLECTED,
 		"(n + 2) (n + 4) / (8 pi (2^(-n/2) + n)) (n.h)^n", SCHUELER, true, true, 1.0),
-	ZOO(SHADE_BRDF_MINIMALIST, minimalist, STILB_NUMERIC_MEASURE_SMOOTH, "ks (n + 1) (n.h)^n / (8 pi (l.h)^3)", SCHUELER,
-		false, true, 57.204),
+	ZOO(SHADE_BRDF_MINIMALIST, minimalist, STILB_NUMERIC_MEASURE_SMOOTH, "ks (n + 1) (n.h)^n / (8 pi (l.h)^3)",
+		SCHUELER, false, true, 57.204),
 	SHADE_GS(BLINN)
 	SHADE_GS(BECKMANN)
 	SHADE_GS(GGX)
@@ -353,12 +357,12 @@ const char *stilb_numeric_measure_text(stilb_numeric_measure measure)
 	return (unsigned)measure < STILB_NUMERIC_MEASURE_COUNT ? texts[measure] : "unknown";
 }
 
-/* ---- measures --------------------------------------------------------------------------------------------------- */
+/* ---- measures ---------------------------------------------------------------------------------------------------- */
 
 typedef struct measured {
 	const stilb_numeric_row *row;
 	const stilb_numeric_shape *shape;
-	shade_frame frame; /* z of the quadrature is n */
+	shade_frame frame; /* its normal is the z axis of the quadrature */
 } measured;
 
 static double density_at(const double direction[3], const void *context)
@@ -370,7 +374,8 @@ static double density_at(const double direction[3], const void *context)
 	return (double)m->row->density(m->shape, world) * cosine;
 }
 
-/* The density of the view mirrored at h, and d(direction) = 4 |view.h| dh; all directions are met with h above z. */
+/* The density of the view mirrored at h; d(direction) = 4 |view.h| dh. Half vectors above the horizon reach all
+ * directions. */
 static double density_at_mirrored(const double h[3], const void *context)
 {
 	const measured *m = context;
@@ -400,12 +405,12 @@ double stilb_numeric_measure_of(const stilb_numeric_row *row, const stilb_numeri
 	stilb_vec3 view = shape->view, pole = {0.0f, 0.0f, 1.0f};
 	if (row->pole == STILB_NUMERIC_POLE_MIRRORED)
 		pole = stilb_vec3_make(-view[0], -view[1], view[2]);
-	const measured m = {row, shape, shade_frame_from_normal(pole)};
+	measured m = {row, shape, shade_frame_from_normal(pole)};
 	return stilb_numeric_integrate_lobe(row->pole == STILB_NUMERIC_POLE_HALF ? density_at_mirrored : density_at, &m,
 	                                    (double)alpha_of(shape));
 }
 
-/* ---- energy ----------------------------------------------------------------------------------------------------- */
+/* ---- energy ------------------------------------------------------------------------------------------------------ */
 
 shade_brdf_parameters stilb_numeric_white(float roughness, float anisotropy)
 {

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* Nodes and weights of the rule of 16 points on [-1, 1]; it is symmetric, so half of it is kept. Source: Abramowitz and
- * Stegun, "Handbook of Mathematical Functions" (1964), table 25.4. */
+/* Nodes and weights of the rule of 16 points on [-1, 1]; it is symmetric, so only the positive half is stored.
+ * Source: Abramowitz and Stegun, "Handbook of Mathematical Functions" (1964), table 25.4. */
 #define HALF_POINTS 8
 static const double nodes[HALF_POINTS] = {
 	0.095012509837637440185, 0.281603550779258913230, 0.458016777657227386342, 0.617876244402643748447,
@@ -43,7 +43,7 @@ static double around(double z, const void *context)
 	double radius = sqrt(fmax(0.0, 1.0 - z * z)), sum = 0.0;
 	for (int i = 0; i < r->points; i++) {
 		double phi = (i + 0.5) / r->points * 2.0 * M_PI;
-		const double direction[3] = {radius * cos(phi), radius * sin(phi), z};
+		double direction[3] = {radius * cos(phi), radius * sin(phi), z};
 		sum += r->f(direction, r->context);
 	}
 	return sum * 2.0 * M_PI / r->points;
@@ -53,7 +53,7 @@ double stilb_numeric_integrate_sphere(stilb_numeric_direction_function *f, const
                                       int panels)
 {
 	STILB_ASSERT(low >= -1.0 && low <= high && high <= 1.0);
-	const ring r = {f, context, 32 * panels};
+	ring r = {f, context, 32 * panels};
 	return stilb_numeric_integrate(around, &r, low, high, panels);
 }
 
@@ -68,14 +68,14 @@ static double across(double t, const void *context)
 {
 	const lobe *l = context;
 	double tangent = l->width * sinh(t), cosine2 = 1.0 / (1.0 + tangent * tangent);
-	double slope = l->width * cosh(t) * cosine2; /* of theta / 2 */
+	double slope = l->width * cosh(t) * cosine2; /* derivative of theta / 2 by t */
 	return around(2.0 * cosine2 - 1.0, &l->ring) * 4.0 * tangent * cosine2 * slope;
 }
 
 double stilb_numeric_integrate_lobe(stilb_numeric_direction_function *f, const void *context, double width)
 {
 	STILB_ASSERT(f && width > 0.0 && width <= 1.0);
-	const lobe l = {{f, context, LOBE_POINTS}, width};
+	lobe l = {{f, context, LOBE_POINTS}, width};
 	double horizon = asinh(1.0 / width);
 	double above = stilb_numeric_integrate(across, &l, 0.0, horizon, (int)ceil(2.0 * horizon));
 	return above + stilb_numeric_integrate(around, &l.ring, -1.0, 0.0, 4);

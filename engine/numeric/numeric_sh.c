@@ -23,7 +23,7 @@ shade_sh stilb_numeric_sh_project(stilb_numeric_direction_function *f, const voi
 	STILB_ASSERT(f && panels >= 1);
 	shade_sh sh;
 	for (int i = 0; i < 9; i++) {
-		const product p = {f, context, i};
+		product p = {f, context, i};
 		sh.c[i] = (float)stilb_numeric_integrate_sphere(product_at, &p, -1.0, 1.0, panels);
 	}
 	return sh;
@@ -31,7 +31,7 @@ shade_sh stilb_numeric_sh_project(stilb_numeric_direction_function *f, const voi
 
 /* ---- environment maps -------------------------------------------------------------------------------------------- */
 
-/* With theta the angle from +Y and phi the one from -Z to +X. */
+/* theta is the angle from +Y, phi the one from -Z towards +X. */
 void stilb_numeric_latlong_direction(double u, double v, double direction[3])
 {
 	STILB_ASSERT(u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0);
@@ -41,8 +41,9 @@ void stilb_numeric_latlong_direction(double u, double v, double direction[3])
 	direction[2] = -sin(theta) * cos(phi);
 }
 
-/* Integrals over one column's phi, or sums of such integrals times radiance. In phi the basis is made of these five, so
- * a row is five sums for each channel, and what depends on theta comes once per row. */
+/* Integrals over the azimuths phi of one column, or sums of such integrals times radiance. The basis is linear in
+ * these five, so a row takes five sums for each channel, and the factors that depend on theta are applied once for
+ * each row. */
 typedef struct around {
 	double one, sin1, cos1, sin2, cos2;
 } around;
@@ -69,14 +70,14 @@ static void add_texel(around *sum, const around *column, double radiance)
 	sum->cos2 += column->cos2 * radiance;
 }
 
-/* One channel's row into its nine coefficients: each basis function is written in theta and phi, and its theta part
- * times sin(theta) integrated over the row. */
+/* Adds one channel's row to its nine coefficients: each basis function is a product of functions of theta and phi,
+ * and its theta part times sin(theta) is integrated over the row's height. */
 static void add_row(double sh[9], const around *row, uint32_t y, uint32_t height)
 {
 	STILB_ASSERT(y < height);
 	double a = M_PI * y / height, b = M_PI * (y + 1.0) / height;
 	double ca = cos(a), cb = cos(b), sa = sin(a), sb = sin(b);
-	double s = ca - cb;                                              /* of sin */
+	double s = ca - cb;                                              /* integral of sin */
 	double sc = 0.5 * (sb * sb - sa * sa);                           /* of sin cos */
 	double ss = 0.5 * (b - a) - 0.5 * (sb * cb - sa * ca);           /* of sin^2 */
 	double ssc = (sb * sb * sb - sa * sa * sa) / 3.0;                /* of sin^2 cos */
@@ -96,7 +97,7 @@ static void add_row(double sh[9], const around *row, uint32_t y, uint32_t height
 
 static stilb_result project_map(const stilb_image *map, const around *columns, double sh[3][9])
 {
-	const uint32_t colors = map->channels < 3 ? 1 : 3;
+	uint32_t colors = map->channels < 3 ? 1 : 3;
 	const float *texel = map->pixels;
 	for (uint32_t y = 0; y < map->height; y++) {
 		around row[3] = {{0}};

@@ -14,7 +14,7 @@ static double size_of(const double v[3])
 
 static stilb_result add(direction_sum *sum, stilb_vec3 direction, float weight, size_t index)
 {
-	const double d[3] = {(double)direction[0], (double)direction[1], (double)direction[2]};
+	double d[3] = {(double)direction[0], (double)direction[1], (double)direction[2]};
 	double size = size_of(d);
 	if (!(size > 0.0 && isfinite(size)))
 		return stilb_fail(STILB_ERROR_ARGUMENT,

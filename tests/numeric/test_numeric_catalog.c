@@ -1,5 +1,5 @@
-/* Every row of the catalogue does what it says: its own integral is 1, it conserves energy or gains the amount in the table,
- * it is reciprocal or is not, and its samples are spread as its density says. */
+/* Every row of the catalogue does what it says: its own integral is 1, it conserves energy or gains the amount in the
+ * table, it is reciprocal or is not, and its samples are spread as its density says. */
 #include "support/shade_proof.h"
 
 #include "numeric/numeric_catalog.h"
@@ -31,7 +31,7 @@ static void each_row(stilb_numeric_kind kind, row_check *check)
 	assert_true(seen > 5);
 }
 
-/* ---- the table -------------------------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 static void names_find_their_rows(void **state)
 {
@@ -73,7 +73,7 @@ static void table_is_whole(void **state)
 		assert_int_equal(kinds[kind], 1);
 }
 
-/* ---- measures --------------------------------------------------------------------------------------------------- */
+/* ---- measures ---------------------------------------------------------------------------------------------------- */
 
 static void check_measure(const stilb_numeric_row *row)
 {
@@ -116,7 +116,7 @@ static void ndf_row_is_not_a_heightfield(void **state)
 	SHADE_PROOF_NEAR(stilb_numeric_measure_of(&row, &shape), (n + 1.0) / (n + 2.0), 1e-5, 0.0);
 }
 
-/* ---- flags ------------------------------------------------------------------------------------------------------ */
+/* ---- flags ------------------------------------------------------------------------------------------------------- */
 
 static void check_energy(const stilb_numeric_row *row)
 {
@@ -176,7 +176,7 @@ static void reciprocity_is_as_the_table_says(void **state)
 	each_row(STILB_NUMERIC_BRDF, check_reciprocity);
 }
 
-/* ---- samplers --------------------------------------------------------------------------------------------------- */
+/* ---- samplers ---------------------------------------------------------------------------------------------------- */
 
 enum { RINGS = 24, SECTORS = 16, BINS = RINGS * SECTORS, SAMPLES = 1 << 17 };
 
@@ -262,8 +262,8 @@ static double expected_share(const spread *s, int bin)
 	return stilb_numeric_integrate(density_in_sector, &part, low, high, 1);
 }
 
-/* How many standard deviations chi-square lies above what it is on average, its degrees of freedom. Bins with less than ten
- * samples to expect are one bin. */
+/* How many standard deviations chi-square lies above what it is on average, its degrees of freedom. Bins with less than
+ * ten samples to expect are one bin. */
 static double chi_square(const spread *sampled, const spread *expected)
 {
 	static int counts[BINS];
