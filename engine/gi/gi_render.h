@@ -1,13 +1,26 @@
 /*
- * gi_render: pictures of a scene, by rays.
+ * gi_render: pictures of a scene by ray tracing.
  *
- * Life cycle.  stilb_gi_render_create -> stilb_gi_render_run (may be asked to stop; run again goes on) -> the film is read
- *              (stilb_gi_render_film) or saved (stilb_gi_render_save) -> stilb_gi_render_destroy.
- * The same bits.  A sample depends on its pixel, its number and the settings, and a pixel adds its samples in order: so the
- *              picture does not depend on workers, tiles, passes, or on stopping and going on. Exceptions say so.
- * Threads.     create, run, save, destroy: [main-thread] of the pool. stop and progress: [any-thread], stop from a signal
- *              handler too.
- * Units.       Radiance in W sr^-1 m^-2, linear Rec.709; metres; radians.
+ * Life cycle.  stilb_gi_render_create -> stilb_gi_render_run, which renders until the picture is finished or somebody
+ *              calls stilb_gi_render_stop; called again it continues -> the film is read (stilb_gi_render_film) or
+ *              written to a file (stilb_gi_render_save) -> stilb_gi_render_destroy.
+ *
+ *   stilb_gi_settings settings = stilb_gi_settings_default(scene);
+ *   settings.samples = 256;
+ *   stilb_gi_render *render;
+ *   if (stilb_gi_render_create(gi_scene, &settings, pool, &render) == STILB_OK &&
+ *       stilb_gi_render_run(render) == STILB_OK)
+ *       stilb_gi_render_save(render, "picture.exr");
+ *   stilb_gi_render_destroy(render);
+ *
+ * Same bits.   A sample depends on its pixel, its number and the settings alone, and a pixel adds its samples in the
+ *              order of their numbers. So the picture does not depend on the number of workers, on tiles or passes, or
+ *              on being stopped and continued. Settings for which this does not hold say so.
+ * Threads.     create, run, film, save, checkpoint, resume, destroy: [main-thread], the one thread that created the
+ *              render, which must be the pool's main thread. stop, progress and preview: [any-thread], also while run
+ *              runs.
+ * Units.       Radiance in W sr^-1 m^-2, linear Rec.709; metres; radians; seconds.
+ * Errors.      A stilb_result, with a line for the user in stilb_error_message.
  */
 #ifndef STILB_GI_RENDER_H
 #define STILB_GI_RENDER_H
@@ -15,7 +28,21 @@
 #include "gi/gi_scene.h"
 #include "shading/shade_brdf.h"
 
-/* X(ENUM, identifier, what it shows) */
+/* ---- settings ---------------------------------------------------------------------------------------------------- */
+
+/* The integrators: how a camera ray becomes radiance. X(ENUM, identifier, description for users)
+ *
+ * COLOR             diffuse + specular reflectance of the first hit, without light or shadow; black for a miss.
+ * DIRECT            emission and light reflected once, by multiple importance sampling of one light and, where the
+ *                   surface is glossy, one reflected ray (Veach 1997, chapter 9).
+ * AO                share of cosine-weighted rays from the first hit that meet nothing within ao_distance.
+ * MONTECARLO        Kajiya's rendering equation by recursion: `rays` rays at every hit, depth levels deep. Lights are
+ *                   met by chance alone, except those without a size, which no ray can meet.
+ * PATH              Kajiya's path tracing (1986) with a light sampled at every vertex (Veach 1997) and Russian roulette
+ *                   (Arvo and Kirk 1990). Unbiased.
+ * SPLIT             PATH with `rays` paths from the first hit of every sample: less noise where edges are cheap.
+ * IRRADIANCE_CACHE  diffuse indirect light from records (Ward 1988, and cache/gi_cache.h), direct light and highlights
+ *                   as PATH. Smooth after few samples; slightly biased. */
 #define STILB_GI_INTEGRATORS(X)                                                                                        \
 	X(COLOR, color, "the surface's colour, no light")                                                                  \
 	X(DIRECT, direct, "light straight from the lights, with shadows")                                                  \
@@ -25,19 +52,29 @@
 	X(SPLIT, split, "N rays at the first hit, one path after each")                                                    \
 	X(IRRADIANCE_CACHE, irradiance_cache, "diffuse light interpolated between sparse records: smooth, slightly biased")
 
-/* How random numbers are laid out. */
+/* How the random numbers of a pixel's samples are spread. X(ENUM, identifier, description for users)
+ *
+ * RANDOM      independent numbers: the error falls with the square root of the samples.
+ * STRATIFIED  correlated multi-jittered cells (Kensler 2013), made for the planned number of samples.
+ * SOBOL       Sobol's sequence, Owen-scrambled for each pixel (Burley 2020): any number of samples is well spread.
+ * BLUE_NOISE  the same points dealt to pixels in a hierarchical order (Ahmed and Wonka 2020): at few samples the error
+ *             looks like fine grain. Made for the planned number of samples. */
 #define STILB_GI_SAMPLERS(X)                                                                                           \
 	X(RANDOM, random, "independent numbers")                                                                           \
 	X(STRATIFIED, stratified, "one in each cell of a grid")                                                            \
 	X(SOBOL, sobol, "Owen-scrambled Sobol points")                                                                     \
 	X(BLUE_NOISE, blue_noise, "Sobol points ordered so that the error between pixels is blue noise")
 
-/* Pixel reconstruction. Radius in pixels: what of a sample's surroundings a pixel sees. */
+/* Reconstruction filters: how samples around a pixel's centre are weighted. X(ENUM, identifier, description for users)
+ *
+ * Samples are placed with the density of the filter and all weigh the same (Ernst, Stamminger, Greiner 2006), so a
+ * pixel needs no samples of its neighbours and tiles are independent. The window is Harris's (1978). */
 #define STILB_GI_FILTERS(X)                                                                                            \
 	X(BOX, box, "the pixel's square")                                                                                  \
 	X(GAUSSIAN, gaussian, "sigma half a pixel, cut at 1.5 pixels")                                                     \
 	X(BLACKMAN_HARRIS, blackman_harris, "4-term window of radius 1.5 pixels")
 
+/* STILB_GI_INTEGRATOR_COLOR, ..., STILB_GI_SAMPLER_RANDOM, ..., STILB_GI_FILTER_BOX, ...: from the lists above. */
 #define STILB_GI_RENDER_ENUM_INTEGRATOR(id, ...) STILB_GI_INTEGRATOR_##id,
 #define STILB_GI_RENDER_ENUM_SAMPLER(id, ...) STILB_GI_SAMPLER_##id,
 #define STILB_GI_RENDER_ENUM_FILTER(id, ...) STILB_GI_FILTER_##id,
@@ -54,160 +91,245 @@ typedef enum stilb_gi_filter_kind {
 #undef STILB_GI_RENDER_ENUM_SAMPLER
 #undef STILB_GI_RENDER_ENUM_FILTER
 
-/* Which light is left in. */
+/* Which part of the light the picture shows. */
 typedef enum stilb_gi_only {
 	STILB_GI_ALL_LIGHT,
-	STILB_GI_ONLY_INDIRECT, /* light that bounced at least once before it reached the surface that is seen */
+	/* Light that was reflected at least once before it reached the surface that is seen. */
+	STILB_GI_ONLY_INDIRECT,
 } stilb_gi_only;
 
-/* The thin lens of `stilb render --aperture R --focus D`. */
+/* A thin lens: points off the focal plane are blurred. */
 typedef struct stilb_gi_lens {
-	float radius;    /* of the aperture, metres; 0: a pinhole, everything is sharp */
-	float focus;     /* from the camera to the focal plane along the view, metres, > 0 */
-	uint32_t blades; /* 0: round; 3..16: a regular polygon inside that circle */
-	float rotation;  /* of the polygon */
+	/* Of the aperture, metres, 0..1e12. 0: a pinhole, everything is sharp. */
+	float radius;
+	/* Distance of the focal plane from the camera along the view axis, metres, 1e-9..1e12. */
+	float focus;
+	/* 0: a round aperture; 3..16: a regular polygon with that many corners on the circle. */
+	uint32_t blades;
+	/* Of the polygon about the view axis, radians, -1e6..1e6. */
+	float rotation;
 } stilb_gi_lens;
 
+/* When records of the irradiance cache are made. */
 typedef enum stilb_gi_cache_mode {
-	STILB_GI_CACHE_FROZEN, /* made in rounds, then only read: the same bits for every worker count */
-	STILB_GI_CACHE_LIVE,   /* records appear as they are needed: faster, other bits every time */
+	/* In rounds before the picture, then only read: the same bits for any number of workers. */
+	STILB_GI_CACHE_FROZEN,
+	/* When a sample finds none: faster; the bits depend on timing and differ from run to run. */
+	STILB_GI_CACHE_LIVE,
 } stilb_gi_cache_mode;
 
+/* How far a record of the irradiance cache reaches. Sources: cache/gi_cache.h. */
 typedef enum stilb_gi_cache_radius {
-	STILB_GI_CACHE_SPLIT_SPHERE, /* Ward's harmonic mean distance, bounded by gradients, distances and neighbours */
-	STILB_GI_CACHE_HESSIAN,      /* the occlusion Hessian's ellipse */
-	STILB_GI_CACHE_HARMONIC,     /* Ward's of 1988: the mean distance as it is */
+	/* Harmonic mean distance to what the record sees, bounded by the gradients and the neighbours' radii. */
+	STILB_GI_CACHE_SPLIT_SPHERE,
+	/* An ellipse in which the second derivative of irradiance keeps the error below a tolerance. */
+	STILB_GI_CACHE_HESSIAN,
+	/* Harmonic mean distance without bounds, as in Ward's first paper (1988). */
+	STILB_GI_CACHE_HARMONIC,
 } stilb_gi_cache_radius;
 
+/* Settings of the integrator IRRADIANCE_CACHE; others ignore them. */
 typedef struct stilb_gi_cache_settings {
 	stilb_gi_cache_mode mode;
 	stilb_gi_cache_radius radius;
-	float error;             /* Ward's a, (0, 1]: larger is coarser */
-	uint32_t rays;           /* gathered a record */
-	bool gradients;          /* rotational and translational */
-	bool overture;           /* fill the cache before the picture; off (LIVE only): the article's blocks */
-	bool show_records;       /* draw where the records lie */
-	const char *load, *save; /* files, or NULL */
+	/* Ward's a, 1e-4..1: the error a record may have; larger is coarser and faster. */
+	float error;
+	/* Rays that gather one record, 16..65536. */
+	uint32_t rays;
+	/* Interpolate with the rotational and translational gradients of the records. */
+	bool gradients;
+	/* Fill the cache before the picture. Off is for LIVE alone, or with load. */
+	bool overture;
+	/* Draw a dot where each record lies. */
+	bool show_records;
+	/* Files to begin with and to write at the end, or NULL. The strings must outlive the render. */
+	const char *load, *save;
 } stilb_gi_cache_settings;
 
-#define STILB_GI_MAX_PIXELS (1u << 26) /* 8192 x 8192: 168 bytes each while it is rendered */
+/* Largest width x height: 8192 x 8192. A render takes 168 bytes a pixel. */
+#define STILB_GI_MAX_PIXELS (1u << 26)
 
 typedef struct stilb_gi_settings {
 	stilb_gi_integrator integrator;
-	uint32_t width, height; /* 1..65536 each, and at most STILB_GI_MAX_PIXELS */
-	uint32_t samples;       /* a pixel, 1..65536; with a limit below: the most */
-	double seconds;         /* end after this long; 0: no limit */
-	float error;            /* end where the estimated relative RMSE of the picture is below; 0: no limit */
+	/* Pixels, 1..65536 each, and at most STILB_GI_MAX_PIXELS in all. */
+	uint32_t width, height;
+	/* Samples of each pixel, 1..65536; with one of the two limits below the most there will be. */
+	uint32_t samples;
+	/* Stop after so many seconds of run, 0..1e9; 0: no limit. */
+	double seconds;
+	/* Stop when the estimated relative root-mean-square error of the picture is below, 0..1e9; 0: no limit. */
+	float error;
+	/* Of all random numbers; another seed gives another, equally good, picture. */
 	uint64_t seed;
 	stilb_gi_sampler_kind sampler;
 	stilb_gi_filter_kind filter;
+	/* near_z and far_z are not used: nothing is clipped. */
 	stilb_scene_camera camera;
 	stilb_gi_lens lens;
-	uint32_t depth;         /* reflections at most, 0..1024; 0: lights alone, 1: and direct light */
-	shade_brdf_model model; /* of the highlights: diffuse light is Lambert's */
+	/* Most reflections of a path, 0..1024. 0: only the lights themselves are seen; 1: also direct light. */
+	uint32_t depth;
+	/* BRDF of the highlights; diffuse reflection is always Lambert's. */
+	shade_brdf_model model;
 	stilb_gi_only only;
-	bool firefly_weight; /* Karis's: biased */
-	float roulette;      /* survival probability from the third bounce, (0, 1]; 0: from the path's throughput */
-	uint32_t rays;       /* N of ao, montecarlo and split: at a hit */
-	float ao_distance;   /* metres: what lies farther does not occlude; 0: no end */
-	bool ao_weighted;    /* a near hit occludes more than a far one: 1 - d / ao_distance */
-	bool progressive;    /* first every 32nd pixel of every 32nd row, then every 16th, ...; off: tile by tile */
-	float exposure;      /* of .png alone: the picture is brighter by so many times two */
+	/* Weight bright samples less, 1 / (1 + luminance): no fireflies, but biased. Source: Karis (2013). */
+	bool firefly_weight;
+	/* Probability with which a path goes on from the third bounce, 0..1; 0: chosen from its throughput. Unbiased. */
+	float roulette;
+	/* N of the integrators ao, montecarlo and split: rays at a hit, 1..65536. */
+	uint32_t rays;
+	/* Of ao, metres, 0..1e12: what is farther away does not occlude; 0: everything does. */
+	float ao_distance;
+	/* Of ao: a hit at distance d counts as 1 - d / ao_distance instead of 1; needs ao_distance > 0. */
+	bool ao_weighted;
+	/* Render every 32nd pixel of every 32nd row first, then every 16th, ...; off: tile by tile. Same bits either
+	 * way. */
+	bool progressive;
+	/* Of .png files and previews, stops, -100..100: radiance is multiplied by 2^exposure. */
+	float exposure;
 	stilb_gi_cache_settings cache;
 } stilb_gi_settings;
 
-/* path, 64 samples of 512 x 512, sobol, box, depth 64, GGX; the scene's camera. */
+/* Integrator path, 64 samples of 512 x 512 pixels, sampler sobol, filter box, depth 64, model GGX with Smith's G and
+ * Schlick's F, the scene's camera. [any-thread] */
 stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene);
 
-/* Rays that MONTECARLO traces for these settings, where every ray hits something and shadow rays are left out: pixels x
- * samples x (1 + N + N^2 + ... + N^depth). Exact below 2^53; +infinity when beyond all numbers. [any-thread] */
+/* Number of rays that MONTECARLO traces with these settings if every ray hits something, shadow rays not counted:
+ * pixels x samples x (1 + N + N^2 + ... + N^depth) with N = settings->rays >= 1. Exact below 2^53; +infinity if beyond
+ * the range of a double. For a warning before a render that would never end. [any-thread] */
 double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings);
+
+/* ---- life cycle -------------------------------------------------------------------------------------------------- */
 
 typedef struct stilb_gi_render stilb_gi_render;
 
-/* scene must outlive it. STILB_ERROR_ARGUMENT names the setting that is out of its range; STILB_ERROR_FILE: the irradiance
- * cache that is to be loaded is none, or another one; STILB_ERROR_MEMORY. */
+/* A render with no sample yet. scene and pool must outlive it; settings are copied. Reads settings->cache.load.
+ * Errors: STILB_ERROR_ARGUMENT names the first setting out of its range, and the range; STILB_ERROR_FILE: the file of
+ * the irradiance cache cannot be read, is damaged, or belongs to another scene or other settings; STILB_ERROR_MEMORY.
+ * Then *out is NULL. [main-thread] */
 stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_settings *settings,
                                     stilb_job_pool *pool, stilb_gi_render **out);
+
+/* Frees everything, the film too. Not while run runs. Accepts NULL. [main-thread] */
 void stilb_gi_render_destroy(stilb_gi_render *render);
 
-/* Renders until the picture is finished, a limit is reached, or stop is asked for; what is left undone the next call does.
- * The calling thread takes part. STILB_OK also when stopped: progress.end says why it ended. STILB_ERROR_FILE: the irradiance
- * cache could not be saved, but the picture is finished; STILB_ERROR_MEMORY. */
+/* Renders until the picture is finished, a limit is reached, or stop is called; a later call continues. The calling
+ * thread works, too. STILB_OK also if stopped: stilb_gi_progress.end says why it returned. Errors: STILB_ERROR_FILE:
+ * the irradiance cache could not be saved, but the picture is finished; STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_gi_render_run(stilb_gi_render *render);
 
-/* Makes run return within some milliseconds; asked for between two calls, the next returns at once. [any-thread], and from
+/* Makes run return within milliseconds; called between two runs, the next one returns at once. [any-thread], and in
  * signal handlers. */
 void stilb_gi_render_stop(stilb_gi_render *render);
 
+/* ---- progress ---------------------------------------------------------------------------------------------------- */
+
 /* Why run returned. */
 typedef enum stilb_gi_end {
-	STILB_GI_END_NOT, /* it has not, or never ran */
+	STILB_GI_END_NOT, /* it runs, or was never called, or failed */
 	STILB_GI_END_SAMPLES,
 	STILB_GI_END_SECONDS,
-	STILB_GI_END_ERROR, /* the estimate is below settings.error */
+	STILB_GI_END_ERROR, /* the estimated error is below settings.error */
 	STILB_GI_END_STOPPED,
 } stilb_gi_end;
 
-/* All pixels that lie on every block-th column and row, and not on those of the pass before, from first_sample on. */
+/* One pass over the picture: samples first_sample .. first_sample + sample_count - 1 of the pixels in every block-th
+ * column and row that have no such samples yet. block is a power of two, 32 at most. */
 typedef struct stilb_gi_pass {
 	uint32_t block, first_sample, sample_count;
-	double seconds;
+	double seconds; /* so far */
 	bool finished;
 } stilb_gi_pass;
 
+/* Passes of one render at most; the last one takes all samples that are left. */
 #define STILB_GI_MAX_PASSES 64
 
 typedef struct stilb_gi_progress {
-	double seconds; /* in run so far, over all calls */
-	double done;    /* share of the work, [0, 1] */
-	uint64_t rays;  /* traced, all kinds; and of these: */
+	/* Time in run, over all calls, those before a resumed checkpoint included. */
+	double seconds;
+	/* Share of the work that is done, [0, 1]; an estimate where a limit may end it sooner. */
+	double done;
+	/* Traced rays of all kinds, and how many of these were camera rays and shadow rays. */
+	uint64_t rays;
 	uint64_t camera_rays, shadow_rays;
-	uint32_t samples; /* every pixel has at least so many */
-	uint32_t block;   /* progressive: every block of so many pixels has one; 1 when done */
-	char stage[32];   /* "overture 3", "pass 2", ... */
-	bool finished;    /* nothing is left to do: see end */
+	/* Every pixel has at least so many samples. */
+	uint32_t samples;
+	/* Of a progressive render: one pixel of every block x block pixels has samples; 1: all pixels have. */
+	uint32_t block;
+	/* The current stage, for people: "overture 3", "pass 2", ... */
+	char stage[32];
+	/* Nothing is left to do; end says why. */
+	bool finished;
 	stilb_gi_end end;
-	uint32_t records;     /* in the irradiance cache */
-	double error;         /* of the last whole pass, as settings.error has it; 0: not known */
-	uint64_t bad_samples; /* that were no number: they count as black */
+	/* Records in the irradiance cache. */
+	uint32_t records;
+	/* Estimated relative error after the last whole pass, as settings.error means it; 0: not known. */
+	double error;
+	/* Samples whose radiance was NaN or infinite; they count as black. */
+	uint64_t bad_samples;
+	/* The passes begun so far, in order. */
 	uint32_t pass_count;
-	stilb_gi_pass passes[STILB_GI_MAX_PASSES]; /* those begun, in order */
+	stilb_gi_pass passes[STILB_GI_MAX_PASSES];
 } stilb_gi_progress;
 
-/* [any-thread] */
+/* Fills progress with the state of the moment; counters may lag a batch behind. [any-thread]
+ *
+ *   stilb_gi_progress progress;
+ *   do {
+ *       stilb_gi_render_progress(render, &progress);       another thread is in run meanwhile
+ *       printf("%3.0f %% %s\n", 100.0 * progress.done, progress.stage);
+ *       sleep(1);
+ *   } while (!progress.finished);
+ */
 void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progress);
 
-/* A copy of what there is now, for a window: 3 floats a pixel, row 0 on top; blocks are filled with their one pixel.
- * [any-thread], while run runs too: pixels of tiles in work may be old ones. */
+/* ---- the picture ------------------------------------------------------------------------------------------------- */
+
+/* Copies the picture as far as it is, for a window. rgb: [height][width][3] linear radiance, row 0 at the top; a pixel
+ * without samples shows the nearest coarser pixel that has some. [any-thread], also while run runs: then pixels of
+ * tiles in progress may be of different age. */
 void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb);
 
-/* What .png holds: exposure, tone map (shade_tonemap.h), sRGB; 3 numbers a pixel. [any-thread] */
+/* Linear radiance to what a .png holds: times 2^exposure, tone mapped (shade_tonemap.h), sRGB in 8 bits. rgb, srgb:
+ * [pixels][3]; NaN and negative radiance become black. [any-thread] */
 void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *srgb);
 
-/* The picture and what belongs to it. Sizes are width x height; valid until destroy, to be read while run does not run. */
+/* The planes of the picture, [height][width] or [height][width][3], row 0 at the top. Means are over the samples of a
+ * pixel. */
 typedef struct stilb_gi_film {
 	uint32_t width, height;
-	const float *radiance; /* [3] mean of the samples */
-	const float *albedo;   /* [3] diffuse + specular reflectance of the first hit, mean */
-	const float *normal;   /* [3] shading normal of the first hit, world, mean; 0 for a miss */
-	const float *depth;    /* distance along the view to the first hit, mean over those that hit; +infinity: none */
-	const float *variance; /* [3] of the mean: the square of its standard error, as if samples were independent of one
-	                        * another, so above the truth where the sampler spreads them; 0 below 2 samples */
+	/* [3] Mean radiance. */
+	const float *radiance;
+	/* [3] Mean of diffuse + specular reflectance at the first hit; 0 for a miss. */
+	const float *albedo;
+	/* [3] Mean shading normal at the first hit, in world space, not unit; 0 for a miss. */
+	const float *normal;
+	/* Mean distance to the first hit along the view axis, of the samples that hit; +infinity: none did. */
+	const float *depth;
+	/* [3] Variance of the mean radiance, the square of its standard error, as if samples were independent: an upper
+	 * estimate for samplers that spread them. 0 below two samples. */
+	const float *variance;
+	/* Number of samples. */
 	const uint32_t *samples;
 } stilb_gi_film;
+
+/* The film, not copied: valid until destroy, to be read while run does not run. [main-thread] */
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
 
-/* .exr: R G B, albedo.*, normal.*, depth.Z, samples, variance.*, with the settings as attributes; .hdr: R G B; .png: the
- * picture through the tone map and sRGB. Whole or not at all. [main-thread] */
+/* Writes the picture, whole or not at all. A name that ends in .exr: all planes as layers (R G B, albedo.*, normal.*,
+ * depth.Z, variance.*, samples), with the settings as attributes. .png: what stilb_gi_display gives. Errors:
+ * STILB_ERROR_ARGUMENT: other endings; STILB_ERROR_FILE; STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path);
 
-/* What is there, so that another process can go on: the same settings, scene and binary give the same bits as one that was
- * never stopped. checkpoint writes whole or not at all, while run does not run. resume, before the first run, refuses
- * (STILB_ERROR_FILE) what is damaged or belongs to another scene or other settings, and names the first that differs; the
- * limits, progressive and exposure may be others, and with them samples, but for STRATIFIED and BLUE_NOISE, whose samples
- * depend on how many there will be. */
+/* Writes everything that another process needs to continue with stilb_gi_render_resume: there the same settings, scene,
+ * binary and instruction set give the same bits as a render that was never stopped. Whole or not at all; not while run
+ * runs. Errors: STILB_ERROR_FILE. [main-thread] */
 stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const char *path);
+
+/* Continues from a checkpoint; only before the first run (else STILB_ERROR_ARGUMENT). The limits, progressive and
+ * exposure may differ from the checkpoint's; so may samples, except with the samplers STRATIFIED and BLUE_NOISE, whose
+ * points depend on how many there will be. Errors: STILB_ERROR_FILE: it cannot be read, is damaged, or belongs to
+ * another scene, version or other settings, of which the message names the first that differs; STILB_ERROR_MEMORY. Then
+ * the render stays empty. [main-thread] */
 stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path);
 
 #endif

@@ -1,10 +1,18 @@
 /*
- * gi_scene: a scene made ready for rays: triangles in Embree's tree, lights in a table. Made once, then only read.
+ * gi_scene: a scene made ready for ray tracing: its triangles in an acceleration structure, its lights in tables.
  *
- * Life cycle.  stilb_gi_scene_create -> any number of renders (gi_render.h) -> stilb_gi_scene_destroy.
- * Build.       Embree runs on the threads that ask: its tree is built by the pool's own workers, one join each, and
- *              Embree keeps no threads of its own.
- * Threads.     create and destroy: [main-thread] of the pool; a finished scene is read by any thread.
+ * Life cycle.  stilb_gi_scene_create -> any number of renders (gi_render.h) -> stilb_gi_scene_destroy. It does not
+ *              change in between: a scene that moves is created again.
+ *
+ *   stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
+ *   stilb_gi_scene *gi_scene;
+ *   if (stilb_gi_scene_create(scene, &desc, &gi_scene) != STILB_OK)
+ *       return stilb_error_message();
+ *   ...
+ *   stilb_gi_scene_destroy(gi_scene);
+ *
+ * Build.       Embree builds its tree on the pool's threads, one pinned job each, and keeps no threads of its own.
+ * Threads.     create and destroy: [main-thread] of the pool, the same one. A created scene is read by any thread.
  */
 #ifndef STILB_GI_SCENE_H
 #define STILB_GI_SCENE_H
@@ -15,7 +23,8 @@
 
 typedef struct stilb_gi_scene stilb_gi_scene;
 
-/* What Embree may use. The same bits need the same one: they walk the tree in other ways. */
+/* Instruction sets that Embree may use: X(ENUM, identifier). AUTO is the widest this CPU has. Each walks the tree in
+ * another way, so pictures have the same bits only with the same one. */
 #define STILB_GI_ISAS(X) X(AUTO, auto) X(SSE2, sse2) X(SSE42, sse42) X(AVX, avx) X(AVX2, avx2) X(AVX512, avx512)
 
 typedef enum stilb_gi_isa {
@@ -25,42 +34,63 @@ typedef enum stilb_gi_isa {
 		STILB_GI_ISA_COUNT
 } stilb_gi_isa;
 
-/* How rays meet triangles. A program that names only BRUTE does not load Embree. */
+/* How rays are intersected with triangles. */
 typedef struct stilb_gi_intersector stilb_gi_intersector;
+
+/* Embree 3. A program that never names it does not load the library. */
 extern const stilb_gi_intersector stilb_gi_embree;
-extern const stilb_gi_intersector stilb_gi_brute; /* every ray against every triangle, in double: the truth of tests */
+
+/* Every ray against every triangle, in double: the reference in tests, far too slow for pictures. */
+extern const stilb_gi_intersector stilb_gi_brute;
 
 typedef struct stilb_gi_scene_desc {
-	stilb_job_pool *pool; /* builds the tree */
+	/* Builds the tree; must outlive the call of stilb_gi_scene_create only. */
+	stilb_job_pool *pool;
 	const stilb_gi_intersector *intersector;
+	/* For Embree; brute ignores it. */
 	stilb_gi_isa isa;
-	uint64_t memory; /* bytes that the tree may take; 0: what the machine has free */
+	/* Bytes that Embree may take; 0: what the machine has free (MemAvailable). */
+	uint64_t memory;
 } stilb_gi_scene_desc;
 
-/* Embree, every instruction set. */
+/* Embree, the widest instruction set, all free memory. [any-thread] */
 stilb_gi_scene_desc stilb_gi_scene_desc_default(stilb_job_pool *pool);
 
-/* What was made: for --stats and the bench. */
+/* What was made of a scene, for reports. */
 typedef struct stilb_gi_scene_info {
-	uint64_t triangles; /* of the scene: a mesh counts once for each of its parts */
-	uint64_t flat;      /* left out: triangles of area 0, such as those at the poles of a sphere; nothing is missing */
-	uint64_t invalid;   /* left out: triangles with a corner that is NaN, infinite, beyond 1e10 m or not in the mesh */
-	uint64_t bytes;     /* of Embree's tree, and of ours */
-	uint32_t lights;    /* emitting triangles and lights without a size */
-	double build_s;     /* Embree's part */
-	const char *isa;    /* "avx512", ...: what Embree runs on */
-	float low[3], high[3]; /* a box around all triangles; low > high: there are none */
+	/* Triangles that rays can hit; a mesh counts once for each part that shows it. */
+	uint64_t triangles;
+	/* Triangles of area 0 that were left out, such as those at the poles of a sphere; nothing is missing in the
+	 * picture. */
+	uint64_t flat;
+	/* Triangles that were left out because a corner is NaN, infinite, beyond 1e10 m or not in the mesh. */
+	uint64_t invalid;
+	/* Memory: the acceleration structure, vertices, triangles and parts. */
+	uint64_t bytes;
+	/* Emitting triangles, and point, spot and directional lights that shine. */
+	uint32_t lights;
+	/* Seconds in Embree's build. */
+	double build_s;
+	/* Embree's instruction set, "avx512", ...; "none" for brute. */
+	const char *isa;
+	/* Box around all triangles in world space, metres; low > high: there are none. */
+	float low[3], high[3];
 } stilb_gi_scene_info;
 
-/* Copies what it needs: scene may go afterwards, but for its textures and environment, which must stay.
- * STILB_ERROR_ARGUMENT: an isa this machine lacks, too many triangles; STILB_ERROR_MEMORY. */
+/* Copies meshes, materials and lights. scene may be destroyed afterwards, except for the pixels of its textures and of
+ * its environment, which must outlive the result. A mesh of many parts is kept once, as instances, where that saves
+ * more than 65,536 triangles.
+ * Errors: STILB_ERROR_ARGUMENT: an instruction set this CPU lacks, more than 2^30 triangles, an environment that has no
+ * linear floats; STILB_ERROR_MEMORY; STILB_ERROR_DEVICE: Embree fails. Then *out is NULL. [main-thread] */
 stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scene_desc *desc, stilb_gi_scene **out);
 
+/* After all renders of it. Accepts NULL. [main-thread], the one that created it. */
 void stilb_gi_scene_destroy(stilb_gi_scene *scene);
 
+/* Valid as long as the scene. [any-thread] */
 const stilb_gi_scene_info *stilb_gi_scene_info_of(const stilb_gi_scene *scene);
 
-/* Embree's version, as the program was built for: "3.13.5". [any-thread] */
+/* The version of Embree that the program was built with, "3.13.5". [any-thread] */
 const char *stilb_gi_library_version(void);
 
 #endif
