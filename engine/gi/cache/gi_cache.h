@@ -1,13 +1,13 @@
 /*
- * gi_cache: the irradiance cache: diffuse indirect light is gathered at few places, the records, and interpolated between
- * them. This file holds the records and what is derived from the settings; three others work on it:
+ * gi_cache: the irradiance cache: diffuse indirect light is gathered at few places, the records, and interpolated
+ * between them. This file holds the records and what is derived from the settings; three others work on it:
  *
  *   gi_cache_gather.h   makes a record at a surface
  *   gi_cache_fill.h     creates a cache, fills it before the picture (the overture), saves it
  *   gi_cache_file.h     reads and writes records
  *
- * Life cycle.  gi_cache_create -> find and add, from batches of the integrator irradiance_cache and from the overture ->
- *              gi_cache_destroy. gi_cache_fill does both ends.
+ * Life cycle.  gi_cache_create -> find and add, from batches of the integrator irradiance_cache and from the overture
+ *              -> gi_cache_destroy. gi_cache_fill does both ends.
  * Threads.     create, destroy: one thread. All others: [any-thread], while others add.
  * Source:      Ward, Rubinstein, Clear, "A Ray Tracing Solution for Diffuse Interreflection" (1988); Ward, Heckbert,
  *              "Irradiance Gradients" (1992); Krivanek et al., "Making Radiance and Irradiance Caching Practical:
@@ -54,8 +54,8 @@ typedef struct gi_cache {
 	gi_cache_worker *workers; /* [worker_count] */
 } gi_cache;
 
-/* An empty cache for view->settings, which gi_settings_check accepts. view must outlive it; view->cache need not be set yet.
- * worker_count >= 1: threads that will gather. STILB_ERROR_MEMORY; then *out is NULL. */
+/* An empty cache for view->settings, which gi_settings_check accepts. view must outlive it; view->cache need not be set
+ * yet. worker_count >= 1: threads that will gather. STILB_ERROR_MEMORY; then *out is NULL. */
 stilb_result gi_cache_create(const gi_view *view, uint32_t worker_count, gi_cache **out);
 
 /* Accepts NULL. */
@@ -67,7 +67,8 @@ gi_cache_limits gi_cache_limits_at(const gi_cache *cache, stilb_vec3 position);
 /* True if the surface reflects diffuse light, which is what a cache holds. */
 bool gi_cache_wants(const gi_surface *surface);
 
-/* Irradiance at the surface, W m^-2, from all records that are valid there. False: none is, and irradiance is not written. */
+/* Irradiance at the surface, W m^-2, from all records that are valid there. False: none is, and irradiance is not
+ * written. */
 bool gi_cache_find(const gi_cache *cache, const gi_surface *surface, stilb_vec3 *irradiance);
 
 /* True if a record covers the surface with an error below reach (gi_cache_record_error, (0, 1]). */

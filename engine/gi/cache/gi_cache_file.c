@@ -1,6 +1,6 @@
 /*
- * A cache in a file: a line that says what it is; cache_header; the records as they are in memory; the FNV-1a hash of
- * header and records. Numbers are the machine's own.
+ * gi_cache_file: a line that identifies the format; cache_header; the records as they are in memory; the FNV-1a hash
+ * of header and records. Byte order and floats are the machine's.
  */
 #include "gi/cache/gi_cache_file.h"
 
@@ -16,13 +16,13 @@
 static const char magic[] = "stilb irradiance cache 1\n";
 #define MAGIC_SIZE (sizeof magic - 1)
 
-/* What must be the same for the records to be of use. */
+/* What the records depend on: it must be the same for them to be used. */
 typedef struct cache_header {
 	uint64_t scene;
 	uint32_t depth, radius, gradients;
 	float error;
 	uint32_t count, record_size;
-	shade_brdf_model model; /* of the highlights that the gathered light came from */
+	shade_brdf_model model; /* BRDF of the highlights, which reflect light that records gather */
 } cache_header;
 
 static cache_header header_make(const gi_cache *cache)
@@ -40,7 +40,7 @@ static cache_header header_make(const gi_cache *cache)
 
 /* ---- save -------------------------------------------------------------------------------------------------------- */
 
-/* For stilb_file_commit to report: a file keeps its first error. */
+/* A write that fails makes stilb_file_commit fail. */
 static uint64_t write_hashed(stilb_file *file, uint64_t hash, const void *data, size_t size)
 {
 	stilb_file_write(file, data, size);
@@ -96,7 +96,7 @@ static stilb_result check_header(const char *path, const cache_header *header, c
 	return STILB_OK;
 }
 
-/* Numbers that are none, or radii that are not positive. */
+/* All numbers are finite and all radii positive. */
 static bool record_is_sound(const gi_cache_record *record)
 {
 	const float *numbers = (const float *)record;
@@ -115,7 +115,7 @@ static bool read_hashed(FILE *stream, uint64_t *hash, void *data, size_t size)
 	return true;
 }
 
-/* The file is checked to its end before the cache is touched. */
+/* The whole file is checked before the cache is changed. */
 static stilb_result read_records(gi_cache *cache, FILE *stream, const char *path)
 {
 	char line[MAGIC_SIZE];

@@ -9,8 +9,8 @@
  * STILB_ERROR_MEMORY. */
 stilb_result gi_cache_load(gi_cache *cache, const char *path);
 
-/* Writes the records, whole or not at all. While nobody adds. STILB_ERROR_FILE; STILB_ERROR_MEMORY where memory ran out while
- * the cache was filled, so that it has gaps. */
+/* Writes the records, whole or not at all. While nobody adds. STILB_ERROR_FILE; STILB_ERROR_MEMORY where memory ran out
+ * while the cache was filled, so that it has gaps. */
 stilb_result gi_cache_save(const gi_cache *cache, const char *path);
 
 #endif

@@ -1,13 +1,12 @@
 /*
- * The overture: records for what the picture shows, before it is made.
+ * The overture: records for what the picture shows, before it is rendered.
  *
- * Strips.    Pixels are looked at in levels, every 32nd pixel of every 32nd row first, then what lies between, finer
- *            and finer; and a level in strips of rows that lie far from one another. A pixel that no record covers is
- *            missing one.
- * Rounds.    FROZEN: some of the missing pixels, far from one another, gather a record each, as jobs; then the records
- *            are added in the order in which the pixels were chosen, and all that are still missing look again. Who is
- *            chosen does not depend on the workers, so nothing does.
- *            LIVE: whoever looks and misses gathers there and then.
+ * Strips.    Pixels are looked at in levels: every 32nd pixel of every 32nd row first, then those between, finer and
+ *            finer; each level in strips of rows that are far apart. A pixel that no record covers is missing one.
+ * Rounds.    FROZEN: some of the missing pixels, far from one another, gather a record each, as jobs; the records
+ *            are added in the order in which the pixels were chosen; then all pixels that are still missing look
+ *            again. The choice does not depend on the number of workers, so neither do the records.
+ *            LIVE: a job that finds a pixel missing a record gathers one at once.
  */
 #include "gi/cache/gi_cache_fill.h"
 
@@ -21,12 +20,15 @@
 
 #define FIRST_BLOCK 32u
 #define STRIP 8192u      /* pixels, about */
-#define ROUND_LEAST 16u  /* records of a round at least, where so many are missing; and later */
-#define ROUND_SHARE 8u   /* one for so many as there are; */
+#define ROUND_LEAST 16u  /* records in a round at least, if so many pixels are missing one */
+#define ROUND_SHARE 8u   /* records in a round: one for so many that exist, */
 #define ROUND_MOST 1024u /* at most */
-#define ROUND_WORTH 32u  /* missing pixels for which a round is begun before the next strip is looked at */
-#define SPACING 8        /* between the pixels of a round, pixels */
-#define REACH 0.8f /* the overture wants records nearer than the picture does: there are some between pixels too */
+/* a round begins when so many pixels are missing a record; below it the next strip is looked at first */
+#define ROUND_WORTH 32u
+#define SPACING 8 /* pixels, between any two pixels of a round */
+/* largest error of a record that covers a pixel of the overture: below 1, since pixels between are covered by the
+ * same */
+#define REACH 0.8f
 
 typedef struct fill_pixel {
 	gi_surface surface;
@@ -38,11 +40,11 @@ struct gi_cache_fill {
 	gi_cache *cache;
 	stilb_job_pool *pool;
 	gi_camera camera;
-	uint32_t block, strip;    /* the next to be looked at; block 0: all have been */
+	uint32_t block, strip;    /* the next strip to look at; block 0: all are done */
 	uint32_t count, capacity; /* of pixels */
 	fill_pixel *pixels;       /* those that are missing a record */
-	gi_cache_record *records; /* [ROUND_MOST] of a round; NULL: no overture is wanted */
-	uint64_t looked;          /* pixels so far */
+	gi_cache_record *records; /* [ROUND_MOST] of one round; NULL: no overture is wanted */
+	uint64_t looked;          /* pixels looked at so far */
 	_Atomic uint32_t round;   /* relaxed, both: written by run, read by progress, order nothing */
 	_Atomic float done;
 };
@@ -122,9 +124,9 @@ gi_cache_progress gi_cache_fill_progress(const gi_cache_fill *fill)
 
 typedef struct fill_strip {
 	gi_cache_fill *fill;
-	uint32_t first_row, row_step, rows; /* of the level: its row r is the picture's r * block */
+	uint32_t first_row, row_step, rows; /* rows of the level; its row r is row r * block of the picture */
 	uint32_t columns;                   /* slots for a row */
-	_Atomic bool full;                  /* LIVE: no memory for a record */
+	_Atomic bool full;                  /* LIVE: a record could not be added for lack of memory */
 } fill_strip;
 
 static uint32_t divide_up(uint32_t a, uint32_t b)
@@ -146,7 +148,7 @@ static bool pixel_is_of_coarser_level(uint32_t x, uint32_t y, uint32_t block)
 	return block < FIRST_BLOCK && x % (2u * block) == 0 && y % (2u * block) == 0;
 }
 
-/* Whether the pixel's centre shows a surface that wants a record and has none. */
+/* True if the pixel's centre shows a surface that wants a record and no record covers it. */
 static bool pixel_look(const gi_cache_fill *fill, fill_pixel *pixel)
 {
 	const gi_view *view = fill->cache->view;
@@ -190,7 +192,7 @@ static void look_rows(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 	}
 }
 
-/* Room for so many pixels behind the missing ones. */
+/* Grows pixels so that `more` fit behind the missing ones. */
 static stilb_result pixels_want(gi_cache_fill *fill, uint32_t more)
 {
 	if (fill->count + more <= fill->capacity)
@@ -206,7 +208,7 @@ static stilb_result pixels_want(gi_cache_fill *fill, uint32_t more)
 	return STILB_OK;
 }
 
-/* The first count pixels, without those that are no longer missing. */
+/* Keeps those of the first count pixels that are still missing a record. */
 static void pixels_compact(gi_cache_fill *fill, uint32_t count)
 {
 	STILB_ASSERT(count <= fill->capacity);
@@ -249,7 +251,7 @@ static stilb_result strip_look(gi_cache_fill *fill)
 typedef struct fill_round {
 	gi_cache_fill *fill;
 	uint32_t count;
-	uint32_t chosen[ROUND_MOST]; /* of the missing pixels */
+	uint32_t chosen[ROUND_MOST]; /* indices of missing pixels */
 	gi_cache_record *records;    /* [count] */
 } fill_round;
 
@@ -259,7 +261,7 @@ static bool too_near(const fill_pixel *a, const fill_pixel *b)
 	return dx < SPACING && dy < SPACING;
 }
 
-/* Evenly from all that are missing, none near another. */
+/* Chooses missing pixels, evenly spread over the list, none within SPACING of another. */
 static void round_choose(const gi_cache_fill *fill, uint32_t records, fill_round *round)
 {
 	STILB_ASSERT(fill->count > 0);
@@ -321,7 +323,7 @@ static bool overture_has_ended(const gi_cache_fill *fill)
 	return fill->block == 0 && fill->count == 0;
 }
 
-/* relaxed, here and below: numbers to show */
+/* relaxed, here and below: see gi_cache_fill */
 static void overture_count(gi_cache_fill *fill)
 {
 	STILB_ASSERT(fill->looked >= fill->count);

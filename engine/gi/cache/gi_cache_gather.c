@@ -1,6 +1,7 @@
 /*
- * One record: a ray through every cell of the hemisphere, and what the surfaces there reflect. Where these have records
- * already, their indirect light is taken from those; else a path goes on from there.
+ * gi_cache_gather: one record: a ray through every cell of the hemisphere, and what the surfaces that they hit
+ * reflect. Where records cover such a surface, its indirect light is taken from them; else a path continues from
+ * there.
  */
 #include "gi/cache/gi_cache_gather.h"
 
@@ -11,9 +12,10 @@
 
 #include "shading/shade_constants.h"
 
-#define REUSE_DEPTH 16u /* a record holds light of all depths: paths of fewer reflections would see too much in it */
+/* reflections: below this records, which hold light of all depths, would add light that the picture must not have */
+#define REUSE_DEPTH 16u
 
-/* Rays and points of cells first .. first + number - 1. */
+/* Traces the rays of cells first .. first + number - 1. */
 static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi_surface *surface, shade_frame frame,
                         gi_point point, uint32_t first, uint32_t number)
 {
@@ -29,14 +31,14 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 		stilb_vec3 direction = shade_frame_to_world(frame, local);
 		worker->points[i] = branch;
 		worker->rays[i] = gi_ray_hit_make(origin, direction);
-		/* Above the plane of the shading normal, and yet below the triangle: nothing comes from there. */
+		/* A direction above the shading normal's plane but below the triangle brings nothing: that ray stays a miss. */
 		if (stilb_vec3_dot(direction, surface->geometric) > 0.0f)
 			view->scene->tracer.intersect(&view->scene->tracer, &worker->rays[i]);
 	}
 }
 
-/* Indirect light of what a ray hit from the cache; and the question for its direct light. False: a path has to find
- * both. */
+/* Takes the indirect light at the end of ray i from the cache, and puts a shadow ray for its direct light. False: a
+ * path must find both. */
 static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker, uint32_t i)
 {
 	STILB_ASSERT(worker->shadow_count < GI_BATCH);
@@ -74,7 +76,7 @@ static void trace_shadows(const gi_cache *cache, gi_cache_worker *worker)
 	worker->shadow_count = 0;
 }
 
-/* The first path_count of rays and points: those of the cells in targets. */
+/* Traces the first path_count paths of the worker and stores their radiance at targets. */
 static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_count)
 {
 	STILB_ASSERT(path_count <= GI_BATCH);
@@ -93,7 +95,7 @@ static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_cou
 	gi_counter_add(&worker->shadow_rays, batch.shadow_rays);
 }
 
-/* What is nearer than the shortest radius cannot be told apart by records, and would outweigh all else. */
+/* Distances below the shortest radius count as that: records cannot resolve them, and they would dominate the mean. */
 static float nearness(const gi_ray_hit *ray, float shortest)
 {
 	return gi_is_hit(ray) ? 1.0f / fmaxf(ray->ray.t_max, shortest) : 0.0f;

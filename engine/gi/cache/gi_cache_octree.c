@@ -4,12 +4,12 @@
 
 #include <stdlib.h>
 
-#define DEPTH 16u /* of the tree: a place is a 16-bit number for each axis, whose bits from the top name the cells */
+#define DEPTH 16u /* levels: a position is a 16-bit integer on each axis, whose bits from the highest name the cells */
 
-/* One mention of a record in a cell's list. The sphere about it is here, so that most records that do not reach a place
- * are passed over without a look at them. */
+/* An entry in a cell's list. It has the record's bounding sphere, so that most records that do not reach a position
+ * are skipped without being read. */
 typedef struct octree_mention {
-	stilb_vec4 sphere; /* [3] radius squared */
+	stilb_vec4 sphere; /* centre; [3] squared radius */
 	const gi_cache_record *record;
 	const struct octree_mention *next;
 } octree_mention;
@@ -22,8 +22,8 @@ typedef struct octree_cell {
 
 struct gi_cache_octree {
 	stilb_vec3 low;
-	float size;     /* of the root's side */
-	float to_cells; /* metres to the 16-bit numbers */
+	float size;     /* side of the root, metres */
+	float to_cells; /* from metres to the 16-bit integers */
 	octree_cell *root;
 	gi_cache_slab cells, mentions, records;
 };
@@ -39,7 +39,7 @@ stilb_result gi_cache_octree_create(const float low[3], const float high[3], gi_
 	gi_cache_octree *octree = *out;
 	float size = fmaxf(fmaxf(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
 	if (!(size > 0.0f))
-		size = 1.0f; /* no triangles, or a single point: anything will do */
+		size = 1.0f; /* no triangles, or a single point: any size will do */
 	*octree = (gi_cache_octree){
 		.low = stilb_vec3_make(low[0], low[1], low[2]), .size = size, .to_cells = (float)(1u << DEPTH) / size};
 	gi_cache_slab_init(&octree->cells, sizeof(octree_cell));
@@ -53,8 +53,8 @@ stilb_result gi_cache_octree_create(const float low[3], const float high[3], gi_
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
 }
 
-/* No cell is deeper than DEPTH, and every mention has a record and a sphere about it. For STILB_CHECK, while nobody inserts,
- * so the loads are relaxed. */
+/* No cell is deeper than DEPTH, and every mention has a record and a sphere. For STILB_CHECK; nobody inserts, so the
+ * loads are relaxed. */
 static bool cell_is_sound(const octree_cell *cell, uint32_t depth)
 {
 	if (depth > DEPTH)
@@ -95,16 +95,16 @@ const gi_cache_record *gi_cache_octree_record(const gi_cache_octree *octree, uin
 
 /* ---- places ------------------------------------------------------------------------------------------------------ */
 
-/* What lies outside the root belongs to the cells at its rim. */
+/* Positions outside the root belong to the cells at its border. */
 static uint32_t axis_place(const gi_cache_octree *octree, float x, int axis)
 {
 	STILB_ASSERT(axis >= 0 && axis < 3);
 	float at = (x - octree->low[axis]) * octree->to_cells;
-	const float last = (float)((1u << DEPTH) - 1u);
+	float last = (float)((1u << DEPTH) - 1u);
 	return (uint32_t)(at > 0.0f ? fminf(at, last) : 0.0f);
 }
 
-/* The child's number: one bit of each axis. */
+/* Index of the child: one bit from each axis. */
 static uint32_t child_of(const uint32_t place[3], uint32_t depth)
 {
 	STILB_ASSERT(depth < DEPTH);
@@ -112,7 +112,7 @@ static uint32_t child_of(const uint32_t place[3], uint32_t depth)
 	return (place[0] >> shift & 1u) | (place[1] >> shift & 1u) << 1 | (place[2] >> shift & 1u) << 2;
 }
 
-/* Half the box about the ellipsoid along a world axis. */
+/* Half the extent of the ellipsoid's bounding box along a world axis. */
 static float half_extent(const gi_cache_record *record, stilb_vec3 bitangent, int axis)
 {
 	float t = record->tangent[axis] / record->position[3];
@@ -123,7 +123,7 @@ static float half_extent(const gi_cache_record *record, stilb_vec3 bitangent, in
 
 /* ---- insertion --------------------------------------------------------------------------------------------------- */
 
-/* The cell at that depth, with all above it; NULL: no memory. */
+/* The cell at that depth, created with all above it if needed; NULL: no memory. */
 static octree_cell *cell_want(gi_cache_octree *octree, const uint32_t place[3], uint32_t depth)
 {
 	STILB_ASSERT(depth <= DEPTH);
@@ -136,7 +136,8 @@ static octree_cell *cell_want(gi_cache_octree *octree, const uint32_t place[3], 
 			octree_cell *made = gi_cache_slab_take(&octree->cells);
 			if (!made)
 				return NULL;
-			/* release: the new cell is published whole; acquire on failure: as above. The loser's cell stays unused. */
+			/* release: the new cell is published zeroed; acquire on failure: as above. A losing thread's cell stays
+			 * unused. */
 			if (atomic_compare_exchange_strong_explicit(link, &child, made, memory_order_release, memory_order_acquire))
 				child = made;
 		}
@@ -154,9 +155,10 @@ static bool mention_add(gi_cache_octree *octree, octree_cell *cell, const gi_cac
 	made->sphere = record->position;
 	made->sphere[3] = radius * radius;
 	made->record = record;
-	/* relaxed: what follows was published by its own release below, which this exchange carries on */
+	/* relaxed: the older mentions were published by their own releases, and the exchange below continues that
+	 * release sequence */
 	made->next = atomic_load_explicit(&cell->mentions, memory_order_relaxed);
-	/* release: pairs with the acquire in first_mention; the record and the mention are visible whole */
+	/* release: pairs with the acquire in first_mention: the record and the mention are visible */
 	while (!atomic_compare_exchange_weak_explicit(&cell->mentions, &made->next, made, memory_order_release,
 	                                              memory_order_relaxed))
 		;
@@ -177,7 +179,7 @@ bool gi_cache_octree_insert(gi_cache_octree *octree, const gi_cache_record *sour
 	uint32_t low[3], high[3], depth = 0;
 	float widest = 0.0f;
 	for (int i = 0; i < 3; i++) {
-		float half = half_extent(record, bitangent, i) * 1.0001f; /* and what rounding may take away */
+		float half = half_extent(record, bitangent, i) * 1.0001f; /* a margin for rounding */
 		widest = fmaxf(widest, 2.0f * half);
 		low[i] = axis_place(octree, record->position[i] - half, i);
 		high[i] = axis_place(octree, record->position[i] + half, i);
@@ -203,11 +205,11 @@ bool gi_cache_octree_insert(gi_cache_octree *octree, const gi_cache_record *sour
 
 static const octree_mention *first_mention(const octree_cell *cell)
 {
-	/* acquire: pairs with the release in mention_add; older mentions come with it, since exchanges carry releases on */
+	/* acquire: pairs with the release in mention_add, also for older mentions: exchanges continue a release sequence */
 	return atomic_load_explicit(&cell->mentions, memory_order_acquire);
 }
 
-/* The way from the root to a place. */
+/* A walk from the root to the cell of a position. */
 typedef struct octree_walk {
 	const octree_cell *cell;
 	uint32_t depth;

@@ -4,13 +4,13 @@
 
 /* ---- the Hessian's ellipse --------------------------------------------------------------------------------------- */
 
-/* A turn of the tangent plane's axes, and what the second derivative is along the new ones. */
+/* A rotation of the tangent plane's axes, and the second derivatives along the new ones. */
 typedef struct tangent_axes {
 	float cosine, sine;
 	float curvature[2];
 } tangent_axes;
 
-/* The axes along which the matrix {xx, xy, yy} is diagonal. */
+/* The rotation that makes the symmetric matrix {xx, xy, yy} diagonal. */
 static tangent_axes principal_axes(const float matrix[3])
 {
 	float mean = 0.5f * (matrix[0] + matrix[2]);
@@ -21,7 +21,7 @@ static tangent_axes principal_axes(const float matrix[3])
 	return (tangent_axes){.cosine = cosf(angle), .sine = sinf(angle), .curvature = {mean + spread, mean - spread}};
 }
 
-/* Turns t and b, and what is given along them. */
+/* Rotates t and b, and the gradients that are given along them. */
 static void turn_axes(const tangent_axes *axes, shade_frame *frame, gi_cache_gathered *gathered)
 {
 	float c = axes->cosine, s = axes->sine;
@@ -36,9 +36,9 @@ static void turn_axes(const tangent_axes *axes, shade_frame *frame, gi_cache_gat
 	}
 }
 
-/* The radius at which the error of a linear extrapolation, summed over the record's ellipse, is the tolerated one: that
- * of the whole irradiance, times limits->error, over a square of side limits->unit.
- * Source: Schwarzhaupt, Jensen, Jarosz (2012), where the tolerated error is one number. */
+/* The radius at which the error of a linear extrapolation, integrated over the record's ellipse, reaches the
+ * tolerance: limits->error times the irradiance over a square of side limits->unit.
+ * Source: Schwarzhaupt, Jensen, Jarosz (2012), whose tolerance is an absolute number. */
 static float hessian_radius(float curvature, float irradiance, const gi_cache_limits *limits)
 {
 	float tolerated = limits->error * irradiance * limits->unit * limits->unit;
@@ -47,14 +47,14 @@ static float hessian_radius(float curvature, float irradiance, const gi_cache_li
 
 /* ---- radii ------------------------------------------------------------------------------------------------------- */
 
-/* fminf and fmaxf pass over what is no number: a radius of 0 / 0, where nothing shines, is the longest. */
+/* fminf and fmaxf ignore NaN: a radius of 0 / 0, where no light arrives, becomes the longest. */
 static float clamp_radius(float radius, float reach, const gi_cache_limits *limits)
 {
 	return fmaxf(fminf(fminf(radius, reach), limits->longest), limits->shortest);
 }
 
-/* But for plain harmonic means, no record reaches farther than where its linear extrapolation would have used up the whole
- * irradiance, or than what it sees is away. */
+/* The distance at which the linear extrapolation would have changed the irradiance by all of itself, or the harmonic
+ * mean distance to what the record sees, if that is shorter. Radii are limited to it, except plain harmonic ones. */
 static float farthest_reach(const gi_cache_gathered *gathered)
 {
 	float t = gi_cache_mean(gathered->translation[0]);
@@ -69,7 +69,7 @@ static void gradients_drop(gi_cache_gathered *gathered)
 		gathered->rotation[i] = gathered->translation[i] = (stilb_vec3){0};
 }
 
-/* A colour whose gradient would make it negative within the radii gets a flatter one. */
+/* Shortens the gradient of a colour that would become negative within the radii. */
 static void gradients_limit(gi_cache_gathered *gathered, const float radius[2])
 {
 	for (int i = 0; i < 3; i++) {

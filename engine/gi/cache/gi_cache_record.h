@@ -1,12 +1,12 @@
 /*
- * gi_cache_record: what is known at one place of a surface, how far it holds, and what it says about a place nearby.
- * [any-thread]
+ * gi_cache_record: irradiance at one point of a surface, how far from there it is valid, and its value at points
+ * nearby. [any-thread]
  *
- * Validity.  The error that is expected of a record at a place is Ward's, with an ellipsoid in the place of his sphere:
+ * Validity.  The expected error of a record at another point is Ward's, with an ellipsoid in place of his sphere:
  *                e = |(dt / r_t, db / r_b, dn / r_n)| + sqrt(1 - n.n_i) / turn
- *            where dt, db, dn is the way from the record, in its own frame. The record counts where e < 1 and where it
- *            does not see the place from below. With radii a R and turn = a this is his test for the error a and radius
- *            R.
+ *            with dt, db, dn the offset from the record in its own frame and n, n_i the normals. The record is valid
+ *            where e < 1 and where it does not see the point from below. For radii a R and turn = a this is Ward's
+ *            test for the error a and the harmonic mean distance R.
  * Source:    Ward, Rubinstein, Clear (1988); Schwarzhaupt, Jensen, Jarosz (2012).
  */
 #ifndef STILB_GI_CACHE_RECORD_H
@@ -16,37 +16,38 @@
 #include "gi/gi_render.h"
 #include "shading/shade_frame.h"
 
-/* Two cache lines: rows of three numbers, and a fourth that has nothing to do with them. */
+/* Two cache lines: rows of three numbers and, in [3], an unrelated fourth. */
 typedef struct gi_cache_record {
 	stilb_vec4 position;       /* [3] 1 / r_t */
 	stilb_vec4 normal;         /* [3] 1 / r_b */
 	stilb_vec4 tangent;        /* [3] 1 / r_n */
 	stilb_vec4 irradiance;     /* [3] 1 / the longest radius */
-	stilb_vec4 translation[2]; /* along t and b; [3] 0 */
+	stilb_vec4 translation[2]; /* [0] gradient along t, [1] along b, per metre */
 	stilb_vec4 rotation[2];
 } gi_cache_record;
 
-/* How long radii are. */
+/* How radii are chosen. */
 typedef struct gi_cache_limits {
 	float error; /* Ward's a */
-	float turn;  /* of gi_cache_record_error */
+	float turn;  /* see above */
 	stilb_gi_cache_radius radius;
-	bool gradients;          /* kept in the record */
+	bool gradients;          /* keep them in the record */
 	float shortest, longest; /* metres */
-	float unit;              /* metres: side of the area that the Hessian's error is summed over */
+	float unit;              /* metres: side of the square over which the Hessian's error is tolerated */
 } gi_cache_limits;
 
-/* frame.n is the surface's normal. */
+/* A record at a position, from what its hemisphere's cells gathered. frame.n is the surface's normal; gathered is
+ * along frame.t and frame.b. */
 gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_frame frame, stilb_vec3 position,
                                      const gi_cache_limits *limits);
 
-/* No radius longer than this, metres. */
+/* Limits all radii to this, metres, > 0. */
 void gi_cache_record_limit(gi_cache_record *record, float radius);
 
-/* How far below a record's plane, in radii, a place may lie and still be on the same surface. */
+/* A point may lie so far below a record's plane, in radii, and still count as the same surface. */
 #define GI_CACHE_BELOW 0.05f
 
-/* Below 1: the record holds there. */
+/* The error e above; the record is valid there if it is below 1. +infinity if it sees the point from below. */
 static inline float gi_cache_record_error(const gi_cache_record *record, stilb_vec3 position, stilb_vec3 normal,
                                           float turn)
 {
@@ -63,15 +64,15 @@ static inline float gi_cache_record_error(const gi_cache_record *record, stilb_v
 	return sqrtf(t * t + b * b + n * n) + sqrtf(turned) / turn;
 }
 
-/* Ward's weight less what it is where the record ceases to hold, so that none comes or goes with a jump; bounded at the
- * record's own place. */
+/* Ward's weight 1 / e minus its value where the record ceases to be valid, so that records fade in and out; bounded
+ * at the record's own position. */
 static inline float gi_cache_record_weight(float error)
 {
 	STILB_ASSERT(error >= 0.0f);
 	return 1.0f / fmaxf(error, 1.0f / 16.0f) - 1.0f;
 }
 
-/* Irradiance there, extrapolated along the gradients. */
+/* Irradiance at a position and normal nearby, by linear extrapolation along the gradients. */
 static inline stilb_vec3 gi_cache_record_irradiance(const gi_cache_record *record, stilb_vec3 position,
                                                     stilb_vec3 normal)
 {

@@ -1,6 +1,6 @@
 /*
- * The integrator: emission and direct light as ever, diffuse indirect light from the cache, and a path for what a cache
- * cannot hold: highlights, and diffuse light where no record holds.
+ * The integrator irradiance_cache: emission and direct light as in path, diffuse indirect light from the cache, and
+ * paths for what a cache cannot hold: highlights, and diffuse light where no record is valid.
  */
 #include "gi/cache/gi_cache_gather.h"
 
@@ -11,16 +11,17 @@
 #include "shading/shade_constants.h"
 #include "shading/shade_sampling.h"
 
-#define BRANCHES 2u        /* paths that a sample may want: a highlight's and a diffuse one */
-#define RECORD_PIXELS 1.2f /* radius of a record in the picture that shows them */
+#define BRANCHES 2u        /* paths that a sample may need: a highlight's and a diffuse one */
+#define RECORD_PIXELS 1.2f /* radius of the dot that show_records draws, in pixels */
 
-/* A ray for which the cache has no answer. */
+/* A ray whose light the cache does not hold. */
 typedef struct cache_branch {
-	stilb_vec3 weight; /* of what is reflected towards the surface */
-	stilb_vec3 shown;  /* of emission that it finds */
-	stilb_vec3 normal; /* of the surface it left, and the density with which it left: for the weight of emission */
+	stilb_vec3 weight; /* factor on the light that is reflected at its end */
+	stilb_vec3 shown;  /* factor on emission that it finds */
+	/* normal of the surface that it left, and the density of its direction: for the MIS weight of emission */
+	stilb_vec3 normal;
 	float pdf;
-	uint32_t target; /* sample */
+	uint32_t target; /* the sample that it belongs to */
 } cache_branch;
 
 typedef struct cache_scratch {
@@ -48,7 +49,7 @@ static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, sti
 	scratch->points[i] = batch->points[sample];
 }
 
-/* Diffuse indirect light without a record: one direction stands for all. */
+/* Diffuse indirect light where no record is valid: one path estimates it. */
 static void want_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
 {
 	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
@@ -70,14 +71,14 @@ static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *s
 			return;
 		}
 		gi_cache_record record = gi_cache_gather(cache, batch->worker, surface, batch->points[sample]);
-		gi_cache_add(cache, &record); /* without memory for it it serves this sample alone */
+		gi_cache_add(cache, &record); /* if there is no memory for it, it is used for this sample only */
 		irradiance = record.irradiance;
 	}
 	batch->radiance[sample] += surface->diffuse * SHADE_INV_PI * irradiance;
 }
 
-/* One direction of the highlight. The density of the direct light's other way is the highlight's alone, since share is
- * 1. */
+/* One ray for the highlight. Its density is the highlight's alone, since share is 1: gi_direct_ask weighs with the
+ * same. */
 static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
                            const float numbers[8])
 {
@@ -162,7 +163,7 @@ static void trace_shadows(gi_batch *batch)
 	batch->shadow_rays += scratch->shadow_count;
 }
 
-/* Emission that a branch found. */
+/* Emission at the end of a branch. */
 static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, const gi_ray_hit *ray)
 {
 	if (branch->shown[0] + branch->shown[1] + branch->shown[2] == 0.0f)

@@ -14,10 +14,11 @@ void gi_cache_slab_init(gi_cache_slab *slab, size_t size)
 void gi_cache_slab_finish(gi_cache_slab *slab)
 {
 	for (uint32_t i = 0; i < GI_CACHE_SLAB_BLOCKS; i++)
-		free(atomic_load_explicit(&slab->blocks[i], memory_order_relaxed)); /* relaxed: all users have ended */
+		free(atomic_load_explicit(&slab->blocks[i], memory_order_relaxed)); /* relaxed: all users have finished */
 }
 
-/* Block b holds GI_CACHE_SLAB_FIRST << b items, so the item's number over FIRST, plus one, has b + 1 bits. */
+/* The block that holds an item, and the item's index in it. Block b holds GI_CACHE_SLAB_FIRST << b items, so item /
+ * FIRST + 1 has b + 1 bits. */
 static uint32_t block_of(uint32_t item, uint32_t *place)
 {
 	uint32_t block = 31u - (uint32_t)__builtin_clz(item / GI_CACHE_SLAB_FIRST + 1u);
@@ -25,11 +26,11 @@ static uint32_t block_of(uint32_t item, uint32_t *place)
 	return block;
 }
 
-/* The block, made if nobody has yet. */
+/* The block, allocated if nobody has done so yet; NULL: no memory. */
 static char *block_want(gi_cache_slab *slab, uint32_t block)
 {
 	STILB_ASSERT(block < GI_CACHE_SLAB_BLOCKS);
-	/* acquire: pairs with the release of whoever made it; its zeros are visible */
+	/* acquire: pairs with the release below; the block's zeros are visible */
 	char *there = atomic_load_explicit(&slab->blocks[block], memory_order_acquire);
 	if (there)
 		return there;
@@ -38,7 +39,7 @@ static char *block_want(gi_cache_slab *slab, uint32_t block)
 	if (!made)
 		return NULL;
 	memset(made, 0, bytes);
-	/* release: the zeros are published with it; acquire on failure: somebody else's are taken over */
+	/* release: publishes the zeros; acquire on failure: another thread's block is used */
 	if (atomic_compare_exchange_strong_explicit(&slab->blocks[block], &there, made, memory_order_release,
 	                                            memory_order_acquire))
 		return made;
@@ -49,7 +50,7 @@ static char *block_want(gi_cache_slab *slab, uint32_t block)
 void *gi_cache_slab_take(gi_cache_slab *slab)
 {
 	STILB_ASSERT(slab->size > 0 && "after init");
-	/* relaxed: only the number matters; blocks publish themselves, and items are published by who takes them */
+	/* relaxed: only the number counts; blocks publish themselves, and items are published by those who take them */
 	uint32_t item = atomic_load_explicit(&slab->taken, memory_order_relaxed);
 	uint32_t place, block;
 	do {
@@ -64,7 +65,8 @@ void *gi_cache_slab_take(gi_cache_slab *slab)
 
 uint32_t gi_cache_slab_count(const gi_cache_slab *slab)
 {
-	return atomic_load_explicit(&slab->taken, memory_order_relaxed); /* relaxed: a number to show, or nobody takes */
+	/* relaxed: for display, or after all have finished taking */
+	return atomic_load_explicit(&slab->taken, memory_order_relaxed);
 }
 
 void *gi_cache_slab_item(const gi_cache_slab *slab, uint32_t i)

@@ -6,8 +6,8 @@
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* Integral of tan(theta) over projected area up to theta, over pi: of tan(t) d(sin^2 t). Finite, while a single ray's
- * tan(theta) has no finite variance: that is why a ring uses its mean. */
+/* Integral of tan(theta) over projected area up to theta, divided by pi: of tan(t) d(sin^2 t). A ring uses this
+ * mean, since the tan(theta) of a single ray has infinite variance. */
 static double tangent_integral(double theta)
 {
 	return theta - sin(theta) * cos(theta);
@@ -88,7 +88,7 @@ stilb_vec3 gi_cache_strata_direction(const gi_cache_strata *strata, uint32_t cel
 
 /* ---- sums -------------------------------------------------------------------------------------------------------- */
 
-/* The edge towards the ring inside. */
+/* The contribution of the edge between a cell and the one in the ring inside. */
 static void add_ring_edge(const gi_cache_ring *ring, const gi_cache_sector *sector, const gi_cache_cell *cell,
                           const gi_cache_cell *inner, gi_cache_gathered *sum)
 {
@@ -102,7 +102,8 @@ static void add_ring_edge(const gi_cache_ring *ring, const gi_cache_sector *sect
 		sum->hessian[i] += bent * sector->spread[i];
 }
 
-/* The edge towards the sector before; width: a ring's of sin^2(theta). */
+/* The contribution of the edge between a cell and the one in the sector before. width: extent of a ring in
+ * sin^2(theta). */
 static void add_sector_edge(const gi_cache_ring *ring, const gi_cache_sector *sector, const gi_cache_cell *cell,
                             const gi_cache_cell *before, float width, gi_cache_gathered *sum)
 {
