@@ -8,7 +8,7 @@
 
 /* ---- radiance ---------------------------------------------------------------------------------------------------- */
 
-/* What a map may hold; files have numbers that are none, too. */
+/* A value of a map as it is used: NaN and negative values become 0, large ones the limit. */
 static float valid(float value)
 {
 	return value > 0.0f ? value < STILB_NUMERIC_SH_LIMIT ? value : STILB_NUMERIC_SH_LIMIT : 0.0f;
@@ -49,10 +49,11 @@ stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direc
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
-/* Sums of brightness along each row and, weighed by the rows' solid angle, over the rows; both then as shares. */
+/* Cumulative sums of brightness along each row and, weighted by the rows' solid angles, over the rows; then divided
+ * by the totals. */
 static void sum_up(gi_environment *environment)
 {
-	const uint32_t width = environment->width, height = environment->height;
+	uint32_t width = environment->width, height = environment->height;
 	double total = 0.0;
 	for (uint32_t y = 0; y < height; y++) {
 		float *columns = environment->columns + (size_t)y * width;
@@ -121,11 +122,11 @@ void gi_environment_destroy(gi_environment *environment)
 
 /* ---- sampling ---------------------------------------------------------------------------------------------------- */
 
-/* Where u falls among the shares of count cells, and what of u is left inside that cell, [0, 1). */
+/* Index of the cell of a cumulative distribution in which *u falls; *u becomes its position in that cell, [0, 1). */
 static uint32_t find(const float *shares, uint32_t count, float *u)
 {
 	STILB_ASSERT(count > 0 && *u >= 0.0f && *u < 1.0f);
-	uint32_t low = 0, high = count - 1; /* shares[high] > u or high is the last */
+	uint32_t low = 0, high = count - 1; /* invariant: shares[high] > *u, or high is the last */
 	while (low < high) {
 		uint32_t middle = (low + high) / 2;
 		if (shares[middle] > *u)
@@ -174,7 +175,7 @@ float gi_environment_importance(const gi_environment *environment, stilb_vec3 no
 {
 	if (environment->map)
 		return SHADE_PI * environment->mean;
-	const float above = 0.5f + 0.5f * normal[1];
+	float above = 0.5f + 0.5f * normal[1];
 	return SHADE_PI * (above * brightness(environment->sky) + (1.0f - above) * brightness(environment->ground));
 }
 
@@ -182,6 +183,6 @@ float gi_environment_density(const gi_environment *environment, stilb_vec3 norma
 {
 	if (environment->map)
 		return brightness(gi_environment_at(environment, direction)) * environment->density;
-	const float cosine = stilb_vec3_dot(normal, direction);
+	float cosine = stilb_vec3_dot(normal, direction);
 	return cosine > 0.0f ? cosine * SHADE_INV_PI : 0.0f;
 }

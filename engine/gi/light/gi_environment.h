@@ -1,10 +1,11 @@
 /*
- * gi_environment: light from where no triangle is: black, two colours, or a map of latitude and longitude. Used by
- * gi_light.c alone, and by tests. [any-thread] once made.
+ * gi_environment: light from directions without triangles: none, two colours, or a map in latitude and longitude.
+ * For gi_light.c and tests. [any-thread] once created.
  *
- * A map's texel has one radiance all over (as in numeric_sh.h), and is chosen as often as it is bright and large in the sky: the
- * density is then its brightness over the sum of all. Two colours are asked for about the surface's normal, as often as the
- * cosine is large: a map that is spread evenly would be worse off than the surface's own choice of directions.
+ * A map's texel has constant radiance, as in numeric_sh.h, and is chosen with a probability proportional to its
+ * brightness and solid angle; so the density of a direction is its brightness over the integral of brightness. Two
+ * colours are sampled about the surface's normal with a density proportional to the cosine, which is better than a
+ * uniform map.
  */
 #ifndef STILB_GI_ENVIRONMENT_H
 #define STILB_GI_ENVIRONMENT_H
@@ -13,28 +14,29 @@
 #include "gi/light/gi_light.h"
 
 typedef struct gi_environment {
-	stilb_vec3 sky, ground; /* without a map */
-	const float *map;       /* [height][width][channels], or NULL */
+	stilb_vec3 sky, ground; /* radiance above and below the horizon, if there is no map */
+	const float *map;       /* [height][width][channels] radiance, or NULL */
 	uint32_t width, height, channels;
-	float *rows;    /* [height]: the share of this row and those above it in all the light */
-	float *columns; /* [height][width]: the same in a row */
-	float density;  /* of a texel of brightness 1, sr^-1 */
-	float mean;     /* brightness over all directions */
+	float *rows;    /* [height] cumulative share of the rows in all light */
+	float *columns; /* [height][width] cumulative share of the texels in their row's light */
+	float density;  /* per steradian, of a texel of brightness 1 */
+	float mean;     /* mean brightness over all directions */
 } gi_environment;
 
-/* STILB_ERROR_ARGUMENT for a map that is not of floats, STILB_ERROR_MEMORY; then *out is NULL. */
+/* Errors: STILB_ERROR_ARGUMENT: a map that is not of floats; STILB_ERROR_MEMORY. Then *out is NULL. */
 stilb_result gi_environment_create(const stilb_scene *scene, gi_environment **out);
 void gi_environment_destroy(gi_environment *environment);
 
 stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direction);
 
-/* Fills direction, distance, radiance and pdf (without the choice); false: it is black there. */
+/* Samples a direction: fills direction, distance, radiance and pdf, the probability of choosing the environment not
+ * included. False: it is black there. u in [0, 1)^2. */
 bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u, gi_light_sample *sample);
 
-/* Irradiance that it may give to a surface. */
+/* Estimate of the irradiance that it gives to a surface, for choosing between lights. */
 float gi_environment_importance(const gi_environment *environment, stilb_vec3 normal);
 
-/* The density with which sample chooses the direction. */
+/* The density of gi_environment_sample for a direction, per steradian. */
 float gi_environment_density(const gi_environment *environment, stilb_vec3 normal, stilb_vec3 direction);
 
 #endif

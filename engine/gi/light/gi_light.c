@@ -10,7 +10,7 @@
 #include <string.h>
 
 #define BELOW_ONE 0.99999994f
-#define SUN_FACING_MIN 0.02f /* as in the tree */
+#define SUN_FACING_MIN 0.02f /* the same as in the tree: FACING_MIN */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -19,7 +19,7 @@ static float brightness(const float color[3])
 	return (color[0] + color[1] + color[2]) * (1.0f / 3.0f);
 }
 
-/* Of light that is given by numbers of a file. */
+/* True if the colour, which may come from a file, is finite and above 0. */
 static bool shines(const float color[3])
 {
 	return brightness(color) > 0.0f && isfinite(brightness(color));
@@ -55,22 +55,22 @@ static void make_shapes(const gi_emitter *emitters, uint32_t count, gi_lights *l
 
 static gi_light_node shape_node(const gi_light_shape *shape)
 {
-	const stilb_vec3 far = shape->rectangle ? shape->corner + shape->edge_1 + shape->edge_2 : shape->corner;
-	const stilb_vec3 one = shape->corner + shape->edge_1, two = shape->corner + shape->edge_2;
+	stilb_vec3 far = shape->rectangle ? shape->corner + shape->edge_1 + shape->edge_2 : shape->corner;
+	stilb_vec3 one = shape->corner + shape->edge_1, two = shape->corner + shape->edge_2;
 	gi_light_node node = {.cos_cone = 1.0f};
 	for (int i = 0; i < 3; i++) {
 		node.low[i] = fminf(fminf(shape->corner[i], far[i]), fminf(one[i], two[i]));
 		node.high[i] = fmaxf(fmaxf(shape->corner[i], far[i]), fmaxf(one[i], two[i]));
 		node.axis[i] = shape->normal[i];
 	}
-	const float emission[3] = {shape->emission[0], shape->emission[1], shape->emission[2]};
+	float emission[3] = {shape->emission[0], shape->emission[1], shape->emission[2]};
 	node.power = shape->area * (shines(emission) ? brightness(emission) : 0.0f);
 	return node;
 }
 
 static gi_light_node point_node(const stilb_scene_light *point)
 {
-	const bool spot = point->kind == STILB_SCENE_LIGHT_SPOT;
+	bool spot = point->kind == STILB_SCENE_LIGHT_SPOT;
 	gi_light_node node = {.cos_cone = spot ? 1.0f : -1.0f, .cos_beam = spot ? point->cos_outer : -1.0f};
 	memcpy(node.low, point->position, sizeof node.low);
 	memcpy(node.high, point->position, sizeof node.high);
@@ -79,7 +79,8 @@ static gi_light_node point_node(const stilb_scene_light *point)
 	return node;
 }
 
-/* Lights with a place make the tree, numbered shapes first; the others are asked one by one. */
+/* Shapes and lights with a position become leaves of the tree, numbered shapes first; directional lights and the
+ * environment are listed apart. */
 static void make_choice(gi_lights *lights, gi_light_node *leaves)
 {
 	uint32_t count = 0;
@@ -110,10 +111,10 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
 			lights->leaf_of[lights->nodes[i].light] = i;
 }
 
-/* Every emitter has its shape, every shape with power its leaf, every distant light its number. For STILB_CHECK. */
+/* Every emitter has a shape, every leaf is its light's, every distant light exists. For STILB_CHECK. */
 static bool lights_are_sound(const gi_lights *lights)
 {
-	const uint32_t nodes = lights->placed_count > 0 ? 2 * lights->placed_count - 1 : 0;
+	uint32_t nodes = lights->placed_count > 0 ? 2 * lights->placed_count - 1 : 0;
 	for (uint32_t i = 0; i < lights->emitter_count; i++)
 		if (lights->shape_of[i] >= lights->shape_count)
 			return false;
@@ -139,7 +140,7 @@ stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitte
 		*lights = (gi_lights){0};
 		return result;
 	}
-	const size_t points = (size_t)scene->light_count + 1, placed = points + emitter_count;
+	size_t points = (size_t)scene->light_count + 1, placed = points + emitter_count;
 	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);
 	lights->points = stilb_memory_alloc(points, sizeof *lights->points);
 	lights->distant = stilb_memory_alloc(points + 1, sizeof *lights->distant);
@@ -173,9 +174,9 @@ void gi_lights_destroy(gi_lights *lights)
 	*lights = (gi_lights){0};
 }
 
-/* ---- lights without a size ---------------------------------------------------------------------------------------- */
+/* ---- lights without a size --------------------------------------------------------------------------------------- */
 
-/* How much of its intensity a spot sends at this cosine from its axis. */
+/* Share of its intensity that a spot sends at this cosine from its axis: 1 inside cos_inner, 0 outside cos_outer. */
 static float spot_share(const stilb_scene_light *spot, float cosine)
 {
 	if (cosine >= spot->cos_inner)
@@ -207,11 +208,11 @@ static bool sample_directional(const stilb_scene_light *light, gi_light_sample *
 static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi_light_sample *sample)
 {
 	STILB_ASSERT(light->kind != STILB_SCENE_LIGHT_DIRECTIONAL);
-	const stilb_vec3 to_light = vector(light->position) - position;
-	const float distance2 = stilb_vec3_dot(to_light, to_light), distance = sqrtf(distance2);
-	const stilb_vec3 direction = to_light * (1.0f / distance);
-	const bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
-	const float share = spot ? spot_share(light, -stilb_vec3_dot(vector(light->direction), direction)) : 1.0f;
+	stilb_vec3 to_light = vector(light->position) - position;
+	float distance2 = stilb_vec3_dot(to_light, to_light), distance = sqrtf(distance2);
+	stilb_vec3 direction = to_light * (1.0f / distance);
+	bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
+	float share = spot ? spot_share(light, -stilb_vec3_dot(vector(light->direction), direction)) : 1.0f;
 	*sample = (gi_light_sample){
 		.direction = direction,
 		.distance = distance,
@@ -224,14 +225,14 @@ static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi
 
 /* ---- which light ------------------------------------------------------------------------------------------------- */
 
-/* Irradiance that a distant light may give. */
+/* Estimate of the irradiance that a distant light gives to a surface. */
 static float distant_importance(const gi_lights *lights, uint32_t distant, stilb_vec3 normal)
 {
 	STILB_ASSERT(distant < lights->distant_count);
 	if (lights->distant[distant] == GI_LIGHT_ENVIRONMENT)
 		return gi_environment_importance(lights->environment, normal);
 	const stilb_scene_light *sun = &lights->points[lights->distant[distant]];
-	const float facing = -stilb_vec3_dot(vector(sun->direction), normal);
+	float facing = -stilb_vec3_dot(vector(sun->direction), normal);
 	return brightness(sun->intensity) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
 }
 
@@ -240,8 +241,8 @@ static uint32_t group_count(const gi_lights *lights)
 	return lights->distant_count + (lights->placed_count > 0);
 }
 
-/* Lights are asked in groups: one is all those with a place, then each distant one. What blocks their light is not known, so
- * half of the questions go to all groups alike, and half by how much light they may give. */
+/* Lights are chosen in groups: all lights with a position are one, each distant light is another. Half of the
+ * probability is shared equally, since nothing is known of what occludes them, half by estimated irradiance. */
 static float group_importance(const gi_lights *lights, uint32_t group, stilb_vec3 position, stilb_vec3 normal)
 {
 	STILB_ASSERT(group < group_count(lights));
@@ -254,8 +255,8 @@ static float group_importance(const gi_lights *lights, uint32_t group, stilb_vec
 #define GROUPS_KEPT 8
 
 typedef struct group_sum {
-	float all;      /* of the importances of all groups */
-	uint32_t count; /* of those that have any */
+	float all;      /* sum of the importances of all groups */
+	uint32_t count; /* number of groups with importance above 0 */
 	float kept[GROUPS_KEPT];
 } group_sum;
 
@@ -281,15 +282,15 @@ static float group_probability(const gi_lights *lights, const group_sum *sum, ui
 	return importance > 0.0f ? 0.5f / (float)sum->count + 0.5f * importance / sum->all : 0.0f;
 }
 
-/* The group at u, which is stretched to [0, 1) again, and its probability. */
+/* The group at *u and its probability; *u is stretched to [0, 1) again. */
 static uint32_t choose_group(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float *u,
                              float *probability)
 {
-	const uint32_t groups = group_count(lights);
+	uint32_t groups = group_count(lights);
 	*probability = 1.0f;
 	if (groups == 1)
 		return 0;
-	const group_sum sum = sum_groups(lights, position, normal);
+	group_sum sum = sum_groups(lights, position, normal);
 	uint32_t chosen = 0;
 	for (uint32_t group = 0; group < groups; group++) {
 		float chance = group_probability(lights, &sum, group, position, normal);
@@ -301,7 +302,7 @@ static uint32_t choose_group(const gi_lights *lights, stilb_vec3 position, stilb
 			break;
 		*u -= chance;
 	}
-	const float left = *u / *probability; /* rounding may leave more than 1 after the last */
+	float left = *u / *probability; /* rounding may leave 1 or more after the last group */
 	*u = left < BELOW_ONE ? left : BELOW_ONE;
 	return chosen;
 }
@@ -310,11 +311,11 @@ static float probability_of_group(const gi_lights *lights, uint32_t group, stilb
 {
 	if (group_count(lights) == 1)
 		return 1.0f;
-	const group_sum sum = sum_groups(lights, position, normal);
+	group_sum sum = sum_groups(lights, position, normal);
 	return group_probability(lights, &sum, group, position, normal);
 }
 
-/* ---- the interface ------------------------------------------------------------------------------------------------ */
+/* ---- the interface ----------------------------------------------------------------------------------------------- */
 
 static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
                           gi_light_sample *sample)
@@ -323,7 +324,7 @@ static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_ve
 	uint32_t leaf = gi_light_tree_choose(lights->nodes, position, normal, u_choice, &probability);
 	if (leaf == GI_LIGHT_LEAF)
 		return false;
-	const uint32_t light = lights->nodes[leaf].light;
+	uint32_t light = lights->nodes[leaf].light;
 	bool found = light < lights->shape_count
 	                 ? gi_light_shape_sample(&lights->shapes[light], position, u, sample)
 	                 : sample_point(&lights->points[light - lights->shape_count], position, sample);
@@ -340,12 +341,12 @@ bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3
 	if (group_count(lights) == 0)
 		return false;
 	float probability;
-	const uint32_t group = choose_group(lights, position, normal, &u_choice, &probability);
+	uint32_t group = choose_group(lights, position, normal, &u_choice, &probability);
 	bool found;
 	if (lights->placed_count > 0 && group == 0) {
 		found = sample_placed(lights, position, normal, u_choice, u, sample);
 	} else {
-		const uint32_t distant = lights->distant[group - (lights->placed_count > 0)];
+		uint32_t distant = lights->distant[group - (lights->placed_count > 0)];
 		found = distant == GI_LIGHT_ENVIRONMENT ? gi_environment_sample(lights->environment, normal, u, sample)
 		                                        : sample_directional(&lights->points[distant], sample);
 	}
@@ -357,7 +358,7 @@ bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance)
 {
 	STILB_ASSERT(light < lights->emitter_count);
-	const uint32_t shape = lights->shape_of[light];
+	uint32_t shape = lights->shape_of[light];
 	if (lights->leaf_of[shape] == GI_LIGHT_LEAF)
 		return 0.0f;
 	return gi_light_shape_density(&lights->shapes[shape], position, distance) *

@@ -1,8 +1,9 @@
 /*
- * gi_light: where light comes from: emitting triangles, lights without a size, the surroundings. [any-thread]
+ * gi_light: all light sources of a scene: emitting triangles, lights without a size, the surroundings. [any-thread]
  *
- * Every direction that emitted light can come from is found in one way by gi_light_sample_at and, where it hits a triangle or
- * nothing, weighed by gi_light_pdf: what multiple importance sampling needs.
+ * Every direction from which emitted light can arrive is found in exactly one way by gi_light_sample_at, and
+ * gi_light_pdf or gi_environment_pdf give its density if a ray finds it instead: as multiple importance sampling
+ * needs it.
  */
 #ifndef STILB_GI_LIGHT_H
 #define STILB_GI_LIGHT_H
@@ -11,7 +12,7 @@
 #include "base/base_math.h"
 #include "scene/scene.h"
 
-/* An emitting triangle in world space; its front shines. */
+/* An emitting triangle in world space; it emits from its front. */
 typedef struct gi_emitter {
 	float position[3][3];
 	float emission[3];
@@ -20,23 +21,23 @@ typedef struct gi_emitter {
 #define GI_LIGHT_ENVIRONMENT UINT32_MAX
 
 typedef struct gi_lights {
-	struct gi_light_shape *shapes; /* emitting triangles; two that make a rectangle are one shape */
+	struct gi_light_shape *shapes; /* one for each emitting triangle, or for two that make a rectangle */
 	uint32_t shape_count, emitter_count;
 	uint32_t *shape_of;        /* [emitter_count] */
-	stilb_scene_light *points; /* lights without a size; the sun among them */
+	stilb_scene_light *points; /* point, spot and directional lights; the sun is one of them */
 	uint32_t point_count;
-	struct gi_light_node *nodes; /* the tree of the lights with a place, gi_light_tree.h */
+	struct gi_light_node *nodes; /* tree of the lights that have a position: gi_light_tree.h */
 	uint32_t placed_count;
-	uint32_t *leaf_of; /* [shape_count] of nodes */
+	uint32_t *leaf_of; /* [shape_count] index in nodes */
 	uint32_t
-		*distant; /* directional lights, by their number in points, and at last GI_LIGHT_ENVIRONMENT if it shines */
+		*distant; /* indices in points of directional lights; the last is GI_LIGHT_ENVIRONMENT, if it is not black */
 	uint32_t distant_count;
-	struct gi_environment *environment; /* never NULL: black where there is no light */
+	struct gi_environment *environment; /* never NULL; black if there are no surroundings */
 } gi_lights;
 
-/* emitters: the triangles of all parts whose material emits, in the order of their light numbers; one without an area is
- * never asked. From scene come its lights, sun, sky and environment (which must stay). STILB_ERROR_MEMORY,
- * STILB_ERROR_ARGUMENT (an environment map that is no map); then lights is {0}. */
+/* emitters: the triangles of all parts whose material emits, in the order of their light numbers; one of area 0 is
+ * never sampled. From scene come lights, sun, sky and environment, whose pixels must outlive lights.
+ * Errors: STILB_ERROR_MEMORY; STILB_ERROR_ARGUMENT: the environment's picture has no floats. Then lights is {0}. */
 stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitters, uint32_t emitter_count,
                               gi_lights *lights);
 
@@ -45,25 +46,27 @@ void gi_lights_destroy(gi_lights *lights);
 
 typedef struct gi_light_sample {
 	stilb_vec3 direction; /* unit, from the surface to the light */
-	float distance;       /* for the shadow ray: to the light, less what that may be off; +infinity: there is no end */
-	stilb_vec3 radiance;  /* towards the surface; of a light without a size: its irradiance across the beam */
-	float pdf;  /* per steradian, the choice of the light included; without a size: the probability of the choice */
-	bool delta; /* without a size: no other way finds it, MIS weight 1 */
+	float distance;       /* t_max for the shadow ray: to just before the light; +infinity for distant lights */
+	/* towards the surface, W sr^-1 m^-2; of a light without a size: irradiance on a surface that faces it, W m^-2 */
+	stilb_vec3 radiance;
+	/* per steradian, including the choice of the light; of a light without a size: the probability of that choice */
+	float pdf;
+	bool delta; /* a light without a size: no ray can hit it, so its MIS weight is 1 */
 } gi_light_sample;
 
-/* Asks one light; false: it gives this point nothing. u_choice and u in [0, 1). position: the ray's origin. normal: of the
- * surface, on the side that is lit. */
+/* Samples one light. False: it sends nothing to this point. u_choice and u in [0, 1). position: the origin of the
+ * shadow ray. normal: of the surface, unit, on the lit side. */
 bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
                         gi_light_sample *sample);
 
-/* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray from there that hit the front of
- * emitter `light` at this distance. */
+/* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray from position that hit
+ * the front of emitter `light`, < emitter_count, at this distance. */
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance);
 
-/* ... and of one that hit nothing. */
+/* The same for a ray that hit nothing. */
 float gi_environment_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, stilb_vec3 direction);
 
-/* Radiance of the surroundings. */
+/* Radiance of the surroundings from a unit direction. */
 stilb_vec3 gi_environment_radiance(const gi_lights *lights, stilb_vec3 direction);
 
 #endif

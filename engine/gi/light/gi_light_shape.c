@@ -6,11 +6,12 @@
 #include <math.h>
 #include <string.h>
 
-#define NEAR 0.2f             /* area over squared distance: from here on solid angles are worth their time */
-#define SOLID_ANGLE_MIN 0.01f /* sr: below it the angles' own rounding shows */
-#define SQUARE_ANGLE 1e-5f /* cosine, and difference of corners over the edges' length, of what counts as a rectangle */
+#define NEAR 0.2f             /* area over squared distance, above which sampling by solid angle is worth its time */
+#define SOLID_ANGLE_MIN 0.01f /* sr: below it, rounding errors of the angles show */
+/* largest cosine between the edges, and gap between corners relative to the edges, of a rectangle */
+#define SQUARE_ANGLE 1e-5f
 #define BELOW_ONE 0.99999994f
-#define SQUARE_MIN 1e-14f /* keeps what divides above 0 */
+#define SQUARE_MIN 1e-14f /* lower bound of divisors */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -44,7 +45,7 @@ gi_light_shape gi_light_shape_make(const gi_emitter *emitter)
 	return shape;
 }
 
-/* Which corner of one triangle the other has not; 3: they do not share an edge. */
+/* The corner of one triangle that the other lacks; 3: they do not share exactly two corners. */
 static int lonely_corner(const gi_emitter *one, const gi_emitter *other)
 {
 	int lonely = 3, shared = 0;
@@ -67,7 +68,7 @@ bool gi_light_shape_join(const gi_emitter *first, const gi_emitter *second, gi_l
 	one.corner = vector(first->position[a]);
 	one.edge_1 = vector(first->position[(a + 1) % 3]) - one.corner;
 	one.edge_2 = vector(first->position[(a + 2) % 3]) - one.corner;
-	const float length_1 = length_of(one.edge_1), length_2 = length_of(one.edge_2);
+	float length_1 = length_of(one.edge_1), length_2 = length_of(one.edge_2);
 	stilb_vec3 gap = one.corner + one.edge_1 + one.edge_2 - vector(second->position[b]);
 	if (!(fabsf(stilb_vec3_dot(one.edge_1, one.edge_2)) <= SQUARE_ANGLE * length_1 * length_2) ||
 	    !(length_of(gap) <= SQUARE_ANGLE * fminf(length_1, length_2)) ||
@@ -94,12 +95,12 @@ static stilb_vec4 root4(stilb_vec4 x)
 	return (stilb_vec4){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
 }
 
-/* |error| <= 2e-8 and rounding, for |x| <= 1. Source: Abramowitz and Stegun, "Handbook of Mathematical Functions" (1964),
- * 4.4.46. */
+/* |error| <= 2e-8 and rounding, for |x| <= 1. Source: Abramowitz and Stegun, "Handbook of Mathematical Functions"
+ * (1964), 4.4.46. */
 static stilb_vec4 arc_cosine4(stilb_vec4 x)
 {
-	const lanes_mask below = x < 0.0f, sign = below & INT32_MIN;
-	const stilb_vec4 size = (stilb_vec4)((lanes_mask)x & INT32_MAX);
+	lanes_mask below = x < 0.0f, sign = below & INT32_MIN;
+	stilb_vec4 size = (stilb_vec4)((lanes_mask)x & INT32_MAX);
 	stilb_vec4 p = 0.0066700901f - 0.0012624911f * size;
 	p = -0.0170881256f + p * size;
 	p = 0.0308918810f + p * size;
@@ -107,14 +108,14 @@ static stilb_vec4 arc_cosine4(stilb_vec4 x)
 	p = 0.0889789874f + p * size;
 	p = -0.2145988016f + p * size;
 	p = 1.5707963050f + p * size;
-	const stilb_vec4 angle = root4(1.0f - size) * p,
-					 pi = (stilb_vec4)((lanes_mask)(stilb_vec4){SHADE_PI, SHADE_PI, SHADE_PI, SHADE_PI} & below);
+	stilb_vec4 angle = root4(1.0f - size) * p,
+			   pi = (stilb_vec4)((lanes_mask)(stilb_vec4){SHADE_PI, SHADE_PI, SHADE_PI, SHADE_PI} & below);
 	return pi + (stilb_vec4)((lanes_mask)angle ^ sign);
 }
 
-/* A rectangle from a point: x along edge_1, y along edge_2, and height above it. Urena, Fajardo and King's names: the planes
- * through the point and the edges at y0, x1, y1, x0 have normals with these z; the angles between neighbours, less 2 pi, are
- * the solid angle. */
+/* A rectangle seen from a point at height above it, with x along edge_1 and y along edge_2; names of Urena, Fajardo
+ * and King. The planes through the point and the edges at y0, x1, y1, x0 have normals with these z components; the
+ * sum of the angles between neighbouring planes less 2 pi is the solid angle. */
 typedef struct spherical_rectangle {
 	float x0, x1, y0, y1;
 	stilb_vec4 normal_z, angles; /* angles[i]: from plane i to the next */
@@ -128,32 +129,33 @@ static spherical_rectangle rectangle_seen(const gi_light_shape *shape, stilb_vec
 	seen.x1 = seen.x0 + shape->length_1;
 	seen.y0 = stilb_vec3_dot(to_corner, shape->unit_2);
 	seen.y1 = seen.y0 + shape->length_2;
-	const stilb_vec4 side = {-seen.y0, seen.x1, seen.y1, -seen.x0};
+	stilb_vec4 side = {-seen.y0, seen.x1, seen.y1, -seen.x0};
 	seen.normal_z = side / root4(side * side + height * height);
-	const stilb_vec4 next = {seen.normal_z[1], seen.normal_z[2], seen.normal_z[3], seen.normal_z[0]};
+	stilb_vec4 next = {seen.normal_z[1], seen.normal_z[2], seen.normal_z[3], seen.normal_z[0]};
 	seen.angles = arc_cosine4(-seen.normal_z * next);
 	seen.solid_angle = seen.angles[0] + seen.angles[1] - (2.0f * SHADE_PI - seen.angles[2] - seen.angles[3]);
 	return seen;
 }
 
-/* Of a triangle; height: of the point above its plane, > 0. to_corner: from the point. Source: Van Oosterom and Strackee. */
+/* Solid angle of a triangle. height: of the point above its plane, > 0. to_corner: from the point. Source: Van
+ * Oosterom and Strackee. */
 static float triangle_angle(const gi_light_shape *shape, stilb_vec3 a, float height)
 {
-	const stilb_vec3 b = a + shape->edge_1, c = a + shape->edge_2;
-	const float la = length_of(a), lb = length_of(b), lc = length_of(c), det = 2.0f * shape->area * height;
+	stilb_vec3 b = a + shape->edge_1, c = a + shape->edge_2;
+	float la = length_of(a), lb = length_of(b), lc = length_of(c), det = 2.0f * shape->area * height;
 	float below = la * lb * lc + stilb_vec3_dot(a, b) * lc + stilb_vec3_dot(b, c) * la + stilb_vec3_dot(c, a) * lb;
 	return 2.0f * atan2f(det, below);
 }
 
 static bool is_near(const gi_light_shape *shape, stilb_vec3 position)
 {
-	const stilb_vec3 to_center = shape->center - position;
+	stilb_vec3 to_center = shape->center - position;
 	return shape->area > NEAR * stilb_vec3_dot(to_center, to_center);
 }
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-/* From position, in proportion to the area. */
+/* A point of the shape, uniform by area, relative to the point that sees it. */
 static stilb_vec3 point_by_area(const gi_light_shape *shape, stilb_vec3 to_corner, stilb_vec2 u)
 {
 	if (shape->rectangle)
@@ -167,25 +169,27 @@ static float limited(float x, float low, float high)
 	return x < low ? low : x > high ? high : x;
 }
 
-/* The x whose strip holds the share u[0] of the solid angle, then y evenly by its sine seen from the point. The source's
- * x = cu height / sqrt(1 - cu^2) with cu = +-1 / sqrt(fu^2 + b0^2) and fu = across / sine, made one square root. */
+/* A point of the rectangle, uniform by solid angle: first the x whose strip has the share u[0] of it, then y, whose
+ * sine seen from the point is uniform. The source's x = cu height / sqrt(1 - cu^2), with cu = +-1 / sqrt(fu^2 +
+ * b0^2) and fu = across / sine, is rewritten with one square root. */
 static stilb_vec3 point_of_rectangle(const gi_light_shape *shape, stilb_vec3 to_corner, float height,
                                      const spherical_rectangle *seen, stilb_vec2 u)
 {
 	STILB_ASSERT(shape->rectangle);
-	const float b0 = seen->normal_z[0], b1 = seen->normal_z[2], x0 = seen->x0, y0 = seen->y0, y1 = seen->y1;
-	const float au = u[0] * seen->solid_angle + (2.0f * SHADE_PI - seen->angles[2] - seen->angles[3]);
-	const float sine = sinf(au), across = cosf(au) * b0 - b1, height2 = height * height;
-	const float below = across * across - sine * sine * (height2 / (height2 + y0 * y0)); /* that is 1 - b0^2 */
-	const float size = height * fabsf(sine) / sqrtf(below > SQUARE_MIN ? below : SQUARE_MIN);
-	const float xu = limited(across * sine < 0.0f ? -size : size, x0, seen->x1), d2 = xu * xu + height2;
-	const float h0 = y0 / sqrtf(d2 + y0 * y0), h1 = y1 / sqrtf(d2 + y1 * y1), hv = h0 + u[1] * (h1 - h0);
-	const float rest = 1.0f - hv * hv;
-	const float yv = limited(hv * sqrtf(d2 / (rest > SQUARE_MIN ? rest : SQUARE_MIN)), y0, y1);
+	float b0 = seen->normal_z[0], b1 = seen->normal_z[2], x0 = seen->x0, y0 = seen->y0, y1 = seen->y1;
+	float au = u[0] * seen->solid_angle + (2.0f * SHADE_PI - seen->angles[2] - seen->angles[3]);
+	float sine = sinf(au), across = cosf(au) * b0 - b1, height2 = height * height;
+	/* 1 - b0^2 is height2 / (height2 + y0 * y0) */
+	float below = across * across - sine * sine * (height2 / (height2 + y0 * y0));
+	float size = height * fabsf(sine) / sqrtf(below > SQUARE_MIN ? below : SQUARE_MIN);
+	float xu = limited(across * sine < 0.0f ? -size : size, x0, seen->x1), d2 = xu * xu + height2;
+	float h0 = y0 / sqrtf(d2 + y0 * y0), h1 = y1 / sqrtf(d2 + y1 * y1), hv = h0 + u[1] * (h1 - h0);
+	float rest = 1.0f - hv * hv;
+	float yv = limited(hv * sqrtf(d2 / (rest > SQUARE_MIN ? rest : SQUARE_MIN)), y0, y1);
 	return to_corner + shape->unit_1 * (xu - x0) + shape->unit_2 * (yv - y0);
 }
 
-/* The part of v at right angles to the unit vector a, unit. */
+/* The part of v that is perpendicular to the unit vector a, normalised. */
 static stilb_vec3 across(stilb_vec3 v, stilb_vec3 a)
 {
 	stilb_vec3 part = v - a * stilb_vec3_dot(v, a);
@@ -199,52 +203,53 @@ static float sine_of(float cosine)
 	return sqrtf(square > 0.0f ? square : 0.0f);
 }
 
-/* Arvo's names: the triangle a, b, c on the sphere, alpha its angle at a; the corner c moves to p on the arc a c until the
- * triangle has the share u[0] of its solid angle; the point then lies on the arc b p. */
+/* A point of the triangle, uniform by solid angle, in Arvo's names: a, b, c are the corners on the sphere, alpha is
+ * the angle at a. The corner c moves to p on the arc from a to c until the triangle has the share u[0] of its solid
+ * angle; the point lies on the arc from b to p. */
 static stilb_vec3 point_of_triangle(const gi_light_shape *shape, stilb_vec3 to_corner, float height, float angle,
                                     stilb_vec2 u)
 {
 	STILB_ASSERT(!shape->rectangle);
-	const stilb_vec3 a = stilb_vec3_normalize(to_corner), b = stilb_vec3_normalize(to_corner + shape->edge_1);
-	const stilb_vec3 c = stilb_vec3_normalize(to_corner + shape->edge_2);
-	const stilb_vec3 c_side = across(c, a);
-	const float cos_alpha = limited(stilb_vec3_dot(across(b, a), c_side), -BELOW_ONE, BELOW_ONE);
-	const float sin_alpha = sine_of(cos_alpha);
-	/* phi is the smaller triangle's solid angle + pi less alpha. */
-	const float s = sinf(u[0] * angle), co = cosf(u[0] * angle);
-	const float sin_phi = co * sin_alpha - s * cos_alpha, cos_phi = -co * cos_alpha - s * sin_alpha;
-	const float k1 = cos_phi + cos_alpha, k2 = sin_phi - sin_alpha * stilb_vec3_dot(a, b);
-	const float below = (k2 * sin_phi + k1 * cos_phi) * sin_alpha;
-	const float q = below != 0.0f ? (k2 + (k2 * cos_phi - k1 * sin_phi) * cos_alpha) / below : 1.0f;
-	const float cos_p = limited(q, -1.0f, 1.0f);
-	const stilb_vec3 p = a * cos_p + c_side * sine_of(cos_p);
-	const float z = 1.0f - u[1] * (1.0f - stilb_vec3_dot(p, b));
-	const stilb_vec3 direction = b * z + across(p, b) * sine_of(z);
-	const float cosine = -stilb_vec3_dot(direction, shape->normal);
+	stilb_vec3 a = stilb_vec3_normalize(to_corner), b = stilb_vec3_normalize(to_corner + shape->edge_1);
+	stilb_vec3 c = stilb_vec3_normalize(to_corner + shape->edge_2);
+	stilb_vec3 c_side = across(c, a);
+	float cos_alpha = limited(stilb_vec3_dot(across(b, a), c_side), -BELOW_ONE, BELOW_ONE);
+	float sin_alpha = sine_of(cos_alpha);
+	/* phi is the smaller triangle's solid angle - alpha + pi. */
+	float s = sinf(u[0] * angle), co = cosf(u[0] * angle);
+	float sin_phi = co * sin_alpha - s * cos_alpha, cos_phi = -co * cos_alpha - s * sin_alpha;
+	float k1 = cos_phi + cos_alpha, k2 = sin_phi - sin_alpha * stilb_vec3_dot(a, b);
+	float below = (k2 * sin_phi + k1 * cos_phi) * sin_alpha;
+	float q = below != 0.0f ? (k2 + (k2 * cos_phi - k1 * sin_phi) * cos_alpha) / below : 1.0f;
+	float cos_p = limited(q, -1.0f, 1.0f);
+	stilb_vec3 p = a * cos_p + c_side * sine_of(cos_p);
+	float z = 1.0f - u[1] * (1.0f - stilb_vec3_dot(p, b));
+	stilb_vec3 direction = b * z + across(p, b) * sine_of(z);
+	float cosine = -stilb_vec3_dot(direction, shape->normal);
 	return direction * (height / (cosine > 1e-20f ? cosine : 1e-20f));
 }
 
 /* ---- sampling ---------------------------------------------------------------------------------------------------- */
 
-/* A point by solid angle and that angle; 0: too small for it. */
+/* A point uniform by solid angle; returns the solid angle, or 0 if that is too small for it. */
 static float near_point(const gi_light_shape *shape, stilb_vec3 to_corner, float height, stilb_vec2 u,
                         stilb_vec3 *point)
 {
 	if (shape->rectangle) {
-		const spherical_rectangle seen = rectangle_seen(shape, to_corner, height);
+		spherical_rectangle seen = rectangle_seen(shape, to_corner, height);
 		if (!(seen.solid_angle > SOLID_ANGLE_MIN))
 			return 0.0f;
 		*point = point_of_rectangle(shape, to_corner, height, &seen, u);
 		return seen.solid_angle;
 	}
-	const float angle = triangle_angle(shape, to_corner, height);
+	float angle = triangle_angle(shape, to_corner, height);
 	if (!(angle > SOLID_ANGLE_MIN))
 		return 0.0f;
 	*point = point_of_triangle(shape, to_corner, height, angle, u);
 	return angle;
 }
 
-/* Of a point chosen by area: distance^2 / (cosine area), cosine = height / distance. */
+/* Density per steradian of a point that is uniform by area: distance^2 / (cosine area), cosine = height / distance. */
 static float density_by_area(const gi_light_shape *shape, float height, float distance)
 {
 	return distance * distance * distance / (height * shape->area);
@@ -253,16 +258,16 @@ static float density_by_area(const gi_light_shape *shape, float height, float di
 bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, stilb_vec2 u, gi_light_sample *sample)
 {
 	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
-	const stilb_vec3 to_corner = shape->corner - position;
-	const float height = -stilb_vec3_dot(to_corner, shape->normal);
+	stilb_vec3 to_corner = shape->corner - position;
+	float height = -stilb_vec3_dot(to_corner, shape->normal);
 	if (!(height > 0.0f))
 		return false;
 	stilb_vec3 to_light;
-	const float angle = is_near(shape, position) ? near_point(shape, to_corner, height, u, &to_light) : 0.0f;
+	float angle = is_near(shape, position) ? near_point(shape, to_corner, height, u, &to_light) : 0.0f;
 	if (angle == 0.0f)
 		to_light = point_by_area(shape, to_corner, u);
-	const float distance = length_of(to_light);
-	const float scale = 1.0f / distance;
+	float distance = length_of(to_light);
+	float scale = 1.0f / distance;
 	sample->direction = to_light * scale;
 	sample->distance = gi_shadow_distance(distance, shape->error, height * scale);
 	sample->radiance = shape->emission;
@@ -274,16 +279,16 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 float gi_light_shape_density(const gi_light_shape *shape, stilb_vec3 position, float distance)
 {
 	STILB_ASSERT(!(distance < 0.0f));
-	const stilb_vec3 to_corner = shape->corner - position;
-	const float height = -stilb_vec3_dot(to_corner, shape->normal);
+	stilb_vec3 to_corner = shape->corner - position;
+	float height = -stilb_vec3_dot(to_corner, shape->normal);
 	if (!(height > 0.0f))
 		return 0.0f;
 	if (is_near(shape, position)) {
-		const float angle = shape->rectangle ? rectangle_seen(shape, to_corner, height).solid_angle
-		                                     : triangle_angle(shape, to_corner, height);
+		float angle = shape->rectangle ? rectangle_seen(shape, to_corner, height).solid_angle
+		                               : triangle_angle(shape, to_corner, height);
 		if (angle > SOLID_ANGLE_MIN)
 			return 1.0f / angle;
 	}
-	const float density = density_by_area(shape, height, distance);
+	float density = density_by_area(shape, height, distance);
 	return density < INFINITY ? density : 0.0f;
 }

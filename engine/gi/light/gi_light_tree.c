@@ -3,9 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#define FACING_MIN 0.02f  /* of the cosine at the surface: its normal may be another than the one that counts */
-#define MEAN_MIN 0.02f    /* of the most that a node may send: what its mean may miss */
-#define MIDDLES_UNTIL 48u /* levels that are cut in the middle of their lights' places; below them by number */
+/* smallest cosine at the surface: bump-mapped and interpolated normals differ from the triangle's */
+#define FACING_MIN 0.02f
+#define MEAN_MIN 0.02f    /* smallest share of a node's largest possible irradiance: the mean may miss single lights */
+#define MIDDLES_UNTIL 48u /* levels that are split in the middle of the lights' centres; below that, by number */
 #define BELOW_ONE 0.99999994f
 
 /* ---- importance -------------------------------------------------------------------------------------------------- */
@@ -17,7 +18,7 @@ static stilb_vec3 vector(const float v[3])
 
 static float sine_of(float cosine)
 {
-	const float square = 1.0f - cosine * cosine;
+	float square = 1.0f - cosine * cosine;
 	return sqrtf(square > 0.0f ? square : 0.0f);
 }
 
@@ -26,13 +27,13 @@ static float at_least(float x, float least)
 	return x > least ? x : least;
 }
 
-/* Cosine of max(a - b, 0), angles in [0, pi]. */
+/* Cosine of max(a - b, 0) for angles in [0, pi]. */
 static float cosine_less(float cos_a, float sin_a, float cos_b, float sin_b)
 {
 	return cos_a > cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
 }
 
-/* Sine of the same. */
+/* Sine of max(a - b, 0). */
 static float sine_less(float cos_a, float sin_a, float cos_b, float sin_b)
 {
 	return cos_a > cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
@@ -40,62 +41,62 @@ static float sine_less(float cos_a, float sin_a, float cos_b, float sin_b)
 
 float gi_light_node_importance(const gi_light_node *node, stilb_vec3 position, stilb_vec3 normal)
 {
-	const stilb_vec3 to_node = vector(node->center) - position;
-	const float distance2 = stilb_vec3_dot(to_node, to_node);
-	if (!(distance2 > node->radius2)) /* inside the sphere around the box anything may happen */
+	stilb_vec3 to_node = vector(node->center) - position;
+	float distance2 = stilb_vec3_dot(to_node, to_node);
+	if (!(distance2 > node->radius2)) /* inside the sphere no direction bounds the light */
 		return node->power / at_least(node->radius2, 1e-30f);
-	const float inverse = 1.0f / distance2, scale = sqrtf(inverse);
-	const float sin2_box = node->radius2 * inverse, cos_box = sqrtf(1.0f - sin2_box), sin_box = sqrtf(sin2_box);
-	const float from_axis = -scale * stilb_vec3_dot(vector(node->axis), to_node), sin_axis = sine_of(from_axis);
-	const float beyond_cone = cosine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
-	const float sin_beyond = sine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
-	const float emitted = cosine_less(beyond_cone, sin_beyond, cos_box, sin_box);
+	float inverse = 1.0f / distance2, scale = sqrtf(inverse);
+	float sin2_box = node->radius2 * inverse, cos_box = sqrtf(1.0f - sin2_box), sin_box = sqrtf(sin2_box);
+	float from_axis = -scale * stilb_vec3_dot(vector(node->axis), to_node), sin_axis = sine_of(from_axis);
+	float beyond_cone = cosine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
+	float sin_beyond = sine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
+	float emitted = cosine_less(beyond_cone, sin_beyond, cos_box, sin_box);
 	if (!(emitted > node->cos_beam))
 		return 0.0f;
-	const float from_normal = scale * stilb_vec3_dot(normal, to_node);
-	const float facing = cosine_less(from_normal, sine_of(from_normal), cos_box, sin_box);
-	const float most = node->power * at_least(emitted, FACING_MIN);
-	const float mean = at_least(-scale * stilb_vec3_dot(vector(node->sum), to_node), 0.0f) + node->spread;
-	const float sent = mean + (most - mean) * sin2_box;
+	float from_normal = scale * stilb_vec3_dot(normal, to_node);
+	float facing = cosine_less(from_normal, sine_of(from_normal), cos_box, sin_box);
+	float most = node->power * at_least(emitted, FACING_MIN);
+	float mean = at_least(-scale * stilb_vec3_dot(vector(node->sum), to_node), 0.0f) + node->spread;
+	float sent = mean + (most - mean) * sin2_box;
 	return at_least(sent, MEAN_MIN * most) * at_least(facing, FACING_MIN) * inverse;
 }
 
 /* ---- building ---------------------------------------------------------------------------------------------------- */
 
-/* The smallest cone around two. Source: Barequet and Elber, "Optimal bounding cones of vectors in three dimensions"
- * (2005), for two cones. */
+/* The smallest cone that contains both. Source: Barequet and Elber, "Optimal bounding cones of vectors in three
+ * dimensions" (2005), for two cones. */
 static void join_cones(gi_light_node *out, const gi_light_node *a, const gi_light_node *b)
 {
 	const gi_light_node *wide = a->cos_cone < b->cos_cone ? a : b, *narrow = wide == a ? b : a;
-	const stilb_vec3 axis = vector(wide->axis), other = vector(narrow->axis);
-	const float cos_between = fminf(fmaxf(stilb_vec3_dot(axis, other), -1.0f), 1.0f);
-	const float between = acosf(cos_between), wide_angle = acosf(wide->cos_cone),
-				narrow_angle = acosf(narrow->cos_cone);
-	const float angle = 0.5f * (wide_angle + between + narrow_angle);
+	stilb_vec3 axis = vector(wide->axis), other = vector(narrow->axis);
+	float cos_between = fminf(fmaxf(stilb_vec3_dot(axis, other), -1.0f), 1.0f);
+	float between = acosf(cos_between), wide_angle = acosf(wide->cos_cone), narrow_angle = acosf(narrow->cos_cone);
+	float angle = 0.5f * (wide_angle + between + narrow_angle);
 	memcpy(out->axis, wide->axis, sizeof out->axis);
 	out->cos_cone = wide->cos_cone;
 	if (between + narrow_angle <= wide_angle)
 		return;
-	const stilb_vec3 part = other - axis * cos_between;
-	const float size2 = stilb_vec3_dot(part, part);
+	stilb_vec3 part = other - axis * cos_between;
+	float size2 = stilb_vec3_dot(part, part);
 	out->cos_cone = -1.0f;
 	if (angle >= (float)M_PI || !(size2 > 1e-12f))
 		return;
-	const float turn = angle - wide_angle;
-	const stilb_vec3 turned = axis * cosf(turn) + part * (sinf(turn) / sqrtf(size2));
+	float turn = angle - wide_angle;
+	stilb_vec3 turned = axis * cosf(turn) + part * (sinf(turn) / sqrtf(size2));
 	for (int i = 0; i < 3; i++)
 		out->axis[i] = turned[i];
-	out->cos_cone = cosf(fminf(angle + 1e-3f, (float)M_PI)); /* room for rounding */
+	out->cos_cone = cosf(fminf(angle + 1e-3f, (float)M_PI)); /* a margin for rounding */
 }
 
-/* What follows from the rest. Surfaces whose normals go all ways, like a ball's, have a sum of 0 and send a quarter of their
- * power each way; surfaces that face one way send the sum's cosine. Between the two: both in parts. */
+/* Derives the fields that importance reads. Surfaces whose normals point everywhere, like a sphere's, have a sum of
+ * 0 and send a quarter of their power to any side; surfaces that face one way send the sum's cosine. A mixture is
+ * split into both. */
 static void finish(gi_light_node *node)
 {
-	const stilb_vec3 sum = vector(node->sum);
-	const float rest = node->power - node->lamps - sqrtf(stilb_vec3_dot(sum, sum));
+	stilb_vec3 sum = vector(node->sum);
+	float rest = node->power - node->lamps - sqrtf(stilb_vec3_dot(sum, sum));
 	node->spread = node->lamps + 0.25f * at_least(rest, 0.0f);
-	const stilb_vec3 half = (vector(node->high) - vector(node->low)) * 0.5f, center = vector(node->low) + half;
+	stilb_vec3 half = (vector(node->high) - vector(node->low)) * 0.5f, center = vector(node->low) + half;
 	for (int i = 0; i < 3; i++)
 		node->center[i] = center[i];
 	node->radius2 = stilb_vec3_dot(half, half);
@@ -122,7 +123,7 @@ static float middle(const gi_light_node *node, int axis)
 	return 0.5f * (node->low[axis] + node->high[axis]);
 }
 
-/* The axis along which the lights' middles lie farthest apart, and halfway between the outermost. */
+/* The axis along which the centres of the lights spread most, and the middle of that range. */
 static int widest_axis(const gi_light_node *leaves, uint32_t count, float *halfway)
 {
 	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -139,11 +140,11 @@ static int widest_axis(const gi_light_node *leaves, uint32_t count, float *halfw
 	return widest;
 }
 
-/* How many of the leaves go to the first half; they are moved to the front. */
+/* Partitions the leaves; returns how many are in the first half. */
 static uint32_t part(gi_light_node *leaves, uint32_t count, uint32_t level)
 {
 	float halfway;
-	const int axis = widest_axis(leaves, count, &halfway);
+	int axis = widest_axis(leaves, count, &halfway);
 	uint32_t first = 0;
 	for (uint32_t i = 0; i < count && level < MIDDLES_UNTIL; i++)
 		if (middle(&leaves[i], axis) < halfway) {
@@ -154,12 +155,12 @@ static uint32_t part(gi_light_node *leaves, uint32_t count, uint32_t level)
 	return first == 0 || first == count ? count / 2 : first;
 }
 
-/* Fills node at, whose children come from *used on. */
+/* Builds the subtree at nodes[at] from leaves; *used is the first free node. */
 static void build(gi_light_node *nodes, uint32_t at, gi_light_node *leaves, uint32_t count, uint32_t level,
                   uint32_t *used)
 {
 	STILB_ASSERT(count >= 1);
-	const uint32_t parent = nodes[at].parent;
+	uint32_t parent = nodes[at].parent;
 	if (count == 1) {
 		nodes[at] = leaves[0];
 		nodes[at].parent = parent;
@@ -169,7 +170,7 @@ static void build(gi_light_node *nodes, uint32_t at, gi_light_node *leaves, uint
 		finish(&nodes[at]);
 		return;
 	}
-	const uint32_t child = *used, first = part(leaves, count, level);
+	uint32_t child = *used, first = part(leaves, count, level);
 	*used += 2;
 	nodes[at].child = child;
 	nodes[child].parent = nodes[child + 1].parent = at;
@@ -178,7 +179,7 @@ static void build(gi_light_node *nodes, uint32_t at, gi_light_node *leaves, uint
 	join(&nodes[at], &nodes[child], &nodes[child + 1]);
 }
 
-/* Children name their parent and lie in its box. For STILB_CHECK. */
+/* Children know their parent and lie in its box. For STILB_CHECK. */
 static bool tree_is_sound(const gi_light_node *nodes, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++) {
@@ -211,13 +212,13 @@ uint32_t gi_light_tree_choose(const gi_light_node *nodes, stilb_vec3 position, s
 	uint32_t at = 0;
 	float chance = 1.0f;
 	while (nodes[at].child != GI_LIGHT_LEAF) {
-		const uint32_t child = nodes[at].child;
-		const float first = gi_light_node_importance(&nodes[child], position, normal);
-		const float second = gi_light_node_importance(&nodes[child + 1], position, normal);
+		uint32_t child = nodes[at].child;
+		float first = gi_light_node_importance(&nodes[child], position, normal);
+		float second = gi_light_node_importance(&nodes[child + 1], position, normal);
 		if (!(first + second > 0.0f))
 			return GI_LIGHT_LEAF;
-		const float share = first / (first + second);
-		const bool take_first = u < share;
+		float share = first / (first + second);
+		bool take_first = u < share;
 		chance *= take_first ? share : 1.0f - share;
 		u = take_first ? u / share : (u - share) / (1.0f - share);
 		u = u < BELOW_ONE ? u : BELOW_ONE;
@@ -232,12 +233,12 @@ float gi_light_tree_probability(const gi_light_node *nodes, stilb_vec3 position,
 	STILB_ASSERT(nodes[leaf].child == GI_LIGHT_LEAF);
 	float chance = 1.0f;
 	for (uint32_t at = leaf; at != 0; at = nodes[at].parent) {
-		const uint32_t child = nodes[nodes[at].parent].child;
-		const float first = gi_light_node_importance(&nodes[child], position, normal);
-		const float second = gi_light_node_importance(&nodes[child + 1], position, normal);
+		uint32_t child = nodes[nodes[at].parent].child;
+		float first = gi_light_node_importance(&nodes[child], position, normal);
+		float second = gi_light_node_importance(&nodes[child + 1], position, normal);
 		if (!(first + second > 0.0f))
 			return 0.0f;
-		const float share = first / (first + second);
+		float share = first / (first + second);
 		chance *= at == child ? share : 1.0f - share;
 	}
 	return chance;

@@ -1,7 +1,8 @@
 /*
- * One sampler for every highlight about the half vector, GGX's visible normals with the lobe's own alpha: Blinn's and
- * Beckmann's distributions are at most 4 / e times GGX's of the same alpha, and unlike their own samplers this one keeps the
- * weight bounded at grazing views. Phong's lobes lie about the mirrored direction and are sampled there.
+ * gi_bsdf: one sampler serves every highlight about the half vector: GGX's visible normals with the lobe's own
+ * alpha. Blinn's and Beckmann's distributions are at most 4 / e times GGX's of the same alpha, and unlike their own
+ * samplers this one keeps weights bounded at grazing views. Phong's lobes are about the mirrored direction and
+ * sampled there.
  */
 #include "gi/sample/gi_bsdf.h"
 
@@ -47,8 +48,8 @@ static float highlight_pdf(const gi_bsdf *bsdf, stilb_vec3 local)
 
 /* ---- both -------------------------------------------------------------------------------------------------------- */
 
-/* As much of the samples as the highlight has of the light that comes back, by luminance, where the Fresnel term sees the
- * normal; never so few of either that the other's share of the light would come in rare bright samples. */
+/* The highlight's share of the reflected light, by luminance, with the Fresnel term of a half vector at the normal;
+ * kept between 0.1 and 0.9, since a rarely chosen lobe would give rare bright samples. */
 static float highlight_share(const gi_bsdf *bsdf)
 {
 	int f = bsdf->model.kind == SHADE_BRDF_MICROFACET ? bsdf->model.f : SHADE_F_NONE;
@@ -62,8 +63,8 @@ static float highlight_share(const gi_bsdf *bsdf)
 gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer)
 {
 	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
-	const stilb_vec3 n = surface->normal, specular = surface->specular;
-	gi_bsdf bsdf; /* what a diffuse surface has no use for stays as it is: this is called for every vertex */
+	stilb_vec3 n = surface->normal, specular = surface->specular;
+	gi_bsdf bsdf; /* fields that a diffuse surface does not need are left uninitialised: this runs at every vertex */
 	bsdf.geometric = surface->geometric;
 	bsdf.diffuse = surface->diffuse;
 	bsdf.share = 0.0f;
@@ -71,7 +72,8 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, s
 		bsdf.frame = shade_frame_from_normal(n);
 		return bsdf;
 	}
-	bsdf.frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0])); /* as the renderer's: cross(up, n) */
+	/* cross(up, n), as in the real-time renderer */
+	bsdf.frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
 	bsdf.to_viewer = to_viewer;
 	bsdf.local = shade_frame_to_local(bsdf.frame, to_viewer);
 	bsdf.model = *model;
@@ -103,7 +105,7 @@ bool gi_bsdf_highlight_sample(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u, g
 {
 	STILB_ASSERT(bsdf->share > 0.0f && bsdf->share <= 1.0f);
 	STILB_ASSERT(u_lobe >= 0.0f && u_lobe < 1.0f);
-	const shade_sample local = u_lobe < bsdf->share ? highlight_sample(bsdf, u) : shade_sample_cosine(u);
+	shade_sample local = u_lobe < bsdf->share ? highlight_sample(bsdf, u) : shade_sample_cosine(u);
 	chosen->direction = stilb_vec3_normalize(shade_frame_to_world(bsdf->frame, local.direction));
 	chosen->pdf = mixed_pdf(bsdf, local.direction);
 	if (!(chosen->pdf > 0.0f) || !gi_bsdf_sees(bsdf, chosen->direction))

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* What tells the uses of one seed apart. */
+/* Constants that keep the streams of random numbers of one seed apart. */
 #define STREAM_PIXEL 0x70697865u
 #define STREAM_SAMPLE 0x736d706cu
 #define STREAM_BRANCH 0x62726e63u
@@ -45,7 +45,7 @@ static uint64_t packed(uint32_t high, uint32_t low)
 	return (uint64_t)high << 32 | low;
 }
 
-/* Bits of x at the even places. */
+/* The bits of x at the even places of 64. */
 static uint64_t spread(uint32_t bits)
 {
 	uint64_t x = bits;
@@ -56,33 +56,33 @@ static uint64_t spread(uint32_t bits)
 	return (x | x << 1) & 0x5555555555555555u;
 }
 
-/* The place of a pixel in an order that goes through the squares of 2^k pixels one after the other. The index shuffle of
- * the points turns it about at random in each square, but never parts the halves that the higher bit of its two names:
- * which halves these are, side by side, one above the other, or crosswise, is chosen here. Together they are all 24
- * orders of four. Source: Ahmed and Wonka, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via
- * Hierarchical Ordering of Pixels" (2020). */
+/* The index of a pixel in a hierarchical order, which visits squares of 2^k x 2^k pixels one after the other. The
+ * index shuffle of the points permutes the four quarters of each square at random, but keeps the pairs that the
+ * higher of their two bits defines. Which pairs these are (side by side, one above the other, or crosswise) is
+ * chosen here at random, so that all 24 orders of four occur. Source: Ahmed and Wonka, "Screen-Space Blue-Noise
+ * Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels" (2020). */
 static uint64_t pixel_order(uint64_t hash, uint32_t x, uint32_t y)
 {
-	const uint64_t morton = spread(y) << 1 | spread(x);
+	uint64_t morton = spread(y) << 1 | spread(x);
 	uint64_t order = morton;
 	for (int shift = 0; morton >> shift; shift += 2) {
 		uint32_t pairing = gi_seed(hash + (uint32_t)shift, (uint32_t)(morton >> shift >> 2)) % 3;
 		uint64_t low = morton >> shift & 1, high = morton >> shift >> 1 & 1;
 		if (pairing == 1)
-			order ^= (low ^ high) * 3 << shift; /* exchanged */
+			order ^= (low ^ high) * 3 << shift; /* swaps the two bits */
 		else if (pairing == 2)
-			order ^= low << 1 << shift; /* high ^ low before low */
+			order ^= low << 1 << shift; /* the bits become high ^ low, low */
 	}
 	return order;
 }
 
-/* All pixels share one run of points, and neighbours have neighbouring parts of it: what one does wrong the next makes
- * good. The points must be as many as the samples, or a power of two. */
+/* All pixels share one sequence, and neighbouring pixels have neighbouring parts of it, so that their errors
+ * compensate. The number of samples should be as planned, or a power of two. */
 static gi_point ordered_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uint32_t index)
 {
 	STILB_ASSERT(sampler->kind == STILB_GI_SAMPLER_BLUE_NOISE && sampler->samples >= 1);
-	const uint64_t hash = mixed(sampler->seed, STREAM_ORDER, 0);
-	const int bits = sampler->samples > 1 ? 32 - __builtin_clz(sampler->samples - 1) : 0;
+	uint64_t hash = mixed(sampler->seed, STREAM_ORDER, 0);
+	int bits = sampler->samples > 1 ? 32 - __builtin_clz(sampler->samples - 1) : 0;
 	uint64_t place = (pixel_order(hash, x, y) << bits) + index;
 	return (gi_point){mixed(hash, STREAM_PIXEL, place >> 32), (uint32_t)place, sampler->samples};
 }
@@ -92,14 +92,14 @@ gi_point gi_sampler_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uin
 	if (sampler->kind == STILB_GI_SAMPLER_BLUE_NOISE)
 		return ordered_point(sampler, x, y, index);
 	uint64_t hash = mixed(sampler->seed, STREAM_PIXEL, packed(y, x));
-	if (sampler->kind == STILB_GI_SAMPLER_RANDOM) /* has no order: the index is one more thing to hash */
+	if (sampler->kind == STILB_GI_SAMPLER_RANDOM) /* has no order: the index is hashed as well */
 		hash = mixed(hash, STREAM_SAMPLE, index);
 	return (gi_point){hash, index, sampler->samples};
 }
 
-/* Sobol points: the branches of all samples of a pixel are one long run, of which those of one sample are a part that is
- * stratified by itself. What does not fit into an index goes into the hash. Others: the branches of one sample stand
- * alone; but where each sample has one branch only, these are stratified as the samples are. */
+/* Sobol points: the branches of all samples of a pixel form one sequence, in which those of one sample are a
+ * stratified run; bits that do not fit into an index go into the hash. Others: the branches of a sample are
+ * stratified among themselves, or, if each sample has one branch, over the samples. */
 gi_point gi_sampler_branch(const gi_sampler *sampler, gi_point parent, uint32_t dimension, uint32_t i, uint32_t n)
 {
 	STILB_ASSERT(i < n);
@@ -122,12 +122,12 @@ gi_point gi_sampler_branch(const gi_sampler *sampler, gi_point parent, uint32_t 
 
 /* ---- stratified -------------------------------------------------------------------------------------------------- */
 
-/* Where i of 0 .. count - 1 goes in the permutation named by seed: a permutation of the next power of two, walked along
- * until it falls below count. Source: Kensler, "Correlated Multi-Jittered Sampling" (2013). */
+/* The image of i in a random permutation of 0 .. count - 1: a permutation of the next power of two, repeated until
+ * the value is below count. Source: Kensler, "Correlated Multi-Jittered Sampling" (2013). */
 static uint32_t permuted(uint32_t i, uint32_t count, uint32_t seed)
 {
 	STILB_ASSERT(i < count);
-	const uint32_t mask = count > 1 ? UINT32_MAX >> __builtin_clz(count - 1) : 0;
+	uint32_t mask = count > 1 ? UINT32_MAX >> __builtin_clz(count - 1) : 0;
 	do {
 		i ^= seed;
 		i *= 0xe170893du;
@@ -155,7 +155,7 @@ typedef struct strata {
 	uint32_t columns, rows;
 } strata;
 
-/* The grid nearest to a square that has a cell for each of count points, count up to 2^24. */
+/* The most nearly square grid with a cell for each of count points; count is at most 2^24. */
 static strata strata_of(uint32_t count)
 {
 	STILB_ASSERT(count >= 1 && count <= 1u << 24);
@@ -168,18 +168,18 @@ static float below_one(float x)
 	return x < 1.0f ? x : 0x1.fffffep-1f;
 }
 
-/* One point for each cell of a grid, and in each cell at another height and width of its column and row, so that each
- * coordinate for itself is stratified as finely as there are cells (same source). Cells in random order: where there are
- * more cells than points, each is as likely to be left out. After the last cell another grid follows. */
+/* The point of one cell of the grid, jittered so that each coordinate alone is stratified as finely as there are
+ * cells (Kensler 2013). Cells are taken in random order, so that if there are more cells than points each is equally
+ * likely to be left out. After the last cell a new grid begins. */
 static stilb_vec2 stratified_pair(gi_point point, strata grid, uint32_t dimension)
 {
-	const uint32_t columns = grid.columns, rows = grid.rows, cells = columns * rows;
-	const uint64_t hash = point.hash + point.index / cells * 0x9e3779b97f4a7c15u;
-	const uint32_t cell = permuted(point.index % cells, cells, gi_seed(hash, GI_SEED_SHUFFLE + dimension));
-	const uint32_t column = cell % columns, row = cell / columns;
-	const uint32_t fine_x = permuted(row, rows, gi_seed(hash, dimension));
-	const uint32_t fine_y = permuted(column, columns, gi_seed(hash, dimension + 1));
-	const uint64_t jitter = hash ^ packed(cell, 0);
+	uint32_t columns = grid.columns, rows = grid.rows, cells = columns * rows;
+	uint64_t hash = point.hash + point.index / cells * 0x9e3779b97f4a7c15u;
+	uint32_t cell = permuted(point.index % cells, cells, gi_seed(hash, GI_SEED_SHUFFLE + dimension));
+	uint32_t column = cell % columns, row = cell / columns;
+	uint32_t fine_x = permuted(row, rows, gi_seed(hash, dimension));
+	uint32_t fine_y = permuted(column, columns, gi_seed(hash, dimension + 1));
+	uint64_t jitter = hash ^ packed(cell, 0);
 	float x = (float)(column * rows + fine_x) + gi_fraction(gi_seed(jitter, GI_SEED_JITTER + dimension));
 	float y = (float)(row * columns + fine_y) + gi_fraction(gi_seed(jitter, GI_SEED_JITTER + dimension + 1));
 	return (stilb_vec2){below_one(x / (float)cells), below_one(y / (float)cells)};
@@ -194,7 +194,7 @@ static stilb_vec2 random_pair(gi_point point, uint32_t dimension)
 
 static stilb_vec2 sobol_pair(gi_point point, uint32_t dimension)
 {
-	const uint32_t x = gi_sobol_index(point.hash, gi_reverse(point.index), dimension), y = gi_sobol_second(x);
+	uint32_t x = gi_sobol_index(point.hash, gi_reverse(point.index), dimension), y = gi_sobol_second(x);
 	return (stilb_vec2){gi_owen_fraction(x, gi_seed(point.hash, dimension)),
 	                    gi_owen_fraction(y, gi_seed(point.hash, dimension + 1))};
 }
@@ -217,7 +217,7 @@ stilb_vec2 gi_sample_2d(const gi_sampler *sampler, gi_point point, uint32_t dime
 
 static void stratified_8(gi_point point, uint32_t first, float numbers[8])
 {
-	const strata grid = strata_of(point.count);
+	strata grid = strata_of(point.count);
 	for (uint32_t i = 0; i < 8; i += 2) {
 		stilb_vec2 pair = stratified_pair(point, grid, first + i);
 		numbers[i] = pair[0];

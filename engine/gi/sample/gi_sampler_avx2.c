@@ -1,4 +1,4 @@
-/* The numbers with AVX2: four pairs, eight dimensions at a time. */
+/* The kernels with AVX2: four pairs, eight dimensions, at a time. */
 #include "gi/sample/gi_sampler_kernels.h"
 
 #if defined(__x86_64__)
@@ -6,11 +6,11 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Constants are loaded as they are used, from where the compiler does not see them: seen, it moves each through a general
+/* Constants are loaded from a table that is opaque to the compiler: if it saw them, it would build each in a general
  * register, which takes half as long as all the rest. */
 #define CONSTANT(name) _mm256_load_si256((const __m256i *)gi_sampler_constants.name)
 
-/* gi_seed of number = a constant + a vector of constants, of which steps is GI_SEED_STEP times. */
+/* gi_seed for eight numbers: `number` plus offsets; steps holds the offsets times GI_SEED_STEP. */
 INLINE __m256i avx2_seed(uint64_t hash, uint32_t number, __m256i steps)
 {
 	__m256i x = _mm256_add_epi32(steps, _mm256_set1_epi32((int)(number * GI_SEED_STEP + (uint32_t)hash)));
@@ -32,10 +32,10 @@ INLINE __m256i avx2_owen_hash(__m256i x, __m256i seed)
 	return _mm256_xor_si256(x, _mm256_mullo_epi32(x, CONSTANT(owen_mix_3)));
 }
 
-/* gi_reverse: each half of a byte by a table, then the bytes. */
+/* gi_reverse: reverses the nibbles by a table, then swaps the bytes. */
 INLINE __m256i avx2_reverse(__m256i x)
 {
-	const __m256i table = CONSTANT(reversed_half), half = CONSTANT(low_half);
+	__m256i table = CONSTANT(reversed_half), half = CONSTANT(low_half);
 	__m256i low = _mm256_slli_epi32(_mm256_shuffle_epi8(table, _mm256_and_si256(x, half)), 4);
 	__m256i high = _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi32(x, 4), half));
 	return _mm256_shuffle_epi8(_mm256_or_si256(low, high), CONSTANT(swap_bytes));
@@ -60,7 +60,7 @@ INLINE __m256 avx2_fraction(__m256i x)
 	return _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_srli_epi32(x, 8)), _mm256_set1_ps(0x1p-24f));
 }
 
-/* Both lanes of a pair do the same until one of them takes the second coordinate. */
+/* Both lanes of a pair compute the same until one of them takes the second coordinate. */
 static void avx2_sobol_8(uint64_t hash, uint32_t index, uint32_t first, float numbers[8])
 {
 	STILB_ASSERT((uintptr_t)&gi_sampler_constants % 32 == 0);

@@ -1,12 +1,14 @@
 /*
- * gi_sampler, the innermost part: eight dimensions of a point at once, one table of functions for each instruction set,
- * all with the same results, bit for bit; and the formulas in plain C, which are the truth. [any-thread]
+ * gi_sampler_kernels: eight dimensions of a point at once, a table of functions for each instruction set, all with
+ * the same bits; and the formulas in plain C, which are the reference. [any-thread]
  *
- * Points.  A pair of dimensions is a point of the two-dimensional Sobol sequence. Its two coordinates are Owen-scrambled,
- *          and so is the index, which makes the pairs independent of one another and keeps every run of 2^k indices that
- *          starts at a multiple of 2^k stratified. Source: Burley, "Practical Hash-based Owen Scrambling" (2020).
- * Bits.    Scrambling goes from the highest bit of a fraction to the lowest; as a hash it goes the other way, for carries
- *          do. So bits are kept reversed: the reversed index is the first coordinate.
+ * Points.  A pair of dimensions is a point of the two-dimensional Sobol sequence. Both coordinates are
+ *          Owen-scrambled, and so is the index, which makes the pairs independent of one another and keeps every run
+ *          of 2^k indices that starts at a multiple of 2^k stratified. Source: Burley, "Practical Hash-based Owen
+ *          Scrambling" (2020).
+ * Bits.    Owen scrambling changes a bit depending on the higher ones; a hash by multiplication changes it depending
+ *          on the lower ones, as carries go upwards. So bits are kept in reverse: the reversed index is the first
+ *          coordinate.
  */
 #ifndef STILB_GI_SAMPLER_KERNELS_H
 #define STILB_GI_SAMPLER_KERNELS_H
@@ -21,14 +23,14 @@ typedef struct gi_sampler_kernels {
 
 extern const gi_sampler_kernels gi_sampler_kernels_scalar, gi_sampler_kernels_avx2;
 
-/* The table for an instruction set that this CPU has. */
+/* The functions for an instruction set, which this CPU must have. */
 const gi_sampler_kernels *gi_sampler_kernels_for(stilb_isa isa);
 
-/* Seeds have numbers: a dimension's own, and beyond those the shuffles' and the jitters'. */
+/* Ranges of the numbers that seeds are made of: dimensions from 0, then those of shuffles and of jitters. */
 #define GI_SEED_SHUFFLE 0x40000000u
 #define GI_SEED_JITTER 0x80000000u
 
-/* The multipliers of gi_seed and gi_owen_hash. */
+/* The multipliers in gi_seed and gi_owen_hash. */
 #define GI_SEED_STEP 0x9e3779b9u
 #define GI_SEED_MIX_1 0x7feb352du
 #define GI_SEED_MIX_2 0x846ca68bu
@@ -36,17 +38,17 @@ const gi_sampler_kernels *gi_sampler_kernels_for(stilb_isa isa);
 #define GI_OWEN_MIX_2 0x05526c56u
 #define GI_OWEN_MIX_3 0x53a22864u
 
-/* What the vector versions load, eight lanes each. */
+/* Constants for the vector versions, eight lanes each. */
 typedef struct gi_sampler_constants_avx2 {
 	_Alignas(32) uint32_t one[8], seed_mix_1[8], seed_mix_2[8], owen_mix_1[8], owen_mix_2[8], owen_mix_3[8];
 	uint32_t steps[8], pair_steps[8]; /* GI_SEED_STEP times 0, 1, 2, ..., and times 0, 0, 2, 2, ... */
-	uint32_t every_1[8], every_2[8], every_4[8], every_8[8]; /* the upper of every two runs of so many bits */
+	uint32_t every_1[8], every_2[8], every_4[8], every_8[8]; /* masks: of every 2, 4, 8 and 16 bits the upper half */
 	uint8_t low_half[32], reversed_half[32], swap_bytes[32];
 } gi_sampler_constants_avx2;
 extern const gi_sampler_constants_avx2 gi_sampler_constants;
 
-/* 32 bits for each (hash, number); the hash in halves. Source of the mixer: Wellons, "Prospecting for Hash Functions" (2018),
- * lowbias32. */
+/* 32 random bits for (hash, number); the hash is given in halves. Source of the mixer: Wellons, "Prospecting for
+ * Hash Functions" (2018), lowbias32. */
 static inline uint32_t gi_seed_halves(uint32_t low, uint32_t high, uint32_t number)
 {
 	uint32_t x = low + number * GI_SEED_STEP;
@@ -63,8 +65,8 @@ static inline uint32_t gi_seed(uint64_t hash, uint32_t number)
 }
 
 /* Owen scrambling of a fraction whose bits are reversed: bit i is flipped by a function of the bits below it. Source:
- * Laine and Karras, "Stratified Sampling for Stochastic Transparency" (2011), with the constants of Vegdahl, "Building a
- * Better LK Hash" (2021). */
+ * Laine and Karras, "Stratified Sampling for Stochastic Transparency" (2011), with the constants of Vegdahl, "Building
+ * a Better LK Hash" (2021). */
 static inline uint32_t gi_owen_hash(uint32_t x, uint32_t seed)
 {
 	x ^= x * GI_OWEN_MIX_1;
@@ -82,8 +84,8 @@ static inline uint32_t gi_reverse(uint32_t x)
 	return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
 }
 
-/* The second coordinate of point `index` of the Sobol sequence, bits reversed. Its matrix is Pascal's triangle modulo 2:
- * bit j is the sum of the bits i of the index with i & j == j (Lucas), so that one step for each bit of i does.
+/* The second coordinate of point `index` of the Sobol sequence, bits reversed. Its matrix is Pascal's triangle modulo
+ * 2: bit j is the sum of the bits i of the index with i & j == j (Lucas), so that one step for each bit of i does.
  * Source: Sobol, "On the distribution of points in a cube" (1967), polynomial x + 1. */
 static inline uint32_t gi_sobol_second(uint32_t index)
 {
@@ -94,19 +96,19 @@ static inline uint32_t gi_sobol_second(uint32_t index)
 	return index ^ index >> 16;
 }
 
-/* The highest 24 bits as a fraction: a float has no more. */
+/* The upper 24 bits as a fraction in [0, 1), exact in a float. */
 static inline float gi_fraction(uint32_t x)
 {
 	return (float)(int32_t)(x >> 8) * 0x1p-24f;
 }
 
-/* A coordinate, bits reversed, scrambled. */
+/* A coordinate, given with bits reversed, scrambled and made a fraction. */
 static inline float gi_owen_fraction(uint32_t x, uint32_t seed)
 {
 	return gi_fraction(gi_reverse(gi_owen_hash(x, seed)));
 }
 
-/* The index that the pair of an even dimension has for a point's index, which is given reversed. */
+/* The shuffled index of a pair of dimensions; the point's index is given reversed. */
 static inline uint32_t gi_sobol_index(uint64_t hash, uint32_t reversed_index, uint32_t dimension)
 {
 	return gi_reverse(gi_owen_hash(reversed_index, gi_seed(hash, GI_SEED_SHUFFLE + dimension)));

@@ -1,9 +1,9 @@
-/* The numbers one at a time, in plain C: the truth that the vector versions are tested against. */
+/* The kernels one number at a time, in plain C: the reference for the vector versions. */
 #include "gi/sample/gi_sampler_kernels.h"
 
 static void scalar_sobol_8(uint64_t hash, uint32_t index, uint32_t first, float numbers[8])
 {
-	const uint32_t reversed = gi_reverse(index);
+	uint32_t reversed = gi_reverse(index);
 	for (uint32_t i = 0; i < 8; i += 2) {
 		uint32_t x = gi_sobol_index(hash, reversed, first + i), y = gi_sobol_second(x);
 		numbers[i] = gi_owen_fraction(x, gi_seed(hash, first + i));
