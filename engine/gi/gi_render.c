@@ -1,8 +1,8 @@
 /*
- * The driver: passes over the picture, tiles as jobs, batches of samples in a tile.
+ * gi_render: drives a render: passes over the picture, tiles as jobs, batches of samples in a tile.
  *
- * A pass has a grid of pixels and a number of samples to bring each of them to. A pixel remembers how many it has, so a
- * pass that was cut short is simply done again: whatever is there already is not rendered twice.
+ * A pass has a grid of pixels and a number of samples that each of them shall have. A pixel knows how many it has,
+ * so a pass that was cut short is repeated and renders only what is missing.
  */
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
@@ -13,17 +13,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define TILE 16u              /* points of the pass's grid, a side */
-#define SMALLEST_TILE 4u      /* where there would be too few tiles for the workers */
-#define TILES_FOR_A_WORKER 8u /* so that none waits long for the last tile of another */
-#define RAYS_OF_BATCH 0x40000 /* at most, about: between two looks at stop */
+#define TILE 16u              /* side of a tile, in points of the pass's grid */
+#define SMALLEST_TILE 4u      /* where TILE would give too few tiles for the workers */
+#define TILES_FOR_A_WORKER 8u /* so that no worker waits long for another's last tile */
+#define RAYS_OF_BATCH 0x40000 /* about; stop is looked at between batches */
 #define RAYS_OF_PATH 8
 #define OVERTURE_SHARE 0.5
 #define FIRST_SAMPLES 16u
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
-/* Rays of a sample, about: those of its first hit, and what follows from each. */
+/* Estimated number of rays a sample takes: those at its first hit, and those that follow from each. */
 static double rays_of_sample(const stilb_gi_settings *settings)
 {
 	switch (settings->integrator) {
@@ -46,18 +46,24 @@ static uint32_t batch_size_for(const stilb_gi_settings *settings)
 	return fitting >= GI_BATCH ? GI_BATCH : fitting > 1.0 ? (uint32_t)fitting : 1;
 }
 
+static bool worker_init(gi_render_worker *worker, size_t scratch_size)
+{
+	worker->count = 0;
+	worker->counters = (gi_render_counters){0};
+	worker->scratch = stilb_memory_alloc(1, scratch_size ? scratch_size : 1);
+	return worker->scratch;
+}
+
 static stilb_result workers_create(stilb_gi_render *render)
 {
 	uint32_t count = stilb_job_pool_worker_count(render->pool) + 1;
-	size_t scratch_size = render->integrator->scratch_size ? render->integrator->scratch_size : 1;
-	bool whole = (render->workers = stilb_memory_alloc(count, sizeof *render->workers)) != NULL;
-	for (; whole && render->worker_count < count; render->worker_count++) {
-		gi_render_worker *worker = &render->workers[render->worker_count];
-		worker->count = 0;
-		worker->counters = (gi_render_counters){0};
-		whole = (worker->scratch = stilb_memory_alloc(1, scratch_size)) != NULL;
-	}
-	return whole ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "out of memory for %u threads that render", count);
+	render->workers = stilb_memory_alloc(count, sizeof *render->workers);
+	for (; render->workers && render->worker_count < count; render->worker_count++)
+		if (!worker_init(&render->workers[render->worker_count], render->integrator->scratch_size))
+			break;
+	if (render->worker_count == count)
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_MEMORY, "out of memory for %u threads that render", count);
 }
 
 static stilb_result gi_render_fill(stilb_gi_render *render)
@@ -73,7 +79,7 @@ static stilb_result gi_render_fill(stilb_gi_render *render)
 	return result;
 }
 
-/* The widest that this CPU has, or what STILB_ISA names; all give the same bits. */
+/* The widest set that this CPU has, or the one that STILB_ISA names; all give the same bits. */
 static const gi_primary_kernels *primary_kernels(void)
 {
 	stilb_isa isa;
@@ -127,7 +133,7 @@ void stilb_gi_render_destroy(stilb_gi_render *render)
 	free(render);
 }
 
-/* ---- batches ------------------------------------------------------------------------------------------------------- */
+/* ---- batches ----------------------------------------------------------------------------------------------------- */
 
 static void batch_to_film(stilb_gi_render *render, gi_render_worker *worker)
 {
@@ -166,12 +172,12 @@ static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 	gi_counter_add(&worker->counters.shadow_rays, batch.shadow_rays);
 }
 
-/* ---- tiles --------------------------------------------------------------------------------------------------------- */
+/* ---- tiles ------------------------------------------------------------------------------------------------------- */
 
 typedef struct tile_grid {
 	stilb_gi_render *render;
-	uint32_t block, target; /* every block-th pixel is to have target samples */
-	uint32_t tile, tiles_x; /* points of the grid a side; tiles in a row */
+	uint32_t block, target; /* every block-th pixel gets samples until it has target of them */
+	uint32_t tile, tiles_x; /* side of a tile in points of the grid; tiles in a row */
 	uint32_t tile_count;
 } tile_grid;
 
@@ -201,7 +207,7 @@ static bool is_ending(const stilb_gi_render *render)
 	       (render->deadline_ns && stilb_time_ns() >= render->deadline_ns);
 }
 
-/* Renders what the batch holds, unless the render is to end: false, and the batch is forgotten. */
+/* Renders the samples of the batch. False: the render is ending, and they are dropped. */
 static bool batch_flush(stilb_gi_render *render, gi_render_worker *worker)
 {
 	bool go_on = !is_ending(render);
@@ -230,7 +236,7 @@ static bool pixel_render(const tile_grid *grid, gi_render_worker *worker, uint32
 }
 
 typedef struct grid_tile {
-	uint32_t x, y; /* the first point of the grid */
+	uint32_t x, y; /* its first point in the grid */
 	uint32_t side;
 } grid_tile;
 
@@ -240,7 +246,7 @@ static grid_tile tile_of(const tile_grid *grid, uint32_t index)
 	return (grid_tile){index % grid->tiles_x * grid->tile, index / grid->tiles_x * grid->tile, grid->tile};
 }
 
-/* The x of a Morton code of 8 bits; its y is that of the code without the lowest bit. */
+/* The even bits of a Morton code of 8 bits, which are x; the odd ones, y, are those of code >> 1. */
 static uint32_t morton_x(uint32_t code)
 {
 	STILB_ASSERT(code < 256);
@@ -250,8 +256,8 @@ static uint32_t morton_x(uint32_t code)
 }
 static_assert(TILE <= 16, "so that a point's Morton code has 8 bits");
 
-/* The tile's points lie along a Morton curve, so that sixteen rays in a row, a packet, start close to one another. False: the
- * picture ends before that point. */
+/* The pixel of a point of the tile. Points are in Morton order, so that sixteen consecutive rays, a packet, start
+ * close together. False: the pixel is outside the picture. */
 static bool tile_pixel(const tile_grid *grid, const grid_tile *tile, uint32_t point, uint32_t *x, uint32_t *y)
 {
 	*x = (tile->x + morton_x(point)) * grid->block;
@@ -291,7 +297,7 @@ static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *co
 	}
 }
 
-/* ---- passes -------------------------------------------------------------------------------------------------------- */
+/* ---- passes ------------------------------------------------------------------------------------------------------ */
 
 static double seconds_spent(const stilb_gi_render *render)
 {
@@ -299,7 +305,8 @@ static double seconds_spent(const stilb_gi_render *render)
 	return render->seconds + now;
 }
 
-/* How many more samples of the whole picture there is time for, judged by those that are done; at least one. */
+/* Number of further samples of all pixels that fit into the time limit, judged by the time of those done; at least
+ * 1. */
 static uint32_t samples_in_time(const stilb_gi_render *render, uint32_t done)
 {
 	STILB_ASSERT(done > 0 && render->view.settings.seconds > 0.0);
@@ -310,8 +317,9 @@ static uint32_t samples_in_time(const stilb_gi_render *render, uint32_t done)
 	return fitting < 1.0 ? 1 : fitting < 65536.0 ? (uint32_t)fitting : 65536;
 }
 
-/* Samples of each pixel in the first round over the picture. Without a limit all: one pass. A progressive picture is to be
- * whole soon, and fast: its first round has as many as a packet has rays. With a limit it is to be whole at once. */
+/* Samples of each pixel in the first round over the picture. Without a limit: all of them, in one pass. Progressive:
+ * few, so that the picture is complete soon, but a whole packet. With a limit: one, so that the picture is complete
+ * whenever it ends. */
 static uint32_t first_samples(const stilb_gi_settings *settings)
 {
 	if (settings->seconds > 0.0 || settings->error > 0.0f)
@@ -319,8 +327,8 @@ static uint32_t first_samples(const stilb_gi_settings *settings)
 	return settings->progressive && settings->samples > FIRST_SAMPLES ? FIRST_SAMPLES : settings->samples;
 }
 
-/* The pass after the last one: the first round, then as many samples again as there are, so that whenever it ends all pixels
- * have about as many. False: all is done. */
+/* Plans the next pass: the blocks of the first round, then each time as many samples as there are, so that all
+ * pixels have about equally many whenever it ends. False: everything is done. */
 static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 {
 	STILB_ASSERT(render->pass_count < STILB_GI_MAX_PASSES);
@@ -335,7 +343,8 @@ static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 	if (last->block > 1)
 		return true;
 	uint32_t done = last->first_sample + last->sample_count;
-	uint32_t left = settings->samples > done ? settings->samples - done : 0; /* a checkpoint may have more */
+	/* 0 if a resumed checkpoint has more samples than are wanted now */
+	uint32_t left = settings->samples > done ? settings->samples - done : 0;
 	*next = (stilb_gi_pass){.block = 1, .first_sample = done, .sample_count = done < left ? done : left};
 	if (settings->seconds > 0.0) {
 		uint32_t fitting = samples_in_time(render, done);
@@ -346,7 +355,7 @@ static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 	return left > 0;
 }
 
-/* The pass that is not finished, or a new one; NULL: there is nothing more to do. */
+/* The pass that was cut short, or a new one; NULL: nothing is left to do. */
 static stilb_gi_pass *pass_next(stilb_gi_render *render)
 {
 	if (render->pass_count > 0 && !render->passes[render->pass_count - 1].finished)
@@ -362,7 +371,7 @@ static stilb_gi_pass *pass_next(stilb_gi_render *render)
 	return pass;
 }
 
-/* After a whole pass, where there is a limit to it; else what it was. */
+/* The estimated error: measured anew after a whole pass if settings.error needs it, else the last one. */
 static double error_after(const stilb_gi_render *render, const stilb_gi_pass *last)
 {
 	bool wanted = last && last->finished && render->view.settings.error > 0.0f;
@@ -388,8 +397,8 @@ static void pass_run(stilb_gi_render *render, stilb_gi_pass *pass)
 	stilb_lock_give(&render->lock);
 }
 
-/* Whether the whole passes so far are enough. Asked before each pass, and first of all by a render that goes on: so it ends
- * where one that was never stopped does. */
+/* True if the error limit is met. Checked before each pass, also before the first after a resume, so that a resumed
+ * render ends where an uninterrupted one does. */
 static bool is_good_enough(const stilb_gi_render *render)
 {
 	return render->estimate <= (double)render->view.settings.error;
@@ -415,9 +424,9 @@ static stilb_gi_end passes_run(stilb_gi_render *render)
 	}
 }
 
-/* ---- run ----------------------------------------------------------------------------------------------------------- */
+/* ---- run --------------------------------------------------------------------------------------------------------- */
 
-/* Of a limited time the picture has half for itself: where the records do not reach, paths do. */
+/* Of a limited time half is for the picture: where the overture made no records, paths are traced. */
 static bool overture_is_ending(const stilb_gi_render *render)
 {
 	double share = render->view.settings.seconds * OVERTURE_SHARE;
@@ -436,7 +445,7 @@ static bool overture_report(void *user, const gi_cache_progress *progress)
 	return !overture_is_ending(render);
 }
 
-/* The irradiance cache's own pass over the picture; told to stop, it goes on in the next run. */
+/* The irradiance cache's own pass over the picture. Told to stop, it continues in the next run. */
 static stilb_result overture_run(stilb_gi_render *render)
 {
 	if (!render->cache_fill || render->overture_finished)
@@ -501,7 +510,7 @@ void stilb_gi_render_stop(stilb_gi_render *render)
 	atomic_store_explicit(&render->stop, true, memory_order_relaxed); /* see stilb_gi_render */
 }
 
-/* ---- what can be seen of it ---------------------------------------------------------------------------------------- */
+/* ---- what can be seen of it -------------------------------------------------------------------------------------- */
 
 gi_render_totals gi_render_totals_of(const stilb_gi_render *render)
 {
@@ -517,7 +526,7 @@ gi_render_totals gi_render_totals_of(const stilb_gi_render *render)
 	return totals;
 }
 
-/* Of the limits that are set the one that will be reached first. The error falls with the root of the samples. */
+/* Progress towards the limit that will be met first. The error falls with the square root of the samples. */
 static double share_done(const stilb_gi_render *render, const stilb_gi_progress *progress, uint64_t samples)
 {
 	STILB_ASSERT_LOCKED(&render->lock);
@@ -581,7 +590,7 @@ stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render)
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
 	const gi_film *film = &render->film;
-	/* While nobody renders an atomic float is a float. */
+	/* The planes are _Atomic float for preview; nobody writes them now, so they are read as floats. */
 	return (stilb_gi_film){.width = film->width,
 	                       .height = film->height,
 	                       .radiance = (const float *)film->radiance,

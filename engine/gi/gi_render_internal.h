@@ -1,5 +1,5 @@
 /*
- * gi_render_internal: what stands behind stilb_gi_render, for the files that drive, save and resume it.
+ * gi_render_internal: struct stilb_gi_render, for the files that drive, save and resume a render.
  */
 #ifndef GI_RENDER_INTERNAL_H
 #define GI_RENDER_INTERNAL_H
@@ -11,17 +11,18 @@
 #include "gi/film/gi_primary.h"
 #include "gi/integrate/gi_integrator.h"
 
-/* What one thread has done. It alone adds, and stilb_gi_render_progress reads meanwhile: all relaxed, a little old is fine. */
+/* What one thread has counted. That thread alone adds; stilb_gi_render_progress reads at any time. All relaxed: each
+ * number stands alone, and a reader may see one that is a batch old. */
 typedef struct gi_render_counters {
 	_Atomic uint64_t samples, rays, camera_rays, shadow_rays, bad_samples;
 } gi_render_counters;
 
-/* The same, added up. */
+/* The sums of all threads' counters. */
 typedef struct gi_render_totals {
 	uint64_t samples, rays, camera_rays, shadow_rays, bad_samples;
 } gi_render_totals;
 
-/* A thread's batch: samples of one tile. */
+/* One thread's batch: samples of one tile. */
 typedef struct gi_render_worker {
 	gi_render_counters counters;
 	uint32_t count;
@@ -30,7 +31,7 @@ typedef struct gi_render_worker {
 	uint16_t x[GI_BATCH], y[GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH];
 	gi_primary primary;
-	void *scratch; /* the integrator's */
+	void *scratch; /* of the integrator */
 } __attribute__((aligned(STILB_CACHE_LINE))) gi_render_worker;
 
 struct stilb_gi_render {
@@ -42,22 +43,22 @@ struct stilb_gi_render {
 	const gi_integrator *integrator;
 	stilb_job_pool *pool;
 	gi_film film;
-	gi_render_worker *workers; /* one for each thread of the pool, the owner first */
+	gi_render_worker *workers; /* one for each thread of the pool, the main thread's first */
 	uint32_t worker_count;
-	uint32_t batch_size;      /* samples, at most GI_BATCH */
-	gi_render_totals resumed; /* done before the checkpoint that was resumed */
-	bool overture_finished;   /* of the irradiance cache */
+	uint32_t batch_size;      /* samples in a batch, at most GI_BATCH */
+	gi_render_totals resumed; /* counted before the checkpoint that was resumed */
+	bool overture_finished;   /* the irradiance cache is filled */
 
-	/* Set by anybody, read by all threads before each batch, cleared when run returns; relaxed: it orders nothing. */
+	/* Set by any thread, read by all before each batch, cleared when run returns. Relaxed: it publishes nothing. */
 	_Atomic bool stop;
-	_Atomic bool cut;     /* a tile of this pass was left undone; relaxed: read after the loop over tiles has joined */
-	uint64_t deadline_ns; /* of stilb_time_ns; 0: none. Written before the loop over tiles */
+	_Atomic bool cut;     /* a tile of this pass was not finished; relaxed: read after the loop over tiles has joined */
+	uint64_t deadline_ns; /* by stilb_time_ns; 0: none. Written before the loop over tiles */
 
-	/* What progress tells of the run as a whole: written by run, under the lock. */
+	/* For progress: written by run and read by progress, under the lock. */
 	stilb_lock lock;
-	double seconds;       /* of finished calls of run */
-	uint64_t begun_ns;    /* of the one that runs; 0: none */
-	double overture_done; /* share; 1 without one */
+	double seconds;       /* of the calls of run that have returned */
+	uint64_t begun_ns;    /* start of the current call of run; 0: none */
+	double overture_done; /* share of the overture that is done; 1 without an overture */
 	double estimate;      /* gi_film_error after the last whole pass; +infinity before */
 	char stage[32];
 	stilb_gi_end end;

@@ -1,8 +1,8 @@
 /*
- * gi_scene: from the scene's parts to triangles that rays can meet.
+ * gi_scene: from the parts of a scene to triangles that rays can hit.
  *
- * A part becomes triangles in the world's space, which trace fastest. Only where that would multiply a mesh beyond
- * COPIES_MAX triangles do its parts stay instances of one.
+ * A part becomes triangles in world space, which trace fastest. Only if that would add more than COPIES_MAX
+ * triangles to those of the mesh do its parts stay instances of one mesh.
  */
 #include "gi/gi_surface.h"
 
@@ -12,13 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COPIES_MAX 65536u    /* triangles more than the mesh has itself */
-#define COORDINATE_MAX 1e10f /* metres; products of three edges between such places are still numbers */
+#define COPIES_MAX 65536u    /* triangles that copies of a mesh may add to the mesh's own */
+#define COORDINATE_MAX 1e10f /* metres; products of three edges between such points are still finite */
 #define TRIANGLES_MAX (1u << 30)
 
 static_assert(sizeof(stilb_scene_vertex) == 32, "gi_primary loads whole vertices");
 
-/* ---- transforms --------------------------------------------------------------------------------------------------- */
+/* ---- transforms -------------------------------------------------------------------------------------------------- */
 
 static stilb_vec3 point_to_world(const stilb_mat4 *m, const float p[3])
 {
@@ -29,8 +29,8 @@ static stilb_vec3 point_to_world(const stilb_mat4 *m, const float p[3])
 	return world;
 }
 
-/* The cofactors of the upper 3x3: the transposed inverse times the determinant, which is returned. In double: what is
- * small in one direction keeps its digits. */
+/* The cofactors of the upper 3x3, which are the transposed inverse times the determinant; returns the determinant.
+ * In double, so that a transform that is nearly flat in one direction keeps its digits. */
 static double cofactors_of(const stilb_mat4 *m, double cofactors[9])
 {
 	for (int column = 0; column < 3; column++) {
@@ -43,7 +43,8 @@ static double cofactors_of(const stilb_mat4 *m, double cofactors[9])
 	return (double)m->m[0] * cofactors[0] + (double)m->m[1] * cofactors[1] + (double)m->m[2] * cofactors[2];
 }
 
-/* Normals to the world but for their length, which is about kept. A flat transform has none: then 0. */
+/* The transposed inverse, column by column, which takes normals to world space; their length is kept about. All 0
+ * for a flat transform, which has none. */
 static void normal_matrix_of(const stilb_mat4 *m, float out[9])
 {
 	double cofactors[9];
@@ -52,7 +53,7 @@ static void normal_matrix_of(const stilb_mat4 *m, float out[9])
 		out[i] = determinant != 0.0 ? (float)(cofactors[i] / determinant) : 0.0f;
 }
 
-/* The root of the sum of all squares: at least the largest singular value. */
+/* The Frobenius norm of the upper 3x3, an upper bound of its largest singular value. */
 static float stretch_of(const stilb_mat4 *m)
 {
 	float square = 0.0f;
@@ -62,7 +63,8 @@ static float stretch_of(const stilb_mat4 *m)
 	return sqrtf(square);
 }
 
-/* Takes a transform to the mesh's space and back few digits: is it a turn and a scale, more or less? Of those the product is 3. */
+/* True if the transform is nearly a similarity, so that going to the mesh's space and back loses few digits: norm(M)
+ * * norm(inverse(M)) < 6. It is 3 for a similarity. */
 static bool is_near_similarity(const stilb_mat4 *m)
 {
 	float normal[9], square = 0.0f;
@@ -79,7 +81,7 @@ static bool is_mirrored(const stilb_mat4 *m)
 	return cofactors_of(m, cofactors) < 0.0;
 }
 
-/* Unit, or 0 where there is no direction in it. */
+/* The normal in world space, unit; 0 if n is 0 or not finite, or matrix is flat. */
 static void normal_to_world(const float matrix[9], const float n[3], float out[3])
 {
 	double world[3], square = 0.0;
@@ -93,12 +95,13 @@ static void normal_to_world(const float matrix[9], const float n[3], float out[3
 		out[i] = scale > 0.0 ? (float)(world[i] * scale) : 0.0f;
 }
 
-/* ---- meshes ------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
-/* Which meshes are shared, and how much there will be. */
+/* Which meshes are shared by instances, and how much there will be in all. */
 typedef struct mesh_plan {
-	uint32_t *uses;   /* of each of the scene's meshes, by parts that may be instances */
-	uint32_t *shared; /* 1 + its number in the world where it is shared; 0: each part has its own */
+	uint32_t *uses; /* [mesh_count] parts of each mesh that may be instances */
+	/* [mesh_count] 1 + the mesh's index in the result if instances share it; 0: each part has a copy */
+	uint32_t *shared;
 	uint64_t vertices, triangles;
 	uint32_t meshes;
 } mesh_plan;
@@ -120,7 +123,7 @@ static bool part_may_share(const stilb_scene *scene, uint32_t part)
 	const stilb_mat4 *to_world = &scene->part_transform[part];
 	for (int i = 12; i < 15; i++)
 		if (!(fabsf(to_world->m[i]) <= COORDINATE_MAX))
-			return false; /* its triangles are looked at one by one */
+			return false; /* not an instance, so that each of its triangles is checked */
 	return !part_emits(scene, part) && is_near_similarity(to_world);
 }
 
@@ -174,9 +177,8 @@ static bool position_is_usable(const stilb_scene_vertex *vertex)
 	return true;
 }
 
-/* Is the triangle's area more than 0 in float arithmetic, which is what rays are traced in? */
-static bool scene_triangle_has_area(const stilb_scene_vertex *v0, const stilb_scene_vertex *v1,
-                                    const stilb_scene_vertex *v2)
+/* True if the triangle's area is above 0 in float arithmetic, which is what rays are traced in. */
+static bool triangle_has_area(const stilb_scene_vertex *v0, const stilb_scene_vertex *v1, const stilb_scene_vertex *v2)
 {
 	float a[3], b[3];
 	for (int i = 0; i < 3; i++) {
@@ -203,7 +205,7 @@ static void box_add(float low[3], float high[3], const float point[3])
 	}
 }
 
-/* Only vertices of triangles count: others may be no numbers. */
+/* Of triangles only: vertices that no triangle uses may be NaN. */
 static void mesh_box(gi_mesh *mesh)
 {
 	box_empty(mesh->low, mesh->high);
@@ -212,7 +214,7 @@ static void mesh_box(gi_mesh *mesh)
 			box_add(mesh->low, mesh->high, mesh->vertices[mesh->triangles[k].vertex[corner]].position);
 }
 
-/* Appends a mesh, moved by transform, without what cannot be hit. */
+/* Appends a copy of the mesh, transformed, without the triangles that cannot be hit. */
 static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const stilb_mat4 *transform)
 {
 	gi_mesh *out = &gi->meshes[gi->mesh_count];
@@ -242,7 +244,7 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const sti
 			invalid++;
 			continue;
 		}
-		if (!scene_triangle_has_area(&vertices[a], &vertices[b], &vertices[c]))
+		if (!triangle_has_area(&vertices[a], &vertices[b], &vertices[c]))
 			continue;
 		STILB_ASSERT(a != b && b != c && c != a && "degenerate triangles are left out");
 		triangles[count++] = (gi_triangle){
@@ -259,7 +261,7 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const sti
 	STILB_ASSERT(count <= mesh->index_count / 3);
 }
 
-/* ---- parts -------------------------------------------------------------------------------------------------------- */
+/* ---- parts ------------------------------------------------------------------------------------------------------- */
 
 static void part_add(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan, uint32_t index)
 {
@@ -285,8 +287,8 @@ static void part_add(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_pl
 	}
 	part->vertices = gi->meshes[part->mesh].vertices;
 	part->triangles = gi->meshes[part->mesh].triangles;
-	const uint32_t count = gi->meshes[part->mesh].triangle_count;
-	const uint32_t invalid = gi->meshes[part->mesh].invalid_count;
+	uint32_t count = gi->meshes[part->mesh].triangle_count;
+	uint32_t invalid = gi->meshes[part->mesh].invalid_count;
 	if (emits) {
 		part->first_light = gi->info.lights;
 		gi->info.lights += count;
@@ -296,7 +298,7 @@ static void part_add(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_pl
 	gi->info.flat += scene->meshes[mesh].index_count / 3 - count - invalid;
 }
 
-/* Around the boxes of all parts' meshes: of an instance that is turned, more than it fills. */
+/* The box around the boxes of all parts. Larger than needed for a rotated instance. */
 static void box_of_parts(stilb_gi_scene *gi)
 {
 	box_empty(gi->info.low, gi->info.high);
@@ -338,12 +340,12 @@ static stilb_result lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 	return result;
 }
 
-/* ---- life cycle --------------------------------------------------------------------------------------------------- */
+/* ---- life cycle -------------------------------------------------------------------------------------------------- */
 
 static stilb_result gi_scene_allocate(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan)
 {
 	size_t meshes = (size_t)plan->meshes + 1, parts = (size_t)scene->part_count + 1;
-	/* Embree reads 16 bytes at the last vertex's position, and more at the last triangle. */
+	/* Room at the ends: Embree reads 16 bytes at the last vertex's position, and beyond the last triangle. */
 	size_t vertices = (size_t)plan->vertices + 1, triangles = (size_t)plan->triangles + 2;
 	gi->meshes = calloc(meshes, sizeof *gi->meshes);
 	gi->parts = calloc(parts, sizeof *gi->parts);
@@ -395,7 +397,7 @@ static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, 
 	return result;
 }
 
-/* Every index is inside what it points into, and every triangle can be hit. For STILB_CHECK. */
+/* All indices are in range, and every triangle can be hit. For STILB_CHECK. */
 static bool mesh_is_sound(const gi_mesh *mesh)
 {
 	if ((uintptr_t)mesh->vertices % sizeof *mesh->vertices != 0)

@@ -1,6 +1,6 @@
 /*
- * gi_scene_internal: the scene as rays see it: meshes, parts, materials, lights, and what an intersector is. Written while
- * it is created, then read by any thread.
+ * gi_scene_internal: the scene in the form that rays are traced in: meshes, parts, materials, lights, and the
+ * interface of intersectors. Written by stilb_gi_scene_create, then read by any thread.
  */
 #ifndef STILB_GI_SCENE_INTERNAL_H
 #define STILB_GI_SCENE_INTERNAL_H
@@ -11,35 +11,35 @@
 #include "gi/light/gi_light.h"
 #include "gi/trace/gi_trace.h"
 
-/* Counter-clockwise seen from the front. */
+/* Front side: counter-clockwise. */
 typedef struct gi_triangle {
 	uint32_t vertex[3];
-	float error; /* of a hit's distance from the plane, as far as the triangle's shape decides: metres, in its space */
+	float error; /* gi_triangle_shape_error, metres in the mesh's space */
 } gi_triangle;
 
-/* Triangles in the world's space, or in the mesh's own where parts share it as instances; none is degenerate. A vertex is 32
- * bytes and lies on a multiple of that. A normal is unit, or 0 where the file's is none: then the triangle's own counts. */
+/* Triangles in world space, or in the mesh's own space if instances share it; none is degenerate. A vertex is 32
+ * bytes and aligned to 32. Its normal is unit, or 0 if the file has none: then the triangle's normal is used. */
 typedef struct gi_mesh {
 	const stilb_scene_vertex *vertices;
 	const gi_triangle *triangles;
 	uint32_t vertex_count, triangle_count;
 	uint32_t invalid_count; /* triangles left out because a corner is NaN, infinite, too far away or missing */
-	float low[3], high[3];  /* the box around its triangles; low > high: there are none */
+	float low[3], high[3];  /* box around its triangles; low > high: there are none */
 } gi_mesh;
 
 #define GI_NO_LIGHT UINT32_MAX
 
 typedef struct gi_part {
-	const stilb_scene_vertex *vertices; /* of its mesh */
+	const stilb_scene_vertex *vertices; /* those of its mesh */
 	const gi_triangle *triangles;
 	uint32_t mesh, material;
-	uint32_t first_light; /* if the material emits: its triangle k is light first_light + k; else GI_NO_LIGHT */
-	bool instance;        /* of a mesh in its own space; emitting parts are none */
-	bool plain;           /* neither that nor textured */
-	float albedo[4];      /* plain: diffuse + specular */
-	float stretch;        /* instance: to_world makes nothing longer than so many times */
+	uint32_t first_light; /* of an emitting part: its triangle k is emitter first_light + k; else GI_NO_LIGHT */
+	bool instance;        /* the mesh is in its own space; never of emitting parts */
+	bool plain;           /* neither an instance nor textured: gi_primary needs no gi_surface_at for it */
+	float albedo[4];      /* of a plain part: diffuse + specular */
+	float stretch;        /* of an instance: upper bound of the factor by which to_world lengthens a vector */
 	stilb_mat4 to_world;
-	float normal_to_world[9]; /* transposed inverse, columns */
+	float normal_to_world[9]; /* transposed inverse of to_world, column by column */
 } gi_part;
 
 struct stilb_gi_scene {
@@ -54,10 +54,11 @@ struct stilb_gi_scene {
 	gi_lights lights;
 	stilb_gi_scene_info info;
 	stilb_scene_vertex *vertices; /* of all meshes, in their order */
-	gi_triangle *triangles;       /* the same */
+	gi_triangle *triangles;       /* likewise */
 };
 
-/* What an intersector is: it fills tracer for a scene whose meshes and parts are made. destroy accepts {0}. */
+/* An intersector. create fills tracer for a scene whose meshes and parts are complete, and info's build_s, isa and
+ * bytes; STILB_OK or an error, after which destroy is called as well. destroy accepts {0}. */
 struct stilb_gi_intersector {
 	const char *name;
 	stilb_result (*create)(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,

@@ -26,7 +26,7 @@ stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene)
 	};
 }
 
-/* ---- the table ------------------------------------------------------------------------------------------------------ */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 typedef enum field_kind {
 	FIELD_U32,
@@ -34,7 +34,7 @@ typedef enum field_kind {
 	FIELD_BOOL,
 	FIELD_FLOAT,
 	FIELD_DOUBLE,
-	FIELD_NAME, /* an enum: names[value] */
+	FIELD_NAME, /* an enum: its names are names[value] */
 } field_kind;
 
 typedef struct field {
@@ -42,7 +42,7 @@ typedef struct field {
 	field_kind kind;
 	gi_setting_role role;
 	size_t offset;
-	double low, high; /* the range, both ends included; not FIELD_BOOL and FIELD_U64 */
+	double low, high; /* the range, both ends included; unused for FIELD_BOOL and FIELD_U64 */
 	const char *const *names;
 } field;
 
@@ -69,13 +69,15 @@ static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian", "harmonic"
 	{                                                                                                                  \
 #member, FIELD_NAME, GI_SETTING_SAMPLE, AT(member), 0, sizeof names / sizeof *names - 1, names                 \
 	}
-#define FARTHEST 1e12 /* metres: well beyond all triangles, so that a camera may see them all; squares are numbers */
+/* metres: far beyond the largest coordinate of a triangle, so that a camera may see all of them; its square is
+ * finite */
+#define FARTHEST 1e12
 
 static const field FIELDS[] = {
 	NAMED(integrator, INTEGRATOR_NAMES),
 	NUMBER(FIELD_U32, width, 1, 65536),
 	NUMBER(FIELD_U32, height, 1, 65536),
-	LIMIT(FIELD_U32, samples, 1, 65536), /* but see gi_settings_get */
+	LIMIT(FIELD_U32, samples, 1, 65536), /* a limit, or see gi_settings_get */
 	LIMIT(FIELD_DOUBLE, seconds, 0, 1e9),
 	LIMIT(FIELD_FLOAT, error, 0, 1e9),
 	NUMBER(FIELD_U64, seed, 0, 0),
@@ -119,7 +121,7 @@ uint32_t gi_settings_count(void)
 	return sizeof FIELDS / sizeof *FIELDS;
 }
 
-/* Enums and the integers of shade_brdf_model are four bytes, as FIELD_U32 is. */
+/* Enums and the integers of shade_brdf_model have four bytes, like FIELD_U32. */
 static double field_number(const stilb_gi_settings *settings, const field *f)
 {
 	const char *at = (const char *)settings + f->offset;
@@ -140,12 +142,12 @@ static double field_number(const stilb_gi_settings *settings, const field *f)
 	case FIELD_BOOL:
 		return *(const bool *)at;
 	case FIELD_U64:
-		break; /* any will do, and a double could not hold it */
+		break; /* every value is valid, and a double could not hold it */
 	}
 	return number;
 }
 
-/* Whether samples lie elsewhere when others will follow them: gi_sampler.c. */
+/* True if the points of a sampler depend on how many there will be: gi_sampler.c. */
 static bool sampler_plans(stilb_gi_sampler_kind sampler)
 {
 	return sampler == STILB_GI_SAMPLER_STRATIFIED || sampler == STILB_GI_SAMPLER_BLUE_NOISE;
@@ -179,12 +181,12 @@ gi_setting gi_settings_get(const stilb_gi_settings *settings, uint32_t index)
 	return setting;
 }
 
-/* ---- ranges ------------------------------------------------------------------------------------------------------- */
+/* ---- ranges ------------------------------------------------------------------------------------------------------ */
 
 static stilb_result field_check(const stilb_gi_settings *settings, const field *f)
 {
 	double number = field_number(settings, f);
-	if (f->kind == FIELD_U64 || (number >= f->low && number <= f->high)) /* NaN is not */
+	if (f->kind == FIELD_U64 || (number >= f->low && number <= f->high)) /* false for NaN */
 		return STILB_OK;
 	return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: %s is %.9g; it must be %.9g to %.9g", f->name, number,
 	                  f->low, f->high);

@@ -1,6 +1,6 @@
 /*
- * gi_settings: every number of stilb_gi_settings by its name: checked, written into pictures, compared with those of a
- * checkpoint. One table; [any-thread].
+ * gi_settings: the fields of stilb_gi_settings as a table of names: to check ranges, to write them into pictures, to
+ * compare them with those of a checkpoint. [any-thread]
  */
 #ifndef GI_SETTINGS_H
 #define GI_SETTINGS_H
@@ -11,22 +11,22 @@
 
 typedef enum gi_setting_role {
 	GI_SETTING_SAMPLE, /* another value gives other samples */
-	GI_SETTING_LIMIT,  /* it says when to end */
-	GI_SETTING_VIEW,   /* it says what to show meanwhile, or of it */
+	GI_SETTING_LIMIT,  /* decides when the render ends */
+	GI_SETTING_VIEW,   /* decides how it is displayed, now or in a .png */
 } gi_setting_role;
 
 typedef struct gi_setting {
-	const char *name;            /* of the field, "lens.radius" */
-	char value[GI_SETTING_TEXT]; /* enough digits to read the same number back */
+	const char *name;            /* of the field: "lens.radius" */
+	char value[GI_SETTING_TEXT]; /* as text that reads back to the same number */
 	gi_setting_role role;
 } gi_setting;
 
-/* STILB_ERROR_ARGUMENT names the first field that is out of its range, and the range. */
+/* STILB_OK, or STILB_ERROR_ARGUMENT with the first field that is out of its range, and the range. */
 stilb_result gi_settings_check(const stilb_gi_settings *settings);
 
 uint32_t gi_settings_count(void);
 
-/* index < gi_settings_count(). Files of the irradiance cache are not among them. */
+/* index < gi_settings_count(). The file names of the irradiance cache are not in the table. */
 gi_setting gi_settings_get(const stilb_gi_settings *settings, uint32_t index);
 
 #endif

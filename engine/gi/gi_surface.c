@@ -5,13 +5,13 @@
 #include <float.h>
 #include <string.h>
 
-/* Half the distance from 1 to the next float: a rounding is off by so much, relatively, at most. */
+/* Half the distance from 1 to the next float: the largest relative error of one rounding. */
 #define ROUNDING 0x1p-24f
 
-/* Barycentric: nearer to an edge than this the position is looked at once more. */
+/* Barycentric coordinate: hits nearer to an edge than this are kept inside by point_inside. */
 #define NEAR_EDGE 0x1p-6f
 
-/* Three corners: positions with normal.x behind them, and the rest of the normal with uv. */
+/* The three vertices of a triangle as they lie in memory: position and normal.x, then normal.y, normal.z, u and v. */
 typedef struct triangle_corners {
 	stilb_vec4 first[3], second[3];
 } triangle_corners;
@@ -56,7 +56,7 @@ static float larger(float a, float b)
 	return a > b ? a : b;
 }
 
-/* Unit; also of what is too small or too large to be squared. */
+/* Normalised, also if its square would underflow or overflow. */
 static stilb_vec3 unit_of(stilb_vec3 v)
 {
 	float square = stilb_vec3_dot(v, v);
@@ -68,17 +68,18 @@ static stilb_vec3 unit_of(stilb_vec3 v)
 }
 
 /*
- * How far from the triangle's plane a ray must start that must not meet it. What is rounded, in units of ROUNDING:
+ * How far from the triangle's plane a ray must start so that it does not hit the triangle again. Rounding errors in
+ * units of ROUNDING:
  *
- * - The position is v0 + (u e1 + v e2). Its last sum is off by one unit of the position, and so it is again when it is moved
- *   away from the plane: place_error, one more for safety.
- * - The terms in brackets are off by less than 4 units of the edges' length. The intersector finds t from (v0 - origin) . Ng:
- *   difference, products and sum are off by 4 units of that length, and Ng itself by 6 |a| |b| / |a x b|, for its components
- *   are differences of products, which for an obtuse triangle nearly cancel out. a and b are the two shorter edges, which
- *   robust intersectors take: gi_triangle_shape_error.
+ * - The position is v0 + (u e1 + v e2). The last sum has an error of one unit of the position, and so has moving it off
+ *   the plane; one more for safety: place_error.
+ * - The terms in brackets have an error below 4 units of the edges' length. The intersector computes t from
+ *   (v0 - origin) . Ng: difference, products and sum add 4 units of that length, and Ng itself 6 |a| |b| / |a x b|, as
+ *   its components are differences of products, which nearly cancel in an obtuse triangle. a and b are the two shorter
+ *   edges, as robust intersectors use: gi_triangle_shape_error.
  *
- * Source of the method: Pharr, Jakob, Humphreys, "Physically Based Rendering", 3rd ed. (2016), 3.9, where the
- * intersector's part is a bound on t instead.
+ * Source of the method: Pharr, Jakob, Humphreys, "Physically Based Rendering", 3rd ed. (2016), 3.9, which bounds the
+ * error of t instead of the distance from the plane.
  */
 static float place_error(stilb_vec3 position, stilb_vec3 unit)
 {
@@ -92,7 +93,7 @@ float gi_triangle_shape_error(const float v0[3], const float v1[3], const float 
 	stilb_vec3 e1 = stilb_vec3_make(v1[0], v1[1], v1[2]) - corner, e2 = stilb_vec3_make(v2[0], v2[1], v2[2]) - corner;
 	float a = length_of(e1), b = length_of(e2), c = length_of(e2 - e1);
 	float longest = larger(larger(a, b), c), area2 = length_of(stilb_vec3_cross(e1, e2));
-	float shorter = a * b * c / longest; /* product of the other two */
+	float shorter = a * b * c / longest; /* product of the two shorter edges */
 	return ROUNDING * longest * (8.0f + 6.0f * shorter / larger(area2, FLT_MIN));
 }
 
@@ -105,8 +106,8 @@ float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3])
 	return place_error(largest, unit_of(stilb_vec3_cross(e1, e2))) + gi_triangle_shape_error(v0, v1, v2);
 }
 
-/* The interpolated normal, made to lie on the geometric one's side (files exist where it does not), and bent back where the
- * viewer, who sees the triangle, would be below its horizon. */
+/* The interpolated normal, unit, flipped to the geometric normal's side (some files have it wrong), and bent towards
+ * the viewer if the viewer would be below its horizon, although it sees the triangle. */
 static stilb_vec3 shading_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_vec3 to_viewer)
 {
 	float square = stilb_vec3_dot(normal, normal);
@@ -136,16 +137,16 @@ static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_sur
 		surface->diffuse *= gi_texture_at(&scene->textures[material->diffuse_texture - 1], surface->uv);
 }
 
-/* Of an instance: of the sums of three products and a translation that take a point to the world and, when the intersector
- * takes the ray to the mesh's space, back. */
+/* Of an instance: error of the transforms to world space and, in the intersector, of the ray to mesh space, each a
+ * sum of three products and a translation. */
 static float transform_error(const gi_part *part, stilb_vec3 position)
 {
 	const float *t = part->to_world.m + 12;
 	return 8.0f * ROUNDING * (length_of(position) + length_of(stilb_vec3_make(t[0], t[1], t[2])));
 }
 
-/* Where u and v say, but two errors from the edges at least: where a wall meets a floor, the floor's point must not lie behind
- * the wall. */
+/* The point at u and v, but at least two errors away from the edges: where a wall meets a floor, a point of the
+ * floor must not lie behind the wall. */
 static stilb_vec3 point_inside(const gi_part *part, const stilb_vec4 first[3], float u, float v, float error)
 {
 	stilb_vec3 corner[3];
@@ -153,7 +154,7 @@ static stilb_vec3 point_inside(const gi_part *part, const stilb_vec4 first[3], f
 		corner[i] = part->instance ? transform_point(&part->to_world, first[i]) : first[i];
 	stilb_vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
 	float share[3] = {1.0f - u - v, u, v};
-	const float edges[3] = {length_of(e2 - e1), length_of(e2), length_of(e1)};
+	float edges[3] = {length_of(e2 - e1), length_of(e2), length_of(e1)};
 	float area2 = larger(length_of(stilb_vec3_cross(e1, e2)), FLT_MIN), sum = 0.0f;
 	for (int i = 0; i < 3; i++) {
 		float least = 2.0f * error * edges[i] / area2;

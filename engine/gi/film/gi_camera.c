@@ -9,7 +9,8 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 	STILB_ASSERT(camera->fov_y > 0.0f && camera->fov_y < 3.1415927f);
 	STILB_ASSERT(lens->radius == 0.0f || (lens->radius > 0.0f && lens->focus > 0.0f));
 	STILB_ASSERT(lens->blades == 0 || (lens->blades >= 3 && lens->blades <= 16));
-	/* The rows of world to clip are the camera's axes, stretched: what the renderer of frames shows is what is seen here. */
+	/* The rows of the matrix from world to clip space are the camera's axes, scaled: both renderers show the same
+	 * picture. */
 	stilb_mat4 clip = stilb_scene_camera_matrix(camera, 1.0f);
 	float half_height = tanf(0.5f * camera->fov_y), half_width = half_height * ((float)width / (float)height);
 	const float *m = clip.m;
@@ -26,7 +27,7 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 	};
 }
 
-/* Evenly spread over a regular polygon: a sector, then a point of its triangle. */
+/* Uniform over a regular polygon: choose a sector, then a point of its triangle. */
 static stilb_vec2 camera_polygon(const stilb_gi_lens *lens, stilb_vec2 u)
 {
 	STILB_ASSERT(lens->blades >= 3);
@@ -47,7 +48,7 @@ stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u)
 
 void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, gi_ray_hit *ray)
 {
-	/* As lanes_pinhole does it, to the bit. */
+	/* The same operations as in lanes_pinhole, so that both give the same bits. */
 	float across = x * camera->to_u - camera->half_width, up = camera->half_height - y * camera->to_v;
 	stilb_vec3 direction = camera->forward + camera->right * across + camera->up * up;
 	stilb_vec3 origin = camera->position;

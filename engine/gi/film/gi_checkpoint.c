@@ -1,8 +1,9 @@
 /*
- * A render that goes on in another process.
+ * gi_checkpoint: a render that is continued in another process.
  *
- * The file: a line that says what it is; the length of a text and the text, a line "name value" for everything that must be
- * the same; checkpoint_state; the film's sums; and the FNV-1a hash of all that. Numbers are the machine's own.
+ * The file: a line that identifies the format; the length of a text and the text, with a line "name value" for
+ * everything that must be the same; checkpoint_state; the film's sums; and the FNV-1a hash of all that. Byte order
+ * and floats are the machine's.
  */
 #include "gi/gi_render_internal.h"
 
@@ -22,9 +23,9 @@
 #define CHECKPOINT_MAGIC "stilb gi checkpoint 1\n"
 #define CHECKPOINT_MAX_TEXT 16384u
 
-/* ---- what must be the same ----------------------------------------------------------------------------------------- */
+/* ---- what must be the same --------------------------------------------------------------------------------------- */
 
-/* Of a file that feeds the render; 0 where there is none. */
+/* FNV-1a of a file that the render reads; 0 if there is none. */
 static uint64_t hash_file(const char *path)
 {
 	FILE *stream;
@@ -68,7 +69,7 @@ static void text_make(const stilb_gi_render *render, checkpoint_text *text)
 	text_line(text, "cache.load %016" PRIx64 "\n", hash_file(render->view.settings.cache.load));
 }
 
-/* ---- the file ------------------------------------------------------------------------------------------------------ */
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
 
 typedef struct checkpoint_pass {
 	double seconds;
@@ -90,7 +91,7 @@ static void state_make(const stilb_gi_render *render, checkpoint_state *state)
 	state->seconds = render->seconds;
 	state->totals = gi_render_totals_of(render);
 	state->pass_count = render->pass_count;
-	state->weighted = render->film.weights != NULL;
+	state->weighted = render->film.weights ? 1 : 0;
 	state->estimate = render->estimate;
 	for (uint32_t i = 0; i < render->pass_count; i++) {
 		const stilb_gi_pass *pass = &render->passes[i];
@@ -107,7 +108,7 @@ static size_t film_pixels(const gi_film *film)
 static void write_hashed(stilb_file *file, uint64_t *hash, const void *data, size_t size)
 {
 	*hash = stilb_hash_fnv1a64(*hash, data, size);
-	stilb_file_write(file, data, size); /* commit reports what went wrong */
+	stilb_file_write(file, data, size); /* a write that fails makes the commit fail */
 }
 
 stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const char *path)
@@ -137,14 +138,14 @@ stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const cha
 	return stilb_file_commit(&file);
 }
 
-/* ---- reading it ---------------------------------------------------------------------------------------------------- */
+/* ---- reading it -------------------------------------------------------------------------------------------------- */
 
 typedef struct checkpoint_reader {
 	const char *path;
 	FILE *stream;
-	uint64_t hash, left; /* bytes of the file that are not read yet */
+	uint64_t hash, left; /* left: bytes of the file that are not read yet */
 	checkpoint_state state;
-	gi_film film; /* pixels and weights alone */
+	gi_film film; /* only pixels and weights are set */
 } checkpoint_reader;
 
 static stilb_result resume_fail(const checkpoint_reader *reader, const char *why)
@@ -166,13 +167,13 @@ static bool read_hashed(checkpoint_reader *reader, void *data, size_t size)
 	return true;
 }
 
-/* The length of the part of a line before its end or, at most, before a space. */
+/* Length of the line up to any of the characters in ends. */
 static int text_word(const char *line, const char *ends)
 {
 	return (int)strcspn(line, ends);
 }
 
-/* Two texts that differ: names the first line that does. */
+/* Fails with the name of the first line that differs between two texts. */
 static stilb_result resume_differs(const checkpoint_reader *reader, const char *theirs, const char *ours)
 {
 	while (*theirs && *ours) {
@@ -222,7 +223,7 @@ static bool state_is_possible(const checkpoint_state *state, const gi_film *film
 	bool possible = state->seconds >= 0.0 && state->estimate >= 0.0 && state->pass_count <= STILB_GI_MAX_PASSES;
 	for (uint32_t i = 0; possible && i < state->pass_count; i++)
 		possible = pass_is_possible(&state->passes[i]);
-	return possible && state->weighted == (film->weights != NULL);
+	return possible && state->weighted == (film->weights ? 1u : 0u);
 }
 
 static stilb_result read_film(checkpoint_reader *reader, const gi_film *shape)
@@ -256,15 +257,15 @@ static stilb_result read_all(checkpoint_reader *reader, const stilb_gi_render *r
 	return read_film(reader, &render->film);
 }
 
-/* ---- going on ------------------------------------------------------------------------------------------------------ */
+/* ---- going on ---------------------------------------------------------------------------------------------------- */
 
-/* The render may want less than was planned: its last pass is cut to that. It may want more, too: of a full list the first is
- * forgotten, so that there is room for one that brings all the rest. */
+/* Takes over the passes. If fewer samples are wanted than were planned, the last pass is cut to them. If the list is
+ * full, its first pass is dropped, so that there is room for one that renders the rest. */
 static void take_passes(stilb_gi_render *render, const checkpoint_state *state)
 {
 	STILB_ASSERT_LOCKED(&render->lock);
 	uint32_t samples = render->view.settings.samples;
-	const uint32_t forgotten = state->pass_count == STILB_GI_MAX_PASSES;
+	uint32_t forgotten = state->pass_count == STILB_GI_MAX_PASSES;
 	render->pass_count = state->pass_count - forgotten;
 	for (uint32_t i = 0; i < render->pass_count; i++) {
 		const checkpoint_pass *from = &state->passes[i + forgotten];
@@ -285,7 +286,7 @@ static void take_film(gi_film *film, gi_film *loaded)
 	gi_film_weight *weights = film->weights;
 	film->pixels = loaded->pixels;
 	film->weights = loaded->weights;
-	loaded->pixels = pixels; /* to be freed */
+	loaded->pixels = pixels; /* freed with the reader */
 	loaded->weights = weights;
 	for (size_t i = 0; i < film_pixels(film); i++)
 		gi_film_resolve(film, i);

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FILM_FIREFLY_RANGE 1.0f /* white: what is brighter weighs less than half */
+#define FILM_FIREFLY_RANGE 1.0f /* radiance 1, white: brighter samples weigh less than half */
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 static void *film_zeroed(size_t count, size_t size)
 {
@@ -56,9 +56,9 @@ void gi_film_finish(gi_film *film)
 	*film = (gi_film){0};
 }
 
-/* ---- samples ------------------------------------------------------------------------------------------------------- */
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
 
-static void film_add_weighted(gi_film *film, size_t index, const stilb_vec3 radiance)
+static void film_add_weighted(gi_film *film, size_t index, stilb_vec3 radiance)
 {
 	STILB_ASSERT(film->weights);
 	gi_film_pixel *pixel = &film->pixels[index];
@@ -75,7 +75,7 @@ static void film_add_weighted(gi_film *film, size_t index, const stilb_vec3 radi
 	}
 }
 
-static void film_add_plain(gi_film_pixel *pixel, const stilb_vec3 radiance)
+static void film_add_plain(gi_film_pixel *pixel, stilb_vec3 radiance)
 {
 	for (int c = 0; c < 3; c++) {
 		double value = (double)radiance[c];
@@ -109,10 +109,10 @@ bool gi_film_add(gi_film *film, size_t index, const gi_film_sample *sample)
 	return good;
 }
 
-/* ---- the picture --------------------------------------------------------------------------------------------------- */
+/* ---- the picture ------------------------------------------------------------------------------------------------- */
 
-/* Of the mean m of n values, from the sums: sum (w x - m w)^2 / (sum w)^2 x n / (n - 1); with all w = 1 it is the sample
- * variance over n. Source: the delta method for a ratio of means. */
+/* Variance of the mean m of n weighted values, from the sums: sum (w x - m w)^2 / (sum w)^2 x n / (n - 1). With all
+ * w = 1 this is the sample variance over n. Source: the delta method for a ratio of means. */
 static double film_variance(const gi_film_pixel *pixel, const gi_film_weight *w, int channel, double mean)
 {
 	if (pixel->samples < 2)
@@ -144,14 +144,14 @@ void gi_film_resolve(gi_film *film, size_t index)
 	for (int c = 0; c < 3; c++) {
 		size_t at = 3 * index + (size_t)c;
 		double mean = pixel->radiance[c] / weight.weight;
-		/* Relaxed: gi_film_preview may see old numbers beside new ones. */
+		/* Relaxed: gi_film_preview may see the three colours of different resolves. */
 		atomic_store_explicit(&film->radiance[at], (float)mean, memory_order_relaxed);
 		film->variance[at] = (float)film_variance(pixel, &weight, c, mean);
 		film->albedo[at] = (float)(pixel->albedo[c] / n);
 		film->normal[at] = (float)(pixel->normal[c] / n);
 	}
 	film->depth[index] = pixel->hits ? (float)(pixel->depth / pixel->hits) : INFINITY;
-	/* Release: with film_shown's acquire, who sees samples sees radiance too. */
+	/* Release: pairs with film_shown's acquire; who sees the count sees radiance as well. */
 	atomic_store_explicit(&film->samples[index], pixel->samples, memory_order_release);
 }
 
@@ -165,14 +165,15 @@ double gi_film_error(const gi_film *film)
 			return HUGE_VAL;
 		for (size_t c = 3 * i; c < 3 * i + 3; c++) {
 			variance += (double)film->variance[c];
-			mean += (double)atomic_load_explicit(&film->radiance[c], memory_order_relaxed); /* nobody writes now */
+			mean += (double)atomic_load_explicit(&film->radiance[c], memory_order_relaxed); /* nobody writes it now */
 		}
 	}
 	double numbers = 3.0 * (double)count;
 	return variance > 0.0 ? sqrt(variance / numbers) / (mean / numbers) : 0.0;
 }
 
-/* The pixel that stands for this one: itself, or the corner of the smallest block around it that has samples. */
+/* The pixel that is shown in place of this one: itself, or the corner of the smallest block around it that has
+ * samples. */
 static size_t film_shown(const gi_film *film, uint32_t x, uint32_t y)
 {
 	STILB_ASSERT(x < film->width && y < film->height);

@@ -1,9 +1,10 @@
 /*
- * gi_film: what every pixel has gathered so far, and the picture made of it.
+ * gi_film: the sums of every pixel's samples, and the picture made of them.
  *
- * Sums are kept in double, so that a sample more or less at a time, or a checkpoint in between, changes no bit; what is
- * read, the planes, is float and written by gi_film_resolve.
- * Threads.  A pixel has one writer at a time (its tile's job). gi_film_preview: [any-thread], while others write.
+ * Sums are double and always added in the order of the samples, so that neither the size of batches nor a checkpoint
+ * in between changes a bit. The planes are float, for readers, and written by gi_film_resolve.
+ * Threads.  A pixel has one writer at a time, the job of its tile. gi_film_preview: [any-thread], while others
+ *           write.
  */
 #ifndef GI_FILM_H
 #define GI_FILM_H
@@ -15,55 +16,56 @@
 
 /* Sums over samples 0 .. samples - 1, in that order. */
 typedef struct gi_film_pixel {
-	double radiance[3], radiance_squared[3]; /* weighted, where samples have weights */
+	double radiance[3], radiance_squared[3]; /* multiplied with the sample's weight, if samples have weights */
 	double albedo[3], normal[3];
-	double depth; /* of those that hit something */
+	double depth; /* sum over the samples that hit something */
 	uint32_t samples, hits;
 } gi_film_pixel;
 
-/* What weighted samples need besides. The radiance sums are those of weight x radiance then. */
+/* Further sums for weighted samples; gi_film_pixel.radiance is then a sum of weight x radiance. */
 typedef struct gi_film_weight {
 	double weight, weight_squared;
 	double product[3]; /* weight x (weight x radiance) */
 } gi_film_weight;
 
-#define GI_FILM_LARGEST_BLOCK 32u /* pixels, a side: the coarsest grid of a progressive picture */
+#define GI_FILM_LARGEST_BLOCK 32u /* side of a block in pixels: a progressive picture begins with one pixel of each */
 
 typedef struct gi_film {
 	uint32_t width, height;
 	gi_film_pixel *pixels;
 	gi_film_weight *weights; /* NULL: every sample weighs 1 */
 
-	/* The planes; the atomic ones are read while they are written. */
+	/* The planes; the atomic ones may be read while they are written. */
 	_Atomic float *radiance;
 	_Atomic uint32_t *samples;
 	float *albedo, *normal, *depth, *variance;
 } gi_film;
 
-/* One sample. */
+/* What is added to a pixel. */
 typedef struct gi_film_sample {
 	stilb_vec3 radiance;
 	const float *albedo, *normal; /* [3] */
 	float depth;                  /* +infinity: nothing was hit */
 } gi_film_sample;
 
-/* All black and without samples. Then film is {0} on STILB_ERROR_MEMORY. */
+/* A film without samples, all black, depth +infinity. STILB_ERROR_MEMORY; then film is {0}. */
 stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool weighted);
 
 /* Accepts {0}. */
 void gi_film_finish(gi_film *film);
 
-/* The pixel's next sample. False: its radiance was no finite number and counts as black. */
+/* Adds the pixel's next sample. False: its radiance is NaN or infinite and was added as black. */
 bool gi_film_add(gi_film *film, size_t pixel, const gi_film_sample *sample);
 
-/* Brings the planes of a pixel up to its sums. */
+/* Writes the pixel's planes from its sums; nothing for a pixel without samples. */
 void gi_film_resolve(gi_film *film, size_t pixel);
 
-/* Square root of the mean variance of the picture's numbers, relative to their mean: an estimate of the relative RMSE.
- * +infinity where a pixel has less than two samples; 0 for a black picture. Not while pixels are written. */
+/* Estimated relative root-mean-square error of the picture: the square root of the mean variance of all numbers,
+ * divided by their mean. +infinity if a pixel has less than two samples; 0 for a black picture. Not while pixels are
+ * written. */
 double gi_film_error(const gi_film *film);
 
-/* stilb_gi_render_preview. */
+/* The body of stilb_gi_render_preview. */
 void gi_film_preview(const gi_film *film, float *rgb);
 
 #endif

@@ -2,10 +2,11 @@
 
 #include <math.h>
 
-/* Both are products of one function of x and one of y, cut at the edge of a square. */
+/* Both filters are products of a function of x and one of y, cut off at the edge of a square of this half width,
+ * pixels. */
 #define RADIUS 1.5f
 #define SIGMA 0.5f
-#define INSIDE 0.99730020393673979f /* erf(RADIUS / (SIGMA sqrt(2))): the share of the Gaussian that the cut leaves */
+#define INSIDE 0.99730020393673979f /* erf(RADIUS / (SIGMA sqrt(2))): the share of the Gaussian inside the cut */
 #define ROOT_2 1.41421356237309505f
 
 /* erf(result) = x, |x| < 1. Source: Giles, "Approximating the erfinv function" (2010), single precision. */
@@ -49,15 +50,16 @@ static float gaussian(float u)
  * for harmonic analysis with the discrete Fourier transform" (1978), minimum 4-term. */
 static const float a0 = 0.35875f, a1 = 0.48829f, a2 = 0.14128f, a3 = 0.01168f;
 
-#define NEAR_SIGMA 0.768f /* in t: of the Gaussian that is nearest to the window, for Newton's first guess, */
-#define GUESS_MAX 2.0f  /* which stays where the window is not flat: from there Newton goes outwards without jumping */
-#define NEWTON_STEPS 16 /* at most; most places take three */
+#define NEAR_SIGMA 0.768f /* in t: the Gaussian nearest to the window, for Newton's first guess; */
+/* the guess stays where the window is well above 0: from there Newton goes outwards and does not overshoot */
+#define GUESS_MAX 2.0f
+#define NEWTON_STEPS 16 /* at most; usually three */
 #define NEWTON_END 1e-6f
 
-/* The t whose share of the window to its left is u. */
+/* The inverse of the window's cumulative distribution: the offset with share u to its left. */
 static float blackman_harris(float u)
 {
-	const float pi = (float)M_PI, target = (u - 0.5f) * 2.0f * pi * a0;
+	float pi = (float)M_PI, target = (u - 0.5f) * 2.0f * pi * a0;
 	float t = clamped(NEAR_SIGMA * ROOT_2 * inverse_erf((2.0f * u - 1.0f) * INSIDE), GUESS_MAX), step = 1.0f;
 	for (int i = 0; i < NEWTON_STEPS && fabsf(step) > NEWTON_END; i++) {
 		float s = sinf(t), c = cosf(t);

@@ -15,7 +15,7 @@ const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa)
 
 static_assert(GI_BATCH % 16 == 0, "packets are whole");
 
-/* gi_sample_2d of all samples. */
+/* gi_sample_2d of all samples, the whole packets of Sobol points by the kernel. */
 static void primary_numbers(const gi_primary_kernels *kernels, const gi_sampler *sampler,
                             const gi_primary_samples *samples, uint32_t dimension, float *u, float *v)
 {
@@ -32,11 +32,11 @@ static void primary_numbers(const gi_primary_kernels *kernels, const gi_sampler 
 	}
 }
 
-/* Places in pixels of all samples. Lanes of the last packet beyond count get the picture's corner. */
+/* Positions in the picture of all samples, in pixels. Unused lanes of the last packet get the picture's corner. */
 static void primary_places(const gi_primary_kernels *kernels, const gi_view *view, bool lens,
                            const gi_primary_samples *samples, gi_primary_places *places)
 {
-	const uint32_t count = samples->count;
+	uint32_t count = samples->count;
 	primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_PIXEL, places->x, places->y);
 	if (lens)
 		primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_LENS, places->lens_u, places->lens_v);
@@ -75,7 +75,8 @@ static void primary_fetch_vertices(const gi_primary_packet *packet)
 			__builtin_prefetch(&packet->parts[lane]->vertices[packet->triangles[lane]->vertex[corner]]);
 }
 
-/* Camera rays first .. first + lanes - 1 and what they hit; lanes may be more than sixteen, of which sixteen are traced. */
+/* Camera rays first .. first + 15 and what they hit. lanes: how many of them are samples; more than sixteen count as
+ * sixteen. */
 static void primary_hits(const gi_primary_kernels *kernels, const stilb_gi_scene *scene, const gi_camera *camera,
                          const gi_primary_places *places, uint32_t first, uint32_t lanes, gi_primary_packet *packet)
 {
@@ -88,8 +89,8 @@ static void primary_hits(const gi_primary_kernels *kernels, const stilb_gi_scene
 	primary_fetch_triangles(scene, packet);
 }
 
-/* Packets go through three stages: rays and hits, vertices, surfaces. Each stage prefetches what the next one reads, and
- * between two stages of one packet runs a stage of another: by then the data has arrived. */
+/* Packets go through three stages: rays and hits, vertices, surfaces. Each stage prefetches what the next one reads,
+ * and between two stages of one packet runs a stage of another: by then the data has arrived. */
 void gi_primary_trace(const gi_primary_kernels *kernels, const gi_view *view, const gi_camera *camera,
                       const gi_primary_samples *samples, gi_primary *out)
 {

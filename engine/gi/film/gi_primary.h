@@ -1,8 +1,8 @@
 /*
- * gi_primary: camera rays, what they hit, and the G-buffer of the picture's other layers. [any-thread]
+ * gi_primary: camera rays, what they hit, and the data of the picture's other layers. [any-thread]
  *
- * Sixteen rays at a time, in SIMD. One source, gi_primary_lanes.h, is compiled for each instruction set; the results are the
- * same bits.
+ * Sixteen rays at a time, in SIMD. One source, gi_primary_lanes.h, is compiled for each instruction set; all give
+ * the same bits.
  */
 #ifndef STILB_GI_PRIMARY_H
 #define STILB_GI_PRIMARY_H
@@ -11,48 +11,48 @@
 #include "gi/integrate/gi_integrator.h"
 
 typedef struct gi_primary {
-	gi_ray_hit rays[GI_BATCH]; /* direction is unit */
-	float albedo[GI_BATCH][4]; /* diffuse + specular reflectance, [3] is not used; 0 for a miss */
-	float normal[GI_BATCH][4]; /* shading normal in the world, [3] is not used; 0 for a miss */
-	float depth[GI_BATCH];     /* along the view; +infinity for a miss */
+	gi_ray_hit rays[GI_BATCH]; /* the directions are unit */
+	float albedo[GI_BATCH][4]; /* diffuse + specular reflectance, [3] is unused; 0 for a miss */
+	float normal[GI_BATCH][4]; /* shading normal in world space, [3] is unused; 0 for a miss */
+	float depth[GI_BATCH];     /* along the view axis, metres; +infinity for a miss */
 } gi_primary;
 
-/* Samples to be traced. Neighbours in the arrays should be neighbours in the picture: sixteen of them are one packet. */
+/* Samples to be traced. Neighbours in the arrays should be neighbours in the picture: each sixteen make a packet. */
 typedef struct gi_primary_samples {
 	uint32_t count;         /* at most GI_BATCH */
 	const uint16_t *x, *y;  /* [count] pixels, from the top left corner */
 	const gi_point *points; /* [count] */
 } gi_primary_samples;
 
-/* The functions for one instruction set, below. */
+/* The functions for one instruction set; see below. */
 typedef struct gi_primary_kernels gi_primary_kernels;
 
-/* Those for an instruction set that this CPU has. */
+/* The functions for an instruction set, which this CPU must have. */
 const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa);
 
-/* Camera rays through all samples, and the first rows of out for each. out is written up to the next multiple of 16. */
+/* Traces the camera rays of all samples and fills out[0] .. out[count - 1]; writes up to the next multiple of 16. */
 void gi_primary_trace(const gi_primary_kernels *kernels, const gi_view *view, const gi_camera *camera,
                       const gi_primary_samples *samples, gi_primary *out);
 
-/* ---- inside ------------------------------------------------------------------------------------------------------- */
+/* ---- inside ------------------------------------------------------------------------------------------------------ */
 
-/* Places in the picture in pixels, and points of [0, 1)^2 on the lens. */
+/* Positions in the picture in pixels, and on the lens in [0, 1)^2. */
 typedef struct gi_primary_places {
 	float x[GI_BATCH], y[GI_BATCH], lens_u[GI_BATCH], lens_v[GI_BATCH];
 } gi_primary_places;
 
 typedef struct gi_primary_packet {
 	gi_ray_hit16 rays;
-	const gi_part *parts[16]; /* that were hit; NULL: none */
+	const gi_part *parts[16]; /* the part that each lane hit; NULL: none */
 	const gi_triangle *triangles[16];
 } gi_primary_packet;
 
 struct gi_primary_kernels {
 	/* gi_sample_2d of Sobol points; count is a multiple of 16. */
 	void (*sobol)(const gi_point *points, uint32_t dimension, uint32_t count, float *u, float *v);
-	/* gi_camera_ray of sixteen places from first on. */
+	/* gi_camera_ray for places first .. first + 15; first is a multiple of 16. */
 	void (*rays)(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray_hit16 *rays);
-	/* Rays and G-buffer of a packet to sixteen places of out from first on. */
+	/* Rays and surfaces of a packet to out[first] .. out[first + 15]; first is a multiple of 16. */
 	void (*surfaces)(const stilb_gi_scene *scene, const gi_camera *camera, const gi_primary_packet *packet,
 	                 uint32_t first, gi_primary *out);
 };

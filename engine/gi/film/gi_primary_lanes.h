@@ -1,6 +1,6 @@
 /*
- * gi_primary_lanes: the loops over sixteen camera rays in plain C, which the compiler turns into SIMD. Included by one file for
- * each instruction set, which names its table KERNELS.
+ * gi_primary_lanes: loops over sixteen camera rays in plain C, which the compiler vectorises. Included by one file
+ * for each instruction set, which defines KERNELS as the name of its table.
  */
 #ifndef STILB_GI_PRIMARY_LANES_H
 #define STILB_GI_PRIMARY_LANES_H
@@ -9,13 +9,13 @@
 #include "gi/sample/gi_sampler_kernels.h"
 #include "gi/trace/gi_packet.h"
 
-/* ---- numbers ------------------------------------------------------------------------------------------------------ */
+/* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
 static void lanes_sobol(const gi_point *points, uint32_t dimension, uint32_t count, float *u, float *v)
 {
 	STILB_ASSERT(count % 16 == 0 && (uintptr_t)points % 8 == 0);
 	for (uint32_t first = 0; first < count; first += 16) {
-		uint32_t columns[4][16]; /* hash, low half and high half; index; count */
+		uint32_t columns[4][16]; /* rows: low and high half of the hash; index; count */
 		float pair[2][16];
 		for (uint32_t lane = 0; lane < 16; lane += 4)
 			gi_packet_gather(&points[first + lane], sizeof *points, &columns[0][lane]);
@@ -30,11 +30,11 @@ static void lanes_sobol(const gi_point *points, uint32_t dimension, uint32_t cou
 	}
 }
 
-/* ---- rays --------------------------------------------------------------------------------------------------------- */
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
 
 static void lanes_pinhole(const gi_camera *camera, const float *x, const float *y, gi_ray16 *rays)
 {
-	const stilb_vec3 right = camera->right, up = camera->up, forward = camera->forward;
+	stilb_vec3 right = camera->right, up = camera->up, forward = camera->forward;
 	for (int i = 0; i < 16; i++) {
 		float a = x[i] * camera->to_u - camera->half_width, b = camera->half_height - y[i] * camera->to_v;
 		float dx = forward[0] + right[0] * a + up[0] * b, dy = forward[1] + right[1] * a + up[1] * b,
@@ -49,7 +49,7 @@ static void lanes_pinhole(const gi_camera *camera, const float *x, const float *
 	}
 }
 
-/* Its sines and cosines are the C library's, one at a time. */
+/* One lane at a time: sines and cosines are the C library's. */
 static void lanes_lens(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray16 *rays)
 {
 	for (uint32_t i = 0; i < 16; i++) {
@@ -81,7 +81,7 @@ static void lanes_rays(const gi_camera *camera, const gi_primary_places *places,
 	}
 }
 
-/* ---- surfaces ----------------------------------------------------------------------------------------------------- */
+/* ---- surfaces ---------------------------------------------------------------------------------------------------- */
 
 static stilb_vec4 lanes_four(const float *from)
 {
@@ -95,8 +95,8 @@ static void lanes_store(stilb_vec4 four, float *to)
 	memcpy(to, &four, sizeof four);
 }
 
-/* Reflectance, and the interpolated normal of any length, the texture's u behind it: a row of four is loaded whole. Of what
- * is not plain this is not the answer yet; whether it is plain. */
+/* Writes a lane's reflectance and its interpolated normal, not yet unit, with the texture's u in [3] because whole
+ * rows are loaded. True if the part is plain, so that this is final; else lanes_rare does it again. */
 static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albedo[4], float normal[4])
 {
 	const gi_part *part = packet->parts[lane];
@@ -113,8 +113,8 @@ static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albe
 	return part->plain;
 }
 
-/* Columns of interpolated normals become unit and turn to the geometric normal's side, which is the viewer's. Whether that is
- * all that is to be done: gi_surface_at knows what else. */
+/* Makes the normals unit and flips them to the geometric normal's side, which faces the viewer. False if a lane
+ * needs more than that, as gi_surface_at does it: no normal, or one that faces away from the viewer. */
 static bool lanes_normals(const gi_ray_hit16 *rays, float normals[3][16])
 {
 	int32_t more = 0;
@@ -143,7 +143,7 @@ static void lanes_depths(const gi_camera *camera, const gi_ray_hit16 *rays, floa
 		             rays->ray.direction[2][i] * camera->forward[2]);
 }
 
-/* Textures, instances, and normals that files have wrong. */
+/* Textures, instances, and normals that need correction. */
 static void lanes_rare(const stilb_gi_scene *scene, uint32_t i, gi_primary *out)
 {
 	gi_surface surface;

@@ -1,4 +1,4 @@
-/* The picture as a file: everything, as it is, as .exr; its light as .hdr; what can be seen of it as .png. */
+/* gi_save: the picture as a file: .exr has all planes unchanged, .hdr the radiance, .png the picture as displayed. */
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
 #include "image/image_layers.h"
@@ -12,11 +12,11 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- .png ---------------------------------------------------------------------------------------------------------- */
+/* ---- .png -------------------------------------------------------------------------------------------------------- */
 
-#define DISPLAY_BRIGHTEST 1e30f /* what the tone map takes */
+#define DISPLAY_BRIGHTEST 1e30f /* largest radiance that the tone map accepts */
 
-/* NaN is black. */
+/* NaN becomes black. */
 static float display_light(float radiance, float scale)
 {
 	return fminf(fmaxf(radiance * scale, 0.0f), DISPLAY_BRIGHTEST);
@@ -39,7 +39,7 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *
 	}
 }
 
-/* Blocks are filled, as on a display: a picture that was stopped has no holes. */
+/* Blocks are filled as in a preview, so that a picture that was stopped has no holes. */
 static stilb_result save_display(const stilb_gi_render *render, const char *path)
 {
 	const gi_film *film = &render->film;
@@ -61,20 +61,20 @@ static stilb_result save_display(const stilb_gi_render *render, const char *path
 	return result;
 }
 
-/* ---- .exr ---------------------------------------------------------------------------------------------------------- */
+/* ---- .exr -------------------------------------------------------------------------------------------------------- */
 
 #define SAVE_CHANNELS 14
 _Static_assert(SAVE_CHANNELS * sizeof(float) * (uint64_t)STILB_GI_MAX_PIXELS <= STILB_IMAGE_MAX_BYTES,
                "what can be rendered can be saved");
 
-/* Three channels of one plane. */
+/* The three channels of one plane. */
 static void save_triple(stilb_image_channel *channels, const char *const names[3], const float *plane)
 {
 	for (int c = 0; c < 3; c++)
 		channels[c] = (stilb_image_channel){.name = names[c], .values = plane + c, .stride = 3};
 }
 
-/* counts: room for the samples as floats, which hold them exactly. */
+/* counts: [width x height] memory for the sample counts as floats, which hold them exactly. */
 static void save_channels(const stilb_gi_film *film, float *counts, stilb_image_channel channels[SAVE_CHANNELS])
 {
 	for (size_t i = 0; i < (size_t)film->width * film->height; i++)
@@ -107,7 +107,7 @@ static void save_attribute(save_attributes *attributes, const char *name, const 
 	attributes->list[i] = (stilb_image_attribute){attributes->texts[i].name, attributes->texts[i].text};
 }
 
-/* What decides about the picture, and nothing else: the same picture is the same file, whether it was stopped or not. */
+/* Only settings that decide about samples are written, so that the same picture is the same file, stopped or not. */
 static void save_settings(const stilb_gi_render *render, save_attributes *attributes)
 {
 	attributes->count = 0;
@@ -140,16 +140,16 @@ static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 	return result;
 }
 
-/* ---- .hdr ---------------------------------------------------------------------------------------------------------- */
+/* ---- .hdr -------------------------------------------------------------------------------------------------------- */
 
 static stilb_result save_light(const stilb_gi_render *render, const char *path)
 {
-	const stilb_gi_film film = stilb_gi_render_film(render);
-	const stilb_image image = {.width = film.width,
-	                           .height = film.height,
-	                           .channels = 3,
-	                           .format = STILB_IMAGE_F32_LINEAR,
-	                           .pixels = (void *)(uintptr_t)film.radiance}; /* is only read */
+	stilb_gi_film film = stilb_gi_render_film(render);
+	stilb_image image = {.width = film.width,
+	                     .height = film.height,
+	                     .channels = 3,
+	                     .format = STILB_IMAGE_F32_LINEAR,
+	                     .pixels = (void *)(uintptr_t)film.radiance}; /* is only read */
 	return stilb_image_save(&image, path);
 }
 

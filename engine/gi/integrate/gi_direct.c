@@ -18,7 +18,7 @@ bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, 
 	gi_light_sample light;
 	if (!gi_light_sample_at(&view->scene->lights, origin, bsdf->frame.n, numbers[GI_DIMENSION_CHOICE], u, &light))
 		return false;
-	const stilb_vec3 sent = gi_bsdf_cos(bsdf, light.direction) * light.radiance;
+	stilb_vec3 sent = gi_bsdf_cos(bsdf, light.direction) * light.radiance;
 	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
 		return false;
 	float weight = 1.0f / light.pdf;
@@ -32,7 +32,7 @@ bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, 
 stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const gi_ray_hit *ray,
                            const gi_surface *surface)
 {
-	STILB_ASSERT(gi_is_hit(ray) == (surface != NULL));
+	STILB_ASSERT(surface ? gi_is_hit(ray) : !gi_is_hit(ray));
 	const gi_lights *lights = &view->scene->lights;
 	stilb_vec3 origin = gi_ray_origin(&ray->ray), direction = gi_ray_direction(&ray->ray);
 	if (!surface) {

@@ -1,9 +1,9 @@
 /*
- * gi_integrator: what turns camera rays into radiance, one function for each name of STILB_GI_INTEGRATORS.
+ * gi_integrator: turns camera rays into radiance; one integrator for each name in STILB_GI_INTEGRATORS.
  *
- * gi_render.c makes a batch of camera samples of one tile, traces the camera rays sixteen at a time, fills the hits, and hands
- * it to the integrator, which writes radiance. A sample's result must depend on nothing but the sample: not on the batch it is
- * in, not on the worker.
+ * gi_render.c makes a batch of samples of one tile, traces their camera rays, and gives the batch to the integrator,
+ * which writes radiance. The result of a sample must depend on that sample alone: not on the batch, not on the
+ * worker.
  */
 #ifndef STILB_GI_INTEGRATOR_H
 #define STILB_GI_INTEGRATOR_H
@@ -14,7 +14,7 @@
 
 struct gi_cache;
 
-/* What all batches of a render share; nobody writes it while batches run (gi_cache says itself what it allows). */
+/* What all batches of a render share. Constant while batches run, except for the cache, which synchronises itself. */
 typedef struct gi_view {
 	const stilb_gi_scene *scene;
 	stilb_gi_settings settings;
@@ -22,17 +22,17 @@ typedef struct gi_view {
 	struct gi_cache *cache; /* IRRADIANCE_CACHE only */
 } gi_view;
 
-#define GI_BATCH 1024 /* samples at most */
+#define GI_BATCH 1024 /* samples in a batch, at most */
 
 typedef struct gi_batch {
 	const gi_view *view;
 	uint32_t worker;
 	uint32_t count;
 	const gi_point *points; /* [count] */
-	const gi_ray_hit *rays; /* [count] camera rays and what they hit; direction is unit */
+	const gi_ray_hit *rays; /* [count] camera rays and their hits; directions are unit */
 	stilb_vec3 *radiance;   /* [count] out */
-	void *scratch; /* of this worker: gi_integrator.scratch_size bytes, cache line aligned, kept between batches */
-	uint64_t rays_traced, shadow_rays; /* out: added to */
+	void *scratch; /* gi_integrator.scratch_size bytes of this worker, cache line aligned, kept between batches */
+	uint64_t rays_traced, shadow_rays; /* out: the numbers of rays traced are added */
 } gi_batch;
 
 typedef struct gi_integrator {
@@ -47,8 +47,9 @@ extern const gi_integrator gi_integrator_montecarlo;                            
 extern const gi_integrator gi_integrator_path, gi_integrator_split;                     /* gi_path.c */
 extern const gi_integrator gi_integrator_irradiance_cache;                              /* gi_cache_shade.c */
 
-/* For a whole batch of rays that are traced already: radiance[i] is what the surface that rays[i] hit reflects towards its
- * origin, after depth reflections at most; nothing for a miss. Scratch is gi_integrator_path's. gi_path.c. */
+/* Radiance that the surfaces at the ends of the batch's rays, which are traced already, reflect towards the rays'
+ * origins, after at most depth reflections; 0 for a miss. vertex: that of the hits, for random numbers. Scratch is
+ * gi_integrator_path's. In gi_path.c. */
 void gi_path_gather(gi_batch *batch, uint32_t vertex, uint32_t depth);
 
 #endif

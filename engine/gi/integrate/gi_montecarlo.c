@@ -1,6 +1,6 @@
-/* The integrator montecarlo: N rays at every hit, N more where each of them ends. Its cost is exponential: the
- * baseline for teaching, and the simplest estimator that the others can be held against. Lights with a size are
- * found by the rays alone; lights without one, which no ray can find, are asked. */
+/* The integrator montecarlo: N rays at every hit, and N more at each of theirs. Its cost is exponential: a baseline
+ * for teaching, and the simplest estimator to test the others against. Lights with an area are found by those rays
+ * only; lights without a size, which no ray can hit, are sampled. */
 #include "gi/integrate/gi_integrator.h"
 #include "gi/sample/gi_bsdf.h"
 #include "gi/trace/gi_ray.h"
@@ -15,26 +15,26 @@ double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings)
 	return rays;
 }
 
-/* A surface, and how it is seen. */
+/* A hit, and how it reflects towards where the ray came from. */
 typedef struct hit {
 	gi_surface surface;
 	gi_bsdf bsdf;
 	gi_point point;
-	uint32_t vertex; /* 0: the camera's */
+	uint32_t vertex; /* number of the vertex; 0: the camera ray's hit */
 } hit;
 
-/* Light from one of the lights without a size, or none. */
+/* Light from one sampled light, if that has no size; else 0. */
 static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
 {
 	STILB_ASSERT(at->vertex < batch->view->settings.depth);
 	const gi_view *view = batch->view;
 	const gi_lights *lights = &view->scene->lights;
-	const stilb_vec3 none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	stilb_vec3 none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	if (lights->point_count == 0)
 		return none;
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, at->point, GI_DIMENSION_OF(at->vertex), numbers);
-	const stilb_vec2 place = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
+	stilb_vec2 place = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
 	gi_light_sample light;
 	if (!gi_light_sample_at(lights, at->surface.position, at->surface.normal, numbers[GI_DIMENSION_CHOICE], place,
 	                        &light) ||
@@ -52,17 +52,17 @@ static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
 
 static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex);
 
-/* The k-th of the rays that gather light at a surface: as likely as its cosine where the surface is diffuse. */
+/* Light along the k-th ray from a surface; for a diffuse one its density is proportional to the cosine. */
 static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 {
 	STILB_ASSERT(k < batch->view->settings.rays);
 	const gi_view *view = batch->view;
 	const gi_sampler *sampler = &view->sampler;
-	const uint32_t dimension = GI_DIMENSION_OF(at->vertex);
+	uint32_t dimension = GI_DIMENSION_OF(at->vertex);
 	gi_point branch = gi_sampler_branch(sampler, at->point, dimension, k, view->settings.rays);
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(sampler, branch, dimension, numbers);
-	const stilb_vec2 place = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
+	stilb_vec2 place = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(&at->bsdf, numbers[GI_DIMENSION_LOBE], place, &chosen))
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
@@ -72,13 +72,13 @@ static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 	return chosen.weight * radiance_along(batch, &ray, branch, at->vertex + 1);
 }
 
-/* Radiance that comes back along a ray that has been traced to the vertex. */
+/* Radiance along a traced ray, towards its origin, that ends at the given vertex. */
 static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex)
 {
 	STILB_ASSERT(vertex <= batch->view->settings.depth);
 	const gi_view *view = batch->view;
-	const bool indirect = view->settings.only == STILB_GI_ONLY_INDIRECT;
-	const stilb_vec3 direction = gi_ray_direction(&ray->ray);
+	bool indirect = view->settings.only == STILB_GI_ONLY_INDIRECT;
+	stilb_vec3 direction = gi_ray_direction(&ray->ray);
 	stilb_vec3 radiance = stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	if (!gi_is_hit(ray))
 		return indirect && vertex <= 1 ? radiance : gi_environment_radiance(&view->scene->lights, direction);

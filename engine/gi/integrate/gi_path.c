@@ -1,12 +1,14 @@
 /*
- * One path for each sample, to any depth: next-event estimation and multiple importance sampling at every vertex, Russian
- * roulette from the third bounce.
+ * gi_path: one path for each sample, to any depth, with next-event estimation and multiple importance sampling at
+ * every vertex and Russian roulette from the third bounce.
  *
- * Paths go in waves: all of them one bounce at a time. A bounce's shadow rays are gathered and sent together (in the Cornell
- * box that takes less than half the time); its closest-hit rays go one by one, since incoherent packets gain nothing.
- * A path reads and writes nothing but its own state, so it does not matter which wave it is in.
+ * Paths run in waves, all of a batch one bounce at a time. The shadow rays of a bounce are traced together, in
+ * packets, which takes less than half the time in the Cornell box; closest-hit rays are traced one by one, since
+ * packets of incoherent rays gain nothing. A path reads and writes its own state only, so its result does not depend
+ * on the wave.
  *
- * Depth. `depth` reflections at most: 0 leaves what is seen of the lights themselves, 1 adds light reflected once, ...
+ * Depth. At most `depth` reflections: 0 leaves what is seen of the lights themselves, 1 adds light that is reflected
+ * once, ...
  */
 #include "gi/integrate/gi_direct.h"
 #include "gi/trace/gi_ray.h"
@@ -14,48 +16,49 @@
 
 #include "base/glsl_types.h"
 
-#define VERTICES 32          /* that are shaded together: they fit into the first cache */
-#define ROULETTE_BOUNCE 3    /* the first ray that may not be sent */
-#define ROULETTE_SCALE 1.15f /* on the square root of a path's throughput: measured in the Cornell box */
+#define VERTICES 32       /* shaded together: their data fits into the first-level cache */
+#define ROULETTE_BOUNCE 3 /* bounce at which a path may end by roulette, at first */
+/* factor on the square root of the throughput; measured in the Cornell box */
+#define ROULETTE_SCALE 1.15f
 
-/* A path on its way; its ray lies beside it. */
+/* The state of a path; its ray is in path_wave.rays. */
 typedef struct path_state {
 	stilb_vec3 throughput;
-	stilb_vec3 normal; /* of the surface that the ray left: the light's density depends on it */
+	stilb_vec3 normal; /* of the surface that the ray left, on which the light's density depends */
 	gi_point point;
-	float pdf;     /* of the ray's direction; 0: no other way finds what it hits, and emission counts in full */
-	uint32_t slot; /* where its radiance goes: no other path of the wave has it */
+	float pdf;     /* density of the ray's direction; 0: no light was sampled there, and emission counts in full */
+	uint32_t slot; /* index in path_wave.radiance, unique in the wave */
 } path_state;
 
-/* Paths that run together, each array in the order in which rays are sent. Paths that end leave; the others close ranks. */
+/* Paths that run together. When paths end the others move up, so that the arrays stay dense and in order. */
 typedef struct path_wave {
 	const gi_view *view;
-	uint32_t vertex;                     /* where the rays arrive: numbers of the sampler */
+	uint32_t vertex;                     /* number of the vertex where the rays arrive, for random numbers */
 	uint32_t bounce;                     /* reflections so far */
 	uint32_t depth;                      /* reflections at most */
-	uint32_t direct_from, emission_from; /* the reflections at which lights count: the first of each */
+	uint32_t direct_from, emission_from; /* reflections from which on sampled lights and found emission count */
 	uint32_t count, shadow_count;
 	path_state *paths;    /* [count] */
 	gi_ray_hit *rays;     /* [count] */
-	gi_ray *shadows;      /* [shadow_count] id: the path's slot */
-	stilb_vec3 *direct;   /* [shadow_count] what a shadow ray brings if nothing lies in its way */
-	stilb_vec3 *radiance; /* of the slots */
+	gi_ray *shadows;      /* [shadow_count] id: slot of the path */
+	stilb_vec3 *direct;   /* [shadow_count] radiance if the shadow ray is free */
+	stilb_vec3 *radiance; /* [slots] */
 	uint64_t rays_traced, shadow_rays;
 } path_wave;
 
-/* Where a ray of a path ended, from stage to stage. */
+/* The end of a path's ray, while it is shaded. */
 typedef struct path_vertex {
 	gi_surface surface;
 	gi_bsdf bsdf;
-	stilb_vec3 origin; /* of the rays that leave */
+	stilb_vec3 origin; /* of rays that leave the surface */
 	float numbers[8];
-	uint32_t path; /* of the wave */
+	uint32_t path; /* index in the wave */
 } path_vertex;
 
 /* ---- one vertex -------------------------------------------------------------------------------------------------- */
 
-/* Whether the path goes on, and what it is worth then. By the square root of what it is worth: the throughput itself ends too
- * many paths at the first chance. */
+/* Russian roulette. False: the path ends; true: its throughput is divided by the probability of surviving. That is
+ * taken from the square root of the throughput: the throughput itself would end too many paths at the first chance. */
 static bool roulette(const gi_view *view, path_state *path, float u)
 {
 	STILB_ASSERT(u >= 0.0f && u < 1.0f);
@@ -77,13 +80,13 @@ static bool reflects(const gi_surface *surface)
 	return all[0] + all[1] + all[2] > 0.0f;
 }
 
-/* Adds what shines where the ray of path i ended. False: the path ends there too. */
+/* Adds the emission at the end of path i's ray. False: the path ends there. */
 static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 {
 	STILB_ASSERT(i < wave->count && wave->paths[i].slot < GI_BATCH);
 	const path_state *path = &wave->paths[i];
 	const gi_ray_hit *ray = &wave->rays[i];
-	const bool hit = gi_is_hit(ray);
+	bool hit = gi_is_hit(ray);
 	if (hit)
 		gi_surface_at(wave->view->scene, ray, surface);
 	if (wave->bounce >= wave->emission_from)
@@ -92,7 +95,7 @@ static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 	return hit && wave->bounce < wave->depth && reflects(surface);
 }
 
-/* Asks a light, and puts the shadow ray in the stream. */
+/* Samples a light and adds its shadow ray to the wave. */
 static void path_ask_light(path_wave *wave, const path_state *path, const path_vertex *vertex)
 {
 	STILB_ASSERT(wave->shadow_count < GI_BATCH);
@@ -105,7 +108,7 @@ static void path_ask_light(path_wave *wave, const path_state *path, const path_v
 	wave->shadow_count++;
 }
 
-/* Makes the path to the next vertex, and its ray. False: it ends here, but for its shadow ray. */
+/* Chooses the path's next ray. False: the path ends here; its shadow ray remains. */
 static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_state *path, gi_ray_hit *ray)
 {
 	const float *numbers = vertex->numbers;
@@ -124,8 +127,9 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 
 /* ---- waves ------------------------------------------------------------------------------------------------------- */
 
-/* The vertices of paths first, ..., first + count - 1, each stage for all of them before the next: what one vertex waits for,
- * another's arithmetic fills. Paths that go on move to kept and behind it; returns where the next ones go. */
+/* Shades paths first .. first + count - 1, each stage for all of them before the next, so that one vertex's
+ * arithmetic hides another's memory latency. Paths that continue move to index kept and following; returns the index
+ * behind the last. */
 static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count, uint32_t kept)
 {
 	STILB_ASSERT(count <= VERTICES && first + count <= wave->count);
@@ -156,9 +160,9 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 	return kept;
 }
 
-/* In a large scene what shading reads of a hit lies far away, the more so as tracing has filled the caches since. So it is
- * asked for while others are shaded: triangles first, and when they have come, their vertices. Always inline: gcc takes a call
- * of what only fetches for one without an effect, and drops it. */
+/* In a large scene the data of a hit is rarely in a cache, the less so after tracing. So it is prefetched while
+ * other paths are shaded: triangles first, then, when these have arrived, their vertices. Always inline: gcc removes
+ * a call of a function that only prefetches, as it takes it for one without effect. */
 static inline __attribute__((always_inline)) void wave_fetch_triangles(const path_wave *wave, uint32_t first)
 {
 	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
@@ -218,7 +222,7 @@ static void wave_intersect(path_wave *wave)
 	wave->rays_traced += wave->count;
 }
 
-/* Until every path has ended. The rays are traced already. */
+/* Runs until every path has ended. The rays are traced already. */
 static void wave_run(path_wave *wave)
 {
 	STILB_ASSERT(wave->shadow_count == 0);
@@ -240,7 +244,7 @@ typedef struct path_scratch {
 	gi_ray shadows[GI_BATCH];
 	path_state paths[GI_BATCH];
 	stilb_vec3 direct[GI_BATCH];
-	stilb_vec3 radiance[GI_BATCH]; /* split's */
+	stilb_vec3 radiance[GI_BATCH]; /* for split */
 } path_scratch;
 
 static path_wave wave_begin(gi_batch *batch)
@@ -260,7 +264,7 @@ static path_wave wave_begin(gi_batch *batch)
 	                   .radiance = batch->radiance};
 }
 
-/* Another path. Its slot is its number in the wave. */
+/* Adds a path, whose slot is its index in the wave. */
 static void wave_add(path_wave *wave, const gi_ray_hit *ray, gi_point point)
 {
 	STILB_ASSERT(wave->count < GI_BATCH);
@@ -288,19 +292,19 @@ static void path_shade(gi_batch *batch)
 
 const gi_integrator gi_integrator_path = {.shade = path_shade, .scratch_size = sizeof(path_scratch)};
 
-/* The camera ray's hit is shared by the sample's N paths, whose numbers are N stratified points below the sample's. Every path
- * has a light sample of its own at the first hit too. */
+/* The N paths of a sample share the camera ray's hit; their random numbers are N stratified points branched off the
+ * sample's. Each path samples a light of its own at the first hit, too. */
 static void split_shade(gi_batch *batch)
 {
 	STILB_ASSERT(batch->count <= GI_BATCH && batch->view->settings.rays >= 1);
 	path_scratch *scratch = batch->scratch;
 	const gi_view *view = batch->view;
-	const uint32_t branches = view->settings.rays;
+	uint32_t branches = view->settings.rays;
 	for (uint32_t i = 0; i < batch->count; i++)
 		batch->radiance[i] = (stilb_vec3){0};
 	for (uint64_t first = 0, end = (uint64_t)batch->count * branches; first < end; first += GI_BATCH) {
 		path_wave wave = wave_begin(batch);
-		const uint32_t count = end - first < GI_BATCH ? (uint32_t)(end - first) : GI_BATCH;
+		uint32_t count = end - first < GI_BATCH ? (uint32_t)(end - first) : GI_BATCH;
 		wave.radiance = scratch->radiance;
 		for (uint32_t i = 0; i < count; i++) {
 			uint32_t sample = (uint32_t)((first + i) / branches), branch = (uint32_t)((first + i) % branches);

@@ -1,4 +1,4 @@
-/* The integrators without bounces: color, direct, ao. */
+/* The integrators without recursion: color, direct, ao. */
 #include "gi/integrate/gi_direct.h"
 #include "gi/integrate/gi_integrator.h"
 #include "gi/trace/gi_ray.h"
@@ -8,7 +8,7 @@
 
 /* ---- color ------------------------------------------------------------------------------------------------------- */
 
-/* All that a surface reflects, whatever the light; nothing where there is no surface. */
+/* Diffuse + specular reflectance; 0 for a miss. */
 static void color_shade(gi_batch *batch)
 {
 	for (uint32_t i = 0; i < batch->count; i++) {
@@ -26,18 +26,17 @@ const gi_integrator gi_integrator_color = {.shade = color_shade};
 /* ---- direct ------------------------------------------------------------------------------------------------------ */
 
 typedef struct direct_scratch {
-	gi_ray shadows[GI_BATCH];   /* id: the sample that asks */
-	stilb_vec3 light[GI_BATCH]; /* of each of them, if nothing is in its way */
+	gi_ray shadows[GI_BATCH];   /* id: index of the sample */
+	stilb_vec3 light[GI_BATCH]; /* radiance if the shadow ray is free */
 	uint32_t count;
 } direct_scratch;
 
-/* A highlight is narrow: what shines in it is found by a ray of its own rather than by asking, each weighed against the
- * other. */
+/* A highlight is narrow, so it also gets a ray of its own, weighed against the sampled light. */
 static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, const gi_surface *surface,
                                       const float numbers[GI_DIMENSIONS_VERTEX])
 {
 	const gi_view *view = batch->view;
-	const stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
+	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
@@ -50,13 +49,13 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	return chosen.weight * gi_direct_found(view, chosen.pdf, bsdf->frame.n, &ray, gi_is_hit(&ray) ? &found : NULL);
 }
 
-/* What the sample sees of the lights themselves and in a highlight; one light is asked what it sends to the surface. */
+/* Emission and light in the highlight of sample i; puts a shadow ray for one sampled light. */
 static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t i)
 {
 	STILB_ASSERT(scratch->count < GI_BATCH);
 	const gi_view *view = batch->view;
 	const gi_ray_hit *ray = &batch->rays[i];
-	const stilb_vec3 direction = gi_ray_direction(&ray->ray);
+	stilb_vec3 direction = gi_ray_direction(&ray->ray);
 	if (!gi_is_hit(ray))
 		return gi_environment_radiance(&view->scene->lights, direction);
 	gi_surface surface;
@@ -64,7 +63,7 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -direction);
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, batch->points[i], GI_DIMENSION_OF(0), numbers);
-	const bool highlight = bsdf.share > 0.0f;
+	bool highlight = bsdf.share > 0.0f;
 	gi_ray *shadow = &scratch->shadows[scratch->count];
 	if (gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, -direction), numbers, highlight, shadow,
 	                  &scratch->light[scratch->count])) {
@@ -91,7 +90,7 @@ static void direct_shade(gi_batch *batch)
 	STILB_ASSERT(batch->count <= GI_BATCH);
 	direct_scratch *scratch = batch->scratch;
 	scratch->count = 0;
-	const bool any = batch->view->settings.only != STILB_GI_ONLY_INDIRECT;
+	bool any = batch->view->settings.only != STILB_GI_ONLY_INDIRECT;
 	for (uint32_t i = 0; i < batch->count; i++)
 		batch->radiance[i] = any ? direct_seen(batch, scratch, i) : stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	direct_flush(batch, scratch);
@@ -104,16 +103,16 @@ const gi_integrator gi_integrator_direct = {.shade = direct_shade, .scratch_size
 #define AO_STREAM 256
 
 typedef struct ao_scratch {
-	gi_ray rays[AO_STREAM]; /* id: the sample that asks */
+	gi_ray rays[AO_STREAM]; /* id: index of the sample */
 	uint32_t count;
 } ao_scratch;
 
-/* The k-th of the sample's rays: cosine-weighted, so that the share of rays that get away is the answer. */
+/* The k-th ray of sample i, with cosine-weighted density, so that the share of free rays is the result. */
 static gi_ray ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t i, uint32_t k)
 {
 	STILB_ASSERT(i < batch->count && k < batch->view->settings.rays);
 	const gi_view *view = batch->view;
-	const uint32_t dimension = GI_DIMENSION_OF(0) + GI_DIMENSION_DIRECTION;
+	uint32_t dimension = GI_DIMENSION_OF(0) + GI_DIMENSION_DIRECTION;
 	gi_point branch = gi_sampler_branch(&view->sampler, batch->points[i], dimension, k, view->settings.rays);
 	shade_sample chosen = shade_sample_cosine(gi_sample_2d(&view->sampler, branch, dimension));
 	stilb_vec3 direction = shade_frame_to_world(shade_frame_from_normal(surface->normal), chosen.direction);
@@ -124,13 +123,14 @@ static gi_ray ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t 
 	return ray;
 }
 
-/* Below the triangle, where a shading normal leans: there is nothing but the surface itself. */
+/* True if the ray goes below the triangle, which happens where the shading normal leans: the surface itself occludes
+ * it. */
 static bool ao_below(const gi_surface *surface, const gi_ray *ray)
 {
 	return stilb_vec3_dot(surface->geometric, gi_ray_direction(ray)) <= 0.0f;
 }
 
-/* Counts the rays of the stream that got away, and empties it. */
+/* Traces the collected rays, counts the free ones, and empties the list. */
 static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 {
 	STILB_ASSERT(scratch->count <= AO_STREAM);
@@ -145,7 +145,7 @@ static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 	scratch->count = 0;
 }
 
-/* How far the nearest thing on the ray is, as a share of ao_distance; 1: there is none that near. */
+/* Distance to the nearest hit on the ray as a share of ao_distance; 1: none. */
 static float ao_reach(gi_batch *batch, const gi_ray *ray)
 {
 	STILB_ASSERT(batch->view->settings.ao_distance > 0.0f);

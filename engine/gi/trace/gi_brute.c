@@ -1,5 +1,5 @@
-/* gi_brute: every ray against every triangle, in double. The truth that Embree is held against, and what tests of the
- * concurrency use, as the thread sanitizer cannot look into Embree. */
+/* gi_brute: every ray against every triangle, in double: the reference that Embree is tested against, and the
+ * intersector in tests of concurrency, since the thread sanitizer cannot see into Embree. */
 #include "gi/gi_scene_internal.h"
 
 #include <stdlib.h>
@@ -26,8 +26,8 @@ static double brute_dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Where the ray meets it: t, u, v; false: it does not. Source: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle
- * Intersection" (1997). */
+/* Intersects a ray with a triangle: t, u, v; false: no hit. Source: Moeller and Trumbore, "Fast, Minimum Storage
+ * Ray/Triangle Intersection" (1997). */
 static bool brute_meet(const brute_triangle *triangle, const gi_ray *ray, double tuv[3])
 {
 	double direction[3], from[3];
@@ -104,9 +104,9 @@ static void brute_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count
 			rays[i].t_max = -INFINITY;
 }
 
-/* ---- life cycle --------------------------------------------------------------------------------------------------- */
+/* ---- life cycle -------------------------------------------------------------------------------------------------- */
 
-/* To the world in double, where the mesh is shared. */
+/* A corner in world space; an instance's is transformed in double. */
 static void brute_corner(const gi_part *part, const float p[3], double out[3])
 {
 	for (int i = 0; i < 3; i++) {

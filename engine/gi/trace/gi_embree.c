@@ -1,9 +1,10 @@
 /*
- * gi_embree: Embree's tree behind gi_tracer. The only file of the library that calls Embree, so that programs which do not
- * name stilb_gi_embree do not load it.
+ * gi_embree: Embree's tree behind gi_tracer. The only file of the library that calls Embree, so that programs which do
+ * not name stilb_gi_embree do not load it.
  *
- * Build.    Embree has no threads of its own here ("threads=N,user_threads=N"): the pool's workers join the build, one pinned
- *           job each. Who comes late finds it done and returns at once, so no worker waits for another to come.
+ * Build.    Embree has no threads of its own here ("threads=N,user_threads=N"): the pool's workers join the build, one
+ *           pinned job each. A worker that comes late finds it done and returns at once, so none waits for another to
+ *           arrive.
  * Robust.   The tree's robust mode: no ray passes between two triangles that share an edge.
  */
 #include "gi/trace/gi_embree.h"
@@ -22,22 +23,22 @@
 typedef struct embree {
 	RTCDevice device;
 	RTCScene scene;
-	RTCScene *shared; /* of each mesh that is shared, else NULL */
+	RTCScene *shared; /* [mesh_count] tree of a mesh that instances share, else NULL */
 	uint32_t mesh_count;
 	const gi_part *parts;
 	uint32_t part_count;
 	uint32_t workers;
-	/* Both are called by the threads that build; relaxed: the pool orders them before who waits for the build. */
+	/* Written by all threads that build; relaxed: the pool's wait orders them before the reader. */
 	_Atomic int64_t bytes;
 	_Atomic int error; /* the first RTCError */
 	int64_t bytes_max;
-	bool scarce; /* bytes_max might not be enough */
+	bool scarce; /* bytes_max may be too little */
 } embree;
 
 #define EMBREE_BYTES                                                                                                   \
 	512.0 /* for a triangle or an instance while the tree is built, with room to spare (a finished one has some 100) */
 
-/* ---- rays --------------------------------------------------------------------------------------------------------- */
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
 
 #define EMBREE_SAME(ours, our_field, theirs, their_field)                                                              \
 	static_assert(offsetof(ours, our_field) == offsetof(struct theirs, their_field),                                   \
@@ -115,8 +116,9 @@ static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray
 	rtcIntersect16(valid, state->scene, &context, gi_embree_ray_hit16(rays));
 }
 
-/* In packets of sixteen. Embree's streams (rtcOccluded1M) sort the rays first, which costs more than it saves: 70 ns a ray
- * against 45 in the Cornell box, 176 against 148 among a million triangles, measured with the path tracer's own rays. */
+/* In packets of sixteen. Embree's streams (rtcOccluded1M) sort the rays first, which costs more than it saves: 70 ns a
+ * ray against 45 in the Cornell box, 176 against 148 among a million triangles, measured with the path tracer's own
+ * rays. */
 static void embree_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 {
 	STILB_ASSERT(rays || count == 0);
@@ -143,7 +145,7 @@ static void embree_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t coun
 	}
 }
 
-/* Embree gives the normal of an instance's triangle in the mesh's space; made world space here. */
+/* The normal of an instance's triangle from mesh space, in which Embree gives it, to world space. */
 static void embree_normal(const gi_part *part, float *x, float *y, float *z)
 {
 	const float *m = part->normal_to_world, normal[3] = {*x, *y, *z};
@@ -152,7 +154,7 @@ static void embree_normal(const gi_part *part, float *x, float *y, float *z)
 	*z = m[2] * normal[0] + m[5] * normal[1] + m[8] * normal[2];
 }
 
-/* Of an instance Embree numbers the instance and, within it, the mesh: the instance's number is the part's. */
+/* For an instance Embree gives two numbers: the instance's, which is the part's, and the mesh's within it. */
 static void embree_intersect_instances(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	const embree *state = tracer->state;
@@ -182,7 +184,7 @@ static void embree_intersect16_instances(const gi_tracer *tracer, const int *val
 	}
 }
 
-/* ---- the device --------------------------------------------------------------------------------------------------- */
+/* ---- the device -------------------------------------------------------------------------------------------------- */
 
 static const char *const embree_isa_names[STILB_GI_ISA_COUNT] = {
 #define EMBREE_ISA_NAME(id, name) [STILB_GI_ISA_##id] = #name,
@@ -235,7 +237,7 @@ static bool embree_on_memory(void *user, ssize_t bytes, bool post)
 	return post || bytes <= 0 || now <= state->bytes_max;
 }
 
-/* What the machine has free, as Linux says it; without that no bound. */
+/* Bytes that the machine has free, by /proc/meminfo; INT64_MAX if that cannot be read. */
 static int64_t embree_memory(void)
 {
 	long long kilobytes = 0;
@@ -269,7 +271,7 @@ static stilb_result embree_device(embree *state, const char *isa)
 	snprintf(config, sizeof config, "threads=%u,user_threads=%u,isa=%s", state->workers, state->workers, isa);
 	state->device = rtcNewDevice(config);
 	if (!state->device) {
-		const enum RTCError error = rtcGetDeviceError(NULL);
+		enum RTCError error = rtcGetDeviceError(NULL);
 		if (error == RTC_ERROR_OUT_OF_MEMORY)
 			return stilb_fail(
 				STILB_ERROR_MEMORY,
@@ -281,7 +283,7 @@ static stilb_result embree_device(embree *state, const char *isa)
 	return STILB_OK;
 }
 
-/* ---- building ----------------------------------------------------------------------------------------------------- */
+/* ---- building ---------------------------------------------------------------------------------------------------- */
 
 static void embree_join(void *data, uint32_t worker)
 {
@@ -290,8 +292,8 @@ static void embree_join(void *data, uint32_t worker)
 	rtcJoinCommitScene(data);
 }
 
-/* Every thread of the pool joins. A job that cannot be had is a thread fewer. Where memory might run out this thread builds
- * alone: Embree 3.13 breaks down when it is told so while several threads build. */
+/* Every thread of the pool joins. A job that cannot be had is a thread fewer. Where memory might run out this thread
+ * builds alone: Embree 3.13 breaks down when it is told so while several threads build. */
 static void embree_commit(embree *state, stilb_job_pool *pool, RTCScene scene)
 {
 	PROFILE("gi.build");
@@ -340,7 +342,7 @@ static void embree_attach_instance(embree *state, const gi_part *part, uint32_t 
 	embree_attach(state->scene, geometry, id);
 }
 
-/* Fills the scene; whether it has instances. */
+/* Fills the scene. True: it has instances. */
 static bool embree_fill(embree *state, const stilb_gi_scene *gi, stilb_job_pool *pool)
 {
 	bool instances = false;
@@ -379,7 +381,7 @@ static stilb_result embree_build(embree *state, const stilb_gi_scene *gi, const 
 	return embree_result(state);
 }
 
-/* Triangles and instances of all trees together. */
+/* Number of triangles and instances in all trees. */
 static uint64_t embree_primitives(const stilb_gi_scene *gi)
 {
 	uint64_t count = gi->part_count;

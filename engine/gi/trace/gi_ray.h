@@ -58,7 +58,7 @@ static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float 
 /* From origin to infinity, with no hit yet. */
 static inline gi_ray_hit gi_ray_hit_make(stilb_vec3 origin, stilb_vec3 direction)
 {
-	const gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)GI_NO_PART, (int32_t)GI_NO_PART};
+	gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)GI_NO_PART, (int32_t)GI_NO_PART};
 	gi_ray_hit ray;
 	ray.ray = gi_ray_make(origin, direction, INFINITY);
 	memcpy((char *)&ray.hit, &zero, sizeof zero);

@@ -7,9 +7,9 @@
  *   if (gi_is_hit(&ray))
  *       ... ray.ray.t_max metres away, on triangle ray.hit.triangle of part ray.hit.part
  *
- * Layout.  A ray is three vectors of 16 bytes and a hit is two, so that whole vectors are loaded and stored. It is also the
- *          layout of Embree's structs: gi_embree.c asserts that, field by field, and passes these on as they are. Nothing
- *          outside gi/trace names a type of Embree.
+ * Layout.  A ray is three vectors of 16 bytes and a hit is two, so that whole vectors are loaded and stored. It is also
+ *          the layout of Embree's structs: gi_embree.c asserts that, field by field, and passes these on as they are.
+ *          Nothing outside gi/trace names a type of Embree.
  */
 #ifndef STILB_GI_TRACE_H
 #define STILB_GI_TRACE_H
