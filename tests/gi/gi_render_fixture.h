@@ -1,4 +1,5 @@
-/* What the tests of renders share: a small scene, behind the brute intersector where no other library may have a part in it. */
+/* What the tests of renders share: a small scene, behind the brute intersector where no other library may have a part
+ * in it. */
 #ifndef GI_RENDER_FIXTURE_H
 #define GI_RENDER_FIXTURE_H
 

@@ -1,5 +1,6 @@
-/* What paths scatter: every model of the catalogue through gi_bsdf: its samples, their weights and its density say the same, a
- * white surface gives back what quadrature says, light goes both ways alike, and nothing comes from below the surface. */
+/* What paths scatter: every model of the catalogue through gi_bsdf: its samples, their weights and its density say the
+ * same, a white surface gives back what quadrature says, light goes both ways alike, and nothing comes from below the
+ * surface. */
 #include "support/shade_proof.h"
 
 #include "gi/sample/gi_bsdf.h"
@@ -121,8 +122,8 @@ static void white_surfaces_give_back_their_albedo(void **state)
 	each_brdf(check_furnace);
 }
 
-/* Of a diffuse surface with a highlight: weight x density is the BSDF, and what divides by the density integrates: the mean of
- * cos / pdf over the samples is the integral of cos, pi. */
+/* Of a diffuse surface with a highlight: weight x density is the BSDF, and what divides by the density integrates: the
+ * mean of cos / pdf over the samples is the integral of cos, pi. */
 static void check_samples(const stilb_numeric_row *row)
 {
 	shade_proof_random random = {.seed = 5};

@@ -56,8 +56,8 @@ static void expect(double value, double truth, double tolerance, const char *wha
 		fail_msg("%s: %.5f, not %.5f +- %.5f", what, value, truth, tolerance);
 }
 
-/* A wall of radiance 1 across the direction at angle parameters[2], at distance parameters[0], of height parameters[1].
- * */
+/* A wall of radiance 1 across the direction at angle parameters[2], at distance parameters[0], of height
+ * parameters[1]. */
 static gi_cache_cell wall(stilb_vec3 direction, const float *parameters)
 {
 	float across = direction[0] * cosf(parameters[2]) + direction[1] * sinf(parameters[2]);

@@ -19,7 +19,7 @@ static int tear_down(void **state)
 	return folder_remove();
 }
 
-/* ---- stopped, written, read ------------------------------------------------------------------------------------------ */
+/* ---- stopped, written, read -------------------------------------------------------------------------------------- */
 
 typedef struct stopper {
 	stilb_gi_render *render;
@@ -162,7 +162,7 @@ static void fewer_samples(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* ---- what is refused ------------------------------------------------------------------------------------------------- */
+/* ---- what is refused --------------------------------------------------------------------------------------------- */
 
 static void write_checkpoint(const render_fixture *fixture, const stilb_gi_settings *settings)
 {
@@ -268,7 +268,8 @@ static void damaged_files(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* Also a file that was made to fit: its hash is right, its numbers are not. pass_count is the fifth number of 8 bytes. */
+/* Also a file that was made to fit: its hash is right, its numbers are not. pass_count is the fifth number of 8
+ * bytes. */
 static void forged_files(void **state)
 {
 	(void)state;
@@ -316,7 +317,7 @@ static void no_files(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* ---- no memory ------------------------------------------------------------------------------------------------------- */
+/* ---- no memory --------------------------------------------------------------------------------------------------- */
 
 static uint32_t allocations_left = UINT32_MAX; /* of stilb_memory_alloc, until one fails; by this thread alone */
 
@@ -360,7 +361,7 @@ static void no_memory(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* ---- full disks ------------------------------------------------------------------------------------------------------ */
+/* ---- full disks -------------------------------------------------------------------------------------------------- */
 
 static void full_disk(void **state)
 {

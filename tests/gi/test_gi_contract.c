@@ -1,5 +1,5 @@
-/* Planted violations of the contracts of engine/gi: each must abort with its assert. No pool has workers here: a child process
- * would not have their threads. */
+/* Planted violations of the contracts of engine/gi: each must abort with its assert. No pool has workers here: a child
+ * process would not have their threads. */
 #include "gi_render_fixture.h"
 
 #include "gi/cache/gi_cache_octree.h"

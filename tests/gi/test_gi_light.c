@@ -84,7 +84,7 @@ static double irradiance(const gi_lights *lights, stilb_vec3 position, stilb_vec
 	return sum / count;
 }
 
-/* ---- triangles and rectangles: irradiance -------------------------------------------------------------------------- */
+/* ---- triangles and rectangles: irradiance ------------------------------------------------------------------------ */
 
 /* Irradiance from a polygon of radiance 1 above the horizon, seen counter-clockwise: Lambert, "Photometria" (1760). */
 static double polygon_irradiance(const stilb_vec3 *corners, int count, stilb_vec3 position, stilb_vec3 normal)
@@ -153,7 +153,8 @@ static void irradiance_is_lamberts(void **state)
 	assert_in_range(dark, 5, 45);
 }
 
-/* The triangles of a ball of radius 1 whose middle is at least so high; facing inwards or outwards. area: of all of them. */
+/* The triangles of a ball of radius 1 whose middle is at least so high; facing inwards or outwards. area: of all of
+ * them. */
 static gi_lights lights_of_ball(bool inwards, float least_height, double *area)
 {
 	stilb_scene_mesh mesh;
@@ -178,8 +179,8 @@ static gi_lights lights_of_ball(bool inwards, float least_height, double *area)
 	return lights;
 }
 
-/* Inside a sphere a patch of it gives everyone L A / (4 R^2). The patch is within 60 degrees of the top, the receivers are on
- * the lower half. */
+/* Inside a sphere a patch of it gives everyone L A / (4 R^2). The patch is within 60 degrees of the top, the receivers
+ * are on the lower half. */
 static void patch_of_a_sphere_lights_its_inside_evenly(void **state)
 {
 	(void)state;
@@ -193,8 +194,8 @@ static void patch_of_a_sphere_lights_its_inside_evenly(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* A glowing ball gives pi L (R / d)^2 to who faces it; of the mesh's own R^2, area / (4 pi). Half of its triangles look away
- * and are seldom asked. */
+/* A glowing ball gives pi L (R / d)^2 to who faces it; of the mesh's own R^2, area / (4 pi). Half of its triangles look
+ * away and are seldom asked. */
 static void ball_is_seen_as_a_disk(void **state)
 {
 	(void)state;
@@ -213,13 +214,13 @@ static void ball_is_seen_as_a_disk(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* ---- form factors -------------------------------------------------------------------------------------------------- */
+/* ---- form factors ------------------------------------------------------------------------------------------------ */
 
 #define RECEIVERS 4096
 #define ASKED 32 /* by each receiver */
 
-/* F12 from surface 1, whose points are corner + edge_1 s + edge_2 t (disk: within the unit disk of edges), to the lights:
- * irradiance over pi, mean over surface 1. */
+/* F12 from surface 1, whose points are corner + edge_1 s + edge_2 t (disk: within the unit disk of edges), to the
+ * lights: irradiance over pi, mean over surface 1. */
 static double form_factor(const gi_lights *lights, stilb_vec3 corner, stilb_vec3 edge_1, stilb_vec3 edge_2, bool disk,
                           stilb_vec3 normal)
 {
@@ -289,7 +290,7 @@ static void form_factors_of_disks_and_reciprocity(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* ---- densities ----------------------------------------------------------------------------------------------------- */
+/* ---- densities --------------------------------------------------------------------------------------------------- */
 
 /* Some of everything. */
 static stilb_scene busy_scene(stilb_scene_light points[3])
@@ -358,8 +359,8 @@ static int emitter_at(const gi_emitter *emitters, stilb_vec3 position, stilb_vec
 	return found;
 }
 
-/* What a sample says of its density is what gi_light_pdf and gi_environment_pdf say of its direction; and its distance ends
- * short of the light, by little. */
+/* What a sample says of its density is what gi_light_pdf and gi_environment_pdf say of its direction; and its distance
+ * ends short of the light, by little. */
 static void density_of_a_sample_is_that_of_its_direction(void **state)
 {
 	(void)state;
@@ -397,7 +398,8 @@ static void density_of_a_sample_is_that_of_its_direction(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* Chances of all leaves add up to 1, less those of boxes that seemed to hold light for this point and do not; they are those with which they are chosen, and none that shines here is left out. */
+/* Chances of all leaves add up to 1, less those of boxes that seemed to hold light for this point and do not; they are
+ * those with which they are chosen, and none that shines here is left out. */
 static void tree_chooses_with_its_probabilities(void **state)
 {
 	(void)state;
@@ -508,8 +510,8 @@ static void lights_add_up(void **state)
 
 #define CELLS 8
 
-/* Where on the shape samples fall, in cells of its own coordinates, against the cells' solid angles. Pearson's chi-square
- * over independent numbers, four standard deviations. */
+/* Where on the shape samples fall, in cells of its own coordinates, against the cells' solid angles. Pearson's
+ * chi-square over independent numbers, four standard deviations. */
 static void samples_fill_solid_angles_evenly(void **state)
 {
 	(void)state;
@@ -574,7 +576,7 @@ static void samples_fill_solid_angles_evenly(void **state)
 	}
 }
 
-/* ---- lights without a size ------------------------------------------------------------------------------------------ */
+/* ---- lights without a size --------------------------------------------------------------------------------------- */
 
 static void lights_without_a_size_follow_their_formulas(void **state)
 {
@@ -625,7 +627,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* ---- surroundings --------------------------------------------------------------------------------------------------- */
+/* ---- surroundings ------------------------------------------------------------------------------------------------ */
 
 /* Of a sky of radiance 1: pi; with everything below elevation a hidden: pi cos^2 a. */
 static void raised_horizon_leaves_a_squared_cosine(void **state)
@@ -689,8 +691,9 @@ static void hemisphere_of_sky_has_its_closed_form(void **state)
 	stilb_image_finish(&mapped.environment);
 }
 
-/* A map with a sun 1e5 times as bright as its dim and partly black sky: samples' harmonics are those of the exact integral,
- * radiance over density is the same for all, densities integrate to 1, and each texel is chosen as often as it should. */
+/* A map with a sun 1e5 times as bright as its dim and partly black sky: samples' harmonics are those of the exact
+ * integral, radiance over density is the same for all, densities integrate to 1, and each texel is chosen as often as
+ * it should. */
 static void map_is_chosen_by_its_brightness(void **state)
 {
 	(void)state;
@@ -737,7 +740,7 @@ static void map_is_chosen_by_its_brightness(void **state)
 	stilb_image_finish(&scene.environment);
 }
 
-/* ---- what files hold ------------------------------------------------------------------------------------------------- */
+/* ---- what files hold --------------------------------------------------------------------------------------------- */
 
 static void maps_with_odd_numbers_are_read_as_light(void **state)
 {

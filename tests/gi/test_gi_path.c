@@ -1,5 +1,5 @@
-/* The path tracer against closed forms, and against itself taken apart: furnace, cut series, direct and indirect light, three
- * estimators of one integral, and samples that do not know which batch they are in. */
+/* The path tracer against closed forms, and against itself taken apart: furnace, cut series, direct and indirect light,
+ * three estimators of one integral, and samples that do not know which batch they are in. */
 #include "gi_path_fixture.h"
 
 #include "gi/integrate/gi_direct.h"

@@ -1,5 +1,5 @@
-/* The Cornell box: the means of a picture of 256 x 256 against those of a reference of 1,024 samples a pixel, which two engines
- * agree on. */
+/* The Cornell box: the means of a picture of 256 x 256 against those of a reference of 1,024 samples a pixel, which two
+ * engines agree on. */
 #include "gi_path_fixture.h"
 
 #include <math.h>

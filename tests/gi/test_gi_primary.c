@@ -1,5 +1,5 @@
-/* Camera rays sixteen at a time: every instruction set gives the bits of plain C, and these are those of single rays and of
- * gi_surface_at. */
+/* Camera rays sixteen at a time: every instruction set gives the bits of plain C, and these are those of single rays
+ * and of gi_surface_at. */
 
 #include "gi_world_fixture.h"
 
@@ -12,7 +12,8 @@ static gi_primary scalar, wide;
 static uint16_t xs[GI_BATCH], ys[GI_BATCH];
 static gi_point points[GI_BATCH];
 
-/* A smooth ball, one without normals, one whose normals point inwards, a textured one and instances; and nothing behind. */
+/* A smooth ball, one without normals, one whose normals point inwards, a textured one and instances; and nothing
+ * behind. */
 static stilb_scene *all_kinds(void)
 {
 	static float texels[2][2][3] = {{{1.0f, 0.0f, 0.5f}, {0.0f, 1.0f, 0.2f}}, {{0.3f, 0.1f, 1.0f}, {0.9f, 1.0f, 1.0f}}};

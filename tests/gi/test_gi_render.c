@@ -1,4 +1,5 @@
-/* Renders: the same bits for every number of workers, order of passes and interruption; limits, stop, progress, preview. */
+/* Renders: the same bits for every number of workers, order of passes and interruption; limits, stop, progress,
+ * preview. */
 #include "gi_render_fixture.h"
 
 #include <math.h>
@@ -6,7 +7,7 @@
 #include <stdatomic.h>
 #include <time.h>
 
-/* ---- the same bits ------------------------------------------------------------------------------------------------- */
+/* ---- the same bits ----------------------------------------------------------------------------------------------- */
 
 static const stilb_gi_integrator INTEGRATORS[] = {STILB_GI_INTEGRATOR_PATH, STILB_GI_INTEGRATOR_SPLIT,
                                                   STILB_GI_INTEGRATOR_AO, STILB_GI_INTEGRATOR_IRRADIANCE_CACHE};
@@ -54,7 +55,7 @@ static void other_settings_other_bits(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* ---- stop, and others who look on ----------------------------------------------------------------------------------- */
+/* ---- stop, and others who look on -------------------------------------------------------------------------------- */
 
 typedef struct onlooker {
 	stilb_gi_render *render;
@@ -203,7 +204,7 @@ static void passes(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* ---- limits -------------------------------------------------------------------------------------------------------- */
+/* ---- limits ------------------------------------------------------------------------------------------------------ */
 
 static void time_limit(void **state)
 {
@@ -255,7 +256,7 @@ static void error_limit(void **state)
 	}
 }
 
-/* ---- settings ------------------------------------------------------------------------------------------------------ */
+/* ---- settings ---------------------------------------------------------------------------------------------------- */
 
 #define REFUSED(member, value)                                                                                         \
 	do {                                                                                                               \

@@ -119,8 +119,8 @@ static void numbers_stay_what_they_are(void **state)
 
 /* ---- nets and strata --------------------------------------------------------------------------------------------- */
 
-/* Every box of 2^-a x 2^-(k - a) holds one of the 2^k points. Source: Niederreiter, "Point sets and sequences with small
- * discrepancy" (1987): a (0, k, 2)-net. */
+/* Every box of 2^-a x 2^-(k - a) holds one of the 2^k points. Source: Niederreiter, "Point sets and sequences with
+ * small discrepancy" (1987): a (0, k, 2)-net. */
 static void assert_net(const stilb_vec2 *points, uint32_t k)
 {
 	uint8_t seen[1024];
@@ -223,12 +223,12 @@ static void branches_of_stratified_points_have_cells_of_their_own(void **state)
 	}
 }
 
-/* ---- evenness and independence ------------------------------------------------------------------------------------ */
+/* ---- evenness and independence ----------------------------------------------------------------------------------- */
 
 #define BINS 8
 
-/* Pearson's chi-square of pairs in BINS x BINS equal bins: that many degrees of freedom less one; four standard deviations
- * above the mean. */
+/* Pearson's chi-square of pairs in BINS x BINS equal bins: that many degrees of freedom less one; four standard
+ * deviations above the mean. */
 static void assert_even(const uint32_t bins[BINS * BINS], uint32_t count, const char *what, int kind)
 {
 	const double expected = (double)count / (BINS * BINS), freedom = BINS * BINS - 1;
@@ -245,8 +245,8 @@ static uint32_t bin_of(float x, float y)
 }
 
 /* One sample of each of many pixels: the sampler has nothing to even out there but at random (blue noise evens out over
- * pixels and is too good for chance, never too bad). Pairs of numbers: of one pair of dimensions, of two, of two vertices,
- * of neighbours in the picture, and of a sample and its branch. */
+ * pixels and is too good for chance, never too bad). Pairs of numbers: of one pair of dimensions, of two, of two
+ * vertices, of neighbours in the picture, and of a sample and its branch. */
 static void numbers_are_even_and_independent(void **state)
 {
 	(void)state;
@@ -385,7 +385,8 @@ static void cosine_directions_beat_uniform_ones(void **state)
 
 #define PICTURE 64
 
-/* Power of the error of a picture of the wall at frequencies of less than 4 in its width, over the mean power at all. */
+/* Power of the error of a picture of the wall at frequencies of less than 4 in its width, over the mean power at
+ * all. */
 static double low_frequencies(stilb_gi_sampler_kind kind, uint32_t samples)
 {
 	static double error[PICTURE][PICTURE];
@@ -416,7 +417,8 @@ static double low_frequencies(stilb_gi_sampler_kind kind, uint32_t samples)
 	return low / count / all;
 }
 
-/* White noise has the same power everywhere; blue noise little where the eye sees most. The error in all is the same. */
+/* White noise has the same power everywhere; blue noise little where the eye sees most. The error in all is the
+ * same. */
 static void blue_noise_lacks_low_frequencies(void **state)
 {
 	(void)state;

@@ -199,7 +199,7 @@ static void picture(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* ---- what goes wrong ------------------------------------------------------------------------------------------------- */
+/* ---- what goes wrong --------------------------------------------------------------------------------------------- */
 
 static void refused(const stilb_gi_render *render, const char *path, stilb_result expected)
 {

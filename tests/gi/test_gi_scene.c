@@ -1,4 +1,5 @@
-/* Scenes made ready for rays: what is counted, what is left out, what is refused, and that the scene may go afterwards. */
+/* Scenes made ready for rays: what is counted, what is left out, what is refused, and that the scene may go
+ * afterwards. */
 
 #include "gi_world_fixture.h"
 
@@ -12,7 +13,8 @@ static stilb_result create(const stilb_scene *scene, stilb_gi_scene_desc desc, u
 	return result;
 }
 
-/* Triangles of which one is fine and the others are a line, a point, not finite, out of reach, or of vertices that are not. */
+/* Triangles of which one is fine and the others are a line, a point, not finite, out of reach, or of vertices that are
+ * not. */
 static stilb_scene *damaged_scene(void)
 {
 	static const float positions[][3] = {{0, 0, 0},   {1, 0, 0},        {0, 1, 0},     {2, 0, 0},

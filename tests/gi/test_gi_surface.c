@@ -1,5 +1,5 @@
-/* Where rays go on after a hit: none is lost in a closed sphere of any size anywhere, none meets the triangle it starts on,
- * shadow rays end at the light and not before; and what a surface says about itself. */
+/* Where rays go on after a hit: none is lost in a closed sphere of any size anywhere, none meets the triangle it starts
+ * on, shadow rays end at the light and not before; and what a surface says about itself. */
 
 #include "gi/gi_texture.h"
 #include "gi/light/gi_light_shape.h"
@@ -78,7 +78,8 @@ static stilb_mat4 turned(float about_x, float about_z, float scale)
 	return stilb_mat4_multiply(z, x);
 }
 
-/* A box, turned and far from the origin: at its edges a point of the floor that is off by a rounding lies behind the wall. */
+/* A box, turned and far from the origin: at its edges a point of the floor that is off by a rounding lies behind the
+ * wall. */
 static void boxes_lose_no_ray(void **state)
 {
 	(void)state;
@@ -189,8 +190,8 @@ static void offsets_are_small(void **state)
 	world_finish(&world);
 }
 
-/* From points anywhere to points of a triangle far from the origin, ours and those that the light itself chooses: nothing is
- * in between. */
+/* From points anywhere to points of a triangle far from the origin, ours and those that the light itself chooses:
+ * nothing is in between. */
 static void shadow_rays_end_at_the_light(void **state)
 {
 	(void)state;
@@ -236,7 +237,7 @@ static void shadow_rays_end_at_the_light(void **state)
 	world_finish(&world);
 }
 
-/* ---- what a surface says ------------------------------------------------------------------------------------------ */
+/* ---- what a surface says ----------------------------------------------------------------------------------------- */
 
 static const float unit_corners[3][3] = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
 

@@ -1,5 +1,5 @@
-/* Embree behind gi_tracer against every triangle tested in double: triangles of the world and of instances, single rays,
- * packets and streams; and the same hits however many workers built the tree. */
+/* Embree behind gi_tracer against every triangle tested in double: triangles of the world and of instances, single
+ * rays, packets and streams; and the same hits however many workers built the tree. */
 
 #include "gi_world_fixture.h"
 
