@@ -46,7 +46,7 @@ static uint32_t batch_size_for(const stilb_gi_settings *settings)
 	return fitting >= GI_BATCH ? GI_BATCH : fitting > 1.0 ? (uint32_t)fitting : 1;
 }
 
-static bool worker_init(gi_render_worker *worker, size_t scratch_size)
+static bool batch_worker_init(gi_render_worker *worker, size_t scratch_size)
 {
 	worker->count = 0;
 	worker->counters = (gi_render_counters){0};
@@ -54,12 +54,12 @@ static bool worker_init(gi_render_worker *worker, size_t scratch_size)
 	return worker->scratch;
 }
 
-static stilb_result workers_create(stilb_gi_render *render)
+static stilb_result batch_workers_create(stilb_gi_render *render)
 {
 	uint32_t count = stilb_job_pool_worker_count(render->pool) + 1;
 	render->workers = stilb_memory_alloc(count, sizeof *render->workers);
 	for (; render->workers && render->worker_count < count; render->worker_count++)
-		if (!worker_init(&render->workers[render->worker_count], render->integrator->scratch_size))
+		if (!batch_worker_init(&render->workers[render->worker_count], render->integrator->scratch_size))
 			break;
 	if (render->worker_count == count)
 		return STILB_OK;
@@ -71,7 +71,7 @@ static stilb_result gi_render_fill(stilb_gi_render *render)
 	const stilb_gi_settings *settings = &render->view.settings;
 	stilb_result result = gi_film_create(&render->film, settings->width, settings->height, settings->firefly_weight);
 	if (result == STILB_OK)
-		result = workers_create(render);
+		result = batch_workers_create(render);
 	if (result == STILB_OK && settings->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		result = gi_cache_fill_create(&render->view, render->pool, &render->cache_fill);
 	if (result == STILB_OK && render->cache_fill)

@@ -1,6 +1,7 @@
 #include "gi/gi_surface.h"
 
 #include "gi/gi_texture.h"
+#include "gi/gi_vector.h"
 
 #include <float.h>
 #include <string.h>
@@ -39,11 +40,6 @@ static stilb_vec3 rotate(const float m[9], stilb_vec3 n)
 {
 	return stilb_vec3_make(m[0] * n[0] + m[3] * n[1] + m[6] * n[2], m[1] * n[0] + m[4] * n[1] + m[7] * n[2],
 	                       m[2] * n[0] + m[5] * n[1] + m[8] * n[2]);
-}
-
-static float length_of(stilb_vec3 v)
-{
-	return sqrtf(stilb_vec3_dot(v, v));
 }
 
 static float smaller(float a, float b)
@@ -91,8 +87,8 @@ float gi_triangle_shape_error(const float v0[3], const float v1[3], const float 
 {
 	stilb_vec3 corner = stilb_vec3_make(v0[0], v0[1], v0[2]);
 	stilb_vec3 e1 = stilb_vec3_make(v1[0], v1[1], v1[2]) - corner, e2 = stilb_vec3_make(v2[0], v2[1], v2[2]) - corner;
-	float a = length_of(e1), b = length_of(e2), c = length_of(e2 - e1);
-	float longest = larger(larger(a, b), c), area2 = length_of(stilb_vec3_cross(e1, e2));
+	float a = gi_length(e1), b = gi_length(e2), c = gi_length(e2 - e1);
+	float longest = larger(larger(a, b), c), area2 = gi_length(stilb_vec3_cross(e1, e2));
 	float shorter = a * b * c / longest; /* product of the two shorter edges */
 	return ROUNDING * longest * (8.0f + 6.0f * shorter / larger(area2, FLT_MIN));
 }
@@ -142,7 +138,7 @@ static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_sur
 static float transform_error(const gi_part *part, stilb_vec3 position)
 {
 	const float *t = part->to_world.m + 12;
-	return 8.0f * ROUNDING * (length_of(position) + length_of(stilb_vec3_make(t[0], t[1], t[2])));
+	return 8.0f * ROUNDING * (gi_length(position) + gi_length(stilb_vec3_make(t[0], t[1], t[2])));
 }
 
 /* The point at u and v, but at least two errors away from the edges: where a wall meets a floor, a point of the
@@ -154,8 +150,8 @@ static stilb_vec3 point_inside(const gi_part *part, const stilb_vec4 first[3], f
 		corner[i] = part->instance ? transform_point(&part->to_world, first[i]) : first[i];
 	stilb_vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
 	float share[3] = {1.0f - u - v, u, v};
-	float edges[3] = {length_of(e2 - e1), length_of(e2), length_of(e1)};
-	float area2 = larger(length_of(stilb_vec3_cross(e1, e2)), FLT_MIN), sum = 0.0f;
+	float edges[3] = {gi_length(e2 - e1), gi_length(e2), gi_length(e1)};
+	float area2 = larger(gi_length(stilb_vec3_cross(e1, e2)), FLT_MIN), sum = 0.0f;
 	for (int i = 0; i < 3; i++) {
 		float least = 2.0f * error * edges[i] / area2;
 		share[i] = larger(share[i], least < 0.25f ? least : 0.25f);

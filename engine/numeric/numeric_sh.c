@@ -130,7 +130,7 @@ stilb_result stilb_numeric_sh_project_map(const stilb_image *map, shade_sh_rgb *
 	STILB_ASSERT(map->channels >= 1 && map->channels <= 4);
 	if (map->format != STILB_IMAGE_F32_LINEAR)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
-		                  "an environment map has linear floats, this picture has not; give it as .exr");
+		                  "an environment map needs linear floats, which this picture lacks; give it as .exr");
 	around *columns = stilb_memory_alloc(map->width, sizeof *columns);
 	if (!columns)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for an environment map %u wide", map->width);

@@ -265,7 +265,7 @@ static void foreign_and_damaged_files_are_refused(void **state)
 	file_change(40, true);
 	expect_refused(&fixture, &settings, "cut short");
 	file_change(3, false);
-	expect_refused(&fixture, &settings, "no irradiance cache");
+	expect_refused(&fixture, &settings, "not an irradiance cache");
 	remove(path);
 	expect_refused(&fixture, &settings, "No such file");
 	render_fixture_finish(&fixture);

@@ -311,9 +311,9 @@ static void no_files(void **state)
 	refuses(&fixture, &settings, ".", "it is a folder");
 	refuses(&fixture, &settings, "/dev/zero", "regular");
 	write_file("", 0);
-	refuses(&fixture, &settings, path, "no checkpoint");
+	refuses(&fixture, &settings, path, "not a checkpoint");
 	write_file("#include <stdio.h>\nint main(void)\n", 33);
-	refuses(&fixture, &settings, path, "no checkpoint");
+	refuses(&fixture, &settings, path, "not a checkpoint");
 	render_fixture_finish(&fixture);
 }
 

@@ -12,14 +12,14 @@
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-static bool worker_create(gi_cache_worker *worker, uint32_t cells)
+static bool cache_worker_create(gi_cache_worker *worker, uint32_t cells)
 {
 	worker->cells = stilb_memory_alloc(cells, sizeof(gi_cache_cell));
 	worker->scratch = stilb_memory_alloc(1, gi_integrator_path.scratch_size);
 	return worker->cells && worker->scratch;
 }
 
-static stilb_result workers_create(gi_cache *cache, uint32_t count)
+static stilb_result cache_workers_create(gi_cache *cache, uint32_t count)
 {
 	cache->workers = stilb_memory_alloc(count, sizeof(gi_cache_worker));
 	if (!cache->workers)
@@ -27,13 +27,13 @@ static stilb_result workers_create(gi_cache *cache, uint32_t count)
 	memset(cache->workers, 0, count * sizeof(gi_cache_worker));
 	cache->worker_count = count;
 	for (uint32_t i = 0; i < count; i++)
-		if (!worker_create(&cache->workers[i], gi_cache_strata_cells(&cache->strata)))
+		if (!cache_worker_create(&cache->workers[i], gi_cache_strata_cells(&cache->strata)))
 			return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache's %u gather rays on %u workers",
 			                  cache->view->settings.cache.rays, count);
 	return STILB_OK;
 }
 
-static float scene_diagonal(const stilb_gi_scene_info *info)
+static float diagonal_of(const stilb_gi_scene_info *info)
 {
 	float squared = 0.0f;
 	for (int i = 0; i < 3; i++) {
@@ -46,7 +46,7 @@ static float scene_diagonal(const stilb_gi_scene_info *info)
 static gi_cache_limits limits_make(const gi_view *view)
 {
 	const stilb_gi_cache_settings *settings = &view->settings.cache;
-	float scale = scene_diagonal(&view->scene->info);
+	float scale = diagonal_of(&view->scene->info);
 	bool hessian = settings->radius == STILB_GI_CACHE_HESSIAN;
 	return (gi_cache_limits){
 		.error = settings->error,
@@ -79,7 +79,7 @@ static stilb_result cache_make(gi_cache *cache, uint32_t worker_count)
 	if (result == STILB_OK)
 		result = gi_cache_octree_create(info->low, info->high, &cache->octree);
 	if (result == STILB_OK)
-		result = workers_create(cache, worker_count);
+		result = cache_workers_create(cache, worker_count);
 	return result;
 }
 

@@ -41,7 +41,7 @@ static cache_header header_make(const gi_cache *cache)
 /* ---- save -------------------------------------------------------------------------------------------------------- */
 
 /* A write that fails makes stilb_file_commit fail. */
-static uint64_t write_hashed(stilb_file *file, uint64_t hash, const void *data, size_t size)
+static uint64_t cache_write_hashed(stilb_file *file, uint64_t hash, const void *data, size_t size)
 {
 	stilb_file_write(file, data, size);
 	return stilb_hash_fnv1a64(hash, data, size);
@@ -57,14 +57,14 @@ stilb_result gi_cache_save(const gi_cache *cache, const char *path)
 		return result;
 	cache_header header = header_make(cache);
 	stilb_file_write(&file, magic, MAGIC_SIZE);
-	uint64_t hash = write_hashed(&file, STILB_FNV1A64_START, &header, sizeof header);
+	uint64_t hash = cache_write_hashed(&file, STILB_FNV1A64_START, &header, sizeof header);
 	for (uint32_t i = 0; i < header.count; i++) {
 		const gi_cache_record *record = gi_cache_octree_record(cache->octree, i);
 		if (!record) {
 			stilb_file_finish(&file);
 			return stilb_fail(STILB_ERROR_MEMORY, "memory ran out while the cache was filled: %s is not written", path);
 		}
-		hash = write_hashed(&file, hash, record, sizeof *record);
+		hash = cache_write_hashed(&file, hash, record, sizeof *record);
 	}
 	stilb_file_write(&file, &hash, sizeof hash);
 	return stilb_file_commit(&file);
@@ -107,7 +107,7 @@ static bool record_is_sound(const gi_cache_record *record)
 	       record->irradiance[3] > 0.0f;
 }
 
-static bool read_hashed(FILE *stream, uint64_t *hash, void *data, size_t size)
+static bool cache_read_hashed(FILE *stream, uint64_t *hash, void *data, size_t size)
 {
 	if (fread(data, 1, size, stream) != size)
 		return false;
@@ -120,10 +120,10 @@ static stilb_result read_records(gi_cache *cache, FILE *stream, const char *path
 {
 	char line[MAGIC_SIZE];
 	if (fread(line, 1, MAGIC_SIZE, stream) != MAGIC_SIZE || memcmp(line, magic, MAGIC_SIZE) != 0)
-		return refuse(path, "is no irradiance cache");
+		return refuse(path, "is not an irradiance cache");
 	uint64_t hash = STILB_FNV1A64_START;
 	cache_header header, wanted = header_make(cache);
-	if (!read_hashed(stream, &hash, &header, sizeof header))
+	if (!cache_read_hashed(stream, &hash, &header, sizeof header))
 		return refuse(path, "is cut short");
 	stilb_result result = check_header(path, &header, &wanted);
 	if (result != STILB_OK)
@@ -134,7 +134,7 @@ static stilb_result read_records(gi_cache *cache, FILE *stream, const char *path
 		return result;
 	for (uint32_t i = 0; i < header.count && result == STILB_OK; i++) {
 		gi_cache_record record;
-		if (!read_hashed(stream, &hash, &record, sizeof record))
+		if (!cache_read_hashed(stream, &hash, &record, sizeof record))
 			result = refuse(path, "is cut short");
 		else if (!record_is_sound(&record))
 			result = refuse(path, "is damaged");

@@ -63,7 +63,7 @@ static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker,
 	return true;
 }
 
-static void trace_shadows(const gi_cache *cache, gi_cache_worker *worker)
+static void trace_cell_shadows(const gi_cache *cache, gi_cache_worker *worker)
 {
 	PROFILE("gi.cache.shadow");
 	const gi_tracer *tracer = &cache->view->scene->tracer;
@@ -119,7 +119,7 @@ static void gather_cells(gi_cache *cache, uint32_t index, const gi_surface *surf
 			worker->path_points[paths] = worker->points[i];
 			worker->targets[paths++] = i;
 		}
-		trace_shadows(cache, worker);
+		trace_cell_shadows(cache, worker);
 		trace_paths(cache, index, paths);
 		for (uint32_t i = 0; i < number; i++)
 			worker->cells[first + i] = (gi_cache_cell){worker->radiance[i], nearness(&worker->rays[i], shortest)};

@@ -150,7 +150,7 @@ static void sample_start(gi_batch *batch, uint32_t sample)
 
 /* ---- rays -------------------------------------------------------------------------------------------------------- */
 
-static void trace_shadows(gi_batch *batch)
+static void trace_sample_shadows(gi_batch *batch)
 {
 	PROFILE("gi.shadow");
 	cache_scratch *scratch = batch->scratch;
@@ -213,7 +213,7 @@ static void cache_shade(gi_batch *batch)
 		for (uint32_t i = 0; i < batch->count; i++)
 			sample_start(batch, i);
 	}
-	trace_shadows(batch);
+	trace_sample_shadows(batch);
 	trace_branches(batch);
 }
 

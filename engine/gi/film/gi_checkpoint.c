@@ -105,7 +105,7 @@ static size_t film_pixels(const gi_film *film)
 	return (size_t)film->width * film->height;
 }
 
-static void write_hashed(stilb_file *file, uint64_t *hash, const void *data, size_t size)
+static void checkpoint_write_hashed(stilb_file *file, uint64_t *hash, const void *data, size_t size)
 {
 	*hash = stilb_hash_fnv1a64(*hash, data, size);
 	stilb_file_write(file, data, size); /* a write that fails makes the commit fail */
@@ -127,13 +127,13 @@ stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const cha
 	state_make(render, &state);
 	uint64_t hash = STILB_FNV1A64_START;
 	const gi_film *film = &render->film;
-	write_hashed(&file, &hash, CHECKPOINT_MAGIC, sizeof CHECKPOINT_MAGIC - 1);
-	write_hashed(&file, &hash, &text.length, sizeof text.length);
-	write_hashed(&file, &hash, text.text, text.length);
-	write_hashed(&file, &hash, &state, sizeof state);
-	write_hashed(&file, &hash, film->pixels, film_pixels(film) * sizeof *film->pixels);
+	checkpoint_write_hashed(&file, &hash, CHECKPOINT_MAGIC, sizeof CHECKPOINT_MAGIC - 1);
+	checkpoint_write_hashed(&file, &hash, &text.length, sizeof text.length);
+	checkpoint_write_hashed(&file, &hash, text.text, text.length);
+	checkpoint_write_hashed(&file, &hash, &state, sizeof state);
+	checkpoint_write_hashed(&file, &hash, film->pixels, film_pixels(film) * sizeof *film->pixels);
 	if (film->weights)
-		write_hashed(&file, &hash, film->weights, film_pixels(film) * sizeof *film->weights);
+		checkpoint_write_hashed(&file, &hash, film->weights, film_pixels(film) * sizeof *film->weights);
 	stilb_file_write(&file, &hash, sizeof hash);
 	return stilb_file_commit(&file);
 }
@@ -158,7 +158,7 @@ static stilb_result resume_damaged(const checkpoint_reader *reader)
 	return resume_fail(reader, "the file is damaged; start anew");
 }
 
-static bool read_hashed(checkpoint_reader *reader, void *data, size_t size)
+static bool checkpoint_read_hashed(checkpoint_reader *reader, void *data, size_t size)
 {
 	if (size > reader->left || fread(data, 1, size, reader->stream) != size)
 		return false;
@@ -198,11 +198,11 @@ static stilb_result resume_differs(const checkpoint_reader *reader, const char *
 static stilb_result read_text(checkpoint_reader *reader, const stilb_gi_render *render)
 {
 	char magic[sizeof CHECKPOINT_MAGIC - 1];
-	if (!read_hashed(reader, magic, sizeof magic) || memcmp(magic, CHECKPOINT_MAGIC, sizeof magic) != 0)
-		return resume_fail(reader, "it is no checkpoint of this version");
+	if (!checkpoint_read_hashed(reader, magic, sizeof magic) || memcmp(magic, CHECKPOINT_MAGIC, sizeof magic) != 0)
+		return resume_fail(reader, "it is not a checkpoint of this version");
 	checkpoint_text theirs, ours;
-	if (!read_hashed(reader, &theirs.length, sizeof theirs.length) || theirs.length >= sizeof theirs.text ||
-	    !read_hashed(reader, theirs.text, theirs.length))
+	if (!checkpoint_read_hashed(reader, &theirs.length, sizeof theirs.length) || theirs.length >= sizeof theirs.text ||
+	    !checkpoint_read_hashed(reader, theirs.text, theirs.length))
 		return resume_damaged(reader);
 	theirs.text[theirs.length] = '\0';
 	text_make(render, &ours);
@@ -236,10 +236,10 @@ static stilb_result read_film(checkpoint_reader *reader, const gi_film *shape)
 	film->weights = weights ? stilb_memory_alloc(count, weights) : NULL;
 	if (!film->pixels || (weights && !film->weights))
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot resume from '%s': out of memory", reader->path);
-	bool whole = read_hashed(reader, film->pixels, count * sizeof *film->pixels) &&
-	             (!weights || read_hashed(reader, film->weights, count * weights));
+	bool whole = checkpoint_read_hashed(reader, film->pixels, count * sizeof *film->pixels) &&
+	             (!weights || checkpoint_read_hashed(reader, film->weights, count * weights));
 	uint64_t hash = reader->hash, written = 0;
-	whole = whole && read_hashed(reader, &written, sizeof written) && written == hash;
+	whole = whole && checkpoint_read_hashed(reader, &written, sizeof written) && written == hash;
 	return whole ? STILB_OK : resume_damaged(reader);
 }
 
@@ -252,7 +252,8 @@ static stilb_result read_all(checkpoint_reader *reader, const stilb_gi_render *r
 	stilb_result result = read_text(reader, render);
 	if (result != STILB_OK)
 		return result;
-	if (!read_hashed(reader, &reader->state, sizeof reader->state) || !state_is_possible(&reader->state, &render->film))
+	if (!checkpoint_read_hashed(reader, &reader->state, sizeof reader->state) ||
+	    !state_is_possible(&reader->state, &render->film))
 		return resume_damaged(reader);
 	return read_film(reader, &render->film);
 }

@@ -1,5 +1,6 @@
 #include "gi/light/gi_environment.h"
 
+#include "gi/gi_vector.h"
 #include "numeric/numeric_sh.h"
 #include "shading/shade_sampling.h"
 
@@ -21,11 +22,6 @@ static stilb_vec3 texel_radiance(const gi_environment *environment, uint32_t x, 
 	if (environment->channels < 3)
 		return stilb_vec3_make(valid(texel[0]), valid(texel[0]), valid(texel[0]));
 	return stilb_vec3_make(valid(texel[0]), valid(texel[1]), valid(texel[2]));
-}
-
-static float brightness(stilb_vec3 radiance)
-{
-	return (radiance[0] + radiance[1] + radiance[2]) * (1.0f / 3.0f);
 }
 
 /* The texel of a direction: the inverse of stilb_numeric_latlong_direction. */
@@ -59,7 +55,7 @@ static void sum_up(gi_environment *environment)
 		float *columns = environment->columns + (size_t)y * width;
 		double row = 0.0;
 		for (uint32_t x = 0; x < width; x++) {
-			row += (double)brightness(texel_radiance(environment, x, y));
+			row += (double)gi_brightness(texel_radiance(environment, x, y));
 			columns[x] = (float)row;
 		}
 		for (uint32_t x = 0; x < width && row > 0.0; x++)
@@ -79,7 +75,7 @@ static stilb_result use_map(const stilb_image *map, gi_environment *environment)
 	STILB_ASSERT(map->channels >= 1 && map->channels <= 4);
 	if (map->format != STILB_IMAGE_F32_LINEAR)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
-		                  "an environment map has linear floats, this picture has not; give it as .exr or .hdr");
+		                  "an environment map needs linear floats, which this picture lacks; give it as .exr or .hdr");
 	environment->map = map->pixels;
 	environment->width = map->width;
 	environment->height = map->height;
@@ -102,7 +98,7 @@ stilb_result gi_environment_create(const stilb_scene *scene, gi_environment **ou
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for an environment");
 	const float *sky = scene->sky.sky, *ground = scene->sky.ground;
 	*environment = (gi_environment){.sky = {sky[0], sky[1], sky[2]}, .ground = {ground[0], ground[1], ground[2]}};
-	environment->mean = 0.5f * (brightness(environment->sky) + brightness(environment->ground));
+	environment->mean = 0.5f * (gi_brightness(environment->sky) + gi_brightness(environment->ground));
 	stilb_result result = scene->environment.pixels ? use_map(&scene->environment, environment) : STILB_OK;
 	if (result == STILB_OK)
 		*out = environment;
@@ -150,7 +146,7 @@ static bool sample_map(const gi_environment *environment, stilb_vec2 u, gi_light
 	float phi = 2.0f * SHADE_PI * (((float)x + across) / (float)environment->width - 0.5f);
 	sample->direction = stilb_vec3_make(sine * sinf(phi), height, -sine * cosf(phi));
 	sample->radiance = texel_radiance(environment, x, y);
-	sample->pdf = brightness(sample->radiance) * environment->density;
+	sample->pdf = gi_brightness(sample->radiance) * environment->density;
 	return sample->pdf > 0.0f;
 }
 
@@ -161,7 +157,7 @@ static bool sample_two_colours(const gi_environment *environment, stilb_vec3 nor
 	sample->direction = shade_frame_to_world(shade_frame_from_normal(normal), chosen.direction);
 	sample->radiance = gi_environment_at(environment, sample->direction);
 	sample->pdf = chosen.pdf;
-	return brightness(sample->radiance) > 0.0f;
+	return gi_brightness(sample->radiance) > 0.0f;
 }
 
 bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u, gi_light_sample *sample)
@@ -176,13 +172,13 @@ float gi_environment_importance(const gi_environment *environment, stilb_vec3 no
 	if (environment->map)
 		return SHADE_PI * environment->mean;
 	float above = 0.5f + 0.5f * normal[1];
-	return SHADE_PI * (above * brightness(environment->sky) + (1.0f - above) * brightness(environment->ground));
+	return SHADE_PI * (above * gi_brightness(environment->sky) + (1.0f - above) * gi_brightness(environment->ground));
 }
 
 float gi_environment_density(const gi_environment *environment, stilb_vec3 normal, stilb_vec3 direction)
 {
 	if (environment->map)
-		return brightness(gi_environment_at(environment, direction)) * environment->density;
+		return gi_brightness(gi_environment_at(environment, direction)) * environment->density;
 	float cosine = stilb_vec3_dot(normal, direction);
 	return cosine > 0.0f ? cosine * SHADE_INV_PI : 0.0f;
 }

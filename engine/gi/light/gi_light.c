@@ -1,5 +1,6 @@
 #include "gi/light/gi_light.h"
 
+#include "gi/gi_vector.h"
 #include "gi/light/gi_environment.h"
 #include "gi/light/gi_light_shape.h"
 #include "gi/light/gi_light_tree.h"
@@ -14,15 +15,10 @@
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
-static float brightness(const float color[3])
-{
-	return (color[0] + color[1] + color[2]) * (1.0f / 3.0f);
-}
-
 /* True if the colour, which may come from a file, is finite and above 0. */
 static bool shines(const float color[3])
 {
-	return brightness(color) > 0.0f && isfinite(brightness(color));
+	return gi_brightness(gi_vector(color)) > 0.0f && isfinite(gi_brightness(gi_vector(color)));
 }
 
 static void copy_points(const stilb_scene *scene, gi_lights *lights)
@@ -64,7 +60,7 @@ static gi_light_node shape_node(const gi_light_shape *shape)
 		node.axis[i] = shape->normal[i];
 	}
 	float emission[3] = {shape->emission[0], shape->emission[1], shape->emission[2]};
-	node.power = shape->area * (shines(emission) ? brightness(emission) : 0.0f);
+	node.power = shape->area * (shines(emission) ? gi_brightness(gi_vector(emission)) : 0.0f);
 	return node;
 }
 
@@ -75,7 +71,7 @@ static gi_light_node point_node(const stilb_scene_light *point)
 	memcpy(node.low, point->position, sizeof node.low);
 	memcpy(node.high, point->position, sizeof node.high);
 	memcpy(node.axis, point->direction, sizeof node.axis);
-	node.power = node.lamps = brightness(point->intensity);
+	node.power = node.lamps = gi_brightness(gi_vector(point->intensity));
 	return node;
 }
 
@@ -187,18 +183,13 @@ static float spot_share(const stilb_scene_light *spot, float cosine)
 	return t * t * (3.0f - 2.0f * t);
 }
 
-static stilb_vec3 vector(const float v[3])
-{
-	return stilb_vec3_make(v[0], v[1], v[2]);
-}
-
 static bool sample_directional(const stilb_scene_light *light, gi_light_sample *sample)
 {
 	STILB_ASSERT(light->kind == STILB_SCENE_LIGHT_DIRECTIONAL);
 	*sample = (gi_light_sample){
-		.direction = -vector(light->direction),
+		.direction = -gi_vector(light->direction),
 		.distance = INFINITY,
-		.radiance = vector(light->intensity),
+		.radiance = gi_vector(light->intensity),
 		.pdf = 1.0f,
 		.delta = true,
 	};
@@ -208,15 +199,15 @@ static bool sample_directional(const stilb_scene_light *light, gi_light_sample *
 static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi_light_sample *sample)
 {
 	STILB_ASSERT(light->kind != STILB_SCENE_LIGHT_DIRECTIONAL);
-	stilb_vec3 to_light = vector(light->position) - position;
+	stilb_vec3 to_light = gi_vector(light->position) - position;
 	float distance2 = stilb_vec3_dot(to_light, to_light), distance = sqrtf(distance2);
 	stilb_vec3 direction = to_light * (1.0f / distance);
 	bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
-	float share = spot ? spot_share(light, -stilb_vec3_dot(vector(light->direction), direction)) : 1.0f;
+	float share = spot ? spot_share(light, -stilb_vec3_dot(gi_vector(light->direction), direction)) : 1.0f;
 	*sample = (gi_light_sample){
 		.direction = direction,
 		.distance = distance,
-		.radiance = vector(light->intensity) * (share / distance2),
+		.radiance = gi_vector(light->intensity) * (share / distance2),
 		.pdf = 1.0f,
 		.delta = true,
 	};
@@ -232,8 +223,8 @@ static float distant_importance(const gi_lights *lights, uint32_t distant, stilb
 	if (lights->distant[distant] == GI_LIGHT_ENVIRONMENT)
 		return gi_environment_importance(lights->environment, normal);
 	const stilb_scene_light *sun = &lights->points[lights->distant[distant]];
-	float facing = -stilb_vec3_dot(vector(sun->direction), normal);
-	return brightness(sun->intensity) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
+	float facing = -stilb_vec3_dot(gi_vector(sun->direction), normal);
+	return gi_brightness(gi_vector(sun->intensity)) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
 }
 
 static uint32_t group_count(const gi_lights *lights)

@@ -1,6 +1,7 @@
 #include "gi/light/gi_light_shape.h"
 
 #include "gi/gi_surface.h"
+#include "gi/gi_vector.h"
 #include "shading/shade_constants.h"
 
 #include <math.h>
@@ -15,29 +16,19 @@
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
-static float length_of(stilb_vec3 v)
-{
-	return sqrtf(stilb_vec3_dot(v, v));
-}
-
-static stilb_vec3 vector(const float v[3])
-{
-	return stilb_vec3_make(v[0], v[1], v[2]);
-}
-
 gi_light_shape gi_light_shape_make(const gi_emitter *emitter)
 {
 	const float(*p)[3] = emitter->position;
 	gi_light_shape shape = {
-		.corner = vector(p[0]),
-		.edge_1 = vector(p[1]) - vector(p[0]),
-		.edge_2 = vector(p[2]) - vector(p[0]),
-		.emission = vector(emitter->emission),
+		.corner = gi_vector(p[0]),
+		.edge_1 = gi_vector(p[1]) - gi_vector(p[0]),
+		.edge_2 = gi_vector(p[2]) - gi_vector(p[0]),
+		.emission = gi_vector(emitter->emission),
 		.error = gi_triangle_error(p[0], p[1], p[2]),
 	};
 	shape.center = shape.corner + (shape.edge_1 + shape.edge_2) * (1.0f / 3.0f);
 	stilb_vec3 normal = stilb_vec3_cross(shape.edge_1, shape.edge_2);
-	float twice = length_of(normal);
+	float twice = gi_length(normal);
 	if (twice > 0.0f && isfinite(twice)) {
 		shape.normal = normal * (1.0f / twice);
 		shape.area = 0.5f * twice;
@@ -65,13 +56,13 @@ bool gi_light_shape_join(const gi_emitter *first, const gi_emitter *second, gi_l
 	if (a == 3 || b == 3 || memcmp(first->emission, second->emission, sizeof first->emission) != 0)
 		return false;
 	gi_light_shape one = gi_light_shape_make(first), two = gi_light_shape_make(second);
-	one.corner = vector(first->position[a]);
-	one.edge_1 = vector(first->position[(a + 1) % 3]) - one.corner;
-	one.edge_2 = vector(first->position[(a + 2) % 3]) - one.corner;
-	float length_1 = length_of(one.edge_1), length_2 = length_of(one.edge_2);
-	stilb_vec3 gap = one.corner + one.edge_1 + one.edge_2 - vector(second->position[b]);
+	one.corner = gi_vector(first->position[a]);
+	one.edge_1 = gi_vector(first->position[(a + 1) % 3]) - one.corner;
+	one.edge_2 = gi_vector(first->position[(a + 2) % 3]) - one.corner;
+	float length_1 = gi_length(one.edge_1), length_2 = gi_length(one.edge_2);
+	stilb_vec3 gap = one.corner + one.edge_1 + one.edge_2 - gi_vector(second->position[b]);
 	if (!(fabsf(stilb_vec3_dot(one.edge_1, one.edge_2)) <= SQUARE_ANGLE * length_1 * length_2) ||
-	    !(length_of(gap) <= SQUARE_ANGLE * fminf(length_1, length_2)) ||
+	    !(gi_length(gap) <= SQUARE_ANGLE * fminf(length_1, length_2)) ||
 	    !(stilb_vec3_dot(one.normal, two.normal) > 0.0f))
 		return false;
 	one.length_1 = length_1;
@@ -142,7 +133,7 @@ static spherical_rectangle rectangle_seen(const gi_light_shape *shape, stilb_vec
 static float triangle_angle(const gi_light_shape *shape, stilb_vec3 a, float height)
 {
 	stilb_vec3 b = a + shape->edge_1, c = a + shape->edge_2;
-	float la = length_of(a), lb = length_of(b), lc = length_of(c), det = 2.0f * shape->area * height;
+	float la = gi_length(a), lb = gi_length(b), lc = gi_length(c), det = 2.0f * shape->area * height;
 	float below = la * lb * lc + stilb_vec3_dot(a, b) * lc + stilb_vec3_dot(b, c) * la + stilb_vec3_dot(c, a) * lb;
 	return 2.0f * atan2f(det, below);
 }
@@ -197,12 +188,6 @@ static stilb_vec3 across(stilb_vec3 v, stilb_vec3 a)
 	return part * (1.0f / sqrtf(size2 > 1e-30f ? size2 : 1e-30f));
 }
 
-static float sine_of(float cosine)
-{
-	float square = 1.0f - cosine * cosine;
-	return sqrtf(square > 0.0f ? square : 0.0f);
-}
-
 /* A point of the triangle, uniform by solid angle, in Arvo's names: a, b, c are the corners on the sphere, alpha is
  * the angle at a. The corner c moves to p on the arc from a to c until the triangle has the share u[0] of its solid
  * angle; the point lies on the arc from b to p. */
@@ -214,7 +199,7 @@ static stilb_vec3 point_of_triangle(const gi_light_shape *shape, stilb_vec3 to_c
 	stilb_vec3 c = stilb_vec3_normalize(to_corner + shape->edge_2);
 	stilb_vec3 c_side = across(c, a);
 	float cos_alpha = limited(stilb_vec3_dot(across(b, a), c_side), -BELOW_ONE, BELOW_ONE);
-	float sin_alpha = sine_of(cos_alpha);
+	float sin_alpha = gi_sine(cos_alpha);
 	/* phi is the smaller triangle's solid angle - alpha + pi. */
 	float s = sinf(u[0] * angle), co = cosf(u[0] * angle);
 	float sin_phi = co * sin_alpha - s * cos_alpha, cos_phi = -co * cos_alpha - s * sin_alpha;
@@ -222,9 +207,9 @@ static stilb_vec3 point_of_triangle(const gi_light_shape *shape, stilb_vec3 to_c
 	float below = (k2 * sin_phi + k1 * cos_phi) * sin_alpha;
 	float q = below != 0.0f ? (k2 + (k2 * cos_phi - k1 * sin_phi) * cos_alpha) / below : 1.0f;
 	float cos_p = limited(q, -1.0f, 1.0f);
-	stilb_vec3 p = a * cos_p + c_side * sine_of(cos_p);
+	stilb_vec3 p = a * cos_p + c_side * gi_sine(cos_p);
 	float z = 1.0f - u[1] * (1.0f - stilb_vec3_dot(p, b));
-	stilb_vec3 direction = b * z + across(p, b) * sine_of(z);
+	stilb_vec3 direction = b * z + across(p, b) * gi_sine(z);
 	float cosine = -stilb_vec3_dot(direction, shape->normal);
 	return direction * (height / (cosine > 1e-20f ? cosine : 1e-20f));
 }
@@ -266,7 +251,7 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 	float angle = is_near(shape, position) ? near_point(shape, to_corner, height, u, &to_light) : 0.0f;
 	if (angle == 0.0f)
 		to_light = point_by_area(shape, to_corner, u);
-	float distance = length_of(to_light);
+	float distance = gi_length(to_light);
 	float scale = 1.0f / distance;
 	sample->direction = to_light * scale;
 	sample->distance = gi_shadow_distance(distance, shape->error, height * scale);

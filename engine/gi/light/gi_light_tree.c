@@ -1,5 +1,7 @@
 #include "gi/light/gi_light_tree.h"
 
+#include "gi/gi_vector.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -10,17 +12,6 @@
 #define BELOW_ONE 0.99999994f
 
 /* ---- importance -------------------------------------------------------------------------------------------------- */
-
-static stilb_vec3 vector(const float v[3])
-{
-	return stilb_vec3_make(v[0], v[1], v[2]);
-}
-
-static float sine_of(float cosine)
-{
-	float square = 1.0f - cosine * cosine;
-	return sqrtf(square > 0.0f ? square : 0.0f);
-}
 
 static float at_least(float x, float least)
 {
@@ -41,22 +32,22 @@ static float sine_less(float cos_a, float sin_a, float cos_b, float sin_b)
 
 float gi_light_node_importance(const gi_light_node *node, stilb_vec3 position, stilb_vec3 normal)
 {
-	stilb_vec3 to_node = vector(node->center) - position;
+	stilb_vec3 to_node = gi_vector(node->center) - position;
 	float distance2 = stilb_vec3_dot(to_node, to_node);
 	if (!(distance2 > node->radius2)) /* inside the sphere no direction bounds the light */
 		return node->power / at_least(node->radius2, 1e-30f);
 	float inverse = 1.0f / distance2, scale = sqrtf(inverse);
 	float sin2_box = node->radius2 * inverse, cos_box = sqrtf(1.0f - sin2_box), sin_box = sqrtf(sin2_box);
-	float from_axis = -scale * stilb_vec3_dot(vector(node->axis), to_node), sin_axis = sine_of(from_axis);
+	float from_axis = -scale * stilb_vec3_dot(gi_vector(node->axis), to_node), sin_axis = gi_sine(from_axis);
 	float beyond_cone = cosine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
 	float sin_beyond = sine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
 	float emitted = cosine_less(beyond_cone, sin_beyond, cos_box, sin_box);
 	if (!(emitted > node->cos_beam))
 		return 0.0f;
 	float from_normal = scale * stilb_vec3_dot(normal, to_node);
-	float facing = cosine_less(from_normal, sine_of(from_normal), cos_box, sin_box);
+	float facing = cosine_less(from_normal, gi_sine(from_normal), cos_box, sin_box);
 	float most = node->power * at_least(emitted, FACING_MIN);
-	float mean = at_least(-scale * stilb_vec3_dot(vector(node->sum), to_node), 0.0f) + node->spread;
+	float mean = at_least(-scale * stilb_vec3_dot(gi_vector(node->sum), to_node), 0.0f) + node->spread;
 	float sent = mean + (most - mean) * sin2_box;
 	return at_least(sent, MEAN_MIN * most) * at_least(facing, FACING_MIN) * inverse;
 }
@@ -68,7 +59,7 @@ float gi_light_node_importance(const gi_light_node *node, stilb_vec3 position, s
 static void join_cones(gi_light_node *out, const gi_light_node *a, const gi_light_node *b)
 {
 	const gi_light_node *wide = a->cos_cone < b->cos_cone ? a : b, *narrow = wide == a ? b : a;
-	stilb_vec3 axis = vector(wide->axis), other = vector(narrow->axis);
+	stilb_vec3 axis = gi_vector(wide->axis), other = gi_vector(narrow->axis);
 	float cos_between = fminf(fmaxf(stilb_vec3_dot(axis, other), -1.0f), 1.0f);
 	float between = acosf(cos_between), wide_angle = acosf(wide->cos_cone), narrow_angle = acosf(narrow->cos_cone);
 	float angle = 0.5f * (wide_angle + between + narrow_angle);
@@ -93,14 +84,14 @@ static void join_cones(gi_light_node *out, const gi_light_node *a, const gi_ligh
  * split into both. */
 static void finish(gi_light_node *node)
 {
-	stilb_vec3 sum = vector(node->sum);
+	stilb_vec3 sum = gi_vector(node->sum);
 	float rest = node->power - node->lamps - sqrtf(stilb_vec3_dot(sum, sum));
 	node->spread = node->lamps + 0.25f * at_least(rest, 0.0f);
-	stilb_vec3 half = (vector(node->high) - vector(node->low)) * 0.5f, center = vector(node->low) + half;
+	stilb_vec3 half = (gi_vector(node->high) - gi_vector(node->low)) * 0.5f, center = gi_vector(node->low) + half;
 	for (int i = 0; i < 3; i++)
 		node->center[i] = center[i];
 	node->radius2 = stilb_vec3_dot(half, half);
-	node->sin_cone = sine_of(node->cos_cone);
+	node->sin_cone = gi_sine(node->cos_cone);
 }
 
 static void join(gi_light_node *out, const gi_light_node *a, const gi_light_node *b)
