@@ -54,7 +54,7 @@ static void light(void **state)
 	(void)state;
 	double direction[3];
 	shade_sh_rgb sh;
-	stilb_image map = {1, 1, 5, STILB_IMAGE_F32_LINEAR, &sh};
+	stilb_image map = {.width = 1, .height = 1, .channels = 5, .format = STILB_IMAGE_F32_LINEAR, .pixels = &sh};
 	contract_breaks("u <= 1.0", (stilb_numeric_latlong_direction(1.5, 0.5, direction), 0));
 	contract_breaks("map->channels <= 4", stilb_numeric_sh_project_map(&map, &sh));
 	contract_breaks("panels >= 1", stilb_numeric_sh_project(one_everywhere, NULL, 0));
