@@ -26,21 +26,22 @@ static flags_result pads_parse(pads_options *o, int argc, char **argv, bool give
 		{"--seconds", FLAG_AMOUNT, &o->seconds, "S", "end --watch and --record after S seconds, 0..86400 (0: Ctrl-C)",
 	     0, 86400, NULL},
 		{"--rumble", FLAG_SWITCH, &o->rumble, NULL,
-	     "shake one pad after the other for half a second, and say how it went", 0, 0, NULL},
+	     "make each pad rumble in turn for half a second, and say whether it did", 0, 0, NULL},
 		{"--describe", FLAG_TEXT, &o->describe, "FILE",
 	     "fields and mapping of a report descriptor, a recording or /dev/hidrawN", 0, 0, NULL},
 		{"--id", FLAG_TEXT, &o->id, "VVVV:PPPP", "vendor and product of the descriptor in FILE, hexadecimal", 0, 0,
 	     NULL},
-		{"--bus", FLAG_CHOICE, &o->bus, "NAME", "and its bus: usb (default), bluetooth", 0, 0, pads_buses},
+		{"--bus", FLAG_CHOICE, &o->bus, "NAME", "bus of the descriptor in FILE: usb (default), bluetooth", 0, 0,
+	     pads_buses},
 		{"--backend", FLAG_CHOICE, &o->backend, "NAME",
-	     "what reads: hidraw (default), the kernel's interface, or hidapi", 0, 0, pads_backends},
+	     "how pads are read: hidraw (default), the kernel's interface, or hidapi", 0, 0, pads_backends},
 		{"--json", FLAG_TEXT, &o->json, "FILE", "list, description or replay as JSON; - is standard output", 0, 0,
 	     NULL},
 	};
 	const flags_result result = flags_parse(flags, PADS_FLAGS, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf(
-			"stilb pads: the gamepads of this machine: which there are, how they were recognised, what they say.\n\n");
+		printf("stilb pads: the gamepads of this machine: which there are, how they were recognised, what they "
+		       "report.\n\n");
 		flags_print(flags, PADS_FLAGS);
 	}
 	for (int i = 0; result == FLAGS_OK && i < PADS_FLAGS; i++)
@@ -48,13 +49,13 @@ static flags_result pads_parse(pads_options *o, int argc, char **argv, bool give
 	return result;
 }
 
-/* Which flags make no sense together: the first one given decides, in this order. */
+/* Refuses flags that contradict each other. */
 static bool pads_check_together(const bool given[PADS_FLAGS])
 {
 	enum { WATCH, RECORD, REPLAY, SECONDS, RUMBLE, DESCRIBE, ID, BUS, BACKEND, JSON };
 	static const struct {
 		int flag;
-		uint32_t without; /* bits of what does not go with it */
+		uint32_t without; /* bits of the flags that cannot be combined with it */
 	} rules[] = {
 		{DESCRIBE, 1u << WATCH | 1u << RECORD | 1u << REPLAY | 1u << SECONDS | 1u << RUMBLE | 1u << BACKEND},
 		{REPLAY, 1u << RUMBLE | 1u << BACKEND},
@@ -63,11 +64,11 @@ static bool pads_check_together(const bool given[PADS_FLAGS])
 	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
 		for (int other = 0; given[rules[i].flag] && other < PADS_FLAGS; other++)
 			if (given[other] && (rules[i].without >> other & 1)) {
-				stilb_log("%s does not go with %s", pads_flag_names[other], pads_flag_names[rules[i].flag]);
+				stilb_log("%s cannot be combined with %s", pads_flag_names[other], pads_flag_names[rules[i].flag]);
 				return false;
 			}
 	if (!given[DESCRIBE] && (given[ID] || given[BUS])) {
-		stilb_log("%s is of the descriptor that --describe shows; give --describe FILE", given[ID] ? "--id" : "--bus");
+		stilb_log("%s says whose descriptor --describe shows; give --describe FILE", given[ID] ? "--id" : "--bus");
 		return false;
 	}
 	if (given[SECONDS] && !given[WATCH] && !given[RECORD]) {
@@ -75,7 +76,7 @@ static bool pads_check_together(const bool given[PADS_FLAGS])
 		return false;
 	}
 	if (given[RECORD] && given[JSON] && !given[REPLAY]) {
-		stilb_log("--json does not go with --record; give --replay FILE --json for the JSON of a recording");
+		stilb_log("--json cannot be combined with --record; record first, then give --replay FILE --json");
 		return false;
 	}
 	return true;
@@ -94,7 +95,7 @@ static bool pads_check_files(const pads_options *o)
 		return false;
 	}
 	if (o->record && o->watch && stilb_file_is_stdout(o->record)) {
-		stilb_log("--watch shows on standard output, where --record %s writes; give --record a file", o->record);
+		stilb_log("--watch prints to standard output, where --record %s writes; give --record a file", o->record);
 		return false;
 	}
 	for (size_t i = 0; i < 2; i++) {

@@ -1,6 +1,7 @@
 /*
- * stilb pads: gamepads, as the engine sees them. pads.c has the flags, pads_list.c what is plugged in, pads_describe.c
- * report descriptors, pads_follow.c what happens to pads, live or recorded, and pads_view.c how that looks in a terminal.
+ * stilb pads: gamepads as the engine sees them. pads.c has the command and its flags, pads_list.c lists what is plugged in,
+ * pads_describe.c explains report descriptors, pads_follow.c follows events, live or recorded, pads_view.c draws them in a
+ * terminal, and pads_common.c has what these share.
  */
 #ifndef STILB_PADS_H
 #define STILB_PADS_H
@@ -19,26 +20,26 @@
 
 typedef struct pads_options {
 	const char *describe, *id, *record, *replay, *json; /* NULL: not given */
-	int bus, backend;                                   /* indices of their choices */
+	int bus, backend;                                   /* index into the names that the flag accepts */
 	bool watch, rumble;
-	float seconds; /* 0: without end */
+	float seconds; /* 0: until Ctrl-C */
 } pads_options;
 
 extern const char *const pads_backends[];
 
-/* The parts. Each returns an exit code. */
+/* What the command does, one of these; each returns an exit code. */
 int pads_list(const pads_options *o);
 int pads_describe(const pads_options *o);
 int pads_follow(const pads_options *o);
 
-/* Where words go: standard output, or, where a recording goes there, standard error. NULL: JSON goes there, which says it
- * all. */
-FILE *pads_words(const pads_options *o);
+/* The stream for text: standard error if a recording goes to standard output, NULL (no text) if JSON goes there, else
+ * standard output. */
+FILE *pads_message_stream(const pads_options *o);
 
 /* Starts looking for pads. */
 stilb_result pads_open(const pads_options *o, stilb_input_pads **pads);
 
-/* From here on SIGINT and its like set pads_interrupted; a second one kills. */
+/* 1 after SIGINT, SIGTERM or SIGHUP, once pads_catch_signals was called. A second signal ends the program. */
 extern volatile sig_atomic_t pads_interrupted;
 void pads_catch_signals(void);
 
@@ -49,39 +50,40 @@ const char *pads_bus_text(uint16_t bus, char text[16]);
 #define PADS_BUTTONS_SIZE 256
 const char *pads_buttons_text(uint32_t buttons, char text[PADS_BUTTONS_SIZE]);
 
-/* Text after a title, broken at blanks; what comes after the first line stands below it. */
+/* Prints the title and the text, wrapped at blanks to PADS_COLUMNS; further lines are indented by the title's width. */
 void pads_print_wrapped(FILE *out, const char *title, const char *text);
 
-/* "DualShock 4, USB: known pad 054c:05c4"; without the name of its layout where that is only the pad's own. */
+/* How a pad was recognised: "DualShock 4, USB: known pad 054c:05c4"; without the layout's name if it only repeats the
+ * pad's. */
 #define PADS_RECOGNISED_SIZE 512
 const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE]);
 
-/* Whether it is of those that can be made to shake. */
-bool pads_shakes(const stilb_input_pad_info *info);
+/* Whether the pad has motors that can be driven. */
+bool pads_has_rumble(const stilb_input_pad_info *info);
 
-/* Says which rule a pad without permission wants, and where it goes. */
+/* Prints the udev rule that a pad without permission needs, and the file to put it into. */
 void pads_print_rule(FILE *out, const stilb_input_pad_info *info);
 
-/* The members that tell a pad: path, name, bus, vendor, product. */
+/* Writes the members path, name, bus, vendor and product. */
 void pads_json_info(stilb_json *json, const stilb_input_pad_info *info);
 
 /* ---- the terminal -------------------------------------------------------------------------------------------------- */
 
 typedef struct pads_view {
-	int lines;        /* of the last picture */
-	uint64_t rate_ns; /* when the rates were taken */
+	int lines;        /* of the last drawing */
+	uint64_t rate_ns; /* time at which the rates were measured */
 	struct {
 		uint32_t pad;
-		uint64_t reports; /* then */
+		uint64_t reports; /* at that time */
 		double rate;      /* reports a second */
 	} rates[STILB_INPUT_PADS_MAX];
 } pads_view;
 
-/* Hides the cursor; finish shows it again. */
+/* begin hides the cursor, finish shows it again. */
 void pads_view_begin(pads_view *view);
 void pads_view_finish(void);
 
-/* Draws all pads over the last picture. time_us is the time of the events. */
+/* Draws all pads over the last drawing. time_us is the present time on the clock of the events. */
 void pads_view_draw(pads_view *view, const stilb_input_control *control, int64_t time_us);
 
 #endif

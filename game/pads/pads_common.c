@@ -1,4 +1,4 @@
-/* pads_common: what the parts of stilb pads share. */
+/* What the parts of stilb pads share; see pads.h. */
 #include "pads.h"
 
 #include "base/base_file.h"
@@ -7,7 +7,7 @@
 
 const char *const pads_backends[] = {"hidraw", "hidapi", NULL};
 
-FILE *pads_words(const pads_options *o)
+FILE *pads_message_stream(const pads_options *o)
 {
 	if (o->json && stilb_file_is_stdout(o->json))
 		return NULL;
@@ -66,7 +66,7 @@ void pads_print_wrapped(FILE *out, const char *title, const char *text)
 		size_t length = room;
 		while (length > 0 && text[length] != ' ')
 			length--;
-		if (length == 0) /* a word that is longer than the line */
+		if (length == 0) /* a word longer than the line */
 			length = strcspn(text, " ");
 		if (text[length] == '\0')
 			break;
@@ -79,7 +79,7 @@ void pads_print_wrapped(FILE *out, const char *title, const char *text)
 const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE])
 {
 	const char *own = pad->info->name;
-	const size_t length = strlen(own) < 50 ? strlen(own) : 50; /* what a layout's name keeps of it */
+	const size_t length = strlen(own) < 50 ? strlen(own) : 50; /* a layout's name has the first 50 bytes of the pad's */
 	const char after = strncmp(pad->name, own, length) == 0 ? pad->name[length] : '?';
 	if (length > 0 && (after == ',' || after == '\0'))
 		snprintf(text, PADS_RECOGNISED_SIZE, "%s", pad->recognised);
@@ -88,7 +88,7 @@ const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[P
 	return text;
 }
 
-bool pads_shakes(const stilb_input_pad_info *info)
+bool pads_has_rumble(const stilb_input_pad_info *info)
 {
 	static stilb_input_layout layout;
 	return stilb_input_layout_find(info, &layout) == STILB_OK && layout.rumble != STILB_INPUT_RUMBLE_NONE;

@@ -1,4 +1,4 @@
-/* stilb pads --describe: what a report descriptor says, and what is made of it. */
+/* stilb pads --describe: the fields of a report descriptor, and the layout that follows from it. */
 #include "game/cli/flags.h"
 #include "pads.h"
 
@@ -13,14 +13,14 @@ typedef struct describe_run {
 	stilb_input_pad_info info;
 	stilb_input_descriptor descriptor;
 	stilb_input_layout layout;
-	bool identified; /* its bus and numbers are known */
+	bool identified; /* bus, vendor and product are known */
 	bool gamepad;
 	char why_not[256];
 } describe_run;
 
 static const char *const kinds[] = {"input", "output", "feature"};
 
-/* ---- what to describe ---------------------------------------------------------------------------------------------- */
+/* ---- reading the descriptor ---------------------------------------------------------------------------------------------- */
 
 /* "054c:05c4" */
 static bool describe_take_id(const char *text, stilb_input_pad_info *info)
@@ -35,8 +35,8 @@ static bool describe_take_id(const char *text, stilb_input_pad_info *info)
 	return true;
 }
 
-/* The letters that a recording's lines begin with, and '#', begin no descriptor: as items they are reserved or cannot come
- * first (HID 1.11, section 6.2.2). */
+/* True if the file begins with a character that recordings begin with. No descriptor does: as items these bytes are
+ * reserved or cannot come first (HID 1.11, section 6.2.2). */
 static bool describe_is_recording(FILE *file)
 {
 	const int first = getc(file);
@@ -45,13 +45,13 @@ static bool describe_is_recording(FILE *file)
 	return first != EOF && first != 0 && strchr("#DRNPI", first);
 }
 
-/* The first pad of a recording, with all that it says of it. */
+/* Takes descriptor, name, bus and numbers of the first pad of a recording. */
 static bool describe_take_recording(const pads_options *o, describe_run *run)
 {
 	stilb_input_recording *recording;
 	stilb_input_event event;
 	if (o->id) {
-		stilb_log("--id does not go with a recording: '%s' has its own numbers", o->describe);
+		stilb_log("--id cannot be combined with a recording: '%s' has its own numbers", o->describe);
 		return false;
 	}
 	if (stilb_input_recording_load(o->describe, &recording) != STILB_OK) {
@@ -99,7 +99,7 @@ static bool describe_take_file(const pads_options *o, describe_run *run)
 	return recorded ? describe_take_recording(o, run) : taken;
 }
 
-/* A node is looked up in sysfs, which needs no permission; anything else is read. */
+/* A node is looked up in sysfs, which needs no permission; anything else is read as a file. */
 static bool describe_take(const pads_options *o, describe_run *run)
 {
 	static const uint16_t buses[] = {STILB_INPUT_BUS_USB, STILB_INPUT_BUS_BLUETOOTH};
@@ -183,12 +183,12 @@ static void describe_print(FILE *out, const pads_options *o, const describe_run 
 	if (run->identified)
 		fprintf(out, "; %s, vendor %04x, product %04x\n", pads_bus_text(info->bus, bus), info->vendor, info->product);
 	else
-		fprintf(out, "; taken for an unknown pad's, as --id is not given\n");
+		fprintf(out, "; read as an unknown pad's, because --id is not given\n");
 	describe_print_fields(out, &run->descriptor);
 	if (run->gamepad)
 		describe_print_layout(out, &run->layout);
 	else
-		fprintf(out, "\nno gamepad: %s\n", run->why_not);
+		fprintf(out, "\nnot a gamepad: %s\n", run->why_not);
 }
 
 /* ---- as JSON ------------------------------------------------------------------------------------------------------- */
@@ -278,15 +278,15 @@ static stilb_result describe_save(const pads_options *o, const describe_run *run
 int pads_describe(const pads_options *o)
 {
 	static describe_run run;
-	FILE *words = pads_words(o);
+	FILE *words = pads_message_stream(o);
 	if (!describe_take(o, &run))
 		return EXIT_REFUSED;
 	if (stilb_input_descriptor_parse(run.info.descriptor, run.info.descriptor_size, &run.descriptor) != STILB_OK) {
-		stilb_log("'%s' is no report descriptor: %s", o->describe, stilb_error_message());
+		stilb_log("'%s' is not a report descriptor: %s", o->describe, stilb_error_message());
 		return EXIT_REFUSED;
 	}
 	if (run.descriptor.field_count == 0) {
-		stilb_log("'%s' is no report descriptor: it has no fields", o->describe);
+		stilb_log("'%s' is not a report descriptor: it has no fields", o->describe);
 		return EXIT_FAILED;
 	}
 	run.gamepad = stilb_input_layout_find(&run.info, &run.layout) == STILB_OK;

@@ -1,5 +1,5 @@
-/* stilb pads --watch, --record, --replay: what happens to pads, live or recorded, into a terminal, lines, a recording or
- * JSON. */
+/* stilb pads --watch, --record, --replay: events of pads, live or recorded, shown in a terminal or as lines, or written as a
+ * recording or JSON. */
 #include "game/cli/flags.h"
 #include "pads.h"
 
@@ -11,23 +11,23 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FOLLOW_TICK_MS 33   /* between two pictures */
-#define FOLLOW_LOOK_MS 1000 /* for the first look at most: what reports meanwhile must not overflow */
+#define FOLLOW_TICK_MS 33   /* between two drawings */
+#define FOLLOW_LOOK_MS 1000 /* longest wait for the first pads; the rings hold the reports of two seconds */
 
 typedef struct follow_run {
 	const pads_options *o;
-	stilb_input_pads *pads; /* or */
-	stilb_input_recording *recording;
-	stilb_input_recorder *recorder; /* NULL: nothing is recorded */
+	stilb_input_pads *pads;           /* one of these is the source, */
+	stilb_input_recording *recording; /* the other is NULL */
+	stilb_input_recorder *recorder;   /* NULL: nothing is recorded */
 	stilb_input_control *control;
-	int64_t start_us;         /* CLOCK_MONOTONIC, when it began */
-	int64_t last_us;          /* time of the last event, since then */
-	uint32_t added, gamepads; /* a recording may have other pads, too */
+	int64_t start_us;         /* CLOCK_MONOTONIC */
+	int64_t last_us;          /* time of the last event, since start_us or in the recording's time */
+	uint32_t added, gamepads; /* pads that came; those of them with a layout: a recording may be of other devices */
 	uint64_t reports, corrupt;
-	FILE *words;   /* NULL: JSON says it */
-	bool terminal; /* a picture instead of lines */
-	bool states;   /* lines of states */
-	bool failed;   /* the recorder, whose close says why */
+	FILE *words;   /* stream for text; NULL: none */
+	bool terminal; /* draw the pads instead of printing lines */
+	bool states;   /* print a line for each new state */
+	bool failed;   /* the recorder failed; closing it gives the reason */
 	pads_view view;
 	stilb_json json;
 } follow_run;
@@ -37,10 +37,10 @@ static int64_t follow_now_us(void)
 	return (int64_t)(stilb_time_ns() / 1000);
 }
 
-/* ---- what is said of an event -------------------------------------------------------------------------------------- */
+/* ---- reporting an event -------------------------------------------------------------------------------------- */
 
 typedef enum follow_what {
-	FOLLOW_NOTHING, /* a report that changed nothing */
+	FOLLOW_NOTHING, /* the event changed nothing */
 	FOLLOW_ADDED,
 	FOLLOW_DENIED,
 	FOLLOW_REMOVED,
@@ -56,7 +56,7 @@ static void follow_print_added(follow_run *run, const stilb_input_control_pad *p
 	fprintf(run->words, "added:%s%s%s%s; %s\n", info->path[0] ? " " : "", info->path, info->name[0] ? " " : "",
 	        info->name[0] || info->path[0] ? info->name : " ?", pads_recognised_text(pad, recognised));
 	if (run->o->rumble)
-		fprintf(run->words, "                 %s\n", pads_shakes(info) ? "shakes" : "has no motors that are known");
+		fprintf(run->words, "                 %s\n", pads_has_rumble(info) ? "rumbles" : "has no known motors");
 }
 
 static void follow_print(follow_run *run, follow_what what, uint32_t number, const stilb_input_control_pad *pad)
@@ -116,7 +116,7 @@ static void follow_json(follow_run *run, follow_what what, uint32_t number, cons
 	stilb_json_end(json, '}');
 }
 
-/* The pad of this number; {0}: the engine does not know it. */
+/* The pad of this number; {0} if the engine does not know it. */
 static stilb_input_control_pad follow_find(const follow_run *run, uint32_t number)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
@@ -178,17 +178,17 @@ static bool follow_next(follow_run *run, int64_t until_us, stilb_input_event *ev
 	                      : stilb_input_pads_next(run->pads, run->start_us + until_us, event);
 }
 
-/* Waits a little for more to happen. */
+/* Waits up to FOLLOW_TICK_MS for further events. */
 static void follow_wait(follow_run *run)
 {
 	const struct timespec time = {.tv_nsec = FOLLOW_TICK_MS * 1000000L};
 	if (run->pads && !run->terminal)
 		stilb_input_pads_wait(run->pads, FOLLOW_TICK_MS);
 	else
-		nanosleep(&time, NULL); /* a picture shows what came meanwhile */
+		nanosleep(&time, NULL); /* drawings come at a fixed rate */
 }
 
-/* Until it is interrupted, the time is over, the recording ends or what it goes to takes no more. */
+/* Runs until a signal, the end of the time or of the recording, or an error of the recorder or the output. */
 static void follow_loop(follow_run *run)
 {
 	const bool paced = run->pads || run->o->watch;
@@ -223,7 +223,7 @@ static stilb_result follow_save(follow_run *run)
 	return stilb_json_save(json, run->o->json);
 }
 
-/* The time is a recording's own, or what passed. */
+/* Prints the totals; the time is the recording's own, or the time that passed. */
 static void follow_print_end(const follow_run *run)
 {
 	const int64_t time_us = run->recording ? run->last_us : follow_now_us() - run->start_us;
@@ -234,7 +234,7 @@ static void follow_print_end(const follow_run *run)
 	fprintf(run->words, "\n");
 }
 
-/* Everything that was asked for is finished, also after a failure of something else. */
+/* Completes all outputs, also those left after one has failed. */
 static int follow_finish(follow_run *run)
 {
 	int code = EXIT_DONE;
@@ -274,7 +274,7 @@ static stilb_result follow_open(follow_run *run)
 	return result;
 }
 
-/* Where no picture says it: what goes on, and that there is nothing to see yet. */
+/* Without a drawing: says what is going on, and that there is no pad yet. */
 static void follow_greet(follow_run *run)
 {
 	const double look_ms = (double)run->o->seconds * 1e3;
@@ -306,7 +306,7 @@ static int follow_run_all(follow_run *run)
 
 int pads_follow(const pads_options *o)
 {
-	follow_run run = {.o = o, .words = pads_words(o), .states = o->watch || !o->record};
+	follow_run run = {.o = o, .words = pads_message_stream(o), .states = o->watch || !o->record};
 	const char *kind = getenv("TERM");
 	run.terminal = o->watch && isatty(STDOUT_FILENO) && !(kind && strcmp(kind, "dumb") == 0);
 	pads_catch_signals();

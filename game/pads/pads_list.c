@@ -1,12 +1,12 @@
-/* stilb pads: which pads there are. */
+/* stilb pads without flags: lists what is plugged in; --rumble. */
 #include "game/cli/flags.h"
 #include "pads.h"
 
 #include <string.h>
 #include <time.h>
 
-#define LIST_LOOK_MS 3000 /* a first look takes milliseconds; a pad that does not answer must not hold it up for ever */
-#define LIST_NODES 64     /* HIDRAW_MAX_DEVICES of the kernel's drivers/hid/hidraw.c */
+#define LIST_LOOK_MS 3000 /* finding all pads takes milliseconds; this is for a pad that does not answer */
+#define LIST_NODES 64     /* HIDRAW_MAX_DEVICES of Linux, drivers/hid/hidraw.c */
 
 static void list_print_pad(FILE *out, const pads_options *o, const stilb_input_control_pad *pad)
 {
@@ -23,7 +23,7 @@ static void list_print_pad(FILE *out, const pads_options *o, const stilb_input_c
 		fprintf(out, "  read by     %s\n", pads_backends[o->backend]);
 }
 
-/* ---- the others ---------------------------------------------------------------------------------------------------- */
+/* ---- other HID devices ---------------------------------------------------------------------------------------------------- */
 
 static bool list_has(const stilb_input_control_pad *pads, uint32_t count, const char *path)
 {
@@ -33,7 +33,7 @@ static bool list_has(const stilb_input_control_pad *pads, uint32_t count, const 
 	return false;
 }
 
-/* HID devices that are no pads, and why not: what is missed may be among them. */
+/* Lists the HID devices that are not gamepads with the reason: a pad that was not recognised is among them. */
 static void list_print_others(FILE *out, const stilb_input_control_pad *pads, uint32_t count)
 {
 	static stilb_input_pad_info info;
@@ -45,7 +45,7 @@ static void list_print_others(FILE *out, const stilb_input_control_pad *pads, ui
 		if (list_has(pads, count, path) || stilb_input_look(path, &info) != STILB_OK ||
 		    stilb_input_layout_find(&info, &layout) == STILB_OK)
 			continue;
-		fprintf(out, "%s  %s, %s\n", title ? "" : "\nno gamepads:\n", path, info.name[0] ? info.name : "?");
+		fprintf(out, "%s  %s, %s\n", title ? "" : "\nnot gamepads:\n", path, info.name[0] ? info.name : "?");
 		pads_print_wrapped(out, "    ", stilb_error_message());
 		title = true;
 	}
@@ -88,21 +88,21 @@ static stilb_result list_save(const pads_options *o, const stilb_input_control_p
 
 /* ---- the command --------------------------------------------------------------------------------------------------- */
 
-/* Shakes a pad, and says what came of it. A signal ends it: closing a pad stops it. */
+/* Makes a pad rumble. Returns the result in words. After a signal the pad is closed, which stops its motors. */
 static const char *list_rumble_pad(stilb_input_pads *pads, const stilb_input_control_pad *pad)
 {
 	const struct timespec time = {.tv_nsec = (PADS_RUMBLE_MS + 100) * 1000000L};
 	if (pad->denied)
-		return "may not be opened";
-	if (!pads_shakes(pad->info))
-		return "has no motors that are known";
+		return "no permission";
+	if (!pads_has_rumble(pad->info))
+		return "has no known motors";
 	const uint64_t written = stilb_input_pads_stats_get(pads).written;
 	stilb_input_pads_rumble(pads, pad->pad, 0.6f, 0.6f, PADS_RUMBLE_MS);
 	nanosleep(&time, NULL);
-	return stilb_input_pads_stats_get(pads).written > written ? "shook" : "did not take it";
+	return stilb_input_pads_stats_get(pads).written > written ? "rumbled" : "refused the request";
 }
 
-/* One after the other: which of them it is can be felt. */
+/* One after the other, so that the user can feel which is which. */
 static void list_rumble(FILE *out, stilb_input_pads *pads, const stilb_input_control_pad *seen, uint32_t count)
 {
 	pads_catch_signals();
@@ -117,7 +117,7 @@ static int list_run(const pads_options *o, stilb_input_pads *pads, stilb_input_c
 {
 	stilb_input_control_pad seen[STILB_INPUT_PADS_MAX];
 	stilb_input_event event;
-	FILE *words = pads_words(o);
+	FILE *words = pads_message_stream(o);
 	stilb_input_pads_wait(pads, LIST_LOOK_MS);
 	while (stilb_input_pads_next(pads, INT64_MAX, &event))
 		stilb_input_control_event(control, &event);

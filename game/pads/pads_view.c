@@ -1,4 +1,4 @@
-/* Pads in a terminal, drawn over themselves: a few lines a pad. */
+/* The live view of stilb pads --watch: a few lines for each pad, drawn over the last ones. */
 #include "pads.h"
 
 #include <inttypes.h>
@@ -7,10 +7,10 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#define VIEW_BAR 21             /* columns; odd: a stick at rest is in the middle */
-#define VIEW_RATE_NS 1000000000 /* rates are of so long */
+#define VIEW_BAR 21             /* columns; odd, so that there is a middle for a stick at rest */
+#define VIEW_RATE_NS 1000000000 /* time over which rates are measured */
 
-/* A picture, to be written in one go. */
+/* A drawing, composed here and written in one go. */
 typedef struct view_text {
 	size_t length;
 	int lines;
@@ -29,7 +29,7 @@ static void view_print(view_text *text, const char *format, ...)
 	text->length += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
 }
 
-/* Ends a line, and takes away what stood behind it. */
+/* Ends a line and clears the rest of the old one. */
 static void view_end_line(view_text *text)
 {
 	view_print(text, "\033[K\n");
@@ -74,7 +74,7 @@ static double view_rate(const pads_view *view, uint32_t pad)
 	return 0.0;
 }
 
-/* Takes the rates anew when their time is over; a new pad's reports have all come since. */
+/* Measures the rates again every VIEW_RATE_NS; all reports of a new pad count as come since the last time. */
 static void view_measure(pads_view *view, const stilb_input_control_pad *pads, uint32_t count)
 {
 	const uint64_t now = stilb_time_ns(), passed = now - view->rate_ns;
@@ -96,7 +96,7 @@ static void view_measure(pads_view *view, const stilb_input_control_pad *pads, u
 static void view_print_denied(view_text *text, const stilb_input_pad_info *info)
 {
 	char rule[512];
-	view_print(text, "  no permission; 'stilb pads' says more. The udev rule it wants:");
+	view_print(text, "  no permission; 'stilb pads' says more. The udev rule that it needs:");
 	view_end_line(text);
 	view_print(text, "  %s", stilb_input_udev_rule(info, rule, sizeof rule));
 	view_end_line(text);
@@ -125,14 +125,14 @@ static void view_print_pad(view_text *text, const pads_view *view, const stilb_i
 	view_end_line(text);
 }
 
-/* The cursor must be able to come back to the first line. */
+/* Rows of the terminal: the cursor must be able to go back to the first line. */
 static int view_rows(void)
 {
 	struct winsize size;
 	return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 1 ? size.ws_row : 24;
 }
 
-/* Leaves the lines out that do not fit. */
+/* Drops the lines that do not fit. */
 static void view_cut(view_text *text, int rows)
 {
 	char *end = text->bytes;
@@ -147,7 +147,7 @@ static void view_cut(view_text *text, int rows)
 void pads_view_begin(pads_view *view)
 {
 	*view = (pads_view){.rate_ns = stilb_time_ns()};
-	fputs("\033[?25l\033[?7l", stdout); /* no cursor, and long lines end at the edge */
+	fputs("\033[?25l\033[?7l", stdout); /* no cursor, no line wrap */
 }
 
 void pads_view_finish(void)

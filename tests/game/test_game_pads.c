@@ -58,12 +58,12 @@ static const char *const refusals[][2] = {
 	{"pads --describe good.bin --id 054c-05c4", "not vendor and product"},
 	{"pads --describe good.bin --id 054c:05cx", "not vendor and product"},
 	{"pads --describe good.bin --bus serial", "usb, bluetooth"},
-	{"pads --describe good.bin --watch", "--watch does not go with --describe"},
-	{"pads --describe good.bin --replay good.rec", "--replay does not go with --describe"},
-	{"pads --describe good.bin --backend hidapi", "--backend does not go with --describe"},
-	{"pads --replay good.rec --rumble", "--rumble does not go with --replay"},
-	{"pads --replay good.rec --backend hidraw", "--backend does not go with --replay"},
-	{"pads --watch --json -", "--json does not go with --watch"},
+	{"pads --describe good.bin --watch", "--watch cannot be combined with --describe"},
+	{"pads --describe good.bin --replay good.rec", "--replay cannot be combined with --describe"},
+	{"pads --describe good.bin --backend hidapi", "--backend cannot be combined with --describe"},
+	{"pads --replay good.rec --rumble", "--rumble cannot be combined with --replay"},
+	{"pads --replay good.rec --backend hidraw", "--backend cannot be combined with --replay"},
+	{"pads --watch --json -", "--json cannot be combined with --watch"},
 	{"pads --record a.rec --json b.json", "--replay FILE --json"},
 	{"pads --record -  --watch", "give --record a file"},
 	{"pads --record missing/a.rec", "does not exist"},
@@ -75,13 +75,13 @@ static const char *const refusals[][2] = {
 	{"pads --replay missing.rec", "No such file"},
 	{"pads --replay good.bin", "line 1: "},
 	{"pads --replay good.rec", "'good.rec': it holds no report"},
-	{"pads --describe letters.rec --id 054c:05c4", "--id does not go with a recording"},
+	{"pads --describe letters.rec --id 054c:05c4", "--id cannot be combined with a recording"},
 	{"pads --describe letters.rec", "'letters.rec': line 1: does not begin with"},
 	{"pads --replay {}", "--replay"},
 	{"pads --describe missing.bin", "No such file"},
 	{"pads --describe empty.bin", "no bytes"},
 	{"pads --describe large.bin", "too many bytes"},
-	{"pads --describe broken.bin", "'broken.bin' is no report descriptor: "},
+	{"pads --describe broken.bin", "'broken.bin' is not a report descriptor: "},
 	{"pads --describe /dev/hidraw999", "cannot look at '/dev/hidraw999'"},
 	{"pads --describe /dev/hidraw9/../null", "is not the path of a hidraw node"},
 	{"pads --describe /dev/hidraw", "is not the path of a hidraw node"},
@@ -128,7 +128,7 @@ static void test_describe(void **state)
 	assert_said(run.out, "  byte   2 bit 0   8 bits     255..0       left_y\n");
 	assert_said(run.out, "  byte   5 bit 5   1 bit        1..1       south\n");
 	stilb_good("pads --describe ds4.bin");
-	assert_said(run.out, "as --id is not given");
+	assert_said(run.out, "because --id is not given");
 	assert_said(run.out, "\nds4.bin, USB: ");
 	assert_said(run.out, "no rumble\n");
 	assert_true(strstr(run.out, "known pad 054c") == NULL);
@@ -177,7 +177,7 @@ static void test_describe_keyboard(void **state)
 	close(file);
 	assert_said(run.out, "-: 43 bytes");
 	assert_said(run.out, ", array");
-	assert_said(run.out, "\nno gamepad: ");
+	assert_said(run.out, "\nnot a gamepad: ");
 	read_stats("keyboard.json");
 	assert_string_equal(stat_text("gamepad", 'w'), "false");
 	stat_text("why_not", '"');
@@ -259,7 +259,7 @@ static void test_describe_rubbish(void **state)
 	assert_int_equal(stilb_code(no_display, "pads --describe zeros.bin"), 1);
 	assert_string_equal(run.out, "");
 	assert_error_lines(1);
-	assert_said(run.err, "'zeros.bin' is no report descriptor: it has no fields");
+	assert_said(run.err, "'zeros.bin' is not a report descriptor: it has no fields");
 }
 
 static void test_replay_json(void **state)
