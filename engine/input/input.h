@@ -46,14 +46,14 @@ typedef struct stilb_input_state {
 /* Radians for each pixel that the captured mouse moves. */
 #define STILB_INPUT_TURN 0.0025f
 
-/* The window's state as the program's keys read it: WASD and Q/E move, shift is fast, the captured mouse looks, P writes a
- * trace, F12 a picture, F1 opens and closes the profiler, space freezes it, F2 opens and closes the materials' window, V
- * shows the next view, - and + change the number of workers. Keys held together that oppose each other cancel.
- * Asserts that window is not NULL. [any-thread] */
+/* The window's state as the program's keys read it: WASD and Q/E move, shift is fast, the captured mouse looks, P
+ * writes a trace, F12 a picture, F1 opens and closes the profiler, space freezes it, F2 opens and closes the materials'
+ * window, V shows the next view, - and + change the number of workers. Keys held together that oppose each other
+ * cancel. Asserts that window is not NULL. [any-thread] */
 stilb_input_state stilb_input_from_window(const stilb_window_state *window);
 
-/* The same without flying and freezing, which are the keys that a user interface with the keyboard's focus takes (letters
- * and space); the mouse and the other keys stay. [any-thread] */
+/* The same without flying and freezing, which are the keys that a user interface with the keyboard's focus takes
+ * (letters and space); the mouse and the other keys stay. [any-thread] */
 stilb_input_state stilb_input_without_keys(stilb_input_state input);
 
 #endif

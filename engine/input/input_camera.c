@@ -8,7 +8,7 @@
 #define CAMERA_BOOST_MAX 8.0f
 #define CAMERA_SETTLED 1e-9 /* m/s or radians/s: a difference below this counts as none */
 
-/* ---- following ------------------------------------------------------------------------------------------------- */
+/* ---- following --------------------------------------------------------------------------------------------------- */
 
 double stilb_input_follow(double value, double target, double a, double dt, double *area)
 {
@@ -46,7 +46,7 @@ void stilb_input_stick(const float in[2], float inner, float outer, float curve,
 		out[i] = scale > 0.0f ? in[i] * scale : 0.0f;
 }
 
-/* ---- one step -------------------------------------------------------------------------------------------------- */
+/* ---- one step ---------------------------------------------------------------------------------------------------- */
 
 stilb_input_camera_settings stilb_input_camera_settings_default(void)
 {
@@ -93,10 +93,10 @@ static void camera_add(const stilb_input_camera *camera, double dt, const double
 }
 
 /*
- * Adds the displacement of dt seconds to the position: the integral of A(t) v(t), where A(t) are the camera's axes and v(t)
- * its velocity along them. With Am the axes at the middle of the step, A v = Am v + (A - Am) v. The first part is Am times
- * the closed-form integral of v, and exact; while the view does not turn it is all. The second part is small and smooth
- * and is integrated by Gauss-Legendre quadrature with three points; at the middle point A - Am is 0.
+ * Adds the displacement of dt seconds to the position: the integral of A(t) v(t), where A(t) are the camera's axes and
+ * v(t) its velocity along them. With Am the axes at the middle of the step, A v = Am v + (A - Am) v. The first part is
+ * Am times the closed-form integral of v, and exact; while the view does not turn it is all. The second part is small
+ * and smooth and is integrated by Gauss-Legendre quadrature with three points; at the middle point A - Am is 0.
  * Source of nodes and weights: Abramowitz and Stegun, Handbook of Mathematical Functions, table 25.4, n = 3.
  */
 static void camera_displace(const stilb_input_camera *camera, double dt, double position[3])
@@ -140,7 +140,7 @@ static void camera_step(stilb_input_camera *camera, uint64_t dt_us)
 	camera->time_us += (int64_t)dt_us;
 }
 
-/* ---- the camera ------------------------------------------------------------------------------------------------ */
+/* ---- the camera -------------------------------------------------------------------------------------------------- */
 
 /* For STILB_CHECK: finite, and the angles within their limits. */
 static bool camera_is_sound(const stilb_input_camera *camera)
@@ -164,8 +164,8 @@ static bool camera_stands(const stilb_input_camera *camera)
 	return stands;
 }
 
-/* Microseconds from the camera's time to time_us, 0 if that is in the past. Unsigned, because times come from recordings
- * and the difference of any two int64_t must not overflow. */
+/* Microseconds from the camera's time to time_us, 0 if that is in the past. Unsigned, because times come from
+ * recordings and the difference of any two int64_t must not overflow. */
 static uint64_t camera_until(const stilb_input_camera *camera, int64_t time_us)
 {
 	return time_us > camera->time_us ? (uint64_t)time_us - (uint64_t)camera->time_us : 0;

@@ -63,8 +63,8 @@ typedef struct stilb_input_camera_settings {
 /* Length of a tick, microseconds. */
 #define STILB_INPUT_TICK_US 4000
 
-/* A camera that nothing was asked of for longer than this, microseconds, has stood still since the last call: the program
- * was stopped meanwhile. */
+/* A camera that nothing was asked of for longer than this, microseconds, has stood still since the last call: the
+ * program was stopped meanwhile. */
 #define STILB_INPUT_GAP_US 60000000
 
 /* 12 m/s, 2.2 radians/s; accelerate 12/s, brake 16/s, turn_follow 24/s. [any-thread] */
@@ -101,25 +101,25 @@ void stilb_input_camera_turn(stilb_input_camera *camera, int64_t time_us, float 
 /* Stands still at once and wants nothing: the pad was unplugged, or the window lost the keyboard. [any-thread] */
 void stilb_input_camera_stop(stilb_input_camera *camera, int64_t time_us);
 
-/* Advances the state by whole ticks up to time_us, once a frame, so that stilb_input_camera_at has few ticks to compute.
- * Does not change the path. [any-thread] */
+/* Advances the state by whole ticks up to time_us, once a frame, so that stilb_input_camera_at has few ticks to
+ * compute. Does not change the path. [any-thread] */
 void stilb_input_camera_advance(stilb_input_camera *camera, int64_t time_us);
 
 /* The pose at a time at or after the last wish; the camera is not changed. [any-thread] */
 stilb_input_pose stilb_input_camera_at(const stilb_input_camera *camera, int64_t time_us);
 
-/* Solves v' = a (target - v) over dt seconds from v = value: returns v, and adds the integral of v over the dt seconds to
- * *area, which may be NULL. Never overshoots the target. a <= 0: v stays; a = INFINITY: v is at the target at once.
+/* Solves v' = a (target - v) over dt seconds from v = value: returns v, and adds the integral of v over the dt seconds
+ * to *area, which may be NULL. Never overshoots the target. a <= 0: v stays; a = INFINITY: v is at the target at once.
  * dt <= 0: nothing happens. Asserts that no argument is NaN. [any-thread] */
 double stilb_input_follow(double value, double target, double a, double dt, double *area);
 
 /* value moved towards target by at most step >= 0; lands exactly on it. Asserts the step. [any-thread] */
 float stilb_input_step_towards(float value, float target, float step);
 
-/* Response of a stick: scaled radial dead zone. Up to the length `inner` the result is 0, from `outer` on its length is 1;
- * in between it is t^curve with t = (length - inner) / (outer - inner), so there is no jump at the edge. The direction is
- * kept. With outer <= inner the stick is a switch at inner. A stick that is not finite gives 0. out may be in. Asserts
- * inner >= 0, outer > 0 and curve > 0. [any-thread] */
+/* Response of a stick: scaled radial dead zone. Up to the length `inner` the result is 0, from `outer` on its length is
+ * 1; in between it is t^curve with t = (length - inner) / (outer - inner), so there is no jump at the edge. The
+ * direction is kept. With outer <= inner the stick is a switch at inner. A stick that is not finite gives 0. out may be
+ * in. Asserts inner >= 0, outer > 0 and curve > 0. [any-thread] */
 void stilb_input_stick(const float in[2], float inner, float outer, float curve, float out[2]);
 
 #endif

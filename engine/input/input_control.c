@@ -99,7 +99,7 @@ void stilb_input_control_destroy(stilb_input_control *control)
 	free(control);
 }
 
-/* ---- what is wanted -------------------------------------------------------------------------------------------- */
+/* ---- what is wanted ---------------------------------------------------------------------------------------------- */
 
 /* The pad of this number, 0: a free entry; NULL if there is none. */
 static control_pad *control_find(stilb_input_control *control, uint32_t number)
@@ -175,7 +175,7 @@ static void control_forget_keys(stilb_input_control *control, int64_t time_us)
 	control_steer(control, control->keys_until_us);
 }
 
-/* ---- pads ------------------------------------------------------------------------------------------------------ */
+/* ---- pads -------------------------------------------------------------------------------------------------------- */
 
 static void control_recognise(control_pad *pad)
 {
@@ -358,7 +358,7 @@ uint32_t stilb_input_control_leader(const stilb_input_control *control, int64_t 
 	return control->leader;
 }
 
-/* ---- the frame ------------------------------------------------------------------------------------------------- */
+/* ---- the frame --------------------------------------------------------------------------------------------------- */
 
 static void control_look(stilb_input_control *control, int64_t time_us, const float look[2])
 {

@@ -4,10 +4,10 @@
  *   events of pads (live or recorded) -> stilb_input_control_event, as they come
  *   keys and mouse of the frame       -> stilb_input_control_frame -> actions and pose
  *
- * The pad touched last leads. Touched means: a button was pressed, or a stick or trigger moved by more than the dead zone
- * from its position at the last touch; that position follows slow drift, so a worn stick does not take over. Events of
- * the other pads are only looked at for a touch. The wishes of the leading pad and of the keys are added. When the
- * leading pad is unplugged or the window loses the keyboard, the camera stands still at once.
+ * The pad touched last leads. Touched means: a button was pressed, or a stick or trigger moved by more than the dead
+ * zone from its position at the last touch; that position follows slow drift, so a worn stick does not take over.
+ * Events of the other pads are only looked at for a touch. The wishes of the leading pad and of the keys are added.
+ * When the leading pad is unplugged or the window loses the keyboard, the camera stands still at once.
  *
  *   left stick            fly right, forward               A, cross (south)      freeze the profiler, let it run
  *   right stick           look                             B, circle (east)      next view
@@ -70,14 +70,15 @@ void stilb_input_control_event(stilb_input_control *control, const stilb_input_e
  * whether they are: they count as released until the next frame. */
 #define STILB_INPUT_KEYS_US 100000
 
-/* Ends the frame at time_us. keys is what stilb_input_from_window said; *out gets the actions of keys and pads together,
- * and the movement that the camera was told; *pose is the camera at time_us. focused false: the window has lost the
- * keyboard; the camera stands still and presses on pads meanwhile are dropped. keys may be out. [owner-thread] */
+/* Ends the frame at time_us. keys is what stilb_input_from_window said; *out gets the actions of keys and pads
+ * together, and the movement that the camera was told; *pose is the camera at time_us. focused false: the window has
+ * lost the keyboard; the camera stands still and presses on pads meanwhile are dropped. keys may be out.
+ * [owner-thread] */
 void stilb_input_control_frame(stilb_input_control *control, int64_t time_us, const stilb_input_state *keys,
                                bool focused, stilb_input_state *out, stilb_input_pose *pose);
 
-/* Puts the camera elsewhere at time_us, standing still; what is wanted then accelerates it again. Asserts that the pose is
- * finite. [owner-thread] */
+/* Puts the camera elsewhere at time_us, standing still; what is wanted then accelerates it again. Asserts that the pose
+ * is finite. [owner-thread] */
 void stilb_input_control_place(stilb_input_control *control, int64_t time_us, const stilb_input_pose *pose);
 
 /* One pad as it is now. */
@@ -101,8 +102,8 @@ typedef struct stilb_input_control_pad {
 uint32_t stilb_input_control_pads(const stilb_input_control *control,
                                   stilb_input_control_pad pads[STILB_INPUT_PADS_MAX]);
 
-/* Number of the leading pad, 0 if none leads. *last_us, which may be NULL, gets the time of its last decoded report and is
- * unchanged if none leads. [owner-thread] */
+/* Number of the leading pad, 0 if none leads. *last_us, which may be NULL, gets the time of its last decoded report and
+ * is unchanged if none leads. [owner-thread] */
 uint32_t stilb_input_control_leader(const stilb_input_control *control, int64_t *last_us);
 
 #endif

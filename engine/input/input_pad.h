@@ -27,9 +27,9 @@ typedef enum stilb_input_axis {
 	STILB_INPUT_AXIS_COUNT
 } stilb_input_axis;
 
-/* Named by position, because the letters differ: SOUTH is a DualShock's cross, an Xbox pad's A, a Switch pad's B. BACK is
- * also called share, create, view, minus; START options, menu, plus; GUIDE PS, Xbox, home. UP to RIGHT are the d-pad.
- * EXTRA is a touch pad's click, capture, or the share button of newer Xbox pads. */
+/* Named by position, because the letters differ: SOUTH is a DualShock's cross, an Xbox pad's A, a Switch pad's B. BACK
+ * is also called share, create, view, minus; START options, menu, plus; GUIDE PS, Xbox, home. UP to RIGHT are the
+ * d-pad. EXTRA is a touch pad's click, capture, or the share button of newer Xbox pads. */
 typedef enum stilb_input_button {
 	STILB_INPUT_SOUTH,
 	STILB_INPUT_EAST,
@@ -67,11 +67,12 @@ typedef struct stilb_input_pad_state {
 /* Bytes of the longest report descriptor. Source: HID_MAX_DESCRIPTOR_SIZE of linux/hidraw.h. */
 #define STILB_INPUT_DESCRIPTOR_MAX 4096u
 
-/* Bytes of the longest report, its id included. The kernel's HID_MAX_BUFFER_SIZE is larger; no known pad comes near it. */
+/* Bytes of the longest report, its id included. The kernel's HID_MAX_BUFFER_SIZE is larger; no known pad comes near
+ * it. */
 #define STILB_INPUT_REPORT_MAX 4096u
 
-/* All that can be known of a device without opening it. Texts are UTF-8 without control characters, end with a zero, and
- * are cut after the last whole character that fits. */
+/* All that can be known of a device without opening it. Texts are UTF-8 without control characters, end with a zero,
+ * and are cut after the last whole character that fits. */
 typedef struct stilb_input_pad_info {
 	/* "/dev/hidraw3"; "window:0" for a pad that the window library reads; "" if a recording does not say it. */
 	char path[64];
@@ -88,8 +89,8 @@ typedef struct stilb_input_pad_info {
 } stilb_input_pad_info;
 
 /* ADDED: a pad was opened and reports from now on. DENIED: a pad is there but may not be opened (no permission). Both
- * have info. REMOVED: the pad of an ADDED or DENIED is gone. REPORT: bytes as the pad sent them. STATE: a state that was
- * decoded elsewhere, by the window library. */
+ * have info. REMOVED: the pad of an ADDED or DENIED is gone. REPORT: bytes as the pad sent them. STATE: a state that
+ * was decoded elsewhere, by the window library. */
 typedef enum stilb_input_event_kind {
 	STILB_INPUT_PAD_ADDED,
 	STILB_INPUT_PAD_DENIED,

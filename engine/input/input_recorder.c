@@ -45,7 +45,7 @@ static stilb_result recorder_fail(stilb_input_recorder *recorder, const char *wh
 	return recorder_say(recorder);
 }
 
-/* ---- text ---------------------------------------------------------------------------------------------------------- */
+/* ---- text -------------------------------------------------------------------------------------------------------- */
 
 static void recorder_print(stilb_input_recorder *recorder, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
@@ -81,7 +81,7 @@ static void recorder_print_time(stilb_input_recorder *recorder, const char *befo
 	recorder_print(recorder, "%s %06" PRId64 ".%06" PRId64, before, us / 1000000, us % 1000000);
 }
 
-/* ---- events -------------------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
 /* The pad's index among those that are there; recorder->count if it is not. */
 static uint32_t recorder_find(const stilb_input_recorder *recorder, uint32_t pad)
@@ -183,7 +183,7 @@ stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stil
 	return error ? recorder_fail(recorder, strerror(-error)) : STILB_OK;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder **recorder)
 {

@@ -41,7 +41,7 @@ struct stilb_input_recording {
 	uint64_t reports;
 };
 
-/* ---- reading lines ------------------------------------------------------------------------------------------------- */
+/* ---- reading lines ----------------------------------------------------------------------------------------------- */
 
 typedef struct recording_parser {
 	stilb_input_recording *recording;
@@ -134,8 +134,8 @@ static int hex_digit(char c)
 	                              : -1;
 }
 
-/* Reads bytes of two hexadecimal digits with blanks between them and stores at most `most` of them. Returns how many there
- * are; -1: there is something else. */
+/* Reads bytes of two hexadecimal digits with blanks between them and stores at most `most` of them. Returns how many
+ * there are; -1: there is something else. */
 static int take_bytes(const char *at, uint8_t *bytes, uint32_t most)
 {
 	uint32_t count = 0;
@@ -166,7 +166,7 @@ static stilb_result parser_take_bytes(const recording_parser *parser, const char
 	return STILB_OK;
 }
 
-/* ---- events -------------------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
 /* Makes *array large enough for `needed` elements of `size` bytes, doubling it as it grows. False: out of memory. */
 static bool grow(void **array, size_t *capacity, size_t needed, size_t size)
@@ -272,7 +272,7 @@ static stilb_result parser_known_pad(const recording_parser *parser, uint32_t *p
 	return STILB_OK;
 }
 
-/* ---- kinds of lines ------------------------------------------------------------------------------------------------ */
+/* ---- kinds of lines ---------------------------------------------------------------------------------------------- */
 
 static stilb_result parser_device(recording_parser *parser, const char *at)
 {
@@ -408,7 +408,7 @@ static bool recording_is_sound(const stilb_input_recording *r)
 	return r->next <= r->event_count;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 /* Checks that every pad is described, and that there is a report: without one a flight would stand still. */
 static stilb_result parser_check_end(const recording_parser *parser)
@@ -479,7 +479,7 @@ void stilb_input_recording_free(stilb_input_recording *recording)
 	free(recording);
 }
 
-/* ---- playing ------------------------------------------------------------------------------------------------------- */
+/* ---- playing ----------------------------------------------------------------------------------------------------- */
 
 bool stilb_input_recording_next(stilb_input_recording *recording, int64_t until_us, stilb_input_event *event)
 {

@@ -1,6 +1,6 @@
 /*
- * input_recording: events of pads in a file and back, in the text format of hid-recorder (hid-tools), which other programs
- * read and write too:
+ * input_recording: events of pads in a file and back, in the text format of hid-recorder (hid-tools), which other
+ * programs read and write too:
  *
  *   D: 0                         the following lines are about pad 0 of this file, which is event.pad - 1; without a D
  *                                line they are about pad 0
@@ -14,9 +14,9 @@
  *                                000009.500000" the time at which the pad of the last D line went. Without a time they
  *                                are at the time of the line before.
  *
- * Events are read back with the numbers, times and bytes that were written, times beginning at 0. Of a pad's info, `unique`
- * and `device` are not kept. A time before that of the line above counts as that time. If it is more than a second before
- * the last time of the same pad, the file is refused, because it is probably several recordings in one.
+ * Events are read back with the numbers, times and bytes that were written, times beginning at 0. Of a pad's info,
+ * `unique` and `device` are not kept. A time before that of the line above counts as that time. If it is more than a
+ * second before the last time of the same pad, the file is refused, because it is probably several recordings in one.
  *
  * Life cycle.  recorder: create -> add for each event -> close. recording: load -> next until false -> free.
  *
@@ -39,20 +39,20 @@ typedef struct stilb_input_recorder stilb_input_recorder;
  * written there. STILB_ERROR_MEMORY. *recorder is NULL after an error. */
 stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder **recorder);
 
-/* Writes one event. Left out are DENIED and STATE, pads without a descriptor, and events of pads that were not added here.
- * STILB_ERROR_FILE: the recording has failed (disk full, more than 4096 pads or 2^24 reports); nothing more is written and
- * close will return the same error. Asserts that a pad is added once. [owner-thread] */
+/* Writes one event. Left out are DENIED and STATE, pads without a descriptor, and events of pads that were not added
+ * here. STILB_ERROR_FILE: the recording has failed (disk full, more than 4096 pads or 2^24 reports); nothing more is
+ * written and close will return the same error. Asserts that a pad is added once. [owner-thread] */
 stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stilb_input_event *event);
 
-/* Completes the file and frees the recorder. STILB_ERROR_FILE: it failed, or holds no report and could not be read again;
- * then nothing is left behind, and a file that was there before stays. NULL is allowed. [owner-thread] */
+/* Completes the file and frees the recorder. STILB_ERROR_FILE: it failed, or holds no report and could not be read
+ * again; then nothing is left behind, and a file that was there before stays. NULL is allowed. [owner-thread] */
 stilb_result stilb_input_recorder_close(stilb_input_recorder *recorder);
 
 typedef struct stilb_input_recording stilb_input_recording;
 
-/* Reads and checks the whole file; "-" is standard input. STILB_ERROR_FILE: it cannot be read, a line is wrong (the message
- * names line and reason), a pad lacks its R or I line, or there is no report. STILB_ERROR_MEMORY. *recording is NULL after
- * an error. */
+/* Reads and checks the whole file; "-" is standard input. STILB_ERROR_FILE: it cannot be read, a line is wrong (the
+ * message names line and reason), a pad lacks its R or I line, or there is no report. STILB_ERROR_MEMORY. *recording is
+ * NULL after an error. */
 stilb_result stilb_input_recording_load(const char *path, stilb_input_recording **recording);
 
 /* NULL is allowed. [owner-thread] */

@@ -1,6 +1,6 @@
 /*
- * input_text: names from outside (a device's own, a file's) made fit for terminals, windows and files of lines: valid UTF-8
- * without control characters.
+ * input_text: names from outside (a device's own, a file's) made fit for terminals, windows and files of lines: valid
+ * UTF-8 without control characters.
  *
  * Pure function of its arguments. [any-thread]
  */
@@ -9,9 +9,9 @@
 
 #include <stddef.h>
 
-/* Copies length bytes of from into to, an array of size > 0 bytes: as many whole characters as fit before the final zero.
- * '?' replaces each byte that is not valid UTF-8 and each control character (C0, DEL, C1). from may be NULL if length
- * is 0. */
+/* Copies length bytes of from into to, an array of size > 0 bytes: as many whole characters as fit before the final
+ * zero. '?' replaces each byte that is not valid UTF-8 and each control character (C0, DEL, C1). from may be NULL if
+ * length is 0. */
 void input_text_copy(char *to, size_t size, const char *from, size_t length);
 
 #endif

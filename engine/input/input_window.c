@@ -9,7 +9,7 @@
 
 #define FIRST_NUMBER 0x80000000u /* the library's pads are numbered from here on, those read directly from 1 */
 
-/* ---- the library's gamepads ---------------------------------------------------------------------------------------- */
+/* ---- the library's gamepads -------------------------------------------------------------------------------------- */
 
 /* GLFW's order of buttons (glfw3.h: GLFW_GAMEPAD_BUTTON_A = 0, ...). */
 static const uint8_t button_order[] = {
@@ -39,8 +39,8 @@ stilb_input_pad_state stilb_input_window_state(const stilb_window_gamepad *gamep
 	return state;
 }
 
-/* The 16-bit number at character `at` of a GUID: two bytes in hexadecimal, the lower one first. Source: linux_joystick.c of
- * GLFW 3.3, openJoystickDevice. */
+/* The 16-bit number at character `at` of a GUID: two bytes in hexadecimal, the lower one first. Source:
+ * linux_joystick.c of GLFW 3.3, openJoystickDevice. */
 static uint16_t guid_number(const char *guid, size_t at)
 {
 	STILB_ASSERT(at + 4 <= strlen(guid));
@@ -69,7 +69,7 @@ bool stilb_input_window_same(const char *guid, const char *name, const stilb_inp
 	       (guid_number(guid, 16) == info->product || same_name);
 }
 
-/* ---- as events ------------------------------------------------------------------------------------------------------ */
+/* ---- as events --------------------------------------------------------------------------------------------------- */
 
 static bool is_read_directly(const stilb_window_gamepad *gamepad, const stilb_input_control *control)
 {

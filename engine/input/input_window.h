@@ -1,11 +1,11 @@
 /*
- * input_window: the gamepads that the window library (GLFW) reads: pads without a hidraw node, like Xbox pads over USB, and
- * pads whose node may not be opened.
+ * input_window: the gamepads that the window library (GLFW) reads: pads without a hidraw node, like Xbox pads over USB,
+ * and pads whose node may not be opened.
  *
  * A pad that input_pads.h reads directly is left out here, so that no pad appears twice. The library does not say which
  * device it opened; it gives bus, vendor, product and name, which the kernel copies from the HID device to its input
- * device. So among several equal pads all of the library's are left out as soon as one of them is read directly. A new pad
- * of the library's has to be there for STILB_INPUT_WINDOW_WAIT_US before it counts, because the library may find it
+ * device. So among several equal pads all of the library's are left out as soon as one of them is read directly. A new
+ * pad of the library's has to be there for STILB_INPUT_WINDOW_WAIT_US before it counts, because the library may find it
  * before it could be opened directly.
  *
  * Life cycle.  A stilb_input_window of {0} -> feed once a frame, before stilb_input_control_frame:
@@ -44,11 +44,12 @@ typedef struct stilb_input_window {
 void stilb_input_window_feed(stilb_input_window *window, const stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS],
                              int64_t time_us, stilb_input_control *control);
 
-/* The library's axes and buttons in the engine's order and ranges; values beyond a range become its end. [any-thread] */
+/* The library's axes and buttons in the engine's order and ranges; values beyond a range become its end.
+ * [any-thread] */
 stilb_input_pad_state stilb_input_window_state(const stilb_window_gamepad *gamepad);
 
-/* Whether the library's gamepad of this GUID and name could be this device: equal bus and vendor, and an equal product or
- * name; by name alone if the GUID has no numbers. [any-thread] */
+/* Whether the library's gamepad of this GUID and name could be this device: equal bus and vendor, and an equal product
+ * or name; by name alone if the GUID has no numbers. [any-thread] */
 bool stilb_input_window_same(const char *guid, const char *name, const stilb_input_pad_info *info);
 
 #endif

@@ -145,8 +145,8 @@ static void window_on_wheel(GLFWwindow *handle, double sideways, double notches)
 	window->wheel += (float)notches;
 }
 
-/* Only changes that the system reports count: without a window manager a window that glfwGetWindowAttrib calls unfocused
- * gets keys all the same. */
+/* Only changes that the system reports count: without a window manager a window that glfwGetWindowAttrib calls
+ * unfocused gets keys all the same. */
 static void window_on_focus(GLFWwindow *handle, int focused)
 {
 	stilb_window *window = glfwGetWindowUserPointer(handle);

@@ -23,8 +23,8 @@
 typedef struct stilb_window stilb_window;
 
 /* Letters are keys by their position on a US keyboard, so that WASD is a cross on every layout. MINUS and PLUS are
- * characters typed on any layout and never held; '=' counts as PLUS, because there + needs shift. SHIFT, CONTROL and ENTER
- * are either of their keys. */
+ * characters typed on any layout and never held; '=' counts as PLUS, because there + needs shift. SHIFT, CONTROL and
+ * ENTER are either of their keys. */
 typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_W,
 	STILB_WINDOW_KEY_A,
@@ -83,8 +83,8 @@ typedef struct stilb_window_state {
 } stilb_window_state;
 
 /* Opens a window whose picture has about width x height pixels, both 1..16384, which the system may change. title is
- * UTF-8. STILB_ERROR_WINDOW: there is no display, no Vulkan driver for windows, or a display was lost before; *window is
- * then NULL. The calling thread becomes the owner. [main-thread] */
+ * UTF-8. STILB_ERROR_WINDOW: there is no display, no Vulkan driver for windows, or a display was lost before; *window
+ * is then NULL. The calling thread becomes the owner. [main-thread] */
 stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **window);
 
 /* NULL is allowed. Surfaces of the window must be destroyed before. [main-thread] */
@@ -101,8 +101,8 @@ void stilb_window_poll(stilb_window *window, stilb_window_state *state);
  * that takes clicks itself. A mouse that is captured stays so. [main-thread] */
 void stilb_window_set_capturing(stilb_window *window, bool capturing);
 
-/* As stilb_window_poll, after waiting for an event for at most `seconds` (0 or less: not at all): for a minimised window.
- * Returns at once when the display is lost. Asserts that seconds is not NaN. [main-thread] */
+/* As stilb_window_poll, after waiting for an event for at most `seconds` (0 or less: not at all): for a minimised
+ * window. Returns at once when the display is lost. Asserts that seconds is not NaN. [main-thread] */
 void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state *state);
 
 /* A gamepad as GLFW maps it. The texts are valid until the next poll. */
@@ -124,13 +124,13 @@ typedef struct stilb_window_gamepad {
 /* Fills all entries with the gamepads as of the last poll. [main-thread] */
 void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS]);
 
-/* For stilb_render_surface, user being the window: the names of the Vulkan instance extensions that a surface needs, owned
- * by GLFW; *count is their number. NULL: Vulkan cannot draw to windows. [main-thread] */
+/* For stilb_render_surface, user being the window: the names of the Vulkan instance extensions that a surface needs,
+ * owned by GLFW; *count is their number. NULL: Vulkan cannot draw to windows. [main-thread] */
 const char *const *stilb_window_surface_extensions(void *user, uint32_t *count);
 
-/* For stilb_render_surface, user being the window: creates a surface. instance is a VkInstance with the extensions above,
- * *surface a VkSurfaceKHR that the caller destroys. Returns a VkResult; VK_ERROR_SURFACE_LOST_KHR if the display is lost.
- * [main-thread] */
+/* For stilb_render_surface, user being the window: creates a surface. instance is a VkInstance with the extensions
+ * above, *surface a VkSurfaceKHR that the caller destroys. Returns a VkResult; VK_ERROR_SURFACE_LOST_KHR if the display
+ * is lost. [main-thread] */
 int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface);
 
 /* "3.3.8 X11 GLX ..."; a static string. [any-thread] */

@@ -20,8 +20,8 @@ static struct {
 	stilb_owner owner;           /* the thread that calls GLFW */
 	jmp_buf back;                /* into window_display_call, */
 	bool calling;                /* while this is true */
-	/* Relaxed everywhere, because no other data depends on it. Written by the thread whose call failed, which may be one of
-	 * the Vulkan driver's. */
+	/* Relaxed everywhere, because no other data depends on it. Written by the thread whose call failed, which may be
+	 * one of the Vulkan driver's. */
 	atomic_bool lost;
 } display;
 

@@ -1,7 +1,7 @@
 /*
- * stilb pads: gamepads as the engine sees them. pads.c has the command and its flags, pads_list.c lists what is plugged in,
- * pads_describe.c explains report descriptors, pads_follow.c follows events, live or recorded, pads_view.c draws them in a
- * terminal, and pads_common.c has what these share.
+ * stilb pads: gamepads as the engine sees them. pads.c has the command and its flags, pads_list.c lists what is plugged
+ * in, pads_describe.c explains report descriptors, pads_follow.c follows events, live or recorded, pads_view.c draws
+ * them in a terminal, and pads_common.c has what these share.
  */
 #ifndef STILB_PADS_H
 #define STILB_PADS_H
@@ -67,7 +67,7 @@ void pads_print_rule(FILE *out, const stilb_input_pad_info *info);
 /* Writes the members path, name, bus, vendor and product. */
 void pads_json_info(stilb_json *json, const stilb_input_pad_info *info);
 
-/* ---- the terminal -------------------------------------------------------------------------------------------------- */
+/* ---- the terminal ------------------------------------------------------------------------------------------------ */
 
 typedef struct pads_view {
 	int lines;        /* of the last drawing */

@@ -20,7 +20,7 @@ typedef struct describe_run {
 
 static const char *const kinds[] = {"input", "output", "feature"};
 
-/* ---- reading the descriptor ---------------------------------------------------------------------------------------------- */
+/* ---- reading the descriptor -------------------------------------------------------------------------------------- */
 
 /* "054c:05c4" */
 static bool describe_take_id(const char *text, stilb_input_pad_info *info)
@@ -115,7 +115,7 @@ static bool describe_take(const pads_options *o, describe_run *run)
 	return (!o->id || describe_take_id(o->id, &run->info)) && describe_take_file(o, run);
 }
 
-/* ---- as a table ---------------------------------------------------------------------------------------------------- */
+/* ---- as a table -------------------------------------------------------------------------------------------------- */
 
 /* "Button / 1 .. 14", "Generic Desktop / X". */
 static const char *describe_usages(const stilb_input_field *field, char text[160])
@@ -191,7 +191,7 @@ static void describe_print(FILE *out, const pads_options *o, const describe_run 
 		fprintf(out, "\nnot a gamepad: %s\n", run->why_not);
 }
 
-/* ---- as JSON ------------------------------------------------------------------------------------------------------- */
+/* ---- as JSON ----------------------------------------------------------------------------------------------------- */
 
 static void describe_json_field(stilb_json *json, const stilb_input_field *field)
 {
@@ -273,7 +273,7 @@ static stilb_result describe_save(const pads_options *o, const describe_run *run
 	return stilb_json_save(&json, o->json);
 }
 
-/* ---- the command --------------------------------------------------------------------------------------------------- */
+/* ---- the command ------------------------------------------------------------------------------------------------- */
 
 int pads_describe(const pads_options *o)
 {

@@ -1,5 +1,5 @@
-/* stilb pads --watch, --record, --replay: events of pads, live or recorded, shown in a terminal or as lines, or written as a
- * recording or JSON. */
+/* stilb pads --watch, --record, --replay: events of pads, live or recorded, shown in a terminal or as lines, or written
+ * as a recording or JSON. */
 #include "game/cli/flags.h"
 #include "pads.h"
 
@@ -37,7 +37,7 @@ static int64_t follow_now_us(void)
 	return (int64_t)(stilb_time_ns() / 1000);
 }
 
-/* ---- reporting an event -------------------------------------------------------------------------------------- */
+/* ---- reporting an event ------------------------------------------------------------------------------------------ */
 
 typedef enum follow_what {
 	FOLLOW_NOTHING, /* the event changed nothing */
@@ -143,7 +143,7 @@ static follow_what follow_judge(const stilb_input_event *event, const stilb_inpu
 	return memcmp(&before->state, &after->state, sizeof after->state) != 0 ? FOLLOW_STATE : FOLLOW_NOTHING;
 }
 
-/* ---- events -------------------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
 static bool follow_is_gamepad(const stilb_input_event *event)
 {
@@ -210,7 +210,7 @@ static void follow_loop(follow_run *run)
 	}
 }
 
-/* ---- the end ------------------------------------------------------------------------------------------------------- */
+/* ---- the end ----------------------------------------------------------------------------------------------------- */
 
 static stilb_result follow_save(follow_run *run)
 {
@@ -259,7 +259,7 @@ static int follow_finish(follow_run *run)
 	return code;
 }
 
-/* ---- the command --------------------------------------------------------------------------------------------------- */
+/* ---- the command ------------------------------------------------------------------------------------------------- */
 
 static stilb_result follow_open(follow_run *run)
 {

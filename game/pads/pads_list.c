@@ -23,7 +23,7 @@ static void list_print_pad(FILE *out, const pads_options *o, const stilb_input_c
 		fprintf(out, "  read by     %s\n", pads_backends[o->backend]);
 }
 
-/* ---- other HID devices ---------------------------------------------------------------------------------------------------- */
+/* ---- other HID devices ------------------------------------------------------------------------------------------- */
 
 static bool list_has(const stilb_input_control_pad *pads, uint32_t count, const char *path)
 {
@@ -61,7 +61,7 @@ static void list_print(FILE *out, const pads_options *o, const stilb_input_contr
 	list_print_others(out, pads, count);
 }
 
-/* ---- JSON ---------------------------------------------------------------------------------------------------------- */
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
 static stilb_result list_save(const pads_options *o, const stilb_input_control_pad *pads, uint32_t count)
 {
@@ -86,7 +86,7 @@ static stilb_result list_save(const pads_options *o, const stilb_input_control_p
 	return stilb_json_save(&json, o->json);
 }
 
-/* ---- the command --------------------------------------------------------------------------------------------------- */
+/* ---- the command ------------------------------------------------------------------------------------------------- */
 
 /* Makes a pad rumble. Returns the result in words. After a signal the pad is closed, which stops its motors. */
 static const char *list_rumble_pad(stilb_input_pads *pads, const stilb_input_control_pad *pad)

@@ -20,7 +20,7 @@ static void require(bool condition)
 		abort();
 }
 
-/* ---- seeds ----------------------------------------------------------------------------------------------------- */
+/* ---- seeds ------------------------------------------------------------------------------------------------------- */
 
 /* One pad with its descriptor, and four reports of every kind that it sends, of random bytes. */
 static void write_seed(const char *folder, size_t index)
@@ -60,7 +60,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 	return 0;
 }
 
-/* ---- what must hold -------------------------------------------------------------------------------------------- */
+/* ---- what must hold ---------------------------------------------------------------------------------------------- */
 
 static void require_source(const stilb_input_source *s, uint32_t report_size)
 {

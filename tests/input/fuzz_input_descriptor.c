@@ -1,6 +1,6 @@
-/* Report descriptors of any bytes: stilb_input_descriptor_parse returns a table or a reason; all that is in the table is
- * within the reports, the reports have the sizes that a plain walk over the items finds, and values of a report of any
- * bytes are read, or refused, by the bit. The mutator knows items: few other changes would be one. */
+/* Report descriptors of any bytes: stilb_input_descriptor_parse returns a table or a reason; all that is in the table
+ * is within the reports, the reports have the sizes that a plain walk over the items finds, and values of a report of
+ * any bytes are read, or refused, by the bit. The mutator knows items: few other changes would be one. */
 #include "input/hid/input_descriptor.h"
 
 #include "support/input_descriptors.h"

@@ -1,5 +1,5 @@
-/* input_camera: the formulas against closed forms, the path against a fine numeric solution, and the same path to the bit at
- * every frame rate. */
+/* input_camera: the formulas against closed forms, the path against a fine numeric solution, and the same path to the
+ * bit at every frame rate. */
 #include "base/base_math.h"
 #include "input/input_camera.h"
 #include "support/test.h"
@@ -19,7 +19,7 @@
 			fail_msg("%s is %.17g, not %.17g", #value, close_value, close_wanted);                                     \
 	} while (0)
 
-/* ---- the helpers ----------------------------------------------------------------------------------------------- */
+/* ---- the helpers ------------------------------------------------------------------------------------------------- */
 
 /* From 0 towards 1 for a second in equal steps. */
 static double followed(double a, int steps, double *area)
@@ -151,7 +151,7 @@ static void test_stick(void **state)
 	assert_true(out[0] == 0.0f && out[1] == 0.0f);
 }
 
-/* ---- flying ---------------------------------------------------------------------------------------------------- */
+/* ---- flying ------------------------------------------------------------------------------------------------------ */
 
 /* Follows at once: where it is can be said without exponentials. */
 static const stilb_input_camera_settings stiff = {.speed = 12.0f, .turn_rate = 2.0f};
@@ -354,7 +354,7 @@ static void test_stop(void **state)
 	assert_true(memcmp(&pose, &before, sizeof pose) != 0);
 }
 
-/* ---- the path -------------------------------------------------------------------------------------------------- */
+/* ---- the path ---------------------------------------------------------------------------------------------------- */
 
 #define WISHES 400u
 #define WISHES_SECONDS 5

@@ -16,7 +16,7 @@
 
 static const stilb_input_pose origin;
 
-/* ---- threads -------------------------------------------------------------------------------------------------- */
+/* ---- threads ----------------------------------------------------------------------------------------------------- */
 
 static void on_another_thread(void *(*run)(void *), void *object)
 {
@@ -72,7 +72,7 @@ static void objects_belong_to_one_thread(void **state)
 	stilb_input_control_destroy(control);
 }
 
-/* ---- settings and states -------------------------------------------------------------------------------------- */
+/* ---- settings and states ----------------------------------------------------------------------------------------- */
 
 static void create_with_sensitivity(float sensitivity)
 {
@@ -109,7 +109,7 @@ static void a_camera_has_numbers(void **state)
 	contract_breaks("the settings are in their ranges", (create_with_sensitivity(11.0f), 0));
 }
 
-/* ---- events --------------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
 static stilb_input_control *control;
 
@@ -176,7 +176,7 @@ static void sources_keep_their_promises(void **state)
 	contract_breaks("a gamepad has a GUID", (feed_a_gamepad_without_guid(), 0));
 }
 
-/* ---- bytes ---------------------------------------------------------------------------------------------------- */
+/* ---- bytes ------------------------------------------------------------------------------------------------------- */
 
 static void decode_a_source_outside_of_its_report(void)
 {

@@ -1,5 +1,5 @@
-/* input_control: pads, keys and mouse together: the mapping, who leads, what is pressed, when the camera stands still, and
- * the same path at every frame rate from the same reports. */
+/* input_control: pads, keys and mouse together: the mapping, who leads, what is pressed, when the camera stands still,
+ * and the same path at every frame rate from the same reports. */
 #include "input/hid/input_layout.h"
 #include "input/input_control.h"
 #include "support/input_descriptors.h"
@@ -13,7 +13,7 @@
 #define SECOND 1000000
 #define BUTTON(name) (1u << STILB_INPUT_##name)
 
-/* ---- a control that is spoken to ------------------------------------------------------------------------------- */
+/* ---- a control that is spoken to --------------------------------------------------------------------------------- */
 
 /* Follows at once; a stick's value is what is wanted, and triggers double and halve once. */
 static stilb_input_control_settings plain_settings(void)
@@ -111,7 +111,7 @@ static uint32_t leader(void)
 	return stilb_input_control_leader(control, NULL);
 }
 
-/* ---- the mapping ----------------------------------------------------------------------------------------------- */
+/* ---- the mapping ------------------------------------------------------------------------------------------------- */
 
 static void test_sticks_and_triggers(void **state)
 {
@@ -217,7 +217,7 @@ static void test_mouse(void **state)
 	assert_pose(0, 0, 0, 0.25f, -0.5f);
 }
 
-/* ---- actions --------------------------------------------------------------------------------------------------- */
+/* ---- actions ----------------------------------------------------------------------------------------------------- */
 
 static void assert_actions(stilb_input_state wanted)
 {
@@ -285,7 +285,7 @@ static void test_presses_between_frames_count(void **state)
 	assert_actions(no_keys);
 }
 
-/* ---- who leads ------------------------------------------------------------------------------------------------- */
+/* ---- who leads --------------------------------------------------------------------------------------------------- */
 
 static void test_the_last_touched_leads(void **state)
 {
@@ -367,7 +367,7 @@ static void test_first_report(void **state)
 	assert_int_equal(leader(), 2);
 }
 
-/* ---- standing still -------------------------------------------------------------------------------------------- */
+/* ---- standing still ---------------------------------------------------------------------------------------------- */
 
 static void test_unplug_stops(void **state)
 {
@@ -481,7 +481,7 @@ static void test_place(void **state)
 	assert_memory_equal(&pose, &flown, sizeof pose);
 }
 
-/* ---- the list -------------------------------------------------------------------------------------------------- */
+/* ---- the list ---------------------------------------------------------------------------------------------------- */
 
 static void add(uint32_t pad, stilb_input_event_kind kind, const stilb_input_pad_info *info)
 {
@@ -563,7 +563,7 @@ static void test_too_many(void **state)
 	assert_int_equal(leader(), STILB_INPUT_PADS_MAX);
 }
 
-/* ---- real reports ---------------------------------------------------------------------------------------------- */
+/* ---- real reports ------------------------------------------------------------------------------------------------ */
 
 static void report(uint32_t pad, int64_t time_us, const uint8_t *bytes, size_t size)
 {
@@ -624,7 +624,7 @@ static void test_corrupt_reports_move_nothing(void **state)
 	assert_pose(1, 0, 0, 0, 0);
 }
 
-/* ---- the path -------------------------------------------------------------------------------------------------- */
+/* ---- the path ---------------------------------------------------------------------------------------------------- */
 
 #define SECONDS 4
 #define REPORTS (SECONDS * 250)

@@ -29,7 +29,7 @@ static void find(const stilb_input_pad_info *info, stilb_input_layout *layout)
 		fail_msg("%04x:%04x: %s", info->vendor, info->product, stilb_error_message());
 }
 
-/* ---- recordings ------------------------------------------------------------------------------------------------ */
+/* ---- recordings -------------------------------------------------------------------------------------------------- */
 
 /* "left_x=-1.000000 south+up", "rest": what is zero is left out. */
 static void state_text(const stilb_input_pad_state *state, char text[512])
@@ -116,7 +116,7 @@ static void test_recordings(void **user)
 		replay(names[i]);
 }
 
-/* ---- the table ------------------------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 static const struct {
 	uint16_t bus, vendor, product;
@@ -286,7 +286,7 @@ static void test_adaptor_without_its_pad(void **user)
 	assert_memory_equal(&state, &rest, sizeof state);
 }
 
-/* ---- what is said at first ------------------------------------------------------------------------------------- */
+/* ---- what is said at first --------------------------------------------------------------------------------------- */
 
 static void test_hello(void **user)
 {
@@ -322,7 +322,7 @@ static void test_hello(void **user)
 	assert_int_equal(layout.hello[0].kind, STILB_INPUT_HELLO_END);
 }
 
-/* ---- rumble ---------------------------------------------------------------------------------------------------- */
+/* ---- rumble ------------------------------------------------------------------------------------------------------ */
 
 /* The bytes that are not zero must be these; the CRC of Bluetooth was computed by zlib. */
 static void rumble_is(uint16_t bus, uint16_t vendor, uint16_t product, float heavy, float light, uint32_t sequence,

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- CRC ------------------------------------------------------------------------------------------------------- */
+/* ---- CRC --------------------------------------------------------------------------------------------------------- */
 
 /* By definition: a bit at a time. */
 static uint32_t crc32_bit_by_bit(uint32_t crc, const uint8_t *bytes, size_t size)
@@ -49,7 +49,7 @@ static void test_names(void **user)
 	}
 }
 
-/* ---- decode ---------------------------------------------------------------------------------------------------- */
+/* ---- decode ------------------------------------------------------------------------------------------------------ */
 
 /* A layout of one source in a report without number: 32 bits from the first byte on. */
 static stilb_input_layout one_source(stilb_input_source source)
@@ -251,7 +251,7 @@ static void test_corrupt_reports(void **user)
 	assert_true(state.axes[STILB_INPUT_LEFT_X] == 1.0f);
 }
 
-/* ---- descriptors that somebody might make ---------------------------------------------------------------------- */
+/* ---- descriptors that somebody might make ------------------------------------------------------------------------ */
 
 #define PAGE(page) 0x05, (page)
 #define USAGE(usage) 0x09, (usage)
@@ -344,7 +344,7 @@ static void test_refusals(void **user)
 	refused("byte 6: the item is cut off", (const uint8_t[]){GAME_PAD, X_AND_Y}, 7); /* cut off inside an item */
 }
 
-/* ---- sticks and triggers --------------------------------------------------------------------------------------- */
+/* ---- sticks and triggers ----------------------------------------------------------------------------------------- */
 
 #define AXES(...) PAGE(1), __VA_ARGS__
 
@@ -427,7 +427,7 @@ static void test_other_ranges(void **user)
 	          USAGE(0xba), SIZE(8, 1), VARIABLE, BUTTONS(1), SIZE(7, 1), PADDING, END);
 }
 
-/* ---- hats ------------------------------------------------------------------------------------------------------ */
+/* ---- hats -------------------------------------------------------------------------------------------------------- */
 
 #define ONE_HAT(expected, low, high)                                                                                   \
 	LAYOUT_IS("0:4 left_x@0+8[0,255] left_y@8+8[255,0] hat@16+8" expected " west@24+1", GAME_PAD, X_AND_Y,             \
@@ -447,7 +447,7 @@ static void test_hat_ranges(void **user)
 	          GAME_PAD, X_AND_Y, USAGES(0x90, 0x93), LOGICAL(0, 1), SIZE(1, 4), VARIABLE, BUTTONS(4), END);
 }
 
-/* ---- buttons --------------------------------------------------------------------------------------------------- */
+/* ---- buttons ----------------------------------------------------------------------------------------------------- */
 
 static void test_orders(void **user)
 {
@@ -571,7 +571,7 @@ static void test_xbox_rumble(void **user)
 	}
 }
 
-/* ---- descriptors of real pads ---------------------------------------------------------------------------------- */
+/* ---- descriptors of real pads ------------------------------------------------------------------------------------ */
 
 static void find_as_unknown(const input_test_descriptor *descriptor, stilb_input_layout *layout)
 {

@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- a folder of its own, which is the current one ----------------------------------------------------------------- */
+/* ---- a folder of its own, which is the current one --------------------------------------------------------------- */
 
 static int folder_leave(void **state)
 {
@@ -45,7 +45,7 @@ static char *read_text(const char *path, size_t *length)
 	return text;
 }
 
-/* ---- made events --------------------------------------------------------------------------------------------------- */
+/* ---- made events ------------------------------------------------------------------------------------------------- */
 
 typedef struct made_event {
 	stilb_input_event event;
@@ -140,7 +140,7 @@ static void assert_same_files(const char *a, const char *b)
 	test_free(texts[1]);
 }
 
-/* ---- there and back ------------------------------------------------------------------------------------------------ */
+/* ---- there and back ---------------------------------------------------------------------------------------------- */
 
 #define REPORTS 600
 
@@ -287,9 +287,10 @@ static void test_nothing_recorded(void **state)
 	folder_clear();
 }
 
-/* ---- other programs' files ----------------------------------------------------------------------------------------- */
+/* ---- other programs' files --------------------------------------------------------------------------------------- */
 
-/* As hid-recorder writes two devices: descriptions first, remarks between, its own time; and as an editor may leave it. */
+/* As hid-recorder writes two devices: descriptions first, remarks between, its own time; and as an editor may leave
+ * it. */
 static const char foreign[] = "# Wireless Controller\n"
 							  "# 0x05, 0x01,   // Usage Page (Generic Desktop)  0\n"
 							  "D: 0\r\n"
@@ -381,7 +382,7 @@ static void test_names(void **state)
 	}
 }
 
-/* ---- refused ------------------------------------------------------------------------------------------------------- */
+/* ---- refused ----------------------------------------------------------------------------------------------------- */
 
 #define PAD "R: 1 c0\nI: 3 054c 05c4\n"
 
@@ -555,7 +556,7 @@ static void test_limits(void **state)
 	assert_int_equal(folder_clear(), 1);
 }
 
-/* ---- disks and memory ---------------------------------------------------------------------------------------------- */
+/* ---- disks and memory -------------------------------------------------------------------------------------------- */
 
 /* What was there before stays, and nothing is left beside it. */
 static void test_full_disk(void **state)
@@ -617,7 +618,7 @@ static void test_no_memory(void **state)
 	assert_int_equal(folder_clear(), 1);
 }
 
-/* ---- damaged files ------------------------------------------------------------------------------------------------- */
+/* ---- damaged files ----------------------------------------------------------------------------------------------- */
 
 /* Every kind of event only of pads that are there, times in order. Returns how many events. */
 static size_t walk(stilb_input_recording *recording)

@@ -69,7 +69,7 @@ static void direct(stilb_input_event_kind kind, uint32_t pad, uint16_t bus, uint
 	                          &(stilb_input_event){.kind = kind, .pad = pad, .time_us = now_us, .info = &info});
 }
 
-/* ---- states -------------------------------------------------------------------------------------------------------- */
+/* ---- states ------------------------------------------------------------------------------------------------------ */
 
 static void a_pad_at_rest_is_all_zero(void **state)
 {
@@ -109,7 +109,7 @@ static void each_button_has_its_place(void **state)
 	                 (1u << STILB_INPUT_BUTTON_COUNT) - 1 - (1u << STILB_INPUT_EXTRA));
 }
 
-/* ---- which is which ------------------------------------------------------------------------------------------------- */
+/* ---- which is which ---------------------------------------------------------------------------------------------- */
 
 static bool same(const char *guid, const char *name, uint16_t bus, uint16_t vendor, uint16_t product,
                  const char *direct_name)
@@ -138,7 +138,7 @@ static void guids_say_which_pad_it_is(void **state)
 	assert_false(same("zz", "a", 3, 0, 0, "b"));
 }
 
-/* ---- events --------------------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
 static void a_pad_comes_acts_and_goes(void **state)
 {

@@ -23,7 +23,7 @@ static const input_test_descriptor *ds4(uint16_t bus)
 	return kind;
 }
 
-/* ---- what is there --------------------------------------------------------------------------------------------------- */
+/* ---- what is there ----------------------------------------------------------------------------------------------- */
 
 /* HID 1.11, appendix E.10: a mouse of three buttons. */
 static const uint8_t mouse_bytes[] = {0x05, 0x01, 0x09, 0x02, 0xa1, 0x01, 0x09, 0x01, 0xa1, 0x00, 0x05, 0x09, 0x19,
@@ -139,7 +139,7 @@ static void test_no_permission(void **state)
 	close(said[0]);
 }
 
-/* ---- reports --------------------------------------------------------------------------------------------------------- */
+/* ---- reports ----------------------------------------------------------------------------------------------------- */
 
 #define FLIGHT 500u
 #define CORRUPT 10u
@@ -334,7 +334,7 @@ static void test_pulled_in_flight(void **state)
 	}
 }
 
-/* ---- a frame that takes too long ------------------------------------------------------------------------------------- */
+/* ---- a frame that takes too long --------------------------------------------------------------------------------- */
 
 /* What a game without a reader thread has: it reads when its frame comes. */
 typedef struct per_frame {

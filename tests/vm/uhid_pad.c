@@ -41,7 +41,7 @@ static void tell(const uhid_pad *pad, const struct uhid_event *event)
 		die("/dev/uhid");
 }
 
-/* ---- what drivers of the kernel ask a DualShock 4 or a DualSense ----------------------------------------------------- */
+/* ---- what drivers of the kernel ask a DualShock 4 or a DualSense ------------------------------------------------- */
 
 static void put16(uint8_t *at, int value)
 {
@@ -90,7 +90,7 @@ static size_t feature(const uhid_pad *pad, uint8_t id, uint8_t *report)
 	return size;
 }
 
-/* ---- the kernel's side ----------------------------------------------------------------------------------------------- */
+/* ---- the kernel's side ------------------------------------------------------------------------------------------- */
 
 static void answer(uhid_pad *pad, const struct uhid_event *asked)
 {

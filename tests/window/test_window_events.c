@@ -1,6 +1,6 @@
 /*
- * The engine in a window under a virtual display: what a window manager and a user do to it comes from a second connection
- * to the display, so it falls into the middle of frames. All under Vulkan validation.
+ * The engine in a window under a virtual display: what a window manager and a user do to it comes from a second
+ * connection to the display, so it falls into the middle of frames. All under Vulkan validation.
  */
 #include "engine_internal.h"
 #include "shading/shade_brdf.h"
@@ -329,7 +329,8 @@ static void expect(fixture *f, bool (*what)(const fixture *f), bool wanted)
 	assert_true(what(f) == wanted);
 }
 
-/* F1 opens and closes the profiler, space freezes it; what the mouse and the keys do in it they do not do to the camera. */
+/* F1 opens and closes the profiler, space freezes it; what the mouse and the keys do in it they do not do to the
+ * camera. */
 static void test_overlay(void **state)
 {
 	fixture *f = *state;

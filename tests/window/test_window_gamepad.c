@@ -1,7 +1,7 @@
 /*
- * Gamepads in a window: one that only the window's library can read (an Xbox pad over USB has no hidraw node), and one that
- * both can. umockdev makes the kernel's input devices up, in which GLFW looks; sockets stand in for the hidraw node. The
- * test starts itself again under umockdev-run.
+ * Gamepads in a window: one that only the window's library can read (an Xbox pad over USB has no hidraw node), and one
+ * that both can. umockdev makes the kernel's input devices up, in which GLFW looks; sockets stand in for the hidraw
+ * node. The test starts itself again under umockdev-run.
  */
 #include "engine_internal.h"
 #include "support/fake_hidraw.h"
@@ -14,7 +14,7 @@
 #define NODE 3
 #define TRIES 100000 /* frames, a few milliseconds each: against hangs alone */
 
-/* ---- what umockdev is told ------------------------------------------------------------------------------------------- */
+/* ---- what umockdev is told --------------------------------------------------------------------------------------- */
 
 typedef struct evdev_pad {
 	int event; /* /dev/input/event<this> */
@@ -107,7 +107,7 @@ static void write_pad(const char *folder, const evdev_pad *pad)
 	fclose(file);
 }
 
-/* ---- the test -------------------------------------------------------------------------------------------------------- */
+/* ---- the test ---------------------------------------------------------------------------------------------------- */
 
 static stilb_engine *engine;
 static stilb_engine_report report;
@@ -248,7 +248,7 @@ static int run_inside(void)
 	return failed;
 }
 
-/* ---- the same program under umockdev-run ----------------------------------------------------------------------------- */
+/* ---- the same program under umockdev-run ------------------------------------------------------------------------- */
 
 static int run_outside(const char *self)
 {

@@ -1,6 +1,6 @@
 /*
- * input_device: hidraw nodes: what sysfs says of them, and two ways to talk to one: the kernel's interface directly, and
- * hidapi. hidapi is never asked to list devices: its enumeration crashes if a pad is unplugged meanwhile.
+ * input_device: hidraw nodes: what sysfs says of them, and two ways to talk to one: the kernel's interface directly,
+ * and hidapi. hidapi is never asked to list devices: its enumeration crashes if a pad is unplugged meanwhile.
  *
  * Life cycle.  input_device_info -> input_device_open -> the backend's read, write, get_feature -> its close.
  * Threads.     A device belongs to one thread at a time; the rest is [any-thread].
@@ -19,7 +19,8 @@ typedef struct input_roots {
 /* Whether name is "hidraw" and a decimal number. */
 bool input_device_is_hidraw(const char *name);
 
-/* Fills *info with what sysfs knows of the node `name` ("hidraw3"). -ENODEV: it is gone. Asserts that it is such a name. */
+/* Fills *info with what sysfs knows of the node `name` ("hidraw3"). -ENODEV: it is gone. Asserts that it is such a
+ * name. */
 int input_device_info(const input_roots *roots, const char *name, stilb_input_pad_info *info);
 
 struct input_backend;
@@ -36,7 +37,8 @@ typedef struct input_device {
 /* One way to talk to a node. */
 typedef struct input_backend {
 	const char *name; /* "hidraw", "hidapi" */
-	/* fd is the node at path, open, and known to be a hidraw node. The backend owns it from here on, also after an error. */
+	/* fd is the node at path, open, and known to be a hidraw node. The backend owns it from here on, also after an
+	 * error. */
 	int (*open)(const char *path, int fd, input_device *device);
 	void (*close)(input_device *device);
 	/* Waits at most timeout_ms (-1: without limit) until there is a report or wake_fd is readable. Returns the report's

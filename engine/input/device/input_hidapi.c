@@ -1,7 +1,7 @@
 /*
- * Talks to a node through hidapi. Version 0.13.1, Debian 12's, uses freed memory if it opens a node that is not a hidraw node
- * (its pull request 559), so input_device_open checks the node first. What remains is a pad that is unplugged between two
- * system calls of hid_open_path; input_hidraw.c does not have this race.
+ * Talks to a node through hidapi. Version 0.13.1, Debian 12's, uses freed memory if it opens a node that is not a
+ * hidraw node (its pull request 559), so input_device_open checks the node first. What remains is a pad that is
+ * unplugged between two system calls of hid_open_path; input_hidraw.c does not have this race.
  */
 #include "input/device/input_device_internal.h"
 
@@ -11,9 +11,9 @@
 #include <pthread.h>
 #include <unistd.h>
 
-/* hid_read_timeout waits for hidapi's file descriptor, which the library does not expose, so the wait is cut into slices of
- * this length and wake_fd is polled between them. A report ends a slice early: an idle pad costs 125 wake-ups a second, a
- * busy one none. */
+/* hid_read_timeout waits for hidapi's file descriptor, which the library does not expose, so the wait is cut into
+ * slices of this length and wake_fd is polled between them. A report ends a slice early: an idle pad costs 125 wake-ups
+ * a second, a busy one none. */
 #define HIDAPI_SLICE_MS 8
 
 /* Held around hid_open_path, which writes the message of its last error to a global. */

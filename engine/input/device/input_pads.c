@@ -25,8 +25,9 @@ typedef struct pads_retry {
 } pads_retry;
 
 /*
- * The watcher creates a reader and puts it into a slot. The frame takes its events there and, after the last one, empties the
- * slot and puts the reader into the list `returned`; the watcher then destroys it. No thread waits for another.
+ * The watcher creates a reader and puts it into a slot. The frame takes its events there and, after the last one,
+ * empties the slot and puts the reader into the list `returned`; the watcher then destroys it. No thread waits for
+ * another.
  */
 struct stilb_input_pads {
 	/* Set up before the watcher starts, then unchanged until it has ended. */
@@ -64,7 +65,8 @@ struct stilb_input_pads {
 
 static input_reader *pads_slot(const stilb_input_pads *pads, uint32_t i)
 {
-	/* Acquire: pairs with pads_publish for the frame. The watcher reads its own store, or the frame's that emptied it. */
+	/* Acquire: pairs with pads_publish for the frame. The watcher reads its own store, or the frame's that emptied
+	 * it. */
 	return __atomic_load_n(&pads->slots[i], __ATOMIC_ACQUIRE);
 }
 
@@ -193,8 +195,8 @@ static int pads_open(const stilb_input_pads *pads, const char *name, input_reade
 	return input_device_open(pads->backend, reader->info.path, &reader->device);
 }
 
-/* Brings the frame's view of a node up to date: opens a pad, reports one without permission. has_grace: the node is new, so
- * permission may still come. */
+/* Brings the frame's view of a node up to date: opens a pad, reports one without permission. has_grace: the node is
+ * new, so permission may still come. */
 static void pads_look(stilb_input_pads *pads, const char *name, bool has_grace)
 {
 	PROFILE("pad look");
@@ -375,7 +377,8 @@ bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input
 	}
 	if (!pads->held)
 		return false;
-	/* A report may be published after a later one of another pad was returned, because readers do not wait for each other. */
+	/* A report may be published after a later one of another pad was returned, because readers do not wait for each
+	 * other. */
 	if (event->time_us < pads->last_us)
 		event->time_us = pads->last_us;
 	pads->last_us = event->time_us;

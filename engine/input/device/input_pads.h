@@ -41,8 +41,8 @@ typedef struct stilb_input_pads_desc {
  * STILB_ERROR_THREAD, STILB_ERROR_MEMORY; *pads is then NULL. The calling thread becomes the owner. */
 stilb_result stilb_input_pads_create(const stilb_input_pads_desc *desc, stilb_input_pads **pads);
 
-/* Stops all motors and closes all pads. Waits for the threads; one whose pad does not answer a request may be in the kernel
- * for up to 5 s. NULL is allowed. [owner-thread] */
+/* Stops all motors and closes all pads. Waits for the threads; one whose pad does not answer a request may be in the
+ * kernel for up to 5 s. NULL is allowed. [owner-thread] */
 void stilb_input_pads_destroy(stilb_input_pads *pads);
 
 /* Takes the next event whose time is at most until_us (CLOCK_MONOTONIC); false: there is none yet. Never waits. A pad's
@@ -50,13 +50,13 @@ void stilb_input_pads_destroy(stilb_input_pads *pads);
  * valid until the next call of next or wait. [owner-thread] */
 bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input_event *event);
 
-/* Waits at most timeout_ms >= 0: in the first call until all pads that are plugged in were found, later until there is an
- * event. [owner-thread] */
+/* Waits at most timeout_ms >= 0: in the first call until all pads that are plugged in were found, later until there is
+ * an event. [owner-thread] */
 void stilb_input_pads_wait(stilb_input_pads *pads, int timeout_ms);
 
-/* Makes a pad rumble: strength of the heavy and the light motor, 0..1, for duration_ms, 0..5000; other values count as the
- * range's ends, NaN as 0. A pad gets at most one report in 30 ms; of calls in between the newest counts. Does nothing for a
- * pad that has no motors or is gone. Never waits. [owner-thread] */
+/* Makes a pad rumble: strength of the heavy and the light motor, 0..1, for duration_ms, 0..5000; other values count as
+ * the range's ends, NaN as 0. A pad gets at most one report in 30 ms; of calls in between the newest counts. Does
+ * nothing for a pad that has no motors or is gone. Never waits. [owner-thread] */
 void stilb_input_pads_rumble(stilb_input_pads *pads, uint32_t pad, float heavy, float light, uint32_t duration_ms);
 
 /* Counts since create. */

@@ -20,9 +20,9 @@ STILB_PROF_FLOW(reader_flow, "pad report", 0x4fa3d1);
 
 void input_hub_tell(input_hub *hub)
 {
-	/* A read-modify-write that changes nothing, so that it is ordered with the exchange in stilb_input_pads_wait. If it comes
-	 * first, its release and the exchange's acquire make the event visible to the waiter. If it comes second, it reads that
-	 * somebody waits. */
+	/* A read-modify-write that changes nothing, so that it is ordered with the exchange in stilb_input_pads_wait. If it
+	 * comes first, its release and the exchange's acquire make the event visible to the waiter. If it comes second, it
+	 * reads that somebody waits. */
 	if (__atomic_fetch_or(&hub->waiting, 0, __ATOMIC_ACQ_REL) != 0)
 		eventfd_write(hub->arrived_fd, 1);
 }
@@ -76,7 +76,7 @@ bool input_reader_has_ended(const input_reader *reader)
 	return __atomic_load_n(&reader->ended, __ATOMIC_ACQUIRE) != 0; /* pairs with input_reader_end */
 }
 
-/* ---- the motors ---------------------------------------------------------------------------------------------------- */
+/* ---- the motors -------------------------------------------------------------------------------------------------- */
 
 /* The word is bit 63, so that it is never 0, and 16 bits each of heavy, light and milliseconds. */
 void input_reader_rumble(input_reader *reader, float heavy, float light, uint32_t duration_ms)
@@ -199,8 +199,9 @@ static void reader_retry(input_reader *reader)
 	}
 }
 
-/* Stores a report for the frame. If the ring is full, the newest report is kept aside, because it has the present position
- * of the sticks, and the one kept aside before is lost. The profiler's arrow of a report that did not fit has no end. */
+/* Stores a report for the frame. If the ring is full, the newest report is kept aside, because it has the present
+ * position of the sticks, and the one kept aside before is lost. The profiler's arrow of a report that did not fit has
+ * no end. */
 static void reader_keep(input_reader *reader, int64_t now_us, const uint8_t *report, uint32_t size)
 {
 	PROFILE("pad report");
@@ -263,8 +264,8 @@ static void *reader_run(void *user)
 	pthread_setname_np(pthread_self(), name);
 	reader_hello(reader);
 	reader_loop(reader);
-	/* Before the node is closed, because from then on the kernel may give its name to the next pad, and by then the watcher
-	 * must know that this one has ended. */
+	/* Before the node is closed, because from then on the kernel may give its name to the next pad, and by then the
+	 * watcher must know that this one has ended. */
 	input_reader_end(reader, input_now_us());
 	reader->device.backend->close(&reader->device);
 	stilb_prof_thread_end();

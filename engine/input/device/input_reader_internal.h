@@ -5,7 +5,8 @@
  *   reader    sends the hello, stamps reports, rumbles; ends when the pad is unplugged or it is told to
  *   frame     peek, take -> until the pad's REMOVED was taken; from then on the reader is the watcher's again
  *
- * Between threads.  Reports go through the ring. Everything else is one atomic word each: stop and rumble (frame or watcher
+ * Between threads.  Reports go through the ring. Everything else is one atomic word each: stop and rumble (frame or
+ * watcher
  *                   to reader, which is woken by wake_fd), ended (reader to frame and watcher).
  */
 #ifndef STILB_INPUT_READER_INTERNAL_H
@@ -33,8 +34,8 @@ void input_hub_tell(input_hub *hub);
 /* CLOCK_MONOTONIC in microseconds. [any-thread] */
 int64_t input_now_us(void);
 
-/* pthread_create with all signals blocked but those that a fault of the thread itself raises, so that the program's signal
- * handlers run on its own threads. 0 or a negative errno. [any-thread] */
+/* pthread_create with all signals blocked but those that a fault of the thread itself raises, so that the program's
+ * signal handlers run on its own threads. 0 or a negative errno. [any-thread] */
 int input_thread_create(pthread_t *thread, void *(*run)(void *), void *user);
 
 /* The newest report that did not fit into the ring. */
@@ -102,8 +103,8 @@ void input_reader_end(input_reader *reader, int64_t time_us);
 /* [any-thread] */
 bool input_reader_has_ended(const input_reader *reader);
 
-/* Asks for strengths heavy and light, both 0..1, for duration_ms <= 65535; replaces what was asked for and not done yet.
- * [one-writer], the frame */
+/* Asks for strengths heavy and light, both 0..1, for duration_ms <= 65535; replaces what was asked for and not done
+ * yet. [one-writer], the frame */
 void input_reader_rumble(input_reader *reader, float heavy, float light, uint32_t duration_ms);
 
 /* The oldest event that was not taken; false: there is none. It is valid until it is taken. [one-writer], the frame */

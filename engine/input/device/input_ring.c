@@ -5,9 +5,10 @@
 #include <string.h>
 
 /*
- * A record is contiguous: one that begins before the end of the capacity continues beyond it, into a margin as long as the
- * longest record, instead of wrapping to the beginning. At most `capacity` positions are in use, so only one record at a
- * time can be in the margin, and the bytes at the beginning of the memory that belong to its positions stay unused.
+ * A record is contiguous: one that begins before the end of the capacity continues beyond it, into a margin as long as
+ * the longest record, instead of wrapping to the beginning. At most `capacity` positions are in use, so only one record
+ * at a time can be in the margin, and the bytes at the beginning of the memory that belong to its positions stay
+ * unused.
  *
  *   producer   writes the record, then publishes head
  *   consumer   reads the record, then publishes tail

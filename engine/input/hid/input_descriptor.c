@@ -201,7 +201,7 @@ static stilb_result global_item(descriptor_parser *parser, const descriptor_item
 	case GLOBAL_LOGICAL_MIN:
 		global->logical_min = item_signed(item);
 		return STILB_OK;
-	case GLOBAL_LOGICAL_MAX: /* unsigned unless the minimum is negative, as in Linux: 25 ff is 255 after a minimum of 0 */
+	case GLOBAL_LOGICAL_MAX: /* unsigned unless the minimum is negative, as in Linux: 25 ff is 255 after 15 00 */
 		global->logical_max = global->logical_min < 0 ? item_signed(item) : (int64_t)item->data;
 		return STILB_OK;
 	case GLOBAL_PHYSICAL_MIN:
@@ -299,7 +299,8 @@ static bool field_add(descriptor_parser *parser, const stilb_input_field *field)
 	return true;
 }
 
-/* Adds a field for each range of usages: each takes as many elements as it has usages, the last one all that are left. */
+/* Adds a field for each range of usages: each takes as many elements as it has usages, the last one all that are
+ * left. */
 static bool variable_add(descriptor_parser *parser, stilb_input_field field)
 {
 	uint32_t left = field.count;
@@ -317,7 +318,8 @@ static bool variable_add(descriptor_parser *parser, stilb_input_field field)
 	return true;
 }
 
-/* Adds a field for each range of usages, all of the same bits: the values from logical_min on name the usages in turn. */
+/* Adds a field for each range of usages, all of the same bits: the values from logical_min on name the usages in
+ * turn. */
 static bool array_add(descriptor_parser *parser, stilb_input_field field)
 {
 	int64_t max = field.logical_max;

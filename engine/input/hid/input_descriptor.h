@@ -3,8 +3,8 @@
  *
  * Reads every item of the HID specification 1.11, section 6.2.2: push and pop, long items (none is defined; skipped),
  * arrays, signed and 32-bit values, several reports, delimiters (the first usage of a set counts). Common mistakes of
- * real pads are read as Linux reads them (drivers/hid/hid-core.c); what cannot be read is refused with the byte's offset
- * and the reason.
+ * real pads are read as Linux reads them (drivers/hid/hid-core.c); what cannot be read is refused with the byte's
+ * offset and the reason.
  *
  * Life cycle.  A plain value that parse fills; nothing is allocated. Time is linear in the descriptor's size.
  *
@@ -26,8 +26,8 @@ typedef enum stilb_input_field_kind {
 	STILB_INPUT_FIELD_FEATURE
 } stilb_input_field_kind;
 
-/* Bits of stilb_input_field.flags, from HID 1.11, section 6.2.2.5. A field that is not VARIABLE is an array: each of its
- * elements names a usage that is on. NULL: a value outside the logical range means that there is no value. */
+/* Bits of stilb_input_field.flags, from HID 1.11, section 6.2.2.5. A field that is not VARIABLE is an array: each of
+ * its elements names a usage that is on. NULL: a value outside the logical range means that there is no value. */
 #define STILB_INPUT_CONSTANT 0x001u
 #define STILB_INPUT_VARIABLE 0x002u
 #define STILB_INPUT_RELATIVE 0x004u
@@ -83,15 +83,16 @@ typedef struct stilb_input_descriptor {
 	stilb_input_report reports[STILB_INPUT_REPORTS_MAX];
 } stilb_input_descriptor;
 
-/* Parses size bytes. STILB_ERROR_ARGUMENT with "report descriptor, byte N: reason": an item cut off, a pop without push, id
- * 0 or above 255, a report longer than STILB_INPUT_REPORT_MAX bytes, more fields or reports than fit, a size other than
- * 1..STILB_INPUT_DESCRIPTOR_MAX, ...; *out then has no fields and no reports. Source: HID 1.11, section 6.2.2.
- * [any-thread] */
+/* Parses size bytes. STILB_ERROR_ARGUMENT with "report descriptor, byte N: reason": an item cut off, a pop without
+ * push, id 0 or above 255, a report longer than STILB_INPUT_REPORT_MAX bytes, more fields or reports than fit, a size
+ * other than 1..STILB_INPUT_DESCRIPTOR_MAX, ...; *out then has no fields and no reports. Source: HID 1.11, section
+ * 6.2.2. [any-thread] */
 stilb_result stilb_input_descriptor_parse(const uint8_t *bytes, size_t size, stilb_input_descriptor *out);
 
 /* The value of `bits` bits (1..32) of a report of size bytes, from bit number `bit` on, the least significant first.
- * Element i of a field is the field's size bits from field.bit + i * field.size on, to be sign-extended if its logical_min
- * is negative. False, and *value unchanged: not all of these bits are in the report, or bits is not 1..32. [any-thread] */
+ * Element i of a field is the field's size bits from field.bit + i * field.size on, to be sign-extended if its
+ * logical_min is negative. False, and *value unchanged: not all of these bits are in the report, or bits is not 1..32.
+ * [any-thread] */
 bool stilb_input_bits(const uint8_t *report, size_t size, uint32_t bit, uint32_t bits, uint32_t *value);
 
 /* Writes a usage (page << 16 | usage) as words: "Generic Desktop / X", "Button / 3", "0xff00 / 0x20" where there is no

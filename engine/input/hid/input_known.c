@@ -2,10 +2,11 @@
  * input_layout_fields.c reads wrongly. docs/input.md tells how to add one.
  *
  * Sources of the layouts: Linux, drivers/hid/hid-playstation.c (DualShock 4, DualSense), hid-sony.c (DualShock 3) and
- * hid-nintendo.c (Switch Pro); SDL, src/joystick/hidapi. Sources of the product numbers: drivers/hid/hid-ids.h, xpadneo. */
+ * hid-nintendo.c (Switch Pro); SDL, src/joystick/hidapi. Sources of the product numbers: drivers/hid/hid-ids.h,
+ * xpadneo. */
 #include "input/hid/input_layout_internal.h"
 
-/* ---- sources --------------------------------------------------------------------------------------------------- */
+/* ---- sources ----------------------------------------------------------------------------------------------------- */
 
 /* `at` is a byte of the report, the id being byte 0. */
 #define AXIS(axis, first, size, from, to)                                                                              \
@@ -36,7 +37,7 @@
 		BUTTON((at) + 1, 5, START), BUTTON((at) + 1, 6, LEFT_STICK), BUTTON((at) + 1, 7, RIGHT_STICK),                 \
 		BUTTON((at) + 2, 0, GUIDE), BUTTON((at) + 2, 1, EXTRA)
 
-/* ---- DualShock 4, DualSense ------------------------------------------------------------------------------------ */
+/* ---- DualShock 4, DualSense -------------------------------------------------------------------------------------- */
 
 /* The short report that both send over Bluetooth until a feature report is read; its triggers are at the bytes of a
  * DualShock 4. */
@@ -79,7 +80,7 @@ static const stilb_input_hello playstation_hello[] = {
 	{.kind = STILB_INPUT_HELLO_END},
 };
 
-/* ---- DualShock 3 ----------------------------------------------------------------------------------------------- */
+/* ---- DualShock 3 ------------------------------------------------------------------------------------------------- */
 
 static const stilb_input_layout_report ds3_usb[] = {
 	{
@@ -116,7 +117,7 @@ static const stilb_input_hello ds3_hello[] = {
 	{.kind = STILB_INPUT_HELLO_END},
 };
 
-/* ---- Switch Pro ------------------------------------------------------------------------------------------------ */
+/* ---- Switch Pro -------------------------------------------------------------------------------------------------- */
 
 /* The range of a stick that hid-nintendo uses if the pad's calibration cannot be read; up is the larger value. */
 #define SWITCH_STICK(bit, axis) AXIS(axis, bit, 12, 500, 3500)
@@ -164,7 +165,8 @@ static const stilb_input_layout_report switch_pro[] = {
 };
 
 /* Over USB four commands: handshake, 3 Mbit/s, handshake, no timeout. Then two subcommands: full reports, motors on; a
- * subcommand follows the packet's number and eight bytes of motor data, here at rest. The pad answers within some 30 ms. */
+ * subcommand follows the packet's number and eight bytes of motor data, here at rest. The pad answers within some 30
+ * ms. */
 #define SWITCH_COMMAND(command)                                                                                        \
 	{                                                                                                                  \
 		.kind = STILB_INPUT_HELLO_WRITE, .size = 2, .pause_ms = 30, .bytes = { 0x80, (command) }                       \
@@ -203,10 +205,10 @@ static const stilb_input_hello switch_bluetooth_hello[] = {
 	{.kind = STILB_INPUT_HELLO_END},
 };
 
-/* ---- orders of buttons ----------------------------------------------------------------------------------------- */
+/* ---- orders of buttons ------------------------------------------------------------------------------------------- */
 
-/* Triangle, circle, cross, square: the order of adaptors for PlayStation 2 pads and of pads built like them. Source: the
- * mapping of 0079:0006 in SDL_GameControllerDB. */
+/* Triangle, circle, cross, square: the order of adaptors for PlayStation 2 pads and of pads built like them. Source:
+ * the mapping of 0079:0006 in SDL_GameControllerDB. */
 static const input_button_order from_the_top = {
 	"counted from the top one",
 	12,
@@ -215,7 +217,7 @@ static const input_button_order from_the_top = {
      STILB_INPUT_START, STILB_INPUT_LEFT_STICK, STILB_INPUT_RIGHT_STICK},
 };
 
-/* ---- the table ------------------------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 #define SONY 0x054c
 #define MICROSOFT 0x045e

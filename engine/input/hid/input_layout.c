@@ -4,13 +4,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- CRC ------------------------------------------------------------------------------------------------------- */
+/* ---- CRC --------------------------------------------------------------------------------------------------------- */
 
 uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size)
 {
 	STILB_ASSERT(data || size == 0);
-	/* CRCs of half bytes, 64 bytes of table. A table for whole bytes has 1 KiB, which would have left the cache again in the
-	 * 4 ms between two reports of a Bluetooth pad. */
+	/* CRCs of half bytes, 64 bytes of table. A table for whole bytes has 1 KiB, which would have left the cache again
+	 * in the 4 ms between two reports of a Bluetooth pad. */
 	static const uint32_t table[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4,
 	                                   0x4db26158, 0x5005713c, 0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
 	                                   0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
@@ -24,7 +24,7 @@ uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size)
 	return ~crc;
 }
 
-/* ---- decode ---------------------------------------------------------------------------------------------------- */
+/* ---- decode ------------------------------------------------------------------------------------------------------ */
 
 /* -1 at low, 1 at high, 0 in the middle: of an even number of values at the upper middle one, as pads have it (128 of
  * 0..255). Values outside the range count as its end. */
@@ -45,7 +45,8 @@ static float trigger_value(int64_t value, int64_t low, int64_t high)
 	return (float)(pressed < 0.0 ? 0.0 : pressed > 1.0 ? 1.0 : pressed);
 }
 
-/* The d-pad buttons of a hat: low is up, the values follow clockwise; the value is rounded to one of eight directions. */
+/* The d-pad buttons of a hat: low is up, the values follow clockwise; the value is rounded to one of eight
+ * directions. */
 static uint32_t hat_directions(int64_t value, int64_t low, int64_t high)
 {
 	enum {
@@ -176,7 +177,7 @@ bool input_layout_is_sound(const stilb_input_layout *layout)
 	return sound;
 }
 
-/* ---- find ------------------------------------------------------------------------------------------------------ */
+/* ---- find -------------------------------------------------------------------------------------------------------- */
 
 static const char *bus_text(uint16_t bus)
 {

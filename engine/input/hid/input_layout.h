@@ -1,6 +1,6 @@
 /*
- * input_layout: for one kind of pad: the bits of its reports that are sticks, triggers and buttons, how to tell a damaged
- * report, what to send when it is opened, and how to make it rumble.
+ * input_layout: for one kind of pad: the bits of its reports that are sticks, triggers and buttons, how to tell a
+ * damaged report, what to send when it is opened, and how to make it rumble.
  *
  *   descriptor, bus, vendor, product -> layout   a row of the table of known pads, else from the descriptor's fields
  *   layout, report                   -> state
@@ -21,7 +21,8 @@
 #include "input/hid/input_descriptor.h"
 
 /* Meaning of a source's value, with its low and high:
- *   AXIS     target is a stilb_input_axis; low and high are the ends of the range, low may be the larger one. A stick is
+ *   AXIS     target is a stilb_input_axis; low and high are the ends of the range, low may be the larger one. A stick
+ * is
  *            at rest in the middle, of an even number of values at the upper of the two middle ones (128 of 0..255); a
  *            trigger is at rest at low
  *   BUTTON   target is a stilb_input_button, which is down while the value of any of its sources is in [low, high]
@@ -56,7 +57,8 @@ typedef struct stilb_input_layout_report {
 	uint16_t size;
 	/* Offset of a CRC-32, little endian, over 0xa1 and all bytes before it; 0: there is none. */
 	uint16_t crc;
-	/* While this bit is set no pad is connected (to a wireless adaptor), and everything is at rest; 0: there is none. */
+	/* While this bit is set no pad is connected (to a wireless adaptor), and everything is at rest; 0: there is
+	 * none. */
 	uint16_t absent;
 	uint32_t source_count;
 	stilb_input_source sources[STILB_INPUT_SOURCES_MAX];
@@ -104,8 +106,8 @@ typedef struct stilb_input_layout {
  * descriptor, or a broken one; the message says which. [any-thread] */
 stilb_result stilb_input_layout_find(const stilb_input_pad_info *info, stilb_input_layout *out);
 
-/* DECODED: the state is new. OTHER: a valid report without state, like a battery's or an answer. CORRUPT: the CRC is wrong,
- * or the report is too short for any of its sources; the state is unchanged. */
+/* DECODED: the state is new. OTHER: a valid report without state, like a battery's or an answer. CORRUPT: the CRC is
+ * wrong, or the report is too short for any of its sources; the state is unchanged. */
 typedef enum stilb_input_decoded { STILB_INPUT_DECODED, STILB_INPUT_OTHER, STILB_INPUT_CORRUPT } stilb_input_decoded;
 
 /* Decodes a report of size bytes, as hidraw gives it. *state is the pad's last state, {0} at first, and becomes the new
@@ -117,8 +119,8 @@ stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const u
 #define STILB_INPUT_OUTPUT_MAX 128u
 
 /* Makes the output report that sets the strength of the heavy (left) and the light (right) motor; values outside [0, 1]
- * count as its ends. sequence is the number of rumble reports sent to this pad before. Returns the report's size in bytes;
- * 0: the pad has no known motors. [any-thread] */
+ * count as its ends. sequence is the number of rumble reports sent to this pad before. Returns the report's size in
+ * bytes; 0: the pad has no known motors. [any-thread] */
 size_t stilb_input_rumble_report(const stilb_input_layout *layout, float heavy, float light, uint32_t sequence,
                                  uint8_t report[STILB_INPUT_OUTPUT_MAX]);
 

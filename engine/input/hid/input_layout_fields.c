@@ -1,5 +1,5 @@
-/* The layout of a pad that is not in the table, from the fields of its report descriptor. HID usages do not say which axes
- * are the right stick or which button is in which position; that is decided as most pads have it. */
+/* The layout of a pad that is not in the table, from the fields of its report descriptor. HID usages do not say which
+ * axes are the right stick or which button is in which position; that is decided as most pads have it. */
 #include "input/hid/input_layout_internal.h"
 
 #include <stdio.h>
@@ -31,7 +31,7 @@ enum {
 	USAGE_MAGNITUDE = 0x000f0070
 };
 
-/* ---- orders of buttons ----------------------------------------------------------------------------------------- */
+/* ---- orders of buttons ------------------------------------------------------------------------------------------- */
 
 /* The order of DirectInput pads and of Sony's. */
 static const input_button_order usual_order = {
@@ -60,7 +60,7 @@ static const input_button_order xbox_order = {
      STILB_INPUT_GUIDE, STILB_INPUT_EXTRA},
 };
 
-/* ---- finding elements ------------------------------------------------------------------------------------------ */
+/* ---- finding elements -------------------------------------------------------------------------------------------- */
 
 /* One element of a field. */
 typedef struct element {
@@ -117,7 +117,7 @@ static const stilb_input_report *find_main_report(const stilb_input_descriptor *
 	return NULL;
 }
 
-/* ---- adding sources -------------------------------------------------------------------------------------------- */
+/* ---- adding sources ---------------------------------------------------------------------------------------------- */
 
 typedef struct builder {
 	const stilb_input_descriptor *descriptor;
@@ -177,8 +177,8 @@ static void add_axis(builder *b, element e, stilb_input_axis axis)
 		    down_is_more ? e.field->logical_min : e.field->logical_max);
 }
 
-/* A button is down from the middle of its range on, because some buttons are a byte of pressure. A button of one bit may
- * declare any range; its values are 0 and 1. */
+/* A button is down from the middle of its range on, because some buttons are a byte of pressure. A button of one bit
+ * may declare any range; its values are 0 and 1. */
 static void add_button(builder *b, element e, uint32_t target)
 {
 	const stilb_input_field *f = e.field;
@@ -192,7 +192,7 @@ static void add_button(builder *b, element e, uint32_t target)
 		add(b, e, STILB_INPUT_SOURCE_AXIS, STILB_INPUT_RIGHT_TRIGGER, low, high);
 }
 
-/* ---- sticks and triggers --------------------------------------------------------------------------------------- */
+/* ---- sticks and triggers ----------------------------------------------------------------------------------------- */
 
 static bool same_range(element a, element b)
 {
@@ -216,8 +216,8 @@ static bool add_trigger_pair(builder *b, element left, element right)
 	return true;
 }
 
-/* Of the pairs Z, Rz and Rx, Ry the right stick is the one with the range of the left stick. If both have it, it is Rx, Ry
- * if only these are in a physical collection of their own, else Z, Rz as on Sony's pads. The triggers are brake and
+/* Of the pairs Z, Rz and Rx, Ry the right stick is the one with the range of the left stick. If both have it, it is Rx,
+ * Ry if only these are in a physical collection of their own, else Z, Rz as on Sony's pads. The triggers are brake and
  * accelerator, else the other pair. */
 static void add_axes(builder *b)
 {
@@ -243,7 +243,7 @@ static void add_axes(builder *b)
 		b->z_is_trigger = add_trigger_pair(b, z, rz);
 }
 
-/* ---- buttons --------------------------------------------------------------------------------------------------- */
+/* ---- buttons ----------------------------------------------------------------------------------------------------- */
 
 /* Eight directions clockwise from up, or four, or an angle. With 9 or 16 values only the first eight are directions. */
 static void add_hat(builder *b)
@@ -256,8 +256,8 @@ static void add_hat(builder *b)
 	add(b, hat, STILB_INPUT_SOURCE_HAT, STILB_INPUT_UP, first, has_more ? first + 7 : hat.field->logical_max);
 }
 
-/* Buttons with a usage of their own. Some firmware sends home by its usage in a separate report, some by its number, and
- * the descriptor has both, so either counts. */
+/* Buttons with a usage of their own. Some firmware sends home by its usage in a separate report, some by its number,
+ * and the descriptor has both, so either counts. */
 static void add_named_buttons(builder *b)
 {
 	static const struct {
@@ -333,8 +333,8 @@ static void add_numbered_buttons(builder *b, const input_button_order *order)
 	}
 }
 
-/* Pads whose triggers are called brake and accelerator have Android's order, or that of the first Xbox firmware if they have
- * at most 12 numbered buttons. */
+/* Pads whose triggers are called brake and accelerator have Android's order, or that of the first Xbox firmware if they
+ * have at most 12 numbered buttons. */
 static const input_button_order *likely_order(const builder *b)
 {
 	bool has_brake = find(b->descriptor, b->main, USAGE_BRAKE).field;
@@ -345,7 +345,7 @@ static const input_button_order *likely_order(const builder *b)
 	return &usual_order;
 }
 
-/* ---- the whole layout ------------------------------------------------------------------------------------------ */
+/* ---- the whole layout -------------------------------------------------------------------------------------------- */
 
 /* Xbox pads and compatible ones: four magnitudes of 0..100 in the output report 3 of nine bytes. */
 static bool has_xbox_rumble(const stilb_input_descriptor *descriptor)

@@ -1,5 +1,6 @@
 /*
- * input_layout_internal: a row of the table of known pads, and the two ways to a layout: by the table, by the descriptor.
+ * input_layout_internal: a row of the table of known pads, and the two ways to a layout: by the table, by the
+ * descriptor.
  */
 #ifndef STILB_INPUT_LAYOUT_INTERNAL_H
 #define STILB_INPUT_LAYOUT_INTERNAL_H
@@ -39,8 +40,8 @@ typedef struct input_known {
 /* The row of this pad, or NULL. descriptor is the pad's own, NULL if it has none or a broken one. */
 const input_known *input_known_find(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor);
 
-/* Fills reports and rumble of the layout from a descriptor's fields, and writes into `found`, of size bytes, what was found
- * in words. order NULL: the most likely one. False: these are not the fields of a gamepad. */
+/* Fills reports and rumble of the layout from a descriptor's fields, and writes into `found`, of size bytes, what was
+ * found in words. order NULL: the most likely one. False: these are not the fields of a gamepad. */
 bool input_layout_from_fields(const stilb_input_descriptor *descriptor, const input_button_order *order,
                               stilb_input_layout *out, char *found, size_t size);
 

@@ -1,5 +1,5 @@
-/* Output reports that make a pad rumble. Sources: Linux, drivers/hid/hid-playstation.c (DualShock 4, DualSense), hid-microsoft.c
- * (Xbox), hid-nintendo.c (Switch Pro). */
+/* Output reports that make a pad rumble. Sources: Linux, drivers/hid/hid-playstation.c (DualShock 4, DualSense),
+ * hid-microsoft.c (Xbox), hid-nintendo.c (Switch Pro). */
 #include "input/hid/input_layout.h"
 
 #include <math.h>
@@ -11,8 +11,8 @@ static uint8_t scaled(float strength, float most)
 	return (uint8_t)(fminf(fmaxf(strength, 0.0f), 1.0f) * most + 0.5f);
 }
 
-/* Fills the last four of size bytes with the CRC-32 of the Bluetooth header 0xa2 (HID data, output) and all bytes before
- * them. Returns size. */
+/* Fills the last four of size bytes with the CRC-32 of the Bluetooth header 0xa2 (HID data, output) and all bytes
+ * before them. Returns size. */
 static size_t with_crc(uint8_t *report, size_t size)
 {
 	STILB_ASSERT(size > 4 && size <= STILB_INPUT_OUTPUT_MAX);
@@ -31,8 +31,8 @@ static void ds4_motors(uint8_t *at, float heavy, float light)
 	at[4] = scaled(heavy, 255.0f);
 }
 
-/* Byte 0: which parts the report sets (the motors, in the mode compatible with a DualShock 4, in place of audio haptics);
- * 2: light motor; 3: heavy motor. */
+/* Byte 0: which parts the report sets (the motors, in the mode compatible with a DualShock 4, in place of audio
+ * haptics); 2: light motor; 3: heavy motor. */
 static void dualsense_motors(uint8_t *at, float heavy, float light)
 {
 	at[0] = 0x03;
