@@ -1,5 +1,5 @@
-/* Pads of any descriptor that send any reports: stilb_input_layout_find gives a layout that keeps its promises, or a
- * reason; what stilb_input_decode makes of a report is the state of a pad, or it changes nothing.
+/* Any descriptor and any reports: stilb_input_layout_find gives a sound layout or a reason, and stilb_input_decode
+ * gives a sound state or changes nothing.
  *
  * An input is a byte that says whose numbers the pad has, two for the descriptor's length, the descriptor, and reports,
  * each with a byte for its length in front; 0x80 in that has its CRC made right, where it has one. */
@@ -107,7 +107,7 @@ static void make_crc_right(const stilb_input_layout *layout, uint8_t *report, si
 	}
 }
 
-/* A state says all that the decoder keeps: the same report again changes nothing. */
+/* The decoder has no state besides the pad's: the same report again changes nothing. */
 static void use_report(const stilb_input_layout *layout, const uint8_t *report, size_t size,
                        stilb_input_pad_state *state)
 {

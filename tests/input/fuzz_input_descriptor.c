@@ -15,7 +15,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed);
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size);
 
-/* What is checked here is no new ground for the fuzzer: it follows the branches of the parser alone. */
+/* Checks are not instrumented, so that the fuzzer follows the branches of the parser alone. */
 #define UNTRACED __attribute__((no_sanitize("coverage")))
 
 UNTRACED static void require(bool condition)
@@ -90,18 +90,18 @@ UNTRACED size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_s
 	uint8_t made[] = {(uint8_t)((random >> 48 & 0xfc) | (random >> 40 & 3)), (uint8_t)(random >> 56),
 	                  (uint8_t)(random >> 52), (uint8_t)(random >> 44), (uint8_t)(random >> 40)};
 	switch (random >> 4 & 7) {
-	case 0: /* an item goes */
+	case 0: /* remove an item */
 		return replace(data, size, max_size, at, length, data, 0);
-	case 1: /* it comes again, somewhere else */
+	case 1: /* copy an item to another place */
 		return replace(data, size, max_size, other, 0, data + at, length);
-	case 2: /* it takes the place of another */
+	case 2: /* replace an item by another */
 		return replace(data, size, max_size, other, other_length, data + at, length);
-	case 3: /* a new one */
+	case 3: /* insert a new item */
 		return replace(data, size, max_size, at, 0, made, item_size(made, sizeof made));
 	case 4: /* another tag with the same data */
 		data[at] = (uint8_t)((data[at] & 3) | (random >> 48 & 0xfc));
 		return size;
-	default: /* other data, at the ends of what they can be */
+	default: /* other data, at the ends of its range */
 		if (length > 1)
 			data[at + 1] = ends[(random >> 48) % sizeof ends];
 		return size;

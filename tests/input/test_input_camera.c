@@ -31,7 +31,7 @@ static double followed(double a, int steps, double *area)
 	return value;
 }
 
-/* The same by value += (target - value) a dt, as many do; the area by the new value. */
+/* The same by the common Euler step value += (target - value) a dt, with the area summed from the new values. */
 static double lerped(double a, int steps)
 {
 	double value = 0.0;
@@ -104,7 +104,7 @@ static void test_step_towards(void **state)
 		}
 		assert_true(value == target);
 	}
-	float value = 0.0f; /* a target that flees at half the speed is caught, one that turns back is met */
+	float value = 0.0f; /* a target moving away at half the step is caught, one that turns back is met */
 	for (int n = 1; n <= 40; n++)
 		value = stilb_input_step_towards(value, 1.0f + 0.05f * (float)n, 0.1f);
 	assert_true(value == 1.0f + 0.05f * 40.0f);
@@ -153,7 +153,7 @@ static void test_stick(void **state)
 
 /* ---- flying ------------------------------------------------------------------------------------------------------ */
 
-/* Follows at once: where it is can be said without exponentials. */
+/* Rates 0 follow at once, so that positions need no exponentials. */
 static const stilb_input_camera_settings stiff = {.speed = 12.0f, .turn_rate = 2.0f};
 
 static stilb_input_camera camera_at_origin(const stilb_input_camera_settings *settings, float yaw, float pitch)
@@ -161,7 +161,7 @@ static stilb_input_camera camera_at_origin(const stilb_input_camera_settings *se
 	return stilb_input_camera_make(settings, &(stilb_input_pose){.yaw = yaw, .pitch = pitch}, 0);
 }
 
-/* A second of this, from the origin. */
+/* The pose after flying by this wish for a second from the origin. */
 static stilb_input_pose flown(float yaw, float pitch, const stilb_input_wish *wish)
 {
 	stilb_input_camera camera = camera_at_origin(&stiff, yaw, pitch);
@@ -215,7 +215,7 @@ static void test_axes(void **state)
 	assert_position(&pose, -back.position[0], -back.position[1], -back.position[2]);
 }
 
-/* Forward and right are where the camera with this yaw and pitch looks. */
+/* Forward and right are those of a camera with this yaw and pitch. */
 static void test_axes_are_the_views(void **state)
 {
 	(void)state;
@@ -265,14 +265,14 @@ static void test_pitch_stops(void **state)
 		assert_true(stilb_input_camera_at(&camera, i * SECOND / 100).pitch <= STILB_INPUT_PITCH_LIMIT);
 	stilb_input_pose pose = stilb_input_camera_at(&camera, 2 * SECOND);
 	assert_true(pose.pitch == STILB_INPUT_PITCH_LIMIT && STILB_INPUT_PITCH_LIMIT < PI / 2);
-	/* Ahead is where it looks, also while the stick pushes against the stop. */
+	/* Forward is along the view, also while the stick pushes against the pitch limit. */
 	camera = stilb_input_camera_make(&stiff, &pose, 2 * SECOND);
 	stilb_input_camera_steer(&camera, 2 * SECOND, &(stilb_input_wish){.move = {0, 0, 1}, .turn = {0, 1.0f}});
 	pose = stilb_input_camera_at(&camera, 3 * SECOND);
 	assert_position(&pose, 0, 12.0f * sinf(STILB_INPUT_PITCH_LIMIT), -12.0f * cosf(STILB_INPUT_PITCH_LIMIT));
 	camera = stilb_input_camera_make(&stiff, &(stilb_input_pose){.pitch = STILB_INPUT_PITCH_LIMIT}, 2 * SECOND);
 	stilb_input_camera_steer(&camera, 2 * SECOND, &(stilb_input_wish){.turn = {0, 1.0f}});
-	/* Comes back at once: no turning beyond the stop is stored, neither by the stick nor by the mouse. */
+	/* Turns back at once: turning beyond the limit is not accumulated, neither from the stick nor from the mouse. */
 	stilb_input_camera_turn(&camera, 2 * SECOND, 0, 5.0f);
 	stilb_input_camera_steer(&camera, 2 * SECOND, &(stilb_input_wish){.turn = {0, -1.0f}});
 	pose = stilb_input_camera_at(&camera, 2 * SECOND + SECOND / 10);
@@ -281,7 +281,7 @@ static void test_pitch_stops(void **state)
 	assert_true(stilb_input_camera_at(&camera, 4 * SECOND).pitch == -STILB_INPUT_PITCH_LIMIT);
 
 	stilb_input_camera_settings soft = stilb_input_camera_settings_default();
-	camera = camera_at_origin(&soft, 0, 1.5f); /* with smoothing, too: at the stop it does not turn any more */
+	camera = camera_at_origin(&soft, 0, 1.5f); /* with smoothing too: at the limit the turning rate is 0 */
 	stilb_input_camera_steer(&camera, 0, &(stilb_input_wish){.turn = {0, 1.0f}});
 	stilb_input_camera_steer(&camera, SECOND, &(stilb_input_wish){.turn = {0, -0.001f}});
 	assert_true(camera.turning[1] <= 0.01 * 24.0);
@@ -303,7 +303,7 @@ static void test_mouse_turns_at_once(void **state)
 		assert_true(fabsf(stilb_input_camera_at(&camera, SECOND).yaw) <= PI + 1e-6f);
 	}
 	assert_float_equal(cosf(stilb_input_camera_at(&camera, SECOND).yaw), cosf(100.75f), 1e-4f);
-	/* What was flown before the turn was flown in the old direction. */
+	/* The part before the turn was flown in the old direction. */
 	camera = camera_at_origin(&stiff, 0, 0);
 	stilb_input_camera_steer(&camera, 0, &(stilb_input_wish){.move = {0, 0, 1}});
 	stilb_input_camera_turn(&camera, SECOND, PI / 2, 0);
@@ -334,7 +334,8 @@ static void test_speed_follows(void **state)
 	assert_true(camera.motion[0] == 0.0); /* it comes to rest */
 	stilb_input_camera_steer(&camera, 6 * SECOND, &(stilb_input_wish){.turn = {1, 0}});
 	assert_close((double)stilb_input_camera_at(&camera, 7 * SECOND).yaw, 2.2 * (1.0 + expm1(-24.0) / 24.0), 1e-6);
-	stilb_input_camera_steer(&camera, 7 * SECOND, &(stilb_input_wish){0}); /* the turn runs out where nothing moves */
+	stilb_input_camera_steer(&camera, 7 * SECOND,
+	                         &(stilb_input_wish){0}); /* the turning ends while the camera stands still */
 	assert_close((double)stilb_input_camera_at(&camera, 9 * SECOND).yaw, 2.2, 1e-6);
 }
 
@@ -349,7 +350,7 @@ static void test_stop(void **state)
 	stilb_input_camera_stop(&camera, SECOND / 2);
 	stilb_input_pose pose = stilb_input_camera_at(&camera, SECOND);
 	assert_same_pose(&pose, &before);
-	stilb_input_camera_steer(&camera, SECOND, &wish); /* and the same wish counts again */
+	stilb_input_camera_steer(&camera, SECOND, &wish); /* after a stop the same wish counts again */
 	pose = stilb_input_camera_at(&camera, 2 * SECOND);
 	assert_true(memcmp(&pose, &before, sizeof pose) != 0);
 }
@@ -369,12 +370,12 @@ static float random_side(uint64_t seed, uint64_t i)
 	return 2.0f * stilb_random_float(seed, i) - 1.0f;
 }
 
-/* Hard flying: a new wish every 12.5 ms, some at the same time, all axes at once, at 6 to 96 m/s, with rests. The
+/* Aggressive flying: a new wish every 12.5 ms, some at the same time, all axes at once, at 6 to 96 m/s, with rests. The
  * pitch stays within its limits, where the motion has no kinks. */
 static void make_wishes(timed_wish wishes[WISHES], int64_t start_us)
 {
 	for (uint32_t i = 0; i < WISHES; i++) {
-		uint64_t n = i - (i % 8 == 7); /* some are said twice */
+		uint64_t n = i - (i % 8 == 7); /* some wishes are repeated */
 		int64_t jitter = (int64_t)(stilb_random_u64(7, n) % 12500);
 		wishes[i].time_us = start_us + (int64_t)(i - (i % 8 == 7)) * 12500 + (i % 16 == 7 ? 0 : jitter);
 		wishes[i].wish = (stilb_input_wish){
@@ -403,7 +404,7 @@ static flight flight_begin(const timed_wish *wishes, int64_t start_us)
 	return (flight){.wishes = wishes, .camera = stilb_input_camera_make(&settings, &pose, start_us)};
 }
 
-/* What a frame does. */
+/* Steers by all wishes up to the frame, then evaluates the pose. */
 static stilb_input_pose flight_frame(flight *f, int64_t time_us)
 {
 	for (; f->next < WISHES && f->wishes[f->next].time_us <= time_us; f->next++)
@@ -457,7 +458,7 @@ static void test_path_is_the_same_at_every_rate(void **state)
 	assert_memory_equal(poses, wanted, sizeof poses);
 }
 
-/* What the camera is by its definition: ten numbers and how fast they change. */
+/* The camera by its differential equations: ten numbers and their derivatives. */
 typedef struct motion_state {
 	double v[10]; /* position, motion, yaw, pitch, turning */
 } motion_state;
@@ -532,7 +533,7 @@ static void test_nothing_new_changes_nothing(void **state)
 	stilb_input_wish wish = {.move = {0.3f, 0.1f, 0.9f}, .turn = {0.5f, 0.1f}};
 	stilb_input_camera once = camera_at_origin(&settings, 0, 0), often = once;
 	stilb_input_camera_steer(&once, 0, &wish);
-	for (int i = 0; i < 1000; i++) /* a pad reports, even where nothing happens */
+	for (int i = 0; i < 1000; i++) /* a pad repeats its report */
 		stilb_input_camera_steer(&often, i * 997, &wish);
 	stilb_input_camera_advance(&once, SECOND);
 	stilb_input_camera_advance(&often, SECOND);
@@ -540,7 +541,7 @@ static void test_nothing_new_changes_nothing(void **state)
 	assert_memory_equal(once.position, often.position, sizeof once.position);
 	stilb_input_pose a = stilb_input_camera_at(&once, SECOND), b = stilb_input_camera_at(&often, SECOND);
 	assert_same_pose(&a, &b);
-	b = stilb_input_camera_at(&once, SECOND); /* looking changes nothing either */
+	b = stilb_input_camera_at(&once, SECOND); /* evaluating does not change the camera */
 	assert_same_pose(&a, &b);
 	/* A pose that nothing moves keeps its bits. */
 	stilb_input_pose pose = {.position = {0.1f, -7.3f, 1e6f}, .yaw = 3.1f, .pitch = -1.3f};
@@ -569,14 +570,14 @@ static void test_nonsense(void **state)
 	pose = flown(0, 0, &(stilb_input_wish){.turn = {-1e30f, 0}});
 	assert_float_equal(pose.yaw, -20.0f + 6.0f * PI, 1e-5f);
 
-	/* Time that goes back stands still. */
+	/* A time in the past counts as the camera's own. */
 	camera = camera_at_origin(&settings, 0, 0);
 	stilb_input_camera_steer(&camera, SECOND, &(stilb_input_wish){.move = {1, 0, 0}});
 	stilb_input_camera_steer(&camera, 0, &(stilb_input_wish){.move = {0, 1, 0}});
 	pose = stilb_input_camera_at(&camera, INT64_MIN);
 	assert_same_pose(&pose, &start);
 	assert_true(camera.time_us == SECOND && camera.wish.move[1] == 1.0f);
-	/* After a gap that nobody flew through it is where it was; so it is between the ends of time. */
+	/* After a gap without calls it is where it was; so it is for the largest gap between two int64_t times. */
 	pose = stilb_input_camera_at(&camera, SECOND + STILB_INPUT_GAP_US);
 	assert_true(pose.position[1] > 700.0f);
 	pose = stilb_input_camera_at(&camera, SECOND + STILB_INPUT_GAP_US + 1);

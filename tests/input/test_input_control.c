@@ -15,7 +15,7 @@
 
 /* ---- a control that is spoken to --------------------------------------------------------------------------------- */
 
-/* Follows at once; a stick's value is what is wanted, and triggers double and halve once. */
+/* The camera follows at once, the stick's response is linear, and the triggers double and halve once. */
 static stilb_input_control_settings plain_settings(void)
 {
 	return (stilb_input_control_settings){
@@ -121,7 +121,7 @@ static void test_sticks_and_triggers(void **state)
 	} rows[] = {
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1}}, 1, 0, 0, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = -1}}, -1, 0, 0, 0, 0},
-		{{.axes = {[STILB_INPUT_LEFT_Y] = 1}}, 0, 0, -1, 0, 0}, /* up on the stick is ahead */
+		{{.axes = {[STILB_INPUT_LEFT_Y] = 1}}, 0, 0, -1, 0, 0}, /* stick up is forward */
 		{{.axes = {[STILB_INPUT_LEFT_Y] = -1}}, 0, 0, 1, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = 0.55f}}, 0.5f, 0, 0, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = 0.09f, [STILB_INPUT_RIGHT_Y] = -0.09f}}, 0, 0, 0, 0, 0},
@@ -189,12 +189,12 @@ static void test_keys_and_pad_add_up(void **state)
 	push(1, 0, STILB_INPUT_LEFT_X, 0.55f);
 	frame_with(0, ahead);
 	assert_pose(0, 0, 0, 0, 0);
-	assert_float_equal(out.move[0], 0.5f, 1e-6f); /* and is told */
+	assert_float_equal(out.move[0], 0.5f, 1e-6f); /* and is reported */
 	assert_true(out.move[2] == 1.0f);
 	frame_with(SECOND / 10, ahead);
 	float s = 0.1f / hypotf(1.0f, 0.5f); /* no faster together */
 	assert_pose(0.5f * s, 0, -s, 0, 0);
-	push(1, SECOND / 10, STILB_INPUT_LEFT_Y, -1); /* against each other: nothing */
+	push(1, SECOND / 10, STILB_INPUT_LEFT_Y, -1); /* opposed: they cancel */
 	frame_with(SECOND / 5, ahead);
 	assert_pose(0.5f * s, 0, -s, 0, 0);
 }
@@ -255,7 +255,7 @@ static void test_buttons(void **state)
 		press(1, 30, 1u << i); /* held: once per press */
 		frame(40);
 		assert_actions(no_keys);
-		press(1, 50, 0); /* a release is none */
+		press(1, 50, 0); /* a release is not a press */
 		frame(60);
 		assert_actions(no_keys);
 	}
@@ -275,7 +275,7 @@ static void test_presses_between_frames_count(void **state)
 	press(1, 43, 0);
 	frame(50);
 	assert_actions((stilb_input_state){.next_view = 3, .overlay = true, .workers = 3, .capture = true});
-	/* The keys' and the pad's come together; what toggles twice stays. */
+	/* Actions of keys and pad are combined; toggled by both it stays. */
 	press(1, 60, BUTTON(NORTH) | BUTTON(DOWN) | BUTTON(RIGHT) | BUTTON(SOUTH));
 	frame_with(
 		70, (stilb_input_state){.overlay = true, .inspector = true, .workers = 4, .next_view = 2, .screenshot = true});
@@ -302,7 +302,7 @@ static void test_the_last_touched_leads(void **state)
 	assert_int_equal(leader(), 1);
 	push(2, 50, STILB_INPUT_RIGHT_TRIGGER, 0.2f);
 	assert_int_equal(leader(), 2);
-	/* The other one is heard no more, until it is touched again; that its stick is still held is no touch. */
+	/* The other pad is ignored until it is touched again; holding its stick still is not a touch. */
 	frame(60);
 	stilb_input_pose before = pose;
 	for (int i = 0; i < 100; i++)
@@ -333,7 +333,7 @@ static void test_drift_is_no_touch(void **state)
 	assert_int_equal(leader(), 2);
 }
 
-/* Who wants no dead zone flies by the noise, which still is no touch. */
+/* Without a dead zone noise moves the camera, but still is not a touch. */
 static void test_without_dead_zone(void **state)
 {
 	(void)state;
@@ -350,7 +350,8 @@ static void test_without_dead_zone(void **state)
 	assert_int_equal(leader(), 2);
 }
 
-/* A pad that is plugged in while another flies may lie on its side; the only one there leads by the same. */
+/* The first report of a pad plugged in while another leads is not a touch, as it may lie on its sticks; of the only pad
+ * it is. */
 static void test_first_report(void **state)
 {
 	(void)state;
@@ -386,19 +387,19 @@ static void test_unplug_stops(void **state)
 	pull(1, SECOND);
 	assert_int_equal(leader(), 0);
 	frame(2 * SECOND);
-	assert_memory_equal(&pose, &at_second, sizeof pose); /* dead */
+	assert_memory_equal(&pose, &at_second, sizeof pose); /* the camera stopped at once */
 	stilb_input_state ahead = {.move = {0, 1, 0}};
-	frame_with(2 * SECOND, ahead); /* the keyboard goes on */
+	frame_with(2 * SECOND, ahead); /* the keyboard still works */
 	frame_with(2 * SECOND + 90000, ahead);
 	assert_true(pose.position[1] > at_second.position[1] + 0.1f && pose.position[0] == at_second.position[0]);
 	frame(3 * SECOND);
 	stilb_input_pose rest = pose;
-	plug(3, 3 * SECOND); /* it comes back under another number, and resumes */
+	plug(3, 3 * SECOND); /* plugged in again, with another number */
 	push(3, 3 * SECOND, STILB_INPUT_LEFT_X, 1);
 	frame(4 * SECOND);
 	assert_int_equal(leader(), 3);
 	assert_true(pose.position[0] != rest.position[0]);
-	touch(1, 4 * SECOND, (stilb_input_pad_state){.axes = {1}}); /* of a pad that is gone */
+	touch(1, 4 * SECOND, (stilb_input_pad_state){.axes = {1}}); /* by a pad that is gone */
 	assert_int_equal(leader(), 3);
 }
 
@@ -432,13 +433,13 @@ static void test_focus(void **state)
 	stilb_input_control_frame(control, 2 * SECOND, &keys, false, &out, &pose);
 	assert_memory_equal(&lost, &pose, sizeof pose);
 	assert_false(out.capture);
-	frame(2 * SECOND); /* back: the stick is still held, what was pressed is not kept */
+	frame(2 * SECOND); /* the focus is back: the stick still counts, presses meanwhile do not */
 	assert_false(out.capture);
 	frame(3 * SECOND);
 	assert_true(pose.position[0] > lost.position[0] + 10.0f);
 }
 
-/* A frame that came late says nothing of keys in between; a pad's reports do. */
+/* During a stall keys count as released after 100 ms; a pad's reports have their own times. */
 static void test_keys_end_in_a_stall(void **state)
 {
 	(void)state;
@@ -470,7 +471,7 @@ static void test_place(void **state)
 		assert_memory_equal(&pose, &place, sizeof pose);
 	}
 	push(1, 3 * SECOND, STILB_INPUT_LEFT_X, 1);
-	stilb_input_control_place(control, 3 * SECOND, &place); /* what is wanted goes on, from rest */
+	stilb_input_control_place(control, 3 * SECOND, &place); /* the wish goes on, from rest */
 	frame(3 * SECOND);
 	assert_memory_equal(&pose, &place, sizeof pose);
 	frame(4 * SECOND);
@@ -525,10 +526,10 @@ static void test_list(void **state)
 	assert_true(pads[0].last_us == 200 && pads[0].state.axes[STILB_INPUT_LEFT_Y] == -0.5f);
 	assert_true(stilb_input_control_leader(control, &last_us) == 5 && last_us == 200);
 	assert_true(pads[1].denied && !pads[1].leads && pads[1].pad == 6);
-	assert_non_null(strstr(pads[1].name, "DualShock 4")); /* known without being opened */
+	assert_non_null(strstr(pads[1].name, "DualShock 4")); /* recognised without being opened */
 	assert_string_equal(pads[2].name, "Broken");
-	assert_true(strlen(pads[2].recognised) > 10); /* says why not */
-	/* Reports of what cannot be read are nothing. */
+	assert_true(strlen(pads[2].recognised) > 10); /* the reason */
+	/* Reports of a pad without a layout are ignored. */
 	stilb_input_control_event(control, &(stilb_input_event){.kind = STILB_INPUT_PAD_REPORT,
 	                                                        .pad = 7,
 	                                                        .time_us = 300,
@@ -608,7 +609,7 @@ static void test_corrupt_reports_move_nothing(void **state)
 	report(1, 0, bytes, sizeof bytes);
 	for (int i = 1; i <= 10; i++) {
 		ds4_bluetooth(bytes, (ds4_sticks){255, 0, 255, 0});
-		bytes[i % 2 ? 74 + i % 4 : 3 + i] ^= (uint8_t)(1u << i % 8); /* in the sum, and in what it is over */
+		bytes[i % 2 ? 74 + i % 4 : 3 + i] ^= (uint8_t)(1u << i % 8); /* in the CRC and in the bytes it covers */
 		report(1, i * 4000, bytes, sizeof bytes);
 		frame(i * 4000);
 	}
@@ -619,7 +620,7 @@ static void test_corrupt_reports_move_nothing(void **state)
 	assert_int_equal(stilb_input_control_pads(control, pads), 1);
 	assert_true(pads[0].corrupt == 10 && pads[0].reports == 1 && pads[0].last_us == 0);
 	ds4_bluetooth(bytes, (ds4_sticks){255, 128, 128, 128});
-	report(1, SECOND, bytes, sizeof bytes); /* sound: it counts */
+	report(1, SECOND, bytes, sizeof bytes); /* a valid report counts */
 	frame(2 * SECOND);
 	assert_pose(1, 0, 0, 0, 0);
 }
@@ -634,7 +635,7 @@ typedef struct timed_report {
 	uint8_t bytes[64];
 } timed_report;
 
-/* Two sticks that go round at their own pace, at some 250 reports a second with jitter; now and then at rest. */
+/* Two sticks that rotate at different rates, at some 250 reports a second with jitter; at rest now and then. */
 static void record(timed_report reports[REPORTS])
 {
 	for (int i = 0; i < REPORTS; i++) {
@@ -683,7 +684,7 @@ static void play(const timed_report reports[REPORTS], next_frame *next, int rate
 		frame(time);
 		int64_t last_us;
 		if (stilb_input_control_leader(control, &last_us))
-			assert_true(time - last_us < 7000); /* however late the frame: the state is the last report's */
+			assert_true(time - last_us < 7000); /* however late the frame, the leader's last report is recent */
 		if (time % SECOND == 0)
 			poses[time / SECOND - 1] = pose;
 	}

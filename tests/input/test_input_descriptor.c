@@ -27,7 +27,7 @@ static stilb_result parse_bytes(const uint8_t *bytes, size_t size)
 	return result;
 }
 
-/* "75 08" and so on; "|" separates what belongs together, for the reader. Returns how many bytes there are. */
+/* Reads hexadecimal bytes like "75 08 | 95 01"; "|" only groups them for the reader. Returns their number. */
 static size_t from_hex(const char *hex, uint8_t *bytes, size_t capacity)
 {
 	size_t size = 0;
@@ -58,7 +58,7 @@ static void good(const char *hex)
 	assert_int_equal(result, STILB_OK);
 }
 
-/* Refused with this message, and nothing is left. */
+/* The descriptor is refused with this message, and no fields are left. */
 static void refused(const char *hex, const char *message)
 {
 	assert_int_equal(parse_hex(hex), STILB_ERROR_ARGUMENT);
@@ -67,7 +67,7 @@ static void refused(const char *hex, const char *message)
 	assert_int_equal(parsed.report_count, 0);
 }
 
-/* As the tables have it: id@bit size[*count] usage[-last] logical [(physical)] flags group. */
+/* A field as the tables write it: id@bit size[*count] usage[-last] logical [(physical)] flags group. */
 static void field_text(const stilb_input_field *field, char *text, size_t size)
 {
 	size_t n = (size_t)snprintf(text, size, "%02x@%u %u", field->report_id, field->bit, field->size);
@@ -145,7 +145,7 @@ static void test_tables(void **state)
 	}
 }
 
-/* Rumble: what a pad must be sent is in its descriptor too. */
+/* The output report for rumble is described like the inputs. */
 static void test_outputs_of_an_xbox_pad(void **state)
 {
 	(void)state;
@@ -282,14 +282,14 @@ static void test_signed_values(void **state)
 	                                    "00@96 3 10035 -4..3\n"
 	                                    "00@99 1 10036 -1..0\n");
 	reports_are("i00:13");
-	/* The sign of a maximum is that of its minimum, of physical ends too. */
+	/* A maximum is signed if its minimum is negative; the same for the physical ends. */
 	good("25 01 75 08 95 01 | 35 00 45 ff 81 02 | 35 fe 45 ff 81 02 | 15 fe 25 ff 36 00 80 46 00 80 81 02");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 0 0..1 (0..255)\n"
 	                                    "00@8 8 0 0..1 (-2..-1)\n"
 	                                    "00@16 8 0 -2..-1 (-32768..-32768)\n");
 }
 
-/* Wider than 32 bits: it takes its room, but has no number. */
+/* An element wider than 32 bits takes its bits, but has no number. */
 static void test_wide_elements(void **state)
 {
 	(void)state;
@@ -309,11 +309,11 @@ static void test_wide_elements(void **state)
 static void test_usages_of_elements(void **state)
 {
 	(void)state;
-	good("05 01 25 7f 75 08 | 95 03 09 30 09 31 09 32 81 02"); /* as many as elements */
+	good("05 01 25 7f 75 08 | 95 03 09 30 09 31 09 32 81 02"); /* as many usages as elements */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 10031 0..127\n00@16 8 10032 0..127\n");
-	good("05 01 25 7f 75 08 | 95 04 09 30 09 31 81 02"); /* fewer: the last one goes on */
+	good("05 01 25 7f 75 08 | 95 04 09 30 09 31 81 02"); /* fewer usages: the last one repeats */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8*3 10031 0..127\n");
-	good("05 01 25 7f 75 08 | 95 02 09 30 09 31 09 32 81 02"); /* more: the rest is for nothing */
+	good("05 01 25 7f 75 08 | 95 02 09 30 09 31 09 32 81 02"); /* more usages: the rest is unused */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 10031 0..127\n");
 	good("25 7f 75 08 | 95 02 81 02"); /* none */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*2 0 0..127\n");
@@ -325,11 +325,11 @@ static void test_usages_of_elements(void **state)
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 1*8 90001-90008 0..1\n");
 	good("05 09 25 01 75 01 | 95 08 19 01 29 02 09 07 19 0a 29 10 81 02"); /* ranges and single ones in turn */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 1*2 90001-90002 0..1\n00@2 1 90007 0..1\n00@3 1*5 9000a-9000e 0..1\n");
-	good("05 09 25 01 75 01 | 95 02 19 07 81 02 | 95 04 29 08 81 02"); /* half a range: none, and one from 0 on */
+	good("05 09 25 01 75 01 | 95 02 19 07 81 02 | 95 04 29 08 81 02"); /* a minimum alone, a maximum alone */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 1*2 0 0..1\n00@2 1*4 90000-90003 0..1\n");
-	good("05 09 25 01 75 01 | 95 04 19 05 29 06 29 06 81 02"); /* a minimum is that of every maximum after it */
+	good("05 09 25 01 75 01 | 95 04 19 05 29 06 29 06 81 02"); /* a minimum holds for every maximum after it */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 1*2 90005-90006 0..1\n00@2 1*2 90005-90006 0..1\n");
-	good("05 09 25 01 75 01 | 95 04 19 05 29 04 81 02"); /* a range that ends before it begins has no end */
+	good("05 09 25 01 75 01 | 95 04 19 05 29 04 81 02"); /* reversed: to the end of the page */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 1*4 90005-90008 0..1\n");
 	good("05 09 25 01 75 01 | 95 08 19 00 2a ff ff 81 02"); /* every usage of a page */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 1*8 90000-90007 0..1\n");
@@ -338,19 +338,19 @@ static void test_usages_of_elements(void **state)
 static void test_pages_of_usages(void **state)
 {
 	(void)state;
-	good(AXIS "09 30 05 01 81 02"); /* after the usage */
+	good(AXIS "09 30 05 01 81 02"); /* the page after the usage */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n");
-	good(AXIS "05 02 09 30 09 31 95 02 05 01 81 02"); /* the last page before the main item is that of all */
+	good(AXIS "05 02 09 30 09 31 95 02 05 01 81 02"); /* the last page before the main item is that of all usages */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 10031 0..127\n");
-	good(AXIS "05 01 09 30 05 02 09 c5 95 02 81 02"); /* but not of those that had theirs */
+	good(AXIS "05 01 09 30 05 02 09 c5 95 02 81 02"); /* but not of those that already had this page before */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 200c5 0..127\n");
 	good(AXIS "05 09 0b c4 00 02 00 09 01 95 02 05 01 81 02"); /* a usage with its page keeps it */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 200c4 0..127\n00@8 8 10001 0..127\n");
 	good(AXIS "05 01 1b 01 00 09 00 2b 04 00 09 00 95 04 81 02");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*4 90001-90004 0..127\n");
-	good(AXIS "05 01 1b 01 00 09 00 29 02 95 03 81 02 | 19 01 2b 02 00 09 00 81 02"); /* in one end alone */
+	good(AXIS "05 01 1b 01 00 09 00 29 02 95 03 81 02 | 19 01 2b 02 00 09 00 81 02"); /* the page given once */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*3 90001-90002 0..127\n00@24 8*3 90001-90002 0..127\n");
-	good(AXIS "1b 01 00 09 00 2b 04 00 0a 00 95 04 81 02"); /* from one page into another: the first goes on */
+	good(AXIS "1b 01 00 09 00 2b 04 00 0a 00 95 04 81 02"); /* a range from one page into another stays in the first */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*4 90001-90004 0..127\n");
 	good(AXIS "1b 07 00 09 00 2b 08 00 0a 00 95 01 81 00 | 16 00 80 27 ff ff 00 00 95 01 1b fe ff 09 00 2b ff ff 0a 00 "
 	          "81 00");
@@ -523,7 +523,7 @@ static void test_collections(void **state)
 		assert_int_equal(parsed.fields[i].collection, expected[i].collection);
 		assert_int_equal(parsed.fields[i].group, expected[i].group);
 	}
-	good("05 01 19 04 29 05 a1 01 " AXIS "81 02 c0"); /* the first usage of more than one */
+	good("05 01 19 04 29 05 a1 01 " AXIS "81 02 c0"); /* of several usages a collection has the first */
 	assert_int_equal(parsed.fields[0].collection, 0x10004);
 	refused("05 01 c0", "report descriptor, byte 2: the end of a collection that did not begin");
 	refused("a1 01 a1 02 c0", "report descriptor, byte 5: collections that do not end: 1");
@@ -532,14 +532,14 @@ static void test_collections(void **state)
 static void test_reports(void **state)
 {
 	(void)state;
-	good("25 01 75 01 95 09 81 02 91 02 b1 02"); /* without numbers: whole bytes each */
+	good("25 01 75 01 95 09 81 02 91 02 b1 02"); /* without ids: each kind is padded to whole bytes */
 	assert_false(parsed.numbered);
 	reports_are("i00:2 o00:2 f00:2");
-	good("25 01 75 01 95 03 | 85 01 81 02 | 85 ff 81 02 91 02 | 85 01 81 02 b1 02"); /* ids in turn; one goes on */
+	good("25 01 75 01 95 03 | 85 01 81 02 | 85 ff 81 02 91 02 | 85 01 81 02 b1 02"); /* a report goes on later */
 	assert_true(parsed.numbered);
 	reports_are("i01:2 iff:2 off:2 f01:2");
 	fields_are(STILB_INPUT_FIELD_INPUT, "01@8 1*3 0 0..1\nff@8 1*3 0 0..1\n01@11 1*3 0 0..1\n");
-	good("25 01 75 08 95 01 81 02 | 85 05 b1 02"); /* where one is numbered all are */
+	good("25 01 75 08 95 01 81 02 | 85 05 b1 02"); /* if one report has an id, all have */
 	assert_true(parsed.numbered);
 	reports_are("i00:2 f05:2");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@8 8 0 0..1\n");
@@ -571,7 +571,7 @@ static void test_refusals(void **state)
 	        "report descriptor, byte 11: report 0 is longer than 4096 bytes"); /* 4095 fit */
 }
 
-/* A descriptor of `count` times the same bytes; what each round changes is the caller's. */
+/* A descriptor that repeats the same bytes `count` times, with changes by the caller. */
 typedef struct made_bytes {
 	uint8_t bytes[STILB_INPUT_DESCRIPTOR_MAX + 1];
 	size_t size;

@@ -1,4 +1,5 @@
-/* What sysfs says of a hidraw node, whatever it says, and nodes that are none; on files of our own. */
+/* Reading a hidraw node's description from sysfs, also a broken one, and opening nodes that are none; on simulated
+ * files. */
 #include "input/device/input_device_internal.h"
 #include "input/device/input_pads.h"
 #include "support/fake_hidraw.h"
@@ -81,7 +82,7 @@ static void a_uevent_file_may_say_little(void **state)
 	assert_int_equal(info.product, 0x2009);
 }
 
-/* A pad's name is what its maker, or somebody with a soldering iron, wrote into it. */
+/* A pad's name may contain any bytes. */
 static void names_are_made_fit(void **state)
 {
 	(void)state;
@@ -157,7 +158,7 @@ static uint32_t open_files(void)
 	return count;
 }
 
-/* hidapi 0.13.1 alone dies of the first two. */
+/* hidapi 0.13.1 by itself crashes on the first two. */
 static void what_is_no_hidraw_is_refused(void **state)
 {
 	(void)state;
@@ -172,7 +173,7 @@ static void what_is_no_hidraw_is_refused(void **state)
 	assert_int_equal(open_files(), files);
 }
 
-/* Through the kernel's interface: what a node does, and that it says when it is gone. */
+/* The hidraw backend: read, write, wake, and the error of a node that is gone. */
 static void a_device_is_read_until_it_is_gone(void **state)
 {
 	(void)state;

@@ -1,6 +1,6 @@
 /* input_layout, known pads: every button, axis and hat value of every pad of the table, by recordings in the format of
- * hid-recorder (input/NAME.rec) and the states that they mean (input/NAME.txt); what is said to a pad when it is
- * opened; what makes it shake. The first argument is the folder of the recordings. */
+ * hid-recorder (recordings/NAME.rec) and the states that they mean (recordings/NAME.txt); what is sent to a pad when it
+ * is opened; what makes it rumble. The first argument is the folder of the recordings. */
 #include "input/hid/input_layout.h"
 #include "input/input_recording.h"
 #include "support/input_descriptors.h"
@@ -31,7 +31,7 @@ static void find(const stilb_input_pad_info *info, stilb_input_layout *layout)
 
 /* ---- recordings -------------------------------------------------------------------------------------------------- */
 
-/* "left_x=-1.000000 south+up", "rest": what is zero is left out. */
+/* "left_x=-1.000000 south+up", "rest": zeros are left out. */
 static void state_text(const stilb_input_pad_state *state, char text[512])
 {
 	int used = 0;
@@ -55,7 +55,7 @@ static FILE *open_text(const char *name, const char *kind, char *path, size_t si
 	return file;
 }
 
-/* The next line that is no remark, without its end; false: there is none. */
+/* The next line that is not a remark, without its line end; false: there is none. */
 static bool next_line(FILE *file, char line[512])
 {
 	while (fgets(line, 512, file)) {
@@ -66,7 +66,7 @@ static bool next_line(FILE *file, char line[512])
 	return false;
 }
 
-/* Every report of the recording means what the text says. */
+/* Every report of the recording decodes to the state in the text. */
 static void replay(const char *name)
 {
 	static stilb_input_layout layout;
@@ -149,7 +149,7 @@ static const struct {
      STILB_INPUT_RUMBLE_XBOX_BLUETOOTH},
 };
 
-/* Those that the table describes need no descriptor: sysfs may have none to read. */
+/* A row with reports needs no descriptor: sysfs may have none. */
 static void test_names(void **user)
 {
 	(void)user;
@@ -193,14 +193,14 @@ static void test_xbox_by_its_descriptor(void **user)
 	new.product = 0x02e0;
 	find(&new, &same);
 	assert_same_reports(&same, &layout);
-	new.vendor = 0x1234; /* another maker's, which does as Microsoft's */
+	new.vendor = 0x1234; /* another vendor's, compatible with Microsoft's */
 	find(&new, &same);
 	assert_same_reports(&same, &layout);
 	assert_int_equal(same.rumble, STILB_INPUT_RUMBLE_XBOX_BLUETOOTH);
 	assert_false(same.known);
 }
 
-/* A copy with a DualShock's numbers and the Asus pad's reports is what it says; so is one on another bus. */
+/* A copy with a DualShock's numbers and the Asus pad's reports is read by its descriptor; so is one on another bus. */
 static void test_copies(void **user)
 {
 	(void)user;
@@ -218,7 +218,7 @@ static void test_copies(void **user)
 	find(&info, &layout);
 	assert_false(layout.known);
 	info.bus = STILB_INPUT_BUS_USB;
-	/* an output report of that number and size is not the one */
+	/* an output report of that id and size does not count */
 	static const uint8_t small[] = {0x05, 0x01, 0x09, 0x05, 0xa1, 0x01, 0x85, 0x01, 0x75, 0x08, 0x95,
 	                                0x3f, 0x09, 0x01, 0x91, 0x02, 0x09, 0x30, 0x09, 0x31, 0x15, 0x00,
 	                                0x26, 0xff, 0x00, 0x95, 0x02, 0x81, 0x02, 0x05, 0x09, 0x19, 0x01,
@@ -234,7 +234,7 @@ static void test_copies(void **user)
 	assert_string_equal(layout.name, "a pad");
 }
 
-/* The table needs no descriptor where it has the reports. */
+/* A broken descriptor does not matter if the row has reports. */
 static void test_broken_descriptors(void **user)
 {
 	(void)user;
@@ -268,7 +268,7 @@ static void test_another_order_of_buttons(void **user)
 	assert_int_equal(state.buttons, 1u << STILB_INPUT_SOUTH);
 }
 
-/* An adaptor goes on reporting what its pad did last when that is off. */
+/* While its pad is off a wireless adaptor repeats the pad's last state. */
 static void test_adaptor_without_its_pad(void **user)
 {
 	(void)user;
@@ -324,7 +324,7 @@ static void test_hello(void **user)
 
 /* ---- rumble ------------------------------------------------------------------------------------------------------ */
 
-/* The bytes that are not zero must be these; the CRC of Bluetooth was computed by zlib. */
+/* These and no other bytes are not zero; Bluetooth's CRCs were computed by zlib. */
 static void rumble_is(uint16_t bus, uint16_t vendor, uint16_t product, float heavy, float light, uint32_t sequence,
                       size_t size, const uint8_t *bytes, size_t known)
 {

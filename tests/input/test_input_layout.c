@@ -1,4 +1,4 @@
-/* input_layout: what a layout makes of reports, and what is made of the descriptor of a pad that nobody knows. */
+/* input_layout: decoding reports by a layout, and finding the layout of an unknown pad by its descriptor. */
 #include "input/hid/input_layout.h"
 #include "support/input_descriptors.h"
 #include "support/test.h"
@@ -66,7 +66,7 @@ static stilb_input_pad_state decode_u32(stilb_input_source source, uint32_t valu
 	return state;
 }
 
-/* Ends are exact, rest is 0 and what lies beyond the range is the end. */
+/* The ends are exact, rest is 0, and a value beyond the range counts as its end. */
 static void test_axes(void **user)
 {
 	(void)user;
@@ -123,7 +123,7 @@ static void test_axes(void **user)
 	}
 }
 
-/* More of the value is never less of the axis, and never beyond its ends. */
+/* The axis rises strictly with the value and stays within its range. */
 static void test_axes_rise(void **user)
 {
 	(void)user;
@@ -162,7 +162,7 @@ static void test_hats(void **user)
 	for (uint32_t i = 0; i < 8; i++) {
 		assert_int_equal(hat_buttons(0, 7, i), around[i]);
 		assert_int_equal(hat_buttons(1, 8, i + 1), around[i]);
-		for (uint32_t k = 0; k < 45; k++) {              /* the nearest of the eight, of an angle */
+		for (uint32_t k = 0; k < 45; k++) {              /* an angle is rounded to the nearest direction */
 			uint32_t degrees = (45 * i + k + 338) % 360; /* from 22 below to 22 above */
 			assert_int_equal(hat_buttons(0, 359, degrees), around[i]);
 		}
@@ -190,7 +190,7 @@ static void test_buttons_of_several_sources(void **user)
 		                                                    .high = i < 2 ? 1 : 2};
 	static const uint8_t reports[5][2] = {{0, 0}, {1, 0}, {0, 1}, {2, 1}, {3, 2}};
 	static const uint32_t expected[5] = {0, 1, 1, 3, 2};
-	stilb_input_pad_state state = {.buttons = 1u << STILB_INPUT_GUIDE}; /* of which this report does not tell */
+	stilb_input_pad_state state = {.buttons = 1u << STILB_INPUT_GUIDE}; /* this report has no source for it */
 	for (uint32_t i = 0; i < 5; i++) {
 		assert_int_equal(stilb_input_decode(&layout, reports[i], 2, &state), STILB_INPUT_DECODED);
 		assert_int_equal(state.buttons, expected[i] | 1u << STILB_INPUT_GUIDE);
@@ -203,7 +203,7 @@ static stilb_input_source axis_byte(stilb_input_axis axis, uint32_t byte)
 		.kind = STILB_INPUT_SOURCE_AXIS, .target = (uint8_t)axis, .bits = 8, .bit = 8 * byte, .high = 255};
 }
 
-/* What a cut report lacks stays as it was; one without anything is corrupt, and changes nothing. */
+/* A short report leaves the missing controls as they were; one without any control is corrupt and changes nothing. */
 static void test_short_reports(void **user)
 {
 	(void)user;
@@ -222,13 +222,13 @@ static void test_short_reports(void **user)
 	uint8_t other[3] = {4, 255, 255};
 	assert_int_equal(stilb_input_decode(&layout, other, 3, &state), STILB_INPUT_OTHER);
 	assert_true(state.axes[STILB_INPUT_LEFT_X] == -1.0f);
-	layout.reports[0].id = 0; /* without numbers any first byte is the state's */
+	layout.reports[0].id = 0; /* without ids the first byte belongs to the state */
 	layout.reports[0].sources[0].bit = 0;
 	assert_int_equal(stilb_input_decode(&layout, other, 3, &state), STILB_INPUT_DECODED);
 	assert_true(state.axes[STILB_INPUT_LEFT_X] == (float)(4 - 128) / 128.0f);
 }
 
-/* Every bit that is wrong is seen, in the report and in the CRC; so is every cut. */
+/* Every wrong bit is detected, in the report and in the CRC; so is every short report. */
 static void test_corrupt_reports(void **user)
 {
 	(void)user;
@@ -251,7 +251,7 @@ static void test_corrupt_reports(void **user)
 	assert_true(state.axes[STILB_INPUT_LEFT_X] == 1.0f);
 }
 
-/* ---- descriptors that somebody might make ------------------------------------------------------------------------ */
+/* ---- made-up descriptors ----------------------------------------------------------------------------------------- */
 
 #define PAGE(page) 0x05, (page)
 #define USAGE(usage) 0x09, (usage)
@@ -351,7 +351,7 @@ static void test_refusals(void **user)
 static void test_plain_pads(void **user)
 {
 	(void)user;
-	/* without numbers of reports, without a second stick */
+	/* without report ids, without a second stick */
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] west@16+1 south@17+1", GAME_PAD, X_AND_Y, BUTTONS(2), SIZE(6, 1),
 	          PADDING, END);
 	/* Z and Rz are like X and Y: a stick; signed */
@@ -376,7 +376,7 @@ static void test_pairs(void **user)
 	          " right_trigger@24+8[0,255] south@48+1",
 	          GAME_PAD, USAGE(1), PHYSICAL, X_AND_Y, END, USAGE(0x32), USAGE(0x35), VARIABLE, USAGE(1), PHYSICAL,
 	          USAGE(0x33), USAGE(0x34), VARIABLE, END, BUTTONS(1), SIZE(7, 1), PADDING, END);
-	/* their collection is the left stick's, too; each pair has one of its own: as if there were none */
+	/* a pair in the left stick's collection, and two pairs with a collection each, count as if there were none */
 	LAYOUT_IS("0:7 left_x@0+8[0,255] left_y@8+8[255,0] right_x@32+8[0,255] right_y@40+8[255,0] left_trigger@16+8[0,255]"
 	          " right_trigger@24+8[0,255] west@48+1",
 	          GAME_PAD, USAGE(1), PHYSICAL, X_AND_Y, USAGE(0x33), USAGE(0x34), VARIABLE, END, USAGE(0x32), USAGE(0x35),
@@ -385,14 +385,15 @@ static void test_pairs(void **user)
 	          " right_trigger@40+8[0,255] west@48+1",
 	          GAME_PAD, X_AND_Y, USAGE(1), PHYSICAL, USAGE(0x32), USAGE(0x35), VARIABLE, END, USAGE(1), PHYSICAL,
 	          USAGE(0x33), USAGE(0x34), VARIABLE, END, BUTTONS(1), SIZE(7, 1), PADDING, END);
-	/* brake and accelerator come before a pair that is left over */
+	/* brake and accelerator take precedence over the remaining pair */
 	LAYOUT_IS("0:9 left_x@0+8[0,255] left_y@8+8[255,0] right_x@16+8[0,255] right_y@24+8[255,0] left_trigger@48+8[0,255]"
 	          " right_trigger@56+8[0,255] south@64+1",
 	          GAME_PAD, X_AND_Y, USAGE(0x32), USAGE(0x35), USAGE(0x33), USAGE(0x34), SIZE(8, 4), VARIABLE, PAGE(2),
 	          USAGE(0xc5), USAGE(0xc4), SIZE(8, 2), VARIABLE, BUTTONS(1), SIZE(7, 1), PADDING, END);
 }
 
-/* A pair that is not like the left stick is the triggers, of a pad; of a joystick it is a throttle and something. */
+/* A pair with another range than the left stick is the triggers of a pad; on a joystick it is a throttle or the
+ * like. */
 static void test_other_ranges(void **user)
 {
 	(void)user;
@@ -407,7 +408,7 @@ static void test_other_ranges(void **user)
 		"0:7 left_x@0+8[0,255] left_y@8+8[255,0] left_trigger@16+16[0,1023] right_trigger@32+16[0,1023] south@48+1",
 		GAME_PAD, X_AND_Y, USAGE(0x32), USAGE(0x35), LOGICAL(0, 1023), SIZE(16, 2), VARIABLE, BUTTONS(1), SIZE(7, 1),
 		PADDING, END);
-	/* of the same range in more bits, and of the same bits from another value on */
+	/* the same range in more bits; the same bits with another minimum */
 	LAYOUT_IS("0:7 left_x@0+8[0,255] left_y@8+8[255,0] left_trigger@16+16[0,255] right_trigger@32+16[0,255] south@48+1",
 	          GAME_PAD, X_AND_Y, USAGE(0x32), USAGE(0x35), SIZE(16, 2), VARIABLE, BUTTONS(1), SIZE(7, 1), PADDING, END);
 	LAYOUT_IS(
@@ -469,7 +470,7 @@ static void test_orders(void **user)
 static void test_odd_buttons(void **user)
 {
 	(void)user;
-	/* by how hard they are pressed */
+	/* buttons with pressure */
 	LAYOUT_IS("0:4 left_x@0+8[0,255] left_y@8+8[255,0] west@16+8[128,255] south@24+8[128,255]", GAME_PAD, X_AND_Y,
 	          PAGE(9), USAGES(1, 2), SIZE(8, 2), VARIABLE, END);
 	/* a bit whose range is a byte's */
@@ -478,7 +479,7 @@ static void test_odd_buttons(void **user)
 	LAYOUT_IS("0:3 left_x@0s8[-127,127] left_y@8s8[127,-127] west@16+1", GAME_PAD,
 	          AXES(USAGE(0x30), USAGE(0x31), LOGICAL(-127, 127), SIZE(8, 2), VARIABLE), PAGE(9), USAGE(1), SIZE(1, 1),
 	          VARIABLE, SIZE(7, 1), PADDING, END);
-	/* 0 is no button's number; a field of two bits has two, whatever it names */
+	/* 0 is not a button's number; a field of two bits has two buttons, however many usages it names */
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] west@17+1 south@18+1", GAME_PAD, X_AND_Y, PAGE(9), USAGES(0, 2),
 	          LOGICAL(0, 1), SIZE(1, 3), VARIABLE, SIZE(5, 1), PADDING, END);
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] west@16+1 south@17+1", GAME_PAD, X_AND_Y, PAGE(9), USAGES(1, 8),
@@ -492,10 +493,10 @@ static void test_odd_buttons(void **user)
 	          USAGES(1, 4), LOGICAL(1, 2), SIZE(8, 1), ARRAY, END);
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] right_shoulder@16+8[1,1] south@16+8[2,2]", GAME_PAD, X_AND_Y,
 	          PAGE(9), USAGE(6), USAGE(2), LOGICAL(1, 2), SIZE(8, 1), ARRAY, END);
-	/* directions in an array, which no pad is known to have, are nothing */
+	/* directions in an array are not read; no known pad has them */
 	LAYOUT_IS("0:4 left_x@0+8[0,255] left_y@8+8[255,0] west@16+1", GAME_PAD, X_AND_Y, BUTTONS(1), SIZE(7, 1), PADDING,
 	          PAGE(1), USAGES(0x90, 0x93), LOGICAL(1, 4), SIZE(8, 1), ARRAY, END);
-	/* names of the system and of consumer devices, in a report of their own */
+	/* usages of system and consumer controls, in a report of their own */
 	LAYOUT_IS("1:4 left_x@8+8[0,255] left_y@16+8[255,0] start@25+1 west@24+1\n2:2 guide@8+1", GAME_PAD, ID(1), X_AND_Y,
 	          BUTTONS(1), PAGE(1), USAGE(0x3d), SIZE(1, 1), VARIABLE, SIZE(6, 1), PADDING, ID(2), USAGE(0x85),
 	          SIZE(1, 1), VARIABLE, SIZE(7, 1), PADDING, END);
@@ -504,8 +505,7 @@ static void test_odd_buttons(void **user)
 	          LOGICAL(0, 1), SIZE(1, 8), VARIABLE, END);
 }
 
-/* An adaptor for two pads: the first one counts. A second pad that came in as well would press the first one's
- * buttons. */
+/* Of an adaptor for two pads the first pad counts; else the second one would press the first one's buttons. */
 static void test_two_pads_in_one(void **user)
 {
 	(void)user;
@@ -514,7 +514,7 @@ static void test_two_pads_in_one(void **user)
 	LAYOUT_IS("1:4 left_x@8+8[0,255] left_y@16+8[255,0] west@24+1", JOYSTICK, ID(1), X_AND_Y, BUTTONS(1), SIZE(7, 1),
 	          PADDING, END, JOYSTICK, ID(2), PAGE(1), USAGES(0x90, 0x93), LOGICAL(0, 1), SIZE(1, 4), VARIABLE,
 	          SIZE(4, 1), PADDING, END);
-	/* a keyboard in front of it does not hide it */
+	/* a keyboard before the pad does not hide it */
 	LAYOUT_IS("2:4 left_x@8+8[0,255] left_y@16+8[255,0] west@24+1 south@25+1", PAGE(1), USAGE(6), APPLICATION, ID(1),
 	          PAGE(7), USAGES(0xe0, 0xe7), LOGICAL(0, 1), SIZE(1, 8), VARIABLE, END, GAME_PAD, ID(2), X_AND_Y,
 	          BUTTONS(2), SIZE(6, 1), PADDING, END);
@@ -552,7 +552,7 @@ static void test_too_many_sources(void **user)
 	assert_int_equal(layout.report_count, STILB_INPUT_LAYOUT_REPORTS_MAX);
 }
 
-/* Only what stands where an Xbox pad has it is shaken as an Xbox pad. */
+/* Only an output report like an Xbox pad's makes a pad rumble like one. */
 static void test_xbox_rumble(void **user)
 {
 	(void)user;
@@ -581,7 +581,7 @@ static void find_as_unknown(const input_test_descriptor *descriptor, stilb_input
 	assert_string_equal(layout->name, "thing, USB");
 }
 
-/* Each is a pad also to those who do not know it, with a stick and buttons where its reports have them. */
+/* Each known pad is also recognised by its descriptor alone, with stick and buttons at the right bits. */
 static void test_every_descriptor(void **user)
 {
 	(void)user;
@@ -644,7 +644,7 @@ static void test_nameless(void **user)
 	                    "'this device' (0000:0000) is not a gamepad: it has no report descriptor");
 }
 
-/* What these descriptors say is what the table says: any report means the same to both. */
+/* For these pads descriptor and table agree: any report decodes to the same state by both. */
 static void test_fields_agree_with_the_table(void **user)
 {
 	(void)user;

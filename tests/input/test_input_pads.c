@@ -1,4 +1,4 @@
-/* The pads of a machine as events: who comes and goes, what they report, what is written to them. On fake nodes. */
+/* input_pads: coming and going, reports, rumble, and failures, on simulated nodes. */
 #include "input/device/input_pads.h"
 
 #include "input/device/input_reader_internal.h"
@@ -11,7 +11,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-/* In the place of the real one, so that the program loads no hidapi: the thread sanitizer could not see into it. */
+/* Replaces the real one, so that hidapi is not loaded: the thread sanitizer does not see into it. */
 const input_backend input_backend_hidapi = {.name = "none"};
 
 static stilb_input_pads *pads;
@@ -122,7 +122,7 @@ static void pads_there_at_the_start_are_added(void **state)
 	begin();
 	stilb_input_event event;
 	uint32_t seen = 0;
-	while (stilb_input_pads_next(pads, input_now_us(), &event)) { /* without waiting: the first look is done */
+	while (stilb_input_pads_next(pads, input_now_us(), &event)) { /* no waiting: all pads were found */
 		char path[PATH_MAX], device[PATH_MAX], serial[16];
 		assert_int_equal(event.kind, STILB_INPUT_PAD_ADDED);
 		int node = event.info->vendor == ds4->vendor ? 3 : 12;
@@ -204,13 +204,13 @@ static void a_pad_that_is_gone_at_once_is_no_pad(void **state)
 {
 	(void)state;
 	begin();
-	for (int i = 0; i < 20; i++) { /* of what sysfs says of it all, some, or nothing is there when it is looked at */
+	for (int i = 0; i < 20; i++) { /* sysfs is complete, incomplete or gone when it is read */
 		fake_plug(0, ds4);
 		fake_unplug(0);
 	}
 	fake_plug(1, asus);
 	bool is_next = false;
-	for (int alive = 0; alive != 0 || !is_next;) { /* a life that was seen has its end */
+	for (int alive = 0; alive != 0 || !is_next;) { /* each ADDED has its REMOVED */
 		stilb_input_event event = next();
 		assert_true(event.kind == STILB_INPUT_PAD_ADDED || event.kind == STILB_INPUT_PAD_REMOVED);
 		if (event.info->vendor == asus->vendor)
@@ -220,7 +220,7 @@ static void a_pad_that_is_gone_at_once_is_no_pad(void **state)
 	}
 }
 
-/* The frame has not seen the end of one when the next is at its node. */
+/* A new pad is at the node before the frame has taken the old one's REMOVED. */
 static void a_node_is_used_again_at_once(void **state)
 {
 	(void)state;
@@ -250,7 +250,7 @@ static void a_pad_without_permission_is_told_of(void **state)
 	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED);
 	assert_string_equal(stilb_input_udev_rule(denied.info, rule, sizeof rule),
 	                    "KERNEL==\"hidraw*\", KERNELS==\"*:054C:05C4.*\", MODE=\"0660\", TAG+=\"uaccess\"");
-	stilb_input_pads_rumble(pads, denied.pad, 1, 1, 100); /* of no use, and no harm */
+	stilb_input_pads_rumble(pads, denied.pad, 1, 1, 100); /* does nothing */
 	fake_chmod(5, 0200);
 	assert_true(is_quiet(20));
 	fake_chmod(5, 0600);
@@ -276,7 +276,7 @@ static void a_denied_pad_goes(void **state)
 	next_of(STILB_INPUT_PAD_ADDED);
 }
 
-/* udev gives a new node to the user a while after the kernel has made it. */
+/* udev grants permission some time after the kernel has created the node. */
 static void a_new_node_has_time_to_be_opened_up(void **state)
 {
 	(void)state;
@@ -287,7 +287,7 @@ static void a_new_node_has_time_to_be_opened_up(void **state)
 	sleep_ms(30);
 	fake_chmod(0, 0600);
 	assert_int_equal(next_of(STILB_INPUT_PAD_ADDED).info->vendor, ds4->vendor);
-	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED); /* nobody opened that one up */
+	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED); /* permission never came */
 	assert_int_equal(denied.info->vendor, asus->vendor);
 	assert_in_range(denied.time_us - before_us, 500000, 5000000);
 	fake_plug_mode(2, ds4, 0);
@@ -309,7 +309,7 @@ static void events_come_in_time_order_until_a_time(void **state)
 	int64_t before_us = input_now_us();
 	for (uint32_t i = 0; i < 40; i++) {
 		send_number((int)(i & 1), i);
-		do /* until its reader has stamped it */
+		do /* until its reader has published it */
 			sleep_ms(1);
 		while (stilb_input_pads_stats_get(pads).reports <= i);
 	}
@@ -339,7 +339,7 @@ static void *stall_send(void *user)
 	return NULL;
 }
 
-/* The frame stands still for half a second while a pad reports: no report is lost, each has its own time. */
+/* The frame stalls for half a second while a pad reports: no report is lost, and each has its own time. */
 static void a_stalled_frame_loses_nothing(void **state)
 {
 	(void)state;
@@ -373,7 +373,7 @@ static void a_stalled_frame_loses_nothing(void **state)
 	assert_true(late < 300); /* a frame's time would be up to 500 ms late for most */
 }
 
-/* Where the ring is full reports are lost, and counted; the newest is not. */
+/* With a full ring reports are lost and counted, but never the newest. */
 static void a_full_ring_keeps_the_newest(void **state)
 {
 	(void)state;
@@ -449,17 +449,17 @@ static void a_pad_shakes_for_a_while(void **state)
 	assert_shakes(0, &layout, 1.0f, 0.25f, 0);
 	assert_shakes(0, &layout, 0, 0, 1);
 	assert_in_range(input_now_us() - before_us, 60000, 5000000);
-	stilb_input_pads_rumble(pads, pad, 1.5f, 0, 60000); /* the ends of the ranges */
+	stilb_input_pads_rumble(pads, pad, 1.5f, 0, 60000); /* values beyond the ranges */
 	stilb_input_pads_rumble(pads, pad + 1, 1, 1, 100);  /* no such pad */
 	assert_shakes(0, &layout, 1, 0, 2);
 	stilb_input_pads_rumble(pads, pad, __builtin_nanf(""), 1, 0); /* for no time: it stops at once */
 	assert_shakes(0, &layout, 0, 0, 3);
 	uint8_t report[STILB_INPUT_OUTPUT_MAX];
-	assert_int_equal(fake_receive(0, report, sizeof report, 50), 0); /* it has stopped: nothing to stop at the end */
+	assert_int_equal(fake_receive(0, report, sizeof report, 50), 0); /* stopped already: no further report at the end */
 	assert_int_equal(stilb_input_pads_stats_get(pads).written, 4);
 }
 
-/* Faster than a pad can bear: those in between are left out, and the newest counts. */
+/* Requests come faster than the rate limit: those in between are skipped, and the newest counts. */
 static void rumble_is_limited_in_rate(void **state)
 {
 	(void)state;
@@ -484,7 +484,7 @@ static void rumble_is_limited_in_rate(void **state)
 	assert_in_range(count, 1, 1 + (input_now_us() - before_us) / 30000); /* of 501: one in 30 ms */
 }
 
-/* A Switch Pro stops by itself when it is not told again and again. */
+/* A Switch Pro stops by itself unless the report is repeated. */
 static void what_forgets_to_shake_is_reminded(void **state)
 {
 	(void)state;
@@ -526,7 +526,7 @@ static void what_shakes_is_stopped_at_the_end(void **state)
 	assert_int_equal(recv(fake.nodes[0].device, report, 1, 0), 0); /* and the node is closed */
 }
 
-/* Its time is over, its stop must wait for the rate limit, and then it is the program that ends. */
+/* The program ends while the stop of a rumble waits for the rate limit. */
 static void what_should_have_stopped_is_stopped_at_the_end(void **state)
 {
 	(void)state;
@@ -554,7 +554,7 @@ static void a_pad_that_does_not_answer_is_waited_for(void **state)
 	next_of(STILB_INPUT_PAD_ADDED);
 	stilb_input_pads_destroy(pads);
 	pads = NULL;
-	assert_int_equal(count_entries("/proc/self/fd"), fds + 1); /* all is closed but the pad's own end of it */
+	assert_int_equal(count_entries("/proc/self/fd"), fds + 1); /* only the simulated pad's end is open */
 }
 
 static void a_pad_is_greeted(void **state)
@@ -600,7 +600,7 @@ static void many_lives_leave_nothing(void **state)
 	assert_int_equal(count_entries("/proc/self/fd"), before);
 }
 
-/* More than there is room for: the others come when some have gone. */
+/* More pads than slots: the others are added when some have gone. */
 static void a_crowd_waits_for_room(void **state)
 {
 	(void)state;
@@ -622,7 +622,7 @@ static void a_crowd_waits_for_room(void **state)
 	assert_int_equal(added + removed, 40);
 }
 
-/* The kernel forgets events when more come than it keeps: then all nodes are looked at. */
+/* When inotify's queue overflows all nodes are scanned. */
 static void a_flood_of_events_hides_no_pad(void **state)
 {
 	(void)state;
@@ -648,7 +648,7 @@ static void a_flood_of_events_hides_no_pad(void **state)
 		fake_write(path, "", 0, 0600);
 		unlink(path);
 	}
-	fake_write(plugged, "", 0, 0600); /* of these two no event tells */
+	fake_write(plugged, "", 0, 0600); /* no inotify event for these two */
 	unlink(denied);
 	fake_path(path, fake.sys, "class/hidraw/hidraw%d/device", 1);
 	unlink(path);
@@ -674,7 +674,7 @@ static void *answer(void *user)
 	for (uint32_t i = 0; i < 500; i++) {
 		send_number(0, i);
 		if (i % 50 == 0)
-			sleep_ms(1); /* now who waits sleeps, now it is about to */
+			sleep_ms(1); /* sometimes the waiter sleeps, sometimes it is about to */
 	}
 	return NULL;
 }
@@ -700,8 +700,8 @@ static void who_waits_is_told(void **state)
 
 /* ---- failures ---------------------------------------------------------------------------------------------------- */
 
-/* Read by the watcher: atomic, relaxed, as nothing depends on them. */
-static int threads_before_failure = -1; /* so many are made, then one fails; -1: none */
+/* Read by the watcher: atomic, relaxed, because no other data depends on them. */
+static int threads_before_failure = -1; /* so many threads are created, then one fails; -1: none fails */
 static bool memory_fails;
 
 static void fail_thread(int threads_before)
@@ -734,7 +734,7 @@ void *__wrap_stilb_memory_alloc(size_t count, size_t size)
 	return __atomic_load_n(&memory_fails, __ATOMIC_RELAXED) ? NULL : __real_stilb_memory_alloc(count, size);
 }
 
-/* Says so, leaves nothing behind, and goes on with what comes next. */
+/* Reports the failure, leaks nothing, and still reads the next pad. */
 static void a_pad_that_cannot_be_read_is_left(void **state)
 {
 	(void)state;
@@ -809,7 +809,7 @@ static void a_machine_without_hid_has_no_pads(void **state)
 	assert_true(input_now_us() - before_us >= 20000);
 }
 
-/* An argument: how many pads come and go; then also what takes as long. */
+/* Argument: how many pads come and go; with it the long tests run too. */
 int main(int argc, char **argv)
 {
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)

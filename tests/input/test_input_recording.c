@@ -30,7 +30,7 @@ static void write_text(const char *path, const char *text, size_t length)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* A new string, its length in *length. */
+/* Reads a file as a new string; *length is its length. */
 static char *read_text(const char *path, size_t *length)
 {
 	struct stat info;
@@ -119,7 +119,7 @@ static stilb_input_recording *load(const char *path)
 	return recording;
 }
 
-/* Writes what a recording says into another file. */
+/* Records the events of a recording to another file. */
 static void record_again(stilb_input_recording *recording, const char *path)
 {
 	stilb_input_recorder *recorder;
@@ -144,7 +144,7 @@ static void assert_same_files(const char *a, const char *b)
 
 #define REPORTS 600
 
-/* Three pads, of which one goes and comes back with another number, among events that no recording has. */
+/* Three pads, one of which is unplugged and comes back with another number, among events that are not recorded. */
 static void test_round_trip(void **state)
 {
 	(void)state;
@@ -215,7 +215,7 @@ static const char golden[] = "# recorded by Stilb " STILB_VERSION ", in the form
 							 "E: 000003.250001 1 0f\n"
 							 "# removed 000004.000000\n";
 
-/* The text itself, as other programs read it. */
+/* The exact text, because other programs read it. */
 static void test_text(void **state)
 {
 	(void)state;
@@ -242,7 +242,7 @@ static void test_text(void **state)
 	assert_int_equal(folder_clear(), 2);
 }
 
-/* Up to a time, that time included. */
+/* Events up to a time, inclusive. */
 static void test_until(void **state)
 {
 	(void)state;
@@ -264,7 +264,7 @@ static void test_until(void **state)
 	folder_clear();
 }
 
-/* What has no report does not take the place of what was there. */
+/* A recording without a report does not replace an existing file. */
 static void test_nothing_recorded(void **state)
 {
 	(void)state;
@@ -373,7 +373,7 @@ static void test_names(void **state)
 	}
 	folder_clear();
 	char cut[8];
-	input_text_copy(cut, sizeof cut, "\xe2\x82\xac", 2); /* the third byte is not its own */
+	input_text_copy(cut, sizeof cut, "\xe2\x82\xac", 2); /* the third byte is beyond the length */
 	assert_string_equal(cut, "??");
 	for (size_t size = 1; size <= sizeof cut; size++) { /* at whole characters */
 		static const size_t fits[] = {0, 1, 1, 1, 4, 4, 4, 7};
@@ -558,7 +558,7 @@ static void test_limits(void **state)
 
 /* ---- disks and memory -------------------------------------------------------------------------------------------- */
 
-/* What was there before stays, and nothing is left beside it. */
+/* After a failed write the old file stays, and nothing is left beside it. */
 static void test_full_disk(void **state)
 {
 	(void)state;
@@ -579,7 +579,7 @@ static void test_full_disk(void **state)
 		made.event.bytes = made.bytes;
 		failures += stilb_input_recorder_add(recorder, &made.event) != STILB_OK;
 	}
-	assert_in_range(failures, 1, 999); /* said at once, and at every event after */
+	assert_in_range(failures, 1, 999); /* reported at once, and for every event after it */
 	assert_int_equal(stilb_input_recorder_close(recorder), STILB_ERROR_FILE);
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 	assert_non_null(strstr(stilb_error_message(), "cannot record to 'a.rec': File too large"));
@@ -620,7 +620,7 @@ static void test_no_memory(void **state)
 
 /* ---- damaged files ----------------------------------------------------------------------------------------------- */
 
-/* Every kind of event only of pads that are there, times in order. Returns how many events. */
+/* Checks that events are of pads that are there and in time order. Returns their number. */
 static size_t walk(stilb_input_recording *recording)
 {
 	size_t count = 0;
@@ -644,7 +644,7 @@ static size_t walk(stilb_input_recording *recording)
 	return count;
 }
 
-/* Bytes replaced, taken out and doubled at random: refused, or read as something that can be written and read again. */
+/* Bytes replaced, removed and doubled at random: the file is refused, or its events can be written and read again. */
 static void test_damaged(void **state)
 {
 	(void)state;

@@ -1,4 +1,4 @@
-/* The ring from a reader to the frame: in order, whole, with room for as much as it says. */
+/* input_ring: records come out in order and whole, and as many fit as the capacity says. */
 #include "input/device/input_ring_internal.h"
 #include "support/test.h"
 
@@ -34,7 +34,7 @@ static bool is_record(const input_record *record, uint64_t number)
 	       memcmp(record->bytes, bytes, size) == 0;
 }
 
-/* Against a queue that is right by its simplicity: how many are in it, and how long they are. */
+/* Against a model: the number of records in the queue and their lengths. */
 static void it_is_a_queue_of_whole_records(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
-/* The pads of a machine whose devices are umockdev's: sysfs, nodes and ioctls as programs see them, with the
- * directories that the engine uses. With STILB_TEST_HIDAPI it is hidapi that reads them, unmodified; else the kernel's
+/* input_pads on devices that umockdev simulates: sysfs, nodes and ioctls as programs see them, in the
+ * directories that the engine uses. With STILB_TEST_HIDAPI unmodified hidapi reads them, else the kernel's
  * interface. */
 #include "input/device/input_reader_internal.h"
 #include "input/hid/input_layout.h"
@@ -24,7 +24,7 @@ const input_backend input_backend_hidapi = {.name = "none"}; /* so that the prog
 
 #define NODE "/dev/hidraw7"
 #define NAME "Sony Computer Entertainment Wireless Controller"
-#define REPORTS 8u /* before it expects to be shaken, and as many after */
+#define REPORTS 8u /* before the script expects rumble, and as many after it */
 #define SIZE 64u
 
 static const uint8_t feature[37] = {0x02, 0xab, 0xcd, 0xef};
@@ -82,7 +82,7 @@ static void read_reports(stilb_input_pads *pads, stream *got, uint32_t reports)
 	}
 }
 
-/* It is there, reports, and shakes: the bed goes on only if the bytes are right. */
+/* The pad is found, reports and rumbles: the simulated device goes on only if the bytes are right. */
 static void live_with(stilb_input_pads *pads)
 {
 	static stream got;
@@ -146,7 +146,7 @@ static void a_device_is_read_and_asked(void **state)
 	}
 	int64_t before_us;
 	size = 0;
-	do { /* until the bed waits to be written to */
+	do { /* until the simulated device waits for a write */
 		stream_add(&got, report, (size_t)size);
 		before_us = input_now_us();
 		size = DEVICE_BACKEND.read(&device, wake_fd, 100, report, sizeof report);
@@ -158,7 +158,7 @@ static void a_device_is_read_and_asked(void **state)
 	close(wake_fd);
 }
 
-/* What hidapi 0.13.1 does not survive. */
+/* Cases in which hidapi 0.13.1 crashes. */
 static void what_is_no_hidraw_is_not_opened(void **state)
 {
 	(void)state;
@@ -171,7 +171,7 @@ static void what_is_no_hidraw_is_not_opened(void **state)
 }
 
 #ifdef STILB_TEST_HIDAPI
-/* The bed is what hidapi takes for a machine with a pad. */
+/* hidapi finds the simulated pad. */
 static void hidapi_enumerates_the_pad(void **state)
 {
 	(void)state;

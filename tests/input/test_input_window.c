@@ -1,4 +1,5 @@
-/* The gamepads that the window library reads: as states, as events, and never beside the same pad read directly. */
+/* input_window: the window library's gamepads as states and events, and never a second time beside the same pad read
+ * directly. */
 #include "input/input_window.h"
 #include "support/input_descriptors.h"
 #include "support/test.h"
@@ -51,7 +52,7 @@ static void feed(int64_t later_us)
 	stilb_input_window_feed(&window, gamepads, now_us, control);
 }
 
-/* The pads there are now; a direct one is told by its path. */
+/* The control's pads now; a pad read directly has a path in /dev. */
 static uint32_t pads(stilb_input_control_pad out[STILB_INPUT_PADS_MAX])
 {
 	return stilb_input_control_pads(control, out);
@@ -123,7 +124,8 @@ static void guids_say_which_pad_it_is(void **state)
 {
 	(void)state;
 	assert_true(same(GUID_DS4_USB, "Sony Wireless Controller", 3, 0x054c, 0x05c4, "Wireless Controller"));
-	assert_false(same(GUID_DS4_USB, "Wireless Controller", 5, 0x054c, 0x05c4, "Wireless Controller")); /* by radio */
+	assert_false(
+		same(GUID_DS4_USB, "Wireless Controller", 5, 0x054c, 0x05c4, "Wireless Controller")); /* over Bluetooth */
 	assert_true(same(GUID_DS4_BLUETOOTH, "Wireless Controller", 5, 0x054c, 0x05c4, ""));
 	assert_false(same(GUID_DS4_USB, "DUALSHOCK", 3, 0x054c, 0x0ce6, "DualSense"));
 	assert_false(same(GUID_XBOX_USB, "X-Box 360 pad", 3, 0x054c, 0x028e, "X-Box 360 pad"));
@@ -164,7 +166,7 @@ static void a_pad_comes_acts_and_goes(void **state)
 	assert_true(now[0].leads);
 	NEAR(now[0].state.axes[STILB_INPUT_LEFT_Y], 1.0f);
 	assert_int_equal(now[0].last_us, now_us);
-	feed(4 * MS); /* nothing new: nothing is said */
+	feed(4 * MS); /* nothing changed: no event */
 	pads(now);
 	assert_int_equal(now[0].last_us, now_us - 4 * MS);
 
@@ -195,7 +197,7 @@ static void another_pad_at_the_same_place(void **state)
 	assert_string_equal(now[0].name, "second");
 }
 
-/* One pad, two ways to read it: whichever comes first, the direct one stays. */
+/* One pad that can be read in two ways: whichever comes first, the direct one stays. */
 static void a_pad_never_appears_twice(void **state)
 {
 	(void)state;
@@ -209,9 +211,9 @@ static void a_pad_never_appears_twice(void **state)
 	for (uint32_t i = 0; i < 2; i++)
 		assert_string_equal(now[i].info->path, now[i].pad == 1 ? "/dev/hidraw3" : "window:1");
 
-	direct(STILB_INPUT_PAD_REMOVED, 1, STILB_INPUT_BUS_USB, 0x054c, 0x05c4); /* as when its rule is taken away */
+	direct(STILB_INPUT_PAD_REMOVED, 1, STILB_INPUT_BUS_USB, 0x054c, 0x05c4); /* as if its udev rule was removed */
 	feed(4 * MS);
-	assert_int_equal(pads(now), 2); /* it has been there for long enough */
+	assert_int_equal(pads(now), 2); /* the library's was there for long enough */
 	direct(STILB_INPUT_PAD_ADDED, 2, STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
 	feed(4 * MS);
 	assert_int_equal(pads(now), 2);
@@ -219,7 +221,7 @@ static void a_pad_never_appears_twice(void **state)
 		assert_string_equal(now[i].info->path, now[i].pad == 2 ? "/dev/hidraw3" : "window:1");
 }
 
-/* Its node may not be opened: the window's way is what is left. */
+/* The node may not be opened, so the library's gamepad counts. */
 static void a_denied_pad_is_read_through_the_window(void **state)
 {
 	(void)state;
@@ -249,7 +251,7 @@ static void all_places_at_once(void **state)
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++)
 		for (uint32_t k = 0; k < i; k++)
 			assert_true(now[i].pad != now[k].pad);
-	direct(STILB_INPUT_PAD_ADDED, 1, STILB_INPUT_BUS_BLUETOOTH, 0x054c, 0x05c4); /* no room: it is not heard */
+	direct(STILB_INPUT_PAD_ADDED, 1, STILB_INPUT_BUS_BLUETOOTH, 0x054c, 0x05c4); /* no free entry: it is ignored */
 	feed(4 * MS);
 	assert_int_equal(pads(now), STILB_INPUT_PADS_MAX);
 	memset(gamepads, 0, sizeof gamepads);

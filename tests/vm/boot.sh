@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# boot.sh KERNEL LOG WORD...: boots the kernel of kernel.sh in a virtual machine, runs the words there as a line of a
-# shell, as root, and ends as that ends. Words that are programs of this machine come along, with the libraries that
-# they load. What the machine printed is kept in LOG. No hardware, no KVM, no network, no root here.
+# boot.sh KERNEL LOG WORD...: boots the kernel of kernel.sh in a virtual machine, runs the words there as a shell command
+# as root, and returns its exit status. Words that are programs here are copied into the machine with the libraries that
+# they load. The machine's output goes to LOG. Needs no hardware, no KVM, no network and no root.
 #
 #   tests/vm/boot.sh build/vm-kernel build/vm.log build/release/tests/test_vm_pads
 #
@@ -52,7 +52,7 @@ echo "${line[*]}" >"$root/command"
 
 # ---- run -------------------------------------------------------------------------------------------------------------
 
-# -M pc has a timer of microseconds, which microvm lacks. A kernel that oopses ends the machine, and so the test.
+# -M pc has a timer with microseconds, which microvm lacks. A kernel that oopses ends the machine, and so the test.
 timeout -k 5 "${STILB_VM_SECONDS:-240}" qemu-system-x86_64 -M pc -accel tcg,thread=multi -cpu max -smp 2 -m 512 \
 	-nodefaults -no-user-config -display none -serial stdio -no-reboot \
 	-kernel "$kernel/vmlinux" -initrd "$scratch/initramfs" \

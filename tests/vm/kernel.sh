@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # kernel.sh FOLDER: puts Debian's kernel and the modules that the tests of the tier vm load into FOLDER, from the
-# package that linux-image-amd64 names. Nothing is installed. What is there is kept: the second call needs no network.
-# When it cannot be had, FOLDER/why says why, and the exit status is 1.
+# package that linux-image-amd64 names. Nothing is installed. A second call finds the files and needs no network. If the
+# package cannot be had, FOLDER/why has the reason, and the exit status is 1.
 set -euo pipefail
 mkdir -p "$1"
 folder=$(cd "$1" && pwd)
@@ -47,7 +47,7 @@ fetch() {
 	(cd "$download" && apt-get download "$package" >&2)
 }
 
-# The lists are missing, or older than what the archive has.
+# apt's lists are missing, or older than the archive.
 update_lists() {
 	local sudo=()
 	if [ "$(id -u)" -ne 0 ]; then
@@ -58,7 +58,7 @@ update_lists() {
 	"${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update >&2
 }
 
-# vmlinuz holds the kernel packed: where is in its header (Documentation/x86/boot.rst: setup_sects at 0x1f1,
+# vmlinuz contains the compressed kernel; its position is in the header (Documentation/x86/boot.rst: setup_sects at 0x1f1,
 # payload_offset at 0x248, payload_length at 0x24c; the last four bytes of the payload are its unpacked size). A
 # virtual machine starts the unpacked one 2.4 s sooner.
 unpack_kernel() { # VMLINUZ VMLINUX

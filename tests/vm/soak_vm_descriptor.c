@@ -1,11 +1,11 @@
-/* input_descriptor against the kernel: every pad's report descriptor, and others made of them by chance, are given to
- * Linux through /dev/uhid; what it makes of them (debugfs, hid/.../rdesc) must be what we make of them.
+/* input_descriptor against the kernel: every pad's report descriptor, and random variations of them, are given to Linux
+ * through /dev/uhid; Linux's fields (debugfs, hid/.../rdesc) must be equal to ours.
  *
- *   soak_vm_descriptor COUNT        so many by chance */
+ *   soak_vm_descriptor COUNT        number of random variations */
 #include "input/hid/input_descriptor.h"
 #include "support/test.h"
 #include "vm/uhid_pad.h"
-#include "vm/vm_room.h"
+#include "vm/vm_fixture.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -13,24 +13,24 @@
 #include <string.h>
 
 #define USAGES_MAX 12288u     /* of one field: HID_MAX_USAGES */
-#define CHANGED_ELEMENTS 500u /* more take the kernel long to print, and say nothing new */
+#define CHANGED_ELEMENTS 500u /* larger fields take the kernel long to print and test nothing new */
 
-static uint32_t by_chance; /* how many */
+static uint32_t by_chance; /* number of random descriptors */
 static int64_t started_us;
-static const input_test_descriptor *given; /* to the kernel now */
+static const input_test_descriptor *given; /* the descriptor that the kernel has now */
 static stilb_input_descriptor parsed;
 
-/* ---- what the kernel says ---------------------------------------------------------------------------------------- */
+/* ---- the kernel's fields ----------------------------------------------------------------------------------------- */
 
 /* A field as drivers/hid/hid-debug.c prints it. */
 typedef struct kernel_field {
 	uint8_t kind, id;
 	bool constant, variable, relative, null,
-		ranged; /* ranged: the logical ends are printed; not where they are equal */
+		ranged; /* ranged: the logical range is printed, which it is not if its ends are equal */
 	int32_t logical_min, logical_max;
 	uint32_t size, count, offset; /* bits; without the id */
 	uint32_t usage_count;
-	uint32_t usages[USAGES_MAX]; /* NO_NUMBER: it has a name that is not in the list here */
+	uint32_t usages[USAGES_MAX]; /* NO_NUMBER: the kernel prints a name that is not in the list here */
 } kernel_field;
 
 #define NO_NUMBER 0xffffffffu
@@ -75,7 +75,7 @@ static FILE *kernel_open(const input_test_descriptor *pad)
 	return file;
 }
 
-/* ---- and what we say --------------------------------------------------------------------------------------------- */
+/* ---- our fields -------------------------------------------------------------------------------------------------- */
 
 /* Our field with the element that begins at the kernel's bit; of an array's fields the one with the value, if given. */
 static const stilb_input_field *field_at(const kernel_field *theirs, uint32_t bit, const int64_t *value)
@@ -109,7 +109,7 @@ static void same_element(const kernel_field *theirs, const stilb_input_field *ou
 	same(!(ours->flags & STILB_INPUT_NULL) != theirs->null, "null", theirs);
 }
 
-/* Returns the elements that have a usage for us; usage 0 of page 0 is none. */
+/* Returns the number of elements that have a usage in our field; usage 0 of page 0 is none. */
 static uint32_t compare_variable(const kernel_field *theirs)
 {
 	const uint32_t id_bits = parsed.numbered ? 8 : 0;
@@ -130,7 +130,7 @@ static uint32_t compare_variable(const kernel_field *theirs)
 	return elements;
 }
 
-/* The same. Usages beyond the values name nothing; the kernel fills its list up with the last one. */
+/* The same for an array. Usages beyond the values are unused; the kernel repeats the last one. */
 static uint32_t compare_array(const kernel_field *theirs)
 {
 	uint32_t values = 0;
@@ -148,7 +148,7 @@ static uint32_t compare_array(const kernel_field *theirs)
 	return first->usage ? theirs->count : 0;
 }
 
-/* Elements that we have a usage for; those of an array once, however many fields it takes. */
+/* Number of our elements with a usage; those of an array count once, however many fields it has. */
 static uint32_t our_elements(void)
 {
 	uint32_t count = 0;
@@ -169,11 +169,11 @@ static uint32_t compare(const kernel_field *field)
 	return field->variable ? compare_variable(field) : compare_array(field);
 }
 
-/* Reads line by line and compares where a field ends. Returns the elements, as compare does. */
+/* Reads line by line and compares at the end of each field. Returns the number of elements, as compare does. */
 static uint32_t compare_all(FILE *file)
 {
 	static kernel_field field;
-	static char line[4 * STILB_INPUT_DESCRIPTOR_MAX]; /* the first has all bytes */
+	static char line[4 * STILB_INPUT_DESCRIPTOR_MAX]; /* the first line has all bytes */
 	uint32_t elements = 0, id;
 	while (fgets(line, sizeof line, file)) {
 		char *text = line + strspn(line, " "), *end = text + strlen(text);
@@ -222,7 +222,7 @@ static uint32_t give_to_kernel(const input_test_descriptor *pad)
 	return elements;
 }
 
-/* ---- descriptors by chance --------------------------------------------------------------------------------------- */
+/* ---- random descriptors ------------------------------------------------------------------------------------------ */
 
 typedef struct item {
 	size_t at, size;
@@ -237,8 +237,8 @@ static item item_at(const uint8_t *bytes, size_t at)
 	return found;
 }
 
-/* False: Linux refuses it, or means to read it otherwise, and we do not: long items, sizes over 256, counts over 12288,
- * delimiters, ranges with their page or of very many usages, senseless values of padding and of what has no bits. */
+/* False: a descriptor that Linux refuses or reads differently by design: long items, sizes over 256, counts over 12288,
+ * delimiters, ranges with a page or with very many usages, values of padding or of fields without bits. */
 static bool kernel_reads(const uint8_t *bytes, size_t size)
 {
 	uint8_t all_data[STILB_INPUT_DESCRIPTOR_MAX];
@@ -274,7 +274,8 @@ static uint32_t pick(uint64_t *state, uint32_t below)
 	return (uint32_t)(stilb_random_u64(8, ++*state) % below);
 }
 
-/* Some items of a pad's descriptor with other data or another tag, some left out, some twice. Returns the size. */
+/* Varies a pad's descriptor: some items get other data or another tag, some are left out, some doubled. Returns the
+ * size. */
 static size_t change(const input_test_descriptor *pad, uint64_t *state, uint8_t *bytes)
 {
 	static const uint8_t ends[] = {0, 1, 2, 3, 7, 8, 9, 15, 16, 31, 32, 33, 127, 128, 254, 255};
@@ -299,7 +300,7 @@ static size_t change(const input_test_descriptor *pad, uint64_t *state, uint8_t 
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-/* hid-generic reads all: the drivers of known pads put descriptors of their own in the place of the pads'. */
+/* hid-generic reads all of them, because the drivers of known pads replace the pads' descriptors by their own. */
 static int generic_alone(void **state)
 {
 	(void)state;
@@ -336,7 +337,7 @@ static void test_changed(void **state)
 	uint32_t elements = 0, tries = 0;
 	for (uint32_t i = 0; i < by_chance; tries++) {
 		static uint8_t bytes[STILB_INPUT_DESCRIPTOR_MAX];
-		static input_test_descriptor pad; /* outlives a failure */
+		static input_test_descriptor pad; /* static, because a failure leaves the function */
 		pad = input_test_descriptors[pick(&random, (uint32_t)input_test_descriptor_count)];
 		pad.size = change(&pad, &random, bytes);
 		pad.bytes = bytes;
@@ -348,7 +349,7 @@ static void test_changed(void **state)
 	print_message("vm: %u changed ones (of %u): %u elements as the kernel has them\n", by_chance, tries, elements);
 }
 
-/* The descriptor that a test failed at. */
+/* Prints the descriptor at which a test failed. */
 static int print_given(void **state)
 {
 	(void)state;

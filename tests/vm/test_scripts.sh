@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs kernel.sh and boot.sh among stand-ins for apt and a package that holds no real kernel, and checks what they
-# fetch, what they leave and what they say where something is missing. Nothing is downloaded or booted.
+# Runs kernel.sh and boot.sh with stand-ins for apt and a package without a real kernel, and checks the files they fetch
+# and leave and their messages when something is missing. Nothing is downloaded or booted.
 set -uo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 scratch=$(mktemp -d)

@@ -1,9 +1,9 @@
-/* Pads on a real kernel: what is made through /dev/uhid is found, read, shaken and lost by both backends at once.
- * Runs in the virtual machine of boot.sh, as root, with the modules that init.sh loads. */
+/* Pads on a real kernel: pads simulated through /dev/uhid are found, read, made to rumble and lost by both backends at
+ * once. Runs in the virtual machine of boot.sh, as root, with the modules that init.sh loads. */
 #include "support/input_descriptors.h"
 #include "support/test.h"
 #include "vm/vm_ds4.h"
-#include "vm/vm_room.h"
+#include "vm/vm_fixture.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -23,7 +23,7 @@ static const input_test_descriptor *ds4(uint16_t bus)
 	return kind;
 }
 
-/* ---- what is there ----------------------------------------------------------------------------------------------- */
+/* ---- finding pads ------------------------------------------------------------------------------------------------ */
 
 /* HID 1.11, appendix E.10: a mouse of three buttons. */
 static const uint8_t mouse_bytes[] = {0x05, 0x01, 0x09, 0x02, 0xa1, 0x01, 0x09, 0x01, 0xa1, 0x00, 0x05, 0x09, 0x19,
@@ -49,54 +49,54 @@ static void check_info(const vm_heard *heard, const input_test_descriptor *kind)
 
 #define AT_ONCE 8u
 
-static void find_pads(vm_room *room, const input_test_descriptor *kinds, uint32_t count)
+static void find_pads(vm_fixture *fixture, const input_test_descriptor *kinds, uint32_t count)
 {
-	vm_room *late;
+	vm_fixture *late;
 	uhid_pad *pads[AT_ONCE];
 	char unique[AT_ONCE][16];
 	for (uint32_t i = 0; i < count; i++) {
 		snprintf(unique[i], sizeof unique[i], "pad %u", i);
-		pads[i] = vm_room_plug(room, &kinds[i], unique[i]);
+		pads[i] = vm_fixture_plug(fixture, &kinds[i], unique[i]);
 	}
-	vm_room_open((void **)&late); /* finds them there, as a game that starts does */
+	vm_fixture_open((void **)&late); /* finds pads that are plugged in already, like a program that starts */
 	for (uint32_t i = 0; i < count; i++) {
-		vm_room_wait(room, unique[i], true);
-		vm_room_wait(late, unique[i], true);
+		vm_fixture_wait(fixture, unique[i], true);
+		vm_fixture_wait(late, unique[i], true);
 		for (int side = 0; side < VM_SIDES; side++) {
-			check_info(vm_room_find(room, side, unique[i]), &kinds[i]);
-			check_info(vm_room_find(late, side, unique[i]), &kinds[i]);
+			check_info(vm_fixture_find(fixture, side, unique[i]), &kinds[i]);
+			check_info(vm_fixture_find(late, side, unique[i]), &kinds[i]);
 		}
-		printf("  %-40s %s\n", kinds[i].name, vm_room_find(room, 0, unique[i])->layout.recognised);
+		printf("  %-40s %s\n", kinds[i].name, vm_fixture_find(fixture, 0, unique[i])->layout.recognised);
 	}
-	vm_room_close((void **)&late);
+	vm_fixture_close((void **)&late);
 	for (uint32_t i = 0; i < count; i++) {
-		vm_room_pull(room, pads[i]);
-		vm_room_wait(room, unique[i], false);
+		vm_fixture_pull(fixture, pads[i]);
+		vm_fixture_wait(fixture, unique[i], false);
 	}
 }
 
 static void test_every_pad_is_found(void **state)
 {
-	vm_room *room = *state;
-	vm_room_plug(room, &mouse, "mouse");
+	vm_fixture *fixture = *state;
+	vm_fixture_plug(fixture, &mouse, "mouse");
 	uint32_t count = (uint32_t)input_test_descriptor_count;
 	for (uint32_t i = 0; i < count; i += AT_ONCE)
-		find_pads(room, input_test_descriptors + i, count - i < AT_ONCE ? count - i : AT_ONCE);
+		find_pads(fixture, input_test_descriptors + i, count - i < AT_ONCE ? count - i : AT_ONCE);
 	for (int side = 0; side < VM_SIDES; side++)
-		assert_null(vm_room_find(room, side, "mouse"));
+		assert_null(vm_fixture_find(fixture, side, "mouse"));
 }
 
-/* A node that this user may not open is told of, with the rule that helps; when the rule is there, the pad is. The
- * program's own child runs this as somebody else. */
+/* A node that this user may not open is DENIED, with the rule that it needs; once the mode allows it the pad is ADDED.
+ * Runs in a child process as another user. */
 static int denied_then_granted(const char *path)
 {
-	vm_room *room;
+	vm_fixture *fixture;
 	if (setresuid(1000, 1000, 1000) != 0)
 		return 2;
-	vm_room_open((void **)&room);
-	vm_room_wait(room, USB, true);
+	vm_fixture_open((void **)&fixture);
+	vm_fixture_wait(fixture, USB, true);
 	for (int side = 0; side < VM_SIDES; side++) {
-		const vm_heard *heard = vm_room_find(room, side, USB);
+		const vm_heard *heard = vm_fixture_find(fixture, side, USB);
 		char rule[1024];
 		stilb_input_udev_rule(&heard->info, rule, sizeof rule);
 		if (!heard->denied || strcmp(heard->info.path, path) != 0 || !strstr(rule, "054C:05C4"))
@@ -105,21 +105,21 @@ static int denied_then_granted(const char *path)
 	puts("denied"); /* the parent now changes the mode, as udev does */
 	fflush(stdout);
 	for (int i = 0; i < 500; i++) {
-		vm_room_run(room, 10000);
-		const vm_heard *a = vm_room_find(room, 0, USB), *b = vm_room_find(room, 1, USB);
+		vm_fixture_run(fixture, 10000);
+		const vm_heard *a = vm_fixture_find(fixture, 0, USB), *b = vm_fixture_find(fixture, 1, USB);
 		if (a && b && !a->denied && !b->denied)
-			return vm_room_close((void **)&room);
+			return vm_fixture_close((void **)&fixture);
 	}
 	return 4;
 }
 
 static void test_no_permission(void **state)
 {
-	vm_room *room = *state;
-	vm_room_plug(room, ds4(BUS_USB), USB);
-	vm_room_wait(room, USB, true); /* root may */
+	vm_fixture *fixture = *state;
+	vm_fixture_plug(fixture, ds4(BUS_USB), USB);
+	vm_fixture_wait(fixture, USB, true); /* root may open it */
 	char path[64];
-	snprintf(path, sizeof path, "%s", vm_room_find(room, 0, USB)->info.path);
+	snprintf(path, sizeof path, "%s", vm_fixture_find(fixture, 0, USB)->info.path);
 	assert_int_equal(chmod(path, 0600), 0);
 	int said[2];
 	assert_int_equal(pipe2(said, O_CLOEXEC), 0);
@@ -143,14 +143,14 @@ static void test_no_permission(void **state)
 
 #define FLIGHT 500u
 #define CORRUPT 10u
-#define SHAKE_BYTES 10u /* of the reports that shake a pad: all that say how */
+#define SHAKE_BYTES 10u /* of a rumble report: all bytes with strengths */
 
 static size_t forward(uint32_t number, uint8_t *report)
 {
 	return vm_ds4_usb(number, 0, report);
 }
 
-/* At rest; one in fifty says "forward", and a bit of it was lost on the way. */
+/* At rest; one in fifty reports pushes the stick forward and has one wrong bit. */
 static size_t rest_or_corrupt(uint32_t number, uint8_t *report)
 {
 	bool corrupt = number % (FLIGHT / CORRUPT) == 0;
@@ -167,7 +167,7 @@ static uint32_t missing(const vm_heard *heard, uint32_t count)
 	return lost;
 }
 
-/* How long reports took from the pad to the backend's stamp. */
+/* Time from the pad's write to the backend's stamp. */
 typedef struct latency {
 	int64_t median, p99, longest; /* us */
 } latency;
@@ -181,7 +181,7 @@ static latency print_latency(const vm_side *side, const vm_heard *heard, const v
 			took[count++] = heard->stamped_us[number] - sender->sent_us[number];
 	}
 	assert_true(count > 0);
-	latency all = {.median = vm_median(took, count)}; /* and sorts */
+	latency all = {.median = vm_median(took, count)}; /* sorts them */
 	all.p99 = took[count * 99 / 100];
 	all.longest = took[count - 1];
 	printf("  %s: %u sent, %u lost, sent to stamped: median %lld us, p99 %lld us, max %lld us\n", side->name,
@@ -195,9 +195,9 @@ static bool moved(const stilb_input_pose *pose)
 	       pose->pitch != 0;
 }
 
-/* Two DualShock 4 that hid-generic has, and two that hid-sony has, which asks them for features, writes reports of
- * its own and throws corrupt ones away. Those with a cable push forward all the time; those without lie still, but
- * for what some corrupt reports say. */
+/* Two DualShock 4 with the driver hid-generic, and two with hid-sony, which requests features, writes reports of its
+ * own and drops corrupt ones. Those on USB push forward all the time; those on Bluetooth are at rest, except in their
+ * corrupt reports. */
 static const struct flyer {
 	const char *unique;
 	uint16_t bus;
@@ -218,36 +218,36 @@ static void check_driver(const vm_heard *heard, const char *wanted)
 	assert_string_equal(strrchr(target, '/') + 1, wanted);
 }
 
-static void plug_flyers(vm_room *room, uhid_pad *pads[FLYERS])
+static void plug_flyers(vm_fixture *fixture, uhid_pad *pads[FLYERS])
 {
 	for (int i = 0; i < FLYERS; i++) {
 		vm_module_set("hid", "ignore_special_drivers", flyers[i].sony ? "0" : "1");
-		pads[i] = vm_room_plug(room, ds4(flyers[i].bus), flyers[i].unique);
+		pads[i] = vm_fixture_plug(fixture, ds4(flyers[i].bus), flyers[i].unique);
 	}
 	vm_module_set("hid", "ignore_special_drivers", "1");
 	for (int i = 0; i < FLYERS; i++) {
-		vm_room_wait(room, flyers[i].unique, true);
-		check_driver(vm_room_find(room, 0, flyers[i].unique), flyers[i].sony ? "sony" : "hid-generic");
+		vm_fixture_wait(fixture, flyers[i].unique, true);
+		check_driver(vm_fixture_find(fixture, 0, flyers[i].unique), flyers[i].sony ? "sony" : "hid-generic");
 	}
 }
 
-/* Each backend shakes each pad, in its own way, and it stops when the time is over. */
-static void shake_flyers(vm_room *room, uhid_pad *const pads[FLYERS])
+/* Each backend makes each pad rumble with other strengths, and the rumble stops after its time. */
+static void shake_flyers(vm_fixture *fixture, uhid_pad *const pads[FLYERS])
 {
 	uint8_t wanted[FLYERS][STILB_INPUT_OUTPUT_MAX];
 	for (int side = 0; side < VM_SIDES; side++) {
 		float heavy = side == 0, light = side == 1;
 		for (int i = 0; i < FLYERS; i++) {
-			const vm_heard *heard = vm_room_find(room, side, flyers[i].unique);
+			const vm_heard *heard = vm_fixture_find(fixture, side, flyers[i].unique);
 			assert_true(stilb_input_rumble_report(&heard->layout, heavy, light, 0, wanted[i]) > SHAKE_BYTES);
-			stilb_input_pads_rumble(room->sides[side].pads, heard->pad, heavy, light, 50);
+			stilb_input_pads_rumble(fixture->sides[side].pads, heard->pad, heavy, light, 50);
 		}
-		vm_room_run(room, 200000);
+		vm_fixture_run(fixture, 200000);
 		for (int i = 0; i < FLYERS; i++)
 			assert_int_equal(uhid_pad_outputs(pads[i], wanted[i], SHAKE_BYTES), 1);
 	}
 	for (int i = 0; i < FLYERS; i++) {
-		stilb_input_rumble_report(&vm_room_find(room, 0, flyers[i].unique)->layout, 0, 0, 0, wanted[i]);
+		stilb_input_rumble_report(&vm_fixture_find(fixture, 0, flyers[i].unique)->layout, 0, 0, 0, wanted[i]);
 		assert_int_equal(uhid_pad_outputs(pads[i], wanted[i], SHAKE_BYTES), VM_SIDES);
 	}
 }
@@ -274,31 +274,31 @@ static void check_corrupt(const vm_side *side, const vm_heard *heard, bool sony)
 static void test_flight(void **state)
 {
 	static vm_sender senders[FLYERS];
-	vm_room *room = *state;
+	vm_fixture *fixture = *state;
 	uhid_pad *pads[FLYERS];
-	room->number = vm_ds4_number;
-	plug_flyers(room, pads);
-	shake_flyers(room, pads);
+	fixture->number = vm_ds4_number;
+	plug_flyers(fixture, pads);
+	shake_flyers(fixture, pads);
 	for (int i = 0; i < FLYERS; i++) {
 		bool cable = flyers[i].bus == BUS_USB;
-		assert_true(cable || uhid_pad_features(pads[i]) > 0); /* else it would stay with its short reports */
+		assert_true(cable || uhid_pad_features(pads[i]) > 0); /* else it would go on sending short reports */
 		senders[i] = (vm_sender){
 			.pad = pads[i], .count = FLIGHT, .period_us = 4000, .report = cable ? forward : rest_or_corrupt};
 		vm_sender_start(&senders[i]);
 	}
 	for (int i = 0; i < FLYERS; i++) {
 		while (vm_sender_runs(&senders[i]))
-			vm_room_run(room, VM_FRAME_US);
+			vm_fixture_run(fixture, VM_FRAME_US);
 		vm_sender_finish(&senders[i]);
 	}
-	vm_room_run(room, 3 * VM_FRAME_US);
+	vm_fixture_run(fixture, 3 * VM_FRAME_US);
 	for (int i = 0; i < FLYERS; i++) {
 		for (int side = 0; side < VM_SIDES; side++) {
-			const vm_heard *heard = vm_room_find(room, side, flyers[i].unique);
+			const vm_heard *heard = vm_fixture_find(fixture, side, flyers[i].unique);
 			if (flyers[i].bus == BUS_USB)
-				check_cable(&room->sides[side], heard, &senders[i]);
+				check_cable(&fixture->sides[side], heard, &senders[i]);
 			else
-				check_corrupt(&room->sides[side], heard, flyers[i].sony);
+				check_corrupt(&fixture->sides[side], heard, flyers[i].sony);
 		}
 	}
 }
@@ -306,22 +306,22 @@ static void test_flight(void **state)
 static void test_pulled_in_flight(void **state)
 {
 	static vm_sender sender;
-	vm_room *room = *state;
+	vm_fixture *fixture = *state;
 	stilb_input_pose stopped[VM_SIDES];
-	room->number = vm_ds4_number;
-	for (int round = 0; round < 2; round++) { /* the second: it was plugged in again */
-		uhid_pad *pad = vm_room_plug(room, ds4(BUS_USB), USB);
-		vm_room_wait(room, USB, true);
+	fixture->number = vm_ds4_number;
+	for (int round = 0; round < 2; round++) { /* in the second round it is plugged in again */
+		uhid_pad *pad = vm_fixture_plug(fixture, ds4(BUS_USB), USB);
+		vm_fixture_wait(fixture, USB, true);
 		sender = (vm_sender){.pad = pad, .count = 25, .period_us = 4000, .report = forward};
 		vm_sender_start(&sender);
 		while (vm_sender_runs(&sender))
-			vm_room_run(room, VM_FRAME_US);
+			vm_fixture_run(fixture, VM_FRAME_US);
 		vm_sender_finish(&sender);
-		vm_room_pull(room, pad); /* the stick was never let go */
-		vm_room_wait(room, USB, false);
+		vm_fixture_pull(fixture, pad); /* the stick is still pushed */
+		vm_fixture_wait(fixture, USB, false);
 		for (int k = 0; k < 2; k++) {
 			for (int i = 0; i < VM_SIDES; i++) {
-				const vm_heard *heard = &room->sides[i].heard[0];
+				const vm_heard *heard = &fixture->sides[i].heard[0];
 				assert_true(heard->removed);
 				assert_true(heard->pose.position[2] < 0);
 				if (k == 0)
@@ -329,14 +329,14 @@ static void test_pulled_in_flight(void **state)
 				else
 					assert_memory_equal(&stopped[i], &heard->pose, sizeof stopped[i]);
 			}
-			vm_room_run(room, 50000);
+			vm_fixture_run(fixture, 50000);
 		}
 	}
 }
 
 /* ---- a frame that takes too long --------------------------------------------------------------------------------- */
 
-/* What a game without a reader thread has: it reads when its frame comes. */
+/* For comparison: a program without a reader thread, which reads once a frame. */
 typedef struct per_frame {
 	int fd;
 	uint32_t count, last_number;
@@ -354,40 +354,40 @@ static void per_frame_read(per_frame *naive)
 }
 
 #define STALLED 1000u
-#define RING_US 60000 /* a reader that is kept from running for longer cannot have all: the kernel's ring holds 64 */
-#define STATE_US 5000 /* how far behind the pad the state after a stall may be, or one report in a hundred is anyway */
+#define RING_US 60000 /* a reader that does not run for longer loses reports: the kernel's ring holds 64 */
+#define STATE_US 5000 /* the state after a stall may be this far behind the pad, or as far as 1 % of all reports are */
 #define STALL_TRIES 5
 
 typedef struct stall {
 	int64_t us;
-	int64_t frame_us[VM_SIDES], naive_us; /* when the first frame after it looked */
+	int64_t frame_us[VM_SIDES], naive_us; /* time of the first frame after it */
 	uint32_t newest[VM_SIDES], naive_newest;
 } stall;
 
-static void stall_frame(vm_room *room, per_frame *naive, stall *at)
+static void stall_frame(vm_fixture *fixture, per_frame *naive, stall *at)
 {
 	per_frame_read(naive);
 	vm_sleep_until_us(vm_now_us() + at->us);
 	per_frame_read(naive);
 	at->naive_us = vm_now_us();
 	at->naive_newest = naive->last_number;
-	vm_room_frame(room);
+	vm_fixture_frame(fixture);
 	for (int i = 0; i < VM_SIDES; i++) {
-		at->frame_us[i] = room->sides[i].frame_us;
-		at->newest[i] = vm_room_find(room, i, USB)->last_number;
+		at->frame_us[i] = fixture->sides[i].frame_us;
+		at->newest[i] = vm_fixture_find(fixture, i, USB)->last_number;
 	}
 }
 
-static void run_frames(vm_room *room, per_frame *naive, int frames)
+static void run_frames(vm_fixture *fixture, per_frame *naive, int frames)
 {
 	for (int i = 0; i < frames; i++) {
 		per_frame_read(naive);
-		vm_room_run(room, VM_FRAME_US);
+		vm_fixture_run(fixture, VM_FRAME_US);
 	}
 }
 
-/* How long the report after the newest one had been on its way at the time; 0: there was none. (The age of the newest
- * one would count what the pad's own thread was late.) */
+/* How long ago the report after the newest one had been sent at that time; 0: there was none. (The age of the newest
+ * one would include the delay of the pad's own thread.) */
 static int64_t behind_us(const vm_sender *sender, uint32_t newest, int64_t us)
 {
 	int64_t next_us = newest < sender->count ? sender->sent_us[newest + 1] : us;
@@ -397,62 +397,62 @@ static int64_t behind_us(const vm_sender *sender, uint32_t newest, int64_t us)
 #define STALLS 2
 #define ALL_PROVED ((1u << VM_SIDES * STALLS) - 1)
 
-/* A thousand reports in a second, with two long frames. A bit for each side and long frame for which it is proved
- * that the state after it is new: a machine that is busy with other things may have kept the readers from running. */
-static uint32_t stalls_prove(vm_room *room, uhid_pad *pad, per_frame *naive)
+/* A thousand reports in a second, with two long frames. Returns a bit for each side and long frame after which the
+ * state was new: on a busy machine the readers may not have run. */
+static uint32_t stalls_prove(vm_fixture *fixture, uhid_pad *pad, per_frame *naive)
 {
 	static vm_sender sender;
 	stall stalls[STALLS] = {{.us = 300000}, {.us = 500000}};
 	sender = (vm_sender){.pad = pad, .count = STALLED, .period_us = 1000, .report = forward};
 	vm_sender_start(&sender);
 	for (int i = 0; i < STALLS; i++) {
-		run_frames(room, naive, 3);
-		stall_frame(room, naive, &stalls[i]);
+		run_frames(fixture, naive, 3);
+		stall_frame(fixture, naive, &stalls[i]);
 	}
 	bool sent_all_the_time = vm_sender_runs(&sender);
 	while (vm_sender_runs(&sender))
-		run_frames(room, naive, 1);
-	run_frames(room, naive, 3);
+		run_frames(fixture, naive, 1);
+	run_frames(fixture, naive, 3);
 	vm_sender_finish(&sender);
 
 	printf("  1000 reports a second, a frame of 300 ms and one of 500 ms\n");
 	printf("  a read per frame: %u of %u lost, state after them %.1f and %.1f ms behind\n", STALLED - naive->count,
 	       STALLED, (double)behind_us(&sender, stalls[0].naive_newest, stalls[0].naive_us) / 1000,
 	       (double)behind_us(&sender, stalls[1].naive_newest, stalls[1].naive_us) / 1000);
-	assert_true(naive->count < STALLED); /* else the kernel's ring is larger than this test thinks */
+	assert_true(naive->count < STALLED); /* else the kernel's ring is larger than this test assumes */
 	uint32_t proved = 0;
 	for (int side = 0; side < VM_SIDES; side++) {
-		const vm_heard *heard = vm_room_find(room, side, USB);
-		latency all = print_latency(&room->sides[side], heard, &sender);
+		const vm_heard *heard = vm_fixture_find(fixture, side, USB);
+		latency all = print_latency(&fixture->sides[side], heard, &sender);
 		int64_t limit = all.p99 > STATE_US ? all.p99 : STATE_US;
 		int64_t behind[STALLS];
 		for (int i = 0; i < STALLS; i++) {
 			behind[i] = behind_us(&sender, stalls[i].newest[side], stalls[i].frame_us[side]);
 			proved |= (uint32_t)(sent_all_the_time && behind[i] < limit) << (side * STALLS + i);
 		}
-		printf("  %s: state after them %.1f and %.1f ms behind\n", room->sides[side].name, (double)behind[0] / 1000,
+		printf("  %s: state after them %.1f and %.1f ms behind\n", fixture->sides[side].name, (double)behind[0] / 1000,
 		       (double)behind[1] / 1000);
 		assert_true(missing(heard, STALLED) == 0 || all.longest >= RING_US);
 		assert_int_equal(heard->disorders, 0);
-		assert_int_equal(stilb_input_pads_stats_get(room->sides[side].pads).lost, 0);
+		assert_int_equal(stilb_input_pads_stats_get(fixture->sides[side].pads).lost, 0);
 	}
 	return proved;
 }
 
 static void test_stalled_frames(void **state)
 {
-	vm_room *room = *state;
+	vm_fixture *fixture = *state;
 	uint32_t proved = 0;
-	room->number = vm_ds4_number;
+	fixture->number = vm_ds4_number;
 	for (int tries = 0; tries < STALL_TRIES && proved != ALL_PROVED; tries++) {
-		uhid_pad *pad = vm_room_plug(room, ds4(BUS_USB), USB);
-		vm_room_wait(room, USB, true);
-		per_frame naive = {.fd = open(vm_room_find(room, 0, USB)->info.path, O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
+		uhid_pad *pad = vm_fixture_plug(fixture, ds4(BUS_USB), USB);
+		vm_fixture_wait(fixture, USB, true);
+		per_frame naive = {.fd = open(vm_fixture_find(fixture, 0, USB)->info.path, O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
 		assert_true(naive.fd >= 0);
-		proved |= stalls_prove(room, pad, &naive);
+		proved |= stalls_prove(fixture, pad, &naive);
 		close(naive.fd);
-		vm_room_pull(room, pad);
-		vm_room_wait(room, USB, false);
+		vm_fixture_pull(fixture, pad);
+		vm_fixture_wait(fixture, USB, false);
 	}
 	assert_int_equal(proved, ALL_PROVED);
 }
@@ -461,13 +461,13 @@ int main(int argc, char **argv)
 {
 	if (argc == 3 && strcmp(argv[1], "denied") == 0)
 		return denied_then_granted(argv[2]);
-	vm_module_set("hid", "ignore_special_drivers", "1"); /* hid-generic has every pad */
+	vm_module_set("hid", "ignore_special_drivers", "1"); /* hid-generic takes every pad */
 	static const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(test_every_pad_is_found, vm_room_open, vm_room_close),
-		cmocka_unit_test_setup_teardown(test_no_permission, vm_room_open, vm_room_close),
-		cmocka_unit_test_setup_teardown(test_flight, vm_room_open, vm_room_close),
-		cmocka_unit_test_setup_teardown(test_pulled_in_flight, vm_room_open, vm_room_close),
-		cmocka_unit_test_setup_teardown(test_stalled_frames, vm_room_open, vm_room_close),
+		cmocka_unit_test_setup_teardown(test_every_pad_is_found, vm_fixture_open, vm_fixture_close),
+		cmocka_unit_test_setup_teardown(test_no_permission, vm_fixture_open, vm_fixture_close),
+		cmocka_unit_test_setup_teardown(test_flight, vm_fixture_open, vm_fixture_close),
+		cmocka_unit_test_setup_teardown(test_pulled_in_flight, vm_fixture_open, vm_fixture_close),
+		cmocka_unit_test_setup_teardown(test_stalled_frames, vm_fixture_open, vm_fixture_close),
 	};
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,15 +1,14 @@
-/* The storm: pads are plugged in and pulled at every moment of a program's life with them. The engine with either
- * backend, and beside it what a program does that trusts hid_enumerate of hidapi 0.13.1, in processes of their own:
- * one that crashes is counted and started again. Runs in the virtual machine of boot.sh.
+/* Stress test: pads are plugged in and unplugged at every moment of a program that reads them. The subjects are
+ * processes: the engine with either backend, and a loop of hid_enumerate of hidapi 0.13.1. A crash is counted and the
+ * subject started again. Runs in the virtual machine of boot.sh.
  *
- * The engine with hidraw must not crash. With hidapi it may, hardly ever: hid_open_path uses what it has freed when
- * the pad is pulled between its two first system calls (measured: 1 crash in 3,000 cycles), and no caller can keep it
- * from that.
+ * The engine with hidraw must not crash. With hidapi it may, very rarely: hid_open_path uses freed memory if the pad is
+ * unplugged between its first two system calls (measured: 1 crash in 3,000 cycles), which no caller can prevent.
  *
  * test_vm_storm CYCLES SUBJECT-PROGRAM */
 #include "support/test.h"
 #include "vm/vm_ds4.h"
-#include "vm/vm_room.h"
+#include "vm/vm_fixture.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -26,10 +25,10 @@ static const char *program;
 typedef struct subject {
 	const char *kind;
 	pid_t pid;
-	int input, output; /* our ends */
+	int input, output; /* our ends of its pipes */
 	uint32_t crashes;
 	int last_signal;
-	unsigned long long added, removed, reports; /* of enumerate: with a pad in sight, enumerations */
+	unsigned long long added, removed, reports; /* of enumerate: enumerations that found a pad */
 	int descriptors, threads;                   /* more than at the start */
 } subject;
 
@@ -50,12 +49,12 @@ static void subject_start(subject *who)
 	close(from[1]);
 	who->input = to[1];
 	who->output = from[0];
-	char ready[6]; /* or nothing, when it crashes at once */
+	char ready[6]; /* nothing if it crashes at once */
 	ssize_t size = read(who->output, ready, sizeof ready);
 	assert_true(size == 0 || size == sizeof ready);
 }
 
-/* Its end, whichever it was. What it said is read when it came to that. */
+/* Waits for its end. Reads its counts if it ended normally. */
 static void subject_ended(subject *who, int status)
 {
 	char said[128] = "";
@@ -79,7 +78,7 @@ static void subject_restart_if_crashed(subject *who)
 	if (waitpid(who->pid, &status, WNOHANG) != who->pid)
 		return;
 	close(who->input);
-	assert_true(WIFSIGNALED(status)); /* nobody told it to end */
+	assert_true(WIFSIGNALED(status)); /* it was not told to end */
 	subject_ended(who, status);
 	subject_start(who);
 }
@@ -92,7 +91,7 @@ static void subject_finish(subject *who)
 	subject_ended(who, status);
 }
 
-/* Some live for a moment, some for as long as it takes to open and enumerate them, and they report all the time. */
+/* Some pads are there for a moment, some for as long as opening and enumerating takes; they report all the time. */
 static void plug_and_pull(const input_test_descriptor *kind, uint32_t cycle)
 {
 	uint8_t report[VM_DS4_USB_BYTES];
@@ -134,7 +133,8 @@ static void test_storm(void **state)
 	assert_int_equal(subjects[0].crashes, 0);
 	assert_true(subjects[1].crashes <= 1 + cycles / 500);
 	for (int i = 0; i < OURS; i++) {
-		assert_true(subjects[i].crashes > 0 || subjects[i].added > cycles / 8); /* others are gone before it can look */
+		assert_true(subjects[i].crashes > 0 ||
+		            subjects[i].added > cycles / 8); /* others are gone before they are found */
 		assert_int_equal(subjects[i].added, subjects[i].removed);
 		assert_int_equal(subjects[i].descriptors, 0);
 		assert_int_equal(subjects[i].threads, 0);

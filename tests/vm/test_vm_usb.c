@@ -1,9 +1,9 @@
-/* Pads at the kernel's real USB stack: a gadget of the kernel (configfs, usb_f_hid) at a host controller made of
- * software (dummy_hcd), so that usbhid asks for descriptors and polls as it does with a cable. Runs in the virtual
+/* Pads on the kernel's real USB stack: a gadget of the kernel (configfs, usb_f_hid) at a simulated host controller
+ * (dummy_hcd), so that usbhid reads descriptors and polls as it does with a real device. Runs in the virtual
  * machine of boot.sh, as root. */
 #include "support/test.h"
 #include "vm/vm_ds4.h"
-#include "vm/vm_room.h"
+#include "vm/vm_fixture.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -45,7 +45,7 @@ static void make(const char *gadget, const char *folder)
 		fail_msg("%s: %s", path, strerror(errno));
 }
 
-/* Documentation/usb/gadget_configfs.rst. Its serial number is its name. */
+/* Creates a gadget; its serial number is its name. Source: Linux, Documentation/usb/gadget_configfs.rst. */
 static void gadget_plug(const char *gadget, const char *controller, const input_test_descriptor *kind, unsigned report)
 {
 	make(gadget, "");
@@ -66,8 +66,8 @@ static void gadget_plug(const char *gadget, const char *controller, const input_
 	put_text(gadget, "UDC", controller);
 }
 
-/* The host pulls it. (To take the gadget's controller away instead crashes dummy_hcd of Linux 6.1 when a report is on
- * its way.) */
+/* The host removes it. (Unbinding the gadget from its controller instead crashes dummy_hcd of Linux 6.1 while a report
+ * is being sent.) */
 static void gadget_pull(const vm_heard *heard)
 {
 	char path[512], *slash;
@@ -99,7 +99,7 @@ static void check_info(const vm_heard *heard, const input_test_descriptor *kind)
 	assert_non_null(strstr(heard->info.device, "/usb"));
 }
 
-static void send_all(vm_room *room, const char *node)
+static void send_all(vm_fixture *fixture, const char *node)
 {
 	int fd = open(node, O_RDWR | O_CLOEXEC | O_NONBLOCK);
 	assert_true(fd >= 0);
@@ -107,70 +107,70 @@ static void send_all(vm_room *room, const char *node)
 		uint8_t report[VM_DS4_USB_BYTES];
 		size_t size = vm_ds4_usb(number, 0, report);
 		if (write(fd, report, size) == (ssize_t)size)
-			number++; /* else the one before has not been fetched yet */
+			number++; /* else the last one was not polled yet */
 		vm_sleep_until_us(vm_now_us() + 2000);
-		vm_room_frame(room);
+		vm_fixture_frame(fixture);
 	}
-	vm_room_run(room, 100000);
+	vm_fixture_run(fixture, 100000);
 	close(fd);
 }
 
-/* What comes out of the cable when a side shakes it. */
-static void check_rumble(vm_room *room, int side, const char *unique, const char *node)
+/* The output reports that arrive at the gadget when a side makes it rumble. */
+static void check_rumble(vm_fixture *fixture, int side, const char *unique, const char *node)
 {
 	int fd = open(node, O_RDWR | O_CLOEXEC | O_NONBLOCK);
 	assert_true(fd >= 0);
-	const vm_heard *heard = vm_room_find(room, side, unique);
+	const vm_heard *heard = vm_fixture_find(fixture, side, unique);
 	uint8_t wanted[STILB_INPUT_OUTPUT_MAX], got[STILB_INPUT_OUTPUT_MAX];
 	size_t size = stilb_input_rumble_report(&heard->layout, 1, 0.0f, 0, wanted);
-	stilb_input_pads_rumble(room->sides[side].pads, heard->pad, 1, 0, 50);
-	vm_room_run(room, 120000);
+	stilb_input_pads_rumble(fixture->sides[side].pads, heard->pad, 1, 0, 50);
+	vm_fixture_run(fixture, 120000);
 	assert_int_equal(read(fd, got, sizeof got), size);
 	assert_memory_equal(got, wanted, size);
 	stilb_input_rumble_report(&heard->layout, 0, 0, 1, wanted);
-	assert_int_equal(read(fd, got, sizeof got), size); /* and it stops */
+	assert_int_equal(read(fd, got, sizeof got), size); /* the stop */
 	assert_memory_equal(got, wanted, size);
 	close(fd);
 }
 
 static void test_usb_pads(void **state)
 {
-	vm_room *room = *state;
+	vm_fixture *fixture = *state;
 	const input_test_descriptor *ds4 = input_test_descriptor_find(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
 	const input_test_descriptor *asus = input_test_descriptor_find(STILB_INPUT_BUS_USB, 0x18d1, 0x2c40);
 	vm_module_set("hid", "ignore_special_drivers", "1");
-	room->number = vm_ds4_number;
+	fixture->number = vm_ds4_number;
 	gadget_plug("ds4", "dummy_udc.0", ds4, VM_DS4_USB_BYTES);
 	gadget_plug("asus", "dummy_udc.1", asus, 9);
-	vm_room_wait(room, "ds4", true);
-	vm_room_wait(room, "asus", true);
+	vm_fixture_wait(fixture, "ds4", true);
+	vm_fixture_wait(fixture, "asus", true);
 	for (int side = 0; side < VM_SIDES; side++) {
-		check_info(vm_room_find(room, side, "ds4"), ds4);
-		check_info(vm_room_find(room, side, "asus"), asus);
+		check_info(vm_fixture_find(fixture, side, "ds4"), ds4);
+		check_info(vm_fixture_find(fixture, side, "asus"), asus);
 	}
-	send_all(room, "/dev/hidg0");
+	send_all(fixture, "/dev/hidg0");
 	for (int side = 0; side < VM_SIDES; side++) {
-		const vm_heard *heard = vm_room_find(room, side, "ds4");
-		printf("  %s: %u reports over USB, %u came\n", room->sides[side].name, REPORTS, heard->decoded);
+		const vm_heard *heard = vm_fixture_find(fixture, side, "ds4");
+		printf("  %s: %u reports over USB, %u came\n", fixture->sides[side].name, REPORTS, heard->decoded);
 		assert_int_equal(heard->decoded, REPORTS);
 		assert_int_equal(heard->last_number, REPORTS);
 		assert_int_equal(heard->disorders, 0);
 		assert_true(heard->pose.position[2] < 0);
-		check_rumble(room, side, "ds4", "/dev/hidg0");
+		check_rumble(fixture, side, "ds4", "/dev/hidg0");
 	}
-	gadget_pull(vm_room_find(room, 0, "ds4"));
-	vm_room_wait(room, "ds4", false);
+	gadget_pull(vm_fixture_find(fixture, 0, "ds4"));
+	vm_fixture_wait(fixture, "ds4", false);
 	for (int side = 0; side < VM_SIDES; side++)
-		assert_non_null(vm_room_find(room, side, "asus")); /* not the other one */
-	gadget_pull(vm_room_find(room, 0, "asus"));
-	vm_room_wait(room, "asus", false);
+		assert_non_null(vm_fixture_find(fixture, side, "asus")); /* not the other one */
+	gadget_pull(vm_fixture_find(fixture, 0, "asus"));
+	vm_fixture_wait(fixture, "asus", false);
 }
 
 int main(void)
 {
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	static const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(test_usb_pads, vm_room_open, vm_room_close),
+		cmocka_unit_test_setup_teardown(test_usb_pads, vm_fixture_open, vm_fixture_close),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

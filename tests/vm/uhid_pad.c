@@ -15,14 +15,14 @@
 #include <unistd.h>
 
 #define OUTPUTS_MAX 256u
-#define OUTPUT_BYTES 16u /* of each are kept */
+#define OUTPUT_BYTES 16u /* kept of each output report */
 
 struct uhid_pad {
 	int fd, stop;
 	bool bluetooth;
-	uint8_t address[6]; /* as it reports it, last byte first */
+	uint8_t address[6]; /* in the order of the feature report, last byte first */
 	pthread_t thread;
-	pthread_mutex_t lock; /* of what follows */
+	pthread_mutex_t lock; /* protects the members below */
 	pthread_cond_t started_changed;
 	bool started;
 	uint32_t features, output_count;
@@ -41,7 +41,7 @@ static void tell(const uhid_pad *pad, const struct uhid_event *event)
 		die("/dev/uhid");
 }
 
-/* ---- what drivers of the kernel ask a DualShock 4 or a DualSense ------------------------------------------------- */
+/* ---- feature reports of a DualShock 4 and a DualSense ------------------------------------------------------------ */
 
 static void put16(uint8_t *at, int value)
 {
@@ -49,9 +49,9 @@ static void put16(uint8_t *at, int value)
 	at[1] = (uint8_t)(value >> 8);
 }
 
-/* The ends of the ranges of gyroscope (three), its speed and accelerometer. hid-sony of Linux 6.1 divides by each
- * range, and stops the whole kernel where one is empty. Over USB a range's ends lie side by side, over Bluetooth all
- * ends up come first: with ends that alternate neither order has an empty range. */
+/* Calibration: the ends of the ranges of the gyroscope (three), its speed and the accelerometer. hid-sony of Linux 6.1
+ * divides by each range, and an empty one stops the kernel. Over USB the two ends of a range are adjacent, over
+ * Bluetooth all upper ends come first; with ends that alternate no range is empty in either order. */
 static void calibrate(uint8_t *report)
 {
 	for (int i = 0; i < 6; i++)
@@ -105,7 +105,7 @@ static void answer(uhid_pad *pad, const struct uhid_event *asked)
 		reply.type = UHID_SET_REPORT_REPLY;
 		reply.u.set_report_reply.id = asked->u.set_report.id;
 	}
-	if (write(pad->fd, &reply, sizeof reply) < 0 && errno != EINVAL) /* EINVAL: it is being pulled */
+	if (write(pad->fd, &reply, sizeof reply) < 0 && errno != EINVAL) /* EINVAL: it is being unplugged */
 		die("answer to the kernel");
 }
 
@@ -154,7 +154,7 @@ uhid_pad *uhid_pad_create(const input_test_descriptor *kind, const char *unique)
 	if (pad->fd < 0 || pad->stop < 0)
 		die("/dev/uhid");
 	pad->bluetooth = kind->bus == STILB_INPUT_BUS_BLUETOOTH;
-	uint8_t *a = pad->address; /* drivers call a pad by it: all zero where unique is no address */
+	uint8_t *a = pad->address; /* the kernel's drivers identify a pad by it; zeros if unique is not an address */
 	sscanf(unique, "%hhx:%hhx:%hhx:%hhx:%hhx:%hhx", &a[5], &a[4], &a[3], &a[2], &a[1], &a[0]);
 	pthread_mutex_init(&pad->lock, NULL);
 	pthread_cond_init(&pad->started_changed, NULL);
@@ -203,7 +203,7 @@ void uhid_pad_send(uhid_pad *pad, const uint8_t *report, size_t size)
 {
 	struct uhid_event event = {.type = UHID_INPUT2, .u.input2.size = (__u16)size};
 	memcpy(event.u.input2.data, report, size);
-	size_t all = offsetof(struct uhid_event, u.input2.data) + size; /* the kernel takes the rest for zero */
+	size_t all = offsetof(struct uhid_event, u.input2.data) + size; /* the kernel assumes zeros for the rest */
 	if (write(pad->fd, &event, all) != (ssize_t)all)
 		die("/dev/uhid");
 }

@@ -1,10 +1,9 @@
 /*
- * uhid_pad: a pad that is made of software: the kernel is told through /dev/uhid that it was plugged in, and does
- * with it what it does with one of plastic: driver, hidraw node, sysfs, reports. For the tests in the virtual
- * machine.
+ * uhid_pad: a simulated pad. It is plugged in through /dev/uhid, and the kernel treats it like hardware: driver, hidraw
+ * node, sysfs, reports. For the tests in the virtual machine.
  *
- * Threads.  A pad has a thread that answers the kernel. The functions belong to one thread, but for send, which may be
- *           another's.
+ * Threads.  A pad has a thread that answers the kernel. All functions are called by one thread, except that send may be
+ *           called by another.
  */
 #ifndef STILB_UHID_PAD_H
 #define STILB_UHID_PAD_H
@@ -15,20 +14,20 @@
 
 typedef struct uhid_pad uhid_pad;
 
-/* Plugs one in and waits until the kernel has it. unique is its serial number or Bluetooth address. Ends the program
- * with a message where it fails: the tests are about what comes after. */
+/* Plugs a pad in and waits until the kernel has it. unique is its serial number or Bluetooth address. A failure ends
+ * the program with a message, because it is not what is tested. */
 uhid_pad *uhid_pad_create(const input_test_descriptor *kind, const char *unique);
 
-/* Pulls it. NULL is fine. */
+/* Unplugs the pad. NULL is allowed. */
 void uhid_pad_destroy(uhid_pad *pad);
 
-/* It reports. */
+/* Sends a report. */
 void uhid_pad_send(uhid_pad *pad, const uint8_t *report, size_t size);
 
-/* How many of the output reports that it was sent begin with these bytes: drivers of the kernel write their own. */
+/* Number of output reports sent to the pad that begin with these bytes: drivers of the kernel write others. */
 uint32_t uhid_pad_outputs(uhid_pad *pad, const uint8_t *start, size_t size);
 
-/* Feature reports that it was asked for. */
+/* Number of feature reports that were requested. */
 uint32_t uhid_pad_features(uhid_pad *pad);
 
 #endif

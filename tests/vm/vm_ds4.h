@@ -9,7 +9,7 @@
 #define VM_DS4_USB_BYTES 64u
 #define VM_DS4_BLUETOOTH_BYTES 78u
 
-/* The pad at rest but for the left stick's height, 0 up, 128 rest, 255 down; the time field holds the number. */
+/* The pad at rest except for the left stick's y, 0 up, 128 rest, 255 down; the report's time field holds the number. */
 static inline void vm_ds4_body(uint32_t number, uint8_t left_y, uint8_t *body)
 {
 	static const uint8_t rest[] = {128, 128, 128, 128, 8};
@@ -38,7 +38,7 @@ static inline size_t vm_ds4_bluetooth(uint32_t number, uint8_t left_y, uint8_t *
 	return VM_DS4_BLUETOOTH_BYTES;
 }
 
-/* The number of either; for vm_room.number. */
+/* The number of a report of either kind; for vm_fixture.number. */
 static inline uint32_t vm_ds4_number(const uint8_t *report, size_t size)
 {
 	if (size == VM_DS4_USB_BYTES && report[0] == 0x01)

@@ -1,10 +1,11 @@
 /*
- * vm_subject hidraw|hidapi|enumerate: says "ready", and stands in the storm of test_vm_storm.c until its standard
- * input ends.
+ * vm_subject hidraw|hidapi|enumerate: a process under test in test_vm_storm.c. Prints "ready" and runs until its
+ * standard input ends.
  *
- *   hidraw, hidapi   the engine's ears with that backend, a frame every 16 ms. Says at its end how many pads came and
- *                    went, reports, and how many descriptors and threads there are more than at the start
- *   enumerate        what a program does that trusts hidapi: enumerates all the time
+ *   hidraw, hidapi   reads pads with that backend, a frame every 16 ms. Prints at the end how many pads came and went,
+ * the
+ *                    reports, and how many descriptors and threads are open more than at the start
+ *   enumerate        calls hid_enumerate all the time, as a program would that relies on hidapi
  */
 #include "input/device/input_pads.h"
 
@@ -52,7 +53,7 @@ static int listen_to_pads(stilb_input_backend backend)
 	stilb_input_pads_desc desc = {.backend = backend};
 	if (stilb_input_pads_create(&desc, &pads) != STILB_OK)
 		return 1;
-	stilb_input_pads_wait(pads, 10000); /* until it has looked around once */
+	stilb_input_pads_wait(pads, 10000); /* until all pads were found */
 	int descriptors = entries("/proc/self/fd"), threads = entries("/proc/self/task");
 	say_ready();
 	while (!storm_is_over(16))
@@ -65,7 +66,7 @@ static int listen_to_pads(stilb_input_backend backend)
 			break;
 		usleep(20000);
 	}
-	usleep(100000); /* readers that have just said that their pad is gone */
+	usleep(100000); /* for readers whose pad has just gone to end */
 	hear_all(pads);
 	printf("%llu %llu %llu %d %d\n", (unsigned long long)stats.added, (unsigned long long)stats.removed,
 	       (unsigned long long)stats.reports, entries("/proc/self/fd") - descriptors,

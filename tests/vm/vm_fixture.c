@@ -1,4 +1,4 @@
-#include "vm/vm_room.h"
+#include "vm/vm_fixture.h"
 #include "support/test.h"
 
 #include <dirent.h>
@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define WAIT_US 10000000 /* more than any wait takes on a machine that is busy with something else */
+#define WAIT_US 10000000 /* longer than any wait takes, also on a busy machine */
 
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
@@ -38,7 +38,7 @@ int64_t vm_median(int64_t *values, uint32_t count)
 	return count > 0 ? values[count / 2] : 0;
 }
 
-/* ---- what is heard ----------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
 static vm_heard *by_number(vm_side *side, uint32_t pad)
 {
@@ -55,7 +55,7 @@ static void forget(vm_heard *heard)
 	*heard = (vm_heard){.removed = true};
 }
 
-/* In place of one that is gone. */
+/* Reuses the entry of a pad that is gone. */
 static void meet(vm_side *side, const stilb_input_event *event)
 {
 	vm_heard *heard = by_number(side, event->pad);
@@ -74,7 +74,7 @@ static void meet(vm_side *side, const stilb_input_event *event)
 	assert_int_equal(stilb_input_control_create(&settings, &heard->pose, vm_now_us(), &heard->control), STILB_OK);
 }
 
-static void note(const vm_room *room, vm_heard *heard, const stilb_input_event *event)
+static void note(const vm_fixture *fixture, vm_heard *heard, const stilb_input_event *event)
 {
 	switch (stilb_input_decode(&heard->layout, event->bytes, event->size, &heard->state)) {
 	case STILB_INPUT_DECODED:
@@ -87,7 +87,7 @@ static void note(const vm_room *room, vm_heard *heard, const stilb_input_event *
 		heard->corrupt++;
 		return;
 	}
-	uint32_t number = room->number ? room->number(event->bytes, event->size) : 0;
+	uint32_t number = fixture->number ? fixture->number(event->bytes, event->size) : 0;
 	if (number == 0 || number >= VM_REPORTS)
 		return;
 	heard->disorders += number <= heard->last_number;
@@ -95,7 +95,7 @@ static void note(const vm_room *room, vm_heard *heard, const stilb_input_event *
 	heard->stamped_us[number] = event->time_us;
 }
 
-static void hear(const vm_room *room, vm_side *side, const stilb_input_event *event)
+static void hear(const vm_fixture *fixture, vm_side *side, const stilb_input_event *event)
 {
 	if (event->kind == STILB_INPUT_PAD_ADDED || event->kind == STILB_INPUT_PAD_DENIED)
 		meet(side, event);
@@ -103,18 +103,18 @@ static void hear(const vm_room *room, vm_side *side, const stilb_input_event *ev
 	assert_non_null(heard);
 	stilb_input_control_event(heard->control, event);
 	if (event->kind == STILB_INPUT_PAD_REPORT && heard->is_pad)
-		note(room, heard, event);
+		note(fixture, heard, event);
 	heard->removed = event->kind == STILB_INPUT_PAD_REMOVED;
 }
 
-void vm_room_frame(vm_room *room)
+void vm_fixture_frame(vm_fixture *fixture)
 {
 	for (int i = 0; i < VM_SIDES; i++) {
-		vm_side *side = &room->sides[i];
+		vm_side *side = &fixture->sides[i];
 		int64_t now = side->frame_us = vm_now_us();
 		stilb_input_event event;
 		while (stilb_input_pads_next(side->pads, now, &event))
-			hear(room, side, &event);
+			hear(fixture, side, &event);
 		for (uint32_t k = 0; k < STILB_INPUT_PADS_MAX; k++) {
 			stilb_input_state wanted;
 			if (side->heard[k].control)
@@ -124,79 +124,79 @@ void vm_room_frame(vm_room *room)
 	}
 }
 
-vm_heard *vm_room_find(vm_room *room, int side, const char *unique)
+vm_heard *vm_fixture_find(vm_fixture *fixture, int side, const char *unique)
 {
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++) {
-		vm_heard *heard = &room->sides[side].heard[i];
+		vm_heard *heard = &fixture->sides[side].heard[i];
 		if (heard->pad != 0 && !heard->removed && strcmp(heard->info.unique, unique) == 0)
 			return heard;
 	}
 	return NULL;
 }
 
-void vm_room_run(vm_room *room, int64_t us)
+void vm_fixture_run(vm_fixture *fixture, int64_t us)
 {
 	int64_t now = vm_now_us(), end = now + us;
 	for (; now < end; now = vm_now_us()) {
 		vm_sleep_until_us(now + VM_FRAME_US < end ? now + VM_FRAME_US : end);
-		vm_room_frame(room);
+		vm_fixture_frame(fixture);
 	}
 }
 
-void vm_room_wait(vm_room *room, const char *unique, bool there)
+void vm_fixture_wait(vm_fixture *fixture, const char *unique, bool there)
 {
 	for (int64_t end = vm_now_us() + WAIT_US; vm_now_us() < end; vm_sleep_until_us(vm_now_us() + 2000)) {
-		vm_room_frame(room);
-		if (!vm_room_find(room, 0, unique) != there && !vm_room_find(room, 1, unique) != there)
+		vm_fixture_frame(fixture);
+		if (!vm_fixture_find(fixture, 0, unique) != there && !vm_fixture_find(fixture, 1, unique) != there)
 			return;
 	}
 	fail_msg("pad %s is %s: hidraw %d, hidapi %d", unique, there ? "not found" : "still there",
-	         vm_room_find(room, 0, unique) != NULL, vm_room_find(room, 1, unique) != NULL);
+	         vm_fixture_find(fixture, 0, unique) != NULL, vm_fixture_find(fixture, 1, unique) != NULL);
 }
 
-uhid_pad *vm_room_plug(vm_room *room, const input_test_descriptor *kind, const char *unique)
+uhid_pad *vm_fixture_plug(vm_fixture *fixture, const input_test_descriptor *kind, const char *unique)
 {
 	uint32_t free_one = 0;
-	while (room->pads[free_one] != NULL)
+	while (fixture->pads[free_one] != NULL)
 		assert_true(++free_one < STILB_INPUT_PADS_MAX);
-	return room->pads[free_one] = uhid_pad_create(kind, unique);
+	return fixture->pads[free_one] = uhid_pad_create(kind, unique);
 }
 
-void vm_room_pull(vm_room *room, uhid_pad *pad)
+void vm_fixture_pull(vm_fixture *fixture, uhid_pad *pad)
 {
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++) {
-		if (room->pads[i] == pad)
-			room->pads[i] = NULL;
+		if (fixture->pads[i] == pad)
+			fixture->pads[i] = NULL;
 	}
 	uhid_pad_destroy(pad);
 }
 
-int vm_room_open(void **state)
+int vm_fixture_open(void **state)
 {
 	static const stilb_input_backend backends[VM_SIDES] = {STILB_INPUT_BACKEND_HIDRAW, STILB_INPUT_BACKEND_HIDAPI};
 	static const char *const names[VM_SIDES] = {"hidraw", "hidapi"};
-	vm_room *room = calloc(1, sizeof *room);
-	assert_non_null(room);
+	vm_fixture *fixture = calloc(1, sizeof *fixture);
+	assert_non_null(fixture);
 	for (int i = 0; i < VM_SIDES; i++) {
-		room->sides[i].name = names[i];
+		fixture->sides[i].name = names[i];
 		stilb_input_pads_desc desc = {.backend = backends[i]};
-		assert_int_equal(stilb_input_pads_create(&desc, &room->sides[i].pads), STILB_OK);
+		assert_int_equal(stilb_input_pads_create(&desc, &fixture->sides[i].pads), STILB_OK);
 	}
-	*state = room;
+	*state = fixture;
 	return 0;
 }
 
-int vm_room_close(void **state)
+int vm_fixture_close(void **state)
 {
-	vm_room *room = *state;
+	vm_fixture *fixture = *state;
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++)
-		uhid_pad_destroy(room->pads[i]);
+		uhid_pad_destroy(fixture->pads[i]);
 	for (int i = 0; i < VM_SIDES; i++) {
-		stilb_input_pads_destroy(room->sides[i].pads);
+		stilb_input_pads_destroy(fixture->sides[i].pads);
 		for (uint32_t k = 0; k < STILB_INPUT_PADS_MAX; k++)
-			forget(&room->sides[i].heard[k]);
+			forget(&fixture->sides[i].heard[k]);
 	}
-	free(room);
+	free(fixture);
 	return 0;
 }
 
@@ -251,7 +251,7 @@ static int entries(const char *path)
 
 int vm_descriptors(void)
 {
-	return entries("/proc/self/fd") - 1; /* opendir's own */
+	return entries("/proc/self/fd") - 1; /* without that of opendir */
 }
 
 int vm_threads(void)
