@@ -19,8 +19,8 @@
 #include "base/base.h"
 #include "window/window.h"
 
-/* What is asked for in one frame. Of the switches, true means that this frame changes them: a key pressed twice between
- * two frames changes nothing. */
+/* One frame's requests. A switch (overlay, inspector, freeze) is true if this frame flips it: a key pressed twice
+ * between two frames changes nothing. */
 typedef struct stilb_input_state {
 	/* Right, up, forward; each in [-1, 1]. The camera normalises a vector longer than 1. */
 	float move[3];
@@ -52,7 +52,7 @@ typedef struct stilb_input_state {
  * cancel. Asserts that window is not NULL. [any-thread] */
 stilb_input_state stilb_input_from_window(const stilb_window_state *window);
 
-/* The same without flying and freezing, which are the keys that a user interface with the keyboard's focus takes
+/* Input without flying and freezing, which are the keys that a user interface with the keyboard's focus takes
  * (letters and space); the mouse and the other keys stay. [any-thread] */
 stilb_input_state stilb_input_without_keys(stilb_input_state input);
 

@@ -27,14 +27,15 @@
 
 #include "base/base.h"
 
-/* Where the camera is and where it looks: metres; radians. Yaw 0 looks along -Z and grows to the left, pitch grows
+/* Position in metres and direction in radians. Yaw 0 looks along -Z and grows to the left, pitch grows
  * upwards. There is no roll. */
 typedef struct stilb_input_pose {
 	float position[3];
 	float yaw, pitch;
 } stilb_input_pose;
 
-/* What is wanted from a time on. A component that is not finite counts as 0, one out of range as the range's end. */
+/* The wanted movement from a time on. A component that is not finite counts as 0, one out of range as the range's
+ * end. */
 typedef struct stilb_input_wish {
 	/* Right, up (along +Y), forward (along the view), relative to the speed; a vector longer than 1 is normalised. */
 	float move[3];

@@ -211,7 +211,7 @@ static void control_remove(stilb_input_control *control, control_pad *pad, int64
 	control_steer(control, time_us); /* held keys fly on */
 }
 
-/* Whether the pad's new state is a touch; see input_control.h. */
+/* True if the pad's new state is a touch, as input_control.h defines it. */
 static bool control_touched(control_pad *pad, const stilb_input_pad_state *state, float dead_zone, int64_t time_us)
 {
 	STILB_ASSERT(time_us >= pad->last_us && "a pad's events come in time order");

@@ -208,7 +208,7 @@ static stilb_result recorder_commit(stilb_input_recorder *recorder)
 	if (recorder->failed)
 		return recorder_say(recorder);
 	if (recorder->reports == 0)
-		return stilb_fail(STILB_ERROR_FILE, "no gamepad was heard: '%s' is not written", recorder->file.path);
+		return stilb_fail(STILB_ERROR_FILE, "no gamepad sent a report: '%s' is not written", recorder->file.path);
 	return stilb_file_commit(&recorder->file);
 }
 

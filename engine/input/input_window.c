@@ -48,7 +48,7 @@ static uint16_t guid_number(const char *guid, size_t at)
 	return sscanf(guid + at, "%2x%2x", &low, &high) == 2 ? (uint16_t)(low | high << 8) : 0;
 }
 
-/* Whether the GUID is "bbbb0000vvvv0000pppp0000eeee0000": bus, vendor, product, version. For a device that lacks one of
+/* True if the GUID is "bbbb0000vvvv0000pppp0000eeee0000": bus, vendor, product, version. For a device that lacks one of
  * them GLFW puts the beginning of its name there instead. */
 static bool guid_has_ids(const char *guid)
 {

@@ -24,7 +24,7 @@
 /* Microseconds for which a pad may be opened directly before the library's counts. */
 #define STILB_INPUT_WINDOW_WAIT_US 500000
 
-/* What the control was told last about each of the library's gamepads; {0} at first. */
+/* The library's gamepads as the control knows them; {0} at first. */
 typedef struct stilb_input_window {
 	struct {
 		/* Its number as an event; 0: the control does not know it. */
@@ -35,7 +35,7 @@ typedef struct stilb_input_window {
 		char guid[33];
 		stilb_input_pad_state state;
 	} places[STILB_WINDOW_GAMEPADS];
-	/* Pads that the control was told of so far: the next number. */
+	/* Pads added to the control so far: the next number. */
 	uint32_t told;
 } stilb_input_window;
 
@@ -48,7 +48,7 @@ void stilb_input_window_feed(stilb_input_window *window, const stilb_window_game
  * [any-thread] */
 stilb_input_pad_state stilb_input_window_state(const stilb_window_gamepad *gamepad);
 
-/* Whether the library's gamepad of this GUID and name could be this device: equal bus and vendor, and an equal product
+/* True if the library's gamepad of this GUID and name could be this device: equal bus and vendor, and an equal product
  * or name; by name alone if the GUID has no numbers. [any-thread] */
 bool stilb_input_window_same(const char *guid, const char *name, const stilb_input_pad_info *info);
 

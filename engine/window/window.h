@@ -97,7 +97,7 @@ void stilb_window_title(stilb_window *window, const char *title);
  * Does not wait. [main-thread] */
 void stilb_window_poll(stilb_window *window, stilb_window_state *state);
 
-/* Whether pressing the right button captures the mouse, true at first; to be false while the pointer is over something
+/* Sets if pressing the right button captures the mouse, true at first; to be false while the pointer is over something
  * that takes clicks itself. A mouse that is captured stays so. [main-thread] */
 void stilb_window_set_capturing(stilb_window *window, bool capturing);
 

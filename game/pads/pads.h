@@ -27,7 +27,7 @@ typedef struct pads_options {
 
 extern const char *const pads_backends[];
 
-/* What the command does, one of these; each returns an exit code. */
+/* The command runs one of these; each returns an exit code. */
 int pads_list(const pads_options *o);
 int pads_describe(const pads_options *o);
 int pads_follow(const pads_options *o);
@@ -53,12 +53,12 @@ const char *pads_buttons_text(uint32_t buttons, char text[PADS_BUTTONS_SIZE]);
 /* Prints the title and the text, wrapped at blanks to PADS_COLUMNS; further lines are indented by the title's width. */
 void pads_print_wrapped(FILE *out, const char *title, const char *text);
 
-/* How a pad was recognised: "DualShock 4, USB: known pad 054c:05c4"; without the layout's name if it only repeats the
- * pad's. */
+/* The way a pad was recognised: "DualShock 4, USB: known pad 054c:05c4"; without the layout's name if it only repeats
+ * the pad's. */
 #define PADS_RECOGNISED_SIZE 512
 const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE]);
 
-/* Whether the pad has motors that can be driven. */
+/* True if the pad has motors that can be driven. */
 bool pads_has_rumble(const stilb_input_pad_info *info);
 
 /* Prints the udev rule that a pad without permission needs, and the file to put it into. */

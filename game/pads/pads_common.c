@@ -1,4 +1,4 @@
-/* What the parts of stilb pads share; see pads.h. */
+/* Functions that the parts of stilb pads share; see pads.h. */
 #include "pads.h"
 
 #include "base/base_file.h"

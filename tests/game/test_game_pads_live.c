@@ -2,7 +2,7 @@
 #include "support/input_descriptors.h"
 #include "support/stilb_program.h"
 
-/* ---- the pad ------------------------------------------------------------------------------------------------------- */
+/* ---- the pad --------------------------------------------------------------------------------------------------- */
 
 /* The device of umockdev's text format, with its descriptor. */
 static void write_device(const char *path, const char *name, uint16_t vendor, uint16_t product, const uint8_t *bytes,
@@ -41,8 +41,8 @@ static void write_pad(void)
 
 #define REPORTS 6
 
-/* Reports from 300 ms on, slowly: the node is a terminal underneath, in which what is not read yet runs together. The last
- * ones are the same, so that one of them is read for itself. */
+/* Reports from 300 ms on, slowly: the node is a terminal underneath, in which what is not read yet runs together. The
+ * last ones are the same, so that one of them is read for itself. */
 static void write_script(void)
 {
 	FILE *file = fopen("pad.script", "w");
@@ -84,7 +84,7 @@ static int live_code(const char *devices, const char *words)
 
 #define PAD "-d pad.umockdev -i /dev/hidraw7=node.ioctl"
 
-/* ---- tests --------------------------------------------------------------------------------------------------------- */
+/* ---- tests ----------------------------------------------------------------------------------------------------- */
 
 static void test_list(void **state)
 {
@@ -138,7 +138,7 @@ static void test_record_nothing(void **state)
 	fputs("old", file);
 	fclose(file);
 	assert_int_equal(live_code("", "STILB pads --record a.rec --seconds 0.2"), 1);
-	assert_said(run.err, "no gamepad was heard: 'a.rec' is not written\n");
+	assert_said(run.err, "no gamepad sent a report: 'a.rec' is not written\n");
 	file = fopen("a.rec", "r");
 	assert_non_null(file);
 	assert_non_null(fgets(text, sizeof text, file));

@@ -57,7 +57,7 @@ UNTRACED static size_t item_size(const uint8_t *data, size_t left)
 	return size < left ? size : left;
 }
 
-/* Where an item begins, at or before a byte. */
+/* The beginning of the item at a byte. */
 UNTRACED static size_t item_at(const uint8_t *data, size_t size, size_t byte)
 {
 	size_t at = 0;

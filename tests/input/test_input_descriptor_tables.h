@@ -1,5 +1,5 @@
-/* What the descriptors of input_descriptors.c say: every report with its size, and every input field. Compared element
- * by element with what the parser of hid-tools (hidtools/hid.py, 0579ecd) makes of the same bytes. */
+/* The contents of the descriptors of input_descriptors.c: every report with its size, and every input field. Compared
+ * element by element with what the parser of hid-tools (hidtools/hid.py, 0579ecd) makes of the same bytes. */
 #ifndef STILB_TEST_INPUT_DESCRIPTOR_TABLES_H
 #define STILB_TEST_INPUT_DESCRIPTOR_TABLES_H
 

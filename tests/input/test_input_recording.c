@@ -277,7 +277,7 @@ static void test_nothing_recorded(void **state)
 		made.event.kind = described ? STILB_INPUT_PAD_ADDED : STILB_INPUT_PAD_DENIED;
 		record(recorder, &made);
 		assert_int_equal(stilb_input_recorder_close(recorder), STILB_ERROR_FILE);
-		assert_non_null(strstr(stilb_error_message(), "no gamepad was heard: 'a.rec' is not written"));
+		assert_non_null(strstr(stilb_error_message(), "no gamepad sent a report: 'a.rec' is not written"));
 	}
 	write_text("golden.rec", golden, sizeof golden - 1);
 	assert_same_files("a.rec", "golden.rec");

@@ -38,8 +38,8 @@ static void make_report(uint32_t number, uint8_t report[SIZE])
 
 /* ---- in the test bed --------------------------------------------------------------------------------------------- */
 
-/* What was read. The node is a terminal underneath: reports that come while nobody reads are one. And as long as nobody
- * has it open, the script begins anew where it expects to be written to. */
+/* The bytes read so far. The simulated node is a terminal, so reports that were sent before a read arrive as one. While
+ * nobody has it open, the script starts again when it comes to the point at which it expects a write. */
 typedef struct stream {
 	uint8_t report[SIZE];
 	size_t filled;

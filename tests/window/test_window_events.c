@@ -79,7 +79,7 @@ static void expect_size(fixture *f, uint32_t width, uint32_t height)
 	assert_int_equal(h, height);
 }
 
-/* What the window shows is the picture: the same share of sky, whatever its size. */
+/* The window shows the whole picture: the share of sky is the same at every size. */
 static void test_shows_picture(void **state)
 {
 	fixture *f = *state;
@@ -163,7 +163,7 @@ static void test_resize_during_frames(void **state)
 	expect_size(f, 320, 200);
 }
 
-/* What a window manager does to minimise: the state becomes iconic, and the window is unmapped. */
+/* Minimises as a window manager does: the state becomes iconic, and the window is unmapped. */
 static void set_iconic(fixture *f, bool iconic)
 {
 	Atom wm_state = XInternAtom(f->display, "WM_STATE", False);

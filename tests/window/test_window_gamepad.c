@@ -53,7 +53,7 @@ static void put_bits(FILE *file, const char *what, const int *bits, size_t count
 	put_bytes(file, what, (int)size, bytes, size);
 }
 
-/* What the device answers to the questions of linux/input.h: a pad with two sticks, two triggers, a hat, 13 buttons. */
+/* Answers of the device to the ioctls of linux/input.h: a pad with two sticks, two triggers, a hat, 13 buttons. */
 static void put_answers(FILE *file, const evdev_pad *pad)
 {
 	static const int types[] = {EV_SYN, EV_KEY, EV_ABS};
@@ -168,7 +168,7 @@ static const stilb_input_control_pad *leader(void)
 	return NULL;
 }
 
-/* Whether there are so many pads, of which `windows` are read through the window's library. */
+/* True if there are so many pads, of which `windows` are read through the window's library. */
 static bool there_are(uint32_t count, uint32_t windows)
 {
 	for (uint32_t i = 0; i < pad_count; i++)

@@ -16,7 +16,7 @@ typedef struct input_roots {
 	const char *sys, *dev;
 } input_roots;
 
-/* Whether name is "hidraw" and a decimal number. */
+/* True if name is "hidraw" and a decimal number. */
 bool input_device_is_hidraw(const char *name);
 
 /* Fills *info with what sysfs knows of the node `name` ("hidraw3"). -ENODEV: it is gone. Asserts that it is such a

@@ -37,7 +37,7 @@ typedef enum stilb_input_source_kind {
 typedef struct stilb_input_source {
 	/* stilb_input_source_kind; stilb_input_axis or stilb_input_button. */
 	uint8_t kind, target;
-	/* How many, 1..32, and whether the value is in two's complement. */
+	/* Number of bits, 1..32; is_signed: the value is in two's complement. */
 	uint8_t bits;
 	bool is_signed;
 	/* The first bit, from the start of the report, id included. */
@@ -92,7 +92,7 @@ typedef struct stilb_input_hello {
 typedef struct stilb_input_layout {
 	/* "DualShock 4, Bluetooth". */
 	char name[64];
-	/* How it was found: "known pad 054c:05c4", "its descriptor: two sticks, ...". */
+	/* The way it was found: "known pad 054c:05c4", "its descriptor: two sticks, ...". */
 	char recognised[96];
 	/* By the table. */
 	bool known;
