@@ -30,14 +30,14 @@ bool window_display_is_lost(void)
 	return atomic_load_explicit(&display.lost, memory_order_relaxed); /* partner: display_on_error */
 }
 
-/* Replaces Xlib's handler, which prints two lines, for our connection; the caller of the window reports the loss. Xlib has
- * released its locks before this. On another thread, or outside of window_display_call, it returns, then so does
- * display_on_exit, and Xlib gives its caller (the Vulkan driver) an error. While GLFW opens the connection it is not known
- * yet: then the one that fails in a call of ours is ours. */
+/* Replaces Xlib's handler, which prints two lines, for our connection; the caller of the window reports the loss. Xlib
+ * has released its locks before this. On another thread, or outside of window_display_call, it returns, then so does
+ * display_on_exit, and Xlib gives its caller (the Vulkan driver) an error. While GLFW opens the connection it is not
+ * known yet: then the one that fails in a call of ours is ours. */
 static int display_on_error(void *connection)
 {
-	const bool calling = stilb_owner_is_me(&display.owner) && display.calling;
-	const bool ours = display.connection ? connection == display.connection : calling;
+	bool calling = stilb_owner_is_me(&display.owner) && display.calling;
+	bool ours = display.connection ? connection == display.connection : calling;
 	if (!ours)
 		return display.previous ? display.previous(connection) : 0;
 	atomic_store_explicit(&display.lost, true, memory_order_relaxed); /* partner: window_display_is_lost */
