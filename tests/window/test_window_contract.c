@@ -16,10 +16,10 @@ static void call_within_a_call(void *data)
 	window_display_call(nothing, data);
 }
 
-static void watch_within_a_call(void *data)
+static void begin_within_a_call(void *data)
 {
 	(void)data;
-	window_display_watch();
+	window_display_begin();
 }
 
 static void a_window_has_a_title_and_a_size(void **state)
@@ -55,7 +55,7 @@ static void calls_to_the_display_are_not_nested(void **state)
 {
 	(void)state;
 	contract_breaks("calls are not nested", window_display_call(call_within_a_call, NULL));
-	contract_breaks("GLFW is not being called", window_display_call(watch_within_a_call, NULL));
+	contract_breaks("GLFW is not being called", window_display_call(begin_within_a_call, NULL));
 	contract_breaks("`call' failed", window_display_call(NULL, NULL));
 }
 
