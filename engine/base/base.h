@@ -47,14 +47,15 @@ const char *stilb_result_text(stilb_result result);
 /* ---- asserts and log ------------------------------------------------------------------------------------------ */
 
 /* Contracts of functions. A broken one is the programmer's mistake: it prints file, line, function and condition and
- * ends the program with SIGABRT. All of them are compiled but not run with NDEBUG, so release builds pay nothing.
+ * ends the program with SIGABRT. With NDEBUG they are compiled as dead code, so release builds pay nothing and functions
+ * that only asserts call are not unused.
  *
  *   STILB_ASSERT(index < count);              cheap: an argument, a state, a range
  *   STILB_CHECK(octree_is_sound(octree));     walks a whole structure; for the end of a change to it
  *
  * Which thread calls, and which lock it holds, is asserted with base_contract.h. */
 #ifdef NDEBUG
-#define STILB_ASSERT(condition) ((void)sizeof(!(condition)))
+#define STILB_ASSERT(condition) ((void)(0 && (condition)))
 #else
 #define STILB_ASSERT(condition) assert(condition)
 #endif
