@@ -1,3 +1,4 @@
+/* Creation, settings and the frame's begin and end: what is the same for all devices. */
 #include "render/render_internal.h"
 #include "shading/shade_brdf.h"
 #include "shading/shade_light.h"
@@ -16,15 +17,36 @@ stilb_render_shading stilb_render_shading_default(void)
 	};
 }
 
+static bool render_size_is_valid(uint32_t width, uint32_t height)
+{
+	return width >= 1 && width <= 16384 && height >= 1 && height <= 16384;
+}
+
+/* True between pass_begin and pass_end of any pass. */
+static bool render_is_recording(const stilb_render *render)
+{
+	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
+		if (render->passes[p].state == RENDER_LIST_RECORDING)
+			return true;
+	return false;
+}
+
 stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **out)
 {
-	STILB_ASSERT(desc->width >= 1 && desc->width <= 16384 && desc->height >= 1 && desc->height <= 16384);
+	STILB_ASSERT(render_size_is_valid(desc->width, desc->height) && "1..16384 pixels a side");
 	STILB_ASSERT(desc->samples == 0 || desc->samples == 1 || desc->samples == 4);
+	STILB_ASSERT(desc->context_count >= 1);
+	STILB_ASSERT((uint32_t)desc->device <= STILB_RENDER_DEVICE_NULL &&
+	             (uint32_t)desc->output <= STILB_RENDER_OUTPUT_LINEAR);
+	STILB_ASSERT((uint32_t)desc->replay <= STILB_RENDER_REPLAY_SECONDARY);
+	STILB_ASSERT((uint32_t)desc->materials <= STILB_RENDER_MATERIALS_PIPELINE);
+	STILB_ASSERT(!desc->surface || (desc->surface->extensions && desc->surface->create));
 	*out = NULL;
 	stilb_render *render = stilb_memory_alloc(1, sizeof *render);
 	if (!render)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the renderer");
 	memset(render, 0, sizeof *render);
+	stilb_owner_take(&render->owner);
 	render->output = desc->output;
 	render->memory[RENDER_MEMORY_COMMANDS].element = sizeof(render_command);
 	render->memory[RENDER_MEMORY_COMMANDS].first_capacity = RENDER_FIRST_CAPACITY;
@@ -50,6 +72,7 @@ void stilb_render_destroy(stilb_render *render)
 {
 	if (!render)
 		return;
+	STILB_ASSERT_OWNER(render->owner);
 	if (render->device)
 		render->device->functions->destroy(render->device);
 	render_contexts_destroy(render);
@@ -79,33 +102,42 @@ uint32_t stilb_render_samples(const stilb_render *render)
 
 uint32_t stilb_render_validation_messages(const stilb_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	return render->device->validation_messages;
 }
 
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(context_count >= 1);
+	STILB_ASSERT(!render_is_recording(render) && "between frames");
 	stilb_result result = render_contexts_create(render, context_count);
 	if (result == STILB_OK)
-		render_passes_rewind(render); /* their segments' contexts are gone */
+		render_passes_rewind(render); /* their segments point into the old contexts */
 	return result;
 }
 
 stilb_result stilb_render_resize(stilb_render *render, uint32_t width, uint32_t height)
 {
-	STILB_ASSERT(width >= 1 && width <= 16384 && height >= 1 && height <= 16384);
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render_size_is_valid(width, height) && "1..16384 pixels a side");
+	STILB_ASSERT(!render_is_recording(render) && "between frames");
 	return render->device->functions->resize(render->device, width, height);
 }
 
 void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *height)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	*width = render->device->width;
 	*height = render->device->height;
 }
 
 stilb_result stilb_render_frame_begin(stilb_render *render)
 {
-	/* A frame mostly needs what the one before did: growing now saves the way over the heap. It may need less, so
-	 * having no memory for that is no error. Relaxed: no job runs. */
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(!render_is_recording(render) && "every pass that was begun has ended");
+	/* A frame mostly needs as much memory as the one before: growing now saves overflows to the heap. It may need
+	 * less, so failing to grow here is no error. Relaxed: no job runs that claims. */
 	uint32_t wanted[RENDER_MEMORY_KINDS];
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 		wanted[kind] = atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed);
@@ -127,20 +159,26 @@ stilb_result stilb_render_frame_begin(stilb_render *render)
 
 stilb_result stilb_render_present(stilb_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->state == RENDER_FRAME_REPLAYED);
 	return render->device->functions->present(render->device);
 }
 
 stilb_result stilb_render_wait(stilb_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	return render->device->functions->wait(render->device);
 }
 
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(image && !render_is_recording(render) && "between frames");
 	return render->device->functions->read_image(render->device, image);
 }
 
 stilb_render_stats stilb_render_stats_get(const stilb_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	return render->device->stats;
 }

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Models in a segment: enough work (some 512 draws) to be worth a claim, and many segments per worker. */
+/* Models in a segment: about 512 draws, enough to be worth a claim of the job loop, and yet many segments per worker. */
 #define RECORD_SEGMENT_MODELS 256u
 
-/* Rows of a frame that stay in the caches until they are read, 4 MiB. */
+/* Up to so many rows (4 MiB) stay in the caches until the GPU reads them. */
 #define RECORD_CACHED_ROWS 65536u
 
 /* ---- memory of a context ------------------------------------------------------------------------------------------- */
@@ -47,13 +47,13 @@ void render_contexts_destroy(stilb_render *render)
 
 void render_contexts_rewind(stilb_render *render)
 {
-	/* Of the frame before; relaxed: no job runs. */
+	/* Rows of the last frame. Relaxed: no job runs. */
 	uint32_t rows = atomic_load_explicit(&render->memory[RENDER_MEMORY_ROWS].next, memory_order_relaxed);
 	for (uint32_t i = 0; i < render->context_count; i++) {
 		stilb_render_context *context = &render->contexts[i];
-		STILB_ASSERT(!context->segment);
+		STILB_ASSERT(!context->segment && "every segment has ended");
 		context_drop_overflows(context);
-		/* The chunks of the frame before are the device's now. */
+		/* The last frame's chunks belong to the device now. */
 		context->command = context->command_end = NULL;
 		context->row = context->row_end = NULL;
 		context->run_count = 0;
@@ -63,7 +63,7 @@ void render_contexts_rewind(stilb_render *render)
 		context->meshes = render->resources.meshes;
 		context->materials = render->resources.materials;
 	}
-	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++) /* published by the submit of the first job */
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++) /* relaxed: submitting the first job publishes it */
 		atomic_store_explicit(&render->memory[kind].next, 0, memory_order_relaxed);
 	render_passes_rewind(render);
 }
@@ -79,6 +79,7 @@ void render_passes_rewind(stilb_render *render)
 
 bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size)
 {
+	STILB_ASSERT(size > 0 && !*array == (*capacity == 0));
 	if (count <= *capacity)
 		return true;
 	uint32_t larger = *capacity ? *capacity : 16;
@@ -92,7 +93,7 @@ bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t siz
 	return true;
 }
 
-/* On the heap. */
+/* Memory on the heap for a claim that lies beyond the frame's memory; NULL: no memory. */
 static void *record_overflow(stilb_render_context *context, render_memory_kind kind, uint32_t first, uint32_t count)
 {
 	const render_memory *memory = &context->render->memory[kind];
@@ -105,13 +106,16 @@ static void *record_overflow(stilb_render_context *context, render_memory_kind k
 	return data;
 }
 
-/* The next count elements: in the device's memory, or on the heap when the frame outgrows it; NULL without memory. */
+/* Claims count elements of the frame's memory; *first is their position in it. Returns where to write them: in place, or on
+ * the heap if they lie beyond the capacity. NULL: no memory. */
 static void *record_claim(stilb_render_context *context, render_memory_kind kind, uint32_t count, uint32_t *first)
 {
+	STILB_ASSERT(count > 0 && context->segment);
 	render_memory *memory = &context->render->memory[kind];
+	/* Relaxed: claims must differ, and publish nothing. */
 	*first = atomic_fetch_add_explicit(&memory->next, count, memory_order_relaxed);
 	if (*first > UINT32_MAX - count)
-		return NULL; /* four thousand million: the frame fails, whatever the next claim overwrites */
+		return NULL; /* the counter wraps: the frame fails, so it does not matter that later claims overlap */
 	if (*first + count <= memory->capacity)
 		return (uint8_t *)memory->data + (size_t)*first * memory->element;
 	return record_overflow(context, kind, *first, count);
@@ -144,7 +148,7 @@ stilb_result render_memory_place(stilb_render *render)
 	PROFILE("place");
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++) {
 		render_memory *memory = &render->memory[kind];
-		/* Relaxed: the job system's wait has ordered all claims before this. */
+		/* Relaxed: the job system's wait orders all claims before this. */
 		uint32_t claimed = atomic_load_explicit(&memory->next, memory_order_relaxed);
 		if (claimed <= memory->capacity)
 			continue;
@@ -170,23 +174,29 @@ stilb_result render_memory_place(stilb_render *render)
 
 /* ---- runs ---------------------------------------------------------------------------------------------------------- */
 
+/* Position of the next command among the frame's commands. */
 static uint32_t record_command_index(const stilb_render_context *context)
 {
+	STILB_ASSERT(context->command && context->command <= context->command_end);
 	return context->command_chunk + RENDER_COMMAND_CHUNK - (uint32_t)(context->command_end - context->command);
 }
 
-/* The run being recorded ends before the next command. */
+/* Ends the run being recorded, if there is one, before the next command. */
 static void record_end_run(stilb_render_context *context)
 {
 	if (context->state == RENDER_NO_STATE)
 		return;
+	STILB_ASSERT(context->run_count > context->first_run);
 	render_run *run = &context->runs[context->run_count - 1];
 	run->count = record_command_index(context) - run->first;
+	STILB_ASSERT(run->count > 0 && run->count <= RENDER_COMMAND_CHUNK && "a run lies in one chunk");
 	context->state = RENDER_NO_STATE;
 }
 
+/* False: no memory. */
 static bool record_begin_run(stilb_render_context *context, uint64_t state)
 {
+	STILB_ASSERT(context->state == RENDER_NO_STATE && state != RENDER_NO_STATE);
 	if (!render_reserve((void **)&context->runs, &context->run_capacity, context->run_count + 1, sizeof *context->runs))
 		return false;
 	context->runs[context->run_count++] = (render_run){record_command_index(context), 0, state};
@@ -194,12 +204,12 @@ static bool record_begin_run(stilb_render_context *context, uint64_t state)
 	return true;
 }
 
-/* What a draw needs beyond room for it: a new chunk, a new run. False without memory. */
+/* Claims new chunks for the next draw and begins a new run, as far as it needs them. False: no memory, now or before. */
 static bool record_make_room(stilb_render_context *context, uint64_t state)
 {
 	if (context->failed)
-		return false; /* claims no more: the counters would wrap before a large scene is through */
-	context->failed = true;
+		return false;       /* further claims could wrap the counters before the end of a large scene */
+	context->failed = true; /* unless the end of this function is reached */
 	if (context->row == context->row_end && !record_next_rows(context))
 		return false;
 	if (context->command == context->command_end) {
@@ -218,15 +228,17 @@ static bool record_make_room(stilb_render_context *context, uint64_t state)
 
 /* ---- writing ------------------------------------------------------------------------------------------------------- */
 
-/* Rows are read next by the GPU. Where there are more than the caches hold they go past them, a whole line each, so that no
- * line is fetched to be overwritten and none pushes out what recording reads. Fewer stay in the caches: memory takes only so
- * many streaming stores from all CPUs together, and a second worker would gain little (measured: 1.5 times instead of 1.9).
- * Commands are half a line: streamed between rows, the two halves would not meet (measured: 14 ns a draw instead of 4). The
- * thread sanitizer does not see streaming stores. */
+/* The GPU is the next to read a row. If there are more rows than the caches hold, rows are written with streaming stores, a
+ * whole cache line each: no line is fetched only to be overwritten, and none evicts data that recording reads. Fewer rows
+ * are written with ordinary stores: memory bandwidth for streaming stores is shared by all CPUs, so a second worker would
+ * gain 1.5 times instead of 1.9 (measured). Commands are half a line and never streamed: between streamed rows the two
+ * halves would not be combined into one write (measured: 14 ns a draw instead of 4). The thread sanitizer does not see
+ * streaming stores, so its build has none. */
 #if defined(__SSE2__) && !defined(__SANITIZE_THREAD__)
 #include <emmintrin.h>
 
-/* Built in registers: stored piece by piece and read back whole, a command would wait for the store buffer. */
+/* The command is built in vector registers: a wide load of a struct that was just stored member by member cannot be
+ * forwarded from the store buffer and stalls. */
 static inline void record_write_command(render_command *out, const render_mesh_slot *mesh, uint32_t row,
                                         uint32_t material, uint64_t key)
 {
@@ -236,7 +248,7 @@ static inline void record_write_command(render_command *out, const render_mesh_s
 	_mm_store_si128((__m128i *)out + 1, rest);
 }
 
-/* The matrix's upper three rows, one after the other, material and mesh. */
+/* Writes the upper three rows of the matrix, then material and mesh. stream: with non-temporal stores. */
 static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
                                     bool stream)
 {
@@ -256,7 +268,7 @@ static inline void record_write_row(render_row *row, const stilb_mat4 *transform
 	}
 }
 
-/* Streaming stores are ordered by this alone: not by the release that hands a segment to the main thread. */
+/* Orders streaming stores before the segment is published: a release store alone does not. */
 static inline void record_drain(void)
 {
 	_mm_sfence();
@@ -303,9 +315,10 @@ stilb_render_context *stilb_render_context_get(stilb_render *render, uint32_t wo
 
 stilb_result stilb_render_pass_begin(stilb_render *render, uint32_t pass, uint32_t segment_count)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(pass < STILB_RENDER_MAX_PASSES && render->state == RENDER_FRAME_BEGUN);
 	render_pass_lists *lists = &render->passes[pass];
-	STILB_ASSERT(lists->state == RENDER_LIST_EMPTY);
+	STILB_ASSERT(lists->state == RENDER_LIST_EMPTY && "a pass is recorded once a frame");
 	if (!render_reserve((void **)&lists->segments, &lists->segment_capacity, segment_count, sizeof *lists->segments))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u segments", segment_count);
 	lists->segment_count = segment_count;
@@ -317,9 +330,11 @@ stilb_result stilb_render_pass_begin(stilb_render *render, uint32_t pass, uint32
 
 void stilb_render_segment_begin(stilb_render_context *context, uint32_t pass, uint32_t segment)
 {
+	STILB_ASSERT(pass < STILB_RENDER_MAX_PASSES && !context->segment);
 	render_pass_lists *lists = &context->render->passes[pass];
 	STILB_ASSERT(lists->state == RENDER_LIST_RECORDING && segment < lists->segment_count);
-	STILB_ASSERT(!context->segment && !lists->segments[segment].context);
+	STILB_ASSERT(!lists->segments[segment].context && "a segment is recorded once");
+	stilb_owner_take(&context->writer);
 	context->segment = &lists->segments[segment];
 	context->first_run = context->run_count;
 	context->state = RENDER_NO_STATE;
@@ -327,10 +342,11 @@ void stilb_render_segment_begin(stilb_render_context *context, uint32_t pass, ui
 
 void stilb_render_segment_end(stilb_render_context *context)
 {
+	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment);
 	record_end_run(context);
 	record_drain();
-	/* Written once: other workers write the entries beside it. */
+	/* One store: other workers write neighbouring entries of the array. */
 	*context->segment = (render_segment){context, context->first_run, context->run_count - context->first_run};
 	context->segment = NULL;
 }
@@ -343,7 +359,7 @@ static inline void record_write(stilb_render_context *context, uint64_t key, sti
 	record_write_command(context->command++, &context->meshes[mesh_index], context->row_index++, material_index, key);
 }
 
-/* Apart, and a tail call, so that a draw for which there is room saves no registers. */
+/* Not inlined, and called as a tail call: the common case of stilb_render_draw then saves no registers. */
 __attribute__((noinline)) static void record_draw_making_room(stilb_render_context *context, uint64_t key,
                                                               stilb_render_mesh mesh, stilb_render_material material,
                                                               const stilb_mat4 *transform, uint64_t state)
@@ -357,11 +373,12 @@ static inline void record_draw(stilb_render_context *context, uint64_t key, stil
 {
 	const render_mesh_slot *slot = &context->meshes[mesh.id & RENDER_INDEX_MASK];
 	uint32_t material_index = material.id & RENDER_INDEX_MASK, entry = context->materials[material_index];
+	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment && (mesh.id & RENDER_INDEX_MASK) < STILB_RENDER_MAX_MESHES);
 	STILB_ASSERT(mesh.id != 0 && slot->generation == mesh.id >> RENDER_GENERATION_SHIFT);
 	STILB_ASSERT(material.id != 0 && entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
-	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f);
-	STILB_ASSERT(transform->m[11] == 0.0f && transform->m[15] == 1.0f);
+	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
+	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
 	uint64_t state = render_state(entry, material_index, context->material_mask);
 	if (context->command == context->command_end || context->row == context->row_end || state != context->state)
 		record_draw_making_room(context, key, mesh, material, transform, state);
@@ -384,7 +401,8 @@ void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, sti
 uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_render_vertex_2d *vertices,
                                   uint32_t vertex_count, const uint32_t *indices, uint32_t index_count)
 {
-	STILB_ASSERT(context->segment);
+	STILB_ASSERT_OWNER(context->writer);
+	STILB_ASSERT(context->segment && (vertices || vertex_count == 0) && (indices || index_count == 0));
 	if (context->failed || vertex_count == 0 || index_count == 0)
 		return 0;
 	uint32_t first_vertex, first_index = 0, most = 0;
@@ -406,6 +424,7 @@ void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, u
                           const float clip[4], stilb_render_texture texture)
 {
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
+	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment && index < STILB_RENDER_MAX_TEXTURES);
 	STILB_ASSERT(context->render->resources.textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
 	uint64_t state = RENDER_STATE_2D | index;
@@ -419,8 +438,10 @@ void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, u
 
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(pass < STILB_RENDER_MAX_PASSES);
 	render_pass_lists *lists = &render->passes[pass];
-	STILB_ASSERT(lists->state == RENDER_LIST_RECORDING);
+	STILB_ASSERT(lists->state == RENDER_LIST_RECORDING && "pass_end follows pass_begin");
 	lists->state = RENDER_LIST_CLOSED;
 	for (uint32_t i = 0; i < render->context_count; i++)
 		if (render->contexts[i].failed)
@@ -430,7 +451,7 @@ stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)
 
 /* ---- recording a scene ---------------------------------------------------------------------------------------------- */
 
-/* A pass that is being recorded: what the slices of its loop share. */
+/* A pass of a scene that is being recorded: shared, read-only, by the slices of its loop. */
 typedef struct record_pass {
 	stilb_render *render;
 	const stilb_scene *scene;
@@ -443,7 +464,7 @@ static void record_segment(const record_pass *recorded, stilb_render_context *co
 {
 	PROFILE("record segment");
 	const stilb_scene *scene = recorded->scene;
-	/* In locals: for all the compiler knows, a draw writes over the scene. */
+	/* Locals, because the compiler must assume that a draw's stores change the scene's members. */
 	const uint32_t *visible = recorded->visible, *first_part = scene->first_part;
 	const uint32_t *meshes = scene->part_mesh, *materials = scene->part_material;
 	const stilb_mat4 *transforms = scene->part_transform;
@@ -453,6 +474,7 @@ static void record_segment(const record_pass *recorded, stilb_render_context *co
 	stilb_render_segment_begin(context, recorded->pass, segment);
 	for (uint32_t i = first; i < end; i++) {
 		uint32_t model = visible[i];
+		STILB_ASSERT(model < scene->model_count);
 		for (uint32_t p = first_part[model]; p < first_part[model + 1]; p++)
 			record_draw(context, 0, (stilb_render_mesh){first_mesh + meshes[p]},
 			            (stilb_render_material){first_material + materials[p]}, &transforms[p]);
@@ -470,7 +492,8 @@ static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *co
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker)
 {
-	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count);
+	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count && "a context for each worker");
+	STILB_ASSERT(visible_count == 0 || (render->scene_meshes && render->scene_materials));
 	uint32_t segments = (visible_count + RECORD_SEGMENT_MODELS - 1) / RECORD_SEGMENT_MODELS;
 	stilb_result result = stilb_render_pass_begin(render, pass, segments);
 	if (result != STILB_OK)

@@ -1,9 +1,9 @@
-/* Replay: the segments in number order, on the main thread. */
+/* Replay, on the main thread: runs are joined in segment order, and each pass goes to the device in pass order. */
 #include "render/render_internal.h"
 
 #include <string.h>
 
-/* Joins the runs of a pass's segments, in number order; runs that continue each other become one. */
+/* Joins the runs of a pass's segments in number order; adjacent runs of the same state are merged. */
 static stilb_result replay_order(const stilb_render_pass *pass, render_pass_lists *lists)
 {
 	uint64_t kind = pass->kind == STILB_RENDER_PASS_2D ? RENDER_STATE_2D : 0;
@@ -11,7 +11,7 @@ static stilb_result replay_order(const stilb_render_pass *pass, render_pass_list
 	lists->draws = lists->states = 0;
 	uint32_t most = 0;
 	for (uint32_t s = 0; s < lists->segment_count; s++) {
-		STILB_ASSERT(lists->segments[s].context); /* every segment is recorded, an empty one too */
+		STILB_ASSERT(lists->segments[s].context && "every segment is recorded, an empty one too");
 		most += lists->segments[s].run_count;
 	}
 	if (!render_reserve((void **)&lists->runs, &lists->run_capacity, most, sizeof *lists->runs))
@@ -21,7 +21,8 @@ static stilb_result replay_order(const stilb_render_pass *pass, render_pass_list
 		const render_segment *segment = &lists->segments[s];
 		for (uint32_t r = 0; r < segment->run_count; r++) {
 			const render_run *run = &segment->context->runs[segment->first_run + r];
-			STILB_ASSERT((run->state & RENDER_STATE_2D) == kind); /* its draws are of the pass's kind */
+			STILB_ASSERT((run->state & RENDER_STATE_2D) == kind && "2D draws in 2D passes alone");
+			STILB_ASSERT(run->count > 0 && segment->first_run + r < segment->context->run_count);
 			lists->draws += run->count;
 			lists->states |= run->state;
 			if (last && last->first + last->count == run->first && last->state == run->state) {
@@ -35,13 +36,13 @@ static stilb_result replay_order(const stilb_render_pass *pass, render_pass_list
 	return STILB_OK;
 }
 
-/* Scene passes come before 2D passes, and each kind goes by ascending order. */
+/* Sort key of passes: scene passes before 2D passes, each kind by ascending order. */
 static uint64_t replay_rank(const stilb_render_pass *pass)
 {
 	return (uint64_t)(pass->kind == STILB_RENDER_PASS_2D) << 32 | pass->order;
 }
 
-/* The pass with the lowest rank that comes after `after`; equal ranks keep the table's sequence. */
+/* The pass that follows `after` by rank, then by table index; after NULL: the first. NULL: there is none. */
 static const stilb_render_pass *replay_next_pass(const stilb_render_pass *passes, uint32_t count,
                                                  const stilb_render_pass *after)
 {
@@ -57,14 +58,15 @@ static const stilb_render_pass *replay_next_pass(const stilb_render_pass *passes
 
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists)
 {
-	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED);
+	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED && "every replayed pass is recorded");
+	STILB_ASSERT((uint32_t)pass->kind <= STILB_RENDER_PASS_2D && pass->target == STILB_RENDER_TARGET_MAIN);
 	STILB_ASSERT(pass->kind == STILB_RENDER_PASS_SCENE || !pass->sort);
 	lists->kind = pass->kind;
 	stilb_result result = replay_order(pass, lists);
 	return result == STILB_OK && pass->sort ? render_sort(render, lists) : result;
 }
 
-/* The profiler's name for a pass, made once: finding it takes a lock. */
+/* The profiler's site for a pass's name, cached in *known: looking it up takes a lock. */
 static const stilb_prof_site *replay_site(const stilb_prof_site **known, const char *name)
 {
 	name = name ? name : "pass";
@@ -95,6 +97,7 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	return result;
 }
 
+/* Bytes of 2D geometry that were recorded in this frame. */
 static uint64_t replay_geometry_2d_bytes(const stilb_render *render)
 {
 	uint64_t bytes = 0;
@@ -105,8 +108,8 @@ static uint64_t replay_geometry_2d_bytes(const stilb_render *render)
 	return bytes;
 }
 
-/* Puts every pass in order, and finds in which the passes follow each other. All before the device gets the first one:
- * sorting may grow the memory in which the commands lie. */
+/* Orders the draws of every pass, and the passes themselves. All of it before the device gets the first pass, because
+ * sorting may move the memory that holds the commands. */
 static stilb_result replay_order_passes(stilb_render *render, const stilb_render_pass *passes, uint32_t count)
 {
 	PROFILE("order");
@@ -126,6 +129,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
                                  uint32_t worker)
 {
 	(void)view_count;
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(passes && (views || view_count == 0));
 	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->state == RENDER_FRAME_BEGUN);
 	render_device *device = render->device;
 	device->stats =
@@ -160,10 +165,12 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 void render_split(const render_stream *stream, uint32_t count, render_part *parts)
 {
 	uint32_t run = 0, offset = 0;
+	STILB_ASSERT(count > 0 && stream->draws > 0);
 	for (uint32_t p = 0; p < count; p++) {
 		uint64_t draws = stream->draws * (p + 1) / count - stream->draws * p / count;
 		parts[p] = (render_part){run, offset, draws};
 		while (draws > 0) {
+			STILB_ASSERT(run < stream->run_count && offset < stream->runs[run].count);
 			uint32_t left = stream->runs[run].count - offset;
 			if (draws < left) {
 				offset += (uint32_t)draws;
@@ -176,10 +183,11 @@ void render_split(const render_stream *stream, uint32_t count, render_part *part
 	}
 }
 
-/* ---- faults on purpose --------------------------------------------------------------------------------------------- */
+/* ---- injected faults ----------------------------------------------------------------------------------------------- */
 
 bool render_fault_allocation(render_device *device)
 {
+	/* Relaxed: see render_device.allocations. */
 	return atomic_fetch_add_explicit(&device->allocations, 1, memory_order_relaxed) + 1 == device->faults.allocation;
 }
 
@@ -206,6 +214,7 @@ static_assert(sizeof(stilb_render_shading) == 9 * sizeof(uint32_t), "hashed as i
 
 uint64_t stilb_render_stream_hash(const stilb_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	uint64_t hash = STILB_FNV1A64_START;
 	for (uint32_t i = 0; i < render->replayed_count; i++) {
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
@@ -214,8 +223,10 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 		hash = stilb_hash_fnv1a64(hash, &lists->shading, sizeof lists->shading);
 		for (uint32_t r = 0; r < lists->run_count; r++) {
 			const render_run *run = &lists->runs[r];
+			STILB_ASSERT(run->first + run->count <= render->memory[RENDER_MEMORY_COMMANDS].capacity);
 			for (uint32_t c = run->first; c < run->first + run->count; c++) {
 				const render_command *command = &render_commands(render)[c];
+				STILB_ASSERT(command->row < render->memory[RENDER_MEMORY_ROWS].capacity);
 				hash = hash_draw(hash, command, &render_rows(render)[command->row]);
 			}
 		}

@@ -1,11 +1,13 @@
 /*
- * Meshes, textures and materials: handles, and what the device must be told of. Inside render/.
+ * Meshes, textures and materials: their handles, their data and its way to the device. Inside render/.
  *
- * Handles.  The low 24 bits index a table, the high 8 are the entry's generation, so that a stale handle is noticed. Tables
- *           are reserved at their full size and never move: recording reads an entry without a lock.
- * Heaps.    Vertices, indices and materials lie in three arrays, in the same places as on the device. Whoever creates
- *           writes here, under the lock, and marks the range dirty; replay hands dirty ranges to the device.
- * Retiring. What is destroyed may be in a frame that the device still draws: it is released when that frame is done.
+ * Handles.  The low 24 bits index a table, the high 8 are the entry's generation, so that a stale handle is noticed.
+ *           Tables are reserved at their full size and never move: recording reads an entry without a lock.
+ * Heaps.    Vertices, indices and materials lie in three arrays that the device mirrors at the same offsets. Creating a
+ *           resource writes into them under the lock and marks the range dirty; replay copies dirty ranges to the device.
+ * Retiring. A destroyed resource may belong to a frame that the device still draws, so its index and its ranges are
+ *           reused only after that frame is done.
+ * Threads.  Creation and destruction are [any-thread] and take the lock; the functions below are [main-thread].
  */
 #ifndef STILB_RENDER_RESOURCES_H
 #define STILB_RENDER_RESOURCES_H
@@ -16,14 +18,14 @@
 #define RENDER_INDEX_MASK 0xffffffu
 #define RENDER_GENERATION_SHIFT 24u
 
-/* A mesh's place in the vertex and index heaps. The first 16 bytes are those of its draws' commands. */
+/* A mesh's ranges in the vertex and index heaps. Its draws copy the first 16 bytes into their render_command. */
 typedef struct render_mesh_slot {
 	_Alignas(32) uint32_t index_count;
 	uint32_t instance_count; /* 1 */
 	uint32_t first_index;
 	int32_t vertex_offset;
 	uint32_t vertex_count;
-	uint32_t generation; /* of the handles that name it */
+	uint32_t generation; /* that a valid handle has; 0: never used */
 } render_mesh_slot;
 
 /* A material as the fragment shader reads it (shaders/mesh.glsl). */
@@ -35,11 +37,12 @@ typedef struct render_material {
 
 static_assert(sizeof(render_material) == 48, "std430: three vec4");
 
-/* Disjoint ranges, ascending; neighbours that touch are one. */
+/* Elements first .. first + count - 1 of a heap. */
 typedef struct render_range {
 	uint32_t first, count;
 } render_range;
 
+/* A set of elements: not empty, ascending and disjoint ranges, of which no two touch. */
 typedef struct render_ranges {
 	render_range *items;
 	uint32_t count, capacity;
@@ -55,8 +58,9 @@ typedef enum render_heap_kind {
 typedef struct render_heap {
 	uint8_t *data;
 	uint32_t element;        /* bytes */
-	uint32_t size, capacity; /* elements; all ever used lie below size */
-	render_ranges free, dirty;
+	uint32_t size, capacity; /* elements; every element ever used lies below size */
+	render_ranges free;      /* below size, used by nobody */
+	render_ranges dirty;     /* to be copied to the device */
 } render_heap;
 
 typedef enum render_resource_kind {
@@ -66,30 +70,30 @@ typedef enum render_resource_kind {
 	RENDER_RESOURCE_KINDS,
 } render_resource_kind;
 
-/* The indices of one kind of resource. */
+/* The table indices of one kind of resource. */
 typedef struct render_indices {
-	uint32_t next, most; /* never used yet; how many there can be */
-	uint32_t *free;      /* a stack with room for all below next, so that releasing cannot fail */
+	uint32_t next_unused, capacity; /* the first index that was never used; the size of the table */
+	uint32_t *free;                 /* a stack with space for all indices below next_unused: releasing cannot fail */
 	uint32_t free_count, free_capacity;
 } render_indices;
 
-/* Pixels on their way to a texture: four channels. */
+/* Pixels that the next frame copies to a texture: four channels. */
 typedef struct render_texture_upload {
 	uint32_t texture;
 	stilb_image image;
 } render_texture_upload;
 
 typedef struct render_retired {
-	uint64_t frame; /* the last that may use it */
+	uint64_t frame; /* the last frame that may use it */
 	render_resource_kind kind;
 	uint32_t index;
 } render_retired;
 
 typedef struct render_resources {
-	/* Read by draws without the lock; an entry is written before its handle exists, and after it is released. */
+	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
-	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: generation above, index of the texture below, 0: none */
-	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
+	uint32_t *materials; /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits the generation, low 24 its texture; 0: none */
+	uint32_t *textures;  /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
 	stilb_lock lock; /* guards everything below */
 	bool lock_made;
@@ -97,31 +101,34 @@ typedef struct render_resources {
 	render_heap heaps[RENDER_HEAPS];
 	render_texture_upload *uploads;
 	uint32_t upload_count, upload_capacity;
-	uint32_t uploads_sent;   /* the first ones, with the frame that is being replayed */
-	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] what was sent; NULL: not kept */
-	render_retired *retired; /* room for all that live */
+	uint32_t uploads_sent;   /* so many of the first are part of the frame that is being replayed */
+	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
+	render_retired *retired; /* destroyed, not yet released; has space for every live resource */
 	uint32_t retired_count, retired_capacity;
-	uint32_t live;  /* not yet released */
-	uint64_t frame; /* frames begun */
+	uint32_t live;  /* resources not yet released */
+	uint64_t frame; /* frames begun so far */
 } render_resources;
 
+/* Overwrites *resources. After STILB_ERROR_MEMORY render_resources_destroy is still due. */
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures);
-/* Accepts {0}. */
+/* Also of a zeroed struct. */
 void render_resources_destroy(render_resources *resources);
 
-/* A frame has begun, and the device is done with the one RENDER_FRAMES_IN_FLIGHT before: releases what was destroyed in
- * that frame or before. [main-thread] */
+/* Call when a frame has begun and the device is done with the frame RENDER_FRAMES_IN_FLIGHT before it: releases resources
+ * that were destroyed in that frame or earlier. [main-thread] */
 void render_resources_frame(stilb_render *render);
 
-/* Gives the device what is dirty, as a part of the frame. [main-thread] */
+/* Gives the device the dirty ranges and new textures, as part of the frame. [main-thread] */
 stilb_result render_resources_update(stilb_render *render);
 
-/* After the end of such a frame: was it handed over? If not, all is dirty again. [main-thread] */
-void render_resources_sent(stilb_render *render, bool good);
+/* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
+void render_resources_sent(stilb_render *render, bool submitted);
 
-/* ranges: adding what touches or overlaps joins it. False without memory. */
+/* Adds a range to the set; it joins those that it touches or overlaps. range.count > 0. False: no memory. */
 bool render_ranges_add(render_ranges *ranges, render_range range);
-/* Takes `count` from the first range that has as many; false: none has. */
+/* Removes `count` > 0 elements from the first range that has as many (first fit); false: none has. */
 bool render_ranges_take(render_ranges *ranges, uint32_t count, uint32_t *first);
+/* Checks the invariant of render_ranges, for STILB_CHECK: time in proportion to ranges->count. */
+bool render_ranges_is_sound(const render_ranges *ranges);
 
 #endif

@@ -1,5 +1,5 @@
-/* Passes that ask for it are sorted by key: a radix sort from the lowest byte up, which is stable, so draws with equal keys
- * stay in the order of their segments. Bytes that are the same in all keys are skipped. */
+/* Sorts the draws of a pass by key: a radix sort from the lowest byte up. It is stable, so draws with equal keys stay in
+ * the order of their segments. Bytes that all keys share are skipped. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -7,13 +7,14 @@
 
 typedef struct sort_item {
 	uint64_t key;
-	uint32_t command; /* of the frame */
-	uint32_t texture; /* of its material when it was recorded: that may be gone by now */
+	uint32_t command; /* index among the frame's commands */
+	uint32_t texture; /* that its material had when it was recorded: the material may be destroyed by now */
 } sort_item;
 
-/* Sorts count items by ascending key; scratch holds as many. Returns where the result is: items or scratch. */
+/* Sorts count items by ascending key; scratch has as many. Returns the array that holds the result: items or scratch. */
 static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t count)
 {
+	STILB_ASSERT(count > 0 && items && scratch && items != scratch);
 	uint64_t differing = 0;
 	for (uint32_t i = 1; i < count; i++)
 		differing |= items[i].key ^ items[0].key;
@@ -37,6 +38,7 @@ static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t coun
 	return items;
 }
 
+/* Lists the pass's draws in recorded order. */
 static void sort_gather(const render_command *commands, const render_pass_lists *lists, sort_item *items)
 {
 	for (const render_run *run = lists->runs; run < lists->runs + lists->run_count; run++)
@@ -44,7 +46,7 @@ static void sort_gather(const render_command *commands, const render_pass_lists 
 			*items++ = (sort_item){commands[c].key, c, render_state_texture(run->state)};
 }
 
-/* Room for count commands behind those of the frame; their first's index. */
+/* Claims count commands behind the frame's commands; *first is the index of the first. */
 static stilb_result sort_claim(stilb_render *render, uint32_t count, uint32_t *first)
 {
 	render_memory *memory = &render->memory[RENDER_MEMORY_COMMANDS];
@@ -60,14 +62,16 @@ static stilb_result sort_claim(stilb_render *render, uint32_t count, uint32_t *f
 	                                       (uint32_t)claimed);
 }
 
-/* Copies the commands to `first` on in their new order, and finds the runs. */
+/* Copies the pass's commands to the claim at `first` in their new order, and makes its runs anew. False: no memory. */
 static bool sort_place(stilb_render *render, render_pass_lists *lists, const sort_item *items, uint32_t first)
 {
 	render_command *commands = render->memory[RENDER_MEMORY_COMMANDS].data;
 	uint32_t mask = render_material_mask(render->device->materials), count = (uint32_t)lists->draws;
 	render_run *run = NULL;
+	STILB_ASSERT((uint64_t)first + count <= render->memory[RENDER_MEMORY_COMMANDS].capacity);
 	lists->run_count = 0;
 	for (uint32_t i = 0; i < count; i++) {
+		STILB_ASSERT(items[i].command < first && (i == 0 || items[i - 1].key <= items[i].key));
 		const render_command *command = &commands[items[i].command];
 		uint64_t state = render_state(items[i].texture, command->material, mask);
 		commands[first + i] = *command;
@@ -82,7 +86,7 @@ static bool sort_place(stilb_render *render, render_pass_lists *lists, const sor
 	return true;
 }
 
-/* Room for count items, kept from frame to frame; NULL without memory. */
+/* An array of at least count items, kept from frame to frame; NULL: no memory. */
 static sort_item *sort_scratch(stilb_render *render, uint64_t count)
 {
 	if (count > render->sort_capacity) {
@@ -95,6 +99,7 @@ static sort_item *sort_scratch(stilb_render *render, uint64_t count)
 
 stilb_result render_sort(stilb_render *render, render_pass_lists *lists)
 {
+	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED && lists->draws <= UINT32_MAX);
 	if (lists->draws == 0)
 		return STILB_OK;
 	uint32_t first = 0;

@@ -207,7 +207,7 @@ static void assert_heap(const render_resources *resources, render_heap_kind kind
 	assert_non_null(marks);
 	for (uint32_t r = 0; r < heap->free.count; r++)
 		mark(marks, heap->size, heap->free.items[r].first, heap->free.items[r].count);
-	for (uint32_t m = 0; m < resources->indices[RENDER_RESOURCE_MESH].next; m++) {
+	for (uint32_t m = 0; m < resources->indices[RENDER_RESOURCE_MESH].next_unused; m++) {
 		const render_mesh_slot *slot = &resources->meshes[m];
 		if (used[m] && kind == RENDER_HEAP_VERTICES)
 			mark(marks, heap->size, (uint32_t)slot->vertex_offset, slot->vertex_count);
@@ -224,14 +224,14 @@ static uint32_t indices_used(const render_resources *resources, render_resource_
 {
 	const render_indices *indices = &resources->indices[kind];
 	uint32_t first = kind == RENDER_RESOURCE_TEXTURE;
-	assert_true(indices->next <= indices->most && indices->free_count <= indices->free_capacity);
-	memset(used + first, 1, indices->next - first);
+	assert_true(indices->next_unused <= indices->capacity && indices->free_count <= indices->free_capacity);
+	memset(used + first, 1, indices->next_unused - first);
 	for (uint32_t f = 0; f < indices->free_count; f++) {
-		assert_true(indices->free[f] >= first && indices->free[f] < indices->next);
+		assert_true(indices->free[f] >= first && indices->free[f] < indices->next_unused);
 		assert_int_equal(used[indices->free[f]], 1);
 		used[indices->free[f]] = 0;
 	}
-	return indices->next - first - indices->free_count;
+	return indices->next_unused - first - indices->free_count;
 }
 
 static void assert_books(const stilb_render *render)
@@ -239,7 +239,7 @@ static void assert_books(const stilb_render *render)
 	const render_resources *resources = &render->resources;
 	uint32_t most = STILB_RENDER_MAX_TEXTURES;
 	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++)
-		most = resources->indices[kind].next > most ? resources->indices[kind].next : most;
+		most = resources->indices[kind].next_unused > most ? resources->indices[kind].next_unused : most;
 	uint8_t *used = calloc(1, most);
 	assert_non_null(used);
 	uint32_t live = indices_used(resources, RENDER_RESOURCE_TEXTURE, used);
@@ -247,7 +247,7 @@ static void assert_books(const stilb_render *render)
 		assert_int_equal(used[resources->uploads[u].texture], 1);
 	memset(used, 0, STILB_RENDER_MAX_TEXTURES);
 	live += indices_used(resources, RENDER_RESOURCE_MATERIAL, used);
-	memset(used, 0, resources->indices[RENDER_RESOURCE_MATERIAL].next);
+	memset(used, 0, resources->indices[RENDER_RESOURCE_MATERIAL].next_unused);
 	live += indices_used(resources, RENDER_RESOURCE_MESH, used);
 	assert_int_equal(live, resources->live);
 	assert_true(resources->retired_count <= resources->live);
@@ -391,7 +391,7 @@ static void assert_no_growth(const stilb_render *render)
 	const render_resources *resources = &render->resources;
 	const uint32_t frames = CHURN_STAYS + 1 + RENDER_FRAMES_IN_FLIGHT, things = CHURN_SEGMENTS * CHURN_EACH * frames;
 	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++)
-		assert_in_range(resources->indices[kind].next, things / 2, 2 * things);
+		assert_in_range(resources->indices[kind].next_unused, things / 2, 2 * things);
 	assert_in_range(resources->heaps[RENDER_HEAP_VERTICES].size, 1, 2 * things * GPU_THING_MOST_VERTICES / 2);
 	assert_in_range(resources->heaps[RENDER_HEAP_INDICES].size, 1, 2 * things * 30);
 	assert_in_range(resources->retired_capacity, 1, 16 * things);
@@ -827,8 +827,8 @@ static void no_more_meshes_or_materials(void **state)
 	stilb_render *render = fixture_render(1, 0, 0);
 	stilb_render_mesh mesh;
 	stilb_render_material material;
-	render->resources.indices[RENDER_RESOURCE_MESH].most = 30;
-	render->resources.indices[RENDER_RESOURCE_MATERIAL].most = 40;
+	render->resources.indices[RENDER_RESOURCE_MESH].capacity = 30;
+	render->resources.indices[RENDER_RESOURCE_MATERIAL].capacity = 40;
 	for (uint32_t i = 0; i < 30; i++)
 		assert_int_equal(gpu_mesh_create(render, i, &mesh), STILB_OK);
 	for (uint32_t i = 0; i < 40; i++)

@@ -443,7 +443,7 @@ static void resources_come_and_go(void **state)
 			stage_draw(&s, NULL, 0);
 		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
 		assert_int_equal(s.render->resources.live, 0);
-		assert_in_range(s.render->resources.indices[RENDER_RESOURCE_MESH].next, BUSY * BUSY, 3 * BUSY * BUSY);
+		assert_in_range(s.render->resources.indices[RENDER_RESOURCE_MESH].next_unused, BUSY * BUSY, 3 * BUSY * BUSY);
 		stage_close(&s);
 	}
 	stilb_scene_mesh_finish(&plane);
