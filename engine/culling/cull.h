@@ -65,7 +65,7 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
 void stilb_cull_visible_finish(stilb_cull_visible *visible);
 void stilb_cull_destroy(stilb_cull *cull);
 
-/* ---- the loose octree by itself ----------------------------------------------------------------------------------- */
+/* ---- the loose octree by itself ---------------------------------------------------------------------------------- */
 
 typedef struct stilb_cull_octree stilb_cull_octree;
 

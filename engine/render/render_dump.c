@@ -1,4 +1,4 @@
-/* Playing a dump: its resources, its recording, its replay, all through the calls that a program makes. */
+/* Playing a dump: its resources, its recording, its replay, through the public calls of render.h. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 
@@ -9,6 +9,7 @@
 
 stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 {
+	STILB_ASSERT(dump);
 	const render_dump_header *header = dump->header;
 	return (stilb_render_dump_info){
 		.stream_hash = header->stream_hash,
@@ -25,8 +26,8 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 }
 
 /* ---- resources ------------------------------------------------------------------------------------------------------
- * A renderer that is new gives ids in ascending order. Those that the file has not, since no draw uses them, are taken
- * by the least that there can be. */
+ * A new renderer gives ids in ascending order. Ids that the file leaves out, because no draw uses them, are taken by
+ * the smallest possible resource. */
 
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
                                    stilb_render_texture *out)
@@ -48,7 +49,7 @@ static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render 
 			result = upload_texture(render, &none, white, &textures[t]);
 		if (result == STILB_OK)
 			result = upload_texture(render, texture, pixels, &textures[t]);
-		STILB_ASSERT(result != STILB_OK || (textures[t].id & RENDER_INDEX_MASK) == texture->id);
+		STILB_ASSERT(result != STILB_OK || ((textures[t].id & RENDER_INDEX_MASK) == texture->id && "a new renderer"));
 		next++;
 		pixels += render_dump_fill(render_dump_pixel_bytes(texture));
 	}
@@ -73,13 +74,13 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 		if (result == STILB_OK)
 			result = stilb_render_material_create(
 				render, &material, from->texture ? textures[from->texture - 1] : no_texture, &materials[m]);
-		STILB_ASSERT(result != STILB_OK || (materials[m].id & RENDER_INDEX_MASK) == from->id);
+		STILB_ASSERT(result != STILB_OK || ((materials[m].id & RENDER_INDEX_MASK) == from->id && "a new renderer"));
 		next++;
 	}
 	return result;
 }
 
-/* The scene's struct has pointers to what may be written; here it is only read. */
+/* The casts drop const only because the scene's struct has no const pointers: the mesh is read, not written. */
 static stilb_result upload_mesh(stilb_render *render, const stilb_scene_vertex *vertices, uint32_t vertex_count,
                                 const uint32_t *indices, uint32_t index_count, stilb_render_mesh *out)
 {
@@ -101,7 +102,7 @@ static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *r
 			result = upload_mesh(render, none, 1, zero, 1, &meshes[m]);
 		if (result == STILB_OK)
 			result = upload_mesh(render, vertices, mesh->vertices, indices, mesh->indices, &meshes[m]);
-		STILB_ASSERT(result != STILB_OK || (meshes[m].id & RENDER_INDEX_MASK) == mesh->id);
+		STILB_ASSERT(result != STILB_OK || ((meshes[m].id & RENDER_INDEX_MASK) == mesh->id && "a new renderer"));
 		next++;
 		vertices += mesh->vertices;
 		indices += mesh->indices;
@@ -157,11 +158,12 @@ static void upload_tables(stilb_render_dump *dump)
 		view->lamp = upload_lamp(from);
 		view->shading = upload_shading(from);
 	}
-	uint32_t draws = 0;
+	uint32_t draws = 0; /* fits: the header's count is at most UINT32_MAX */
 	for (uint32_t s = 0; s <= dump->header->segments; s++) {
 		dump->first_draw[s] = draws;
 		draws += s < dump->header->segments ? dump->segments[s] : 0;
 	}
+	STILB_ASSERT(draws == dump->header->draws && "segments hold all draws");
 }
 
 static void upload_draws(stilb_render_dump *dump, const stilb_render_mesh *meshes,
@@ -182,6 +184,7 @@ static void upload_draws(stilb_render_dump *dump, const stilb_render_mesh *meshe
 
 stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *render)
 {
+	STILB_ASSERT_OWNER(render->owner);
 	const render_dump_header *header = dump->header;
 	stilb_render_texture *textures = stilb_memory_alloc(header->textures, sizeof *textures);
 	stilb_render_material *materials = stilb_memory_alloc(header->materials, sizeof *materials);
@@ -212,11 +215,11 @@ stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *ren
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
-/* A pass that is being recorded. */
+/* A pass that is being recorded: shared by the slices of its loop. */
 typedef struct play_pass {
 	const stilb_render_dump *dump;
 	stilb_render *render;
-	uint32_t pass, first_segment; /* of the file's segments */
+	uint32_t pass, first_segment; /* the pass's first among the file's segments */
 } play_pass;
 
 static void play_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user)
@@ -226,6 +229,7 @@ static void play_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user
 	const stilb_render_dump *dump = play->dump;
 	stilb_render_context *context = stilb_render_context_get(play->render, worker);
 	for (uint32_t segment = begin; segment < end; segment++) {
+		STILB_ASSERT(play->first_segment + segment < dump->header->segments);
 		const uint32_t *first = &dump->first_draw[play->first_segment + segment];
 		stilb_render_segment_begin(context, play->pass, segment);
 		for (const render_dump_ready *draw = dump->ready + first[0]; draw < dump->ready + first[1]; draw++)
@@ -237,6 +241,7 @@ static void play_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user
 stilb_result stilb_render_dump_record(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                       uint32_t worker)
 {
+	STILB_ASSERT(dump->ready && dump->first_draw && "stilb_render_dump_upload has been called");
 	play_pass play = {.dump = dump, .render = render};
 	stilb_result result = STILB_OK;
 	for (uint32_t p = 0; p < dump->header->passes && result == STILB_OK; p++) {
@@ -254,6 +259,7 @@ stilb_result stilb_render_dump_record(const stilb_render_dump *dump, stilb_rende
 stilb_result stilb_render_dump_replay(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                       uint32_t worker)
 {
+	STILB_ASSERT(dump->ready && "stilb_render_dump_upload has been called");
 	return stilb_render_replay(render, dump->pass_table, dump->header->passes, dump->view_table, dump->header->views,
 	                           pool, worker);
 }

@@ -1,16 +1,32 @@
 /*
- * render_dump: a frame's command stream as a file, and the file played without the scene that it came from.
+ * render_dump: a frame's command stream as a file, and playing such a file without the scene that it came from.
  *
- * What is in it. The views, the passes (2D passes are left out), every draw (mesh, material, key, transform) in the order
- *                of its recording, cut into segments as it was recorded, and the meshes, materials and textures that the
- *                draws use, with their ids. So the file needs nothing else, and what is played has the frame's stream
- *                hash, which is in the file too. render_dump_format.h describes the bytes.
- * Life cycle.    stilb_render_dump_save after a frame's replay. stilb_render_dump_load -> stilb_render_dump_upload into
- *                a new renderer -> frames -> stilb_render_dump_destroy, before or after the renderer.
- * Per frame.     stilb_render_frame_begin, stilb_render_dump_record, stilb_render_dump_replay.
- * Threads.       [main-thread].
- * Errors.        Files are checked field by field before anything is made from them; a message names the file and the
- *                place. Nothing that a file can hold reaches an assert.
+ * Contents.    The views, the scene passes (2D passes are left out), every draw (mesh, material, key, transform) in the
+ *              order and the segments of its recording, and the meshes, materials and textures that the draws use, with
+ *              their ids. So the file needs nothing else, and playing it gives the frame's stream hash, which the file
+ *              also holds. render_dump_format.h describes the bytes.
+ * Life cycle.  Saving: stilb_render_dump_save after a frame's replay. Playing: stilb_render_dump_load ->
+ *              stilb_render_dump_upload into a new renderer -> frames -> stilb_render_dump_destroy, before or after the
+ *              renderer.
+ * Per frame.   stilb_render_frame_begin, stilb_render_dump_record, stilb_render_dump_replay, stilb_render_present.
+ * Threads.     [main-thread], that of the renderer. record, replay and measure spread work over the pool; `worker` is
+ *              the caller's index in it.
+ * Errors.      Files are checked field by field before anything is made from them; a message names the file and the
+ *              field. No file can reach an assert. STILB_ERROR_MEMORY can come from every function that returns a
+ *              result.
+ * Example.     One frame of a dump, drawn again:
+ *
+ *   stilb_render_dump *dump;
+ *   stilb_result result = stilb_render_dump_load("frame.dump", &dump);
+ *   if (result == STILB_OK)
+ *       result = stilb_render_dump_upload(dump, render);
+ *   if (result == STILB_OK)
+ *       result = stilb_render_frame_begin(render);
+ *   if (result == STILB_OK)
+ *       result = stilb_render_dump_record(dump, render, pool, 0);
+ *   if (result == STILB_OK)
+ *       result = stilb_render_dump_replay(dump, render, pool, 0);
+ *   stilb_render_dump_destroy(dump);
  */
 #ifndef STILB_RENDER_DUMP_H
 #define STILB_RENDER_DUMP_H
@@ -19,60 +35,64 @@
 
 typedef struct stilb_render_dump stilb_render_dump;
 
-/* Writes the last replayed frame; the tables are those that were given to stilb_render_replay. base_file.h says how
- * files are written. Valid after replay until the next frame begins, as the stream hash. STILB_ERROR_ARGUMENT: no frame
- * with a scene pass has been replayed, or a draw uses a texture and the renderer was made without keep_textures.
- * STILB_ERROR_MEMORY, STILB_ERROR_FILE. */
+/* Writes the last replayed frame to path, as base_file.h says: whole or not at all. passes and views are the tables
+ * that were given to stilb_render_replay. Valid from replay until the next frame begins. STILB_ERROR_ARGUMENT: no frame
+ * with a scene pass has been replayed, or a draw uses a texture and the renderer was created without keep_textures.
+ * STILB_ERROR_FILE. [main-thread] */
 stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                     const stilb_render_view *views, uint32_t view_count, const char *path);
 
-/* Reads and checks all of path ("-": standard input). STILB_ERROR_FILE: it cannot be read, is no dump, or is damaged.
- * STILB_ERROR_MEMORY. */
+/* Reads and checks the whole of path ("-": standard input). On failure *dump is NULL. STILB_ERROR_FILE: it cannot be
+ * read, is not a dump, is of another version or damaged. [any-thread] */
 stilb_result stilb_render_dump_load(const char *path, stilb_render_dump **dump);
+
+/* Accepts NULL. [main-thread] */
 void stilb_render_dump_destroy(stilb_render_dump *dump);
 
-/* What the file says about the frame. */
+/* The file's counts and settings. */
 typedef struct stilb_render_dump_info {
 	uint64_t stream_hash, draws;
 	uint32_t passes, meshes, materials, textures;
-	uint32_t width, height, samples;
+	uint32_t width, height, samples; /* pixels; samples per pixel */
 	stilb_render_output output;
 } stilb_render_dump_info;
 
+/* [any-thread] */
 stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump);
 
-/* Creates the meshes, textures and materials, with the ids of the file: in a renderer that has none yet.
- * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
+/* Creates the dump's meshes, textures and materials with the ids of the file, in a renderer that has none yet. The
+ * errors of stilb_render_mesh_create and its kind. [main-thread] */
 stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *render);
 
-/* Records all passes, their segments spread over the pool; the caller's index there is worker. */
+/* Records all passes of an uploaded dump, their segments spread over the pool; after stilb_render_frame_begin.
+ * [main-thread] */
 stilb_result stilb_render_dump_record(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                       uint32_t worker);
 
-/* stilb_render_replay with the file's passes and views. */
+/* stilb_render_replay with the file's passes and views; after stilb_render_dump_record. [main-thread] */
 stilb_result stilb_render_dump_replay(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                       uint32_t worker);
 
-/* ---- what each kind of command costs --------------------------------------------------------------------------------
- * No single command is timed: a clock costs more than most of them. Whole frames are, in rounds, each round all of
- * these one after the other while the device is idle:
+/* ---- the cost of each kind of command -------------------------------------------------------------------------------
+ * Most commands take less time than reading a clock, so whole frames are timed instead: in rounds, each of which runs
+ * all of these variants one after the other while the device is idle:
  *
- *   real         the frame as it is: recording, order, passes, in the first rounds submission
+ *   real         the frame as it is: recording, ordering, passes, and in the first rounds submission
  *   few          its passes with as few draws as there are command lists
- *   plain        its passes, with the bindings of the first draw for all
+ *   plain        its passes, with the bindings of the first draw for all draws
  *   one pipeline its passes, with one pipeline for all draws
  *   split        plain, with an indirect command for every draw (only with indirect replay)
  *
- * All others are given to the device and never submitted: the commands are valid, their results thrown away. What two
- * of them differ by, divided by how many commands of one kind they differ by, is the cost of such a command. The number
- * is the median over the rounds, and the quartiles show how far it can be trusted. */
+ * Only `real` is ever submitted; the commands of the others are valid and thrown away. The time between two variants,
+ * divided by the number of commands of one kind that only one of them has, is the cost of such a command. Given are the
+ * median over the rounds and the quartiles, which show how reliable it is. */
 
 typedef struct stilb_render_dump_cost {
 	const char *kind;     /* "draw" */
-	const char *method;   /* how it was measured */
-	uint64_t count;       /* of such commands in a frame */
-	bool known;           /* false: the frame has too few to tell */
-	double ns, low, high; /* one such command: median and quartiles */
+	const char *method;   /* the variants that were compared: "plain - few" */
+	uint64_t count;       /* commands of this kind in a frame */
+	bool known;           /* false: too few of them to tell, and the numbers below are 0 */
+	double ns, low, high; /* nanoseconds of one such command: median, lower and upper quartile */
 } stilb_render_dump_cost;
 
 #define STILB_RENDER_DUMP_COSTS 8
@@ -81,11 +101,11 @@ typedef struct stilb_render_dump_cost {
 typedef struct stilb_render_dump_costs {
 	stilb_render_dump_cost kinds[STILB_RENDER_DUMP_COSTS]; /* the last is the submission */
 	uint32_t rounds;
-	double frame_ns; /* the real frame, median: recording, order, passes */
+	double frame_ns; /* recording, ordering and passes of the real frame, ns, median */
 } stilb_render_dump_costs;
 
-/* STILB_RENDER_DUMP_MIN_ROUNDS rounds, in which the device draws, and then some for `seconds`. The renderer's picture
- * and stream hash are lost. After stilb_render_dump_upload, between frames. */
+/* Measures STILB_RENDER_DUMP_MIN_ROUNDS rounds in which the device draws, and then more for `seconds` (>= 0). After
+ * stilb_render_dump_upload, between frames. The renderer's picture and stream hash are lost. [main-thread] */
 stilb_result stilb_render_dump_measure(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                        uint32_t worker, double seconds, stilb_render_dump_costs *costs);
 

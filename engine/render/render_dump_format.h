@@ -1,26 +1,26 @@
 /*
  * The bytes of a frame dump, version 2. Inside render/.
  *
- * Little endian, IEEE 754 floats; no padding but what is named, and that is zero. The parts follow each other without a
- * table: where each begins and how long the file is follow from the header's counts, and a file of any other length is
- * refused. Each part is filled up with zeros to a multiple of 8 bytes.
+ * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
+ * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
+ * Each part is padded with zeros to a multiple of 8 bytes.
  *
- *   part       bytes each  how many              what
+ *   part       bytes each  how many              contents
  *   header            104  1                     render_dump_header
  *   views             208  header.views, 1..16   render_dump_view
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          48  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
  *   meshes             16  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
- *   segments            4  header.segments       draws of the segment; those of pass 0, then of pass 1, ...
+ *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
  *   draws              64  header.draws          render_dump_draw, as recorded: segment after segment
  *   vertices           32  header.vertices       position (3 floats), normal (3), uv (2) of mesh 0, then of 1, ...
  *   indices             4  header.indices        of mesh 0, then of mesh 1, ...; below its vertex count
- *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture filled to 8 bytes
+ *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
  *   checksum            8  1                     FNV-1a 64 of all bytes before it
  *
- * "mesh 1" here and in draws and materials is a place in the tables above; ids are what the stream hash covers, and
- * what --materials pipeline goes by.
+ * "mesh 1" here, and the references of draws and materials, are positions in the tables above. The ids are those of the
+ * renderer that saved the file: the stream hash covers them, and --materials pipeline depends on them.
  */
 #ifndef STILB_RENDER_DUMP_FORMAT_H
 #define STILB_RENDER_DUMP_FORMAT_H
@@ -49,13 +49,13 @@ typedef struct render_dump_view {
 	float sun_direction[3], sun_irradiance[3];
 	float sky[3], ground[3];
 	float lamp_position[3], lamp_axis[3], lamp_intensity[3], lamp_radius, lamp_reach;
-	float roughness, anisotropy, wrap, specular; /* of stilb_render_shading: added to every material's */
-	uint32_t brdf, ndf, g, f, light;             /* the same: numbers of the shading headers */
+	float roughness, anisotropy, wrap, specular; /* the floats of stilb_render_shading */
+	uint32_t brdf, ndf, g, f, light;             /* its integers: constants of the shading headers */
 	uint32_t unused;
 } render_dump_view;
 
 typedef struct render_dump_pass {
-	char name[64]; /* ends with at least one zero, zeros to the end */
+	char name[64]; /* at most 63 bytes, padded with zeros */
 	uint32_t view, target, order, sort;
 	uint32_t segments, unused;
 	uint64_t draws;
@@ -68,7 +68,7 @@ typedef struct render_dump_texture {
 
 typedef struct render_dump_material {
 	uint32_t id;
-	uint32_t texture; /* 0: none, else 1 + its place */
+	uint32_t texture; /* 0: none, else 1 + its position in the table of textures */
 	float diffuse[3], specular[3];
 	float roughness, anisotropy, wrap;
 	uint32_t unused;
@@ -80,7 +80,7 @@ typedef struct render_dump_mesh {
 
 typedef struct render_dump_draw {
 	uint64_t key;
-	uint32_t mesh, material; /* places */
+	uint32_t mesh, material; /* positions in their tables */
 	float transform[12];     /* the three rows of the affine transform */
 } render_dump_draw;
 
@@ -105,18 +105,21 @@ typedef enum render_dump_part {
 	RENDER_DUMP_PARTS,
 } render_dump_part;
 
-/* Where each part begins; [RENDER_DUMP_PARTS] is the end of the file. False: more than 2^64 bytes. */
+/* Fills in the offset of each part, bytes; begin[RENDER_DUMP_PARTS] is the end of the file. False: more than 2^64
+ * bytes. */
 bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_DUMP_PARTS + 1]);
 
-/* Bytes of a texture's pixels without the zeros behind them; format is valid, sides are at most 16384. */
+/* Bytes of a texture's pixels without the padding. The format must be valid and a side at most 16384. */
 uint64_t render_dump_pixel_bytes(const render_dump_texture *texture);
 
+/* bytes with padding: the next multiple of 8. */
 static inline uint64_t render_dump_fill(uint64_t bytes)
 {
+	STILB_ASSERT(bytes <= UINT64_MAX - 7);
 	return (bytes + 7) & ~(uint64_t)7;
 }
 
-/* A draw as it is recorded again. */
+/* A draw in the form in which it is recorded again. */
 typedef struct render_dump_ready {
 	stilb_mat4 transform;
 	uint64_t key;
@@ -124,9 +127,9 @@ typedef struct render_dump_ready {
 	stilb_render_material material;
 } render_dump_ready;
 
-/* A file in memory, checked. */
+/* A checked file in memory. */
 struct stilb_render_dump {
-	uint8_t *bytes; /* the file; what follows points into it */
+	uint8_t *bytes; /* the file; the pointers below point into it */
 	const render_dump_header *header;
 	const render_dump_view *views;
 	const render_dump_pass *passes;
@@ -139,14 +142,14 @@ struct stilb_render_dump {
 	const uint32_t *indices;
 	const uint8_t *pixels;
 
-	/* Made by upload. */
+	/* Made by stilb_render_dump_upload; NULL before. */
 	stilb_render_pass pass_table[STILB_RENDER_MAX_PASSES];
 	stilb_render_view view_table[RENDER_DUMP_MAX_VIEWS];
 	render_dump_ready *ready; /* [header->draws] */
-	uint32_t *first_draw;     /* [header->segments + 1] */
+	uint32_t *first_draw;     /* [header->segments + 1]: segment s has draws first_draw[s] .. first_draw[s + 1] - 1 */
 };
 
-/* Takes over bytes, which come from malloc; after an error they are freed. name is for the message. */
+/* Checks a file in memory. Takes over bytes, which malloc made, and frees them on error. name is for the message. */
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **dump);
 
 #endif

@@ -1,4 +1,4 @@
-/* Reading a dump: nothing is believed before it is checked. */
+/* Reading a dump: every field is checked before it is used. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 #include "shading/shade_brdf.h"
@@ -45,12 +45,13 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 uint64_t render_dump_pixel_bytes(const render_dump_texture *texture)
 {
 	static const uint32_t sizes[] = {sizeof(uint8_t), sizeof(uint16_t), sizeof(float)};
+	STILB_ASSERT(texture->format <= STILB_IMAGE_F32_LINEAR && texture->width <= 16384 && texture->height <= 16384);
 	return (uint64_t)texture->width * texture->height * 4 * sizes[texture->format];
 }
 
 /* ---- the file as a whole ----------------------------------------------------------------------------------------- */
 
-/* "cannot read 'frame.dump': PLACE AND REASON" */
+/* Returns STILB_ERROR_FILE with the message "cannot read 'NAME': FIELD AND REASON". */
 static stilb_result load_refuse(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 static stilb_result load_refuse(const char *name, const char *format, ...)
@@ -71,7 +72,7 @@ static bool load_is_zero(const uint8_t *bytes, uint64_t begin, uint64_t end)
 	return true;
 }
 
-/* Is it a dump, of this version, and as long as it says? */
+/* Checks that it is a dump of this version with as many bytes as its header says. */
 static stilb_result load_check_size(const uint8_t *bytes, size_t size, const char *name)
 {
 	render_dump_header header;
@@ -80,7 +81,7 @@ static stilb_result load_check_size(const uint8_t *bytes, size_t size, const cha
 	if (size == 0)
 		return load_refuse(name, "it is empty");
 	if (memcmp(bytes, RENDER_DUMP_MAGIC, magic) != 0)
-		return load_refuse(name, "it is no frame dump; 'stilb demo --dump FILE' writes one");
+		return load_refuse(name, "it is not a frame dump; 'stilb demo --dump FILE' writes one");
 	if (size < sizeof header)
 		return load_refuse(name, "it ends in the header, after %zu bytes", size);
 	memcpy(&header, bytes, sizeof header);
@@ -90,18 +91,18 @@ static stilb_result load_check_size(const uint8_t *bytes, size_t size, const cha
 	if (header.version != RENDER_DUMP_VERSION)
 		return load_refuse(name,
 		                   "header: version %" PRIu32 ", but this program reads version %u; 'stilb demo --dump FILE' "
-		                   "writes that",
+		                   "writes it",
 		                   header.version, RENDER_DUMP_VERSION);
 	if (size < header.file_size)
-		return load_refuse(name, "it is truncated: %zu bytes, but %" PRIu64 " belong to it", size, header.file_size);
+		return load_refuse(name, "it is truncated: %zu bytes of %" PRIu64, size, header.file_size);
 	if (size > header.file_size)
-		return load_refuse(name, "it goes on behind the %" PRIu64 " bytes that belong to it", header.file_size);
+		return load_refuse(name, "it continues after its last byte, %" PRIu64, header.file_size);
 	if (!render_dump_layout(&header, begin) || begin[RENDER_DUMP_PARTS] != size)
 		return load_refuse(name, "header: its counts do not add up to the %zu bytes of the file", size);
 	return STILB_OK;
 }
 
-/* Are the bytes those that were written? The size is right. */
+/* Checks the checksum and the padding between parts; load_check_size has passed. */
 static stilb_result load_check_bytes(const uint8_t *bytes, const char *name)
 {
 	const render_dump_header *header = (const render_dump_header *)bytes;
@@ -165,7 +166,7 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 	return STILB_OK;
 }
 
-/* Printable, ended and filled up with zeros. */
+/* True for at most 63 bytes without control characters, padded with zeros. */
 static bool load_check_name(const char name[64])
 {
 	size_t length = strnlen(name, 64);
@@ -186,7 +187,7 @@ static stilb_result load_check_passes(const stilb_render_dump *dump, const char 
 	for (uint32_t p = 0; p < h->passes; p++) {
 		const render_dump_pass *pass = &dump->passes[p];
 		if (!load_check_name(pass->name))
-			return load_refuse(name, "pass %u: its name is not ended, or holds a control character", p);
+			return load_refuse(name, "pass %u: its name does not end with a zero, or has a control character", p);
 		if (pass->view >= h->views)
 			return load_refuse(name, "pass %u: view %u, but there are %u", p, pass->view, h->views);
 		if (pass->target > STILB_RENDER_TARGET_MAIN || pass->sort > 1 || pass->unused != 0)
@@ -209,7 +210,7 @@ static stilb_result load_check_passes(const stilb_render_dump *dump, const char 
 	return STILB_OK;
 }
 
-/* Ids ascend: what comes next is at least this. */
+/* Checks that id is in *next .. end - 1, and moves *next behind it: ids ascend. */
 static stilb_result load_check_id(const char *name, const char *kind, uint32_t place, uint32_t id, uint32_t *next,
                                   uint32_t end)
 {
@@ -222,7 +223,7 @@ static stilb_result load_check_id(const char *name, const char *kind, uint32_t p
 static stilb_result load_check_textures(const stilb_render_dump *dump, const char *name)
 {
 	uint64_t at = 0, bytes = dump->header->pixel_bytes;
-	uint32_t next = 1; /* 0 stands for none */
+	uint32_t next = 1; /* id 0 means no texture */
 	for (uint32_t t = 0; t < dump->header->textures; t++) {
 		const render_dump_texture *texture = &dump->textures[t];
 		stilb_result result = load_check_id(name, "texture", t, texture->id, &next, STILB_RENDER_MAX_TEXTURES);
@@ -357,7 +358,7 @@ stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, sti
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-/* How many bytes there are to be, as far as the first `size` of them say: no more is read than that. */
+/* Bytes to read in all, as far as the first `size` bytes tell: the header, then the header's file size and one more. */
 static uint64_t load_wanted(const uint8_t *bytes, size_t size)
 {
 	render_dump_header header;
@@ -365,11 +366,12 @@ static uint64_t load_wanted(const uint8_t *bytes, size_t size)
 		return sizeof header;
 	memcpy(&header, bytes, sizeof header);
 	bool foreign = memcmp(header.magic, RENDER_DUMP_MAGIC, sizeof header.magic) != 0;
-	return foreign || header.file_size == UINT64_MAX ? sizeof header : header.file_size + 1; /* 1: does it go on? */
+	return foreign || header.file_size == UINT64_MAX ? sizeof header
+	                                                 : header.file_size + 1; /* 1: finds a longer file */
 }
 
-/* Reads what belongs to a dump, and a byte more if there is one. Memory follows what has been read, whatever the header
- * says. 0, or an errno. */
+/* Reads the bytes of a dump, and one more if there is one. The buffer grows with the bytes read, so a header that
+ * claims a huge file costs nothing. Returns 0 or an errno. */
 static int load_stream(FILE *stream, uint8_t **bytes, size_t *size)
 {
 	size_t capacity = 0;
@@ -383,8 +385,9 @@ static int load_stream(FILE *stream, uint8_t **bytes, size_t *size)
 				return ENOMEM;
 			*bytes = grown;
 		}
-		uint64_t room = capacity - *size, missing = wanted - *size;
-		size_t step = (size_t)(room < missing ? room : missing);
+		STILB_ASSERT(*size < capacity);
+		uint64_t left = capacity - *size, missing = wanted - *size;
+		size_t step = (size_t)(left < missing ? left : missing);
 		errno = 0;
 		size_t read = fread(*bytes + *size, 1, step, stream);
 		*size += read;
@@ -396,6 +399,7 @@ static int load_stream(FILE *stream, uint8_t **bytes, size_t *size)
 
 stilb_result stilb_render_dump_load(const char *path, stilb_render_dump **out)
 {
+	STILB_ASSERT(path && out);
 	uint8_t *bytes;
 	size_t size;
 	*out = NULL;

@@ -1,4 +1,4 @@
-/* What each kind of command of a dump costs: see render_dump.h for the method. */
+/* Measures the cost of each kind of command of a dump: render_dump.h describes the method and the variants. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 
@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define MEASURE_MAX_ROUNDS 2001u
-#define MEASURE_LEAST_COMMANDS 16u /* two frames that differ by fewer say nothing about one command */
+#define MEASURE_LEAST_COMMANDS 16u /* frames that differ by fewer commands do not tell the cost of one */
 
 typedef enum measure_variant {
 	MEASURE_REAL,
@@ -17,7 +17,7 @@ typedef enum measure_variant {
 	MEASURE_VARIANTS,
 } measure_variant;
 
-/* One frame: nanoseconds, and the commands that the device was given. */
+/* One frame: nanoseconds of each stage, and counts of the commands that the device was given. */
 typedef struct measure_frame {
 	double record, order, pass, submit;
 	uint64_t draws, runs, material_binds, pipeline_binds;
@@ -28,15 +28,15 @@ typedef struct measure_job {
 	stilb_render *render;
 	stilb_job_pool *pool;
 	uint32_t worker;
-	uint32_t order[STILB_RENDER_MAX_PASSES]; /* the passes as they are replayed */
+	uint32_t order[STILB_RENDER_MAX_PASSES]; /* indices of the passes in replay order */
 	uint32_t lists;                          /* command lists of a pass: one, or one a worker */
-	render_run *runs;                        /* [draws of the dump]: those of the streams */
+	render_run *runs;                        /* [draws of the dump]: runs of all streams */
 	render_stream streams[STILB_RENDER_MAX_PASSES];
 } measure_job;
 
 /* ---- variants ---------------------------------------------------------------------------------------------------- */
 
-/* The first texture that a pass uses; 0: none. */
+/* Index of the first texture that a pass uses; 0: none. */
 static uint32_t measure_first_texture(const render_pass_lists *lists)
 {
 	uint32_t texture = 0;
@@ -45,23 +45,24 @@ static uint32_t measure_first_texture(const render_pass_lists *lists)
 	return texture;
 }
 
-/* A state with the pipeline that all draws of the variant use: one with a texture if any draw has one, of the first
- * draw's number. */
+/* Replaces the parts of a state that choose the pipeline, so that all draws of the variant share one: the pipeline
+ * number of the first draw, and a texture for every draw if any has one. *texture: the texture bound so far. */
 static uint64_t measure_one_pipeline(const measure_job *job, uint64_t state, uint64_t first_state, uint32_t *texture)
 {
 	bool numbered = job->render->device->materials == STILB_RENDER_MATERIALS_PIPELINE;
-	*texture = render_state_texture(state) ? render_state_texture(state) : *texture; /* else the one that is bound */
+	*texture = render_state_texture(state) ? render_state_texture(state) : *texture;
 	uint64_t rest = (numbered ? first_state : state) & ~(uint64_t)RENDER_INDEX_MASK;
 	return rest | *texture;
 }
 
-/* Writes the runs of a variant of a pass to `out`; how many. */
+/* Writes the runs of a variant of a pass to `out` and returns their count. */
 static uint32_t measure_runs(const measure_job *job, measure_variant variant, const render_pass_lists *lists,
                              render_run *out)
 {
 	uint32_t count = 0, texture = measure_first_texture(lists);
 	uint64_t left = variant == MEASURE_FEW && lists->draws > job->lists ? job->lists : lists->draws;
 	for (const render_run *from = lists->runs; left > 0; from++) {
+		STILB_ASSERT(from < lists->runs + lists->run_count && from->count > 0);
 		render_run run = *from;
 		if (variant == MEASURE_ONE_PIPELINE)
 			run.state = measure_one_pipeline(job, run.state, lists->runs[0].state, &texture);
@@ -79,9 +80,10 @@ static uint32_t measure_runs(const measure_job *job, measure_variant variant, co
 	return count;
 }
 
+/* Adds a pass's commands to the counts of its frame. */
 static void measure_count(const render_stream *stream, stilb_render_materials materials, measure_frame *frame)
 {
-	uint64_t state = stream->run_count > 0 ? stream->runs[0].state : 0; /* the first bindings belong to the beginning */
+	uint64_t state = stream->run_count > 0 ? stream->runs[0].state : 0; /* the first bindings count as "begin a pass" */
 	for (uint32_t r = 0; r < stream->run_count; r++) {
 		uint32_t binds = render_binds_between(materials, state, stream->runs[r].state);
 		frame->material_binds += (binds & RENDER_BIND_MATERIAL) != 0;
@@ -92,7 +94,7 @@ static void measure_count(const render_stream *stream, stilb_render_materials ma
 	frame->runs += stream->run_count;
 }
 
-/* The streams of a variant, ready to be timed. */
+/* Builds the streams of a variant, so that only the device's work is left to be timed. */
 static void measure_streams(measure_job *job, measure_variant variant, measure_frame *frame)
 {
 	stilb_render *render = job->render;
@@ -114,10 +116,12 @@ static void measure_streams(measure_job *job, measure_variant variant, measure_f
 		measure_count(stream, render->device->materials, frame);
 		runs += count;
 	}
+	STILB_ASSERT((uint64_t)(runs - job->runs) <= job->dump->header->draws && "no more runs than draws");
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
+/* Nanoseconds since *start, which becomes now. */
 static double measure_since(uint64_t *start)
 {
 	uint64_t now = stilb_time_ns(), before = *start;
@@ -133,7 +137,7 @@ static stilb_result measure_order(measure_job *job)
 	return result;
 }
 
-/* What is not submitted is forgotten by the next frame that begins in its slot. */
+/* Runs and times one frame. Commands that are not submitted are discarded when the next frame begins in their slot. */
 static stilb_result measure_frame_run(measure_job *job, measure_variant variant, bool submit, measure_frame *frame)
 {
 	render_device *device = job->render->device;
@@ -173,7 +177,7 @@ typedef struct measure_round {
 	double ns[STILB_RENDER_DUMP_COSTS], frame;
 } measure_round;
 
-/* What one of the commands costs that `with` has and `without` has not; NAN: they are too few to tell. */
+/* Cost of one of the commands that only `with` has, ns; NAN: too few to tell. */
 static double measure_difference(const measure_frame *with, const measure_frame *without, uint64_t count_with,
                                  uint64_t count_without)
 {
@@ -182,7 +186,8 @@ static double measure_difference(const measure_frame *with, const measure_frame 
 	return (with->pass - without->pass) / (double)(count_with - count_without);
 }
 
-/* The real frame has more pipeline binds than the one with one pipeline, and perhaps some more material binds. */
+/* Cost of a pipeline bind, ns: the real frame has more of them than `one`, and may have more material binds, whose cost
+ * is subtracted. NAN: too few to tell. */
 static double measure_pipeline(const measure_frame *real, const measure_frame *one, double material_ns)
 {
 	uint64_t materials = real->material_binds - one->material_binds;
@@ -192,6 +197,7 @@ static double measure_pipeline(const measure_frame *real, const measure_frame *o
 	return (real->pass - one->pass - binds) / (double)(real->pipeline_binds - one->pipeline_binds);
 }
 
+/* The costs that one round gives; NAN where unknown. */
 static measure_round measure_divide(const measure_job *job, const measure_frame frames[MEASURE_VARIANTS])
 {
 	const measure_frame *real = &frames[MEASURE_REAL], *few = &frames[MEASURE_FEW], *plain = &frames[MEASURE_PLAIN];
@@ -218,7 +224,7 @@ static int measure_compare(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Median and quartiles of the numbers there are, values[count], which it sorts: nearest rank. */
+/* Sorts values[count] and fills in their median and quartiles, by nearest rank; without values the cost is unknown. */
 static void measure_summarise(double *values, uint32_t count, stilb_render_dump_cost *cost)
 {
 	qsort(values, count, sizeof *values, measure_compare);
@@ -273,7 +279,7 @@ static stilb_result measure_rounds(measure_job *job, double seconds, measure_rou
 	costs->rounds = 0;
 	while (costs->rounds < MEASURE_MAX_ROUNDS &&
 	       (costs->rounds < STILB_RENDER_DUMP_MIN_ROUNDS || stilb_time_ns() < end)) {
-		bool submit = costs->rounds < STILB_RENDER_DUMP_MIN_ROUNDS; /* the device may take long to draw */
+		bool submit = costs->rounds < STILB_RENDER_DUMP_MIN_ROUNDS; /* not in all: drawing may take the device long */
 		for (int v = 0; v < MEASURE_VARIANTS; v++) {
 			if (v == MEASURE_SPLIT && !indirect)
 				continue;
@@ -289,7 +295,7 @@ static stilb_result measure_rounds(measure_job *job, double seconds, measure_rou
 	return stilb_render_wait(job->render);
 }
 
-/* A frame through the public calls: what is new is on the device after it, and it knows the order of the passes. */
+/* A frame through the public calls: it uploads new resources, and it finds the order of the passes. */
 static stilb_result measure_first_frame(measure_job *job)
 {
 	stilb_result result = stilb_render_frame_begin(job->render);
@@ -297,6 +303,7 @@ static stilb_result measure_first_frame(measure_job *job)
 		result = stilb_render_dump_record(job->dump, job->render, job->pool, job->worker);
 	if (result == STILB_OK)
 		result = stilb_render_dump_replay(job->dump, job->render, job->pool, job->worker);
+	STILB_ASSERT(result != STILB_OK || job->render->replayed_count == job->dump->header->passes);
 	memcpy(job->order, job->render->replayed, sizeof job->order);
 	return result;
 }
@@ -304,6 +311,8 @@ static stilb_result measure_first_frame(measure_job *job)
 stilb_result stilb_render_dump_measure(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                        uint32_t worker, double seconds, stilb_render_dump_costs *costs)
 {
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(dump->ready && costs && seconds >= 0.0);
 	bool secondary = render->device->replay == STILB_RENDER_REPLAY_SECONDARY;
 	measure_job job = {.dump = dump,
 	                   .render = render,

@@ -1,4 +1,5 @@
-/* Writing a dump: what the draws use is found first, so that the size is known; then the bytes are put together. */
+/* Writing a dump: first the resources that the draws use are collected, which gives the size; then the bytes are
+ * written to memory, and the file from there. */
 #include "base/base_file.h"
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
@@ -9,9 +10,9 @@
 
 #define SAVE_UNUSED UINT32_MAX
 
-/* The ids that draws use, and the places they get in the file's table. */
+/* The ids of one kind of resource that draws use, and their positions in the file's table. */
 typedef struct save_table {
-	uint32_t *place; /* [end]: SAVE_UNUSED or the place */
+	uint32_t *place; /* [end] by id: the position, or SAVE_UNUSED */
 	uint32_t *ids;   /* [count], ascending */
 	uint32_t end, count;
 } save_table;
@@ -20,14 +21,14 @@ typedef struct save_job {
 	stilb_render *render;
 	const stilb_render_pass *passes;
 	const stilb_render_view *views;
-	uint32_t pass[STILB_RENDER_MAX_PASSES]; /* [header.passes] indices of the scene passes */
+	uint32_t pass[STILB_RENDER_MAX_PASSES]; /* [header.passes] indices of the scene passes in `passes` */
 	render_dump_header header;
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
 	uint8_t *bytes;
 	save_table meshes, materials, textures;
 } save_job;
 
-/* ---- draws as they were recorded --------------------------------------------------------------------------------- */
+/* ---- draws in recorded order ------------------------------------------------------------------------------------- */
 
 typedef void save_draw_fn(void *user, const render_command *command, const render_row *row);
 
@@ -60,8 +61,9 @@ static uint32_t save_segment_draws(const render_segment *segment)
 	return draws;
 }
 
-/* ---- what the draws use ------------------------------------------------------------------------------------------ */
+/* ---- resources of the draws -------------------------------------------------------------------------------------- */
 
+/* Number of draws, and one more than their highest ids. */
 typedef struct save_most {
 	uint32_t mesh, material;
 	uint64_t draws;
@@ -78,6 +80,7 @@ static void save_find_most(void *user, const render_command *command, const rend
 static void save_mark(void *user, const render_command *command, const render_row *row)
 {
 	save_job *job = user;
+	STILB_ASSERT(row->mesh < job->meshes.end && command->material < job->materials.end);
 	job->meshes.place[row->mesh] = 0;
 	job->materials.place[command->material] = 0;
 }
@@ -92,7 +95,7 @@ static bool save_table_create(save_table *table, uint32_t end)
 	return table->place && table->ids;
 }
 
-/* What is marked gets its place. */
+/* Gives every marked id its position, in ascending order of ids. */
 static void save_table_close(save_table *table)
 {
 	for (uint32_t id = 0; id < table->end; id++)
@@ -108,6 +111,7 @@ static void save_table_finish(save_table *table)
 	free(table->ids);
 }
 
+/* Index of a material's texture; 0: none. */
 static uint32_t save_texture_of(const save_job *job, uint32_t material)
 {
 	return job->render->resources.materials[material] & RENDER_INDEX_MASK;
@@ -135,17 +139,21 @@ static stilb_result save_find_used(save_job *job)
 
 /* ---- sizes ------------------------------------------------------------------------------------------------------- */
 
+/* The entry of the file's table of textures; its width is 0 if the pixels were not kept. */
 static render_dump_texture save_texture(const save_job *job, uint32_t place)
 {
+	STILB_ASSERT_LOCKED(&job->render->resources.lock);
+	STILB_ASSERT(place < job->textures.count);
 	uint32_t id = job->textures.ids[place];
 	const stilb_image *pictures = job->render->resources.pictures;
 	stilb_image image = pictures ? pictures[id] : (stilb_image){0};
 	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
 }
 
-/* With the lock of resources. */
+/* Fills in the header's counts and the offsets of the parts. */
 static stilb_result save_size(save_job *job)
 {
+	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	render_dump_header *header = &job->header;
 	header->meshes = job->meshes.count;
 	header->materials = job->materials.count;
@@ -166,7 +174,7 @@ static stilb_result save_size(save_job *job)
 			                  texture.id);
 		header->pixel_bytes += render_dump_fill(render_dump_pixel_bytes(&texture));
 	}
-	render_dump_layout(header, job->begin); /* what is in memory fits */
+	render_dump_layout(header, job->begin); /* cannot overflow: all of it is in memory */
 	header->file_size = job->begin[RENDER_DUMP_PARTS];
 	return STILB_OK;
 }
@@ -175,6 +183,7 @@ static stilb_result save_size(save_job *job)
 
 static void *save_part(const save_job *job, render_dump_part part)
 {
+	STILB_ASSERT(job->bytes && job->begin[part] < job->header.file_size);
 	return job->bytes + job->begin[part];
 }
 
@@ -237,9 +246,9 @@ static void save_put_passes(const save_job *job)
 	}
 }
 
-/* With the lock of resources. */
 static void save_put_textures(const save_job *job)
 {
+	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	render_dump_texture *out = save_part(job, RENDER_DUMP_TEXTURES);
 	uint8_t *pixels = save_part(job, RENDER_DUMP_PIXELS);
 	for (uint32_t t = 0; t < job->header.textures; t++, out++) {
@@ -250,9 +259,9 @@ static void save_put_textures(const save_job *job)
 	}
 }
 
-/* With the lock of resources. */
 static void save_put_materials(const save_job *job)
 {
+	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	const render_material *heap = (const render_material *)job->render->resources.heaps[RENDER_HEAP_MATERIALS].data;
 	render_dump_material *out = save_part(job, RENDER_DUMP_MATERIALS);
 	for (uint32_t m = 0; m < job->header.materials; m++, out++) {
@@ -267,9 +276,9 @@ static void save_put_materials(const save_job *job)
 	}
 }
 
-/* With the lock of resources. */
 static void save_put_meshes(const save_job *job)
 {
+	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	const render_resources *resources = &job->render->resources;
 	const stilb_scene_vertex *vertex_heap = (const stilb_scene_vertex *)resources->heaps[RENDER_HEAP_VERTICES].data;
 	const uint32_t *index_heap = (const uint32_t *)resources->heaps[RENDER_HEAP_INDICES].data;
@@ -297,6 +306,7 @@ static void save_put_draw(void *user, const render_command *command, const rende
 {
 	save_draws *draws = user;
 	render_dump_draw *out = draws->out++;
+	STILB_ASSERT((uint8_t *)(out + 1) <= draws->job->bytes + draws->job->begin[RENDER_DUMP_VERTICES]);
 	out->key = command->key;
 	out->mesh = draws->job->meshes.place[row->mesh];
 	out->material = draws->job->materials.place[command->material];
@@ -316,7 +326,8 @@ static stilb_result save_put(save_job *job, const char *path)
 	return stilb_file_save(path, job->bytes, job->header.file_size);
 }
 
-/* Sizes the file, and fills in what other threads may move meanwhile: the heaps. */
+/* Sizes the file, and fills in the parts that come from the heaps, which other threads may change after the lock is
+ * given back. */
 static stilb_result save_put_resources(save_job *job)
 {
 	stilb_lock_take(&job->render->resources.lock);
@@ -337,10 +348,11 @@ static stilb_result save_put_resources(save_job *job)
 stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                     const stilb_render_view *views, uint32_t view_count, const char *path)
 {
-	STILB_ASSERT(view_count >= 1 && view_count <= RENDER_DUMP_MAX_VIEWS);
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(passes && views && path && view_count >= 1 && view_count <= RENDER_DUMP_MAX_VIEWS);
 	if (render->replayed_count == 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: none has been replayed");
-	STILB_ASSERT(pass_count == render->replayed_count);
+	STILB_ASSERT(pass_count == render->replayed_count && "the passes that were replayed");
 	save_job job = {
 		.render = render,
 		.passes = passes,
@@ -359,7 +371,7 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 		if (passes[p].kind == STILB_RENDER_PASS_SCENE)
 			job.pass[job.header.passes++] = p;
 	if (job.header.passes == 0)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: the last one has only 2D passes");
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: the last one has 2D passes alone");
 	stilb_result result = save_find_used(&job);
 	if (result == STILB_OK)
 		result = save_put_resources(&job);

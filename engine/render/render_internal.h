@@ -1,6 +1,6 @@
 /*
- * Types and functions that the files of render/ and its devices share: commands and their memory, contexts and passes, the
- * interface of a device. Not for other modules.
+ * Types and functions that the files of render/ and its devices share: commands and their memory, contexts and passes,
+ * the interface of a device. Not for other modules.
  */
 #ifndef STILB_RENDER_INTERNAL_H
 #define STILB_RENDER_INTERNAL_H
@@ -12,10 +12,10 @@
 
 #include <stdatomic.h>
 
-/* ---- commands ------------------------------------------------------------------------------------------------------ */
+/* ---- commands ---------------------------------------------------------------------------------------------------- */
 
-/* One draw, plain data. The first 20 bytes are a VkDrawIndexedIndirectCommand, so the GPU can read a list of commands as
- * it is, with a stride of 32 bytes. */
+/* One draw, plain data. The first 20 bytes are a VkDrawIndexedIndirectCommand, so the GPU can read a list of commands
+ * as it is, with a stride of 32 bytes. */
 typedef struct render_command {
 	uint32_t index_count;
 	uint32_t instance_count; /* 1 */
@@ -40,11 +40,11 @@ typedef struct render_row {
 
 static_assert(sizeof(render_row) == 64, "a row is a cache line");
 
-/* ---- a frame's memory ------------------------------------------------------------------------------------------------
- * Commands, rows and 2D geometry lie in memory of the device, one array of each kind for a frame. Contexts claim elements
- * with one fetch-add: commands and rows by the chunk, geometry as much as it needs. Claims below the capacity are written
- * in place; claims beyond it are written to the heap, and replay grows the array and copies them to their place. Positions
- * depend on which worker was faster; the order of the draws does not. */
+/* ---- a frame's memory -----------------------------------------------------------------------------------------------
+ * Commands, rows and 2D geometry lie in memory of the device, one array of each kind for a frame. Contexts claim
+ * elements with one fetch-add: commands and rows by the chunk, geometry as much as it needs. Claims below the capacity
+ * are written in place; claims beyond it are written to the heap, and replay grows the array and copies them to their
+ * place. Positions depend on which worker was faster; the order of the draws does not. */
 
 #define RENDER_COMMAND_CHUNK 2048u /* 64 KiB */
 #define RENDER_ROW_CHUNK 512u      /* 32 KiB */
@@ -67,7 +67,7 @@ typedef enum render_memory_kind {
 
 #define RENDER_FIRST_CAPACITY 32768u /* first_capacity of commands and of rows */
 
-/* ---- contexts and lists ------------------------------------------------------------------------------------------------ */
+/* ---- contexts and lists ------------------------------------------------------------------------------------------ */
 
 /* Consecutive draws that need the same bindings: commands first .. first + count - 1 of the frame. */
 typedef struct render_run {
@@ -95,8 +95,8 @@ typedef struct render_segment {
 	uint32_t first_run, run_count;
 } render_segment;
 
-/* One pass of the frame. Each segment is written by the one worker that records it; the job system's wait publishes them
- * to the main thread, which joins their runs at replay. */
+/* One pass of the frame. Each segment is written by the one worker that records it; the job system's wait publishes
+ * them to the main thread, which joins their runs at replay. */
 typedef struct render_pass_lists {
 	render_list_state state;
 	stilb_render_pass_kind kind; /* set at replay */
@@ -109,8 +109,8 @@ typedef struct render_pass_lists {
 	stilb_render_shading shading; /* of the pass's view, set at replay */
 } render_pass_lists;
 
-/* Written by one worker at a time. Aligned so that two workers never write the same cache line (false sharing cost all of
- * the speed-up). */
+/* Written by one worker at a time. Aligned so that two workers never write the same cache line (false sharing cost all
+ * of the speed-up). */
 struct stilb_render_context {
 	/* Used by every draw. */
 	_Alignas(STILB_CACHE_LINE) render_command *command; /* the next to write; NULL: no chunk */
@@ -140,10 +140,10 @@ struct stilb_render_context {
 
 #define RENDER_NO_STATE UINT64_MAX
 
-/* ---- the state of a draw -----------------------------------------------------------------------------------------------
+/* ---- the state of a draw --------------------------------------------------------------------------------------------
  * One number that tells which bindings a draw needs. Bits 0..23: index of its texture, 0 for none. Bits 24..55: by
- * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which has
- * no material. */
+ * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which
+ * has no material. */
 
 #define RENDER_STATE_2D (UINT64_C(1) << 56)
 
@@ -195,7 +195,7 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 	return binds;
 }
 
-/* ---- devices ------------------------------------------------------------------------------------------------------------ */
+/* ---- devices ----------------------------------------------------------------------------------------------------- */
 
 typedef struct render_device render_device;
 
@@ -219,8 +219,8 @@ typedef struct render_part {
 	uint64_t count;
 } render_part;
 
-/* What a device implements. [main-thread] but for texture_create. A frame calls frame_begin, update, pass for each pass,
- * submit, present; grow at any time between frame_begin and submit. */
+/* What a device implements. [main-thread] but for texture_create. A frame calls frame_begin, update, pass for each
+ * pass, submit, present; grow at any time between frame_begin and submit. */
 typedef struct render_device_functions {
 	void (*destroy)(render_device *device);
 	stilb_result (*resize)(render_device *device, uint32_t width, uint32_t height);
@@ -279,7 +279,7 @@ static inline stilb_render_replay_mode render_stream_mode(const render_device *d
 /* Cuts a stream into parts[count] of equal size, give or take one draw. */
 void render_split(const render_stream *stream, uint32_t count, render_part *parts);
 
-/* ---- the module itself --------------------------------------------------------------------------------------------------- */
+/* ---- the module itself ------------------------------------------------------------------------------------------- */
 
 /* Passes are recorded in the state BEGUN. */
 typedef enum render_frame_state {
@@ -323,8 +323,8 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 /* Replaces a pass's runs by runs in ascending order of key; stable. */
 stilb_result render_sort(stilb_render *render, render_pass_lists *lists);
 
-/* Makes *array, which malloc or NULL made, hold at least count elements of `size` bytes, by doubling; contents are kept.
- * False: no memory, nothing has changed. */
+/* Makes *array, which malloc or NULL made, hold at least count elements of `size` bytes, by doubling; contents are
+ * kept. False: no memory, nothing has changed. */
 bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size);
 
 /* The frame's commands and rows, for reading: after render_memory_place. */

@@ -4,13 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Models in a segment: about 512 draws, enough to be worth a claim of the job loop, and yet many segments per worker. */
+/* Models in a segment: about 512 draws, enough to be worth a claim of the job loop, and yet many segments per worker.
+ * */
 #define RECORD_SEGMENT_MODELS 256u
 
 /* Up to so many rows (4 MiB) stay in the caches until the GPU reads them. */
 #define RECORD_CACHED_ROWS 65536u
 
-/* ---- memory of a context ------------------------------------------------------------------------------------------- */
+/* ---- memory of a context ----------------------------------------------------------------------------------------- */
 
 stilb_result render_contexts_create(stilb_render *render, uint32_t count)
 {
@@ -106,8 +107,8 @@ static void *record_overflow(stilb_render_context *context, render_memory_kind k
 	return data;
 }
 
-/* Claims count elements of the frame's memory; *first is their position in it. Returns where to write them: in place, or on
- * the heap if they lie beyond the capacity. NULL: no memory. */
+/* Claims count elements of the frame's memory; *first is their position in it. Returns where to write them: in place,
+ * or on the heap if they lie beyond the capacity. NULL: no memory. */
 static void *record_claim(stilb_render_context *context, render_memory_kind kind, uint32_t count, uint32_t *first)
 {
 	STILB_ASSERT(count > 0 && context->segment);
@@ -172,7 +173,7 @@ stilb_result render_memory_place(stilb_render *render)
 	return STILB_OK;
 }
 
-/* ---- runs ---------------------------------------------------------------------------------------------------------- */
+/* ---- runs -------------------------------------------------------------------------------------------------------- */
 
 /* Position of the next command among the frame's commands. */
 static uint32_t record_command_index(const stilb_render_context *context)
@@ -204,7 +205,8 @@ static bool record_begin_run(stilb_render_context *context, uint64_t state)
 	return true;
 }
 
-/* Claims new chunks for the next draw and begins a new run, as far as it needs them. False: no memory, now or before. */
+/* Claims new chunks for the next draw and begins a new run, as far as it needs them. False: no memory, now or before.
+ * */
 static bool record_make_room(stilb_render_context *context, uint64_t state)
 {
 	if (context->failed)
@@ -226,14 +228,14 @@ static bool record_make_room(stilb_render_context *context, uint64_t state)
 	return true;
 }
 
-/* ---- writing ------------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* The GPU is the next to read a row. If there are more rows than the caches hold, rows are written with streaming stores, a
- * whole cache line each: no line is fetched only to be overwritten, and none evicts data that recording reads. Fewer rows
- * are written with ordinary stores: memory bandwidth for streaming stores is shared by all CPUs, so a second worker would
- * gain 1.5 times instead of 1.9 (measured). Commands are half a line and never streamed: between streamed rows the two
- * halves would not be combined into one write (measured: 14 ns a draw instead of 4). The thread sanitizer does not see
- * streaming stores, so its build has none. */
+/* The GPU is the next to read a row. If there are more rows than the caches hold, rows are written with streaming
+ * stores, a whole cache line each: no line is fetched only to be overwritten, and none evicts data that recording
+ * reads. Fewer rows are written with ordinary stores: memory bandwidth for streaming stores is shared by all CPUs, so a
+ * second worker would gain 1.5 times instead of 1.9 (measured). Commands are half a line and never streamed: between
+ * streamed rows the two halves would not be combined into one write (measured: 14 ns a draw instead of 4). The thread
+ * sanitizer does not see streaming stores, so its build has none. */
 #if defined(__SSE2__) && !defined(__SANITIZE_THREAD__)
 #include <emmintrin.h>
 
@@ -305,7 +307,7 @@ static inline void record_drain(void)
 }
 #endif
 
-/* ---- recording by hand --------------------------------------------------------------------------------------------- */
+/* ---- recording by hand ------------------------------------------------------------------------------------------- */
 
 stilb_render_context *stilb_render_context_get(stilb_render *render, uint32_t worker)
 {
@@ -375,8 +377,10 @@ static inline void record_draw(stilb_render_context *context, uint64_t key, stil
 	uint32_t material_index = material.id & RENDER_INDEX_MASK, entry = context->materials[material_index];
 	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment && (mesh.id & RENDER_INDEX_MASK) < STILB_RENDER_MAX_MESHES);
-	STILB_ASSERT(mesh.id != 0 && slot->generation == mesh.id >> RENDER_GENERATION_SHIFT);
-	STILB_ASSERT(material.id != 0 && entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
+	STILB_ASSERT(slot->generation && slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
+	STILB_ASSERT(entry >> RENDER_GENERATION_SHIFT && "a material that exists");
+	STILB_ASSERT(entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT &&
+	             "a material that exists");
 	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
 	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
 	uint64_t state = render_state(entry, material_index, context->material_mask);
@@ -426,6 +430,7 @@ void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, u
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment && index < STILB_RENDER_MAX_TEXTURES);
+	STILB_ASSERT(!texture.id == !index && "a handle or {0}");
 	STILB_ASSERT(context->render->resources.textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
 	uint64_t state = RENDER_STATE_2D | index;
 	bool room = context->command != context->command_end && context->row != context->row_end;
@@ -449,7 +454,7 @@ stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)
 	return STILB_OK;
 }
 
-/* ---- recording a scene ---------------------------------------------------------------------------------------------- */
+/* ---- recording a scene ------------------------------------------------------------------------------------------- */
 
 /* A pass of a scene that is being recorded: shared, read-only, by the slices of its loop. */
 typedef struct record_pass {

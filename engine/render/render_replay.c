@@ -183,7 +183,7 @@ void render_split(const render_stream *stream, uint32_t count, render_part *part
 	}
 }
 
-/* ---- injected faults ----------------------------------------------------------------------------------------------- */
+/* ---- injected faults --------------------------------------------------------------------------------------------- */
 
 bool render_fault_allocation(render_device *device)
 {
@@ -196,7 +196,7 @@ bool render_fault_lost(const render_device *device)
 	return device->frames == device->faults.lost_frame && device->faults.lost_frame > 0;
 }
 
-/* ---- the hash of the stream ---------------------------------------------------------------------------------------- */
+/* ---- the hash of the stream -------------------------------------------------------------------------------------- */
 
 static uint64_t hash_draw(uint64_t hash, const render_command *command, const render_row *row)
 {

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-/* ---- ranges -------------------------------------------------------------------------------------------------------- */
+/* ---- ranges ------------------------------------------------------------------------------------------------------ */
 
 /* Index of the first range that ends at or behind `first`: the range to join, or the place to insert. */
 static uint32_t ranges_find(const render_ranges *ranges, uint32_t first)
@@ -69,7 +69,7 @@ bool render_ranges_take(render_ranges *ranges, uint32_t count, uint32_t *first)
 	return false;
 }
 
-/* ---- heaps --------------------------------------------------------------------------------------------------------- */
+/* ---- heaps ------------------------------------------------------------------------------------------------------- */
 
 /* Makes the heap at least `size` elements long. False: no memory, or more elements than a vertex offset can name. */
 static bool heap_extend(render_heap *heap, uint64_t size)
@@ -89,8 +89,8 @@ static bool heap_extend(render_heap *heap, uint64_t size)
 	return true;
 }
 
-/* Copies count elements into the first free range that holds them, else to the end, and marks them dirty. live: resources
- * that live so far. */
+/* Copies count elements into the first free range that holds them, else to the end, and marks them dirty. live:
+ * resources that live so far. */
 static bool heap_add(render_heap *heap, const void *data, uint32_t count, uint32_t live, uint32_t *first)
 {
 	/* heap_give_back must not fail: live ranges have at most live + 1 free ranges between and around them. */
@@ -117,10 +117,10 @@ static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 	render_ranges_add(&heap->free, (render_range){first, count}); /* cannot fail: see heap_add */
 }
 
-/* ---- indices and generations --------------------------------------------------------------------------------------- */
+/* ---- indices and generations ------------------------------------------------------------------------------------- */
 
-/* Takes an index. consecutive: only one that was never used, so that successive calls give successive indices. False: no
- * memory, or none is left. */
+/* Takes an index. consecutive: only one that was never used, so that successive calls give successive indices. False:
+ * no memory, or none is left. */
 static bool index_take(render_indices *indices, bool consecutive, uint32_t *index)
 {
 	STILB_ASSERT(indices->next_unused <= indices->capacity && indices->free_count <= indices->next_unused);
@@ -174,7 +174,7 @@ static stilb_result resource_no_memory(const render_resources *resources, render
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for another %s", names[kind]);
 }
 
-/* ---- creation ------------------------------------------------------------------------------------------------------ */
+/* ---- creation ---------------------------------------------------------------------------------------------------- */
 
 /* size bytes of zeros; pages get memory when they are first written. NULL: no address space. */
 static void *table_reserve(size_t size)
@@ -244,11 +244,11 @@ static bool texture_is_valid(const render_resources *resources, uint32_t handle)
 {
 	uint32_t index = handle & RENDER_INDEX_MASK;
 	STILB_ASSERT_LOCKED(&resources->lock);
-	return index > 0 && index < STILB_RENDER_MAX_TEXTURES &&
+	return index > 0 && index < STILB_RENDER_MAX_TEXTURES && handle >> RENDER_GENERATION_SHIFT &&
 	       resources->textures[index] == handle >> RENDER_GENERATION_SHIFT;
 }
 
-/* ---- meshes -------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
 /* STILB_ERROR_ARGUMENT names the fault. */
 static stilb_result mesh_check(const stilb_scene_mesh *mesh)
@@ -309,7 +309,7 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	return result;
 }
 
-/* ---- textures ------------------------------------------------------------------------------------------------------ */
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
 
 /* A copy of the picture with four channels: grey becomes three equal channels, and a missing alpha becomes 1. */
 static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
@@ -392,7 +392,7 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 	return result;
 }
 
-/* ---- materials ----------------------------------------------------------------------------------------------------- */
+/* ---- materials --------------------------------------------------------------------------------------------------- */
 
 static render_material material_make(const stilb_scene_material *material)
 {
@@ -441,7 +441,7 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 	return result;
 }
 
-/* ---- destruction --------------------------------------------------------------------------------------------------- */
+/* ---- destruction ------------------------------------------------------------------------------------------------- */
 
 static void resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index)
 {
@@ -453,7 +453,8 @@ static void resource_retire(render_resources *resources, render_resource_kind ki
 static void mesh_retire(render_resources *resources, uint32_t handle)
 {
 	uint32_t index = handle & RENDER_INDEX_MASK, *generation = &resources->meshes[index].generation;
-	STILB_ASSERT(index < STILB_RENDER_MAX_MESHES && *generation == handle >> RENDER_GENERATION_SHIFT);
+	STILB_ASSERT(index < STILB_RENDER_MAX_MESHES && *generation && "a mesh that exists");
+	STILB_ASSERT(*generation == handle >> RENDER_GENERATION_SHIFT && "destroyed once");
 	*generation = generation_after(*generation);
 	resource_retire(resources, RENDER_RESOURCE_MESH, index);
 }
@@ -461,7 +462,8 @@ static void mesh_retire(render_resources *resources, uint32_t handle)
 static void material_retire(render_resources *resources, uint32_t handle)
 {
 	uint32_t index = handle & RENDER_INDEX_MASK, *entry = &resources->materials[index];
-	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == handle >> RENDER_GENERATION_SHIFT);
+	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT && "a material that exists");
+	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == handle >> RENDER_GENERATION_SHIFT && "destroyed once");
 	*entry = handle_make(generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
 	resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
 }
@@ -497,7 +499,7 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
 	stilb_lock_give(&render->resources.lock);
 }
 
-/* ---- scenes -------------------------------------------------------------------------------------------------------- */
+/* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 /* Destroys the first meshes and materials of a scene whose upload failed. */
 static void scene_retire(stilb_render *render, uint32_t meshes, uint32_t materials)

@@ -4,7 +4,8 @@
  * Handles.  The low 24 bits index a table, the high 8 are the entry's generation, so that a stale handle is noticed.
  *           Tables are reserved at their full size and never move: recording reads an entry without a lock.
  * Heaps.    Vertices, indices and materials lie in three arrays that the device mirrors at the same offsets. Creating a
- *           resource writes into them under the lock and marks the range dirty; replay copies dirty ranges to the device.
+ *           resource writes into them under the lock and marks the range dirty; replay copies dirty ranges to the
+ *           device.
  * Retiring. A destroyed resource may belong to a frame that the device still draws, so its index and its ranges are
  *           reused only after that frame is done.
  * Threads.  Creation and destruction are [any-thread] and take the lock; the functions below are [main-thread].
@@ -114,8 +115,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 /* Also of a zeroed struct. */
 void render_resources_destroy(render_resources *resources);
 
-/* Call when a frame has begun and the device is done with the frame RENDER_FRAMES_IN_FLIGHT before it: releases resources
- * that were destroyed in that frame or earlier. [main-thread] */
+/* Call when a frame has begun and the device is done with the frame RENDER_FRAMES_IN_FLIGHT before it: releases
+ * resources that were destroyed in that frame or earlier. [main-thread] */
 void render_resources_frame(stilb_render *render);
 
 /* Gives the device the dirty ranges and new textures, as part of the frame. [main-thread] */

@@ -341,7 +341,7 @@ static void test_crowded_cells_are_split(void **state)
 	stilb_cull_octree_destroy(octree);
 }
 
-/* ---- rounding ------------------------------------------------------------------------------------------------------ */
+/* ---- rounding ---------------------------------------------------------------------------------------------------- */
 
 /* Planes whose exact distance to a corner of a cell is about 0, where objects of radius 0 or of the cell's reach sit: what
  * is certain for the cell must come out so for the rounded float test of each object. */

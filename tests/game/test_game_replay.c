@@ -199,11 +199,11 @@ static void test_bad_files(void **state)
 		assert_bad("bad.dump", sizes[i] < 104 ? "header" : "truncated");
 	}
 	assert_int_equal(system("cat good.dump good.dump > bad.dump"), 0);
-	assert_bad("bad.dump", "goes on");
+	assert_bad("bad.dump", "continues after its last byte");
 	assert_int_equal(system("tr '\\200' '\\201' < good.dump > bad.dump"), 0);
 	assert_bad("bad.dump", "damaged");
 	assert_bad("/dev/null", "empty");
-	assert_bad(stilb_path, "no frame dump");
+	assert_bad(stilb_path, "not a frame dump");
 	copy_file("good.dump", "bad.dump", size);
 	forge("bad.dump", 24, 0x12345678);
 	assert_bad("bad.dump", "stream hash");

@@ -110,7 +110,7 @@ static void assert_color(const stilb_image *image, uint32_t x, uint32_t y, color
 		fail_msg("pixel %u, %u: %u %u %u instead of %u %u %u", x, y, got[0], got[1], got[2], want.r, want.g, want.b);
 }
 
-/* ---- the same on paper: IEC 61966-2-1, and over in linear light ---------------------------------------------------- */
+/* ---- the same on paper: IEC 61966-2-1, and over in linear light -------------------------------------------------- */
 
 static double to_linear(double code)
 {
@@ -133,7 +133,7 @@ static color color_over(color below, color above)
 	return (color){over(below.r, above.r, alpha), over(below.g, above.g, alpha), over(below.b, above.b, alpha), 255};
 }
 
-/* ---- colors -------------------------------------------------------------------------------------------------------- */
+/* ---- colors ------------------------------------------------------------------------------------------------------ */
 
 static color any_color(uint64_t seed, uint32_t i)
 {
@@ -215,7 +215,7 @@ static void corners_blend_in_light(void **state)
 	stage_close(&s);
 }
 
-/* ---- clips --------------------------------------------------------------------------------------------------------- */
+/* ---- clips ------------------------------------------------------------------------------------------------------- */
 
 /* What is drawn is where pixel centres are inside; left and top belong to it, right and bottom do not. */
 static void clips_are_exact(void **state)
@@ -248,7 +248,7 @@ static void clips_are_exact(void **state)
 	}
 }
 
-/* ---- order, blending, textures ------------------------------------------------------------------------------------- */
+/* ---- order, blending, textures ----------------------------------------------------------------------------------- */
 
 /* White with an alpha, and a color without: each multiplies what is drawn. */
 static stilb_render_texture one_texel(stage *s, color c)
@@ -368,7 +368,7 @@ static void a_picture_at_its_own_size(void **state)
 	stage_close(&s);
 }
 
-/* ---- with a scene -------------------------------------------------------------------------------------------------- */
+/* ---- with a scene ------------------------------------------------------------------------------------------------ */
 
 typedef struct scene_view {
 	stilb_scene *scene;
@@ -437,7 +437,7 @@ static void the_scene_is_below(void **state)
 	}
 }
 
-/* ---- sizes ----------------------------------------------------------------------------------------------------------- */
+/* ---- sizes ------------------------------------------------------------------------------------------------------- */
 
 /* A pixel each, all over the picture, in the colors of a seed: much more than a new frame has room for. */
 static void draw_all_pixels(stage *s, uint64_t seed)
@@ -482,7 +482,7 @@ static void memory_grows_in_flight(void **state)
 	}
 }
 
-/* ---- nothing ----------------------------------------------------------------------------------------------------------- */
+/* ---- nothing ----------------------------------------------------------------------------------------------------- */
 
 static void an_empty_pass_is_black(void **state)
 {

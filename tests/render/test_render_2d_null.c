@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* ---- memory that runs out ------------------------------------------------------------------------------------------ */
+/* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
 /* Allocations up to the one that fails, itself included; those after it succeed. Relaxed: a counter, orders nothing. */
 static _Atomic int64_t allocations_left;
@@ -28,7 +28,7 @@ void *__wrap_stilb_memory_alloc(size_t count, size_t size)
 	return fails ? NULL : __real_stilb_memory_alloc(count, size);
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static const stilb_render_pass passes[2] = {{.name = "overlay", .kind = STILB_RENDER_PASS_2D},
                                             {.name = "main", .order = 3}};
@@ -137,7 +137,7 @@ static uint64_t shape_bytes(uint32_t count)
 	return bytes;
 }
 
-/* ---- tests ----------------------------------------------------------------------------------------------------------- */
+/* ---- tests ------------------------------------------------------------------------------------------------------- */
 
 /* The first frame has no memory for geometry at all, others have too little; later ones have enough. */
 static void memory_outgrows_and_stays(void **state)

@@ -390,11 +390,11 @@ static const struct damage {
 	uint32_t value;
 	const char *reason;
 } damages[] = {
-	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "no frame dump"},
+	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
 	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 2"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
-	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "goes on behind the 200 bytes"},
+	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
 	{RENDER_DUMP_HEADER, HEADER(draws), 1000, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(draws) + 4, 0x80000000, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(vertices) + 4, 0x08000000, "do not add up"}, /* times 32: 2^64 */
@@ -504,9 +504,9 @@ static void files_that_cannot_be_read(void **state)
 	assert_load_fails("missing.dump", "No such file");
 	assert_load_fails(".", "directory");
 	assert_load_fails("/dev/null", "empty");
-	assert_load_fails("/dev/zero", "no frame dump"); /* and it ends */
+	assert_load_fails("/dev/zero", "not a frame dump"); /* and it ends */
 	write_bytes(PATH_AGAIN, text, sizeof text);
-	assert_load_fails(PATH_AGAIN, "no frame dump");
+	assert_load_fails(PATH_AGAIN, "not a frame dump");
 	make_dump(PATH);
 	uint8_t *bytes = read_bytes(PATH, &size);
 	write_bytes(PATH_AGAIN, bytes, size - 1);
@@ -515,7 +515,7 @@ static void files_that_cannot_be_read(void **state)
 	assert_non_null(bytes);
 	memset(bytes + size, 0, 100000);
 	write_bytes(PATH_AGAIN, bytes, size + 100000);
-	assert_load_fails(PATH_AGAIN, "goes on behind");
+	assert_load_fails(PATH_AGAIN, "continues after its last byte");
 	free(bytes);
 }
 

@@ -10,7 +10,7 @@
 #define FRAMES 12u
 #define SLACK_NS 60000u /* how far apart the two clocks may have been read, and the profiler's own conversion */
 
-/* ---- a loader that hides an extension's function ------------------------------------------------------------------- */
+/* ---- a loader that hides an extension's function ----------------------------------------------------------------- */
 
 static bool hide_clocks;
 
@@ -22,7 +22,7 @@ PFN_vkVoidFunction __wrap_vkGetInstanceProcAddr(VkInstance instance, const char 
 	return hidden ? NULL : __real_vkGetInstanceProcAddr(instance, name);
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 typedef struct stage {
 	stilb_render *render;
@@ -95,7 +95,7 @@ static void stage_timed_frame(stage *s, bool overlay)
 	s->gpu_ns[f] = (uint64_t)(stilb_render_stats_get(s->render).gpu_ms * 1e6);
 }
 
-/* ---- what the profiler has ------------------------------------------------------------------------------------------ */
+/* ---- what the profiler has --------------------------------------------------------------------------------------- */
 
 static const stilb_prof_lane *find_lane(const stilb_prof_snapshot *snapshot, const char *name)
 {
@@ -156,7 +156,7 @@ static void assert_timed(const stage *s, const char *name, bool overlay)
 	stilb_prof_snapshot_finish(&snapshot);
 }
 
-/* ---- tests --------------------------------------------------------------------------------------------------------- */
+/* ---- tests ------------------------------------------------------------------------------------------------------- */
 
 static void frames_are_where_they_were(void **state)
 {
@@ -229,7 +229,7 @@ static void without_common_clocks_it_says_so(void **state)
 	stage_close(&s);
 }
 
-/* ---- interrupted readings -------------------------------------------------------------------------------------------- */
+/* ---- interrupted readings ---------------------------------------------------------------------------------------- */
 
 /* How far apart the two clocks are read, one after the other; the last counts for all later. */
 static uint64_t deviations[8];

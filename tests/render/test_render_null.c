@@ -9,7 +9,7 @@
 
 #define FIRST_ROWS RENDER_FIRST_CAPACITY
 
-/* ---- memory that runs out -------------------------------------------------------------------------------------------- */
+/* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
 /* Allocations that still succeed. Relaxed: a counter, orders nothing; several workers count it down. */
 static _Atomic int64_t allocations_left = INT64_MAX;
@@ -47,7 +47,7 @@ void *__wrap_malloc(size_t size)
 	return atomic_load_explicit(&queue_fails, memory_order_relaxed) ? NULL : __real_malloc(size);
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------------------------ */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static stilb_scene *make_scene(uint32_t models)
 {
@@ -105,7 +105,7 @@ static uint32_t *all_ids(uint32_t count)
 	return ids;
 }
 
-/* ---- a scene through the pool -------------------------------------------------------------------------------------------- */
+/* ---- a scene through the pool ------------------------------------------------------------------------------------ */
 
 static void the_stream_is_the_scenes(void **state)
 {
@@ -237,7 +237,7 @@ static void other_context_counts_and_sizes(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- by hand ----------------------------------------------------------------------------------------------------------- */
+/* ---- by hand ----------------------------------------------------------------------------------------------------- */
 
 typedef struct hand_draw {
 	uint32_t mesh, material;
@@ -328,7 +328,7 @@ static void segments_in_any_order(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- what the device is given ---------------------------------------------------------------------------------------------- */
+/* ---- what the device is given ------------------------------------------------------------------------------------ */
 
 #define SPY_PASSES 4u
 
@@ -448,7 +448,7 @@ static void meshes_and_materials_are_copied(void **state)
 	stilb_scene_destroy(same);
 }
 
-/* ---- no memory --------------------------------------------------------------------------------------------------------- */
+/* ---- no memory --------------------------------------------------------------------------------------------------- */
 
 /* Every allocation of a frame that outgrows its rows fails once; two good frames follow each bad one. */
 static void a_frame_without_memory(void **state)
@@ -523,7 +523,7 @@ static void a_full_queue_is_no_error(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- the rest ------------------------------------------------------------------------------------------------------------ */
+/* ---- the rest ---------------------------------------------------------------------------------------------------- */
 
 static void the_null_device_says_what_it_is(void **state)
 {

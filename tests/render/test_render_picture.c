@@ -46,7 +46,7 @@ static void without_tile(stilb_scene *scene)
 	scene->part_transform[1] = stilb_mat4_scale_translate(0.001f, 0.0f, -5.0f, 0.0f);
 }
 
-/* ---- where things are -------------------------------------------------------------------------------------------------- */
+/* ---- where things are -------------------------------------------------------------------------------------------- */
 
 static const picture_desc linear = {.output = STILB_RENDER_OUTPUT_LINEAR};
 
@@ -191,7 +191,7 @@ static void every_pixel_is_as_traced(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- how bright -------------------------------------------------------------------------------------------------------- */
+/* ---- how bright -------------------------------------------------------------------------------------------------- */
 
 /* Sun, eye and normal in one line: n.h = 1, so the highlight is specular * factor * E, and the formula is short. */
 static void the_highlight_at_its_peak(void **state)
@@ -254,7 +254,7 @@ static void display_codes_follow_the_curve(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- what is in front ---------------------------------------------------------------------------------------------------- */
+/* ---- what is in front -------------------------------------------------------------------------------------------- */
 
 static void the_nearer_wins_whatever_the_order(void **state)
 {
@@ -307,7 +307,7 @@ static void from_behind_nothing_is_seen(void **state)
 	stilb_scene_destroy(lone);
 }
 
-/* ---- no holes ------------------------------------------------------------------------------------------------------------ */
+/* ---- no holes ---------------------------------------------------------------------------------------------------- */
 
 #define GRID 20
 
@@ -383,7 +383,7 @@ static void no_holes_between_tiles(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- the same picture ---------------------------------------------------------------------------------------------------- */
+/* ---- the same picture -------------------------------------------------------------------------------------------- */
 
 /* Every model has two materials of its own, so one by one they change with every draw, and so do the pipelines: spheres
  * have even materials, tiles odd ones. */
@@ -474,7 +474,7 @@ static void the_same_from_the_engine(void **state)
 	stilb_image_finish(&first);
 }
 
-/* ---- four samples -------------------------------------------------------------------------------------------------------- */
+/* ---- four samples ------------------------------------------------------------------------------------------------ */
 
 /* Inside the picture is the same; a pixel on an edge is a mixture of both sides in quarters. */
 static void four_samples_soften_edges_alone(void **state)

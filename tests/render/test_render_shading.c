@@ -35,7 +35,7 @@ static stilb_vec3 vec_of_dvec(dvec v)
 	return stilb_vec3_make((float)v.x, (float)v.y, (float)v.z);
 }
 
-/* ---- the scene: a sphere over a tile, near a lamp, with materials in which everything counts ----------------------- */
+/* ---- the scene: a sphere over a tile, near a lamp, with materials in which everything counts --------------------- */
 
 static void make_scene(void)
 {
@@ -75,7 +75,7 @@ static int drop_scene(void **state)
 	return 0;
 }
 
-/* ---- as C has it ---------------------------------------------------------------------------------------------------- */
+/* ---- as C has it ------------------------------------------------------------------------------------------------- */
 
 static shade_material expected_material(const stilb_scene_material *m, const stilb_render_shading *shading)
 {
@@ -139,7 +139,7 @@ static void assert_as_in_c(const stilb_image *image, const stilb_render_shading 
 	assert_true(seen[0] > 200 && seen[1] > 200);
 }
 
-/* ---- on the GPU ----------------------------------------------------------------------------------------------------- */
+/* ---- on the GPU -------------------------------------------------------------------------------------------------- */
 
 static stage stage_make(int way)
 {
@@ -314,7 +314,7 @@ static void each_pass_has_its_views_formulas(void **state)
 	}
 }
 
-/* ---- pipelines ------------------------------------------------------------------------------------------------------ */
+/* ---- pipelines --------------------------------------------------------------------------------------------------- */
 
 static const vulkan_device *device_of(const stage *s)
 {

@@ -171,7 +171,7 @@ static void a_picture_before_the_first_frame(void **state)
 	finish(engine);
 }
 
-/* ---- frames that break off ------------------------------------------------------------------------------------------- */
+/* ---- frames that break off --------------------------------------------------------------------------------------- */
 
 static const render_device_functions *real_functions;
 static int good_passes; /* that begin before one fails */
@@ -208,7 +208,7 @@ static void frames_that_break_off_harm_no_other(void **state)
 	finish(engine);
 }
 
-/* ---- limits ------------------------------------------------------------------------------------------------------------ */
+/* ---- limits ------------------------------------------------------------------------------------------------------ */
 
 /* A size beyond the GPU's is refused before the driver sees it, and the next good size works. */
 static void too_large_a_picture(void **state)
@@ -275,7 +275,7 @@ static void a_short_clock_wraps(void **state)
 	finish(engine);
 }
 
-/* ---- messages -------------------------------------------------------------------------------------------------------- */
+/* ---- messages ---------------------------------------------------------------------------------------------------- */
 
 static void a_bad_argument_is_seen(void **state)
 {

@@ -1,18 +1,18 @@
-/* The null device: takes everything a GPU would be given, into memory of its own, and draws nothing. What remains is the
- * CPU's side of a frame, measurable without a driver and visible to the thread sanitizer. */
+/* The null device: writes everything that a GPU would be given to memory of its own, and draws nothing. So the CPU's
+ * side of a frame can be measured without a driver and run under the thread sanitizer. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* What a driver's command buffer holds of a draw. */
+/* The data of a draw in a driver's command buffer. */
 typedef struct null_draw {
 	uint32_t index_count, instance_count, first_index;
 	int32_t vertex_offset;
 	uint32_t first_instance;
 } null_draw;
 
-/* And of an indirect one. */
+/* The data of an indirect draw in a driver's command buffer: bytes, commands, bytes. */
 typedef struct null_indirect {
 	uint64_t offset;
 	uint32_t count, stride;
@@ -23,7 +23,7 @@ typedef struct null_frame {
 	uint32_t capacity[RENDER_MEMORY_KINDS];
 } null_frame;
 
-/* A part of a pass that is recorded into a command buffer of its own. */
+/* Counters of a part of a pass that has a command buffer of its own. */
 typedef struct null_list {
 	_Alignas(STILB_CACHE_LINE) uint64_t draws, binds;
 } null_list;
@@ -32,9 +32,9 @@ typedef struct null_device {
 	render_device base;
 	null_frame frames[RENDER_FRAMES_IN_FLIGHT];
 	uint32_t frame;
-	null_draw *draws; /* [draw_capacity] of the pass */
+	null_draw *draws; /* [draw_capacity] of the last pass */
 	uint64_t draw_capacity;
-	null_indirect *indirect; /* [indirect_capacity] of the pass */
+	null_indirect *indirect; /* [indirect_capacity] of the last pass */
 	uint64_t indirect_capacity;
 	null_list *lists;   /* [list_capacity] */
 	render_part *parts; /* [list_capacity] */
@@ -61,19 +61,20 @@ static stilb_result null_resize(render_device *device, uint32_t width, uint32_t 
 	return STILB_OK;
 }
 
-/* The device's own allocations, which may be made to fail. */
+/* An allocation of the device, which stilb_render_faults can make fail. */
 static void *null_alloc(render_device *base, uint64_t count, size_t size)
 {
 	return render_fault_allocation(base) ? NULL : stilb_memory_alloc(count, size);
 }
 
-/* ---- memory -------------------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 static stilb_result null_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity,
                               uint32_t keep)
 {
 	null_device *device = (null_device *)base;
 	null_frame *frame = &device->frames[device->frame];
+	STILB_ASSERT(kind < RENDER_MEMORY_KINDS && keep <= frame->capacity[kind] && keep <= capacity);
 	void *grown = null_alloc(base, capacity, memory->element);
 	if (!grown)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u %s; try fewer models", capacity,
@@ -103,7 +104,7 @@ static stilb_result null_frame_begin(render_device *base, render_memory *memory)
 	return result;
 }
 
-/* Room for count elements; what was there is not needed any more. */
+/* Makes *array hold at least count elements; its contents are lost. False: no memory. */
 static bool null_reserve(render_device *base, void **array, uint64_t *capacity, uint64_t count, size_t size)
 {
 	if (count <= *capacity)
@@ -119,11 +120,12 @@ static stilb_result null_no_memory(void)
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the commands of a pass; try fewer models");
 }
 
-/* ---- resources ----------------------------------------------------------------------------------------------------- */
+/* ---- resources --------------------------------------------------------------------------------------------------- */
 
 static stilb_result null_texture_create(render_device *base, uint32_t texture, const stilb_image *image)
 {
 	(void)texture, (void)image;
+	STILB_ASSERT(texture > 0 && texture < STILB_RENDER_MAX_TEXTURES && image->channels == 4);
 	return render_fault_allocation(base) ? stilb_fail(STILB_ERROR_MEMORY, "no memory for a texture") : STILB_OK;
 }
 
@@ -135,17 +137,19 @@ static void null_texture_destroy(render_device *base, uint32_t texture)
 static stilb_result null_update(render_device *base, const render_resources *resources)
 {
 	(void)base, (void)resources;
+	STILB_ASSERT_LOCKED(&resources->lock);
 	return STILB_OK;
 }
 
-/* ---- passes -------------------------------------------------------------------------------------------------------- */
+/* ---- passes ------------------------------------------------------------------------------------------------------ */
 
-/* Writes the draws of a part, and what has to be bound before them, as a driver would. */
+/* Writes the draws of a part to out[part.count] as a driver would, and counts the bindings they need. */
 static null_list null_record(const render_device *base, const render_stream *stream, render_part part, null_draw *out)
 {
 	null_list list = {0};
 	uint64_t state = RENDER_NO_STATE;
 	for (const render_run *run = stream->runs + part.run; list.draws < part.count; run++, part.offset = 0) {
+		STILB_ASSERT(run < stream->runs + stream->run_count && part.offset < run->count);
 		uint64_t left = part.count - list.draws;
 		uint32_t count = run->count - part.offset;
 		count = count < left ? count : (uint32_t)left;
@@ -182,7 +186,7 @@ static void null_secondary_slice(uint32_t begin, uint32_t end, uint32_t worker, 
 	const null_secondary_job *job = context;
 	null_device *device = job->device;
 	for (uint32_t p = begin; p < end; p++) {
-		/* Parts before this one have p / count of the draws. */
+		STILB_ASSERT(p < device->list_capacity);
 		uint64_t first = 0;
 		for (uint32_t before = 0; before < p; before++)
 			first += device->parts[before].count;
@@ -247,10 +251,11 @@ static stilb_result null_pass(render_device *base, const render_stream *stream)
 	case STILB_RENDER_REPLAY_SECONDARY:
 		return null_secondary(device, stream);
 	}
+	STILB_ASSERT(!"a replay mode");
 	return STILB_OK;
 }
 
-/* ---- the rest ------------------------------------------------------------------------------------------------------ */
+/* ---- the rest ---------------------------------------------------------------------------------------------------- */
 
 static stilb_result null_submit(render_device *base)
 {

@@ -6,6 +6,7 @@ VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags 
                                               VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
                                               VkAccessFlags2 to_access)
 {
+	STILB_ASSERT(image && aspect && to != VK_IMAGE_LAYOUT_UNDEFINED);
 	return (VkImageMemoryBarrier2){
 		.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
 		.srcStageMask = from_stage,
@@ -23,6 +24,7 @@ VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags 
 
 void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count)
 {
+	STILB_ASSERT(commands && count > 0);
 	VkDependencyInfo dependency = {
 		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
 		.imageMemoryBarrierCount = count,

@@ -1,3 +1,4 @@
+/* Opening, resizing and closing the device. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdlib.h>
@@ -5,7 +6,7 @@
 
 const VkAllocationCallbacks *vulkan_host_allocator;
 
-/* The first queue family that draws, and shows when there is a window; UINT32_MAX when none does. */
+/* The first queue family that can draw, and present if there is a window; UINT32_MAX: there is none. */
 static uint32_t device_queue_family(const vulkan_device *device, uint32_t *timestamp_bits)
 {
 	VkQueueFamilyProperties families[32];
@@ -28,7 +29,7 @@ static bool device_has_extension(const vulkan_device *device, const char *name)
 	uint32_t count = 0;
 	vkEnumerateDeviceExtensionProperties(device->gpu, NULL, &count, NULL);
 	VkExtensionProperties *extensions = calloc(count, sizeof *extensions);
-	bool found = false;
+	bool found = false; /* also without memory: every extension asked for is optional */
 	if (extensions && vkEnumerateDeviceExtensionProperties(device->gpu, NULL, &count, extensions) >= 0)
 		for (uint32_t i = 0; i < count; i++)
 			found |= strcmp(extensions[i].extensionName, name) == 0;
@@ -99,6 +100,7 @@ static stilb_result device_choose_samples(vulkan_device *device, uint32_t wanted
 {
 	const VkPhysicalDeviceLimits *limits = &device->properties.limits;
 	VkSampleCountFlags possible = limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts;
+	STILB_ASSERT(wanted == 0 || wanted == VK_SAMPLE_COUNT_1_BIT || wanted == VK_SAMPLE_COUNT_4_BIT);
 	device->base.samples = wanted ? wanted : device->base.software || !(possible & VK_SAMPLE_COUNT_4_BIT) ? 1 : 4;
 	if (!(possible & device->base.samples))
 		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has no %u samples per pixel; use --msaa 1", device->base.name,
@@ -110,7 +112,7 @@ static void vulkan_destroy(render_device *base)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	if (device->device) {
-		/* There may be no memory even for waiting. */
+		/* vkDeviceWaitIdle may fail for want of memory: then the timeline is waited for. */
 		if (vkDeviceWaitIdle(device->device) != VK_SUCCESS && device->timeline)
 			vulkan_timeline_wait(device, device->timeline_value);
 		vulkan_swapchain_destroy(device);
@@ -143,7 +145,7 @@ static stilb_result vulkan_resize(render_device *base, uint32_t width, uint32_t 
 	device->drawn = false;
 	stilb_result created = vulkan_targets_create(device);
 	if (created != STILB_OK)
-		vulkan_targets_destroy(device); /* frame_begin then refuses, until another size works */
+		vulkan_targets_destroy(device); /* frame_begin fails until a resize succeeds */
 	return created;
 }
 

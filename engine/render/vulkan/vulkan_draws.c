@@ -1,5 +1,5 @@
-/* Draws into a command buffer, each after what it needs bound and the draw before did not. Any thread, one at a time
- * for a command buffer. */
+/* Records draws into a command buffer, with a bind command before a draw wherever its state differs from that of the
+ * draw before. Any thread, one at a time for a command buffer. */
 #include "render/vulkan/vulkan_internal.h"
 
 void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
@@ -40,17 +40,19 @@ static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
 	vkCmdBindIndexBuffer(commands, device->heaps[RENDER_HEAP_INDICES].buffer, 0, VK_INDEX_TYPE_UINT32);
 }
 
-/* The sets of the state's texture and material, as far as it has such. */
+/* Binds the descriptor sets of the state's texture and material, if it has any. */
 static void draws_bind_sets(vulkan_device *device, VkCommandBuffer commands, uint64_t state)
 {
 	uint32_t texture = render_state_texture(state), first = texture ? 0 : 1, count = 0, offsets = 0;
 	VkDeviceSize offset = 0;
 	VkDescriptorSet sets[2];
+	STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES && (!texture || device->textures[texture].set));
 	if (texture)
 		sets[count++] = device->textures[texture].set;
 	if (device->base.materials == STILB_RENDER_MATERIALS_BIND && !(state & RENDER_STATE_2D)) {
 		sets[count++] = vulkan_slot_now(device)->material_set;
 		offset = render_state_material(state) * vulkan_material_stride(device);
+		STILB_ASSERT(offset < device->heaps[RENDER_HEAP_MATERIALS].size && offset <= UINT32_MAX);
 		offsets = 1;
 	}
 	if (count > 0)
@@ -58,7 +60,7 @@ static void draws_bind_sets(vulkan_device *device, VkCommandBuffer commands, uin
 		                        offsets, &(uint32_t){(uint32_t)offset});
 }
 
-/* How much had to be bound. */
+/* Records the bindings between two states; returns how many there were. */
 static uint32_t draws_bind(vulkan_device *device, VkCommandBuffer commands, uint64_t from, uint64_t to)
 {
 	uint32_t binds = render_binds_between(device->base.materials, from, to);
@@ -81,6 +83,7 @@ vulkan_sent vulkan_draws_direct(vulkan_device *device, VkCommandBuffer commands,
 	vulkan_sent sent = {0};
 	uint64_t state = RENDER_NO_STATE;
 	for (const render_run *run = stream->runs + part.run; sent.draws < part.count; run++, part.offset = 0) {
+		STILB_ASSERT(run < stream->runs + stream->run_count && part.offset < run->count);
 		uint64_t left = part.count - sent.draws;
 		uint32_t count = run->count - part.offset;
 		count = count < left ? count : (uint32_t)left;
@@ -100,14 +103,16 @@ vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer command
 	vulkan_sent sent = {0};
 	uint64_t state = RENDER_NO_STATE;
 	uint32_t most = device->properties.limits.maxDrawIndirectCount;
-	VkBuffer buffer = vulkan_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer;
+	const vulkan_buffer *buffer = &vulkan_slot_now(device)->memory[RENDER_MEMORY_COMMANDS];
 	for (const render_run *run = stream->runs; run < stream->runs + stream->run_count; run++) {
+		STILB_ASSERT(((VkDeviceSize)run->first + run->count) * sizeof(render_command) <= buffer->size);
 		sent.binds += draws_bind(device, commands, state, run->state);
 		state = run->state;
 		for (uint32_t done = 0, count; done < run->count; done += count) {
 			count = run->count - done < most ? run->count - done : most;
-			vkCmdDrawIndexedIndirect(commands, buffer, (run->first + (VkDeviceSize)done) * sizeof(render_command),
-			                         count, sizeof(render_command));
+			vkCmdDrawIndexedIndirect(commands, buffer->buffer,
+			                         (run->first + (VkDeviceSize)done) * sizeof(render_command), count,
+			                         sizeof(render_command));
 			sent.draws++;
 		}
 	}

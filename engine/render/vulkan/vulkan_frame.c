@@ -1,4 +1,4 @@
-/* One frame on the GPU: slots, targets, memory, submission. */
+/* One frame on the GPU: its slot, the images that are drawn into, its memory, its submission. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdio.h>
@@ -76,7 +76,7 @@ void vulkan_frames_destroy(vulkan_device *device)
 
 /* ---- targets ----------------------------------------------------------------------------------------------------- */
 
-/* Beyond its limits a GPU may do anything, so they are asked for first. */
+/* Checks the GPU's limits: creating an image beyond them is undefined behaviour, not an error. */
 static stilb_result target_check(const vulkan_device *device, const VkImageCreateInfo *info)
 {
 	VkImageFormatProperties can;
@@ -157,6 +157,7 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 		.pSemaphores = &device->timeline,
 		.pValues = &value,
 	};
+	STILB_ASSERT(value <= device->timeline_value && "a submission will signal it");
 	PROFILE("wait for the GPU");
 	VkResult result = vkWaitSemaphores(device->device, &info, UINT64_MAX);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "wait for the GPU");
@@ -164,7 +165,7 @@ stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value)
 
 static stilb_result slot_begin_commands(vulkan_device *device, vulkan_slot *slot)
 {
-	PROFILE("reset commands"); /* frees those of the slot's last frame */
+	PROFILE("reset commands"); /* frees the commands of the slot's last frame */
 	VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
@@ -186,6 +187,7 @@ stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 	device->slot = (device->slot + 1) % VULKAN_SLOTS;
 	device->pass = 0;
 	vulkan_slot *slot = vulkan_slot_now(device);
+	STILB_ASSERT(memory);
 	stilb_result result = vulkan_timeline_wait(device, slot->done);
 	if (result != STILB_OK)
 		return result;
@@ -205,8 +207,8 @@ stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 	return result;
 }
 
-/* Rows and geometry are written once and read by the GPU. Commands may be read by the CPU again, when they are sorted or
- * replayed one by one, so they lie where it can cache them; the GPU reads only a few words of each. */
+/* Rows and geometry are written once and read by the GPU. The CPU reads commands again when it sorts them or replays
+ * them one by one, so they lie in memory that it caches; the GPU reads only 20 bytes of each. */
 static const struct {
 	VkBufferUsageFlags usage;
 	vulkan_memory_kind memory;
@@ -223,13 +225,14 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_buffer *buffer = &vulkan_slot_now(device)->memory[kind], grown;
+	STILB_ASSERT(capacity > 0 && keep <= capacity && (VkDeviceSize)keep * memory->element <= buffer->size);
 	stilb_result result = vulkan_buffer_create(device, (VkDeviceSize)capacity * memory->element,
 	                                           frame_memory[kind].usage, frame_memory[kind].memory, &grown);
 	if (result != STILB_OK)
 		return result;
 	if (keep > 0)
 		memcpy(grown.mapped, buffer->mapped, (size_t)keep * memory->element);
-	result = vulkan_buffer_replace(device, buffer, grown); /* a pass that has been replayed may read the old one */
+	result = vulkan_buffer_replace(device, buffer, grown); /* replayed passes may read the old one */
 	if (result != STILB_OK)
 		return result;
 	memory->data = grown.mapped;
@@ -270,6 +273,7 @@ stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands
 		.signalSemaphoreInfoCount = signal != VK_NULL_HANDLE ? 2 : 1,
 		.pSignalSemaphoreInfos = signals,
 	};
+	STILB_ASSERT(commands && device->timeline_value < UINT64_MAX);
 	VkResult result = vkQueueSubmit2(device->queue, 1, &submit, VK_NULL_HANDLE);
 	if (result != VK_SUCCESS)
 		return vulkan_fail(device, result, "give the GPU a frame");

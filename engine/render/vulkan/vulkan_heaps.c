@@ -1,13 +1,12 @@
-/* The heaps of vertices, indices and materials on the GPU: each a buffer with the same contents in the same places.
- * What is dirty is copied through the slot's staging buffer, at the start of the frame's commands; new textures as
- * well. */
+/* The heaps of vertices, indices and materials on the GPU: buffers with the same contents at the same offsets. Dirty
+ * ranges and new textures are copied through the slot's staging buffer, at the start of the frame's commands. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define HEAPS_TEXTURE_ALIGN 16u          /* of pixels in the staging buffer: the largest has four floats */
-#define HEAPS_STAGING_KEPT (16ull << 20) /* bytes: a larger staging buffer, as a scene's first, is for one frame */
+#define HEAPS_TEXTURE_ALIGN 16u          /* bytes, of pixels in the staging buffer: the largest pixel has four floats */
+#define HEAPS_STAGING_KEPT (16ull << 20) /* bytes; larger staging buffers, as for a scene, are freed after the frame */
 
 static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 	[RENDER_HEAP_VERTICES] = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
@@ -15,11 +14,12 @@ static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 	[RENDER_HEAP_MATERIALS] = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
 };
 
-/* ---- buffers that are replaced ----------------------------------------------------------------------------------- */
+/* ---- replaced buffers -------------------------------------------------------------------------------------------- */
 
 stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with)
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
+	STILB_ASSERT(with.buffer && with.buffer != buffer->buffer && with.size > buffer->size);
 	if (!render_reserve((void **)&slot->outgrown, &slot->outgrown_capacity, slot->outgrown_count + 1,
 	                    sizeof *slot->outgrown)) {
 		vulkan_buffer_destroy(device, &with);
@@ -50,10 +50,11 @@ void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot)
 
 /* ---- materials that are bound one by one ------------------------------------------------------------------------- */
 
-/* Only where a GPU asks for it do materials lie apart: a dynamic offset is a multiple of its alignment. */
+/* Materials are packed, except with --materials bind: then each offset must be a multiple of the GPU's alignment. */
 VkDeviceSize vulkan_material_stride(const vulkan_device *device)
 {
 	VkDeviceSize size = sizeof(render_material), align = device->properties.limits.minStorageBufferOffsetAlignment;
+	STILB_ASSERT(align > 0);
 	return device->base.materials == STILB_RENDER_MATERIALS_BIND ? (size + align - 1) / align * align : size;
 }
 
@@ -81,7 +82,7 @@ VkResult vulkan_material_sets_create(vulkan_device *device)
 	return result;
 }
 
-/* The set follows the buffer. The slot's last frame is done, so nobody reads the set. */
+/* Puts the current buffer of materials into the slot's set. No frame reads the set: the slot's last one is done. */
 static void material_set_update(vulkan_device *device, vulkan_slot *slot)
 {
 	VkBuffer materials = device->heaps[RENDER_HEAP_MATERIALS].buffer;
@@ -101,13 +102,13 @@ static void material_set_update(vulkan_device *device, vulkan_slot *slot)
 
 /* ---- heaps ------------------------------------------------------------------------------------------------------- */
 
-/* From one element to the next on the GPU, bytes. */
+/* Bytes from one element to the next on the GPU. */
 static VkDeviceSize heap_stride(const vulkan_device *device, const render_heap *heap, int kind)
 {
 	return kind == RENDER_HEAP_MATERIALS ? vulkan_material_stride(device) : heap->element;
 }
 
-/* Replaces the buffer of a heap that has outgrown it. *all says that all of the heap must be copied. */
+/* Replaces the buffer of a heap that has outgrown it; then *all is true: the whole heap must be copied. */
 static stilb_result heap_fit(vulkan_device *device, const render_heap *heap, int kind, bool *all)
 {
 	VkDeviceSize size = heap->size * heap_stride(device, heap, kind);
@@ -128,8 +129,10 @@ static VkDeviceSize ranges_bytes(const render_ranges *ranges, VkDeviceSize strid
 	return bytes;
 }
 
+/* Copies elements to staging memory, `stride` bytes apart. */
 static void elements_write(uint8_t *to, VkDeviceSize stride, const uint8_t *from, uint32_t element, uint32_t count)
 {
+	STILB_ASSERT(stride >= element);
 	if (stride == element) {
 		memcpy(to, from, (size_t)count * element);
 		return;
@@ -138,7 +141,8 @@ static void elements_write(uint8_t *to, VkDeviceSize stride, const uint8_t *from
 		memcpy(to + i * stride, from + (size_t)i * element, element);
 }
 
-/* Copies ranges of a heap through the staging buffer from `at` on; where they end in it. */
+/* Copies ranges of a heap to the GPU, through the staging buffer from byte `at` on; returns the end of the bytes used.
+ * */
 static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, int kind, const render_ranges *ranges,
                               VkDeviceSize at)
 {
@@ -147,6 +151,7 @@ static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, in
 	for (uint32_t r = 0; r < ranges->count; r++) {
 		render_range range = ranges->items[r];
 		VkBufferCopy copy = {.srcOffset = at, .dstOffset = range.first * stride, .size = range.count * stride};
+		STILB_ASSERT(at + copy.size <= slot->staging.size && copy.dstOffset + copy.size <= device->heaps[kind].size);
 		elements_write((uint8_t *)slot->staging.mapped + at, stride, heap->data + (size_t)range.first * heap->element,
 		               heap->element, range.count);
 		vkCmdCopyBuffer(slot->draw, slot->staging.buffer, device->heaps[kind].buffer, 1, &copy);
@@ -155,7 +160,8 @@ static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, in
 	return at;
 }
 
-/* Nothing on the GPU reads what the copies write meanwhile: the draws of frames before, and then those of this one. */
+/* Orders the copies against draws. before: the draws and copies of earlier frames end before these copies begin; else
+ * these copies end before the draws of this frame begin. */
 static void heaps_barrier(VkCommandBuffer commands, bool before)
 {
 	VkPipelineStageFlags2 readers = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
@@ -183,13 +189,14 @@ static stilb_result staging_fit(vulkan_device *device, vulkan_slot *slot, VkDevi
 	                            &slot->staging);
 }
 
+/* Bytes of a texture's pixels in the staging buffer, with padding. */
 static VkDeviceSize texture_bytes(const render_texture_upload *upload)
 {
 	VkDeviceSize size = stilb_image_size(&upload->image);
 	return (size + HEAPS_TEXTURE_ALIGN - 1) / HEAPS_TEXTURE_ALIGN * HEAPS_TEXTURE_ALIGN;
 }
 
-/* Textures come first in the staging buffer, where their alignment is easy. */
+/* Records all copies. Textures come first in the staging buffer: offset 0 has their alignment. */
 static void update_copy(vulkan_device *device, const render_resources *resources, const render_ranges *dirty)
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
@@ -197,6 +204,7 @@ static void update_copy(vulkan_device *device, const render_resources *resources
 	heaps_barrier(slot->draw, true);
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		const render_texture_upload *upload = &resources->uploads[u];
+		STILB_ASSERT(at + texture_bytes(upload) <= slot->staging.size);
 		memcpy((uint8_t *)slot->staging.mapped + at, upload->image.pixels, stilb_image_size(&upload->image));
 		vulkan_texture_copy(device, upload, at);
 		at += texture_bytes(upload);
@@ -209,6 +217,7 @@ static void update_copy(vulkan_device *device, const render_resources *resources
 stilb_result vulkan_update(render_device *base, const render_resources *resources)
 {
 	vulkan_device *device = (vulkan_device *)base;
+	STILB_ASSERT_LOCKED(&resources->lock);
 	vulkan_slot *slot = vulkan_slot_now(device);
 	render_range whole[RENDER_HEAPS];
 	render_ranges dirty[RENDER_HEAPS];

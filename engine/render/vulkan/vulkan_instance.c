@@ -1,4 +1,4 @@
-/* The instance, validation, and the choice of a GPU. */
+/* Error messages, the instance, validation, and the choice of a GPU. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <ctype.h>
@@ -10,7 +10,7 @@
 #define VULKAN_MAX_EXTENSIONS 16
 #define VULKAN_DRIVER_BYTES ((size_t)1 << 29) /* of addresses that loading one may need: Mesa's brings LLVM along */
 
-/* ---- errors -------------------------------------------------------------------------------------------------------- */
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 static const char *vulkan_error_name(VkResult error)
 {
@@ -42,6 +42,7 @@ static const char *vulkan_error_name(VkResult error)
 
 stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char *what)
 {
+	STILB_ASSERT(error != VK_SUCCESS && what);
 	stilb_result result = STILB_ERROR_DEVICE;
 	if (error == VK_ERROR_DEVICE_LOST)
 		return stilb_fail(STILB_ERROR_DEVICE_LOST,
@@ -72,16 +73,18 @@ static stilb_result vulkan_fail_no_driver(const char *call, VkResult error)
 	                  call, (int)error);
 }
 
-/* ---- instance ------------------------------------------------------------------------------------------------------ */
+/* ---- instance ---------------------------------------------------------------------------------------------------- */
 
-/* Called by the layer on whatever thread made the call: hence the atomic counter. */
+/* The layer calls this on the thread that made the faulty call, any thread: so the counter is atomic. */
 static VKAPI_ATTR VkBool32 VKAPI_CALL vulkan_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                      VkDebugUtilsMessageTypeFlagsEXT type,
                                                      const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
 {
 	(void)severity, (void)type;
+	STILB_ASSERT(user && data);
 	vulkan_device *device = user;
-	__atomic_fetch_add(&device->base.validation_messages, 1, __ATOMIC_RELAXED); /* a counter, orders nothing */
+	__atomic_fetch_add(&device->base.validation_messages, 1,
+	                   __ATOMIC_RELAXED); /* relaxed: a counter that orders nothing */
 	stilb_log("validation: %s", data->pMessage);
 	return VK_FALSE;
 }
@@ -147,7 +150,10 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 	const char *const *wanted = NULL;
 	if (desc->surface)
 		wanted = desc->surface->extensions(desc->surface->user, &wanted_count);
-	for (uint32_t i = 0; i < wanted_count && extension_count < VULKAN_MAX_EXTENSIONS - 1; i++)
+	if (wanted_count >= VULKAN_MAX_EXTENSIONS)
+		return stilb_fail(STILB_ERROR_WINDOW, "the window needs %u Vulkan extensions, Stilb passes on at most %u",
+		                  wanted_count, VULKAN_MAX_EXTENSIONS - 1u);
+	for (uint32_t i = 0; i < wanted_count; i++)
 		extensions[extension_count++] = wanted[i];
 	if (desc->validate)
 		extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
@@ -196,9 +202,9 @@ void vulkan_instance_destroy(vulkan_device *device)
 	device->instance = VK_NULL_HANDLE;
 }
 
-/* ---- GPUs ---------------------------------------------------------------------------------------------------------- */
+/* ---- GPUs -------------------------------------------------------------------------------------------------------- */
 
-/* What a GPU lacks, or NULL. */
+/* The first feature that Stilb needs and a GPU lacks; NULL: it has all. */
 static const char *gpu_missing(VkPhysicalDevice gpu)
 {
 	VkPhysicalDeviceProperties properties;
@@ -227,7 +233,7 @@ static const char *gpu_missing(VkPhysicalDevice gpu)
 	return NULL;
 }
 
-static const char *gpu_type_name(VkPhysicalDeviceType type)
+const char *vulkan_gpu_type_text(VkPhysicalDeviceType type)
 {
 	switch (type) {
 	case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
@@ -243,7 +249,7 @@ static const char *gpu_type_name(VkPhysicalDeviceType type)
 	}
 }
 
-/* The higher, the sooner chosen; 0: cannot run Stilb. */
+/* The GPU with the highest score is chosen; 0: it cannot run Stilb. */
 static int gpu_score(VkPhysicalDevice gpu)
 {
 	static const int scores[] = {
@@ -255,12 +261,13 @@ static int gpu_score(VkPhysicalDevice gpu)
 	vkGetPhysicalDeviceProperties(gpu, &properties);
 	if (gpu_missing(gpu))
 		return 0;
-	/* A driver newer than this program may know other types. */
+	/* A newer driver may report types that this header does not list. */
 	return (size_t)properties.deviceType < sizeof scores / sizeof *scores ? scores[properties.deviceType] : 1;
 }
 
-/* Finds the GPU that wanted names: a number of the list, or a part of the name, which "4090" is, too. NULL takes the one
- * with the best score. count when there is none. */
+/* The index of the GPU that `wanted` names: its number in the list, or a part of its name. A number that no list reaches,
+ * as "4090", is a part of a name. If several match, or wanted is NULL, the best score decides. Returns count if none
+ * matches. */
 static uint32_t gpu_find(const VkPhysicalDevice *gpus, uint32_t count, const char *wanted)
 {
 	uint32_t best = count;
@@ -288,9 +295,10 @@ stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted)
 	VkResult result = vkEnumeratePhysicalDevices(device->instance, &count, gpus);
 	if ((result != VK_SUCCESS && result != VK_INCOMPLETE) || count == 0)
 		return vulkan_fail_no_driver("vkEnumeratePhysicalDevices", result);
+	STILB_ASSERT(count <= VULKAN_MAX_GPUS);
 	uint32_t found = gpu_find(gpus, count, wanted);
 	if (found == count)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "no GPU '%s' here; 'stilb info' lists what there is", wanted);
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no GPU '%s'; 'stilb info' lists the GPUs", wanted);
 	device->gpu = gpus[found];
 	vkGetPhysicalDeviceProperties(device->gpu, &device->properties);
 	vkGetPhysicalDeviceMemoryProperties(device->gpu, &device->memory);
@@ -314,7 +322,7 @@ static void gpu_describe(VkPhysicalDevice gpu, stilb_render_gpu *out)
 		vkGetPhysicalDeviceProperties2(gpu, &properties);
 	}
 	*out = (stilb_render_gpu){
-		.type = gpu_type_name(properties.properties.deviceType),
+		.type = vulkan_gpu_type_text(properties.properties.deviceType),
 		.missing = gpu_missing(gpu),
 	};
 	snprintf(out->name, sizeof out->name, "%s", properties.properties.deviceName);
@@ -328,13 +336,14 @@ stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, ui
 	VkPhysicalDevice devices[VULKAN_MAX_GPUS];
 	uint32_t found = VULKAN_MAX_GPUS;
 	vulkan_device device = {0};
+	STILB_ASSERT(count && (gpus || capacity == 0));
 	*count = 0;
 	stilb_result result = vulkan_instance_create(&device, &(stilb_render_desc){0});
 	if (result != STILB_OK)
 		return result;
 	VkResult listed = vkEnumeratePhysicalDevices(device.instance, &found, devices);
 	if (listed != VK_SUCCESS && listed != VK_INCOMPLETE) {
-		found = 0; /* the array holds nothing then */
+		found = 0; /* the array is not filled in then */
 		result = vulkan_fail_no_driver("vkEnumeratePhysicalDevices", listed);
 	}
 	for (uint32_t i = 0; i < found && i < capacity; i++)

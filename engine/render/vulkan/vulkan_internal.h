@@ -1,12 +1,12 @@
 /*
  * The Vulkan device, version 1.3: dynamic rendering, synchronization2, timeline semaphores, buffer addresses.
  *
- * Two frame slots. A slot owns everything the CPU writes for a frame, and is written again only when the timeline says
- * that the GPU is done with it. A frame makes two submissions: `draw` (the passes, into the picture) and `show` (the
- * picture to the window or to memory). The picture itself is one image: frames follow each other on one queue, and
- * barriers order them.
- * Shaders get addresses in a push constant. Descriptor sets are for what has no address, textures (set 0), and for
- * materials that are to be bound one by one (set 1, --materials bind).
+ * There are two frame slots. A slot owns everything that the CPU writes for a frame, and is reused when the timeline
+ * semaphore says that the GPU is done with it. A frame makes two submissions: `draw` (the passes, into the picture) and
+ * `show` (the picture to the window or to memory). All frames share one picture: they follow each other on one queue,
+ * and barriers order them.
+ * Shaders get buffer addresses in a push constant. Descriptor sets are used for textures (set 0), which have no
+ * address, and for materials that are bound one by one (set 1, --materials bind).
  */
 #ifndef STILB_VULKAN_INTERNAL_H
 #define STILB_VULKAN_INTERNAL_H
@@ -24,7 +24,7 @@ typedef struct vulkan_buffer {
 	VkDeviceMemory memory;
 	VkDeviceSize size;
 	VkDeviceAddress address; /* 0 unless made with VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT */
-	void *mapped;            /* NULL unless the host can see it */
+	void *mapped;            /* for the CPU; NULL for VULKAN_MEMORY_DEVICE */
 } vulkan_buffer;
 
 typedef struct vulkan_image {
@@ -44,16 +44,17 @@ typedef struct vulkan_view {
 	float lamp_position[3], lamp_radius;
 	float lamp_axis[3], lamp_reach;
 	float lamp_intensity[4];
-	float added[4]; /* to every material's roughness, anisotropy, wrap and specular */
+	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
 } vulkan_view;
 
 static_assert(sizeof(vulkan_view) == 208, "std430");
 
+/* Push constants of scene passes (shaders/mesh.glsl). */
 typedef struct vulkan_push {
 	VkDeviceAddress view, rows, materials;
 } vulkan_push;
 
-/* Of 2D passes (shaders/flat.vert). */
+/* Push constants of 2D passes (shaders/flat.vert). */
 typedef struct vulkan_push_2d {
 	float scale[2]; /* pixels to clip space */
 	VkDeviceAddress rows;
@@ -61,70 +62,71 @@ typedef struct vulkan_push_2d {
 
 static_assert(sizeof(vulkan_push_2d) <= sizeof(vulkan_push), "one pipeline layout serves both");
 
-/* What went into a command buffer. */
+/* Commands that were recorded into a command buffer. */
 typedef struct vulkan_sent {
 	uint64_t draws, binds;
 } vulkan_sent;
 
-/* Secondary command buffers: a list is recorded by one job at a time, a command buffer for each pass of the frame. */
+/* Secondary command buffers, one for each pass of the frame. A list is recorded by one job at a time. */
 typedef struct vulkan_list {
 	_Alignas(STILB_CACHE_LINE) VkCommandPool pool;
 	VkCommandBuffer commands[STILB_RENDER_MAX_PASSES];
-	uint32_t made, used; /* of commands; used in this frame */
+	uint32_t made, used; /* command buffers: allocated; used in this frame */
 	VkResult result;     /* of the last recording */
 	vulkan_sent sent;
 } vulkan_list;
 
-/* The GPU's clock and CLOCK_MONOTONIC, read together; ns 0: never. */
+/* The GPU's clock (ticks) and CLOCK_MONOTONIC (ns), read together; ns 0: never read. */
 typedef struct vulkan_moment {
 	uint64_t ticks, ns;
 } vulkan_moment;
 
 /* The timestamps of a slot's frame. */
 typedef struct vulkan_slot_times {
-	vulkan_buffer results;                                 /* the frame's begin and end, and those of each pass */
-	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES]; /* [passes] their names */
+	vulkan_buffer results;                                 /* ticks: begin and end of the frame, then of each pass */
+	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES]; /* [passes] names of the passes */
 	uint32_t passes;
-	bool taken;            /* submitted, and not yet read */
-	vulkan_moment moment;  /* near the frame */
+	bool taken;            /* submitted and not yet read */
+	vulkan_moment moment;  /* both clocks at the time of the submission */
 	uint64_t submitted_ns; /* CLOCK_MONOTONIC */
 } vulkan_slot_times;
 
 typedef struct vulkan_times {
-	VkQueryPool queries;                          /* null: the queue has no clock */
-	PFN_vkGetCalibratedTimestampsEXT read_clocks; /* NULL: this GPU cannot */
-	vulkan_moment moment;                         /* the last good one */
+	VkQueryPool queries;                          /* null: the queue has no timestamps */
+	PFN_vkGetCalibratedTimestampsEXT read_clocks; /* NULL: this GPU cannot read both clocks together */
+	vulkan_moment moment;                         /* the last reading of sufficient accuracy */
 	stilb_prof_lane_handle *lane;                 /* NULL: there was no memory for it */
-	uint64_t shown_ns;                            /* the end of the last frame in the lane */
+	uint64_t shown_ns;                            /* end of the last frame in the lane, CLOCK_MONOTONIC */
 } vulkan_times;
 
 typedef struct vulkan_slot {
 	VkCommandPool pool;
 	VkCommandBuffer draw, show;
-	VkSemaphore acquired; /* the window's image is ours */
-	vulkan_list *lists;   /* [list_count] with secondary replay: one a worker, as far as there have been workers */
+	VkSemaphore acquired; /* signalled when the window's image may be written */
+	vulkan_list *lists;   /* [list_count] one for each worker that has recorded; only with secondary replay */
 	uint32_t list_count;
 	vulkan_buffer memory[RENDER_MEMORY_KINDS];
-	vulkan_buffer staging; /* what update copies from */
+	vulkan_buffer staging; /* the source of update's copies */
 	vulkan_buffer
 		*outgrown; /* [outgrown_count] replaced in this slot's frame, and still read by it or the one before */
 	uint32_t outgrown_count, outgrown_capacity;
-	VkDescriptorSet material_set; /* of the buffer of materials that the slot's frame uses */
-	VkBuffer material_buffer;     /* in it */
+	VkDescriptorSet material_set; /* --materials bind: a set with the buffer of materials */
+	VkBuffer material_buffer;     /* the buffer that is in it */
 	vulkan_buffer views;          /* vulkan_view[STILB_RENDER_MAX_PASSES] */
-	vulkan_buffer picture;        /* the picture in memory, when there is no window */
+	vulkan_buffer picture;        /* the picture in memory, if there is no window */
 	vulkan_slot_times times;
-	uint64_t done; /* timeline value of the slot's last submission */
-	bool picture_valid;
+	uint64_t done;      /* timeline value of the slot's last submission */
+	bool picture_valid; /* the slot's frame has been copied to `picture` */
 } vulkan_slot;
 
-/* Textures are made and destroyed with the lock of resources; a draw reads the set of one that stays. */
+/* Made and destroyed with the lock of render_resources held. Replay reads `set` without it: a texture that a frame uses
+ * exists until the frame is done. */
 typedef struct vulkan_texture {
 	vulkan_image image;
 	VkDescriptorSet set;
 } vulkan_texture;
 
-/* Pipelines differ in whether they read a texture, and in which materials they draw (shaders/mesh.frag). */
+/* The materials that a mesh pipeline draws (shaders/mesh.frag). EVEN and ODD: --materials pipeline. */
 typedef enum vulkan_pipeline_materials {
 	VULKAN_PIPELINE_ANY,
 	VULKAN_PIPELINE_EVEN,
@@ -132,7 +134,7 @@ typedef enum vulkan_pipeline_materials {
 	VULKAN_PIPELINE_MATERIALS,
 } vulkan_pipeline_materials;
 
-/* The formulas that a pipeline is compiled with, in the order of the shader's constants. */
+/* The formulas that a pipeline is compiled with, in the order of the shader's specialization constants. */
 typedef enum vulkan_formula {
 	VULKAN_FORMULA_BRDF,
 	VULKAN_FORMULA_NDF,
@@ -142,7 +144,8 @@ typedef enum vulkan_formula {
 	VULKAN_FORMULAS,
 } vulkan_formula;
 
-/* The mesh pipelines of one choice of formulas: without and with a texture. Null: none such has been needed. */
+/* The mesh pipelines of one choice of formulas, [0] without and [1] with a texture. VK_NULL_HANDLE: not needed so far.
+ * */
 typedef struct vulkan_shading {
 	uint32_t formulas[VULKAN_FORMULAS];
 	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
@@ -153,8 +156,8 @@ typedef struct vulkan_swapchain {
 	VkExtent2D extent;
 	uint32_t image_count;
 	VkImage images[VULKAN_MAX_SWAPCHAIN_IMAGES];
-	VkSemaphore shown[VULKAN_MAX_SWAPCHAIN_IMAGES]; /* the blit into this image is done */
-	bool stale;
+	VkSemaphore shown[VULKAN_MAX_SWAPCHAIN_IMAGES]; /* signalled when the blit into this image is done */
+	bool stale;                                     /* must be made anew before the next image is acquired */
 } vulkan_swapchain;
 
 typedef struct vulkan_device {
@@ -162,10 +165,10 @@ typedef struct vulkan_device {
 
 	VkInstance instance;
 	VkDebugUtilsMessengerEXT messenger;
-	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL: not validating */
+	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL without desc.validate */
 	PFN_vkCmdEndDebugUtilsLabelEXT label_end;
 	VkSurfaceKHR surface; /* null without a window */
-	bool surface_lost;    /* it has gone: the picture goes to memory */
+	bool surface_lost;    /* the window or its display has gone: pictures are copied to memory */
 	VkPhysicalDevice gpu;
 	VkPhysicalDeviceProperties properties;
 	VkPhysicalDeviceMemoryProperties memory;
@@ -174,60 +177,65 @@ typedef struct vulkan_device {
 	uint32_t queue_family;
 
 	VkSemaphore timeline;
-	uint64_t timeline_value;
-	uint64_t timestamp_mask; /* the bits that count; 0: the queue has no clock */
-	bool calibrates;         /* VK_EXT_calibrated_timestamps is on */
+	uint64_t timeline_value; /* that the last submission will signal */
+	uint64_t timestamp_mask; /* valid bits of a timestamp; 0: the queue has none */
+	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	vulkan_times times;
 
-	const VkAllocationCallbacks *allocator; /* of everything that belongs to the device; NULL: the driver's own */
+	const VkAllocationCallbacks *allocator; /* for all objects of the device; NULL: the driver's own */
 
-	VkSampler sampler; /* of all textures: linear, repeated, no mip levels */
+	VkSampler sampler; /* for all textures: linear, repeated, no mip levels */
 	VkDescriptorSetLayout texture_layout, material_layout;
 	VkDescriptorPool texture_pool, material_pool;
 	vulkan_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	VkPipelineLayout pipeline_layout;
-	VkShaderModule mesh_modules[2][2]; /* [texture][stage], kept for the pipelines that are still to come */
-	vulkan_shading *shadings;          /* [shading_count] every choice that a pass has had */
+	VkShaderModule mesh_modules[2][2]; /* [texture][stage], kept for pipelines that later frames need */
+	vulkan_shading *shadings;          /* [shading_count] every choice of formulas that a pass has used */
 	uint32_t shading_count, shading_capacity;
 	const vulkan_shading *shading; /* of the pass that is being replayed; secondary lists read it on other threads */
 	VkPipeline pipelines_2d[2];    /* without and with a texture */
 	stilb_render_output output;
 	VkFormat color_format;
-	vulkan_image color;         /* the picture, one sample */
-	vulkan_image color_samples; /* with 4 samples; resolved into color */
+	vulkan_image color;         /* the picture, one sample a pixel */
+	vulkan_image color_samples; /* with 4 samples a pixel, resolved into color; null with 1 */
 	vulkan_image depth;
-	bool drawn; /* color holds a picture, ready to be copied from */
+	bool drawn; /* color holds a submitted picture in TRANSFER_SRC_OPTIMAL */
 
 	vulkan_buffer heaps[RENDER_HEAPS];
 
 	vulkan_slot slots[VULKAN_SLOTS];
-	uint32_t slot;
-	uint32_t pass; /* passes begun in this frame */
+	uint32_t slot; /* of the frame */
+	uint32_t pass; /* passes of the frame so far that drew */
 	vulkan_swapchain swapchain;
 } vulkan_device;
 
-/* What a frame's slot is now. */
+/* The slot of the frame. */
 static inline vulkan_slot *vulkan_slot_now(vulkan_device *device)
 {
+	STILB_ASSERT(device->slot < VULKAN_SLOTS);
 	return &device->slots[device->slot];
 }
 
-/* The allocator of devices made from now on: for tests. NULL, as at the start: the driver's own. */
+/* For tests: the allocator of devices that are created from now on. NULL, its first value: the driver's own. */
 extern const VkAllocationCallbacks *vulkan_host_allocator;
 
-/* vulkan_instance.c: what there is before a device. */
+/* vulkan_instance.c: errors, the instance, the choice of a GPU. */
 
-/* Turns a VkResult into a result and a message: "cannot WHAT: out of memory (VK_ERROR_OUT_OF_HOST_MEMORY -1); try
- * ...". */
+/* The result for a VkResult that is an error, with the message "cannot WHAT: out of memory
+ * (VK_ERROR_OUT_OF_HOST_MEMORY -1); try ...". */
 stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char *what);
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc);
+/* Chooses the GPU that `wanted` names (stilb_render_desc.gpu). */
 stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted);
+/* As many times as you like. */
 void vulkan_instance_destroy(vulkan_device *device);
+/* The words for a kind of GPU: "discrete GPU", ... , "other" also for kinds that are newer than this program. */
+const char *vulkan_gpu_type_text(VkPhysicalDeviceType type);
 
 /* vulkan_barrier.c: barriers between the commands of a queue. */
 
-/* One image barrier: everything in from_stage and its writes come before everything in to_stage, and the layout changes in
- * between. VK_IMAGE_LAYOUT_UNDEFINED as `from` discards the contents. */
+/* One image barrier: everything in from_stage and its writes come before everything in to_stage, and the layout changes
+ * in between. VK_IMAGE_LAYOUT_UNDEFINED as `from` discards the contents. */
 VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                                               VkImageLayout to, VkPipelineStageFlags2 from_stage,
                                               VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
@@ -244,49 +252,53 @@ void vulkan_host_barrier(VkCommandBuffer commands);
 /* vulkan_memory.c: buffers and images, each with memory of its own (a frame has few). */
 
 typedef enum vulkan_memory_kind {
-	VULKAN_MEMORY_DEVICE,   /* the GPU alone */
-	VULKAN_MEMORY_WRITE,    /* the CPU writes once, the GPU reads: device local where the CPU can reach it */
-	VULKAN_MEMORY_SHARED,   /* the CPU writes and may read, the GPU reads: cached */
-	VULKAN_MEMORY_READBACK, /* the GPU writes, the CPU reads: cached */
+	VULKAN_MEMORY_DEVICE,   /* only the GPU uses it */
+	VULKAN_MEMORY_WRITE,    /* the CPU writes once, the GPU reads: device local if the CPU can map that */
+	VULKAN_MEMORY_SHARED,   /* the CPU writes and may read, the GPU reads: cached by the CPU */
+	VULKAN_MEMORY_READBACK, /* the GPU writes, the CPU reads: cached by the CPU */
 } vulkan_memory_kind;
 
+/* size > 0, bytes. On failure *buffer is {0}; the message says how much memory was asked for. */
 stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBufferUsageFlags usage,
                                   vulkan_memory_kind kind, vulkan_buffer *buffer);
+/* Also of {0}, which it leaves. */
 void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer);
-/* The caller has asked whether the GPU can. */
+/* The caller has checked that the GPU supports such an image. On failure *image is {0}. */
 VkResult vulkan_image_create(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
                              vulkan_image *image);
+/* Also of {0}, which it leaves. */
 void vulkan_image_destroy(vulkan_device *device, vulkan_image *image);
 
-/* vulkan_heaps.c: what render_resources keeps, on the GPU. */
+/* vulkan_heaps.c: the heaps of render_resources on the GPU. */
 stilb_result vulkan_update(render_device *base, const render_resources *resources);
-/* Replaces a buffer that the slot's frame or the one before may still read. Without memory nothing has happened. */
+/* Stores `with` in *buffer, and destroys the old buffer when no frame can read it any more. On STILB_ERROR_MEMORY
+ * *buffer is as before and `with` is destroyed. */
 stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with);
-/* The slot's frame is done: frees what only that frame still used. */
+/* Call when the slot's last frame is done: destroys the buffers that were replaced in it. */
 void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot);
 void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot);
-/* From one material to the next on the GPU, bytes. */
+/* Bytes from one material to the next on the GPU. */
 VkDeviceSize vulkan_material_stride(const vulkan_device *device);
-/* With --materials bind: the slots' sets. */
+/* Allocates the slots' material_set; nothing unless --materials bind. */
 VkResult vulkan_material_sets_create(vulkan_device *device);
 
-/* vulkan_texture.c */
+/* vulkan_texture.c: images and descriptor sets of textures. */
 stilb_result vulkan_textures_create(vulkan_device *device);
 void vulkan_textures_destroy(vulkan_device *device);
 stilb_result vulkan_texture_create(render_device *base, uint32_t texture, const stilb_image *image);
 void vulkan_texture_destroy(render_device *base, uint32_t texture);
-/* Adds the copy of such pixels to the frame: they lie in the staging buffer at `at`, a multiple of a pixel's size. */
+/* Records the copy of a texture's pixels, which lie in the slot's staging buffer at byte `at`, a multiple of 16. */
 void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upload, VkDeviceSize at);
 
-/* vulkan_pipeline.c */
+/* vulkan_pipeline.c: shaders, layouts, pipelines. */
 stilb_result vulkan_pipeline_create(vulkan_device *device);
 void vulkan_pipeline_destroy(vulkan_device *device);
-/* Makes what a scene pass's draws need and no pass before it has needed, and chooses it. */
+/* Makes the pipelines that a scene pass needs, unless an earlier pass has, and stores them as device->shading. */
 stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream);
-/* [any-thread] while a pass is replayed. */
+/* The pipeline for a draw's state. [any-thread] while a pass is replayed. */
 VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state);
 
-/* vulkan_frame.c */
+/* vulkan_frame.c: slots, the images that are drawn into, memory, submission. */
 stilb_result vulkan_frames_create(vulkan_device *device);
 void vulkan_frames_destroy(vulkan_device *device);
 stilb_result vulkan_targets_create(vulkan_device *device);
@@ -296,8 +308,10 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
                          uint32_t keep);
 stilb_result vulkan_submit(render_device *base);
 stilb_result vulkan_wait(render_device *base);
-/* Submits a command buffer, waits for wait (or null) before transfers, signals signal (or null) and the timeline. */
+/* Submits a command buffer. Its transfers wait for the semaphore `wait`, and it signals `signal` and the timeline's
+ * next value; both semaphores may be null. */
 stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal);
+/* Waits until the GPU has finished the submission that signals `value`. */
 stilb_result vulkan_timeline_wait(vulkan_device *device, uint64_t value);
 
 /* vulkan_times.c: timestamps, in the order of the calls of a frame. */
@@ -307,32 +321,35 @@ void vulkan_times_begin(vulkan_device *device);
 void vulkan_times_pass_begin(vulkan_device *device, const stilb_prof_site *name);
 void vulkan_times_pass_end(vulkan_device *device);
 void vulkan_times_end(vulkan_device *device);
-/* Right after the submission of what has them. */
+/* Call right after the submission of the frame's draws. good: it succeeded. */
 void vulkan_times_submitted(vulkan_device *device, bool good);
-/* The slot's frame is done; frames in the order of their submission. Once read, nothing happens. */
+/* Call when the slot's frame is done, for frames in the order of their submission. Does nothing if it was read already.
+ * */
 void vulkan_times_read(vulkan_device *device, vulkan_slot *slot);
 
-/* vulkan_pass.c */
+/* vulkan_pass.c: the commands of one pass. */
 stilb_result vulkan_pass(render_device *base, const render_stream *stream);
 
-/* vulkan_draws.c: the draws of a stream, and what is bound for them. */
+/* vulkan_draws.c: the draws of a stream and their bindings. */
 
-/* Viewport and scissor: command buffers inherit nothing. */
+/* Sets viewport and scissor to the whole picture: every command buffer needs it, secondary ones inherit nothing. */
 void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands);
+/* Records one command for each draw of the part. */
 vulkan_sent vulkan_draws_direct(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
                                 render_part part);
-/* Here draws counts device commands. */
+/* Records one indirect command for each run; sent.draws counts these commands. */
 vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream);
 
 /* vulkan_secondary.c: a command buffer for each worker. */
 
-/* Records the stream into count command buffers, on its pool; they execute in the order of the array. */
+/* Records the stream into commands[count] on its pool, 1..VULKAN_MAX_LISTS; to be executed in the order of the array.
+ * */
 stilb_result vulkan_secondary_record(vulkan_device *device, const render_stream *stream, uint32_t count,
                                      VkCommandBuffer *commands);
-/* Lists that no frame has in flight. */
+/* Destroys the slot's lists; its frame is done. */
 void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot);
 
-/* vulkan_present.c */
+/* vulkan_present.c: the picture to the window or to memory. */
 stilb_result vulkan_swapchain_create(vulkan_device *device);
 void vulkan_swapchain_destroy(vulkan_device *device);
 stilb_result vulkan_present(render_device *base);

@@ -1,9 +1,11 @@
+/* Buffers and images, each with an allocation of its own. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* The type among `allowed` (a bit each) with all of `required` and most of `preferred`; UINT32_MAX: there is none. */
+/* The memory type among `allowed` (a bit each) that has all flags of `required` and most of `preferred`; UINT32_MAX:
+ * there is none. */
 static uint32_t memory_type(const vulkan_device *device, uint32_t allowed, VkMemoryPropertyFlags required,
                             VkMemoryPropertyFlags preferred)
 {
@@ -22,7 +24,7 @@ static uint32_t memory_type(const vulkan_device *device, uint32_t allowed, VkMem
 	return best;
 }
 
-/* Tries the best type first, then the others: a card's small host-visible heap may be full. */
+/* Allocates from the best memory type, and if that fails from the next best: a GPU's host-visible heap may be full. */
 static VkResult memory_allocate(vulkan_device *device, VkMemoryRequirements needs, vulkan_memory_kind kind,
                                 bool address, VkDeviceMemory *memory)
 {
@@ -48,6 +50,7 @@ static VkResult memory_allocate(vulkan_device *device, VkMemoryRequirements need
 		.allocationSize = needs.size,
 	};
 	VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+	STILB_ASSERT(needs.size > 0 && needs.memoryTypeBits && (uint32_t)kind <= VULKAN_MEMORY_READBACK);
 	if (render_fault_allocation(&device->base))
 		return result;
 	uint32_t allowed = needs.memoryTypeBits, type;
@@ -90,6 +93,7 @@ static VkResult buffer_make(vulkan_device *device, VkBufferUsageFlags usage, vul
 stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBufferUsageFlags usage,
                                   vulkan_memory_kind kind, vulkan_buffer *buffer)
 {
+	STILB_ASSERT(size > 0 && usage && "an empty buffer is not valid Vulkan");
 	*buffer = (vulkan_buffer){.size = size};
 	VkResult result = buffer_make(device, usage, kind, buffer);
 	if (result == VK_SUCCESS)
@@ -134,6 +138,7 @@ static VkResult image_make(vulkan_device *device, const VkImageCreateInfo *info,
 VkResult vulkan_image_create(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
                              vulkan_image *image)
 {
+	STILB_ASSERT(info->extent.width > 0 && info->extent.height > 0 && aspect);
 	*image = (vulkan_image){0};
 	VkResult result = image_make(device, info, aspect, image);
 	if (result != VK_SUCCESS)

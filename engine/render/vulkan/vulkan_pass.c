@@ -1,12 +1,12 @@
-/* One pass on the GPU: targets, view, draws. */
+/* One pass on the GPU: the images it draws into, its view, its draws. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include "shading/shade_tonemap.h"
 
 #include <string.h>
 
-/* The frame's first pass takes the targets from the frame before (its passes, and the copy that showed it); a later one
- * continues where the pass before stopped. 2D passes draw into the picture alone. */
+/* Makes the images ready to be drawn into. The frame's first pass waits for the last frame's passes and its copy to the
+ * window, and discards the contents; later passes wait for the pass before. 2D passes use the picture alone. */
 static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, bool first, bool scene)
 {
 	VkPipelineStageFlags2 color_stage = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
@@ -33,7 +33,7 @@ static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, b
 	vulkan_image_barriers(commands, taken, count);
 }
 
-/* The sky behind everything, as the fragment shader would have written it; black without a view. */
+/* The background: the sky's radiance, tone mapped as the fragment shader does it; black without a view. */
 static VkClearColorValue pass_clear_color(const vulkan_device *device, const stilb_render_view *view)
 {
 	if (!view)
@@ -44,7 +44,7 @@ static VkClearColorValue pass_clear_color(const vulkan_device *device, const sti
 	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
 }
 
-/* contents: whether draws or secondary command buffers follow. */
+/* contents: 0 if draws follow, or VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT. */
 static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
                                  bool first, VkRenderingFlags contents)
 {
@@ -88,9 +88,10 @@ static void copy3(float out[4], const float in[3])
 	out[3] = 0.0f;
 }
 
-/* Writes the view to where this pass's draws read it. */
+/* Writes the view to the slot's array, at the index of the pass. */
 static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot, const stilb_render_view *view)
 {
+	STILB_ASSERT(device->pass < STILB_RENDER_MAX_PASSES);
 	vulkan_view *out = (vulkan_view *)slot->views.mapped + device->pass;
 	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
 	copy3(out->camera_position, view->camera_position);
@@ -125,7 +126,7 @@ static void pass_draw(vulkan_device *device, VkCommandBuffer commands, const ren
 	}
 }
 
-/* The layer's messages, and captures of other tools, name the pass. */
+/* Names the pass in messages of the validation layer and in captures of debuggers. */
 static void pass_label_begin(const vulkan_device *device, VkCommandBuffer commands, const char *name)
 {
 	if (device->label_begin)
@@ -139,6 +140,8 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 	vulkan_slot *slot = vulkan_slot_now(device);
 	VkCommandBuffer secondary[VULKAN_MAX_LISTS];
 	uint32_t secondary_count = 0;
+	STILB_ASSERT(device->color.image && stream->pass);
+	STILB_ASSERT((stream->pass->kind == STILB_RENDER_PASS_SCENE) == (bool)stream->view);
 	bool first = device->pass == 0, scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
 	if (!scene && !first && stream->draws == 0)
 		return STILB_OK;

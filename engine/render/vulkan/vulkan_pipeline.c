@@ -1,11 +1,14 @@
+/* Shaders, layouts and pipelines: for meshes one set of pipelines for each choice of formulas, for 2D passes two. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include "shading/shade_brdf.h"
+#include "shading/shade_light.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* SPIR-V, made from shaders/ when Stilb is built: with a texture, with the material bound; and flat, for 2D passes. */
+/* SPIR-V that the build makes from shaders/. _texture: reads a texture; _bind: the material is in a descriptor set;
+ * flat: for 2D passes. */
 static const uint32_t mesh_vert[] =
 #include "mesh.vert.inc"
 	;
@@ -72,7 +75,7 @@ static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShade
 	return vkCreateShaderModule(device->device, &info, device->allocator, module);
 }
 
-/* ---- layout: set 0 is the texture, set 1 the material when it is to be bound ------------------------------------- */
+/* ---- layout: set 0 is the texture, set 1 the material with --materials bind -------------------------------------- */
 
 static VkResult set_layout_create(vulkan_device *device, VkDescriptorType type, const VkSampler *sampler,
                                   VkDescriptorSetLayout *layout)
@@ -115,7 +118,7 @@ static VkResult layout_create(vulkan_device *device)
 	return vkCreatePipelineLayout(device->device, &info, device->allocator, &device->pipeline_layout);
 }
 
-/* ---- what every pipeline has, whatever the device ---------------------------------------------------------------- */
+/* ---- constant state of mesh pipelines --------------------------------------------------------------------------- */
 
 static const VkVertexInputBindingDescription vertex_binding = {.stride = sizeof(stilb_scene_vertex)};
 
@@ -162,7 +165,7 @@ static const VkPipelineViewportStateCreateInfo viewport = {
 	.scissorCount = 1,
 };
 
-/* y points down in clip space and the projection flips it, so what is counter-clockwise in the world stays so. */
+/* Clip space has y down and the projection flips it, so triangles that are counter-clockwise in the world stay so. */
 static const VkPipelineRasterizationStateCreateInfo rasterization = {
 	.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
 	.polygonMode = VK_POLYGON_MODE_FILL,
@@ -186,7 +189,7 @@ static const VkPipelineColorBlendStateCreateInfo blend = {
 	.pAttachments = &no_blending,
 };
 
-/* ---- the same of 2D pipelines ------------------------------------------------------------------------------------ */
+/* ---- constant state of 2D pipelines ------------------------------------------------------------------------------ */
 
 static const VkVertexInputBindingDescription flat_binding = {.stride = sizeof(stilb_render_vertex_2d)};
 
@@ -226,7 +229,7 @@ static const VkPipelineMultisampleStateCreateInfo flat_samples = {
 	.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT,
 };
 
-/* Over what is there, premultiplied; the picture stays opaque. */
+/* The operator "over" with premultiplied alpha; the picture stays opaque. */
 static const VkPipelineColorBlendAttachmentState over = {
 	.blendEnable = VK_TRUE,
 	.srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
@@ -244,7 +247,7 @@ static const VkPipelineColorBlendStateCreateInfo flat_blend = {
 	.pAttachments = &over,
 };
 
-/* ---- what depends on it ------------------------------------------------------------------------------------------ */
+/* ---- mesh pipelines ---------------------------------------------------------------------------------------------- */
 
 static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stage, VkShaderModule module,
                                                       const VkSpecializationInfo *constants)
@@ -258,14 +261,14 @@ static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stag
 	};
 }
 
-/* What the fragment shader is specialised by. */
+/* Values of the fragment shader's specialization constants. */
 typedef struct pipeline_constants {
 	VkBool32 tone_map;
 	uint32_t materials; /* a vulkan_pipeline_materials */
 	uint32_t formulas[VULKAN_FORMULAS];
 } pipeline_constants;
 
-/* The formulas come after the two others. */
+/* Constants 2, 3, ...: the formulas. */
 #define PIPELINE_FORMULA(index)                                                                                        \
 	{                                                                                                                  \
 		2 + (index), offsetof(pipeline_constants, formulas) + (index) * sizeof(uint32_t), sizeof(uint32_t)             \
@@ -284,6 +287,7 @@ static const VkSpecializationMapEntry pipeline_constant_map[2 + VULKAN_FORMULAS]
 static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS], bool texture,
                               vulkan_pipeline_materials materials, VkPipeline *pipeline)
 {
+	STILB_ASSERT(!*pipeline && device->mesh_modules[texture][0] && device->mesh_modules[texture][1]);
 	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY, .materials = materials};
 	memcpy(constants.formulas, formulas, sizeof constants.formulas);
 	VkSpecializationInfo specialization = {2 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
@@ -339,7 +343,7 @@ static VkResult shading_make_one(vulkan_device *device, vulkan_shading *shading,
 	return pipeline_make(device, shading->formulas, texture, materials, pipeline);
 }
 
-/* Those that this device's way with materials needs, as far as there are none yet. */
+/* Makes the pipelines that device->base.materials needs and that do not exist yet. */
 static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, bool texture)
 {
 	if (device->base.materials != STILB_RENDER_MATERIALS_PIPELINE)
@@ -348,7 +352,7 @@ static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, boo
 	return result == VK_SUCCESS ? shading_make_one(device, shading, texture, VULKAN_PIPELINE_ODD) : result;
 }
 
-/* The entry for these formulas, which may be new; NULL without memory. */
+/* The entry for these formulas, which may be a new one without pipelines; NULL: no memory. */
 static vulkan_shading *shading_find(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS])
 {
 	for (uint32_t s = 0; s < device->shading_count; s++)
@@ -373,7 +377,10 @@ static void shading_destroy(const vulkan_device *device, const vulkan_shading *s
 stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
 {
 	const stilb_render_shading *wanted = &stream->view->shading;
-	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* the others are the same whatever D, G and F */
+	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
+	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT && wanted->light < SHADE_LIGHT_COUNT);
+	STILB_ASSERT(!microfacet ||
+	             (wanted->ndf < SHADE_NDF_COUNT && wanted->g < SHADE_G_COUNT && wanted->f < SHADE_F_COUNT));
 	uint32_t formulas[VULKAN_FORMULAS] = {
 		[VULKAN_FORMULA_BRDF] = wanted->brdf,
 		[VULKAN_FORMULA_NDF] = microfacet ? wanted->ndf : 0,
@@ -467,5 +474,7 @@ VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
 		return device->pipelines_2d[render_state_texture(state) != 0];
 	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
 		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
-	return device->shading->pipelines[render_state_texture(state) != 0][materials];
+	VkPipeline pipeline = device->shading->pipelines[render_state_texture(state) != 0][materials];
+	STILB_ASSERT(pipeline && "vulkan_pipeline_choose has made it");
+	return pipeline;
 }

@@ -1,12 +1,12 @@
-/* The picture's way out: to the window, or into memory. */
+/* Copies the picture to the window, or to memory. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <string.h>
 
-/* Waiting longer for the window's next image (it may be hidden) would hold up the program: the frame is not shown then. */
+/* Limit of the wait for the window's next image, which a hidden window may never give: then the frame is not shown. */
 #define PRESENT_TIMEOUT_NS 500000000u
 
-/* ---- swapchain ----------------------------------------------------------------------------------------------------- */
+/* ---- swapchain --------------------------------------------------------------------------------------------------- */
 
 static bool swapchain_choose_format(vulkan_device *device, VkSurfaceFormatKHR *chosen)
 {
@@ -76,9 +76,10 @@ static VkResult swapchain_make(vulkan_device *device, const VkSurfaceCapabilitie
 	return result == VK_SUCCESS ? swapchain_make_semaphores(device) : result;
 }
 
-/* A window without area (minimised) gets no swapchain; that is no error. */
+/* A window without area (minimised) gets no swapchain, which is not an error. */
 stilb_result vulkan_swapchain_create(vulkan_device *device)
 {
+	STILB_ASSERT(device->surface && !device->swapchain.handle);
 	VkSurfaceCapabilitiesKHR can;
 	VkSurfaceFormatKHR format;
 	VkResult result = vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device->gpu, device->surface, &can);
@@ -114,7 +115,7 @@ static stilb_result swapchain_renew(vulkan_device *device)
 	return vulkan_swapchain_create(device);
 }
 
-/* ---- to the window ------------------------------------------------------------------------------------------------- */
+/* ---- to the window ----------------------------------------------------------------------------------------------- */
 
 static stilb_result show_begin(vulkan_device *device, vulkan_slot *slot)
 {
@@ -136,7 +137,8 @@ static stilb_result show_submit(vulkan_device *device, vulkan_slot *slot, VkSema
 	return submitted;
 }
 
-/* The window may have another size for a frame or two while it is being resized: the blit scales. */
+/* Copies the picture to a window's image. While a window is being resized its size may differ for a frame or two, so
+ * the blit scales. */
 static void show_blit(vulkan_device *device, VkCommandBuffer commands, VkImage image)
 {
 	VkImageSubresourceLayers layers = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1};
@@ -158,7 +160,7 @@ static void show_blit(vulkan_device *device, VkCommandBuffer commands, VkImage i
 		.pRegions = &region,
 		.filter = VK_FILTER_NEAREST,
 	};
-	/* The wait for the acquired image happens at the transfer stage, so the layout may change from there on. */
+	/* The submission waits for the acquired image at the transfer stage, so the layout must not change before it. */
 	vulkan_image_barrier(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
 	                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_NONE,
 	                     VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
@@ -168,10 +170,10 @@ static void show_blit(vulkan_device *device, VkCommandBuffer commands, VkImage i
 	                     VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE);
 }
 
-/* Gives back the index of the window's next image; *skip when there is none now. */
+/* Acquires the window's next image: *image is its index. *skip: there is none now, do not present. */
 static stilb_result window_acquire(vulkan_device *device, vulkan_slot *slot, uint32_t *image, bool *skip)
 {
-	PROFILE("acquire"); /* waits when the window has no image to spare */
+	PROFILE("acquire"); /* waits if all images of the window are in use */
 	*skip = true;
 	if (device->swapchain.stale || !device->swapchain.handle) {
 		stilb_result result = swapchain_renew(device);
@@ -200,6 +202,7 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 	if (result != STILB_OK || skip)
 		return result;
 	PROFILE("show");
+	STILB_ASSERT(image < device->swapchain.image_count && device->drawn);
 	VkSemaphore shown = device->swapchain.shown[image];
 	result = show_begin(device, slot);
 	if (result != STILB_OK)
@@ -216,7 +219,7 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 		.pSwapchains = &device->swapchain.handle,
 		.pImageIndices = &image,
 	};
-	PROFILE("queue present"); /* some drivers wait here until the picture is drawn */
+	PROFILE("queue present"); /* some drivers wait here until the GPU has drawn the picture */
 	VkResult presented = vkQueuePresentKHR(device->queue, &info);
 	if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR)
 		device->swapchain.stale = true;
@@ -225,8 +228,9 @@ static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
 	return STILB_OK;
 }
 
-/* ---- to memory ----------------------------------------------------------------------------------------------------- */
+/* ---- to memory --------------------------------------------------------------------------------------------------- */
 
+/* Bytes of a pixel of the picture: four channels. */
 static uint32_t picture_pixel_size(const vulkan_device *device)
 {
 	return device->output == STILB_RENDER_OUTPUT_LINEAR ? 8 : 4;
@@ -238,6 +242,8 @@ static void picture_copy(vulkan_device *device, vulkan_slot *slot)
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
 		.imageExtent = {device->base.width, device->base.height, 1},
 	};
+	STILB_ASSERT(slot->picture.size ==
+	             (VkDeviceSize)device->base.width * device->base.height * picture_pixel_size(device));
 	vkCmdCopyImageToBuffer(slot->show, device->color.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, slot->picture.buffer,
 	                       1, &region);
 	vulkan_host_barrier(slot->show);
@@ -267,18 +273,19 @@ stilb_result vulkan_present(render_device *base)
 	vulkan_slot *slot = vulkan_slot_now(device);
 	if (!device->surface || device->surface_lost)
 		return memory_present(device, slot);
-	const stilb_result result = window_present(device, slot);
+	stilb_result result = window_present(device, slot);
 	device->surface_lost = result == STILB_ERROR_WINDOW;
 	return result;
 }
 
-/* Four channels to three: the alpha of an opaque picture is no information. */
+/* Copies three of the four channels: the picture is opaque. */
 static void picture_take(const vulkan_device *device, const vulkan_slot *slot, stilb_image *image)
 {
 	size_t from = picture_pixel_size(device), to = from / 4 * 3;
 	size_t pixels = (size_t)image->width * image->height;
 	const unsigned char *source = slot->picture.mapped;
 	unsigned char *target = image->pixels;
+	STILB_ASSERT(slot->picture_valid && pixels * from <= slot->picture.size && stilb_image_size(image) == pixels * to);
 	for (size_t i = 0; i < pixels; i++)
 		memcpy(target + i * to, source + i * from, to);
 }
@@ -291,7 +298,8 @@ stilb_result vulkan_read_image(render_device *base, stilb_image *image)
 		return stilb_fail(STILB_ERROR_DEVICE, "no frame of this size has been drawn yet");
 	stilb_result result = vulkan_timeline_wait(device, slot->done);
 	if (result == STILB_OK && !slot->picture_valid) {
-		/* The window's blit is done: its command buffer serves for the copy. Only the whole pool can be reset. */
+		/* The window's blit is done, so its command buffer is reused for the copy; a pool can only be reset as a whole.
+		 * */
 		VkResult reset = vkResetCommandPool(device->device, slot->pool, 0);
 		result = reset == VK_SUCCESS ? memory_present(device, slot) : vulkan_fail(device, reset, "read the picture");
 	}

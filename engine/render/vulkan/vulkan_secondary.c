@@ -1,5 +1,5 @@
-/* Secondary command buffers: the pass is cut into one part a worker, each recorded by a job into a list of its own, and
- * the main thread executes them in the order of their parts. */
+/* Secondary command buffers: the pass is cut into as many parts as there are threads; each part is recorded by a job
+ * into a list of its own, and the main thread executes them in the order of the parts. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdlib.h>
@@ -15,11 +15,12 @@ static VkResult list_create(vulkan_device *device, vulkan_list *list)
 	return vkCreateCommandPool(device->device, &info, device->allocator, &list->pool);
 }
 
-/* The slot has at least count lists; jobs do not run yet. */
+/* Gives the slot at least count lists; call while no job records. */
 static stilb_result lists_fit(vulkan_device *device, vulkan_slot *slot, uint32_t count)
 {
 	if (count <= slot->list_count)
 		return STILB_OK;
+	STILB_ASSERT(count <= VULKAN_MAX_LISTS);
 	vulkan_list *lists = stilb_memory_alloc(count, sizeof *lists);
 	if (!lists)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u secondary command buffers; try fewer --workers", count);
@@ -46,9 +47,11 @@ void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot)
 	slot->list_count = 0;
 }
 
-/* The list's next command buffer, empty; the first of a frame empties all, which costs as much as filling them. */
+/* The list's next command buffer, empty. The first call of a frame empties all of the list's buffers, which takes about
+ * as long as recording them, and so belongs into the jobs. */
 static VkResult list_next(vulkan_device *device, vulkan_list *list, VkCommandBuffer *commands)
 {
+	STILB_ASSERT(list->used <= list->made && list->used < STILB_RENDER_MAX_PASSES);
 	VkResult result = list->used == 0 ? vkResetCommandPool(device->device, list->pool, 0) : VK_SUCCESS;
 	if (result == VK_SUCCESS && list->used == list->made) {
 		VkCommandBufferAllocateInfo info = {
@@ -99,7 +102,7 @@ static VkResult list_record(vulkan_device *device, vulkan_list *list, const rend
 	return vkEndCommandBuffer(*commands);
 }
 
-/* What the slices share; each writes its list and its command buffer. */
+/* Shared by the slices of the loop; slice p writes list p and commands[p] alone. */
 typedef struct secondary_job {
 	vulkan_device *device;
 	const render_stream *stream;
@@ -121,6 +124,7 @@ static void secondary_slice(uint32_t begin, uint32_t end, uint32_t worker, void 
 stilb_result vulkan_secondary_record(vulkan_device *device, const render_stream *stream, uint32_t count,
                                      VkCommandBuffer *commands)
 {
+	STILB_ASSERT(stream->draws > 0 && stream->pass->kind == STILB_RENDER_PASS_SCENE);
 	vulkan_slot *slot = vulkan_slot_now(device);
 	render_part parts[VULKAN_MAX_LISTS];
 	stilb_result result = lists_fit(device, slot, count);

@@ -1,5 +1,6 @@
-/* Textures on the GPU: an image and a descriptor set each, both made on the thread that creates the texture. One mip
- * level: textures are sampled as they are, and what is far away may flicker. Guarded by the lock of resources. */
+/* Textures on the GPU: an image and a descriptor set each, made on the thread that creates the texture. There is one
+ * mip level, so distant textures may flicker. All calls hold the lock of render_resources, which also guards the pool.
+ * */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdio.h>
@@ -55,7 +56,7 @@ void vulkan_textures_destroy(vulkan_device *device)
 
 /* ---- one texture ------------------------------------------------------------------------------------------------- */
 
-/* Beyond its limits a GPU may do anything, so they are asked for first. */
+/* Checks the GPU's limits: creating an image beyond them is undefined behaviour, not an error. */
 static stilb_result texture_check(const vulkan_device *device, const VkImageCreateInfo *info)
 {
 	VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
@@ -108,7 +109,9 @@ static VkResult texture_set_create(vulkan_device *device, vulkan_texture *textur
 stilb_result vulkan_texture_create(render_device *base, uint32_t index, const stilb_image *image)
 {
 	vulkan_device *device = (vulkan_device *)base;
+	STILB_ASSERT(index > 0 && index < STILB_RENDER_MAX_TEXTURES && image->channels == 4);
 	vulkan_texture *texture = &device->textures[index];
+	STILB_ASSERT(!texture->image.image && !texture->set && "a released index");
 	VkImageCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
 		.imageType = VK_IMAGE_TYPE_2D,
@@ -139,6 +142,7 @@ void vulkan_texture_destroy(render_device *base, uint32_t index)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_texture *texture = &device->textures[index];
+	STILB_ASSERT(texture->image.image && texture->set);
 	vkFreeDescriptorSets(device->device, device->texture_pool, 1, &texture->set);
 	vulkan_image_destroy(device, &texture->image);
 	*texture = (vulkan_texture){0};
@@ -148,6 +152,7 @@ void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upl
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
 	VkImage image = device->textures[upload->texture].image.image;
+	STILB_ASSERT(image && at % 16 == 0 && at + stilb_image_size(&upload->image) <= slot->staging.size);
 	VkBufferImageCopy region = {
 		.bufferOffset = at,
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},

@@ -1,17 +1,17 @@
-/* When the GPU did what: timestamps before and after the frame and each of its passes, read when the slot comes round
- * again (two frames later, so nobody waits for them), and shown as zones of a lane of their own in the profiler.
+/* GPU times: timestamps before and after the frame and each of its passes, read when the slot is used again (two frames
+ * later, so nobody waits for them), and shown as zones of a lane of the profiler.
  *
- * The GPU's clock is not the CPU's. Once a frame both are read together (VK_EXT_calibrated_timestamps); how far apart the
- * two reads may have been is known, and a pair that was interrupted is not used. Without the extension a frame is placed
- * where it was handed over, and the lane's name says so. */
+ * The GPU's clock differs from the CPU's. Once a frame both are read together (VK_EXT_calibrated_timestamps). The driver
+ * tells how far apart the two reads may be, and readings that were interrupted are not used. Without the extension a
+ * frame is shown at the time of its submission, and the lane's name says "uncalibrated". */
 #include "render/vulkan/vulkan_internal.h"
 
-#define TIMES_FRAME 2u /* queries before those of the passes: the frame's begin and end */
+#define TIMES_FRAME 2u /* queries of the frame, begin and end; two for each pass follow */
 #define TIMES_QUERIES (TIMES_FRAME + 2u * STILB_RENDER_MAX_PASSES)
 
 #define TIMES_TRIES 4
-#define TIMES_GOOD_NS 5000u   /* deviation of a pair of clocks that is not tried again */
-#define TIMES_WORST_NS 50000u /* of one that is not used */
+#define TIMES_GOOD_NS 5000u   /* a reading with at most this deviation is taken at once */
+#define TIMES_WORST_NS 50000u /* a reading with a larger deviation is not used */
 
 STILB_PROF_SITE(times_frame_site, "frame", 0);
 
@@ -55,7 +55,7 @@ stilb_result vulkan_times_create(vulkan_device *device)
 	if (times_can_calibrate(device))
 		times->read_clocks =
 			(PFN_vkGetCalibratedTimestampsEXT)vkGetDeviceProcAddr(device->device, "vkGetCalibratedTimestampsEXT");
-	/* Without a lane frames are timed all the same, and not shown. */
+	/* If there is no memory for the lane, frames are timed but not shown. */
 	if (result == STILB_OK)
 		stilb_prof_lane_create(times->read_clocks ? "GPU" : "GPU (uncalibrated)", &times->lane);
 	return result;
@@ -69,7 +69,7 @@ void vulkan_times_destroy(vulkan_device *device)
 	stilb_prof_lane_destroy(device->times.lane);
 }
 
-/* ---- taking ------------------------------------------------------------------------------------------------------ */
+/* ---- recording --------------------------------------------------------------------------------------------------- */
 
 static void times_write(vulkan_device *device, uint32_t query, VkPipelineStageFlags2 stage)
 {
@@ -90,6 +90,7 @@ void vulkan_times_begin(vulkan_device *device)
 void vulkan_times_pass_begin(vulkan_device *device, const stilb_prof_site *name)
 {
 	vulkan_slot_times *times = &vulkan_slot_now(device)->times;
+	STILB_ASSERT(times->passes < STILB_RENDER_MAX_PASSES && name);
 	times->sites[times->passes] = name;
 	times_write(device, TIMES_FRAME + 2 * times->passes, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT);
 }
@@ -101,8 +102,7 @@ void vulkan_times_pass_end(vulkan_device *device)
 	times->passes++;
 }
 
-/* Has the GPU write the timestamps to memory: asking for them with vkGetQueryPoolResults waits for all of the device in
- * some drivers. */
+/* Records the copy of the timestamps to memory: vkGetQueryPoolResults waits for the whole device in some drivers. */
 void vulkan_times_end(vulkan_device *device)
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
@@ -117,7 +117,7 @@ void vulkan_times_end(vulkan_device *device)
 
 /* ---- both clocks ------------------------------------------------------------------------------------------------- */
 
-/* The best of a few tries; the last good pair stays when all were interrupted. */
+/* Reads both clocks a few times and keeps the most accurate reading; the last frame's stays if all were interrupted. */
 static void times_calibrate(vulkan_device *device)
 {
 	static const VkCalibratedTimestampInfoEXT clocks[2] = {
@@ -150,8 +150,8 @@ void vulkan_times_submitted(vulkan_device *device, bool good)
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* Nanoseconds between two timestamps, negative when `to` is the earlier. Their clock may have few bits and wrap within
- * minutes. */
+/* Nanoseconds from one timestamp to another, negative if `to` is earlier. The difference is taken modulo the number of
+ * valid bits: a clock with few bits wraps within minutes. */
 static double times_between(const vulkan_device *device, uint64_t from, uint64_t to)
 {
 	uint64_t mask = device->timestamp_mask, passed = (to - from) & mask;
@@ -164,13 +164,14 @@ static uint64_t times_clamp(uint64_t ns, uint64_t low, uint64_t high)
 	return ns < low ? low : ns > high ? high : ns;
 }
 
-/* A pass's commands may begin before those of the pass before are done: what overlaps counts to the earlier. */
+/* Adds the frame's zones to the lane. A pass may begin before the pass before it has ended: the overlap is shown as
+ * part of the earlier one. */
 static void times_show(vulkan_device *device, const vulkan_slot_times *times, uint64_t now)
 {
 	const uint64_t *ticks = times->results.mapped;
 	vulkan_moment moment = times->moment;
 	uint64_t done = device->times.shown_ns;
-	if (moment.ns == 0) /* no clocks were read together: it cannot have begun before it was handed over */
+	if (moment.ns == 0) /* the clocks were never read together: the frame cannot have begun before its submission */
 		moment = (vulkan_moment){ticks[0], times->submitted_ns};
 #define TIMES_AT(query, low)                                                                                           \
 	times_clamp(moment.ns + (uint64_t)(int64_t)times_between(device, moment.ticks, ticks[query]), low, now)
@@ -192,6 +193,7 @@ void vulkan_times_read(vulkan_device *device, vulkan_slot *slot)
 	if (!times->taken)
 		return;
 	const uint64_t *ticks = times->results.mapped;
+	STILB_ASSERT(ticks && times->passes <= STILB_RENDER_MAX_PASSES);
 	times->taken = false;
 	device->base.stats.gpu_ms = times_between(device, ticks[0], ticks[1]) * 1e-6;
 	if (device->times.lane)
