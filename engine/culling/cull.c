@@ -1,5 +1,4 @@
-/* One view's culling: which method, on how many threads, and ids in scene order out of bits. */
-#include "culling/cull.h"
+/* One view's culling: chooses the method and the number of threads, and turns bits into ids in scene order. */
 #include "culling/cull_internal.h"
 #include "profiler/prof.h"
 
@@ -7,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CULL_CELL_OBJECTS 64u    /* fewest objects a cell of a uniform scene holds on average */
-#define CULL_OCTREE_SHARE 0.25   /* visible share up to which the octree is the faster method */
-#define CULL_GATHER_GRAIN 16u    /* chunks a job counts: some microseconds of work */
-#define CULL_EXPAND_GRAIN 8u     /* chunks a job turns into ids */
-#define CULL_EXTENT_LIMIT 0x1p58 /* metres; centres farther out do not shape the root */
+#define CULL_CELL_OBJECTS 64u    /* least average number of objects in a cell of a uniform scene */
+#define CULL_OCTREE_SHARE 0.25   /* share of visible models up to which the octree is the faster method */
+#define CULL_GATHER_GRAIN 16u    /* chunks that one job gathers: some microseconds of work */
+#define CULL_EXPAND_GRAIN 8u     /* chunks that one job turns into ids */
+#define CULL_EXTENT_LIMIT 0x1p58 /* metres; centres beyond it do not count for the root's size */
 
 /* ---- building ------------------------------------------------------------------------------------------------- */
 
@@ -25,7 +24,7 @@ static stilb_sphere cull_scene_sphere(const stilb_scene *scene, uint32_t model)
 	return (stilb_sphere){b->x[model], b->y[model], b->z[model], b->radius[model]};
 }
 
-/* The box around all centres within reason; around the origin when there is none. */
+/* The box around all centres with coordinates up to CULL_EXTENT_LIMIT; on an axis without any it is 0..0. */
 static cull_extent cull_extent_of(const stilb_scene *scene)
 {
 	const float *const centers[3] = {scene->bounds.x, scene->bounds.y, scene->bounds.z};
@@ -47,7 +46,7 @@ static cull_extent cull_extent_of(const stilb_scene *scene)
 	return extent;
 }
 
-/* The deepest level at which cells still hold CULL_CELL_OBJECTS objects, if these fill their box evenly. */
+/* The greatest depth at which cells still hold CULL_CELL_OBJECTS objects, if these fill the box evenly. */
 static uint32_t cull_depth_for(const cull_extent *extent, double size, uint32_t model_count)
 {
 	for (uint32_t depth = 1; depth <= CULL_MAX_DEPTH; depth++) {
@@ -63,16 +62,17 @@ static uint32_t cull_depth_for(const cull_extent *extent, double size, uint32_t 
 stilb_cull_octree_desc cull_desc_for_scene(const stilb_scene *scene)
 {
 	cull_extent extent = cull_extent_of(scene);
-	double size = 1.0; /* metres, at least; and far more than the spacing of floats where the scene lies */
+	double size = 1.0; /* metres, the least; and at least 2^12 times the spacing of floats at the scene's coordinates */
 	for (int axis = 0; axis < 3; axis++) {
 		size = fmax(size, extent.high[axis] - extent.low[axis]);
 		size = fmax(size, 0x1p-12 * fmax(fabs(extent.low[axis]), fabs(extent.high[axis])));
 	}
 	uint32_t depth = cull_depth_for(&extent, size, scene->model_count);
-	/* The low corner of the root lies an eighth of a cell below that of the scene: a flat scene then fills one layer of
-	 * cells. With the scene's middle at the root's it would lie across two layers, each half as full. */
+	/* The root's low corner lies an eighth of a cell below the scene's, so that a flat scene fills one layer of cells.
+	 * If the centres coincided it would lie across two layers, each half as full. */
 	double slack = size / (double)(1u << depth) * 0.125;
 	double half = size * 0.5 + slack;
+	STILB_ASSERT(depth <= CULL_MAX_DEPTH && isfinite(half) && half >= 0.5);
 	return (stilb_cull_octree_desc){
 		.center = {(float)(extent.low[0] - slack + half), (float)(extent.low[1] - slack + half),
 	               (float)(extent.low[2] - slack + half)},
@@ -83,6 +83,7 @@ stilb_cull_octree_desc cull_desc_for_scene(const stilb_scene *scene)
 
 stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **out)
 {
+	STILB_ASSERT(scene && out);
 	*out = NULL;
 	stilb_isa isa;
 	stilb_result result = stilb_cpu_isa(&isa);
@@ -101,14 +102,28 @@ stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **out)
 		stilb_cull_destroy(cull);
 		return result;
 	}
+	STILB_CHECK(!cull_octree_check(cull->octree));
 	*out = cull;
 	return STILB_OK;
+}
+
+/* Around a call that no other thread may make at the same time. */
+static void cull_enter(stilb_cull *cull)
+{
+	STILB_ASSERT_OWNER(cull->caller);
+	stilb_owner_take(&cull->caller);
+}
+
+static void cull_leave(stilb_cull *cull)
+{
+	cull->caller = (stilb_owner){0};
 }
 
 void stilb_cull_destroy(stilb_cull *cull)
 {
 	if (!cull)
 		return;
+	STILB_ASSERT_OWNER(cull->caller);
 	stilb_cull_octree_destroy(cull->octree);
 	free(cull);
 }
@@ -116,10 +131,14 @@ void stilb_cull_destroy(stilb_cull *cull)
 stilb_result stilb_cull_move(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count)
 {
 	stilb_result result = STILB_OK;
+	STILB_ASSERT(scene->model_count == cull->model_count && (ids || count == 0));
+	cull_enter(cull);
 	for (uint32_t i = 0; result == STILB_OK && i < count; i++) {
 		STILB_ASSERT(ids[i] < cull->model_count);
 		result = stilb_cull_octree_move(cull->octree, ids[i], cull_scene_sphere(scene, ids[i]));
 	}
+	STILB_CHECK(!cull_octree_check(cull->octree));
+	cull_leave(cull);
 	return result;
 }
 
@@ -135,6 +154,7 @@ void stilb_cull_visible_finish(stilb_cull_visible *visible)
 	*visible = (stilb_cull_visible){0};
 }
 
+/* Chunks of a scene. */
 static uint32_t cull_chunk_total(uint32_t model_count)
 {
 	return (model_count + CULL_CHUNK - 1) / CULL_CHUNK;
@@ -146,18 +166,30 @@ static size_t cull_set_stride(const stilb_cull_visible *visible)
 	return visible->capacity / 64;
 }
 
-static uint32_t cull_most(uint32_t a, uint32_t b)
+static uint32_t cull_greater(uint32_t a, uint32_t b)
 {
 	return a > b ? a : b;
 }
 
-/* Sees to room for model_count models and a set of bits for each of so many threads. */
+/* Checks what stilb_cull_run leaves: ids ascend and are models, and no bit is set. */
+static bool cull_visible_is_sound(const stilb_cull_visible *visible, uint32_t model_count)
+{
+	bool sound = visible->count <= model_count && visible->capacity % CULL_CHUNK == 0;
+	for (uint32_t i = 0; i < visible->count && sound; i++)
+		sound = visible->ids[i] < model_count && (i == 0 || visible->ids[i - 1] < visible->ids[i]);
+	for (size_t word = 0; word < cull_set_stride(visible) * visible->set_count && sound; word++)
+		sound = !visible->bits[word];
+	return sound;
+}
+
+/* Makes visible large enough for model_count models, with a set of bits for each of so many threads. */
 static stilb_result cull_visible_reserve(stilb_cull_visible *visible, uint32_t model_count, uint32_t threads)
 {
+	STILB_ASSERT(threads > 0 && !visible->ids == (visible->capacity == 0) && "zero-initialised, or of an earlier run");
 	if (visible->capacity >= model_count && visible->set_count >= threads)
 		return STILB_OK;
-	threads = cull_most(threads, visible->set_count);
-	uint32_t chunks = cull_most(model_count / CULL_CHUNK + 1, visible->capacity / CULL_CHUNK);
+	threads = cull_greater(threads, visible->set_count);
+	uint32_t chunks = cull_greater(model_count / CULL_CHUNK + 1, visible->capacity / CULL_CHUNK);
 	stilb_cull_visible grown = {
 		.capacity = chunks * CULL_CHUNK, .set_count = threads, .count = visible->count, .method = visible->method};
 	size_t words = cull_set_stride(&grown) * threads;
@@ -176,7 +208,7 @@ static stilb_result cull_visible_reserve(stilb_cull_visible *visible, uint32_t m
 
 /* ---- the jobs of a run ---------------------------------------------------------------------------------------- */
 
-/* What the jobs of one run share. */
+/* Shared by the jobs of one run. */
 typedef struct cull_run {
 	const stilb_cull *cull;
 	const stilb_frustum *frustum;
@@ -186,8 +218,10 @@ typedef struct cull_run {
 	uint32_t worker;
 } cull_run;
 
+/* Models of one chunk. */
 static uint32_t cull_chunk_size(uint32_t chunk, uint32_t model_count)
 {
+	STILB_ASSERT(chunk < cull_chunk_total(model_count));
 	uint32_t left = model_count - chunk * CULL_CHUNK;
 	return left < CULL_CHUNK ? left : CULL_CHUNK;
 }
@@ -197,17 +231,19 @@ static cull_spheres cull_spheres_from(cull_spheres spheres, uint32_t first)
 	return (cull_spheres){spheres.x + first, spheres.y + first, spheres.z + first, spheres.radius + first};
 }
 
-/* Items begin .. end - 1 of the octree. Each thread marks a set of its own: models of one word lie in many cells. */
+/* Marks the visible objects of items begin .. end - 1 of the octree. Each thread has its own set of bits, because the
+ * models of one word lie in many cells. */
 static void cull_job_items(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	PROFILE("cull.cells");
 	const cull_run *run = context;
+	STILB_ASSERT(worker < run->visible->set_count);
 	const stilb_cull_octree *octree = run->cull->octree;
 	uint64_t *bits = run->visible->bits + worker * cull_set_stride(run->visible);
 	cull_octree_mark(octree, begin, end, run->frustum, bits);
 }
 
-/* Puts the bits of all threads' sets into the first set, and counts them. */
+/* Joins the bits of all threads' sets in the first set, and counts them for each chunk. */
 static void cull_job_gather(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	PROFILE("cull.gather");
@@ -219,6 +255,7 @@ static void cull_job_gather(uint32_t begin, uint32_t end, uint32_t worker, void 
 			visible->bits + chunk * (CULL_CHUNK / 64), cull_set_stride(visible), visible->set_count, CULL_CHUNK / 64);
 }
 
+/* Tests the models of chunks begin .. end - 1, and counts the visible ones of each chunk. */
 static void cull_job_flat(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	PROFILE("cull.spheres");
@@ -232,8 +269,8 @@ static void cull_job_flat(uint32_t begin, uint32_t end, uint32_t worker, void *c
 	}
 }
 
-/* Turns bits into ids; chunk_count holds where each chunk's ids begin. By way of the stack, as the kernel writes some more
- * than there are, and behind a chunk's ids lie those of another thread. */
+/* Turns bits into ids; chunk_count[c] is the position of chunk c's first id. The ids go through the stack, because the
+ * kernel writes up to CULL_SLACK beyond the last one, over ids that another thread may have written. */
 static void cull_job_expand(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	PROFILE("cull.expand");
@@ -244,13 +281,14 @@ static void cull_job_expand(uint32_t begin, uint32_t end, uint32_t worker, void 
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
 		uint32_t first = chunk * CULL_CHUNK;
 		uint32_t count = run->cull->kernels->expand(visible->bits + first / 64, CULL_CHUNK / 64, first, ids);
+		STILB_ASSERT(visible->chunk_count[chunk] + count <= visible->count);
 		memcpy(visible->ids + visible->chunk_count[chunk], ids, count * sizeof *ids);
 	}
 }
 
 /* ---- the methods ---------------------------------------------------------------------------------------------- */
 
-/* Worth waking threads for? */
+/* True if testing so many objects is worth waking threads for. */
 static bool cull_run_parallel(const cull_run *run, uint64_t objects)
 {
 	return run->pool && objects >= run->cull->serial_below;
@@ -261,7 +299,7 @@ static void cull_run_chunks(cull_run *run, uint32_t grain, stilb_job_range_fn *f
 	stilb_job_parallel_for(run->pool, cull_chunk_total(run->cull->model_count), grain, fn, run, run->worker);
 }
 
-/* Threads must know where their ids begin: chunk_count becomes the sum of those before. */
+/* Replaces chunk_count by its exclusive prefix sum, the position of each chunk's first id, and writes the ids. */
 static void cull_run_expand(cull_run *run)
 {
 	stilb_cull_visible *visible = run->visible;
@@ -270,6 +308,7 @@ static void cull_run_expand(cull_run *run)
 		visible->chunk_count[chunk] = visible->count;
 		visible->count += count;
 	}
+	STILB_ASSERT(visible->count <= run->cull->model_count);
 	cull_run_chunks(run, CULL_EXPAND_GRAIN, cull_job_expand);
 }
 
@@ -300,6 +339,7 @@ static stilb_result cull_run_octree(cull_run *run)
 	if (result != STILB_OK)
 		return result;
 	uint32_t objects = walk.tested + walk.accepted;
+	STILB_ASSERT(objects <= run->cull->model_count);
 	if (!cull_run_parallel(run, 2 * (uint64_t)objects)) {
 		cull_job_items(0, walk.item_count, 0, run);
 		PROFILE("cull.expand");
@@ -307,7 +347,7 @@ static stilb_result cull_run_octree(cull_run *run)
 		visible->count = run->cull->kernels->expand(visible->bits, lines * CULL_BITS_WORDS, 0, visible->ids);
 		return STILB_OK;
 	}
-	/* A slice of items with about a chunk of objects. */
+	/* So many items hold about a chunk of objects. */
 	uint32_t grain = (uint32_t)((uint64_t)walk.item_count * CULL_CHUNK / (objects + 1));
 	stilb_job_parallel_for(run->pool, walk.item_count, grain, cull_job_items, run, run->worker);
 	cull_run_chunks(run, CULL_GATHER_GRAIN, cull_job_gather);
@@ -315,8 +355,9 @@ static stilb_result cull_run_octree(cull_run *run)
 	return STILB_OK;
 }
 
-/* The octree's cost grows with what is visible, the flat method's does not; past some share the latter wins. The last
- * frame's share is a good guess of this one's, and near that point both cost the same, so a wrong guess costs little. */
+/* The octree's cost grows with the number of visible models, the flat method's does not; above some share flat is
+ * faster. The last run's share predicts this one's. Near the threshold both cost the same, so a wrong prediction costs
+ * little. */
 static stilb_cull_method cull_choose(const stilb_cull *cull, const stilb_cull_visible *visible)
 {
 	return (double)visible->count > CULL_OCTREE_SHARE * (double)cull->model_count ? STILB_CULL_FLAT : STILB_CULL_OCTREE;
@@ -326,7 +367,9 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
                             const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
                             stilb_cull_visible *visible)
 {
-	STILB_ASSERT(scene->model_count == cull->model_count);
+	STILB_ASSERT(scene->model_count == cull->model_count && "the scene that cull was created with");
+	STILB_ASSERT(frustum && visible && (uint32_t)method <= STILB_CULL_FLAT);
+	STILB_ASSERT(!pool || worker <= stilb_job_pool_worker_count(pool));
 	const stilb_scene_bounds *bounds = &scene->bounds;
 	cull_run run = {
 		.cull = cull,
@@ -336,6 +379,7 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
 		.pool = pool,
 		.worker = worker,
 	};
+	cull_enter(cull);
 	bool all = method != STILB_CULL_FLAT && cull_octree_inside(cull->octree, frustum);
 	if (method == STILB_CULL_AUTO)
 		method = all ? STILB_CULL_OCTREE : cull_choose(cull, visible);
@@ -343,13 +387,13 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
 	visible->method = method;
 	uint32_t threads = pool ? stilb_job_pool_worker_count(pool) + 1 : 1;
 	stilb_result result = cull_visible_reserve(visible, cull->model_count, threads);
-	if (result != STILB_OK)
-		return result;
-	if (all)
+	if (result == STILB_OK && all)
 		cull_run_all(&run);
-	else if (method == STILB_CULL_FLAT)
+	else if (result == STILB_OK && method == STILB_CULL_FLAT)
 		cull_run_flat(&run);
-	else
+	else if (result == STILB_OK)
 		result = cull_run_octree(&run);
+	STILB_CHECK(cull_visible_is_sound(visible, cull->model_count));
+	cull_leave(cull);
 	return result;
 }

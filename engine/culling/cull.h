@@ -1,24 +1,38 @@
 /*
- * culling: bounding spheres and a view in, the ids of what the view can see out, in scene order.
+ * culling: bounding spheres and a view in, the ids of the spheres that the view can see out, in scene order.
  *
- * Two methods return the same set, bit for bit: `octree`, a loose octree (k = 2) whose cells are tested sixteen at a time
- * and with plane masks, and `flat`, which tests every sphere. `auto` takes whichever is likely to be faster: the octree
- * where it is seen as a whole or little of it was seen in the run before, else flat. In all a sphere is visible when, for
- * all six planes and in float,
- *     ((x * px + y * py) + z * pz) + distance >= -radius
- * holds. NaN anywhere in a sphere makes it invisible; an infinite radius makes it visible from everywhere.
- * All run on AVX-512, AVX2 or plain C, whichever is the best that the CPU has or what STILB_ISA says (stilb_cpu_isa).
- * Source: Thatcher Ulrich, "Loose Octrees", Game Programming Gems, 2000 (a cell of side s reaches s / 2 beyond each of
- * its faces, so size and centre name the one cell of an object, and no other object has to be looked at).
+ * Definition.  A sphere is visible if for all six planes of the view, evaluated in float in this order,
+ *                  ((x * px + y * py) + z * pz) + distance >= -radius
+ *              A NaN anywhere in a sphere makes it invisible; an infinite radius makes it visible from everywhere.
+ * Methods.     All return the same set, bit for bit. `octree` walks a loose octree (k = 2), sixteen cells at a time,
+ *              and skips planes that a cell is wholly inside of. `flat` tests every sphere. `auto` takes the octree if
+ *              the view sees all of it or the last run saw at most a quarter of the models, else flat.
+ *              Source: Thatcher Ulrich, "Loose Octrees", Game Programming Gems, 2000. A cell of side s holds objects
+ *              that reach up to s / 2 beyond its faces, so an object's size and centre alone determine its cell.
+ * Code.        AVX-512, AVX2 or plain C, the widest that the CPU has, or the one that STILB_ISA names (stilb_cpu_isa).
+ * Life cycle.  stilb_cull_create -> frames -> stilb_cull_destroy, and stilb_cull_visible_finish for each view.
+ * Per frame.   stilb_cull_move once for all models that moved, then stilb_cull_run for each view.
+ * Threads.     [one-writer]: any thread, but one call at a time for each stilb_cull, stilb_cull_octree and
+ *              stilb_cull_visible. stilb_cull_run spreads its work over the job pool it is given, and stays on the
+ *              caller alone if there is too little to be worth waking a thread.
+ * Cost.        insert, move, remove: at most max_depth steps; a move within a cell is a store. No allocation while
+ *              culling once the buffers have grown to the scene; cells that become empty are reused.
+ * Errors.      STILB_ERROR_MEMORY leaves everything as it was before the call, except for stilb_cull_move.
+ * Example.     One view, every frame:
  *
- * Life cycle.  stilb_cull_create -> per frame: stilb_cull_move for what moved, stilb_cull_run per view ->
- *              stilb_cull_destroy.
- * Threads.     [one-writer]: one call at a time for each stilb_cull, stilb_cull_octree and stilb_cull_visible.
- *              stilb_cull_run spreads its work over the job pool it is given, and stays on the caller alone when the
- *              work is too small to be worth waking a thread.
- * Cost.        insert, move, remove: O(1), at most max_depth steps; a move within a cell is a store. No allocation
- *              while culling once the buffers have grown to the scene; cells that empty are reused.
- * Errors.      STILB_ERROR_MEMORY leaves everything as it was before the call, but for stilb_cull_move.
+ *   stilb_cull_visible visible = {0};
+ *   stilb_cull *cull;
+ *   stilb_result result = stilb_cull_create(scene, &cull);
+ *   while (result == STILB_OK && running()) {
+ *       stilb_frustum frustum = stilb_frustum_from_matrix(&view_projection);
+ *       result = stilb_cull_move(cull, scene, scene->moved, scene->moved_count);
+ *       if (result == STILB_OK)
+ *           result = stilb_cull_run(cull, STILB_CULL_AUTO, scene, &frustum, pool, 0, &visible);
+ *       for (uint32_t i = 0; result == STILB_OK && i < visible.count; i++)
+ *           draw(visible.ids[i]);
+ *   }
+ *   stilb_cull_visible_finish(&visible);
+ *   stilb_cull_destroy(cull);
  */
 #ifndef STILB_CULL_H
 #define STILB_CULL_H
@@ -29,71 +43,90 @@
 #include "scene/scene.h"
 
 typedef enum stilb_cull_method {
-	STILB_CULL_AUTO, /* one of the others, chosen anew in every run by what the run before saw */
+	STILB_CULL_AUTO, /* one of the others, chosen in every run by what the last run saw */
 	STILB_CULL_OCTREE,
 	STILB_CULL_FLAT,
 } stilb_cull_method;
 
 typedef struct stilb_cull stilb_cull;
 
-/* What one view sees; one per view, zero-initialised, grown by stilb_cull_run. */
+/* The models that one view sees. One for each view, zero-initialised; stilb_cull_run allocates and fills it. */
 typedef struct stilb_cull_visible {
-	uint32_t *ids; /* [count] ascending, so scene order */
+	uint32_t *ids; /* [count] ascending, which is scene order */
 	uint32_t count;
 	stilb_cull_method method; /* of the last run; never AUTO */
-	uint32_t capacity;        /* models */
+	uint32_t capacity;        /* models, a multiple of 4096 */
 	uint32_t set_count;       /* sets of bits: one for each thread of the pool */
 	uint64_t *bits;           /* scratch: [set_count][capacity / 64], one bit a model; all zero between runs */
-	uint32_t *chunk_count;    /* scratch */
+	uint32_t *chunk_count;    /* scratch: [capacity / 4096] */
 } stilb_cull_visible;
 
-/* Builds the octree over all models of the scene, with cells for some 64 to 256 models where these lie evenly. Neither
- * the count of models nor their ids may change afterwards. STILB_ERROR_ARGUMENT: STILB_ISA is wrong. [one-writer] */
+/* Builds the octree over all models of the scene. Its depth is chosen so that a cell holds some 64 to 256 models where
+ * they lie evenly. The models' count and ids must not change afterwards. On failure *cull is NULL.
+ * STILB_ERROR_ARGUMENT: STILB_ISA is wrong. STILB_ERROR_MEMORY. [any-thread] */
 stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **cull);
 
-/* Tells the octree the new bounds of count models, ids as in scene->moved. STILB_ERROR_MEMORY: models before the one
- * that did not fit have moved, the others have their old bounds. [one-writer] */
+/* Reads the new bounds of models ids[0 .. count - 1] from the scene; scene->moved and scene->moved_count are such a
+ * list. STILB_ERROR_MEMORY: the models before the failing one have moved, the others keep their old bounds.
+ * [one-writer] */
 stilb_result stilb_cull_move(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count);
 
-/* Fills visible with what frustum sees. worker is the caller's index in pool; without a pool (NULL) all runs on the
- * caller. On failure visible->count is 0. [one-writer] */
+/* Fills visible with the models inside the frustum. scene is the one that cull was created with, every moved model told
+ * to stilb_cull_move. worker is the caller's index in pool; pool may be NULL: then all work is done by the caller. On
+ * STILB_ERROR_MEMORY visible->count is 0. [one-writer] */
 stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
                             const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
                             stilb_cull_visible *visible);
 
-/* Both accept NULL, finish also {0}. [one-writer] */
+/* Frees the arrays and leaves {0}. Accepts NULL and {0}. [one-writer] */
 void stilb_cull_visible_finish(stilb_cull_visible *visible);
+
+/* Accepts NULL. [one-writer] */
 void stilb_cull_destroy(stilb_cull *cull);
 
-/* ---- the loose octree by itself ---------------------------------------------------------------------------------- */
+/* ---- the loose octree by itself -------------------------------------------------------------------------------------
+ * For objects that come and go, and any set of ids.
+ *
+ *   stilb_cull_octree *octree;
+ *   stilb_cull_octree_desc desc = {.half_size = 500.0f, .max_depth = 8};
+ *   stilb_result result = stilb_cull_octree_create(&desc, &octree);
+ *   if (result == STILB_OK)
+ *       result = stilb_cull_octree_insert(octree, 7, (stilb_sphere){x, y, z, radius});
+ *   if (result == STILB_OK)
+ *       result = stilb_cull_octree_mark(octree, &frustum, bits);
+ *   stilb_cull_octree_destroy(octree);
+ */
 
 typedef struct stilb_cull_octree stilb_cull_octree;
 
-/* The root cell, within 2^60 m of the origin. Objects that no cell can hold stay in the root and are tested one by one:
- * centres outside it, radii above half_size or below 0, bounds that are not finite. */
+/* The root cell. It must lie within 2^60 m of the origin. Objects that fit into no cell stay in the root and are tested
+ * one by one: those with a centre outside it, a radius above half_size or below 0, or bounds that are not finite. */
 typedef struct stilb_cull_octree_desc {
 	float center[3];    /* of the root cell, metres */
 	float half_size;    /* half the root cell's side, metres, > 0 */
-	uint32_t max_depth; /* 0..20: cells are never smaller than 2 * half_size / 2^max_depth */
+	uint32_t max_depth; /* 0..20: the smallest cells have sides of 2 * half_size / 2^max_depth */
 } stilb_cull_octree_desc;
 
-/* STILB_ERROR_ARGUMENT: desc is out of the ranges above, or STILB_ISA is wrong. [any-thread] */
+/* On failure *octree is NULL. STILB_ERROR_ARGUMENT: desc is out of the ranges above, or STILB_ISA is wrong.
+ * STILB_ERROR_MEMORY. [any-thread] */
 stilb_result stilb_cull_octree_create(const stilb_cull_octree_desc *desc, stilb_cull_octree **octree);
 
-/* NULL is fine. [one-writer] */
+/* Accepts NULL. [one-writer] */
 void stilb_cull_octree_destroy(stilb_cull_octree *octree);
 
-/* Adds object id (any number below 2^31; dense ids keep the tree small). STILB_ERROR_ARGUMENT: it is in the tree already,
- * or too large. [one-writer] */
+/* Adds object id, a number below 2^31; memory grows with the highest id. bounds: centre and radius, metres.
+ * STILB_ERROR_ARGUMENT: it is in the tree already, or too large. STILB_ERROR_MEMORY. [one-writer] */
 stilb_result stilb_cull_octree_insert(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds);
 
-/* New bounds for an object of the tree. STILB_ERROR_ARGUMENT: it is not in the tree. [one-writer] */
+/* Gives an object of the tree new bounds. STILB_ERROR_ARGUMENT: it is not in the tree. STILB_ERROR_MEMORY: it keeps its
+ * old bounds. [one-writer] */
 stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds);
 
-/* Takes an object out; an id that is not in the tree is ignored. [one-writer] */
+/* Removes an object; an id that is not in the tree is ignored. [one-writer] */
 void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id);
 
-/* Sets bit id % 64 of bits[id / 64] for every visible object, and leaves the others as they are. [one-writer] */
+/* Sets bit id % 64 of bits[id / 64] for every visible object, and leaves the other bits as they are: bits has a word
+ * for every 64 ids up to the highest. STILB_ERROR_MEMORY: no bit is set. [one-writer] */
 stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint64_t *bits);
 
 #endif

@@ -4,10 +4,10 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
-/* Loops that are unrolled for each number of planes. */
+/* For functions that must be inlined so that their loops over planes are unrolled. */
 #define INLINE static inline __attribute__((always_inline))
 
-/* Planes, each component in all lanes. */
+/* Planes, each component broadcast to all lanes. */
 typedef struct avx2_planes {
 	__m256 x[CULL_PLANES], y[CULL_PLANES], z[CULL_PLANES], distance[CULL_PLANES];
 } avx2_planes;
@@ -22,7 +22,7 @@ INLINE void avx2_load_planes(avx2_planes *out, const stilb_plane *planes, uint32
 	}
 }
 
-/* Which of the spheres at + 0 .. 7 are visible. */
+/* A mask of the visible ones among spheres at .. at + 7. */
 INLINE uint32_t avx2_test(cull_spheres spheres, uint32_t at, const avx2_planes *planes, uint32_t plane_count)
 {
 	__m256 x = _mm256_loadu_ps(spheres.x + at), y = _mm256_loadu_ps(spheres.y + at);
@@ -37,7 +37,7 @@ INLINE uint32_t avx2_test(cull_spheres spheres, uint32_t at, const avx2_planes *
 	return (uint32_t)_mm256_movemask_ps(visible);
 }
 
-/* For each mask of eight lanes: the numbers of those that are set, a byte each, lowest first. */
+/* avx2_picks[mask]: the positions of the set bits of an 8-bit mask, lowest first, a byte each. */
 #define BELOW(MASK, BIT) __builtin_popcount((MASK) & ((1u << (BIT)) - 1))
 #define PICK(MASK, BIT) ((uint64_t)(((MASK) >> (BIT)) & 1u) * (BIT) << 8 * BELOW(MASK, BIT))
 #define ROW(MASK)                                                                                                      \
@@ -47,7 +47,7 @@ INLINE uint32_t avx2_test(cull_spheres spheres, uint32_t at, const avx2_planes *
 #define ROWS64(MASK) ROWS16(MASK), ROWS16((MASK) + 16), ROWS16((MASK) + 32), ROWS16((MASK) + 48)
 static const uint64_t avx2_picks[256] = {ROWS64(0u), ROWS64(64u), ROWS64(128u), ROWS64(192u)};
 
-/* What AVX-512 has an instruction for. */
+/* Writes the ids of visible lanes side by side and returns their number, as vpcompressd of AVX-512 does. */
 INLINE uint32_t avx2_append(uint32_t *ids, uint32_t visible, __m256i id)
 {
 	__m256i picks = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)&avx2_picks[visible]));
@@ -101,6 +101,7 @@ static void avx2_test_bits(cull_spheres spheres, uint32_t count, const stilb_fru
                            uint64_t *bits)
 {
 	stilb_plane chosen[CULL_PLANES];
+	STILB_ASSERT(count > 0);
 	switch (scalar_choose_planes(frustum, planes, chosen)) {
 	case 1:
 		avx2_test_planes(spheres, count, chosen, 1, bits);
@@ -126,6 +127,7 @@ static void avx2_sixteen(cull_sixteen *cells, const cull_level *level, uint32_t 
 {
 	__m256d zero = _mm256_setzero_pd();
 	uint32_t rejected = 0;
+	STILB_ASSERT((uintptr_t)level % _Alignof(cull_level) == 0 && !(planes & ~CULL_ALL_PLANES));
 	for (uint32_t plane = 0; plane < CULL_PLANES; plane++)
 		cells->inside[plane] = 0;
 	for (; planes; planes &= planes - 1) {

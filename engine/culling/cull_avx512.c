@@ -5,12 +5,12 @@
 #include <immintrin.h>
 #include <string.h>
 
-#define AVX512_PIECE 256u /* words of bits at a time */
+#define AVX512_PIECE 256u /* words of bits that are expanded at a time */
 
-/* Loops that are unrolled for each number of planes. */
+/* For functions that must be inlined so that their loops over planes are unrolled. */
 #define INLINE static inline __attribute__((always_inline))
 
-/* Planes, each component in all lanes. */
+/* Planes, each component broadcast to all lanes. */
 typedef struct avx512_planes {
 	__m512 x[CULL_PLANES], y[CULL_PLANES], z[CULL_PLANES], distance[CULL_PLANES];
 } avx512_planes;
@@ -25,12 +25,13 @@ INLINE void avx512_load_planes(avx512_planes *out, const stilb_plane *planes, ui
 	}
 }
 
+/* A mask of the first `left` lanes; at most 16. */
 INLINE uint32_t avx512_lanes(uint32_t left)
 {
 	return left >= 16 ? 0xffffu : (1u << left) - 1;
 }
 
-/* Four components of sixteen spheres. */
+/* Sixteen spheres. */
 typedef struct avx512_spheres {
 	__m512 x, y, z, radius;
 } avx512_spheres;
@@ -43,7 +44,7 @@ INLINE void avx512_load(avx512_spheres *out, cull_spheres spheres, uint32_t at)
 	out->radius = _mm512_loadu_ps(spheres.radius + at);
 }
 
-/* The same where some lanes lie behind the arrays' end. */
+/* avx512_load for the end of the arrays: lanes outside the mask are not read. */
 INLINE void avx512_load_lanes(avx512_spheres *out, cull_spheres spheres, uint32_t at, uint32_t lanes)
 {
 	out->x = _mm512_maskz_loadu_ps((__mmask16)lanes, spheres.x + at);
@@ -52,7 +53,7 @@ INLINE void avx512_load_lanes(avx512_spheres *out, cull_spheres spheres, uint32_
 	out->radius = _mm512_maskz_loadu_ps((__mmask16)lanes, spheres.radius + at);
 }
 
-/* Which of the lanes are visible. */
+/* A mask of the visible ones among the lanes of the mask. */
 INLINE uint32_t avx512_test(const avx512_spheres *spheres, uint32_t lanes, const avx512_planes *planes,
                             uint32_t plane_count)
 {
@@ -66,7 +67,8 @@ INLINE uint32_t avx512_test(const avx512_spheres *spheres, uint32_t lanes, const
 	return visible;
 }
 
-/* Through a register: the form that compresses to memory takes a hundred cycles and more on some CPUs. */
+/* Writes the ids of visible lanes side by side and returns their number. vpcompressd with a memory destination takes
+ * over a hundred cycles on some CPUs, so it compresses into a register. */
 INLINE uint32_t avx512_append(uint32_t *ids, uint32_t visible, __m512i id)
 {
 	_mm512_storeu_si512(ids, _mm512_maskz_compress_epi32((__mmask16)visible, id));
@@ -128,6 +130,7 @@ static void avx512_test_bits(cull_spheres spheres, uint32_t count, const stilb_f
                              uint64_t *bits)
 {
 	stilb_plane chosen[CULL_PLANES];
+	STILB_ASSERT(count > 0);
 	switch (scalar_choose_planes(frustum, planes, chosen)) {
 	case 1:
 		avx512_test_planes(spheres, count, chosen, 1, bits);
@@ -155,6 +158,7 @@ static void avx512_sixteen(cull_sixteen *cells, const cull_level *level, uint32_
 	__m512d reach0 = _mm512_cvtps_pd(_mm256_loadu_ps(cells->reach[0]));
 	__m512d reach1 = _mm512_cvtps_pd(_mm256_loadu_ps(cells->reach[1]));
 	uint32_t rejected = 0;
+	STILB_ASSERT((uintptr_t)level % _Alignof(cull_level) == 0 && !(planes & ~CULL_ALL_PLANES));
 	for (uint32_t plane = 0; plane < CULL_PLANES; plane++)
 		cells->inside[plane] = 0;
 	for (; planes; planes &= planes - 1) {
@@ -190,13 +194,14 @@ INLINE uint32_t avx512_expand_word(uint64_t set, uint32_t first_id, uint32_t *id
 	return count;
 }
 
-/* Words that are not zero, and the number of each one's first bit. */
+/* Words that are not zero, and the id of the first bit of each. */
 typedef struct avx512_words {
 	uint64_t word[AVX512_PIECE + 8];
 	uint32_t first[AVX512_PIECE + 8];
 } avx512_words;
 
-/* Collects, clears, and returns how many. Without a branch for each word, which could not be foreseen. */
+/* Moves the words that are not zero to out, clears them in bits, and returns their number. It has no branch for each
+ * word, which would be mispredicted. */
 INLINE uint32_t avx512_collect(avx512_words *out, uint64_t *bits, uint32_t words, uint32_t first)
 {
 	uint32_t count = 0;
@@ -218,6 +223,7 @@ static uint32_t avx512_expand(uint64_t *bits, uint32_t words, uint32_t first_id,
 {
 	avx512_words full;
 	uint32_t found = 0;
+	STILB_ASSERT(words % CULL_BITS_WORDS == 0);
 	for (uint32_t at = 0; at < words; at += AVX512_PIECE) {
 		uint32_t piece = words - at < AVX512_PIECE ? words - at : AVX512_PIECE;
 		uint32_t count = avx512_collect(&full, bits + at, piece, first_id + at * 64);

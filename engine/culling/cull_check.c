@@ -1,12 +1,12 @@
-/* The octree's invariants, for tests. */
+/* The octree's invariants, for asserts and tests. */
 #include "culling/cull_internal.h"
 
 #include <math.h>
 
 typedef struct cull_check {
 	const stilb_cull_octree *octree;
-	const char *wrong; /* the first thing found */
-	uint32_t families;
+	const char *wrong; /* the first fault, or NULL */
+	uint32_t families; /* found in the tree */
 } cull_check;
 
 static void cull_check_that(cull_check *check, bool right, const char *wrong)
@@ -24,10 +24,10 @@ static void cull_check_object(cull_check *check, uint32_t index, uint32_t slot)
 	uint32_t id = cell->id[slot];
 	bool placed =
 		id < octree->place_capacity && octree->places[id].cell_plus_one == index + 1 && octree->places[id].slot == slot;
-	cull_check_that(check, placed, "an object's place is not where it is");
+	cull_check_that(check, placed, "an object's place names another slot");
 	cull_check_that(check, name.depth == cell->name.depth, "an object is at the wrong depth");
 	if (index == CULL_ROOT)
-		return; /* holds whatever no cell can */
+		return; /* may hold any bounds */
 	double center[3], at[3] = {(double)bounds.x, (double)bounds.y, (double)bounds.z};
 	double half = cull_octree_cell_size(octree, name.depth) * 0.5, rounding = 1.0 + 0x1p-20;
 	cull_octree_cell_center(octree, cell->name, center);
@@ -41,19 +41,19 @@ static void cull_check_object(cull_check *check, uint32_t index, uint32_t slot)
 
 static float cull_check_cell(cull_check *check, uint32_t index);
 
-/* The children of a cell. Adds to *count what they hold, returns the greatest radius among it. */
+/* Checks the children of a cell. Adds their objects to *count and returns the greatest radius among them. */
 static float cull_check_family(cull_check *check, uint32_t parent, uint32_t *count)
 {
 	const stilb_cull_octree *octree = check->octree;
 	uint32_t first = octree->cells[parent].children, before = *count;
 	float reach = 0.0f;
 	check->families++;
-	cull_check_that(check, first % CULL_CHILDREN == 0 && first < octree->cell_count, "a family lies across two");
+	cull_check_that(check, first % CULL_CHILDREN == 0 && first < octree->cell_count, "a family is not aligned");
 	for (uint32_t octant = 0; octant < CULL_CHILDREN; octant++) {
 		const cull_cell *child = &octree->cells[first + octant];
 		const cull_cell_name *name = &child->name;
 		uint32_t bits = (name->position[0] & 1u) | (name->position[1] & 1u) << 1 | (name->position[2] & 1u) << 2;
-		cull_check_that(check, child->parent == parent, "a cell's parent does not know it");
+		cull_check_that(check, child->parent == parent, "a cell names another parent");
 		cull_check_that(check, name->depth == octree->cells[parent].name.depth + 1 && bits == octant,
 		                "a cell has the wrong name");
 		reach = fmaxf(reach, cull_check_cell(check, first + octant));
@@ -63,7 +63,7 @@ static float cull_check_family(cull_check *check, uint32_t parent, uint32_t *cou
 	return reach;
 }
 
-/* Returns the greatest radius at and below the cell. */
+/* Checks a cell and all cells below it; returns the greatest radius among their objects. */
 static float cull_check_cell(cull_check *check, uint32_t index)
 {
 	const cull_cell *cell = &check->octree->cells[index];

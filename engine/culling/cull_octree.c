@@ -1,4 +1,4 @@
-/* The loose octree: cells, the objects in them, and the way from an id to its place. */
+/* The loose octree: its cells, the objects in them, and the table from an id to its place. */
 #include "culling/cull_internal.h"
 
 #include <math.h>
@@ -10,10 +10,11 @@
 #define CULL_FIRST_CELLS 64u
 
 _Static_assert(CULL_FIRST_OBJECTS % CULL_WIDTH == 0 && CULL_FIRST_CELLS % CULL_CHILDREN == 0,
-               "whole vectors, families");
+               "capacities are whole vectors and whole families");
 
 void *cull_grow(void *array, size_t count, size_t capacity, size_t element)
 {
+	STILB_ASSERT(count <= capacity && element > 0 && (array || count == 0));
 	void *grown = stilb_memory_alloc(capacity, element);
 	if (!grown)
 		return NULL;
@@ -27,12 +28,14 @@ void *cull_grow(void *array, size_t count, size_t capacity, size_t element)
 
 double cull_octree_cell_size(const stilb_cull_octree *octree, uint32_t depth)
 {
-	return octree->size / (double)(1u << depth); /* exact: a power of two */
+	STILB_ASSERT(depth <= octree->max_depth);
+	return octree->size / (double)(1u << depth); /* exact: a division by a power of two */
 }
 
 void cull_octree_cell_center(const stilb_cull_octree *octree, cull_cell_name name, double center[3])
 {
 	double size = cull_octree_cell_size(octree, name.depth);
+	STILB_ASSERT((name.position[0] | name.position[1] | name.position[2]) >> name.depth == 0);
 	for (int axis = 0; axis < 3; axis++)
 		center[axis] = octree->low[axis] + ((double)name.position[axis] + 0.5) * size;
 }
@@ -41,9 +44,9 @@ cull_cell_name cull_octree_name(const stilb_cull_octree *octree, stilb_sphere bo
 {
 	float center[3] = {bounds.x, bounds.y, bounds.z};
 	double radius = (double)bounds.radius, half = octree->size * 0.5;
-	double place[3]; /* in [0, 1) of the root */
+	double place[3]; /* of the centre, as a fraction of the root's side: [0, 1) inside */
 	cull_cell_name name = {0};
-	if (!(radius >= 0.0 && radius <= half)) /* written so that NaN stays in the root */
+	if (!(radius >= 0.0 && radius <= half)) /* also true for NaN */
 		return name;
 	for (int axis = 0; axis < 3; axis++) {
 		place[axis] = ((double)center[axis] - octree->low[axis]) / octree->size;
@@ -65,9 +68,10 @@ static bool cull_name_equal(cull_cell_name a, cull_cell_name b)
 	       a.position[2] == b.position[2];
 }
 
-/* Which child of the cell at depth - 1 leads to name; depth is 1 .. name.depth. */
+/* Of the cells on the path from the root to `name`: the number of the one at `depth` among its siblings. */
 static uint32_t cull_octant(cull_cell_name name, uint32_t depth)
 {
+	STILB_ASSERT(depth >= 1 && depth <= name.depth);
 	uint32_t shift = name.depth - depth;
 	return (name.position[0] >> shift & 1u) | (name.position[1] >> shift & 1u) << 1 |
 	       (name.position[2] >> shift & 1u) << 2;
@@ -75,6 +79,7 @@ static uint32_t cull_octant(cull_cell_name name, uint32_t depth)
 
 /* ---- cells ---------------------------------------------------------------------------------------------------- */
 
+/* Makes space for another family. False: no memory. */
 static bool cull_cells_reserve(stilb_cull_octree *octree)
 {
 	if (octree->cell_count < octree->cell_capacity)
@@ -99,11 +104,12 @@ static bool cull_cells_reserve(stilb_cull_octree *octree)
 	return true;
 }
 
-/* The first of eight vacant cells that belong to nobody; CULL_NONE without memory. Recycled ones keep their blocks. May
- * move octree->cells. */
+/* Takes a family from the free list or the end of the array: the index of the first of eight vacant cells; CULL_NONE:
+ * no memory. Cells of the free list keep their blocks of memory. May move octree->cells. */
 static uint32_t cull_family_take(stilb_cull_octree *octree)
 {
 	uint32_t first = octree->free_family;
+	STILB_ASSERT(first % CULL_CHILDREN == 0 && (first == CULL_NONE || first < octree->cell_count));
 	if (first != CULL_NONE) {
 		octree->free_family = octree->cells[first].parent;
 		return first;
@@ -119,9 +125,10 @@ static uint32_t cull_family_take(stilb_cull_octree *octree)
 	return first;
 }
 
-/* Gives a cell its eight children. */
+/* Gives a cell its eight children. False: no memory. */
 static bool cull_family_make(stilb_cull_octree *octree, uint32_t parent)
 {
+	STILB_ASSERT(octree->cells[parent].children == CULL_NONE && octree->cells[parent].name.depth < octree->max_depth);
 	uint32_t first = cull_family_take(octree);
 	if (first == CULL_NONE)
 		return false;
@@ -146,11 +153,13 @@ static bool cull_family_vacant(const stilb_cull_octree *octree, uint32_t first)
 	return true;
 }
 
-/* Makes index and what is above it vacant as far as it is empty, and takes families that are all vacant out of the tree. */
+/* Walks from a cell towards the root as long as cells are empty: makes them vacant, and moves families that are wholly
+ * vacant from the tree to the free list. */
 static void cull_cell_prune(stilb_cull_octree *octree, uint32_t index)
 {
 	while (index != CULL_ROOT && octree->cells[index].subtree_count == 0) {
 		uint32_t first = index - index % CULL_CHILDREN, parent = octree->cells[index].parent;
+		STILB_ASSERT(octree->cells[index].count == 0 && octree->cells[parent].children == first);
 		octree->reach[index] = -INFINITY;
 		if (!cull_family_vacant(octree, first))
 			return;
@@ -162,9 +171,10 @@ static void cull_cell_prune(stilb_cull_octree *octree, uint32_t index)
 	}
 }
 
-/* Room for one more object. */
+/* Makes space for one more object. False: no memory. */
 static bool cull_cell_reserve(cull_cell *cell)
 {
+	STILB_ASSERT(cell->count <= cell->capacity && cell->capacity % CULL_WIDTH == 0);
 	if (cell->count < cell->capacity)
 		return true;
 	uint32_t capacity = cell->capacity ? cell->capacity * 2 : CULL_FIRST_OBJECTS;
@@ -189,8 +199,8 @@ static bool cull_cell_reserve(cull_cell *cell)
 	return true;
 }
 
-/* Finds the cell called name, makes it when there is none, and sees to room for one more object in it. False without
- * memory, with the tree as it was. */
+/* Finds the cell called name, or makes it, and makes space in it for one more object. False: no memory; the tree is as
+ * before. */
 static bool cull_cell_find(stilb_cull_octree *octree, cull_cell_name name, uint32_t *found)
 {
 	uint32_t index = CULL_ROOT;
@@ -205,6 +215,7 @@ static bool cull_cell_find(stilb_cull_octree *octree, cull_cell_name name, uint3
 		cull_cell_prune(octree, index);
 		return false;
 	}
+	STILB_ASSERT(cull_name_equal(octree->cells[index].name, name));
 	*found = index;
 	return true;
 }
@@ -213,18 +224,20 @@ static bool cull_cell_find(stilb_cull_octree *octree, cull_cell_name name, uint3
 
 static void cull_cell_store(cull_cell *cell, uint32_t slot, stilb_sphere bounds)
 {
+	STILB_ASSERT(slot < cell->count);
 	cell->x[slot] = bounds.x;
 	cell->y[slot] = bounds.y;
 	cell->z[slot] = bounds.z;
 	cell->radius[slot] = bounds.radius;
 }
 
-/* Widens the reach of index and of the cells above it. The root's own objects do not count: they are always tested one
- * by one, and may have any radius. */
+/* Raises the reach of a cell and of all cells above it to at least radius. The root's own objects do not count: they
+ * are always tested one by one, and may have any radius. */
 static void cull_octree_widen(stilb_cull_octree *octree, uint32_t index, float radius)
 {
 	if (index == CULL_ROOT)
 		return;
+	STILB_ASSERT(radius >= 0.0f && (double)radius <= octree->size * 0.5);
 	while (octree->reach[index] < radius) {
 		octree->reach[index] = radius;
 		if (index == CULL_ROOT)
@@ -233,10 +246,11 @@ static void cull_octree_widen(stilb_cull_octree *octree, uint32_t index, float r
 	}
 }
 
-/* Adds delta to the counts of index and of all cells above it. */
+/* Adds delta, 1 or -1, to the subtree counts of a cell and of all cells above it. */
 static void cull_octree_count(stilb_cull_octree *octree, uint32_t index, int32_t delta)
 {
 	for (;;) {
+		STILB_ASSERT(delta > 0 || octree->cells[index].subtree_count > 0);
 		octree->cells[index].subtree_count += (uint32_t)delta;
 		if (index == CULL_ROOT)
 			return;
@@ -247,6 +261,7 @@ static void cull_octree_count(stilb_cull_octree *octree, uint32_t index, int32_t
 static void cull_octree_add(stilb_cull_octree *octree, uint32_t index, uint32_t id, stilb_sphere bounds)
 {
 	cull_cell *cell = &octree->cells[index];
+	STILB_ASSERT(cell->count < cell->capacity && id < octree->place_capacity);
 	uint32_t slot = cell->count++;
 	cull_cell_store(cell, slot, bounds);
 	cell->id[slot] = id;
@@ -260,6 +275,7 @@ static void cull_octree_take_out(stilb_cull_octree *octree, cull_place place)
 {
 	uint32_t index = place.cell_plus_one - 1;
 	cull_cell *cell = &octree->cells[index];
+	STILB_ASSERT(index < octree->cell_count && place.slot < cell->count);
 	uint32_t last = --cell->count;
 	if (place.slot != last) {
 		stilb_sphere bounds = {cell->x[last], cell->y[last], cell->z[last], cell->radius[last]};
@@ -271,18 +287,20 @@ static void cull_octree_take_out(stilb_cull_octree *octree, cull_place place)
 	cull_cell_prune(octree, index);
 }
 
+/* The place of an object; {0}: it is not in the tree. */
 static cull_place cull_octree_place(const stilb_cull_octree *octree, uint32_t id)
 {
 	return id < octree->place_capacity ? octree->places[id] : (cull_place){0};
 }
 
+/* Makes the table of places long enough for id. False: no memory. */
 static bool cull_places_reserve(stilb_cull_octree *octree, uint32_t id)
 {
 	if (id < octree->place_capacity)
 		return true;
 	uint32_t capacity = octree->place_capacity ? octree->place_capacity : 1024u;
 	while (capacity <= id)
-		capacity *= 2; /* ends at 2^31 */
+		capacity *= 2; /* at most 2^31, as id is below that */
 	cull_place *places = cull_grow(octree->places, octree->place_capacity, capacity, sizeof *places);
 	if (!places)
 		return false;
@@ -294,6 +312,7 @@ static bool cull_places_reserve(stilb_cull_octree *octree, uint32_t id)
 
 /* ---- public --------------------------------------------------------------------------------------------------- */
 
+/* True if all members are in their ranges; false for NaN. */
 static bool cull_desc_valid(const stilb_cull_octree_desc *desc)
 {
 	bool valid = desc->half_size > 0.0f && desc->max_depth <= CULL_MAX_DEPTH;
@@ -304,6 +323,7 @@ static bool cull_desc_valid(const stilb_cull_octree_desc *desc)
 
 stilb_result stilb_cull_octree_create(const stilb_cull_octree_desc *desc, stilb_cull_octree **out)
 {
+	STILB_ASSERT(desc && out);
 	*out = NULL;
 	if (!cull_desc_valid(desc))
 		return stilb_fail(
@@ -322,7 +342,7 @@ stilb_result stilb_cull_octree_create(const stilb_cull_octree_desc *desc, stilb_
 		.kernels = cull_kernels_for(isa), .size = 2.0 * (double)desc->half_size, .max_depth = desc->max_depth};
 	for (int axis = 0; axis < 3; axis++)
 		octree->low[axis] = (double)desc->center[axis] - (double)desc->half_size;
-	cull_family_take(octree); /* the root's, at index 0; without memory there is none */
+	cull_family_take(octree); /* the root's family, at index 0; no memory: octree->cells stays NULL */
 	if (!octree->cells) {
 		stilb_cull_octree_destroy(octree);
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for its cells");
@@ -372,7 +392,7 @@ stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stil
 	}
 	if (!cull_cell_find(octree, name, &index))
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory to move object %u", id);
-	cull_octree_add(octree, index, id, bounds); /* first, so that pruning cannot take the new cell */
+	cull_octree_add(octree, index, id, bounds); /* before take_out, so that pruning cannot take the new cell */
 	cull_octree_take_out(octree, place);
 	return STILB_OK;
 }
@@ -382,6 +402,7 @@ void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id)
 	cull_place place = cull_octree_place(octree, id);
 	if (!place.cell_plus_one)
 		return;
+	STILB_ASSERT(octree->cells[place.cell_plus_one - 1].id[place.slot] == id);
 	octree->places[id] = (cull_place){0};
 	cull_octree_take_out(octree, place);
 }

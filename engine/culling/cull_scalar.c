@@ -1,10 +1,11 @@
-/* The innermost loops in plain C. Plane after plane over arrays, without branches: compilers turn that into SIMD. */
+/* The innermost loops in plain C: one plane at a time over arrays, without branches, which compilers turn into SIMD. */
 #include "culling/cull_scalar.h"
 
 #include <string.h>
 
-#define SCALAR_PIECE 256u /* flags that stay in the first-level cache */
+#define SCALAR_PIECE 256u /* spheres at a time: their flags, a byte each, stay in the first-level cache */
 
+/* visible[i] &= sphere first + i is visible for the plane. */
 static void scalar_plane(cull_spheres spheres, uint32_t first, uint32_t count, stilb_plane plane,
                          uint8_t *restrict visible)
 {
@@ -16,10 +17,11 @@ static void scalar_plane(cull_spheres spheres, uint32_t first, uint32_t count, s
 	}
 }
 
-/* visible[i] = whether sphere first + i is visible for all planes of the mask; 0 or 1. */
+/* visible[i] = 1 if sphere first + i is visible for all planes of the mask, else 0. */
 static void scalar_piece(cull_spheres spheres, uint32_t first, uint32_t count, const stilb_frustum *frustum,
                          uint32_t planes, uint8_t visible[SCALAR_PIECE])
 {
+	STILB_ASSERT(count <= SCALAR_PIECE && planes);
 	memset(visible, 1, SCALAR_PIECE);
 	for (; planes; planes &= planes - 1)
 		scalar_plane(spheres, first, count, frustum->planes[__builtin_ctz(planes)], visible);
@@ -55,6 +57,7 @@ static void scalar_test(cull_spheres spheres, uint32_t count, const stilb_frustu
                         uint64_t *bits)
 {
 	uint8_t visible[SCALAR_PIECE];
+	STILB_ASSERT(count > 0);
 	for (uint32_t first = 0; first < count; first += SCALAR_PIECE) {
 		uint32_t piece = scalar_least(count - first, SCALAR_PIECE);
 		scalar_piece(spheres, first, piece, frustum, planes, visible);
@@ -70,6 +73,7 @@ static void scalar_test(cull_spheres spheres, uint32_t count, const stilb_frustu
 
 static void scalar_sixteen(cull_sixteen *cells, const cull_level *level, uint32_t planes)
 {
+	STILB_ASSERT(planes && !(planes & ~CULL_ALL_PLANES));
 	cells->rejected = 0;
 	memset(cells->inside, 0, sizeof cells->inside);
 	for (; planes; planes &= planes - 1) {
@@ -96,6 +100,7 @@ const cull_kernels cull_kernels_scalar = {
 
 const cull_kernels *cull_kernels_for(stilb_isa isa)
 {
+	STILB_ASSERT((uint32_t)isa <= (uint32_t)stilb_cpu_widest_isa() && "this CPU has it");
 #if defined(__x86_64__)
 	if (isa == STILB_ISA_AVX512)
 		return &cull_kernels_avx512;

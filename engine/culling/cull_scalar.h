@@ -1,4 +1,4 @@
-/* Plain C that several instruction sets' files use, compiled anew by each. */
+/* Plain C that the files of several instruction sets include, so that each compiles it with its own flags. */
 #ifndef STILB_CULL_SCALAR_H
 #define STILB_CULL_SCALAR_H
 
@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* THE test of this module, for one sphere. */
+/* The reference test of one sphere: all other code must give this result. */
 static inline bool scalar_visible(cull_spheres spheres, uint32_t i, const stilb_plane *planes, uint32_t plane_count)
 {
 	bool visible = true;
@@ -19,13 +19,14 @@ static inline bool scalar_visible(cull_spheres spheres, uint32_t i, const stilb_
 	return visible;
 }
 
-/* The planes of the mask, side by side; how many. */
+/* Copies the planes of the mask to the front of chosen, and returns their number. */
 static inline uint32_t scalar_choose_planes(const stilb_frustum *frustum, uint32_t planes,
                                             stilb_plane chosen[CULL_PLANES])
 {
 	uint32_t count = 0;
+	STILB_ASSERT(planes && !(planes & ~CULL_ALL_PLANES));
 	for (uint32_t p = 0; p < CULL_PLANES; p++) {
-		chosen[count] = frustum->planes[p]; /* without a branch: written over if it is not in the mask */
+		chosen[count] = frustum->planes[p]; /* branchless: overwritten by the next if p is not in the mask */
 		count += planes >> p & 1;
 	}
 	return count;
@@ -34,6 +35,7 @@ static inline uint32_t scalar_choose_planes(const stilb_frustum *frustum, uint32
 static inline uint32_t scalar_gather(uint64_t *bits, size_t stride, uint32_t count, uint32_t words)
 {
 	uint32_t found = 0;
+	STILB_ASSERT(count > 0 && words % CULL_BITS_WORDS == 0 && (count == 1 || stride >= words));
 	for (uint32_t set = 1; set < count; set++) {
 		uint64_t *from = bits + set * stride;
 		for (uint32_t word = 0; word < words; word++) {
@@ -48,7 +50,8 @@ static inline uint32_t scalar_gather(uint64_t *bits, size_t stride, uint32_t cou
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "two ids are written as one number");
 
-/* The numbers of the two lowest bits, which is what is left of `set` after it, plus those of `first`. */
+/* Writes the positions of the two lowest bits of *set, each plus an id (`first` holds that id in both halves), and
+ * clears them in *set. If there are fewer than two bits the rest of what it writes is meaningless. */
 static inline void scalar_write_two(uint64_t *set, uint64_t first, uint32_t *ids)
 {
 	uint64_t low = (uint64_t)__builtin_ctzll(*set | 1ull << 63), rest = *set & (*set - 1);
@@ -57,8 +60,9 @@ static inline void scalar_write_two(uint64_t *set, uint64_t first, uint32_t *ids
 	*set = rest & (rest - 1);
 }
 
-/* Few bits a word are the rule where culling pays. Four ids are written whether or not there are so many: the branch that
- * remains is easy to foresee. Source: Langdale and Lemire, "Parsing gigabytes of JSON per second", 2019, section 3.1.1. */
+/* Writes first_id plus the position of each bit; returns their number. Most words have few bits when culling rejects
+ * much, so ids are always written four at a time: the one remaining branch is well predicted. Source: Langdale and
+ * Lemire, "Parsing gigabytes of JSON per second", 2019, section 3.1.1. */
 static inline uint32_t scalar_expand_word(uint64_t set, uint32_t first_id, uint32_t *ids)
 {
 	uint32_t count = (uint32_t)__builtin_popcountll(set);
@@ -73,6 +77,7 @@ static inline uint32_t scalar_expand_word(uint64_t set, uint32_t first_id, uint3
 static inline uint32_t scalar_expand(uint64_t *bits, uint32_t words, uint32_t first_id, uint32_t *ids)
 {
 	uint32_t found = 0;
+	STILB_ASSERT(words % CULL_BITS_WORDS == 0);
 	for (uint32_t word = 0; word < words; word++) {
 		if (!bits[word])
 			continue;

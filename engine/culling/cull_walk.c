@@ -1,45 +1,45 @@
-/* A view's way through the octree: cells are rejected or accepted whole where that is certain, sixteen at a time, and what
- * is left becomes a list of items that any number of threads can work on. */
+/* A view's walk through the octree: sixteen cells at a time are rejected or accepted as a whole where that is certain.
+ * All other objects go to a list of items that any number of threads can test. */
 #include "culling/cull_internal.h"
 #include "profiler/prof.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* What a view's planes say about any cell. */
+/* Constants of a view's planes, for any cell. */
 typedef struct cull_view {
-	uint32_t certain;                          /* planes that can say anything for certain */
+	uint32_t certain;                          /* mask of planes without NaN and overflow, which can decide a cell */
 	double center[CULL_PLANES];                /* signed distance of the root's centre */
-	double spread[CULL_PLANES];                /* |nx| + |ny| + |nz|: of a cell's corners, per half side */
-	double margin[CULL_PLANES];                /* for rounding */
-	double toward[CULL_PLANES][CULL_CHILDREN]; /* from a parent's centre to a child's, per half side of the child */
+	double spread[CULL_PLANES];                /* |nx| + |ny| + |nz|: centre to farthest corner, for a half side of 1 */
+	double margin[CULL_PLANES];                /* bound of all rounding errors */
+	double toward[CULL_PLANES][CULL_CHILDREN]; /* parent's centre to child's, for a half side of 1 of the child */
 } cull_view;
 
 typedef struct cull_walk {
 	stilb_cull_octree *octree;
 	cull_view view;
-	uint32_t depth; /* of the cells that `level` is for */
-	double half;    /* of their side */
+	uint32_t depth; /* of the cells that `level` is for; 0: of none */
+	double half;    /* half the side of these cells */
 	cull_level level;
-	uint32_t family_count; /* found so far */
+	uint32_t family_count; /* reached so far */
 	cull_walk_result result;
 } cull_walk;
 
 /*
- * What must hold: the float test of each object comes out as promised here, rounding included. Centres lie in the cell,
- * a cube with half side h around c, radii in [0, reach]. So n.centre + distance lies in s - spread .. s + spread with
- * s = n.c + distance and spread = (|nx| + |ny| + |nz|) h.
+ * To prove: if a cell is rejected or accepted here, the float test of each of its objects gives the same result,
+ * rounding included. Centres lie in the cell, a cube with half side h around c, and radii in [0, reach]. So n.centre +
+ * distance lies in s - spread .. s + spread with s = n.c + distance and spread = (|nx| + |ny| + |nz|) h.
  *
  * With u = 2^-24 and size = sum of |n_i| (|c_i| + h) + |distance|, the float test is off by at most 4u / (1 - 4u) times
  * size (three products, three additions; Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 3.1).
- * The root's size serves for all cells, as they lie in it. The margin is 8u size; its other half, 2^-22 size, is room for
- * the rest. The sums here, in double and over at most 20 levels, are off by less than 2^-45 size. A centre may lie outside
- * the cell it was placed in by 2^-51 (|low| + side) of the root, and for each axis |c_i| + h is at least |low_i| and at
- * least half a side: that is less than 2^-48 size.
- * 2^-120 stands for products that underflow, flush-to-zero too.
+ * The root's size bounds that of all cells, as they lie in it. The margin is 8u size, twice as much; the other half,
+ * 2^-22 size, covers the remaining errors. The sums here, in double and over at most 20 levels, are off by less than
+ * 2^-45 size. A centre may lie outside the cell it was placed in by 2^-51 (|low| + side) of the root, and for each axis
+ * |c_i| + h is at least |low_i| and at least half a side: that is less than 2^-48 size.
+ * The margin's term 2^-120 covers products that underflow, also if the CPU flushes them to zero.
  *
- * Adding reach comes last, as the sign of a rounded sum is the sign of the exact one. From 2^126 on a float sum could
- * overflow, and planes may hold NaN: then nothing is certain and the objects decide.
+ * reach is added last, because the sign of a rounded sum is the sign of the exact sum. From 2^126 on a float sum could
+ * overflow, and planes may hold NaN: such a plane decides no cell, and each object is tested against it.
  */
 static void cull_view_init(cull_view *view, const stilb_cull_octree *octree, const stilb_frustum *frustum)
 {
@@ -62,7 +62,8 @@ static void cull_view_init(cull_view *view, const stilb_cull_octree *octree, con
 	}
 }
 
-/* The planes that the root is not wholly inside of. False: all below the root is outside one of them. */
+/* *planes: mask of the planes that the root is not wholly inside of. False: everything below the root is outside a
+ * plane. */
 static bool cull_view_root(const cull_view *view, const stilb_cull_octree *octree, uint32_t *planes)
 {
 	double half = octree->size * 0.5;
@@ -82,15 +83,16 @@ bool cull_octree_inside(const stilb_cull_octree *octree, const stilb_frustum *fr
 {
 	cull_view view;
 	uint32_t planes;
-	if (octree->cells[CULL_ROOT].count) /* may lie anywhere */
+	if (octree->cells[CULL_ROOT].count) /* these objects may lie anywhere */
 		return false;
 	cull_view_init(&view, octree, frustum);
 	return cull_view_root(&view, octree, &planes) && !planes;
 }
 
-/* Families are met level by level, so one table at a time will do. */
+/* Computes walk->level for another depth. Families are reached level by level, so one table at a time is enough. */
 static void cull_walk_descend(cull_walk *walk, uint32_t depth)
 {
+	STILB_ASSERT(depth >= walk->depth && "families are in order of depth");
 	if (walk->depth == depth)
 		return;
 	const cull_view *view = &walk->view;
@@ -107,20 +109,23 @@ static void cull_walk_descend(cull_walk *walk, uint32_t depth)
 	walk->half = half;
 }
 
+/* Adds the objects of one cell to the items, to be tested against planes. */
 static void cull_walk_push(cull_walk *walk, uint32_t index, uint32_t planes)
 {
 	uint32_t count = walk->octree->cells[index].count;
 	for (uint32_t first = 0; first < count; first += CULL_CHUNK) {
 		uint32_t piece = count - first < CULL_CHUNK ? count - first : CULL_CHUNK;
+		STILB_ASSERT(walk->result.item_count < walk->octree->item_capacity);
 		walk->octree->items[walk->result.item_count++] = (cull_item){index, first, piece, planes};
 	}
 	*(planes ? &walk->result.tested : &walk->result.accepted) += count;
 }
 
-/* The children of a cell that is neither rejected nor done. */
+/* Adds the children of a cell to the families to be tested. */
 static cull_family *cull_walk_add(cull_walk *walk, uint32_t index, uint32_t planes)
 {
 	const cull_cell *cell = &walk->octree->cells[index];
+	STILB_ASSERT(cell->children != CULL_NONE && walk->family_count < walk->octree->families_capacity);
 	cull_family *family = &walk->octree->families[walk->family_count++];
 	family->children = cell->children;
 	family->depth = cell->name.depth + 1;
@@ -128,10 +133,12 @@ static cull_family *cull_walk_add(cull_walk *walk, uint32_t index, uint32_t plan
 	return family;
 }
 
-/* What the test of sixteen says of one family; the family's first cell is bit `shift`. */
+/* Evaluates the test of sixteen cells for one family, whose first cell is bit `shift`: skips rejected cells, adds the
+ * objects of the others, and their children. */
 static void cull_walk_family(cull_walk *walk, const cull_family *family, const cull_sixteen *cells, uint32_t shift)
 {
 	const cull_view *view = &walk->view;
+	STILB_ASSERT(shift == 0 || shift == CULL_CHILDREN);
 	for (uint32_t left = ~((uint32_t)cells->rejected >> shift) & 0xffu; left; left &= left - 1) {
 		uint32_t child = (uint32_t)__builtin_ctz(left), index = family->children + child;
 		uint32_t planes = family->planes;
@@ -148,7 +155,7 @@ static void cull_walk_family(cull_walk *walk, const cull_family *family, const c
 	}
 }
 
-/* Takes the families at and, if it is of the same depth, at + 1; returns how many. */
+/* Tests family `at`, and with it family at + 1 if that has the same depth; returns how many were tested. */
 static uint32_t cull_walk_step(cull_walk *walk, uint32_t at)
 {
 	stilb_cull_octree *octree = walk->octree;
@@ -156,6 +163,7 @@ static uint32_t cull_walk_step(cull_walk *walk, uint32_t at)
 	bool pair = at + 1 < walk->family_count && first[1].depth == first->depth;
 	const cull_family *second = pair ? first + 1 : first;
 	uint32_t planes = (first->planes | second->planes) & walk->view.certain;
+	STILB_ASSERT(first->depth <= octree->max_depth && first->children < octree->cell_count);
 	cull_sixteen cells = {.center = {first->center, second->center},
 	                      .reach = {octree->reach + first->children, octree->reach + second->children}};
 	cull_walk_descend(walk, first->depth);
@@ -168,7 +176,8 @@ static uint32_t cull_walk_step(cull_walk *walk, uint32_t at)
 	return pair ? 2 : 1;
 }
 
-/* Room for all items and families there can be, so that the walk itself cannot fail. */
+/* Makes space for the greatest possible number of items and families, so that the walk itself cannot fail. False: no
+ * memory. */
 static bool cull_walk_reserve(stilb_cull_octree *octree)
 {
 	uint32_t needed = octree->family_count * CULL_CHILDREN + octree->cells[CULL_ROOT].subtree_count / CULL_CHUNK;
@@ -193,17 +202,18 @@ static bool cull_walk_reserve(stilb_cull_octree *octree)
 stilb_result cull_octree_walk(stilb_cull_octree *octree, const stilb_frustum *frustum, cull_walk_result *result)
 {
 	PROFILE("cull.walk");
+	STILB_ASSERT(frustum && result);
 	*result = (cull_walk_result){0};
 	if (!cull_walk_reserve(octree))
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for the list of its cells");
 	cull_walk walk;
 	uint32_t planes;
 	walk.octree = octree;
-	walk.depth = 0; /* of the root, which no table is for */
+	walk.depth = 0;
 	walk.family_count = 0;
 	walk.result = (cull_walk_result){0};
 	octree->cell_tests = 0;
-	cull_walk_push(&walk, CULL_ROOT, CULL_ALL_PLANES); /* its objects may lie anywhere: always tested */
+	cull_walk_push(&walk, CULL_ROOT, CULL_ALL_PLANES); /* may lie anywhere: always tested */
 	cull_view_init(&walk.view, octree, frustum);
 	if (cull_view_root(&walk.view, octree, &planes) && octree->cells[CULL_ROOT].children != CULL_NONE) {
 		cull_family *family = cull_walk_add(&walk, CULL_ROOT, planes);
@@ -213,6 +223,7 @@ stilb_result cull_octree_walk(stilb_cull_octree *octree, const stilb_frustum *fr
 	for (uint32_t at = 0; at < walk.family_count;)
 		at += cull_walk_step(&walk, at);
 	*result = walk.result;
+	STILB_ASSERT(result->tested + result->accepted <= octree->cells[CULL_ROOT].subtree_count);
 	return STILB_OK;
 }
 
@@ -221,11 +232,13 @@ static void cull_set_bit(uint64_t *bits, uint32_t id)
 	bits[id >> 6] |= 1ull << (id & 63);
 }
 
+/* Sets the bits of an item's visible objects. */
 static void cull_mark_item(const stilb_cull_octree *octree, const cull_item *item, const stilb_frustum *frustum,
                            uint64_t *bits)
 {
 	const cull_cell *cell = &octree->cells[item->cell];
 	const uint32_t *id = cell->id + item->first;
+	STILB_ASSERT(item->count > 0 && item->count <= CULL_CHUNK && item->first + item->count <= cell->count);
 	if (!item->planes) {
 		for (uint32_t i = 0; i < item->count; i++)
 			cull_set_bit(bits, id[i]);
@@ -243,12 +256,14 @@ static void cull_mark_item(const stilb_cull_octree *octree, const cull_item *ite
 void cull_octree_mark(const stilb_cull_octree *octree, uint32_t begin, uint32_t end, const stilb_frustum *frustum,
                       uint64_t *bits)
 {
+	STILB_ASSERT(begin <= end && end <= octree->item_capacity);
 	for (uint32_t i = begin; i < end; i++)
 		cull_mark_item(octree, &octree->items[i], frustum, bits);
 }
 
 stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint64_t *bits)
 {
+	STILB_ASSERT(bits || octree->cells[CULL_ROOT].subtree_count == 0);
 	cull_walk_result walk;
 	stilb_result result = cull_octree_walk(octree, frustum, &walk);
 	cull_octree_mark(octree, 0, walk.item_count, frustum, bits);
