@@ -62,7 +62,7 @@ static uint32_t cull_depth_for(const cull_extent *extent, double size, uint32_t 
 stilb_cull_octree_desc cull_desc_for_scene(const stilb_scene *scene)
 {
 	cull_extent extent = cull_extent_of(scene);
-	double size = 1.0; /* metres, the least; and at least 2^12 times the spacing of floats at the scene's coordinates */
+	double size = 1.0; /* metres, the least; and at least 2^11 times the spacing of floats in the scene */
 	for (int axis = 0; axis < 3; axis++) {
 		size = fmax(size, extent.high[axis] - extent.low[axis]);
 		size = fmax(size, 0x1p-12 * fmax(fabs(extent.low[axis]), fabs(extent.high[axis])));

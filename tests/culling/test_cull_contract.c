@@ -151,7 +151,7 @@ static void kernels(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(runs),
 		cmocka_unit_test(octrees),
 		cmocka_unit_test(kernels),

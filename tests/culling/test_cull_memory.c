@@ -83,7 +83,7 @@ static void test_mark_fails_clean(void **state)
 	stilb_cull_octree *octree;
 	uint64_t bits[OBJECTS / 64 + 1] = {0}, zero[OBJECTS / 64 + 1] = {0};
 	reference_random random = {.seed = 2};
-	const float low[3] = {-1e3f, -1e3f, -1e3f}, high[3] = {1e3f, 1e3f, 1e3f};
+	float low[3] = {-1e3f, -1e3f, -1e3f}, high[3] = {1e3f, 1e3f, 1e3f};
 	stilb_frustum all = box_view(low, high);
 	assert_int_equal(stilb_cull_octree_create(&desc, &octree), STILB_OK);
 	for (uint32_t id = 0; id < OBJECTS; id++)
@@ -115,8 +115,8 @@ static void test_create_and_run_fail_clean(void **state)
 	}
 	assert_true(needed > 5);
 
-	/* Everything is in it, but the root is not for certain. */
-	const float low[3] = {-1e3f, -1e3f, -1e3f}, high[3] = {60.0f, 60.0f, 60.0f};
+	/* Everything is visible, but the root is not wholly inside. */
+	float low[3] = {-1e3f, -1e3f, -1e3f}, high[3] = {60.0f, 60.0f, 60.0f};
 	stilb_frustum all = box_view(low, high);
 	stilb_cull_visible visible = {0};
 	for (uint32_t budget = 0; budget < 5; budget++) { /* ids, bits, chunk counts, items, families */
@@ -129,7 +129,7 @@ static void test_create_and_run_fail_clean(void **state)
 	allocations_left = 5;
 	assert_int_equal(stilb_cull_run(cull, STILB_CULL_OCTREE, &scene, &all, NULL, 0, &visible), STILB_OK);
 	assert_int_equal(visible.count, OBJECTS);
-	allocations_left = 0; /* the buffers have grown: no more is needed */
+	allocations_left = 0; /* the buffers have grown: no allocation is needed */
 	assert_int_equal(stilb_cull_run(cull, STILB_CULL_OCTREE, &scene, &all, NULL, 0, &visible), STILB_OK);
 	assert_int_equal(stilb_cull_run(cull, STILB_CULL_FLAT, &scene, &all, NULL, 0, &visible), STILB_OK);
 	assert_int_equal(visible.count, OBJECTS);
@@ -141,7 +141,7 @@ static void test_create_and_run_fail_clean(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_octree_keeps_what_it_had),
 		cmocka_unit_test(test_mark_fails_clean),
 		cmocka_unit_test(test_create_and_run_fail_clean),

@@ -1,10 +1,10 @@
-/* The loose octree: where objects go, what is left when they leave, and what a view makes of it. */
+/* The loose octree: the cells of objects, removal, and the walk of a view. */
 #include "support/cull_reference.h"
 
 #define OBJECTS 600u
 #define EXTENT 100.0f
 
-/* An octree and what should be in it. */
+/* An octree, and a plain array of the objects that it should hold. */
 typedef struct twin_octree {
 	stilb_cull_octree *octree;
 	stilb_sphere spheres[OBJECTS];
@@ -26,7 +26,7 @@ static void assert_octree(const stilb_cull_octree *octree)
 		fail_msg("%s", wrong);
 }
 
-/* The tree shows exactly the twin's visible objects, whatever the instruction set. Returns how many. */
+/* Checks that the tree marks exactly the twin's visible objects, with every instruction set. Returns their number. */
 static uint32_t assert_same(twin_octree *twin, const stilb_frustum *frustum)
 {
 	uint32_t visible = 0;
@@ -64,7 +64,7 @@ static void twin_remove(twin_octree *twin, uint32_t id)
 	twin->present[id] = false;
 }
 
-/* Sizes from a point to the whole world, some beyond it, some on the corners of cells, one in sixteen strange. */
+/* Sizes from a point to the whole root and beyond, some on corners of cells, one in sixteen with NaN or infinity. */
 static stilb_sphere random_sphere(reference_random *random)
 {
 	uint32_t kind = random_below(random, 16);
@@ -82,7 +82,7 @@ static stilb_sphere random_sphere(reference_random *random)
 static void test_create_refuses_bad_roots(void **state)
 {
 	(void)state;
-	const stilb_cull_octree_desc bad[] = {
+	stilb_cull_octree_desc bad[] = {
 		{{0.0f, 0.0f, 0.0f}, 0.0f, 3},     {{0.0f, 0.0f, 0.0f}, -1.0f, 3},      {{0.0f, 0.0f, 0.0f}, (float)NAN, 3},
 		{{0.0f, 0.0f, 0.0f}, INFINITY, 3}, {{0.0f, 0.0f, (float)NAN}, 1.0f, 3}, {{0.0f, -INFINITY, 0.0f}, 1.0f, 3},
 		{{0.0f, 0x1p61f, 0.0f}, 1.0f, 3},  {{0.0f, 0.0f, 0.0f}, 1.0f, 21},
@@ -117,7 +117,7 @@ static void test_size_and_centre_name_the_cell(void **state)
 	/* Low faces belong to a cell, high faces to the next one; the root's high face is outside. */
 	assert_name(octree, (stilb_sphere){-64.0f, 0.0f, 8.0f, 1.0f}, (cull_cell_name){4, {0, 8, 9}});
 	assert_name(octree, (stilb_sphere){63.999f, 0.0f, 0.0f, 1.0f}, (cull_cell_name){4, {15, 8, 8}});
-	const stilb_sphere homeless[] = {
+	stilb_sphere homeless[] = {
 		{64.0f, 0.0f, 0.0f, 1.0f},    {0.0f, -64.01f, 0.0f, 1.0f},    {0.0f, 0.0f, 0.0f, 65.0f},
 		{0.0f, 0.0f, 0.0f, INFINITY}, {0.0f, 0.0f, 0.0f, (float)NAN}, {0.0f, 0.0f, 0.0f, -1.0f},
 		{0.0f, INFINITY, 0.0f, 1.0f}, {0.0f, 0.0f, -INFINITY, 1.0f},  {(float)NAN, 0.0f, 0.0f, 1.0f},
@@ -142,7 +142,7 @@ static void random_operation(twin_octree *twin, reference_random *random)
 static void test_random_operations(void **state)
 {
 	(void)state;
-	const uint32_t depths[] = {0, 1, 3, 6, 20};
+	uint32_t depths[] = {0, 1, 3, 6, 20};
 	for (size_t d = 0; d < sizeof depths / sizeof *depths; d++) {
 		twin_octree twin = {.octree = octree_make(0.0f, EXTENT, depths[d])};
 		reference_random random = {.seed = d};
@@ -176,8 +176,8 @@ static void test_move_within_a_cell_stays_there(void **state)
 	assert_memory_equal(&before, &twin.octree->places[0], sizeof before);
 	assert_int_equal(twin.octree->cell_count, cells);
 	assert_octree(twin.octree);
-	/* Only the greater radius touches this box: the cell must know of it. */
-	const float low[3] = {11.0f, -9.0f, -9.0f}, high[3] = {30.0f, 9.0f, 9.0f};
+	/* Only with its new radius the object touches this box: the cell's reach must have grown. */
+	float low[3] = {11.0f, -9.0f, -9.0f}, high[3] = {30.0f, 9.0f, 9.0f};
 	stilb_frustum frustum = box_view(low, high);
 	assert_int_equal(assert_same(&twin, &frustum), 1);
 	twin_move(&twin, 0, (stilb_sphere){8.5f, 2.0f, 3.0f, 4.0f});
@@ -190,11 +190,11 @@ static void test_removed_objects_are_not_seen(void **state)
 {
 	(void)state;
 	twin_octree twin = {.octree = octree_make(0.0f, 64.0f, 2)};
-	const float low[3] = {-1e6f, -1e6f, -1e6f}, high[3] = {1e6f, 1e6f, 1e6f};
+	float low[3] = {-1e6f, -1e6f, -1e6f}, high[3] = {1e6f, 1e6f, 1e6f};
 	stilb_frustum all = box_view(low, high);
-	for (uint32_t id = 0; id < 40; id++) /* in one cell, and the last ones in the root */
+	for (uint32_t id = 0; id < 40; id++) /* all in one cell, the last ones in the root */
 		twin_insert(&twin, id, (stilb_sphere){1.0f, 1.0f, 1.0f, id < 30 ? 1.0f : 500.0f});
-	const uint32_t order[] = {0, 29, 28, 5, 39, 30, 31}; /* first, last, new last, from the middle */
+	uint32_t order[] = {0, 29, 28, 5, 39, 30, 31}; /* first, last, new last, from the middle */
 	for (uint32_t i = 0; i < 7; i++) {
 		assert_int_equal(assert_same(&twin, &all), 40 - i);
 		twin_remove(&twin, order[i]);
@@ -227,7 +227,7 @@ static void test_ids_are_checked(void **state)
 	stilb_cull_octree_destroy(octree);
 }
 
-/* One small object in a deep tree, again and again elsewhere, makes a path of cells each time: memory must not grow. */
+/* A small object that moves through a deep tree needs a new path of cells each time: memory must not grow. */
 static void test_cells_are_reused(void **state)
 {
 	(void)state;
@@ -247,7 +247,7 @@ static void test_cells_are_reused(void **state)
 
 /* ---- what a view makes of the cells ------------------------------------------------------------------------------ */
 
-/* The walk of a view, with its sums checked. */
+/* Walks the octree and checks the sums of the work list. */
 static cull_walk_result walk_octree(stilb_cull_octree *octree, const stilb_frustum *frustum)
 {
 	cull_walk_result walk;
@@ -273,13 +273,13 @@ static void test_cells_are_taken_whole(void **state)
 		float low, high;
 		uint32_t tested_most, accepted_least, seen_most;
 	} views[] = {
-		{-300.0f, 300.0f, 0, OBJECTS, OBJECTS},    /* all of it, without a test */
-		{200.0f, 300.0f, 0, 0, 0},                 /* none of it, without a test */
+		{-300.0f, 300.0f, 0, OBJECTS, OBJECTS},    /* everything, without testing objects */
+		{200.0f, 300.0f, 0, 0, 0},                 /* nothing, without testing objects */
 		{-300.0f, 1.5f, OBJECTS / 4, 10, OBJECTS}, /* the lower eighth and a layer of cells around it */
 	};
 	for (size_t v = 0; v < sizeof views / sizeof *views; v++) {
-		const float low[3] = {views[v].low, views[v].low, views[v].low},
-					high[3] = {views[v].high, views[v].high, views[v].high};
+		float low[3] = {views[v].low, views[v].low, views[v].low},
+			  high[3] = {views[v].high, views[v].high, views[v].high};
 		stilb_frustum frustum = box_view(low, high);
 		cull_walk_result walk = walk_octree(twin.octree, &frustum);
 		assert_true(walk.tested <= views[v].tested_most);
@@ -290,7 +290,7 @@ static void test_cells_are_taken_whole(void **state)
 	stilb_cull_octree_destroy(twin.octree);
 }
 
-/* A plane that the cell below it leaves wholly inside is not asked again: items hold the planes that still cut. */
+/* A plane that a cell lies wholly inside of is not tested below that cell: items hold only the planes that cut. */
 static void test_planes_are_masked(void **state)
 {
 	(void)state;
@@ -300,7 +300,7 @@ static void test_planes_are_masked(void **state)
 		twin_insert(&twin, id,
 		            (stilb_sphere){random_between(&random, -64.0f, 64.0f), random_between(&random, -64.0f, 64.0f),
 		                           random_between(&random, -64.0f, 64.0f), 0.5f});
-	const float low[3] = {-200.0f, -200.0f, -200.0f}, high[3] = {3.0f, 200.0f, 200.0f}; /* only plane 1 cuts */
+	float low[3] = {-200.0f, -200.0f, -200.0f}, high[3] = {3.0f, 200.0f, 200.0f}; /* only plane 1 cuts */
 	stilb_frustum frustum = box_view(low, high);
 	uint32_t cut = 0;
 	cull_walk_result walk = walk_octree(twin.octree, &frustum);
@@ -309,14 +309,14 @@ static void test_planes_are_masked(void **state)
 		cut += twin.octree->items[i].planes;
 	}
 	assert_true(cut > 0);
-	/* Below the root cells ask plane 1 alone, once each. */
+	/* Below the root each cell is tested once, against plane 1 alone. */
 	assert_true(twin.octree->cell_tests > 0);
 	assert_true(twin.octree->cell_tests <= CULL_CHILDREN * (twin.octree->family_count - 1));
 	assert_true(assert_same(&twin, &frustum) > 0);
 	stilb_cull_octree_destroy(twin.octree);
 }
 
-/* Objects far more than a piece of work holds, in one cell. */
+/* One cell with far more objects than an item holds. */
 static void test_crowded_cells_are_split(void **state)
 {
 	(void)state;
@@ -325,7 +325,7 @@ static void test_crowded_cells_are_split(void **state)
 	for (uint32_t id = 0; id < CROWD; id++)
 		assert_int_equal(stilb_cull_octree_insert(octree, id, (stilb_sphere){(float)id * 0.001f, 1.0f, 1.0f, 0.0f}),
 		                 STILB_OK);
-	const float low[3] = {0.5f, 0.0f, 0.0f}, high[3] = {7.0f, 2.0f, 2.0f};
+	float low[3] = {0.5f, 0.0f, 0.0f}, high[3] = {7.0f, 2.0f, 2.0f};
 	stilb_frustum frustum = box_view(low, high);
 	cull_walk_result walk = walk_octree(octree, &frustum);
 	assert_int_equal(walk.item_count, 3);
@@ -343,12 +343,12 @@ static void test_crowded_cells_are_split(void **state)
 
 /* ---- rounding ---------------------------------------------------------------------------------------------------- */
 
-/* Planes whose exact distance to a corner of a cell is about 0, where objects of radius 0 or of the cell's reach sit: what
- * is certain for the cell must come out so for the rounded float test of each object. */
+/* Planes whose exact distance to a corner of a cell is about 0, with objects of radius 0 or of the cell's reach there:
+ * a decision about the cell must agree with the rounded float test of each of its objects. */
 static void test_cells_agree_with_rounded_objects(void **state)
 {
 	(void)state;
-	const float centers[] = {0.0f, 1000.0f, -123456.0f};
+	float centers[] = {0.0f, 1000.0f, -123456.0f};
 	uint32_t touched = 0;
 	for (size_t c = 0; c < sizeof centers / sizeof *centers; c++) {
 		twin_octree twin = {.octree = octree_make(centers[c], 64.0f, 3)};
@@ -382,8 +382,8 @@ static void test_cells_agree_with_rounded_objects(void **state)
 static void test_strange_planes(void **state)
 {
 	(void)state;
-	const float strange[] = {(float)NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e30f, 1e-40f, -1e-40f, 0.0f};
-	const uint32_t kinds = sizeof strange / sizeof *strange;
+	float strange[] = {(float)NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e30f, 1e-40f, -1e-40f, 0.0f};
+	uint32_t kinds = sizeof strange / sizeof *strange;
 	twin_octree twin = {.octree = octree_make(0.0f, EXTENT, 3)};
 	reference_random random = {.seed = 9};
 	for (uint32_t id = 0; id < OBJECTS; id++)
@@ -404,7 +404,7 @@ static void test_strange_planes(void **state)
 static void test_uniform_scenes_fill_their_cells(void **state)
 {
 	(void)state;
-	const uint32_t counts[] = {300, 1000, 10000, 50000};
+	uint32_t counts[] = {300, 1000, 10000, 50000};
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
 		reference_random random = {.seed = 10};
 		stilb_scene scene = scene_make(counts[i]);
@@ -428,7 +428,7 @@ static void test_uniform_scenes_fill_their_cells(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_create_refuses_bad_roots),
 		cmocka_unit_test(test_size_and_centre_name_the_cell),
 		cmocka_unit_test(test_random_operations),

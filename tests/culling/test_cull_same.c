@@ -1,4 +1,4 @@
-/* All methods see what a plain loop over all spheres sees, in order, with every instruction set and for any number of
+/* All methods give the result of a plain loop over all spheres, in order, with every instruction set and any number of
  * workers, while models move. */
 #include "support/cull_reference.h"
 
@@ -6,7 +6,7 @@
 
 static const uint32_t pool_workers[POOLS] = {0, 1, 3};
 
-/* A scene that moves, what culls it, and what it should see. */
+/* A moving scene, its stilb_cull, and the expected result. */
 typedef struct fixture {
 	stilb_scene scene;
 	stilb_cull *cull;
@@ -60,7 +60,7 @@ static void use_isa(fixture *f, stilb_isa isa)
 	f->cull->kernels = f->cull->octree->kernels = cull_kernels_for(isa);
 }
 
-/* One view, all methods, instruction sets and pools; sometimes small scenes are spread over the workers, too. */
+/* One view with all methods, instruction sets and pools; sometimes small scenes are spread over the workers, too. */
 static void assert_view(fixture *f, const stilb_frustum *frustum, bool always_parallel)
 {
 	f->expected_count = 0;
@@ -104,7 +104,7 @@ static void run_views(uint32_t model_count, float extent, uint32_t views, sphere
 	}
 	assert_null(cull_octree_check(f.cull->octree));
 	uint64_t all = (uint64_t)model_count * views;
-	assert_true(f.seen > all / 200 && f.seen < all); /* the views were worth looking at */
+	assert_true(f.seen > all / 200 && f.seen < all); /* the views see some models and not all */
 	fixture_finish(&f);
 }
 
@@ -131,7 +131,7 @@ static void test_views_of_a_cloud(void **state)
 	run_views(3000, 50.0f, 300, cloud_sphere, 2);
 }
 
-/* A crowd at one spot, some far away, one in ten with bounds that make no sense. */
+/* Most models in one place, some far away, one in ten with NaN, infinite or negative bounds. */
 static stilb_sphere crowd_sphere(reference_random *random, uint32_t model, uint32_t model_count)
 {
 	(void)model, (void)model_count;
@@ -149,7 +149,7 @@ static void test_views_of_a_crowd(void **state)
 	run_views(2000, 10.0f, 250, crowd_sphere, 3);
 }
 
-/* Points and balls on whole numbers: many lie on the faces of cells. */
+/* Points and balls at integer coordinates: many lie on faces of cells. */
 static stilb_sphere lattice_sphere(reference_random *random, uint32_t model, uint32_t model_count)
 {
 	(void)model_count;
@@ -163,7 +163,7 @@ static void test_views_of_a_lattice(void **state)
 	run_views(4097, 8.0f, 150, lattice_sphere, 4);
 }
 
-/* Large enough that threads are woken without being told to. */
+/* Large enough for several threads with the default CULL_SERIAL_BELOW. */
 static void test_views_of_a_large_grid(void **state)
 {
 	(void)state;
@@ -188,7 +188,7 @@ static void test_touching_is_visible(void **state)
 		stilb_frustum frustum = box_view(low, high);
 		assert_view(&f, &frustum, round % 2);
 	}
-	const float low[3] = {-9.0f, -9.0f, -9.0f}, high[3] = {-8.0f, 9.0f, 9.0f};
+	float low[3] = {-9.0f, -9.0f, -9.0f}, high[3] = {-8.0f, 9.0f, 9.0f};
 	stilb_frustum face = box_view(low, high);
 	assert_view(&f, &face, false);
 	uint32_t expected = 16 * 16;                    /* the layer x = -8 ... */
@@ -202,8 +202,8 @@ static void test_touching_is_visible(void **state)
 static void test_counts_around_chunks(void **state)
 {
 	(void)state;
-	const uint32_t counts[] = {8193, 0, 1, 7, 8, 9, 63, 64, 65, 4095, 4096, 4097, 8192};
-	const float low[3] = {-1e6f, -1e6f, -1e6f}, high[3] = {1e6f, 1e6f, 1e6f}, half[3] = {1e6f, 1e6f, 0.0f};
+	uint32_t counts[] = {8193, 0, 1, 7, 8, 9, 63, 64, 65, 4095, 4096, 4097, 8192};
+	float low[3] = {-1e6f, -1e6f, -1e6f}, high[3] = {1e6f, 1e6f, 1e6f}, half[3] = {1e6f, 1e6f, 0.0f};
 	stilb_cull_visible visible = {0};
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
 		fixture f;
@@ -254,7 +254,7 @@ static void test_scenes_without_shape(void **state)
 		sphere_fn *sphere;
 		uint32_t visible;
 	} cases[] = {{same_sphere, 500}, {nan_sphere, 0}, {infinite_sphere, 500}};
-	const float low[3] = {-2e6f, -2e6f, -2e6f}, high[3] = {2e6f, 2e6f, 2e6f};
+	float low[3] = {-2e6f, -2e6f, -2e6f}, high[3] = {2e6f, 2e6f, 2e6f};
 	stilb_frustum all = box_view(low, high);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		fixture f;
@@ -281,7 +281,7 @@ static void test_names(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_views_of_a_grid),
 		cmocka_unit_test(test_views_of_a_cloud),
 		cmocka_unit_test(test_views_of_a_crowd),

@@ -1,18 +1,18 @@
-/* 100,000 small random scenes under motion: every method, with every instruction set, on one thread and on several, sees
- * what a plain loop sees. Bounds and planes may be anything, NaN and infinities too. */
+/* 100,000 small random scenes in motion: every method, with every instruction set, on one thread and on several, gives
+ * the result of a plain loop. Bounds and planes can have any values, also NaN and infinities. */
 #include "support/cull_reference.h"
 
 #define SCENES 100000u
 #define MOST_MODELS 160u
 #define FAR 1e6f /* metres from the origin */
 
-/* Kinds of worlds; each has another way to go wrong. */
+/* Kinds of scenes, each for another kind of fault. */
 typedef enum world {
 	WORLD_CLOUD,   /* all sizes */
 	WORLD_LATTICE, /* on the faces of cells, touching planes exactly */
 	WORLD_FAR,     /* where floats are coarse */
 	WORLD_HUGE,    /* coordinates and radii near overflow */
-	WORLD_STRANGE, /* every other model has a value that makes no sense */
+	WORLD_STRANGE, /* every other model has a NaN, infinite or negative value */
 	WORLD_SPOT,    /* all in one place */
 	WORLDS
 } world;
@@ -45,7 +45,7 @@ static stilb_sphere world_sphere(world kind, reference_random *random)
 	}
 }
 
-/* A camera, a box with whole numbers, or planes that no view has. */
+/* A camera, a box with integer coordinates, or planes that no camera has. */
 static stilb_frustum world_view(world kind, reference_random *random)
 {
 	float extent = world_extent(kind);
@@ -131,7 +131,7 @@ static void move_some(fixture *f, world kind, reference_random *random)
 	assert_int_equal(stilb_cull_move(f->cull, &f->scene, moved, count), STILB_OK);
 }
 
-/* The octree of the scene, but of any depth: so few models get a shallow one. */
+/* Replaces the octree by one of another depth: with so few models it would be shallow. */
 static void deepen(fixture *f, reference_random *random)
 {
 	stilb_cull_octree_desc desc = cull_desc_for_scene(&f->scene);
@@ -169,7 +169,7 @@ static void test_random_scenes(void **state)
 	assert_int_equal(stilb_job_pool_create(&desc, &f.pool), 0);
 	for (uint64_t seed = 0; seed < SCENES; seed++)
 		run_scene(&f, seed);
-	assert_true(f.seen > f.all / 20 && f.seen < f.all / 2); /* the views were worth looking at */
+	assert_true(f.seen > f.all / 20 && f.seen < f.all / 2); /* the views see some models and not all */
 	stilb_job_pool_destroy(f.pool);
 	stilb_cull_visible_finish(&f.visible);
 	scene_free(&f.scene);
@@ -177,7 +177,7 @@ static void test_random_scenes(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_random_scenes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

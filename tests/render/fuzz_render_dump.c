@@ -1,6 +1,6 @@
-/* Frame dumps of any bytes: render_dump_read never crashes and returns a dump or a reason, and what it returns plays on
- * the null device and can be saved. The mutator knows the parts of a file, keeps the header's counts in step with them,
- * and mostly signs what it made, or no change would get past the checksum. */
+/* Frame dumps of any bytes: render_dump_read never crashes and returns a dump or a reason; a dump plays on the null
+ * device and can be saved. The mutator knows the parts of a file and adapts the header's counts to them. In most cases
+ * it also writes the right checksum, without which every mutant would be refused at once. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 
@@ -24,13 +24,13 @@ static void require(bool condition)
 
 static stilb_render *make_render(uint32_t way)
 {
-	const stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL,
-	                                .replay = (stilb_render_replay_mode)(way % 3),
-	                                .materials = (stilb_render_materials)(way / 3 % 3),
-	                                .width = 8,
-	                                .height = 8,
-	                                .context_count = 1,
-	                                .keep_textures = true};
+	stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL,
+	                          .replay = (stilb_render_replay_mode)(way % 3),
+	                          .materials = (stilb_render_materials)(way / 3 % 3),
+	                          .width = 8,
+	                          .height = 8,
+	                          .context_count = 1,
+	                          .keep_textures = true};
 	stilb_render *render;
 	require(stilb_render_create(&desc, &render) == STILB_OK);
 	return render;
@@ -41,12 +41,12 @@ static stilb_render *make_render(uint32_t way)
 static stilb_render_material seed_material(stilb_render *render, bool textured)
 {
 	static uint8_t pixels[3 * 1 * 4] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
-	const stilb_image image = {3, 1, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
-	const stilb_scene_material material = {.diffuse = {0.5f, 0.5f, 0.5f},
-	                                       .specular = {0.1f, 0.1f, 0.1f},
-	                                       .roughness = 0.6f,
-	                                       .anisotropy = 0.1f,
-	                                       .wrap = 0.2f};
+	stilb_image image = {3, 1, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
+	stilb_scene_material material = {.diffuse = {0.5f, 0.5f, 0.5f},
+	                                 .specular = {0.1f, 0.1f, 0.1f},
+	                                 .roughness = 0.6f,
+	                                 .anisotropy = 0.1f,
+	                                 .wrap = 0.2f};
 	stilb_render_texture texture = {0};
 	stilb_render_material out;
 	require(!textured || stilb_render_texture_create(render, &image, &texture) == STILB_OK);
@@ -59,8 +59,8 @@ static void make_seed(const char *path, uint32_t pass_count)
 {
 	static const stilb_render_pass passes[3] = {
 		{.name = "main"}, {.name = "sorted", .view = 1, .sort = true, .order = 3}, {.name = "last", .order = 2}};
-	const stilb_render_view views[2] = {{.view_projection = stilb_mat4_identity()}};
-	const stilb_mat4 transform = stilb_mat4_scale_translate(2.0f, 3.0f, 4.0f, 5.0f);
+	stilb_render_view views[2] = {{.view_projection = stilb_mat4_identity()}};
+	stilb_mat4 transform = stilb_mat4_scale_translate(2.0f, 3.0f, 4.0f, 5.0f);
 	stilb_render *render = make_render(0);
 	stilb_scene_mesh plane;
 	stilb_render_mesh meshes[2];
@@ -68,7 +68,7 @@ static void make_seed(const char *path, uint32_t pass_count)
 	for (int m = 0; m < 2; m++)
 		require(stilb_render_mesh_create(render, &plane, &meshes[m]) == STILB_OK);
 	stilb_scene_mesh_finish(&plane);
-	const stilb_render_material materials[2] = {seed_material(render, true), seed_material(render, pass_count > 1)};
+	stilb_render_material materials[2] = {seed_material(render, true), seed_material(render, pass_count > 1)};
 	require(stilb_render_frame_begin(render) == STILB_OK);
 	stilb_render_context *context = stilb_render_context_get(render, 0);
 	for (uint32_t p = 0; p < pass_count; p++) {
@@ -86,7 +86,7 @@ static void make_seed(const char *path, uint32_t pass_count)
 	stilb_render_destroy(render);
 }
 
-/* The last argument is the folder of the seeds, which the fuzzer reads after this and adds to. */
+/* The last argument is the seeds' folder: the fuzzer reads it after this function has filled it. */
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
 	const char *seeds = (*argv)[*argc - 1];
@@ -95,7 +95,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 		exit(1);
 	}
 	mkdir(seeds, 0777);
-	const stilb_job_pool_desc desc = {.worker_count = 0};
+	stilb_job_pool_desc desc = {.worker_count = 0};
 	require(stilb_job_pool_create(&desc, &pool) == 0);
 	for (uint32_t passes = 1; passes <= 3; passes++) {
 		char path[512];
@@ -111,15 +111,15 @@ static void sign(uint8_t *data, size_t size)
 {
 	if (size < sizeof(render_dump_header) + 8)
 		return;
-	const uint64_t bytes = size;
+	uint64_t bytes = size;
 	memcpy(data, RENDER_DUMP_MAGIC, 8);
 	memcpy(data + offsetof(render_dump_header, file_size), &bytes, sizeof bytes);
 	uint64_t checksum = stilb_hash_fnv1a64(STILB_FNV1A64_START, data, size - 8);
 	memcpy(data + size - 8, &checksum, sizeof checksum);
 }
 
-/* Adds (a copy) or takes away the last element of a part with its count in the header, where the element is a multiple
- * of 8 bytes. */
+/* Duplicates or removes the last element of a part whose elements are a multiple of 8 bytes, and adapts the header's
+ * count. */
 static size_t change_count(uint8_t *data, size_t size, size_t max_size, const uint64_t *begin, uint32_t chosen,
                            bool add)
 {
@@ -169,7 +169,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 
 /* ---- what must hold ---------------------------------------------------------------------------------------------- */
 
-/* Ids far beyond what is there only take time and memory. */
+/* Large ids only cost time and memory: each id below them gets an empty resource. */
 static bool plays_quickly(const stilb_render_dump *dump)
 {
 	const render_dump_header *header = dump->header;
@@ -193,7 +193,7 @@ static void play(stilb_render_dump *dump, stilb_render *render)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	stilb_render_dump *dump;
-	uint8_t *copy = malloc(size ? size : 1); /* of just that size: what reads beyond it is seen */
+	uint8_t *copy = malloc(size ? size : 1); /* of exactly that size: the sanitizer sees reads beyond it */
 	require(copy != NULL);
 	if (size > 0)
 		memcpy(copy, data, size);

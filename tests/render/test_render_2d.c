@@ -1,5 +1,5 @@
-/* 2D passes on the GPU against closed form: colors, clips, blending, textures and order to the pixel, for every way of
- * replay and both sample counts, over a scene and alone, under the validation layer. */
+/* 2D passes on the GPU against closed forms: colors, clips, blending, textures and order, pixel by pixel, for every
+ * replay mode and both sample counts, over a scene and alone, under the validation layer. */
 #include "render/vulkan/vulkan_internal.h"
 #include "support/picture_reference.h"
 
@@ -39,7 +39,7 @@ static void stage_close(stage *s)
 	stilb_job_pool_destroy(s->pool);
 }
 
-/* The ways of replay, each with one and with four samples. */
+/* The replay modes, each with one and with four samples. */
 #define WAYS 6
 
 static stilb_render_desc way(int w)
@@ -50,8 +50,8 @@ static stilb_render_desc way(int w)
 		.replay = (stilb_render_replay_mode)(w / 2), .materials = materials[w / 2], .samples = w % 2 ? 4 : 1};
 }
 
-/* Rectangle x0, y0, x1, y1 whose corners have these colors: top left, top right, bottom right, bottom left; and the
- * whole texture on it. */
+/* The rectangle x0, y0, x1, y1 with a color for each corner: top left, top right, bottom right, bottom left. It shows
+ * the whole texture. */
 static void quad_corners(stilb_render_vertex_2d out[4], const float r[4], const color c[4])
 {
 	for (int v = 0; v < 4; v++) {
@@ -141,7 +141,7 @@ static color any_color(uint64_t seed, uint32_t i)
 	return (color){(uint8_t)random, (uint8_t)(random >> 8), (uint8_t)(random >> 16), 255};
 }
 
-/* Every code of every channel comes out as it went in. */
+/* Every 8-bit value of every channel is drawn as itself. */
 static void opaque_colors_are_exact(void **state)
 {
 	(void)state;
@@ -150,7 +150,7 @@ static void opaque_colors_are_exact(void **state)
 		frame_begin(&s, 0);
 		for (uint32_t i = 0; i < 256; i++) {
 			float x = (float)(i % 16 * 4), y = (float)(i / 16 * 3);
-			const color c = {(uint8_t)i, (uint8_t)(255 - i), (uint8_t)(i * 7), 255};
+			color c = {(uint8_t)i, (uint8_t)(255 - i), (uint8_t)(i * 7), 255};
 			draw_quad(stilb_render_context_get(s.render, 0), (float[4]){x, y, x + 4, y + 3}, c, everywhere,
 			          (stilb_render_texture){0});
 		}
@@ -166,7 +166,7 @@ static void opaque_colors_are_exact(void **state)
 	}
 }
 
-/* Light goes straight into a picture of light: no tone mapping, no code. */
+/* In a linear picture colors are stored as linear light: neither tone mapped nor sRGB encoded. */
 static void light_is_not_tone_mapped(void **state)
 {
 	(void)state;
@@ -186,7 +186,7 @@ static void light_is_not_tone_mapped(void **state)
 	stage_close(&s);
 }
 
-/* Between corners light goes evenly, and a corner without alpha has no say in the color. */
+/* Light is interpolated linearly between corners, and premultiplied: a corner with alpha 0 adds no color. */
 static void corners_blend_in_light(void **state)
 {
 	(void)state;
@@ -194,7 +194,7 @@ static void corners_blend_in_light(void **state)
 	stilb_render_vertex_2d corners[4];
 	frame_begin(&s, 0);
 	stilb_render_context *context = stilb_render_context_get(s.render, 0);
-	const color left = {250, 20, 130, 255}, right = {10, 240, 130, 255}, clear = {255, 0, 0, 0};
+	color left = {250, 20, 130, 255}, right = {10, 240, 130, 255}, clear = {255, 0, 0, 0};
 	quad_corners(corners, (float[4]){0, 0, WIDTH, 8}, (color[4]){left, right, right, left});
 	stilb_render_draw_2d(context, stilb_render_geometry_2d(context, corners, 4, quad_indices, 6), 6, everywhere,
 	                     (stilb_render_texture){0});
@@ -217,7 +217,7 @@ static void corners_blend_in_light(void **state)
 
 /* ---- clips ------------------------------------------------------------------------------------------------------- */
 
-/* What is drawn is where pixel centres are inside; left and top belong to it, right and bottom do not. */
+/* A pixel is drawn if its centre is inside the clip: left and top edges are inside, right and bottom edges outside. */
 static void clips_are_exact(void **state)
 {
 	(void)state;
@@ -226,7 +226,7 @@ static void clips_are_exact(void **state)
 		{10, 10, 10, 20},     {30, 20, 12, 40},      {4.5f, 4.5f, 6.5f, 7.5f}, {4.6f, 4.4f, 6.6f, 7.6f},
 		{100, 100, 200, 200}, {-1e30f, 3, 1e30f, 4},
 	};
-	const color c = {200, 100, 50, 255};
+	color c = {200, 100, 50, 255};
 	for (int w = 0; w < WAYS; w++) {
 		stage s = stage_open(way(w));
 		for (size_t i = 0; i < sizeof clips / sizeof *clips; i++) {
@@ -250,11 +250,11 @@ static void clips_are_exact(void **state)
 
 /* ---- order, blending, textures ----------------------------------------------------------------------------------- */
 
-/* White with an alpha, and a color without: each multiplies what is drawn. */
+/* A white texture with alpha, and an opaque colored one: each multiplies the color of the shape. */
 static stilb_render_texture one_texel(stage *s, color c)
 {
 	uint8_t codes[4] = {c.r, c.g, c.b, c.a};
-	const stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes, 0};
+	stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes, 0};
 	stilb_render_texture out;
 	assert_int_equal(stilb_render_texture_create(s->render, &image, &out), STILB_OK);
 	return out;
@@ -306,7 +306,7 @@ static color painted(const paint *paints, uint32_t count, uint32_t x, uint32_t y
 	return c;
 }
 
-/* Rectangles over each other, from three segments that three contexts record the wrong way round. */
+/* Overlapping rectangles in three segments, recorded by three contexts in reverse order. */
 static void what_comes_later_is_above(void **state)
 {
 	(void)state;
@@ -339,7 +339,7 @@ static void what_comes_later_is_above(void **state)
 	}
 }
 
-/* A texel a pixel: each is its own, with its alpha. */
+/* One texel for each pixel: each pixel shows its texel, with its alpha. */
 static void a_picture_at_its_own_size(void **state)
 {
 	(void)state;
@@ -347,14 +347,14 @@ static void a_picture_at_its_own_size(void **state)
 	uint8_t codes[SIDE * SIDE * 4];
 	for (uint32_t i = 0; i < sizeof codes; i++)
 		codes[i] = (uint8_t)stilb_random_u64(9, i);
-	const stilb_image texels = {SIDE, SIDE, 4, STILB_IMAGE_U8_SRGB, codes, 0};
+	stilb_image texels = {SIDE, SIDE, 4, STILB_IMAGE_U8_SRGB, codes, 0};
 	stage s = stage_open((stilb_render_desc){0});
 	stilb_render_texture texture;
 	assert_int_equal(stilb_render_texture_create(s.render, &texels, &texture), STILB_OK);
 	frame_begin(&s, 0);
 	draw_quad(stilb_render_context_get(s.render, 0), (float[4]){20, 10, 20 + SIDE, 10 + SIDE},
 	          (color){255, 255, 255, 255}, everywhere, texture);
-	/* Destroyed while the frame is recorded: it is drawn all the same. */
+	/* Destroyed while the frame is recorded: this frame still draws it. */
 	stilb_render_texture_destroy(s.render, texture);
 	frame_end(&s);
 	stilb_image image = read_picture(&s);
@@ -394,9 +394,9 @@ static scene_view make_scene(void)
 /* One frame of the scene in two passes, with `quads` rectangles in a 2D pass that stands first in the table. */
 static stilb_image scene_picture(stage *s, scene_view *v, uint32_t quads)
 {
-	const stilb_render_pass passes[3] = {
+	stilb_render_pass passes[3] = {
 		{.name = "overlay", .kind = STILB_RENDER_PASS_2D}, {.name = "main", .order = 1}, {.name = "again", .order = 2}};
-	const uint32_t model = 0;
+	uint32_t model = 0;
 	frame_begin(s, 0);
 	stilb_render_context *context = stilb_render_context_get(s->render, 0);
 	for (uint32_t q = 0; q < quads; q++)
@@ -439,7 +439,7 @@ static void the_scene_is_below(void **state)
 
 /* ---- sizes ------------------------------------------------------------------------------------------------------- */
 
-/* A pixel each, all over the picture, in the colors of a seed: much more than a new frame has room for. */
+/* Rectangles of one pixel, all over the picture, in random colors: far more than a new frame's memory holds. */
 static void draw_all_pixels(stage *s, uint64_t seed)
 {
 	uint32_t width, height;
@@ -473,7 +473,7 @@ static void memory_grows_in_flight(void **state)
 			assert_int_equal(stilb_render_resize(s.render, sizes[i].width, sizes[i].height), STILB_OK);
 			for (uint64_t frame = 0; frame < 3; frame++) {
 				draw_all_pixels(&s, frame);
-				if (frame == 1) /* not waited for, the frame before */
+				if (frame == 1) /* the frame before may still be drawn */
 					continue;
 				assert_all_pixels(&s, frame);
 			}
@@ -503,7 +503,7 @@ static void an_empty_pass_is_black(void **state)
 	}
 }
 
-/* Without draws nothing is told to the device: the pass is not even begun. */
+/* A pass without draws gives the device no command at all. */
 static void an_empty_pass_over_a_scene_costs_nothing(void **state)
 {
 	(void)state;
@@ -522,7 +522,7 @@ static void an_empty_pass_over_a_scene_costs_nothing(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(opaque_colors_are_exact),   cmocka_unit_test(light_is_not_tone_mapped),
 		cmocka_unit_test(corners_blend_in_light),    cmocka_unit_test(clips_are_exact),
 		cmocka_unit_test(what_comes_later_is_above), cmocka_unit_test(a_picture_at_its_own_size),

@@ -1,5 +1,5 @@
-/* 2D passes on the null device: what is handed over, in which order, when memory outgrows what there was or runs out, and
- * what they are no part of: the stream hash and dumps. The linker sends allocations here (--wrap). */
+/* 2D passes on the null device: the draws that reach the device and their order, memory that grows and that runs out;
+ * and that 2D passes are not part of the stream hash and of dumps. The linker sends allocations here (--wrap). */
 #include "render/render_dump.h"
 #include "render/render_internal.h"
 #include "support/render_reference.h"
@@ -11,7 +11,7 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* Allocations up to the one that fails, itself included; those after it succeed. Relaxed: a counter, orders nothing. */
+/* The n-th allocation from now fails, later ones succeed. Relaxed: a counter that orders nothing. */
 static _Atomic int64_t allocations_left;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -36,7 +36,7 @@ static const stilb_render_view one_view[1];
 
 static stilb_render *make_render(stilb_render_replay_mode replay)
 {
-	const stilb_render_desc desc = {
+	stilb_render_desc desc = {
 		.device = STILB_RENDER_DEVICE_NULL, .replay = replay, .width = 64, .height = 64, .context_count = 4};
 	stilb_render *render;
 	assert_int_equal(stilb_render_create(&desc, &render), STILB_OK);
@@ -46,13 +46,13 @@ static stilb_render *make_render(stilb_render_replay_mode replay)
 static stilb_render_texture make_texture(stilb_render *render)
 {
 	static uint8_t white[4] = {255, 255, 255, 255};
-	const stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, white, 0};
+	stilb_image image = {1, 1, 4, STILB_IMAGE_U8_SRGB, white, 0};
 	stilb_render_texture out;
 	assert_int_equal(stilb_render_texture_create(render, &image, &out), STILB_OK);
 	return out;
 }
 
-/* Shape n: a fan of n + 3 vertices whose numbers say what they are. */
+/* Shape n: a fan of n + 3 vertices that hold n and their own number. */
 typedef struct shape {
 	stilb_render_vertex_2d vertices[40];
 	uint32_t indices[120];
@@ -80,7 +80,7 @@ static void shape_record(stilb_render_context *context, uint32_t number, stilb_r
 	stilb_render_draw_2d(context, first, s.index_count, s.clip, texture);
 }
 
-/* What the device would read: the shapes one after the other, each with its clip. */
+/* Checks what the device would read: all shapes in order, each with its clip. */
 static void assert_shapes(const stilb_render *render, uint32_t count)
 {
 	const render_pass_lists *lists = &render->passes[0];
@@ -139,7 +139,7 @@ static uint64_t shape_bytes(uint32_t count)
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-/* The first frame has no memory for geometry at all, others have too little; later ones have enough. */
+/* The first frame begins without memory for geometry, the next with too little, later ones with enough. */
 static void memory_outgrows_and_stays(void **state)
 {
 	(void)state;
@@ -168,11 +168,11 @@ static void draws_are_counted(void **state)
 		stilb_render_stats stats = stilb_render_stats_get(render);
 		assert_true(stats.draws == 90);
 		assert_true(stats.draw_commands == (indirect ? 0 : 90));
-		assert_true(stats.indirect_commands == indirect); /* one, whatever the clips */
+		assert_true(stats.indirect_commands == indirect); /* one for all clips */
 		assert_true(stats.execute_commands == 0);
 		assert_true(stats.binds_asked == 270 && stats.binds_sent == 3);
 		assert_true(stats.recorded_bytes == 90 * 96 + shape_bytes(90));
-		/* A texture more: one for each stretch that has the same. */
+		/* With textures: one for each run of draws with the same texture. */
 		assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 		assert_int_equal(stilb_render_pass_begin(render, 0, 1), STILB_OK);
 		stilb_render_context *context = stilb_render_context_get(render, 0);
@@ -184,7 +184,7 @@ static void draws_are_counted(void **state)
 		assert_int_equal(stilb_render_replay(render, passes, 1, NULL, 0, NULL, 0), STILB_OK);
 		assert_true(stilb_render_stats_get(render).indirect_commands == (indirect ? 4 : 0));
 		assert_true(stilb_render_stats_get(render).binds_sent ==
-		            3 + 1 + 2 + 1); /* pipeline, texture when there is one */
+		            3 + 1 + 2 + 1); /* three at first, then pipeline and texture where they change */
 		assert_shapes(render, 12);
 		assert_int_equal(draw_shapes(render, 0, texture), STILB_OK);
 		stats = stilb_render_stats_get(render);
@@ -193,12 +193,12 @@ static void draws_are_counted(void **state)
 	}
 }
 
-/* Nothing to copy, nothing to draw. */
+/* Shapes without vertices or indices. */
 static void empty_geometry_is_none(void **state)
 {
 	(void)state;
 	stilb_render *render = make_render(STILB_RENDER_REPLAY_INDIRECT);
-	const shape s = shape_make(1);
+	shape s = shape_make(1);
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 	assert_int_equal(stilb_render_pass_begin(render, 0, 1), STILB_OK);
 	stilb_render_context *context = stilb_render_context_get(render, 0);
@@ -212,7 +212,7 @@ static void empty_geometry_is_none(void **state)
 	stilb_render_destroy(render);
 }
 
-/* Each allocation fails once: an error that says so, and the next frame is as if nothing had been. */
+/* Each allocation fails once: the frame returns an error that says so, and the next frame is complete. */
 static void without_memory_the_frame_fails(void **state)
 {
 	(void)state;
@@ -251,7 +251,7 @@ static size_t read_file(const char *path, uint8_t *bytes, size_t size)
 	return length;
 }
 
-/* A scene with and without an overlay: the same stream, and the same file. */
+/* A scene with and without a 2D pass gives the same stream hash and the same dump. */
 static void no_part_of_hash_and_dump(void **state)
 {
 	(void)state;
@@ -268,7 +268,7 @@ static void no_part_of_hash_and_dump(void **state)
 	stilb_render *render = make_render(STILB_RENDER_REPLAY_INDIRECT);
 	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
 	uint64_t hash = reference_hash_models(REFERENCE_HASH_PASS, scene, ids, 40);
-	const stilb_render_pass alone = passes[1];
+	stilb_render_pass alone = passes[1];
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 	assert_int_equal(stilb_render_record(render, 0, scene, ids, 40, pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_replay(render, &alone, 1, one_view, 1, pool, 0), STILB_OK);
@@ -281,7 +281,7 @@ static void no_part_of_hash_and_dump(void **state)
 	assert_int_equal(stilb_render_replay(render, passes, 2, one_view, 1, pool, 0), STILB_OK);
 	assert_true(stilb_render_stream_hash(render) == hash);
 	assert_true(stilb_render_stats_get(render).draws == 2 * 40 + 250);
-	assert_int_equal(render->replayed[0], 1); /* the scene first, whatever the orders */
+	assert_int_equal(render->replayed[0], 1); /* scene passes come first, also with a greater order */
 	assert_int_equal(render->replayed[1], 0);
 	assert_int_equal(stilb_render_dump_save(render, passes, 2, one_view, 1, with), STILB_OK);
 	static uint8_t bytes[2][1 << 20];
@@ -341,7 +341,7 @@ static void workers_share_the_memory(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(memory_outgrows_and_stays), cmocka_unit_test(draws_are_counted),
 		cmocka_unit_test(empty_geometry_is_none),    cmocka_unit_test(without_memory_the_frame_fails),
 		cmocka_unit_test(no_part_of_hash_and_dump),  cmocka_unit_test(workers_share_the_memory),

@@ -76,7 +76,7 @@ static void locks(void **state)
 	stilb_render_destroy(render);
 }
 
-/* ---- the order of calls ------------------------------------------------------------------------------------------- */
+/* ---- the order of calls ------------------------------------------------------------------------------------------ */
 
 static void begin_twice(stilb_render *render, uint32_t pass)
 {
@@ -154,7 +154,7 @@ static void order(void **state)
 	stilb_render_destroy(render);
 }
 
-/* ---- draws and handles --------------------------------------------------------------------------------------------- */
+/* ---- draws and handles ------------------------------------------------------------------------------------------- */
 
 static stilb_render_mesh make_mesh(stilb_render *render)
 {
@@ -247,7 +247,7 @@ static void sets_of_ranges(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(creation),       cmocka_unit_test(threads), cmocka_unit_test(locks),
 		cmocka_unit_test(order),          cmocka_unit_test(draws),   cmocka_unit_test(handles),
 		cmocka_unit_test(sets_of_ranges),

@@ -1,6 +1,6 @@
-/* One stream, whoever records it: 0 to 8 workers, many schedules each. The job system's loops come here first (the
- * linker's --wrap): their slices are handed on in an order of our choice, with pauses between, and its hooks pause
- * too. So segments are recorded in orders that no scheduler would think of. Arguments: the number of schedules;
+/* The stream is the same for 0 to 8 workers and many schedules of each. The linker redirects the job system's loops to
+ * this file (--wrap), which permutes their slices and pauses between them; the hooks of the pool pause, too. So
+ * segments are recorded in orders that the scheduler alone would hardly give. Arguments: the number of schedules;
  * "vulkan", to compare pictures instead; WORKERS SCHEDULE, to repeat one schedule. */
 #include "support/render_fixture.h"
 #include "support/test.h"
@@ -17,7 +17,7 @@
 
 static struct {
 	uint64_t seed;
-	_Atomic uint64_t pauses; /* relaxed: numbers for the generator; who gets which is left to chance as well */
+	_Atomic uint64_t pauses; /* so far. Relaxed: it numbers random values; any thread may get any of them */
 	bool on;
 } fuzz;
 
@@ -60,7 +60,7 @@ static const stilb_job_hooks fuzz_hooks = {
 typedef struct fuzz_loop {
 	stilb_job_range_fn *fn;
 	void *context;
-	uint32_t count, first, step; /* slice s is really number (first + s * step) % count */
+	uint32_t count, first, step; /* slice s runs as slice (first + s * step) % count */
 } fuzz_loop;
 
 static void fuzz_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -120,7 +120,7 @@ typedef struct content {
 	stilb_render_texture textures[TEXTURES];
 	stilb_render_material materials[MATERIALS];
 	hand_pass hand[HAND_PASSES];
-	/* As replay has to give them. */
+	/* The expected result of replay. */
 	fixture_draw *streams[PASSES];
 	uint32_t counts[PASSES];
 	uint64_t hash;
@@ -143,7 +143,7 @@ static void content_upload(stilb_render *render)
 		uint8_t pixels[4 * 4 * 3];
 		for (size_t i = 0; i < sizeof pixels; i++)
 			pixels[i] = (uint8_t)(stilb_random_u64(t, i) % 256);
-		const stilb_image image = {4, 4, 3, STILB_IMAGE_U8_SRGB, pixels, 0};
+		stilb_image image = {4, 4, 3, STILB_IMAGE_U8_SRGB, pixels, 0};
 		if (stilb_render_texture_create(render, &image, &all.textures[t]) != STILB_OK)
 			fail_msg("%s", stilb_error_message());
 	}
@@ -266,7 +266,7 @@ static void hand_run(void *data, uint32_t worker)
 	record_hand_segment(job->render, 0, job->segment, worker);
 }
 
-/* Each segment a job, submitted in any order: a waiting owner runs the newest first, a thief takes the oldest. */
+/* A job for each segment, submitted in any order: a waiting owner runs the newest job first, a thief the oldest. */
 static void record_by_jobs(stilb_render *render, stilb_job_pool *pool)
 {
 	hand_job jobs[SEGMENTS];
@@ -352,12 +352,12 @@ static void repeated(void **state)
 
 static stilb_image draw_picture(int replay, int materials, uint32_t workers)
 {
-	const stilb_render_desc desc = {.replay = (stilb_render_replay_mode)replay,
-	                                .materials = (stilb_render_materials)materials,
-	                                .width = 160,
-	                                .height = 160,
-	                                .context_count = workers + 1,
-	                                .validate = true};
+	stilb_render_desc desc = {.replay = (stilb_render_replay_mode)replay,
+	                          .materials = (stilb_render_materials)materials,
+	                          .width = 160,
+	                          .height = 160,
+	                          .context_count = workers + 1,
+	                          .validate = true};
 	stilb_render *render;
 	stilb_image image = {0};
 	if (stilb_render_create(&desc, &render) != STILB_OK)
@@ -402,12 +402,12 @@ static void one_picture(void **state)
 
 int main(int argc, char **argv)
 {
-	const struct CMUnitTest streams[] = {
+	struct CMUnitTest streams[] = {
 		cmocka_unit_test(one_stream),
 		cmocka_unit_test(reference_no_third_party),
 	};
-	const struct CMUnitTest pictures[] = {cmocka_unit_test(one_picture)};
-	const struct CMUnitTest repeats[] = {cmocka_unit_test(repeated)};
+	struct CMUnitTest pictures[] = {cmocka_unit_test(one_picture)};
+	struct CMUnitTest repeats[] = {cmocka_unit_test(repeated)};
 	if (argc == 3) {
 		repeat_workers = (uint32_t)strtoul(argv[1], NULL, 10);
 		repeat_schedule = (uint32_t)strtoul(argv[2], NULL, 10);

@@ -1,5 +1,5 @@
-/* Frame dumps on the null device: the same stream comes back from a file, and a file of any bytes is refused with a
- * reason or played. The linker sends allocations here (--wrap). */
+/* Frame dumps on the null device: a saved frame plays with the same stream, and a damaged file is refused with a reason
+ * or plays. The linker sends allocations here (--wrap). */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 #include "support/test.h"
@@ -15,7 +15,7 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* Allocations that still succeed. Relaxed: a counter, orders nothing. */
+/* So many more allocations succeed. Relaxed: a counter that orders nothing. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -74,7 +74,7 @@ static const uint32_t segment_counts[2] = {4, 3};
 
 static stilb_job_pool *make_pool(uint32_t workers)
 {
-	const stilb_job_pool_desc desc = {.worker_count = workers};
+	stilb_job_pool_desc desc = {.worker_count = workers};
 	stilb_job_pool *pool;
 	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
 	return pool;
@@ -82,15 +82,15 @@ static stilb_job_pool *make_pool(uint32_t workers)
 
 static stilb_render *make_render(uint32_t contexts, int replay, int materials, bool keep_textures)
 {
-	const stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL,
-	                                .replay = (stilb_render_replay_mode)replay,
-	                                .materials = (stilb_render_materials)materials,
-	                                .output = STILB_RENDER_OUTPUT_LINEAR,
-	                                .width = 64,
-	                                .height = 32,
-	                                .samples = 4,
-	                                .context_count = contexts,
-	                                .keep_textures = keep_textures};
+	stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL,
+	                          .replay = (stilb_render_replay_mode)replay,
+	                          .materials = (stilb_render_materials)materials,
+	                          .output = STILB_RENDER_OUTPUT_LINEAR,
+	                          .width = 64,
+	                          .height = 32,
+	                          .samples = 4,
+	                          .context_count = contexts,
+	                          .keep_textures = keep_textures};
 	stilb_render *render;
 	assert_int_equal(stilb_render_create(&desc, &render), STILB_OK);
 	return render;
@@ -106,7 +106,7 @@ static void make_texture(frame *f, uint32_t t, uint32_t channels, stilb_image_fo
 	stilb_image_finish(&image);
 }
 
-/* Ids that no draw uses lie before and between those that are used. */
+/* Resources that no draw uses have ids before and between those that draws use. */
 static void make_resources(frame *f)
 {
 	for (uint32_t m = 0; m < 4; m++) {
@@ -119,12 +119,12 @@ static void make_resources(frame *f)
 	make_texture(f, 1, 1, STILB_IMAGE_U8_SRGB);
 	make_texture(f, 2, 3, STILB_IMAGE_F16_LINEAR);
 	for (uint32_t m = 0; m < 50; m++) {
-		const stilb_scene_material material = {.diffuse = {0.5f, 0.25f, (float)m},
-		                                       .specular = {0.1f, 0.2f, 0.3f},
-		                                       .roughness = 0.5f,
-		                                       .anisotropy = 0.25f,
-		                                       .wrap = 0.75f};
-		const stilb_render_texture texture = m % 5 == 0 ? f->textures[1 + m / 5 % 2] : (stilb_render_texture){0};
+		stilb_scene_material material = {.diffuse = {0.5f, 0.25f, (float)m},
+		                                 .specular = {0.1f, 0.2f, 0.3f},
+		                                 .roughness = 0.5f,
+		                                 .anisotropy = 0.25f,
+		                                 .wrap = 0.75f};
+		stilb_render_texture texture = m % 5 == 0 ? f->textures[1 + m / 5 % 2] : (stilb_render_texture){0};
 		assert_int_equal(stilb_render_material_create(f->render, &material, texture, &f->materials[m]), STILB_OK);
 	}
 	stilb_render_mesh_destroy(f->render, f->meshes[0]);
@@ -203,7 +203,7 @@ static uint8_t *read_bytes(const char *path, size_t *size)
 	return bytes;
 }
 
-/* A copy in memory of just that size: what reads beyond it is seen. */
+/* Reads a copy of exactly that size, so that the sanitizer sees reads beyond it. */
 static stilb_result read_copy(const uint8_t *bytes, size_t size, stilb_render_dump **dump)
 {
 	uint8_t *copy = malloc(size ? size : 1);
@@ -270,7 +270,7 @@ static void only_what_is_used_is_in_it(void **state)
 	assert_int_equal(info.draws, 7 + 9 + 10 + 7 + 9);
 	assert_int_equal(info.meshes, 2);
 	assert_in_range(info.materials, 10, 30);
-	assert_int_equal(info.textures, 2); /* two of three */
+	assert_int_equal(info.textures, 2); /* of three textures draws use two */
 	assert_int_equal(info.width, 64);
 	assert_int_equal(info.height, 32);
 	assert_int_equal(info.samples, 4);
@@ -335,12 +335,12 @@ static void every_change_is_noticed(void **state)
 		}
 	}
 	stilb_render_dump *dump;
-	assert_int_equal(read_copy(bytes, size, &dump), STILB_OK); /* as it was */
+	assert_int_equal(read_copy(bytes, size, &dump), STILB_OK); /* the undamaged file */
 	stilb_render_dump_destroy(dump);
 	free(bytes);
 }
 
-/* Ids far beyond what is there would only take time and memory. */
+/* Large ids would only cost time and memory: each id below them gets an empty resource. */
 static bool ids_are_small(const stilb_render_dump *dump)
 {
 	const render_dump_header *header = dump->header;
@@ -348,7 +348,7 @@ static bool ids_are_small(const stilb_render_dump *dump)
 	       (header->meshes == 0 || dump->meshes[header->meshes - 1].id < 1000);
 }
 
-/* The checksum does not protect what was written wrong: then a file is refused, or it plays. */
+/* Random bytes are changed and the checksum is made right again: the file is refused, or it plays. */
 static void every_signed_change_is_refused_or_plays(void **state)
 {
 	(void)state;
@@ -375,7 +375,7 @@ static void every_signed_change_is_refused_or_plays(void **state)
 			bytes[i] ^= changes[c];
 		}
 	}
-	assert_true(played > 100); /* colours, transforms */
+	assert_true(played > 100); /* changed colours and transforms are valid */
 	stilb_job_pool_destroy(pool);
 	free(bytes);
 }
@@ -383,7 +383,7 @@ static void every_signed_change_is_refused_or_plays(void **state)
 #define HEADER(field) offsetof(render_dump_header, field)
 #define VIEW(field) offsetof(render_dump_view, field)
 
-/* Offset from the beginning of a part, the 32 bits to put there, and what the message must say. */
+/* Offset from the beginning of a part, the 32 bits to write there, and a part of the message to expect. */
 static const struct damage {
 	render_dump_part part;
 	size_t offset;
@@ -504,7 +504,7 @@ static void files_that_cannot_be_read(void **state)
 	assert_load_fails("missing.dump", "No such file");
 	assert_load_fails(".", "directory");
 	assert_load_fails("/dev/null", "empty");
-	assert_load_fails("/dev/zero", "not a frame dump"); /* and it ends */
+	assert_load_fails("/dev/zero", "not a frame dump"); /* an endless file is not read to the end */
 	write_bytes(PATH_AGAIN, text, sizeof text);
 	assert_load_fails(PATH_AGAIN, "not a frame dump");
 	make_dump(PATH);
@@ -561,7 +561,7 @@ static const stilb_render_dump_cost *cost_of(const stilb_render_dump_costs *cost
 	return NULL;
 }
 
-/* How often a kind comes, and that its numbers are in order. Timings themselves are not tested. */
+/* Checks how many commands of a kind there are, and low <= median <= high. The times themselves are not tested. */
 static void assert_cost(const stilb_render_dump_costs *costs, const char *kind, uint64_t count, bool known)
 {
 	const stilb_render_dump_cost *cost = cost_of(costs, kind);
@@ -594,7 +594,7 @@ static void each_kind_has_its_cost(void **state)
 		assert_cost(&costs, "draw", indirect ? 0 : 42, !indirect);
 		const stilb_render_dump_cost *material = cost_of(&costs, "bind a material");
 		const stilb_render_dump_cost *pipeline = cost_of(&costs, "bind a pipeline");
-		/* Draws with a texture are between draws without one: that is another pipeline. */
+		/* Draws with and without a texture alternate, and each change needs another pipeline. */
 		assert_true(materials == STILB_RENDER_MATERIALS_PIPELINE ? pipeline->count > 25 : pipeline->count < 25);
 		assert_true(materials == STILB_RENDER_MATERIALS_BIND ? material->count > 25 : material->count < 25);
 		assert_true(material->count > 0 && pipeline->count > 0);
@@ -618,7 +618,7 @@ static int remove_files(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_stream_comes_back),
 		cmocka_unit_test(only_what_is_used_is_in_it),
 		cmocka_unit_test(what_cannot_be_dumped),

@@ -1,5 +1,5 @@
-/* Frame dumps on a Vulkan device: textures, several passes and views, and a sorted pass come back from the file, pixel by
- * pixel, in every way of replay. */
+/* Frame dumps on a Vulkan device: a dump with textures, several passes and views, and a sorted pass gives the same
+ * picture, pixel by pixel, in every replay mode. */
 #include "render/render_dump.h"
 #include "support/picture_reference.h"
 #include "support/test.h"
@@ -17,15 +17,15 @@ static stilb_job_pool *pool;
 
 static stilb_result make_render(int replay, int materials, stilb_render **render)
 {
-	const stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_VULKAN,
-	                                .replay = (stilb_render_replay_mode)replay,
-	                                .materials = (stilb_render_materials)materials,
-	                                .width = SIDE,
-	                                .height = SIDE,
-	                                .samples = 1,
-	                                .context_count = stilb_job_pool_worker_count(pool) + 1,
-	                                .validate = true,
-	                                .keep_textures = true};
+	stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_VULKAN,
+	                          .replay = (stilb_render_replay_mode)replay,
+	                          .materials = (stilb_render_materials)materials,
+	                          .width = SIDE,
+	                          .height = SIDE,
+	                          .samples = 1,
+	                          .context_count = stilb_job_pool_worker_count(pool) + 1,
+	                          .validate = true,
+	                          .keep_textures = true};
 	return stilb_render_create(&desc, render);
 }
 
@@ -41,7 +41,7 @@ static stilb_render_texture make_texture(stilb_render *render, uint32_t seed)
 	return texture;
 }
 
-/* Upright squares, every other one with a texture, in two passes that see the same from two sides. */
+/* Upright squares, every other one with a texture, in two passes that see them from two sides. */
 static void record_quads(stilb_render *render, stilb_render_mesh mesh, const stilb_render_material materials[QUADS])
 {
 	stilb_render_context *context = stilb_render_context_get(render, 0);
@@ -50,8 +50,8 @@ static void record_quads(stilb_render *render, stilb_render_mesh mesh, const sti
 		for (uint32_t segment = 0; segment < 2; segment++) {
 			stilb_render_segment_begin(context, pass, segment);
 			for (uint32_t q = segment; q < QUADS; q += 2) {
-				const float x = (float)(q % 8) - 3.5f, y = (float)(q / 8) - 2.0f, depth = -6.0f - (float)pass;
-				const stilb_mat4 turned = {{0.5f, 0, 0, 0, 0, 0, 0.5f, 0, 0, -0.5f, 0, 0, x, y, depth, 1}};
+				float x = (float)(q % 8) - 3.5f, y = (float)(q / 8) - 2.0f, depth = -6.0f - (float)pass;
+				stilb_mat4 turned = {{0.5f, 0, 0, 0, 0, 0, 0.5f, 0, 0, -0.5f, 0, 0, x, y, depth, 1}};
 				stilb_render_draw_with_key(context, (QUADS - q) * 1000u, mesh, materials[q], &turned);
 			}
 			stilb_render_segment_end(context);
@@ -62,9 +62,9 @@ static void record_quads(stilb_render *render, stilb_render_mesh mesh, const sti
 
 static void fill_views(stilb_render_view views[2])
 {
-	const stilb_mat4 projection = stilb_mat4_perspective(1.0f, 1.0f, 0.1f, 100.0f);
+	stilb_mat4 projection = stilb_mat4_perspective(1.0f, 1.0f, 0.1f, 100.0f);
 	for (int v = 0; v < 2; v++) {
-		const stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0.0f, 0.0f, 1.0f), 0.3f * (float)v, 0.0f);
+		stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0.0f, 0.0f, 1.0f), 0.3f * (float)v, 0.0f);
 		views[v] = (stilb_render_view){.view_projection = stilb_mat4_multiply(projection, view),
 		                               .camera_position = {0.0f, 0.0f, 1.0f},
 		                               .sun = {{0.0f, 0.6f, 0.8f}, {2.0f, 2.0f, 2.0f}},
@@ -87,9 +87,9 @@ static void draw_and_save(stilb_render *render, stilb_image *picture)
 	assert_int_equal(stilb_render_mesh_create(render, &plane, &mesh), STILB_OK);
 	stilb_scene_mesh_finish(&plane);
 	for (uint32_t q = 0; q < QUADS; q++) {
-		const stilb_scene_material material = {
+		stilb_scene_material material = {
 			{0.9f, 0.3f + 0.01f * (float)q, 0.5f}, {0.05f, 0.05f, 0.05f}, .roughness = 0.7f};
-		const stilb_render_texture texture = q % 2 ? make_texture(render, q) : (stilb_render_texture){0};
+		stilb_render_texture texture = q % 2 ? make_texture(render, q) : (stilb_render_texture){0};
 		assert_int_equal(stilb_render_material_create(render, &material, texture, &materials[q]), STILB_OK);
 	}
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
@@ -117,7 +117,7 @@ static void assert_plays(int replay, int materials, const stilb_image *picture, 
 	assert_int_equal(stilb_render_read_image(render, &played), STILB_OK);
 	assert_int_equal(stilb_image_size(&played), stilb_image_size(picture));
 	assert_memory_equal(played.pixels, picture->pixels, stilb_image_size(picture));
-	stilb_render_dump_costs costs; /* and what was never submitted leaves no message */
+	stilb_render_dump_costs costs; /* commands that are never submitted cause no validation message */
 	assert_int_equal(stilb_render_dump_measure(dump, render, pool, 0, 0.02, &costs), STILB_OK);
 	assert_int_equal(stilb_render_validation_messages(render), 0);
 	stilb_image_finish(&played);
@@ -125,7 +125,7 @@ static void assert_plays(int replay, int materials, const stilb_image *picture, 
 	stilb_render_destroy(render);
 }
 
-/* How many of the picture's pixels are not its first one's colour: an empty one has none. */
+/* The number of pixels that differ from the first one; 0 for an empty picture. */
 static size_t pixels_drawn(const stilb_image *picture)
 {
 	const uint8_t *pixels = picture->pixels;
@@ -152,8 +152,8 @@ static void the_same_pixels(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(the_same_pixels)};
-	const stilb_job_pool_desc desc = {.worker_count = 2};
+	struct CMUnitTest tests[] = {cmocka_unit_test(the_same_pixels)};
+	stilb_job_pool_desc desc = {.worker_count = 2};
 	if (reference_no_driver())
 		return 77;
 	if (stilb_job_pool_create(&desc, &pool) != 0)

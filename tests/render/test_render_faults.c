@@ -1,6 +1,5 @@
-/* Allocations that fail and devices that are lost, one after the other: each ends in an error that says what
- * happened, the next frame is drawn as if nothing had been, and nothing is left behind. On the null device and on the
- * GPU. */
+/* Every allocation fails once, and devices are lost, on the null device and on the GPU. Each fault ends in an error
+ * that says what happened, the next frame is drawn completely, and nothing leaks. */
 #include "render/vulkan/vulkan_internal.h"
 #include "support/picture_reference.h"
 
@@ -27,18 +26,19 @@ void __wrap_stilb_log(const char *format, ...)
 	vsnprintf(text, sizeof text, format, values);
 	va_end(values);
 	printf("%s\n", text);
-	messages += !strstr(text, "validation: VK_ERROR_"); /* so the driver itself repeats what it returns */
+	messages +=
+		!strstr(text, "validation: VK_ERROR_"); /* lavapipe logs the errors that it returns: these do not count */
 }
 
 /* ---- the driver's own memory ------------------------------------------------------------------------------------- */
 
-/* Relaxed counters: the driver's threads allocate, too. The test reads them between trials. */
+/* Relaxed: counters that order nothing. The driver's threads allocate, too; the test reads them between trials. */
 static uint32_t host_allocations, host_fault;
 static int32_t host_live;
 
 static void *host_failed_call;
 
-/* The place in this program from where the driver, or the layer before it, was called; NULL outside of both. */
+/* The return address in this program of the call into the driver or the layer; NULL outside of such calls. */
 static void *driver_call(void)
 {
 	void *stack[64];
@@ -108,10 +108,10 @@ static const VkAllocationCallbacks host_allocator = {
 
 /* ---- a trial ----------------------------------------------------------------------------------------------------- */
 
-/* Everything that allocates, once. What fails is tried again, and must succeed then: a fault comes once. */
+/* Runs everything that allocates. A call that fails is repeated and must then succeed: each fault is injected once. */
 typedef struct trial {
 	stilb_render_desc desc;
-	uint32_t far_draws; /* out of sight, in the second frame: more than a frame has room for at first */
+	uint32_t far_draws; /* outside the view, in the second frame: more than a new frame's memory holds */
 	stilb_result wanted;
 	int errors;
 	stilb_render *render;
@@ -143,7 +143,7 @@ static stilb_result step_create(trial *t)
 	stilb_result result = stilb_render_create(&t->desc, &t->render);
 	assert_true((result == STILB_OK) == (t->render != NULL));
 	if (result != STILB_OK)
-		t->desc.faults = (stilb_render_faults){0}; /* a new device counts anew */
+		t->desc.faults = (stilb_render_faults){0}; /* a new device would count from 1 again */
 	return result;
 }
 
@@ -151,7 +151,7 @@ static stilb_result step_texture(trial *t)
 {
 	uint8_t codes[16 * 16 * 3];
 	memset(codes, 200, sizeof codes);
-	const stilb_image image = {16, 16, 3, STILB_IMAGE_U8_SRGB, codes, 0};
+	stilb_image image = {16, 16, 3, STILB_IMAGE_U8_SRGB, codes, 0};
 	return stilb_render_texture_create(t->render, &image, &t->texture);
 }
 
@@ -180,14 +180,14 @@ static stilb_result trial_overlay(trial *t, uint32_t pass, uint32_t triangles)
 	return stilb_render_pass_end(t->render, pass);
 }
 
-/* The scene twice, its first part with a texture as well; from two passes, of which one is sorted; and a third over them. */
+/* Two passes draw the scene, one of them sorted, the first part with a texture; a 2D pass draws over them. */
 static stilb_result trial_frame(trial *t, uint32_t far_draws)
 {
 	static const stilb_render_pass passes[3] = {{.name = "main"},
 	                                            {.name = "again", .order = 1, .sort = true},
 	                                            {.name = "overlay", .kind = STILB_RENDER_PASS_2D}};
-	const uint32_t model = 0;
-	const stilb_mat4 away = stilb_mat4_scale_translate(0.01f, 0.0f, -50.0f, 0.0f);
+	uint32_t model = 0;
+	stilb_mat4 away = stilb_mat4_scale_translate(0.01f, 0.0f, -50.0f, 0.0f);
 	stilb_result result = stilb_render_frame_begin(t->render);
 	if (result == STILB_OK)
 		result = stilb_render_record(t->render, 0, t->scene, &model, 1, t->pool, 0);
@@ -282,7 +282,7 @@ static void trial_finish(trial *t)
 	t->render = NULL;
 }
 
-/* How many errors there were; the picture must be as without. */
+/* Returns the number of errors; the picture must equal the one without faults. */
 static int trial_run(stilb_render_desc desc, uint32_t far_draws, stilb_image *picture)
 {
 	trial t = trial_make(desc, far_draws);
@@ -323,7 +323,8 @@ static const stilb_render_desc ways[] = {
 #define WAYS (sizeof ways / sizeof *ways)
 #define GPU_WAYS 3u /* the first */
 
-/* Until no allocation is left to fail. Frames outgrow their memory where that many draws cost least. */
+/* Lets allocations 1, 2, ... fail until all have failed. Frames that outgrow their memory are tried with the mode in
+ * which so many draws cost least. */
 static void every_device_allocation_fails_once(void **state)
 {
 	(void)state;
@@ -337,7 +338,7 @@ static void every_device_allocation_fails_once(void **state)
 			desc.faults.allocation = n;
 			int errors = trial_run(desc, far_draws, &got);
 			assert_same_picture(&want, &got);
-			assert_in_range(errors, 0, 1); /* 0: memory that was asked for ahead may be wanting */
+			assert_in_range(errors, 0, 1); /* 0: memory that is allocated ahead of need may be missing */
 			if (device_allocations < n)
 				break;
 		}
@@ -351,12 +352,12 @@ static void every_device_allocation_fails_once(void **state)
 enum host_status {
 	HOST_SURVIVED = 0, /* 1: cmocka's failures */
 	HOST_DRIVER_DIED = 3,
-	HOST_DRIVER_SILENT, /* another picture, but no call has said so */
+	HOST_DRIVER_SILENT, /* a wrong picture without an error from any call */
 	HOST_DIED,
 };
-#define HOST_STRIDE 13u /* of all, some 500 a way: time */
+#define HOST_STRIDE 13u /* every 13th of some 500 allocations for each mode: all of them take too long */
 
-/* In the very call whose allocation failed, it is the driver's fault. */
+/* A crash inside the call whose allocation failed is the driver's fault. */
 static void host_died(int signal)
 {
 	(void)signal;
@@ -364,14 +365,14 @@ static void host_died(int signal)
 }
 
 static size_t host_way;
-static uint64_t host_picture; /* the hash of the one without a fault */
+static uint64_t host_picture; /* hash of the picture without a fault */
 
 /* The child's part: prints how many host allocations there were, and the picture. */
 static void one_host_allocation_fails(void **state)
 {
 	(void)state;
 	stilb_image image;
-	driver_call(); /* loads what it needs while there is memory */
+	driver_call(); /* loads libraries that it needs while there is memory */
 	signal(SIGSEGV, host_died);
 	signal(SIGABRT, host_died);
 	vulkan_host_allocator = &host_allocator;
@@ -386,12 +387,12 @@ static void one_host_allocation_fails(void **state)
 	stilb_image_finish(&image);
 }
 
-/* The exit status; what it printed goes to words. picture: the hash that it must have with a fault. */
+/* Returns the child's exit status and its output in words. picture: the hash that its picture must have. */
 static int host_child(size_t way, uint32_t fault, uint64_t picture, char *words, size_t size)
 {
 	char program[1024] = {0}, command[1400];
 	assert_true(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
-	/* The address sanitizer leaves the driver's death to the child. */
+	/* The address sanitizer must not handle the driver's crash: the signal itself tells the parent. */
 	snprintf(command, sizeof command,
 	         "ASAN_OPTIONS=handle_segv=0:handle_abort=0:abort_on_error=1:detect_leaks=0 '%s' %zu %u %" PRIx64 " 2>&1",
 	         program, way, fault, picture);
@@ -452,7 +453,7 @@ static void lost_trial(stilb_render_desc desc, uint32_t lost, stilb_image *pictu
 		if (desc.device == STILB_RENDER_DEVICE_VULKAN)
 			assert_non_null(strstr(stilb_error_message(), "--gpu"));
 	}
-	/* The device was not lost in truth: what that frame brought over is brought once more. */
+	/* The device was lost only in this test: the next frame uploads again what the lost frame uploaded. */
 	assert_int_equal(step_frame(&t), STILB_OK);
 	assert_int_equal(step_picture(&t), STILB_OK);
 	trial_finish(&t);
@@ -478,13 +479,13 @@ int main(int argc, char **argv)
 	if (reference_no_driver())
 		return 77;
 	if (argc == 4) {
-		const struct CMUnitTest one[] = {cmocka_unit_test(one_host_allocation_fails)};
+		struct CMUnitTest one[] = {cmocka_unit_test(one_host_allocation_fails)};
 		host_way = strtoul(argv[1], NULL, 10);
 		host_fault = (uint32_t)strtoul(argv[2], NULL, 10);
 		host_picture = strtoull(argv[3], NULL, 16);
 		return host_way < GPU_WAYS ? cmocka_run_group_tests(one, NULL, NULL) : 2;
 	}
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_device_allocation_fails_once),
 		cmocka_unit_test(lost_with_every_frame),
 		cmocka_unit_test(host_allocations_fail),

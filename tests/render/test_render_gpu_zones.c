@@ -1,6 +1,6 @@
-/* The GPU's lane in the profiler: a zone for each frame and in it one for each of its passes, between handing the frame
- * over and having waited for it on the CPU's clock; when both clocks can be read together, when that is interrupted, and
- * when it cannot be done at all. The linker sends the loader's look-up here (--wrap). */
+/* The profiler's lane "GPU" has a zone for each frame and in it one for each pass, which lie between the submission and
+ * the end of the wait on the CPU's clock. Tested with clocks that can be read together, with interrupted readings, and
+ * without the extension. The linker sends the loader's look-up here (--wrap). */
 #include "base/base.h"
 #include "profiler/prof_snapshot.h"
 #include "render/vulkan/vulkan_internal.h"
@@ -8,7 +8,7 @@
 
 #define SIZE 96u
 #define FRAMES 12u
-#define SLACK_NS 60000u /* how far apart the two clocks may have been read, and the profiler's own conversion */
+#define SLACK_NS 60000u /* deviation of a reading of both clocks, plus the error of the profiler's conversion */
 
 /* ---- a loader that hides an extension's function ----------------------------------------------------------------- */
 
@@ -30,7 +30,8 @@ typedef struct stage {
 	stilb_job_pool *pool;
 	stilb_scene *scene;
 	stilb_render_view view;
-	uint64_t begin[FRAMES], end[FRAMES], gpu_ns[FRAMES]; /* handed over after, waited for before; CLOCK_MONOTONIC */
+	uint64_t begin[FRAMES], end[FRAMES],
+		gpu_ns[FRAMES]; /* CLOCK_MONOTONIC before the submission and after the wait; GPU time */
 	uint32_t frames;
 } stage;
 
@@ -61,7 +62,7 @@ static void stage_close(stage *s)
 	stilb_scene_destroy(s->scene);
 }
 
-/* Two passes of the scene, and a rectangle over them when there is an overlay. */
+/* Two scene passes, and a 2D pass with a rectangle if `overlay`. */
 static stilb_result stage_frame(stage *s, bool overlay)
 {
 	static const stilb_render_pass passes[3] = {
@@ -106,7 +107,7 @@ static const stilb_prof_lane *find_lane(const stilb_prof_snapshot *snapshot, con
 	return NULL;
 }
 
-/* The frames since `since`, in order, checked for shape: each has its passes one after the other inside. */
+/* Collects the frames since `since` in order, and checks that each has its passes inside, one after the other. */
 static uint32_t take_frames(stilb_prof_snapshot *snapshot, const char *name, uint64_t since, bool overlay,
                             stilb_prof_zone *frames)
 {
@@ -139,7 +140,7 @@ static uint32_t take_frames(stilb_prof_snapshot *snapshot, const char *name, uin
 	return count;
 }
 
-/* Every timed frame is there, where it was. */
+/* Every frame is in the lane, between its submission and the end of its wait. */
 static void assert_timed(const stage *s, const char *name, bool overlay)
 {
 	stilb_prof_snapshot snapshot = {0};
@@ -170,7 +171,7 @@ static void frames_are_where_they_were(void **state)
 	}
 }
 
-/* Frames that nobody waits for are read when their slot comes round, the last ones when somebody does; none twice. */
+/* Frames that nobody waits for are read when their slot is used again, the last ones by a wait; none is read twice. */
 static void frames_in_flight_are_read_in_order(void **state)
 {
 	(void)state;
@@ -189,7 +190,7 @@ static void frames_in_flight_are_read_in_order(void **state)
 	stage_close(&s);
 }
 
-/* A frame that the device lost is no zone. */
+/* A frame that was lost with the device has no zone. */
 static void a_lost_frame_is_none(void **state)
 {
 	(void)state;
@@ -210,7 +211,7 @@ static void a_short_clock(void **state)
 {
 	(void)state;
 	stage s = stage_open((stilb_render_desc){0});
-	s.device->timestamp_mask = UINT64_MAX >> 32; /* comes round every 4.3 s */
+	s.device->timestamp_mask = UINT64_MAX >> 32; /* wraps every 4.3 s */
 	for (uint32_t f = 0; f < FRAMES; f++)
 		stage_timed_frame(&s, true);
 	assert_timed(&s, "GPU", true);
@@ -231,12 +232,12 @@ static void without_common_clocks_it_says_so(void **state)
 
 /* ---- interrupted readings ---------------------------------------------------------------------------------------- */
 
-/* How far apart the two clocks are read, one after the other; the last counts for all later. */
+/* Deviations of successive readings, ns; the last one is repeated for all later readings. */
 static uint64_t deviations[8];
 static uint32_t deviation_count, reads;
 static PFN_vkGetCalibratedTimestampsEXT real_read;
 
-/* Off by as much as it says. */
+/* A reading whose GPU time is wrong by exactly its deviation. */
 static VKAPI_ATTR VkResult VKAPI_CALL interrupted_read(VkDevice device, uint32_t count,
                                                        const VkCalibratedTimestampInfoEXT *infos, uint64_t *now,
                                                        uint64_t *deviation)
@@ -251,7 +252,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL interrupted_read(VkDevice device, uint32_t
 static void interrupt_reads(stage *s, uint32_t count, const uint64_t *values)
 {
 	if (s->device->times.read_clocks != interrupted_read)
-		real_read = s->device->times.read_clocks; /* of this device: the layer is loaded anew for each */
+		real_read = s->device->times.read_clocks; /* of this device: the layer is loaded again for each device */
 	s->device->times.read_clocks = interrupted_read;
 	memcpy(deviations, values, count * sizeof *values);
 	deviation_count = count;
@@ -262,17 +263,17 @@ static void the_best_of_four_tries(void **state)
 {
 	(void)state;
 	stage s = stage_open((stilb_render_desc){0});
-	/* Good at once: not tried again. */
+	/* A good reading is not repeated. */
 	interrupt_reads(&s, 1, (uint64_t[]){300});
 	stage_timed_frame(&s, true);
 	assert_int_equal(reads, 1);
-	/* Never good: four times, and the best is taken. */
+	/* No good reading: four tries, and the best is taken. */
 	interrupt_reads(&s, 4, (uint64_t[]){45000, 20000, 30000, 49000});
 	uint64_t before = s.device->times.moment.ns;
 	stage_timed_frame(&s, true);
 	assert_int_equal(reads, 4);
 	assert_true(s.device->times.moment.ns > before);
-	/* Hopeless, or not possible: four times, and the pair of before stays. */
+	/* Only unusable readings: four tries, and the last frame's reading stays. */
 	interrupt_reads(&s, 1, (uint64_t[]){1000000000});
 	vulkan_moment last = s.device->times.moment;
 	stage_timed_frame(&s, true);
@@ -282,7 +283,7 @@ static void the_best_of_four_tries(void **state)
 	stage_close(&s);
 }
 
-/* Not one good pair since the start: frames lie where they were handed over. */
+/* No usable reading since the start: frames are placed at their submission. */
 static void hopeless_from_the_start(void **state)
 {
 	(void)state;
@@ -301,7 +302,7 @@ int main(void)
 	printf("skipped: built with STILB_PROFILE=OFF, so there are no zones\n");
 	return 77;
 #endif
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(frames_are_where_they_were),
 		cmocka_unit_test(frames_in_flight_are_read_in_order),
 		cmocka_unit_test(a_lost_frame_is_none),

@@ -1,6 +1,5 @@
-/* A million draws: none is dropped, in any mode, with and without workers; small frames before and after are as ever,
- * also where there was no memory for so many, and all memory is given back. The linker sends allocations here
- * (--wrap). */
+/* A million draws: none is dropped, in any mode, with and without workers. Small frames before and after are complete,
+ * also if memory ran out in between, and all memory is given back. The linker sends allocations here (--wrap). */
 #include "support/render_fixture.h"
 #include "support/test.h"
 
@@ -10,7 +9,7 @@
 #define MODELS 500000u
 #define DRAWS (2 * MODELS)
 
-/* Bytes that one allocation may have. Relaxed: orders nothing. */
+/* Larger allocations fail, bytes. Relaxed: it orders nothing. */
 static _Atomic size_t allocation_most = SIZE_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -74,21 +73,21 @@ static void a_million_draws(uint32_t workers, int replay)
 	size_t before = memory_in_use();
 	stilb_render *render = fixture_render(workers + 1, replay, STILB_RENDER_MATERIALS_INDEX);
 	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
-	draw(render, &one_pass, MODELS, pool); /* most of it through the heap */
+	draw(render, &one_pass, MODELS, pool); /* most draws go through the heap */
 	assert_true(stilb_render_stream_hash(render) == hash_all);
 	stilb_render_stats stats = stilb_render_stats_get(render);
 	bool indirect = replay == STILB_RENDER_REPLAY_INDIRECT;
 	assert_true(stats.recorded_bytes == 96ull * DRAWS && stats.draw_commands == (indirect ? 0 : DRAWS));
 	draw(render, &one_pass, 5, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_few);
-	draw(render, indirect ? &sorted_pass : &one_pass, MODELS, pool); /* in place now; all keys are equal */
+	draw(render, indirect ? &sorted_pass : &one_pass, MODELS, pool); /* now in place; all keys are equal */
 	assert_true(stilb_render_stream_hash(render) == hash_all);
 	for (uint32_t i = 0; i <= workers; i++)
 		assert_int_equal(render->contexts[i].overflow_count, 0);
 	draw(render, &one_pass, 5, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_few);
 	stilb_render_destroy(render);
-	if (!FIXTURE_SANITIZED) /* they keep what is freed */
+	if (!FIXTURE_SANITIZED) /* sanitizers hold freed memory back */
 		assert_in_range(memory_in_use(), 0, before + (1u << 20));
 	stilb_job_pool_destroy(pool);
 }
@@ -101,18 +100,18 @@ static void nothing_is_dropped(void **state)
 			a_million_draws(workers, replay);
 }
 
-/* Small frames need nothing of what a large one could not have, or had: the one before or after. */
+/* A small frame before or after a large one succeeds, also if the large one had no memory. */
 static void too_much_for_the_memory(void **state)
 {
 	(void)state;
-	const size_t enough_for_few = 8u << 20;
+	size_t enough_for_few = 8u << 20;
 	stilb_job_pool *pool = fixture_pool(1, (stilb_job_hooks){0});
 	for (int replay = 0; replay < FIXTURE_REPLAYS; replay++) {
 		stilb_render *render = fixture_render(2, replay, STILB_RENDER_MATERIALS_INDEX);
 		assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
 		atomic_store_explicit(&allocation_most, enough_for_few, memory_order_relaxed);
 		for (int frame = 0; frame < 9; frame++) {
-			if (frame == 6) /* one that is drawn */
+			if (frame == 6) /* the one large frame that has memory */
 				atomic_store_explicit(&allocation_most, SIZE_MAX, memory_order_relaxed);
 			if (frame % 3 == 0)
 				assert_int_equal(try_draw(render, &one_pass, MODELS, pool), frame < 6 ? STILB_ERROR_MEMORY : STILB_OK);
@@ -129,7 +128,7 @@ static void too_much_for_the_memory(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_is_dropped),
 		cmocka_unit_test(too_much_for_the_memory),
 	};

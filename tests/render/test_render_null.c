@@ -1,5 +1,5 @@
-/* Recording and replay on the null device: the stream is the scene's, whoever recorded it, in whatever order, and however
- * little memory there was the frame before. The linker sends allocations here (--wrap). */
+/* Recording and replay on the null device: the stream follows from the scene alone, for every assignment of segments to
+ * workers, every order, and after frames that ran out of memory. The linker sends allocations here (--wrap). */
 #include "render/render_internal.h"
 #include "support/render_reference.h"
 #include "support/test.h"
@@ -11,9 +11,9 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* Allocations that still succeed. Relaxed: a counter, orders nothing; several workers count it down. */
+/* So many more allocations succeed. Relaxed: a counter that orders nothing; several workers count it down. */
 static _Atomic int64_t allocations_left = INT64_MAX;
-static _Atomic int queue_fails; /* relaxed too: malloc, which only the job queue calls, gives nothing */
+static _Atomic int queue_fails; /* relaxed, too: malloc, which only the job queue calls, fails */
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
 void *__wrap_stilb_memory_alloc(size_t count, size_t size);
@@ -58,7 +58,7 @@ static stilb_scene *make_scene(uint32_t models)
 
 static stilb_render *make_render(const stilb_scene *scene, uint32_t contexts, stilb_render_replay_mode replay)
 {
-	const stilb_render_desc desc = {
+	stilb_render_desc desc = {
 		.device = STILB_RENDER_DEVICE_NULL, .replay = replay, .width = 64, .height = 64, .context_count = contexts};
 	stilb_render *render;
 	assert_int_equal(stilb_render_create(&desc, &render), STILB_OK);
@@ -68,7 +68,7 @@ static stilb_render *make_render(const stilb_scene *scene, uint32_t contexts, st
 
 static stilb_job_pool *make_pool(uint32_t workers)
 {
-	const stilb_job_pool_desc desc = {.worker_count = workers};
+	stilb_job_pool_desc desc = {.worker_count = workers};
 	stilb_job_pool *pool;
 	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
 	return pool;
@@ -140,7 +140,7 @@ static void commands_are_counted(void **state)
 			assert_frame(render, scene, ids, count, pool);
 			stilb_render_stats stats = stilb_render_stats_get(render);
 			assert_true(stats.draw_commands == (indirect ? 0 : 2u * count));
-			/* One for each stretch of a worker's chunks. */
+			/* One for each range of adjacent chunks of a worker. */
 			assert_true(indirect && count > 0 ? stats.indirect_commands >= 1 && stats.indirect_commands <= 20
 			                                  : stats.indirect_commands == 0);
 			assert_true(stats.execute_commands == (secondary && count > 0 ? 3 : 0));
@@ -156,7 +156,7 @@ static void commands_are_counted(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* Some of the models, ascending; how many changes from frame to frame. */
+/* A subset of the models, ascending; its size changes from frame to frame. */
 static uint32_t random_ids(uint32_t *ids, uint32_t models, uint64_t frame)
 {
 	uint32_t count = 0;
@@ -171,7 +171,7 @@ static uint32_t random_ids(uint32_t *ids, uint32_t models, uint64_t frame)
 static void a_thousand_frames(void **state)
 {
 	(void)state;
-	const uint32_t models = 3000;
+	uint32_t models = 3000;
 	stilb_scene *scene = make_scene(models);
 	uint32_t *ids = all_ids(models);
 	stilb_job_pool *pool = make_pool(3);
@@ -187,7 +187,7 @@ static void a_thousand_frames(void **state)
 static void rows_grow_and_stay(void **state)
 {
 	(void)state;
-	/* Draws are twice these: within, beyond, just at and just above the rows that a new frame has. */
+	/* Models have two draws each: below, far above, exactly at and just above a new frame's capacity. */
 	static const uint32_t counts[] = {5, 20000, 50, 35000, 16384, 16385, 0, 35000, 34999, 35000, 34999};
 	stilb_scene *scene = make_scene(35000);
 	uint32_t *ids = all_ids(35000);
@@ -199,7 +199,7 @@ static void rows_grow_and_stay(void **state)
 		assert_true(render->memory[RENDER_MEMORY_ROWS].capacity >= 69998);
 		assert_true(render->memory[RENDER_MEMORY_COMMANDS].capacity >= 69998);
 		for (uint32_t i = 0; i <= workers; i++)
-			assert_int_equal(render->contexts[i].overflow_count, 0); /* room for all by now */
+			assert_int_equal(render->contexts[i].overflow_count, 0); /* the memory has grown */
 		stilb_render_destroy(render);
 		stilb_job_pool_destroy(pool);
 	}
@@ -225,7 +225,7 @@ static void other_context_counts_and_sizes(void **state)
 		assert_int_equal(height, 16384);
 		stilb_job_pool_destroy(pool);
 	}
-	/* Without memory for other contexts, the old ones work on. */
+	/* Without memory for new contexts the old ones still work. */
 	stilb_job_pool *pool = make_pool(1);
 	allocations_allow(0);
 	assert_int_equal(stilb_render_set_context_count(render, 9), STILB_ERROR_MEMORY);
@@ -264,7 +264,8 @@ static uint64_t hand_index(uint32_t pass, uint32_t segment, uint32_t d)
 	return ((uint64_t)pass << 40) + ((uint64_t)segment << 20) + d;
 }
 
-/* Empty, short, and longer than one, two and three blocks of commands; some end where a block ends. */
+/* Empty and short segments, and segments longer than one, two and three chunks of commands; some end
+ * at a chunk's end. */
 static const uint32_t segment_draws[] = {0, 1, 2047, 1, 0, 2048, 5000, 3, 7001, 0, 2048, 2047, 4097, 0};
 #define SEGMENTS (sizeof segment_draws / sizeof *segment_draws)
 
@@ -332,7 +333,7 @@ static void segments_in_any_order(void **state)
 
 #define SPY_PASSES 4u
 
-/* Between render and the null device: notes the passes, and hashes every draw as a device would find it. */
+/* Between render and the null device: lists the passes, and hashes every draw from the data that the device gets. */
 static struct {
 	render_device_functions functions;
 	const render_device_functions *real;
@@ -343,7 +344,7 @@ static struct {
 	const stilb_render_view *views[SPY_PASSES];
 	uint64_t drawn[SPY_PASSES];
 	uint64_t hash;
-	uint32_t wrong; /* commands that name another place in the heaps than their mesh has */
+	uint32_t wrong; /* commands whose ranges in the heaps differ from their mesh's */
 } spy;
 
 static void spy_draw(const render_command *c)
@@ -450,11 +451,11 @@ static void meshes_and_materials_are_copied(void **state)
 
 /* ---- no memory --------------------------------------------------------------------------------------------------- */
 
-/* Every allocation of a frame that outgrows its rows fails once; two good frames follow each bad one. */
+/* Every allocation of a frame that outgrows its rows fails once; two complete frames follow each failed one. */
 static void a_frame_without_memory(void **state)
 {
 	(void)state;
-	const uint32_t models = 18000; /* 36,000 draws: more than FIRST_ROWS */
+	uint32_t models = 18000; /* 36,000 draws: more than FIRST_ROWS */
 	stilb_scene *scene = make_scene(models);
 	uint32_t *ids = all_ids(models);
 	assert_true(2 * models > FIRST_ROWS);
@@ -485,7 +486,7 @@ static void creation_without_memory(void **state)
 {
 	(void)state;
 	stilb_scene *scene = make_scene(10);
-	const stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL, .width = 64, .height = 64, .context_count = 2};
+	stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL, .width = 64, .height = 64, .context_count = 2};
 	stilb_result result = STILB_ERROR_MEMORY;
 	int64_t granted = 0;
 	for (; result != STILB_OK; granted++) {
@@ -500,11 +501,11 @@ static void creation_without_memory(void **state)
 		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY);
 		stilb_render_destroy(render);
 	}
-	assert_true(granted > 8); /* the renderer, contexts, heaps, ranges, indices; then it works */
+	assert_true(granted > 8); /* the renderer, contexts, heaps, ranges, indices */
 	stilb_scene_destroy(scene);
 }
 
-/* A job that cannot be queued is run at once by whoever wanted to queue it. */
+/* A job that cannot be queued is run at once by the thread that submits it. */
 static void a_full_queue_is_no_error(void **state)
 {
 	(void)state;
@@ -547,7 +548,7 @@ static void the_null_device_says_what_it_is(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_stream_is_the_scenes),
 		cmocka_unit_test(commands_are_counted),
 		cmocka_unit_test(a_thousand_frames),

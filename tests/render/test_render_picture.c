@@ -1,4 +1,4 @@
-/* One model, and few more, drawn and held against closed form: where things are, what is in front, how bright. */
+/* Pictures of one or few models against closed forms: positions, depth order, brightness. */
 #include "support/picture_reference.h"
 
 #include "engine_internal.h"
@@ -18,7 +18,7 @@ static reference_camera from_aside(void)
 	return reference_camera_at((dvec){1.7, 2.6, 3.1}, (dvec){0.1, 0.3, -0.1}, above, 1.6, SIZE + 32, SIZE);
 }
 
-/* A sphere over a tile, as the stress test has them, in a light where everything counts. */
+/* A sphere over a tile, as in the stress test, in a light to which every term of the formula contributes. */
 static stilb_scene *model_scene(float radius, float height, float specular)
 {
 	stilb_scene *scene = reference_scene(2);
@@ -35,7 +35,7 @@ static stilb_scene *model_scene(float radius, float height, float specular)
 	return scene;
 }
 
-/* Takes the sphere away: below the tile, seen from nowhere above. */
+/* Moves the sphere below the tile, which hides it from above. */
 static void without_sphere(stilb_scene *scene)
 {
 	scene->part_transform[0] = stilb_mat4_scale_translate(0.001f, 0.0f, -5.0f, 0.0f);
@@ -57,7 +57,7 @@ static void a_tile_is_its_square(void **state)
 	(void)state;
 	stilb_scene *scene = model_scene(1.0f, 0.0f, 0.0f);
 	without_sphere(scene);
-	const double heights[] = {2.7, 4.0, 6.1}, focal = 1.9;
+	double heights[] = {2.7, 4.0, 6.1}, focal = 1.9;
 	for (size_t i = 0; i < sizeof heights / sizeof *heights; i++) {
 		reference_camera camera = from_above(heights[i], focal, SIZE);
 		stilb_image image = picture_make(scene, &camera, linear);
@@ -84,7 +84,7 @@ static void a_tile_is_its_square(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* How near the mesh comes to the middle of the unit sphere: its corners lie on the sphere, its faces cut in. */
+/* The least distance of the sphere mesh from its centre: corners have distance 1, the middles of faces less. */
 static double mesh_inner_radius(const stilb_scene_mesh *mesh)
 {
 	double inner = 1.0;
@@ -102,8 +102,8 @@ static double mesh_inner_radius(const stilb_scene_mesh *mesh)
 static void a_sphere_is_its_disc(void **state)
 {
 	(void)state;
-	const dvec eyes[] = {{0, 3, 0}, {0.9, 2.4, 0.7}, {-2.2, 1.0, 1.5}};
-	const float radius = 0.8f, height = 0.3f;
+	dvec eyes[] = {{0, 3, 0}, {0.9, 2.4, 0.7}, {-2.2, 1.0, 1.5}};
+	float radius = 0.8f, height = 0.3f;
 	stilb_scene *scene = model_scene(radius, height, 0.0f);
 	without_tile(scene);
 	double inner = (double)radius * mesh_inner_radius(&scene->meshes[0]), outer = (double)radius;
@@ -132,11 +132,11 @@ static void a_sphere_is_its_disc(void **state)
 
 typedef struct traced_pixel {
 	uint32_t part;
-	bool sure; /* a hundredth of a pixel beside it, too, that part is seen */
+	bool sure; /* that part is also seen a hundredth of a pixel beside it */
 	double low[3], high[3];
 } traced_pixel;
 
-/* A rasteriser puts corners on a grid of 1/256 pixel, so what a pixel shows may come from right beside its middle. */
+/* A rasteriser snaps vertices to a grid of 1/256 pixel, so a pixel may show a point right beside its centre. */
 static traced_pixel trace_pixel(const stilb_scene *scene, const reference_camera *camera, uint32_t x, uint32_t y)
 {
 	static const double places[5][2] = {{0.5, 0.5}, {0.49, 0.49}, {0.51, 0.49}, {0.49, 0.51}, {0.51, 0.51}};
@@ -181,10 +181,10 @@ static void every_pixel_is_as_traced(void **state)
 	assert_traced(scene, &camera, 1e-3);
 	assert_traced(scene, &top, 1e-3);
 	stilb_scene_destroy(scene);
-	scene = model_scene(0.6f, 0.75f, 0.5f); /* highlights: their power costs a bit more */
+	scene = model_scene(0.6f, 0.75f, 0.5f); /* highlights: the GPU's pow is less accurate */
 	scene->materials[0].roughness = reference_roughness(40.0);
 	assert_traced(scene, &camera, 2e-3);
-	/* Normals of what is stretched and turned. */
+	/* Normals of stretched and rotated models. */
 	static const float stretched[16] = {0.3f, 0.2f, 0, 0, -0.3f, 0.5f, 0.1f, 0, 0, 0.1f, 0.9f, 0, 0, 0.9f, 0, 1};
 	memcpy(scene->part_transform[0].m, stretched, sizeof stretched);
 	assert_traced(scene, &camera, 2e-3);
@@ -193,11 +193,11 @@ static void every_pixel_is_as_traced(void **state)
 
 /* ---- how bright -------------------------------------------------------------------------------------------------- */
 
-/* Sun, eye and normal in one line: n.h = 1, so the highlight is specular * factor * E, and the formula is short. */
+/* Sun, camera and normal are collinear: n.h = 1, so the highlight is specular * factor * E. */
 static void the_highlight_at_its_peak(void **state)
 {
 	(void)state;
-	const uint32_t size = 33; /* odd: the middle pixel looks straight at the sphere's pole, a corner of the mesh */
+	uint32_t size = 33; /* odd: the middle pixel looks straight at the sphere's pole, a corner of the mesh */
 	stilb_scene *scene = model_scene(0.8f, 0.0f, 0.3f);
 	without_tile(scene);
 	scene->materials[0].roughness = reference_roughness(24.0);
@@ -243,7 +243,7 @@ static void display_codes_follow_the_curve(void **state)
 				assert_true(fabs(code[3 * i + (uint32_t)c] - display_code(rgb, c)) <= 1.0);
 			bright += rgb[0] > 0.6 || rgb[1] > 0.6 || rgb[2] > 0.6;
 		}
-		assert_true(dim ? bright == 0 : bright > 1000); /* both parts of the curve were met */
+		assert_true(dim ? bright == 0 : bright > 1000); /* both parts of the curve are tested */
 		stilb_image_finish(&radiance);
 		stilb_image_finish(&codes);
 		for (int c = 0; c < 3; c++) {
@@ -311,7 +311,7 @@ static void from_behind_nothing_is_seen(void **state)
 
 #define GRID 20
 
-/* The stress test's tiles, each in one colour of its own; its spheres out of the way. The sky has a colour of no tile. */
+/* The stress test's tiles, each with a colour of its own, without the spheres. The sky has a colour of no tile. */
 static stilb_scene *grid_scene(void)
 {
 	stilb_scene *scene;
@@ -333,7 +333,7 @@ static int grid_place(double coordinate)
 	return (int)floor((coordinate + GRID) / 2.0);
 }
 
-/* Is the pixel's red that of the tile at p, or, at its very edge, that of a neighbour? */
+/* True if the pixel's red is that of the tile at p or, close to the tile's edge, that of a neighbour. */
 static bool grid_color_fits(const stilb_image *image, uint32_t x, uint32_t y, dvec p, double reach)
 {
 	double red = picture_value(image, x, y, 0) * REFERENCE_PI / 3.0 * 512.0 - 1.0;
@@ -385,7 +385,7 @@ static void no_holes_between_tiles(void **state)
 
 /* ---- the same picture -------------------------------------------------------------------------------------------- */
 
-/* Every model has two materials of its own, so one by one they change with every draw, and so do the pipelines: spheres
+/* Every model has two materials of its own, so the material changes with every draw. The pipeline does, too: spheres
  * have even materials, tiles odd ones. */
 static void assert_commands(const stilb_render_stats *stats, picture_desc how, uint64_t draws)
 {
@@ -400,7 +400,7 @@ static void assert_commands(const stilb_render_stats *stats, picture_desc how, u
 	if (direct || secondary)
 		assert_int_equal(stats->indirect_commands, 0);
 	else if (index)
-		assert_in_range(stats->indirect_commands, 1, 8); /* workers' chunks of commands */
+		assert_in_range(stats->indirect_commands, 1, 8); /* one for each range of adjacent chunks */
 	else
 		assert_int_equal(stats->indirect_commands, draws);
 }
@@ -408,10 +408,11 @@ static void assert_commands(const stilb_render_stats *stats, picture_desc how, u
 static void the_same_however_it_was_drawn(void **state)
 {
 	(void)state;
-	const uint32_t models = 900;
+	uint32_t models = 900;
 	stilb_scene *scene;
 	assert_int_equal(stilb_scene_create_stress(models, 5, &scene), STILB_OK);
-	/* The second half lies where the first does, in other colours: of equals the first drawn is seen, so order counts. */
+	/* The second half lies where the first does, in other colours. At equal depth the first one drawn wins, so a change
+	 * of the order changes the picture. */
 	for (uint32_t part = 0; part < models; part++)
 		scene->part_transform[models + part] = scene->part_transform[part];
 	reference_camera camera = reference_camera_at((dvec){9, 11, 30}, (dvec){0, 0, 0}, above, 1.5, 160, 90);
@@ -476,13 +477,13 @@ static void the_same_from_the_engine(void **state)
 
 /* ---- four samples ------------------------------------------------------------------------------------------------ */
 
-/* Inside the picture is the same; a pixel on an edge is a mixture of both sides in quarters. */
+/* Inside of faces the picture is the same; a pixel on an edge is a mixture of both sides in quarters. */
 static void four_samples_soften_edges_alone(void **state)
 {
 	(void)state;
 	stilb_scene *scene = model_scene(1.0f, 0.0f, 0.0f);
 	without_sphere(scene);
-	const double height = 4.0, focal = 1.9;
+	double height = 4.0, focal = 1.9;
 	reference_camera camera = from_above(height, focal, SIZE);
 	stilb_image image = picture_make(scene, &camera, (picture_desc){.output = linear.output, .samples = 4});
 	double half = 0.5 * SIZE * focal / height, covered = 0.0;
@@ -498,7 +499,7 @@ static void four_samples_soften_edges_alone(void **state)
 				assert_true(round(share * 4.0) == 0.0);
 			covered += round(share * 4.0) / 4.0;
 		}
-	/* Four samples know an edge to an eighth of a pixel. */
+	/* Four samples give the area of a pixel on one side of an edge to an eighth. */
 	assert_true(fabs(covered - 4.0 * half * half) < 8.0 * half / 8.0 + 1.0);
 	stilb_image_finish(&image);
 	stilb_scene_destroy(scene);
@@ -508,7 +509,7 @@ int main(void)
 {
 	if (reference_no_driver())
 		return 77;
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_tile_is_its_square),
 		cmocka_unit_test(a_sphere_is_its_disc),
 		cmocka_unit_test(every_pixel_is_as_traced),

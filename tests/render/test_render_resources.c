@@ -10,7 +10,7 @@
 
 /* ---- memory that runs out once ---------------------------------------------------------------------------------- */
 
-/* Allocations until the one that fails. Relaxed: a counter, orders nothing. */
+/* Allocations left until the one that fails. Relaxed: a counter that orders nothing. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -30,7 +30,7 @@ static void allocation_fail(int64_t number)
 	atomic_store_explicit(&allocations_left, number, memory_order_relaxed);
 }
 
-/* Did it fail? */
+/* True if that allocation has been made, and failed. */
 static bool allocation_failed(void)
 {
 	return atomic_load_explicit(&allocations_left, memory_order_relaxed) <= 0;
@@ -73,7 +73,7 @@ static void assert_ranges(const render_ranges *ranges, const bool *bits)
 	assert_int_equal(ranges->count, r);
 }
 
-/* The first place with `count` set bits in a row; RANGE_BITS: none. */
+/* The first position of `count` consecutive set bits; RANGE_BITS: there is none. */
 static uint32_t first_place(const bool *bits, uint32_t count)
 {
 	uint32_t length = 0;
@@ -182,7 +182,7 @@ static void assert_things_drawn(stilb_render *render, const gpu_thing *things, u
 	assert_true(stilb_render_stream_hash(render) == hash_things(things, count));
 }
 
-/* What was destroyed is released once no frame in flight uses it, a thousand a frame. */
+/* Runs frames until all destroyed resources are released, a thousand in each frame. */
 static void frames_pass(stilb_render *render)
 {
 	uint32_t frames = RENDER_FRAMES_IN_FLIGHT + render->resources.retired_count / 1000;
@@ -219,7 +219,7 @@ static void assert_heap(const render_resources *resources, render_heap_kind kind
 	free(marks);
 }
 
-/* Which indices of a kind are not free; returns how many. */
+/* Sets used[index] for every index of a kind that is not free; returns their number. */
 static uint32_t indices_used(const render_resources *resources, render_resource_kind kind, uint8_t *used)
 {
 	const render_indices *indices = &resources->indices[kind];
@@ -270,8 +270,8 @@ static void assert_nothing_lives(const stilb_render *render)
 #define CHURN_FRAMES 50u
 #define CHURN_SEGMENTS 40u
 #define CHURN_EACH 5u    /* of each kind in a segment */
-#define CHURN_BESIDE 20u /* made beside in a frame */
-#define CHURN_STAYS 2u   /* frames after its own in which a thing is drawn; in the last it is destroyed */
+#define CHURN_BESIDE 20u /* made in a frame by the thread outside the pool */
+#define CHURN_STAYS 2u   /* a thing is drawn in so many frames after its first, and destroyed in the last */
 #define CHURN_SEGMENT_DRAWS ((CHURN_STAYS + 1) * CHURN_EACH)
 #define CHURN_MOST_INDICES 8192u
 
@@ -289,7 +289,7 @@ typedef struct churn {
 	_Atomic uint32_t owned[RENDER_RESOURCE_KINDS][CHURN_MOST_INDICES];
 	uint32_t last_ids[RENDER_RESOURCE_KINDS][CHURN_MOST_INDICES];
 	_Atomic uint32_t clashes; /* relaxed: read when all are done */
-	_Atomic uint32_t begun;   /* frames; relaxed: the thread beside does not run ahead */
+	_Atomic uint32_t begun;   /* frames begun. Relaxed: only limits how far the thread outside the pool runs ahead */
 	_Atomic bool stop;        /* relaxed: publishes nothing */
 } churn;
 
@@ -331,7 +331,7 @@ static void churn_draw(churn *c, stilb_render_context *context, uint32_t segment
 	fixture_record(context, &draw);
 }
 
-/* Draws with fresh things, with those of the frames before, and destroys the oldest. */
+/* Draws new things and those of the last frames, and destroys the oldest. */
 static void churn_segment(churn *c, uint32_t segment, uint32_t worker)
 {
 	stilb_render_context *context = stilb_render_context_get(c->render, worker);
@@ -354,7 +354,7 @@ static void churn_slice(uint32_t begin, uint32_t end, uint32_t worker, void *con
 		churn_segment(context, segment, worker);
 }
 
-/* From outside the pool, at any time, during replay too; some in each frame. */
+/* Creates and destroys from outside the pool, at any time, also during replay; some in each frame. */
 static void *churn_beside(void *data)
 {
 	churn *c = data;
@@ -385,11 +385,11 @@ static void churn_frame(churn *c)
 	assert_int_equal(gpu.wrong, 0);
 }
 
-/* What lives at once bounds what there ever was. */
+/* The number of indices ever used stays near the number that live at once. */
 static void assert_no_growth(const stilb_render *render)
 {
 	const render_resources *resources = &render->resources;
-	const uint32_t frames = CHURN_STAYS + 1 + RENDER_FRAMES_IN_FLIGHT, things = CHURN_SEGMENTS * CHURN_EACH * frames;
+	uint32_t frames = CHURN_STAYS + 1 + RENDER_FRAMES_IN_FLIGHT, things = CHURN_SEGMENTS * CHURN_EACH * frames;
 	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++)
 		assert_in_range(resources->indices[kind].next_unused, things / 2, 2 * things);
 	assert_in_range(resources->heaps[RENDER_HEAP_VERTICES].size, 1, 2 * things * GPU_THING_MOST_VERTICES / 2);
@@ -449,7 +449,7 @@ static void things_destroy(stilb_render *render, const gpu_thing *things, uint32
 		gpu_thing_destroy(render, &things[t]);
 }
 
-/* An index comes back when the frames in flight are done, under another id. */
+/* An index is reused when the frames in flight are done, with another generation. */
 static void indices_come_back_later(void **state)
 {
 	(void)state;
@@ -481,7 +481,7 @@ static void indices_come_back_later(void **state)
 	stilb_render_destroy(render);
 }
 
-/* A handle is another one for 255 lives of its index; never zero. */
+/* An index gives 255 different handles before they repeat, and never 0. */
 static void generations_come_round(void **state)
 {
 	(void)state;
@@ -516,7 +516,7 @@ static void zero_is_no_handle(void **state)
 	stilb_render_destroy(render);
 }
 
-/* A scene's meshes follow one another, whatever indices are free; all of them may be destroyed. */
+/* A scene's meshes have consecutive indices, also if lower ones are free; all of them may be destroyed. */
 static void a_scene_among_others(void **state)
 {
 	(void)state;
@@ -567,7 +567,8 @@ static void a_lost_frame_is_made_up_for(void **state)
 	stilb_render_destroy(render);
 }
 
-/* Begun but never replayed, as when a window is minimised: what is then released was never brought over. */
+/* Frames that are begun but never replayed, as when a window is minimised: textures are
+ * released before their upload. */
 static void frames_without_replay(void **state)
 {
 	(void)state;
@@ -611,7 +612,7 @@ static void a_texture_that_the_device_refuses(void **state)
 
 /* ---- no memory -------------------------------------------------------------------------------------------------- */
 
-/* A call that may have no memory: then all is as before, and the next try is good. */
+/* Repeats a call that may run out of memory: after the error everything is as before, and the second try succeeds. */
 #define TWICE(render, call)                                                                                            \
 	do {                                                                                                               \
 		stilb_result first_try = (call);                                                                               \
@@ -634,7 +635,7 @@ static void things_create_twice(stilb_render *render, gpu_thing *things, uint32_
 	}
 }
 
-/* A life in which one allocation fails; false: there were not so many. */
+/* A run in which allocation `number` fails; false: there were fewer. */
 static bool a_life_without_memory(const stilb_scene *scene, int64_t number)
 {
 	gpu_thing things[THINGS] = {0};
@@ -670,14 +671,14 @@ static void every_allocation_fails_once(void **state)
 	int64_t number = 1;
 	while (a_life_without_memory(scene, number))
 		number++;
-	assert_true(number > 60); /* the pictures alone are that many */
+	assert_true(number > 60); /* at least those of the pictures */
 	stilb_scene_destroy(scene);
 }
 
 static void creation_without_memory(void **state)
 {
 	(void)state;
-	const stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL, .width = 8, .height = 8, .context_count = 1};
+	stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_NULL, .width = 8, .height = 8, .context_count = 1};
 	stilb_result result = STILB_ERROR_MEMORY;
 	int64_t number = 1;
 	for (; result != STILB_OK; number++) {
@@ -772,7 +773,7 @@ static void pictures_get_four_channels(void **state)
 				f16[c] = from[c];
 				f32[c] = (float)from[c];
 			}
-			const stilb_image image = {1, 1, channels, (stilb_image_format)format, pixels[format], 0};
+			stilb_image image = {1, 1, channels, (stilb_image_format)format, pixels[format], 0};
 			stilb_render_texture texture;
 			assert_int_equal(stilb_render_texture_create(render, &image, &texture), STILB_OK);
 			const stilb_image *got = &render->resources.uploads[render->resources.upload_count - 1].image;
@@ -811,7 +812,8 @@ static void no_more_textures(void **state)
 		assert_books(render);
 	}
 	stilb_render_texture_destroy(render, textures[1000]);
-	assert_int_equal(gpu_texture_create(render, 9, &textures[count]), STILB_ERROR_MEMORY); /* in flight yet */
+	assert_int_equal(gpu_texture_create(render, 9, &textures[count]),
+	                 STILB_ERROR_MEMORY); /* the destroyed one is still in flight */
 	frames_pass(render);
 	assert_int_equal(gpu_texture_create(render, 9, &textures[count]), STILB_OK);
 	assert_int_equal(fixture_index(textures[count].id), fixture_index(textures[1000].id));
@@ -820,7 +822,7 @@ static void no_more_textures(void **state)
 	stilb_render_destroy(render);
 }
 
-/* The same for the others, with a limit that is sooner reached. */
+/* As above for meshes and materials, with smaller limits. */
 static void no_more_meshes_or_materials(void **state)
 {
 	(void)state;
@@ -844,7 +846,7 @@ static void no_more_meshes_or_materials(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(ranges_are_sets),
 		cmocka_unit_test(ten_thousand_of_each),
 		cmocka_unit_test(indices_come_back_later),

@@ -1,5 +1,5 @@
-/* The formulas that a view chooses, on the GPU, held against the same headers compiled as C: every model, every light, what
- * is added to materials; in every way of replay, and made when they are first needed. */
+/* The formulas that a view chooses, on the GPU, compared with the same headers compiled as C: every model, every light,
+ * the values added to materials, in every replay mode; and that pipelines are made when they are first needed. */
 #include "render/vulkan/vulkan_internal.h"
 #include "shading/shade_energy.h"
 #include "shading/shade_surface.h"
@@ -9,7 +9,8 @@
 #define HEIGHT 56u
 #define PLACES 5
 
-/* What pixels see, a hundredth of a pixel around their middles: a rasteriser puts corners on a grid of 1/256 pixel. */
+/* Points that a pixel may show, up to a hundredth of a pixel from its centre: rasterisers snap
+ * vertices to 1/256 pixel. */
 static reference_hit hits[HEIGHT][WIDTH][PLACES];
 static stilb_scene *scene;
 static reference_camera camera;
@@ -80,7 +81,7 @@ static int drop_scene(void **state)
 static shade_material expected_material(const stilb_scene_material *m, const stilb_render_shading *shading)
 {
 	shade_reflectance reflectance = {vec_of(m->diffuse), vec_of(m->specular)};
-	const stilb_vec3 added = stilb_vec3_make(shading->specular, shading->specular, shading->specular);
+	stilb_vec3 added = stilb_vec3_make(shading->specular, shading->specular, shading->specular);
 	if (shading->specular != 0.0f)
 		reflectance = shade_limit_to_one(reflectance.diffuse, reflectance.specular + added);
 	return (shade_material){
@@ -94,16 +95,16 @@ static shade_material expected_material(const stilb_scene_material *m, const sti
 
 static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render_shading *shading)
 {
-	const shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
-	const shade_material material = expected_material(&scene->materials[hit->part], shading);
-	const shade_sun sun = {vec_of(scene->sun.direction), vec_of(scene->sun.irradiance)};
-	const shade_sky sky = {vec_of(scene->sky.sky), vec_of(scene->sky.ground)};
-	const shade_lamp lamp = {vec_of(scene->lamp.position), vec_of(scene->lamp.axis), vec_of(scene->lamp.intensity),
-	                         scene->lamp.radius, scene->lamp.reach};
-	const stilb_vec3 n = vec_of_dvec(hit->normal);
-	const stilb_vec3 v = vec_of_dvec(dvec_unit(dvec_mad(camera.position, -1.0, hit->position)));
-	const shade_frame frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
-	const shade_sun light = shade_light_at((int)shading->light, sun, lamp, vec_of_dvec(hit->position));
+	shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
+	shade_material material = expected_material(&scene->materials[hit->part], shading);
+	shade_sun sun = {vec_of(scene->sun.direction), vec_of(scene->sun.irradiance)};
+	shade_sky sky = {vec_of(scene->sky.sky), vec_of(scene->sky.ground)};
+	shade_lamp lamp = {vec_of(scene->lamp.position), vec_of(scene->lamp.axis), vec_of(scene->lamp.intensity),
+	                   scene->lamp.radius, scene->lamp.reach};
+	stilb_vec3 n = vec_of_dvec(hit->normal);
+	stilb_vec3 v = vec_of_dvec(dvec_unit(dvec_mad(camera.position, -1.0, hit->position)));
+	shade_frame frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
+	shade_sun light = shade_light_at((int)shading->light, sun, lamp, vec_of_dvec(hit->position));
 	stilb_vec3 radiance = shade_surface_radiance(model, material, light, sky, frame, v);
 	if (shading->light == SHADE_LIGHT_HEMISPHERE && shading->brdf > SHADE_BRDF_WRAPPED) {
 		float exponent = shade_exponent_from_alpha(shade_alpha_from_roughness(material.roughness));
@@ -114,14 +115,14 @@ static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render
 	return radiance;
 }
 
-/* Each pixel that is sure to be of one part lies between the radiances of its places. */
+/* A pixel whose points all lie on one part has a value between the radiances of these points. */
 static void assert_as_in_c(const stilb_image *image, const stilb_render_shading *shading)
 {
 	uint32_t seen[2] = {0};
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 0; x < WIDTH; x++) {
 			double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {0};
-			const uint32_t part = hits[y][x][0].part;
+			uint32_t part = hits[y][x][0].part;
 			bool sure = part != REFERENCE_MISS;
 			for (int p = 0; p < PLACES && sure; p++) {
 				sure = hits[y][x][p].part == part;
@@ -143,7 +144,7 @@ static void assert_as_in_c(const stilb_image *image, const stilb_render_shading 
 
 static stage stage_make(int way)
 {
-	const stilb_render_desc desc = {
+	stilb_render_desc desc = {
 		.replay = (stilb_render_replay_mode)(way % 3),
 		.materials = (stilb_render_materials)(way / 3),
 		.output = STILB_RENDER_OUTPUT_LINEAR,
@@ -175,7 +176,7 @@ static void stage_finish(stage *s)
 static stilb_image stage_draw(stage *s, const stilb_render_shading *shading)
 {
 	static const stilb_render_pass pass = {.name = "main"};
-	const uint32_t model = 0;
+	uint32_t model = 0;
 	stilb_image image = {0};
 	s->view.shading = *shading;
 	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
@@ -243,11 +244,11 @@ static void what_is_added_to_materials(void **state)
 	stage_finish(&s);
 }
 
-/* With secondary lists the pipelines are bound by other threads than the one that makes them. */
+/* With secondary command buffers pipelines are bound on other threads than the one that makes them. */
 static void the_same_in_every_way_of_replay(void **state)
 {
 	(void)state;
-	const stilb_render_shading choices[] = {
+	stilb_render_shading choices[] = {
 		stilb_render_shading_default(),
 		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK},
 		microfacets(SHADE_NDF_BECKMANN, SHADE_G_NEUMANN, SHADE_F_COOK_TORRANCE),
@@ -285,7 +286,7 @@ static void record_part(stage *s, uint32_t pass, uint32_t part)
 	assert_int_equal(stilb_render_pass_end(s->render, pass), STILB_OK);
 }
 
-/* The sphere in one pass, the tile in another whose view is shaded otherwise. */
+/* The sphere in one pass, the tile in another with other formulas. */
 static void each_pass_has_its_views_formulas(void **state)
 {
 	(void)state;
@@ -335,11 +336,11 @@ static void pipelines_are_made_when_needed_and_kept(void **state)
 	assert_int_equal(device_of(&s)->shading_count, 0);
 	draw_and_drop(&s, &shading);
 	assert_int_equal(device_of(&s)->shading_count, 1);
-	const VkPipeline made = device_of(&s)->shadings[0].pipelines[0][VULKAN_PIPELINE_ANY];
+	VkPipeline made = device_of(&s)->shadings[0].pipelines[0][VULKAN_PIPELINE_ANY];
 	assert_true(made != VK_NULL_HANDLE);
 	assert_true(device_of(&s)->shadings[0].pipelines[1][VULKAN_PIPELINE_ANY] == VK_NULL_HANDLE); /* no textures */
 	shading.ndf = shading.g = shading.f = 1;                                                     /* not read */
-	shading.roughness = 0.5f;                                                                    /* no formula */
+	shading.roughness = 0.5f; /* not part of the pipeline */
 	draw_and_drop(&s, &shading);
 	assert_int_equal(device_of(&s)->shading_count, 1);
 	for (int round = 0; round < 2; round++)
@@ -352,18 +353,18 @@ static void pipelines_are_made_when_needed_and_kept(void **state)
 	stage_finish(&s);
 }
 
-/* A draw with a texture needs another pipeline, also for formulas that are there already. */
+/* A draw with a texture needs another pipeline, also for formulas that have one without a texture. */
 static void textures_have_pipelines_of_their_own(void **state)
 {
 	(void)state;
 	static const stilb_render_pass pass = {.name = "main"};
 	uint8_t codes[4] = {255, 255, 255, 255};
-	const stilb_image white = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes, 0};
+	stilb_image white = {1, 1, 4, STILB_IMAGE_U8_SRGB, codes, 0};
 	stage s = stage_make(0);
 	stilb_render_texture texture;
 	stilb_render_material material;
 	stilb_image image;
-	const stilb_render_shading shading = microfacets(SHADE_NDF_BLINN, SHADE_G_KELEMEN, SHADE_F_SCHLICK);
+	stilb_render_shading shading = microfacets(SHADE_NDF_BLINN, SHADE_G_KELEMEN, SHADE_F_SCHLICK);
 	draw_and_drop(&s, &shading);
 	assert_int_equal(stilb_render_texture_create(s.render, &white, &texture), STILB_OK);
 	assert_int_equal(stilb_render_material_create(s.render, &scene->materials[0], texture, &material), STILB_OK);
@@ -389,7 +390,7 @@ int main(void)
 {
 	if (reference_no_driver())
 		return 77;
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_model_is_as_in_c),
 		cmocka_unit_test(every_light_is_as_in_c),
 		cmocka_unit_test(what_is_added_to_materials),

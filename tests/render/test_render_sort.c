@@ -1,5 +1,5 @@
-/* Passes that sort: by ascending key, equal keys as recorded, whoever recorded them; held against a merge sort of the
- * same draws. The linker sends allocations here (--wrap). */
+/* Passes that sort: ascending keys, equal keys as recorded, for any number of workers; compared with a merge sort of
+ * the same draws. The linker sends allocations here (--wrap). */
 #include "support/render_fixture.h"
 #include "support/test.h"
 
@@ -9,7 +9,7 @@
 
 /* ---- memory that runs out once ---------------------------------------------------------------------------------- */
 
-/* Allocations until the one that fails. Relaxed: a counter, orders nothing. */
+/* Allocations left until the one that fails. Relaxed: a counter that orders nothing. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -43,7 +43,7 @@ void *__wrap_realloc(void *memory, size_t size)
 #define MATERIALS 24u
 #define SEGMENT_DRAWS 700u
 
-/* With its own scene, materials with and without textures, and draws whose keys are of one kind. */
+/* A list of draws with keys of one kind, of a scene with materials with and without textures. */
 typedef struct list {
 	stilb_scene *scene;
 	stilb_render *render;
@@ -97,7 +97,7 @@ static list list_make(uint32_t workers, int replay, int materials)
 	assert_int_equal(stilb_render_upload_scene(l.render, l.scene), STILB_OK);
 	for (uint32_t t = 0; t < TEXTURES; t++) {
 		uint8_t pixel = (uint8_t)t;
-		const stilb_image image = {1, 1, 1, STILB_IMAGE_U8_SRGB, &pixel, 0};
+		stilb_image image = {1, 1, 1, STILB_IMAGE_U8_SRGB, &pixel, 0};
 		assert_int_equal(stilb_render_texture_create(l.render, &image, &l.textures[t]), STILB_OK);
 	}
 	for (uint32_t m = 0; m < MATERIALS; m++) {
@@ -255,7 +255,7 @@ static void any_workers_and_modes(void **state)
 			}
 }
 
-/* Sorting by state is what keys are for: each material is then bound once. */
+/* Sorted by material, each material is bound once. */
 static void keys_save_bindings(void **state)
 {
 	(void)state;
@@ -284,13 +284,13 @@ static const stilb_render_pass many_passes[MANY_PASSES] = {
 	{.name = "sorted between", .order = 4, .sort = true},
 };
 
-/* Between render and the null device: the frame's memory may move until the first pass has been handed over, not
- * after. */
+/* Between render and the null device: the frame's memory may move before the device gets the first pass, and not after
+ * that. */
 static struct {
 	render_device_functions functions;
 	const render_device_functions *real;
 	uint32_t passes, moved_late;
-	_Atomic bool updated; /* release: lets the thread below go on; its acquire pairs with it */
+	_Atomic bool updated; /* release, pairs with the acquire of the thread below, which waits for it */
 } spy;
 
 static stilb_result spy_frame_begin(render_device *device, render_memory *memory)
@@ -379,7 +379,7 @@ static void materials_destroyed_during_replay(void **state)
 
 /* ---- no memory -------------------------------------------------------------------------------------------------- */
 
-/* Each allocation of a frame fails in turn; the next frame is good. */
+/* Each allocation of a frame fails in turn; the next frame is complete. */
 static void a_sort_without_memory(void **state)
 {
 	(void)state;
@@ -387,7 +387,7 @@ static void a_sort_without_memory(void **state)
 	int64_t number = 1;
 	for (; result != STILB_OK; number++) {
 		list l = list_make(0, STILB_RENDER_REPLAY_INDIRECT, STILB_RENDER_MATERIALS_BIND);
-		list_fill(&l, 20000, KEYS_ANY); /* sorted they outgrow the memory of a first frame */
+		list_fill(&l, 20000, KEYS_ANY); /* with their sorted copies more than a new frame's memory holds */
 		allocation_fail(number);
 		result = list_draw(&l, &sorted_pass, 1);
 		allocation_fail(INT64_MAX);
@@ -403,7 +403,7 @@ static void a_sort_without_memory(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(any_keys_in_any_number),
 		cmocka_unit_test(any_workers_and_modes),
 		cmocka_unit_test(keys_save_bindings),

@@ -1,5 +1,5 @@
-/* Textures on the GPU: filtering, repeating, formats and where they lie on a mesh, against closed form; and resources
- * that come and go from all workers while frames are drawn, under the validation layer. */
+/* Textures on the GPU: filtering, repeating, formats and positions on a mesh, against closed forms; and resources that
+ * all workers create and destroy while frames are drawn, under the validation layer. */
 #include "render/vulkan/vulkan_internal.h"
 #include "support/picture_reference.h"
 
@@ -14,8 +14,8 @@ typedef struct stage {
 	stilb_render_view view;
 } stage;
 
-/* Looks straight down; the square x, z in [-1, 1] at y = 0 fills the picture, -Z is up. A sky of radiance 1, no sun:
- * what faces up has its diffuse reflectance as radiance. */
+/* Looks straight down; the square x, z in [-1, 1] at y = 0 fills the picture, -Z is up. A sky of radiance 1 and no sun,
+ * so the radiance of a surface that faces up is its diffuse reflectance. */
 static stage stage_open(stilb_render_desc desc, uint32_t workers)
 {
 	stage s;
@@ -51,7 +51,7 @@ typedef struct draw {
 
 static void stage_draw(stage *s, const draw *draws, uint32_t count)
 {
-	const stilb_render_pass pass = {.name = "main"};
+	stilb_render_pass pass = {.name = "main"};
 	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
 	assert_int_equal(stilb_render_pass_begin(s->render, 0, 1), STILB_OK);
 	stilb_render_context *context = stilb_render_context_get(s->render, 0);
@@ -89,7 +89,7 @@ static const float diffuse[3] = {0.8f, 0.6f, 0.4f};
 
 static stilb_render_material make_material(stage *s, stilb_render_texture texture)
 {
-	const stilb_scene_material material = {.diffuse = {diffuse[0], diffuse[1], diffuse[2]}, .roughness = 0.7f};
+	stilb_scene_material material = {.diffuse = {diffuse[0], diffuse[1], diffuse[2]}, .roughness = 0.7f};
 	stilb_render_material out;
 	assert_int_equal(stilb_render_material_create(s->render, &material, texture, &out), STILB_OK);
 	return out;
@@ -97,7 +97,7 @@ static stilb_render_material make_material(stage *s, stilb_render_texture textur
 
 /* ---- texels ------------------------------------------------------------------------------------------------------ */
 
-/* Of texel x, y, channel c: no row, column or channel is like another. */
+/* The value of texel x, y, channel c: all rows, columns and channels differ. */
 static uint32_t texel_code(uint32_t x, uint32_t y, uint32_t c)
 {
 	return (37 * x + 91 * y + 53 * c + 11 * x * y) % 256;
@@ -125,10 +125,10 @@ static stilb_image texel_image(stilb_image_format format, uint32_t channels)
 	return image;
 }
 
-/* What the texture has there, linear: grey is all three channels. */
+/* The texture's value at a texel, linear; grey stands for all three channels. */
 static double texel_value(stilb_image_format format, uint32_t channels, int64_t x, int64_t y, int c)
 {
-	const int64_t n = TEXELS;
+	int64_t n = TEXELS;
 	uint32_t code =
 		texel_code((uint32_t)((x % n + n) % n), (uint32_t)((y % n + n) % n), channels < 3 ? 0 : (uint32_t)c);
 	if (format != STILB_IMAGE_U8_SRGB)
@@ -137,7 +137,7 @@ static double texel_value(stilb_image_format format, uint32_t channels, int64_t 
 	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
-/* Between the four nearest texels; u and v in texels. */
+/* Bilinear interpolation; u and v in texels. */
 static double texel_filtered(stilb_image_format format, uint32_t channels, double u, double v, int c)
 {
 	double x = floor(u - 0.5), y = floor(v - 0.5), fx = u - 0.5 - x, fy = v - 0.5 - y, sum = 0.0;
@@ -177,7 +177,7 @@ static void texels_of_every_format(void **state)
 		stilb_image image = texel_image(format, channels);
 		stilb_render_texture texture;
 		assert_int_equal(stilb_render_texture_create(s.render, &image, &texture), STILB_OK);
-		stilb_image_finish(&image); /* it has been copied */
+		stilb_image_finish(&image); /* the renderer has its own copy */
 		draw tile = {make_plane(&s, span[0], span[1]), make_material(&s, texture), stilb_mat4_identity()};
 		stage_draw(&s, &tile, 1);
 		stilb_image picture = stage_picture(&s);
@@ -208,8 +208,8 @@ static stilb_render_texture make_ramp(stage *s)
 	return texture;
 }
 
-/* Seen from above, the sphere's upper half: longitude around +Y, latitude from the top. Blue is 1, so it tells how
- * the point is lit. Triangles are flat, so inside one u and v are off by a part of its size. */
+/* The sphere's upper half, seen from above: u is the longitude around +Y, v the latitude from the top. Blue is 1, so it
+ * gives the light of the point. Triangles are flat: inside one, u and v deviate by a fraction of its size. */
 static void longitude_and_latitude(void **state)
 {
 	(void)state;
@@ -254,7 +254,7 @@ static stilb_mat4 cell_transform(uint32_t cells, uint32_t cell)
 	                                  -1.0f + (float)(2 * (cell / cells) + 1) * scale);
 }
 
-/* Cells with one of two textures or none, and a material that changes at another pace. */
+/* Cells with one of two textures or none, and materials that change with another period. */
 static void fill_cells(stage *s, draw draws[CELLS * CELLS])
 {
 	stilb_image image = texel_image(STILB_IMAGE_U8_SRGB, 3);
@@ -265,16 +265,16 @@ static void fill_cells(stage *s, draw draws[CELLS * CELLS])
 	assert_int_equal(stilb_render_texture_create(s->render, &image, &textures[1]), STILB_OK);
 	stilb_image_finish(&image);
 	for (uint32_t m = 0; m < 12; m++) {
-		const stilb_scene_material material = {.diffuse = {0.05f * (float)(m + 1), 0.5f, 0.9f}, .roughness = 0.7f};
+		stilb_scene_material material = {.diffuse = {0.05f * (float)(m + 1), 0.5f, 0.9f}, .roughness = 0.7f};
 		if (m == 8)
-			stage_draw(s, NULL, 0); /* the rest is copied behind these */
+			stage_draw(s, NULL, 0); /* uploads the first eight; the others follow in a later frame */
 		assert_int_equal(stilb_render_material_create(s->render, &material, textures[m % 3], &materials[m]), STILB_OK);
 	}
 	for (uint32_t c = 0; c < CELLS * CELLS; c++)
 		draws[c] = (draw){mesh, materials[c * c / 5 % 12], cell_transform(CELLS, c)};
 }
 
-/* What has to be bound, worked out anew: a material stands for its texture. */
+/* The expected number of binds, computed independently; the material determines the texture. */
 static uint64_t expected_binds(stilb_render_materials how)
 {
 	uint64_t binds = 3;
@@ -288,7 +288,7 @@ static uint64_t expected_binds(stilb_render_materials how)
 	return binds;
 }
 
-/* The same pixels, and the same numbers as from the null device; also where a GPU wants bound materials far apart. */
+/* All modes give the same pixels and the null device's statistics; also with a large alignment of bound materials. */
 static void the_same_in_every_mode(void **state)
 {
 	(void)state;
@@ -351,13 +351,13 @@ static bool busy_textured(uint32_t cell)
 	return cell % 4 == 1;
 }
 
-/* All that the cell needs is made, drawn and destroyed at once. */
+/* Creates everything that the cell needs, draws it, and destroys it at once. */
 static bool busy_cell(busy *b, uint32_t cell, stilb_render_context *context)
 {
 	stilb_render *render = b->stage->render;
 	uint8_t codes[4 * 3];
 	memset(codes, 188, sizeof codes);
-	const stilb_image image = {2, 2, 3, STILB_IMAGE_U8_SRGB, codes, 0};
+	stilb_image image = {2, 2, 3, STILB_IMAGE_U8_SRGB, codes, 0};
 	stilb_scene_material material = {.roughness = 1.0f};
 	stilb_mat4 transform = cell_transform(BUSY, cell);
 	stilb_render_texture texture = {0};
@@ -389,9 +389,9 @@ static void busy_slice(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 
 static void busy_frame(busy *b)
 {
-	const stilb_render_pass pass = {.name = "main"};
+	stilb_render_pass pass = {.name = "main"};
 	stage *s = b->stage;
-	const uint32_t segments = BUSY * BUSY / BUSY_SEGMENT;
+	uint32_t segments = BUSY * BUSY / BUSY_SEGMENT;
 	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
 	assert_int_equal(stilb_render_pass_begin(s->render, 0, segments), STILB_OK);
 	stilb_job_parallel_for(s->pool, segments, 1, busy_slice, b, 0);
@@ -405,7 +405,7 @@ static void assert_busy_picture(const busy *b)
 {
 	stilb_image picture = stage_picture(b->stage);
 	uint32_t side = picture.width / BUSY;
-	const double texel = pow((188.0 / 255.0 + 0.055) / 1.055, 2.4);
+	double texel = pow((188.0 / 255.0 + 0.055) / 1.055, 2.4);
 	for (uint32_t cell = 0; cell < BUSY * BUSY; cell++) {
 		double want[3];
 		for (uint32_t c = 0; c < 3; c++)
@@ -422,7 +422,7 @@ static void resources_come_and_go(void **state)
 	stilb_scene_mesh plane;
 	assert_int_equal(stilb_scene_mesh_plane(&plane), STILB_OK);
 	for (int way = 0; way < 9; way++) {
-		const stilb_render_desc desc = {
+		stilb_render_desc desc = {
 			.replay = (stilb_render_replay_mode)(way % 3),
 			.materials = (stilb_render_materials)(way / 3),
 			.width = 4 * BUSY,
@@ -438,7 +438,7 @@ static void resources_come_and_go(void **state)
 			if (b.frame == 2)
 				assert_int_equal(stilb_render_resize(s.render, 3 * BUSY, 3 * BUSY), STILB_OK);
 		}
-		/* Two frames later nothing is left, and ids are used again. */
+		/* Two frames later everything is released, and indices are reused. */
 		for (int f = 0; f < 2; f++)
 			stage_draw(&s, NULL, 0);
 		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
@@ -453,7 +453,7 @@ int main(void)
 {
 	if (reference_no_driver())
 		return 77;
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(texels_of_every_format),
 		cmocka_unit_test(longitude_and_latitude),
 		cmocka_unit_test(the_same_in_every_mode),

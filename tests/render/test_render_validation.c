@@ -1,5 +1,5 @@
-/* The validation layer, synchronization checks included, has nothing to say about any kind of frame; when it has, the run
- * fails; and without the layer nobody is told that all is well. The first argument is the stilb program. */
+/* The validation layer with synchronization checks gives no message for any kind of frame; a message makes the program
+ * fail; and without the layer --validate is an error. The first argument is the stilb program. */
 #include "engine_internal.h"
 #include "render/vulkan/vulkan_internal.h"
 #include "support/picture_reference.h"
@@ -35,7 +35,7 @@ static void frames(stilb_engine *engine, int count)
 		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 }
 
-/* Reads the picture; two in a row are the same. */
+/* Reads the picture twice; both are equal. */
 static void read_twice(stilb_engine *engine)
 {
 	stilb_image first = {0}, second = {0};
@@ -50,7 +50,7 @@ static void read_twice(stilb_engine *engine)
 	stilb_image_finish(&second);
 }
 
-/* The layer also speaks while things are destroyed: its lines are counted on stderr then, by the_program_fails. */
+/* Messages during destruction cannot be counted here: the_program_fails counts them on stderr. */
 static void finish(stilb_engine *engine)
 {
 	double gpu_ms;
@@ -59,7 +59,7 @@ static void finish(stilb_engine *engine)
 	stilb_engine_destroy(engine);
 }
 
-/* What a program makes beside the scene; the old goes when the new has come. */
+/* Resources beside the scene: new ones are created, then the old ones destroyed. */
 typedef struct extras {
 	stilb_render_mesh mesh;
 	stilb_render_texture texture;
@@ -84,7 +84,7 @@ static void extras_renew(stilb_engine *engine, extras *e)
 	*e = made;
 }
 
-/* Every replay with every way of materials, twice: the rest varies as well. */
+/* Every replay mode with every way of materials, twice, with other settings varied. */
 static void frames_of_every_kind(void **state)
 {
 	(void)state;
@@ -133,7 +133,7 @@ static void rows_and_passes_that_grow(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = validated();
-	desc.models = 18000; /* more than the rows a frame has at first */
+	desc.models = 18000; /* more rows than a new frame's memory holds */
 	desc.width = desc.height = 16;
 	stilb_engine *engine = start(&desc);
 	frames(engine, 2);
@@ -210,7 +210,7 @@ static void frames_that_break_off_harm_no_other(void **state)
 
 /* ---- limits ------------------------------------------------------------------------------------------------------ */
 
-/* A size beyond the GPU's is refused before the driver sees it, and the next good size works. */
+/* A size beyond the GPU's limit is refused before the driver gets it, and a valid size works afterwards. */
 static void too_large_a_picture(void **state)
 {
 	(void)state;
@@ -233,14 +233,14 @@ static void too_large_a_picture(void **state)
 	finish(engine);
 }
 
-/* A GPU that takes few draws a command gets several commands; the picture stays. */
+/* A GPU with a small maxDrawIndirectCount gets several commands; the picture is the same. */
 static void few_draws_a_command(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = validated();
 	stilb_engine_report report;
 	desc.animate = false;
-	desc.workers = 0; /* one piece of commands */
+	desc.workers = 0; /* one range of commands */
 	stilb_engine *engine = start(&desc);
 	stilb_image whole = {0}, cut = {0};
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
@@ -283,7 +283,7 @@ static void a_bad_argument_is_seen(void **state)
 	stilb_engine_desc desc = validated();
 	stilb_engine *engine = start(&desc);
 	vulkan_device *device = (vulkan_device *)engine->render->device;
-	const VkBufferCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 16, .usage = 0};
+	VkBufferCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 16, .usage = 0};
 	VkBuffer buffer = VK_NULL_HANDLE;
 	vkCreateBuffer(device->device, &nothing, NULL, &buffer);
 	vkDestroyBuffer(device->device, buffer, NULL);
@@ -292,14 +292,14 @@ static void a_bad_argument_is_seen(void **state)
 	stilb_engine_destroy(engine);
 }
 
-/* Two writes to the same bytes with nothing between them: only the synchronization checks know. */
+/* Two writes to the same bytes without a barrier: only the synchronization checks find that. */
 static void a_missing_barrier_is_seen(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = validated();
 	stilb_engine *engine = start(&desc);
 	vulkan_device *device = (vulkan_device *)engine->render->device;
-	const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+	VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
 	VkCommandBuffer commands = device->slots[0].show;
 	vulkan_buffer buffer;
 	assert_int_equal(vulkan_buffer_create(device, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_DEVICE, &buffer),
@@ -314,7 +314,7 @@ static void a_missing_barrier_is_seen(void **state)
 	stilb_engine_destroy(engine);
 }
 
-/* Runs stilb demo with what is added; what it prints on stderr comes back in words. */
+/* Runs stilb demo with further arguments; its stderr is returned in words. */
 static int run_demo(const char *environment, const char *flags, char *words, size_t size)
 {
 	char command[4096];
@@ -329,14 +329,14 @@ static int run_demo(const char *environment, const char *flags, char *words, siz
 	return WEXITSTATUS(pclose(pipe));
 }
 
-/* The layer is told to complain about habits as well, so that a good program gets messages. */
+/* The layer's best-practices checks are on, so that a correct program gets messages, too. */
 static void a_message_fails_the_program(void **state)
 {
 	(void)state;
 	const char *strict = "VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_BEST_PRACTICES_EXT";
 	char words[1 << 16];
 	assert_int_equal(run_demo("", "--validate", words, sizeof words), 0);
-	assert_string_equal(words, ""); /* not while it ends either */
+	assert_string_equal(words, ""); /* also none at exit */
 	assert_int_equal(run_demo("", "--validate --replay direct --msaa 4 --animate", words, sizeof words), 0);
 	assert_string_equal(words, "");
 	assert_int_equal(run_demo("", "--validate --replay secondary --materials bind", words, sizeof words), 0);
@@ -364,9 +364,8 @@ static int32_t no_surface(void *user, void *instance, uint64_t *surface)
 static void a_window_without_a_surface(void **state)
 {
 	(void)state;
-	const stilb_render_surface surface = {NULL, no_extensions, no_surface};
-	const stilb_render_desc desc = {
-		.surface = &surface, .width = 64, .height = 48, .context_count = 1, .validate = true};
+	stilb_render_surface surface = {NULL, no_extensions, no_surface};
+	stilb_render_desc desc = {.surface = &surface, .width = 64, .height = 48, .context_count = 1, .validate = true};
 	stilb_render *render;
 	assert_int_equal(stilb_render_create(&desc, &render), STILB_ERROR_WINDOW);
 	assert_null(render);
@@ -401,7 +400,7 @@ int main(int argc, char **argv)
 		return 2;
 	}
 	stilb_program = argv[1];
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(frames_of_every_kind),
 		cmocka_unit_test(other_sizes_between_frames),
 		cmocka_unit_test(rows_and_passes_that_grow),

@@ -52,7 +52,7 @@ static void errors_have_a_result_a_name_and_a_way_out(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_kind_of_gpu_has_its_word),
 		cmocka_unit_test(errors_have_a_result_a_name_and_a_way_out),
 	};

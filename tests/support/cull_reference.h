@@ -1,4 +1,4 @@
-/* What the culling tests share: the test of a sphere in its plainest form, random numbers, scenes and views. */
+/* Shared by the culling tests: the plainest test of a sphere, random numbers, scenes and views. */
 #ifndef CULL_REFERENCE_H
 #define CULL_REFERENCE_H
 
@@ -72,8 +72,7 @@ static inline stilb_frustum box_view(const float low[3], const float high[3])
 /* A value that a careless caller might hand in. */
 static inline float random_strange_value(reference_random *random)
 {
-	const float strange[] = {(float)NAN, INFINITY, -INFINITY, 3e38f,  -3e38f, 1e-44f,
-	                         -1e-44f,    -0.0f,    -1.0f,     -50.0f, 1e9f};
+	float strange[] = {(float)NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e-44f, -1e-44f, -0.0f, -1.0f, -50.0f, 1e9f};
 	return strange[random_below(random, sizeof strange / sizeof *strange)];
 }
 

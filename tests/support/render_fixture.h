@@ -1,5 +1,4 @@
-/* What the tests of recording and replay share: scenes, pools, renderers on the null device, and draws of random
- * numbers. */
+/* Shared by the tests of recording and replay: scenes, pools, renderers on the null device, and random draws. */
 #ifndef RENDER_FIXTURE_H
 #define RENDER_FIXTURE_H
 
@@ -8,7 +7,7 @@
 
 #include <stdlib.h>
 
-/* Sanitizers make everything some ten times slower: tests that repeat themselves do it less often there. */
+/* With sanitizers everything is some ten times slower, so tests with repetitions make fewer of them. */
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define FIXTURE_SANITIZED 1
 #elif defined(__has_feature)
@@ -32,7 +31,7 @@ static inline stilb_scene *fixture_scene(uint32_t models)
 
 static inline stilb_job_pool *fixture_pool(uint32_t workers, stilb_job_hooks hooks)
 {
-	const stilb_job_pool_desc desc = {.worker_count = workers, .affinity = STILB_JOB_AFFINITY_NONE, .hooks = hooks};
+	stilb_job_pool_desc desc = {.worker_count = workers, .affinity = STILB_JOB_AFFINITY_NONE, .hooks = hooks};
 	stilb_job_pool *pool;
 	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
 	return pool;
@@ -41,7 +40,7 @@ static inline stilb_job_pool *fixture_pool(uint32_t workers, stilb_job_hooks hoo
 /* Without a scene. */
 static inline stilb_render *fixture_render(uint32_t contexts, int replay, int materials)
 {
-	const stilb_render_desc desc = {
+	stilb_render_desc desc = {
 		.device = STILB_RENDER_DEVICE_NULL,
 		.replay = (stilb_render_replay_mode)replay,
 		.materials = (stilb_render_materials)materials,
@@ -133,7 +132,7 @@ static inline void fixture_sort_with(fixture_draw *draws, uint64_t count, fixtur
 	fixture_merge(draws, middle, count, scratch);
 }
 
-/* By ascending key, equal keys as they were. */
+/* Stable merge sort by ascending key. */
 static inline void fixture_sort(fixture_draw *draws, uint64_t count)
 {
 	fixture_draw *scratch = malloc((count + 1) * sizeof *scratch);
@@ -142,8 +141,8 @@ static inline void fixture_sort(fixture_draw *draws, uint64_t count)
 	free(scratch);
 }
 
-/* Changes of bindings from draw to draw: pipeline, buffers and material before the first; then a texture that is
- * another one, a pipeline where textures begin or end, and what --materials makes of the material. */
+/* The expected number of binds: pipeline, buffers and material before the first draw; then the texture if it changes,
+ * the pipeline if one of two draws has a texture and the other has not, and the material as --materials needs it. */
 static inline uint64_t fixture_binds(const fixture_draw *draws, uint64_t count, int materials)
 {
 	uint64_t binds = count > 0 ? 3 : 0;
@@ -161,7 +160,7 @@ static inline uint64_t fixture_binds(const fixture_draw *draws, uint64_t count, 
 	return binds;
 }
 
-/* The same for a stream that is cut into parts, each with bindings of its own. */
+/* The expected number of binds of a stream that is cut into parts, each of which begins without bindings. */
 static inline uint64_t fixture_binds_in_parts(const fixture_draw *draws, uint64_t count, int materials, uint64_t parts)
 {
 	uint64_t binds = 0;

@@ -1,4 +1,4 @@
-/* A GPU in a test's place: stands between render and the null device and keeps what a GPU would have been given. A
+/* A simulated GPU: stands between render and the null device and keeps everything that a GPU would have got. A
  * draw must find its mesh, material and texture there, and so must the draws of the frames that are still in flight.
  *
  * Things to draw with tell who they are: mesh, material and texture number n hold n in every vertex, in a colour, in
@@ -18,7 +18,7 @@ typedef struct gpu_thing {
 	uint32_t number;
 } gpu_thing;
 
-/* A draw as it lies in a frame that was handed over. */
+/* A draw of a submitted frame. */
 typedef struct gpu_draw {
 	render_command command;
 	uint32_t texture;
@@ -37,13 +37,13 @@ static struct {
 	uint8_t *heaps[RENDER_HEAPS];
 	uint32_t heap_sizes[RENDER_HEAPS]; /* elements */
 	bool made[STILB_RENDER_MAX_TEXTURES];
-	uint32_t pixels[STILB_RENDER_MAX_TEXTURES]; /* the first; 0: nothing has been brought over */
+	uint32_t pixels[STILB_RENDER_MAX_TEXTURES]; /* the first pixel; 0: nothing has been uploaded */
 	gpu_frame frames[RENDER_FRAMES_IN_FLIGHT];
 	uint32_t frame;
 	stilb_result texture_result; /* of the next texture_create */
-	bool losing;                 /* the frame never arrives */
+	bool losing;                 /* submit fails: the frame is lost */
 	uint64_t draws_seen;
-	uint32_t wrong; /* draws that did not find what they drew with */
+	uint32_t wrong; /* draws whose mesh, material or texture was not there */
 } gpu;
 
 /* ---- things ----------------------------------------------------------------------------------------------------- */
@@ -71,24 +71,24 @@ static inline stilb_result gpu_mesh_create(stilb_render *render, uint32_t number
 		vertices[v] = (stilb_scene_vertex){.position = {(float)number, (float)v, 0}, .normal = {0, 1, 0}};
 	for (uint32_t i = 0; i < gpu_thing_indices(number); i++)
 		indices[i] = gpu_thing_index(number, i);
-	const stilb_scene_mesh source = {.vertices = vertices,
-	                                 .indices = indices,
-	                                 .vertex_count = gpu_thing_vertices(number),
-	                                 .index_count = gpu_thing_indices(number)};
+	stilb_scene_mesh source = {.vertices = vertices,
+	                           .indices = indices,
+	                           .vertex_count = gpu_thing_vertices(number),
+	                           .index_count = gpu_thing_indices(number)};
 	return stilb_render_mesh_create(render, &source, mesh);
 }
 
 static inline stilb_result gpu_material_create(stilb_render *render, uint32_t number, stilb_render_texture texture,
                                                stilb_render_material *material)
 {
-	const stilb_scene_material source = {.diffuse = {(float)number, 1, 1}, .specular = {0, 0, 0}, .roughness = 0.5f};
+	stilb_scene_material source = {.diffuse = {(float)number, 1, 1}, .specular = {0, 0, 0}, .roughness = 0.5f};
 	return stilb_render_material_create(render, &source, texture, material);
 }
 
 static inline stilb_result gpu_texture_create(stilb_render *render, uint32_t number, stilb_render_texture *texture)
 {
 	uint8_t pixels[4] = {(uint8_t)number, (uint8_t)(number >> 8), (uint8_t)(number >> 16), 0xff};
-	const stilb_image source = {1, 1, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
+	stilb_image source = {1, 1, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
 	return stilb_render_texture_create(render, &source, texture);
 }
 
@@ -172,7 +172,7 @@ static inline void gpu_texture_unmake(render_device *device, uint32_t texture)
 {
 	assert_true(gpu.made[texture]);
 	gpu.made[texture] = false;
-	gpu_check_frames(); /* none in flight reads it */
+	gpu_check_frames(); /* no frame in flight may read it */
 	gpu.real->texture_destroy(device, texture);
 }
 

@@ -1,5 +1,5 @@
-/* What the tests of render and engine share: the stream hash in the layout that render.h writes down, worked out from the
- * scene alone; and which libraries are loaded. */
+/* Shared by the tests of render and engine: the stream hash as render.h defines it, computed from the scene alone; and
+ * a test of which libraries are loaded. */
 #ifndef RENDER_REFERENCE_H
 #define RENDER_REFERENCE_H
 
@@ -31,8 +31,8 @@ static inline uint64_t reference_hash_float(uint64_t hash, float number)
 /* A pass begins, in a view with this shading. */
 static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_shading *shading)
 {
-	const uint32_t formulas[] = {shading->brdf, shading->ndf, shading->g, shading->f, shading->light};
-	const float added[] = {shading->roughness, shading->anisotropy, shading->wrap, shading->specular};
+	uint32_t formulas[] = {shading->brdf, shading->ndf, shading->g, shading->f, shading->light};
+	float added[] = {shading->roughness, shading->anisotropy, shading->wrap, shading->specular};
 	for (size_t i = 0; i < sizeof formulas / sizeof *formulas; i++)
 		hash = reference_hash_u32(hash, formulas[i]);
 	for (size_t i = 0; i < sizeof added / sizeof *added; i++)
@@ -77,11 +77,11 @@ static inline bool reference_library_loaded(const char *text)
 	return found;
 }
 
-/* A test: what the null device needs is free of other people's libraries, so the thread sanitizer sees all of it. */
+/* A test: the null device loads no third-party library, so the thread sanitizer sees all code that runs. */
 static inline void reference_no_third_party(void **state)
 {
 	(void)state;
-	assert_true(reference_library_loaded("libcmocka")); /* the question works */
+	assert_true(reference_library_loaded("libcmocka")); /* the query itself works */
 	static const char *const libraries[] = {"libvulkan",  "libglfw", "libOpenImageIO",
 	                                        "libOpenEXR", "libpng",  "libembree"};
 	for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)

@@ -6,9 +6,9 @@
 #include "../../shading/shade_tonemap.h"
 
 layout(constant_id = 0) const bool tone_map = true;
-// Which materials the pipeline is for: all (0), those with an even (1) or with an odd index (2). Others come out black.
+// The materials that the pipeline draws: 0 all, 1 those with an even index, 2 those with an odd one. Others are black.
 layout(constant_id = 1) const uint drawn = 0;
-// The formulas, in the order of vulkan_formula; all but the chosen are left out of the pipeline.
+// The formulas, in the order of vulkan_formula. They are compile-time constants: code of other formulas is removed.
 layout(constant_id = 2) const int brdf = SHADE_BRDF_BLINN_PHONG_MODIFIED;
 layout(constant_id = 3) const int ndf = SHADE_NDF_GGX;
 layout(constant_id = 4) const int g = SHADE_G_SMITH_GGX;
@@ -30,7 +30,7 @@ layout(set = 1, binding = 0, std430) readonly buffer Bound { Material material; 
 
 layout(location = 0) out vec4 color;
 
-// The draw's material with what the view adds to all.
+// The draw's material plus the view's additions.
 shade_material material_here()
 {
 #ifdef MESH_BIND
@@ -52,24 +52,25 @@ shade_material material_here()
 		clamp(m.wrap.x + added.z, 0.0, 1.0));
 }
 
-// The sun, or what arrives of the lamp.
+// The light at this point, as the view's light model has it: the sun, or the lamp seen from here.
 shade_sun light_here()
 {
 	shade_sun sun = {push.view.sun_direction.xyz, push.view.sun_irradiance.xyz};
-	// Whole vec4s: where .xyz and .w are loaded each for itself, lavapipe (Mesa 22.3) takes .w for 0.
+	// Load whole vec4s: if .xyz and .w are loaded separately, lavapipe (Mesa 22.3) reads .w as 0.
 	vec4 position_radius = push.view.lamp_position_radius;
 	vec4 axis_reach = push.view.lamp_axis_reach;
-	shade_lamp lamp = {position_radius.xyz, axis_reach.xyz, push.view.lamp_intensity.xyz, position_radius.w, axis_reach.w};
+	shade_lamp lamp = {position_radius.xyz, axis_reach.xyz, push.view.lamp_intensity.xyz, position_radius.w,
+		axis_reach.w};
 	return shade_light_at(light, sun, lamp, world_position);
 }
 
-// Meshes have no tangents, so things are brushed around the vertical, as if turned on a lathe.
+// Meshes have no tangents: anisotropic materials are brushed around the vertical axis, as if turned on a lathe.
 shade_frame frame_here(vec3 n)
 {
 	return shade_frame_from_tangent(n, vec3(n.z, 0.0, -n.x)); // cross(up, n)
 }
 
-// The sky in the highlight: of a sky that is the only light.
+// The sky's reflection, for SHADE_LIGHT_HEMISPHERE, where the sky is the only light.
 vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
 {
 	float exponent = shade_exponent_from_alpha(shade_alpha_from_roughness(material.roughness));

@@ -1,16 +1,17 @@
-// What the mesh shaders share with the CPU: buffers by address, laid out as in render_internal.h and vulkan_internal.h.
+// Data that the mesh shaders share with the CPU: buffers by address, laid out as in render_internal.h and
+// vulkan_internal.h.
 #include "row.glsl"
 
-// render_material.
+// As render_material.
 struct Material {
 	vec4 diffuse_roughness;
 	vec4 specular_anisotropy;
-	vec4 wrap; // and nothing else
+	vec4 wrap; // in x; the others are unused
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Materials { Material materials[]; };
 
-// vulkan_view.
+// As vulkan_view.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer View {
 	mat4 view_projection;
 	vec4 camera_position;

@@ -16,12 +16,12 @@ layout(location = 3) out vec2 surface_uv;
 
 void main()
 {
-	// gl_InstanceIndex starts at the draw's firstInstance: its row.
+	// gl_InstanceIndex is the draw's firstInstance, the index of its row.
 	Row row = push.rows.rows[gl_InstanceIndex];
 	vec4 p = vec4(position, 1.0);
 	world_position = vec3(dot(row.transform[0], p), dot(row.transform[1], p), dot(row.transform[2], p));
 
-	// Normals go with the cofactors of the transform, right for any scale.
+	// Normals are transformed by the cofactor matrix, which is right also for nonuniform scale.
 	vec3 x = row.transform[0].xyz, y = row.transform[1].xyz, z = row.transform[2].xyz;
 	world_normal = vec3(dot(cross(y, z), normal), dot(cross(z, x), normal), dot(cross(x, y), normal));
 

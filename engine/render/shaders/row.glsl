@@ -1,7 +1,7 @@
-// One draw by address, laid out as in render_internal.h.
+// The rows of the frame's draws, a buffer by address.
 #extension GL_EXT_buffer_reference : require
 
-// render_row.
+// As render_row of render_internal.h.
 struct Row {
 	vec4 transform[3]; // rows of the affine transform, model to world; a 2D draw has its clip rectangle in the first
 	uint material;

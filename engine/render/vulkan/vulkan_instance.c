@@ -265,9 +265,9 @@ static int gpu_score(VkPhysicalDevice gpu)
 	return (size_t)properties.deviceType < sizeof scores / sizeof *scores ? scores[properties.deviceType] : 1;
 }
 
-/* The index of the GPU that `wanted` names: its number in the list, or a part of its name. A number that no list reaches,
- * as "4090", is a part of a name. If several match, or wanted is NULL, the best score decides. Returns count if none
- * matches. */
+/* The index of the GPU that `wanted` names: its number in the list, or a part of its name. A number that no list
+ * reaches, as "4090", is a part of a name. If several match, or wanted is NULL, the best score decides. Returns count
+ * if none matches. */
 static uint32_t gpu_find(const VkPhysicalDevice *gpus, uint32_t count, const char *wanted)
 {
 	uint32_t best = count;

@@ -144,8 +144,8 @@ typedef enum vulkan_formula {
 	VULKAN_FORMULAS,
 } vulkan_formula;
 
-/* The mesh pipelines of one choice of formulas, [0] without and [1] with a texture. VK_NULL_HANDLE: not needed so far.
- * */
+/* The mesh pipelines of one choice of formulas, [0] without and [1] with a texture. VK_NULL_HANDLE:
+ * not needed so far. */
 typedef struct vulkan_shading {
 	uint32_t formulas[VULKAN_FORMULAS];
 	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
@@ -227,7 +227,7 @@ stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc);
 /* Chooses the GPU that `wanted` names (stilb_render_desc.gpu). */
 stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted);
-/* As many times as you like. */
+/* Safe to call again, and without an instance. */
 void vulkan_instance_destroy(vulkan_device *device);
 /* The words for a kind of GPU: "discrete GPU", ... , "other" also for kinds that are newer than this program. */
 const char *vulkan_gpu_type_text(VkPhysicalDeviceType type);
@@ -323,8 +323,8 @@ void vulkan_times_pass_end(vulkan_device *device);
 void vulkan_times_end(vulkan_device *device);
 /* Call right after the submission of the frame's draws. good: it succeeded. */
 void vulkan_times_submitted(vulkan_device *device, bool good);
-/* Call when the slot's frame is done, for frames in the order of their submission. Does nothing if it was read already.
- * */
+/* Call when the slot's frame is done, for frames in the order of their submission. Does nothing if
+ * it was read already. */
 void vulkan_times_read(vulkan_device *device, vulkan_slot *slot);
 
 /* vulkan_pass.c: the commands of one pass. */
@@ -342,8 +342,8 @@ vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer command
 
 /* vulkan_secondary.c: a command buffer for each worker. */
 
-/* Records the stream into commands[count] on its pool, 1..VULKAN_MAX_LISTS; to be executed in the order of the array.
- * */
+/* Records the stream into commands[count] on its pool, 1..VULKAN_MAX_LISTS; to be executed in the
+ * order of the array. */
 stilb_result vulkan_secondary_record(vulkan_device *device, const render_stream *stream, uint32_t count,
                                      VkCommandBuffer *commands);
 /* Destroys the slot's lists; its frame is done. */

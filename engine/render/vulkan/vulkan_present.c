@@ -298,8 +298,8 @@ stilb_result vulkan_read_image(render_device *base, stilb_image *image)
 		return stilb_fail(STILB_ERROR_DEVICE, "no frame of this size has been drawn yet");
 	stilb_result result = vulkan_timeline_wait(device, slot->done);
 	if (result == STILB_OK && !slot->picture_valid) {
-		/* The window's blit is done, so its command buffer is reused for the copy; a pool can only be reset as a whole.
-		 * */
+		/* The window's blit is done, so its command buffer is reused for the copy; a pool can only be
+		 * reset as a whole. */
 		VkResult reset = vkResetCommandPool(device->device, slot->pool, 0);
 		result = reset == VK_SUCCESS ? memory_present(device, slot) : vulkan_fail(device, reset, "read the picture");
 	}

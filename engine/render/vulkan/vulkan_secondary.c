@@ -48,7 +48,7 @@ void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot)
 }
 
 /* The list's next command buffer, empty. The first call of a frame empties all of the list's buffers, which takes about
- * as long as recording them, and so belongs into the jobs. */
+ * as long as recording them: so the jobs do it. */
 static VkResult list_next(vulkan_device *device, vulkan_list *list, VkCommandBuffer *commands)
 {
 	STILB_ASSERT(list->used <= list->made && list->used < STILB_RENDER_MAX_PASSES);

@@ -1,9 +1,9 @@
 /* GPU times: timestamps before and after the frame and each of its passes, read when the slot is used again (two frames
  * later, so nobody waits for them), and shown as zones of a lane of the profiler.
  *
- * The GPU's clock differs from the CPU's. Once a frame both are read together (VK_EXT_calibrated_timestamps). The driver
- * tells how far apart the two reads may be, and readings that were interrupted are not used. Without the extension a
- * frame is shown at the time of its submission, and the lane's name says "uncalibrated". */
+ * The GPU's clock differs from the CPU's. Once a frame both are read together (VK_EXT_calibrated_timestamps). The
+ * driver tells how far apart the two reads may be, and readings that were interrupted are not used. Without the
+ * extension a frame is shown at the time of its submission, and the lane's name says "uncalibrated". */
 #include "render/vulkan/vulkan_internal.h"
 
 #define TIMES_FRAME 2u /* queries of the frame, begin and end; two for each pass follow */
