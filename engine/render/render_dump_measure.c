@@ -105,6 +105,7 @@ static void measure_streams(measure_job *job, measure_variant variant, measure_f
 		render_stream *stream = &job->streams[p];
 		*stream = (render_stream){.pass = pass,
 		                          .view = &job->dump->view_table[pass->view],
+		                          .site = render->sites[job->order[p]],
 		                          .commands = render_commands(render),
 		                          .runs = runs,
 		                          .run_count = count,
