@@ -110,9 +110,10 @@ typedef struct stilb_render_desc {
 	stilb_render_faults faults;
 } stilb_render_desc;
 
-/* Opens the device and takes the calling thread as the main thread. On failure *render is NULL. STILB_ERROR_DEVICE: no
- * such GPU, or it lacks a feature that the message names, with the way to get it. STILB_ERROR_WINDOW: this GPU cannot
- * present to this window; without a surface it may work. STILB_ERROR_MEMORY. */
+/* Opens the device and takes the calling thread as the main thread. On failure *render is NULL. STILB_ERROR_ARGUMENT:
+ * no GPU has the name or number desc->gpu. STILB_ERROR_DEVICE: there is no driver, or the GPU lacks a feature that the
+ * message names, with the way to get it. STILB_ERROR_WINDOW: this GPU cannot present to this window; without a surface
+ * it may work. STILB_ERROR_MEMORY. */
 stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **render);
 
 /* Waits for the device, then frees everything: every mesh, texture and material too. Accepts NULL. [main-thread] */
@@ -393,8 +394,8 @@ typedef struct stilb_render_gpu {
 /* The version that the Vulkan loader offers: "1.3.239". In a static buffer. [main-thread] */
 const char *stilb_render_vulkan_version(void);
 
-/* Lists up to capacity GPUs in the order of --gpu numbers. *count may be 0. STILB_ERROR_DEVICE: no Vulkan driver at
- * all. [any-thread] */
+/* Lists up to capacity GPUs in the order of --gpu numbers. *count may be 0. STILB_ERROR_MEMORY: a driver cannot be
+ * loaded for want of memory. STILB_ERROR_DEVICE: no Vulkan driver at all. [any-thread] */
 stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, uint32_t *count);
 
 #endif

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Models in a segment: about 512 draws, enough to be worth a claim of the job loop, and yet
- * many segments per worker. */
+/* Models in a segment: about 512 draws, enough to be worth a claim of the job loop, and yet many segments per
+ * worker. */
 #define RECORD_SEGMENT_MODELS 256u
 
 /* Up to so many rows (4 MiB) stay in the caches until the GPU reads them. */
@@ -205,8 +205,8 @@ static bool record_begin_run(stilb_render_context *context, uint64_t state)
 	return true;
 }
 
-/* Claims new chunks for the next draw and begins a new run, as far as it needs them. False: no
- * memory, now or before. */
+/* Claims new chunks for the next draw and begins a new run, as far as it needs them. False: no memory, now or
+ * before. */
 static bool record_make_room(stilb_render_context *context, uint64_t state)
 {
 	if (context->failed)

@@ -502,7 +502,7 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 /* Destroys the first meshes and materials of a scene whose upload failed. */
-static void scene_retire(stilb_render *render, uint32_t meshes, uint32_t materials)
+static void resources_retire_scene(stilb_render *render, uint32_t meshes, uint32_t materials)
 {
 	for (uint32_t i = 0; i < meshes; i++)
 		mesh_retire(&render->resources, render->scene_meshes + i);
@@ -536,7 +536,7 @@ stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *
 			render->scene_materials = handle;
 	}
 	if (result != STILB_OK)
-		scene_retire(render, meshes, materials);
+		resources_retire_scene(render, meshes, materials);
 	stilb_lock_give(&resources->lock);
 	return result;
 }

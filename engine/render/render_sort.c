@@ -11,8 +11,8 @@ typedef struct sort_item {
 	uint32_t texture; /* that its material had when it was recorded: the material may be destroyed by now */
 } sort_item;
 
-/* Sorts count items by ascending key; scratch has as many. Returns the array that holds the
- * result: items or scratch. */
+/* Sorts count items by ascending key; scratch has as many. Returns the array that holds the result: items or
+ * scratch. */
 static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t count)
 {
 	STILB_ASSERT(count > 0 && items && scratch && items != scratch);

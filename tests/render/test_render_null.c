@@ -264,8 +264,8 @@ static uint64_t hand_index(uint32_t pass, uint32_t segment, uint32_t d)
 	return ((uint64_t)pass << 40) + ((uint64_t)segment << 20) + d;
 }
 
-/* Empty and short segments, and segments longer than one, two and three chunks of commands; some end
- * at a chunk's end. */
+/* Empty and short segments, and segments longer than one, two and three chunks of commands; some end at a chunk's
+ * end. */
 static const uint32_t segment_draws[] = {0, 1, 2047, 1, 0, 2048, 5000, 3, 7001, 0, 2048, 2047, 4097, 0};
 #define SEGMENTS (sizeof segment_draws / sizeof *segment_draws)
 

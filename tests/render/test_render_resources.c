@@ -567,8 +567,8 @@ static void a_lost_frame_is_made_up_for(void **state)
 	stilb_render_destroy(render);
 }
 
-/* Frames that are begun but never replayed, as when a window is minimised: textures are
- * released before their upload. */
+/* Frames that are begun but never replayed, as when a window is minimised: textures are released before their
+ * upload. */
 static void frames_without_replay(void **state)
 {
 	(void)state;

@@ -9,8 +9,8 @@
 #define HEIGHT 56u
 #define PLACES 5
 
-/* Points that a pixel may show, up to a hundredth of a pixel from its centre: rasterisers snap
- * vertices to 1/256 pixel. */
+/* Points that a pixel may show, up to a hundredth of a pixel from its centre: rasterisers snap vertices to 1/256
+ * pixel. */
 static reference_hit hits[HEIGHT][WIDTH][PLACES];
 static stilb_scene *scene;
 static reference_camera camera;

@@ -141,8 +141,8 @@ static void elements_write(uint8_t *to, VkDeviceSize stride, const uint8_t *from
 		memcpy(to + i * stride, from + (size_t)i * element, element);
 }
 
-/* Copies ranges of a heap to the GPU, through the staging buffer from byte `at` on; returns the end
- * of the bytes used. */
+/* Copies ranges of a heap to the GPU, through the staging buffer from byte `at` on; returns the end of the bytes
+ * used. */
 static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, int kind, const render_ranges *ranges,
                               VkDeviceSize at)
 {

@@ -8,7 +8,7 @@
 
 #define VULKAN_MAX_GPUS 32
 #define VULKAN_MAX_EXTENSIONS 16
-#define VULKAN_DRIVER_BYTES ((size_t)1 << 29) /* of addresses that loading one may need: Mesa's brings LLVM along */
+#define VULKAN_DRIVER_BYTES ((size_t)1 << 29) /* address space that loading a driver may need: Mesa's loads LLVM */
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 

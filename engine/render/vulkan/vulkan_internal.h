@@ -323,8 +323,8 @@ void vulkan_times_pass_end(vulkan_device *device);
 void vulkan_times_end(vulkan_device *device);
 /* Call right after the submission of the frame's draws. good: it succeeded. */
 void vulkan_times_submitted(vulkan_device *device, bool good);
-/* Call when the slot's frame is done, for frames in the order of their submission. Does nothing if
- * it was read already. */
+/* Call when the slot's frame is done, for frames in the order of their submission. Does nothing if it was read
+ * already. */
 void vulkan_times_read(vulkan_device *device, vulkan_slot *slot);
 
 /* vulkan_pass.c: the commands of one pass. */
@@ -342,8 +342,8 @@ vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer command
 
 /* vulkan_secondary.c: a command buffer for each worker. */
 
-/* Records the stream into commands[count] on its pool, 1..VULKAN_MAX_LISTS; to be executed in the
- * order of the array. */
+/* Records the stream into commands[count] on its pool, 1..VULKAN_MAX_LISTS; to be executed in the order of the
+ * array. */
 stilb_result vulkan_secondary_record(vulkan_device *device, const render_stream *stream, uint32_t count,
                                      VkCommandBuffer *commands);
 /* Destroys the slot's lists; its frame is done. */

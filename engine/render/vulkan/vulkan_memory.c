@@ -64,8 +64,8 @@ static VkResult memory_allocate(vulkan_device *device, VkMemoryRequirements need
 	return result;
 }
 
-static VkResult buffer_make(vulkan_device *device, VkBufferUsageFlags usage, vulkan_memory_kind kind,
-                            vulkan_buffer *buffer)
+static VkResult memory_buffer_make(vulkan_device *device, VkBufferUsageFlags usage, vulkan_memory_kind kind,
+                                   vulkan_buffer *buffer)
 {
 	bool address = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
 	VkBufferCreateInfo info = {
@@ -95,7 +95,7 @@ stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBu
 {
 	STILB_ASSERT(size > 0 && usage && "an empty buffer is not valid Vulkan");
 	*buffer = (vulkan_buffer){.size = size};
-	VkResult result = buffer_make(device, usage, kind, buffer);
+	VkResult result = memory_buffer_make(device, usage, kind, buffer);
 	if (result == VK_SUCCESS)
 		return STILB_OK;
 	vulkan_buffer_destroy(device, buffer);
@@ -114,8 +114,8 @@ void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer)
 	*buffer = (vulkan_buffer){0};
 }
 
-static VkResult image_make(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
-                           vulkan_image *image)
+static VkResult memory_image_make(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
+                                  vulkan_image *image)
 {
 	VkResult result = vkCreateImage(device->device, info, device->allocator, &image->image);
 	if (result != VK_SUCCESS)
@@ -140,7 +140,7 @@ VkResult vulkan_image_create(vulkan_device *device, const VkImageCreateInfo *inf
 {
 	STILB_ASSERT(info->extent.width > 0 && info->extent.height > 0 && aspect);
 	*image = (vulkan_image){0};
-	VkResult result = image_make(device, info, aspect, image);
+	VkResult result = memory_image_make(device, info, aspect, image);
 	if (result != VK_SUCCESS)
 		vulkan_image_destroy(device, image);
 	return result;

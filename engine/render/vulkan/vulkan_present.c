@@ -171,7 +171,7 @@ static void show_blit(vulkan_device *device, VkCommandBuffer commands, VkImage i
 }
 
 /* Acquires the window's next image: *image is its index. *skip: there is none now, do not present. */
-static stilb_result window_acquire(vulkan_device *device, vulkan_slot *slot, uint32_t *image, bool *skip)
+static stilb_result present_acquire(vulkan_device *device, vulkan_slot *slot, uint32_t *image, bool *skip)
 {
 	PROFILE("acquire"); /* waits if all images of the window are in use */
 	*skip = true;
@@ -194,11 +194,11 @@ static stilb_result window_acquire(vulkan_device *device, vulkan_slot *slot, uin
 	return STILB_OK;
 }
 
-static stilb_result window_present(vulkan_device *device, vulkan_slot *slot)
+static stilb_result present_to_window(vulkan_device *device, vulkan_slot *slot)
 {
 	uint32_t image;
 	bool skip;
-	stilb_result result = window_acquire(device, slot, &image, &skip);
+	stilb_result result = present_acquire(device, slot, &image, &skip);
 	if (result != STILB_OK || skip)
 		return result;
 	PROFILE("show");
@@ -249,7 +249,7 @@ static void picture_copy(vulkan_device *device, vulkan_slot *slot)
 	vulkan_host_barrier(slot->show);
 }
 
-static stilb_result memory_present(vulkan_device *device, vulkan_slot *slot)
+static stilb_result present_to_memory(vulkan_device *device, vulkan_slot *slot)
 {
 	PROFILE("show");
 	stilb_result result = STILB_OK;
@@ -272,8 +272,8 @@ stilb_result vulkan_present(render_device *base)
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
 	if (!device->surface || device->surface_lost)
-		return memory_present(device, slot);
-	stilb_result result = window_present(device, slot);
+		return present_to_memory(device, slot);
+	stilb_result result = present_to_window(device, slot);
 	device->surface_lost = result == STILB_ERROR_WINDOW;
 	return result;
 }
@@ -298,10 +298,10 @@ stilb_result vulkan_read_image(render_device *base, stilb_image *image)
 		return stilb_fail(STILB_ERROR_DEVICE, "no frame of this size has been drawn yet");
 	stilb_result result = vulkan_timeline_wait(device, slot->done);
 	if (result == STILB_OK && !slot->picture_valid) {
-		/* The window's blit is done, so its command buffer is reused for the copy; a pool can only be
-		 * reset as a whole. */
+		/* The window's blit is done, so its command buffer is reused for the copy; a pool can only be reset as a
+		 * whole. */
 		VkResult reset = vkResetCommandPool(device->device, slot->pool, 0);
-		result = reset == VK_SUCCESS ? memory_present(device, slot) : vulkan_fail(device, reset, "read the picture");
+		result = reset == VK_SUCCESS ? present_to_memory(device, slot) : vulkan_fail(device, reset, "read the picture");
 	}
 	if (result == STILB_OK)
 		result = vulkan_timeline_wait(device, slot->done);

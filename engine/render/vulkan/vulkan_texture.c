@@ -1,6 +1,6 @@
 /* Textures on the GPU: an image and a descriptor set each, made on the thread that creates the texture. There is one
- * mip level, so distant textures may flicker. All calls hold the lock of render_resources, which
- * also guards the pool. */
+ * mip level, so distant textures may flicker. All calls hold the lock of render_resources, which also guards the
+ * pool. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdio.h>
