@@ -56,6 +56,28 @@ static const stilb_render_pass *replay_next_pass(const stilb_render_pass *passes
 	return next;
 }
 
+/* Checks an ordered pass: runs are not empty and lie in the claimed commands, each command in a claimed row, and draws
+ * and states are those of the runs. For STILB_CHECK: time in proportion to the draws. */
+static bool replay_lists_is_sound(const stilb_render *render, const render_pass_lists *lists)
+{
+	/* Relaxed: no worker records any more. */
+	uint32_t commands = atomic_load_explicit(&render->memory[RENDER_MEMORY_COMMANDS].next, memory_order_relaxed);
+	uint32_t rows = atomic_load_explicit(&render->memory[RENDER_MEMORY_ROWS].next, memory_order_relaxed);
+	uint64_t draws = 0, states = 0;
+	for (uint32_t r = 0; r < lists->run_count; r++) {
+		const render_run *run = &lists->runs[r];
+		if (run->count == 0 || run->first >= commands || run->count > commands - run->first)
+			return false;
+		const render_command *command = render_commands(render) + run->first;
+		for (uint32_t c = 0; c < run->count; c++)
+			if (command[c].row >= rows || command[c].instance_count != 1)
+				return false;
+		draws += run->count;
+		states |= run->state;
+	}
+	return draws == lists->draws && states == lists->states;
+}
+
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists)
 {
 	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED && "every replayed pass is recorded");
@@ -63,7 +85,10 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 	STILB_ASSERT(pass->kind == STILB_RENDER_PASS_SCENE || !pass->sort);
 	lists->kind = pass->kind;
 	stilb_result result = replay_order(pass, lists);
-	return result == STILB_OK && pass->sort ? render_sort(render, lists) : result;
+	if (result == STILB_OK && pass->sort)
+		result = render_sort(render, lists);
+	STILB_CHECK(result != STILB_OK || replay_lists_is_sound(render, lists));
+	return result;
 }
 
 /* The profiler's site for a pass's name, cached in *known: looking it up takes a lock. */

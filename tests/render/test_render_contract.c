@@ -76,6 +76,32 @@ static void locks(void **state)
 	stilb_render_destroy(render);
 }
 
+/* ---- things to draw ---------------------------------------------------------------------------------------------- */
+
+static stilb_render_mesh make_mesh(stilb_render *render)
+{
+	static stilb_scene_vertex vertices[3];
+	static uint32_t indices[3] = {0, 1, 2};
+	stilb_scene_mesh mesh = {.vertices = vertices, .vertex_count = 3, .indices = indices, .index_count = 3};
+	stilb_render_mesh out;
+	assert_int_equal(stilb_render_mesh_create(render, &mesh, &out), STILB_OK);
+	return out;
+}
+
+static stilb_render_material make_material(stilb_render *render)
+{
+	stilb_scene_material material = {.roughness = 1.0f};
+	stilb_render_material out;
+	assert_int_equal(stilb_render_material_create(render, &material, (stilb_render_texture){0}, &out), STILB_OK);
+	return out;
+}
+
+static void draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material, float last)
+{
+	stilb_mat4 transform = {.m = {[0] = 1.0f, [5] = 1.0f, [10] = 1.0f, [15] = last}};
+	stilb_render_draw(context, mesh, material, &transform);
+}
+
 /* ---- the order of calls ------------------------------------------------------------------------------------------ */
 
 static void begin_twice(stilb_render *render, uint32_t pass)
@@ -126,6 +152,18 @@ static void replay_with_wrong_view(stilb_render *render)
 	replay(render, (stilb_render_pass){.view = 1}, 1);
 }
 
+static void replay_a_damaged_run(stilb_render *render)
+{
+	stilb_render_context *context = stilb_render_context_get(render, 0);
+	stilb_render_pass_begin(render, 0, 1);
+	stilb_render_segment_begin(context, 0, 0);
+	draw(context, make_mesh(render), make_material(render), 1.0f);
+	stilb_render_segment_end(context);
+	stilb_render_pass_end(render, 0);
+	context->runs[0].count = RENDER_COMMAND_CHUNK + 1; /* beyond the one chunk that is claimed */
+	replay(render, (stilb_render_pass){0}, 1);
+}
+
 static void sorted_2d_pass(stilb_render *render)
 {
 	stilb_render_pass_begin(render, 0, 0);
@@ -149,36 +187,13 @@ static void order(void **state)
 	contract_breaks("every segment is recorded", replay_without_segment(render));
 	contract_breaks("every replayed pass is recorded", replay(render, (stilb_render_pass){0}, 1));
 	contract_breaks("pass->view < view_count", replay_with_wrong_view(render));
+	contract_breaks("replay_lists_is_sound", replay_a_damaged_run(render));
 	contract_breaks("!pass->sort", sorted_2d_pass(render));
 	contract_breaks("worker < render->context_count", stilb_render_context_get(render, 1));
 	stilb_render_destroy(render);
 }
 
 /* ---- draws and handles ------------------------------------------------------------------------------------------- */
-
-static stilb_render_mesh make_mesh(stilb_render *render)
-{
-	static stilb_scene_vertex vertices[3];
-	static uint32_t indices[3] = {0, 1, 2};
-	stilb_scene_mesh mesh = {.vertices = vertices, .vertex_count = 3, .indices = indices, .index_count = 3};
-	stilb_render_mesh out;
-	assert_int_equal(stilb_render_mesh_create(render, &mesh, &out), STILB_OK);
-	return out;
-}
-
-static stilb_render_material make_material(stilb_render *render)
-{
-	stilb_scene_material material = {.roughness = 1.0f};
-	stilb_render_material out;
-	assert_int_equal(stilb_render_material_create(render, &material, (stilb_render_texture){0}, &out), STILB_OK);
-	return out;
-}
-
-static void draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material, float last)
-{
-	stilb_mat4 transform = {.m = {[0] = 1.0f, [5] = 1.0f, [10] = 1.0f, [15] = last}};
-	stilb_render_draw(context, mesh, material, &transform);
-}
 
 static void mesh_destroy_twice(stilb_render *render, stilb_render_mesh mesh)
 {
