@@ -264,7 +264,7 @@ test_fmt() {
 test_summary() {
 	fresh_house "all good"
 	dev 0 test
-	last_line "12 passed, 0 failed, 0 skipped"
+	last_line "14 passed, 0 failed, 0 skipped"
 	prints out "display for release window: :7"
 	local tries=0
 	while kill -0 "$(cat "$scratch/display-server")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
@@ -272,7 +272,7 @@ test_summary() {
 	done
 	[ $tries -le 50 ] || fail "the display server still runs"
 	local preset
-	for preset in release clang asan tsan; do
+	for preset in release clang asan tsan arm64; do
 		called "cmake --preset $preset $options -DSTILB_TESTS=ON"
 	done
 	! grep -qE '^(model|truth|viewer|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
@@ -289,19 +289,19 @@ test_summary() {
 	junit release-device 'test_a run' 'test_bad fail' 'test_gone gone'
 	dev 1 test
 	grep -q '^device    failed   1 passed, failed: test_bad test_gone, ' "$scratch/out" || fail "no line for the tier"
-	last_line "11 passed, 2 failed, 0 skipped"
+	last_line "13 passed, 2 failed, 0 skipped"
 
 	fresh_house "a skip"
 	junit release-device 'test_a skip'
 	dev 0 test
 	grep -q '^device    skipped  0 passed, skipped: test_a (no driver here), ' "$scratch/out" || fail "no line for the tier"
-	last_line "10 passed, 0 failed, 1 skipped"
+	last_line "12 passed, 0 failed, 1 skipped"
 
 	fresh_house "a skip where none is allowed"
 	junit release-device 'test_a skip' 'test_b run'
 	require=unit,device dev 1 test
 	grep -q '^device    failed ' "$scratch/out" || fail "no line for the tier"
-	last_line "11 passed, 1 failed, 0 skipped"
+	last_line "13 passed, 1 failed, 0 skipped"
 
 	fresh_house "a required tier without tests"
 	junit release-model
@@ -323,7 +323,7 @@ test_summary() {
 	dev 1 test
 	grep -q '^asan      failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
 	grep -q '^fuzz      failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
-	last_line "10 passed, 2 failed, 0 skipped"
+	last_line "12 passed, 2 failed, 0 skipped"
 
 	fresh_house "without Xvfb"
 	rm "$scratch/bin/Xvfb"
