@@ -303,7 +303,7 @@ static void what_cannot_start_says_why(void **state)
 	stilb_engine_desc desc = null_desc(STILB_JOB_MAX_WORKERS + 1);
 	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_THREAD);
 	assert_null(engine);
-	assert_non_null(strstr(stilb_error_message(), "257 workers"));
+	assert_non_null(strstr(stilb_error_message(), "257 threads"));
 	desc = null_desc(1);
 	desc.window = true;
 	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_WINDOW);

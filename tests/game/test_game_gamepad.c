@@ -349,19 +349,19 @@ static void test_an_output_never_replaces_the_recording(void **state)
 {
 	(void)state;
 	static const char *const flags[] = {"--trace", "--stats", "--dump", "--capture", "--track"};
-	record_flight("flight.rec");
+	record_flight("flight.json");
 	record_flight("same.rec");
-	assert_int_equal(symlink("flight.rec", "other.rec"), 0);
+	assert_int_equal(symlink("flight.json", "other.rec"), 0);
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[256], words[256];
-		snprintf(line, sizeof line, FLIGHT "--gamepad replay:other.rec %s ./flight.rec", flags[i]);
-		snprintf(words, sizeof words, "%s: './flight.rec' would replace the recording 'other.rec'", flags[i]);
+		snprintf(line, sizeof line, FLIGHT "--gamepad replay:other.rec %s ./flight.json", flags[i]);
+		snprintf(words, sizeof words, "%s: './flight.json' would replace the recording 'other.rec'", flags[i]);
 		refused(line, 2, words);
 	}
 	record_flight("flight.png");
 	refused("demo --headless --gamepad replay:flight.png --screenshot flight.png", 2,
 	        "--screenshot: 'flight.png' would replace");
-	assert_true(same_file("flight.rec", "same.rec"));
+	assert_true(same_file("flight.json", "same.rec"));
 	assert_true(same_file("flight.png", "same.rec"));
 }
 
