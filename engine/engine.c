@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- workers ------------------------------------------------------------------------------------------------------- */
+/* ---- workers ----------------------------------------------------------------------------------------------------- */
 
 static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
@@ -37,7 +37,7 @@ stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers)
 	return result == STILB_OK ? stilb_render_set_context_count(engine->render, workers + 1) : result;
 }
 
-/* ---- creation ------------------------------------------------------------------------------------------------------ */
+/* ---- creation ---------------------------------------------------------------------------------------------------- */
 
 stilb_engine_desc stilb_engine_desc_default(void)
 {
@@ -156,7 +156,7 @@ stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms)
 	return result;
 }
 
-/* ---- what a frame left behind -------------------------------------------------------------------------------------- */
+/* ---- what a frame left behind ------------------------------------------------------------------------------------ */
 
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine)
 {

@@ -64,8 +64,8 @@ typedef struct stilb_engine_desc {
 
 #define STILB_ENGINE_PROFILE_RING_MAX 1024u
 
-/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), auto culling, all visible, Vulkan, indirect, 1280x720, headless;
- * profiled with rings of 64 MiB, no captures; gamepads AUTO. */
+/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), auto culling, all visible, Vulkan, indirect, 1280x720,
+ * headless; profiled with rings of 64 MiB, no captures; gamepads AUTO. */
 stilb_engine_desc stilb_engine_desc_default(void);
 
 /* The default number of workers. [any-thread] */
@@ -75,8 +75,8 @@ uint32_t stilb_engine_default_workers(void);
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **engine);
 void stilb_engine_destroy(stilb_engine *engine);
 
-/* What a frame cost, milliseconds of the main thread's time; the stages of frame.c. gpu is the device's own measure of a
- * frame some two frames back, 0 when there is none. pad is how old the newest gamepad report was when its draws were
+/* What a frame cost, milliseconds of the main thread's time; the stages of frame.c. gpu is the device's own measure of
+ * a frame some two frames back, 0 when there is none. pad is how old the newest gamepad report was when its draws were
  * handed to the device; 0 when none came since the frame before, or in replays. */
 typedef struct stilb_engine_times {
 	double frame, update, cull, record, ui, replay, present, gpu, pad;
@@ -103,7 +103,8 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 /* Waits until the device has drawn every frame, and gives the last one's time on it, milliseconds (0: unknown). */
 stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms);
 
-/* Another number of workers from the next frame on, 0..STILB_JOB_MAX_WORKERS. After an error only destroy may follow. */
+/* Another number of workers from the next frame on, 0..STILB_JOB_MAX_WORKERS. After an error only destroy may
+ * follow. */
 stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers);
 uint32_t stilb_engine_workers(const stilb_engine *engine);
 
@@ -119,8 +120,8 @@ stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 /* The last frames that are still held, at most last_frames (0: all), as a file: prof_trace.h. */
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames);
 
-/* Asks for a file of the frames around this moment, which desc.capture describes; a gamepad that asked for it in the last
- * frame shakes. STILB_ERROR_ARGUMENT: nothing is captured. */
+/* Asks for a file of the frames around this moment, which desc.capture describes; a gamepad that asked for it in the
+ * last frame shakes. STILB_ERROR_ARGUMENT: nothing is captured. */
 stilb_result stilb_engine_capture(stilb_engine *engine);
 
 const char *stilb_engine_device_name(const stilb_engine *engine);
@@ -149,20 +150,21 @@ uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBR
 stilb_render_shading stilb_engine_shading(const stilb_engine *engine);
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading);
 
-/* After a choice of another model or D than before. Wrapped light and anisotropic GGX need materials with such numbers in
- * order to be seen: where nothing is added yet, choosing them adds wrap 0.5 or anisotropy 0.6, and choosing another takes
- * just that away again. [any-thread] */
+/* After a choice of another model or D than before. Wrapped light and anisotropic GGX need materials with such numbers
+ * in order to be seen: where nothing is added yet, choosing them adds wrap 0.5 or anisotropy 0.6, and choosing another
+ * takes just that away again. [any-thread] */
 void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_render_shading *shading);
 
-/* The words for what can be chosen, in the order of the numbers in stilb_render_shading; NULL-terminated. [any-thread] */
+/* The words for what can be chosen, in the order of the numbers in stilb_render_shading; NULL-terminated.
+ * [any-thread] */
 extern const char *const stilb_engine_brdf_names[];
 extern const char *const stilb_engine_ndf_names[];
 extern const char *const stilb_engine_g_names[];
 extern const char *const stilb_engine_f_names[];
 extern const char *const stilb_engine_light_names[];
 
-/* The gamepads there are, at most STILB_INPUT_PADS_MAX, also those that may not be opened. Texts are valid until the next
- * frame. */
+/* The gamepads there are, at most STILB_INPUT_PADS_MAX, also those that may not be opened. Texts are valid until the
+ * next frame. */
 uint32_t stilb_engine_gamepads(const stilb_engine *engine, stilb_input_control_pad pads[STILB_INPUT_PADS_MAX]);
 
 /* What came from them in all. */

@@ -13,20 +13,20 @@
 #define INPUT_RUMBLE_LIGHT 0.8f
 #define INPUT_RUMBLE_MS 150u
 
-/* ---- time ---------------------------------------------------------------------------------------------------------- */
+/* ---- time -------------------------------------------------------------------------------------------------------- */
 
-static int64_t input_now_us(void)
+static int64_t engine_input_now_us(void)
 {
 	return (int64_t)(stilb_time_ns() / 1000u);
 }
 
 /* Only what is live knows the clock: a replay has the recording's time, and without a window a frame is a sixtieth. */
-static int64_t input_time_us(stilb_engine *engine)
+static int64_t engine_input_time_us(stilb_engine *engine)
 {
 	engine_input *input = &engine->input;
 	if (!engine->window && !input->pads)
 		return (int64_t)(engine->frame * 1000000u / INPUT_FRAMES);
-	const int64_t now = input_now_us();
+	const int64_t now = engine_input_now_us();
 	if (!input->recording)
 		return now;
 	if (input->start_us == 0)
@@ -34,7 +34,7 @@ static int64_t input_time_us(stilb_engine *engine)
 	return now - input->start_us;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine)
 {
@@ -43,7 +43,7 @@ stilb_input_pose stilb_engine_pose(const stilb_engine *engine)
 		{camera->position[0], camera->position[1], camera->position[2]}, camera->yaw, camera->pitch};
 }
 
-static void input_move_camera(stilb_scene_camera *camera, const stilb_input_pose *pose)
+static void engine_input_move_camera(stilb_scene_camera *camera, const stilb_input_pose *pose)
 {
 	for (int i = 0; i < 3; i++)
 		camera->position[i] = pose->position[i];
@@ -51,7 +51,7 @@ static void input_move_camera(stilb_scene_camera *camera, const stilb_input_pose
 	camera->pitch = pose->pitch;
 }
 
-static stilb_result input_open_pads(engine_input *input, const stilb_engine_desc *desc)
+static stilb_result engine_input_open_pads(engine_input *input, const stilb_engine_desc *desc)
 {
 	const stilb_input_pads_desc pads = {
 		.backend =
@@ -79,12 +79,12 @@ stilb_result engine_input_start(stilb_engine *engine)
 	if (replay)
 		result = stilb_input_recording_load(desc->gamepad_recording, &input->recording);
 	if (live)
-		result = input_open_pads(input, desc);
+		result = engine_input_open_pads(input, desc);
 	if (result != STILB_OK)
 		return result;
 	input->focused = true;
 	input->pose = stilb_engine_pose(engine);
-	const int64_t time_us = replay ? 0 : input_time_us(engine); /* a replay begins with the first frame */
+	const int64_t time_us = replay ? 0 : engine_input_time_us(engine); /* a replay begins with the first frame */
 	return stilb_input_control_create(&desc->control, &input->pose, time_us, &input->control);
 }
 
@@ -96,10 +96,10 @@ void engine_input_finish(engine_input *input)
 	*input = (engine_input){0};
 }
 
-/* ---- what pads say ------------------------------------------------------------------------------------------------- */
+/* ---- what pads say ----------------------------------------------------------------------------------------------- */
 
 /* Refused reports of the pad of this number, or of all for 0. */
-static uint64_t input_corrupt(const engine_input *input, uint32_t pad)
+static uint64_t engine_input_corrupt(const engine_input *input, uint32_t pad)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
 	const uint32_t count = stilb_input_control_pads(input->control, pads);
@@ -110,14 +110,14 @@ static uint64_t input_corrupt(const engine_input *input, uint32_t pad)
 	return corrupt;
 }
 
-static void input_take(stilb_engine *engine, const stilb_input_event *event)
+static void engine_input_take(stilb_engine *engine, const stilb_input_event *event)
 {
 	engine_input *input = &engine->input;
 	if (event->kind == STILB_INPUT_PAD_DENIED)
 		engine_overlay_deny(engine, event->pad, event->info);
 	if (event->kind == STILB_INPUT_PAD_REMOVED) {
 		engine_notice_remove(&engine->overlay.notice, event->pad);
-		input->corrupt += input_corrupt(input, event->pad);
+		input->corrupt += engine_input_corrupt(input, event->pad);
 	}
 	if (event->kind == STILB_INPUT_PAD_REPORT) {
 		input->reports++;
@@ -127,12 +127,12 @@ static void input_take(stilb_engine *engine, const stilb_input_event *event)
 }
 
 /* All that came since the frame before. */
-static void input_take_live(stilb_engine *engine, int64_t time_us)
+static void engine_input_take_live(stilb_engine *engine, int64_t time_us)
 {
 	engine_input *input = &engine->input;
 	stilb_input_event event;
 	while (input->pads && stilb_input_pads_next(input->pads, time_us, &event))
-		input_take(engine, &event);
+		engine_input_take(engine, &event);
 	if (!engine->window || engine->desc.gamepad == STILB_ENGINE_GAMEPAD_OFF)
 		return;
 	stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS];
@@ -141,27 +141,27 @@ static void input_take_live(stilb_engine *engine, int64_t time_us)
 }
 
 /* At the recording's end all pads are let go of: nobody holds a stick any more. */
-static void input_take_replay(stilb_engine *engine, int64_t time_us)
+static void engine_input_take_replay(stilb_engine *engine, int64_t time_us)
 {
 	engine_input *input = &engine->input;
 	const int64_t end_us = stilb_input_recording_end_us(input->recording);
 	stilb_input_event event;
 	while (stilb_input_recording_next(input->recording, time_us, &event))
-		input_take(engine, &event);
+		engine_input_take(engine, &event);
 	if (input->replayed || time_us < end_us)
 		return;
 	input->replayed = true;
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
 	for (uint32_t i = stilb_input_control_pads(input->control, pads); i-- > 0;)
-		input_take(engine,
-		           &(stilb_input_event){.kind = STILB_INPUT_PAD_REMOVED, .pad = pads[i].pad, .time_us = end_us});
+		engine_input_take(engine,
+		                  &(stilb_input_event){.kind = STILB_INPUT_PAD_REMOVED, .pad = pads[i].pad, .time_us = end_us});
 }
 
 int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state)
 {
 	PROFILE("input");
 	engine_input *input = &engine->input;
-	const int64_t time_us = input_time_us(engine);
+	const int64_t time_us = engine_input_time_us(engine);
 	if (!input->control)
 		return time_us;
 	input->newest_us = 0;
@@ -169,14 +169,14 @@ int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state)
 	if (memcmp(&before, &input->pose, sizeof before) != 0) /* the program has put it elsewhere */
 		stilb_input_control_place(input->control, input->time_us, &before);
 	if (input->recording)
-		input_take_replay(engine, time_us);
+		engine_input_take_replay(engine, time_us);
 	else
-		input_take_live(engine, time_us);
+		engine_input_take_live(engine, time_us);
 	const stilb_input_state keys = *state;
 	stilb_input_control_frame(input->control, time_us, &keys, input->focused, state, &input->pose);
 	input->pad_captures = state->capture && !keys.capture;
 	input->time_us = time_us;
-	input_move_camera(&engine->scene->camera, &input->pose);
+	engine_input_move_camera(&engine->scene->camera, &input->pose);
 	if (input->newest_us != 0)
 		PROFILE_COUNTER("pad report to camera, ms", (double)(time_us - input->newest_us) * 1e-3);
 	return time_us;
@@ -187,7 +187,7 @@ double engine_input_latency(const stilb_engine *engine)
 	const engine_input *input = &engine->input;
 	if (!input->pads || input->newest_us == 0)
 		return 0.0;
-	const double ms = (double)(input_now_us() - input->newest_us) * 1e-3;
+	const double ms = (double)(engine_input_now_us() - input->newest_us) * 1e-3;
 	PROFILE_COUNTER("pad report to submit, ms", ms);
 	return ms;
 }
@@ -201,7 +201,7 @@ void engine_input_captured(stilb_engine *engine)
 		                        INPUT_RUMBLE_LIGHT, INPUT_RUMBLE_MS);
 }
 
-/* ---- what is known of them ----------------------------------------------------------------------------------------- */
+/* ---- what is known of them --------------------------------------------------------------------------------------- */
 
 uint32_t stilb_engine_gamepads(const stilb_engine *engine, stilb_input_control_pad pads[STILB_INPUT_PADS_MAX])
 {
@@ -215,7 +215,7 @@ stilb_engine_gamepad_counts stilb_engine_gamepad_counts_get(const stilb_engine *
 		return (stilb_engine_gamepad_counts){0};
 	return (stilb_engine_gamepad_counts){
 		.reports = input->reports,
-		.corrupt = input->corrupt + input_corrupt(input, 0),
+		.corrupt = input->corrupt + engine_input_corrupt(input, 0),
 		.lost = input->pads ? stilb_input_pads_stats_get(input->pads).lost : 0,
 	};
 }

@@ -1,6 +1,6 @@
 /*
- * The inspector of materials: which formulas shade the scene and which light falls on it, as lists; what is added to every
- * material's numbers, as sliders; and what comes of it, as the light that a sample reflects.
+ * The inspector of materials: which formulas shade the scene and which light falls on it, as lists; what is added to
+ * every material's numbers, as sliders; and what comes of it, as the light that a sample reflects.
  */
 #include "engine_internal.h"
 
@@ -17,7 +17,7 @@
 #define INSPECTOR_WRAP 0.5f
 #define INSPECTOR_ANISOTROPY 0.6f
 
-/* ---- words --------------------------------------------------------------------------------------------------------- */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 /* The position in the list is the number: the lists of the headers count from 0 on. */
 #define INSPECTOR_WORD(number, name) [number] = #name,
@@ -35,7 +35,7 @@ static_assert(sizeof stilb_engine_brdf_names / sizeof(char *) == SHADE_BRDF_COUN
                   sizeof stilb_engine_light_names / sizeof(char *) == SHADE_LIGHT_COUNT + 1,
               "one word a number");
 
-/* ---- what a choice adds ---------------------------------------------------------------------------------------------- */
+/* ---- what a choice adds ------------------------------------------------------------------------------------------ */
 
 static bool inspector_bends(const stilb_render_shading *shading)
 {
@@ -58,7 +58,7 @@ void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_rende
 		inspector_added(shading->anisotropy, inspector_bends(before), inspector_bends(shading), INSPECTOR_ANISOTROPY);
 }
 
-/* ---- lists --------------------------------------------------------------------------------------------------------- */
+/* ---- lists ------------------------------------------------------------------------------------------------------- */
 
 /* One of those that stand in a column. */
 typedef struct inspector_list {
@@ -156,7 +156,7 @@ static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_
 	stilb_engine_shading_chosen(&before, shading);
 }
 
-/* ---- sliders --------------------------------------------------------------------------------------------------------- */
+/* ---- sliders ----------------------------------------------------------------------------------------------------- */
 
 /* Those that the chosen formulas do not read are dim. */
 static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
@@ -192,7 +192,7 @@ static float inspector_sliders_height(const stilb_ui_style *style)
 	return style->row_height + 5.0f * style->control_height + 4.0f * style->gap;
 }
 
-/* ---- the lobe -------------------------------------------------------------------------------------------------------- */
+/* ---- the lobe ---------------------------------------------------------------------------------------------------- */
 
 /* A sample with what is added to all materials. */
 static shade_material inspector_sample(const stilb_render_shading *shading)
@@ -264,10 +264,10 @@ static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_re
 	                   "length: root of f n·l");
 }
 
-/* ---- the window -------------------------------------------------------------------------------------------------------- */
+/* ---- the window -------------------------------------------------------------------------------------------------- */
 
-/* At the right of the picture at first, and where the user moved it from then on. In a low picture the lobe and the sliders
- * stand beside the lists instead of below them; in a small one all of it shrinks, and lists scroll. */
+/* At the right of the picture at first, and where the user moved it from then on. In a low picture the lobe and the
+ * sliders stand beside the lists instead of below them; in a small one all of it shrinks, and lists scroll. */
 static void inspector_place(engine_inspector *inspector, const stilb_ui_style *style, const stilb_ui_input *input,
                             float lists)
 {

@@ -95,7 +95,8 @@ void engine_profile_stop(void);
 
 /* engine_overlay.c */
 
-/* Which of its windows are open. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: they cannot be made, and all stays as it was. */
+/* Which of its windows are open. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: they cannot be made, and all stays as it
+ * was. */
 stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector);
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {

@@ -1,6 +1,6 @@
 /*
- * The notice of gamepads that may not be opened: which one, and the rule that gives permission, for as long as it takes to
- * read, or until it is given.
+ * The notice of gamepads that may not be opened: which one, and the rule that gives permission, for as long as it takes
+ * to read, or until it is given.
  */
 #include "engine_internal.h"
 
@@ -35,7 +35,7 @@ void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pa
 	notice->seconds = NOTICE_SECONDS;
 }
 
-/* ---- drawing ------------------------------------------------------------------------------------------------------- */
+/* ---- drawing ----------------------------------------------------------------------------------------------------- */
 
 /* How much of the text, bytes, goes into one line: up to a blank, a comma or a newline where there is one. */
 static size_t notice_line(const stilb_ui_font *font, const char *text, float width)

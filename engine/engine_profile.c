@@ -1,5 +1,5 @@
-/* What the engine tells the profiler: when it begins and ends, and when to write a file. Its jobs are seen through the hooks of
- * job_prof.h. */
+/* What the engine tells the profiler: when it begins and ends, and when to write a file. Its jobs are seen through the
+ * hooks of job_prof.h. */
 #include "engine_internal.h"
 
 #include "profiler/prof.h"
@@ -10,7 +10,7 @@
 
 #define EVENTS_PER_MIB 65536u
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 stilb_result engine_profile_start(const stilb_engine_desc *desc)
 {
@@ -40,7 +40,7 @@ void engine_profile_stop(void)
 	stilb_prof_shutdown();
 }
 
-/* ---- files --------------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 stilb_result stilb_engine_capture(stilb_engine *engine)
 {

@@ -1,10 +1,10 @@
 /*
- * The story of one frame: seven stages from top to bottom, each with one owner and one output, and each reads only what a
- * stage above it wrote. What comes back (GPU times, the window's size) enters with the next frame's input.
+ * The story of one frame: seven stages from top to bottom, each with one owner and one output, and each reads only what
+ * a stage above it wrote. What comes back (GPU times, the window's size) enters with the next frame's input.
  *
  *   stage          reads                       writes                                  threads
  *   frame_begin    the window, the device      keys, step, rewound contexts            main
- *   scene_update   keys, gamepads, step        camera, transforms, bounds, moved list  main
+ *   update_scene   keys, gamepads, step        camera, transforms, bounds, moved list  main
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
  *   ui             input, profiler snapshots   the open overlay's command list          main
@@ -84,7 +84,7 @@ static void frame_stall(void)
 	nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
 }
 
-static void scene_update(stilb_engine *engine)
+static void update_scene(stilb_engine *engine)
 {
 	PROFILE("scene update");
 	if (engine->frame + 1 == engine->desc.slow_frame)
@@ -166,7 +166,7 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	stilb_result result = frame_begin(engine);
 	frame_clock(&clock, &begin);
 	if (result == STILB_OK)
-		scene_update(engine);
+		update_scene(engine);
 	frame_clock(&clock, &times->update);
 	if (result == STILB_OK)
 		result = cull(engine);

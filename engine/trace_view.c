@@ -20,7 +20,7 @@ struct stilb_engine_trace_view {
 	uint64_t last_ns; /* when the frame before began; 0 before the first */
 };
 
-/* ---- where the timeline looks ------------------------------------------------------------------------------------- */
+/* ---- where the timeline looks ------------------------------------------------------------------------------------ */
 
 /* All of the file, whatever frames are asked for: it lies there already. */
 static int view_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
@@ -48,7 +48,7 @@ static void view_choose(stilb_engine_trace_view *view, uint32_t frame)
 		view->first = all - view->count;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 static stilb_result view_start(stilb_engine_trace_view *view, const stilb_engine_trace_view_desc *desc)
 {
@@ -112,7 +112,7 @@ void stilb_engine_trace_view_destroy(stilb_engine_trace_view *view)
 	free(view);
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 /* *drawn: false while there is nothing to draw to. */
 static stilb_result view_input(stilb_engine_trace_view *view, bool *close, bool *drawn)

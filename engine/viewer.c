@@ -33,7 +33,7 @@ struct stilb_engine_viewer {
 	float light[256]; /* of an sRGB code */
 };
 
-/* ---- which part of the picture ------------------------------------------------------------------------------------- */
+/* ---- which part of the picture ----------------------------------------------------------------------------------- */
 
 /* Whole numbers where the picture is enlarged, so that its pixels stay equal squares. */
 static float viewer_fit(const stilb_image *picture, uint32_t width, uint32_t height)
@@ -111,7 +111,7 @@ static stilb_result viewer_texture(stilb_engine_viewer *viewer, uint32_t width, 
 	return result;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 /* As large as the picture: larger when that is tiny, and smaller when it would not fit a screen. */
 static void viewer_window_size(const stilb_engine_viewer_desc *desc, uint32_t size[2])
@@ -189,7 +189,7 @@ void stilb_engine_viewer_picture(stilb_engine_viewer *viewer, const uint8_t *srg
 	viewer->stale = true;
 }
 
-/* ---- what the user does -------------------------------------------------------------------------------------------- */
+/* ---- what the user does ------------------------------------------------------------------------------------------ */
 
 /* From here on the place in the picture is the user's. */
 static void viewer_take_over(stilb_engine_viewer *viewer, uint32_t width, uint32_t height)
@@ -262,7 +262,7 @@ static stilb_result viewer_input(stilb_engine_viewer *viewer, double seconds, bo
 	return stilb_render_resize(viewer->render, state.width, state.height);
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static void viewer_words(stilb_engine_viewer *viewer, const char *words, uint32_t width, uint32_t height)
 {

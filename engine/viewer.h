@@ -1,9 +1,10 @@
 /*
  * engine viewer: a window that shows a picture while it is being made, every pixel of it as it is.
  *
- * The picture fits the window at first; the wheel zooms about the pointer, the left button drags, space fits it again. A
- * line of words stands below it.
- * Life cycle.  stilb_engine_viewer_create -> stilb_engine_viewer_picture whenever there is a newer one, ..._frame until *close
+ * The picture fits the window at first; the wheel zooms about the pointer, the left button drags, space fits it again.
+ * A line of words stands below it.
+ * Life cycle.  stilb_engine_viewer_create -> stilb_engine_viewer_picture whenever there is a newer one, ..._frame until
+ * *close
  *              -> ..._destroy.
  * Threads.     All [main-thread].
  */

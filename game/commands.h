@@ -6,7 +6,7 @@ int bench_command(int argc, char **argv); /* becomes stilb-bench: returns only w
 int demo_command(int argc, char **argv);
 int info_command(int argc, char **argv);
 int pads_command(int argc, char **argv);
-int render_command(int argc, char **argv);
+int offline_command(int argc, char **argv);
 int replay_command(int argc, char **argv);
 int shade_command(int argc, char **argv);
 int trace_command(int argc, char **argv);

@@ -16,7 +16,7 @@ static const struct command {
 	const char *help;
 } commands[] = {
 	{"demo", demo_command, "run the stress test: thousands of models, recorded by many threads"},
-	{"render", render_command, "make a picture of a scene by ray tracing: path tracer, irradiance cache, occlusion"},
+	{"render", offline_command, "make a picture of a scene by ray tracing: path tracer, irradiance cache, occlusion"},
 	{"bench", bench_command, "measure culling, recording, threads, queues and jobs on this machine"},
 	{"replay", replay_command, "play a frame that 'stilb demo --dump' wrote, and measure its commands"},
 	{"trace", trace_command, "what takes the time in a trace file, and which zones got slower in another"},
@@ -44,8 +44,8 @@ static int finish(int code)
 	return code;
 }
 
-/* A Vulkan driver that draws on the CPU allocates in each frame what it freed in the one before. Given back to the kernel and
- * fetched again in between, that takes a tenth of the frame and more. */
+/* A Vulkan driver that draws on the CPU allocates in each frame what it freed in the one before. Given back to the
+ * kernel and fetched again in between, that takes a tenth of the frame and more. */
 static void keep_freed_memory(void)
 {
 	mallopt(M_TRIM_THRESHOLD, INT_MAX);

@@ -141,18 +141,18 @@ void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id);
  * or on are lost. [any-thread] */
 void stilb_prof_record_set(bool on);
 
-/* Gives the calling thread a ring: a ring left by an ended thread of that name, with what it holds, or a new one. name is
- * copied, 63 bytes at most; NULL counts as "thread".
+/* Gives the calling thread a ring: a ring left by an ended thread of that name, with what it holds, or a new one. name
+ * is copied, 63 bytes at most; NULL counts as "thread".
  * A thread that records without having called this gets a ring at its first zone, counter, instant or flow, which then
- * takes some twenty microseconds. Its name is "main" in the main thread, else the one that pthread_setname_np gave it, else
- * "thread 1", "thread 2" and so on; a later stilb_prof_thread_begin renames the ring. Where there is no memory for it,
- * what the thread records is counted (stilb_prof_snapshot.without_ring), and now and then the thread tries again.
+ * takes some twenty microseconds. Its name is "main" in the main thread, else the one that pthread_setname_np gave it,
+ * else "thread 1", "thread 2" and so on; a later stilb_prof_thread_begin renames the ring. Where there is no memory for
+ * it, what the thread records is counted (stilb_prof_snapshot.without_ring), and now and then the thread tries again.
  * -EALREADY: the thread has begun before; -ENOMEM: no memory. [any-thread] */
 int stilb_prof_thread_begin(const char *name);
 
-/* Takes the ring away again; what it holds stays for later snapshots. Without a ring it does nothing. A thread that exits
- * does this by itself. At most 64 rings of ended threads and lanes are kept, then the next of another name takes over
- * the one that ended first, so memory does not grow with the number of threads that come and go. [any-thread] */
+/* Takes the ring away again; what it holds stays for later snapshots. Without a ring it does nothing. A thread that
+ * exits does this by itself. At most 64 rings of ended threads and lanes are kept, then the next of another name takes
+ * over the one that ended first, so memory does not grow with the number of threads that come and go. [any-thread] */
 void stilb_prof_thread_end(void);
 
 /* Events in rings made from now on: a power of two, 64..2^26; 65,536 (1 MiB) unless set. -EINVAL otherwise. Rings of up
@@ -183,9 +183,9 @@ void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *s
 /* What it holds stays for later snapshots. NULL: does nothing. [any-thread], when nobody writes to it */
 void stilb_prof_lane_destroy(stilb_prof_lane_handle *lane);
 
-/* Forgets all that was recorded and frees the rings of the calling thread, of ended threads and of lanes, which must not be
- * used any more. A thread that still lives keeps its ring, empty; the next shutdown after its end frees it. No other
- * thread may be in any call but those that record. Recording may begin anew afterwards. [one-writer] */
+/* Forgets all that was recorded and frees the rings of the calling thread, of ended threads and of lanes, which must
+ * not be used any more. A thread that still lives keeps its ring, empty; the next shutdown after its end frees it. No
+ * other thread may be in any call but those that record. Recording may begin anew afterwards. [one-writer] */
 void stilb_prof_shutdown(void);
 
 /* ---- what the macros expand to: not for use by name -------------------------------------------------------------- */

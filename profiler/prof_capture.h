@@ -46,9 +46,9 @@ typedef struct stilb_prof_captured {
 } stilb_prof_captured;
 
 typedef struct stilb_prof_capture_desc {
-	/* Of the first file; the second gets "-2" before the extension, and so on. No file that is there is replaced: its number
-	 * is left out. A pipe, a device and "-" (stdout) are written again and again. The extension chooses the form:
-	 * stilb_prof_trace_form. */
+	/* Of the first file; the second gets "-2" before the extension, and so on. No file that is there is replaced: its
+	 * number is left out. A pipe, a device and "-" (stdout) are written again and again. The extension chooses the
+	 * form: stilb_prof_trace_form. */
 	const char *path;
 	const char *process_name; /* in the file; NULL: the program's */
 	uint32_t frames_before;   /* default 120 */

@@ -86,8 +86,8 @@ static int prof_capture_save(const char *path, const stilb_prof_window *window, 
 	return error;
 }
 
-/* A number whose name is free, for this thread alone: those of earlier runs are left out. A file that comes between this and
- * the save makes that fail with -EEXIST. NULL: no memory. */
+/* A number whose name is free, for this thread alone: those of earlier runs are left out. A file that comes between
+ * this and the save makes that fail with -EEXIST. NULL: no memory. */
 static char *prof_capture_reserve(uint32_t *n)
 {
 	for (;;) {

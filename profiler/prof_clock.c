@@ -257,8 +257,8 @@ static double prof_bias_ticks(void)
 }
 #endif
 
-/* This file is in every program that records or reads traces: so there is always a site, and the linker makes the array's
- * bounds. */
+/* This file is in every program that records or reads traces: so there is always a site, and the linker makes the
+ * array's bounds. */
 static const stilb_prof_site prof_site_cost STILB_PROF_SECTION_ =
 	STILB_PROF_SITE_INIT_("what a zone costs", "", 0, STILB_PROF_KIND_ZONE);
 

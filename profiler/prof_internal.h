@@ -190,10 +190,10 @@ void prof_switches_close(prof_switches *switches);
  * The thread may be running, waiting or ended. */
 uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, prof_switch_event *events);
 
-/* ---- prof_schedstat.c --------------------------------------------------------------------------------------------- */
+/* ---- prof_schedstat.c -------------------------------------------------------------------------------------------- */
 
-/* From here on the time that the calling thread runs and waits is recorded frame by frame, as counters that have its name. A
- * handle, or 0: not possible. close takes both. [any-thread] */
+/* From here on the time that the calling thread runs and waits is recorded frame by frame, as counters that have its
+ * name. A handle, or 0: not possible. close takes both. [any-thread] */
 uint32_t prof_schedstat_open(const char *name);
 void prof_schedstat_close(uint32_t handle);
 

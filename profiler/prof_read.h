@@ -26,8 +26,8 @@ extern "C" {
 int stilb_prof_trace_parse(const char *text, size_t size, const char *name, stilb_prof_snapshot *snapshot, char *error,
                            size_t error_size);
 
-/* The same from a regular file; "-" is standard input, whatever that is. Also the negative errno of what failed, and error
- * says so in words; -ESPIPE: a pipe or a device. */
+/* The same from a regular file; "-" is standard input, whatever that is. Also the negative errno of what failed, and
+ * error says so in words; -ESPIPE: a pipe or a device. */
 int stilb_prof_trace_read(const char *path, stilb_prof_snapshot *snapshot, char *error, size_t error_size);
 
 #ifdef __cplusplus

@@ -164,7 +164,8 @@ static size_t prof_name_stem(const char *name)
 	return length;
 }
 
-/* True of "worker 10" and "worker 2": names that differ in the number at their end, and the first has the larger one. */
+/* True of "worker 10" and "worker 2": names that differ in the number at their end, and the first has the larger
+ * one. */
 static bool prof_name_follows(const char *a, const char *b)
 {
 	const size_t stem = prof_name_stem(a);
@@ -174,8 +175,9 @@ static bool prof_name_follows(const char *a, const char *b)
 	return digits_a != digits_b ? digits_a > digits_b : strcmp(a + stem, b + stem) > 0;
 }
 
-/* The thread gets that name and takes its place in the list: the last but for the number at the end of its name, for workers
- * begin in any order, and are looked for by number. A main thread that did not say when it begins is the first. */
+/* The thread gets that name and takes its place in the list: the last but for the number at the end of its name, for
+ * workers begin in any order, and are looked for by number. A main thread that did not say when it begins is the
+ * first. */
 static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MAX])
 {
 	const size_t last = prof.count - 1;
@@ -353,8 +355,8 @@ void stilb_prof_thread_end(void)
 	prof_thread_leave(thread);
 }
 
-/* The name that the program gave the calling thread: "main", or what pthread_setname_np said; empty when it has the main
- * thread's, as a thread has to which none was given. */
+/* The name that the program gave the calling thread: "main", or what pthread_setname_np said; empty when it has the
+ * main thread's, as a thread has to which none was given. */
 static void prof_self_name(char name[PROF_NAME_MAX])
 {
 	char main_name[PROF_COMM_MAX + 1] = "";
@@ -610,7 +612,8 @@ static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
 	return head >= size ? head - size + 1 : 0;
 }
 
-/* The number of the first event in oldest .. head - 1 that ends at or after begin: they stand in the order of their ends. */
+/* The number of the first event in oldest .. head - 1 that ends at or after begin: they stand in the order of their
+ * ends. */
 static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t oldest, uint64_t head, uint64_t begin,
                                uint64_t limit)
 {

@@ -18,7 +18,7 @@
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
-static struct prof_site_slot *prof_site_find(const prof_snapshot_memory *m, const stilb_prof_site *site)
+static struct prof_site_slot *snapshot_site_find(const prof_snapshot_memory *m, const stilb_prof_site *site)
 {
 	const size_t mask = m->site_capacity - 1;
 	size_t at =
@@ -39,7 +39,7 @@ static bool prof_sites_grow(prof_snapshot_memory *m)
 	m->site_capacity = capacity;
 	for (size_t i = 0; i < old_capacity; i++)
 		if (old[i].site != NULL)
-			*prof_site_find(m, old[i].site) = old[i];
+			*snapshot_site_find(m, old[i].site) = old[i];
 	free(old);
 	return true;
 }
@@ -51,7 +51,7 @@ static uint32_t prof_snapshot_label_add(prof_snapshot_memory *m, const stilb_pro
 	if (!ROOM(m, labels, m->label_count + 1, label_capacity))
 		return PROF_NONE;
 	const uint32_t label = (uint32_t)m->label_count++;
-	*prof_site_find(m, site) = (struct prof_site_slot){site, label};
+	*snapshot_site_find(m, site) = (struct prof_site_slot){site, label};
 	m->labels[label] = (stilb_prof_label){
 		.name = site->name,
 		.function = site->function,
@@ -65,7 +65,7 @@ static uint32_t prof_snapshot_label_add(prof_snapshot_memory *m, const stilb_pro
 uint32_t prof_snapshot_label(prof_snapshot_memory *m, const stilb_prof_site *site)
 {
 	if (m->site_capacity > 0) {
-		const struct prof_site_slot *slot = prof_site_find(m, site);
+		const struct prof_site_slot *slot = snapshot_site_find(m, site);
 		if (slot->site != NULL)
 			return slot->label;
 	}

@@ -57,7 +57,8 @@ typedef enum stilb_prof_lane_kind {
 } stilb_prof_lane_kind;
 
 /* What one thread or device did. Lanes stand in the order in which they were made, but the main thread's is the first
- * unless it called stilb_prof_thread_begin, and those whose names differ in the number at their end stand by that number. */
+ * unless it called stilb_prof_thread_begin, and those whose names differ in the number at their end stand by that
+ * number. */
 typedef struct stilb_prof_lane {
 	const char *name;
 	stilb_prof_lane_kind kind;
@@ -108,8 +109,8 @@ typedef struct stilb_prof_snapshot {
 	double resolution_ns; /* the shortest difference between two reads */
 	double bias_ns;       /* how much shorter than it was a zone reads, because rdtsc does not wait */
 	double zone_cost_ns;  /* what recording one zone costs */
-	/* events_recorded = events_lost (overwritten) + events_held, over all lanes. Never recorded were too_deep zones, and
-	 * without_ring zones, counters, instants and flows of threads for whose ring there was no memory. */
+	/* events_recorded = events_lost (overwritten) + events_held, over all lanes. Never recorded were too_deep zones,
+	 * and without_ring zones, counters, instants and flows of threads for whose ring there was no memory. */
 	uint64_t events_recorded, events_lost, events_held, too_deep, without_ring;
 	void *memory; /* its own */
 } stilb_prof_snapshot;

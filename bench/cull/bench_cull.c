@@ -1,11 +1,11 @@
-/* The suite `cull`: flat culling and the octree, by number of models and visible share, beside the machine's limit. What a
- * case is: cull_cases.h. */
+/* The suite `cull`: flat culling and the octree, by number of models and visible share, beside the machine's limit.
+ * What a case is: cull_cases.h. */
 #include "bench/cull/bench_cull.h"
 #include "bench/cull/cull_cases.h"
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
-/* ---- the table ------------------------------------------------------------------------------------------------------ */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 static const bench_metric metrics[] = {
 	{"per-model", "ns", true, NULL}, /* the p50, for each model of the scene, visible or not */

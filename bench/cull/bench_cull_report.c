@@ -5,7 +5,7 @@
 #define FLAT "stilb-flat-avx512"
 #define OCTREE "stilb-octree"
 
-/* ---- table ---------------------------------------------------------------------------------------------------------- */
+/* ---- table ------------------------------------------------------------------------------------------------------- */
 
 static void print_case(FILE *out, const bench_results *results, const char *on)
 {
@@ -35,7 +35,7 @@ static void print_table(FILE *out, const bench_results *results)
 		print_case(out, results, bench_suite_of(results)->cases[c].name);
 }
 
-/* ---- goals ---------------------------------------------------------------------------------------------------------- */
+/* ---- goals ------------------------------------------------------------------------------------------------------- */
 
 /* Theirs / ours in each round is to be at least so much; 0: no goal, only to be seen. */
 typedef struct ratio_goal {
@@ -131,7 +131,7 @@ void bench_cull_goals(FILE *out, const bench_results *results)
 	}
 }
 
-/* ---- picture -------------------------------------------------------------------------------------------------------- */
+/* ---- picture ----------------------------------------------------------------------------------------------------- */
 
 /* A diagram: cases from left to right, NULL-terminated. */
 typedef struct diagram {

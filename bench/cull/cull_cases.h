@@ -1,9 +1,9 @@
 /*
  * cull_cases: the cases of the suite `cull`, known to stilb-bench and to the program that runs them.
  *
- * The scene: spheres of 0.5 to 2 m radius, evenly spread over a cube, one for each cube of 4 m. The view: 60 degrees high,
- * 16:9, askew to the axes, turning half a degree a frame and back again; the far plane lies so that exactly the share that
- * the case names is visible.
+ * The scene: spheres of 0.5 to 2 m radius, evenly spread over a cube, one for each cube of 4 m. The view: 60 degrees
+ * high, 16:9, askew to the axes, turning half a degree a frame and back again; the far plane lies so that exactly the
+ * share that the case names is visible.
  */
 #ifndef CULL_CASES_H
 #define CULL_CASES_H

@@ -1,4 +1,5 @@
-/* The program of the suite `cull`: runs one case with one way of culling, and verifies what it saw against a plain loop. */
+/* The program of the suite `cull`: runs one case with one way of culling, and verifies what it saw against a plain
+ * loop. */
 #include "bench/cull/cull_cases.h"
 #include "bench/harness/bench_child.h"
 
@@ -44,7 +45,7 @@ static void *allocate(size_t count, size_t size)
 	return memory;
 }
 
-/* ---- scene and views ----------------------------------------------------------------------------------------------- */
+/* ---- scene and views --------------------------------------------------------------------------------------------- */
 
 static float half_side(const cull_case *on)
 {
@@ -144,7 +145,7 @@ static void verify(run *r, const stilb_frustum *view)
 		bench_child_fail("wrong: sees %u models where a plain loop sees %u, or others", r->visible.count, count);
 }
 
-/* ---- subjects ------------------------------------------------------------------------------------------------------ */
+/* ---- subjects ---------------------------------------------------------------------------------------------------- */
 
 /* A tenth of the models, another one each frame, goes up to 25 cm to and fro. */
 static void move_models(run *r)
@@ -208,7 +209,7 @@ static const subject subjects[] = {
 	{"stream", stream_frame, STILB_CULL_FLAT, NULL, 0, false},
 };
 
-/* ---- measuring ----------------------------------------------------------------------------------------------------- */
+/* ---- measuring --------------------------------------------------------------------------------------------------- */
 
 /* One sample. Frames in which nothing moves are timed eight at a time: some are shorter than the clock is exact. */
 static double sample(run *r, const subject *s)
@@ -258,7 +259,7 @@ static void measure(run *r, const subject *s, double seconds)
 		bench_child_metric("visible", 100.0 * r->visible.count / r->on->models);
 }
 
-/* ---- the program --------------------------------------------------------------------------------------------------- */
+/* ---- the program ------------------------------------------------------------------------------------------------- */
 
 static const cull_case cases[] = {
 #define CASE(NAME, TITLE, ...) {NAME, __VA_ARGS__},

@@ -1,5 +1,5 @@
-/* The suite `gi`: the renderer of rays beside Embree alone, beside a plain path tracer, and its parts beside each other. What
- * a case is: gi_cases.h. */
+/* The suite `gi`: the renderer of rays beside Embree alone, beside a plain path tracer, and its parts beside each
+ * other. What a case is: gi_cases.h. */
 #include "bench/gi/gi_cases.h"
 #include "bench/harness/bench.h"
 
@@ -55,7 +55,7 @@ static const bench_subject subjects[] = {
 	{.name = "stilb", .program = PROGRAM, .note = "what is compared takes turns in one process"},
 };
 
-/* ---- goals -------------------------------------------------------------------------------------------------------- */
+/* ---- goals ------------------------------------------------------------------------------------------------------- */
 
 typedef struct goal {
 	const char *name, *metric, *what;
@@ -125,7 +125,7 @@ static void print_goals(FILE *out, const bench_results *results)
 	}
 }
 
-/* ---- the reference ------------------------------------------------------------------------------------------------ */
+/* ---- the reference ----------------------------------------------------------------------------------------------- */
 
 #define REFERENCE_SAMPLES 512u
 #define REFERENCE_SAMPLES_QUICK 64u

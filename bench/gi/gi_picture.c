@@ -46,7 +46,7 @@ stilb_gi_settings gi_run_cornell(const stilb_scene *scene)
 	return settings;
 }
 
-/* ---- the reference ------------------------------------------------------------------------------------------------ */
+/* ---- the reference ----------------------------------------------------------------------------------------------- */
 
 /* The mean of two renderings; their difference is the noise of both. */
 static double reference_half(const gi_run_world *world, stilb_gi_settings settings, float *mean)

@@ -59,8 +59,8 @@ struct gi_plain {
 	float light_area;
 };
 
-/* PCG-XSH-RR 64/32. Source: O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for Random
- * Number Generation" (2014). */
+/* PCG-XSH-RR 64/32. Source: O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for
+ * Random Number Generation" (2014). */
 static float random_next(uint64_t *state)
 {
 	uint64_t old = *state;
@@ -132,7 +132,7 @@ void gi_plain_finish(gi_plain *plain)
 	free(plain);
 }
 
-/* ---- one path ----------------------------------------------------------------------------------------------------- */
+/* ---- one path ---------------------------------------------------------------------------------------------------- */
 
 static struct RTCRayHit ray_from(vec origin, vec direction)
 {
@@ -224,7 +224,7 @@ static vec trace(const gi_plain *plain, vec origin, vec direction, uint32_t dept
 	}
 }
 
-/* ---- a picture ---------------------------------------------------------------------------------------------------- */
+/* ---- a picture --------------------------------------------------------------------------------------------------- */
 
 typedef struct render_job {
 	const gi_plain *plain;

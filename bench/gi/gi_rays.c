@@ -12,7 +12,7 @@
 #define PATH_SIDE 256u
 #define PATH_DEPTH 8u
 
-/* ---- building ----------------------------------------------------------------------------------------------------- */
+/* ---- building ---------------------------------------------------------------------------------------------------- */
 
 typedef struct geometry {
 	float *positions;
@@ -89,7 +89,7 @@ void gi_run_build(const bench_child *child)
 	bench_child_metric("ratio", own / theirs);
 }
 
-/* ---- recording ---------------------------------------------------------------------------------------------------- */
+/* ---- recording --------------------------------------------------------------------------------------------------- */
 
 /* Rays in the order in which they were traced. */
 typedef struct tape {
@@ -156,7 +156,7 @@ static tape record(gi_run_world *world, const stilb_gi_settings *settings)
 	return t;
 }
 
-/* ---- raw Embree --------------------------------------------------------------------------------------------------- */
+/* ---- raw Embree -------------------------------------------------------------------------------------------------- */
 
 static void raw_closest(RTCScene scene, const tape *t)
 {
@@ -192,7 +192,7 @@ static void raw_packets(RTCScene scene, const gi_ray_hit16 *packets, size_t coun
 	}
 }
 
-/* ---- the cases ---------------------------------------------------------------------------------------------------- */
+/* ---- the cases --------------------------------------------------------------------------------------------------- */
 
 static double seconds_since(uint64_t begin)
 {

@@ -49,7 +49,7 @@ static double once(const gi_run_world *world, const stilb_gi_settings *settings)
 	return picture.seconds;
 }
 
-/* ---- speed alone -------------------------------------------------------------------------------------------------- */
+/* ---- speed alone ------------------------------------------------------------------------------------------------- */
 
 static void run_sobol(const bench_child *child)
 {
@@ -96,7 +96,7 @@ static void run_workers(const bench_child *child)
 	gi_run_world_finish(&one);
 }
 
-/* ---- speed and error ---------------------------------------------------------------------------------------------- */
+/* ---- speed and error --------------------------------------------------------------------------------------------- */
 
 /* Over several pictures: what they took, and how far off they are. */
 typedef struct tally {
@@ -273,7 +273,7 @@ static void run_hessian(const bench_child *child)
 	gi_run_world_finish(&world);
 }
 
-/* ---- programs of others ------------------------------------------------------------------------------------------- */
+/* ---- programs of others ------------------------------------------------------------------------------------------ */
 
 #define PATHTRACER_SCENE "/usr/share/doc/embree3/models/cornell_box"
 #define PATHTRACER_DEPTH 5u
@@ -345,7 +345,7 @@ static void run_pathtracer(const bench_child *child)
 	gi_run_world_finish(&world);
 }
 
-/* ---- which case --------------------------------------------------------------------------------------------------- */
+/* ---- which case -------------------------------------------------------------------------------------------------- */
 
 static bool is_case(const bench_child *child, const char *name)
 {

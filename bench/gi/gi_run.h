@@ -1,6 +1,6 @@
 /*
- * gi_run: the program of the suite `gi`. What is compared takes turns in one process, on the same scene and the same rays, so
- * that ratios do not see the machine's moods; what a case is stands in gi_cases.h.
+ * gi_run: the program of the suite `gi`. What is compared takes turns in one process, on the same scene and the same
+ * rays, so that ratios do not see the machine's moods; what a case is stands in gi_cases.h.
  */
 #ifndef GI_RUN_H
 #define GI_RUN_H

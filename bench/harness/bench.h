@@ -147,7 +147,8 @@ const bench_suite *bench_suite_of(const bench_results *results);
 const bench_row *bench_find(const bench_results *results, const char *case_name, const char *subject_name,
                             const char *metric);
 
-/* A ratio of two rows: that of each round in which both ran, and of these the median, least and largest. false: none. */
+/* A ratio of two rows: that of each round in which both ran, and of these the median, least and largest. false:
+ * none. */
 typedef struct bench_ratio {
 	double median, min, max;
 } bench_ratio;

@@ -324,7 +324,7 @@ static void print_comparisons(FILE *out, const bench_results *results)
 		}
 }
 
-/* ---- in words ----------------------------------------------------------------------------------------------------- */
+/* ---- in words ---------------------------------------------------------------------------------------------------- */
 
 /* How many times as good as the best peer the best of ours is, over all tables that have both. */
 typedef struct standing {

@@ -393,7 +393,8 @@ static void print_steal(run *r)
 
 /* ---- the program --------------------------------------------------------------------------------------------- */
 
-/* Thread number i of the process on CPU number i of those it may use, modulo their number; the main thread is number 0. */
+/* Thread number i of the process on CPU number i of those it may use, modulo their number; the main thread is number
+ * 0. */
 static void pin_threads(void)
 {
 	cpu_set_t allowed;

@@ -19,7 +19,8 @@ extern "C" {
 typedef void jobs_fn(void *data, uint32_t worker);
 typedef void jobs_range_fn(uint32_t begin, uint32_t end, uint32_t worker, void *context);
 
-/* All but outside are called by the main thread. A null function: the subject has no such thing, and its row stays empty. */
+/* All but outside are called by the main thread. A null function: the subject has no such thing, and its row stays
+ * empty. */
 typedef struct jobs_subject {
 	const char *name;
 	/* Its times are divided by the number of threads that can run at the same moment: the limit of a loop. */

@@ -1,4 +1,5 @@
-/* oneTBB. The case runs inside an arena of as many threads as asked for, else there would be no more than there are CPUs. */
+/* oneTBB. The case runs inside an arena of as many threads as asked for, else there would be no more than there are
+ * CPUs. */
 #include "bench/jobs/jobs_subject.h"
 
 #include <atomic>

@@ -1,4 +1,5 @@
-/* microprofile, all groups on. Its buffer of a thread is emptied by MicroProfileFlip, which is called between the turns. */
+/* microprofile, all groups on. Its buffer of a thread is emptied by MicroProfileFlip, which is called between the
+ * turns. */
 #define MICROPROFILE_WEBSERVER 0
 #include <microprofile.h>
 

@@ -1,13 +1,14 @@
-/* The suite `profiler`: what recording costs beside the clock that it must read, and what is done with what is recorded.
- * What a case is: profiler_cases.h. */
+/* The suite `profiler`: what recording costs beside the clock that it must read, and what is done with what is
+ * recorded. What a case is: profiler_cases.h. */
 #include "bench/harness/bench.h"
 #include "bench/profiler/profiler_cases.h"
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
-/* ---- metrics ------------------------------------------------------------------------------------------------------ */
+/* ---- metrics ----------------------------------------------------------------------------------------------------- */
 
-/* A subject's own numbers: both loops ran in one process, turn about, so their ratio does not see the machine's moods. */
+/* A subject's own numbers: both loops ran in one process, turn about, so their ratio does not see the machine's
+ * moods. */
 static const bench_metric ratio_metrics[] = {
 	{"pair", "ns", true, NULL},
 	{"zone", "ns", true, NULL},
@@ -78,7 +79,7 @@ static const bench_case cases[] = {
 #undef CASE
 };
 
-/* ---- subjects ----------------------------------------------------------------------------------------------------- */
+/* ---- subjects ---------------------------------------------------------------------------------------------------- */
 
 #define LOOPS (CAN(ZONE) | CAN(WORK) | CAN(TWO) | CAN(WORST))
 
@@ -104,7 +105,7 @@ static const bench_subject subjects[] = {
      .reference = true},
 };
 
-/* ---- goals -------------------------------------------------------------------------------------------------------- */
+/* ---- goals ------------------------------------------------------------------------------------------------------- */
 
 typedef struct goal {
 	const char *what, *on, *subject, *metric;
@@ -158,7 +159,7 @@ static void print_goals(FILE *out, const bench_results *results)
 	}
 }
 
-/* ---- the suite ---------------------------------------------------------------------------------------------------- */
+/* ---- the suite --------------------------------------------------------------------------------------------------- */
 
 static const char *const loop_cases[] = {"zone", "next", "precise", NULL};
 static const char *const work_cases[] = {"work", "off", NULL};

@@ -1,4 +1,5 @@
-/* profiler_own: what the files of Stilb's program in the suite `profiler` share. Each runs a case and returns the exit status. */
+/* profiler_own: what the files of Stilb's program in the suite `profiler` share. Each runs a case and returns the exit
+ * status. */
 #ifndef PROFILER_OWN_H
 #define PROFILER_OWN_H
 

@@ -1,7 +1,7 @@
 /*
- * profiler_run: what a subject of the suite `profiler` provides, a file for each profiler, and the loops that all of them
- * are measured with. A subject defines PROFILER_SCOPE, a zone to the end of the enclosing scope, includes this file and
- * fills a profiler_subject; profiler_run.c has the program.
+ * profiler_run: what a subject of the suite `profiler` provides, a file for each profiler, and the loops that all of
+ * them are measured with. A subject defines PROFILER_SCOPE, a zone to the end of the enclosing scope, includes this
+ * file and fills a profiler_subject; profiler_run.c has the program.
  */
 #ifndef PROFILER_RUN_H
 #define PROFILER_RUN_H
@@ -34,9 +34,10 @@ typedef struct profiler_subject {
 /* NULL-terminated. */
 extern const profiler_subject *const profiler_subjects[];
 
-/* The work in the middle of the case `work`: multiplications and additions that wait for each other, 4 cycles each; 41 ns at
- * 3.7 GHz, with which other profilers were measured. Without a branch: whether the end of a loop is foreseen depends on what
- * stands around it, and would be measured instead. */
+/* The work in the middle of the case `work`: multiplications and additions that wait for each other, 4 cycles each; 41
+ * ns at
+ * 3.7 GHz, with which other profilers were measured. Without a branch: whether the end of a loop is foreseen depends on
+ * what stands around it, and would be measured instead. */
 #define PROFILER_WORK_STEPS 38
 
 extern uint64_t profiler_work_value;

@@ -32,8 +32,8 @@
 #define QUEUE_LOAD_LOOK_EVERY                                                                                          \
 	(QUEUE_LOAD_BACKLOG >= 100000 ? 1024 : 16) /* items, until a producer looks at the backlog */
 #define QUEUE_LOAD_STALL_BACKLOG 8000000       /* so that producers never wait for a consumer that sleeps */
-/* Calls, where gaps are measured: threads that kept their time slices of some milliseconds would leave gaps of their own,
- * a slice with consumers alone, or with producers alone. */
+/* Calls, where gaps are measured: threads that kept their time slices of some milliseconds would leave gaps of their
+ * own, a slice with consumers alone, or with producers alone. */
 #define QUEUE_LOAD_YIELD_EVERY 256
 #define QUEUE_LOAD_MAX_THREADS 1024
 #define QUEUE_LOAD_STALL_EVERY_NS 22000000

@@ -7,7 +7,7 @@
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
-/* ---- metrics ------------------------------------------------------------------------------------------------------ */
+/* ---- metrics ----------------------------------------------------------------------------------------------------- */
 
 static const bench_metric draws_metrics[] = {
 	{"record", "ns/draw", true, NULL},
@@ -68,7 +68,7 @@ static const bench_case cases[] = {
 #undef CASE
 };
 
-/* ---- subjects ----------------------------------------------------------------------------------------------------- */
+/* ---- subjects ---------------------------------------------------------------------------------------------------- */
 
 #define OWN "stilb-bench-record-own"
 #define LIMITS "stilb-bench-record-limits"
@@ -120,7 +120,7 @@ static const bench_subject subjects[] = {
      .reference = true},
 };
 
-/* ---- the suite ---------------------------------------------------------------------------------------------------- */
+/* ---- the suite --------------------------------------------------------------------------------------------------- */
 
 /* The checksum of the bare program's picture, which all others must draw too. */
 static const char *prepare(const bench_options *options)

@@ -89,7 +89,7 @@ void bench_record_goals(FILE *out, const bench_results *results)
 		print_goal(out, results, &goals[i]);
 }
 
-/* ---- picture ------------------------------------------------------------------------------------------------------ */
+/* ---- picture ----------------------------------------------------------------------------------------------------- */
 
 /* Boxes of one colour: where each stands, and what of it. */
 typedef struct box {

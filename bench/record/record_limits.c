@@ -32,7 +32,7 @@ typedef struct limit_work {
 	_Atomic uint64_t *word; /* relaxed: counts, orders nothing */
 } limit_work;
 
-/* ---- writing ------------------------------------------------------------------------------------------------------ */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static inline limit_command command_make(uint32_t i)
 {
@@ -51,8 +51,8 @@ static void write_hot(limit_work *work)
 	}
 }
 
-/* Rows, which only the GPU will read, go past the caches in whole lines. Commands do not: half a line at a time they would
- * take five times as long. */
+/* Rows, which only the GPU will read, go past the caches in whole lines. Commands do not: half a line at a time they
+ * would take five times as long. */
 static void write_non_temporal(limit_work *work)
 {
 #if defined(__SSE2__)
@@ -80,7 +80,7 @@ static void check_written(const limit_work *work)
 	}
 }
 
-/* ---- sorting ------------------------------------------------------------------------------------------------------ */
+/* ---- sorting ----------------------------------------------------------------------------------------------------- */
 
 #define RADIX 256u
 
@@ -117,7 +117,7 @@ static void check_sorted(const limit_work *work)
 	}
 }
 
-/* ---- what a list must not do -------------------------------------------------------------------------------------- */
+/* ---- what a list must not do ------------------------------------------------------------------------------------- */
 
 static void add_atomic(limit_work *work)
 {
@@ -148,7 +148,7 @@ static void check_nothing(const limit_work *work)
 	(void)work;
 }
 
-/* ---- the program -------------------------------------------------------------------------------------------------- */
+/* ---- the program ------------------------------------------------------------------------------------------------- */
 
 static const struct limit {
 	const char *name;

@@ -15,7 +15,7 @@
 #define BUSY_NS 300000     /* the main thread works alone for so long, ten times what a worker waits before it sleeps */
 #define OWNER 0u
 
-/* ---- the subjects ------------------------------------------------------------------------------------------------- */
+/* ---- the subjects ------------------------------------------------------------------------------------------------ */
 
 typedef enum recorder {
 	BY_HAND, /* stilb_render_draw for each draw, as a user would */
@@ -38,7 +38,7 @@ static const stilb_render_materials materials[] = {
 	[RECORD_PIPELINE] = STILB_RENDER_MATERIALS_PIPELINE,
 };
 
-/* ---- a run -------------------------------------------------------------------------------------------------------- */
+/* ---- a run ------------------------------------------------------------------------------------------------------- */
 
 /* What a program that records by hand keeps for each of its objects. */
 typedef struct object {
@@ -81,7 +81,7 @@ static double ns_per_draw(const run *r, record_samples *samples)
 	return record_samples_median(samples) / r->draws;
 }
 
-/* ---- the stages of a frame ----------------------------------------------------------------------------------------- */
+/* ---- the stages of a frame --------------------------------------------------------------------------------------- */
 
 /* The slice of a loop over segments. */
 static void hand_record(uint32_t begin, uint32_t end, uint32_t worker, void *data)
@@ -148,7 +148,7 @@ static uint64_t frame_replaying(run *r)
 	return bench_child_now_ns() - begin;
 }
 
-/* ---- the kinds of case --------------------------------------------------------------------------------------------- */
+/* ---- the kinds of case ------------------------------------------------------------------------------------------- */
 
 static record_samples first, second, third, fourth; /* what each is of, its kind says */
 
@@ -332,7 +332,7 @@ static void (*const measures[])(run *r) = {
 	[RECORD_PICTURE] = measure_picture,
 };
 
-/* ---- the proof ----------------------------------------------------------------------------------------------------- */
+/* ---- the proof --------------------------------------------------------------------------------------------------- */
 
 static const uint64_t *sorted_keys; /* for the comparison */
 
@@ -378,7 +378,7 @@ static void verify(const run *r)
 	stilb_image_finish(&image);
 }
 
-/* ---- the program --------------------------------------------------------------------------------------------------- */
+/* ---- the program ------------------------------------------------------------------------------------------------- */
 
 static stilb_job_pool *make_pool(uint32_t threads)
 {

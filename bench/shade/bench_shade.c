@@ -1,5 +1,5 @@
-/* The suite `shade`: an evaluation of a BRDF as the shading headers write it, beside the same formula fused by hand and the
- * same functions eight at a time. What a case is: shade_cases.h. */
+/* The suite `shade`: an evaluation of a BRDF as the shading headers write it, beside the same formula fused by hand and
+ * the same functions eight at a time. What a case is: shade_cases.h. */
 #include "bench/harness/bench.h"
 #include "bench/shade/shade_cases.h"
 
@@ -63,7 +63,7 @@ static void print_goals(FILE *out, const bench_results *results)
 		        goal->median <= GOAL ? "met" : "MISSED");
 }
 
-/* ---- picture ------------------------------------------------------------------------------------------------------ */
+/* ---- picture ----------------------------------------------------------------------------------------------------- */
 
 typedef struct bar {
 	const char *metric, *title, *color;

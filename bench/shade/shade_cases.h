@@ -2,7 +2,8 @@
 #ifndef BENCH_SHADE_CASES_H
 #define BENCH_SHADE_CASES_H
 
-/* X(name, title, symbol, divisions, square roots, powers): the counts are of what no way of writing an evaluation avoids. */
+/* X(name, title, symbol, divisions, square roots, powers): the counts are of what no way of writing an evaluation
+ * avoids. */
 #define SHADE_BENCH_CASES(X)                                                                                           \
 	X("wrapped", "energy-conserving wrapped diffuse", wrapped, 1, 0, 0)                                                \
 	X("phong-modified", "modified Phong", phong_modified, 0, 0, 1)                                                     \

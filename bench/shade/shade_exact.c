@@ -1,4 +1,5 @@
-/* The formulas of the suite `shade` in double and long-hand: h is made unit, cosines are dot products, no term is shared. */
+/* The formulas of the suite `shade` in double and long-hand: h is made unit, cosines are dot products, no term is
+ * shared. */
 #include "bench/shade/shade_run.h"
 
 #include <math.h>

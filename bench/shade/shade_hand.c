@@ -23,7 +23,8 @@ static inline dots dots_of(const shade_run_point *p)
 	return (dots){n_l, n_v, (n_l + n_v) * inverse, 0.5f * h2 * inverse, inverse};
 }
 
-/* sin^2 of the angle between n and h, from their cross product: 1 - (n.h)^2 has no digits left in a narrow highlight. */
+/* sin^2 of the angle between n and h, from their cross product: 1 - (n.h)^2 has no digits left in a narrow
+ * highlight. */
 static inline float sine2(const shade_run_point *p, float inverse_h)
 {
 	stilb_vec4 h = p->l + p->v;

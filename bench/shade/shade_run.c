@@ -1,5 +1,5 @@
-/* The program of the suite `shade`: the ways of writing an evaluation take turns in one process, so that their ratios do not
- * see the machine's moods; each is held against the formula in double first. */
+/* The program of the suite `shade`: the ways of writing an evaluation take turns in one process, so that their ratios
+ * do not see the machine's moods; each is held against the formula in double first. */
 #include "bench/shade/shade_run.h"
 
 #include "base/base.h"
@@ -40,7 +40,7 @@ static const char *const way_names[WAYS] = {"stilb", "hand", "wide"};
 static shade_run_inputs inputs;
 static shade_run_results results;
 
-/* ---- what is evaluated -------------------------------------------------------------------------------------------- */
+/* ---- what is evaluated ------------------------------------------------------------------------------------------- */
 
 static float random_at(uint32_t round, uint32_t i, uint32_t which)
 {
@@ -88,7 +88,7 @@ static void make_inputs(uint32_t round)
 	}
 }
 
-/* ---- right? ------------------------------------------------------------------------------------------------------- */
+/* ---- right? ------------------------------------------------------------------------------------------------------ */
 
 /* Largest relative error of a way over all points. */
 static double error_of(const struct shade_case *on, uint32_t way)
@@ -121,7 +121,7 @@ static void check(const struct shade_case *on)
 	}
 }
 
-/* ---- how long? ---------------------------------------------------------------------------------------------------- */
+/* ---- how long? --------------------------------------------------------------------------------------------------- */
 
 static struct {
 	uint32_t count;
@@ -165,7 +165,7 @@ static void run_turns(const struct shade_case *on, double seconds)
 	}
 }
 
-/* ---- the machine's limit ------------------------------------------------------------------------------------------ */
+/* ---- the machine's limit ----------------------------------------------------------------------------------------- */
 
 /* One operation that waits for no other: its throughput. */
 static void limit_division(const shade_run_inputs *in, shade_run_results *out)

@@ -1,10 +1,10 @@
 /*
- * shade_run: what the three ways of writing an evaluation share: the shading headers as they are (shade_own.c), the same
- * formulas fused by hand in plain floats (shade_hand.c), and eight at a time (shade_wide.c); and the formulas in double,
- * long-hand, which all of them are held against (shade_exact.c).
+ * shade_run: what the three ways of writing an evaluation share: the shading headers as they are (shade_own.c), the
+ * same formulas fused by hand in plain floats (shade_hand.c), and eight at a time (shade_wide.c); and the formulas in
+ * double, long-hand, which all of them are held against (shade_exact.c).
  *
- * An evaluation is BRDF x n.l in three channels for its own normal, light, viewer, roughness and F0; nothing is shared between
- * two of them but the code.
+ * An evaluation is BRDF x n.l in three channels for its own normal, light, viewer, roughness and F0; nothing is shared
+ * between two of them but the code.
  */
 #ifndef SHADE_RUN_H
 #define SHADE_RUN_H

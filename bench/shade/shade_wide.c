@@ -1,6 +1,6 @@
-/* The suite `shade`: the functions of engine/shading on eight points at a time. They take plain floats, so a loop over points
- * is all that it needs: the compiler makes eight lanes of it, and takes exp and log eight at a time from the C library.
- * Built for AVX2 (bench/CMakeLists.txt); the program leaves it out where the CPU lacks that. */
+/* The suite `shade`: the functions of engine/shading on eight points at a time. They take plain floats, so a loop over
+ * points is all that it needs: the compiler makes eight lanes of it, and takes exp and log eight at a time from the C
+ * library. Built for AVX2 (bench/CMakeLists.txt); the program leaves it out where the CPU lacks that. */
 #include "bench/shade/shade_run.h"
 
 #if defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)

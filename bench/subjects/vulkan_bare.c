@@ -4,7 +4,7 @@
 #include "bench/record/record_child.h"
 #include "shading/shade_tonemap.h"
 
-/* ---- what the CPU writes for a frame ------------------------------------------------------------------------------- */
+/* ---- what the CPU writes for a frame ----------------------------------------------------------------------------- */
 
 static void write_draws(const bare *b, const bare_frame *frame, const stilb_scene *scene)
 {
@@ -40,7 +40,7 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 	memcpy(frame->view.mapped, &view, sizeof view);
 }
 
-/* ---- commands ------------------------------------------------------------------------------------------------------ */
+/* ---- commands ---------------------------------------------------------------------------------------------------- */
 
 #define COLOR_STAGE VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT
 #define DEPTH_STAGES (VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT)
@@ -184,7 +184,7 @@ static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene
 	submit(b, frame);
 }
 
-/* ---- the program --------------------------------------------------------------------------------------------------- */
+/* ---- the program ------------------------------------------------------------------------------------------------- */
 
 /* The picture that a finished frame left in memory, without its alpha. */
 static uint64_t picture_sum(const bare *b, const bare_frame *frame)

@@ -1,8 +1,8 @@
 /*
  * vulkan_bare: the stress test drawn by a plain Vulkan 1.3 program, the least that gives the engine's picture.
  *
- * One pipeline with the engine's shaders, one buffer of rows and one of indirect commands a frame, two frames in flight,
- * one multi-draw-indirect, the picture copied to memory. No lists, no jobs, no engine.
+ * One pipeline with the engine's shaders, one buffer of rows and one of indirect commands a frame, two frames in
+ * flight, one multi-draw-indirect, the picture copied to memory. No lists, no jobs, no engine.
  */
 #ifndef VULKAN_BARE_H
 #define VULKAN_BARE_H

@@ -17,7 +17,7 @@ void bare_check(VkResult result, const char *call)
 		bench_child_fail("%s: VkResult %d", call, (int)result);
 }
 
-/* ---- device ------------------------------------------------------------------------------------------------------- */
+/* ---- device ------------------------------------------------------------------------------------------------------ */
 
 /* The first GPU that is a CPU. */
 static bool find_gpu(bare *b)
@@ -92,7 +92,7 @@ bool bare_open(bare *b)
 	return true;
 }
 
-/* ---- memory ------------------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 /* All memory of a software GPU is one kind, which the program can write. */
 static VkDeviceMemory allocate(bare *b, VkMemoryRequirements needs, bool address)
@@ -180,7 +180,7 @@ static void free_image(bare *b, bare_image *image)
 	vkFreeMemory(b->device, image->memory, NULL);
 }
 
-/* ---- the scene's buffers ------------------------------------------------------------------------------------------ */
+/* ---- the scene's buffers ----------------------------------------------------------------------------------------- */
 
 static void make_meshes(bare *b, const stilb_scene *scene)
 {
@@ -216,7 +216,7 @@ static void make_materials(bare *b, const stilb_scene *scene)
 	}
 }
 
-/* ---- pipeline ----------------------------------------------------------------------------------------------------- */
+/* ---- pipeline ---------------------------------------------------------------------------------------------------- */
 
 static VkShaderModule make_shader(bare *b, const uint32_t *code, size_t size)
 {
@@ -331,7 +331,7 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 	vkDestroyShaderModule(b->device, stages[1].module, NULL);
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static void make_frame(bare *b, bare_frame *frame, uint32_t draws, uint32_t width, uint32_t height)
 {

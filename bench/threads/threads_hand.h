@@ -35,7 +35,8 @@ void threads_hand_cull(threads_hand *hand, stilb_cull_visible *visible);
  * how many. */
 uint32_t threads_hand_list(const threads_hand *hand, const stilb_cull_visible *visible, uint32_t *parts);
 
-/* A list for each of as many threads, begun, filled and ended by that thread alone; replay draws one after the other. */
+/* A list for each of as many threads, begun, filled and ended by that thread alone; replay draws one after the
+ * other. */
 void threads_hand_begin(threads_hand *hand, uint32_t lists);
 stilb_render_context *threads_hand_list_begin(threads_hand *hand, uint32_t list);
 void threads_hand_draw_parts(const threads_hand *hand, stilb_render_context *context, const uint32_t *parts,

@@ -87,7 +87,7 @@ static void event_close(event *e)
 	pthread_mutex_unlock(&e->mutex);
 }
 
-/* ---- time --------------------------------------------------------------------------------------------------------- */
+/* ---- time -------------------------------------------------------------------------------------------------------- */
 
 /* Not before all that comes before has been done: a plain look at the clock overtakes it. */
 static inline uint64_t ticks_then(void)

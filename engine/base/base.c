@@ -54,8 +54,8 @@ void stilb_log(const char *format, ...)
 	fprintf(stderr, "stilb: %s\n", line); /* one call, so lines of two threads do not mix */
 }
 
-/* With 4 KiB pages, walking over 100 MB costs more in address translation than in memory: recording a million draws on one
- * thread took 7.4 ms, with huge pages 5.5. */
+/* With 4 KiB pages, walking over 100 MB costs more in address translation than in memory: recording a million draws on
+ * one thread took 7.4 ms, with huge pages 5.5. */
 #define MEMORY_HUGE_PAGE ((size_t)2 << 20)
 #define MEMORY_HUGE_FROM ((size_t)4 << 20)
 

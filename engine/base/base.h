@@ -34,8 +34,8 @@ typedef enum stilb_result {
 #undef STILB_RESULT_ENUM
 } stilb_result;
 
-/* Stores the line for stilb_error_message (this thread's) and returns result: `return stilb_fail(STILB_ERROR_FILE, ...)`.
- * The line has no "stilb: " in front, no newline, and names the thing, the value and what to do about it. */
+/* Stores the line for stilb_error_message (this thread's) and returns result: `return stilb_fail(STILB_ERROR_FILE,
+ * ...)`. The line has no "stilb: " in front, no newline, and names the thing, the value and what to do about it. */
 stilb_result stilb_fail(stilb_result result, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The line of this thread's last stilb_fail; "" before the first. Valid until the thread's next stilb_fail. */
@@ -47,8 +47,8 @@ const char *stilb_result_text(stilb_result result);
 /* ---- asserts and log ------------------------------------------------------------------------------------------ */
 
 /* Contracts of functions. A broken one is the programmer's mistake: it prints file, line, function and condition and
- * ends the program with SIGABRT. With NDEBUG they are compiled as dead code, so release builds pay nothing and functions
- * that only asserts call are not unused.
+ * ends the program with SIGABRT. With NDEBUG they are compiled as dead code, so release builds pay nothing and
+ * functions that only asserts call are not unused.
  *
  *   STILB_ASSERT(index < count);              cheap: an argument, a state, a range
  *   STILB_CHECK(octree_is_sound(octree));     walks a whole structure; for the end of a change to it
@@ -68,16 +68,16 @@ void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 #define STILB_CACHE_LINE 128 /* two 64-byte lines: the adjacent-line prefetcher pairs them */
 
-/* count * size bytes, aligned to STILB_CACHE_LINE and not initialised, large blocks in huge pages where the system offers
- * them; NULL on overflow or when there is no memory. free() it. */
+/* count * size bytes, aligned to STILB_CACHE_LINE and not initialised, large blocks in huge pages where the system
+ * offers them; NULL on overflow or when there is no memory. free() it. */
 void *stilb_memory_alloc(size_t count, size_t size);
 
-/* True if the process cannot have `bytes` more addresses now: its own limit (ulimit -v) or the machine's is near. Touches
- * none of them. For libraries that fail without a reason. */
+/* True if the process cannot have `bytes` more addresses now: its own limit (ulimit -v) or the machine's is near.
+ * Touches none of them. For libraries that fail without a reason. */
 bool stilb_memory_is_scarce(size_t bytes);
 
-/* The failure of threads that could not be started, and the way out. error: what the system said, for which EAGAIN may mean
- * too many threads or no room for their stacks. Returns STILB_ERROR_MEMORY or STILB_ERROR_THREAD. */
+/* The failure of threads that could not be started, and the way out. error: what the system said, for which EAGAIN may
+ * mean too many threads or no room for their stacks. Returns STILB_ERROR_MEMORY or STILB_ERROR_THREAD. */
 stilb_result stilb_fail_threads(uint32_t count, int error);
 
 /* ---- hashing --------------------------------------------------------------------------------------------------- */

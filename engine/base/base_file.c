@@ -155,9 +155,10 @@ static FILE *file_open_direct(const char *path)
 
 /* ---- temporary files ------------------------------------------------------------------------------------------------
  *
- * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" where that name is taken. Whoever writes one holds
- * its lock (flock) until it is renamed or removed, and the kernel releases the lock of a process that dies: a temporary
- * file without a lock was left behind and may go. Unlike a process number, a lock also tells that of other containers.
+ * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" where that name is taken. Whoever writes one
+ * holds its lock (flock) until it is renamed or removed, and the kernel releases the lock of a process that dies: a
+ * temporary file without a lock was left behind and may go. Unlike a process number, a lock also tells that of other
+ * containers.
  */
 
 #define FILE_TEMPORARY_MAX 48 /* bytes of ".<pid>-<number>.tmp" at most, with room to spare */
@@ -222,8 +223,8 @@ void stilb_file_clean(const char *path)
 	free(target);
 }
 
-/* Creates and locks the file of this name. Between the two another process may take it for a stale one and remove it: then
- * it has no name any more, and the next try makes another. -1 with errno, EEXIST for another try. */
+/* Creates and locks the file of this name. Between the two another process may take it for a stale one and remove it:
+ * then it has no name any more, and the next try makes another. -1 with errno, EEXIST for another try. */
 static int file_create_locked(const char *name)
 {
 	struct stat info;
@@ -312,8 +313,8 @@ static int file_flush(stilb_file *file)
 	return file->temporary && fsync(fileno(file->stream)) != 0 ? errno : 0;
 }
 
-/* Makes the new name last: without it a power cut may bring the old file back. Some file systems cannot, and the file has
- * its place already, so a failure is none. */
+/* Makes the new name last: without it a power cut may bring the old file back. Some file systems cannot, and the file
+ * has its place already, so a failure is none. */
 static void file_sync_folder(const char *target)
 {
 	char *path = file_folder(target);
@@ -376,7 +377,7 @@ stilb_result stilb_file_save(const char *path, const void *data, size_t size)
 	return stilb_file_commit(&file);
 }
 
-/* ---- reading ------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 /* NULL, or why the descriptor cannot be read as a file. */
 static const char *file_unreadable(int descriptor)

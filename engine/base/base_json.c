@@ -29,8 +29,8 @@ static void json_put(stilb_json *json, const char *text)
 	json_append(json, text, strlen(text));
 }
 
-/* Bytes of the character of two to four bytes that text begins with; 0 when it is not UTF-8 (RFC 3629: the shortest form,
- * no surrogates, at most U+10FFFF). */
+/* Bytes of the character of two to four bytes that text begins with; 0 when it is not UTF-8 (RFC 3629: the shortest
+ * form, no surrogates, at most U+10FFFF). */
 static size_t json_utf8_length(const char *text)
 {
 	static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};

@@ -69,7 +69,8 @@ stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection)
 	for (int row = 0; row < 4; row++)
 		for (int column = 0; column < 4; column++)
 			rows[row][column] = view_projection->m[column * 4 + row];
-	/* Inside means -w <= x <= w, -w <= y <= w with y down (so y <= w is the bottom edge), 0 <= z <= w with z = w near. */
+	/* Inside means -w <= x <= w, -w <= y <= w with y down (so y <= w is the bottom edge), 0 <= z <= w with z = w
+	 * near. */
 	stilb_frustum frustum = {{
 		base_plane_normalize(rows[3] + rows[0]),
 		base_plane_normalize(rows[3] - rows[0]),

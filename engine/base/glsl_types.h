@@ -2,11 +2,11 @@
  * glsl_types: the C half of the shading dialect: what GLSL's built-in functions mean on stilb_vec2, stilb_vec3 and
  * stilb_vec4. The files in engine/shading never call these by name: glsl_begin.h maps the GLSL names to them.
  *
- * Names.    glsl_<function>_1 takes floats, _2 a vec2, _4 a vec3 or vec4 (one type in C: all four lanes are computed, and
- *           lane 3 of a vec3 stays unspecified). A trailing f says that the other operands are floats. dot, length,
+ * Names.    glsl_<function>_1 takes floats, _2 a vec2, _4 a vec3 or vec4 (one type in C: all four lanes are computed,
+ *           and lane 3 of a vec3 stays unspecified). A trailing f says that the other operands are floats. dot, length,
  *           distance, normalize, cross and reflect look at three lanes; glsl_dot4 at four.
- * Meaning.  As in the OpenGL Shading Language Specification 4.60, chapter 8. Where it leaves a result undefined (pow of a
- *           negative base, clamp with min > max, NaN in min and max) so does this file.
+ * Meaning.  As in the OpenGL Shading Language Specification 4.60, chapter 8. Where it leaves a result undefined (pow of
+ *           a negative base, clamp with min > max, NaN in min and max) so does this file.
  * Threads.  Pure functions: [any-thread].
  */
 #ifndef STILB_GLSL_TYPES_H

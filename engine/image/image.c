@@ -153,7 +153,7 @@ stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t
 	return STILB_OK;
 }
 
-/* ---- what the codecs share ------------------------------------------------------------------------------------------ */
+/* ---- what the codecs share --------------------------------------------------------------------------------------- */
 
 void image_message_set(image_message *message, const char *text)
 {

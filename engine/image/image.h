@@ -5,10 +5,10 @@
  * Channels: 1 grey, 2 grey and alpha, 3 red green blue, 4 with alpha. Alpha is linear in every format and colour is
  * stored as given: nothing is multiplied or divided by alpha.
  *
- * PNG is 8 bits of sRGB; EXR and HDR are linear Rec.709 and never tone mapped; saving converts between the two as needed.
- * Files are written whole or not at all, and the same picture gives the same bytes (no date, no host name). PNG goes
- * through libpng, EXR through OpenEXR, HDR through code of our own; OpenImageIO, which reads all other formats, is loaded
- * with the first such picture.
+ * PNG is 8 bits of sRGB; EXR and HDR are linear Rec.709 and never tone mapped; saving converts between the two as
+ * needed. Files are written whole or not at all, and the same picture gives the same bytes (no date, no host name). PNG
+ * goes through libpng, EXR through OpenEXR, HDR through code of our own; OpenImageIO, which reads all other formats, is
+ * loaded with the first such picture.
  *
  * Life cycle.  stilb_image_create or stilb_image_load -> stilb_image_save -> stilb_image_finish.
  * Threads.     [one-writer] per picture: any thread may work on a picture that no other thread writes to.
@@ -37,8 +37,8 @@ typedef struct stilb_image {
 	uint32_t storage; /* how pixels are held and given back: 0 is memory of stilb_memory_alloc; others are image.c's */
 } stilb_image;
 
-/* A black picture (alpha 0 too). Width and height 1..STILB_IMAGE_MAX_SIDE, channels 1..4, at most STILB_IMAGE_MAX_BYTES.
- * [any-thread] STILB_ERROR_ARGUMENT, STILB_ERROR_MEMORY; then image is {0}. */
+/* A black picture (alpha 0 too). Width and height 1..STILB_IMAGE_MAX_SIDE, channels 1..4, at most
+ * STILB_IMAGE_MAX_BYTES. [any-thread] STILB_ERROR_ARGUMENT, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
                                 stilb_image_format format);
 
@@ -65,25 +65,25 @@ void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light
 /* Bytes of all pixels. [any-thread] */
 size_t stilb_image_size(const stilb_image *image);
 
-/* STILB_ERROR_ARGUMENT when no picture can be saved as path: an extension other than .png, .exr and .hdr (capitals count
- * as small letters), a missing folder, a directory, no permission. To be asked before the work starts; writes nothing.
- * [any-thread] */
+/* STILB_ERROR_ARGUMENT when no picture can be saved as path: an extension other than .png, .exr and .hdr (capitals
+ * count as small letters), a missing folder, a directory, no permission. To be asked before the work starts; writes
+ * nothing. [any-thread] */
 stilb_result stilb_image_path_check(const char *path);
 
-/* Does a picture saved as path keep linear light (.exr, .hdr), not codes for a display? False for an extension that cannot
- * be saved. [any-thread] */
+/* Does a picture saved as path keep linear light (.exr, .hdr), not codes for a display? False for an extension that
+ * cannot be saved. [any-thread] */
 bool stilb_image_path_is_light(const char *path);
 
-/* Writes path: .png as 8 bits of sRGB, .exr as 32-bit floats from F32_LINEAR and as 16-bit floats from the rest, .hdr as
- * 8 bits a channel with one exponent for the three (grey becomes RGB; a picture with alpha is STILB_ERROR_FILE). Linear
- * values become codes by the sRGB transfer, clamped to [0, 1] and rounded to the nearest; NaN becomes 0.
+/* Writes path: .png as 8 bits of sRGB, .exr as 32-bit floats from F32_LINEAR and as 16-bit floats from the rest, .hdr
+ * as 8 bits a channel with one exponent for the three (grey becomes RGB; a picture with alpha is STILB_ERROR_FILE).
+ * Linear values become codes by the sRGB transfer, clamped to [0, 1] and rounded to the nearest; NaN becomes 0.
  * [any-thread] STILB_ERROR_ARGUMENT as stilb_image_path_check, STILB_ERROR_FILE (disk full), STILB_ERROR_MEMORY. */
 stilb_result stilb_image_save(const stilb_image *image, const char *path);
 
-/* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .hdr and .exr into F32_LINEAR; of an .exr the first part,
- * up to 4 channels, or R G B (A) of one with more (image_layers.h reads all).
- * [any-thread] STILB_ERROR_ARGUMENT for an unknown extension, STILB_ERROR_FILE for a file that is missing, damaged or of a
- * kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
+/* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .hdr and .exr into F32_LINEAR; of an .exr the first
+ * part, up to 4 channels, or R G B (A) of one with more (image_layers.h reads all).
+ * [any-thread] STILB_ERROR_ARGUMENT for an unknown extension, STILB_ERROR_FILE for a file that is missing, damaged or
+ * of a kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);
 
 #endif

@@ -1,5 +1,5 @@
-// EXR through OpenEXR's C++ library, with a face that C can call; no exception leaves it. Its C library (OpenEXRCore 3.1.5)
-// gives wrong pixels for some files (RGBA of halves, DWA of floats) and reads past its buffers in damaged ones.
+// EXR through OpenEXR's C++ library, with a face that C can call; no exception leaves it. Its C library (OpenEXRCore
+// 3.1.5) gives wrong pixels for some files (RGBA of halves, DWA of floats) and reads past its buffers in damaged ones.
 #include "image/image_exr.h"
 
 #include "image/image_layers.h"

@@ -27,9 +27,9 @@ typedef struct image_exr_file {
 /* Encodes, with zip compression. The same input gives the same bytes. */
 image_outcome image_exr_encode(const image_exr_file *from, image_bytes *file, image_message *message);
 
-/* Takes a file with all its channels. create returns the memory for [height][width][channels] floats, or NULL to refuse;
- * then follow the channels' names, in the order of the floats, and the attributes that are text; both texts are gone
- * afterwards. False: out of memory. */
+/* Takes a file with all its channels. create returns the memory for [height][width][channels] floats, or NULL to
+ * refuse; then follow the channels' names, in the order of the floats, and the attributes that are text; both texts are
+ * gone afterwards. False: out of memory. */
 typedef struct image_exr_sink {
 	void *context;
 	float *(*create)(void *context, uint32_t width, uint32_t height, uint32_t channels);
@@ -37,8 +37,8 @@ typedef struct image_exr_sink {
 	bool (*attribute)(void *context, const char *name, const char *text);
 } image_exr_sink;
 
-/* Decodes the file's first part. Order of channels: those without a layer (no dot in the name) first, then layer by layer;
- * in a layer R G B (X Y Z) A, then the others by name. */
+/* Decodes the file's first part. Order of channels: those without a layer (no dot in the name) first, then layer by
+ * layer; in a layer R G B (X Y Z) A, then the others by name. */
 image_outcome image_exr_decode(const void *data, size_t size, const image_exr_sink *sink, image_message *message);
 
 #ifdef __cplusplus

@@ -61,7 +61,7 @@ stilb_result stilb_image_path_check(const char *path)
 	return image_codec_of(path, "write") ? stilb_file_check(path) : STILB_ERROR_ARGUMENT;
 }
 
-/* ---- conversion: the colour channels go through the transfer, alpha does not ----------------------------------------- */
+/* ---- conversion: the colour channels go through the transfer, alpha does not ------------------------------------- */
 
 static bool image_channel_is_alpha(const stilb_image *image, size_t index)
 {
@@ -131,7 +131,7 @@ void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light
 	image_convert_to_light(image, y * row, row, light);
 }
 
-/* ---- saving ------------------------------------------------------------------------------------------------------- */
+/* ---- saving ------------------------------------------------------------------------------------------------------ */
 
 /* What the encoder is given: the picture's own pixels, or a converted copy to be freed; and what the file holds. */
 typedef struct image_source {
@@ -197,7 +197,7 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path)
 	return result;
 }
 
-/* ---- loading ------------------------------------------------------------------------------------------------------ */
+/* ---- loading ----------------------------------------------------------------------------------------------------- */
 
 void *image_load_allocate(void *context, image_shape *shape)
 {

@@ -43,8 +43,8 @@ static void hdr_pixel(const float *rgb, unsigned char coded[4])
 	coded[3] = (unsigned char)(exponent + 128);
 }
 
-/* One channel of a scanline: runs of 4 and more as (128 + length, value), the rest as (length, values). out has room for
- * width + width / 128 + 2 bytes. */
+/* One channel of a scanline: runs of 4 and more as (128 + length, value), the rest as (length, values). out has room
+ * for width + width / 128 + 2 bytes. */
 static size_t hdr_runs(const unsigned char *values, uint32_t width, unsigned char *out)
 {
 	size_t size = 0;
@@ -193,8 +193,8 @@ static bool hdr_get_runs(hdr_input *input, unsigned char *codes, uint32_t width)
 	return true;
 }
 
-/* Pixel by pixel; one of mantissas 1, 1, 1 says how many times the pixel before it is repeated, and the next such one is
- * 256 times as many more. */
+/* Pixel by pixel; one of mantissas 1, 1, 1 says how many times the pixel before it is repeated, and the next such one
+ * is 256 times as many more. */
 static bool hdr_get_pixels(hdr_input *input, unsigned char *codes, uint32_t width)
 {
 	unsigned shift = 0;

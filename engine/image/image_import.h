@@ -14,8 +14,8 @@ typedef enum stilb_image_import_flags {
 } stilb_image_import_flags;
 
 /* Reads PNG, JPEG, TGA, BMP, GIF, TIFF, DDS, PSD, WebP, EXR and Radiance HDR with the precision and the channels of the
- * file: U8_SRGB or U16_SRGB for codes, F16_LINEAR or F32_LINEAR for floats; other precisions become the next larger. The
- * format is told by the first bytes, TGA by its extension; of several pictures in a file the first counts.
+ * file: U8_SRGB or U16_SRGB for codes, F16_LINEAR or F32_LINEAR for floats; other precisions become the next larger.
+ * The format is told by the first bytes, TGA by its extension; of several pictures in a file the first counts.
  * flags: of stilb_image_import_flags. [any-thread] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_import(const char *path, uint32_t flags, stilb_image *image);
 

@@ -1,8 +1,8 @@
 /*
  * image_internal: what the files of image/ share: the table of file formats, and the border to OpenImageIO.
  *
- * PNG (libpng), EXR (OpenEXR) and Radiance HDR (our own reader and writer) are codecs of this library. Every other format
- * is read by OpenImageIO, which brings some 260 shared libraries and 0.5 GB of addresses along; it stands behind
+ * PNG (libpng), EXR (OpenEXR) and Radiance HDR (our own reader and writer) are codecs of this library. Every other
+ * format is read by OpenImageIO, which brings some 260 shared libraries and 0.5 GB of addresses along; it stands behind
  * image_oiio.cpp, a module that image_foreign.c loads with the first picture of such a format.
  */
 #ifndef STILB_IMAGE_INTERNAL_H
@@ -47,9 +47,9 @@ typedef struct image_bytes {
 /* Writes size bytes at offset, which may lie at or before the end; false: out of memory. */
 bool image_bytes_write(image_bytes *bytes, size_t offset, const void *data, size_t size);
 
-/* Returns the memory for a picture of this shape, or NULL to refuse it. The scalar is the file's own; allocate may change
- * it from U16 to U8 and from F16 to F32, and the codec then converts. A codec asks as soon as it has read the header and
- * before it takes memory that grows with the picture. */
+/* Returns the memory for a picture of this shape, or NULL to refuse it. The scalar is the file's own; allocate may
+ * change it from U16 to U8 and from F16 to F32, and the codec then converts. A codec asks as soon as it has read the
+ * header and before it takes memory that grows with the picture. */
 typedef void *image_allocate(void *context, image_shape *shape);
 
 /* A file format of this library. [any-thread] Neither function prints. */

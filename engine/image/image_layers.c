@@ -41,7 +41,7 @@ static stilb_result layers_names_check(const stilb_image_layers *layers, const c
 	return STILB_OK;
 }
 
-/* ---- saving -------------------------------------------------------------------------------------------------------- */
+/* ---- saving ------------------------------------------------------------------------------------------------------ */
 
 static image_outcome layers_encode(const stilb_image_layers *layers, image_bytes *file, image_message *message)
 {
@@ -83,7 +83,7 @@ stilb_result stilb_image_layers_save(const stilb_image_layers *layers, const cha
 	return result;
 }
 
-/* ---- loading ------------------------------------------------------------------------------------------------------- */
+/* ---- loading ----------------------------------------------------------------------------------------------------- */
 
 /* What a loaded stilb_image_layers begins: public.channels are channels, and so on. */
 typedef struct layers_owned {

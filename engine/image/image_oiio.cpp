@@ -27,8 +27,8 @@ void message_set(image_message *message, const std::string &text)
 	message->text[sizeof message->text - 1] = '\0';
 }
 
-// The library's threads would work beside our workers unseen by the profiler, so it gets none. Debian's build prints debug
-// lines on stderr unless told not to.
+// The library's threads would work beside our workers unseen by the profiler, so it gets none. Debian's build prints
+// debug lines on stderr unless told not to.
 void library_init()
 {
 	static const bool done = [] {
@@ -84,7 +84,8 @@ bool shape_of(const OIIO::ImageSpec &spec, image_shape &shape, image_message *me
 	return true;
 }
 
-// A file in memory. OpenImageIO's own reader (2.4.7) reads before the start of its buffer when a damaged file sends it there.
+// A file in memory. OpenImageIO's own reader (2.4.7) reads before the start of its buffer when a damaged file sends it
+// there.
 class bounded_reader final : public OIIO::Filesystem::IOProxy
 {
   public:
@@ -195,7 +196,7 @@ image_outcome decode(const char *format, const void *data, size_t size, image_al
 	return IMAGE_OUTCOME_DONE;
 }
 
-// ---- the face ---------------------------------------------------------------------------------------------------------
+// ---- the face ------------------------------------------------------------------------------------------------------
 
 // Runs body and turns what it throws into an outcome.
 template <typename Body> image_outcome guarded(image_message *message, Body body)

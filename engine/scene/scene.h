@@ -32,7 +32,8 @@ typedef struct stilb_scene_mesh {
 
 /* Reflectances per channel in [0, 1]; diffuse + specular <= 1 per channel holds for every material that went through
  * stilb_scene_material_make. specular is what a highlight reflects, at normal incidence where the model has a Fresnel
- * term. Which model shades it is the view's business (stilb_render_shading); what a model has no use for it leaves out. */
+ * term. Which model shades it is the view's business (stilb_render_shading); what a model has no use for it leaves
+ * out. */
 typedef struct stilb_scene_material {
 	float diffuse[3];
 	float specular[3];
@@ -55,8 +56,8 @@ typedef struct stilb_scene_sky {
 	float ground[3];
 } stilb_scene_sky;
 
-/* A glowing ball, or a disk of that radius: for views whose light it is (stilb_render_shading). What each number means is
- * shade_light.h's. */
+/* A glowing ball, or a disk of that radius: for views whose light it is (stilb_render_shading). What each number means
+ * is shade_light.h's. */
 typedef struct stilb_scene_lamp {
 	float position[3];
 	float axis[3];      /* unit: where the disk faces */
@@ -147,8 +148,8 @@ const char *stilb_scene_builtin_names(void);
  * magenta), transparency.
  *
  * Files are read by another process, stilb-scene-import: what crashes or never ends there is an error here. It is given
- * the file, and what the file names below its folder, and below that folder's parent where it says ../; nothing else, and
- * nothing through a symbolic link that leads out. It may take
+ * the file, and what the file names below its folder, and below that folder's parent where it says ../; nothing else,
+ * and nothing through a symbolic link that leads out. It may take
  * three quarters of the machine's memory, 8 GiB at most, and 120 s, or as many as the environment's
  * STILB_IMPORT_SECONDS says.
  *
@@ -163,9 +164,9 @@ typedef struct stilb_scene_open_options {
 /* The same with options. */
 stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_options *options, stilb_scene **scene);
 
-/* The surroundings from a latitude-longitude map, EXR or HDR (radiance), or sRGB of 8 or 16 bits: top row up, its middle
- * column at -Z, +X a quarter of the width to the right of that. Numbers that are none or below 0 become 0. [one-writer]
- * Read by the import process, too. STILB_ERROR_FILE, STILB_ERROR_MEMORY; then the scene is as before. */
+/* The surroundings from a latitude-longitude map, EXR or HDR (radiance), or sRGB of 8 or 16 bits: top row up, its
+ * middle column at -Z, +X a quarter of the width to the right of that. Numbers that are none or below 0 become 0.
+ * [one-writer] Read by the import process, too. STILB_ERROR_FILE, STILB_ERROR_MEMORY; then the scene is as before. */
 stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path);
 
 /* The same radiance from everywhere, in the place of sky and map. [one-writer] */
@@ -194,7 +195,8 @@ typedef enum stilb_scene_stress_view {
 /* model_count spheres over ground tiles on a square grid of side ceil(sqrt(model_count)), row by row; the last row may
  * be short. Tile corners lie at integer coordinates, exact in float, so that neighbours share the same floats.
  * Part 2m is model m's sphere and part 2m + 1 its tile; each has its own material. Everything that varies comes from
- * seed. 1 <= model_count <= STILB_SCENE_MAX_MODELS. The camera is left at stilb_scene_stress_camera(..., VIEW_ALL, 16/9). */
+ * seed. 1 <= model_count <= STILB_SCENE_MAX_MODELS. The camera is left at stilb_scene_stress_camera(..., VIEW_ALL,
+ * 16/9). */
 stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stilb_scene **scene);
 
 /* A camera for the stress test; aspect = width / height. VIEW_ALL holds for every aspect. */
@@ -212,9 +214,9 @@ void stilb_scene_destroy(stilb_scene *scene);
  * specular <= 1 (shade_limit_to_one). roughness is clamped to [0, 1]; no anisotropy, no wrap. */
 stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float roughness);
 
-/* Unit sphere from an icosahedron split `splits` times (0..6), 20 * 4^splits triangles, vertices on the sphere. u is the
- * longitude, 0 at -Z and growing eastward to 1 there again; v the latitude, 0 at the top, +Y, and 1 at the bottom. Vertices
- * are shared, so triangles across -Z and at the poles show a texture squeezed. */
+/* Unit sphere from an icosahedron split `splits` times (0..6), 20 * 4^splits triangles, vertices on the sphere. u is
+ * the longitude, 0 at -Z and growing eastward to 1 there again; v the latitude, 0 at the top, +Y, and 1 at the bottom.
+ * Vertices are shared, so triangles across -Z and at the poles show a texture squeezed. */
 stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh);
 
 /* The square x, z in [-1, 1] at y = 0, facing +Y, two triangles. u grows with x, v with z, each from 0 to 1. */

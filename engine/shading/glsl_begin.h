@@ -2,8 +2,8 @@
  * glsl_begin: turns the vocabulary of the shading dialect on; glsl_end.h turns it off again. No include guard: every
  * shading header includes the pair around its own functions, after the other shading headers.
  *
- * The same text is then C (gcc 12, clang 14) and GLSL (4.20 or later): vec2, vec3, vec4 and uint with their constructors,
- * elements as v[0], the built-in functions below on float, vec2 and vec3, and
+ * The same text is then C (gcc 12, clang 14) and GLSL (4.20 or later): vec2, vec3, vec4 and uint with their
+ * constructors, elements as v[0], the built-in functions below on float, vec2 and vec3, and
  *   SHADE_FN                before a function;
  *   SHADE_CONST             before a table;
  *   SHADE_STRUCT(name)      in front of { members };
@@ -38,7 +38,8 @@
 
 #include "base/glsl_types.h"
 
-/* Always: a call by an integer that the caller knows (shade_brdf_cos) then keeps the one branch, however large the rest. */
+/* Always: a call by an integer that the caller knows (shade_brdf_cos) then keeps the one branch, however large the
+ * rest. */
 #ifdef __OPTIMIZE__
 #define SHADE_FN static inline __attribute__((always_inline))
 #else

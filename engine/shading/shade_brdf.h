@@ -3,8 +3,8 @@
  * specialisation constants, and only the chosen model is left. [any-thread]
  *
  * Directions are unit and point away from the surface. Energy: Lambert, the two modified highlights and 29 of the 32
- * pairs of D and G reflect at most what arrives; wrapped, the two original highlights, minimalist and Smith-Beckmann's G
- * with a D that is not Beckmann's do not: their headers say by how much.
+ * pairs of D and G reflect at most what arrives; wrapped, the two original highlights, minimalist and Smith-Beckmann's
+ * G with a D that is not Beckmann's do not: their headers say by how much.
  */
 #ifndef SHADE_BRDF_H
 #define SHADE_BRDF_H

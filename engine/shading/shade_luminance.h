@@ -4,7 +4,8 @@
 
 #include "glsl_begin.h"
 
-/* Weights of the linear Rec.709 channels; they add up to 1, so white keeps its value. Source: ITU-R BT.709-6 (2015), 3.2. */
+/* Weights of the linear Rec.709 channels; they add up to 1, so white keeps its value. Source: ITU-R BT.709-6 (2015),
+ * 3.2. */
 #define SHADE_LUMINANCE_R 0.2126f
 #define SHADE_LUMINANCE_G 0.7152f
 #define SHADE_LUMINANCE_B 0.0722f

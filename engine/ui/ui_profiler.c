@@ -182,8 +182,8 @@ static uint64_t profiler_choose(const stilb_ui_profiler *profiler)
 }
 
 /* Fills `held` for that frame unless it is there already. While the frame is young it is taken again, since what comes
- * late belongs to it as well; once all is there, a frozen history is taken as a whole, so that it can be gone through at
- * leisure while the rings go on. False: nothing changed. */
+ * late belongs to it as well; once all is there, a frozen history is taken as a whole, so that it can be gone through
+ * at leisure while the rings go on. False: nothing changed. */
 static bool profiler_hold(stilb_ui_profiler *profiler, uint64_t number)
 {
 	const stilb_prof_frame_stats *history = &profiler->history;

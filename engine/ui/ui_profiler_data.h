@@ -14,13 +14,14 @@
 
 /* ---- kinds of zones ---------------------------------------------------------------------------------------------- */
 
-/* What a thread does in a zone, by its name: "wait ..." is a WAIT for something, in "parked" and "idle" there is nothing
- * to do, everything else is WORK. */
+/* What a thread does in a zone, by its name: "wait ..." is a WAIT for something, in "parked" and "idle" there is
+ * nothing to do, everything else is WORK. */
 typedef enum ui_profiler_kind { UI_PROFILER_WORK, UI_PROFILER_WAIT, UI_PROFILER_IDLE } ui_profiler_kind;
 
 ui_profiler_kind ui_profiler_kind_of(const char *name);
 
-/* "acquire" and "queue present", where Vulkan waits for the display, or for a GPU that has no picture for it yet: a WAIT. */
+/* "acquire" and "queue present", where Vulkan waits for the display, or for a GPU that has no picture for it yet: a
+ * WAIT. */
 bool ui_profiler_presents(const char *name);
 
 /* ---- walking a lane ---------------------------------------------------------------------------------------------- */
@@ -81,9 +82,9 @@ typedef enum ui_profiler_limit {
 	UI_PROFILER_LIMIT_DISPLAY, /* frames are held back until they can be shown */
 } ui_profiler_limit;
 
-/* Where a lane's time went in the frame: each moment counts once, so that together they are the frame's length. A thread
- * that waits or has nothing to do may be off the CPU as well; asleep and lost count only where it had work, or was in no
- * zone. */
+/* Where a lane's time went in the frame: each moment counts once, so that together they are the frame's length. A
+ * thread that waits or has nothing to do may be off the CPU as well; asleep and lost count only where it had work, or
+ * was in no zone. */
 typedef struct ui_profiler_lane_sum {
 	uint64_t work_ns;    /* in zones of work, on a CPU as far as is known */
 	uint64_t wait_ns;    /* in zones of waiting */
@@ -102,8 +103,8 @@ typedef struct ui_profiler_part {
 	bool lost; /* the CPU, to another thread */
 } ui_profiler_part;
 
-/* The parts of a sum in their order: work first, then those that are longer than least_ns. A device is busy or idle. Returns
- * how many. */
+/* The parts of a sum in their order: work first, then those that are longer than least_ns. A device is busy or idle.
+ * Returns how many. */
 uint32_t ui_profiler_parts(stilb_prof_lane_kind kind, const ui_profiler_lane_sum *sum, uint64_t least_ns,
                            ui_profiler_part parts[UI_PROFILER_PARTS]);
 

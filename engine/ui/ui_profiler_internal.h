@@ -1,5 +1,5 @@
-/* Inside the profiler's window: its state, and what ui_profiler.c (what is shown), ui_profiler_panel.c (words, bars, the
- * table) and ui_profiler_timeline.c (the lanes) share. */
+/* Inside the profiler's window: its state, and what ui_profiler.c (what is shown), ui_profiler_panel.c (words, bars,
+ * the table) and ui_profiler_timeline.c (the lanes) share. */
 #ifndef UI_PROFILER_INTERNAL_H
 #define UI_PROFILER_INTERNAL_H
 

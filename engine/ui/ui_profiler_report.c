@@ -1,4 +1,5 @@
-/* What a frame of a snapshot comes down to: where each thread's time went, what limits the frame, who waited for whom. */
+/* What a frame of a snapshot comes down to: where each thread's time went, what limits the frame, who waited for
+ * whom. */
 #include "ui/ui_profiler_data.h"
 
 #include <math.h>
@@ -76,7 +77,8 @@ static void report_sum_lane(const report_input *in, const stilb_prof_lane *lane,
 	}
 }
 
-/* How much of the frame lies in the lane's outermost zones, without those of idling; *longest is the longest of them. */
+/* How much of the frame lies in the lane's outermost zones, without those of idling; *longest is the longest of
+ * them. */
 static uint64_t report_cover(const report_input *in, const stilb_prof_lane *lane, uint32_t *longest)
 {
 	uint64_t cover = 0, most = 0;
@@ -440,9 +442,9 @@ static bool report_display_limits(const report_input *in)
 	return off > report->stage_ns / 2;
 }
 
-/* A processor that waits for the GPU while that is busy nearly all the time is not what limits; the wait may be hidden in
- * presenting. A slow frame of the processor's own may hold such a wait too, left over from the frame before: then the GPU
- * had time to spare. */
+/* A processor that waits for the GPU while that is busy nearly all the time is not what limits; the wait may be hidden
+ * in presenting. A slow frame of the processor's own may hold such a wait too, left over from the frame before: then
+ * the GPU had time to spare. */
 static void report_find_limit(const report_input *in, uint32_t device)
 {
 	ui_profiler_report *report = &in->data->report;

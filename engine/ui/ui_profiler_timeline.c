@@ -1,4 +1,5 @@
-/* The lower part of the profiler's window: a lane for each thread and device, and the counters; time from left to right. */
+/* The lower part of the profiler's window: a lane for each thread and device, and the counters; time from left to
+ * right. */
 #include "ui/ui_internal.h"
 #include "ui/ui_profiler_internal.h"
 
@@ -120,8 +121,8 @@ static uint32_t timeline_lay_parts(const stilb_ui_font *font, float width, const
 	return line + 1;
 }
 
-/* Of a lane with the gap behind it: its zones, or the lines of text on the left. A lane that had more lines before keeps
- * their room, so that the picture does not jump. */
+/* Of a lane with the gap behind it: its zones, or the lines of text on the left. A lane that had more lines before
+ * keeps their room, so that the picture does not jump. */
 static float timeline_row_height(const stilb_ui_profiler *profiler, const stilb_ui *ui, ui_profiler_row *row)
 {
 	ui_profiler_part parts[UI_PROFILER_PARTS];

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 /* Where stilb-bench would lie; false: this program cannot be found, or its path is too long. */
-static bool bench_path(char path[PATH_MAX])
+static bool program_path(char path[PATH_MAX])
 {
 	static const char name[] = "stilb-bench";
 	ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
@@ -28,7 +28,7 @@ int bench_command(int argc, char **argv)
 {
 	char path[PATH_MAX];
 	char **words = calloc((size_t)argc + 2, sizeof *words);
-	if (!words || !bench_path(path)) {
+	if (!words || !program_path(path)) {
 		stilb_log("bench: cannot find where this program lies: %s", strerror(errno));
 		free(words);
 		return EXIT_FAILED;

@@ -1,6 +1,6 @@
 /*
- * flags: command lines from a table. `--flag value` and `--flag=value` are the same; a repeated flag counts as given last.
- * Words that are no flag and no flag's value go to the table's FLAG_WORD, wherever they stand.
+ * flags: command lines from a table. `--flag value` and `--flag=value` are the same; a repeated flag counts as given
+ * last. Words that are no flag and no flag's value go to the table's FLAG_WORD, wherever they stand.
  * Whatever is wrong becomes one line on stderr that names the flag, the value and what would be right.
  */
 #ifndef STILB_FLAGS_H
@@ -50,8 +50,8 @@ typedef enum flags_result {
 /* Reads argv[0..argc-1]. */
 flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **argv);
 
-/* Reads low to high numbers with commas between, high <= FLAG_LIST_MAX; false, and *list stays, when text is none. A number
- * that is too large for a float is infinite. */
+/* Reads low to high numbers with commas between, high <= FLAG_LIST_MAX; false, and *list stays, when text is none. A
+ * number that is too large for a float is infinite. */
 bool flags_numbers(const char *text, uint32_t low, uint32_t high, flag_list *list);
 
 /* Whether the flag of this name is among argv[0..argc-1], which flags_parse took. */

@@ -38,8 +38,8 @@ bool stage_times_add(stage_times *times, const stilb_engine_times *frame);
 /* The device's time of a frame comes some frames late: this is the last one's. */
 void stage_times_last_gpu(stage_times *times, double ms);
 
-/* Over all frames kept but the run's first tenth (warm-up); zeros when there are none. Frames whose time on the device is
- * not known do not count there, nor do those without a gamepad's report. false: out of memory. */
+/* Over all frames kept but the run's first tenth (warm-up); zeros when there are none. Frames whose time on the device
+ * is not known do not count there, nor do those without a gamepad's report. false: out of memory. */
 bool stage_times_summarise(const stage_times *times, stage_summary summary[STAGE_COUNT], uint64_t *warmup);
 
 void stage_times_finish(stage_times *times);

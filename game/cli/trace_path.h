@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-/* False after a line that refuses path, the value of the flag of this name: its ending names none of the forms that traces
- * have. Standard output, devices and pipes may have any name. NULL is fine. */
+/* False after a line that refuses path, the value of the flag of this name: its ending names none of the forms that
+ * traces have. Standard output, devices and pipes may have any name. NULL is fine. */
 bool trace_path_check(const char *flag, const char *path);
 
 #endif

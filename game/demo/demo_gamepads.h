@@ -16,8 +16,8 @@ typedef struct demo_gamepads {
 	bool replayed; /* the end of the recording was told of */
 } demo_gamepads;
 
-/* A line for each that came or went since it was last called. Those that may not be opened the engine tells of. replayed:
- * the recording is over, which lets go of all its pads and is one line. */
+/* A line for each that came or went since it was last called. Those that may not be opened the engine tells of.
+ * replayed: the recording is over, which lets go of all its pads and is one line. */
 void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool replayed, FILE *out);
 
 #endif

@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 
 static const char *const view_choices[] = {"all", "half", "few", NULL};
-static const char *const ui_aa_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
-const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};       /* as stilb_cull_method */
+static const char *const edge_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
+const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};      /* as stilb_cull_method */
 const char *const demo_replay_choices[] = {"indirect", "direct", "secondary", NULL};
 const char *const demo_materials_choices[] = {"index", "bind", "pipeline", NULL};
 const char *const demo_device_choices[] = {"vulkan", "null", NULL};
@@ -91,7 +91,7 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, in pictures too", 0, 0, NULL},
 		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials' window from the start, too", 0, 0, NULL},
 		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "feather|article|off",
-	     "their edges: soft; soft outside alone; hard (feather)", 0, 0, ui_aa_choices},
+	     "their edges: soft; soft outside alone; hard (feather)", 0, 0, edge_choices},
 		{"--gamepad", FLAG_TEXT, &o->gamepad, "SOURCE",
 	     "auto, off, hidraw, hidapi or replay:FILE (auto: hidraw in a window)", 0, 0, NULL},
 		{"--invert-y", FLAG_SWITCH, &o->invert_y, NULL, "the right stick looks down when pushed up", 0, 0, NULL},

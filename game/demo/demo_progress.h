@@ -1,5 +1,5 @@
-/* demo_progress: on a terminal, how far a headless run is, for those who would think that it hangs. Nothing for runs of a
- * second or two, and nothing where stderr is no terminal. [main-thread] */
+/* demo_progress: on a terminal, how far a headless run is, for those who would think that it hangs. Nothing for runs of
+ * a second or two, and nothing where stderr is no terminal. [main-thread] */
 #ifndef STILB_DEMO_PROGRESS_H
 #define STILB_DEMO_PROGRESS_H
 

@@ -19,19 +19,19 @@
 #define RENDER_PREVIEW_SHARE 0.04 /* of the time, for the window's pictures */
 #define RENDER_MANY_RAYS 1e10     /* of montecarlo: more need --force; minutes to hours */
 
-static volatile sig_atomic_t render_interrupted;
+static volatile sig_atomic_t offline_interrupted;
 
-static void render_on_signal(int signal_number)
+static void offline_on_signal(int signal_number)
 {
 	(void)signal_number;
-	render_interrupted = 1; /* what there is is written */
+	offline_interrupted = 1; /* what there is is written */
 }
 
 /* A second one kills. What goes on when its terminal has gone (nohup) does so. */
-static void render_catch_signals(void)
+static void offline_catch_signals(void)
 {
 	static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
-	const struct sigaction once = {.sa_handler = render_on_signal, .sa_flags = SA_RESETHAND};
+	const struct sigaction once = {.sa_handler = offline_on_signal, .sa_flags = SA_RESETHAND};
 	for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
 		struct sigaction before;
 		const bool nohup =
@@ -41,10 +41,10 @@ static void render_catch_signals(void)
 	}
 }
 
-/* ---- the window ---------------------------------------------------------------------------------------------------- */
+/* ---- the window -------------------------------------------------------------------------------------------------- */
 
 /* {0}: there is none. */
-typedef struct render_window {
+typedef struct offline_window {
 	stilb_engine_viewer *viewer;
 	float *radiance;
 	uint8_t *srgb;
@@ -52,23 +52,23 @@ typedef struct render_window {
 	float exposure;
 	uint64_t next_ns; /* when the picture is taken again */
 	bool closed;
-} render_window;
+} offline_window;
 
-static void render_window_finish(render_window *window)
+static void offline_window_finish(offline_window *window)
 {
 	stilb_engine_viewer_destroy(window->viewer);
 	free(window->radiance);
 	free(window->srgb);
-	*window = (render_window){0};
+	*window = (offline_window){0};
 }
 
 /* Without a window all goes on. */
-static void render_window_open(render_window *window, const render_options *o)
+static void offline_window_open(offline_window *window, const offline_options *o)
 {
 	char title[160];
 	snprintf(title, sizeof title, "Stilb: %s", o->scene);
 	const stilb_engine_viewer_desc desc = {.title = title, .width = o->size[0], .height = o->size[1], .window = true};
-	*window = (render_window){.pixels = (size_t)o->size[0] * o->size[1], .exposure = o->exposure};
+	*window = (offline_window){.pixels = (size_t)o->size[0] * o->size[1], .exposure = o->exposure};
 	window->radiance = calloc(window->pixels, 3 * sizeof *window->radiance);
 	window->srgb = calloc(window->pixels, 3);
 	stilb_result result = window->radiance && window->srgb
@@ -77,14 +77,14 @@ static void render_window_open(render_window *window, const render_options *o)
 	if (result == STILB_OK)
 		return;
 	stilb_log("%s; rendering without a preview", stilb_error_message());
-	render_window_finish(window);
+	offline_window_finish(window);
 }
 
 /* Takes the picture, at times that leave the processors to the work. */
-static void render_window_refresh(render_window *window, render_work *work)
+static void offline_window_refresh(offline_window *window, offline_work *work)
 {
 	const uint64_t start = stilb_time_ns();
-	if (start < window->next_ns || !render_work_preview(work, window->radiance))
+	if (start < window->next_ns || !offline_work_preview(work, window->radiance))
 		return;
 	stilb_gi_display(window->radiance, window->pixels, window->exposure, window->srgb);
 	stilb_engine_viewer_picture(window->viewer, window->srgb);
@@ -93,71 +93,71 @@ static void render_window_refresh(render_window *window, render_work *work)
 }
 
 /* A window that fails is said and closed, and the work goes on. */
-static void render_window_frame(render_window *window, const char *words, double seconds)
+static void offline_window_frame(offline_window *window, const char *words, double seconds)
 {
 	stilb_result result = stilb_engine_viewer_frame(window->viewer, words, seconds, &window->closed);
 	if (result == STILB_OK)
 		return;
-	render_progress_clear();
+	offline_progress_clear();
 	stilb_log("%s; rendering on without a preview", stilb_error_message());
-	render_window_finish(window);
+	offline_window_finish(window);
 }
 
-/* ---- beside the work ----------------------------------------------------------------------------------------------- */
+/* ---- beside the work --------------------------------------------------------------------------------------------- */
 
-static void render_sleep(double seconds)
+static void offline_sleep(double seconds)
 {
 	const struct timespec time = {.tv_nsec = (long)(seconds * 1e9)};
 	nanosleep(&time, NULL); /* a signal ends it */
 }
 
 /* Shows what the work does until it is done; asks it for checkpoints, and to stop. */
-static void render_attend(const render_options *o, render_work *work, render_window *window)
+static void offline_attend(const offline_options *o, offline_work *work, offline_window *window)
 {
-	render_progress progress;
+	offline_progress progress;
 	stilb_gi_progress at;
-	render_stage stage;
+	offline_stage stage;
 	char words[192];
 	const uint64_t between = (uint64_t)((double)o->checkpoint_s * 1e9);
 	uint64_t checkpoint_ns = stilb_time_ns();
-	render_progress_begin(&progress);
-	while ((stage = render_work_look(work, &at)) != RENDER_DONE) {
+	offline_progress_begin(&progress);
+	while ((stage = offline_work_look(work, &at)) != RENDER_DONE) {
 		const uint64_t now = stilb_time_ns();
-		if (render_interrupted || window->closed)
-			render_work_stop(work);
+		if (offline_interrupted || window->closed)
+			offline_work_stop(work);
 		else if (between > 0 && now - checkpoint_ns >= between) {
-			render_work_checkpoint(work);
+			offline_work_checkpoint(work);
 			checkpoint_ns = now;
 		}
-		render_progress_show(&progress, stage, &at);
+		offline_progress_show(&progress, stage, &at);
 		if (window->viewer && !window->closed) {
-			render_progress_words(&progress, stage, &at, words, sizeof words);
-			render_window_refresh(window, work);
-			render_window_frame(window, words, RENDER_TICK);
+			offline_progress_words(&progress, stage, &at, words, sizeof words);
+			offline_window_refresh(window, work);
+			offline_window_frame(window, words, RENDER_TICK);
 		} else {
-			render_sleep(RENDER_TICK);
+			offline_sleep(RENDER_TICK);
 		}
 	}
 	if (progress.terminal)
-		render_progress_clear();
+		offline_progress_clear();
 }
 
 /* On a terminal the picture stays to be looked at. */
-static void render_linger(render_window *window, const render_result *result)
+static void offline_linger(offline_window *window, const offline_result *result)
 {
 	if (!window->viewer || result->code != EXIT_DONE || !isatty(STDERR_FILENO))
 		return;
-	while (window->viewer && !window->closed && !render_interrupted)
-		render_window_frame(window, "finished; close the window to end", RENDER_TICK);
+	while (window->viewer && !window->closed && !offline_interrupted)
+		offline_window_frame(window, "finished; close the window to end", RENDER_TICK);
 }
 
-/* ---- the command --------------------------------------------------------------------------------------------------- */
+/* ---- the command ------------------------------------------------------------------------------------------------- */
 
 /* Rays of montecarlo, which may be more than anybody waits for. */
-static bool render_check_rays(const render_options *o)
+static bool offline_check_rays(const offline_options *o)
 {
 	static const stilb_scene nothing;
-	const stilb_gi_settings settings = render_options_settings(o, &nothing);
+	const stilb_gi_settings settings = offline_options_settings(o, &nothing);
 	if (settings.integrator != STILB_GI_INTEGRATOR_MONTECARLO || o->force)
 		return true;
 	const double rays = stilb_gi_montecarlo_rays(&settings);
@@ -169,13 +169,13 @@ static bool render_check_rays(const render_options *o)
 	return false;
 }
 
-static int render_dry_run(const render_options *o)
+static int offline_dry_run(const offline_options *o)
 {
 	static const stilb_scene nothing;
-	const stilb_gi_settings s = render_options_settings(o, &nothing);
+	const stilb_gi_settings s = offline_options_settings(o, &nothing);
 	const double pixels = (double)s.width * s.height;
 	char name[FLAG_CHOICE_SIZE];
-	printf("%s: %.0f pixels, %" PRIu32 " sample%s a pixel", flags_choice(name, render_integrators[s.integrator]),
+	printf("%s: %.0f pixels, %" PRIu32 " sample%s a pixel", flags_choice(name, offline_integrators[s.integrator]),
 	       pixels, s.samples, s.samples == 1 ? "" : "s");
 	if (s.integrator == STILB_GI_INTEGRATOR_MONTECARLO)
 		printf(", %" PRIu32 " rays at each of %" PRIu32 " bounces: %.0f rays at most, and shadow rays\n", s.rays,
@@ -185,19 +185,19 @@ static int render_dry_run(const render_options *o)
 	return EXIT_DONE;
 }
 
-static bool render_write_stats(const render_options *o, const render_result *result)
+static bool offline_write_stats(const offline_options *o, const offline_result *result)
 {
 	if (!o->stats)
 		return true;
-	if (render_report_save(o, result) == STILB_OK) {
-		fprintf(render_options_words(o), "stats: %s\n", o->stats);
+	if (offline_report_save(o, result) == STILB_OK) {
+		fprintf(offline_options_words(o), "stats: %s\n", o->stats);
 		return true;
 	}
 	stilb_log("%s", stilb_error_message());
 	return false;
 }
 
-static int render_finish(const render_options *o, const render_result *result)
+static int offline_finish(const offline_options *o, const offline_result *result)
 {
 	if (result->message[0])
 		stilb_log("%s", result->message);
@@ -206,47 +206,47 @@ static int render_finish(const render_options *o, const render_result *result)
 	if (result->code == EXIT_DONE && result->progress.camera_rays == 0)
 		stilb_log("stopped before there was a picture");
 	else if (result->code == EXIT_DONE)
-		render_report_print(o, result);
-	const bool stats = render_write_stats(o, result);
+		offline_report_print(o, result);
+	const bool stats = offline_write_stats(o, result);
 	if (o->trace && result->code == EXIT_DONE)
-		fprintf(render_options_words(o), "trace: %s\n", o->trace);
+		fprintf(offline_options_words(o), "trace: %s\n", o->trace);
 	const bool whole = stats && (result->progress.camera_rays > 0 || !o->output);
 	return result->code == EXIT_DONE && !whole ? EXIT_FAILED : result->code;
 }
 
-static int render_main(const render_options *o)
+static int offline_main(const offline_options *o)
 {
-	render_work *work;
-	render_window window = {0};
-	render_catch_signals();
-	if (render_work_start(o, &work) != STILB_OK) {
-		render_result failed = {.code = EXIT_FAILED};
+	offline_work *work;
+	offline_window window = {0};
+	offline_catch_signals();
+	if (offline_work_start(o, &work) != STILB_OK) {
+		offline_result failed = {.code = EXIT_FAILED};
 		snprintf(failed.message, sizeof failed.message, "%s", stilb_error_message());
-		return render_finish(o, &failed);
+		return offline_finish(o, &failed);
 	}
 	if (o->preview)
-		render_window_open(&window, o);
-	render_attend(o, work, &window);
-	const render_result result = render_work_join(work);
-	const int code = render_finish(o, &result);
+		offline_window_open(&window, o);
+	offline_attend(o, work, &window);
+	const offline_result result = offline_work_join(work);
+	const int code = offline_finish(o, &result);
 	fflush(stdout);
-	render_linger(&window, &result);
-	render_window_finish(&window);
+	offline_linger(&window, &result);
+	offline_window_finish(&window);
 	stilb_prof_shutdown(); /* last: the window's renderer has a lane in the profile */
 	return code;
 }
 
-int render_command(int argc, char **argv)
+int offline_command(int argc, char **argv)
 {
-	static render_options options;
-	flags_result parsed = render_options_parse(&options, argc, argv);
+	static offline_options options;
+	flags_result parsed = offline_options_parse(&options, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
-	if (parsed == FLAGS_REFUSED || !render_options_check(&options))
+	if (parsed == FLAGS_REFUSED || !offline_options_check(&options))
 		return EXIT_REFUSED;
 	if (options.dry_run)
-		return render_dry_run(&options);
-	if (!render_check_rays(&options))
+		return offline_dry_run(&options);
+	if (!offline_check_rays(&options))
 		return EXIT_REFUSED;
-	return render_main(&options);
+	return offline_main(&options);
 }

@@ -14,10 +14,10 @@
 #define RENDER_HELP(id, name, help) {#name, help},
 #define RENDER_SCENE(name, help) {name, help},
 
-const char *const render_integrators[] = {STILB_GI_INTEGRATORS(RENDER_WORD) NULL};
-const char *const render_samplers[] = {STILB_GI_SAMPLERS(RENDER_WORD) NULL};
-const char *const render_filters[] = {STILB_GI_FILTERS(RENDER_WORD) NULL};
-const char *const render_cache_radii[] = {"split-sphere", "hessian", "harmonic", NULL};
+const char *const offline_integrators[] = {STILB_GI_INTEGRATORS(RENDER_WORD) NULL};
+const char *const offline_samplers[] = {STILB_GI_SAMPLERS(RENDER_WORD) NULL};
+const char *const offline_filters[] = {STILB_GI_FILTERS(RENDER_WORD) NULL};
+const char *const offline_cache_radii[] = {"split-sphere", "hessian", "harmonic", NULL};
 static const char *const isa_choices[] = {STILB_GI_ISAS(RENDER_WORD) NULL};
 static const char *const only_choices[] = {"all", "indirect", NULL};
 static const char *const firefly_choices[] = {"keep", "weight", NULL};
@@ -28,7 +28,7 @@ static const char *const switch_choices[] = {"off", "on", NULL};
 #define RENDER_MAX_SAMPLES 65536
 #define RENDER_BRANCHED_DEPTH 2 /* of montecarlo: N rays at a hit are N^depth at the last */
 
-/* ---- defaults ------------------------------------------------------------------------------------------------------ */
+/* ---- defaults ---------------------------------------------------------------------------------------------------- */
 
 /* What makes a picture of the default size in some seconds. */
 static void options_default_of(int integrator, stilb_gi_settings *settings)
@@ -60,10 +60,10 @@ static stilb_gi_settings options_settings_default(int integrator)
 	return settings;
 }
 
-static render_options options_default(void)
+static offline_options options_default(void)
 {
 	const stilb_gi_settings s = options_settings_default(STILB_GI_INTEGRATOR_PATH);
-	return (render_options){
+	return (offline_options){
 		.size = {s.width, s.height},
 		.workers = FLAG_WORKERS_AUTO,
 		.seed = s.seed,
@@ -86,7 +86,7 @@ static render_options options_default(void)
 	};
 }
 
-/* ---- flags --------------------------------------------------------------------------------------------------------- */
+/* ---- flags ------------------------------------------------------------------------------------------------------- */
 
 static void options_print(const flag *flags, size_t count)
 {
@@ -145,18 +145,18 @@ static const struct {
 	{"--cache-save", RENDER_BIT(IRRADIANCE_CACHE)},
 };
 
-static void options_say_unused(const render_options *o, const flag *flags, size_t count, int argc, char **argv)
+static void options_say_unused(const offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
 	char text[FLAG_CHOICE_SIZE];
 	for (size_t i = 0; i < sizeof options_uses / sizeof *options_uses; i++)
 		if (!(options_uses[i].integrators >> o->integrator & 1) &&
 		    flags_given(flags, count, argc, argv, options_uses[i].flag))
 			stilb_log("%s: --integrator %s makes no use of it", options_uses[i].flag,
-			          flags_choice(text, render_integrators[o->integrator]));
+			          flags_choice(text, offline_integrators[o->integrator]));
 }
 
 /* What is not given depends on what is. */
-static void options_complete(render_options *o, const flag *flags, size_t count, int argc, char **argv)
+static void options_complete(offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
 	const stilb_gi_settings s = options_settings_default(o->integrator);
 	const bool limited = o->seconds > 0.0f || o->error > 0.0f; /* that, and not the samples, is to end it */
@@ -173,7 +173,7 @@ static void options_complete(render_options *o, const flag *flags, size_t count,
 		snprintf(o->checkpoint, sizeof o->checkpoint, "%s%s", o->output, extension);
 }
 
-flags_result render_options_parse(render_options *o, int argc, char **argv)
+flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 {
 	*o = options_default();
 	const flag flags[] = {
@@ -181,7 +181,7 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 		{"The picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .hdr, .png tone mapped", 0, 0, NULL},
 		{"--integrator", FLAG_CHOICE, &o->integrator, "NAME", "what is computed, see below (path)", 0, 0,
-	     render_integrators},
+	     offline_integrators},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, at most 67108864 pixels (512x512)", 1, 65536, NULL},
 		{"--spp", FLAG_NUMBER, &o->samples, "N", "samples a pixel, 1..65536 (64; ao, split, cache 16; montecarlo 4)", 1,
 	     RENDER_MAX_SAMPLES, NULL},
@@ -225,8 +225,8 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 		{"--fireflies", FLAG_CHOICE, &o->fireflies, "keep|weight",
 	     "weight: bright samples count less; biased, and the file says so (keep)", 0, 0, firefly_choices},
 		{"--sampler", FLAG_CHOICE, &o->sampler, "NAME", "how random numbers are laid out, see below (sobol)", 0, 0,
-	     render_samplers},
-		{"--filter", FLAG_CHOICE, &o->filter, "NAME", "of pixels, see below (box)", 0, 0, render_filters},
+	     offline_samplers},
+		{"--filter", FLAG_CHOICE, &o->filter, "NAME", "of pixels, see below (box)", 0, 0, offline_filters},
 		{"--seed", FLAG_NUMBER, &o->seed, "N", "of all random numbers, 0..2^64-1 (0)", 0, UINT64_MAX, NULL},
 		{"--isa", FLAG_CHOICE, &o->isa, "NAME", "auto, sse2, sse42, avx, avx2 or avx512: for the same bits (auto)", 0,
 	     0, isa_choices},
@@ -241,7 +241,7 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 	     "how far a record reaches, up to 1: larger is coarser (0.05)", 0, 1, NULL},
 		{"--cache-rays", FLAG_NUMBER, &o->cache_rays, "N", "that a record gathers, 16..65536 (1024)", 16, 65536, NULL},
 		{"--cache-radius", FLAG_CHOICE, &o->cache_radius, "NAME",
-	     "split-sphere, hessian, or harmonic: split-sphere without bounds (hessian)", 0, 0, render_cache_radii},
+	     "split-sphere, hessian, or harmonic: split-sphere without bounds (hessian)", 0, 0, offline_cache_radii},
 		{"--gradients", FLAG_CHOICE, &o->gradients, "on|off", "of records (on)", 0, 0, switch_choices},
 		{"--overture", FLAG_CHOICE, &o->overture, "on|off", "off: no records before the picture is begun (on)", 0, 0,
 	     switch_choices},
@@ -269,11 +269,11 @@ flags_result render_options_parse(render_options *o, int argc, char **argv)
 	return FLAGS_OK;
 }
 
-/* ---- checks -------------------------------------------------------------------------------------------------------- */
+/* ---- checks ------------------------------------------------------------------------------------------------------ */
 
 #define RENDER_OUTPUTS 5
 
-static void options_outputs(const render_options *o, const char *paths[RENDER_OUTPUTS])
+static void options_outputs(const offline_options *o, const char *paths[RENDER_OUTPUTS])
 {
 	paths[0] = o->output;
 	paths[1] = o->checkpoint[0] ? o->checkpoint : NULL;
@@ -282,7 +282,7 @@ static void options_outputs(const render_options *o, const char *paths[RENDER_OU
 	paths[4] = o->cache_save;
 }
 
-FILE *render_options_words(const render_options *o)
+FILE *offline_options_words(const offline_options *o)
 {
 	const char *paths[RENDER_OUTPUTS];
 	options_outputs(o, paths);
@@ -293,7 +293,7 @@ FILE *render_options_words(const render_options *o)
 }
 
 /* One file cannot hold two outputs, and none takes the place of what is read. */
-static bool options_outputs_differ(const render_options *o)
+static bool options_outputs_differ(const offline_options *o)
 {
 	const char *outputs[RENDER_OUTPUTS], *const inputs[] = {o->scene, o->environment};
 	options_outputs(o, outputs);
@@ -321,7 +321,7 @@ static bool options_readable(const char *flag_name, const char *path)
 	return false;
 }
 
-static bool options_files_check(const render_options *o)
+static bool options_files_check(const offline_options *o)
 {
 	if (!options_outputs_differ(o) || (o->cache_load && !options_readable("--cache-load", o->cache_load)))
 		return false;
@@ -339,7 +339,7 @@ static bool options_files_check(const render_options *o)
 	return result == STILB_OK;
 }
 
-static bool options_lens_check(const render_options *o)
+static bool options_lens_check(const offline_options *o)
 {
 	if (o->aperture > 0.0f && o->focus <= 0.0f)
 		stilb_log("--aperture: what is sharp? Give --focus D, too, the metres to it");
@@ -352,7 +352,7 @@ static bool options_lens_check(const render_options *o)
 	return false;
 }
 
-bool render_options_check(const render_options *o)
+bool offline_options_check(const offline_options *o)
 {
 	if (!o->scene) {
 		stilb_log("no scene; give one: stilb render SCENE -o FILE, a file or one of %s", stilb_scene_builtin_names());
@@ -378,7 +378,7 @@ bool render_options_check(const render_options *o)
 	return options_lens_check(o) && options_files_check(o);
 }
 
-/* ---- settings ------------------------------------------------------------------------------------------------------ */
+/* ---- settings ---------------------------------------------------------------------------------------------------- */
 
 static float options_radians(float degrees)
 {
@@ -398,7 +398,7 @@ static void options_place(const flag_list *given, stilb_scene_camera *camera)
 		camera->fov_y = options_radians(given->numbers[5]);
 }
 
-static shade_brdf_model options_model(const render_options *o, shade_brdf_model model)
+static shade_brdf_model options_model(const offline_options *o, shade_brdf_model model)
 {
 	const bool parts = o->ndf != RENDER_NOT_GIVEN || o->g != RENDER_NOT_GIVEN || o->f != RENDER_NOT_GIVEN;
 	model.kind = o->brdf != RENDER_NOT_GIVEN ? o->brdf : parts ? SHADE_BRDF_MICROFACET : model.kind;
@@ -408,7 +408,7 @@ static shade_brdf_model options_model(const render_options *o, shade_brdf_model 
 	return model;
 }
 
-stilb_gi_settings render_options_settings(const render_options *o, const stilb_scene *scene)
+stilb_gi_settings offline_options_settings(const offline_options *o, const stilb_scene *scene)
 {
 	stilb_gi_settings s = stilb_gi_settings_default(scene);
 	s.integrator = (stilb_gi_integrator)o->integrator;
@@ -446,7 +446,7 @@ stilb_gi_settings render_options_settings(const render_options *o, const stilb_s
 	return s;
 }
 
-stilb_result render_options_surroundings(const render_options *o, stilb_scene *scene)
+stilb_result offline_options_surroundings(const offline_options *o, stilb_scene *scene)
 {
 	flag_list color;
 	if (!o->environment)

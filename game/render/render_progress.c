@@ -11,15 +11,15 @@
 #define PROGRESS_BAR_MAX 40
 #define PROGRESS_BAR_MIN 8
 
-void render_progress_begin(render_progress *progress)
+void offline_progress_begin(offline_progress *progress)
 {
 	const char *kind = getenv("TERM");
 	const bool simple = kind && strcmp(kind, "dumb") == 0;
-	*progress = (render_progress){.terminal = isatty(STDERR_FILENO) && !simple, .start_ns = stilb_time_ns()};
+	*progress = (offline_progress){.terminal = isatty(STDERR_FILENO) && !simple, .start_ns = stilb_time_ns()};
 	progress->last_ns = progress->start_ns;
 }
 
-void render_progress_clear(void)
+void offline_progress_clear(void)
 {
 	if (isatty(STDERR_FILENO))
 		fputs("\r\033[K", stderr);
@@ -36,7 +36,7 @@ static void progress_time(double seconds, char *text, size_t size)
 }
 
 /* What a checkpoint brought took no time of this run. */
-static void progress_note_start(render_progress *progress, render_stage stage, const stilb_gi_progress *at)
+static void progress_note_start(offline_progress *progress, offline_stage stage, const stilb_gi_progress *at)
 {
 	if (stage != RENDER_RENDERING || progress->first_ns != 0)
 		return;
@@ -45,7 +45,7 @@ static void progress_note_start(render_progress *progress, render_stage stage, c
 }
 
 /* Seconds to the end at the rate so far; negative: nothing can be said yet. */
-static double progress_left(const render_progress *progress, const stilb_gi_progress *at)
+static double progress_left(const offline_progress *progress, const stilb_gi_progress *at)
 {
 	const double passed = (double)(stilb_time_ns() - progress->first_ns) * 1e-9;
 	const double done = at->done - progress->first_done;
@@ -62,7 +62,7 @@ static uint32_t progress_pass_samples(const stilb_gi_progress *at)
 	return samples;
 }
 
-void render_progress_samples(const stilb_gi_progress *at, char *text, size_t size)
+void offline_progress_samples(const stilb_gi_progress *at, char *text, size_t size)
 {
 	const uint32_t samples = at->samples > 0 ? at->samples : progress_pass_samples(at);
 	const char *many = samples == 1 ? "" : "s";
@@ -75,7 +75,7 @@ void render_progress_samples(const stilb_gi_progress *at, char *text, size_t siz
 }
 
 /* "pass 9, 64 samples a pixel, 5.31 Mrays/s, 0:12 left". */
-static void progress_describe(const render_progress *progress, render_stage stage, const stilb_gi_progress *at,
+static void progress_describe(const offline_progress *progress, offline_stage stage, const stilb_gi_progress *at,
                               char *text, size_t size)
 {
 	static const char *const stages[] = {[RENDER_OPENING] = "opening the scene",
@@ -92,17 +92,17 @@ static void progress_describe(const render_progress *progress, render_stage stag
 		progress_time(seconds, left, sizeof left);
 	const double rate = at->seconds > 0.0 ? (double)at->rays / at->seconds * 1e-6 : 0.0;
 	char samples[64];
-	render_progress_samples(at, samples, sizeof samples);
+	offline_progress_samples(at, samples, sizeof samples);
 	snprintf(text, size, "%s, %s, %.2f Mrays/s, %s left", at->stage, samples, rate, left);
 }
 
-static int progress_percent(render_stage stage, const stilb_gi_progress *at)
+static int progress_percent(offline_stage stage, const stilb_gi_progress *at)
 {
 	return stage < RENDER_WRITING ? (int)(at->done * 100.0) : 100;
 }
 
-void render_progress_words(const render_progress *progress, render_stage stage, const stilb_gi_progress *at, char *text,
-                           size_t size)
+void offline_progress_words(const offline_progress *progress, offline_stage stage, const stilb_gi_progress *at,
+                            char *text, size_t size)
 {
 	char words[160];
 	progress_describe(progress, stage, at, words, sizeof words);
@@ -132,7 +132,7 @@ static void progress_bar(int percent, const char *words)
 	fprintf(stderr, "\r[%s] %s\033[K", bar, words);
 }
 
-void render_progress_show(render_progress *progress, render_stage stage, const stilb_gi_progress *at)
+void offline_progress_show(offline_progress *progress, offline_stage stage, const stilb_gi_progress *at)
 {
 	char words[192];
 	const uint64_t now = stilb_time_ns();
@@ -140,7 +140,7 @@ void render_progress_show(render_progress *progress, render_stage stage, const s
 	if (now - progress->last_ns < (progress->terminal ? PROGRESS_BAR_NS : PROGRESS_LINE_NS))
 		return;
 	progress->last_ns = now;
-	render_progress_words(progress, stage, at, words, sizeof words);
+	offline_progress_words(progress, stage, at, words, sizeof words);
 	if (progress->terminal)
 		progress_bar(progress_percent(stage, at), words);
 	else

@@ -13,7 +13,7 @@ static double report_rate(const stilb_gi_progress *progress)
 }
 
 /* Why it ended, in a word. "failure": before it was finished, by no wish of the user. */
-static const char *report_end(const render_result *result)
+static const char *report_end(const offline_result *result)
 {
 	if (result->code != EXIT_DONE && result->progress.end == STILB_GI_END_NOT)
 		return "failure";
@@ -25,7 +25,7 @@ static const char *report_end(const render_result *result)
 	return result->stopped ? "stopped" : ends[result->progress.end];
 }
 
-/* ---- JSON ---------------------------------------------------------------------------------------------------------- */
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
 static void report_put_choice(stilb_json *json, const char *name, const char *choice)
 {
@@ -47,7 +47,7 @@ static void report_put_cache(stilb_json *json, const stilb_gi_cache_settings *ca
 {
 	stilb_json_begin(json, "cache", '{');
 	stilb_json_string(json, "mode", cache->mode == STILB_GI_CACHE_LIVE ? "live" : "frozen");
-	stilb_json_string(json, "radius", render_cache_radii[cache->radius]);
+	stilb_json_string(json, "radius", offline_cache_radii[cache->radius]);
 	stilb_json_double(json, "error", (double)cache->error);
 	stilb_json_int(json, "rays", cache->rays);
 	stilb_json_bool(json, "gradients", cache->gradients);
@@ -102,9 +102,9 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 {
 	char seed[24];
 	snprintf(seed, sizeof seed, "%" PRIu64, s->seed);
-	report_put_choice(json, "integrator", render_integrators[s->integrator]);
-	report_put_choice(json, "sampler", render_samplers[s->sampler]);
-	report_put_choice(json, "filter", render_filters[s->filter]);
+	report_put_choice(json, "integrator", offline_integrators[s->integrator]);
+	report_put_choice(json, "sampler", offline_samplers[s->sampler]);
+	report_put_choice(json, "filter", offline_filters[s->filter]);
 	stilb_json_int(json, "width", s->width);
 	stilb_json_int(json, "height", s->height);
 	stilb_json_string(json, "seed", seed); /* beyond what a number of JSON holds */
@@ -119,7 +119,7 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 }
 
 /* A run that failed before the scene was ready: its scene's name, the time spent, and the reason. */
-static void report_put_failure(stilb_json *json, const render_options *o, const render_result *result)
+static void report_put_failure(stilb_json *json, const offline_options *o, const offline_result *result)
 {
 	stilb_json_begin(json, "scene", '{');
 	stilb_json_string(json, "name", o->scene);
@@ -130,7 +130,7 @@ static void report_put_failure(stilb_json *json, const render_options *o, const 
 	stilb_json_bool(json, "finished", false);
 }
 
-static void report_put_run(stilb_json *json, const render_options *o, const render_result *result)
+static void report_put_run(stilb_json *json, const offline_options *o, const offline_result *result)
 {
 	const stilb_gi_progress *progress = &result->progress;
 	report_put_scene(json, o->scene, &result->scene);
@@ -158,7 +158,7 @@ static void report_put_run(stilb_json *json, const render_options *o, const rend
 	report_put_passes(json, progress);
 }
 
-stilb_result render_report_save(const render_options *o, const render_result *result)
+stilb_result offline_report_save(const offline_options *o, const offline_result *result)
 {
 	stilb_json json = {0};
 	stilb_json_begin(&json, NULL, '{');
@@ -170,7 +170,7 @@ stilb_result render_report_save(const render_options *o, const render_result *re
 	return stilb_json_save(&json, o->stats);
 }
 
-/* ---- words --------------------------------------------------------------------------------------------------------- */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 /* "1.25 M". */
 static void report_count(double count, char *text, size_t size)
@@ -182,9 +182,9 @@ static void report_count(double count, char *text, size_t size)
 	snprintf(text, size, power > 0 ? "%.3g%s" : "%.0f%s", count, powers[power]);
 }
 
-void render_report_print(const render_options *o, const render_result *result)
+void offline_report_print(const offline_options *o, const offline_result *result)
 {
-	FILE *out = render_options_words(o);
+	FILE *out = offline_options_words(o);
 	const stilb_gi_progress *progress = &result->progress;
 	const stilb_gi_settings *s = &result->settings;
 	char integrator[FLAG_CHOICE_SIZE], sampler[FLAG_CHOICE_SIZE], samples[64], rays[32], rate[32];
@@ -193,9 +193,9 @@ void render_report_print(const render_options *o, const render_result *result)
 	fprintf(out, "%s: %" PRIu64 " triangle%s, %" PRIu32 " light%s, ready in %.2f s\n", o->scene,
 	        result->scene.triangles, result->scene.triangles == 1 ? "" : "s", result->scene.lights,
 	        result->scene.lights == 1 ? "" : "s", result->open_s + result->build_s);
-	render_progress_samples(progress, samples, sizeof samples);
-	fprintf(out, "%s, %ux%u, %s (%s); %u worker%s, %s\n", flags_choice(integrator, render_integrators[s->integrator]),
-	        s->width, s->height, samples, flags_choice(sampler, render_samplers[s->sampler]), result->workers,
+	offline_progress_samples(progress, samples, sizeof samples);
+	fprintf(out, "%s, %ux%u, %s (%s); %u worker%s, %s\n", flags_choice(integrator, offline_integrators[s->integrator]),
+	        s->width, s->height, samples, flags_choice(sampler, offline_samplers[s->sampler]), result->workers,
 	        result->workers == 1 ? "" : "s", result->scene.isa);
 	if (s->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		fprintf(out, "%" PRIu32 " records in the cache\n", progress->records);

@@ -4,8 +4,8 @@
 
 #include "render_work.h"
 
-stilb_result render_report_save(const render_options *options, const render_result *result);
+stilb_result offline_report_save(const offline_options *options, const offline_result *result);
 
-void render_report_print(const render_options *options, const render_result *result);
+void offline_report_print(const offline_options *options, const offline_result *result);
 
 #endif

@@ -18,13 +18,13 @@
 
 #define WORK_RING_EVENTS (1u << 22) /* of each thread's profile: 64 MiB */
 
-struct render_work {
-	const render_options *options;
+struct offline_work {
+	const offline_options *options;
 	pthread_t thread;
-	render_result result; /* the thread's until it has ended */
+	offline_result result; /* the thread's until it has ended */
 
 	pthread_mutex_t lock; /* of what follows */
-	render_stage stage;
+	offline_stage stage;
 	stilb_gi_render *render; /* NULL: there is none, or none any more */
 	bool stop;
 	bool pause; /* stopped for a checkpoint */
@@ -32,9 +32,9 @@ struct render_work {
 
 /* The pieces of one run, all of the work's thread. */
 typedef struct work_pieces {
-	render_work *work;
-	const render_options *options;
-	render_result *result;
+	offline_work *work;
+	const offline_options *options;
+	offline_result *result;
 	stilb_job_pool *pool;
 	stilb_scene *scene;
 	stilb_gi_scene *gi_scene;
@@ -47,23 +47,23 @@ static double work_seconds_since(uint64_t start)
 	return (double)(stilb_time_ns() - start) * 1e-9;
 }
 
-/* ---- shared with the main thread ----------------------------------------------------------------------------------- */
+/* ---- shared with the main thread --------------------------------------------------------------------------------- */
 
-static void work_enter(render_work *work, render_stage stage)
+static void work_enter(offline_work *work, offline_stage stage)
 {
 	pthread_mutex_lock(&work->lock);
 	work->stage = stage;
 	pthread_mutex_unlock(&work->lock);
 }
 
-static void work_publish(render_work *work, stilb_gi_render *render)
+static void work_publish(offline_work *work, stilb_gi_render *render)
 {
 	pthread_mutex_lock(&work->lock);
 	work->render = render;
 	pthread_mutex_unlock(&work->lock);
 }
 
-static bool work_is_stopped(render_work *work)
+static bool work_is_stopped(offline_work *work)
 {
 	pthread_mutex_lock(&work->lock);
 	const bool stop = work->stop;
@@ -72,7 +72,7 @@ static bool work_is_stopped(render_work *work)
 }
 
 /* Whether the render was stopped for a checkpoint alone. */
-static bool work_take_pause(render_work *work)
+static bool work_take_pause(offline_work *work)
 {
 	pthread_mutex_lock(&work->lock);
 	const bool pause = work->pause && !work->stop;
@@ -81,18 +81,18 @@ static bool work_take_pause(render_work *work)
 	return pause;
 }
 
-render_stage render_work_look(render_work *work, stilb_gi_progress *progress)
+offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress)
 {
 	*progress = (stilb_gi_progress){0};
 	pthread_mutex_lock(&work->lock);
 	if (work->render)
 		stilb_gi_render_progress(work->render, progress);
-	const render_stage stage = work->stage;
+	const offline_stage stage = work->stage;
 	pthread_mutex_unlock(&work->lock);
 	return stage;
 }
 
-bool render_work_preview(render_work *work, float *rgb)
+bool offline_work_preview(offline_work *work, float *rgb)
 {
 	pthread_mutex_lock(&work->lock);
 	const bool there = work->render != NULL;
@@ -102,7 +102,7 @@ bool render_work_preview(render_work *work, float *rgb)
 	return there;
 }
 
-void render_work_stop(render_work *work)
+void offline_work_stop(offline_work *work)
 {
 	pthread_mutex_lock(&work->lock);
 	work->stop = true;
@@ -111,7 +111,7 @@ void render_work_stop(render_work *work)
 	pthread_mutex_unlock(&work->lock);
 }
 
-void render_work_checkpoint(render_work *work)
+void offline_work_checkpoint(offline_work *work)
 {
 	pthread_mutex_lock(&work->lock);
 	work->pause = true;
@@ -120,7 +120,7 @@ void render_work_checkpoint(render_work *work)
 	pthread_mutex_unlock(&work->lock);
 }
 
-/* ---- failures ------------------------------------------------------------------------------------------------------ */
+/* ---- failures ---------------------------------------------------------------------------------------------------- */
 
 /* The message belongs to this thread and goes with it. */
 static bool work_fail(work_pieces *p, int code)
@@ -135,7 +135,7 @@ static bool work_good(work_pieces *p, stilb_result result)
 	return result == STILB_OK || work_fail(p, exit_code_of(result));
 }
 
-/* ---- stages -------------------------------------------------------------------------------------------------------- */
+/* ---- stages ------------------------------------------------------------------------------------------------------ */
 
 static bool work_pool(work_pieces *p)
 {
@@ -159,7 +159,7 @@ static bool work_open(work_pieces *p)
 	work_enter(p->work, RENDER_OPENING);
 	const stilb_scene_open_options open = {.allow_outside = p->options->allow_outside};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
-	    !work_good(p, render_options_surroundings(p->options, p->scene)))
+	    !work_good(p, offline_options_surroundings(p->options, p->scene)))
 		return false;
 	p->result->open_s = work_seconds_since(start);
 	return true;
@@ -179,7 +179,7 @@ static bool work_build(work_pieces *p)
 	if (invalid > 0)
 		stilb_log("'%s': %llu triangle%s left out: a coordinate is NaN, infinite or beyond 1e10 m", p->options->scene,
 		          invalid, invalid == 1 ? " is" : "s are");
-	p->result->settings = render_options_settings(p->options, p->scene);
+	p->result->settings = offline_options_settings(p->options, p->scene);
 	p->result->prepared = true;
 	if (!work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render)))
 		return false;
@@ -187,7 +187,8 @@ static bool work_build(work_pieces *p)
 	return true;
 }
 
-/* A checkpoint of another picture is refused, and without --resume an old one is not touched before there is a newer. */
+/* A checkpoint of another picture is refused, and without --resume an old one is not touched before there is a
+ * newer. */
 static bool work_resume(work_pieces *p)
 {
 	const char *path = p->options->checkpoint;
@@ -215,7 +216,7 @@ static void work_checkpoint(work_pieces *p)
 	if (p->result->checkpointed || p->warned)
 		return;
 	p->warned = true;
-	render_progress_clear();
+	offline_progress_clear();
 	stilb_log("%s", stilb_error_message());
 }
 
@@ -283,7 +284,7 @@ static void work_finish(work_pieces *p)
 /* All of it is one frame of the profile. */
 static void *work_main(void *data)
 {
-	render_work *work = data;
+	offline_work *work = data;
 	work_pieces pieces = {.work = work, .options = work->options, .result = &work->result};
 	stilb_prof_thread_begin("render");
 	stilb_prof_frame_mark();
@@ -300,10 +301,10 @@ static void *work_main(void *data)
 	return NULL;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------- */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 /* Signals are the main thread's: they wake it. */
-static int work_create_thread(render_work *work)
+static int work_create_thread(offline_work *work)
 {
 	sigset_t all, before;
 	sigfillset(&all);
@@ -313,10 +314,10 @@ static int work_create_thread(render_work *work)
 	return error;
 }
 
-stilb_result render_work_start(const render_options *options, render_work **out)
+stilb_result offline_work_start(const offline_options *options, offline_work **out)
 {
 	*out = NULL;
-	render_work *work = calloc(1, sizeof *work);
+	offline_work *work = calloc(1, sizeof *work);
 	if (!work)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory to render with");
 	work->options = options;
@@ -334,10 +335,10 @@ stilb_result render_work_start(const render_options *options, render_work **out)
 	return STILB_OK;
 }
 
-render_result render_work_join(render_work *work)
+offline_result offline_work_join(offline_work *work)
 {
 	pthread_join(work->thread, NULL);
-	const render_result result = work->result;
+	const offline_result result = work->result;
 	pthread_mutex_destroy(&work->lock);
 	free(work);
 	return result;

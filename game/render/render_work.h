@@ -1,8 +1,8 @@
 /*
- * render_work: opens the scene, renders and writes the picture, on a thread of its own, so that the main thread can show
- * how far it is.
+ * offline_work: opens the scene, renders and writes the picture, on a thread of its own, so that the main thread can
+ * show how far it is.
  *
- * Life cycle.  render_work_start -> render_work_look until it says that all is done -> render_work_join.
+ * Life cycle.  offline_work_start -> offline_work_look until it says that all is done -> offline_work_join.
  * Threads.     All [main-thread].
  */
 #ifndef STILB_RENDER_WORK_H
@@ -10,18 +10,18 @@
 
 #include "render_options.h"
 
-typedef struct render_work render_work;
+typedef struct offline_work offline_work;
 
-typedef enum render_stage {
+typedef enum offline_stage {
 	RENDER_OPENING, /* the scene's file */
 	RENDER_BUILDING,
 	RENDER_RENDERING,
 	RENDER_WRITING,
 	RENDER_DONE,
-} render_stage;
+} offline_stage;
 
 /* What is known when all is done. */
-typedef struct render_result {
+typedef struct offline_result {
 	int code;                 /* of the program */
 	char message[512];        /* why it is not 0, "" where it is said already */
 	bool prepared;            /* the scene was ready: settings, scene and progress hold; else all three are {0} */
@@ -32,24 +32,24 @@ typedef struct render_result {
 	stilb_gi_settings settings;
 	stilb_gi_scene_info scene;
 	stilb_gi_progress progress;
-} render_result;
+} offline_result;
 
 /* STILB_ERROR_THREAD, STILB_ERROR_MEMORY. options outlives the work. */
-stilb_result render_work_start(const render_options *options, render_work **work);
+stilb_result offline_work_start(const offline_options *options, offline_work **work);
 
 /* Where it is. progress is {0} but in the stages that render. */
-render_stage render_work_look(render_work *work, stilb_gi_progress *progress);
+offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress);
 
 /* A copy of the picture so far, of the size in the options; false while there is none. */
-bool render_work_preview(render_work *work, float *rgb);
+bool offline_work_preview(offline_work *work, float *rgb);
 
 /* Ends the rendering; what there is is written. */
-void render_work_stop(render_work *work);
+void offline_work_stop(offline_work *work);
 
 /* Has a checkpoint written soon. */
-void render_work_checkpoint(render_work *work);
+void offline_work_checkpoint(offline_work *work);
 
 /* Waits for the end and frees work. */
-render_result render_work_join(render_work *work);
+offline_result offline_work_join(offline_work *work);
 
 #endif

@@ -66,8 +66,8 @@ typedef struct plot_point {
 /* The point of a curve at t. */
 typedef plot_point plot_function(double t, const void *context);
 
-/* A curve over t in [from, to], computed at so many points, 1024 at most; its style is gnuplot's, NULL for a line in the
- * next colour. words, for the key, may be empty. */
+/* A curve over t in [from, to], computed at so many points, 1024 at most; its style is gnuplot's, NULL for a line in
+ * the next colour. words, for the key, may be empty. */
 void plot_curve(plot_page *page, plot_function *f, const void *context, double from, double to, uint32_t points,
                 const char *style, const char *words, ...) __attribute__((format(printf, 8, 9)));
 

@@ -411,7 +411,7 @@ static void draw_fresnel(plot_page *page, const void *subject)
 #define SCHUELER "Schueler, \"The Blinn-Phong Normalization Zoo\" (2011)"
 #define KARIS "Karis, \"Specular BRDF Reference\" (2013)"
 
-static const plot plots[] = {
+static const plot brdf_plots[] = {
 	{.name = "wrapped-factor",
      .title = "Wrapped diffuse",
      .formula = "f n·l = max(n·l + w, 0) / (π (1 + w)^2)",
@@ -477,4 +477,4 @@ static const plot plots[] = {
      .rows = 1,
      .draw = draw_fresnel},
 };
-const plot_topic shade_plots_brdf = {"reflection", plots, PLOT_COUNT(plots)};
+const plot_topic shade_plots_brdf = {"reflection", brdf_plots, PLOT_COUNT(brdf_plots)};

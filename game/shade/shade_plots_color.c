@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-static stilb_vec3 gray(double value)
+static stilb_vec3 color_gray(double value)
 {
 	return stilb_vec3_make((float)value, (float)value, (float)value);
 }
@@ -29,7 +29,7 @@ static plot_point bent(double x, const void *context)
 static plot_point simple(double x, const void *context)
 {
 	(void)context;
-	return (plot_point){x, (double)shade_tonemap_simple(gray(x), (float)x, 1.0f)[0]};
+	return (plot_point){x, (double)shade_tonemap_simple(color_gray(x), (float)x, 1.0f)[0]};
 }
 
 static plot_point unbent(double y, const void *context)
@@ -87,7 +87,7 @@ static void draw_tonemap(plot_page *page, const void *subject)
 /* Fifteen values of 1 and a red firefly. */
 static stilb_vec3 sample(int i, double firefly)
 {
-	return i > 0 ? gray(1.0) : stilb_vec3_make((float)firefly, 0.1f * (float)firefly, 0.05f * (float)firefly);
+	return i > 0 ? color_gray(1.0) : stilb_vec3_make((float)firefly, 0.1f * (float)firefly, 0.05f * (float)firefly);
 }
 
 static plot_point plain_mean(double firefly, const void *context)
@@ -128,7 +128,7 @@ typedef struct luma {
 static plot_point mapped_mean(double firefly, const void *context)
 {
 	const luma *l = context;
-	stilb_vec3 mean = gray(0.0);
+	stilb_vec3 mean = color_gray(0.0);
 	for (int i = 0; i < VALUES; i++) {
 		const stilb_vec3 color = sample(i, firefly);
 		mean += shade_tonemap_simple(color, l->of(color), 1.0f) * (1.0f / VALUES);
@@ -160,7 +160,7 @@ static void draw_firefly(plot_page *page, const void *subject)
 /* A colour of that height: its channels are a random share of the largest. */
 static stilb_vec3 random_color(double largest, uint64_t i)
 {
-	stilb_vec3 color = gray(largest);
+	stilb_vec3 color = color_gray(largest);
 	for (uint64_t k = 0; k < 3; k++)
 		if (k != i % 3)
 			color[k] *= stilb_random_float(4, 3 * i + k);
@@ -197,7 +197,7 @@ static plot_point tint_error_power(double tint, const void *context)
 	(void)context;
 	const stilb_vec3 color = stilb_vec3_make(0.8f, 0.5f, 0.3f);
 	stilb_vec4 stored = shade_rgbm_encode(color, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA);
-	stored *= (stilb_vec4){1.0f, 1.0f, 1.0f, 0.0f} * shade_rgbm_tint(gray(tint), SHADE_RGBM_GAMMA)[0] +
+	stored *= (stilb_vec4){1.0f, 1.0f, 1.0f, 0.0f} * shade_rgbm_tint(color_gray(tint), SHADE_RGBM_GAMMA)[0] +
 	          (stilb_vec4){0.0f, 0.0f, 0.0f, 1.0f};
 	const stilb_vec3 back = shade_rgbm_decode(stored, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA);
 	return (plot_point){tint, 100.0 * ((double)back[0] / (0.8 * tint) - 1.0)};
@@ -325,7 +325,7 @@ static void draw_srgb(plot_page *page, const void *subject)
 
 #define KARIS_TONE "Karis, \"Tone mapping\" (2013)"
 
-static const plot plots[] = {
+static const plot color_plots[] = {
 	{.name = "tonemap",
      .title = "Tone mapping",
      .formula = "T(x) = x up to a, then (a^2 - b x) / (2 a - b - x)",
@@ -362,4 +362,4 @@ static const plot plots[] = {
      .rows = 1,
      .draw = draw_srgb},
 };
-const plot_topic shade_plots_color = {"colour", plots, PLOT_COUNT(plots)};
+const plot_topic shade_plots_color = {"colour", color_plots, PLOT_COUNT(color_plots)};

@@ -115,7 +115,7 @@ static void draw_falloff(plot_page *page, const void *subject)
 
 static const stilb_vec3 upwards = {0.0f, 0.0f, 1.0f, 0.0f};
 
-static stilb_vec3 in_plane(double angle)
+static stilb_vec3 light_in_plane(double angle)
 {
 	return stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle));
 }
@@ -143,7 +143,7 @@ typedef struct cone_subject {
 static plot_point cone_angle(double roughness, const void *context)
 {
 	const cone_subject *c = context;
-	const shade_cone cone = cone_of(c->kind, (float)roughness, in_plane(0.0), c->tolerance);
+	const shade_cone cone = cone_of(c->kind, (float)roughness, light_in_plane(0.0), c->tolerance);
 	return (plot_point){roughness, cone.chord < 0.0f ? 0.0 : (double)shade_cone_half_angle(cone) * DEGREES};
 }
 
@@ -179,10 +179,10 @@ static double lobe_value(const lobe_subject *s, double angle)
 {
 	const shade_brdf_parameters p = {.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f), .roughness = CONE_ROUGHNESS};
 	const shade_frame frame = shade_frame_from_normal(upwards);
-	return (double)shade_brdf_cos(s->model, p, frame, in_plane(angle), in_plane(-CONE_VIEW))[0];
+	return (double)shade_brdf_cos(s->model, p, frame, light_in_plane(angle), light_in_plane(-CONE_VIEW))[0];
 }
 
-static plot_point lobe(double angle, const void *context)
+static plot_point light_lobe(double angle, const void *context)
 {
 	const lobe_subject *s = context;
 	double share = log(fmax(lobe_value(s, angle), s->lowest) / s->lowest) / log(s->peak / s->lowest);
@@ -207,10 +207,10 @@ static void draw_cone_lobe(plot_page *page)
 		const lobe_subject s = {.model = {kinds[kind], SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_NONE},
 		                        .lowest = (double)CONE_TOLERANCE * 0.1,
 		                        .peak = 10.0};
-		const shade_cone cone = cone_of(kind, CONE_ROUGHNESS, in_plane(-CONE_VIEW), CONE_TOLERANCE);
+		const shade_cone cone = cone_of(kind, CONE_ROUGHNESS, light_in_plane(-CONE_VIEW), CONE_TOLERANCE);
 		const double half = (double)shade_cone_half_angle(cone);
 		const double rims[2] = {CONE_VIEW - half, CONE_VIEW + half};
-		plot_curve(page, lobe, &s, -M_PI / 2.0, M_PI / 2.0, 361, NULL, "%s: half angle %.1f°", lobe_words[kind],
+		plot_curve(page, light_lobe, &s, -M_PI / 2.0, M_PI / 2.0, 361, NULL, "%s: half angle %.1f°", lobe_words[kind],
 		           half * DEGREES);
 		for (int i = 0; i < 2; i++)
 			plot_curve(page, rim, &rims[i], 0.0, 1.1, 2, plot_dashed(kind), "%s", "");
@@ -246,7 +246,7 @@ static void draw_union(plot_page *page, double a_degrees, double a_half, double 
 	shade_cone cones[2];
 	char title[96];
 	for (int i = 0; i < 2; i++)
-		cones[i] = (shade_cone){in_plane(at[i]), (float)(2.0 * sin(0.5 * half[i]))};
+		cones[i] = (shade_cone){light_in_plane(at[i]), (float)(2.0 * sin(0.5 * half[i]))};
 	const shade_cone both = shade_cone_union(cones[0], cones[1]);
 	const sector whole = {atan2((double)both.axis[0], (double)both.axis[2]), (double)shade_cone_half_angle(both), 1.0};
 	snprintf(title, sizeof title, "Half angles %g° and %g°, %g° apart", a_half, b_half, fabs(a_degrees - b_degrees));
@@ -269,7 +269,7 @@ static void draw_unions(plot_page *page, const void *subject)
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
-static const plot plots[] = {
+static const plot light_plots[] = {
 	{.name = "hemisphere",
      .title = "Sky and ground",
      .formula =
@@ -301,4 +301,4 @@ static const plot plots[] = {
      .rows = 1,
      .draw = draw_unions},
 };
-const plot_topic shade_plots_light = {"light", plots, PLOT_COUNT(plots)};
+const plot_topic shade_plots_light = {"light", light_plots, PLOT_COUNT(light_plots)};

@@ -20,7 +20,7 @@ typedef struct subject {
 	double end; /* of a curve over angles, degrees */
 } subject;
 
-static stilb_vec3 in_plane(double angle)
+static stilb_vec3 row_in_plane(double angle)
 {
 	return stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle));
 }
@@ -34,7 +34,8 @@ static subject subject_of(const stilb_numeric_row *row, float roughness)
 {
 	return (subject){
 		.row = row,
-		.shape = {roughness, is_anisotropic(row) ? STILB_NUMERIC_CATALOG_ANISOTROPY : 0.0f, in_plane(-45.0 / DEGREES)},
+		.shape = {roughness, is_anisotropic(row) ? STILB_NUMERIC_CATALOG_ANISOTROPY : 0.0f,
+	              row_in_plane(-45.0 / DEGREES)},
 		.light = 45.0 / DEGREES,
 		.scale = 1.0,
 	};
@@ -52,14 +53,14 @@ static plot_point density(double t, const void *context)
 {
 	const subject *s = context;
 	const double degrees = degrees_of(s, t);
-	return (plot_point){degrees, (double)s->row->density(&s->shape, in_plane(degrees / DEGREES))};
+	return (plot_point){degrees, (double)s->row->density(&s->shape, row_in_plane(degrees / DEGREES))};
 }
 
 static plot_point density_across(double t, const void *context)
 {
 	const subject *s = context;
 	const double degrees = degrees_of(s, t);
-	const stilb_vec3 h = in_plane(degrees / DEGREES);
+	const stilb_vec3 h = row_in_plane(degrees / DEGREES);
 	return (plot_point){degrees, (double)s->row->density(&s->shape, stilb_vec3_make(0.0f, h[0], h[2]))};
 }
 
@@ -90,7 +91,7 @@ static void draw_distribution(plot_page *page, const void *context)
 	const stilb_numeric_row *row = context;
 	const char *measure = row->measure == STILB_NUMERIC_MEASURE_D_COS ? "D n·h" : "D";
 	const subject widest = subject_of(row, 1.0f);
-	const bool whole = row->density(&widest.shape, in_plane(M_PI)) > 0.0f; /* the sphere, not the hemisphere */
+	const bool whole = row->density(&widest.shape, row_in_plane(M_PI)) > 0.0f; /* the sphere, not the hemisphere */
 	const double end = whole ? 180.0 : 90.0;
 	plot_panel panel = {.title = is_anisotropic(row) ? "Density; dashed: along b" : "Density",
 	                    .x_label = "angle from the axis (degrees)",
@@ -137,12 +138,13 @@ static shade_brdf_parameters white_of(const subject *s)
 /* What a light of irradiance 1 across its beam shows at the view angle. */
 static plot_point lobe_at(const subject *s, double angle)
 {
-	stilb_vec3 radiance = shade_brdf_cos(s->row->model, white_of(s), upright, in_plane(-s->light), in_plane(angle));
+	stilb_vec3 radiance =
+		shade_brdf_cos(s->row->model, white_of(s), upright, row_in_plane(-s->light), row_in_plane(angle));
 	return (plot_point){angle, (double)radiance[0] * s->scale};
 }
 
 /* The same over t in [-1, 1], close together around the mirrored light, where smooth surfaces have all their light. */
-static plot_point lobe(double t, const void *context)
+static plot_point row_lobe(double t, const void *context)
 {
 	const subject *s = context;
 	return lobe_at(s, s->light + t * fabs(t) * (M_PI / 2.0 + (t < 0.0 ? s->light : -s->light)));
@@ -161,7 +163,7 @@ static bool is_diffuse(const stilb_numeric_row *row)
 	return row->model.kind == SHADE_BRDF_LAMBERT || row->model.kind == SHADE_BRDF_WRAPPED;
 }
 
-static void draw_lobes(plot_page *page, const stilb_numeric_row *row)
+static void row_draw_lobes(plot_page *page, const stilb_numeric_row *row)
 {
 	plot_panel_begin(page, &(plot_panel){.kind = PLOT_LOBES,
 	                                     .title = "f n·l for light at 45°, scaled to its peak (below, sr^{-1})",
@@ -173,7 +175,7 @@ static void draw_lobes(plot_page *page, const stilb_numeric_row *row)
 		double peak = lobe_peak(&s);
 		s.scale = 1.0 / peak;
 		snprintf(words, sizeof words, is_diffuse(row) ? "every view" : "roughness %.1f", (double)roughnesses[i]);
-		plot_curve(page, lobe, &s, -1.0, 1.0, 361, NULL, "%s: %.4g", words, peak);
+		plot_curve(page, row_lobe, &s, -1.0, 1.0, 361, NULL, "%s: %.4g", words, peak);
 	}
 	plot_panel_end(page);
 }
@@ -217,7 +219,7 @@ static void draw_albedos(plot_page *page, const stilb_numeric_row *row)
 
 static void draw_model(plot_page *page, const void *context)
 {
-	draw_lobes(page, context);
+	row_draw_lobes(page, context);
 	draw_albedos(page, context);
 }
 
@@ -404,7 +406,7 @@ static void set_formula(char *out, size_t size, const char *formula)
 static bool depends_on_roughness(const stilb_numeric_row *row)
 {
 	const subject a = subject_of(row, 0.5f), b = subject_of(row, 1.0f);
-	return row->density(&a.shape, in_plane(0.0)) != row->density(&b.shape, in_plane(0.0));
+	return row->density(&a.shape, row_in_plane(0.0)) != row->density(&b.shape, row_in_plane(0.0));
 }
 
 /* With which numbers the row is drawn. */
@@ -447,7 +449,7 @@ bool shade_plot_of_row(const char *name, row_plot *out)
 	return true;
 }
 
-static const plot plots[] = {
+static const plot row_plots[] = {
 	{.name = "samplers",
      .title = "Samplers",
      .formula = "576 directions from above, one from each cell of a grid (grey: below the horizon); roughness 0.6, the "
@@ -468,4 +470,4 @@ static const plot plots[] = {
      .rows = 1,
      .draw = draw_stratified},
 };
-const plot_topic shade_plots_sampling = {"sampling", plots, PLOT_COUNT(plots)};
+const plot_topic shade_plots_sampling = {"sampling", row_plots, PLOT_COUNT(row_plots)};

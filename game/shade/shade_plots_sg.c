@@ -13,21 +13,21 @@
 #define DEGREES (180.0 / M_PI)
 #define DOTS "points pointtype 7 pointsize 0.5 linecolor rgb '#222222'"
 
-static stilb_vec3 in_plane(double angle)
+static stilb_vec3 sg_in_plane(double angle)
 {
 	return stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle));
 }
 
 static shade_sg lobe_of(double angle, float sharpness, float amplitude)
 {
-	return (shade_sg){in_plane(angle), sharpness, stilb_vec3_make(amplitude, amplitude, amplitude)};
+	return (shade_sg){sg_in_plane(angle), sharpness, stilb_vec3_make(amplitude, amplitude, amplitude)};
 }
 
 /* A lobe in the plane: over an angle in radians, and in degrees. */
 static plot_point around(double angle, const void *context)
 {
 	const shade_sg *g = context;
-	return (plot_point){angle, (double)shade_sg_evaluate(*g, in_plane(angle))[0]};
+	return (plot_point){angle, (double)shade_sg_evaluate(*g, sg_in_plane(angle))[0]};
 }
 
 static plot_point along(double degrees, const void *context)
@@ -37,7 +37,7 @@ static plot_point along(double degrees, const void *context)
 
 /* ---- lobes ------------------------------------------------------------------------------------------------------- */
 
-static void draw_lobes(plot_page *page, const void *subject)
+static void sg_draw_lobes(plot_page *page, const void *subject)
 {
 	(void)subject;
 	static const float sharpnesses[] = {1.0f, 4.0f, 16.0f, 64.0f};
@@ -105,7 +105,7 @@ static double product_at(const double d[3], const void *context)
 	return product;
 }
 
-static pair apart(double degrees)
+static pair sg_apart(double degrees)
 {
 	return (pair){lobe_of(0.0, 5.0f, 1.0f), lobe_of(degrees / DEGREES, 9.0f, 1.0f)};
 }
@@ -113,14 +113,14 @@ static pair apart(double degrees)
 static plot_point inner_product(double degrees, const void *context)
 {
 	(void)context;
-	const pair p = apart(degrees);
+	const pair p = sg_apart(degrees);
 	return (plot_point){degrees, (double)shade_sg_inner_product(p.g1, p.g2)[0]};
 }
 
 static plot_point inner_product_true(double degrees, const void *context)
 {
 	(void)context;
-	const pair p = apart(degrees);
+	const pair p = sg_apart(degrees);
 	return (plot_point){degrees, stilb_numeric_integrate_sphere(product_at, &p, -1.0, 1.0, 4)};
 }
 
@@ -128,7 +128,7 @@ static plot_point inner_product_true(double degrees, const void *context)
 static plot_point inner_product_printed(double degrees, const void *context)
 {
 	(void)context;
-	const pair p = apart(degrees);
+	const pair p = sg_apart(degrees);
 	stilb_vec3 mean = (p.g1.axis * p.g1.sharpness + p.g2.axis * p.g2.sharpness) / (p.g1.sharpness + p.g2.sharpness);
 	double length = sqrt((double)stilb_vec3_dot(mean, mean)), sum = (double)(p.g1.sharpness + p.g2.sharpness);
 	return (plot_point){degrees, 2.0 * M_PI * exp(length - sum) * (1.0 - exp(-2.0 * length)) / length};
@@ -178,7 +178,7 @@ static plot_point convolved_true(double degrees, const void *context)
 {
 	const pair *p = context;
 	shade_sg turned = p->g2;
-	turned.axis = in_plane(degrees / DEGREES);
+	turned.axis = sg_in_plane(degrees / DEGREES);
 	return (plot_point){degrees, (double)shade_sg_inner_product(p->g1, turned)[0]};
 }
 
@@ -313,14 +313,15 @@ static shade_rough_normal filtered(filter_kind kind, shade_rough_normal a, shade
 static plot_point filter_spread(double degrees, const void *context)
 {
 	const filter_kind *kind = context;
-	const shade_rough_normal a = {in_plane(-degrees / DEGREES), 0.1f}, b = {in_plane(degrees / DEGREES), 0.1f};
+	const shade_rough_normal a = {sg_in_plane(-degrees / DEGREES), 0.1f}, b = {sg_in_plane(degrees / DEGREES), 0.1f};
 	return (plot_point){degrees, (double)filtered(*kind, a, b, 0.5f).alpha};
 }
 
 /* A smooth texel that leans to the left and a rough one to the right. */
 static shade_rough_normal smooth_and_rough(filter_kind kind, double share)
 {
-	const shade_rough_normal smooth = {in_plane(-20.0 / DEGREES), 0.05f}, rough = {in_plane(20.0 / DEGREES), 0.7f};
+	const shade_rough_normal smooth = {sg_in_plane(-20.0 / DEGREES), 0.05f},
+							 rough = {sg_in_plane(20.0 / DEGREES), 0.7f};
 	return filtered(kind, smooth, rough, (float)share);
 }
 
@@ -372,14 +373,14 @@ static void draw_normal_filter(plot_page *page, const void *subject)
 
 #define KARIS "Karis, \"Spherical Gaussians\" and \"von Mises-Fisher\" (2018)"
 
-static const plot plots[] = {
+static const plot sg_plots[] = {
 	{.name = "sg",
      .title = "Spherical Gaussians",
      .formula = "G(v) = a exp(λ (μ·v - 1))",
      .source = KARIS,
      .columns = 2,
      .rows = 1,
-     .draw = draw_lobes},
+     .draw = sg_draw_lobes},
 	{.name = "sg-integrals",
      .title = "Integrals of Spherical Gaussians",
      .formula = "∫ G = 2π a (1 - e^{-2λ}) / λ; the product of two lobes is a lobe, so its integral is known",
@@ -410,4 +411,4 @@ static const plot plots[] = {
      .rows = 1,
      .draw = draw_normal_filter},
 };
-const plot_topic shade_plots_sg = {"lobes and normals", plots, PLOT_COUNT(plots)};
+const plot_topic shade_plots_sg = {"lobes and normals", sg_plots, PLOT_COUNT(sg_plots)};

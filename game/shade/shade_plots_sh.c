@@ -72,7 +72,7 @@ static void draw_basis(plot_page *page, const void *subject)
 
 /* ---- a directional light ----------------------------------------------------------------------------------------- */
 
-static stilb_vec3 in_plane(double angle)
+static stilb_vec3 sh_in_plane(double angle)
 {
 	return stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle));
 }
@@ -80,13 +80,13 @@ static stilb_vec3 in_plane(double angle)
 static plot_point irradiance(double degrees, const void *context)
 {
 	const shade_sh *light = context;
-	return (plot_point){degrees, (double)shade_sh_irradiance(*light, in_plane(degrees / DEGREES))};
+	return (plot_point){degrees, (double)shade_sh_irradiance(*light, sh_in_plane(degrees / DEGREES))};
 }
 
 static plot_point radiance(double degrees, const void *context)
 {
 	const shade_sh *light = context;
-	return (plot_point){degrees, (double)shade_sh_evaluate(*light, in_plane(degrees / DEGREES))};
+	return (plot_point){degrees, (double)shade_sh_evaluate(*light, sh_in_plane(degrees / DEGREES))};
 }
 
 static plot_point clamped_cosine(double degrees, const void *context)
@@ -105,7 +105,7 @@ static const plot_panel from_light = {
 static void draw_light(plot_page *page, const void *subject)
 {
 	(void)subject;
-	const shade_sh sun = shade_sh_directional(in_plane(0.0), 1.0f);
+	const shade_sh sun = shade_sh_directional(sh_in_plane(0.0), 1.0f);
 	const shade_sh soft = shade_sh_window(sun, SHADE_SH_WINDOW_IRRADIANCE);
 	const shade_sh softer = shade_sh_window(sun, SHADE_SH_WINDOW_RADIANCE);
 	plot_panel panel = from_light;
@@ -149,11 +149,11 @@ static double received(const double d[3], const void *context)
 static plot_point irradiance_true(double degrees, const void *context)
 {
 	(void)context;
-	const facing f = {in_plane(degrees / DEGREES)};
+	const facing f = {sh_in_plane(degrees / DEGREES)};
 	return (plot_point){degrees, stilb_numeric_integrate_sphere(received, &f, -1.0, 1.0, 12)};
 }
 
-static plot_point radiance_true(double degrees, const void *context)
+static plot_point sh_radiance_true(double degrees, const void *context)
 {
 	(void)context;
 	const double d[3] = {sin(degrees / DEGREES), 0.0, cos(degrees / DEGREES)};
@@ -163,7 +163,7 @@ static plot_point radiance_true(double degrees, const void *context)
 static plot_point radiance_around(double angle, const void *context)
 {
 	const shade_sh *f = context;
-	return (plot_point){angle, 0.6 * fmax((double)shade_sh_evaluate(*f, in_plane(angle)), 0.0)};
+	return (plot_point){angle, 0.6 * fmax((double)shade_sh_evaluate(*f, sh_in_plane(angle)), 0.0)};
 }
 
 static void draw_projection(plot_page *page, const shade_sh *f)
@@ -175,7 +175,7 @@ static void draw_projection(plot_page *page, const shade_sh *f)
 	panel.y_range = "[0:3.9]";
 	panel.extra = "set xtics 60";
 	plot_panel_begin(page, &panel);
-	plot_curve(page, radiance_true, NULL, -180.0, 180.0, 181, plot_dashed(6), "radiance");
+	plot_curve(page, sh_radiance_true, NULL, -180.0, 180.0, 181, plot_dashed(6), "radiance");
 	plot_curve(page, radiance, f, -180.0, 180.0, 181, NULL, "three bands of it");
 	plot_curve(page, irradiance, f, -180.0, 180.0, 181, NULL, "irradiance from them");
 	plot_curve(page, irradiance_true, NULL, -180.0, 180.0, 37, DOTS, "by quadrature");
@@ -191,8 +191,8 @@ static void draw_turned(plot_page *page, const shade_sh *f)
 	                                     .key = "bottom center vertical maxrows 1",
 	                                     .extra = "unset label\nset label 'z' at 0.05,1.14"});
 	for (uint32_t i = 0; i < PLOT_COUNT(turns); i++) {
-		const shade_frame frame = {in_plane(M_PI / 2.0 - turns[i] / DEGREES), stilb_vec3_make(0.0f, 1.0f, 0.0f),
-		                           in_plane(-turns[i] / DEGREES)};
+		const shade_frame frame = {sh_in_plane(M_PI / 2.0 - turns[i] / DEGREES), stilb_vec3_make(0.0f, 1.0f, 0.0f),
+		                           sh_in_plane(-turns[i] / DEGREES)};
 		const shade_sh turned = shade_sh_rotate(*f, frame);
 		const stilb_vec3 to_light = shade_sh_dominant_direction(turned);
 		plot_light(page, -atan2((double)to_light[0], (double)to_light[2]), plot_color(i));
@@ -239,7 +239,7 @@ static double height(double x, double y)
 }
 
 /* Degrees between two unit vectors. */
-static double apart(stilb_vec3 a, stilb_vec3 b)
+static double sh_apart(stilb_vec3 a, stilb_vec3 b)
 {
 	stilb_vec3 difference = a - b;
 	return 2.0 * asin(fmin(0.5 * sqrt((double)stilb_vec3_dot(difference, difference)), 1.0)) * DEGREES;
@@ -275,7 +275,7 @@ static plot_point bump_error(double step, const void *context)
 	double worst = 0.0;
 	for (int i = 0; i < 400; i++) {
 		double x = (i % 20) * 0.031, y = (double)(i / 20) * 0.037;
-		worst = fmax(worst, apart(bumped(*kind, x, y, step), bumped_true(x, y)));
+		worst = fmax(worst, sh_apart(bumped(*kind, x, y, step), bumped_true(x, y)));
 	}
 	return (plot_point){step * 1000.0, worst};
 }
@@ -325,7 +325,7 @@ static void draw_bump(plot_page *page, const void *subject)
 
 #define MAXEST "maxest, \"Spherical Harmonic Lighting - Analytical Lights\" (2015)"
 
-static const plot plots[] = {
+static const plot sh_plots[] = {
 	{.name = "sh-basis",
      .title = "Spherical harmonics, three bands",
      .formula = "|Y| in a plane of two axes: blue above zero, orange below",
@@ -357,4 +357,4 @@ static const plot plots[] = {
      .rows = 1,
      .draw = draw_bump},
 };
-const plot_topic shade_plots_sh = {"surroundings and bumps", plots, PLOT_COUNT(plots)};
+const plot_topic shade_plots_sh = {"surroundings and bumps", sh_plots, PLOT_COUNT(sh_plots)};

@@ -1,6 +1,6 @@
 /*
- * Shutting down without running what is left. Destroy alone drains: it runs every job first. After a cancel, jobs that have
- * not started will not, and their groups finish all the same, so nobody waits for ever.
+ * Shutting down without running what is left. Destroy alone drains: it runs every job first. After a cancel, jobs that
+ * have not started will not, and their groups finish all the same, so nobody waits for ever.
  *
  * Prints: some ran, the rest were cancelled, the wait returned
  */

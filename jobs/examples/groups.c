@@ -1,6 +1,6 @@
 /*
- * Jobs that submit jobs and wait for them: a merge sort. Each call has a group on its own stack; while it waits it runs the
- * jobs it waits for, so nothing is lost and a pool without any worker sorts as well.
+ * Jobs that submit jobs and wait for them: a merge sort. Each call has a group on its own stack; while it waits it runs
+ * the jobs it waits for, so nothing is lost and a pool without any worker sorts as well.
  *
  * Prints: 100000 numbers in order
  */

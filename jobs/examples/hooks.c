@@ -1,7 +1,7 @@
 /*
- * Hooks: how a profiler sees the pool without the pool knowing it. Each is called on the thread it tells of, so a slot for
- * each worker index needs no atomics. Here they count; and submit tags each job with the time, so that job_begin knows
- * how long it has been waiting.
+ * Hooks: how a profiler sees the pool without the pool knowing it. Each is called on the thread it tells of, so a slot
+ * for each worker index needs no atomics. Here they count; and submit tags each job with the time, so that job_begin
+ * knows how long it has been waiting.
  *
  * Prints: 100 jobs submitted, 100 began, 100 ended, all after they were submitted: yes, parks and wakes pair: yes
  */

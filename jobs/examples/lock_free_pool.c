@@ -1,6 +1,6 @@
 /*
- * The pool on lock-free queues: where a thread that is stopped at any instruction (by a debugger, by a scheduler with more
- * threads than CPUs) must not stop the others. It costs some throughput; everything else is the same.
+ * The pool on lock-free queues: where a thread that is stopped at any instruction (by a debugger, by a scheduler with
+ * more threads than CPUs) must not stop the others. It costs some throughput; everything else is the same.
  *
  * Prints: 1000 jobs on lock-free queues
  */

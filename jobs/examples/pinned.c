@@ -1,6 +1,7 @@
 /*
- * Work that one thread alone may do: jobs decode pictures on any thread, but hand each to the main thread for an interface
- * that is not thread-safe. Pinned jobs of the owner run inside its waits and loops, and in stilb_job_run_pinned.
+ * Work that one thread alone may do: jobs decode pictures on any thread, but hand each to the main thread for an
+ * interface that is not thread-safe. Pinned jobs of the owner run inside its waits and loops, and in
+ * stilb_job_run_pinned.
  *
  * Prints: 8 uploads, all on the main thread
  */

@@ -125,8 +125,8 @@ static bool prof_may_be_trace(const char *text, size_t size)
 	return space == size || text[space] == '{' || text[space] == '[';
 }
 
-/* All of a file or of standard input, or the beginning of what cannot be a trace. Returns 0 or a negative errno; *text is the
- * caller's. */
+/* All of a file or of standard input, or the beginning of what cannot be a trace. Returns 0 or a negative errno; *text
+ * is the caller's. */
 static int prof_read_bytes(int file, char **text, size_t *size)
 {
 	size_t capacity = 0;
@@ -148,8 +148,8 @@ static int prof_read_bytes(int file, char **text, size_t *size)
 	}
 }
 
-/* A descriptor or a negative errno; -ESPIPE: a pipe or a device, which may never end or never begin. Not waiting, for the
- * writer of a pipe; regular files know no waiting. */
+/* A descriptor or a negative errno; -ESPIPE: a pipe or a device, which may never end or never begin. Not waiting, for
+ * the writer of a pipe; regular files know no waiting. */
 static int prof_read_open(const char *path)
 {
 	struct stat info;

@@ -113,9 +113,9 @@ static void file_free(prof_file *file)
 
 /* ---- temporary files ---------------------------------------------------------------------------------------------
  *
- * A file is written as "<name>.<pid>.tmp" in its own folder, or "<name>.<pid>-<number>.tmp" when that is taken, by whoever
- * holds its lock (flock). The kernel drops the locks of a process that dies, so one without a lock was left behind: the
- * next file of that name removes it.
+ * A file is written as "<name>.<pid>.tmp" in its own folder, or "<name>.<pid>-<number>.tmp" when that is taken, by
+ * whoever holds its lock (flock). The kernel drops the locks of a process that dies, so one without a lock was left
+ * behind: the next file of that name removes it.
  */
 
 #define FILE_SUFFIX_MAX 48 /* bytes of ".<pid>-<number>.tmp", with room to spare */
@@ -181,8 +181,8 @@ static void file_clean(const prof_file *file)
 	closedir(entries);
 }
 
-/* A new file with its lock; between the two another process may have taken it for an abandoned one and removed it, and the
- * next name is tried. A descriptor or a negative errno. */
+/* A new file with its lock; between the two another process may have taken it for an abandoned one and removed it, and
+ * the next name is tried. A descriptor or a negative errno. */
 static int file_create_locked(const char *name)
 {
 	struct stat info;
@@ -268,8 +268,8 @@ int prof_file_write(void *user, const void *data, size_t size)
 	return file->error;
 }
 
-/* Without replacing a file that has come meanwhile. Some file systems cannot rename so; a second name for the same file is
- * refused there if the name is taken. */
+/* Without replacing a file that has come meanwhile. Some file systems cannot rename so; a second name for the same file
+ * is refused there if the name is taken. */
 static int file_rename_fresh(const prof_file *file)
 {
 	if (renameat2(AT_FDCWD, file->temporary, AT_FDCWD, file->target, RENAME_NOREPLACE) == 0)

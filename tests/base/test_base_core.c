@@ -9,7 +9,7 @@
 #include <threads.h>
 #include <unistd.h>
 
-/* ---- results ------------------------------------------------------------------------------------------------------- */
+/* ---- results ----------------------------------------------------------------------------------------------------- */
 
 static void test_fail_keeps_result_and_line(void **state)
 {
@@ -72,7 +72,7 @@ static void test_result_text(void **state)
 	assert_string_equal(stilb_result_text((stilb_result)-1), "unknown result");
 }
 
-/* ---- log ------------------------------------------------------------------------------------------------------------ */
+/* ---- log --------------------------------------------------------------------------------------------------------- */
 
 /* What stilb_log(text) writes to stderr. */
 static size_t logged(const char *text, char *out, size_t size)
@@ -108,7 +108,7 @@ static void test_log_is_one_line(void **state)
 	assert_ptr_equal(strchr(out, '\n'), out + length - 1); /* cut, and still ended */
 }
 
-/* ---- memory --------------------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 static void test_memory_alloc(void **state)
 {
@@ -154,7 +154,7 @@ static void test_memory_alloc_refuses_overflow(void **state)
 		assert_null(stilb_memory_alloc(counts[i][0], counts[i][1]));
 }
 
-/* ---- hash and random numbers ---------------------------------------------------------------------------------------- */
+/* ---- hash and random numbers ------------------------------------------------------------------------------------- */
 
 /* The vectors are those of the FNV reference: draft-eastlake-fnv, appendix C. */
 static void test_hash_known_values(void **state)
@@ -202,7 +202,7 @@ static void test_random_float_is_uniform(void **state)
 	assert_true(chi2 > 4.0 && chi2 < 50.0); /* 19 degrees of freedom: both tails below 1e-4 */
 }
 
-/* ---- time and CPU ---------------------------------------------------------------------------------------------------- */
+/* ---- time and CPU ------------------------------------------------------------------------------------------------ */
 
 static void test_time_runs(void **state)
 {

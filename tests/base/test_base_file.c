@@ -14,7 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- the calls that can be made to fail ------------------------------------------------------------------------------ */
+/* ---- the calls that can be made to fail -------------------------------------------------------------------------- */
 
 static int rename_error, fsync_error, fsync_calls;
 static bool renamed, folder_synced; /* since the test began; the folder after the last rename */
@@ -46,7 +46,7 @@ int __wrap_fsync(int descriptor)
 	return -1;
 }
 
-/* ---- a folder of its own, which is the current one ------------------------------------------------------------------- */
+/* ---- a folder of its own, which is the current one --------------------------------------------------------------- */
 
 static int folder_leave(void **state)
 {
@@ -99,7 +99,7 @@ static stilb_result save(const char *path, const char *text)
 	return stilb_file_save(path, text, strlen(text));
 }
 
-/* ---- saving ---------------------------------------------------------------------------------------------------------- */
+/* ---- saving ------------------------------------------------------------------------------------------------------ */
 
 static void test_new_file(void **state)
 {
@@ -206,7 +206,7 @@ static void test_dangling_links(void **state)
 	assert_entries(4);
 }
 
-/* ---- temporary files of others --------------------------------------------------------------------------------------- */
+/* ---- temporary files of others ----------------------------------------------------------------------------------- */
 
 /* Starts a process that begins to write path and never ends by itself; returns its number. */
 static pid_t begin_elsewhere(const char *path)
@@ -295,7 +295,7 @@ static void test_longest_name(void **state)
 	assert_entries(1);
 }
 
-/* ---- reading --------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static void assert_unreadable(const char *path, const char *why)
 {
@@ -323,7 +323,7 @@ static void test_reading(void **state)
 	assert_unreadable("missing", strerror(ENOENT));
 }
 
-/* ---- refused --------------------------------------------------------------------------------------------------------- */
+/* ---- refused ----------------------------------------------------------------------------------------------------- */
 
 static void assert_refused(const char *path, const char *why)
 {
@@ -352,7 +352,7 @@ static void test_refused_paths(void **state)
 	assert_content("plain", "p");
 }
 
-/* ---- written directly ------------------------------------------------------------------------------------------------ */
+/* ---- written directly -------------------------------------------------------------------------------------------- */
 
 static void test_device(void **state)
 {
@@ -431,7 +431,7 @@ static void test_dash_is_standard_output(void **state)
 	assert_entries(0);
 }
 
-/* ---- failure half-way ------------------------------------------------------------------------------------------------ */
+/* ---- failure half-way -------------------------------------------------------------------------------------------- */
 
 static void test_same(void **state)
 {

@@ -1,4 +1,5 @@
-/* stilb-bench record: small runs of the real programs, goals judged from made-up numbers, and pictures that are wrong. */
+/* stilb-bench record: small runs of the real programs, goals judged from made-up numbers, and pictures that are
+ * wrong. */
 #include "support/bench_program.h"
 
 static char programs[PATH_MAX]; /* where stilb-bench and the programs beside it lie */
@@ -8,7 +9,7 @@ static int bench_code(const char *line)
 	return stilb_code(NULL, line);
 }
 
-/* ---- programs made up by a test, beside a copy of stilb-bench ------------------------------------------------------ */
+/* ---- programs made up by a test, beside a copy of stilb-bench ---------------------------------------------------- */
 
 static void copy_own(void)
 {
@@ -17,7 +18,8 @@ static void copy_own(void)
 	copy_program(path, "stilb-bench-record-own");
 }
 
-/* Runs the copy. A program that fails ends at once and frees nothing: leaks are looked for in the runs that are good. */
+/* Runs the copy. A program that fails ends at once and frees nothing: leaks are looked for in the runs that are
+ * good. */
 static int made_up_code(const char *line, const char *more)
 {
 	const char *const environment[] = {"ASAN_OPTIONS=detect_leaks=0", more, NULL};
@@ -113,7 +115,7 @@ static void test_pictures_are_the_same(void **state)
 	assert_said(run.out, "lavapipe frame / bare Vulkan");
 }
 
-/* ---- what is wrong, or not there ----------------------------------------------------------------------------------- */
+/* ---- what is wrong, or not there --------------------------------------------------------------------------------- */
 
 #define SHORT_PICTURE "record --seconds 0.01 --rounds 1 --case picture,draws --only stilb,stilb-direct --json a.json"
 
@@ -150,7 +152,7 @@ static void test_no_lavapipe(void **state)
 	assert_said(run.err, "compared with: broken");
 }
 
-/* ---- goals --------------------------------------------------------------------------------------------------------- */
+/* ---- goals ------------------------------------------------------------------------------------------------------- */
 
 /* The line of a goal ends in this verdict. */
 static void assert_goal(const char *goal, const char *verdict)
@@ -197,7 +199,7 @@ static void test_goals(void **state)
 	assert_null(strstr(run.out, "order + replay, direct")); /* nobody measured it */
 }
 
-/* ---- picture of the numbers ---------------------------------------------------------------------------------------- */
+/* ---- picture of the numbers -------------------------------------------------------------------------------------- */
 
 /* gnuplot is a stand-in: it keeps the script, and writes a word where that wants the picture. */
 static void test_plot(void **state)

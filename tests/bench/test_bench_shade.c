@@ -1,5 +1,5 @@
-/* stilb-bench shade: short runs of the real program, which holds every way of writing an evaluation against the formula in
- * double, and the goal judged from made-up numbers. */
+/* stilb-bench shade: short runs of the real program, which holds every way of writing an evaluation against the formula
+ * in double, and the goal judged from made-up numbers. */
 #include "support/bench_program.h"
 
 static const char *const names[] = {"wrapped", "phong-modified", "blinn-phong-modified", "minimalist",

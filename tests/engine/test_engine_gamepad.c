@@ -1,4 +1,5 @@
-/* The engine flown by gamepads that are made up in sockets: plugged, pulled, stalled, denied, and shaken. No device draws. */
+/* The engine flown by gamepads that are made up in sockets: plugged, pulled, stalled, denied, and shaken. No device
+ * draws. */
 #include "engine_internal.h"
 #include "support/fake_hidraw.h"
 #include "support/test.h"
@@ -104,7 +105,7 @@ static bool moved_since(const stilb_input_pose *before)
 	return memcmp(&now, before, sizeof now) != 0;
 }
 
-/* ---- plugged and pulled --------------------------------------------------------------------------------------------- */
+/* ---- plugged and pulled ------------------------------------------------------------------------------------------ */
 
 static void plugged_it_flies_pulled_it_stops(void **state)
 {
@@ -179,7 +180,7 @@ static void a_stalled_frame_loses_nothing(void **state)
 	assert_true(report.times.pad == 0.0); /* none came since */
 }
 
-/* ---- who flies ------------------------------------------------------------------------------------------------------- */
+/* ---- who flies --------------------------------------------------------------------------------------------------- */
 
 static void the_program_may_move_the_camera(void **state)
 {
@@ -207,7 +208,7 @@ static void the_program_may_move_the_camera(void **state)
 	assert_true(camera->position[1] == 33.0f);
 }
 
-/* ---- permission ------------------------------------------------------------------------------------------------------ */
+/* ---- permission -------------------------------------------------------------------------------------------------- */
 
 static void a_denied_pad_is_named_until_it_is_granted(void **state)
 {
@@ -237,7 +238,7 @@ static void a_denied_pad_is_named_until_it_is_granted(void **state)
 	expect_reports(1);
 }
 
-/* ---- captures -------------------------------------------------------------------------------------------------------- */
+/* ---- captures ---------------------------------------------------------------------------------------------------- */
 
 /* Runs frames until one wants a capture. */
 static void expect_capture(void)
@@ -279,7 +280,7 @@ static void a_pad_that_captures_shakes(void **state)
 	unlink(path);
 }
 
-/* ---- the profiler ---------------------------------------------------------------------------------------------------- */
+/* ---- the profiler ------------------------------------------------------------------------------------------------ */
 
 /* A report's way is an arrow from the pad's thread to the frame, how long it took is two curves. */
 static void reports_are_seen_in_the_profile(void **state)
@@ -319,7 +320,7 @@ static void reports_are_seen_in_the_profile(void **state)
 	assert_true(readers > 0);
 }
 
-/* ---- ends ------------------------------------------------------------------------------------------------------------ */
+/* ---- ends -------------------------------------------------------------------------------------------------------- */
 
 static void what_cannot_start_says_why(void **state)
 {

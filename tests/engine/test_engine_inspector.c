@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* ---- a user -------------------------------------------------------------------------------------------------------- */
+/* ---- a user ------------------------------------------------------------------------------------------------------ */
 
 static stilb_ui *ui;
 static stilb_ui_input input;
@@ -73,7 +73,8 @@ static float across(float share)
 	return inspector.place.x0 + share * (inspector.place.x1 - inspector.place.x0);
 }
 
-/* Clicks along a line from below the title down to `end` of the panel's height; each time from the default, or Lambert. */
+/* Clicks along a line from below the title down to `end` of the panel's height; each time from the default, or
+ * Lambert. */
 static void click_down(float share, float end, bool lambert, void (*look)(void))
 {
 	const float height = inspector.place.y1 - inspector.place.y0;
@@ -86,7 +87,7 @@ static void click_down(float share, float end, bool lambert, void (*look)(void))
 	}
 }
 
-/* ---- choosing ------------------------------------------------------------------------------------------------------ */
+/* ---- choosing ---------------------------------------------------------------------------------------------------- */
 
 static uint32_t seen[5][SHADE_BRDF_COUNT + SHADE_G_COUNT];
 
@@ -156,7 +157,8 @@ static float wrap_then_anisotropy(uint32_t brdf, uint32_t ndf)
 	return shading.wrap + 10.0f * shading.anisotropy;
 }
 
-/* Who chooses what shows nothing with the materials' own numbers gets some; it goes with the choice, unless it was set. */
+/* Who chooses what shows nothing with the materials' own numbers gets some; it goes with the choice, unless it was
+ * set. */
 static void test_a_choice_can_be_seen(void **state)
 {
 	(void)state;
@@ -218,7 +220,7 @@ static void test_keys(void **state)
 	assert_int_equal(shading.brdf, SHADE_BRDF_LAMBERT);
 }
 
-/* ---- sliders ------------------------------------------------------------------------------------------------------- */
+/* ---- sliders ----------------------------------------------------------------------------------------------------- */
 
 static uint32_t moved[4];
 
@@ -254,7 +256,7 @@ static void test_sliders(void **state)
 	assert_memory_equal(&shading, &at_first, sizeof shading);
 }
 
-/* ---- the window ---------------------------------------------------------------------------------------------------- */
+/* ---- the window -------------------------------------------------------------------------------------------------- */
 
 static void test_window(void **state)
 {
@@ -326,7 +328,8 @@ static void each_word_of_column(float share)
 		}
 }
 
-/* In a small picture lists scroll: each word, each slider, the button and the box that closes it can still be clicked. */
+/* In a small picture lists scroll: each word, each slider, the button and the box that closes it can still be
+ * clicked. */
 static void test_small_picture(void **state)
 {
 	(void)state;
@@ -386,7 +389,8 @@ static void test_chosen_is_in_view(void **state)
 	assert_false(list_shows(2 + 1, SHADE_G_IMPLICIT, 3.0f));
 }
 
-/* Pictures that the window does not fit in, and numbers that a lobe has not: nothing of it is drawn wrong or crashes. */
+/* Pictures that the window does not fit in, and numbers that a lobe has not: nothing of it is drawn wrong or
+ * crashes. */
 static void test_small_and_odd(void **state)
 {
 	(void)state;

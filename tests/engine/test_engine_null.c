@@ -1,5 +1,5 @@
-/* The engine on the null device: frames are the same for any number of workers, and what fails leaves nothing behind. The
- * linker sends allocations here (--wrap). */
+/* The engine on the null device: frames are the same for any number of workers, and what fails leaves nothing behind.
+ * The linker sends allocations here (--wrap). */
 #include "engine_internal.h"
 #include "support/render_reference.h"
 #include "support/test.h"
@@ -11,7 +11,7 @@
 #define MODELS 3000u
 #define FRAMES 6
 
-/* ---- memory that runs out -------------------------------------------------------------------------------------------- */
+/* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
 /* Relaxed: a counter, orders nothing. */
 static _Atomic int64_t allocations_left = INT64_MAX;
@@ -41,7 +41,7 @@ void *__wrap_calloc(size_t count, size_t size)
 	return allocation_granted() ? __real_calloc(count, size) : NULL;
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------------------------ */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static stilb_engine_desc null_desc(uint32_t workers)
 {
@@ -247,9 +247,10 @@ static void formulas_are_part_of_the_stream(void **state)
 	stilb_engine_destroy(engine);
 }
 
-/* ---- the tables ---------------------------------------------------------------------------------------------------------- */
+/* ---- the tables -------------------------------------------------------------------------------------------------- */
 
-/* Frame.c runs what the tables say: here a second view from elsewhere, drawn before the first one, and the first again. */
+/* Frame.c runs what the tables say: here a second view from elsewhere, drawn before the first one, and the first
+ * again. */
 static void the_tables_drive_the_frame(void **state)
 {
 	(void)state;
@@ -279,7 +280,7 @@ static void the_tables_drive_the_frame(void **state)
 	stilb_engine_destroy(engine);
 }
 
-/* ---- ends ---------------------------------------------------------------------------------------------------------------- */
+/* ---- ends -------------------------------------------------------------------------------------------------------- */
 
 static void destroy_at_any_time(void **state)
 {

@@ -3,7 +3,7 @@
 
 #define SMALL "demo --headless --device null --models 400 --size 320x180 --frames 5 "
 
-/* ---- words ----------------------------------------------------------------------------------------------------------- */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 static void test_help_and_version(void **state)
 {
@@ -79,7 +79,7 @@ static void test_info(void **state)
 	assert_int_equal(folder_entries(), 1);
 }
 
-/* ---- refused --------------------------------------------------------------------------------------------------------- */
+/* ---- refused ----------------------------------------------------------------------------------------------------- */
 
 /* What is wrong, and a word that the line about it must have. */
 static const char *const refusals[][2] = {
@@ -237,7 +237,7 @@ static void test_no_driver(void **state)
 	assert_string_equal(run.err, "");
 }
 
-/* ---- what it writes -------------------------------------------------------------------------------------------------- */
+/* ---- what it writes ---------------------------------------------------------------------------------------------- */
 
 static void test_full_disk(void **state)
 {
@@ -401,7 +401,7 @@ static void test_views(void **state)
 	assert_in_range(visible[2], 50, 200);
 }
 
-/* ---- interrupts ------------------------------------------------------------------------------------------------------ */
+/* ---- interrupts -------------------------------------------------------------------------------------------------- */
 
 static void test_interrupts_end_it_well(void **state)
 {

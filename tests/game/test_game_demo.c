@@ -49,7 +49,7 @@ static int colours(void)
 	return count;
 }
 
-/* ---- the same from any number of workers ----------------------------------------------------------------------------- */
+/* ---- the same from any number of workers ------------------------------------------------------------------------- */
 
 static const char *const ways[] = {"--workers 0",
                                    "--workers 0", /* again */
@@ -111,7 +111,7 @@ static void test_same_picture_and_draws_with_samples(void **state)
 	assert_false(same_picture("one.png"));
 }
 
-/* ---- flags that change the picture ----------------------------------------------------------------------------------- */
+/* ---- flags that change the picture ------------------------------------------------------------------------------- */
 
 static void test_flags_change_the_picture(void **state)
 {
@@ -130,7 +130,7 @@ static void test_flags_change_the_picture(void **state)
 	assert_int_equal(picture.width * picture.height, 1);
 }
 
-/* ---- formulas and lights --------------------------------------------------------------------------------------------- */
+/* ---- formulas and lights ----------------------------------------------------------------------------------------- */
 
 #define SHADED "demo --headless --models 100 --size 200x150 --frames 2 "
 
@@ -340,7 +340,7 @@ static void test_show_of_a_trace(void **state)
 	assert_said(run.err, "--screenshot FILE draws without a window");
 }
 
-/* ---- files ----------------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 static void test_stats_and_trace(void **state)
 {
@@ -377,7 +377,7 @@ static void test_full_disk(void **state)
 	assert_int_equal(folder_entries(), 4);
 }
 
-/* ---- surroundings ---------------------------------------------------------------------------------------------------- */
+/* ---- surroundings ------------------------------------------------------------------------------------------------ */
 
 static void test_without_a_display(void **state)
 {

@@ -1,4 +1,5 @@
-/* The X server dies under stilb demo and stilb render --preview: they go on without it, and write what was asked for. */
+/* The X server dies under stilb demo and stilb render --preview: they go on without it, and write what was asked
+ * for. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 #include "support/x11_server.h"
@@ -88,7 +89,7 @@ static void test_demo_with_frames_to_draw_goes_on(void **state)
 	assert_true(stat_int("frames") > atoll(after + strlen("the display has gone after ")));
 }
 
-/* ---- pictures ------------------------------------------------------------------------------------------------------ */
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
 static bool await_whole(const char *path)
 {
@@ -101,8 +102,8 @@ static bool await_whole(const char *path)
 	return false;
 }
 
-/* Each picture that F12 takes is a file of its own, beside what was there and what the end of the run writes; and its frame is
- * explained in the trace. */
+/* Each picture that F12 takes is a file of its own, beside what was there and what the end of the run writes; and its
+ * frame is explained in the trace. */
 static void test_pictures_are_numbered(void **state)
 {
 	(void)state;

@@ -1,5 +1,6 @@
-/* stilb where the machine refuses: too few threads, too little memory, one allocation that fails. It never crashes, says
- * the reason in one line, and writes what --stats promised. The second argument is support/failing_preload.c as a library. */
+/* stilb where the machine refuses: too few threads, too little memory, one allocation that fails. It never crashes,
+ * says the reason in one line, and writes what --stats promised. The second argument is support/failing_preload.c as a
+ * library. */
 #include "support/stilb_program.h"
 
 #include <sys/resource.h>

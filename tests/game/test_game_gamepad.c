@@ -10,7 +10,7 @@
 #define FLIGHT "demo --headless --device null --models 100 --workers 0 "
 #define MS 1000
 
-/* ---- recordings ------------------------------------------------------------------------------------------------------ */
+/* ---- recordings -------------------------------------------------------------------------------------------------- */
 
 /* A DualShock 4 over USB: bytes 1 to 4 are the sticks, 5 and 6 the buttons, 8 and 9 the triggers. */
 static stilb_input_recorder *recorder;
@@ -108,7 +108,7 @@ static void record_flight(const char *path)
 	recorded();
 }
 
-/* ---- tracks ---------------------------------------------------------------------------------------------------------- */
+/* ---- tracks ------------------------------------------------------------------------------------------------------ */
 
 typedef struct track_line {
 	uint64_t frame;
@@ -223,7 +223,7 @@ static void test_every_run_is_the_same(void **state)
 		assert_memory_equal(track[i].place, track[0].place, 5 * sizeof(double));
 }
 
-/* ---- what may happen to a pad ------------------------------------------------------------------------------------------ */
+/* ---- what may happen to a pad ------------------------------------------------------------------------------------ */
 
 static void test_pulled_in_flight(void **state)
 {
@@ -286,7 +286,7 @@ static void test_corrupt_reports(void **state)
 		assert_memory_equal(track[i].place, track[0].place, 5 * sizeof(double));
 }
 
-/* ---- buttons --------------------------------------------------------------------------------------------------------- */
+/* ---- buttons ----------------------------------------------------------------------------------------------------- */
 
 static void test_buttons(void **state)
 {
@@ -314,7 +314,7 @@ static void test_buttons(void **state)
 	assert_int_equal(folder_entries(), 5);
 }
 
-/* ---- what is refused ------------------------------------------------------------------------------------------------- */
+/* ---- what is refused --------------------------------------------------------------------------------------------- */
 
 static void refused(const char *line, int code, const char *words)
 {

@@ -24,7 +24,7 @@ static const input_test_descriptor *ds4_usb(void)
 	return find(3, 0x054c, 0x05c4);
 }
 
-/* ---- words --------------------------------------------------------------------------------------------------------- */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 static void test_help(void **state)
 {
@@ -110,7 +110,7 @@ static void test_refusals(void **state)
 	}
 }
 
-/* ---- descriptors --------------------------------------------------------------------------------------------------- */
+/* ---- descriptors ------------------------------------------------------------------------------------------------- */
 
 static void test_describe(void **state)
 {
@@ -183,7 +183,7 @@ static void test_describe_keyboard(void **state)
 	stat_text("why_not", '"');
 }
 
-/* ---- recordings ---------------------------------------------------------------------------------------------------- */
+/* ---- recordings -------------------------------------------------------------------------------------------------- */
 
 /* DualShock 4 reports at rest but for what is given, every 10 ms from the start on. */
 static void write_recording(const char *path, int reports)
@@ -282,8 +282,8 @@ static void test_replay_json(void **state)
 	assert_int_equal(stat_int("corrupt"), 0);
 }
 
-/* What is not a gamepad: said, and no success. Pads without a path or a name, and one whose descriptor is none but that is
- * known by its numbers. */
+/* What is not a gamepad: said, and no success. Pads without a path or a name, and one whose descriptor is none but that
+ * is known by its numbers. */
 static void test_replay_others(void **state)
 {
 	(void)state;
@@ -369,7 +369,7 @@ static void test_closed_pipe(void **state)
 	assert_said(run.err, "standard output");
 }
 
-/* ---- the terminal -------------------------------------------------------------------------------------------------- */
+/* ---- the terminal ------------------------------------------------------------------------------------------------ */
 
 /* Runs stilb in a terminal of 24 lines, interrupts it when it has drawn `until`, and returns what it drew. */
 static const char *terminal_run(const char *words, const char *until, int *status)

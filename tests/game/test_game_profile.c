@@ -3,7 +3,8 @@
 
 #define SMALL "demo --headless --device null --models 400 --size 320x180 "
 
-/* Frames of a good fraction of a millisecond: short ones are forgotten before a thread of low priority can write them. */
+/* Frames of a good fraction of a millisecond: short ones are forgotten before a thread of low priority can write
+ * them. */
 #define LARGE "demo --headless --device null --models 10000 --size 320x180 --workers 0 --replay direct "
 
 static trace_check_report trace;
@@ -39,7 +40,7 @@ static bool await_file(const char *path)
 	return false;
 }
 
-/* ---- traces ---------------------------------------------------------------------------------------------------------- */
+/* ---- traces ------------------------------------------------------------------------------------------------------ */
 
 /* What every thread did is there: stages, jobs with their arrows, sleep. */
 static void test_trace_tells_all(void **state)
@@ -91,7 +92,7 @@ static void test_no_profile(void **state)
 	assert_int_equal(stat_int("frames"), 5);
 }
 
-/* ---- captures -------------------------------------------------------------------------------------------------------- */
+/* ---- captures ---------------------------------------------------------------------------------------------------- */
 
 static void test_slow_frame_is_captured(void **state)
 {

@@ -7,7 +7,7 @@
 static const char *said(const stilb_gi_progress *at)
 {
 	static char text[64];
-	render_progress_samples(at, text, sizeof text);
+	offline_progress_samples(at, text, sizeof text);
 	return text;
 }
 
@@ -39,9 +39,9 @@ static void test_a_line_of_progress(void **state)
 	                              .block = 4,
 	                              .stage = "pass 5",
 	                              .done = 0.06};
-	render_progress progress = {0};
+	offline_progress progress = {0};
 	char text[192];
-	render_progress_words(&progress, RENDER_RENDERING, &at, text, sizeof text);
+	offline_progress_words(&progress, RENDER_RENDERING, &at, text, sizeof text);
 	assert_non_null(strstr(text, "6 %, pass 5, 16 samples in 1 of 16 pixels, 0.00 Mrays/s, "));
 }
 

@@ -1,5 +1,5 @@
-/* stilb render as a user types it: pictures, numbers, refusals, signals, disks that are full, and what a terminal shows. The
- * argument "long" asks for what takes its time. */
+/* stilb render as a user types it: pictures, numbers, refusals, signals, disks that are full, and what a terminal
+ * shows. The argument "long" asks for what takes its time. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 

@@ -1,4 +1,5 @@
-/* stilb render --preview on a virtual display: the window shows the picture while it gets finer, and closing it stops and saves. */
+/* stilb render --preview on a virtual display: the window shows the picture while it gets finer, and closing it stops
+ * and saves. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 #include "support/x11_window.h"

@@ -1,5 +1,5 @@
-/* Files of any bytes under the names .png, .exr and .hdr: stilb_image_load never crashes and returns a picture or a reason. It
- * starts from pictures that stilb_image_save made. */
+/* Files of any bytes under the names .png, .exr and .hdr: stilb_image_load never crashes and returns a picture or a
+ * reason. It starts from pictures that stilb_image_save made. */
 #include "image/image.h"
 
 #include <stdio.h>
@@ -40,8 +40,8 @@ static void make_seed(const char *seeds, uint32_t channels, stilb_image_format f
 	fclose(stream);
 }
 
-/* The last argument is the folder of the seeds, which the fuzzer reads after this and adds to; the file to load lies beside
- * it. */
+/* The last argument is the folder of the seeds, which the fuzzer reads after this and adds to; the file to load lies
+ * beside it. */
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
 	const char *seeds = (*argv)[*argc - 1];

@@ -209,7 +209,7 @@ static void first_row_is_the_top(void **state)
 	stilb_image_finish(&back);
 }
 
-/* ---- conversions --------------------------------------------------------------------------------------------------- */
+/* ---- conversions ------------------------------------------------------------------------------------------------- */
 
 static void linear_becomes_srgb_in_png(void **state)
 {
@@ -295,7 +295,7 @@ static void exr_is_not_clamped(void **state)
 	stilb_image_finish(&back);
 }
 
-/* ---- same picture, same bytes -------------------------------------------------------------------------------------- */
+/* ---- same picture, same bytes ------------------------------------------------------------------------------------ */
 
 static bool holds(const unsigned char *data, size_t size, const char *text)
 {
@@ -332,7 +332,7 @@ static void same_bytes_twice(void **state)
 	stilb_image_finish(&image);
 }
 
-/* ---- refusals ------------------------------------------------------------------------------------------------------ */
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void refused(const stilb_image *image, const char *path, stilb_result result, const char *why)
 {
@@ -423,7 +423,7 @@ static void bad_sizes_are_refused(void **state)
 	stilb_image_finish(NULL);
 }
 
-/* ---- reading what is not there or not whole -------------------------------------------------------------------------- */
+/* ---- reading what is not there or not whole ---------------------------------------------------------------------- */
 
 static void load_fails(const char *path, stilb_result result, const char *why)
 {
@@ -489,8 +489,8 @@ static void damaged_files_are_refused(void **state)
 	load_fails(in_folder("bit.png"), STILB_ERROR_FILE, "damaged");
 }
 
-/* An EXR whose table of rows points before the file. The table follows the header, which a lone zero byte ends after the
- * last attribute, the 4-byte float screenWindowWidth. */
+/* An EXR whose table of rows points before the file. The table follows the header, which a lone zero byte ends after
+ * the last attribute, the 4-byte float screenWindowWidth. */
 static void rows_before_the_file_are_refused(void **state)
 {
 	(void)state;
@@ -536,7 +536,7 @@ static void huge_claims_are_refused(void **state)
 	load_fails(in_folder("huge.png"), STILB_ERROR_FILE, "65537 x 1");
 }
 
-/* ---- HDR ----------------------------------------------------------------------------------------------------------- */
+/* ---- HDR --------------------------------------------------------------------------------------------------------- */
 
 /* Widths that are coded pixel by pixel, in runs, and in runs of more than 127; each value within half a step of 2^-8 of
  * its pixel's largest. */
@@ -591,7 +591,7 @@ static void hdr_holds_no_alpha_and_nothing_odd(void **state)
 	stilb_image_finish(&back);
 }
 
-/* ---- what is loaded ------------------------------------------------------------------------------------------------ */
+/* ---- what is loaded ---------------------------------------------------------------------------------------------- */
 
 /* Our own formats need no OpenImageIO, which brings 260 libraries. */
 static void no_large_library_is_loaded(void **state)

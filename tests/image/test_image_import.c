@@ -121,8 +121,8 @@ static void files_are_read_from_disk(void **state)
 	free(bytes);
 }
 
-/* The eight orders in which a Radiance file may list the pixels: the top left is light 1, to its right 2, below it 4; and
- * a run of old files, of pixels that are like the one before. */
+/* The eight orders in which a Radiance file may list the pixels: the top left is light 1, to its right 2, below it 4;
+ * and a run of old files, of pixels that are like the one before. */
 static void hdr_of_every_order(void **state)
 {
 	(void)state;

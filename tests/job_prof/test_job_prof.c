@@ -1,4 +1,5 @@
-/* What the profiler sees of a pool with the hooks of job_prof.h: names, jobs, loops, waits, sleep; and a pool of another name. */
+/* What the profiler sees of a pool with the hooks of job_prof.h: names, jobs, loops, waits, sleep; and a pool of
+ * another name. */
 #include <stilb/job_prof.h>
 #include <stilb/prof_snapshot.h>
 
@@ -96,7 +97,8 @@ static void spin(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 		__asm__ volatile("" ::: "memory");
 }
 
-/* Whether the worker comes in time for a loop is up to the machine, so there is a loop after the other until it does. */
+/* Whether the worker comes in time for a loop is up to the machine, so there is a loop after the other until it
+ * does. */
 static void help_with_a_loop_is_a_job(void **state)
 {
 	(void)state;

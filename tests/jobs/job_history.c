@@ -66,8 +66,8 @@ static int by_push_end(const void *left, const void *right)
 	return (a->push.end > b->push.end) - (a->push.end < b->push.end);
 }
 
-/* Goes through the values in the order in which their pushes began, and beside them through those whose pushes were over
- * by then: the latest pop of the second must not lie after the pop of the first. */
+/* Goes through the values in the order in which their pushes began, and beside them through those whose pushes were
+ * over by then: the latest pop of the second must not lie after the pop of the first. */
 static bool overtaken(life *lives, life *ended, uint32_t count)
 {
 	qsort(lives, count, sizeof *lives, by_push_begin);
@@ -84,9 +84,9 @@ static bool overtaken(life *lives, life *ended, uint32_t count)
 	return false;
 }
 
-/* A value is in the queue for certain from the end of its push to the begin of its pop. What these spans cover together,
- * as spans that do not touch, in order; returns how many. A moment at which one ends and the next begins is not
- * covered: there the pop may come before the push. */
+/* A value is in the queue for certain from the end of its push to the begin of its pop. What these spans cover
+ * together, as spans that do not touch, in order; returns how many. A moment at which one ends and the next begins is
+ * not covered: there the pop may come before the push. */
 static uint32_t cover(const life *lives, uint32_t count, span *covered)
 {
 	uint32_t certain = 0, joined = 0;

@@ -4,8 +4,8 @@
  * answers as a FIFO queue used by one thread would?
  *
  * How. With values pushed once each, a run is linearisable exactly if it shows none of four violations (Henzinger,
- * Sezgin, Vafeiadis, "Aspect-Oriented Linearizability Proofs", CONCUR 2013). Each is found by sorting: n log n for a run
- * of n calls, where the search for an order takes exponential time in general.
+ * Sezgin, Vafeiadis, "Aspect-Oriented Linearizability Proofs", CONCUR 2013). Each is found by sorting: n log n for a
+ * run of n calls, where the search for an order takes exponential time in general.
  */
 #ifndef JOB_HISTORY_H
 #define JOB_HISTORY_H
@@ -34,8 +34,8 @@ typedef enum history_violation {
 	HISTORY_NO_MEMORY    /* not checked */
 } history_violation;
 
-/* A stamp. Stamps agree with real time over all threads: what a thread did before it took one has happened for everybody
- * who takes a later one. [any-thread] */
+/* A stamp. Stamps agree with real time over all threads: what a thread did before it took one has happened for
+ * everybody who takes a later one. [any-thread] */
 uint64_t history_now(void);
 
 /* Values are below value_limit; the calls may come in any order. [any-thread] */

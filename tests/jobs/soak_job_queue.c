@@ -1,6 +1,6 @@
 /*
- * A long run of each kind of queue: every item comes out exactly once, and those of one producer in order. Run it before
- * a release, or after a change to a queue: `cmake --build --preset release --target soak`.
+ * A long run of each kind of queue: every item comes out exactly once, and those of one producer in order. Run it
+ * before a release, or after a change to a queue: `cmake --build --preset release --target soak`.
  */
 #include <errno.h>
 #include <pthread.h>

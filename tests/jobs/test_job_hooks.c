@@ -1,5 +1,5 @@
-/* What the pool tells through its hooks: which job runs where and who submitted it, who helps with which loop, who waits, who
- * steals. For no, one, two and too many workers and for both kinds of shared queues. */
+/* What the pool tells through its hooks: which job runs where and who submitted it, who helps with which loop, who
+ * waits, who steals. For no, one, two and too many workers and for both kinds of shared queues. */
 #include "job_pool_fixture.h"
 
 enum { DEEPEST = 8, OUTSIDE = MOST_THREADS };

@@ -163,8 +163,8 @@ static void test_nobody_is_forgotten(void **state)
 	assert_int_equal(atomic_load_explicit(&shared.lock.held, memory_order_relaxed), 0); /* relaxed: all joined */
 }
 
-/* Waiters are woken, and do not only get up when their longest sleep is over: that would be 2 ms after the lock is given
- * here, or later. */
+/* Waiters are woken, and do not only get up when their longest sleep is over: that would be 2 ms after the lock is
+ * given here, or later. */
 static void test_a_waiter_is_woken(void **state)
 {
 	(void)state;

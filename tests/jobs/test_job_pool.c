@@ -25,7 +25,7 @@ static void count_up(counter *value)
 	atomic_fetch_add_explicit(value, 1, memory_order_relaxed);
 }
 
-/* ---- failures on demand: linked with -Wl,--wrap=pthread_create,--wrap=malloc,--wrap=aligned_alloc ----------------- */
+/* ---- failures on demand: linked with -Wl,--wrap=pthread_create,--wrap=malloc,--wrap=aligned_alloc ---------------- */
 
 static uint32_t threads_to_grant = UINT32_MAX;
 static bool out_of_memory;

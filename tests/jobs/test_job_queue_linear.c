@@ -1,7 +1,7 @@
 /*
  * Linearisability of every kind of queue: threads record what they did and when, job_history looks for an order that a
- * FIFO allows. And of the checker itself: it must agree with a search through all orders on small runs, and find what is
- * wrong with queues that are broken on purpose.
+ * FIFO allows. And of the checker itself: it must agree with a search through all orders on small runs, and find what
+ * is wrong with queues that are broken on purpose.
  *
  * test_job_queue_linear [OPERATIONS]: pushes and pops per run; those that found the queue empty come on top.
  */
@@ -472,8 +472,8 @@ typedef struct search {
 	uint32_t fifo[8], head, tail;
 } search;
 
-/* Wing and Gong, "Testing and Verifying Concurrent Objects", Journal of Parallel and Distributed Computing 17, 1993: next
- * comes any call that began before all others that are left ended. */
+/* Wing and Gong, "Testing and Verifying Concurrent Objects", Journal of Parallel and Distributed Computing 17, 1993:
+ * next comes any call that began before all others that are left ended. */
 static bool some_order(search s)
 {
 	uint64_t first_end = UINT64_MAX;
@@ -499,7 +499,8 @@ static bool some_order(search s)
 	return s.done == (1u << s.count) - 1;
 }
 
-/* Calls in any places of time, values pushed once. Half of the runs do what some FIFO did, but for one change at most. */
+/* Calls in any places of time, values pushed once. Half of the runs do what some FIFO did, but for one change at
+ * most. */
 static uint32_t random_run(uint64_t *random, history_op *ops)
 {
 	uint32_t count = 2 + (uint32_t)(next_random(random) % 6), pushed = 0, popped = 0;

@@ -1,12 +1,14 @@
 /*
  * Threads that stand still at any instruction of a push or a pop: a signal handler waits there for a byte from a pipe.
  * With a lock-free queue the others go on meanwhile, be it only one that is left. With the other kinds they may have to
- * wait, but go on when the stopped ones do; that they do have to wait now and then shows that threads are stopped where it
- * matters.
+ * wait, but go on when the stopped ones do; that they do have to wait now and then shows that threads are stopped where
+ * it matters.
  *
- * No result depends on how fast the machine is: progress is waited for, and only its absence for PATIENCE_S is a failure.
+ * No result depends on how fast the machine is: progress is waited for, and only its absence for PATIENCE_S is a
+ * failure.
  *
- * test_job_queue_stall [ROUNDS]: with ROUNDS, so many, and on all kinds of queue; without, a few on those of the library.
+ * test_job_queue_stall [ROUNDS]: with ROUNDS, so many, and on all kinds of queue; without, a few on those of the
+ * library.
  */
 #include <errno.h>
 #include <pthread.h>

@@ -1,7 +1,7 @@
 /*
  * Crowds of threads on every kind of queue: every item comes out once, those of one producer in order, and what the
- * producer wrote before it pushed is there after the pop. The items' targets are plain memory: under the thread sanitizer
- * an order that is missing in the queue is a race there.
+ * producer wrote before it pushed is there after the pop. The items' targets are plain memory: under the thread
+ * sanitizer an order that is missing in the queue is a race there.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -140,7 +140,8 @@ static void receive(member *self, parcel *got)
 	uint32_t *newest = &self->newest[got->producer % SIDE_MOST];
 	self->disorder += got->number < *newest;
 	*newest = got->number + 1;
-	/* In this style the one consumer sees all: after an item that does not end a push comes the next of the same push. */
+	/* In this style the one consumer sees all: after an item that does not end a push comes the next of the same
+	 * push. */
 	self->tears += self->crowd->style == WHOLE && self->next_whole && self->next_whole != got;
 	self->next_whole = (got->number + 1) % BATCH && got->number + 1 < self->crowd->each ? got + 1 : NULL;
 	got->popped++;
@@ -294,8 +295,8 @@ static void test_close_under_load(void **state)
 	}
 }
 
-/* Threads come and go; numbers pass from those that were joined to new ones that may do something else, with or without a
- * rest in between. What is left in the queue comes out in the next generation. */
+/* Threads come and go; numbers pass from those that were joined to new ones that may do something else, with or without
+ * a rest in between. What is left in the queue comes out in the next generation. */
 static void test_numbers_reused(void **state)
 {
 	(void)state;
@@ -344,7 +345,7 @@ static void test_whole_pushes(void **state)
 	crowd_finish(&all, members);
 }
 
-/* ---- one CPU for two threads: who wakes up interrupts the other anywhere, and then does several things at once ---- */
+/* ---- one CPU for two threads: who wakes up interrupts the other anywhere, and then does several things at once --- */
 
 typedef struct pair {
 	stilb_job_queue *queue;

@@ -1,13 +1,13 @@
 /*
- * What a wait does and does not do meanwhile, and the failures that systems of jobs are known for: the lost wake-up, the full
- * queue while everybody sleeps, waiting on a thread that never runs, the deadlock with one worker. All of them show as a
- * test that does not end: those that can, give up after ten seconds, the others run into the time limit.
+ * What a wait does and does not do meanwhile, and the failures that systems of jobs are known for: the lost wake-up,
+ * the full queue while everybody sleeps, waiting on a thread that never runs, the deadlock with one worker. All of them
+ * show as a test that does not end: those that can, give up after ten seconds, the others run into the time limit.
  */
 #include "job_pool_fixture.h"
 
 #include <stdlib.h>
 
-/* ---- out of memory on demand: linked with -Wl,--wrap= of each of these -------------------------------------------- */
+/* ---- out of memory on demand: linked with -Wl,--wrap= of each of these ------------------------------------------- */
 
 static _Atomic bool out_of_memory; /* relaxed: tests set it while the pool is asleep or busy elsewhere */
 

@@ -1,7 +1,7 @@
 /*
- * A long run of the profiler as a program uses it: three threads record at sixty frames a second, one of them ends and begins
- * again all the time, every frame a snapshot of the last two is taken as an overlay does, and now and then a capture is
- * written. Memory must not grow: `cmake --build --preset release --target soak-profiler` runs an hour.
+ * A long run of the profiler as a program uses it: three threads record at sixty frames a second, one of them ends and
+ * begins again all the time, every frame a snapshot of the last two is taken as an overlay does, and now and then a
+ * capture is written. Memory must not grow: `cmake --build --preset release --target soak-profiler` runs an hour.
  */
 #include "profiler/prof.h"
 #include "profiler/prof_capture.h"
@@ -120,7 +120,8 @@ static void frame_run(unsigned frame, struct timespec *due, stilb_prof_snapshot 
 	stilb_prof_frame_mark();
 	atomic_store_explicit(&soak.frame, frame, memory_order_release); /* pairs with wait_for_frame */
 	record();
-	/* Once all that is held: a snapshot's memory grows with the largest one, which depends on how the machine stalls. */
+	/* Once all that is held: a snapshot's memory grows with the largest one, which depends on how the machine
+	 * stalls. */
 	const stilb_prof_window window = {.last_frames = frame == ALL_FRAME ? 0 : 2};
 	if (stilb_prof_snapshot_take(snapshot, &window) != 0)
 		atomic_fetch_add_explicit(&soak.failures, 1, memory_order_relaxed);

@@ -1,5 +1,5 @@
-/* STILB_PROFILE_OFF leaves nothing behind: the code of an object with macros is that of an object without. The arguments
- * are the objects of test_prof_off_object.c: on, off, none. */
+/* STILB_PROFILE_OFF leaves nothing behind: the code of an object with macros is that of an object without. The
+ * arguments are the objects of test_prof_off_object.c: on, off, none. */
 #include "support/test.h"
 
 #include <elf.h>

@@ -896,8 +896,8 @@ static void no_memory(void **state)
 	assert_int_equal(s.flow_count, 150);
 }
 
-/* Counters and flows in such a number that the array of points (or of marks) grows, and so moves, for the same event for
- * which the array of labels does: both arrays begin with room for 64, the labels' with one place kept free. */
+/* Counters and flows in such a number that the array of points (or of marks) grows, and so moves, for the same event
+ * for which the array of labels does: both arrays begin with room for 64, the labels' with one place kept free. */
 #define GROWING_LABELS 64
 static const stilb_prof_site growing_counters[GROWING_LABELS] STILB_PROF_SECTION_ = {
 	[0 ... GROWING_LABELS - 1] = STILB_PROF_SITE_INIT_("counter", "", 0, STILB_PROF_KIND_COUNTER)};

@@ -1039,8 +1039,8 @@ static void two_write_the_same_file(void **state)
 	assert_int_equal(count_files(), 1);
 }
 
-/* A process that is killed in the middle leaves its file there, and the next file of that name removes it; not before, not
- * that of another name, nor anything else that is called nearly so. */
+/* A process that is killed in the middle leaves its file there, and the next file of that name removes it; not before,
+ * not that of another name, nor anything else that is called nearly so. */
 static void what_a_killed_process_left_is_removed(void **state)
 {
 	(void)state;

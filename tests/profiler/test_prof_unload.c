@@ -1,4 +1,5 @@
-/* A thread outlives a shared object in which it recorded zones: nothing of the profiler there is called when it exits. */
+/* A thread outlives a shared object in which it recorded zones: nothing of the profiler there is called when it
+ * exits. */
 #include <dlfcn.h>
 #include <pthread.h>
 #include <semaphore.h>

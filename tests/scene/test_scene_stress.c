@@ -35,7 +35,7 @@ static bool model_vertex(const stilb_scene *scene, uint32_t m, uint32_t v, float
 	return false;
 }
 
-/* ---- meshes ---------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
 static int compare_u64(const void *a, const void *b)
 {
@@ -147,7 +147,7 @@ static void test_plane_mesh(void **state)
 	stilb_scene_mesh_finish(&mesh); /* {0} is fine */
 }
 
-/* ---- materials ------------------------------------------------------------------------------------------------------- */
+/* ---- materials --------------------------------------------------------------------------------------------------- */
 
 static void assert_energy(const stilb_scene_material *material)
 {
@@ -186,7 +186,7 @@ static void test_material_make(void **state)
 	assert_true(stilb_scene_material_make(most, some, 1e9f).roughness == 1.0f);
 }
 
-/* ---- the grid -------------------------------------------------------------------------------------------------------- */
+/* ---- the grid ---------------------------------------------------------------------------------------------------- */
 
 static const uint32_t grid_counts[] = {1, 2, 3, 4, 5, 7, 9, 10, 99, 100, 101, 1000, 9999, 10000, 10001};
 #define GRID_COUNTS (sizeof grid_counts / sizeof *grid_counts)
@@ -343,7 +343,7 @@ static void test_lights(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- bounds and animation -------------------------------------------------------------------------------------------- */
+/* ---- bounds and animation ---------------------------------------------------------------------------------------- */
 
 /* Around every vertex, and no bigger than it must be. */
 static void assert_bounds(const stilb_scene *scene, uint32_t m)
@@ -416,7 +416,7 @@ static void test_animate_is_a_function_of_time(void **state)
 	stilb_scene_destroy(often);
 }
 
-/* ---- cameras --------------------------------------------------------------------------------------------------------- */
+/* ---- cameras ----------------------------------------------------------------------------------------------------- */
 
 static const float aspects[] = {0.2f, 0.5f, 9.0f / 16.0f, 1.0f, 4.0f / 3.0f, 16.0f / 9.0f, 21.0f / 9.0f, 5.0f};
 #define ASPECTS (sizeof aspects / sizeof *aspects)

@@ -1,5 +1,5 @@
-/* The rows that the GPU is compared with, in C: they are numbered 0, 1, 2, ..., and every input gives numbers: no NaN, no
- * infinity. Built once for each topic. The first argument is the count of random inputs for each row. */
+/* The rows that the GPU is compared with, in C: they are numbered 0, 1, 2, ..., and every input gives numbers: no NaN,
+ * no infinity. Built once for each topic. The first argument is the count of random inputs for each row. */
 #include "shade_topic.h"
 #include "support/shade_proof.h"
 

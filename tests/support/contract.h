@@ -41,8 +41,8 @@ static inline bool contract_died(pid_t child, int in, const char *text, const ch
 	return false;
 }
 
-/* contract_breaks("index < count", call(7)): runs the statement in a child process. The test fails unless it aborts with
- * the text. The statement must not need threads that the parent has started. */
+/* contract_breaks("index < count", call(7)): runs the statement in a child process. The test fails unless it aborts
+ * with the text. The statement must not need threads that the parent has started. */
 #define contract_breaks(text, statement)                                                                               \
 	do {                                                                                                               \
 		int contract_pipe[2];                                                                                          \

@@ -1,5 +1,5 @@
-/* Allocations that are counted and fail when told to; realloc always moves, and what it leaves behind is overwritten and
- * freed, so that an old pointer that is still used shows. For tests linked with --wrap=malloc, --wrap=calloc and
+/* Allocations that are counted and fail when told to; realloc always moves, and what it leaves behind is overwritten
+ * and freed, so that an old pointer that is still used shows. For tests linked with --wrap=malloc, --wrap=calloc and
  * --wrap=realloc; include it in one file of a test. */
 #ifndef FAILING_MEMORY_H
 #define FAILING_MEMORY_H

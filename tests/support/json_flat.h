@@ -1,4 +1,5 @@
-/* json_flat: a JSON document as a list of paths and values, for tests. The parser is trace_check's, strict to RFC 8259. */
+/* json_flat: a JSON document as a list of paths and values, for tests. The parser is trace_check's, strict to RFC
+ * 8259. */
 #ifndef STILB_JSON_FLAT_H
 #define STILB_JSON_FLAT_H
 

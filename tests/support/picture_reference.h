@@ -1,5 +1,6 @@
-/* What the picture tests hold the renderer against: a camera, a triangle by triangle ray tracer and the shading formulas,
- * all in double and written down once more, from the sources that the engine's headers name. Also how a picture is made. */
+/* What the picture tests hold the renderer against: a camera, a triangle by triangle ray tracer and the shading
+ * formulas, all in double and written down once more, from the sources that the engine's headers name. Also how a
+ * picture is made. */
 #ifndef PICTURE_REFERENCE_H
 #define PICTURE_REFERENCE_H
 
@@ -43,7 +44,7 @@ static inline dvec dvec_unit(dvec v)
 	return dvec_mad((dvec){0, 0, 0}, 1.0 / sqrt(dvec_dot(v, v)), v);
 }
 
-/* ---- camera ---------------------------------------------------------------------------------------------------------- */
+/* ---- camera ------------------------------------------------------------------------------------------------------ */
 
 typedef struct reference_camera {
 	dvec position, right, up, forward; /* unit, at right angles */
@@ -82,7 +83,7 @@ static inline dvec reference_ray(const reference_camera *c, double x, double y)
 	return dvec_mad(dvec_mad(c->forward, u, c->right), v, c->up);
 }
 
-/* ---- shading --------------------------------------------------------------------------------------------------------- */
+/* ---- shading ----------------------------------------------------------------------------------------------------- */
 
 /* The roughness whose Blinn-Phong highlight has this exponent: n = 2 / alpha^2 - 2 (Karis), alpha = roughness^2. */
 static inline float reference_roughness(double exponent)
@@ -104,7 +105,7 @@ static inline double reference_radiance(const stilb_scene *scene, const stilb_sc
 	return brdf * (double)scene->sun.irradiance[channel] * n_dot_l + (double)m->diffuse[channel] * (above + below);
 }
 
-/* ---- rays ------------------------------------------------------------------------------------------------------------ */
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
 
 #define REFERENCE_MISS UINT32_MAX
 
@@ -134,7 +135,8 @@ static inline dvec reference_normal(const stilb_mat4 *t, dvec model)
 	return dvec_unit(dvec_cross(u, dvec_mad(reference_point(t, b), -1.0, origin)));
 }
 
-/* The front side of one triangle. Source: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. */
+/* The front side of one triangle. Source: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection",
+ * 1997. */
 static inline void reference_triangle(const dvec p[3], const dvec n[3], dvec origin, dvec d, uint32_t part,
                                       reference_hit *nearest)
 {
@@ -176,7 +178,7 @@ static inline reference_hit reference_trace(const stilb_scene *scene, dvec origi
 	return nearest;
 }
 
-/* ---- scenes ---------------------------------------------------------------------------------------------------------- */
+/* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 /* One model of part_count parts, all of them unit spheres (mesh 0) with a material each; no light. */
 static inline stilb_scene *reference_scene(uint32_t part_count)
@@ -202,7 +204,7 @@ static inline void reference_set3(float out[3], float x, float y, float z)
 	out[2] = z;
 }
 
-/* ---- pictures -------------------------------------------------------------------------------------------------------- */
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
 typedef struct picture_desc {
 	stilb_render_replay_mode replay;

@@ -21,8 +21,8 @@ typedef struct program_run {
 	char out[PROGRAM_SAID], err[PROGRAM_SAID];
 } program_run;
 
-/* Starts words[0] with the arguments after it, up to NULL. Each of environment, up to NULL, is NAME=VALUE, or NAME to take
- * it away. output, when not -1, is the descriptor that standard output is instead of run->out. */
+/* Starts words[0] with the arguments after it, up to NULL. Each of environment, up to NULL, is NAME=VALUE, or NAME to
+ * take it away. output, when not -1, is the descriptor that standard output is instead of run->out. */
 static inline bool program_start(program_run *run, const char *const *words, const char *const *environment, int output)
 {
 	*run = (program_run){.code = -1, .files = {tmpfile(), tmpfile()}};

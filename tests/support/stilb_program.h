@@ -118,7 +118,7 @@ static inline int folder_leave(void **state)
 	return chdir("..") == 0 ? rmdir(stilb_folder) : -1;
 }
 
-/* ---- what --stats wrote ---------------------------------------------------------------------------------------------- */
+/* ---- what --stats wrote ------------------------------------------------------------------------------------------ */
 
 static inline void read_stats(const char *path)
 {
@@ -202,7 +202,7 @@ static inline void assert_stats(const char *device, const char *replay, const ch
 	assert_int_equal(stat_int("commands.execute"), 0);
 }
 
-/* ---- traces and signals ---------------------------------------------------------------------------------------------- */
+/* ---- traces and signals ------------------------------------------------------------------------------------------ */
 
 static inline void assert_trace(const char *path, uint32_t workers, uint64_t frames)
 {

@@ -4,10 +4,10 @@
  *
  * Rules. The text is JSON (RFC 8259) in UTF-8, no key twice in an object. The top is an object with displayTimeUnit
  * "ns", an array traceEvents and an object otherData (clock, hz, resolution_ns, bias_ns, zone_cost_ns, epoch_ns, the
- * window from begin_ns to end_ns, too_deep, without_ring, events_recorded = events_lost + events_held, zones_written = the number
- * of zones, X and B). Events are M, X, B, E, i, C, s and f, each with its keys; ts and dur have three decimals, or a
- * fourth that is not 0. One process with a name; each thread has one name and one sort index; one thread is
- * "frames"; a thread "<name>: off the CPU" follows the one of that name. Per thread, in file order: times never
+ * window from begin_ns to end_ns, too_deep, without_ring, events_recorded = events_lost + events_held, zones_written =
+ * the number of zones, X and B). Events are M, X, B, E, i, C, s and f, each with its keys; ts and dur have three
+ * decimals, or a fourth that is not 0. One process with a name; each thread has one name and one sort index; one thread
+ * is "frames"; a thread "<name>: off the CPU" follows the one of that name. Per thread, in file order: times never
  * decrease; a zone lies inside the one that is open when it begins, so parents come before their children; a zone
  * that has a length ends a tenth of a nanosecond or more before the next one begins and before its parent ends
  * (viewers add ts and dur as doubles: speedscope loses zones that touch); an E closes the B it names. On "frames"

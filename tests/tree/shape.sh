@@ -5,65 +5,87 @@ export LC_ALL=C
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "${1:-$here/../..}"
 
-sources() {
-	"$here/files.sh" "$PWD" | grep -E '\.([ch]|cpp|hpp|glsl|vert|frag|comp|sh)$|(^|/)(dev|CMakeLists.txt)$' || true
+files=$("$here/files.sh" "$PWD")
+
+# these PATTERN [NOT]: the files of the tree whose names match, each ended by a null character.
+these() {
+	printf '%s\n' "$files" | grep -E "$1" | { [ $# -lt 2 ] && cat || grep -vE "$2"; } | tr '\n' '\0' || true
 }
+
+sources='\.([ch]|cpp|hpp|glsl|vert|frag|comp|sh|py)$|(^|/)(dev|CMakeLists.txt)$'
+[ -n "$(these "$sources" | tr -d '\0')" ] || { echo "shape.sh: found no source at all"; exit 1; }
 
 # A longer file is two files.
 long_files() {
-	sources | while read -r file; do
-		lines=$(wc -l <"$file")
-		[ "$lines" -le 1500 ] || echo "$file: $lines lines; 1500 is the most"
-	done
+	these "$sources" | xargs -0 awk '
+		FNR == 1 { if (last != "" && lines > 1500) print last ": " lines " lines; 1500 is the most" }
+		{ last = FILENAME; lines = FNR }
+		END { if (lines > 1500) print last ": " lines " lines; 1500 is the most" }'
+}
+
+# clang-format leaves comments alone. A tab is four columns.
+wide_lines() {
+	these '\.([ch]|cpp|hpp|glsl|vert|frag|comp)$' | xargs -0 awk '
+		length($0) > 105 {
+			line = $0
+			gsub(/\t/, "    ", line)         # tabs stand at the beginning of lines alone
+			gsub(/[\200-\277]/, "", line) # the second and later bytes of a character
+			if (length(line) > 120) print FILENAME ":" FNR ": " length(line) " columns; 120 is the most"
+		}'
 }
 
 # Every header is guarded by a name of its own. glsl_begin.h and glsl_end.h are meant to be included again and again;
 # job_model_sys.h takes the place, and the guard, of jobs/job_sys.h.
 header_guards() {
-	sources | grep -E '\.hpp$|\.h$' | grep -vE '(^|/)(glsl_(begin|end)|job_model_sys)\.h$' | while read -r file; do
-		awk -v file="$file" '
-			/^[ \t]*#/ {
-				if (++n == 1 && $1 == "#ifndef") guard = $2
-				else if (n == 2 && guard != "" && $1 == "#define" && $2 == guard && NF == 2) { print "guard", guard, file; exit }
-				else { print "none", file; exit }
-			}
-			END { if (n == 0) print "none", file }' "$file"
-	done | awk '
-		$1 == "none" { print $2 ": does not start with a header guard"; next }
-		$2 in owner { print $3 ": the header guard " $2 " is also that of " owner[$2]; next }
-		{ owner[$2] = $3 }'
+	these '\.hpp$|\.h$' '(^|/)(glsl_(begin|end)|job_model_sys)\.h$' | xargs -0 awk '
+		function finish() { if (last != "" && state < 2) print last ": does not start with a header guard" }
+		FNR == 1 { finish(); last = FILENAME; state = 0 }
+		state < 2 && /^[ \t]*#/ {
+			if (state == 0 && $1 == "#ifndef") { guard = $2; state = 1 }
+			else if (state == 1 && $1 == "#define" && $2 == guard && NF == 2) {
+				state = 2
+				if (guard in owner) print FILENAME ": the header guard " guard " is also that of " owner[guard]
+				else owner[guard] = FILENAME
+			} else { print FILENAME ": does not start with a header guard"; state = 3 }
+		}
+		END { finish() }'
 }
 
 # The thread sanitizer cannot see a fence: order lives on the atomic itself.
 fences() {
-	sources | grep -E '\.([chp]|cpp|hpp)$' | while read -r file; do
-		grep -nHE 'atomic_(thread|signal)_fence[[:space:]]*\(|__sync_synchronize' "$file" || true
-	done | sed -E 's/^([^:]*:[0-9]+):.*/\1: a fence; put the order on the atomic operation/'
+	these '\.([chp]|cpp|hpp)$' | xargs -0 grep -nHE 'atomic_(thread|signal)_fence[[:space:]]*\(|__sync_synchronize' |
+		sed -E 's/^([^:]*:[0-9]+):.*/\1: a fence; put the order on the atomic operation/' || true
+}
+
+# Nobody finds a place among more. Pictures of docs are made by one command into one folder.
+full_folders() {
+	printf '%s\n' "$files" | grep -v '^docs/' | sed 's|[^/]*$||' | sort | uniq -c |
+		awk '$1 > 30 { print $2 ": " $1 " files in one folder; 30 are the most" }'
 }
 
 # A test that is not registered never fails.
 forgotten_tests() {
-	find tests -name 'test_*.c' -o -name 'test_*.sh' -o -name 'fuzz_*.c' | sort | while read -r file; do
-		name=$(basename "$file")
-		list=$(dirname "$file")/CMakeLists.txt
+	printf '%s\n' "$files" | grep -E '^tests/(.*/)?(test|fuzz)_[^/]*\.(c|sh)$' | while read -r file; do
+		name=${file##*/}
+		list=${file%/*}/CMakeLists.txt
 		[ -e "$list" ] || list=tests/CMakeLists.txt
-		grep -E "(^|[^a-z0-9_])${name%.*}([^a-z0-9_]|$)" "$list" >/dev/null || echo "$file: $list does not name it"
+		[[ $(<"$list") =~ (^|[^a-z0-9_])${name%.*}([^a-z0-9_]|$) ]] || echo "$file: $list does not name it"
 	done
 }
 
 # CI must name every tier that has tests, or a tier that is skipped there would pass.
 forgotten_tiers() {
+	local labels
+	labels=$(these '^tests/(.*/)?CMakeLists.txt$' | xargs -0 sed 's/#.*//' | tr '\n' ' ' | grep -oE 'LABELS [^)]*' || true)
 	for tier in unit device window model truth fuzz; do
-		find tests -name CMakeLists.txt -exec sed 's/#.*//' {} + | tr '\n' ' ' |
-			grep -E "LABELS [^)]*\\b$tier\\b" >/dev/null || continue
-		grep -qE "STILB_REQUIRE=[a-z,]*\\b$tier\\b" .ci/run || echo ".ci/run: STILB_REQUIRE does not name the tier $tier"
+		grep -qE "\\b$tier\\b" <<<"$labels" || continue
+		grep -qE "STILB_REQUIRE=[a-z0-9,]*\\b$tier\\b" .ci/run || echo ".ci/run: STILB_REQUIRE does not name the tier $tier"
 	done
 }
 
-[ -n "$(sources)" ] || { echo "shape.sh: found no source at all"; exit 1; }
-violations=$(long_files; header_guards; fences; forgotten_tests; forgotten_tiers)
+violations=$(long_files; wide_lines; header_guards; fences; full_folders; forgotten_tests; forgotten_tiers)
 if [ -n "$violations" ]; then
 	printf '%s\n' "$violations"
 	exit 1
 fi
-echo "$(sources | wc -l) files are in shape"
+echo "$(these "$sources" | tr '\0' '\n' | wc -l) files are in shape"

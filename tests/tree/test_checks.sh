@@ -119,6 +119,15 @@ test_shape() {
 	expect 'game/main.c:3: a fence' shape.sh "$scratch/tree"
 
 	fresh_tree
+	printf '\t\t/* %0110d */\n' 0 >>game/main.c
+	expect 'game/main.c:3: 124 columns' shape.sh "$scratch/tree"
+
+	fresh_tree
+	mkdir game/pads
+	for i in {1..31}; do echo >"game/pads/pads_$i.c"; done
+	expect 'game/pads/: 31 files in one folder' shape.sh "$scratch/tree"
+
+	fresh_tree
 	echo >tests/test_scene.c
 	expect 'tests/test_scene.c: tests/CMakeLists.txt does not name it' shape.sh "$scratch/tree"
 	fresh_tree
@@ -137,6 +146,17 @@ library() { # MODULE CODE
 	printf '%s\n' "$2" >"$scratch/lib/a.c"
 	"${CC:-cc}" -c "$scratch/lib/a.c" -o "$scratch/lib/a.o"
 	ar rcs "$scratch/lib/sub/libstilb-$1.a" "$scratch/lib/a.o"
+}
+
+test_statics() {
+	fresh_tree
+	printf 'static int job_helper(void)\n{\n}\nstatic int ready;\n' >jobs/job_pool.c
+	printf 'static int cull_helper(void)\n{\n}\n' >engine/scene/scene.c
+	expect 'engine/scene/scene.c:1: cull_helper carries the prefix of culling' statics.sh "$scratch/tree"
+	printf 'static int scene_helper(void)\n{\n}\nstatic int ready;\n' >engine/scene/scene.c
+	expect_good statics.sh "$scratch/tree"
+	printf 'static bool ready[2] = {0};\n' >jobs/job_wait.c
+	expect 'jobs/job_wait.c:1: ready is static in jobs/job_pool.c too' statics.sh "$scratch/tree"
 }
 
 test_circles() {
@@ -196,6 +216,7 @@ test_symbols() {
 test_layers
 test_shape
 test_symbols
+test_statics
 test_circles
 test_links
 [ $failures -eq 0 ] || { echo "$failures planted violations went wrong"; exit 1; }

@@ -455,7 +455,8 @@ static uint64_t sum_of(const ui_profiler_lane_sum *sum)
 	return sum->work_ns + sum->wait_ns + sum->idle_ns + sum->asleep_ns + sum->lost_ns + sum->outside_ns;
 }
 
-/* A lost CPU counts inside zones and outside of them, for the lane as for the words; and the lane's parts are the frame. */
+/* A lost CPU counts inside zones and outside of them, for the lane as for the words; and the lane's parts are the
+ * frame. */
 static void test_lane_sums(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
-/* ui: the profiler's window over anything that a trace file could hold: nothing reaches beyond memory, every vertex is a
- * place, and the words fit. Best run with the sanitizers. */
+/* ui: the profiler's window over anything that a trace file could hold: nothing reaches beyond memory, every vertex is
+ * a place, and the words fit. Best run with the sanitizers. */
 #include "base/base.h"
 #include "support/test.h"
 #include "test_ui_profiler_made.h"

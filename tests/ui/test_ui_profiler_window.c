@@ -1,4 +1,5 @@
-/* ui: the profiler's window with a mouse, keys and frames that pass, on snapshots made by hand and without a renderer. */
+/* ui: the profiler's window with a mouse, keys and frames that pass, on snapshots made by hand and without a
+ * renderer. */
 #include "support/test.h"
 #include "test_ui_profiler_made.h"
 #include "test_ui_raster.h"

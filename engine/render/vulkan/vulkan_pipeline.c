@@ -146,7 +146,7 @@ static const VkPipelineVertexInputStateCreateInfo vertex_input[2] = {
 	},
 };
 
-static const VkPipelineInputAssemblyStateCreateInfo input_assembly = {
+static const VkPipelineInputAssemblyStateCreateInfo triangle_list = {
 	.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
 	.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
 };
@@ -311,7 +311,7 @@ static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VUL
 		.stageCount = 2,
 		.pStages = stages,
 		.pVertexInputState = &vertex_input[texture],
-		.pInputAssemblyState = &input_assembly,
+		.pInputAssemblyState = &triangle_list,
 		.pViewportState = &viewport,
 		.pRasterizationState = &rasterization,
 		.pMultisampleState = &multisample,
@@ -415,7 +415,7 @@ static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule mod
 		.stageCount = 2,
 		.pStages = stages,
 		.pVertexInputState = &flat_input[texture],
-		.pInputAssemblyState = &input_assembly,
+		.pInputAssemblyState = &triangle_list,
 		.pViewportState = &viewport,
 		.pRasterizationState = &flat_rasterization,
 		.pMultisampleState = &flat_samples,

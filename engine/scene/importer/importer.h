@@ -67,16 +67,16 @@ stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d); /* the s
  * parts and bounds. STILB_ERROR_FILE: there are no triangles. */
 stilb_result importer_add_meshes(importer *import);
 
-/* importer_texture.c: lists the textures of all materials and loads them, by several threads. One that cannot be loaded has
- * no pixels. */
+/* importer_texture.c: lists the textures of all materials and loads them, by several threads. One that cannot be loaded
+ * has no pixels. */
 void importer_load_textures(importer *import);
 void importer_free_textures(importer *import);
 
 /* The index of a texture; UINT32_MAX, with a warning the first time: it could not be loaded. */
 uint32_t importer_texture_of(importer *import, const char *name, const char *material);
 
-/* importer_picture.c: decodes a picture into memory that can be shared. flags: of stilb_image_import_flags. Messages start
- * without a name. [any-thread] */
+/* importer_picture.c: decodes a picture into memory that can be shared. flags: of stilb_image_import_flags. Messages
+ * start without a name. [any-thread] */
 stilb_result importer_decode(const char *name, const importer_bytes *bytes, uint32_t flags, stilb_image *image);
 
 /* Replaces image by three channels of linear floats, nothing below 0 nor infinite; image is {0} after an error. */

@@ -88,8 +88,8 @@ static bool files_lacks_digit(const unsigned char *text, size_t size, size_t i)
 	       ((before == '-' || before == '+') && i > 1 && (text[i - 2] == ' ' || text[i - 2] == '\t'));
 }
 
-/* Assimp 5.2 takes ".5" in an OBJ file for no number, leaves the vertex out and then finds its index out of range. Puts a 0
- * before the points of such numbers in lines of vertices; false: out of memory. */
+/* Assimp 5.2 takes ".5" in an OBJ file for no number, leaves the vertex out and then finds its index out of range. Puts
+ * a 0 before the points of such numbers in lines of vertices; false: out of memory. */
 static bool files_complete_numbers(importer_bytes *bytes)
 {
 	size_t lacking = 0;

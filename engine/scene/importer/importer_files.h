@@ -1,4 +1,5 @@
-/* importer_files: the files of a request. The process opens none itself: it asks Stilb, which decides (scene_files.h). */
+/* importer_files: the files of a request. The process opens none itself: it asks Stilb, which decides
+ * (scene_files.h). */
 #ifndef STILB_SCENE_IMPORTER_FILES_H
 #define STILB_SCENE_IMPORTER_FILES_H
 
@@ -21,8 +22,8 @@ void importer_files_begin(const char *path, int given);
 /* Ends it. */
 void importer_files_end(void);
 
-/* Asks for the file that the scene calls name. A descriptor, or -1 with the reason in why. quiet: the caller tells the reason
- * itself. */
+/* Asks for the file that the scene calls name. A descriptor, or -1 with the reason in why. quiet: the caller tells the
+ * reason itself. */
 int importer_files_ask(const char *name, bool quiet, char why[static 256]);
 
 /* The whole file behind a descriptor, which is closed; false: it cannot be read. */

@@ -1,6 +1,7 @@
 /*
- * stilb-scene-import BYTES SECONDS: reads scenes and pictures, as many as it is asked for through the socket that is its
- * descriptor 3, in at most BYTES of memory and SECONDS for each (scene_stream.h). Started by scene_import.c, by nobody else.
+ * stilb-scene-import BYTES SECONDS: reads scenes and pictures, as many as it is asked for through the socket that is
+ * its descriptor 3, in at most BYTES of memory and SECONDS for each (scene_stream.h). Started by scene_import.c, by
+ * nobody else.
  */
 #include "scene/importer/importer.h"
 

@@ -14,9 +14,9 @@
 #define IMPORTER_SANITIZED 0
 #endif
 
-/* Before the first thread. bytes: of memory. Returns the flags of scene_protection that this kernel has: what could not be
- * switched on is no failure. Afterwards the process opens no file but libraries, starts no process and no program, has no
- * sockets but those it has, and signals nobody but itself. */
+/* Before the first thread. bytes: of memory. Returns the flags of scene_protection that this kernel has: what could not
+ * be switched on is no failure. Afterwards the process opens no file but libraries, starts no process and no program,
+ * has no sockets but those it has, and signals nobody but itself. */
 uint32_t importer_sandbox_enter(uint64_t bytes);
 
 /* Gives the process seconds of CPU time for every CPU from now on. */

@@ -1,13 +1,13 @@
 /*
- * scene_files: opens files for the import process, which cannot open any itself (scene_import.h). A scene names buffers,
- * materials and textures by paths; these are the ones that are opened:
+ * scene_files: opens files for the import process, which cannot open any itself (scene_import.h). A scene names
+ * buffers, materials and textures by paths; these are the ones that are opened:
  *
  * - what lies below the scene's folder, and below its parent where the name says `../`;
  * - through no symbolic link that leads out of the folder it was looked for in;
  * - regular files only, and only for reading.
  *
- * Many scenes name files of the disk that they were made on. So a name that leads nowhere, or outside, is looked for by its
- * last part in the scene's folder. Capitals do not count where there is no file of exactly that name.
+ * Many scenes name files of the disk that they were made on. So a name that leads nowhere, or outside, is looked for by
+ * its last part in the scene's folder. Capitals do not count where there is no file of exactly that name.
  *
  * Life cycle.  scene_files_init -> scene_files_open, any number -> scene_files_finish. One thread at a time.
  */

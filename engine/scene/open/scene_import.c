@@ -47,8 +47,8 @@ static bool import_find(char path[static PATH_MAX + 64])
 
 #define IMPORT_SOCKET 3 /* its end of the connection, as importer_main.c knows it */
 
-/* Starts it with nothing but its end of the socket, a standard error where sanitizers report, and an environment that says
- * only where libraries are. 0, or an errno. */
+/* Starts it with nothing but its end of the socket, a standard error where sanitizers report, and an environment that
+ * says only where libraries are. 0, or an errno. */
 static int import_spawn(const char *program, const char *const arguments[], int out, pid_t *id)
 {
 	static const char *const kept[] = {"LD_LIBRARY_PATH", "ASAN_OPTIONS", "UBSAN_OPTIONS", "LSAN_OPTIONS"};
@@ -167,7 +167,7 @@ uint32_t scene_importer_protection(const scene_importer *importer)
 	return importer->protection;
 }
 
-/* ---- limits and refusals --------------------------------------------------------------------------------------------------- */
+/* ---- limits and refusals ----------------------------------------------------------------------------------------- */
 
 #define SCENE_IMPORT_BYTES (8ull << 30)
 

@@ -1,10 +1,10 @@
 /*
  * scene_import: files of unknown origin, read by a process of their own, the program stilb-scene-import
- * (engine/scene/importer): scenes through Assimp, pictures through libpng, OpenEXR and OpenImageIO. These libraries crash
- * on files that somebody made for it, and keep growing or never return on others. There a crash is an error here, memory
- * and time are bounded, and the process can open no file and start no program (docs/import.md says what that protects):
- * Stilb opens what the scene names (scene_files.h) and hands the descriptors over. Stilb's own programs start without
- * loading these libraries.
+ * (engine/scene/importer): scenes through Assimp, pictures through libpng, OpenEXR and OpenImageIO. These libraries
+ * crash on files that somebody made for it, and keep growing or never return on others. There a crash is an error here,
+ * memory and time are bounded, and the process can open no file and start no program (docs/import.md says what that
+ * protects): Stilb opens what the scene names (scene_files.h) and hands the descriptors over. Stilb's own programs
+ * start without loading these libraries.
  *
  * Life cycle.  scene_importer_start -> scene_importer_scene, scene_importer_picture, any number, in any order ->
  *              scene_importer_stop. A process that crashed on a file is started again for the next.
@@ -38,8 +38,8 @@ void scene_importer_stop(scene_importer *importer);
 /* The scene in the file at path, which is no built-in's name. Errors of stilb_scene_open. */
 stilb_result scene_importer_scene(scene_importer *importer, const char *path, stilb_scene **scene);
 
-/* The picture in the file at path: with the precision and the channels of the file, or as light: three channels of linear
- * floats, nothing below 0. Errors of stilb_scene_set_environment; image is {0} then. */
+/* The picture in the file at path: with the precision and the channels of the file, or as light: three channels of
+ * linear floats, nothing below 0. Errors of stilb_scene_set_environment; image is {0} then. */
 stilb_result scene_importer_picture(scene_importer *importer, const char *path, bool light, stilb_image *image);
 
 /* What guards the process: flags of scene_protection (scene_stream.h). */

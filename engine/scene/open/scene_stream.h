@@ -2,8 +2,9 @@
  * scene_stream: requests, answers, descriptors and scenes between Stilb and its import process, which are of the same
  * build. What comes in is checked, so that whatever the other side sent, a scene that is read is one that can be used.
  *
- * Stilb asks (READ_SCENE, READ_PICTURE, with the file's descriptor, or ABOUT) and listens until an end. Meanwhile the import
- * process may send warnings and ask for further files (OPEN), each of which Stilb answers with FILE before anything else.
+ * Stilb asks (READ_SCENE, READ_PICTURE, with the file's descriptor, or ABOUT) and listens until an end. Meanwhile the
+ * import process may send warnings and ask for further files (OPEN), each of which Stilb answers with FILE before
+ * anything else.
  */
 #ifndef STILB_SCENE_STREAM_H
 #define STILB_SCENE_STREAM_H
@@ -22,7 +23,8 @@ typedef enum scene_message_kind {
 	SCENE_MESSAGE_HELLO,   /* once, first; its text is scene_stream_version's, its flags are scene_protection's */
 	SCENE_MESSAGE_WARNING, /* any number */
 	SCENE_MESSAGE_OPEN,    /* asks for the file that the scene calls text */
-	SCENE_MESSAGE_PICTURE, /* a picture's shape and the descriptor of its pixels: a scene's textures in order, or an end */
+	/* a picture's shape and the descriptor of its pixels: a scene's textures in order, or an end */
+	SCENE_MESSAGE_PICTURE,
 	SCENE_MESSAGE_ERROR,   /* an end: text says why, result which */
 	SCENE_MESSAGE_SCENE,   /* an end; the scene follows */
 	SCENE_MESSAGE_VERSION, /* the end of ABOUT: text is a library and its version, one a line */
@@ -66,8 +68,8 @@ bool scene_stream_read_message(scene_stream *stream, scene_message *message, int
 stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
                                        stilb_image *picture);
 
-/* Models, parts, meshes, materials, the number of textures, lights, sun, sky and camera. Textures go as PICTURE messages.
- * false: the other side is gone. */
+/* Models, parts, meshes, materials, the number of textures, lights, sun, sky and camera. Textures go as PICTURE
+ * messages. false: the other side is gone. */
 bool scene_stream_write(int file, const stilb_scene *scene);
 
 /* textures: [count], in order; they go over to the scene, or are finished, and are {0} then. STILB_ERROR_FILE with a

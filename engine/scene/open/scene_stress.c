@@ -105,8 +105,8 @@ static void stress_add_model(stilb_scene *scene, uint32_t model, uint32_t side)
 	stress_place_sphere(scene, model, 0.0f);
 }
 
-/* Over the middle of a field of side x side tiles, so high that it lights the edges too, facing down. The ground below it
- * gets 6 W m^-2, twice what the sun gives. */
+/* Over the middle of a field of side x side tiles, so high that it lights the edges too, facing down. The ground below
+ * it gets 6 W m^-2, twice what the sun gives. */
 static stilb_scene_lamp stress_lamp(float side)
 {
 	const float half_side = 0.5f * side * STILB_SCENE_TILE, height = STRESS_TOP + 0.5f * half_side;
@@ -165,7 +165,7 @@ void stilb_scene_animate(stilb_scene *scene, double seconds)
 	}
 }
 
-/* ---- cameras ------------------------------------------------------------------------------------------------------- */
+/* ---- cameras ----------------------------------------------------------------------------------------------------- */
 
 /* How each view looks down, radians, so that its share of the grid fills the picture. */
 static const float stress_pitch[] = {
@@ -188,10 +188,10 @@ static stilb_scene_camera stress_camera_at(float pitch, stress_stand stand, floa
 	return camera;
 }
 
-/* The nearest place from which the box of the whole grid is in the picture. A corner at (x, y, z) along the camera's axes,
- * seen from the middle, is inside when |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). So the highest and the lowest
- * corner ask for d >= high - up / tan_y and d >= low + up / tan_y: the mean of both. Should the sides ask for more, up
- * makes the air above and below the same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
+/* The nearest place from which the box of the whole grid is in the picture. A corner at (x, y, z) along the camera's
+ * axes, seen from the middle, is inside when |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). So the highest and the
+ * lowest corner ask for d >= high - up / tan_y and d >= low + up / tan_y: the mean of both. Should the sides ask for
+ * more, up makes the air above and below the same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
 static stress_stand stress_stand_all(float pitch, float half_side, float aspect)
 {
 	float tan_y = tanf(stress_camera_at(pitch, (stress_stand){0}, 1.0f).fov_y * 0.5f), tan_x = tan_y * aspect;

@@ -1,5 +1,5 @@
-/* Adds up on the worker pool, inside a zone of the profiler, and prints the sum only if the trace shows the zone and the
- * pool's workers. */
+/* Adds up on the worker pool, inside a zone of the profiler, and prints the sum only if the trace shows the zone and
+ * the pool's workers. */
 #include <stilb/job_prof.h>
 #include <stilb/prof_snapshot.h>
 #include <stilb/prof_trace.h>

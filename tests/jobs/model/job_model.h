@@ -1,16 +1,16 @@
 /*
  * job_model: a small explicit-state model checker for the real sources of jobs/.
  *
- * What it does. The test includes the .c files of the library after this header, which has put its own operations in the
- *               place of C11 atomics, futex, threads and malloc. Threads are coroutines. Before each such operation a
- *               thread stops, and the checker runs every enabled thread from every state it has not seen: all
+ * What it does. The test includes the .c files of the library after this header, which has put its own operations in
+ *               the place of C11 atomics, futex, threads and malloc. Threads are coroutines. Before each such operation
+ *               a thread stops, and the checker runs every enabled thread from every state it has not seen: all
  *               interleavings, exhaustively, as sequentially consistent steps.
- * A state.      All that the threads can see: their stacks, the heap, the scenario's data. It is saved and restored byte
- *               by byte and told from others by a 64-bit hash (two states with one hash would be taken for one; with
- *               a million states the chance of that is about 3e-8).
- * It finds      failed checks, states where nobody can go on (lost wake-up, deadlock), states from which no continuation
- *               reaches the end (livelock, waiting on a word that nobody changes any more), operations on freed memory
- *               or on the stack of a function that has returned.
+ * A state.      All that the threads can see: their stacks, the heap, the scenario's data. It is saved and restored
+ *               byte by byte and told from others by a 64-bit hash (two states with one hash would be taken for one;
+ *               with a million states the chance of that is about 3e-8).
+ * It finds      failed checks, states where nobody can go on (lost wake-up, deadlock), states from which no
+ *               continuation reaches the end (livelock, waiting on a word that nobody changes any more), operations on
+ *               freed memory or on the stack of a function that has returned.
  * Not modelled: weak memory (the comments in the sources argue that, TSan checks part of it), spurious failures of weak
  *               compare-exchange, plain accesses as steps of their own (TSan finds those that race).
  * x86-64 only: the switch between coroutines is a few lines of assembly.
@@ -62,8 +62,8 @@ typedef enum model_fault {
 } model_fault;
 extern model_fault model_fault_now;
 
-/* Around the condition of an assert. Loads of atomics in between are no steps: an assert is checked in every state and adds
- * none. */
+/* Around the condition of an assert. Loads of atomics in between are no steps: an assert is checked in every state and
+ * adds none. */
 void model_assert_begin(void);
 void model_assert_end(bool holds, const char *condition);
 

@@ -1,6 +1,6 @@
 /*
- * The operations of job_model.h under the names that the sources of jobs/ use. Include it once, before those sources and
- * after every other header.
+ * The operations of job_model.h under the names that the sources of jobs/ use. Include it once, before those sources
+ * and after every other header.
  */
 #include "job_model.h"
 
@@ -36,7 +36,8 @@
 #define job_sys_thread() 0
 #define job_sys_bind(thread, cpu) ((void)(thread), (void)(cpu), false)
 
-/* Time stands still, so who waits for a lock spins until it gets it; with 0 here it sleeps at once, which makes more states. */
+/* Time stands still, so who waits for a lock spins until it gets it; with 0 here it sleeps at once, which makes more
+ * states. */
 static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* unused by tests without locks */
 
 #include "jobs/job.h"

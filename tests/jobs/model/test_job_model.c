@@ -1,8 +1,8 @@
 /*
- * Every interleaving of the real pool, for few threads and few jobs (see job_model.h for what that covers and what not):
- * deques, inboxes, groups, loops, parking. The shared queues have checks of their own; here an object with indivisible
- * operations stands for them. With "must-fail" as an argument, for a copy of the sources with a fault put in, some
- * scenario has to find it.
+ * Every interleaving of the real pool, for few threads and few jobs (see job_model.h for what that covers and what
+ * not): deques, inboxes, groups, loops, parking. The shared queues have checks of their own; here an object with
+ * indivisible operations stands for them. With "must-fail" as an argument, for a copy of the sources with a fault put
+ * in, some scenario has to find it.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -355,8 +355,8 @@ static void pinned_owner_main(void)
 	end();
 }
 
-/* The same, but the job that it waits for comes when the worker sleeps already: it hangs on a group that ends with a job
- * pinned to the owner. */
+/* The same, but the job that it waits for comes when the worker sleeps already: it hangs on a group that ends with a
+ * job pinned to the owner. */
 static void rescue_later_main(void)
 {
 	begin();

@@ -1,8 +1,8 @@
 /*
- * Every interleaving of the real lock-free queue with segments of two cells, so that a few items go over several segment
- * ends and use segments again (see job_model.h for what that covers and what not); with a thread that stops for ever at
- * any step; and the same of copies with one fault each (job_model.cmake), run with the argument must-fail: the checker has
- * to find the fault in one of the scenarios.
+ * Every interleaving of the real lock-free queue with segments of two cells, so that a few items go over several
+ * segment ends and use segments again (see job_model.h for what that covers and what not); with a thread that stops for
+ * ever at any step; and the same of copies with one fault each (job_model.cmake), run with the argument must-fail: the
+ * checker has to find the fault in one of the scenarios.
  */
 #include <stddef.h>
 #include <stdint.h>

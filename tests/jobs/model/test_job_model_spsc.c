@@ -1,9 +1,9 @@
 /*
- * Every interleaving of the real single-producer, single-consumer queue with blocks of two cells, so that a few items go
- * over several block ends and use blocks again (see job_model.h for what that covers and what not).
+ * Every interleaving of the real single-producer, single-consumer queue with blocks of two cells, so that a few items
+ * go over several block ends and use blocks again (see job_model.h for what that covers and what not).
  *
- * tests/CMakeLists.txt builds this file again around copies of jobs/job_spsc.c with one fault each. Those are run with the
- * argument must-fail: the checker has to find the fault.
+ * tests/CMakeLists.txt builds this file again around copies of jobs/job_spsc.c with one fault each. Those are run with
+ * the argument must-fail: the checker has to find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>

@@ -1,4 +1,5 @@
-/* brdf_combination: one D x G x F out of eight numbers in [0, 1), C and GLSL; for test_shade_brdf_gpu.c. [any-thread] */
+/* brdf_combination: one D x G x F out of eight numbers in [0, 1), C and GLSL; for test_shade_brdf_gpu.c.
+ * [any-thread] */
 #ifndef SHADE_BRDF_COMBINATION_H
 #define SHADE_BRDF_COMBINATION_H
 

@@ -1,8 +1,8 @@
 /*
  * mutant: the run-time half of mutants.awk, included before everything else into a test built with changed headers.
  *
- * STILB_MUTANT="ID FACTOR" in the environment multiplies the literal with this number. STILB_MUTANTS_SEEN=FILE writes the
- * numbers of all literals that the run came across, one per line, when the program ends.
+ * STILB_MUTANT="ID FACTOR" in the environment multiplies the literal with this number. STILB_MUTANTS_SEEN=FILE writes
+ * the numbers of all literals that the run came across, one per line, when the program ends.
  */
 #ifndef SHADE_MUTANT_H
 #define SHADE_MUTANT_H

@@ -19,7 +19,7 @@ _Noreturn static void end_test(int how)
 	longjmp(test_end, how);
 }
 
-/* ---- output --------------------------------------------------------------------------------------------------------- */
+/* ---- output ------------------------------------------------------------------------------------------------------ */
 
 void print_message(const char *format, ...)
 {
@@ -54,7 +54,7 @@ _Noreturn void small_skip(void)
 	end_test(SKIPPED);
 }
 
-/* ---- asserts -------------------------------------------------------------------------------------------------------- */
+/* ---- asserts ----------------------------------------------------------------------------------------------------- */
 
 void small_expect(bool holds, const char *text, const char *file, int line)
 {
@@ -94,7 +94,7 @@ void small_memory_equal(const void *a, const void *b, size_t size, const char *f
 			small_fail(file, line, "byte %zu of %zu: %#x != %#x", i, size, left[i], right[i]);
 }
 
-/* ---- runs ----------------------------------------------------------------------------------------------------------- */
+/* ---- runs -------------------------------------------------------------------------------------------------------- */
 
 static int run_test(const struct CMUnitTest *test, void *state)
 {

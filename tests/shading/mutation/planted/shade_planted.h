@@ -1,4 +1,5 @@
-/* shade_planted: literals that planted.c proves, and some that it does not (marked, for planted.sh): are they told apart? */
+/* shade_planted: literals that planted.c proves, and some that it does not (marked, for planted.sh): are they told
+ * apart? */
 #ifndef SHADE_PLANTED_H
 #define SHADE_PLANTED_H
 
