@@ -426,7 +426,7 @@ static stilb_gi_end passes_run(stilb_gi_render *render)
 
 /* ---- run --------------------------------------------------------------------------------------------------------- */
 
-/* Of a limited time half is for the picture: where the overture made no records, paths are traced. */
+/* Half of a limited time is reserved for the picture: where the overture made no records, paths are traced. */
 static bool overture_is_ending(const stilb_gi_render *render)
 {
 	double share = render->view.settings.seconds * OVERTURE_SHARE;

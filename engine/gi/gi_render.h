@@ -52,7 +52,7 @@
 	X(SPLIT, split, "N rays at the first hit, one path after each")                                                    \
 	X(IRRADIANCE_CACHE, irradiance_cache, "diffuse light interpolated between sparse records: smooth, slightly biased")
 
-/* How the random numbers of a pixel's samples are spread. X(ENUM, identifier, description for users)
+/* Samplers: how the random numbers of a pixel's samples are spread. X(ENUM, identifier, description for users)
  *
  * RANDOM      independent numbers: the error falls with the square root of the samples.
  * STRATIFIED  correlated multi-jittered cells (Kensler 2013), made for the planned number of samples.
@@ -100,13 +100,13 @@ typedef enum stilb_gi_only {
 
 /* A thin lens: points off the focal plane are blurred. */
 typedef struct stilb_gi_lens {
-	/* Of the aperture, metres, 0..1e12. 0: a pinhole, everything is sharp. */
+	/* Radius of the aperture, metres, 0..1e12. 0: a pinhole, everything is sharp. */
 	float radius;
 	/* Distance of the focal plane from the camera along the view axis, metres, 1e-9..1e12. */
 	float focus;
 	/* 0: a round aperture; 3..16: a regular polygon with that many corners on the circle. */
 	uint32_t blades;
-	/* Of the polygon about the view axis, radians, -1e6..1e6. */
+	/* Rotation of the polygon about the view axis, radians, -1e6..1e6. */
 	float rotation;
 } stilb_gi_lens;
 
@@ -118,7 +118,7 @@ typedef enum stilb_gi_cache_mode {
 	STILB_GI_CACHE_LIVE,
 } stilb_gi_cache_mode;
 
-/* How far a record of the irradiance cache reaches. Sources: cache/gi_cache.h. */
+/* Rules for the radius in which a record of the irradiance cache is valid. Sources: cache/gi_cache.h. */
 typedef enum stilb_gi_cache_radius {
 	/* Harmonic mean distance to what the record sees, bounded by the gradients and the neighbours' radii. */
 	STILB_GI_CACHE_SPLIT_SPHERE,
@@ -159,7 +159,7 @@ typedef struct stilb_gi_settings {
 	double seconds;
 	/* Stop when the estimated relative root-mean-square error of the picture is below, 0..1e9; 0: no limit. */
 	float error;
-	/* Of all random numbers; another seed gives another, equally good, picture. */
+	/* Seed of all random numbers; another one gives another, equally good, picture. */
 	uint64_t seed;
 	stilb_gi_sampler_kind sampler;
 	stilb_gi_filter_kind filter;
@@ -177,14 +177,14 @@ typedef struct stilb_gi_settings {
 	float roulette;
 	/* N of the integrators ao, montecarlo and split: rays at a hit, 1..65536. */
 	uint32_t rays;
-	/* Of ao, metres, 0..1e12: what is farther away does not occlude; 0: everything does. */
+	/* For ao, metres, 0..1e12: what is farther away does not occlude; 0: everything does. */
 	float ao_distance;
-	/* Of ao: a hit at distance d counts as 1 - d / ao_distance instead of 1; needs ao_distance > 0. */
+	/* For ao: a hit at distance d counts as 1 - d / ao_distance instead of 1; needs ao_distance > 0. */
 	bool ao_weighted;
 	/* Render every 32nd pixel of every 32nd row first, then every 16th, ...; off: tile by tile. Same bits either
 	 * way. */
 	bool progressive;
-	/* Of .png files and previews, stops, -100..100: radiance is multiplied by 2^exposure. */
+	/* For .png files and previews, stops, -100..100: radiance is multiplied by 2^exposure. */
 	float exposure;
 	stilb_gi_cache_settings cache;
 } stilb_gi_settings;
@@ -253,7 +253,7 @@ typedef struct stilb_gi_progress {
 	uint64_t camera_rays, shadow_rays;
 	/* Every pixel has at least so many samples. */
 	uint32_t samples;
-	/* Of a progressive render: one pixel of every block x block pixels has samples; 1: all pixels have. */
+	/* For a progressive render: one pixel of every block x block pixels has samples; 1: all pixels have. */
 	uint32_t block;
 	/* The current stage, for people: "overture 3", "pass 2", ... */
 	char stage[32];

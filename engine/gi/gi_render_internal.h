@@ -11,7 +11,7 @@
 #include "gi/film/gi_primary.h"
 #include "gi/integrate/gi_integrator.h"
 
-/* What one thread has counted. That thread alone adds; stilb_gi_render_progress reads at any time. All relaxed: each
+/* Counters of one thread. That thread alone adds; stilb_gi_render_progress reads at any time. All relaxed: each
  * number stands alone, and a reader may see one that is a batch old. */
 typedef struct gi_render_counters {
 	_Atomic uint64_t samples, rays, camera_rays, shadow_rays, bad_samples;

@@ -205,7 +205,7 @@ static void box_add(float low[3], float high[3], const float point[3])
 	}
 }
 
-/* Of triangles only: vertices that no triangle uses may be NaN. */
+/* The box around the triangles. Vertices that no triangle uses are left out: they may be NaN. */
 static void mesh_box(gi_mesh *mesh)
 {
 	box_empty(mesh->low, mesh->high);

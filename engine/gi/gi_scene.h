@@ -34,7 +34,7 @@ typedef enum stilb_gi_isa {
 		STILB_GI_ISA_COUNT
 } stilb_gi_isa;
 
-/* How rays are intersected with triangles. */
+/* A method to intersect rays with triangles. */
 typedef struct stilb_gi_intersector stilb_gi_intersector;
 
 /* Embree 3. A program that never names it does not load the library. */
@@ -56,7 +56,7 @@ typedef struct stilb_gi_scene_desc {
 /* Embree, the widest instruction set, all free memory. [any-thread] */
 stilb_gi_scene_desc stilb_gi_scene_desc_default(stilb_job_pool *pool);
 
-/* What was made of a scene, for reports. */
+/* Counts and sizes of a created scene, for reports. */
 typedef struct stilb_gi_scene_info {
 	/* Triangles that rays can hit; a mesh counts once for each part that shows it. */
 	uint64_t triangles;

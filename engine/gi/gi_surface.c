@@ -133,7 +133,7 @@ static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_sur
 		surface->diffuse *= gi_texture_at(&scene->textures[material->diffuse_texture - 1], surface->uv);
 }
 
-/* Of an instance: error of the transforms to world space and, in the intersector, of the ray to mesh space, each a
+/* The error of an instance's transforms to world space and, in the intersector, of the ray to mesh space, each a
  * sum of three products and a translation. */
 static float transform_error(const gi_part *part, stilb_vec3 position)
 {

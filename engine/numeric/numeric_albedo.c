@@ -38,7 +38,7 @@ static double over_directions(const double direction[3], const void *context)
 	return reflected(context, direction);
 }
 
-/* The same, with `other` in coordinates whose x axis is the azimuth of the fixed direction. */
+/* The integrand with `other` in coordinates whose x axis is the azimuth of the fixed direction. */
 static double reflected_turned(const albedo *a, const double other[3])
 {
 	double x = cos(a->azimuth), y = sin(a->azimuth);

@@ -36,15 +36,15 @@ typedef enum stilb_numeric_kind {
 
 /* The integral that is 1 for a row. It normalises the row; energy may still be gained at other angles. */
 typedef enum stilb_numeric_measure {
-	/* Of D over all directions. */
+	/* Integral of D over all directions. */
 	STILB_NUMERIC_MEASURE_D,
-	/* Of D n.h over all directions: the projected area of the facets. */
+	/* Integral of D n.h over all directions: the projected area of the facets. */
 	STILB_NUMERIC_MEASURE_D_COS,
-	/* Of BRDF x n.l over the light directions, seen along the normal, at every roughness. */
+	/* Integral of BRDF x n.l over the light directions, seen along the normal, at every roughness. */
 	STILB_NUMERIC_MEASURE_REFLECTED,
-	/* The same at roughness 0 alone, where the lobe becomes a mirror. */
+	/* That integral at roughness 0 alone, where the lobe becomes a mirror. */
 	STILB_NUMERIC_MEASURE_SMOOTH,
-	/* Of the sampler's density over all directions. */
+	/* Integral of the sampler's density over all directions. */
 	STILB_NUMERIC_MEASURE_PDF,
 	STILB_NUMERIC_MEASURE_COUNT
 } stilb_numeric_measure;

@@ -32,9 +32,9 @@ void stilb_numeric_latlong_direction(double u, double v, double direction[3]);
  * direction. Exact to rounding if f is a polynomial of degree 29 at most in each panel. */
 shade_sh stilb_numeric_sh_project(stilb_numeric_direction_function *f, const void *context, int panels);
 
-/* The same of an environment map of linear floats (as .exr and .hdr files load). 1 or 2 channels: grey, the same for
- * red, green and blue; 3 or 4: colour. Alpha is ignored. Errors: STILB_ERROR_ARGUMENT: 8- or 16-bit pictures, and NaN
- * or values beyond STILB_NUMERIC_SH_LIMIT, with their place; STILB_ERROR_MEMORY. Then sh is not written. */
+/* The projection of an environment map of linear floats (as .exr and .hdr files load). 1 or 2 channels: grey, the same
+ * for red, green and blue; 3 or 4: colour. Alpha is ignored. Errors: STILB_ERROR_ARGUMENT: 8- or 16-bit pictures, and
+ * NaN or values beyond STILB_NUMERIC_SH_LIMIT, with their place; STILB_ERROR_MEMORY. Then sh is not written. */
 stilb_result stilb_numeric_sh_project_map(const stilb_image *map, shade_sh_rgb *sh);
 
 #endif

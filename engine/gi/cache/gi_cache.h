@@ -61,7 +61,7 @@ stilb_result gi_cache_create(const gi_view *view, uint32_t worker_count, gi_cach
 /* Accepts NULL. */
 void gi_cache_destroy(gi_cache *cache);
 
-/* How long radii may be of a record at that place, metres, and how it is made. */
+/* Limits for a record at that position: its shortest radius depends on the size of a pixel there. */
 gi_cache_limits gi_cache_limits_at(const gi_cache *cache, stilb_vec3 position);
 
 /* True if the surface reflects diffuse light, which is what a cache holds. */

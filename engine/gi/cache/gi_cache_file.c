@@ -16,7 +16,7 @@
 static const char magic[] = "stilb irradiance cache 1\n";
 #define MAGIC_SIZE (sizeof magic - 1)
 
-/* What the records depend on: it must be the same for them to be used. */
+/* Everything that the records depend on; it must be equal for them to be used. */
 typedef struct cache_header {
 	uint64_t scene;
 	uint32_t depth, radius, gradients;

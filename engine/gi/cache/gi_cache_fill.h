@@ -45,7 +45,7 @@ stilb_result gi_cache_fill_run(gi_cache_fill *fill, gi_cache_report *report, voi
 /* Writes settings.cache.save, if that is set: see gi_cache_save. */
 stilb_result gi_cache_fill_save(const gi_cache_fill *fill);
 
-/* What has been done so far. [any-thread] */
+/* The progress so far. [any-thread] */
 gi_cache_progress gi_cache_fill_progress(const gi_cache_fill *fill);
 
 #endif

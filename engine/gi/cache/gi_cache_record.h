@@ -26,7 +26,7 @@ typedef struct gi_cache_record {
 	stilb_vec4 rotation[2];
 } gi_cache_record;
 
-/* How radii are chosen. */
+/* The settings that decide about radii. */
 typedef struct gi_cache_limits {
 	float error; /* Ward's a */
 	float turn;  /* see above */

@@ -25,7 +25,7 @@ void gi_cache_slab_finish(gi_cache_slab *slab);
 /* An item, all bytes 0. NULL: no memory; that item is lost. */
 void *gi_cache_slab_take(gi_cache_slab *slab);
 
-/* How many were taken, lost ones included. */
+/* Number of items taken, lost ones included. */
 uint32_t gi_cache_slab_count(const gi_cache_slab *slab);
 
 /* Item i < count; NULL: it was lost. Only when its taker has finished writing it. */

@@ -40,7 +40,7 @@ typedef struct gi_cache_strata {
 	gi_cache_sector *sectors;
 } gi_cache_strata;
 
-/* What one cell's ray found. */
+/* The result of one cell's ray. */
 typedef struct gi_cache_cell {
 	stilb_vec3 radiance;
 	float nearness; /* 1 / distance to the hit, 0: a miss */

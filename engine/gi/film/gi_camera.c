@@ -48,7 +48,7 @@ stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u)
 
 void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, gi_ray_hit *ray)
 {
-	/* The same operations as in lanes_pinhole, so that both give the same bits. */
+	/* Operations in the order of lanes_pinhole, so that both give the same bits. */
 	float across = x * camera->to_u - camera->half_width, up = camera->half_height - y * camera->to_v;
 	stilb_vec3 direction = camera->forward + camera->right * across + camera->up * up;
 	stilb_vec3 origin = camera->position;

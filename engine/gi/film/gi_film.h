@@ -41,7 +41,7 @@ typedef struct gi_film {
 	float *albedo, *normal, *depth, *variance;
 } gi_film;
 
-/* What is added to a pixel. */
+/* One sample of a pixel. */
 typedef struct gi_film_sample {
 	stilb_vec3 radiance;
 	const float *albedo, *normal; /* [3] */

@@ -14,7 +14,8 @@
 
 struct gi_cache;
 
-/* What all batches of a render share. Constant while batches run, except for the cache, which synchronises itself. */
+/* Data that all batches of a render share. Constant while batches run, except for the cache, which synchronises
+ * itself. */
 typedef struct gi_view {
 	const stilb_gi_scene *scene;
 	stilb_gi_settings settings;

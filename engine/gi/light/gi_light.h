@@ -63,7 +63,7 @@ bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3
  * the front of emitter `light`, < emitter_count, at this distance. */
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance);
 
-/* The same for a ray that hit nothing. */
+/* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray that hit nothing. */
 float gi_environment_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, stilb_vec3 direction);
 
 /* Radiance of the surroundings from a unit direction. */

@@ -48,7 +48,7 @@ typedef struct gi_ray_hit {
 	gi_hit hit;
 } gi_ray_hit;
 
-/* The same sixteen times, each number a row of its own: [axis][lane] and [lane]. */
+/* Sixteen rays, transposed: each number is a row over the sixteen lanes, [axis][lane] or [lane]. */
 typedef struct gi_ray16 {
 	float origin[3][GI_PACKET], t_min[GI_PACKET];
 	float direction[3][GI_PACKET], time[GI_PACKET];
@@ -67,13 +67,13 @@ typedef struct gi_ray_hit16 {
 	gi_hit16 hit;
 } gi_ray_hit16;
 
-/* How rays are traced against the triangles of one scene. */
+/* The functions that trace rays against the triangles of one scene. */
 typedef struct gi_tracer gi_tracer;
 struct gi_tracer {
 	/* The closest hit of one ray: t_max and hit. hit.part is GI_NO_PART before. */
 	void (*intersect)(const gi_tracer *tracer, gi_ray_hit *ray);
-	/* The same for sixteen rays with nearby origins and directions. valid: [16], -1 to trace that lane or 0, 64-byte
-	 * aligned. */
+	/* The closest hits of sixteen rays with nearby origins and directions. valid: [16], -1 to trace that lane or 0,
+	 * 64-byte aligned. */
 	void (*intersect16)(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays);
 	/* Any hit: t_max becomes -infinity where something lies on the segment, and stays as it is where nothing does. */
 	void (*occluded)(const gi_tracer *tracer, gi_ray *rays, uint32_t count);
