@@ -378,7 +378,7 @@ static void without_the_layer(void **state)
 	stilb_engine_desc desc = validated();
 	stilb_engine *engine;
 	char words[4096];
-	assert_int_equal(run_demo("VK_LAYER_PATH=/nonexistent", "--validate", words, sizeof words), 1);
+	assert_int_equal(run_demo("VK_LAYER_PATH=/nonexistent", "--validate", words, sizeof words), 2);
 	assert_non_null(strstr(words, "stilb: "));
 	assert_non_null(strstr(words, "vulkan-validationlayers"));
 	setenv("VK_LAYER_PATH", "/nonexistent", 1);
