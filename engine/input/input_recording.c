@@ -122,6 +122,8 @@ static const char *take_time(const char *at, int64_t *time_us)
 	if (!at || at[0] != '.' || strspn(at + 1, "0123456789") != 6)
 		return NULL;
 	at = take_number(at + 1, 10, 999999, &us);
+	if (!at)
+		return NULL;
 	*time_us = (int64_t)(seconds * 1000000 + us);
 	return at;
 }
@@ -304,7 +306,7 @@ static stilb_result parser_name_or_path(recording_parser *parser, const char *at
 	recording_pad *pad;
 	bool is_name = parser->text[0] == 'N';
 	stilb_result result = parser_describe_pad(parser, &pad);
-	if (result == STILB_OK)
+	if (result == STILB_OK) /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): parser_refuse is never STILB_OK */
 		input_text_copy(is_name ? pad->info.name : pad->info.path,
 		                is_name ? sizeof pad->info.name : sizeof pad->info.path, at, strlen(at));
 	return result;

@@ -26,7 +26,7 @@ fresh_house() {
 	touch "$scratch"/house/tests/{gi,jobs,profiler,vm}/CMakeLists.txt
 	cp "$source/dev" "$source/packages.txt" "$scratch/house"
 	local tool
-	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nproc paste rm sed setarch sleep true xargs; do
+	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nproc paste rm sed setarch sleep tail true xargs; do
 		ln -s "$(command -v "$tool")" "$scratch/bin/$tool"
 	done
 	awk '!/^#/ && NF { print "installed", $2 }' "$source/packages.txt" >"$scratch/installed"
@@ -52,6 +52,8 @@ fresh_house() {
 		cat "$file" >"$junit"
 		! grep -q "status=\"fail\"\|Unable" "$file"'
 	junit good 'test_a run' 'test_b run'
+	stand_in analyze.sh 'echo nothing found in 50 files'
+	mv "$scratch/bin/analyze.sh" "$scratch/house/tests/tree"
 	stand_in stilb 'echo stilb ran'
 	stand_in stilb-bench 'echo stilb-bench ran'
 	mv "$scratch/bin/stilb" "$scratch/bin/stilb-bench" "$scratch/house/build/release"
@@ -278,6 +280,24 @@ test_summary() {
 	! grep -qE '^(model|truth|viewer|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
 
 	grep -q -- '^ctest .*/build/asan .* -LE ^(model|truth|fuzz|viewer)\$$' "$calls" || fail "the sanitizers run what they cannot see"
+
+	! grep -q '^analyze' "$scratch/out" || fail "analysed without a build"
+
+	fresh_house "the code is analysed"
+	touch "$scratch/house/build/release/compile_commands.json"
+	dev 0 test
+	called "analyze.sh $scratch/house/build/release"
+	grep -q '^analyze   passed   nothing found in 50 files, ' "$scratch/out" || fail "no line for the tier"
+	last_line "15 passed, 0 failed, 0 skipped"
+	local end
+	for end in 1 77; do
+		stand_in analyze.sh "echo a finding; exit $end"
+		mv "$scratch/bin/analyze.sh" "$scratch/house/tests/tree"
+		[ $end -eq 77 ] || dev 1 test
+		[ $end -eq 1 ] || dev 0 test
+		require=unit,analyze dev 1 test
+		last_line "14 passed, 1 failed, 0 skipped"
+	done
 
 	fresh_house quick
 	dev 0 test --quick

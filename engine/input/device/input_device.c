@@ -86,7 +86,7 @@ static void device_folder(const input_roots *roots, const char *name, stilb_inpu
 	int length = snprintf(path, sizeof path, "%s/class/hidraw/%s/device", roots->sys, name);
 	char *real = length < (int)sizeof path ? realpath(path, NULL) : NULL;
 	if (real && strlen(real) < sizeof info->device)
-		strcpy(info->device, real);
+		memcpy(info->device, real, strlen(real) + 1);
 	free(real);
 }
 

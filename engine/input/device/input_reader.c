@@ -225,8 +225,8 @@ static void reader_keep(input_reader *reader, int64_t now_us, const uint8_t *rep
 static int reader_timeout_ms(const input_reader *reader, int64_t now_us, int64_t motors_us)
 {
 	int64_t wait_us = motors_us == INT64_MAX ? -1 : motors_us > now_us ? motors_us - now_us : 0;
-	if (reader->late.size > 0 && (wait_us < 0 || wait_us > 1000 * READER_LATE_MS))
-		wait_us = 1000 * READER_LATE_MS;
+	if (reader->late.size > 0 && (wait_us < 0 || wait_us > INT64_C(1000) * READER_LATE_MS))
+		wait_us = INT64_C(1000) * READER_LATE_MS;
 	return wait_us < 0 ? -1 : (int)((wait_us + 999) / 1000);
 }
 

@@ -231,7 +231,7 @@ static void add_axes(builder *b)
 	if (r_is_right || z_stick) {
 		add_axis(b, r_is_right ? rx : z, STILB_INPUT_RIGHT_X);
 		add_axis(b, r_is_right ? ry : rz, STILB_INPUT_RIGHT_Y);
-	} else if (x.field->collection == USAGE_JOYSTICK) {
+	} else if (x.field && x.field->collection == USAGE_JOYSTICK) {
 		add_axis(b, rz, STILB_INPUT_RIGHT_X); /* twisting the stick */
 		add_axis(b, find(d, b->main, USAGE_RUDDER), STILB_INPUT_RIGHT_X);
 	}

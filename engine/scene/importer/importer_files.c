@@ -40,7 +40,7 @@ int importer_files_ask(const char *name, bool quiet, char why[static 256])
 		return fcntl(files_request.file, F_DUPFD_CLOEXEC, 0);
 	if (strlen(name) >= sizeof message.text)
 		return -1;
-	strcpy(message.text, name);
+	memcpy(message.text, name, strlen(name) + 1);
 	if (!scene_stream_write_message(importer_stream.file, &message, -1) ||
 	    !scene_stream_read_message(&importer_stream, &message, &file))
 		_exit(1); /* nobody listens */

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# analyze.sh BUILD: clang-tidy (.clang-tidy names the checks) and gcc's analyzer over the modules below, with the flags of the
+# build BUILD, which is gcc's. Prints what they find; succeeds if that is nothing. 77: no clang-tidy here.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+build=$(cd "$1" && pwd)
+modules='jobs|job_prof|engine/(base|image|input|numeric|window)'
+command -v clang-tidy >/dev/null || { echo "skipped: no clang-tidy here (package clang-tidy)"; exit 77; }
+
+# FILE COMMAND, one line for each C file of the modules; libraries, not their examples.
+commands=$(sed -n 's/^ *"command": "\(.* -c \([^ ]*\)\)",\{0,1\}$/\2 \1/p' "$build/compile_commands.json" |
+	grep -E "^$PWD/($modules)/[^ ]*\.c " | grep -v '/examples/' | sort -u -k 1,1)
+files=$(wc -l <<<"$commands")
+[ "$files" -gt 30 ] || { echo "$build/compile_commands.json names $files files of ours: too few"; exit 1; }
+
+tidy() {
+	cut -d ' ' -f 1 <<<"$commands" | xargs -P "$(nproc)" -n 4 clang-tidy -p "$build" --quiet 2>/dev/null
+}
+
+# Without two warnings of gcc 12, which does not see that a loop fills an array, nor that a pointer in a structure has an
+# owner: clang-tidy asks the same, and so do the sanitizers. The object is not wanted.
+gcc_analyzer() {
+	local analyzer="-fanalyzer -Wno-analyzer-use-of-uninitialized-value -Wno-analyzer-malloc-leak -Werror"
+	cd "$build" && cut -d ' ' -f 2- <<<"$commands" |
+		sed -E "s/^[^ ]*ccache //; s/ -M[DTF]( [^ -][^ ]*)?//g; s/ -o [^ ]*/ $analyzer -o \/dev\/null/" |
+		xargs -P "$(nproc)" -d '\n' -n 1 sh -c
+}
+
+status=0
+tidy || status=1
+(gcc_analyzer) 2>&1 || status=1
+[ $status -ne 0 ] || echo "nothing found in $files files"
+exit $status
