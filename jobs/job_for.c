@@ -270,9 +270,9 @@ static bool wake_helper_anew(stilb_job_pool *pool, job_loop *loop, loop_span *sp
 	return wake_helper(pool, span);
 }
 
-/* Runs the loop. asleep: no thread is awake to help. The caller of a loop that seems short then starts alone, if a
- * worker watches (see JOB_WATCH_NS): it claims one slice, then twice as many each time, and no longer counts as alone
- * when the loop has taken as long as a wake-up. */
+/* Runs the loop; span->wake_slices is a guess from earlier loops. asleep: no thread is awake to help. The caller of a
+ * loop that seems short then starts alone, if a worker watches (see JOB_WATCH_NS): it claims one slice, then twice as
+ * many each time, and no longer counts as alone when the loop has taken as long as a wake-up. */
 __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, uint32_t slices, bool asleep)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -281,7 +281,6 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 	bool measured = asleep || rate->ticks == 0 || slot->loops_run++ % MEASURE_EVERY == 0;
 	uint64_t start = measured ? job_sys_ticks() : 0;
 	uint32_t threads = pool->worker_count + 1;
-	span->wake_slices = slices_to_wake_for(pool, rate->ticks);
 	bool alone = asleep && loop_starts_alone(slot, span, slices, start), started_alone = alone;
 	/* With more threads than CPUs a thread may be preempted after a claim, and all would wait for it: claim less at
 	 * once. */
@@ -317,7 +316,8 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 			woken = wake_helper_anew(pool, loop, span,
 			                         measured ? slices_to_wake_for(pool, (job_sys_ticks() - start) / mine)
 			                                  : span->wake_slices);
-	} while (loop_claim(loop, &job_scope_all, threads, alone ? mine : 0, span));
+	} while (__builtin_expect(alone, 0) ? loop_claim(loop, &job_scope_all, threads, mine, span)
+	                                    : loop_claim(loop, &job_scope_all, threads, 0, span));
 	if (measured) {
 		if (!alone)
 			ticks = job_sys_ticks() - start;
@@ -350,6 +350,7 @@ void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain
 	slot->root = span.root = outer_root ? outer_root : (uintptr_t)&slot->loop[0];
 	slot->level = span.level = outer_level + 1;
 	if (slices > 1 && pool->worker_count > 0 && slot->loops_open < JOB_LOOP_DEPTH) {
+		span.wake_slices = slices_to_wake_for(pool, rate_of(slot, fn)->ticks);
 		loop_run(slot, &span, slices, job_idle_maybe_wanted(&pool->idle));
 	} else {
 		span.slices = slices;

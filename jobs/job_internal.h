@@ -45,12 +45,12 @@
 
 /* The last worker to go to sleep watches for loops: it sleeps in naps and looks for open loops in between. So a loop
  * that its caller runs alone, because loops of this function were short, gets help if it turns out long. The first nap
- * takes JOB_WATCH_NAP_NS, each later one half as long as all before: help comes after half the time that the workers
- * have slept, or after the first nap. The watch ends after JOB_WATCH_NS, so that idle pools cost nothing. The next loop
- * then wakes a worker, whatever its length. */
-#define JOB_WATCH_NAP_NS 1000000u
+ * takes JOB_WATCH_NAP_NS, each later one half as long as all before together: help comes at the latest after half the
+ * time for which the workers have slept before the loop, or after the first nap. The watch ends after JOB_WATCH_NS, so
+ * that idle pools cost nothing. The next loop then wakes a worker, whatever its length. */
+#define JOB_WATCH_NAP_NS 2000000u
 #ifndef JOB_WATCH_NS
-#define JOB_WATCH_NS 50000000u
+#define JOB_WATCH_NS 32000000u
 #endif
 
 /* The cost of a steal to its victim, one more cache line to fetch; and the time for which a thief stays away after a
