@@ -273,7 +273,8 @@ static void import_tell_refused(import_request *request, const char *name, const
 			return;
 	if (strlen(last) < 2 || request->refused_count == most)
 		return;
-	snprintf(request->refused[request->refused_count++], sizeof *request->refused, "%s", last);
+	snprintf(request->refused[request->refused_count++], sizeof *request->refused, "%.*s",
+	         (int)sizeof *request->refused - 1, last);
 	if (strncmp(name, request->files->prefix, prefix) == 0)
 		name += prefix;
 	stilb_log("%s: '%s' is not read: %s", request->path, name, why);
