@@ -106,8 +106,10 @@ static void stopped_again_and_again(void **state)
 		assert_int_equal(pthread_create(&thread, NULL, look_on, &looker), 0);
 		uint32_t runs = 0;
 		for (; !progress_of(looker.render).finished; runs++) {
-			/* The first runs each meet a stop, however seldom the onlooker gets a CPU. Acquire, pairs with look_on. */
-			while (runs < 4 && atomic_load_explicit(&looker.looks, memory_order_acquire) <= runs)
+			/* The first runs each meet a stop that was asked for after the run before: of two looks from here on the
+			 * second one asks after this line. Acquire, pairs with look_on. */
+			uint32_t seen = atomic_load_explicit(&looker.looks, memory_order_acquire);
+			while (runs < 4 && atomic_load_explicit(&looker.looks, memory_order_acquire) < seen + 2)
 				rest(100);
 			assert_int_equal(stilb_gi_render_run(looker.render), STILB_OK);
 		}
