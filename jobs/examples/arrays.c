@@ -1,5 +1,5 @@
 /*
- * Many jobs as one object: an array of jobs is a loop that runs by itself. Two of them go on beside each other, and the
+ * An array of jobs is a parallel loop submitted as one job. Two of them run at the same time, and the
  * submitter is free until it waits.
  *
  * Prints: 50000 of 50000 doubled, 50000 of 50000 cleared

@@ -1,6 +1,6 @@
 /*
- * Shutting down without running what is left. Destroy alone drains: it runs every job first. After a cancel, jobs that
- * have not started will not, and their groups finish all the same, so nobody waits for ever.
+ * Shutting down without running the remaining jobs. Destroy alone runs every job first. After a cancel, jobs that have
+ * not started never run, but their groups finish, so no wait hangs.
  *
  * Prints: some ran, the rest were cancelled, the wait returned
  */
@@ -12,7 +12,7 @@
 
 enum { JOBS = 10000 };
 
-static atomic_uint ran; /* relaxed everywhere: a count alone, nothing is read because of it */
+static atomic_uint ran; /* relaxed everywhere: a count that orders nothing */
 
 static void slow(void *data, uint32_t worker)
 {

@@ -1,6 +1,6 @@
 /*
  * Jobs that start when others have finished: load -> (shade, light) -> show. Each step has a group; a job submitted
- * `after` a group waits for it without a thread.
+ * `after` a group waits for it without blocking a thread.
  *
  * Prints: loaded 4, shaded 40, lit 400, shown 440
  */

@@ -1,6 +1,6 @@
 /*
  * Jobs that submit jobs and wait for them: a merge sort. Each call has a group on its own stack; while it waits it runs
- * the jobs it waits for, so nothing is lost and a pool without any worker sorts as well.
+ * the jobs it waits for, so no thread idles, and a pool without workers sorts as well.
  *
  * Prints: 100000 numbers in order
  */
@@ -45,7 +45,7 @@ static void sort(void *data, uint32_t worker)
 	part right = {whole->pool, whole->numbers + half, whole->scratch + half, whole->count - half};
 	stilb_job_group group = {0};
 	if (stilb_job_submit(whole->pool, sort, &left, &group, worker) != 0)
-		sort(&left, worker); /* no memory: do it here */
+		sort(&left, worker); /* no memory: sort on this thread */
 	sort(&right, worker);
 	stilb_job_wait(whole->pool, &group, worker);
 	merge(whole, half);

@@ -1,7 +1,7 @@
 /*
- * Hooks: how a profiler sees the pool without the pool knowing it. Each is called on the thread it tells of, so a slot
- * for each worker index needs no atomics. Here they count; and submit tags each job with the time, so that job_begin
- * knows how long it has been waiting.
+ * Hooks: how a profiler observes the pool. Each is called on the thread that it is about, so a slot for each worker
+ * index needs no atomics. Here they count; and submit tags each job with the time, so that job_begin knows how long it
+ * has been waiting.
  *
  * Prints: 100 jobs submitted, 100 began, 100 ended, all after they were submitted: yes, parks and wakes pair: yes
  */
@@ -26,7 +26,7 @@ static uint64_t now_ns(void)
 
 static uint64_t submit(void *user, uint32_t worker)
 {
-	((counts *)user)[worker].submits++; /* no thread from outside submits here */
+	((counts *)user)[worker].submits++; /* no outside thread submits here */
 	return now_ns();
 }
 

@@ -1,6 +1,7 @@
 /*
- * The pool on lock-free queues: where a thread that is stopped at any instruction (by a debugger, by a scheduler with
- * more threads than CPUs) must not stop the others. It costs some throughput; everything else is the same.
+ * The pool on lock-free queues, for programs in which a thread that is stopped at any instruction (by a debugger, by a
+ * scheduler with more threads than CPUs) must not stop the others. It costs some throughput; everything else is the
+ * same.
  *
  * Prints: 1000 jobs on lock-free queues
  */
@@ -25,7 +26,7 @@ int main(void)
 	if (stilb_job_pool_create(&desc, &pool) != 0)
 		return 1;
 	stilb_job_group group = {0};
-	stilb_job_options low = {.priority = STILB_JOB_LOW}; /* the shared queues hold what has a priority */
+	stilb_job_options low = {.priority = STILB_JOB_LOW}; /* jobs with a priority go through the shared queues */
 	atomic_uint ran = 0;
 	for (int i = 0; i < JOBS; i++)
 		if (stilb_job_submit_with(pool, count, &ran, &group, &low, 0) != 0)

@@ -1,6 +1,6 @@
 /*
- * Threads that the pool does not know submit to it, with STILB_JOB_OUTSIDE in place of a worker index, and wait for
- * what they submitted: a server's connections that share one pool.
+ * Threads outside the pool submit jobs to it, with STILB_JOB_OUTSIDE in place of a worker index, and wait for them: the
+ * connections of a server that share one pool.
  *
  * Prints: 4 connections, 400 requests answered
  */

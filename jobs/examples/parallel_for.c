@@ -1,6 +1,6 @@
 /*
  * A parallel loop with one sum for each thread: the worker index of a slice picks the slot, so no atomics are needed.
- * Slots lie 128 bytes apart, or their writers would take each other's cache lines.
+ * Slots lie 128 bytes apart, so that no two threads write to the same cache line.
  *
  * Prints: sum of squares 333332833333500000
  */

@@ -1,6 +1,6 @@
 /*
- * A frame loop: work comes in quick succession inside a frame and not at all between two. In a phase the workers spin
- * between loops, so each starts at once; outside they sleep and cost nothing.
+ * A frame loop: loops follow one another closely inside a frame, and there is no work between frames. In a phase the
+ * workers spin between loops, so each starts at once; outside they sleep and cost nothing.
  *
  * Prints: 30 frames, 90000 updates, 60000 draws
  */
@@ -16,7 +16,7 @@ static void count_each(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 	(void)worker;
 	uint32_t *counts = context;
 	for (uint32_t i = begin; i < end; i++)
-		counts[i]++; /* a slice is run by one thread, and the loop's return orders it before the next */
+		counts[i]++; /* one thread runs the slice, and the return of the loop orders it before the next loop */
 }
 
 static uint64_t sum(const uint32_t *counts, uint32_t count)

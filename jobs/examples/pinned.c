@@ -1,5 +1,5 @@
 /*
- * Work that one thread alone may do: jobs decode pictures on any thread, but hand each to the main thread for an
+ * Work that only one thread may do: jobs decode pictures on any thread, but hand each to the main thread for an
  * interface that is not thread-safe. Pinned jobs of the owner run inside its waits and loops, and in
  * stilb_job_run_pinned.
  *
@@ -16,7 +16,7 @@ typedef struct screen {
 	stilb_job_pool *pool;
 	stilb_job_group done;
 	pthread_t main_thread;
-	int uploads, elsewhere; /* the main thread's alone */
+	int uploads, elsewhere; /* written by the main thread alone */
 } screen;
 
 static void upload(void *data, uint32_t worker)

@@ -1,6 +1,6 @@
 /*
  * Three priorities: high before normal before low. Without workers the owner runs everything in its wait, so the order
- * is there to be seen; with workers it is the order in which jobs start. A long job in the background is low.
+ * is visible; with workers it is the order in which jobs start. Long background jobs have low priority.
  *
  * Prints: high high normal normal low low
  */

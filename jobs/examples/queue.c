@@ -1,6 +1,6 @@
 /*
- * Several producers and consumers on one queue. A NULL item cannot be pushed, so the end is said with close: pushes are
- * refused from then on, consumers drain what is left and get -EPIPE.
+ * Several producers and consumers on one queue. The producers' end is signalled with close: pushes are
+ * refused from then on, and consumers pop what is left and then get -EPIPE.
  *
  * Prints: 20000 items, sum 200010000
  */
@@ -16,7 +16,7 @@ enum { PRODUCERS = 2, CONSUMERS = 2, EACH = 10000 };
 typedef struct member {
 	pthread_t thread;
 	stilb_job_queue *queue;
-	uint32_t number; /* of this thread, below thread_count: what every call of the queue wants to know */
+	uint32_t number; /* of this thread, below thread_count: an argument of every call of the queue */
 	uint64_t *items, count, sum;
 } member;
 

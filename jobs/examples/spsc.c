@@ -1,6 +1,6 @@
 /*
- * One thread feeds one thread: a sensor's reader hands its readings to the main thread. Neither end ever waits for the
- * other; what a consumer does when the queue is empty is its own affair.
+ * One thread feeds one other thread: the reader of a sensor hands its readings to the main thread. Neither end waits
+ * for the other; the consumer decides what to do when the queue is empty.
  *
  * Prints: 1000 readings, highest 99
  */
@@ -39,7 +39,7 @@ int main(void)
 	int count = 0, highest = 0, error;
 	void *item;
 	while ((error = stilb_job_spsc_pop(queue, &item)) != -EPIPE) { /* -EPIPE: closed and empty */
-		if (error == -EAGAIN) {                                    /* nothing now */
+		if (error == -EAGAIN) {                                    /* empty for now */
 			sched_yield();
 			continue;
 		}

@@ -6,8 +6,9 @@
 
 uint64_t history_now(void)
 {
-	/* Acquire-release, with itself: a call stamped as over has happened before every call with a later first stamp. No
-	 * less would do (a push that lies in a store buffer is not over), and a clock would need as much beside it. */
+	/* Acquire-release, pairs with itself: a call that has taken its second stamp happened before every call with a
+	 * later first stamp. No less would do (a push that lies in a store buffer is not over), and a clock would need as
+	 * much beside it. */
 	static _Atomic uint64_t clock;
 	return atomic_fetch_add_explicit(&clock, 1, memory_order_acq_rel);
 }

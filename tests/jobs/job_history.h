@@ -16,7 +16,7 @@
 typedef enum history_call {
 	HISTORY_PUSH, /* of value */
 	HISTORY_POP,  /* returned value */
-	HISTORY_EMPTY /* found the queue empty */
+	HISTORY_EMPTY /* a pop that found the queue empty */
 } history_call;
 
 typedef struct history_op {

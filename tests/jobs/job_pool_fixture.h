@@ -15,7 +15,7 @@
 #include "jobs/job.h"
 #include "support/test.h"
 
-/* Counted by jobs, read by the test: release and acquire, so that a test that polls sees what the jobs wrote, too. */
+/* Counted by jobs and polled by the test. Release and acquire, so that the test also sees what the jobs wrote. */
 typedef _Atomic uint32_t counter;
 
 static inline uint32_t count_up(counter *value)
@@ -40,7 +40,7 @@ static inline void nap_us(uint32_t microseconds)
 	nanosleep(&(struct timespec){.tv_nsec = (long)microseconds * 1000}, NULL);
 }
 
-/* False if value is not what is wanted and has not changed for ten seconds: who should have seen to it never will. */
+/* Waits for a value. False if it has not changed for ten seconds: then no thread is going to change it. */
 static inline bool await(counter *value, uint32_t wanted)
 {
 	uint64_t start = now_ns();
@@ -59,7 +59,7 @@ static inline bool await(counter *value, uint32_t wanted)
 	return true;
 }
 
-/* What a pool can look like: for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) */
+/* The shapes of pools to test: for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) */
 typedef struct shape {
 	uint32_t workers;
 	stilb_job_queue_kind queue;
@@ -159,7 +159,7 @@ static inline void submit_priority(stilb_job_pool *pool, stilb_job_fn *fn, void 
 	assert_int_equal(stilb_job_submit_with(pool, fn, data, group, &options, worker), 0);
 }
 
-/* Returns when workers first..last are in the middle of a job of group that lasts until blocker_release. */
+/* Returns when workers first to last are all inside a job of group, which lasts until blocker_release. */
 static inline void hold_workers(stilb_job_pool *pool, blocker *b, stilb_job_group *group, uint32_t first, uint32_t last)
 {
 	uint32_t before = count_of(&b->inside);

@@ -11,9 +11,9 @@ typedef struct queue_kind {
 	const char *name;
 	int (*create)(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 	bool bounded;      /* takes a capacity */
-	bool whole_pushes; /* nothing comes to lie between the items of one push_n */
+	bool whole_pushes; /* the items of one push_n stay together */
 	bool recycles;     /* allocates nothing while it stays short */
-	bool lock_free;    /* a thread that stands still stops nobody */
+	bool lock_free;    /* a stopped thread holds up no other */
 } queue_kind;
 
 enum { QUEUE_KINDS_OURS = 2, QUEUE_KINDS = 4 }; /* the library's come first */

@@ -138,14 +138,14 @@ static void test_submit_refuses(void **state)
 		                                 {.priority = (stilb_job_priority)-1},
 		                                 {.pinned = true, .target = s.workers + 1},
 		                                 {.pinned = true, .target = STILB_JOB_OUTSIDE},
-		                                 {.after = &w.group}}; /* would wait for itself */
+		                                 {.after = &w.group}}; /* the job would wait for itself */
 		for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
 			for (int outside = 0; outside < 2; outside++)
 				assert_int_equal(
 					stilb_job_submit_with(w.pool, count_job, &w, &w.group, &bad[i], outside ? STILB_JOB_OUTSIDE : 0),
 					-EINVAL);
 		assert_int_equal(w.group.state, 0);
-		stilb_job_options unused_target = {.target = 10000}; /* not pinned, so nobody looks at it */
+		stilb_job_options unused_target = {.target = 10000}; /* ignored, as the job is not pinned */
 		assert_int_equal(stilb_job_submit_with(w.pool, count_job, &w, &w.group, &unused_target, 0), 0);
 		stilb_job_wait(w.pool, &w.group, 0);
 		assert_int_equal(w.ran, 1);

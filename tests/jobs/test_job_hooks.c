@@ -4,7 +4,7 @@
 
 enum { DEEPEST = 8, OUTSIDE = MOST_THREADS };
 
-/* What a thread knows of itself. The last one is for a thread from outside. */
+/* The state of each thread as its hooks tell it. The last one is for outside threads. */
 typedef struct thread_log {
 	uint64_t next;         /* the tag of what it submits next */
 	uint64_t tag[DEEPEST]; /* of the jobs that it is in the middle of */
@@ -87,7 +87,7 @@ static void log_start(hook_log *log, shape s)
 	                                                 .steal = on_steal});
 }
 
-/* Nobody is in the middle of anything any more. */
+/* No thread is inside a job or a wait. */
 static void log_stop(hook_log *log)
 {
 	stilb_job_pool_destroy(log->pool);
@@ -170,7 +170,7 @@ typedef struct submitter {
 	stilb_job_group first, group;
 } submitter;
 
-/* One job in each way there is. */
+/* Submits one job in each possible way. */
 static void *submit_in_all_ways(void *data)
 {
 	submitter *m = data;
@@ -264,7 +264,7 @@ static void inner_slice(uint32_t begin, uint32_t end, uint32_t worker, void *con
 		count_up(&l->inner_helped);
 		check_inside(l->log, worker, inner->tag);
 	} else if (l->log->thread[worker].depth != inner->depth) {
-		count_up(&l->log->wrong); /* its own slices are a part of whatever it is in the middle of */
+		count_up(&l->log->wrong); /* its own slices belong to the job that opened the loop */
 	}
 }
 
@@ -338,7 +338,7 @@ typedef struct until_waiting {
 	counter inside;
 } until_waiting;
 
-/* Ends when that thread has said that it waits. */
+/* Returns when that thread has called wait_begin. */
 static void end_when_waited_for(void *data, uint32_t worker)
 {
 	until_waiting *u = data;
@@ -355,7 +355,7 @@ static void *wait_from_outside(void *data)
 	if (stilb_job_submit_with(u->log->pool, end_when_waited_for, u, &group, &on_first, STILB_JOB_OUTSIDE) != 0)
 		count_up(&u->log->wrong);
 	stilb_job_wait(u->log->pool, &group, STILB_JOB_OUTSIDE);
-	stilb_job_wait(u->log->pool, &group, STILB_JOB_OUTSIDE); /* over before it begins */
+	stilb_job_wait(u->log->pool, &group, STILB_JOB_OUTSIDE); /* has finished before the wait begins */
 	return NULL;
 }
 

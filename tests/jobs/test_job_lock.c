@@ -85,7 +85,7 @@ static void *enter_and_stall(void *data)
 
 typedef struct waiter {
 	pthread_t thread;
-	double cpu_ms; /* what it used before it got the lock */
+	double cpu_ms; /* CPU time used before it got the lock */
 } waiter;
 
 static void *enter_once(void *data)
@@ -142,7 +142,7 @@ static void *stay_long(void *data)
 		job_lock_take(&s->lock);
 		s->overlaps += s->inside++ != 0;
 		s->entered++;
-		sleep_ms(1); /* all others go to sleep meanwhile */
+		sleep_ms(1); /* all other threads fall asleep meanwhile */
 		s->inside--;
 		job_lock_give(&s->lock);
 	}

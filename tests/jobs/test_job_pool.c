@@ -142,7 +142,7 @@ typedef struct work {
 	stilb_job_pool *pool;
 	uint32_t worker_count;
 	counter ran;
-	counter wrong; /* bad worker index, or a wait that returned too early */
+	counter wrong; /* a wrong worker index, or a wait that returned too early */
 } work;
 
 static void count_job(void *data, uint32_t worker)
@@ -183,7 +183,7 @@ static void test_group_is_reusable(void **state)
 	stilb_job_pool_destroy(w.pool);
 }
 
-/* Submits two children into the group it is in itself, down to depth zero. */
+/* Submits two children into its own group, down to depth zero. */
 typedef struct tree {
 	work *work;
 	stilb_job_group *group;
@@ -375,7 +375,7 @@ typedef struct nest {
 static void nest_range(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	nest *outer = context;
-	if (++outer->inside[worker] > 3) /* helping must not pile up slices: one per level at most */
+	if (++outer->inside[worker] > 3) /* at most one slice of each level on a stack */
 		count_up(&outer->work.wrong);
 	for (uint32_t i = begin; i < end; i++) {
 		if (outer->level == 2) {
@@ -555,7 +555,7 @@ static void wait_for_owner_to_sleep(void *data, uint32_t worker)
 	count_up(&s->started);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 	stilb_job_submit(s->work.pool, note_helper, s, NULL, worker);
-	for (int i = 0; i < 60000 && s->work.ran == 0; i++) /* keeps the only worker busy: the owner must get up */
+	for (int i = 0; i < 60000 && s->work.ran == 0; i++) /* keeps the only worker busy: the owner must wake up */
 		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 }
@@ -666,7 +666,7 @@ static void test_submit_without_memory(void **state)
 	out_of_memory = false;
 	assert_int_equal(error, -ENOMEM);
 	assert_int_equal(e.sum, 100);
-	stilb_job_wait(w.pool, &group, 0); /* would hang if the failed job were counted */
+	stilb_job_wait(w.pool, &group, 0); /* never returns if the failed job was counted */
 	assert_int_equal(w.ran, submitted);
 	stilb_job_pool_destroy(w.pool);
 }

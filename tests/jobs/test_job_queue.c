@@ -90,7 +90,7 @@ static void start(size_t capacity)
 	queue = queue_kind_create(kind, capacity, THREADS);
 }
 
-/* Nothing is left of the queue, whatever is in it. */
+/* Destroy frees everything, whatever the queue holds. */
 static void finish(void)
 {
 	stilb_job_queue_destroy(queue);
@@ -122,7 +122,7 @@ static void pop_expect(uintptr_t value, uint32_t thread)
 	assert_ptr_equal(item, item_of(value));
 }
 
-/* The next `count` values, whether they come singly or not. */
+/* Pops the next `count` values, one by one or in batches. */
 static void drain_expect(uintptr_t first, size_t count, uint32_t thread)
 {
 	for (size_t i = 0; i < count; i++)
@@ -276,7 +276,7 @@ static void test_closing_full(void **state)
 	start(3);
 	assert_int_equal(push_many(0, 4, 0), 3);
 	stilb_job_queue_close(queue);
-	assert_int_equal(push(4, 0), -EPIPE); /* -EAGAIN would have the caller try for ever */
+	assert_int_equal(push(4, 0), -EPIPE); /* with -EAGAIN the caller would retry for ever */
 	drain_expect(0, 3, 1);
 	assert_int_equal(push(4, 0), -EPIPE);
 	empty_expect(-EPIPE, 1);
@@ -294,14 +294,14 @@ static void test_items_left_behind(void **state)
 	}
 }
 
-/* Whoever calls or has called, the memory of a short queue goes round. */
+/* A short queue reuses its memory, whichever threads call or have called. */
 static void test_memory_goes_round(void **state)
 {
 	(void)state;
 	enum { SEGMENTS = 64, ITEMS = SEGMENTS * 1024 };
 	start(SIZE_MAX);
 	for (uint32_t thread = 0; thread < THREADS; thread++) {
-		assert_int_equal(push(0, thread), 0); /* and is not heard of again, unless below */
+		assert_int_equal(push(0, thread), 0); /* and does not call again, unless below */
 		pop_expect(0, thread);
 		if (thread % 2)
 			stilb_job_queue_rest(queue, thread);
@@ -486,7 +486,7 @@ static void test_random_calls(void **state)
 		random_calls_with(seed, kind->bounded ? capacities[seed / 2 % 5] : SIZE_MAX);
 }
 
-/* The largest number that a thread may have works as any other. */
+/* The largest thread number works like any other. */
 static void test_most_threads(void **state)
 {
 	(void)state;

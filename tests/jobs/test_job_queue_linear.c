@@ -238,7 +238,7 @@ static void check_kind(const queue_kind *kind, uint32_t side, size_t capacity)
 	              history_violation_name(violation));
 	assert_int_equal(violation, HISTORY_LINEARISABLE);
 	assert_int_equal(popped, values);
-	assert_true(empty > 0); /* else the run says nothing about that */
+	assert_true(empty > 0); /* otherwise the run proves nothing about empty queues */
 }
 
 static void test_kinds(void **state)
@@ -267,7 +267,7 @@ typedef enum queue_fault {
 	FAULT_SWAP,  /* swaps the two newest values */
 	FAULT_SIDES, /* one FIFO per producer, as in queues that are fast because of it */
 	FAULT_LATE,  /* returns from a push before others can see the item */
-	FAULT_SHY,   /* says empty when it only did not get the lock */
+	FAULT_SHY,   /* says empty when it did not get the lock */
 	FAULTS
 } queue_fault;
 

@@ -38,7 +38,7 @@ enum {
 
 static const queue_kind *kind;
 
-/* What an item points to. Only who holds it touches it. */
+/* The target of an item. Only the thread that holds the item accesses it. */
 typedef struct parcel {
 	uint32_t producer, number;
 	uint64_t seal;
@@ -109,7 +109,7 @@ static int push_some(member *self, parcel *parcels, size_t count)
 	return error ? error : 1;
 }
 
-/* Until its parcels or the queue's life are at an end. */
+/* Until its parcels are pushed or the queue is closed. */
 static void *produce(void *data)
 {
 	member *self = data;
@@ -222,7 +222,7 @@ static void crowd_destroy(crowd *all)
 	free(all->parcels);
 }
 
-/* Exactly those that were accepted came out, each once. */
+/* The items that were accepted came out, each once, and no others. */
 static void crowd_finish(crowd *all, member *members)
 {
 	uint64_t pushed = 0, popped = 0;
@@ -329,7 +329,7 @@ static void test_numbers_reused(void **state)
 	crowd_destroy(&all);
 }
 
-/* Kinds that promise so keep the items of a push_n together. */
+/* Kinds that promise it keep the items of one push_n together. */
 static void test_whole_pushes(void **state)
 {
 	(void)state;

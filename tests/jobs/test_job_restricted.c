@@ -37,7 +37,7 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 typedef struct watched {
 	stilb_job_pool *pool;
 	stilb_job_group group;
-	uint32_t waiter; /* the thread that must not run them */
+	uint32_t waiter; /* the thread that must not run the jobs */
 	counter ran, by_waiter, wrong;
 } watched;
 
@@ -85,14 +85,14 @@ static void submit_and_be_held(void *data, uint32_t worker)
 	blocker_job(&r->held, worker);
 }
 
-/* What happens while the owner sleeps. */
+/* Runs while the owner sleeps. */
 static void *look_on(void *data)
 {
 	restriction *r = data;
 	if (!await(&r->log.asleep, 1 + r->free))
 		count_up(&r->unrelated.wrong);
 	if (r->free == 0)
-		nap_us(2000); /* let it do what it should not */
+		nap_us(2000); /* time to do what it must not */
 	submit_watched(&r->unrelated);
 	uint32_t wanted = UNRELATED + (r->workers > 1);
 	if (r->free == 0)
@@ -343,7 +343,7 @@ static void test_when_all_wait_in_loops_too(void **state)
 		}
 }
 
-/* Here the helper waits for a job that only the caller of the loop may run. */
+/* As above, but the helper waits for a job that only the caller of the loop may run. */
 typedef struct slice_log {
 	stilb_job_pool *pool;
 	counter inside, ran, wrong;
@@ -389,7 +389,7 @@ static void test_slice_waits_for_the_owner(void **state)
 
 /* ---- how deep -------------------------------------------------------------------------------------------------- */
 
-/* Jobs on the stack of each thread; each its thread's own. */
+/* Jobs on the stack of each thread; written by that thread alone. */
 typedef struct depth_log {
 	stilb_job_pool *pool;
 	counter ran, wrong;
@@ -531,7 +531,7 @@ static void count_round_slice(uint32_t begin, uint32_t end, uint32_t worker, voi
 	count_round(context, worker);
 }
 
-/* One job on its way to the worker, by way number way. */
+/* Submits one job for the worker, in the way with this number. */
 static int submit_by(round *r, uint32_t way, uint32_t thread)
 {
 	stilb_job_options options[] = {
@@ -703,7 +703,7 @@ static void test_full_queue_with_waiting_workers(void **state)
 				submitted++;
 			atomic_store_explicit(&out_of_memory, false, memory_order_relaxed);
 			assert_true(s.workers == 0 ||
-			            await(&burst.ran, submitted)); /* every worker waits: one does it all the same */
+			            await(&burst.ran, submitted)); /* every worker waits: one of them does it as a rescue */
 			stilb_job_wait(r.pool, &burst.group, 0);
 			assert_int_equal(burst.ran, submitted);
 			stilb_job_run_pinned(r.pool, 0);
@@ -732,7 +732,7 @@ static void test_waiting_on_a_thread_that_never_runs(void **state)
 			assert_int_equal(stilb_job_submit(log.pool, descend, &top, &own, 0), 0);
 		assert_int_equal(stilb_job_submit_with(log.pool, descend, &top, &follow, &after, 0), 0);
 		submit_pinned(log.pool, descend, &top, &own, 0, 0);
-		/* On top of them a job that is no concern of the wait. */
+		/* And a job that is unrelated to the wait. */
 		assert_int_equal(stilb_job_submit(log.pool, watched_job, &unrelated, &other, 0), 0);
 		stilb_job_wait(log.pool, &own, 0);
 		assert_true(s.workers == 0 || count_of(&unrelated.ran) == 0);

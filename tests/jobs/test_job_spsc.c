@@ -150,7 +150,7 @@ static void test_out_of_memory(void **state)
 	assert_int_equal(push(queue, pushed + 1), -ENOMEM);
 	assert_int_equal(pushed, 2 * BLOCK - 1);
 
-	/* Nothing is lost, and once the consumer has left a block there is memory again. */
+	/* No item is lost, and once the consumer has left a block there is memory again. */
 	for (uintptr_t i = 1; i <= BLOCK; i++)
 		assert_int_equal(pop(queue), i);
 	assert_int_equal(push(queue, pushed + 1), 0);
@@ -174,7 +174,7 @@ static void *produce(void *data)
 	for (uint32_t i = 0; i < MANY; i++) {
 		parcels[i] = (parcel){i, 2 * i};
 		if (stilb_job_spsc_push(data, &parcels[i]) != 0)
-			break; /* shows as items missing */
+			break; /* the test then fails for missing items */
 	}
 	stilb_job_spsc_close(data);
 	return NULL;

@@ -45,7 +45,7 @@ static uint64_t leaf_value(uint64_t random)
 	return next_random(&random) % 1000;
 }
 
-/* What run must come to, computed by one thread. */
+/* The result that run must reach, computed by one thread. */
 static uint64_t expected(uint64_t random, uint32_t depth)
 {
 	uint64_t sum = leaf_value(random), state = random;
@@ -83,7 +83,7 @@ static void run(void *data, uint32_t worker)
 	for (int i = 0; i <= 8; i++)
 		filled += t->by_worker[i];
 	if (filled != CELLS)
-		t->result = 0; /* shows as a wrong sum */
+		t->result = 0; /* the sum is wrong then */
 	stilb_job_wait(t->pool, &group, worker);
 	for (int i = 0; i < FAN && t->depth > 0; i++)
 		t->result += children[i].result;

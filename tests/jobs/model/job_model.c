@@ -22,14 +22,14 @@ typedef struct thread {
 	int line;
 } thread;
 
-/* All that a state consists of beside the stacks and the scenario's data. */
+/* The part of a state that is neither stacks nor the scenario's data. */
 static struct world {
 	thread threads[THREADS_MAX];
 	uint32_t count;
 	uint32_t cells_used; /* bit per cell */
 	uint32_t large_used;
 	_Alignas(128) char cell[CELLS][CELL_SIZE];
-	char large[LARGE_SIZE]; /* last: only what is used of it counts */
+	char large[LARGE_SIZE]; /* last: only its used part is saved and compared */
 } world;
 
 static _Alignas(128) char stacks[THREADS_MAX][STACK_SIZE];
@@ -117,7 +117,7 @@ static int cell_of(const volatile void *address)
 	return part_of(address, world.cell, sizeof world.cell, CELL_SIZE);
 }
 
-/* Is word in memory that nobody owns any more? */
+/* True if word lies in freed memory or on the stack of a function that has returned. */
 static bool word_dead(const volatile void *word)
 {
 	int cell = cell_of(word), owner = part_of(word, stacks, sizeof stacks, STACK_SIZE);
@@ -164,7 +164,7 @@ void model_futex_wait(_Atomic uint32_t *word, uint32_t expected)
 
 void model_futex_wake_one(_Atomic uint32_t *word)
 {
-	model_step(NULL, "futex_wake", 0); /* the address is only compared: its memory may be gone */
+	model_step(NULL, "futex_wake", 0); /* only the address is used: its memory may be freed */
 	if (model_fault_now == MODEL_FAULT_NO_WAKE)
 		return;
 	for (uint32_t i = 0; i < world.count; i++) {
@@ -257,7 +257,7 @@ typedef struct frame { /* one state on the path from the start to where the sear
 	char *saved;
 	uint32_t state;
 	uint32_t next; /* the thread to try next; from world.count on: to stop next */
-	int chosen;    /* what led to the next frame, in the same way */
+	int chosen;    /* the choice that led to the next frame, coded like next */
 } frame;
 
 typedef struct edge {
@@ -383,7 +383,7 @@ static bool thread_enabled(const thread *t)
 	}
 }
 
-/* A choice is a thread that goes on, or world.count more for one that stops for ever. */
+/* A choice below world.count is the thread that takes a step; world.count + i stops thread i for ever. */
 static bool choice_enabled(uint32_t choice)
 {
 	if (choice < world.count)
@@ -410,7 +410,7 @@ static void path_push(uint32_t state)
 		search.depth = (uint32_t)search.path_count;
 }
 
-/* Takes up the state that the search has just reached. */
+/* Adds the state that the search has just reached to the path. */
 static void state_visit(uint32_t from, bool first)
 {
 	bool fresh = false, enabled = false;
@@ -445,7 +445,7 @@ static void thread_run(int i)
 	current = -1;
 }
 
-/* One turn of the depth-first search; false when there is nothing left on the path. */
+/* One step of the depth-first search; false when the path is empty. */
 static bool search_turn(void)
 {
 	if (search.path_count == 0)

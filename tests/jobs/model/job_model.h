@@ -51,14 +51,14 @@ bool model_available(void);
 /* For scenarios. */
 void model_fail(const char *why); /* does not return */
 void model_spawn(void *(*fn)(void *), void *data);
-void model_block_until(const uint32_t *word, uint32_t value); /* sleeps without helping anybody */
+void model_block_until(const uint32_t *word, uint32_t value); /* sleeps and does nothing else */
 uint32_t model_heap_blocks(void);                             /* blocks not freed */
 
-/* Faults put in on purpose, to see that the checker finds them. */
+/* Planted faults that the checker must find. */
 typedef enum model_fault {
 	MODEL_FAULT_NONE,
 	MODEL_FAULT_NO_WAKE, /* the kernel is not asked to wake */
-	MODEL_FAULT_NO_LOCK  /* locks let everybody in */
+	MODEL_FAULT_NO_LOCK  /* locks exclude nobody */
 } model_fault;
 extern model_fault model_fault_now;
 
@@ -67,7 +67,7 @@ extern model_fault model_fault_now;
 void model_assert_begin(void);
 void model_assert_end(bool holds, const char *condition);
 
-/* What stands behind the operations below. */
+/* The checker's versions of the operations. */
 void model_step(const volatile void *word, const char *what, int line);
 void model_futex_wait(_Atomic uint32_t *word, uint32_t expected);
 void model_futex_wake_one(_Atomic uint32_t *word);

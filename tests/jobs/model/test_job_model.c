@@ -32,7 +32,7 @@
 #include "jobs/job_wait.c"
 #include "jobs/job_work.c"
 
-/* Nobody spins: a spin that ends is a look, and the sources look again before they sleep. */
+/* No spinning: a spin is a number of looks for work, and the sources look again before they sleep. */
 #undef job_sys_ticks_in
 #define job_sys_ticks_in(nanoseconds) UINT64_C(0)
 #include "jobs/job_pool.c"
@@ -178,7 +178,7 @@ static void end(void)
 	stilb_job_pool_destroy(shared.pool);
 }
 
-/* The owner does not help: the workers alone must get everything done, woken by the submits. Ends there. */
+/* The owner does not help: the workers, woken by the submits, must run everything. The run ends then. */
 static void workers_alone(void)
 {
 	model_block_until(&shared.ran, with.jobs);
@@ -228,7 +228,7 @@ static void submit_grandchild(void *data, uint32_t worker)
 	add(submit_child, NULL, worker);
 }
 
-/* More jobs come while the pool is going down. */
+/* Jobs submit more jobs while the pool is being destroyed. */
 static void destroy_child_main(void)
 {
 	begin();
@@ -296,7 +296,7 @@ static void after_main(void)
 	end();
 }
 
-/* A group that has been followed is used again. */
+/* A group is reused after its followers have run. */
 static void after_again_main(void)
 {
 	begin();
@@ -310,7 +310,7 @@ static void after_again_main(void)
 	end();
 }
 
-/* Two jobs follow, and the group is waited for too and gone after that. */
+/* Two jobs follow a group that is also waited for, and whose memory is freed after the wait. */
 static void after_gone_main(void)
 {
 	begin();
@@ -413,7 +413,7 @@ static void run_other_slice(uint32_t begin_at, uint32_t end_at, uint32_t worker,
 		shared.slice_runs[2 + i]++;
 }
 
-/* One loop after the other in the same place: a helper of the first may come late. */
+/* Two loops in a row in the same slot: a helper of the first may still be there in the second. */
 static void loops_main(void)
 {
 	begin();

@@ -27,8 +27,8 @@ static struct shared {
 	stilb_job_queue *queue;
 	uint32_t began, pushed, popped;         /* pushes begun, pushes and pops that have returned with success */
 	uint32_t older[THREADS * PER_THREAD];   /* per item, those pushed before its push began */
-	bool in_push[THREADS], in_pop[THREADS]; /* where is each thread? */
-	bool may_be_empty[THREADS], may_be_full[THREADS]; /* has there been such a moment in its call? */
+	bool in_push[THREADS], in_pop[THREADS]; /* the call that each thread is in */
+	bool may_be_empty[THREADS], may_be_full[THREADS]; /* the queue was empty (full) at some moment of its call */
 	uint32_t producers_left, ended;
 	bool over; /* a pop has said: closed and empty, and so it stays */
 } shared;
@@ -70,7 +70,7 @@ static void note_moment(void)
 	for (uint32_t i = 0; i < THREADS; i++) {
 		if (shared.in_pop[i] && surely - count_but(shared.in_pop, i) <= 0)
 			shared.may_be_empty[i] = true;
-		/* Without what thread i itself is pushing. */
+		/* Without the item that thread i itself is pushing. */
 		if (shared.in_push[i] && at_most - 1 >= (int32_t)with.capacity)
 			shared.may_be_full[i] = true;
 	}
@@ -185,7 +185,7 @@ static void *visit(void *data)
 	return NULL;
 }
 
-/* Goes round the segments while the others are anywhere. */
+/* Pushes and pops through all segments while the other threads are at any step. */
 static void churn(void)
 {
 	for (uint32_t i = with.before; i < with.before + with.rounds; i++) {
@@ -220,7 +220,7 @@ static void queue_check(void)
 	uint32_t threads = with.rounds > 0 ? 1 + with.guests : with.producers + with.consumers + with.closer;
 	int32_t stopped = (int32_t)(threads - shared.ended);
 	fail_unless(stopped <= (int32_t)with.stops, "a thread did not end");
-	/* What a thread that stopped was pushing may be in the queue, what it was popping is lost with it. */
+	/* The item that a stopped thread was pushing may be in the queue; the item it was popping is lost. */
 	while (pop(0) == 0)
 		;
 	fail_unless(__builtin_popcount(shared.pushed & ~shared.popped) <= count_but(shared.in_pop, THREADS),
@@ -254,7 +254,7 @@ static void recycle_main(void)
 
 /* ---- tests ---------------------------------------------------------------------------------------------------- */
 
-static bool failed; /* has a scenario failed so far? */
+static bool failed; /* a scenario has failed */
 
 static void run(const char *name, void (*entry)(void), void (*check)(void))
 {
@@ -269,7 +269,7 @@ static void run(const char *name, void (*entry)(void), void (*check)(void))
 	model_result result = model_run(&scenario, !must_fail);
 	print_message("%-34s %8u states %8u steps, path %u: %s\n", name, result.states, result.steps, result.depth,
 	              result.failure ? result.failure : "ends well");
-	/* To be given up is no way of being found. */
+	/* A run that is given up has found nothing. */
 	failed = failed || (result.failure && !(must_fail && result.states >= scenario.max_states));
 }
 

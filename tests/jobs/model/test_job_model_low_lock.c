@@ -50,10 +50,10 @@ static struct shared {
 	job_lock lock;
 	uint32_t inside;
 	uint32_t producers_left;
-	/* What the checks know of the queue's content without looking at it. */
+	/* The queue's content as the checks derive it from the calls. */
 	int32_t pushed, popped;         /* calls that have returned with success, in items */
-	int32_t pushing[4], popping[4]; /* what each thread's call may be adding or taking now */
-	bool may_be_empty[4];           /* has there been such a moment in the thread's call? */
+	int32_t pushing[4], popping[4]; /* items that each thread's call in progress may be adding or taking */
+	bool may_be_empty[4];           /* the queue was empty (full) at some moment of the thread's call */
 	bool may_be_full[4];
 	uint32_t refused;
 	uint32_t seen[PER_THREAD * 4];
@@ -296,7 +296,7 @@ static void lock_main(void)
 
 /* ---- tests ---------------------------------------------------------------------------------------------------- */
 
-static bool failed; /* has a scenario failed so far? */
+static bool failed; /* a scenario has failed */
 
 static void run(const char *name, void (*entry)(void), void (*check)(void))
 {
