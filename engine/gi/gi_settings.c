@@ -188,8 +188,8 @@ static stilb_result field_check(const stilb_gi_settings *settings, const field *
 	double number = field_number(settings, f);
 	if (f->kind == FIELD_U64 || (number >= f->low && number <= f->high)) /* false for NaN */
 		return STILB_OK;
-	return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: %s is %.9g; it must be %.9g to %.9g", f->name, number,
-	                  f->low, f->high);
+	return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: %s is %g; it must be %g to %g", f->name, number, f->low,
+	                  f->high);
 }
 
 stilb_result gi_settings_check(const stilb_gi_settings *settings)
