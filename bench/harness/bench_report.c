@@ -344,7 +344,7 @@ static const bench_row *best_of_ours(const bench_row *rows, size_t count)
 
 static standing standing_of(const bench_results *results)
 {
-	standing s = {.least = INFINITY};
+	standing s = {.least = (double)INFINITY};
 	for (size_t first = 0, end; first < results->row_count; first = end) {
 		const bench_row *rows = &results->rows[first];
 		end = end_of_table(results, first);

@@ -104,4 +104,5 @@ static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* unused by tests
 #define pthread_self model_thread_self
 #define pthread_equal(a, b) ((a) == (b))
 #define pthread_setname_np(thread, name) ((void)(name))
+#undef snprintf /* a macro already with _FORTIFY_SOURCE and clang */
 #define snprintf(text, size, format, ...) ((void)(text), (void)(__VA_ARGS__))
