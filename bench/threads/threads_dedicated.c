@@ -76,6 +76,7 @@ static void count_frame(dedicated *d, uint64_t begin_ns, uint64_t last_ns)
 static void *render_main(void *data)
 {
 	dedicated *d = data;
+	stilb_render_own(d->hand.render);
 	const uint32_t *model;
 	uint64_t last_ns = bench_child_now_ns();
 	stilb_prof_thread_begin("render");
@@ -132,6 +133,7 @@ void threads_run_dedicated(threads_run *run)
 		bench_child_fail("cannot start a thread");
 	feed(&d);
 	pthread_join(render, NULL);
+	stilb_render_own(d.hand.render);
 	threads_usage after = threads_usage_now();
 	threads_run_check(run, STILB_SCENE_VIEW_ALL, stilb_render_stream_hash(d.hand.render));
 	threads_print_frames(&d.intervals);

@@ -68,6 +68,11 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	return STILB_OK;
 }
 
+void stilb_render_own(stilb_render *render)
+{
+	stilb_owner_take(&render->owner);
+}
+
 void stilb_render_destroy(stilb_render *render)
 {
 	if (!render)

@@ -116,6 +116,10 @@ typedef struct stilb_render_desc {
  * it may work. STILB_ERROR_MEMORY. */
 stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **render);
 
+/* From now on the calling thread is the main thread of every [main-thread] function of this render: for a program that
+ * records and replays on a thread of its own. The one that was must not be in a call. [any-thread] */
+void stilb_render_own(stilb_render *render);
+
 /* Waits for the device, then frees everything: every mesh, texture and material too. Accepts NULL. [main-thread] */
 void stilb_render_destroy(stilb_render *render);
 
