@@ -44,7 +44,8 @@ static inline int stilb_code(const char *const *environment, const char *line)
 	return run.code;
 }
 
-/* Takes out the lines of progress that a render prints every ten seconds: they tell of a busy machine, not of a fault. */
+/* Takes out the lines of progress that a render prints every ten seconds: they tell of a busy machine, not of a
+ * fault. */
 static inline void forget_progress(char *text)
 {
 	for (char *line = text; *line;) {
