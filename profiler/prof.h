@@ -12,7 +12,9 @@
  * Threads.      [any-thread] may be called anywhere, at any time. [one-writer] has one thread as its caller.
  *               Zones write only what belongs to the calling thread: no lock, no allocation, no system call, save
  *               for the first one of a thread that did not call stilb_prof_thread_begin.
- *               Not for signal handlers: a handler's zone could fall into the middle of the same thread's.
+ *               Not for signal handlers: a handler's zone could fall into the middle of the same thread's. Nor, before
+ *               exec, for the child that a program with threads forks: its first zone takes a lock that a thread which
+ *               the child does not have may hold.
  * Errors.       0 or a negative errno. Nothing here prints.
  * Clock.        rdtsc where the CPU says that it is invariant, else CLOCK_MONOTONIC. rdtsc is not serialising: the CPU
  *               may read it before the last instructions of a zone retire, so a zone reads some 20 ns short; a snapshot
