@@ -6,15 +6,14 @@
  *   desc.hooks = stilb_job_prof_hooks("worker");
  *   stilb_job_pool_create(&desc, &pool);
  *
- * What is recorded. Each worker is a lane "worker 1", "worker 2", ... The owner's lane is its own affair. On all of
- *   them: zone "job"               a job, or a thread's help with a parallel loop; zones of the job's function lie in
- *   it arrow "job"              from where the job was submitted, or the loop opened, to where that zone begins: its
- *                            length is the time in the queue, and the zone is charged to the frame in which it was
- *   submitted zone "wait for workers"  the thread waits for a group or for others' slices of its loop, and finds
- *   nothing to help with zone "parked"            the thread has nothing at all to do and sleeps
+ * What is recorded. Each worker is a lane "worker 1", "worker 2", ...; the pool's owner names its own lane. On each:
+ *   zone "job"               a job, or help with a parallel loop; the zones of the job's function lie in it
+ *   arrow "job"              from where the job was submitted, or the loop opened, to the beginning of that zone: its
+ *                            length is the time in the queue, and the zone is charged to the frame of the submit
+ *   zone "wait for workers"  the thread waits for a group, or for slices of its loop, and finds nothing to help with
+ *   zone "parked"            the thread has nothing to do and sleeps
  * Cost.        Some 50 ns a job, of which 40 are four reads of the clock; 10 ns while recording is off.
- * Threads.     The hooks are called by the pool on the threads concerned. Zones that a job's function opens it must
- * close.
+ * Threads.     The pool calls the hooks on the threads concerned. A job's function must close the zones it opens.
  */
 #ifndef STILB_JOB_PROF_H
 #define STILB_JOB_PROF_H

@@ -316,6 +316,7 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 			woken = wake_helper_anew(pool, loop, span,
 			                         measured ? slices_to_wake_for(pool, (job_sys_ticks() - start) / mine)
 			                                  : span->wake_slices);
+		/* Two calls, so that the compiler makes one of the usual case with the constant 0. */
 	} while (__builtin_expect(alone, 0) ? loop_claim(loop, &job_scope_all, threads, mine, span)
 	                                    : loop_claim(loop, &job_scope_all, threads, 0, span));
 	if (measured) {

@@ -33,8 +33,8 @@ typedef struct stilb_prof_sink {
  *    nearest nanosecond all are exact again, if not more than four levels touch;
  *  - counters C, instants i, context switches as slices "sleeping" and "preempted" of a thread "<lane>: off the CPU";
  *  - flows s and f, those of which both ends are held: a job that has not run yet has no arrow;
- *  - otherData: the clock, its errors, and the accounts, with the number of flows of which one end is missing
- * (flows_cut). process_name NULL: the program's. Returns 0, what write returned, or -ENOMEM. */
+ *  - otherData: the clock, its errors, and the accounts, with the number of flows that lack an end (flows_cut).
+ * process_name NULL: the program's. Returns 0, what write returned, or -ENOMEM. */
 int stilb_prof_trace_write_chrome(const stilb_prof_snapshot *snapshot, const char *process_name, stilb_prof_sink sink);
 
 /* Folded stacks (Brendan Gregg, "FlameGraph"): self times in nanoseconds. ';' in names becomes ','. */

@@ -34,8 +34,8 @@ typedef enum stilb_result {
 #undef STILB_RESULT_ENUM
 } stilb_result;
 
-/* Stores the line for stilb_error_message (this thread's) and returns result: `return stilb_fail(STILB_ERROR_FILE,
- * ...)`. The line has no "stilb: " in front, no newline, and names the thing, the value and what to do about it. */
+/* Stores the line for this thread's stilb_error_message and returns result, for `return stilb_fail(...)`. The line has
+ * no "stilb: " in front, no newline, and names the thing, the value and what to do about it. */
 stilb_result stilb_fail(stilb_result result, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The line of this thread's last stilb_fail; "" before the first. Valid until the thread's next stilb_fail. */

@@ -1,8 +1,8 @@
 /*
  * base_contract: which thread calls and which lock it holds, as asserts. C alone, no C++.
  *
- *   STILB_ASSERT_OWNER(render->owner);        the caller is the thread that called stilb_owner_take(&render->owner)
- *   last STILB_ASSERT_LOCKED(&resources->lock);    the caller holds this stilb_lock
+ *   STILB_ASSERT_OWNER(render->owner);        the caller is the thread that took the owner last
+ *   STILB_ASSERT_LOCKED(&resources->lock);    the caller holds this stilb_lock
  *
  * An object that is [main-thread] takes its owner when it is created; an object handed to another thread is taken
  * there. The structs are the same with and without NDEBUG. Every function is [any-thread].

@@ -2,11 +2,11 @@
  * scene: what there is to see, as plain data: models, meshes, materials, lights, camera. No GPU, no traversal.
  *
  * A model is a bounding sphere and a run of parts; a part is a mesh, a material and a transform. Arrays are indexed by
- * id; whoever holds the scene may read them directly, and only scene_... functions and the stage `scene_update` write.
+ * id; whoever holds the scene may read them directly, and only scene_... functions and the stage `update_scene` write.
  *
  * Life cycle.  stilb_scene_open or stilb_scene_create_stress -> stilb_scene_animate once a frame (the stress test
  *              alone) -> stilb_scene_destroy.
- * Threads.     One writer, and nobody reads while it writes: main thread in scene_update, any thread reads after it.
+ * Threads.     One writer, and nobody reads while it writes: main thread in update_scene, any thread reads after it.
  * Units.       Metres, seconds, radians; linear Rec.709; radiance in W sr^-1 m^-2, irradiance in W m^-2.
  */
 #ifndef STILB_SCENE_H
@@ -110,7 +110,7 @@ typedef struct stilb_scene {
 	uint32_t material_count;
 	stilb_scene_material *materials; /* [material_count] */
 
-	uint32_t moved_count; /* models whose bounds changed in this frame's scene_update ... */
+	uint32_t moved_count; /* models whose bounds changed in this frame's update_scene ... */
 	uint32_t *moved;      /* ... and their ids, ascending: [model_count] */
 
 	uint32_t texture_count;
