@@ -1,6 +1,6 @@
 # stilb_module(NAME SOURCES a.c b.c [DEPS stilb-x ...] [PRIVATE_DEPS lib ...])
-# One folder = one module = one static library called stilb-NAME. Headers are included by the path that
-# shows their room: "jobs/job.h" and "profiler/prof.h" from the top, "culling/cull.h" from engine/.
+# One folder = one module = one static library called stilb-NAME. Headers are included by a path that names their
+# module: "jobs/job.h" and "profiler/prof.h" from the top, "culling/cull.h" from engine/.
 function(stilb_module name)
 	cmake_parse_arguments(arg "" "" "SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
 	add_library(stilb-${name} STATIC ${arg_SOURCES})

@@ -18,13 +18,13 @@ stand_in() { # NAME SCRIPT: a command that writes down its call and then runs SC
 	chmod +x "$scratch/bin/$1"
 }
 
-# A house with the real ./dev, where all packages are installed and all tests pass.
-fresh_house() {
+# A project folder with the real ./dev, where all packages are installed and all tests pass.
+fresh_project() {
 	test=$1
-	rm -rf "${scratch:?}"/{bin,house}
-	mkdir -p "$scratch"/{bin,house/build/release,house/tests/{gi,jobs,profiler,vm,tree}}
-	touch "$scratch"/house/tests/{gi,jobs,profiler,vm}/CMakeLists.txt
-	cp "$source/dev" "$source/packages.txt" "$scratch/house"
+	rm -rf "${scratch:?}"/{bin,project}
+	mkdir -p "$scratch"/{bin,project/build/release,project/tests/{gi,jobs,profiler,vm,tree}}
+	touch "$scratch"/project/tests/{gi,jobs,profiler,vm}/CMakeLists.txt
+	cp "$source/dev" "$source/packages.txt" "$scratch/project"
 	local tool
 	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nproc paste rm sed setarch sleep tail true xargs; do
 		ln -s "$(command -v "$tool")" "$scratch/bin/$tool"
@@ -53,10 +53,10 @@ fresh_house() {
 		! grep -q "status=\"fail\"\|Unable" "$file"'
 	junit good 'test_a run' 'test_b run'
 	stand_in analyze.sh 'echo nothing found in 50 files'
-	mv "$scratch/bin/analyze.sh" "$scratch/house/tests/tree"
+	mv "$scratch/bin/analyze.sh" "$scratch/project/tests/tree"
 	stand_in stilb 'echo stilb ran'
 	stand_in stilb-bench 'echo stilb-bench ran'
-	mv "$scratch/bin/stilb" "$scratch/bin/stilb-bench" "$scratch/house/build/release"
+	mv "$scratch/bin/stilb" "$scratch/bin/stilb-bench" "$scratch/project/build/release"
 	: >"$calls"
 }
 
@@ -79,7 +79,7 @@ junit() { # NAME 'TEST STATUS'...: what ctest will have written; skip and gone a
 dev() { # EXPECTED-EXIT ARGS...
 	local wanted=$1 status
 	shift
-	(cd "$scratch" && env -i PATH="$scratch/bin" ${require:+STILB_REQUIRE="$require"} "$scratch/house/dev" "$@") \
+	(cd "$scratch" && env -i PATH="$scratch/bin" ${require:+STILB_REQUIRE="$require"} "$scratch/project/dev" "$@") \
 		>"$scratch/out" 2>"$scratch/err" </dev/null
 	status=$?
 	[ $status -eq "$wanted" ] || fail "exit status $status, not $wanted"
@@ -109,13 +109,13 @@ test_refuses_before_anything_else() {
 	local arguments
 	for arguments in frobnicate '--wrong' 'test --quik' 'test --quick more' 'test gi --quick' 'test nothing' \
 		'test gi nothing' 'build x' 'fmt x' 'lint x' ''; do
-		fresh_house "refuses '$arguments'"
+		fresh_project "refuses '$arguments'"
 		# shellcheck disable=SC2086
 		dev 2 $arguments
 		[ ! -s "$calls" ] || fail "something was called"
 		[ ! -s "$scratch/out" ] || fail "something is on stdout"
 	done
-	fresh_house help
+	fresh_project help
 	dev 0 help
 	grep -q '^usage: ./dev' "$scratch/out" || fail "no usage"
 	[ ! -s "$calls" ] || fail "something was called"
@@ -125,12 +125,12 @@ test_set_up() {
 	local update="apt-get update"
 	local install="apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300"
 
-	fresh_house "nothing is missing"
+	fresh_project "nothing is missing"
 	dev 0 build
 	not_called apt-get
 	called "cmake --build --preset release"
 
-	fresh_house "root installs what is missing, and no more"
+	fresh_project "root installs what is missing, and no more"
 	remove_package glslc
 	remove_package cmake
 	remove_package xvfb
@@ -138,24 +138,24 @@ test_set_up() {
 	called "$update"
 	called "$install cmake glslc"
 
-	fresh_house "tests need more"
+	fresh_project "tests need more"
 	remove_package xvfb
 	dev 0 test
 	called "$install xvfb"
 
-	fresh_house "an unpacked package is not an installed one"
+	fresh_project "an unpacked package is not an installed one"
 	sed -i 's/^installed glslc$/half-configured glslc/' "$scratch/installed"
 	dev 0 build
 	called "$install glslc"
 
-	fresh_house "a user installs with sudo"
+	fresh_project "a user installs with sudo"
 	remove_package glslc
 	stand_in id 'echo 1000'
 	stand_in sudo '"$@"'
 	dev 0 build
 	called "sudo env DEBIAN_FRONTEND=noninteractive $install glslc"
 
-	fresh_house "neither root nor sudo"
+	fresh_project "neither root nor sudo"
 	remove_package glslc
 	stand_in id 'echo 1000'
 	dev 1 build
@@ -163,19 +163,19 @@ test_set_up() {
 	not_called apt-get
 	not_called cmake
 
-	fresh_house "no network"
+	fresh_project "no network"
 	remove_package glslc
 	stand_in apt-get 'exit 100'
 	dev 1 demo
 	prints err "  env DEBIAN_FRONTEND=noninteractive $install glslc"
 	not_called cmake
 
-	fresh_house "not Debian"
+	fresh_project "not Debian"
 	rm "$scratch/bin/dpkg-query" "$scratch/bin/apt-get"
 	dev 1 build
 	grep -q "^  env .*$install .*libvulkan-dev" "$scratch/err" || fail "the command is not printed"
 
-	fresh_house "--no-install, wherever it stands"
+	fresh_project "--no-install, wherever it stands"
 	rm "$scratch/bin/dpkg-query"
 	dev 0 build --no-install
 	dev 0 --no-install demo
@@ -183,18 +183,18 @@ test_set_up() {
 }
 
 test_demo() {
-	fresh_house demo
+	fresh_project demo
 	dev 0 demo --models 5 --title 'two words' --no-install
 	called "stilb demo --screenshot stilb-demo.png --trace stilb-demo.trace.json --models 5 --title two words"
 	[ "$(cat "$scratch/out")" = "stilb ran" ] || fail "something else is on stdout"
 	called "cmake --preset release $options -DSTILB_TESTS=OFF"
 
-	fresh_house "demo when tests were built before"
-	touch "$scratch/house/build/release/CMakeCache.txt"
+	fresh_project "demo when tests were built before"
+	touch "$scratch/project/build/release/CMakeCache.txt"
 	dev 0 demo
 	called "cmake --preset release $options"
 
-	fresh_house "demo when the build fails"
+	fresh_project "demo when the build fails"
 	stand_in cmake 'exit 1'
 	dev 1 demo
 	not_called stilb
@@ -202,7 +202,7 @@ test_demo() {
 }
 
 test_bench() {
-	fresh_house bench
+	fresh_project bench
 	remove_package libck-dev
 	remove_package clang-format
 	dev 0 bench queue --only 'two words' --no-install
@@ -213,21 +213,21 @@ test_bench() {
 	called "apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300 libck-dev"
 	called "stilb-bench --help"
 
-	fresh_house "bench when the build fails"
+	fresh_project "bench when the build fails"
 	stand_in cmake 'exit 1'
 	dev 1 bench queue
 	not_called stilb-bench
 }
 
 test_compiler_cache() {
-	fresh_house "the compiler cache, where there is one"
+	fresh_project "the compiler cache, where there is one"
 	stand_in ccache ''
 	dev 0 build
 	called "cmake --preset release ${options//LAUNCHER=/LAUNCHER=$scratch/bin/ccache} -DSTILB_TESTS=OFF"
 }
 
 test_modules() {
-	fresh_house "two modules"
+	fresh_project "two modules"
 	dev 0 test gi profiler
 	called "cmake --preset release $options -DSTILB_TESTS=ON"
 	called "cmake --build --preset release --target stilb-tests-gi stilb-tests-profiler"
@@ -237,25 +237,25 @@ test_modules() {
 	last_line "4 passed, 0 failed, 0 skipped"
 	not_called "cmake --preset clang"
 
-	fresh_house "a module that does not build"
+	fresh_project "a module that does not build"
 	stand_in cmake '[ "$1" = --preset ]'
 	dev 1 test gi
 	not_called ctest
 	last_line "0 passed, 1 failed, 0 skipped"
 
-	fresh_house "the module vm fetches its kernel"
+	fresh_project "the module vm fetches its kernel"
 	stand_in kernel.sh ''
-	mv "$scratch/bin/kernel.sh" "$scratch/house/tests/vm"
+	mv "$scratch/bin/kernel.sh" "$scratch/project/tests/vm"
 	dev 0 test vm
-	called "kernel.sh $scratch/house/build/vm-kernel"
+	called "kernel.sh $scratch/project/build/vm-kernel"
 }
 
 test_fmt() {
-	fresh_house fmt
+	fresh_project fmt
 	remove_package clang-format
 	stand_in clang-format ''
-	printf '#!/bin/bash\nprintf "%%s\\n" a.c notes.md b/c.h "b/with space.cpp"\n' >"$scratch/house/tests/tree/files.sh"
-	chmod +x "$scratch/house/tests/tree/files.sh"
+	printf '#!/bin/bash\nprintf "%%s\\n" a.c notes.md b/c.h "b/with space.cpp"\n' >"$scratch/project/tests/tree/files.sh"
+	chmod +x "$scratch/project/tests/tree/files.sh"
 	dev 0 fmt
 	called "apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=300 clang-format"
 	called "clang-format -i a.c b/c.h b/with space.cpp"
@@ -264,7 +264,7 @@ test_fmt() {
 }
 
 test_summary() {
-	fresh_house "all good"
+	fresh_project "all good"
 	dev 0 test
 	last_line "14 passed, 0 failed, 0 skipped"
 	prints out "display for release window: :7"
@@ -283,74 +283,74 @@ test_summary() {
 
 	! grep -q '^analyze' "$scratch/out" || fail "analysed without a build"
 
-	fresh_house "the code is analysed"
-	touch "$scratch/house/build/release/compile_commands.json"
+	fresh_project "the code is analysed"
+	touch "$scratch/project/build/release/compile_commands.json"
 	dev 0 test
-	called "analyze.sh $scratch/house/build/release"
+	called "analyze.sh $scratch/project/build/release"
 	grep -q '^analyze   passed   nothing found in 50 files, ' "$scratch/out" || fail "no line for the tier"
 	last_line "15 passed, 0 failed, 0 skipped"
 	local end
 	for end in 1 77; do
 		stand_in analyze.sh "echo a finding; exit $end"
-		mv "$scratch/bin/analyze.sh" "$scratch/house/tests/tree"
+		mv "$scratch/bin/analyze.sh" "$scratch/project/tests/tree"
 		[ $end -eq 77 ] || dev 1 test
 		[ $end -eq 1 ] || dev 0 test
 		require=unit,analyze dev 1 test
 		last_line "14 passed, 1 failed, 0 skipped"
 	done
 
-	fresh_house quick
+	fresh_project quick
 	dev 0 test --quick
 	last_line "2 passed, 0 failed, 0 skipped"
 	not_called "cmake --preset clang"
 	not_called Xvfb
 
-	fresh_house "one failure"
+	fresh_project "one failure"
 	junit release-device 'test_a run' 'test_bad fail' 'test_gone gone'
 	dev 1 test
 	grep -q '^device    failed   1 passed, failed: test_bad test_gone, ' "$scratch/out" || fail "no line for the tier"
 	last_line "13 passed, 2 failed, 0 skipped"
 
-	fresh_house "a skip"
+	fresh_project "a skip"
 	junit release-device 'test_a skip'
 	dev 0 test
 	grep -q '^device    skipped  0 passed, skipped: test_a (no driver here), ' "$scratch/out" || fail "no line for the tier"
 	last_line "12 passed, 0 failed, 1 skipped"
 
-	fresh_house "a skip where none is allowed"
+	fresh_project "a skip where none is allowed"
 	junit release-device 'test_a skip' 'test_b run'
 	require=unit,device dev 1 test
 	grep -q '^device    failed ' "$scratch/out" || fail "no line for the tier"
 	last_line "13 passed, 1 failed, 0 skipped"
 
-	fresh_house "a required tier without tests"
+	fresh_project "a required tier without tests"
 	junit release-model
 	require=model dev 1 test
 	grep -q '^model     failed ' "$scratch/out" || fail "no line for the tier"
 
-	fresh_house "the tier vm fetches its kernel"
+	fresh_project "the tier vm fetches its kernel"
 	stand_in kernel.sh 'exit 1'
-	mv "$scratch/bin/kernel.sh" "$scratch/house/tests/vm"
+	mv "$scratch/bin/kernel.sh" "$scratch/project/tests/vm"
 	require=vm dev 0 test
-	called "kernel.sh $scratch/house/build/vm-kernel"
+	called "kernel.sh $scratch/project/build/vm-kernel"
 	grep -q '^vm        passed ' "$scratch/out" || fail "without a kernel the tests cannot say why they are skipped"
 	: >"$calls"
 	require=vm dev 0 test --no-install
 	not_called kernel.sh
 
-	fresh_house "a build that fails"
+	fresh_project "a build that fails"
 	stand_in cmake '[ "$2" != asan ]'
 	dev 1 test
 	grep -q '^asan      failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
 	grep -q '^fuzz      failed   the build asan failed' "$scratch/out" || fail "no line for the tier"
 	last_line "12 passed, 2 failed, 0 skipped"
 
-	fresh_house "without Xvfb"
+	fresh_project "without Xvfb"
 	rm "$scratch/bin/Xvfb"
 	dev 0 test --no-install
 	prints out "display for release window: none"
 
-	fresh_house "Xvfb that does not start"
+	fresh_project "Xvfb that does not start"
 	stand_in Xvfb 'echo no such screen; exit 1'
 	dev 0 test
 	prints out "display for release window: none"

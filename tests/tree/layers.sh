@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # layers.sh [ROOT]: does every #include of the tree keep to layers.txt? Prints one line per violation; exit 1 if any.
-# Generated headers (found nowhere in the tree) must be included by name alone and belong to the room that includes them.
+# Generated headers (found nowhere in the tree) must be included by name alone and belong to the module that includes them.
 set -euo pipefail
 export LC_ALL=C
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -23,7 +23,7 @@ function matches(name, pattern,   n) {
 	if (substr(pattern, 1, 1) == "*") return length(name) >= n - 1 && substr(name, length(name) - n + 2) == substr(pattern, 2)
 	return name == pattern
 }
-function room_of(path,   r, best) {
+function module_of(path,   r, best) {
 	for (r in folder)
 		if (index(path, folder[r] "/") == 1 && (best == "" || length(folder[r]) > length(folder[best]))) best = r
 	return best
@@ -52,20 +52,20 @@ function resolve(file, name,   dir, list, n, i, path) {
 function check_own(file, name,   from, to, path) {
 	# glslc alone is at ease with them.
 	if (name ~ /(^|\/)\.\.?\// && file ~ /\.([ch]|cpp|hpp|cc)$/) bad("\"" name "\": name headers from the top, not by . or ..")
-	from = room_of(file)
+	from = module_of(file)
 	path = resolve(file, name)
 	if (path == "") {
 		if (name ~ /\//) bad("\"" name "\" is not in the tree")
 		return
 	}
-	to = room_of(path)
+	to = module_of(path)
 	if (to == from || may[from] ~ /\*/) return
 	if (index(" " may[from] " ", " " to "+ ")) return
 	if (index(" " may[from] " ", " " to " ") == 0) bad(from " may not include " to " (\"" name "\")")
 	else if (to in public ? index(public[to] " ", " " path " ") == 0 : path ~ /_internal\.h$/) bad("\"" name "\" is internal to " to)
 }
 function check_other(file, name,   i) {
-	if (room_of(file) == "tests" || room_of(file) == "bench") return
+	if (module_of(file) == "tests" || module_of(file) == "bench") return
 	for (i = 1; i <= libraries; i++)
 		if (matches(name, library[i])) {
 			if (!inside(file, home[i])) bad("<" name "> belongs to " home[i] " alone")
@@ -76,7 +76,7 @@ function check_other(file, name,   i) {
 	bad("<" name "> is neither a system header nor a library that layers.txt knows")
 }
 /^#/ || NF == 0 { next }
-$1 == "room" {
+$1 == "module" {
 	folder[$2] = $3; may[$2] = ""
 	for (i = 4; i <= NF; i++) may[$2] = may[$2] " " $i
 	next
@@ -90,7 +90,7 @@ $1 == "header" { exists[substr($0, 8)] = 1; next }
 	file = part[1]; where = part[1] ":" part[2]
 	name = substr($0, length(where) + 2)
 	seen++
-	if (room_of(file) == "") bad("this folder is no room of layers.txt")
+	if (module_of(file) == "") bad("layers.txt assigns this folder to no module")
 	else if (name ~ /^".*"$/) check_own(file, substr(name, 2, length(name) - 2))
 	else if (name ~ /^<.*>$/) check_other(file, substr(name, 2, length(name) - 2))
 	else bad("an include must name its header: " name)

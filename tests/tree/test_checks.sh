@@ -95,7 +95,7 @@ test_layers() {
 	printf '#include "nowhere/gone.h"\n' | tee build/a.c >out/a.c
 	expect_good layers.sh "$scratch/tree"
 	mkdir extra && printf '#include <stdio.h>\n' >extra/a.c
-	expect 'no room' layers.sh "$scratch/tree"
+	expect 'to no module' layers.sh "$scratch/tree"
 	rm -rf "$scratch/tree" && mkdir "$scratch/tree"
 	expect 'no include at all' layers.sh "$scratch/tree"
 }
