@@ -49,7 +49,7 @@ static void print_what_was_seen(const stilb_prof_snapshot *s)
 		workers += strncmp(lane->name, "worker ", 7) == 0;
 		for (uint32_t i = 0; i < lane->zone_count; i++) {
 			const stilb_prof_zone *zone = &lane->zones[i];
-			const bool inside = zone->parent != STILB_PROF_NONE;
+			bool inside = zone->parent != STILB_PROF_NONE;
 			jobs += strcmp(s->labels[zone->label].name, "job") == 0;
 			squares += strcmp(s->labels[zone->label].name, "square") == 0 && inside &&
 			           strcmp(s->labels[lane->zones[zone->parent].label].name, "job") == 0;

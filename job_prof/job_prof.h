@@ -103,7 +103,7 @@ static inline stilb_job_hooks stilb_job_prof_hooks(const char *workers)
 {
 	stilb_job_hooks hooks;
 	memset(&hooks, 0, sizeof hooks);
-	hooks.user = (void *)(workers != NULL ? workers : "worker");
+	hooks.user = (void *)(workers ? workers : "worker");
 	hooks.thread_start = stilb_job_prof_thread_start;
 	hooks.thread_stop = stilb_job_prof_thread_stop;
 	hooks.park = stilb_job_prof_park;

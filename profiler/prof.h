@@ -324,7 +324,7 @@ static inline uint64_t stilb_prof_clock_precise(const stilb_prof_ring *ring)
 	if (__builtin_expect(ring->tsc != 0, 1)) {
 		uint32_t cpu;
 		__asm__ volatile("" ::: "memory");
-		const uint64_t now = __builtin_ia32_rdtscp(&cpu);
+		uint64_t now = __builtin_ia32_rdtscp(&cpu);
 		__asm__ volatile("" ::: "memory");
 		return now;
 	}
@@ -343,7 +343,7 @@ static inline bool stilb_prof_is_recording(void)
  * clock. */
 static inline stilb_prof_ring *stilb_prof_recorder(void)
 {
-	const uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
+	uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
 	if (__builtin_expect(session == 0, 1))
 		return NULL;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
@@ -353,7 +353,7 @@ static inline stilb_prof_ring *stilb_prof_recorder(void)
 /* The ring whose innermost zone is to end; NULL: none is open. */
 static inline stilb_prof_ring *stilb_prof_ender(void)
 {
-	const uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
+	uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
 	if (__builtin_expect(session == 0, 1))
 		return NULL;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
@@ -364,8 +364,8 @@ static inline stilb_prof_ring *stilb_prof_ender(void)
 static inline void stilb_prof_write(stilb_prof_ring *ring, const stilb_prof_site *site, uint64_t time, uint64_t low,
                                     uint64_t payload)
 {
-	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED);
-	const uint64_t offset = (uint64_t)((uintptr_t)site - (uintptr_t)__start_stilb_prof_section);
+	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED);
+	uint64_t offset = (uint64_t)((uintptr_t)site - (uintptr_t)__start_stilb_prof_section);
 	stilb_prof_event *event = &ring->events[head & ring->mask];
 	__atomic_store_n(&event->begin, time << 12 | (offset & 0xfc0) | low, __ATOMIC_RELEASE);
 	__atomic_store_n(&event->end, payload << 18 | (offset >> 12 & 0x3ffff), __ATOMIC_RELEASE);
@@ -384,7 +384,7 @@ static inline void stilb_prof_open(stilb_prof_ring *ring, const stilb_prof_site 
 static inline void stilb_prof_close(stilb_prof_ring *ring, uint32_t depth, uint64_t end)
 {
 	const stilb_prof_open_zone *zone = &ring->open[depth];
-	const uint64_t begin = __atomic_load_n(&zone->begin, __ATOMIC_RELAXED); /* the thread's own */
+	uint64_t begin = __atomic_load_n(&zone->begin, __ATOMIC_RELAXED); /* the thread's own */
 	const stilb_prof_site *site = __atomic_load_n(&zone->site, __ATOMIC_RELAXED);
 	uint64_t duration = end - begin;
 	if (__builtin_expect(duration > STILB_PROF_DURATION_MAX, 0))
@@ -396,7 +396,7 @@ static inline void stilb_prof_close(stilb_prof_ring *ring, uint32_t depth, uint6
 /* Begins a zone, whether there is room for it or not; returns the number of open zones then. */
 static inline uint32_t stilb_prof_push(stilb_prof_ring *ring, const stilb_prof_site *site)
 {
-	const uint32_t depth = __atomic_load_n(&ring->depth, __ATOMIC_RELAXED); /* the thread's own */
+	uint32_t depth = __atomic_load_n(&ring->depth, __ATOMIC_RELAXED); /* the thread's own */
 	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1)) {
 		stilb_prof_open(ring, site, stilb_prof_clock(ring), depth);
 	} else {
@@ -419,7 +419,7 @@ static inline void stilb_prof_pop(stilb_prof_ring *ring, uint32_t depth, uint64_
 static inline uint32_t stilb_prof_scope_begin(const stilb_prof_site *site)
 {
 	stilb_prof_ring *ring = stilb_prof_recorder();
-	return ring != NULL ? stilb_prof_push(ring, site) : 0;
+	return ring ? stilb_prof_push(ring, site) : 0;
 }
 
 /* The ring is looked up again, and must still hold the zone: the thread may have begun or ended inside the scope. */
@@ -428,7 +428,7 @@ static inline void stilb_prof_scope_end(const uint32_t *scope)
 	if (__builtin_expect(*scope == 0, 1))
 		return;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	const uint64_t end = stilb_prof_clock(ring);
+	uint64_t end = stilb_prof_clock(ring);
 	if (__builtin_expect(__atomic_load_n(&ring->depth, __ATOMIC_RELAXED) >= *scope, 1))
 		stilb_prof_pop(ring, *scope - 1, end);
 }
@@ -438,7 +438,7 @@ static inline void stilb_prof_scope_end_precise(const uint32_t *scope)
 	if (__builtin_expect(*scope == 0, 1))
 		return;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	const uint64_t end = stilb_prof_clock_precise(ring);
+	uint64_t end = stilb_prof_clock_precise(ring);
 	if (__builtin_expect(__atomic_load_n(&ring->depth, __ATOMIC_RELAXED) >= *scope, 1))
 		stilb_prof_pop(ring, *scope - 1, end);
 }
@@ -446,25 +446,25 @@ static inline void stilb_prof_scope_end_precise(const uint32_t *scope)
 static inline void stilb_prof_zone_begin(const stilb_prof_site *site)
 {
 	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring != NULL)
+	if (ring)
 		stilb_prof_push(ring, site);
 }
 
 static inline void stilb_prof_zone_end(void)
 {
 	stilb_prof_ring *ring = stilb_prof_ender();
-	if (ring != NULL)
+	if (ring)
 		stilb_prof_pop(ring, ring->depth - 1, stilb_prof_clock(ring));
 }
 
 static inline void stilb_prof_zone_next(const stilb_prof_site *site)
 {
 	stilb_prof_ring *ring = stilb_prof_ender();
-	if (ring == NULL)
+	if (!ring)
 		return;
-	const uint32_t depth = ring->depth - 1;
+	uint32_t depth = ring->depth - 1;
 	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1)) {
-		const uint64_t now = stilb_prof_clock(ring);
+		uint64_t now = stilb_prof_clock(ring);
 		stilb_prof_close(ring, depth, now);
 		stilb_prof_open(ring, site, now, depth);
 	} else {
@@ -475,7 +475,7 @@ static inline void stilb_prof_zone_next(const stilb_prof_site *site)
 static inline void stilb_prof_counter(const stilb_prof_site *site, double value)
 {
 	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring == NULL)
+	if (!ring)
 		return;
 	uint64_t bits;
 	__builtin_memcpy(&bits, &value, sizeof bits);
@@ -487,7 +487,7 @@ static inline void stilb_prof_counter(const stilb_prof_site *site, double value)
 static inline void stilb_prof_instant(const stilb_prof_site *site)
 {
 	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring != NULL)
+	if (ring)
 		stilb_prof_write(ring, site, stilb_prof_clock(ring), 0, 0);
 }
 

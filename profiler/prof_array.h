@@ -15,11 +15,11 @@ static inline bool prof_array_room(void *array, size_t size, size_t count, size_
 {
 	if (count <= *capacity)
 		return true;
-	const size_t more = *capacity + *capacity / 2 + 64, wanted = count > more ? count : more;
+	size_t more = *capacity + *capacity / 2 + 64, wanted = count > more ? count : more;
 	void *items;
 	memcpy(&items, array, sizeof items); /* a pointer to any type */
 	items = wanted <= PTRDIFF_MAX / size ? realloc(items, wanted * size) : NULL;
-	if (items == NULL)
+	if (!items)
 		return false;
 	memcpy(array, &items, sizeof items);
 	*capacity = wanted;

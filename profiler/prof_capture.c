@@ -107,7 +107,7 @@ static void prof_capture_on_frame(uint64_t number, uint64_t duration_ns)
 
 static void prof_signal_on_ask(int number)
 {
-	const int error = errno;
+	int error = errno;
 	(void)number;
 	stilb_prof_capture_now();
 	errno = error;
@@ -142,7 +142,7 @@ int prof_capture_thread_create(pthread_t *thread, void *(*run)(void *))
 	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
 		sigdelset(&all, prof_crash_signals[i]);
 	pthread_sigmask(SIG_SETMASK, &all, &old);
-	const int error = pthread_create(thread, NULL, run, NULL);
+	int error = pthread_create(thread, NULL, run, NULL);
 	pthread_sigmask(SIG_SETMASK, &old, NULL);
 	return -error;
 }
@@ -160,10 +160,10 @@ static void prof_capture_await(uint64_t awaited)
 	uint64_t whole = __atomic_load_n(&prof_capture.whole, __ATOMIC_SEQ_CST);
 	uint64_t moved = stilb_prof_clock_monotonic();
 	while (whole < awaited && !prof_capture_stops() && stilb_prof_clock_monotonic() - moved < PROF_STILL_NS) {
-		const uint64_t until = moved + PROF_STILL_NS;
-		const struct timespec time = {(time_t)(until / 1000000000), (long)(until % 1000000000)};
+		uint64_t until = moved + PROF_STILL_NS;
+		struct timespec time = {(time_t)(until / 1000000000), (long)(until % 1000000000)};
 		sem_clockwait(&prof_capture.wake, CLOCK_MONOTONIC, &time);
-		const uint64_t now = __atomic_load_n(&prof_capture.whole, __ATOMIC_SEQ_CST);
+		uint64_t now = __atomic_load_n(&prof_capture.whole, __ATOMIC_SEQ_CST);
 		if (now != whole)
 			moved = stilb_prof_clock_monotonic();
 		whole = now;
@@ -175,15 +175,14 @@ static void prof_capture_await(uint64_t awaited)
  * for the same. */
 static bool prof_capture_next(uint64_t *place, stilb_prof_cause cause)
 {
-	const uint32_t after = prof_capture.desc.frames_after;
-	const uint64_t frame = __atomic_load_n(place, __ATOMIC_ACQUIRE) - 1; /* pairs with prof_capture_ask */
+	uint32_t after = prof_capture.desc.frames_after;
+	uint64_t frame = __atomic_load_n(place, __ATOMIC_ACQUIRE) - 1; /* pairs with prof_capture_ask */
 	if (frame == UINT64_MAX)
 		return false;
 	prof_capture_await(frame + after + 1);
-	const bool slow = cause == STILB_PROF_CAUSE_SPIKE;
-	const uint64_t frame_ns =
-		slow ? __atomic_load_n(&prof_capture.spike_ns, __ATOMIC_RELAXED) : 0; /* came with frame */
-	__atomic_store_n(place, 0, __ATOMIC_RELEASE);                             /* pairs with prof_capture_has_room */
+	bool slow = cause == STILB_PROF_CAUSE_SPIKE;
+	uint64_t frame_ns = slow ? __atomic_load_n(&prof_capture.spike_ns, __ATOMIC_RELAXED) : 0; /* came with frame */
+	__atomic_store_n(place, 0, __ATOMIC_RELEASE); /* pairs with prof_capture_has_room */
 	if (prof_capture_write(cause, frame, frame_ns, after) == 0 && slow)
 		__atomic_sub_fetch(&prof_capture.spikes_left, 1, __ATOMIC_RELAXED); /* no data depends on it */
 	return true;
@@ -196,7 +195,7 @@ static void *prof_capture_run(void *user)
 	prof_background_begin();
 	pthread_setname_np(pthread_self(), "prof-capture");
 	while (true) {
-		const bool stops = prof_capture_stops(); /* before looking: what was asked for before the stop is seen */
+		bool stops = prof_capture_stops(); /* before looking: what was asked for before the stop is seen */
 		bool wrote = prof_capture_next(&prof_capture.asked, STILB_PROF_CAUSE_ASKED);
 		wrote |= prof_capture_next(&prof_capture.spike, STILB_PROF_CAUSE_SPIKE);
 		if (wrote)
@@ -224,16 +223,15 @@ stilb_prof_capture_desc stilb_prof_capture_desc_default(void)
 
 static bool prof_capture_is_sound(const stilb_prof_capture_desc *desc)
 {
-	const bool length =
-		desc->spike == STILB_PROF_SPIKE_OFF || (desc->spike_ms >= 0 && desc->spike_ms < (double)INFINITY);
-	return desc->path != NULL && desc->path[0] != 0 && desc->spike <= STILB_PROF_SPIKE_FIXED && length &&
+	bool length = desc->spike == STILB_PROF_SPIKE_OFF || (desc->spike_ms >= 0 && desc->spike_ms < (double)INFINITY);
+	return desc->path && desc->path[0] != 0 && desc->spike <= STILB_PROF_SPIKE_FIXED && length &&
 	       prof_signal_is_free(desc);
 }
 
 /* Everything but the threads and what leads to them. */
 static int prof_capture_set_up(const stilb_prof_capture_desc *desc)
 {
-	const int error = prof_capture_file_set_up(desc);
+	int error = prof_capture_file_set_up(desc);
 	if (error != 0)
 		return error;
 	if (!prof_capture.has_wake)

@@ -27,9 +27,9 @@ int prof_capture_file_set_up(const stilb_prof_capture_desc *desc)
 {
 	prof_output.desc = *desc;
 	prof_output.path = strdup(desc->path);
-	prof_output.process_name = desc->process_name != NULL ? strdup(desc->process_name) : NULL;
+	prof_output.process_name = desc->process_name ? strdup(desc->process_name) : NULL;
 	prof_output.files = 0;
-	if (prof_output.path != NULL && (desc->process_name == NULL || prof_output.process_name != NULL))
+	if (prof_output.path && (!desc->process_name || prof_output.process_name))
 		return 0;
 	prof_capture_file_forget();
 	return -ENOMEM;
@@ -37,7 +37,7 @@ int prof_capture_file_set_up(const stilb_prof_capture_desc *desc)
 
 uint64_t prof_capture_frame(void)
 {
-	const uint64_t begun = prof_frames_begun();
+	uint64_t begun = prof_frames_begun();
 	return begun > 0 ? begun - 1 : 0;
 }
 
@@ -52,11 +52,11 @@ static bool prof_capture_is_stream(void)
 static char *prof_capture_path(uint32_t n)
 {
 	const char *path = prof_output.path, *slash = strrchr(path, '/');
-	const char *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+	const char *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
 	char *numbered = NULL;
 	if (n == 0 || prof_capture_is_stream())
 		return strdup(path);
-	if (dot == NULL || dot == name)
+	if (!dot || dot == name)
 		dot = name + strlen(name);
 	return asprintf(&numbered, "%.*s-%u%s", (int)(dot - path), path, n + 1, dot) >= 0 ? numbered : NULL;
 }
@@ -64,9 +64,9 @@ static char *prof_capture_path(uint32_t n)
 /* Frames before .. after where they are all whole, else all that there is from the first on. */
 static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
 {
-	const uint32_t before = prof_output.desc.frames_before;
-	const uint64_t first = frame > before ? frame - before : 0;
-	const uint64_t whole = prof_capture_frame();
+	uint32_t before = prof_output.desc.frames_before;
+	uint64_t first = frame > before ? frame - before : 0;
+	uint64_t whole = prof_capture_frame();
 	if (whole > frame + after)
 		return (stilb_prof_window){.first_frame = first, .frame_count = (uint32_t)(frame + after - first) + 1};
 	return (stilb_prof_window){.last_frames = whole > first ? (uint32_t)(whole - first) : 1};
@@ -76,7 +76,7 @@ static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
 static int prof_capture_save(const char *path, const stilb_prof_window *window, uint64_t frame, uint32_t *frame_count)
 {
 	stilb_prof_snapshot snapshot = {0};
-	int error = path != NULL ? stilb_prof_snapshot_take(&snapshot, window) : -ENOMEM;
+	int error = path ? stilb_prof_snapshot_take(&snapshot, window) : -ENOMEM;
 	*frame_count = snapshot.frame_count;
 	if (error == 0 && window->frame_count > 0 && (*frame_count == 0 || snapshot.frames[0].number > frame))
 		error = -ENODATA;
@@ -94,7 +94,7 @@ static char *prof_capture_reserve(uint32_t *n)
 		/* Relaxed, also below: a number that orders nothing. */
 		*n = __atomic_fetch_add(&prof_output.files, 1, __ATOMIC_RELAXED);
 		char *path = prof_capture_path(*n);
-		if (path == NULL || prof_capture_is_stream() || access(path, F_OK) != 0)
+		if (!path || prof_capture_is_stream() || access(path, F_OK) != 0)
 			return path;
 		free(path);
 	}
@@ -109,7 +109,7 @@ static void prof_capture_give_back(uint32_t n)
 
 int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns, uint32_t after)
 {
-	const stilb_prof_window window = prof_capture_window(frame, after);
+	stilb_prof_window window = prof_capture_window(frame, after);
 	stilb_prof_captured captured = {.cause = cause, .frame = frame, .frame_ms = 1e-6 * (double)frame_ns};
 	char *path = NULL;
 	uint32_t n;
@@ -118,10 +118,10 @@ int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns
 		path = prof_capture_reserve(&n);
 		captured.error = prof_capture_save(path, &window, frame, &captured.frame_count);
 	} while (captured.error == -EEXIST);
-	captured.path = path != NULL ? path : prof_output.path;
+	captured.path = path ? path : prof_output.path;
 	if (captured.error != 0)
 		prof_capture_give_back(n);
-	if (prof_output.desc.done != NULL)
+	if (prof_output.desc.done)
 		prof_output.desc.done(prof_output.desc.user, &captured);
 	free(path);
 	return captured.error;

@@ -57,9 +57,9 @@ static prof_anchor prof_anchor_take(int tries, uint64_t tight, uint64_t *width)
 	prof_anchor best = {0, 0};
 	*width = UINT64_MAX;
 	for (int i = 0; i < tries; i++) {
-		const uint64_t before = prof_ticks();
-		const uint64_t ns = stilb_prof_clock_monotonic();
-		const uint64_t ticks = prof_ticks() - before;
+		uint64_t before = prof_ticks();
+		uint64_t ns = stilb_prof_clock_monotonic();
+		uint64_t ticks = prof_ticks() - before;
 		if (ticks < *width) {
 			*width = ticks;
 			best = (prof_anchor){before + ticks / 2, ns};
@@ -72,7 +72,7 @@ static prof_anchor prof_anchor_take(int tries, uint64_t tight, uint64_t *width)
 
 static int prof_compare_u64(const void *a, const void *b)
 {
-	const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
 	return (x > y) - (x < y);
 }
 
@@ -81,7 +81,7 @@ static uint64_t prof_resolution_measure(void)
 {
 	uint64_t step[63];
 	for (int i = 0; i < 63; i++) {
-		const uint64_t first = prof_ticks();
+		uint64_t first = prof_ticks();
 		do
 			step[i] = prof_ticks() - first;
 		while (step[i] == 0);
@@ -121,7 +121,7 @@ prof_anchor prof_clock_anchor(void)
 	uint64_t width;
 	if (prof_clock_is_tsc())
 		return prof_anchor_take(3, prof_clock.width * 3 / 2, &width);
-	const uint64_t now = stilb_prof_clock_monotonic();
+	uint64_t now = stilb_prof_clock_monotonic();
 	return (prof_anchor){now, now};
 }
 
@@ -130,14 +130,14 @@ prof_anchor prof_clock_anchor(void)
 /* The line before the new one ends where that begins. */
 static void prof_timeline_add(prof_timeline *timeline, prof_anchor anchor)
 {
-	const uint32_t n = timeline->count++;
+	uint32_t n = timeline->count++;
 	timeline->lines[n].ticks = anchor.ticks;
 	timeline->lines[n].ns = anchor.ns - timeline->epoch_ns;
 	timeline->lines[n].scale = UINT64_C(1) << PROF_SCALE_SHIFT;
 	if (n == 0)
 		return;
-	const uint64_t ticks = anchor.ticks - timeline->lines[n - 1].ticks;
-	const uint64_t ns = timeline->lines[n].ns - timeline->lines[n - 1].ns;
+	uint64_t ticks = anchor.ticks - timeline->lines[n - 1].ticks;
+	uint64_t ns = timeline->lines[n].ns - timeline->lines[n - 1].ns;
 	timeline->lines[n - 1].scale = (uint64_t)(((unsigned __int128)ns << PROF_SCALE_SHIFT) / ticks);
 	timeline->lines[n].scale = timeline->lines[n - 1].scale; /* goes on like that until it is known better */
 }
@@ -170,7 +170,7 @@ void prof_clock_timeline(prof_timeline *timeline, const prof_anchor *anchors, ui
 	prof_timeline_add(timeline, prof_clock.start);
 	if (prof_clock.tsc) {
 		prof_timeline_anchors(timeline, anchors, count);
-		const uint32_t last = timeline->count - 1;
+		uint32_t last = timeline->count - 1;
 		timeline->hz = (double)(timeline->lines[last].ticks - timeline->lines[0].ticks) * 1e9 /
 		               (double)(timeline->lines[last].ns - timeline->lines[0].ns);
 	}
@@ -185,7 +185,7 @@ uint64_t prof_timeline_ns(prof_timeline *timeline, uint64_t ticks)
 	while (i + 1 < timeline->count && ticks >= timeline->lines[i + 1].ticks)
 		i++;
 	timeline->cursor = i;
-	const uint64_t age = ticks > timeline->lines[i].ticks ? ticks - timeline->lines[i].ticks : 0;
+	uint64_t age = ticks > timeline->lines[i].ticks ? ticks - timeline->lines[i].ticks : 0;
 	return timeline->lines[i].ns + (uint64_t)((unsigned __int128)age * timeline->lines[i].scale >> PROF_SCALE_SHIFT);
 }
 
@@ -224,7 +224,7 @@ static inline uint64_t prof_chain(uint64_t value, int steps)
 static inline uint64_t prof_ticks_fenced(void)
 {
 	__asm__ volatile("lfence" ::: "memory");
-	const uint64_t now = __builtin_ia32_rdtsc();
+	uint64_t now = __builtin_ia32_rdtsc();
 	__asm__ volatile("lfence" ::: "memory");
 	return now;
 }
@@ -234,7 +234,7 @@ static double prof_chain_ticks(int steps, bool fenced)
 {
 	uint64_t ticks[PROF_COST_ROUNDS], value = 1;
 	for (int i = 0; i < PROF_COST_ROUNDS; i++) {
-		const uint64_t begin = fenced ? prof_ticks_fenced() : __builtin_ia32_rdtsc();
+		uint64_t begin = fenced ? prof_ticks_fenced() : __builtin_ia32_rdtsc();
 		value = prof_chain(value, steps);
 		ticks[i] = (fenced ? prof_ticks_fenced() : __builtin_ia32_rdtsc()) - begin;
 		prof_ticks_fenced(); /* the next round begins when this one is over */
@@ -245,7 +245,7 @@ static double prof_chain_ticks(int steps, bool fenced)
 /* The chain's own time is what it adds between two reads that wait for everything before them. */
 static double prof_bias_ticks(void)
 {
-	const int steps = 64; /* short enough to be in flight as a whole */
+	int steps = 64; /* short enough to be in flight as a whole */
 	if (!prof_clock.tsc)
 		return 0; /* the kernel's clock waits */
 	return prof_chain_ticks(steps, true) - prof_chain_ticks(0, true) - prof_chain_ticks(steps, false);
@@ -270,9 +270,9 @@ static double prof_zone_ticks(void)
 	uint64_t ticks[PROF_COST_ROUNDS];
 	ring.tsc = prof_clock.tsc;
 	for (int i = 0; i < PROF_COST_ROUNDS; i++) {
-		const uint64_t begin = prof_ticks();
+		uint64_t begin = prof_ticks();
 		for (int k = 0; k < PROF_COST_ZONES; k++) {
-			const uint32_t scope = stilb_prof_push(&ring, &prof_site_cost);
+			uint32_t scope = stilb_prof_push(&ring, &prof_site_cost);
 			stilb_prof_pop(&ring, scope - 1, stilb_prof_clock(&ring));
 		}
 		ticks[i] = prof_ticks() - begin;
@@ -283,9 +283,9 @@ static double prof_zone_ticks(void)
 static void prof_costs_measure(void)
 {
 	/* Meanwhile some time goes by, or the start is long ago: either will do for the length of a tick. */
-	const double zone = prof_zone_ticks(), bias = prof_bias_ticks();
+	double zone = prof_zone_ticks(), bias = prof_bias_ticks();
 	prof_timeline *timeline = malloc(sizeof *timeline);
-	if (timeline == NULL)
+	if (!timeline)
 		return;
 	prof_clock_timeline(timeline, NULL, 0);
 	prof_costs.zone_ns = zone * 1e9 / timeline->hz;

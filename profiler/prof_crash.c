@@ -41,7 +41,7 @@ static bool prof_crash_is_seen(void)
 /* Asks for the file, unless another thread has, and waits for it. Calls nothing that is not async-signal-safe. */
 static void prof_crash_wait(void)
 {
-	const uint64_t begin = stilb_prof_clock_monotonic();
+	uint64_t begin = stilb_prof_clock_monotonic();
 	uint32_t none = PROF_CRASH_NONE;
 	/* Release and acquire: pair with prof_crash_run. */
 	if (__atomic_compare_exchange_n(&prof_crash.state, &none, PROF_CRASH_ASKED, false, __ATOMIC_RELEASE,
@@ -54,7 +54,7 @@ static void prof_crash_wait(void)
 
 static void prof_crash_handler(int number, siginfo_t *info, void *context)
 {
-	const int error = errno;
+	int error = errno;
 	(void)context;
 	if (prof_crash_is_seen())
 		prof_crash_wait();
@@ -96,7 +96,7 @@ int prof_crash_start(void)
 	/* Relaxed: the thread starts later, handlers look at running first. */
 	__atomic_store_n(&prof_crash.stop, 0, __ATOMIC_RELAXED);
 	__atomic_store_n(&prof_crash.state, PROF_CRASH_NONE, __ATOMIC_RELAXED);
-	const int error = prof_capture_thread_create(&prof_crash.thread, prof_crash_run);
+	int error = prof_capture_thread_create(&prof_crash.thread, prof_crash_run);
 	if (error != 0)
 		return error;
 	pthread_setname_np(prof_crash.thread, "prof-crash");

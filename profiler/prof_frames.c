@@ -23,11 +23,11 @@ void prof_frame_window_add(prof_frame_window *window, uint64_t ns)
 {
 	uint64_t *sorted = window->sorted;
 	if (window->count == PROF_WINDOW_FRAMES) {
-		const uint32_t old = prof_window_find(window, window->ns[window->next]);
+		uint32_t old = prof_window_find(window, window->ns[window->next]);
 		window->count--;
 		memmove(sorted + old, sorted + old + 1, (window->count - old) * sizeof *sorted);
 	}
-	const uint32_t at = prof_window_find(window, ns);
+	uint32_t at = prof_window_find(window, ns);
 	memmove(sorted + at + 1, sorted + at, (window->count - at) * sizeof *sorted);
 	sorted[at] = ns;
 	window->count++;
@@ -44,7 +44,7 @@ double prof_frame_window_limit_ms(const prof_frame_window *window, double budget
 {
 	if (window->count < PROF_WINDOW_ENOUGH)
 		return (double)INFINITY;
-	const double twice_ms = 2e-6 * (double)prof_frame_window_rank(window, 50);
+	double twice_ms = 2e-6 * (double)prof_frame_window_rank(window, 50);
 	return twice_ms > budget_ms ? twice_ms : budget_ms;
 }
 
@@ -55,7 +55,7 @@ void stilb_prof_frame_stats_make(stilb_prof_frame_stats *stats, const stilb_prof
 	*stats = (stilb_prof_frame_stats){.limit_ms = (double)INFINITY};
 	count = count < PROF_WINDOW_FRAMES ? count : PROF_WINDOW_FRAMES;
 	for (uint32_t i = 0; i < count; i++) {
-		const uint64_t ns = frames[i].end_ns - frames[i].begin_ns;
+		uint64_t ns = frames[i].end_ns - frames[i].begin_ns;
 		prof_frame_window_add(&window, ns);
 		stats->ms[i] = 1e-6 * (double)ns;
 		stats->mean_ms += stats->ms[i] / count;
@@ -74,7 +74,7 @@ void stilb_prof_frame_stats_make(stilb_prof_frame_stats *stats, const stilb_prof
 void stilb_prof_frame_stats_take(stilb_prof_frame_stats *stats, double budget_ms)
 {
 	uint64_t begin_ns[PROF_WINDOW_FRAMES + 1], first = 0;
-	const uint32_t marks = prof_frames_last(begin_ns, PROF_WINDOW_FRAMES + 1, &first);
+	uint32_t marks = prof_frames_last(begin_ns, PROF_WINDOW_FRAMES + 1, &first);
 	stilb_prof_frame frames[PROF_WINDOW_FRAMES];
 	for (uint32_t i = 1; i < marks; i++)
 		frames[i - 1] = (stilb_prof_frame){first + i - 1, begin_ns[i - 1], begin_ns[i]};

@@ -81,10 +81,10 @@ static inline bool prof_kind_is_zone(uint32_t kind)
  * GHz). */
 static inline prof_record prof_event_unpack(const stilb_prof_event *event, uint64_t limit)
 {
-	const uint64_t offset = (event->end & 0x3ffff) << 12 | (event->begin & 0xfc0);
-	const int64_t distance = (int64_t)(offset << 34) >> 34; /* 30 bits, signed */
-	const uint64_t time = limit - ((limit - (event->begin >> 12)) & ((UINT64_C(1) << 52) - 1));
-	const uint64_t low = event->begin & 0x3f, payload = event->end >> 18;
+	uint64_t offset = (event->end & 0x3ffff) << 12 | (event->begin & 0xfc0);
+	int64_t distance = (int64_t)(offset << 34) >> 34; /* 30 bits, signed */
+	uint64_t time = limit - ((limit - (event->begin >> 12)) & ((UINT64_C(1) << 52) - 1));
+	uint64_t low = event->begin & 0x3f, payload = event->end >> 18;
 	prof_record record = {
 		.site = (const stilb_prof_site *)((uintptr_t)__start_stilb_prof_section + (uintptr_t)distance),
 		.begin = time,
@@ -94,7 +94,7 @@ static inline prof_record prof_event_unpack(const stilb_prof_event *event, uint6
 		record.end = time + payload;
 		record.depth = (uint32_t)low;
 	} else if (record.site->kind == STILB_PROF_KIND_COUNTER) {
-		const uint64_t bits = payload << 18 | low << 12;
+		uint64_t bits = payload << 18 | low << 12;
 		__builtin_memcpy(&record.value, &bits, sizeof bits);
 	} else {
 		record.flow = payload;

@@ -105,9 +105,9 @@ static void prof_unlock(void)
 /* A small ring may be populated now, so that the first lap takes no page faults; a large one may never be filled. */
 static prof_thread *prof_thread_map(uint32_t events, bool populate)
 {
-	const size_t size = PROF_HEADER_SIZE + (size_t)events * sizeof(stilb_prof_event);
-	const bool now = populate && events <= PROF_RING_EVENTS;
-	const int flags = MAP_PRIVATE | MAP_ANONYMOUS | (now ? MAP_POPULATE : MAP_NORESERVE);
+	size_t size = PROF_HEADER_SIZE + (size_t)events * sizeof(stilb_prof_event);
+	bool now = populate && events <= PROF_RING_EVENTS;
+	int flags = MAP_PRIVATE | MAP_ANONYMOUS | (now ? MAP_POPULATE : MAP_NORESERVE);
 	void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, flags, -1, 0);
 	if (memory == MAP_FAILED)
 		return NULL;
@@ -125,7 +125,7 @@ static prof_thread *prof_thread_add(bool populate)
 	if (!prof_array_room(&prof.threads, sizeof *prof.threads, prof.count + 1, &prof.capacity))
 		return NULL;
 	prof_thread *thread = prof_thread_map(prof.ring_events, populate);
-	if (thread != NULL) {
+	if (thread) {
 		thread->ring.lane = prof.made++;
 		prof.threads[prof.count++] = thread;
 	}
@@ -142,13 +142,12 @@ static prof_thread *prof_thread_reuse(const char *name, bool device)
 		if (thread->ended == 0)
 			continue;
 		ended++;
-		if (thread->device == device && strcmp(thread->name, name) == 0 &&
-		    (same == NULL || thread->ended > same->ended))
+		if (thread->device == device && strcmp(thread->name, name) == 0 && (!same || thread->ended > same->ended))
 			same = thread;
-		if (oldest == NULL || thread->ended < oldest->ended)
+		if (!oldest || thread->ended < oldest->ended)
 			oldest = thread;
 	}
-	if (same != NULL || ended < PROF_ENDED_MAX)
+	if (same || ended < PROF_ENDED_MAX)
 		return same;
 	prof.discarded += oldest->ring.head - oldest->first;
 	oldest->ring.head = oldest->first = 0; /* the lock orders it: nobody else looks at the ring of an ended thread */
@@ -168,10 +167,10 @@ static size_t prof_name_stem(const char *name)
  * one. */
 static bool prof_name_follows(const char *a, const char *b)
 {
-	const size_t stem = prof_name_stem(a);
+	size_t stem = prof_name_stem(a);
 	if (stem != prof_name_stem(b) || memcmp(a, b, stem) != 0)
 		return false;
-	const size_t digits_a = strlen(a + stem), digits_b = strlen(b + stem);
+	size_t digits_a = strlen(a + stem), digits_b = strlen(b + stem);
 	return digits_a != digits_b ? digits_a > digits_b : strcmp(a + stem, b + stem) > 0;
 }
 
@@ -180,8 +179,8 @@ static bool prof_name_follows(const char *a, const char *b)
  * first. */
 static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MAX])
 {
-	const size_t last = prof.count - 1;
-	const bool first = thread->unnamed && thread->tid == (uint32_t)getpid();
+	size_t last = prof.count - 1;
+	bool first = thread->unnamed && thread->tid == (uint32_t)getpid();
 	size_t old = 0, place = 0;
 	memcpy(thread->name, name, PROF_NAME_MAX);
 	while (prof.threads[old] != thread)
@@ -217,10 +216,10 @@ static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool
 	if (name[0] == 0)
 		prof_name_number(name);
 	prof_thread *thread = prof_thread_reuse(name, device);
-	const bool added = thread == NULL;
+	bool added = !thread;
 	if (added)
 		thread = prof_thread_add(!unnamed);
-	if (thread != NULL) {
+	if (thread) {
 		thread->device = device;
 		thread->unnamed = unnamed;
 		thread->tid = device ? 0 : (uint32_t)gettid();
@@ -307,7 +306,7 @@ static int prof_self_begin(char name[PROF_NAME_MAX], bool unnamed)
 	if (!prof_exit_watch() && unnamed)
 		return -ENOMEM;
 	prof_thread *thread = prof_thread_take(name, false, unnamed);
-	if (thread == NULL)
+	if (!thread)
 		return -ENOMEM;
 	prof_thread_watch(thread);
 	prof_self.refused = 0;
@@ -329,7 +328,7 @@ static void prof_self_rename(const char name[PROF_NAME_MAX])
 
 static void prof_name_copy(char to[PROF_NAME_MAX], const char *name)
 {
-	const size_t length = strnlen(name, PROF_NAME_MAX - 1);
+	size_t length = strnlen(name, PROF_NAME_MAX - 1);
 	memcpy(to, name, length);
 	memset(to + length, 0, PROF_NAME_MAX - length);
 }
@@ -337,7 +336,7 @@ static void prof_name_copy(char to[PROF_NAME_MAX], const char *name)
 int stilb_prof_thread_begin(const char *name)
 {
 	char copy[PROF_NAME_MAX];
-	prof_name_copy(copy, name != NULL && name[0] != 0 ? name : "thread");
+	prof_name_copy(copy, name && name[0] != 0 ? name : "thread");
 	if (!prof_self_has_ring())
 		return prof_self_begin(copy, false);
 	if (!((const prof_thread *)stilb_prof_thread_ring)->unnamed) /* written by this thread alone */
@@ -365,7 +364,7 @@ static void prof_self_name(char name[PROF_NAME_MAX])
 		prof_name_copy(name, "main");
 		return;
 	}
-	const int file = open("/proc/self/comm", O_RDONLY | O_CLOEXEC);
+	int file = open("/proc/self/comm", O_RDONLY | O_CLOEXEC);
 	if (file >= 0) {
 		if (read(file, main_name, PROF_COMM_MAX) < 0)
 			main_name[0] = 0;
@@ -380,7 +379,7 @@ static void prof_self_name(char name[PROF_NAME_MAX])
 static bool prof_self_enter(void)
 {
 	char name[PROF_NAME_MAX];
-	const int error = errno; /* a zone may stand between a call that fails and the look at errno */
+	int error = errno; /* a zone may stand between a call that fails and the look at errno */
 	if (prof_self.inside == 0 && prof_self.refused % PROF_REFUSED_TRIES == 0) {
 		prof_self.inside++;
 		prof_self_name(name);
@@ -423,7 +422,7 @@ int stilb_prof_ring_events_set(uint32_t events)
 uint32_t prof_ring_count(uint32_t *ended)
 {
 	prof_lock_shared();
-	const uint32_t count = (uint32_t)prof.count;
+	uint32_t count = (uint32_t)prof.count;
 	*ended = 0;
 	for (uint32_t i = 0; i < count; i++)
 		*ended += prof.threads[i]->ended != 0;
@@ -474,7 +473,7 @@ void stilb_prof_record_set(bool on)
 	static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 	static uint32_t sessions = 1; /* so far */
 	pthread_mutex_lock(&lock);
-	const uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* the lock orders it */
+	uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* the lock orders it */
 	if (on && session == 0)
 		sessions += sessions + 1 != 0 ? 1 : 2;
 	/* Relaxed: no data depends on it; pairs with stilb_prof_recorder. */
@@ -491,10 +490,10 @@ static uint32_t prof_flow_level(const stilb_prof_ring *ring)
 uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
 {
 	stilb_prof_ring *ring = flow->kind == STILB_PROF_KIND_FLOW_BEGIN ? stilb_prof_recorder() : NULL;
-	if (ring == NULL)
+	if (!ring)
 		return 0;
-	const uint64_t begun = prof_frames_begun();
-	const uint64_t id = prof_flow_id(begun > 0 ? begun - 1 : 0, ring->lane, ring->flows++);
+	uint64_t begun = prof_frames_begun();
+	uint64_t id = prof_flow_id(begun > 0 ? begun - 1 : 0, ring->lane, ring->flows++);
 	stilb_prof_write(ring, flow, stilb_prof_clock(ring), prof_flow_level(ring), id);
 	return id;
 }
@@ -502,7 +501,7 @@ uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
 void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id)
 {
 	stilb_prof_ring *ring = id != 0 && flow->kind == STILB_PROF_KIND_FLOW_BEGIN ? stilb_prof_recorder() : NULL;
-	if (ring != NULL)
+	if (ring)
 		stilb_prof_write(ring, flow + 1, stilb_prof_clock(ring), prof_flow_level(ring), id);
 }
 
@@ -511,15 +510,15 @@ void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id)
 int stilb_prof_lane_create(const char *name, stilb_prof_lane_handle **lane)
 {
 	char copy[PROF_NAME_MAX];
-	prof_name_copy(copy, name != NULL && name[0] != 0 ? name : "thread");
+	prof_name_copy(copy, name && name[0] != 0 ? name : "thread");
 	*lane = (stilb_prof_lane_handle *)prof_thread_take(copy, true, false);
-	return *lane != NULL ? 0 : -ENOMEM;
+	return *lane ? 0 : -ENOMEM;
 }
 
 void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *site, uint32_t depth, uint64_t begin_ns,
                           uint64_t end_ns)
 {
-	if (lane == NULL || !stilb_prof_is_recording())
+	if (!lane || !stilb_prof_is_recording())
 		return;
 	stilb_prof_ring *ring = &((prof_thread *)lane)->ring;
 	uint64_t duration = end_ns > begin_ns ? end_ns - begin_ns : 0;
@@ -533,7 +532,7 @@ void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *s
 
 void stilb_prof_lane_destroy(stilb_prof_lane_handle *lane)
 {
-	if (lane != NULL)
+	if (lane)
 		prof_thread_leave((prof_thread *)lane);
 }
 
@@ -541,10 +540,10 @@ void stilb_prof_lane_destroy(stilb_prof_lane_handle *lane)
 
 void stilb_prof_frame_mark(void)
 {
-	const uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED); /* the thread's own */
-	const prof_anchor now = prof_clock_anchor();
+	uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED); /* the thread's own */
+	prof_anchor now = prof_clock_anchor();
 	prof_anchor *begin = &prof_frames.begin[count % PROF_FRAMES_MAX];
-	const uint64_t last_ns = prof_frames.begin[(count - 1) % PROF_FRAMES_MAX].ns;
+	uint64_t last_ns = prof_frames.begin[(count - 1) % PROF_FRAMES_MAX].ns;
 	/* Release, as for events: pairs with the loads of prof_frames_copy. */
 	__atomic_store_n(&begin->ticks, now.ticks, __ATOMIC_RELEASE);
 	__atomic_store_n(&begin->ns, now.ns, __ATOMIC_RELEASE);
@@ -552,7 +551,7 @@ void stilb_prof_frame_mark(void)
 	prof_schedstat_mark();
 	/* Acquire: pairs with prof_frame_hook_set, so that what was made ready before is seen. */
 	prof_frame_hook *hook = __atomic_load_n(&prof_frames.hook, __ATOMIC_ACQUIRE);
-	if (hook != NULL && count > 0)
+	if (hook && count > 0)
 		hook(count - 1, now.ns - last_ns);
 }
 
@@ -570,16 +569,16 @@ uint64_t prof_frames_begun(void)
 static uint32_t prof_frames_copy(prof_anchor *frames, uint32_t max, uint64_t *first)
 {
 	/* Acquire: pair with stilb_prof_frame_mark; the second count is ordered by the loads before it. */
-	const uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_ACQUIRE);
-	const uint64_t oldest = count > max ? count - max : 0;
+	uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_ACQUIRE);
+	uint64_t oldest = count > max ? count - max : 0;
 	for (uint64_t i = oldest; i < count; i++) {
 		const prof_anchor *begin = &prof_frames.begin[i % PROF_FRAMES_MAX];
 		frames[i - oldest].ticks = __atomic_load_n(&begin->ticks, __ATOMIC_ACQUIRE);
 		frames[i - oldest].ns = __atomic_load_n(&begin->ns, __ATOMIC_ACQUIRE);
 	}
-	const uint64_t now = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED);
-	const uint64_t valid = now >= PROF_FRAMES_MAX ? now - PROF_FRAMES_MAX + 1 : 0;
-	const uint64_t skip = valid <= oldest ? 0 : valid < count ? valid - oldest : count - oldest;
+	uint64_t now = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED);
+	uint64_t valid = now >= PROF_FRAMES_MAX ? now - PROF_FRAMES_MAX + 1 : 0;
+	uint64_t skip = valid <= oldest ? 0 : valid < count ? valid - oldest : count - oldest;
 	*first = oldest + skip;
 	memmove(frames, frames + skip, (size_t)(count - *first) * sizeof *frames);
 	return (uint32_t)(count - *first);
@@ -588,7 +587,7 @@ static uint32_t prof_frames_copy(prof_anchor *frames, uint32_t max, uint64_t *fi
 uint32_t prof_frames_last(uint64_t *begin_ns, uint32_t max, uint64_t *first)
 {
 	prof_anchor frames[PROF_FRAMES_MAX];
-	const uint32_t count = prof_frames_copy(frames, max < PROF_FRAMES_MAX ? max : PROF_FRAMES_MAX, first);
+	uint32_t count = prof_frames_copy(frames, max < PROF_FRAMES_MAX ? max : PROF_FRAMES_MAX, first);
 	for (uint32_t i = 0; i < count; i++)
 		begin_ns[i] = frames[i].ns;
 	return count;
@@ -600,7 +599,7 @@ static stilb_prof_event prof_event_load(const stilb_prof_ring *ring, uint64_t nu
 {
 	/* Acquire: pair with the stores of stilb_prof_write. */
 	const stilb_prof_event *event = &ring->events[number & ring->mask];
-	const uint64_t begin = __atomic_load_n(&event->begin, __ATOMIC_ACQUIRE);
+	uint64_t begin = __atomic_load_n(&event->begin, __ATOMIC_ACQUIRE);
 	return (stilb_prof_event){begin, __atomic_load_n(&event->end, __ATOMIC_ACQUIRE)};
 }
 
@@ -608,7 +607,7 @@ static stilb_prof_event prof_event_load(const stilb_prof_ring *ring, uint64_t nu
  * whose acquire loads order this one. */
 static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
 {
-	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED), size = (uint64_t)ring->mask + 1;
+	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED), size = (uint64_t)ring->mask + 1;
 	return head >= size ? head - size + 1 : 0;
 }
 
@@ -617,11 +616,11 @@ static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
 static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t oldest, uint64_t head, uint64_t begin,
                                uint64_t limit)
 {
-	const uint64_t size = (uint64_t)ring->mask + 1, held = head > size ? head - size : 0;
+	uint64_t size = (uint64_t)ring->mask + 1, held = head > size ? head - size : 0;
 	uint64_t low = held > oldest ? held : oldest, high = head;
 	while (begin > 0 && low < high) {
-		const uint64_t middle = low + (high - low) / 2;
-		const stilb_prof_event event = prof_event_load(ring, middle);
+		uint64_t middle = low + (high - low) / 2;
+		stilb_prof_event event = prof_event_load(ring, middle);
 		if (middle < prof_ring_valid(ring) || prof_event_unpack(&event, limit).end < begin)
 			low = middle + 1;
 		else
@@ -636,8 +635,8 @@ static bool prof_copy_open_zone(const stilb_prof_ring *ring, uint32_t depth, sti
 	for (int i = 0; i < PROF_OPEN_TRIES; i++) {
 		/* Acquire: pair with stilb_prof_open, stilb_prof_write and stilb_prof_ring_enter; the second loads of session
 		 * and head are ordered by them. */
-		const uint32_t session = __atomic_load_n(&ring->session, __ATOMIC_ACQUIRE);
-		const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE);
+		uint32_t session = __atomic_load_n(&ring->session, __ATOMIC_ACQUIRE);
+		uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE);
 		if (__atomic_load_n(&ring->depth, __ATOMIC_ACQUIRE) <= depth)
 			return false;
 		zone->begin = __atomic_load_n(&ring->open[depth].begin, __ATOMIC_ACQUIRE);
@@ -660,7 +659,7 @@ uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones
 		return 0;
 	for (depth = depth < STILB_PROF_DEPTH_MAX ? depth : STILB_PROF_DEPTH_MAX; depth-- > 0;) {
 		stilb_prof_open_zone zone;
-		const bool whole = prof_copy_open_zone(ring, depth, &zone);
+		bool whole = prof_copy_open_zone(ring, depth, &zone);
 		if (!whole || (count > 0 && zone.begin > zones[depth + 1].begin))
 			count = 0;
 		if (whole) {
@@ -675,10 +674,10 @@ uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones
 static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
 {
 	const stilb_prof_ring *ring = &thread->ring;
-	const uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_write */
-	const uint64_t begin = lane->device ? copy->begin.ns : copy->begin.ticks;
-	const uint64_t end = lane->device ? copy->end.ns : copy->end.ticks;
-	const uint64_t first = prof_ring_find(ring, thread->first, head, begin, lane->limit);
+	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_write */
+	uint64_t begin = lane->device ? copy->begin.ns : copy->begin.ticks;
+	uint64_t end = lane->device ? copy->end.ns : copy->end.ticks;
+	uint64_t first = prof_ring_find(ring, thread->first, head, begin, lane->limit);
 	if (!prof_array_room(&copy->events, sizeof *copy->events, copy->event_count + (size_t)(head - first) + 1,
 	                     &copy->event_capacity))
 		return -ENOMEM;
@@ -687,7 +686,7 @@ static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lan
 		prof_give_way(i);
 		events[i - first] = prof_event_load(ring, i);
 	}
-	const uint64_t valid = prof_ring_valid(ring);
+	uint64_t valid = prof_ring_valid(ring);
 	for (uint64_t i = valid > first ? valid : first; i < head; i++) {
 		prof_give_way(i);
 		if (end == UINT64_MAX || prof_event_unpack(&events[i - first], lane->limit).begin < end)
@@ -696,7 +695,7 @@ static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lan
 	lane->first = copy->event_count;
 	copy->event_count += lane->event_count;
 	copy->events_recorded += head - thread->first;
-	const uint64_t held = valid > thread->first ? valid : thread->first;
+	uint64_t held = valid > thread->first ? valid : thread->first;
 	copy->events_held += head > held ? head - held : 0;
 	return 0;
 }
@@ -705,7 +704,7 @@ static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lan
 static int prof_copy_switches(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
 {
 	lane->no_switches = thread->switches.refused;
-	if (lane->no_switches != NULL)
+	if (lane->no_switches)
 		return 0;
 	if (!prof_array_room(&copy->switches, sizeof *copy->switches, copy->switch_count + PROF_SWITCHES_MAX,
 	                     &copy->switch_capacity))
@@ -746,21 +745,21 @@ static int prof_copy_lane(const prof_thread *thread, prof_copy *copy, prof_lane_
 /* Frames and times of the window: of all that is held unless it says otherwise. */
 static void prof_copy_window(prof_copy *copy, const stilb_prof_window *window)
 {
-	const uint32_t whole = copy->frame_count > 0 ? copy->frame_count - 1 : 0;
+	uint32_t whole = copy->frame_count > 0 ? copy->frame_count - 1 : 0;
 	copy->begin = (prof_anchor){0};
 	copy->end = (prof_anchor){UINT64_MAX, UINT64_MAX};
 	copy->window_first = 0;
 	copy->window_count = whole;
-	if (window == NULL)
+	if (!window)
 		return;
 	if (window->last_frames > 0 && window->last_frames <= whole) {
 		copy->window_count = window->last_frames;
 		copy->window_first = whole - window->last_frames;
 		copy->begin = copy->frames[copy->window_first];
 	} else if (window->last_frames == 0 && window->frame_count > 0) {
-		const uint64_t from = window->first_frame > copy->first_frame ? window->first_frame - copy->first_frame : 0;
-		const uint64_t past = window->first_frame + window->frame_count;
-		const uint64_t to = past > copy->first_frame ? past - copy->first_frame : 0;
+		uint64_t from = window->first_frame > copy->first_frame ? window->first_frame - copy->first_frame : 0;
+		uint64_t past = window->first_frame + window->frame_count;
+		uint64_t to = past > copy->first_frame ? past - copy->first_frame : 0;
 		copy->window_first = from < whole ? (uint32_t)from : whole;
 		copy->window_count = (to < whole ? (uint32_t)to : whole) - copy->window_first;
 		if (to <= from || from >= whole)
@@ -776,7 +775,7 @@ static void prof_copy_point(prof_copy *copy)
 {
 	for (uint32_t i = 0; i < copy->lane_count; i++) {
 		copy->lanes[i].events = copy->events + copy->lanes[i].first;
-		if (copy->switches != NULL)
+		if (copy->switches)
 			copy->lanes[i].switches = copy->switches + copy->lanes[i].first_switch;
 	}
 }
@@ -795,7 +794,7 @@ int prof_copy_take(prof_copy *copy, const stilb_prof_window *window)
 	if (!prof_array_room(&copy->lanes, sizeof *copy->lanes, prof.count + 1, &copy->lane_capacity))
 		error = -ENOMEM;
 	while (error == 0 && copy->lane_count < prof.count) {
-		const uint32_t i = copy->lane_count++;
+		uint32_t i = copy->lane_count++;
 		error = prof_copy_lane(prof.threads[i], copy, &copy->lanes[i]);
 	}
 	prof_unlock();

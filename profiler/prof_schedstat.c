@@ -62,7 +62,7 @@ static uint32_t prof_schedstat_names(const char *name)
 static bool prof_schedstat_read(int file, uint64_t *ran_ns, uint64_t *waited_ns)
 {
 	char text[96], *end;
-	const ssize_t size = pread(file, text, sizeof text - 1, 0);
+	ssize_t size = pread(file, text, sizeof text - 1, 0);
 	if (size <= 0)
 		return false; /* the thread has ended */
 	text[size] = 0;
@@ -73,7 +73,7 @@ static bool prof_schedstat_read(int file, uint64_t *ran_ns, uint64_t *waited_ns)
 
 uint32_t prof_schedstat_open(const char *name)
 {
-	const int file = open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC);
+	int file = open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC);
 	prof_schedstat thread = {.file = file};
 	uint32_t slot = 0;
 	if (file < 0)
@@ -82,7 +82,7 @@ uint32_t prof_schedstat_open(const char *name)
 	while (slot < prof_stats.used && prof_stats.threads[slot].file >= 0)
 		slot++;
 	thread.names = slot < PROF_SCHEDSTAT_MAX ? prof_schedstat_names(name) : PROF_NONE;
-	const bool works = thread.names != PROF_NONE && prof_schedstat_read(file, &thread.ran_ns, &thread.waited_ns);
+	bool works = thread.names != PROF_NONE && prof_schedstat_read(file, &thread.ran_ns, &thread.waited_ns);
 	if (works) {
 		prof_stats.threads[slot] = thread;
 		prof_stats.used += slot == prof_stats.used;
@@ -110,7 +110,7 @@ void prof_schedstat_close(uint32_t handle)
 void prof_schedstat_sample(void)
 {
 	/* A ring first: a thread that gets one opens its schedstat, under this lock. */
-	if (stilb_prof_recorder() == NULL || pthread_mutex_trylock(&prof_stats.lock) != 0)
+	if (!stilb_prof_recorder() || pthread_mutex_trylock(&prof_stats.lock) != 0)
 		return;
 	for (uint32_t i = 0; i < prof_stats.used; i++) {
 		prof_schedstat *thread = &prof_stats.threads[i];

@@ -23,7 +23,7 @@ static struct {
 
 const stilb_prof_site *stilb_prof_site_next(const stilb_prof_site *previous)
 {
-	if (previous == NULL)
+	if (!previous)
 		return __start_stilb_prof_section;
 	/* A listed site's next is stored before the site is reached by the acquire load of the list's head. */
 	if (previous < __start_stilb_prof_section || previous >= __stop_stilb_prof_section)
@@ -59,7 +59,7 @@ static const stilb_prof_site *prof_site_find(const char *name, uint32_t rgb)
 static const stilb_prof_site *prof_site_add(const char *name, uint32_t rgb)
 {
 	char *copy = prof_made.count < PROF_SITES_MADE_MAX ? strdup(name) : NULL;
-	if (copy == NULL)
+	if (!copy)
 		return &prof_site_more;
 	stilb_prof_site *site = &prof_made.sites[prof_made.count++];
 	*site = (stilb_prof_site){.name = copy, .function = "", .file = "", .color = rgb, .kind = STILB_PROF_KIND_ZONE};
@@ -71,7 +71,7 @@ const stilb_prof_site *stilb_prof_site_make(const char *name, uint32_t rgb)
 {
 	pthread_mutex_lock(&prof_made.lock);
 	const stilb_prof_site *site = prof_site_find(name, rgb);
-	if (site == NULL)
+	if (!site)
 		site = prof_site_add(name, rgb);
 	pthread_mutex_unlock(&prof_made.lock);
 	return site;

@@ -20,25 +20,25 @@
 
 static struct prof_site_slot *snapshot_site_find(const prof_snapshot_memory *m, const stilb_prof_site *site)
 {
-	const size_t mask = m->site_capacity - 1;
+	size_t mask = m->site_capacity - 1;
 	size_t at =
 		(size_t)((uintptr_t)site / sizeof *site * UINT64_C(0x9e3779b97f4a7c15) >> 32) & mask; /* Fibonacci hashing */
-	while (m->sites[at].site != NULL && m->sites[at].site != site)
+	while (m->sites[at].site && m->sites[at].site != site)
 		at = (at + 1) & mask;
 	return &m->sites[at];
 }
 
 static bool prof_sites_grow(prof_snapshot_memory *m)
 {
-	const size_t capacity = m->site_capacity > 0 ? 2 * m->site_capacity : 256;
+	size_t capacity = m->site_capacity > 0 ? 2 * m->site_capacity : 256;
 	struct prof_site_slot *old = m->sites, *sites = calloc(capacity, sizeof *sites);
-	const size_t old_capacity = m->site_capacity;
-	if (sites == NULL)
+	size_t old_capacity = m->site_capacity;
+	if (!sites)
 		return false;
 	m->sites = sites;
 	m->site_capacity = capacity;
 	for (size_t i = 0; i < old_capacity; i++)
-		if (old[i].site != NULL)
+		if (old[i].site)
 			*snapshot_site_find(m, old[i].site) = old[i];
 	free(old);
 	return true;
@@ -50,7 +50,7 @@ static uint32_t prof_snapshot_label_add(prof_snapshot_memory *m, const stilb_pro
 		return PROF_NONE;
 	if (!ROOM(m, labels, m->label_count + 1, label_capacity))
 		return PROF_NONE;
-	const uint32_t label = (uint32_t)m->label_count++;
+	uint32_t label = (uint32_t)m->label_count++;
 	*snapshot_site_find(m, site) = (struct prof_site_slot){site, label};
 	m->labels[label] = (stilb_prof_label){
 		.name = site->name,
@@ -66,7 +66,7 @@ uint32_t prof_snapshot_label(prof_snapshot_memory *m, const stilb_prof_site *sit
 {
 	if (m->site_capacity > 0) {
 		const struct prof_site_slot *slot = snapshot_site_find(m, site);
-		if (slot->site != NULL)
+		if (slot->site)
 			return slot->label;
 	}
 	return prof_snapshot_label_add(m, site);
@@ -81,7 +81,7 @@ static bool prof_snapshot_frames(prof_snapshot_memory *m)
 	if (!ROOM(m, frames, m->frame_count, frame_capacity))
 		return false;
 	for (uint32_t i = 0; i < m->frame_count; i++) {
-		const uint32_t at = copy->window_first + i;
+		uint32_t at = copy->window_first + i;
 		m->frames[i].number = copy->first_frame + at;
 		m->frames[i].begin_ns = prof_timeline_ns(&m->timeline, copy->frames[at].ticks);
 		m->frames[i].end_ns = prof_timeline_ns(&m->timeline, copy->frames[at + 1].ticks);
@@ -93,8 +93,8 @@ uint32_t prof_snapshot_flow_frame(const prof_snapshot_memory *m, uint64_t id)
 {
 	if (m->frame_count == 0)
 		return STILB_PROF_NONE;
-	const uint64_t newest = m->copy.first_frame + m->copy.frame_count - 1;
-	const uint64_t at = prof_flow_frame(id, newest) - m->frames[0].number;
+	uint64_t newest = m->copy.first_frame + m->copy.frame_count - 1;
+	uint64_t at = prof_flow_frame(id, newest) - m->frames[0].number;
 	return at < m->frame_count ? (uint32_t)at : STILB_PROF_NONE;
 }
 
@@ -124,11 +124,11 @@ static void prof_switches_pair(prof_snapshot_memory *m, const prof_lane_copy *co
 	const prof_switch_event *out = NULL;
 	for (uint32_t i = 0; i <= copy->switch_count; i++) {
 		const prof_switch_event *event = i < copy->switch_count ? &copy->switches[i] : NULL;
-		uint64_t in_ns = event != NULL ? prof_switch_ns(m, event->ns) : end_ns;
+		uint64_t in_ns = event ? prof_switch_ns(m, event->ns) : end_ns;
 		in_ns = in_ns < end_ns ? in_ns : end_ns;
-		if (out != NULL && (event == NULL || event->in) && in_ns > begin_ns)
+		if (out && (!event || event->in) && in_ns > begin_ns)
 			prof_switch_add(m, prof_later(prof_switch_ns(m, out->ns), begun_ns), in_ns, out->preempted);
-		out = event != NULL && !event->in ? event : NULL;
+		out = event && !event->in ? event : NULL;
 	}
 }
 
@@ -153,9 +153,9 @@ static bool prof_switches_are_cut(const prof_lane_copy *copy, uint64_t begin_ns)
 static void prof_switches_find(prof_snapshot_memory *m, stilb_prof_lane *lane, const prof_lane_copy *copy,
                                uint64_t begin_ns, uint64_t end_ns)
 {
-	const uint64_t begun_ns = prof_switch_ns(m, copy->begun_ns);
-	const uint64_t ended_ns = copy->ended_ns != 0 ? prof_switch_ns(m, copy->ended_ns) : end_ns;
-	const uint64_t last_ns = ended_ns < end_ns ? ended_ns : end_ns;
+	uint64_t begun_ns = prof_switch_ns(m, copy->begun_ns);
+	uint64_t ended_ns = copy->ended_ns != 0 ? prof_switch_ns(m, copy->ended_ns) : end_ns;
+	uint64_t last_ns = ended_ns < end_ns ? ended_ns : end_ns;
 	lane->switches_ns = begin_ns;
 	if (prof_switches_are_cut(copy, begin_ns + m->timeline.epoch_ns)) {
 		lane->switches_ns = prof_switch_ns(m, copy->switches[0].ns);
@@ -173,9 +173,9 @@ static bool prof_snapshot_switches(prof_snapshot_memory *m, uint64_t begin_ns, u
 	for (uint32_t l = 0; l < m->copy.lane_count; l++) {
 		const prof_lane_copy *copy = &m->copy.lanes[l];
 		stilb_prof_lane *lane = &m->lanes[l];
-		const size_t first = m->switch_count;
+		size_t first = m->switch_count;
 		lane->switches = m->switches + first;
-		if (copy->device || copy->no_switches != NULL)
+		if (copy->device || copy->no_switches)
 			continue;
 		if (!ROOM(m, off_before, copy->switch_count + PROF_SWITCHES_MORE, off_capacity))
 			return false;
@@ -209,11 +209,11 @@ static uint64_t prof_runs_key(const prof_runs *runs, const char *item)
 /* Merges two neighbours, [a, b) and [b, end), stable. */
 static void prof_runs_merge(const prof_runs *runs, size_t a, size_t b, size_t end, char *to)
 {
-	const size_t size = runs->size;
+	size_t size = runs->size;
 	const char *left = runs->items + a * size, *right = runs->items + b * size;
 	const char *left_end = right, *right_end = runs->items + end * size;
 	for (char *out = to; out < to + (end - a) * size; out += size) {
-		const bool take_left =
+		bool take_left =
 			left < left_end && (right == right_end || prof_runs_key(runs, left) <= prof_runs_key(runs, right));
 		memcpy(out, take_left ? left : right, size);
 		left += take_left ? size : 0;
@@ -253,13 +253,13 @@ static bool prof_flows_make_room(prof_snapshot_memory *m, size_t slots)
 
 static void prof_flow_add(prof_snapshot_memory *m, const prof_flow_mark *from, const prof_flow_mark *to)
 {
-	const prof_flow_mark *known = from != NULL ? from : to;
+	const prof_flow_mark *known = from ? from : to;
 	m->flows[m->flow_count++] = (stilb_prof_flow){
 		.id = known->id,
-		.from_ns = from != NULL ? from->ns : to->ns,
-		.to_ns = to != NULL ? to->ns : from->ns,
-		.from_lane = from != NULL ? from->lane : STILB_PROF_NONE,
-		.to_lane = to != NULL ? to->lane : STILB_PROF_NONE,
+		.from_ns = from ? from->ns : to->ns,
+		.to_ns = to ? to->ns : from->ns,
+		.from_lane = from ? from->lane : STILB_PROF_NONE,
+		.to_lane = to ? to->lane : STILB_PROF_NONE,
 		.label = known->label,
 		.frame = prof_snapshot_flow_frame(m, known->id),
 	};
@@ -281,10 +281,10 @@ static size_t prof_flows_join(prof_snapshot_memory *m, size_t slots)
 					prof_flow_add(m, mark, NULL);
 				continue;
 			}
-			const uint32_t begin = *prof_flow_slot(m, slots, mark->id);
+			uint32_t begin = *prof_flow_slot(m, slots, mark->id);
 			prof_flow_mark *from = begin != PROF_NONE ? &m->marks[begin] : NULL;
 			prof_flow_add(m, from, mark);
-			if (from != NULL) {
+			if (from) {
 				from->joined = true;
 				stilb_prof_flow *flow = &m->flows[m->flow_count - 1];
 				flow->from_ns = flow->from_ns < flow->to_ns ? flow->from_ns : flow->to_ns;
@@ -308,8 +308,8 @@ static bool prof_snapshot_flows(prof_snapshot_memory *m)
 	for (uint32_t i = 0; i < m->mark_count; i++)
 		if (m->marks[i].begin)
 			*prof_flow_slot(m, slots, m->marks[i].id) = i;
-	const size_t runs = prof_flows_join(m, slots);
-	const prof_runs by_end = {(char *)m->flows, sizeof *m->flows, offsetof(stilb_prof_flow, to_ns)};
+	size_t runs = prof_flows_join(m, slots);
+	prof_runs by_end = {(char *)m->flows, sizeof *m->flows, offsetof(stilb_prof_flow, to_ns)};
 	prof_runs_sort(&by_end, m->runs, runs, m->merged);
 	return true;
 }
@@ -326,7 +326,7 @@ static bool prof_snapshot_points(prof_snapshot_memory *m)
 		if (i == 0 || m->points[i].lane != m->points[i - 1].lane)
 			m->runs[runs++] = i;
 	m->runs[runs] = m->point_count;
-	const prof_runs by_time = {(char *)m->points, sizeof *m->points, offsetof(stilb_prof_point, ns)};
+	prof_runs by_time = {(char *)m->points, sizeof *m->points, offsetof(stilb_prof_point, ns)};
 	prof_runs_sort(&by_time, m->runs, runs, m->merged);
 	return true;
 }
@@ -358,10 +358,10 @@ static void prof_snapshot_destroy(void *memory)
 static prof_snapshot_memory *prof_snapshot_memory_of(stilb_prof_snapshot *snapshot)
 {
 	prof_snapshot_memory *m = snapshot->memory;
-	if (m == NULL || m->memory.destroy != prof_snapshot_destroy) {
+	if (!m || m->memory.destroy != prof_snapshot_destroy) {
 		stilb_prof_snapshot_finish(snapshot); /* one that was read from a file */
 		m = calloc(1, sizeof *m);
-		if (m == NULL)
+		if (!m)
 			return NULL;
 		m->memory.destroy = prof_snapshot_destroy;
 	}
@@ -374,7 +374,7 @@ static bool prof_snapshot_make_room(prof_snapshot_memory *m)
 {
 	size_t zones = 0, longest = 0, switches = 0;
 	for (uint32_t i = 0; i < m->copy.lane_count; i++) {
-		const size_t count = m->copy.lanes[i].event_count + m->copy.lanes[i].open_count;
+		size_t count = m->copy.lanes[i].event_count + m->copy.lanes[i].open_count;
 		zones += count;
 		longest = count > longest ? count : longest;
 		switches += m->copy.lanes[i].switch_count + PROF_SWITCHES_MORE;
@@ -451,7 +451,7 @@ static void prof_snapshot_fill(stilb_prof_snapshot *s, const prof_snapshot_memor
 /* The window's end, and what ends there. One of frames that are not remembered is empty, and now. */
 static uint64_t prof_snapshot_end_ns(prof_snapshot_memory *m)
 {
-	const bool empty = m->copy.begin.ticks == UINT64_MAX, closed = m->copy.end.ticks != UINT64_MAX;
+	bool empty = m->copy.begin.ticks == UINT64_MAX, closed = m->copy.end.ticks != UINT64_MAX;
 	m->now_ns = prof_timeline_ns(&m->timeline, prof_clock_now());
 	m->end_ticks = empty ? 0 : m->copy.end.ticks;
 	return closed ? prof_timeline_ns(&m->timeline, m->copy.end.ticks) : m->now_ns;
@@ -460,7 +460,7 @@ static uint64_t prof_snapshot_end_ns(prof_snapshot_memory *m)
 /* After lanes and points. */
 static uint64_t prof_snapshot_begin_ns(prof_snapshot_memory *m, uint64_t end_ns)
 {
-	const uint64_t begin = m->copy.begin.ticks;
+	uint64_t begin = m->copy.begin.ticks;
 	if (begin == 0)
 		return prof_snapshot_first_ns(m, end_ns);
 	return begin == UINT64_MAX ? end_ns : prof_timeline_ns(&m->timeline, begin);
@@ -470,10 +470,10 @@ static uint64_t prof_snapshot_begin_ns(prof_snapshot_memory *m, uint64_t end_ns)
 static bool prof_snapshot_make(stilb_prof_snapshot *snapshot, prof_snapshot_memory *m)
 {
 	prof_clock_timeline(&m->timeline, m->copy.frames, m->copy.frame_count);
-	const uint64_t end_ns = prof_snapshot_end_ns(m);
+	uint64_t end_ns = prof_snapshot_end_ns(m);
 	if (!prof_snapshot_frames(m) || !prof_snapshot_make_room(m) || !prof_snapshot_lanes(m) || !prof_snapshot_points(m))
 		return false;
-	const uint64_t begin_ns = prof_snapshot_begin_ns(m, end_ns);
+	uint64_t begin_ns = prof_snapshot_begin_ns(m, end_ns);
 	if (!prof_snapshot_switches(m, begin_ns, end_ns) || !prof_snapshot_flows(m))
 		return false;
 	prof_snapshot_fill(snapshot, m, begin_ns, end_ns);
@@ -484,9 +484,9 @@ int stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_prof_win
 {
 	static const stilb_prof_window all = {0};
 	prof_snapshot_memory *m = prof_snapshot_memory_of(snapshot);
-	if (m == NULL)
+	if (!m)
 		return -ENOMEM;
-	int error = prof_copy_take(&m->copy, window != NULL ? window : &all);
+	int error = prof_copy_take(&m->copy, window ? window : &all);
 	if (error == 0 && !prof_snapshot_make(snapshot, m))
 		error = -ENOMEM;
 	if (error != 0)
@@ -497,7 +497,7 @@ int stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_prof_win
 void stilb_prof_snapshot_finish(stilb_prof_snapshot *snapshot)
 {
 	prof_memory *memory = snapshot->memory;
-	if (memory != NULL)
+	if (memory)
 		memory->destroy(memory);
 	*snapshot = (stilb_prof_snapshot){0};
 }

@@ -51,8 +51,8 @@ static uint32_t zones_walk_into(zones_walk *walk, uint32_t depth, uint64_t time)
 
 static void zones_walk_zone(zones_walk *walk, const prof_record *record, bool open)
 {
-	const uint32_t parent = zones_walk_into(walk, record->depth, record->begin);
-	const uint32_t label = prof_snapshot_label(walk->m, record->site);
+	uint32_t parent = zones_walk_into(walk, record->depth, record->begin);
+	uint32_t label = prof_snapshot_label(walk->m, record->site);
 	prof_zone_node *node = &walk->m->nodes[--walk->first];
 	walk->failed |= label == PROF_NONE;
 	*node = (prof_zone_node){
@@ -70,7 +70,7 @@ static void zones_walk_zone(zones_walk *walk, const prof_record *record, bool op
 static void zones_walk_point(zones_walk *walk, const prof_record *record)
 {
 	prof_snapshot_memory *m = walk->m;
-	const uint32_t label = prof_snapshot_label(m, record->site);
+	uint32_t label = prof_snapshot_label(m, record->site);
 	if (label == PROF_NONE || !prof_array_room(&m->points, sizeof *m->points, m->point_count + 1, &m->point_capacity)) {
 		walk->failed = true;
 		return;
@@ -87,7 +87,7 @@ static void zones_walk_point(zones_walk *walk, const prof_record *record)
 static void zones_walk_flow(zones_walk *walk, const prof_record *record)
 {
 	prof_snapshot_memory *m = walk->m;
-	const uint32_t label = prof_snapshot_label(m, record->site);
+	uint32_t label = prof_snapshot_label(m, record->site);
 	if (label == PROF_NONE || !prof_array_room(&m->marks, sizeof *m->marks, m->mark_count + 1, &m->mark_capacity)) {
 		walk->failed = true;
 		return;
@@ -107,13 +107,12 @@ static void zones_walk_back(zones_walk *walk)
 {
 	const prof_lane_copy *lane = walk->lane;
 	for (uint32_t i = 0; i < lane->open_count && lane->open[i].begin < walk->m->end_ticks; i++) {
-		const prof_record record = {
-			.site = lane->open[i].site, .begin = lane->open[i].begin, .end = lane->now, .depth = i};
+		prof_record record = {.site = lane->open[i].site, .begin = lane->open[i].begin, .end = lane->now, .depth = i};
 		zones_walk_zone(walk, &record, true);
 	}
 	for (size_t i = lane->event_count; i-- > 0 && !walk->failed;) {
 		prof_give_way(i);
-		const prof_record record = prof_event_unpack(&lane->events[i], lane->limit);
+		prof_record record = prof_event_unpack(&lane->events[i], lane->limit);
 		if (prof_kind_is_zone(record.site->kind))
 			zones_walk_zone(walk, &record, false);
 		else if (record.site->kind == STILB_PROF_KIND_COUNTER || record.site->kind == STILB_PROF_KIND_INSTANT)
@@ -163,17 +162,17 @@ static void zones_settle(const prof_snapshot_memory *m, stilb_prof_zone *zones, 
 	for (uint32_t i = 0; i < count; i++) {
 		prof_give_way(i);
 		stilb_prof_zone *zone = &zones[i], *parent = zone->level > 0 ? &zones[zone->parent] : NULL;
-		const uint64_t high = parent != NULL ? parent->end_ns : UINT64_MAX;
+		uint64_t high = parent ? parent->end_ns : UINT64_MAX;
 		zone->begin_ns = prof_clamp(zone->begin_ns, cursor[zone->level], high);
 		zone->end_ns = prof_clamp(zone->end_ns, zone->begin_ns, high);
 		cursor[zone->level] = zone->end_ns;
 		cursor[zone->level + 1] = zone->begin_ns;
 		zone->self_ns = zone->end_ns - zone->begin_ns;
-		if (parent != NULL)
+		if (parent)
 			parent->self_ns -= zone->self_ns;
 		while (frame < m->frame_count && m->frames[frame].end_ns <= zone->begin_ns)
 			frame++;
-		const bool inside = frame < m->frame_count && zone->begin_ns >= m->frames[frame].begin_ns;
+		bool inside = frame < m->frame_count && zone->begin_ns >= m->frames[frame].begin_ns;
 		zone->frame = inside ? frame : STILB_PROF_NONE;
 	}
 }
@@ -190,7 +189,7 @@ static void zones_charge(const prof_snapshot_memory *m, stilb_prof_zone *zones, 
 	mark->ns = prof_clamp(mark->ns, zone->begin_ns, zone->end_ns - (zone->end_ns > zone->begin_ns));
 	if (mark->begin)
 		return;
-	const uint32_t frame = prof_snapshot_flow_frame(m, mark->id);
+	uint32_t frame = prof_snapshot_flow_frame(m, mark->id);
 	for (uint32_t i = 0; i < zone->size; i++)
 		zone[i].frame = frame;
 }
@@ -227,8 +226,8 @@ bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index)
 {
 	const prof_lane_copy *copy = &m->copy.lanes[index];
 	stilb_prof_lane *lane = &m->lanes[index];
-	const size_t first_point = m->point_count, first_mark = m->mark_count;
-	const uint32_t end = (uint32_t)(copy->event_count + copy->open_count);
+	size_t first_point = m->point_count, first_mark = m->mark_count;
+	uint32_t end = (uint32_t)(copy->event_count + copy->open_count);
 	zones_walk walk = {.m = m, .lane = copy, .index = index, .first = end};
 	zones_walk_back(&walk);
 	if (walk.failed)
@@ -254,7 +253,7 @@ static uint64_t zones_off_before(const stilb_prof_switch *switches, const uint64
 {
 	uint32_t low = at, high = count; /* the first that comes back after ns */
 	while (low < high) {
-		const uint32_t middle = low + (high - low) / 2;
+		uint32_t middle = low + (high - low) / 2;
 		if (switches[middle].in_ns > ns)
 			high = middle;
 		else

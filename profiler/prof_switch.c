@@ -51,7 +51,7 @@ static const char *prof_switches_why(int error)
 		return "no file descriptor left for perf_event_open";
 	if (error != EPERM && error != EACCES)
 		return "perf_event_open knows no context switches here";
-	const int file = open("/proc/sys/kernel/perf_event_paranoid", O_RDONLY | O_CLOEXEC);
+	int file = open("/proc/sys/kernel/perf_event_paranoid", O_RDONLY | O_CLOEXEC);
 	if (file >= 0) {
 		if (read(file, level, sizeof level - 1) < 0)
 			level[0] = 0;
@@ -83,20 +83,20 @@ prof_switches prof_switches_open(const char *name)
 {
 	if (__atomic_load_n(&prof_switches_wanted, __ATOMIC_RELAXED) == 0) /* pairs with stilb_prof_switches_set */
 		return (prof_switches){.refused = "not asked for"};
-	const int file = prof_switches_event();
+	int file = prof_switches_event();
 	if (file < 0)
 		return (prof_switches){.refused = prof_switches_why(errno), .schedstat = prof_schedstat_open(name)};
 	/* What all such rings of a user may lock is limited (perf_event_mlock_kb, RLIMIT_MEMLOCK): then a smaller one
 	 * will do. */
 	prof_switches switches = {.refused = "no locked memory left (RLIMIT_MEMLOCK)"};
-	const size_t page = (size_t)sysconf(_SC_PAGESIZE);
-	for (size_t bytes = PROF_SWITCH_BYTES; bytes >= page && switches.page == NULL; bytes /= 2) {
+	size_t page = (size_t)sysconf(_SC_PAGESIZE);
+	for (size_t bytes = PROF_SWITCH_BYTES; bytes >= page && !switches.page; bytes /= 2) {
 		void *memory = mmap(NULL, page + bytes, PROT_READ, MAP_SHARED, file, 0);
 		if (memory != MAP_FAILED)
 			switches = (prof_switches){.page = memory, .size = page + bytes, .process = getpid()};
 	}
 	close(file);
-	if (switches.page == NULL)
+	if (!switches.page)
 		switches.schedstat = prof_schedstat_open(name);
 	return switches;
 }
@@ -104,7 +104,7 @@ prof_switches prof_switches_open(const char *name)
 /* The kernel gives such a mapping to no child of fork. */
 static bool prof_switches_mapped(const prof_switches *switches)
 {
-	return switches->page != NULL && switches->process == getpid();
+	return switches->page && switches->process == getpid();
 }
 
 void prof_switches_close(prof_switches *switches)
@@ -118,7 +118,7 @@ void prof_switches_close(prof_switches *switches)
 static void prof_switches_reverse(prof_switch_event *events, uint32_t count)
 {
 	for (uint32_t i = 0; i < count / 2; i++) {
-		const prof_switch_event event = events[i];
+		prof_switch_event event = events[i];
 		events[i] = events[count - 1 - i];
 		events[count - 1 - i] = event;
 	}
@@ -130,18 +130,18 @@ uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, pr
 		return 0;
 	const struct perf_event_mmap_page *page = switches->page;
 	const char *data = (const char *)page + page->data_offset;
-	const uint64_t size = page->data_size;
+	uint64_t size = page->data_size;
 	uint32_t count = 0;
 
 	/* Acquire: pairs with the barrier that the kernel puts between a record and data_head. It starts at 0 and falls. */
-	const uint64_t head = __atomic_load_n(&page->data_head, __ATOMIC_ACQUIRE);
-	const uint64_t written = -head, held = written < size ? written : size;
+	uint64_t head = __atomic_load_n(&page->data_head, __ATOMIC_ACQUIRE);
+	uint64_t written = -head, held = written < size ? written : size;
 	bool older = true;
 	for (uint64_t i = 0; i < held && older; i += sizeof(prof_switch_record)) {
 		/* Acquire: the second load of data_head comes after them. */
 		const prof_switch_record *record = (const prof_switch_record *)(data + ((head + i) & (size - 1)));
-		const uint64_t header = __atomic_load_n(&record->header, __ATOMIC_ACQUIRE);
-		const uint64_t ns = __atomic_load_n(&record->ns, __ATOMIC_ACQUIRE);
+		uint64_t header = __atomic_load_n(&record->header, __ATOMIC_ACQUIRE);
+		uint64_t ns = __atomic_load_n(&record->ns, __ATOMIC_ACQUIRE);
 		struct perf_event_header parts;
 		memcpy(&parts, &header, sizeof parts);
 		events[count++] = (prof_switch_event){
@@ -152,10 +152,9 @@ uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, pr
 		older = ns > since_ns;
 	}
 	/* Void are the oldest: what has been overwritten since then, and one more that may be under way. */
-	const uint64_t now =
-		__atomic_load_n(&page->data_head, __ATOMIC_RELAXED); /* ordered by the acquire loads before it */
-	const uint64_t fresh = (head - now) / sizeof(prof_switch_record) + 1, slots = size / sizeof(prof_switch_record);
-	const uint64_t valid = slots > fresh ? slots - fresh : 0;
+	uint64_t now = __atomic_load_n(&page->data_head, __ATOMIC_RELAXED); /* ordered by the acquire loads before it */
+	uint64_t fresh = (head - now) / sizeof(prof_switch_record) + 1, slots = size / sizeof(prof_switch_record);
+	uint64_t valid = slots > fresh ? slots - fresh : 0;
 	if (count > valid)
 		count = (uint32_t)valid;
 	prof_switches_reverse(events, count);

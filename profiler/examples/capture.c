@@ -34,7 +34,7 @@ int main(void)
 {
 	char folder[] = "/tmp/stilb-capture-XXXXXX", path[64];
 	stilb_prof_capture_desc desc = stilb_prof_capture_desc_default();
-	if (mkdtemp(folder) == NULL || stilb_prof_thread_begin("main") != 0)
+	if (!mkdtemp(folder) || stilb_prof_thread_begin("main") != 0)
 		return 1;
 	snprintf(path, sizeof path, "%s/slow.json", folder);
 	desc.path = path;

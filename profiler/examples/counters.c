@@ -11,7 +11,7 @@
 int main(void)
 {
 	stilb_prof_snapshot snapshot = {0};
-	const uint64_t bytes = UINT64_C(1) << 40;
+	uint64_t bytes = UINT64_C(1) << 40;
 	if (stilb_prof_thread_begin("main") != 0)
 		return 1;
 	PROFILE_COUNTER("bytes", (double)bytes);

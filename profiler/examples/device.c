@@ -22,7 +22,7 @@ int main(void)
 	if (stilb_prof_lane_create("GPU", &gpu) != 0)
 		return 1;
 	clock_gettime(CLOCK_MONOTONIC, &time);
-	const uint64_t now = (uint64_t)time.tv_sec * 1000000000 + (uint64_t)time.tv_nsec; /* when the results were read */
+	uint64_t now = (uint64_t)time.tv_sec * 1000000000 + (uint64_t)time.tv_nsec; /* when the results were read */
 	stilb_prof_lane_zone(gpu, &site_shadows, 1, now + 50000, now + 350000);
 	stilb_prof_lane_zone(gpu, &site_opaque, 1, now + 380000, now + 880000);
 	stilb_prof_lane_zone(gpu, &site_frame, 0, now, now + 900000);

@@ -21,7 +21,7 @@ static void frame(void)
 int main(void)
 {
 	stilb_prof_snapshot snapshot = {0};
-	const stilb_prof_window window = {.last_frames = 10};
+	stilb_prof_window window = {.last_frames = 10};
 	stilb_prof_frame_stats times;
 	if (stilb_prof_thread_begin("main") != 0)
 		return 1;

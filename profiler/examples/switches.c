@@ -23,10 +23,10 @@ int main(void)
 	if (stilb_prof_snapshot_take(&snapshot, NULL) != 0)
 		return 1;
 	const stilb_prof_lane *lane = &snapshot.lanes[0];
-	if (lane->no_switches != NULL)
+	if (lane->no_switches)
 		fprintf(stderr, "no context switches: %s\n", lane->no_switches);
 	printf("the sleep shows as time off the CPU, or it is said why not: %s\n",
-	       lane->no_switches != NULL || lane->zones[0].off_cpu_ns > 4000000 ? "yes" : "no");
+	       lane->no_switches || lane->zones[0].off_cpu_ns > 4000000 ? "yes" : "no");
 	stilb_prof_snapshot_finish(&snapshot);
 	stilb_prof_shutdown();
 	return 0;

@@ -42,7 +42,7 @@ int main(void)
 		return 1;
 	stilb_prof_stats_sort(&stats, &snapshot, STILB_PROF_BY_SELF);
 	const stilb_prof_row *walks = find(&stats, &snapshot, "walk"), *mains = find(&stats, &snapshot, "main");
-	if (walks == NULL || mains == NULL || walks->inclusive_ns > mains->inclusive_ns)
+	if (!walks || !mains || walks->inclusive_ns > mains->inclusive_ns)
 		return 1;
 	printf("walk: %u calls, main: %u call; the most time of its own was spent in %s\n", walks->calls, mains->calls,
 	       snapshot.labels[stats.rows[0].label].name);

@@ -39,14 +39,14 @@ int main(void)
 	stilb_prof_snapshot snapshot = {0}, again = {0};
 	char folder[] = "/tmp/stilb-trace-XXXXXX", path[3][64], error[256];
 	const char *names[] = {"run.json", "run.folded", "run.csv"};
-	if (mkdtemp(folder) == NULL || stilb_prof_thread_begin("main") != 0)
+	if (!mkdtemp(folder) || stilb_prof_thread_begin("main") != 0)
 		return 1;
 	run();
 	if (stilb_prof_snapshot_take(&snapshot, NULL) != 0)
 		return 1;
 	for (int i = 0; i < 3; i++) {
 		snprintf(path[i], sizeof path[i], "%s/%s", folder, names[i]);
-		const int failed = stilb_prof_trace_save(&snapshot, "example", path[i]);
+		int failed = stilb_prof_trace_save(&snapshot, "example", path[i]);
 		if (failed != 0)
 			fprintf(stderr, "%s: %s\n", path[i], strerror(-failed));
 	}

@@ -37,7 +37,7 @@ int main(void)
 		return 1;
 	const stilb_prof_lane *lane = &snapshot.lanes[0];
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
-		const int next = i + 1 < lane->zone_count ? lane->zones[i + 1].level : 0;
+		int next = i + 1 < lane->zone_count ? lane->zones[i + 1].level : 0;
 		printf("%s%s(", i > 0 ? " " : "", snapshot.labels[lane->zones[i].label].name);
 		for (int level = lane->zones[i].level; level >= next; level--)
 			printf(" )");

@@ -24,16 +24,16 @@ typedef struct prof_ranks {
 
 static void prof_rank(prof_ranks *ranks, const uint64_t *a, size_t a_count, const uint64_t *b, size_t b_count)
 {
-	const bool small = a_count <= PROF_EXACT_MAX && b_count <= PROF_EXACT_MAX;
+	bool small = a_count <= PROF_EXACT_MAX && b_count <= PROF_EXACT_MAX;
 	*ranks = (prof_ranks){0};
 	for (size_t i = 0, j = 0; i < a_count || j < b_count;) {
-		const size_t before = i + j, first_a = i;
-		const uint64_t value = j == b_count || (i < a_count && a[i] < b[j]) ? a[i] : b[j];
+		size_t before = i + j, first_a = i;
+		uint64_t value = j == b_count || (i < a_count && a[i] < b[j]) ? a[i] : b[j];
 		while (i < a_count && a[i] == value)
 			i++;
 		while (j < b_count && b[j] == value)
 			j++;
-		const size_t equal = i + j - before, rank = 2 * before + equal + 1;
+		size_t equal = i + j - before, rank = 2 * before + equal + 1;
 		ranks->a_sum += (double)(i - first_a) * (double)rank;
 		ranks->ties += (double)equal * ((double)equal * (double)equal - 1.0);
 		for (size_t k = before; small && k < i + j; k++)
@@ -48,8 +48,8 @@ static double prof_rank_exact(const prof_ranks *ranks, size_t a_count, size_t co
 	size_t largest = 0; /* sum so far */
 	double(*ways)[PROF_RANKS_MAX + 1] = calloc(PROF_EXACT_MAX + 1, sizeof *ways);
 	double far = 0.0, all = 0.0;
-	const double mean = (double)a_count * ((double)count + 1.0), distance = fabs(ranks->a_sum - mean);
-	if (ways == NULL)
+	double mean = (double)a_count * ((double)count + 1.0), distance = fabs(ranks->a_sum - mean);
+	if (!ways)
 		return -1.0;
 	ways[0][0] = 1.0;
 	for (size_t i = 0; i < count; i++) {
@@ -68,10 +68,10 @@ static double prof_rank_exact(const prof_ranks *ranks, size_t a_count, size_t co
 
 static double prof_rank_normal(const prof_ranks *ranks, double a_count, double b_count)
 {
-	const double count = a_count + b_count;
-	const double u = ranks->a_sum / 2.0 - a_count * (a_count + 1.0) / 2.0, mean = a_count * b_count / 2.0;
-	const double variance = a_count * b_count / 12.0 * (count + 1.0 - ranks->ties / (count * (count - 1.0)));
-	const double distance = fabs(u - mean) - 0.5;
+	double count = a_count + b_count;
+	double u = ranks->a_sum / 2.0 - a_count * (a_count + 1.0) / 2.0, mean = a_count * b_count / 2.0;
+	double variance = a_count * b_count / 12.0 * (count + 1.0 - ranks->ties / (count * (count - 1.0)));
+	double distance = fabs(u - mean) - 0.5;
 	if (variance <= 0.0 || distance <= 0.0)
 		return 1.0;
 	return erfc(distance / sqrt(variance) / sqrt(2.0));
@@ -100,11 +100,11 @@ typedef struct prof_side {
 /* The row of each label of a kind, by label, STILB_PROF_NONE without; two kinds one after the other. */
 static uint32_t *prof_side_rows(const prof_side *side)
 {
-	const size_t count = 2 * (size_t)side->snapshot->label_count;
+	size_t count = 2 * (size_t)side->snapshot->label_count;
 	uint32_t *rows = malloc((count + 1) * sizeof *rows);
-	for (size_t i = 0; rows != NULL && i < count; i++)
+	for (size_t i = 0; rows && i < count; i++)
 		rows[i] = STILB_PROF_NONE;
-	for (uint32_t i = 0; rows != NULL && i < side->stats.row_count; i++)
+	for (uint32_t i = 0; rows && i < side->stats.row_count; i++)
 		rows[2 * (size_t)side->stats.rows[i].label + (side->stats.rows[i].kind == STILB_PROF_LANE_DEVICE)] = i;
 	return rows;
 }
@@ -121,13 +121,13 @@ static bool prof_zone_recurs(const stilb_prof_lane *lane, const stilb_prof_zone 
 /* Adds up what the zones of a lane take in each frame. until: zones before until[row] lie inside one of the row. */
 static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, const uint32_t *rows, uint32_t *until)
 {
-	const size_t frames = side->snapshot->frame_count;
+	size_t frames = side->snapshot->frame_count;
 	memset(until, 0, side->stats.row_count * sizeof *until);
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
 		const stilb_prof_zone *zone = &lane->zones[i];
 		if (zone->frame >= frames)
 			continue;
-		const uint32_t row = rows[2 * (size_t)zone->label + (lane->kind == STILB_PROF_LANE_DEVICE)];
+		uint32_t row = rows[2 * (size_t)zone->label + (lane->kind == STILB_PROF_LANE_DEVICE)];
 		if (i < until[row] && prof_zone_recurs(lane, zone))
 			continue;
 		until[row] = i + zone->size > until[row] ? i + zone->size : until[row];
@@ -137,13 +137,13 @@ static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, con
 
 static bool prof_side_frame_times(prof_side *side)
 {
-	const size_t frames = side->snapshot->frame_count, count = side->stats.row_count;
+	size_t frames = side->snapshot->frame_count, count = side->stats.row_count;
 	if (count * frames > PROF_FRAME_TIMES_MAX)
 		return false;
 	uint32_t *rows = prof_side_rows(side), *until = malloc((count + 1) * sizeof *until);
 	uint64_t *scratch = malloc(frames * sizeof *scratch);
 	side->frame_times = calloc(count * frames + 1, sizeof *side->frame_times);
-	const bool good = rows != NULL && until != NULL && scratch != NULL && side->frame_times != NULL;
+	bool good = rows && until && scratch && side->frame_times;
 	for (uint32_t i = 0; good && i < side->snapshot->lane_count; i++)
 		prof_side_add_lane(side, &side->snapshot->lanes[i], rows, until);
 	for (size_t i = 0; good && i < count; i++)
@@ -156,7 +156,7 @@ static bool prof_side_frame_times(prof_side *side)
 
 static const uint64_t *prof_side_samples(const prof_side *side, uint32_t row, size_t *count)
 {
-	if (side->frame_times == NULL) {
+	if (!side->frame_times) {
 		*count = side->stats.rows[row].calls;
 		return side->stats.rows[row].durations_ns;
 	}
@@ -166,8 +166,8 @@ static const uint64_t *prof_side_samples(const prof_side *side, uint32_t row, si
 
 static int prof_side_make(prof_side *side, bool frames, stilb_prof_diff_sample sample)
 {
-	const stilb_prof_stats_range range = {.frame_count = frames ? side->snapshot->frame_count : 0};
-	const int error = stilb_prof_stats_take(&side->stats, side->snapshot, &range);
+	stilb_prof_stats_range range = {.frame_count = frames ? side->snapshot->frame_count : 0};
+	int error = stilb_prof_stats_take(&side->stats, side->snapshot, &range);
 	if (error != 0)
 		return error;
 	stilb_prof_stats_sort(&side->stats, side->snapshot, STILB_PROF_BY_NAME);
@@ -206,13 +206,13 @@ static int prof_diff_order(const prof_side *a, uint32_t i, const prof_side *b, u
 {
 	if (i == a->stats.row_count || j == b->stats.row_count)
 		return i == a->stats.row_count ? 1 : -1;
-	const int names = strcmp(prof_side_name(a, i), prof_side_name(b, j));
+	int names = strcmp(prof_side_name(a, i), prof_side_name(b, j));
 	return names != 0 ? names : (int)a->stats.rows[i].kind - (int)b->stats.rows[j].kind;
 }
 
 static stilb_prof_diff_row prof_diff_one(const prof_side *side, uint32_t row, stilb_prof_verdict verdict)
 {
-	const stilb_prof_diff_side times = prof_side_row(side, row);
+	stilb_prof_diff_side times = prof_side_row(side, row);
 	stilb_prof_diff_row out = {
 		.name = prof_side_name(side, row), .kind = side->stats.rows[row].kind, .p = 1.0, .verdict = verdict};
 	*(verdict == STILB_PROF_ONLY_A ? &out.a : &out.b) = times;
@@ -234,7 +234,7 @@ static stilb_prof_diff_row prof_diff_both(const prof_side *a, uint32_t i, const 
 static void prof_diff_judge(stilb_prof_diff_row *row, const stilb_prof_diff_desc *desc, uint32_t tests,
                             double resolution_ns)
 {
-	const double a = (double)row->a.p50_ns, b = (double)row->b.p50_ns;
+	double a = (double)row->a.p50_ns, b = (double)row->b.p50_ns;
 	if (row->p * tests >= desc->alpha || fabs(b - a) <= resolution_ns)
 		return;
 	if (b > a * (1.0 + desc->threshold))
@@ -248,11 +248,11 @@ static int prof_compare_diff_rows(const void *left, const void *right)
 	const stilb_prof_diff_row *a = left, *b = right;
 	if (a->verdict != b->verdict)
 		return a->verdict < b->verdict ? -1 : 1;
-	const uint64_t x = a->a.inclusive_ns > a->b.inclusive_ns ? a->a.inclusive_ns : a->b.inclusive_ns;
-	const uint64_t y = b->a.inclusive_ns > b->b.inclusive_ns ? b->a.inclusive_ns : b->b.inclusive_ns;
+	uint64_t x = a->a.inclusive_ns > a->b.inclusive_ns ? a->a.inclusive_ns : a->b.inclusive_ns;
+	uint64_t y = b->a.inclusive_ns > b->b.inclusive_ns ? b->a.inclusive_ns : b->b.inclusive_ns;
 	if (x != y)
 		return x < y ? 1 : -1;
-	const int names = strcmp(a->name, b->name);
+	int names = strcmp(a->name, b->name);
 	return names != 0 ? names : (int)a->kind - (int)b->kind;
 }
 
@@ -261,14 +261,14 @@ static uint32_t prof_diff_join(stilb_prof_diff_row *rows, const prof_side *a, co
 {
 	uint32_t count = 0;
 	for (uint32_t i = 0, j = 0; i < a->stats.row_count || j < b->stats.row_count;) {
-		const int order = prof_diff_order(a, i, b, j);
+		int order = prof_diff_order(a, i, b, j);
 		if (order < 0) {
 			rows[count++] = prof_diff_one(a, i++, STILB_PROF_ONLY_A);
 		} else if (order > 0) {
 			rows[count++] = prof_diff_one(b, j++, STILB_PROF_ONLY_B);
 		} else {
 			rows[count++] = prof_diff_both(a, i++, b, j++);
-			++*tests;
+			(*tests)++;
 		}
 	}
 	return count;
@@ -277,11 +277,11 @@ static uint32_t prof_diff_join(stilb_prof_diff_row *rows, const prof_side *a, co
 static int prof_diff_rows(stilb_prof_diff *diff, const prof_side *a, const prof_side *b,
                           const stilb_prof_diff_desc *desc)
 {
-	const double resolution_ns = fmax(a->snapshot->resolution_ns, b->snapshot->resolution_ns);
-	const size_t room = (size_t)a->stats.row_count + b->stats.row_count + 1;
+	double resolution_ns = fmax(a->snapshot->resolution_ns, b->snapshot->resolution_ns);
+	size_t room = (size_t)a->stats.row_count + b->stats.row_count + 1;
 	uint32_t tests = 0;
 	stilb_prof_diff_row *rows = malloc(room * sizeof *rows);
-	if (rows == NULL)
+	if (!rows)
 		return -ENOMEM;
 	diff->memory = rows;
 	diff->rows = rows;
@@ -304,7 +304,7 @@ stilb_prof_diff_desc stilb_prof_diff_desc_default(void)
 int stilb_prof_diff_make(stilb_prof_diff *diff, const stilb_prof_snapshot *a, const stilb_prof_snapshot *b,
                          const stilb_prof_diff_desc *desc)
 {
-	const bool frames = a->frame_count > 0 && b->frame_count > 0;
+	bool frames = a->frame_count > 0 && b->frame_count > 0;
 	prof_side sides[2] = {{.snapshot = a}, {.snapshot = b}};
 	stilb_prof_diff_finish(diff);
 	if (!(desc->threshold >= 0.0) || !(desc->alpha >= 0.0 && desc->alpha <= 1.0) ||

@@ -58,7 +58,7 @@ static int prof_read_say(int result, char *error, size_t error_size, const char 
 {
 	va_list arguments;
 	va_start(arguments, format);
-	if (error != NULL && error_size > 0)
+	if (error && error_size > 0)
 		vsnprintf(error, error_size, format, arguments);
 	va_end(arguments);
 	return result;
@@ -70,9 +70,9 @@ static int prof_read_say(int result, char *error, size_t error_size, const char 
 static void prof_read_found(const prof_scan *scan, char found[PROF_READ_FOUND])
 {
 	const char *end = scan->failed;
-	while (end < scan->end && end - scan->failed < 24 && *end != '\0' && strchr("+-.0123456789eE", *end) != NULL)
+	while (end < scan->end && end - scan->failed < 24 && *end != '\0' && strchr("+-.0123456789eE", *end))
 		end++;
-	const unsigned char c = scan->failed < scan->end ? (unsigned char)*scan->failed : 0;
+	unsigned char c = scan->failed < scan->end ? (unsigned char)*scan->failed : 0;
 	if (scan->failed == scan->end)
 		snprintf(found, PROF_READ_FOUND, "the file ends");
 	else if (c == '-' || (c >= '0' && c <= '9'))
@@ -102,7 +102,7 @@ int stilb_prof_trace_parse(const char *text, size_t size, const char *name, stil
 {
 	stilb_prof_snapshot_finish(snapshot);
 	prof_read *read = calloc(1, sizeof *read);
-	if (read == NULL)
+	if (!read)
 		return prof_read_say(-ENOMEM, error, error_size, "'%s': no memory to read it", name);
 	read->memory.destroy = prof_read_destroy;
 	read->scan = (prof_scan){.begin = text, .at = text, .end = text + size};
@@ -121,7 +121,7 @@ int stilb_prof_trace_parse(const char *text, size_t size, const char *name, stil
 /* So far: an endless device is not read to its end. */
 static bool prof_may_be_trace(const char *text, size_t size)
 {
-	const size_t space = strspn(text, " \t\r\n"); /* text ends in a 0 */
+	size_t space = strspn(text, " \t\r\n"); /* text ends in a 0 */
 	return space == size || text[space] == '{' || text[space] == '[';
 }
 
@@ -131,12 +131,12 @@ static int prof_read_bytes(int file, char **text, size_t *size)
 {
 	size_t capacity = 0;
 	struct stat info;
-	const size_t expected = fstat(file, &info) == 0 && info.st_size > 0 ? (size_t)info.st_size : 0;
+	size_t expected = fstat(file, &info) == 0 && info.st_size > 0 ? (size_t)info.st_size : 0;
 	for (;;) {
-		const size_t wanted = *size < expected ? expected + 2 : *size + PROF_READ_CHUNK;
+		size_t wanted = *size < expected ? expected + 2 : *size + PROF_READ_CHUNK;
 		if (!prof_array_room(text, 1, wanted, &capacity))
 			return -ENOMEM;
-		const ssize_t got = read(file, *text + *size, capacity - *size - 1);
+		ssize_t got = read(file, *text + *size, capacity - *size - 1);
 		if (got == 0)
 			return 0;
 		if (got < 0 && errno != EINTR)
@@ -153,13 +153,13 @@ static int prof_read_bytes(int file, char **text, size_t *size)
 static int prof_read_open(const char *path)
 {
 	struct stat info;
-	const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+	int file = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
 	if (file < 0)
 		return -errno;
-	const int error = fstat(file, &info) != 0 ? -errno
-	                  : S_ISREG(info.st_mode) ? 0
-	                  : S_ISDIR(info.st_mode) ? -EISDIR
-	                                          : -ESPIPE;
+	int error = fstat(file, &info) != 0 ? -errno
+	            : S_ISREG(info.st_mode) ? 0
+	            : S_ISDIR(info.st_mode) ? -EISDIR
+	                                    : -ESPIPE;
 	if (error == 0)
 		return file;
 	close(file);
@@ -168,11 +168,11 @@ static int prof_read_open(const char *path)
 
 int stilb_prof_trace_read(const char *path, stilb_prof_snapshot *snapshot, char *error, size_t error_size)
 {
-	const bool is_stdin = strcmp(path, "-") == 0;
+	bool is_stdin = strcmp(path, "-") == 0;
 	char *text = NULL;
 	size_t size = 0;
 	stilb_prof_snapshot_finish(snapshot);
-	const int file = is_stdin ? STDIN_FILENO : prof_read_open(path);
+	int file = is_stdin ? STDIN_FILENO : prof_read_open(path);
 	int result = file < 0 ? file : prof_read_bytes(file, &text, &size);
 	if (file >= 0 && !is_stdin)
 		close(file);

@@ -34,9 +34,9 @@ typedef struct prof_strings_block {
 static char *prof_strings_room(prof_strings *strings, size_t size)
 {
 	if (strings->room < size) {
-		const size_t bytes = size > PROF_BLOCK_SIZE ? size : PROF_BLOCK_SIZE;
+		size_t bytes = size > PROF_BLOCK_SIZE ? size : PROF_BLOCK_SIZE;
 		prof_strings_block *block = malloc(sizeof *block + bytes);
-		if (block == NULL)
+		if (!block)
 			return NULL;
 		block->next = strings->blocks;
 		strings->blocks = block;
@@ -52,7 +52,7 @@ static char *prof_strings_room(prof_strings *strings, size_t size)
 char *prof_strings_add(prof_strings *strings, const char *text, size_t size)
 {
 	char *copy = prof_strings_room(strings, size + 1);
-	if (copy == NULL)
+	if (!copy)
 		return NULL;
 	if (size > 0)
 		memcpy(copy, text, size);
@@ -62,7 +62,7 @@ char *prof_strings_add(prof_strings *strings, const char *text, size_t size)
 
 void prof_strings_free(prof_strings *strings)
 {
-	for (prof_strings_block *block = strings->blocks, *next; block != NULL; block = next) {
+	for (prof_strings_block *block = strings->blocks, *next; block; block = next) {
 		next = block->next;
 		free(block);
 	}
@@ -73,7 +73,7 @@ void prof_strings_free(prof_strings *strings)
 static const char *prof_read_string(prof_read *read, prof_span string)
 {
 	char *copy = prof_strings_add(&read->strings, string.text, string.size);
-	if (copy != NULL && string.escaped)
+	if (copy && string.escaped)
 		copy[prof_scan_decode(string, copy)] = '\0';
 	return copy;
 }
@@ -97,9 +97,9 @@ static uint64_t prof_hash(uint64_t seed, const char *text, size_t size)
 /* Twice as many slots, all free; 0: no memory. */
 static size_t prof_slots_grow(uint32_t **slots, size_t count)
 {
-	const size_t grown = count > 0 ? 2 * count : 256;
+	size_t grown = count > 0 ? 2 * count : 256;
 	uint32_t *more = calloc(grown, sizeof *more);
-	if (more == NULL)
+	if (!more)
 		return 0;
 	free(*slots);
 	*slots = more;
@@ -112,7 +112,7 @@ static size_t prof_label_slot(const prof_read *read, const char *name, size_t si
 {
 	size_t slot = prof_hash((uintptr_t)read, name, size) & (read->label_slot_count - 1);
 	for (;; slot = (slot + 1) & (read->label_slot_count - 1)) {
-		const uint32_t label = read->label_slots[slot];
+		uint32_t label = read->label_slots[slot];
 		if (label == 0)
 			return slot;
 		const char *other = read->labels[label - 1].name;
@@ -123,7 +123,7 @@ static size_t prof_label_slot(const prof_read *read, const char *name, size_t si
 
 static bool prof_labels_grow(prof_read *read)
 {
-	const size_t count = prof_slots_grow(&read->label_slots, read->label_slot_count);
+	size_t count = prof_slots_grow(&read->label_slots, read->label_slot_count);
 	if (count == 0)
 		return prof_read_no_memory(read);
 	read->label_slot_count = count;
@@ -140,7 +140,7 @@ static bool prof_label_at(prof_read *read, size_t slot, const char *name, size_t
 	if (read->label_slots[slot] == 0) {
 		if (!prof_array_room(&read->labels, sizeof *read->labels, read->label_count + 1, &read->label_capacity))
 			return prof_read_no_memory(read);
-		if (!keep && (name = prof_strings_add(&read->strings, name, size)) == NULL)
+		if (!keep && !(name = prof_strings_add(&read->strings, name, size)))
 			return prof_read_no_memory(read);
 		read->labels[read->label_count++] = (stilb_prof_label){.name = name, .function = "", .file = ""};
 		read->label_slots[slot] = (uint32_t)read->label_count;
@@ -153,14 +153,14 @@ static bool prof_read_label(prof_read *read, prof_span name, uint32_t *label)
 {
 	if (2 * read->label_count >= read->label_slot_count && !prof_labels_grow(read))
 		return false;
-	if (name.text == NULL)
+	if (!name.text)
 		name = (prof_span){.text = "", .size = 0};
 	if (!name.escaped)
 		return prof_label_at(read, prof_label_slot(read, name.text, name.size), name.text, name.size, false, label);
 	const char *decoded = prof_read_string(read, name);
-	if (decoded == NULL)
+	if (!decoded)
 		return prof_read_no_memory(read);
-	const size_t size = strlen(decoded);
+	size_t size = strlen(decoded);
 	return prof_label_at(read, prof_label_slot(read, decoded, size), decoded, size, true, label);
 }
 
@@ -168,7 +168,7 @@ static bool prof_read_label(prof_read *read, prof_span name, uint32_t *label)
 
 static size_t prof_lane_slot(const prof_read *read, uint64_t pid, uint64_t tid)
 {
-	const uint64_t key[2] = {pid, tid};
+	uint64_t key[2] = {pid, tid};
 	size_t slot = prof_hash((uintptr_t)read, (const char *)key, sizeof key) & (read->lane_slot_count - 1);
 	while (read->lane_slots[slot] != 0 &&
 	       (read->lanes[read->lane_slots[slot] - 1].pid != pid || read->lanes[read->lane_slots[slot] - 1].tid != tid))
@@ -180,13 +180,13 @@ prof_read_lane *prof_read_lane_find(prof_read *read, uint64_t pid, uint64_t tid)
 {
 	if (read->lane_count == 0)
 		return NULL;
-	const uint32_t lane = read->lane_slots[prof_lane_slot(read, pid, tid)];
+	uint32_t lane = read->lane_slots[prof_lane_slot(read, pid, tid)];
 	return lane > 0 ? &read->lanes[lane - 1] : NULL;
 }
 
 static bool prof_lanes_grow(prof_read *read)
 {
-	const size_t count = prof_slots_grow(&read->lane_slots, read->lane_slot_count);
+	size_t count = prof_slots_grow(&read->lane_slots, read->lane_slot_count);
 	if (count == 0)
 		return prof_read_no_memory(read);
 	read->lane_slot_count = count;
@@ -199,11 +199,11 @@ static bool prof_lanes_grow(prof_read *read)
 static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t tid)
 {
 	prof_read_lane *last = read->lane_count > 0 ? &read->lanes[read->last_lane] : NULL;
-	if (last != NULL && last->tid == tid && last->pid == pid)
+	if (last && last->tid == tid && last->pid == pid)
 		return last;
 	if (2 * read->lane_count >= read->lane_slot_count && !prof_lanes_grow(read))
 		return NULL;
-	const size_t slot = prof_lane_slot(read, pid, tid);
+	size_t slot = prof_lane_slot(read, pid, tid);
 	if (read->lane_slots[slot] == 0) {
 		if (!prof_array_room(&read->lanes, sizeof *read->lanes, read->lane_count + 1, &read->lane_capacity)) {
 			read->no_memory = true;
@@ -221,7 +221,7 @@ static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t
 
 static uint64_t prof_read_time(prof_read *read, prof_time time)
 {
-	const uint64_t ns = PROF_READ_ZERO + (uint64_t)time.ns;
+	uint64_t ns = PROF_READ_ZERO + (uint64_t)time.ns;
 	read->first_ns = ns < read->first_ns ? ns : read->first_ns;
 	read->last_ns = ns > read->last_ns ? ns : read->last_ns;
 	return ns;
@@ -257,8 +257,8 @@ static stilb_prof_zone *prof_lane_zone_add(prof_read *read, prof_read_lane *lane
 static bool prof_event_complete(prof_read *read, const prof_raw_event *event)
 {
 	prof_read_lane *lane = prof_read_lane_of(read, event->pid, event->tid);
-	stilb_prof_zone *zone = lane != NULL ? prof_lane_zone_add(read, lane, event) : NULL;
-	if (zone == NULL)
+	stilb_prof_zone *zone = lane ? prof_lane_zone_add(read, lane, event) : NULL;
+	if (!zone)
 		return false;
 	zone->end_ns = prof_read_time(read, (prof_time){event->ts.ns + event->dur.ns, 0});
 	zone->off_cpu_ns = prof_tenths(event->ts) + prof_tenths(event->dur);
@@ -268,8 +268,8 @@ static bool prof_event_complete(prof_read *read, const prof_raw_event *event)
 static bool prof_event_begin(prof_read *read, const prof_raw_event *event)
 {
 	prof_read_lane *lane = prof_read_lane_of(read, event->pid, event->tid);
-	stilb_prof_zone *zone = lane != NULL ? prof_lane_zone_add(read, lane, event) : NULL;
-	if (zone == NULL)
+	stilb_prof_zone *zone = lane ? prof_lane_zone_add(read, lane, event) : NULL;
+	if (!zone)
 		return false;
 	zone->open = true;
 	zone->parent = lane->open;
@@ -281,12 +281,12 @@ static bool prof_event_begin(prof_read *read, const prof_raw_event *event)
 static bool prof_event_end(prof_read *read, const prof_raw_event *event)
 {
 	prof_read_lane *lane = prof_read_lane_of(read, event->pid, event->tid);
-	if (lane == NULL)
+	if (!lane)
 		return false;
 	if (lane->open == STILB_PROF_NONE)
 		return true;
 	stilb_prof_zone *zone = &lane->zones[lane->open];
-	const uint64_t ns = prof_read_time(read, event->ts);
+	uint64_t ns = prof_read_time(read, event->ts);
 	zone->end_ns = ns > zone->begin_ns ? ns : zone->begin_ns;
 	zone->off_cpu_ns = ns > zone->begin_ns ? prof_tenths(event->ts) : zone->self_ns;
 	zone->open = false;
@@ -301,7 +301,7 @@ static bool prof_point_add(prof_read *read, const prof_raw_event *event, prof_sp
 	prof_read_lane *lane = event->has_tid ? prof_read_lane_of(read, event->pid, event->tid) : NULL;
 	if (read->no_memory || !prof_read_label(read, name, &point.label))
 		return false;
-	if (lane != NULL) {
+	if (lane) {
 		lane->used = true;
 		point.lane = (uint32_t)(lane - read->lanes);
 	}
@@ -316,7 +316,7 @@ static bool prof_event_flow(prof_read *read, const prof_raw_event *event, uint64
 {
 	prof_read_lane *lane = prof_read_lane_of(read, event->pid, event->tid);
 	prof_read_end end = {.id = event->id, .frame = frame, .phase = event->phase};
-	if (lane == NULL || !prof_read_label(read, event->name, &end.label))
+	if (!lane || !prof_read_label(read, event->name, &end.label))
 		return false;
 	lane->used = true;
 	end.lane = (uint32_t)(lane - read->lanes);
@@ -366,7 +366,7 @@ static bool prof_args_member(prof_scan *scan, prof_span key, prof_args *args)
 	if (PROF_SPAN_IS(key, "switches_from"))
 		return prof_args_integer(scan, &args->switches_from, &ignored);
 	if (PROF_SPAN_IS(key, "sort_index")) {
-		const bool negative = prof_scan_take(scan, '-');
+		bool negative = prof_scan_take(scan, '-');
 		if (!prof_args_integer(scan, &sort, &args->has_sort))
 			return false;
 		args->sort_index = !args->has_sort ? 0 : negative ? -(int64_t)sort : (int64_t)sort;
@@ -386,13 +386,13 @@ static bool prof_args_parse(prof_read *read, prof_span span, prof_args *args)
 	prof_span key;
 	bool first = true;
 	*args = (prof_args){0};
-	if (span.text == NULL || *span.text != '{')
+	if (!span.text || *span.text != '{')
 		return true;
 	scan.at = span.text + 1;
 	while (prof_scan_key(&scan, &first, &key))
 		if (!prof_args_member(&scan, key, args))
 			break;
-	if (scan.failed == NULL)
+	if (!scan.failed)
 		return true;
 	return prof_scan_fail(&read->scan, scan.failed, scan.expected);
 }
@@ -401,11 +401,11 @@ static bool prof_args_parse(prof_read *read, prof_span span, prof_args *args)
 static bool prof_counter_name(prof_read *read, const prof_raw_event *event, prof_span key, prof_span *name)
 {
 	*name = event->name;
-	if (PROF_SPAN_IS(key, "value") || name->text == NULL || name->escaped || key.escaped || name->size == 0)
+	if (PROF_SPAN_IS(key, "value") || !name->text || name->escaped || key.escaped || name->size == 0)
 		return true;
-	const size_t size = name->size + 1 + key.size;
+	size_t size = name->size + 1 + key.size;
 	char *joined = prof_strings_add(&read->strings, name->text, size);
-	if (joined == NULL)
+	if (!joined)
 		return prof_read_no_memory(read);
 	joined[name->size] = ' ';
 	memcpy(joined + name->size + 1, key.text, key.size);
@@ -419,11 +419,11 @@ static bool prof_event_counter(prof_read *read, const prof_raw_event *event)
 	prof_span key, value, name;
 	bool first = true;
 	double number;
-	if (event->args.text == NULL || *event->args.text != '{')
+	if (!event->args.text || *event->args.text != '{')
 		return true;
 	scan.at = event->args.text + 1;
 	while (prof_scan_key(&scan, &first, &key)) {
-		const char next = prof_scan_next(&scan);
+		char next = prof_scan_next(&scan);
 		if (next != '-' && (next < '0' || next > '9')) {
 			if (!prof_scan_value(&scan, &value))
 				break;
@@ -435,7 +435,7 @@ static bool prof_event_counter(prof_read *read, const prof_raw_event *event)
 			return false;
 	}
 	read->scan.c_locale = scan.c_locale;
-	return scan.failed == NULL || prof_scan_fail(&read->scan, scan.failed, scan.expected);
+	return !scan.failed || prof_scan_fail(&read->scan, scan.failed, scan.expected);
 }
 
 /* ---- metadata and frames ----------------------------------------------------------------------------------------- */
@@ -443,28 +443,28 @@ static bool prof_event_counter(prof_read *read, const prof_raw_event *event)
 static bool prof_event_metadata(prof_read *read, const prof_raw_event *event)
 {
 	prof_args args;
-	const bool is_name = PROF_SPAN_IS(event->name, "thread_name");
+	bool is_name = PROF_SPAN_IS(event->name, "thread_name");
 	if (!is_name && !PROF_SPAN_IS(event->name, "thread_sort_index"))
 		return true;
 	if (!prof_args_parse(read, event->args, &args))
 		return false;
 	prof_read_lane *lane = prof_read_lane_of(read, event->pid, event->tid);
-	if (lane == NULL)
+	if (!lane)
 		return false;
 	if (!is_name) {
 		lane->sort = args.has_sort ? args.sort_index : lane->sort;
 		return true;
 	}
-	if (args.name.text == NULL)
+	if (!args.name.text)
 		return true;
 	lane->device = args.device;
 	lane->kernel_tid = args.tid;
 	lane->switches_from = args.switches_from;
 	lane->frames = PROF_SPAN_IS(args.name, "frames");
 	lane->name = prof_read_string(read, args.name);
-	if (lane->name != NULL && args.no_switches.text != NULL)
+	if (lane->name && args.no_switches.text)
 		lane->no_switches = prof_read_string(read, args.no_switches);
-	const bool good = lane->name != NULL && (args.no_switches.text == NULL || lane->no_switches != NULL);
+	bool good = lane->name && (!args.no_switches.text || lane->no_switches);
 	return good || prof_read_no_memory(read);
 }
 
@@ -475,7 +475,7 @@ static bool prof_event_instant(prof_read *read, const prof_raw_event *event)
 	prof_read_lane *lane = event->has_tid ? prof_read_lane_of(read, event->pid, event->tid) : NULL;
 	if (read->no_memory)
 		return false;
-	if (lane == NULL || !lane->frames)
+	if (!lane || !lane->frames)
 		return prof_point_add(read, event, event->name, false, 0.0);
 	if (!prof_args_parse(read, event->args, &args))
 		return false;
@@ -535,8 +535,8 @@ static bool prof_event_take(prof_read *read, const char *begin, const prof_raw_e
 {
 	prof_args args;
 	if (event->phase == 'M')
-		return event->name.text == NULL || prof_event_metadata(read, event);
-	if (event->phase == '\0' || strchr("XBEiICstf", event->phase) == NULL)
+		return !event->name.text || prof_event_metadata(read, event);
+	if (event->phase == '\0' || !strchr("XBEiICstf", event->phase))
 		return true;
 	if (!event->has_ts)
 		return prof_scan_fail(&read->scan, begin, "an event with \"ts\"");
@@ -574,7 +574,7 @@ static bool prof_read_event(prof_read *read)
 	while (prof_scan_key(scan, &first, &key))
 		if (!prof_event_member(scan, key, &event))
 			return false;
-	return scan->failed == NULL && prof_event_take(read, begin, &event);
+	return !scan->failed && prof_event_take(read, begin, &event);
 }
 
 /* Behind '['. A bare array need not end: programs that crashed could not close it. */
@@ -605,7 +605,7 @@ static bool prof_header_string(prof_read *read, const char **out)
 	if (!prof_scan_string(&read->scan, &string))
 		return false;
 	*out = prof_read_string(read, string);
-	return *out != NULL || prof_read_no_memory(read);
+	return *out || prof_read_no_memory(read);
 }
 
 static bool prof_header_member(prof_read *read, prof_span key)
@@ -630,13 +630,13 @@ static bool prof_header_member(prof_read *read, prof_span key)
 		{"without_ring", NULL, &h->without_ring},
 	};
 	prof_span value;
-	const char next = prof_scan_next(&read->scan);
+	char next = prof_scan_next(&read->scan);
 	if (PROF_SPAN_IS(key, "clock") && next == '"')
 		return prof_header_string(read, &h->clock);
 	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
 		if (prof_span_is(key, known[i].key, strlen(known[i].key))) {
 			bool has;
-			if (known[i].integer != NULL)
+			if (known[i].integer)
 				return prof_args_integer(&read->scan, known[i].integer, &has);
 			if (next == '-' || (next >= '0' && next <= '9'))
 				return prof_scan_double(&read->scan, known[i].real);
@@ -651,7 +651,7 @@ static bool prof_read_header(prof_read *read)
 	while (prof_scan_key(&read->scan, &first, &key))
 		if (!prof_header_member(read, key))
 			return false;
-	return read->scan.failed == NULL;
+	return !read->scan.failed;
 }
 
 static bool prof_read_object(prof_read *read)
@@ -673,9 +673,9 @@ static bool prof_read_object(prof_read *read)
 			return false;
 		}
 	}
-	if (scan->failed == NULL && !events)
+	if (!scan->failed && !events)
 		prof_scan_fail(scan, scan->at, "\"traceEvents\" before the end of the object");
-	return scan->failed == NULL;
+	return !scan->failed;
 }
 
 bool prof_read_events(prof_read *read)
@@ -684,7 +684,7 @@ bool prof_read_events(prof_read *read)
 	read->first_ns = UINT64_MAX;
 	if (prof_scan_next(scan) == '\0' && scan->at == scan->end)
 		return prof_scan_fail(scan, scan->at, "a trace");
-	const bool array = prof_scan_take(scan, '[');
+	bool array = prof_scan_take(scan, '[');
 	if (!array && !prof_scan_take(scan, '{'))
 		return prof_scan_fail(scan, scan->at, "a Chrome trace: '{' or '['");
 	if (!(array ? prof_read_array(read, true) : prof_read_object(read)))

@@ -6,7 +6,7 @@
 
 bool prof_scan_fail(prof_scan *scan, const char *at, const char *expected)
 {
-	if (scan->failed == NULL) {
+	if (!scan->failed) {
 		scan->failed = at;
 		scan->expected = expected;
 	}
@@ -25,12 +25,12 @@ static uint64_t prof_zero_bytes(uint64_t word)
 /* Goes to the next byte that is a quote, a backslash or a control byte, or to the end. */
 static const char *prof_scan_plain(const char *at, const char *end)
 {
-	const uint64_t ones = UINT64_C(0x0101010101010101);
+	uint64_t ones = UINT64_C(0x0101010101010101);
 	for (; end - at >= 8; at += 8) {
 		uint64_t word;
 		memcpy(&word, at, sizeof word);
-		const uint64_t control = (word - 0x20 * ones) & ~word & 0x80 * ones;
-		const uint64_t stop = prof_zero_bytes(word ^ '"' * ones) | prof_zero_bytes(word ^ '\\' * ones) | control;
+		uint64_t control = (word - 0x20 * ones) & ~word & 0x80 * ones;
+		uint64_t stop = prof_zero_bytes(word ^ '"' * ones) | prof_zero_bytes(word ^ '\\' * ones) | control;
 		if (stop != 0)
 			return at + __builtin_ctzll(stop) / 8;
 	}
@@ -48,7 +48,7 @@ static bool prof_is_hex(char c)
 static bool prof_scan_escape(prof_scan *scan)
 {
 	const char *at = scan->at;
-	if (at == scan->end || *at == '\0' || strchr("\"\\/bfnrtu", *at) == NULL)
+	if (at == scan->end || *at == '\0' || !strchr("\"\\/bfnrtu", *at))
 		return prof_scan_fail(scan, at, "one of \"\\/bfnrtu after a backslash");
 	scan->at++;
 	if (*at != 'u')
@@ -95,7 +95,7 @@ static size_t prof_utf8(uint32_t c, char *to)
 		to[0] = (char)c;
 		return 1;
 	}
-	const size_t size = c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
+	size_t size = c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
 	static const unsigned char first[] = {0, 0, 0xc0, 0xe0, 0xf0};
 	for (size_t i = size - 1; i > 0; i--, c >>= 6)
 		to[i] = (char)(0x80 | (c & 0x3f));
@@ -106,10 +106,10 @@ static size_t prof_utf8(uint32_t c, char *to)
 /* *at is behind \u; it ends behind the code point, which may be a surrogate pair. */
 static uint32_t prof_decode_unicode(const char **at, const char *end)
 {
-	const uint32_t c = prof_hex4(*at);
+	uint32_t c = prof_hex4(*at);
 	*at += 4;
 	if (c >= 0xd800 && c < 0xdc00 && end - *at >= 6 && (*at)[0] == '\\' && (*at)[1] == 'u') {
-		const uint32_t low = prof_hex4(*at + 2);
+		uint32_t low = prof_hex4(*at + 2);
 		if (low >= 0xdc00 && low < 0xe000) {
 			*at += 6;
 			return 0x10000 + ((c - 0xd800) << 10) + (low - 0xdc00);
@@ -212,7 +212,7 @@ static prof_decimal prof_decimal_of(prof_span number)
 		at++;
 	if (at < decimal.end) { /* e */
 		const char *digit = at + 1;
-		const bool less = *digit == '-';
+		bool less = *digit == '-';
 		int64_t exponent = 0;
 		for (digit += *digit == '-' || *digit == '+'; digit < decimal.end; digit++)
 			exponent = exponent < 100000 ? 10 * exponent + (*digit - '0') : exponent;
@@ -227,7 +227,7 @@ static prof_decimal prof_decimal_of(prof_span number)
 
 static prof_time prof_time_of(int64_t ns, int tenths, bool negative)
 {
-	const prof_time time = tenths < 5 ? (prof_time){ns, tenths} : (prof_time){ns + 1, tenths - 10};
+	prof_time time = tenths < 5 ? (prof_time){ns, tenths} : (prof_time){ns + 1, tenths - 10};
 	return negative ? (prof_time){-time.ns, -time.tenths} : time;
 }
 
@@ -237,7 +237,7 @@ static bool prof_scan_us_slow(prof_scan *scan, bool is_signed, prof_time *time)
 	prof_span number;
 	if (!prof_scan_number(scan, &number))
 		return false;
-	const prof_decimal decimal = prof_decimal_of(number);
+	prof_decimal decimal = prof_decimal_of(number);
 	const char *at = decimal.text;
 	int64_t value = 0, place = decimal.point + 3;
 	int tenths = 0;
@@ -274,7 +274,7 @@ bool prof_scan_us(prof_scan *scan, bool is_signed, prof_time *time)
 		return prof_scan_us_slow(scan, is_signed, time);
 	for (at++; decimals < 3 && prof_is_digit(*at); decimals++)
 		value = 10 * value + (*at++ - '0');
-	const int tenths = decimals == 3 && prof_is_digit(*at) ? *at++ - '0' : 0;
+	int tenths = decimals == 3 && prof_is_digit(*at) ? *at++ - '0' : 0;
 	if (decimals < 3 || at == end || prof_is_digit(*at) || (*at | 32) == 'e')
 		return prof_scan_us_slow(scan, is_signed, time);
 	scan->at = at;
@@ -308,7 +308,7 @@ bool prof_scan_double(prof_scan *scan, double *value)
 
 bool prof_scan_key(prof_scan *scan, bool *first, prof_span *key)
 {
-	const bool is_first = *first;
+	bool is_first = *first;
 	*first = false;
 	if (prof_scan_take(scan, '}'))
 		return false;
@@ -323,7 +323,7 @@ static bool prof_scan_word(prof_scan *scan)
 {
 	static const char *const words[] = {"true", "false", "null"};
 	for (size_t i = 0; i < 3; i++) {
-		const size_t size = strlen(words[i]);
+		size_t size = strlen(words[i]);
 		if ((size_t)(scan->end - scan->at) >= size && memcmp(scan->at, words[i], size) == 0) {
 			scan->at += size;
 			return true;
@@ -336,7 +336,7 @@ static bool prof_scan_nested(prof_scan *scan, uint32_t depth)
 {
 	prof_span part;
 	bool first = true;
-	const char next = prof_scan_next(scan);
+	char next = prof_scan_next(scan);
 	if (next == '"')
 		return prof_scan_string(scan, &part);
 	if (next == '-' || prof_is_digit(next))
@@ -350,7 +350,7 @@ static bool prof_scan_nested(prof_scan *scan, uint32_t depth)
 		while (prof_scan_key(scan, &first, &part))
 			if (!prof_scan_nested(scan, depth + 1))
 				return false;
-		return scan->failed == NULL;
+		return !scan->failed;
 	}
 	if (prof_scan_take(scan, ']'))
 		return true;

@@ -22,7 +22,7 @@
 /* Whole nanoseconds from the earliest time, which is 0 if it would lie before. */
 static void prof_link_shift(prof_read *read)
 {
-	const uint64_t zero = read->first_ns < PROF_READ_ZERO ? read->first_ns : PROF_READ_ZERO;
+	uint64_t zero = read->first_ns < PROF_READ_ZERO ? read->first_ns : PROF_READ_ZERO;
 	for (size_t l = 0; l < read->lane_count; l++)
 		for (size_t i = 0; i < read->lanes[l].zone_count; i++) {
 			read->lanes[l].zones[i].begin_ns -= zero;
@@ -63,7 +63,7 @@ static int prof_zone_compare(const stilb_prof_zone *a, const stilb_prof_zone *b)
 static int prof_zone_compare_stable(const void *left, const void *right)
 {
 	const stilb_prof_zone *a = left, *b = right;
-	const int order = prof_zone_compare(a, b);
+	int order = prof_zone_compare(a, b);
 	return order != 0 ? order : (a->size > b->size) - (a->size < b->size);
 }
 
@@ -105,7 +105,7 @@ static void prof_nest_end(prof_nest *nest, uint32_t next)
 /* How far the zone's begin lies before the end of top, in tenths: 0 or less: behind it. */
 static bool prof_nest_is_over(const stilb_prof_zone *top, const stilb_prof_zone *zone)
 {
-	const int64_t inside = (int64_t)(top->off_cpu_ns - zone->self_ns);
+	int64_t inside = (int64_t)(top->off_cpu_ns - zone->self_ns);
 	return inside <= 0 || (inside <= PROF_ROUNDING && (int64_t)(zone->off_cpu_ns - top->off_cpu_ns) > 0);
 }
 
@@ -145,7 +145,7 @@ static void prof_lane_nest(prof_read_lane *lane, const stilb_prof_flow *const *e
                            uint32_t *charges)
 {
 	prof_nest nest = {.zones = lane->zones, .top = STILB_PROF_NONE};
-	const uint32_t count = (uint32_t)lane->zone_count;
+	uint32_t count = (uint32_t)lane->zone_count;
 	size_t end = 0;
 	for (uint32_t i = 0; i <= count; i++) {
 		for (; end < end_count && (i == count || ends[end]->to_ns < lane->zones[i].begin_ns); end++) {
@@ -178,7 +178,7 @@ static bool prof_link_frames(prof_read *read, const prof_read_lane *lane)
 	if (read->mark_count > 0)
 		qsort(read->marks, read->mark_count, sizeof *read->marks, prof_mark_compare);
 	read->out_frames = malloc((lane->zone_count + 1) * sizeof *read->out_frames);
-	if (read->out_frames == NULL)
+	if (!read->out_frames)
 		return false;
 	for (uint32_t i = 0; i < lane->zone_count; i += lane->zones[i].size) {
 		const stilb_prof_zone *zone = &lane->zones[i];
@@ -196,7 +196,7 @@ static uint32_t prof_frame_at(const prof_read *read, uint64_t ns)
 {
 	size_t low = 0, high = read->out_frame_count;
 	while (low < high) { /* the first that ends after it */
-		const size_t middle = low + (high - low) / 2;
+		size_t middle = low + (high - low) / 2;
 		if (read->out_frames[middle].end_ns > ns)
 			high = middle;
 		else
@@ -209,7 +209,7 @@ static uint32_t prof_frame_of_number(const prof_read *read, uint64_t number)
 {
 	size_t low = 0, high = read->out_frame_count;
 	while (low < high) {
-		const size_t middle = low + (high - low) / 2;
+		size_t middle = low + (high - low) / 2;
 		if (read->out_frames[middle].number >= number)
 			high = middle;
 		else
@@ -226,9 +226,9 @@ static void prof_lane_charge(const prof_read *read, prof_read_lane *lane, uint32
 		stilb_prof_zone *zone = &lane->zones[i];
 		while (at < read->out_frame_count && read->out_frames[at].end_ns <= zone->begin_ns)
 			at++;
-		const bool whole = at < read->out_frame_count && read->out_frames[at].begin_ns <= zone->begin_ns;
+		bool whole = at < read->out_frame_count && read->out_frames[at].begin_ns <= zone->begin_ns;
 		zone->frame = whole ? (uint32_t)at : STILB_PROF_NONE;
-		if (charges == NULL)
+		if (!charges)
 			continue;
 		if (charges[i] == PROF_UNCHARGED && zone->parent != STILB_PROF_NONE)
 			charges[i] = charges[zone->parent];
@@ -260,17 +260,17 @@ static int prof_end_compare(const void *left, const void *right)
 /* from or to may be NULL: not in the file. */
 static void prof_link_flow(prof_read *read, const prof_read_end *from, const prof_read_end *to)
 {
-	const prof_read_end *some = from != NULL ? from : to;
+	const prof_read_end *some = from ? from : to;
 	stilb_prof_flow flow = {
 		.id = some->id,
 		.from_ns = some->ns,
-		.to_ns = to != NULL ? to->ns : some->ns,
-		.from_lane = from != NULL ? from->lane : STILB_PROF_NONE,
-		.to_lane = to != NULL ? to->lane : STILB_PROF_NONE,
+		.to_ns = to ? to->ns : some->ns,
+		.from_lane = from ? from->lane : STILB_PROF_NONE,
+		.to_lane = to ? to->lane : STILB_PROF_NONE,
 		.label = some->label,
-		.frame = from != NULL ? prof_frame_at(read, from->ns) : STILB_PROF_NONE,
+		.frame = from ? prof_frame_at(read, from->ns) : STILB_PROF_NONE,
 	};
-	if (to != NULL && to->frame != UINT64_MAX)
+	if (to && to->frame != UINT64_MAX)
 		flow.frame = prof_frame_of_number(read, to->frame);
 	read->out_flows[read->out_flow_count++] = flow;
 }
@@ -289,13 +289,13 @@ static bool prof_link_flows(prof_read *read)
 	const prof_read_end *from = NULL; /* the last s or t of this arrow */
 	bool used = false;                /* it has an f or a t behind it */
 	read->out_flows = malloc((2 * read->end_count + 1) * sizeof *read->out_flows);
-	if (read->out_flows == NULL)
+	if (!read->out_flows)
 		return false;
 	if (read->end_count > 0)
 		qsort(read->ends, read->end_count, sizeof *read->ends, prof_end_compare);
 	for (size_t i = 0; i < read->end_count; i++) {
 		const prof_read_end *end = &read->ends[i];
-		if (from != NULL && (from->id != end->id || from->label != end->label || end->phase == 's')) {
+		if (from && (from->id != end->id || from->label != end->label || end->phase == 's')) {
 			if (!used)
 				prof_link_flow(read, from, NULL);
 			from = NULL;
@@ -306,7 +306,7 @@ static bool prof_link_flows(prof_read *read)
 		if (end->phase != 'f')
 			from = end;
 	}
-	if (from != NULL && !used)
+	if (from && !used)
 		prof_link_flow(read, from, NULL);
 	if (read->out_flow_count > 0)
 		qsort(read->out_flows, read->out_flow_count, sizeof *read->out_flows, prof_flow_compare);
@@ -329,7 +329,7 @@ static bool prof_arrivals_make(const prof_read *read, prof_arrivals *arrivals)
 {
 	arrivals->ends = malloc((read->out_flow_count + 1) * sizeof *arrivals->ends);
 	arrivals->start = calloc(read->lane_count + 2, sizeof *arrivals->start);
-	if (arrivals->ends == NULL || arrivals->start == NULL)
+	if (!arrivals->ends || !arrivals->start)
 		return false;
 	/* start[l + 2] counts; summed up, start[l + 1] is where l begins, and, when all are in, where it ends. */
 	for (size_t i = 0; i < read->out_flow_count; i++)
@@ -354,12 +354,12 @@ static void prof_arrivals_free(prof_arrivals *arrivals)
 /* The lane whose switches this one's zones are, or NULL: our writer gives it the number behind the lane's. */
 static prof_read_lane *prof_lane_switched(prof_read *read, const prof_read_lane *off)
 {
-	const size_t suffix = sizeof PROF_OFF_CPU - 1, size = off->name != NULL ? strlen(off->name) : 0;
+	size_t suffix = sizeof PROF_OFF_CPU - 1, size = off->name ? strlen(off->name) : 0;
 	if (size < suffix || strcmp(off->name + size - suffix, PROF_OFF_CPU) != 0 || off->tid == 0)
 		return NULL;
 	prof_read_lane *lane = prof_read_lane_find(read, off->pid, off->tid - 1);
-	const bool same = lane != NULL && lane->name != NULL && strlen(lane->name) == size - suffix &&
-	                  strncmp(lane->name, off->name, size - suffix) == 0;
+	bool same =
+		lane && lane->name && strlen(lane->name) == size - suffix && strncmp(lane->name, off->name, size - suffix) == 0;
 	return same ? lane : NULL;
 }
 
@@ -369,11 +369,11 @@ static bool prof_lane_switches(const prof_read *read, prof_read_lane *lane, cons
 	lane->switch_count = 0;
 	lane->switches_ns = off->switches_from;
 	lane->switches = malloc((off->zone_count + 1) * sizeof *lane->switches);
-	if (lane->switches == NULL)
+	if (!lane->switches)
 		return false;
 	for (uint32_t i = 0; i < off->zone_count; i += off->zones[i].size) {
 		const stilb_prof_zone *zone = &off->zones[i];
-		const bool preempted = strcmp(read->labels[zone->label].name, "preempted") == 0;
+		bool preempted = strcmp(read->labels[zone->label].name, "preempted") == 0;
 		lane->switches[lane->switch_count++] = (stilb_prof_switch){zone->begin_ns, zone->end_ns, preempted};
 	}
 	return true;
@@ -384,7 +384,7 @@ static uint64_t prof_off_before(const prof_read_lane *lane, const uint64_t *sums
 {
 	size_t low = 0, high = lane->switch_count;
 	while (low < high) { /* the first that begins at ns or later */
-		const size_t middle = low + (high - low) / 2;
+		size_t middle = low + (high - low) / 2;
 		if (lane->switches[middle].out_ns >= ns)
 			high = middle;
 		else
@@ -399,7 +399,7 @@ static uint64_t prof_off_before(const prof_read_lane *lane, const uint64_t *sums
 static bool prof_lane_off_cpu(prof_read_lane *lane)
 {
 	uint64_t *sums = NULL, sum = 0;
-	if (lane->switch_count > 0 && (sums = malloc(lane->switch_count * sizeof *sums)) == NULL)
+	if (lane->switch_count > 0 && !(sums = malloc(lane->switch_count * sizeof *sums)))
 		return false;
 	for (size_t i = 0; i < lane->switch_count; i++) {
 		sums[i] = sum;
@@ -408,7 +408,7 @@ static bool prof_lane_off_cpu(prof_read_lane *lane)
 	for (size_t i = 0; i < lane->zone_count; i++) {
 		stilb_prof_zone *zone = &lane->zones[i];
 		zone->off_cpu_ns =
-			sums == NULL ? 0 : prof_off_before(lane, sums, zone->end_ns) - prof_off_before(lane, sums, zone->begin_ns);
+			!sums ? 0 : prof_off_before(lane, sums, zone->end_ns) - prof_off_before(lane, sums, zone->begin_ns);
 	}
 	free(sums);
 	return true;
@@ -418,17 +418,17 @@ static bool prof_lane_off_cpu(prof_read_lane *lane)
 
 static bool prof_lane_is_frames(const prof_read *read, const prof_read_lane *lane)
 {
-	return lane->frames && read->header.clock != NULL; /* another program may call a thread "frames" */
+	return lane->frames && read->header.clock; /* another program may call a thread "frames" */
 }
 
 static bool prof_link_lane(prof_read *read, size_t index, const prof_arrivals *arrivals)
 {
 	prof_read_lane *lane = &read->lanes[index];
-	const size_t first = arrivals->start[index], count = arrivals->start[index + 1] - first;
+	size_t first = arrivals->start[index], count = arrivals->start[index + 1] - first;
 	uint32_t *charges = NULL;
 	if (count > 0) {
 		charges = malloc((lane->zone_count + 1) * sizeof *charges);
-		if (charges == NULL)
+		if (!charges)
 			return false;
 		for (size_t i = 0; i < lane->zone_count; i++)
 			charges[i] = PROF_UNCHARGED;
@@ -452,7 +452,7 @@ static int prof_lane_compare(const void *left, const void *right)
 static const char *prof_lane_name(prof_read *read, const prof_read_lane *lane)
 {
 	char name[32];
-	if (lane->name != NULL)
+	if (lane->name)
 		return lane->name;
 	if (lane->tid >> 63 == 0)
 		snprintf(name, sizeof name, "thread %" PRIu64, lane->tid);
@@ -474,11 +474,11 @@ static bool prof_link_out_lane(prof_read *read, prof_read_lane *lane)
 		.switches = lane->switches,
 		.switch_count = (uint32_t)lane->switch_count,
 		.switches_ns = lane->switches_ns,
-		.no_switches = lane->no_switches != NULL || lane->switch_count > 0 || lane->device || read->header.clock != NULL
+		.no_switches = lane->no_switches || lane->switch_count > 0 || lane->device || read->header.clock
 	                       ? lane->no_switches
 	                       : "the file does not tell",
 	};
-	return out->name != NULL;
+	return out->name;
 }
 
 /* In the order that their sort indices ask for. */
@@ -486,18 +486,17 @@ static bool prof_link_out_lanes(prof_read *read)
 {
 	prof_read_lane **order = malloc((read->lane_count + 1) * sizeof(prof_read_lane *));
 	size_t count = 0;
-	bool good = order != NULL;
+	bool good = order;
 	read->out_lanes = malloc((read->lane_count + 1) * sizeof *read->out_lanes);
 	for (size_t i = 0; good && i < read->lane_count; i++) {
 		prof_read_lane *lane = &read->lanes[i];
 		lane->index = STILB_PROF_NONE;
-		if ((lane->used || lane->name != NULL) && !prof_lane_is_frames(read, lane) &&
-		    prof_lane_switched(read, lane) == NULL)
+		if ((lane->used || lane->name) && !prof_lane_is_frames(read, lane) && !prof_lane_switched(read, lane))
 			order[count++] = lane;
 	}
 	if (count > 0)
 		qsort(order, count, sizeof *order, prof_lane_compare);
-	good = good && read->out_lanes != NULL;
+	good = good && read->out_lanes;
 	for (size_t i = 0; good && i < count; i++)
 		good = prof_link_out_lane(read, order[i]);
 	free(order);
@@ -532,14 +531,14 @@ static void prof_link_points(prof_read *read)
 
 static bool prof_link_zones(prof_read *read)
 {
-	const uint64_t end_ns = read->header_end_ns > read->last_ns ? read->header_end_ns : read->last_ns;
+	uint64_t end_ns = read->header_end_ns > read->last_ns ? read->header_end_ns : read->last_ns;
 	prof_arrivals arrivals = {0};
 	for (size_t i = 0; i < read->lane_count; i++) {
 		prof_lane_end_open(&read->lanes[i], end_ns);
 		prof_lane_sort(&read->lanes[i]);
 	}
 	bool good = true;
-	for (size_t i = 0; i < read->lane_count && read->out_frames == NULL && good; i++)
+	for (size_t i = 0; i < read->lane_count && !read->out_frames && good; i++)
 		if (prof_lane_is_frames(read, &read->lanes[i])) {
 			prof_lane_nest(&read->lanes[i], NULL, 0, NULL);
 			good = prof_link_frames(read, &read->lanes[i]);
@@ -550,7 +549,7 @@ static bool prof_link_zones(prof_read *read)
 			good = prof_link_lane(read, i, &arrivals);
 	for (size_t i = 0; i < read->lane_count && good; i++) {
 		prof_read_lane *lane = prof_lane_switched(read, &read->lanes[i]);
-		good = lane == NULL || prof_lane_switches(read, lane, &read->lanes[i]);
+		good = !lane || prof_lane_switches(read, lane, &read->lanes[i]);
 	}
 	for (size_t i = 0; i < read->lane_count && good; i++)
 		good = prof_lane_off_cpu(&read->lanes[i]);
@@ -560,7 +559,7 @@ static bool prof_link_zones(prof_read *read)
 
 bool prof_read_link(prof_read *read, stilb_prof_snapshot *snapshot)
 {
-	const bool own = read->header.clock != NULL;
+	bool own = read->header.clock;
 	prof_link_shift(read);
 	if (!prof_link_zones(read) || !prof_link_out_lanes(read))
 		return false;

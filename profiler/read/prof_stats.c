@@ -55,7 +55,7 @@ typedef struct prof_walk {
 static void prof_sort_insertion(uint64_t *values, size_t count)
 {
 	for (size_t i = 1; i < count; i++) {
-		const uint64_t value = values[i];
+		uint64_t value = values[i];
 		size_t at = i;
 		for (; at > 0 && values[at - 1] > value; at--)
 			values[at] = values[at - 1];
@@ -80,7 +80,7 @@ void prof_sort(uint64_t *values, uint64_t *scratch, size_t count)
 		for (size_t i = 0; i < count; i++)
 			place[from[i] >> shift & 255]++;
 		for (size_t digit = 0; digit < 256; digit++) {
-			const size_t these = place[digit];
+			size_t these = place[digit];
 			place[digit] = sum;
 			sum += these;
 		}
@@ -98,7 +98,7 @@ void prof_sort(uint64_t *values, uint64_t *scratch, size_t count)
 
 static bool prof_stats_row_add(prof_stats_memory *memory, uint32_t label, stilb_prof_lane_kind kind)
 {
-	const size_t count = (size_t)memory->row_count + 1;
+	size_t count = (size_t)memory->row_count + 1;
 	if (!prof_array_room(&memory->rows, sizeof *memory->rows, count, &memory->row_capacity) ||
 	    !prof_array_room(&memory->sums, sizeof *memory->sums, count, &memory->sum_capacity))
 		return false;
@@ -136,8 +136,7 @@ static bool prof_stats_sample_add(prof_stats_memory *memory, uint32_t row, uint6
 
 static bool prof_walk_has(const prof_walk *walk, const stilb_prof_zone *zone)
 {
-	const bool in_time =
-		zone->begin_ns < walk->end_ns && (zone->end_ns > walk->begin_ns || zone->begin_ns >= walk->begin_ns);
+	bool in_time = zone->begin_ns < walk->end_ns && (zone->end_ns > walk->begin_ns || zone->begin_ns >= walk->begin_ns);
 	return in_time && (walk->frame_count == 0 || zone->frame - walk->first_frame < walk->frame_count);
 }
 
@@ -148,8 +147,8 @@ static bool prof_walk_is_cut(const prof_walk *walk, const stilb_prof_zone *zone)
 
 static uint64_t prof_walk_duration(const prof_walk *walk, const stilb_prof_zone *zone)
 {
-	const uint64_t begin = zone->begin_ns > walk->begin_ns ? zone->begin_ns : walk->begin_ns;
-	const uint64_t end = zone->end_ns < walk->end_ns ? zone->end_ns : walk->end_ns;
+	uint64_t begin = zone->begin_ns > walk->begin_ns ? zone->begin_ns : walk->begin_ns;
+	uint64_t end = zone->end_ns < walk->end_ns ? zone->end_ns : walk->end_ns;
 	return end > begin ? end - begin : 0;
 }
 
@@ -157,19 +156,19 @@ static uint64_t prof_walk_duration(const prof_walk *walk, const stilb_prof_zone 
 static uint64_t prof_walk_off_cpu(const prof_walk *walk, const stilb_prof_zone *zone)
 {
 	const stilb_prof_lane *lane = walk->lane;
-	const uint64_t begin = zone->begin_ns > walk->begin_ns ? zone->begin_ns : walk->begin_ns;
-	const uint64_t end = zone->end_ns < walk->end_ns ? zone->end_ns : walk->end_ns;
+	uint64_t begin = zone->begin_ns > walk->begin_ns ? zone->begin_ns : walk->begin_ns;
+	uint64_t end = zone->end_ns < walk->end_ns ? zone->end_ns : walk->end_ns;
 	uint32_t low = 0, high = lane->switch_count;
 	uint64_t sum = 0;
 	while (low < high) { /* the first that ends after begin */
-		const uint32_t middle = low + (high - low) / 2;
+		uint32_t middle = low + (high - low) / 2;
 		if (lane->switches[middle].in_ns > begin)
 			high = middle;
 		else
 			low = middle + 1;
 	}
 	for (; low < lane->switch_count && lane->switches[low].out_ns < end; low++) {
-		const uint64_t out = lane->switches[low].out_ns, in = lane->switches[low].in_ns;
+		uint64_t out = lane->switches[low].out_ns, in = lane->switches[low].in_ns;
 		sum += (in < end ? in : end) - (out > begin ? out : begin);
 	}
 	return sum;
@@ -188,10 +187,10 @@ static void prof_walk_leave_parent(prof_walk *walk, const stilb_prof_zone *zone)
 static bool prof_walk_add(prof_walk *walk, uint32_t index)
 {
 	const stilb_prof_zone *zone = &walk->lane->zones[index];
-	const uint64_t duration = prof_walk_duration(walk, zone);
-	const bool cut = prof_walk_is_cut(walk, zone);
+	uint64_t duration = prof_walk_duration(walk, zone);
+	bool cut = prof_walk_is_cut(walk, zone);
 	stilb_prof_row *row = prof_walk_row(walk, zone->label);
-	if (row == NULL || !prof_stats_sample_add(walk->memory, (uint32_t)(row - walk->memory->rows), duration))
+	if (!row || !prof_stats_sample_add(walk->memory, (uint32_t)(row - walk->memory->rows), duration))
 		return false;
 	row->calls++;
 	row->self_ns += cut ? duration : zone->self_ns;
@@ -210,7 +209,7 @@ static uint32_t prof_walk_start(const prof_walk *walk)
 	const stilb_prof_lane *lane = walk->lane;
 	uint32_t low = 0, high = lane->zone_count;
 	while (low < high) {
-		const uint32_t middle = low + (high - low) / 2;
+		uint32_t middle = low + (high - low) / 2;
 		if (lane->zones[middle].begin_ns >= walk->begin_ns)
 			high = middle;
 		else
@@ -287,12 +286,12 @@ static int prof_stats_prepare(stilb_prof_stats *stats, const stilb_prof_snapshot
 {
 	stats->rows = NULL;
 	stats->row_count = 0;
-	if (stats->memory == NULL && (stats->memory = calloc(1, sizeof(prof_stats_memory))) == NULL)
+	if (!stats->memory && !(stats->memory = calloc(1, sizeof(prof_stats_memory))))
 		return -ENOMEM;
 	prof_stats_memory *memory = stats->memory;
 	memory->row_count = 0;
 	memory->sample_count = 0;
-	const size_t keys = 2 * (size_t)snapshot->label_count + 1;
+	size_t keys = 2 * (size_t)snapshot->label_count + 1;
 	if (!prof_array_room(&memory->row_of, sizeof *memory->row_of, keys, &memory->row_of_capacity))
 		return -ENOMEM;
 	memset(memory->row_of, 0, keys * sizeof *memory->row_of);
@@ -310,8 +309,8 @@ static bool prof_range_is_there(const stilb_prof_stats_range *range, const stilb
 int stilb_prof_stats_take(stilb_prof_stats *stats, const stilb_prof_snapshot *snapshot,
                           const stilb_prof_stats_range *range)
 {
-	const stilb_prof_stats_range all = {0}, *r = range != NULL ? range : &all;
-	const int error = prof_stats_prepare(stats, snapshot);
+	const stilb_prof_stats_range all = {0}, *r = range ? range : &all;
+	int error = prof_stats_prepare(stats, snapshot);
 	if (error != 0)
 		return error;
 	if (!prof_range_is_there(r, snapshot))
@@ -322,8 +321,8 @@ int stilb_prof_stats_take(stilb_prof_stats *stats, const stilb_prof_snapshot *sn
 	                  .frame_count = r->frame_count,
 	                  .begin_ns = r->end_ns > 0 ? r->begin_ns : 0,
 	                  .end_ns = r->end_ns > 0 ? r->end_ns : UINT64_MAX};
-	const uint32_t first = r->lane_count > 0 ? r->first_lane : 0;
-	const uint32_t end = r->lane_count > 0 ? first + r->lane_count : snapshot->lane_count;
+	uint32_t first = r->lane_count > 0 ? r->first_lane : 0;
+	uint32_t end = r->lane_count > 0 ? first + r->lane_count : snapshot->lane_count;
 	for (uint32_t lane = first; lane < end; lane++)
 		if (!prof_walk_lane(&walk, lane))
 			return -ENOMEM;
@@ -367,10 +366,10 @@ static int prof_compare_rows(const void *left, const void *right, void *user)
 {
 	const stilb_prof_row *a = left, *b = right;
 	const prof_order *by = user;
-	const uint64_t x = prof_row_value(a, by->order), y = prof_row_value(b, by->order);
+	uint64_t x = prof_row_value(a, by->order), y = prof_row_value(b, by->order);
 	if (x != y)
 		return x < y ? 1 : -1;
-	const int names = strcmp(by->snapshot->labels[a->label].name, by->snapshot->labels[b->label].name);
+	int names = strcmp(by->snapshot->labels[a->label].name, by->snapshot->labels[b->label].name);
 	if (names != 0)
 		return names;
 	if (a->kind != b->kind)
@@ -388,7 +387,7 @@ void stilb_prof_stats_sort(stilb_prof_stats *stats, const stilb_prof_snapshot *s
 void stilb_prof_stats_finish(stilb_prof_stats *stats)
 {
 	prof_stats_memory *memory = stats->memory;
-	if (memory != NULL) {
+	if (memory) {
 		free(memory->row_of);
 		free(memory->rows);
 		free(memory->sums);

@@ -19,7 +19,7 @@
 static char *file_folder(const char *path)
 {
 	const char *slash = strrchr(path, '/');
-	if (slash == NULL)
+	if (!slash)
 		return strdup(".");
 	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
@@ -30,7 +30,7 @@ static char *file_link_target(char *path, const char *content)
 	char *next = NULL, *folder = NULL;
 	if (content[0] == '/')
 		next = strdup(content);
-	else if ((folder = file_folder(path)) == NULL || asprintf(&next, "%s/%s", folder, content) < 0)
+	else if (!(folder = file_folder(path)) || asprintf(&next, "%s/%s", folder, content) < 0)
 		next = NULL;
 	free(folder);
 	free(path);
@@ -41,15 +41,15 @@ static char *file_link_target(char *path, const char *content)
 static char *file_resolve(const char *path)
 {
 	char *current = strdup(path);
-	for (int links = 0; current != NULL && links < FILE_LINKS_MAX; links++) {
+	for (int links = 0; current && links < FILE_LINKS_MAX; links++) {
 		char content[PATH_MAX];
-		const ssize_t length = readlink(current, content, sizeof content - 1);
+		ssize_t length = readlink(current, content, sizeof content - 1);
 		if (length < 0)
 			return current; /* not a link, or not there: this is the place */
 		content[length] = 0;
 		current = file_link_target(current, content);
 	}
-	errno = current != NULL ? ELOOP : ENOMEM;
+	errno = current ? ELOOP : ENOMEM;
 	free(current);
 	return NULL;
 }
@@ -63,10 +63,10 @@ static bool file_is_stdout(const char *path)
 static int file_check_folder(const char *path)
 {
 	char *target = file_resolve(path);
-	char *folder = target != NULL ? file_folder(target) : NULL;
+	char *folder = target ? file_folder(target) : NULL;
 	struct stat info;
 	int error = 0;
-	if (folder == NULL || stat(folder, &info) != 0)
+	if (!folder || stat(folder, &info) != 0)
 		error = -errno;
 	else if (!S_ISDIR(info.st_mode))
 		error = -ENOTDIR;
@@ -98,7 +98,7 @@ static int file_classify(const char *path)
 
 int prof_file_check(const char *path)
 {
-	const int kind = file_classify(path);
+	int kind = file_classify(path);
 	return kind < 0 ? kind : 0;
 }
 
@@ -124,20 +124,20 @@ static void file_free(prof_file *file)
 /* How much of the target's name its temporary files begin with: a name may be as long as a name can be. */
 static size_t file_stem(const char *name)
 {
-	const size_t length = strlen(name);
+	size_t length = strlen(name);
 	return length < NAME_MAX - FILE_SUFFIX_MAX ? length : NAME_MAX - FILE_SUFFIX_MAX;
 }
 
 static const char *file_name(const char *path)
 {
 	const char *slash = strrchr(path, '/');
-	return slash != NULL ? slash + 1 : path;
+	return slash ? slash + 1 : path;
 }
 
 /* Behind the digits at text; NULL when there are none. */
 static const char *file_digits(const char *text)
 {
-	const size_t count = strspn(text, "0123456789");
+	size_t count = strspn(text, "0123456789");
 	return count > 0 ? text + count : NULL;
 }
 
@@ -147,15 +147,15 @@ static bool file_is_temporary(const char *name, const char *stem, size_t length)
 	if (strncmp(name, stem, length) != 0 || name[length] != '.')
 		return false;
 	const char *end = file_digits(name + length + 1);
-	if (end != NULL && *end == '-')
+	if (end && *end == '-')
 		end = file_digits(end + 1);
-	return end != NULL && strcmp(end, ".tmp") == 0;
+	return end && strcmp(end, ".tmp") == 0;
 }
 
 static void file_remove_abandoned(int folder, const char *name)
 {
 	struct stat info;
-	const int file = openat(folder, name, O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+	int file = openat(folder, name, O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
 	if (file < 0)
 		return;
 	if (fstat(file, &info) == 0 && S_ISREG(info.st_mode) && flock(file, LOCK_EX | LOCK_NB) == 0)
@@ -167,15 +167,15 @@ static void file_remove_abandoned(int folder, const char *name)
 static void file_clean(const prof_file *file)
 {
 	const char *stem = file_name(file->target);
-	const size_t length = file_stem(stem);
-	const int again = file->folder >= 0 ? openat(file->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+	size_t length = file_stem(stem);
+	int again = file->folder >= 0 ? openat(file->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
 	DIR *entries = again >= 0 ? fdopendir(again) : NULL;
-	if (entries == NULL) {
+	if (!entries) {
 		if (again >= 0)
 			close(again);
 		return;
 	}
-	for (const struct dirent *entry; (entry = readdir(entries)) != NULL;)
+	for (const struct dirent *entry; (entry = readdir(entries));)
 		if (file_is_temporary(entry->d_name, stem, length))
 			file_remove_abandoned(file->folder, entry->d_name);
 	closedir(entries);
@@ -186,7 +186,7 @@ static void file_clean(const prof_file *file)
 static int file_create_locked(const char *name)
 {
 	struct stat info;
-	const int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+	int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 	if (file < 0)
 		return -errno;
 	/* Where locks do not work nobody removes it either. */
@@ -200,7 +200,7 @@ static int file_create_locked(const char *name)
 static int file_create_temporary(prof_file *file)
 {
 	const char *name = file_name(file->target);
-	const int stem = (int)(name - file->target) + (int)file_stem(name);
+	int stem = (int)(name - file->target) + (int)file_stem(name);
 	int error = -EEXIST;
 	for (uint32_t number = 0; error == -EEXIST && number < FILE_TRIES; number++) {
 		char suffix[FILE_SUFFIX_MAX] = "";
@@ -221,15 +221,15 @@ static int file_open_temporary(prof_file *file, const char *path)
 {
 	struct stat old;
 	file->target = file_resolve(path);
-	if (file->target == NULL)
+	if (!file->target)
 		return -errno;
 	char *folder = file_folder(file->target);
-	if (folder == NULL)
+	if (!folder)
 		return -ENOMEM;
 	file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC); /* a folder that cannot be read may take files */
 	free(folder);
 	file_clean(file);
-	const int error = file_create_temporary(file);
+	int error = file_create_temporary(file);
 	if (error == 0 && stat(file->target, &old) == 0)
 		fchmod(file->descriptor, old.st_mode & 07777); /* the new file keeps the old one's mode */
 	return error;
@@ -238,7 +238,7 @@ static int file_open_temporary(prof_file *file, const char *path)
 int prof_file_open(prof_file *file, const char *path, bool fresh)
 {
 	*file = (prof_file){.descriptor = -1, .folder = -1, .fresh = fresh};
-	const int kind = file_classify(path);
+	int kind = file_classify(path);
 	int error = kind < 0 ? kind : 0;
 	if (kind == 1) {
 		file->descriptor = file_is_stdout(path) ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
@@ -257,7 +257,7 @@ int prof_file_write(void *user, const void *data, size_t size)
 	prof_file *file = user;
 	const char *from = data;
 	while (size > 0 && file->error == 0) {
-		const ssize_t done = write(file->descriptor, from, size);
+		ssize_t done = write(file->descriptor, from, size);
 		if (done < 0 && errno != EINTR)
 			file->error = -errno;
 		if (done > 0) {
@@ -286,7 +286,7 @@ static int file_rename_fresh(const prof_file *file)
  * cannot be done, for the file is there. */
 static int file_move(const prof_file *file)
 {
-	const int error = file->fresh ? file_rename_fresh(file) : rename(file->temporary, file->target) != 0 ? -errno : 0;
+	int error = file->fresh ? file_rename_fresh(file) : rename(file->temporary, file->target) != 0 ? -errno : 0;
 	if (error == 0 && file->folder >= 0)
 		fsync(file->folder);
 	return error;
@@ -296,11 +296,11 @@ int prof_file_commit(prof_file *file, int error)
 {
 	if (error == 0)
 		error = file->error;
-	if (error == 0 && file->temporary != NULL && fsync(file->descriptor) != 0)
+	if (error == 0 && file->temporary && fsync(file->descriptor) != 0)
 		error = -errno;
-	if (error == 0 && file->temporary != NULL)
+	if (error == 0 && file->temporary)
 		error = file_move(file); /* before it is closed, which gives up the lock */
-	if (error != 0 && file->temporary != NULL)
+	if (error != 0 && file->temporary)
 		unlink(file->temporary);
 	if (close(file->descriptor) != 0 && error == 0)
 		error = -errno;

@@ -11,7 +11,7 @@
 prof_text *prof_text_create(stilb_prof_sink sink)
 {
 	prof_text *text = malloc(sizeof *text);
-	if (text != NULL) {
+	if (text) {
 		text->sink = sink;
 		text->error = 0;
 		text->used = 0;
@@ -29,7 +29,7 @@ int prof_text_flush(prof_text *text)
 
 int prof_text_finish(prof_text *text, int error)
 {
-	if (text == NULL)
+	if (!text)
 		return -ENOMEM;
 	if (error == 0)
 		error = prof_text_flush(text);
@@ -41,7 +41,7 @@ void prof_text_bytes(prof_text *text, const void *bytes, size_t size)
 {
 	const char *from = bytes;
 	while (size > PROF_TEXT_SIZE - text->used) {
-		const uint32_t part = PROF_TEXT_SIZE - text->used;
+		uint32_t part = PROF_TEXT_SIZE - text->used;
 		memcpy(text->bytes + text->used, from, part);
 		text->used += part;
 		from += part;
@@ -83,7 +83,7 @@ void prof_text_double(prof_text *text, double value)
 			break;
 	}
 	for (const char *c = printed; *c != 0; c++)
-		if (strchr("+-0123456789e", *c) != NULL)
+		if (strchr("+-0123456789e", *c))
 			plain[used++] = *c;
 		else if (used == 0 || plain[used - 1] != '.')
 			plain[used++] = '.';
@@ -109,14 +109,14 @@ char *prof_put_u64(char *at, uint64_t value)
 		memcpy(digits + (first -= 2), prof_digit_pairs + 2 * value, 2);
 	else
 		digits[--first] = (char)('0' + value);
-	const size_t count = sizeof digits - first;
+	size_t count = sizeof digits - first;
 	memcpy(at, digits + first, count);
 	return at + count;
 }
 
 char *prof_put_us(char *at, uint64_t tenths)
 {
-	const uint32_t rest = (uint32_t)(tenths % 10000), ns = rest / 10;
+	uint32_t rest = (uint32_t)(tenths % 10000), ns = rest / 10;
 	at = prof_put_u64(at, tenths / 10000);
 	at[0] = '.';
 	at[1] = (char)('0' + ns / 100);
@@ -130,9 +130,9 @@ char *prof_put_us(char *at, uint64_t tenths)
 /* Bytes of the well-formed UTF-8 sequence at s, 0 if there is none. Source: the Unicode Standard, table 3-7. */
 static size_t prof_utf8_length(const unsigned char *s)
 {
-	const size_t length = s[0] < 0x80 ? 1 : s[0] < 0xc2 ? 0 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : s[0] < 0xf5 ? 4 : 0;
-	const unsigned char low = s[0] == 0xe0 ? 0xa0 : s[0] == 0xf0 ? 0x90 : 0x80;
-	const unsigned char high = s[0] == 0xed ? 0x9f : s[0] == 0xf4 ? 0x8f : 0xbf;
+	size_t length = s[0] < 0x80 ? 1 : s[0] < 0xc2 ? 0 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : s[0] < 0xf5 ? 4 : 0;
+	unsigned char low = s[0] == 0xe0 ? 0xa0 : s[0] == 0xf0 ? 0x90 : 0x80;
+	unsigned char high = s[0] == 0xed ? 0x9f : s[0] == 0xf4 ? 0x8f : 0xbf;
 	if (length >= 2 && (s[1] < low || s[1] > high))
 		return 0;
 	for (size_t i = 2; i < length; i++) /* the terminating zero stops it */
@@ -145,9 +145,9 @@ static size_t prof_utf8_length(const unsigned char *s)
 static char *prof_put_character(char *at, const unsigned char **s)
 {
 	static const char hex[] = "0123456789abcdef", replacement[] = "\xef\xbf\xbd";
-	const size_t length = prof_utf8_length(*s);
-	const unsigned char c = **s;
-	const bool escaped = c < 0x20 || c == 0x7f;
+	size_t length = prof_utf8_length(*s);
+	unsigned char c = **s;
+	bool escaped = c < 0x20 || c == 0x7f;
 	const char *from = length == 0 ? replacement : (const char *)*s;
 	*s += length > 0 ? length : 1;
 	if (escaped) {
@@ -158,7 +158,7 @@ static char *prof_put_character(char *at, const unsigned char **s)
 	}
 	if (c == '"' || c == '\\')
 		*at++ = '\\';
-	const size_t size = length == 0 ? sizeof replacement - 1 : length;
+	size_t size = length == 0 ? sizeof replacement - 1 : length;
 	memcpy(at, from, size);
 	return at + size;
 }

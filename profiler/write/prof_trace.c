@@ -10,7 +10,7 @@
 
 static bool prof_path_ends_in(const char *path, const char *ending)
 {
-	const size_t length = strlen(path), size = strlen(ending);
+	size_t length = strlen(path), size = strlen(ending);
 	return length >= size && strcasecmp(path + length - size, ending) == 0;
 }
 
@@ -37,7 +37,7 @@ static int prof_trace_save(const stilb_prof_snapshot *snapshot, const char *proc
 	int error = prof_file_open(&file, path, fresh);
 	if (error != 0)
 		return error;
-	const stilb_prof_sink sink = {prof_file_write, &file};
+	stilb_prof_sink sink = {prof_file_write, &file};
 	switch (stilb_prof_trace_form(path)) {
 	case STILB_PROF_FORM_FOLDED:
 		error = stilb_prof_trace_write_folded(snapshot, sink);

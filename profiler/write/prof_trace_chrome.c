@@ -146,7 +146,7 @@ static void chrome_lane_names(chrome *c, uint32_t i)
 		prof_text_add(c->text, ",\"tid\":");
 		prof_text_u64(c->text, lane->tid);
 	}
-	if (lane->no_switches != NULL) {
+	if (lane->no_switches) {
 		prof_text_add(c->text, ",\"no_switches\":");
 		prof_text_json(c->text, lane->no_switches);
 	}
@@ -177,7 +177,7 @@ static void chrome_frames(chrome *c)
 	const stilb_prof_snapshot *s = c->snapshot;
 	for (uint32_t i = 0; i < s->frame_count; i++) {
 		const stilb_prof_frame *frame = &s->frames[i];
-		const uint64_t limit = i + 1 < s->frame_count ? 10 * s->frames[i + 1].begin_ns : UINT64_MAX;
+		uint64_t limit = i + 1 < s->frame_count ? 10 * s->frames[i + 1].begin_ns : UINT64_MAX;
 		chrome_slice(c, CHROME_TID_FRAMES, "frame", 10 * frame->begin_ns,
 		             chrome_end(10 * frame->begin_ns, 10 * frame->end_ns, limit));
 		chrome_open(c, 'i', CHROME_TID_FRAMES);
@@ -290,9 +290,9 @@ static void chrome_points_before(chrome *c, uint32_t lane, uint64_t limit_ns)
 static chrome_span chrome_place(chrome *c, const stilb_prof_lane *lane, uint32_t i)
 {
 	const stilb_prof_zone *zone = &lane->zones[i], *next = zone + zone->size;
-	const chrome_span around = zone->level > 0 ? c->spans[zone->level - 1] : (chrome_span){0, UINT64_MAX};
-	const uint64_t latest = chrome_end(around.begin, UINT64_MAX, around.end);
-	const bool followed = i + zone->size < lane->zone_count && next->parent == zone->parent;
+	chrome_span around = zone->level > 0 ? c->spans[zone->level - 1] : (chrome_span){0, UINT64_MAX};
+	uint64_t latest = chrome_end(around.begin, UINT64_MAX, around.end);
+	bool followed = i + zone->size < lane->zone_count && next->parent == zone->parent;
 	chrome_span span = {.begin = chrome_min(10 * zone->begin_ns, latest)};
 	span.end =
 		chrome_end(span.begin, 10 * zone->end_ns, followed ? chrome_min(10 * next->begin_ns, latest) : around.end);
@@ -323,7 +323,7 @@ static void chrome_lane(chrome *c, uint32_t index)
 	char prefix_text[CHROME_PREFIX_MAX];
 	char *prefix_end = chrome_put_prefix(prefix_text, 'X', c->pid, CHROME_TID_LANE(index));
 	memcpy(prefix_end, ",\"ts\":", 6);
-	const chrome_piece prefix = {prefix_text, (size_t)(prefix_end + 6 - prefix_text)};
+	chrome_piece prefix = {prefix_text, (size_t)(prefix_end + 6 - prefix_text)};
 	for (int list = 0; list < CHROME_LISTS; list++)
 		c->next[list] = c->lists[list].start[index];
 	for (uint32_t i = 0; i < lane->zone_count && c->text->error == 0; i++) {
@@ -339,7 +339,7 @@ static void chrome_switches(chrome *c, uint32_t index)
 	const stilb_prof_lane *lane = &c->snapshot->lanes[index];
 	for (uint32_t i = 0; i < lane->switch_count; i++) {
 		const stilb_prof_switch *out = &lane->switches[i];
-		const uint64_t limit = i + 1 < lane->switch_count ? 10 * lane->switches[i + 1].out_ns : UINT64_MAX;
+		uint64_t limit = i + 1 < lane->switch_count ? 10 * lane->switches[i + 1].out_ns : UINT64_MAX;
 		chrome_slice(c, CHROME_TID_OFF_CPU(index), out->preempted ? "preempted" : "sleeping", 10 * out->out_ns,
 		             chrome_end(10 * out->out_ns, 10 * out->in_ns, limit));
 	}
@@ -358,7 +358,7 @@ static void chrome_account(chrome *c, const char *name, uint64_t value)
 /* Three decimals. */
 static void chrome_account_ns(chrome *c, const char *name, double ns)
 {
-	const uint64_t thousandths = ns > 0 && ns < 1e12 ? (uint64_t)(ns * 1000 + 0.5) : 0;
+	uint64_t thousandths = ns > 0 && ns < 1e12 ? (uint64_t)(ns * 1000 + 0.5) : 0;
 	prof_text_add(c->text, ",\"");
 	prof_text_add(c->text, name);
 	chrome_time(c, "\":", 10 * thousandths);
@@ -368,7 +368,7 @@ static void chrome_tail(chrome *c)
 {
 	const stilb_prof_snapshot *s = c->snapshot;
 	prof_text_add(c->text, "\n],\"otherData\":{\"clock\":");
-	prof_text_json(c->text, s->clock != NULL ? s->clock : "");
+	prof_text_json(c->text, s->clock ? s->clock : "");
 	chrome_account(c, "hz", s->hz > 0 && s->hz < 1e18 ? (uint64_t)(s->hz + 0.5) : 0);
 	chrome_account_ns(c, "resolution_ns", s->resolution_ns);
 	chrome_account_ns(c, "bias_ns", s->bias_ns);
@@ -396,7 +396,7 @@ static bool chrome_make_names(chrome *c)
 		room += 8 + PROF_PUT_JSON_MAX(strlen(s->labels[i].name));
 	c->names = malloc(((size_t)s->label_count + 1) * sizeof *c->names);
 	c->name_bytes = malloc(room);
-	if (c->names == NULL || c->name_bytes == NULL)
+	if (!c->names || !c->name_bytes)
 		return false;
 	char *at = c->name_bytes;
 	for (uint32_t i = 0; i < s->label_count; i++) {
@@ -424,7 +424,7 @@ static bool chrome_make_list(chrome *c, int list, uint32_t count)
 	uint64_t ns;
 	made->index = malloc(((size_t)count + 1) * sizeof *made->index);
 	made->start = calloc((size_t)s->lane_count + 2, sizeof *made->start);
-	if (made->index == NULL || made->start == NULL)
+	if (!made->index || !made->start)
 		return false;
 	/* start[lane + 2] counts the lane's; summed up, start[lane + 1] is where it begins, and, when all have been put
 	 * in, ends. */
@@ -446,7 +446,7 @@ static bool chrome_make(chrome *c)
 {
 	const stilb_prof_snapshot *s = c->snapshot;
 	c->spans = malloc(((size_t)UINT16_MAX + 1) * sizeof *c->spans); /* levels that are not there take no memory */
-	return c->spans != NULL && chrome_make_names(c) && chrome_make_list(c, CHROME_POINTS, s->point_count) &&
+	return c->spans && chrome_make_names(c) && chrome_make_list(c, CHROME_POINTS, s->point_count) &&
 	       chrome_make_list(c, CHROME_FROMS, s->flow_count) && chrome_make_list(c, CHROME_TOS, s->flow_count);
 }
 
@@ -464,9 +464,9 @@ static void chrome_free(chrome *c)
 int stilb_prof_trace_write_chrome(const stilb_prof_snapshot *snapshot, const char *process_name, stilb_prof_sink sink)
 {
 	chrome c = {.snapshot = snapshot, .text = prof_text_create(sink), .pid = (uint64_t)getpid()};
-	const bool made = c.text != NULL && chrome_make(&c);
+	bool made = c.text && chrome_make(&c);
 	if (made) {
-		chrome_head(&c, process_name != NULL ? process_name : program_invocation_short_name);
+		chrome_head(&c, process_name ? process_name : program_invocation_short_name);
 		chrome_frames(&c);
 		for (uint32_t i = 0; i < snapshot->lane_count && c.text->error == 0; i++) {
 			chrome_lane(&c, i);

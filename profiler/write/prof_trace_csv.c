@@ -52,11 +52,11 @@ static void csv_use(csv *c, uint32_t *of_label, uint32_t label, bool counter)
 static bool csv_make_columns(csv *c)
 {
 	const stilb_prof_snapshot *s = c->snapshot;
-	const size_t labels = (size_t)s->label_count + 1;
+	size_t labels = (size_t)s->label_count + 1;
 	c->columns = malloc(2 * labels * sizeof *c->columns);
 	c->zone_columns = malloc(labels * sizeof *c->zone_columns);
 	c->counter_columns = malloc(labels * sizeof *c->counter_columns);
-	if (c->columns == NULL || c->zone_columns == NULL || c->counter_columns == NULL)
+	if (!c->columns || !c->zone_columns || !c->counter_columns)
 		return false;
 	memset(c->zone_columns, 0xff, labels * sizeof *c->zone_columns);
 	memset(c->counter_columns, 0xff, labels * sizeof *c->counter_columns);
@@ -68,10 +68,10 @@ static bool csv_make_columns(csv *c)
 	for (uint32_t i = 0; i < s->point_count; i++)
 		if (s->points[i].counter)
 			csv_use(c, c->counter_columns, s->points[i].label, true);
-	const size_t cells = (size_t)s->frame_count * c->column_count + 1;
+	size_t cells = (size_t)s->frame_count * c->column_count + 1;
 	c->cells = calloc(cells, sizeof *c->cells);
 	c->filled = calloc(cells, sizeof *c->filled);
-	return c->cells != NULL && c->filled != NULL;
+	return c->cells && c->filled;
 }
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
@@ -82,9 +82,9 @@ static bool csv_push(csv *c, uint32_t *depth, uint32_t level, uint32_t column)
 	while (*depth > level)
 		c->columns[c->stack[--*depth]].open--;
 	if (*depth == c->stack_capacity) {
-		const size_t capacity = c->stack_capacity > 0 ? 2 * c->stack_capacity : 64;
+		size_t capacity = c->stack_capacity > 0 ? 2 * c->stack_capacity : 64;
 		uint32_t *stack = realloc(c->stack, capacity * sizeof *stack);
-		if (stack == NULL)
+		if (!stack)
 			return false;
 		c->stack = stack;
 		c->stack_capacity = capacity;
@@ -99,7 +99,7 @@ static bool csv_add_lane(csv *c, const stilb_prof_lane *lane)
 	uint32_t depth = 0;
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
 		const stilb_prof_zone *zone = &lane->zones[i];
-		const uint32_t column = c->zone_columns[zone->label];
+		uint32_t column = c->zone_columns[zone->label];
 		prof_give_way(i);
 		if (!csv_push(c, &depth, zone->level, column))
 			return false;
@@ -122,7 +122,7 @@ static void csv_add_counters(csv *c)
 		if (!point->counter || !isfinite(point->value) || frame == s->frame_count ||
 		    point->ns < s->frames[frame].begin_ns)
 			continue;
-		const size_t cell = (size_t)frame * c->column_count + c->counter_columns[point->label];
+		size_t cell = (size_t)frame * c->column_count + c->counter_columns[point->label];
 		c->cells[cell].value = point->value;
 		c->filled[cell] = true;
 	}
@@ -160,7 +160,7 @@ static void csv_row(const csv *c, prof_text *text, uint32_t row)
 	prof_text_add(text, ",");
 	prof_text_ms(text, frame->end_ns - frame->begin_ns);
 	for (uint32_t i = 0; i < c->column_count; i++) {
-		const size_t cell = (size_t)row * c->column_count + i;
+		size_t cell = (size_t)row * c->column_count + i;
 		prof_text_add(text, ",");
 		if (!c->columns[i].counter)
 			prof_text_ms(text, c->cells[cell].ns);
@@ -174,7 +174,7 @@ int stilb_prof_trace_write_frames_csv(const stilb_prof_snapshot *snapshot, stilb
 {
 	csv c = {.snapshot = snapshot};
 	prof_text *text = prof_text_create(sink);
-	bool good = text != NULL && csv_make_columns(&c);
+	bool good = text && csv_make_columns(&c);
 	for (uint32_t i = 0; i < snapshot->lane_count && good; i++)
 		good = csv_add_lane(&c, &snapshot->lanes[i]);
 	if (good) {

@@ -26,8 +26,8 @@ typedef struct folded {
 
 static uint32_t *folded_slot(const folded *f, uint32_t parent, uint32_t label)
 {
-	const uint32_t mask = 2 * f->capacity - 1;
-	const uint64_t key = (uint64_t)parent << 32 | label;
+	uint32_t mask = 2 * f->capacity - 1;
+	uint64_t key = (uint64_t)parent << 32 | label;
 	uint32_t at = (uint32_t)(key * UINT64_C(0x9e3779b97f4a7c15) >> 32) & mask; /* Fibonacci hashing */
 	while (f->slots[at] != FOLDED_NONE &&
 	       (f->nodes[f->slots[at]].parent != parent || f->nodes[f->slots[at]].label != label))
@@ -37,14 +37,14 @@ static uint32_t *folded_slot(const folded *f, uint32_t parent, uint32_t label)
 
 static bool folded_grow(folded *f)
 {
-	const uint32_t capacity = f->capacity > 0 ? 2 * f->capacity : 256;
+	uint32_t capacity = f->capacity > 0 ? 2 * f->capacity : 256;
 	folded_node *nodes = realloc(f->nodes, capacity * sizeof *nodes);
-	if (nodes != NULL)
+	if (nodes)
 		f->nodes = nodes;
 	uint32_t *slots = realloc(f->slots, 2 * (size_t)capacity * sizeof *slots);
-	if (slots != NULL)
+	if (slots)
 		f->slots = slots;
-	if (nodes == NULL || slots == NULL)
+	if (!nodes || !slots)
 		return false;
 	f->capacity = capacity;
 	memset(slots, 0xff, 2 * (size_t)capacity * sizeof *slots);
@@ -69,11 +69,11 @@ static uint32_t folded_node_of(folded *f, uint32_t parent, uint32_t label)
 static bool folded_lane(folded *f, uint32_t index)
 {
 	const stilb_prof_lane *lane = &f->snapshot->lanes[index];
-	const uint32_t root = folded_node_of(f, FOLDED_NONE, index);
+	uint32_t root = folded_node_of(f, FOLDED_NONE, index);
 	uint32_t *of_zone = realloc(f->of_zone, ((size_t)lane->zone_count + 1) * sizeof *of_zone);
-	if (of_zone != NULL)
+	if (of_zone)
 		f->of_zone = of_zone;
-	if (root == FOLDED_NONE || of_zone == NULL)
+	if (root == FOLDED_NONE || !of_zone)
 		return false;
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
 		const stilb_prof_zone *zone = &lane->zones[i];
@@ -112,14 +112,14 @@ int stilb_prof_trace_write_folded(const stilb_prof_snapshot *snapshot, stilb_pro
 {
 	folded f = {.snapshot = snapshot};
 	prof_text *text = prof_text_create(sink);
-	bool good = text != NULL;
+	bool good = text;
 	for (uint32_t i = 0; i < snapshot->lane_count && good; i++)
 		good = folded_lane(&f, i);
 	uint32_t *path = good ? malloc(((size_t)f.count + 1) * sizeof *path) : NULL;
-	for (uint32_t i = 0; path != NULL && i < f.count && text->error == 0; i++)
+	for (uint32_t i = 0; path && i < f.count && text->error == 0; i++)
 		if (f.nodes[i].self_ns > 0)
 			folded_line(&f, i, text, path);
-	good = path != NULL;
+	good = path;
 	free(path);
 	free(f.of_zone);
 	free(f.slots);

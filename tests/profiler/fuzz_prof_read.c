@@ -28,7 +28,7 @@ static void write_seed(const char *folder, const char *name, const char *text)
 	char path[512];
 	snprintf(path, sizeof path, "%s/%s", folder, name);
 	FILE *file = fopen(path, "w");
-	require(file != NULL && fputs(text, file) >= 0 && fclose(file) == 0);
+	require(file && fputs(text, file) >= 0 && fclose(file) == 0);
 }
 
 /* The last argument is the folder of the seeds, which the fuzzer reads after this and adds to. */
@@ -100,9 +100,9 @@ static piece digits_at(const uint8_t *data, size_t size, size_t at)
 /* Puts text in the place of a piece, when it fits. */
 static size_t replace(uint8_t *data, size_t size, size_t max_size, piece old, const void *text, size_t text_size)
 {
-	const size_t new_size = size - (old.end - old.begin) + text_size;
+	size_t new_size = size - (old.end - old.begin) + text_size;
 	uint8_t *copy = malloc(text_size + 1); /* text may lie in data */
-	require(copy != NULL);
+	require(copy);
 	if (new_size <= max_size) {
 		memcpy(copy, text, text_size);
 		memmove(data + old.begin + text_size, data + old.end, size - old.end);
@@ -120,9 +120,9 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 	made_random random = {.state = seed};
 	if (size == 0 || made_below(&random, 4) == 0)
 		return LLVMFuzzerMutate(data, size, max_size);
-	const piece line = line_at(data, size, made_below(&random, size));
-	const piece other = line_at(data, size, made_below(&random, size));
-	const size_t at = made_below(&random, size);
+	piece line = line_at(data, size, made_below(&random, size));
+	piece other = line_at(data, size, made_below(&random, size));
+	size_t at = made_below(&random, size);
 	switch (made_below(&random, 5)) {
 	case 0: /* a line goes */
 		return replace(data, size, max_size, line, "", 0);
@@ -137,7 +137,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 	}
 	default: {
 		const uint8_t *phase = memmem(data + at, size - at, "\"ph\":\"", 6);
-		if (phase != NULL && phase + 6 < data + size)
+		if (phase && phase + 6 < data + size)
 			data[phase + 6 - data] = (uint8_t)*phases[made_below(&random, sizeof phases / sizeof *phases)];
 		return size;
 	}
@@ -156,7 +156,7 @@ static int bytes_write(void *user, const void *data, size_t size)
 	bytes *b = user;
 	if (b->size + size > b->capacity) {
 		b->capacity = 2 * (b->size + size);
-		require((b->text = realloc(b->text, b->capacity)) != NULL);
+		require((b->text = realloc(b->text, b->capacity)));
 	}
 	memcpy(b->text + b->size, data, size);
 	b->size += size;
@@ -185,9 +185,9 @@ static void use(const stilb_prof_snapshot *s)
 {
 	stilb_prof_stats stats = {0};
 	stilb_prof_diff diff = {0};
-	const stilb_prof_stats_range range = {.begin_ns = s->begin_ns + (s->end_ns - s->begin_ns) / 3,
-	                                      .end_ns = s->begin_ns + (s->end_ns - s->begin_ns) / 2};
-	const stilb_prof_diff_desc desc = stilb_prof_diff_desc_default();
+	stilb_prof_stats_range range = {.begin_ns = s->begin_ns + (s->end_ns - s->begin_ns) / 3,
+	                                .end_ns = s->begin_ns + (s->end_ns - s->begin_ns) / 2};
+	stilb_prof_diff_desc desc = stilb_prof_diff_desc_default();
 	uint64_t calls = 0, zones = 0;
 	require(stilb_prof_stats_take(&stats, s, &range) == 0 && stilb_prof_stats_take(&stats, s, NULL) == 0);
 	for (uint32_t i = 0; i < stats.row_count; i++)
@@ -206,13 +206,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	stilb_prof_snapshot snapshot = {0};
 	char error[256] = "";
 	char *copy = malloc(size ? size : 1); /* of just that size: what reads beyond it is seen */
-	require(copy != NULL);
+	require(copy);
 	if (size > 0)
 		memcpy(copy, data, size);
-	const int result = stilb_prof_trace_parse(copy, size, "a.json", &snapshot, error, sizeof error);
+	int result = stilb_prof_trace_parse(copy, size, "a.json", &snapshot, error, sizeof error);
 	free(copy); /* the snapshot has no part in it */
 	if (result != 0) {
-		require(result == -EBADMSG && snapshot.memory == NULL && strstr(error, "'a.json', line "));
+		require(result == -EBADMSG && !snapshot.memory && strstr(error, "'a.json', line "));
 		return 0;
 	}
 	require(made_holds(&snapshot));

@@ -122,7 +122,7 @@ static void frame_run(unsigned frame, struct timespec *due, stilb_prof_snapshot 
 	record();
 	/* Once all that is held: a snapshot's memory grows with the largest one, which depends on how the machine
 	 * stalls. */
-	const stilb_prof_window window = {.last_frames = frame == ALL_FRAME ? 0 : 2};
+	stilb_prof_window window = {.last_frames = frame == ALL_FRAME ? 0 : 2};
 	if (stilb_prof_snapshot_take(snapshot, &window) != 0)
 		atomic_fetch_add_explicit(&soak.failures, 1, memory_order_relaxed);
 	if (frame % CAPTURE_FRAMES == 0)
@@ -135,7 +135,7 @@ static void frame_run(unsigned frame, struct timespec *due, stilb_prof_snapshot 
 
 int main(int argc, char **argv)
 {
-	const unsigned seconds = argc > 1 ? (unsigned)strtoul(argv[1], NULL, 10) : 3600;
+	unsigned seconds = argc > 1 ? (unsigned)strtoul(argv[1], NULL, 10) : 3600;
 	if (argc > 2 || seconds < 300) {
 		fputs(usage, stderr);
 		return 2;
@@ -159,7 +159,7 @@ int main(int argc, char **argv)
 	clock_gettime(CLOCK_MONOTONIC, &due);
 	for (unsigned frame = 1; frame <= seconds * 60; frame++) {
 		frame_run(frame, &due, &snapshot);
-		const double kib = frame % 60 == 0 ? resident_kib() : 0.0;
+		double kib = frame % 60 == 0 ? resident_kib() : 0.0;
 		if (frame % 60 == 0 && frame / 60 > WARM_SECONDS)
 			slope_add(&memory, frame / 60.0 / 3600.0, kib);
 		if (frame % 3600 == 0) {
@@ -174,8 +174,8 @@ int main(int argc, char **argv)
 	stilb_prof_snapshot_finish(&snapshot);
 	stilb_prof_thread_end();
 	stilb_prof_shutdown();
-	const unsigned captures = atomic_load_explicit(&soak.captures, memory_order_relaxed);
-	const unsigned failures = atomic_load_explicit(&soak.failures, memory_order_relaxed);
+	unsigned captures = atomic_load_explicit(&soak.captures, memory_order_relaxed);
+	unsigned failures = atomic_load_explicit(&soak.failures, memory_order_relaxed);
 	printf("%u s, %u captures, %u failures: %.1f KiB an hour\n", seconds, captures, failures, slope_value(&memory));
 	return failures == 0 && slope_value(&memory) <= SLOPE_MAX ? 0 : 1;
 }

@@ -45,7 +45,7 @@ uint64_t __wrap_prof_frames_begun(void)
 
 static void synthetic_frame(double ms)
 {
-	const uint64_t number = synthetic_begun - 1;
+	uint64_t number = synthetic_begun - 1;
 	__atomic_store_n(&synthetic_begun, synthetic_begun + 1, __ATOMIC_RELAXED);
 	synthetic_hook(number, (uint64_t)(ms * 1e6));
 }
@@ -59,7 +59,7 @@ int __wrap_stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_p
 {
 	static stilb_prof_frame frame;
 	asked_window = *window;
-	const int error = __real_stilb_prof_snapshot_take(snapshot, window);
+	int error = __real_stilb_prof_snapshot_take(snapshot, window);
 	if (error == 0 && synthetic && window->frame_count > 0) {
 		frame.number = window->first_frame > synthetic_lost ? window->first_frame : synthetic_lost;
 		snapshot->frames = &frame;
@@ -98,7 +98,7 @@ int __wrap_prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char
 	if (saved_meanwhile[0] != 0) {
 		FILE *file = fopen(saved_meanwhile, "w");
 		saved_meanwhile[0] = 0;
-		if (file == NULL || fputs("meanwhile", file) < 0 || fclose(file) != 0)
+		if (!file || fputs("meanwhile", file) < 0 || fclose(file) != 0)
 			return -EIO;
 	}
 	return __real_prof_trace_save_fresh(snapshot, process_name, path);
@@ -148,7 +148,7 @@ static double now_s(void)
 /* Waits until count captures are done. */
 static void told_wait(uint32_t count)
 {
-	const double begin = now_s();
+	double begin = now_s();
 	while (told_count() < count && now_s() - begin < PATIENCE_S)
 		sleep_us(200);
 	assert_int_equal(told_count(), count);
@@ -170,7 +170,7 @@ static uint32_t folder_count(void)
 {
 	uint32_t count = 0;
 	DIR *dir = opendir(folder);
-	for (const struct dirent *entry; (entry = readdir(dir)) != NULL;)
+	for (const struct dirent *entry; (entry = readdir(dir));)
 		count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
 	closedir(dir);
 	return count;
@@ -184,7 +184,7 @@ static int set_up(void **state)
 	synthetic_lost = 0;
 	memset(&told, 0, sizeof told);
 	memset(&saved, 0, sizeof saved);
-	return mkdtemp(folder) == NULL || stilb_prof_thread_begin("main") != 0;
+	return !mkdtemp(folder) || stilb_prof_thread_begin("main") != 0;
 }
 
 static int tear_down(void **state)
@@ -193,7 +193,7 @@ static int tear_down(void **state)
 	stilb_prof_capture_stop();
 	stilb_prof_shutdown();
 	DIR *dir = opendir(folder);
-	for (const struct dirent *entry; (entry = readdir(dir)) != NULL;)
+	for (const struct dirent *entry; (entry = readdir(dir));)
 		if (entry->d_name[0] != '.' || strlen(entry->d_name) > 2)
 			unlink(in_folder(entry->d_name));
 	closedir(dir);
@@ -225,7 +225,7 @@ static void frame(long us)
 /* Frames until count captures are done. */
 static void frames_until(uint32_t count)
 {
-	const double begin = now_s();
+	double begin = now_s();
 	for (int i = 0; told_count() < count && now_s() - begin < PATIENCE_S; i++)
 		frame(i < 100 ? 1000 : 50000); /* only 1,024 frames are remembered */
 	assert_int_equal(told_count(), count);
@@ -235,9 +235,8 @@ static bool is_whole_json(const char *path)
 {
 	char end[3] = "";
 	FILE *file = fopen(path, "r");
-	const bool good =
-		file != NULL && fgetc(file) == '{' && fseek(file, -3, SEEK_END) == 0 && fread(end, 3, 1, file) == 1;
-	if (file != NULL)
+	bool good = file && fgetc(file) == '{' && fseek(file, -3, SEEK_END) == 0 && fread(end, 3, 1, file) == 1;
+	if (file)
 		fclose(file);
 	return good && memcmp(end, "}}\n", 3) == 0;
 }
@@ -293,13 +292,13 @@ static void early_frames(void **state)
 static void frames_stand_still(void **state)
 {
 	(void)state;
-	const stilb_prof_capture_desc desc = desc_for(in_folder("a.json"));
+	stilb_prof_capture_desc desc = desc_for(in_folder("a.json"));
 	start(&desc);
 	for (int i = 0; i < 10; i++)
 		frame(10);
 	stilb_prof_frame_mark();
 	PROFILE("hangs");
-	const double begin = now_s();
+	double begin = now_s();
 	stilb_prof_capture_now();
 	told_wait(1);
 	assert_true(now_s() - begin > 0.9);
@@ -313,7 +312,7 @@ static void frames_stand_still(void **state)
 static void without_any_frame(void **state)
 {
 	(void)state;
-	const stilb_prof_capture_desc desc = desc_for(in_folder("a.json"));
+	stilb_prof_capture_desc desc = desc_for(in_folder("a.json"));
 	start(&desc);
 	{
 		PROFILE("only");
@@ -371,7 +370,7 @@ static void files_of_earlier_runs_stay(void **state)
 	(void)state;
 	char path[128];
 	snprintf(path, sizeof path, "%s", in_folder("a.json"));
-	const stilb_prof_capture_desc desc = desc_for(path);
+	stilb_prof_capture_desc desc = desc_for(path);
 	write_text(path, "first");
 	write_text(in_folder("a-3.json"), "third");
 	for (int run = 0; run < 2; run++) {
@@ -439,7 +438,7 @@ static void names(void **state)
 static void stop_writes_what_is_pending(void **state)
 {
 	(void)state;
-	const stilb_prof_capture_desc desc = desc_for(in_folder("a.json"));
+	stilb_prof_capture_desc desc = desc_for(in_folder("a.json"));
 	double fastest = PATIENCE_S;
 	for (int i = 0; i < 20; i++) {
 		start(&desc);
@@ -448,9 +447,9 @@ static void stop_writes_what_is_pending(void **state)
 		stilb_prof_capture_now();
 		if (i % 2)
 			sleep_us(300);
-		const double begin = now_s();
+		double begin = now_s();
 		assert_int_equal(stilb_prof_capture_stop(), 0);
-		const double seconds = now_s() - begin;
+		double seconds = now_s() - begin;
 		fastest = seconds < fastest ? seconds : fastest;
 		assert_int_equal(told_count(), i + 1);
 		assert_int_equal(told.last.error, 0);
@@ -507,14 +506,14 @@ static void refused(void **state)
 	path[sizeof path - 1] = 0;
 	desc = desc_for(path);
 	assert_int_equal(stilb_prof_capture_start(&desc), -ENAMETOOLONG);
-	const double lengths[] = {-1, (double)NAN, (double)INFINITY};
+	double lengths[] = {-1, (double)NAN, (double)INFINITY};
 	for (int i = 0; i < 3; i++) {
 		desc = desc_for("a.json");
 		desc.spike = STILB_PROF_SPIKE_FIXED;
 		desc.spike_ms = lengths[i];
 		assert_int_equal(stilb_prof_capture_start(&desc), -EINVAL);
 	}
-	const int signals[] = {-1, SIGKILL, SIGSTOP, 32, 1000, SIGSEGV};
+	int signals[] = {-1, SIGKILL, SIGSTOP, 32, 1000, SIGSEGV};
 	for (int i = 0; i < 6; i++) {
 		desc = desc_for("a.json");
 		desc.signal = signals[i];
@@ -635,7 +634,7 @@ static void a_spike_is_twice_the_median(void **state)
 	synthetic_frame(19.9); /* below twice the median */
 	synthetic_frames(10, 10);
 	assert_told(0);
-	const uint64_t number = synthetic_begun - 1;
+	uint64_t number = synthetic_begun - 1;
 	synthetic_frame(20.5);
 	synthetic_frames(2, 10);
 	assert_told(0); /* the frames after are not there */
@@ -704,7 +703,7 @@ static void the_rings_went_round(void **state)
 	synthetic_start(STILB_PROF_SPIKE_OFF, 1);
 	for (uint64_t lost = 0; lost < 6; lost++) {
 		synthetic_frames(20, 1);
-		const uint64_t number = synthetic_begun - 1;
+		uint64_t number = synthetic_begun - 1;
 		synthetic_lost = number - 1 + lost;
 		stilb_prof_capture_now();
 		synthetic_frames(5, 1);
@@ -755,7 +754,7 @@ static uint64_t random_next(void)
 
 static int ascending(const void *a, const void *b)
 {
-	const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
 	return (x > y) - (x < y);
 }
 
@@ -769,7 +768,7 @@ static void the_window_is_sorted(void **state)
 	for (uint32_t n = 0; n < 5000; n++) {
 		all[n] = n % 7 == 0 ? 500 : random_next() % (n < 2500 ? 10 : 1000000);
 		prof_frame_window_add(&window, all[n]);
-		const uint32_t count = n + 1 < 100 ? n + 1 : 100;
+		uint32_t count = n + 1 < 100 ? n + 1 : 100;
 		uint64_t sorted[100];
 		memcpy(sorted, &all[n + 1 - count], count * sizeof sorted[0]);
 		qsort(sorted, count, sizeof sorted[0], ascending);

@@ -19,7 +19,7 @@ static int capture_write(void *user, const void *data, size_t size)
 {
 	capture *c = user;
 	char *text = realloc(c->text, c->size + size + 1);
-	if (text == NULL)
+	if (!text)
 		return -1;
 	c->text = text;
 	memcpy(c->text + c->size, data, size);
@@ -32,13 +32,13 @@ static int capture_write(void *user, const void *data, size_t size)
 static inline int capture_take(capture *c, uint32_t last_frames)
 {
 	*c = (capture){0};
-	const stilb_prof_window window = {.last_frames = last_frames};
+	stilb_prof_window window = {.last_frames = last_frames};
 	stilb_prof_snapshot snapshot = {0};
 	int error = stilb_prof_snapshot_take(&snapshot, &window);
 	if (error == 0)
 		error = stilb_prof_trace_write_chrome(&snapshot, "test", (stilb_prof_sink){capture_write, c});
 	stilb_prof_snapshot_finish(&snapshot);
-	const int broken = trace_check_text(c->text != NULL ? c->text : "", c->size, &c->report);
+	int broken = trace_check_text(c->text ? c->text : "", c->size, &c->report);
 	return error != 0 ? error : broken;
 }
 

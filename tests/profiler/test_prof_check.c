@@ -212,8 +212,8 @@ static void each_rule_fails(void **state)
 	for (size_t i = 0; i < sizeof breaches / sizeof breaches[0]; i++) {
 		trace_check_report report;
 		char *text = broken_trace(&breaches[i]);
-		const int result = trace_check_text(text, strlen(text), &report);
-		if (result != -1 || strstr(report.error, breaches[i].says) == NULL)
+		int result = trace_check_text(text, strlen(text), &report);
+		if (result != -1 || !strstr(report.error, breaches[i].says))
 			fail_msg("%s -> %s: \"%s\" instead of \"%s\"", breaches[i].from, breaches[i].to, report.error,
 			         breaches[i].says);
 		trace_check_finish(&report);
@@ -255,9 +255,9 @@ static void deep_nesting_fails(void **state)
 static int run_program(const char *argument)
 {
 	int status = -1;
-	const pid_t child = fork();
+	pid_t child = fork();
 	if (child == 0) {
-		if (freopen("/dev/null", "w", stdout) != NULL && freopen("/dev/null", "w", stderr) != NULL)
+		if (freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr))
 			execl(program, program, argument, (char *)NULL);
 		_exit(99);
 	}
@@ -277,7 +277,7 @@ static void the_program_says_it_by_its_status(void **state)
 {
 	(void)state;
 	char path[] = "test_prof_check_XXXXXX";
-	const int descriptor = mkstemp(path);
+	int descriptor = mkstemp(path);
 	assert_true(descriptor >= 0);
 	close(descriptor);
 	write_file(path, good);

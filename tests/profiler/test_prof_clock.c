@@ -23,17 +23,17 @@ static void zones_are_timed_by_the_clock(void **state)
 	(void)state;
 	prof_copy copy = {0};
 	assert_int_equal(stilb_prof_thread_begin("main"), 0);
-	const uint64_t before = stilb_prof_clock_monotonic();
+	uint64_t before = stilb_prof_clock_monotonic();
 	{
 		PROFILE("outer");
 		PROFILE_PRECISE("inner");
 		sleep_ms(5);
 	}
-	const uint64_t after = stilb_prof_clock_monotonic();
+	uint64_t after = stilb_prof_clock_monotonic();
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
 	prof_clock_timeline(&timeline, copy.frames, copy.frame_count);
 	for (int i = 0; i < 2; i++) {
-		const prof_record record = record_at(&copy, 0, (size_t)i);
+		prof_record record = record_at(&copy, 0, (size_t)i);
 		assert_in_range(timeline_at(record.begin), before - 2000, after - 5000000 + 2000);
 		assert_in_range(timeline_at(record.end), before + 5000000 - 2000, after + 2000);
 	}
@@ -44,9 +44,9 @@ static void zones_are_timed_by_the_clock(void **state)
 static void a_clock_in_nanoseconds_is_not_converted(void **state)
 {
 	(void)state;
-	const prof_anchor wrong = {stilb_prof_clock_monotonic(), 0};
+	prof_anchor wrong = {stilb_prof_clock_monotonic(), 0};
 	prof_clock_timeline(&timeline, &wrong, 1);
-	const uint64_t now = stilb_prof_clock_monotonic();
+	uint64_t now = stilb_prof_clock_monotonic();
 	assert_string_equal(timeline.clock, "CLOCK_MONOTONIC");
 	assert_true(timeline.hz == 1e9);
 	assert_int_equal(prof_clock_now() / 1000000000, now / 1000000000);
@@ -80,12 +80,12 @@ static void lines_go_from_anchor_to_anchor(void **state)
 	prof_clock_timeline(&timeline, anchors, 3);
 	assert_int_equal(timeline.count, 4); /* now is far enough, too */
 	assert_int_equal(timeline_at(0), timeline.epoch_ns);
-	const uint64_t now = timeline_at(prof_clock_now());
+	uint64_t now = timeline_at(prof_clock_now());
 	assert_in_range(now, stilb_prof_clock_monotonic() - 1000000, stilb_prof_clock_monotonic() + 2000);
 	for (int i = 0; i < 3; i++) {
 		uint64_t last = timeline_at(anchors[i].ticks - 50000);
 		for (uint64_t ticks = anchors[i].ticks - 50000; ticks < anchors[i].ticks + 50000; ticks++) {
-			const uint64_t ns = timeline_at(ticks);
+			uint64_t ns = timeline_at(ticks);
 			assert_true(ns == last || ns == last + 1);
 			last = ns;
 		}
@@ -101,11 +101,11 @@ static void more_frames_than_are_remembered(void **state)
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
 	/* As if they had lasted longer: as many lines as there can be. */
 	for (uint32_t i = 0; i < copy.frame_count; i++) {
-		const uint64_t back = (uint64_t)(copy.frame_count - i) * 50000001;
+		uint64_t back = (uint64_t)(copy.frame_count - i) * 50000001;
 		copy.frames[i].ns -= back;
 		copy.frames[i].ticks -= (uint64_t)((double)back * timeline.hz / 1e9);
 	}
-	const uint64_t oldest = copy.frames[0].ns;
+	uint64_t oldest = copy.frames[0].ns;
 	prof_clock_timeline(&timeline, copy.frames, copy.frame_count);
 	assert_true(timeline.count < sizeof timeline.lines / sizeof timeline.lines[0]);
 	assert_true(oldest < timeline.epoch_ns); /* before the clock was first read: left out */
@@ -117,7 +117,7 @@ static void more_frames_than_are_remembered(void **state)
 static void costs_are_measured_once(void **state)
 {
 	(void)state;
-	const double zone = prof_clock_zone_cost_ns(), bias = prof_clock_bias_ns();
+	double zone = prof_clock_zone_cost_ns(), bias = prof_clock_bias_ns();
 	assert_true(zone > 0.5 && zone < 20000);
 	assert_true(bias >= 0 && bias < 1000);
 	assert_true(prof_clock_zone_cost_ns() == zone);

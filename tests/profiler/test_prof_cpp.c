@@ -9,7 +9,7 @@ void test_prof_cpp_never(void);
 static int listed(const char *name)
 {
 	int count = 0;
-	for (const stilb_prof_site *site = stilb_prof_site_next(NULL); site != NULL; site = stilb_prof_site_next(site))
+	for (const stilb_prof_site *site = stilb_prof_site_next(NULL); site; site = stilb_prof_site_next(site))
 		count += strcmp(site->name, name) == 0;
 	return count;
 }

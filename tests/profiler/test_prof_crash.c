@@ -141,7 +141,7 @@ static void crash_in_done(void)
 /* In a child of fork, which has no thread that could write. */
 static void crash_in_a_fork(void)
 {
-	const pid_t child = fork();
+	pid_t child = fork();
 	int status = 0;
 	if (child == 0) {
 		write_low();
@@ -202,7 +202,7 @@ static const scenario scenarios[] = {
 
 static int program(const char *name, const char *path)
 {
-	const struct rlimit none = {0, 0};
+	struct rlimit none = {0, 0};
 	bool in_done = strcmp(name, "in_done") == 0;
 	stilb_prof_capture_desc desc = stilb_prof_capture_desc_default();
 	setrlimit(RLIMIT_CORE, &none);
@@ -249,8 +249,8 @@ static end run(const char *name)
 	end e = {0};
 	int status = 0;
 	struct stat file;
-	const double begin = now_s();
-	const pid_t child = fork();
+	double begin = now_s();
+	pid_t child = fork();
 	if (child == 0) {
 		/* Sanitizers leave the signals to the program. */
 		const char *options =
@@ -289,7 +289,7 @@ static int set_up(void **state)
 {
 	(void)state;
 	strcpy(folder, "/tmp/stilb-prof-crash-XXXXXX");
-	if (mkdtemp(folder) == NULL)
+	if (!mkdtemp(folder))
 		return -1;
 	snprintf(path, sizeof path, "%s/crash.json", folder);
 	return 0;

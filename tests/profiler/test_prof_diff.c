@@ -54,7 +54,7 @@ static int twice_u(const uint64_t *values, uint64_t chosen, int count)
 /* All ways to choose the first sample from the values of both, one by one. */
 static double permutation_p(const uint64_t *values, int a_count, int count)
 {
-	const int observed = abs(twice_u(values, (1u << a_count) - 1, count) - a_count * (count - a_count));
+	int observed = abs(twice_u(values, (1u << a_count) - 1, count) - a_count * (count - a_count));
 	double far = 0.0, all = 0.0;
 	for (uint32_t chosen = 0; chosen < 1u << count; chosen++)
 		if (__builtin_popcount(chosen) == a_count) {
@@ -66,7 +66,7 @@ static double permutation_p(const uint64_t *values, int a_count, int count)
 
 static int compare_u64(const void *a, const void *b)
 {
-	const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
 	return (x > y) - (x < y);
 }
 
@@ -76,8 +76,8 @@ static void small_samples_are_exact(void **state)
 	made_random random = {.state = 1};
 	for (int round = 0; round < 300; round++) {
 		uint64_t values[10];
-		const int count = 2 + (int)made_below(&random, 9), a_count = 1 + (int)made_below(&random, (uint64_t)count - 1);
-		const uint64_t range = round % 3 == 0 ? 3 : round % 3 == 1 ? 8 : 1u << 30; /* many ties, some, none */
+		int count = 2 + (int)made_below(&random, 9), a_count = 1 + (int)made_below(&random, (uint64_t)count - 1);
+		uint64_t range = round % 3 == 0 ? 3 : round % 3 == 1 ? 8 : 1u << 30; /* many ties, some, none */
 		for (int i = 0; i < count; i++)
 			values[i] = made_below(&random, range);
 		qsort(values, (size_t)a_count, sizeof *values, compare_u64);
@@ -95,18 +95,18 @@ static void large_samples_agree(void **state)
 	made_random random = {.state = 2};
 	for (int round = 0; round < 6; round++) {
 		uint64_t values[COUNT];
-		const uint64_t range = round % 2 ? 1000 : 12, shift = made_below(&random, range / 3 + 1);
+		uint64_t range = round % 2 ? 1000 : 12, shift = made_below(&random, range / 3 + 1);
 		for (int i = 0; i < COUNT; i++)
 			values[i] = (i < A ? shift : 0) + made_below(&random, range);
 		qsort(values, A, sizeof *values, compare_u64);
 		qsort(values + A, COUNT - A, sizeof *values, compare_u64);
-		const double p = stilb_prof_mann_whitney(values, A, values + A, COUNT - A);
-		const int observed = abs(twice_u(values, (UINT64_C(1) << A) - 1, COUNT) - A * (COUNT - A));
+		double p = stilb_prof_mann_whitney(values, A, values + A, COUNT - A);
+		int observed = abs(twice_u(values, (UINT64_C(1) << A) - 1, COUNT) - A * (COUNT - A));
 		int far = 0;
 		for (int way = 0; way < 20000; way++) {
 			uint64_t chosen = 0;
 			for (int left = A; left > 0;) {
-				const uint64_t bit = UINT64_C(1) << made_below(&random, COUNT);
+				uint64_t bit = UINT64_C(1) << made_below(&random, COUNT);
 				left -= (chosen & bit) == 0;
 				chosen |= bit;
 			}
@@ -131,9 +131,9 @@ static double book_p(const uint64_t *a, int a_count, const uint64_t *b, int b_co
 			t += b[j] == value;
 		ties += t * t * t - t;
 	}
-	const double n = a_count + b_count, mean = 0.5 * a_count * b_count;
-	const double sigma = sqrt(a_count * b_count / 12.0 * ((n + 1.0) - ties / (n * (n - 1.0))));
-	const double z = (fabs(u - mean) - 0.5) / sigma;
+	double n = a_count + b_count, mean = 0.5 * a_count * b_count;
+	double sigma = sqrt(a_count * b_count / 12.0 * ((n + 1.0) - ties / (n * (n - 1.0))));
+	double z = (fabs(u - mean) - 0.5) / sigma;
 	return z > 0.0 ? 2.0 * 0.5 * erfc(z / sqrt(2.0)) : 1.0;
 }
 
@@ -143,7 +143,7 @@ static void large_samples_follow_the_formula(void **state)
 	made_random random = {.state = 5};
 	for (int round = 0; round < 100; round++) {
 		uint64_t a[40], b[30];
-		const uint64_t range = round % 2 ? 80 : 5, shift = made_below(&random, range / 4 + 1);
+		uint64_t range = round % 2 ? 80 : 5, shift = made_below(&random, range / 4 + 1);
 		for (int i = 0; i < 40; i++)
 			a[i] = made_below(&random, range);
 		for (int i = 0; i < 30; i++)
@@ -184,10 +184,10 @@ static void make_trace(made *m, uint64_t seed, uint64_t frames, int calls, uint6
 	m->snapshot.resolution_ns = 10;
 	uint64_t at = 1000;
 	for (uint64_t f = 0; f < frames; f++) {
-		const uint64_t begin = at;
+		uint64_t begin = at;
 		made_push(m, 0, 0, at);
 		for (int i = 0; i < calls; i++) {
-			const uint64_t took = ns - ns / 10 + made_below(&random, ns / 5 + 1);
+			uint64_t took = ns - ns / 10 + made_below(&random, ns / 5 + 1);
 			made_push(m, 0, 1, at);
 			made_pop(m, 0, at += took);
 		}
@@ -220,7 +220,7 @@ static stilb_prof_verdict verdict_of(uint64_t a_ns, uint64_t b_ns, const stilb_p
 	make_trace(&b, 2, 40, b_calls, b_ns, "23");
 	assert_int_equal(stilb_prof_diff_make(&diff, &a.snapshot, &b.snapshot, desc), 0);
 	assert_true(diff.frames);
-	const stilb_prof_verdict verdict = find(&diff, "cull", STILB_PROF_LANE_THREAD)->verdict;
+	stilb_prof_verdict verdict = find(&diff, "cull", STILB_PROF_LANE_THREAD)->verdict;
 	assert_int_equal(find(&diff, "cull", STILB_PROF_LANE_DEVICE)->verdict, STILB_PROF_SAME);
 	assert_int_equal(find(&diff, "record", STILB_PROF_LANE_THREAD)->verdict, STILB_PROF_SAME);
 	uint32_t slower = 0;
@@ -267,7 +267,7 @@ static void more_calls(void **state)
 static void sides_are_told(void **state)
 {
 	(void)state;
-	const stilb_prof_diff_desc desc = stilb_prof_diff_desc_default();
+	stilb_prof_diff_desc desc = stilb_prof_diff_desc_default();
 	made a, b;
 	stilb_prof_diff diff = {0};
 	make_trace(&a, 1, 30, 2, 1000, "24");
@@ -304,7 +304,7 @@ static void alpha_is_shared(void **state)
 	make_trace(&a, 1, 30, 2, 1000, "23");
 	make_trace(&b, 2, 20, 2, 1200, "23");
 	assert_int_equal(stilb_prof_diff_make(&diff, &a.snapshot, &b.snapshot, &desc), 0);
-	const double p = find(&diff, "cull", STILB_PROF_LANE_THREAD)->p;
+	double p = find(&diff, "cull", STILB_PROF_LANE_THREAD)->p;
 	assert_int_equal(diff.row_count, 5);
 	desc.alpha = 4.9 * p;
 	assert_int_equal(stilb_prof_diff_make(&diff, &a.snapshot, &b.snapshot, &desc), 0);
@@ -392,8 +392,8 @@ static void errors(void **state)
 	int failures = 0;
 	for (;; failures++) {
 		fail_allocation = failures;
-		const int error = stilb_prof_diff_make(&diff, &a.snapshot, &a.snapshot, &desc);
-		const bool failed = fail_allocation < 0;
+		int error = stilb_prof_diff_make(&diff, &a.snapshot, &a.snapshot, &desc);
+		bool failed = fail_allocation < 0;
 		fail_allocation = -1;
 		if (!failed)
 			break;

@@ -46,7 +46,7 @@ static bool object_has_symbol(const object *o, const char *word)
 {
 	const Elf64_Shdr *names = object_section(o, ".strtab");
 	assert_non_null(names);
-	return memmem(o->bytes + names->sh_offset, names->sh_size, word, strlen(word)) != NULL;
+	return memmem(o->bytes + names->sh_offset, names->sh_size, word, strlen(word));
 }
 
 /* Is there one section of this name in both, with the same bytes? */

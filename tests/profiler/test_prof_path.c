@@ -63,16 +63,16 @@ static int forbid_system_calls(void)
 		BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
 		BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS),
 	};
-	const struct sock_fprog program = {.len = sizeof filter / sizeof filter[0], .filter = filter};
+	struct sock_fprog program = {.len = sizeof filter / sizeof filter[0], .filter = filter};
 	return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ? -1 : prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
 }
 
 /* What a child did: its exit status, or minus the signal that ended it. */
 static int in_a_child(int (*run)(void))
 {
-	const pid_t child = fork();
+	pid_t child = fork();
 	if (child == 0) {
-		const int status = run();
+		int status = run();
 		syscall(SYS_exit_group, status);
 	}
 	int status = 0;

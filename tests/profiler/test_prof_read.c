@@ -45,12 +45,12 @@ static int parse_bytes(const char *text, size_t size, stilb_prof_snapshot *snaps
 	assert_non_null(copy);
 	memcpy(copy, text, size);
 	error[0] = '\0';
-	const int result = stilb_prof_trace_parse(copy, size, "a.json", snapshot, error, 256);
+	int result = stilb_prof_trace_parse(copy, size, "a.json", snapshot, error, 256);
 	free(copy);
 	if (result == 0)
 		assert_true(made_holds(snapshot));
 	else
-		assert_true(snapshot->memory == NULL && snapshot->lane_count == 0 && error[0] != '\0');
+		assert_true(!snapshot->memory && snapshot->lane_count == 0 && error[0] != '\0');
 	return result;
 }
 
@@ -71,9 +71,9 @@ static void assert_same_lane(const stilb_prof_snapshot *s, const stilb_prof_lane
 	assert_int_equal(a->tid, b->tid);
 	assert_int_equal(a->zone_count, b->zone_count);
 	assert_int_equal(a->switch_count, b->switch_count);
-	assert_int_equal(a->no_switches != NULL, b->no_switches != NULL);
+	assert_int_equal(!a->no_switches, !b->no_switches);
 	assert_int_equal(a->switches_ns, b->switches_ns);
-	if (a->no_switches != NULL)
+	if (a->no_switches)
 		assert_string_equal(a->no_switches, b->no_switches);
 	for (uint32_t i = 0; i < a->zone_count; i++) {
 		const stilb_prof_zone *x = &a->zones[i], *y = &b->zones[i];
@@ -152,7 +152,7 @@ static void what_was_recorded_comes_back(void **state)
 	for (int i = 0; i < 50; i++) {
 		stilb_prof_frame_mark();
 		PROFILE("outer");
-		const uint64_t id = stilb_prof_flow_begin(arrow);
+		uint64_t id = stilb_prof_flow_begin(arrow);
 		for (int k = 0; k < 20; k++) {
 			PROFILE("inner");
 			PROFILE_COUNTER("counter", i + k / 4.0);
@@ -473,8 +473,8 @@ static void bad_text_is_told(void **state)
 	char error[256];
 	stilb_prof_snapshot s = {0};
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-		if (parse_bytes(bad[i].text, strlen(bad[i].text), &s, error) != -EBADMSG ||
-		    strstr(error, bad[i].said) == NULL || strncmp(error, "'a.json', line ", 15) != 0)
+		if (parse_bytes(bad[i].text, strlen(bad[i].text), &s, error) != -EBADMSG || !strstr(error, bad[i].said) ||
+		    strncmp(error, "'a.json', line ", 15) != 0)
 			fail_msg("%s: %s\nnot: %s", bad[i].text, error, bad[i].said);
 	}
 	assert_int_equal(stilb_prof_trace_parse("[", 1, "a", &s, NULL, 0), 0);
@@ -494,7 +494,7 @@ static void truncated(void **state)
 	bytes b = written(&m.snapshot);
 	assert_true(b.size > 5000);
 	for (size_t size = 0; size + 1 < b.size; size++) { /* without the newline at its end it is whole */
-		if (parse_bytes(b.text, size, &s, error) != -EBADMSG || strstr(error, "expected ") == NULL)
+		if (parse_bytes(b.text, size, &s, error) != -EBADMSG || !strstr(error, "expected "))
 			fail_msg("%zu bytes of %zu: %s", size, b.size, error);
 	}
 	char *events = strchr(b.text, '['), *end = b.text + b.size;
@@ -581,8 +581,8 @@ static void no_memory(void **state)
 	int failures = 0;
 	for (;; failures++) {
 		fail_allocation = failures;
-		const int result = stilb_prof_trace_parse(b.text, b.size, "a.json", &s, error, sizeof error);
-		const bool failed = fail_allocation < 0;
+		int result = stilb_prof_trace_parse(b.text, b.size, "a.json", &s, error, sizeof error);
+		bool failed = fail_allocation < 0;
 		fail_allocation = -1;
 		if (!failed)
 			break;
@@ -603,7 +603,7 @@ static void assert_unreadable(const char *path, int result, const char *said)
 	char error[256] = "";
 	stilb_prof_snapshot s = {0};
 	assert_int_equal(stilb_prof_trace_read(path, &s, error, sizeof error), result);
-	if (strstr(error, path) == NULL || strstr(error, said) == NULL)
+	if (!strstr(error, path) || !strstr(error, said))
 		fail_msg("%s: %s", path, error);
 	assert_null(s.memory);
 }
@@ -616,12 +616,12 @@ static void files(void **state)
 	stilb_prof_snapshot s = {0};
 	made_by_chance(&m, 3);
 	bytes b = written(&m.snapshot);
-	const int file = mkstemp(path);
+	int file = mkstemp(path);
 	assert_true(file >= 0 && write(file, b.text, b.size) == (ssize_t)b.size);
 	assert_int_equal(stilb_prof_trace_read(path, &s, error, sizeof error), 0);
 	assert_same(&m.snapshot, &s);
 	assert_int_equal(lseek(file, 0, SEEK_SET), 0);
-	const int input = dup(STDIN_FILENO);
+	int input = dup(STDIN_FILENO);
 	assert_int_equal(dup2(file, STDIN_FILENO), STDIN_FILENO);
 	assert_int_equal(stilb_prof_trace_read("-", &s, error, sizeof error), 0);
 	assert_same(&m.snapshot, &s);
@@ -640,7 +640,7 @@ static void files(void **state)
 	assert_int_equal(mkfifo(path, 0600), 0); /* that nobody writes */
 	assert_unreadable(path, -ESPIPE, "a device or a pipe");
 	unlink(path);
-	const int zero = open("/dev/zero", O_RDONLY), kept = dup(STDIN_FILENO); /* standard input is read whatever it is, */
+	int zero = open("/dev/zero", O_RDONLY), kept = dup(STDIN_FILENO); /* standard input is read whatever it is, */
 	dup2(zero, STDIN_FILENO);
 	assert_unreadable("-", -EBADMSG, "there is byte 0x00"); /* but not for ever */
 	dup2(kept, STDIN_FILENO);
@@ -670,7 +670,7 @@ static void speed(void **state)
 	clock_gettime(CLOCK_MONOTONIC, &from);
 	assert_int_equal(stilb_prof_trace_parse(b.text, b.size, "a.json", &s, error, sizeof error), 0);
 	clock_gettime(CLOCK_MONOTONIC, &to);
-	const double seconds = (double)(to.tv_sec - from.tv_sec) + 1e-9 * (double)(to.tv_nsec - from.tv_nsec);
+	double seconds = (double)(to.tv_sec - from.tv_sec) + 1e-9 * (double)(to.tv_nsec - from.tv_nsec);
 	print_message("%zu bytes, %.0f MB/s\n", b.size, (double)b.size / seconds * 1e-6);
 	stilb_prof_snapshot_finish(&s);
 	free(b.text);

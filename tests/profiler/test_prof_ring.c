@@ -47,10 +47,10 @@ static bool event_is_whole(const prof_record *record, uint64_t n)
 /* True when the events of the only thread are consecutive whole events. */
 static bool copy_is_whole(const prof_copy *copy)
 {
-	const size_t count = copy->lanes[0].event_count;
-	const uint64_t first = count > 0 ? record_at(copy, 0, 0).begin / STEP - 1 : 0;
+	size_t count = copy->lanes[0].event_count;
+	uint64_t first = count > 0 ? record_at(copy, 0, 0).begin / STEP - 1 : 0;
 	for (size_t i = 0; i < count; i++) {
-		const prof_record record = record_at(copy, 0, i);
+		prof_record record = record_at(copy, 0, i);
 		if (!event_is_whole(&record, first + i))
 			return false;
 	}
@@ -66,9 +66,9 @@ static void wrap_keeps_the_newest(void **state)
 	for (uint64_t n = 0; n < 1000; n++) {
 		event_record(n);
 		assert_int_equal(prof_copy_take(&copy, NULL), 0);
-		const uint32_t held = n + 1 < 64 ? (uint32_t)n + 1 : 63; /* the oldest may be about to be overwritten */
+		uint32_t held = n + 1 < 64 ? (uint32_t)n + 1 : 63; /* the oldest may be about to be overwritten */
 		assert_true(copy_is_whole(&copy));
-		const prof_record last = record_at(&copy, 0, held - 1);
+		prof_record last = record_at(&copy, 0, held - 1);
 		assert_true(event_is_whole(&last, n));
 		assert_int_equal(copy.lanes[0].event_count, held);
 		assert_int_equal(copy.events_recorded, n + 1);
@@ -102,7 +102,7 @@ static void large_rings_cost_what_is_used(void **state)
 	(void)state;
 	if (getenv("STILB_EMULATED"))
 		skip(); /* qemu-user maps memory in its own way */
-	const uint32_t sizes[] = {65536, 1u << 26};
+	uint32_t sizes[] = {65536, 1u << 26};
 	for (int i = 0; i < 2; i++) {
 		assert_int_equal(stilb_prof_ring_events_set(sizes[i]), 0);
 		assert_int_equal(stilb_prof_thread_begin(i == 0 ? "small" : "large"), 0);
@@ -215,10 +215,10 @@ static void windows_of_devices(void **state)
 	assert_int_equal(stilb_prof_lane_create("GPU", &lane), 0);
 	for (int i = 0; i < 10; i++) {
 		stilb_prof_frame_mark();
-		const uint64_t now = stilb_prof_clock_monotonic();
+		uint64_t now = stilb_prof_clock_monotonic();
 		stilb_prof_lane_zone(lane, i % 2 ? &odd_site : &even_site, 0, now, now);
 	}
-	const stilb_prof_window window = {.first_frame = 5, .frame_count = 1};
+	stilb_prof_window window = {.first_frame = 5, .frame_count = 1};
 	assert_int_equal(prof_copy_take(&copy, &window), 0);
 	char names[64];
 	record_names(&copy, 0, names, sizeof names);
@@ -275,8 +275,8 @@ static watch watch_start(int wanted)
 
 static bool watch_goes_on(watch *reader, const writer *w)
 {
-	const uint64_t head = __atomic_load_n(&w->ring->head, __ATOMIC_RELAXED); /* a hint: no data depends on it */
-	const uint64_t age = stilb_prof_clock_monotonic() - reader->start;
+	uint64_t head = __atomic_load_n(&w->ring->head, __ATOMIC_RELAXED); /* a hint: no data depends on it */
+	uint64_t age = stilb_prof_clock_monotonic() - reader->start;
 	reader->seen += head != reader->head;
 	reader->head = head;
 	return reader->seen < reader->wanted && age < UINT64_C(1000000000) * (reader->seen > 1 ? 1 : 20);
@@ -335,7 +335,7 @@ static void *write_open_events(void *data)
 static bool open_events_are_whole(const stilb_prof_open_zone *zones, uint32_t count)
 {
 	for (uint32_t depth = 0; depth < count; depth++) {
-		const uint64_t n = zones[depth].begin / STEP - 1;
+		uint64_t n = zones[depth].begin / STEP - 1;
 		if (n % 3 != depth || zones[depth].site != (n % 2 ? &odd_site : &even_site))
 			return false;
 		if (depth > 0 && zones[depth - 1].begin + STEP != zones[depth].begin)
@@ -366,7 +366,7 @@ static void open_zones_are_never_torn(void **state)
 	writer_start(&thread, write_open_events, &w);
 	for (watch reader = watch_start(300000); watch_goes_on(&reader, &w);) {
 		stilb_prof_open_zone zones[STILB_PROF_DEPTH_MAX];
-		const uint32_t count = prof_copy_open(w.ring, zones);
+		uint32_t count = prof_copy_open(w.ring, zones);
 		broken += !open_events_are_whole(zones, count);
 		open += count;
 	}
@@ -405,7 +405,7 @@ static bool zones_are_consistent(const prof_copy *copy)
 {
 	const prof_lane_copy *lane = &copy->lanes[0];
 	for (size_t i = 0; i < lane->event_count; i++) {
-		const prof_record record = record_at(copy, 0, i);
+		prof_record record = record_at(copy, 0, i);
 		if (record.depth != (uint32_t)(record.site->name[0] - '0') || record.end < record.begin)
 			return false;
 	}
@@ -465,7 +465,7 @@ static void windows_of_a_busy_thread(void **state)
 	writer w = {0};
 	prof_copy copy = {0};
 	uint64_t broken = 0;
-	const stilb_prof_window window = {.last_frames = 1};
+	stilb_prof_window window = {.last_frames = 1};
 	assert_int_equal(stilb_prof_ring_events_set(64), 0);
 	writer_start(&thread, write_zones, &w);
 	for (watch reader = watch_start(2000); watch_goes_on(&reader, &w);) {
@@ -666,7 +666,7 @@ static void lanes_stand_by_their_numbers(void **state)
 	                                    "worker 1", "worker",    "worker 02", "worker 3"};
 	static const char *const expected[] = {"main",      "worker 1",  "worker 2", "worker 3",
 	                                       "worker 02", "worker 10", "GPU",      "worker"};
-	const uint32_t count = sizeof begun / sizeof *begun;
+	uint32_t count = sizeof begun / sizeof *begun;
 	prof_copy copy = {0};
 	for (uint32_t i = 0; i < count; i++) {
 		stilb_prof_lane_handle *lane;

@@ -27,7 +27,7 @@ uint32_t __wrap_prof_switches_copy(const prof_switches *switches, uint64_t since
 
 prof_switches __wrap_prof_switches_open(const char *name)
 {
-	return made_switches != NULL ? (prof_switches){.page = &made_page} : __real_prof_switches_open(name);
+	return made_switches ? (prof_switches){.page = &made_page} : __real_prof_switches_open(name);
 }
 
 void __wrap_prof_switches_close(prof_switches *switches)
@@ -138,7 +138,7 @@ static void check_snapshot(void)
 
 static void take(uint32_t last_frames)
 {
-	const stilb_prof_window window = {.last_frames = last_frames};
+	stilb_prof_window window = {.last_frames = last_frames};
 	assert_int_equal(stilb_prof_snapshot_take(&s, &window), 0);
 	check_snapshot();
 }
@@ -195,7 +195,7 @@ static void record_flow(const stilb_prof_site *site, uint64_t time, uint32_t ope
 static void ties_keep_the_tree(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now();
+	uint64_t t = prof_clock_now();
 	record(&site_b, t, t, 1);
 	record(&site_a, t, t, 0);
 	record(&site_d, t, t + 5000, 1);
@@ -209,7 +209,7 @@ static void ties_keep_the_tree(void **state)
 static void children_without_their_parent(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now();
+	uint64_t t = prof_clock_now();
 	record(&site_b, t + 100, t + 200, 2);
 	record(&site_c, t + 300, t + 400, 2);
 	record(&site_a, t + 250, t + 500, 1); /* c is its child, b was of another whose event is gone */
@@ -222,7 +222,7 @@ static void children_without_their_parent(void **state)
 static void overlaps_are_cut(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now();
+	uint64_t t = prof_clock_now();
 	record(&site_a, t, t + 5000, 0);
 	record(&site_b, t + 3000, t + 9000, 0);
 	record(&site_c, t + 8000, t + 20000, 1);
@@ -249,11 +249,11 @@ typedef struct expected_zone {
 /* A random tree in the order of its ends; steps of 0 to 3 ticks, so that many times are equal, in ticks and in ns. */
 static uint64_t record_tree(uint64_t t, uint32_t depth, int *left, expected_zone *expected, uint32_t *count)
 {
-	const uint64_t begin = t + random_below(4);
+	uint64_t begin = t + random_below(4);
 	expected_zone *zone = &expected[(*count)++];
 	t = begin;
 	while (*left > 0 && depth < STILB_PROF_DEPTH_MAX - 1 && random_below(8) < 6) {
-		--*left;
+		(*left)--;
 		t = record_tree(t, depth + 1, left, expected, count);
 	}
 	t += random_below(4);
@@ -274,9 +274,9 @@ static void random_trees_come_back(void **state)
 	assert_int_equal(s.lanes[0].zone_count, count);
 	for (uint32_t i = 0; i < count; i++) {
 		const stilb_prof_zone *zone = &s.lanes[0].zones[i];
-		const double ns = (double)expected[i].ticks * 1e9 / s.hz;
+		double ns = (double)expected[i].ticks * 1e9 / s.hz;
 		assert_int_equal(zone->level, expected[i].level);
-		const double error = (double)(zone->end_ns - zone->begin_ns) - ns;
+		double error = (double)(zone->end_ns - zone->begin_ns) - ns;
 		if (error < -2 || error > 2)
 			fail_msg("zone %u: %g ns off", i, error);
 	}
@@ -348,7 +348,7 @@ static void the_last_frames_are_remembered(void **state)
 	assert_int_equal(s.begin_ns, s.frames[0].begin_ns);
 	PROFILE("open");
 	for (uint64_t first = 0; first < 5000; first += 4000) { /* forgotten; not there yet */
-		const stilb_prof_window window = {.first_frame = first, .frame_count = 2};
+		stilb_prof_window window = {.first_frame = first, .frame_count = 2};
 		assert_int_equal(stilb_prof_snapshot_take(&s, &window), 0);
 		check_snapshot();
 		assert_int_equal(s.frame_count, 0);
@@ -409,7 +409,7 @@ static void frames_by_number(void **state)
 		PROFILE("zone");
 	}
 	PROFILE("still open");
-	const stilb_prof_window window = {.first_frame = 3, .frame_count = 2};
+	stilb_prof_window window = {.first_frame = 3, .frame_count = 2};
 	assert_int_equal(stilb_prof_snapshot_take(&s, &window), 0);
 	check_snapshot();
 	assert_int_equal(s.frame_count, 2);
@@ -538,8 +538,8 @@ static void jobs_are_charged_to_who_submitted_them(void **state)
 static void a_flow_has_any_number_of_ends(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now();
-	const uint64_t lost = prof_flow_id(0, 5, 1), loop = prof_flow_id(0, 5, 2), waits = prof_flow_id(0, 5, 3);
+	uint64_t t = prof_clock_now();
+	uint64_t lost = prof_flow_id(0, 5, 1), loop = prof_flow_id(0, 5, 2), waits = prof_flow_id(0, 5, 3);
 	record_flow(&flow_job[1], t + 1000, 0, lost); /* its begin is not held */
 	record_flow(&flow_job[0], t + 2000, 0, loop);
 	record_flow(&flow_job[0], t + 30000, 0, waits); /* has not run yet */
@@ -568,7 +568,7 @@ static void a_flow_has_any_number_of_ends(void **state)
 static void no_flow_goes_back_in_time(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now(), id = prof_flow_id(0, 0, 1);
+	uint64_t t = prof_clock_now(), id = prof_flow_id(0, 0, 1);
 	record_flow(&flow_job[1], t + 1000, 0, id);
 	record_flow(&flow_job[0], t + 2000, 0, id);
 	take(0);
@@ -580,8 +580,8 @@ static void no_flow_goes_back_in_time(void **state)
 static void a_flow_lies_inside_its_zone(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now();
-	const uint64_t id = prof_flow_id(0, 0, 1);
+	uint64_t t = prof_clock_now();
+	uint64_t id = prof_flow_id(0, 0, 1);
 	record_flow(&flow_job[0], t + 9000, 1, id);
 	record(&site_a, t, t + 9000, 0);
 	record_flow(&flow_job[1], t + 18000, 1, id);
@@ -595,7 +595,7 @@ static void a_flow_lies_inside_its_zone(void **state)
 static void flows_stay_in_order(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now();
+	uint64_t t = prof_clock_now();
 	record_flow(&flow_job[1], t + 9000, 2, prof_flow_id(0, 0, 1));
 	record(&site_b, t + 9000, t + 9000, 1);
 	record_flow(&flow_job[1], t + 9000, 1, prof_flow_id(0, 0, 2));
@@ -631,7 +631,7 @@ static void devices_keep_their_own_time(void **state)
 	(void)state;
 	stilb_prof_lane_handle *lane;
 	assert_int_equal(stilb_prof_lane_create("GPU", &lane), 0);
-	const uint64_t now = stilb_prof_clock_monotonic();
+	uint64_t now = stilb_prof_clock_monotonic();
 	stilb_prof_lane_zone(lane, &site_b, 1, now - 900, now - 500);
 	stilb_prof_lane_zone(lane, &site_c, 1, now - 500, now - 100);
 	stilb_prof_lane_zone(lane, &site_a, 0, now - 1000, now);
@@ -654,15 +654,15 @@ static void begin_thread_with_switches(prof_switch_event *events, uint32_t count
 	made_switches = events;
 	made_switch_count = count;
 	assert_int_equal(stilb_prof_thread_begin("switched"), 0);
-	const uint64_t now = stilb_prof_clock_monotonic();
+	uint64_t now = stilb_prof_clock_monotonic();
 	for (uint32_t i = 0; i < count; i++)
 		events[i].ns += now;
 }
 
 static void record_ns(const stilb_prof_site *site, uint32_t depth, uint64_t now_ns, int64_t begin, int64_t end)
 {
-	const prof_anchor anchor = prof_clock_anchor();
-	const double ticks = s.hz / 1e9, offset = (double)now_ns - (double)anchor.ns;
+	prof_anchor anchor = prof_clock_anchor();
+	double ticks = s.hz / 1e9, offset = (double)now_ns - (double)anchor.ns;
 	record(site, anchor.ticks + (uint64_t)(int64_t)(ticks * (offset + (double)begin)),
 	       anchor.ticks + (uint64_t)(int64_t)(ticks * (offset + (double)end)), depth);
 }
@@ -683,7 +683,7 @@ static void switches_become_time_off_the_cpu(void **state)
 	};
 	take(0); /* for hz */
 	begin_thread_with_switches(events, 6);
-	const uint64_t t = events[0].ns + 900 * US;
+	uint64_t t = events[0].ns + 900 * US;
 	record_ns(&site_b, 1, t, 3000 * US, 4000 * US);
 	record_ns(&site_c, 1, t, 4500 * US, 7500 * US);
 	record_ns(&site_a, 0, t, 0, 10000 * US);
@@ -718,7 +718,7 @@ static void a_closed_window_cuts_switches(void **state)
 	sleep_ms(5);
 	stilb_prof_thread_end();
 	assert_int_equal(stilb_prof_thread_begin("late"), 0);
-	const stilb_prof_window window = {.first_frame = 0, .frame_count = 1};
+	stilb_prof_window window = {.first_frame = 0, .frame_count = 1};
 	assert_int_equal(stilb_prof_snapshot_take(&s, &window), 0);
 	check_snapshot();
 	assert_int_equal(s.lanes[1].switch_count, 2); /* before it began, and then */
@@ -747,7 +747,7 @@ static void threads_that_come_and_go(void **state)
 	sleep_ms(2);
 	take(0);
 	const stilb_prof_lane *lane = &s.lanes[1];
-	const stilb_prof_zone late = *find_zone(1, "late");
+	stilb_prof_zone late = *find_zone(1, "late");
 	assert_int_equal(lane->switch_count, 2);
 	assert_int_equal(lane->switches[0].out_ns, s.begin_ns);
 	assert_in_range(lane->switches[0].in_ns, s.begin_ns + 2000000, late.begin_ns);
@@ -828,12 +828,12 @@ static void sleep_is_off_the_cpu(void **state)
 	const stilb_prof_lane *lane = &s.lanes[s.lane_count - 1];
 	assert_string_equal(lane->name, "sleeper");
 	assert_true(lane->tid > 0);
-	if (lane->no_switches != NULL) {
+	if (lane->no_switches) {
 		print_message("no context switches: %s\n", lane->no_switches);
 		return;
 	}
-	const uint64_t sleep = find_zone(s.lane_count - 1, "sleep")->off_cpu_ns;
-	const uint64_t around = find_zone(s.lane_count - 1, "around")->off_cpu_ns;
+	uint64_t sleep = find_zone(s.lane_count - 1, "sleep")->off_cpu_ns;
+	uint64_t around = find_zone(s.lane_count - 1, "around")->off_cpu_ns;
 	assert_true(lane->switch_count >= 2);
 	assert_true(sleep >= 4900000);
 	assert_true(around >= sleep + 2900000);
@@ -859,7 +859,7 @@ static void memory_is_used_again(void **state)
 	(void)state;
 	work_through_frames(10);
 	take(2);
-	const uint32_t labels = s.label_count;
+	uint32_t labels = s.label_count;
 	allocations = 0;
 	for (int i = 0; i < 100; i++) {
 		work_through_frames(1);
@@ -880,8 +880,8 @@ static void no_memory(void **state)
 	stilb_prof_snapshot_finish(&s);
 	for (;; failures++) {
 		fail_allocation = failures;
-		const int error = stilb_prof_snapshot_take(&s, NULL);
-		const bool failed = fail_allocation < 0;
+		int error = stilb_prof_snapshot_take(&s, NULL);
+		bool failed = fail_allocation < 0;
 		fail_allocation = -1;
 		if (!failed)
 			break;
@@ -909,8 +909,8 @@ static void fail_each_allocation(void)
 {
 	for (int failures = 0;; failures++) {
 		fail_allocation = failures;
-		const int error = stilb_prof_snapshot_take(&s, NULL);
-		const bool failed = fail_allocation < 0;
+		int error = stilb_prof_snapshot_take(&s, NULL);
+		bool failed = fail_allocation < 0;
 		fail_allocation = -1;
 		if (!failed)
 			break;

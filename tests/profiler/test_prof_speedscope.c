@@ -22,7 +22,7 @@ typedef struct said {
 
 static bool said_next(said *s)
 {
-	const bool more = fgets(s->line, sizeof s->line, s->file) != NULL;
+	bool more = fgets(s->line, sizeof s->line, s->file);
 	s->line[more ? strcspn(s->line, "\n") : 0] = '\0';
 	return more;
 }
@@ -62,9 +62,9 @@ static void assert_event(said *s, char type, uint64_t ns, const char *name)
 static void assert_lane(said *s, const stilb_prof_snapshot *snapshot, const stilb_prof_lane *lane)
 {
 	uint32_t open = STILB_PROF_NONE;
-	const uint64_t first = lane->zones[0].begin_ns;
+	uint64_t first = lane->zones[0].begin_ns;
 	for (uint32_t i = 0; i <= lane->zone_count; i++) {
-		const uint32_t parent = i < lane->zone_count ? lane->zones[i].parent : STILB_PROF_NONE;
+		uint32_t parent = i < lane->zone_count ? lane->zones[i].parent : STILB_PROF_NONE;
 		for (; open != parent; open = lane->zones[open].parent)
 			assert_event(s, 'C', lane->zones[open].end_ns - first, snapshot->labels[lane->zones[open].label].name);
 		if (i < lane->zone_count) {
@@ -82,7 +82,7 @@ static bool find_profile(said *s, const char *name, uint32_t tid)
 	snprintf(end, sizeof end, "), %s (tid %" PRIu32 ")", name, tid);
 	rewind(s->file);
 	while (said_next(s)) {
-		const size_t size = strlen(s->line), end_size = strlen(end);
+		size_t size = strlen(s->line), end_size = strlen(end);
 		if (strncmp(s->line, "profile ", 8) == 0 && size > end_size && strcmp(s->line + size - end_size, end) == 0)
 			return true;
 	}
@@ -143,7 +143,7 @@ static void many_zones(void **state)
 /* What CMake did not find. */
 static bool is_missing(const char *path)
 {
-	return strstr(path, "NOTFOUND") != NULL;
+	return strstr(path, "NOTFOUND");
 }
 
 int main(int argc, char **argv)

@@ -48,8 +48,8 @@ static uint64_t window_off_cpu(const window *w, uint32_t lane, const stilb_prof_
 	uint64_t sum = 0;
 	for (uint32_t s = 0; s < w->m->lanes[lane].switch_count; s++) {
 		const stilb_prof_switch *off = &w->m->switches[lane][s];
-		const uint64_t begin = zone->begin_ns > window_begin(w) ? zone->begin_ns : window_begin(w);
-		const uint64_t end = zone->end_ns < window_end(w) ? zone->end_ns : window_end(w);
+		uint64_t begin = zone->begin_ns > window_begin(w) ? zone->begin_ns : window_begin(w);
+		uint64_t end = zone->end_ns < window_end(w) ? zone->end_ns : window_end(w);
 		sum += end > begin ? made_overlap(begin, end, off->out_ns, off->in_ns) : 0;
 	}
 	return sum;
@@ -66,7 +66,7 @@ static bool window_outermost(const window *w, uint32_t lane, const stilb_prof_zo
 
 static int compare_u64(const void *a, const void *b)
 {
-	const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
 	return (x > y) - (x < y);
 }
 
@@ -109,12 +109,12 @@ static void assert_rows(stilb_prof_stats *stats, const window *w)
 			stilb_prof_row expected;
 			uint64_t *durations;
 			const stilb_prof_row *row = NULL;
-			const bool any = long_way(w, label, (stilb_prof_lane_kind)kind, &expected, &durations);
+			bool any = long_way(w, label, (stilb_prof_lane_kind)kind, &expected, &durations);
 			for (uint32_t i = 0; i < stats->row_count; i++)
 				if (stats->rows[i].label == label && (int)stats->rows[i].kind == kind)
 					row = &stats->rows[i];
-			assert_int_equal(any, row != NULL);
-			if (row != NULL) {
+			assert_int_equal(!any, !row);
+			if (row) {
 				rows++;
 				assert_memory_equal(row->durations_ns, durations, row->calls * sizeof *durations);
 				expected.durations_ns = row->durations_ns;
@@ -151,7 +151,7 @@ static void as_the_long_way(void **state)
 			assert_rows(&stats, &w);
 		}
 		for (int i = 0; i < 20; i++) {
-			const uint64_t length = m.snapshot.end_ns - m.snapshot.begin_ns, at = made_below(&random, length);
+			uint64_t length = m.snapshot.end_ns - m.snapshot.begin_ns, at = made_below(&random, length);
 			w.range = (stilb_prof_stats_range){.begin_ns = m.snapshot.begin_ns + at,
 			                                   .end_ns = m.snapshot.begin_ns + at + made_below(&random, length)};
 			w.range.frame_count = i % 3 == 0 ? m.snapshot.frame_count : 0;
@@ -170,7 +170,7 @@ static void self_times_add_up(void **state)
 	made m;
 	made_by_chance(&m, 9);
 	for (uint64_t begin = m.snapshot.begin_ns; begin < m.snapshot.end_ns; begin += 97) {
-		const stilb_prof_stats_range range = {.begin_ns = begin, .end_ns = begin + 97};
+		stilb_prof_stats_range range = {.begin_ns = begin, .end_ns = begin + 97};
 		uint64_t in_zones = 0, self = 0;
 		for (uint32_t l = 0; l < m.snapshot.lane_count; l++)
 			for (uint32_t i = 0; i < m.lanes[l].zone_count; i += m.zones[l][i].size)
@@ -215,8 +215,8 @@ static void recursion_counts_once(void **state)
 
 static uint64_t value(const stilb_prof_row *row, stilb_prof_order order)
 {
-	const uint64_t values[] = {row->inclusive_ns, row->self_ns, row->off_cpu_ns, row->calls,
-	                           row->p50_ns,       row->p99_ns,  row->max_ns,     0};
+	uint64_t values[] = {row->inclusive_ns, row->self_ns, row->off_cpu_ns, row->calls,
+	                     row->p50_ns,       row->p99_ns,  row->max_ns,     0};
 	return values[order];
 }
 
@@ -233,7 +233,7 @@ static void rows_are_sorted(void **state)
 			stilb_prof_stats_sort(&stats, &m.snapshot, (stilb_prof_order)order);
 		for (uint32_t i = 1; i < stats.row_count; i++) {
 			const stilb_prof_row *a = &stats.rows[i - 1], *b = &stats.rows[i];
-			const stilb_prof_order by = order < 0 ? STILB_PROF_BY_INCLUSIVE : (stilb_prof_order)order;
+			stilb_prof_order by = order < 0 ? STILB_PROF_BY_INCLUSIVE : (stilb_prof_order)order;
 			assert_true(value(a, by) >= value(b, by));
 			assert_true(value(a, by) > value(b, by) || strcmp(m.labels[a->label].name, m.labels[b->label].name) <= 0);
 		}
@@ -281,7 +281,7 @@ static void ranges_that_are_not_there(void **state)
 	assert_int_equal(stats.row_count, 0);
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
 		assert_int_equal(stilb_prof_stats_take(&stats, &m.snapshot, &wrong[i]), -EINVAL);
-		assert_true(stats.rows == NULL && stats.row_count == 0);
+		assert_true(!stats.rows && stats.row_count == 0);
 	}
 	stilb_prof_stats_finish(&stats);
 	stilb_prof_stats_finish(&stats);
@@ -297,8 +297,8 @@ static void no_memory(void **state)
 	for (;; failures++) {
 		stilb_prof_stats stats = {0};
 		fail_allocation = failures;
-		const int error = stilb_prof_stats_take(&stats, &m.snapshot, NULL);
-		const bool failed = fail_allocation < 0;
+		int error = stilb_prof_stats_take(&stats, &m.snapshot, NULL);
+		bool failed = fail_allocation < 0;
 		fail_allocation = -1;
 		assert_int_equal(error, failed ? -ENOMEM : 0);
 		assert_int_equal(stats.row_count == 0, failed);
@@ -338,13 +338,13 @@ static void a_frame_costs_little(void **state)
 		made_pop(&m, l, 1000000);
 	}
 	made_derive(&m);
-	const stilb_prof_stats_range range = {.frame_count = 1};
+	stilb_prof_stats_range range = {.frame_count = 1};
 	assert_int_equal(stilb_prof_stats_take(&stats, &m.snapshot, &range), 0);
 	allocations = 0;
 	for (int i = 0; i < 300; i++) {
-		const uint64_t from = now_ns();
+		uint64_t from = now_ns();
 		assert_int_equal(stilb_prof_stats_take(&stats, &m.snapshot, &range), 0);
-		const uint64_t took = now_ns() - from;
+		uint64_t took = now_ns() - from;
 		best = took < best ? took : best;
 	}
 	assert_int_equal(allocations, 0);

@@ -35,11 +35,11 @@ static proc_counts proc_count(void)
 	proc_counts counts = {UINT64_MAX, UINT64_MAX};
 	FILE *file = fopen("/proc/thread-self/status", "r");
 	char line[256];
-	while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+	while (file && fgets(line, sizeof line, file)) {
 		sscanf(line, "voluntary_ctxt_switches: %lu", &counts.slept);
 		sscanf(line, "nonvoluntary_ctxt_switches: %lu", &counts.preempted);
 	}
-	if (file != NULL)
+	if (file)
 		fclose(file);
 	return counts;
 }
@@ -151,8 +151,8 @@ static void every_switch_is_noted(void **state)
 	(void)state;
 	for (int rivals = 0; rivals < 2; rivals++) {
 		sleeper s = {0};
-		const cpu_set_t all = one_cpu();
-		const pthread_t rival = rivals > 0 ? rival_start() : pthread_self();
+		cpu_set_t all = one_cpu();
+		pthread_t rival = rivals > 0 ? rival_start() : pthread_self();
 		run(sleeper_run, &s);
 		if (rivals > 0)
 			rival_join(rival);
@@ -176,15 +176,15 @@ static void the_newest_are_kept(void **state)
 	prof_switches switches = prof_switches_open("test");
 	for (int i = 0; i < PROF_SWITCHES_MAX / 2 + 500; i++)
 		sleep_ns(1);
-	const uint64_t before = stilb_prof_clock_monotonic();
+	uint64_t before = stilb_prof_clock_monotonic();
 	sleep_ns(1000000);
-	const uint64_t after = stilb_prof_clock_monotonic();
-	const uint32_t count = prof_switches_copy(&switches, 0, events);
+	uint64_t after = stilb_prof_clock_monotonic();
+	uint32_t count = prof_switches_copy(&switches, 0, events);
 	assert_in_range(count, PROF_SWITCHES_MAX - 1 - 8, PROF_SWITCHES_MAX - 1); /* it may be preempted in the copy */
 	assert_true(events_are_whole(events, count));
 
 	/* From the last one before a moment on: the state at that moment is known. */
-	const uint32_t since = prof_switches_copy(&switches, before, events);
+	uint32_t since = prof_switches_copy(&switches, before, events);
 	assert_in_range(since, 3, 64);
 	assert_true(events[0].ns <= before && events[0].in);
 	assert_true(events[1].ns > before);
@@ -221,8 +221,8 @@ static void copies_are_whole(void **state)
 		skip();
 	switcher s = {0};
 	pthread_t thread;
-	const cpu_set_t all = one_cpu();
-	const pthread_t rival = rival_start();
+	cpu_set_t all = one_cpu();
+	pthread_t rival = rival_start();
 	assert_int_equal(pthread_create(&thread, NULL, switcher_run, &s), 0);
 	pthread_setaffinity_np(pthread_self(), sizeof all, &all);
 	while (!__atomic_load_n(&s.ready, __ATOMIC_ACQUIRE))
@@ -230,7 +230,7 @@ static void copies_are_whole(void **state)
 	uint64_t newest = 0;
 	uint32_t full = 0, broken = 0;
 	for (time_t end = time(NULL) + 20; time(NULL) < end && full < 200;) {
-		const uint32_t count = prof_switches_copy(&s.switches, 0, events);
+		uint32_t count = prof_switches_copy(&s.switches, 0, events);
 		broken += !events_are_whole(events, count) || (count > 0 && events[count - 1].ns < newest);
 		full += count > PROF_SWITCHES_MAX / 2 && events[count - 1].ns > newest;
 		newest = count > 0 ? events[count - 1].ns : newest;
@@ -248,7 +248,7 @@ static void copies_are_whole(void **state)
 /* Runs check in a child that may spoil its own process: 0 passed, 77 not possible here. */
 static void in_child(int (*check)(void))
 {
-	const pid_t child = fork();
+	pid_t child = fork();
 	assert_true(child >= 0);
 	if (child == 0)
 		_exit(check());
@@ -263,10 +263,10 @@ static void in_child(int (*check)(void))
 static int refused_is(const char *part)
 {
 	prof_switches switches = prof_switches_open("test");
-	const bool good = switches.page == NULL && switches.refused != NULL && strstr(switches.refused, part) != NULL &&
-	                  prof_switches_copy(&switches, 0, events) == 0;
+	bool good = !switches.page && switches.refused && strstr(switches.refused, part) &&
+	            prof_switches_copy(&switches, 0, events) == 0;
 	if (!good)
-		fprintf(stderr, "refused: %s\n", switches.refused != NULL ? switches.refused : "(not at all)");
+		fprintf(stderr, "refused: %s\n", switches.refused ? switches.refused : "(not at all)");
 	prof_switches_close(&switches);
 	return !good;
 }
@@ -300,7 +300,7 @@ static int without_switches(void)
 
 static int without_descriptors(void)
 {
-	const struct rlimit none = {0, 0};
+	struct rlimit none = {0, 0};
 	return setrlimit(RLIMIT_NOFILE, &none) ? 77 : refused_is("no file descriptor");
 }
 
@@ -319,11 +319,11 @@ static bool switch_is_noted(prof_switches *switches)
 static int as_nobody(void)
 {
 	static prof_switches all[4096];
-	const struct rlimit little = {0, 0};
+	struct rlimit little = {0, 0};
 	uint32_t count = 0, small = 0;
 	if (setrlimit(RLIMIT_MEMLOCK, &little) || setgid(65534) || setuid(65534))
 		return 77;
-	while (count < 4096 && (all[count] = prof_switches_open("test")).page != NULL) {
+	while (count < 4096 && (all[count] = prof_switches_open("test")).page) {
 		if (!switch_is_noted(&all[count]))
 			return 1;
 		small += all[count].size < all[0].size;
@@ -331,7 +331,7 @@ static int as_nobody(void)
 	}
 	if (count == 0 || count == 4096 || small == 0)
 		return 2;
-	const bool told = strstr(all[count].refused, "RLIMIT_MEMLOCK") != NULL;
+	bool told = strstr(all[count].refused, "RLIMIT_MEMLOCK");
 	while (count > 0)
 		prof_switches_close(&all[--count]);
 	return told ? 0 : 3;
@@ -374,7 +374,7 @@ static int counted_instead(void)
 		while (cpu.tv_sec * 1000 + cpu.tv_nsec / 1000000 < 20 + 5 * (i + 1));
 	}
 	stilb_prof_frame_mark();
-	if (stilb_prof_snapshot_take(&snapshot, NULL) != 0 || snapshot.lanes[0].no_switches == NULL)
+	if (stilb_prof_snapshot_take(&snapshot, NULL) != 0 || !snapshot.lanes[0].no_switches)
 		return 1;
 	for (uint32_t i = 0; i < snapshot.point_count; i++) {
 		const stilb_prof_point *point = &snapshot.points[i];
@@ -459,7 +459,7 @@ int main(void)
 {
 	stilb_prof_switches_set(true);
 	prof_switches probe = prof_switches_open("test");
-	if (probe.page == NULL) {
+	if (!probe.page) {
 		printf("skipped: %s\n", probe.refused);
 		return 77;
 	}

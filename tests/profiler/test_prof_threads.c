@@ -80,7 +80,7 @@ static uint64_t without_ring(void)
 {
 	prof_copy copy = {0};
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
-	const uint64_t count = copy.without_ring;
+	uint64_t count = copy.without_ring;
 	prof_copy_free(&copy);
 	return count;
 }
@@ -469,7 +469,7 @@ static void *mark_frames(void *unused)
 static void marking_frames_may_be_the_first_event(void **state)
 {
 	(void)state;
-	const uint32_t handle = prof_schedstat_open("watched");
+	uint32_t handle = prof_schedstat_open("watched");
 	if (handle == 0)
 		skip();
 	refuse_perf = true;

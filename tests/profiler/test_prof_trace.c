@@ -35,7 +35,7 @@ int __wrap_snprintf(char *text, size_t size, const char *format, ...)
 	int length = vsnprintf(printed, sizeof printed, format, arguments);
 	va_end(arguments);
 	char *point = strchr(printed, '.');
-	if (strcmp(decimal_point, ".") != 0 && point != NULL) {
+	if (strcmp(decimal_point, ".") != 0 && point) {
 		memmove(point + strlen(decimal_point), point + 1, strlen(point));
 		memcpy(point, decimal_point, strlen(decimal_point));
 		length += (int)strlen(decimal_point) - 1;
@@ -230,7 +230,7 @@ static void recursion_is_a_line_for_each_depth(void **state)
 	for (uint32_t i = 0; i < DEPTH; i++)
 		zones[i] =
 			(stilb_prof_zone)ZONE(i, 2 * DEPTH - i, 2, JOB, i - 1, DEPTH - i, ROOT, (uint16_t)i); /* ROOT is -1 */
-	const stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = DEPTH};
+	stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = DEPTH};
 	stilb_prof_snapshot s = made;
 	s.lanes = &lane;
 	s.lane_count = 1;
@@ -246,7 +246,7 @@ static void recursion_is_a_line_for_each_depth(void **state)
 /* Each zone around two of other names, 11 deep. */
 static uint32_t fill_tree(stilb_prof_zone *zones, uint32_t at, uint32_t parent, uint16_t level)
 {
-	const uint32_t first = at++;
+	uint32_t first = at++;
 	for (uint32_t i = 0; level < 10 && i < 2; i++)
 		at = fill_tree(zones, at, first, level + 1);
 	zones[first] = (stilb_prof_zone){.self_ns = 1, .parent = parent, .size = at - first, .frame = ROOT, .level = level};
@@ -261,7 +261,7 @@ static void every_stack_has_its_line(void **state)
 	assert_int_equal(fill_tree(zones, 0, ROOT, 0), ZONES);
 	for (uint32_t i = 1; i < ZONES; i++) /* of two siblings the first stands right behind their parent */
 		zones[i].label = zones[i].parent == i - 1 ? JOB : WAIT;
-	const stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = ZONES};
+	stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = ZONES};
 	stilb_prof_snapshot s = made;
 	s.lanes = &lane;
 	s.lane_count = 1;
@@ -294,13 +294,13 @@ static void a_made_snapshot_as_csv(void **state)
 static void recursion_counts_once_in_csv(void **state)
 {
 	(void)state;
-	const stilb_prof_zone zones[] = {
+	stilb_prof_zone zones[] = {
 		ZONE(1000, 9000, 4000, JOB, ROOT, 3, 0, 0),
 		ZONE(2000, 6000, 1000, WAIT, 0, 2, 0, 1),
 		ZONE(3000, 6000, 3000, JOB, 1, 1, 0, 2),
 		ZONE(9000, 9500, 500, JOB, ROOT, 1, 0, 0),
 	};
-	const stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = 4};
+	stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = 4};
 	stilb_prof_snapshot s = made;
 	s.lanes = &lane;
 	s.lane_count = s.frame_count = 1;
@@ -315,7 +315,7 @@ static void recursion_counts_once_in_csv(void **state)
 static void an_empty_snapshot_is_a_file(void **state)
 {
 	(void)state;
-	const stilb_prof_snapshot empty = {.clock = "rdtsc", .hz = 1};
+	stilb_prof_snapshot empty = {.clock = "rdtsc", .hz = 1};
 	capture c = {0};
 	assert_int_equal(stilb_prof_trace_write_chrome(&empty, "empty", sink_of(&c)), 0);
 	if (trace_check_text(c.text, c.size, &c.report) != 0)
@@ -351,13 +351,13 @@ static void ends_that_touch_stay_apart_and_exact(void **state)
 {
 	(void)state;
 	/* a(b(c(d))) all end together where the next one begins; then one without length at its parent's end. */
-	const uint64_t t = UINT64_C(86400000000123); /* a day */
-	const stilb_prof_zone zones[TOUCHING] = {
+	uint64_t t = UINT64_C(86400000000123); /* a day */
+	stilb_prof_zone zones[TOUCHING] = {
 		ZONE(t, t + 50, 20, JOB, ROOT, 4, 0, 0),     ZONE(t + 20, t + 50, 10, WAIT, 0, 3, 0, 1),
 		ZONE(t + 30, t + 50, 20, JOB, 1, 2, 0, 2),   ZONE(t + 50, t + 50, 0, JOB, 2, 1, 0, 3),
 		ZONE(t + 50, t + 51, 1, JOB, ROOT, 1, 0, 0), ZONE(t + 51, t + 51, 0, JOB, ROOT, 1, 0, 0),
 	};
-	const stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = TOUCHING};
+	stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = TOUCHING};
 	stilb_prof_snapshot s = made;
 	s.lanes = &lane;
 	s.lane_count = 1;
@@ -370,7 +370,7 @@ static void ends_that_touch_stay_apart_and_exact(void **state)
 	const char *line = strstr(c.text, "{\"ph\":\"X\"");
 	double ends[TOUCHING];
 	for (int i = 0; i < TOUCHING; i++, line = strstr(line + 1, "{\"ph\":\"X\"")) {
-		const uint64_t begin = rounded_ns(line, "\"ts\":");
+		uint64_t begin = rounded_ns(line, "\"ts\":");
 		assert_int_equal(begin, zones[i].begin_ns);
 		assert_int_equal(begin + rounded_ns(line, "\"dur\":"), zones[i].end_ns);
 		ends[i] = end_us(line);
@@ -411,7 +411,7 @@ static void everything_recorded_is_written(void **state)
 		PROFILE("outer");
 		PROFILE_COUNTER("i", i);
 		PROFILE_INSTANT("now");
-		const uint64_t id = stilb_prof_flow_begin(flow_job);
+		uint64_t id = stilb_prof_flow_begin(flow_job);
 		PROFILE_BEGIN("one");
 		stilb_prof_flow_end(flow_job, id);
 		PROFILE_NEXT("two");
@@ -455,8 +455,8 @@ typedef struct random_tree {
 
 static uint64_t record_tree(random_tree *tree, uint64_t t, uint32_t depth)
 {
-	const uint64_t begin = t + tree->step * random_below(2);
-	const int left = tree->left;
+	uint64_t begin = t + tree->step * random_below(2);
+	int left = tree->left;
 	t = begin;
 	while (tree->left > 0 && depth + 1 < tree->depths && random_below(8) < 6) {
 		tree->left--;
@@ -479,7 +479,7 @@ static int record_trees(random_tree tree)
 static void random_trees_keep_every_rule(void **state)
 {
 	(void)state;
-	const int zones = record_trees((random_tree){.step = 1, .depths = STILB_PROF_DEPTH_MAX, .left = 30000});
+	int zones = record_trees((random_tree){.step = 1, .depths = STILB_PROF_DEPTH_MAX, .left = 30000});
 	capture c;
 	assert_trace(&c, 0);
 	assert_int_equal(c.report.zones, zones);
@@ -489,7 +489,7 @@ static void random_trees_keep_every_rule(void **state)
 static void overlaps_keep_every_rule(void **state)
 {
 	(void)state;
-	const uint64_t t = prof_clock_now();
+	uint64_t t = prof_clock_now();
 	for (int i = 0; i < 20000; i++)
 		stilb_prof_write(stilb_prof_thread_ring, &site_a, t + random_below(5000), random_below(20), random_below(5000));
 	capture c;
@@ -562,7 +562,7 @@ static void assert_same_lane(const stilb_prof_snapshot *a, const stilb_prof_snap
 	assert_string_equal(x->name, y->name);
 	assert_int_equal(x->kind, y->kind);
 	assert_int_equal(x->tid, y->tid);
-	assert_true((x->no_switches == NULL) == (y->no_switches == NULL));
+	assert_int_equal(!x->no_switches, !y->no_switches);
 	assert_int_equal(x->zone_count, y->zone_count);
 	for (uint32_t i = 0; i < x->zone_count; i++) {
 		const stilb_prof_zone *p = &x->zones[i], *q = &y->zones[i];
@@ -670,7 +670,7 @@ static void record_everything(void)
 		PROFILE("submit");
 		ids[i] = stilb_prof_flow_begin(flow_job);
 		PROFILE_INSTANT("submitted");
-		const uint64_t now = stilb_prof_clock_monotonic();
+		uint64_t now = stilb_prof_clock_monotonic();
 		stilb_prof_lane_zone(gpu, &site_a, 0, now - 100, now);
 	}
 	stilb_prof_frame_mark();
@@ -748,7 +748,7 @@ static void a_failed_write_is_returned(void **state)
 	assert_int_equal(stilb_prof_snapshot_take(&s, NULL), 0);
 	for (;; blocks++) {
 		full_disk disk = {.room = blocks};
-		const int error = stilb_prof_trace_write_chrome(&s, NULL, (stilb_prof_sink){full_disk_write, &disk});
+		int error = stilb_prof_trace_write_chrome(&s, NULL, (stilb_prof_sink){full_disk_write, &disk});
 		if (error == 0) {
 			assert_int_equal(disk.room, 0); /* all calls succeeded */
 			assert_in_range(disk.longest, PROF_TEXT_SIZE / 2, PROF_TEXT_SIZE);
@@ -801,8 +801,8 @@ static void no_memory(void **state)
 		for (;; failures++) {
 			full_disk disk = {.room = 1000};
 			fail_allocation = failures;
-			const int error = writers[i](&made, (stilb_prof_sink){full_disk_write, &disk});
-			const bool failed = fail_allocation < 0;
+			int error = writers[i](&made, (stilb_prof_sink){full_disk_write, &disk});
+			bool failed = fail_allocation < 0;
 			fail_allocation = -1;
 			if (!failed)
 				break;
@@ -820,14 +820,14 @@ static int enter_folder(void **state)
 {
 	(void)state;
 	memcpy(folder + sizeof folder - 7, "XXXXXX", 6);
-	return mkdtemp(folder) != NULL && chdir(folder) == 0 ? 0 : -1;
+	return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
 }
 
 static int leave_folder(void **state)
 {
 	(void)state;
 	DIR *all = opendir(".");
-	for (struct dirent *entry; all != NULL && (entry = readdir(all)) != NULL;)
+	for (struct dirent *entry; all && (entry = readdir(all));)
 		if (entry->d_name[0] != '.' && unlink(entry->d_name) != 0)
 			rmdir(entry->d_name);
 	closedir(all);
@@ -839,7 +839,7 @@ static int count_files(void)
 	int count = 0;
 	DIR *all = opendir(".");
 	assert_non_null(all);
-	for (struct dirent *entry; (entry = readdir(all)) != NULL;)
+	for (struct dirent *entry; (entry = readdir(all));)
 		count += entry->d_name[0] != '.';
 	closedir(all);
 	return count;
@@ -946,7 +946,7 @@ static void bad_places_are_refused(void **state)
 static void a_full_device_is_an_error(void **state)
 {
 	(void)state;
-	const bool own = mknod("full", S_IFCHR | 0600, makedev(1, 7)) == 0 && access("full", W_OK) == 0;
+	bool own = mknod("full", S_IFCHR | 0600, makedev(1, 7)) == 0 && access("full", W_OK) == 0;
 	const char *device = own ? "full" : "/dev/full";
 	struct stat info;
 	if (!own && geteuid() == 0) {
@@ -965,11 +965,11 @@ static void nothing_half_written_is_left(void **state)
 	struct rlimit old;
 	write_text("t.json", "old");
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
-	const struct rlimit small = {.rlim_cur = 100, .rlim_max = old.rlim_max};
+	struct rlimit small = {.rlim_cur = 100, .rlim_max = old.rlim_max};
 	void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
-	const int over = stilb_prof_trace_save(&made, NULL, "t.json");
-	const int beside = stilb_prof_trace_save(&made, NULL, "new.json");
+	int over = stilb_prof_trace_save(&made, NULL, "t.json");
+	int beside = stilb_prof_trace_save(&made, NULL, "new.json");
 	setrlimit(RLIMIT_FSIZE, &old);
 	signal(SIGXFSZ, handler);
 	assert_int_equal(over, -EFBIG);
@@ -997,8 +997,8 @@ static void see_temporary(void)
 {
 	DIR *all = opendir(".");
 	assert_non_null(all);
-	for (struct dirent *entry; (entry = readdir(all)) != NULL;)
-		if (strstr(entry->d_name, ".tmp") != NULL)
+	for (struct dirent *entry; (entry = readdir(all));)
+		if (strstr(entry->d_name, ".tmp"))
 			snprintf(temporary_seen, sizeof temporary_seen, "%s", entry->d_name);
 	closedir(all);
 }
@@ -1051,10 +1051,10 @@ static void what_a_killed_process_left_is_removed(void **state)
 	char left[64], byte;
 	struct stat info;
 	assert_int_equal(pipe(ends), 0);
-	const pid_t child = fork();
+	pid_t child = fork();
 	if (child == 0) {
 		prof_file file;
-		const bool good = prof_file_open(&file, "t.json", false) == 0 && write(ends[1], "", 1) == 1;
+		bool good = prof_file_open(&file, "t.json", false) == 0 && write(ends[1], "", 1) == 1;
 		pause();
 		_exit(good);
 	}
@@ -1110,7 +1110,7 @@ static void a_pipe_is_written_directly(void **state)
 	(void)state;
 	struct stat info;
 	assert_int_equal(mkfifo("pipe", 0600), 0);
-	const int reader = open("pipe", O_RDONLY | O_NONBLOCK);
+	int reader = open("pipe", O_RDONLY | O_NONBLOCK);
 	assert_true(reader >= 0);
 	assert_int_equal(stilb_prof_trace_save(&made, NULL, "pipe"), 0);
 	char text[17] = "";
@@ -1127,7 +1127,7 @@ static void a_dash_is_stdout(void **state)
 	int ends[2], status = -1;
 	char text[17] = "";
 	assert_int_equal(pipe(ends), 0);
-	const pid_t child = fork();
+	pid_t child = fork();
 	if (child == 0) {
 		dup2(ends[1], STDOUT_FILENO);
 		_exit(stilb_prof_trace_save(&made, NULL, "-") == 0 ? 0 : 1);
@@ -1147,8 +1147,8 @@ static void no_memory_for_a_file(void **state)
 	int failures = 0;
 	for (;; failures++) {
 		fail_allocation = failures;
-		const int error = stilb_prof_trace_save(&made, NULL, "t.json");
-		const bool failed = fail_allocation < 0;
+		int error = stilb_prof_trace_save(&made, NULL, "t.json");
+		bool failed = fail_allocation < 0;
 		fail_allocation = -1;
 		if (!failed)
 			break;

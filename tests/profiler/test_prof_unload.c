@@ -40,7 +40,7 @@ static void a_thread_outlives_the_module(void **state)
 	sem_init(&c.recorded, 0, 0);
 	sem_init(&c.unloaded, 0, 0);
 	void *module = dlopen(module_path, RTLD_NOW | RTLD_LOCAL);
-	if (module == NULL)
+	if (!module)
 		fail_msg("%s", dlerror());
 	*(void **)&c.record = dlsym(module, "module_record");
 	assert_non_null(c.record);

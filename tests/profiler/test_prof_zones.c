@@ -27,7 +27,7 @@ static prof_record last_record(void)
 	prof_copy copy = {0};
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
 	assert_true(copy.lanes[0].event_count > 0);
-	const prof_record record = record_at(&copy, 0, copy.lanes[0].event_count - 1);
+	prof_record record = record_at(&copy, 0, copy.lanes[0].event_count - 1);
 	prof_copy_free(&copy);
 	return record;
 }
@@ -37,7 +37,7 @@ static prof_record last_record(void)
 static uint32_t sites_named(const char *name, const stilb_prof_site **found)
 {
 	uint32_t count = 0;
-	for (const stilb_prof_site *site = stilb_prof_site_next(NULL); site != NULL; site = stilb_prof_site_next(site)) {
+	for (const stilb_prof_site *site = stilb_prof_site_next(NULL); site; site = stilb_prof_site_next(site)) {
 		assert_non_null(site->name);
 		if (strcmp(site->name, name) != 0)
 			continue;
@@ -184,7 +184,7 @@ static void scopes_nest(void **state)
 static void zones_last_as_long_as_they_did(void **state)
 {
 	(void)state;
-	const uint64_t before = prof_clock_now();
+	uint64_t before = prof_clock_now();
 	uint64_t begin, end;
 	{
 		PROFILE("zone");
@@ -193,7 +193,7 @@ static void zones_last_as_long_as_they_did(void **state)
 			;
 		end = prof_clock_now();
 	}
-	const prof_record record = last_record();
+	prof_record record = last_record();
 	assert_in_range(record.begin, before, begin);
 	assert_in_range(record.end, end, prof_clock_now());
 	assert_int_equal(record.depth, 0);
@@ -274,7 +274,7 @@ static void precise_zones_are_zones(void **state)
 		PROFILE_PRECISE("inside");
 	}
 	assert_records("inside precise");
-	const prof_record record = last_record();
+	prof_record record = last_record();
 	assert_int_equal(record.site->kind, STILB_PROF_KIND_PRECISE);
 	assert_true(record.end > record.begin);
 }
@@ -383,7 +383,7 @@ static void durations_saturate(void **state)
 {
 	(void)state;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	const uint64_t now = prof_clock_now();
+	uint64_t now = prof_clock_now();
 	stilb_prof_open(ring, &hook_site, now, 0);
 	stilb_prof_close(ring, 0, now + (UINT64_C(1) << 50));
 	assert_int_equal(ring->events[0].end >> 18, STILB_PROF_DURATION_MAX);
@@ -475,7 +475,7 @@ static void counters_keep_40_bits(void **state)
 	static const double exact[] = {0.0,     -0.0, 1, -1, 0.5, 1e6, 17179869184.0, 2199023255552.0, -2199023255551.0,
 	                               0x1p1000};
 	for (size_t i = 0; i < sizeof exact / sizeof exact[0]; i++) {
-		const double value = counted(exact[i]);
+		double value = counted(exact[i]);
 		assert_memory_equal(&value, &exact[i], sizeof value);
 	}
 	for (double value = 1e-300; value < 1e300; value *= 1234.567891) {
@@ -489,11 +489,11 @@ static void counters_keep_40_bits(void **state)
 static void counters_and_instants_have_a_time(void **state)
 {
 	(void)state;
-	const uint64_t before = prof_clock_now();
+	uint64_t before = prof_clock_now();
 	PROFILE_COUNTER("counter", 3);
-	const prof_record counter = last_record();
+	prof_record counter = last_record();
 	PROFILE_INSTANT("instant");
-	const prof_record instant = last_record();
+	prof_record instant = last_record();
 	assert_in_range(counter.begin, before, instant.begin);
 	assert_int_equal(counter.end, counter.begin);
 	assert_in_range(instant.begin, counter.begin, prof_clock_now());
@@ -540,7 +540,7 @@ static void flows_go_from_thread_to_thread(void **state)
 	assert_int_equal(j.error, 0);
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
 	assert_int_equal(copy.lane_count, 2);
-	const prof_record from = record_at(&copy, 0, 0), to = record_at(&copy, 1, 0);
+	prof_record from = record_at(&copy, 0, 0), to = record_at(&copy, 1, 0);
 	assert_int_equal(from.site->kind, STILB_PROF_KIND_FLOW_BEGIN);
 	assert_int_equal(to.site->kind, STILB_PROF_KIND_FLOW_END);
 	assert_string_equal(from.site->name, "job");
@@ -562,7 +562,7 @@ static void flows_have_numbers_of_their_own(void **state)
 	stilb_prof_frame_mark();
 	uint64_t last = 0;
 	for (int i = 0; i < COUNT; i++) {
-		const uint64_t id = stilb_prof_flow_begin(job_flow);
+		uint64_t id = stilb_prof_flow_begin(job_flow);
 		if (id == 0 || id == last || id >> 46 != 0 || prof_flow_frame(id, 0) != 0)
 			fail_msg("flow %d has the number %llx", i, (unsigned long long)id);
 		last = id;
@@ -593,7 +593,7 @@ static void lanes_hold_zones_timed_elsewhere(void **state)
 	prof_copy copy = {0};
 	stilb_prof_lane_handle *lane = NULL, *again = NULL;
 	assert_int_equal(stilb_prof_lane_create("GPU", &lane), 0);
-	const uint64_t now = stilb_prof_clock_monotonic();
+	uint64_t now = stilb_prof_clock_monotonic();
 	stilb_prof_lane_zone(lane, &gpu_pass, 1, now - 900, now - 500);
 	stilb_prof_lane_zone(lane, &gpu_frame, 0, now - 1000, now);
 	stilb_prof_lane_zone(lane, &gpu_frame, 0, now, now - 5); /* ends before it begins */
@@ -612,7 +612,7 @@ static void lanes_hold_zones_timed_elsewhere(void **state)
 	assert_string_equal(copy.lanes[1].name, "GPU");
 	assert_int_equal(copy.lanes[1].event_count, 3);
 	assert_int_equal(copy.too_deep, 1);
-	const prof_record pass = record_at(&copy, 1, 0), frame = record_at(&copy, 1, 1), odd = record_at(&copy, 1, 2);
+	prof_record pass = record_at(&copy, 1, 0), frame = record_at(&copy, 1, 1), odd = record_at(&copy, 1, 2);
 	assert_int_equal(pass.begin, now - 900);
 	assert_int_equal(pass.end, now - 500);
 	assert_int_equal(pass.depth, 1);
@@ -655,10 +655,10 @@ static void threads_have_names_and_numbers(void **state)
 	memset(cut, 'n', sizeof cut);
 	cut[sizeof cut - 1] = 0;
 	stilb_prof_thread_end();
-	const uint64_t before = stilb_prof_clock_monotonic();
+	uint64_t before = stilb_prof_clock_monotonic();
 	assert_int_equal(stilb_prof_thread_begin(name), 0);
 	stilb_prof_thread_end();
-	const uint64_t between = stilb_prof_clock_monotonic();
+	uint64_t between = stilb_prof_clock_monotonic();
 	assert_int_equal(stilb_prof_thread_begin(NULL), 0);
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
 	assert_string_equal(copy.lanes[1].name, cut);
@@ -670,7 +670,7 @@ static void threads_have_names_and_numbers(void **state)
 	assert_int_equal(copy.lanes[2].ended_ns, 0);
 	stilb_prof_thread_end(); /* and when the ring is taken again */
 	assert_int_equal(stilb_prof_thread_begin(name), 0);
-	const uint64_t again = copy.lanes[2].begun_ns;
+	uint64_t again = copy.lanes[2].begun_ns;
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
 	assert_true(copy.lanes[1].begun_ns > again);
 	assert_int_equal(copy.lanes[1].ended_ns, 0);

@@ -11,7 +11,7 @@ int main(int argc, char **argv)
 		fprintf(stderr, "usage: trace_check FILE.json\n");
 		return 1;
 	}
-	const int result = trace_check_file(argv[1], &report);
+	int result = trace_check_file(argv[1], &report);
 	if (result != 0) {
 		fprintf(stderr, "trace_check: %s: %s\n", argv[1], report.error);
 	} else {
