@@ -42,7 +42,7 @@ static bool parse_real(const char *value, float *number)
 static flags_result parse_between(const flag *f, const char *value, double low, double high)
 {
 	float number;
-	const bool real = parse_real(value, &number);
+	bool real = parse_real(value, &number);
 	if (real && (double)number >= low && (double)number <= high) {
 		*(float *)f->value = number;
 		return FLAGS_OK;

@@ -76,7 +76,7 @@ stilb_result lettering_write(lettering *letters, stilb_image *picture, stilb_ui_
 	uint32_t lines = 1;
 	for (const char *c = text; *c; c++)
 		lines += *c == '\n';
-	const float line = stilb_ui_font_line(font);
+	float line = stilb_ui_font_line(font);
 	float top = 0.5f * (rect.y0 + rect.y1 - line * (float)lines);
 	stilb_ui_list_begin(&letters->list, (float)picture->width, (float)picture->height);
 	for (const char *at = text; lines-- > 0; top += line) {

@@ -18,7 +18,7 @@ static size_t nearest_edits(const char *a, size_t a_length, const char *b, size_
 				cost[i][j] = i + j;
 				continue;
 			}
-			const size_t wrong = a[i - 1] != b[j - 1];
+			size_t wrong = a[i - 1] != b[j - 1];
 			cost[i][j] = nearest_least(cost[i - 1][j], cost[i][j - 1]) + 1;
 			cost[i][j] = nearest_least(cost[i][j], cost[i - 1][j - 1] + wrong);
 			if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
@@ -34,10 +34,10 @@ nearest_word nearest_begin(const char *typed, size_t length)
 
 void nearest_try(nearest_word *nearest, const char *word)
 {
-	const size_t length = strlen(word);
+	size_t length = strlen(word);
 	if (length > NEAREST_LENGTH || nearest->length > NEAREST_LENGTH)
 		return;
-	const size_t edits = nearest_edits(nearest->typed, nearest->length, word, length);
+	size_t edits = nearest_edits(nearest->typed, nearest->length, word, length);
 	if (edits >= nearest->edits)
 		return;
 	nearest->edits = edits;

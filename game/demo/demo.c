@@ -130,14 +130,14 @@ static void demo_title(demo_run *run, uint64_t *last)
 /* Frames after which it ends by itself; 0: somebody or something else ends it. */
 static uint64_t demo_frames_wanted(const demo_run *run)
 {
-	const bool open_end = run->window || run->lost || demo_options_is_replay(&run->options);
+	bool open_end = run->window || run->lost || demo_options_is_replay(&run->options);
 	return run->options.frames > 0 ? run->options.frames : open_end ? 0 : DEMO_FRAMES;
 }
 
 /* A recording is flown to its end when there is nobody who would close a window. */
 static bool demo_is_over(const demo_run *run, const stilb_engine_report *report)
 {
-	const uint64_t wanted = demo_frames_wanted(run);
+	uint64_t wanted = demo_frames_wanted(run);
 	if (demo_interrupted || report->close)
 		return true;
 	if (wanted > 0)
@@ -150,7 +150,7 @@ static void demo_lose_window(demo_run *run)
 {
 	run->window = false;
 	run->lost = true;
-	const bool over = demo_frames_wanted(run) == 0 && !demo_options_is_replay(&run->options);
+	bool over = demo_frames_wanted(run) == 0 && !demo_options_is_replay(&run->options);
 	stilb_log("the display has gone after %" PRIu64 " frames; %s", run->frames,
 	          over ? "ending, since nobody could close the window" : "running on headless");
 }
@@ -194,7 +194,7 @@ static stilb_result demo_loop(demo_run *run)
 
 static void demo_say_end(const demo_run *run)
 {
-	const uint64_t wanted = demo_frames_wanted(run);
+	uint64_t wanted = demo_frames_wanted(run);
 	char of[32] = "";
 	if (!demo_interrupted)
 		return;
@@ -248,7 +248,7 @@ static int demo_main(demo_run *run)
 		stilb_log("%s", stilb_error_message());
 		return exit_code_of(started);
 	}
-	const struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
+	struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
 	sigaction(SIGINT, &once, NULL);
 	sigaction(SIGTERM, &once, NULL);
 	if (run->options.no_profile)
@@ -264,7 +264,7 @@ static int demo_main(demo_run *run)
 		stilb_log("no frame was drawn");
 		return EXIT_FAILED;
 	}
-	const bool cut = run->lost && demo_frames_wanted(run) == 0 && !run->report.replayed;
+	bool cut = run->lost && demo_frames_wanted(run) == 0 && !run->report.replayed;
 	return demo_finish(run) && !cut ? EXIT_DONE : EXIT_FAILED;
 }
 

@@ -10,7 +10,7 @@ static void demo_gamepads_came(const stilb_input_control_pad *pad, FILE *out)
 void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool replayed, FILE *out)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
-	const uint32_t count = stilb_engine_gamepads(engine, pads);
+	uint32_t count = stilb_engine_gamepads(engine, pads);
 	demo_gamepads now = {.replayed = replayed};
 	for (uint32_t i = 0; i < count; i++) {
 		if (pads[i].denied)

@@ -102,7 +102,7 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--fault", FLAG_TEXT, &o->fault, "KIND:N", "on purpose: memory:N, lost:N fail, frame slow:N is slow", 0, 0,
 	     NULL},
 	};
-	const size_t count = sizeof flags / sizeof *flags;
+	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf(
@@ -207,10 +207,10 @@ static bool demo_parse_gamepad(const char *text, stilb_engine_gamepad *gamepad, 
 	if (!text)
 		return true;
 	while (*gamepad < STILB_ENGINE_GAMEPAD_REPLAY && strcmp(text, words[*gamepad]) != 0)
-		++*gamepad;
+		(*gamepad)++;
 	if (*gamepad < STILB_ENGINE_GAMEPAD_REPLAY)
 		return true;
-	const size_t length = strlen(words[STILB_ENGINE_GAMEPAD_REPLAY]);
+	size_t length = strlen(words[STILB_ENGINE_GAMEPAD_REPLAY]);
 	*recording = text + length;
 	return strncmp(text, words[STILB_ENGINE_GAMEPAD_REPLAY], length) == 0 && text[length] != '\0';
 }
@@ -335,7 +335,7 @@ static float demo_added(float given, float otherwise)
 
 static stilb_render_shading demo_shading(const demo_options *o)
 {
-	const stilb_render_shading at_first = stilb_render_shading_default();
+	stilb_render_shading at_first = stilb_render_shading_default();
 	stilb_render_shading shading = at_first;
 	shading.brdf = demo_choice(o->brdf, demo_wants_parts(o) ? SHADE_BRDF_MICROFACET : shading.brdf);
 	shading.ndf = demo_choice(o->ndf, shading.ndf);

@@ -15,7 +15,7 @@ static char *picture_numbered(const char *path, uint32_t n)
 	char *numbered = NULL;
 	if (!dot || dot == name)
 		dot = name + strlen(name);
-	const int written =
+	int written =
 		n == 1 ? asprintf(&numbered, "%s", path) : asprintf(&numbered, "%.*s-%u%s", (int)(dot - path), path, n, dot);
 	return written < 0 ? NULL : numbered;
 }

@@ -14,13 +14,13 @@
 void demo_progress_begin(demo_progress *progress)
 {
 	const char *kind = getenv("TERM");
-	const bool dumb = kind && strcmp(kind, "dumb") == 0;
+	bool dumb = kind && strcmp(kind, "dumb") == 0;
 	*progress = (demo_progress){.start_ns = stilb_time_ns(), .terminal = isatty(STDERR_FILENO) && !dumb};
 }
 
 void demo_progress_show(demo_progress *progress, uint64_t frames, uint64_t wanted)
 {
-	const uint64_t now = stilb_time_ns(), passed = now - progress->start_ns;
+	uint64_t now = stilb_time_ns(), passed = now - progress->start_ns;
 	if (!progress->terminal || passed < PROGRESS_QUIET_NS || now - progress->last_ns < PROGRESS_BETWEEN_NS)
 		return;
 	progress->last_ns = now;

@@ -9,7 +9,7 @@
 static stage demo_bound(const stage_summary *summary)
 {
 	stage bound = STAGE_CULL;
-	const stage candidates[] = {STAGE_RECORD, STAGE_UI, STAGE_REPLAY, STAGE_GPU};
+	static const stage candidates[] = {STAGE_RECORD, STAGE_UI, STAGE_REPLAY, STAGE_GPU};
 	for (size_t i = 0; i < sizeof candidates / sizeof *candidates; i++)
 		if (summary[candidates[i]].median > summary[bound].median)
 			bound = candidates[i];
@@ -51,7 +51,7 @@ static void demo_put_shading(stilb_json *json, stilb_render_shading shading)
 
 static void demo_put_gamepads(stilb_json *json, const demo_report *report)
 {
-	const stilb_engine_gamepad_counts counts = stilb_engine_gamepad_counts_get(report->engine);
+	stilb_engine_gamepad_counts counts = stilb_engine_gamepad_counts_get(report->engine);
 	const stage_summary *latency = &report->summary[STAGE_PAD];
 	stilb_json_begin(json, "gamepads", '{');
 	stilb_json_int(json, "reports", (int64_t)counts.reports);
@@ -136,7 +136,7 @@ void demo_report_print(const demo_report *report)
 			fprintf(out, "  %-8s %9.3f %9.3f %9.3f\n", stage_names[s], summary[s].median, summary[s].p99,
 			        summary[s].min);
 	stage bound = demo_bound(summary);
-	const stilb_engine_gamepad_counts pads = stilb_engine_gamepad_counts_get(report->engine);
+	stilb_engine_gamepad_counts pads = stilb_engine_gamepad_counts_get(report->engine);
 	if (pads.reports > 0)
 		fprintf(out, "gamepads: %" PRIu64 " reports, %" PRIu64 " corrupt, %" PRIu64 " lost\n", pads.reports,
 		        pads.corrupt, pads.lost);

@@ -38,7 +38,7 @@ static flags_result pads_parse(pads_options *o, int argc, char **argv, bool give
 		{"--json", FLAG_TEXT, &o->json, "FILE", "list, description or replay as JSON; - is standard output", 0, 0,
 	     NULL},
 	};
-	const flags_result result = flags_parse(flags, PADS_FLAGS, argc, argv);
+	flags_result result = flags_parse(flags, PADS_FLAGS, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf("stilb pads: the gamepads of this machine: which there are, how they were recognised, what they "
 		       "report.\n\n");
@@ -112,7 +112,7 @@ int pads_command(int argc, char **argv)
 {
 	pads_options o = {0};
 	bool given[PADS_FLAGS] = {false};
-	const flags_result parsed = pads_parse(&o, argc, argv, given);
+	flags_result parsed = pads_parse(&o, argc, argv, given);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !pads_check_together(given) || !pads_check_files(&o))

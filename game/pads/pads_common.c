@@ -16,7 +16,7 @@ FILE *pads_message_stream(const pads_options *o)
 
 stilb_result pads_open(const pads_options *o, stilb_input_pads **pads)
 {
-	const stilb_input_pads_desc desc = {.backend = (stilb_input_backend)o->backend};
+	stilb_input_pads_desc desc = {.backend = (stilb_input_backend)o->backend};
 	return stilb_input_pads_create(&desc, pads);
 }
 
@@ -31,7 +31,7 @@ static void pads_on_signal(int signal_number)
 void pads_catch_signals(void)
 {
 	static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
-	const struct sigaction once = {.sa_handler = pads_on_signal, .sa_flags = SA_RESETHAND};
+	struct sigaction once = {.sa_handler = pads_on_signal, .sa_flags = SA_RESETHAND};
 	for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
 		sigaction(signals[i], &once, NULL);
 }
@@ -60,7 +60,7 @@ const char *pads_buttons_text(uint32_t buttons, char text[PADS_BUTTONS_SIZE])
 
 void pads_print_wrapped(FILE *out, const char *title, const char *text)
 {
-	const size_t indent = strlen(title), room = PADS_COLUMNS - indent;
+	size_t indent = strlen(title), room = PADS_COLUMNS - indent;
 	fputs(title, out);
 	while (strlen(text) > room) {
 		size_t length = room;
@@ -79,8 +79,8 @@ void pads_print_wrapped(FILE *out, const char *title, const char *text)
 const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE])
 {
 	const char *own = pad->info->name;
-	const size_t length = strlen(own) < 50 ? strlen(own) : 50; /* a layout's name has the first 50 bytes of the pad's */
-	const char after = strncmp(pad->name, own, length) == 0 ? pad->name[length] : '?';
+	size_t length = strlen(own) < 50 ? strlen(own) : 50; /* a layout's name has the first 50 bytes of the pad's */
+	char after = strncmp(pad->name, own, length) == 0 ? pad->name[length] : '?';
 	if (length > 0 && (after == ',' || after == '\0'))
 		snprintf(text, PADS_RECOGNISED_SIZE, "%s", pad->recognised);
 	else

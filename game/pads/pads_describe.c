@@ -39,7 +39,7 @@ static bool describe_take_id(const char *text, stilb_input_pad_info *info)
  * reserved or cannot come first (HID 1.11, section 6.2.2). */
 static bool describe_is_recording(FILE *file)
 {
-	const int first = getc(file);
+	int first = getc(file);
 	if (first != EOF)
 		ungetc(first, file);
 	return first != EOF && first != 0 && strchr("#DRNPI", first);
@@ -68,7 +68,7 @@ static bool describe_take_recording(const pads_options *o, describe_run *run)
 static bool describe_take_bytes(const char *name, FILE *file, stilb_input_pad_info *info)
 {
 	uint8_t bytes[STILB_INPUT_DESCRIPTOR_MAX + 1];
-	const size_t size = fread(bytes, 1, sizeof bytes, file);
+	size_t size = fread(bytes, 1, sizeof bytes, file);
 	if (ferror(file)) {
 		stilb_log("cannot read '%s': %s", name, strerror(errno));
 		return false;
@@ -86,14 +86,14 @@ static bool describe_take_bytes(const char *name, FILE *file, stilb_input_pad_in
 
 static bool describe_take_file(const pads_options *o, describe_run *run)
 {
-	const bool standard = strcmp(o->describe, "-") == 0;
+	bool standard = strcmp(o->describe, "-") == 0;
 	FILE *file = standard ? stdin : fopen(o->describe, "rbe");
 	if (!file) {
 		stilb_log("cannot read '%s': %s", o->describe, strerror(errno));
 		return false;
 	}
-	const bool recorded = describe_is_recording(file);
-	const bool taken = recorded || describe_take_bytes(standard ? "standard input" : o->describe, file, &run->info);
+	bool recorded = describe_is_recording(file);
+	bool taken = recorded || describe_take_bytes(standard ? "standard input" : o->describe, file, &run->info);
 	if (!standard)
 		fclose(file);
 	return recorded ? describe_take_recording(o, run) : taken;
@@ -127,7 +127,7 @@ static const char *describe_usages(const stilb_input_field *field, char text[160
 		return text;
 	stilb_input_usage_text(field->usage_last, last, sizeof last);
 	end = strstr(last, " / ");
-	const size_t length = strlen(text);
+	size_t length = strlen(text);
 	snprintf(text + length, 160 - length, " .. %s", end ? end + 3 : last);
 	return text;
 }

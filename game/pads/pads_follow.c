@@ -120,7 +120,7 @@ static void follow_json(follow_run *run, follow_what what, uint32_t number, cons
 static stilb_input_control_pad follow_find(const follow_run *run, uint32_t number)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
-	const uint32_t count = stilb_input_control_pads(run->control, pads);
+	uint32_t count = stilb_input_control_pads(run->control, pads);
 	for (uint32_t i = 0; i < count; i++)
 		if (pads[i].pad == number)
 			return pads[i];
@@ -153,10 +153,10 @@ static bool follow_is_gamepad(const stilb_input_event *event)
 
 static void follow_take(follow_run *run, const stilb_input_event *event)
 {
-	const stilb_input_control_pad before = follow_find(run, event->pad);
+	stilb_input_control_pad before = follow_find(run, event->pad);
 	stilb_input_control_event(run->control, event);
-	const stilb_input_control_pad after = follow_find(run, event->pad);
-	const follow_what what = follow_judge(event, &before, &after);
+	stilb_input_control_pad after = follow_find(run, event->pad);
+	follow_what what = follow_judge(event, &before, &after);
 	run->last_us = run->recording ? event->time_us : event->time_us - run->start_us;
 	run->added += event->kind == STILB_INPUT_PAD_ADDED;
 	run->gamepads += follow_is_gamepad(event);
@@ -181,7 +181,7 @@ static bool follow_next(follow_run *run, int64_t until_us, stilb_input_event *ev
 /* Waits up to FOLLOW_TICK_MS for further events. */
 static void follow_wait(follow_run *run)
 {
-	const struct timespec time = {.tv_nsec = FOLLOW_TICK_MS * 1000000L};
+	struct timespec time = {.tv_nsec = FOLLOW_TICK_MS * 1000000L};
 	if (run->pads && !run->terminal)
 		stilb_input_pads_wait(run->pads, FOLLOW_TICK_MS);
 	else
@@ -191,13 +191,13 @@ static void follow_wait(follow_run *run)
 /* Runs until a signal, the end of the time or of the recording, or an error of the recorder or the output. */
 static void follow_loop(follow_run *run)
 {
-	const bool paced = run->pads || run->o->watch;
-	const int64_t limit_us = run->o->seconds > 0.0f ? (int64_t)((double)run->o->seconds * 1e6) : INT64_MAX;
-	const int64_t end_us = run->recording ? stilb_input_recording_end_us(run->recording) : INT64_MAX;
+	bool paced = run->pads || run->o->watch;
+	int64_t limit_us = run->o->seconds > 0.0f ? (int64_t)((double)run->o->seconds * 1e6) : INT64_MAX;
+	int64_t end_us = run->recording ? stilb_input_recording_end_us(run->recording) : INT64_MAX;
 	for (bool over = false; !over && !pads_interrupted && !run->failed && !(run->words && ferror(run->words));) {
 		stilb_input_event event;
-		const int64_t passed_us = follow_now_us() - run->start_us;
-		const int64_t until_us = paced && passed_us < limit_us ? passed_us : limit_us;
+		int64_t passed_us = follow_now_us() - run->start_us;
+		int64_t until_us = paced && passed_us < limit_us ? passed_us : limit_us;
 		while (!run->failed && follow_next(run, until_us, &event))
 			follow_take(run, &event);
 		over = until_us >= limit_us || until_us >= end_us;
@@ -226,7 +226,7 @@ static stilb_result follow_save(follow_run *run)
 /* Prints the totals; the time is the recording's own, or the time that passed. */
 static void follow_print_end(const follow_run *run)
 {
-	const int64_t time_us = run->recording ? run->last_us : follow_now_us() - run->start_us;
+	int64_t time_us = run->recording ? run->last_us : follow_now_us() - run->start_us;
 	fprintf(run->words, "%" PRIu64 " reports of %" PRIu32 " pad%s in %.3f s, %" PRIu64 " corrupt", run->reports,
 	        run->added, run->added == 1 ? "" : "s", (double)time_us * 1e-6, run->corrupt);
 	if (run->pads)
@@ -264,7 +264,7 @@ static int follow_finish(follow_run *run)
 static stilb_result follow_open(follow_run *run)
 {
 	static const stilb_input_pose still;
-	const stilb_input_control_settings settings = stilb_input_control_settings_default();
+	stilb_input_control_settings settings = stilb_input_control_settings_default();
 	stilb_result result = stilb_input_control_create(&settings, &still, 0, &run->control);
 	run->start_us = follow_now_us();
 	if (result == STILB_OK && !run->recording)
@@ -277,10 +277,10 @@ static stilb_result follow_open(follow_run *run)
 /* Without a drawing: says what is going on, and that there is no pad yet. */
 static void follow_greet(follow_run *run)
 {
-	const double look_ms = (double)run->o->seconds * 1e3;
+	double look_ms = (double)run->o->seconds * 1e3;
 	fprintf(stderr, "%s; Ctrl-C ends it\n", run->o->record ? "recording" : "watching");
 	stilb_input_pads_wait(run->pads, look_ms > 0.0 && look_ms < FOLLOW_LOOK_MS ? (int)look_ms : FOLLOW_LOOK_MS);
-	const stilb_input_pads_stats stats = stilb_input_pads_stats_get(run->pads);
+	stilb_input_pads_stats stats = stilb_input_pads_stats_get(run->pads);
 	if (stats.added + stats.denied == 0 && !pads_interrupted)
 		fprintf(stderr, "no gamepad yet; waiting\n");
 }
@@ -314,7 +314,7 @@ int pads_follow(const pads_options *o)
 		stilb_log("%s", stilb_error_message());
 		return EXIT_REFUSED;
 	}
-	const int code = follow_run_all(&run);
+	int code = follow_run_all(&run);
 	stilb_input_pads_destroy(run.pads);
 	stilb_input_recording_free(run.recording);
 	stilb_input_control_destroy(run.control);

@@ -91,12 +91,12 @@ static stilb_result list_save(const pads_options *o, const stilb_input_control_p
 /* Makes a pad rumble. Returns the result in words. After a signal the pad is closed, which stops its motors. */
 static const char *list_rumble_pad(stilb_input_pads *pads, const stilb_input_control_pad *pad)
 {
-	const struct timespec time = {.tv_nsec = (PADS_RUMBLE_MS + 100) * 1000000L};
+	struct timespec time = {.tv_nsec = (PADS_RUMBLE_MS + 100) * 1000000L};
 	if (pad->denied)
 		return "no permission";
 	if (!pads_has_rumble(pad->info))
 		return "has no known motors";
-	const uint64_t written = stilb_input_pads_stats_get(pads).written;
+	uint64_t written = stilb_input_pads_stats_get(pads).written;
 	stilb_input_pads_rumble(pads, pad->pad, 0.6f, 0.6f, PADS_RUMBLE_MS);
 	nanosleep(&time, NULL);
 	return stilb_input_pads_stats_get(pads).written > written ? "rumbled" : "refused the request";
@@ -121,7 +121,7 @@ static int list_run(const pads_options *o, stilb_input_pads *pads, stilb_input_c
 	stilb_input_pads_wait(pads, LIST_LOOK_MS);
 	while (stilb_input_pads_next(pads, INT64_MAX, &event))
 		stilb_input_control_event(control, &event);
-	const uint32_t count = stilb_input_control_pads(control, seen);
+	uint32_t count = stilb_input_control_pads(control, seen);
 	if (words)
 		list_print(words, o, seen, count);
 	if (o->json && list_save(o, seen, count) != STILB_OK) {
@@ -136,7 +136,7 @@ static int list_run(const pads_options *o, stilb_input_pads *pads, stilb_input_c
 int pads_list(const pads_options *o)
 {
 	static const stilb_input_pose still;
-	const stilb_input_control_settings settings = stilb_input_control_settings_default();
+	stilb_input_control_settings settings = stilb_input_control_settings_default();
 	stilb_input_control *control = NULL;
 	stilb_input_pads *pads = NULL;
 	int code = EXIT_FAILED;

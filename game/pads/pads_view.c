@@ -23,8 +23,8 @@ static void view_print(view_text *text, const char *format, ...)
 {
 	va_list arguments;
 	va_start(arguments, format);
-	const size_t room = sizeof text->bytes - text->length;
-	const int length = vsnprintf(text->bytes + text->length, room, format, arguments);
+	size_t room = sizeof text->bytes - text->length;
+	int length = vsnprintf(text->bytes + text->length, room, format, arguments);
 	va_end(arguments);
 	text->length += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
 }
@@ -39,8 +39,8 @@ static void view_end_line(view_text *text)
 /* A bar from `from` to `to`, both 0..1. */
 static void view_print_bar(view_text *text, float from, float to)
 {
-	const int first = (int)((from < to ? from : to) * (VIEW_BAR - 1) + 0.5f);
-	const int last = (int)((from < to ? to : from) * (VIEW_BAR - 1) + 0.5f);
+	int first = (int)((from < to ? from : to) * (VIEW_BAR - 1) + 0.5f);
+	int last = (int)((from < to ? to : from) * (VIEW_BAR - 1) + 0.5f);
 	char bar[VIEW_BAR + 1];
 	memset(bar, '.', VIEW_BAR);
 	memset(bar + first, '#', (size_t)(last - first + 1));
@@ -77,7 +77,7 @@ static double view_rate(const pads_view *view, uint32_t pad)
 /* Measures the rates again every VIEW_RATE_NS; all reports of a new pad count as come since the last time. */
 static void view_measure(pads_view *view, const stilb_input_control_pad *pads, uint32_t count)
 {
-	const uint64_t now = stilb_time_ns(), passed = now - view->rate_ns;
+	uint64_t now = stilb_time_ns(), passed = now - view->rate_ns;
 	if (passed < VIEW_RATE_NS)
 		return;
 	pads_view next = {.lines = view->lines, .rate_ns = now};
@@ -160,7 +160,7 @@ void pads_view_draw(pads_view *view, const stilb_input_control *control, int64_t
 {
 	static view_text text;
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
-	const uint32_t count = stilb_input_control_pads(control, pads);
+	uint32_t count = stilb_input_control_pads(control, pads);
 	view_measure(view, pads, count);
 	text.length = 0;
 	text.lines = 0;

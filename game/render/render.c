@@ -31,11 +31,10 @@ static void offline_on_signal(int signal_number)
 static void offline_catch_signals(void)
 {
 	static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
-	const struct sigaction once = {.sa_handler = offline_on_signal, .sa_flags = SA_RESETHAND};
+	struct sigaction once = {.sa_handler = offline_on_signal, .sa_flags = SA_RESETHAND};
 	for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
 		struct sigaction before;
-		const bool nohup =
-			signals[i] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
+		bool nohup = signals[i] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
 		if (!nohup)
 			sigaction(signals[i], &once, NULL);
 	}
@@ -67,7 +66,7 @@ static void offline_window_open(offline_window *window, const offline_options *o
 {
 	char title[160];
 	snprintf(title, sizeof title, "Stilb: %s", o->scene);
-	const stilb_engine_viewer_desc desc = {.title = title, .width = o->size[0], .height = o->size[1], .window = true};
+	stilb_engine_viewer_desc desc = {.title = title, .width = o->size[0], .height = o->size[1], .window = true};
 	*window = (offline_window){.pixels = (size_t)o->size[0] * o->size[1], .exposure = o->exposure};
 	window->radiance = calloc(window->pixels, 3 * sizeof *window->radiance);
 	window->srgb = calloc(window->pixels, 3);
@@ -83,12 +82,12 @@ static void offline_window_open(offline_window *window, const offline_options *o
 /* Takes the picture, at times that leave the processors to the work. */
 static void offline_window_refresh(offline_window *window, offline_work *work)
 {
-	const uint64_t start = stilb_time_ns();
+	uint64_t start = stilb_time_ns();
 	if (start < window->next_ns || !offline_work_preview(work, window->radiance))
 		return;
 	stilb_gi_display(window->radiance, window->pixels, window->exposure, window->srgb);
 	stilb_engine_viewer_picture(window->viewer, window->srgb);
-	const uint64_t now = stilb_time_ns();
+	uint64_t now = stilb_time_ns();
 	window->next_ns = now + (uint64_t)((double)(now - start) / RENDER_PREVIEW_SHARE);
 }
 
@@ -107,7 +106,7 @@ static void offline_window_frame(offline_window *window, const char *words, doub
 
 static void offline_sleep(double seconds)
 {
-	const struct timespec time = {.tv_nsec = (long)(seconds * 1e9)};
+	struct timespec time = {.tv_nsec = (long)(seconds * 1e9)};
 	nanosleep(&time, NULL); /* a signal ends it */
 }
 
@@ -118,11 +117,11 @@ static void offline_attend(const offline_options *o, offline_work *work, offline
 	stilb_gi_progress at;
 	offline_stage stage;
 	char words[192];
-	const uint64_t between = (uint64_t)((double)o->checkpoint_s * 1e9);
+	uint64_t between = (uint64_t)((double)o->checkpoint_s * 1e9);
 	uint64_t checkpoint_ns = stilb_time_ns();
 	offline_progress_begin(&progress);
 	while ((stage = offline_work_look(work, &at)) != RENDER_DONE) {
-		const uint64_t now = stilb_time_ns();
+		uint64_t now = stilb_time_ns();
 		if (offline_interrupted || window->closed)
 			offline_work_stop(work);
 		else if (between > 0 && now - checkpoint_ns >= between) {
@@ -157,10 +156,10 @@ static void offline_linger(offline_window *window, const offline_result *result)
 static bool offline_check_rays(const offline_options *o)
 {
 	static const stilb_scene nothing;
-	const stilb_gi_settings settings = offline_options_settings(o, &nothing);
+	stilb_gi_settings settings = offline_options_settings(o, &nothing);
 	if (settings.integrator != STILB_GI_INTEGRATOR_MONTECARLO || o->force)
 		return true;
-	const double rays = stilb_gi_montecarlo_rays(&settings);
+	double rays = stilb_gi_montecarlo_rays(&settings);
 	if (rays <= RENDER_MANY_RAYS)
 		return true;
 	stilb_log(
@@ -172,8 +171,8 @@ static bool offline_check_rays(const offline_options *o)
 static int offline_dry_run(const offline_options *o)
 {
 	static const stilb_scene nothing;
-	const stilb_gi_settings s = offline_options_settings(o, &nothing);
-	const double pixels = (double)s.width * s.height;
+	stilb_gi_settings s = offline_options_settings(o, &nothing);
+	double pixels = (double)s.width * s.height;
 	char name[FLAG_CHOICE_SIZE];
 	printf("%s: %.0f pixels, %" PRIu32 " sample%s a pixel", flags_choice(name, offline_integrators[s.integrator]),
 	       pixels, s.samples, s.samples == 1 ? "" : "s");
@@ -207,10 +206,10 @@ static int offline_finish(const offline_options *o, const offline_result *result
 		stilb_log("stopped before there was a picture");
 	else if (result->code == EXIT_DONE)
 		offline_report_print(o, result);
-	const bool stats = offline_write_stats(o, result);
+	bool stats = offline_write_stats(o, result);
 	if (o->trace && result->code == EXIT_DONE)
 		fprintf(offline_options_words(o), "trace: %s\n", o->trace);
-	const bool whole = stats && (result->progress.camera_rays > 0 || !o->output);
+	bool whole = stats && (result->progress.camera_rays > 0 || !o->output);
 	return result->code == EXIT_DONE && !whole ? EXIT_FAILED : result->code;
 }
 
@@ -227,8 +226,8 @@ static int offline_main(const offline_options *o)
 	if (o->preview)
 		offline_window_open(&window, o);
 	offline_attend(o, work, &window);
-	const offline_result result = offline_work_join(work);
-	const int code = offline_finish(o, &result);
+	offline_result result = offline_work_join(work);
+	int code = offline_finish(o, &result);
 	fflush(stdout);
 	offline_linger(&window, &result);
 	offline_window_finish(&window);

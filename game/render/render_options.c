@@ -62,7 +62,7 @@ static stilb_gi_settings options_settings_default(int integrator)
 
 static offline_options options_default(void)
 {
-	const stilb_gi_settings s = options_settings_default(STILB_GI_INTEGRATOR_PATH);
+	stilb_gi_settings s = options_settings_default(STILB_GI_INTEGRATOR_PATH);
 	return (offline_options){
 		.size = {s.width, s.height},
 		.workers = FLAG_WORKERS_AUTO,
@@ -158,8 +158,8 @@ static void options_say_unused(const offline_options *o, const flag *flags, size
 /* What is not given depends on what is. */
 static void options_complete(offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
-	const stilb_gi_settings s = options_settings_default(o->integrator);
-	const bool limited = o->seconds > 0.0f || o->error > 0.0f; /* that, and not the samples, is to end it */
+	stilb_gi_settings s = options_settings_default(o->integrator);
+	bool limited = o->seconds > 0.0f || o->error > 0.0f; /* that, and not the samples, is to end it */
 	if (!flags_given(flags, count, argc, argv, "--spp"))
 		o->samples = limited ? RENDER_MAX_SAMPLES : s.samples;
 	if (!flags_given(flags, count, argc, argv, "--rays"))
@@ -258,7 +258,7 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "times, rays, and what was rendered", 0, 0, NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE", "what each thread did when: .json, .folded or .csv", 0, 0, NULL},
 	};
-	const size_t count = sizeof flags / sizeof *flags;
+	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP)
 		options_print(flags, count);
@@ -400,7 +400,7 @@ static void options_place(const flag_list *given, stilb_scene_camera *camera)
 
 static shade_brdf_model options_model(const offline_options *o, shade_brdf_model model)
 {
-	const bool parts = o->ndf != RENDER_NOT_GIVEN || o->g != RENDER_NOT_GIVEN || o->f != RENDER_NOT_GIVEN;
+	bool parts = o->ndf != RENDER_NOT_GIVEN || o->g != RENDER_NOT_GIVEN || o->f != RENDER_NOT_GIVEN;
 	model.kind = o->brdf != RENDER_NOT_GIVEN ? o->brdf : parts ? SHADE_BRDF_MICROFACET : model.kind;
 	model.ndf = o->ndf != RENDER_NOT_GIVEN ? o->ndf : model.ndf;
 	model.g = o->g != RENDER_NOT_GIVEN ? o->g : model.g;

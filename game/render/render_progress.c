@@ -14,7 +14,7 @@
 void offline_progress_begin(offline_progress *progress)
 {
 	const char *kind = getenv("TERM");
-	const bool simple = kind && strcmp(kind, "dumb") == 0;
+	bool simple = kind && strcmp(kind, "dumb") == 0;
 	*progress = (offline_progress){.terminal = isatty(STDERR_FILENO) && !simple, .start_ns = stilb_time_ns()};
 	progress->last_ns = progress->start_ns;
 }
@@ -28,7 +28,7 @@ void offline_progress_clear(void)
 /* "1:02:03", "4:05". */
 static void progress_time(double seconds, char *text, size_t size)
 {
-	const uint64_t all = seconds < 3.6e7 ? (uint64_t)(seconds + 0.5) : 36000000u;
+	uint64_t all = seconds < 3.6e7 ? (uint64_t)(seconds + 0.5) : 36000000u;
 	if (all >= 3600)
 		snprintf(text, size, "%" PRIu64 ":%02" PRIu64 ":%02" PRIu64, all / 3600, all / 60 % 60, all % 60);
 	else
@@ -47,8 +47,8 @@ static void progress_note_start(offline_progress *progress, offline_stage stage,
 /* Seconds to the end at the rate so far; negative: nothing can be said yet. */
 static double progress_left(const offline_progress *progress, const stilb_gi_progress *at)
 {
-	const double passed = (double)(stilb_time_ns() - progress->first_ns) * 1e-9;
-	const double done = at->done - progress->first_done;
+	double passed = (double)(stilb_time_ns() - progress->first_ns) * 1e-9;
+	double done = at->done - progress->first_done;
 	return passed > 0.3 && done > 0.0 ? passed * (1.0 - at->done) / done : -1.0;
 }
 
@@ -64,7 +64,7 @@ static uint32_t progress_pass_samples(const stilb_gi_progress *at)
 
 void offline_progress_samples(const stilb_gi_progress *at, char *text, size_t size)
 {
-	const uint32_t samples = at->samples > 0 ? at->samples : progress_pass_samples(at);
+	uint32_t samples = at->samples > 0 ? at->samples : progress_pass_samples(at);
 	const char *many = samples == 1 ? "" : "s";
 	if (at->samples > 0)
 		snprintf(text, size, "%" PRIu32 " sample%s a pixel", samples, many);
@@ -87,10 +87,10 @@ static void progress_describe(const offline_progress *progress, offline_stage st
 		return;
 	}
 	char left[32] = "?";
-	const double seconds = progress_left(progress, at);
+	double seconds = progress_left(progress, at);
 	if (seconds >= 0.0)
 		progress_time(seconds, left, sizeof left);
-	const double rate = at->seconds > 0.0 ? (double)at->rays / at->seconds * 1e-6 : 0.0;
+	double rate = at->seconds > 0.0 ? (double)at->rays / at->seconds * 1e-6 : 0.0;
 	char samples[64];
 	offline_progress_samples(at, samples, sizeof samples);
 	snprintf(text, size, "%s, %s, %.2f Mrays/s, %s left", at->stage, samples, rate, left);
@@ -119,13 +119,13 @@ static int progress_columns(void)
 static void progress_bar(int percent, const char *words)
 {
 	char bar[PROGRESS_BAR_MAX + 1];
-	const int columns = progress_columns(), room = columns - (int)strlen(words) - 4;
-	const int length = room > PROGRESS_BAR_MAX ? PROGRESS_BAR_MAX : room;
+	int columns = progress_columns(), room = columns - (int)strlen(words) - 4;
+	int length = room > PROGRESS_BAR_MAX ? PROGRESS_BAR_MAX : room;
 	if (length < PROGRESS_BAR_MIN) {
 		fprintf(stderr, "\r%.*s\033[K", columns > 1 ? columns - 1 : 0, words);
 		return;
 	}
-	const int full = percent * length / 100;
+	int full = percent * length / 100;
 	memset(bar, '#', (size_t)full);
 	memset(bar + full, '.', (size_t)(length - full));
 	bar[length] = '\0';
@@ -135,7 +135,7 @@ static void progress_bar(int percent, const char *words)
 void offline_progress_show(offline_progress *progress, offline_stage stage, const stilb_gi_progress *at)
 {
 	char words[192];
-	const uint64_t now = stilb_time_ns();
+	uint64_t now = stilb_time_ns();
 	progress_note_start(progress, stage, at);
 	if (now - progress->last_ns < (progress->terminal ? PROGRESS_BAR_NS : PROGRESS_LINE_NS))
 		return;

@@ -72,7 +72,7 @@ static void report_put_scene(stilb_json *json, const char *name, const stilb_gi_
 /* In metres and degrees, as --camera takes them. */
 static void report_put_camera(stilb_json *json, const stilb_scene_camera *camera)
 {
-	const double degrees = 180.0 / M_PI;
+	double degrees = 180.0 / M_PI;
 	stilb_json_begin(json, "camera", '[');
 	for (int i = 0; i < 3; i++)
 		stilb_json_double(json, NULL, (double)camera->position[i]);

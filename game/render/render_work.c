@@ -66,7 +66,7 @@ static void work_publish(offline_work *work, stilb_gi_render *render)
 static bool work_is_stopped(offline_work *work)
 {
 	pthread_mutex_lock(&work->lock);
-	const bool stop = work->stop;
+	bool stop = work->stop;
 	pthread_mutex_unlock(&work->lock);
 	return stop;
 }
@@ -75,7 +75,7 @@ static bool work_is_stopped(offline_work *work)
 static bool work_take_pause(offline_work *work)
 {
 	pthread_mutex_lock(&work->lock);
-	const bool pause = work->pause && !work->stop;
+	bool pause = work->pause && !work->stop;
 	work->pause = false;
 	pthread_mutex_unlock(&work->lock);
 	return pause;
@@ -87,7 +87,7 @@ offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress)
 	pthread_mutex_lock(&work->lock);
 	if (work->render)
 		stilb_gi_render_progress(work->render, progress);
-	const offline_stage stage = work->stage;
+	offline_stage stage = work->stage;
 	pthread_mutex_unlock(&work->lock);
 	return stage;
 }
@@ -95,7 +95,7 @@ offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress)
 bool offline_work_preview(offline_work *work, float *rgb)
 {
 	pthread_mutex_lock(&work->lock);
-	const bool there = work->render != NULL;
+	bool there = work->render;
 	if (there)
 		stilb_gi_render_preview(work->render, rgb);
 	pthread_mutex_unlock(&work->lock);
@@ -140,7 +140,7 @@ static bool work_good(work_pieces *p, stilb_result result)
 static bool work_pool(work_pieces *p)
 {
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
-	const uint32_t asked = p->options->workers;
+	uint32_t asked = p->options->workers;
 	p->result->workers = asked == FLAG_WORKERS_AUTO ? stilb_job_cpu_count() : asked;
 	desc.worker_count = p->result->workers - 1; /* this thread is one, too */
 	desc.affinity = STILB_JOB_AFFINITY_NONE;    /* whoever else works here keeps his CPU */
@@ -155,9 +155,9 @@ static bool work_pool(work_pieces *p)
 static bool work_open(work_pieces *p)
 {
 	PROFILE("open the scene");
-	const uint64_t start = stilb_time_ns();
+	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_OPENING);
-	const stilb_scene_open_options open = {.allow_outside = p->options->allow_outside};
+	stilb_scene_open_options open = {.allow_outside = p->options->allow_outside};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
 	    !work_good(p, offline_options_surroundings(p->options, p->scene)))
 		return false;
@@ -168,14 +168,14 @@ static bool work_open(work_pieces *p)
 static bool work_build(work_pieces *p)
 {
 	PROFILE("prepare the scene");
-	const uint64_t start = stilb_time_ns();
+	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_BUILDING);
 	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(p->pool);
 	desc.isa = (stilb_gi_isa)p->options->isa;
 	if (!work_good(p, stilb_gi_scene_create(p->scene, &desc, &p->gi_scene)))
 		return false;
 	p->result->scene = *stilb_gi_scene_info_of(p->gi_scene);
-	const unsigned long long invalid = p->result->scene.invalid;
+	unsigned long long invalid = p->result->scene.invalid;
 	if (invalid > 0)
 		stilb_log("'%s': %llu triangle%s left out: a coordinate is NaN, infinite or beyond 1e10 m", p->options->scene,
 		          invalid, invalid == 1 ? " is" : "s are");
@@ -192,7 +192,7 @@ static bool work_build(work_pieces *p)
 static bool work_resume(work_pieces *p)
 {
 	const char *path = p->options->checkpoint;
-	const bool there = path[0] && access(path, F_OK) == 0;
+	bool there = path[0] && access(path, F_OK) == 0;
 	if (path[0])
 		stilb_file_clean(path); /* this run may write none itself */
 	if (!p->options->resume) {
@@ -243,9 +243,9 @@ static void work_render(work_pieces *p)
 static void work_save(work_pieces *p)
 {
 	PROFILE("write the picture");
-	const uint64_t start = stilb_time_ns();
+	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_WRITING);
-	const bool picture = p->result->progress.camera_rays > 0;
+	bool picture = p->result->progress.camera_rays > 0;
 	if (p->options->output && picture) {
 		p->result->saved = stilb_gi_render_save(p->render, p->options->output) == STILB_OK;
 		if (!p->result->saved)
@@ -323,8 +323,8 @@ stilb_result offline_work_start(const offline_options *options, offline_work **o
 	work->options = options;
 	pthread_mutex_init(&work->lock, NULL);
 	stilb_prof_ring_events_set(WORK_RING_EVENTS);
-	stilb_prof_record_set(options->trace != NULL);
-	stilb_prof_switches_set(options->trace != NULL);
+	stilb_prof_record_set(options->trace);
+	stilb_prof_switches_set(options->trace);
 	int error = work_create_thread(work);
 	if (error != 0) {
 		pthread_mutex_destroy(&work->lock);
@@ -338,7 +338,7 @@ stilb_result offline_work_start(const offline_options *options, offline_work **o
 offline_result offline_work_join(offline_work *work)
 {
 	pthread_join(work->thread, NULL);
-	const offline_result result = work->result;
+	offline_result result = work->result;
 	pthread_mutex_destroy(&work->lock);
 	free(work);
 	return result;

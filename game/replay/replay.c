@@ -61,7 +61,7 @@ static flags_result replay_parse(replay_options *o, int argc, char **argv)
 	     0, NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "no window: there never is one", 0, 0, NULL},
 	};
-	const size_t count = sizeof flags / sizeof *flags;
+	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf("stilb replay FILE [FLAGS]: plays a frame without its scene, and measures its commands. 'stilb demo\n"
@@ -116,9 +116,9 @@ static FILE *replay_words(const replay_options *o)
 static stilb_result replay_start(replay_run *run)
 {
 	const replay_options *o = &run->options;
-	const bool light = o->screenshot && stilb_image_path_is_light(o->screenshot);
-	const stilb_render_output output = light ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
-	const stilb_engine_replay_desc desc = {
+	bool light = o->screenshot && stilb_image_path_is_light(o->screenshot);
+	stilb_render_output output = light ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
+	stilb_engine_replay_desc desc = {
 		.path = o->file,
 		.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers,
 		.device = (stilb_render_device_kind)o->device,
@@ -307,7 +307,7 @@ static bool replay_finish(replay_run *run)
 
 static int replay_main(replay_run *run)
 {
-	const stilb_result started = replay_start(run), played = started == STILB_OK ? replay_play(run) : started;
+	stilb_result started = replay_start(run), played = started == STILB_OK ? replay_play(run) : started;
 	if (played != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		/* Draws that are not those of the file's hash come to light with the first frame. */

@@ -78,7 +78,7 @@ static const char *take_name(int *argc, char **argv)
 			continue;
 		for (int k = i + 1; k < *argc; k++)
 			argv[k - 1] = argv[k];
-		--*argc;
+		(*argc)--;
 		return word;
 	}
 	return NULL;
@@ -91,14 +91,14 @@ static const char *take_name(int *argc, char **argv)
 static int edits(const char *a, const char *b)
 {
 	int row[NAME_SIZE]; /* from a so far to each beginning of b */
-	const int length = (int)strlen(b);
+	int length = (int)strlen(b);
 	for (int k = 0; k <= length; k++)
 		row[k] = k;
 	for (int i = 0; a[i]; i++) {
 		int diagonal = row[0]++;
 		for (int k = 1; k <= length; k++) {
-			const int change = diagonal + (tolower((unsigned char)a[i]) != b[k - 1]);
-			const int step = (row[k] < row[k - 1] ? row[k] : row[k - 1]) + 1;
+			int change = diagonal + (tolower((unsigned char)a[i]) != b[k - 1]);
+			int step = (row[k] < row[k - 1] ? row[k] : row[k - 1]) + 1;
 			diagonal = row[k];
 			row[k] = change < step ? change : step;
 		}

@@ -99,7 +99,7 @@ void plot_panel_begin(plot_page *page, const plot_panel *panel)
 		fprintf(script, "set size ratio -1\nunset border\nunset tics\nunset grid\n");
 	else
 		commands_curves(page);
-	const bool lobes = panel->kind == PLOT_LOBES;
+	bool lobes = panel->kind == PLOT_LOBES;
 	axis(script, "x", panel->x_label, panel->x_range ? panel->x_range : lobes ? "[-1.15:1.15]" : NULL);
 	axis(script, "y", panel->y_label, panel->y_range ? panel->y_range : lobes ? "[-0.45:1.2]" : NULL);
 	if (panel->logarithmic)
@@ -151,9 +151,9 @@ typedef struct trace {
 /* From point i to the line between two others. */
 static double distance_from_line(const trace *t, uint32_t i, uint32_t from, uint32_t to)
 {
-	const double x = t->x[i] - t->x[from], y = t->y[i] - t->y[from];
-	const double dx = t->x[to] - t->x[from], dy = t->y[to] - t->y[from], square = dx * dx + dy * dy;
-	const double share = square > 0.0 ? fmin(fmax((x * dx + y * dy) / square, 0.0), 1.0) : 0.0;
+	double x = t->x[i] - t->x[from], y = t->y[i] - t->y[from];
+	double dx = t->x[to] - t->x[from], dy = t->y[to] - t->y[from], square = dx * dx + dy * dy;
+	double share = square > 0.0 ? fmin(fmax((x * dx + y * dy) / square, 0.0), 1.0) : 0.0;
 	return hypot(x - share * dx, y - share * dy);
 }
 
@@ -164,7 +164,7 @@ static void keep_corners(trace *t, uint32_t first, uint32_t last)
 	double farthest = STRAIGHT;
 	uint32_t corner = first;
 	for (uint32_t i = first + 1; i < last; i++) {
-		const double distance = distance_from_line(t, i, first, last);
+		double distance = distance_from_line(t, i, first, last);
 		if (distance > farthest) {
 			farthest = distance;
 			corner = i;
@@ -185,7 +185,7 @@ static void scale_axis(double *values, uint32_t count, bool logarithmic, const c
 		low = isfinite(values[i]) && (values[i] > 0.0 || !logarithmic) ? fmin(low, values[i]) : low;
 		high = isfinite(values[i]) ? fmax(high, values[i]) : high;
 	}
-	const int given = range ? sscanf(range, "[%lf:%lf", &ends[0], &ends[1]) : 0;
+	int given = range ? sscanf(range, "[%lf:%lf", &ends[0], &ends[1]) : 0;
 	low = given > 0 ? ends[0] : low;
 	high = given > 1 ? ends[1] : high;
 	for (uint32_t i = 0; i < count && high > low; i++)
@@ -206,7 +206,7 @@ static void choose_points(const plot_page *page, trace *t, uint32_t count)
 	}
 	uint32_t first = 0; /* of the unbroken part */
 	for (uint32_t i = 0; i < count; i++) {
-		const bool gap = !isfinite(t->x[i] + t->y[i]);
+		bool gap = !isfinite(t->x[i] + t->y[i]);
 		t->kept[i] = gap || i == first || i + 1 == count;
 		if (gap && i > first)
 			t->kept[i - 1] = true;
@@ -272,7 +272,7 @@ void plot_curve(plot_page *page, plot_function *f, const void *context, double f
 	va_start(arguments, words);
 	vsnprintf(title, sizeof title, words, arguments);
 	va_end(arguments);
-	const bool line = !style || !strstr(style, "points");
+	bool line = !style || !strstr(style, "points");
 	write_block(page, f, context, from, to, points, page->panel.kind == PLOT_LOBES, line);
 	add_block(page, style, title);
 }
@@ -330,9 +330,9 @@ static void write_script(FILE *script, const void *context)
 
 stilb_result plot_save(const plot *p, const char *path)
 {
-	const uint32_t width = p->panel_width ? p->panel_width : p->columns > 2 ? NARROW_PANEL_WIDTH : PANEL_WIDTH;
-	const uint32_t height = p->panel_height ? p->panel_height : PANEL_HEIGHT;
-	const bool svg = ends_with(path, ".svg");
+	uint32_t width = p->panel_width ? p->panel_width : p->columns > 2 ? NARROW_PANEL_WIDTH : PANEL_WIDTH;
+	uint32_t height = p->panel_height ? p->panel_height : PANEL_HEIGHT;
+	bool svg = ends_with(path, ".svg");
 	char terminal[160];
 	snprintf(terminal, sizeof terminal, "%s size %u,%u enhanced font 'DejaVu Sans,12' background '#ffffff'",
 	         svg ? "svg fontscale 1.15" : "pngcairo", width * p->columns, height * p->rows + TITLE_HEIGHT);

@@ -38,8 +38,8 @@ static plot_point wrapped_old(double degrees, const void *context)
 static plot_point wrapped_total(double wrap, const void *context)
 {
 	const bool *conserving = context;
-	const shade_brdf_model model = {.kind = SHADE_BRDF_WRAPPED};
-	const shade_brdf_parameters white = {.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f), .wrap = (float)wrap};
+	shade_brdf_model model = {.kind = SHADE_BRDF_WRAPPED};
+	shade_brdf_parameters white = {.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f), .wrap = (float)wrap};
 	double albedo = stilb_numeric_albedo_of_view(&model, &white, (stilb_numeric_angles){0.0, 0.0});
 	return (plot_point){wrap, *conserving ? albedo : albedo * (1.0 + wrap)};
 }
@@ -253,7 +253,7 @@ static void draw_ndf_panel(plot_page *page, float roughness, bool logarithmic)
 	                                     .key = roughness > 0.6f ? "bottom left" : "top right",
 	                                     .extra = "set xtics 15"});
 	for (int ndf = SHADE_NDF_BLINN; ndf <= SHADE_NDF_GGX; ndf++) {
-		const distribution d = {ndf, shade_alpha_from_roughness(roughness)};
+		distribution d = {ndf, shade_alpha_from_roughness(roughness)};
 		plot_curve(page, ndf_value, &d, 0.0, 90.0, 181, NULL, "%s", words[ndf]);
 	}
 	plot_panel_end(page);
@@ -282,24 +282,23 @@ typedef struct shadowing {
 
 static shade_angles shadowing_angles(double degrees, bool mirrored)
 {
-	const float sine = (float)sin(degrees / DEGREES);
-	const stilb_vec3 n = stilb_vec3_make(0.0f, 0.0f, 1.0f), v = stilb_vec3_make(sine, 0.0f, cosine(degrees));
+	float sine = (float)sin(degrees / DEGREES);
+	stilb_vec3 n = stilb_vec3_make(0.0f, 0.0f, 1.0f), v = stilb_vec3_make(sine, 0.0f, cosine(degrees));
 	return shade_angles_of(n, mirrored ? stilb_vec3_make(-sine, 0.0f, cosine(degrees)) : n, v);
 }
 
 static plot_point shadowing_value(double degrees, const void *context)
 {
 	const shadowing *s = context;
-	const float alpha = shade_alpha_from_roughness(SHADOWING_ROUGHNESS);
+	float alpha = shade_alpha_from_roughness(SHADOWING_ROUGHNESS);
 	return (plot_point){degrees, (double)shade_g(s->g, shadowing_angles(degrees, s->mirrored), alpha, alpha)};
 }
 
 static plot_point shadowing_albedo(double degrees, const void *context)
 {
 	const shadowing *s = context;
-	const shade_brdf_model model = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, s->g, SHADE_F_NONE};
-	const shade_brdf_parameters white = {.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f),
-	                                     .roughness = SHADOWING_ROUGHNESS};
+	shade_brdf_model model = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, s->g, SHADE_F_NONE};
+	shade_brdf_parameters white = {.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f), .roughness = SHADOWING_ROUGHNESS};
 	return (plot_point){degrees,
 	                    stilb_numeric_albedo_of_view(&model, &white, (stilb_numeric_angles){degrees / DEGREES, 0.0})};
 }
@@ -318,7 +317,7 @@ static void draw_shadowing(plot_page *page, const void *subject)
 		panels[i].y_range = i < 2 ? "[0:1.05]" : "[0:1.8]";
 		plot_panel_begin(page, &panels[i]);
 		for (int g = 0; g < SHADE_G_COUNT; g++) {
-			const shadowing s = {g, i == 1};
+			shadowing s = {g, i == 1};
 			plot_curve(page, i < 2 ? shadowing_value : shadowing_albedo, &s, 0.0, 89.5, 90, NULL, "%s", g_words[g]);
 		}
 		plot_panel_end(page);
@@ -329,13 +328,13 @@ static void draw_shadowing(plot_page *page, const void *subject)
 static plot_point visibility(double degrees, const void *context)
 {
 	const float *roughness = context;
-	const float c = cosine(degrees), alpha = shade_alpha_from_roughness(*roughness);
+	float c = cosine(degrees), alpha = shade_alpha_from_roughness(*roughness);
 	return (plot_point){degrees, (double)shade_v_smith_ggx(c, c, alpha, alpha)};
 }
 
 static plot_point visibility_as_g(double degrees, const void *context)
 {
-	const double c = (double)cosine(degrees);
+	double c = (double)cosine(degrees);
 	return (plot_point){degrees, 4.0 * c * c * visibility(degrees, context).y};
 }
 
@@ -390,7 +389,7 @@ static void draw_fresnel(plot_page *page, const void *subject)
 	panel.key = "at graph 0.03,0.7 left top";
 	plot_panel_begin(page, &panel);
 	for (uint32_t i = 0; i < PLOT_COUNT(f0s); i++) {
-		const fresnel exact = {SHADE_F_COOK_TORRANCE, f0s[i]}, schlick = {SHADE_F_SCHLICK, f0s[i]};
+		fresnel exact = {SHADE_F_COOK_TORRANCE, f0s[i]}, schlick = {SHADE_F_SCHLICK, f0s[i]};
 		plot_curve(page, fresnel_value, &exact, 0.0, 90.0, 121, NULL, "F_0 = %g", (double)f0s[i]);
 		plot_curve(page, fresnel_value, &schlick, 0.0, 90.0, 121, plot_dashed(i), "%s", "");
 	}
@@ -400,7 +399,7 @@ static void draw_fresnel(plot_page *page, const void *subject)
 	panel.key = NULL;
 	plot_panel_begin(page, &panel);
 	for (uint32_t i = 0; i < PLOT_COUNT(f0s); i++) {
-		const fresnel f = {0, f0s[i]};
+		fresnel f = {0, f0s[i]};
 		plot_curve(page, fresnel_difference, &f, 0.0, 90.0, 121, NULL, "%s", "");
 	}
 	plot_panel_end(page);

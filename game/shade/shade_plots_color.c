@@ -48,7 +48,7 @@ static plot_point blue_by_largest(double x, const void *context)
 static plot_point blue_by_luminance(double x, const void *context)
 {
 	(void)context;
-	const stilb_vec3 blue = stilb_vec3_make(0.0f, 0.1f * (float)x, (float)x);
+	stilb_vec3 blue = stilb_vec3_make(0.0f, 0.1f * (float)x, (float)x);
 	return (plot_point){x, (double)shade_tonemap_luminance(blue, 0.6f, 1.0f)[2]};
 }
 
@@ -130,7 +130,7 @@ static plot_point mapped_mean(double firefly, const void *context)
 	const luma *l = context;
 	stilb_vec3 mean = color_gray(0.0);
 	for (int i = 0; i < VALUES; i++) {
-		const stilb_vec3 color = sample(i, firefly);
+		stilb_vec3 color = sample(i, firefly);
 		mean += shade_tonemap_simple(color, l->of(color), 1.0f) * (1.0f / VALUES);
 	}
 	return (plot_point){firefly, (double)shade_luminance(shade_tonemap_simple_inverse(mean, l->of(mean), 1.0f))};
@@ -175,9 +175,9 @@ static plot_point rgbm_error(double largest, const void *context)
 	const float *gamma = context;
 	double worst = 0.0;
 	for (uint64_t i = 0; i < COLORS_EACH; i++) {
-		const stilb_vec3 color = random_color(largest * (1.0 + 0.02 * (double)i / COLORS_EACH), i);
-		const stilb_vec4 stored = shade_unorm8(shade_rgbm_encode(color, SHADE_RGBM_FACTOR, *gamma));
-		const stilb_vec3 back = shade_rgbm_decode(stored, SHADE_RGBM_FACTOR, *gamma);
+		stilb_vec3 color = random_color(largest * (1.0 + 0.02 * (double)i / COLORS_EACH), i);
+		stilb_vec4 stored = shade_unorm8(shade_rgbm_encode(color, SHADE_RGBM_FACTOR, *gamma));
+		stilb_vec3 back = shade_rgbm_decode(stored, SHADE_RGBM_FACTOR, *gamma);
 		worst = fmax(worst, fabs((double)(shade_largest(back) / shade_largest(color)) - 1.0));
 	}
 	return (plot_point){largest, 100.0 * worst};
@@ -195,11 +195,11 @@ static plot_point rgbm_bound(double largest, const void *context)
 static plot_point tint_error_power(double tint, const void *context)
 {
 	(void)context;
-	const stilb_vec3 color = stilb_vec3_make(0.8f, 0.5f, 0.3f);
+	stilb_vec3 color = stilb_vec3_make(0.8f, 0.5f, 0.3f);
 	stilb_vec4 stored = shade_rgbm_encode(color, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA);
 	stored *= (stilb_vec4){1.0f, 1.0f, 1.0f, 0.0f} * shade_rgbm_tint(color_gray(tint), SHADE_RGBM_GAMMA)[0] +
 	          (stilb_vec4){0.0f, 0.0f, 0.0f, 1.0f};
-	const stilb_vec3 back = shade_rgbm_decode(stored, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA);
+	stilb_vec3 back = shade_rgbm_decode(stored, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA);
 	return (plot_point){tint, 100.0 * ((double)back[0] / (0.8 * tint) - 1.0)};
 }
 
@@ -222,7 +222,7 @@ static void draw_rgbm(plot_page *page, const void *subject)
 	                                     .logarithmic = "x",
 	                                     .key = "top right"});
 	for (uint32_t i = 0; i < 2; i++) {
-		const double range = (double)shade_rgbm_range(SHADE_RGBM_FACTOR, gammas[i]);
+		double range = (double)shade_rgbm_range(SHADE_RGBM_FACTOR, gammas[i]);
 		plot_curve(page, rgbm_error, &gammas[i], 1e-3, range / 1.03, 161, NULL, "gamma %g, up to %.1f",
 		           (double)gammas[i], range);
 		plot_curve(page, rgbm_bound, &gammas[i], 1e-3, range / 1.03, 161, plot_dashed(i), "%s", "");
@@ -245,7 +245,7 @@ static plot_point logluv_error(double power, bool of_luminance)
 	for (uint64_t i = 0; i < COLORS_EACH; i++) {
 		stilb_vec3 color = random_color(1.0, i);
 		color *= (float)exp2(power + (double)i / COLORS_EACH) / shade_luminance(color);
-		const stilb_vec3 back = shade_logluv_decode(shade_unorm8(shade_logluv_encode(color)));
+		stilb_vec3 back = shade_logluv_decode(shade_unorm8(shade_logluv_encode(color)));
 		if (of_luminance) {
 			worst = fmax(worst, fabs((double)(shade_luminance(back) / shade_luminance(color)) - 1.0));
 			continue;
@@ -307,7 +307,7 @@ static void draw_srgb(plot_page *page, const void *subject)
 {
 	(void)subject;
 	for (int i = 0; i < 2; i++) {
-		const double end = i == 0 ? 1.0 : 0.01;
+		double end = i == 0 ? 1.0 : 0.01;
 		plot_panel_begin(page,
 		                 &(plot_panel){.title = i == 0 ? "Code of a linear light; dots: the inverse" : "Near black",
 		                               .x_label = "light",

@@ -15,8 +15,8 @@
 static plot_point sky_irradiance(double degrees, const void *context)
 {
 	(void)context;
-	const stilb_vec3 one = stilb_vec3_make(1.0f, 1.0f, 1.0f), none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	const float up = (float)cos(degrees / DEGREES);
+	stilb_vec3 one = stilb_vec3_make(1.0f, 1.0f, 1.0f), none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	float up = (float)cos(degrees / DEGREES);
 	return (plot_point){degrees, (double)shade_hemisphere_irradiance(up, one, none)[0] / M_PI};
 }
 
@@ -72,7 +72,7 @@ static void draw_hemisphere(plot_page *page, const void *subject)
 static plot_point falloff(double d, const void *context)
 {
 	const int *light = context;
-	const shade_lamp lamp = {.radius = LAMP_RADIUS, .reach = LAMP_REACH};
+	shade_lamp lamp = {.radius = LAMP_RADIUS, .reach = LAMP_REACH};
 	return (plot_point){d, *light < 0 ? 1.0 / (d * d) : (double)shade_lamp_falloff(*light, lamp, (float)(d * d), 1.0f)};
 }
 
@@ -127,7 +127,7 @@ static const char *const lobe_words[LOBE_KINDS] = {"Phong", "Blinn-Phong", "GGX"
 /* Phong's exponent is the one that looks like Blinn-Phong's. */
 static shade_cone cone_of(lobe_kind kind, float roughness, stilb_vec3 v, float tolerance)
 {
-	const float alpha = shade_alpha_from_roughness(roughness), n = shade_exponent_from_alpha(alpha);
+	float alpha = shade_alpha_from_roughness(roughness), n = shade_exponent_from_alpha(alpha);
 	if (kind == LOBE_GGX)
 		return shade_cone_ggx(upwards, v, alpha, tolerance);
 	if (kind == LOBE_BLINN_PHONG)
@@ -143,7 +143,7 @@ typedef struct cone_subject {
 static plot_point cone_angle(double roughness, const void *context)
 {
 	const cone_subject *c = context;
-	const shade_cone cone = cone_of(c->kind, (float)roughness, light_in_plane(0.0), c->tolerance);
+	shade_cone cone = cone_of(c->kind, (float)roughness, light_in_plane(0.0), c->tolerance);
 	return (plot_point){roughness, cone.chord < 0.0f ? 0.0 : (double)shade_cone_half_angle(cone) * DEGREES};
 }
 
@@ -159,7 +159,7 @@ static void draw_cone_angles(plot_page *page, float tolerance, const char *key)
 	                                     .key = key,
 	                                     .extra = "set ytics 30"});
 	for (lobe_kind kind = 0; kind < LOBE_KINDS; kind++) {
-		const cone_subject c = {kind, tolerance};
+		cone_subject c = {kind, tolerance};
 		plot_curve(page, cone_angle, &c, 0.0, 1.0, 201, NULL, "%s", lobe_words[kind]);
 	}
 	plot_panel_end(page);
@@ -177,8 +177,8 @@ typedef struct lobe_subject {
 
 static double lobe_value(const lobe_subject *s, double angle)
 {
-	const shade_brdf_parameters p = {.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f), .roughness = CONE_ROUGHNESS};
-	const shade_frame frame = shade_frame_from_normal(upwards);
+	shade_brdf_parameters p = {.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f), .roughness = CONE_ROUGHNESS};
+	shade_frame frame = shade_frame_from_normal(upwards);
 	return (double)shade_brdf_cos(s->model, p, frame, light_in_plane(angle), light_in_plane(-CONE_VIEW))[0];
 }
 
@@ -204,12 +204,12 @@ static void draw_cone_lobe(plot_page *page)
 	                                     .y_range = "[-0.7:1.2]",
 	                                     .key = "bottom center vertical maxrows 3"});
 	for (lobe_kind kind = 0; kind < LOBE_KINDS; kind++) {
-		const lobe_subject s = {.model = {kinds[kind], SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_NONE},
-		                        .lowest = (double)CONE_TOLERANCE * 0.1,
-		                        .peak = 10.0};
-		const shade_cone cone = cone_of(kind, CONE_ROUGHNESS, light_in_plane(-CONE_VIEW), CONE_TOLERANCE);
-		const double half = (double)shade_cone_half_angle(cone);
-		const double rims[2] = {CONE_VIEW - half, CONE_VIEW + half};
+		lobe_subject s = {.model = {kinds[kind], SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_NONE},
+		                  .lowest = (double)CONE_TOLERANCE * 0.1,
+		                  .peak = 10.0};
+		shade_cone cone = cone_of(kind, CONE_ROUGHNESS, light_in_plane(-CONE_VIEW), CONE_TOLERANCE);
+		double half = (double)shade_cone_half_angle(cone);
+		double rims[2] = {CONE_VIEW - half, CONE_VIEW + half};
 		plot_curve(page, light_lobe, &s, -M_PI / 2.0, M_PI / 2.0, 361, NULL, "%s: half angle %.1f°", lobe_words[kind],
 		           half * DEGREES);
 		for (int i = 0; i < 2; i++)
@@ -242,18 +242,18 @@ static plot_point sector_outline(double t, const void *context)
 
 static void draw_union(plot_page *page, double a_degrees, double a_half, double b_degrees, double b_half)
 {
-	const double at[2] = {a_degrees / DEGREES, b_degrees / DEGREES}, half[2] = {a_half / DEGREES, b_half / DEGREES};
+	double at[2] = {a_degrees / DEGREES, b_degrees / DEGREES}, half[2] = {a_half / DEGREES, b_half / DEGREES};
 	shade_cone cones[2];
 	char title[96];
 	for (int i = 0; i < 2; i++)
 		cones[i] = (shade_cone){light_in_plane(at[i]), (float)(2.0 * sin(0.5 * half[i]))};
-	const shade_cone both = shade_cone_union(cones[0], cones[1]);
-	const sector whole = {atan2((double)both.axis[0], (double)both.axis[2]), (double)shade_cone_half_angle(both), 1.0};
+	shade_cone both = shade_cone_union(cones[0], cones[1]);
+	sector whole = {atan2((double)both.axis[0], (double)both.axis[2]), (double)shade_cone_half_angle(both), 1.0};
 	snprintf(title, sizeof title, "Half angles %g° and %g°, %g° apart", a_half, b_half, fabs(a_degrees - b_degrees));
 	plot_panel_begin(page,
 	                 &(plot_panel){.kind = PLOT_LOBES, .title = title, .key = "bottom center vertical maxrows 3"});
 	for (int i = 0; i < 2; i++) {
-		const sector s = {at[i], half[i], 0.85 - 0.15 * i};
+		sector s = {at[i], half[i], 0.85 - 0.15 * i};
 		plot_curve(page, sector_outline, &s, 0.0, 1.0, 91, NULL, "%s", i == 0 ? "a" : "b");
 	}
 	plot_curve(page, sector_outline, &whole, 0.0, 1.0, 91, NULL, "union: half angle %.1f°", whole.half * DEGREES);

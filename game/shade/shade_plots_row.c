@@ -27,7 +27,7 @@ static stilb_vec3 row_in_plane(double angle)
 
 static bool is_anisotropic(const stilb_numeric_row *row)
 {
-	return strstr(row->name, "anisotropic") != NULL;
+	return strstr(row->name, "anisotropic");
 }
 
 static subject subject_of(const stilb_numeric_row *row, float roughness)
@@ -52,15 +52,15 @@ static double degrees_of(const subject *s, double t)
 static plot_point density(double t, const void *context)
 {
 	const subject *s = context;
-	const double degrees = degrees_of(s, t);
+	double degrees = degrees_of(s, t);
 	return (plot_point){degrees, (double)s->row->density(&s->shape, row_in_plane(degrees / DEGREES))};
 }
 
 static plot_point density_across(double t, const void *context)
 {
 	const subject *s = context;
-	const double degrees = degrees_of(s, t);
-	const stilb_vec3 h = row_in_plane(degrees / DEGREES);
+	double degrees = degrees_of(s, t);
+	stilb_vec3 h = row_in_plane(degrees / DEGREES);
 	return (plot_point){degrees, (double)s->row->density(&s->shape, stilb_vec3_make(0.0f, h[0], h[2]))};
 }
 
@@ -68,9 +68,9 @@ static plot_point density_across(double t, const void *context)
 static plot_point measured_within(double share, const void *context)
 {
 	const subject *s = context;
-	const double degrees = degrees_of(s, share), end = degrees / DEGREES;
+	double degrees = degrees_of(s, share), end = degrees / DEGREES;
 	double sum = 0.0;
-	const int steps = 2000;
+	int steps = 2000;
 	for (int i = 0; i < steps; i++) { /* more of them near the axis, where D is high */
 		double t = (i + 0.5) / steps, theta = end * t * t, width = end * 2.0 * t / steps;
 		double cosine = s->row->measure == STILB_NUMERIC_MEASURE_D_COS ? cos(theta) : 1.0;
@@ -90,9 +90,9 @@ static void draw_distribution(plot_page *page, const void *context)
 {
 	const stilb_numeric_row *row = context;
 	const char *measure = row->measure == STILB_NUMERIC_MEASURE_D_COS ? "D n·h" : "D";
-	const subject widest = subject_of(row, 1.0f);
-	const bool whole = row->density(&widest.shape, row_in_plane(M_PI)) > 0.0f; /* the sphere, not the hemisphere */
-	const double end = whole ? 180.0 : 90.0;
+	subject widest = subject_of(row, 1.0f);
+	bool whole = row->density(&widest.shape, row_in_plane(M_PI)) > 0.0f; /* the sphere, not the hemisphere */
+	double end = whole ? 180.0 : 90.0;
 	plot_panel panel = {.title = is_anisotropic(row) ? "Density; dashed: along b" : "Density",
 	                    .x_label = "angle from the axis (degrees)",
 	                    .y_label = "sr^{-1}",
@@ -183,7 +183,7 @@ static void row_draw_lobes(plot_page *page, const stilb_numeric_row *row)
 static plot_point albedo_of_view(double degrees, const void *context)
 {
 	const subject *s = context;
-	const shade_brdf_parameters white = white_of(s);
+	shade_brdf_parameters white = white_of(s);
 	return (plot_point){
 		degrees, stilb_numeric_albedo_of_view(&s->row->model, &white, (stilb_numeric_angles){degrees / DEGREES, 0.0})};
 }
@@ -192,7 +192,7 @@ static plot_point albedo_of_view(double degrees, const void *context)
 static plot_point albedo_of_light(double degrees, const void *context)
 {
 	const subject *s = context;
-	const shade_brdf_parameters white = white_of(s);
+	shade_brdf_parameters white = white_of(s);
 	return (plot_point){
 		degrees, stilb_numeric_albedo_of_light(&s->row->model, &white, (stilb_numeric_angles){degrees / DEGREES, 0.0})};
 }
@@ -200,7 +200,7 @@ static plot_point albedo_of_light(double degrees, const void *context)
 /* In the colours of the lobes. */
 static void draw_albedos(plot_page *page, const stilb_numeric_row *row)
 {
-	const bool high = row->largest_albedo > 2.0;
+	bool high = row->largest_albedo > 2.0;
 	plot_panel_begin(page, &(plot_panel){.title = row->reciprocal ? "Albedo of a white surface"
 	                                                              : "Albedo: full of a view, dashed of a light",
 	                                     .x_label = "angle from the normal (degrees)",
@@ -209,7 +209,7 @@ static void draw_albedos(plot_page *page, const stilb_numeric_row *row)
 	                                     .logarithmic = high ? "y" : NULL,
 	                                     .extra = "set xtics 15\n" PLOT_LINE_AT_ONE});
 	for (uint32_t i = 0; i < (is_diffuse(row) ? 1 : PLOT_COUNT(roughnesses)); i++) {
-		const subject s = subject_of(row, roughnesses[i]);
+		subject s = subject_of(row, roughnesses[i]);
 		plot_curve(page, albedo_of_view, &s, 0.0, 89.0, 60, NULL, "%s", "");
 		if (!row->reciprocal)
 			plot_curve(page, albedo_of_light, &s, 0.0, 89.0, 60, plot_dashed(i), "%s", "");
@@ -239,7 +239,7 @@ void shade_plot_typed(char *out, size_t size, const char *words)
 
 static shade_sample draw_sample(const subject *s, uint64_t i)
 {
-	const stilb_vec2 u = {stilb_random_float(1, 2 * i), stilb_random_float(1, 2 * i + 1)};
+	stilb_vec2 u = {stilb_random_float(1, 2 * i), stilb_random_float(1, 2 * i + 1)};
 	return s->row->sample(&s->shape, u);
 }
 
@@ -249,10 +249,10 @@ static void draw_cloud(plot_page *page, const subject *s, const char *title)
 	plot_point above[GRID * GRID], below[GRID * GRID];
 	uint32_t above_count = 0, below_count = 0;
 	for (uint32_t i = 0; i < GRID * GRID; i++) {
-		const stilb_vec2 u = {((float)(i % GRID) + stilb_random_float(2, 2 * i)) / GRID,
-		                      ((float)(i / GRID) + stilb_random_float(2, 2 * i + 1)) / GRID};
-		const stilb_vec3 d = s->row->sample(&s->shape, u).direction;
-		const plot_point at = {(double)d[0], (double)d[1]};
+		stilb_vec2 u = {((float)(i % GRID) + stilb_random_float(2, 2 * i)) / GRID,
+		                ((float)(i / GRID) + stilb_random_float(2, 2 * i + 1)) / GRID};
+		stilb_vec3 d = s->row->sample(&s->shape, u).direction;
+		plot_point at = {(double)d[0], (double)d[1]};
 		if (d[2] >= 0.0f)
 			above[above_count++] = at;
 		else
@@ -275,7 +275,7 @@ static void draw_cloud(plot_page *page, const subject *s, const char *title)
 static plot_point ring_density(double z, const void *context)
 {
 	const subject *s = context;
-	const int steps = 720;
+	int steps = 720;
 	double sum = 0.0, radius = sqrt(fmax(1.0 - z * z, 0.0));
 	for (int i = 0; i < steps; i++) {
 		double phi = (i + 0.5) / steps * 2.0 * M_PI;
@@ -313,7 +313,7 @@ static void draw_histogram(plot_page *page, const subject *s)
 
 static void draw_sampler(plot_page *page, const void *context)
 {
-	const subject s = subject_of(context, SAMPLER_ROUGHNESS);
+	subject s = subject_of(context, SAMPLER_ROUGHNESS);
 	draw_cloud(page, &s, "Directions from above; grey: below the horizon");
 	draw_histogram(page, &s);
 }
@@ -325,7 +325,7 @@ static void draw_samplers(plot_page *page, const void *context)
 	const stilb_numeric_row *rows = stilb_numeric_catalog(&count);
 	for (size_t i = 0; i < count; i++)
 		if (rows[i].kind == STILB_NUMERIC_SAMPLER && strcmp(rows[i].name, "sample_stratified") != 0) {
-			const subject s = subject_of(&rows[i], SAMPLER_ROUGHNESS);
+			subject s = subject_of(&rows[i], SAMPLER_ROUGHNESS);
 			char title[64];
 			shade_plot_typed(title, sizeof title, rows[i].name + strlen("sample_"));
 			draw_cloud(page, &s, title);
@@ -340,16 +340,16 @@ static void draw_samplers(plot_page *page, const void *context)
 static plot_point disk_error(double side, const void *context)
 {
 	const bool *stratified = context;
-	const int columns = (int)side, count = columns * columns;
+	int columns = (int)side, count = columns * columns;
 	double squares = 0.0;
 	for (int repeat = 0; repeat < REPEATS; repeat++) {
 		double sum = 0.0;
 		for (int i = 0; i < count; i++) {
-			const uint64_t at = (uint64_t)repeat * 1000000u + (uint64_t)i;
+			uint64_t at = (uint64_t)repeat * 1000000u + (uint64_t)i;
 			stilb_vec2 u = {stilb_random_float(6, 2 * at), stilb_random_float(6, 2 * at + 1)};
 			if (*stratified)
 				u = shade_sample_stratified(i, columns, columns, u);
-			const double x = (double)shade_sample_disk(u)[0];
+			double x = (double)shade_sample_disk(u)[0];
 			sum += x * x;
 		}
 		squares += (sum / count - 0.25) * (sum / count - 0.25);
@@ -405,14 +405,14 @@ static void set_formula(char *out, size_t size, const char *formula)
 
 static bool depends_on_roughness(const stilb_numeric_row *row)
 {
-	const subject a = subject_of(row, 0.5f), b = subject_of(row, 1.0f);
+	subject a = subject_of(row, 0.5f), b = subject_of(row, 1.0f);
 	return row->density(&a.shape, row_in_plane(0.0)) != row->density(&b.shape, row_in_plane(0.0));
 }
 
 /* With which numbers the row is drawn. */
 static void add_remark(char *formula, size_t size, const stilb_numeric_row *row)
 {
-	const size_t length = strlen(formula);
+	size_t length = strlen(formula);
 	formula += length;
 	size -= length;
 	if (strcmp(row->name, "sample_disk") == 0)

@@ -47,12 +47,12 @@ static void sg_draw_lobes(plot_page *page, const void *subject)
 	                                     .key = "bottom center vertical maxrows 2",
 	                                     .extra = "unset label\nset label 'μ' at 0.05,1.14"});
 	for (uint32_t i = 0; i < PLOT_COUNT(sharpnesses); i++) {
-		const shade_sg g = lobe_of(0.0, sharpnesses[i], 1.0f);
+		shade_sg g = lobe_of(0.0, sharpnesses[i], 1.0f);
 		plot_curve(page, around, &g, -M_PI, M_PI, 241, NULL, "sharpness %g", (double)sharpnesses[i]);
 	}
 	plot_panel_end(page);
-	const shade_sg g1 = lobe_of(-25.0 / DEGREES, 5.0f, 1.0f), g2 = lobe_of(25.0 / DEGREES, 9.0f, 0.8f);
-	const shade_sg product = shade_sg_product(g1, g2), power = shade_sg_power(g1, 4.0f);
+	shade_sg g1 = lobe_of(-25.0 / DEGREES, 5.0f, 1.0f), g2 = lobe_of(25.0 / DEGREES, 9.0f, 0.8f);
+	shade_sg product = shade_sg_product(g1, g2), power = shade_sg_power(g1, 4.0f);
 	plot_panel_begin(page, &(plot_panel){.title = "Product and power",
 	                                     .x_label = "angle (degrees)",
 	                                     .x_range = "[-90:90]",
@@ -113,14 +113,14 @@ static pair sg_apart(double degrees)
 static plot_point inner_product(double degrees, const void *context)
 {
 	(void)context;
-	const pair p = sg_apart(degrees);
+	pair p = sg_apart(degrees);
 	return (plot_point){degrees, (double)shade_sg_inner_product(p.g1, p.g2)[0]};
 }
 
 static plot_point inner_product_true(double degrees, const void *context)
 {
 	(void)context;
-	const pair p = sg_apart(degrees);
+	pair p = sg_apart(degrees);
 	return (plot_point){degrees, stilb_numeric_integrate_sphere(product_at, &p, -1.0, 1.0, 4)};
 }
 
@@ -128,7 +128,7 @@ static plot_point inner_product_true(double degrees, const void *context)
 static plot_point inner_product_printed(double degrees, const void *context)
 {
 	(void)context;
-	const pair p = sg_apart(degrees);
+	pair p = sg_apart(degrees);
 	stilb_vec3 mean = (p.g1.axis * p.g1.sharpness + p.g2.axis * p.g2.sharpness) / (p.g1.sharpness + p.g2.sharpness);
 	double length = sqrt((double)stilb_vec3_dot(mean, mean)), sum = (double)(p.g1.sharpness + p.g2.sharpness);
 	return (plot_point){degrees, 2.0 * M_PI * exp(length - sum) * (1.0 - exp(-2.0 * length)) / length};
@@ -187,7 +187,7 @@ static void draw_convolution(plot_page *page, const void *subject)
 	(void)subject;
 	static const float sharpnesses[2][2] = {{20.0f, 40.0f}, {2.0f, 4.0f}};
 	for (int i = 0; i < 2; i++) {
-		const pair p = {lobe_of(0.0, sharpnesses[i][0], 1.0f), lobe_of(0.0, sharpnesses[i][1], 1.0f)};
+		pair p = {lobe_of(0.0, sharpnesses[i][0], 1.0f), lobe_of(0.0, sharpnesses[i][1], 1.0f)};
 		char title[64];
 		snprintf(title, sizeof title, "Sharpness %g blurred by %g", (double)sharpnesses[i][0],
 		         (double)sharpnesses[i][1]);
@@ -221,9 +221,9 @@ static plot_point fitted_share(double sharpness, const void *context)
 	(void)context;
 	enum { DIRECTIONS = 1000 };
 	static stilb_vec3 directions[DIRECTIONS];
-	const uint64_t seed = (uint64_t)(sharpness * 1000.0);
+	uint64_t seed = (uint64_t)(sharpness * 1000.0);
 	for (uint64_t i = 0; i < DIRECTIONS; i++) {
-		const stilb_vec2 u = {stilb_random_float(seed, 2 * i), stilb_random_float(seed, 2 * i + 1)};
+		stilb_vec2 u = {stilb_random_float(seed, 2 * i), stilb_random_float(seed, 2 * i + 1)};
 		directions[i] = shade_sample_vmf((float)sharpness, u).direction;
 	}
 	shade_vmf fit = {.inverse_sharpness = NAN};
@@ -255,8 +255,8 @@ static plot_point sum_along(double degrees, const void *context)
 
 static void draw_sum(plot_page *page, const char *title, double degrees)
 {
-	const pair p = {lobe_of(0.0, 20.0f, 1.0f), lobe_of(degrees / DEGREES, 12.0f, 0.7f)};
-	const shade_sg sum = shade_sg_add(p.g1, p.g2);
+	pair p = {lobe_of(0.0, 20.0f, 1.0f), lobe_of(degrees / DEGREES, 12.0f, 0.7f)};
+	shade_sg sum = shade_sg_add(p.g1, p.g2);
 	plot_panel_begin(page, &(plot_panel){.title = title,
 	                                     .x_label = "angle (degrees)",
 	                                     .x_range = "[-90:150]",
@@ -292,8 +292,8 @@ static const char *const filter_words[FILTER_KINDS] = {"vMF", "Toksvig", "varian
 /* Two texels as one; share is b's. */
 static shade_rough_normal filtered(filter_kind kind, shade_rough_normal a, shade_rough_normal b, float share)
 {
-	const float alpha2 = (1.0f - share) * a.alpha * a.alpha + share * b.alpha * b.alpha;
-	const shade_mean_direction plain =
+	float alpha2 = (1.0f - share) * a.alpha * a.alpha + share * b.alpha * b.alpha;
+	shade_mean_direction plain =
 		shade_mean_direction_mix(shade_filter_normal_mean(a.normal), shade_filter_normal_mean(b.normal), share);
 	switch (kind) {
 	case FILTER_VMF:
@@ -313,22 +313,21 @@ static shade_rough_normal filtered(filter_kind kind, shade_rough_normal a, shade
 static plot_point filter_spread(double degrees, const void *context)
 {
 	const filter_kind *kind = context;
-	const shade_rough_normal a = {sg_in_plane(-degrees / DEGREES), 0.1f}, b = {sg_in_plane(degrees / DEGREES), 0.1f};
+	shade_rough_normal a = {sg_in_plane(-degrees / DEGREES), 0.1f}, b = {sg_in_plane(degrees / DEGREES), 0.1f};
 	return (plot_point){degrees, (double)filtered(*kind, a, b, 0.5f).alpha};
 }
 
 /* A smooth texel that leans to the left and a rough one to the right. */
 static shade_rough_normal smooth_and_rough(filter_kind kind, double share)
 {
-	const shade_rough_normal smooth = {sg_in_plane(-20.0 / DEGREES), 0.05f},
-							 rough = {sg_in_plane(20.0 / DEGREES), 0.7f};
+	shade_rough_normal smooth = {sg_in_plane(-20.0 / DEGREES), 0.05f}, rough = {sg_in_plane(20.0 / DEGREES), 0.7f};
 	return filtered(kind, smooth, rough, (float)share);
 }
 
 static plot_point filter_tilt(double share, const void *context)
 {
 	const filter_kind *kind = context;
-	const stilb_vec3 n = smooth_and_rough(*kind, share).normal;
+	stilb_vec3 n = smooth_and_rough(*kind, share).normal;
 	return (plot_point){share, atan2((double)n[0], (double)n[2]) * DEGREES};
 }
 

@@ -41,7 +41,7 @@ static void draw_function(plot_page *page, int index, int right, int up, const c
 		page, &(plot_panel){
 				  .kind = PLOT_MAP, .title = words, .x_range = "[-0.8:0.8]", .y_range = "[-0.8:0.8]", .extra = extra});
 	for (int i = 0; i < 2; i++) {
-		const slice s = {index, right, up, i == 0 ? 1.0f : -1.0f};
+		slice s = {index, right, up, i == 0 ? 1.0f : -1.0f};
 		plot_lobe(page, slice_at, &s, -M_PI, M_PI, 181,
 		          i == 0
 		              ? "filledcurves closed fillcolor rgb '#9ec7e6' linecolor rgb '#0072B2' fillstyle solid border"
@@ -105,9 +105,9 @@ static const plot_panel from_light = {
 static void draw_light(plot_page *page, const void *subject)
 {
 	(void)subject;
-	const shade_sh sun = shade_sh_directional(sh_in_plane(0.0), 1.0f);
-	const shade_sh soft = shade_sh_window(sun, SHADE_SH_WINDOW_IRRADIANCE);
-	const shade_sh softer = shade_sh_window(sun, SHADE_SH_WINDOW_RADIANCE);
+	shade_sh sun = shade_sh_directional(sh_in_plane(0.0), 1.0f);
+	shade_sh soft = shade_sh_window(sun, SHADE_SH_WINDOW_IRRADIANCE);
+	shade_sh softer = shade_sh_window(sun, SHADE_SH_WINDOW_RADIANCE);
 	plot_panel panel = from_light;
 	panel.title = "Irradiance on a normal";
 	plot_panel_begin(page, &panel);
@@ -149,14 +149,14 @@ static double received(const double d[3], const void *context)
 static plot_point irradiance_true(double degrees, const void *context)
 {
 	(void)context;
-	const facing f = {sh_in_plane(degrees / DEGREES)};
+	facing f = {sh_in_plane(degrees / DEGREES)};
 	return (plot_point){degrees, stilb_numeric_integrate_sphere(received, &f, -1.0, 1.0, 12)};
 }
 
 static plot_point sh_radiance_true(double degrees, const void *context)
 {
 	(void)context;
-	const double d[3] = {sin(degrees / DEGREES), 0.0, cos(degrees / DEGREES)};
+	double d[3] = {sin(degrees / DEGREES), 0.0, cos(degrees / DEGREES)};
 	return (plot_point){degrees, sky(d, NULL)};
 }
 
@@ -191,10 +191,10 @@ static void draw_turned(plot_page *page, const shade_sh *f)
 	                                     .key = "bottom center vertical maxrows 1",
 	                                     .extra = "unset label\nset label 'z' at 0.05,1.14"});
 	for (uint32_t i = 0; i < PLOT_COUNT(turns); i++) {
-		const shade_frame frame = {sh_in_plane(M_PI / 2.0 - turns[i] / DEGREES), stilb_vec3_make(0.0f, 1.0f, 0.0f),
-		                           sh_in_plane(-turns[i] / DEGREES)};
-		const shade_sh turned = shade_sh_rotate(*f, frame);
-		const stilb_vec3 to_light = shade_sh_dominant_direction(turned);
+		shade_frame frame = {sh_in_plane(M_PI / 2.0 - turns[i] / DEGREES), stilb_vec3_make(0.0f, 1.0f, 0.0f),
+		                     sh_in_plane(-turns[i] / DEGREES)};
+		shade_sh turned = shade_sh_rotate(*f, frame);
+		stilb_vec3 to_light = shade_sh_dominant_direction(turned);
 		plot_light(page, -atan2((double)to_light[0], (double)to_light[2]), plot_color(i));
 		plot_curve(page, radiance_around, &turned, -M_PI, M_PI, 181, NULL, "by %.0f°", turns[i]);
 	}
@@ -203,10 +203,9 @@ static void draw_turned(plot_page *page, const shade_sh *f)
 
 static void draw_dominant(plot_page *page, const shade_sh *f)
 {
-	const stilb_vec3 d = shade_sh_dominant_direction(*f);
-	const shade_sh_light light = shade_sh_dominant_light((shade_sh_rgb){*f, *f, *f});
-	const shade_sh both =
-		shade_sh_add(shade_sh_directional(d, light.irradiance[0]), shade_sh_ambient(light.ambient[0]));
+	stilb_vec3 d = shade_sh_dominant_direction(*f);
+	shade_sh_light light = shade_sh_dominant_light((shade_sh_rgb){*f, *f, *f});
+	shade_sh both = shade_sh_add(shade_sh_directional(d, light.irradiance[0]), shade_sh_ambient(light.ambient[0]));
 	plot_panel panel = from_light;
 	panel.title = "Dominant light and ambient";
 	panel.x_label = "angle in the plane x, z (degrees)";
@@ -222,7 +221,7 @@ static void draw_dominant(plot_page *page, const shade_sh *f)
 static void draw_surroundings(plot_page *page, const void *subject)
 {
 	(void)subject;
-	const shade_sh f = stilb_numeric_sh_project(sky, NULL, 8);
+	shade_sh f = stilb_numeric_sh_project(sky, NULL, 8);
 	draw_projection(page, &f);
 	draw_turned(page, &f);
 	draw_dominant(page, &f);
@@ -249,14 +248,14 @@ typedef enum bump_kind { BUMP_HEIGHT, BUMP_DERIVATIVES } bump_kind;
 
 static stilb_vec3 bumped(bump_kind kind, double x, double y, double step)
 {
-	const stilb_vec3 n = stilb_vec3_make(0.0f, 0.0f, 1.0f);
-	const stilb_vec3 dp_dx = stilb_vec3_make((float)step, 0.0f, 0.0f), dp_dy = stilb_vec3_make(0.0f, (float)step, 0.0f);
-	const double h = height(x, y);
+	stilb_vec3 n = stilb_vec3_make(0.0f, 0.0f, 1.0f);
+	stilb_vec3 dp_dx = stilb_vec3_make((float)step, 0.0f, 0.0f), dp_dy = stilb_vec3_make(0.0f, (float)step, 0.0f);
+	double h = height(x, y);
 	if (kind == BUMP_HEIGHT)
 		return shade_bump_from_height(n, dp_dx, dp_dy, (float)(height(x + step, y) - h),
 		                              (float)(height(x, y + step) - h), 1.0f);
-	const stilb_vec2 derivatives = {(float)(WAVE_HEIGHT * WAVES * cos(WAVES * x) * cos(0.7 * WAVES * y)),
-	                                (float)(-0.7 * WAVE_HEIGHT * WAVES * sin(WAVES * x) * sin(0.7 * WAVES * y))};
+	stilb_vec2 derivatives = {(float)(WAVE_HEIGHT * WAVES * cos(WAVES * x) * cos(0.7 * WAVES * y)),
+	                          (float)(-0.7 * WAVE_HEIGHT * WAVES * sin(WAVES * x) * sin(0.7 * WAVES * y))};
 	return shade_bump_from_derivatives(n, dp_dx, dp_dy, derivatives, (stilb_vec2){(float)step, 0.0f},
 	                                   (stilb_vec2){0.0f, (float)step}, 1.0f);
 }
@@ -284,12 +283,12 @@ static plot_point bump_error(double step, const void *context)
 static plot_point ray_error(double degrees, const void *context)
 {
 	const double *pixel = context;
-	const double tilt = degrees / DEGREES; /* from straight down */
-	const stilb_vec3 n = stilb_vec3_make(0.0f, 1.0f, 0.0f);
-	const stilb_vec3 forward = stilb_vec3_make(0.0f, (float)-cos(tilt), (float)-sin(tilt));
-	const stilb_vec3 down = stilb_vec3_make(0.0f, (float)(-sin(tilt) * *pixel), (float)(cos(tilt) * *pixel));
-	const shade_ray_differential ray = shade_ray_differential_pinhole(forward, down);
-	const stilb_vec3 step = shade_ray_differential_hit(ray, forward, (float)(1.0 / cos(tilt)), n);
+	double tilt = degrees / DEGREES; /* from straight down */
+	stilb_vec3 n = stilb_vec3_make(0.0f, 1.0f, 0.0f);
+	stilb_vec3 forward = stilb_vec3_make(0.0f, (float)-cos(tilt), (float)-sin(tilt));
+	stilb_vec3 down = stilb_vec3_make(0.0f, (float)(-sin(tilt) * *pixel), (float)(cos(tilt) * *pixel));
+	shade_ray_differential ray = shade_ray_differential_pinhole(forward, down);
+	stilb_vec3 step = shade_ray_differential_hit(ray, forward, (float)(1.0 / cos(tilt)), n);
 	double here = tan(tilt), next = tan(tilt - atan(*pixel));
 	return (plot_point){degrees, fabs(fabs((double)step[2]) / (here - next) - 1.0)};
 }

@@ -30,7 +30,7 @@ static flags_result spheres_parse(spheres_options *o, int argc, char **argv)
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0,
 	     STILB_JOB_MAX_WORKERS, NULL},
 	};
-	const size_t count = sizeof flags / sizeof *flags;
+	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf("stilb shade spheres -o FILE [FLAGS]: spheres from left to right, each pixel by the functions of\n"

@@ -46,7 +46,7 @@ static layout layout_of(const strip *s, const stilb_image *picture)
 
 void strip_size(const strip *s, float sphere, uint32_t size[2])
 {
-	const float cell = sphere / (2.0f * SPHERE_RADIUS);
+	float cell = sphere / (2.0f * SPHERE_RADIUS);
 	size[0] = (uint32_t)ceilf(cell * layout_columns(s));
 	size[1] = (uint32_t)ceilf(cell * layout_rows(s));
 }
@@ -93,7 +93,7 @@ static stilb_vec3 lamp_point(const lamp *light, int i, int count)
 {
 	if (count == 1)
 		return light->direction;
-	const shade_frame frame = shade_frame_from_normal(light->direction);
+	shade_frame frame = shade_frame_from_normal(light->direction);
 	float radius = tanf(light->angle) * sqrtf(((float)i + 0.5f) / (float)count), turn = 2.39996323f * (float)i;
 	return stilb_vec3_normalize(light->direction + frame.t * (radius * cosf(turn)) + frame.b * (radius * sinf(turn)));
 }
@@ -116,7 +116,7 @@ typedef struct lamp_parts {
 static lamp_parts lamp_divide(const lamp *light, const strip_sphere *sphere)
 {
 	lamp_parts parts = {.count = lamp_points(light, &sphere->highlight)};
-	const stilb_vec3 specular = sphere->highlight.specular;
+	stilb_vec3 specular = sphere->highlight.specular;
 	if (fmaxf(specular[0], fmaxf(specular[1], specular[2])) <= 0.0f)
 		parts.count = 0;
 	for (int i = 0; i < parts.count; i++)
@@ -128,8 +128,8 @@ static lamp_parts lamp_divide(const lamp *light, const strip_sphere *sphere)
 static stilb_vec3 from_lamp(const strip_sphere *sphere, const lamp *light, const lamp_parts *parts,
                             const shade_frame *frame, float roughness, stilb_vec3 v)
 {
-	const shade_brdf_model even = {.kind = SHADE_BRDF_WRAPPED};
-	const shade_brdf_parameters paint = {.specular = sphere->diffuse, .wrap = sphere->wrap};
+	shade_brdf_model even = {.kind = SHADE_BRDF_WRAPPED};
+	shade_brdf_parameters paint = {.specular = sphere->diffuse, .wrap = sphere->wrap};
 	stilb_vec3 density = shade_brdf_cos(even, paint, *frame, light->direction, v) * sphere->diffuse_gain;
 	shade_brdf_parameters highlight = sphere->highlight;
 	highlight.roughness = widened_roughness(roughness, parts->radius);
@@ -181,7 +181,7 @@ stilb_vec3 strip_normal(float x, float y)
 /* The sphere is seen from afar, so the way to the eye is the same everywhere. The frame's t goes around the y axis. */
 static stilb_vec3 normal_radiance(const surroundings *world, const cell *c, stilb_vec3 n, float roughness)
 {
-	const stilb_vec3 v = stilb_vec3_make(0.0f, 0.0f, 1.0f);
+	stilb_vec3 v = stilb_vec3_make(0.0f, 0.0f, 1.0f);
 	shade_frame frame = {.n = n};
 	frame.t = stilb_vec3_normalize(stilb_vec3_cross(stilb_vec3_make(0.0f, 1.0f, 0.0f), n));
 	frame.b = stilb_vec3_cross(n, frame.t);
@@ -273,20 +273,20 @@ static void paint_lines(uint32_t begin, uint32_t end, uint32_t worker, void *con
 static stilb_result write_words(const painting *p, lettering *letters,
                                 strip_words words[STRIP_ROWS_MAX][STRIP_COLUMNS_MAX])
 {
-	const stilb_ui_color bright = stilb_ui_rgb(0xe8e8e8), soft = stilb_ui_rgb(0xb4b8c0);
+	stilb_ui_color bright = stilb_ui_rgb(0xe8e8e8), soft = stilb_ui_rgb(0xb4b8c0);
 	const layout *at = &p->place;
-	const float edge = at->left - (CAPTION_WIDTH - MARGIN) * at->cell, gap = 0.1f * at->cell;
-	const float right = at->left + (float)p->s->column_count * at->cell;
+	float edge = at->left - (CAPTION_WIDTH - MARGIN) * at->cell, gap = 0.1f * at->cell;
+	float right = at->left + (float)p->s->column_count * at->cell;
 	stilb_ui_rect title = {edge, at->top - TITLE_HEIGHT * at->cell, right, at->top};
 	stilb_result result =
 		lettering_write(letters, p->picture, STILB_UI_TEXT_STRONG, title, STILB_UI_ALIGN_LEFT, bright, p->s->title);
 	for (int r = 0; r < p->s->row_count && result == STILB_OK; r++) {
-		const float top = at->top + (float)r * at->row;
+		float top = at->top + (float)r * at->row;
 		stilb_ui_rect caption = {edge, top, at->left - gap, top + at->cell};
 		result = lettering_write(letters, p->picture, STILB_UI_TEXT_NORMAL, caption, STILB_UI_ALIGN_LEFT, bright,
 		                         p->s->rows[r].caption);
 		for (int c = 0; c < p->s->column_count && result == STILB_OK; c++) {
-			const float left = at->left + (float)c * at->cell;
+			float left = at->left + (float)c * at->cell;
 			stilb_ui_rect number = {left, top + at->cell, left + at->cell,
 			                        top + at->cell * (1.0f + 0.8f * NUMBER_HEIGHT)};
 			result = lettering_write(letters, p->picture, STILB_UI_TEXT_SMALL, number, STILB_UI_ALIGN_CENTER, soft,
@@ -299,7 +299,7 @@ static stilb_result write_words(const painting *p, lettering *letters,
 /* Letters grow with the spheres; where they would be too small to be read they are left out. */
 static stilb_result write_captions(const painting *p, strip_words words[STRIP_ROWS_MAX][STRIP_COLUMNS_MAX])
 {
-	const float scale = p->place.cell / 100.0f;
+	float scale = p->place.cell / 100.0f;
 	if (scale < 0.5f)
 		return STILB_OK;
 	lettering *letters;

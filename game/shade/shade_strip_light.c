@@ -28,22 +28,22 @@ static float lamp_distance(int column)
 
 static stilb_vec3 lamp_radiance(const strip_sphere *sphere, stilb_vec3 n)
 {
-	const stilb_vec3 to_lamp = stilb_vec3_normalize(stilb_vec3_make(-0.75f, 0.45f, 0.55f));
-	const shade_lamp lamp = {
+	stilb_vec3 to_lamp = stilb_vec3_normalize(stilb_vec3_make(-0.75f, 0.45f, 0.55f));
+	shade_lamp lamp = {
 		.position = to_lamp * sphere->number,
 		.axis = -to_lamp,
 		.intensity = stilb_vec3_make(5.0f, 4.6f, 4.0f),
 		.radius = LAMP_RADIUS,
 		.reach = LAMP_REACH,
 	};
-	const shade_sun seen = shade_lamp_at(sphere->light, lamp, n * BALL_RADIUS);
-	const stilb_vec3 sky = shade_hemisphere_irradiance(n[1], even(0.03f), even(0.01f));
+	shade_sun seen = shade_lamp_at(sphere->light, lamp, n * BALL_RADIUS);
+	stilb_vec3 sky = shade_hemisphere_irradiance(n[1], even(0.03f), even(0.01f));
 	return shade_lambert(sphere->diffuse) * (seen.irradiance * fmaxf(stilb_vec3_dot(n, seen.direction), 0.0f) + sky);
 }
 
 static void make_lit(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	const float distance = lamp_distance(column);
+	float distance = lamp_distance(column);
 	*sphere = (strip_sphere){.diffuse = even(0.6f), .radiance = lamp_radiance, .number = distance, .light = row->kind};
 	snprintf(words, sizeof(strip_words), "%.2f m", (double)distance);
 }
@@ -75,9 +75,9 @@ static shade_sh sky_channel(int channel, float share)
 
 static shade_sh_rgb surroundings_of(const strip_sphere *sphere)
 {
-	const shade_sun sun = harmonic_sun();
-	const float share = sphere->number;
-	const shade_sh_rgb sky = {sky_channel(0, share), sky_channel(1, share), sky_channel(2, share)};
+	shade_sun sun = harmonic_sun();
+	float share = sphere->number;
+	shade_sh_rgb sky = {sky_channel(0, share), sky_channel(1, share), sky_channel(2, share)};
 	return shade_sh_rgb_add(shade_sh_rgb_directional(sun.direction, sun.irradiance), sky);
 }
 
@@ -90,7 +90,7 @@ static stilb_vec3 reflected(const strip_sphere *sphere, stilb_vec3 irradiance)
 
 static stilb_vec3 radiance_true(const strip_sphere *sphere, stilb_vec3 n)
 {
-	const shade_sun sun = harmonic_sun();
+	shade_sun sun = harmonic_sun();
 	return reflected(sphere, sun.irradiance * fmaxf(stilb_vec3_dot(n, sun.direction), 0.0f) +
 	                             shade_hemisphere_irradiance(n[1], sky_above, ground_below) * sphere->number);
 }
@@ -102,13 +102,13 @@ static stilb_vec3 radiance_bands(const strip_sphere *sphere, stilb_vec3 n)
 
 static stilb_vec3 radiance_window(const strip_sphere *sphere, stilb_vec3 n)
 {
-	const shade_sh_rgb soft = shade_sh_rgb_window(surroundings_of(sphere), SHADE_SH_WINDOW_IRRADIANCE);
+	shade_sh_rgb soft = shade_sh_rgb_window(surroundings_of(sphere), SHADE_SH_WINDOW_IRRADIANCE);
 	return reflected(sphere, shade_sh_rgb_irradiance(soft, n));
 }
 
 static stilb_vec3 radiance_dominant(const strip_sphere *sphere, stilb_vec3 n)
 {
-	const shade_sh_light light = shade_sh_dominant_light(surroundings_of(sphere));
+	shade_sh_light light = shade_sh_dominant_light(surroundings_of(sphere));
 	return reflected(sphere,
 	                 light.irradiance * fmaxf(stilb_vec3_dot(n, light.direction), 0.0f) + light.ambient * SHADE_PI);
 }
@@ -133,8 +133,8 @@ const strip_row strip_sh_rows[STRIP_SH_ROWS] = {
 /* A red ball under one light that gets stronger; a little light from all around. */
 static stilb_vec3 exposed(const strip_sphere *sphere, stilb_vec3 n)
 {
-	const stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-0.5f, 0.6f, 0.6f));
-	const float lit = fmaxf(stilb_vec3_dot(n, l), 0.0f) + 0.12f * (0.6f + 0.4f * n[1]);
+	stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-0.5f, 0.6f, 0.6f));
+	float lit = fmaxf(stilb_vec3_dot(n, l), 0.0f) + 0.12f * (0.6f + 0.4f * n[1]);
 	return sphere->diffuse * (lit * sphere->number);
 }
 
@@ -171,7 +171,7 @@ static stilb_vec3 mapped_luminance(const strip_sphere *sphere, stilb_vec3 n)
 
 static void make_exposed(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	const float stops = (float)(column - 2);
+	float stops = (float)(column - 2);
 	*sphere = (strip_sphere){
 		.diffuse = stilb_vec3_make(0.80f, 0.24f, 0.07f), .radiance = row->radiance, .number = exp2f(stops)};
 	snprintf(words, sizeof(strip_words), "light x %g", (double)sphere->number);

@@ -26,7 +26,7 @@ static float bump_height(stilb_vec2 uv)
 
 static stilb_vec2 bump_derivatives(stilb_vec2 uv)
 {
-	const float slope = 0.5f * BUMP_HEIGHT * BUMP_WAVES;
+	float slope = 0.5f * BUMP_HEIGHT * BUMP_WAVES;
 	return (stilb_vec2){slope * sinf(BUMP_WAVES * uv[0]) * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[1])),
 	                    slope * sinf(BUMP_WAVES * uv[1]) * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[0]))};
 }
@@ -39,9 +39,9 @@ typedef struct bump_steps {
 
 static bump_steps bump_steps_at(strip_place place)
 {
-	const stilb_vec3 here = strip_normal(place.x, place.y), right = strip_normal(place.x + place.step, place.y),
-					 down = strip_normal(place.x, place.y - place.step);
-	const stilb_vec2 uv = bump_uv(here);
+	stilb_vec3 here = strip_normal(place.x, place.y), right = strip_normal(place.x + place.step, place.y),
+			   down = strip_normal(place.x, place.y - place.step);
+	stilb_vec2 uv = bump_uv(here);
 	return (bump_steps){right - here, down - here, uv, bump_uv(right) - uv, bump_uv(down) - uv};
 }
 
@@ -49,8 +49,8 @@ static void bump_by_height(const strip_sphere *sphere, strip_place place, uint32
 {
 	(void)i;
 	(void)roughness;
-	const bump_steps s = bump_steps_at(place);
-	const float h = bump_height(s.uv);
+	bump_steps s = bump_steps_at(place);
+	float h = bump_height(s.uv);
 	*n = shade_bump_from_height(*n, s.dp_dx, s.dp_dy, bump_height(s.uv + s.duv_dx) - h,
 	                            bump_height(s.uv + s.duv_dy) - h, sphere->relief_scale);
 }
@@ -60,7 +60,7 @@ static void bump_by_derivatives(const strip_sphere *sphere, strip_place place, u
 {
 	(void)i;
 	(void)roughness;
-	const bump_steps s = bump_steps_at(place);
+	bump_steps s = bump_steps_at(place);
 	*n = shade_bump_from_derivatives(*n, s.dp_dx, s.dp_dy, bump_derivatives(s.uv), s.duv_dx, s.duv_dy,
 	                                 sphere->relief_scale);
 }
@@ -71,15 +71,15 @@ static void bump_by_uv(const strip_sphere *sphere, strip_place place, uint32_t i
 	(void)place;
 	(void)i;
 	(void)roughness;
-	const stilb_vec3 p = *n, dp_du = stilb_vec3_make(p[2], 0.0f, -p[0]);
-	const stilb_vec3 dp_dv = stilb_vec3_normalize(stilb_vec3_cross(p, dp_du));
-	const stilb_vec2 dh = bump_derivatives(bump_uv(p));
+	stilb_vec3 p = *n, dp_du = stilb_vec3_make(p[2], 0.0f, -p[0]);
+	stilb_vec3 dp_dv = stilb_vec3_normalize(stilb_vec3_cross(p, dp_du));
+	stilb_vec2 dh = bump_derivatives(bump_uv(p));
 	*n = shade_bump_normal(p, shade_bump_gradient(p, dp_du, dp_dv, dh[0], dh[1]), sphere->relief_scale);
 }
 
 static void make_bump(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
-	const float scale = 0.2f * (float)(column - 5);
+	float scale = 0.2f * (float)(column - 5);
 	*sphere = (strip_sphere){
 		.diffuse = stilb_vec3_make(0.34f, 0.30f, 0.10f),
 		.diffuse_gain = 1.0f,
@@ -122,11 +122,11 @@ static stilb_vec3 map_normal(uint32_t x, uint32_t y)
 {
 	float slope[2] = {0.0f, 0.0f};
 	for (uint32_t k = 0; k < 9; k++) {
-		const uint64_t at = (uint64_t)((y + k / 3) % MAP_SIDE) * MAP_SIDE + (x + k % 3) % MAP_SIDE;
+		uint64_t at = (uint64_t)((y + k / 3) % MAP_SIDE) * MAP_SIDE + (x + k % 3) % MAP_SIDE;
 		for (uint64_t axis = 0; axis < 2; axis++)
 			slope[axis] += stilb_random_float(5 + axis, at) - 0.5f;
 	}
-	const float strength = 0.28f;
+	float strength = 0.28f;
 	return stilb_vec3_normalize(stilb_vec3_make(strength * slope[0], strength * slope[1], 1.0f));
 }
 
@@ -137,7 +137,7 @@ stilb_result strip_filter_prepare(void)
 	if (result != STILB_OK)
 		return result;
 	for (uint32_t i = 0; i < MAP_SIDE * MAP_SIDE; i++) {
-		const stilb_vec3 n = map_normal(i % MAP_SIDE, i / MAP_SIDE);
+		stilb_vec3 n = map_normal(i % MAP_SIDE, i / MAP_SIDE);
 		for (uint32_t k = 0; k < 3; k++)
 			((float *)map.pixels)[3 * i + k] = n[k];
 	}
@@ -156,23 +156,23 @@ void strip_filter_finish(void)
 /* The place on the map, [0, 1) each way: it covers the half of the sphere that is seen. */
 static stilb_vec2 map_uv(stilb_vec3 n)
 {
-	const float u = atan2f(n[0], n[2]) / (float)M_PI + 0.5f;
-	const float v = 0.5f - asinf(fminf(fmaxf(n[1], -1.0f), 1.0f)) / (float)M_PI;
+	float u = atan2f(n[0], n[2]) / (float)M_PI + 0.5f;
+	float v = 0.5f - asinf(fminf(fmaxf(n[1], -1.0f), 1.0f)) / (float)M_PI;
 	return (stilb_vec2){u - floorf(u), v - floorf(v)};
 }
 
 static const float *map_texel(uint32_t level, float u, float v)
 {
 	const stilb_image *map = &chain.levels[level];
-	const uint32_t x = (uint32_t)(u * (float)map->width), y = (uint32_t)(v * (float)map->height);
+	uint32_t x = (uint32_t)(u * (float)map->width), y = (uint32_t)(v * (float)map->height);
 	return (const float *)map->pixels + 4 * ((size_t)(y % map->height) * map->width + x % map->width);
 }
 
 /* From the map's tangent frame to the sphere's. */
 static stilb_vec3 map_turn(stilb_vec3 n, const float *texel)
 {
-	const stilb_vec3 t = stilb_vec3_normalize(stilb_vec3_cross(stilb_vec3_make(0.0f, 1.0f, 0.0f), n));
-	const stilb_vec3 b = stilb_vec3_cross(n, t);
+	stilb_vec3 t = stilb_vec3_normalize(stilb_vec3_cross(stilb_vec3_make(0.0f, 1.0f, 0.0f), n));
+	stilb_vec3 b = stilb_vec3_cross(n, t);
 	return stilb_vec3_normalize(t * texel[0] + b * texel[1] + n * texel[2]);
 }
 
@@ -180,7 +180,7 @@ static void map_filtered(const strip_sphere *sphere, strip_place place, uint32_t
 {
 	(void)place;
 	(void)i;
-	const stilb_vec2 uv = map_uv(*n);
+	stilb_vec2 uv = map_uv(*n);
 	const float *texel = map_texel(sphere->relief_level, uv[0], uv[1]);
 	*n = map_turn(*n, texel);
 	*roughness = texel[3];
@@ -188,7 +188,7 @@ static void map_filtered(const strip_sphere *sphere, strip_place place, uint32_t
 
 static void map_normal_alone(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness)
 {
-	const float before = *roughness;
+	float before = *roughness;
 	map_filtered(sphere, place, i, n, roughness);
 	*roughness = before;
 }
@@ -196,13 +196,13 @@ static void map_normal_alone(const strip_sphere *sphere, strip_place place, uint
 /* One of the map's own texels under the level's texel; a stratum of it for each i, another place for each pixel. */
 static void map_true(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness)
 {
-	const uint32_t side = TRUTH_SIDE, width = chain.levels[sphere->relief_level].width;
-	const uint64_t pixel = stilb_random_u64((uint64_t)(int64_t)(place.x * 1e6f), (uint64_t)(int64_t)(place.y * 1e6f));
-	const stilb_vec2 uv = map_uv(*n);
+	uint32_t side = TRUTH_SIDE, width = chain.levels[sphere->relief_level].width;
+	uint64_t pixel = stilb_random_u64((uint64_t)(int64_t)(place.x * 1e6f), (uint64_t)(int64_t)(place.y * 1e6f));
+	stilb_vec2 uv = map_uv(*n);
 	float at[2];
 	for (uint32_t axis = 0; axis < 2; axis++) {
-		const uint32_t stratum = axis == 0 ? i % side : i / side;
-		const float inside = ((float)stratum + stilb_random_float(pixel, 2 * i + axis)) / (float)side;
+		uint32_t stratum = axis == 0 ? i % side : i / side;
+		float inside = ((float)stratum + stilb_random_float(pixel, 2 * i + axis)) / (float)side;
 		at[axis] = (floorf(uv[axis] * (float)width) + inside) / (float)width;
 	}
 	*n = map_turn(*n, map_texel(0, at[0], at[1]));

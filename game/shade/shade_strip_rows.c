@@ -51,10 +51,10 @@ static void make_metal(const strip_row *row, int column, strip_sphere *sphere, s
 static void make_normalised(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	(void)row;
-	const float roughness = roughness_of(column);
+	float roughness = roughness_of(column);
 	*sphere = highlight_of(SHADE_BRDF_BLINN_PHONG_MODIFIED, gray(0.5f), roughness);
 	sphere->diffuse = stilb_vec3_make(0.06f, 0.12f, 0.30f);
-	const double n = (double)shade_exponent_from_alpha(shade_alpha_from_roughness(roughness));
+	double n = (double)shade_exponent_from_alpha(shade_alpha_from_roughness(roughness));
 	snprintf(words, sizeof(strip_words), n < 10.0 ? "n = %.1f" : "n = %.0f", n);
 }
 
@@ -69,7 +69,7 @@ static void make_old(const strip_row *row, int column, strip_sphere *sphere, str
 static void make_wrapped(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	(void)row;
-	const float wrap = 0.1f * (float)column;
+	float wrap = 0.1f * (float)column;
 	*sphere = (strip_sphere){.diffuse = clay(), .wrap = wrap, .diffuse_gain = 1.0f};
 	snprintf(words, sizeof(strip_words), "w = %.1f", (double)wrap);
 }
@@ -84,7 +84,7 @@ static void make_wrapped_old(const strip_row *row, int column, strip_sphere *sph
 static void make_mixed(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	(void)row;
-	const float specular = 0.1f * (float)column;
+	float specular = 0.1f * (float)column;
 	*sphere = highlight_of(SHADE_BRDF_BLINN_PHONG_MODIFIED, gray(specular), 0.35f);
 	sphere->diffuse = clay() * (1.0f - specular);
 	sphere->mirror = 1.0f;

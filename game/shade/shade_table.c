@@ -20,9 +20,9 @@ static double table_measure(const stilb_numeric_row *row)
 	double worst = 1.0;
 	for (int step = 0; step <= 4; step++)
 		for (int tilt = 0; tilt <= 2; tilt++) {
-			const double angle = 35.0 * tilt * RADIANS;
-			const stilb_numeric_shape shape = {0.25f * (float)step, 0.0f,
-			                                   stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle))};
+			double angle = 35.0 * tilt * RADIANS;
+			stilb_numeric_shape shape = {0.25f * (float)step, 0.0f,
+			                             stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle))};
 			double value = stilb_numeric_measure_of(row, &shape);
 			if (fabs(value - 1.0) > fabs(worst - 1.0))
 				worst = value;
@@ -34,7 +34,7 @@ static void table_rows(FILE *out, stilb_numeric_kind kind, const char *heading)
 {
 	size_t count;
 	const stilb_numeric_row *rows = stilb_numeric_catalog(&count);
-	const bool brdf = kind == STILB_NUMERIC_BRDF;
+	bool brdf = kind == STILB_NUMERIC_BRDF;
 	fprintf(out, "\n## %s\n\n| name | formula | is 1 | measured%s | source |\n|---|---|---|---|%s---|\n", heading,
 	        brdf ? " | conserving | reciprocal | largest albedo" : "", brdf ? "---|---|---|" : "");
 	for (size_t i = 0; i < count; i++) {

@@ -15,8 +15,8 @@ trace_files trace_take_files(int wanted, int *argc, char ***argv)
 	trace_files files = {.wanted = wanted};
 	while (*argc > 0 && files.count < wanted && ((*argv)[0][0] != '-' || (*argv)[0][1] == '\0')) {
 		files.path[files.count++] = (*argv)[0];
-		--*argc;
-		++*argv;
+		(*argc)--;
+		(*argv)++;
 	}
 	return files;
 }
@@ -90,8 +90,8 @@ bool trace_choose_frame(const stilb_prof_snapshot *trace, const char *file, cons
 	*frame = trace_slowest(trace);
 	if (strcmp(text, "slowest") == 0)
 		return true;
-	const bool digits = strspn(text, "0123456789") == strlen(text);
-	const uint64_t number = strtoull(text, NULL, 10);
+	bool digits = strspn(text, "0123456789") == strlen(text);
+	uint64_t number = strtoull(text, NULL, 10);
 	for (uint32_t i = 0; digits && i < trace->frame_count; i++)
 		if (trace->frames[i].number == number) {
 			*frame = i;

@@ -36,8 +36,8 @@ static flags_result diff_parse(diff_options *o, int argc, char **argv)
 		{"--lines", FLAG_NUMBER, &o->lines, "N", "zones to list, 1..1000000 (30)", 1, 1000000, NULL},
 		{"--json", FLAG_TEXT, &o->json, "FILE", "all rows as JSON; - is standard output", 0, 0, NULL},
 	};
-	const size_t count = sizeof flags / sizeof *flags;
-	const flags_result result = flags_parse(flags, count, argc, argv);
+	size_t count = sizeof flags / sizeof *flags;
+	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf(
 			"stilb trace diff A B [FLAGS]: which zones got slower from A to B. The medians are compared, and a\n"
@@ -55,7 +55,7 @@ static bool diff_number(const char *flag_name, const char *text, double high, do
 	char *end;
 	if (!text)
 		return true;
-	const double number = strtod(text, &end);
+	double number = strtod(text, &end);
 	if (strspn(text, "0123456789.") == strlen(text) && end != text && *end == '\0' && number <= high) {
 		*value = number;
 		return true;
@@ -103,7 +103,7 @@ static double diff_mean(const diff_run *run, int side, double total)
 static void diff_print_row(FILE *out, const diff_run *run, const stilb_prof_diff_row *row)
 {
 	char change[16] = "-", p[16] = "-";
-	const int digits = run->diff.frames ? 2 : 0; /* of calls */
+	int digits = run->diff.frames ? 2 : 0; /* of calls */
 	if (row->a.calls > 0 && row->b.calls > 0) {
 		if (row->ratio < 10.0)
 			snprintf(change, sizeof change, "%+.1f %%", 100.0 * (row->ratio - 1.0));
@@ -130,7 +130,7 @@ static void diff_print(FILE *out, const diff_run *run)
 	        diff->frames ? "are per frame" : "of the whole file");
 	fprintf(out, "%-9s %9s %9s %10s %10s %9s %8s %10s %10s %10s %10s  zone\n", "", "calls A", "calls B", "p50 us A",
 	        "p50 us B", "change", "p", "p99 us A", "p99 us B", "self ms A", "self ms B");
-	const uint32_t lines = run->options.lines < diff->row_count ? (uint32_t)run->options.lines : diff->row_count;
+	uint32_t lines = run->options.lines < diff->row_count ? (uint32_t)run->options.lines : diff->row_count;
 	for (uint32_t i = 0; i < lines; i++)
 		diff_print_row(out, run, &diff->rows[i]);
 	if (lines < diff->row_count)
@@ -201,13 +201,13 @@ static int diff_main(diff_run *run)
 int trace_diff_command(int argc, char **argv)
 {
 	diff_run run = {.options = {.lines = 30}, .desc = stilb_prof_diff_desc_default()};
-	const trace_files files = trace_take_files(2, &argc, &argv);
-	const flags_result parsed = diff_parse(&run.options, argc, argv);
+	trace_files files = trace_take_files(2, &argc, &argv);
+	flags_result parsed = diff_parse(&run.options, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !diff_check(&run, &files))
 		return EXIT_REFUSED;
-	const int code = diff_main(&run);
+	int code = diff_main(&run);
 	stilb_prof_diff_finish(&run.diff);
 	for (int i = 0; i < 2; i++)
 		stilb_prof_snapshot_finish(&run.trace[i]);

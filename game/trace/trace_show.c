@@ -26,8 +26,8 @@ static flags_result show_parse(show_options *o, int argc, char **argv)
 	     aa_choices},
 		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
 	};
-	const size_t count = sizeof flags / sizeof *flags;
-	const flags_result result = flags_parse(flags, count, argc, argv);
+	size_t count = sizeof flags / sizeof *flags;
+	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf("stilb trace show FILE [FLAGS]: who did what in a frame, and who waited for whom. FILE is what\n"
 		       "'stilb demo --trace' wrote, or Chrome trace JSON of another program that marks frames as it does;\n"
@@ -64,7 +64,7 @@ static stilb_result show_window(stilb_engine_trace_view *view)
 
 static int show_run(const show_options *o, const stilb_prof_snapshot *trace, uint32_t frame)
 {
-	const stilb_engine_trace_view_desc desc = {
+	stilb_engine_trace_view_desc desc = {
 		.trace = trace,
 		.frame = frame,
 		.width = o->size[0],
@@ -95,8 +95,8 @@ static int show_run(const show_options *o, const stilb_prof_snapshot *trace, uin
 int trace_show_command(int argc, char **argv)
 {
 	show_options options = {.frame = "slowest", .size = {1280, 720}};
-	const trace_files files = trace_take_files(1, &argc, &argv);
-	const flags_result parsed = show_parse(&options, argc, argv);
+	trace_files files = trace_take_files(1, &argc, &argv);
+	flags_result parsed = show_parse(&options, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !trace_check("show", &files, options.screenshot))

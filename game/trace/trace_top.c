@@ -42,8 +42,8 @@ static flags_result top_parse(top_options *o, int argc, char **argv)
 		{"--lane", FLAG_TEXT, &o->lane, "NAME", "only zones of the thread or device of that name (all)", 0, 0, NULL},
 		{"--json", FLAG_TEXT, &o->json, "FILE", "all rows as JSON; - is standard output", 0, 0, NULL},
 	};
-	const size_t count = sizeof flags / sizeof *flags;
-	const flags_result result = flags_parse(flags, count, argc, argv);
+	size_t count = sizeof flags / sizeof *flags;
+	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf("stilb trace top FILE [FLAGS]: what takes the time. FILE is what 'stilb demo --trace' wrote, or Chrome\n"
 		       "trace JSON of another program; - is standard input.\n\n");
@@ -78,7 +78,7 @@ static bool top_choose_lane(top_run *run)
 
 static int top_compare_ns(const void *a, const void *b)
 {
-	const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
 	return (x > y) - (x < y);
 }
 
@@ -129,11 +129,10 @@ static void top_print(FILE *out, const top_run *run)
 	}
 	fprintf(out, "\n%9s %11s %11s %6s %11s %10s %10s %10s  zone\n", "calls", "total ms", "self ms", "self %",
 	        "off-CPU ms", "p50 us", "p99 us", "max us");
-	const uint32_t lines =
-		run->options.lines < run->stats.row_count ? (uint32_t)run->options.lines : run->stats.row_count;
+	uint32_t lines = run->options.lines < run->stats.row_count ? (uint32_t)run->options.lines : run->stats.row_count;
 	for (uint32_t i = 0; i < lines; i++) {
 		const stilb_prof_row *row = &run->stats.rows[i];
-		const double share = run->self_ns > 0 ? 100.0 * (double)row->self_ns / (double)run->self_ns : 0.0;
+		double share = run->self_ns > 0 ? 100.0 * (double)row->self_ns / (double)run->self_ns : 0.0;
 		fprintf(out, "%9" PRIu32 " %11.3f %11.3f %6.2f %11.3f %10.3f %10.3f %10.3f  ", row->calls,
 		        trace_ms(row->inclusive_ns), trace_ms(row->self_ns), share, trace_ms(row->off_cpu_ns),
 		        trace_us(row->p50_ns), trace_us(row->p99_ns), trace_us(row->max_ns));
@@ -212,8 +211,8 @@ static int top_main(top_run *run)
 int trace_top_command(int argc, char **argv)
 {
 	top_run run = {.options = {.lines = 30, .sort = STILB_PROF_BY_SELF}};
-	const trace_files files = trace_take_files(1, &argc, &argv);
-	const flags_result parsed = top_parse(&run.options, argc, argv);
+	trace_files files = trace_take_files(1, &argc, &argv);
+	flags_result parsed = top_parse(&run.options, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED)
@@ -221,7 +220,7 @@ int trace_top_command(int argc, char **argv)
 	if (!trace_check("top", &files, run.options.json))
 		return EXIT_REFUSED;
 	run.options.file = files.path[0];
-	const int code = top_main(&run);
+	int code = top_main(&run);
 	stilb_prof_stats_finish(&run.stats);
 	stilb_prof_snapshot_finish(&run.trace);
 	return code;

@@ -24,7 +24,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
 	(void)argc, (void)argv;
 	said = tmpfile();
-	require(said != NULL);
+	require(said);
 	return 0;
 }
 
@@ -76,7 +76,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		{"word", FLAG_WORD, &word, NULL, NULL, 0, 0, NULL},
 	};
 	char *copy = malloc(size + 1), *words[WORDS_MAX];
-	require(copy != NULL);
+	require(copy);
 	if (size > 0)
 		memcpy(copy, data, size);
 	copy[size] = '\0';

@@ -17,7 +17,7 @@ static void start_until_the_server_dies(const char *line, const char *title)
 	snprintf(display, sizeof display, "DISPLAY=%s", server.name);
 	const char *const environment[] = {display, "WAYLAND_DISPLAY", NULL};
 	stilb_start(environment, -1, line);
-	const bool shown = x11_server_shows(&server, title);
+	bool shown = x11_server_shows(&server, title);
 	x11_server_kill(&server);
 	if (!shown)
 		kill(run.pid, SIGKILL);
@@ -30,7 +30,7 @@ static void interrupt_after_the_loss(void)
 	struct stat said = {0};
 	for (int i = 0; i < 3000 && said.st_size == 0; i++, usleep(10000))
 		assert_int_equal(fstat(fileno(run.files[1]), &said), 0);
-	const bool working = said.st_size > 0 && catches_interrupts(run.pid);
+	bool working = said.st_size > 0 && catches_interrupts(run.pid);
 	kill(run.pid, working ? SIGINT : SIGKILL);
 	program_wait(&run);
 	assert_true(working);
@@ -118,7 +118,7 @@ static void test_pictures_are_numbered(void **state)
 	stilb_start(environment, -1, "demo --models 200 --size 160x120 --workers 1 --trace t.json --screenshot p.png");
 	Display *display = XOpenDisplay(server.name);
 	assert_non_null(display);
-	const Window window = x11_server_await(display, "Stilb: ");
+	Window window = x11_server_await(display, "Stilb: ");
 	bool taken = window != 0;
 	static const char *const names[] = {"p-2.png", "p-4.png"};
 	for (int i = 0; taken && i < 2; i++) {

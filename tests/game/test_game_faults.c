@@ -17,7 +17,7 @@ static int code_within(rlim_t bytes, const char *line)
 {
 	struct rlimit before;
 	assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
-	const struct rlimit limit = {bytes, before.rlim_max};
+	struct rlimit limit = {bytes, before.rlim_max};
 	assert_int_equal(setrlimit(RLIMIT_AS, &limit), 0);
 	stilb_start(no_display, -1, line);
 	assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
@@ -63,7 +63,7 @@ static void every_allocation_fails_once(const char *line)
 	int failed = 0;
 	for (int i = 0; i < MANY; i++) {
 		snprintf(at, sizeof at, "STILB_FAIL_AT=%d", i);
-		const int code = stilb_code(environment, line);
+		int code = stilb_code(environment, line);
 		if (remove("mark") != 0) {
 			assert_int_equal(code, 0); /* past the last one */
 			assert_true(failed > 0 && i > 20);

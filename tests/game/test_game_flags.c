@@ -392,7 +392,7 @@ static void test_what_was_given(void **state)
 {
 	(void)state;
 	char *words[] = {"--number", "5", "--text", "--loud", "--size=1x1", "word", "--seed", "--workers"};
-	const int count = sizeof words / sizeof *words;
+	int count = sizeof words / sizeof *words;
 	static const char *const given[] = {"--number", "--text", "--size", "--seed"};
 	static const char *const not_given[] = {"--loud", "--workers", "--share", "5", "word", "--nothing", ""};
 	for (size_t i = 0; i < sizeof given / sizeof *given; i++)
@@ -430,13 +430,13 @@ static void test_help_wins(void **state)
 
 static void add(stage_times *times, double frame, double gpu)
 {
-	const stilb_engine_times ms = {.frame = frame,
-	                               .cull = 2 * frame,
-	                               .record = 3 * frame,
-	                               .ui = 4 * frame,
-	                               .replay = 5 * frame,
-	                               .present = 6 * frame,
-	                               .gpu = gpu};
+	stilb_engine_times ms = {.frame = frame,
+	                         .cull = 2 * frame,
+	                         .record = 3 * frame,
+	                         .ui = 4 * frame,
+	                         .replay = 5 * frame,
+	                         .present = 6 * frame,
+	                         .gpu = gpu};
 	assert_true(stage_times_add(times, &ms));
 }
 
@@ -515,7 +515,7 @@ static void test_ring(void **state)
 	stage_times times = {0};
 	stage_summary summary[STAGE_COUNT];
 	uint64_t warmup;
-	const uint32_t more = 1500, first = (STAGE_TIMES_MAX + more) / 10; /* that counts */
+	uint32_t more = 1500, first = (STAGE_TIMES_MAX + more) / 10; /* that counts */
 	for (uint32_t i = 0; i < STAGE_TIMES_MAX + more; i++)
 		add(&times, i < more ? 1e6 : i == first - 1 ? 0.25 : i == first ? 0.5 : 1.0 + i % 3, i % 2);
 	assert_int_equal(times.capacity, STAGE_TIMES_MAX);

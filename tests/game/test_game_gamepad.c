@@ -205,7 +205,7 @@ static void test_every_run_is_the_same(void **state)
 	record_flight("flight.rec");
 	stilb_good(FLIGHT "--gamepad replay:flight.rec --track a.txt");
 	stilb_good(FLIGHT "--gamepad=replay:flight.rec --track b.txt --frames 91 --stats b.json");
-	const uint64_t hash = stat_hash("b.json");
+	uint64_t hash = stat_hash("b.json");
 	assert_true(same_file("a.txt", "b.txt"));
 	for (size_t i = 0; i < 3; i++) {
 		stilb_good(FLIGHT "--gamepad replay:flight.rec --frames 91 --track b.txt --stats b.json %s", ways[i]);
@@ -269,9 +269,9 @@ static void test_corrupt_reports(void **state)
 	record("corrupt.rec");
 	plug(STILB_INPUT_BUS_BLUETOOTH, 0x05c4);
 	for (int i = 0; i < 100; i++, now_us += 4 * MS) {
-		const bool corrupt = i % 10 == 7;
+		bool corrupt = i % 10 == 7;
 		radio[3] = corrupt ? 0 : 0x80;
-		const uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, &(uint8_t){0xa1}, 1), radio, 74) ^ corrupt;
+		uint32_t crc = stilb_input_crc32(stilb_input_crc32(0, &(uint8_t){0xa1}, 1), radio, 74) ^ corrupt;
 		for (int b = 0; b < 4; b++)
 			radio[74 + b] = (uint8_t)(crc >> 8 * b);
 		say_bytes(radio, sizeof radio);
@@ -308,7 +308,7 @@ static void test_buttons(void **state)
 	assert_memory_not_equal(half->place, few->place, sizeof half->place);
 	assert_memory_equal(last->place, track[0].place, 5 * sizeof(double));
 	stilb_good(FLIGHT "--frames 2 --view half --track b.txt");
-	const track_line seen = *half;
+	track_line seen = *half;
 	read_track("b.txt");
 	assert_memory_equal(seen.place, track[0].place, 5 * sizeof(double)); /* where --view half looks */
 	assert_int_equal(folder_entries(), 5);

@@ -99,7 +99,7 @@ static void test_refusals(void **state)
 	write_file("large.bin", large, sizeof large);
 	write_file("broken.bin", broken, sizeof broken);
 	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
-		const int code = stilb_code(no_display, refusals[i][0]);
+		int code = stilb_code(no_display, refusals[i][0]);
 		if (code != 2)
 			print_error("stilb %s: %d %s", refusals[i][0], code, run.err);
 		assert_int_equal(code, 2);
@@ -131,7 +131,7 @@ static void test_describe(void **state)
 	assert_said(run.out, "because --id is not given");
 	assert_said(run.out, "\nds4.bin, USB: ");
 	assert_said(run.out, "no rumble\n");
-	assert_true(strstr(run.out, "known pad 054c") == NULL);
+	assert_false(strstr(run.out, "known pad 054c"));
 	const input_test_descriptor *bluetooth = find(5, 0x054c, 0x05c4);
 	write_file("ds4.bin", bluetooth->bytes, bluetooth->size);
 	stilb_good("pads --describe ds4.bin --id 054c:05c4 --bus bluetooth");
@@ -169,7 +169,7 @@ static void test_describe_keyboard(void **state)
 	                                   0x95, 0x01, 0x75, 0x08, 0x81, 0x01, 0x95, 0x06, 0x75, 0x08, 0x15,
 	                                   0x00, 0x25, 0x65, 0x19, 0x00, 0x29, 0x65, 0x81, 0x00, 0xc0};
 	write_file("keyboard.bin", keyboard, sizeof keyboard);
-	const int saved = dup(STDIN_FILENO), file = open("keyboard.bin", O_RDONLY | O_CLOEXEC);
+	int saved = dup(STDIN_FILENO), file = open("keyboard.bin", O_RDONLY | O_CLOEXEC);
 	assert_true(file >= 0 && dup2(file, STDIN_FILENO) == STDIN_FILENO);
 	stilb_good("pads --describe - --json keyboard.json");
 	assert_true(dup2(saved, STDIN_FILENO) == STDIN_FILENO);
@@ -331,7 +331,7 @@ static void test_replay_pace(void **state)
 {
 	(void)state;
 	write_recording("a.rec", 25);
-	const double start = seconds_now();
+	double start = seconds_now();
 	stilb_good("pads --replay a.rec --watch");
 	assert_true(seconds_now() - start >= 0.25);
 	assert_said(run.out, "25 reports of 1 pad in 0.250 s");
@@ -358,7 +358,7 @@ static void test_closed_pipe(void **state)
 	assert_non_null(file);
 	fputs("D: 1\n# added 000030.000000\nR: 1 c0\nI: 3 1 2\n", file); /* it would go on */
 	fclose(file);
-	const double start = seconds_now();
+	double start = seconds_now();
 	assert_int_equal(pipe2(ends, O_CLOEXEC), 0);
 	close(ends[0]);
 	stilb_start(no_display, ends[1], "pads --watch --replay a.rec");
@@ -375,14 +375,14 @@ static void test_closed_pipe(void **state)
 static const char *terminal_run(const char *words, const char *until, int *status)
 {
 	static char drawn[65536];
-	const struct winsize size = {.ws_row = 24, .ws_col = 100};
+	struct winsize size = {.ws_row = 24, .ws_col = 100};
 	char copy[256], *rest = NULL, *arguments[16] = {stilb_path};
 	size_t length = 0;
 	int terminal, count = 1;
 	snprintf(copy, sizeof copy, "%s", words);
 	for (char *word = strtok_r(copy, " ", &rest); word; word = strtok_r(NULL, " ", &rest))
 		arguments[count++] = word;
-	const pid_t pid = forkpty(&terminal, NULL, NULL, &size);
+	pid_t pid = forkpty(&terminal, NULL, NULL, &size);
 	if (pid == 0) {
 		execv(stilb_path, arguments);
 		_exit(127);

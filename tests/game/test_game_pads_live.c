@@ -70,7 +70,7 @@ static int live_code(const char *devices, const char *words)
 	         "ASAN_OPTIONS=\"$ASAN_OPTIONS:verify_asan_link_order=0\" exec umockdev-run %s -- sh -c '%s'", devices,
 	         words);
 	for (char *at; (at = strstr(line, "STILB "));) {
-		const size_t rest = strlen(at + 5) + 1, length = strlen(stilb_path);
+		size_t rest = strlen(at + 5) + 1, length = strlen(stilb_path);
 		assert_true(strlen(line) + length < sizeof line);
 		memmove(at + length, at + 5, rest);
 		memcpy(at, stilb_path, length);
@@ -125,7 +125,7 @@ static void test_none(void **state)
 	assert_int_equal(live_code("", "STILB pads --watch --seconds 0.2"), 0);
 	assert_string_equal(run.err, "watching; Ctrl-C ends it\nno gamepad yet; waiting\n");
 	assert_said(run.out, "0 reports of 0 pads in 0.");
-	assert_true(strstr(run.out, " in 0.000 s") == NULL);
+	assert_false(strstr(run.out, " in 0.000 s"));
 }
 
 /* The old recording stays where there is nothing to put in its place. */
@@ -214,7 +214,7 @@ static void test_watch_and_record(void **state)
 		last--;
 	assert_int_equal(sscanf(last, "%d", &reports), 1);
 	assert_in_range(reports, 1, REPORTS);
-	const int lines = program_lines(run.out);
+	int lines = program_lines(run.out);
 	stilb_good("pads --replay a.rec");
 	assert_int_equal(program_lines(run.out), lines - 1); /* but for where the recording is */
 	snprintf(summary, sizeof summary, "\n%d reports of 1 pad in 0.", reports);

@@ -34,11 +34,11 @@ static void test_samples_in_words(void **state)
 static void test_a_line_of_progress(void **state)
 {
 	(void)state;
-	const stilb_gi_progress at = {.pass_count = 1,
-	                              .passes = {{.block = 4, .sample_count = 16, .finished = true}},
-	                              .block = 4,
-	                              .stage = "pass 5",
-	                              .done = 0.06};
+	stilb_gi_progress at = {.pass_count = 1,
+	                        .passes = {{.block = 4, .sample_count = 16, .finished = true}},
+	                        .block = 4,
+	                        .stage = "pass 5",
+	                        .done = 0.06};
 	offline_progress progress = {0};
 	char text[192];
 	offline_progress_words(&progress, RENDER_RENDERING, &at, text, sizeof text);

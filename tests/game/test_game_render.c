@@ -31,9 +31,8 @@ static stilb_image load(const char *path)
 static bool same_pixels(const char *a, const char *b)
 {
 	stilb_image first = load(a), second = load(b);
-	const bool same = first.width == second.width && first.height == second.height &&
-	                  first.channels == second.channels && first.format == second.format &&
-	                  memcmp(first.pixels, second.pixels, stilb_image_size(&first)) == 0;
+	bool same = first.width == second.width && first.height == second.height && first.channels == second.channels &&
+	            first.format == second.format && memcmp(first.pixels, second.pixels, stilb_image_size(&first)) == 0;
 	stilb_image_finish(&first);
 	stilb_image_finish(&second);
 	return same;
@@ -43,7 +42,7 @@ static bool same_pixels(const char *a, const char *b)
 static double mean(const stilb_image *image, uint32_t channel)
 {
 	const float *pixels = image->pixels;
-	const size_t count = (size_t)image->width * image->height;
+	size_t count = (size_t)image->width * image->height;
 	double sum = 0.0;
 	assert_int_equal(image->format, STILB_IMAGE_F32_LINEAR);
 	for (size_t i = 0; i < count; i++)
@@ -379,7 +378,7 @@ static void test_full_disk(void **state)
 	stilb_good(SMALL "-o a.exr");
 	assert_int_equal(rename("a.exr", "old.exr"), 0);
 	stilb_good(SMALL "-o a.exr --seed 2");
-	const struct rlimit kilobyte = {1024, RLIM_INFINITY};
+	struct rlimit kilobyte = {1024, RLIM_INFINITY};
 	struct rlimit before;
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
 	signal(SIGXFSZ, SIG_IGN);
@@ -421,7 +420,7 @@ static void test_no_display(void **state)
 static void test_terminal(void **state)
 {
 	(void)state;
-	const struct winsize size = {.ws_row = 25, .ws_col = 100};
+	struct winsize size = {.ws_row = 25, .ws_col = 100};
 	int master = posix_openpt(O_RDWR | O_NOCTTY), length = 0;
 	static char said[65536];
 	assert_true(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);

@@ -35,7 +35,7 @@ static XImage *grab(Window window)
 /* A pixel's channels, 0..255. */
 static void channels(XImage *image, int x, int y, int out[3])
 {
-	const unsigned long pixel = XGetPixel(image, x, y);
+	unsigned long pixel = XGetPixel(image, x, y);
 	for (int c = 0; c < 3; c++)
 		out[c] = (int)(pixel >> (16 - 8 * c) & 0xff);
 }

@@ -164,7 +164,7 @@ static void test_catalog(void **state)
 /* The strip `classic` at that size: where the middle of a sphere is. As its layout says. */
 static void middle(int row, int column, int *x, int *y)
 {
-	const double cell = 50.0, left = 0.5 * (659.0 - cell * 13.17);
+	double cell = 50.0, left = 0.5 * (659.0 - cell * 13.17);
 	*x = (int)(left + cell * (2.05 + column + 0.5));
 	*y = (int)(cell * (0.42 + row * 1.22 + 0.5));
 }
@@ -216,12 +216,12 @@ static void test_spheres(void **state)
 	assert_int_equal(picture.channels, 3);
 	for (int column = 0; column <= 10; column++) {
 		/* What was wrong with wrapped diffuse is the factor 1 + w, everywhere. */
-		const double wrap = 0.1 * column, share = radiance(&picture, WRAPPED_OLD, column, -6, -8, 0) /
-		                                          radiance(&picture, WRAPPED, column, -6, -8, 0);
+		double wrap = 0.1 * column, share = radiance(&picture, WRAPPED_OLD, column, -6, -8, 0) /
+		                                    radiance(&picture, WRAPPED, column, -6, -8, 0);
 		assert_true(fabs(share - (1.0 + wrap)) < 1e-4);
 		/* The limited sum shows less than the one without a limit, but where nothing was to be limited. */
-		const double limited = radiance(&picture, MIXED, column, 5, 5, 0),
-					 unlimited = radiance(&picture, MIXED_OLD, column, 5, 5, 0);
+		double limited = radiance(&picture, MIXED, column, 5, 5, 0),
+			   unlimited = radiance(&picture, MIXED_OLD, column, 5, 5, 0);
 		assert_true(column == 0 ? limited == unlimited : limited < unlimited);
 	}
 	/* Normalised highlights get brighter as they get smaller; without the factor they do not. */
@@ -368,7 +368,7 @@ static void test_refusals(void **state)
 {
 	(void)state;
 	make_gnuplot("");
-	const int entries = folder_entries();
+	int entries = folder_entries();
 	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
 		int code = stilb_code(with_fake, refusals[i][0]);
 		if (code != 2 || !strstr(run.err, refusals[i][1]))

@@ -8,7 +8,7 @@ static const char *lines_find(const char *name)
 	static char line[512];
 	for (const char *at = run.out, *end; (end = strchr(at, '\n')); at = end + 1) {
 		snprintf(line, sizeof line, "%.*s", (int)(end - at), at);
-		const size_t size = strlen(line), name_size = strlen(name);
+		size_t size = strlen(line), name_size = strlen(name);
 		if (size > name_size + 2 && strcmp(line + size - name_size, name) == 0 && line[size - name_size - 1] == ' ')
 			return line;
 	}
@@ -31,7 +31,7 @@ static void make_trace(const char *path, uint64_t seed, uint64_t cull_ns)
 	made_init(&m, 3);
 	m.lanes[2].kind = STILB_PROF_LANE_DEVICE;
 	for (uint64_t f = 0; f < 40; f++) {
-		const uint64_t begin = at;
+		uint64_t begin = at;
 		made_push(&m, 0, 0, at);
 		made_push(&m, 0, 1, at += 10);
 		made_pop(&m, 0, at += cull_ns + made_below(&random, 50));
@@ -75,12 +75,12 @@ static void test_top(void **state)
 	assert_said(run.out, "40 jobs ran after a delay of p50 0.290 us, p99 0.490 us, max 0.490 us in the queue");
 	stilb_good("trace top a.json --frame slowest --lane main --sort name");
 	assert_said(run.out, "frame 120: 0.037 ms");
-	assert_true(strstr(run.out, "record segment") == NULL);
+	assert_false(strstr(run.out, "record segment"));
 	assert_true(strstr(run.out, " cull\n") < strstr(run.out, " frame\n") &&
 	            strstr(run.out, " frame\n") < strstr(run.out, " record\n"));
 	assert_int_equal(sscanf(lines_find("record"), "%lld %lf", &calls, &total), 2);
 	assert_true(calls == 1 && total > 0.034);
-	assert_true(strstr(run.out, "in the queue") == NULL); /* none ran on main */
+	assert_false(strstr(run.out, "in the queue")); /* none ran on main */
 	stilb_good("trace top a.json --frame 101");
 	assert_said(run.out, "1 job ran after a delay of p50 0.110 us");
 	stilb_good("trace top a.json --frame 139 --lines 2");
@@ -249,7 +249,7 @@ static void test_refusals(void **state)
 	assert_int_equal(system("head -c 3000 a.json > short.json"), 0);
 	assert_int_equal(mkdir("folder", 0777), 0);
 	assert_int_equal(mkfifo("pipe", 0600), 0); /* that nobody writes: a reader would wait for ever */
-	const int entries = folder_entries();
+	int entries = folder_entries();
 	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
 		int code = stilb_code(no_display, refusals[i][0]);
 		if (code != 2 || !strstr(run.err, refusals[i][1]))
