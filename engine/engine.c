@@ -12,7 +12,7 @@
 
 static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
-	const stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_job_prof_hooks("worker")};
+	stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_job_prof_hooks("worker")};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
 	if (error == 0)
 		return STILB_OK;
@@ -59,8 +59,8 @@ stilb_engine_desc stilb_engine_desc_default(void)
 static stilb_result engine_create_render(stilb_engine *engine)
 {
 	const stilb_engine_desc *desc = &engine->desc;
-	const stilb_render_surface surface = {engine->window, stilb_window_surface_extensions, stilb_window_surface_create};
-	const stilb_render_desc render = {
+	stilb_render_surface surface = {engine->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	stilb_render_desc render = {
 		.device = desc->device,
 		.replay = desc->replay,
 		.materials = desc->materials,

@@ -26,7 +26,7 @@ static int64_t engine_input_time_us(stilb_engine *engine)
 	engine_input *input = &engine->input;
 	if (!engine->window && !input->pads)
 		return (int64_t)(engine->frame * 1000000u / INPUT_FRAMES);
-	const int64_t now = engine_input_now_us();
+	int64_t now = engine_input_now_us();
 	if (!input->recording)
 		return now;
 	if (input->start_us == 0)
@@ -53,7 +53,7 @@ static void engine_input_move_camera(stilb_scene_camera *camera, const stilb_inp
 
 static stilb_result engine_input_open_pads(engine_input *input, const stilb_engine_desc *desc)
 {
-	const stilb_input_pads_desc pads = {
+	stilb_input_pads_desc pads = {
 		.backend =
 			desc->gamepad == STILB_ENGINE_GAMEPAD_HIDAPI ? STILB_INPUT_BACKEND_HIDAPI : STILB_INPUT_BACKEND_HIDRAW,
 		.sys = desc->gamepad_sys,
@@ -70,9 +70,9 @@ stilb_result engine_input_start(stilb_engine *engine)
 {
 	engine_input *input = &engine->input;
 	const stilb_engine_desc *desc = &engine->desc;
-	const bool live = desc->gamepad == STILB_ENGINE_GAMEPAD_HIDRAW || desc->gamepad == STILB_ENGINE_GAMEPAD_HIDAPI ||
-	                  (desc->gamepad == STILB_ENGINE_GAMEPAD_AUTO && desc->window);
-	const bool replay = desc->gamepad == STILB_ENGINE_GAMEPAD_REPLAY;
+	bool live = desc->gamepad == STILB_ENGINE_GAMEPAD_HIDRAW || desc->gamepad == STILB_ENGINE_GAMEPAD_HIDAPI ||
+	            (desc->gamepad == STILB_ENGINE_GAMEPAD_AUTO && desc->window);
+	bool replay = desc->gamepad == STILB_ENGINE_GAMEPAD_REPLAY;
 	stilb_result result = STILB_OK;
 	if (!engine->window && !live && !replay)
 		return STILB_OK;
@@ -84,7 +84,7 @@ stilb_result engine_input_start(stilb_engine *engine)
 		return result;
 	input->focused = true;
 	input->pose = stilb_engine_pose(engine);
-	const int64_t time_us = replay ? 0 : engine_input_time_us(engine); /* a replay begins with the first frame */
+	int64_t time_us = replay ? 0 : engine_input_time_us(engine); /* a replay begins with the first frame */
 	return stilb_input_control_create(&desc->control, &input->pose, time_us, &input->control);
 }
 
@@ -102,7 +102,7 @@ void engine_input_finish(engine_input *input)
 static uint64_t engine_input_corrupt(const engine_input *input, uint32_t pad)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
-	const uint32_t count = stilb_input_control_pads(input->control, pads);
+	uint32_t count = stilb_input_control_pads(input->control, pads);
 	uint64_t corrupt = 0;
 	for (uint32_t i = 0; i < count; i++)
 		if (pad == 0 || pads[i].pad == pad)
@@ -144,7 +144,7 @@ static void engine_input_take_live(stilb_engine *engine, int64_t time_us)
 static void engine_input_take_replay(stilb_engine *engine, int64_t time_us)
 {
 	engine_input *input = &engine->input;
-	const int64_t end_us = stilb_input_recording_end_us(input->recording);
+	int64_t end_us = stilb_input_recording_end_us(input->recording);
 	stilb_input_event event;
 	while (stilb_input_recording_next(input->recording, time_us, &event))
 		engine_input_take(engine, &event);
@@ -161,18 +161,18 @@ int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state)
 {
 	PROFILE("input");
 	engine_input *input = &engine->input;
-	const int64_t time_us = engine_input_time_us(engine);
+	int64_t time_us = engine_input_time_us(engine);
 	if (!input->control)
 		return time_us;
 	input->newest_us = 0;
-	const stilb_input_pose before = stilb_engine_pose(engine);
+	stilb_input_pose before = stilb_engine_pose(engine);
 	if (memcmp(&before, &input->pose, sizeof before) != 0) /* the program has put it elsewhere */
 		stilb_input_control_place(input->control, input->time_us, &before);
 	if (input->recording)
 		engine_input_take_replay(engine, time_us);
 	else
 		engine_input_take_live(engine, time_us);
-	const stilb_input_state keys = *state;
+	stilb_input_state keys = *state;
 	stilb_input_control_frame(input->control, time_us, &keys, input->focused, state, &input->pose);
 	input->pad_captures = state->capture && !keys.capture;
 	input->time_us = time_us;
@@ -187,7 +187,7 @@ double engine_input_latency(const stilb_engine *engine)
 	const engine_input *input = &engine->input;
 	if (!input->pads || input->newest_us == 0)
 		return 0.0;
-	const double ms = (double)(engine_input_now_us() - input->newest_us) * 1e-3;
+	double ms = (double)(engine_input_now_us() - input->newest_us) * 1e-3;
 	PROFILE_COUNTER("pad report to submit, ms", ms);
 	return ms;
 }

@@ -93,7 +93,7 @@ static void inspector_fit(const stilb_ui_style *style, stilb_ui_rect area, inspe
 /* As little as brings the chosen row into view; only when another one was chosen than was last shown. */
 static void inspector_follow(const stilb_ui_style *style, const inspector_list *list, stilb_ui_list_state *state)
 {
-	const float row = style->row_height, top = (float)*list->chosen * row;
+	float row = style->row_height, top = (float)*list->chosen * row;
 	if (state->selected != *list->chosen)
 		state->scroll = fminf(fmaxf(state->scroll, top + row - (float)list->rows * row), top);
 	state->selected = *list->chosen;
@@ -148,7 +148,7 @@ static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_
 		{"G: shadowing", stilb_engine_g_names, &shading->g, SHADE_G_COUNT, SHADE_G_COUNT},
 		{"F: Fresnel", stilb_engine_f_names, &shading->f, SHADE_F_COUNT, SHADE_F_COUNT},
 	};
-	const stilb_render_shading before = *shading;
+	stilb_render_shading before = *shading;
 	inspector_column(ui, left, whole, 2, inspector->lists, false);
 	/* Who takes a part wants the model that is made of parts. */
 	if (inspector_column(ui, right, parts, 3, inspector->lists + 2, shading->brdf != SHADE_BRDF_MICROFACET))
@@ -163,9 +163,8 @@ static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_sha
 {
 	static const stilb_ui_slider_range range = {-1.0f, 1.0f, 0.01f, "%+.2f"};
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
-	const bool lambert = shading->brdf == SHADE_BRDF_LAMBERT,
-			   highlight = !lambert && shading->brdf != SHADE_BRDF_WRAPPED;
-	const struct {
+	bool lambert = shading->brdf == SHADE_BRDF_LAMBERT, highlight = !lambert && shading->brdf != SHADE_BRDF_WRAPPED;
+	struct {
 		const char *label;
 		float *value;
 		bool read;
@@ -197,7 +196,7 @@ static float inspector_sliders_height(const stilb_ui_style *style)
 /* A sample with what is added to all materials. */
 static shade_material inspector_sample(const stilb_render_shading *shading)
 {
-	const float specular = 0.2f + shading->specular;
+	float specular = 0.2f + shading->specular;
 	shade_reflectance reflectance =
 		shade_limit_to_one(stilb_vec3_make(0.4f, 0.4f, 0.4f), stilb_vec3_make(specular, specular, specular));
 	return (shade_material){
@@ -212,10 +211,10 @@ static shade_material inspector_sample(const stilb_render_shading *shading)
 /* What the sample reflects of light from the left, 45 degrees high, in the directions from left to right. */
 static float inspector_lobe(const stilb_render_shading *shading, float values[INSPECTOR_LOBE_POINTS])
 {
-	const shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
-	const shade_material material = inspector_sample(shading);
-	const shade_frame frame = {stilb_vec3_make(1, 0, 0), stilb_vec3_make(0, 0, -1), stilb_vec3_make(0, 1, 0)};
-	const stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-1, 1, 0));
+	shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
+	shade_material material = inspector_sample(shading);
+	shade_frame frame = {stilb_vec3_make(1, 0, 0), stilb_vec3_make(0, 0, -1), stilb_vec3_make(0, 1, 0)};
+	stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-1, 1, 0));
 	float most = 0.0f;
 	for (int i = 0; i < INSPECTOR_LOBE_POINTS; i++) {
 		float angle = SHADE_PI * ((float)i + 0.5f) / INSPECTOR_LOBE_POINTS;
@@ -232,18 +231,18 @@ static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_re
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
-	const float line = stilb_ui_font_line(font);
+	float line = stilb_ui_font_line(font);
 	if (area.y1 - area.y0 < 4.0f * line)
 		return;
 	stilb_ui_draw_list *list = stilb_ui_list(ui);
 	float values[INSPECTOR_LOBE_POINTS];
 	stilb_ui_point points[INSPECTOR_LOBE_POINTS];
-	const float most = inspector_lobe(shading, values);
+	float most = inspector_lobe(shading, values);
 	stilb_ui_draw_rounded(list, area, style->radius, style->plot_background);
-	const stilb_ui_rect inside = stilb_ui_inset(area, style->gap);
-	const float reach = fminf(0.5f * (inside.x1 - inside.x0), inside.y1 - inside.y0 - 2.0f * line);
-	const stilb_ui_point foot = {0.5f * (inside.x0 + inside.x1), inside.y1 - line};
-	const float slant = reach * 0.70710678f;
+	stilb_ui_rect inside = stilb_ui_inset(area, style->gap);
+	float reach = fminf(0.5f * (inside.x1 - inside.x0), inside.y1 - inside.y0 - 2.0f * line);
+	stilb_ui_point foot = {0.5f * (inside.x0 + inside.x1), inside.y1 - line};
+	float slant = reach * 0.70710678f;
 	stilb_ui_draw_line(list, (stilb_ui_point){inside.x0, foot.y}, (stilb_ui_point){inside.x1, foot.y}, 1.0f,
 	                   style->control_border);
 	stilb_ui_draw_line(list, foot, (stilb_ui_point){foot.x, foot.y - reach}, 1.0f, style->plot_grid);
@@ -271,16 +270,15 @@ static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_re
 static void inspector_place(engine_inspector *inspector, const stilb_ui_style *style, const stilb_ui_input *input,
                             float lists)
 {
-	const float gap = 2.0f * style->gap, around = 2.0f * style->margin;
-	const float head = style->title_height + around + INSPECTOR_BORDER,
-				below = style->gap + inspector_sliders_height(style);
-	const bool beside = input->height - around < head + lists + below;
-	const float columns = beside ? 3.0f : 2.0f;
-	const float wanted_x = columns * (INSPECTOR_COLUMN + gap) - gap + around;
-	const float wanted_y = head + lists + (beside ? 0.0f : below);
-	const float width = fmaxf(fminf(wanted_x, input->width - around), INSPECTOR_COLUMN);
-	const float height = fmaxf(fminf(wanted_y, input->height - around), head);
-	const float free_x = input->width - width, free_y = input->height - height;
+	float gap = 2.0f * style->gap, around = 2.0f * style->margin;
+	float head = style->title_height + around + INSPECTOR_BORDER, below = style->gap + inspector_sliders_height(style);
+	bool beside = input->height - around < head + lists + below;
+	float columns = beside ? 3.0f : 2.0f;
+	float wanted_x = columns * (INSPECTOR_COLUMN + gap) - gap + around;
+	float wanted_y = head + lists + (beside ? 0.0f : below);
+	float width = fmaxf(fminf(wanted_x, input->width - around), INSPECTOR_COLUMN);
+	float height = fmaxf(fminf(wanted_y, input->height - around), head);
+	float free_x = input->width - width, free_y = input->height - height;
 	stilb_ui_rect *place = &inspector->place;
 	if (stilb_ui_is_empty(*place))
 		*place = (stilb_ui_rect){.x0 = free_x - fminf(around, 0.5f * free_x), .y0 = fminf(around, 0.5f * free_y)};
@@ -293,20 +291,20 @@ static void inspector_place(engine_inspector *inspector, const stilb_ui_style *s
 void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading, bool *open)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
-	const float gap = 2.0f * style->gap;
-	const float lists = inspector_column_height(style, 3, SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT);
+	float gap = 2.0f * style->gap;
+	float lists = inspector_column_height(style, 3, SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT);
 	inspector_place(inspector, style, stilb_ui_input_get(ui), lists);
 	stilb_ui_id_push(ui, "inspector");
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Materials", &inspector->place, STILB_UI_PANEL_MOVABLE, open);
-	const float columns = inspector->beside ? 3.0f : 2.0f;
-	const float column = floorf((area.x1 - area.x0 + gap) / columns - gap);
+	float columns = inspector->beside ? 3.0f : 2.0f;
+	float column = floorf((area.x1 - area.x0 + gap) / columns - gap);
 	stilb_ui_rect rest = area, upper = inspector->beside ? area : stilb_ui_cut_top(&rest, lists), lobe;
 	stilb_ui_rect left = stilb_ui_cut_left(&upper, column);
 	stilb_ui_cut_left(&upper, gap);
 	stilb_ui_rect right = stilb_ui_cut_left(&upper, column);
 	if (inspector->beside) {
 		stilb_ui_cut_left(&rest, 2.0f * (column + gap));
-		const float room = rest.y1 - rest.y0 - style->gap - inspector_sliders_height(style);
+		float room = rest.y1 - rest.y0 - style->gap - inspector_sliders_height(style);
 		lobe = stilb_ui_cut_top(&rest, fmaxf(fminf(room, INSPECTOR_LOBE), 0.0f));
 		stilb_ui_cut_top(&rest, style->gap);
 	} else {

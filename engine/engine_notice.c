@@ -27,7 +27,7 @@ void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pa
 	engine_notice_remove(notice, pad); /* told of before */
 	if (notice->pad_count == ENGINE_NOTICE_PADS)
 		engine_notice_remove(notice, notice->pads[0].pad);
-	const uint32_t place = notice->pad_count++;
+	uint32_t place = notice->pad_count++;
 	notice->pads[place].pad = pad;
 	snprintf(notice->pads[place].who, sizeof notice->pads[place].who, "%s (%04x:%04x) at %s",
 	         info->name[0] ? info->name : "A gamepad", info->vendor, info->product, info->path);
@@ -59,8 +59,8 @@ static void notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *
 {
 	while (*text) {
 		char line[512];
-		const size_t length = notice_line(font, text, area->x1 - area->x0);
-		const stilb_ui_rect row = stilb_ui_cut_top(area, stilb_ui_font_line(font));
+		size_t length = notice_line(font, text, area->x1 - area->x0);
+		stilb_ui_rect row = stilb_ui_cut_top(area, stilb_ui_font_line(font));
 		snprintf(line, sizeof line, "%.*s", (int)length, text);
 		if (ui)
 			stilb_ui_draw_text_at(stilb_ui_list(ui), font, row.x0, row.y0 + stilb_ui_font_ascent(font), color, line);
@@ -102,7 +102,7 @@ static void notice_content(const engine_notice *notice, stilb_ui *ui, bool draw,
 static float notice_height(const engine_notice *notice, stilb_ui *ui, bool brief, float width)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
-	const float edge = style->margin + NOTICE_BORDER;
+	float edge = style->margin + NOTICE_BORDER;
 	stilb_ui_rect inner = {0.0f, 0.0f, width - 2.0f * edge, 1e6f};
 	notice_content(notice, ui, false, brief, &inner);
 	return style->title_height + inner.y0 + 2.0f * edge;
@@ -111,10 +111,10 @@ static float notice_height(const engine_notice *notice, stilb_ui *ui, bool brief
 void engine_notice_draw(engine_notice *notice, stilb_ui *ui)
 {
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
-	const float width = fminf(NOTICE_WIDTH, input->width - 2.0f * stilb_ui_style_get(ui)->margin);
-	const float left = floorf(0.5f * (input->width - width));
-	const bool brief = NOTICE_TOP + notice_height(notice, ui, false, width) > input->height;
-	const float height = notice_height(notice, ui, brief, width);
+	float width = fminf(NOTICE_WIDTH, input->width - 2.0f * stilb_ui_style_get(ui)->margin);
+	float left = floorf(0.5f * (input->width - width));
+	bool brief = NOTICE_TOP + notice_height(notice, ui, false, width) > input->height;
+	float height = notice_height(notice, ui, brief, width);
 	stilb_ui_rect place = {left, NOTICE_TOP, left + width, NOTICE_TOP + height};
 	bool open = true;
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "No permission for a gamepad", &place, 0, &open);

@@ -153,7 +153,7 @@ static stilb_result replay(stilb_engine *engine)
 static stilb_result present(stilb_engine *engine)
 {
 	PROFILE("present");
-	const stilb_result result = stilb_render_present(engine->render);
+	stilb_result result = stilb_render_present(engine->render);
 	engine->report.lost |= result == STILB_ERROR_WINDOW;
 	return result == STILB_ERROR_WINDOW ? STILB_OK : result;
 }

@@ -22,7 +22,7 @@ static stilb_result replay_start(stilb_engine_replay *replay, const stilb_engine
 	if (result != STILB_OK)
 		return result;
 	stilb_render_dump_info info = stilb_render_dump_info_get(replay->dump);
-	const stilb_render_desc render = {
+	stilb_render_desc render = {
 		.device = desc->device,
 		.replay = desc->replay,
 		.materials = desc->materials,
@@ -37,7 +37,7 @@ static stilb_result replay_start(stilb_engine_replay *replay, const stilb_engine
 	result = stilb_render_create(&render, &replay->render);
 	if (result != STILB_OK)
 		return result;
-	const stilb_job_pool_desc pool = {.worker_count = desc->workers};
+	stilb_job_pool_desc pool = {.worker_count = desc->workers};
 	int error = stilb_job_pool_create(&pool, &replay->pool);
 	if (error != 0)
 		return stilb_fail_threads(desc->workers, -error);

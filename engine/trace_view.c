@@ -41,7 +41,7 @@ static void view_frames(void *user, stilb_prof_frame_stats *stats, double budget
 /* The 100 frames around the one to be shown, or as many as there are. */
 static void view_choose(stilb_engine_trace_view *view, uint32_t frame)
 {
-	const uint32_t all = view->trace->frame_count, most = STILB_PROF_STATS_FRAMES;
+	uint32_t all = view->trace->frame_count, most = STILB_PROF_STATS_FRAMES;
 	view->count = all < most ? all : most;
 	view->first = frame > most / 2 ? frame - most / 2 : 0;
 	if (view->first > all - view->count)
@@ -57,8 +57,8 @@ static stilb_result view_start(stilb_engine_trace_view *view, const stilb_engine
 		result = stilb_window_create("Stilb trace", desc->width, desc->height, &view->window);
 	if (result != STILB_OK)
 		return result;
-	const stilb_render_surface surface = {view->window, stilb_window_surface_extensions, stilb_window_surface_create};
-	const stilb_render_desc render = {
+	stilb_render_surface surface = {view->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	stilb_render_desc render = {
 		.gpu = desc->gpu,
 		.surface = view->window ? &surface : NULL,
 		.width = desc->width,
@@ -75,7 +75,7 @@ static stilb_result view_start(stilb_engine_trace_view *view, const stilb_engine
 	result = stilb_ui_create(&ui, &view->ui);
 	if (result != STILB_OK)
 		return result;
-	const stilb_ui_profiler_desc profiler = {.user = view, .take = view_take, .frames = view_frames, .whole = true};
+	stilb_ui_profiler_desc profiler = {.user = view, .take = view_take, .frames = view_frames, .whole = true};
 	result = stilb_ui_profiler_create(&profiler, &view->profiler);
 	if (result == STILB_OK)
 		stilb_ui_profiler_show(view->profiler, desc->trace->frames[desc->frame].number);
@@ -126,7 +126,7 @@ static stilb_result view_input(stilb_engine_trace_view *view, bool *close, bool 
 	stilb_window_wait(view->window, 0.1, &state);
 	if (state.lost)
 		return stilb_fail(STILB_ERROR_WINDOW, "the display has gone");
-	const uint64_t now = stilb_time_ns();
+	uint64_t now = stilb_time_ns();
 	*close = state.close;
 	*drawn = state.width > 0 && state.height > 0;
 	stilb_window_set_capturing(view->window, false); /* there is no camera */
@@ -142,7 +142,7 @@ static stilb_result view_input(stilb_engine_trace_view *view, bool *close, bool 
 
 static stilb_result view_draw(stilb_engine_trace_view *view)
 {
-	const stilb_render_pass pass = {.name = "ui", .kind = STILB_RENDER_PASS_2D};
+	stilb_render_pass pass = {.name = "ui", .kind = STILB_RENDER_PASS_2D};
 	uint32_t width, height;
 	stilb_render_size(view->render, &width, &height);
 	view->input.width = (float)width;

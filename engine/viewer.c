@@ -45,8 +45,8 @@ static float viewer_fit(const stilb_image *picture, uint32_t width, uint32_t hei
 /* The picture's pixels [begin, end) that pixel i of the window's `count` shows; none outside of it. */
 static void viewer_span(uint32_t i, uint32_t count, float scale, float center, uint32_t size, uint32_t span[2])
 {
-	const float from = center + ((float)i - 0.5f * (float)count) / scale, to = from + 1.0f / scale;
-	const float limit = (float)size;
+	float from = center + ((float)i - 0.5f * (float)count) / scale, to = from + 1.0f / scale;
+	float limit = (float)size;
 	if (from + to < 0.0f || from + to >= 2.0f * limit) {
 		span[0] = span[1] = 0;
 	} else if (scale >= 1.0f) {
@@ -68,7 +68,7 @@ static void viewer_average(const stilb_engine_viewer *viewer, const uint32_t x[2
 			for (int c = 0; c < 3; c++)
 				sum[c] += viewer->light[code[c]];
 	}
-	const uint32_t count = (x[1] - x[0]) * (y[1] - y[0]);
+	uint32_t count = (x[1] - x[0]) * (y[1] - y[0]);
 	for (int c = 0; c < 3; c++)
 		out[c] = count > 0 ? sum[c] / (float)count : VIEWER_GREY;
 }
@@ -76,10 +76,10 @@ static void viewer_average(const stilb_engine_viewer *viewer, const uint32_t x[2
 static void viewer_resample(stilb_engine_viewer *viewer)
 {
 	const stilb_image *picture = &viewer->picture, *shown = &viewer->shown;
-	const bool fits = viewer->scale <= 0.0f;
-	const float scale = fits ? viewer_fit(picture, shown->width, shown->height) : viewer->scale;
-	const float center[2] = {fits ? 0.5f * (float)picture->width : viewer->center[0],
-	                         fits ? 0.5f * (float)picture->height : viewer->center[1]};
+	bool fits = viewer->scale <= 0.0f;
+	float scale = fits ? viewer_fit(picture, shown->width, shown->height) : viewer->scale;
+	float center[2] = {fits ? 0.5f * (float)picture->width : viewer->center[0],
+	                   fits ? 0.5f * (float)picture->height : viewer->center[1]};
 	float *out = shown->pixels;
 	for (uint32_t row = 0; row < shown->height; row++) {
 		uint32_t x[2], y[2];
@@ -116,9 +116,9 @@ static stilb_result viewer_texture(stilb_engine_viewer *viewer, uint32_t width, 
 /* As large as the picture: larger when that is tiny, and smaller when it would not fit a screen. */
 static void viewer_window_size(const stilb_engine_viewer_desc *desc, uint32_t size[2])
 {
-	const float width = (float)desc->width, height = (float)desc->height;
+	float width = (float)desc->width, height = (float)desc->height;
 	float scale = fminf(1.0f, fminf((float)VIEWER_WIDEST / width, (float)VIEWER_HIGHEST / height));
-	const float least = ceilf((float)VIEWER_LEAST / fmaxf(width, height));
+	float least = ceilf((float)VIEWER_LEAST / fmaxf(width, height));
 	if (least > 1.0f)
 		scale = least;
 	size[0] = (uint32_t)fmaxf(roundf(width * scale), (float)VIEWER_LEAST);
@@ -134,8 +134,8 @@ static stilb_result viewer_start(stilb_engine_viewer *viewer, const stilb_engine
 		result = stilb_window_create(desc->title, size[0], size[1], &viewer->window);
 	if (result != STILB_OK)
 		return result;
-	const stilb_render_surface surface = {viewer->window, stilb_window_surface_extensions, stilb_window_surface_create};
-	const stilb_render_desc render = {
+	stilb_render_surface surface = {viewer->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	stilb_render_desc render = {
 		.gpu = desc->gpu,
 		.surface = viewer->window ? &surface : NULL,
 		.width = size[0],
@@ -204,7 +204,7 @@ static void viewer_take_over(stilb_engine_viewer *viewer, uint32_t width, uint32
 /* What is under the pointer stays there. Past 100 % the scale goes by whole numbers of the square root of two. */
 static void viewer_zoom(stilb_engine_viewer *viewer, float notches, const float from_middle[2])
 {
-	const float scale = fminf(fmaxf(viewer->scale * exp2f(0.5f * notches), 1.0f / 64.0f), VIEWER_MAX_SCALE);
+	float scale = fminf(fmaxf(viewer->scale * exp2f(0.5f * notches), 1.0f / 64.0f), VIEWER_MAX_SCALE);
 	for (int k = 0; k < 2; k++)
 		viewer->center[k] += from_middle[k] / viewer->scale - from_middle[k] / scale;
 	viewer->scale = scale;
@@ -220,9 +220,9 @@ static void viewer_drag(stilb_engine_viewer *viewer, const float pointer[2])
 
 static void viewer_act(stilb_engine_viewer *viewer, const stilb_window_state *state, uint32_t width, uint32_t height)
 {
-	const float pointer[2] = {state->pointer_x, state->pointer_y};
-	const float from_middle[2] = {pointer[0] - 0.5f * (float)width, pointer[1] - 0.5f * (float)height};
-	const bool dragged =
+	float pointer[2] = {state->pointer_x, state->pointer_y};
+	float from_middle[2] = {pointer[0] - 0.5f * (float)width, pointer[1] - 0.5f * (float)height};
+	bool dragged =
 		state->button && viewer->dragging && (pointer[0] != viewer->drag[0] || pointer[1] != viewer->drag[1]);
 	if (dragged || state->wheel != 0.0f)
 		viewer_take_over(viewer, width, height);
@@ -286,8 +286,8 @@ static void viewer_words(stilb_engine_viewer *viewer, const char *words, uint32_
 /* The texture over all of the window but the words. */
 static stilb_result viewer_record_picture(stilb_engine_viewer *viewer, uint32_t width, uint32_t height)
 {
-	const float right = (float)width, bottom = (float)height, clip[4] = {0.0f, 0.0f, right, bottom};
-	const stilb_render_vertex_2d corners[4] = {
+	float right = (float)width, bottom = (float)height, clip[4] = {0.0f, 0.0f, right, bottom};
+	stilb_render_vertex_2d corners[4] = {
 		{{0.0f, 0.0f}, {0.0f, 0.0f}, {255, 255, 255, 255}},
 		{{right, 0.0f}, {1.0f, 0.0f}, {255, 255, 255, 255}},
 		{{right, bottom}, {1.0f, 1.0f}, {255, 255, 255, 255}},
@@ -299,7 +299,7 @@ static stilb_result viewer_record_picture(stilb_engine_viewer *viewer, uint32_t 
 		return result;
 	stilb_render_context *context = stilb_render_context_get(viewer->render, VIEWER_WORKER);
 	stilb_render_segment_begin(context, VIEWER_PASS_PICTURE, 0);
-	const uint32_t first = stilb_render_geometry_2d(context, corners, 4, indices, 6);
+	uint32_t first = stilb_render_geometry_2d(context, corners, 4, indices, 6);
 	stilb_render_draw_2d(context, first, 6, clip, viewer->texture);
 	stilb_render_segment_end(context);
 	return stilb_render_pass_end(viewer->render, VIEWER_PASS_PICTURE);
@@ -316,7 +316,7 @@ static stilb_result viewer_draw(stilb_engine_viewer *viewer, const char *words)
 	stilb_result result = viewer_texture(viewer, width, height - VIEWER_STRIP);
 	if (result != STILB_OK)
 		return result;
-	const stilb_ui_input nobody = {.width = (float)width, .height = (float)height};
+	stilb_ui_input nobody = {.width = (float)width, .height = (float)height};
 	stilb_ui_begin(viewer->ui, &nobody);
 	viewer_words(viewer, words, width, height);
 	stilb_ui_end(viewer->ui);
