@@ -61,7 +61,7 @@ bool ui_reserve(void **memory, uint32_t *capacity, uint32_t count, uint32_t more
 static stilb_ui_draw_command *list_command(stilb_ui_draw_list *list)
 {
 	stilb_ui_rect clip = stilb_ui_clip(list);
-	const float wanted[4] = {clip.x0, clip.y0, clip.x1, clip.y1};
+	float wanted[4] = {clip.x0, clip.y0, clip.x1, clip.y1};
 	if (list->command_count > 0) {
 		stilb_ui_draw_command *last = &list->commands[list->command_count - 1];
 		if (memcmp(last->clip, wanted, sizeof wanted) == 0)
@@ -202,8 +202,7 @@ void stilb_ui_draw_rect(stilb_ui_draw_list *list, stilb_ui_rect rect, stilb_ui_c
 	if (stilb_ui_is_empty(rect) || !ui_list_sees(list, rect.x0 - 1.0f, rect.y0 - 1.0f, rect.x1 + 1.0f, rect.y1 + 1.0f))
 		return;
 	if (list->aa == STILB_UI_AA_ARTICLE) {
-		const stilb_ui_point corners[4] = {
-			{rect.x0, rect.y0}, {rect.x1, rect.y0}, {rect.x1, rect.y1}, {rect.x0, rect.y1}};
+		stilb_ui_point corners[4] = {{rect.x0, rect.y0}, {rect.x1, rect.y0}, {rect.x1, rect.y1}, {rect.x0, rect.y1}};
 		stilb_ui_draw_convex(list, corners, 4, color);
 		return;
 	}

@@ -122,10 +122,10 @@ static float path_room(const draw_path *path)
 /* The corners of a rounded rectangle, clockwise from the left end of the top right one; radius 0 < r. */
 static void path_rounded(draw_path *path, stilb_ui_rect rect, float radius)
 {
-	const stilb_ui_point centers[4] = {{rect.x1 - radius, rect.y0 + radius},
-	                                   {rect.x1 - radius, rect.y1 - radius},
-	                                   {rect.x0 + radius, rect.y1 - radius},
-	                                   {rect.x0 + radius, rect.y0 + radius}};
+	stilb_ui_point centers[4] = {{rect.x1 - radius, rect.y0 + radius},
+	                             {rect.x1 - radius, rect.y1 - radius},
+	                             {rect.x0 + radius, rect.y1 - radius},
+	                             {rect.x0 + radius, rect.y0 + radius}};
 	/* A chord over the angle t is r (1 - cos(t / 2)), about r t^2 / 8, away from its arc. */
 	float angle = sqrtf(8.0f * ARC_TOLERANCE / radius), quarter = 1.57079633f;
 	uint32_t steps = (uint32_t)ui_clamp(ceilf(quarter / angle), 2.0f, (float)ARC_STEPS_MAX);
@@ -211,7 +211,7 @@ static float mesh_volume(const ui_mesh *mesh, uint32_t index_count)
  * adds up to its area. */
 static void draw_small(stilb_ui_draw_list *list, const draw_path *path, float room, stilb_ui_color color)
 {
-	const uint32_t n = path->count, index_count = 6 * n + 3 * (n - 2);
+	uint32_t n = path->count, index_count = 6 * n + 3 * (n - 2);
 	ui_mesh mesh;
 	if (!draw_ring(list, path, -room, 0.5f, true, color, &mesh))
 		return;
@@ -262,7 +262,7 @@ void stilb_ui_draw_convex(stilb_ui_draw_list *list, const stilb_ui_point *corner
 void stilb_ui_draw_triangle(stilb_ui_draw_list *list, stilb_ui_point a, stilb_ui_point b, stilb_ui_point c,
                             stilb_ui_color color)
 {
-	const stilb_ui_point corners[3] = {a, b, c};
+	stilb_ui_point corners[3] = {a, b, c};
 	stilb_ui_draw_convex(list, corners, 3, color);
 }
 
@@ -342,7 +342,7 @@ static void line_vertices(stilb_render_vertex_2d vertices[4], stilb_ui_point pla
 	stilb_ui_color full = stilb_ui_fade(profile->color, opacity), clear = full;
 	clear.a = 0;
 	float outer = profile->full + profile->ring;
-	const float offsets[4] = {-outer, -profile->full, profile->full, outer};
+	float offsets[4] = {-outer, -profile->full, profile->full, outer};
 	for (uint32_t i = 0; i < 4; i++) {
 		stilb_ui_point p = point_mad(place, offsets[i], mitre);
 		vertices[i] = ui_vertex(p.x, p.y, i == 0 || i == 3 ? clear : full);
@@ -448,7 +448,7 @@ void stilb_ui_draw_polyline(stilb_ui_draw_list *list, const stilb_ui_point *poin
 void stilb_ui_draw_line(stilb_ui_draw_list *list, stilb_ui_point a, stilb_ui_point b, float width, stilb_ui_color color)
 {
 	float half = 0.5f * width;
-	const stilb_ui_point points[2] = {a, b};
+	stilb_ui_point points[2] = {a, b};
 	if (a.x == b.x)
 		stilb_ui_draw_rect(list, (stilb_ui_rect){a.x - half, ui_min(a.y, b.y), a.x + half, ui_max(a.y, b.y)}, color);
 	else if (a.y == b.y)

@@ -1,4 +1,4 @@
-/* The profiler's window: which frame it shows, and where its snapshots come from. */
+/* The profiler's window: takes snapshots, works out what is said about the frame that is shown, and draws its parts. */
 #include "ui/ui_profiler_internal.h"
 
 #include "profiler/prof.h"
@@ -7,10 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROFILER_WIDTH 480.0f /* pixels: less is too small for more than a line */
+#define PROFILER_WIDTH 480.0f /* pixels: a smaller picture gets one line of text instead of the window */
 #define PROFILER_HEIGHT 270.0f
-#define PROFILER_SEED 8227u /* of colours, see profiler_color */
-#define PROFILER_LATE 4u    /* frames after which the GPU's zones of a frame have come for certain */
+#define PROFILER_SEED 8227u /* of the hash that picks a colour: with it the engine's own stages get different ones */
 
 static int profiler_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
 {
@@ -26,10 +25,13 @@ static void profiler_frames(void *user, stilb_prof_frame_stats *stats, double bu
 
 stilb_result stilb_ui_profiler_create(const stilb_ui_profiler_desc *desc, stilb_ui_profiler **out)
 {
+	STILB_ASSERT(out);
+	STILB_ASSERT((!desc || !desc->take == !desc->frames) && "take and frames come together");
 	stilb_ui_profiler *profiler = calloc(1, sizeof *profiler);
 	*out = profiler;
 	if (!profiler)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the profiler's window");
+	stilb_owner_take(&profiler->owner);
 	if (desc)
 		profiler->desc = *desc;
 	if (!profiler->desc.take)
@@ -47,6 +49,7 @@ void stilb_ui_profiler_destroy(stilb_ui_profiler *profiler)
 {
 	if (!profiler)
 		return;
+	STILB_ASSERT_OWNER(profiler->owner);
 	stilb_prof_snapshot_finish(&profiler->live);
 	stilb_prof_snapshot_finish(&profiler->held);
 	stilb_prof_stats_finish(&profiler->stats);
@@ -59,19 +62,19 @@ void stilb_ui_profiler_destroy(stilb_ui_profiler *profiler)
 
 /* ---- colours ----------------------------------------------------------------------------------------------------- */
 
-/* Told apart from each other, from the colours that mean something here, and from the dark ground; dark text is read on
- * all of them. */
+/* Colours of zones of work, 0xRRGGBB: easy to tell from each other, from the colours with a meaning of their own
+ * (UI_PROFILER_BAD and so on) and from the dark background; dark text is readable on all of them. */
 static const uint32_t PROFILER_PALETTE[] = {0x74a9f7, 0x7fd39b, 0xc99cf0, 0x62d0d6, 0xa9c765, 0xd9a0d8, 0x8f9ff5,
                                             0xc9c07a, 0x57b8a3, 0xb8b4e8, 0x9cc3d9, 0x8cc08c, 0xc4a98f, 0xa58be0};
 
-/* By the name alone, so that pictures can be compared; the seed is one that tells the engine's own stages apart. */
+/* Depends on the name alone, so that a zone has the same colour in every run and pictures can be compared. */
 static uint32_t profiler_color(const char *name)
 {
-	const uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START ^ PROFILER_SEED, name, strlen(name));
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START ^ PROFILER_SEED, name, strlen(name));
 	return PROFILER_PALETTE[(hash >> 32) % (sizeof PROFILER_PALETTE / sizeof *PROFILER_PALETTE)];
 }
 
-/* A name that was given a colour in one place has it everywhere. */
+/* The same name may be recorded by several sites: if one of them gives a colour, all of them are drawn in it. */
 static uint32_t profiler_given_color(const stilb_prof_snapshot *snapshot, const char *name)
 {
 	for (uint32_t i = 0; i < snapshot->label_count; i++)
@@ -80,6 +83,7 @@ static uint32_t profiler_given_color(const stilb_prof_snapshot *snapshot, const 
 	return profiler_color(name);
 }
 
+/* Fills colors->rgb for all labels of the snapshot. False: no memory. */
 static bool profiler_color_labels(ui_profiler_colors *colors, const stilb_prof_snapshot *snapshot)
 {
 	if (colors->capacity < snapshot->label_count) {
@@ -110,57 +114,11 @@ static bool profiler_color_labels(ui_profiler_colors *colors, const stilb_prof_s
 
 /* ---- which frame ------------------------------------------------------------------------------------------------- */
 
-void ui_profiler_fit(stilb_ui_profiler *profiler, uint64_t begin_ns, uint64_t end_ns)
-{
-	const double begin = (double)begin_ns - (double)ui_profiler_frame(profiler)->begin_ns;
-	const double length = end_ns > begin_ns ? (double)(end_ns - begin_ns) : 1.0;
-	profiler->view_begin_ns = begin - 0.02 * length;
-	profiler->view_ns = 1.04 * length;
-}
-
-void ui_profiler_fit_frame(stilb_ui_profiler *profiler)
-{
-	const stilb_prof_frame *frame = ui_profiler_frame(profiler);
-	ui_profiler_fit(profiler, frame->begin_ns, frame->end_ns);
-}
-
-bool stilb_ui_profiler_frozen(const stilb_ui_profiler *profiler)
-{
-	return profiler->frozen;
-}
-
-void stilb_ui_profiler_freeze(stilb_ui_profiler *profiler, bool frozen)
-{
-	if (profiler->frozen == frozen)
-		return;
-	profiler->frozen = frozen;
-	profiler->settle = PROFILER_LATE;
-	if (frozen && profiler->mode == UI_PROFILER_LATEST) {
-		profiler->mode = UI_PROFILER_PICKED;
-		profiler->picked = profiler->number;
-	} else if (!frozen && profiler->mode == UI_PROFILER_PICKED) {
-		profiler->mode = UI_PROFILER_SLOWEST;
-	}
-}
-
-void stilb_ui_profiler_show(stilb_ui_profiler *profiler, uint64_t frame_number)
-{
-	stilb_ui_profiler_freeze(profiler, true);
-	profiler->mode = UI_PROFILER_PICKED;
-	profiler->picked = frame_number;
-}
-
-void ui_profiler_freeze_key(stilb_ui_profiler *profiler, const stilb_ui *ui, const stilb_ui_action *action)
-{
-	if (action->focused && stilb_ui_input_get(ui)->keys[STILB_UI_KEY_SPACE] % 2 == 1)
-		stilb_ui_profiler_freeze(profiler, !profiler->frozen);
-}
-
-/* What has happened since the last draw. */
+/* Takes the frame times recorded since the last draw; in mode LATEST, also the newest frames themselves. */
 static void profiler_follow(stilb_ui_profiler *profiler)
 {
-	const uint64_t before = profiler->history.last;
-	const stilb_prof_window two = {.last_frames = 2};
+	uint64_t before = profiler->history.last;
+	stilb_prof_window two = {.last_frames = 2};
 	profiler->desc.frames(profiler->desc.user, &profiler->history, profiler->desc.budget_ms);
 	if (profiler->freeze_on_spike && profiler->history.spike && profiler->history.last != before)
 		stilb_ui_profiler_show(profiler, profiler->history.last);
@@ -168,8 +126,10 @@ static void profiler_follow(stilb_ui_profiler *profiler)
 		profiler->out_of_memory = profiler->desc.take(profiler->desc.user, &profiler->live, &two) != 0;
 }
 
+/* The number of the frame to show. */
 static uint64_t profiler_choose(const stilb_ui_profiler *profiler)
 {
+	STILB_ASSERT(profiler->history.count > 0 && "there is a frame to choose");
 	switch (profiler->mode) {
 	case UI_PROFILER_SLOWEST:
 		return ui_profiler_frame_number(&profiler->history, ui_profiler_slowest(&profiler->history));
@@ -181,18 +141,19 @@ static uint64_t profiler_choose(const stilb_ui_profiler *profiler)
 	return profiler->history.last;
 }
 
-/* Fills `held` for that frame unless it is there already. While the frame is young it is taken again, since what comes
- * late belongs to it as well; once all is there, a frozen history is taken as a whole, so that it can be gone through
- * at leisure while the rings go on. False: nothing changed. */
+/* Fills `held` with the frame of that number unless it is held already. A frame younger than UI_PROFILER_LATE frames is
+ * taken again on every draw, because the GPU's zones of it arrive late. Once they have arrived, a frozen history is
+ * taken as a whole, so that the user can step through it while the rings are overwritten. False: `held` did not
+ * change. */
 static bool profiler_hold(stilb_ui_profiler *profiler, uint64_t number)
 {
 	const stilb_prof_frame_stats *history = &profiler->history;
 	stilb_prof_window window = {.first_frame = number > 0 ? number - 1 : 0, .frame_count = 3};
 	if (profiler->frozen && profiler->settle > 0)
 		profiler->settle--;
-	const bool in_history = number >= ui_profiler_frame_number(history, 0);
-	const bool all = profiler->frozen && profiler->settle == 0 && in_history, other = profiler->held_number != number;
-	const bool young = profiler->taken_at < number + PROFILER_LATE && profiler->taken_at != history->last;
+	bool in_history = number >= ui_profiler_frame_number(history, 0);
+	bool all = profiler->frozen && profiler->settle == 0 && in_history, other = profiler->held_number != number;
+	bool young = profiler->taken_at < number + UI_PROFILER_LATE && profiler->taken_at != history->last;
 	profiler->held_number = number;
 	if (all ? profiler->held_all : !other && !young && !profiler->held_all)
 		return other;
@@ -208,7 +169,8 @@ static bool profiler_hold(stilb_ui_profiler *profiler, uint64_t number)
 	return true;
 }
 
-/* Threads without work are seen in the lanes; in the table they would stand above what matters. */
+/* Removes the zones in which a thread had nothing to do: the longest of all, they would fill the top of the table. The
+ * lanes still show them. */
 static void profiler_leave_out_idle(stilb_ui_profiler *profiler)
 {
 	stilb_prof_stats *stats = &profiler->stats;
@@ -219,16 +181,17 @@ static void profiler_leave_out_idle(stilb_ui_profiler *profiler)
 	stats->row_count = count;
 }
 
-/* Works out all that is said and drawn about the snapshot's frame of that number. False: it is not there. */
+/* Works out everything that is said and drawn about the snapshot's frame of that number. False: the snapshot does not
+ * hold it, or there is no memory (profiler->out_of_memory). */
 static bool profiler_look(stilb_ui_profiler *profiler, const stilb_prof_snapshot *snapshot, uint64_t number)
 {
-	const uint32_t frame = ui_profiler_frame_find(snapshot, number);
+	uint32_t frame = ui_profiler_frame_find(snapshot, number);
 	if (frame == STILB_PROF_NONE)
 		return false;
-	/* The time of the frame, as in the picture: the GPU's zones belong to frames before. */
-	const stilb_prof_stats_range range = {.begin_ns = snapshot->frames[frame].begin_ns,
-	                                      .end_ns = snapshot->frames[frame].end_ns};
-	const bool other = !profiler->snapshot || profiler->number != number;
+	/* The frame's time, as in the lanes; the GPU's zones in it are charged to earlier frames. */
+	stilb_prof_stats_range range = {.begin_ns = snapshot->frames[frame].begin_ns,
+	                                .end_ns = snapshot->frames[frame].end_ns};
+	bool other = !profiler->snapshot || profiler->number != number;
 	profiler->snapshot = snapshot;
 	profiler->number = number;
 	profiler->out_of_memory = !ui_profiler_data_build(&profiler->data, snapshot, frame) ||
@@ -244,6 +207,7 @@ static bool profiler_look(stilb_ui_profiler *profiler, const stilb_prof_snapshot
 	return true;
 }
 
+/* Decides which frame is shown and brings its snapshot up to date; profiler->snapshot is NULL if none can be shown. */
 static void profiler_update(stilb_ui_profiler *profiler)
 {
 	PROFILE("profiler snapshot");
@@ -254,7 +218,7 @@ static void profiler_update(stilb_ui_profiler *profiler)
 		profiler->snapshot = NULL;
 		return;
 	}
-	const uint64_t number = profiler_choose(profiler);
+	uint64_t number = profiler_choose(profiler);
 	const stilb_prof_snapshot *snapshot = &profiler->held;
 	if (profiler->mode == UI_PROFILER_LATEST) {
 		snapshot = &profiler->live;
@@ -278,20 +242,21 @@ static void profiler_draw_empty(stilb_ui_profiler *profiler, stilb_ui *ui, stilb
 	stilb_ui_label(ui, area, STILB_UI_ALIGN_LEFT, text);
 }
 
-/* Of all that it says the one line that matters most. */
+/* For pictures too small for the window: one line at the bottom, about the longest wait. */
 static void profiler_draw_small(const stilb_ui_profiler *profiler, stilb_ui *ui)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
-	const stilb_ui_rect line = {0.0f, input->height - style->row_height, input->width, input->height};
+	stilb_ui_rect line = {0.0f, input->height - style->row_height, input->width, input->height};
 	stilb_ui_draw_rect(stilb_ui_list(ui), line, style->panel);
-	const stilb_ui_rect words = {style->margin, line.y0, line.x1 - style->margin, line.y1};
+	stilb_ui_rect words = {style->margin, line.y0, line.x1 - style->margin, line.y1};
 	stilb_ui_label(ui, words, STILB_UI_ALIGN_LEFT,
 	               profiler->snapshot ? profiler->data.report.wait_text : "Too small for the profiler.");
 }
 
 void stilb_ui_profiler_draw(stilb_ui_profiler *profiler, stilb_ui *ui)
 {
+	STILB_ASSERT_OWNER(profiler->owner);
 	PROFILE("profiler window");
 	profiler_update(profiler);
 	if (stilb_ui_input_get(ui)->width < PROFILER_WIDTH || stilb_ui_input_get(ui)->height < PROFILER_HEIGHT) {
@@ -300,8 +265,8 @@ void stilb_ui_profiler_draw(stilb_ui_profiler *profiler, stilb_ui *ui)
 	}
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
-	const float edge = style->gap, margin = style->margin;
-	const float top = ui_profiler_top_height(profiler, ui), legend = ui_profiler_legend_height(ui);
+	float edge = style->gap, margin = style->margin;
+	float top = ui_profiler_top_height(profiler, ui), legend = ui_profiler_legend_height(ui);
 	float height = top + legend + ui_profiler_timeline_height(profiler, ui) + 2.0f * margin + 2.0f * style->gap;
 	if (profiler->desc.whole || height > input->height - 2.0f * edge)
 		height = input->height - 2.0f * edge;
@@ -309,7 +274,7 @@ void stilb_ui_profiler_draw(stilb_ui_profiler *profiler, stilb_ui *ui)
 	stilb_ui_draw_list *list = stilb_ui_list(ui);
 
 	stilb_ui_id_push(ui, "profiler");
-	stilb_ui_area(ui, "panel", panel, STILB_UI_TAKES_WHEEL); /* nothing behind it is reached */
+	stilb_ui_area(ui, "panel", panel, STILB_UI_TAKES_WHEEL); /* the mouse does not reach what lies behind */
 	stilb_ui_draw_shadow(list, panel, style->radius, 12.0f, style->shadow);
 	stilb_ui_draw_rounded(list, panel, style->radius, style->panel);
 	stilb_ui_draw_rounded_outline(list, panel, style->radius, 1.0f, style->panel_border);

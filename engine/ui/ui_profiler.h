@@ -5,13 +5,27 @@
  *   history           the last 100 frames as bars; a click on a bar shows that frame
  *   table             the frame's zones: calls, inclusive, self, off the CPU
  *   timeline          a lane for each thread and the GPU; wheel zooms, drag pans, double click fits a zone
+ *   counters          a curve for each recorded counter, below the lanes
  *
- * It shows the slowest of the last 100 frames unless told otherwise: that picture stands still until a slower one comes
- * or it is 100 frames old. Frozen, the history stands still as well; recording goes on behind it.
+ * Which frame.  The slowest of the last 100 unless told otherwise: the window stands still until a slower frame comes
+ *               or that one is 100 frames old. The user can choose the latest instead, or one frame by its bar. Frozen,
+ *               the history stands still as well; recording goes on behind it.
+ * Size.         The window fills the picture's width and as much of its height as it needs, at the bottom. A picture
+ *               under 480 x 270 pixels gets one line of text instead.
+ * Life cycle.   stilb_ui_profiler_create -> stilb_ui_profiler_draw once a frame -> stilb_ui_profiler_destroy.
+ * Threads.      [main-thread]: the thread that creates it makes all other calls. Everything it shows comes from
+ *               snapshots (prof_snapshot.h), so no thread that records is held up.
+ * Memory.       Grows with the largest frame shown, then stays. Without memory the window says so and goes on.
+ * Example.      Within a frame of the user interface:
  *
- * Life cycle.  stilb_ui_profiler_create -> stilb_ui_profiler_draw once a frame -> stilb_ui_profiler_destroy.
- * Threads.     [main-thread]; everything it shows comes from snapshots (prof_snapshot.h), so nothing else is held up.
- * Memory.      Grows with the largest frame shown, then stays.
+ *   stilb_ui_profiler *profiler;
+ *   stilb_result result = stilb_ui_profiler_create(NULL, &profiler);
+ *   ...
+ *   stilb_ui_begin(ui, &input);
+ *   stilb_ui_profiler_draw(profiler, ui);
+ *   stilb_ui_end(ui);
+ *   ...
+ *   stilb_ui_profiler_destroy(profiler);
  */
 #ifndef STILB_UI_PROFILER_H
 #define STILB_UI_PROFILER_H
@@ -24,27 +38,37 @@
 typedef struct stilb_ui_profiler stilb_ui_profiler;
 
 typedef struct stilb_ui_profiler_desc {
-	/* Where it looks; NULL: at what this process records (stilb_prof_snapshot_take, stilb_prof_frame_stats_take). take
-	 * may give more than it was asked for; what it gives is finished by stilb_prof_snapshot_finish. */
+	/* The source of what is shown; both NULL: what this process records (stilb_prof_snapshot_take,
+	 * stilb_prof_frame_stats_take). Both are called by stilb_ui_profiler_draw, on its thread, with `user`.
+	 * take:   fills the snapshot with the frames of the window, or with more; returns 0 or -ENOMEM. The snapshot is {0}
+	 *         or what an earlier call filled, and is given to stilb_prof_snapshot_finish at the end.
+	 * frames: fills stats with the times of the last frames. */
 	int (*take)(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window);
 	void (*frames)(void *user, stilb_prof_frame_stats *stats, double budget_ms);
 	void *user;
-	double budget_ms; /* a frame below it is never called a spike; 0: none */
-	bool whole;       /* a recording that is over: it fills the picture, and there is nothing to freeze */
+	double budget_ms; /* milliseconds: a frame below it is never called a spike; 0: none */
+	bool whole;       /* a finished recording: the window fills the picture, and there is nothing to freeze */
 } stilb_ui_profiler_desc;
 
-/* desc may be NULL for {0}. STILB_ERROR_MEMORY. [main-thread] */
+/* desc may be NULL for {0}; take and frames are both set or both NULL. On failure *profiler is NULL.
+ * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_ui_profiler_create(const stilb_ui_profiler_desc *desc, stilb_ui_profiler **profiler);
+
+/* NULL is accepted. [main-thread] */
 void stilb_ui_profiler_destroy(stilb_ui_profiler *profiler);
 
-/* Between stilb_ui_begin and stilb_ui_end. [main-thread] */
+/* Takes what was recorded since the last call and draws the window, between stilb_ui_begin and stilb_ui_end of ui; also
+ * handles its mouse and keys. [main-thread] */
 void stilb_ui_profiler_draw(stilb_ui_profiler *profiler, stilb_ui *ui);
 
-/* The space key. Frozen at the frame that is shown. [main-thread] */
+/* Freezes the history, with the frame that is shown, or lets it go on: as the space key does. [main-thread] */
 void stilb_ui_profiler_freeze(stilb_ui_profiler *profiler, bool frozen);
+
+/* True while the history stands still. [main-thread] */
 bool stilb_ui_profiler_frozen(const stilb_ui_profiler *profiler);
 
-/* Shows the frame of that number and freezes, as a click on its bar does. [main-thread] */
+/* Shows the frame of that number (stilb_prof_frame.number) and freezes, as a click on its bar does. If the frame is no
+ * longer held, the window says so. [main-thread] */
 void stilb_ui_profiler_show(stilb_ui_profiler *profiler, uint64_t frame_number);
 
 #endif

@@ -31,22 +31,22 @@ float ui_profiler_counters_height(const stilb_ui_profiler *profiler, float level
 
 static float counter_x(const counter_curve *curve, uint64_t ns)
 {
-	const double x = ((double)ns - curve->view->begin_ns) * curve->view->pixels_per_ns;
-	const float width = curve->area.x1 - curve->area.x0;
+	double x = ((double)ns - curve->view->begin_ns) * curve->view->pixels_per_ns;
+	float width = curve->area.x1 - curve->area.x0;
 	return floorf(curve->area.x0 + (x < 0.0 ? 0.0f : x > (double)width ? width : (float)x));
 }
 
 static float counter_y(const counter_curve *curve, double value)
 {
-	const double share = (value - curve->low) / (curve->high - curve->low);
+	double share = (value - curve->low) / (curve->high - curve->low);
 	return curve->area.y1 - COUNTER_LINE - (float)share * (curve->area.y1 - curve->area.y0 - COUNTER_LINE);
 }
 
 /* A value from x0 to x1, and what lies between it and 0 below the curve. */
 static void counter_draw_value(const counter_curve *curve, float x0, float x1, double value)
 {
-	const float y = counter_y(curve, value), zero = counter_y(curve, 0.0);
-	const stilb_ui_rect below = {x0, fminf(y, zero), x1, fmaxf(y, zero) + COUNTER_LINE};
+	float y = counter_y(curve, value), zero = counter_y(curve, 0.0);
+	stilb_ui_rect below = {x0, fminf(y, zero), x1, fmaxf(y, zero) + COUNTER_LINE};
 	if (x1 <= x0)
 		return;
 	stilb_ui_draw_rect(curve->list, below, curve->ground);
@@ -57,7 +57,7 @@ static void counter_draw_value(const counter_curve *curve, float x0, float x1, d
 static void counter_draw_column(const counter_curve *curve, const counter_column *column, float x1)
 {
 	counter_draw_value(curve, column->x, x1, column->last);
-	const float top = counter_y(curve, column->most), bottom = counter_y(curve, column->least) + COUNTER_LINE;
+	float top = counter_y(curve, column->most), bottom = counter_y(curve, column->least) + COUNTER_LINE;
 	if (column->most > column->least)
 		stilb_ui_draw_rect(curve->list, (stilb_ui_rect){column->x, top, column->x + 1.0f, bottom}, curve->line);
 }
@@ -67,14 +67,14 @@ static void counter_draw_curve(const counter_curve *curve, const stilb_ui_profil
 {
 	const stilb_prof_snapshot *snapshot = profiler->snapshot;
 	const ui_profiler_view *view = curve->view;
-	const double end_ns = view->begin_ns + (double)(curve->area.x1 - curve->area.x0) / view->pixels_per_ns;
-	const uint64_t begin = ui_profiler_whole_ns(view->begin_ns), end = ui_profiler_whole_ns(end_ns);
+	double end_ns = view->begin_ns + (double)(curve->area.x1 - curve->area.x0) / view->pixels_per_ns;
+	uint64_t begin = ui_profiler_whole_ns(view->begin_ns), end = ui_profiler_whole_ns(end_ns);
 	uint32_t i = ui_profiler_counter_at(&profiler->data, snapshot, counter, begin);
 	i = i != STILB_PROF_NONE ? i : counter->first;
 	counter_column column = {-1.0f, 0.0, 0.0, 0.0};
 	for (; i < counter->first + counter->count; i++) {
 		const stilb_prof_point *point = &snapshot->points[profiler->data.points[i]];
-		const float x = counter_x(curve, point->ns);
+		float x = counter_x(curve, point->ns);
 		if (point->ns > end)
 			break;
 		if (column.x >= 0.0f && x == column.x) {
@@ -88,7 +88,7 @@ static void counter_draw_curve(const counter_curve *curve, const stilb_ui_profil
 		/* A step begins where the value before it was. */
 		column = (counter_column){x, point->value, point->value, point->value};
 		if (i > counter->first && point->ns > begin) {
-			const double before = snapshot->points[profiler->data.points[i - 1]].value;
+			double before = snapshot->points[profiler->data.points[i - 1]].value;
 			column.least = fmin(before, point->value);
 			column.most = fmax(before, point->value);
 		}
@@ -112,8 +112,7 @@ static void counter_draw_name(const stilb_ui_profiler *profiler, stilb_ui *ui, c
 	const stilb_prof_snapshot *snapshot = profiler->snapshot;
 	const stilb_ui_font *strong = stilb_ui_font_get(ui, STILB_UI_TEXT_STRONG);
 	const stilb_ui_font *small = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
-	const uint32_t last =
-		ui_profiler_counter_at(&profiler->data, snapshot, counter, ui_profiler_frame(profiler)->end_ns);
+	uint32_t last = ui_profiler_counter_at(&profiler->data, snapshot, counter, ui_profiler_frame(profiler)->end_ns);
 	stilb_ui_rect place = {view->names.x0, top, view->names.x1, top + view->level};
 	char text[128], value[32], least[32], most[32];
 	stilb_ui_draw_text(stilb_ui_list(ui), strong, place, STILB_UI_ALIGN_LEFT, style->text_strong,
@@ -139,8 +138,8 @@ static void counter_tip(const stilb_ui_profiler *profiler, stilb_ui *ui, const c
 {
 	const ui_profiler_view *view = curve->view;
 	const stilb_prof_snapshot *snapshot = profiler->snapshot;
-	const double ns = view->begin_ns + (double)(view->action.mouse_x - view->area.x0) / view->pixels_per_ns;
-	const uint32_t at = ui_profiler_counter_at(&profiler->data, snapshot, counter, ui_profiler_whole_ns(ns));
+	double ns = view->begin_ns + (double)(view->action.mouse_x - view->area.x0) / view->pixels_per_ns;
+	uint32_t at = ui_profiler_counter_at(&profiler->data, snapshot, counter, ui_profiler_whole_ns(ns));
 	char text[256], value[32], time[32];
 	if (!view->action.hovered || !stilb_ui_contains(curve->area, view->action.mouse_x, view->action.mouse_y) ||
 	    at == STILB_PROF_NONE)
@@ -155,10 +154,10 @@ static void counter_tip(const stilb_ui_profiler *profiler, stilb_ui *ui, const c
 
 void ui_profiler_draw_counters(stilb_ui_profiler *profiler, stilb_ui *ui, const ui_profiler_view *view, float top)
 {
-	const float height = COUNTER_LINES * view->level;
+	float height = COUNTER_LINES * view->level;
 	for (uint32_t i = 0; i < profiler->data.counter_count; i++, top += height + COUNTER_GAP) {
 		const ui_profiler_counter *counter = &profiler->data.counters[i];
-		const stilb_ui_color color = stilb_ui_rgb(profiler->colors.rgb[counter->label]);
+		stilb_ui_color color = stilb_ui_rgb(profiler->colors.rgb[counter->label]);
 		counter_curve curve = {.list = stilb_ui_list(ui),
 		                       .view = view,
 		                       .area = {view->area.x0, top, view->area.x1, top + height},

@@ -117,7 +117,8 @@ uint64_t ui_profiler_off_cpu(const stilb_prof_lane *lane, uint64_t begin_ns, uin
 
 /* ---- merging ----------------------------------------------------------------------------------------------------- */
 
-#define SPANS_LEVELS 65 /* of open zones, and one */
+#define SPANS_LEVELS                                                                                                   \
+	(STILB_PROF_DEPTH_MAX + 1u) /* deeper zones, which only files of other programs have, are left out */
 
 /* The run of narrow zones that each level is collecting; count 0: none. */
 typedef struct spans_builder {
@@ -186,7 +187,7 @@ bool ui_profiler_spans_build(ui_profiler_spans *spans, const stilb_prof_lane *la
 				return false;
 			i += zone->size;
 		} else {
-			const ui_profiler_span span = {zone->begin_ns, zone->end_ns, i, 1, zone->label, zone->level};
+			ui_profiler_span span = {zone->begin_ns, zone->end_ns, i, 1, zone->label, zone->level};
 			if (!spans_flush(&builder, zone->level) || !spans_push(spans, &span))
 				return false;
 			i++;
@@ -208,7 +209,7 @@ uint32_t ui_profiler_counter_at(const ui_profiler_data *data, const stilb_prof_s
 {
 	uint32_t low = counter->first, high = counter->first + counter->count; /* the first that comes after ns */
 	while (low < high) {
-		const uint32_t middle = low + (high - low) / 2;
+		uint32_t middle = low + (high - low) / 2;
 		if (snapshot->points[data->points[middle]].ns <= ns)
 			low = middle + 1;
 		else
@@ -233,7 +234,7 @@ uint32_t ui_profiler_frame_find(const stilb_prof_snapshot *snapshot, uint64_t nu
 
 const char *ui_profiler_time_text(char *text, size_t size, uint64_t ns)
 {
-	const double value = (double)ns;
+	double value = (double)ns;
 	if (ns < 1000)
 		snprintf(text, size, "%u ns", (unsigned)ns);
 	else if (value < 99.95e3)
@@ -250,8 +251,8 @@ const char *ui_profiler_time_text(char *text, size_t size, uint64_t ns)
 uint32_t ui_profiler_parts(stilb_prof_lane_kind kind, const ui_profiler_lane_sum *sum, uint64_t least_ns,
                            ui_profiler_part parts[UI_PROFILER_PARTS])
 {
-	const bool device = kind == STILB_PROF_LANE_DEVICE;
-	const ui_profiler_part all[UI_PROFILER_PARTS] = {
+	bool device = kind == STILB_PROF_LANE_DEVICE;
+	ui_profiler_part all[UI_PROFILER_PARTS] = {
 		{device ? "busy" : "work", sum->work_ns, false},
 		{"wait", sum->wait_ns, false},
 		{"idle", sum->idle_ns + (device ? sum->outside_ns : 0), false},
@@ -272,7 +273,7 @@ void ui_profiler_average(const stilb_prof_frame_stats *history, float average_ms
 {
 	double sum = 0.0;
 	for (uint32_t i = 0; i < history->count; i++) {
-		const uint32_t frames = i + 1 < UI_PROFILER_AVERAGE ? i + 1 : UI_PROFILER_AVERAGE;
+		uint32_t frames = i + 1 < UI_PROFILER_AVERAGE ? i + 1 : UI_PROFILER_AVERAGE;
 		sum += history->ms[i];
 		if (i >= UI_PROFILER_AVERAGE)
 			sum -= history->ms[i - UI_PROFILER_AVERAGE];

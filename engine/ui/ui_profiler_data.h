@@ -1,6 +1,12 @@
 /*
- * What the profiler's window says about a frame, worked out from a snapshot alone: no drawing, no clock, no
- * state. Sums, the verdict and the longest wait in words; zones merged for a scale.
+ * ui_profiler_data: what the profiler's window says about a frame, worked out from a snapshot alone, without drawing,
+ * clock or state: sums, the verdict and the longest wait in words; zones merged for a scale.
+ *
+ *   ui_profiler_data_build(&data, &snapshot, frame)   -> data.report, data.lanes, data.counters
+ *   ui_profiler_spans_build(&spans, lane, ...)        -> spans.spans, the rectangles of one lane
+ *
+ * Times are nanoseconds as in the snapshot (prof_snapshot.h). Every function is [any-thread], one thread at a time for
+ * each structure.
  */
 #ifndef STILB_UI_PROFILER_DATA_H
 #define STILB_UI_PROFILER_DATA_H

@@ -1,88 +1,103 @@
-/* Inside the profiler's window: its state, and what ui_profiler.c (what is shown), ui_profiler_panel.c (words, bars,
- * the table) and ui_profiler_timeline.c (the lanes) share. */
+/* Inside the profiler's window: its state, and the functions that its files share. From the top down:
+ *
+ *   ui_profiler.c            which frame is shown, its snapshot, the window as a whole
+ *   ui_profiler_panel.c      the upper part: words, history, table; and the legend
+ *   ui_profiler_timeline.c   the lanes
+ *   ui_profiler_counters.c   the curves below the lanes
+ *   ui_profiler_choice.c     what the user chose: the frame, frozen or not, the time that the lanes show
+ */
 #ifndef UI_PROFILER_INTERNAL_H
 #define UI_PROFILER_INTERNAL_H
 
+#include "base/base_contract.h"
 #include "profiler/prof_stats.h"
 #include "ui/ui_profiler.h"
 #include "ui/ui_profiler_data.h"
 
 typedef enum ui_profiler_mode {
-	UI_PROFILER_SLOWEST, /* of the history */
-	UI_PROFILER_LATEST,
-	UI_PROFILER_PICKED, /* by the user */
+	UI_PROFILER_SLOWEST, /* the slowest frame of the history */
+	UI_PROFILER_LATEST,  /* the last frame of the history */
+	UI_PROFILER_PICKED,  /* the frame number `picked` */
 } ui_profiler_mode;
 
 typedef struct ui_profiler_colors {
-	uint32_t *rgb; /* of each of the snapshot's labels */
+	uint32_t *rgb; /* [snapshot->label_count] 0xRRGGBB */
 	uint32_t capacity;
 } ui_profiler_colors;
 
 /* One lane on the screen. */
 typedef struct ui_profiler_row {
-	uint32_t lane;  /* index into the snapshot's */
-	uint32_t depth; /* levels */
-	uint32_t lines; /* of words below its name */
-	float top;      /* of its first level, pixels; of this frame */
-	float height;   /* with the gap behind it */
+	uint32_t lane;  /* index into the snapshot's lanes */
+	uint32_t depth; /* levels of zones that are drawn, 1..10 */
+	uint32_t lines; /* lines of text below its name */
+	float top;      /* y of its first level in this frame, pixels */
+	float height;   /* pixels, including the gap below it */
 } ui_profiler_row;
 
+/* The GPU's zones of a frame arrive with its timestamps, at most this many frames after the frame has ended. */
+#define UI_PROFILER_LATE 4u
+
 struct stilb_ui_profiler {
+	stilb_owner owner; /* the thread that created it */
 	stilb_ui_profiler_desc desc;
 
 	stilb_prof_frame_stats history;
 	ui_profiler_mode mode;
-	uint64_t picked;      /* frame number */
+	uint64_t picked;      /* frame number, for UI_PROFILER_PICKED */
 	bool frozen;          /* the history stands still */
-	bool freeze_on_spike; /* freeze by itself at a spike */
-	uint32_t settle;      /* draws until what comes late (the GPU's zones) is there too */
+	bool freeze_on_spike; /* a spike is shown and freezes the history */
+	uint32_t settle;      /* while frozen: draws until the GPU's zones of all frames have arrived */
 
-	stilb_prof_snapshot live, held;
-	const stilb_prof_snapshot *snapshot; /* the one of them that is shown; NULL: none */
+	stilb_prof_snapshot live;            /* of mode LATEST, taken on every draw */
+	stilb_prof_snapshot held;            /* of the other modes, taken when another frame is shown */
+	const stilb_prof_snapshot *snapshot; /* the one of the two that is shown; NULL: no frame is shown */
 	uint64_t number;                     /* of the frame shown */
-	uint64_t taken_at;                   /* the history's last when held was taken */
-	uint64_t held_number;                /* the frame it was taken for */
-	bool held_all;                       /* it is the frozen history's */
+	uint64_t taken_at;                   /* history.last when `held` was taken */
+	uint64_t held_number;                /* the frame number that `held` was taken for; UINT64_MAX: none */
+	bool held_all;                       /* `held` has all frames of the frozen history */
 	bool out_of_memory;
 
-	ui_profiler_data data;  /* the frame's */
-	stilb_prof_stats stats; /* without what only idled */
+	ui_profiler_data data;  /* of the frame shown */
+	stilb_prof_stats stats; /* its zones without those of kind UI_PROFILER_IDLE */
 	stilb_ui_sort sort;
 	stilb_ui_list_state table;
 	ui_profiler_colors colors;
 
-	double view_begin_ns, view_ns; /* from the frame's begin */
-	float scroll;                  /* of the lanes, pixels */
-	uint32_t hot_label;            /* pointed at in the table, or STILB_PROF_NONE */
-	ui_profiler_row *rows;
+	double view_begin_ns, view_ns; /* the time that the lanes show: its begin, counted from the frame's, and length */
+	float scroll;                  /* how far the lanes are scrolled down, pixels */
+	uint32_t hot_label;            /* of the table's row under the mouse, or STILB_PROF_NONE */
+	ui_profiler_row *rows;         /* lanes with zones, in the order in which they are drawn */
 	uint32_t row_count, row_capacity, lane_count;
-	ui_profiler_spans spans;
+	ui_profiler_spans spans; /* of the lane that is being drawn */
 };
 
 /* The frame that is shown; NULL: none. */
 static inline const stilb_prof_frame *ui_profiler_frame(const stilb_ui_profiler *profiler)
 {
-	return profiler->snapshot ? &profiler->snapshot->frames[profiler->data.report.frame] : NULL;
+	if (!profiler->snapshot)
+		return NULL;
+	STILB_ASSERT(profiler->data.report.frame < profiler->snapshot->frame_count);
+	return &profiler->snapshot->frames[profiler->data.report.frame];
 }
 
-/* ---- ui_profiler.c ----------------------------------------------------------------------------------------------- */
+/* ---- ui_profiler_choice.c ---------------------------------------------------------------------------------------- */
 
-/* What has the keys gets the space key, too: it freezes all the same. */
+/* For areas that take the keys: the space key freezes and unfreezes also while one of them has the focus. */
 void ui_profiler_freeze_key(stilb_ui_profiler *profiler, const stilb_ui *ui, const stilb_ui_action *action);
 
-/* The lanes show that time, with a little room at both ends. */
-void ui_profiler_fit_frame(stilb_ui_profiler *profiler);
+/* Makes the lanes show begin_ns..end_ns, or the frame, with a margin at both ends. A frame is shown. */
 void ui_profiler_fit(stilb_ui_profiler *profiler, uint64_t begin_ns, uint64_t end_ns);
+void ui_profiler_fit_frame(stilb_ui_profiler *profiler);
 
 /* ---- ui_profiler_panel.c ----------------------------------------------------------------------------------------- */
 
-/* What the picture's parts have in common. */
+/* Colours with a meaning, 0xRRGGBB, the same in all parts of the window and in its legend. */
 #define UI_PROFILER_ATTENTION 0xffb224u /* the longest wait */
-#define UI_PROFILER_BAD 0xff5c5cu       /* spikes, a lost CPU */
-#define UI_PROFILER_RUNNING 0x3fa98au
-#define UI_PROFILER_WAITING 0x566175u
-#define UI_PROFILER_PARKED 0x343c49u
-#define UI_PROFILER_FLOW 0x9fd0ffu
+#define UI_PROFILER_BAD 0xff5c5cu       /* spikes, a CPU lost to another thread */
+#define UI_PROFILER_RUNNING 0x3fa98au   /* on a CPU */
+#define UI_PROFILER_WAITING 0x566175u   /* zones of waiting */
+#define UI_PROFILER_PARKED 0x343c49u    /* zones with nothing to do; asleep */
+#define UI_PROFILER_FLOW 0x9fd0ffu      /* arrows from where a job was submitted to where it ran */
 #define UI_PROFILER_AVERAGE_LINE 0xf2f5fau
 
 /* Columns of the table. */
@@ -98,38 +113,43 @@ enum {
 /* Sorts profiler->stats by the table's column. */
 void ui_profiler_sort_table(stilb_ui_profiler *profiler);
 
-float ui_profiler_top_height(const stilb_ui_profiler *profiler, const stilb_ui *ui);
+/* Heights are pixels. The legend is drawn only while a frame is shown. */
+float ui_profiler_top_height(const stilb_ui_profiler *profiler, stilb_ui *ui);
 void ui_profiler_draw_top(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area);
 float ui_profiler_legend_height(const stilb_ui *ui);
-void ui_profiler_draw_legend(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area);
+void ui_profiler_draw_legend(const stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area);
 
 /* ---- ui_profiler_timeline.c -------------------------------------------------------------------------------------- */
 
-/* False: no memory. After a new snapshot. */
+/* Fills profiler->rows from the snapshot; call it after every change of the snapshot. False: no memory. */
 bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler);
-/* Of all lanes; sets the height of each. */
+
+/* Pixels that the ruler, all lanes and the counters need; also sets the height of each row. */
 float ui_profiler_timeline_height(stilb_ui_profiler *profiler, const stilb_ui *ui);
+
+/* Draws the lanes and counters in area and handles the mouse over them. A frame is shown. */
 void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area);
 
 /* ---- ui_profiler_counters.c -------------------------------------------------------------------------------------- */
 
-/* Where the lanes stand, and what time they show. */
+/* The layout of the timeline on the screen, and the time that it shows. */
 typedef struct ui_profiler_view {
-	stilb_ui_rect names, area;
-	double begin_ns, pixels_per_ns; /* begin_ns: at the area's left edge */
-	float level;                    /* height of a line */
-	stilb_ui_action action;         /* of the area */
+	stilb_ui_rect names, area;      /* the column of names at the left, and the lanes */
+	double begin_ns, pixels_per_ns; /* begin_ns: the time at the area's left edge */
+	float level;                    /* height of a line of text, pixels */
+	stilb_ui_action action;         /* what the user does with the area */
 } ui_profiler_view;
 
-/* The nearest time that there is. */
+/* ns without its fraction, clamped to 0..UINT64_MAX; 0 for NaN. */
 static inline uint64_t ui_profiler_whole_ns(double ns)
 {
 	return ns > 0.0 ? ns < 0x1p63 ? (uint64_t)ns : UINT64_MAX : 0;
 }
 
+/* Pixels that the curves need for lines of text of this height. */
 float ui_profiler_counters_height(const stilb_ui_profiler *profiler, float level);
 
-/* The curves, from top on downwards; the value under the mouse is told. */
+/* Draws a curve for each counter from y = top on downwards, and a tooltip with the value under the mouse. */
 void ui_profiler_draw_counters(stilb_ui_profiler *profiler, stilb_ui *ui, const ui_profiler_view *view, float top);
 
 #endif

@@ -1,4 +1,5 @@
-/* The upper part of the profiler's window: the frame in words, the history, the table; and the legend below all. */
+/* The upper part of the profiler's window: the frame in words, the history and the table; and the legend at the
+ * bottom. */
 #include "ui/ui_internal.h"
 #include "ui/ui_profiler_internal.h"
 
@@ -6,27 +7,28 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PANEL_ROWS 7         /* of the table that can be seen at once */
-#define PANEL_ROWS_WHOLE 11  /* the same with the picture to itself */
-#define PANEL_TABLE 0.40f    /* of the width */
-#define PANEL_SCALE_MAX 4.0f /* the history reaches up to so many medians: one hitch does not make all else flat */
-#define PANEL_HEADROOM 1.15f
+#define PANEL_ROWS 7         /* visible rows of the table */
+#define PANEL_ROWS_WHOLE 11  /* visible rows if the window fills the picture */
+#define PANEL_TABLE 0.40f    /* the table's share of the width */
+#define PANEL_SCALE_MAX 4.0f /* the top of the history in medians at most, so that one slow frame does not flatten it */
+#define PANEL_HEADROOM 1.15f /* the top of the history over its highest bar */
+#define PANEL_LEVELS 92.0f   /* pixels at the right of the history for "p50 12.34" and "p99 12.34" */
 
 static float panel_line(const stilb_ui *ui)
 {
 	return stilb_ui_font_line(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL)) + 3.0f;
 }
 
-float ui_profiler_top_height(const stilb_ui_profiler *profiler, const stilb_ui *ui)
+float ui_profiler_top_height(const stilb_ui_profiler *profiler, stilb_ui *ui)
 {
-	const stilb_ui_style *style = stilb_ui_style_get((stilb_ui *)ui);
+	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	return style->control_height + style->gap +
 	       style->row_height * (float)(1 + (profiler->desc.whole ? PANEL_ROWS_WHOLE : PANEL_ROWS));
 }
 
 /* ---- headline ---------------------------------------------------------------------------------------------------- */
 
-/* From right to left; true when pressed. */
+/* A toggle cut off the right end of area. True if the user pressed it; the caller keeps the state. */
 static bool panel_toggle(stilb_ui *ui, stilb_ui_rect *area, const char *label, bool on)
 {
 	stilb_ui_rect place = stilb_ui_cut_right(area, stilb_ui_button_width(ui, label));
@@ -37,7 +39,7 @@ static bool panel_toggle(stilb_ui *ui, stilb_ui_rect *area, const char *label, b
 static void panel_draw_controls(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect *area)
 {
 	const char *spike = "freeze on spikes";
-	if (profiler->desc.whole) { /* nothing passes that could be frozen */
+	if (profiler->desc.whole) { /* nothing moves on, so there is nothing to freeze */
 		if (panel_toggle(ui, area, "Slowest", profiler->mode == UI_PROFILER_SLOWEST))
 			profiler->mode = UI_PROFILER_SLOWEST;
 		return;
@@ -55,6 +57,7 @@ static void panel_draw_controls(stilb_ui_profiler *profiler, stilb_ui *ui, stilb
 		profiler->mode = UI_PROFILER_SLOWEST;
 }
 
+/* "the slowest of the last" and so on: what the frame shown is among the frames of the history. */
 static const char *panel_which(const stilb_ui_profiler *profiler)
 {
 	const stilb_prof_frame_stats *history = &profiler->history;
@@ -73,11 +76,11 @@ static void panel_draw_title(const stilb_ui_profiler *profiler, stilb_ui *ui, st
 	char name[64], time[32], text[160];
 	if (!frame)
 		return;
-	const double ms = (double)(frame->end_ns - frame->begin_ns) * 1e-6;
+	double ms = (double)(frame->end_ns - frame->begin_ns) * 1e-6;
 	snprintf(name, sizeof name, "Frame %llu: %s", (unsigned long long)frame->number,
 	         ui_profiler_time_text(time, sizeof time, frame->end_ns - frame->begin_ns));
 	const stilb_ui_font *strong = stilb_ui_font_get(ui, STILB_UI_TEXT_STRONG);
-	const float width = stilb_ui_text_width(strong, name);
+	float width = stilb_ui_text_width(strong, name);
 	stilb_ui_draw_text(stilb_ui_list(ui), strong, stilb_ui_cut_left(&area, width + 2.0f), STILB_UI_ALIGN_LEFT,
 	                   ms > history->limit_ms ? stilb_ui_rgb(UI_PROFILER_BAD) : style->text_strong, name);
 	int length = snprintf(text, sizeof text, "  %s %u", panel_which(profiler), history->count);
@@ -87,7 +90,8 @@ static void panel_draw_title(const stilb_ui_profiler *profiler, stilb_ui *ui, st
 	stilb_ui_label(ui, area, STILB_UI_ALIGN_LEFT, text);
 }
 
-/* One line, and the rest of it, from the last word that did not fit on, in a second one. */
+/* Breaks the text at a blank into two lines as wide as area at most and cuts them off its top; a text that fits takes
+ * one line. */
 static void panel_draw_lines(stilb_ui *ui, stilb_ui_rect *area, stilb_ui_color color, const char *text)
 {
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
@@ -99,7 +103,7 @@ static void panel_draw_lines(stilb_ui *ui, stilb_ui_rect *area, stilb_ui_color c
 			;
 		*cut = 0;
 	}
-	if (cut == first) /* not even a word fits */
+	if (cut == first) /* even the first word is too wide: draw it cut short */
 		cut += snprintf(first, sizeof first, "%s", text);
 	stilb_ui_draw_text(stilb_ui_list(ui), font, stilb_ui_cut_top(area, panel_line(ui)), STILB_UI_ALIGN_LEFT, color,
 	                   first);
@@ -109,12 +113,12 @@ static void panel_draw_lines(stilb_ui *ui, stilb_ui_rect *area, stilb_ui_color c
 		                   rest + 1);
 }
 
-/* What limits the frame, and who waited: in the colour that marks the wait in the lanes. */
+/* The report's two sentences; the second has the colour in which the lanes mark the longest wait. */
 static void panel_draw_words(const stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect *area)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const ui_profiler_report *report = &profiler->data.report;
-	const bool waited = report->wait.lane != STILB_PROF_NONE;
+	bool waited = report->wait.lane != STILB_PROF_NONE;
 	panel_draw_lines(ui, area, report->limit == UI_PROFILER_LIMIT_UNKNOWN ? style->text_muted : style->text_strong,
 	                 report->verdict);
 	panel_draw_lines(ui, area, waited ? stilb_ui_rgb(UI_PROFILER_ATTENTION) : style->text_muted, report->wait_text);
@@ -123,20 +127,24 @@ static void panel_draw_words(const stilb_ui_profiler *profiler, stilb_ui *ui, st
 /* ---- history ----------------------------------------------------------------------------------------------------- */
 
 typedef struct panel_history {
-	stilb_ui_rect area; /* of the bars */
-	float step;         /* from bar to bar */
-	float top_ms;
+	stilb_ui_rect area; /* the bars */
+	float step;         /* from one bar to the next, pixels */
+	float top_ms;       /* frame time at the area's top, > 0 */
 } panel_history;
 
+/* The y of a frame time; longer ones stop at the top. */
 static float panel_y(const panel_history *h, float ms)
 {
+	STILB_ASSERT(h->top_ms > 0.0f);
 	float share = ms / h->top_ms;
 	return h->area.y1 - (h->area.y1 - h->area.y0) * (share < 1.0f ? share : 1.0f);
 }
 
-/* The newest bar is at the right end, also while there are few. */
+/* The left edge of bar number 0..history->count; the newest bar stands at the right end even if the history is short.
+ */
 static float panel_x(const panel_history *h, const stilb_prof_frame_stats *history, uint32_t bar)
 {
+	STILB_ASSERT(bar <= history->count);
 	return h->area.x1 - (float)(history->count - bar) * h->step;
 }
 
@@ -145,8 +153,8 @@ static void panel_draw_bar(const stilb_ui_profiler *profiler, stilb_ui *ui, cons
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_prof_frame_stats *history = &profiler->history;
-	const float x = roundf(panel_x(h, history, bar)), next = roundf(panel_x(h, history, bar + 1));
-	const bool shown = profiler->snapshot && ui_profiler_frame_number(history, bar) == profiler->number;
+	float x = roundf(panel_x(h, history, bar)), next = roundf(panel_x(h, history, bar + 1));
+	bool shown = profiler->snapshot && ui_profiler_frame_number(history, bar) == profiler->number;
 	stilb_ui_color color = stilb_ui_rgb(history->ms[bar] > history->limit_ms ? UI_PROFILER_BAD : 0x5b7fb5);
 	stilb_ui_rect rect = {x, floorf(panel_y(h, (float)history->ms[bar])), next - 1.0f, h->area.y1};
 	if (shown || hot) {
@@ -156,21 +164,22 @@ static void panel_draw_bar(const stilb_ui_profiler *profiler, stilb_ui *ui, cons
 	stilb_ui_draw_rect(stilb_ui_list(ui), rect, color);
 }
 
-/* A level across the bars, with its name at the left end. */
+/* A horizontal line across the bars, with its name and value at the right. */
 static void panel_draw_level(stilb_ui *ui, const panel_history *h, float ms, const char *name, stilb_ui_color color)
 {
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
-	const float y = floorf(panel_y(h, ms)) + 0.5f, line = stilb_ui_font_line(font);
+	float y = floorf(panel_y(h, ms)) + 0.5f, line = stilb_ui_font_line(font);
 	char text[48];
 	if (ms > h->top_ms)
 		return;
 	snprintf(text, sizeof text, "%s %.2f", name, (double)ms);
-	stilb_ui_rect place = {h->area.x1 + 6.0f, y - line * 0.5f, h->area.x1 + 90.0f, y + line * 0.5f};
+	stilb_ui_rect place = {h->area.x1 + 6.0f, y - line * 0.5f, h->area.x1 + PANEL_LEVELS - 2.0f, y + line * 0.5f};
 	stilb_ui_draw_line(stilb_ui_list(ui), (stilb_ui_point){h->area.x0, y}, (stilb_ui_point){h->area.x1 + 4.0f, y}, 1.0f,
 	                   stilb_ui_fade(color, 0.7f));
 	stilb_ui_draw_text(stilb_ui_list(ui), font, place, STILB_UI_ALIGN_LEFT, color, text);
 }
 
+/* The line of the moving average over the bars. */
 static void panel_draw_average(const stilb_ui_profiler *profiler, stilb_ui *ui, const panel_history *h)
 {
 	const stilb_prof_frame_stats *history = &profiler->history;
@@ -199,12 +208,12 @@ static void panel_step(stilb_ui_profiler *profiler, const stilb_ui *ui, const st
 {
 	const stilb_prof_frame_stats *history = &profiler->history;
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
-	const int64_t step = (int64_t)input->keys[STILB_UI_KEY_RIGHT] - (int64_t)input->keys[STILB_UI_KEY_LEFT];
+	int64_t step = (int64_t)input->keys[STILB_UI_KEY_RIGHT] - (int64_t)input->keys[STILB_UI_KEY_LEFT];
 	ui_profiler_freeze_key(profiler, ui, action);
 	if (!action->focused || step == 0 || !profiler->snapshot)
 		return;
-	const int64_t first = (int64_t)ui_profiler_frame_number(history, 0), last = (int64_t)history->last;
-	const int64_t number = (int64_t)profiler->number + step;
+	int64_t first = (int64_t)ui_profiler_frame_number(history, 0), last = (int64_t)history->last;
+	int64_t number = (int64_t)profiler->number + step;
 	stilb_ui_profiler_show(profiler, (uint64_t)(number < first ? first : number > last ? last : number));
 }
 
@@ -213,7 +222,7 @@ static void panel_draw_history(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_prof_frame_stats *history = &profiler->history;
 	panel_history h = {.area = area};
-	h.area.x1 -= 92.0f; /* the names of the levels */
+	h.area.x1 -= PANEL_LEVELS;
 	if (history->count == 0 || stilb_ui_is_empty(h.area))
 		return;
 	h.step = (h.area.x1 - h.area.x0) / (float)STILB_PROF_STATS_FRAMES;
@@ -245,16 +254,20 @@ static void panel_draw_history(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 
 void ui_profiler_sort_table(stilb_ui_profiler *profiler)
 {
+	STILB_ASSERT(profiler->snapshot && "the rows' names are the snapshot's");
+	STILB_ASSERT(profiler->sort.column < UI_PROFILER_COLUMNS);
 	static const stilb_prof_order ORDERS[UI_PROFILER_COLUMNS] = {
 		STILB_PROF_BY_NAME, STILB_PROF_BY_CALLS, STILB_PROF_BY_INCLUSIVE, STILB_PROF_BY_SELF, STILB_PROF_BY_OFF_CPU};
 	stilb_prof_stats_sort(&profiler->stats, profiler->snapshot, ORDERS[profiler->sort.column]);
 }
 
+/* The text of a row in a column of numbers: a count, or milliseconds with "-" for 0. */
 static void panel_cell_text(char *text, size_t size, const stilb_prof_row *row, uint32_t column)
 {
-	const uint64_t ns = column == UI_PROFILER_INCLUSIVE ? row->inclusive_ns
-	                    : column == UI_PROFILER_SELF    ? row->self_ns
-	                                                    : row->off_cpu_ns;
+	STILB_ASSERT(column > UI_PROFILER_NAME && column < UI_PROFILER_COLUMNS);
+	uint64_t ns = column == UI_PROFILER_INCLUSIVE ? row->inclusive_ns
+	              : column == UI_PROFILER_SELF    ? row->self_ns
+	                                              : row->off_cpu_ns;
 	if (column == UI_PROFILER_CALLS)
 		snprintf(text, size, "%u", row->calls);
 	else if (ns == 0)
@@ -269,8 +282,9 @@ static void panel_draw_row(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_r
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
 	stilb_ui_draw_list *list = stilb_ui_list(ui);
+	STILB_ASSERT(row->label < profiler->snapshot->label_count);
 	stilb_ui_rect name = stilb_ui_table_cell(place, columns, UI_PROFILER_COLUMNS, UI_PROFILER_NAME);
-	const float box = floorf((name.y1 - name.y0) * 0.55f), y = floorf((name.y0 + name.y1 - box) * 0.5f);
+	float box = floorf((name.y1 - name.y0) * 0.55f), y = floorf((name.y0 + name.y1 - box) * 0.5f);
 	char text[64];
 	stilb_ui_draw_rounded(list, (stilb_ui_rect){name.x0, y, name.x0 + box, y + box}, 2.0f,
 	                      stilb_ui_rgb(profiler->colors.rgb[row->label]));
@@ -285,7 +299,7 @@ static void panel_draw_row(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_r
 	}
 }
 
-/* The longest zone of the label in the frame, on any lane, fills the lanes. */
+/* Zooms the lanes to the longest zone of that label in the frame, on whichever lane it is. */
 static void panel_fit_longest(stilb_ui_profiler *profiler, uint32_t label)
 {
 	const stilb_prof_snapshot *snapshot = profiler->snapshot;
@@ -302,7 +316,8 @@ static void panel_fit_longest(stilb_ui_profiler *profiler, uint32_t label)
 		ui_profiler_fit(profiler, longest->begin_ns, longest->end_ns);
 }
 
-/* Columns without room for them get none, rather than the names. */
+/* If the columns are wider than the room, drops the least important numbers first, so that the names keep theirs. A
+ * dropped column stays in the array, practically without width. */
 static void panel_fit_columns(stilb_ui_column *columns, float room)
 {
 	static const uint32_t LEAST_WANTED[] = {UI_PROFILER_OFF_CPU, UI_PROFILER_SELF, UI_PROFILER_CALLS};
@@ -319,7 +334,7 @@ static void panel_fit_columns(stilb_ui_column *columns, float room)
 static void panel_draw_table(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
-	const float digits = stilb_ui_text_width(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), "off CPU ms") + 14.0f;
+	float digits = stilb_ui_text_width(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), "off CPU ms") + 14.0f;
 	stilb_ui_column columns[UI_PROFILER_COLUMNS] = {{"zone", 0.0f, STILB_UI_ALIGN_LEFT},
 	                                                {"calls", digits * 0.75f, STILB_UI_ALIGN_RIGHT},
 	                                                {"total ms", digits, STILB_UI_ALIGN_RIGHT},
@@ -329,9 +344,10 @@ static void panel_draw_table(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui
 	stilb_ui_rect header = stilb_ui_cut_top(&area, style->row_height);
 	if (stilb_ui_table_header(ui, header, "zones", columns, UI_PROFILER_COLUMNS, &profiler->sort) && profiler->snapshot)
 		ui_profiler_sort_table(profiler);
-	const uint32_t count = profiler->snapshot ? profiler->stats.row_count : 0;
-	/* The statistics are sorted for the table's usual order: largest first, names by the alphabet. */
-	const bool reverse = profiler->sort.descending == (profiler->sort.column == UI_PROFILER_NAME);
+	uint32_t count = profiler->snapshot ? profiler->stats.row_count : 0;
+	/* stilb_prof_stats_sort puts large numbers first and names in alphabetical order; the other direction reads the
+	 * rows from the end. */
+	bool reverse = profiler->sort.descending == (profiler->sort.column == UI_PROFILER_NAME);
 	stilb_ui_rows rows = stilb_ui_rows_begin(ui, area, "zone list", count, &profiler->table);
 	for (uint32_t i = rows.first; i < rows.end; i++)
 		panel_draw_row(profiler, ui, stilb_ui_row(ui, &rows, i), columns,
@@ -344,7 +360,7 @@ static void panel_draw_table(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui
 		panel_fit_longest(profiler, profiler->stats.rows[reverse ? count - 1 - rows.clicked : rows.clicked].label);
 }
 
-/* ---- all of it --------------------------------------------------------------------------------------------------- */
+/* ---- the upper part ---------------------------------------------------------------------------------------------- */
 
 void ui_profiler_draw_top(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
 {
@@ -362,18 +378,20 @@ void ui_profiler_draw_top(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_re
 	panel_draw_table(profiler, ui, table);
 }
 
+/* ---- the legend -------------------------------------------------------------------------------------------------- */
+
 float ui_profiler_legend_height(const stilb_ui *ui)
 {
 	return panel_line(ui);
 }
 
-/* A patch of colour and what it stands for. */
+/* An entry of the legend, cut off the left end of area: a patch of colour, `height` pixels high, and its meaning. */
 static void panel_draw_key(stilb_ui *ui, stilb_ui_rect *area, stilb_ui_color color, float height, const char *text)
 {
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
-	const float y = floorf((area->y0 + area->y1 - height) * 0.5f);
+	float y = floorf((area->y0 + area->y1 - height) * 0.5f);
 	if (area->x1 - area->x0 < 18.0f + stilb_ui_text_width(font, text) + 2.0f) {
-		area->x1 = area->x0; /* nor is there room for those behind it */
+		area->x1 = area->x0; /* leaves no room for the entries behind it either: a legend with holes misleads */
 		return;
 	}
 	stilb_ui_rect patch = stilb_ui_cut_left(area, 18.0f);
@@ -383,7 +401,7 @@ static void panel_draw_key(stilb_ui *ui, stilb_ui_rect *area, stilb_ui_color col
 	stilb_ui_cut_left(area, 14.0f);
 }
 
-/* Why there is nothing about switches, or NULL. */
+/* Why the snapshot has no context switches, or NULL if it has. */
 static const char *panel_no_switches(const stilb_prof_snapshot *snapshot)
 {
 	for (uint32_t i = 0; i < snapshot->lane_count; i++)
@@ -392,7 +410,7 @@ static const char *panel_no_switches(const stilb_prof_snapshot *snapshot)
 	return NULL;
 }
 
-void ui_profiler_draw_legend(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
+void ui_profiler_draw_legend(const stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);

@@ -61,8 +61,8 @@ static void report_sum_lane(const report_input *in, const stilb_prof_lane *lane,
 	ui_profiler_stretch stretch;
 	*sum = (ui_profiler_lane_sum){0};
 	while (ui_profiler_walk_next(&walk, &stretch)) {
-		const uint64_t length = stretch.end_ns - stretch.begin_ns;
-		const ui_profiler_kind kind = report_stretch_kind(in, lane, &stretch);
+		uint64_t length = stretch.end_ns - stretch.begin_ns;
+		ui_profiler_kind kind = report_stretch_kind(in, lane, &stretch);
 		uint64_t lost = 0, off = 0;
 		if (kind == UI_PROFILER_WAIT) {
 			sum->wait_ns += length;
@@ -273,7 +273,7 @@ static void report_collect_waits(report_waits *waits, bool idle_too)
 	ui_profiler_walk walk = ui_profiler_walk_begin(lane, in->begin_ns, in->end_ns);
 	ui_profiler_stretch stretch;
 	while (ui_profiler_walk_next(&walk, &stretch)) {
-		const ui_profiler_kind kind = report_stretch_kind(in, lane, &stretch);
+		ui_profiler_kind kind = report_stretch_kind(in, lane, &stretch);
 		if (kind == UI_PROFILER_WORK)
 			report_wait_off(waits, lane, &stretch);
 		else if (kind == UI_PROFILER_WAIT || idle_too)
@@ -448,16 +448,16 @@ static bool report_display_limits(const report_input *in)
 static void report_find_limit(const report_input *in, uint32_t device)
 {
 	ui_profiler_report *report = &in->data->report;
-	const uint64_t frame = in->end_ns - in->begin_ns;
-	const bool busy = report->gpu_ns >= frame / 4 * 3, waits = report_waited(in, false) >= frame / 20;
-	const bool display = report_waited(in, true) >= frame / 2 || report_display_limits(in);
+	uint64_t frame = in->end_ns - in->begin_ns;
+	bool busy = report->gpu_ns >= frame / 4 * 3, waits = report_waited(in, false) >= frame / 20;
+	bool display = report_waited(in, true) >= frame / 2 || report_display_limits(in);
 	if (device == STILB_PROF_NONE ? waits : busy && (waits || display)) {
 		report->limit = UI_PROFILER_LIMIT_GPU;
 		if (device == STILB_PROF_NONE)
 			return;
 		memset(in->data->label_ns, 0, in->snapshot->label_count * sizeof *in->data->label_ns);
 		report_count_labels(in, &in->snapshot->lanes[device], in->begin_ns, in->end_ns);
-		const uint32_t pass = report_most_label(in);
+		uint32_t pass = report_most_label(in);
 		if (pass != STILB_PROF_NONE) {
 			report->stage_label = pass;
 			report->stage_ns = in->data->label_ns[pass];
@@ -475,7 +475,7 @@ static const char *report_outside_text(const report_input *in, char *text, size_
 	text[0] = 0;
 	if (report->stage_label != STILB_PROF_NONE || report->lane == STILB_PROF_NONE)
 		return text;
-	const uint64_t on_ns = in->data->lanes[report->lane].outside_ns;
+	uint64_t on_ns = in->data->lanes[report->lane].outside_ns;
 	if (on_ns < report->stage_ns - report->stage_ns / 20)
 		snprintf(text, size, ", %s of it on a CPU", ui_profiler_time_text(part, sizeof part, on_ns));
 	return text;
@@ -538,7 +538,7 @@ static void report_say_wait(const report_input *in)
 	ui_profiler_report *report = &in->data->report;
 	const ui_profiler_wait *wait = &report->wait;
 	char *text = report->wait_text;
-	const size_t size = sizeof report->wait_text;
+	size_t size = sizeof report->wait_text;
 	char total[32], part[32];
 	text[0] = 0;
 	if (wait->lane == STILB_PROF_NONE) {

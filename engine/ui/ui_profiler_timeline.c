@@ -60,8 +60,8 @@ bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler)
 		profiler->rows = grown;
 		profiler->row_capacity = snapshot->lane_count + 8;
 	}
-	const bool same = profiler->lane_count == snapshot->lane_count;
-	const uint32_t before = profiler->row_count;
+	bool same = profiler->lane_count == snapshot->lane_count;
+	uint32_t before = profiler->row_count;
 	uint32_t count = 0;
 	for (int kind = STILB_PROF_LANE_THREAD; kind <= STILB_PROF_LANE_DEVICE; kind++)
 		for (uint32_t i = 0; i < snapshot->lane_count; i++) {
@@ -69,7 +69,7 @@ bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler)
 			if (depth == 0)
 				continue;
 			ui_profiler_row *row = &profiler->rows[count];
-			const bool stays = same && count < before && row->lane == i;
+			bool stays = same && count < before && row->lane == i;
 			if (stays && row->depth > depth)
 				depth = row->depth;
 			profiler->rows[count++] = (ui_profiler_row){.lane = i, .depth = depth, .lines = stays ? row->lines : 0};
@@ -110,7 +110,7 @@ static uint32_t timeline_lay_parts(const stilb_ui_font *font, float width, const
 		char time[32];
 		snprintf(texts[i], sizeof texts[i], "%s %s%s", parts[i].name,
 		         ui_profiler_time_text(time, sizeof time, parts[i].ns), i + 1 < count ? ", " : "");
-		const float w = stilb_ui_text_width(font, texts[i]);
+		float w = stilb_ui_text_width(font, texts[i]);
 		if (i > 0 && x + w > width) {
 			x = 0.0f;
 			line++;
@@ -128,12 +128,12 @@ static float timeline_row_height(const stilb_ui_profiler *profiler, const stilb_
 	ui_profiler_part parts[UI_PROFILER_PARTS];
 	char texts[UI_PROFILER_PARTS][48];
 	uint32_t places[UI_PROFILER_PARTS];
-	const float level = timeline_level(ui), levels = (float)row->depth * level;
-	const uint32_t count = timeline_parts(profiler, row, parts);
-	const uint32_t lines = timeline_lay_parts(stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL), timeline_names_width(ui),
-	                                          parts, count, texts, places);
+	float level = timeline_level(ui), levels = (float)row->depth * level;
+	uint32_t count = timeline_parts(profiler, row, parts);
+	uint32_t lines = timeline_lay_parts(stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL), timeline_names_width(ui), parts,
+	                                    count, texts, places);
 	row->lines = lines > row->lines ? lines : row->lines;
-	const float words = level + (float)row->lines * (level - 3.0f) + 3.0f;
+	float words = level + (float)row->lines * (level - 3.0f) + 3.0f;
 	return (levels > words ? levels : words) + TIMELINE_STRIP + 10.0f;
 }
 
@@ -196,8 +196,8 @@ static double timeline_bar(const timeline *t)
 /* Every other millisecond is darker; counted from the frame's begin. */
 static void timeline_draw_bars(const timeline *t)
 {
-	const double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, bar = timeline_bar(t);
-	const double end = timeline_ns(t, t->area.x1);
+	double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, bar = timeline_bar(t);
+	double end = timeline_ns(t, t->area.x1);
 	stilb_ui_draw_rect(t->list, t->area, stilb_ui_rgb(TIMELINE_GROUND));
 	for (double n = floor((t->begin_ns - zero) / bar); zero + n * bar < end; n++) {
 		if (fmod(n, 2.0) == 0.0)
@@ -211,15 +211,15 @@ static void timeline_draw_bars(const timeline *t)
 
 static void timeline_draw_ruler(const timeline *t)
 {
-	const double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, step = timeline_step(t, 92.0);
-	const double end = timeline_ns(t, t->area.x1);
+	double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, step = timeline_step(t, 92.0);
+	double end = timeline_ns(t, t->area.x1);
 	int decimals = 0;
 	for (double size = step * 1e-6; size < 0.999 && decimals < 6; size *= 10.0)
 		decimals++;
 	stilb_ui_clip_push(t->list, t->ruler);
 	for (double n = floor((t->begin_ns - zero) / step); zero + n * step < end; n++) {
 		char text[48];
-		const float x = floorf(timeline_x(t, zero + n * step));
+		float x = floorf(timeline_x(t, zero + n * step));
 		snprintf(text, sizeof text, "%.*f ms", decimals, n * step * 1e-6);
 		stilb_ui_draw_rect(t->list, (stilb_ui_rect){x, t->ruler.y1 - 5.0f, x + 1.0f, t->ruler.y1},
 		                   t->style->text_muted);
@@ -243,8 +243,8 @@ static void timeline_draw_boundary(const timeline *t, float x)
 static void timeline_draw_frames(const timeline *t)
 {
 	const stilb_prof_frame *shown = ui_profiler_frame(t->profiler);
-	const stilb_ui_color shadow = {8, 10, 14, 150};
-	const float x0 = timeline_x(t, (double)shown->begin_ns), x1 = timeline_x(t, (double)shown->end_ns);
+	stilb_ui_color shadow = {8, 10, 14, 150};
+	float x0 = timeline_x(t, (double)shown->begin_ns), x1 = timeline_x(t, (double)shown->end_ns);
 	stilb_ui_rect before = t->area, after = t->area;
 	before.x1 = x0;
 	after.x0 = x1;
@@ -252,7 +252,7 @@ static void timeline_draw_frames(const timeline *t)
 	stilb_ui_draw_rect(t->list, stilb_ui_intersection(after, t->area), shadow);
 	for (uint32_t i = 0; i < t->snapshot->frame_count; i++) {
 		const stilb_prof_frame *frame = &t->snapshot->frames[i];
-		const float begin = timeline_x(t, (double)frame->begin_ns), end = timeline_x(t, (double)frame->end_ns);
+		float begin = timeline_x(t, (double)frame->begin_ns), end = timeline_x(t, (double)frame->end_ns);
 		if (frame == shown || end - begin > TIMELINE_FRAME) {
 			timeline_draw_boundary(t, begin);
 			timeline_draw_boundary(t, end);
@@ -279,7 +279,7 @@ static const ui_profiler_row *timeline_row_of(const timeline *t, uint32_t lane)
 /* Appends what fits: names in a file may be long. */
 __attribute__((format(printf, 3, 4))) static void timeline_say(char *text, size_t size, const char *format, ...)
 {
-	const size_t length = strlen(text);
+	size_t length = strlen(text);
 	va_list arguments;
 	va_start(arguments, format);
 	vsnprintf(text + length, size - length, format, arguments);
@@ -293,7 +293,7 @@ static void timeline_draw_name(const timeline *t, const ui_profiler_row *row)
 	ui_profiler_part parts[UI_PROFILER_PARTS];
 	char texts[UI_PROFILER_PARTS][48];
 	uint32_t lines[UI_PROFILER_PARTS];
-	const uint32_t count = timeline_parts(t->profiler, row, parts);
+	uint32_t count = timeline_parts(t->profiler, row, parts);
 	timeline_lay_parts(t->small, t->names.x1 - t->names.x0, parts, count, texts, lines);
 	stilb_ui_rect place = {t->names.x0, row->top, t->names.x1, row->top + t->level};
 	stilb_ui_draw_text(t->list, t->strong, place, STILB_UI_ALIGN_LEFT, t->style->text_strong, lane->name);
@@ -301,7 +301,7 @@ static void timeline_draw_name(const timeline *t, const ui_profiler_row *row)
 		place.x0 = i > 0 && lines[i] == lines[i - 1] ? place.x0 : t->names.x0;
 		place.y0 = row->top + t->level + (float)lines[i] * (t->level - 3.0f);
 		place.y1 = place.y0 + t->level;
-		const stilb_ui_color color = parts[i].lost ? stilb_ui_rgb(UI_PROFILER_BAD) : t->style->text_muted;
+		stilb_ui_color color = parts[i].lost ? stilb_ui_rgb(UI_PROFILER_BAD) : t->style->text_muted;
 		stilb_ui_draw_text(t->list, t->small, place, STILB_UI_ALIGN_LEFT, color, texts[i]);
 		place.x0 += stilb_ui_text_width(t->small, texts[i]);
 	}
@@ -310,7 +310,7 @@ static void timeline_draw_name(const timeline *t, const ui_profiler_row *row)
 /* All parts with their sum, beside the name under the mouse. */
 static void timeline_tip_name(const timeline *t)
 {
-	const stilb_ui_action action = stilb_ui_area(t->ui, "lane names", t->names, STILB_UI_TAKES_WHEEL);
+	stilb_ui_action action = stilb_ui_area(t->ui, "lane names", t->names, STILB_UI_TAKES_WHEEL);
 	const stilb_prof_frame *frame = ui_profiler_frame(t->profiler);
 	for (uint32_t i = 0; action.hovered && i < t->profiler->row_count; i++) {
 		const ui_profiler_row *row = &t->profiler->rows[i];
@@ -318,7 +318,7 @@ static void timeline_tip_name(const timeline *t)
 			continue;
 		ui_profiler_part parts[UI_PROFILER_PARTS];
 		char text[512], time[32];
-		const uint32_t count =
+		uint32_t count =
 			ui_profiler_parts(t->snapshot->lanes[row->lane].kind, &t->profiler->data.lanes[row->lane], 0, parts);
 		text[0] = '\0';
 		timeline_say(text, sizeof text, "%s\tframe %llu", t->snapshot->lanes[row->lane].name,
@@ -363,7 +363,7 @@ static stilb_ui_rect timeline_span_rect(const timeline *t, const ui_profiler_row
 
 static stilb_ui_color timeline_span_color(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
 {
-	const uint32_t label = t->snapshot->lanes[row->lane].zones[span->zone].label;
+	uint32_t label = t->snapshot->lanes[row->lane].zones[span->zone].label;
 	stilb_ui_color color = stilb_ui_rgb(t->profiler->colors.rgb[label]);
 	if (span->count > 1)
 		color = stilb_ui_mix(color, stilb_ui_rgb(TIMELINE_GROUND), 0.3f);
@@ -378,7 +378,7 @@ static void timeline_draw_span(timeline *t, const ui_profiler_row *row, const ui
 	stilb_ui_color color = timeline_span_color(t, row, span);
 	if (rect.x1 <= rect.x0)
 		return;
-	const stilb_ui_rect reach = {rect.x0, rect.y0, rect.x1 + 1.0f, rect.y1};
+	stilb_ui_rect reach = {rect.x0, rect.y0, rect.x1 + 1.0f, rect.y1};
 	if (t->action.hovered && stilb_ui_contains(reach, t->action.mouse_x, t->action.mouse_y)) {
 		t->hot_lane = row->lane;
 		t->hot = *span;
@@ -393,18 +393,18 @@ static void timeline_draw_span(timeline *t, const ui_profiler_row *row, const ui
 static void timeline_draw_span_name(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
-	const ui_profiler_kind kind = (ui_profiler_kind)t->profiler->data.kinds[lane->zones[span->zone].label];
+	ui_profiler_kind kind = (ui_profiler_kind)t->profiler->data.kinds[lane->zones[span->zone].label];
 	stilb_ui_rect place = timeline_span_rect(t, row, span);
 	place.x0 = (place.x0 > t->area.x0 ? place.x0 : t->area.x0) + 4.0f;
 	place.x1 = (place.x1 < t->area.x1 ? place.x1 : t->area.x1) - 3.0f;
 	if (place.x1 - place.x0 < TIMELINE_TEXT)
 		return;
 	stilb_ui_color ground = timeline_span_color(t, row, span);
-	const uint64_t from = ui_profiler_whole_ns(timeline_ns(t, place.x0)),
-				   to = ui_profiler_whole_ns(timeline_ns(t, place.x0 + TIMELINE_TEXT));
+	uint64_t from = ui_profiler_whole_ns(timeline_ns(t, place.x0)),
+			 to = ui_profiler_whole_ns(timeline_ns(t, place.x0 + TIMELINE_TEXT));
 	uint64_t preempted;
 	if (ui_profiler_off_cpu(lane, from, to, &preempted) > 0) {
-		const stilb_ui_color shadow = timeline_shadow(preempted > 0);
+		stilb_ui_color shadow = timeline_shadow(preempted > 0);
 		ground = stilb_ui_mix(ground, (stilb_ui_color){shadow.r, shadow.g, shadow.b, 255}, (float)shadow.a / 255.0f);
 	}
 	stilb_ui_color color = kind == UI_PROFILER_IDLE ? t->style->text_muted : stilb_ui_text_color_on(ground);
@@ -416,12 +416,12 @@ static void timeline_draw_span_name(const timeline *t, const ui_profiler_row *ro
 /* When the thread had no CPU: the zones lie in shadow, and the strip below tells sleep from a lost CPU. */
 static void timeline_draw_off(const timeline *t, const ui_profiler_row *row, float x0, float x1, bool preempted)
 {
-	const float strip = row->top + (float)row->depth * t->level;
-	const stilb_ui_rect zones = {x0, row->top, x1, strip - 1.0f}, below = {x0, strip, x1, strip + TIMELINE_STRIP};
+	float strip = row->top + (float)row->depth * t->level;
+	stilb_ui_rect zones = {x0, row->top, x1, strip - 1.0f}, below = {x0, strip, x1, strip + TIMELINE_STRIP};
 	stilb_ui_draw_rect(t->list, zones, timeline_shadow(preempted));
 	stilb_ui_draw_rect(t->list, below, stilb_ui_rgb(preempted ? UI_PROFILER_BAD : UI_PROFILER_PARKED));
 	if (preempted && x1 - x0 > TIMELINE_LOST) {
-		const stilb_ui_rect place = {x0, zones.y1 - t->level, x1 - 6.0f, zones.y1};
+		stilb_ui_rect place = {x0, zones.y1 - t->level, x1 - 6.0f, zones.y1};
 		stilb_ui_draw_text(t->list, t->font, place, STILB_UI_ALIGN_RIGHT, t->style->text_strong, "lost the CPU");
 	}
 }
@@ -429,7 +429,7 @@ static void timeline_draw_off(const timeline *t, const ui_profiler_row *row, flo
 static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
-	const float strip = row->top + (float)row->depth * t->level;
+	float strip = row->top + (float)row->depth * t->level;
 	float x0, x1, from = 0.0f, to = -1.0f; /* neighbours of a kind, taken together */
 	bool preempted = false;
 	if (lane->kind != STILB_PROF_LANE_THREAD || lane->no_switches ||
@@ -459,7 +459,7 @@ static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row
 static void timeline_draw_lane(timeline *t, const ui_profiler_row *row)
 {
 	ui_profiler_spans *spans = &t->profiler->spans;
-	const uint64_t begin = ui_profiler_whole_ns(t->begin_ns), end = ui_profiler_whole_ns(timeline_ns(t, t->area.x1));
+	uint64_t begin = ui_profiler_whole_ns(t->begin_ns), end = ui_profiler_whole_ns(timeline_ns(t, t->area.x1));
 	if (end <= begin || !ui_profiler_spans_build(spans, &t->snapshot->lanes[row->lane], begin, end,
 	                                             (double)TIMELINE_NARROW / t->pixels_per_ns))
 		return;
@@ -476,8 +476,8 @@ static void timeline_draw_lane(timeline *t, const ui_profiler_row *row)
 static stilb_ui_point timeline_point(const timeline *t, const ui_profiler_row *row, uint64_t ns)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
-	const uint32_t zone = ui_profiler_zone_at(lane, ns);
-	const uint32_t level = zone == STILB_PROF_NONE ? 0 : lane->zones[zone].level;
+	uint32_t zone = ui_profiler_zone_at(lane, ns);
+	uint32_t level = zone == STILB_PROF_NONE ? 0 : lane->zones[zone].level;
 	return (stilb_ui_point){timeline_x(t, (double)ns), timeline_y(t, row, level) + 0.5f * t->level};
 }
 
@@ -488,7 +488,7 @@ static bool timeline_hot_at(const timeline *t, uint32_t lane, uint64_t ns)
 
 static bool timeline_flow_seen(const timeline *t, const stilb_prof_flow *flow)
 {
-	const double begin = t->begin_ns, end = timeline_ns(t, t->area.x1);
+	double begin = t->begin_ns, end = timeline_ns(t, t->area.x1);
 	return flow->from_lane != STILB_PROF_NONE && flow->to_lane != STILB_PROF_NONE && flow->from_lane != flow->to_lane &&
 	       (double)flow->to_ns >= begin && (double)flow->from_ns < end;
 }
@@ -510,8 +510,7 @@ static void timeline_draw_flows(const timeline *t)
 		seen += timeline_flow_seen(t, &t->snapshot->flows[i]);
 	for (uint32_t i = 0; i < t->snapshot->flow_count; i++) {
 		const stilb_prof_flow *flow = &t->snapshot->flows[i];
-		const bool hot =
-			timeline_hot_at(t, flow->from_lane, flow->from_ns) || timeline_hot_at(t, flow->to_lane, flow->to_ns);
+		bool hot = timeline_hot_at(t, flow->from_lane, flow->from_ns) || timeline_hot_at(t, flow->to_lane, flow->to_ns);
 		if (timeline_flow_seen(t, flow) && (hot || seen <= TIMELINE_FLOWS))
 			timeline_draw_flow(t, flow, hot);
 	}
@@ -522,21 +521,21 @@ static void timeline_draw_wait(const timeline *t)
 {
 	const ui_profiler_wait *wait = &t->profiler->data.report.wait;
 	const ui_profiler_row *row = wait->lane == STILB_PROF_NONE ? NULL : timeline_row_of(t, wait->lane);
-	const stilb_ui_color color = stilb_ui_rgb(UI_PROFILER_ATTENTION);
+	stilb_ui_color color = stilb_ui_rgb(UI_PROFILER_ATTENTION);
 	float x0, x1;
 	if (!row || !timeline_clip_x(t, wait->begin_ns, wait->end_ns, &x0, &x1))
 		return;
-	const uint32_t zone = ui_profiler_zone_at(&t->snapshot->lanes[wait->lane], wait->begin_ns);
-	const uint32_t level = zone == STILB_PROF_NONE ? 0 : t->snapshot->lanes[wait->lane].zones[zone].level;
-	const float y = timeline_y(t, row, level);
+	uint32_t zone = ui_profiler_zone_at(&t->snapshot->lanes[wait->lane], wait->begin_ns);
+	uint32_t level = zone == STILB_PROF_NONE ? 0 : t->snapshot->lanes[wait->lane].zones[zone].level;
+	float y = timeline_y(t, row, level);
 	stilb_ui_draw_rounded_outline(t->list, (stilb_ui_rect){x0 - 1.0f, y - 1.0f, x1 + 1.0f, y + t->level}, 2.0f, 2.0f,
 	                              color);
 	const ui_profiler_row *other = wait->for_lane == STILB_PROF_NONE ? NULL : timeline_row_of(t, wait->for_lane);
 	if (!other)
 		return;
-	const stilb_ui_rect lane = {x0 - 1.0f, other->top - 1.0f, x1 + 1.0f, other->top + (float)other->depth * t->level};
+	stilb_ui_rect lane = {x0 - 1.0f, other->top - 1.0f, x1 + 1.0f, other->top + (float)other->depth * t->level};
 	stilb_ui_draw_rounded_outline(t->list, lane, 2.0f, 1.0f, stilb_ui_fade(color, 0.8f));
-	const float from = other->top > y ? lane.y0 : lane.y1, to = other->top > y ? y + t->level + 1.0f : y - 2.0f;
+	float from = other->top > y ? lane.y0 : lane.y1, to = other->top > y ? y + t->level + 1.0f : y - 2.0f;
 	if (x1 < t->area.x1)
 		stilb_ui_draw_arrow(t->list, (stilb_ui_point){x1 - 4.0f, from}, (stilb_ui_point){x1 - 4.0f, to}, 1.5f, 8.0f,
 		                    color);
@@ -558,7 +557,7 @@ static void timeline_navigate(timeline *t)
 {
 	stilb_ui_profiler *profiler = t->profiler;
 	const uint8_t *keys = stilb_ui_input_get(t->ui)->keys;
-	const double width = (double)(t->area.x1 - t->area.x0);
+	double width = (double)(t->area.x1 - t->area.x0);
 	if (t->action.wheel != 0.0f)
 		timeline_zoom(profiler, (double)t->action.wheel, (double)(t->action.mouse_x - t->area.x0) / width);
 	if (t->action.held)
@@ -693,7 +692,7 @@ static float timeline_place_rows(timeline *t)
 
 static void timeline_draw_cursor(const timeline *t)
 {
-	const float x = floorf(t->action.mouse_x);
+	float x = floorf(t->action.mouse_x);
 	if (t->action.hovered)
 		stilb_ui_draw_rect(t->list, (stilb_ui_rect){x, t->area.y0, x + 1.0f, t->area.y1},
 		                   stilb_ui_fade(t->style->text_strong, 0.35f));
@@ -709,8 +708,8 @@ void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	timeline_scroll(&t);
 	t.begin_ns = (double)ui_profiler_frame(profiler)->begin_ns + profiler->view_begin_ns;
 	t.pixels_per_ns = (double)(t.area.x1 - t.area.x0) / profiler->view_ns;
-	const float counters = timeline_place_rows(&t);
-	const ui_profiler_view view = {t.names, t.area, t.begin_ns, t.pixels_per_ns, t.level, t.action};
+	float counters = timeline_place_rows(&t);
+	ui_profiler_view view = {t.names, t.area, t.begin_ns, t.pixels_per_ns, t.level, t.action};
 	timeline_draw_bars(&t);
 	timeline_draw_ruler(&t);
 	stilb_ui_clip_push(t.list, (stilb_ui_rect){t.names.x0, t.area.y0, t.area.x1, t.area.y1});

@@ -13,7 +13,7 @@ stilb_result ui_texture_create(stilb_ui *ui, stilb_render *render)
 		pixels[4 * i] = pixels[4 * i + 1] = pixels[4 * i + 2] = 255;
 		pixels[4 * i + 3] = ui->fonts.coverage[i];
 	}
-	const stilb_image image = {ui->fonts.width, ui->fonts.height, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
+	stilb_image image = {ui->fonts.width, ui->fonts.height, 4, STILB_IMAGE_U8_SRGB, pixels, 0};
 	stilb_result result = stilb_render_texture_create(render, &image, &ui->texture);
 	free(pixels);
 	if (result == STILB_OK)

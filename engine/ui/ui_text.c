@@ -64,7 +64,7 @@ static float draw_glyph(stilb_ui_draw_list *list, const stilb_ui_font *font, uin
 	float u0 = glyph->x * font->texel_x, u1 = (glyph->x + glyph->width) * font->texel_x;
 	float half = color_is_dark(color) ? 0.5f : 0.0f;
 	float v0 = half + glyph->y * font->texel_y, v1 = half + (glyph->y + glyph->height) * font->texel_y;
-	const float places[4][4] = {{x0, y0, u0, v0}, {x1, y0, u1, v0}, {x1, y1, u1, v1}, {x0, y1, u0, v1}};
+	float places[4][4] = {{x0, y0, u0, v0}, {x1, y0, u1, v0}, {x1, y1, u1, v1}, {x0, y1, u0, v1}};
 	for (uint32_t i = 0; i < 4; i++) {
 		mesh.vertices[i] = ui_vertex(places[i][0], places[i][1], color);
 		mesh.vertices[i].uv[0] = places[i][2];

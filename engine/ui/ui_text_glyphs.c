@@ -101,13 +101,13 @@ static float letter_edge(const stbtt_fontinfo *face, int letter, bool top)
 static glyph_fit fit_of(const stbtt_fontinfo *face, float scale)
 {
 	float x_height = letter_edge(face, 'x', true), capitals = letter_edge(face, 'H', true);
-	const float heights[FIT_KNOTS] = {
+	float heights[FIT_KNOTS] = {
 		letter_edge(face, 'p', false), /* tails */
 		letter_edge(face, 'o', false), 0.0f,     x_height,
 		letter_edge(face, 'o', true),  capitals, letter_edge(face, 'O', true),
 		letter_edge(face, 'l', true),
 	};
-	const float flat[FIT_KNOTS] = {heights[0], 0.0f, 0.0f, x_height, x_height, capitals, capitals, heights[7]};
+	float flat[FIT_KNOTS] = {heights[0], 0.0f, 0.0f, x_height, x_height, capitals, capitals, heights[7]};
 	glyph_fit fit;
 	for (int i = 0; i < FIT_KNOTS; i++) {
 		fit.from[i] = heights[i];
@@ -176,7 +176,7 @@ static ui_glyph glyph_box(const stbtt_vertex *outline, int count, float scale, f
 	if (count == 0)
 		return (ui_glyph){0};
 	/* A unit is a hundredth of a pixel or so: no row for what reaches that far into it. */
-	const float slack = 0.02f;
+	float slack = 0.02f;
 	float left = floorf((float)x0 * scale + shift), right = ceilf((float)x1 * scale + shift);
 	float top = floorf(-(float)y1 * scale + slack), bottom = ceilf(-(float)y0 * scale - slack);
 	return (ui_glyph){.width = (uint16_t)(right - left),

@@ -232,9 +232,9 @@ bool stilb_ui_toggle(stilb_ui *ui, stilb_ui_rect rect, const char *label, bool *
 static void draw_check_mark(stilb_ui *ui, stilb_ui_rect box, stilb_ui_color color)
 {
 	float side = box.x1 - box.x0;
-	const stilb_ui_point mark[3] = {{box.x0 + 0.24f * side, box.y0 + 0.52f * side},
-	                                {box.x0 + 0.43f * side, box.y0 + 0.71f * side},
-	                                {box.x0 + 0.77f * side, box.y0 + 0.29f * side}};
+	stilb_ui_point mark[3] = {{box.x0 + 0.24f * side, box.y0 + 0.52f * side},
+	                          {box.x0 + 0.43f * side, box.y0 + 0.71f * side},
+	                          {box.x0 + 0.77f * side, box.y0 + 0.29f * side}};
 	stilb_ui_draw_polyline(&ui->list, mark, 3, false, 0.13f * side, color);
 }
 
@@ -283,8 +283,8 @@ static float slider_value(const stilb_ui *ui, stilb_ui_rect track, float knob, c
 /* Below the words, where it covers neither of them. */
 static void draw_slider_track(stilb_ui *ui, stilb_ui_rect inside, float knob, float share, stilb_ui_color color)
 {
-	const float height = roundf(5.0f * ui->scale), radius = 0.5f * height;
-	const float at = inside.x0 + roundf(share * (inside.x1 - inside.x0 - knob));
+	float height = roundf(5.0f * ui->scale), radius = 0.5f * height;
+	float at = inside.x0 + roundf(share * (inside.x1 - inside.x0 - knob));
 	stilb_ui_rect track = stilb_ui_cut_bottom(&inside, height);
 	stilb_ui_draw_rounded(&ui->list, track, radius, ui->style.plot_background);
 	stilb_ui_draw_rounded(&ui->list, (stilb_ui_rect){track.x0, track.y0, at + knob, track.y1}, radius,
