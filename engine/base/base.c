@@ -17,6 +17,8 @@ static _Thread_local char error_message[1024];
 
 stilb_result stilb_fail(stilb_result result, const char *format, ...)
 {
+	STILB_ASSERT(result != STILB_OK && "a failure has a result of its own");
+	STILB_ASSERT(format);
 	char line[sizeof error_message]; /* a message may quote the one before it */
 	va_list arguments;
 	va_start(arguments, format);
@@ -45,10 +47,11 @@ void stilb_log(const char *format, ...)
 {
 	char line[2048];
 	va_list arguments;
+	STILB_ASSERT(format);
 	va_start(arguments, format);
 	vsnprintf(line, sizeof line, format, arguments);
 	va_end(arguments);
-	for (char *c = line; *c; c++) /* a quoted file name may hold anything: one line stays one line */
+	for (char *c = line; *c; c++) /* a quoted file name may hold a newline */
 		if (iscntrl((unsigned char)*c))
 			*c = '?';
 	fprintf(stderr, "stilb: %s\n", line); /* one call, so lines of two threads do not mix */
@@ -71,27 +74,29 @@ void *stilb_memory_alloc(size_t count, size_t size)
 		return NULL;
 	void *memory = aligned_alloc(MEMORY_HUGE_PAGE, (bytes + MEMORY_HUGE_PAGE - 1) & ~(MEMORY_HUGE_PAGE - 1));
 	if (memory)
-		madvise(memory, bytes, MADV_HUGEPAGE); /* a hint: all works without */
+		madvise(memory, bytes, MADV_HUGEPAGE); /* a hint only: its failure does not matter */
 	return memory;
 }
 
 bool stilb_memory_is_scarce(size_t bytes)
 {
+	STILB_ASSERT(bytes > 0);
 	void *probe = mmap(NULL, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
 	return probe == MAP_FAILED || munmap(probe, bytes) != 0;
 }
 
-#define MEMORY_STACK ((size_t)8 << 20) /* of a thread, where the system does not say */
+#define MEMORY_STACK ((size_t)8 << 20) /* bytes of a thread's stack if the system sets no limit */
 
 stilb_result stilb_fail_threads(uint32_t count, int error)
 {
+	STILB_ASSERT(count > 0);
+	STILB_ASSERT(error > 0);
 	struct rlimit stack;
-	const bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur != RLIM_INFINITY;
-	const size_t each = known ? (size_t)stack.rlim_cur : MEMORY_STACK;
+	bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur > 0 && stack.rlim_cur != RLIM_INFINITY;
+	size_t each = known ? (size_t)stack.rlim_cur : MEMORY_STACK;
 	const char *many = count == 1 ? "" : "s";
-	const bool stacks =
-		error == EAGAIN && count > 0 && each <= SIZE_MAX / count && stilb_memory_is_scarce(count * each);
-	if (error == ENOMEM || stacks)
+	bool no_stacks = error == EAGAIN && each <= SIZE_MAX / count && stilb_memory_is_scarce(count * each);
+	if (error == ENOMEM || no_stacks)
 		return stilb_fail(
 			STILB_ERROR_MEMORY,
 			"no memory for %u thread%s; try fewer with --workers, or raise the limit that 'ulimit -v' shows", count,
@@ -103,6 +108,7 @@ stilb_result stilb_fail_threads(uint32_t count, int error)
 uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size)
 {
 	const unsigned char *bytes = data;
+	STILB_ASSERT(data || size == 0);
 	for (size_t i = 0; i < size; i++)
 		hash = (hash ^ bytes[i]) * 0x100000001b3u;
 	return hash;
@@ -163,7 +169,7 @@ stilb_cpu_features stilb_cpu_query(void)
 {
 	stilb_cpu_features cpu = {.name = "unknown CPU"};
 #if defined(__x86_64__)
-	__builtin_cpu_init(); /* its flags are set only for what the OS saves on a context switch */
+	__builtin_cpu_init(); /* sets a flag only if the OS saves its registers on a context switch */
 	cpu.sse42 = __builtin_cpu_supports("sse4.2");
 	cpu.avx2 = __builtin_cpu_supports("avx2");
 	cpu.fma = __builtin_cpu_supports("fma");
@@ -180,10 +186,11 @@ static const char *const isa_texts[STILB_ISA_COUNT] = {"scalar", "avx2", "avx512
 
 const char *stilb_isa_text(stilb_isa isa)
 {
+	STILB_ASSERT((unsigned)isa < STILB_ISA_COUNT);
 	return isa_texts[isa];
 }
 
-/* Not by stilb_cpu_query: its CPUID instructions take microseconds each on a virtual machine. */
+/* Does not call stilb_cpu_query, whose CPUID instructions take microseconds each on a virtual machine. */
 stilb_isa stilb_cpu_widest_isa(void)
 {
 #if defined(__x86_64__)
@@ -198,12 +205,13 @@ stilb_isa stilb_cpu_widest_isa(void)
 
 stilb_result stilb_cpu_isa(stilb_isa *isa)
 {
+	STILB_ASSERT(isa);
 	stilb_isa widest = stilb_cpu_widest_isa();
 	const char *wanted = getenv("STILB_ISA");
 	*isa = widest;
 	if (!wanted)
 		return STILB_OK;
-	for (*isa = STILB_ISA_SCALAR; *isa < STILB_ISA_COUNT; ++*isa)
+	for (*isa = STILB_ISA_SCALAR; *isa < STILB_ISA_COUNT; (*isa)++)
 		if (strcmp(wanted, isa_texts[*isa]) == 0)
 			break;
 	if (*isa == STILB_ISA_COUNT)

@@ -1,10 +1,22 @@
 /*
- * base: what every engine module stands on: results and their messages, asserts, log lines, hashing, CPU features.
+ * base: the foundation of every engine module: results and their messages, asserts, log lines, memory, hashing, random
+ * numbers, time and CPU features. Nothing here is created or destroyed.
  *
  * Errors.   Two kinds. Trouble with the world (a file, a driver, a flag) is a stilb_result plus one line that names the
- *           thing and the way out; trouble made by a programmer is an assert. Nothing a user can feed in reaches an
- *           assert.
- * Threads.  Every function here is [any-thread].
+ *           thing, the value and the way out; trouble made by a programmer is an assert. Nothing a user can feed in
+ *           reaches an assert.
+ * Threads.  Every function here is [any-thread]. A message belongs to the thread that failed.
+ * Example.  A function that can fail, and its caller:
+ *
+ *   stilb_result load(const char *path)
+ *   {
+ *       if (!exists(path))
+ *           return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': no such file", path);
+ *       return STILB_OK;
+ *   }
+ *
+ *   if (load("scene.gltf") != STILB_OK)
+ *       stilb_log("%s", stilb_error_message());   // stilb: cannot read 'scene.gltf': no such file
  */
 #ifndef STILB_BASE_H
 #define STILB_BASE_H
@@ -18,6 +30,7 @@
 
 /* ---- results ------------------------------------------------------------------------------------------------- */
 
+/* X(NAME, what stilb_result_text says of it). STILB_OK is 0. */
 #define STILB_RESULTS(X)                                                                                               \
 	X(OK, "ok")                                                                                                        \
 	X(ERROR_ARGUMENT, "refused argument")                                                                              \
@@ -34,14 +47,16 @@ typedef enum stilb_result {
 #undef STILB_RESULT_ENUM
 } stilb_result;
 
-/* Stores the line for this thread's stilb_error_message and returns result, for `return stilb_fail(...)`. The line has
- * no "stilb: " in front, no newline, and names the thing, the value and what to do about it. */
+/* Stores the line for this thread's stilb_error_message and returns result, which is not STILB_OK, for
+ * `return stilb_fail(...)`. The line has no "stilb: " in front and no newline, and names the thing, the value and what
+ * to do about it. It may quote stilb_error_message(). Lines longer than 1023 bytes are cut. */
 stilb_result stilb_fail(stilb_result result, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* The line of this thread's last stilb_fail; "" before the first. Valid until the thread's next stilb_fail. */
+/* The line of this thread's last stilb_fail; "" before the first. Valid until the thread's next stilb_fail, which may
+ * happen in any function that returns a stilb_result: copy it to keep it. */
 const char *stilb_error_message(void);
 
-/* The result in words, for example "device lost". */
+/* The result in words, for example "device lost"; "unknown result" for a number that is no result. Static. */
 const char *stilb_result_text(stilb_result result);
 
 /* ---- asserts and log ------------------------------------------------------------------------------------------ */
@@ -53,7 +68,8 @@ const char *stilb_result_text(stilb_result result);
  *   STILB_ASSERT(index < count);              cheap: an argument, a state, a range
  *   STILB_CHECK(octree_is_sound(octree));     walks a whole structure; for the end of a change to it
  *
- * Which thread calls, and which lock it holds, is asserted with base_contract.h. */
+ * The condition must have no side effects. The calling thread and the locks it holds are asserted with
+ * base_contract.h. */
 #ifdef NDEBUG
 #define STILB_ASSERT(condition) ((void)(0 && (condition)))
 #else
@@ -61,70 +77,77 @@ const char *stilb_result_text(stilb_result result);
 #endif
 #define STILB_CHECK(condition) STILB_ASSERT(condition)
 
-/* One line on stderr, "stilb: " in front; control characters become '?'. */
+/* Writes one line to stderr, "stilb: " in front; lines of two threads do not mix. Control characters become '?', so a
+ * quoted file name cannot break the line. Lines longer than 2047 bytes are cut. */
 void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* ---- memory ---------------------------------------------------------------------------------------------------- */
 
 #define STILB_CACHE_LINE 128 /* two 64-byte lines: the adjacent-line prefetcher pairs them */
 
-/* count * size bytes, aligned to STILB_CACHE_LINE and not initialised, large blocks in huge pages where the system
- * offers them; NULL on overflow or when there is no memory. free() it. */
+/* count * size bytes, aligned to STILB_CACHE_LINE and not initialised; blocks of 4 MiB and more in huge pages where the
+ * system offers them. Never NULL for 0 bytes; NULL if the product overflows or there is no memory, and then no message
+ * is stored. free() it. */
 void *stilb_memory_alloc(size_t count, size_t size);
 
-/* True if the process cannot have `bytes` more addresses now: its own limit (ulimit -v) or the machine's is near.
- * Touches none of them. For libraries that fail without a reason. */
+/* True if the process cannot reserve `bytes` (> 0) more of address space now: its own limit (ulimit -v) or the
+ * machine's is near. Touches none of that memory. Tells out of memory from other causes after a library has failed
+ * without a reason. */
 bool stilb_memory_is_scarce(size_t bytes);
 
-/* The failure of threads that could not be started, and the way out. error: what the system said, for which EAGAIN may
- * mean too many threads or no room for their stacks. Returns STILB_ERROR_MEMORY or STILB_ERROR_THREAD. */
+/* Stores the message for `count` (>= 1) threads that could not be started, and returns STILB_ERROR_MEMORY or
+ * STILB_ERROR_THREAD. error: the errno, > 0, of pthread_create. It is EAGAIN both for too many threads and for no memory
+ * for their stacks; which of the two is decided here by stilb_memory_is_scarce. */
 stilb_result stilb_fail_threads(uint32_t count, int error);
 
 /* ---- hashing --------------------------------------------------------------------------------------------------- */
 
+/* The hash of no bytes: begin with it. */
 #define STILB_FNV1A64_START 0xcbf29ce484222325u
 
-/* FNV-1a, 64 bits, continued from hash. Source: Fowler, Noll, Vo; draft-eastlake-fnv. */
+/* FNV-1a, 64 bits, of size bytes, continued from hash: hashing in pieces gives the same as in one. data may be NULL if
+ * size is 0. Not for untrusted keys. Source: Fowler, Noll, Vo; draft-eastlake-fnv. */
 uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size);
 
 /* ---- random numbers -------------------------------------------------------------------------------------------- */
 
-/* A value for every (seed, index): splitmix64's finaliser over their sum. Counter-based, so the order of calls does
- * not matter. Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014. */
+/* A value for every (seed, index): the finaliser of splitmix64 over seed + (index + 1) * golden gamma. Counter-based:
+ * the same pair gives the same value in any order of calls and on any thread. Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014. */
 uint64_t stilb_random_u64(uint64_t seed, uint64_t index);
 
-/* The same in [0, 1), 24 bits. */
+/* The upper 24 bits of stilb_random_u64 as a float in [0, 1), a multiple of 2^-24. */
 float stilb_random_float(uint64_t seed, uint64_t index);
 
 /* ---- time and CPU ---------------------------------------------------------------------------------------------- */
 
-/* CLOCK_MONOTONIC in nanoseconds. */
+/* CLOCK_MONOTONIC in nanoseconds: never goes back; its zero is arbitrary. */
 uint64_t stilb_time_ns(void);
 
 typedef struct stilb_cpu_features {
-	char name[64];                       /* brand string, or "unknown CPU" */
-	bool sse42, avx2, fma, f16c, avx512; /* avx512: F, VL, BW and DQ; all as the OS allows them */
-	bool invariant_tsc;
+	char name[64];                       /* brand string without outer blanks, or "unknown CPU" */
+	bool sse42, avx2, fma, f16c, avx512; /* avx512: F, VL, BW and DQ. Only if the OS saves their registers, too */
+	bool invariant_tsc;                  /* the time stamp counter ticks at one rate in every power state */
 } stilb_cpu_features;
 
+/* Asks the CPU with CPUID: microseconds each on a virtual machine, so call it once. All false on other architectures. */
 stilb_cpu_features stilb_cpu_query(void);
 
-/* The instruction sets that modules have code for; each includes the ones before it. */
+/* The instruction sets for which modules have code; each includes the ones before it. */
 typedef enum stilb_isa {
-	STILB_ISA_SCALAR, /* plain C; the truth that the others are tested against */
+	STILB_ISA_SCALAR, /* plain C; the reference that the others are tested against */
 	STILB_ISA_AVX2,   /* and BMI, which came with it */
 	STILB_ISA_AVX512, /* as stilb_cpu_features.avx512 */
 	STILB_ISA_COUNT
 } stilb_isa;
 
-/* "scalar", "avx2", "avx512". */
+/* "scalar", "avx2", "avx512". isa < STILB_ISA_COUNT. Static. */
 const char *stilb_isa_text(stilb_isa isa);
 
-/* The widest that this CPU has. */
+/* The widest set that this CPU and OS have. */
 stilb_isa stilb_cpu_widest_isa(void);
 
-/* The one to use: the environment's STILB_ISA, else the widest. STILB_ERROR_ARGUMENT: STILB_ISA names none, or one that
- * this CPU lacks. */
+/* The instruction set to use: the one that the environment variable STILB_ISA names, else the widest.
+ * STILB_ERROR_ARGUMENT: STILB_ISA names none, or one that this CPU lacks; then *isa must not be used. */
 stilb_result stilb_cpu_isa(stilb_isa *isa);
 
 #endif

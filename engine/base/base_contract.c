@@ -11,6 +11,7 @@ static uintptr_t me(void)
 
 void stilb_owner_take(stilb_owner *owner)
 {
+	STILB_ASSERT(owner);
 	/* Relaxed: only the thread that stored its own identity can read it as equal; whatever another thread reads is
 	 * different from its own. */
 	atomic_store_explicit(&owner->thread, me(), memory_order_relaxed);
@@ -18,12 +19,14 @@ void stilb_owner_take(stilb_owner *owner)
 
 bool stilb_owner_is_me(const stilb_owner *owner)
 {
+	STILB_ASSERT(owner);
 	uintptr_t thread = atomic_load_explicit(&owner->thread, memory_order_relaxed); /* see stilb_owner_take */
 	return thread == 0 || thread == me();
 }
 
 bool stilb_lock_init(stilb_lock *lock)
 {
+	STILB_ASSERT(lock);
 	*lock = (stilb_lock){0};
 	return pthread_mutex_init(&lock->mutex, NULL) == 0;
 }
@@ -38,6 +41,7 @@ void stilb_lock_take(stilb_lock *lock)
 {
 	STILB_ASSERT(!stilb_lock_is_mine(lock) && "the lock is not taken twice");
 	pthread_mutex_lock(&lock->mutex);
+	STILB_ASSERT(atomic_load_explicit(&lock->holder.thread, memory_order_relaxed) == 0 && "the last holder gave it");
 	stilb_owner_take(&lock->holder);
 }
 

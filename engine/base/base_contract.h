@@ -1,11 +1,15 @@
 /*
- * base_contract: which thread calls and which lock it holds, as asserts. C alone, no C++.
+ * base_contract: asserts about the calling thread and the lock that it holds. C only, because of C11's atomics.
  *
  *   STILB_ASSERT_OWNER(render->owner);        the caller is the thread that took the owner last
  *   STILB_ASSERT_LOCKED(&resources->lock);    the caller holds this stilb_lock
  *
- * An object that is [main-thread] takes its owner when it is created; an object handed to another thread is taken
- * there. The structs are the same with and without NDEBUG. Every function is [any-thread].
+ * Life cycle.  An object that is [main-thread] holds a stilb_owner and takes it when it is created; an object handed to
+ *              another thread is taken there. A stilb_lock is initialised, taken and given any number of times, and
+ *              finished.
+ * Threads.     [any-thread] but for stilb_lock_init and stilb_lock_finish: while they run, no other thread uses the lock.
+ * Layout.      The structs are the same with and without NDEBUG; without asserts an owner costs one relaxed store where
+ *              it is taken.
  */
 #ifndef STILB_BASE_CONTRACT_H
 #define STILB_BASE_CONTRACT_H
@@ -23,24 +27,31 @@ typedef struct stilb_owner {
 	_Atomic uintptr_t thread;
 } stilb_owner;
 
-/* From now on the object is the calling thread's. */
+/* From now on the object belongs to the calling thread. */
 void stilb_owner_take(stilb_owner *owner);
 
-/* The object belongs to the calling thread, or to nobody. */
+/* True if the object belongs to the calling thread or to nobody. */
 bool stilb_owner_is_me(const stilb_owner *owner);
 
-/* A mutex that knows who holds it, for STILB_ASSERT_LOCKED. stilb_lock_init -> take / give, from any thread ->
- * stilb_lock_finish. Not recursive: taking it twice is an assert. */
+/* A mutex that records its holder, for STILB_ASSERT_LOCKED. Not recursive. */
 typedef struct stilb_lock {
 	pthread_mutex_t mutex;
 	stilb_owner holder;
 } stilb_lock;
 
-/* False: no memory for the mutex; then there is nothing to finish. */
+/* Not held at first. False if there is no memory for the mutex; then there is nothing to finish. */
 bool stilb_lock_init(stilb_lock *lock);
+
+/* Nobody holds the lock. It may be initialised again afterwards. */
 void stilb_lock_finish(stilb_lock *lock);
+
+/* Waits until no other thread holds the lock, then holds it. The caller does not hold it yet. */
 void stilb_lock_take(stilb_lock *lock);
+
+/* Releases the lock, which the caller holds. */
 void stilb_lock_give(stilb_lock *lock);
+
+/* True if the calling thread holds the lock. Another thread's answer says nothing: it may change at any time. */
 bool stilb_lock_is_mine(const stilb_lock *lock);
 
 #endif

@@ -10,12 +10,21 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What a path leads to. */
+/* How a path can be written. */
 typedef enum file_kind {
 	FILE_KIND_REGULAR, /* a regular file, or nothing yet: written beside its place and renamed */
-	FILE_KIND_DIRECT,  /* stdout, a device, a pipe: written as it is */
-	FILE_KIND_REFUSED, /* the message says why */
+	FILE_KIND_DIRECT,  /* stdout, a device, a pipe: opened and written */
+	FILE_KIND_REFUSED, /* not at all; the message says why */
 } file_kind;
+
+/* A closed file owns nothing; an open one has a path, and a target and a temporary name or neither (the temporary name
+ * goes with the rename). */
+static bool file_is_sound(const stilb_file *file)
+{
+	if (!file->stream)
+		return !file->path && !file->target && !file->temporary;
+	return file->path && (file->target || !file->temporary);
+}
 
 static file_kind file_refuse(const char *path, const char *why)
 {
@@ -23,16 +32,17 @@ static file_kind file_refuse(const char *path, const char *why)
 	return FILE_KIND_REFUSED;
 }
 
-/* The folder that path's last name lies in, in a new string. */
+/* The folder of path's last name, in a new string; NULL: out of memory. */
 static char *file_folder(const char *path)
 {
+	STILB_ASSERT(path[0] && "an empty path has no folder");
 	const char *slash = strrchr(path, '/');
 	if (!slash)
 		return strdup(".");
 	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-/* Follows links to where the bytes must end, also when that file does not exist yet. NULL with errno. */
+/* path with its links followed, also if the file does not exist yet, in a new string. NULL with errno. */
 static char *file_resolve(const char *path)
 {
 	char *current = strdup(path);
@@ -40,7 +50,7 @@ static char *file_resolve(const char *path)
 		char link[PATH_MAX];
 		ssize_t length = readlink(current, link, sizeof link - 1);
 		if (length < 0)
-			return current; /* not a link, or not there: this is the place */
+			return current; /* not a link, or nothing there yet */
 		link[length] = '\0';
 		char *next = NULL;
 		if (link[0] == '/') {
@@ -83,13 +93,15 @@ static file_kind file_check_folder(const char *path)
 
 bool stilb_file_is_stdout(const char *path)
 {
+	STILB_ASSERT(path);
 	return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
 
-/* Where path ends, links followed: one name for all its names; NULL when its folder is not there. */
+/* One name for all names of a file, in a new string: links followed, the folder's path absolute. NULL if the folder does
+ * not exist or memory runs out. */
 static char *file_real_target(const char *path)
 {
-	char *target = file_resolve(path), *folder = target ? file_folder(target) : NULL;
+	char *target = file_resolve(path), *folder = target && target[0] ? file_folder(target) : NULL;
 	char *real = folder ? realpath(folder, NULL) : NULL, *whole = NULL;
 	const char *slash = target ? strrchr(target, '/') : NULL;
 	if (real && asprintf(&whole, "%s/%s", real, slash ? slash + 1 : target) < 0)
@@ -134,6 +146,7 @@ static file_kind file_classify(const char *path)
 
 stilb_result stilb_file_check(const char *path)
 {
+	STILB_ASSERT(path);
 	return file_classify(path) == FILE_KIND_REFUSED ? STILB_ERROR_ARGUMENT : STILB_OK;
 }
 
@@ -146,7 +159,7 @@ static FILE *file_open_direct(const char *path)
 {
 	if (!stilb_file_is_stdout(path))
 		return fopen(path, "wb");
-	int copy = dup(STDOUT_FILENO); /* so that finish may close it */
+	int copy = dup(STDOUT_FILENO); /* stdout itself stays open after finish */
 	FILE *stream = copy < 0 ? NULL : fdopen(copy, "wb");
 	if (!stream && copy >= 0)
 		close(copy);
@@ -155,40 +168,43 @@ static FILE *file_open_direct(const char *path)
 
 /* ---- temporary files ------------------------------------------------------------------------------------------------
  *
- * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" where that name is taken. Whoever writes one
- * holds its lock (flock) until it is renamed or removed, and the kernel releases the lock of a process that dies: a
- * temporary file without a lock was left behind and may go. Unlike a process number, a lock also tells that of other
- * containers.
+ * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" if that name is taken. Its writer holds its lock
+ * (flock) until the file is renamed or removed, and the kernel releases the lock of a process that dies: a temporary file
+ * without a lock was left behind and may be removed. Unlike a process number, a lock is also seen from other containers.
  */
 
-#define FILE_TEMPORARY_MAX 48 /* bytes of ".<pid>-<number>.tmp" at most, with room to spare */
+#define FILE_TEMPORARY_MAX 48 /* bytes of ".<pid>-<number>.tmp" and its 0; at most 26 are used */
 #define FILE_TRIES 1000u      /* names that may be taken */
 
-/* The last name of path, shortened where the longest name of a file would not leave room for FILE_TEMPORARY_MAX. */
+static_assert(FILE_TEMPORARY_MAX < NAME_MAX, "a temporary name keeps a part of the file's name");
+
+/* Sets *stem to the last name of path. Returns its length, shortened so that a temporary name is no longer than NAME_MAX
+ * bytes. */
 static size_t file_stem(const char *path, const char **stem)
 {
 	const char *slash = strrchr(path, '/');
 	*stem = slash ? slash + 1 : path;
-	const size_t length = strlen(*stem);
+	size_t length = strlen(*stem);
 	return length < NAME_MAX - FILE_TEMPORARY_MAX ? length : NAME_MAX - FILE_TEMPORARY_MAX;
 }
 
-/* True if name is that of a temporary file of this stem, of any process. */
+/* True if name is a temporary name of this stem, given by any process. */
 static bool file_is_temporary(const char *name, const char *stem, size_t length)
 {
+	STILB_ASSERT(length <= strlen(stem));
 	if (strncmp(name, stem, length) != 0 || name[length] != '.')
 		return false;
-	const char *rest = name + length + 1;
-	size_t digits = strspn(rest, "0123456789");
-	rest += digits;
-	if (digits > 0 && *rest == '-') {
-		digits = strspn(rest + 1, "0123456789");
-		rest += 1 + digits;
+	const char *end = name + length + 1;
+	size_t digits = strspn(end, "0123456789");
+	end += digits;
+	if (digits > 0 && *end == '-') {
+		digits = strspn(end + 1, "0123456789");
+		end += 1 + digits;
 	}
-	return digits > 0 && strcmp(rest, ".tmp") == 0;
+	return digits > 0 && strcmp(end, ".tmp") == 0;
 }
 
-/* Removes a temporary file that nobody writes. */
+/* Removes a temporary file unless its writer holds the lock. */
 static void file_remove_stale(int folder, const char *name)
 {
 	struct stat info;
@@ -203,7 +219,7 @@ static void file_remove_stale(int folder, const char *name)
 static void file_clean_target(const char *target)
 {
 	const char *stem;
-	const size_t length = file_stem(target, &stem);
+	size_t length = file_stem(target, &stem);
 	char *path = file_folder(target);
 	DIR *folder = path ? opendir(path) : NULL;
 	free(path);
@@ -217,14 +233,15 @@ static void file_clean_target(const char *target)
 
 void stilb_file_clean(const char *path)
 {
+	STILB_ASSERT(path);
 	char *target = stilb_file_is_stdout(path) ? NULL : file_resolve(path);
-	if (target)
+	if (target && target[0])
 		file_clean_target(target);
 	free(target);
 }
 
-/* Creates and locks the file of this name. Between the two another process may take it for a stale one and remove it:
- * then it has no name any more, and the next try makes another. -1 with errno, EEXIST for another try. */
+/* Creates and locks the file of this name. Before it is locked, another process may take it for a stale one and remove
+ * it: then it has no name any more, and the caller tries again. -1 with errno, EEXIST for another try. */
 static int file_create_locked(const char *name)
 {
 	struct stat info;
@@ -232,22 +249,25 @@ static int file_create_locked(const char *name)
 	if (descriptor < 0)
 		return -1;
 	if (flock(descriptor, LOCK_EX) != 0 || fstat(descriptor, &info) != 0 || info.st_nlink > 0)
-		return descriptor; /* a file system without locks: then nobody takes it for a stale one either */
+		return descriptor; /* also on a file system without locks: there nobody takes it for a stale one */
 	close(descriptor);
 	errno = EEXIST;
 	return -1;
 }
 
-/* Makes a file beside the target under a name that is free. -1 with errno. */
+/* Creates the temporary file beside the target and sets its name. -1 with errno. */
 static int file_create_temporary(stilb_file *file)
 {
+	STILB_ASSERT(file->target && !file->temporary);
 	const char *stem;
-	const size_t length = file_stem(file->target, &stem);
+	size_t length = file_stem(file->target, &stem);
 	file_clean_target(file->target);
 	int error = EEXIST;
 	for (unsigned number = 0; error == EEXIST && number < FILE_TRIES; number++) {
 		char end[FILE_TEMPORARY_MAX], *name;
-		snprintf(end, sizeof end, number == 0 ? ".%d.tmp" : ".%d-%u.tmp", (int)getpid(), number);
+		int used = number == 0 ? snprintf(end, sizeof end, ".%d.tmp", (int)getpid())
+		                       : snprintf(end, sizeof end, ".%d-%u.tmp", (int)getpid(), number);
+		STILB_ASSERT(used > 0 && used < FILE_TEMPORARY_MAX);
 		if (asprintf(&name, "%.*s%s", (int)((stem - file->target) + (ptrdiff_t)length), file->target, end) < 0) {
 			error = ENOMEM;
 			break;
@@ -279,83 +299,8 @@ static FILE *file_open_temporary(stilb_file *file)
 	return stream;
 }
 
-stilb_result stilb_file_open(stilb_file *file, const char *path)
-{
-	*file = (stilb_file){0};
-	file_kind kind = file_classify(path);
-	if (kind == FILE_KIND_REFUSED)
-		return STILB_ERROR_FILE; /* the folder may have gone since stilb_file_check */
-	file->path = strdup(path);
-	errno = ENOMEM;
-	if (file->path)
-		file->stream = kind == FILE_KIND_DIRECT ? file_open_direct(path) : file_open_temporary(file);
-	if (file->stream)
-		return STILB_OK;
-	int error = errno;
-	stilb_file_finish(file);
-	return file_fail(path, "create", error);
-}
-
-int stilb_file_write(stilb_file *file, const void *data, size_t size)
-{
-	errno = 0;
-	if (fwrite(data, 1, size, file->stream) == size)
-		return 0;
-	return errno ? -errno : -EIO;
-}
-
-/* 0 or an errno. Devices and pipes cannot be synced: that is no error. */
-static int file_flush(stilb_file *file)
-{
-	errno = 0;
-	if (ferror(file->stream) || fflush(file->stream) != 0)
-		return errno ? errno : ENOSPC;
-	return file->temporary && fsync(fileno(file->stream)) != 0 ? errno : 0;
-}
-
-/* Makes the new name last: without it a power cut may bring the old file back. Some file systems cannot, and the file
- * has its place already, so a failure is none. */
-static void file_sync_folder(const char *target)
-{
-	char *path = file_folder(target);
-	int folder = path ? open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-	free(path);
-	if (folder < 0)
-		return;
-	fsync(folder);
-	close(folder);
-}
-
-/* 0 or an errno. Renamed before it is closed: closing releases the lock that keeps others from removing it. */
-static int file_move_into_place(stilb_file *file)
-{
-	if (rename(file->temporary, file->target) != 0)
-		return errno;
-	free(file->temporary); /* there is nothing left to remove */
-	file->temporary = NULL;
-	file_sync_folder(file->target);
-	return 0;
-}
-
-/* 0 or an errno. */
-static int file_close(stilb_file *file)
-{
-	FILE *stream = file->stream;
-	file->stream = NULL;
-	return fclose(stream) == 0 ? 0 : errno;
-}
-
-stilb_result stilb_file_commit(stilb_file *file)
-{
-	int error = file_flush(file);
-	if (!error)
-		error = file->temporary ? file_move_into_place(file) : file_close(file);
-	stilb_result result = error ? file_fail(file->path, "write", error) : STILB_OK;
-	stilb_file_finish(file);
-	return result;
-}
-
-void stilb_file_finish(stilb_file *file)
+/* Frees everything, opened completely or not. */
+static void file_release(stilb_file *file)
 {
 	if (file->temporary)
 		unlink(file->temporary);
@@ -367,8 +312,101 @@ void stilb_file_finish(stilb_file *file)
 	*file = (stilb_file){0};
 }
 
+stilb_result stilb_file_open(stilb_file *file, const char *path)
+{
+	STILB_ASSERT(file && path);
+	*file = (stilb_file){0};
+	file_kind kind = file_classify(path);
+	if (kind == FILE_KIND_REFUSED)
+		return STILB_ERROR_FILE; /* the folder may have gone since stilb_file_check */
+	file->path = strdup(path);
+	errno = ENOMEM;
+	if (file->path)
+		file->stream = kind == FILE_KIND_DIRECT ? file_open_direct(path) : file_open_temporary(file);
+	if (file->stream) {
+		STILB_ASSERT(file_is_sound(file));
+		return STILB_OK;
+	}
+	int error = errno;
+	file_release(file);
+	return file_fail(path, "create", error);
+}
+
+int stilb_file_write(stilb_file *file, const void *data, size_t size)
+{
+	STILB_ASSERT(file->stream && "open");
+	STILB_ASSERT(data || size == 0);
+	errno = 0;
+	if (fwrite(data, 1, size, file->stream) == size)
+		return 0;
+	return errno ? -errno : -EIO;
+}
+
+/* Returns 0 or an errno. Devices and pipes cannot be synced: that is no error. */
+static int file_flush(stilb_file *file)
+{
+	errno = 0;
+	if (ferror(file->stream) || fflush(file->stream) != 0)
+		return errno ? errno : ENOSPC;
+	return file->temporary && fsync(fileno(file->stream)) != 0 ? errno : 0;
+}
+
+/* Makes the rename durable: without it a power cut may bring the old file back. A failure is ignored: some file systems
+ * cannot sync a folder, and the file is in its place already. */
+static void file_sync_folder(const char *target)
+{
+	char *path = file_folder(target);
+	int folder = path ? open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+	free(path);
+	if (folder < 0)
+		return;
+	fsync(folder);
+	close(folder);
+}
+
+/* Returns 0 or an errno. Renames before it closes: closing releases the lock that keeps others from removing the
+ * temporary file. */
+static int file_move_into_place(stilb_file *file)
+{
+	STILB_ASSERT(file->temporary && file->target);
+	if (rename(file->temporary, file->target) != 0)
+		return errno;
+	free(file->temporary); /* finish must not remove it */
+	file->temporary = NULL;
+	file_sync_folder(file->target);
+	return 0;
+}
+
+/* Returns 0 or an errno. */
+static int file_close(stilb_file *file)
+{
+	FILE *stream = file->stream;
+	STILB_ASSERT(!file->temporary && "a temporary file is closed after its rename");
+	file->stream = NULL;
+	return fclose(stream) == 0 ? 0 : errno;
+}
+
+stilb_result stilb_file_commit(stilb_file *file)
+{
+	STILB_ASSERT(file->stream && "open");
+	STILB_ASSERT(file_is_sound(file));
+	int error = file_flush(file);
+	if (!error)
+		error = file->temporary ? file_move_into_place(file) : file_close(file);
+	stilb_result result = error ? file_fail(file->path, "write", error) : STILB_OK;
+	file_release(file);
+	return result;
+}
+
+void stilb_file_finish(stilb_file *file)
+{
+	STILB_ASSERT(file && file_is_sound(file));
+	file_release(file);
+}
+
 stilb_result stilb_file_save(const char *path, const void *data, size_t size)
 {
+	STILB_ASSERT(data || size == 0);
 	stilb_file file;
 	stilb_result result = stilb_file_open(&file, path);
 	if (result != STILB_OK)
@@ -379,7 +417,7 @@ stilb_result stilb_file_save(const char *path, const void *data, size_t size)
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* NULL, or why the descriptor cannot be read as a file. */
+/* NULL, or the reason why the descriptor cannot be read as a file. */
 static const char *file_unreadable(int descriptor)
 {
 	struct stat info;
@@ -392,7 +430,8 @@ static const char *file_unreadable(int descriptor)
 
 stilb_result stilb_file_read_open(const char *path, FILE **stream)
 {
-	/* Not waiting, for the writer of a pipe; regular files know no waiting. */
+	STILB_ASSERT(path && stream);
+	/* O_NONBLOCK: opening a pipe would wait for its writer. Reading a regular file is not affected. */
 	int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
 	const char *why = descriptor < 0 ? strerror(errno) : file_unreadable(descriptor);
 	*stream = why ? NULL : fdopen(descriptor, "rb");

@@ -1,12 +1,25 @@
 /*
  * base_file: output files that are whole or not there, and input files that can be read without waiting.
  *
- * stilb_file_check refuses a path before the work starts; stilb_file_open, write and commit make the file. A regular or
- * new file is written beside its place under a temporary name, "<file>.<process>.tmp", synced and renamed, links
- * followed, and its folder synced: a reader sees the old file or the new one, and a full disk leaves the old one alone.
- * A temporary file that a killed process left is removed when the same file is written again. A device, a pipe and
- * stdout ("-", "/dev/stdout") are written directly.
- * Threads: one writer per stilb_file; otherwise [any-thread].
+ * A regular or new file is written beside its place under a temporary name, "<file>.<process>.tmp", synced and renamed,
+ * links followed, and its folder is synced: a reader sees the old file or the new one, and a full disk leaves the old
+ * one alone. A temporary file that a killed process left is removed when the same file is written again. A device, a
+ * pipe and stdout ("-", "/dev/stdout") are written directly.
+ *
+ * Life cycle.  stilb_file_check refuses a path before the work starts. stilb_file_open -> stilb_file_write, any number
+ *              -> stilb_file_commit, or stilb_file_finish to drop what was written. stilb_file_save does it all.
+ * Errors.      STILB_ERROR_ARGUMENT for a path that is refused before the work, STILB_ERROR_FILE afterwards; every
+ *              message names the path as given.
+ * Threads.     [one-writer] per stilb_file; otherwise [any-thread]. Two threads or processes may write one path at the
+ *              same time: the last commit wins, and the file is one of the two.
+ * Example.
+ *
+ *   stilb_file file;
+ *   stilb_result result = stilb_file_open(&file, path);
+ *   if (result == STILB_OK) {
+ *       stilb_file_write(&file, rows, size);   // commit reports its error
+ *       result = stilb_file_commit(&file);
+ *   }
  */
 #ifndef STILB_BASE_FILE_H
 #define STILB_BASE_FILE_H
@@ -16,44 +29,46 @@
 #include <stdio.h>
 
 typedef struct stilb_file {
-	FILE *stream;
-	char *path;      /* as given; NULL: closed */
-	char *target;    /* where the bytes must end (links resolved); NULL when written directly */
+	FILE *stream;    /* NULL: closed */
+	char *path;      /* as given */
+	char *target;    /* path with links resolved, the place of the bytes; NULL when written directly */
 	char *temporary; /* the name written to until commit; NULL when written directly */
 } stilb_file;
 
-/* STILB_ERROR_ARGUMENT with a message when path cannot become a file here: empty, a directory, a missing folder, no
- * permission. Creates nothing. */
+/* STILB_ERROR_ARGUMENT when path cannot become a file here: empty, a directory, a missing folder, no permission.
+ * Creates nothing. [any-thread] */
 stilb_result stilb_file_check(const char *path);
 
-/* "-" and "/dev/stdout". */
+/* True for "-" and "/dev/stdout". [any-thread] */
 bool stilb_file_is_stdout(const char *path);
 
-/* Would one of these two outputs replace the other? False for devices other than stdout. */
+/* True if one of these two outputs would replace the other: both are stdout, or the same file by any of its names, also
+ * if it does not exist yet. False for other devices and pipes, which take any number of writers. [any-thread] */
 bool stilb_file_same(const char *a, const char *b);
 
-/* Removes the temporary files that killed processes left beside path; those that are being written stay. For a file
- * that this run may not write; stilb_file_open does it as well. */
+/* Removes the temporary files that killed processes left beside path; those being written stay. stilb_file_open does it
+ * as well, so this is for a program that may end without writing path. [any-thread] */
 void stilb_file_clean(const char *path);
 
-/* Opens for writing; on failure file is {0} and needs no finish. */
+/* Opens path for writing. STILB_ERROR_FILE; then file is {0} and needs no finish. [one-writer] */
 stilb_result stilb_file_open(stilb_file *file, const char *path);
 
-/* fwrite with the error kept for commit. Returns 0, or a negative errno. */
+/* Appends size bytes, buffered as by fwrite; data may be NULL if size is 0. Returns 0 or a negative errno, and commit
+ * fails then, too. [one-writer] */
 int stilb_file_write(stilb_file *file, const void *data, size_t size);
 
-/* Flushes, syncs, renames into place, syncs the folder, and finishes. Any error so far, a full disk too, comes out
- * here; then the old file is still there and nothing new is. */
+/* Flushes, syncs, renames into place, syncs the folder, and finishes. STILB_ERROR_FILE for any error so far, a full disk
+ * included; then the old file is still there and nothing new is. [one-writer] */
 stilb_result stilb_file_commit(stilb_file *file);
 
-/* Drops what was written and closes. Safe on {0} and after commit. */
+/* Drops the bytes written, closes, and leaves {0}. Accepts {0}, and does nothing after commit. [one-writer] */
 void stilb_file_finish(stilb_file *file);
 
-/* Open, write, commit in one go. */
+/* stilb_file_open, write and commit. data may be NULL if size is 0. STILB_ERROR_FILE. [any-thread] */
 stilb_result stilb_file_save(const char *path, const void *data, size_t size);
 
-/* Opens a regular file for reading from its start; fclose it. Never waits: STILB_ERROR_FILE for a pipe, a device, a
- * folder, and what cannot be opened; *stream is NULL then. */
+/* Opens a regular file for reading from its start; the caller closes it with fclose. Never waits: STILB_ERROR_FILE for a
+ * pipe, a device, a folder, and for a file that cannot be opened; *stream is NULL then. [any-thread] */
 stilb_result stilb_file_read_open(const char *path, FILE **stream);
 
 #endif

@@ -8,20 +8,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The text ends in 0 and fits; without text nothing has been written. */
+static bool json_is_sound(const stilb_json *json)
+{
+	if (!json->text)
+		return json->length == 0 && json->capacity == 0;
+	return json->length < json->capacity && json->text[json->length] == '\0';
+}
+
 static void json_append(stilb_json *json, const char *text, size_t length)
 {
 	if (json->length + length + 1 > json->capacity) {
 		size_t capacity = (json->length + length + 1) * 2;
 		char *grown = realloc(json->text, capacity);
-		json->failed |= grown == NULL;
-		if (!grown)
+		if (!grown) {
+			json->failed = true;
 			return;
+		}
 		json->text = grown;
 		json->capacity = capacity;
 	}
 	memcpy(json->text + json->length, text, length);
 	json->length += length;
 	json->text[json->length] = '\0';
+	STILB_ASSERT(json_is_sound(json));
 }
 
 static void json_put(stilb_json *json, const char *text)
@@ -29,8 +39,8 @@ static void json_put(stilb_json *json, const char *text)
 	json_append(json, text, strlen(text));
 }
 
-/* Bytes of the character of two to four bytes that text begins with; 0 when it is not UTF-8 (RFC 3629: the shortest
- * form, no surrogates, at most U+10FFFF). */
+/* The length, 2 to 4 bytes, of the non-ASCII character that text begins with; 0 if it is not UTF-8 (RFC 3629: the
+ * shortest form, no surrogates, at most U+10FFFF). */
 static size_t json_utf8_length(const char *text)
 {
 	static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
@@ -40,7 +50,7 @@ static size_t json_utf8_length(const char *text)
 	if (first < 0xc2 || first > 0xf4)
 		return 0;
 	for (size_t i = 1; i < length; i++) {
-		if (((unsigned char)text[i] & 0xc0) != 0x80) /* the end of text too */
+		if (((unsigned char)text[i] & 0xc0) != 0x80) /* also true at the end of text */
 			return 0;
 		code = code << 6 | ((unsigned char)text[i] & 0x3f);
 	}
@@ -55,7 +65,7 @@ static void json_quote(stilb_json *json, const char *value)
 		unsigned char c = (unsigned char)*value;
 		size_t length = c < 0x80 ? 1 : json_utf8_length(value);
 		if (length == 0)
-			json_put(json, "\xef\xbf\xbd"); /* U+FFFD: names of drivers may be cut or in another encoding */
+			json_put(json, "\xef\xbf\xbd"); /* U+FFFD: a driver's name may be cut or in another encoding */
 		else if (c >= 0x20 && c != '"' && c != '\\')
 			json_append(json, value, length);
 		else
@@ -65,9 +75,18 @@ static void json_quote(stilb_json *json, const char *value)
 	json_put(json, "\"");
 }
 
-/* What stands before every value: the comma, the line, the key. */
+/* True if the innermost open bracket is an object. */
+static bool json_in_object(const stilb_json *json)
+{
+	return json->depth > 0 && (json->objects >> (json->depth - 1) & 1);
+}
+
+/* Writes the part before a value: the comma, a new line, the key. */
 static void json_lead(stilb_json *json, const char *key)
 {
+	STILB_ASSERT(json && json_is_sound(json));
+	STILB_ASSERT((key != NULL) == json_in_object(json) && "a value in an object has a key, others have none");
+	STILB_ASSERT((json->depth > 0 || !json->comma) && "one value at the top");
 	if (json->comma)
 		json_put(json, ",");
 	if (json->depth > 0) {
@@ -84,17 +103,21 @@ static void json_lead(stilb_json *json, const char *key)
 
 void stilb_json_begin(stilb_json *json, const char *key, char bracket)
 {
+	STILB_ASSERT(bracket == '{' || bracket == '[');
 	json_lead(json, key);
+	STILB_ASSERT(json->depth < STILB_JSON_MAX_DEPTH);
 	json_append(json, &bracket, 1);
+	json->objects = (json->objects & ~(UINT64_C(1) << json->depth)) | (uint64_t)(bracket == '{') << json->depth;
 	json->depth++;
 	json->comma = false;
 }
 
 void stilb_json_end(stilb_json *json, char bracket)
 {
-	STILB_ASSERT(json->depth > 0);
+	STILB_ASSERT(json && json->depth > 0);
+	STILB_ASSERT(bracket == (json_in_object(json) ? '}' : ']') && "closes the innermost bracket");
 	json->depth--;
-	if (json->comma) { /* it had members: the bracket gets its own line */
+	if (json->comma) { /* there were values inside: the bracket gets its own line */
 		json_put(json, "\n");
 		for (uint32_t i = 0; i < json->depth; i++)
 			json_put(json, "  ");
@@ -123,7 +146,7 @@ void stilb_json_double(stilb_json *json, const char *key, double value)
 	char text[64];
 	if (!isfinite(value) || fabs(value) >= 9e12)
 		value = 0.0;
-	int64_t micro = llround(fabs(value) * 1e6); /* integers print alike in every locale */
+	int64_t micro = llround(fabs(value) * 1e6); /* integers print the same in every locale */
 	snprintf(text, sizeof text, "%s%" PRId64 ".%06" PRId64, value < 0 && micro ? "-" : "", micro / 1000000,
 	         micro % 1000000);
 	json_lead(json, key);
@@ -138,7 +161,9 @@ void stilb_json_bool(stilb_json *json, const char *key, bool value)
 
 stilb_result stilb_json_save(stilb_json *json, const char *path)
 {
-	STILB_ASSERT(json->depth == 0);
+	STILB_ASSERT(json && path);
+	STILB_ASSERT(json->depth == 0 && "every bracket is closed");
+	STILB_ASSERT(json->comma && "there is a value");
 	json_put(json, "\n");
 	stilb_result result = json->failed ? stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path)
 	                                   : stilb_file_save(path, json->text, json->length);
@@ -148,6 +173,7 @@ stilb_result stilb_json_save(stilb_json *json, const char *path)
 
 void stilb_json_finish(stilb_json *json)
 {
+	STILB_ASSERT(json);
 	free(json->text);
 	*json = (stilb_json){0};
 }

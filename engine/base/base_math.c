@@ -1,6 +1,6 @@
 #include "base/base_math.h"
 
-#include <stddef.h>
+#include "base/base.h"
 
 stilb_mat4 stilb_mat4_identity(void)
 {
@@ -27,8 +27,8 @@ stilb_mat4 stilb_mat4_scale_translate(float scale, float x, float y, float z)
 
 stilb_mat4 stilb_mat4_view(stilb_vec3 position, float yaw, float pitch)
 {
-	/* The camera's axes in the world are the columns of R_y(yaw) R_x(pitch); the view has them as rows, since a
-	 * rotation's inverse is its transpose. The last axis points backwards: the camera looks along -Z. */
+	/* The camera's axes in the world are the columns of R_y(yaw) R_x(pitch). They are rows of the view matrix, because
+	 * the inverse of a rotation is its transpose. The last axis points backwards: the camera looks along -Z. */
 	float sin_yaw = sinf(yaw), cos_yaw = cosf(yaw), sin_pitch = sinf(pitch), cos_pitch = cosf(pitch);
 	stilb_vec3 axes[3] = {
 		stilb_vec3_make(cos_yaw, 0.0f, -sin_yaw),
@@ -47,6 +47,9 @@ stilb_mat4 stilb_mat4_view(stilb_vec3 position, float yaw, float pitch)
 
 stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float far_z)
 {
+	STILB_ASSERT(fov_y > 0.0f && fov_y < 3.1415927f);
+	STILB_ASSERT(aspect > 0.0f);
+	STILB_ASSERT(0.0f < near_z && near_z < far_z);
 	/* w = -z. Depth (a z + b) / w is 1 at z = -near_z and 0 at z = -far_z: two linear equations for a and b. */
 	float focal = 1.0f / tanf(0.5f * fov_y);
 	float a = near_z / (far_z - near_z);
@@ -55,8 +58,8 @@ stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float
 	return projection;
 }
 
-/* The half space row . (p, 1) >= 0, scaled so that its normal is unit length. A row without a normal (the far plane of
- * an infinite projection) stays as it is: then n.p + distance has one sign everywhere. */
+/* The half space row . (p, 1) >= 0, scaled to a unit normal. A row with a normal of 0 (the far plane of an infinite
+ * projection) stays as it is: then n.p + distance has one sign everywhere. */
 static stilb_plane base_plane_normalize(stilb_vec4 row)
 {
 	float length = sqrtf(stilb_vec3_dot(row, row));
@@ -67,12 +70,13 @@ static stilb_plane base_plane_normalize(stilb_vec4 row)
 
 stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection)
 {
+	STILB_ASSERT(view_projection);
 	stilb_vec4 rows[4];
 	for (int row = 0; row < 4; row++)
 		for (int column = 0; column < 4; column++)
 			rows[row][column] = view_projection->m[column * 4 + row];
-	/* Inside means -w <= x <= w, -w <= y <= w with y down (so y <= w is the bottom edge), 0 <= z <= w with z = w
-	 * near. */
+	/* A point is inside if -w <= x <= w, -w <= y <= w and 0 <= z <= w. y points down, so y <= w is the bottom edge; depth
+	 * is reversed, so z <= w is the near plane. */
 	stilb_frustum frustum = {{
 		base_plane_normalize(rows[3] + rows[0]),
 		base_plane_normalize(rows[3] - rows[0]),

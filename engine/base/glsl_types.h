@@ -1,12 +1,12 @@
 /*
- * glsl_types: the C half of the shading dialect: what GLSL's built-in functions mean on stilb_vec2, stilb_vec3 and
- * stilb_vec4. The files in engine/shading never call these by name: glsl_begin.h maps the GLSL names to them.
+ * glsl_types: the C half of the shading dialect: GLSL's built-in functions for stilb_vec2, stilb_vec3 and stilb_vec4.
+ * The files in engine/shading never call these by name: glsl_begin.h maps the GLSL names to them.
  *
  * Names.    glsl_<function>_1 takes floats, _2 a vec2, _4 a vec3 or vec4 (one type in C: all four lanes are computed,
  *           and lane 3 of a vec3 stays unspecified). A trailing f says that the other operands are floats. dot, length,
  *           distance, normalize, cross and reflect look at three lanes; glsl_dot4 at four.
- * Meaning.  As in the OpenGL Shading Language Specification 4.60, chapter 8. Where it leaves a result undefined (pow of
- *           a negative base, clamp with min > max, NaN in min and max) so does this file.
+ * Meaning.  As in the OpenGL Shading Language Specification 4.60, chapter 8. A result that it leaves undefined (pow of
+ *           a negative base, clamp with min > max, NaN in min and max) is unspecified here, too, and never asserted.
  * Threads.  Pure functions: [any-thread].
  */
 #ifndef STILB_GLSL_TYPES_H
@@ -157,7 +157,7 @@ static inline float glsl_smoothstep_1(float edge0, float edge1, float x)
 	return t * t * (3.0f - 2.0f * t);
 }
 
-/* ---- the same, lane by lane ------------------------------------------------------------------------------------- */
+/* ---- lane by lane ------------------------------------------------------------------------------------------------ */
 
 #define GLSL_LANES1(name)                                                                                              \
 	static inline stilb_vec2 glsl_##name##_2(stilb_vec2 x)                                                             \

@@ -465,7 +465,7 @@ static void a_frame_without_memory(void **state)
 		for (stilb_result result = STILB_ERROR_MEMORY; result != STILB_OK; granted += granted < 8 ? 1 : 5) {
 			stilb_render *render = make_render(scene, workers + 1, STILB_RENDER_REPLAY_INDIRECT);
 			allocations_allow(granted);
-			stilb_fail(STILB_OK, "no message yet");
+			stilb_fail(STILB_ERROR_FILE, "no message yet");
 			result = draw_frame(render, scene, ids, models, pool);
 			allocations_allow(INT64_MAX);
 			assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY);
