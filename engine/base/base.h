@@ -96,8 +96,8 @@ void *stilb_memory_alloc(size_t count, size_t size);
 bool stilb_memory_is_scarce(size_t bytes);
 
 /* Stores the message for `count` (>= 1) threads that could not be started, and returns STILB_ERROR_MEMORY or
- * STILB_ERROR_THREAD. error: the errno, > 0, of pthread_create. It is EAGAIN both for too many threads and for no memory
- * for their stacks; which of the two is decided here by stilb_memory_is_scarce. */
+ * STILB_ERROR_THREAD. error: the errno, > 0, of pthread_create. It is EAGAIN both for too many threads and for no
+ * memory for their stacks; which of the two is decided here by stilb_memory_is_scarce. */
 stilb_result stilb_fail_threads(uint32_t count, int error);
 
 /* ---- hashing --------------------------------------------------------------------------------------------------- */
@@ -112,7 +112,8 @@ uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size);
 /* ---- random numbers -------------------------------------------------------------------------------------------- */
 
 /* A value for every (seed, index): the finaliser of splitmix64 over seed + (index + 1) * golden gamma. Counter-based:
- * the same pair gives the same value in any order of calls and on any thread. Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014. */
+ * the same pair gives the same value in any order of calls and on any thread. Source: Steele, Lea, Flood, "Fast
+ * splittable pseudorandom number generators", OOPSLA 2014. */
 uint64_t stilb_random_u64(uint64_t seed, uint64_t index);
 
 /* The upper 24 bits of stilb_random_u64 as a float in [0, 1), a multiple of 2^-24. */
@@ -129,7 +130,8 @@ typedef struct stilb_cpu_features {
 	bool invariant_tsc;                  /* the time stamp counter ticks at one rate in every power state */
 } stilb_cpu_features;
 
-/* Asks the CPU with CPUID: microseconds each on a virtual machine, so call it once. All false on other architectures. */
+/* Asks the CPU with CPUID: microseconds each on a virtual machine, so call it once. All false on other
+ * architectures. */
 stilb_cpu_features stilb_cpu_query(void);
 
 /* The instruction sets for which modules have code; each includes the ones before it. */

@@ -7,7 +7,8 @@
  * Life cycle.  An object that is [main-thread] holds a stilb_owner and takes it when it is created; an object handed to
  *              another thread is taken there. A stilb_lock is initialised, taken and given any number of times, and
  *              finished.
- * Threads.     [any-thread] but for stilb_lock_init and stilb_lock_finish: while they run, no other thread uses the lock.
+ * Threads.     [any-thread] but for stilb_lock_init and stilb_lock_finish: while they run, no other thread uses the
+ *              lock.
  * Layout.      The structs are the same with and without NDEBUG; without asserts an owner costs one relaxed store where
  *              it is taken.
  */

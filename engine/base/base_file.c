@@ -97,8 +97,8 @@ bool stilb_file_is_stdout(const char *path)
 	return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
 
-/* One name for all names of a file, in a new string: links followed, the folder's path absolute. NULL if the folder does
- * not exist or memory runs out. */
+/* One name for all names of a file, in a new string: links followed, the folder's path absolute. NULL if the folder
+ * does not exist or memory runs out. */
 static char *file_real_target(const char *path)
 {
 	char *target = file_resolve(path), *folder = target && target[0] ? file_folder(target) : NULL;
@@ -168,9 +168,10 @@ static FILE *file_open_direct(const char *path)
 
 /* ---- temporary files ------------------------------------------------------------------------------------------------
  *
- * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" if that name is taken. Its writer holds its lock
- * (flock) until the file is renamed or removed, and the kernel releases the lock of a process that dies: a temporary file
- * without a lock was left behind and may be removed. Unlike a process number, a lock is also seen from other containers.
+ * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" if that name is taken. Its writer holds its
+ * lock (flock) until the file is renamed or removed, and the kernel releases the lock of a process that dies: a
+ * temporary file without a lock was left behind and may be removed. Unlike a process number, a lock is also seen from
+ * other containers.
  */
 
 #define FILE_TEMPORARY_MAX 48 /* bytes of ".<pid>-<number>.tmp" and its 0; at most 26 are used */
@@ -178,8 +179,8 @@ static FILE *file_open_direct(const char *path)
 
 static_assert(FILE_TEMPORARY_MAX < NAME_MAX, "a temporary name keeps a part of the file's name");
 
-/* Sets *stem to the last name of path. Returns its length, shortened so that a temporary name is no longer than NAME_MAX
- * bytes. */
+/* Sets *stem to the last name of path. Returns its length, shortened so that a temporary name is no longer than
+ * NAME_MAX bytes. */
 static size_t file_stem(const char *path, const char **stem)
 {
 	const char *slash = strrchr(path, '/');

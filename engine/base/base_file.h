@@ -57,8 +57,8 @@ stilb_result stilb_file_open(stilb_file *file, const char *path);
  * fails then, too. [one-writer] */
 int stilb_file_write(stilb_file *file, const void *data, size_t size);
 
-/* Flushes, syncs, renames into place, syncs the folder, and finishes. STILB_ERROR_FILE for any error so far, a full disk
- * included; then the old file is still there and nothing new is. [one-writer] */
+/* Flushes, syncs, renames into place, syncs the folder, and finishes. STILB_ERROR_FILE for any error so far, a full
+ * disk included; then the old file is still there and nothing new is. [one-writer] */
 stilb_result stilb_file_commit(stilb_file *file);
 
 /* Drops the bytes written, closes, and leaves {0}. Accepts {0}, and does nothing after commit. [one-writer] */
@@ -67,8 +67,8 @@ void stilb_file_finish(stilb_file *file);
 /* stilb_file_open, write and commit. data may be NULL if size is 0. STILB_ERROR_FILE. [any-thread] */
 stilb_result stilb_file_save(const char *path, const void *data, size_t size);
 
-/* Opens a regular file for reading from its start; the caller closes it with fclose. Never waits: STILB_ERROR_FILE for a
- * pipe, a device, a folder, and for a file that cannot be opened; *stream is NULL then. [any-thread] */
+/* Opens a regular file for reading from its start; the caller closes it with fclose. Never waits: STILB_ERROR_FILE for
+ * a pipe, a device, a folder, and for a file that cannot be opened; *stream is NULL then. [any-thread] */
 stilb_result stilb_file_read_open(const char *path, FILE **stream);
 
 #endif

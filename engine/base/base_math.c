@@ -75,8 +75,8 @@ stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection)
 	for (int row = 0; row < 4; row++)
 		for (int column = 0; column < 4; column++)
 			rows[row][column] = view_projection->m[column * 4 + row];
-	/* A point is inside if -w <= x <= w, -w <= y <= w and 0 <= z <= w. y points down, so y <= w is the bottom edge; depth
-	 * is reversed, so z <= w is the near plane. */
+	/* A point is inside if -w <= x <= w, -w <= y <= w and 0 <= z <= w. y points down, so y <= w is the bottom edge;
+	 * depth is reversed, so z <= w is the near plane. */
 	stilb_frustum frustum = {{
 		base_plane_normalize(rows[3] + rows[0]),
 		base_plane_normalize(rows[3] - rows[0]),

@@ -86,8 +86,9 @@ stilb_mat4 stilb_mat4_view(stilb_vec3 position, float yaw, float pitch);
 stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float far_z);
 
 /* The six planes of a world-to-clip matrix, in world space, with unit normals. A plane that the matrix does not have
- * (far, of an infinite projection) keeps a normal of 0 and contains everything. Source: Gribb and Hartmann, "Fast extraction of viewing
- * frustum planes from the world-view-projection matrix", 2001, with the signs of Vulkan's reversed depth. */
+ * (far, of an infinite projection) keeps a normal of 0 and contains everything. Source: Gribb and Hartmann, "Fast
+ * extraction of viewing frustum planes from the world-view-projection matrix", 2001, with the signs of Vulkan's
+ * reversed depth. */
 stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection);
 
 #endif
