@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What a filter averages. */
+/* The quantity that a filter averages. */
 typedef union normals_texel {
 	struct {
 		shade_mean_direction mean;
@@ -15,7 +15,7 @@ typedef union normals_texel {
 	shade_lean lean;
 } normals_texel;
 
-/* ---- one texel: in, average, out --------------------------------------------------------------------------------- */
+/* ---- one texel: make, mix, resolve ----------------------------------------------------------------------------- */
 
 static normals_texel texel_from(stilb_normal_filter filter, shade_rough_normal pixel)
 {
@@ -35,6 +35,7 @@ static normals_texel texel_from(stilb_normal_filter filter, shade_rough_normal p
 /* weight in [0, 1] is the share of b. */
 static normals_texel texel_mix(stilb_normal_filter filter, normals_texel a, normals_texel b, float weight)
 {
+	STILB_ASSERT(weight >= 0.0f && weight <= 1.0f);
 	if (filter == STILB_NORMAL_FILTER_LEAN)
 		return (normals_texel){.lean = shade_lean_mix(a.lean, b.lean, weight)};
 	return (normals_texel){
@@ -63,6 +64,7 @@ static shade_rough_normal texel_resolve(stilb_normal_filter filter, normals_texe
 
 static shade_rough_normal pixel_load(const stilb_image *level, uint32_t x, uint32_t y)
 {
+	STILB_ASSERT(x < level->width && y < level->height);
 	const float *p = (const float *)level->pixels + ((size_t)y * level->width + x) * 4;
 	return (shade_rough_normal){
 		.normal = stilb_vec3_make(p[0], p[1], p[2]),
@@ -72,17 +74,19 @@ static shade_rough_normal pixel_load(const stilb_image *level, uint32_t x, uint3
 
 static void pixel_store(stilb_image *level, uint32_t x, uint32_t y, shade_rough_normal pixel)
 {
+	STILB_ASSERT(x < level->width && y < level->height);
+	STILB_ASSERT(level->format == STILB_IMAGE_F32_LINEAR && level->channels == 4);
 	float *p = (float *)level->pixels + ((size_t)y * level->width + x) * 4;
 	for (int k = 0; k < 3; k++)
 		p[k] = pixel.normal[k];
 	p[3] = sqrtf(pixel.alpha);
 }
 
-/* The level that a smaller one is made of: its pixels (level 0), or what they were resolved from. */
+/* The level from which the next smaller one is made. */
 typedef struct normals_source {
 	stilb_normal_filter filter;
 	const stilb_image *level;
-	const normals_texel *texels; /* NULL for level 0 */
+	const normals_texel *texels; /* the averages that level's pixels were resolved from; NULL for level 0 */
 } normals_source;
 
 static normals_texel source_texel(const normals_source *source, uint32_t x, uint32_t y)
@@ -92,27 +96,31 @@ static normals_texel source_texel(const normals_source *source, uint32_t x, uint
 	return texel_from(source->filter, pixel_load(source->level, x, y));
 }
 
-/* The part of a side that one pixel of the smaller level covers, in pixels of the larger one: 2 of them, or between 2
- * and 3 where the side is odd. */
+/* The interval that one pixel of the smaller level covers along a side, in pixels of the larger level: 2 pixels long,
+ * or between 2 and 3 if the larger side is odd; 1 if both sides are 1. */
 typedef struct normals_span {
 	double low, high;
-	uint32_t first, last;
+	uint32_t first, last; /* pixels of the larger level that it touches */
 } normals_span;
 
 static normals_span span_of(uint32_t index, uint32_t smaller, uint32_t larger)
 {
+	STILB_ASSERT(index < smaller && smaller <= larger);
 	normals_span span = {.low = (double)index * larger / smaller, .high = (index + 1.0) * larger / smaller};
 	span.first = (uint32_t)span.low;
 	span.last = (uint32_t)ceil(span.high) - 1;
+	STILB_ASSERT(span.first <= span.last && span.last < larger);
 	return span;
 }
 
-/* How much of the pixel i is inside, (0, 1]. */
+/* The share of pixel i that lies in the interval, (0, 1]. */
 static double span_share(const normals_span *span, uint32_t i)
 {
+	STILB_ASSERT(i >= span->first && i <= span->last);
 	return fmin(i + 1.0, span->high) - fmax(i, span->low);
 }
 
+/* The average over columns x rows, weighted by area. */
 static normals_texel average(const normals_source *source, const normals_span *columns, const normals_span *rows)
 {
 	normals_texel sum = {0};
@@ -127,9 +135,11 @@ static normals_texel average(const normals_source *source, const normals_span *c
 	return sum;
 }
 
-/* Makes a level of a larger one. texels: what its pixels are resolved from, for the level after it. */
+/* Fills a level from the next larger one. texels, [height][width], receives the averages that its pixels are resolved
+ * from; the next level is made from them. */
 static void level_make(const normals_source *source, stilb_image *level, normals_texel *texels)
 {
+	STILB_ASSERT(level->width <= source->level->width && level->height <= source->level->height);
 	for (uint32_t y = 0; y < level->height; y++) {
 		normals_span rows = span_of(y, level->height, source->level->height);
 		for (uint32_t x = 0; x < level->width; x++) {
@@ -141,7 +151,12 @@ static void level_make(const normals_source *source, stilb_image *level, normals
 	}
 }
 
-/* ---- level 0: what was given ------------------------------------------------------------------------------------- */
+/* ---- level 0: the input ---------------------------------------------------------------------------------------- */
+
+static bool format_is_read(const stilb_image *image)
+{
+	return image->format == STILB_IMAGE_U8_SRGB || image->format == STILB_IMAGE_F32_LINEAR;
+}
 
 static stilb_result desc_check(const stilb_image_normals_desc *desc)
 {
@@ -149,8 +164,8 @@ static stilb_result desc_check(const stilb_image_normals_desc *desc)
 	const char *why = NULL;
 	if (!n || !n->pixels || (r && !r->pixels))
 		why = "a picture is empty";
-	else if (n->format == STILB_IMAGE_F16_LINEAR || (r && r->format == STILB_IMAGE_F16_LINEAR))
-		why = "16-bit floats are not supported; load the picture from .png or .exr";
+	else if (!format_is_read(n) || (r && !format_is_read(r)))
+		why = "pictures of 16 bits are not supported; load them from .png or .exr";
 	else if (n->channels < 2)
 		why = "they have one channel; 2 to 4 are needed";
 	else if (n->channels == 2 && desc->space == STILB_NORMAL_SPACE_OBJECT)
@@ -172,15 +187,18 @@ static stilb_result desc_check(const stilb_image_normals_desc *desc)
 	return STILB_OK;
 }
 
-/* One value of a picture as a number. */
+/* One value of a picture: a code / 255, or a float. */
 static float value(const stilb_image *image, size_t pixel, uint32_t channel)
 {
+	STILB_ASSERT(format_is_read(image));
+	STILB_ASSERT(channel < image->channels && pixel < (size_t)image->width * image->height);
 	size_t index = pixel * image->channels + channel;
 	if (image->format == STILB_IMAGE_U8_SRGB)
 		return (float)((const uint8_t *)image->pixels)[index] / 255.0f;
 	return ((const float *)image->pixels)[index];
 }
 
+/* The normal of a pixel, not normalised. */
 static stilb_vec3 given_normal(const stilb_image *normals, size_t pixel)
 {
 	stilb_vec3 n = {0};
@@ -236,6 +254,7 @@ static uint32_t halved(uint32_t side)
 static stilb_result levels_create(stilb_image_normals *chain, uint32_t width, uint32_t height)
 {
 	for (;;) {
+		STILB_ASSERT(chain->level_count < STILB_IMAGE_NORMALS_LEVELS);
 		stilb_image *level = &chain->levels[chain->level_count];
 		stilb_result created = stilb_image_create(level, width, height, 4, STILB_IMAGE_F32_LINEAR);
 		if (created != STILB_OK)
@@ -247,7 +266,7 @@ static stilb_result levels_create(stilb_image_normals *chain, uint32_t width, ui
 	}
 }
 
-/* Levels 1 and up; the texels of two of them lie in memory at a time. */
+/* Makes levels 1 and up. Keeps the texels of two levels at a time. */
 static stilb_result levels_make(stilb_normal_filter filter, stilb_image_normals *chain)
 {
 	normals_texel *texels[2] = {NULL, NULL};
@@ -271,6 +290,7 @@ static stilb_result levels_make(stilb_normal_filter filter, stilb_image_normals 
 
 stilb_result stilb_image_normals_create(const stilb_image_normals_desc *desc, stilb_image_normals *chain)
 {
+	STILB_ASSERT(desc && chain);
 	*chain = (stilb_image_normals){0};
 	stilb_result result = desc_check(desc);
 	if (result == STILB_OK)
@@ -288,6 +308,7 @@ void stilb_image_normals_finish(stilb_image_normals *chain)
 {
 	if (!chain)
 		return;
+	STILB_ASSERT(chain->level_count <= STILB_IMAGE_NORMALS_LEVELS);
 	for (uint32_t i = 0; i < chain->level_count; i++)
 		stilb_image_finish(&chain->levels[i]);
 	*chain = (stilb_image_normals){0};

@@ -318,6 +318,7 @@ static void bad_input_is_refused(void **state)
 	(void)state;
 	maps m = maps_random(4, 3, STILB_NORMAL_SPACE_TANGENT, 1);
 	stilb_image other = made(4, 4, 1, STILB_IMAGE_F32_LINEAR), half = made(4, 3, 3, STILB_IMAGE_F16_LINEAR);
+	stilb_image codes = made(4, 3, 3, STILB_IMAGE_U16_SRGB);
 	stilb_image empty = {.width = 0}, two = made(4, 3, 2, STILB_IMAGE_F32_LINEAR);
 	const stilb_image_normals_desc good = stilb_image_normals_desc_default(&m.normals);
 	stilb_image_normals_desc bad = good;
@@ -326,7 +327,9 @@ static void bad_input_is_refused(void **state)
 	refused(bad, result, why)
 	REFUSED(normals, NULL, STILB_ERROR_ARGUMENT, "a picture is empty");
 	REFUSED(roughness, &empty, STILB_ERROR_ARGUMENT, "a picture is empty");
-	REFUSED(normals, &half, STILB_ERROR_ARGUMENT, "16-bit floats");
+	REFUSED(normals, &half, STILB_ERROR_ARGUMENT, "16 bits");
+	REFUSED(normals, &codes, STILB_ERROR_ARGUMENT, "16 bits");
+	REFUSED(roughness, &codes, STILB_ERROR_ARGUMENT, "16 bits");
 	REFUSED(normals, &other, STILB_ERROR_ARGUMENT, "one channel");
 	REFUSED(roughness, &other, STILB_ERROR_ARGUMENT, "4 x 3 pixels, the roughness has 4 x 4");
 	REFUSED(constant_roughness, 1.5f, STILB_ERROR_ARGUMENT, "constant_roughness");
@@ -345,6 +348,7 @@ static void bad_input_is_refused(void **state)
 	refused(good, STILB_ERROR_ARGUMENT, "pixel (1, 0)");
 	stilb_image_finish(&other);
 	stilb_image_finish(&half);
+	stilb_image_finish(&codes);
 	stilb_image_finish(&two);
 	maps_finish(&m);
 }
