@@ -11,7 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* stilb_image's storage. From IMAGE_STORAGE_SHARED on it is a memory file's descriptor plus that. */
+/* Values of stilb_image.storage. A picture that can be shared has IMAGE_STORAGE_SHARED + its memory file's
+ * descriptor. */
 enum { IMAGE_STORAGE_MEMORY, IMAGE_STORAGE_MAPPED, IMAGE_STORAGE_SHARED };
 
 const size_t image_scalar_bytes[] = {
@@ -23,11 +24,19 @@ const image_scalar image_format_scalars[] = {[STILB_IMAGE_U8_SRGB] = IMAGE_SCALA
 
 size_t stilb_image_size(const stilb_image *image)
 {
+	STILB_ASSERT(image->width <= STILB_IMAGE_MAX_SIDE && image->height <= STILB_IMAGE_MAX_SIDE);
+	STILB_ASSERT(image->channels <= 4);
+	STILB_ASSERT((unsigned)image->format <= STILB_IMAGE_U16_SRGB);
 	return (size_t)image->width * image->height * image->channels *
 	       image_scalar_bytes[image_format_scalars[image->format]];
 }
 
-/* The sides are bounded first, so that the product cannot overflow. */
+bool image_is_sound(const stilb_image *image)
+{
+	return image->pixels && !image_refusal(image);
+}
+
+/* Sides and channels are bounded first, so that the product of the size cannot overflow. */
 const char *image_refusal(const stilb_image *image)
 {
 	if (image->width < 1 || image->height < 1 || image->width > STILB_IMAGE_MAX_SIDE ||
@@ -42,10 +51,11 @@ const char *image_refusal(const stilb_image *image)
 	return NULL;
 }
 
-/* {0} but for its shape, or a result with a message. */
+/* Sets image to the shape, without pixels. STILB_ERROR_ARGUMENT: the shape is refused, and image is {0}. */
 static stilb_result image_shape_check(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
                                       stilb_image_format format)
 {
+	STILB_ASSERT(image);
 	stilb_image made = {.width = width, .height = height, .channels = channels, .format = format};
 	const char *refusal = image_refusal(&made);
 	*image = (stilb_image){0};
@@ -56,9 +66,10 @@ static stilb_result image_shape_check(stilb_image *image, uint32_t width, uint32
 	return STILB_OK;
 }
 
+/* Leaves {0}. */
 static stilb_result image_no_memory(stilb_image *image)
 {
-	const uint32_t width = image->width, height = image->height;
+	uint32_t width = image->width, height = image->height;
 	*image = (stilb_image){0};
 	return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels", width, height);
 }
@@ -73,6 +84,7 @@ stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t hei
 	if (!image->pixels)
 		return image_no_memory(image);
 	memset(image->pixels, 0, stilb_image_size(image));
+	STILB_ASSERT(image_is_sound(image) && (uintptr_t)image->pixels % 64 == 0);
 	return STILB_OK;
 }
 
@@ -80,6 +92,7 @@ void stilb_image_finish(stilb_image *image)
 {
 	if (!image)
 		return;
+	STILB_ASSERT((image->pixels || image->storage == IMAGE_STORAGE_MEMORY) && "mapped memory has an address");
 	if (image->storage == IMAGE_STORAGE_MEMORY)
 		free(image->pixels);
 	else
@@ -89,12 +102,12 @@ void stilb_image_finish(stilb_image *image)
 	*image = (stilb_image){0};
 }
 
-/* ---- pictures that go from process to process -------------------------------------------------------------------- */
+/* ---- pictures that one process hands to another ---------------------------------------------------------------- */
 
 #define IMAGE_SEALS (F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE)
 
-/* Pictures up to this many bytes get their memory at once, not page by page, which takes longer; of a larger one that a
- * short file merely claims, none is taken until it is decoded. */
+/* Pictures up to this many bytes get their memory when they are mapped, which is faster than page by page. Larger ones
+ * get it when they are written: a short file may claim a huge picture. */
 #define IMAGE_POPULATE_MAX (16u << 20)
 
 stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
@@ -103,8 +116,8 @@ stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint3
 	stilb_result result = image_shape_check(image, width, height, channels, format);
 	if (result != STILB_OK)
 		return result;
-	const size_t size = stilb_image_size(image);
-	const int file = memfd_create("picture", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+	size_t size = stilb_image_size(image);
+	int file = memfd_create("picture", MFD_CLOEXEC | MFD_ALLOW_SEALING);
 	void *pixels = MAP_FAILED;
 	if (file >= 0 && ftruncate(file, (off_t)size) == 0)
 		pixels = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | (size <= IMAGE_POPULATE_MAX ? MAP_POPULATE : 0),
@@ -116,14 +129,16 @@ stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint3
 	}
 	image->pixels = pixels;
 	image->storage = IMAGE_STORAGE_SHARED + (uint32_t)file;
+	STILB_ASSERT(image_is_sound(image));
 	return STILB_OK;
 }
 
 int stilb_image_share(stilb_image *image)
 {
-	STILB_ASSERT(image->storage >= IMAGE_STORAGE_SHARED);
-	const int file = (int)(image->storage - IMAGE_STORAGE_SHARED);
-	munmap(image->pixels, stilb_image_size(image)); /* what can be written through cannot be sealed */
+	STILB_ASSERT(image->storage >= IMAGE_STORAGE_SHARED && "made by stilb_image_create_shared");
+	STILB_ASSERT(image_is_sound(image));
+	int file = (int)(image->storage - IMAGE_STORAGE_SHARED);
+	munmap(image->pixels, stilb_image_size(image)); /* a writable mapping would forbid F_SEAL_WRITE */
 	*image = (stilb_image){0};
 	if (fcntl(file, F_ADD_SEALS, IMAGE_SEALS | F_SEAL_SEAL) == 0)
 		return file;
@@ -138,37 +153,43 @@ stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t
 	stilb_result result = image_shape_check(image, width, height, channels, format);
 	if (result != STILB_OK)
 		return result;
+	STILB_ASSERT(file >= 0);
 	struct stat info;
-	const size_t size = stilb_image_size(image);
-	const int seals = fcntl(file, F_GET_SEALS);
+	size_t size = stilb_image_size(image);
+	int seals = fcntl(file, F_GET_SEALS);
 	if (seals < 0 || (seals & IMAGE_SEALS) != IMAGE_SEALS || fstat(file, &info) != 0 || (size_t)info.st_size != size) {
 		*image = (stilb_image){0};
-		return stilb_fail(STILB_ERROR_FILE, "a picture's memory is not what it was said to be");
+		return stilb_fail(STILB_ERROR_FILE,
+		                  "a picture's memory is not sealed, or not of the size that its shape needs");
 	}
 	void *pixels = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE, file, 0);
 	if (pixels == MAP_FAILED)
 		return image_no_memory(image);
 	image->pixels = pixels;
 	image->storage = IMAGE_STORAGE_MAPPED;
+	STILB_ASSERT(image_is_sound(image));
 	return STILB_OK;
 }
 
-/* ---- what the codecs share --------------------------------------------------------------------------------------- */
+/* ---- shared by the codecs -------------------------------------------------------------------------------------- */
 
 void image_message_set(image_message *message, const char *text)
 {
+	STILB_ASSERT(message && text);
 	snprintf(message->text, sizeof message->text, "%.*s", (int)strcspn(text, "\n"), text);
 }
 
 bool image_bytes_write(image_bytes *bytes, size_t offset, const void *data, size_t size)
 {
-	if (offset + size > bytes->room) {
-		const size_t room = (offset + size) / 2 * 3 + 65536;
-		unsigned char *grown = realloc(bytes->data, room);
+	STILB_ASSERT(offset <= bytes->size && "no gap");
+	STILB_ASSERT(bytes->size <= bytes->capacity && (bytes->data || bytes->capacity == 0));
+	if (offset + size > bytes->capacity) {
+		size_t capacity = (offset + size) / 2 * 3 + 65536;
+		unsigned char *grown = realloc(bytes->data, capacity);
 		if (!grown)
 			return false;
 		bytes->data = grown;
-		bytes->room = room;
+		bytes->capacity = capacity;
 	}
 	memcpy(bytes->data + offset, data, size);
 	if (offset + size > bytes->size)

@@ -1,5 +1,6 @@
-// EXR through OpenEXR's C++ library, with a face that C can call; no exception leaves it. Its C library (OpenEXRCore
-// 3.1.5) gives wrong pixels for some files (RGBA of halves, DWA of floats) and reads past its buffers in damaged ones.
+// EXR through OpenEXR's C++ library, behind functions that C can call; no exception leaves them. Its C library
+// (OpenEXRCore 3.1.5) gives wrong pixels for some files (RGBA of halves, DWA of floats) and reads past its buffers in
+// damaged ones.
 #include "image/image_exr.h"
 
 #include "image/image_layers.h"
@@ -284,7 +285,7 @@ bool tell_texts(const exr_input &input, const image_exr_sink &sink)
 
 } // namespace
 
-// ---- the face -------------------------------------------------------------------------------------------------------
+// ---- for C ----------------------------------------------------------------------------------------------------------
 
 image_outcome image_exr_encode(const image_exr_file *from, image_bytes *file, image_message *message)
 {

@@ -1,4 +1,4 @@
-/* image_exr: EXR files with any channels, below image_codec_exr and image_layers. */
+/* image_exr: EXR files with any channels, for image_codec_exr and image_layers. C, implemented in C++. [any-thread] */
 #ifndef STILB_IMAGE_EXR_H
 #define STILB_IMAGE_EXR_H
 
@@ -13,23 +13,23 @@ struct stilb_image_attribute;
 /* A channel to be written. */
 typedef struct image_exr_channel {
 	const char *name;
-	const void *first;           /* the top left pixel's value */
+	const void *first;           /* value of the top left pixel */
 	size_t pixel_step, row_step; /* bytes from one value to the next, and from one row to the next */
 } image_exr_channel;
 
 typedef struct image_exr_file {
 	uint32_t width, height, channel_count, attribute_count;
-	const image_exr_channel *channels; /* names differ, in any order */
+	const image_exr_channel *channels; /* [channel_count], of different names, in any order */
 	const struct stilb_image_attribute *attributes;
-	image_scalar scalar, stored; /* of the values given, and of the file's: F16 or F32 */
+	image_scalar scalar, stored; /* type of the values in memory, and in the file: F16 or F32 */
 } image_exr_file;
 
-/* Encodes, with zip compression. The same input gives the same bytes. */
+/* Appends the encoded file, zip compressed. The same input gives the same bytes. */
 image_outcome image_exr_encode(const image_exr_file *from, image_bytes *file, image_message *message);
 
-/* Takes a file with all its channels. create returns the memory for [height][width][channels] floats, or NULL to
- * refuse; then follow the channels' names, in the order of the floats, and the attributes that are text; both texts are
- * gone afterwards. False: out of memory. */
+/* Receives a decoded file. create returns the memory for [height][width][channels] floats, or NULL to refuse; then
+ * follow the channels' names, in the order of the floats, and the text attributes. Strings are valid during the call
+ * only. channel and attribute return false if they are out of memory. */
 typedef struct image_exr_sink {
 	void *context;
 	float *(*create)(void *context, uint32_t width, uint32_t height, uint32_t channels);

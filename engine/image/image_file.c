@@ -17,7 +17,8 @@ static const image_codec *const image_codecs[] = {&image_codec_png, &image_codec
 
 #define IMAGE_EXTENSIONS ".png, .exr or .hdr"
 
-/* From the last dot of the last name; NULL: there is none. A leading dot hides a file and starts no extension. */
+/* The part of the last name from its last dot on, or NULL if there is none. A leading dot marks a hidden file, not an
+ * extension. */
 static const char *image_extension(const char *path)
 {
 	const char *slash = strrchr(path, '/');
@@ -34,7 +35,7 @@ static const image_codec *image_codec_find(const char *extension)
 	return NULL;
 }
 
-/* By the extension; NULL with a message ("cannot <verb> ...") for an unknown one. */
+/* The codec for path's extension; NULL with a message ("cannot <verb> ...") if there is none. */
 static const image_codec *image_codec_of(const char *path, const char *verb)
 {
 	const char *extension = image_extension(path);
@@ -51,6 +52,7 @@ static const image_codec *image_codec_of(const char *path, const char *verb)
 
 bool stilb_image_path_is_light(const char *path)
 {
+	STILB_ASSERT(path);
 	const char *extension = image_extension(path);
 	const image_codec *codec = extension ? image_codec_find(extension) : NULL;
 	return codec && !codec->codes;
@@ -58,11 +60,13 @@ bool stilb_image_path_is_light(const char *path)
 
 stilb_result stilb_image_path_check(const char *path)
 {
+	STILB_ASSERT(path);
 	return image_codec_of(path, "write") ? stilb_file_check(path) : STILB_ERROR_ARGUMENT;
 }
 
-/* ---- conversion: the colour channels go through the transfer, alpha does not ------------------------------------- */
+/* ---- conversion: the sRGB transfer applies to colour channels, not to alpha -------------------------------------- */
 
+/* index counts values from the picture's first. */
 static bool image_channel_is_alpha(const stilb_image *image, size_t index)
 {
 	uint32_t channels = image->channels;
@@ -83,7 +87,7 @@ static float image_half_to_float(uint16_t half)
 static uint8_t image_code(float light, bool alpha)
 {
 	if (!(light > 0.0f))
-		return 0; /* NaN too */
+		return 0; /* also NaN */
 	float clamped = light < 1.0f ? light : 1.0f;
 	float code = alpha ? clamped : shade_srgb_from_linear(clamped);
 	return (uint8_t)(code * 255.0f + 0.5f);
@@ -91,9 +95,10 @@ static uint8_t image_code(float light, bool alpha)
 
 static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 {
+	STILB_ASSERT(image->format != STILB_IMAGE_U8_SRGB && "codes need no conversion");
 	const float *floats = image->pixels;
 	const uint16_t *halves = image->pixels;
-	const size_t count = (size_t)image->width * image->height * image->channels;
+	size_t count = (size_t)image->width * image->height * image->channels;
 	for (size_t i = 0; i < count; i++) {
 		if (image->format == STILB_IMAGE_U16_SRGB) {
 			codes[i] = (uint8_t)((halves[i] * 255u + 32767u) / 65535u);
@@ -104,9 +109,10 @@ static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 	}
 }
 
-/* Of `count` values from `first` on. */
+/* Converts `count` values from number `first` on. */
 static void image_convert_to_light(const stilb_image *image, size_t first, size_t count, float *light)
 {
+	STILB_ASSERT(first + count <= (size_t)image->width * image->height * image->channels);
 	float table[256];
 	const uint8_t *codes = (const uint8_t *)image->pixels + first;
 	const uint16_t *words = (const uint16_t *)image->pixels + first;
@@ -119,39 +125,42 @@ static void image_convert_to_light(const stilb_image *image, size_t first, size_
 	for (size_t i = 0; image->format == STILB_IMAGE_F16_LINEAR && i < count; i++)
 		light[i] = image_half_to_float(words[i]);
 	for (size_t i = 0; image->format == STILB_IMAGE_U16_SRGB && i < count; i++) {
-		const float code = (float)words[i] / 65535.0f;
+		float code = (float)words[i] / 65535.0f;
 		light[i] = image_channel_is_alpha(image, first + i) ? code : shade_srgb_to_linear(code);
 	}
 }
 
 void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light)
 {
-	const size_t row = (size_t)image->width * image->channels;
+	size_t row = (size_t)image->width * image->channels;
+	STILB_ASSERT(image_is_sound(image));
 	STILB_ASSERT(y < image->height);
+	STILB_ASSERT(light);
 	image_convert_to_light(image, y * row, row, light);
 }
 
 /* ---- saving ------------------------------------------------------------------------------------------------------ */
 
-/* What the encoder is given: the picture's own pixels, or a converted copy to be freed; and what the file holds. */
+/* The input of an encoder. */
 typedef struct image_source {
 	image_shape shape;
-	image_scalar stored;
-	const void *pixels;
-	void *converted;
+	image_scalar stored; /* the type of light in the file */
+	const void *pixels;  /* the picture's own, or converted */
+	void *converted;     /* to be freed; NULL if no conversion was needed */
 } image_source;
 
-/* Codecs of codes take U8; the one of halves and floats takes each as it is; that of shared exponents takes floats. */
+/* PNG takes U8, EXR takes F16 and F32, HDR takes F32; others are converted. False: out of memory. */
 static bool image_source_make(const stilb_image *image, const image_codec *codec, image_source *source)
 {
-	const image_scalar own = image_format_scalars[image->format];
+	STILB_ASSERT(image_is_sound(image));
+	image_scalar own = image_format_scalars[image->format];
 	*source = (image_source){.shape = {image->width, image->height, image->channels, own}, .stored = own};
 	source->pixels = image->pixels;
-	const bool floats = own == IMAGE_SCALAR_F32 || (own == IMAGE_SCALAR_F16 && codec == &image_codec_exr);
+	bool floats = own == IMAGE_SCALAR_F32 || (own == IMAGE_SCALAR_F16 && codec == &image_codec_exr);
 	if (codec->codes ? own == IMAGE_SCALAR_U8 : floats)
 		return true;
 	source->shape.scalar = codec->codes ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32;
-	source->stored = own == IMAGE_SCALAR_U16 ? IMAGE_SCALAR_F32 : IMAGE_SCALAR_F16; /* 8 bits of sRGB fit into halves */
+	source->stored = own == IMAGE_SCALAR_U16 ? IMAGE_SCALAR_F32 : IMAGE_SCALAR_F16; /* a half holds 8 bits of sRGB */
 	size_t count = (size_t)image->width * image->height * image->channels;
 	source->converted = stilb_memory_alloc(count, image_scalar_bytes[source->shape.scalar]);
 	if (!source->converted)
@@ -166,6 +175,7 @@ static bool image_source_make(const stilb_image *image, const image_codec *codec
 
 stilb_result image_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message)
 {
+	STILB_ASSERT(outcome == IMAGE_OUTCOME_MEMORY || outcome == IMAGE_OUTCOME_CODEC);
 	if (outcome == IMAGE_OUTCOME_MEMORY)
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot %s '%s': out of memory", verb, path);
 	return stilb_fail(STILB_ERROR_FILE, "cannot %s '%s': %s", verb, path, message->text);
@@ -173,6 +183,7 @@ stilb_result image_fail(image_outcome outcome, const char *verb, const char *pat
 
 stilb_result stilb_image_save(const stilb_image *image, const char *path)
 {
+	STILB_ASSERT(image && path);
 	const image_codec *codec = image_codec_of(path, "write");
 	if (!codec)
 		return STILB_ERROR_ARGUMENT;
@@ -206,13 +217,15 @@ void *image_load_allocate(void *context, image_shape *shape)
 	                                             [IMAGE_SCALAR_F16] = STILB_IMAGE_F16_LINEAR,
 	                                             [IMAGE_SCALAR_F32] = STILB_IMAGE_F32_LINEAR};
 	image_load *load = context;
+	STILB_ASSERT(!load->image->pixels && "a codec allocates once");
+	STILB_ASSERT((unsigned)shape->scalar <= IMAGE_SCALAR_U16);
 	if (!load->exact && shape->scalar == IMAGE_SCALAR_U16)
 		shape->scalar = IMAGE_SCALAR_U8;
 	if (!load->exact && shape->scalar == IMAGE_SCALAR_F16)
 		shape->scalar = IMAGE_SCALAR_F32;
 	stilb_image made = {.width = shape->width, .height = shape->height, .channels = shape->channels};
 	made.format = formats[shape->scalar];
-	const stilb_image light = {shape->width, shape->height, 3, STILB_IMAGE_F32_LINEAR, NULL, 0};
+	stilb_image light = {shape->width, shape->height, 3, STILB_IMAGE_F32_LINEAR, NULL, 0};
 	const char *refusal = image_refusal(&made);
 	if (!refusal && load->for_light)
 		refusal = image_refusal(&light);
@@ -232,7 +245,7 @@ void *image_load_allocate(void *context, image_shape *shape)
 	return made.pixels;
 }
 
-/* Reads exactly size bytes; NULL, or why not. */
+/* Reads exactly size bytes. Returns NULL, or the reason of the failure. */
 static const char *image_read_all(int file, char *data, size_t size)
 {
 	for (size_t got = 0; got < size;) {
@@ -248,8 +261,9 @@ static const char *image_read_all(int file, char *data, size_t size)
 
 const char *image_file_read(const char *path, void **data, size_t *size)
 {
+	STILB_ASSERT(path && size && data && !*data);
 	struct stat info;
-	const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* without waiting for a pipe's other end */
+	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* does not wait for a pipe's other end */
 	const char *trouble = NULL;
 	if (file < 0 || fstat(file, &info) != 0)
 		trouble = strerror(errno);
@@ -269,6 +283,8 @@ const char *image_file_read(const char *path, void **data, size_t *size)
 
 stilb_result image_load_end(image_load *load, image_outcome outcome, const image_message *message)
 {
+	STILB_ASSERT((outcome != IMAGE_OUTCOME_DONE || image_is_sound(load->image)) && "decoded into a picture");
+	STILB_ASSERT((outcome != IMAGE_OUTCOME_CALLBACK || load->result != STILB_OK) && "a refusal has a result");
 	if (outcome == IMAGE_OUTCOME_DONE)
 		return STILB_OK;
 	stilb_image_finish(load->image);
@@ -277,6 +293,7 @@ stilb_result image_load_end(image_load *load, image_outcome outcome, const image
 
 stilb_result stilb_image_load(const char *path, stilb_image *image)
 {
+	STILB_ASSERT(path && image);
 	*image = (stilb_image){0};
 	const image_codec *codec = image_codec_of(path, "read");
 	if (!codec)

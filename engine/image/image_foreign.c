@@ -1,4 +1,4 @@
-/* Finds and loads the module with OpenImageIO, once. */
+/* Finds the module with OpenImageIO and loads it once. */
 #include "image/image_internal.h"
 
 #include <dlfcn.h>
@@ -9,10 +9,10 @@
 #include <unistd.h>
 
 static pthread_once_t foreign_once = PTHREAD_ONCE_INIT;
-static const image_foreign *foreign; /* written once, before pthread_once returns to anybody */
+static const image_foreign *foreign; /* written by foreign_load_once, read after pthread_once */
 static image_message foreign_trouble;
 
-/* The folder of the running program, without a slash at its end. */
+/* The folder of the running program, without a slash at its end. False: unknown. */
 static bool foreign_program_folder(char folder[PATH_MAX])
 {
 	ssize_t length = readlink("/proc/self/exe", folder, PATH_MAX - 1);
@@ -28,11 +28,11 @@ static bool foreign_program_folder(char folder[PATH_MAX])
 
 static void foreign_load_once(void)
 {
-	/* Beside the program; where the build puts it, seen from a test; where an installation puts it. */
+	/* Relative to the program: of a build, of a build as seen from a test, and of an installation. */
 	static const char *const places[] = {"", "/..", "/../lib/stilb"};
 	char folder[PATH_MAX], path[PATH_MAX + 64];
 	void *module = NULL;
-	bool found = false; /* then its own error is the one to tell */
+	bool found = false; /* the file exists: the message is the loader's */
 	if (!foreign_program_folder(folder))
 		folder[0] = '\0';
 	for (size_t i = 0; i < sizeof places / sizeof *places && !module && !found; i++) {
@@ -52,7 +52,9 @@ static void foreign_load_once(void)
 
 const image_foreign *image_foreign_load(image_message *message)
 {
+	STILB_ASSERT(message);
 	pthread_once(&foreign_once, foreign_load_once);
+	STILB_ASSERT(foreign || foreign_trouble.text[0]);
 	if (!foreign)
 		*message = foreign_trouble;
 	return foreign;

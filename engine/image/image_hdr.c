@@ -10,15 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HDR_BIAS 136 /* a pixel's value is mantissa * 2^(exponent - 136): 128 for the exponent, 8 for the mantissa */
+#define HDR_BIAS 136 /* a value is mantissa * 2^(exponent - 136): 128 is the exponent's bias, 8 the mantissa's bits */
 
 /* Scanlines of these widths may be coded channel by channel; others are coded pixel by pixel. */
 #define HDR_MIN_RUN_WIDTH 8u
 #define HDR_MAX_RUN_WIDTH 32767u
 
+#define HDR_SCRATCH(width) ((size_t)(width)*7 + 64)
+
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* Not finite or below 0: NaN is 0, and so is less; infinity is the largest. */
+/* NaN and values below 0 become 0, infinity the largest value of the format. */
 static float hdr_storable(float value)
 {
 	return value > 0.0f ? fminf(value, 1.6e38f) : 0.0f;
@@ -35,28 +37,30 @@ static void hdr_pixel(const float *rgb, unsigned char coded[4])
 	int exponent;
 	(void)frexpf(most, &exponent);
 	if (most <= 0.0f || exponent < -126)
-		return; /* black, or darker than the format holds */
+		return; /* black, or too dark for the format */
 	if (ldexpf(most, 8 - exponent) >= 255.5f)
 		exponent++; /* it would round to 256 */
+	STILB_ASSERT(exponent + 128 > 0 && exponent + 128 < 256);
 	for (int i = 0; i < 3; i++)
 		coded[i] = (unsigned char)(ldexpf(light[i], 8 - exponent) + 0.5f);
 	coded[3] = (unsigned char)(exponent + 128);
 }
 
-/* One channel of a scanline: runs of 4 and more as (128 + length, value), the rest as (length, values). out has room
- * for width + width / 128 + 2 bytes. */
+/* Codes one channel of a scanline: runs of 4 and more equal values as (128 + length, value), others as (length,
+ * values). Returns the bytes written to out, at most width + width / 128 + 2. */
 static size_t hdr_runs(const unsigned char *values, uint32_t width, unsigned char *out)
 {
+	STILB_ASSERT(width >= HDR_MIN_RUN_WIDTH && width <= HDR_MAX_RUN_WIDTH);
 	size_t size = 0;
 	for (uint32_t x = 0, plain = 0; plain < width;) {
 		uint32_t run = 1;
 		while (x + run < width && run < 127 && values[x + run] == values[x])
 			run++;
-		const bool ends = run >= 4 || x + run >= width;
+		bool ends = run >= 4 || x + run >= width;
 		if (run < 4)
 			x += run;
 		while (ends && plain < x) {
-			const uint32_t length = x - plain < 128 ? x - plain : 128;
+			uint32_t length = x - plain < 128 ? x - plain : 128;
 			out[size++] = (unsigned char)length;
 			memcpy(out + size, values + plain, length);
 			size += length;
@@ -68,22 +72,26 @@ static size_t hdr_runs(const unsigned char *values, uint32_t width, unsigned cha
 			plain = x += run;
 		}
 	}
+	STILB_ASSERT(size <= (size_t)width + width / 128 + 2);
 	return size;
 }
 
-/* `pixels` are codes of a scanline, 4 bytes each; scratch has room for 6 bytes a pixel and 16. */
+/* Appends a scanline of `width` coded pixels, 4 bytes each. scratch: HDR_SCRATCH(width) bytes: one channel and four
+ * coded ones. False: out of memory. */
 static bool hdr_put_scanline(const unsigned char *pixels, uint32_t width, unsigned char *scratch, image_bytes *file)
 {
 	if (width < HDR_MIN_RUN_WIDTH || width > HDR_MAX_RUN_WIDTH)
 		return image_bytes_write(file, file->size, pixels, (size_t)width * 4);
 	unsigned char *channel = scratch, *out = scratch + width;
 	size_t size = 4;
+	STILB_ASSERT(scratch);
 	memcpy(out, (const unsigned char[4]){2, 2, (unsigned char)(width >> 8), (unsigned char)width}, 4);
 	for (int c = 0; c < 4; c++) {
 		for (uint32_t x = 0; x < width; x++)
 			channel[x] = pixels[4 * (size_t)x + (size_t)c];
 		size += hdr_runs(channel, width, out + size);
 	}
+	STILB_ASSERT(width + size <= HDR_SCRATCH(width));
 	return image_bytes_write(file, file->size, out, size);
 }
 
@@ -91,6 +99,8 @@ static image_outcome hdr_encode(const image_shape *shape, const void *pixels, im
                                 image_message *message)
 {
 	(void)stored;
+	STILB_ASSERT(shape->scalar == IMAGE_SCALAR_F32);
+	STILB_ASSERT(pixels && file && message);
 	if (shape->channels % 2 == 0) {
 		image_message_set(message, "a .hdr file holds no alpha; use .exr");
 		return IMAGE_OUTCOME_CODEC;
@@ -99,7 +109,7 @@ static image_outcome hdr_encode(const image_shape *shape, const void *pixels, im
 	int length = snprintf(header, sizeof header,
 	                      "#?RADIANCE\nSOFTWARE=Stilb " STILB_VERSION "\nFORMAT=32-bit_rle_rgbe\n\n-Y %u +X %u\n",
 	                      shape->height, shape->width);
-	unsigned char *coded = malloc((size_t)shape->width * 4), *scratch = malloc((size_t)shape->width * 7 + 64);
+	unsigned char *coded = malloc((size_t)shape->width * 4), *scratch = malloc(HDR_SCRATCH(shape->width));
 	bool good = coded && scratch && image_bytes_write(file, file->size, header, (size_t)length);
 	const float *light = pixels;
 	for (uint32_t y = 0; y < shape->height && good; y++) {
@@ -117,15 +127,16 @@ static image_outcome hdr_encode(const image_shape *shape, const void *pixels, im
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 typedef struct hdr_input {
-	const unsigned char *at, *end;
-	uint32_t width, height; /* of the picture as it is looked at */
-	bool x_first;           /* scanlines are columns */
-	bool x_down, y_up;      /* pixels go from right to left, from bottom to top */
+	const unsigned char *at, *end; /* the bytes that are still to be read */
+	uint32_t width, height;        /* of the picture as it is shown */
+	bool x_first;                  /* a scanline is a column */
+	bool x_down, y_up;             /* x runs from right to left, y from bottom to top */
 } hdr_input;
 
-/* The next line of the header without its end; false: there is none, or it is too long. */
+/* The next line of the header without its end. False: there is none, or it is longer than 255 bytes. */
 static bool hdr_line(hdr_input *input, char line[static 256])
 {
+	STILB_ASSERT(input->at <= input->end);
 	const unsigned char *end = memchr(input->at, '\n', (size_t)(input->end - input->at));
 	if (!end || end - input->at >= 256)
 		return false;
@@ -135,7 +146,7 @@ static bool hdr_line(hdr_input *input, char line[static 256])
 	return true;
 }
 
-/* Of "-Y 480 +X 640" and the seven other orders. */
+/* Reads "-Y 480 +X 640" or one of the seven other orders of scanlines. False: damaged. */
 static bool hdr_resolution(hdr_input *input, const char *line)
 {
 	char sign[2], axis[2];
@@ -148,7 +159,7 @@ static bool hdr_resolution(hdr_input *input, const char *line)
 		if ((sign[i] != '+' && sign[i] != '-') || (axis[i] != 'X' && axis[i] != 'Y'))
 			return false;
 	input->x_first = axis[0] == 'X';
-	const int x = input->x_first ? 0 : 1, y = 1 - x;
+	int x = input->x_first ? 0 : 1, y = 1 - x;
 	input->width = size[x];
 	input->height = size[y];
 	input->x_down = sign[x] == '-';
@@ -156,7 +167,7 @@ static bool hdr_resolution(hdr_input *input, const char *line)
 	return axis[0] != axis[1] && size[0] > 0 && size[1] > 0;
 }
 
-/* Why it is none that is read here, or NULL. */
+/* Returns NULL, or the reason why the file cannot be read. */
 static const char *hdr_header(hdr_input *input)
 {
 	char line[256];
@@ -173,16 +184,16 @@ static const char *hdr_header(hdr_input *input)
 	return hdr_line(input, line) && hdr_resolution(input, line) ? NULL : "its header is damaged";
 }
 
-/* Channel by channel into codes [width][4]; false: damaged. */
+/* Decodes a scanline that is coded channel by channel into codes, [width][4]. False: damaged. */
 static bool hdr_get_runs(hdr_input *input, unsigned char *codes, uint32_t width)
 {
 	for (uint32_t c = 0; c < 4; c++)
 		for (uint32_t x = 0; x < width;) {
 			if (input->end - input->at < 2)
 				return false;
-			const bool run = input->at[0] > 128;
-			const uint32_t length = run ? input->at[0] - 128u : input->at[0];
-			const uint32_t bytes = run ? 1 : length;
+			bool run = input->at[0] > 128;
+			uint32_t length = run ? input->at[0] - 128u : input->at[0];
+			uint32_t bytes = run ? 1 : length;
 			input->at++;
 			if (length == 0 || length > width - x || (size_t)(input->end - input->at) < bytes)
 				return false;
@@ -193,8 +204,9 @@ static bool hdr_get_runs(hdr_input *input, unsigned char *codes, uint32_t width)
 	return true;
 }
 
-/* Pixel by pixel; one of mantissas 1, 1, 1 says how many times the pixel before it is repeated, and the next such one
- * is 256 times as many more. */
+/* Decodes a scanline that is coded pixel by pixel into codes, [width][4]. A pixel of mantissas 1, 1, 1 repeats the
+ * pixel before it as often as its exponent says; of several in a row, each counts 256 times as much as the one before.
+ * False: damaged. */
 static bool hdr_get_pixels(hdr_input *input, unsigned char *codes, uint32_t width)
 {
 	unsigned shift = 0;
@@ -207,7 +219,7 @@ static bool hdr_get_pixels(hdr_input *input, unsigned char *codes, uint32_t widt
 			shift = 0;
 			continue;
 		}
-		const uint64_t times = shift < 32 ? (uint64_t)pixel[3] << shift : UINT64_MAX;
+		uint64_t times = shift < 32 ? (uint64_t)pixel[3] << shift : UINT64_MAX;
 		if (x == 0 || times > width - x)
 			return false;
 		for (uint64_t i = 0; i < times; i++, x++)
@@ -217,10 +229,11 @@ static bool hdr_get_pixels(hdr_input *input, unsigned char *codes, uint32_t widt
 	return true;
 }
 
+/* Decodes the next scanline into codes, [width][4]. False: damaged. */
 static bool hdr_get_scanline(hdr_input *input, unsigned char *codes, uint32_t width)
 {
-	const bool runs = width >= HDR_MIN_RUN_WIDTH && width <= HDR_MAX_RUN_WIDTH && input->end - input->at >= 4 &&
-	                  input->at[0] == 2 && input->at[1] == 2 && input->at[2] < 128;
+	bool runs = width >= HDR_MIN_RUN_WIDTH && width <= HDR_MAX_RUN_WIDTH && input->end - input->at >= 4 &&
+	            input->at[0] == 2 && input->at[1] == 2 && input->at[2] < 128;
 	if (!runs)
 		return hdr_get_pixels(input, codes, width);
 	if ((uint32_t)(input->at[2] << 8 | input->at[3]) != width)
@@ -229,21 +242,24 @@ static bool hdr_get_scanline(hdr_input *input, unsigned char *codes, uint32_t wi
 	return hdr_get_runs(input, codes, width);
 }
 
-/* Scanlines in the file's order, each pixel where it belongs in `light`, [height][width][3]. False: damaged. */
+/* Decodes all scanlines and writes each pixel to its place in light, [height][width][3]. codes: room for one scanline.
+ * False: damaged. */
 static bool hdr_read(hdr_input *input, unsigned char *codes, float *light)
 {
-	const uint32_t lines = input->x_first ? input->width : input->height;
-	const uint32_t length = input->x_first ? input->height : input->width;
+	STILB_ASSERT(input->width > 0 && input->height > 0);
+	uint32_t lines = input->x_first ? input->width : input->height;
+	uint32_t length = input->x_first ? input->height : input->width;
 	float scale[256] = {0}; /* by exponent; 0 is black */
 	for (int e = 1; e < 256; e++)
 		scale[e] = ldexpf(1.0f, e - HDR_BIAS);
 	for (uint32_t line = 0; line < lines; line++) {
 		if (!hdr_get_scanline(input, codes, length))
 			return false;
+		STILB_ASSERT(input->at <= input->end);
 		for (uint32_t i = 0; i < length; i++) {
-			const uint32_t along_x = input->x_first ? line : i, along_y = input->x_first ? i : line;
-			const uint32_t x = input->x_down ? input->width - 1 - along_x : along_x;
-			const uint32_t y = input->y_up ? input->height - 1 - along_y : along_y;
+			uint32_t along_x = input->x_first ? line : i, along_y = input->x_first ? i : line;
+			uint32_t x = input->x_down ? input->width - 1 - along_x : along_x;
+			uint32_t y = input->y_up ? input->height - 1 - along_y : along_y;
 			const unsigned char *code = codes + 4 * (size_t)i;
 			for (size_t c = 0; c < 3; c++)
 				light[((size_t)y * input->width + x) * 3 + c] = (float)code[c] * scale[code[3]];
@@ -255,6 +271,7 @@ static bool hdr_read(hdr_input *input, unsigned char *codes, float *light)
 static image_outcome hdr_decode(const void *data, size_t size, image_allocate *allocate, void *context,
                                 image_message *message)
 {
+	STILB_ASSERT(data && allocate && message);
 	hdr_input input = {.at = data, .end = (const unsigned char *)data + size};
 	const char *trouble = hdr_header(&input);
 	if (trouble) {
@@ -268,7 +285,7 @@ static image_outcome hdr_decode(const void *data, size_t size, image_allocate *a
 	unsigned char *codes = malloc((size_t)(input.x_first ? input.height : input.width) * 4);
 	if (!codes)
 		return IMAGE_OUTCOME_MEMORY;
-	const bool whole = hdr_read(&input, codes, light);
+	bool whole = hdr_read(&input, codes, light);
 	free(codes);
 	if (whole)
 		return IMAGE_OUTCOME_DONE;

@@ -1,4 +1,4 @@
-/* Pictures that others made: PNG, EXR and HDR by our own codecs, every other format by OpenImageIO. */
+/* Pictures of unknown origin: PNG, EXR and HDR by our own codecs, every other format by OpenImageIO. */
 #include "image/image_import.h"
 
 #include "image/image_internal.h"
@@ -7,12 +7,13 @@
 #include <string.h>
 #include <strings.h>
 
-/* How files of a format begin. RIFF and TIFF share their first bytes with others, which the decoder then refuses. */
+/* The first bytes of files of each format. Files that are not WebP may begin with RIFF, and raw photographs as TIFF
+ * does: the decoder refuses these. */
 static const struct image_signature {
 	const char *bytes;
 	size_t size;
-	const image_codec *codec; /* NULL: OpenImageIO's */
-	const char *foreign;      /* OpenImageIO's name */
+	const image_codec *codec; /* NULL: read by OpenImageIO */
+	const char *foreign;      /* OpenImageIO's name of the format */
 } image_signatures[] = {
 	{"\x89PNG", 4, &image_codec_png, NULL},
 	{"\x76\x2f\x31\x01", 4, &image_codec_exr, NULL},
@@ -29,7 +30,7 @@ static const struct image_signature {
 
 static const struct image_signature image_signature_targa = {.foreign = "targa"};
 
-/* The format of a file that begins so; TGA has no signature, so name decides there. NULL: none. */
+/* The format of a file by its first bytes, and of TGA, which has no signature, by its name. NULL: unknown. */
 static const struct image_signature *image_signature_of(const char *name, const void *data, size_t size)
 {
 	for (size_t i = 0; i < sizeof image_signatures / sizeof *image_signatures; i++) {
@@ -51,13 +52,16 @@ static image_outcome image_decode_foreign(const char *format, const void *data, 
 stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, uint32_t flags,
                                        stilb_image *image)
 {
+	STILB_ASSERT(name && image);
+	STILB_ASSERT(data || size == 0);
+	STILB_ASSERT((flags & ~(uint32_t)(STILB_IMAGE_IMPORT_SHARED | STILB_IMAGE_IMPORT_FOR_LIGHT)) == 0);
 	*image = (stilb_image){0};
 	image_load load = {.path = name,
 	                   .image = image,
 	                   .exact = true,
 	                   .shared = flags & STILB_IMAGE_IMPORT_SHARED,
 	                   .for_light = flags & STILB_IMAGE_IMPORT_FOR_LIGHT};
-	image_message message = {.text = "it is no picture of a known kind"};
+	image_message message = {.text = "it is not a picture of a supported format"};
 	image_outcome outcome = IMAGE_OUTCOME_CODEC;
 	const struct image_signature *signature = image_signature_of(name, data, size);
 	if (signature && signature->codec)
@@ -69,6 +73,7 @@ stilb_result stilb_image_import_memory(const char *name, const void *data, size_
 
 stilb_result stilb_image_import(const char *path, uint32_t flags, stilb_image *image)
 {
+	STILB_ASSERT(path && image);
 	*image = (stilb_image){0};
 	void *data = NULL;
 	size_t size = 0;

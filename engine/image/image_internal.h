@@ -1,9 +1,10 @@
 /*
- * image_internal: what the files of image/ share: the table of file formats, and the border to OpenImageIO.
+ * image_internal: shared by the files of image/: codecs of file formats, and the module with OpenImageIO.
  *
  * PNG (libpng), EXR (OpenEXR) and Radiance HDR (our own reader and writer) are codecs of this library. Every other
- * format is read by OpenImageIO, which brings some 260 shared libraries and 0.5 GB of addresses along; it stands behind
- * image_oiio.cpp, a module that image_foreign.c loads with the first picture of such a format.
+ * format is read by OpenImageIO, which loads some 260 shared libraries and needs 0.5 GB of address space. So it is
+ * linked into a module of its own (image_oiio.cpp), which image_foreign.c loads with the first picture of such a
+ * format.
  */
 #ifndef STILB_IMAGE_INTERNAL_H
 #define STILB_IMAGE_INTERNAL_H
@@ -18,10 +19,10 @@ typedef enum image_scalar {
 	IMAGE_SCALAR_U8, /* sRGB codes, alpha linear */
 	IMAGE_SCALAR_F16,
 	IMAGE_SCALAR_F32,
-	IMAGE_SCALAR_U16, /* as U8 */
+	IMAGE_SCALAR_U16, /* sRGB codes, alpha linear */
 } image_scalar;
 
-/* Pixels without a gap: [height][width][channels], the top row first. */
+/* Pixels without gaps: [height][width][channels], the top row first. */
 typedef struct image_shape {
 	uint32_t width, height, channels;
 	image_scalar scalar;
@@ -33,23 +34,24 @@ typedef struct image_message {
 
 typedef enum image_outcome {
 	IMAGE_OUTCOME_DONE,
-	IMAGE_OUTCOME_CALLBACK, /* allocate refused and knows why */
-	IMAGE_OUTCOME_CODEC,    /* message says why */
+	IMAGE_OUTCOME_CALLBACK, /* allocate refused; its context holds the reason */
+	IMAGE_OUTCOME_CODEC,    /* damaged or not supported; message says why */
 	IMAGE_OUTCOME_MEMORY,
 } image_outcome;
 
-/* A file that is made in memory. Begins as {0}; the owner frees data. */
+/* A file in memory that grows while it is written. Begins as {0}; the owner frees data. */
 typedef struct image_bytes {
 	unsigned char *data;
-	size_t size, room;
+	size_t size, capacity;
 } image_bytes;
 
-/* Writes size bytes at offset, which may lie at or before the end; false: out of memory. */
+/* Writes size bytes at offset, which is at most bytes->size: over old bytes, behind them or both. False: out of
+ * memory. */
 bool image_bytes_write(image_bytes *bytes, size_t offset, const void *data, size_t size);
 
 /* Returns the memory for a picture of this shape, or NULL to refuse it. The scalar is the file's own; allocate may
- * change it from U16 to U8 and from F16 to F32, and the codec then converts. A codec asks as soon as it has read the
- * header and before it takes memory that grows with the picture. */
+ * change it from U16 to U8 and from F16 to F32, and the codec then converts. A codec calls it once, right after reading
+ * the header and before it allocates memory in proportion to the picture. */
 typedef void *image_allocate(void *context, image_shape *shape);
 
 /* A file format of this library. [any-thread] Neither function prints. */
@@ -57,19 +59,20 @@ typedef struct image_codec {
 	const char *extension; /* ".png" */
 	bool codes;            /* holds sRGB codes (scalar U8), not linear light (F32) */
 
-	/* Encodes pixels of U8 (codes) or of F16 or F32 (light) to the end of file. `stored` is what light is stored as;
-	 * formats without a choice ignore it. */
+	/* Appends the encoded pixels, U8 if codes is set, else F16 or F32, to file. stored: F16 or F32, the type of light
+	 * in the file; ignored by formats without a choice. */
 	image_outcome (*encode)(const image_shape *shape, const void *pixels, image_scalar stored, image_bytes *file,
 	                        image_message *message);
 
-	/* Decodes a file into what allocate returns: U8 or U16, F16 or F32, as codes says. */
+	/* Decodes a file of size bytes into the memory that allocate returns: U8 or U16 if codes is set, else F16 or
+	 * F32. */
 	image_outcome (*decode)(const void *data, size_t size, image_allocate *allocate, void *context,
 	                        image_message *message);
 } image_codec;
 
 extern const image_codec image_codec_png, image_codec_exr, image_codec_hdr;
 
-/* Sets message to text up to its first line's end. */
+/* Sets message to the first line of text. */
 void image_message_set(image_message *message, const char *text);
 
 /* ---- pictures in memory (image.c) -------------------------------------------------------------------------------- */
@@ -77,50 +80,53 @@ void image_message_set(image_message *message, const char *text);
 extern const size_t image_scalar_bytes[];         /* indexed by image_scalar */
 extern const image_scalar image_format_scalars[]; /* indexed by stilb_image_format */
 
-/* Why a picture of this shape is refused, or NULL. */
+/* The reason why a picture of this shape is refused, or NULL. Does not look at the pixels. */
 const char *image_refusal(const stilb_image *image);
+
+/* True if image has pixels and a shape that is not refused. For asserts. */
+bool image_is_sound(const stilb_image *image);
 
 /* ---- files (image_file.c) ---------------------------------------------------------------------------------------- */
 
-/* The whole file into memory, to be freed also after a failure. NULL, or why not. Only regular files: devices and pipes
- * may have no end. */
+/* Reads a whole regular file into *data, to be freed by the caller also after a failure; *data is NULL before. Returns
+ * NULL, or the reason of the failure. Devices and pipes, which may have no end, are refused. */
 const char *image_file_read(const char *path, void **data, size_t *size);
 
 /* A picture that is being read; the context of image_load_allocate. */
 typedef struct image_load {
-	const char *path;    /* what messages call it */
+	const char *path;    /* its name in messages */
 	stilb_image *image;  /* {0} at first */
 	stilb_result result; /* why image_load_allocate refused */
-	bool exact;          /* 16 bits stay 16 bits, and halves halves */
-	bool shared;         /* pixels as of stilb_image_create_shared */
-	bool for_light;      /* there must be room for three floats a pixel, too */
+	bool exact;          /* keep 16-bit codes and halves; else they become 8 bits and floats */
+	bool shared;         /* allocate by stilb_image_create_shared */
+	bool for_light;      /* also refuse a picture that would be too large as three floats a pixel */
 } image_load;
 
-/* image_allocate. Pixels stay untouched until they are decoded: a short file that claims to be huge costs address space
- * only. */
+/* An image_allocate. Does not touch the pixels: a short file that claims to be huge costs address space only. */
 void *image_load_allocate(void *context, image_shape *shape);
 
-/* The result of reading, with its message; leaves {0} in the picture unless all went well. */
+/* The result of reading, with its message. Unless it is STILB_OK the picture is finished and {0}. */
 stilb_result image_load_end(image_load *load, image_outcome outcome, const image_message *message);
 
-/* STILB_ERROR_MEMORY or STILB_ERROR_FILE with "cannot <verb> '<path>': ..."; outcome is MEMORY or CODEC. */
+/* Fails with "cannot <verb> '<path>': <reason>": STILB_ERROR_MEMORY for outcome MEMORY, STILB_ERROR_FILE with the
+ * message for outcome CODEC; there are no others. */
 stilb_result image_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message);
 
 /* ---- other formats ----------------------------------------------------------------------------------------------- */
 
-/* What the module with OpenImageIO offers, as the symbol IMAGE_FOREIGN_SYMBOL. */
+/* The functions of the module with OpenImageIO, which exports this struct as IMAGE_FOREIGN_SYMBOL. */
 typedef struct image_foreign {
-	/* Decodes data, a file of the format that OpenImageIO calls `format`, into what allocate returns. */
+	/* As image_codec.decode; format is OpenImageIO's name of the file's format. */
 	image_outcome (*decode)(const char *format, const void *data, size_t size, image_allocate *allocate, void *context,
 	                        image_message *message);
-	/* "2.4.7": of the library that is loaded. */
+	/* The version of the loaded library, "2.4.7". */
 	const char *(*version)(void);
 } image_foreign;
 
 #define IMAGE_FOREIGN_FILE "stilb-image-oiio.so"
 #define IMAGE_FOREIGN_SYMBOL "image_foreign_oiio"
 
-/* Loads the module at the first call; NULL with a message when it cannot be loaded. [any-thread] */
+/* Loads the module at the first call; NULL with a message if it cannot be loaded. [any-thread] */
 const image_foreign *image_foreign_load(image_message *message);
 
 #ifdef __cplusplus

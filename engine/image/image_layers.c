@@ -8,7 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Why a picture of this shape is refused, or NULL. The sides are bounded first, so that the product cannot overflow. */
+/* The reason why a picture of this shape is refused, or NULL. Sides and channels are bounded first, so that the product
+ * cannot overflow. */
 static const char *layers_refusal(uint32_t width, uint32_t height, uint32_t channels)
 {
 	if (width < 1 || height < 1 || width > STILB_IMAGE_MAX_SIDE || height > STILB_IMAGE_MAX_SIDE)
@@ -26,7 +27,7 @@ static bool layers_path_is_exr(const char *path)
 	return length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
 }
 
-/* Whether every channel has a name of its own. Asked here because a reader finds only one of two. */
+/* STILB_ERROR_ARGUMENT if two channels have the same name, of which a reader would find only one, or one has none. */
 static stilb_result layers_names_check(const stilb_image_layers *layers, const char *path)
 {
 	for (uint32_t i = 0; i < layers->channel_count; i++) {
@@ -48,22 +49,26 @@ static image_outcome layers_encode(const stilb_image_layers *layers, image_bytes
 	image_exr_channel channels[STILB_IMAGE_MAX_CHANNELS];
 	for (uint32_t i = 0; i < layers->channel_count; i++) {
 		const stilb_image_channel *channel = &layers->channels[i];
-		const size_t step = channel->stride * sizeof(float);
+		STILB_ASSERT(channel->values && channel->stride >= 1);
+		size_t step = channel->stride * sizeof(float);
 		channels[i] = (image_exr_channel){channel->name, channel->values, step, step * layers->width};
 	}
-	const image_exr_file from = {.width = layers->width,
-	                             .height = layers->height,
-	                             .channel_count = layers->channel_count,
-	                             .attribute_count = layers->attribute_count,
-	                             .channels = channels,
-	                             .attributes = layers->attributes,
-	                             .scalar = IMAGE_SCALAR_F32,
-	                             .stored = IMAGE_SCALAR_F32};
+	image_exr_file from = {.width = layers->width,
+	                       .height = layers->height,
+	                       .channel_count = layers->channel_count,
+	                       .attribute_count = layers->attribute_count,
+	                       .channels = channels,
+	                       .attributes = layers->attributes,
+	                       .scalar = IMAGE_SCALAR_F32,
+	                       .stored = IMAGE_SCALAR_F32};
 	return image_exr_encode(&from, file, message);
 }
 
 stilb_result stilb_image_layers_save(const stilb_image_layers *layers, const char *path)
 {
+	STILB_ASSERT(layers && path);
+	STILB_ASSERT((layers->channels || layers->channel_count == 0) &&
+	             (layers->attributes || layers->attribute_count == 0));
 	const char *refusal = layers_refusal(layers->width, layers->height, layers->channel_count);
 	if (!layers_path_is_exr(path))
 		refusal = "pictures of many channels are .exr";
@@ -85,12 +90,13 @@ stilb_result stilb_image_layers_save(const stilb_image_layers *layers, const cha
 
 /* ---- loading ----------------------------------------------------------------------------------------------------- */
 
-/* What a loaded stilb_image_layers begins: public.channels are channels, and so on. */
+/* A loaded picture with its memory. layers is the public part, and the first member, so that finish finds the rest. */
 typedef struct layers_owned {
 	stilb_image_layers layers;
-	stilb_image_channel *channels;
-	stilb_image_attribute *attributes;
-	float *pixels;
+	stilb_image_channel *channels; /* [channel_capacity]; the same as layers.channels */
+	uint32_t channel_capacity;
+	stilb_image_attribute *attributes; /* the same as layers.attributes */
+	float *pixels;                     /* [height][width][channel_capacity] */
 } layers_owned;
 
 typedef struct layers_load {
@@ -102,6 +108,7 @@ typedef struct layers_load {
 static float *layers_load_create(void *context, uint32_t width, uint32_t height, uint32_t channels)
 {
 	layers_load *load = context;
+	STILB_ASSERT(!load->owned->pixels && "the decoder creates once");
 	const char *refusal = layers_refusal(width, height, channels);
 	if (refusal) {
 		load->result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it has %u x %u pixels and %u channels; %s",
@@ -112,6 +119,7 @@ static float *layers_load_create(void *context, uint32_t width, uint32_t height,
 	owned->layers = (stilb_image_layers){.width = width, .height = height};
 	owned->pixels = stilb_memory_alloc((size_t)width * height * channels, sizeof(float));
 	owned->channels = calloc(channels, sizeof *owned->channels);
+	owned->channel_capacity = channels;
 	owned->layers.channels = owned->channels;
 	for (uint32_t i = 0; owned->pixels && owned->channels && i < channels; i++)
 		owned->channels[i] = (stilb_image_channel){.values = owned->pixels + i, .stride = channels};
@@ -121,10 +129,11 @@ static float *layers_load_create(void *context, uint32_t width, uint32_t height,
 static bool layers_load_channel(void *context, const char *name)
 {
 	layers_owned *owned = ((layers_load *)context)->owned;
+	STILB_ASSERT(owned->layers.channel_count < owned->channel_capacity);
 	char *copy = strdup(name);
 	if (copy)
 		owned->channels[owned->layers.channel_count++].name = copy;
-	return copy != NULL;
+	return copy;
 }
 
 static bool layers_load_attribute(void *context, const char *name, const char *text)
@@ -144,7 +153,7 @@ static image_outcome layers_decode(layers_load *load, image_message *message)
 {
 	void *data = NULL;
 	size_t size = 0;
-	const image_exr_sink sink = {load, layers_load_create, layers_load_channel, layers_load_attribute};
+	image_exr_sink sink = {load, layers_load_create, layers_load_channel, layers_load_attribute};
 	image_outcome outcome = IMAGE_OUTCOME_CODEC;
 	const char *trouble = image_file_read(load->path, &data, &size);
 	if (trouble)
@@ -157,6 +166,7 @@ static image_outcome layers_decode(layers_load *load, image_message *message)
 
 stilb_result stilb_image_layers_load(const char *path, stilb_image_layers **layers)
 {
+	STILB_ASSERT(path && layers);
 	*layers = NULL;
 	if (!layers_path_is_exr(path))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot read '%s': pictures of many channels are .exr", path);
@@ -166,6 +176,7 @@ stilb_result stilb_image_layers_load(const char *path, stilb_image_layers **laye
 	image_message message = {0};
 	image_outcome outcome = layers_decode(&load, &message);
 	if (outcome == IMAGE_OUTCOME_DONE) {
+		STILB_ASSERT(load.owned->layers.channel_count == load.owned->channel_capacity && "every channel has a name");
 		*layers = &load.owned->layers;
 		return STILB_OK;
 	}
@@ -179,7 +190,8 @@ void stilb_image_layers_finish(stilb_image_layers *layers)
 {
 	if (!layers)
 		return;
-	layers_owned *owned = (layers_owned *)layers; /* its first member */
+	layers_owned *owned = (layers_owned *)layers; /* layers is its first member */
+	STILB_ASSERT(layers->channels == owned->channels && "a loaded picture");
 	for (uint32_t i = 0; i < layers->channel_count; i++)
 		free((char *)owned->channels[i].name);
 	for (uint32_t i = 0; i < layers->attribute_count; i++) {
@@ -194,6 +206,7 @@ void stilb_image_layers_finish(stilb_image_layers *layers)
 
 const stilb_image_channel *stilb_image_layers_channel(const stilb_image_layers *layers, const char *name)
 {
+	STILB_ASSERT(layers && name);
 	for (uint32_t i = 0; i < layers->channel_count; i++) {
 		if (strcmp(layers->channels[i].name, name) == 0)
 			return &layers->channels[i];
@@ -203,6 +216,7 @@ const stilb_image_channel *stilb_image_layers_channel(const stilb_image_layers *
 
 const char *stilb_image_layers_attribute(const stilb_image_layers *layers, const char *name)
 {
+	STILB_ASSERT(layers && name);
 	for (uint32_t i = 0; i < layers->attribute_count; i++) {
 		if (strcmp(layers->attributes[i].name, name) == 0)
 			return layers->attributes[i].text;

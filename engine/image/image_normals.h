@@ -1,58 +1,69 @@
 /*
- * image_normals: mip chains of normal and roughness maps; bumps that become too small to see live on as roughness.
+ * image_normals: mip chains of normal and roughness maps; bumps that become smaller than a pixel turn into roughness.
  *
- * The formulas, and which filter to use, are in shading/shade_normal_filter.h; this is the loop. Each level is the
- * exact average over its pixels' areas of what the filter averages, for sides of any length: the last level stands for
- * the whole map.
+ * The formulas, and advice on the choice of the filter, are in shading/shade_normal_filter.h; here is the loop over
+ * pixels. A pixel of a level is the average, weighted by exact area, of the quantity that its filter averages. So it is
+ * for sides of any length, and the last level, one pixel, stands for the whole map.
  *
- * In.   Normals with 2 channels (x, y; tangent space, z >= 0 follows), 3, or 4 (the last is not looked at), of any
- *       length but 0; roughness with any number of channels (the first counts). 8-bit codes are numbers, not light:
- *       normal = 2 code / 255 - 1, roughness = code / 255; floats are taken as they are. Maps with +Y down stay so.
- * Out.  Levels of four floats: a unit normal x, y, z, and a roughness in [sqrt(SHADE_ALPHA_MIN), 1]. Level 0 is what
- *       came in, each other one has half the sides of the one before, rounded down, at least 1; the last is one pixel.
+ * Input.       Normals with 2 channels (x, y; tangent space, z = sqrt(1 - x^2 - y^2)), 3, or 4 (the last is ignored),
+ *              of any length but 0; roughness with any number of channels (the first counts). 8-bit codes are numbers,
+ *              not light: normal = 2 code / 255 - 1, roughness = code / 255; floats are taken as they are. Maps with +Y
+ *              down keep +Y down.
+ * Output.      Levels of four floats: a unit normal x, y, z, and a roughness in [sqrt(SHADE_ALPHA_MIN), 1]. Level 0 is
+ *              the input; each further level has half the sides of the one before, rounded down, at least 1; the last
+ *              is one pixel.
  * Life cycle.  stilb_image_normals_create -> read the levels -> stilb_image_normals_finish.
  * Threads.     [any-thread]; [one-writer] per chain.
+ * Example.
+ *
+ *   stilb_image_normals chain;
+ *   stilb_image_normals_desc desc = stilb_image_normals_desc_default(&normals);
+ *   if (stilb_image_normals_create(&desc, &chain) == STILB_OK) {
+ *       upload(chain.levels, chain.level_count);
+ *       stilb_image_normals_finish(&chain);
+ *   }
  */
 #ifndef STILB_IMAGE_NORMALS_H
 #define STILB_IMAGE_NORMALS_H
 
 #include "image/image.h"
 
-#define STILB_IMAGE_NORMALS_LEVELS 17 /* of the largest picture */
+#define STILB_IMAGE_NORMALS_LEVELS 17 /* of a picture of STILB_IMAGE_MAX_SIDE */
 
 typedef enum stilb_normal_filter {
 	STILB_NORMAL_FILTER_VMF,
 	STILB_NORMAL_FILTER_TOKSVIG,
 	STILB_NORMAL_FILTER_VARIANCE,
 	STILB_NORMAL_FILTER_CONVOLUTION,
-	STILB_NORMAL_FILTER_LEAN, /* roughness is the mean over both axes; tangent space only */
+	STILB_NORMAL_FILTER_LEAN, /* the roughness is the mean over both axes; tangent space only */
 	STILB_NORMAL_FILTER_COUNT
 } stilb_normal_filter;
 
 typedef enum stilb_normal_space {
-	STILB_NORMAL_SPACE_TANGENT, /* +Z is the surface's own normal */
-	STILB_NORMAL_SPACE_OBJECT,  /* normals point anywhere */
+	STILB_NORMAL_SPACE_TANGENT, /* +Z is the normal of the surface */
+	STILB_NORMAL_SPACE_OBJECT,  /* normals may point in any direction */
 } stilb_normal_space;
 
 typedef struct stilb_image_normals_desc {
 	const stilb_image *normals;   /* U8_SRGB or F32_LINEAR */
-	const stilb_image *roughness; /* the same of the same size; NULL: constant_roughness everywhere */
+	const stilb_image *roughness; /* U8_SRGB or F32_LINEAR, as large as normals; NULL: constant_roughness everywhere */
 	float constant_roughness;     /* [0, 1] */
 	stilb_normal_filter filter;
 	stilb_normal_space space;
 } stilb_image_normals_desc;
 
 typedef struct stilb_image_normals {
-	uint32_t level_count;
+	uint32_t level_count;                           /* 1 + floor(log2(longer side)) */
 	stilb_image levels[STILB_IMAGE_NORMALS_LEVELS]; /* F32_LINEAR, 4 channels */
 } stilb_image_normals;
 
-/* vMF, tangent space, roughness 0.5. [any-thread] */
+/* The filter by von Mises-Fisher distributions, tangent space, roughness 0.5. [any-thread] */
 stilb_image_normals_desc stilb_image_normals_desc_default(const stilb_image *normals);
 
-/* Needs memory for the levels (21 bytes per pixel of the map) and as much again at most while it works. [any-thread]
- * STILB_ERROR_ARGUMENT for pictures of an unfit shape, for LEAN in object space, and for a pixel whose normal has no
- * direction or whose roughness is outside [0, 1]: it is named; STILB_ERROR_MEMORY. Then chain is {0}. */
+/* Filters all levels. Needs memory for the levels (21 bytes per pixel of the map) and at most as much again while it
+ * works. [any-thread] STILB_ERROR_ARGUMENT for empty pictures, formats or sizes that do not fit, LEAN in object space,
+ * and for a pixel whose normal has no direction or whose roughness is outside [0, 1], which the message names;
+ * STILB_ERROR_MEMORY. Then chain is {0}. */
 stilb_result stilb_image_normals_create(const stilb_image_normals_desc *desc, stilb_image_normals *chain);
 
 /* Frees the levels and leaves {0}. Accepts NULL and {0}. [one-writer] */

@@ -1,4 +1,4 @@
-// The engine's only C++: a thin face of OpenImageIO that C can call. Every function catches every exception.
+// OpenImageIO behind functions that C can call; no exception leaves them.
 
 #include "image/image_internal.h"
 
@@ -16,7 +16,7 @@
 namespace
 {
 
-// One line, since it becomes part of one.
+// Sets message to the first line of text.
 void message_set(image_message *message, const std::string &text)
 {
 	size_t length = text.find('\n');
@@ -27,8 +27,8 @@ void message_set(image_message *message, const std::string &text)
 	message->text[sizeof message->text - 1] = '\0';
 }
 
-// The library's threads would work beside our workers unseen by the profiler, so it gets none. Debian's build prints
-// debug lines on stderr unless told not to.
+// One thread: the import process decodes several pictures at a time itself. Debian's build prints debug lines on stderr
+// unless told not to.
 void library_init()
 {
 	static const bool done = [] {
@@ -47,7 +47,7 @@ bool is_flat(const OIIO::ImageSpec &spec, image_message *message)
 	return false;
 }
 
-// The smallest that holds the file's values.
+// The smallest scalar that holds the file's values.
 image_scalar scalar_of(OIIO::TypeDesc type)
 {
 	switch (type.basetype) {
@@ -71,7 +71,7 @@ OIIO::TypeDesc type_of(image_scalar scalar)
 	return types[scalar];
 }
 
-// False with a message for what a stilb_image cannot hold.
+// False with a message if a stilb_image cannot hold the picture.
 bool shape_of(const OIIO::ImageSpec &spec, image_shape &shape, image_message *message)
 {
 	if (!is_flat(spec, message))
@@ -84,8 +84,8 @@ bool shape_of(const OIIO::ImageSpec &spec, image_shape &shape, image_message *me
 	return true;
 }
 
-// A file in memory. OpenImageIO's own reader (2.4.7) reads before the start of its buffer when a damaged file sends it
-// there.
+// A file in memory. OpenImageIO's own reader (2.4.7) reads before the start of its buffer if a damaged file holds such
+// an offset.
 class bounded_reader final : public OIIO::Filesystem::IOProxy
 {
   public:
@@ -129,7 +129,7 @@ class bounded_reader final : public OIIO::Filesystem::IOProxy
 	size_t size_;
 };
 
-// The same for the reader of JPEG (2.4.7), which takes nothing but a FILE.
+// A file in memory for OpenImageIO's reader of JPEG (2.4.7), which needs a FILE.
 class stream_reader final : public OIIO::Filesystem::IOFile
 {
   public:
@@ -138,7 +138,7 @@ class stream_reader final : public OIIO::Filesystem::IOFile
 	}
 	size_t pread(void *out, size_t size, int64_t offset) override
 	{
-		return memory_.pread(out, size, offset); // its own asks for the file's number
+		return memory_.pread(out, size, offset); // IOFile's needs a file descriptor
 	}
 	size_t size() const override
 	{
@@ -171,7 +171,7 @@ image_outcome decode(const char *format, const void *data, size_t size, image_al
 		file = std::make_unique<stream_reader>(stream.get(), data, size);
 		proxy = file.get();
 	}
-	// By name: OpenImageIO's own open would try every reader it has on a damaged file.
+	// By the format's name: OpenImageIO's open by path would try every reader on a damaged file.
 	auto input = OIIO::ImageInput::create(format);
 	if (!input) {
 		message_set(message, OIIO::geterror());
@@ -196,7 +196,7 @@ image_outcome decode(const char *format, const void *data, size_t size, image_al
 	return IMAGE_OUTCOME_DONE;
 }
 
-// ---- the face ------------------------------------------------------------------------------------------------------
+// ---- for C ---------------------------------------------------------------------------------------------------------
 
 // Runs body and turns what it throws into an outcome.
 template <typename Body> image_outcome guarded(image_message *message, Body body)

@@ -7,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* libpng's user pointer of all its callbacks. */
+/* The user pointer of libpng's callbacks. */
 typedef struct png_job {
 	image_message *message;
-	image_bytes *file; /* written to */
+	image_bytes *file; /* the output of encoding */
 	bool out_of_memory;
-	const unsigned char *data; /* read from */
-	size_t size, at;
+	const unsigned char *data; /* [size], the input of decoding */
+	size_t size, at;           /* at: the next byte to read, <= size */
 } png_job;
 
 static void png_on_error(png_structp png, png_const_charp text)
@@ -23,7 +23,7 @@ static void png_on_error(png_structp png, png_const_charp text)
 	png_longjmp(png, 1);
 }
 
-/* What libpng only warns of, such as a colour profile that it does not like, changes no pixel. */
+/* Warnings, such as of a broken colour profile, are ignored: they change no pixel. */
 static void png_on_warning(png_structp png, png_const_charp text)
 {
 	(void)png, (void)text;
@@ -44,7 +44,7 @@ static void png_flush_nothing(png_structp png)
 	(void)png;
 }
 
-/* Leaves through png_longjmp when something fails. */
+/* Leaves by png_longjmp if something fails. */
 static void png_write_all(png_structp png, png_infop info, const image_shape *shape, const unsigned char *pixels)
 {
 	static const int colors[5] = {[1] = PNG_COLOR_TYPE_GRAY,
@@ -56,7 +56,7 @@ static void png_write_all(png_structp png, png_infop info, const image_shape *sh
 	             PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
 	png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
 	png_set_text(png, info, &text, 1);
-	png_set_compression_level(png, 3); /* 3 is three times as fast as 6 and a tenth larger */
+	png_set_compression_level(png, 3); /* three times as fast as level 6, and a tenth larger */
 	png_write_info(png, info);
 	for (uint32_t y = 0; y < shape->height; y++)
 		png_write_row(png, pixels + (size_t)y * shape->width * shape->channels);
@@ -67,6 +67,9 @@ static image_outcome png_encode(const image_shape *shape, const void *pixels, im
                                 image_message *message)
 {
 	(void)stored;
+	STILB_ASSERT(shape->channels >= 1 && shape->channels <= 4);
+	STILB_ASSERT(shape->scalar == IMAGE_SCALAR_U8);
+	STILB_ASSERT(pixels && file && message);
 	png_job job = {.message = message, .file = file};
 	png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job, png_on_error, png_on_warning);
 	png_infop info = png ? png_create_info_struct(png) : NULL;
@@ -89,17 +92,19 @@ static image_outcome png_encode(const image_shape *shape, const void *pixels, im
 static void png_get(png_structp png, png_bytep out, size_t size)
 {
 	png_job *job = png_get_io_ptr(png);
+	STILB_ASSERT(job->at <= job->size);
 	if (size > job->size - job->at)
 		png_error(png, "the file is cut off");
 	memcpy(out, job->data + job->at, size);
 	job->at += size;
 }
 
-/* After png_read_info: has libpng give 8 or 16 bits a channel, grey or RGB, with alpha where the file has any. */
+/* The shape of the file's picture, after png_read_info. Makes libpng expand its rows to that: 8 or 16 bits a channel,
+ * grey or RGB, with alpha if the file has any transparency. */
 static image_shape png_shape(png_structp png, png_infop info)
 {
-	const int color = png_get_color_type(png, info);
-	const bool alpha = (color & PNG_COLOR_MASK_ALPHA) != 0 || png_get_valid(png, info, PNG_INFO_tRNS) != 0;
+	int color = png_get_color_type(png, info);
+	bool alpha = (color & PNG_COLOR_MASK_ALPHA) != 0 || png_get_valid(png, info, PNG_INFO_tRNS) != 0;
 	png_set_expand(png); /* palettes to RGB, fewer than 8 bits to 8, a transparent colour to alpha */
 	return (image_shape){.width = png_get_image_width(png, info),
 	                     .height = png_get_image_height(png, info),
@@ -107,23 +112,24 @@ static image_shape png_shape(png_structp png, png_infop info)
 	                     .scalar = png_get_bit_depth(png, info) == 16 ? IMAGE_SCALAR_U16 : IMAGE_SCALAR_U8};
 }
 
-/* Leaves through png_longjmp when something fails; false: allocate refused. */
+/* Leaves by png_longjmp if something fails. False: allocate refused. */
 static bool png_read_all(png_structp png, png_infop info, image_allocate *allocate, void *context)
 {
 	png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
-	png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* allocate refuses, and says more */
+	png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* allocate refuses instead, with a better message */
 	png_read_info(png, info);
 	image_shape shape = png_shape(png, info);
-	const int passes = png_set_interlace_handling(png);
+	int passes = png_set_interlace_handling(png);
 	unsigned char *pixels = allocate(context, &shape);
 	if (!pixels)
 		return false;
+	STILB_ASSERT(shape.scalar == IMAGE_SCALAR_U8 || shape.scalar == IMAGE_SCALAR_U16);
 	if (shape.scalar == IMAGE_SCALAR_U8)
 		png_set_scale_16(png); /* rounded to the nearest */
 	else
 		png_set_swap(png); /* the file has the high byte first */
 	png_read_update_info(png, info);
-	const size_t row = (size_t)shape.width * shape.channels * image_scalar_bytes[shape.scalar];
+	size_t row = (size_t)shape.width * shape.channels * image_scalar_bytes[shape.scalar];
 	if (png_get_rowbytes(png, info) != row)
 		png_error(png, "its rows are not of the size that its header says");
 	for (int pass = 0; pass < passes; pass++)
@@ -136,6 +142,7 @@ static bool png_read_all(png_structp png, png_infop info, image_allocate *alloca
 static image_outcome png_decode(const void *data, size_t size, image_allocate *allocate, void *context,
                                 image_message *message)
 {
+	STILB_ASSERT(data && allocate && message);
 	png_job job = {.message = message, .data = data, .size = size};
 	if (size < 8 || png_sig_cmp(job.data, 0, 8) != 0) {
 		image_message_set(message, "it is not a PNG file");
@@ -149,7 +156,7 @@ static image_outcome png_decode(const void *data, size_t size, image_allocate *a
 			png_set_read_fn(png, &job, png_get);
 			outcome = png_read_all(png, info, allocate, context) ? IMAGE_OUTCOME_DONE : IMAGE_OUTCOME_CALLBACK;
 		} else {
-			const image_message why = *message; /* libpng's own words */
+			image_message why = *message; /* set by png_on_error */
 			snprintf(message->text, sizeof message->text, "the file is damaged near byte %zu: %.400s", job.at,
 			         why.text);
 			outcome = IMAGE_OUTCOME_CODEC;

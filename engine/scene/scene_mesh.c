@@ -93,7 +93,7 @@ static void mesh_split(stilb_scene_mesh *mesh, mesh_edges *edges)
 static void mesh_icosahedron(stilb_scene_mesh *mesh)
 {
 	/* Poles on the Y axis; two rings of five at latitude +-atan(1/2). */
-	const float y = 0.44721359549995794f, r = 0.8944271909999159f, turn = 0.62831853071795865f;
+	float y = 0.44721359549995794f, r = 0.8944271909999159f, turn = 0.62831853071795865f;
 	mesh_add_vertex(mesh, stilb_vec3_make(0, 1, 0));
 	for (int ring = 0; ring < 2; ring++)
 		for (int i = 0; i < 5; i++) {

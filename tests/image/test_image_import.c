@@ -179,7 +179,7 @@ static void refusals_name_file_and_reason(void **state)
 	assert_refused(path, "empty");
 	assert_int_equal(write(file, "no picture", 10), 10);
 	close(file);
-	assert_refused(path, "no picture of a known kind");
+	assert_refused(path, "not a picture of a supported format");
 	unlink(path);
 }
 

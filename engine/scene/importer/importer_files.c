@@ -54,11 +54,11 @@ bool importer_bytes_read(int file, importer_bytes *bytes)
 	struct stat info;
 	*bytes = (importer_bytes){0};
 	bool good = fstat(file, &info) == 0 && info.st_size >= 0;
-	const size_t size = good ? (size_t)info.st_size : 0;
+	size_t size = good ? (size_t)info.st_size : 0;
 	bytes->data = good ? malloc(size + 1) : NULL;
 	good = bytes->data != NULL;
 	while (good && bytes->size < size) { /* at an offset: a descriptor of the same file shares its place */
-		const ssize_t got = pread(file, bytes->data + bytes->size, size - bytes->size, (off_t)bytes->size);
+		ssize_t got = pread(file, bytes->data + bytes->size, size - bytes->size, (off_t)bytes->size);
 		if (got < 0 && errno == EINTR)
 			continue;
 		good = got > 0;
@@ -83,7 +83,7 @@ static bool files_lacks_digit(const unsigned char *text, size_t size, size_t i)
 {
 	if (text[i] != '.' || i + 1 >= size || !isdigit(text[i + 1]) || i == 0)
 		return false;
-	const unsigned char before = text[i - 1];
+	unsigned char before = text[i - 1];
 	return before == ' ' || before == '\t' ||
 	       ((before == '-' || before == '+') && i > 1 && (text[i - 2] == ' ' || text[i - 2] == '\t'));
 }
@@ -103,7 +103,7 @@ static bool files_complete_numbers(importer_bytes *bytes)
 	size_t size = 0;
 	bool vertex = false, begin = true;
 	for (size_t i = 0; i < bytes->size; i++) {
-		const unsigned char c = bytes->data[i];
+		unsigned char c = bytes->data[i];
 		if (begin)
 			vertex = c == 'v';
 		begin = c == '\n' || c == '\r';
@@ -132,7 +132,7 @@ static files_open *files_of(struct aiFile *file)
 static size_t files_read(struct aiFile *file, char *out, size_t size, size_t count)
 {
 	files_open *open = files_of(file);
-	const size_t left = open->bytes.size - open->at, whole = size ? left / size : 0;
+	size_t left = open->bytes.size - open->at, whole = size ? left / size : 0;
 	if (count > whole)
 		count = whole;
 	memcpy(out, open->bytes.data + open->at, count * size);
@@ -159,7 +159,7 @@ static size_t files_size(struct aiFile *file)
 static enum aiReturn files_seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
 {
 	files_open *open = files_of(file);
-	const size_t base = origin == aiOrigin_CUR ? open->at : origin == aiOrigin_END ? open->bytes.size : 0;
+	size_t base = origin == aiOrigin_CUR ? open->at : origin == aiOrigin_END ? open->bytes.size : 0;
 	if (base + offset > open->bytes.size)
 		return aiReturn_FAILURE;
 	open->at = base + offset; /* an offset back is a very large one, and wraps round */
@@ -175,14 +175,14 @@ static struct aiFile *files_open_proc(struct aiFileIO *io, const char *name, con
 {
 	char why[256];
 	(void)io;
-	const int file = strchr(mode, 'w') ? -1 : importer_files_ask(name, false, why);
+	int file = strchr(mode, 'w') ? -1 : importer_files_ask(name, false, why);
 	files_open *open = file >= 0 ? calloc(1, sizeof *open) : NULL;
 	if (!open) {
 		if (file >= 0)
 			close(file);
 		return NULL;
 	}
-	const size_t length = strlen(name);
+	size_t length = strlen(name);
 	bool good = importer_bytes_read(file, &open->bytes);
 	if (good && length > 4 && strcasecmp(name + length - 4, ".obj") == 0)
 		good = files_complete_numbers(&open->bytes);

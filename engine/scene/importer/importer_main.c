@@ -69,9 +69,9 @@ static stilb_result importer_refuse(const char *path, const char *words)
 /* Assimp's scene, in triangles. */
 static stilb_result importer_read(const char *path, const struct aiScene **scene)
 {
-	const unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
-	                       aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
-	                       aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
+	unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
+	                 aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
+	                 aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
 	struct aiPropertyStore *properties = aiCreatePropertyStore();
 	/* What no one here asks for only costs time, and is one more thing that can be damaged. */
 	aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
@@ -124,12 +124,12 @@ static void importer_finish(importer *import)
 /* Sends a picture, which is {0} afterwards. */
 static stilb_result importer_send_picture(stilb_image *picture)
 {
-	const scene_message message = {.kind = SCENE_MESSAGE_PICTURE,
-	                               .width = picture->width,
-	                               .height = picture->height,
-	                               .channels = picture->channels,
-	                               .format = picture->format};
-	const int file = stilb_image_share(picture);
+	scene_message message = {.kind = SCENE_MESSAGE_PICTURE,
+	                         .width = picture->width,
+	                         .height = picture->height,
+	                         .channels = picture->channels,
+	                         .format = picture->format};
+	int file = stilb_image_share(picture);
 	if (file < 0)
 		return STILB_ERROR_FILE;
 	if (!scene_stream_write_message(importer_stream.file, &message, file))
@@ -166,7 +166,7 @@ static stilb_result importer_do_picture(const char *path, bool light)
 	char why[256];
 	importer_bytes bytes = {0};
 	stilb_image picture;
-	const int file = importer_files_ask(path, true, why);
+	int file = importer_files_ask(path, true, why);
 	if (file < 0 || !importer_bytes_read(file, &bytes))
 		return stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
 	stilb_result result = importer_decode(path, &bytes, light ? STILB_IMAGE_IMPORT_FOR_LIGHT : 0, &picture);

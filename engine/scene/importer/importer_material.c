@@ -73,7 +73,7 @@ static void material_metallic(material_reader *reader, const importer_texture *b
 		material_color(reader, AI_MATKEY_COLOR_DIFFUSE, color);
 	material_number(reader, AI_MATKEY_METALLIC_FACTOR, &metal);
 	material_number(reader, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
-	const bool missing = reader->missing_texture; /* of the colour only */
+	bool missing = reader->missing_texture; /* of the colour only */
 	const importer_texture *map = material_texture(reader, aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS);
 	reader->missing_texture = missing;
 	if (map) { /* green is roughness, blue metal */
@@ -113,7 +113,7 @@ static void material_classic(const material_reader *reader, bool textured, stilb
 	material_number(reader, AI_MATKEY_SHININESS, &exponent);
 	material_number(reader, AI_MATKEY_SHININESS_STRENGTH, &strength);
 	float brightest = fmaxf(fmaxf(diffuse[0], diffuse[1]), diffuse[2]);
-	const bool black = brightest < 0.01f && !textured;
+	bool black = brightest < 0.01f && !textured;
 	if (brightest == 0.0f && textured) /* many exporters write black and mean the texture */
 		diffuse[0] = diffuse[1] = diffuse[2] = 1.0f;
 	exponent = material_clamp(exponent, 0.0f, 1e6f);
@@ -132,7 +132,7 @@ static void material_emission(material_reader *reader, stilb_scene_material *mat
 	if (!material_color(reader, AI_MATKEY_COLOR_EMISSIVE, color))
 		return;
 	material_number(reader, AI_MATKEY_EMISSIVE_INTENSITY, &intensity);
-	const bool missing = reader->missing_texture;
+	bool missing = reader->missing_texture;
 	const importer_texture *map = fmaxf(fmaxf(color[0], color[1]), color[2]) > 0.0f
 	                                  ? material_texture(reader, aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE)
 	                                  : NULL;
@@ -151,8 +151,8 @@ static void material_convert(importer *import, const struct aiMaterial *from, st
 	if (aiGetMaterialString(from, AI_MATKEY_NAME, &reader.name) != aiReturn_SUCCESS)
 		strcpy(reader.name.data, "without a name");
 	const importer_texture *base = material_texture(&reader, aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE);
-	const uint32_t texture = base ? 1 + (uint32_t)(base - import->textures) : 0;
-	const importer_texture copy = base ? *base : (importer_texture){0}; /* the list may move */
+	uint32_t texture = base ? 1 + (uint32_t)(base - import->textures) : 0;
+	importer_texture copy = base ? *base : (importer_texture){0}; /* the list may move */
 	if (material_number(&reader, AI_MATKEY_GLOSSINESS_FACTOR, &gloss))
 		material_glossy(&reader, gloss, &read);
 	else if (material_number(&reader, AI_MATKEY_METALLIC_FACTOR, &metal))
@@ -175,7 +175,7 @@ static stilb_result material_take_textures(importer *import)
 	uint32_t used = 0;
 	stilb_result result = scene_add_textures(scene, import->texture_count);
 	for (uint32_t t = 0; result == STILB_OK && t < import->texture_count; t++) {
-		const uint32_t first = used;
+		uint32_t first = used;
 		for (uint32_t m = 0; m < scene->material_count; m++)
 			if (scene->materials[m].diffuse_texture == 1 + t) {
 				scene->materials[m].diffuse_texture = 1 + first; /* first <= t: no later turn of the loop finds it */

@@ -93,7 +93,7 @@ static uint32_t mesh_place(const mesh_plan *plan, const importer *import, const 
 
 static stilb_result mesh_plan_make(const importer *import, mesh_plan *plan)
 {
-	const uint32_t count = import->from->mNumMeshes;
+	uint32_t count = import->from->mNumMeshes;
 	plan->place = malloc((count + 1) * sizeof *plan->place);
 	plan->triangles = malloc((count + 1) * sizeof *plan->triangles);
 	if (!plan->place || !plan->triangles)
@@ -123,7 +123,7 @@ static void mesh_add_parts(importer *import, const mesh_plan *plan)
 	uint32_t part = 0, model = 0;
 	for (uint32_t n = 0; n < import->node_count; n++) {
 		const struct aiNode *node = import->nodes[n].node;
-		const uint32_t first = part;
+		uint32_t first = part;
 		for (uint32_t i = 0; i < node->mNumMeshes; i++) {
 			uint32_t place = mesh_place(plan, import, node, i);
 			if (place == IMPORTER_NO_MESH)
@@ -145,7 +145,7 @@ stilb_result importer_add_meshes(importer *import)
 	mesh_plan plan = {0};
 	const struct aiScene *from = import->from;
 	stilb_result result = mesh_plan_make(import, &plan);
-	const uint32_t materials = from->mNumMaterials ? from->mNumMaterials : 1;
+	uint32_t materials = from->mNumMaterials ? from->mNumMaterials : 1;
 	if (result == STILB_OK)
 		result = scene_create(plan.models, plan.parts, plan.meshes, materials, &import->scene);
 	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++)

@@ -33,7 +33,7 @@ stilb_result importer_list_nodes(importer *import)
 	import->node_count = 1;
 	for (uint32_t i = 0; i < import->node_count; i++) {
 		const struct aiNode *node = import->nodes[i].node;
-		const stilb_mat4 to_world = import->nodes[i].to_world;
+		stilb_mat4 to_world = import->nodes[i].to_world;
 		if ((uint64_t)import->node_count + node->mNumChildren > IMPORTER_MAX_NODES)
 			return stilb_fail(STILB_ERROR_FILE, "it has more than %u nodes", IMPORTER_MAX_NODES);
 		while (import->node_count + node->mNumChildren > room) {
@@ -46,8 +46,8 @@ stilb_result importer_list_nodes(importer *import)
 		for (uint32_t c = 0; c < node->mNumChildren; c++) {
 			if (!node->mChildren[c])
 				continue; /* Assimp 5.2 leaves holes in the hierarchy of .raw */
-			const stilb_mat4 own = importer_matrix(&node->mChildren[c]->mTransformation);
-			const importer_node child = {node->mChildren[c], stilb_mat4_multiply(to_world, own)};
+			stilb_mat4 own = importer_matrix(&node->mChildren[c]->mTransformation);
+			importer_node child = {node->mChildren[c], stilb_mat4_multiply(to_world, own)};
 			if (importer_is_finite(&child.to_world))
 				import->nodes[import->node_count++] = child;
 			else

@@ -26,7 +26,7 @@ static void picture_take_light(const float *light, uint32_t channels, size_t pix
 {
 	for (size_t p = 0; p < pixels; p++)
 		for (uint32_t i = 0; i < 3; i++) {
-			const float value = light[p * channels + (channels < 3 ? 0 : i)];
+			float value = light[p * channels + (channels < 3 ? 0 : i)];
 			rgb[3 * p + i] = value > 0.0f && value < INFINITY ? value : 0.0f;
 		}
 }
@@ -34,7 +34,7 @@ static void picture_take_light(const float *light, uint32_t channels, size_t pix
 stilb_result importer_picture_to_light(stilb_image *image)
 {
 	stilb_image rgb;
-	const size_t row = (size_t)image->width * image->channels;
+	size_t row = (size_t)image->width * image->channels;
 	float *light = malloc(row * sizeof *light);
 	stilb_result result = stilb_image_create_shared(&rgb, image->width, image->height, 3, STILB_IMAGE_F32_LINEAR);
 	if (result == STILB_OK && !light)

@@ -47,7 +47,7 @@ void importer_sandbox_allow_time(uint64_t seconds)
 {
 	struct rusage used;
 	struct rlimit limit;
-	const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
+	long cpus = sysconf(_SC_NPROCESSORS_ONLN);
 	if (getrusage(RUSAGE_SELF, &used) != 0 || getrlimit(RLIMIT_CPU, &limit) != 0)
 		return;
 	limit.rlim_cur =
@@ -78,11 +78,11 @@ static uint64_t sandbox_access(long version)
 
 static bool sandbox_allow_path(int rules, const char *path, uint64_t access)
 {
-	const int file = open(path, O_PATH | O_CLOEXEC);
+	int file = open(path, O_PATH | O_CLOEXEC);
 	if (file < 0)
 		return true; /* what is not there need not be allowed */
-	const struct landlock_path_beneath_attr rule = {.allowed_access = access, .parent_fd = file};
-	const bool good = syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
+	struct landlock_path_beneath_attr rule = {.allowed_access = access, .parent_fd = file};
+	bool good = syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
 	close(file);
 	return good;
 }
@@ -91,7 +91,7 @@ static bool sandbox_allow_path(int rules, const char *path, uint64_t access)
 static bool sandbox_allow_program(int rules)
 {
 	char folder[PATH_MAX];
-	const ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
+	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
 	char *slash = length > 0 ? memrchr(folder, '/', (size_t)length) : NULL;
 	if (!slash)
 		return true;
@@ -105,11 +105,11 @@ static bool sandbox_landlock(void)
 	static const char *const libraries[] = {"/usr/lib", "/usr/lib64", "/usr/local/lib", "/lib", "/lib64", "/opt"};
 	static const char *const files[] = {"/etc/ld.so.cache", "/etc/localtime", "/dev/null", "/dev/urandom",
 	                                    "/sys/devices/system/cpu"};
-	const long version = syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
+	long version = syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
 	if (version < 1)
 		return false;
-	const struct landlock_ruleset_attr handled = {.handled_access_fs = sandbox_access(version)};
-	const int rules = (int)syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0);
+	struct landlock_ruleset_attr handled = {.handled_access_fs = sandbox_access(version)};
+	int rules = (int)syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0);
 	if (rules < 0)
 		return false;
 	bool good = sandbox_allow_program(rules);
@@ -274,7 +274,7 @@ static bool sandbox_seccomp(void)
 		filter[length++] = (struct sock_filter)ALLOW;
 	}
 	filter[length++] = (struct sock_filter)REFUSE(EPERM);
-	const struct sock_fprog program = {.len = length, .filter = filter};
+	struct sock_fprog program = {.len = length, .filter = filter};
 	return SANDBOX_ARCH && syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
 }
 

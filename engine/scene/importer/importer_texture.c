@@ -36,7 +36,7 @@ static stilb_result texture_from_memory(const struct aiTexture *texture, const c
 	if (!texture->pcData)
 		return stilb_fail(STILB_ERROR_FILE, "it is empty");
 	if (texture->mHeight == 0) { /* a file, mWidth bytes long */
-		const importer_bytes bytes = {(unsigned char *)texture->pcData, texture->mWidth};
+		importer_bytes bytes = {(unsigned char *)texture->pcData, texture->mWidth};
 		snprintf(called, sizeof called, "%s.%.*s", name, HINTMAXTEXTURELEN, texture->achFormatHint);
 		return importer_decode(called, &bytes, 0, image);
 	}
@@ -63,7 +63,7 @@ static void texture_average_codes(importer_texture *texture)
 {
 	const stilb_image *image = &texture->image;
 	const uint8_t *codes = image->pixels;
-	const size_t count = (size_t)image->width * image->height;
+	size_t count = (size_t)image->width * image->height;
 	for (uint32_t i = 0; i < 3; i++) {
 		uint64_t times[256] = {0};
 		double sum = 0, stored = 0;
@@ -86,8 +86,8 @@ static stilb_result texture_average(importer_texture *texture)
 		texture_average_codes(texture);
 		return STILB_OK;
 	}
-	const size_t row = (size_t)image->width * image->channels;
-	const double count = (double)image->width * (double)image->height;
+	size_t row = (size_t)image->width * image->channels;
+	double count = (double)image->width * (double)image->height;
 	double sum[3] = {0}, stored[3] = {0};
 	float *light = malloc(row * sizeof *light);
 	if (!light)
@@ -96,7 +96,7 @@ static stilb_result texture_average(importer_texture *texture)
 		stilb_image_row_to_light(image, y, light);
 		for (size_t x = 0; x < image->width; x++)
 			for (uint32_t i = 0; i < 3; i++) {
-				const size_t at = x * image->channels + texture_channel(image, i);
+				size_t at = x * image->channels + texture_channel(image, i);
 				sum[i] += (double)light[at];
 				stored[i] += image->format == STILB_IMAGE_U16_SRGB
 				                 ? ((const uint16_t *)image->pixels)[y * row + at] / 65535.0
@@ -146,7 +146,7 @@ static void *texture_work(void *context)
 	texture_queue *queue = context;
 	for (;;) {
 		/* relaxed: each texture is one thread's; pthread_create and pthread_join order all else */
-		const unsigned i = atomic_fetch_add_explicit(&queue->next, 1, memory_order_relaxed);
+		unsigned i = atomic_fetch_add_explicit(&queue->next, 1, memory_order_relaxed);
 		if (i >= queue->import->texture_count)
 			return NULL;
 		texture_load(&queue->import->textures[i]);
@@ -179,14 +179,14 @@ void importer_load_textures(importer *import)
 	static const enum aiTextureType kinds[] = {aiTextureType_BASE_COLOR,     aiTextureType_DIFFUSE,
 	                                           aiTextureType_UNKNOWN,        aiTextureType_DIFFUSE_ROUGHNESS,
 	                                           aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE};
-	const size_t most = sizeof kinds / sizeof *kinds * import->from->mNumMaterials;
+	size_t most = sizeof kinds / sizeof *kinds * import->from->mNumMaterials;
 	import->textures = calloc(most + 1, sizeof *import->textures);
 	for (unsigned m = 0; import->textures && m < import->from->mNumMaterials; m++)
 		for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
 			texture_list(import, import->from->mMaterials[m], kinds[k]);
 	pthread_t threads[TEXTURE_THREADS];
 	texture_queue queue = {.import = import};
-	const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
+	long cpus = sysconf(_SC_NPROCESSORS_ONLN);
 	unsigned started = 0;
 	while (started < TEXTURE_THREADS && started + 1 < import->texture_count && started + 1 < cpus &&
 	       pthread_create(&threads[started], NULL, texture_work, &queue) == 0)

@@ -14,7 +14,7 @@
  * intensity. */
 static float light_scale(const importer *import, const struct aiLight *light, stilb_vec3 position)
 {
-	const bool directional = light->mType == aiLightSource_DIRECTIONAL;
+	bool directional = light->mType == aiLightSource_DIRECTIONAL;
 	if (import->gltf)
 		return 1.0f;
 	if (directional)
@@ -37,9 +37,9 @@ static float light_cone_cosine(const importer *import, float angle)
 static bool light_convert(const importer *import, const struct aiLight *from, stilb_scene_light *light)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);
-	const stilb_vec3 position = importer_point(node, importer_vector(&from->mPosition));
-	const stilb_vec3 direction = importer_direction(node, importer_vector(&from->mDirection));
-	const float scale = light_scale(import, from, position);
+	stilb_vec3 position = importer_point(node, importer_vector(&from->mPosition));
+	stilb_vec3 direction = importer_direction(node, importer_vector(&from->mDirection));
+	float scale = light_scale(import, from, position);
 	const float color[3] = {from->mColorDiffuse.r, from->mColorDiffuse.g, from->mColorDiffuse.b};
 	bool good = false;
 	*light = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_POINT};
@@ -121,7 +121,7 @@ static float camera_roll(const stilb_scene_camera *camera, stilb_vec3 up)
  * there. */
 static float camera_fov_y(const importer *import, const struct aiCamera *from)
 {
-	const bool has_ratio = from->mAspect > 0.01f && from->mAspect < 100.0f;
+	bool has_ratio = from->mAspect > 0.01f && from->mAspect < 100.0f;
 	if (import->gltf)
 		return from->mHorizontalFOV / (has_ratio ? from->mAspect : 1.0f);
 	return 2.0f * atanf(tanf(0.5f * from->mHorizontalFOV) / (has_ratio ? from->mAspect : 4.0f / 3.0f));
@@ -136,7 +136,7 @@ static bool camera_convert(const importer *import, const struct aiCamera *from, 
 	stilb_vec3 position = importer_point(node, own);
 	stilb_vec3 view = importer_direction(node, importer_vector(&from->mLookAt));
 	stilb_vec3 up = importer_direction(node, importer_vector(&from->mUp));
-	const float fov_y = camera_fov_y(import, from);
+	float fov_y = camera_fov_y(import, from);
 	stilb_sphere scene = scene_sphere(import->scene);
 	if (!(fov_y > 0.03f && fov_y < 3.1f) || !(fabsf(position[0]) + fabsf(position[1]) + fabsf(position[2]) < 1e18f))
 		return false;

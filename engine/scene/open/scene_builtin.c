@@ -263,7 +263,7 @@ static float builtin_bumps(stilb_vec3 d, stilb_vec3 *gradient)
  * both. */
 static stilb_scene_vertex builtin_bumpy_vertex(float u, float v)
 {
-	const float longitude = 6.2831853071795865f * u, latitude = 3.1415926535897932f * v;
+	float longitude = 6.2831853071795865f * u, latitude = 3.1415926535897932f * v;
 	stilb_vec3 gradient,
 		d = stilb_vec3_make(sinf(latitude) * sinf(longitude), cosf(latitude), sinf(latitude) * cosf(longitude));
 	float radius = builtin_bumps(d, &gradient);
@@ -275,7 +275,7 @@ static stilb_scene_vertex builtin_bumpy_vertex(float u, float v)
 
 static stilb_result builtin_mesh_bumpy(stilb_scene_mesh *mesh)
 {
-	const uint32_t across = BUMPS_AROUND + 1; /* the seam has its vertices twice, for uv */
+	uint32_t across = BUMPS_AROUND + 1; /* the seam has its vertices twice, for uv */
 	stilb_result result = scene_mesh_create(mesh, across * (BUMPS_DOWN + 1), 6 * BUMPS_AROUND * (BUMPS_DOWN - 1));
 	if (result != STILB_OK)
 		return result;
@@ -301,7 +301,7 @@ static stilb_result builtin_mesh_bumpy(stilb_scene_mesh *mesh)
 /* Turned about +Y, scaled, moved. */
 static stilb_mat4 builtin_place(float turn, float scale, float x, float y, float z)
 {
-	const float c = scale * cosf(turn), s = scale * sinf(turn);
+	float c = scale * cosf(turn), s = scale * sinf(turn);
 	return (stilb_mat4){.m = {c, 0, -s, 0, 0, scale, 0, 0, s, 0, c, 0, x, y, z, 1}};
 }
 
@@ -349,7 +349,7 @@ stilb_result scene_create_field(float number, stilb_scene **scene)
 
 static stilb_result builtin_checker(stilb_image *image)
 {
-	const uint32_t side = CHECKER_CELLS * 16;
+	uint32_t side = CHECKER_CELLS * 16;
 	stilb_result result = stilb_image_create(image, side, side, 3, STILB_IMAGE_U8_SRGB);
 	if (result != STILB_OK)
 		return result;

@@ -26,14 +26,14 @@ static const char files_link_outside[] = "a link leads out of the scene's folder
 static int files_open_and_compare(int root, const char *name, int flags)
 {
 	char link[64], folder[PATH_MAX], reached[PATH_MAX];
-	const int file = openat(root, name, flags);
+	int file = openat(root, name, flags);
 	if (file < 0)
 		return -1;
 	snprintf(link, sizeof link, "/proc/self/fd/%d", root);
-	const ssize_t length = readlink(link, folder, sizeof folder);
+	ssize_t length = readlink(link, folder, sizeof folder);
 	snprintf(link, sizeof link, "/proc/self/fd/%d", file);
-	const ssize_t whole = readlink(link, reached, sizeof reached);
-	const bool top = length == 1 && folder[0] == '/';
+	ssize_t whole = readlink(link, reached, sizeof reached);
+	bool top = length == 1 && folder[0] == '/';
 	if (length > 0 && whole >= length && whole < PATH_MAX && memcmp(folder, reached, (size_t)length) == 0 &&
 	    (top || whole == length || reached[length] == '/'))
 		return file;
@@ -45,8 +45,8 @@ static int files_open_and_compare(int root, const char *name, int flags)
 /* A descriptor of name, which is relative, without leaving root; or -1 with errno, EXDEV if it leads out. */
 static int files_open_below(int root, const char *name, int flags)
 {
-	const struct open_how how = {.flags = (unsigned)flags, .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-	const long file = syscall(SYS_openat2, root, name, &how, sizeof how);
+	struct open_how how = {.flags = (unsigned)flags, .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
+	long file = syscall(SYS_openat2, root, name, &how, sizeof how);
 	if (file < 0 && (errno == ENOSYS || errno == EPERM))
 		return files_open_and_compare(root, name, flags);
 	return (int)file;
@@ -75,7 +75,7 @@ static int files_keep_regular(int file, const char **why)
 /* Writes the name that is like `name` but for capitals, of folder `below` of root, over name; false: there is none. */
 static bool files_recall(int root, const char *below, char *name)
 {
-	const int folder = files_open_below(root, below[0] ? below : ".", FILES_FOLDER);
+	int folder = files_open_below(root, below[0] ? below : ".", FILES_FOLDER);
 	DIR *list = folder >= 0 ? fdopendir(folder) : NULL;
 	bool found = false;
 	for (struct dirent *entry; list && !found && (entry = readdir(list));)
@@ -99,7 +99,7 @@ static bool files_find_capitals(int root, char *name)
 		end = strchrnul(part, '/');
 		const char slash = *end;
 		*end = '\0';
-		const bool found = files_recall(root, below, part);
+		bool found = files_recall(root, below, part);
 		length += (size_t)snprintf(below + length, sizeof below - length, "%s%s", length ? "/" : "", part);
 		*end = slash;
 		end += slash == '/';
@@ -118,7 +118,7 @@ static unsigned files_simplify(char *name)
 	unsigned up = 0;
 	char *out = name;
 	for (const char *part = name; *part;) {
-		const size_t length = strcspn(part, "/");
+		size_t length = strcspn(part, "/");
 		const char *next = part + length + (part[length] == '/');
 		if (length == 2 && part[0] == '.' && part[1] == '.') {
 			up += out == name;
@@ -150,8 +150,8 @@ static int files_open_relative(scene_files *files, char *name, const char **why)
 {
 	char given[PATH_MAX];
 	snprintf(given, sizeof given, "%s", name);
-	const unsigned up = files_simplify(name);
-	const int root = files_root(files, up);
+	unsigned up = files_simplify(name);
+	int root = files_root(files, up);
 	if (root < 0 && files->allow_outside)
 		return files_keep_regular(openat(files->folder, given, FILES_READ), why);
 	if (root < 0) {
@@ -180,7 +180,7 @@ stilb_result scene_files_init(scene_files *files, const char *scene, bool allow_
 {
 	*files = (scene_files){.folder = -1, .parent = -1, .allow_outside = allow_outside};
 	const char *slash = strrchr(scene, '/');
-	const size_t length = slash ? (size_t)(slash - scene) + 1 : 0;
+	size_t length = slash ? (size_t)(slash - scene) + 1 : 0;
 	if (length < sizeof files->prefix) {
 		memcpy(files->prefix, scene, length);
 		files->folder = open(length ? files->prefix : ".", FILES_FOLDER);
@@ -202,7 +202,7 @@ int scene_files_open(scene_files *files, const char *name, char why[static 256])
 	for (char *c = path; *c; c++)
 		if (*c == '\\')
 			*c = '/';
-	const size_t prefix = strlen(files->prefix);
+	size_t prefix = strlen(files->prefix);
 	if (prefix > 0 && strncmp(path, files->prefix, prefix) == 0)
 		start += prefix;
 	else if (strncmp(path, "//", 2) == 0) /* Blender: the scene's folder */

@@ -129,7 +129,7 @@ static stilb_result import_run(scene_importer *importer)
 static int import_end(scene_importer *importer)
 {
 	int status;
-	const pid_t id = importer->id;
+	pid_t id = importer->id;
 	close(importer->stream.file);
 	if (!importer->stream.ended)
 		kill(id, SIGKILL);
@@ -186,7 +186,7 @@ scene_import_limits scene_import_limits_default(void)
 static int import_open(const char *path, stilb_result *result)
 {
 	struct stat info;
-	const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY); /* a pipe or a device may have no end */
+	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY); /* a pipe or a device may have no end */
 	*result = STILB_ERROR_ARGUMENT;
 	if (file < 0 || fstat(file, &info) != 0)
 		stilb_fail(STILB_ERROR_ARGUMENT, "cannot read '%s': %s", path, strerror(errno));
@@ -265,9 +265,9 @@ static stilb_result import_ask(import_request *request, scene_message_kind kind,
 /* Tells once that a file is refused. One letter is no name, but how Assimp 5.2 looks for it in other places. */
 static void import_tell_refused(import_request *request, const char *name, const char *why)
 {
-	const uint32_t most = sizeof request->refused / sizeof *request->refused;
+	uint32_t most = sizeof request->refused / sizeof *request->refused;
 	const char *slash = strrchr(name, '/'), *last = slash ? slash + 1 : name;
-	const size_t prefix = strlen(request->files->prefix);
+	size_t prefix = strlen(request->files->prefix);
 	for (uint32_t i = 0; i < request->refused_count; i++)
 		if (strncmp(request->refused[i], last, sizeof *request->refused - 1) == 0)
 			return;
@@ -285,7 +285,7 @@ static void import_answer(import_request *request, const scene_message *asked)
 {
 	scene_message answer = {.kind = SCENE_MESSAGE_FILE};
 	char why[256] = "there is no such file";
-	const int file = request->files ? scene_files_open(request->files, asked->text, why) : -1;
+	int file = request->files ? scene_files_open(request->files, asked->text, why) : -1;
 	if (file < 0)
 		snprintf(answer.text, sizeof answer.text, "%s", why);
 	if (file < 0 && scene_files_outside(why) && !asked->flags)
@@ -298,7 +298,7 @@ static void import_answer(import_request *request, const scene_message *asked)
 static stilb_result import_keep_picture(import_request *request, const scene_message *message, int file)
 {
 	if (request->picture_count == request->picture_room) {
-		const uint32_t room = 2 * request->picture_room + 16;
+		uint32_t room = 2 * request->picture_room + 16;
 		stilb_image *more = realloc(request->pictures, room * sizeof *more);
 		if (!more || room > STILB_SCENE_MAX_MODELS) {
 			request->pictures = more ? more : request->pictures;
@@ -347,10 +347,10 @@ static stilb_result import_finish(import_request *request, stilb_result result, 
 	scene_importer *importer = request->importer;
 	if (result == STILB_OK || request->told)
 		return result;
-	const bool gone = importer->stream.late || importer->stream.ended || importer->stream.too_much;
+	bool gone = importer->stream.late || importer->stream.ended || importer->stream.too_much;
 	char reason[400];
 	snprintf(reason, sizeof reason, "%s", stilb_error_message());
-	const int status = importer->id > 0 ? import_end(importer) : 0;
+	int status = importer->id > 0 ? import_end(importer) : 0;
 	if (gone)
 		return import_died(importer, request->path, decoder, status);
 	return stilb_fail(result, "cannot read '%s': %s", request->path, reason);
@@ -362,7 +362,7 @@ stilb_result scene_importer_scene(scene_importer *importer, const char *path, st
 	scene_files files;
 	scene_message message;
 	*scene = NULL;
-	const int file = import_open(path, &result);
+	int file = import_open(path, &result);
 	if (file < 0)
 		return result;
 	result = scene_files_init(&files, path, importer->limits.allow_outside);
@@ -386,7 +386,7 @@ stilb_result scene_importer_picture(scene_importer *importer, const char *path, 
 	stilb_result result;
 	scene_message message;
 	*image = (stilb_image){0};
-	const int file = import_open(path, &result);
+	int file = import_open(path, &result);
 	if (file < 0)
 		return STILB_ERROR_FILE;
 	import_request request = {.importer = importer, .path = path};
@@ -410,7 +410,7 @@ stilb_result scene_import_within(const char *path, const scene_import_limits *li
 	scene_importer *importer;
 	stilb_result result;
 	*scene = NULL;
-	const int file = import_open(path, &result); /* the better reason, if there are two */
+	int file = import_open(path, &result); /* the better reason, if there are two */
 	if (file < 0)
 		return result;
 	close(file);
@@ -429,7 +429,7 @@ stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 {
 	scene_importer *importer;
 	stilb_image map;
-	const scene_import_limits limits = scene_import_limits_default();
+	scene_import_limits limits = scene_import_limits_default();
 	stilb_result result = scene_importer_start(&limits, &importer);
 	if (result != STILB_OK) {
 		char reason[400];
@@ -459,7 +459,7 @@ stilb_scene_import_info stilb_scene_import_query(void)
 	stilb_scene_import_info info = {0};
 	scene_importer *importer;
 	scene_message message = {0};
-	const scene_import_limits limits = {.bytes = 8ull << 30, .seconds = 10.0};
+	scene_import_limits limits = {.bytes = 8ull << 30, .seconds = 10.0};
 	if (scene_importer_start(&limits, &importer) == STILB_OK) {
 		import_request request = {.importer = importer, .path = ""};
 		if (import_ask(&request, SCENE_MESSAGE_ABOUT, -1) != STILB_OK ||

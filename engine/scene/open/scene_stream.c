@@ -181,7 +181,7 @@ typedef struct stream_array {
 /* More is a mistake; less than this there is memory for. */
 static bool stream_counts_can_be(const stream_counts *counts)
 {
-	const uint32_t most = STILB_SCENE_MAX_MODELS;
+	uint32_t most = STILB_SCENE_MAX_MODELS;
 	return counts->models <= most && counts->parts <= most && counts->meshes <= most && counts->materials <= most &&
 	       counts->textures <= most && counts->lights <= most;
 }
@@ -191,7 +191,7 @@ static bool stream_counts_can_be(const stream_counts *counts)
 /* What a scene holds but for the insides of its meshes and textures, in the order of the stream. */
 static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_ARRAYS])
 {
-	const size_t models = scene->model_count, parts = scene->part_count;
+	size_t models = scene->model_count, parts = scene->part_count;
 	const stream_array all[STREAM_ARRAYS] = {
 		{scene->bounds.x, models * sizeof(float)},
 		{scene->bounds.y, models * sizeof(float)},
@@ -210,8 +210,8 @@ static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_A
 
 bool scene_stream_write(int file, const stilb_scene *scene)
 {
-	const stream_counts counts = {scene->model_count,    scene->part_count,    scene->mesh_count,
-	                              scene->material_count, scene->texture_count, scene->light_count};
+	stream_counts counts = {scene->model_count,    scene->part_count,    scene->mesh_count,
+	                        scene->material_count, scene->texture_count, scene->light_count};
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
 	bool good = stream_put(file, &counts, sizeof counts) && stream_put(file, &scene->sun, sizeof scene->sun) &&

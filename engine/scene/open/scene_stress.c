@@ -109,8 +109,8 @@ static void stress_add_model(stilb_scene *scene, uint32_t model, uint32_t side)
  * it gets 6 W m^-2, twice what the sun gives. */
 static stilb_scene_lamp stress_lamp(float side)
 {
-	const float half_side = 0.5f * side * STILB_SCENE_TILE, height = STRESS_TOP + 0.5f * half_side;
-	const float intensity = 6.0f * height * height;
+	float half_side = 0.5f * side * STILB_SCENE_TILE, height = STRESS_TOP + 0.5f * half_side;
+	float intensity = 6.0f * height * height;
 	return (stilb_scene_lamp){
 		.position = {0.0f, height, 0.0f},
 		.axis = {0.0f, -1.0f, 0.0f},
