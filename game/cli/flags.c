@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Digits and nothing else, no sign, in range. */
+/* Decimal digits alone, without a sign; false if text is anything else or the number is outside [low, high]. */
 static bool parse_number(const char *text, uint64_t low, uint64_t high, uint64_t *out)
 {
 	if (text[0] == '\0' || strspn(text, "0123456789") != strlen(text))
@@ -30,15 +30,15 @@ static flags_result refuse_number(const flag *f, const char *value)
 	return FLAGS_REFUSED;
 }
 
-/* Sign, digits, point and exponent; no "inf", "nan" or hexadecimal. What is too large for a float is infinite. */
+/* Accepts sign, digits, point and exponent, but not "inf", "nan" or hexadecimal, which strtof would take too. A number
+ * beyond the range of float becomes infinite. */
 static bool parse_real(const char *value, float *number)
 {
 	char *end;
-	*number = strtof(value, &end) + 0.0f; /* -0 is 0 */
+	*number = strtof(value, &end) + 0.0f; /* turns -0 into 0 */
 	return end != value && *end == '\0' && strspn(value, "+-.0123456789eE") == strlen(value);
 }
 
-/* A number between low and high, or one line about it. */
 static flags_result parse_between(const flag *f, const char *value, double low, double high)
 {
 	float number;
@@ -48,12 +48,12 @@ static flags_result parse_between(const flag *f, const char *value, double low, 
 		return FLAGS_OK;
 	}
 	stilb_log(real ? "%s: '%s' is out of range; give a number in %.0f..%.0f"
-	               : "%s: '%s' is not a number like 0.25 in %.0f..%.0f",
+	               : "%s: '%s' is not a number; give one like 0.25 in %.0f..%.0f",
 	          f->name, value, low, high);
 	return FLAGS_REFUSED;
 }
 
-/* text is taken apart. */
+/* Overwrites the commas of text. */
 static bool split_numbers(char *text, uint32_t low, uint32_t high, flag_list *list)
 {
 	char *next = text;
@@ -65,6 +65,7 @@ static bool split_numbers(char *text, uint32_t low, uint32_t high, flag_list *li
 
 bool flags_numbers(const char *text, uint32_t low, uint32_t high, flag_list *out)
 {
+	STILB_ASSERT(text && out && low >= 1 && low <= high && high <= FLAG_LIST_MAX);
 	flag_list list = {0};
 	char *copy = strdup(text);
 	bool right = copy && split_numbers(copy, low, high, &list);
@@ -78,12 +79,12 @@ static flags_result parse_list(const flag *f, const char *value)
 {
 	flag_list list;
 	if (!flags_numbers(value, (uint32_t)f->low, (uint32_t)f->high, &list)) {
-		stilb_log("%s: '%s' is not %s, numbers with commas between", f->name, value, f->argument);
+		stilb_log("%s: '%s' is not %s; give numbers separated by commas", f->name, value, f->argument);
 		return FLAGS_REFUSED;
 	}
 	for (uint32_t i = 0; i < list.count; i++)
 		if (!isfinite(list.numbers[i])) {
-			stilb_log("%s: '%s' is out of range: number %" PRIu32 "; give numbers in -%.2g..%.2g", f->name, value,
+			stilb_log("%s: '%s' is out of range in number %" PRIu32 "; give numbers in -%.2g..%.2g", f->name, value,
 			          i + 1, (double)FLT_MAX, (double)FLT_MAX);
 			return FLAGS_REFUSED;
 		}
@@ -100,8 +101,8 @@ static flags_result parse_size(const flag *f, const char *value)
 		width && parse_number(width, f->low, f->high, &side[0]) && parse_number(x + 1, f->low, f->high, &side[1]);
 	free(width);
 	if (!right) {
-		stilb_log("%s: '%s' is not a size like 1280x720, %" PRIu64 "..%" PRIu64 " each way", f->name, value, f->low,
-		          f->high);
+		stilb_log("%s: '%s' is not a size like 1280x720 with %" PRIu64 "..%" PRIu64 " pixels each way", f->name, value,
+		          f->low, f->high);
 		return FLAGS_REFUSED;
 	}
 	for (int i = 0; i < 2; i++)
@@ -113,11 +114,12 @@ const char *flags_choice(char text[FLAG_CHOICE_SIZE], const char *choice)
 {
 	snprintf(text, FLAG_CHOICE_SIZE, "%s", choice);
 	for (char *c = text; *c; c++)
-		*c = *c == '_' ? '-' : *c;
+		if (*c == '_')
+			*c = '-';
 	return text;
 }
 
-/* A '_' may be typed as it is, too. */
+/* Compares a choice with a typed value; for a '_' of the choice, '-' and '_' may be typed. */
 static bool is_choice(const char *choice, const char *value)
 {
 	for (; *value && (*choice == *value || (*choice == '_' && *value == '-')); value++)
@@ -179,7 +181,7 @@ static flags_result parse_value(const flag *f, const char *value)
 	return FLAGS_OK;
 }
 
-/* Returns 0: it took no argument. */
+/* Prints the error, with the known flag that is most like the word. Returns 0, as parse_one does for a refusal. */
 static int refuse_flag(const flag *flags, size_t flag_count, const char *word)
 {
 	nearest_word nearest = nearest_begin(word, strcspn(word, "="));
@@ -193,7 +195,7 @@ static int refuse_flag(const flag *flags, size_t flag_count, const char *word)
 	return 0;
 }
 
-/* Returns how many arguments it took, 0 when refused. */
+/* Stores a word that is no flag. Returns 1, the number of arguments used, or 0 when it is refused. */
 static int parse_word(const flag *flags, size_t flag_count, const char *word)
 {
 	for (size_t i = 0; i < flag_count; i++) {
@@ -201,7 +203,7 @@ static int parse_word(const flag *flags, size_t flag_count, const char *word)
 			continue;
 		const char **value = flags[i].value;
 		if (*value) {
-			stilb_log("'%s' is one word too many: the %s is '%s'", word, flags[i].name, *value);
+			stilb_log("'%s' is one word too many: the %s is '%s' already", word, flags[i].name, *value);
 			return 0;
 		}
 		*value = word;
@@ -218,7 +220,7 @@ static const flag *find_flag(const flag *flags, size_t flag_count, const char *n
 	return NULL;
 }
 
-/* Reads one flag and its value; returns how many arguments it took, 0 when refused. */
+/* Reads one flag with its value, or one word. Returns the number of arguments used, 0 when it is refused. */
 static int parse_one(const flag *flags, size_t flag_count, int argc, char **argv)
 {
 	if (argv[0][0] != '-')
@@ -226,9 +228,8 @@ static int parse_one(const flag *flags, size_t flag_count, int argc, char **argv
 	const char *equals = strchr(argv[0], '=');
 	size_t length = equals ? (size_t)(equals - argv[0]) : strlen(argv[0]);
 	const flag *f = find_flag(flags, flag_count, argv[0], length);
-	if (!f) {
+	if (!f)
 		return refuse_flag(flags, flag_count, argv[0]);
-	}
 	if (f->kind == FLAG_SWITCH) {
 		if (equals) {
 			stilb_log("%s takes no value", f->name);
@@ -246,8 +247,52 @@ static int parse_one(const flag *flags, size_t flag_count, int argc, char **argv
 	return equals ? 1 : 2;
 }
 
+/* True if a row has all that its kind needs. */
+static bool flag_is_sound(const flag *f)
+{
+	switch (f->kind) {
+	case FLAG_TITLE:
+		return f->name && !f->value;
+	case FLAG_WORD:
+		return f->name && f->value;
+	case FLAG_SWITCH:
+		return f->name && f->name[0] == '-' && f->value && !f->argument && f->help;
+	case FLAG_CHOICE:
+		if (!f->choices || !f->choices[0])
+			return false;
+		break;
+	case FLAG_LIST:
+		if (f->low < 1 || f->high > FLAG_LIST_MAX)
+			return false;
+		break;
+	case FLAG_WORKERS:
+	case FLAG_SIZE:
+		if (f->high > UINT32_MAX)
+			return false;
+		break;
+	case FLAG_NUMBER:
+	case FLAG_DECIMAL:
+	case FLAG_TEXT:
+	case FLAG_AMOUNT:
+		break;
+	}
+	return f->name && f->name[0] == '-' && f->value && f->argument && f->help && f->low <= f->high;
+}
+
+/* True if all rows are sound and no two flags have the same name. */
+static bool flags_are_sound(const flag *flags, size_t flag_count)
+{
+	for (size_t i = 0; i < flag_count; i++)
+		if (!flag_is_sound(&flags[i]) ||
+		    find_flag(flags, flag_count, flags[i].name, strlen(flags[i].name)) != &flags[i])
+			return false;
+	return true;
+}
+
 flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **argv)
 {
+	STILB_ASSERT(argc >= 0 && (argc == 0 || argv));
+	STILB_ASSERT(flags_are_sound(flags, flag_count));
 	for (int i = 0; i < argc; i++)
 		if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
 			return FLAGS_HELP;
@@ -262,13 +307,14 @@ flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **
 
 bool flags_given(const flag *flags, size_t flag_count, int argc, char **argv, const char *name)
 {
+	STILB_ASSERT(find_flag(flags, flag_count, name, strlen(name)));
 	for (int i = 0; i < argc; i++) {
 		const char *equals = strchr(argv[i], '=');
 		size_t length = equals ? (size_t)(equals - argv[i]) : strlen(argv[i]);
 		const flag *f = argv[i][0] == '-' ? find_flag(flags, flag_count, argv[i], length) : NULL;
 		if (f && strcmp(f->name, name) == 0)
 			return true;
-		i += f && f->kind != FLAG_SWITCH && !equals; /* its value */
+		i += f && f->kind != FLAG_SWITCH && !equals; /* skips the flag's value */
 	}
 	return false;
 }

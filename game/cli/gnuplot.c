@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Exit status 0? What gnuplot says goes to stderr, unless quiet. */
+/* Runs gnuplot with one argument; true if its exit status is 0. Its output goes to stderr, or nowhere if quiet. */
 static bool gnuplot_run(const char *argument, bool quiet)
 {
 	char *argv[] = {"gnuplot", (char *)argument, NULL};
@@ -33,7 +33,7 @@ bool gnuplot_found(void)
 	return gnuplot_run("--version", true);
 }
 
-/* Errors of writing are reported by commit. */
+/* Errors of writing are kept in the file; stilb_file_commit reports them. */
 static void copy(FILE *from, stilb_file *to)
 {
 	char block[65536];
@@ -41,12 +41,14 @@ static void copy(FILE *from, stilb_file *to)
 		stilb_file_write(to, block, size);
 }
 
-/* gnuplot calls every picture "Gnuplot", and leaves groups with nothing in them, an eighth of the file. */
+/* Copies an SVG picture, with title in place of the title "Gnuplot" that every picture gets, and without its empty
+ * groups <g ...></g>, which are an eighth of the file. Both are lines of their own. */
 static void copy_svg(FILE *from, stilb_file *to, const char *title)
 {
-	char *line = NULL, *group = NULL; /* group: an opened one that may be empty */
+	char *line = NULL,
+		 *group = NULL; /* group: the line of an opening <g>, kept until the next line shows that it is not empty */
 	size_t line_room = 0, group_room = 0;
-	bool opened = false;
+	bool opened = false; /* group holds such a line */
 	while (getline(&line, &line_room, from) > 0) {
 		if (opened && strcmp(line, "</g>\n") == 0) {
 			opened = false;
@@ -87,7 +89,7 @@ static stilb_result copy_to(const char *path, FILE *from, const char *svg_title)
 	return stilb_file_commit(&file);
 }
 
-/* gnuplot draws into folder; the picture is copied to where it belongs. */
+/* Writes the script into folder, has gnuplot draw there, copies the picture to path, and empties folder again. */
 static stilb_result draw(const char *folder, const char *path, const char *terminal, const char *svg_title,
                          gnuplot_script *write, const void *context)
 {
@@ -109,9 +111,11 @@ static stilb_result draw(const char *folder, const char *path, const char *termi
 		result = copy_to(path, picture, svg_title);
 		fclose(picture);
 	} else if (written) {
-		result = stilb_fail(STILB_ERROR_FILE, "cannot draw '%s': gnuplot failed", path);
+		result = stilb_fail(STILB_ERROR_FILE, "cannot draw '%s': gnuplot failed; its message is above", path);
 	} else {
-		result = stilb_fail(STILB_ERROR_FILE, "cannot draw '%s': no room for gnuplot's script in '%s'", path, folder);
+		result =
+			stilb_fail(STILB_ERROR_FILE,
+		               "cannot draw '%s': gnuplot's script cannot be written in '%s'; is the disk full?", path, folder);
 	}
 	unlink(picture_name);
 	unlink(script_name);
@@ -121,9 +125,12 @@ static stilb_result draw(const char *folder, const char *path, const char *termi
 stilb_result gnuplot_save(const char *path, const char *terminal, const char *svg_title, gnuplot_script *script,
                           const void *context)
 {
+	STILB_ASSERT(path && terminal && script);
+	STILB_ASSERT(!svg_title || !strpbrk(svg_title, "<&"));
 	char folder[] = "/tmp/stilb-plot-XXXXXX";
 	if (!mkdtemp(folder))
-		return stilb_fail(STILB_ERROR_FILE, "cannot draw '%s': no temporary folder: %s", path, strerror(errno));
+		return stilb_fail(STILB_ERROR_FILE, "cannot draw '%s': cannot make a temporary folder in /tmp: %s", path,
+		                  strerror(errno));
 	stilb_result result = draw(folder, path, terminal, svg_title, script, context);
 	rmdir(folder);
 	return result;

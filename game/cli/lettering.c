@@ -7,7 +7,7 @@
 #include <string.h>
 
 struct lettering {
-	stilb_ui *ui; /* has the glyphs */
+	stilb_ui *ui; /* owns the glyphs */
 	stilb_ui_draw_list list;
 };
 
@@ -15,6 +15,7 @@ stilb_result lettering_create(float scale, lettering **letters)
 {
 	stilb_ui_desc desc = stilb_ui_desc_default();
 	desc.scale = scale;
+	STILB_ASSERT(letters);
 	*letters = calloc(1, sizeof **letters);
 	if (!*letters)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the letters of a picture");
@@ -35,7 +36,8 @@ void lettering_destroy(lettering *letters)
 	free(letters);
 }
 
-/* A glyph's corners lie on pixels, and a texel is a pixel: nothing is resampled. */
+/* Blends one glyph into the part of the picture inside clip, which is x0, y0, x1, y1 in pixels. The glyph's corners lie
+ * on pixels, and each texel of its coverage is one pixel: nothing is resampled. */
 static void blend_glyph(const stilb_ui *ui, stilb_image *picture, const float clip[4],
                         const stilb_render_vertex_2d *corners)
 {
@@ -46,11 +48,13 @@ static void blend_glyph(const stilb_ui *ui, stilb_image *picture, const float cl
 	for (uint32_t k = 0; k < 3; k++)
 		color[k] = shade_srgb_to_linear((float)first->color[k] / 255.0f);
 	uint32_t u = (uint32_t)(first->uv[0] * (float)width + 0.5f), v = (uint32_t)(first->uv[1] * (float)height + 0.5f);
-	for (float y = first->position[1]; y < last->position[1]; y++)
-		for (float x = first->position[0]; x < last->position[0]; x++) {
-			if (x < clip[0] || y < clip[1] || x >= clip[2] || y >= clip[3])
+	int32_t left = (int32_t)first->position[0], top = (int32_t)first->position[1];
+	int32_t right = (int32_t)last->position[0], bottom = (int32_t)last->position[1];
+	for (int32_t y = top; y < bottom; y++)
+		for (int32_t x = left; x < right; x++) {
+			if ((float)x < clip[0] || (float)y < clip[1] || (float)x >= clip[2] || (float)y >= clip[3])
 				continue;
-			uint32_t row = v + (uint32_t)(y - first->position[1]), column = u + (uint32_t)(x - first->position[0]);
+			uint32_t row = v + (uint32_t)(y - top), column = u + (uint32_t)(x - left);
 			float share = alpha * (float)coverage[row * width + column] / 255.0f;
 			float *pixel = (float *)picture->pixels + ((size_t)y * picture->width + (size_t)x) * picture->channels;
 			for (uint32_t k = 0; k < 3 && k < picture->channels; k++)
@@ -58,7 +62,8 @@ static void blend_glyph(const stilb_ui *ui, stilb_image *picture, const float cl
 		}
 }
 
-/* The list has nothing but glyphs, four vertices each. */
+/* Blends all glyphs of the list, which holds nothing else: each has four vertices and six indices, the first of which
+ * names its upper left corner. */
 static void blend(lettering *letters, stilb_image *picture)
 {
 	const stilb_ui_draw_list *list = &letters->list;
@@ -72,6 +77,7 @@ static void blend(lettering *letters, stilb_image *picture)
 stilb_result lettering_write(lettering *letters, stilb_image *picture, stilb_ui_text_kind kind, stilb_ui_rect rect,
                              stilb_ui_align align, stilb_ui_color color, const char *text)
 {
+	STILB_ASSERT(picture->format == STILB_IMAGE_F32_LINEAR && picture->pixels);
 	const stilb_ui_font *font = stilb_ui_font_get(letters->ui, kind);
 	uint32_t lines = 1;
 	for (const char *c = text; *c; c++)

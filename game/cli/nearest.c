@@ -1,16 +1,20 @@
 #include "nearest.h"
 
+#include "base/base.h"
+
 #include <string.h>
 
-static size_t nearest_least(size_t a, size_t b)
+static size_t nearest_min(size_t a, size_t b)
 {
 	return a < b ? a : b;
 }
 
-/* Letters put in, left out, replaced, or swapped with their neighbour (optimal string alignment), by rows of the usual
- * table: cost[i][j] turns the first i letters of a into the first j of b. Both at most NEAREST_LENGTH. */
+/* The least number of insertions, removals, replacements and swaps of neighbours that turn a into b (optimal string
+ * alignment distance). cost[i][j] is that number for the first i bytes of a and the first j of b. Both lengths are at
+ * most NEAREST_LENGTH. */
 static size_t nearest_edits(const char *a, size_t a_length, const char *b, size_t b_length)
 {
+	STILB_ASSERT(a_length <= NEAREST_LENGTH && b_length <= NEAREST_LENGTH);
 	size_t cost[NEAREST_LENGTH + 1][NEAREST_LENGTH + 1];
 	for (size_t i = 0; i <= a_length; i++)
 		for (size_t j = 0; j <= b_length; j++) {
@@ -19,10 +23,10 @@ static size_t nearest_edits(const char *a, size_t a_length, const char *b, size_
 				continue;
 			}
 			size_t wrong = a[i - 1] != b[j - 1];
-			cost[i][j] = nearest_least(cost[i - 1][j], cost[i][j - 1]) + 1;
-			cost[i][j] = nearest_least(cost[i][j], cost[i - 1][j - 1] + wrong);
+			cost[i][j] = nearest_min(cost[i - 1][j], cost[i][j - 1]) + 1;
+			cost[i][j] = nearest_min(cost[i][j], cost[i - 1][j - 1] + wrong);
 			if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-				cost[i][j] = nearest_least(cost[i][j], cost[i - 2][j - 2] + 1);
+				cost[i][j] = nearest_min(cost[i][j], cost[i - 2][j - 2] + 1);
 		}
 	return cost[a_length][b_length];
 }

@@ -1,27 +1,32 @@
 /*
- * nearest: which known word a mistyped one may have meant.
+ * nearest: finds the known word that a mistyped one may have meant.
  *
  *   nearest_word nearest = nearest_begin(typed, strlen(typed));
  *   nearest_try(&nearest, "--workers");          once for each known word
- *   if (nearest.best) ... "did you mean"
+ *   if (nearest.best)
+ *       stilb_log("unknown flag '%s'; did you mean '%s'?", typed, nearest.best);
+ *
+ * Threads.  [any-thread]; a nearest_word belongs to its caller.
  */
 #ifndef STILB_NEAREST_H
 #define STILB_NEAREST_H
 
 #include <stddef.h>
 
-#define NEAREST_LENGTH 32 /* bytes; longer words are near to none */
+#define NEAREST_LENGTH 32 /* bytes; a longer word, typed or known, matches nothing */
 
 typedef struct nearest_word {
-	const char *typed, *best; /* best: NULL when no word is near */
-	size_t length;            /* of typed */
-	size_t edits;             /* that a better word needs less than */
+	const char *typed; /* need not end after length bytes */
+	const char *best;  /* the nearest word so far; NULL: none is near enough */
+	size_t length;     /* of typed, bytes */
+	size_t edits;      /* a word becomes best if it needs fewer edits than this */
 } nearest_word;
 
-/* Words are near up to a third of typed's letters wrong, and at least one may be. */
+/* A word is near enough if at most a third of the typed bytes are wrong; of fewer than six bytes one may be. */
 nearest_word nearest_begin(const char *typed, size_t length);
 
-/* Takes the word if it is nearer than all before. */
+/* Makes word the best one if it needs fewer edits than all words before; of equal ones the first stays. An edit
+ * inserts, removes or replaces a byte, or swaps two neighbours. word must stay valid as long as nearest. */
 void nearest_try(nearest_word *nearest, const char *word);
 
 #endif

@@ -19,6 +19,7 @@ static bool stage_times_grow(stage_times *times)
 
 bool stage_times_add(stage_times *times, const stilb_engine_times *frame)
 {
+	STILB_ASSERT(times->capacity <= STAGE_TIMES_MAX && (!times->frames == !times->capacity));
 	if (times->count == times->capacity && times->capacity < STAGE_TIMES_MAX && !stage_times_grow(times))
 		return false;
 	float *out = times->frames[times->count % times->capacity];
@@ -46,9 +47,10 @@ static int compare_floats(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* sorted ascending, count > 0: the value below which a share of them lies (nearest rank). */
+/* The value of `count` > 0 ascending values below which the share `share`, 0..1, of them lies, by nearest rank. */
 static double quantile(const float *sorted, uint64_t count, double share)
 {
+	STILB_ASSERT(count > 0 && share >= 0.0 && share <= 1.0);
 	uint64_t rank = (uint64_t)(share * (double)(count - 1) + 0.5);
 	return (double)sorted[rank];
 }
@@ -56,9 +58,9 @@ static double quantile(const float *sorted, uint64_t count, double share)
 bool stage_times_summarise(const stage_times *times, stage_summary summary[STAGE_COUNT], uint64_t *warmup)
 {
 	uint64_t kept = times->count < times->capacity ? times->count : times->capacity;
-	uint64_t gone = times->count - kept; /* overwritten frames were the first */
+	uint64_t overwritten = times->count - kept; /* the first ones of the run, so they count as warm-up */
 	*warmup = times->count / 10;
-	uint64_t skip = *warmup > gone ? *warmup - gone : 0, count = kept - skip;
+	uint64_t skip = *warmup > overwritten ? *warmup - overwritten : 0, count = kept - skip;
 	memset(summary, 0, STAGE_COUNT * sizeof *summary);
 	float *values = malloc((count ? count : 1) * sizeof *values);
 	if (!values)

@@ -1,11 +1,12 @@
-/* Names of files that are to become traces. */
+/* trace_path: checks the names of files that traces are to be written to, before the run that they are of. */
 #ifndef STILB_TRACE_PATH_H
 #define STILB_TRACE_PATH_H
 
 #include <stdbool.h>
 
-/* False after a line that refuses path, the value of the flag of this name: its ending names none of the forms that
- * traces have. Standard output, devices and pipes may have any name. NULL is fine. */
+/* True if path may become a trace: it ends in .json, .folded or .csv, which selects the format, or it is standard
+ * output ("-"), a device or a pipe, which get .json, or NULL (no trace is wanted). Else false, after a line on stderr
+ * that names the flag, for example "--trace". [any-thread] */
 bool trace_path_check(const char *flag, const char *path);
 
 #endif

@@ -15,37 +15,38 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEMO_FRAMES 120u /* headless */
-#define DEMO_TRACE_FRAMES 1000u
-#define DEMO_VIEWS 3u /* stilb_scene_stress_view */
+#define DEMO_FRAMES 120u        /* of a headless run without --frames */
+#define DEMO_TRACE_FRAMES 1000u /* in the file of --trace, at most */
+#define DEMO_VIEWS 3u           /* values of stilb_scene_stress_view */
 
 typedef struct demo_run {
 	demo_options options;
 	stilb_engine *engine;
-	stilb_engine_report report; /* of the last frame drawn */
+	stilb_engine_report report; /* of the last frame that was drawn */
 	stage_times times;
 	uint64_t frames; /* drawn */
 	demo_track track;
 	demo_gamepads gamepads;
-	int view; /* as stilb_scene_stress_view */
+	int view; /* a stilb_scene_stress_view */
 	bool window;
-	bool lost;         /* there was a window, and its display has gone */
-	int capture_error; /* of the last capture; the capturing thread's until the engine is gone */
-	bool capture_failed;
+	bool lost;           /* the window's display has gone */
+	int capture_error;   /* negative errno of the last capture, 0: none. Both belong to the capturing thread, */
+	bool capture_failed; /* until the engine has been destroyed; this is true if any capture failed */
 } demo_run;
 
-static volatile sig_atomic_t demo_interrupted; /* the signal; 0: none */
+static volatile sig_atomic_t demo_interrupted; /* number of the signal; 0: none came */
 
 static void demo_on_signal(int signal_number)
 {
-	demo_interrupted = signal_number; /* the loop ends, and what was asked for is written */
+	demo_interrupted = signal_number; /* ends the loop; the outputs are written all the same */
 }
 
-/* Called on the capturing thread. A disk that is full is said once, not for every slow frame. */
+/* Called on the capturing thread after each capture. An error that repeats, like a full disk, is printed once, not for
+ * every slow frame. */
 static void demo_on_captured(void *user, const stilb_prof_captured *captured)
 {
 	demo_run *run = user;
-	FILE *out = demo_options_words(&run->options);
+	FILE *out = demo_message_stream(&run->options);
 	if (captured->error == 0 && captured->cause == STILB_PROF_CAUSE_SPIKE)
 		fprintf(out, "trace: %s, frame %" PRIu64 " took %.1f ms\n", captured->path, captured->frame,
 		        captured->frame_ms);
@@ -58,7 +59,7 @@ static void demo_on_captured(void *user, const stilb_prof_captured *captured)
 	run->capture_failed |= captured->error != 0;
 }
 
-/* Without a display the stress test runs headless. */
+/* Creates the engine; without a display it runs headless, after a line that says so. */
 static stilb_result demo_start(demo_run *run)
 {
 	stilb_engine_desc desc = demo_options_engine(&run->options);
@@ -77,7 +78,7 @@ static stilb_result demo_start(demo_run *run)
 static void demo_say_result(const demo_run *run, stilb_result result, const char *what, const char *path)
 {
 	if (result == STILB_OK)
-		fprintf(demo_options_words(&run->options), "%s: %s\n", what, path);
+		fprintf(demo_message_stream(&run->options), "%s: %s\n", what, path);
 	else
 		stilb_log("%s", stilb_error_message());
 }
@@ -90,11 +91,12 @@ static void demo_take_picture(demo_run *run)
 		demo_say_result(run, stilb_engine_screenshot(run->engine, path), "picture", path);
 	else
 		stilb_log("no memory for a picture's name");
-	fflush(demo_options_words(&run->options));
+	fflush(demo_message_stream(&run->options));
 	free(path);
 }
 
-/* What keys and gamepads asked for. A file that cannot be written is said and does not end the run. */
+/* Carries out the commands of keys and gamepads in the last frame's input. A file that cannot be written is one line on
+ * stderr; only a failure of the engine ends the run. */
 static stilb_result demo_act(demo_run *run, const stilb_engine_report *report)
 {
 	if (report->input.capture && stilb_engine_capture(run->engine) != STILB_OK)
@@ -109,11 +111,11 @@ static stilb_result demo_act(demo_run *run, const stilb_engine_report *report)
 	workers = workers < 0 ? 0 : workers > STILB_JOB_MAX_WORKERS ? STILB_JOB_MAX_WORKERS : workers;
 	if (workers == (int64_t)stilb_engine_workers(run->engine))
 		return STILB_OK;
-	fprintf(demo_options_words(&run->options), "workers: %" PRId64 "\n", workers);
+	fprintf(demo_message_stream(&run->options), "workers: %" PRId64 "\n", workers);
 	return stilb_engine_set_workers(run->engine, (uint32_t)workers);
 }
 
-/* Twice a second the window's title says how it goes. */
+/* Updates the window's title twice a second. *last is the time of the last update, ns. */
 static void demo_title(demo_run *run, uint64_t *last)
 {
 	uint64_t now = stilb_time_ns();
@@ -127,14 +129,14 @@ static void demo_title(demo_run *run, uint64_t *last)
 	stilb_engine_set_title(run->engine, title);
 }
 
-/* Frames after which it ends by itself; 0: somebody or something else ends it. */
+/* Number of frames after which the run ends; 0: it ends with its window, its recording or a signal. */
 static uint64_t demo_frames_wanted(const demo_run *run)
 {
-	bool open_end = run->window || run->lost || demo_options_is_replay(&run->options);
-	return run->options.frames > 0 ? run->options.frames : open_end ? 0 : DEMO_FRAMES;
+	bool open_ended = run->window || run->lost || demo_options_is_replay(&run->options);
+	return run->options.frames > 0 ? run->options.frames : open_ended ? 0 : DEMO_FRAMES;
 }
 
-/* A recording is flown to its end when there is nobody who would close a window. */
+/* True if the run has ended. Without a window, a recording is replayed to its end. */
 static bool demo_is_over(const demo_run *run, const stilb_engine_report *report)
 {
 	uint64_t wanted = demo_frames_wanted(run);
@@ -145,19 +147,19 @@ static bool demo_is_over(const demo_run *run, const stilb_engine_report *report)
 	return !run->window && (!demo_options_is_replay(&run->options) || report->replayed);
 }
 
-/* What was asked for is written all the same. */
+/* Called once, when the window's display has gone. The outputs are written all the same. */
 static void demo_lose_window(demo_run *run)
 {
 	run->window = false;
 	run->lost = true;
 	bool over = demo_frames_wanted(run) == 0 && !demo_options_is_replay(&run->options);
 	stilb_log("the display has gone after %" PRIu64 " frames; %s", run->frames,
-	          over ? "ending, since nobody could close the window" : "running on headless");
+	          over ? "ending the run, because no window is left to close" : "running on headless");
 }
 
 static stilb_result demo_frame(demo_run *run, stilb_engine_report *report)
 {
-	stilb_result result = demo_act(run, report); /* what the frame before was asked for */
+	stilb_result result = demo_act(run, report); /* on the input of the frame before */
 	if (result == STILB_OK)
 		result = stilb_engine_frame(run->engine, report);
 	if (result != STILB_OK)
@@ -183,7 +185,7 @@ static stilb_result demo_loop(demo_run *run)
 	stilb_result result = STILB_OK;
 	while (result == STILB_OK && !demo_is_over(run, &report)) {
 		result = demo_frame(run, &report);
-		demo_gamepads_say(&run->gamepads, run->engine, report.replayed, demo_options_words(&run->options));
+		demo_gamepads_say(&run->gamepads, run->engine, report.replayed, demo_message_stream(&run->options));
 		demo_title(run, &last_title);
 		if (!run->window)
 			demo_progress_show(&progress, run->frames, demo_frames_wanted(run));
@@ -200,11 +202,12 @@ static void demo_say_end(const demo_run *run)
 		return;
 	if (wanted > 0)
 		snprintf(of, sizeof of, " of %" PRIu64, wanted);
-	fprintf(demo_options_words(&run->options), "stopped by SIG%s after %" PRIu64 "%s frames\n",
+	fprintf(demo_message_stream(&run->options), "stopped by SIG%s after %" PRIu64 "%s frames\n",
 	        sigabbrev_np(demo_interrupted), run->frames, of);
 }
 
-/* Writes what was asked for, prints the summary. All is tried, also after a failure. */
+/* Writes all outputs and prints the summary; an output that fails does not keep the others from being written. Returns
+ * true if everything succeeded. */
 static bool demo_finish(demo_run *run)
 {
 	const demo_options *o = &run->options;
@@ -218,7 +221,7 @@ static bool demo_finish(demo_run *run)
 	stage_times_last_gpu(&run->times, gpu_ms);
 	bool good = stage_times_summarise(&run->times, report.summary, &report.warmup);
 	if (!good)
-		stilb_log("no memory to sort the stage times: they are given as 0");
+		stilb_log("no memory to sort the stage times; they are reported as 0");
 	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK, track = STILB_OK;
 	if (o->screenshot)
 		demo_say_result(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);
@@ -248,13 +251,13 @@ static int demo_main(demo_run *run)
 		stilb_log("%s", stilb_error_message());
 		return exit_code_of(started);
 	}
-	struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
+	struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second signal kills */
 	sigaction(SIGINT, &once, NULL);
 	sigaction(SIGTERM, &once, NULL);
 	if (run->options.no_profile)
-		signal(SIGUSR1, SIG_IGN); /* asks for a capture, which there is none of; it would kill */
+		signal(SIGUSR1, SIG_IGN); /* requests a capture; without a profiler it would end the process */
 	if (run->window)
-		fprintf(demo_options_words(&run->options), DEMO_KEYS ";\nclose the window to end\n");
+		fprintf(demo_message_stream(&run->options), DEMO_KEYS ";\nclose the window to end\n");
 	fflush(stdout);
 	if (demo_loop(run) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
@@ -264,8 +267,8 @@ static int demo_main(demo_run *run)
 		stilb_log("no frame was drawn");
 		return EXIT_FAILED;
 	}
-	bool cut = run->lost && demo_frames_wanted(run) == 0 && !run->report.replayed;
-	return demo_finish(run) && !cut ? EXIT_DONE : EXIT_FAILED;
+	bool cut_short = run->lost && demo_frames_wanted(run) == 0 && !run->report.replayed;
+	return demo_finish(run) && !cut_short ? EXIT_DONE : EXIT_FAILED;
 }
 
 int demo_command(int argc, char **argv)
@@ -279,7 +282,7 @@ int demo_command(int argc, char **argv)
 	run.view = run.options.view;
 	int code = demo_main(&run);
 	demo_track_finish(&run.track);
-	stilb_engine_destroy(run.engine); /* writes captures that were asked for */
+	stilb_engine_destroy(run.engine); /* writes the captures that are still pending */
 	stage_times_finish(&run.times);
 	return code == EXIT_DONE && run.capture_failed ? EXIT_FAILED : code;
 }

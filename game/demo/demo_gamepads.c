@@ -1,6 +1,6 @@
 #include "demo_gamepads.h"
 
-/* "gamepad: Wireless Controller at /dev/hidraw3, known pad 054c:05c4"; a pad of a recording may have no path. */
+/* A pad of a recording may have no path. */
 static void demo_gamepads_came(const stilb_input_control_pad *pad, FILE *out)
 {
 	const char *path = pad->info->path;
@@ -25,7 +25,7 @@ void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool
 		now.count++;
 	}
 	if (replayed && !gamepads->replayed)
-		fprintf(out, "recording ended\n"); /* nobody has pulled its pads */
+		fprintf(out, "recording ended\n"); /* in place of a line for each of its pads: none was unplugged */
 	for (uint32_t k = 0; !replayed && k < gamepads->count; k++) {
 		bool there = false;
 		for (uint32_t i = 0; i < now.count; i++)

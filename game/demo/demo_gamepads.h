@@ -1,4 +1,4 @@
-/* Which gamepads come and go while `stilb demo` runs, in words. */
+/* demo_gamepads: prints a line when a gamepad comes or goes while `stilb demo` runs. [main-thread] */
 #ifndef STILB_DEMO_GAMEPADS_H
 #define STILB_DEMO_GAMEPADS_H
 
@@ -6,18 +6,19 @@
 
 #include <stdio.h>
 
-/* Those that were told of; {0} at first. */
+/* The gamepads that lines have been printed for; {0} at the start of the run. */
 typedef struct demo_gamepads {
 	struct {
-		uint32_t pad; /* its number */
+		uint32_t pad; /* stilb_input_control_pad.pad */
 		char name[64];
 	} told[STILB_INPUT_PADS_MAX];
 	uint32_t count;
-	bool replayed; /* the end of the recording was told of */
+	bool replayed; /* the end of the recording has been printed */
 } demo_gamepads;
 
-/* A line for each that came or went since it was last called. Those that may not be opened the engine tells of.
- * replayed: the recording is over, which lets go of all its pads and is one line. */
+/* Prints the changes since the last call, for example "gamepad: Wireless Controller at /dev/hidraw3, known pad
+ * 054c:05c4". A gamepad without permission is left out: the engine prints a line on it. replayed: the recording has
+ * ended, which removes all its gamepads at once and is one line. */
 void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool replayed, FILE *out);
 
 #endif

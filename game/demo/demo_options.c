@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 
 static const char *const view_choices[] = {"all", "half", "few", NULL};
-static const char *const edge_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
-const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};      /* as stilb_cull_method */
+static const char *const edge_choices[] = {"feather", "article", "off", NULL}; /* stilb_ui_aa */
+const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};      /* stilb_cull_method */
 const char *const demo_replay_choices[] = {"indirect", "direct", "secondary", NULL};
 const char *const demo_materials_choices[] = {"index", "bind", "pipeline", NULL};
 const char *const demo_device_choices[] = {"vulkan", "null", NULL};
@@ -44,63 +44,82 @@ demo_options demo_options_default(void)
 flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 {
 	const flag flags[] = {
+		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--models", FLAG_NUMBER, &o->models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
-		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
-	     NULL},
+		{"--seed", FLAG_NUMBER, &o->seed, "N", "of the random sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
+		{"--animate", FLAG_SWITCH, &o->animate, NULL, "move a tenth of the models each frame", 0, 0, NULL},
+		{"--view", FLAG_CHOICE, &o->view, "all|half|few", "how many models the camera sees (all)", 0, 0, view_choices},
+
+		{"The run", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--frames", FLAG_NUMBER, &o->frames, "N", "frames, 1..1000000 (120 headless, endless in a window)", 1, 1000000,
 	     NULL},
-		{"--headless", FLAG_SWITCH, &o->headless, NULL, "no window", 0, 0, NULL},
-		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw, but show no frame", 0, 0, NULL},
-		{"--animate", FLAG_SWITCH, &o->animate, NULL, "move a tenth of the models each frame", 0, 0, NULL},
+		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
+	     NULL},
+		{"--headless", FLAG_SWITCH, &o->headless, NULL, "open no window", 0, 0, NULL},
+		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw the frames, but do not show them", 0, 0, NULL},
+		{"--cull", FLAG_CHOICE, &o->cull, "METHOD", "auto, octree or flat (auto)", 0, 0, demo_cull_choices},
+		{"--replay", FLAG_CHOICE, &o->replay, "MODE",
+	     "indirect, direct (a command a draw) or secondary (those in parallel) (indirect)", 0, 0, demo_replay_choices},
+		{"--materials", FLAG_CHOICE, &o->materials, "MODE",
+	     "index, bind (a descriptor set each) or pipeline (two pipelines) (index)", 0, 0, demo_materials_choices},
+
+		{"The device and its pictures", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: for the CPU's part alone (vulkan)", 0,
+	     0, demo_device_choices},
+		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "number of a GPU or part of its name, see 'stilb info'", 0, 0, NULL},
 		{"--validate", FLAG_SWITCH, &o->validate, NULL, "Vulkan validation; any message fails the run", 0, 0, NULL},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL},
-		{"--view", FLAG_CHOICE, &o->view, "all|half|few", "how many models are in view (all)", 0, 0, view_choices},
-		{"--cull", FLAG_CHOICE, &o->cull, "auto|octree|flat", "culling method (auto)", 0, 0, demo_cull_choices},
-		{"--replay", FLAG_CHOICE, &o->replay, "indirect|direct|secondary",
-	     "lists as they are; one command a draw; that in parallel (indirect)", 0, 0, demo_replay_choices},
-		{"--materials", FLAG_CHOICE, &o->materials, "index|bind|pipeline",
-	     "by index; by descriptor set; by one of two pipelines (index)", 0, 0, demo_materials_choices},
+		{"--msaa", FLAG_NUMBER, &o->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
+
+		{"Materials and light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "reflection model: lambert, wrapped, ... (blinn-phong-modified)", 0,
 	     0, stilb_engine_brdf_names},
-		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet, which it implies (ggx)", 0, 0,
+		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "distribution D of --brdf microfacet, which it implies (ggx)", 0, 0,
 	     stilb_engine_ndf_names},
-		{"--g", FLAG_CHOICE, &o->g, "NAME", "its G, the same (smith-ggx)", 0, 0, stilb_engine_g_names},
-		{"--f", FLAG_CHOICE, &o->f, "NAME", "its F, the same (schlick)", 0, 0, stilb_engine_f_names},
+		{"--g", FLAG_CHOICE, &o->g, "NAME", "shadowing term G of --brdf microfacet, which it implies (smith-ggx)", 0, 0,
+	     stilb_engine_g_names},
+		{"--f", FLAG_CHOICE, &o->f, "NAME", "Fresnel term F of --brdf microfacet, which it implies (schlick)", 0, 0,
+	     stilb_engine_f_names},
 		{"--light-model", FLAG_CHOICE, &o->light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
 	     stilb_engine_light_names},
-		{"--roughness", FLAG_DECIMAL, &o->roughness, "X", "added to every material's roughness, -1..1 (0)", 0, 1, NULL},
-		{"--anisotropy", FLAG_DECIMAL, &o->anisotropy, "X", "the same (0; 0.6 with --ndf ggx-anisotropic)", 0, 1, NULL},
-		{"--wrap", FLAG_DECIMAL, &o->wrap, "X", "the same (0; 0.5 with --brdf wrapped)", 0, 1, NULL},
-		{"--specular", FLAG_DECIMAL, &o->specular, "X", "the same, to its specular reflectance (0)", 0, 1, NULL},
-		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: the CPU's side alone (vulkan)", 0, 0,
-	     demo_device_choices},
-		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
-		{"--msaa", FLAG_NUMBER, &o->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
-		{"--seed", FLAG_NUMBER, &o->seed, "N", "of sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
-		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the last frame as .png, or its radiance as .exr or .hdr",
-	     0, 0, NULL},
-		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the last 1000 frames: .json, .folded or .csv", 0, 0,
+		{"--roughness", FLAG_DECIMAL, &o->roughness, "X", "added to the roughness of every material, -1..1 (0)", 0, 1,
 	     NULL},
-		{"--capture", FLAG_TEXT, &o->capture, "FILE", "captures, numbered: P, SIGUSR1, slow frames (" DEMO_CAPTURE ")",
+		{"--anisotropy", FLAG_DECIMAL, &o->anisotropy, "X",
+	     "added to the anisotropy, -1..1 (0; 0.6 with --ndf ggx-anisotropic)", 0, 1, NULL},
+		{"--wrap", FLAG_DECIMAL, &o->wrap, "X", "added to the wrap, -1..1 (0; 0.5 with --brdf wrapped)", 0, 1, NULL},
+		{"--specular", FLAG_DECIMAL, &o->specular, "X", "added to the specular reflectance, -1..1 (0)", 0, 1, NULL},
+
+		{"Windows over the picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, also in saved pictures", 0, 0,
+	     NULL},
+		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials from the start, also in saved pictures",
 	     0, 0, NULL},
-		{"--spike", FLAG_TEXT, &o->spike, "off|auto|MS", "capture slow frames: over twice the median, or over MS (off)",
-	     0, 0, NULL},
-		{"--profile-ring", FLAG_NUMBER, &o->profile_ring, "MIB", "what each thread's profile may hold, 1..1024 (64)", 1,
-	     STILB_ENGINE_PROFILE_RING_MAX, NULL},
-		{"--no-profile", FLAG_SWITCH, &o->no_profile, NULL, "record no profile", 0, 0, NULL},
-		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, in pictures too", 0, 0, NULL},
-		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials' window from the start, too", 0, 0, NULL},
-		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "feather|article|off",
-	     "their edges: soft; soft outside alone; hard (feather)", 0, 0, edge_choices},
+		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "MODE",
+	     "their edges: feather (soft), article (soft outside only) or off (feather)", 0, 0, edge_choices},
+
+		{"Gamepads", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--gamepad", FLAG_TEXT, &o->gamepad, "SOURCE",
 	     "auto, off, hidraw, hidapi or replay:FILE (auto: hidraw in a window)", 0, 0, NULL},
-		{"--invert-y", FLAG_SWITCH, &o->invert_y, NULL, "the right stick looks down when pushed up", 0, 0, NULL},
+		{"--invert-y", FLAG_SWITCH, &o->invert_y, NULL, "pushing the right stick up looks down", 0, 0, NULL},
 		{"--sensitivity", FLAG_AMOUNT, &o->sensitivity, "X", "of looking with the right stick, 0..10 (1)", 0, 10, NULL},
-		{"--track", FLAG_TEXT, &o->track, "FILE", "the camera's way: a line for each frame", 0, 0, NULL},
+
+		{"Output", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the last frame as .png, or its radiance as .exr or .hdr",
+	     0, 0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
-		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the last frame's commands, for 'stilb replay'", 0, 0, NULL},
-		{"--fault", FLAG_TEXT, &o->fault, "KIND:N", "on purpose: memory:N, lost:N fail, frame slow:N is slow", 0, 0,
+		{"--track", FLAG_TEXT, &o->track, "FILE", "the camera's path, a line for each frame", 0, 0, NULL},
+		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the commands of the last frame, for 'stilb replay'", 0, 0, NULL},
+		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the last 1000 frames: .json, .folded or .csv", 0, 0,
 	     NULL},
+		{"--capture", FLAG_TEXT, &o->capture, "FILE", "traces by P, SIGUSR1 or --spike, numbered (" DEMO_CAPTURE ")", 0,
+	     0, NULL},
+		{"--spike", FLAG_TEXT, &o->spike, "off|auto|MS",
+	     "capture slow frames: longer than MS, or than twice the median (off)", 0, 0, NULL},
+		{"--profile-ring", FLAG_NUMBER, &o->profile_ring, "MIB",
+	     "size of each thread's profile, 1, 2, 4, ... 1024 (64)", 1, STILB_ENGINE_PROFILE_RING_MAX, NULL},
+		{"--no-profile", FLAG_SWITCH, &o->no_profile, NULL, "record no profile", 0, 0, NULL},
+		{"--fault", FLAG_TEXT, &o->fault, "KIND:N",
+	     "for tests: allocation memory:N or frame lost:N fails, frame slow:N is slow", 0, 0, NULL},
 	};
 	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
@@ -128,7 +147,7 @@ static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
 	paths[5] = o->track;
 }
 
-FILE *demo_options_words(const demo_options *o)
+FILE *demo_message_stream(const demo_options *o)
 {
 	const char *paths[DEMO_OUTPUTS];
 	demo_outputs(o, paths);
@@ -138,7 +157,7 @@ FILE *demo_options_words(const demo_options *o)
 	return stdout;
 }
 
-/* One file cannot hold two outputs. */
+/* Refuses two outputs with the same file. */
 static bool demo_outputs_differ(const demo_options *o)
 {
 	const char *paths[DEMO_OUTPUTS];
@@ -152,13 +171,13 @@ static bool demo_outputs_differ(const demo_options *o)
 	return true;
 }
 
-/* What goes wrong on purpose. */
+/* Failures that --fault injects. */
 typedef struct demo_faults {
 	stilb_render_faults render;
 	uint32_t slow_frame;
 } demo_faults;
 
-/* "memory:3", "lost:10", "slow:50". */
+/* Reads --fault, "memory:3", "lost:10" or "slow:50"; NULL: no fault. Returns false if it is none of these. */
 static bool demo_parse_fault(const char *text, demo_faults *faults)
 {
 	*faults = (demo_faults){0};
@@ -179,7 +198,7 @@ static bool demo_parse_fault(const char *text, demo_faults *faults)
 	return false;
 }
 
-/* "off", "auto", "33.3". */
+/* Reads --spike, "off", "auto" or milliseconds like "33.3", into *capture. Returns false if it is none of these. */
 static bool demo_parse_spike(const char *text, stilb_prof_capture_desc *capture)
 {
 	char *end;
@@ -194,7 +213,8 @@ static bool demo_parse_spike(const char *text, stilb_prof_capture_desc *capture)
 	       capture->spike_ms <= 1e6;
 }
 
-/* "auto", "hidraw", "replay:flight.rec"; *recording is the file's name in the last case. */
+/* Reads --gamepad, for example "hidraw" or "replay:flight.rec"; *recording is the file's name of the latter, else NULL.
+ * Returns false if it is not known. */
 static bool demo_parse_gamepad(const char *text, stilb_engine_gamepad *gamepad, const char **recording)
 {
 	static const char *const words[] = {[STILB_ENGINE_GAMEPAD_AUTO] = "auto",
@@ -206,30 +226,35 @@ static bool demo_parse_gamepad(const char *text, stilb_engine_gamepad *gamepad, 
 	*recording = NULL;
 	if (!text)
 		return true;
-	while (*gamepad < STILB_ENGINE_GAMEPAD_REPLAY && strcmp(text, words[*gamepad]) != 0)
-		(*gamepad)++;
-	if (*gamepad < STILB_ENGINE_GAMEPAD_REPLAY)
-		return true;
+	for (int i = 0; i < STILB_ENGINE_GAMEPAD_REPLAY; i++)
+		if (strcmp(text, words[i]) == 0) {
+			*gamepad = (stilb_engine_gamepad)i;
+			return true;
+		}
 	size_t length = strlen(words[STILB_ENGINE_GAMEPAD_REPLAY]);
+	if (strncmp(text, words[STILB_ENGINE_GAMEPAD_REPLAY], length) != 0 || text[length] == '\0')
+		return false;
+	*gamepad = STILB_ENGINE_GAMEPAD_REPLAY;
 	*recording = text + length;
-	return strncmp(text, words[STILB_ENGINE_GAMEPAD_REPLAY], length) == 0 && text[length] != '\0';
+	return true;
 }
 
 bool demo_options_is_replay(const demo_options *o)
 {
 	stilb_engine_gamepad gamepad;
 	const char *recording;
-	return demo_parse_gamepad(o->gamepad, &gamepad, &recording) && gamepad == STILB_ENGINE_GAMEPAD_REPLAY;
+	return demo_parse_gamepad(o->gamepad, &gamepad, &recording) && recording;
 }
 
-/* A file is read now and once more at the start; from a pipe or a terminal it can be read only once. */
+/* True if a file can be checked now and read again at the start. A pipe or a terminal can be read only once. */
 static bool demo_is_readable_twice(const char *path)
 {
 	struct stat info;
 	return strcmp(path, "-") != 0 && (stat(path, &info) != 0 || S_ISREG(info.st_mode) || S_ISDIR(info.st_mode));
 }
 
-/* The recording that is flown is right, as far as can be said before the start, and stays. */
+/* Checks the source of gamepads: a recording must be sound, as far as it can be read before the start, and no output
+ * may replace it. */
 static bool demo_check_recording(const demo_options *o)
 {
 	stilb_engine_gamepad gamepad;
@@ -238,7 +263,7 @@ static bool demo_check_recording(const demo_options *o)
 		stilb_log("--gamepad: '%s' is not known; give auto, off, hidraw, hidapi or replay:FILE", o->gamepad);
 		return false;
 	}
-	if (gamepad != STILB_ENGINE_GAMEPAD_REPLAY || !demo_is_readable_twice(path))
+	if (!path || !demo_is_readable_twice(path))
 		return true;
 	stilb_input_recording *recording;
 	if (stilb_input_recording_load(path, &recording) != STILB_OK) {
@@ -257,7 +282,7 @@ static bool demo_check_recording(const demo_options *o)
 	return true;
 }
 
-/* The profiler's files and what they need. */
+/* Checks the flags of the profiler. */
 static bool demo_check_profile(const demo_options *o)
 {
 	if (o->profile_ring & (o->profile_ring - 1)) {
@@ -269,20 +294,20 @@ static bool demo_check_profile(const demo_options *o)
 		return false;
 	}
 	if (o->capture && stilb_file_is_stdout(o->capture)) {
-		stilb_log("--capture: there may be several files; give a name, others are numbered after it");
+		stilb_log("--capture: captures are several files, which cannot go to standard output; give a file name");
 		return false;
 	}
 	if (!trace_path_check("--trace", o->trace) || !trace_path_check("--capture", o->capture))
 		return false;
-	const char *wish = o->trace ? "--trace" : o->capture ? "--capture" : o->spike ? "--spike" : NULL;
-	if (o->no_profile && wish) {
-		stilb_log("%s: nothing is recorded with --no-profile; leave one of them out", wish);
+	const char *needs = o->trace ? "--trace" : o->capture ? "--capture" : o->spike ? "--spike" : NULL;
+	if (o->no_profile && needs) {
+		stilb_log("%s needs the profile that --no-profile switches off; leave one of them out", needs);
 		return false;
 	}
 	return true;
 }
 
-/* D, G or F is given: parts of the one model that is made of parts. */
+/* True if D, G or F of the microfacet model is chosen. */
 static bool demo_wants_parts(const demo_options *o)
 {
 	return o->ndf != DEMO_NOT_GIVEN || o->g != DEMO_NOT_GIVEN || o->f != DEMO_NOT_GIVEN;
@@ -291,7 +316,7 @@ static bool demo_wants_parts(const demo_options *o)
 bool demo_options_check(const demo_options *o)
 {
 	if (o->samples != 0 && o->samples != 1 && o->samples != 4) {
-		stilb_log("--msaa: %" PRIu64 " samples are not offered; give 1 or 4", o->samples);
+		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", o->samples);
 		return false;
 	}
 	if (!demo_parse_fault(o->fault, &(demo_faults){0})) {
@@ -335,14 +360,14 @@ static float demo_added(float given, float otherwise)
 
 static stilb_render_shading demo_shading(const demo_options *o)
 {
-	stilb_render_shading at_first = stilb_render_shading_default();
-	stilb_render_shading shading = at_first;
+	stilb_render_shading before = stilb_render_shading_default();
+	stilb_render_shading shading = before;
 	shading.brdf = demo_choice(o->brdf, demo_wants_parts(o) ? SHADE_BRDF_MICROFACET : shading.brdf);
 	shading.ndf = demo_choice(o->ndf, shading.ndf);
 	shading.g = demo_choice(o->g, shading.g);
 	shading.f = demo_choice(o->f, shading.f);
 	shading.light = (uint32_t)o->light;
-	stilb_engine_shading_chosen(&at_first, &shading);
+	stilb_engine_shading_chosen(&before, &shading); /* sets defaults that suit the chosen BRDF */
 	shading.roughness = demo_added(o->roughness, shading.roughness);
 	shading.anisotropy = demo_added(o->anisotropy, shading.anisotropy);
 	shading.wrap = demo_added(o->wrap, shading.wrap);
@@ -387,7 +412,8 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	demo_parse_fault(o->fault, &faults);
 	desc.faults = faults.render;
 	desc.slow_frame = faults.slow_frame;
-	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* the window then shows the same, clipped */
+	if (o->screenshot &&
+	    stilb_image_path_is_light(o->screenshot)) /* the window then shows radiance too, clipped to 1 */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
 }

@@ -1,4 +1,12 @@
-/* What `stilb demo` was asked for: its command line, read and checked. */
+/*
+ * demo_options: the command line of `stilb demo`, read, checked, and turned into the description of an engine.
+ *
+ *   demo_options options = demo_options_default();
+ *   if (demo_options_parse(&options, argc, argv) == FLAGS_OK && demo_options_check(&options))
+ *       desc = demo_options_engine(&options);
+ *
+ * Threads.  All [main-thread], but for demo_message_stream, which is [any-thread].
+ */
 #ifndef STILB_DEMO_OPTIONS_H
 #define STILB_DEMO_OPTIONS_H
 
@@ -9,10 +17,12 @@
 
 #define DEMO_PICTURE "stilb-demo.png"
 #define DEMO_CAPTURE "stilb-capture.json"
+
+/* The help for keys and gamepads. */
 #define DEMO_KEYS                                                                                                      \
-	"WASD fly, Q/E down/up, shift fast, right mouse looks, Esc releases the mouse,\n"                                  \
-	"F1 profiler, space freezes it, F2 materials, V next view, P captures a trace,\n"                                  \
-	"F12 picture, - and + workers\n"                                                                                   \
+	"WASD fly, Q/E down/up, Shift faster, right mouse button looks, Esc releases the mouse,\n"                         \
+	"F1 profiler, Space freezes it, F2 materials, V next view, P captures a trace,\n"                                  \
+	"F12 saves a picture, - and + change the number of workers\n"                                                      \
 	"gamepad: left stick flies, right stick looks, triggers slower and faster, shoulders down and up;\n"               \
 	"buttons go by place: A/cross freezes the profiler, B/circle next view, X/square captures a trace,\n"              \
 	"Y/triangle profiler, menu/options materials, view/share picture;\n"                                               \
@@ -21,39 +31,41 @@
 #define DEMO_NOT_GIVEN (-1)
 
 typedef struct demo_options {
-	uint64_t models, frames, seed, samples, profile_ring;
+	uint64_t models, frames, seed, samples, profile_ring; /* frames, samples: 0 if not given */
 	uint32_t workers, size[2];
-	int view, cull, replay, materials, device, ui_aa;
-	int brdf, ndf, g, f; /* DEMO_NOT_GIVEN, or the number of the word */
+	int view, cull, replay, materials, device, ui_aa; /* values of the engine's enumerations */
+	int brdf, ndf, g, f;                              /* likewise, SHADE_BRDF_ and so on, or DEMO_NOT_GIVEN */
 	int light;
-	float roughness, anisotropy, wrap, specular; /* added; NAN: what the choice adds by itself */
+	float roughness, anisotropy, wrap, specular; /* added to each material's; NaN: the default of the chosen BRDF */
 	bool headless, no_present, animate, validate, overlay, inspector, no_profile, invert_y;
-	float sensitivity; /* of looking with a stick */
-	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track;
+	float sensitivity; /* of the right stick */
+	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad,
+		*track; /* NULL: not given */
 } demo_options;
 
-/* The words of the choices, in the order of the engine's enumerations; NULL-terminated. */
+/* What the flags of choice accept, in the order of the engine's enumerations; NULL-terminated. */
 extern const char *const demo_cull_choices[];
 extern const char *const demo_replay_choices[];
 extern const char *const demo_materials_choices[];
 extern const char *const demo_device_choices[];
 
-/* What it does without any flag. */
+/* The options without any flag. */
 demo_options demo_options_default(void);
 
-/* Reads the flags, or prints the help. */
+/* Reads the flags into *o; prints the help or the error instead, as flags_parse returns. */
 flags_result demo_options_parse(demo_options *o, int argc, char **argv);
 
-/* What the flags alone cannot say: false after a line that tells what is wrong. Nothing is started or written. */
+/* Checks what a table of flags cannot: flags that contradict each other, and the files. Returns false after one line on
+ * stderr. Starts nothing and writes nothing. */
 bool demo_options_check(const demo_options *o);
 
-/* The engine for these options, which are right. */
+/* The description of the engine for options that demo_options_check accepted. It points to strings of *o. */
 stilb_engine_desc demo_options_engine(const demo_options *o);
 
-/* A recording is flown, which ends. */
+/* True if --gamepad replays a recording, which has an end. */
 bool demo_options_is_replay(const demo_options *o);
 
-/* Where the words go: not among the bytes of a file that is written to stdout. */
-FILE *demo_options_words(const demo_options *o);
+/* The stream for messages: stderr if an output file is standard output, else stdout. */
+FILE *demo_message_stream(const demo_options *o);
 
 #endif

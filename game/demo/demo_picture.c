@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* The name of picture number n, counted from 1; NULL: no memory. */
+/* Returns the name of picture number n, counted from 1; NULL: out of memory. */
 static char *picture_numbered(const char *path, uint32_t n)
 {
 	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -22,6 +22,7 @@ static char *picture_numbered(const char *path, uint32_t n)
 
 char *demo_picture_name(const char *path, const char *last)
 {
+	STILB_ASSERT(path && path[0]);
 	struct stat info;
 	for (uint32_t n = 1;; n++) {
 		char *name = picture_numbered(path, n);

@@ -1,10 +1,10 @@
-/* Names of the pictures that F12 takes. */
+/* demo_picture: names for the pictures that F12 saves. */
 #ifndef STILB_DEMO_PICTURE_H
 #define STILB_DEMO_PICTURE_H
 
-/* path if there is nothing of that name yet, else with "-2" before its ending, "-3", and so on, as captures are
- * numbered: no picture is replaced. last is left out, too: the picture that the end of the run writes; NULL: it writes
- * none. The caller frees the name; NULL: no memory. */
+/* Returns path if no file has that name yet, else path with "-2", "-3", ... before its extension, as captures are
+ * numbered: no picture replaces an older one. last, or NULL, is the name of the picture that the run saves at its end;
+ * it is not used either. The caller frees the result; NULL: out of memory. [any-thread] */
 char *demo_picture_name(const char *path, const char *last);
 
 #endif

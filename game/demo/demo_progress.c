@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define PROGRESS_QUIET_NS 2000000000u  /* runs that are shorter say nothing */
-#define PROGRESS_BETWEEN_NS 200000000u /* between two states of the line */
+#define PROGRESS_QUIET_NS 2000000000u  /* a shorter run shows nothing */
+#define PROGRESS_BETWEEN_NS 200000000u /* between two drawings of the line */
 
 void demo_progress_begin(demo_progress *progress)
 {

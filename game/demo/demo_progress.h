@@ -1,5 +1,9 @@
-/* demo_progress: on a terminal, how far a headless run is, for those who would think that it hangs. Nothing for runs of
- * a second or two, and nothing where stderr is no terminal. [main-thread] */
+/*
+ * demo_progress: a line on the terminal that shows how far a headless run is, so that a long one does not seem to hang.
+ * Shows nothing in the first two seconds, and nothing at all if stderr is not a terminal.
+ *
+ *   demo_progress_begin -> demo_progress_show after each frame -> demo_progress_end.    All [main-thread].
+ */
 #ifndef STILB_DEMO_PROGRESS_H
 #define STILB_DEMO_PROGRESS_H
 
@@ -7,16 +11,16 @@
 #include <stdint.h>
 
 typedef struct demo_progress {
-	uint64_t start_ns, last_ns;
+	uint64_t start_ns, last_ns; /* of the run; of the last drawing of the line */
 	bool terminal, shown;
 } demo_progress;
 
 void demo_progress_begin(demo_progress *progress);
 
-/* After each frame: frames drawn so far, of so many; wanted is 0 where nobody knows. */
+/* Draws the line if it is time to: frames drawn, and of how many; wanted is 0 for a run without a fixed number. */
 void demo_progress_show(demo_progress *progress, uint64_t frames, uint64_t wanted);
 
-/* The line is taken away. */
+/* Clears the line. */
 void demo_progress_end(demo_progress *progress);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include <inttypes.h>
 
-/* The costliest of what a frame waits for. */
+/* The stage with the greatest median among those that bound the frame rate: presenting waits for the screen. */
 static stage demo_bound(const stage_summary *summary)
 {
 	stage bound = STAGE_CULL;
@@ -115,7 +115,7 @@ void demo_report_print(const demo_report *report)
 {
 	const demo_options *o = report->options;
 	const stage_summary *summary = report->summary;
-	FILE *out = demo_options_words(o);
+	FILE *out = demo_message_stream(o);
 	bool software = stilb_engine_device_is_software(report->engine);
 	uint32_t width, height, workers = stilb_engine_workers(report->engine),
 							samples = stilb_engine_samples(report->engine);

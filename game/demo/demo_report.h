@@ -1,4 +1,4 @@
-/* What is told of a run of `stilb demo` when it is over: in words, and as JSON. */
+/* demo_report: the results of a run of `stilb demo`, as text and as JSON. [main-thread] */
 #ifndef STILB_DEMO_REPORT_H
 #define STILB_DEMO_REPORT_H
 
@@ -8,16 +8,16 @@
 typedef struct demo_report {
 	const demo_options *options;
 	const stilb_engine *engine;
-	stilb_engine_report last; /* the last frame drawn */
+	stilb_engine_report last; /* of the last frame that was drawn */
 	uint64_t frames;          /* drawn */
 	stage_summary summary[STAGE_COUNT];
-	uint64_t warmup; /* frames that the summary leaves out */
+	uint64_t warmup; /* frames at the start that the summary leaves out */
 } demo_report;
 
-/* To where words go. */
+/* Prints the report on demo_message_stream. */
 void demo_report_print(const demo_report *report);
 
-/* To the options' file. */
+/* Writes the report as JSON to options->stats, which is given. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result demo_report_save(const demo_report *report);
 
 #endif

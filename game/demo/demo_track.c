@@ -5,10 +5,10 @@
 
 stilb_result demo_track_open(demo_track *track, const char *path)
 {
-	static const char head[] = "# frame, time in microseconds, place in metres, yaw and pitch in radians\n";
+	static const char head[] = "# frame, time in microseconds, position in metres, yaw and pitch in radians\n";
 	stilb_result result = stilb_file_open(&track->file, path);
 	if (result == STILB_OK)
-		stilb_file_write(&track->file, head, strlen(head)); /* an error is kept for the end */
+		stilb_file_write(&track->file, head, strlen(head)); /* an error is kept for stilb_file_commit */
 	return result;
 }
 
@@ -20,7 +20,7 @@ void demo_track_add(demo_track *track, const stilb_engine *engine, const stilb_e
 	char line[160];
 	if (report->frame == 1)
 		track->begin_us = report->time_us;
-	/* Nine digits tell any two floats apart. */
+	/* %.9g gives different floats different digits. */
 	int length = snprintf(line, sizeof line, "%" PRIu64 " %" PRId64 " %.9g %.9g %.9g %.9g %.9g\n", report->frame,
 	                      report->time_us - track->begin_us, (double)pose.position[0], (double)pose.position[1],
 	                      (double)pose.position[2], (double)pose.yaw, (double)pose.pitch);

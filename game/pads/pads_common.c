@@ -80,8 +80,8 @@ const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[P
 {
 	const char *own = pad->info->name;
 	size_t length = strlen(own) < 50 ? strlen(own) : 50; /* a layout's name has the first 50 bytes of the pad's */
-	char after = strncmp(pad->name, own, length) == 0 ? pad->name[length] : '?';
-	if (length > 0 && (after == ',' || after == '\0'))
+	bool repeated = length > 0 && strncmp(pad->name, own, length) == 0;
+	if (repeated && (pad->name[length] == ',' || pad->name[length] == '\0'))
 		snprintf(text, PADS_RECOGNISED_SIZE, "%s", pad->recognised);
 	else
 		snprintf(text, PADS_RECOGNISED_SIZE, "%s: %s", pad->name, pad->recognised);

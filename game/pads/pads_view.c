@@ -43,7 +43,8 @@ static void view_print_bar(view_text *text, float from, float to)
 	int last = (int)((from < to ? to : from) * (VIEW_BAR - 1) + 0.5f);
 	char bar[VIEW_BAR + 1];
 	memset(bar, '.', VIEW_BAR);
-	memset(bar + first, '#', (size_t)(last - first + 1));
+	for (int i = first; i <= last; i++)
+		bar[i] = '#';
 	bar[VIEW_BAR] = '\0';
 	view_print(text, "[%s]", bar);
 }

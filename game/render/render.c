@@ -1,4 +1,5 @@
-/* stilb render: a picture by ray tracing, with the progress of it, and in a window if that is wanted. */
+/* stilb render: a picture by ray tracing. The work runs on a thread of its own (render_work.h); this file starts it,
+ * shows its progress on the terminal and in the window of --preview, and reports the result. */
 #include "game/commands.h"
 #include "render_options.h"
 #include "render_progress.h"
@@ -15,19 +16,19 @@
 #include <time.h>
 #include <unistd.h>
 
-#define RENDER_TICK 0.1           /* seconds between two looks at the work */
-#define RENDER_PREVIEW_SHARE 0.04 /* of the time, for the window's pictures */
-#define RENDER_MANY_RAYS 1e10     /* of montecarlo: more need --force; minutes to hours */
+#define RENDER_TICK 0.1           /* seconds between two updates of progress and window */
+#define RENDER_PREVIEW_SHARE 0.04 /* of the main thread's time may go into the window's pictures */
+#define RENDER_MANY_RAYS 1e10     /* --integrator montecarlo needs --force for more: they take minutes to hours */
 
 static volatile sig_atomic_t offline_interrupted;
 
 static void offline_on_signal(int signal_number)
 {
 	(void)signal_number;
-	offline_interrupted = 1; /* what there is is written */
+	offline_interrupted = 1; /* stops the work, which writes the picture so far */
 }
 
-/* A second one kills. What goes on when its terminal has gone (nohup) does so. */
+/* A second signal kills. SIGHUP stays ignored if it is (nohup). */
 static void offline_catch_signals(void)
 {
 	static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -42,14 +43,14 @@ static void offline_catch_signals(void)
 
 /* ---- the window -------------------------------------------------------------------------------------------------- */
 
-/* {0}: there is none. */
+/* The window of --preview; {0}: none is open. */
 typedef struct offline_window {
 	stilb_engine_viewer *viewer;
-	float *radiance;
-	uint8_t *srgb;
+	float *radiance; /* the picture, 3 floats a pixel */
+	uint8_t *srgb;   /* the same for display */
 	size_t pixels;
 	float exposure;
-	uint64_t next_ns; /* when the picture is taken again */
+	uint64_t next_ns; /* time of the next update of the picture */
 	bool closed;
 } offline_window;
 
@@ -61,7 +62,7 @@ static void offline_window_finish(offline_window *window)
 	*window = (offline_window){0};
 }
 
-/* Without a window all goes on. */
+/* Opens the window; if that fails, the work goes on without one, after a line that says so. */
 static void offline_window_open(offline_window *window, const offline_options *o)
 {
 	char title[160];
@@ -79,7 +80,7 @@ static void offline_window_open(offline_window *window, const offline_options *o
 	offline_window_finish(window);
 }
 
-/* Takes the picture, at times that leave the processors to the work. */
+/* Updates the window's picture if it is time to: rarely enough that RENDER_PREVIEW_SHARE holds. */
 static void offline_window_refresh(offline_window *window, offline_work *work)
 {
 	uint64_t start = stilb_time_ns();
@@ -91,7 +92,8 @@ static void offline_window_refresh(offline_window *window, offline_work *work)
 	window->next_ns = now + (uint64_t)((double)(now - start) / RENDER_PREVIEW_SHARE);
 }
 
-/* A window that fails is said and closed, and the work goes on. */
+/* Draws the window and handles its events, for `seconds`. A window that fails is closed after a line that says so; the
+ * work goes on. */
 static void offline_window_frame(offline_window *window, const char *words, double seconds)
 {
 	stilb_result result = stilb_engine_viewer_frame(window->viewer, words, seconds, &window->closed);
@@ -107,10 +109,11 @@ static void offline_window_frame(offline_window *window, const char *words, doub
 static void offline_sleep(double seconds)
 {
 	struct timespec time = {.tv_nsec = (long)(seconds * 1e9)};
-	nanosleep(&time, NULL); /* a signal ends it */
+	nanosleep(&time, NULL); /* a signal wakes it early */
 }
 
-/* Shows what the work does until it is done; asks it for checkpoints, and to stop. */
+/* Shows the progress until the work is done, requests the periodic checkpoints, and stops the work after a signal or
+ * when the window is closed. */
 static void offline_attend(const offline_options *o, offline_work *work, offline_window *window)
 {
 	offline_progress progress;
@@ -141,7 +144,7 @@ static void offline_attend(const offline_options *o, offline_work *work, offline
 		offline_progress_clear();
 }
 
-/* On a terminal the picture stays to be looked at. */
+/* Keeps the window with the finished picture open until the user closes it, if the program runs from a terminal. */
 static void offline_linger(offline_window *window, const offline_result *result)
 {
 	if (!window->viewer || result->code != EXIT_DONE || !isatty(STDERR_FILENO))
@@ -152,7 +155,7 @@ static void offline_linger(offline_window *window, const offline_result *result)
 
 /* ---- the command ------------------------------------------------------------------------------------------------- */
 
-/* Rays of montecarlo, which may be more than anybody waits for. */
+/* Refuses --integrator montecarlo if its number of rays, which grows by a power of --depth, would take hours. */
 static bool offline_check_rays(const offline_options *o)
 {
 	static const stilb_scene nothing;
@@ -162,9 +165,9 @@ static bool offline_check_rays(const offline_options *o)
 	double rays = stilb_gi_montecarlo_rays(&settings);
 	if (rays <= RENDER_MANY_RAYS)
 		return true;
-	stilb_log(
-		"--integrator montecarlo: %.3g rays would take very long; lower --depth, --rays or --spp, or give --force",
-		rays);
+	stilb_log("--integrator montecarlo: %.3g rays would take minutes to hours; lower --depth, --rays or --spp, or give "
+	          "--force",
+	          rays);
 	return false;
 }
 
@@ -189,7 +192,7 @@ static bool offline_write_stats(const offline_options *o, const offline_result *
 	if (!o->stats)
 		return true;
 	if (offline_report_save(o, result) == STILB_OK) {
-		fprintf(offline_options_words(o), "stats: %s\n", o->stats);
+		fprintf(offline_message_stream(o), "stats: %s\n", o->stats);
 		return true;
 	}
 	stilb_log("%s", stilb_error_message());
@@ -203,12 +206,12 @@ static int offline_finish(const offline_options *o, const offline_result *result
 	if (result->code == EXIT_REFUSED)
 		return EXIT_REFUSED;
 	if (result->code == EXIT_DONE && result->progress.camera_rays == 0)
-		stilb_log("stopped before there was a picture");
+		stilb_log("stopped before the first sample; there is no picture");
 	else if (result->code == EXIT_DONE)
 		offline_report_print(o, result);
 	bool stats = offline_write_stats(o, result);
 	if (o->trace && result->code == EXIT_DONE)
-		fprintf(offline_options_words(o), "trace: %s\n", o->trace);
+		fprintf(offline_message_stream(o), "trace: %s\n", o->trace);
 	bool whole = stats && (result->progress.camera_rays > 0 || !o->output);
 	return result->code == EXIT_DONE && !whole ? EXIT_FAILED : result->code;
 }
@@ -231,7 +234,7 @@ static int offline_main(const offline_options *o)
 	fflush(stdout);
 	offline_linger(&window, &result);
 	offline_window_finish(&window);
-	stilb_prof_shutdown(); /* last: the window's renderer has a lane in the profile */
+	stilb_prof_shutdown(); /* after the window, whose renderer has a lane in the profile */
 	return code;
 }
 

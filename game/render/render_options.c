@@ -26,11 +26,11 @@ static const char *const cache_choices[] = {"frozen", "live", NULL};
 static const char *const switch_choices[] = {"off", "on", NULL};
 
 #define RENDER_MAX_SAMPLES 65536
-#define RENDER_BRANCHED_DEPTH 2 /* of montecarlo: N rays at a hit are N^depth at the last */
+#define RENDER_BRANCHED_DEPTH 2 /* of montecarlo, whose N rays a hit become N^depth at the last bounce */
 
 /* ---- defaults ---------------------------------------------------------------------------------------------------- */
 
-/* What makes a picture of the default size in some seconds. */
+/* Sets what differs between integrators so that a picture of the default size takes some seconds. */
 static void options_default_of(int integrator, stilb_gi_settings *settings)
 {
 	switch (integrator) {
@@ -109,7 +109,7 @@ static void options_print(const flag *flags, size_t count)
 	printf("\nFilters:\n");
 	for (size_t i = 0; i < sizeof filters / sizeof *filters; i++)
 		printf("  %-18s %s\n", flags_choice(text, filters[i][0]), filters[i][1]);
-	printf("\nCtrl-C writes what there is, and OUTPUT.checkpoint, with which --resume goes on.\n");
+	printf("\nCtrl-C writes the picture so far, and OUTPUT.checkpoint, from which --resume continues.\n");
 }
 
 #define RENDER_BIT(name) (1u << STILB_GI_INTEGRATOR_##name)
@@ -118,7 +118,7 @@ static void options_print(const flag *flags, size_t count)
 #define RENDER_INDIRECT (RENDER_PATHS | RENDER_BIT(MONTECARLO))
 #define RENDER_LIT (RENDER_INDIRECT | RENDER_BIT(DIRECT))
 
-/* Flags that not every integrator has a use for. */
+/* Flags that only some integrators use. */
 static const struct {
 	const char *flag;
 	uint32_t integrators;
@@ -145,28 +145,30 @@ static const struct {
 	{"--cache-save", RENDER_BIT(IRRADIANCE_CACHE)},
 };
 
+/* Prints a line for each given flag that the integrator does not use. */
 static void options_say_unused(const offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
 	char text[FLAG_CHOICE_SIZE];
 	for (size_t i = 0; i < sizeof options_uses / sizeof *options_uses; i++)
 		if (!(options_uses[i].integrators >> o->integrator & 1) &&
 		    flags_given(flags, count, argc, argv, options_uses[i].flag))
-			stilb_log("%s: --integrator %s makes no use of it", options_uses[i].flag,
+			stilb_log("%s is ignored: --integrator %s does not use it", options_uses[i].flag,
 			          flags_choice(text, offline_integrators[o->integrator]));
 }
 
-/* What is not given depends on what is. */
+/* Sets the defaults that depend on other flags. */
 static void options_complete(offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
 	stilb_gi_settings s = options_settings_default(o->integrator);
-	bool limited = o->seconds > 0.0f || o->error > 0.0f; /* that, and not the samples, is to end it */
+	bool limited = o->seconds > 0.0f || o->error > 0.0f; /* then they end the run, not a number of samples */
 	if (!flags_given(flags, count, argc, argv, "--spp"))
 		o->samples = limited ? RENDER_MAX_SAMPLES : s.samples;
 	if (!flags_given(flags, count, argc, argv, "--rays"))
 		o->rays = s.rays;
 	if (!flags_given(flags, count, argc, argv, "--depth"))
 		o->depth = s.depth;
-	if (o->cache == RENDER_NOT_GIVEN) /* without an overture records appear as they are needed */
+	if (o->cache ==
+	    RENDER_NOT_GIVEN) /* without an overture records are made while rendering, so they cannot be frozen */
 		o->cache = o->overture ? STILB_GI_CACHE_FROZEN : STILB_GI_CACHE_LIVE;
 	const char *extension = ".checkpoint";
 	if (o->output && strlen(o->output) + strlen(extension) < sizeof o->checkpoint)
@@ -180,83 +182,92 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 		{"scene", FLAG_WORD, &o->scene, NULL, NULL, 0, 0, NULL},
 		{"The picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .hdr, .png tone mapped", 0, 0, NULL},
-		{"--integrator", FLAG_CHOICE, &o->integrator, "NAME", "what is computed, see below (path)", 0, 0,
+		{"--integrator", FLAG_CHOICE, &o->integrator, "NAME", "method that computes the light, see below (path)", 0, 0,
 	     offline_integrators},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, at most 67108864 pixels (512x512)", 1, 65536, NULL},
 		{"--spp", FLAG_NUMBER, &o->samples, "N", "samples a pixel, 1..65536 (64; ao, split, cache 16; montecarlo 4)", 1,
 	     RENDER_MAX_SAMPLES, NULL},
-		{"--time", FLAG_AMOUNT, &o->seconds, "S", "end after so many seconds, 0: when all samples are there (0)", 0,
-	     10000000, NULL},
-		{"--error", FLAG_AMOUNT, &o->error, "E", "end below this relative error of the picture, 0..1 (0: not)", 0, 1,
+		{"--time", FLAG_AMOUNT, &o->seconds, "S", "end after S seconds; 0: when all samples are done (0)", 0, 10000000,
 	     NULL},
-		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads that render, 1..256 or auto (one a CPU)", 1,
+		{"--error", FLAG_AMOUNT, &o->error, "E",
+	     "end when the relative error of the picture is below E, 0..1; 0: never (0)", 0, 1, NULL},
+		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads that render, 1..256 or auto (one for each CPU)", 1,
 	     STILB_JOB_MAX_WORKERS, NULL},
-		{"--preview", FLAG_SWITCH, &o->preview, NULL, "a window in which the picture gets finer; closing it stops", 0,
-	     0, NULL},
-		{"--exposure", FLAG_DECIMAL, &o->exposure, "EV", "of .png and preview: brighter by 2^EV, -32..32 (0)", 0, 32,
+		{"--preview", FLAG_SWITCH, &o->preview, NULL,
+	     "show the picture in a window as it gets finer; closing it ends the run", 0, 0, NULL},
+		{"--exposure", FLAG_DECIMAL, &o->exposure, "EV", "make .png and preview brighter by 2^EV, -32..32 (0)", 0, 32,
 	     NULL},
 
 		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--camera", FLAG_LIST, &o->camera, "X,Y,Z,YAW,PITCH[,FOV]",
-	     "where it stands and looks, metres and degrees (the scene's)", 5, 6, NULL},
-		{"--aperture", FLAG_AMOUNT, &o->aperture, "R", "radius of the lens, metres; 0: all is sharp (0)", 0, 1000,
+	     "position in metres, angles in degrees (the scene's camera)", 5, 6, NULL},
+		{"--aperture", FLAG_AMOUNT, &o->aperture, "R", "radius of the lens, metres; 0: everything is in focus (0)", 0,
+	     1000, NULL},
+		{"--focus", FLAG_AMOUNT, &o->focus, "D", "distance of the plane in focus, metres, with --aperture", 0, 1000000,
 	     NULL},
-		{"--focus", FLAG_AMOUNT, &o->focus, "D", "metres to the plane that is sharp, with --aperture", 0, 1000000,
-	     NULL},
-		{"--blades", FLAG_NUMBER, &o->blades, "N", "corners of the aperture, 3..16; 0: round (0)", 0, 16, NULL},
+		{"--blades", FLAG_NUMBER, &o->blades, "N", "corners of the aperture, 3..16; 0: a circle (0)", 0, 16, NULL},
 		{"--environment", FLAG_TEXT, &o->environment, "FILE|R,G,B",
-	     "a panorama (.hdr, .exr, ...) or a colour around the scene (its own)", 0, 0, NULL},
+	     "a panorama (.hdr, .exr, ...) or a radiance around the scene (its own)", 0, 0, NULL},
 		{"--allow-outside", FLAG_SWITCH, &o->allow_outside, NULL,
-	     "the scene's file may name files outside of its folder and its parent", 0, 0, NULL},
+	     "let the scene's file name files outside its folder and the parent of that", 0, 0, NULL},
 		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "model of the highlights: phong, minimalist, ... (microfacet)", 0, 0,
 	     stilb_engine_brdf_names},
-		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "D of --brdf microfacet, which it implies (ggx)", 0, 0,
+		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "distribution D of --brdf microfacet, which it implies (ggx)", 0, 0,
 	     stilb_engine_ndf_names},
-		{"--g", FLAG_CHOICE, &o->g, "NAME", "its G, the same (smith-ggx)", 0, 0, stilb_engine_g_names},
-		{"--f", FLAG_CHOICE, &o->f, "NAME", "its F, the same (schlick)", 0, 0, stilb_engine_f_names},
+		{"--g", FLAG_CHOICE, &o->g, "NAME", "shadowing term G of --brdf microfacet, which it implies (smith-ggx)", 0, 0,
+	     stilb_engine_g_names},
+		{"--f", FLAG_CHOICE, &o->f, "NAME", "Fresnel term F of --brdf microfacet, which it implies (schlick)", 0, 0,
+	     stilb_engine_f_names},
 
 		{"The light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--depth", FLAG_NUMBER, &o->depth, "N",
-	     "reflections at most, 0..1024: 1 is direct light alone (64; montecarlo 2)", 0, 1024, NULL},
-		{"--only", FLAG_CHOICE, &o->only, "all|indirect", "which light is shown (all)", 0, 0, only_choices},
-		{"--rays", FLAG_NUMBER, &o->rays, "N", "at a hit, of ao and split (16), and of montecarlo (8)", 1, 65536, NULL},
-		{"--roulette", FLAG_AMOUNT, &o->roulette, "P", "a path's chance to go on, 0..1; 0: its throughput (0)", 0, 1,
-	     NULL},
+	     "bounces of a path at most, 0..1024; 1: direct light only (64; montecarlo 2)", 0, 1024, NULL},
+		{"--only", FLAG_CHOICE, &o->only, "all|indirect",
+	     "show all light, or only what surfaces reflect onto others (all)", 0, 0, only_choices},
+		{"--rays", FLAG_NUMBER, &o->rays, "N", "rays at a hit, of ao and split (16) and of montecarlo (8), 1..65536", 1,
+	     65536, NULL},
+		{"--roulette", FLAG_AMOUNT, &o->roulette, "P", "probability that a path continues, 0..1; 0: its throughput (0)",
+	     0, 1, NULL},
 		{"--fireflies", FLAG_CHOICE, &o->fireflies, "keep|weight",
-	     "weight: bright samples count less; biased, and the file says so (keep)", 0, 0, firefly_choices},
-		{"--sampler", FLAG_CHOICE, &o->sampler, "NAME", "how random numbers are laid out, see below (sobol)", 0, 0,
+	     "weight: bright samples count less, a bias that the file states (keep)", 0, 0, firefly_choices},
+		{"--sampler", FLAG_CHOICE, &o->sampler, "NAME", "source of random numbers, see below (sobol)", 0, 0,
 	     offline_samplers},
-		{"--filter", FLAG_CHOICE, &o->filter, "NAME", "of pixels, see below (box)", 0, 0, offline_filters},
-		{"--seed", FLAG_NUMBER, &o->seed, "N", "of all random numbers, 0..2^64-1 (0)", 0, UINT64_MAX, NULL},
-		{"--isa", FLAG_CHOICE, &o->isa, "NAME", "auto, sse2, sse42, avx, avx2 or avx512: for the same bits (auto)", 0,
-	     0, isa_choices},
-		{"--ao", FLAG_CHOICE, &o->ao, "hits|distance", "distance: what is near shades more (hits)", 0, 0, ao_choices},
-		{"--ao-distance", FLAG_AMOUNT, &o->ao_distance, "D", "metres: what is farther does not shade; 0: all does (0)",
-	     0, 1000000, NULL},
+		{"--filter", FLAG_CHOICE, &o->filter, "NAME", "pixel filter, see below (box)", 0, 0, offline_filters},
+		{"--seed", FLAG_NUMBER, &o->seed, "N", "seed of all random numbers, 0..2^64-1 (0)", 0, UINT64_MAX, NULL},
+		{"--isa", FLAG_CHOICE, &o->isa, "NAME",
+	     "auto, sse2, sse42, avx, avx2 or avx512; the lowest bits depend on it (auto)", 0, 0, isa_choices},
+		{"--ao", FLAG_CHOICE, &o->ao, "hits|distance", "distance: near surfaces occlude more than far ones (hits)", 0,
+	     0, ao_choices},
+		{"--ao-distance", FLAG_AMOUNT, &o->ao_distance, "D",
+	     "surfaces farther away than D metres do not occlude; 0: all do (0)", 0, 1000000, NULL},
 
 		{"The irradiance cache", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--cache", FLAG_CHOICE, &o->cache, "frozen|live", "same bits every time, or sooner and without them (frozen)",
-	     0, 0, cache_choices},
+		{"--cache", FLAG_CHOICE, &o->cache, "frozen|live",
+	     "frozen: the same bits in every run; live: faster, the bits vary (frozen)", 0, 0, cache_choices},
 		{"--cache-error", FLAG_AMOUNT, &o->cache_error, "A",
-	     "how far a record reaches, up to 1: larger is coarser (0.05)", 0, 1, NULL},
-		{"--cache-rays", FLAG_NUMBER, &o->cache_rays, "N", "that a record gathers, 16..65536 (1024)", 16, 65536, NULL},
+	     "allowed error of interpolation, 0..1: larger is coarser (0.05)", 0, 1, NULL},
+		{"--cache-rays", FLAG_NUMBER, &o->cache_rays, "N", "rays that each record gathers, 16..65536 (1024)", 16, 65536,
+	     NULL},
 		{"--cache-radius", FLAG_CHOICE, &o->cache_radius, "NAME",
 	     "split-sphere, hessian, or harmonic: split-sphere without bounds (hessian)", 0, 0, offline_cache_radii},
-		{"--gradients", FLAG_CHOICE, &o->gradients, "on|off", "of records (on)", 0, 0, switch_choices},
-		{"--overture", FLAG_CHOICE, &o->overture, "on|off", "off: no records before the picture is begun (on)", 0, 0,
+		{"--gradients", FLAG_CHOICE, &o->gradients, "on|off", "interpolate with the gradients of the records (on)", 0,
+	     0, switch_choices},
+		{"--overture", FLAG_CHOICE, &o->overture, "on|off", "compute records before the picture is begun (on)", 0, 0,
 	     switch_choices},
-		{"--show-records", FLAG_SWITCH, &o->show_records, NULL, "draw where the records lie", 0, 0, NULL},
-		{"--cache-load", FLAG_TEXT, &o->cache_load, "FILE", "begin with the records of an earlier run", 0, 0, NULL},
-		{"--cache-save", FLAG_TEXT, &o->cache_save, "FILE", "keep the records", 0, 0, NULL},
+		{"--show-records", FLAG_SWITCH, &o->show_records, NULL, "mark the positions of the records in the picture", 0,
+	     0, NULL},
+		{"--cache-load", FLAG_TEXT, &o->cache_load, "FILE", "start with the records that an earlier run saved", 0, 0,
+	     NULL},
+		{"--cache-save", FLAG_TEXT, &o->cache_save, "FILE", "save the records", 0, 0, NULL},
 
 		{"The run", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--resume", FLAG_SWITCH, &o->resume, NULL, "go on from OUTPUT.checkpoint, if there is one", 0, 0, NULL},
-		{"--checkpoint", FLAG_AMOUNT, &o->checkpoint_s, "S", "seconds between checkpoints, 0: on Ctrl-C alone (60)", 0,
+		{"--resume", FLAG_SWITCH, &o->resume, NULL, "continue from OUTPUT.checkpoint, if there is one", 0, 0, NULL},
+		{"--checkpoint", FLAG_AMOUNT, &o->checkpoint_s, "S", "seconds between checkpoints; 0: only on Ctrl-C (60)", 0,
 	     1000000, NULL},
-		{"--dry-run", FLAG_SWITCH, &o->dry_run, NULL, "say how many rays it would be, and render nothing", 0, 0, NULL},
-		{"--force", FLAG_SWITCH, &o->force, NULL, "render also what would take very long", 0, 0, NULL},
-		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "times, rays, and what was rendered", 0, 0, NULL},
-		{"--trace", FLAG_TEXT, &o->trace, "FILE", "what each thread did when: .json, .folded or .csv", 0, 0, NULL},
+		{"--dry-run", FLAG_SWITCH, &o->dry_run, NULL, "print the number of rays, and render nothing", 0, 0, NULL},
+		{"--force", FLAG_SWITCH, &o->force, NULL, "render even if it will take minutes to hours", 0, 0, NULL},
+		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "times, ray counts and settings", 0, 0, NULL},
+		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the threads: .json, .folded or .csv", 0, 0, NULL},
 	};
 	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
@@ -282,7 +293,7 @@ static void options_outputs(const offline_options *o, const char *paths[RENDER_O
 	paths[4] = o->cache_save;
 }
 
-FILE *offline_options_words(const offline_options *o)
+FILE *offline_message_stream(const offline_options *o)
 {
 	const char *paths[RENDER_OUTPUTS];
 	options_outputs(o, paths);
@@ -292,7 +303,7 @@ FILE *offline_options_words(const offline_options *o)
 	return stdout;
 }
 
-/* One file cannot hold two outputs, and none takes the place of what is read. */
+/* Refuses two outputs with the same file, and an output that is also an input. */
 static bool options_outputs_differ(const offline_options *o)
 {
 	const char *outputs[RENDER_OUTPUTS], *const inputs[] = {o->scene, o->environment};
@@ -332,7 +343,7 @@ static bool options_files_check(const offline_options *o)
 	for (size_t i = 0; i < sizeof others / sizeof *others && result == STILB_OK; i++)
 		if (others[i])
 			result = stilb_file_check(others[i]);
-	if (result == STILB_OK && o->output) /* last: it takes a moment */
+	if (result == STILB_OK && o->output)
 		result = stilb_image_path_check(o->output);
 	if (result != STILB_OK)
 		stilb_log("%s", stilb_error_message());
@@ -342,11 +353,11 @@ static bool options_files_check(const offline_options *o)
 static bool options_lens_check(const offline_options *o)
 {
 	if (o->aperture > 0.0f && o->focus <= 0.0f)
-		stilb_log("--aperture: what is sharp? Give --focus D, too, the metres to it");
+		stilb_log("--aperture needs --focus D, the distance of the plane in focus in metres");
 	else if (o->aperture <= 0.0f && (o->focus > 0.0f || o->blades > 0))
-		stilb_log("%s: without --aperture R all is sharp; give it, too", o->focus > 0.0f ? "--focus" : "--blades");
+		stilb_log("%s needs --aperture R: without it everything is in focus", o->focus > 0.0f ? "--focus" : "--blades");
 	else if (o->blades == 1 || o->blades == 2)
-		stilb_log("--blades: '%u' corners make no aperture; give 3..16, or 0 for a round one", (unsigned)o->blades);
+		stilb_log("--blades: '%u' corners are too few; give 3..16, or 0 for a circle", (unsigned)o->blades);
 	else
 		return true;
 	return false;
@@ -363,7 +374,7 @@ bool offline_options_check(const offline_options *o)
 		return false;
 	}
 	if (!o->output && o->resume) {
-		stilb_log("--resume: the checkpoint lies beside the output; give -o FILE, too");
+		stilb_log("--resume needs -o FILE: the checkpoint is FILE.checkpoint");
 		return false;
 	}
 	if ((uint64_t)o->size[0] * o->size[1] > STILB_GI_MAX_PIXELS) {
@@ -372,7 +383,8 @@ bool offline_options_check(const offline_options *o)
 		return false;
 	}
 	if (o->camera.count == 6 && !(o->camera.numbers[5] > 0.0f && o->camera.numbers[5] < 180.0f)) {
-		stilb_log("--camera: '%g' is no field of view; give degrees between 0 and 180", (double)o->camera.numbers[5]);
+		stilb_log("--camera: '%g' is not a field of view; give degrees between 0 and 180",
+		          (double)o->camera.numbers[5]);
 		return false;
 	}
 	return options_lens_check(o) && options_files_check(o);
@@ -432,7 +444,7 @@ stilb_gi_settings offline_options_settings(const offline_options *o, const stilb
 	s.rays = (uint32_t)o->rays;
 	s.ao_distance = o->ao_distance;
 	s.ao_weighted = o->ao == 1;
-	s.progressive = true; /* what is stopped early is a whole picture, if a coarse one */
+	s.progressive = true; /* a picture that is stopped early is complete, though coarse */
 	s.exposure = o->exposure;
 	s.cache.mode = (stilb_gi_cache_mode)o->cache;
 	s.cache.radius = (stilb_gi_cache_radius)o->cache_radius;

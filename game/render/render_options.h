@@ -1,4 +1,13 @@
-/* What `stilb render` was asked for: its command line, read and checked. */
+/*
+ * offline_options: the command line of `stilb render`, read, checked, and turned into the settings of gi.
+ *
+ *   static offline_options options;
+ *   if (offline_options_parse(&options, argc, argv) == FLAGS_OK && offline_options_check(&options))
+ *       ...                                             open the scene, then
+ *       settings = offline_options_settings(&options, scene);
+ *
+ * Threads.  All [any-thread] for options that nobody changes; parsing is [main-thread].
+ */
 #ifndef STILB_RENDER_OPTIONS_H
 #define STILB_RENDER_OPTIONS_H
 
@@ -12,36 +21,39 @@
 
 typedef struct offline_options {
 	const char *scene, *output, *stats, *trace, *environment, *cache_load, *cache_save;
-	char checkpoint[PATH_MAX]; /* beside the output; "": there is none */
+	char checkpoint[PATH_MAX]; /* OUTPUT.checkpoint; "" without an output file */
 	uint64_t samples, seed, depth, rays, blades, cache_rays;
 	float seconds, error, exposure, aperture, focus, roulette, ao_distance, cache_error, checkpoint_s;
 	uint32_t size[2], workers;
 	int integrator, sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;
-	int brdf, ndf, g, f; /* RENDER_NOT_GIVEN, or the number of the word */
+	int brdf, ndf, g, f; /* SHADE_BRDF_ and so on, or RENDER_NOT_GIVEN */
 	bool preview, resume, dry_run, force, show_records, allow_outside;
 	flag_list camera;
 } offline_options;
 
-/* The words of the choices, in the order of gi's enumerations; NULL-terminated. */
+/* What the flags of choice accept, in the order of gi's enumerations; NULL-terminated. */
 extern const char *const offline_integrators[];
 extern const char *const offline_samplers[];
 extern const char *const offline_filters[];
 extern const char *const offline_cache_radii[];
 
-/* Reads the flags, or prints the help. */
+/* Sets the defaults, which depend on the integrator, and reads the flags; prints the help or the error instead, as
+ * flags_parse returns. A flag that the integrator has no use for is one line on stderr, not an error. */
 flags_result offline_options_parse(offline_options *o, int argc, char **argv);
 
-/* What the flags alone cannot say: false after a line that tells what is wrong. Nothing is started or written. */
+/* Checks what a table of flags cannot: flags that contradict each other, and the files. Returns false after one line on
+ * stderr. Starts nothing and writes nothing. */
 bool offline_options_check(const offline_options *o);
 
-/* The settings for a scene, whose camera it is unless the flags place another. */
+/* The settings for a scene. The camera is the scene's unless --camera is given. They point to strings of *o. */
 stilb_gi_settings offline_options_settings(const offline_options *o, const stilb_scene *scene);
 
-/* The sky or the map of --environment, if there is one. */
+/* Replaces the surroundings of the scene by the colour or the panorama of --environment, if it is given.
+ * STILB_ERROR_ARGUMENT, STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result offline_options_surroundings(const offline_options *o, stilb_scene *scene);
 
-/* Where the words go: not among the bytes of a file that is written to stdout. */
-FILE *offline_options_words(const offline_options *o);
+/* The stream for messages: stderr if an output file is standard output, else stdout. */
+FILE *offline_message_stream(const offline_options *o);
 
 #endif

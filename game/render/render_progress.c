@@ -6,7 +6,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#define PROGRESS_BAR_NS 100000000u    /* between two states of the bar */
+#define PROGRESS_BAR_NS 100000000u    /* between two drawings of the bar */
 #define PROGRESS_LINE_NS 10000000000u /* between two plain lines */
 #define PROGRESS_BAR_MAX 40
 #define PROGRESS_BAR_MIN 8
@@ -15,8 +15,7 @@ void offline_progress_begin(offline_progress *progress)
 {
 	const char *kind = getenv("TERM");
 	bool simple = kind && strcmp(kind, "dumb") == 0;
-	*progress = (offline_progress){.terminal = isatty(STDERR_FILENO) && !simple, .start_ns = stilb_time_ns()};
-	progress->last_ns = progress->start_ns;
+	*progress = (offline_progress){.terminal = isatty(STDERR_FILENO) && !simple, .last_ns = stilb_time_ns()};
 }
 
 void offline_progress_clear(void)
@@ -25,7 +24,7 @@ void offline_progress_clear(void)
 		fputs("\r\033[K", stderr);
 }
 
-/* "1:02:03", "4:05". */
+/* Writes a time as "1:02:03" or "4:05"; at most 10,000 hours. */
 static void progress_time(double seconds, char *text, size_t size)
 {
 	uint64_t all = seconds < 3.6e7 ? (uint64_t)(seconds + 0.5) : 36000000u;
@@ -35,7 +34,6 @@ static void progress_time(double seconds, char *text, size_t size)
 		snprintf(text, size, "%" PRIu64 ":%02" PRIu64, all / 60, all % 60);
 }
 
-/* What a checkpoint brought took no time of this run. */
 static void progress_note_start(offline_progress *progress, offline_stage stage, const stilb_gi_progress *at)
 {
 	if (stage != RENDER_RENDERING || progress->first_ns != 0)
@@ -44,7 +42,7 @@ static void progress_note_start(offline_progress *progress, offline_stage stage,
 	progress->first_done = at->done;
 }
 
-/* Seconds to the end at the rate so far; negative: nothing can be said yet. */
+/* Estimated seconds to the end, at the rate so far; negative if it is too early to tell. */
 static double progress_left(const offline_progress *progress, const stilb_gi_progress *at)
 {
 	double passed = (double)(stilb_time_ns() - progress->first_ns) * 1e-9;
@@ -52,7 +50,7 @@ static double progress_left(const offline_progress *progress, const stilb_gi_pro
 	return passed > 0.3 && done > 0.0 ? passed * (1.0 - at->done) / done : -1.0;
 }
 
-/* Of the last pass that is whole. */
+/* Samples of each pixel that has any, after the last complete pass. */
 static uint32_t progress_pass_samples(const stilb_gi_progress *at)
 {
 	uint32_t samples = 0;
@@ -115,7 +113,7 @@ static int progress_columns(void)
 	return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-/* "[####....]  42 %, words", as long as there is room. */
+/* Draws "[####....] words" over the terminal's line; in a narrow terminal the words alone. */
 static void progress_bar(int percent, const char *words)
 {
 	char bar[PROGRESS_BAR_MAX + 1];

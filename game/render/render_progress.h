@@ -1,6 +1,9 @@
 /*
- * offline_progress: how far a render is, on stderr: a bar on a terminal, else a plain line every ten seconds.
- * [main-thread], but for offline_progress_clear.
+ * offline_progress: shows on stderr how far a render is: as a bar on a terminal, else as a line every ten seconds.
+ *
+ *   offline_progress_begin -> offline_progress_show again and again -> offline_progress_clear, on a terminal.
+ *
+ * Threads.  All [main-thread], but for offline_progress_clear and offline_progress_samples, which are [any-thread].
  */
 #ifndef STILB_RENDER_PROGRESS_H
 #define STILB_RENDER_PROGRESS_H
@@ -8,25 +11,29 @@
 #include "render_work.h"
 
 typedef struct offline_progress {
-	bool terminal;
-	uint64_t start_ns, last_ns; /* of all; of the last line */
-	uint64_t first_ns;          /* when rendering was seen for the first time, 0: not yet */
-	double first_done;          /* share of the work done then: a checkpoint's */
+	bool terminal;    /* stderr is one that can redraw a line */
+	uint64_t last_ns; /* time of the last bar or line */
+	/* Time and done share when the stage RENDER_RENDERING was first seen: the share that a checkpoint brought took no
+	 * time of this run. first_ns is 0 until then. */
+	uint64_t first_ns;
+	double first_done;
 } offline_progress;
 
 void offline_progress_begin(offline_progress *progress);
 
-/* Shows it, where it is time to. */
+/* Draws the bar or prints the line if it is time to. */
 void offline_progress_show(offline_progress *progress, offline_stage stage, const stilb_gi_progress *at);
 
-/* The samples that there are: "12 samples a pixel", or in the coarse passes "16 samples in 1 of 64 pixels". */
+/* Writes the number of samples so far: "12 samples a pixel", or in the coarse passes "16 samples in 1 of 64 pixels".
+ * size is that of text, at least 64. */
 void offline_progress_samples(const stilb_gi_progress *at, char *text, size_t size);
 
-/* The same in words: "42 %, pass 9, 64 samples a pixel, 5.31 Mrays/s, 0:12 left". */
+/* Writes the whole state: "42 %, pass 9, 64 samples a pixel, 5.31 Mrays/s, 0:12 left". size is that of text, at least
+ * 160. */
 void offline_progress_words(const offline_progress *progress, offline_stage stage, const stilb_gi_progress *at,
                             char *text, size_t size);
 
-/* Takes the bar away, so that a line can stand there. [any-thread] */
+/* Clears the bar, so that a message can be printed in its place; without a terminal does nothing. [any-thread] */
 void offline_progress_clear(void);
 
 #endif

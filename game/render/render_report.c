@@ -12,7 +12,7 @@ static double report_rate(const stilb_gi_progress *progress)
 	return progress->seconds > 0.0 ? (double)progress->rays / progress->seconds : 0.0;
 }
 
-/* Why it ended, in a word. "failure": before it was finished, by no wish of the user. */
+/* The reason why it ended: "failure" if an error kept it from its end. */
 static const char *report_end(const offline_result *result)
 {
 	if (result->code != EXIT_DONE && result->progress.end == STILB_GI_END_NOT)
@@ -107,7 +107,7 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 	report_put_choice(json, "filter", offline_filters[s->filter]);
 	stilb_json_int(json, "width", s->width);
 	stilb_json_int(json, "height", s->height);
-	stilb_json_string(json, "seed", seed); /* beyond what a number of JSON holds */
+	stilb_json_string(json, "seed", seed); /* many readers of JSON hold numbers as double, 53 bits */
 	stilb_json_int(json, "depth", s->depth);
 	stilb_json_int(json, "rays_per_hit", s->rays);
 	stilb_json_string(json, "only", s->only == STILB_GI_ONLY_INDIRECT ? "indirect" : "all");
@@ -172,7 +172,7 @@ stilb_result offline_report_save(const offline_options *o, const offline_result 
 
 /* ---- words ------------------------------------------------------------------------------------------------------- */
 
-/* "1.25 M". */
+/* Writes a count with three digits, "1.25 M". */
 static void report_count(double count, char *text, size_t size)
 {
 	static const char *const powers[] = {"", " k", " M", " G", " T"};
@@ -184,7 +184,7 @@ static void report_count(double count, char *text, size_t size)
 
 void offline_report_print(const offline_options *o, const offline_result *result)
 {
-	FILE *out = offline_options_words(o);
+	FILE *out = offline_message_stream(o);
 	const stilb_gi_progress *progress = &result->progress;
 	const stilb_gi_settings *s = &result->settings;
 	char integrator[FLAG_CHOICE_SIZE], sampler[FLAG_CHOICE_SIZE], samples[64], rays[32], rate[32];
@@ -203,5 +203,5 @@ void offline_report_print(const offline_options *o, const offline_result *result
 	if (result->saved)
 		fprintf(out, "picture: %s\n", o->output);
 	if (result->stopped && result->checkpointed)
-		fprintf(out, "stopped at %.0f %%; the same command with --resume goes on\n", 100.0 * progress->done);
+		fprintf(out, "stopped at %.0f %%; the same command with --resume continues it\n", 100.0 * progress->done);
 }

@@ -16,21 +16,21 @@
 #include <string.h>
 #include <unistd.h>
 
-#define WORK_RING_EVENTS (1u << 22) /* of each thread's profile: 64 MiB */
+#define WORK_RING_EVENTS (1u << 22) /* events in the profile of each thread, 16 bytes each: 64 MiB */
 
 struct offline_work {
 	const offline_options *options;
 	pthread_t thread;
-	offline_result result; /* the thread's until it has ended */
+	offline_result result; /* written by the thread; read after it has ended */
 
-	pthread_mutex_t lock; /* of what follows */
+	pthread_mutex_t lock; /* guards the members below */
 	offline_stage stage;
-	stilb_gi_render *render; /* NULL: there is none, or none any more */
-	bool stop;
-	bool pause; /* stopped for a checkpoint */
+	stilb_gi_render *render; /* NULL before and after rendering */
+	bool stop;               /* end the work */
+	bool pause;              /* interrupt the render for a checkpoint */
 };
 
-/* The pieces of one run, all of the work's thread. */
+/* Everything that one run owns. Only the work's thread uses it. */
 typedef struct work_pieces {
 	offline_work *work;
 	const offline_options *options;
@@ -39,7 +39,7 @@ typedef struct work_pieces {
 	stilb_scene *scene;
 	stilb_gi_scene *gi_scene;
 	stilb_gi_render *render;
-	bool warned; /* that a checkpoint could not be written */
+	bool warned; /* printed that a checkpoint could not be written */
 } work_pieces;
 
 static double work_seconds_since(uint64_t start)
@@ -71,7 +71,7 @@ static bool work_is_stopped(offline_work *work)
 	return stop;
 }
 
-/* Whether the render was stopped for a checkpoint alone. */
+/* True, once, if the render was interrupted for a checkpoint and not to end it. */
 static bool work_take_pause(offline_work *work)
 {
 	pthread_mutex_lock(&work->lock);
@@ -122,7 +122,7 @@ void offline_work_checkpoint(offline_work *work)
 
 /* ---- failures ---------------------------------------------------------------------------------------------------- */
 
-/* The message belongs to this thread and goes with it. */
+/* Keeps the error for the main thread: stilb_error_message belongs to this one. Returns false. */
 static bool work_fail(work_pieces *p, int code)
 {
 	p->result->code = code;
@@ -142,8 +142,8 @@ static bool work_pool(work_pieces *p)
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	uint32_t asked = p->options->workers;
 	p->result->workers = asked == FLAG_WORKERS_AUTO ? stilb_job_cpu_count() : asked;
-	desc.worker_count = p->result->workers - 1; /* this thread is one, too */
-	desc.affinity = STILB_JOB_AFFINITY_NONE;    /* whoever else works here keeps his CPU */
+	desc.worker_count = p->result->workers - 1; /* the work's thread renders as well */
+	desc.affinity = STILB_JOB_AFFINITY_NONE;    /* the machine may be shared: the kernel places the threads */
 	desc.hooks = stilb_job_prof_hooks("worker");
 	int error = stilb_job_pool_create(&desc, &p->pool);
 	if (error == 0)
@@ -187,26 +187,26 @@ static bool work_build(work_pieces *p)
 	return true;
 }
 
-/* A checkpoint of another picture is refused, and without --resume an old one is not touched before there is a
- * newer. */
+/* Loads the checkpoint if --resume is given; one of another picture is refused. Without --resume a checkpoint of an
+ * earlier run stays until this one writes its own. */
 static bool work_resume(work_pieces *p)
 {
 	const char *path = p->options->checkpoint;
 	bool there = path[0] && access(path, F_OK) == 0;
 	if (path[0])
-		stilb_file_clean(path); /* this run may write none itself */
+		stilb_file_clean(path); /* removes temporary files of runs that were killed */
 	if (!p->options->resume) {
 		if (there)
-			stilb_log("'%s' of an earlier run is not used; with --resume it would be", path);
+			stilb_log("'%s' of an earlier run is not used; give --resume to continue it", path);
 		return true;
 	}
 	if (there)
 		return work_good(p, stilb_gi_render_resume(p->render, path));
-	stilb_log("there is no '%s' to go on from: this begins anew", path);
+	stilb_log("there is no '%s' to resume; starting from the beginning", path);
 	return true;
 }
 
-/* A disk that is full is said once, and the picture goes on. */
+/* Writes a checkpoint. An error, like a full disk, is printed once and does not end the render. */
 static void work_checkpoint(work_pieces *p)
 {
 	PROFILE("checkpoint");
@@ -220,7 +220,8 @@ static void work_checkpoint(work_pieces *p)
 	stilb_log("%s", stilb_error_message());
 }
 
-/* What fails here, a cache that cannot be saved, leaves a picture. */
+/* Renders until the picture is finished or the work is stopped. After an error, for example of --cache-save, the
+ * picture so far is still written. */
 static void work_render(work_pieces *p)
 {
 	work_enter(p->work, RENDER_RENDERING);
@@ -239,7 +240,8 @@ static void work_render(work_pieces *p)
 	p->result->stopped = !p->result->progress.finished;
 }
 
-/* The samples must not be lost with a picture that cannot be written. */
+/* Writes the picture. If that fails, or the picture is unfinished, the samples are kept in a checkpoint; a finished
+ * picture removes the checkpoint. */
 static void work_save(work_pieces *p)
 {
 	PROFILE("write the picture");
@@ -281,7 +283,7 @@ static void work_finish(work_pieces *p)
 	stilb_job_pool_destroy(p->pool);
 }
 
-/* All of it is one frame of the profile. */
+/* The thread. Its whole work is one frame of the profile. */
 static void *work_main(void *data)
 {
 	offline_work *work = data;
@@ -303,7 +305,7 @@ static void *work_main(void *data)
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-/* Signals are the main thread's: they wake it. */
+/* Blocks all signals in the new thread and in those it starts: they must wake the main thread from its sleep. */
 static int work_create_thread(offline_work *work)
 {
 	sigset_t all, before;

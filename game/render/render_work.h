@@ -1,9 +1,16 @@
 /*
- * offline_work: opens the scene, renders and writes the picture, on a thread of its own, so that the main thread can
- * show how far it is.
+ * offline_work: opens the scene, renders it and writes the picture, all on a thread of its own (and on the workers of a
+ * job pool), so that the main thread is free to show the progress.
  *
- * Life cycle.  offline_work_start -> offline_work_look until it says that all is done -> offline_work_join.
- * Threads.     All [main-thread].
+ *   offline_work *work;
+ *   stilb_gi_progress progress;
+ *   if (offline_work_start(&options, &work) == STILB_OK) {
+ *       while (offline_work_look(work, &progress) != RENDER_DONE)
+ *           ...                                           show the progress, sleep
+ *       offline_result result = offline_work_join(work);
+ *   }
+ *
+ * Threads.  All [main-thread]: the thread that called offline_work_start.
  */
 #ifndef STILB_RENDER_WORK_H
 #define STILB_RENDER_WORK_H
@@ -13,43 +20,45 @@
 typedef struct offline_work offline_work;
 
 typedef enum offline_stage {
-	RENDER_OPENING, /* the scene's file */
-	RENDER_BUILDING,
+	RENDER_OPENING,  /* reads the scene's file */
+	RENDER_BUILDING, /* builds the ray tracer's scene */
 	RENDER_RENDERING,
 	RENDER_WRITING,
 	RENDER_DONE,
 } offline_stage;
 
-/* What is known when all is done. */
+/* The outcome of the work. */
 typedef struct offline_result {
-	int code;                 /* of the program */
-	char message[512];        /* why it is not 0, "" where it is said already */
-	bool prepared;            /* the scene was ready: settings, scene and progress hold; else all three are {0} */
-	bool stopped;             /* before it was finished, by the user */
-	bool saved, checkpointed; /* which files were written */
-	uint32_t workers;         /* threads that rendered */
-	double open_s, build_s, save_s;
+	int code;                       /* exit code of the program */
+	char message[512];              /* the error, if code is not 0 */
+	bool prepared;                  /* the scene could be built; else settings, scene and progress are {0} */
+	bool stopped;                   /* it ended before it was finished */
+	bool saved, checkpointed;       /* the picture, the last checkpoint were written */
+	uint32_t workers;               /* threads that rendered */
+	double open_s, build_s, save_s; /* seconds of the stages */
 	stilb_gi_settings settings;
 	stilb_gi_scene_info scene;
 	stilb_gi_progress progress;
 } offline_result;
 
-/* STILB_ERROR_THREAD, STILB_ERROR_MEMORY. options outlives the work. */
+/* Starts the thread. *options must stay valid and unchanged until offline_work_join returns.
+ * STILB_ERROR_THREAD, STILB_ERROR_MEMORY: *work is NULL. */
 stilb_result offline_work_start(const offline_options *options, offline_work **work);
 
-/* Where it is. progress is {0} but in the stages that render. */
+/* Returns the present stage. *progress is {0} before rendering begins. */
 offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress);
 
-/* A copy of the picture so far, of the size in the options; false while there is none. */
+/* Copies the picture so far into rgb, 3 floats for each pixel of options->size. False: there is no picture yet, or no
+ * more. */
 bool offline_work_preview(offline_work *work, float *rgb);
 
-/* Ends the rendering; what there is is written. */
+/* Asks the work to end soon: it writes the picture so far, and a checkpoint. */
 void offline_work_stop(offline_work *work);
 
-/* Has a checkpoint written soon. */
+/* Asks the work to write a checkpoint soon, and to go on. */
 void offline_work_checkpoint(offline_work *work);
 
-/* Waits for the end and frees work. */
+/* Waits for the thread to end, frees work and returns the outcome. */
 offline_result offline_work_join(offline_work *work);
 
 #endif

@@ -105,7 +105,7 @@ static bool replay_check(const replay_options *o)
 }
 
 /* Where the words go: not among the bytes of a file that is written to stdout. */
-static FILE *replay_words(const replay_options *o)
+static FILE *replay_message_stream(const replay_options *o)
 {
 	bool taken = (o->stats && stilb_file_is_stdout(o->stats)) || (o->screenshot && stilb_file_is_stdout(o->screenshot));
 	return taken ? stderr : stdout;
@@ -188,7 +188,7 @@ static void replay_print(const replay_run *run, const stage_summary *summary, ui
 	const replay_options *o = &run->options;
 	const stilb_render *render = stilb_engine_replay_render(run->replay);
 	stilb_render_dump_info info = stilb_engine_replay_info(run->replay);
-	FILE *out = replay_words(o);
+	FILE *out = replay_message_stream(o);
 	uint32_t width, height;
 	stilb_render_size(render, &width, &height);
 	fprintf(out, "%s: %" PRIu64 " draws in %u pass%s; %u mesh%s, %u material%s, %u texture%s\n", o->file, info.draws,
@@ -273,7 +273,7 @@ static stilb_result replay_write_stats(const replay_run *run, const stage_summar
 static bool replay_say_result(const replay_run *run, stilb_result result, const char *what, const char *path)
 {
 	if (result == STILB_OK)
-		fprintf(replay_words(&run->options), "%s: %s\n", what, path);
+		fprintf(replay_message_stream(&run->options), "%s: %s\n", what, path);
 	else
 		stilb_log("%s", stilb_error_message());
 	return result == STILB_OK;

