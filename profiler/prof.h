@@ -366,6 +366,8 @@ static inline void stilb_prof_write(stilb_prof_ring *ring, const stilb_prof_site
 {
 	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED);
 	uint64_t offset = (uint64_t)((uintptr_t)site - (uintptr_t)__start_stilb_prof_section);
+	assert((uint64_t)((int64_t)(offset << 34) >> 34) == offset && "sites lie in the program, not in allocated memory");
+	assert(low < 64 && payload >> 46 == 0);
 	stilb_prof_event *event = &ring->events[head & ring->mask];
 	__atomic_store_n(&event->begin, time << 12 | (offset & 0xfc0) | low, __ATOMIC_RELEASE);
 	__atomic_store_n(&event->end, payload << 18 | (offset >> 12 & 0x3ffff), __ATOMIC_RELEASE);
@@ -375,6 +377,7 @@ static inline void stilb_prof_write(stilb_prof_ring *ring, const stilb_prof_site
 /* Opens a zone at depth. */
 static inline void stilb_prof_open(stilb_prof_ring *ring, const stilb_prof_site *site, uint64_t begin, uint32_t depth)
 {
+	assert(depth < STILB_PROF_DEPTH_MAX && site && site->kind <= STILB_PROF_KIND_PRECISE && "a site of zones");
 	__atomic_store_n(&ring->open[depth].begin, begin, __ATOMIC_RELEASE);
 	__atomic_store_n(&ring->open[depth].site, site, __ATOMIC_RELEASE);
 	__atomic_store_n(&ring->depth, depth + 1, __ATOMIC_RELEASE);
@@ -383,6 +386,7 @@ static inline void stilb_prof_open(stilb_prof_ring *ring, const stilb_prof_site 
 /* Closes the zone at depth and all inside it, and writes its event. */
 static inline void stilb_prof_close(stilb_prof_ring *ring, uint32_t depth, uint64_t end)
 {
+	assert(depth < ring->depth && "the zone is open");
 	const stilb_prof_open_zone *zone = &ring->open[depth];
 	uint64_t begin = __atomic_load_n(&zone->begin, __ATOMIC_RELAXED); /* the thread's own */
 	const stilb_prof_site *site = __atomic_load_n(&zone->site, __ATOMIC_RELAXED);
@@ -477,6 +481,7 @@ static inline void stilb_prof_counter(const stilb_prof_site *site, double value)
 	stilb_prof_ring *ring = stilb_prof_recorder();
 	if (!ring)
 		return;
+	assert(site && site->kind == STILB_PROF_KIND_COUNTER);
 	uint64_t bits;
 	__builtin_memcpy(&bits, &value, sizeof bits);
 	if (__builtin_expect((bits >> 52 & 0x7ff) != 0x7ff, 1)) /* infinity and NaN are not rounded */
@@ -486,6 +491,7 @@ static inline void stilb_prof_counter(const stilb_prof_site *site, double value)
 
 static inline void stilb_prof_instant(const stilb_prof_site *site)
 {
+	assert(site && site->kind == STILB_PROF_KIND_INSTANT);
 	stilb_prof_ring *ring = stilb_prof_recorder();
 	if (ring)
 		stilb_prof_write(ring, site, stilb_prof_clock(ring), 0, 0);

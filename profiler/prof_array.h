@@ -2,6 +2,7 @@
 #ifndef STILB_PROF_ARRAY_H
 #define STILB_PROF_ARRAY_H
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -13,6 +14,7 @@
  * changed. */
 static inline bool prof_array_room(void *array, size_t size, size_t count, size_t *capacity)
 {
+	assert(array && size > 0 && count > 0);
 	if (count <= *capacity)
 		return true;
 	size_t more = *capacity + *capacity / 2 + 64, wanted = count > more ? count : more;

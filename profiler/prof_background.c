@@ -20,6 +20,7 @@ void prof_background_begin(void)
 
 void prof_background_yield(void)
 {
+	assert(prof_background && "only the capture's thread gives way");
 	if (stilb_prof_clock_monotonic() - prof_background_since < PROF_BACKGROUND_NS)
 		return;
 	sched_yield();

@@ -9,6 +9,7 @@
 #include "profiler/prof_capture_internal.h"
 #include "profiler/prof_frames.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -38,10 +39,11 @@ static struct {
 	uint32_t stop;
 	uint64_t asked;
 	uint64_t spike;
-	uint64_t spike_ns;    /* how long it took */
-	uint64_t spikes_left; /* files */
-	uint64_t whole;       /* frames that have ended */
-	uint64_t awaited;     /* the thread waits until as many have */
+	uint64_t spike_ns;     /* how long it took */
+	uint64_t spikes_left;  /* files */
+	uint64_t whole;        /* frames that have ended */
+	uint64_t awaited;      /* the thread waits until as many have */
+	prof_exclusive caller; /* of start or stop */
 } prof_capture;
 
 /* ---- asking for one ---------------------------------------------------------------------------------------------- */
@@ -51,6 +53,7 @@ static struct {
 static void prof_capture_ask(uint64_t *place, uint64_t frame)
 {
 	uint64_t none = 0;
+	assert((place == &prof_capture.asked || place == &prof_capture.spike) && frame != UINT64_MAX);
 	/* Release: pairs with the acquire load in prof_capture_next. */
 	if (__atomic_compare_exchange_n(place, &none, frame + 1, false, __ATOMIC_RELEASE, __ATOMIC_RELAXED))
 		sem_post(&prof_capture.wake);
@@ -126,6 +129,7 @@ static bool prof_signal_is_free(const stilb_prof_capture_desc *desc)
 
 void prof_signal_restore(int number, void (*ours)(void), const struct sigaction *old)
 {
+	assert(ours && old);
 	struct sigaction now;
 	if (sigaction(number, NULL, &now) == 0 && (void (*)(void))now.sa_handler == ours)
 		sigaction(number, old, NULL);
@@ -137,6 +141,7 @@ __thread bool prof_capture_is_thread __attribute__((tls_model("initial-exec")));
 
 int prof_capture_thread_create(pthread_t *thread, void *(*run)(void *))
 {
+	assert(thread && run);
 	sigset_t all, old;
 	sigfillset(&all);
 	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
@@ -155,6 +160,7 @@ static bool prof_capture_stops(void)
 /* Until awaited frames are whole, nothing new has come for a while, or there is no time. */
 static void prof_capture_await(uint64_t awaited)
 {
+	assert(prof_capture_is_thread && awaited > 0);
 	/* Sequentially consistent: as said in prof_capture_on_frame. */
 	__atomic_store_n(&prof_capture.awaited, awaited, __ATOMIC_SEQ_CST);
 	uint64_t whole = __atomic_load_n(&prof_capture.whole, __ATOMIC_SEQ_CST);
@@ -231,6 +237,8 @@ static bool prof_capture_is_sound(const stilb_prof_capture_desc *desc)
 /* Everything but the threads and what leads to them. */
 static int prof_capture_set_up(const stilb_prof_capture_desc *desc)
 {
+	/* Relaxed: only written by the one caller. */
+	assert(__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) == 0);
 	int error = prof_capture_file_set_up(desc);
 	if (error != 0)
 		return error;
@@ -252,13 +260,15 @@ static int prof_capture_set_up(const stilb_prof_capture_desc *desc)
 
 static void prof_capture_end(void)
 {
+	assert(!prof_capture_is_thread && "a thread does not wait for itself");
 	__atomic_store_n(&prof_capture.stop, 1, __ATOMIC_RELEASE); /* pairs with prof_capture_stops */
 	sem_post(&prof_capture.wake);
 	pthread_join(prof_capture.thread, NULL);
 	prof_capture_file_forget();
 }
 
-int stilb_prof_capture_start(const stilb_prof_capture_desc *desc)
+/* Everything is as before after an error. */
+static int prof_capture_begin(const stilb_prof_capture_desc *desc)
 {
 	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) != 0) /* only written by the one caller */
 		return -EALREADY;
@@ -282,10 +292,19 @@ int stilb_prof_capture_start(const stilb_prof_capture_desc *desc)
 	if (desc->signal != 0)
 		sigaction(desc->signal, &(struct sigaction){.sa_handler = prof_signal_on_ask, .sa_flags = SA_RESTART},
 		          &prof_capture.old_signal);
-	__atomic_store_n(&prof_capture.running, 1,
-	                 __ATOMIC_RELEASE); /* pairs with the handlers and stilb_prof_capture_now */
+	/* Release: pairs with the handlers and stilb_prof_capture_now. */
+	__atomic_store_n(&prof_capture.running, 1, __ATOMIC_RELEASE);
 	prof_frame_hook_set(prof_capture_on_frame);
 	return 0;
+}
+
+int stilb_prof_capture_start(const stilb_prof_capture_desc *desc)
+{
+	assert(desc && !prof_capture_is_thread && "not from done");
+	prof_exclusive_begin(&prof_capture.caller);
+	int error = prof_capture_begin(desc);
+	prof_exclusive_end(&prof_capture.caller);
+	return error;
 }
 
 int stilb_prof_capture_stop(void)
@@ -294,11 +313,13 @@ int stilb_prof_capture_stop(void)
 		return 0;
 	if (prof_capture_is_thread)
 		return -EDEADLK;
+	prof_exclusive_begin(&prof_capture.caller);
 	prof_frame_hook_set(NULL);
 	if (prof_capture.desc.signal != 0)
 		prof_signal_restore(prof_capture.desc.signal, (void (*)(void))prof_signal_on_ask, &prof_capture.old_signal);
 	__atomic_store_n(&prof_capture.running, 0, __ATOMIC_RELAXED); /* nothing goes with it */
 	prof_crash_stop();
 	prof_capture_end();
+	prof_exclusive_end(&prof_capture.caller);
 	return 0;
 }

@@ -2,6 +2,7 @@
 #include "profiler/prof_capture_internal.h"
 #include "profiler/prof_trace.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,6 +26,7 @@ void prof_capture_file_forget(void)
 
 int prof_capture_file_set_up(const stilb_prof_capture_desc *desc)
 {
+	assert(desc && desc->path && !prof_output.path && "the last output is forgotten");
 	prof_output.desc = *desc;
 	prof_output.path = strdup(desc->path);
 	prof_output.process_name = desc->process_name ? strdup(desc->process_name) : NULL;
@@ -44,6 +46,7 @@ uint64_t prof_capture_frame(void)
 /* What is no regular file takes all captures. */
 static bool prof_capture_is_stream(void)
 {
+	assert(prof_output.path && "set up");
 	struct stat status;
 	return strcmp(prof_output.path, "-") == 0 || (stat(prof_output.path, &status) == 0 && !S_ISREG(status.st_mode));
 }
@@ -64,6 +67,7 @@ static char *prof_capture_path(uint32_t n)
 /* Frames before .. after where they are all whole, else all that there is from the first on. */
 static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
 {
+	assert(frame <= prof_capture_frame() && "not a frame to come");
 	uint32_t before = prof_output.desc.frames_before;
 	uint64_t first = frame > before ? frame - before : 0;
 	uint64_t whole = prof_capture_frame();
@@ -75,6 +79,7 @@ static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
 /* -ENODATA: the frame that it is all about has been overwritten; of those before it some may. */
 static int prof_capture_save(const char *path, const stilb_prof_window *window, uint64_t frame, uint32_t *frame_count)
 {
+	assert(window->last_frames > 0 || window->frame_count > 0);
 	stilb_prof_snapshot snapshot = {0};
 	int error = path ? stilb_prof_snapshot_take(&snapshot, window) : -ENOMEM;
 	*frame_count = snapshot.frame_count;
@@ -103,12 +108,14 @@ static char *prof_capture_reserve(uint32_t *n)
 /* The number is free again, unless the other thread has taken the next one. */
 static void prof_capture_give_back(uint32_t n)
 {
+	assert(n < __atomic_load_n(&prof_output.files, __ATOMIC_RELAXED) && "the number was reserved");
 	uint32_t last = n + 1;
 	__atomic_compare_exchange_n(&prof_output.files, &last, n, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
 }
 
 int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns, uint32_t after)
 {
+	assert(prof_capture_is_thread && cause <= STILB_PROF_CAUSE_CRASH);
 	stilb_prof_window window = prof_capture_window(frame, after);
 	stilb_prof_captured captured = {.cause = cause, .frame = frame, .frame_ms = 1e-6 * (double)frame_ns};
 	char *path = NULL;

@@ -54,6 +54,7 @@ static uint64_t prof_ticks(void)
  * tight will do. */
 static prof_anchor prof_anchor_take(int tries, uint64_t tight, uint64_t *width)
 {
+	assert(tries > 0);
 	prof_anchor best = {0, 0};
 	*width = UINT64_MAX;
 	for (int i = 0; i < tries; i++) {
@@ -101,6 +102,7 @@ static void prof_clock_start(void)
 
 void prof_clock_force_monotonic(void)
 {
+	assert(prof_clock.start.ns == 0 && "before the clock is first read");
 	prof_clock.forced_monotonic = true;
 }
 
@@ -127,15 +129,31 @@ prof_anchor prof_clock_anchor(void)
 
 /* ---- timelines --------------------------------------------------------------------------------------------------- */
 
+/* Lines ascend, and none goes beyond the beginning of the next: then the whole map is monotone. */
+static bool timeline_is_sound(const prof_timeline *timeline)
+{
+	bool sound = timeline->count > 0;
+	for (uint32_t i = 1; sound && i < timeline->count; i++) {
+		uint64_t ticks = timeline->lines[i].ticks - timeline->lines[i - 1].ticks;
+		unsigned __int128 ns = (unsigned __int128)ticks * timeline->lines[i - 1].scale >> PROF_SCALE_SHIFT;
+		sound = timeline->lines[i - 1].ticks < timeline->lines[i].ticks &&
+		        timeline->lines[i - 1].ns <= timeline->lines[i].ns &&
+		        ns <= timeline->lines[i].ns - timeline->lines[i - 1].ns;
+	}
+	return sound;
+}
+
 /* The line before the new one ends where that begins. */
 static void prof_timeline_add(prof_timeline *timeline, prof_anchor anchor)
 {
+	assert(timeline->count < sizeof timeline->lines / sizeof *timeline->lines && anchor.ns >= timeline->epoch_ns);
 	uint32_t n = timeline->count++;
 	timeline->lines[n].ticks = anchor.ticks;
 	timeline->lines[n].ns = anchor.ns - timeline->epoch_ns;
 	timeline->lines[n].scale = UINT64_C(1) << PROF_SCALE_SHIFT;
 	if (n == 0)
 		return;
+	assert(anchor.ticks > timeline->lines[n - 1].ticks && "anchors ascend");
 	uint64_t ticks = anchor.ticks - timeline->lines[n - 1].ticks;
 	uint64_t ns = timeline->lines[n].ns - timeline->lines[n - 1].ns;
 	timeline->lines[n - 1].scale = (uint64_t)(((unsigned __int128)ns << PROF_SCALE_SHIFT) / ticks);
@@ -163,6 +181,7 @@ static void prof_timeline_anchors(prof_timeline *timeline, const prof_anchor *an
 
 void prof_clock_timeline(prof_timeline *timeline, const prof_anchor *anchors, uint32_t count)
 {
+	assert((anchors || count == 0) && count <= PROF_FRAMES_MAX);
 	timeline->count = timeline->cursor = 0;
 	timeline->clock = prof_clock_is_tsc() ? "rdtsc" : "CLOCK_MONOTONIC";
 	timeline->epoch_ns = prof_clock.start.ns;
@@ -175,10 +194,12 @@ void prof_clock_timeline(prof_timeline *timeline, const prof_anchor *anchors, ui
 		               (double)(timeline->lines[last].ns - timeline->lines[0].ns);
 	}
 	timeline->resolution_ns = (double)prof_clock.resolution * 1e9 / timeline->hz;
+	PROF_CHECK(timeline_is_sound(timeline));
 }
 
 uint64_t prof_timeline_ns(prof_timeline *timeline, uint64_t ticks)
 {
+	assert(timeline->cursor < timeline->count && "the timeline is made");
 	uint32_t i = timeline->cursor;
 	while (i > 0 && ticks < timeline->lines[i].ticks)
 		i--;
@@ -203,6 +224,7 @@ static struct {
 /* The mean of the middle half: finer than the clock's steps, and without what interfered. */
 static double prof_middle(uint64_t *values, uint32_t count)
 {
+	assert(count > 0);
 	uint64_t sum = 0;
 	qsort(values, count, sizeof *values, prof_compare_u64);
 	for (uint32_t i = count / 4; i < count - count / 4; i++)
@@ -277,6 +299,7 @@ static double prof_zone_ticks(void)
 		}
 		ticks[i] = prof_ticks() - begin;
 	}
+	assert(ring.depth == 0 && ring.head == (uint64_t)PROF_COST_ROUNDS * PROF_COST_ZONES);
 	return prof_middle(ticks, PROF_COST_ROUNDS) / PROF_COST_ZONES;
 }
 

@@ -5,6 +5,7 @@
  */
 #include "profiler/prof_capture_internal.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <poll.h>
 #include <semaphore.h>
@@ -88,6 +89,8 @@ static void *prof_crash_run(void *user)
 
 int prof_crash_start(void)
 {
+	/* Relaxed: only written by the one caller. */
+	assert(__atomic_load_n(&prof_crash.running, __ATOMIC_RELAXED) == 0 && "started once");
 	struct sigaction crash = {.sa_sigaction = prof_crash_handler, .sa_flags = SA_SIGINFO | SA_ONSTACK};
 	if (!prof_crash.has_wake)
 		sem_init(&prof_crash.wake, 0, 0);

@@ -3,12 +3,21 @@
 #include "profiler/prof_capture.h"
 #include "profiler/prof_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 #define PROF_WINDOW_ENOUGH 20 /* with fewer frames a median says little: a program that starts is no spike */
 
 static_assert(PROF_WINDOW_FRAMES == STILB_PROF_STATS_FRAMES, "one window");
+
+static bool window_is_sound(const prof_frame_window *window)
+{
+	bool sound = window->count <= PROF_WINDOW_FRAMES && window->next < PROF_WINDOW_FRAMES;
+	for (uint32_t i = 1; sound && i < window->count; i++)
+		sound = window->sorted[i - 1] <= window->sorted[i];
+	return sound;
+}
 
 /* The place of ns in sorted: of equal ones the first. */
 static uint32_t prof_window_find(const prof_frame_window *window, uint64_t ns)
@@ -24,6 +33,7 @@ void prof_frame_window_add(prof_frame_window *window, uint64_t ns)
 	uint64_t *sorted = window->sorted;
 	if (window->count == PROF_WINDOW_FRAMES) {
 		uint32_t old = prof_window_find(window, window->ns[window->next]);
+		assert(sorted[old] == window->ns[window->next] && "the oldest is among the sorted ones");
 		window->count--;
 		memmove(sorted + old, sorted + old + 1, (window->count - old) * sizeof *sorted);
 	}
@@ -33,10 +43,12 @@ void prof_frame_window_add(prof_frame_window *window, uint64_t ns)
 	window->count++;
 	window->ns[window->next] = ns;
 	window->next = (window->next + 1) % PROF_WINDOW_FRAMES;
+	PROF_CHECK(window_is_sound(window));
 }
 
 uint64_t prof_frame_window_rank(const prof_frame_window *window, uint32_t percent)
 {
+	assert(percent >= 1 && percent <= 100);
 	return window->count > 0 ? window->sorted[(window->count * percent + 99) / 100 - 1] : 0;
 }
 
@@ -51,10 +63,12 @@ double prof_frame_window_limit_ms(const prof_frame_window *window, double budget
 void stilb_prof_frame_stats_make(stilb_prof_frame_stats *stats, const stilb_prof_frame *frames, uint32_t count,
                                  double budget_ms)
 {
+	assert(stats && (frames || count == 0) && budget_ms >= 0);
 	prof_frame_window window = {0};
 	*stats = (stilb_prof_frame_stats){.limit_ms = (double)INFINITY};
 	count = count < PROF_WINDOW_FRAMES ? count : PROF_WINDOW_FRAMES;
 	for (uint32_t i = 0; i < count; i++) {
+		assert(frames[i].begin_ns <= frames[i].end_ns && "frames end after they begin");
 		uint64_t ns = frames[i].end_ns - frames[i].begin_ns;
 		prof_frame_window_add(&window, ns);
 		stats->ms[i] = 1e-6 * (double)ns;

@@ -3,6 +3,7 @@
 #define STILB_PROF_INTERNAL_H
 
 #include "profiler/prof.h"
+#include "profiler/prof_contract.h"
 #include "profiler/prof_snapshot.h"
 
 #include <stdbool.h>
@@ -90,6 +91,7 @@ static inline prof_record prof_event_unpack(const stilb_prof_event *event, uint6
 		.begin = time,
 		.end = time,
 	};
+	assert(record.site->kind <= STILB_PROF_KIND_FLOW_END && "an event refers to a site");
 	if (prof_kind_is_zone(record.site->kind)) {
 		record.end = time + payload;
 		record.depth = (uint32_t)low;
@@ -242,6 +244,11 @@ static inline void prof_give_way(size_t round)
 	if (__builtin_expect((round & 255) == 0, 0) && prof_background)
 		prof_background_yield();
 }
+
+/* ---- prof_snapshot_sound.c ---------------------------------------------------------------------------------------- */
+
+/* All that prof_snapshot.h promises of a snapshot holds: order, nesting, indices. Linear in its size. */
+bool prof_snapshot_is_sound(const stilb_prof_snapshot *snapshot);
 
 /* ---- memory of snapshots ----------------------------------------------------------------------------------------- */
 

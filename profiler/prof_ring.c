@@ -15,6 +15,7 @@
 
 #include "profiler/prof_array.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -57,8 +58,11 @@ static const stilb_prof_ring prof_ring_none;
 __thread stilb_prof_ring *stilb_prof_thread_ring = (stilb_prof_ring *)&prof_ring_none;
 uint32_t stilb_prof_session = 1;
 
+enum prof_lock_state { PROF_UNLOCKED, PROF_SHARED, PROF_LOCKED };
+
 /* What the calling thread knows of itself. */
 static __thread struct {
+	enum prof_lock_state locked; /* how this thread holds prof.lock; for asserts alone */
 	uint32_t inside;  /* calls that hold the lock or make a ring: a zone of the allocator must not enter again */
 	uint32_t refused; /* events since it was refused a ring; 0: it was not */
 } prof_self __attribute__((tls_model("initial-exec"))); /* in a shared object other models may allocate */
@@ -80,24 +84,46 @@ static struct {
 	uint64_t count; /* frames begun; number n is at begin[n % PROF_FRAMES_MAX] */
 	prof_anchor begin[PROF_FRAMES_MAX];
 	prof_frame_hook *hook;
+	prof_exclusive marking; /* stilb_prof_frame_mark is running */
 } prof_frames;
 
 static void prof_lock(void)
 {
+	assert(prof_self.locked == PROF_UNLOCKED && "the lock is not taken twice");
 	prof_self.inside++;
 	pthread_rwlock_wrlock(&prof.lock);
+	prof_self.locked = PROF_LOCKED;
 }
 
 static void prof_lock_shared(void)
 {
+	assert(prof_self.locked == PROF_UNLOCKED && "the lock is not taken twice");
 	prof_self.inside++;
 	pthread_rwlock_rdlock(&prof.lock);
+	prof_self.locked = PROF_SHARED;
 }
 
 static void prof_unlock(void)
 {
+	assert(prof_self.locked != PROF_UNLOCKED && "the caller holds the lock");
+	prof_self.locked = PROF_UNLOCKED;
 	pthread_rwlock_unlock(&prof.lock);
 	prof_self.inside--;
+}
+
+/* What holds of the list of rings while nobody changes it. Heads rise meanwhile: those of living threads are theirs. */
+static bool prof_list_is_sound(void)
+{
+	bool sound = prof.count <= prof.capacity && prof.count <= prof.made;
+	for (size_t i = 0; sound && i < prof.count; i++) {
+		const prof_thread *thread = prof.threads[i];
+		size_t size = (size_t)thread->ring.mask + 1;
+		uint64_t head = __atomic_load_n(&thread->ring.head, __ATOMIC_RELAXED); /* compared alone */
+		sound = (size & (size - 1)) == 0 && thread->mapping == PROF_HEADER_SIZE + size * sizeof(stilb_prof_event) &&
+		        thread->ring.lane < prof.made && thread->first <= head && thread->ended <= prof.ended &&
+		        (thread->ended == 0) == (thread->ended_ns == 0) && memchr(thread->name, 0, PROF_NAME_MAX);
+	}
+	return sound;
 }
 
 /* ---- threads ----------------------------------------------------------------------------------------------------- */
@@ -105,6 +131,7 @@ static void prof_unlock(void)
 /* A small ring may be populated now, so that the first lap takes no page faults; a large one may never be filled. */
 static prof_thread *prof_thread_map(uint32_t events, bool populate)
 {
+	assert(events >= PROF_RING_EVENTS_MIN && (events & (events - 1)) == 0);
 	size_t size = PROF_HEADER_SIZE + (size_t)events * sizeof(stilb_prof_event);
 	bool now = populate && events <= PROF_RING_EVENTS;
 	int flags = MAP_PRIVATE | MAP_ANONYMOUS | (now ? MAP_POPULATE : MAP_NORESERVE);
@@ -122,6 +149,7 @@ static prof_thread *prof_thread_map(uint32_t events, bool populate)
 /* A new ring at the end of the list, or NULL. */
 static prof_thread *prof_thread_add(bool populate)
 {
+	assert(prof_self.locked == PROF_LOCKED);
 	if (!prof_array_room(&prof.threads, sizeof *prof.threads, prof.count + 1, &prof.capacity))
 		return NULL;
 	prof_thread *thread = prof_thread_map(prof.ring_events, populate);
@@ -135,6 +163,7 @@ static prof_thread *prof_thread_add(bool populate)
 /* The ring of an ended thread: of that name the one that ended last; if too many are kept, the one that ended first. */
 static prof_thread *prof_thread_reuse(const char *name, bool device)
 {
+	assert(prof_self.locked == PROF_LOCKED);
 	prof_thread *same = NULL, *oldest = NULL;
 	uint32_t ended = 0;
 	for (size_t i = 0; i < prof.count; i++) {
@@ -179,12 +208,16 @@ static bool prof_name_follows(const char *a, const char *b)
  * first. */
 static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MAX])
 {
+	assert(prof_self.locked == PROF_LOCKED);
+	assert(prof.count > 0);
 	size_t last = prof.count - 1;
 	bool first = thread->unnamed && thread->tid == (uint32_t)getpid();
 	size_t old = 0, place = 0;
 	memcpy(thread->name, name, PROF_NAME_MAX);
-	while (prof.threads[old] != thread)
+	while (prof.threads[old] != thread) {
+		assert(old < last && "the ring is in the list");
 		old++;
+	}
 	memmove(&prof.threads[old], &prof.threads[old + 1], (last - old) * sizeof *prof.threads);
 	while (!first && place < last && !prof_name_follows(prof.threads[place]->name, name))
 		place++;
@@ -194,6 +227,7 @@ static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MA
 
 static bool prof_name_lives(const char *name)
 {
+	assert(prof_self.locked == PROF_LOCKED);
 	for (size_t i = 0; i < prof.count; i++)
 		if (prof.threads[i]->ended == 0 && strcmp(prof.threads[i]->name, name) == 0)
 			return true;
@@ -236,6 +270,7 @@ static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool
 		thread->begun_ns = stilb_prof_clock_monotonic();
 		thread->ended_ns = 0;
 	}
+	PROF_CHECK(prof_list_is_sound());
 	prof_unlock();
 	return thread;
 }
@@ -243,6 +278,7 @@ static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool
 /* From now on it is known when the calling thread runs, if that was asked for. Outside the lock: it opens files. */
 static void prof_thread_watch(prof_thread *thread)
 {
+	assert(!thread->device && thread->tid == (uint32_t)gettid() && "a thread watches itself");
 	prof_switches switches = prof_switches_open(thread->name);
 	prof_lock();
 	prof_switches_close(&thread->switches);
@@ -254,6 +290,7 @@ static void prof_thread_watch(prof_thread *thread)
 static void prof_thread_leave(prof_thread *thread)
 {
 	prof_lock();
+	assert(thread->ended == 0 && "a ring is left once");
 	thread->ring.depth = 0;
 	thread->ended = ++prof.ended;
 	thread->ended_ns = stilb_prof_clock_monotonic();
@@ -302,6 +339,7 @@ static bool prof_exit_watch(void)
 
 static int prof_self_begin(char name[PROF_NAME_MAX], bool unnamed)
 {
+	assert(!prof_self_has_ring() && "a thread has one ring");
 	/* A thread that begins by a call may also end by one. */
 	if (!prof_exit_watch() && unnamed)
 		return -ENOMEM;
@@ -318,9 +356,11 @@ static int prof_self_begin(char name[PROF_NAME_MAX], bool unnamed)
 static void prof_self_rename(const char name[PROF_NAME_MAX])
 {
 	prof_thread *thread = (prof_thread *)stilb_prof_thread_ring;
+	assert(prof_self_has_ring() && thread->unnamed);
 	prof_lock();
 	prof_thread_rename(thread, name);
 	thread->unnamed = false;
+	PROF_CHECK(prof_list_is_sound());
 	prof_unlock();
 	if (thread->switches.schedstat != 0) /* its counters have the name; only this thread writes it */
 		prof_thread_watch(thread);
@@ -396,6 +436,7 @@ static bool prof_self_enter(void)
 
 stilb_prof_ring *stilb_prof_ring_enter(uint32_t session)
 {
+	assert(session != 0 && "something is recorded");
 	if (!prof_self_has_ring() && !prof_self_enter())
 		return NULL;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
@@ -421,6 +462,7 @@ int stilb_prof_ring_events_set(uint32_t events)
 
 uint32_t prof_ring_count(uint32_t *ended)
 {
+	assert(ended);
 	prof_lock_shared();
 	uint32_t count = (uint32_t)prof.count;
 	*ended = 0;
@@ -433,12 +475,15 @@ uint32_t prof_ring_count(uint32_t *ended)
 /* A living thread may be recording: what it writes stays untouched, and what it has written no longer counts. */
 static void prof_thread_forget(prof_thread *thread)
 {
+	assert(prof_self.locked == PROF_LOCKED);
 	thread->first = __atomic_load_n(&thread->ring.head, __ATOMIC_RELAXED); /* numbers: no data depends on them */
 	thread->first_too_deep = __atomic_load_n(&thread->ring.too_deep, __ATOMIC_RELAXED);
 }
 
 void stilb_prof_shutdown(void)
 {
+	/* Relaxed: no other thread is in a call. */
+	assert(!__atomic_load_n(&prof_frames.hook, __ATOMIC_RELAXED) && "captures have stopped");
 	size_t living = 0;
 	stilb_prof_thread_end();
 	prof_lock();
@@ -463,6 +508,7 @@ void stilb_prof_shutdown(void)
 	prof.ring_events = PROF_RING_EVENTS;
 	__atomic_store_n(&prof.without_ring, 0, __ATOMIC_RELAXED); /* a number: no data depends on it */
 	__atomic_store_n(&prof_frames.count, 0, __ATOMIC_RELAXED); /* no partner: nobody else is in a call */
+	PROF_CHECK(prof_list_is_sound());
 	prof_unlock();
 }
 
@@ -489,6 +535,7 @@ static uint32_t prof_flow_level(const stilb_prof_ring *ring)
 
 uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
 {
+	assert(flow);
 	stilb_prof_ring *ring = flow->kind == STILB_PROF_KIND_FLOW_BEGIN ? stilb_prof_recorder() : NULL;
 	if (!ring)
 		return 0;
@@ -500,6 +547,7 @@ uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
 
 void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id)
 {
+	assert(flow);
 	stilb_prof_ring *ring = id != 0 && flow->kind == STILB_PROF_KIND_FLOW_BEGIN ? stilb_prof_recorder() : NULL;
 	if (ring)
 		stilb_prof_write(ring, flow + 1, stilb_prof_clock(ring), prof_flow_level(ring), id);
@@ -509,6 +557,7 @@ void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id)
 
 int stilb_prof_lane_create(const char *name, stilb_prof_lane_handle **lane)
 {
+	assert(lane);
 	char copy[PROF_NAME_MAX];
 	prof_name_copy(copy, name && name[0] != 0 ? name : "thread");
 	*lane = (stilb_prof_lane_handle *)prof_thread_take(copy, true, false);
@@ -520,6 +569,8 @@ void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *s
 {
 	if (!lane || !stilb_prof_is_recording())
 		return;
+	assert(((const prof_thread *)lane)->device && ((const prof_thread *)lane)->ended == 0 && "the lane lives");
+	assert(site && prof_kind_is_zone(site->kind));
 	stilb_prof_ring *ring = &((prof_thread *)lane)->ring;
 	uint64_t duration = end_ns > begin_ns ? end_ns - begin_ns : 0;
 	if (duration > STILB_PROF_DURATION_MAX)
@@ -532,18 +583,22 @@ void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *s
 
 void stilb_prof_lane_destroy(stilb_prof_lane_handle *lane)
 {
-	if (lane)
-		prof_thread_leave((prof_thread *)lane);
+	if (!lane)
+		return;
+	assert(((const prof_thread *)lane)->device && "the handle of a lane");
+	prof_thread_leave((prof_thread *)lane);
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 void stilb_prof_frame_mark(void)
 {
+	prof_exclusive_begin(&prof_frames.marking);
 	uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED); /* the thread's own */
 	prof_anchor now = prof_clock_anchor();
 	prof_anchor *begin = &prof_frames.begin[count % PROF_FRAMES_MAX];
 	uint64_t last_ns = prof_frames.begin[(count - 1) % PROF_FRAMES_MAX].ns;
+	assert((count == 0 || now.ns >= last_ns) && "frames ascend");
 	/* Release, as for events: pairs with the loads of prof_frames_copy. */
 	__atomic_store_n(&begin->ticks, now.ticks, __ATOMIC_RELEASE);
 	__atomic_store_n(&begin->ns, now.ns, __ATOMIC_RELEASE);
@@ -553,10 +608,12 @@ void stilb_prof_frame_mark(void)
 	prof_frame_hook *hook = __atomic_load_n(&prof_frames.hook, __ATOMIC_ACQUIRE);
 	if (hook && count > 0)
 		hook(count - 1, now.ns - last_ns);
+	prof_exclusive_end(&prof_frames.marking);
 }
 
 void prof_frame_hook_set(prof_frame_hook *hook)
 {
+	assert((!hook || !__atomic_load_n(&prof_frames.hook, __ATOMIC_RELAXED)) && "one hook at a time");
 	__atomic_store_n(&prof_frames.hook, hook, __ATOMIC_RELEASE); /* pairs with stilb_prof_frame_mark */
 }
 
@@ -568,6 +625,7 @@ uint64_t prof_frames_begun(void)
 /* The last frames begun, oldest first, at most max of them; returns how many. *first is the number of frames[0]. */
 static uint32_t prof_frames_copy(prof_anchor *frames, uint32_t max, uint64_t *first)
 {
+	assert(frames && max <= PROF_FRAMES_MAX);
 	/* Acquire: pair with stilb_prof_frame_mark; the second count is ordered by the loads before it. */
 	uint64_t count = __atomic_load_n(&prof_frames.count, __ATOMIC_ACQUIRE);
 	uint64_t oldest = count > max ? count - max : 0;
@@ -586,6 +644,7 @@ static uint32_t prof_frames_copy(prof_anchor *frames, uint32_t max, uint64_t *fi
 
 uint32_t prof_frames_last(uint64_t *begin_ns, uint32_t max, uint64_t *first)
 {
+	assert(begin_ns && first);
 	prof_anchor frames[PROF_FRAMES_MAX];
 	uint32_t count = prof_frames_copy(frames, max < PROF_FRAMES_MAX ? max : PROF_FRAMES_MAX, first);
 	for (uint32_t i = 0; i < count; i++)
@@ -616,6 +675,7 @@ static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
 static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t oldest, uint64_t head, uint64_t begin,
                                uint64_t limit)
 {
+	assert(oldest <= head);
 	uint64_t size = (uint64_t)ring->mask + 1, held = head > size ? head - size : 0;
 	uint64_t low = held > oldest ? held : oldest, high = head;
 	while (begin > 0 && low < high) {
@@ -648,6 +708,14 @@ static bool prof_copy_open_zone(const stilb_prof_ring *ring, uint32_t depth, sti
 	return false;
 }
 
+static bool prof_open_is_sound(const stilb_prof_open_zone *zones, uint32_t count)
+{
+	bool sound = count <= STILB_PROF_DEPTH_MAX;
+	for (uint32_t i = 0; sound && i < count; i++)
+		sound = zones[i].site && (i == 0 || zones[i - 1].begin <= zones[i].begin);
+	return sound;
+}
+
 /* The stack moves while it is read from the deep end, so an entry found later may be younger than one found before it:
  * then the deeper ones are gone by now. */
 uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones)
@@ -667,6 +735,7 @@ uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones
 			count++;
 		}
 	}
+	PROF_CHECK(prof_open_is_sound(zones, count));
 	return count;
 }
 
@@ -692,6 +761,7 @@ static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lan
 		if (end == UINT64_MAX || prof_event_unpack(&events[i - first], lane->limit).begin < end)
 			events[lane->event_count++] = events[i - first];
 	}
+	assert(lane->event_count <= head - first && "no more than there was room for");
 	lane->first = copy->event_count;
 	copy->event_count += lane->event_count;
 	copy->events_recorded += head - thread->first;
@@ -722,6 +792,7 @@ static uint64_t prof_lane_now(const prof_lane_copy *lane)
 
 static int prof_copy_lane(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
 {
+	assert(prof_self.locked == PROF_SHARED);
 	*lane = (prof_lane_copy){
 		.device = thread->device,
 		.index = thread->ring.lane & 0x3ff,
@@ -770,6 +841,23 @@ static void prof_copy_window(prof_copy *copy, const stilb_prof_window *window)
 	}
 }
 
+/* Before the arrays are pointed into: lanes follow one another in them. */
+static bool prof_copy_is_sound(const prof_copy *copy)
+{
+	size_t events = 0, switches = 0;
+	bool sound = copy->window_first + copy->window_count <= copy->frame_count && copy->frame_count <= PROF_FRAMES_MAX &&
+	             copy->events_held <= copy->events_recorded;
+	for (uint32_t i = 0; sound && i < copy->lane_count; i++) {
+		const prof_lane_copy *lane = &copy->lanes[i];
+		sound = lane->first == events && (lane->switch_count == 0 || lane->first_switch == switches);
+		events += lane->event_count;
+		switches += lane->switch_count;
+	}
+	for (uint32_t i = 1; sound && i < copy->frame_count; i++)
+		sound = copy->frames[i - 1].ns <= copy->frames[i].ns;
+	return sound && events == copy->event_count && switches == copy->switch_count;
+}
+
 /* The arrays lie still now. */
 static void prof_copy_point(prof_copy *copy)
 {
@@ -798,6 +886,7 @@ int prof_copy_take(prof_copy *copy, const stilb_prof_window *window)
 		error = prof_copy_lane(prof.threads[i], copy, &copy->lanes[i]);
 	}
 	prof_unlock();
+	PROF_CHECK(error != 0 || prof_copy_is_sound(copy));
 	if (error == 0)
 		prof_copy_point(copy);
 	else

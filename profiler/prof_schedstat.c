@@ -9,7 +9,6 @@
 #include "profiler/prof_internal.h"
 
 #include <fcntl.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,17 +27,18 @@ uint32_t prof_schedstat_count;
 
 /* The lock guards all of it. Sites stay for ever, for events refer to them; in .bss, near enough to the section. */
 static struct {
-	pthread_mutex_t lock;
+	prof_mutex lock;
 	prof_schedstat threads[PROF_SCHEDSTAT_MAX];
 	uint32_t used; /* of threads: those that were ever in use */
 	uint32_t name_count;
 	char names[PROF_SCHEDSTAT_MAX][2][PROF_NAME_MAX + 16];
 	stilb_prof_site sites[PROF_SCHEDSTAT_MAX][2];
-} prof_stats = {.lock = PTHREAD_MUTEX_INITIALIZER};
+} prof_stats = {.lock = PROF_MUTEX_INIT};
 
 /* The place of a thread's counters; made when there is none of that name. PROF_NONE: no room. */
 static uint32_t prof_schedstat_names(const char *name)
 {
+	assert(prof_mutex_is_mine(&prof_stats.lock));
 	char made[2][PROF_NAME_MAX + 16];
 	uint32_t at = 0;
 	snprintf(made[0], sizeof made[0], "%.*s: ran ms", PROF_NAME_MAX - 1, name);
@@ -73,12 +73,13 @@ static bool prof_schedstat_read(int file, uint64_t *ran_ns, uint64_t *waited_ns)
 
 uint32_t prof_schedstat_open(const char *name)
 {
+	assert(name);
 	int file = open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC);
 	prof_schedstat thread = {.file = file};
 	uint32_t slot = 0;
 	if (file < 0)
 		return 0;
-	pthread_mutex_lock(&prof_stats.lock);
+	prof_mutex_lock(&prof_stats.lock);
 	while (slot < prof_stats.used && prof_stats.threads[slot].file >= 0)
 		slot++;
 	thread.names = slot < PROF_SCHEDSTAT_MAX ? prof_schedstat_names(name) : PROF_NONE;
@@ -90,7 +91,7 @@ uint32_t prof_schedstat_open(const char *name)
 	} else {
 		close(file);
 	}
-	pthread_mutex_unlock(&prof_stats.lock);
+	prof_mutex_unlock(&prof_stats.lock);
 	return works ? slot + 1 : 0;
 }
 
@@ -98,23 +99,25 @@ void prof_schedstat_close(uint32_t handle)
 {
 	if (handle == 0)
 		return;
-	pthread_mutex_lock(&prof_stats.lock);
+	prof_mutex_lock(&prof_stats.lock);
 	prof_schedstat *thread = &prof_stats.threads[handle - 1];
+	assert(handle <= prof_stats.used && thread->file >= 0 && "a handle is closed once");
 	close(thread->file);
 	thread->file = -1;
 	__atomic_sub_fetch(&prof_schedstat_count, 1, __ATOMIC_RELAXED); /* no data depends on it */
-	pthread_mutex_unlock(&prof_stats.lock);
+	prof_mutex_unlock(&prof_stats.lock);
 }
 
 /* When a thread begins or ends at this moment, the next frame has this one's time too. */
 void prof_schedstat_sample(void)
 {
 	/* A ring first: a thread that gets one opens its schedstat, under this lock. */
-	if (!stilb_prof_recorder() || pthread_mutex_trylock(&prof_stats.lock) != 0)
+	if (!stilb_prof_recorder() || !prof_mutex_try(&prof_stats.lock))
 		return;
 	for (uint32_t i = 0; i < prof_stats.used; i++) {
 		prof_schedstat *thread = &prof_stats.threads[i];
 		uint64_t ran_ns, waited_ns;
+		assert(thread->names < prof_stats.name_count);
 		if (thread->file < 0 || !prof_schedstat_read(thread->file, &ran_ns, &waited_ns))
 			continue;
 		stilb_prof_counter(&prof_stats.sites[thread->names][0], 1e-6 * (double)(ran_ns - thread->ran_ns));
@@ -122,5 +125,5 @@ void prof_schedstat_sample(void)
 		thread->ran_ns = ran_ns;
 		thread->waited_ns = waited_ns;
 	}
-	pthread_mutex_unlock(&prof_stats.lock);
+	prof_mutex_unlock(&prof_stats.lock);
 }

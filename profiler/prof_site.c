@@ -1,7 +1,6 @@
 /* Sites: the linker's array of those of C code, the list of all others, and those that are made at run time. */
 #include "profiler/prof_internal.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,18 +15,25 @@ static stilb_prof_site *prof_sites;
 
 /* In .bss: near enough to the section for the distance in an event. */
 static struct {
-	pthread_mutex_t lock;
+	prof_mutex lock;
 	uint32_t count;
 	stilb_prof_site sites[PROF_SITES_MADE_MAX];
-} prof_made = {.lock = PTHREAD_MUTEX_INITIALIZER};
+} prof_made = {.lock = PROF_MUTEX_INIT};
+
+static bool prof_site_is_in_array(const stilb_prof_site *site)
+{
+	return site >= __start_stilb_prof_section && site < __stop_stilb_prof_section;
+}
 
 const stilb_prof_site *stilb_prof_site_next(const stilb_prof_site *previous)
 {
 	if (!previous)
 		return __start_stilb_prof_section;
-	/* A listed site's next is stored before the site is reached by the acquire load of the list's head. */
-	if (previous < __start_stilb_prof_section || previous >= __stop_stilb_prof_section)
+	if (!prof_site_is_in_array(previous)) {
+		/* Relaxed: the site was reached by the acquire load of the list's head, and its next was stored before that. */
+		assert(__atomic_load_n(&previous->listed, __ATOMIC_RELAXED) == 1 && "a site that stilb_prof_site_next gave");
 		return previous->next;
+	}
 	if (previous + 1 < __stop_stilb_prof_section)
 		return previous + 1;
 	return __atomic_load_n(&prof_sites, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_site_list */
@@ -35,6 +41,7 @@ const stilb_prof_site *stilb_prof_site_next(const stilb_prof_site *previous)
 
 bool stilb_prof_site_list(stilb_prof_site *sites, size_t count)
 {
+	assert(sites && count > 0 && !prof_site_is_in_array(sites));
 	for (size_t i = 0; i < count; i++) {
 		/* Relaxed: only decides who adds it, and no data depends on it. */
 		if (__atomic_exchange_n(&sites[i].listed, 1, __ATOMIC_RELAXED) != 0)
@@ -50,6 +57,7 @@ bool stilb_prof_site_list(stilb_prof_site *sites, size_t count)
 
 static const stilb_prof_site *prof_site_find(const char *name, uint32_t rgb)
 {
+	assert(prof_mutex_is_mine(&prof_made.lock));
 	for (uint32_t i = 0; i < prof_made.count; i++)
 		if (prof_made.sites[i].color == rgb && strcmp(prof_made.sites[i].name, name) == 0)
 			return &prof_made.sites[i];
@@ -58,6 +66,7 @@ static const stilb_prof_site *prof_site_find(const char *name, uint32_t rgb)
 
 static const stilb_prof_site *prof_site_add(const char *name, uint32_t rgb)
 {
+	assert(prof_mutex_is_mine(&prof_made.lock));
 	char *copy = prof_made.count < PROF_SITES_MADE_MAX ? strdup(name) : NULL;
 	if (!copy)
 		return &prof_site_more;
@@ -69,10 +78,11 @@ static const stilb_prof_site *prof_site_add(const char *name, uint32_t rgb)
 
 const stilb_prof_site *stilb_prof_site_make(const char *name, uint32_t rgb)
 {
-	pthread_mutex_lock(&prof_made.lock);
+	assert(name && rgb <= 0xffffff);
+	prof_mutex_lock(&prof_made.lock);
 	const stilb_prof_site *site = prof_site_find(name, rgb);
 	if (!site)
 		site = prof_site_add(name, rgb);
-	pthread_mutex_unlock(&prof_made.lock);
+	prof_mutex_unlock(&prof_made.lock);
 	return site;
 }

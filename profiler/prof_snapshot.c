@@ -6,6 +6,7 @@
 #include "profiler/prof_array.h"
 #include "profiler/prof_snapshot_internal.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <string.h>
 
@@ -20,6 +21,7 @@
 
 static struct prof_site_slot *snapshot_site_find(const prof_snapshot_memory *m, const stilb_prof_site *site)
 {
+	assert(m->site_capacity > m->label_count && "a slot is free, or the search would not end");
 	size_t mask = m->site_capacity - 1;
 	size_t at =
 		(size_t)((uintptr_t)site / sizeof *site * UINT64_C(0x9e3779b97f4a7c15) >> 32) & mask; /* Fibonacci hashing */
@@ -46,6 +48,7 @@ static bool prof_sites_grow(prof_snapshot_memory *m)
 
 static uint32_t prof_snapshot_label_add(prof_snapshot_memory *m, const stilb_prof_site *site)
 {
+	assert(m->label_count < PROF_NONE);
 	if (2 * (m->label_count + 1) > m->site_capacity && !prof_sites_grow(m))
 		return PROF_NONE;
 	if (!ROOM(m, labels, m->label_count + 1, label_capacity))
@@ -64,6 +67,7 @@ static uint32_t prof_snapshot_label_add(prof_snapshot_memory *m, const stilb_pro
 
 uint32_t prof_snapshot_label(prof_snapshot_memory *m, const stilb_prof_site *site)
 {
+	assert(site);
 	if (m->site_capacity > 0) {
 		const struct prof_site_slot *slot = snapshot_site_find(m, site);
 		if (slot->site)
@@ -77,6 +81,7 @@ uint32_t prof_snapshot_label(prof_snapshot_memory *m, const stilb_prof_site *sit
 static bool prof_snapshot_frames(prof_snapshot_memory *m)
 {
 	const prof_copy *copy = &m->copy;
+	assert(copy->window_first + copy->window_count <= copy->frame_count && "a frame ends where the next begins");
 	m->frame_count = copy->window_count;
 	if (!ROOM(m, frames, m->frame_count, frame_capacity))
 		return false;
@@ -112,6 +117,7 @@ static uint64_t prof_later(uint64_t a, uint64_t b)
 
 static void prof_switch_add(prof_snapshot_memory *m, uint64_t out_ns, uint64_t in_ns, bool preempted)
 {
+	assert(m->switch_count < m->switch_capacity || out_ns >= in_ns);
 	if (out_ns < in_ns)
 		m->switches[m->switch_count++] = (stilb_prof_switch){out_ns, in_ns, preempted};
 }
@@ -209,6 +215,7 @@ static uint64_t prof_runs_key(const prof_runs *runs, const char *item)
 /* Merges two neighbours, [a, b) and [b, end), stable. */
 static void prof_runs_merge(const prof_runs *runs, size_t a, size_t b, size_t end, char *to)
 {
+	assert(a <= b && b <= end);
 	size_t size = runs->size;
 	const char *left = runs->items + a * size, *right = runs->items + b * size;
 	const char *left_end = right, *right_end = runs->items + end * size;
@@ -225,6 +232,7 @@ static void prof_runs_merge(const prof_runs *runs, size_t a, size_t b, size_t en
 /* starts holds where each of the count runs begins, and after them where the last one ends. */
 static void prof_runs_sort(const prof_runs *runs, size_t *starts, size_t count, char *scratch)
 {
+	assert(runs->key + sizeof(uint64_t) <= runs->size);
 	for (; count > 1; count = (count + 1) / 2) {
 		for (size_t i = 0; i + 1 < count; i += 2)
 			prof_runs_merge(runs, starts[i], starts[i + 1], starts[i + 2], scratch);
@@ -238,6 +246,7 @@ static void prof_runs_sort(const prof_runs *runs, size_t *starts, size_t count, 
 
 static uint32_t *prof_flow_slot(const prof_snapshot_memory *m, size_t slots, uint64_t id)
 {
+	assert((slots & (slots - 1)) == 0 && slots > m->mark_count);
 	size_t at = (size_t)(id * UINT64_C(0x9e3779b97f4a7c15) >> 32) & (slots - 1);
 	while (m->flow_slots[at] != PROF_NONE && m->marks[m->flow_slots[at]].id != id)
 		at = (at + 1) & (slots - 1);
@@ -253,6 +262,7 @@ static bool prof_flows_make_room(prof_snapshot_memory *m, size_t slots)
 
 static void prof_flow_add(prof_snapshot_memory *m, const prof_flow_mark *from, const prof_flow_mark *to)
 {
+	assert((from || to) && m->flow_count < m->flow_capacity);
 	const prof_flow_mark *known = from ? from : to;
 	m->flows[m->flow_count++] = (stilb_prof_flow){
 		.id = known->id,
@@ -291,6 +301,7 @@ static size_t prof_flows_join(prof_snapshot_memory *m, size_t slots)
 			}
 		}
 	}
+	assert(runs < m->run_capacity);
 	m->runs[runs] = m->flow_count;
 	return runs;
 }
@@ -325,6 +336,7 @@ static bool prof_snapshot_points(prof_snapshot_memory *m)
 	for (size_t i = 0; i < m->point_count; i++)
 		if (i == 0 || m->points[i].lane != m->points[i - 1].lane)
 			m->runs[runs++] = i;
+	assert(runs < m->run_capacity);
 	m->runs[runs] = m->point_count;
 	prof_runs by_time = {(char *)m->points, sizeof *m->points, offsetof(stilb_prof_point, ns)};
 	prof_runs_sort(&by_time, m->runs, runs, m->merged);
@@ -336,6 +348,7 @@ static bool prof_snapshot_points(prof_snapshot_memory *m)
 static void prof_snapshot_destroy(void *memory)
 {
 	prof_snapshot_memory *m = memory;
+	assert(m->memory.destroy == prof_snapshot_destroy && "memory of a snapshot that was taken");
 	prof_copy_free(&m->copy);
 	free(m->labels);
 	free(m->sites);
@@ -482,6 +495,7 @@ static bool prof_snapshot_make(stilb_prof_snapshot *snapshot, prof_snapshot_memo
 
 int stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
 {
+	assert(snapshot);
 	static const stilb_prof_window all = {0};
 	prof_snapshot_memory *m = prof_snapshot_memory_of(snapshot);
 	if (!m)
@@ -491,11 +505,13 @@ int stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_prof_win
 		error = -ENOMEM;
 	if (error != 0)
 		stilb_prof_snapshot_finish(snapshot);
+	PROF_CHECK(prof_snapshot_is_sound(snapshot));
 	return error;
 }
 
 void stilb_prof_snapshot_finish(stilb_prof_snapshot *snapshot)
 {
+	assert(snapshot);
 	prof_memory *memory = snapshot->memory;
 	if (memory)
 		memory->destroy(memory);

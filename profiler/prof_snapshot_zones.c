@@ -13,6 +13,7 @@
 #include "profiler/prof_array.h"
 #include "profiler/prof_snapshot_internal.h"
 
+#include <assert.h>
 #include <string.h>
 
 static uint64_t prof_clamp(uint64_t value, uint64_t low, uint64_t high)
@@ -51,8 +52,10 @@ static uint32_t zones_walk_into(zones_walk *walk, uint32_t depth, uint64_t time)
 
 static void zones_walk_zone(zones_walk *walk, const prof_record *record, bool open)
 {
+	assert(record->depth < STILB_PROF_DEPTH_MAX && record->begin <= record->end);
 	uint32_t parent = zones_walk_into(walk, record->depth, record->begin);
 	uint32_t label = prof_snapshot_label(walk->m, record->site);
+	assert(walk->first > 0 && walk->outer_count < STILB_PROF_DEPTH_MAX);
 	prof_zone_node *node = &walk->m->nodes[--walk->first];
 	walk->failed |= label == PROF_NONE;
 	*node = (prof_zone_node){
@@ -139,6 +142,7 @@ static void zones_order(const zones_walk *walk, uint32_t end, stilb_prof_zone *z
 	for (uint32_t i = walk->first; i < end; i++) {
 		prof_give_way(i);
 		const prof_zone_node *node = &nodes[i];
+		assert(zones_place(nodes, walk->first, i) < end - walk->first && "a place for each zone");
 		zones[zones_place(nodes, walk->first, i)] = (stilb_prof_zone){
 			.begin_ns = node->begin,
 			.end_ns = node->end,
@@ -162,12 +166,14 @@ static void zones_settle(const prof_snapshot_memory *m, stilb_prof_zone *zones, 
 	for (uint32_t i = 0; i < count; i++) {
 		prof_give_way(i);
 		stilb_prof_zone *zone = &zones[i], *parent = zone->level > 0 ? &zones[zone->parent] : NULL;
+		assert(!parent || (parent < zone && zone->level == parent->level + 1));
 		uint64_t high = parent ? parent->end_ns : UINT64_MAX;
 		zone->begin_ns = prof_clamp(zone->begin_ns, cursor[zone->level], high);
 		zone->end_ns = prof_clamp(zone->end_ns, zone->begin_ns, high);
 		cursor[zone->level] = zone->end_ns;
 		cursor[zone->level + 1] = zone->begin_ns;
 		zone->self_ns = zone->end_ns - zone->begin_ns;
+		assert(!parent || parent->self_ns >= zone->self_ns);
 		if (parent)
 			parent->self_ns -= zone->self_ns;
 		while (frame < m->frame_count && m->frames[frame].end_ns <= zone->begin_ns)
@@ -190,6 +196,7 @@ static void zones_charge(const prof_snapshot_memory *m, stilb_prof_zone *zones, 
 	if (mark->begin)
 		return;
 	uint32_t frame = prof_snapshot_flow_frame(m, mark->id);
+	assert(zone->size > 0);
 	for (uint32_t i = 0; i < zone->size; i++)
 		zone[i].frame = frame;
 }
@@ -224,6 +231,7 @@ static void zones_reverse(void *items, size_t size, size_t count)
 
 bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index)
 {
+	assert(index < m->copy.lane_count);
 	const prof_lane_copy *copy = &m->copy.lanes[index];
 	stilb_prof_lane *lane = &m->lanes[index];
 	size_t first_point = m->point_count, first_mark = m->mark_count;
@@ -235,6 +243,7 @@ bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index)
 	stilb_prof_zone *zones = m->zones + m->zone_count;
 	lane->zone_count = end - walk.first;
 	m->zone_count += lane->zone_count;
+	assert(m->zone_count <= m->zone_capacity && "there was room for all of them");
 	if (m->point_count > first_point)
 		zones_reverse(m->points + first_point, sizeof *m->points, m->point_count - first_point);
 	if (m->mark_count > first_mark)
@@ -251,6 +260,7 @@ bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index)
 static uint64_t zones_off_before(const stilb_prof_switch *switches, const uint64_t *off_before, uint32_t count,
                                  uint32_t at, uint64_t ns)
 {
+	assert(at <= count && (at == 0 || switches[at - 1].in_ns <= ns) && "not behind ns");
 	uint32_t low = at, high = count; /* the first that comes back after ns */
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
@@ -266,6 +276,7 @@ static uint64_t zones_off_before(const stilb_prof_switch *switches, const uint64
 
 void prof_snapshot_off_cpu(prof_snapshot_memory *m, uint32_t index)
 {
+	assert(index < m->copy.lane_count && m->lanes[index].switch_count <= m->off_capacity);
 	const stilb_prof_lane *lane = &m->lanes[index];
 	const stilb_prof_switch *switches = lane->switches;
 	const uint64_t *off_before = m->off_before;

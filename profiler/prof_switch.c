@@ -81,6 +81,7 @@ static int prof_switches_event(void)
 
 prof_switches prof_switches_open(const char *name)
 {
+	assert(name);
 	if (__atomic_load_n(&prof_switches_wanted, __ATOMIC_RELAXED) == 0) /* pairs with stilb_prof_switches_set */
 		return (prof_switches){.refused = "not asked for"};
 	int file = prof_switches_event();
@@ -126,6 +127,7 @@ static void prof_switches_reverse(prof_switch_event *events, uint32_t count)
 
 uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, prof_switch_event *events)
 {
+	assert(events);
 	if (!prof_switches_mapped(switches))
 		return 0;
 	const struct perf_event_mmap_page *page = switches->page;
@@ -144,6 +146,7 @@ uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, pr
 		uint64_t ns = __atomic_load_n(&record->ns, __ATOMIC_ACQUIRE);
 		struct perf_event_header parts;
 		memcpy(&parts, &header, sizeof parts);
+		assert(count < PROF_SWITCHES_MAX);
 		events[count++] = (prof_switch_event){
 			.ns = ns,
 			.in = (parts.misc & PERF_RECORD_MISC_SWITCH_OUT) == 0,

@@ -1,8 +1,10 @@
 /* Two snapshots against each other; prof_diff.h says when a zone counts as slower. */
 #include "profiler/prof_diff.h"
 
+#include "profiler/prof_contract.h"
 #include "profiler/prof_sort.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -21,6 +23,14 @@ typedef struct prof_ranks {
 	double ties;                        /* sum of t^3 - t over groups of t equal values */
 	uint32_t ranks[2 * PROF_EXACT_MAX]; /* all, doubled, when both sides are small */
 } prof_ranks;
+
+static bool samples_ascend(const uint64_t *values, size_t count)
+{
+	for (size_t i = 1; i < count; i++)
+		if (values[i - 1] > values[i])
+			return false;
+	return true;
+}
 
 static void prof_rank(prof_ranks *ranks, const uint64_t *a, size_t a_count, const uint64_t *b, size_t b_count)
 {
@@ -45,6 +55,7 @@ static void prof_rank(prof_ranks *ranks, const uint64_t *a, size_t a_count, cons
  * ways[k][s]: to choose k of the ranks looked at with the sum s. */
 static double prof_rank_exact(const prof_ranks *ranks, size_t a_count, size_t count)
 {
+	assert(a_count <= PROF_EXACT_MAX && a_count <= count && count <= 2 * PROF_EXACT_MAX);
 	size_t largest = 0; /* sum so far */
 	double(*ways)[PROF_RANKS_MAX + 1] = calloc(PROF_EXACT_MAX + 1, sizeof *ways);
 	double far = 0.0, all = 0.0;
@@ -53,6 +64,7 @@ static double prof_rank_exact(const prof_ranks *ranks, size_t a_count, size_t co
 		return -1.0;
 	ways[0][0] = 1.0;
 	for (size_t i = 0; i < count; i++) {
+		assert(ranks->ranks[i] > 0 && (i == 0 || ranks->ranks[i - 1] <= ranks->ranks[i]) && "ranks ascend from 1");
 		largest += ranks->ranks[i];
 		for (size_t k = i < a_count ? i + 1 : a_count; k > 0; k--)
 			for (size_t s = largest; s >= ranks->ranks[i]; s--)
@@ -62,12 +74,14 @@ static double prof_rank_exact(const prof_ranks *ranks, size_t a_count, size_t co
 		all += ways[a_count][s];
 		far += fabs((double)s - mean) >= distance ? ways[a_count][s] : 0.0;
 	}
+	assert(largest <= PROF_RANKS_MAX && far > 0.0 && far <= all && "what was observed is one of all ways");
 	free(ways);
 	return far / all;
 }
 
 static double prof_rank_normal(const prof_ranks *ranks, double a_count, double b_count)
 {
+	assert(a_count > 0 && b_count > 0);
 	double count = a_count + b_count;
 	double u = ranks->a_sum / 2.0 - a_count * (a_count + 1.0) / 2.0, mean = a_count * b_count / 2.0;
 	double variance = a_count * b_count / 12.0 * (count + 1.0 - ranks->ties / (count * (count - 1.0)));
@@ -79,6 +93,8 @@ static double prof_rank_normal(const prof_ranks *ranks, double a_count, double b
 
 double stilb_prof_mann_whitney(const uint64_t *a, size_t a_count, const uint64_t *b, size_t b_count)
 {
+	assert((a || a_count == 0) && (b || b_count == 0));
+	PROF_CHECK(samples_ascend(a, a_count) && samples_ascend(b, b_count));
 	prof_ranks ranks;
 	double p = -1.0;
 	if (a_count == 0 || b_count == 0)
@@ -128,6 +144,7 @@ static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, con
 		if (zone->frame >= frames)
 			continue;
 		uint32_t row = rows[2 * (size_t)zone->label + (lane->kind == STILB_PROF_LANE_DEVICE)];
+		assert(row < side->stats.row_count && "each zone's label has a row");
 		if (i < until[row] && prof_zone_recurs(lane, zone))
 			continue;
 		until[row] = i + zone->size > until[row] ? i + zone->size : until[row];
@@ -156,6 +173,7 @@ static bool prof_side_frame_times(prof_side *side)
 
 static const uint64_t *prof_side_samples(const prof_side *side, uint32_t row, size_t *count)
 {
+	assert(row < side->stats.row_count);
 	if (!side->frame_times) {
 		*count = side->stats.rows[row].calls;
 		return side->stats.rows[row].durations_ns;
@@ -212,6 +230,7 @@ static int prof_diff_order(const prof_side *a, uint32_t i, const prof_side *b, u
 
 static stilb_prof_diff_row prof_diff_one(const prof_side *side, uint32_t row, stilb_prof_verdict verdict)
 {
+	assert(verdict == STILB_PROF_ONLY_A || verdict == STILB_PROF_ONLY_B);
 	stilb_prof_diff_side times = prof_side_row(side, row);
 	stilb_prof_diff_row out = {
 		.name = prof_side_name(side, row), .kind = side->stats.rows[row].kind, .p = 1.0, .verdict = verdict};
@@ -234,6 +253,7 @@ static stilb_prof_diff_row prof_diff_both(const prof_side *a, uint32_t i, const 
 static void prof_diff_judge(stilb_prof_diff_row *row, const stilb_prof_diff_desc *desc, uint32_t tests,
                             double resolution_ns)
 {
+	assert(row->verdict == STILB_PROF_SAME && row->p >= 0.0 && row->p <= 1.0 && tests > 0);
 	double a = (double)row->a.p50_ns, b = (double)row->b.p50_ns;
 	if (row->p * tests >= desc->alpha || fabs(b - a) <= resolution_ns)
 		return;
@@ -286,6 +306,7 @@ static int prof_diff_rows(stilb_prof_diff *diff, const prof_side *a, const prof_
 	diff->memory = rows;
 	diff->rows = rows;
 	diff->row_count = prof_diff_join(rows, a, b, &tests);
+	assert(diff->row_count + tests == a->stats.row_count + b->stats.row_count && "each row of a side once");
 	for (uint32_t i = 0; i < diff->row_count; i++) {
 		if (rows[i].verdict == STILB_PROF_SAME)
 			prof_diff_judge(&rows[i], desc, tests, resolution_ns);
@@ -304,6 +325,7 @@ stilb_prof_diff_desc stilb_prof_diff_desc_default(void)
 int stilb_prof_diff_make(stilb_prof_diff *diff, const stilb_prof_snapshot *a, const stilb_prof_snapshot *b,
                          const stilb_prof_diff_desc *desc)
 {
+	assert(diff && a && b && desc && desc->sample <= STILB_PROF_DIFF_PER_FRAME);
 	bool frames = a->frame_count > 0 && b->frame_count > 0;
 	prof_side sides[2] = {{.snapshot = a}, {.snapshot = b}};
 	stilb_prof_diff_finish(diff);
@@ -323,6 +345,7 @@ int stilb_prof_diff_make(stilb_prof_diff *diff, const stilb_prof_snapshot *a, co
 
 void stilb_prof_diff_finish(stilb_prof_diff *diff)
 {
+	assert(diff);
 	free(diff->memory);
 	*diff = (stilb_prof_diff){0};
 }

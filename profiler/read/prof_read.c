@@ -4,6 +4,7 @@
 #include "profiler/prof_array.h"
 #include "profiler/read/prof_read_internal.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdarg.h>
@@ -69,6 +70,7 @@ static int prof_read_say(int result, char *error, size_t error_size, const char 
 /* What stands there, as an error can show it: a number up to its end, else one byte. */
 static void prof_read_found(const prof_scan *scan, char found[PROF_READ_FOUND])
 {
+	assert(scan->failed >= scan->begin && scan->failed <= scan->end);
 	const char *end = scan->failed;
 	while (end < scan->end && end - scan->failed < 24 && *end != '\0' && strchr("+-.0123456789eE", *end))
 		end++;
@@ -100,6 +102,7 @@ static int prof_read_bad(const prof_scan *scan, const char *name, char *error, s
 int stilb_prof_trace_parse(const char *text, size_t size, const char *name, stilb_prof_snapshot *snapshot, char *error,
                            size_t error_size)
 {
+	assert((text || size == 0) && name && snapshot && (error || error_size == 0));
 	stilb_prof_snapshot_finish(snapshot);
 	prof_read *read = calloc(1, sizeof *read);
 	if (!read)
@@ -129,6 +132,7 @@ static bool prof_may_be_trace(const char *text, size_t size)
  * is the caller's. */
 static int prof_read_bytes(int file, char **text, size_t *size)
 {
+	assert(!*text && *size == 0);
 	size_t capacity = 0;
 	struct stat info;
 	size_t expected = fstat(file, &info) == 0 && info.st_size > 0 ? (size_t)info.st_size : 0;
@@ -168,6 +172,7 @@ static int prof_read_open(const char *path)
 
 int stilb_prof_trace_read(const char *path, stilb_prof_snapshot *snapshot, char *error, size_t error_size)
 {
+	assert(path && snapshot && (error || error_size == 0));
 	bool is_stdin = strcmp(path, "-") == 0;
 	char *text = NULL;
 	size_t size = 0;

@@ -5,6 +5,7 @@
 #include "profiler/prof_array.h"
 #include "profiler/read/prof_read_internal.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,6 +34,7 @@ typedef struct prof_strings_block {
 
 static char *prof_strings_room(prof_strings *strings, size_t size)
 {
+	assert(size > 0);
 	if (strings->room < size) {
 		size_t bytes = size > PROF_BLOCK_SIZE ? size : PROF_BLOCK_SIZE;
 		prof_strings_block *block = malloc(sizeof *block + bytes);
@@ -51,6 +53,7 @@ static char *prof_strings_room(prof_strings *strings, size_t size)
 
 char *prof_strings_add(prof_strings *strings, const char *text, size_t size)
 {
+	assert(text || size == 0);
 	char *copy = prof_strings_room(strings, size + 1);
 	if (!copy)
 		return NULL;
@@ -110,6 +113,7 @@ static size_t prof_slots_grow(uint32_t **slots, size_t count)
 
 static size_t prof_label_slot(const prof_read *read, const char *name, size_t size)
 {
+	assert(read->label_slot_count > read->label_count && "a slot is free, or the search would not end");
 	size_t slot = prof_hash((uintptr_t)read, name, size) & (read->label_slot_count - 1);
 	for (;; slot = (slot + 1) & (read->label_slot_count - 1)) {
 		uint32_t label = read->label_slots[slot];
@@ -146,6 +150,7 @@ static bool prof_label_at(prof_read *read, size_t slot, const char *name, size_t
 		read->label_slots[slot] = (uint32_t)read->label_count;
 	}
 	*label = read->label_slots[slot] - 1;
+	assert(*label < read->label_count);
 	return true;
 }
 
@@ -168,6 +173,7 @@ static bool prof_read_label(prof_read *read, prof_span name, uint32_t *label)
 
 static size_t prof_lane_slot(const prof_read *read, uint64_t pid, uint64_t tid)
 {
+	assert(read->lane_slot_count > read->lane_count && "a slot is free, or the search would not end");
 	uint64_t key[2] = {pid, tid};
 	size_t slot = prof_hash((uintptr_t)read, (const char *)key, sizeof key) & (read->lane_slot_count - 1);
 	while (read->lane_slots[slot] != 0 &&
@@ -214,6 +220,7 @@ static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t
 		read->lane_slots[slot] = (uint32_t)read->lane_count;
 	}
 	read->last_lane = read->lane_slots[slot] - 1;
+	assert(read->last_lane < read->lane_count);
 	return &read->lanes[read->last_lane];
 }
 
@@ -221,6 +228,7 @@ static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t
 
 static uint64_t prof_read_time(prof_read *read, prof_time time)
 {
+	assert(time.tenths >= -5 && time.tenths <= 5);
 	uint64_t ns = PROF_READ_ZERO + (uint64_t)time.ns;
 	read->first_ns = ns < read->first_ns ? ns : read->first_ns;
 	read->last_ns = ns > read->last_ns ? ns : read->last_ns;
@@ -285,6 +293,7 @@ static bool prof_event_end(prof_read *read, const prof_raw_event *event)
 		return false;
 	if (lane->open == STILB_PROF_NONE)
 		return true;
+	assert(lane->open < lane->zone_count && lane->zones[lane->open].open && "a chain of zones that have not ended");
 	stilb_prof_zone *zone = &lane->zones[lane->open];
 	uint64_t ns = prof_read_time(read, event->ts);
 	zone->end_ns = ns > zone->begin_ns ? ns : zone->begin_ns;
@@ -388,6 +397,7 @@ static bool prof_args_parse(prof_read *read, prof_span span, prof_args *args)
 	*args = (prof_args){0};
 	if (!span.text || *span.text != '{')
 		return true;
+	assert(span.text >= scan.begin && span.text < scan.end);
 	scan.at = span.text + 1;
 	while (prof_scan_key(&scan, &first, &key))
 		if (!prof_args_member(&scan, key, args))
@@ -533,6 +543,7 @@ static bool prof_event_member(prof_scan *scan, prof_span key, prof_raw_event *ev
 
 static bool prof_event_take(prof_read *read, const char *begin, const prof_raw_event *event)
 {
+	assert(begin >= read->scan.begin && begin < read->scan.at);
 	prof_args args;
 	if (event->phase == 'M')
 		return !event->name.text || prof_event_metadata(read, event);
@@ -681,6 +692,7 @@ static bool prof_read_object(prof_read *read)
 bool prof_read_events(prof_read *read)
 {
 	prof_scan *scan = &read->scan;
+	assert(scan->at == scan->begin && !scan->failed && "read once");
 	read->first_ns = UINT64_MAX;
 	if (prof_scan_next(scan) == '\0' && scan->at == scan->end)
 		return prof_scan_fail(scan, scan->at, "a trace");

@@ -1,11 +1,13 @@
 /* The cursor of prof_read_json.h. */
 #include "profiler/read/prof_read_json.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 bool prof_scan_fail(prof_scan *scan, const char *at, const char *expected)
 {
+	assert(at >= scan->begin && at <= scan->end && expected);
 	if (!scan->failed) {
 		scan->failed = at;
 		scan->expected = expected;
@@ -47,6 +49,7 @@ static bool prof_is_hex(char c)
 /* Behind a backslash. */
 static bool prof_scan_escape(prof_scan *scan)
 {
+	assert(scan->at > scan->begin && scan->at[-1] == '\\');
 	const char *at = scan->at;
 	if (at == scan->end || *at == '\0' || !strchr("\"\\/bfnrtu", *at))
 		return prof_scan_fail(scan, at, "one of \"\\/bfnrtu after a backslash");
@@ -84,6 +87,7 @@ bool prof_scan_string(prof_scan *scan, prof_span *string)
 static uint32_t prof_hex4(const char *at)
 {
 	uint32_t value = 0;
+	assert(prof_is_hex(at[0]) && prof_is_hex(at[1]) && prof_is_hex(at[2]) && prof_is_hex(at[3]));
 	for (int i = 0; i < 4; i++)
 		value = value << 4 | (uint32_t)(at[i] <= '9' ? at[i] - '0' : (at[i] | 32) - 'a' + 10);
 	return value;
@@ -91,6 +95,7 @@ static uint32_t prof_hex4(const char *at)
 
 static size_t prof_utf8(uint32_t c, char *to)
 {
+	assert(c < 0x110000);
 	if (c < 0x80) {
 		to[0] = (char)c;
 		return 1;
@@ -131,10 +136,12 @@ size_t prof_scan_decode(prof_span string, char *to)
 			at += 2;
 			size += prof_utf8(prof_decode_unicode(&at, end), to + size);
 		} else {
+			assert(at + 1 < end && strchr(from, at[1]) && "an escape that prof_scan_string has seen");
 			to[size++] = meant[strchr(from, at[1]) - from];
 			at += 2;
 		}
 	}
+	assert(size <= string.size && "an escape is never shorter than what it stands for");
 	return size;
 }
 
@@ -201,6 +208,7 @@ typedef struct prof_decimal {
 
 static prof_decimal prof_decimal_of(prof_span number)
 {
+	assert(number.size > 0 && "a number that prof_scan_number has seen");
 	prof_decimal decimal = {.text = number.text, .end = number.text + number.size};
 	const char *at = decimal.text;
 	if ((decimal.negative = *at == '-'))
@@ -227,6 +235,7 @@ static prof_decimal prof_decimal_of(prof_span number)
 
 static prof_time prof_time_of(int64_t ns, int tenths, bool negative)
 {
+	assert(ns >= 0 && tenths >= 0 && tenths <= 9);
 	prof_time time = tenths < 5 ? (prof_time){ns, tenths} : (prof_time){ns + 1, tenths - 10};
 	return negative ? (prof_time){-time.ns, -time.tenths} : time;
 }
@@ -336,6 +345,7 @@ static bool prof_scan_nested(prof_scan *scan, uint32_t depth)
 {
 	prof_span part;
 	bool first = true;
+	assert(depth <= PROF_SCAN_DEPTH_MAX);
 	char next = prof_scan_next(scan);
 	if (next == '"')
 		return prof_scan_string(scan, &part);

@@ -3,6 +3,7 @@
 #ifndef STILB_PROF_READ_JSON_H
 #define STILB_PROF_READ_JSON_H
 
+#include <assert.h>
 #include <locale.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -49,6 +50,7 @@ bool prof_span_integer(prof_span number, uint64_t *value);
 
 static inline bool prof_span_is(prof_span string, const char *word, size_t size)
 {
+	assert(string.text || string.size == 0);
 	return string.size == size && __builtin_memcmp(string.text, word, size) == 0;
 }
 
@@ -56,6 +58,7 @@ static inline bool prof_span_is(prof_span string, const char *word, size_t size)
 
 static inline void prof_scan_space(prof_scan *scan)
 {
+	assert(scan->at >= scan->begin && scan->at <= scan->end);
 	while (scan->at < scan->end && (*scan->at == ' ' || *scan->at == '\n' || *scan->at == '\r' || *scan->at == '\t'))
 		scan->at++;
 }

@@ -8,6 +8,7 @@
  */
 #include "profiler/read/prof_read_internal.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,6 +43,7 @@ static void prof_link_shift(prof_read *read)
 static void prof_lane_end_open(prof_read_lane *lane, uint64_t ns)
 {
 	while (lane->open != STILB_PROF_NONE) {
+		assert(lane->open < lane->zone_count && ns >= lane->zones[lane->open].begin_ns);
 		stilb_prof_zone *zone = &lane->zones[lane->open];
 		lane->open = zone->parent;
 		zone->parent = STILB_PROF_NONE;
@@ -95,7 +97,9 @@ typedef struct prof_nest {
 /* next is the index of the zone that follows. self_ns is the sum of its children here. */
 static void prof_nest_end(prof_nest *nest, uint32_t next)
 {
+	assert(nest->top < next && "not ended twice");
 	stilb_prof_zone *zone = &nest->zones[nest->top];
+	assert(zone->self_ns <= zone->end_ns - zone->begin_ns && "children lie inside");
 	zone->size = next - nest->top;
 	zone->self_ns = zone->end_ns - zone->begin_ns - zone->self_ns;
 	nest->cursor_ns = zone->end_ns > nest->cursor_ns ? zone->end_ns : nest->cursor_ns;
@@ -112,6 +116,7 @@ static bool prof_nest_is_over(const stilb_prof_zone *top, const stilb_prof_zone 
 /* Cuts the zone to its parent and to its sibling before, and puts it in. */
 static void prof_nest_begin(prof_nest *nest, uint32_t index)
 {
+	assert(nest->top == STILB_PROF_NONE || nest->top < index);
 	stilb_prof_zone *zone = &nest->zones[index];
 	zone->parent = nest->top;
 	if (zone->begin_ns < nest->cursor_ns)
@@ -160,6 +165,7 @@ static void prof_lane_nest(prof_read_lane *lane, const stilb_prof_flow *const *e
 		if (i < count)
 			prof_nest_begin(&nest, i);
 	}
+	assert(nest.top == STILB_PROF_NONE && end == end_count);
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
@@ -173,6 +179,7 @@ static int prof_mark_compare(const void *left, const void *right)
 /* The roots of the thread "frames", numbered by the marks at their begins. */
 static bool prof_link_frames(prof_read *read, const prof_read_lane *lane)
 {
+	assert(!read->out_frames && read->out_frame_count == 0 && "one thread has the frames");
 	size_t mark = 0;
 	uint64_t number = 0;
 	if (read->mark_count > 0)
@@ -260,6 +267,7 @@ static int prof_end_compare(const void *left, const void *right)
 /* from or to may be NULL: not in the file. */
 static void prof_link_flow(prof_read *read, const prof_read_end *from, const prof_read_end *to)
 {
+	assert((from || to) && read->out_flow_count < 2 * read->end_count);
 	const prof_read_end *some = from ? from : to;
 	stilb_prof_flow flow = {
 		.id = some->id,
@@ -340,6 +348,7 @@ static bool prof_arrivals_make(const prof_read *read, prof_arrivals *arrivals)
 	for (size_t i = 0; i < read->out_flow_count; i++)
 		if (prof_flow_charges(&read->out_flows[i]))
 			arrivals->ends[arrivals->start[read->out_flows[i].to_lane + 1]++] = &read->out_flows[i];
+	assert(arrivals->start[0] == 0 && arrivals->start[read->lane_count] <= read->out_flow_count);
 	return true;
 }
 
@@ -393,6 +402,7 @@ static uint64_t prof_off_before(const prof_read_lane *lane, const uint64_t *sums
 	if (low == 0)
 		return 0;
 	const stilb_prof_switch *last = &lane->switches[low - 1];
+	assert(last->out_ns < ns && (low == lane->switch_count || lane->switches[low].out_ns >= ns));
 	return sums[low - 1] + (last->in_ns < ns ? last->in_ns : ns) - last->out_ns;
 }
 
@@ -424,6 +434,7 @@ static bool prof_lane_is_frames(const prof_read *read, const prof_read_lane *lan
 static bool prof_link_lane(prof_read *read, size_t index, const prof_arrivals *arrivals)
 {
 	prof_read_lane *lane = &read->lanes[index];
+	assert(arrivals->start[index] <= arrivals->start[index + 1]);
 	size_t first = arrivals->start[index], count = arrivals->start[index + 1] - first;
 	uint32_t *charges = NULL;
 	if (count > 0) {
@@ -463,6 +474,7 @@ static const char *prof_lane_name(prof_read *read, const prof_read_lane *lane)
 
 static bool prof_link_out_lane(prof_read *read, prof_read_lane *lane)
 {
+	assert(read->out_lane_count < read->lane_count && lane->index == STILB_PROF_NONE);
 	stilb_prof_lane *out = &read->out_lanes[read->out_lane_count];
 	lane->index = (uint32_t)read->out_lane_count++;
 	*out = (stilb_prof_lane){
@@ -513,6 +525,7 @@ static int prof_point_compare(const void *left, const void *right)
 
 static uint32_t prof_out_lane(const prof_read *read, uint32_t lane)
 {
+	assert(lane < read->lane_count || lane == STILB_PROF_NONE);
 	return lane != STILB_PROF_NONE ? read->lanes[lane].index : STILB_PROF_NONE;
 }
 
@@ -579,5 +592,6 @@ bool prof_read_link(prof_read *read, stilb_prof_snapshot *snapshot)
 	snapshot->begin_ns = own ? read->header_begin_ns : read->first_ns;
 	snapshot->end_ns = own ? read->header_end_ns : read->last_ns;
 	snapshot->memory = read;
+	PROF_CHECK(prof_snapshot_is_sound(snapshot));
 	return true;
 }

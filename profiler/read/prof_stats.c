@@ -11,6 +11,7 @@
 #include "profiler/prof_array.h"
 #include "profiler/prof_sort.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -66,6 +67,7 @@ static void prof_sort_insertion(uint64_t *values, size_t count)
 /* Radix sort by bytes, the lowest first; bytes that are the same in all values are passed over. */
 void prof_sort(uint64_t *values, uint64_t *scratch, size_t count)
 {
+	assert(count == 0 || (values && scratch && values != scratch));
 	if (count <= PROF_INSERTION_MAX) {
 		prof_sort_insertion(values, count);
 		return;
@@ -111,6 +113,7 @@ static bool prof_stats_row_add(prof_stats_memory *memory, uint32_t label, stilb_
 /* Where row_of says which row the label has on this lane. */
 static uint32_t *prof_walk_row_of(const prof_walk *walk, uint32_t label)
 {
+	assert(label < walk->snapshot->label_count);
 	return &walk->memory->row_of[2 * (size_t)label + (walk->lane->kind == STILB_PROF_LANE_DEVICE)];
 }
 
@@ -128,6 +131,7 @@ static stilb_prof_row *prof_walk_row(prof_walk *walk, uint32_t label)
 
 static bool prof_stats_sample_add(prof_stats_memory *memory, uint32_t row, uint64_t duration_ns)
 {
+	assert(row < memory->row_count);
 	if (!prof_array_room(&memory->samples, sizeof *memory->samples, memory->sample_count + 1, &memory->sample_capacity))
 		return false;
 	memory->samples[memory->sample_count++] = (prof_sample){duration_ns, row};
@@ -142,6 +146,7 @@ static bool prof_walk_has(const prof_walk *walk, const stilb_prof_zone *zone)
 
 static bool prof_walk_is_cut(const prof_walk *walk, const stilb_prof_zone *zone)
 {
+	assert(walk->begin_ns <= walk->end_ns && zone->begin_ns <= zone->end_ns);
 	return zone->begin_ns < walk->begin_ns || zone->end_ns > walk->end_ns;
 }
 
@@ -186,6 +191,7 @@ static void prof_walk_leave_parent(prof_walk *walk, const stilb_prof_zone *zone)
 
 static bool prof_walk_add(prof_walk *walk, uint32_t index)
 {
+	assert(index < walk->lane->zone_count);
 	const stilb_prof_zone *zone = &walk->lane->zones[index];
 	uint64_t duration = prof_walk_duration(walk, zone);
 	bool cut = prof_walk_is_cut(walk, zone);
@@ -246,6 +252,7 @@ static bool prof_walk_lane(prof_walk *walk, uint32_t lane)
 
 uint64_t prof_quantile(const uint64_t *sorted, size_t count, uint32_t percent)
 {
+	assert(count > 0 && percent <= 100 && sorted[0] <= sorted[count - 1]);
 	return sorted[((count - 1) * percent + 50) / 100];
 }
 
@@ -258,6 +265,7 @@ static void prof_stats_deal(prof_stats_memory *memory)
 		memory->sums[r].place = place;
 		place += memory->rows[r].calls;
 	}
+	assert(place == memory->sample_count && "each call has one duration");
 	for (size_t i = 0; i < memory->sample_count; i++)
 		memory->sorted[memory->sums[memory->samples[i].row].place++] = memory->samples[i].duration_ns;
 }
@@ -272,6 +280,7 @@ static bool prof_stats_quantiles(prof_stats_memory *memory)
 		stilb_prof_row *row = &memory->rows[r];
 		uint64_t *durations = &memory->sorted[memory->sums[r].place - row->calls];
 		prof_sort(durations, &memory->sorted[memory->sample_count], row->calls);
+		assert(row->calls > 0 && durations == row->durations_ns);
 		row->min_ns = durations[0];
 		row->p50_ns = prof_quantile(durations, row->calls, 50);
 		row->p99_ns = prof_quantile(durations, row->calls, 99);
@@ -309,6 +318,7 @@ static bool prof_range_is_there(const stilb_prof_stats_range *range, const stilb
 int stilb_prof_stats_take(stilb_prof_stats *stats, const stilb_prof_snapshot *snapshot,
                           const stilb_prof_stats_range *range)
 {
+	assert(stats && snapshot);
 	const stilb_prof_stats_range all = {0}, *r = range ? range : &all;
 	int error = prof_stats_prepare(stats, snapshot);
 	if (error != 0)
@@ -379,6 +389,9 @@ static int prof_compare_rows(const void *left, const void *right, void *user)
 
 void stilb_prof_stats_sort(stilb_prof_stats *stats, const stilb_prof_snapshot *snapshot, stilb_prof_order order)
 {
+	assert(stats && snapshot && order <= STILB_PROF_BY_NAME);
+	for (uint32_t i = 0; i < stats->row_count; i++)
+		assert(stats->rows[i].label < snapshot->label_count && "the snapshot that the rows were taken from");
 	prof_order by = {snapshot, order};
 	if (stats->row_count > 1)
 		qsort_r(stats->rows, stats->row_count, sizeof *stats->rows, prof_compare_rows, &by);
@@ -386,6 +399,7 @@ void stilb_prof_stats_sort(stilb_prof_stats *stats, const stilb_prof_snapshot *s
 
 void stilb_prof_stats_finish(stilb_prof_stats *stats)
 {
+	assert(stats);
 	prof_stats_memory *memory = stats->memory;
 	if (memory) {
 		free(memory->row_of);

@@ -1,5 +1,6 @@
 #include "profiler/write/prof_file.h"
 
+#include <assert.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -80,6 +81,7 @@ static int file_check_folder(const char *path)
 /* 1: to be written directly (stdout, a device, a pipe); 0: beside its place; or a negative errno. */
 static int file_classify(const char *path)
 {
+	assert(path);
 	struct stat info;
 	if (path[0] == 0)
 		return -ENOENT;
@@ -166,6 +168,7 @@ static void file_remove_abandoned(int folder, const char *name)
 /* Those of this target that nobody writes any more. */
 static void file_clean(const prof_file *file)
 {
+	assert(file->target);
 	const char *stem = file_name(file->target);
 	size_t length = file_stem(stem);
 	int again = file->folder >= 0 ? openat(file->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
@@ -199,6 +202,7 @@ static int file_create_locked(const char *name)
 /* Makes a file beside the target under a name that is free. 0 or a negative errno. */
 static int file_create_temporary(prof_file *file)
 {
+	assert(file->target && !file->temporary && file->descriptor < 0);
 	const char *name = file_name(file->target);
 	int stem = (int)(name - file->target) + (int)file_stem(name);
 	int error = -EEXIST;
@@ -237,6 +241,7 @@ static int file_open_temporary(prof_file *file, const char *path)
 
 int prof_file_open(prof_file *file, const char *path, bool fresh)
 {
+	assert(file);
 	*file = (prof_file){.descriptor = -1, .folder = -1, .fresh = fresh};
 	int kind = file_classify(path);
 	int error = kind < 0 ? kind : 0;
@@ -255,6 +260,7 @@ int prof_file_open(prof_file *file, const char *path, bool fresh)
 int prof_file_write(void *user, const void *data, size_t size)
 {
 	prof_file *file = user;
+	assert(file->descriptor >= 0 && (data || size == 0) && "between open and commit");
 	const char *from = data;
 	while (size > 0 && file->error == 0) {
 		ssize_t done = write(file->descriptor, from, size);
@@ -286,6 +292,7 @@ static int file_rename_fresh(const prof_file *file)
  * cannot be done, for the file is there. */
 static int file_move(const prof_file *file)
 {
+	assert(file->temporary && file->descriptor >= 0 && "it is renamed while it has its lock");
 	int error = file->fresh ? file_rename_fresh(file) : rename(file->temporary, file->target) != 0 ? -errno : 0;
 	if (error == 0 && file->folder >= 0)
 		fsync(file->folder);
@@ -294,6 +301,7 @@ static int file_move(const prof_file *file)
 
 int prof_file_commit(prof_file *file, int error)
 {
+	assert(file->descriptor >= 0 && error <= 0 && file->error <= 0 && "committed once");
 	if (error == 0)
 		error = file->error;
 	if (error == 0 && file->temporary && fsync(file->descriptor) != 0)

@@ -1,6 +1,8 @@
 #include "profiler/write/prof_text.h"
 
+#include <assert.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +12,7 @@
 
 prof_text *prof_text_create(stilb_prof_sink sink)
 {
+	assert(sink.write);
 	prof_text *text = malloc(sizeof *text);
 	if (text) {
 		text->sink = sink;
@@ -39,6 +42,7 @@ int prof_text_finish(prof_text *text, int error)
 
 void prof_text_bytes(prof_text *text, const void *bytes, size_t size)
 {
+	assert(bytes || size == 0);
 	const char *from = bytes;
 	while (size > PROF_TEXT_SIZE - text->used) {
 		uint32_t part = PROF_TEXT_SIZE - text->used;
@@ -75,6 +79,7 @@ void prof_text_ms(prof_text *text, uint64_t ns)
 /* snprintf writes the locale's decimal point, which may be any bytes but those of numbers. */
 void prof_text_double(prof_text *text, double value)
 {
+	assert(isfinite(value) && "neither JSON nor CSV has others");
 	char printed[64], plain[64];
 	size_t used = 0;
 	for (int digits = 15; digits <= 17; digits++) {
@@ -87,6 +92,7 @@ void prof_text_double(prof_text *text, double value)
 			plain[used++] = *c;
 		else if (used == 0 || plain[used - 1] != '.')
 			plain[used++] = '.';
+	assert(used > 0 && used < sizeof plain);
 	prof_text_bytes(text, plain, used);
 }
 
@@ -99,6 +105,7 @@ static const char prof_digit_pairs[] =
 
 char *prof_put_u64(char *at, uint64_t value)
 {
+	assert(at);
 	char digits[PROF_PUT_U64_MAX];
 	size_t first = sizeof digits;
 	while (value >= 100) {
@@ -165,6 +172,7 @@ static char *prof_put_character(char *at, const unsigned char **s)
 
 char *prof_put_json(char *at, const char *string)
 {
+	assert(at && string);
 	*at++ = '"';
 	for (const unsigned char *s = (const unsigned char *)string; *s != 0;)
 		at = prof_put_character(at, &s);

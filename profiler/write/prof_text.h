@@ -4,6 +4,8 @@
 
 #include "profiler/prof_trace.h"
 
+#include <assert.h>
+
 #define PROF_TEXT_SIZE (256u << 10) /* stays in the second cache, few system calls */
 
 typedef struct prof_text {
@@ -31,6 +33,7 @@ void prof_text_ms(prof_text *text, uint64_t ns);      /* milliseconds with six d
 /* At least size contiguous bytes, at most PROF_TEXT_SIZE, to be filled up to the end that prof_text_fill is told. */
 static inline char *prof_text_room(prof_text *text, uint32_t size)
 {
+	assert(size <= PROF_TEXT_SIZE && text->used <= PROF_TEXT_SIZE);
 	if (__builtin_expect(PROF_TEXT_SIZE - text->used < size, 0))
 		prof_text_flush(text);
 	return text->bytes + text->used;
@@ -38,6 +41,7 @@ static inline char *prof_text_room(prof_text *text, uint32_t size)
 
 static inline void prof_text_fill(prof_text *text, const char *end)
 {
+	assert(end >= text->bytes + text->used && end <= text->bytes + PROF_TEXT_SIZE && "within the room that was made");
 	text->used = (uint32_t)(end - text->bytes);
 }
 

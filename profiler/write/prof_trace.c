@@ -3,6 +3,7 @@
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_file.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 
 static bool prof_path_ends_in(const char *path, const char *ending)
 {
+	assert(path);
 	size_t length = strlen(path), size = strlen(ending);
 	return length >= size && strcasecmp(path + length - size, ending) == 0;
 }
@@ -33,6 +35,7 @@ int stilb_prof_trace_check(const char *path)
 
 static int prof_trace_save(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path, bool fresh)
 {
+	assert(snapshot && path);
 	prof_file file;
 	int error = prof_file_open(&file, path, fresh);
 	if (error != 0)

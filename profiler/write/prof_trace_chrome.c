@@ -15,6 +15,7 @@
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -92,11 +93,13 @@ static void chrome_time(chrome *c, const char *key, uint64_t tenths)
 
 static void chrome_name(chrome *c, uint32_t label)
 {
+	assert(label < c->snapshot->label_count);
 	prof_text_bytes(c->text, c->names[label].text, c->names[label].size);
 }
 
 static void chrome_slice(chrome *c, uint64_t tid, const char *name, uint64_t begin, uint64_t end)
 {
+	assert(begin <= end);
 	chrome_open(c, 'X', tid);
 	chrome_time(c, ",\"ts\":", begin);
 	chrome_time(c, ",\"dur\":", end - begin);
@@ -265,6 +268,7 @@ static int chrome_next_list(const chrome *c, uint32_t lane, uint64_t limit_ns)
 	for (int list = 0; list < CHROME_LISTS; list++) {
 		uint32_t unused;
 		uint64_t ns;
+		assert(c->next[list] <= c->lists[list].start[lane + 1] && "within the lane's part of the list");
 		if (c->next[list] == c->lists[list].start[lane + 1])
 			continue;
 		chrome_listed(c->snapshot, list, c->lists[list].index[c->next[list]], &unused, &ns);
@@ -289,6 +293,7 @@ static void chrome_points_before(chrome *c, uint32_t lane, uint64_t limit_ns)
  * subtree. */
 static chrome_span chrome_place(chrome *c, const stilb_prof_lane *lane, uint32_t i)
 {
+	assert(lane->zones[i].size > 0 && i + lane->zones[i].size <= lane->zone_count);
 	const stilb_prof_zone *zone = &lane->zones[i], *next = zone + zone->size;
 	chrome_span around = zone->level > 0 ? c->spans[zone->level - 1] : (chrome_span){0, UINT64_MAX};
 	uint64_t latest = chrome_end(around.begin, UINT64_MAX, around.end);
@@ -296,12 +301,14 @@ static chrome_span chrome_place(chrome *c, const stilb_prof_lane *lane, uint32_t
 	chrome_span span = {.begin = chrome_min(10 * zone->begin_ns, latest)};
 	span.end =
 		chrome_end(span.begin, 10 * zone->end_ns, followed ? chrome_min(10 * next->begin_ns, latest) : around.end);
+	assert(span.begin <= span.end && span.begin >= around.begin);
 	c->spans[zone->level] = span;
 	return span;
 }
 
 static void chrome_zone(chrome *c, const chrome_piece *prefix, const stilb_prof_zone *zone, chrome_span span)
 {
+	assert(prefix->size <= CHROME_PREFIX_MAX && prefix->text[CHROME_PHASE_AT] == 'X');
 	char *at = prof_text_room(c->text, CHROME_PREFIX_MAX + 2 * PROF_PUT_US_MAX + 16);
 	memcpy(at, prefix->text, prefix->size);
 	if (zone->open)
@@ -332,6 +339,8 @@ static void chrome_lane(chrome *c, uint32_t index)
 		chrome_zone(c, &prefix, &lane->zones[i], chrome_place(c, lane, i));
 	}
 	chrome_points_before(c, index, UINT64_MAX);
+	for (int list = 0; list < CHROME_LISTS; list++)
+		assert(c->next[list] == c->lists[list].start[index + 1] && "all of the lane's are written");
 }
 
 static void chrome_switches(chrome *c, uint32_t index)
@@ -405,6 +414,7 @@ static bool chrome_make_names(chrome *c)
 		at = prof_put_json(at + 8, s->labels[i].name);
 		c->names[i].size = (size_t)(at - c->names[i].text);
 	}
+	assert((size_t)(at - c->name_bytes) < room);
 	return true;
 }
 
@@ -436,6 +446,7 @@ static bool chrome_make_list(chrome *c, int list, uint32_t count)
 	for (uint32_t i = 0; i < count; i++)
 		if (chrome_listed(s, list, i, &lane, &ns))
 			made->index[made->start[lane + 1]++] = i;
+	assert(made->start[0] == 0 && made->start[s->lane_count] <= count);
 	for (uint32_t i = 0; list == CHROME_FROMS && i < s->lane_count; i++)
 		qsort_r(made->index + made->start[i], made->start[i + 1] - made->start[i], sizeof *made->index,
 		        chrome_compare_froms, (void *)(uintptr_t)s->flows);
@@ -463,6 +474,7 @@ static void chrome_free(chrome *c)
 
 int stilb_prof_trace_write_chrome(const stilb_prof_snapshot *snapshot, const char *process_name, stilb_prof_sink sink)
 {
+	assert(snapshot && sink.write);
 	chrome c = {.snapshot = snapshot, .text = prof_text_create(sink), .pid = (uint64_t)getpid()};
 	bool made = c.text && chrome_make(&c);
 	if (made) {

@@ -3,6 +3,7 @@
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -38,6 +39,7 @@ typedef struct csv {
 /* Names are few: labels of one name that stand for different places in the source share a column. */
 static void csv_use(csv *c, uint32_t *of_label, uint32_t label, bool counter)
 {
+	assert(label < c->snapshot->label_count && c->column_count <= 2 * c->snapshot->label_count);
 	const char *name = c->snapshot->labels[label].name;
 	if (of_label[label] != CSV_NONE)
 		return;
@@ -81,6 +83,7 @@ static bool csv_push(csv *c, uint32_t *depth, uint32_t level, uint32_t column)
 {
 	while (*depth > level)
 		c->columns[c->stack[--*depth]].open--;
+	assert(*depth == level && "a zone stands behind its parent");
 	if (*depth == c->stack_capacity) {
 		size_t capacity = c->stack_capacity > 0 ? 2 * c->stack_capacity : 64;
 		uint32_t *stack = realloc(c->stack, capacity * sizeof *stack);
@@ -100,6 +103,7 @@ static bool csv_add_lane(csv *c, const stilb_prof_lane *lane)
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
 		const stilb_prof_zone *zone = &lane->zones[i];
 		uint32_t column = c->zone_columns[zone->label];
+		assert(column < c->column_count);
 		prof_give_way(i);
 		if (!csv_push(c, &depth, zone->level, column))
 			return false;
@@ -122,6 +126,7 @@ static void csv_add_counters(csv *c)
 		if (!point->counter || !isfinite(point->value) || frame == s->frame_count ||
 		    point->ns < s->frames[frame].begin_ns)
 			continue;
+		assert(c->counter_columns[point->label] < c->column_count);
 		size_t cell = (size_t)frame * c->column_count + c->counter_columns[point->label];
 		c->cells[cell].value = point->value;
 		c->filled[cell] = true;
@@ -172,6 +177,7 @@ static void csv_row(const csv *c, prof_text *text, uint32_t row)
 
 int stilb_prof_trace_write_frames_csv(const stilb_prof_snapshot *snapshot, stilb_prof_sink sink)
 {
+	assert(snapshot && sink.write);
 	csv c = {.snapshot = snapshot};
 	prof_text *text = prof_text_create(sink);
 	bool good = text && csv_make_columns(&c);

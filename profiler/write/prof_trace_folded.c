@@ -3,6 +3,7 @@
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -26,6 +27,7 @@ typedef struct folded {
 
 static uint32_t *folded_slot(const folded *f, uint32_t parent, uint32_t label)
 {
+	assert(f->capacity > 0 && f->count <= f->capacity && "a slot is free, or the search would not end");
 	uint32_t mask = 2 * f->capacity - 1;
 	uint64_t key = (uint64_t)parent << 32 | label;
 	uint32_t at = (uint32_t)(key * UINT64_C(0x9e3779b97f4a7c15) >> 32) & mask; /* Fibonacci hashing */
@@ -78,6 +80,7 @@ static bool folded_lane(folded *f, uint32_t index)
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
 		const stilb_prof_zone *zone = &lane->zones[i];
 		prof_give_way(i);
+		assert(zone->parent < i || zone->parent == STILB_PROF_NONE);
 		of_zone[i] = folded_node_of(f, zone->parent < i ? of_zone[zone->parent] : root, zone->label);
 		if (of_zone[i] == FOLDED_NONE)
 			return false;
@@ -95,9 +98,11 @@ static void folded_name(prof_text *text, const char *name)
 
 static void folded_line(const folded *f, uint32_t node, prof_text *text, uint32_t *path)
 {
+	assert(node < f->count);
 	uint32_t depth = 0;
 	for (uint32_t i = node; i != FOLDED_NONE; i = f->nodes[i].parent)
 		path[depth++] = i;
+	assert(depth > 0 && f->nodes[path[depth - 1]].label < f->snapshot->lane_count && "the root is a lane");
 	folded_name(text, f->snapshot->lanes[f->nodes[path[--depth]].label].name);
 	while (depth-- > 0) {
 		prof_text_bytes(text, ";", 1);
@@ -110,6 +115,7 @@ static void folded_line(const folded *f, uint32_t node, prof_text *text, uint32_
 
 int stilb_prof_trace_write_folded(const stilb_prof_snapshot *snapshot, stilb_prof_sink sink)
 {
+	assert(snapshot && sink.write);
 	folded f = {.snapshot = snapshot};
 	prof_text *text = prof_text_create(sink);
 	bool good = text;
