@@ -1,19 +1,24 @@
 /*
- * job_prof: the job system (job.h) seen by the profiler (prof.h). A header alone, for programs that use both libraries,
- * neither of which knows the other. It also compiles as C++17.
+ * job_prof: records what the job system (job.h) does with the profiler (prof.h). It is a header alone, for programs that
+ * use both libraries; neither library knows the other. It also compiles as C++17.
  *
- *   stilb_job_pool_desc desc = stilb_job_pool_desc_default();
- *   desc.hooks = stilb_job_prof_hooks("worker");
- *   stilb_job_pool_create(&desc, &pool);
+ * Life cycle.  stilb_job_prof_hooks -> stilb_job_pool_desc.hooks -> stilb_job_pool_create. There is nothing to end.
+ * Example.
+ *                  stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+ *                  desc.hooks = stilb_job_prof_hooks("worker");
+ *                  stilb_job_pool_create(&desc, &pool);
  *
  * What is recorded. Each worker is a lane "worker 1", "worker 2", ...; the pool's owner names its own lane. On each:
  *   zone "job"               a job, or help with a parallel loop; the zones of the job's function lie in it
  *   arrow "job"              from where the job was submitted, or the loop opened, to the beginning of that zone: its
  *                            length is the time in the queue, and the zone is charged to the frame of the submit
  *   zone "wait for workers"  the thread waits for a group, or for slices of its loop, and finds nothing to help with
- *   zone "parked"            the thread has nothing to do and sleeps
- * Cost.        Some 50 ns a job, of which 40 are four reads of the clock; 10 ns while recording is off.
- * Threads.     The pool calls the hooks on the threads concerned. A job's function must close the zones it opens.
+ *   zone "parked"            the thread has nothing to do and sleeps; sleep inside a wait is part of the wait
+ * Cost.        About 50 ns a job, of which four reads of the clock take 40; 10 ns while recording is off.
+ * Threads.     The pool calls each hook on the thread that it is about. A job's function must end the zones that it
+ *              begins (asserted).
+ * Memory.      Without memory for a worker's ring the worker works on; the profiler counts what it could not record
+ *              (stilb_prof_snapshot.without_ring).
  */
 #ifndef STILB_JOB_PROF_H
 #define STILB_JOB_PROF_H
@@ -21,6 +26,7 @@
 #include <stilb/job.h>
 #include <stilb/prof.h>
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -28,14 +34,26 @@
 extern "C" {
 #endif
 
-/* Waits that the calling thread is in the middle of: asleep in one it still waits. */
+/* How many waits the calling thread is inside: a wait helps with other jobs, and those may wait too. */
 static __thread uint32_t stilb_job_prof_waits;
+
+/* For asserts: true if the calling thread's innermost open zone has that name. Also true if none is open, since zones
+ * that were open when recording went off or on are lost, and if zones are nested too deep to be recorded. */
+static inline bool stilb_job_prof_innermost_is(const char *name)
+{
+	const stilb_prof_ring *ring = stilb_prof_thread_ring;
+	return ring->depth == 0 || ring->depth > STILB_PROF_DEPTH_MAX ||
+	       strcmp(ring->open[ring->depth - 1].site->name, name) == 0;
+}
+
+/* ---- the hooks: see stilb_job_hooks in job.h for when each is called; not for use by name ------------------------ */
 
 static inline void stilb_job_prof_thread_start(void *user, uint32_t worker)
 {
+	assert(user && "hooks made by stilb_job_prof_hooks");
 	char name[64];
 	snprintf(name, sizeof name, "%s %u", (const char *)user, worker);
-	stilb_prof_thread_begin(name); /* without memory the worker works on, and the profiler counts what is missing */
+	stilb_prof_thread_begin(name); /* an error means no memory: see the head of this file */
 }
 
 static inline void stilb_job_prof_thread_stop(void *user, uint32_t worker)
@@ -55,6 +73,7 @@ static inline void stilb_job_prof_park(void *user, uint32_t worker)
 static inline void stilb_job_prof_wake(void *user, uint32_t worker)
 {
 	(void)user, (void)worker;
+	assert(stilb_job_prof_waits > 0 || stilb_job_prof_innermost_is("parked"));
 	if (stilb_job_prof_waits == 0)
 		stilb_prof_zone_end();
 }
@@ -78,6 +97,7 @@ static inline void stilb_job_prof_job_begin(void *user, uint32_t worker, uint64_
 static inline void stilb_job_prof_job_end(void *user, uint32_t worker)
 {
 	(void)user, (void)worker;
+	assert(stilb_job_prof_innermost_is("job") && "a job ends the zones that it begins");
 	stilb_prof_zone_end();
 }
 
@@ -92,15 +112,20 @@ static inline void stilb_job_prof_wait_begin(void *user, uint32_t worker)
 static inline void stilb_job_prof_wait_end(void *user, uint32_t worker)
 {
 	(void)user, (void)worker;
+	assert(stilb_job_prof_waits > 0 && "a wait ends after it has begun");
+	assert(stilb_job_prof_innermost_is("wait for workers"));
 	stilb_prof_zone_end();
 	stilb_job_prof_waits--;
 }
 
-/* For stilb_job_pool_desc.hooks. workers: what the pool's workers are called before their number, kept by pointer while
- * the pool lives; NULL stands for "worker". Pools that live at the same time are told apart by different names.
- * [any-thread] */
+/* ---- the public function ----------------------------------------------------------------------------------------- */
+
+/* The hooks for stilb_job_pool_desc.hooks. Workers' lanes are named workers, a space and the worker's number from 1 on.
+ * workers has at most 52 bytes, so that the name fits into a lane's 63, and must stay valid as long as the pool; NULL
+ * stands for "worker". Give pools that live at the same time different names. [any-thread] */
 static inline stilb_job_hooks stilb_job_prof_hooks(const char *workers)
 {
+	assert(!workers || strlen(workers) <= 52);
 	stilb_job_hooks hooks;
 	memset(&hooks, 0, sizeof hooks);
 	hooks.user = (void *)(workers ? workers : "worker");
