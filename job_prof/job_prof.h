@@ -1,6 +1,6 @@
 /*
- * job_prof: records what the job system (job.h) does with the profiler (prof.h). It is a header alone, for programs that
- * use both libraries; neither library knows the other. It also compiles as C++17.
+ * job_prof: records in the profiler (prof.h) what the job system (job.h) does. A header alone, for programs that use
+ * both libraries; neither library knows the other. It also compiles as C++17.
  *
  * Life cycle.  stilb_job_prof_hooks -> stilb_job_pool_desc.hooks -> stilb_job_pool_create. There is nothing to end.
  * Example.

@@ -1,8 +1,8 @@
 /*
- * prof_contract: asserts that take more than an expression. With NDEBUG none of them costs anything but the number that a
+ * prof_contract: asserts that take more than an expression. With NDEBUG all that is left of them is the number that a
  * mutex keeps; structs are the same with and without it.
  *
- *   PROF_CHECK(window_is_sound(window));      walks a whole structure; stands at the end of a change to it
+ *   PROF_CHECK(prof_window_is_sound(window));      walks a whole structure; stands at the end of a change to it
  *   prof_mutex_lock(&made.lock);              a mutex that knows its holder: assert(prof_mutex_is_mine(&made.lock))
  *   prof_exclusive_begin(&frames.marking);    until prof_exclusive_end, no other call may be here
  */

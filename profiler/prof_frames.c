@@ -11,7 +11,7 @@
 
 static_assert(PROF_WINDOW_FRAMES == STILB_PROF_STATS_FRAMES, "one window");
 
-static bool window_is_sound(const prof_frame_window *window)
+static bool prof_window_is_sound(const prof_frame_window *window)
 {
 	bool sound = window->count <= PROF_WINDOW_FRAMES && window->next < PROF_WINDOW_FRAMES;
 	for (uint32_t i = 1; sound && i < window->count; i++)
@@ -43,7 +43,7 @@ void prof_frame_window_add(prof_frame_window *window, uint64_t ns)
 	window->count++;
 	window->ns[window->next] = ns;
 	window->next = (window->next + 1) % PROF_WINDOW_FRAMES;
-	PROF_CHECK(window_is_sound(window));
+	PROF_CHECK(prof_window_is_sound(window));
 }
 
 uint64_t prof_frame_window_rank(const prof_frame_window *window, uint32_t percent)

@@ -2,7 +2,7 @@
 #include "profiler/prof_diff.h"
 
 #include "profiler/prof_contract.h"
-#include "profiler/prof_sort.h"
+#include "profiler/read/prof_sort.h"
 
 #include <assert.h>
 #include <errno.h>

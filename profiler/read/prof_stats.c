@@ -9,7 +9,7 @@
 #include "profiler/prof_stats.h"
 
 #include "profiler/prof_array.h"
-#include "profiler/prof_sort.h"
+#include "profiler/read/prof_sort.h"
 
 #include <assert.h>
 #include <errno.h>

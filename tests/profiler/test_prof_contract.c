@@ -2,8 +2,8 @@
 #include "profiler/prof_capture_internal.h"
 #include "profiler/prof_diff.h"
 #include "profiler/prof_frames.h"
-#include "profiler/prof_sort.h"
 #include "profiler/prof_trace.h"
+#include "profiler/read/prof_sort.h"
 #include "profiler/write/prof_file.h"
 #include "profiler/write/prof_text.h"
 
@@ -182,7 +182,7 @@ static void make_stats(uint64_t begin_ns, uint64_t end_ns, double budget_ms)
 static void frame_times(void **state)
 {
 	(void)state;
-	contract_breaks("window_is_sound(window)", (add_to_unsorted(), 0));
+	contract_breaks("prof_window_is_sound(window)", (add_to_unsorted(), 0));
 	contract_breaks("percent >= 1", prof_frame_window_rank(&(prof_frame_window){0}, 0) > 0);
 	contract_breaks("frames end after they begin", (make_stats(2, 1, 16.0), 0));
 	contract_breaks("budget_ms >= 0", (make_stats(1, 2, (double)NAN), 0));

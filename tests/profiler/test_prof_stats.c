@@ -1,7 +1,7 @@
 /* Tables of snapshots: against sums worked out the long way, with cut zones and recursion; sorting; errors; cost. */
 #include "profiler/prof_stats.h"
 
-#include "profiler/prof_sort.h"
+#include "profiler/read/prof_sort.h"
 #include "support/failing_memory.h"
 #include "support/prof_made.h"
 #include "support/test.h"
