@@ -1,21 +1,31 @@
 /*
- * bench: how stilb-bench measures. A suite is a table: subjects (a queue, a job system) times cases (4 producers and 4
- * consumers; fork-join of 8). This harness runs all of it and reports.
+ * bench: the harness of stilb-bench. A suite is a table of subjects (implementations: a queue, a job system) and cases
+ * (workloads: 4 producers and 4 consumers; a fork-join of 8). The harness runs every subject in every case that it can
+ * do, several times, and reports.
  *
- * Runs.     Every run of a subject in a case is a process of its own: a small program beside stilb-bench, one for each
- *           library that is measured, so that nothing of one subject is in the address space of another. bench_child.h
- *           is the other side of this: what such a program is given and what it prints. The program measures, verifies
- *           its own result and fails when that is wrong. A run that takes too long is killed and reported as timed out.
- * Rounds.   A round runs every subject in every case once, subjects of a case next to each other, starting with another
- *           one each round. What disturbs the machine for a while so falls on all of them alike.
- * Missing.  A subject whose program was not built (its library is not installed) is named and left out.
- * Limits.   The machine's own limits (a contended and an uncontended atomic, a futex wake, the clock) are measured in
- *           every round too, and every metric may name the one that bounds it.
- * Report.   A table for each case and metric on stdout; JSON; a picture drawn by gnuplot.
- * Traces.   A suite that draws frames can keep a timeline of the worst frame of each subject in each case.
+ *   static const bench_metric metrics[] = {{"throughput", "Mops/s", false, BENCH_LIMIT_CONTENDED}};
+ *   static const bench_case cases[] = {{.name = "1P1C", .title = "1 producer, 1 consumer", .metrics = metrics,
+ *                                       .metric_count = 1}};
+ *   static const bench_subject subjects[] = {{.name = "stilb", .program = "stilb-bench-queue-own"}};
+ *   const bench_suite bench_queue_suite = {.name = "queue", .help = "concurrent queues", .subjects = subjects,
+ *                                          .subject_count = 1, .cases = cases, .case_count = 1};
  *
- * To add a suite: fill a bench_suite in bench_<name>.c, declare it below, add it to the table in main.c, and write its
- * programs. Threads: all of it is [main-thread].
+ * To add a suite, put such a table into bench/<name>/bench_<name>.c, declare it below, list it in main.c, and write the
+ * programs that its subjects name.
+ *
+ * Runs.     Each run of a subject in a case is a process of its own: a program beside stilb-bench, one for each library
+ *           that is measured, so no subject shares an address space with another. bench_child.h is the program's side:
+ *           its command line and its output. The program measures, verifies its own result and fails if that is wrong.
+ *           A run that exceeds its bench_limit is killed and reported as timed out.
+ * Rounds.   A round runs every subject in every case once. The subjects of a case run one after the other, and each
+ *           round starts with the next one, so that a disturbance of the machine hits all of them alike.
+ * Missing.  A subject whose program was not built, because its library is not installed, is named and skipped.
+ * Limits.   Each round also measures the machine: an atomic add with and without contention, a futex wake, a read of
+ *           the clock. A metric may name the one that bounds it.
+ * Report.   Tables on stdout, three sentences that sum them up, JSON, a picture drawn by gnuplot.
+ * Traces.   A suite that draws frames may keep a timeline of each subject's slowest frame.
+ *
+ * Threads: stilb-bench has one thread, and every function here is [main-thread].
  */
 #ifndef BENCH_H
 #define BENCH_H
@@ -25,49 +35,51 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* ---- what a suite is --------------------------------------------------------------------------------------------- */
+/* ---- suites ------------------------------------------------------------------------------------------------------ */
 
 /* One number that a run prints. */
 typedef struct bench_metric {
-	const char *name; /* without white space; as the program prints it */
-	const char *unit; /* "Mops/s", "Mjobs/s" (per second, more is better), "ns", "us", "ms" (less is better), ... */
+	const char *name; /* no white space; as the program prints it; shorter than 48 characters */
+	const char *unit; /* "Mops/s" and "Mjobs/s" (10^6 a second), "ns", "us", "ms", "%", ... */
 	bool less_is_better;
-	const char *limit; /* metric of the limits that bounds it, or NULL; a rate is compared with 1 / that time */
+	const char *limit; /* the machine's limit that bounds it, a BENCH_LIMIT_... in ns, or NULL; rates: 1 / limit */
 } bench_metric;
 
-/* A metric of this name, "how many items were verified", is shown as a column beside the others. */
+/* The number of items that a run verified. A metric of this name becomes a column of the other metrics' tables. */
 #define BENCH_METRIC_ITEMS "items"
 
-/* The limits, in ns: time of one operation, over all threads where contended. */
-#define BENCH_LIMIT_UNCONTENDED "uncontended-atomic" /* fetch_add, one thread */
-#define BENCH_LIMIT_CONTENDED "contended-atomic"     /* fetch_add on one line from as many threads as there are CPUs */
-#define BENCH_LIMIT_WAKE "futex-wake-p50"     /* from the call of the waker to the first instruction of the sleeper, */
-#define BENCH_LIMIT_WAKE_P99 "futex-wake-p99" /* both pinned, the sleeper parked for more than 100 us */
-#define BENCH_LIMIT_CLOCK "clock"             /* reading the time-stamp counter */
+/* The machine's limits, in ns for each operation; contended: elapsed time / operations of all threads together. */
+#define BENCH_LIMIT_UNCONTENDED "uncontended-atomic" /* fetch_add by one thread */
+#define BENCH_LIMIT_CONTENDED "contended-atomic"     /* fetch_add on one cache line by one thread for each CPU */
+#define BENCH_LIMIT_WAKE "futex-wake-p50" /* median from the waker's call to the sleeper's first instruction, both */
+#define BENCH_LIMIT_WAKE_P99                                                                                           \
+	"futex-wake-p99"              /* pinned, the sleeper asleep for more than 100 us; p99: 99th percentile */
+#define BENCH_LIMIT_CLOCK "clock" /* one read of the time-stamp counter */
 
 typedef struct bench_case {
-	const char *name;  /* without white space: what --case and the program take */
-	const char *title; /* what it is, in words, for the table */
-	const bench_metric *metrics;
+	const char *name;            /* no white space; the word for --case and for the program */
+	const char *title;           /* one line for the tables */
+	const bench_metric *metrics; /* [metric_count], at least one */
 	size_t metric_count;
-	uint32_t needs; /* bits of the suite's own: runs with the subjects that have all of them among their abilities */
-	double length;  /* runs last this times --seconds; 0 is 1 */
+	uint32_t
+		needs;     /* a set of bits that the suite defines; a subject runs the case if its abilities include them all */
+	double length; /* a run lasts this many times --seconds; 0 means 1 */
 } bench_case;
 
 typedef struct bench_subject {
-	const char *name;    /* ours start with "stilb": they are no peers of each other */
-	const char *program; /* file name of the program, beside stilb-bench */
-	const char *package; /* Debian package that the build wants for it, or NULL */
-	const char *note;    /* printed under the tables: how it was used; or NULL */
-	uint32_t abilities;  /* bits of the suite's own, see bench_case.needs */
-	bool reference;      /* neither ours nor a peer: a bare counter, the serial loop; never "the best peer" */
+	const char *name;    /* no white space; Stilb's own start with "stilb", all others but references are peers */
+	const char *program; /* file name, in the folder of stilb-bench */
+	const char *package; /* Debian package that the build needs for it, or NULL */
+	const char *note;    /* one line printed below the tables: how it was used; or NULL */
+	uint32_t abilities;  /* see bench_case.needs */
+	bool reference;      /* a bound or baseline (a bare counter, a serial loop), never "the best peer" */
 } bench_subject;
 
-/* One diagram of the picture: subjects' medians with their ranges, cases side by side. */
+/* One diagram of the picture, and one table of ratios: medians of all subjects in these cases, side by side. */
 typedef struct bench_panel {
 	const char *title;
-	const char *const *cases; /* NULL-terminated */
-	const char *metric;
+	const char *const *cases; /* names, NULL-terminated */
+	const char *metric;       /* of all these cases */
 	bool logarithmic;
 } bench_panel;
 
@@ -76,79 +88,85 @@ typedef struct bench_results bench_results;
 
 typedef struct bench_suite {
 	const char *name;
-	const char *help; /* one line */
-	const bench_subject *subjects;
+	const char *help;              /* one line */
+	const bench_subject *subjects; /* [subject_count]; at most BENCH_MAX_SUBJECTS */
 	size_t subject_count;
-	const bench_case *cases;
+	const bench_case *cases; /* [case_count] */
 	size_t case_count;
-	const bench_panel *panels;
+	/* All members below may be NULL, 0 or false. */
+	const bench_panel *panels; /* [panel_count] */
 	size_t panel_count;
-	/* All below may be NULL. */
-	/* Called once before the first run, for what all runs must have alike (a calibration); the string, which must live
-	 * until the end, is given to every program. NULL: could not, and has said why. */
+	/* Called once before the first run. Returns the last argument of every program of the suite, for example a
+	 * calibration or a reference result; it must live until bench_run returns. NULL: failed, after a line on stderr. */
 	const char *(*prepare)(const bench_options *options);
-	/* Called once after the last run: adds what follows from the values of a round. */
+	/* Called once after the last run: fills rows that follow from other rows, with bench_set_value. */
 	void (*finish)(bench_results *results);
-	void (*report)(FILE *out, const bench_results *results); /* prints more, after the tables */
-	/* With --goals: the numbers beside bounds that hold for one CPU (docs/benchmarks.md names it), met or missed. */
+	/* Prints the suite's own tables after those of the harness. */
+	void (*report)(FILE *out, const bench_results *results);
+	/* With --goals: prints bounds, set on the CPU that docs/benchmarks.md names, each with "met" or "MISSED". */
 	void (*goals)(FILE *out, const bench_results *results);
-	bool report_alone; /* there are too many cases for a table each */
-	/* In place of the panels: writes gnuplot commands that draw plot_rows rows of two diagrams each. */
+	bool report_alone; /* true: only `report` prints tables, since there are too many cases for one each */
+	/* Replaces the panels: writes gnuplot commands for plot_rows rows of two diagrams each. */
 	void (*plot)(FILE *out, const bench_results *results);
 	size_t plot_rows;
-	bool traces;              /* its runs can write timelines of frames, as --traces says */
-	uint32_t quick_rounds;    /* with --quick; 0: the usual number */
-	double start_seconds;     /* what a program takes to begin, where that is not next to nothing */
-	double quick_cpu_seconds; /* a CPU, beyond a run's length, that it is given with --quick; 0: the usual */
+	bool traces;              /* true: the programs can write timelines, for --traces */
+	uint32_t quick_rounds;    /* rounds with --quick; 0: the harness' own number */
+	double start_seconds;     /* from a program's start until it measures, if more than some milliseconds */
+	double quick_cpu_seconds; /* with --quick: CPU time for each CPU beyond a run's length, s; 0: the harness' own */
 } bench_suite;
+
+#define BENCH_MAX_SUBJECTS 256
 
 extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite,
 	bench_profiler_suite, bench_shade_suite, bench_gi_suite, bench_furnace_suite, bench_input_suite;
-/* These depend on the number of CPUs: filled at the first call. */
+/* Suites whose cases or subjects depend on the number of CPUs; filled by the first call. */
 const bench_suite *bench_steps_suite(void);
 const bench_suite *bench_threads_suite(void);
 
-/* ---- running it -------------------------------------------------------------------------------------------------- */
+/* ---- running one ------------------------------------------------------------------------------------------------- */
 
 struct bench_options {
-	const char *only;        /* subjects, "a,b"; shell patterns; NULL: all */
+	const char *only;        /* subjects: names or shell patterns, separated by commas; NULL: all */
 	const char *cases;       /* the same for cases */
-	const char *json, *plot; /* files, or NULL */
-	const char *traces;      /* a folder, or NULL */
-	uint32_t rounds;
-	double seconds;   /* length of a run; 0: what fits (--quick) */
-	bool quick;       /* the whole suite takes less than 30 s */
-	bool list;        /* print subjects and cases, run nothing */
-	bool goals;       /* print the suite's goals too */
-	uint32_t give_up; /* seconds after which a run that has not ended is taken for hanging */
+	const char *json, *plot; /* files to write, or NULL; json "-" is stdout, and the tables then go to stderr */
+	const char *traces;      /* folder for timelines, or NULL; only if suite->traces */
+	uint32_t rounds;         /* at least 1 */
+	double seconds;          /* length of a run; 0: chosen so that --quick keeps its promise */
+	bool quick;              /* the whole suite in less than 30 s */
+	bool list;               /* print subjects and cases, run nothing */
+	bool goals;              /* call suite->goals */
+	uint32_t give_up;        /* seconds of wall-clock time after which a run is killed, at least 1 */
 };
 
-/* Runs and reports. Returns the exit code: 0; 1: a run failed or was wrong, or a file was not written; 2: refused. */
+/* Runs a suite and reports. The suite's tables must be sound: distinct names without white space, panels that name
+ * existing cases and metrics. Returns the program's exit code: 0; 1: a run failed, its result was wrong, one of Stilb's
+ * subjects timed out, or a file was not written; 2: refused before the first run. Errors are lines on stderr. */
 int bench_run(const bench_suite *suite, const bench_options *options);
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
 /* All runs of one (case, subject, metric). */
 typedef struct bench_row {
-	const bench_case *on; /* NULL for the limits */
+	const bench_case *on; /* the case */
 	const bench_subject *subject;
-	const char *name; /* of the subject */
+	const char *name; /* the subject's */
 	const char *metric, *unit;
 	bool less_is_better;
-	uint32_t runs;
+	uint32_t runs; /* rounds that have a value */
 	double median, min, max;
-	const double *values; /* one for each round, NaN where there is none */
+	const double *values; /* [rounds]; NaN in a round without a value */
 } bench_row;
 
-/* The suite that the results are of. */
+/* The suite that was run. */
 const bench_suite *bench_suite_of(const bench_results *results);
 
-/* NULL: it did not run. case_name NULL: one of the limits (subject_name NULL too). */
+/* The row of a case, a subject and a metric; NULL if no run gave a value. For the machine's limits case_name and
+ * subject_name are NULL and metric is a BENCH_LIMIT_.... */
 const bench_row *bench_find(const bench_results *results, const char *case_name, const char *subject_name,
                             const char *metric);
 
-/* A ratio of two rows: that of each round in which both ran, and of these the median, least and largest. false:
- * none. */
+/* The ratio of two rows in each round in which both have a value: its median, least and largest. False if there is no
+ * such round; *ratio is then unchanged. */
 typedef struct bench_ratio {
 	double median, min, max;
 } bench_ratio;
@@ -159,34 +177,36 @@ bool bench_paired_ratio(const bench_results *results, const bench_row *numerator
 
 typedef enum bench_child_state {
 	BENCH_CHILD_DONE,
-	BENCH_CHILD_SKIPPED, /* this subject has no such case */
-	BENCH_CHILD_FAILED,  /* wrong result, crash, bad output */
+	BENCH_CHILD_SKIPPED, /* the subject does not have this case */
+	BENCH_CHILD_FAILED,  /* wrong result, crash, or output that is not "metric value" lines */
 	BENCH_CHILD_TIMED_OUT
 } bench_child_state;
 
-#define BENCH_CHILD_VALUES 64
+#define BENCH_CHILD_VALUES 64 /* the most that a run may print */
 
 typedef struct bench_child_result {
 	bench_child_state state;
-	char message[256]; /* why it failed or timed out: the last line on stderr, or the signal */
+	char message[256]; /* why it was skipped, failed or timed out: its last line on stderr, or the signal */
 	struct {
 		char metric[48];
 		double value;
-	} values[BENCH_CHILD_VALUES]; /* in the order printed */
+	} values[BENCH_CHILD_VALUES]; /* [value_count], in the order printed */
 	size_t value_count;
-	double seconds; /* it took */
-	double peak_mb; /* resident memory, MiB */
-	double steal;   /* percent of the machine's CPU time that the hypervisor took meanwhile */
+	double seconds; /* wall-clock time from start to end */
+	double peak_mb; /* largest resident set, MiB */
+	double steal;   /* meanwhile, percent of the machine's CPU time that the hypervisor gave to others */
 } bench_child_result;
 
-/* When a run is killed. CPU time is what tells a run that never ends from one on a busy machine; the clock only guards
- * against one that waits for ever, and is generous. */
+/* When a run is killed. CPU time tells an endless run from one on a busy machine; wall-clock time only ends a run that
+ * waits for ever, so it should be generous. Both are greater than 0. */
 typedef struct bench_limit {
-	double cpu_seconds; /* of all its threads together, rounded up to whole seconds */
+	double cpu_seconds; /* of all threads together; rounded up to whole seconds */
 	double seconds;
 } bench_limit;
 
-/* Runs PROGRAM SUBJECT CASE SECONDS ROUND [ARGUMENT] (argument may be NULL) within the limit. */
+/* Runs PROGRAM SUBJECT CASE SECONDS ROUND [ARGUMENT] within the limit and waits for its end. program is a file name in
+ * the folder of stilb-bench; seconds >= 0; argument may be NULL. It has no error of its own: result->state is the
+ * outcome. */
 void bench_child_run(const char *program, const char *subject, const char *case_name, double seconds, uint32_t round,
                      const char *argument, bench_limit limit, bench_child_result *result);
 

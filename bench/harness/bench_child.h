@@ -1,11 +1,23 @@
 /*
- * bench_child: the program of a subject, as stilb-bench starts it:
+ * bench_child: helpers for the program of a subject, which stilb-bench starts as
  *
  *   PROGRAM SUBJECT CASE SECONDS ROUND [ARGUMENT]
  *
- * It measures for about SECONDS, checks its own result and prints one line for each metric with bench_child_metric.
- * Exit status: 0; BENCH_CHILD_SKIP when the subject has no such case; anything else is a failure, and the last line on
- * stderr says why (bench_child_fail). C and C++.
+ * The program measures for about SECONDS, verifies its own result and prints one line for each metric:
+ *
+ *   int main(int argc, char **argv)
+ *   {
+ *       bench_child child = bench_child_args(argc, argv);
+ *       if (!has_case(child.case_name))
+ *           return BENCH_CHILD_SKIP;
+ *       if (!measure(&child, &ns))
+ *           bench_child_fail("wrong result: ...");
+ *       bench_child_metric("p50", ns);
+ *       return 0;
+ *   }
+ *
+ * Exit status: 0; BENCH_CHILD_SKIP if the subject does not have the case; anything else is a failure, and the last line
+ * on stderr is its reason. C and C++. Every function but bench_child_args and bench_child_metric is [any-thread].
  */
 #ifndef BENCH_CHILD_H
 #define BENCH_CHILD_H
@@ -22,11 +34,12 @@
 
 typedef struct bench_child {
 	const char *subject, *case_name;
-	double seconds;
-	uint32_t round;       /* 0, 1, ...: a seed */
-	const char *argument; /* what the suite prepared, or NULL */
+	double seconds;       /* how long to measure, >= 0 */
+	uint32_t round;       /* 0, 1, ...; a seed for random numbers */
+	const char *argument; /* from the suite's `prepare`, or NULL */
 } bench_child;
 
+/* Reads the command line; ends the program with status 2 if it has the wrong number of arguments. */
 static inline bench_child bench_child_args(int argc, char **argv)
 {
 	if (argc != 5 && argc != 6) {
@@ -42,12 +55,13 @@ static inline bench_child bench_child_args(int argc, char **argv)
 	return child;
 }
 
-/* Whole numbers arrive as they are. */
+/* Prints one result. metric: the name in the suite's bench_metric. Whole numbers below 10^12 are printed exactly. */
 static inline void bench_child_metric(const char *metric, double value)
 {
 	printf("%s %.12g\n", metric, value);
 }
 
+/* Ends the program with status 1 and this line on stderr, the reason in the report. */
 __attribute__((format(printf, 1, 2), noreturn)) static inline void bench_child_fail(const char *format, ...)
 {
 	va_list arguments;
@@ -58,7 +72,7 @@ __attribute__((format(printf, 1, 2), noreturn)) static inline void bench_child_f
 	exit(1);
 }
 
-/* CLOCK_MONOTONIC. */
+/* CLOCK_MONOTONIC, nanoseconds. */
 static inline uint64_t bench_child_now_ns(void)
 {
 	struct timespec now;
@@ -66,14 +80,15 @@ static inline uint64_t bench_child_now_ns(void)
 	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-/* CPUs that this process may use: as its main thread is allowed to, so a program pins only others. */
+/* The number of CPUs that this process may use: the affinity of its main thread, so a program must not pin that one. */
 static inline uint32_t bench_child_cpu_count(void)
 {
 	cpu_set_t set;
 	return sched_getaffinity(getpid(), sizeof set, &set) == 0 ? (uint32_t)CPU_COUNT(&set) : 1;
 }
 
-/* Puts the calling thread (not the main one) on the i-th of them, counted round and round. */
+/* Pins the calling thread, which is not the main one, to CPU i modulo bench_child_cpu_count of those allowed. Does
+ * nothing if the system refuses. */
 static inline void bench_child_pin(uint32_t i)
 {
 	cpu_set_t all, one;
@@ -89,7 +104,7 @@ static inline void bench_child_pin(uint32_t i)
 		}
 }
 
-/* A steady clock that is cheap to read, in ticks of its own. */
+/* A clock of constant rate that is cheap to read: the time-stamp counter on x86-64, in its own ticks; else ns. */
 static inline uint64_t bench_child_ticks(void)
 {
 #if defined(__x86_64__)

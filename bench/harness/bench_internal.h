@@ -1,4 +1,7 @@
-/* bench_internal: what the files of the harness share. */
+/*
+ * bench_internal: shared by the files of the harness, and by suites that compute rows or print tables of their own.
+ * [main-thread] throughout.
+ */
 #ifndef BENCH_INTERNAL_H
 #define BENCH_INTERNAL_H
 
@@ -7,67 +10,80 @@
 
 #include <math.h>
 
-/* Where a program lies; false: it was not built. */
+/* The path of a subject's program, beside stilb-bench. False if there is no such executable: it was not built. */
 bool bench_program_path(const char *program, char *path, size_t size);
 
-/* One (case, subject) that runs, with what came of it. */
+/* One subject in one case, with the outcome of its runs. */
 typedef struct bench_pair {
 	const bench_case *on;
 	const bench_subject *subject;
-	uint32_t attempts, timeouts, failures;
-	bool skipped;      /* the subject said that it has no such case */
-	char message[256]; /* of the last failure or time-out, or why it was skipped */
+	uint32_t attempts, timeouts, failures; /* attempts >= timeouts + failures */
+	bool skipped;                          /* its program exited with BENCH_CHILD_SKIP */
+	char message[256];                     /* of the last run that failed, timed out or was skipped */
 } bench_pair;
 
 struct bench_results {
 	const bench_suite *suite;
 	const bench_options *options;
-	uint32_t rounds; /* begun */
-	double seconds;  /* of a run */
-	double load;     /* of the machine before the first run: processes that want a CPU, over a minute */
-	bench_pair *pairs;
+	uint32_t rounds;   /* begun so far, at most options->rounds */
+	double seconds;    /* length of a run, before bench_case.length */
+	double load;       /* the machine's load average over the minute before the first run */
+	bench_pair *pairs; /* the limits' first, then case by case in the suite's order */
 	size_t pair_count;
-	bench_row *rows; /* the limits first, then case by case, metric by metric */
+	bench_row *rows; /* in the order of the pairs' cases; in a case, metric by metric */
 	size_t row_count, row_capacity;
 };
 
 #define BENCH_NO_NUMBER ((double)NAN)
 
-/* Adds the row of a metric, without numbers yet. STILB_OK, or out of memory. */
+/* Appends the row of a metric, all values NaN. STILB_OK or STILB_ERROR_MEMORY. */
 stilb_result bench_add_row(bench_results *results, const bench_case *on, const bench_subject *subject,
                            const bench_metric *metric);
 
-/* Median, least and largest of every row; again after rows have got more values. */
+/* Computes runs, median, min and max of every row from its values. Call it again after bench_set_value. */
 void bench_summarise(bench_results *results);
 
-/* For a suite's finish: a value that follows from others. */
+/* Sets the value of a row in a round below results->rounds. A metric that the case does not list is ignored: a program
+ * may print more than its table shows. */
 void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,
                      uint32_t round, double value);
 
-/* The names of rows that the harness measures itself, for every pair. */
+/* Metrics that the harness itself measures for every pair: peak resident memory, MiB, and steal, percent. */
 #define BENCH_METRIC_MEMORY "peak-memory"
 #define BENCH_METRIC_STEAL "steal"
 
 extern const bench_case bench_limits_case;
 extern const bench_subject bench_limits_subject;
 
-/* The row's median divided by the limit that bounds it, a time in ns; NaN when it does not know the row's unit. */
+/* The row's median in units of a limit (ns): time / limit, or rate * limit for rates. NaN for other units. */
 double bench_of_limit(const bench_row *row, const bench_row *limit);
 
-#define BENCH_BUSY_LOAD 0.25 /* of others, a CPU: more disturbs */
+/* Above either of them the report says that the machine was busy. */
+#define BENCH_BUSY_LOAD 0.25 /* load average for each CPU */
 #define BENCH_BUSY_STEAL 2.0 /* percent */
 
-/* Tables; flushed. */
+/* Prints the tables, and flushes. */
 void bench_print(FILE *out, const bench_results *results);
-/* Three sentences for who does not read tables: what ran, how ours compares, what the numbers are worth. Flushed. */
+/* Prints three sentences that sum the tables up, and flushes: how much ran, how Stilb compares with the best peers, and
+ * how far the numbers can be trusted. */
 void bench_print_words(FILE *out, const bench_results *results);
-int bench_save_json(const bench_results *results, const char *path); /* exit code */
-int bench_save_plot(const bench_results *results, const char *path); /* exit code */
+/* Write the results as JSON (path "-": stdout), and as a picture by gnuplot. EXIT_DONE, or EXIT_FAILED after a line on
+ * stderr; a file is whole or not there. */
+int bench_save_json(const bench_results *results, const char *path);
+int bench_save_plot(const bench_results *results, const char *path);
 
-/* "gcc 12.2.0 -O3 -DNDEBUG, C++ the same". */
+/* Compiler and flags of this build: "GNU 12.2.0 -O3 -DNDEBUG, for C and C++ alike". */
 const char *bench_build_flags(void);
-/* The CPU's name and how many of them this process may use. */
+/* The CPU's name, the number of CPUs that this process may use, and the kernel. */
 void bench_machine(char *text, size_t size);
+/* The number of CPUs that this process may use. */
 uint32_t bench_cpu_count(void);
+
+/* Digits after the point that give three significant ones: 0 from 100 on, 1 from 10 on, 2 from 1 on, else 3. */
+int bench_digits(double value);
+/* Prints a blank and the value in `width` columns, with bench_digits; "-" if it is not finite. */
+void bench_print_number(FILE *out, int width, double value);
+/* The same as "12.3 [10.1-14.2]": median, least, most. */
+void bench_print_range(FILE *out, int width, double median, double least, double most);
 
 #endif

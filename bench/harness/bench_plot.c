@@ -1,4 +1,4 @@
-/* The picture of a suite: a script for gnuplot, which draws it. */
+/* The picture of a suite: writes a gnuplot script and lets gnuplot draw it. */
 #include "bench/harness/bench_internal.h"
 
 #include "game/cli/flags.h"
@@ -12,7 +12,8 @@
 
 /* ---- the script of a suite with panels --------------------------------------------------------------------------- */
 
-/* Ours in strong colours and full marks, the others after them; told apart also without colour. */
+/* A line style for each subject: strong colours and filled marks for Stilb's, pale ones and open marks for the others,
+ * so that they can be told apart without colour too. */
 static void write_styles(FILE *out, const bench_suite *suite)
 {
 	static const char *const strong[] = {"#c00000", "#0050b0", "#e08000", "#007030", "#7000a0"};
@@ -33,19 +34,22 @@ static void write_styles(FILE *out, const bench_suite *suite)
 	}
 }
 
+/* Sets in[s] for every subject that has a row in the panel; returns their number. */
 static size_t subjects_in_panel(const bench_results *results, const bench_panel *panel, bool *in)
 {
 	size_t count = 0;
 	for (size_t s = 0; s < results->suite->subject_count; s++) {
 		in[s] = false;
 		for (const char *const *name = panel->cases; *name; name++)
-			in[s] |= bench_find(results, *name, results->suite->subjects[s].name, panel->metric) != NULL;
+			if (bench_find(results, *name, results->suite->subjects[s].name, panel->metric))
+				in[s] = true;
 		count += in[s];
 	}
 	return count;
 }
 
-/* A block of data for each subject: x, median, least, most. Subjects of a case stand side by side around its number. */
+/* A data block $panelP_S for each subject S: x, median, least, most. The subjects of case i lie side by side around
+ * x = i. */
 static void write_data(FILE *out, const bench_results *results, const bench_panel *panel, size_t p, const bool *in,
                        size_t count)
 {
@@ -76,7 +80,7 @@ static const bench_row *any_row(const bench_results *results, const bench_panel 
 	return NULL;
 }
 
-/* One word below the other: cases stand close together. */
+/* A label of the x axis: the words of "batch16-4P4C" below each other, since cases lie close together. */
 static void write_label(FILE *out, const char *name, int x)
 {
 	fprintf(out, "%s\"", x ? ", " : "");
@@ -90,7 +94,7 @@ static void write_label(FILE *out, const char *name, int x)
 
 static void write_panel(FILE *out, const bench_results *results, const bench_panel *panel, size_t p)
 {
-	bool in[256];
+	bool in[BENCH_MAX_SUBJECTS];
 	size_t count = subjects_in_panel(results, panel, in);
 	const bench_row *row = any_row(results, panel);
 	write_data(out, results, panel, p, in, count);
@@ -119,7 +123,8 @@ static size_t panels_with_data(const bench_results *results)
 {
 	size_t count = 0;
 	for (size_t p = 0; p < results->suite->panel_count; p++)
-		count += any_row(results, &results->suite->panels[p]) != NULL;
+		if (any_row(results, &results->suite->panels[p]))
+			count++;
 	return count;
 }
 
@@ -142,8 +147,8 @@ static void write_script(FILE *out, const void *context)
 	bench_machine(machine, sizeof machine);
 	fprintf(
 		out,
-		"set multiplot layout %zu,%zu title \"stilb-bench %s: %s\\nmedians of %u runs of %.2f s; bars from the least "
-		"run to the most\" font ',13'\n"
+		"set multiplot layout %zu,%zu title \"stilb-bench %s: %s\\nmedian of %u runs of %.2f s; bars from the least "
+		"to the most\" font ',13'\n"
 		"set grid ytics linecolor rgb '#e0e0e0'\nset key outside right top Left reverse\nset bars 0.4\nset offsets 0, "
 		"0, 0, 0\n",
 		layout.rows, layout.columns, results->suite->name, machine, results->rounds, results->seconds);

@@ -1,4 +1,4 @@
-/* One run: starts a program, reads what it prints, kills it when it takes too long. */
+/* One run: starts a program, reads its output, and kills it when it exceeds its limit. */
 #include "bench/harness/bench.h"
 #include "bench/harness/bench_child.h"
 #include "bench/harness/bench_internal.h"
@@ -15,16 +15,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* What a stream said: the last bytes of it, always a string. */
+/* The last bytes that a stream delivered, zero-terminated. */
 typedef struct text {
 	char bytes[4096];
 	size_t length;
 } text;
 
-/* False at the end of the stream. */
+/* Reads what is there, and discards old bytes if the buffer is full. False at the end of the stream or on an error. */
 static bool text_read(text *t, int descriptor)
 {
-	if (t->length == sizeof t->bytes - 1) { /* the end matters more */
+	if (t->length == sizeof t->bytes - 1) { /* keep the newer half: results and messages come last */
 		t->length /= 2;
 		memmove(t->bytes, t->bytes + sizeof t->bytes - 1 - t->length, t->length);
 	}
@@ -57,12 +57,12 @@ bool bench_program_path(const char *program, char *path, size_t size)
 	return snprintf(path, size, "%.*s/%s", folder, self, program) < (int)size && access(path, X_OK) == 0;
 }
 
-/* In the new process: does not return. */
+/* Turns the forked process into the program. Does not return. */
 static void become(const char *path, char *const *argv, const int out[2], const int error[2], rlim_t cpu_seconds)
 {
 	const struct rlimit cpu = {cpu_seconds, cpu_seconds + 1}; /* SIGXCPU, then SIGKILL */
 	setrlimit(RLIMIT_CPU, &cpu);
-	prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody is left to read what an orphan measures */
+	prctl(PR_SET_PDEATHSIG, SIGKILL); /* the program ends with stilb-bench, which reads its output */
 	signal(SIGPIPE, SIG_DFL);
 	int nothing = open("/dev/null", O_RDONLY);
 	dup2(nothing, STDIN_FILENO);
@@ -73,7 +73,8 @@ static void become(const char *path, char *const *argv, const int out[2], const 
 	_exit(127);
 }
 
-/* The process id, and the ends to read from; -1 with errno. */
+/* Starts the program with pipes as stdout and stderr: *out and *error are their ends to read. Returns the process id,
+ * or -1 with errno; then nothing is open. */
 static pid_t start(const char *path, char *const *argv, rlim_t cpu_seconds, int *out, int *error)
 {
 	int outs[2], errors[2];
@@ -83,7 +84,7 @@ static pid_t start(const char *path, char *const *argv, rlim_t cpu_seconds, int 
 		close(outs[0]), close(outs[1]);
 		return -1;
 	}
-	fflush(NULL); /* or the child would write it again */
+	fflush(NULL); /* else the child would flush our buffers a second time */
 	pid_t child = fork();
 	if (child == 0)
 		become(path, argv, outs, errors, cpu_seconds);
@@ -94,7 +95,7 @@ static pid_t start(const char *path, char *const *argv, rlim_t cpu_seconds, int 
 	return child;
 }
 
-/* Reads both streams to their ends; false: the time was over first. */
+/* Reads both streams to their ends. False: the deadline passed first. */
 static bool collect(int out, int error, text *outs, text *errors, uint64_t deadline_ns)
 {
 	struct pollfd streams[2] = {{.fd = out, .events = POLLIN}, {.fd = error, .events = POLLIN}};
@@ -111,7 +112,7 @@ static bool collect(int out, int error, text *outs, text *errors, uint64_t deadl
 	return true;
 }
 
-/* Lines "metric value". */
+/* Parses lines "metric value". False if a line is something else, if there are too many, or none. */
 static bool parse_values(const char *lines, bench_child_result *result)
 {
 	int taken = 0;
@@ -126,6 +127,7 @@ static bool parse_values(const char *lines, bench_child_result *result)
 	return result->value_count > 0;
 }
 
+/* Fills state, message and values from the exit status and the two streams. */
 static void judge(int status, const text *outs, const text *errors, bench_child_result *result)
 {
 	text_last_line(errors, result->message, sizeof result->message);
@@ -139,12 +141,12 @@ static void judge(int status, const text *outs, const text *errors, bench_child_
 			snprintf(result->message, sizeof result->message, "killed by signal %d (%s)", WTERMSIG(status),
 			         strsignal(WTERMSIG(status)));
 		else if (!result->message[0])
-			snprintf(result->message, sizeof result->message, "exit status %d, and said: %.100s", WEXITSTATUS(status),
-			         outs->bytes);
+			snprintf(result->message, sizeof result->message, "exit status %d, without a reason; its output: %.100s",
+			         WEXITSTATUS(status), outs->bytes);
 	}
 }
 
-/* CPU time of the machine so far, in the kernel's ticks: all of it, and what the hypervisor gave to others. */
+/* CPU time of the machine since boot, in kernel ticks, and the part that the hypervisor gave to others (steal). */
 typedef struct cpu_ticks {
 	uint64_t all, stolen;
 } cpu_ticks;
@@ -169,15 +171,18 @@ static cpu_ticks read_cpu_ticks(void)
 void bench_child_run(const char *program, const char *subject, const char *case_name, double seconds, uint32_t round,
                      const char *argument, bench_limit limit, bench_child_result *result)
 {
+	STILB_ASSERT(program && !strchr(program, '/') && subject && case_name && result);
+	STILB_ASSERT(seconds >= 0.0 && limit.cpu_seconds > 0.0 && limit.seconds > 0.0);
 	*result = (bench_child_result){.state = BENCH_CHILD_FAILED};
 	char path[PATH_MAX], length[32], number[16];
 	if (!bench_program_path(program, path, sizeof path)) {
-		snprintf(result->message, sizeof result->message, "%s is not beside stilb-bench", program);
+		snprintf(result->message, sizeof result->message,
+		         "%s is not in the folder of stilb-bench; build the target stilb-bench-programs", program);
 		return;
 	}
 	snprintf(length, sizeof length, "%.6f", seconds);
 	snprintf(number, sizeof number, "%u", round);
-	/* execv takes them as not const, and leaves them alone. */
+	/* execv's parameter is not const for historical reasons; it does not write to the strings. */
 	char *argv[] = {path, (char *)subject, (char *)case_name, length, number, (char *)argument, NULL};
 
 	text outs = {.length = 0}, errors = {.length = 0};
@@ -201,7 +206,7 @@ void bench_child_run(const char *program, const char *subject, const char *case_
 	result->peak_mb = (double)usage.ru_maxrss / 1024.0;
 	if (after.all > before.all)
 		result->steal = 100.0 * (double)(after.stolen - before.stolen) / (double)(after.all - before.all);
-	const bool spent = in_time && WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+	bool spent = in_time && WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
 	if (in_time && !spent) {
 		judge(status, &outs, &errors, result);
 		return;

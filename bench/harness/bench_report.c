@@ -1,4 +1,4 @@
-/* What a suite's results look like: tables, and JSON. */
+/* Prints a suite's results as tables and in words, and writes them as JSON. */
 #include "bench/harness/bench_child.h"
 #include "bench/harness/bench_internal.h"
 
@@ -46,14 +46,14 @@ static bool better(const bench_row *a, const bench_row *b)
 	return a->less_is_better ? a->median < b->median : a->median > b->median;
 }
 
-/* Shown in columns beside the others, not in a table of their own. */
+/* True for metrics that are columns of other metrics' tables, without a table of their own. */
 static bool shown_beside(const char *metric)
 {
 	return strcmp(metric, BENCH_METRIC_MEMORY) == 0 || strcmp(metric, BENCH_METRIC_STEAL) == 0 ||
 	       strcmp(metric, BENCH_METRIC_ITEMS) == 0;
 }
 
-/* The rows [first, end) of one case and metric. */
+/* The end of the rows that have the case and the metric of row `first`. */
 static size_t end_of_table(const bench_results *results, size_t first)
 {
 	size_t end = first;
@@ -63,6 +63,7 @@ static size_t end_of_table(const bench_results *results, size_t first)
 	return end;
 }
 
+/* The best median of subjects that are neither Stilb's nor references; NULL if none ran. */
 static const bench_row *best_peer(const bench_row *rows, size_t count)
 {
 	const bench_row *best = NULL;
@@ -72,6 +73,7 @@ static const bench_row *best_peer(const bench_row *rows, size_t count)
 	return best;
 }
 
+/* The BENCH_LIMIT_... that bounds the row's metric, or NULL. */
 static const char *limit_name(const bench_row *row)
 {
 	for (size_t i = 0; i < row->on->metric_count; i++)
@@ -80,7 +82,7 @@ static const char *limit_name(const bench_row *row)
 	return NULL;
 }
 
-/* "-" where there is no number. */
+/* The value in `width` columns; "-" if it is not finite. */
 static void print_cell(FILE *out, int width, int digits, double value)
 {
 	if (isfinite(value))
@@ -89,15 +91,14 @@ static void print_cell(FILE *out, int width, int digits, double value)
 		fprintf(out, " %*s", width, "-");
 }
 
-/* As many digits as tell something. */
-static int digits_for(double value)
+int bench_digits(double value)
 {
 	return fabs(value) >= 100.0 ? 0 : fabs(value) >= 10.0 ? 1 : fabs(value) >= 1.0 ? 2 : 3;
 }
 
-static void print_number(FILE *out, int width, double value)
+void bench_print_number(FILE *out, int width, double value)
 {
-	print_cell(out, width, digits_for(value), value);
+	print_cell(out, width, bench_digits(value), value);
 }
 
 static double median_of(const bench_results *results, const bench_row *row, const char *metric)
@@ -136,9 +137,9 @@ static void print_row(FILE *out, const bench_results *results, const bench_row *
 		return;
 	fprintf(out, "  %-20s", row->name);
 	if (row->runs > 0) {
-		print_number(out, 10, row->median);
-		print_number(out, 10, row->min);
-		print_number(out, 10, row->max);
+		bench_print_number(out, 10, row->median);
+		bench_print_number(out, 10, row->min);
+		bench_print_number(out, 10, row->max);
 		print_cell(out, 7, 2, (row->less_is_better ? row->max : row->min) / row->median);
 		print_cell(out, 8, 2, peer ? row->median / peer->median : BENCH_NO_NUMBER);
 		print_cell(out, 9, 2, limit ? bench_of_limit(row, limit) : BENCH_NO_NUMBER);
@@ -170,23 +171,23 @@ static void print_table(FILE *out, const bench_results *results, size_t first, s
 		print_row(out, results, &results->rows[i], peer, limit_row);
 }
 
-/* "12.3 [10.1-14.2]" */
-static void print_range(FILE *out, int width, double median, double least, double most)
+void bench_print_range(FILE *out, int width, double median, double least, double most)
 {
 	char text[64] = "-";
 	if (isfinite(median))
-		snprintf(text, sizeof text, "%.*f [%.*f-%.*f]", digits_for(median), median, digits_for(least), least,
-		         digits_for(most), most);
+		snprintf(text, sizeof text, "%.*f [%.*f-%.*f]", bench_digits(median), median, bench_digits(least), least,
+		         bench_digits(most), most);
 	fprintf(out, " %*s", width, text);
 }
 
+/* True if a run of the pair gave a result. */
 static bool any_run(const bench_pair *pair)
 {
 	return pair->attempts > pair->failures + pair->timeouts && !pair->skipped;
 }
 
-/* Does any of the chosen subjects have this case, as far as is known? */
-static bool anybody_has(const bench_results *results, const bench_case *on)
+/* True if a chosen subject may have the case: none is known to have skipped it. */
+static bool case_was_run(const bench_results *results, const bench_case *on)
 {
 	for (size_t p = 0; p < results->pair_count; p++)
 		if (results->pairs[p].on == on && !results->pairs[p].skipped)
@@ -194,10 +195,10 @@ static bool anybody_has(const bench_results *results, const bench_case *on)
 	return false;
 }
 
-/* A case with several metrics: one table, a column each. */
+/* The table of a case with several metrics: a row for each subject, a column for each metric. */
 static void print_metrics(FILE *out, const bench_results *results, const bench_case *on)
 {
-	if (!anybody_has(results, on))
+	if (!case_was_run(results, on))
 		return;
 	fprintf(out, "\n%s: %s; median [least-most]\n  %-20s", on->name, on->title, "subject");
 	for (size_t m = 0; m < on->metric_count; m++)
@@ -215,7 +216,8 @@ static void print_metrics(FILE *out, const bench_results *results, const bench_c
 		for (size_t m = 0; any_run(pair) && m < on->metric_count; m++) {
 			const bench_row *row = bench_find(results, on->name, pair->subject->name, on->metrics[m].name);
 			if (!shown_beside(on->metrics[m].name))
-				print_range(out, 22, row ? row->median : BENCH_NO_NUMBER, row ? row->min : 0.0, row ? row->max : 0.0);
+				bench_print_range(out, 22, row ? row->median : BENCH_NO_NUMBER, row ? row->min : 0.0,
+				                  row ? row->max : 0.0);
 		}
 		print_trouble(out, pair);
 		fputc('\n', out);
@@ -224,15 +226,20 @@ static void print_metrics(FILE *out, const bench_results *results, const bench_c
 
 static void print_limits(FILE *out, const bench_results *results)
 {
+	static const char *const meanings[] = {
+		"reading the time-stamp counter", "an atomic add by one thread", "an atomic add of one number by all CPUs",
+		"from waking a sleeping thread until it runs, median", "the same, 99th percentile"};
+	STILB_ASSERT(bench_limits_case.metric_count == sizeof meanings / sizeof *meanings);
 	fprintf(out, "\nlimits of this machine, ns; median [least-most]\n");
 	for (size_t m = 0; m < bench_limits_case.metric_count; m++) {
 		const bench_row *row = bench_find(results, NULL, NULL, bench_limits_case.metrics[m].name);
 		fprintf(out, "  %-20s", bench_limits_case.metrics[m].name);
-		print_range(out, 26, row ? row->median : BENCH_NO_NUMBER, row ? row->min : 0.0, row ? row->max : 0.0);
-		fputc('\n', out);
+		bench_print_range(out, 26, row ? row->median : BENCH_NO_NUMBER, row ? row->min : 0.0, row ? row->max : 0.0);
+		fprintf(out, "  %s\n", meanings[m]);
 	}
 }
 
+/* The number of metrics that are no column of another one's table. */
 static size_t own_tables(const bench_case *on)
 {
 	size_t count = 0;
@@ -255,7 +262,7 @@ static void print_tables(FILE *out, const bench_results *results)
 	}
 }
 
-/* ---- ours against the others ------------------------------------------------------------------------------------- */
+/* ---- Stilb's subjects beside the others -------------------------------------------------------------------------- */
 
 static const bench_row *panel_row(const bench_results *results, const bench_panel *panel, const char *case_name,
                                   const bench_subject *subject)
@@ -263,7 +270,7 @@ static const bench_row *panel_row(const bench_results *results, const bench_pane
 	return bench_find(results, case_name, subject->name, panel->metric);
 }
 
-/* "3.10 [2.50-4.40]", how many times as good as theirs, so that above 1 is always ours. */
+/* "3.10 [2.50-4.40]": our value / theirs of each round, or theirs / ours if less is better; above 1 ours is better. */
 static void print_times(FILE *out, const bench_results *results, const bench_row *our, const bench_row *their)
 {
 	bench_ratio ratio = {BENCH_NO_NUMBER, 0.0, 0.0};
@@ -271,7 +278,7 @@ static void print_times(FILE *out, const bench_results *results, const bench_row
 		bool less = our->less_is_better;
 		bench_paired_ratio(results, less ? their : our, less ? our : their, &ratio);
 	}
-	print_range(out, 20, ratio.median, ratio.min, ratio.max);
+	bench_print_range(out, 20, ratio.median, ratio.min, ratio.max);
 }
 
 static bool subject_in_panel(const bench_results *results, const bench_panel *panel, const bench_subject *subject)
@@ -294,8 +301,10 @@ static void print_comparison(FILE *out, const bench_results *results, const benc
                              const bench_subject *our)
 {
 	const bench_suite *suite = results->suite;
-	fprintf(out, "\n%s: %s is how many times as good as (%s; median [least-most] over the rounds)\n  %-20s",
-	        panel->title, our->name, panel->metric, "");
+	fprintf(out,
+	        "\n%s, %s: how many times as good as the row's subject is %s? (above 1: better; median [least-most] of the "
+	        "rounds)\n  %-20s",
+	        panel->title, panel->metric, our->name, "");
 	for (const char *const *name = panel->cases; *name; name++)
 		if (case_in_panel(results, panel, *name))
 			fprintf(out, " %20s", *name);
@@ -326,13 +335,15 @@ static void print_comparisons(FILE *out, const bench_results *results)
 
 /* ---- in words ---------------------------------------------------------------------------------------------------- */
 
-/* How many times as good as the best peer the best of ours is, over all tables that have both. */
+/* The best of Stilb's subjects beside the best peer, over all tables that have both. */
 typedef struct standing {
-	uint32_t tables, first; /* first: ours is the best */
-	double least;           /* where it is furthest behind: less than 1 */
-	const bench_row *our, *their;
+	uint32_t tables;              /* that have both */
+	uint32_t first;               /* those in which Stilb's is at least as good */
+	double least;                 /* the least of the tables' ratios: how many times as good as the peer Stilb's is */
+	const bench_row *our, *their; /* of the table with that ratio */
 } standing;
 
+/* The best median of Stilb's subjects; NULL if none ran. */
 static const bench_row *best_of_ours(const bench_row *rows, size_t count)
 {
 	const bench_row *best = NULL;
@@ -351,9 +362,9 @@ static standing standing_of(const bench_results *results)
 		const bench_row *our = best_of_ours(rows, end - first), *their = best_peer(rows, end - first);
 		if (rows->on == &bench_limits_case || shown_beside(rows->metric) || !our || !their)
 			continue;
-		const double times = our->less_is_better ? their->median / our->median : our->median / their->median;
-		if (!isfinite(times))
-			continue;
+		double times = our->less_is_better ? their->median / our->median : our->median / their->median;
+		if (isnan(times)) /* both are 0 */
+			times = 1.0;
 		s.tables++;
 		s.first += times >= 1.0;
 		if (times < s.least)
@@ -364,11 +375,11 @@ static standing standing_of(const bench_results *results)
 
 static int compare_spread(const void *a, const void *b)
 {
-	const double x = *(const double *)a, y = *(const double *)b;
+	double x = *(const double *)a, y = *(const double *)b;
 	return (x > y) - (x < y);
 }
 
-/* The median over all rows of (most - least) / median; NaN where no row has two runs. */
+/* The median over all rows of (max - min) / median; NaN if no row has two runs. */
 static double scatter_of(const bench_results *results)
 {
 	size_t count = 0;
@@ -398,49 +409,52 @@ static double most_stolen(const bench_results *results)
 static void say_what_ran(FILE *out, const bench_results *results)
 {
 	uint32_t pairs = 0, runs = 0, ended = 0;
-	for (size_t p = 1; p < results->pair_count; p++) { /* the first are the machine's limits */
+	for (size_t p = 1; p < results->pair_count; p++) { /* pair 0 has the machine's limits */
 		const bench_pair *pair = &results->pairs[p];
 		pairs += !pair->skipped;
 		runs += pair->skipped ? 0 : pair->attempts;
 		ended += pair->skipped ? 0 : pair->attempts - pair->failures - pair->timeouts;
 	}
 	fprintf(out,
-	        "\n%s: %u runs of %.2f s over %u pairs of a subject and a case, in %u round%s; %u of them gave a result.\n",
-	        results->suite->name, runs, results->seconds, pairs, results->rounds, results->rounds == 1 ? "" : "s",
-	        ended);
+	        "\n%s: %u run%s of %.2f s (%u pair%s of a subject and a case, %u round%s), of which %u gave a result.\n",
+	        results->suite->name, runs, runs == 1 ? "" : "s", results->seconds, pairs, pairs == 1 ? "" : "s",
+	        results->rounds, results->rounds == 1 ? "" : "s", ended);
 }
 
 static void say_standing(FILE *out, const bench_results *results)
 {
-	const standing s = standing_of(results);
+	standing s = standing_of(results);
 	if (s.tables == 0)
-		fprintf(out, "Nothing of others was measured beside ours, so compare with the limits of the machine above.\n");
-	else if (s.least >= 1.0)
-		fprintf(out, "Ours is at least as good as the best of the others in all %u comparisons.\n", s.tables);
+		fprintf(out, "No other library was measured in this run; compare with the limits of this machine above.\n");
+	else if (s.first == s.tables)
+		fprintf(out, "Stilb is at least as good as the best other library in %s.\n",
+		        s.tables == 1 ? "the only comparison" : "every comparison");
 	else
-		fprintf(
-			out,
-			"Ours is at least as good as the best of the others in %u of %u comparisons, and furthest behind in %s, "
-			"where %s of %s is %.2f times as good as that of %s.\n",
-			s.first, s.tables, s.our->on->name, s.our->metric, s.our->name, s.least, s.their->name);
+		fprintf(out,
+		        "Stilb is at least as good as the best other library in %u of %u comparisons; it is furthest behind in "
+		        "%s, whose %s is %.*f %s with %s and %.*f %s with %s.\n",
+		        s.first, s.tables, s.our->on->name, s.our->metric, bench_digits(s.our->median), s.our->median,
+		        s.our->unit, s.our->name, bench_digits(s.their->median), s.their->median, s.their->unit, s.their->name);
 }
 
 static void say_trust(FILE *out, const bench_results *results)
 {
-	const double scatter = scatter_of(results), stolen = most_stolen(results);
-	const uint32_t cpus = bench_cpu_count();
+	double scatter = scatter_of(results), stolen = most_stolen(results);
+	uint32_t cpus = bench_cpu_count();
 	if (isfinite(scatter))
-		fprintf(out,
-		        "Differences of less than %.0f %% mean nothing here, since rounds of one subject differ by as much",
+		fprintf(out, "Differences below %.0f %% are noise, the typical spread between rounds of one subject",
 		        100.0 * scatter);
 	else
-		fprintf(out, "No subject ran twice, so nobody knows how far chance moves these numbers");
+		fprintf(out, "No subject ran twice, so the noise of these numbers is unknown");
 	if (results->options->quick)
-		fprintf(out, ", the runs were short (--quick)");
+		fprintf(out, "; the runs were short (--quick)");
 	if (results->load > BENCH_BUSY_LOAD * cpus || stolen > BENCH_BUSY_STEAL)
-		fprintf(out, ", the machine was busy (load %.1f on %u CPUs before, up to %.0f %% of its time stolen)",
-		        results->load, cpus, stolen);
-	fprintf(out, "; all of it holds for this CPU alone.\n");
+		fprintf(
+			out,
+			"; the machine was busy (load average %.1f on %u CPU%s before the first run, hypervisor took up to %.0f %%"
+			"), so repeat this on an idle one",
+			results->load, cpus, cpus == 1 ? "" : "s", stolen);
+	fprintf(out, "; the numbers hold for this CPU only.\n");
 }
 
 void bench_print_words(FILE *out, const bench_results *results)
@@ -453,6 +467,16 @@ void bench_print_words(FILE *out, const bench_results *results)
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
 
+/* True if the subject was chosen, is built, and ran. */
+static bool subject_ran(const bench_results *results, const bench_subject *subject)
+{
+	for (size_t p = 0; p < results->pair_count; p++)
+		if (results->pairs[p].subject == subject && results->pairs[p].attempts > 0 && !results->pairs[p].skipped)
+			return true;
+	return false;
+}
+
+/* Notes of the subjects that ran, and every subject that is not built. */
 static void print_notes(FILE *out, const bench_results *results)
 {
 	const bench_suite *suite = results->suite;
@@ -463,7 +487,7 @@ static void print_notes(FILE *out, const bench_results *results)
 		if (!bench_program_path(subject->program, path, sizeof path))
 			fprintf(out, "%s: not built%s%s\n", subject->name, subject->package ? "; needs " : "",
 			        subject->package ? subject->package : "");
-		else if (subject->note)
+		else if (subject->note && subject_ran(results, subject))
 			fprintf(out, "%s: %s\n", subject->name, subject->note);
 	}
 }
@@ -473,10 +497,11 @@ void bench_print(FILE *out, const bench_results *results)
 	char machine[256];
 	bench_machine(machine, sizeof machine);
 	fprintf(out,
-	        "stilb-bench %s on %s\n%s\n%u rounds, runs of %.2f s%s. worst: worst run / median. / peer, / limit: the "
-	        "median divided by theirs.\n",
-	        results->suite->name, machine, bench_build_flags(), results->rounds, results->seconds,
-	        results->options->quick ? " (--quick: too short to be trusted)" : "");
+	        "stilb-bench %s on %s\nbuilt with %s\n%u round%s; a run lasts %.2f s%s\n"
+	        "worst: worst run / median. / peer: median / the best peer's. / limit: median / the machine's limit.\n"
+	        "p50, p99, p99.9: so many percent of the calls of a run take less.\n",
+	        results->suite->name, machine, bench_build_flags(), results->rounds, results->rounds == 1 ? "" : "s",
+	        results->seconds, results->options->quick ? " (--quick: too short for precise numbers)" : "");
 	print_limits(out, results);
 	if (!results->suite->report_alone)
 		print_tables(out, results);
@@ -486,11 +511,12 @@ void bench_print(FILE *out, const bench_results *results)
 	if (results->suite->goals && results->options->goals)
 		results->suite->goals(out, results);
 	print_notes(out, results);
-	fflush(out); /* what follows on stderr comes after it, also where both are one file */
+	fflush(out); /* lines on stderr then follow it, also if both streams are one file */
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
+/* One row as an object of the array. */
 static void json_row(stilb_json *json, const bench_row *row, const char *metric, const char *unit,
                      const bench_ratio *values, uint32_t runs)
 {
@@ -506,6 +532,7 @@ static void json_row(stilb_json *json, const bench_row *row, const char *metric,
 	stilb_json_end(json, '}');
 }
 
+/* Every row that has a value, and for each pair that timed out the number of such runs. */
 static void json_rows(stilb_json *json, const bench_results *results)
 {
 	for (size_t i = 0; i < results->row_count; i++) {
@@ -513,7 +540,7 @@ static void json_rows(stilb_json *json, const bench_results *results)
 		const bench_pair *pair = pair_of(results, row);
 		if (row->runs > 0)
 			json_row(json, row, row->metric, row->unit, &(bench_ratio){row->median, row->min, row->max}, row->runs);
-		if (strcmp(row->metric, BENCH_METRIC_STEAL) == 0 && pair->timeouts > 0) { /* once for each pair */
+		if (strcmp(row->metric, BENCH_METRIC_STEAL) == 0 && pair->timeouts > 0) { /* each pair has one such row */
 			double count = pair->timeouts;
 			json_row(json, row, "timed-out", "runs", &(bench_ratio){count, count, count}, pair->attempts);
 		}

@@ -1,4 +1,4 @@
-/* bench_results: the rows of a suite's results, their medians, and how rows compare. */
+/* The rows of a suite's results: adding them, their medians, and ratios of rows. */
 #include "bench/harness/bench_child.h"
 #include "bench/harness/bench_internal.h"
 
@@ -26,6 +26,7 @@ const bench_suite *bench_suite_of(const bench_results *results)
 stilb_result bench_add_row(bench_results *results, const bench_case *on, const bench_subject *subject,
                            const bench_metric *metric)
 {
+	STILB_ASSERT(on && subject && metric && results->rounds == 0 && "rows are added before the first round");
 	if (results->row_count == results->row_capacity) {
 		size_t capacity = results->row_capacity ? results->row_capacity * 2 : 256;
 		bench_row *grown = realloc(results->rows, capacity * sizeof *grown);
@@ -52,6 +53,8 @@ stilb_result bench_add_row(bench_results *results, const bench_case *on, const b
 void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,
                      uint32_t round, double value)
 {
+	STILB_ASSERT(on && subject && metric);
+	STILB_ASSERT(round < results->rounds && "the round has begun");
 	for (size_t i = 0; i < results->row_count; i++) {
 		bench_row *row = &results->rows[i];
 		if (row->on == on && row->subject == subject && strcmp(row->metric, metric) == 0) {
@@ -67,7 +70,7 @@ static int compare_doubles(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Median, least and largest of those that are numbers; returns how many. */
+/* Median, least and largest of the finite values; returns their number, and leaves *summary alone if that is 0. */
 static uint32_t summarise(const double *values, uint32_t count, bench_ratio *summary)
 {
 	double *sorted = malloc((count ? count : 1) * sizeof *sorted);
@@ -98,6 +101,7 @@ void bench_summarise(bench_results *results)
 const bench_row *bench_find(const bench_results *results, const char *case_name, const char *subject_name,
                             const char *metric)
 {
+	STILB_ASSERT(metric && !case_name == !subject_name && "a case and a subject, or neither for the machine's limits");
 	if (!case_name)
 		case_name = bench_limits_case.name, subject_name = bench_limits_subject.name;
 	for (size_t i = 0; i < results->row_count; i++) {
@@ -112,6 +116,7 @@ const bench_row *bench_find(const bench_results *results, const char *case_name,
 bool bench_paired_ratio(const bench_results *results, const bench_row *numerator, const bench_row *denominator,
                         bench_ratio *ratio)
 {
+	STILB_ASSERT(numerator && denominator && ratio);
 	double *ratios = malloc((results->rounds ? results->rounds : 1) * sizeof *ratios);
 	for (uint32_t i = 0; ratios && i < results->rounds; i++)
 		ratios[i] = numerator->values[i] / denominator->values[i];
@@ -127,6 +132,7 @@ double bench_of_limit(const bench_row *row, const bench_row *limit)
 		double ns;
 	} times[] = {{"ns", 1.0}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}},
 	  rates[] = {{"Mops/s", 1e3}, {"Mjobs/s", 1e3}, {"kops/s", 1e6}};
+	STILB_ASSERT(row && limit && strcmp(limit->unit, "ns") == 0);
 	for (size_t i = 0; i < sizeof times / sizeof *times; i++)
 		if (strcmp(row->unit, times[i].unit) == 0)
 			return row->median * times[i].ns / limit->median;

@@ -1,4 +1,4 @@
-/* The rounds: which subject runs in which case, in which order, for how long; and what is kept of it. */
+/* Runs a suite: chooses the subjects and cases, runs them in rounds within their time limits, and reports. */
 #include "bench/harness/bench_child.h"
 #include "bench/harness/bench_internal.h"
 
@@ -13,16 +13,18 @@
 #include <string.h>
 #include <unistd.h>
 
-#define QUICK_BUDGET 17.0         /* seconds that the runs of --quick share; processes and killed runs come on top */
-#define QUICK_DEADLINE 25.0       /* no run starts later than this with --quick */
-#define QUICK_CPU_SECONDS 1.5     /* a CPU, beyond its length, that a run is given with --quick */
-#define CPU_SECONDS 20.0          /* the same without --quick */
-#define TIMEOUTS_BEFORE_LEAVING 2 /* then a subject is left out of the case for the rest */
-#define PROCESS_SECONDS 0.008     /* what starting and ending a process takes */
+#define QUICK_BUDGET 17.0     /* --quick: seconds that all runs share, without process starts and killed runs */
+#define QUICK_DEADLINE 25.0   /* --quick: seconds after which no run starts */
+#define QUICK_CPU_SECONDS 1.5 /* --quick: CPU time that a run gets for each CPU, beyond 1.5 times its length */
+#define CPU_SECONDS 20.0      /* the same without --quick */
+#define MAX_TIMEOUTS 2        /* a subject that timed out so often in a case is not run in it again; --quick: 1 */
+#define PROCESS_SECONDS 0.008 /* the time to start and end a process */
+
+#define LIST_WIDTH 25 /* of the names that --list prints */
 
 /* ---- choosing ---------------------------------------------------------------------------------------------------- */
 
-/* Is name among "a,b*"? list NULL: everything is. */
+/* True if a word of the list "a,b*", each a shell pattern, matches the name; a NULL list matches everything. */
 static bool listed(const char *list, const char *name)
 {
 	if (!list)
@@ -38,7 +40,7 @@ static bool listed(const char *list, const char *name)
 	return false;
 }
 
-/* The name of a subject (cases false) or case; NULL after the last. */
+/* The name of the i-th case (cases true) or subject; NULL after the last. */
 static const char *name_of(const bench_suite *suite, bool cases, size_t i)
 {
 	if (cases)
@@ -46,7 +48,7 @@ static const char *name_of(const bench_suite *suite, bool cases, size_t i)
 	return i < suite->subject_count ? suite->subjects[i].name : NULL;
 }
 
-/* Every word of the list must mean something. */
+/* False, after a line on stderr, if a word of the list matches no subject or case. */
 static bool check_list(const bench_suite *suite, const char *flag_name, const char *list, bool cases)
 {
 	for (const char *at = list; at && *at;) {
@@ -56,8 +58,8 @@ static bool check_list(const bench_suite *suite, const char *flag_name, const ch
 		while (name_of(suite, cases, i) && !listed(word, name_of(suite, cases, i)))
 			i++;
 		if (!name_of(suite, cases, i)) {
-			stilb_log("%s: '%s' is no %s of this suite; --list shows them", flag_name, word,
-			          cases ? "case" : "subject");
+			stilb_log("%s: suite %s has no %s '%s'; --list shows them", flag_name, suite->name,
+			          cases ? "case" : "subject", word);
 			return false;
 		}
 		at += length + (at[length] == ',');
@@ -78,22 +80,22 @@ static bool runs(const bench_subject *subject, const bench_case *on)
 
 static void print_list(const bench_suite *suite)
 {
-	printf("subjects of %s:\n", suite->name);
+	printf("subjects of %s (what --only chooses from):\n", suite->name);
 	for (size_t i = 0; i < suite->subject_count; i++) {
 		const bench_subject *subject = &suite->subjects[i];
-		printf("  %-20s", subject->name);
+		printf("  %-*s", LIST_WIDTH, subject->name);
 		if (!built(subject))
 			printf(" (not built%s%s)", subject->package ? ": needs " : "", subject->package ? subject->package : "");
 		printf(" %s\n", subject->note ? subject->note : "");
 	}
-	printf("\ncases of %s:\n", suite->name);
+	printf("\ncases of %s (what --case chooses from):\n", suite->name);
 	for (size_t i = 0; i < suite->case_count; i++)
-		printf("  %-20s %s\n", suite->cases[i].name, suite->cases[i].title);
+		printf("  %-*s %s\n", LIST_WIDTH, suite->cases[i].name, suite->cases[i].title);
 }
 
 /* ---- the table of results ---------------------------------------------------------------------------------------- */
 
-/* The rows of a case: those of one metric stand together. */
+/* Adds the rows of a case: metric by metric, and for each metric its subjects. */
 static stilb_result add_rows(bench_results *results, const bench_case *on)
 {
 	static const bench_metric own[] = {{BENCH_METRIC_MEMORY, "MiB", true, NULL}, {BENCH_METRIC_STEAL, "%", true, NULL}};
@@ -106,7 +108,7 @@ static stilb_result add_rows(bench_results *results, const bench_case *on)
 	return STILB_OK;
 }
 
-/* The pairs that run: the limits, then whatever was chosen and is built. */
+/* Fills pairs and rows: the limits, then every chosen subject that is built, in every chosen case that it can do. */
 static stilb_result plan(bench_results *results)
 {
 	const bench_suite *suite = results->suite;
@@ -125,7 +127,7 @@ static stilb_result plan(bench_results *results)
 		}
 	if (results->pair_count == 1)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
-		                  "no subject that was chosen is built and has the case; --list shows them");
+		                  "none of the chosen subjects is built and has a chosen case; --list shows them");
 	for (size_t p = 0; p < results->pair_count; p++)
 		if ((p == 0 || results->pairs[p].on != results->pairs[p - 1].on) &&
 		    add_rows(results, results->pairs[p].on) != STILB_OK)
@@ -141,7 +143,7 @@ static void results_finish(bench_results *results)
 	free(results->pairs);
 }
 
-/* In this round. */
+/* Sets a value of the current round. */
 static void set_value(bench_results *results, const bench_pair *pair, const char *metric, double value)
 {
 	bench_set_value(results, pair->on, pair->subject, metric, results->rounds - 1, value);
@@ -154,7 +156,7 @@ static double length_of(const bench_case *on)
 	return on->length > 0.0 ? on->length : 1.0;
 }
 
-/* With --quick the runs share a budget. */
+/* The length of a run: as asked for, or with --quick a share of QUICK_BUDGET, from 0.01 to 0.2 s. */
 static double run_seconds(const bench_results *results)
 {
 	const bench_options *options = results->options;
@@ -173,8 +175,8 @@ static void run_pair(bench_results *results, bench_pair *pair, const char *argum
 	double seconds = results->seconds * length_of(pair->on);
 	const double usual =
 		results->suite->quick_cpu_seconds > 0.0 ? results->suite->quick_cpu_seconds : QUICK_CPU_SECONDS;
-	const double each = seconds * 1.5 + (results->options->quick ? usual : CPU_SECONDS);
-	const bench_limit limit = {.cpu_seconds = each * bench_cpu_count(), .seconds = results->options->give_up};
+	double each = seconds * 1.5 + (results->options->quick ? usual : CPU_SECONDS);
+	bench_limit limit = {.cpu_seconds = each * bench_cpu_count(), .seconds = results->options->give_up};
 	bench_child_result child;
 	bench_child_run(pair->subject->program, pair->subject->name, pair->on->name, seconds, results->rounds - 1, argument,
 	                limit, &child);
@@ -201,11 +203,11 @@ static void run_pair(bench_results *results, bench_pair *pair, const char *argum
 
 static bool left_out(const bench_results *results, const bench_pair *pair)
 {
-	uint32_t patience = results->options->quick ? 1 : TIMEOUTS_BEFORE_LEAVING;
-	return pair->skipped || pair->timeouts >= patience;
+	return pair->skipped || pair->timeouts >= (results->options->quick ? 1 : MAX_TIMEOUTS);
 }
 
-/* The pairs [first, end) of one case, starting with another one each round: a run leaves its mark on the next one. */
+/* Runs the pairs [first, end) of one case. Each round starts with another one, since a run influences the next one
+ * (clock frequency, temperature, caches). False: the deadline has passed. */
 static bool run_case(bench_results *results, size_t first, size_t end, const char *argument, uint64_t deadline_ns)
 {
 	size_t count = end - first, turn = results->rounds - 1;
@@ -239,10 +241,10 @@ static void run_rounds(bench_results *results, const char *argument)
 		        results->rounds, results->options->rounds, (double)(bench_child_now_ns() - begin) * 1e-9);
 	}
 	if (!in_time)
-		stilb_log("--quick: no time left for all rounds; the tables say how many runs each row has");
+		stilb_log("--quick: out of time before all rounds were done; rows with fewer runs say how many they have");
 }
 
-/* 1 if a result was wrong, or one of ours did not return. */
+/* Logs every pair that failed and every subject of Stilb's that timed out; EXIT_FAILED if there is one. */
 static int verdict(const bench_results *results)
 {
 	int code = EXIT_DONE;
@@ -270,7 +272,7 @@ static int run_and_report(bench_results *results)
 	bench_summarise(results);
 	if (results->suite->finish) {
 		results->suite->finish(results);
-		bench_summarise(results); /* and what it has added */
+		bench_summarise(results); /* the rows that it has filled */
 	}
 	FILE *out = options->json && stilb_file_is_stdout(options->json) ? stderr : stdout;
 	bench_print(out, results);
@@ -283,8 +285,58 @@ static int run_and_report(bench_results *results)
 	return code;
 }
 
+/* True if the name can be a word on a command line and in a list of --only or --case. */
+static bool is_word(const char *name)
+{
+	return name && *name && !strpbrk(name, " \t\n,");
+}
+
+static bool case_is_sound(const bench_case *on)
+{
+	bool sound = is_word(on->name) && on->title && on->metric_count > 0 && on->length >= 0.0;
+	for (size_t m = 0; sound && m < on->metric_count; m++)
+		sound = is_word(on->metrics[m].name) && strlen(on->metrics[m].name) < 48 && on->metrics[m].unit;
+	return sound;
+}
+
+static bool case_has_metric(const bench_suite *suite, const char *case_name, const char *metric)
+{
+	for (size_t c = 0; c < suite->case_count; c++)
+		for (size_t m = 0; m < suite->cases[c].metric_count; m++)
+			if (strcmp(suite->cases[c].name, case_name) == 0 && strcmp(suite->cases[c].metrics[m].name, metric) == 0)
+				return true;
+	return false;
+}
+
+/* The demands of bench.h on a suite's tables; all of them are written by programmers. */
+static bool suite_is_sound(const bench_suite *suite)
+{
+	bool sound = suite->name && suite->help && suite->case_count > 0 && suite->subject_count <= BENCH_MAX_SUBJECTS &&
+	             (!suite->report_alone || suite->report) && (!suite->plot || suite->plot_rows > 0);
+	for (size_t c = 0; sound && c < suite->case_count; c++) {
+		sound = case_is_sound(&suite->cases[c]);
+		for (size_t other = 0; sound && other < c; other++)
+			sound = strcmp(suite->cases[c].name, suite->cases[other].name) != 0;
+	}
+	for (size_t s = 0; sound && s < suite->subject_count; s++) {
+		sound =
+			is_word(suite->subjects[s].name) && suite->subjects[s].program && !strchr(suite->subjects[s].program, '/');
+		for (size_t other = 0; sound && other < s; other++)
+			sound = strcmp(suite->subjects[s].name, suite->subjects[other].name) != 0;
+	}
+	for (size_t p = 0; sound && p < suite->panel_count; p++)
+		for (const char *const *name = suite->panels[p].cases; sound && *name; name++)
+			sound = case_has_metric(suite, *name, suite->panels[p].metric);
+	return sound;
+}
+
 int bench_run(const bench_suite *suite, const bench_options *options)
 {
+	STILB_ASSERT(suite && options);
+	STILB_ASSERT(options->rounds >= 1 && options->give_up >= 1 && options->seconds >= 0.0);
+	STILB_ASSERT((options->quick || options->list || options->seconds > 0.0) && "only --quick chooses the length");
+	STILB_ASSERT((!options->traces || suite->traces) && "the suite's programs write timelines");
+	STILB_CHECK(suite_is_sound(suite));
 	if (!check_list(suite, "--only", options->only, false) || !check_list(suite, "--case", options->cases, true))
 		return EXIT_REFUSED;
 	if (options->list) {

@@ -1,4 +1,4 @@
-/* The limits of the machine, measured as the subjects are: bench.h names the metrics. */
+/* The program that measures the machine's limits (BENCH_LIMIT_... in bench.h). */
 #include "bench/harness/bench.h"
 #include "bench/harness/bench_child.h"
 #include "jobs/job_sys.h"
@@ -9,7 +9,7 @@
 
 #define ALIGNED _Alignas(128)
 #define MAX_THREADS 64
-#define PARKED_NS 120000 /* longer than this has the sleeper slept */
+#define PARKED_NS 120000 /* the sleeper sleeps at least this long before it is woken */
 #define MAX_WAKES 20000
 
 static uint64_t ns_from_now(double seconds)
@@ -19,15 +19,13 @@ static uint64_t ns_from_now(double seconds)
 
 /* ---- atomics ----------------------------------------------------------------------------------------------------- */
 
-/* Relaxed everywhere here: counts and flags that order nothing; results are read after the threads were joined. */
-static struct {
-	ALIGNED _Atomic uint64_t word;
-	ALIGNED _Atomic bool stop;
-} shared;
+/* The counter that all threads add to. Relaxed everywhere: it orders nothing, and is read after the threads were
+ * joined. */
+static ALIGNED _Atomic uint64_t shared_word;
 
 #define ADDS_AT_ONCE 256
 
-/* Adds until told to stop; returns how often. */
+/* Adds 1 until end_ns; returns the number of additions. */
 static uint64_t add(_Atomic uint64_t *word, uint64_t end_ns)
 {
 	uint64_t count = 0;
@@ -50,7 +48,7 @@ static void *adder_main(void *data)
 {
 	adder *self = data;
 	bench_child_pin(self->cpu);
-	self->count = add(&shared.word, self->end_ns);
+	self->count = add(&shared_word, self->end_ns);
 	return NULL;
 }
 
@@ -75,8 +73,8 @@ static void measure_atomics(double seconds)
 		count += adders[i].count;
 	}
 	bench_child_metric(BENCH_LIMIT_CONTENDED, (double)(bench_child_now_ns() - begin) / (double)count);
-	if (atomic_load_explicit(&shared.word, memory_order_relaxed) != count)
-		bench_child_fail("wrong result: the sum is not that of the additions");
+	if (atomic_load_explicit(&shared_word, memory_order_relaxed) != count)
+		bench_child_fail("wrong result: the counter is not the number of additions");
 }
 
 static void measure_clock(void)
@@ -85,17 +83,18 @@ static void measure_clock(void)
 	uint64_t begin = bench_child_now_ns(), sum = 0;
 	for (int i = 0; i < READS; i++)
 		sum += bench_child_ticks();
-	__asm__ volatile("" ::"r"(sum)); /* keeps the reads */
+	__asm__ volatile("" ::"r"(sum)); /* the compiler must not drop the reads */
 	bench_child_metric(BENCH_LIMIT_CLOCK, (double)(bench_child_now_ns() - begin) / READS);
 }
 
 /* ---- futex ------------------------------------------------------------------------------------------------------- */
 
 static struct {
-	ALIGNED _Atomic uint32_t
-		word; /* 0: sleep; 1: woken; 2: end. Release by who changes it, acquire by who waits for it */
-	ALIGNED _Atomic uint32_t slept; /* how often the sleeper has gone to sleep; release, acquire as above */
-	ALIGNED uint64_t awake_ns;      /* ordered by slept */
+	/* 0: sleep, 1: wake up, 2: end. Release by the waker, pairs with the acquire in sleeper_main. */
+	ALIGNED _Atomic uint32_t word;
+	/* Number of times that the sleeper has gone to sleep. Release by it, pairs with the acquire in wait_until_slept. */
+	ALIGNED _Atomic uint32_t slept;
+	ALIGNED uint64_t awake_ns; /* when it woke up last; published by slept */
 } bed;
 
 static void *sleeper_main(void *unused)
@@ -110,7 +109,7 @@ static void *sleeper_main(void *unused)
 		bed.awake_ns = bench_child_now_ns();
 		if (word == 2)
 			return NULL;
-		atomic_store_explicit(&bed.word, 0, memory_order_relaxed); /* the waker has waited for slept since it wrote */
+		atomic_store_explicit(&bed.word, 0, memory_order_relaxed); /* relaxed: published by slept */
 	}
 }
 

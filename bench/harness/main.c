@@ -1,4 +1,4 @@
-/* stilb-bench: measures what Stilb is built on against its peers. Finds the suite and reads the flags. */
+/* The program stilb-bench: finds the suite, reads the flags, runs it (bench.h). */
 #include "bench/harness/bench.h"
 
 #include "base/base_file.h"
@@ -13,17 +13,17 @@
 #define DEFAULT_ROUNDS 5
 #define QUICK_ROUNDS 3
 #define DEFAULT_SECONDS 0.5
-#define DEFAULT_GIVE_UP 120
+#define DEFAULT_GIVE_UP 120 /* seconds */
 #define QUICK_GIVE_UP 30
 
 static const bench_suite *const suites[] = {&bench_queue_suite,  &bench_jobs_suite,     &bench_cull_suite,
                                             &bench_record_suite, &bench_profiler_suite, &bench_shade_suite,
                                             &bench_gi_suite,     &bench_furnace_suite,  &bench_input_suite};
 
-/* NULL after the last. */
+/* The i-th suite; NULL after the last. The one of threads is filled when it is first asked for. */
 static const bench_suite *suite_at(size_t i)
 {
-	const size_t count = sizeof suites / sizeof *suites;
+	size_t count = sizeof suites / sizeof *suites;
 	return i < count ? suites[i] : i == count ? bench_threads_suite() : NULL;
 }
 
@@ -41,24 +41,26 @@ static size_t flag_table(arguments *a, flag flags[MAX_FLAGS])
 {
 	bench_options *options = &a->options;
 	const flag table[] = {
-		{"--quick", FLAG_SWITCH, &options->quick, NULL, "short runs: less than 30 s in all, and rougher numbers", 0, 0,
+		{"--quick", FLAG_SWITCH, &options->quick, NULL, "short runs, less than 30 s in all; less precise numbers", 0, 0,
 	     NULL},
-		{"--rounds", FLAG_NUMBER, &a->rounds, "N", "runs of each subject in each case (5; with --quick 3)", 1, 1000,
-	     NULL},
-		{"--seconds", FLAG_TEXT, &a->seconds, "S", "length of a run, 0.01..60 (0.5; with --quick what fits)", 0, 0,
-	     NULL},
-		{"--only", FLAG_TEXT, &options->only, "SUBJECT,...", "these subjects; shell patterns: 'stilb*'", 0, 0, NULL},
-		{"--case", FLAG_TEXT, &options->cases, "CASE,...", "these cases; shell patterns: 'batch16-*'", 0, 0, NULL},
-		{"--json", FLAG_TEXT, &options->json, "FILE", "the table as JSON; - is standard output", 0, 0, NULL},
-		{"--plot", FLAG_TEXT, &options->plot, "FILE", "a picture (PNG), drawn by gnuplot", 0, 0, NULL},
-		{"--traces", FLAG_TEXT, &options->traces, "DIR", "threads only: a timeline of each run's worst frame", 0, 0,
-	     NULL},
-		{"--goals", FLAG_SWITCH, &options->goals, NULL, "judge by the bounds of docs/benchmarks.md, set on another CPU",
+		{"--rounds", FLAG_NUMBER, &a->rounds, "N",
+	     "run every subject N times in every case, 1..1000 (5; with --quick 3)", 1, 1000, NULL},
+		{"--seconds", FLAG_TEXT, &a->seconds, "S",
+	     "length of a run in seconds, 0.01..60 (0.5; with --quick as long as fits)", 0, 0, NULL},
+		{"--only", FLAG_TEXT, &options->only, "SUBJECT,...",
+	     "run these subjects only; names or shell patterns: 'stilb*'", 0, 0, NULL},
+		{"--case", FLAG_TEXT, &options->cases, "CASE,...", "run these cases only; names or shell patterns: 'batch16-*'",
 	     0, 0, NULL},
-		{"--give-up", FLAG_NUMBER, &a->give_up, "S", "a run of so many seconds hangs, 1..3600 (120; with --quick 30)",
-	     1, 3600, NULL},
-		{"--list", FLAG_SWITCH, &options->list, NULL, "print the subjects and the cases", 0, 0, NULL},
-		{"--steps", FLAG_SWITCH, &a->steps, NULL, "queue only: Sutter's two-lock queue in four steps", 0, 0, NULL},
+		{"--json", FLAG_TEXT, &options->json, "FILE", "write all numbers as JSON; - is standard output", 0, 0, NULL},
+		{"--plot", FLAG_TEXT, &options->plot, "FILE", "write a picture (PNG), drawn by gnuplot", 0, 0, NULL},
+		{"--traces", FLAG_TEXT, &options->traces, "DIR",
+	     "threads only: write a timeline of each subject's slowest frame", 0, 0, NULL},
+		{"--goals", FLAG_SWITCH, &options->goals, NULL,
+	     "check against the bounds in docs/benchmarks.md, set on another CPU", 0, 0, NULL},
+		{"--give-up", FLAG_NUMBER, &a->give_up, "S",
+	     "kill a run that has not ended after S seconds, 1..3600 (120; with --quick 30)", 1, 3600, NULL},
+		{"--list", FLAG_SWITCH, &options->list, NULL, "list the suite's subjects and cases, run nothing", 0, 0, NULL},
+		{"--steps", FLAG_SWITCH, &a->steps, NULL, "queue only: run 'queue --steps' instead", 0, 0, NULL},
 	};
 	size_t count = sizeof table / sizeof *table;
 	memcpy(flags, table, sizeof table);
@@ -70,8 +72,11 @@ static void print_help(void)
 	arguments unused = {0};
 	flag flags[MAX_FLAGS];
 	size_t count = flag_table(&unused, flags);
-	printf("stilb-bench: measures Stilb's parts against their peers on this machine\n\n"
-	       "usage: stilb-bench SUITE [FLAGS]\n\n");
+	printf(
+		"stilb-bench: measures Stilb's parts on this machine, beside other libraries and the machine's limits\n\n"
+		"usage: stilb-bench SUITE [FLAGS]\n\n"
+		"A suite runs its subjects (implementations) in its cases (workloads) and prints tables, then three sentences\n"
+		"that sum them up. 'stilb-bench SUITE --quick' is a first look.\n\n");
 	for (size_t i = 0; suite_at(i); i++)
 		printf("  %-16s %s\n", suite_at(i)->name, suite_at(i)->help);
 	printf("  %-16s %s\n\n", "queue --steps", bench_steps_suite()->help);
@@ -92,13 +97,13 @@ static bool parse_seconds(const char *text, double *seconds)
 	       *seconds <= 60.0;
 }
 
-/* A folder to write into, or a place to make one. NULL is fine. */
+/* EXIT_DONE if path is NULL, a folder that can be written to, or does not exist and can be created. */
 static int check_folder(const char *path)
 {
 	struct stat status;
 	if (path && stat(path, &status) == 0) {
 		if (!S_ISDIR(status.st_mode) || access(path, W_OK | X_OK) != 0)
-			return refuse("--traces", path, "is no folder that can be written to");
+			return refuse("--traces", path, "is not a folder that can be written to");
 	} else if (path && stilb_file_check(path) != STILB_OK) {
 		stilb_log("--traces: %s", stilb_error_message());
 		return EXIT_REFUSED;
@@ -106,7 +111,7 @@ static int check_folder(const char *path)
 	return EXIT_DONE;
 }
 
-/* Files are refused before the work, not after it. */
+/* Refuses files that could not be written, before the first run. */
 static int check_files(const bench_options *options)
 {
 	const char *paths[] = {options->json, options->plot};
@@ -116,7 +121,7 @@ static int check_files(const bench_options *options)
 			return EXIT_REFUSED;
 		}
 	if (options->json && options->plot && stilb_file_same(options->json, options->plot))
-		return refuse("--plot", options->plot, "is the file of --json too; give it another name");
+		return refuse("--plot", options->plot, "is the file of --json, too; give it another name");
 	return check_folder(options->traces);
 }
 
@@ -143,7 +148,7 @@ static const bench_suite *find_suite(const char *name)
 static int run(int argc, char **argv)
 {
 	if (argc < 2) {
-		stilb_log("no suite; 'stilb-bench queue --quick' is a first look, 'stilb-bench --help' lists all");
+		stilb_log("no suite given; 'stilb-bench queue --quick' is a first look, 'stilb-bench --help' lists all suites");
 		return EXIT_REFUSED;
 	}
 	if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
@@ -152,7 +157,7 @@ static int run(int argc, char **argv)
 	}
 	const bench_suite *suite = find_suite(argv[1]);
 	if (!suite)
-		return refuse("suite", argv[1], "is unknown; 'stilb-bench --help' lists them");
+		return refuse("suite", argv[1], "does not exist; 'stilb-bench --help' lists all");
 	arguments a = {0};
 	flag flags[MAX_FLAGS];
 	size_t count = flag_table(&a, flags);
@@ -162,16 +167,16 @@ static int run(int argc, char **argv)
 	if (parsed != FLAGS_OK)
 		return parsed == FLAGS_HELP ? EXIT_DONE : EXIT_REFUSED;
 	if (a.steps && suite != &bench_queue_suite)
-		return refuse("--steps", suite->name, "has no steps; they belong to queue");
+		return refuse("--steps", suite->name, "has no steps; only the suite queue has");
 	if (a.options.traces && !suite->traces)
-		return refuse("--traces", suite->name, "draws no frames; it belongs to threads");
+		return refuse("--traces", suite->name, "draws no frames; only the suite threads writes timelines");
 	int code = finish_options(&a, suite);
 	return code != EXIT_DONE ? code : bench_run(a.steps ? bench_steps_suite() : suite, &a.options);
 }
 
 int main(int argc, char **argv)
 {
-	signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report */
+	signal(SIGPIPE, SIG_IGN); /* writing to a closed pipe then fails, which is reported below */
 	int code = run(argc, argv);
 	if ((fflush(stdout) != 0 || ferror(stdout)) && code == EXIT_DONE) {
 		stilb_log("cannot write to standard output");

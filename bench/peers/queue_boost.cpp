@@ -1,4 +1,4 @@
-// boost::lockfree::queue, unbounded, with nodes for a bounded queue's capacity made beforehand.
+// boost::lockfree::queue, unbounded, with QUEUE_LOAD_BOUNDED nodes allocated in advance.
 #include <boost/lockfree/queue.hpp>
 
 typedef boost::lockfree::queue<void *> *subject_queue;

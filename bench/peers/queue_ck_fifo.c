@@ -1,6 +1,6 @@
-/* Concurrency Kit's linked queue, many producers and many consumers. It leaves the nodes to its user: here consumers
- * hand used ones back to the producers in chains of 256, so memory is allocated only while the queue grows. That
- * flatters it: queues that allocate in each call are measured with their allocations. */
+/* Concurrency Kit's linked queue for many producers and consumers. Its user provides the nodes: here consumers return
+ * used ones to the producers in chains of 256, so memory is allocated only while the queue grows. This is an advantage
+ * over queues that allocate in each call. */
 #include <ck_fifo.h>
 
 #include <stdint.h>
@@ -8,19 +8,19 @@
 #define CHAIN 256
 
 typedef struct entry {
-	ck_fifo_mpmc_entry_t fifo; /* first: the fifo hands out pointers to it */
-	struct entry *next;        /* in a chain */
+	ck_fifo_mpmc_entry_t fifo; /* the first member: pointers to it are cast to entry */
+	struct entry *next;        /* in the same chain */
 	struct entry *next_chain;
 } entry;
 
 typedef struct subject_queue {
 	ck_fifo_mpmc_t fifo;
 	__attribute__((aligned(128)))
-	entry *chains; /* given back: release by who pushes a chain, acquire by who takes all */
+	entry *chains; /* returned by consumers. Release in give_entry, pairs with the acquire in take_entry */
 } subject_queue;
 
 typedef struct subject_thread {
-	entry *free, *chains; /* producer: what it may use */
+	entry *free, *chains; /* producer: entries to use, and chains to continue with; consumer: free is its chain */
 	uint32_t count;       /* consumer: length of free */
 } subject_thread;
 #define SUBJECT_BATCH 0
@@ -38,7 +38,7 @@ static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t t
 	(void)queue, (void)self, (void)thread;
 }
 
-/* A chain from the heap, in one block. */
+/* Allocates a chain as one block. */
 static entry *new_chain(void)
 {
 	entry *block = load_allocate(CHAIN * sizeof *block);

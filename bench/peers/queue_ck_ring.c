@@ -1,4 +1,4 @@
-/* Concurrency Kit's bounded ring, many producers and many consumers. */
+/* Concurrency Kit's bounded ring for many producers and consumers. */
 #include <ck_ring.h>
 
 typedef struct subject_queue {

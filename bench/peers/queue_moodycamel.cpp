@@ -1,4 +1,4 @@
-// moodycamel::ConcurrentQueue. MOODYCAMEL_TOKENS: every thread has its token, and batches go through the bulk calls.
+// moodycamel::ConcurrentQueue. MOODYCAMEL_TOKENS 1: every thread has a token, and batches use the bulk calls.
 #include <concurrentqueue/concurrentqueue.h>
 
 typedef moodycamel::ConcurrentQueue<void *> queue_type;

@@ -1,5 +1,5 @@
 /* Vyukov's bounded queue (Dmitry Vyukov, "Bounded MPMC queue", 1024cores.net): a ring of cells, each with a turn number
- * that says whether it may be filled or emptied. */
+ * that tells whether it is to be filled or emptied next, and in which round. */
 #include <assert.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -7,13 +7,13 @@
 #define CELLS 4096
 
 typedef struct cell {
-	uint64_t turn; /* release by who is done with the cell, acquire by who wants it */
+	uint64_t turn; /* release in subject_push and subject_pop, pairs with the acquire in claim */
 	void *item;
 } cell;
 
 typedef struct subject_queue {
 	cell cells[CELLS];
-	__attribute__((aligned(128))) uint64_t in; /* tickets; relaxed: order lies in the cells' turns */
+	__attribute__((aligned(128))) uint64_t in; /* next ticket; relaxed: the cells' turns order the items */
 	__attribute__((aligned(128))) uint64_t out;
 } subject_queue;
 
@@ -35,7 +35,8 @@ static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t t
 	(void)queue, (void)self, (void)thread;
 }
 
-/* Takes a ticket whose cell has its turn at ticket + offset; NULL: the queue is full or empty. */
+/* Takes the next ticket if the turn of its cell is ticket + offset, and returns the cell. NULL: the queue is full
+ * (offset 0) or empty (offset 1). */
 static inline cell *claim(cell *cells, uint64_t *tickets, uint64_t offset, uint64_t *ticket)
 {
 	*ticket = __atomic_load_n(tickets, __ATOMIC_RELAXED);

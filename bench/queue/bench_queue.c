@@ -1,41 +1,51 @@
-/* The suite `queue`: which queues, under which loads. queue_load.h says what a run is. */
+/* The suite `queue`: concurrent queues of Stilb and of other libraries. queue_load.h describes a run. */
 #include "bench/queue/bench_queue.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* What a subject can, and a case needs. */
+/* Abilities of subjects that cases need. */
 enum {
-	SINGLE = 1,     /* one item a call */
-	BATCH = 2,      /* sixteen */
+	SINGLE = 1,     /* push and pop of one item */
+	BATCH = 2,      /* push and pop of sixteen items in one call */
 	ONE_TO_ONE = 4, /* one producer, one consumer */
-	MANY = 8        /* more of both */
+	MANY = 8        /* several of both */
 };
 
 static const bench_subject subjects[] = {
-	{"stilb-low-lock", "stilb-bench-queue-own", NULL, NULL, SINGLE | BATCH | ONE_TO_ONE | MANY, false},
-	{"stilb-lock-free", "stilb-bench-queue-own", NULL, NULL, SINGLE | BATCH | ONE_TO_ONE | MANY, false},
-	{"stilb-spsc", "stilb-bench-queue-spsc", NULL, "one producer and one consumer only", SINGLE | ONE_TO_ONE, false},
-	{"sutter", "stilb-bench-queue-own", NULL, "the queue of the article (Dr. Dobb's Journal, November 2008)",
-     SINGLE | ONE_TO_ONE | MANY, false},
-	{"mutex", "stilb-bench-queue-own", NULL, "a list under one pthread mutex", SINGLE | ONE_TO_ONE | MANY, false},
-	{"ck_fifo", "stilb-bench-queue-ck_fifo", "libck-dev", "its nodes are recycled without malloc, which flatters it",
-     SINGLE | ONE_TO_ONE | MANY, false},
-	{"boost", "stilb-bench-queue-boost", "libboost-dev", "boost::lockfree::queue", SINGLE | ONE_TO_ONE | MANY, false},
-	{"tbb", "stilb-bench-queue-tbb", "libtbb-dev", "tbb::concurrent_queue; the part in its library as Debian built it",
-     SINGLE | ONE_TO_ONE | MANY, false},
-	{"moodycamel-implicit", "stilb-bench-queue-moodycamel", "libconcurrentqueue-dev",
-     "a queue for each producer: no FIFO across producers", SINGLE | ONE_TO_ONE | MANY, false},
-	{"moodycamel-tokens", "stilb-bench-queue-moodycamel-tokens", "libconcurrentqueue-dev",
-     "the same with a token for each thread", SINGLE | ONE_TO_ONE | MANY, false},
-	{"moodycamel-bulk", "stilb-bench-queue-moodycamel-tokens", "libconcurrentqueue-dev",
-     "the same with tokens and its bulk calls", BATCH | ONE_TO_ONE | MANY, false},
-	{"vyukov", "stilb-bench-queue-vyukov", NULL, "bounded: 4096 items", SINGLE | ONE_TO_ONE | MANY, false},
-	{"ck_ring", "stilb-bench-queue-ck_ring", "libck-dev",
-     "bounded: 4096 items; can take minutes when threads outnumber CPUs, then it is killed", SINGLE | ONE_TO_ONE | MANY,
+	{"stilb-low-lock", "stilb-bench-queue-own", NULL,
+     "Stilb's default queue: one lock for producers, one for consumers, reused segments",
+     SINGLE | BATCH | ONE_TO_ONE | MANY, false},
+	{"stilb-lock-free", "stilb-bench-queue-own", NULL, "Stilb's queue without locks",
+     SINGLE | BATCH | ONE_TO_ONE | MANY, false},
+	{"stilb-spsc", "stilb-bench-queue-spsc", NULL, "Stilb's queue for one producer and one consumer",
+     SINGLE | ONE_TO_ONE, false},
+	{"sutter", "stilb-bench-queue-own", NULL,
+     "the two-lock queue of Herb Sutter's article (Dr. Dobb's Journal, November 2008)", SINGLE | ONE_TO_ONE | MANY,
      false},
+	{"mutex", "stilb-bench-queue-own", NULL, "a linked list under one pthread mutex", SINGLE | ONE_TO_ONE | MANY,
+     false},
+	{"ck_fifo", "stilb-bench-queue-ck_fifo", "libck-dev",
+     "Concurrency Kit; nodes are recycled instead of allocated, an advantage over the others",
+     SINGLE | ONE_TO_ONE | MANY, false},
+	{"boost", "stilb-bench-queue-boost", "libboost-dev", "boost::lockfree::queue, unbounded",
+     SINGLE | ONE_TO_ONE | MANY, false},
+	{"tbb", "stilb-bench-queue-tbb", "libtbb-dev",
+     "tbb::concurrent_queue; its library part with Debian's compiler flags", SINGLE | ONE_TO_ONE | MANY, false},
+	{"moodycamel-implicit", "stilb-bench-queue-moodycamel", "libconcurrentqueue-dev",
+     "moodycamel::ConcurrentQueue: one queue for each producer, no FIFO order across producers",
+     SINGLE | ONE_TO_ONE | MANY, false},
+	{"moodycamel-tokens", "stilb-bench-queue-moodycamel-tokens", "libconcurrentqueue-dev",
+     "moodycamel::ConcurrentQueue with a token for each thread", SINGLE | ONE_TO_ONE | MANY, false},
+	{"moodycamel-bulk", "stilb-bench-queue-moodycamel-tokens", "libconcurrentqueue-dev",
+     "moodycamel::ConcurrentQueue with tokens and bulk calls", BATCH | ONE_TO_ONE | MANY, false},
+	{"vyukov", "stilb-bench-queue-vyukov", NULL, "Vyukov's bounded queue of 4096 items", SINGLE | ONE_TO_ONE | MANY,
+     false},
+	{"ck_ring", "stilb-bench-queue-ck_ring", "libck-dev",
+     "Concurrency Kit's ring of 4096 items; with more threads than CPUs it may not end, and is then killed",
+     SINGLE | ONE_TO_ONE | MANY, false},
 	{"counter", "stilb-bench-queue-counter", NULL,
-     "no queue: each call adds one to a number that all share; how steady the machine is", SINGLE | ONE_TO_ONE | MANY,
-     true},
+     "no queue: each call is an atomic add of one shared number; shows how steady the machine is",
+     SINGLE | ONE_TO_ONE | MANY, true},
 };
 
 static const bench_metric throughput[] = {
@@ -57,7 +67,7 @@ static const bench_metric gaps[] = {
 	{BENCH_METRIC_ITEMS, "items", false, NULL},
 };
 
-#define STALL_LENGTH 3.0 /* a stall every 22 ms: some seventy of them in a run */
+#define STALL_LENGTH 3.0 /* some seventy stalls in a run: one every 22 ms */
 
 #define THROUGHPUT(name, title, needs)                                                                                 \
 	{                                                                                                                  \
@@ -68,20 +78,22 @@ static const bench_case cases[] = {
 	THROUGHPUT("2P2C", "2 producers, 2 consumers", SINGLE | MANY),
 	THROUGHPUT("4P4C", "4 producers, 4 consumers", SINGLE | MANY),
 	THROUGHPUT("8P8C", "8 producers, 8 consumers", SINGLE | MANY),
-	THROUGHPUT("pinned-1P1C", "1 producer, 1 consumer, each on its CPU", SINGLE | ONE_TO_ONE),
-	THROUGHPUT("pinned-2P2C", "2 producers, 2 consumers, both kinds spread over the CPUs", SINGLE | MANY),
-	THROUGHPUT("batch16-1P1C", "16 items a call, 1 producer, 1 consumer", BATCH | ONE_TO_ONE),
-	THROUGHPUT("batch16-2P2C", "16 items a call, 2 producers, 2 consumers", BATCH | MANY),
-	THROUGHPUT("batch16-4P4C", "16 items a call, 4 producers, 4 consumers", BATCH | MANY),
-	THROUGHPUT("batch16-8P8C", "16 items a call, 8 producers, 8 consumers", BATCH | MANY),
-	THROUGHPUT("batch16-pinned-1P1C", "the same, each on its CPU", BATCH | ONE_TO_ONE),
-	THROUGHPUT("batch16-pinned-2P2C", "the same, both kinds spread over the CPUs", BATCH | MANY),
-	{"latency-4P4C", "time of a call that succeeds, back to back, the clock's own time included", latency,
-     COUNT(latency), SINGLE | MANY, 1.0},
-	{"calm-4P4C", "longest time in which no thread completed a push, a pop; all yield every 256 calls", gaps,
+	THROUGHPUT("pinned-1P1C", "1 producer, 1 consumer, threads pinned to CPUs", SINGLE | ONE_TO_ONE),
+	THROUGHPUT("pinned-2P2C", "2 producers, 2 consumers, threads pinned to CPUs", SINGLE | MANY),
+	THROUGHPUT("batch16-1P1C", "16 items in each call, 1 producer, 1 consumer", BATCH | ONE_TO_ONE),
+	THROUGHPUT("batch16-2P2C", "16 items in each call, 2 producers, 2 consumers", BATCH | MANY),
+	THROUGHPUT("batch16-4P4C", "16 items in each call, 4 producers, 4 consumers", BATCH | MANY),
+	THROUGHPUT("batch16-8P8C", "16 items in each call, 8 producers, 8 consumers", BATCH | MANY),
+	THROUGHPUT("batch16-pinned-1P1C", "16 items in each call, 1 producer, 1 consumer, threads pinned to CPUs",
+               BATCH | ONE_TO_ONE),
+	THROUGHPUT("batch16-pinned-2P2C", "16 items in each call, 2 producers, 2 consumers, threads pinned to CPUs",
+               BATCH | MANY),
+	{"latency-4P4C", "time of each successful call, reading the clock included", latency, COUNT(latency), SINGLE | MANY,
+     1.0},
+	{"calm-4P4C", "longest time without a successful push, or pop, by any thread; all yield every 256 calls", gaps,
      COUNT(gaps), SINGLE | MANY, 1.0},
-	{"stall-4P4C", "the same while every 22 ms one thread sleeps 20 ms at any instruction", gaps, COUNT(gaps),
-     SINGLE | MANY, STALL_LENGTH},
+	{"stall-4P4C", "longest time without a successful push, or pop, while every 22 ms a thread is stopped for 20 ms",
+     gaps, COUNT(gaps), SINGLE | MANY, STALL_LENGTH},
 };
 
 static const char *const single_cases[] = {"1P1C", "2P2C", "4P4C", "8P8C", "pinned-1P1C", "pinned-2P2C", NULL};
@@ -93,14 +105,14 @@ static const char *const gap_cases[] = {"calm-4P4C", "stall-4P4C", NULL};
 static const bench_panel panels[] = {
 	{"single items", single_cases, "throughput", true},
 	{"batches of 16", batch_cases, "throughput", true},
-	{"push at 4P4C, 999 of 1000 calls take less", latency_cases, "push-p99.9", true},
-	{"pop at 4P4C, 999 of 1000 calls take less", latency_cases, "pop-p99.9", true},
-	{"longest time without a push", gap_cases, "push-gap", false},
-	{"longest time without a pop", gap_cases, "pop-gap", false},
+	{"latency of push with 4 producers and 4 consumers, 99.9th percentile", latency_cases, "push-p99.9", true},
+	{"latency of pop with 4 producers and 4 consumers, 99.9th percentile", latency_cases, "pop-p99.9", true},
+	{"longest time without a successful push", gap_cases, "push-gap", false},
+	{"longest time without a successful pop", gap_cases, "pop-gap", false},
 };
 
 const bench_suite bench_queue_suite = {.name = "queue",
-                                       .help = "queues of many producers and many consumers",
+                                       .help = "concurrent queues: throughput, latency, stalls",
                                        .subjects = subjects,
                                        .subject_count = COUNT(subjects),
                                        .cases = cases,

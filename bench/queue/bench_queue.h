@@ -1,10 +1,10 @@
-/* bench_queue: what the files of the suite `queue` share. */
+/* bench_queue: shared by the files of the suite `queue`. [main-thread] */
 #ifndef BENCH_QUEUE_H
 #define BENCH_QUEUE_H
 
 #include "bench/harness/bench.h"
 
-/* The goals, and which of them were reached. */
+/* Prints the bounds of the suite, each met or MISSED: bench_suite.goals. */
 void bench_queue_goals(FILE *out, const bench_results *results);
 
 #endif

@@ -1,9 +1,9 @@
-/* The suite `queue`: what our queues are meant to reach, beside what they reached. */
+/* The suite `queue`: its bounds, each met or missed. */
 #include "bench/queue/bench_queue.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* Ours is to be at least so many times as fast as theirs; several of theirs: as the fastest of them. */
+/* The subject's throughput divided by that of the fastest of the others must be at least `times`. */
 typedef struct ratio_goal {
 	const char *subject, *on;
 	const char *others[3];
@@ -38,7 +38,7 @@ static const ratio_goal ratio_goals[] = {
 	{"stilb-low-lock", "batch16-8P8C", {"moodycamel-bulk"}, 1.0},
 };
 
-/* Our median is to be at most so much. */
+/* The median of the subject's metric must be at most `most`. */
 typedef struct value_goal {
 	const char *subject, *on, *metric;
 	double most;
@@ -50,7 +50,7 @@ static const value_goal value_goals[] = {
 	{"stilb-lock-free", "stall-4P4C", "push-gap", 8.0},       {"stilb-lock-free", "stall-4P4C", "pop-gap", 8.0},
 };
 
-/* Our worst run is to be at least so much of the median. */
+/* The subject's slowest run must have at least this share of the median throughput. */
 typedef struct steady_goal {
 	const char *subject, *on;
 	double share;
@@ -63,11 +63,12 @@ static const steady_goal steady_goals[] = {
 	{"stilb-lock-free", "4P4C", 0.5}, {"stilb-lock-free", "pinned-1P1C", 0.5}, {"stilb-lock-free", "pinned-2P2C", 0.5},
 };
 
-static const char *verdict(bool reached)
+static const char *verdict(bool met)
 {
-	return reached ? "reached" : "MISSED";
+	return met ? "met" : "MISSED";
 }
 
+/* The others' row with the largest median; NULL if none of them ran. */
 static const bench_row *fastest(const bench_results *results, const ratio_goal *goal)
 {
 	const bench_row *best = NULL;
@@ -117,7 +118,7 @@ static void print_steady_goal(FILE *out, const bench_results *results, const ste
 
 void bench_queue_goals(FILE *out, const bench_results *results)
 {
-	fprintf(out, "\ngoals; ratios of the same round: median [least-most]\n");
+	fprintf(out, "\ngoals, set on the CPU named in docs/benchmarks.md; median [least-most] of the rounds\n");
 	for (size_t i = 0; i < COUNT(ratio_goals); i++)
 		print_ratio_goal(out, results, &ratio_goals[i]);
 	for (size_t i = 0; i < COUNT(value_goals); i++)

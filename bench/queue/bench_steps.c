@@ -1,20 +1,24 @@
 /*
- * The suite `queue --steps`: Sutter's measuring article done again (Herb Sutter, "Measuring Parallel Performance:
- * Optimizing a Concurrent Queue", Dr. Dobb's Journal, December 2008). Four steps of a two-lock queue, small and large
- * items, every number of producers and consumers up to twice the CPUs. What to look for, after him: throughput rises
- * until all CPUs are busy; behind that wall it drops and scatters, so the worst of that region is shown on purpose.
+ * The suite `queue --steps`: repeats the measurements of Herb Sutter, "Measuring Parallel Performance: Optimizing a
+ * Concurrent Queue" (Dr. Dobb's Journal, December 2008): four steps of a two-lock queue, small and large items, every
+ * number of producers and consumers up to twice the CPUs. Throughput rises until all CPUs are busy; with more threads
+ * than CPUs it drops and scatters, so the report shows the slowest run of that region as well as the best.
  */
 #include "bench/harness/bench.h"
 #include "bench/harness/bench_internal.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-#define MAX_COUNTS 6 /* different numbers of producers, and of consumers */
+#define MAX_COUNTS 6 /* the most different numbers of producers, and of consumers */
 
 static const bench_subject subjects[] = {
-	{.name = "step1", .program = "stilb-bench-queue-steps", .note = "two locks, all work under them"},
-	{.name = "step2", .program = "stilb-bench-queue-steps", .note = "allocation and copies outside the locks"},
-	{.name = "step3", .program = "stilb-bench-queue-steps", .note = "consumers free what they emptied"},
-	{.name = "step4", .program = "stilb-bench-queue-steps", .note = "ends, locks and nodes on lines of their own"},
+	{.name = "step1",
+     .program = "stilb-bench-queue-steps",
+     .note = "two locks; allocation and copies are done under them"},
+	{.name = "step2", .program = "stilb-bench-queue-steps", .note = "allocation and copies are done outside the locks"},
+	{.name = "step3", .program = "stilb-bench-queue-steps", .note = "consumers free the nodes that they emptied"},
+	{.name = "step4",
+     .program = "stilb-bench-queue-steps",
+     .note = "both ends, locks and nodes lie on separate cache lines"},
 };
 
 static const bench_metric metrics[] = {
@@ -26,7 +30,7 @@ static const char *const sizes[] = {"small", "large"};
 static const char *const size_titles[] = {"small items: 10 strings of 26 characters",
                                           "large items: 100 strings of 26 characters"};
 
-static uint32_t counts[MAX_COUNTS]; /* of producers, and of consumers: 1 to twice the CPUs */
+static uint32_t counts[MAX_COUNTS]; /* [count_count], ascending: numbers of producers, and of consumers */
 static size_t count_count;
 
 typedef struct combination {
@@ -36,7 +40,7 @@ typedef struct combination {
 static combination combinations[COUNT(sizes)][MAX_COUNTS][MAX_COUNTS];
 static bench_case cases[COUNT(sizes) * MAX_COUNTS * MAX_COUNTS];
 
-/* ---- what the results say ---------------------------------------------------------------------------------------- */
+/* ---- best and worst ---------------------------------------------------------------------------------------------- */
 
 static const bench_row *row_of(const bench_results *results, size_t size, size_t producers, size_t consumers,
                                const char *subject)
@@ -44,14 +48,15 @@ static const bench_row *row_of(const bench_results *results, size_t size, size_t
 	return bench_find(results, combinations[size][producers][consumers].name, subject, metrics[0].name);
 }
 
-static bool behind_the_wall(size_t producers, size_t consumers)
+/* Indices into counts: do these threads outnumber the CPUs? */
+static bool threads_exceed_cpus(size_t producers, size_t consumers)
 {
 	return counts[producers] + counts[consumers] > bench_cpu_count();
 }
 
 typedef struct extremes {
-	const bench_row *best;  /* by median, anywhere */
-	const bench_row *worst; /* by its worst run, where threads outnumber CPUs */
+	const bench_row *best;  /* largest median */
+	const bench_row *worst; /* slowest single run with more threads than CPUs */
 	const bench_row *one;   /* one producer, one consumer */
 } extremes;
 
@@ -63,7 +68,7 @@ static extremes find_extremes(const bench_results *results, size_t size, const c
 			const bench_row *row = row_of(results, size, p, c, subject);
 			if (row && (!found.best || row->median > found.best->median))
 				found.best = row;
-			if (row && behind_the_wall(p, c) && (!found.worst || row->min < found.worst->min))
+			if (row && threads_exceed_cpus(p, c) && (!found.worst || row->min < found.worst->min))
 				found.worst = row;
 		}
 	return found;
@@ -93,7 +98,7 @@ static void print_grid(FILE *out, const bench_results *results, size_t size, con
 static void print_summary(FILE *out, const bench_results *results, size_t size)
 {
 	fprintf(out,
-	        "\n%s; scalability: best / 1P1C; worst: the worst run of all with more threads than CPUs (%u)\n"
+	        "\n%s; scalability: best / 1P1C; worst: the slowest run with more threads than CPUs (%u)\n"
 	        "  %-8s %10s %10s %16s %12s %10s %16s %13s\n",
 	        size_titles[size], bench_cpu_count(), "", "1P1C", "best", "at", "scalability", "worst", "at",
 	        "worst / best");
@@ -125,13 +130,13 @@ static void report(FILE *out, const bench_results *results)
 /* ---- picture ----------------------------------------------------------------------------------------------------- */
 
 typedef enum curve {
-	CURVE_THROUGHPUT,  /* N producers, N consumers */
-	CURVE_SCALABILITY, /* the same divided by that of one and one */
-	CURVE_WORST,       /* worst run of all with that many threads */
+	CURVE_THROUGHPUT,  /* of N producers and N consumers */
+	CURVE_SCALABILITY, /* the same divided by that of one producer and one consumer */
+	CURVE_WORST,       /* the slowest run of any mix with that many threads */
 	CURVE_COUNT
 } curve;
 
-/* x, median, least, most */
+/* Lines "threads median least most" for equal numbers of producers and consumers. */
 static void write_equal_counts(FILE *out, const bench_results *results, size_t size, const char *subject, bool scaled)
 {
 	const bench_row *one = row_of(results, size, 0, 0, subject);
@@ -162,7 +167,7 @@ static void write_diagram(FILE *out, const bench_results *results, size_t size, 
 {
 	static const char *const titles[] = {"throughput, as many producers as consumers",
 	                                     "scalability: throughput / that of 1 producer and 1 consumer",
-	                                     "the worst run of any mix of producers and consumers"};
+	                                     "slowest run of any mix of producers and consumers"};
 	fprintf(out, "set title \"%s\\n%s\"\nset ylabel \"%s\"\n", size_titles[size], titles[which],
 	        which == CURVE_SCALABILITY ? "times (more is better)" : "million items/s (more is better)");
 	for (size_t s = 0; s < COUNT(subjects); s++) {
@@ -175,7 +180,7 @@ static void write_diagram(FILE *out, const bench_results *results, size_t size, 
 	}
 	fprintf(out, "plot ");
 	for (size_t s = 0; s < COUNT(subjects); s++) {
-		double shift = ((double)s - 1.5) * 0.06; /* so that bars do not hide each other */
+		double shift = ((double)s - 1.5) * 0.06; /* error bars of the subjects lie side by side */
 		fprintf(out,
 		        "%s$curve%zu using ($1%+.2f):2:3:4 with yerrorbars linestyle %zu notitle, "
 		        "$curve%zu using ($1%+.2f):2 with linespoints linestyle %zu title \"%s: %s\"",
@@ -204,7 +209,7 @@ static void plot(FILE *out, const bench_results *results)
 
 /* ---- the suite --------------------------------------------------------------------------------------------------- */
 
-/* 1 to twice the CPUs, evenly spread where those are more than fit. */
+/* Fills counts: 1 to twice the CPUs, evenly spread if those are more than MAX_COUNTS. */
 static void choose_counts(void)
 {
 	uint32_t most = 2 * bench_cpu_count();
@@ -213,6 +218,7 @@ static void choose_counts(void)
 		counts[i] = count_count == most ? (uint32_t)i + 1 : 1 + (uint32_t)(i * (most - 1) / (count_count - 1));
 }
 
+/* Fills names, titles and cases of all combinations; returns their number. */
 static size_t fill_cases(void)
 {
 	size_t filled = 0;
@@ -232,7 +238,7 @@ static size_t fill_cases(void)
 const bench_suite *bench_steps_suite(void)
 {
 	static bench_suite suite = {.name = "queue --steps",
-	                            .help = "Sutter's two-lock queue in four steps, after his measuring article",
+	                            .help = "a two-lock queue in four steps of optimization, after Herb Sutter",
 	                            .subjects = subjects,
 	                            .subject_count = COUNT(subjects),
 	                            .cases = cases,

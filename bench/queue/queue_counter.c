@@ -1,5 +1,5 @@
-/* No queue at all: every call adds one to one number that all threads share. What the machine gives to any queue with a
- * shared word in each call, and how steady it is. */
+/* No queue: every call is an atomic add to one number that all threads share. An upper bound for every queue that
+ * writes a shared word in each call, and a measure of how steady the machine is. */
 #include <stdint.h>
 
 typedef uint64_t subject_queue;
@@ -21,7 +21,7 @@ static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t t
 static inline bool subject_push(subject_queue *queue, subject_thread *self, void *item)
 {
 	(void)self, (void)item;
-	__atomic_fetch_add(queue, 1, __ATOMIC_RELAXED); /* read when all threads have ended */
+	__atomic_fetch_add(queue, 1, __ATOMIC_RELAXED); /* relaxed: read after the threads were joined */
 	return true;
 }
 

@@ -1,18 +1,24 @@
 /*
- * queue_load: the load that every queue is measured under. The program of a queue defines the types
- *   subject_queue    the queue; one object, zero at the start
- *   subject_thread   what a thread keeps of it: tokens, spare nodes
- * and SUBJECT_BATCH (1: it takes several items at once), includes this header, defines the subject_... functions
- * declared here, and returns queue_load_main from main. One source for all, in C and in C++, compiled into each
- * program, so that a queue of inline functions is inlined.
+ * queue_load: the load under which every queue is measured. It is compiled into the program of each queue, in C or C++,
+ * so that inline functions of a queue are inlined. A program defines, before it includes this header,
+ *
+ *   typedef ... subject_queue;    the queue; one object, zero-initialised
+ *   typedef ... subject_thread;   state of one thread: tokens, spare nodes; zero-initialised
+ *   #define SUBJECT_BATCH 0       1 if it has subject_push_n and subject_pop_n
+ *
+ * and after it the subject_... functions declared below and a main that returns queue_load_main(argc, argv).
  *
  * Cases.    [batch16- | latency- | stall- | calm-][pinned-]<producers>P<consumers>C
- * Run.      Producers push for the given time; then consumers take what is left. A caller whose push or pop finds the
- *           queue full or empty pauses 16 times, then yields at each further try. Threads are left to the scheduler, or
- *           pinned: thread i, producers first, to CPU i modulo the number of CPUs.
- * Backlog.  Producers wait while more than QUEUE_LOAD_BACKLOG items lie in the queue: otherwise the queue whose
- *           producers run ahead would be measured by how fast the kernel hands out fresh memory.
- * Check.    Items are distinct. Their number, sum and sum of squares must come out as they went in.
+ * Run.      Producers push for the given time; then consumers take the rest. A thread whose push finds the queue full,
+ *           or whose pop finds it empty, executes a pause instruction for the first 16 tries and yields after that.
+ *           Threads are left to the scheduler or pinned: thread i, producers first, to CPU i modulo the number of CPUs.
+ * Backlog.  Producers wait while the queue holds more than QUEUE_LOAD_BACKLOG items. Otherwise a queue whose producers
+ *           run ahead would measure how fast the kernel hands out memory.
+ * Check.    Items are distinct numbers. The number, the sum and the sum of squares of the items popped must equal those
+ *           of the items pushed.
+ *
+ * Threads: subject_open and queue_load_main are [main-thread], the other subject_... functions are called by all
+ * threads at once, each with its own subject_thread.
  */
 #ifndef BENCH_QUEUE_LOAD_H
 #define BENCH_QUEUE_LOAD_H
@@ -25,27 +31,27 @@
 #include <string.h>
 
 #define QUEUE_LOAD_BATCH 16
-#define QUEUE_LOAD_BOUNDED 4096 /* capacity of queues that need one */
+#define QUEUE_LOAD_BOUNDED 4096 /* capacity of bounded queues */
 #ifndef QUEUE_LOAD_BACKLOG
-#define QUEUE_LOAD_BACKLOG 1000000
+#define QUEUE_LOAD_BACKLOG 1000000 /* items */
 #endif
 #define QUEUE_LOAD_LOOK_EVERY                                                                                          \
-	(QUEUE_LOAD_BACKLOG >= 100000 ? 1024 : 16) /* items, until a producer looks at the backlog */
-#define QUEUE_LOAD_STALL_BACKLOG 8000000       /* so that producers never wait for a consumer that sleeps */
-/* Calls, where gaps are measured: threads that kept their time slices of some milliseconds would leave gaps of their
- * own, a slice with consumers alone, or with producers alone. */
+	(QUEUE_LOAD_BACKLOG >= 100000 ? 1024 : 16) /* items between two looks of a producer at the backlog */
+#define QUEUE_LOAD_STALL_BACKLOG 8000000       /* producers never wait for a stopped consumer */
+/* Calls between two yields when gaps are measured. Without yields the scheduler itself would cause gaps: time slices of
+ * some milliseconds in which only producers, or only consumers, run. */
 #define QUEUE_LOAD_YIELD_EVERY 256
 #define QUEUE_LOAD_MAX_THREADS 1024
 #define QUEUE_LOAD_STALL_EVERY_NS 22000000
 #define QUEUE_LOAD_STALL_NS 20000000
 
-/* Own lines, and the neighbours that are prefetched with them. */
+/* Two cache lines: the adjacent-line prefetcher pairs them. */
 #define QUEUE_LOAD_ALIGNED __attribute__((aligned(128)))
 
 typedef enum queue_load_mode {
 	QUEUE_LOAD_PLAIN,   /* throughput */
 	QUEUE_LOAD_LATENCY, /* time of every call that succeeds */
-	QUEUE_LOAD_GAPS     /* longest time in which no call succeeded */
+	QUEUE_LOAD_GAPS     /* longest time without a successful call of any thread */
 } queue_load_mode;
 
 typedef struct queue_load {
@@ -53,30 +59,33 @@ typedef struct queue_load {
 	queue_load_mode mode;
 	bool batch, pinned, stall;
 	uint32_t producers, consumers;
-	uint32_t threads; /* those, and the main thread, which comes last */
+	uint32_t threads; /* producers, consumers and the main thread, in this order */
 	double seconds;
 } queue_load;
 
-/* ---- what the program of a queue defines ------------------------------------------------------------------------- */
+/* ---- defined by the program of a queue --------------------------------------------------------------------------- */
 
+/* Creates the queue; exits with BENCH_CHILD_SKIP if it cannot take this load. */
 static void subject_open(subject_queue *queue, const queue_load *load);
-/* Called by each thread before all else; thread: 0..load->threads - 1. */
+/* Called once by each thread, first; thread: 0..load->threads - 1. */
 static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t thread);
-/* false: full; false: empty. */
+/* False: the queue is full. */
 static inline bool subject_push(subject_queue *queue, subject_thread *self, void *item);
+/* False: the queue is empty. */
 static inline bool subject_pop(subject_queue *queue, subject_thread *self, void **item);
 #if SUBJECT_BATCH
-/* How many went in; how many came out. */
+/* Return the number of items pushed or popped, 0..count. */
 static inline size_t subject_push_n(subject_queue *queue, subject_thread *self, void **items, size_t count);
 static inline size_t subject_pop_n(subject_queue *queue, subject_thread *self, void **items, size_t count);
 #endif
 #ifdef SUBJECT_ENDLESS
-/* No queue: pop always has something. Are the calls counted right? */
+/* The subject is no queue: pop always succeeds. True if it counted so many calls. */
 static bool subject_verify(subject_queue *queue, uint64_t pushes, uint64_t pops);
 #endif
 
 /* ---- cases ------------------------------------------------------------------------------------------------------- */
 
+/* Reads the case's name; exits with BENCH_CHILD_SKIP if it is none of these. */
 static inline queue_load queue_load_parse(const bench_child *child)
 {
 	queue_load load;
@@ -98,7 +107,7 @@ static inline queue_load queue_load_parse(const bench_child *child)
 	return load;
 }
 
-/* ---- distribution of times: 64 equal steps in each power of two -------------------------------------------------- */
+/* ---- histogram of times: 64 equal buckets for each power of two -------------------------------------------------- */
 
 #define QUEUE_LOAD_STEPS 64
 #define QUEUE_LOAD_BUCKETS (QUEUE_LOAD_STEPS * 40)
@@ -107,7 +116,7 @@ static inline uint32_t queue_load_bucket(uint64_t ticks)
 {
 	if (ticks < QUEUE_LOAD_STEPS)
 		return (uint32_t)ticks;
-	uint32_t shift = 57u - (uint32_t)__builtin_clzll(ticks); /* leaves 64..127 */
+	uint32_t shift = 57u - (uint32_t)__builtin_clzll(ticks); /* ticks >> shift is 64..127 */
 	uint32_t bucket = shift * QUEUE_LOAD_STEPS + (uint32_t)(ticks >> shift);
 	return bucket < QUEUE_LOAD_BUCKETS ? bucket : QUEUE_LOAD_BUCKETS - 1;
 }
@@ -123,29 +132,30 @@ static inline double queue_load_bucket_middle(uint32_t bucket)
 
 /* ---- threads ----------------------------------------------------------------------------------------------------- */
 
-#define QUEUE_LOAD_MARK_SHIFT 15 /* gaps are seen in steps of 2^15 ticks, some 10 us */
+#define QUEUE_LOAD_MARK_SHIFT 15 /* gaps have a resolution of 2^15 ticks, some 10 us */
 
-/* What identifies a set of items. */
+/* Sums over a set of items, modulo 2^64, that differ if an item is lost, repeated or changed. */
 typedef struct queue_load_sums {
 	uint64_t sum, squares;
 } queue_load_sums;
 
 typedef struct QUEUE_LOAD_ALIGNED queue_load_thread {
-	uint64_t count;       /* items; relaxed: others look at it now and then to see the backlog */
-	queue_load_sums sums; /* consumers: of what they took */
+	uint64_t count;       /* items pushed or popped; relaxed: producers only estimate the backlog from it */
+	queue_load_sums sums; /* of the items that a consumer popped */
 	subject_thread own;
 	uint32_t index;
 	uint64_t end_ns;
-	uint32_t *times; /* [QUEUE_LOAD_BUCKETS], or NULL */
-	uint8_t *marks;  /* [load_mark_count], or NULL: 1 where a call succeeded */
+	uint32_t *times; /* [QUEUE_LOAD_BUCKETS] histogram of call times, or NULL */
+	uint8_t *marks;  /* [load_mark_count], or NULL: 1 for each time step in which a call succeeded */
 	pthread_t thread;
 } queue_load_thread;
 
 static QUEUE_LOAD_ALIGNED subject_queue load_queue;
 static queue_load_thread load_threads[QUEUE_LOAD_MAX_THREADS];
-/* Set once by the main thread, relaxed: producers only have to see it some time. */
+/* Set once by the main thread. Relaxed: a hint that producers see eventually, which orders nothing. */
 static QUEUE_LOAD_ALIGNED bool load_stop;
-/* Release by the main thread when all producers have ended, acquire by the consumers: an empty queue then stays so. */
+/* Set by the main thread after it joined all producers. Release, pairs with the acquire of the consumers: a queue that
+ * is then empty stays empty. */
 static bool load_drain;
 static QUEUE_LOAD_ALIGNED queue_load load_setup;
 static int64_t load_backlog;
@@ -156,7 +166,7 @@ static pthread_barrier_t load_barrier;
 static inline void load_wait(uint32_t *turns)
 {
 	if (*turns < 16) {
-		++*turns;
+		(*turns)++;
 #if defined(__x86_64__)
 		__builtin_ia32_pause();
 #endif
@@ -176,12 +186,13 @@ static inline void load_take(queue_load_thread *self, void *item)
 	self->sums.squares += (uint64_t)item * (uint64_t)item;
 }
 
-/* A producer's first item is one more than this, and each next one more than that. */
+/* Producer i pushes the items (i + 1) * 2^40 + 1, + 2, + 3, ...: distinct numbers. This is the one before the first. */
 static inline uint64_t load_first_item(const queue_load_thread *self)
 {
 	return (uint64_t)(self->index + 1) << 40;
 }
 
+/* Records a successful call that began at `begin` (ticks). */
 static inline void load_note(queue_load_thread *self, queue_load_mode mode, uint64_t begin)
 {
 	if (mode == QUEUE_LOAD_LATENCY) {
@@ -203,6 +214,7 @@ static uint64_t load_sum_counts(uint32_t first, uint32_t end)
 	return sum;
 }
 
+/* Waits while the backlog is too large. */
 static void load_throttle(void)
 {
 	uint32_t turns = 0, producers = load_setup.producers;
@@ -212,12 +224,13 @@ static void load_throttle(void)
 
 #define LOAD_INLINE static inline __attribute__((always_inline))
 
-LOAD_INLINE void load_produce(queue_load_thread *self, const queue_load_mode mode)
+LOAD_INLINE void load_produce(queue_load_thread *self, queue_load_mode mode)
 {
 	uint64_t item = load_first_item(self);
-	do { /* once at least: a short run may be over before a busy machine gives this thread a CPU */
+	do { /* at least once: on a busy machine a short run may be over before this thread gets a CPU */
 		uint32_t turns = 0;
-		uint64_t begin = mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* a full queue counts */
+		uint64_t begin =
+			mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* waiting for a full queue is included */
 		while (!subject_push(&load_queue, &self->own, (void *)++item))
 			--item, load_wait(&turns);
 		load_note(self, mode, begin);
@@ -227,7 +240,7 @@ LOAD_INLINE void load_produce(queue_load_thread *self, const queue_load_mode mod
 	} while (!__atomic_load_n(&load_stop, __ATOMIC_RELAXED));
 }
 
-LOAD_INLINE void load_consume(queue_load_thread *self, const queue_load_mode mode)
+LOAD_INLINE void load_consume(queue_load_thread *self, queue_load_mode mode)
 {
 	for (uint32_t turns = 0;;) {
 		bool last = __atomic_load_n(&load_drain, __ATOMIC_ACQUIRE);
@@ -254,7 +267,7 @@ LOAD_INLINE void load_consume(queue_load_thread *self, const queue_load_mode mod
 static void load_produce_batches(queue_load_thread *self)
 {
 	uint64_t item = load_first_item(self);
-	do { /* as above */
+	do { /* at least once, as in load_produce */
 		void *items[QUEUE_LOAD_BATCH];
 		for (size_t i = 0; i < QUEUE_LOAD_BATCH; i++)
 			items[i] = (void *)++item;
@@ -299,7 +312,7 @@ static void load_work(queue_load_thread *self)
 		return;
 	}
 #endif
-	switch (load_setup.mode) { /* each with loops of its own: nothing is asked in them that does not change */
+	switch (load_setup.mode) { /* a constant mode in each call: the compiler makes loops without tests of it */
 	case QUEUE_LOAD_PLAIN:
 		if (producer)
 			load_produce(self, QUEUE_LOAD_PLAIN);
@@ -340,7 +353,7 @@ static void *load_allocate(size_t size)
 	void *made = malloc(size);
 	if (!made)
 		bench_child_fail("out of memory");
-	memset(made, 0, size); /* touched now, not during the run */
+	memset(made, 0, size); /* page faults happen now, not during the run */
 	return made;
 }
 
@@ -366,14 +379,14 @@ static void load_sleep(uint64_t nanoseconds)
 	nanosleep(&time, NULL);
 }
 
-/* A thread that gets the signal sleeps wherever it is: between any two instructions. */
+/* Signal handler: the thread stops for QUEUE_LOAD_STALL_NS between any two instructions. */
 static void load_fall_asleep(int number)
 {
 	(void)number;
 	load_sleep(QUEUE_LOAD_STALL_NS);
 }
 
-/* While the threads run; in the stall case, every now and then one of them is put to sleep. */
+/* Sleeps for the length of the run; in stall cases it stops a random thread every QUEUE_LOAD_STALL_EVERY_NS. */
 static void load_pass_time(uint32_t workers, uint32_t seed)
 {
 	uint64_t end = bench_child_now_ns() + (uint64_t)(load_setup.seconds * 1e9), now;
@@ -395,8 +408,8 @@ static void load_join(uint32_t first, uint32_t end)
 		pthread_join(load_threads[i].thread, NULL);
 }
 
-/* Some queues may say "empty" to a consumer while another one is about to give an item back: the main thread looks
- * again, alone. */
+/* Pops items that remain after all consumers have ended, by the main thread alone: some queues report "empty" to a
+ * consumer while another consumer still returns an item. */
 static void load_sweep(queue_load_thread *self)
 {
 #ifdef SUBJECT_ENDLESS
@@ -413,16 +426,17 @@ static void load_sweep(queue_load_thread *self)
 
 #ifdef SUBJECT_ENDLESS
 
+/* Ends the program if the subject lost calls; returns the number of items, a push and a pop for each. */
 static uint64_t load_verify(uint64_t in, uint64_t out)
 {
 	if (!subject_verify(&load_queue, in, out))
-		bench_child_fail("wrong result: the count is not that of the calls");
+		bench_child_fail("wrong result: the counter is not the number of calls");
 	return (in + out) / 2;
 }
 
 #else
 
-/* Of first + 1, first + 2, ... first + count, modulo 2^64. */
+/* The sums of first + 1, first + 2, ... first + count, in closed form. */
 static queue_load_sums load_sums_of_range(uint64_t first, uint64_t count)
 {
 	unsigned __int128 n = count, numbers = n * (n + 1) / 2, squares = n * (n + 1) * (2 * n + 1) / 6;
@@ -437,7 +451,7 @@ static void load_add_sums(queue_load_sums *total, queue_load_sums more)
 	total->squares += more.squares;
 }
 
-/* Returns the number of items that went through. */
+/* Ends the program if the items popped are not those pushed; returns their number. */
 static uint64_t load_verify(uint64_t in, uint64_t out)
 {
 	queue_load_sums pushed = {0, 0}, popped = {0, 0};
@@ -455,6 +469,7 @@ static uint64_t load_verify(uint64_t in, uint64_t out)
 
 #endif
 
+/* Prints percentiles over the histograms of threads [first, end), to the middle of a bucket. */
 static void load_report_times(const char *call, uint32_t first, uint32_t end, double ns_per_tick)
 {
 	static const struct {
@@ -480,7 +495,7 @@ static void load_report_times(const char *call, uint32_t first, uint32_t end, do
 	}
 }
 
-/* The longest run of marks in which no thread had a success, between the first success and the end. */
+/* Prints the longest time, after the first success, in which none of threads [first, end) had a success. */
 static void load_report_gap(const char *name, uint32_t first, uint32_t end, uint64_t marks, double ns_per_tick)
 {
 	uint64_t longest = 0, current = 0;
@@ -532,7 +547,7 @@ static int queue_load_main(int argc, char **argv)
 	load_start(workers);
 
 	uint64_t start_ns = bench_child_now_ns(), end_ns = start_ns;
-	load_start_ticks = bench_child_ticks(); /* the barrier shows it to the others */
+	load_start_ticks = bench_child_ticks(); /* published by the barrier */
 	pthread_barrier_wait(&load_barrier);
 	load_pass_time(workers, child.round);
 	uint64_t stop_ticks = bench_child_ticks();

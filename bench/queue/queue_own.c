@@ -1,10 +1,10 @@
-/* The queues behind the operations of jobs/job_queue_internal.h: ours, the article's and the mutex queue. */
+/* Queues behind stilb_job_queue: Stilb's two kinds, Sutter's and the mutex queue. */
 #include "bench/subjects/queue_subjects.h"
 
 #include <errno.h>
 
 typedef stilb_job_queue *subject_queue;
-typedef uint32_t subject_thread; /* its number */
+typedef uint32_t subject_thread; /* the thread's index, which stilb_job_queue asks for */
 #define SUBJECT_BATCH 1
 #include "bench/queue/queue_load.h"
 

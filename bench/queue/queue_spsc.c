@@ -1,4 +1,4 @@
-/* stilb_job_spsc: one producer, one consumer. */
+/* stilb_job_spsc, Stilb's queue for one producer and one consumer. */
 #include "jobs/job_spsc.h"
 
 typedef stilb_job_spsc *subject_queue;

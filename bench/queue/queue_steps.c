@@ -2,13 +2,13 @@
  * The two-lock queue in the four steps of Herb Sutter, "Measuring Parallel Performance: Optimizing a Concurrent Queue"
  * (Dr. Dobb's Journal, December 2008), with items that cost something to copy: 10 or 100 strings of 26 characters.
  *
- *   step1  plain: everything happens under the two locks: allocation and the copy of the item in, the copy out;
- *          producers free the nodes that consumers are done with
- *   step2  allocation and copying are done outside the locks: a node holds a pointer to its item
- *   step3  a consumer frees the node that it emptied, so the list's front is nothing that both sides touch
- *   step4  what belongs to different threads lies on different lines: the two ends, their locks, the nodes
+ *   step1  everything is done under the two locks: allocating a node, copying the item in, copying it out; producers
+ *          free the nodes that consumers have passed
+ *   step2  items are allocated and copied outside the locks: a node holds a pointer to its item
+ *   step3  a consumer frees the node that it emptied, so producers no longer touch the front of the list
+ *   step4  data of different threads lies on different cache lines: the two ends, their locks, the nodes
  *
- * The code is ours, after the article's description. Its locks are kept: spin locks without a pause.
+ * Written from the article's description, with its spin locks, which have no pause instruction.
  */
 #include <stdatomic.h>
 #include <stddef.h>
@@ -19,11 +19,11 @@ typedef struct subject_queue {
 } subject_queue;
 
 typedef struct subject_thread {
-	struct item *prototype; /* producers copy it into the queue */
+	struct item *prototype; /* producers push copies of it */
 } subject_thread;
 
 #define SUBJECT_BATCH 0
-#define QUEUE_LOAD_BACKLOG 4000 /* items are large */
+#define QUEUE_LOAD_BACKLOG 4000 /* fewer than for other queues, since items are large */
 #include "bench/queue/queue_load.h"
 
 #define LINE 64
@@ -32,7 +32,7 @@ typedef struct subject_thread {
 /* ---- items ------------------------------------------------------------------------------------------------------- */
 
 typedef struct item {
-	void *number; /* what the load pushes and pops */
+	void *number; /* the load's item */
 	uint32_t count;
 	char *strings[];
 } item;
@@ -79,23 +79,24 @@ static void item_free(item *old)
 
 /* ---- queues ------------------------------------------------------------------------------------------------------ */
 
-/* Which of the article's improvements are in: all smaller ones are, too. */
+/* The article's improvements; each step includes the ones before it. */
 typedef enum step { STEP_PLAIN = 1, STEP_SHORT_SECTIONS, STEP_CONSUMER_FREES, STEP_PADDED } step;
 
 typedef struct node {
 	item *value;
-	struct node *_Atomic next; /* release by the producer that appends, acquire by whoever follows it */
+	struct node *_Atomic next; /* release in append, pairs with the acquire in node_next */
 } node;
 
-/* Places that are on lines of their own in the last step, and as close as can be before it. */
+/* The shared variables lie in one block of memory: each on its own cache line in step 4, side by side before. */
 typedef struct steps_queue {
 	step step;
 	uint32_t item_strings;
 	size_t node_size;
-	node **first;           /* the oldest node; producers' until step 3, then consumers' */
-	node *_Atomic *divider; /* until step 3: last node that consumers emptied; release by them, acquire by producers */
-	node **last;            /* producers' */
-	atomic_bool *consumers, *producers; /* locks */
+	node **first; /* the oldest node; under the producers' lock in steps 1 and 2, then under the consumers' */
+	/* Steps 1 and 2: the last node that consumers emptied. Release in pass, pairs with the acquire in free_emptied. */
+	node *_Atomic *divider;
+	node **last;                        /* under the producers' lock */
+	atomic_bool *consumers, *producers; /* the locks */
 } steps_queue;
 
 static void lock(atomic_bool *flag)
@@ -128,7 +129,7 @@ static node *node_next(node *at)
 	return atomic_load_explicit(&at->next, memory_order_acquire); /* pairs with append */
 }
 
-/* Under the producers' lock: frees what consumers have left behind. */
+/* Frees the nodes that consumers have passed. The caller holds the producers' lock. */
 static void free_emptied(steps_queue *queue)
 {
 	node *divider = atomic_load_explicit(queue->divider, memory_order_acquire); /* pairs with pass */
@@ -141,7 +142,7 @@ static void free_emptied(steps_queue *queue)
 	}
 }
 
-/* Under the consumers' lock. */
+/* Makes the emptied node the divider. The caller holds the consumers' lock. */
 static void pass(steps_queue *queue, node *emptied)
 {
 	atomic_store_explicit(queue->divider, emptied, memory_order_release); /* pairs with free_emptied */
@@ -168,7 +169,8 @@ static item *pop_plain(steps_queue *queue)
 {
 	item *out = NULL;
 	lock(queue->consumers);
-	node *next = node_next(atomic_load_explicit(queue->divider, memory_order_relaxed)); /* the lock orders it */
+	node *next =
+		node_next(atomic_load_explicit(queue->divider, memory_order_relaxed)); /* relaxed: ordered by the lock */
 	if (next) {
 		out = item_copy(next->value);
 		pass(queue, next);
@@ -183,7 +185,8 @@ static item *pop(steps_queue *queue)
 		return pop_plain(queue);
 	bool frees = queue->step >= STEP_CONSUMER_FREES;
 	lock(queue->consumers);
-	node *old = frees ? *queue->first : atomic_load_explicit(queue->divider, memory_order_relaxed); /* as above */
+	node *old =
+		frees ? *queue->first : atomic_load_explicit(queue->divider, memory_order_relaxed); /* as in pop_plain */
 	node *next = node_next(old);
 	if (!next) {
 		unlock(queue->consumers);
@@ -196,14 +199,14 @@ static item *pop(steps_queue *queue)
 	else
 		pass(queue, next);
 	unlock(queue->consumers);
-	item *out = item_copy(value); /* to where the caller wants it */
+	item *out = item_copy(value); /* the copy into the caller's variable */
 	item_free(value);
 	if (frees)
 		free(old);
 	return out;
 }
 
-/* ---- the load's side --------------------------------------------------------------------------------------------- */
+/* ---- the functions that queue_load.h asks for -------------------------------------------------------------------- */
 
 static void subject_open(subject_queue *subject, const queue_load *load)
 {
@@ -211,7 +214,7 @@ static void subject_open(subject_queue *subject, const queue_load *load)
 	steps_queue *queue = allocate(sizeof *queue);
 	unsigned number = 0;
 	if (sscanf(load->subject, "step%u", &number) != 1 || number < STEP_PLAIN || number > STEP_PADDED)
-		bench_child_fail("%s is no step", load->subject);
+		bench_child_fail("no step '%s'", load->subject);
 	queue->step = (step)number;
 	bool padded = queue->step == STEP_PADDED;
 	size_t apart = padded ? LINE : sizeof(void *);

@@ -1,5 +1,5 @@
-/* The mutex queue behind a lock that enters the kernel whenever it is taken or given back, as Windows' mutex objects do
- * and pthread's do not: a semaphore of one, kept by an eventfd. */
+/* The mutex queue behind a lock that enters the kernel for every lock and unlock, as Windows' mutex objects do and
+ * uncontended pthread mutexes do not: a binary semaphore in an eventfd. */
 #include "bench/subjects/queue_subjects.h"
 
 #include <errno.h>
@@ -17,7 +17,7 @@ static kernel_queue *lock(stilb_job_queue *base)
 {
 	kernel_queue *queue = (kernel_queue *)base;
 	eventfd_t taken;
-	while (eventfd_read(queue->lock, &taken) != 0) { /* a signal came between */
+	while (eventfd_read(queue->lock, &taken) != 0) { /* interrupted by a signal */
 	}
 	return queue;
 }

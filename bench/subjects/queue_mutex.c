@@ -1,4 +1,4 @@
-/* A list under one pthread mutex. The only care taken: nodes are allocated and freed outside the lock. */
+/* A linked list under one pthread mutex; nodes are allocated and freed outside the lock. */
 #include "bench/subjects/queue_subjects.h"
 
 #include <errno.h>
@@ -13,7 +13,7 @@ typedef struct node {
 typedef struct mutex_queue {
 	stilb_job_queue base;
 	pthread_mutex_t mutex;
-	node *first, **end; /* end: where the next node is hung in */
+	node *first, **end; /* end: the pointer that the next node is stored in */
 	size_t count, capacity;
 	bool closed;
 } mutex_queue;
@@ -31,7 +31,7 @@ static int mutex_push(stilb_job_queue *base, void *item, uint32_t thread)
 	if (!error) {
 		*queue->end = made;
 		queue->end = &made->next;
-		++queue->count;
+		queue->count++;
 	}
 	pthread_mutex_unlock(&queue->mutex);
 	if (error)
@@ -50,7 +50,7 @@ static int mutex_pop(stilb_job_queue *base, void **item, uint32_t thread)
 		queue->first = old->next;
 		if (!queue->first)
 			queue->end = &queue->first;
-		--queue->count;
+		queue->count--;
 	}
 	pthread_mutex_unlock(&queue->mutex);
 	if (old)
@@ -61,7 +61,7 @@ static int mutex_pop(stilb_job_queue *base, void **item, uint32_t thread)
 
 static int mutex_push_n(stilb_job_queue *base, void *const *items, size_t count, uint32_t thread)
 {
-	for (size_t i = 0; i < count; ++i) {
+	for (size_t i = 0; i < count; i++) {
 		int error = mutex_push(base, items[i], thread);
 		if (error)
 			return i ? (int)i : error;
@@ -71,7 +71,7 @@ static int mutex_push_n(stilb_job_queue *base, void *const *items, size_t count,
 
 static int mutex_pop_n(stilb_job_queue *base, void **items, size_t max, uint32_t thread)
 {
-	for (size_t i = 0; i < max; ++i) {
+	for (size_t i = 0; i < max; i++) {
 		int error = mutex_pop(base, &items[i], thread);
 		if (error)
 			return i ? (int)i : error;

@@ -1,9 +1,10 @@
 /*
- * The generalised queue of Sutter's article (Dr. Dobb's Journal, November 2008), kept as it was: raw spin locks without
- * a pause, an item in a box of its own, node and box allocated and freed outside the locks, nodes padded to a line. The
- * list always has one node in front whose item is gone, so the two ends meet in one word only: its `next`.
+ * The queue of Sutter's article (Dr. Dobb's Journal, November 2008) as published: spin locks without a pause
+ * instruction, each item in an allocated box, node and box allocated and freed outside the locks, nodes padded to a
+ * cache line. The list always starts with a node without an item, so producers and consumers share one word: the `next`
+ * of that node if the queue is empty.
  *
- * close is not in the article; it costs one plain read under the producers' lock and nothing when there is an item.
+ * close is an addition: push reads one more flag under the producers' lock, pop only if the queue is empty.
  */
 #include "bench/subjects/queue_subjects.h"
 
@@ -11,7 +12,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#define LINE 64 /* what the article pads to */
+#define LINE 64 /* the article's padding */
 
 typedef struct node {
 	void **box;
@@ -21,10 +22,10 @@ typedef struct node {
 
 typedef struct sutter {
 	stilb_job_queue base;
-	_Alignas(LINE) node *first; /* for one consumer at a time */
+	_Alignas(LINE) node *first; /* under the consumers' lock */
 	_Alignas(LINE) atomic_bool consumer_lock;
-	_Alignas(LINE) node *last; /* for one producer at a time */
-	_Atomic bool closed;       /* written under the producers' lock */
+	_Alignas(LINE) node *last; /* under the producers' lock */
+	_Atomic bool closed;       /* written under the producers' lock; release, pairs with the acquire in sutter_pop */
 	_Alignas(LINE) atomic_bool producer_lock;
 } sutter;
 
@@ -65,7 +66,7 @@ static int sutter_push(stilb_job_queue *base, void *item, uint32_t thread)
 	/* Relaxed: the lock orders it against sutter_close. */
 	bool closed = atomic_load_explicit(&queue->closed, memory_order_relaxed);
 	if (!closed) {
-		/* Release, pairs with the acquire in sutter_pop: whoever sees the node sees the item. */
+		/* Release, pairs with the acquires in sutter_pop and sutter_empty: publishes the node and its item. */
 		atomic_store_explicit(&queue->last->next, made, memory_order_release);
 		queue->last = made;
 	}
@@ -85,7 +86,7 @@ static int sutter_pop(stilb_job_queue *base, void **item, uint32_t thread)
 	node *old = queue->first;
 	node *next = atomic_load_explicit(&old->next, memory_order_acquire); /* pairs with sutter_push */
 	if (!next) {
-		/* Acquire, pairs with the release in sutter_close: when it is seen, so is the last item pushed before it. */
+		/* Acquire, pairs with the release in sutter_close: makes items visible that were pushed before it. */
 		bool closed = atomic_load_explicit(&queue->closed, memory_order_acquire);
 		next = closed ? atomic_load_explicit(&old->next, memory_order_acquire) : NULL; /* pairs with sutter_push */
 		if (!next) {
@@ -105,7 +106,7 @@ static int sutter_pop(stilb_job_queue *base, void **item, uint32_t thread)
 
 static int sutter_push_n(stilb_job_queue *base, void *const *items, size_t count, uint32_t thread)
 {
-	for (size_t i = 0; i < count; ++i) {
+	for (size_t i = 0; i < count; i++) {
 		int error = sutter_push(base, items[i], thread);
 		if (error)
 			return i ? (int)i : error;
@@ -115,7 +116,7 @@ static int sutter_push_n(stilb_job_queue *base, void *const *items, size_t count
 
 static int sutter_pop_n(stilb_job_queue *base, void **items, size_t max, uint32_t thread)
 {
-	for (size_t i = 0; i < max; ++i) {
+	for (size_t i = 0; i < max; i++) {
 		int error = sutter_pop(base, &items[i], thread);
 		if (error)
 			return i ? (int)i : error;
@@ -150,7 +151,7 @@ static void sutter_destroy(stilb_job_queue *base)
 {
 	sutter *queue = (sutter *)base;
 	for (node *at = queue->first, *next; at; at = next) {
-		next = atomic_load_explicit(&at->next, memory_order_relaxed); /* nobody else is here any more */
+		next = atomic_load_explicit(&at->next, memory_order_relaxed); /* relaxed: no other thread uses the queue */
 		free(at->box);
 		free(at);
 	}

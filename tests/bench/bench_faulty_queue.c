@@ -1,11 +1,11 @@
-/* In place of stilb-bench-queue-own: what the load must notice. mutex is right; sutter hands one item out twice;
- * stilb-low-lock loses one; stilb-lock-free swaps one for another: the number is right and the items are not. */
+/* Stands in for stilb-bench-queue-own, with faults that the load must notice: sutter returns an item twice,
+ * stilb-low-lock loses one, stilb-lock-free changes one, so that only the sums differ. mutex has no fault. */
 #include <stdint.h>
 
 typedef struct subject_queue {
 	struct stilb_job_queue *queue;
-	uint64_t pops; /* counted by one consumer: all cases here have one */
-	char fault;    /* '1' again, '0' lost, '~' swapped, ' ' none */
+	uint64_t pops; /* counted by the only consumer */
+	char fault;    /* '1': an item twice, '0': an item lost, '~': an item changed, ' ': none */
 } subject_queue;
 
 typedef char subject_thread;

@@ -1,4 +1,4 @@
-/* The program stilb-bench: its flags, a small run and its JSON, and what it makes of programs that fail, lie, hang. */
+/* stilb-bench: its flags, short runs and their JSON, and programs that fail, print wrong results, hang or die. */
 #include "support/bench_program.h"
 
 #include <math.h>
@@ -10,10 +10,10 @@ static int bench_code(const char *line)
 	return stilb_code(NULL, line);
 }
 
-/* Rounds are told of on stderr, so that is not empty. */
+/* stilb_good would want an empty stderr, but finished rounds are printed there. */
 static void bench_good(const char *line)
 {
-	const int code = bench_code(line);
+	int code = bench_code(line);
 	if (code != 0)
 		print_error("%s\n%s", line, run.err);
 	assert_int_equal(code, 0);
@@ -42,7 +42,7 @@ static void test_help_and_list(void **state)
 	assert_int_equal(folder_entries(), 0);
 }
 
-/* What is wrong, and a word that the line about it must have. */
+/* A command line that is refused, and a word that the line on stderr must have. */
 static const char *const refusals[][2] = {
 	{"", "no suite"},
 	{"bogus", "'bogus'"},
@@ -86,7 +86,7 @@ static void test_refusals(void **state)
 
 /* ---- a small run ------------------------------------------------------------------------------------------------- */
 
-/* The place in rows of a row, or -1. */
+/* The index in the array "rows" of a case, a subject and a metric, or -1. */
 static int row_of(const char *case_name, const char *subject, const char *metric)
 {
 	for (int i = 0;; i++) {
@@ -118,7 +118,7 @@ static double row_value(const char *case_name, const char *subject, const char *
 	return strtod(stat_text(path, '0'), NULL);
 }
 
-/* A row is in order, and has as many runs as there were rounds; returns its median. */
+/* Asserts min <= median <= max and the number of runs; returns the median. */
 static double assert_row(const char *case_name, const char *subject, const char *metric, int runs)
 {
 	double median = row_value(case_name, subject, metric, "median");
@@ -140,7 +140,7 @@ static void assert_small_run(int runs)
 		assert_true(assert_row("limits", "machine", limits[i], runs) > 0.0);
 	for (size_t i = 0; i < 5; i++) {
 		double throughput = assert_row("2P2C", subjects[i], "throughput", runs);
-		/* Every item was verified, and a run lasts at least as long as was asked for. */
+		/* A run of at least 0.02 s verified as many items as its throughput says. */
 		double items = assert_row("2P2C", subjects[i], "items", runs);
 		assert_true(items >= 1.0 && items * 1.05 >= throughput * 1e6 * 0.02);
 		assert_true(assert_row("2P2C", subjects[i], "peak-memory", runs) > 0.0);
@@ -167,7 +167,7 @@ static void test_small_run(void **state)
 	assert_int_equal(folder_entries(), 1);
 }
 
-/* Every run of a cull subject verifies what it saw, so a run that ends well is right. */
+/* Every run of a cull subject verifies its visible set, so a run that succeeds was right. */
 static void test_small_run_of_cull(void **state)
 {
 	(void)state;
@@ -194,7 +194,7 @@ static void test_json_goes_where_it_is_told(void **state)
 	snprintf(line, sizeof line, "%s --json -", words);
 	bench_good(line);
 	json_flat_finish(&stats);
-	assert_true(json_flat_text(run.out, strlen(run.out), &stats)); /* nothing but JSON on stdout */
+	assert_true(json_flat_text(run.out, strlen(run.out), &stats)); /* stdout has only JSON */
 	assert_row("1P1C", "mutex", "throughput", 1);
 	assert_said(run.err, "best peer: mutex"); /* the tables are on stderr then */
 	snprintf(line, sizeof line, "%s --json /dev/full", words);
@@ -209,9 +209,9 @@ static void test_json_goes_where_it_is_told(void **state)
 	assert_int_equal(folder_entries(), 0);
 }
 
-/* ---- programs that are not as they should be --------------------------------------------------------------------- */
+/* ---- programs with faults ---------------------------------------------------------------------------------------- */
 
-/* The load notices a lost item, one that comes twice and one that is another, and the program says so. */
+/* The load notices an item that is lost, repeated or changed, and the program reports it. */
 static void test_wrong_results_are_failures(void **state)
 {
 	(void)state;
@@ -230,11 +230,12 @@ static void test_wrong_results_are_failures(void **state)
 		read_stats("a.json");
 		assert_int_equal(row_of("1P1C", faulty[i], "throughput"), -1);
 		assert_row("1P1C", "mutex", "throughput", 1);
-		assert_true(row_value("1P1C", "mutex", "items", "median") > 2000.0); /* the fault lies after 1000 */
+		/* The run was long enough: the others' fault is at item 1000. */
+		assert_true(row_value("1P1C", "mutex", "items", "median") > 2000.0);
 	}
 }
 
-/* A peer that hangs is killed and reported, and fails nobody else; ours may not hang. */
+/* A peer that hangs is killed and reported, and the exit code stays 0; a hanging subject of Stilb's is a failure. */
 static void test_programs_that_hang_or_die(void **state)
 {
 	(void)state;
@@ -246,7 +247,7 @@ static void test_programs_that_hang_or_die(void **state)
 		copy_code(NULL,
 	              "queue --give-up 2 --quick --seconds 0.01 --rounds 2 --case 1P1C --only mutex,sutter --json a.json"),
 		0);
-	assert_said(run.out, "TIMED OUT in 1 of 1 runs"); /* and is left out of the second round */
+	assert_said(run.out, "TIMED OUT in 1 of 1 runs"); /* and is not run in the second round */
 	read_stats("a.json");
 	assert_true(assert_row("1P1C", "mutex", "throughput", 2) == 7.0);
 	assert_true(row_value("1P1C", "sutter", "timed-out", "median") == 1.0);
@@ -254,7 +255,7 @@ static void test_programs_that_hang_or_die(void **state)
 	assert_int_equal(copy_code(NULL, "queue --give-up 1 --seconds 0.01 --rounds 1 --case 1P1C --only stilb-low-lock"),
 	                 1);
 	assert_said(run.err, "stilb: stilb-low-lock in 1P1C: no result after 1 s, killed");
-	/* One that spins is ended by the CPU time that it takes, however long that is on a busy machine. */
+	/* A program that spins is killed by its limit of CPU time, however long that takes on a busy machine. */
 	write_program("stilb-bench-queue-own", "while :; do :; done");
 	assert_int_equal(copy_code(NULL, "queue --quick --seconds 0.01 --rounds 1 --case 1P1C --only stilb-low-lock"), 1);
 	assert_said(run.err, "of CPU time, killed");
@@ -269,7 +270,7 @@ static void test_programs_that_hang_or_die(void **state)
 		assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex"), 1);
 		assert_said(run.err, deaths[i][1]);
 	}
-	write_program("stilb-bench-queue-own", "exit 77"); /* has no such case: no row, no failure */
+	write_program("stilb-bench-queue-own", "exit 77"); /* BENCH_CHILD_SKIP: no row, no failure */
 	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex --json a.json"), 0);
 	read_stats("a.json");
 	assert_int_equal(row_of("1P1C", "mutex", "throughput"), -1);
@@ -277,7 +278,7 @@ static void test_programs_that_hang_or_die(void **state)
 
 /* ---- in words ---------------------------------------------------------------------------------------------------- */
 
-/* Where the sentences begin; goals and their verdicts are for those who ask. */
+/* The three sentences at the end of stdout; without --goals nothing says "goal" or "MISSED". */
 static const char *last_words(void)
 {
 	const char *words = strstr(run.out, "\nqueue: ");
@@ -300,23 +301,22 @@ static void test_three_sentences_at_the_end(void **state)
 	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 2 --case 1P1C,2P2C --only mutex,stilb-low-lock"),
 	                 0);
 	const char *words = last_words();
-	assert_said(
-		words,
-		"\nqueue: 8 runs of 0.01 s over 4 pairs of a subject and a case, in 2 rounds; 8 of them gave a result.\n");
 	assert_said(words,
-	            "\nOurs is at least as good as the best of the others in 1 of 2 comparisons, and furthest behind in "
-	            "1P1C, where throughput of stilb-low-lock is 0.80 times as good as that of mutex.\n");
-	assert_said(words, "\nDifferences of less than 0 % mean nothing here");
+	            "\nqueue: 8 runs of 0.01 s (4 pairs of a subject and a case, 2 rounds), of which 8 gave a result.\n");
+	assert_said(words,
+	            "\nStilb is at least as good as the best other library in 1 of 2 comparisons; it is furthest behind in "
+	            "1P1C, whose throughput is 8.00 Mops/s with stilb-low-lock and 10.0 Mops/s with mutex.\n");
+	assert_said(words, "\nDifferences below 0 % are noise");
 	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 2P2C --only mutex,stilb-low-lock"), 0);
-	assert_said(last_words(), "\nOurs is at least as good as the best of the others in all 1 comparisons.\n"
+	assert_said(last_words(), "\nStilb is at least as good as the best other library in the only comparison.\n"
 	                          "No subject ran twice");
 	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 2P2C --only stilb-low-lock"), 0);
-	assert_said(last_words(), "\nNothing of others was measured beside ours");
+	assert_said(last_words(), "\nNo other library was measured in this run");
 	assert_int_equal(copy_code(NULL, "queue --goals --seconds 0.01 --rounds 1 --case 2P2C --only stilb-low-lock"), 0);
-	assert_said(run.out, "\ngoals; ");
+	assert_said(run.out, "\ngoals, set on the CPU named in docs/benchmarks.md");
 }
 
-/* Both streams in one file: what failed stands after the tables, in a line of its own. */
+/* With both streams in one file, the line about a failure follows the tables and is a line of its own. */
 static void test_streams_do_not_tear_each_other(void **state)
 {
 	(void)state;
@@ -335,7 +335,7 @@ static void test_streams_do_not_tear_each_other(void **state)
 
 #define PLOTTED "queue --seconds 0.01 --rounds 1 --case 1P1C --only mutex --plot a.png"
 
-/* gnuplot is a stand-in here: it writes a word where the script wants the picture. */
+/* gnuplot is a stand-in that writes a word into the file that the script names. */
 static void test_pictures(void **state)
 {
 	(void)state;
