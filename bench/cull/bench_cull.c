@@ -1,5 +1,5 @@
-/* The suite `cull`: flat culling and the octree, by number of models and visible share, beside the machine's limit.
- * What a case is: cull_cases.h. */
+/* The suite `cull`: flat culling, the octree and the automatic choice, by number of models and visible share, beside a
+ * read of all bounds. The cases are in cull_cases.h. */
 #include "bench/cull/bench_cull.h"
 #include "bench/cull/cull_cases.h"
 
@@ -8,16 +8,16 @@
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
 static const bench_metric metrics[] = {
-	{"per-model", "ns", true, NULL}, /* the p50, for each model of the scene, visible or not */
+	{"per-model", "ns", true, NULL}, /* p50 / number of models in the scene, visible or not */
 	{"p50", "us", true, NULL},
 	{"p99", "us", true, NULL},
 	{"visible", "%", true, NULL},
 };
 
-/* What a subject must be able to do. */
+/* Abilities of subjects that cases need. */
 enum {
-	LOOK = 1, /* see a scene in which nothing moves */
-	MOVE = 2  /* keep up with one that moves */
+	LOOK = 1, /* cull a scene in which nothing moves */
+	MOVE = 2  /* update its structure in each frame */
 };
 
 static const bench_case cases[] = {
@@ -30,28 +30,49 @@ static const bench_case cases[] = {
 #define PROGRAM "stilb-bench-cull"
 
 static const bench_subject subjects[] = {
-	{.name = "stilb-flat-scalar", .program = PROGRAM, .note = "every sphere, plain C", .abilities = LOOK},
-	{.name = "stilb-flat-avx2", .program = PROGRAM, .note = "every sphere, eight at a time", .abilities = LOOK},
-	{.name = "stilb-flat-avx512", .program = PROGRAM, .note = "every sphere, sixteen at a time", .abilities = LOOK},
-	{.name = "stilb-octree", .program = PROGRAM, .note = "the loose octree", .abilities = LOOK | MOVE},
-	{.name = "stilb-auto", .program = PROGRAM, .note = "whichever the frame before suggests", .abilities = LOOK | MOVE},
-	{.name = "stilb-flat-2", .program = PROGRAM, .note = "flat on two threads, in a phase", .abilities = LOOK},
-	{.name = "stilb-octree-2", .program = PROGRAM, .note = "octree on two threads, in a phase", .abilities = LOOK},
-	{.name = "stilb-auto-2", .program = PROGRAM, .note = "auto on two threads, in a phase", .abilities = LOOK},
+	{.name = "stilb-flat-scalar",
+     .program = PROGRAM,
+     .note = "tests every bounding sphere, plain C",
+     .abilities = LOOK},
+	{.name = "stilb-flat-avx2",
+     .program = PROGRAM,
+     .note = "tests every bounding sphere, eight at a time with AVX2",
+     .abilities = LOOK},
+	{.name = "stilb-flat-avx512",
+     .program = PROGRAM,
+     .note = "tests every bounding sphere, sixteen at a time with AVX-512",
+     .abilities = LOOK},
+	{.name = "stilb-octree", .program = PROGRAM, .note = "a loose octree", .abilities = LOOK | MOVE},
+	{.name = "stilb-auto",
+     .program = PROGRAM,
+     .note = "flat or octree, chosen by the frame before",
+     .abilities = LOOK | MOVE},
+	{.name = "stilb-flat-2",
+     .program = PROGRAM,
+     .note = "flat on two threads that stay awake between frames",
+     .abilities = LOOK},
+	{.name = "stilb-octree-2",
+     .program = PROGRAM,
+     .note = "octree on two threads that stay awake between frames",
+     .abilities = LOOK},
+	{.name = "stilb-auto-2",
+     .program = PROGRAM,
+     .note = "auto on two threads that stay awake between frames",
+     .abilities = LOOK},
 	{.name = "rebuild",
      .program = PROGRAM,
-     .note = "the octree built anew in each frame",
+     .note = "builds a new octree in each frame",
      .abilities = MOVE,
      .reference = true},
 	{.name = "stream",
      .program = PROGRAM,
-     .note = "reads 16 bytes a model and does nothing with them",
+     .note = "only reads 16 bytes of each model: a lower bound for flat culling",
      .abilities = LOOK,
      .reference = true},
 };
 
 const bench_suite bench_cull_suite = {.name = "cull",
-                                      .help = "culling: flat, octree and the choice between them",
+                                      .help = "frustum culling: flat, octree and the automatic choice",
                                       .subjects = subjects,
                                       .subject_count = COUNT(subjects),
                                       .cases = cases,

@@ -1,4 +1,4 @@
-/* bench_cull: what the files of the suite `cull` share. */
+/* bench_cull: shared by the files of the suite `cull`. [main-thread] */
 #ifndef BENCH_CULL_H
 #define BENCH_CULL_H
 
@@ -6,7 +6,7 @@
 
 #define BENCH_CULL_PLOT_ROWS 2
 
-/* bench_cull_report.c: one table for all cases, the goals beside what was measured, and a picture. */
+/* bench_suite.report (one table for all cases), .goals and .plot of the suite; bench_cull_report.c. */
 void bench_cull_report(FILE *out, const bench_results *results);
 void bench_cull_goals(FILE *out, const bench_results *results);
 void bench_cull_plot(FILE *out, const bench_results *results);

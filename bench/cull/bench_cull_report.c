@@ -1,4 +1,4 @@
-/* The suite `cull`: its table, its goals, met or missed, and a picture. */
+/* The suite `cull`: its table, its bounds, each met or missed, and its picture. */
 #include "bench/cull/bench_cull.h"
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
@@ -19,7 +19,8 @@ static void print_case(FILE *out, const bench_results *results, const char *on)
 			length += snprintf(line + length, (size_t)width, " %*.3f", 17, row->median);
 		else
 			length += snprintf(line + length, (size_t)width, " %*s", 17, "-");
-		any |= row != NULL;
+		if (row)
+			any = true;
 	}
 	if (any)
 		fprintf(out, "%s\n", line);
@@ -27,7 +28,7 @@ static void print_case(FILE *out, const bench_results *results, const char *on)
 
 static void print_table(FILE *out, const bench_results *results)
 {
-	fprintf(out, "\nns for each model of the scene, medians; case: models, percent visible\n  %-10s", "");
+	fprintf(out, "\nculling time / number of models in the scene, ns, medians\n  %-10s", "models-%");
 	for (size_t s = 0; s < bench_suite_of(results)->subject_count; s++)
 		fprintf(out, " %17s", bench_suite_of(results)->subjects[s].name);
 	fputc('\n', out);
@@ -37,7 +38,7 @@ static void print_table(FILE *out, const bench_results *results)
 
 /* ---- goals ------------------------------------------------------------------------------------------------------- */
 
-/* Theirs / ours in each round is to be at least so much; 0: no goal, only to be seen. */
+/* The time of `theirs` divided by that of `ours` must be at least `least`; 0: no bound. */
 typedef struct ratio_goal {
 	const char *on, *ours, *theirs;
 	double least;
@@ -82,14 +83,14 @@ static void print_ratio(FILE *out, const bench_results *results, const ratio_goa
 	bench_ratio ratio;
 	if (!our || !their || !bench_paired_ratio(results, their, our, &ratio))
 		return;
-	fprintf(out, "  %-10s %-18s %9.4g us, %-18s / it %7.3g [%.3g-%.3g]", g->on, g->ours, our->median, g->theirs,
+	fprintf(out, "  %-10s %-18s %9.4g us, %-18s / this %7.3g [%.3g-%.3g]", g->on, g->ours, our->median, g->theirs,
 	        ratio.median, ratio.min, ratio.max);
 	if (g->least > 0.0)
 		fprintf(out, ", goal >= %.3g  %s", g->least, verdict(ratio.median >= g->least));
 	fputc('\n', out);
 }
 
-/* The choice is to cost at most a tenth more than the better of what it chooses from. */
+/* The automatic choice may take at most a tenth longer than the better of flat and octree. */
 static void print_choice(FILE *out, const bench_results *results, const char *on)
 {
 	const bench_row *our = bench_find(results, on, "stilb-auto", "p50"), *flat = bench_find(results, on, FLAT, "p50"),
@@ -99,11 +100,11 @@ static void print_choice(FILE *out, const bench_results *results, const char *on
 		return;
 	const bench_row *better = octree->median < flat->median ? octree : flat;
 	if (bench_paired_ratio(results, our, better, &ratio))
-		fprintf(out, "  %-10s %-18s %9.4g us, it / %-18s %7.3g [%.3g-%.3g], goal <= 1.1  %s\n", on, our->name,
+		fprintf(out, "  %-10s %-18s %9.4g us, this / %-18s %7.3g [%.3g-%.3g], goal <= 1.1  %s\n", on, our->name,
 		        our->median, better->name, ratio.median, ratio.min, ratio.max, verdict(ratio.median <= 1.1));
 }
 
-/* Microseconds, at most. */
+/* Bounds of the median, microseconds. */
 static const struct {
 	const char *on, *subject;
 	double most;
@@ -118,7 +119,9 @@ void bench_cull_report(FILE *out, const bench_results *results)
 
 void bench_cull_goals(FILE *out, const bench_results *results)
 {
-	fprintf(out, "\ngoals; ratios of the same round: median [least-most]\n");
+	fprintf(
+		out,
+		"\ngoals, set on the CPU named in docs/benchmarks.md; ratios of times, median [least-most] of the rounds\n");
 	for (size_t c = 0; c < bench_suite_of(results)->case_count; c++)
 		print_choice(out, results, bench_suite_of(results)->cases[c].name);
 	for (size_t i = 0; i < COUNT(ratio_goals); i++)
@@ -133,13 +136,13 @@ void bench_cull_goals(FILE *out, const bench_results *results)
 
 /* ---- picture ----------------------------------------------------------------------------------------------------- */
 
-/* A diagram: cases from left to right, NULL-terminated. */
+/* A diagram: cases from left to right, at most 4, NULL-terminated. */
 typedef struct diagram {
 	const char *title, *ticks, *x_label;
 	const char *cases[5];
 } diagram;
 
-#define SHARES "'1 %%' 0, '10 %%' 1, '50 %%' 2, 'all' 3" /* gnuplot takes them as formats */
+#define SHARES "'1 %%' 0, '10 %%' 1, '50 %%' 2, 'all' 3" /* gnuplot formats them: %% is % */
 
 static const diagram diagrams[2 * BENCH_CULL_PLOT_ROWS] = {
 	{"10,000 models", SHARES, "visible", {"10k-1", "10k-10", "10k-50", "10k-100"}},
@@ -151,7 +154,7 @@ static const diagram diagrams[2 * BENCH_CULL_PLOT_ROWS] = {
      {"10k-move", "100k-move", "1M-move"}},
 };
 
-/* The octree in red, flat in blue: one thread full, two dashed; what is compared with them in grey. */
+/* Line styles: the octree red, flat blue, references grey; one thread solid, two dashed. */
 static const struct {
 	const char *subject, *style;
 } lines[] = {
@@ -166,7 +169,7 @@ static const struct {
 	{"stream", "linecolor rgb '#808080' dashtype 3 pointtype 2"},
 };
 
-/* x, median, least, most of a subject's cases; false: none ran. */
+/* Writes a data block "x median least most" of a subject's cases; false if none ran. */
 static bool write_line(FILE *out, const bench_results *results, size_t place, size_t line)
 {
 	bool any = false;
@@ -175,7 +178,8 @@ static bool write_line(FILE *out, const bench_results *results, size_t place, si
 		const bench_row *row = bench_find(results, diagrams[place].cases[x], lines[line].subject, "per-model");
 		if (row)
 			fprintf(out, "%d %.6g %.6g %.6g\n", x, row->median, row->min, row->max);
-		any |= row != NULL;
+		if (row)
+			any = true;
 	}
 	fprintf(out, "END\n");
 	return any;
@@ -186,7 +190,7 @@ static void plot_diagram(FILE *out, const bench_results *results, size_t place)
 	bool any[COUNT(lines)];
 	for (size_t i = 0; i < COUNT(lines); i++)
 		any[i] = write_line(out, results, place, i);
-	const double height = 0.94 / BENCH_CULL_PLOT_ROWS;
+	double height = 0.94 / BENCH_CULL_PLOT_ROWS;
 	fprintf(out,
 	        "set origin %.2f,%.4f\nset size 0.5,%.4f\nset title \"%s\"\nset ylabel 'ns for each model of the scene'\n"
 	        "set xlabel '%s'\nset logscale y\nset yrange [*:*]\nset xrange [-0.2:%d.2]\nset xtics (%s)\n"

@@ -1,9 +1,9 @@
 /*
  * cull_cases: the cases of the suite `cull`, known to stilb-bench and to the program that runs them.
  *
- * The scene: spheres of 0.5 to 2 m radius, evenly spread over a cube, one for each cube of 4 m. The view: 60 degrees
- * high, 16:9, askew to the axes, turning half a degree a frame and back again; the far plane lies so that exactly the
- * share that the case names is visible.
+ * Scene: bounding spheres of 0.5 to 2 m radius, evenly distributed over a cube, one for each 4 m x 4 m x 4 m. View: 60
+ * degrees high, 16:9, oblique to the axes, turning by half a degree a frame and back again. The far plane is set so
+ * that exactly the share of models that the case names is visible.
  */
 #ifndef CULL_CASES_H
 #define CULL_CASES_H
@@ -14,9 +14,9 @@
 typedef struct cull_case {
 	const char *name;
 	uint32_t models;
-	double share; /* visible */
-	double back;  /* the camera's distance from the middle, in half sides of the cube */
-	bool moves;   /* a tenth of the models moves in each frame, and that is timed with the culling */
+	double share; /* of the models that is visible, 0..1 */
+	double back;  /* the camera's distance from the cube's centre, in units of half its side */
+	bool moves;   /* a tenth of the models moves in each frame; updating the octree is timed together with culling */
 } cull_case;
 
 /* X(name, title, fields of cull_case from models on) */

@@ -1,5 +1,5 @@
-/* The program of the suite `cull`: runs one case with one way of culling, and verifies what it saw against a plain
- * loop. */
+/* The program of the suite `cull`: runs one case with one way of culling, and compares the visible set with that of a
+ * plain loop. */
 #include "bench/cull/cull_cases.h"
 #include "bench/harness/bench_child.h"
 
@@ -10,23 +10,23 @@
 #include <stdbool.h>
 #include <string.h>
 
-#define SPACING 4.0f /* metres: one sphere for each cube of this side */
+#define SPACING 4.0f /* metres: one sphere for each cube of this side, on average */
 #define VIEWS 4
-#define TURN 0.00872664626f /* half a degree */
+#define TURN 0.00872664626f /* half a degree, in radians */
 #define MAX_SAMPLES (1u << 16)
 
 typedef struct run {
 	const cull_case *on;
 	stilb_scene scene;
-	float *home_x; /* about which models move */
+	float *home_x; /* metres: models move along x around these positions */
 	stilb_frustum views[VIEWS];
-	uint32_t *expected; /* scratch of verify */
+	uint32_t *expected; /* scratch memory: visible ids by plain_cull */
 	stilb_cull *cull;
 	stilb_cull_visible visible;
 	stilb_job_pool *pool; /* NULL: one thread */
 	stilb_cull_method method;
 	uint64_t frame;
-	uint64_t sum; /* keeps the stream's reads alive */
+	uint64_t sum; /* of what stream_frame read, so that the compiler keeps the reads */
 	uint32_t sample_count;
 	double samples[MAX_SAMPLES]; /* ns */
 } run;
@@ -73,7 +73,7 @@ static void make_scene(run *r)
 	}
 }
 
-/* The truth: ids of what is visible for the first so many planes; how many. */
+/* The reference: writes the ids of the models inside the first `planes` planes; returns their number. */
 static uint32_t plain_cull(const stilb_scene *scene, const stilb_frustum *frustum, uint32_t planes, uint32_t *ids)
 {
 	const stilb_scene_bounds *b = &scene->bounds;
@@ -97,7 +97,7 @@ static int compare_floats(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Moves the far plane to where share of the models are visible. */
+/* Moves the far plane so that the case's share of the models is visible. */
 static void set_far_plane(run *r, stilb_frustum *view)
 {
 	const stilb_scene_bounds *b = &r->scene.bounds;
@@ -106,7 +106,7 @@ static void set_far_plane(run *r, stilb_frustum *view)
 	uint32_t count = plain_cull(&r->scene, view, 5, r->expected);
 	if (count < wanted)
 		bench_child_fail("the view holds only %u of %u models", count, wanted);
-	float *distances = allocate(count, sizeof *distances); /* at which each becomes visible */
+	float *distances = allocate(count, sizeof *distances); /* of the far plane at which each model becomes visible */
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t id = r->expected[i];
 		float sum = (b->x[id] * far_plane->x + b->y[id] * far_plane->y) + b->z[id] * far_plane->z;
@@ -131,7 +131,7 @@ static void make_views(run *r)
 	}
 }
 
-/* 0, 1, 2, 3, 3, 2, 1, 0, 0, ... */
+/* The view of a frame, in the order 0, 1, 2, 3, 3, 2, 1, 0, 0, ... */
 static const stilb_frustum *view_of(const run *r, uint64_t frame)
 {
 	uint32_t v = (uint32_t)(frame % (2 * VIEWS));
@@ -142,12 +142,13 @@ static void verify(run *r, const stilb_frustum *view)
 {
 	uint32_t count = plain_cull(&r->scene, view, CULL_PLANES, r->expected);
 	if (r->visible.count != count || memcmp(r->visible.ids, r->expected, count * sizeof *r->expected) != 0)
-		bench_child_fail("wrong: sees %u models where a plain loop sees %u, or others", r->visible.count, count);
+		bench_child_fail("wrong result: %u models are visible, or other ones than the %u that a plain loop finds",
+		                 r->visible.count, count);
 }
 
 /* ---- subjects ---------------------------------------------------------------------------------------------------- */
 
-/* A tenth of the models, another one each frame, goes up to 25 cm to and fro. */
+/* Moves a tenth of the models, the next tenth in each frame, by up to 25 cm. */
 static void move_models(run *r)
 {
 	r->scene.moved_count = 0;
@@ -164,7 +165,7 @@ static void cull_frame(run *r, const stilb_frustum *view)
 	check(stilb_cull_run(r->cull, r->method, &r->scene, view, r->pool, 0, &r->visible));
 }
 
-/* The octree anew in each frame, instead of moved. */
+/* Builds a new octree instead of updating the old one. */
 static void rebuild_frame(run *r, const stilb_frustum *view)
 {
 	stilb_cull_destroy(r->cull);
@@ -172,7 +173,7 @@ static void rebuild_frame(run *r, const stilb_frustum *view)
 	check(stilb_cull_run(r->cull, STILB_CULL_OCTREE, &r->scene, view, NULL, 0, &r->visible));
 }
 
-/* What any method that looks at every sphere must do at least: read 16 bytes a model. */
+/* The least that a method that tests every sphere must do: read 16 bytes of each model. */
 static void stream_frame(run *r, const stilb_frustum *view)
 {
 	typedef uint64_t two __attribute__((vector_size(16), may_alias)); /* 4 models */
@@ -191,9 +192,9 @@ typedef struct subject {
 	const char *name;
 	void (*frame)(run *r, const stilb_frustum *view);
 	stilb_cull_method method;
-	const char *isa;  /* NULL: the widest */
-	uint32_t workers; /* beside the caller */
-	bool sees;        /* has a result to verify */
+	const char *isa;  /* instruction set; NULL: the widest of this CPU */
+	uint32_t workers; /* besides the caller */
+	bool sees;        /* produces a visible set, which is verified */
 } subject;
 
 static const subject subjects[] = {
@@ -211,7 +212,8 @@ static const subject subjects[] = {
 
 /* ---- measuring --------------------------------------------------------------------------------------------------- */
 
-/* One sample. Frames in which nothing moves are timed eight at a time: some are shorter than the clock is exact. */
+/* One sample: ns of a frame. Frames in which nothing moves are timed eight at a time, since some of them take less than
+ * the clock's resolution. */
 static double sample(run *r, const subject *s)
 {
 	uint32_t frames = r->on->moves ? 1 : 2 * VIEWS;
@@ -241,9 +243,9 @@ static int compare_doubles(const void *a, const void *b)
 
 static void measure(run *r, const subject *s, double seconds)
 {
-	verify_all(r, s); /* warms caches, too */
+	verify_all(r, s); /* also warms the caches */
 	if (r->pool)
-		stilb_job_phase_begin(r->pool); /* as within a frame of the engine that has work for the workers */
+		stilb_job_phase_begin(r->pool); /* workers stay awake, as in a frame of the engine */
 	uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
 	while (r->sample_count < MAX_SAMPLES && (r->sample_count < 3 || bench_child_now_ns() < end))
 		r->samples[r->sample_count++] = sample(r, s);
@@ -286,8 +288,8 @@ static const subject *find_subject(const char *name)
 int main(int argc, char **argv)
 {
 	static run r;
-	const bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
+	bench_child child = bench_child_args(argc, argv);
+	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
 	const subject *s = find_subject(child.subject);
 	r.on = find_case(child.case_name);
 	r.method = s->method;
@@ -311,5 +313,5 @@ int main(int argc, char **argv)
 	stilb_job_pool_destroy(r.pool);
 	stilb_cull_visible_finish(&r.visible);
 	stilb_cull_destroy(r.cull);
-	return r.sum == 1 ? 3 : 0; /* whatever it was */
+	return r.sum == 1 ? 3 : 0; /* uses the sum; 1 does not occur */
 }

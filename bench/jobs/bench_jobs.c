@@ -1,12 +1,14 @@
-/* The suite `jobs`: job systems side by side. What a case is: jobs_cases.h. */
+/* The suite `jobs`: job systems of Stilb and of other libraries. The cases are in jobs_cases.h. */
 #include "bench/jobs/bench_jobs.h"
 #include "bench/jobs/jobs_cases.h"
+
+#include "base/base.h"
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
 /* ---- metrics ------------------------------------------------------------------------------------------------- */
 
-/* Per kind of case; the p50, p99 and worst of a run are over its turns. */
+/* One list for each kind of case; p50, p99 and worst are over the turns of a run. */
 static const bench_metric rates[] = {
 	{"rate", "Mjobs/s", false, BENCH_LIMIT_UNCONTENDED},
 	{"slowest", "Mjobs/s", false, NULL},
@@ -54,7 +56,7 @@ static const bench_metric idles[] = {
 #define METRICS_STEAL steals
 #define METRICS_IDLE idles
 
-/* The time in which a subject may show that it idles, as a multiple of a run's length. */
+/* Length of a case: idle CPU time needs longer runs to be measurable. */
 #define LENGTH(KIND) (JOBS_##KIND == JOBS_IDLE ? 4.0 : 1.0)
 
 static const bench_case cases[] = {
@@ -79,24 +81,24 @@ static const bench_case cases[] = {
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = "stilb-bench-jobs-own",
-     .note = "the pool as it comes: low-lock queues, workers on CPUs of their own",
+     .note = "stilb_job_pool with its defaults: low-lock queues, workers pinned to CPUs",
      .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(IDLE)},
 	{.name = "stilb-lock-free",
      .program = "stilb-bench-jobs-own",
-     .note = "the pool on lock-free queues",
+     .note = "stilb_job_pool with lock-free queues",
      .abilities = CAN(SPAWN) | CAN(OUTSIDE)},
 	{.name = "stilb-over-sutter",
      .program = "stilb-bench-jobs-own",
-     .note = "the pool on the article's queue",
+     .note = "stilb_job_pool with the queue of Sutter's article",
      .abilities = CAN(OUTSIDE)},
 	{.name = "stilb-over-mutex",
      .program = "stilb-bench-jobs-own",
-     .note = "the pool on a list under a mutex",
+     .note = "stilb_job_pool with a linked list under a mutex",
      .abilities = CAN(OUTSIDE)},
 	{.name = "tbb",
      .program = "stilb-bench-jobs-tbb",
      .package = "libtbb-dev",
-     .note = "oneTBB: task_group; parallel_for with simple_partitioner and grain 1, the loop with auto_partitioner",
+     .note = "oneTBB: task_group; parallel_for with simple_partitioner and grain 1; loops with auto_partitioner",
      .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(IDLE)},
 	{.name = "tbb-static",
      .program = "stilb-bench-jobs-tbb",
@@ -106,38 +108,38 @@ static const bench_subject subjects[] = {
 	{.name = "openmp",
      .program = "stilb-bench-jobs-openmp",
      .package = "libgomp1",
-     .note = "tasks; parallel for with schedule(dynamic, 1), the loop with schedule(guided)",
+     .note = "OpenMP: tasks; parallel for with schedule(dynamic, 1); loops with schedule(guided)",
      .abilities = CAN_COMPUTE | CAN(IDLE)},
 	{.name = "openmp-static",
      .program = "stilb-bench-jobs-openmp",
      .package = "libgomp1",
-     .note = "parallel for with schedule(static)",
+     .note = "OpenMP: parallel for with schedule(static)",
      .abilities = CAN_LOOPS},
 	{.name = "serial",
      .program = "stilb-bench-jobs-limits",
-     .note = "a plain loop",
+     .note = "a plain loop on one thread",
      .abilities = CAN_COMPUTE,
      .reference = true},
 	{.name = "ideal",
      .program = "stilb-bench-jobs-limits",
-     .note = "the time of a plain loop, divided by the threads that can run at the same moment",
+     .note = "the time of a plain loop divided by the number of threads that can run at once",
      .abilities = CAN_LOOPS,
      .reference = true},
 	{.name = "futex",
      .program = "stilb-bench-jobs-limits",
-     .note = "a thread asleep on a futex, and the call that wakes it",
+     .note = "waking a thread that sleeps on a futex, without a job system",
      .abilities = CAN(WAKE),
      .reference = true},
 	{.name = "counter",
      .program = "stilb-bench-jobs-limits",
-     .note = "a thread that looks at a counter until it changes",
+     .note = "a thread that spins on a counter until it changes, without a job system",
      .abilities = CAN(STEAL),
      .reference = true},
 };
 
 /* ---- the suite ----------------------------------------------------------------------------------------------- */
 
-/* How fast this machine multiplies, so that all subjects run the same jobs. */
+/* Measures how many multiplications take a microsecond, so that the jobs of all subjects are the same work. */
 static const char *prepare(const bench_options *options)
 {
 	static char per_us[32];
@@ -145,7 +147,7 @@ static const char *prepare(const bench_options *options)
 	(void)options;
 	bench_child_run("stilb-bench-jobs-limits", "serial", "calibrate", 0.0, 0, NULL, (bench_limit){60.0, 60.0}, &result);
 	if (result.state != BENCH_CHILD_DONE || result.value_count != 1) {
-		fprintf(stderr, "stilb: cannot measure how long a job of 1 us is: %s\n", result.message);
+		stilb_log("cannot measure how many multiplications take 1 us: %s", result.message);
 		return NULL;
 	}
 	snprintf(per_us, sizeof per_us, "%.3f", result.values[0].value);
@@ -165,24 +167,24 @@ static const char *const steal_cases[] = {"steal", "steal-pinned", NULL};
 static const char *const quiet_cases[] = {"idle", NULL};
 
 static const bench_panel panels[] = {
-	{"empty jobs, one by one and as an array", empty_cases, "rate", true},
-	{"empty jobs from outside", outside_cases, "rate", false},
-	{"fork-join of 2, 8, 64 chunks of 1 us, back to back", join_cases, "p50", true},
-	{"the same, 99 of 100 take less", join_cases, "p99", true},
-	{"fork-join in a phase, and after 2 ms of idleness", idle_join_cases, "p50", true},
-	{"the same, 99 of 100 take less", idle_join_cases, "p99", true},
-	{"loop over 20,000 items of 200 ns, 1 to 8 threads", loop_cases, "p50", false},
-	{"the same, slowest of a run", loop_cases, "worst", true},
-	{"fib(20) by jobs", fib_cases, "p50", true},
-	{"from submit to start, worker asleep: 99 of 100 take less", wake_cases, "start-p99", true},
-	{"cost of that submit", wake_cases, "submit-p50", true},
-	{"from submit to start, worker awake", steal_cases, "start-p50", true},
-	{"from submit until the job is taken, worker awake", steal_cases, "taken-mean", true},
-	{"CPU time burnt in the 20 ms after the last job", quiet_cases, "burnt", true},
+	{"empty jobs, submitted one by one and as an array", empty_cases, "rate", true},
+	{"empty jobs, submitted by threads outside of the pool", outside_cases, "rate", false},
+	{"fork-join of 2, 8, 64 chunks of 1 us, median", join_cases, "p50", true},
+	{"fork-join of 2, 8, 64 chunks of 1 us, 99th percentile", join_cases, "p99", true},
+	{"fork-join in a phase, and after 2 ms of idleness, median", idle_join_cases, "p50", true},
+	{"fork-join in a phase, and after 2 ms of idleness, 99th percentile", idle_join_cases, "p99", true},
+	{"loop over 20,000 items of 200 ns on 1 to 8 threads, median", loop_cases, "p50", false},
+	{"loop over 20,000 items of 200 ns on 1 to 8 threads, slowest of a run", loop_cases, "worst", true},
+	{"fib(20), each call a job", fib_cases, "p50", true},
+	{"time from submit to start for a sleeping worker, 99th percentile", wake_cases, "start-p99", true},
+	{"time that submit takes if it wakes a worker", wake_cases, "submit-p50", true},
+	{"time from submit to start for a worker that is awake", steal_cases, "start-p50", true},
+	{"time from submit until a worker that is awake has taken the job", steal_cases, "taken-mean", true},
+	{"CPU time of the other threads in the 20 ms after the last job", quiet_cases, "burnt", true},
 };
 
 const bench_suite bench_jobs_suite = {.name = "jobs",
-                                      .help = "job systems: spawning, fork and join, loops, waking, idling",
+                                      .help = "job systems: submitting, fork-join, loops, waking workers, idling",
                                       .subjects = subjects,
                                       .subject_count = COUNT(subjects),
                                       .cases = cases,

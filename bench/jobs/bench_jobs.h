@@ -1,4 +1,4 @@
-/* bench_jobs: what the files of the suite `jobs` share. */
+/* bench_jobs: shared by the files of the suite `jobs`. [main-thread] */
 #ifndef BENCH_JOBS_H
 #define BENCH_JOBS_H
 
@@ -6,7 +6,7 @@
 
 #define BENCH_JOBS_PLOT_ROWS 3
 
-/* bench_jobs_report.c: ours beside what it is to be measured by, and a picture of it. */
+/* bench_suite.goals and .plot of the suite; bench_jobs_report.c. */
 void bench_jobs_goals(FILE *out, const bench_results *results);
 void bench_jobs_plot(FILE *out, const bench_results *results);
 

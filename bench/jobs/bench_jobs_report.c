@@ -1,4 +1,4 @@
-/* The suite `jobs`: ours beside the best peer and the machine's own limit, as text and as a picture. */
+/* The suite `jobs`: Stilb beside the best peer and the machine's limits, as text and as a picture. */
 #include "bench/jobs/bench_jobs.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #define OURS "stilb"
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
-/* The best of the others in a case; NULL if none ran. */
+/* The peer with the best median in a case; NULL if none ran. */
 static const bench_row *best_peer(const bench_results *results, const char *case_name, const char *metric)
 {
 	const bench_row *best = NULL;
@@ -24,11 +24,11 @@ static const bench_row *best_peer(const bench_results *results, const char *case
 
 /* ---- text ---------------------------------------------------------------------------------------------------- */
 
-/* Ours / theirs is to be at most (of times) or at least (of rates) so much; 0: no goal, only to be seen. */
+/* The ratio of Stilb's median to another subject's: at most `ratio` for times, at least for rates; 0: no bound. */
 typedef struct goal {
 	const char *on, *metric;
-	const char *subject;  /* theirs; NULL: the best peer */
-	const char *their_on; /* their case; NULL: the same */
+	const char *subject;  /* the other one; NULL: the best peer */
+	const char *their_on; /* the other one's case; NULL: the same */
 	double ratio;
 } goal;
 
@@ -80,24 +80,26 @@ static void print_goal(FILE *out, const bench_results *results, const goal *g)
 	        theirs, their->median, ratio.median, ratio.min, ratio.max);
 	bool met = our->less_is_better ? ratio.median <= g->ratio : ratio.median >= g->ratio;
 	if (g->ratio > 0.0)
-		fprintf(out, ", goal %s %.2f%s", our->less_is_better ? "<=" : ">=", g->ratio, met ? "" : "  MISSED");
+		fprintf(out, ", goal %s %.2f%s", our->less_is_better ? "<=" : ">=", g->ratio, met ? "  met" : "  MISSED");
 	fputc('\n', out);
 }
 
+/* Prints Stilb's median of the case `idle`, which must be at most `most`. */
 static void print_most(FILE *out, const bench_results *results, const char *metric, double most)
 {
 	const bench_row *our = bench_find(results, "idle", OURS, metric);
 	if (our)
 		fprintf(out, "  %-18s %-10s %9.4g %-8s [%.4g-%.4g], goal <= %.4g%s\n", "idle", metric, our->median, our->unit,
-		        our->min, our->max, most, our->median <= most ? "" : "  MISSED");
+		        our->min, our->max, most, our->median <= most ? "  met" : "  MISSED");
 }
 
 void bench_jobs_goals(FILE *out, const bench_results *results)
 {
 	fprintf(out,
-	        "\n%s beside the best peer and the machine; ratio: ours / theirs in each round, median [least-most]\n"
+	        "\ngoals, set on the CPU named in docs/benchmarks.md; ratio: %s / the other in each round, median "
+	        "[least-most]\n"
 	        "  %-18s %-10s %9s %-8s %-24s %9s %7s\n",
-	        OURS, "case", "metric", "ours", "", "theirs", "", "ratio");
+	        OURS, "case", "metric", OURS, "", "the other", "", "ratio");
 	for (size_t i = 0; i < COUNT(goals); i++)
 		print_goal(out, results, &goals[i]);
 	print_most(out, results, "burnt", 0.1);
@@ -106,7 +108,7 @@ void bench_jobs_goals(FILE *out, const bench_results *results)
 
 /* ---- picture ------------------------------------------------------------------------------------------------- */
 
-/* Where a number of a case stands. */
+/* A place on the x axis: a case, and the metric shown. */
 typedef struct place {
 	const char *on, *metric;
 } place;
@@ -158,7 +160,7 @@ static const place tails[] = {
 	{"steal", "start-p99"},
 };
 
-/* Ours are full and strong, the machine's limits dashes. */
+/* Line styles: Stilb's subjects in strong colours with filled marks, limits with crosses. */
 static const struct {
 	const char *subject, *style;
 } marks[] = {
@@ -176,13 +178,13 @@ static const struct {
 	{"stilb", "linecolor rgb '#c00000' linewidth 2 pointtype 7 pointsize 1.6"},
 };
 
-/* A number as a time in units of the best peer's time. */
+/* A value of the row as a time relative to the peer's median time: rates are inverted. */
 static double relative(const bench_row *row, const bench_row *peer, double value)
 {
 	return row->less_is_better ? value / peer->median : peer->median / value;
 }
 
-/* Subject against the best peer of every place: x, ratio, least, most. */
+/* Writes lines "x ratio least most": subject `mark` relative to the best peer at every place. Returns their number. */
 static size_t write_relative(FILE *out, const bench_results *results, const place *places, size_t count, size_t mark)
 {
 	size_t written = 0;
@@ -199,7 +201,7 @@ static size_t write_relative(FILE *out, const bench_results *results, const plac
 	return written;
 }
 
-/* One diagram of the picture's whole width. */
+/* A diagram over the whole width: all subjects relative to the best peer. */
 static void plot_relative(FILE *out, const bench_results *results, const char *name, const char *title,
                           const place *places, size_t count, int row)
 {
@@ -231,7 +233,7 @@ static void plot_relative(FILE *out, const bench_results *results, const char *n
 	fprintf(out, "%s1 with lines linecolor rgb '#606060' notitle\n", comma);
 }
 
-/* Cases of one kind side by side, as they are. */
+/* A diagram of half the width: medians of one metric in its own unit. */
 static void plot_plain(FILE *out, const bench_results *results, const char *name, const char *title,
                        const char *const *cases, const char *metric, const char *unit, int column)
 {
@@ -249,10 +251,11 @@ static void plot_plain(FILE *out, const bench_results *results, const char *name
 		bool any = false;
 		for (int i = 0; i < count; i++) {
 			const bench_row *row = bench_find(results, cases[i], marks[m].subject, metric);
-			if (row)
-				fprintf(out, "%.3f %.6g %.6g %.6g\n", i + 0.7 * ((double)m + 0.5) / (double)COUNT(marks) - 0.35,
-				        row->median, row->min, row->max);
-			any |= row != NULL;
+			if (!row)
+				continue;
+			fprintf(out, "%.3f %.6g %.6g %.6g\n", i + 0.7 * ((double)m + 0.5) / (double)COUNT(marks) - 0.35,
+			        row->median, row->min, row->max);
+			any = true;
 		}
 		fprintf(out, "END\n");
 		size_t length = strlen(plot);
@@ -267,11 +270,11 @@ void bench_jobs_plot(FILE *out, const bench_results *results)
 {
 	static const char *const loops[] = {"loop-1", "loop-2", "loop-4", "loop-8", NULL};
 	static const char *const outside[] = {"outside", "outside-4", NULL};
-	plot_relative(out, results, "usual", "median of a run", usual, COUNT(usual), 0);
-	plot_relative(out, results, "tail", "99 of 100 take less (jobs, loops and fib: the slowest of a run)", tails,
+	plot_relative(out, results, "usual", "median", usual, COUNT(usual), 0);
+	plot_relative(out, results, "tail", "99th percentile (jobs, loops and fib: the slowest of a run)", tails,
 	              COUNT(tails), 1);
-	plot_plain(out, results, "loop", "loop over 20,000 items of 200 ns, 1 to 8 threads", loops, "p50",
+	plot_plain(out, results, "loop", "loop over 20,000 items of 200 ns on 1 to 8 threads", loops, "p50",
 	           "ms (less is better)", 0);
-	plot_plain(out, results, "outside", "empty jobs from outside threads, over several queues", outside, "rate",
-	           "Mjobs/s (more is better)", 1);
+	plot_plain(out, results, "outside", "empty jobs submitted by threads outside of the pool, with several queues",
+	           outside, "rate", "Mjobs/s (more is better)", 1);
 }

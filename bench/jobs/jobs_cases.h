@@ -5,32 +5,32 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* What is measured. */
+/* The kinds of measurement. */
 typedef enum jobs_kind {
-	JOBS_SPAWN,   /* empty jobs, each an object of its own, submitted one by one from one thread */
-	JOBS_ARRAY,   /* empty jobs submitted as one object */
-	JOBS_OUTSIDE, /* empty jobs submitted one by one by threads that do not belong to the job system */
-	JOBS_JOIN,    /* fork-join of a few chunks of 1 us */
-	JOBS_LOOP,    /* a loop over 20,000 items of 200 ns */
-	JOBS_FIB,     /* fib(20), 10,945 jobs that spawn jobs and wait for them */
-	JOBS_WAKE,    /* one job for a sleeping worker: until it starts, and what that costs the submitter */
-	JOBS_STEAL,   /* the same for a worker that is looking for work; until it is taken, where the subject can tell */
-	JOBS_IDLE     /* CPU time of the other threads when there is nothing more to do */
+	JOBS_SPAWN,   /* rate of empty jobs, submitted one by one from one thread */
+	JOBS_ARRAY,   /* rate of empty jobs, submitted in one call */
+	JOBS_OUTSIDE, /* rate of empty jobs, submitted one by one by threads that do not belong to the job system */
+	JOBS_JOIN,    /* time of a fork-join of a few chunks of 1 us */
+	JOBS_LOOP,    /* time of a loop over 20,000 items of 200 ns */
+	JOBS_FIB,     /* time of fib(20): 10,945 jobs that submit jobs and wait for them */
+	JOBS_WAKE,    /* one job for a sleeping worker: time until it starts, and time that submit takes */
+	JOBS_STEAL,   /* one job for a worker that looks for work: time until it is taken, if known, and until it starts */
+	JOBS_IDLE     /* CPU time of the other threads after all work is done */
 } jobs_kind;
 
 typedef struct jobs_case {
 	const char *name;
 	jobs_kind kind;
-	uint32_t threads;    /* in all, the caller included; OUTSIDE: beside those from outside */
-	uint32_t count;      /* jobs, chunks or items; OUTSIDE: for each of the threads */
-	uint32_t outside;    /* threads from outside */
-	double microseconds; /* of work in each */
+	uint32_t threads;    /* of the job system, the caller included; JOBS_OUTSIDE: without the outside threads */
+	uint32_t count;      /* jobs, chunks or items; JOBS_OUTSIDE: for each outside thread */
+	uint32_t outside;    /* number of outside threads */
+	double microseconds; /* of work in each job, chunk or item */
 	uint32_t pause_us;   /* the caller sleeps this long before each turn */
-	bool phase;          /* within a phase, for subjects that have them */
-	bool pinned;         /* thread i of the process on CPU i, modulo their number; else all as the library does it */
+	bool phase;          /* in a phase (stilb_job_phase_begin), for subjects that have them */
+	bool pinned;         /* thread i of the process is pinned to CPU i modulo their number; else left to the library */
 } jobs_case;
 
-/* X(name, title, KIND, more fields of jobs_case...); without the word pinned nobody is pinned by us. */
+/* X(name, title, KIND, more fields of jobs_case...) */
 #define JOBS_CASES(X)                                                                                                  \
 	X("spawn-1", "100,000 empty jobs one by one, 1 thread", SPAWN, .threads = 1, .count = 100000)                      \
 	X("spawn", "100,000 empty jobs one by one, 2 threads", SPAWN, .threads = 2, .count = 100000)                       \
@@ -40,10 +40,10 @@ typedef struct jobs_case {
 	X("array", "100,000 empty jobs as one array, 2 threads", ARRAY, .threads = 2, .count = 100000)                     \
 	X("array-pinned", "100,000 empty jobs as one array, 2 threads, pinned", ARRAY, .threads = 2, .count = 100000,      \
 	  .pinned = true)                                                                                                  \
-	X("outside", "50,000 empty jobs one by one from an outside thread, 1 worker", OUTSIDE, .threads = 2,               \
+	X("outside", "50,000 empty jobs one by one from a thread outside of the pool, 1 worker", OUTSIDE, .threads = 2,    \
 	  .count = 50000, .outside = 1)                                                                                    \
-	X("outside-4", "50,000 empty jobs one by one from 4 outside threads, 2 workers", OUTSIDE, .threads = 3,            \
-	  .count = 12500, .outside = 4)                                                                                    \
+	X("outside-4", "50,000 empty jobs one by one from 4 threads outside of the pool, 2 workers", OUTSIDE,              \
+	  .threads = 3, .count = 12500, .outside = 4)                                                                      \
 	X("join2", "fork-join of 2 x 1 us, 2 threads", JOIN, .threads = 2, .count = 2, .microseconds = 1)                  \
 	X("join8", "fork-join of 8 x 1 us, 2 threads", JOIN, .threads = 2, .count = 8, .microseconds = 1)                  \
 	X("join64", "fork-join of 64 x 1 us, 2 threads", JOIN, .threads = 2, .count = 64, .microseconds = 1)               \
@@ -70,15 +70,15 @@ typedef struct jobs_case {
 	  .microseconds = 0.2)                                                                                             \
 	X("loop-8", "loop over 20,000 items of 200 ns, 8 threads", LOOP, .threads = 8, .count = 20000,                     \
 	  .microseconds = 0.2)                                                                                             \
-	X("fib-1", "fib(20) by jobs, 1 thread", FIB, .threads = 1)                                                         \
-	X("fib", "fib(20) by jobs, 2 threads", FIB, .threads = 2)                                                          \
+	X("fib-1", "fib(20), each call a job, 1 thread", FIB, .threads = 1)                                                \
+	X("fib", "fib(20), each call a job, 2 threads", FIB, .threads = 2)                                                 \
 	X("wake", "one job for a sleeping worker after 2 ms of idleness", WAKE, .threads = 2, .pause_us = 2000)            \
 	X("wake-pinned", "one job for a sleeping worker after 2 ms of idleness, pinned", WAKE, .threads = 2,               \
 	  .pause_us = 2000, .pinned = true)                                                                                \
-	X("steal", "one job for a worker that looks for work", STEAL, .threads = 2, .phase = true)                         \
-	X("steal-pinned", "one job for a worker that looks for work, pinned", STEAL, .threads = 2, .phase = true,          \
+	X("steal", "one job for a worker that is looking for work", STEAL, .threads = 2, .phase = true)                    \
+	X("steal-pinned", "one job for a worker that is looking for work, pinned", STEAL, .threads = 2, .phase = true,     \
 	  .pinned = true)                                                                                                  \
-	X("idle", "CPU time of the other threads when all work is done", IDLE, .threads = 2, .count = 64,                  \
+	X("idle", "CPU time of the other threads after all work is done", IDLE, .threads = 2, .count = 64,                 \
 	  .microseconds = 1, .phase = true)
 
 #endif

@@ -1,4 +1,4 @@
-/* What the machine itself allows: the serial loop, one futex wake, one number handed from a thread to another. */
+/* References of the suite `jobs`: the serial loop, one futex wake, one number handed from one thread to another. */
 #include "bench/harness/bench_child.h"
 #include "bench/jobs/jobs_subject.h"
 
@@ -21,7 +21,7 @@ static void serial_close(void)
 
 static void serial_spawn(jobs_fn *fn, char *data, uint32_t count)
 {
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		fn(data + i, 0);
 }
 
@@ -50,14 +50,16 @@ static const jobs_subject ideal = {.name = "ideal",
                                    .join = serial_loop,
                                    .loop = serial_loop};
 
-/* One other thread, which waits for a number to change: asleep on a futex, or looking all the time. */
+/* A second thread that waits for a number to change, asleep on a futex or spinning, and then runs one job. */
 static struct {
-	_Alignas(128) _Atomic uint32_t number; /* odd: a job is there. Release by who changes it, acquire by who waits */
+	/* Odd: a job is waiting or runs. Release in hand_give, pairs with the acquire in hand_main; release there, pairs
+	 * with the acquire in hand_wait. */
+	_Alignas(128) _Atomic uint32_t number;
 	jobs_fn *fn;
 	void *data;
 	_Alignas(128) uint64_t seen;
 	bool spin;
-	_Atomic bool stop; /* relaxed: ordered by number */
+	_Atomic bool stop; /* relaxed: published by number */
 	pthread_t thread;
 } hand;
 
@@ -66,7 +68,7 @@ static void *hand_main(void *unused)
 	(void)unused;
 	for (;;) {
 		uint32_t number;
-		while (!((number = atomic_load_explicit(&hand.number, memory_order_acquire)) & 1)) /* pairs with hand_submit */
+		while (!((number = atomic_load_explicit(&hand.number, memory_order_acquire)) & 1)) /* pairs with hand_give */
 			if (!hand.spin)
 				syscall(SYS_futex, &hand.number, FUTEX_WAIT_PRIVATE, number, NULL, NULL, 0);
 		hand.seen = bench_child_now_ns();

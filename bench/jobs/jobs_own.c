@@ -1,12 +1,12 @@
-/* Stilb's pool as it is, over the lock-free queue, and over the article's and a mutex queue. */
+/* Stilb's pool with its two kinds of queue, with the queue of Sutter's article and with a mutex queue. */
 #include "bench/harness/bench_child.h"
 #include "bench/jobs/jobs_subject.h"
 #include "bench/subjects/queue_subjects.h"
 #include "jobs/job_internal.h"
 
 static stilb_job_pool *pool;
-static stilb_job_group group; /* of submit */
-static uint64_t last_steal;   /* written by the thief before the job begins, read when the job has run */
+static stilb_job_group group; /* of the job of `submit` */
+static uint64_t last_steal;   /* ns; written by the thief before the job runs, read after the wait for the job */
 
 static void note_steal(void *user, uint32_t worker, uint32_t victim)
 {
@@ -39,14 +39,14 @@ static bool open_lock_free(uint32_t threads, bool steals)
 
 static stilb_job_queue *make_sutter(void)
 {
-	const stilb_job_queue_desc desc = stilb_job_queue_desc_default();
+	stilb_job_queue_desc desc = stilb_job_queue_desc_default();
 	stilb_job_queue *queue;
 	return queue_sutter_create(&desc, &queue) == 0 ? queue : NULL;
 }
 
 static stilb_job_queue *make_mutex(void)
 {
-	const stilb_job_queue_desc desc = stilb_job_queue_desc_default();
+	stilb_job_queue_desc desc = stilb_job_queue_desc_default();
 	stilb_job_queue *queue;
 	return queue_mutex_create(&desc, &queue) == 0 ? queue : NULL;
 }
@@ -71,7 +71,7 @@ static void close_pool(void)
 static void must(int error)
 {
 	if (error)
-		bench_child_fail("a job was refused: %d", error);
+		bench_child_fail("stilb_job_submit failed: %d", error);
 }
 
 static void spawn_as(jobs_fn *fn, char *data, uint32_t count, uint32_t worker)
@@ -104,7 +104,7 @@ static void loop(jobs_range_fn *fn, void *context, uint32_t count)
 	stilb_job_parallel_for(pool, count, 1, fn, context, 0);
 }
 
-/* One call of fib(n - 1) as a job; lives on the stack of the call that waits for it. */
+/* The data of one job of fib, on the stack of the call that waits for it. */
 typedef struct fib_call {
 	uint32_t n;
 	uint64_t result;

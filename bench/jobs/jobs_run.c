@@ -1,4 +1,4 @@
-/* The programs of the suite `jobs`: runs one case with one subject, verifies it, prints its metrics. */
+/* main of the suite's programs: runs one case with one subject, verifies the jobs, prints the metrics. */
 #include "bench/harness/bench_child.h"
 #include "bench/jobs/jobs_cases.h"
 #include "bench/jobs/jobs_subject.h"
@@ -13,16 +13,16 @@
 #include <unistd.h>
 
 #define NS_PER_MS UINT64_C(1000000)
-#define LINE 128                         /* two cache lines: they are fetched in pairs */
-#define MAX_THREADS 16                   /* of a case */
+#define LINE 128                         /* two cache lines: the adjacent-line prefetcher pairs them */
+#define MAX_THREADS 16                   /* outside threads of a case */
 #define MAX_SAMPLES (1u << 20)           /* of a metric; later ones are dropped */
-#define START_TIMEOUT (200 * NS_PER_MS)  /* until a job counts as not started */
-#define WARM_UP_TIMEOUT (50 * NS_PER_MS) /* until every thread has run something; some subjects never use them all */
-#define BURN_WINDOW (20 * NS_PER_MS)
+#define START_TIMEOUT (200 * NS_PER_MS)  /* the submitter then helps by waiting, if no worker has started the job */
+#define WARM_UP_TIMEOUT (50 * NS_PER_MS) /* the warm-up then ends, if some thread never runs a job */
+#define BURN_WINDOW (20 * NS_PER_MS)     /* after the last job, for the metric `burnt` */
 
 /* ---- samples ------------------------------------------------------------------------------------------------- */
 
-/* Of one metric, in nanoseconds. */
+/* Samples of one metric, ns; times from 2^32 ns on are stored as 2^32 - 1. */
 typedef struct samples {
 	uint32_t count;
 	uint32_t at[MAX_SAMPLES];
@@ -45,7 +45,7 @@ static void samples_sort(samples *set)
 	qsort(set->at, set->count, sizeof set->at[0], samples_order);
 }
 
-/* Below it lies that part of the sorted samples; 0 is the least, 1 the largest. */
+/* The quantile `part` of sorted samples: 0 the least, 1 the largest; 0 if there are none. */
 static double samples_quantile(const samples *set, double part)
 {
 	return set->count ? (double)set->at[(uint32_t)(part * (set->count - 1) + 0.5)] : 0.0;
@@ -59,9 +59,10 @@ static double samples_mean(const samples *set)
 	return set->count ? sum / (double)set->count : 0.0;
 }
 
-/* ---- work, and the proof that it was done -------------------------------------------------------------------- */
+/* ---- work, and its verification ------------------------------------------------------------------------------ */
 
-/* What a thread has run. The sums over all threads differ if a job was lost, repeated or mistaken for another. */
+/* Sums over the jobs that a thread has run. The sums of all threads differ from the expected ones if a job was lost,
+ * repeated or replaced by another. Tallies form a list, one for each thread that has ever run a job. */
 typedef struct tally {
 	alignas(LINE) uint64_t count;
 	uint64_t squares; /* of the jobs' numbers */
@@ -77,7 +78,7 @@ static __attribute__((noinline)) tally *tally_create(void)
 	tally *own = aligned_alloc(LINE, sizeof *own);
 	if (!own)
 		bench_child_fail("out of memory");
-	*own = (tally){.next = atomic_load_explicit(&tallies, memory_order_relaxed)}; /* a guess for the exchange */
+	*own = (tally){.next = atomic_load_explicit(&tallies, memory_order_relaxed)}; /* checked by the exchange */
 	/* Release pairs with the acquires in tally_take and tally_count. */
 	while (
 		!atomic_compare_exchange_weak_explicit(&tallies, &own->next, own, memory_order_release, memory_order_relaxed))
@@ -97,7 +98,8 @@ static inline void tally_add(tally *own, uint64_t number, uint64_t result)
 	own->results += result;
 }
 
-/* Of all threads since the last call. While no job runs: the wait of the subject orders the sums before this. */
+/* The sums of all threads since the last call, and resets them. No job may run: the subject's wait orders their writes
+ * before this. */
 static tally tally_take(void)
 {
 	tally sum = {0};
@@ -110,7 +112,7 @@ static tally tally_take(void)
 	return sum;
 }
 
-/* Threads that have ever run something. */
+/* The number of threads that have ever run a job. */
 static uint32_t tally_count(void)
 {
 	uint32_t count = 0;
@@ -119,24 +121,24 @@ static uint32_t tally_count(void)
 	return count;
 }
 
-/* Takes time and nothing else: each multiplication waits for the one before, and the first for `before`: else a CPU
- * that foresees the end of a chain runs it and the next one at the same time. */
+/* Takes time: each multiplication depends on the one before, and the first on `before`, the result of the previous
+ * chain; otherwise an out-of-order CPU would overlap two chains. */
 static uint64_t chain(uint64_t x, uint64_t before, uint32_t multiplications)
 {
 	uint64_t nothing = 0;
-	__asm__ volatile("" : "+r"(nothing)); /* else the compiler knows it */
+	__asm__ volatile("" : "+r"(nothing)); /* hides the value from the compiler */
 	x += before & nothing;
 	for (uint32_t i = 0; i < multiplications; i++) {
 		x = (x | 1) * UINT64_C(0x9E3779B97F4A7C15);
-		__asm__ volatile("" : "+r"(x)); /* else the compiler could take several at once */
+		__asm__ volatile("" : "+r"(x)); /* keeps the compiler from combining multiplications */
 	}
 	return x;
 }
 
-/* Multiplications in a microsecond: of 50 tries the fastest, for nothing makes it faster than it is. */
+/* Multiplications in a microsecond: the fastest of 50 tries, since disturbances only make it slower. */
 static double chain_rate(void)
 {
-	const uint32_t multiplications = 100000;
+	uint32_t multiplications = 100000;
 	uint64_t best = UINT64_MAX;
 	for (uint32_t i = 0; i < 50; i++) {
 		uint64_t begin = bench_child_now_ns();
@@ -152,14 +154,16 @@ static double chain_rate(void)
 typedef struct run {
 	const jobs_case *on;
 	const jobs_subject *subject;
-	uint64_t duration;                      /* ns */
-	double per_us;                          /* multiplications */
-	uint32_t chain;                         /* multiplications in each job */
-	uint64_t turns;                         /* done */
-	uint32_t divisor;                       /* of the times: 1, but for the ideal the threads that can run at once */
-	samples turn_times;                     /* of each turn */
-	samples starts, submits, steals;        /* of the one job of a turn: until it ran, was submitted, was taken */
-	alignas(LINE) _Atomic uint64_t started; /* when that job began, 0 before; release by it, acquire by the submitter */
+	uint64_t duration;  /* ns */
+	double per_us;      /* multiplications in a microsecond */
+	uint32_t chain;     /* multiplications in each job */
+	uint64_t turns;     /* measured so far */
+	uint32_t divisor;   /* of all times: 1, or for `ideal` the number of threads that can run at once */
+	samples turn_times; /* of each turn */
+	samples starts, submits,
+		steals; /* JOBS_WAKE, JOBS_STEAL: from submit until the job starts, submit returns, it is taken */
+	/* The time at which that job started, 0 before. Release in start_job, pairs with the acquire in turn_start. */
+	alignas(LINE) _Atomic uint64_t started;
 } run;
 
 static void empty_job(void *data, uint32_t worker)
@@ -230,16 +234,16 @@ static void turn_outside(run *r)
 	pthread_t threads[MAX_THREADS];
 	for (uint32_t i = 0; i < r->on->outside; i++)
 		if (pthread_create(&threads[i], NULL, outside_main, r) != 0)
-			bench_child_fail("cannot start a thread");
+			bench_child_fail("cannot create a thread");
 	for (uint32_t i = 0; i < r->on->outside; i++)
 		pthread_join(threads[i], NULL);
 }
 
-/* The submitter goes on with work of its own meanwhile: it looks, and does not help. */
+/* One job for another thread: the submitter watches `started` and does not run the job itself. */
 static void turn_start(run *r)
 {
 	const jobs_subject *subject = r->subject;
-	atomic_store_explicit(&r->started, 0, memory_order_relaxed); /* submit publishes it */
+	atomic_store_explicit(&r->started, 0, memory_order_relaxed); /* relaxed: published by submit */
 	uint64_t before = bench_child_now_ns();
 	subject->submit(start_job, r);
 	uint64_t after = bench_child_now_ns();
@@ -247,7 +251,7 @@ static void turn_start(run *r)
 	while (!atomic_load_explicit(&r->started, memory_order_acquire) && bench_child_now_ns() - before < START_TIMEOUT)
 		;
 	subject->wait();
-	uint64_t started = atomic_load_explicit(&r->started, memory_order_relaxed); /* ordered by wait */
+	uint64_t started = atomic_load_explicit(&r->started, memory_order_relaxed); /* relaxed: ordered by wait */
 	samples_add(&r->starts, started - before);
 	samples_add(&r->submits, after - before);
 	if (subject->stolen_at)
@@ -259,12 +263,12 @@ static void sleep_ns(uint64_t ns)
 	nanosleep(&(struct timespec){.tv_sec = (time_t)(ns / 1000000000u), .tv_nsec = (long)(ns % 1000000000u)}, NULL);
 }
 
-/* The threads' jobs add up to what so many turns are. */
+/* Ends the program if the sums of all threads are not those of the turns measured. */
 static void verify(const run *r)
 {
 	const jobs_case *on = r->on;
 	if (on->kind == JOBS_FIB)
-		return; /* its result says it all */
+		return; /* turn_fib checks the result */
 	uint64_t count = on->kind == JOBS_WAKE || on->kind == JOBS_STEAL ? 1 : on->count;
 	tally expected = {.count = count}, sum = tally_take();
 	for (uint64_t i = 0; i < count; i++) {
@@ -274,14 +278,14 @@ static void verify(const run *r)
 	uint64_t times = r->turns * (on->outside ? on->outside : 1);
 	if (sum.count != times * expected.count || sum.squares != times * expected.squares ||
 	    sum.results != times * expected.results)
-		bench_child_fail("wrong: %llu jobs ran, or their results differ, after %llu turns",
+		bench_child_fail("wrong result: %llu jobs ran in %llu turns, or their results differ",
 		                 (unsigned long long)sum.count, (unsigned long long)r->turns);
 }
 
-/* Turns until the time is over. */
+/* Times turns for the run's duration, at least three. */
 static void measure(run *r, void (*turn)(run *r))
 {
-	turn(r); /* the first one touches pages */
+	turn(r); /* not measured: page faults */
 	tally_take();
 	r->starts.count = r->submits.count = r->steals.count = 0;
 	uint64_t now = bench_child_now_ns(), until = now + r->duration;
@@ -299,7 +303,7 @@ static void measure(run *r, void (*turn)(run *r))
 	verify(r);
 }
 
-/* CPU time of all threads but this one, ns. The clock of the whole process lags behind its threads by up to a tick. */
+/* CPU time of all threads but this one, ns. The process' own CPU clock lags behind its threads' by up to a tick. */
 static uint64_t cpu_time_of_others(void)
 {
 	uint64_t sum = 0;
@@ -309,7 +313,7 @@ static uint64_t cpu_time_of_others(void)
 	for (struct dirent *entry; (entry = readdir(tasks));) {
 		int tid = atoi(entry->d_name);
 		struct timespec used;
-		/* The kernel's name for the CPU clock of a thread: ~tid << 3, per thread (4), as scheduled (2). */
+		/* Linux' clock id of a thread's CPU time: ~tid << 3, with 4 (per thread) and 2 (scheduler time). */
 		if (tid > 0 && tid != gettid() && clock_gettime((clockid_t)(~(unsigned)tid << 3 | 6), &used) == 0)
 			sum += (uint64_t)used.tv_sec * 1000000000u + (uint64_t)used.tv_nsec;
 	}
@@ -317,7 +321,7 @@ static uint64_t cpu_time_of_others(void)
 	return sum;
 }
 
-/* Busy for a while, and then nothing: what is burnt at first, and what for ever after. */
+/* Work for 5 ms, then idleness: CPU time of the other threads in its first 20 ms (burnt) and in the long run (idle). */
 static void measure_idle(run *r)
 {
 	const jobs_subject *subject = r->subject;
@@ -393,8 +397,7 @@ static void print_steal(run *r)
 
 /* ---- the program --------------------------------------------------------------------------------------------- */
 
-/* Thread number i of the process on CPU number i of those it may use, modulo their number; the main thread is number
- * 0. */
+/* Pins thread i of the process to the i-th CPU that it may use, modulo their number; the main thread is number 0. */
 static void pin_threads(void)
 {
 	cpu_set_t allowed;
@@ -417,12 +420,12 @@ static void pin_threads(void)
 	closedir(tasks);
 }
 
-/* Some subjects create their threads late: gives them something to do until all have been seen. */
+/* Runs jobs until every thread has run one, since some subjects create their threads late. */
 static void warm_up(run *r)
 {
 	if (!r->subject->join || r->subject->ideal)
 		return;
-	const uint32_t usual = r->chain;
+	uint32_t usual = r->chain;
 	r->chain = (uint32_t)(10.0 * r->per_us);
 	for (uint64_t until = bench_child_now_ns() + WARM_UP_TIMEOUT;
 	     tally_count() < r->on->threads && bench_child_now_ns() < until;)
@@ -431,7 +434,7 @@ static void warm_up(run *r)
 	tally_take();
 }
 
-/* What a subject must be able to do for a case of this kind, how a turn of it goes, what it prints. */
+/* For each kind of case: one turn, and the metrics printed. */
 static const struct {
 	void (*turn)(run *r);
 	void (*print)(run *r);
@@ -447,6 +450,7 @@ static const struct {
 	[JOBS_IDLE] = {NULL, NULL},
 };
 
+/* True if the subject has the functions for cases of this kind. */
 static bool able(const jobs_subject *subject, jobs_kind kind)
 {
 	switch (kind) {
@@ -473,7 +477,7 @@ static bool able(const jobs_subject *subject, jobs_kind kind)
 static void run_inside(void *context)
 {
 	run *r = context;
-	const bool phase = r->on->phase && r->on->kind != JOBS_IDLE && r->subject->phase_begin;
+	bool phase = r->on->phase && r->on->kind != JOBS_IDLE && r->subject->phase_begin;
 	warm_up(r);
 	if (r->on->pinned)
 		pin_threads();
@@ -514,7 +518,7 @@ static const jobs_subject *find_subject(const char *name)
 int main(int argc, char **argv)
 {
 	static run r;
-	const bench_child child = bench_child_args(argc, argv);
+	bench_child child = bench_child_args(argc, argv);
 	if (strcmp(child.case_name, "calibrate") == 0) {
 		bench_child_metric("per-us", chain_rate());
 		return 0;
@@ -524,7 +528,7 @@ int main(int argc, char **argv)
 	r.duration = (uint64_t)(child.seconds * 1e9);
 	r.per_us = child.argument ? strtod(child.argument, NULL) : chain_rate();
 	r.chain = (uint32_t)(r.on->microseconds * r.per_us);
-	const uint32_t cpus = bench_child_cpu_count();
+	uint32_t cpus = bench_child_cpu_count();
 	r.divisor = !r.subject->ideal ? 1 : r.on->threads < cpus ? r.on->threads : cpus;
 	if (!able(r.subject, r.on->kind))
 		return BENCH_CHILD_SKIP;

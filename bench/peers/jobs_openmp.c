@@ -1,4 +1,4 @@
-/* OpenMP. Tasks live in a parallel region, so every spawn opens one. Its threads spin between regions. */
+/* OpenMP. Tasks need a parallel region, so every spawn opens one. Its threads spin between regions. */
 #include "bench/jobs/jobs_subject.h"
 
 #include <omp.h>
@@ -20,7 +20,7 @@ static void spawn(jobs_fn *fn, char *data, uint32_t count)
 {
 #pragma omp parallel
 #pragma omp single
-	for (uint32_t i = 0; i < count; ++i) {
+	for (uint32_t i = 0; i < count; i++) {
 #pragma omp task firstprivate(i)
 		fn(data + i, 0);
 	}
@@ -29,21 +29,21 @@ static void spawn(jobs_fn *fn, char *data, uint32_t count)
 static void array(jobs_range_fn *fn, void *context, uint32_t count)
 {
 #pragma omp parallel for schedule(dynamic, 1)
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		fn(i, i + 1, 0, context);
 }
 
 static void join_static(jobs_range_fn *fn, void *context, uint32_t count)
 {
 #pragma omp parallel for schedule(static)
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		fn(i, i + 1, 0, context);
 }
 
 static void loop_guided(jobs_range_fn *fn, void *context, uint32_t count)
 {
 #pragma omp parallel for schedule(guided)
-	for (uint32_t i = 0; i < count; ++i)
+	for (uint32_t i = 0; i < count; i++)
 		fn(i, i + 1, 0, context);
 }
 

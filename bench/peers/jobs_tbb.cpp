@@ -1,5 +1,5 @@
-/* oneTBB. The case runs inside an arena of as many threads as asked for, else there would be no more than there are
- * CPUs. */
+/* oneTBB. A case runs inside an arena of the requested number of threads; the default arena has no more threads than
+ * there are CPUs. */
 #include "bench/jobs/jobs_subject.h"
 
 #include <atomic>
@@ -72,16 +72,17 @@ void wait()
 {
 	group->wait();
 }
-/* The thread is not of the arena: it hands its jobs over, and its own counter says when they have run. */
+
+/* The calling thread does not belong to the arena: it enqueues its jobs and waits for a counter of its own. */
 void outside(jobs_fn *fn, char *data, uint32_t count)
 {
 	std::atomic<uint32_t> left(count);
 	for (uint32_t i = 0; i < count; ++i)
 		arena->enqueue([=, &left] {
 			fn(data + i, 0);
-			left.fetch_sub(1, std::memory_order_release); // pairs with the acquire below
+			left.fetch_sub(1, std::memory_order_release); // pairs with the acquire in the loop below
 		});
-	while (left.load(std::memory_order_acquire) != 0)
+	while (left.load(std::memory_order_acquire) != 0) // pairs with the release in the job
 		std::this_thread::yield();
 }
 
@@ -103,7 +104,7 @@ jobs_subject describe()
 	return tbb;
 }
 
-/* The same with equal parts given out beforehand. */
+/* The static partitioner: every thread gets an equal part in advance. */
 jobs_subject describe_static()
 {
 	jobs_subject tbb = {};

@@ -1,4 +1,4 @@
-/* microprofile, all groups on. Its buffer of a thread is emptied by MicroProfileFlip, which is called between the
+/* microprofile, all groups enabled. MicroProfileFlip empties the buffers of all threads; it is called between the
  * turns. */
 #define MICROPROFILE_WEBSERVER 0
 #include <microprofile.h>

@@ -1,5 +1,5 @@
-/* The suite `profiler`: what recording costs beside the clock that it must read, and what is done with what is
- * recorded. What a case is: profiler_cases.h. */
+/* The suite `profiler`: the cost of recording beside the cost of reading the clock, and of captures, files and
+ * snapshots of recorded events. The cases are in profiler_cases.h. */
 #include "bench/harness/bench.h"
 #include "bench/profiler/profiler_cases.h"
 
@@ -7,8 +7,8 @@
 
 /* ---- metrics ----------------------------------------------------------------------------------------------------- */
 
-/* A subject's own numbers: both loops ran in one process, turn about, so their ratio does not see the machine's
- * moods. */
+/* pair: two bare reads of the clock; zone: the subject's zone; of-pair: zone / pair. Both loops take turns in one
+ * process, so that disturbances of the machine cancel in the ratio. */
 static const bench_metric ratio_metrics[] = {
 	{"pair", "ns", true, NULL},
 	{"zone", "ns", true, NULL},
@@ -34,9 +34,9 @@ static const bench_metric frame_metrics[] = {
 	{"mark", "ns", true, NULL},
 };
 static const bench_metric capture_metrics[] = {
-	{"frame", "us", true, NULL}, /* median, while nothing is captured */
+	{"frame", "us", true, NULL}, /* median before the capture */
 	{"worst-before", "us", true, NULL}, {"worst-during", "us", true, NULL},
-	{"stall", "us", true, NULL}, /* the worst frame during the capture, less the median one */
+	{"stall", "us", true, NULL}, /* worst-during minus frame */
 	{"mark", "us", true, NULL},  /* the longest frame mark during the capture */
 	{"captured", "ms", true, NULL},
 };
@@ -86,21 +86,21 @@ static const bench_case cases[] = {
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = "stilb-bench-profiler-own",
-     .note = "PROFILE, ring of 65,536 events, recording unless the case says otherwise",
+     .note = "PROFILE with a ring of 65,536 events for each thread, recording unless the case says otherwise",
      .abilities = ~0u},
 	{.name = "microprofile",
      .program = "stilb-bench-profiler-microprofile",
      .package = "libmicroprofile-dev",
-     .note = "MICROPROFILE_SCOPEI, all groups on, MicroProfileFlip between the turns",
+     .note = "MICROPROFILE_SCOPEI with all groups enabled, MicroProfileFlip between turns",
      .abilities = LOOPS | CAN(OFF)},
 	{.name = "rdtsc",
      .program = "stilb-bench-profiler-limits",
-     .note = "two reads of the time-stamp counter and nothing else; next: one read; precise: the second is rdtscp",
+     .note = "two bare reads of the time-stamp counter; next: one read; precise: the second is rdtscp",
      .abilities = LOOPS | CAN(NEXT) | CAN(PRECISE),
      .reference = true},
 	{.name = "clock_gettime",
      .program = "stilb-bench-profiler-limits",
-     .note = "two reads of CLOCK_MONOTONIC and nothing else",
+     .note = "two bare reads of CLOCK_MONOTONIC",
      .abilities = LOOPS,
      .reference = true},
 };
@@ -109,7 +109,7 @@ static const bench_subject subjects[] = {
 
 typedef struct goal {
 	const char *what, *on, *subject, *metric;
-	double bound; /* 0: only to be seen */
+	double bound; /* of the median; 0: none */
 	bool at_least;
 	const char *note;
 } goal;
@@ -119,28 +119,28 @@ static const goal goals[] = {
 	{"  microprofile", "zone", "microprofile", "of-pair", 0, false, NULL},
 	{"PROFILE_NEXT / two rdtsc", "next", "stilb", "of-pair", 0.55, false, NULL},
 	{"PROFILE_PRECISE / two rdtsc", "precise", "stilb", "of-pair", 0, false, NULL},
-	{"added to 41 ns of work", "work", "stilb", "added", 1.0, false, NULL},
+	{"zone around 41 ns of work, added time", "work", "stilb", "added", 1.0, false, NULL},
 	{"  microprofile", "work", "microprofile", "added", 0, false, NULL},
 	{"added while off", "off", "stilb", "added", 0.10, false, NULL},
 	{"  microprofile", "off", "microprofile", "added", 0, false, NULL},
-	{"two threads / one", "two", "stilb", "of-one", 1.05, false, NULL},
-	{"p99.999 of 10 M zones", "worst", "stilb", "p99.999", 0, false, NULL},
+	{"zone on two threads / on one", "two", "stilb", "of-one", 1.05, false, NULL},
+	{"p99.999 of 10 million zones", "worst", "stilb", "p99.999", 0, false, NULL},
 	{"  two rdtsc alone", "worst", "rdtsc", "p99.999", 0, false, NULL},
-	{"worst of 10 M zones", "worst", "stilb", "worst", 0, false, NULL},
+	{"slowest of 10 million zones", "worst", "stilb", "worst", 0, false, NULL},
 	{"  two rdtsc alone", "worst", "rdtsc", "worst", 0, false, NULL},
 	{"frame mark", "frame", "stilb", "mark", 0, false, NULL},
 	{"capture: stall of the frame thread", "capture", "stilb", "stall", 1000.0, false, NULL},
 	{"capture: longest frame mark", "capture", "stilb", "mark", 0, false, NULL},
-	{"JSON made", "file", "stilb", "json", 300.0, true, NULL},
-	{"JSON made and written to a file", "file", "stilb", "file", 300.0, true, NULL},
-	{"JSON read back", "file", "stilb", "read", 0, true, NULL},
-	{"an overlay's snapshot", "live", "stilb", "snapshot", 100.0, false, NULL},
+	{"converting to JSON", "file", "stilb", "json", 300.0, true, NULL},
+	{"converting to JSON, writing a file", "file", "stilb", "file", 300.0, true, NULL},
+	{"reading the JSON back", "file", "stilb", "read", 0, true, NULL},
+	{"snapshot for an overlay", "live", "stilb", "snapshot", 100.0, false, NULL},
 	{"context switches seen", "switches", "stilb", "of-kernel", 1.0, true, NULL},
 };
 
 static void print_goals(FILE *out, const bench_results *results)
 {
-	fprintf(out, "\ngoals; median [least-most] over the rounds\n");
+	fprintf(out, "\ngoals, set on the CPU named in docs/benchmarks.md; median [least-most] of the rounds\n");
 	for (size_t i = 0; i < COUNT(goals); i++) {
 		const goal *g = &goals[i];
 		const bench_row *row = bench_find(results, g->on, g->subject, g->metric);
@@ -167,15 +167,14 @@ static const char *const two_cases[] = {"two", NULL};
 static const char *const worst_cases[] = {"worst", NULL};
 
 static const bench_panel panels[] = {
-	{"a zone, and nothing in it", loop_cases, "zone", false},
-	{"what a zone adds to 41 ns of work, and to nothing while off", work_cases, "added", false},
-	{"on two threads at once", two_cases, "two", false},
-	{"the slowest of ten million", worst_cases, "worst", true},
+	{"an empty zone", loop_cases, "zone", false},
+	{"time that a zone adds: to 41 ns of work, and to a loop while recording is off", work_cases, "added", false},
+	{"an empty zone on two threads at once", two_cases, "two", false},
+	{"the slowest of ten million empty zones", worst_cases, "worst", true},
 };
 
 const bench_suite bench_profiler_suite = {.name = "profiler",
-                                          .help =
-                                              "a zone beside the clock that it must read; captures, files, switches",
+                                          .help = "cost of a profiler zone, captures, trace files, context switches",
                                           .subjects = subjects,
                                           .subject_count = COUNT(subjects),
                                           .cases = cases,

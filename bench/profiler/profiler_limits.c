@@ -1,4 +1,4 @@
-/* What the machine itself allows: clocks read twice, and nothing kept. */
+/* References of the suite `profiler`: two reads of a clock, nothing recorded. */
 #include "bench/profiler/profiler_run.h"
 
 static void thread_nothing(const char *name)
@@ -42,7 +42,7 @@ static void loop_rdtsc_work(uint32_t count)
 	}
 }
 
-/* The second read waits for what came before it, where the CPU can do that. */
+/* The second read waits for the instructions before it, if the CPU has rdtscp. */
 static void loop_rdtscp(uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++) {

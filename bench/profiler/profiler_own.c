@@ -1,4 +1,4 @@
-/* Stilb's profiler in the suite `profiler`: its loops, and a frame mark. */
+/* Stilb's profiler in the suite `profiler`: loops of zones, and frame marks. */
 #include "bench/profiler/profiler_own.h"
 #include "profiler/prof.h"
 #include "profiler/prof_snapshot.h"

@@ -1,5 +1,5 @@
-/* profiler_own: what the files of Stilb's program in the suite `profiler` share. Each runs a case and returns the exit
- * status. */
+/* profiler_own: the cases of the suite `profiler` that only Stilb's profiler has. Each function runs one case for about
+ * `seconds`, prints its metrics and returns the exit status. [main-thread] */
 #ifndef PROFILER_OWN_H
 #define PROFILER_OWN_H
 

@@ -1,4 +1,4 @@
-/* Stilb's profiler in the suite `profiler`: what is done with what was recorded. */
+/* Stilb's profiler in the suite `profiler`: captures, trace files, snapshots and context switches. */
 #include "bench/harness/bench_child.h"
 #include "bench/profiler/profiler_own.h"
 #include "profiler/prof.h"
@@ -15,9 +15,9 @@
 #include <sys/stat.h>
 
 #define FRAMES 300u
-#define ZONES 5000u        /* a thread and a frame */
-#define RING (1u << 21)    /* holds 300 frames and what comes while they are copied */
-#define PERIOD_NS 5000000u /* of a frame: as long as a busy frame of a game */
+#define ZONES 5000u        /* of each thread in each frame */
+#define RING (1u << 21)    /* events: 300 frames, and those recorded while they are copied */
+#define PERIOD_NS 5000000u /* length of a frame */
 #define SAMPLES_MAX 65536u
 
 static void check(int error, const char *what)
@@ -38,7 +38,7 @@ static double median(double *values, uint32_t count)
 	return 0.5 * (values[count / 2] + values[(count - 1) / 2]);
 }
 
-/* Zones ten at a time inside another: 5,000 in all. */
+/* Records ZONES zones: groups of ten inside an outer one. */
 static void record_frame(void)
 {
 	for (uint32_t i = 0; i < ZONES / 10; i++) {
@@ -50,7 +50,7 @@ static void record_frame(void)
 	}
 }
 
-/* A file of this process in the folder for temporary files. */
+/* The path of a file of this process in the folder for temporary files. */
 static void temporary_path(char *path, size_t size)
 {
 	const char *folder = getenv("TMPDIR");
@@ -62,7 +62,7 @@ static void temporary_path(char *path, size_t size)
 static struct {
 	pthread_t thread;
 	sem_t begin, end;
-	_Atomic int stop; /* relaxed: the semaphores order it */
+	_Atomic int stop; /* relaxed: published by the semaphores */
 } second;
 
 static void *second_main(void *unused)
@@ -100,7 +100,7 @@ static void threads_end(void)
 /* ---- capture ----------------------------------------------------------------------------------------------------- */
 
 typedef struct frame_times {
-	double busy_us; /* recording and the mark; not the wait for the other thread */
+	double busy_us; /* recording and the frame mark, without the wait for the second thread */
 	double mark_us;
 } frame_times;
 
@@ -120,7 +120,7 @@ static frame_times frame_run(uint64_t *due)
 }
 
 static struct {
-	atomic_int done; /* release by the capture's thread, pairs with the acquire of the loop */
+	atomic_int done; /* release by the capturing thread, pairs with the acquire of the frame loop */
 	int error;
 	uint32_t frames;
 } captured;
@@ -149,7 +149,7 @@ int profiler_own_capture(void)
 	double worst_before = 0.0, worst_during = 0.0, mark = 0.0;
 	for (uint32_t f = 0; f < FRAMES + 10; f++) {
 		frame_times times = frame_run(&due);
-		if (f >= 10) /* warm */
+		if (f >= 10) /* the first frames warm up */
 			before[f - 10] = times.busy_us;
 	}
 	for (uint32_t f = 0; f < FRAMES; f++)
@@ -228,7 +228,7 @@ int profiler_own_file(void)
 	bench_child_metric("read", megabytes_a_second(bytes, begin));
 	unlink(path);
 	uint64_t zones = count_zones(&taken), again = count_zones(&back);
-	if (zones < 2u * FRAMES * ZONES || again < zones) /* the frames are zones of a lane of the file */
+	if (zones < 2u * FRAMES * ZONES || again < zones) /* in the file, frames are zones of a lane of their own */
 		bench_child_fail("wrong result: %llu zones written, %llu read back", (unsigned long long)zones,
 		                 (unsigned long long)again);
 	bench_child_metric("size", (double)bytes * 1e-6);
@@ -269,7 +269,7 @@ int profiler_own_live(double seconds)
 
 /* ---- switches ---------------------------------------------------------------------------------------------------- */
 
-/* How often the calling thread has left its CPU. */
+/* The kernel's count of context switches of the calling thread. */
 static uint64_t kernel_switches(void)
 {
 	FILE *file = fopen("/proc/thread-self/status", "r");
@@ -285,7 +285,7 @@ static uint64_t kernel_switches(void)
 	return slept + preempted;
 }
 
-/* Both counts at a moment between two switches: the kernel's is the same before and after the snapshot. */
+/* Reads both counts with no switch in between: the kernel's is the same before and after the snapshot. */
 static void count_switches(uint64_t *kernel, uint64_t *seen)
 {
 	stilb_prof_snapshot snapshot = {0};
@@ -303,17 +303,17 @@ static void count_switches(uint64_t *kernel, uint64_t *seen)
 
 int profiler_own_switches(double seconds)
 {
-	const uint64_t most = 1000; /* what the kernel's ring holds for sure */
+	uint64_t most = 1000; /* so few always fit into the kernel's ring */
 	uint64_t kernel_before, kernel_after, seen_before, seen_after;
 	stilb_prof_switches_set(true);
 	check(stilb_prof_thread_begin("main"), "a ring");
-	PROFILE("switches"); /* what is held begins here */
+	PROFILE("switches"); /* switches are kept from the first zone on */
 	count_switches(&kernel_before, &seen_before);
 	for (uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9), i = 0; i < most && bench_child_now_ns() < end;
 	     i++)
 		nanosleep(&(struct timespec){.tv_nsec = 50000}, NULL);
 	count_switches(&kernel_after, &seen_after);
-	const double kernel = (double)(kernel_after - kernel_before), seen = (double)(seen_after - seen_before);
+	double kernel = (double)(kernel_after - kernel_before), seen = (double)(seen_after - seen_before);
 	bench_child_metric("kernel", kernel);
 	bench_child_metric("seen", seen);
 	bench_child_metric("of-kernel", seen / kernel);

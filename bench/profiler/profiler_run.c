@@ -1,4 +1,5 @@
-/* A program of the suite `profiler`: finds the case and the subject, measures turn about, checks, prints. */
+/* main of the programs of the suite `profiler`: runs one case with one subject, checks that every zone was recorded,
+ * prints the metrics. */
 #include "bench/profiler/profiler_run.h"
 
 #include <pthread.h>
@@ -18,7 +19,7 @@ static void loop_nothing(uint32_t count)
 		__asm__ volatile("" ::: "memory");
 }
 
-/* The least that a zone with two times can cost. */
+/* Two reads of the clock: the lower bound for a zone that records two times. */
 static void loop_clock_pair(uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++) {
@@ -37,7 +38,7 @@ static void loop_work(uint32_t count)
 
 /* ---- turns ------------------------------------------------------------------------------------------------------- */
 
-/* Samples of two loops that take turns. */
+/* Times of two loops that take turns. */
 typedef struct turns {
 	uint32_t count;
 	double first[TURNS_MAX], second[TURNS_MAX], ratio[TURNS_MAX], difference[TURNS_MAX];
@@ -73,11 +74,11 @@ static void turns_add(double first, double second)
 	samples.difference[i] = second - first;
 }
 
-/* One loop and the other, until time is up. Returns how many zones the second ran. */
+/* Runs the two loops in turns for so many seconds; returns the number of zones of the second. */
 static uint64_t turns_run(const profiler_subject *subject, profiler_loop *first, profiler_loop *second, double seconds)
 {
 	uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
-	second(PROFILER_TURN); /* touches pages */
+	second(PROFILER_TURN); /* not measured: page faults */
 	uint64_t zones = PROFILER_TURN;
 	while (samples.count < TURNS_MAX && (samples.count < 8 || bench_child_now_ns() < end)) {
 		if (subject->frame)
@@ -132,8 +133,8 @@ static void run_off(const profiler_subject *subject, double seconds)
 static struct {
 	const profiler_subject *subject;
 	pthread_barrier_t barrier;
-	_Atomic int stop; /* relaxed: the barrier orders it */
-	double ns;        /* of the second thread's turn; the barrier orders it */
+	_Atomic int stop; /* relaxed: published by the barrier */
+	double ns;        /* of the second thread's turn; published by the barrier */
 } two;
 
 static void *two_second(void *unused)
@@ -154,7 +155,7 @@ static void *two_second(void *unused)
 
 static void *two_first(void *argument)
 {
-	const double seconds = *(const double *)argument;
+	double seconds = *(const double *)argument;
 	bench_child_pin(0);
 	two.subject->thread_start("first");
 	uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
@@ -180,7 +181,7 @@ static int run_two(const profiler_subject *subject, double seconds)
 {
 	pthread_t threads[2];
 	if (bench_child_cpu_count() < 2) {
-		fprintf(stderr, "needs two CPUs\n");
+		fprintf(stderr, "two threads at once need two CPUs\n");
 		return BENCH_CHILD_SKIP;
 	}
 	two.subject = subject;
@@ -198,7 +199,7 @@ static int run_two(const profiler_subject *subject, double seconds)
 
 /* ---- the slowest zone -------------------------------------------------------------------------------------------- */
 
-/* Ticks of each zone, with the clock read once between two zones. */
+/* Measures each zone in ticks, with one read of the clock between two zones. */
 static void worst_fill(const profiler_subject *subject, uint32_t *ticks)
 {
 	uint64_t last = bench_child_ticks();
@@ -233,8 +234,8 @@ static void run_worst(const profiler_subject *subject)
 	uint32_t *ticks = malloc(WORST_ZONES * sizeof *ticks);
 	if (!ticks)
 		bench_child_fail("out of memory");
-	memset(ticks, 1, WORST_ZONES * sizeof *ticks); /* touches pages */
-	const double scale = ns_per_tick();
+	memset(ticks, 1, WORST_ZONES * sizeof *ticks); /* page faults happen now */
+	double scale = ns_per_tick();
 	worst_fill(subject, ticks);
 	qsort(ticks, WORST_ZONES, sizeof *ticks, order_ticks);
 	bench_child_metric("p50", ticks[WORST_ZONES / 2] * scale);
@@ -279,8 +280,8 @@ static int run_on_main(const profiler_subject *subject, void (*run)(const profil
 
 int main(int argc, char **argv)
 {
-	const bench_child child = bench_child_args(argc, argv);
-	const profiler_kind kind = find_case(child.case_name);
+	bench_child child = bench_child_args(argc, argv);
+	profiler_kind kind = find_case(child.case_name);
 	const profiler_subject *const *at = profiler_subjects;
 	while (*at && strcmp((*at)->name, child.subject) != 0)
 		at++;

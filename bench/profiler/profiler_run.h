@@ -1,7 +1,7 @@
 /*
- * profiler_run: what a subject of the suite `profiler` provides, a file for each profiler, and the loops that all of
- * them are measured with. A subject defines PROFILER_SCOPE, a zone to the end of the enclosing scope, includes this
- * file and fills a profiler_subject; profiler_run.c has the program.
+ * profiler_run: the interface between the suite `profiler` and a profiler, and the loops that all profilers are
+ * measured with. C and C++. A subject's file defines PROFILER_SCOPE, a zone that lasts to the end of the enclosing
+ * scope, includes this header and defines profiler_subjects; profiler_run.c has main.
  */
 #ifndef PROFILER_RUN_H
 #define PROFILER_RUN_H
@@ -13,31 +13,30 @@
 extern "C" {
 #endif
 
-/* As many zones as the microprofile subject's buffer takes before it has to be emptied, and less than a time slice. */
+/* Zones in one turn: as many as microprofile's buffer holds, and shorter than a time slice. */
 #define PROFILER_TURN 20000u
 
-/* Runs its body `count` times. */
+/* A loop that runs its body `count` times. */
 typedef void profiler_loop(uint32_t count);
 
 typedef struct profiler_subject {
 	const char *name;
-	profiler_loop *zones, *next, *precise; /* NULL: it cannot */
-	profiler_loop *work;                   /* profiler_work in a zone */
+	profiler_loop *zones, *next, *precise; /* NULL: the subject has no such zone */
+	profiler_loop *work;                   /* profiler_work inside a zone */
 	void (*thread_start)(const char *name);
 	void (*thread_stop)(void);
-	void (*record)(int on);     /* NULL: it has no switch */
-	void (*frame)(void);        /* after each turn, outside of what is timed; NULL: not needed */
-	uint64_t (*recorded)(void); /* zones so far, to check that they were recorded; NULL: it does not tell */
-	int (*special)(profiler_kind kind, const bench_child *child); /* cases of its own: exit status; NULL: none */
+	void (*record)(int on);     /* switches recording on or off; NULL: it cannot */
+	void (*frame)(void);        /* called after each turn, not timed; NULL: not needed */
+	uint64_t (*recorded)(void); /* zones recorded so far, to verify the run; NULL: unknown */
+	int (*special)(profiler_kind kind, const bench_child *child); /* cases that only it has: exit status; NULL: none */
 } profiler_subject;
 
-/* NULL-terminated. */
+/* The subjects of this program, NULL-terminated. */
 extern const profiler_subject *const profiler_subjects[];
 
-/* The work in the middle of the case `work`: multiplications and additions that wait for each other, 4 cycles each; 41
- * ns at
- * 3.7 GHz, with which other profilers were measured. Without a branch: whether the end of a loop is foreseen depends on
- * what stands around it, and would be measured instead. */
+/* Steps of profiler_work, the work of the case `work`: multiplications and additions that depend on each other, 4
+ * cycles each; 41 ns at 3.7 GHz, the work with which other profilers were measured. It has no branch: a mispredicted
+ * one, which depends on the code around it, would be measured instead. */
 #define PROFILER_WORK_STEPS 38
 
 extern uint64_t profiler_work_value;
