@@ -1,5 +1,5 @@
-/* The suite `record`: recording and replay beside the machine's limits and a bare Vulkan program. What a case is:
- * record_cases.h. */
+/* The suite `record`: recording and replay of draws, beside lower bounds of this machine and a plain Vulkan program.
+ * The cases are in record_cases.h. */
 #include "bench/record/bench_record.h"
 #include "bench/record/record_child.h"
 
@@ -50,10 +50,10 @@ static const bench_metric picture_metrics[] = {
 #define METRICS_FRAME frame_metrics
 #define METRICS_PICTURE picture_metrics
 
-/* A frame on lavapipe takes longer than many of the other runs. */
+/* Length of a case: a single frame on lavapipe takes longer than most other runs. */
 #define LENGTH(KIND) (RECORD_##KIND == RECORD_PICTURE ? 6.0 : 1.0)
 
-/* What a subject must be able to do. */
+/* Abilities of subjects that cases need. */
 #define CAN(KIND) (1u << RECORD_##KIND)
 
 static const bench_case cases[] = {
@@ -78,51 +78,54 @@ static const bench_case cases[] = {
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = OWN,
-     .note = "stilb_render_draw for each draw, in segments of 256",
+     .note = "stilb_render_draw for each draw, in segments of 256 draws",
      .abilities = CAN_RECORD},
-	{.name = "stilb-scene", .program = OWN, .note = "stilb_render_record", .abilities = CAN_RECORD},
+	{.name = "stilb-scene",
+     .program = OWN,
+     .note = "stilb_render_record, which draws a scene's visible models",
+     .abilities = CAN_RECORD},
 	{.name = "stilb-indirect", .program = OWN, .note = "replay as multi-draw-indirect", .abilities = CAN_REPLAY},
-	{.name = "stilb-direct", .program = OWN, .note = "replay as one command a draw", .abilities = CAN_REPLAY},
+	{.name = "stilb-direct", .program = OWN, .note = "replay as one command for each draw", .abilities = CAN_REPLAY},
 	{.name = "stilb-secondary",
      .program = OWN,
-     .note = "replay in a secondary command buffer a worker",
+     .note = "replay into one secondary command buffer for each worker",
      .abilities = CAN_REPLAY},
 	{.name = "write",
      .program = LIMITS,
-     .note = "a loop that writes 32 bytes and copies 64 a draw",
+     .note = "a loop that writes 32 bytes and copies 64 bytes for each draw: a lower bound",
      .abilities = CAN(DRAWS),
      .reference = true},
 	{.name = "write-non-temporal",
      .program = LIMITS,
-     .note = "the same, the 64 past the caches",
+     .note = "the same, the 64 bytes by non-temporal stores",
      .abilities = CAN(DRAWS),
      .reference = true},
 	{.name = "atomic",
      .program = LIMITS,
-     .note = "one uncontended fetch-add a draw, and nothing else",
+     .note = "one uncontended atomic add for each draw, nothing else",
      .abilities = CAN(DRAWS),
      .reference = true},
 	{.name = "malloc",
      .program = LIMITS,
-     .note = "one malloc and free of 96 bytes a draw, and nothing else",
+     .note = "malloc and free of 96 bytes for each draw, nothing else",
      .abilities = CAN(DRAWS),
      .reference = true},
 	{.name = "radix",
      .program = LIMITS,
-     .note = "a plain stable radix sort, 3 passes of 8 bits over key and number",
+     .note = "a plain stable radix sort of keys and indices, 3 passes of 8 bits",
      .abilities = CAN(SORT),
      .reference = true},
 	{.name = "vulkan-bare",
      .program = "stilb-bench-record-vulkan_bare",
      .package = "libvulkan-dev",
-     .note = "a plain Vulkan program: one multi-draw-indirect, one thread",
+     .note = "a plain Vulkan program with one thread and one multi-draw-indirect",
      .abilities = CAN(PICTURE),
      .reference = true},
 };
 
 /* ---- the suite --------------------------------------------------------------------------------------------------- */
 
-/* The checksum of the bare program's picture, which all others must draw too. */
+/* Draws the picture of the plain Vulkan program; every other subject's picture must have the same checksum. */
 static const char *prepare(const bench_options *options)
 {
 	static char sum[32];
@@ -130,22 +133,22 @@ static const char *prepare(const bench_options *options)
 	bench_child_run("stilb-bench-record-vulkan_bare", "vulkan-bare", "picture", 0.0, 0, NULL,
 	                (bench_limit){120.0, 120.0}, &result);
 	if (result.state == BENCH_CHILD_SKIPPED) {
-		stilb_log("the cases picture* are left out: %s", result.message);
+		stilb_log("the cases picture* are skipped: %s", result.message);
 		return RECORD_NO_PICTURE;
 	}
 	if (result.state != BENCH_CHILD_DONE || result.value_count != 2) {
-		stilb_log("cannot draw the picture that all frames on lavapipe are compared with: %s", result.message);
+		stilb_log("cannot draw the reference picture for the cases picture*: %s", result.message);
 		return NULL;
 	}
 	uint64_t high = (uint64_t)result.values[0].value, low = (uint64_t)result.values[1].value;
 	snprintf(sum, sizeof sum, "%llu%s", (unsigned long long)(high << 24 | low), options->quick ? RECORD_SHORT : "");
 	if (options->quick)
-		stilb_log("--quick leaves out picture-bind and picture-pipeline");
+		stilb_log("--quick skips the cases picture-bind and picture-pipeline");
 	return sum;
 }
 
 const bench_suite bench_record_suite = {.name = "record",
-                                        .help = "recording and replay of draws: the engine beside the machine's limits",
+                                        .help = "recording and replay of draws, beside memory writes and plain Vulkan",
                                         .subjects = subjects,
                                         .subject_count = COUNT(subjects),
                                         .cases = cases,
@@ -155,4 +158,4 @@ const bench_suite bench_record_suite = {.name = "record",
                                         .plot = bench_record_plot,
                                         .plot_rows = BENCH_RECORD_PLOT_ROWS,
                                         .start_seconds = 0.05,
-                                        .quick_cpu_seconds = 4.0}; /* a frame on lavapipe may take half a second */
+                                        .quick_cpu_seconds = 4.0}; /* one frame on lavapipe may take half a second */

@@ -1,16 +1,16 @@
-/* The suite `record`: its goals, met or missed, and a picture. */
+/* The suite `record`: its bounds, each met or missed, and its picture. */
 #include "bench/record/bench_record.h"
 
 #include "base/base.h"
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
-/* A number, or the ratio of two in each round, that is to be at most (where less is better) or at least so much. */
+/* A median, or the ratio of two rows in each round, that must be at most the bound if less is better, else at least. */
 typedef struct goal {
 	const char *what;
 	const char *on, *subject, *metric;
-	const char *of_on, *of_subject; /* the denominator, the same metric; NULL: no ratio */
-	double bound;                   /* 0: no goal, only to be seen */
+	const char *of_on, *of_subject; /* case and subject of the denominator, with the same metric; NULL: no ratio */
+	double bound;                   /* 0: none */
 	const char *note;
 } goal;
 
@@ -51,7 +51,7 @@ static const goal goals[] = {
 	{"  secondary / indirect", "picture", "stilb-secondary", "frame", "picture", "stilb-indirect", 0.0, NULL},
 };
 
-/* The goal's number with its range; false: it was not measured. */
+/* The goal's median or ratio with its range, and its row; false if it was not measured. */
 static bool measured(const bench_results *results, const goal *g, bench_ratio *value, const bench_row **row)
 {
 	*row = bench_find(results, g->on, g->subject, g->metric);
@@ -84,20 +84,20 @@ static void print_goal(FILE *out, const bench_results *results, const goal *g)
 
 void bench_record_goals(FILE *out, const bench_results *results)
 {
-	fprintf(out, "\ngoals; median [least-most] over the rounds, ratios of the same round\n");
+	fprintf(out, "\ngoals, set on the CPU named in docs/benchmarks.md; median [least-most] of the rounds\n");
 	for (size_t i = 0; i < COUNT(goals); i++)
 		print_goal(out, results, &goals[i]);
 }
 
 /* ---- picture ----------------------------------------------------------------------------------------------------- */
 
-/* Boxes of one colour: where each stands, and what of it. */
+/* A box of the diagram: its place on the x axis, and the row that it shows. */
 typedef struct box {
 	double x;
 	const char *on, *subject, *metric;
 } box;
 
-/* A block of data, x median least most, for those that were measured. */
+/* Writes a data block "x median least most" of the boxes that were measured; false if none was. */
 static bool write_boxes(FILE *out, const bench_results *results, const char *name, const box *boxes, size_t count)
 {
 	bool any = false;
@@ -106,16 +106,17 @@ static bool write_boxes(FILE *out, const bench_results *results, const char *nam
 		const bench_row *row = bench_find(results, boxes[i].on, boxes[i].subject, boxes[i].metric);
 		if (row)
 			fprintf(out, "%.2f %.6g %.6g %.6g\n", boxes[i].x, row->median, row->min, row->max);
-		any |= row != NULL;
+		if (row)
+			any = true;
 	}
 	fprintf(out, "END\n");
 	return any;
 }
 
-/* Diagrams stand in two columns. */
+/* Begins the diagram number `place`; diagrams lie in two columns, row by row. */
 static void begin_diagram(FILE *out, int place, const char *title, const char *unit, const char *ticks, double most_x)
 {
-	const double height = 0.94 / BENCH_RECORD_PLOT_ROWS;
+	double height = 0.94 / BENCH_RECORD_PLOT_ROWS;
 	fprintf(out,
 	        "set origin %.2f,%.4f\nset size 0.5,%.4f\nset title \"%s\"\nset ylabel '%s'\nset yrange [0:*]\nset xrange "
 	        "[-0.7:%.2f]\nset xtics (%s) norotate\nset key inside left top horizontal\nset bmargin 3\n"
@@ -123,7 +124,7 @@ static void begin_diagram(FILE *out, int place, const char *title, const char *u
 	        0.5 * (place % 2), height * (BENCH_RECORD_PLOT_ROWS - 1 - place / 2), height, title, unit, most_x, ticks);
 }
 
-/* A colour for each block, then the goals as lines. */
+/* Boxes of one colour. */
 typedef struct layer {
 	const char *name, *title, *color;
 	const box *boxes;
@@ -194,7 +195,7 @@ static void plot_threads(FILE *out, const bench_results *results)
 	plot_layers(out, results, layers, COUNT(layers), 0.36, "");
 }
 
-/* Stages stand on each other: the record's box reaches from the cull's top, and so on. */
+/* Stacked boxes: the stage `record` begins at the top of `cull`, and `replay` at the top of `record`. */
 static void plot_stages(FILE *out, const bench_results *results)
 {
 	static const char *const frames[] = {"frame-1", "frame-2"};
@@ -215,7 +216,7 @@ static void plot_stages(FILE *out, const bench_results *results)
 		fprintf(out, "\n");
 	}
 	fprintf(out, "END\nset boxwidth 0.6\nplot ");
-	for (int s = 2; s >= 0; s--) /* the highest first: the others are drawn over it */
+	for (int s = 2; s >= 0; s--) /* the tallest first, since later ones are drawn over it */
 		fprintf(out, "$stages using 1:(%s) with boxes linecolor rgb '%s' title '%s', ",
 		        s == 0   ? "$2"
 		        : s == 1 ? "$2+$3"

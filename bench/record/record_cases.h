@@ -4,20 +4,20 @@
 
 #include <stdint.h>
 
-/* What is measured. A draw is a mesh, a material and a transform; two draws a model. */
+/* The kinds of measurement. A draw is a mesh, a material and a transform; a model has two draws. */
 typedef enum record_kind {
 	RECORD_DRAWS,   /* recording on one thread */
-	RECORD_PHASE,   /* recording on two threads beside recording on one, the workers awake */
-	RECORD_PARKED,  /* the same with workers that are asleep when the pass begins */
-	RECORD_REPLAY,  /* turning recorded lists into device commands, on the null device */
-	RECORD_SORT,    /* putting recorded draws into the order of their keys */
+	RECORD_PHASE,   /* recording on two threads beside recording on one; workers are awake */
+	RECORD_PARKED,  /* the same; workers are asleep when the pass begins */
+	RECORD_REPLAY,  /* converting recorded lists to device commands, on the null device */
+	RECORD_SORT,    /* sorting recorded draws by their keys */
 	RECORD_FRAME,   /* cull + record + replay, on the null device */
-	RECORD_PICTURE, /* whole frames on lavapipe, whose picture is compared */
+	RECORD_PICTURE, /* whole frames on lavapipe; the picture's checksum is compared */
 } record_kind;
 
-/* How a draw gets its material. */
+/* The way in which a draw refers to its material. */
 typedef enum record_materials {
-	RECORD_INDEX,    /* a number in the draw's row */
+	RECORD_INDEX,    /* an index in the draw's row */
 	RECORD_BIND,     /* a descriptor set bound for each draw */
 	RECORD_PIPELINE, /* two pipelines that alternate */
 } record_materials;
@@ -26,7 +26,7 @@ typedef struct record_case {
 	const char *name;
 	record_kind kind;
 	uint32_t models;
-	uint32_t threads; /* in all, the caller included */
+	uint32_t threads; /* the caller included */
 	record_materials materials;
 } record_case;
 
@@ -39,22 +39,22 @@ typedef struct record_case {
 #define RECORD_CASES(X)                                                                                                \
 	X("draws", "20,000 draws recorded on one thread", DRAWS, .models = RECORD_MODELS, .threads = 1)                    \
 	X("draws-1000000", "1,000,000 draws recorded on one thread", DRAWS, .models = RECORD_MANY_MODELS, .threads = 1)    \
-	X("phase", "20,000 draws recorded on two threads, in a phase", PHASE, .models = RECORD_MODELS, .threads = 2)       \
-	X("parked", "20,000 draws recorded on two threads, one of which was asleep", PARKED, .models = RECORD_MODELS,      \
-	  .threads = 2)                                                                                                    \
-	X("replay-1", "order and replay of 20,000 draws, null device, 1 thread", REPLAY, .models = RECORD_MODELS,          \
+	X("phase", "20,000 draws recorded on two threads that are awake", PHASE, .models = RECORD_MODELS, .threads = 2)    \
+	X("parked", "20,000 draws recorded on two threads, one of them asleep at the start", PARKED,                       \
+	  .models = RECORD_MODELS, .threads = 2)                                                                           \
+	X("replay-1", "ordering and replay of 20,000 draws, null device, 1 thread", REPLAY, .models = RECORD_MODELS,       \
 	  .threads = 1)                                                                                                    \
-	X("replay-2", "order and replay of 20,000 draws, null device, 2 threads", REPLAY, .models = RECORD_MODELS,         \
+	X("replay-2", "ordering and replay of 20,000 draws, null device, 2 threads", REPLAY, .models = RECORD_MODELS,      \
 	  .threads = 2)                                                                                                    \
-	X("sort", "20,000 draws put into the order of 24-bit keys", SORT, .models = RECORD_MODELS, .threads = 1)           \
+	X("sort", "20,000 draws sorted by 24-bit keys", SORT, .models = RECORD_MODELS, .threads = 1)                       \
 	X("frame-1", "cull + record + replay of 20,000 draws, null device, 1 thread", FRAME, .models = RECORD_MODELS,      \
 	  .threads = 1)                                                                                                    \
 	X("frame-2", "cull + record + replay of 20,000 draws, null device, 2 threads", FRAME, .models = RECORD_MODELS,     \
 	  .threads = 2)                                                                                                    \
 	X("picture", "frames of 20,000 draws on lavapipe, 640x360", PICTURE, .models = RECORD_MODELS, .threads = 2)        \
-	X("picture-bind", "the same, a descriptor set bound for each draw", PICTURE, .models = RECORD_MODELS,              \
-	  .threads = 2, .materials = RECORD_BIND)                                                                          \
-	X("picture-pipeline", "the same, two pipelines alternating", PICTURE, .models = RECORD_MODELS, .threads = 2,       \
-	  .materials = RECORD_PIPELINE)
+	X("picture-bind", "frames of 20,000 draws on lavapipe, a descriptor set bound for each draw", PICTURE,             \
+	  .models = RECORD_MODELS, .threads = 2, .materials = RECORD_BIND)                                                 \
+	X("picture-pipeline", "frames of 20,000 draws on lavapipe, two pipelines alternating", PICTURE,                    \
+	  .models = RECORD_MODELS, .threads = 2, .materials = RECORD_PIPELINE)
 
 #endif

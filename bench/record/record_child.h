@@ -1,4 +1,5 @@
-/* record_child: what the programs of the suite `record` share: finding their case, times, the picture's checksum. */
+/* record_child: shared by the programs of the suite `record`: the case, sample sets, the picture's checksum.
+ * [main-thread] */
 #ifndef RECORD_CHILD_H
 #define RECORD_CHILD_H
 
@@ -9,7 +10,7 @@
 
 #include <string.h>
 
-/* The case of this name; fails when there is none. */
+/* The case of this name; ends the program if there is none. */
 static inline const record_case *record_case_find(const char *name)
 {
 	static const record_case cases[] = {
@@ -28,7 +29,7 @@ static inline uint64_t record_deadline(double seconds)
 	return bench_child_now_ns() + (uint64_t)(seconds * 1e9);
 }
 
-/* An array that must be there. */
+/* Allocates count * size bytes, not initialised; ends the program if there is no memory. */
 static inline void *record_alloc(size_t count, size_t size)
 {
 	void *memory = stilb_memory_alloc(count, size);
@@ -41,7 +42,7 @@ static inline void *record_alloc(size_t count, size_t size)
 
 #define RECORD_MAX_SAMPLES 65536u
 
-/* Of one kind, nanoseconds; those beyond the capacity are dropped. */
+/* Samples of one kind, ns; those beyond the capacity are dropped. */
 typedef struct record_samples {
 	uint32_t count;
 	double at[RECORD_MAX_SAMPLES];
@@ -59,7 +60,7 @@ static inline int record_samples_order(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Sorts them. */
+/* The median; sorts the samples. */
 static inline double record_samples_median(record_samples *set)
 {
 	if (set->count == 0)
@@ -70,12 +71,12 @@ static inline double record_samples_median(record_samples *set)
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-/* A program's argument in this suite is the checksum of the picture (decimal), or the first of these: there is no
- * lavapipe. After the checksum may stand that time is short: only the case `picture` draws then. */
+/* The argument of this suite's programs: the picture's checksum (decimal), or RECORD_NO_PICTURE if there is no
+ * lavapipe. The checksum may be followed by RECORD_SHORT (--quick): only `picture` of the cases picture* is run. */
 #define RECORD_NO_PICTURE "none"
 #define RECORD_SHORT " short"
 
-/* Does this case draw pictures, and may it? */
+/* True if the case draws pictures and the argument says to skip it. */
 static inline bool record_picture_skips(const record_case *on, const char *argument)
 {
 	return on->kind == RECORD_PICTURE && argument &&
@@ -83,15 +84,15 @@ static inline bool record_picture_skips(const record_case *on, const char *argum
 	        (on->materials != RECORD_INDEX && strstr(argument, RECORD_SHORT)));
 }
 
-/* Two frames are in flight: the fourth is the first that waits for a whole one. */
+/* Frames not measured: with two frames in flight, the fourth is the first one that waits for a whole frame. */
 #define RECORD_PICTURE_WARM_UP 3u
 
-/* How frames follow each other. */
+/* Time and CPU time of a sequence of frames. */
 typedef struct record_picture_times {
-	uint32_t frames;    /* so far */
-	uint64_t last;      /* when the last one was handed over, ns */
-	uint64_t first_cpu; /* CPU time of this process when the first that counts began, the driver's threads included */
-	uint64_t last_cpu;
+	uint32_t frames;    /* so far, the first ones included */
+	uint64_t last;      /* time at which the last one was submitted, ns */
+	uint64_t first_cpu; /* CPU time of all threads when the first measured frame began, ns */
+	uint64_t last_cpu;  /* the same at the end of the last frame */
 } record_picture_times;
 
 static inline uint64_t record_cpu_ns(void)
@@ -101,7 +102,7 @@ static inline uint64_t record_cpu_ns(void)
 	return (uint64_t)used.tv_sec * 1000000000u + (uint64_t)used.tv_nsec;
 }
 
-/* After each frame: from the end of one to the end of the next is what a frame takes. False: that was enough. */
+/* Call it after each frame. A frame's time is from the end of the frame before to its own. False: enough frames. */
 static inline bool record_picture_frame(record_picture_times *times, record_samples *samples, uint64_t until)
 {
 	uint64_t now = bench_child_now_ns();
@@ -121,7 +122,7 @@ static inline void record_picture_print(const record_picture_times *times, recor
 	bench_child_metric("cpu", (double)(times->last_cpu - times->first_cpu) / samples->count * 1e-6);
 }
 
-/* FNV-1a of the pixels, three bytes each, folded to 48 bits: two numbers that a program can print exactly. */
+/* FNV-1a of the pixels, three bytes each, folded to 48 bits, which fit into two printed numbers exactly. */
 static inline uint64_t record_picture_sum(const unsigned char *pixels, size_t count)
 {
 	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, pixels, 3 * count);

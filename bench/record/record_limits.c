@@ -1,5 +1,5 @@
-/* What the machine itself allows: the memory that a list of draws takes written by a loop, a radix sort, one atomic a
- * draw, one malloc a draw. */
+/* References of the suite `record`: writing the memory of a list of draws in a loop, a radix sort, one atomic add for
+ * each draw, one malloc for each draw. */
 #include "bench/record/record_child.h"
 
 #include <stdatomic.h>
@@ -7,7 +7,7 @@
 #include <emmintrin.h>
 #endif
 
-/* The size of a command and of a row; what is in them does not matter here. */
+/* As large as the engine's command and row; the content does not matter here. */
 typedef struct limit_command {
 	uint64_t key;
 	uint32_t words[6];
@@ -29,7 +29,7 @@ typedef struct limit_work {
 	limit_row *source, *rows;
 	limit_command *commands;
 	limit_entry *entries, *sorted, *scratch;
-	_Atomic uint64_t *word; /* relaxed: counts, orders nothing */
+	_Atomic uint64_t *word; /* relaxed: a count, which orders nothing */
 } limit_work;
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
@@ -39,7 +39,7 @@ static inline limit_command command_make(uint32_t i)
 	return (limit_command){i, {i, i & 1, i * 3, 960, i & 3, 1}};
 }
 
-/* One command, and one transform copied into its row. */
+/* Writes one command and one row for each draw. */
 static void write_hot(limit_work *work)
 {
 	const limit_row *restrict source = work->source;
@@ -51,8 +51,8 @@ static void write_hot(limit_work *work)
 	}
 }
 
-/* Rows, which only the GPU will read, go past the caches in whole lines. Commands do not: half a line at a time they
- * would take five times as long. */
+/* Writes rows by non-temporal stores of whole cache lines, since only the GPU will read them. Commands are half a cache
+ * line each, for which such stores would take five times as long. */
 static void write_non_temporal(limit_work *work)
 {
 #if defined(__SSE2__)
@@ -84,7 +84,7 @@ static void check_written(const limit_work *work)
 
 #define RADIX 256u
 
-/* One pass of a stable radix sort over byte `digit`: counts has how many entries there are of each value. */
+/* One pass of a stable radix sort by byte `digit`; counts[v] is the number of entries with the value v. */
 static void radix_pass(const limit_entry *from, limit_entry *to, uint32_t count, uint32_t digit, const uint32_t *counts)
 {
 	uint32_t place[RADIX], sum = 0;
@@ -96,7 +96,7 @@ static void radix_pass(const limit_entry *from, limit_entry *to, uint32_t count,
 		to[place[from[i].key >> (8 * digit) & (RADIX - 1)]++] = from[i];
 }
 
-/* The keys' three live bytes, lowest first. */
+/* Sorts by the three bytes of the keys that are used, lowest first. */
 static void sort_radix(limit_work *work)
 {
 	uint32_t counts[3][RADIX] = {0};
@@ -117,7 +117,7 @@ static void check_sorted(const limit_work *work)
 	}
 }
 
-/* ---- what a list must not do ------------------------------------------------------------------------------------- */
+/* ---- costs that a list avoids ------------------------------------------------------------------------------------ */
 
 static void add_atomic(limit_work *work)
 {
@@ -138,7 +138,7 @@ static void allocate_each(limit_work *work)
 		if (!command)
 			bench_child_fail("out of memory");
 		*command = command_make(i);
-		__asm__ volatile("" ::"r"(command) : "memory"); /* else there is nothing to allocate */
+		__asm__ volatile("" ::"r"(command) : "memory"); /* else the compiler removes malloc and free */
 		free(command);
 	}
 }
@@ -196,7 +196,7 @@ static void work_finish(limit_work *work)
 int main(int argc, char **argv)
 {
 	static record_samples times;
-	const bench_child child = bench_child_args(argc, argv);
+	bench_child child = bench_child_args(argc, argv);
 	const record_case *on = record_case_find(child.case_name);
 	const struct limit *limit = limits, *end = limits + sizeof limits / sizeof *limits;
 	while (limit < end && strcmp(limit->name, child.subject) != 0)
@@ -204,7 +204,7 @@ int main(int argc, char **argv)
 	if (limit == end)
 		bench_child_fail("no subject %s", child.subject);
 	limit_work work = work_make(2 * on->models);
-	limit->turn(&work); /* touches pages */
+	limit->turn(&work); /* not measured: page faults */
 	for (uint64_t until = record_deadline(child.seconds), now = 0; now < until || times.count < 3;) {
 		uint64_t begin = bench_child_now_ns();
 		limit->turn(&work);

@@ -1,5 +1,5 @@
-/* The engine's own subjects of the suite `record`: recording by hand and from a scene, the three ways of replay, whole
- * frames on the null device and on lavapipe. Every run ends with the check of what was replayed. */
+/* The engine's subjects of the suite `record`: recording by hand and from a scene, the three ways of replay, whole
+ * frames on the null device and on lavapipe. Every run ends with a comparison of the stream hash or the picture. */
 #include "bench/record/record_child.h"
 
 #include "culling/cull.h"
@@ -9,16 +9,16 @@
 
 #include <stdatomic.h>
 
-#define SEGMENT_DRAWS 256u /* by hand: what one job records */
-#define WARM_UP_FRAMES 4   /* both frame slots have grown, and their pages are there */
-#define BLOCK_FRAMES 16    /* of one kind in a row, where two kinds take turns */
-#define BUSY_NS 300000     /* the main thread works alone for so long, ten times what a worker waits before it sleeps */
-#define OWNER 0u
+#define SEGMENT_DRAWS 256u /* draws that one job records by hand */
+#define WARM_UP_FRAMES 4   /* until the buffers of both frame slots have grown */
+#define BLOCK_FRAMES 16    /* frames of one kind in a row, if two kinds take turns */
+#define BUSY_NS 300000     /* the main thread works alone, ten times as long as a worker spins before it sleeps */
+#define OWNER 0u           /* worker index of a pool's owner */
 
 /* ---- the subjects ------------------------------------------------------------------------------------------------ */
 
 typedef enum recorder {
-	BY_HAND, /* stilb_render_draw for each draw, as a user would */
+	BY_HAND, /* stilb_render_draw for each draw, as a program without a scene does */
 	SCENE,   /* stilb_render_record */
 } recorder;
 
@@ -40,7 +40,7 @@ static const stilb_render_materials materials[] = {
 
 /* ---- a run ------------------------------------------------------------------------------------------------------- */
 
-/* What a program that records by hand keeps for each of its objects. */
+/* The data that a program without a scene keeps for each of its objects. */
 typedef struct object {
 	stilb_render_mesh mesh;
 	stilb_render_material material;
@@ -50,15 +50,15 @@ typedef struct run {
 	const struct subject *subject;
 	const record_case *on;
 	const bench_child *child;
-	uint64_t until; /* the end of measuring, ns */
+	uint64_t until; /* end of the run, ns */
 	uint32_t draws;
 	stilb_scene *scene;
-	uint32_t *models; /* all of them: nothing is culled unless the case says so */
+	uint32_t *models; /* ids of all models: only RECORD_FRAME culls */
 	object *objects;  /* [draws] */
-	uint64_t *keys;   /* [draws] for sorting */
+	uint64_t *keys;   /* [draws] sort keys */
 	stilb_render *render;
-	stilb_job_pool *alone; /* without workers */
-	stilb_job_pool *pool;  /* with the case's threads */
+	stilb_job_pool *alone; /* a pool without workers */
+	stilb_job_pool *pool;  /* a pool with the case's number of threads */
 	stilb_render_pass pass;
 	stilb_render_view view;
 	stilb_cull *cull;
@@ -83,7 +83,7 @@ static double ns_per_draw(const run *r, record_samples *samples)
 
 /* ---- the stages of a frame --------------------------------------------------------------------------------------- */
 
-/* The slice of a loop over segments. */
+/* Loop body over segments: records the draws of segments [begin, end). */
 static void hand_record(uint32_t begin, uint32_t end, uint32_t worker, void *data)
 {
 	const run *r = data;
@@ -98,7 +98,7 @@ static void hand_record(uint32_t begin, uint32_t end, uint32_t worker, void *dat
 	}
 }
 
-/* The same with keys. */
+/* Records all draws by hand with their sort keys, on one thread. */
 static void hand_record_keys(const run *r)
 {
 	stilb_render_context *context = stilb_render_context_get(r->render, OWNER);
@@ -117,7 +117,7 @@ static void record(run *r, stilb_job_pool *pool)
 		expect(stilb_render_record(r->render, 0, r->scene, r->models, r->scene->model_count, pool, OWNER));
 		return;
 	}
-	const uint32_t segments = (r->draws + SEGMENT_DRAWS - 1) / SEGMENT_DRAWS;
+	uint32_t segments = (r->draws + SEGMENT_DRAWS - 1) / SEGMENT_DRAWS;
 	expect(stilb_render_pass_begin(r->render, 0, segments));
 	stilb_job_parallel_for(pool, segments, 1, hand_record, r, OWNER);
 	expect(stilb_render_pass_end(r->render, 0));
@@ -128,7 +128,7 @@ static void replay(run *r, stilb_job_pool *pool)
 	expect(stilb_render_replay(r->render, &r->pass, 1, &r->view, 1, pool, OWNER));
 }
 
-/* A frame of which the recording is timed; the rest is there because a frame has it. */
+/* Draws one frame; returns the time of its recording, ns. */
 static uint64_t frame_recording(run *r, stilb_job_pool *pool)
 {
 	expect(stilb_render_frame_begin(r->render));
@@ -150,7 +150,7 @@ static uint64_t frame_replaying(run *r)
 
 /* ---- the kinds of case ------------------------------------------------------------------------------------------- */
 
-static record_samples first, second, third, fourth; /* what each is of, its kind says */
+static record_samples first, second, third, fourth; /* each kind of case uses them for other times */
 
 static void measure_draws(run *r)
 {
@@ -177,20 +177,20 @@ static void measure_phase(run *r)
 			record_samples_add(&second, frame_recording(r, r->pool));
 		stilb_job_phase_end(r->pool);
 	}
-	const double one = record_samples_median(&first), two = record_samples_median(&second);
+	double one = record_samples_median(&first), two = record_samples_median(&second);
 	bench_child_metric("one", one * 1e-3);
 	bench_child_metric("two", two * 1e-3);
 	bench_child_metric("speed-up", one / two);
 }
 
-/* The main thread has other work, and all workers fall asleep. */
+/* Keeps the main thread busy until all workers sleep. */
 static void be_busy(void)
 {
 	for (uint64_t until = bench_child_now_ns() + BUSY_NS; bench_child_now_ns() < until;)
 		;
 }
 
-/* When the one job of a wake ran, 0 before. Release by the job, acquire by wake_worker. */
+/* The time at which the job of wake_worker ran, 0 before. Release in that job, pairs with the acquire after it. */
 static _Atomic uint64_t woken_at;
 
 static void woken(void *data, uint32_t worker)
@@ -199,24 +199,26 @@ static void woken(void *data, uint32_t worker)
 	atomic_store_explicit(&woken_at, bench_child_now_ns(), memory_order_release); /* pairs with wake_worker */
 }
 
-/* The two terms that a sleeping worker adds: the time from the waker's call until the woken worker runs, and the time
- * that the call takes the waker. */
+/* Measures the two costs of a sleeping worker: the time from the waker's call until the worker runs (wake), and the
+ * time that the call takes the waker (cost). */
 static void wake_worker(run *r, record_samples *wake, record_samples *cost)
 {
 	stilb_job_group group = {0};
-	atomic_store_explicit(&woken_at, 0, memory_order_relaxed); /* submit publishes it */
+	atomic_store_explicit(&woken_at, 0, memory_order_relaxed); /* relaxed: published by submit */
 	uint64_t begin = bench_child_now_ns(), started;
 	if (stilb_job_submit(r->pool, woken, NULL, &group, OWNER) != 0)
 		bench_child_fail("out of memory");
 	uint64_t end = bench_child_now_ns();
-	while ((started = atomic_load_explicit(&woken_at, memory_order_acquire)) == 0) /* pairs with woken; does not help */
+	while ((started = atomic_load_explicit(&woken_at, memory_order_acquire)) ==
+	       0) /* pairs with woken; a wait would run the job here */
 		;
 	stilb_job_wait(r->pool, &group, OWNER);
 	record_samples_add(wake, started - begin);
 	record_samples_add(cost, end - begin);
 }
 
-/* Of the work T1 the waker does T - cost and the woken worker T - wake, so at best T = (T1 + wake + cost) / 2. */
+/* Work of T1 on one thread: in a time T the waker does T - cost of it and the woken worker T - wake, so at best
+ * T = (T1 + wake + cost) / 2. of-best is the measured time divided by that. */
 static void measure_parked(run *r)
 {
 	for (int i = 0; i < WARM_UP_FRAMES; i++)
@@ -229,8 +231,8 @@ static void measure_parked(run *r)
 		be_busy();
 		wake_worker(r, &third, &fourth);
 	}
-	const double one = record_samples_median(&first), two = record_samples_median(&second);
-	const double wake = record_samples_median(&third), cost = record_samples_median(&fourth);
+	double one = record_samples_median(&first), two = record_samples_median(&second);
+	double wake = record_samples_median(&third), cost = record_samples_median(&fourth);
 	bench_child_metric("one", one * 1e-3);
 	bench_child_metric("two", two * 1e-3);
 	bench_child_metric("wake", wake * 1e-3);
@@ -259,7 +261,7 @@ static uint64_t frame_with_keys(run *r, bool sort)
 	return bench_child_now_ns() - begin;
 }
 
-/* What a sorted pass takes longer than one in the order of recording. The last frame is sorted. */
+/* The time of a sorted pass minus that of one in recording order. The last frame is sorted, for the check. */
 static void measure_sort(run *r)
 {
 	for (int i = 0; i < WARM_UP_FRAMES; i++)
@@ -268,12 +270,12 @@ static void measure_sort(run *r)
 		record_samples_add(&first, frame_with_keys(r, false));
 		record_samples_add(&second, frame_with_keys(r, true));
 	}
-	const double unsorted = ns_per_draw(r, &first), sorted = ns_per_draw(r, &second);
+	double unsorted = ns_per_draw(r, &first), sorted = ns_per_draw(r, &second);
 	bench_child_metric("sort", sorted - unsorted);
 	bench_child_metric("replay", sorted);
 }
 
-/* The stages as in the engine's frame. */
+/* Draws one frame in the stages of the engine's frame; at: the times between them, ns. */
 static void frame_stages(run *r, const stilb_frustum *frustum, uint64_t at[4])
 {
 	expect(stilb_render_frame_begin(r->render));
@@ -288,7 +290,7 @@ static void frame_stages(run *r, const stilb_frustum *frustum, uint64_t at[4])
 
 static void measure_frame(run *r)
 {
-	const stilb_frustum frustum = stilb_frustum_from_matrix(&r->view.view_projection);
+	stilb_frustum frustum = stilb_frustum_from_matrix(&r->view.view_projection);
 	uint64_t at[4];
 	expect(stilb_cull_create(r->scene, &r->cull));
 	stilb_job_phase_begin(r->pool);
@@ -332,18 +334,18 @@ static void (*const measures[])(run *r) = {
 	[RECORD_PICTURE] = measure_picture,
 };
 
-/* ---- the proof --------------------------------------------------------------------------------------------------- */
+/* ---- verification ------------------------------------------------------------------------------------------------ */
 
-static const uint64_t *sorted_keys; /* for the comparison */
+static const uint64_t *sorted_keys; /* for order_by_key, since qsort passes no context */
 
 static int order_by_key(const void *a, const void *b)
 {
-	const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-	const uint64_t key_x = sorted_keys[x], key_y = sorted_keys[y];
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	uint64_t key_x = sorted_keys[x], key_y = sorted_keys[y];
 	return key_x != key_y ? (key_x > key_y) - (key_x < key_y) : (x > y) - (x < y);
 }
 
-/* The stream hash as render.h defines it, of all draws in scene order, or in the order of their keys. */
+/* The stream hash (render.h) of all draws in scene order, or for RECORD_SORT in the order of their keys. */
 static uint64_t expected_hash(const run *r)
 {
 	uint32_t *order = record_alloc(r->draws, sizeof *order);
@@ -354,7 +356,7 @@ static uint64_t expected_hash(const run *r)
 		qsort(order, r->draws, sizeof *order, order_by_key);
 	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &r->view.shading, sizeof r->view.shading);
 	for (uint32_t k = 0; k < r->draws; k++) {
-		const uint32_t i = order[k], ids[2] = {r->scene->part_mesh[i], r->scene->part_material[i]};
+		uint32_t i = order[k], ids[2] = {r->scene->part_mesh[i], r->scene->part_material[i]};
 		hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
 		hash = stilb_hash_fnv1a64(hash, r->scene->part_transform[i].m, sizeof r->scene->part_transform[i].m);
 		hash = stilb_hash_fnv1a64(hash, &r->scene->meshes[ids[0]].index_count, sizeof(uint32_t));
@@ -366,7 +368,7 @@ static uint64_t expected_hash(const run *r)
 static void verify(const run *r)
 {
 	if (stilb_render_stats_get(r->render).draws != r->draws)
-		bench_child_fail("wrong result: %llu draws of %u were replayed",
+		bench_child_fail("wrong result: %llu draws were replayed instead of %u",
 		                 (unsigned long long)stilb_render_stats_get(r->render).draws, r->draws);
 	if (stilb_render_stream_hash(r->render) != expected_hash(r))
 		bench_child_fail("wrong result: what was replayed is not the scene");
@@ -392,8 +394,8 @@ static stilb_job_pool *make_pool(uint32_t threads)
 
 static void make_render(run *r)
 {
-	const bool picture = r->on->kind == RECORD_PICTURE;
-	const stilb_render_desc desc = {
+	bool picture = r->on->kind == RECORD_PICTURE;
+	stilb_render_desc desc = {
 		.device = picture ? STILB_RENDER_DEVICE_VULKAN : STILB_RENDER_DEVICE_NULL,
 		.replay = r->subject->replay,
 		.materials = materials[r->on->materials],
@@ -447,8 +449,8 @@ static const struct subject *find_subject(const char *name)
 
 int main(int argc, char **argv)
 {
-	const bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
+	bench_child child = bench_child_args(argc, argv);
+	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
 	run r = {.subject = find_subject(child.subject), .on = record_case_find(child.case_name), .child = &child};
 	if (record_picture_skips(r.on, child.argument))
 		return BENCH_CHILD_SKIP;

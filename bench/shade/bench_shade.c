@@ -1,5 +1,5 @@
-/* The suite `shade`: an evaluation of a BRDF as the shading headers write it, beside the same formula fused by hand and
- * the same functions eight at a time. What a case is: shade_cases.h. */
+/* The suite `shade`: evaluating a BRDF with the shading headers, beside the same formula fused by hand and the headers'
+ * functions on eight points at a time. The cases are in shade_cases.h. */
 #include "bench/harness/bench.h"
 #include "bench/shade/shade_cases.h"
 
@@ -20,7 +20,7 @@ static const bench_case cases[] = {
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = "stilb-bench-shade",
-     .note = "three channels, own normal, light, viewer, roughness and F0 each time; one thread"},
+     .note = "three channels; every evaluation has its own normal, light, viewer, roughness and F0; one thread"},
 };
 
 #define GOAL_CASE "ggx"
@@ -34,9 +34,9 @@ static double value(const bench_results *results, const bench_case *on, const ch
 
 static void report(FILE *out, const bench_results *results)
 {
-	fprintf(out, "ns an evaluation; medians, and the ratio to hand-fused code with its least and most\n\n");
+	fprintf(out, "\nns for each evaluation, medians; ratio to hand-fused code: median [least-most]\n\n");
 	fprintf(out, "  %-22s %7s %7s %7s %7s   %-22s %8s   %7s %7s\n", "", "limit", "hand", "stilb", "8 wide",
-	        "stilb / hand", "of 8 wide", "error", "hand's");
+	        "stilb / hand", "/ 8 wide", "error", "hand's");
 	for (size_t i = 0; i < COUNT(cases); i++) {
 		const bench_row *ratio = bench_find(results, cases[i].name, "stilb", "of-hand");
 		if (!ratio)
@@ -49,10 +49,11 @@ static void report(FILE *out, const bench_results *results)
 		        value(results, &cases[i], "of-wide"), value(results, &cases[i], "error"),
 		        value(results, &cases[i], "hand-error"));
 	}
-	fprintf(out, "\n  limit: its divisions, square roots and powers alone, waiting for nothing\n"
-	             "  hand: the formula fused in plain floats; a power is powf of a cosine, fast and short of digits\n"
-	             "  8 wide: the functions of engine/shading again, on eight points at a time\n"
-	             "  error: the largest, relative to the formula in double, in millionths\n");
+	fprintf(out, "\n  limit: only the divisions, square roots and powers, at their throughput\n"
+	             "  hand: the formula fused in plain floats; powers are powf of a cosine, fast but imprecise\n"
+	             "  stilb: the functions of engine/shading; / 8 wide: its time / that of 8 wide\n"
+	             "  8 wide: the functions of engine/shading on eight points at a time\n"
+	             "  error: the largest relative error of stilb, in millionths; hand's: of hand\n");
 }
 
 static void print_goals(FILE *out, const bench_results *results)
@@ -70,17 +71,17 @@ typedef struct bar {
 } bar;
 
 static const bar times[] = {
-	{"limit", "its divisions, roots and powers alone", "#c8c8c8"},
+	{"limit", "only divisions, roots and powers", "#c8c8c8"},
 	{"hand", "fused by hand", "#90b0d8"},
 	{"scalar", "engine/shading", "#0040a0"},
-	{"wide", "the same, eight wide", "#c06000"},
+	{"wide", "engine/shading, eight wide", "#c06000"},
 };
 static const bar errors[] = {
 	{"hand-error", "fused by hand", "#90b0d8"},
 	{"error", "engine/shading", "#0040a0"},
 };
 
-/* Bars of a metric each, side by side at every case that ran. */
+/* One bar for each of these metrics, side by side at every case that ran. */
 static void plot_bars(FILE *out, const bench_results *results, const char *name, const bar *bars, size_t count)
 {
 	size_t ran = 0;
@@ -112,7 +113,7 @@ static void plot(FILE *out, const bench_results *results)
 	             "rgb '#404040'\nset style fill solid 1 noborder\n"
 	             "set xtics rotate by -25 scale 0\nset key inside top left noreverse\nset logscale y\n"
 	             "set yrange [0.1:1000]\nset origin 0,0\nset size 0.5,0.9\n"
-	             "set title 'ns an evaluation of three channels'\n");
+	             "set title 'ns for each evaluation of three channels'\n");
 	plot_bars(out, results, "times", times, COUNT(times));
 	fprintf(out, "set origin 0.5,0\nset size 0.5,0.9\nset yrange [0.01:10000]\n"
 	             "set title 'largest error, relative to the formula in double, in millionths'\n");
@@ -120,7 +121,8 @@ static void plot(FILE *out, const bench_results *results)
 }
 
 const bench_suite bench_shade_suite = {.name = "shade",
-                                       .help = "an evaluation of a BRDF beside hand-fused code, and eight at a time",
+                                       .help =
+                                           "evaluating BRDFs: the shading headers, hand-fused code, eight at a time",
                                        .subjects = subjects,
                                        .subject_count = COUNT(subjects),
                                        .cases = cases,

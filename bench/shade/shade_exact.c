@@ -1,4 +1,4 @@
-/* The formulas of the suite `shade` in double and long-hand: h is made unit, cosines are dot products, no term is
+/* The formulas of the suite `shade` in double, as published: h is normalized, cosines are dot products, no term is
  * shared. */
 #include "bench/shade/shade_run.h"
 
@@ -20,7 +20,7 @@ static void unit(double a[3])
 		a[c] *= scale;
 }
 
-/* The floats as they are: a direction that is unit to the last bit of a float is what the formulas are given. */
+/* The point's directions in double, not normalized again: the formulas must get the same input as the other ways. */
 static directions directions_of(const shade_run_point *p)
 {
 	directions d;

@@ -1,11 +1,11 @@
-/* The formulas of the suite `shade`, fused by hand: plain floats, nothing computed twice, h never made unit. */
+/* The formulas of the suite `shade`, fused by hand: plain floats, nothing computed twice, h never normalized. */
 #include "bench/shade/shade_run.h"
 
 #include <math.h>
 
 #define PI 3.14159265358979323846f
 
-/* What the three directions have in common. */
+/* Dot products of the three directions, and 1 / |l + v|. */
 typedef struct dots {
 	float n_l, n_v, n_h, v_h, inverse_h;
 } dots;
@@ -23,8 +23,7 @@ static inline dots dots_of(const shade_run_point *p)
 	return (dots){n_l, n_v, (n_l + n_v) * inverse, 0.5f * h2 * inverse, inverse};
 }
 
-/* sin^2 of the angle between n and h, from their cross product: 1 - (n.h)^2 has no digits left in a narrow
- * highlight. */
+/* sin^2 of the angle between n and h, from their cross product, since 1 - (n.h)^2 cancels in a narrow highlight. */
 static inline float sine2(const shade_run_point *p, float inverse_h)
 {
 	stilb_vec4 h = p->l + p->v;
@@ -48,7 +47,7 @@ static inline float exponent_of(const shade_run_point *p)
 
 static inline stilb_vec4 wrapped(const shade_run_point *p)
 {
-	const float factor = 1.0f / (PI * (1.0f + SHADE_RUN_WRAP) * (1.0f + SHADE_RUN_WRAP));
+	float factor = 1.0f / (PI * (1.0f + SHADE_RUN_WRAP) * (1.0f + SHADE_RUN_WRAP));
 	return p->f0 * (fmaxf(dot3(p->n, p->l) + SHADE_RUN_WRAP, 0.0f) * factor);
 }
 
@@ -74,7 +73,7 @@ static inline stilb_vec4 minimalist(const shade_run_point *p)
 	return p->f0 * ((n + 1.0f) * powf(d.n_h, n) * d.n_l / (8.0f * PI * d.v_h * d.v_h * d.v_h));
 }
 
-/* D V n.l with D = a2 / (pi (n.h^2 a2 + sin^2)^2), one division for all. */
+/* D V n.l with D = a2 / (pi (n.h^2 a2 + sin^2)^2), with a single division. */
 static inline stilb_vec4 ggx(const shade_run_point *p)
 {
 	dots d = dots_of(p);

@@ -1,4 +1,4 @@
-/* The suite `shade`: evaluations as the renderer and a tracer make them, through engine/shading as it is. */
+/* The suite `shade`: evaluations through engine/shading, as the renderer and the path tracer make them. */
 #include "bench/shade/shade_run.h"
 
 #include "shading/shade_brdf.h"
@@ -8,11 +8,11 @@
 static inline stilb_vec4 evaluate(const shade_run_point *p, shade_brdf_model model)
 {
 	shade_brdf_parameters parameters = {.specular = p->f0, .roughness = p->roughness, .wrap = SHADE_RUN_WRAP};
-	shade_frame frame = {.n = p->n}; /* nothing here is anisotropic */
+	shade_frame frame = {.n = p->n}; /* no tangent: none of the models is anisotropic */
 	return shade_brdf_cos(model, parameters, frame, p->l, p->v);
 }
 
-/* The model is known when this is compiled, as it is to a pipeline. */
+/* A kernel whose model is a compile-time constant, as it is in a pipeline. */
 #define OWN_KERNEL(symbol, ...)                                                                                        \
 	void shade_own_##symbol(const shade_run_inputs *inputs, shade_run_results *results)                                \
 	{                                                                                                                  \

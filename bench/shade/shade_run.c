@@ -1,5 +1,5 @@
-/* The program of the suite `shade`: the ways of writing an evaluation take turns in one process, so that their ratios
- * do not see the machine's moods; each is held against the formula in double first. */
+/* The program of the suite `shade`: the implementations are compared with the formula in double, then timed in turns in
+ * one process, so that disturbances of the machine cancel in their ratios. */
 #include "bench/shade/shade_run.h"
 
 #include "base/base.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define TURNS_MAX 65536u
-#define TURN_PASSES 40 /* over all points: some tens of microseconds, less than a time slice */
+#define TURN_PASSES 40 /* passes over all points in a turn: tens of microseconds, less than a time slice */
 #define WAYS 3
 
 static const struct shade_case {
@@ -25,7 +25,7 @@ static const struct shade_case {
 #undef CASE
 };
 
-/* Three; two on a CPU that cannot run what is built for eight lanes. */
+/* The number of ways to measure: 2 without AVX2, which the wide one needs. */
 static uint32_t way_count(void)
 {
 #ifdef __x86_64__
@@ -40,7 +40,7 @@ static const char *const way_names[WAYS] = {"stilb", "hand", "wide"};
 static shade_run_inputs inputs;
 static shade_run_results results;
 
-/* ---- what is evaluated ------------------------------------------------------------------------------------------- */
+/* ---- input ------------------------------------------------------------------------------------------------------- */
 
 static float random_at(uint32_t round, uint32_t i, uint32_t which)
 {
@@ -59,7 +59,8 @@ static stilb_vec4 unit(stilb_vec4 a)
 	return a / sqrtf(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/* Any normal, any half vector up to 60 degrees away from the mirror's, no light or viewer below the surface. */
+/* A random normal, a light less than 72 degrees from it, and a viewer around the mirrored light, spread by roughness;
+ * both are above the surface. */
 static shade_run_point random_point(uint32_t round, uint32_t i)
 {
 	shade_run_point p = {.n = random_direction(round, i, 0)};
@@ -88,9 +89,9 @@ static void make_inputs(uint32_t round)
 	}
 }
 
-/* ---- right? ------------------------------------------------------------------------------------------------------ */
+/* ---- verification ------------------------------------------------------------------------------------------------ */
 
-/* Largest relative error of a way over all points. */
+/* The largest relative error of a way over all points; NaN if a result is NaN. */
 static double error_of(const struct shade_case *on, uint32_t way)
 {
 	bool wide = way == 2;
@@ -103,13 +104,16 @@ static double error_of(const struct shade_case *on, uint32_t way)
 		for (int c = 0; c < 3; c++) {
 			double got = (double)(wide ? results.lanes[c][i] : results.points[i][c]);
 			double error = fabs(got - exact[c]) / fmax(exact[c], 1e-6);
-			worst = error <= worst ? worst : error; /* NaN stays */
+			if (isnan(error))
+				return error;
+			worst = fmax(worst, error);
 		}
 	}
 	return worst;
 }
 
-/* A power multiplies its base's last bit by the exponent, up to 4,000 here. */
+/* Ends the program if an error is too large. The bounds allow for powers: an exponent of up to 4,000 multiplies the
+ * relative error of its base. */
 static void check(const struct shade_case *on)
 {
 	double limit = on->powers ? 5e-3 : 2e-5;
@@ -121,7 +125,7 @@ static void check(const struct shade_case *on)
 	}
 }
 
-/* ---- how long? --------------------------------------------------------------------------------------------------- */
+/* ---- time -------------------------------------------------------------------------------------------------------- */
 
 static struct {
 	uint32_t count;
@@ -152,7 +156,7 @@ static double time_kernel(shade_run_kernel *kernel)
 
 static void run_turns(const struct shade_case *on, double seconds)
 {
-	const uint32_t ways = way_count();
+	uint32_t ways = way_count();
 	uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
 	while (turns.count < TURNS_MAX && (turns.count < 8 || bench_child_now_ns() < end)) {
 		uint32_t turn = turns.count++;
@@ -167,12 +171,12 @@ static void run_turns(const struct shade_case *on, double seconds)
 
 /* ---- the machine's limit ----------------------------------------------------------------------------------------- */
 
-/* One operation that waits for no other: its throughput. */
+/* Independent divisions, at their throughput; the next functions do the same for other operations. */
 static void limit_division(const shade_run_inputs *in, shade_run_results *out)
 {
 	for (int i = 0; i < SHADE_RUN_COUNT; i++) {
 		float x = 1.0f / in->lanes.roughness[i];
-		__asm__ volatile("" : "+x"(x)); /* one at a time */
+		__asm__ volatile("" : "+x"(x)); /* keeps the compiler from vectorizing */
 		out->lanes[0][i] = x;
 	}
 }
@@ -192,7 +196,7 @@ static void limit_power(const shade_run_inputs *in, shade_run_results *out)
 		out->lanes[0][i] = powf(in->lanes.roughness[i], in->lanes.f0[0][i]);
 }
 
-/* What the divisions, roots and powers of one evaluation take when nothing else is done. */
+/* The time that the divisions, roots and powers of one evaluation take by themselves, ns. */
 static double limit_of(const struct shade_case *on)
 {
 	static double ns[3][64];

@@ -1,10 +1,10 @@
 /*
- * shade_run: what the three ways of writing an evaluation share: the shading headers as they are (shade_own.c), the
- * same formulas fused by hand in plain floats (shade_hand.c), and eight at a time (shade_wide.c); and the formulas in
- * double, long-hand, which all of them are held against (shade_exact.c).
+ * shade_run: input and output of the three implementations that the suite `shade` compares: the shading headers
+ * (shade_own.c), the same formulas fused by hand in plain floats (shade_hand.c), and the headers' functions on eight
+ * points at a time (shade_wide.c). All are verified against the formulas in double (shade_exact.c).
  *
- * An evaluation is BRDF x n.l in three channels for its own normal, light, viewer, roughness and F0; nothing is shared
- * between two of them but the code.
+ * An evaluation is BRDF x n.l in three channels. Every point has its own normal, light, viewer, roughness and F0.
+ * [any-thread]
  */
 #ifndef SHADE_RUN_H
 #define SHADE_RUN_H
@@ -14,20 +14,20 @@
 
 #include <stdint.h>
 
-/* What a turn evaluates: as many as stay in the first cache, with their results. */
+/* Number of points; they and their results fit into the first-level cache. */
 #define SHADE_RUN_COUNT 192
 
 #define SHADE_RUN_WRAP 0.5f
 #define SHADE_RUN_ALPHA_MIN 1e-3f
 
-/* As a renderer holds it. */
+/* A point as a renderer stores it. */
 typedef struct shade_run_point {
 	stilb_vec4 n, l, v; /* unit; n.l and n.v > 0 */
 	stilb_vec4 f0;
 	float roughness, unused[3];
 } shade_run_point;
 
-/* The same by component, for eight at a time. */
+/* The same points by component, for eight at a time. */
 typedef struct shade_run_lanes {
 	float n[3][SHADE_RUN_COUNT], l[3][SHADE_RUN_COUNT], v[3][SHADE_RUN_COUNT];
 	float f0[3][SHADE_RUN_COUNT];
@@ -44,7 +44,7 @@ typedef struct shade_run_results {
 	_Alignas(64) float lanes[3][SHADE_RUN_COUNT];
 } shade_run_results;
 
-/* Evaluates all points once. The wide ones read and write lanes, the others points. */
+/* Evaluates all points once. The wide kernels read and write `lanes`, the others `points`. */
 typedef void shade_run_kernel(const shade_run_inputs *inputs, shade_run_results *results);
 
 #define SHADE_RUN_DECLARE(name, title, symbol, divisions, roots, powers)                                               \

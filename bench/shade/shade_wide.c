@@ -1,10 +1,10 @@
-/* The suite `shade`: the functions of engine/shading on eight points at a time. They take plain floats, so a loop over
- * points is all that it needs: the compiler makes eight lanes of it, and takes exp and log eight at a time from the C
- * library. Built for AVX2 (bench/CMakeLists.txt); the program leaves it out where the CPU lacks that. */
+/* The suite `shade`: the functions of engine/shading on eight points at a time. The functions take plain floats, so the
+ * compiler vectorizes a loop over points to eight lanes, with glibc's eight-wide exp and log. Built for AVX2
+ * (bench/CMakeLists.txt); the program skips it on CPUs without. */
 #include "bench/shade/shade_run.h"
 
 #if defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
-/* glibc has these eight wide; <math.h> says so only under -ffast-math. */
+/* glibc has eight-wide versions of these, which <math.h> declares only under -ffast-math. */
 __attribute__((simd("notinbranch"))) float expf(float);
 __attribute__((simd("notinbranch"))) float logf(float);
 __attribute__((simd("notinbranch"))) float exp2f(float);
@@ -12,7 +12,7 @@ __attribute__((simd("notinbranch"))) float exp2f(float);
 
 #include "shading/shade_brdf.h"
 
-/* Points do not lie over one another. */
+/* Tells the compiler that iterations are independent: the arrays do not overlap. */
 #ifdef __clang__
 #define LANES _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -24,7 +24,7 @@ static inline float dot_at(const float a[3][SHADE_RUN_COUNT], const float b[3][S
 	return a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i];
 }
 
-/* shade_angles_of with lanes for vectors. */
+/* shade_angles_of of point i, from lanes. */
 static inline shade_angles angles_at(const shade_run_lanes *in, int i)
 {
 	float nx = in->n[0][i], ny = in->n[1][i], nz = in->n[2][i];
@@ -39,7 +39,7 @@ static inline shade_angles angles_at(const shade_run_lanes *in, int i)
 	                      .sin2_h = (tx * tx + ty * ty + tz * tz) * (inverse * inverse)};
 }
 
-/* shade_sin2_r with lanes for vectors. */
+/* shade_sin2_r of point i, from lanes. */
 static inline float sin2_r_at(const shade_run_lanes *in, int i)
 {
 	float twice = 2.0f * dot_at(in->n, in->v, i), apart2 = 0.0f;
@@ -55,7 +55,7 @@ static inline float exponent_at(const shade_run_lanes *in, int i)
 	return shade_exponent_from_alpha(shade_alpha_from_roughness(in->roughness[i]));
 }
 
-/* A kernel whose result in a channel is F0 times SCALE, an expression of the point i. */
+/* A kernel whose result is F0 times SCALE in each channel; SCALE is an expression of the point's index i. */
 #define SCALED_KERNEL(symbol, SCALE)                                                                                   \
 	void shade_wide_##symbol(const shade_run_inputs *inputs, shade_run_results *results)                               \
 	{                                                                                                                  \

@@ -1,10 +1,10 @@
-/* The program of the subject vulkan-bare: frames, their times, and the checksum of the last picture. */
+/* The program of the subject vulkan-bare: draws and times frames, and prints the checksum of the last picture. */
 #include "bench/subjects/vulkan_bare.h"
 
 #include "bench/record/record_child.h"
 #include "shading/shade_tonemap.h"
 
-/* ---- what the CPU writes for a frame ----------------------------------------------------------------------------- */
+/* ---- data of a frame --------------------------------------------------------------------------------------------- */
 
 static void write_draws(const bare *b, const bare_frame *frame, const stilb_scene *scene)
 {
@@ -29,7 +29,7 @@ static void write_draws(const bare *b, const bare_frame *frame, const stilb_scen
 
 static void write_view(const bare_frame *frame, const stilb_scene *scene)
 {
-	const stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, (float)RECORD_WIDTH / (float)RECORD_HEIGHT);
+	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, (float)RECORD_WIDTH / (float)RECORD_HEIGHT);
 	bare_view view = {0};
 	memcpy(view.view_projection, matrix.m, sizeof view.view_projection);
 	memcpy(view.camera_position, scene->camera.position, 3 * sizeof(float));
@@ -56,7 +56,7 @@ static void image_barrier(VkCommandBuffer commands, const VkImageMemoryBarrier2 
 	                                                    .pImageMemoryBarriers = &whole});
 }
 
-/* From the frame before, whose contents are not needed any more. */
+/* Barriers: the targets are taken over from the frame before, their contents discarded. */
 static void take_targets(const bare *b, VkCommandBuffer commands)
 {
 	image_barrier(commands, &(VkImageMemoryBarrier2){.srcStageMask = COLOR_STAGE | COPY_STAGE,
@@ -81,8 +81,8 @@ static void take_targets(const bare *b, VkCommandBuffer commands)
 static void begin_rendering(const bare *b, VkCommandBuffer commands, const stilb_scene *scene)
 {
 	const float *sky = scene->sky.sky;
-	const stilb_vec3 clear = shade_tonemap(stilb_vec3_make(sky[0], sky[1], sky[2]), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
-	const VkRenderingAttachmentInfo color = {
+	stilb_vec3 clear = shade_tonemap(stilb_vec3_make(sky[0], sky[1], sky[2]), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	VkRenderingAttachmentInfo color = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
 		.imageView = b->color.view,
 		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
@@ -90,14 +90,14 @@ static void begin_rendering(const bare *b, VkCommandBuffer commands, const stilb
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
 		.clearValue.color.float32 = {clear[0], clear[1], clear[2], 1.0f},
 	};
-	const VkRenderingAttachmentInfo depth = {
+	VkRenderingAttachmentInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
 		.imageView = b->depth.view,
 		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
 		.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
 		.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
 	};
-	const VkRenderingInfo rendering = {
+	VkRenderingInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
 		.renderArea.extent = {RECORD_WIDTH, RECORD_HEIGHT},
 		.layerCount = 1,
@@ -110,7 +110,7 @@ static void begin_rendering(const bare *b, VkCommandBuffer commands, const stilb
 
 static void draw_all(const bare *b, const bare_frame *frame, uint32_t draws)
 {
-	const bare_push push = {frame->view.address, frame->rows.address, b->materials.address};
+	bare_push push = {frame->view.address, frame->rows.address, b->materials.address};
 	vkCmdBindPipeline(frame->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, b->pipeline);
 	vkCmdPushConstants(frame->commands, b->layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
 	                   sizeof push, &push);
@@ -131,13 +131,13 @@ static void copy_picture(const bare *b, const bare_frame *frame)
 									   .image = b->color.image,
 									   .subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT,
 								   });
-	const VkBufferImageCopy region = {
+	VkBufferImageCopy region = {
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
 		.imageExtent = {RECORD_WIDTH, RECORD_HEIGHT, 1},
 	};
 	vkCmdCopyImageToBuffer(frame->commands, b->color.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, frame->picture.buffer,
 	                       1, &region);
-	const VkMemoryBarrier2 to_host = {
+	VkMemoryBarrier2 to_host = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
 		.srcStageMask = COPY_STAGE,
 		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
@@ -151,11 +151,11 @@ static void copy_picture(const bare *b, const bare_frame *frame)
 
 static void submit(const bare *b, const bare_frame *frame)
 {
-	const VkCommandBufferSubmitInfo commands = {
+	VkCommandBufferSubmitInfo commands = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
 		.commandBuffer = frame->commands,
 	};
-	const VkSubmitInfo2 info = {
+	VkSubmitInfo2 info = {
 		.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
 		.commandBufferInfoCount = 1,
 		.pCommandBufferInfos = &commands,
@@ -165,7 +165,7 @@ static void submit(const bare *b, const bare_frame *frame)
 
 static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene *scene)
 {
-	const VkCommandBufferBeginInfo begin = {
+	VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
 	};
@@ -186,10 +186,10 @@ static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene
 
 /* ---- the program ------------------------------------------------------------------------------------------------- */
 
-/* The picture that a finished frame left in memory, without its alpha. */
+/* The checksum of a finished frame's picture, without alpha. */
 static uint64_t picture_sum(const bare *b, const bare_frame *frame)
 {
-	const size_t pixels = (size_t)RECORD_WIDTH * RECORD_HEIGHT;
+	size_t pixels = (size_t)RECORD_WIDTH * RECORD_HEIGHT;
 	bare_check(vkWaitForFences(b->device, 1, &frame->done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
 	unsigned char *rgb = record_alloc(pixels, 3);
 	for (size_t i = 0; i < pixels; i++)
@@ -204,7 +204,7 @@ static void measure(const bare *b, const stilb_scene *scene, const bench_child *
 	static record_samples samples;
 	record_picture_times times = {0};
 	const bare_frame *frame;
-	const uint64_t until = record_deadline(child->seconds);
+	uint64_t until = record_deadline(child->seconds);
 	do {
 		frame = &b->frames[times.frames % BARE_FRAMES];
 		draw_frame(b, frame, scene);
@@ -213,7 +213,7 @@ static void measure(const bare *b, const stilb_scene *scene, const bench_child *
 	record_picture_print(&times, &samples);
 }
 
-/* Without an argument: one frame, for the checksum of its picture. */
+/* Draws one frame and prints its checksum, for the suite's prepare. */
 static void show_sum(const bare *b, const stilb_scene *scene)
 {
 	draw_frame(b, &b->frames[0], scene);
@@ -224,7 +224,7 @@ static void show_sum(const bare *b, const stilb_scene *scene)
 
 int main(int argc, char **argv)
 {
-	const bench_child child = bench_child_args(argc, argv);
+	bench_child child = bench_child_args(argc, argv);
 	const record_case *on = record_case_find(child.case_name);
 	stilb_scene *scene;
 	bare b;

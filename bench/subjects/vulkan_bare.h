@@ -1,8 +1,17 @@
 /*
- * vulkan_bare: the stress test drawn by a plain Vulkan 1.3 program, the least that gives the engine's picture.
+ * vulkan_bare: the stress test drawn by a plain Vulkan 1.3 program, with the least work that gives the engine's
+ * picture: one pipeline with the engine's shaders, a buffer of rows and one of indirect commands for each of two frames
+ * in flight, one multi-draw-indirect, the picture copied to memory. It uses no part of the engine but the scene and the
+ * shaders.
  *
- * One pipeline with the engine's shaders, one buffer of rows and one of indirect commands a frame, two frames in
- * flight, one multi-draw-indirect, the picture copied to memory. No lists, no jobs, no engine.
+ *   bare b = {0};
+ *   if (!bare_open(&b))
+ *       return BENCH_CHILD_SKIP;
+ *   bare_prepare(&b, scene, width, height);
+ *   ... record and submit frames with b.frames ...
+ *   bare_close(&b);
+ *
+ * One thread throughout.
  */
 #ifndef VULKAN_BARE_H
 #define VULKAN_BARE_H
@@ -13,7 +22,7 @@
 
 #define BARE_FRAMES 2
 
-/* As the shaders read them (engine/render/shaders/mesh.glsl). */
+/* Structures that the shaders read (engine/render/shaders/mesh.glsl). */
 typedef struct bare_row {
 	float transform[12]; /* the rows of the affine transform */
 	uint32_t material;
@@ -29,7 +38,7 @@ typedef struct bare_material {
 typedef struct bare_view {
 	float view_projection[16];
 	float camera_position[4], sun_direction[4], sun_irradiance[4], sky[4], ground[4];
-	float lamp[12], added[4]; /* zero: the shader's own choice is the sun, and nothing is added to materials */
+	float lamp[12], added[4]; /* 0: no lamp but the sun, and nothing added to materials */
 } bare_view;
 
 typedef struct bare_push {
@@ -49,7 +58,7 @@ typedef struct bare_image {
 	VkDeviceMemory memory;
 } bare_image;
 
-/* What one frame in flight owns. */
+/* The objects of one frame in flight. */
 typedef struct bare_frame {
 	VkCommandPool pool;
 	VkCommandBuffer commands;
@@ -75,13 +84,14 @@ typedef struct bare {
 	bare_frame frames[BARE_FRAMES];
 } bare;
 
-/* Ends the program when a call failed. */
+/* Ends the program, naming the call, if the result is an error. */
 void bare_check(VkResult result, const char *call);
 
-/* False: there is no lavapipe here, and stderr says why. Whatever else goes wrong ends the program. */
+/* Opens lavapipe. False if there is none, after a line on stderr; other errors end the program. */
 bool bare_open(bare *b);
-/* All that the scene needs: its meshes and materials, targets of this size, the pipeline, the frames. */
+/* Creates the scene's meshes and materials, targets of this size in pixels, the pipeline and the frames. */
 void bare_prepare(bare *b, const stilb_scene *scene, uint32_t width, uint32_t height);
+/* Waits for the device and destroys everything. */
 void bare_close(bare *b);
 
 #endif

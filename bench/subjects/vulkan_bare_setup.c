@@ -1,9 +1,9 @@
-/* The bare program's device, memory, pipeline and frames. */
+/* The plain Vulkan program's device, memory, pipeline and frames. */
 #include "bench/subjects/vulkan_bare.h"
 
 #include "bench/record/record_child.h"
 
-/* The engine's shaders. */
+/* The engine's shaders, compiled to SPIR-V by its build. */
 static const uint32_t vertex_code[] =
 #include "mesh.vert.inc"
 	;
@@ -19,7 +19,7 @@ void bare_check(VkResult result, const char *call)
 
 /* ---- device ------------------------------------------------------------------------------------------------------ */
 
-/* The first GPU that is a CPU. */
+/* Chooses the first software device. */
 static bool find_gpu(bare *b)
 {
 	VkPhysicalDevice gpus[16];
@@ -34,11 +34,11 @@ static bool find_gpu(bare *b)
 			return true;
 		}
 	}
-	fprintf(stderr, "no Vulkan 1.3 driver that is software here (Debian package mesa-vulkan-drivers)\n");
+	fprintf(stderr, "no software driver for Vulkan 1.3 is installed (Debian package mesa-vulkan-drivers)\n");
 	return false;
 }
 
-/* Its one queue family does everything. */
+/* Creates the device with one queue of family 0, which on lavapipe has all capabilities. */
 static void make_device(bare *b)
 {
 	static const float priority = 1.0f;
@@ -52,13 +52,13 @@ static void make_device(bare *b)
 		.pNext = &v13,
 		.bufferDeviceAddress = VK_TRUE,
 	};
-	const VkPhysicalDeviceFeatures features = {.multiDrawIndirect = VK_TRUE, .drawIndirectFirstInstance = VK_TRUE};
-	const VkDeviceQueueCreateInfo queue = {
+	VkPhysicalDeviceFeatures features = {.multiDrawIndirect = VK_TRUE, .drawIndirectFirstInstance = VK_TRUE};
+	VkDeviceQueueCreateInfo queue = {
 		.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
 		.queueCount = 1,
 		.pQueuePriorities = &priority,
 	};
-	const VkDeviceCreateInfo info = {
+	VkDeviceCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
 		.pNext = &v12,
 		.queueCreateInfoCount = 1,
@@ -71,17 +71,17 @@ static void make_device(bare *b)
 
 bool bare_open(bare *b)
 {
-	const VkApplicationInfo application = {
+	VkApplicationInfo application = {
 		.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
 		.apiVersion = VK_API_VERSION_1_3,
 	};
-	const VkInstanceCreateInfo info = {
+	VkInstanceCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
 		.pApplicationInfo = &application,
 	};
 	*b = (bare){0};
 	if (vkCreateInstance(&info, NULL, &b->instance) != VK_SUCCESS) {
-		fprintf(stderr, "no Vulkan driver here (Debian package mesa-vulkan-drivers)\n");
+		fprintf(stderr, "no Vulkan driver is installed (Debian package mesa-vulkan-drivers)\n");
 		return false;
 	}
 	if (!find_gpu(b)) {
@@ -94,14 +94,14 @@ bool bare_open(bare *b)
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
-/* All memory of a software GPU is one kind, which the program can write. */
+/* Allocates memory of the first allowed type. All of lavapipe's memory can be mapped. */
 static VkDeviceMemory allocate(bare *b, VkMemoryRequirements needs, bool address)
 {
-	const VkMemoryAllocateFlagsInfo flags = {
+	VkMemoryAllocateFlagsInfo flags = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
 		.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
 	};
-	const VkMemoryAllocateInfo info = {
+	VkMemoryAllocateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
 		.pNext = address ? &flags : NULL,
 		.allocationSize = needs.size,
@@ -114,8 +114,8 @@ static VkDeviceMemory allocate(bare *b, VkMemoryRequirements needs, bool address
 
 static bare_buffer make_buffer(bare *b, VkDeviceSize size, VkBufferUsageFlags usage)
 {
-	const bool address = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
-	const VkBufferCreateInfo info = {
+	bool address = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+	VkBufferCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
 		.size = size,
 		.usage = usage,
@@ -127,7 +127,7 @@ static bare_buffer make_buffer(bare *b, VkDeviceSize size, VkBufferUsageFlags us
 	made.memory = allocate(b, needs, address);
 	bare_check(vkBindBufferMemory(b->device, made.buffer, made.memory, 0), "vkBindBufferMemory");
 	bare_check(vkMapMemory(b->device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.mapped), "vkMapMemory");
-	const VkBufferDeviceAddressInfo where = {
+	VkBufferDeviceAddressInfo where = {
 		.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
 		.buffer = made.buffer,
 	};
@@ -145,7 +145,7 @@ static void free_buffer(bare *b, bare_buffer *buffer)
 static bare_image make_image(bare *b, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
                              VkImageAspectFlags aspect)
 {
-	const VkImageCreateInfo info = {
+	VkImageCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
 		.imageType = VK_IMAGE_TYPE_2D,
 		.format = format,
@@ -162,7 +162,7 @@ static bare_image make_image(bare *b, uint32_t width, uint32_t height, VkFormat 
 	vkGetImageMemoryRequirements(b->device, made.image, &needs);
 	made.memory = allocate(b, needs, false);
 	bare_check(vkBindImageMemory(b->device, made.image, made.memory, 0), "vkBindImageMemory");
-	const VkImageViewCreateInfo view = {
+	VkImageViewCreateInfo view = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
 		.image = made.image,
 		.viewType = VK_IMAGE_VIEW_TYPE_2D,
@@ -220,7 +220,7 @@ static void make_materials(bare *b, const stilb_scene *scene)
 
 static VkShaderModule make_shader(bare *b, const uint32_t *code, size_t size)
 {
-	const VkShaderModuleCreateInfo info = {
+	VkShaderModuleCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
 		.codeSize = size,
 		.pCode = code,
@@ -232,11 +232,11 @@ static VkShaderModule make_shader(bare *b, const uint32_t *code, size_t size)
 
 static void make_layout(bare *b)
 {
-	const VkPushConstantRange range = {
+	VkPushConstantRange range = {
 		.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
 		.size = sizeof(bare_push),
 	};
-	const VkPipelineLayoutCreateInfo info = {
+	VkPipelineLayoutCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
 		.pushConstantRangeCount = 1,
 		.pPushConstantRanges = &range,
@@ -244,7 +244,7 @@ static void make_layout(bare *b)
 	bare_check(vkCreatePipelineLayout(b->device, &info, NULL, &b->layout), "vkCreatePipelineLayout");
 }
 
-/* The state is constant but for the shaders, the layout and the size. */
+/* Creates the pipeline and its layout, with a fixed viewport. */
 static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 {
 	const VkPipelineShaderStageCreateInfo stages[2] = {
@@ -257,61 +257,61 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 	     .module = make_shader(b, fragment_code, sizeof fragment_code),
 	     .pName = "main"},
 	};
-	const VkVertexInputBindingDescription binding = {.stride = sizeof(stilb_scene_vertex)};
+	VkVertexInputBindingDescription binding = {.stride = sizeof(stilb_scene_vertex)};
 	const VkVertexInputAttributeDescription attributes[2] = {
 		{.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, position)},
 		{.location = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, normal)},
 	};
-	const VkPipelineVertexInputStateCreateInfo vertex_input = {
+	VkPipelineVertexInputStateCreateInfo vertex_input = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
 		.vertexBindingDescriptionCount = 1,
 		.pVertexBindingDescriptions = &binding,
 		.vertexAttributeDescriptionCount = 2,
 		.pVertexAttributeDescriptions = attributes,
 	};
-	const VkPipelineInputAssemblyStateCreateInfo assembly = {
+	VkPipelineInputAssemblyStateCreateInfo assembly = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
 		.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
 	};
-	const VkRect2D area = {.extent = {width, height}};
-	const VkViewport whole = {.width = (float)width, .height = (float)height, .maxDepth = 1.0f};
-	const VkPipelineViewportStateCreateInfo viewport = {
+	VkRect2D area = {.extent = {width, height}};
+	VkViewport whole = {.width = (float)width, .height = (float)height, .maxDepth = 1.0f};
+	VkPipelineViewportStateCreateInfo viewport = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
 		.viewportCount = 1,
 		.pViewports = &whole,
 		.scissorCount = 1,
 		.pScissors = &area,
 	};
-	const VkPipelineRasterizationStateCreateInfo rasterization = {
+	VkPipelineRasterizationStateCreateInfo rasterization = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
 		.cullMode = VK_CULL_MODE_BACK_BIT,
 		.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
 		.lineWidth = 1.0f,
 	};
-	const VkPipelineMultisampleStateCreateInfo multisample = {
+	VkPipelineMultisampleStateCreateInfo multisample = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
 		.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT,
 	};
-	const VkPipelineDepthStencilStateCreateInfo depth = {
+	VkPipelineDepthStencilStateCreateInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
 		.depthTestEnable = VK_TRUE,
 		.depthWriteEnable = VK_TRUE,
-		.depthCompareOp = VK_COMPARE_OP_GREATER, /* reversed: near is 1 */
+		.depthCompareOp = VK_COMPARE_OP_GREATER, /* reversed depth: near is 1 */
 	};
-	const VkPipelineColorBlendAttachmentState no_blending = {.colorWriteMask = 0xf};
-	const VkPipelineColorBlendStateCreateInfo blend = {
+	VkPipelineColorBlendAttachmentState no_blending = {.colorWriteMask = 0xf};
+	VkPipelineColorBlendStateCreateInfo blend = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
 		.attachmentCount = 1,
 		.pAttachments = &no_blending,
 	};
-	const VkFormat color_format = VK_FORMAT_R8G8B8A8_SRGB;
-	const VkPipelineRenderingCreateInfo rendering = {
+	VkFormat color_format = VK_FORMAT_R8G8B8A8_SRGB;
+	VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
 		.colorAttachmentCount = 1,
 		.pColorAttachmentFormats = &color_format,
 		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
 	};
-	const VkGraphicsPipelineCreateInfo info = {
+	VkGraphicsPipelineCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
 		.pNext = &rendering,
 		.stageCount = 2,
@@ -335,20 +335,20 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 
 static void make_frame(bare *b, bare_frame *frame, uint32_t draws, uint32_t width, uint32_t height)
 {
-	const VkCommandPoolCreateInfo pool = {
+	VkCommandPoolCreateInfo pool = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
 		.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
 	};
 	bare_check(vkCreateCommandPool(b->device, &pool, NULL, &frame->pool), "vkCreateCommandPool");
-	const VkCommandBufferAllocateInfo commands = {
+	VkCommandBufferAllocateInfo commands = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
 		.commandPool = frame->pool,
 		.commandBufferCount = 1,
 	};
 	bare_check(vkAllocateCommandBuffers(b->device, &commands, &frame->commands), "vkAllocateCommandBuffers");
-	const VkFenceCreateInfo fence = {
+	VkFenceCreateInfo fence = {
 		.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO,
-		.flags = VK_FENCE_CREATE_SIGNALED_BIT, /* the first frame waits for nothing */
+		.flags = VK_FENCE_CREATE_SIGNALED_BIT, /* signaled, so that the first frame does not wait */
 	};
 	bare_check(vkCreateFence(b->device, &fence, NULL, &frame->done), "vkCreateFence");
 	frame->rows = make_buffer(b, draws * sizeof(bare_row), SHADER_BUFFER);

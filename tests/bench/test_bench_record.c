@@ -1,15 +1,14 @@
-/* stilb-bench record: small runs of the real programs, goals judged from made-up numbers, and pictures that are
- * wrong. */
+/* stilb-bench record: short runs of the real programs, verdicts of goals for given numbers, and wrong pictures. */
 #include "support/bench_program.h"
 
-static char programs[PATH_MAX]; /* where stilb-bench and the programs beside it lie */
+static char programs[PATH_MAX]; /* folder of stilb-bench and its programs */
 
 static int bench_code(const char *line)
 {
 	return stilb_code(NULL, line);
 }
 
-/* ---- programs made up by a test, beside a copy of stilb-bench ---------------------------------------------------- */
+/* ---- stand-ins for programs, beside a copy of stilb-bench -------------------------------------------------------- */
 
 static void copy_own(void)
 {
@@ -18,8 +17,7 @@ static void copy_own(void)
 	copy_program(path, "stilb-bench-record-own");
 }
 
-/* Runs the copy. A program that fails ends at once and frees nothing: leaks are looked for in the runs that are
- * good. */
+/* Runs the copy of stilb-bench, without leak detection: a program that fails ends at once and frees nothing. */
 static int made_up_code(const char *line, const char *more)
 {
 	const char *const environment[] = {"ASAN_OPTIONS=detect_leaks=0", more, NULL};
@@ -59,7 +57,7 @@ static void test_list(void **state)
 
 /* ---- the real programs ------------------------------------------------------------------------------------------- */
 
-/* Each run checks what it recorded and fails when it is wrong, so exit 0 says more than these numbers. */
+/* Each run verifies its stream hash, so exit code 0 is the main assertion here. */
 static void test_null_device(void **state)
 {
 	(void)state;
@@ -115,7 +113,7 @@ static void test_pictures_are_the_same(void **state)
 	assert_said(run.out, "lavapipe frame / bare Vulkan");
 }
 
-/* ---- what is wrong, or not there --------------------------------------------------------------------------------- */
+/* ---- wrong pictures, and no driver ------------------------------------------------------------------------------- */
 
 #define SHORT_PICTURE "record --seconds 0.01 --rounds 1 --case picture,draws --only stilb,stilb-direct --json a.json"
 
@@ -143,18 +141,18 @@ static void test_no_lavapipe(void **state)
 	copy_own();
 	write_program("stilb-bench-record-vulkan_bare", "echo nothing to draw with >&2; exit 77");
 	assert_int_equal(made_up_code(SHORT_PICTURE, NULL), 0);
-	assert_said(run.err, "stilb: the cases picture* are left out: nothing to draw with");
+	assert_said(run.err, "stilb: the cases picture* are skipped: nothing to draw with");
 	read_stats("a.json");
 	assert_true(isnan(row_median("picture", "stilb-direct", "frame")));
 	some("draws", "stilb", "record");
 	write_program("stilb-bench-record-vulkan_bare", "echo broken >&2; exit 1");
 	assert_int_equal(made_up_code(SHORT_PICTURE, NULL), 1);
-	assert_said(run.err, "compared with: broken");
+	assert_said(run.err, "reference picture for the cases picture*: broken");
 }
 
 /* ---- goals ------------------------------------------------------------------------------------------------------- */
 
-/* The line of a goal ends in this verdict. */
+/* Asserts that the line of a goal has this text. */
 static void assert_goal(const char *goal, const char *verdict)
 {
 	const char *line = strstr(run.out, goal);
@@ -196,12 +194,12 @@ static void test_goals(void **state)
 	assert_goal("cull + record + replay, 1 thread", "goal <= 0.15   met");
 	assert_goal("cull + record + replay, 2 threads", "MISSED");
 	assert_goal("lavapipe frame / bare Vulkan", "1.03 [1.03-1.03]    x        goal <= 1.02   MISSED");
-	assert_null(strstr(run.out, "order + replay, direct")); /* nobody measured it */
+	assert_null(strstr(run.out, "order + replay, direct")); /* it was not measured */
 }
 
 /* ---- picture of the numbers -------------------------------------------------------------------------------------- */
 
-/* gnuplot is a stand-in: it keeps the script, and writes a word where that wants the picture. */
+/* gnuplot is a stand-in that keeps its script and writes a word into the file that it names. */
 static void test_plot(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
-/* stilb-bench shade: short runs of the real program, which holds every way of writing an evaluation against the formula
- * in double, and the goal judged from made-up numbers. */
+/* stilb-bench shade: short runs of the real program, which compares every implementation with the formula in double,
+ * and the verdict of the goal for given numbers. */
 #include "support/bench_program.h"
 
 static const char *const names[] = {"wrapped", "phong-modified", "blinn-phong-modified", "minimalist",
@@ -24,13 +24,13 @@ static void test_runs(void **state)
 		assert_true(row_median(names[i], "stilb", "scalar") > 0.0);
 		assert_true(row_median(names[i], "stilb", "hand") > 0.0);
 		assert_true(row_median(names[i], "stilb", "limit") > 0.0);
-		const double error = row_median(names[i], "stilb", "error");
+		double error = row_median(names[i], "stilb", "error");
 		assert_true(error > 0.0 && error < 20.0);
 	}
 	assert_said(run.out, "goal: ggx within 1.1 x");
 }
 
-/* Whether the goal's line has the verdict when the program says that ratio. */
+/* Asserts the goal's verdict if the program prints this ratio. */
 static void assert_goal(const char *ratio, const char *verdict)
 {
 	char program[256];
