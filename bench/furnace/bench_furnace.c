@@ -1,6 +1,6 @@
-/* The suite `furnace`: is the integrator right, and is it the random numbers' fault if not? After the article
- * "What's wrong with this picture?" (R. Driscoll, 2010): error against bounces, mean error and variance against
- * survival. */
+/* The suite `furnace`: the path integrator and several random number generators inside a ball whose radiance is known.
+ * After R. Driscoll, "What's wrong with this picture?" (2010): error by number of bounces, mean error and variance by
+ * survival probability. */
 #include "bench/furnace/furnace_cases.h"
 #include "bench/harness/bench.h"
 
@@ -21,24 +21,24 @@ static const bench_metric equal_metrics[] = {{"path", "%", true, NULL}, FURNACE_
 static const unsigned bounces[] = {FURNACE_BOUNCES(LIST)};
 static const unsigned survivals[] = {FURNACE_SURVIVALS(LIST)};
 
-/* What a subject can do. */
+/* Abilities of subjects that cases need. */
 #define NUMBERS 1u
 #define PICTURES 2u
 
 static const bench_case cases[] = {
 	{.name = FURNACE_CASE_BOUNCES,
-     .title = "light lost when paths are cut, of 1,000 runs",
+     .title = "light lost if paths end after n bounces, mean of 1,000 paths",
      .metrics = bounces_metrics,
      .metric_count = COUNT(bounces_metrics),
      .needs = NUMBERS,
      .length = 0.1},
 	{.name = FURNACE_CASE_SURVIVAL,
-     .title = "Russian roulette: mean error of 1,000 runs, and the runs' variance",
+     .title = "Russian roulette: mean error of 1,000 paths, and variance of a path",
      .metrics = survival_metrics,
      .metric_count = COUNT(survival_metrics),
      .needs = NUMBERS},
 	{.name = FURNACE_CASE_EQUAL_TIME,
-     .title = "path and montecarlo in as much time",
+     .title = "the integrators path and montecarlo in equal time",
      .metrics = equal_metrics,
      .metric_count = COUNT(equal_metrics),
      .needs = PICTURES,
@@ -49,13 +49,13 @@ static const bench_case cases[] = {
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = PROGRAM,
-     .note = "Owen-scrambled Sobol points, a run a sample of one pixel",
+     .note = "Owen-scrambled Sobol points; an experiment is a pixel, a path one of its samples",
      .abilities = NUMBERS | PICTURES},
 	{.name = "pcg", .program = PROGRAM, .note = "PCG-XSH-RR 64/32", .abilities = NUMBERS},
-	{.name = "rand", .program = PROGRAM, .note = "rand() of this C library", .abilities = NUMBERS},
+	{.name = "rand", .program = PROGRAM, .note = "rand() of the C library of this system", .abilities = NUMBERS},
 	{.name = "rand-15-bit",
      .program = PROGRAM,
-     .note = "rand() as Microsoft's C library has it: 15 bits of a congruential generator",
+     .note = "rand() of Microsoft's C library: 15 bits of a linear congruential generator",
      .abilities = NUMBERS},
 };
 
@@ -69,8 +69,9 @@ static const bench_row *row_of(const bench_results *results, const char *on, con
 	return bench_find(results, on, subject, name);
 }
 
-/* What theory expects of independent runs whose sum is normal. Just above the survival where the variance is
- * infinite 1,000 are too few for that: most experiments see nothing of the rare bright paths. */
+/* The expected error, in percent, of the mean of independent paths if it is normally distributed. Just above the
+ * survival at which the variance becomes infinite, 1,000 paths are too few for that: most experiments miss the rare
+ * bright paths. */
 static double expected_error(unsigned percent)
 {
 	return 100.0 * sqrt(2.0 / M_PI * furnace_variance(percent / 100.0) / FURNACE_RUNS) / FURNACE_RADIANCE;
@@ -104,7 +105,7 @@ static void report_bounces(FILE *out, const bench_results *results)
 {
 	if (!has(results, FURNACE_CASE_BOUNCES, "error", 0))
 		return;
-	fprintf(out, "light lost by paths of so many bounces, %% of the truth\n\n");
+	fprintf(out, "\nlight lost by paths of at most n bounces, %% of the exact radiance\n\n");
 	print_heads(out, "bounces", "series");
 	for (size_t i = 0; i < COUNT(bounces); i++) {
 		fprintf(out, "  %-10u", bounces[i]);
@@ -143,13 +144,14 @@ static void report_equal(FILE *out, const bench_results *results)
 	const bench_row *path = bench_find(results, FURNACE_CASE_EQUAL_TIME, "stilb", "path");
 	if (!path)
 		return;
-	fprintf(out, "Cornell box cut after %u bounces, in as much time: error of a pixel, %% of the mean radiance\n\n",
+	fprintf(out, "Cornell box with at most %u bounces, equal time: error of a pixel, %% of the mean radiance\n\n",
 	        FURNACE_EQUAL_DEPTH);
 	for (size_t m = 0; m < COUNT(equal_metrics); m++) {
 		const bench_row *row = bench_find(results, FURNACE_CASE_EQUAL_TIME, "stilb", equal_metrics[m].name);
 		bench_ratio ratio = {0};
 		if (row && bench_paired_ratio(results, row, path, &ratio))
-			fprintf(out, "  %-14s %8.2f [%.2f-%.2f]   needs %.1f [%.1f-%.1f] x the time of path for its error\n",
+			fprintf(out,
+			        "  %-14s %8.2f [%.2f-%.2f]   for the error of path it needs %.1f [%.1f-%.1f] x the time of path\n",
 			        equal_metrics[m].name, row->median, row->min, row->max, ratio.median * ratio.median,
 			        ratio.min * ratio.min, ratio.max * ratio.max);
 	}
@@ -159,9 +161,9 @@ static void report_equal(FILE *out, const bench_results *results)
 static void report(FILE *out, const bench_results *results)
 {
 	report_bounces(out, results);
-	report_survival(out, results, "error", "mean error of 1,000 runs, % of the truth", expected_error);
-	report_survival(out, results, "variance", "variance of a run", theory_variance);
-	report_survival(out, results, "bias", "what the mean of all runs is off, % of the truth", NULL);
+	report_survival(out, results, "error", "mean error of 1,000 paths, % of the exact radiance", expected_error);
+	report_survival(out, results, "variance", "variance of a path, (W/sr/m2)^2", theory_variance);
+	report_survival(out, results, "bias", "bias: error of the mean of all paths, % of the exact radiance", NULL);
 	report_equal(out, results);
 }
 
@@ -172,7 +174,7 @@ static const struct {
 	int point;
 } looks[COUNT(subjects)] = {{"#c00000", 7}, {"#0050b0", 4}, {"#e08000", 8}, {"#606060", 2}};
 
-/* x, median, least, most. Subjects stand side by side, so far from one another. */
+/* Writes data blocks "x median least most", one for each subject; apart: distance in x between two subjects. */
 static void write_block(FILE *out, const bench_results *results, const char *name, const char *on, const char *metric,
                         const unsigned *numbers, size_t count, double apart)
 {
@@ -184,7 +186,8 @@ static void write_block(FILE *out, const bench_results *results, const char *nam
 			if (row)
 				fprintf(out, "%g %.6g %.6g %.6g\n", numbers[i] + apart * ((double)s - 1.5), row->median, row->min,
 				        row->max);
-			any |= row != NULL;
+			if (row)
+				any = true;
 		}
 		fprintf(out, "%sEND\n", any ? "" : "NaN NaN NaN NaN\n");
 	}
@@ -198,7 +201,7 @@ static void begin(FILE *out, const char *title, const char *x, const char *y)
 	        title, x, y);
 }
 
-/* The subjects' points over what comes before. */
+/* Adds the subjects' points to the plot command begun before, and ends it. */
 static void plot_block(FILE *out, const char *name)
 {
 	for (size_t s = 0; s < COUNT(subjects); s++)
@@ -210,10 +213,10 @@ static void plot_block(FILE *out, const char *name)
 	fputc('\n', out);
 }
 
-/* Left of it the variance is infinite. */
+/* Marks the survival below which the variance is infinite. */
 static void mark_limit(FILE *out)
 {
-	const double limit = 100.0 * FURNACE_REFLECTANCE * FURNACE_REFLECTANCE;
+	double limit = 100.0 * FURNACE_REFLECTANCE * FURNACE_REFLECTANCE;
 	fprintf(out,
 	        "set arrow from %g, graph 0 to %g, graph 1 nohead linewidth 1.5 dashtype 2 linecolor rgb '#a0a0a0'\n"
 	        "set label \"infinite variance\\nto the left\" at %g, graph 0.95 right textcolor rgb '#707070'\n",
@@ -224,19 +227,19 @@ static void mark_limit(FILE *out)
 
 static void plot(FILE *out, const bench_results *results)
 {
-	const double rho = FURNACE_REFLECTANCE;
+	double rho = FURNACE_REFLECTANCE;
 	fprintf(out, "set samples 1000\nvariance(p) = p > %g ? %g / (1 - %g / p) - %g : NaN\n", rho * rho,
 	        (1.0 + rho) / (1.0 - rho), rho * rho, FURNACE_RADIANCE * FURNACE_RADIANCE);
 
 	write_block(out, results, "cut", FURNACE_CASE_BOUNCES, "error", bounces, COUNT(bounces), 0.0);
-	begin(out, "paths cut after n bounces: the same with any numbers", "bounces", "light lost, % of the truth");
+	begin(out, "paths end after n bounces: equal for all generators", "bounces", "light lost, % of the exact radiance");
 	fprintf(out,
 	        "set logscale y\nset xrange [-0.8:16.8]\nset xtics 2\nplot 100 * %g ** (x + 1) " THEORY " title \"series\"",
 	        rho);
 	plot_block(out, "cut");
 
 	write_block(out, results, "error", FURNACE_CASE_SURVIVAL, "error", survivals, COUNT(survivals), 0.5);
-	begin(out, "mean error of 1,000 runs", "survival, %", "% of the truth");
+	begin(out, "mean error of 1,000 paths", "survival, %", "% of the exact radiance");
 	mark_limit(out);
 	fprintf(
 		out,
@@ -246,25 +249,25 @@ static void plot(FILE *out, const bench_results *results)
 	plot_block(out, "error");
 
 	write_block(out, results, "variance", FURNACE_CASE_SURVIVAL, "variance", survivals, COUNT(survivals), 0.5);
-	begin(out, "variance of a run", "survival, %", "(W sr^-1 m^-2)^2");
+	begin(out, "variance of a path", "survival, %", "(W sr^-1 m^-2)^2");
 	mark_limit(out);
 	fprintf(out, "set logscale y\nset xrange [2:98]\nset xtics 10\nplot variance(x / 100) " THEORY " title \"theory\"");
 	plot_block(out, "variance");
 
 	write_block(out, results, "bias", FURNACE_CASE_SURVIVAL, "bias", survivals, COUNT(survivals), 0.5);
-	begin(out, "what the mean of all runs is off, where the variance is finite", "survival, %", "% of the truth");
+	begin(out, "bias where the variance is finite", "survival, %", "% of the exact radiance");
 	fprintf(out, "set xrange [27:98]\nset yrange [-2:2]\nset xtics 10\nplot 0 " THEORY " notitle");
 	plot_block(out, "bias");
 }
 
-const bench_suite bench_furnace_suite = {.name = "furnace",
-                                         .help =
-                                             "light in a ball whose radiance is known: bounces, roulette, and rand()",
-                                         .subjects = subjects,
-                                         .subject_count = COUNT(subjects),
-                                         .cases = cases,
-                                         .case_count = COUNT(cases),
-                                         .report = report,
-                                         .report_alone = true,
-                                         .plot = plot,
-                                         .plot_rows = 2};
+const bench_suite bench_furnace_suite = {
+	.name = "furnace",
+	.help = "path tracing where the exact radiance is known: bounces, roulette, rand()",
+	.subjects = subjects,
+	.subject_count = COUNT(subjects),
+	.cases = cases,
+	.case_count = COUNT(cases),
+	.report = report,
+	.report_alone = true,
+	.plot = plot,
+	.plot_rows = 2};

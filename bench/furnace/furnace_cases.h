@@ -1,6 +1,7 @@
 /*
- * The cases of the suite `furnace`: light in a ball that shines everywhere and reflects half of what arrives, so that
- * radiance is Le / (1 - rho) = 2. Metrics are named by these numbers.
+ * furnace_cases: the cases of the suite `furnace`, known to stilb-bench and to its program. Scene: the inside of a ball
+ * that emits Le = 1 everywhere and reflects rho = 1/2, so the radiance is Le / (1 - rho) = 2 in every direction. The
+ * numbers below are parts of metric names.
  */
 #ifndef FURNACE_CASES_H
 #define FURNACE_CASES_H
@@ -8,18 +9,18 @@
 #define FURNACE_REFLECTANCE 0.5
 #define FURNACE_RADIANCE (1.0 / (1.0 - FURNACE_REFLECTANCE))
 
-/* Paths of one experiment: its mean is compared with the truth. */
+/* Number of paths in one experiment, whose mean is compared with the exact radiance. */
 #define FURNACE_RUNS 1000u
 
-/* Bounces after which paths are cut. */
+/* Numbers of bounces after which paths end. */
 #define FURNACE_BOUNCES(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11) X(12) X(13) X(14) X(15) X(16)
 #define FURNACE_MOST_BOUNCES 16u
 
-/* Chance, in percent, that a path goes on. */
+/* Survival probabilities of Russian roulette, percent. */
 #define FURNACE_SURVIVALS(X)                                                                                           \
 	X(5) X(10) X(15) X(20) X(25) X(30) X(35) X(40) X(45) X(50) X(55) X(60) X(65) X(70) X(75) X(80) X(85) X(90) X(95)
 
-/* Rays at every hit of the integrator montecarlo, which `path` is held against in as much time. */
+/* Numbers of rays at every hit of the integrator `montecarlo`, which is compared with `path` in equal time. */
 #define FURNACE_BRANCHES(X) X(1) X(2) X(4) X(8)
 #define FURNACE_EQUAL_DEPTH 3u
 
@@ -28,13 +29,12 @@
 #define FURNACE_CASE_EQUAL_TIME "equal-time"
 
 /*
- * What theory says of a path of Russian roulette with survival p: X = 1 + (rho / p) X' with probability p, else 1, so
- * that E[X] = 1 / (1 - rho) and E[X^2] = (1 + rho) / (1 - rho) / (1 - rho^2 / p): where p <= rho^2
- * the variance is infinite.
+ * The variance of the radiance X of a path with survival probability p: X = 1 + (rho / p) X' with probability p, else
+ * 1, so E[X] = 1 / (1 - rho) and E[X^2] = (1 + rho) / (1 - rho) / (1 - rho^2 / p). Infinite if p <= rho^2.
  */
 static inline double furnace_variance(double survival)
 {
-	const double rho = FURNACE_REFLECTANCE, left = 1.0 - rho * rho / survival;
+	double rho = FURNACE_REFLECTANCE, left = 1.0 - rho * rho / survival;
 	return left > 0.0 ? (1.0 + rho) / (1.0 - rho) / left - FURNACE_RADIANCE * FURNACE_RADIANCE : __builtin_inf();
 }
 

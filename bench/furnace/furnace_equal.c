@@ -1,6 +1,6 @@
-/* The case equal-time: the Cornell box by `path` and by `montecarlo`, in as much time. All cut after the same
- * bounces, so all mean the same picture, and how renderings of one kind differ among themselves is their error: no
- * reference is needed. */
+/* The case equal-time: the Cornell box by the integrators `path` and `montecarlo` in equal time. Both end paths after
+ * the same number of bounces, so their pictures have the same expectation, and the variance among renderings of one
+ * kind is its error: no reference is needed. */
 #include "bench/furnace/furnace_cases.h"
 #include "bench/furnace/furnace_run.h"
 
@@ -13,7 +13,7 @@
 #define RENDERINGS 8u /* of each kind */
 #define SIGMAS 5.0
 
-/* What is rendered: rays 0 is `path`. */
+/* An integrator: rays 0 is `path`, else `montecarlo` with that number of rays at every hit. */
 typedef struct kind {
 	uint32_t rays, samples;
 	double seconds; /* of all renderings */
@@ -33,7 +33,7 @@ static void check(stilb_result result)
 		bench_child_fail("%s", stilb_error_message());
 }
 
-/* Seconds that it took; adds the picture to the kind's sums if wanted. */
+/* Renders once, adds the picture to the kind's sums if wanted, and returns the time in seconds. */
 static double render_once(const furnace_world *world, kind *k, uint32_t samples, uint64_t seed, bool wanted)
 {
 	stilb_gi_settings settings = stilb_gi_settings_default(world->scene);
@@ -46,9 +46,9 @@ static double render_once(const furnace_world *world, kind *k, uint32_t samples,
 		settings.rays = k->rays;
 	stilb_gi_render *render;
 	check(stilb_gi_render_create(world->gi, &settings, world->pool, &render));
-	const uint64_t begin = bench_child_now_ns();
+	uint64_t begin = bench_child_now_ns();
 	check(stilb_gi_render_run(render));
-	const double seconds = (double)(bench_child_now_ns() - begin) * 1e-9;
+	double seconds = (double)(bench_child_now_ns() - begin) * 1e-9;
 	const float *radiance = stilb_gi_render_film(render).radiance;
 	for (uint32_t i = 0; wanted && i < VALUES; i++) {
 		k->sum[i] += (double)radiance[i];
@@ -58,12 +58,12 @@ static double render_once(const furnace_world *world, kind *k, uint32_t samples,
 	return seconds;
 }
 
-/* Mean of the picture, and the square of what its renderings are off. */
+/* The mean of the picture, and the variance of a pixel's value among the renderings. */
 static double kind_mean(const kind *k, double *error_squared)
 {
 	double mean = 0.0, variance = 0.0;
 	for (uint32_t i = 0; i < VALUES; i++) {
-		const double m = k->sum[i] / RENDERINGS;
+		double m = k->sum[i] / RENDERINGS;
 		mean += m;
 		variance += (k->squares[i] - RENDERINGS * m * m) / (RENDERINGS - 1);
 	}
@@ -74,10 +74,10 @@ static double kind_mean(const kind *k, double *error_squared)
 void furnace_equal_time(const bench_child *child)
 {
 	furnace_world world = furnace_world_open("cornell", stilb_job_pool_desc_default().worker_count);
-	const double slot = child->seconds / (RENDERINGS * KIND_COUNT);
+	double slot = child->seconds / (RENDERINGS * KIND_COUNT);
 	for (size_t i = 0; i < KIND_COUNT; i++) {
-		render_once(&world, &kinds[i], 1, 1, false); /* warm */
-		const double one = render_once(&world, &kinds[i], 1, 1, false);
+		render_once(&world, &kinds[i], 1, 1, false); /* warm-up */
+		double one = render_once(&world, &kinds[i], 1, 1, false);
 		kinds[i].samples = (uint32_t)fmax(slot / one, 1.0);
 	}
 	for (uint32_t r = 0; r < RENDERINGS; r++)
@@ -86,12 +86,13 @@ void furnace_equal_time(const bench_child *child)
 	double path_squared, path_mean = kind_mean(&kinds[0], &path_squared);
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		double squared, mean = kind_mean(&kinds[i], &squared);
-		const double sigma = sqrt((squared + path_squared) / (VALUES * RENDERINGS));
+		double sigma = sqrt((squared + path_squared) / (VALUES * RENDERINGS));
 		if (!(fabs(mean - path_mean) <= SIGMAS * sigma))
-			bench_child_fail("the means of path and of montecarlo with %u rays differ by %.3g, sigma %.3g",
-			                 kinds[i].rays, mean - path_mean, sigma);
-		/* A kind that could not stop at its slot is given the time that it took: variance falls as time grows. */
-		const double equal = squared * kinds[i].seconds / (slot * RENDERINGS);
+			bench_child_fail(
+				"wrong result: the means of path and of montecarlo with %u rays differ by %.3g, sigma %.3g",
+				kinds[i].rays, mean - path_mean, sigma);
+		/* A kind that took longer than its slot has its variance scaled to the slot: variance * time is constant. */
+		double equal = squared * kinds[i].seconds / (slot * RENDERINGS);
 		char metric[32];
 		snprintf(metric, sizeof metric, kinds[i].rays ? "montecarlo-%u" : "path", kinds[i].rays);
 		bench_child_metric(metric, 100.0 * sqrt(equal) / path_mean);

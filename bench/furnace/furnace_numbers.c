@@ -1,4 +1,4 @@
-/* Four sources of numbers: ours, a modern small generator, and two that are called rand(). */
+/* Four sources of random numbers: Stilb's Sobol points, PCG, and rand() of two C libraries. */
 #include "bench/furnace/furnace_cases.h"
 #include "bench/furnace/furnace_run.h"
 
@@ -13,7 +13,7 @@ static void three_of(float (*next)(void), float numbers[3])
 		numbers[i] = next();
 }
 
-/* ---- Owen-scrambled Sobol points, as the engine takes them: an experiment is a pixel, a run one of its samples --- */
+/* ---- Owen-scrambled Sobol points of the engine: an experiment is a pixel, a path one of its samples -------------- */
 
 static gi_sampler owen_sampler;
 static gi_point owen_point;
@@ -68,7 +68,7 @@ static float rand_next(void)
 {
 	return (float)((uint32_t)rand() >> 7) * 0x1p-24f; /* RAND_MAX is 2^31 - 1 */
 }
-_Static_assert(RAND_MAX == 0x7fffffff, "rand_next knows this C library");
+_Static_assert(RAND_MAX == 0x7fffffff, "rand_next assumes glibc's RAND_MAX");
 
 static void rand_vertex(uint32_t vertex, float numbers[3])
 {
@@ -76,7 +76,7 @@ static void rand_vertex(uint32_t vertex, float numbers[3])
 	three_of(rand_next, numbers);
 }
 
-/* ---- rand() as Microsoft's C library has it: bits 16 to 30 of a congruential generator --------------------------- */
+/* ---- rand() of Microsoft's C library: bits 16 to 30 of a linear congruential generator --------------------------- */
 
 static uint32_t rand15_state;
 

@@ -1,5 +1,5 @@
-/* The program of the suite `furnace`: paths inside a ball whose radiance is known, on Embree and on the engine's
- * surfaces, with numbers from the subject's source. No path may lose its ball. */
+/* The program of the suite `furnace`: paths inside a ball, traced by Embree with the engine's surfaces and the
+ * subject's random numbers. A path that leaves the ball is a failure. */
 #include "bench/furnace/furnace_run.h"
 #include "bench/furnace/furnace_cases.h"
 
@@ -12,7 +12,7 @@
 
 #define EXPERIMENTS_A_SECOND 40.0
 #define EXPERIMENTS_LEAST 4u
-#define SERIES_TOLERANCE 1e-5 /* of a path of exactly n bounces: cosine-weighted directions leave no variance */
+#define SERIES_TOLERANCE 1e-5 /* relative, for paths of n bounces, which have no variance */
 #define SIGMAS 5.0
 
 static const uint32_t survivals[] = {
@@ -28,7 +28,7 @@ furnace_world furnace_world_open(const char *name, uint32_t workers)
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	desc.worker_count = workers;
 	if (stilb_job_pool_create(&desc, &world.pool) != 0)
-		bench_child_fail("no threads");
+		bench_child_fail("cannot start worker threads");
 	stilb_gi_scene_desc gi_desc = stilb_gi_scene_desc_default(world.pool);
 	if (stilb_scene_open(name, &world.scene) != STILB_OK ||
 	    stilb_gi_scene_create(world.scene, &gi_desc, &world.gi) != STILB_OK)
@@ -45,7 +45,7 @@ void furnace_world_close(furnace_world *world)
 
 /* ---- one path ---------------------------------------------------------------------------------------------------- */
 
-/* Where a path is, and what a further bounce is worth to the camera. */
+/* A path: its current surface and its throughput. */
 typedef struct walk {
 	const stilb_gi_scene *gi;
 	gi_ray_hit ray;
@@ -71,7 +71,7 @@ static walk walk_begin(const furnace_world *world)
 
 static void walk_bounce(walk *w, const float numbers[3])
 {
-	const shade_brdf_model lambert = {.kind = SHADE_BRDF_LAMBERT};
+	shade_brdf_model lambert = {.kind = SHADE_BRDF_LAMBERT};
 	gi_bsdf bsdf = gi_bsdf_make(&lambert, &w->surface, -gi_ray_direction(&w->ray.ray));
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(&bsdf, 0.0f, (stilb_vec2){numbers[0], numbers[1]}, &chosen))
@@ -100,10 +100,11 @@ static void run_bounces(const furnace_world *world, const furnace_numbers *numbe
 		}
 	}
 	for (uint32_t bounce = 0; bounce <= FURNACE_MOST_BOUNCES; bounce++) {
-		const double error = 1.0 - sums[bounce] / FURNACE_RUNS / FURNACE_RADIANCE;
-		const double truth = pow(FURNACE_REFLECTANCE, bounce + 1);
+		double error = 1.0 - sums[bounce] / FURNACE_RUNS / FURNACE_RADIANCE;
+		double truth = pow(FURNACE_REFLECTANCE, bounce + 1);
 		if (!(fabs(error - truth) <= SERIES_TOLERANCE))
-			bench_child_fail("%u bounces miss %.6g of the light; the series says %.6g", bounce, error, truth);
+			bench_child_fail("wrong result: paths of %u bounces lose %.6g of the light, expected %.6g", bounce, error,
+			                 truth);
 		char metric[32];
 		snprintf(metric, sizeof metric, "error-%u", bounce);
 		bench_child_metric(metric, 100.0 * error);
@@ -137,23 +138,24 @@ static void print_survival(const char *metric, uint32_t percent, double value)
 static void run_survival(const furnace_world *world, const furnace_numbers *numbers, uint32_t percent,
                          uint32_t experiments)
 {
-	const double survival = percent / 100.0, runs = FURNACE_RUNS;
+	double survival = percent / 100.0, runs = FURNACE_RUNS;
 	double errors = 0.0, sum = 0.0, squares = 0.0;
 	for (uint32_t e = 0; e < experiments; e++) {
 		double part = 0.0;
 		for (uint32_t run = 0; run < FURNACE_RUNS; run++) {
 			if (numbers->run)
 				numbers->run(e, run);
-			const double radiance = roulette_path(world, numbers, survival), off = radiance - FURNACE_RADIANCE;
+			double radiance = roulette_path(world, numbers, survival), off = radiance - FURNACE_RADIANCE;
 			part += off;
 			squares += off * off;
 		}
 		errors += fabs(part) / runs;
 		sum += part;
 	}
-	const double off = sum / (runs * experiments), sigma = sqrt(furnace_variance(survival) / (runs * experiments));
+	double off = sum / (runs * experiments), sigma = sqrt(furnace_variance(survival) / (runs * experiments));
 	if (isfinite(sigma) && percent >= 50 && !(fabs(off) <= SIGMAS * sigma))
-		bench_child_fail("survival %u %%: the mean is %.3g off, more than %.0f sigma", percent, off, SIGMAS);
+		bench_child_fail("wrong result: with survival %u %% the mean is off by %.3g, more than %.0f sigma", percent,
+		                 off, SIGMAS);
 	print_survival("error", percent, 100.0 * errors / experiments / FURNACE_RADIANCE);
 	print_survival("bias", percent, 100.0 * off / FURNACE_RADIANCE);
 	print_survival("variance", percent, squares / (runs * experiments));
@@ -161,8 +163,8 @@ static void run_survival(const furnace_world *world, const furnace_numbers *numb
 
 int main(int argc, char **argv)
 {
-	const bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
+	bench_child child = bench_child_args(argc, argv);
+	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
 	if (strcmp(child.case_name, FURNACE_CASE_EQUAL_TIME) == 0) {
 		furnace_equal_time(&child);
 		return 0;

@@ -1,4 +1,4 @@
-/* What the files of the suite `furnace`'s program share. */
+/* furnace_run: shared by the files of the program of the suite `furnace`. Errors end the program. [main-thread] */
 #ifndef FURNACE_RUN_H
 #define FURNACE_RUN_H
 
@@ -8,8 +8,8 @@
 
 /* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
-/* Where random numbers come from. One experiment after the other, one run after the other: the simple ones just go
- * on. */
+/* A source of random numbers. Experiments follow each other, and in them paths (runs), and in those vertices;
+ * generators with a single sequence ignore all of these and continue their sequence. */
 typedef struct furnace_numbers {
 	const char *name;
 	void (*seed)(uint32_t seed);
@@ -17,7 +17,7 @@ typedef struct furnace_numbers {
 	void (*vertex)(uint32_t vertex, float numbers[3]); /* in [0, 1): two for a direction, one for the roulette */
 } furnace_numbers;
 
-/* By the name of the subject; NULL: there is none. */
+/* The source with the subject's name, or NULL. */
 const furnace_numbers *furnace_numbers_find(const char *name);
 
 /* ---- a scene, and the threads that trace it ---------------------------------------------------------------------- */
@@ -28,7 +28,7 @@ typedef struct furnace_world {
 	stilb_gi_scene *gi;
 } furnace_world;
 
-/* Ends the program with the reason when it cannot. */
+/* Opens the built-in scene `name`. workers: threads besides the caller. */
 furnace_world furnace_world_open(const char *name, uint32_t workers);
 void furnace_world_close(furnace_world *world);
 

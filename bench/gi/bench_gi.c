@@ -1,5 +1,5 @@
-/* The suite `gi`: the renderer of rays beside Embree alone, beside a plain path tracer, and its parts beside each
- * other. What a case is: gi_cases.h. */
+/* The suite `gi`: the offline renderer beside Embree alone and beside a plain path tracer, and its techniques beside
+ * each other. The cases are in gi_cases.h. */
 #include "bench/gi/gi_cases.h"
 #include "bench/harness/bench.h"
 
@@ -52,30 +52,30 @@ static const bench_case cases[] = {
 };
 
 static const bench_subject subjects[] = {
-	{.name = "stilb", .program = PROGRAM, .note = "what is compared takes turns in one process"},
+	{.name = "stilb", .program = PROGRAM, .note = "what a case compares takes turns in one process"},
 };
 
 /* ---- goals ------------------------------------------------------------------------------------------------------- */
 
 typedef struct goal {
-	const char *name, *metric, *what;
-	double bound;
+	const char *name, *metric, *what; /* name: of the case */
+	double bound;                     /* of the median */
 	bool at_most;
 } goal;
 
 static const goal goals[] = {
-	{"build", "ratio", "time / rtcCommitScene", 1.02, true},
-	{"primary", "ratio", "rate / rtcIntersect16 alone", 0.8, false},
-	{"path", "ratio", "rate / Embree alone on the same rays", 0.75, false},
-	{"sobol", "ratio", "Owen-scrambled Sobol / independent numbers", 0.95, false},
-	{"efficiency", "ratio", "1 / (RMSE^2 s) / the baseline's", 2.0, false},
+	{"build", "ratio", "build time / rtcCommitScene's", 1.02, true},
+	{"primary", "ratio", "rays/s / rtcIntersect16 alone", 0.8, false},
+	{"path", "ratio", "rays/s / Embree alone on the same rays", 0.75, false},
+	{"sobol", "ratio", "samples/s, Owen-scrambled Sobol / independent numbers", 0.95, false},
+	{"efficiency", "ratio", "efficiency 1 / (RMSE^2 s) / the baseline's", 2.0, false},
 	{"cache-time", "seconds", "seconds (Radiance's rpict: 25.4 on another machine)", 1.3, true},
 	{"cache-time", "rmse", "RMSE", .01117, true},
 	{"cache-time", "bias", "bias, %", 0.3, true},
 	{"cache-0.25s", "ratio", "RMSE of the cache / of the path tracer", 1.0, true},
 	{"cache-1s", "ratio", "RMSE of the cache / of the path tracer", 1.0, true},
-	{"hessian", "ratio", "RMSE of the Hessian / of the plain split sphere", 0.25, true},
-	{"workers", "ratio", "two threads / one", 1.95, false},
+	{"hessian", "ratio", "RMSE with Hessian radii / with plain split-sphere radii", 0.25, true},
+	{"workers", "ratio", "samples/s, two threads / one", 1.95, false},
 	{"pathtracer", "ratio", "rays/s / embree-tools' pathtracer", 1.3, false},
 };
 
@@ -103,16 +103,17 @@ static void report(FILE *out, const bench_results *results)
 	for (size_t i = 0; i < COUNT(cases); i++)
 		report_case(out, results, &cases[i]);
 	fprintf(out,
-	        "\n  embree: the same rays by rtcIntersect1 and rtcOccluded1 (build: rtcCommitScene; primary: "
-	        "rtcIntersect16), 1,037,244 triangles, one thread\n"
-	        "  baseline: a scalar path tracer with PCG32, one light sample a hit, MIS, Russian roulette\n"
-	        "  RMSE: linear radiance without the pixels around the light, against a reference made first, whose own "
-	        "noise is taken off\n");
+	        "\n  embree: the same rays by rtcIntersect1 and rtcOccluded1 on one thread, 1,037,244 triangles (build: "
+	        "rtcCommitScene; primary: rtcIntersect16)\n"
+	        "  baseline: a plain path tracer on Embree with PCG32 numbers, one light sample for each hit, multiple "
+	        "importance sampling, Russian roulette\n"
+	        "  rmse: of linear radiance, without the pixels around the light, against a reference rendered first whose "
+	        "own noise is subtracted\n");
 }
 
 static void print_goals(FILE *out, const bench_results *results)
 {
-	fprintf(out, "\ngoals (medians)\n");
+	fprintf(out, "\ngoals for medians, set on the CPU named in docs/benchmarks.md\n");
 	for (size_t i = 0; i < COUNT(goals); i++) {
 		const goal *g = &goals[i];
 		const bench_row *row = bench_find(results, g->name, "stilb", g->metric);
@@ -138,14 +139,14 @@ static void remove_reference(void)
 	unlink(reference);
 }
 
-/* The Cornell box, rendered once for all rounds. */
+/* Renders the reference of the Cornell box into a file, once for all rounds. */
 static const char *prepare(const bench_options *options)
 {
 	const char *folder = getenv("TMPDIR");
 	snprintf(reference, sizeof reference, "%s/stilb-bench-gi-XXXXXX", folder && *folder ? folder : "/tmp");
 	int file = mkstemp(reference);
 	if (file < 0) {
-		stilb_log("%s: cannot make a file for the reference; set TMPDIR to a folder where one can be written",
+		stilb_log("cannot create %s for the reference picture; set TMPDIR to a folder that can be written to",
 		          reference);
 		return NULL;
 	}
@@ -156,12 +157,13 @@ static const char *prepare(const bench_options *options)
 	                reference, (bench_limit){REFERENCE_SECONDS, REFERENCE_SECONDS}, &result);
 	if (result.state == BENCH_CHILD_DONE)
 		return reference;
-	stilb_log("cannot render the reference: %s", result.message);
+	stilb_log("cannot render the reference picture: %s", result.message);
 	return NULL;
 }
 
 const bench_suite bench_gi_suite = {.name = "gi",
-                                    .help = "the renderer of rays: speed and error beside Embree and a plain tracer",
+                                    .help =
+                                        "the offline renderer: speed and error, beside Embree and a plain path tracer",
                                     .subjects = subjects,
                                     .subject_count = COUNT(subjects),
                                     .cases = cases,

@@ -1,4 +1,4 @@
-/* A million well-shaped triangles, seen from inside: what Embree's limits are measured on. */
+/* The scene of a million well-shaped triangles, for comparisons with Embree. */
 #include "bench/gi/gi_run.h"
 #include "scene/scene_internal.h"
 
@@ -22,7 +22,7 @@ static void mesh_alloc(stilb_scene_mesh *mesh, uint32_t vertices, uint32_t indic
 	mesh->index_count = indices;
 }
 
-/* Bands from just below one pole to just above the other: no triangle is without an area. */
+/* A bumpy ball of bands that leave out the poles, so that every triangle has an area. */
 static void ball(stilb_scene_mesh *mesh, uint32_t number)
 {
 	float center[3];
@@ -50,7 +50,7 @@ static void ball(stilb_scene_mesh *mesh, uint32_t number)
 		}
 }
 
-/* Faces of the box, seen from inside: two axes that span each, and which side. */
+/* Faces [first, first + count) of the box, visible from inside; each is spanned by two axes on one side. */
 static void faces(stilb_scene_mesh *mesh, uint32_t first, uint32_t count)
 {
 	static const struct {

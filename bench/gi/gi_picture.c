@@ -1,4 +1,4 @@
-/* Pictures of the Cornell box, and how far they are from a reference made here. */
+/* Pictures of the Cornell box, and their error against a reference rendered here. */
 #include "bench/gi/gi_run.h"
 
 #include <math.h>
@@ -48,7 +48,7 @@ stilb_gi_settings gi_run_cornell(const stilb_scene *scene)
 
 /* ---- the reference ----------------------------------------------------------------------------------------------- */
 
-/* The mean of two renderings; their difference is the noise of both. */
+/* Renders two independent pictures into their mean; returns the mean square error of that, from their difference. */
 static double reference_half(const gi_run_world *world, stilb_gi_settings settings, float *mean)
 {
 	gi_run_picture a = gi_run_render(world, &settings);
@@ -105,7 +105,7 @@ void gi_run_reference_write(const char *path, uint32_t samples)
 
 static void leave_out(bool *left_out, const float *rgb)
 {
-	const int side = (int)GI_RUN_SIDE, around = LEFT_OUT_AROUND;
+	int side = (int)GI_RUN_SIDE, around = LEFT_OUT_AROUND;
 	for (int y = 0; y < side; y++)
 		for (int x = 0; x < side; x++) {
 			if (rgb[3 * (y * side + x)] <= VISIBLE_LIGHT)
@@ -124,7 +124,7 @@ gi_run_reference gi_run_reference_read(const char *path)
 	    fread(reference.all, sizeof(float), FLOATS, file) != FLOATS ||
 	    fread(&reference.indirect_noise, sizeof(double), 1, file) != 1 ||
 	    fread(reference.indirect, sizeof(float), FLOATS, file) != FLOATS)
-		bench_child_fail("%s: not a whole reference", path);
+		bench_child_fail("%s: the reference is incomplete", path);
 	fclose(file);
 	reference.left_out = calloc(PIXELS, sizeof(bool));
 	if (!reference.left_out)

@@ -1,4 +1,4 @@
-/* The baseline of the efficiency: gi_run.h says what it is. Nothing here is ours but the arithmetic. */
+/* The baseline of the case `efficiency` (gi_run.h): a path tracer that uses no part of engine/gi. */
 #include "bench/gi/gi_run.h"
 
 #include <embree3/rtcore.h>
@@ -10,7 +10,7 @@
 
 #define TILE 32u
 #define ROULETTE_FROM 3u
-#define EPSILON 1e-4f /* the scene is a metre wide */
+#define EPSILON 1e-4f /* offset of ray origins, metres; the scene is a metre wide */
 
 typedef struct vec {
 	float x, y, z;
@@ -53,7 +53,7 @@ typedef struct light {
 struct gi_plain {
 	RTCDevice device;
 	RTCScene scene;
-	vec *diffuse, *emission; /* of each triangle */
+	vec *diffuse, *emission; /* [triangle_count] reflectance, and radiance */
 	light *lights;
 	uint32_t triangle_count, light_count;
 	float light_area;
@@ -160,7 +160,7 @@ static float power_heuristic(float a, float b)
 	return a * a / (a * a + b * b);
 }
 
-/* A point of the lights, each square metre as likely as any other. */
+/* Radiance reflected directly from one light sample, uniform over the area of all lights, with MIS weight. */
 static vec direct(const gi_plain *plain, vec position, vec n, vec diffuse, uint64_t *random, uint64_t *rays)
 {
 	float at = random_next(random) * plain->light_area;
@@ -180,7 +180,7 @@ static vec direct(const gi_plain *plain, vec position, vec n, vec diffuse, uint6
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
 	rtcOccluded1(plain->scene, &context, &shadow.ray);
-	++*rays;
+	(*rays)++;
 	if (shadow.ray.tfar < 0.0f)
 		return (vec){.x = 0.0f};
 	float pdf = distance2 / (light_cosine * plain->light_area), other = cosine * 0.31830989f;
@@ -190,13 +190,13 @@ static vec direct(const gi_plain *plain, vec position, vec n, vec diffuse, uint6
 static vec trace(const gi_plain *plain, vec origin, vec direction, uint32_t depth, uint64_t *random, uint64_t *rays)
 {
 	vec sum = {0}, throughput = {1, 1, 1};
-	float pdf = 0.0f; /* 0: from the camera, no light sample found what this ray finds */
+	float pdf = 0.0f; /* of the direction; 0 for camera rays, whose emission is not weighted */
 	for (uint32_t bounce = 0;; bounce++) {
 		struct RTCRayHit ray = ray_from(origin, direction);
 		struct RTCIntersectContext context;
 		rtcInitIntersectContext(&context);
 		rtcIntersect1(plain->scene, &context, &ray);
-		++*rays;
+		(*rays)++;
 		if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
 			return sum;
 		vec geometric = unit((vec){ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z});
@@ -252,11 +252,12 @@ static vec pixel(const render_job *job, uint32_t x, uint32_t y, uint64_t *rays)
 static void *render_tiles(void *data)
 {
 	render_job *job = data;
-	const uint32_t width = job->settings->width, height = job->settings->height;
-	const uint32_t columns = (width + TILE - 1) / TILE, rows = (height + TILE - 1) / TILE;
+	uint32_t width = job->settings->width, height = job->settings->height;
+	uint32_t columns = (width + TILE - 1) / TILE, rows = (height + TILE - 1) / TILE;
 	uint64_t rays = 0;
 	for (;;) {
-		uint32_t tile = atomic_fetch_add_explicit(&job->next_tile, 1, memory_order_relaxed); /* only a number */
+		uint32_t tile = atomic_fetch_add_explicit(
+			&job->next_tile, 1, memory_order_relaxed); /* relaxed: hands out numbers, orders nothing */
 		if (tile >= columns * rows)
 			break;
 		for (uint32_t y = tile / columns * TILE; y < (tile / columns + 1) * TILE && y < height; y++)
@@ -265,7 +266,7 @@ static void *render_tiles(void *data)
 				memcpy(job->rgb + 3 * ((size_t)y * width + x), &color, sizeof color);
 			}
 	}
-	atomic_fetch_add_explicit(&job->rays, rays, memory_order_relaxed); /* read after the join */
+	atomic_fetch_add_explicit(&job->rays, rays, memory_order_relaxed); /* relaxed: read after the threads were joined */
 	return NULL;
 }
 

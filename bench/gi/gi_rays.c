@@ -1,4 +1,4 @@
-/* Our stages beside Embree alone on the rays that they traced: what is left is ours. One thread. */
+/* Stages of the renderer beside Embree alone on the same rays; the difference is the renderer's cost. One thread. */
 #include "bench/gi/gi_run.h"
 #include "gi/film/gi_primary.h"
 #include "gi/gi_scene_internal.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIDE 512u /* of the pictures that are traced */
+#define SIDE 512u /* of the pictures traced, pixels */
 #define PATH_SIDE 256u
 #define PATH_DEPTH 8u
 
@@ -24,7 +24,8 @@ static geometry geometry_of(const stilb_scene_mesh *mesh)
 {
 	geometry g = {
 		.vertex_count = mesh->vertex_count, .triangle_count = mesh->index_count / 3, .indices = mesh->indices};
-	g.positions = malloc(((size_t)mesh->vertex_count * 3 + 4) * sizeof(float)); /* Embree reads 16 bytes a vertex */
+	g.positions = malloc(((size_t)mesh->vertex_count * 3 + 4) *
+	                     sizeof(float)); /* Embree reads 16 bytes for each vertex, beyond the last one too */
 	if (!g.positions)
 		bench_child_fail("no memory for the scene");
 	for (uint32_t i = 0; i < mesh->vertex_count; i++)
@@ -32,7 +33,7 @@ static geometry geometry_of(const stilb_scene_mesh *mesh)
 	return g;
 }
 
-/* Seconds of rtcCommitScene on Embree's own threads, as many as there are CPUs. */
+/* The time of rtcCommitScene on Embree's own threads, one for each CPU, in seconds. */
 static double embree_build(const geometry *geometries, uint32_t count)
 {
 	char config[64];
@@ -65,18 +66,19 @@ void gi_run_build(const bench_child *child)
 		geometries[p] = geometry_of(&scene->meshes[scene->part_mesh[p]]);
 	double own = (double)INFINITY, theirs = (double)INFINITY, spent = 0.0;
 	for (uint32_t turn = 0; turn < 3 || spent < child->seconds; turn++) {
-		/* The least of each: a build is the same work every time. */
+		/* The least time of each, since every build is the same work. */
 		stilb_job_pool *pool;
 		stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 		desc.worker_count = bench_child_cpu_count() - 1;
 		if (stilb_job_pool_create(&desc, &pool) != 0)
-			bench_child_fail("no threads");
+			bench_child_fail("cannot start worker threads");
 		stilb_gi_scene_desc gi_desc = stilb_gi_scene_desc_default(pool);
 		stilb_gi_scene *gi;
 		gi_run_check(stilb_gi_scene_create(scene, &gi_desc, &gi), "the scene");
 		double seconds = stilb_gi_scene_info_of(gi)->build_s;
 		if (stilb_gi_scene_info_of(gi)->triangles != 1037244)
-			bench_child_fail("%llu triangles", (unsigned long long)stilb_gi_scene_info_of(gi)->triangles);
+			bench_child_fail("wrong result: the scene has %llu triangles",
+			                 (unsigned long long)stilb_gi_scene_info_of(gi)->triangles);
 		own = fmin(own, seconds);
 		stilb_gi_scene_destroy(gi);
 		stilb_job_pool_destroy(pool);
@@ -91,9 +93,9 @@ void gi_run_build(const bench_child *child)
 
 /* ---- recording --------------------------------------------------------------------------------------------------- */
 
-/* Rays in the order in which they were traced. */
+/* Records rays in the order in which they are traced. */
 typedef struct tape {
-	gi_tracer behind; /* what answers */
+	gi_tracer behind; /* the tracer that finds the hits */
 	gi_ray_hit *closest;
 	gi_ray *shadow;
 	size_t closest_count, closest_room, shadow_count, shadow_room;
@@ -128,7 +130,7 @@ static void tape_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_h
 	for (uint32_t i = 0; i < 16; i++)
 		if (valid[i]) {
 			gi_ray_hit ray = gi_ray_of(rays, i);
-			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* not traced yet */
+			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* as before tracing */
 			record_closest(t, &ray);
 		}
 	t->behind.intersect16(&t->behind, valid, rays);
@@ -145,7 +147,7 @@ static void tape_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 	t->behind.occluded(&t->behind, rays, count);
 }
 
-/* Everything that a rendering of this scene traces. */
+/* All rays that a rendering of this scene traces. */
 static tape record(gi_run_world *world, const stilb_gi_settings *settings)
 {
 	tape t = {.behind = world->gi->tracer};
@@ -178,7 +180,7 @@ static void raw_shadow(RTCScene scene, const tape *t)
 	}
 }
 
-/* Sixteen after sixteen, as they were traced. */
+/* Packets of sixteen, in the order in which they were traced. */
 static void raw_packets(RTCScene scene, const gi_ray_hit16 *packets, size_t count)
 {
 	static const int valid[16]
@@ -199,7 +201,7 @@ static double seconds_since(uint64_t begin)
 	return 1e-9 * (double)(bench_child_now_ns() - begin);
 }
 
-/* Of what took turns: the least time of each. */
+/* Prints rates from the least times of the two, in seconds, and their ratio. */
 static void report_rates(double rays, double own, double raw)
 {
 	bench_child_metric("stilb", 1e-6 * rays / own);
@@ -207,7 +209,7 @@ static void report_rates(double rays, double own, double raw)
 	bench_child_metric("ratio", raw / own);
 }
 
-/* The samples of a whole picture, tile by tile; in a tile by blocks of 4 x 4 pixels, as the renderer takes them. */
+/* The samples of a picture in the renderer's order: tile by tile, in a tile by blocks of 4 x 4 pixels. */
 typedef struct samples {
 	uint16_t x[SIDE * SIDE], y[SIDE * SIDE];
 	gi_point points[SIDE * SIDE];
@@ -227,7 +229,7 @@ static samples *samples_make(const gi_view *view)
 	return s;
 }
 
-/* The camera stage over it. */
+/* Runs the camera stage over the picture; returns its time in seconds. */
 static double primary_pass(const gi_view *view, const gi_camera *camera, const samples *s, gi_primary *primary)
 {
 	stilb_isa isa;
@@ -241,7 +243,7 @@ static double primary_pass(const gi_view *view, const gi_camera *camera, const s
 	return seconds_since(begin);
 }
 
-/* Sixteen rays side by side. */
+/* Packs the tape's rays into packets of sixteen. */
 static gi_ray_hit16 *packets_of(const tape *t)
 {
 	gi_ray_hit16 *packets = stilb_memory_alloc(t->closest_count / 16, sizeof *packets);
@@ -250,7 +252,7 @@ static gi_ray_hit16 *packets_of(const tape *t)
 	for (size_t i = 0; i < t->closest_count / 16 * 16; i++) {
 		const gi_ray *from = &t->closest[i].ray;
 		gi_ray16 *to = &packets[i / 16].ray;
-		const size_t lane = i % 16;
+		size_t lane = i % 16;
 		for (int axis = 0; axis < 3; axis++) {
 			to->origin[axis][lane] = from->origin[axis];
 			to->direction[axis][lane] = from->direction[axis];
@@ -279,7 +281,7 @@ void gi_run_primary(const bench_child *child)
 	primary_pass(&view, &camera, all, primary);
 	world.gi->tracer = t.behind;
 	if (t.closest_count != SIDE * SIDE)
-		bench_child_fail("%zu camera rays of %u", t.closest_count, SIDE * SIDE);
+		bench_child_fail("wrong result: %zu camera rays instead of %u", t.closest_count, SIDE * SIDE);
 	gi_ray_hit16 *packets = packets_of(&t);
 
 	RTCScene scene = gi_embree_scene(world.gi);
@@ -311,8 +313,8 @@ void gi_run_path(const bench_child *child)
 	while (spent < child->seconds) {
 		gi_run_picture picture = gi_run_render(&world, &settings);
 		if (picture.rays != t.closest_count + t.shadow_count)
-			bench_child_fail("%llu rays counted, %zu recorded", (unsigned long long)picture.rays,
-			                 t.closest_count + t.shadow_count);
+			bench_child_fail("wrong result: the renderer counted %llu rays, %zu were recorded",
+			                 (unsigned long long)picture.rays, t.closest_count + t.shadow_count);
 		uint64_t begin = bench_child_now_ns();
 		raw_closest(scene, &t);
 		raw_shadow(scene, &t);

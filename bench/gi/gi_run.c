@@ -21,7 +21,7 @@ gi_run_world gi_run_world_make(stilb_scene *scene, uint32_t workers)
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	desc.worker_count = workers;
 	if (stilb_job_pool_create(&desc, &world.pool) != 0)
-		bench_child_fail("no threads");
+		bench_child_fail("cannot start worker threads");
 	stilb_gi_scene_desc gi_desc = stilb_gi_scene_desc_default(world.pool);
 	gi_run_check(stilb_gi_scene_create(scene, &gi_desc, &world.gi), "the scene");
 	return world;
@@ -98,7 +98,7 @@ static void run_workers(const bench_child *child)
 
 /* ---- speed and error --------------------------------------------------------------------------------------------- */
 
-/* Over several pictures: what they took, and how far off they are. */
+/* Sums over several pictures: time, squared error, bias and cache records. */
 typedef struct tally {
 	double seconds, square, bias, records;
 	uint32_t count;
@@ -147,7 +147,8 @@ static void run_efficiency(const bench_child *child)
 		tally_add(&base, &b, &reference, false);
 	}
 	if (fabs(own.bias / own.count) > 0.3 || fabs(base.bias / base.count) > 0.3)
-		bench_child_fail("means are off by %.2f and %.2f %%", own.bias / own.count, base.bias / base.count);
+		bench_child_fail("wrong result: the means differ from the reference's by %.2f and %.2f %%",
+		                 own.bias / own.count, base.bias / base.count);
 	bench_child_metric("stilb", tally_efficiency(&own));
 	bench_child_metric("baseline", tally_efficiency(&base));
 	bench_child_metric("ratio", tally_efficiency(&own) / tally_efficiency(&base));
@@ -186,7 +187,7 @@ static void run_cache_time(const bench_child *child)
 	gi_run_world_finish(&world);
 }
 
-/* Both end when their time is over. */
+/* Both renderings end after the same time. */
 static void run_equal_time(const bench_child *child, double budget)
 {
 	gi_run_reference reference = gi_run_reference_read(child->argument);
@@ -216,8 +217,8 @@ static void run_equal_time(const bench_child *child, double budget)
 	gi_run_world_finish(&world);
 }
 
-#define HESSIAN_RAYS 2048u /* so many that noise does not hide what interpolation does */
-#define RECORDS_APART 0.02 /* as many records */
+#define HESSIAN_RAYS 2048u /* for each record: enough that noise does not hide the error of interpolation */
+#define RECORDS_APART 0.02 /* relative difference of record numbers that counts as equal */
 #define RECORD_SEARCHES 12
 
 static gi_run_picture indirect(const gi_run_world *world, stilb_gi_cache_radius radius, float error)
@@ -231,7 +232,8 @@ static gi_run_picture indirect(const gi_run_world *world, stilb_gi_cache_radius 
 	return gi_run_render(world, &settings);
 }
 
-/* As many records as wanted: the error is searched for, by a record's area, which goes with its square. */
+/* Renders with about `records` records: searches for the cache's error setting, using that a record's area is
+ * proportional to its square. */
 static gi_run_picture indirect_with(const gi_run_world *world, stilb_gi_cache_radius radius, uint64_t records)
 {
 	gi_run_picture picture = {0};
@@ -247,7 +249,7 @@ static gi_run_picture indirect_with(const gi_run_world *world, stilb_gi_cache_ra
 	return picture;
 }
 
-/* Against Ward's plain radii, and against those that are bounded. */
+/* The occlusion Hessian against Ward's split-sphere radii, plain and bounded. */
 static void run_hessian(const bench_child *child)
 {
 	gi_run_reference reference = gi_run_reference_read(child->argument);
@@ -278,7 +280,7 @@ static void run_hessian(const bench_child *child)
 #define PATHTRACER_SCENE "/usr/share/doc/embree3/models/cornell_box"
 #define PATHTRACER_DEPTH 5u
 
-/* Rays per second, in millions, of Embree's example, as it counts them itself; 0: it is not here. */
+/* Million rays a second of Embree's example program, from its own output; 0 if it is not installed. */
 static double pathtracer_rate(void)
 {
 	static const char prefix[] = "BENCHMARK_RENDER_MRAYPS_AVG ";
@@ -295,7 +297,7 @@ static double pathtracer_rate(void)
 	return rate;
 }
 
-/* Its camera and light come on its command line, not with its model. */
+/* Its model with the camera and light that its command line sets. */
 static stilb_scene *pathtracer_scene(void)
 {
 	stilb_scene *scene;
@@ -328,8 +330,8 @@ static void run_pathtracer(const bench_child *child)
 	settings.integrator = STILB_GI_INTEGRATOR_PATH;
 	settings.width = settings.height = GI_RUN_SIDE;
 	settings.samples = 4;
-	settings.depth = PATHTRACER_DEPTH; /* 1 there: a camera ray and its shadow ray */
-	settings.roulette = 1.0f;          /* as there: a path ends at a miss or at its length */
+	settings.depth = PATHTRACER_DEPTH; /* the example counts a camera ray and its shadow ray as depth 1 */
+	settings.roulette = 1.0f;          /* as in the example: paths end at a miss or at their depth */
 	double seconds = 0.0, rays = 0.0;
 	while (seconds < child->seconds) {
 		settings.seed++;
@@ -355,10 +357,10 @@ static bool is_case(const bench_child *child, const char *name)
 int main(int argc, char **argv)
 {
 	bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the engine's zones are not what is measured */
+	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
 	if (is_case(&child, "reference")) {
 		gi_run_reference_write(child.argument, child.round);
-		bench_child_metric("samples", child.round); /* a run that prints nothing has failed */
+		bench_child_metric("samples", child.round); /* a run must print at least one metric */
 	} else if (is_case(&child, "build"))
 		gi_run_build(&child);
 	else if (is_case(&child, "primary"))

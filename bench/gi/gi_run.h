@@ -1,6 +1,7 @@
 /*
- * gi_run: the program of the suite `gi`. What is compared takes turns in one process, on the same scene and the same
- * rays, so that ratios do not see the machine's moods; what a case is stands in gi_cases.h.
+ * gi_run: shared by the files of the program of the suite `gi`. Whatever a case compares takes turns in one process, on
+ * the same scene and the same rays, so that disturbances of the machine cancel in ratios. The cases are in gi_cases.h.
+ * Errors end the program. [main-thread]
  */
 #ifndef GI_RUN_H
 #define GI_RUN_H
@@ -9,55 +10,55 @@
 #include "gi/gi_render.h"
 #include "scene/scene.h"
 
-/* Prints why and ends the program. */
+/* Ends the program with the error's message unless the result is STILB_OK; what: the action, for the message. */
 void gi_run_check(stilb_result result, const char *what);
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
-/* A closed box of 20 m with 27 bumpy balls in it and a ceiling that glows: 1,037,244 triangles. */
+/* Creates a closed box of 20 m with 27 bumpy balls and an emitting ceiling: 1,037,244 triangles. */
 stilb_scene *gi_run_million(void);
 
-/* A scene and the threads to trace it: workers beside this one. */
+/* A scene with the threads that trace it. */
 typedef struct gi_run_world {
 	stilb_job_pool *pool;
 	stilb_scene *scene;
 	stilb_gi_scene *gi;
 } gi_run_world;
 
-/* Takes the scene. */
+/* Takes ownership of the scene. workers: threads besides the caller. */
 gi_run_world gi_run_world_make(stilb_scene *scene, uint32_t workers);
 void gi_run_world_finish(gi_run_world *world);
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-#define GI_RUN_SIDE 256u /* of the Cornell box's pictures */
+#define GI_RUN_SIDE 256u /* width and height of the Cornell box's pictures */
 
-/* Linear Rec.709, three floats a pixel, row 0 on top. */
+/* Linear Rec.709, three floats for each pixel, row 0 at the top. */
 typedef struct gi_run_picture {
 	float *rgb;
 	double seconds;
 	uint64_t rays, records;
 } gi_run_picture;
 
-/* Renders and times it, the making of the scene not included. */
+/* Renders a picture and times it, without building the scene. */
 gi_run_picture gi_run_render(const gi_run_world *world, const stilb_gi_settings *settings);
 void gi_run_picture_finish(gi_run_picture *picture);
 
-/* Settings of the Cornell box: 256 x 256, at most 64 bounces. */
+/* Settings of the Cornell box: GI_RUN_SIDE x GI_RUN_SIDE pixels, at most 64 bounces. */
 stilb_gi_settings gi_run_cornell(const stilb_scene *scene);
 
-/* Means of two independent renderings, with what they say about their own error. */
+/* Means of two independent renderings, with their error as estimated from their difference. */
 typedef struct gi_run_reference {
 	float *all, *indirect;
-	double all_noise, indirect_noise; /* mean square error of each */
-	bool *left_out;                   /* pixels within 2 of the visible light: radiance above 4 */
+	double all_noise, indirect_noise; /* mean square error of `all` and `indirect` */
+	bool *left_out;                   /* pixels within 2 pixels of the visible light (radiance above 4) */
 } gi_run_reference;
 
-/* Written by the case `reference`, read by the others. */
+/* The case `reference` writes the file, the other cases read it. samples: for each pixel. */
 void gi_run_reference_write(const char *path, uint32_t samples);
 gi_run_reference gi_run_reference_read(const char *path);
 
-/* Mean square error of rgb, the reference's own taken off, and how far its mean is from the reference's, in percent. */
+/* Mean square error of a picture, minus the reference's own, and the difference of the means in percent. */
 typedef struct gi_run_error {
 	double square, bias;
 } gi_run_error;
@@ -66,9 +67,9 @@ gi_run_error gi_run_compare(const gi_run_reference *reference, const float *rgb,
 /* ---- the baseline ------------------------------------------------------------------------------------------------ */
 
 /*
- * A path tracer as one writes it in an afternoon: one path after the other, PCG32 numbers, one light sample at every
- * hit, power heuristic, Russian roulette from the third bounce. For triangles of diffuse materials and emitting
- * triangles alone, on Embree's own threads and build.
+ * A plain path tracer: one path at a time, PCG32 numbers, one light sample at every hit, power heuristic, Russian
+ * roulette from the third bounce. Only for diffuse and emitting triangles. Embree builds the scene with its own
+ * threads.
  */
 typedef struct gi_plain gi_plain;
 gi_plain *gi_plain_make(const stilb_scene *scene);

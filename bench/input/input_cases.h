@@ -3,10 +3,13 @@
 #define INPUT_CASES_H
 
 #define INPUT_CASES(X)                                                                                                 \
-	X("parse", "report descriptors: a joystick's of 625 bytes, a pad's of 507, the fullest of 4096", parse)            \
-	X("find", "the layout of a pad: by the table, by its descriptor's fields", find)                                   \
-	X("decode", "a report of 64 bytes by USB; one of 78 by Bluetooth with its CRC; that CRC alone", decode)            \
-	X("frame", "a frame's control with 0, 16 and 500 reports since the frame before", frame)                           \
-	X("camera", "the flight over a frame of 1/60 s, with a new wish in it", camera)
+	X("parse",                                                                                                         \
+	  "parsing a report descriptor: a joystick's of 625 bytes, a gamepad's of 507, one of 4096 bytes with the most "   \
+	  "fields",                                                                                                        \
+	  parse)                                                                                                           \
+	X("find", "finding a gamepad's layout: in the table of known ones, from its descriptor's fields", find)            \
+	X("decode", "decoding a report: 64 bytes by USB, 78 bytes by Bluetooth with CRC; the CRC alone", decode)           \
+	X("frame", "camera control of a frame with 0, 16 and 500 new reports", frame)                                      \
+	X("camera", "moving the camera by a frame of 1/60 s, with a change of input inside", camera)
 
 #endif

@@ -1,4 +1,4 @@
-/* The program of the suite `input`. What is measured is checked: a fast wrong answer is a failed run. */
+/* The program of the suite `input`. Every measured call is checked for its result. */
 #include "bench/harness/bench_child.h"
 
 #include "input/hid/input_layout.h"
@@ -34,14 +34,14 @@ static void check(bool condition, const char *what)
 
 #define BATCH_NS 100000.0
 
-/* What one call of step takes, ns: the least over batches that are long enough for the clock. */
+/* The time of one call of step, ns: the least over batches of about BATCH_NS, which the clock resolves well. */
 static double least_ns(double seconds, void (*step)(void *), void *user)
 {
 	uint32_t calls = 1;
 	double least = (double)INFINITY, batch = 0.0;
-	const uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
+	uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
 	do {
-		const uint64_t begin = bench_child_now_ns();
+		uint64_t begin = bench_child_now_ns();
 		for (uint32_t i = 0; i < calls; i++)
 			step(user);
 		batch = (double)(bench_child_now_ns() - begin);
@@ -71,12 +71,12 @@ static double parse_us(double seconds, const uint8_t *bytes, size_t size, uint32
 {
 	static parse_step step;
 	step = (parse_step){.bytes = bytes, .size = size};
-	const double ns = least_ns(seconds, parse, &step);
+	double ns = least_ns(seconds, parse, &step);
 	check(step.out.field_count == fields, "the number of fields");
 	return 1e-3 * ns;
 }
 
-/* Fills a descriptor with as many fields as fit, and with usages for nothing. */
+/* Fills a descriptor with as many fields as fit, with usages that no layout knows; returns its size. */
 static size_t fullest(uint8_t bytes[STILB_INPUT_DESCRIPTOR_MAX])
 {
 	static const uint8_t begin[] = {0x25, 0x01, 0x75, 0x01, 0x95, 0x01}, field[] = {0x09, 0x30, 0x81, 0x02};
@@ -94,7 +94,7 @@ static void run_parse(const bench_child *child)
 	const input_test_descriptor *joystick = input_test_descriptor_find(STILB_INPUT_BUS_USB, 0x06a3, 0xff0d);
 	const input_test_descriptor *pad = input_test_descriptor_find(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
 	uint8_t full[STILB_INPUT_DESCRIPTOR_MAX];
-	const size_t full_size = fullest(full);
+	size_t full_size = fullest(full);
 	check(joystick->size == 625 && pad->size == 507, "a descriptor's size");
 	bench_child_metric("joystick", parse_us(child->seconds / 3, joystick->bytes, joystick->size, 52));
 	bench_child_metric("pad", parse_us(child->seconds / 3, pad->bytes, pad->size, 59));
@@ -148,11 +148,11 @@ static void crc(void *user)
 	crc_seen = stilb_input_crc32(0, step->report, 74);
 }
 
-/* A DualShock 4 whose left stick is at its right end, and nothing else. */
+/* A DualShock 4's report with the left stick fully to the right, everything else at rest. */
 static decode_step dualshock(uint16_t bus)
 {
-	const bool usb = bus == STILB_INPUT_BUS_USB;
-	const stilb_input_pad_info info = pad_info(bus, 0x054c, 0x05c4);
+	bool usb = bus == STILB_INPUT_BUS_USB;
+	stilb_input_pad_info info = pad_info(bus, 0x054c, 0x05c4);
 	decode_step step = {.size = usb ? 64 : 78};
 	check(stilb_input_layout_find(&info, &step.layout) == STILB_OK, "the layout");
 	uint8_t *state = step.report + (usb ? 1 : 3);
@@ -161,8 +161,8 @@ static decode_step dualshock(uint16_t bus)
 		step.report[1] = 0xc0;
 	memcpy(state, (const uint8_t[]){0xff, 0x80, 0x80, 0x80, 0x08}, 5);
 	if (!usb) {
-		const uint8_t kind = 0xa1;
-		const uint32_t sum = stilb_input_crc32(stilb_input_crc32(0, &kind, 1), step.report, 74);
+		uint8_t kind = 0xa1;
+		uint32_t sum = stilb_input_crc32(stilb_input_crc32(0, &kind, 1), step.report, 74);
 		memcpy(step.report + 74, &sum, sizeof sum);
 	}
 	return step;
@@ -186,7 +186,7 @@ static void run_decode(const bench_child *child)
 typedef struct frame_step {
 	stilb_input_control *control;
 	decode_step pad;
-	uint32_t reports; /* a frame */
+	uint32_t reports; /* in each frame */
 	int64_t time_us;
 	stilb_input_pose pose;
 } frame_step;
@@ -194,15 +194,15 @@ typedef struct frame_step {
 static void frame(void *user)
 {
 	frame_step *step = user;
-	const stilb_input_state keys = {0};
+	stilb_input_state keys = {0};
 	stilb_input_state out;
 	for (uint32_t i = 0; i < step->reports; i++) {
-		step->pad.report[1] = (uint8_t)(255 - i % 64); /* the stick moves: each report is a new wish */
-		const stilb_input_event event = {.kind = STILB_INPUT_PAD_REPORT,
-		                                 .pad = 1,
-		                                 .time_us = step->time_us + (int64_t)i * FRAME_US / step->reports,
-		                                 .bytes = step->pad.report,
-		                                 .size = (uint32_t)step->pad.size};
+		step->pad.report[1] = (uint8_t)(255 - i % 64); /* the stick moves in every report */
+		stilb_input_event event = {.kind = STILB_INPUT_PAD_REPORT,
+		                           .pad = 1,
+		                           .time_us = step->time_us + (int64_t)i * FRAME_US / step->reports,
+		                           .bytes = step->pad.report,
+		                           .size = (uint32_t)step->pad.size};
 		stilb_input_control_event(step->control, &event);
 	}
 	step->time_us += FRAME_US;
@@ -212,12 +212,12 @@ static void frame(void *user)
 static double frame_us(double seconds, uint32_t reports)
 {
 	frame_step step = {.pad = dualshock(STILB_INPUT_BUS_USB), .reports = reports};
-	const stilb_input_control_settings settings = stilb_input_control_settings_default();
-	const stilb_input_pad_info info = pad_info(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
-	const stilb_input_event added = {.kind = STILB_INPUT_PAD_ADDED, .pad = 1, .info = &info};
+	stilb_input_control_settings settings = stilb_input_control_settings_default();
+	stilb_input_pad_info info = pad_info(STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
+	stilb_input_event added = {.kind = STILB_INPUT_PAD_ADDED, .pad = 1, .info = &info};
 	check(stilb_input_control_create(&settings, &step.pose, 0, &step.control) == STILB_OK, "the control");
 	stilb_input_control_event(step.control, &added);
-	const double ns = least_ns(seconds, frame, &step);
+	double ns = least_ns(seconds, frame, &step);
 	check(reports == 0 || step.pose.position[0] > 0.0f, "the flight");
 	stilb_input_control_destroy(step.control);
 	return 1e-3 * ns;
@@ -241,8 +241,8 @@ typedef struct camera_step {
 static void camera(void *user)
 {
 	camera_step *step = user;
-	const float turn = step->time_us / FRAME_US % 2 ? 0.5f : 0.6f;
-	const stilb_input_wish wish = {.move = {0.0f, 0.0f, 1.0f}, .turn = {turn, 0.0f}};
+	float turn = step->time_us / FRAME_US % 2 ? 0.5f : 0.6f;
+	stilb_input_wish wish = {.move = {0.0f, 0.0f, 1.0f}, .turn = {turn, 0.0f}};
 	stilb_input_camera_steer(&step->camera, step->time_us, &wish);
 	step->time_us += FRAME_US;
 	stilb_input_camera_advance(&step->camera, step->time_us);
@@ -252,7 +252,7 @@ static void camera(void *user)
 static void run_camera(const bench_child *child)
 {
 	camera_step step = {0};
-	const stilb_input_camera_settings settings = stilb_input_camera_settings_default();
+	stilb_input_camera_settings settings = stilb_input_camera_settings_default();
 	step.camera = stilb_input_camera_make(&settings, &step.pose, 0);
 	bench_child_metric("frame", least_ns(child->seconds, camera, &step));
 	check(step.pose.yaw != 0.0f && isfinite(step.pose.position[0]), "the flight");
@@ -266,7 +266,7 @@ int main(int argc, char **argv)
 	} runs[] = {
 		{"parse", run_parse}, {"find", run_find}, {"decode", run_decode}, {"frame", run_frame}, {"camera", run_camera},
 	};
-	const bench_child child = bench_child_args(argc, argv);
+	bench_child child = bench_child_args(argc, argv);
 	for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
 		if (strcmp(child.case_name, runs[i].name) != 0)
 			continue;

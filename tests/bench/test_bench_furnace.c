@@ -1,5 +1,5 @@
-/* stilb-bench furnace: short runs of the real program, whose numbers are held against theory, and its verdict on a
- * program that is wrong. */
+/* stilb-bench furnace: short runs of the real program, whose numbers are compared with theory, and a program that
+ * fails. */
 #include "support/bench_program.h"
 
 #include "bench/furnace/furnace_cases.h"
@@ -19,7 +19,8 @@ static void test_list(void **state)
 		assert_said(run.out, subjects[i]);
 }
 
-/* Cosine-weighted directions have no variance: what is cut off is the rest of the series, whatever the numbers. */
+/* With cosine-weighted directions paths of n bounces have no variance: for every source of numbers the light lost is
+ * the rest of the geometric series. */
 static void test_bounces(void **state)
 {
 	(void)state;
@@ -29,7 +30,7 @@ static void test_bounces(void **state)
 		for (unsigned n = 0; n <= FURNACE_MOST_BOUNCES; n++) {
 			char metric[32];
 			snprintf(metric, sizeof metric, "error-%u", n);
-			const double truth = 100.0 * pow(FURNACE_REFLECTANCE, n + 1);
+			double truth = 100.0 * pow(FURNACE_REFLECTANCE, n + 1);
 			assert_true(fabs(row_median("bounces", subjects[i], metric) - truth) <= 1e-3);
 		}
 	assert_said(run.out, "light lost");
@@ -41,7 +42,7 @@ static void test_survival(void **state)
 	assert_int_equal(stilb_code(NULL, "furnace --case survival --rounds 1 --seconds 0.02 --json f.json"), 0);
 	read_stats("f.json");
 	for (size_t i = 0; i < SUBJECT_COUNT; i++) {
-		/* 4 experiments of 1,000 runs; variances of 2 and of 0.0714 by the formula. */
+		/* 4 experiments of 1,000 paths; the variances are 2 and 0.0714 by furnace_variance. */
 		assert_true(fabs(row_median("survival", subjects[i], "variance-50") - 2.0) < 0.4);
 		assert_true(fabs(row_median("survival", subjects[i], "variance-95") - furnace_variance(0.95)) < 0.01);
 		assert_true(fabs(row_median("survival", subjects[i], "bias-80")) < 2.0);

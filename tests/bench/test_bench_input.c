@@ -1,4 +1,4 @@
-/* stilb-bench input: short runs of the real program, whose answers it checks itself, and a table that is complete. */
+/* stilb-bench input: short runs of the real program, which checks its own results; every metric has a value. */
 #include "support/bench_program.h"
 
 static void test_numbers(void **state)
