@@ -1,6 +1,6 @@
 /*
- * The suite `threads`: what another thread is worth. A sweep over worker counts of the whole frame, and the experiments
- * of the article that the stress test comes from (Rory Driscoll, "Direct3D 11 Multithreading", 2009) done again.
+ * The suite `threads`: the whole frame by number of workers, and the experiments of the article that the stress test
+ * comes from (Rory Driscoll, "Direct3D 11 Multithreading", 2009).
  */
 #include "bench/threads/bench_threads.h"
 #include "bench/harness/bench_internal.h"
@@ -50,7 +50,7 @@ static const bench_metric stolen_metrics[] = {
 
 /* ---- cases and subjects ------------------------------------------------------------------------------------------ */
 
-/* What a subject can, and a case needs. */
+/* Abilities of subjects that cases need. */
 enum { SWEEP = 1, TWO_POOLS = 2, DEDICATED = 4, QUEUES = 8, STOLEN = 16, REPLAYS = 32 };
 
 #define CASE(NAME, TITLE, METRICS, NEEDS, LENGTH)                                                                      \
@@ -63,23 +63,26 @@ static const bench_case cases[] = {
 	CASE("null-all", "null device, every model in view", sweep, SWEEP, 1.0),
 	CASE("null-half", "null device, half of the models in view", sweep, SWEEP, 1.0),
 	CASE("null-few", "null device, one model in a hundred in view", sweep, SWEEP, 1.0),
-	CASE("one-vs-four", "as many workers as CPUs are left, and twice as many as there are CPUs", pool, TWO_POOLS, 1.0),
-	CASE("dedicated", "one render thread that is fed every model, and the engine's workers", dedicated, DEDICATED, 1.0),
+	CASE("one-vs-four", "one worker for each CPU but the main thread's, and twice as many workers as CPUs", pool,
+         TWO_POOLS, 1.0),
+	CASE("dedicated", "a dedicated render thread that gets every model through a queue, beside the engine's workers",
+         dedicated, DEDICATED, 1.0),
 	CASE("mutex-vs-lowlock", "every draw through a queue", queue, QUEUES, 1.0),
 	CASE("mutex-vs-lowlock-2009", "every draw through a queue, and it costs what it did in 2009", queue, QUEUES, 1.0),
-	CASE("mutex-vs-lowlock-segments", "512 draws at once through a queue", queue, QUEUES, 1.0),
-	CASE("stolen", "another process takes a core for a third of the run", stolen, STOLEN, 2.0),
-	CASE("white-bar", "Vulkan: what the main thread does with the lists of every model in view", replay, REPLAYS, 2.0),
+	CASE("mutex-vs-lowlock-segments", "the workers get draws through a queue, 512 in each item", queue, QUEUES, 1.0),
+	CASE("stolen", "another process occupies a CPU for a third of the run", stolen, STOLEN, 2.0),
+	CASE("white-bar", "Vulkan: the main thread's time to replay the lists of every model in view", replay, REPLAYS,
+         2.0),
 	CASE("vulkan-all", "Vulkan, every model in view", sweep, SWEEP, 4.0),
 	CASE("vulkan-half", "Vulkan, half of the models in view", sweep, SWEEP, 2.0),
 	CASE("vulkan-few", "Vulkan, one model in a hundred in view", sweep, SWEEP, 1.0),
 };
 
-/* The first two get their number of workers in fill_subjects. */
+/* fill_subjects appends the number of workers to the first two names. */
 static const bench_subject others[] = {
 	{.name = "sutter-",
      .program = PROGRAM,
-     .note = "as many workers, fed every draw of 2009 through the article's queue",
+     .note = "as many workers, which get every draw through Sutter's queue; a draw costs what it did in 2009",
      .abilities = TWO_POOLS},
 	{.name = "sutter-", .program = PROGRAM, .abilities = TWO_POOLS},
 	{.name = "dedicated",
@@ -88,31 +91,37 @@ static const bench_subject others[] = {
      .abilities = DEDICATED},
 	{.name = "stilb-direct",
      .program = PROGRAM,
-     .note = "replay of every draw into one command buffer, on the main thread",
+     .note = "replays every draw into one command buffer, on the main thread",
      .abilities = REPLAYS},
 	{.name = "stilb-secondary",
      .program = PROGRAM,
-     .note = "the same into a secondary command buffer per worker, in parallel: the article's deferred contexts",
+     .note =
+         "replays into one secondary command buffer for each worker, in parallel, like the article's deferred contexts",
      .abilities = REPLAYS},
 	{.name = "stilb-indirect",
      .program = PROGRAM,
-     .note = "one multi-draw-indirect that reads what the workers wrote",
+     .note = "replays as one multi-draw-indirect that reads the workers' lists",
      .abilities = REPLAYS},
-	{.name = "no-queue", .program = PROGRAM, .note = "one thread, no queue", .abilities = QUEUES, .reference = true},
-	{.name = "mutex", .program = PROGRAM, .note = "a list under one pthread mutex", .abilities = QUEUES},
+	{.name = "no-queue",
+     .program = PROGRAM,
+     .note = "one thread records everything, without a queue",
+     .abilities = QUEUES,
+     .reference = true},
+	{.name = "mutex", .program = PROGRAM, .note = "a linked list under one pthread mutex", .abilities = QUEUES},
 	{.name = "kernel-mutex",
      .program = PROGRAM,
-     .note = "the same list under a lock that asks the kernel at every call, as Windows' mutex objects do",
+     .note =
+         "the same list under a lock that enters the kernel for every lock and unlock, as Windows' mutex objects do",
      .abilities = QUEUES},
 	{.name = "sutter",
      .program = PROGRAM,
-     .note = "the queue of the article (Dr. Dobb's Journal, November 2008)",
+     .note = "the two-lock queue of Herb Sutter's article (Dr. Dobb's Journal, November 2008)",
      .abilities = QUEUES},
 	{.name = "stilb-low-lock", .program = PROGRAM, .abilities = QUEUES},
 	{.name = "stilb-lock-free", .program = PROGRAM, .abilities = QUEUES},
 };
 
-static char names[2][32]; /* of the two pools, whose number of workers is theirs */
+static char names[2][32]; /* of the first two of `others`, with their numbers of workers */
 static bench_subject subjects[BENCH_THREADS_MAX_COUNTS + COUNT(others)];
 
 static size_t fill_subjects(void)
@@ -144,20 +153,20 @@ static bool find_hash(const char *view, uint64_t *hash)
 	bench_child_result result;
 	bench_child_run(PROGRAM, "reference", view, 0.0, 0, NULL, (bench_limit){120.0, 120.0}, &result);
 	if (result.state != BENCH_CHILD_DONE || result.value_count != 2) {
-		stilb_log("cannot draw the frame that all runs are to draw: %s", result.message);
+		stilb_log("cannot draw the reference frame, whose command stream every run must have: %s", result.message);
 		return false;
 	}
 	*hash = (uint64_t)result.values[0].value << 32 | (uint64_t)result.values[1].value;
 	return true;
 }
 
-/* What every run's command stream must be, and where its timeline goes. */
+/* The programs' argument: the stream hashes that every run must have, and the folder for timelines. */
 static const char *prepare(const bench_options *options)
 {
 	static char argument[PATH_MAX + 64];
 	const char *traces = options->traces ? options->traces : "";
 	if (options->traces && mkdir(options->traces, 0777) != 0 && errno != EEXIST) {
-		stilb_log("--traces: cannot make the folder '%s': %s", options->traces, strerror(errno));
+		stilb_log("--traces: cannot create the folder '%s': %s", options->traces, strerror(errno));
 		return NULL;
 	}
 	if (!find_hash("all", &bench_threads_hashes[0]) || !find_hash("half", &bench_threads_hashes[1]) ||
@@ -170,7 +179,7 @@ static const char *prepare(const bench_options *options)
 
 /* ---- after the last run ------------------------------------------------------------------------------------------ */
 
-/* Every run has left the timeline of its worst frame: the worst of all is kept. A run that failed may have left one. */
+/* Every run, even a failed one, may have left the timeline of its slowest frame: keeps the one of the slowest run. */
 static void keep_worst(const bench_results *results, const bench_row *row)
 {
 	const char *folder = results->options->traces;
@@ -184,7 +193,8 @@ static void keep_worst(const bench_results *results, const bench_row *row)
 	}
 }
 
-/* How many times as fast as without workers in the same round, and the part of that which the CPUs allow. */
+/* Sets speed-up, the frame time without workers in the same round / the frame time, and efficiency, the percentage of
+ * the number of threads that can run at once. */
 static void add_gain(bench_results *results, const bench_case *on, const bench_subject *subject, uint32_t workers)
 {
 	const bench_row *alone = bench_find(results, on->name, subjects[0].name, "frame");
@@ -212,7 +222,7 @@ static void finish(bench_results *results)
 const bench_suite *bench_threads_suite(void)
 {
 	static bench_suite suite = {.name = "threads",
-	                            .help = "the frame by number of workers, and the experiments of the article of 2009",
+	                            .help = "the whole frame by number of workers; dedicated threads, queues, stolen CPUs",
 	                            .subjects = subjects,
 	                            .cases = cases,
 	                            .case_count = COUNT(cases),

@@ -1,4 +1,4 @@
-/* What the files of the suite `threads` share. */
+/* bench_threads: shared by the files of the suite `threads` in stilb-bench. [main-thread] */
 #ifndef BENCH_THREADS_H
 #define BENCH_THREADS_H
 
@@ -7,22 +7,23 @@
 #define BENCH_THREADS_PLOT_ROWS 4
 #define BENCH_THREADS_OURS "stilb-workers-"
 
-/* The counts of workers of the sweep, ascending; the first is 0. */
+/* The numbers of workers of the sweep, ascending; the first is 0. */
 #define BENCH_THREADS_MAX_COUNTS 16
 extern uint32_t bench_threads_counts[BENCH_THREADS_MAX_COUNTS];
 extern size_t bench_threads_count;
 
-/* Fills them: 0 to twice the CPUs. */
+/* Fills them: 0 to twice the number of CPUs. */
 void bench_threads_choose_counts(void);
 
-/* One worker a CPU beside the main thread, and twice as many workers as CPUs: as the article's one and four. */
+/* The article's one and four workers on this machine: one worker for each CPU but the main thread's, at least one; and
+ * twice as many workers as CPUs. */
 uint32_t bench_threads_fitting(void);
 uint32_t bench_threads_too_many(void);
 
-/* "stilb-workers-3": constant memory, round and round. */
+/* The subject's name for a number of workers of the sweep, "stilb-workers-3". */
 const char *bench_threads_name(uint32_t workers);
 
-/* The stream hash that every run must have, of each view: all, half, few. */
+/* The stream hash that every run must have, for each view: all, half, few. */
 extern uint64_t bench_threads_hashes[3];
 
 void bench_threads_report(FILE *out, const bench_results *results);

@@ -1,4 +1,4 @@
-/* bench_threads_counts: which numbers of workers the suite `threads` sweeps over. */
+/* The numbers of workers that the suite `threads` sweeps over. */
 #include "bench/harness/bench_internal.h"
 #include "bench/threads/bench_threads.h"
 
@@ -42,7 +42,7 @@ static void add_count(uint32_t workers)
 	}
 }
 
-/* 0 to twice the CPUs; where those are many, powers of two and what lies around the number of CPUs. */
+/* 0 to twice the CPUs; on machines with many CPUs only powers of two, and numbers around the number of CPUs. */
 void bench_threads_choose_counts(void)
 {
 	uint32_t fitting = bench_threads_fitting(), most = bench_threads_too_many();

@@ -1,4 +1,4 @@
-/* The suite `threads` as a picture: gnuplot commands for four rows of two diagrams. */
+/* The picture of the suite `threads`: gnuplot commands for four rows of two diagrams. */
 #include "bench/harness/bench_internal.h"
 #include "bench/threads/bench_threads.h"
 
@@ -23,7 +23,7 @@ static double median_of(const bench_results *results, const char *on, const char
 	return row ? row->median : 0.0;
 }
 
-/* What every diagram begins with; the one before may have set anything. */
+/* Begins a diagram; sets everything that the one before may have changed. */
 static void begin(FILE *out, const char *title, const char *y)
 {
 	fprintf(out,
@@ -31,24 +31,24 @@ static void begin(FILE *out, const char *title, const char *y)
 	        "norotate autofreq font ',11'\nset ytics autofreq\nset xrange [*:*]\nset yrange [0:*]\nset style fill "
 	        "solid 0.9 noborder\n"
 	        "set boxwidth %g\nset key above horizontal Left reverse\nset tmargin 5\nset bmargin\n"
-	        "set offsets 0, 0, graph 0.05, 0\n", /* lines do not hide in the frame */
+	        "set offsets 0, 0, graph 0.05, 0\n", /* keeps lines off the frame */
 	        title, y, BAR);
 }
 
-/* A diagram whose runs were not chosen stays empty. */
+/* An empty diagram, for cases that were not run. */
 static void plot_nothing(FILE *out)
 {
 	fprintf(out, "set label \"not measured\" at graph 0.5, graph 0.5 center textcolor rgb '#808080'\n"
 	             "set xrange [0:1]\nset yrange [0:1]\nunset xtics\nplot NaN notitle\n");
 }
 
-/* ---- stages, one bar on the other -------------------------------------------------------------------------------- */
+/* ---- stages as stacked bars -------------------------------------------------------------------------------------- */
 
 static const struct {
 	const char *metric, *colour;
 } stages[] = {{"cull", "#228833"}, {"record", "#4477aa"}, {"replay", "#ee6677"}, {"rest", "#bbbbbb"}};
 
-/* x, and the tops of the stages, lowest first. Returns how many bars. */
+/* Writes lines "x top top ..." with the tops of the stages, lowest first; returns the number of bars. */
 static size_t write_stages(FILE *out, const bench_results *results, const char *device)
 {
 	size_t written = 0;
@@ -103,7 +103,7 @@ static bool write_gain(FILE *out, const bench_results *results, const char *devi
 	fprintf(out, "$gain%zu << END\n", view);
 	for (size_t n = 0; n < bench_threads_count; n++) {
 		const bench_row *gain = row_of(results, device, view, n, "speed-up");
-		double x = bench_threads_counts[n] + 0.06 * ((double)view - 1.0); /* so that bars do not hide each other */
+		double x = bench_threads_counts[n] + 0.06 * ((double)view - 1.0); /* error bars of the views lie side by side */
 		if (gain)
 			fprintf(out, "%g %.6g %.6g %.6g\n", x, gain->median, gain->min, gain->max);
 		any |= gain != NULL;
@@ -112,7 +112,7 @@ static bool write_gain(FILE *out, const bench_results *results, const char *devi
 	return any;
 }
 
-/* What the CPUs allow, and what they allow for this frame: the stages that workers do not share stay as they are. */
+/* Upper bounds of the speed-up: the number of CPUs, and Amdahl's law with the stages that workers do not share. */
 static void write_bounds(FILE *out, const bench_results *results, const char *device)
 {
 	const bench_row *frame = row_of(results, device, 0, 0, "frame"), *cull = row_of(results, device, 0, 0, "cull"),
@@ -157,12 +157,12 @@ static void plot_gain(FILE *out, const bench_results *results, const char *devic
 
 /* ---- frames of the experiments ----------------------------------------------------------------------------------- */
 
-/* A place on the x axis: the frames of a subject. */
+/* A place on the x axis: the frame times of a subject in a case. */
 typedef struct place {
 	const char *on, *subject;
 	const char *usual, *p99, *worst; /* metrics; worst may be NULL */
 	const char *label;               /* "\n" is a new line to gnuplot */
-	bool apart;                      /* a line parts it from the place before */
+	bool apart;                      /* a vertical line separates it from the place before */
 } place;
 
 #define USUAL_METRICS "frame", "p99", "worst"
@@ -266,7 +266,7 @@ static const struct {
              {"waiting", "#ee6677", "in the queue"},
              {"no-work", "#cccccc", "nothing to do, or asleep"}};
 
-/* x, the tops of the parts, and the part of the queue. */
+/* Writes lines "x top top ... waiting": the tops of the parts, and the share of waiting for the queue. */
 static size_t write_shares(FILE *out, const bench_results *results)
 {
 	size_t written = 0;

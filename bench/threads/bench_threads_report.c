@@ -1,4 +1,4 @@
-/* The suite `threads` as text: the sweep with what workers gain, and the experiments beside the article's numbers. */
+/* The tables of the suite `threads`: the sweep with speed-ups, and the experiments beside the article's results. */
 #include "bench/harness/bench_internal.h"
 #include "bench/threads/bench_threads.h"
 
@@ -6,37 +6,13 @@
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
-static int digits_for(double value)
-{
-	return value >= 100.0 ? 0 : value >= 10.0 ? 1 : value >= 1.0 ? 2 : 3;
-}
-
-/* "-" where there is no number. */
-static void print_number(FILE *out, int width, double value)
-{
-	if (isfinite(value))
-		fprintf(out, " %*.*f", width, digits_for(value), value);
-	else
-		fprintf(out, " %*s", width, "-");
-}
-
-/* "0.131 [0.128-0.140]" */
-static void print_range(FILE *out, int width, double median, double least, double most)
-{
-	char text[64] = "-";
-	if (isfinite(median))
-		snprintf(text, sizeof text, "%.*f [%.*f-%.*f]", digits_for(median), median, digits_for(least), least,
-		         digits_for(most), most);
-	fprintf(out, " %*s", width, text);
-}
-
 static double median_of(const bench_results *results, const char *on, const char *subject, const char *metric)
 {
 	const bench_row *row = bench_find(results, on, subject, metric);
 	return row ? row->median : BENCH_NO_NUMBER;
 }
 
-/* numerator / denominator of two subjects in one case, round by round. */
+/* The ratio of two subjects in one case, round by round; false if they did not both run. */
 static bool ratio_of(const bench_results *results, const char *on, const char *numerator, const char *denominator,
                      const char *metric, bench_ratio *ratio)
 {
@@ -55,18 +31,18 @@ static void print_workers(FILE *out, const bench_results *results, const char *o
 	if (!frame)
 		return;
 	fprintf(out, "  %7u", workers);
-	print_range(out, 22, frame->median, frame->min, frame->max);
+	bench_print_range(out, 22, frame->median, frame->min, frame->max);
 	for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
-		print_number(out, 8, median_of(results, on, name, plain[i]));
-	print_number(out, 8, worst->max);
+		bench_print_number(out, 8, median_of(results, on, name, plain[i]));
+	bench_print_number(out, 8, worst->max);
 	if (gain) {
-		print_range(out, 18, gain->median, gain->min, gain->max);
+		bench_print_range(out, 18, gain->median, gain->min, gain->max);
 		fprintf(out, " %9.0f %%", median_of(results, on, name, "efficiency"));
 	}
 	fputc('\n', out);
 }
 
-/* What the stages that workers share are of the frame, and so what they can gain at most (Amdahl). */
+/* Prints the share of the frame that workers can take over, and the upper bound of the speed-up by Amdahl's law. */
 static void print_bound(FILE *out, const bench_results *results, const char *on)
 {
 	const char *alone = bench_threads_name(0);
@@ -76,18 +52,18 @@ static void print_bound(FILE *out, const bench_results *results, const char *on)
 		return;
 	uint32_t cpus = bench_cpu_count();
 	fprintf(out,
-	        "  cull and record, which workers share, are %.1f %% of the frame without them: %u CPUs can make it %.2f",
+	        "  cull and record, which workers share, are %.1f %% of the frame without workers: %u CPUs can make it at "
+	        "most %.2f",
 	        100.0 * shared, cpus, 1.0 / (1.0 - shared + shared / cpus));
-	fprintf(out, " times as fast, and no faster\n");
+	fprintf(out, " times as fast (Amdahl's law)\n");
 	const bench_row *software = bench_find(results, on, alone, "software");
 	if (software && software->median > 0.5)
-		fprintf(
-			out,
-			"  The device is these CPUs too. It draws on a thread of its own for each of them, so a worker takes its\n"
-			"  core from the device, and what the stages gain lies within the noise of that\n");
+		fprintf(out, "  The device is a software renderer with one thread for each CPU, so workers take CPU time from "
+		             "it, and the\n"
+		             "  gain of the stages lies within the noise\n");
 }
 
-/* Why a case that was chosen has no numbers, if its program said so. */
+/* The reason that the program gave for skipping a chosen case, or NULL. */
 static const char *left_out(const bench_results *results, const bench_case *on)
 {
 	for (size_t p = 0; p < results->pair_count; p++)
@@ -110,7 +86,9 @@ static void print_sweep(FILE *out, const bench_results *results, const bench_cas
 	double visible = median_of(results, on->name, bench_threads_name(0), "visible");
 	if (isfinite(visible))
 		fprintf(out, " (%.0f)", visible);
-	fprintf(out, "; ms of the main thread, cpu: ms of all threads\n  %7s %22s %8s %8s %8s %8s %8s %8s %8s %18s %11s\n",
+	fprintf(out,
+	        "; ms for each frame, of the main thread; cpu: of all threads\n  %7s %22s %8s %8s %8s %8s %8s %8s %8s %18s "
+	        "%11s\n",
 	        "workers", "frame [least-most]", "cull", "record", "replay", "rest", "cpu", "p99", "worst", "speed-up",
 	        "efficiency");
 	for (size_t i = 0; i < bench_threads_count; i++)
@@ -120,10 +98,10 @@ static void print_sweep(FILE *out, const bench_results *results, const bench_cas
 
 /* ---- the experiments --------------------------------------------------------------------------------------------- */
 
-/* Every metric a column, every subject a row; of `worst` the worst of all runs. */
+/* A table: a row for each subject, a column for each metric; `worst` is the largest value of all runs, not a median. */
 static void print_experiment(FILE *out, const bench_results *results, const bench_case *on)
 {
-	fprintf(out, "\n%s: %s; medians of the runs, worst of all\n  %-18s", on->name, on->title, "");
+	fprintf(out, "\n%s: %s; medians of the runs; worst: the worst of all runs\n  %-18s", on->name, on->title, "");
 	for (size_t m = 0; m < on->metric_count; m++) {
 		char head[64];
 		snprintf(head, sizeof head, "%s, %s", on->metrics[m].name, on->metrics[m].unit);
@@ -136,17 +114,17 @@ static void print_experiment(FILE *out, const bench_results *results, const benc
 		if (!first)
 			continue;
 		fprintf(out, "  %-18s", name);
-		print_range(out, 22, first->median, first->min, first->max);
+		bench_print_range(out, 22, first->median, first->min, first->max);
 		for (size_t m = 1; m < on->metric_count; m++) {
 			const bench_row *row = bench_find(results, on->name, name, on->metrics[m].name);
 			bool worst = strcmp(on->metrics[m].name, "worst") == 0;
-			print_number(out, 15, !row ? BENCH_NO_NUMBER : worst ? row->max : row->median);
+			bench_print_number(out, 15, !row ? BENCH_NO_NUMBER : worst ? row->max : row->median);
 		}
 		fputc('\n', out);
 	}
 }
 
-/* "  A takes 1.20 [1.10-1.31] times as long as B" */
+/* "  A / B, frame: 1.20 [1.10-1.31]; remark" */
 static void print_ratio(FILE *out, const bench_results *results, const char *on, const char *a, const char *b,
                         const char *metric, const char *article)
 {
@@ -159,7 +137,7 @@ static void print_ratio(FILE *out, const bench_results *results, const char *on,
 static void compare_pools(FILE *out, const bench_results *results, const char *on)
 {
 	char few[32], many[32];
-	const char *article = "the article: every thread fared worse, the frame rate stayed, bound by its GPU";
+	const char *article = "the article: each thread was slower, the frame rate the same, limited by its GPU";
 	uint32_t fitting = bench_threads_fitting(), most = bench_threads_too_many();
 	snprintf(few, sizeof few, "sutter-%u", fitting);
 	snprintf(many, sizeof many, "sutter-%u", most);
@@ -177,12 +155,12 @@ static void compare_dedicated(FILE *out, const bench_results *results, const cha
 
 static void compare_queues(FILE *out, const bench_results *results, const char *on)
 {
-	const char *article = "the article: 1.3 or more, and 40 % waiting with mutexes";
+	const char *article = "the article: at least 1.3, and 40 % of the time waiting for mutexes";
 	print_ratio(out, results, on, "mutex", "sutter", "frame", article);
 	print_ratio(out, results, on, "kernel-mutex", "sutter", "frame", article);
 	print_ratio(out, results, on, "mutex", "stilb-low-lock", "frame", NULL);
 	print_ratio(out, results, on, "mutex", "stilb-lock-free", "frame", NULL);
-	print_ratio(out, results, on, "stilb-low-lock", "no-queue", "frame", "below 1 the workers are worth it");
+	print_ratio(out, results, on, "stilb-low-lock", "no-queue", "frame", "below 1: workers pay");
 }
 
 static void compare_stolen(FILE *out, const bench_results *results, const char *on)
@@ -194,8 +172,9 @@ static void compare_stolen(FILE *out, const bench_results *results, const char *
 						*before = bench_find(results, on, name, "before-mean");
 		bench_ratio ratio;
 		if (during && before && bench_paired_ratio(results, during, before, &ratio))
-			fprintf(out, "  %s: a frame takes %.2f [%.2f-%.2f] times as long on average%s\n", name, ratio.median,
-			        ratio.min, ratio.max, i == 1 ? "; the article: one frame, more than twice as long" : "");
+			fprintf(out, "  %s: while the CPU is occupied a frame takes on average %.2f [%.2f-%.2f] times as long%s\n",
+			        name, ratio.median, ratio.min, ratio.max,
+			        i == 1 ? "; the article: one frame took more than twice as long" : "");
 	}
 }
 
@@ -207,7 +186,7 @@ static void compare_replays(FILE *out, const bench_results *results, const char 
 }
 
 static const struct {
-	const char *on; /* cases that begin so */
+	const char *on; /* the beginning of the cases' names */
 	void (*print)(FILE *out, const bench_results *results, const char *on);
 } comparisons[] = {
 	{"one-vs-four", compare_pools}, {"dedicated", compare_dedicated}, {"mutex-vs-lowlock", compare_queues},
@@ -226,7 +205,7 @@ static void print_comparison(FILE *out, const bench_results *results, const benc
 static void print_hashes(FILE *out)
 {
 	static const char *const views[] = {"all", "half", "few"};
-	fprintf(out, "\ncommand streams, the same in every run, whatever workers, device or queue:");
+	fprintf(out, "\nhash of the command stream, equal in every run whatever the workers, device or queue:");
 	for (size_t v = 0; v < sizeof views / sizeof *views; v++)
 		fprintf(out, "%s %s %016llx", v ? "," : "", views[v], (unsigned long long)bench_threads_hashes[v]);
 	fputc('\n', out);
@@ -241,7 +220,7 @@ void bench_threads_report(FILE *out, const bench_results *results)
 			continue;
 		const char *why = left_out(results, on);
 		if (why) {
-			fprintf(out, "\n%s: %s\n  left out: %s\n", on->name, on->title, why);
+			fprintf(out, "\n%s: %s\n  skipped: %s\n", on->name, on->title, why);
 			continue;
 		}
 		if (strncmp(on->name, "null-", 5) == 0 || strncmp(on->name, "vulkan-", 7) == 0) {
@@ -252,5 +231,5 @@ void bench_threads_report(FILE *out, const bench_results *results)
 		}
 	}
 	if (results->options->traces)
-		fprintf(out, "\ntimelines of the worst frames: %s/CASE.SUBJECT.trace.json\n", results->options->traces);
+		fprintf(out, "\ntimelines of the slowest frames: %s/CASE.SUBJECT.trace.json\n", results->options->traces);
 }

@@ -1,9 +1,9 @@
 /*
- * The pattern before job systems: one thread owns the renderer, and the main thread feeds it every object through a
- * queue (a single-producer, single-consumer one, the best case for it). The main thread may be a frame ahead.
+ * A dedicated render thread: one thread owns the renderer, and the main thread sends it every object through a queue
+ * (for a single producer and consumer, the fastest kind). The main thread may be a frame ahead.
  *
- *   main    cull a frame, push a pointer to the id of each model it sees, push the end of the frame
- *   render  pop, record; at the end of the frame replay; hand the list of ids back
+ *   main    culls a frame, pushes a pointer to the id of each visible model, then the end of the frame
+ *   render  pops and records; at the end of the frame it replays and returns the list of ids
  */
 #include "bench/threads/threads_hand.h"
 #include "bench/threads/threads_run.h"
@@ -18,11 +18,11 @@
 #include <stdatomic.h>
 
 #define FRAMES_IN_FLIGHT 2u
-#define WARM_UP_FRAMES 10u /* not counted */
+#define WARM_UP_FRAMES 10u /* not measured */
 
 typedef struct dedicated_frame {
 	stilb_cull_visible visible;
-	uint64_t begin_ns; /* when the main thread began it */
+	uint64_t begin_ns; /* time at which the main thread began it */
 } dedicated_frame;
 
 typedef struct dedicated {
@@ -32,11 +32,11 @@ typedef struct dedicated {
 	dedicated_frame frames[FRAMES_IN_FLIGHT];
 	sem_t free_frames;
 	_Atomic bool over;                   /* relaxed: a hint to stop, which orders nothing */
-	uint32_t frame_count;                /* all of them, the first ones too */
-	threads_series intervals, latencies; /* of the render thread until it is joined */
+	uint32_t frame_count;                /* so far, the warm-up included */
+	threads_series intervals, latencies; /* written by the render thread, read after it is joined */
 } dedicated;
 
-/* Pushed behind the last model of a frame. */
+/* The item pushed after the last model of a frame. */
 static uint32_t end_of_frame;
 
 static const uint32_t *take_model(dedicated *d)
@@ -49,7 +49,7 @@ static const uint32_t *take_model(dedicated *d)
 	return error ? NULL : model;
 }
 
-/* From the first model of a frame to its end. */
+/* Records a frame's models, from this first one to the end of the frame. */
 static void record_frame(dedicated *d, const uint32_t *model)
 {
 	threads_hand_begin(&d->hand, 1);
@@ -72,7 +72,7 @@ static void count_frame(dedicated *d, uint64_t begin_ns, uint64_t last_ns)
 		atomic_store_explicit(&d->over, true, memory_order_relaxed);
 }
 
-/* A frame lasts from the end of the one before to its own. */
+/* The render thread. A frame's time is from the end of the frame before to its own. */
 static void *render_main(void *data)
 {
 	dedicated *d = data;
@@ -85,7 +85,7 @@ static void *render_main(void *data)
 		record_frame(d, model);
 		threads_hand_replay(&d->hand);
 		count_frame(d, d->frames[d->frame_count % FRAMES_IN_FLIGHT].begin_ns, last_ns);
-		last_ns = bench_child_now_ns(); /* a timeline may have been written */
+		last_ns = bench_child_now_ns(); /* again, since writing a timeline takes time */
 		stilb_prof_frame_mark();
 		sem_post(&d->free_frames);
 	}
@@ -130,7 +130,7 @@ void threads_run_dedicated(threads_run *run)
 	run->calm = WARM_UP_FRAMES;
 	threads_usage before = threads_usage_now();
 	if (pthread_create(&render, NULL, render_main, &d) != 0)
-		bench_child_fail("cannot start a thread");
+		bench_child_fail("cannot create a thread");
 	feed(&d);
 	pthread_join(render, NULL);
 	stilb_render_own(d.hand.render);

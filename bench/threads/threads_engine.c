@@ -1,4 +1,4 @@
-/* Runs of the whole engine: by number of workers, by mode of replay, and with a core stolen. */
+/* Runs of the whole engine: by number of workers, by replay mode, and with a CPU occupied by another process. */
 #include "bench/threads/threads_run.h"
 
 #include "engine.h"
@@ -9,17 +9,17 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 
-/* Of the picture: small, since lavapipe draws on the CPU. The shape is that of the default, so that the camera sees the
- * same. */
+/* Size of the picture: small, since lavapipe draws on the CPU; the default's aspect ratio, so that the same models are
+ * visible. */
 #define PICTURE_WIDTH 320u
 #define PICTURE_HEIGHT 180u
 
-/* lavapipe frees in each frame what it allocates in the next. Given back to the kernel and fetched again in between,
- * that can take half of the frame, and makes runs differ by a factor of two. */
+/* lavapipe frees memory in each frame and allocates it again in the next one. If malloc returned it to the kernel in
+ * between, page faults could take half of the frame and make runs differ by a factor of two. */
 static void keep_memory(void)
 {
 	mallopt(M_TRIM_THRESHOLD, INT_MAX);
-	mallopt(M_MMAP_THRESHOLD, 32 << 20); /* the most it takes */
+	mallopt(M_MMAP_THRESHOLD, 32 << 20); /* the largest value that mallopt accepts */
 }
 
 static stilb_engine *open_engine(const threads_setup *setup)
@@ -41,7 +41,7 @@ static stilb_engine *open_engine(const threads_setup *setup)
 	if (result == STILB_OK)
 		return engine;
 	fprintf(stderr, "%s\n", stilb_error_message());
-	exit(result == STILB_ERROR_DEVICE ? BENCH_CHILD_SKIP : 1); /* no driver: named, and left out */
+	exit(result == STILB_ERROR_DEVICE ? BENCH_CHILD_SKIP : 1); /* no driver: the case is skipped with this reason */
 }
 
 static stilb_engine_report run_frame(stilb_engine *engine)
@@ -52,7 +52,7 @@ static stilb_engine_report run_frame(stilb_engine *engine)
 	return report;
 }
 
-/* As many frames as may be in flight, for a tenth of the run. */
+/* Draws frames for a tenth of the run, at least as many as are in flight. */
 static void warm_up(stilb_engine *engine, double seconds)
 {
 	uint64_t end = bench_child_now_ns() + (uint64_t)(0.1 * seconds * 1e9);
@@ -62,7 +62,7 @@ static void warm_up(stilb_engine *engine, double seconds)
 
 /* ---- stages ------------------------------------------------------------------------------------------------------ */
 
-/* What lies between the stages that this suite shows is `rest`: waiting for the device, the scene's update, present. */
+/* Times of the stages; rest: waiting for the device, updating the scene, presenting. */
 typedef struct stages {
 	threads_series frame, cull, record, replay, rest;
 } stages;
@@ -79,7 +79,8 @@ static void add_stages(stages *all, const stilb_engine_times *times)
 static void print_stages(const stages *all)
 {
 	threads_print_frames(&all->frame);
-	bench_child_metric("latency", threads_series_quantile(&all->frame, 0.5)); /* from begin to end, too */
+	bench_child_metric(
+		"latency", threads_series_quantile(&all->frame, 0.5)); /* without pipelining a frame's latency is its time */
 	bench_child_metric("cull", threads_series_quantile(&all->cull, 0.5));
 	bench_child_metric("record", threads_series_quantile(&all->record, 0.5));
 	bench_child_metric("replay", threads_series_quantile(&all->replay, 0.5));
@@ -110,9 +111,10 @@ void threads_run_engine(threads_run *run, const threads_setup *setup)
 	stilb_engine_destroy(engine);
 }
 
-/* ---- stolen ------------------------------------------------------------------------------------------------------ */
+/* ---- an occupied CPU --------------------------------------------------------------------------------------------- */
 
-/* A process that burns a core whenever it is not stopped. Made before any thread is. */
+/* Starts a process that spins whenever it is not stopped; it is stopped now. Must be called before threads are created,
+ * since it forks. */
 static pid_t thief_start(void)
 {
 	pid_t parent = getpid(), thief = fork();
@@ -124,7 +126,7 @@ static pid_t thief_start(void)
 	}
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	if (getppid() != parent)
-		_exit(1); /* too late for that signal */
+		_exit(1); /* the parent ended before prctl */
 	raise(SIGSTOP);
 	for (;;)
 		__asm__ volatile("");
@@ -136,10 +138,12 @@ static void thief_end(pid_t thief)
 	waitpid(thief, NULL, 0);
 }
 
-#define RECOVERY_FRAMES 16u   /* in a row, whose median ... */
-#define RECOVERY_SLOWDOWN 1.1 /* ... is at most so many times the median before */
+/* The frame rate has recovered if the median of RECOVERY_FRAMES frames in a row is at most RECOVERY_SLOWDOWN times the
+ * median before the disturbance. */
+#define RECOVERY_FRAMES 16u
+#define RECOVERY_SLOWDOWN 1.1
 
-/* Until the frames from first on are as fast as usual again, milliseconds of frames. */
+/* The time, in ms of frames, from frame `first` until the frame rate has recovered. */
 static double recovery_ms(const threads_series *frames, uint32_t first, double usual)
 {
 	double sum = 0.0;
@@ -173,15 +177,15 @@ static void print_stolen(const threads_series *frames, uint32_t taken, uint32_t 
 	bench_child_metric("recovery", recovery_ms(frames, given_back, usual));
 }
 
-/* A third of the run alone, a third with the other process, a third alone. The timeline is of the worst frame of the
- * second. */
+/* A third of the run alone, a third with the other process, a third alone. The timeline shows the slowest frame of the
+ * second third. */
 void threads_run_stolen(threads_run *run, uint32_t workers)
 {
 	pid_t thief = thief_start();
 	stilb_engine *engine = open_engine(&(threads_setup){.device = STILB_RENDER_DEVICE_NULL, .workers = workers});
 	const char *trace = run->trace;
 	threads_series frames = {0};
-	uint32_t first[4] = {0}; /* of each third, and of what follows the last */
+	uint32_t first[4] = {0}; /* first frame of each third, and the number of frames */
 	warm_up(engine, run->child.seconds);
 	threads_run_begin(run);
 	for (uint32_t third = 0; third < 3; third++) {

@@ -1,4 +1,4 @@
-/* The frame by hand: scene, culling and render without the engine. */
+/* The stress test's frame from the modules scene, culling and render, without engine/frame.c. */
 #include "bench/threads/threads_hand.h"
 
 #include "bench/harness/bench_child.h"
@@ -10,7 +10,7 @@
 #define WIDTH 1280u
 #define HEIGHT 720u
 #define PASS 0u
-#define CALLER 0u /* the worker index of a pool's owner, and the context of who is alone */
+#define CALLER 0u /* worker index of a pool's owner, and the context of a single thread */
 
 static void must(stilb_result result)
 {
@@ -31,19 +31,19 @@ static void find_parts(threads_hand *hand)
 
 void threads_hand_open(threads_hand *hand, uint32_t contexts)
 {
-	const stilb_render_desc desc = {
+	stilb_render_desc desc = {
 		.device = STILB_RENDER_DEVICE_NULL, .width = WIDTH, .height = HEIGHT, .context_count = contexts};
-	const stilb_job_pool_desc no_workers = {.worker_count = 0};
-	const float aspect = (float)WIDTH / (float)HEIGHT;
+	stilb_job_pool_desc no_workers = {.worker_count = 0};
+	float aspect = (float)WIDTH / (float)HEIGHT;
 	*hand = (threads_hand){0};
 	if (stilb_job_pool_create(&no_workers, &hand->pool) != 0)
-		bench_child_fail("cannot make a pool");
+		bench_child_fail("cannot create the job pool");
 	must(stilb_scene_create_stress(THREADS_MODELS, THREADS_SEED, &hand->scene));
 	must(stilb_cull_create(hand->scene, &hand->cull));
 	must(stilb_render_create(&desc, &hand->render));
 	must(stilb_render_upload_scene(hand->render, hand->scene));
 	find_parts(hand);
-	const stilb_scene_camera camera = stilb_scene_stress_camera(hand->scene, STILB_SCENE_VIEW_ALL, aspect);
+	stilb_scene_camera camera = stilb_scene_stress_camera(hand->scene, STILB_SCENE_VIEW_ALL, aspect);
 	hand->view.view_projection = stilb_scene_camera_matrix(&camera, aspect);
 	memcpy(hand->view.camera_position, camera.position, sizeof camera.position);
 	hand->view.sun = hand->scene->sun;
@@ -60,7 +60,7 @@ void threads_hand_close(threads_hand *hand)
 	free(hand->parts);
 }
 
-/* ---- which draws ------------------------------------------------------------------------------------------------- */
+/* ---- the frame's draws ------------------------------------------------------------------------------------------- */
 
 void threads_hand_cull(threads_hand *hand, stilb_cull_visible *visible)
 {
@@ -124,7 +124,7 @@ void threads_hand_draw_model(const threads_hand *hand, stilb_render_context *con
 void threads_hand_replay(threads_hand *hand)
 {
 	PROFILE("replay");
-	const stilb_render_pass pass = {.name = "main", .view = 0, .target = STILB_RENDER_TARGET_MAIN};
+	stilb_render_pass pass = {.name = "main", .view = 0, .target = STILB_RENDER_TARGET_MAIN};
 	must(stilb_render_pass_end(hand->render, PASS));
 	must(stilb_render_replay(hand->render, &pass, 1, &hand->view, 1, hand->pool, CALLER));
 	must(stilb_render_present(hand->render));

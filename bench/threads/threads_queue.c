@@ -1,22 +1,22 @@
 /*
- * The article's pool: the main thread puts every draw into a queue, each worker takes draws out and records them into a
- * list of its own, and the main thread waits for the workers and replays the lists. What varies is the queue alone. The
- * order of several lists depends on who was faster, as it did in the article: only that of one list can be checked.
+ * The article's pool: the main thread puts every draw into a queue, each worker takes draws out and records them into
+ * its own list, and the main thread waits for the workers and replays the lists. Only the queue varies. With several
+ * workers the order of the draws depends on timing, as it did in the article, so the stream hash is checked only for
+ * one list.
  *
- *   no-queue          one thread does it all
- *   mutex             a list under a mutex
- *   kernel-mutex      the same under a lock that asks the kernel at every call, as Windows' mutex objects do
+ *   no-queue          one thread does everything
+ *   mutex             a linked list under a mutex
+ *   kernel-mutex      the same under a lock that enters the kernel every time, as Windows' mutex objects do
  *   sutter            the article's second queue
  *   stilb-low-lock, stilb-lock-free
  *
- * Workers that find the queue empty look again for a while and then sleep on an event, as in the article; going to
- * sleep at once changes nothing that can be measured. A worker's time from the first push of a frame until the last
- * draw is recorded has three parts: recording; waiting for the queue, which is all time in calls that did give an item;
- * and the rest, in which there was nothing in it. The clock is read once in each of the first two, and what that takes
- * is left out.
+ * Workers that find the queue empty look again for a while and then sleep on an event, as in the article; sleeping at
+ * once makes no measurable difference. A worker's time from the first push of a frame until the last draw is recorded
+ * has three parts: recording; waiting, the time in calls to the queue that returned an item; and the rest, in which the
+ * queue was empty. The first two include one read of the clock each, whose cost is subtracted.
  *
- * What a draw costs is today's; or the article's: 50 ms for 20,000 draws on one thread, and 30 ms on two with 3.5 ms of
- * replay, so one half of it lies on either side of the queue.
+ * A draw costs either what it does today or what it did in the article: 50 ms for 20,000 draws on one thread, and 30 ms
+ * on two threads with 3.5 ms of replay, so half of a draw's cost lies on each side of the queue.
  */
 #include "bench/subjects/queue_subjects.h"
 #include "bench/threads/threads_hand.h"
@@ -31,23 +31,24 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define LINE 128 /* two cache lines: they are fetched in pairs */
+#define LINE 128 /* two cache lines: the adjacent-line prefetcher pairs them */
 #define MAX_WORKERS 256
-#define LOOK_NS 30000           /* for work, before sleeping: as long as Stilb's own pool does */
-#define PAUSES_BETWEEN_LOOKS 16 /* a look is a call that contends with the others */
-#define HALF_A_DRAW_2009_NS 1250
-#define WARM_UP_FRAMES 3u /* not counted */
+#define LOOK_NS 30000            /* a worker looks for work so long before it sleeps, as Stilb's own pool does */
+#define PAUSES_BETWEEN_LOOKS 16  /* pause instructions between looks, since a look contends for the queue's lock */
+#define HALF_A_DRAW_2009_NS 1250 /* half of 50 ms / 20,000 draws */
+#define WARM_UP_FRAMES 3u        /* not measured */
 
 /* ---- events ------------------------------------------------------------------------------------------------------ */
 
-/* Whoever sees no work sleeps here; whoever makes some wakes one. */
+/* Workers without work sleep on it; a producer wakes one of them. */
 typedef struct event {
-	/* Who sleeps, or is about to. Read-modify-writes of one variable have an order: either the producer's, behind its
-	 * push, sees the sleeper, or the sleeper's, before its last look at the queue, has seen the push. */
+	/* Number of workers that sleep or are about to. Acquire-release read-modify-writes in event_sleep and event_wake,
+	 * which are totally ordered: either the producer, after its push, sees the sleeper, or the sleeper, before its last
+	 * look at the queue, sees the push. */
 	alignas(LINE) _Atomic uint32_t sleepers;
 	alignas(LINE) pthread_mutex_t mutex;
 	pthread_cond_t changed;
-	uint32_t tickets; /* sleepers that may go */
+	uint32_t tickets; /* number of sleepers that may wake up; under mutex */
 	bool closed;
 } event;
 
@@ -63,7 +64,7 @@ static void event_sleep(event *e, stilb_job_queue *queue, uint32_t thread)
 		e->tickets -= e->tickets > 0;
 		pthread_mutex_unlock(&e->mutex);
 	}
-	atomic_fetch_sub_explicit(&e->sleepers, 1, memory_order_relaxed); /* a wake too many is harmless */
+	atomic_fetch_sub_explicit(&e->sleepers, 1, memory_order_relaxed); /* relaxed: a superfluous wake is harmless */
 }
 
 static void event_wake(event *e)
@@ -89,7 +90,7 @@ static void event_close(event *e)
 
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
-/* Not before all that comes before has been done: a plain look at the clock overtakes it. */
+/* Reads the clock after all earlier instructions; a plain read may be executed before them. */
 static inline uint64_t ticks_then(void)
 {
 #if defined(__x86_64__)
@@ -100,7 +101,7 @@ static inline uint64_t ticks_then(void)
 #endif
 }
 
-/* What two looks at the clock are apart: the least, which is what they add to every call. */
+/* The least difference of two successive reads of the clock: the cost of one read, in ticks. */
 static uint64_t ticks_of_clock(void)
 {
 	uint64_t least = UINT64_MAX;
@@ -113,7 +114,7 @@ static uint64_t ticks_of_clock(void)
 
 /* ---- workers ----------------------------------------------------------------------------------------------------- */
 
-/* Some draws of a frame. Without draws: the end of the frame, of which there is one for each worker. */
+/* Consecutive draws of a frame. An item without draws ends the frame; there is one for each worker. */
 typedef struct item {
 	const uint32_t *parts;
 	uint32_t count;
@@ -124,8 +125,8 @@ typedef struct pool pool;
 typedef struct worker {
 	alignas(LINE) pool *pool;
 	pthread_t thread;
-	uint32_t index;                /* of its list, 0.. */
-	stilb_render_context *context; /* its list of this frame, once begun */
+	uint32_t index;                /* of the worker and of its list */
+	stilb_render_context *context; /* its list of this frame; NULL before the first draw */
 	uint64_t waited, recorded;     /* ticks since the start; published by frames */
 	_Atomic uint32_t frames;       /* ended since the start; release, pairs with the acquire in wait_for_all */
 } worker;
@@ -135,32 +136,32 @@ struct pool {
 	stilb_job_queue *queue;
 	event event;
 	uint64_t look_ticks;
-	uint64_t clock_ticks; /* that reading the clock takes, at least */
-	uint32_t half_a_draw; /* multiplications that stand for preparing a draw, and for the driver; 0: none */
+	uint64_t clock_ticks; /* cost of one read of the clock */
+	uint32_t half_a_draw; /* multiplications in place of preparing a draw, and of the driver's work; 0: none */
 	uint32_t draws_an_item;
 	uint32_t worker_count;
 	worker workers[MAX_WORKERS];
 	stilb_cull_visible visible;
 	uint32_t *parts; /* of this frame */
 	item *items;
-	/* Release by the main thread once all workers have ended the frame, acquire by those who wait for that. */
+	/* Frames that all workers have ended. Release in release_all, pairs with the acquire in end_frame. */
 	alignas(LINE) _Atomic uint32_t frames;
 };
 
-/* Takes time and nothing else: each multiplication waits for the one before. */
+/* Takes time: each multiplication depends on the one before. */
 static void burn(uint32_t multiplications)
 {
 	uint64_t x = multiplications;
 	for (uint32_t i = 0; i < multiplications; i++) {
 		x = (x | 1) * UINT64_C(0x9E3779B97F4A7C15);
-		__asm__ volatile("" : "+r"(x)); /* else the compiler could take several at once */
+		__asm__ volatile("" : "+r"(x)); /* keeps the compiler from combining multiplications */
 	}
 }
 
-/* Multiplications that take so long: by the fastest of some tries, for nothing makes it faster than it is. */
+/* The number of multiplications that take so many ns, from the fastest of some tries, since disturbances slow it. */
 static uint32_t burn_for(double ns)
 {
-	const uint32_t multiplications = 20000;
+	uint32_t multiplications = 20000;
 	uint64_t best = UINT64_MAX;
 	for (uint32_t i = 0; i < 50; i++) {
 		uint64_t begin = bench_child_now_ns();
@@ -178,10 +179,11 @@ static void record_item(const pool *p, stilb_render_context *context, const item
 		burn(i->count * p->half_a_draw);
 }
 
-/* From the first item to the next time that there is none: a zone for each draw would cost more than the draw. */
+/* A zone from the first item until the queue is empty: one for each draw would cost more than the draw. */
 STILB_PROF_SITE(site_record, "record", 0);
 
-/* 0 with an item, or -EPIPE. *since: the time now, and then when the call began that gave it. */
+/* Pops the next item, waiting and sleeping as needed: 0, or -EPIPE if the queue is closed. *since, in ticks: on entry
+ * the time now, on return the time at which the successful call began. */
 static int take(pool *p, uint32_t thread, void **taken, uint64_t *since)
 {
 	uint64_t first = *since;
@@ -217,11 +219,11 @@ static void record(worker *w, const item *i)
 	}
 }
 
-/* Says that this worker has ended the frame, and waits for the others: who came back at once could take their ends. */
+/* Ends the frame for this worker, and waits for the others; a worker that continued could take their end items. */
 static void end_frame(worker *w)
 {
 	uint32_t turns = 0;
-	/* Relaxed: the worker's own. */
+	/* Relaxed: only this worker writes it. */
 	uint32_t frames = atomic_load_explicit(&w->frames, memory_order_relaxed) + 1;
 	atomic_store_explicit(&w->frames, frames, memory_order_release);               /* pairs with wait_for_all */
 	while (atomic_load_explicit(&w->pool->frames, memory_order_acquire) != frames) /* pairs with release_all */
@@ -286,7 +288,7 @@ static void start_workers(pool *p)
 		w->pool = p;
 		w->index = i;
 		if (pthread_create(&w->thread, NULL, worker_main, w) != 0)
-			bench_child_fail("cannot start %u threads", p->worker_count);
+			bench_child_fail("cannot create %u threads", p->worker_count);
 	}
 }
 
@@ -299,7 +301,7 @@ static void stop_workers(pool *p)
 	stilb_job_queue_destroy(p->queue);
 }
 
-/* What the main thread does with a frame's draws: prepares each, and queues it or, when it is alone, records it. */
+/* The main thread's part of the cost of an item's draws. */
 static void prepare(const pool *p, const item *i)
 {
 	if (p->half_a_draw)
@@ -334,14 +336,14 @@ static void wait_for_all(pool *p)
 			job_sys_relax(&turns);
 }
 
-/* The next frame may come. */
+/* Lets the workers continue with the next frame. */
 static void release_all(pool *p)
 {
 	uint32_t frames = atomic_load_explicit(&p->frames, memory_order_relaxed) + 1; /* relaxed: its own */
 	atomic_store_explicit(&p->frames, frames, memory_order_release);              /* pairs with end_frame */
 }
 
-/* Without workers. */
+/* Records the frame on the main thread, without workers. */
 static void record_alone(pool *p, uint32_t items)
 {
 	PROFILE("record");
@@ -364,7 +366,8 @@ static uint32_t cut_items(pool *p)
 	return items;
 }
 
-/* Of the frames counted: ticks of all workers from the first push to the last draw, and what they did with them. */
+/* Sums over the measured frames and all workers, in ticks: span, from the first push to the last draw, and its parts;
+ * feed: the main thread's time to push. */
 typedef struct shares {
 	uint64_t span, waited, recorded, feed;
 } shares;
@@ -389,7 +392,7 @@ static shares record_frame(pool *p, uint32_t items)
 	uint64_t span = bench_child_ticks() - first;
 	shares after = worker_ticks(p);
 	release_all(p);
-	uint64_t clock = (items + p->worker_count) * p->clock_ticks; /* in each of the two */
+	uint64_t clock = (items + p->worker_count) * p->clock_ticks; /* in each of waited and recorded */
 	return (shares){
 		.span = span * p->worker_count - 2 * clock,
 		.waited = after.waited - before.waited - clock,
@@ -424,7 +427,7 @@ static void print_shares(const shares *sum, double feed_ms)
 	bench_child_metric("no-work", 100.0 - recorded - waited);
 }
 
-/* Of several lists only how many draws there are: which list holds which depends on who was faster. */
+/* Verifies the stream hash of a single list; of several lists, whose order depends on timing, the number of draws. */
 static void check(const threads_run *run, const pool *p)
 {
 	uint64_t draws = stilb_render_stats_get(p->hand.render).draws;

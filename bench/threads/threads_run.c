@@ -1,4 +1,4 @@
-/* The program of the suite `threads`: finds what to run, keeps times and the timeline of the worst frame. */
+/* main of the program of the suite `threads`: chooses the run, collects times, keeps the slowest frame's timeline. */
 #include "bench/threads/threads_run.h"
 
 #include "engine.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-#define TRACED_FRAMES 2u /* the worst one, and the one before it to compare */
+#define TRACED_FRAMES 2u /* the slowest frame, and the one before it for comparison */
 
 const char *const threads_view_names[THREADS_VIEWS] = {"all", "half", "few"};
 
@@ -72,13 +72,13 @@ threads_usage threads_usage_now(void)
 	};
 }
 
-/* ---- the timeline of the worst frame ----------------------------------------------------------------------------- */
+/* ---- the timeline of the slowest frame --------------------------------------------------------------------------- */
 
 static void write_trace(const char *path)
 {
-	const stilb_prof_window window = {.last_frames = TRACED_FRAMES};
+	stilb_prof_window window = {.last_frames = TRACED_FRAMES};
 	stilb_prof_snapshot snapshot = {0};
-	stilb_prof_frame_mark(); /* ends the frame, so that it is whole */
+	stilb_prof_frame_mark(); /* ends the frame, so that the snapshot has all of it */
 	int error = stilb_prof_snapshot_take(&snapshot, &window);
 	if (error == 0)
 		error = stilb_prof_trace_save(&snapshot, "stilb-bench-threads", path);
@@ -122,9 +122,9 @@ void threads_run_check(const threads_run *run, stilb_scene_stress_view view, uin
 		                 (unsigned long long)hash, (unsigned long long)run->hash[view]);
 }
 
-/* ---- which run --------------------------------------------------------------------------------------------------- */
+/* ---- choosing the run -------------------------------------------------------------------------------------------- */
 
-/* "HASH:HASH:HASH:FOLDER", as bench_threads.c puts it together; without a folder no timeline is written. */
+/* Parses the argument "HASH:HASH:HASH:FOLDER" of bench_threads.c; with an empty folder no timeline is written. */
 static void parse_argument(threads_run *run)
 {
 	static char path[PATH_MAX];
@@ -145,14 +145,14 @@ static void parse_argument(threads_run *run)
 	run->trace = path;
 }
 
-/* One thread for each CPU, the main thread included; but at least one worker. */
+/* The number of workers that gives one thread for each CPU, the main thread included; at least 1. */
 static uint32_t usual_workers(void)
 {
 	uint32_t cpus = bench_child_cpu_count();
 	return cpus > 1 ? cpus - 1 : 1;
 }
 
-/* The number behind name, if text is both. */
+/* True if text is name followed by a number, which goes to *number. */
 static bool parse_numbered(const char *text, const char *name, uint32_t *number)
 {
 	size_t length = strlen(name);
@@ -163,7 +163,7 @@ static bool parse_numbered(const char *text, const char *name, uint32_t *number)
 	return *end == '\0';
 }
 
-/* The engine's frame in this case, by this subject; false: something else is to be run. */
+/* The engine's settings for a case and a subject; false if it is not a run of the engine. */
 static bool parse_setup(const bench_child *child, threads_setup *setup)
 {
 	static const char *const devices[] = {[STILB_RENDER_DEVICE_VULKAN] = "vulkan", [STILB_RENDER_DEVICE_NULL] = "null"};
@@ -189,7 +189,7 @@ static bool parse_setup(const bench_child *child, threads_setup *setup)
 	return parse_numbered(child->subject, "stilb-workers-", &setup->workers);
 }
 
-/* What every run's command stream must be: that of the null device without workers, in two halves. */
+/* Prints the stream hash that every run must have, that of the null device without workers, as two 32-bit halves. */
 static int print_reference(const char *view_name)
 {
 	stilb_engine_desc desc = stilb_engine_desc_default();

@@ -1,17 +1,17 @@
 /*
- * threads_run: what the runs of the suite `threads` share. The program stilb-bench-threads makes one run: one subject
- * in one case, by name.
+ * threads_run: shared by the files of the program stilb-bench-threads, which makes one run: one subject in one case.
  *
- *   case              subject           what is run
+ *   case              subject           run                                           file
  *   DEVICE-VIEW       stilb-workers-N   the engine's frame with N workers             threads_engine.c
- *   one-vs-four       stilb-workers-N   the same; sutter-N: the article's pool        threads_engine.c, threads_queue.c
- *   dedicated         dedicated         one render thread, fed every object           threads_dedicated.c
+ *   one-vs-four       stilb-workers-N   the same                                      threads_engine.c
+ *   one-vs-four       sutter-N          the article's pool                            threads_queue.c
+ *   dedicated         dedicated         one render thread behind a queue              threads_dedicated.c
  *   mutex-vs-lowlock  a queue           recording jobs that go through that queue     threads_queue.c
- *   stolen            stilb-workers-N   another process takes a core for a while      threads_engine.c
- *   white-bar         stilb-REPLAY      Vulkan, by mode of replay                     threads_engine.c
+ *   stolen            stilb-workers-N   another process occupies a CPU for a while    threads_engine.c
+ *   white-bar         stilb-REPLAY      Vulkan, by replay mode                        threads_engine.c
  *
- * Every run draws the stress test of 10,000 models and fails when its command stream is not the one that the null
- * device is given without workers.
+ * Every run draws the stress test of 10,000 models, and fails if its command stream differs from that of the null
+ * device without workers. Errors end the program. [main-thread] unless a function says otherwise.
  */
 #ifndef BENCH_THREADS_RUN_H
 #define BENCH_THREADS_RUN_H
@@ -25,26 +25,26 @@
 #define THREADS_MODELS 10000u
 #define THREADS_SEED 1u
 #define THREADS_VIEWS 3u        /* of stilb_scene_stress_view */
-#define THREADS_LEAST_FRAMES 2u /* measured, however long they take */
-#define THREADS_CALM_FRAMES 2u  /* not counted after a trace was written: it leaves cold caches behind */
+#define THREADS_LEAST_FRAMES 2u /* measured in every run, however long they take */
+#define THREADS_CALM_FRAMES 2u  /* not measured after a timeline was written, which leaves cold caches */
 
 extern const char *const threads_view_names[THREADS_VIEWS];
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
-/* Times, milliseconds. {0} is empty. */
+/* A growing list of times in ms. {0} is empty. */
 typedef struct threads_series {
 	double *at;
 	uint32_t count, capacity;
 } threads_series;
 
 void threads_series_add(threads_series *series, double ms);
-/* Below it lies that part of times [first, end); 0 is the least, 1 the largest; 0 when there is none. */
+/* The quantile `part` of times [first, end): 0 the least, 1 the largest; 0 if there is none. */
 double threads_series_part(const threads_series *series, uint32_t first, uint32_t end, double part);
-/* Of all of them. */
+/* The quantile of all times. */
 double threads_series_quantile(const threads_series *series, double part);
 
-/* Prints frame (the median), p99 and worst. */
+/* Prints the metrics frame (the median), p99 and worst. */
 void threads_print_frames(const threads_series *frames);
 
 /* ---- a run ------------------------------------------------------------------------------------------------------- */
@@ -59,28 +59,28 @@ threads_usage threads_usage_now(void);
 
 typedef struct threads_run {
 	bench_child child;
-	uint64_t hash[THREADS_VIEWS]; /* of the command stream that every run must have */
-	const char *trace;            /* file for the timeline of the worst frame, or NULL */
-	double worst_ms;              /* of the frames counted so far */
-	uint32_t calm;                /* frames that are not counted yet */
-	uint64_t begin_ns, end_ns;    /* of what is measured */
+	uint64_t hash[THREADS_VIEWS]; /* stream hashes that every run must have */
+	const char *trace;            /* file for the timeline of the slowest frame, or NULL */
+	double worst_ms;              /* the slowest measured frame so far */
+	uint32_t calm;                /* number of next frames that are not measured */
+	uint64_t begin_ns, end_ns;    /* of the measured time */
 } threads_run;
 
-/* Frames count from now on. */
+/* Frames are measured from now on. */
 void threads_run_begin(threads_run *run);
 
-/* Another frame has ended, and took ms. Writes its timeline when it is the worst so far; false: it does not count. On
- * the thread that marks the profiler's frames. */
+/* Call it at the end of a frame that took ms. Writes the timeline if the frame is the slowest so far. False: the frame
+ * is not to be measured. Called by the thread that marks the profiler's frames. */
 bool threads_run_frame(threads_run *run, double ms);
 
-/* Are these frames enough? */
+/* True if the run's time is over and `frames` are enough. */
 bool threads_run_over(const threads_run *run, uint32_t frames);
 
 void threads_run_check(const threads_run *run, stilb_scene_stress_view view, uint64_t hash);
 
-/* ---- what is run ------------------------------------------------------------------------------------------------- */
+/* ---- the runs ---------------------------------------------------------------------------------------------------- */
 
-/* What of the engine's frame is not as usual. */
+/* Settings of the engine that a run changes. */
 typedef struct threads_setup {
 	stilb_render_device_kind device;
 	stilb_render_replay_mode replay;
@@ -91,7 +91,7 @@ typedef struct threads_setup {
 void threads_run_engine(threads_run *run, const threads_setup *setup);
 void threads_run_stolen(threads_run *run, uint32_t workers);
 void threads_run_dedicated(threads_run *run);
-/* kind: a queue, or "no-queue": one thread does it all. */
+/* kind: the name of a queue, or "no-queue". cost_of_2009: draws cost what they did in the article. */
 void threads_run_queue(threads_run *run, const char *kind, uint32_t workers, bool cost_of_2009, uint32_t draws_an_item);
 
 #endif

@@ -1,4 +1,4 @@
-/* stilb-bench threads: small runs on the null device, their JSON and timelines, and what is refused. */
+/* stilb-bench threads: short runs on the null device, their JSON and timelines, and refused command lines. */
 #include "support/bench_program.h"
 
 static char program_path[PATH_MAX]; /* stilb-bench-threads */
@@ -37,7 +37,7 @@ static void test_help_and_list(void **state)
 	assert_int_equal(folder_entries(), 0);
 }
 
-/* What is wrong, and a word that the line about it must have. */
+/* A command line that is refused, and a word that the line on stderr must have. */
 static const char *const refusals[][2] = {
 	{"threads --bogus", "'--bogus'"},
 	{"threads --case null-none", "'null-none'"},
@@ -68,7 +68,7 @@ static void test_refusals(void **state)
 	assert_non_null(file);
 	fclose(file);
 	assert_int_equal(bench_code(NULL, "threads --traces file"), 2);
-	assert_said(run.err, "is no folder");
+	assert_said(run.err, "is not a folder");
 }
 
 static void test_sweep(void **state)
@@ -108,14 +108,14 @@ static void test_sweep(void **state)
 	assert_int_equal(folder_entries(), 1);
 }
 
-/* Without a driver that is said, and is no failure. */
+/* Without a Vulkan driver the report says so, and the run succeeds. */
 static void test_no_driver(void **state)
 {
 	(void)state;
 	static const char line[] =
 		"threads --seconds 0.01 --rounds 1 --case null-few,vulkan-few --only stilb-workers-0 --json a.json";
 	assert_int_equal(stilb_code(no_driver, line), 0);
-	assert_said(run.out, "\n  left out: ");
+	assert_said(run.out, "\n  skipped: ");
 	read_stats("a.json");
 	some("null-few", "stilb-workers-0", "frame");
 	assert_true(isnan(row_median("vulkan-few", "stilb-workers-0", "frame")));
@@ -152,12 +152,13 @@ static void test_experiments(void **state)
 	assert_true(some("dedicated", "dedicated", "latency") > 0.0);
 	assert_true(zones("dedicated", "dedicated", "render", "record") >= 1);
 	some("mutex-vs-lowlock", "no-queue", "frame");
-	assert_true(isnan(row_median("mutex-vs-lowlock", "no-queue", "waiting"))); /* there are no workers */
+	assert_true(isnan(row_median("mutex-vs-lowlock", "no-queue", "waiting"))); /* it has no workers */
 	for (size_t q = 0; q < sizeof queues / sizeof *queues; q++) {
 		double recording = some("mutex-vs-lowlock", queues[q], "recording");
 		double waiting = some("mutex-vs-lowlock", queues[q], "waiting");
 		assert_true(recording < 100.0 && waiting < 100.0);
-		assert_true(row_median("mutex-vs-lowlock", queues[q], "no-work") > -1.0); /* rounding, and the clock's cost */
+		/* It may be a little below 0, since the clock's cost is subtracted from the other parts. */
+		assert_true(row_median("mutex-vs-lowlock", queues[q], "no-work") > -1.0);
 		assert_true(zones("mutex-vs-lowlock", queues[q], "worker 1", "record") >= 1);
 		assert_true(zones("mutex-vs-lowlock", queues[q], "main", "feed") >= 1);
 	}
@@ -165,11 +166,12 @@ static void test_experiments(void **state)
 	some("stolen", "stilb-workers-0", "during-mean");
 	assert_true(some("stolen", "stilb-workers-0", "worst") >= some("stolen", "stilb-workers-0", "during"));
 	assert_true(zones("stolen", "stilb-workers-0", "main", "record segment") >= 40);
-	assert_said(run.out, "timelines of the worst frames: traces/");
-	assert_int_equal(system("test $(ls traces | wc -l) = 9 && rm -r traces"), 0); /* none of single rounds is left */
+	assert_said(run.out, "timelines of the slowest frames: traces/");
+	/* One timeline for each pair: those of single rounds were removed. */
+	assert_int_equal(system("test $(ls traces | wc -l) = 9 && rm -r traces"), 0);
 }
 
-/* A run whose command stream is another fails. */
+/* A run fails if its command stream is not the expected one. */
 static void test_another_stream_is_a_failure(void **state)
 {
 	(void)state;
@@ -185,7 +187,7 @@ static void test_another_stream_is_a_failure(void **state)
 	}
 }
 
-/* gnuplot is a stand-in here: it keeps the script where the picture is wanted. */
+/* gnuplot is a stand-in that copies its script to the file where the picture should go. */
 static void test_picture(void **state)
 {
 	(void)state;
@@ -206,7 +208,7 @@ static void test_picture(void **state)
 	fclose(file);
 	assert_said(script, "speed-up, null device");
 	assert_said(script, "$gain2 using");
-	assert_said(script, "not measured"); /* what was not chosen */
+	assert_said(script, "not measured"); /* diagrams of cases that were not chosen */
 	assert_null(strstr(script, "nan"));
 }
 

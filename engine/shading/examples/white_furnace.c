@@ -21,10 +21,10 @@ static stilb_vec2 pair(int i)
 
 int main(void)
 {
-	const shade_brdf_model ggx = {
+	shade_brdf_model ggx = {
 		.kind = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_GGX, .g = SHADE_G_SMITH_GGX, .f = SHADE_F_SCHLICK};
-	const stilb_vec3 n = {0.0f, 0.0f, 1.0f}, v = {0.6f, 0.0f, 0.8f};
-	const shade_frame frame = shade_frame_from_normal(n);
+	stilb_vec3 n = {0.0f, 0.0f, 1.0f}, v = {0.6f, 0.0f, 0.8f};
+	shade_frame frame = shade_frame_from_normal(n);
 	for (int step = 1; step <= 4; step++) {
 		shade_brdf_parameters metal = {.specular = {1.0f, 0.8f, 0.3f}, .roughness = 0.25f * (float)step};
 		float alpha = shade_alpha_from_roughness(metal.roughness);
