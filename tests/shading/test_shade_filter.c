@@ -153,6 +153,22 @@ static void lean_averages_slopes(void **state)
 	SHADE_PROOF_NEAR3(one.normal, x / size, y / size, 1.0 / size, 1e-6, 1e-7);
 }
 
+/* Below z = SHADE_LEAN_Z_MIN the slope is that of a normal with this z: finite at z = 0, of the same sign below it. */
+static void lean_ends_the_slopes(void **state)
+{
+	(void)state;
+	static const float z[] = {0.0199f, 0.01f, 0.0f, -0.01f, -0.5f};
+	for (int i = 0; i < 5; i++) {
+		float s = sqrtf(1.0f - z[i] * z[i]);
+		shade_lean lean = shade_lean_from_normal(texel(stilb_vec3_make(0.6f * s, -0.8f * s, z[i]), 0.2));
+		SHADE_PROOF_NEAR(lean.slope[0], 0.6 * (double)s / 0.02, 1e-6, 0.0);
+		SHADE_PROOF_NEAR(lean.slope[1], -0.8 * (double)s / 0.02, 1e-6, 0.0);
+		SHADE_PROOF_NEAR3(lean.covariance, 0.02, 0.02, 0.0, 1e-6, 0.0);
+	}
+	shade_lean above = shade_lean_from_normal(texel(stilb_vec3_make(sqrtf(1.0f - 0.021f * 0.021f), 0.0f, 0.021f), 0.2));
+	SHADE_PROOF_NEAR(above.slope[0], sqrt(1.0 - 0.021 * 0.021) / 0.021, 1e-6, 0.0);
+}
+
 /* Ellipses made from their axes. */
 static void lean_finds_its_axes(void **state)
 {
@@ -382,15 +398,11 @@ static void any_moments_are_an_ellipse(void **state)
 int main(void)
 {
 	const struct CMUnitTest exactness[] = {
-		cmocka_unit_test(widths_are_sharpnesses),
-		cmocka_unit_test(vmf_takes_the_lobes_mean),
-		cmocka_unit_test(toksvig_has_his_formulas),
-		cmocka_unit_test(widening_has_its_formulas),
-		cmocka_unit_test(lean_averages_slopes),
-		cmocka_unit_test(lean_finds_its_axes),
-		cmocka_unit_test(equal_texels_stay),
-		cmocka_unit_test(filters_agree_on_small_bumps),
-		cmocka_unit_test(a_smooth_normal_outweighs_a_rough_one),
+		cmocka_unit_test(widths_are_sharpnesses),       cmocka_unit_test(vmf_takes_the_lobes_mean),
+		cmocka_unit_test(toksvig_has_his_formulas),     cmocka_unit_test(widening_has_its_formulas),
+		cmocka_unit_test(lean_averages_slopes),         cmocka_unit_test(lean_ends_the_slopes),
+		cmocka_unit_test(lean_finds_its_axes),          cmocka_unit_test(equal_texels_stay),
+		cmocka_unit_test(filters_agree_on_small_bumps), cmocka_unit_test(a_smooth_normal_outweighs_a_rough_one),
 	};
 	const struct CMUnitTest properties[] = {
 		cmocka_unit_test(filters_stand_for_the_average),
