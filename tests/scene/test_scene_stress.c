@@ -186,6 +186,53 @@ static void test_material_make(void **state)
 	assert_true(stilb_scene_material_make(most, some, 1e9f).roughness == 1.0f);
 }
 
+/* The random number of a model in [low, high). Streams: radius 0, lift 1; the sphere's hue, saturation, value,
+ * highlight and exponent 2 .. 6; the tile's hue and value 7 and 8. */
+static float random_of(uint32_t model, uint32_t stream, float low, float high)
+{
+	return low + (high - low) * stilb_random_float(7, (uint64_t)model * 9 + stream);
+}
+
+/* From the six edges of the colour hexagon: red, yellow, green, cyan, blue, magenta. Source: Smith, "Color Gamut
+ * Transform Pairs" (1978). */
+static void hue_to_rgb(float hue, float saturation, float value, float rgb[3])
+{
+	static const int changing[6] = {1, 0, 2, 1, 0, 2}; /* of each edge: rising, falling, rising, ... */
+	static const float start[6][3] = {{1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}, {1, 0, 1}};
+	int edge = (int)(hue * 6.0f);
+	float along = hue * 6.0f - (float)edge;
+	memcpy(rgb, start[edge], sizeof start[edge]);
+	rgb[changing[edge]] = edge % 2 == 0 ? along : 1.0f - along;
+	for (int i = 0; i < 3; i++)
+		rgb[i] = value * (1.0f - saturation + saturation * rgb[i]);
+}
+
+static void assert_material(const stilb_scene_material *got, const float diffuse[3], float specular, float exponent)
+{
+	stilb_scene_material want = stilb_scene_material_make(diffuse, (const float[3]){specular, specular, specular},
+	                                                      powf(2.0f / (exponent + 2.0f), 0.25f));
+	for (int i = 0; i < 3; i++) {
+		assert_float_equal(got->diffuse[i], want.diffuse[i], 1e-5f);
+		assert_float_equal(got->specular[i], want.specular[i], 1e-5f);
+	}
+	assert_float_equal(got->roughness, want.roughness, 1e-5f);
+}
+
+static void test_material_colors(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(500, 7);
+	for (uint32_t m = 0; m < scene->model_count; m++) {
+		float diffuse[3];
+		hue_to_rgb(random_of(m, 2, 0.0f, 1.0f), random_of(m, 3, 0.45f, 0.9f), random_of(m, 4, 0.35f, 0.85f), diffuse);
+		assert_material(&scene->materials[2 * m], diffuse, random_of(m, 5, 0.03f, 0.25f),
+		                exp2f(random_of(m, 6, 4.0f, 8.0f)));
+		hue_to_rgb(random_of(m, 7, 0.0f, 1.0f), 0.18f, random_of(m, 8, 0.18f, 0.5f), diffuse);
+		assert_material(&scene->materials[2 * m + 1], diffuse, 0.02f, 16.0f);
+	}
+	stilb_scene_destroy(scene);
+}
+
 /* ---- the grid ---------------------------------------------------------------------------------------------------- */
 
 static const uint32_t grid_counts[] = {1, 2, 3, 4, 5, 7, 9, 10, 99, 100, 101, 1000, 9999, 10000, 10001};
@@ -339,6 +386,12 @@ static void test_lights(void **state)
 	for (int i = 0; i < 3; i++) {
 		assert_true(scene->sun.irradiance[i] > 0.0f);
 		assert_true(scene->sky.sky[i] > 0.0f && scene->sky.ground[i] > 0.0f);
+	}
+	for (int i = 0; i < 2; i++) { /* sun, lamp and ground are warm, the sky is blue */
+		assert_true(scene->sun.irradiance[i] > scene->sun.irradiance[i + 1]);
+		assert_true(scene->lamp.intensity[i] > scene->lamp.intensity[i + 1]);
+		assert_true(scene->sky.ground[i] > scene->sky.ground[i + 1]);
+		assert_true(scene->sky.sky[i] < scene->sky.sky[i + 1]);
 	}
 	stilb_scene_destroy(scene);
 }
@@ -533,6 +586,7 @@ int main(void)
 		cmocka_unit_test(test_sphere_mesh),
 		cmocka_unit_test(test_plane_mesh),
 		cmocka_unit_test(test_material_make),
+		cmocka_unit_test(test_material_colors),
 		cmocka_unit_test(test_parts_and_materials),
 		cmocka_unit_test(test_tiles_share_their_edges),
 		cmocka_unit_test(test_spheres),
