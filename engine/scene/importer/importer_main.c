@@ -95,19 +95,16 @@ static bool importer_is_gltf(const struct aiScene *scene)
 
 static stilb_result importer_convert(importer *import, const char *path)
 {
+	static stilb_result (*const steps[])(importer *) = {importer_list_nodes, importer_add_meshes,
+	                                                    importer_add_materials, importer_add_view};
 	import->path = path;
 	stilb_result result = importer_read(path, &import->from);
 	if (result != STILB_OK)
 		return result;
 	import->gltf = importer_is_gltf(import->from);
 	importer_load_textures(import);
-	result = importer_list_nodes(import);
-	if (result == STILB_OK)
-		result = importer_add_meshes(import);
-	if (result == STILB_OK)
-		result = importer_add_materials(import);
-	if (result == STILB_OK)
-		result = importer_add_view(import);
+	for (size_t s = 0; result == STILB_OK && s < sizeof steps / sizeof *steps; s++)
+		result = steps[s](import);
 	if (import->odd_nodes)
 		importer_warn("%u of its nodes have a place that is no number: they are left out", import->odd_nodes);
 	return result;
