@@ -201,8 +201,9 @@ static stilb_result cull_visible_reserve(stilb_cull_visible *visible, uint32_t m
 		return stilb_fail(STILB_ERROR_MEMORY, "culling: no memory for the visible list of %u models", model_count);
 	}
 	memset(grown.bits, 0, words * sizeof *grown.bits);
-	stilb_cull_visible_finish(visible);
+	stilb_cull_visible outgrown = *visible;
 	*visible = grown;
+	stilb_cull_visible_finish(&outgrown);
 	return STILB_OK;
 }
 
@@ -252,7 +253,7 @@ static void cull_job_gather(uint32_t begin, uint32_t end, uint32_t worker, void 
 	stilb_cull_visible *visible = run->visible;
 	for (uint32_t chunk = begin; chunk < end; chunk++)
 		visible->chunk_count[chunk] = run->cull->kernels->gather(
-			visible->bits + chunk * (CULL_CHUNK / 64), cull_set_stride(visible), visible->set_count, CULL_CHUNK / 64);
+			visible->bits + chunk * CULL_CHUNK_WORDS, cull_set_stride(visible), visible->set_count, CULL_CHUNK_WORDS);
 }
 
 /* Tests the models of chunks begin .. end - 1, and counts the visible ones of each chunk. */
@@ -262,10 +263,10 @@ static void cull_job_flat(uint32_t begin, uint32_t end, uint32_t worker, void *c
 	(void)worker;
 	const cull_run *run = context;
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
-		uint64_t *bits = run->visible->bits + chunk * (CULL_CHUNK / 64);
+		uint64_t *bits = run->visible->bits + chunk * CULL_CHUNK_WORDS;
 		run->cull->kernels->test(cull_spheres_from(run->spheres, chunk * CULL_CHUNK),
 		                         cull_chunk_size(chunk, run->cull->model_count), run->frustum, CULL_ALL_PLANES, bits);
-		run->visible->chunk_count[chunk] = run->cull->kernels->gather(bits, 0, 1, CULL_CHUNK / 64);
+		run->visible->chunk_count[chunk] = run->cull->kernels->gather(bits, 0, 1, CULL_CHUNK_WORDS);
 	}
 }
 
@@ -280,7 +281,7 @@ static void cull_job_expand(uint32_t begin, uint32_t end, uint32_t worker, void 
 	uint32_t ids[CULL_CHUNK + CULL_SLACK];
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
 		uint32_t first = chunk * CULL_CHUNK;
-		uint32_t count = run->cull->kernels->expand(visible->bits + first / 64, CULL_CHUNK / 64, first, ids);
+		uint32_t count = run->cull->kernels->expand(visible->bits + first / 64, CULL_CHUNK_WORDS, first, ids);
 		STILB_ASSERT(visible->chunk_count[chunk] + count <= visible->count);
 		memcpy(visible->ids + visible->chunk_count[chunk], ids, count * sizeof *ids);
 	}

@@ -7,7 +7,8 @@
 #include "culling/cull_kernels.h"
 
 #define CULL_MAX_DEPTH 20u
-#define CULL_CHUNK 4096u /* most objects that one piece of work tests or writes: 64 words of bits */
+#define CULL_CHUNK 4096u                           /* most objects that one piece of work tests or writes */
+#define CULL_CHUNK_WORDS ((size_t)CULL_CHUNK / 64) /* words of a chunk's bits */
 /* Least number of models for which the flat method uses several threads: with fewer, waking a sleeping worker (some 20
  * us) costs more than it saves. Measured on two CPUs, the worker asleep before each run: 65,536 models take 32 us on
  * one thread and 41 us on two, 131,072 take 70 and 71, 262,144 take 131 and 107. Objects of the octree count twice,

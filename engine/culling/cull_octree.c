@@ -342,11 +342,11 @@ stilb_result stilb_cull_octree_create(const stilb_cull_octree_desc *desc, stilb_
 		.kernels = cull_kernels_for(isa), .size = 2.0 * (double)desc->half_size, .max_depth = desc->max_depth};
 	for (int axis = 0; axis < 3; axis++)
 		octree->low[axis] = (double)desc->center[axis] - (double)desc->half_size;
-	cull_family_take(octree); /* the root's family, at index 0; no memory: octree->cells stays NULL */
-	if (!octree->cells) {
+	if (!cull_cells_reserve(octree)) {
 		stilb_cull_octree_destroy(octree);
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for its cells");
 	}
+	cull_family_take(octree); /* the root's, at index 0 */
 	octree->reach[CULL_ROOT] = 0.0f;
 	octree->family_count = 1;
 	*out = octree;

@@ -246,7 +246,7 @@ static void cull_mark_item(const stilb_cull_octree *octree, const cull_item *ite
 	}
 	cull_spheres spheres = {cell->x + item->first, cell->y + item->first, cell->z + item->first,
 	                        cell->radius + item->first};
-	uint64_t visible[CULL_CHUNK / 64];
+	uint64_t visible[CULL_CHUNK_WORDS];
 	octree->kernels->test(spheres, item->count, frustum, item->planes, visible);
 	for (uint32_t first = 0; first < item->count; first += 64)
 		for (uint64_t left = visible[first / 64]; left; left &= left - 1)

@@ -33,10 +33,10 @@ static stilb_vec3 point_to_world(const stilb_mat4 *m, const float p[3])
  * In double, so that a transform that is nearly flat in one direction keeps its digits. */
 static double cofactors_of(const stilb_mat4 *m, double cofactors[9])
 {
-	for (int column = 0; column < 3; column++) {
+	for (size_t column = 0; column < 3; column++) {
 		const float *a = m->m + (column + 1) % 3 * 4, *b = m->m + (column + 2) % 3 * 4;
-		for (int row = 0; row < 3; row++) {
-			int i = (row + 1) % 3, j = (row + 2) % 3;
+		for (size_t row = 0; row < 3; row++) {
+			size_t i = (row + 1) % 3, j = (row + 2) % 3;
 			cofactors[column * 3 + row] = (double)a[i] * (double)b[j] - (double)a[j] * (double)b[i];
 		}
 	}
@@ -222,6 +222,7 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const sti
 	gi_triangle *triangles = gi->triangles;
 	if (gi->mesh_count > 0) {
 		const gi_mesh *last = out - 1;
+		STILB_ASSERT(last->vertices && last->triangles && "meshes are added in order");
 		vertices = (stilb_scene_vertex *)last->vertices + last->vertex_count;
 		triangles = (gi_triangle *)last->triangles + last->triangle_count;
 	}

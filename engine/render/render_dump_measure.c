@@ -309,6 +309,16 @@ static stilb_result measure_first_frame(measure_job *job)
 	return result;
 }
 
+/* All of it; rounds and values: [MEASURE_MAX_ROUNDS], or NULL as job->runs may be: there was no memory. */
+static stilb_result measure_all(measure_job *job, double seconds, measure_round *rounds, double *values,
+                                stilb_render_dump_costs *costs)
+{
+	if (!job->runs || !rounds || !values)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for measuring the commands of a dump");
+	stilb_result result = measure_first_frame(job);
+	return result == STILB_OK ? measure_rounds(job, seconds, rounds, values, costs) : result;
+}
+
 stilb_result stilb_render_dump_measure(const stilb_render_dump *dump, stilb_render *render, stilb_job_pool *pool,
                                        uint32_t worker, double seconds, stilb_render_dump_costs *costs)
 {
@@ -324,13 +334,7 @@ stilb_result stilb_render_dump_measure(const stilb_render_dump *dump, stilb_rend
 	measure_round *rounds = stilb_memory_alloc(MEASURE_MAX_ROUNDS, sizeof *rounds);
 	double *values = stilb_memory_alloc(MEASURE_MAX_ROUNDS, sizeof *values);
 	*costs = (stilb_render_dump_costs){0};
-	stilb_result result = job.runs && rounds && values
-	                          ? STILB_OK
-	                          : stilb_fail(STILB_ERROR_MEMORY, "no memory for measuring the commands of a dump");
-	if (result == STILB_OK)
-		result = measure_first_frame(&job);
-	if (result == STILB_OK)
-		result = measure_rounds(&job, seconds, rounds, values, costs);
+	stilb_result result = measure_all(&job, seconds, rounds, values, costs);
 	free(job.runs);
 	free(rounds);
 	free(values);

@@ -176,6 +176,7 @@ static stilb_result save_size(save_job *job)
 	}
 	render_dump_layout(header, job->begin); /* cannot overflow: all of it is in memory */
 	header->file_size = job->begin[RENDER_DUMP_PARTS];
+	STILB_ASSERT(header->file_size > sizeof *header);
 	return STILB_OK;
 }
 

@@ -256,15 +256,15 @@ static inline void record_write_row(render_row *row, const stilb_mat4 *transform
 {
 	__m128i ids = _mm_set_epi32(0, 0, (int32_t)mesh, (int32_t)material);
 	__m128 column[4];
-	for (int c = 0; c < 4; c++)
+	for (size_t c = 0; c < 4; c++)
 		column[c] = _mm_loadu_ps(transform->m + 4 * c);
 	_MM_TRANSPOSE4_PS(column[0], column[1], column[2], column[3]);
 	if (stream) {
-		for (int r = 0; r < 3; r++)
+		for (size_t r = 0; r < 3; r++)
 			_mm_stream_ps(row->transform + 4 * r, column[r]);
 		_mm_stream_si128((__m128i *)&row->material, ids);
 	} else {
-		for (int r = 0; r < 3; r++)
+		for (size_t r = 0; r < 3; r++)
 			_mm_store_ps(row->transform + 4 * r, column[r]);
 		_mm_store_si128((__m128i *)&row->material, ids);
 	}

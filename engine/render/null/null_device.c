@@ -251,7 +251,7 @@ static stilb_result null_pass(render_device *base, const render_stream *stream)
 	case STILB_RENDER_REPLAY_SECONDARY:
 		return null_secondary(device, stream);
 	}
-	STILB_ASSERT(!"a replay mode");
+	STILB_ASSERT(false && "a replay mode");
 	return STILB_OK;
 }
 
