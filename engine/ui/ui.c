@@ -1,11 +1,11 @@
-/* A frame of the user interface: what the mouse and the keys are about, and who gets them. */
+/* The life of a user interface and its frames: which area gets the mouse and the keys. */
 #include "ui/ui_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define DOUBLE_CLICK_REACH 4.0f /* pixels between its two presses */
+#define DOUBLE_CLICK_REACH 4.0f /* pixels between the two presses of a double click at most */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
@@ -14,10 +14,11 @@ stilb_ui_desc stilb_ui_desc_default(void)
 	return (stilb_ui_desc){.aa = STILB_UI_AA_FEATHER, .scale = 1.0f};
 }
 
+/* The default style; lengths are whole pixels. */
 static stilb_ui_style style_of(float scale)
 {
 	return (stilb_ui_style){
-		.panel = {0x14, 0x17, 0x1c, 0xff}, /* opaque: what lies below must not be read through it */
+		.panel = {0x14, 0x17, 0x1c, 0xff}, /* opaque: text below a panel must not shine through */
 		.panel_title = {0x20, 0x25, 0x2d, 0xff},
 		.panel_border = {0x3d, 0x46, 0x52, 0xff},
 		.shadow = {0x00, 0x00, 0x00, 0xa0},
@@ -51,6 +52,8 @@ static stilb_ui_style style_of(float scale)
 
 stilb_result stilb_ui_create(const stilb_ui_desc *desc, stilb_ui **out)
 {
+	STILB_ASSERT(desc && out);
+	STILB_ASSERT((unsigned)desc->aa <= STILB_UI_AA_OFF);
 	*out = NULL;
 	if (!(desc->scale >= 0.5f && desc->scale <= 4.0f))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "the user interface's scale is %g; it goes from 0.5 to 4",
@@ -75,6 +78,7 @@ void stilb_ui_destroy(stilb_ui *ui)
 {
 	if (!ui)
 		return;
+	STILB_ASSERT(!ui->in_frame && "after end");
 	if (ui->render)
 		stilb_render_texture_destroy(ui->render, ui->texture);
 	ui_fonts_finish(&ui->fonts);
@@ -86,21 +90,26 @@ void stilb_ui_destroy(stilb_ui *ui)
 
 stilb_ui_style *stilb_ui_style_get(stilb_ui *ui)
 {
+	STILB_ASSERT_OWNER(ui->writer);
 	return &ui->style;
 }
 
 void stilb_ui_aa_set(stilb_ui *ui, stilb_ui_aa aa)
 {
+	STILB_ASSERT_OWNER(ui->writer);
+	STILB_ASSERT((unsigned)aa <= STILB_UI_AA_OFF);
 	ui->list.aa = aa;
 }
 
 const stilb_ui_font *stilb_ui_font_get(const stilb_ui *ui, stilb_ui_text_kind kind)
 {
+	STILB_ASSERT((unsigned)kind < STILB_UI_TEXT_KINDS);
 	return &ui->fonts.fonts[kind];
 }
 
 const uint8_t *stilb_ui_glyphs(const stilb_ui *ui, uint32_t *width, uint32_t *height)
 {
+	STILB_ASSERT(width && height);
 	*width = ui->fonts.width;
 	*height = ui->fonts.height;
 	return ui->fonts.coverage;
@@ -108,6 +117,7 @@ const uint8_t *stilb_ui_glyphs(const stilb_ui *ui, uint32_t *width, uint32_t *he
 
 stilb_ui_draw_list *stilb_ui_list(stilb_ui *ui)
 {
+	STILB_ASSERT_OWNER(ui->writer);
 	return &ui->list;
 }
 
@@ -118,11 +128,13 @@ const stilb_ui_input *stilb_ui_input_get(const stilb_ui *ui)
 
 bool stilb_ui_wants_mouse(const stilb_ui *ui)
 {
+	STILB_ASSERT_OWNER(ui->writer);
 	return ui->hot != 0 || ui->active != 0;
 }
 
 bool stilb_ui_wants_keys(const stilb_ui *ui)
 {
+	STILB_ASSERT_OWNER(ui->writer);
 	return ui->focus != 0;
 }
 
@@ -130,6 +142,7 @@ bool stilb_ui_wants_keys(const stilb_ui *ui)
 
 static void id_push(stilb_ui *ui, const void *data, size_t size)
 {
+	UI_ASSERT_IN_FRAME(ui);
 	STILB_ASSERT(ui->id_count < STILB_UI_ID_DEPTH);
 	uint64_t above = ui->ids[ui->id_count - 1];
 	ui->ids[ui->id_count++] = stilb_hash_fnv1a64(above, data, size);
@@ -137,7 +150,8 @@ static void id_push(stilb_ui *ui, const void *data, size_t size)
 
 void stilb_ui_id_push(stilb_ui *ui, const char *name)
 {
-	id_push(ui, name, strlen(name) + 1); /* its end counts: "a" "bc" is not "ab" "c" */
+	STILB_ASSERT(name);
+	id_push(ui, name, strlen(name) + 1); /* with the 0 at its end: "a", "bc" differs from "ab", "c" */
 }
 
 void stilb_ui_id_push_number(stilb_ui *ui, uint64_t number)
@@ -147,13 +161,15 @@ void stilb_ui_id_push_number(stilb_ui *ui, uint64_t number)
 
 void stilb_ui_id_pop(stilb_ui *ui)
 {
-	STILB_ASSERT(ui->id_count > 1);
+	UI_ASSERT_IN_FRAME(ui);
+	STILB_ASSERT(ui->id_count > 1 && "an id was pushed");
 	ui->id_count--;
 }
 
-/* ---- who gets the mouse ------------------------------------------------------------------------------------------ */
+/* ---- which area gets the mouse ----------------------------------------------------------------------------------- */
 
-/* The frontmost place under the mouse that takes all of this; 0: none. */
+/* The id of the frontmost area of the last frame that is under the mouse and has all of these STILB_UI_TAKES bits; 0:
+ * none. */
 static uint64_t item_under_mouse(const stilb_ui *ui, uint32_t takes)
 {
 	for (uint32_t i = ui->before.count; i-- > 0 && ui->input.mouse_present;) {
@@ -164,7 +180,7 @@ static uint64_t item_under_mouse(const stilb_ui *ui, uint32_t takes)
 	return 0;
 }
 
-/* The button went down on what is hot. */
+/* The button went down, on the area ui->hot if that is not 0. */
 static void mouse_press(stilb_ui *ui)
 {
 	const stilb_ui_input *input = &ui->input;
@@ -173,13 +189,14 @@ static void mouse_press(stilb_ui *ui)
 	             fabsf(input->mouse_y - ui->press_y) <= DOUBLE_CLICK_REACH;
 	ui->pressed = ui->hot;
 	ui->double_clicked = again || input->mouse_presses > 1 ? ui->hot : 0;
-	ui->press_id = ui->double_clicked ? 0 : ui->hot; /* a third press begins anew */
+	ui->press_id = ui->double_clicked ? 0 : ui->hot; /* a third press is the first of another double click */
 	ui->press_x = input->mouse_x;
 	ui->press_y = input->mouse_y;
 	ui->press_age = 0.0f;
-	ui->focus = 0; /* unless what was pressed takes it */
+	ui->focus = 0; /* stilb_ui_area gives it to the pressed area if that takes the focus */
 }
 
+/* Works out what this frame's mouse does to the areas of the last frame. */
 static void mouse_update(stilb_ui *ui)
 {
 	const stilb_ui_input *input = &ui->input;
@@ -201,9 +218,10 @@ static void mouse_update(stilb_ui *ui)
 		ui->clicked = ui->hot;
 }
 
-/* ---- who gets the keys ------------------------------------------------------------------------------------------- */
+/* ---- which area gets the keys ------------------------------------------------------------------------------------ */
 
-/* One stop of Tab on, or back. Without a focus it is the first, or the last. */
+/* Moves the focus to the next area that takes keys, or back to the one before; without a focus to the first, or the
+ * last. */
 static void focus_step(stilb_ui *ui, bool back)
 {
 	uint32_t count = ui->before.count, at = back ? 0 : count - 1;
@@ -219,12 +237,13 @@ static void focus_step(stilb_ui *ui, bool back)
 	}
 }
 
+/* Works out what this frame's keys do; an area that is no longer drawn loses the focus. */
 static void keys_update(stilb_ui *ui)
 {
-	bool there = false;
+	bool drawn = false;
 	for (uint32_t i = 0; i < ui->before.count; i++)
-		there |= ui->before.items[i].id == ui->focus;
-	if (!there || ui->input.keys[STILB_UI_KEY_ESCAPE] > 0)
+		drawn |= ui->before.items[i].id == ui->focus;
+	if (!drawn || ui->input.keys[STILB_UI_KEY_ESCAPE] > 0)
 		ui->focus = 0;
 	for (uint32_t i = 0; i < ui->input.keys[STILB_UI_KEY_TAB]; i++)
 		focus_step(ui, ui->input.shift);
@@ -237,6 +256,11 @@ static void keys_update(stilb_ui *ui)
 
 void stilb_ui_begin(stilb_ui *ui, const stilb_ui_input *input)
 {
+	STILB_ASSERT(input);
+	STILB_ASSERT(!ui->in_frame && "after end");
+	STILB_ASSERT(input->seconds >= 0.0f);
+	stilb_owner_take(&ui->writer);
+	ui->in_frame = true;
 	ui->move_x = input->mouse_x - ui->input.mouse_x;
 	ui->move_y = input->mouse_y - ui->input.mouse_y;
 	ui->input = *input;
@@ -254,12 +278,21 @@ void stilb_ui_begin(stilb_ui *ui, const stilb_ui_input *input)
 
 void stilb_ui_end(stilb_ui *ui)
 {
-	STILB_ASSERT(ui->id_count == 1 && ui->panel_count == 0 && ui->list.clip_count == 1);
+	UI_ASSERT_IN_FRAME(ui);
+	STILB_ASSERT(ui->panel_count == 0 && "every panel has ended");
+	STILB_ASSERT(ui->id_count == 1 && "every id was popped");
+	STILB_ASSERT(ui->list.clip_count == 1 && "every clip was popped");
 	ui_tooltip_draw(ui);
+	STILB_CHECK(ui_list_is_sound(&ui->list));
+	ui->in_frame = false;
+	ui->writer = (stilb_owner){0};
 }
 
 stilb_ui_action stilb_ui_area(stilb_ui *ui, const char *label, stilb_ui_rect rect, uint32_t takes)
 {
+	UI_ASSERT_IN_FRAME(ui);
+	STILB_ASSERT(label);
+	STILB_ASSERT((takes & ~(uint32_t)(STILB_UI_TAKES_WHEEL | STILB_UI_TAKES_KEYS | STILB_UI_TAKES_FOCUS)) == 0);
 	uint64_t id = stilb_hash_fnv1a64(ui->ids[ui->id_count - 1], label, strlen(label) + 1);
 	const stilb_ui_input *input = &ui->input;
 	stilb_ui_rect seen = stilb_ui_intersection(rect, stilb_ui_clip(&ui->list));

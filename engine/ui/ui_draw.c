@@ -1,4 +1,4 @@
-/* The draw list: memory, clips, colours, and rectangles, which are most of what is drawn. */
+/* The draw list: colours, memory, clips, and rectangles, which most drawing is made of. */
 #include "ui/ui_internal.h"
 
 #include <math.h>
@@ -25,7 +25,8 @@ stilb_ui_color stilb_ui_mix(stilb_ui_color from, stilb_ui_color to, float t)
 	                        mix_channel(from.a, to.a, t)};
 }
 
-/* sRGB to linear light within 0.003: plenty for a choice of two. */
+/* sRGB to linear light by a cubic polynomial with an error below 0.003, which is enough to choose between black and
+ * white. */
 static float color_linear(uint8_t code)
 {
 	float c = (float)code / 255.0f;
@@ -36,7 +37,7 @@ stilb_ui_color stilb_ui_text_color_on(stilb_ui_color background)
 {
 	float luminance = 0.2126f * color_linear(background.r) + 0.7152f * color_linear(background.g) +
 	                  0.0722f * color_linear(background.b);
-	/* The contrast to black is (L + 0.05) / 0.05, to white 1.05 / (L + 0.05): equal at L = 0.179. */
+	/* The contrast to black is (L + 0.05) / 0.05, to white 1.05 / (L + 0.05); they are equal at L = 0.179. */
 	return stilb_ui_rgb(luminance > 0.179f ? 0x000000 : 0xffffff);
 }
 
@@ -44,6 +45,8 @@ stilb_ui_color stilb_ui_text_color_on(stilb_ui_color background)
 
 bool ui_reserve(void **memory, uint32_t *capacity, uint32_t count, uint32_t more, size_t size)
 {
+	STILB_ASSERT(count <= *capacity);
+	STILB_ASSERT(*memory || *capacity == 0);
 	if (more <= *capacity - count)
 		return true;
 	uint64_t wanted = (uint64_t)count + more, larger = (uint64_t)*capacity * 2;
@@ -57,7 +60,8 @@ bool ui_reserve(void **memory, uint32_t *capacity, uint32_t count, uint32_t more
 	return true;
 }
 
-/* The command for what is drawn now: the last one while the clip is the same. */
+/* The command that the next triangles belong to: the last one if it has the current clip, else a new one. NULL: no
+ * memory. */
 static stilb_ui_draw_command *list_command(stilb_ui_draw_list *list)
 {
 	stilb_ui_rect clip = stilb_ui_clip(list);
@@ -77,6 +81,7 @@ static stilb_ui_draw_command *list_command(stilb_ui_draw_list *list)
 
 bool ui_list_add(stilb_ui_draw_list *list, uint32_t vertex_count, uint32_t index_count, ui_mesh *mesh)
 {
+	STILB_ASSERT(vertex_count > 0 && index_count > 0 && index_count % 3 == 0);
 	stilb_ui_draw_command *command = NULL;
 	if (!ui_reserve((void **)&list->vertices, &list->vertex_capacity, list->vertex_count, vertex_count,
 	                sizeof *list->vertices) ||
@@ -93,8 +98,25 @@ bool ui_list_add(stilb_ui_draw_list *list, uint32_t vertex_count, uint32_t index
 	return true;
 }
 
+bool ui_list_is_sound(const stilb_ui_draw_list *list)
+{
+	uint32_t index = 0;
+	for (uint32_t c = 0; c < list->command_count; c++) {
+		const stilb_ui_draw_command *command = &list->commands[c];
+		if (command->first_index != index || command->index_count == 0 || command->index_count % 3 != 0 ||
+		    (c > 0 && memcmp(command->clip, command[-1].clip, sizeof command->clip) == 0))
+			return false;
+		index += command->index_count;
+	}
+	for (uint32_t i = 0; i < list->index_count; i++)
+		if (list->indices[i] >= list->vertex_count)
+			return false;
+	return index == list->index_count && list->vertex_count <= list->vertex_capacity;
+}
+
 void stilb_ui_list_begin(stilb_ui_draw_list *list, float width, float height)
 {
+	STILB_ASSERT(width >= 0.0f && height >= 0.0f);
 	list->vertex_count = list->index_count = list->command_count = 0;
 	list->out_of_memory = false;
 	list->clips[0] = (stilb_ui_rect){0.0f, 0.0f, ceilf(width), ceilf(height)};
@@ -120,12 +142,13 @@ stilb_ui_rect stilb_ui_intersection(stilb_ui_rect a, stilb_ui_rect b)
 
 stilb_ui_rect stilb_ui_clip(const stilb_ui_draw_list *list)
 {
+	STILB_ASSERT(list->clip_count > 0 && "the list has begun");
 	return list->clips[list->clip_count - 1];
 }
 
 void stilb_ui_clip_push(stilb_ui_draw_list *list, stilb_ui_rect rect)
 {
-	STILB_ASSERT(list->clip_count > 0 && list->clip_count < STILB_UI_CLIP_DEPTH);
+	STILB_ASSERT(list->clip_count < STILB_UI_CLIP_DEPTH);
 	stilb_ui_rect whole = {floorf(rect.x0), floorf(rect.y0), ceilf(rect.x1), ceilf(rect.y1)};
 	list->clips[list->clip_count] = stilb_ui_intersection(whole, stilb_ui_clip(list));
 	list->clip_count++;
@@ -133,7 +156,7 @@ void stilb_ui_clip_push(stilb_ui_draw_list *list, stilb_ui_rect rect)
 
 void stilb_ui_clip_pop(stilb_ui_draw_list *list)
 {
-	STILB_ASSERT(list->clip_count > 1);
+	STILB_ASSERT(list->clip_count > 1 && "a clip was pushed");
 	list->clip_count--;
 }
 
@@ -145,7 +168,7 @@ bool ui_list_sees(const stilb_ui_draw_list *list, float x0, float y0, float x1, 
 
 /* ---- rectangles -------------------------------------------------------------------------------------------------- */
 
-/* Fills one quadrilateral of a mesh: its four vertices and six indices from here on. */
+/* Fills quadrilateral number `quad` of a mesh made of quadrilaterals: four vertices and six indices each. */
 static void mesh_quad(const ui_mesh *mesh, uint32_t quad, stilb_ui_rect rect, stilb_ui_color color)
 {
 	stilb_render_vertex_2d *vertices = mesh->vertices + 4 * quad;
@@ -157,14 +180,17 @@ static void mesh_quad(const ui_mesh *mesh, uint32_t quad, stilb_ui_rect rect, st
 	ui_quad_indices(mesh->indices + 6 * quad, first, first + 1, first + 2, first + 3);
 }
 
-/* A run of pixels that a stretch covers by the same share. */
+/* Consecutive pixels along one axis that are covered by the same share. */
 typedef struct draw_slice {
-	float from, to, share;
+	float from, to; /* pixel boundaries */
+	float share;    /* covered, 0..1 */
 } draw_slice;
 
-/* The pixels that [from, to] covers: those at its ends in part, those between wholly. Returns how many slices. */
+/* Cuts [from, to] at pixel boundaries into the pixels at its ends, which it covers in part, and those between, which it
+ * covers wholly. Returns the number of slices, 1..3. */
 static uint32_t slice_pixels(float from, float to, draw_slice slices[3])
 {
+	STILB_ASSERT(from < to);
 	float first = floorf(from), last = floorf(to);
 	uint32_t count = 0;
 	if (first == last) {
@@ -182,8 +208,8 @@ static uint32_t slice_pixels(float from, float to, draw_slice slices[3])
 	return count;
 }
 
-/* A pixel square is covered by a rectangle in proportion to its share across times its share down, so cut along pixel
- * edges into at most nine parts a rectangle is exact. */
+/* A rectangle covers a pixel square by the product of its shares across and down. Cut along pixel boundaries into at
+ * most nine parts of equal shares, it is therefore drawn exactly. */
 static void draw_rect_exact(stilb_ui_draw_list *list, stilb_ui_rect rect, stilb_ui_color color)
 {
 	draw_slice across[3], down[3];
@@ -206,7 +232,7 @@ void stilb_ui_draw_rect(stilb_ui_draw_list *list, stilb_ui_rect rect, stilb_ui_c
 		stilb_ui_draw_convex(list, corners, 4, color);
 		return;
 	}
-	rect = stilb_ui_intersection(rect, stilb_ui_clip(list)); /* whole pixels: what is left is the same */
+	rect = stilb_ui_intersection(rect, stilb_ui_clip(list)); /* cuts at pixel boundaries: the rest looks the same */
 	if (stilb_ui_is_empty(rect))
 		return;
 	ui_mesh mesh;

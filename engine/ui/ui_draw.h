@@ -1,18 +1,27 @@
 /*
- * ui_draw: shapes and text as triangles, in one draw list. What stands over the picture is drawn with these alone.
+ * ui_draw: shapes and text as triangles in one draw list. Everything drawn over the picture is made of these.
  *
  * Coordinates  are pixels from the picture's top left corner, y down; the first pixel's centre is at (0.5, 0.5).
  *              Colours are sRGB with straight alpha and are blended in linear light.
- * Edges        are feathered: a shape's inside ends half a pixel before its edge, and a ring of vertices without alpha
- *              lies half a pixel behind it, so across the edge there is a ramp one pixel wide, which is what a pixel
- *              square would be covered by. What lies on pixel edges stays sharp, what is thinner than a pixel gets less
- *              alpha instead of less width, and needs no multisampling. docs/ui.md says how and how exactly.
- * Order        of the calls is the order from back to front.
- * Life cycle.  A stilb_ui owns its list (stilb_ui_list) and begins and records it. By itself: a zero-initialised list,
- *              stilb_ui_list_begin once a frame, then shapes; stilb_ui_list_finish.
- * Threads.     [one-writer] per list.
+ * Edges        are feathered: a shape's full inside ends half a pixel before its edge, and a ring of vertices without
+ *              alpha lies half a pixel beyond it. Across the edge alpha is then a ramp one pixel wide, which is how
+ *              much of a pixel square at that distance the shape covers. Edges along pixel boundaries stay sharp,
+ *              a line thinner than a pixel gets less alpha instead of less width, and no multisampling is needed.
+ *              docs/ui.md derives this and gives its errors.
+ * Order        of the calls is the order of drawing: later shapes lie over earlier ones.
+ * Values.      A shape with a NaN coordinate, or a size <= 0, draws nothing. Positions of text are finite.
+ * Life cycle.  A stilb_ui owns a list (stilb_ui_list), begins it and records it. A list of one's own: zero-initialise
+ *              it -> stilb_ui_list_begin once a frame, then shapes -> stilb_ui_list_finish.
+ * Threads.     [one-writer] per list: any thread, but one at a time. Functions without a list are [any-thread].
  * Memory.      A list grows and keeps what it has, so a steady frame allocates nothing. Without memory shapes are left
- *              out, and recording the list fails.
+ *              out, out_of_memory is set, and recording the list fails.
+ * Example.     A button-like shape with a word in it:
+ *
+ *   stilb_ui_draw_list *list = stilb_ui_list(ui);
+ *   stilb_ui_rect rect = {20, 20, 120, 44};
+ *   stilb_ui_draw_rounded(list, rect, 4.0f, stilb_ui_rgb(0x2d343e));
+ *   stilb_ui_draw_text(list, stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), rect, STILB_UI_ALIGN_CENTER,
+ *                      stilb_ui_rgb(0xffffff), "Open");
  */
 #ifndef STILB_UI_DRAW_H
 #define STILB_UI_DRAW_H
@@ -25,11 +34,11 @@ typedef struct stilb_ui_point {
 } stilb_ui_point;
 
 typedef struct stilb_ui_rect {
-	float x0, y0, x1, y1; /* left, top, right, bottom; nothing in it when x1 <= x0 or y1 <= y0 */
+	float x0, y0, x1, y1; /* left, top, right, bottom; empty if x1 <= x0 or y1 <= y0 */
 } stilb_ui_rect;
 
 typedef struct stilb_ui_color {
-	uint8_t r, g, b, a; /* sRGB; straight alpha */
+	uint8_t r, g, b, a; /* sRGB codes; a: straight alpha, 255 is opaque */
 } stilb_ui_color;
 
 /* 0xRRGGBB, opaque. [any-thread] */
@@ -38,18 +47,21 @@ static inline stilb_ui_color stilb_ui_rgb(uint32_t rgb)
 	return (stilb_ui_color){(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255};
 }
 
-/* The color with its alpha times opacity, 0..1. [any-thread] */
+/* The color with its alpha multiplied by opacity, which is clamped to 0..1. [any-thread] */
 stilb_ui_color stilb_ui_fade(stilb_ui_color color, float opacity);
 
-/* Between from and to: t 0..1, in sRGB. [any-thread] */
+/* Linear interpolation of the four sRGB codes: from at t = 0, to at t = 1; t is clamped to 0..1. [any-thread] */
 stilb_ui_color stilb_ui_mix(stilb_ui_color from, stilb_ui_color to, float t);
 
-/* Black or white, whichever is easier to read on background (opaque): WCAG 2 contrast. [any-thread] */
+/* Black or white, whichever has the higher contrast to the background, whose alpha is ignored. Source: WCAG 2.1,
+ * "contrast ratio". [any-thread] */
 stilb_ui_color stilb_ui_text_color_on(stilb_ui_color background);
 
 /* ---- rectangles --------------------------------------------------------------------------------------------------
- * Layout is cutting: a strip is cut off an area, and the area is what is left. All [any-thread]. */
+ * Layout is done by cutting: a strip is cut off one side of *area and returned; *area becomes the rest. A strip is
+ * never larger than the area was. All [any-thread]. */
 
+/* Cuts off a strip `width` pixels wide (as far as the area is) at the left. */
 static inline stilb_ui_rect stilb_ui_cut_left(stilb_ui_rect *area, float width)
 {
 	float x = area->x0;
@@ -57,6 +69,7 @@ static inline stilb_ui_rect stilb_ui_cut_left(stilb_ui_rect *area, float width)
 	return (stilb_ui_rect){x, area->y0, area->x0, area->y1};
 }
 
+/* At the right. */
 static inline stilb_ui_rect stilb_ui_cut_right(stilb_ui_rect *area, float width)
 {
 	float x = area->x1;
@@ -64,6 +77,7 @@ static inline stilb_ui_rect stilb_ui_cut_right(stilb_ui_rect *area, float width)
 	return (stilb_ui_rect){area->x1, area->y0, x, area->y1};
 }
 
+/* A strip `height` pixels high at the top. */
 static inline stilb_ui_rect stilb_ui_cut_top(stilb_ui_rect *area, float height)
 {
 	float y = area->y0;
@@ -71,6 +85,7 @@ static inline stilb_ui_rect stilb_ui_cut_top(stilb_ui_rect *area, float height)
 	return (stilb_ui_rect){area->x0, y, area->x1, area->y0};
 }
 
+/* At the bottom. */
 static inline stilb_ui_rect stilb_ui_cut_bottom(stilb_ui_rect *area, float height)
 {
 	float y = area->y1;
@@ -84,107 +99,119 @@ static inline stilb_ui_rect stilb_ui_inset(stilb_ui_rect rect, float margin)
 	return (stilb_ui_rect){rect.x0 + margin, rect.y0 + margin, rect.x1 - margin, rect.y1 - margin};
 }
 
+/* True if the point is inside, or on the left or top edge. */
 static inline bool stilb_ui_contains(stilb_ui_rect rect, float x, float y)
 {
 	return x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1;
 }
 
+/* True also if a side is NaN. */
 static inline bool stilb_ui_is_empty(stilb_ui_rect rect)
 {
 	return !(rect.x1 > rect.x0 && rect.y1 > rect.y0);
 }
 
-/* What both have in common. */
+/* The part that both share; empty if there is none. */
 stilb_ui_rect stilb_ui_intersection(stilb_ui_rect a, stilb_ui_rect b);
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
 /* How edges are smoothed. */
 typedef enum stilb_ui_aa {
-	STILB_UI_AA_FEATHER, /* half a pixel in, half a pixel out */
-	STILB_UI_AA_ARTICLE, /* a ring outside alone, corners by half the sum of the normals: shapes grow, corners thin */
+	STILB_UI_AA_FEATHER, /* a ramp from half a pixel inside the edge to half a pixel outside */
+	STILB_UI_AA_ARTICLE, /* for comparison: a ring outside the edge only, with corners moved by half the sum of the
+	                        normals. Shapes grow by half a pixel, and sharp corners become thin */
 	STILB_UI_AA_OFF,     /* hard edges */
 } stilb_ui_aa;
 
-/* Triangles first_index on, drawn within the clip rectangle. */
+/* Triangles that are drawn within one clip rectangle: indices[first_index .. first_index + index_count - 1]. */
 typedef struct stilb_ui_draw_command {
-	float clip[4]; /* left, top, right, bottom, whole pixels */
-	uint32_t first_index, index_count;
+	float clip[4];                     /* left, top, right, bottom, whole pixels */
+	uint32_t first_index, index_count; /* multiples of 3 */
 } stilb_ui_draw_command;
 
 #define STILB_UI_CLIP_DEPTH 32
 
-/* Triangles with one texture, that of the glyphs, which is white at uv 0, 0. Read it; what writes it is below. */
+/* Triangles with one texture, that of the glyphs, which is white at uv (0, 0): there shapes have their own colour. To
+ * be read by whoever draws the list; only the functions below write it, but aa may be set at any time. */
 typedef struct stilb_ui_draw_list {
-	stilb_ui_aa aa;
-	stilb_render_vertex_2d *vertices;
-	uint32_t *indices;
-	stilb_ui_draw_command *commands; /* no two in a row have the same clip */
+	stilb_ui_aa aa;                   /* of the shapes that follow */
+	stilb_render_vertex_2d *vertices; /* [vertex_count] */
+	uint32_t *indices;                /* [index_count] into vertices, three for each triangle */
+	stilb_ui_draw_command *commands;  /* [command_count] in drawing order, which together hold all indices; no two in a
+	                                     row have the same clip */
 	uint32_t vertex_count, index_count, command_count;
 	uint32_t vertex_capacity, index_capacity, command_capacity;
-	stilb_ui_rect clips[STILB_UI_CLIP_DEPTH]; /* [clip_count]; the first is the picture */
-	uint32_t clip_count;
-	bool out_of_memory; /* since begin: something is missing */
+	stilb_ui_rect clips[STILB_UI_CLIP_DEPTH]; /* [clip_count], each within the one before; the first is the picture */
+	uint32_t clip_count;                      /* 0: the list has not begun */
+	bool out_of_memory;                       /* since begin: shapes are missing */
 } stilb_ui_draw_list;
 
-/* Empties the list for a picture of this size, pixels. */
+/* Empties the list and its clips for a picture of this size, pixels, >= 0. [one-writer] */
 void stilb_ui_list_begin(stilb_ui_draw_list *list, float width, float height);
 
-/* Frees; accepts NULL and {0}. */
+/* Frees and zeroes the list; accepts NULL and {0}. [one-writer] */
 void stilb_ui_list_finish(stilb_ui_draw_list *list);
 
-/* What is drawn until the pop stays within rect, rounded outwards to whole pixels, and within the clips around it. At
- * most STILB_UI_CLIP_DEPTH deep. */
+/* Until the matching pop, drawing is clipped to rect, rounded outwards to whole pixels, and to the clips pushed before.
+ * At most STILB_UI_CLIP_DEPTH - 1 deep. [one-writer] */
 void stilb_ui_clip_push(stilb_ui_draw_list *list, stilb_ui_rect rect);
 void stilb_ui_clip_pop(stilb_ui_draw_list *list);
 
-/* The rectangle that is drawn in now. */
+/* The current clip: the intersection of all pushed ones with the picture; may be empty. [one-writer] */
 stilb_ui_rect stilb_ui_clip(const stilb_ui_draw_list *list);
 
 /* ---- shapes ------------------------------------------------------------------------------------------------------
- * Lengths are pixels. What lies outside the clip costs next to nothing. */
+ * Lengths are pixels. A shape outside the clip adds no triangles. All [one-writer], between stilb_ui_list_begin and the
+ * use of the list. */
 
-/* Exact at any place and size, down to hair lines. */
+/* Feathered exactly: every pixel gets the share of it that the rectangle covers, at any place and size. */
 void stilb_ui_draw_rect(stilb_ui_draw_list *list, stilb_ui_rect rect, stilb_ui_color color);
 
-/* A frame of this width, inside rect. */
+/* The border of rect, `width` thick towards the inside. */
 void stilb_ui_draw_rect_outline(stilb_ui_draw_list *list, stilb_ui_rect rect, float width, stilb_ui_color color);
 
-/* Corners of this radius, at most half the shorter side. */
+/* A rectangle with corners of this radius, which is reduced to half the shorter side if it is larger; the outline's
+ * thickness lies inside rect. Arcs deviate from a circle by 0.02 pixels at most, up to radii of some 65 pixels. */
 void stilb_ui_draw_rounded(stilb_ui_draw_list *list, stilb_ui_rect rect, float radius, stilb_ui_color color);
 void stilb_ui_draw_rounded_outline(stilb_ui_draw_list *list, stilb_ui_rect rect, float radius, float width,
                                    stilb_ui_color color);
 
-/* A shadow around a rounded rectangle: full colour at its edge, nothing `reach` pixels away. */
+/* A shadow around a rounded rectangle: color at its edge, falling to nothing `reach` pixels outside of it. Nothing is
+ * drawn inside: draw the shadow first, then the rectangle. */
 void stilb_ui_draw_shadow(stilb_ui_draw_list *list, stilb_ui_rect rect, float radius, float reach,
                           stilb_ui_color color);
 
+/* A filled disk. */
 void stilb_ui_draw_circle(stilb_ui_draw_list *list, stilb_ui_point center, float radius, stilb_ui_color color);
 
+/* A triangle, either way around. */
 void stilb_ui_draw_triangle(stilb_ui_draw_list *list, stilb_ui_point a, stilb_ui_point b, stilb_ui_point c,
                             stilb_ui_color color);
 
-/* A convex polygon, either way around; count 3..STILB_UI_MAX_POLYGON, no two corners in a row at the same place. */
+/* A convex polygon, either way around: corners[0 .. count - 1], count 3..STILB_UI_MAX_POLYGON, no two consecutive ones
+ * equal. */
 #define STILB_UI_MAX_POLYGON 64
 void stilb_ui_draw_convex(stilb_ui_draw_list *list, const stilb_ui_point *corners, uint32_t count,
                           stilb_ui_color color);
 
-/* From a to b, with square ends at both. */
+/* A line from a to b that ends there squarely, without round caps. */
 void stilb_ui_draw_line(stilb_ui_draw_list *list, stilb_ui_point a, stilb_ui_point b, float width,
                         stilb_ui_color color);
 
-/* One line through all points, of any count, with mitred corners; closed: back to the first. Points that lie on the one
- * before are left out. */
+/* One line through points[0 .. count - 1], of any count, with mitred corners that reach at most four half widths; if
+ * closed, also from the last point back to the first. A point equal to the one before it is skipped. */
 void stilb_ui_draw_polyline(stilb_ui_draw_list *list, const stilb_ui_point *points, uint32_t count, bool closed,
                             float width, stilb_ui_color color);
 
-/* A line from a to b with a head at b, `head` pixels long. */
+/* A line from a to b with an arrowhead at b, `head` pixels long and wide, or as long as the line if that is shorter. */
 void stilb_ui_draw_arrow(stilb_ui_draw_list *list, stilb_ui_point a, stilb_ui_point b, float width, float head,
                          stilb_ui_color color);
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
-/* A typeface at one size, its glyphs ready. */
+/* A typeface at one size with its glyphs in the texture, from stilb_ui_font_get; lives as long as its stilb_ui. It has
+ * ASCII, Latin-1 and some symbols; other characters and bytes that are not UTF-8 show as a box. */
 typedef struct stilb_ui_font stilb_ui_font;
 
 typedef enum stilb_ui_align {
@@ -193,22 +220,22 @@ typedef enum stilb_ui_align {
 	STILB_UI_ALIGN_RIGHT,
 } stilb_ui_align;
 
-/* The way to the next line, whole pixels; the letters with their accents and tails fit in it. */
+/* The distance from one line to the next, whole pixels; letters with accents and descenders fit in it. [any-thread] */
 float stilb_ui_font_line(const stilb_ui_font *font);
 
-/* From the top of a line to its baseline, whole pixels. */
+/* The distance from the top of a line to its baseline, whole pixels. [any-thread] */
 float stilb_ui_font_ascent(const stilb_ui_font *font);
 
-/* Length of UTF-8 text in one line, pixels. All digits are equally wide. What is no character, or not in the font
- * (which has Latin-1 and some symbols), counts and shows as a box. */
+/* Width of UTF-8 text in one line, pixels. All digits are equally wide. [any-thread] */
 float stilb_ui_text_width(const stilb_ui_font *font, const char *text);
 
-/* Text from x on, on a baseline. Returns where it ends. */
+/* Draws UTF-8 text from x on; its baseline is rounded to whole pixels. Returns the x at which the text ends, also if it
+ * is clipped. [one-writer] */
 float stilb_ui_draw_text_at(stilb_ui_draw_list *list, const stilb_ui_font *font, float x, float baseline,
                             stilb_ui_color color, const char *text);
 
-/* Text in rect: aligned, in the middle of its height, cut short with an ellipsis when it is too long, and nothing at
- * all when there is no room for a letter and that. */
+/* Draws UTF-8 text within rect: aligned across, in the middle of the height. A text that is too long is cut short with
+ * an ellipsis; if not even one letter and the ellipsis fit, nothing is drawn. [one-writer] */
 void stilb_ui_draw_text(stilb_ui_draw_list *list, const stilb_ui_font *font, stilb_ui_rect rect, stilb_ui_align align,
                         stilb_ui_color color, const char *text);
 

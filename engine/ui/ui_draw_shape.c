@@ -1,24 +1,25 @@
-/* Shapes with edges that do not run along pixels: polygons, rounded rectangles, circles, lines.
+/* Shapes whose edges do not run along pixel boundaries: polygons, rounded rectangles, circles, lines.
  *
- * A convex shape is a path: corners, and for each the mitre, the way that the corner goes when all edges move outwards
- * by one. For edges with the unit normals n0 and n1 that is (n0 + n1) / (1 + n0.n1): its part along either normal is 1.
- * On an arc it is the radius' direction. Feathered, the path moved inwards by half a pixel is filled, and a ring leads
- * from there, fading, to the path moved outwards by half a pixel. Across an edge the alpha is then what a pixel square
- * over the edge is covered by, exactly where the edge runs along pixels, and as a straight ramp elsewhere. */
+ * A convex shape is a path: its corners, and for each corner the mitre, the vector by which the corner moves when all
+ * edges move outwards by one pixel. Between edges with unit normals n0 and n1 the mitre is (n0 + n1) / (1 + n0.n1): its
+ * component along either normal is 1. On an arc it is the direction of the radius. Feathered, the path moved inwards by
+ * half a pixel is filled, and a ring fades from there to the path moved outwards by half a pixel. Across an edge, alpha
+ * is then the share of a pixel square that the shape covers: exactly for edges along pixel boundaries, approximated by
+ * a linear ramp for others. */
 #include "ui/ui_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define MITRE_LIMIT 4.0f    /* how far, in widths, a corner goes at most */
-#define ARC_STEPS_MAX 32    /* of a quarter */
-#define ARC_TOLERANCE 0.02f /* pixels between an arc and its chords */
+#define MITRE_LIMIT 4.0f    /* longest mitre; sharper corners are cut off */
+#define ARC_STEPS_MAX 32    /* chords of a quarter circle */
+#define ARC_TOLERANCE 0.02f /* pixels between an arc and its chords, up to ARC_STEPS_MAX */
 #define PATH_MAX (4 * (ARC_STEPS_MAX + 1))
 
 typedef struct draw_path {
 	uint32_t count;
 	stilb_ui_point corners[PATH_MAX], mitres[PATH_MAX];
-	float shares[PATH_MAX]; /* of the alpha that a corner gets: less where the mitre was limited */
+	float shares[PATH_MAX]; /* factor of the alpha at a corner, 0..1: below 1 if its mitre was limited */
 } draw_path;
 
 _Static_assert(STILB_UI_MAX_POLYGON <= PATH_MAX, "a polygon is a path");
@@ -45,7 +46,7 @@ static float triangle_area(stilb_ui_point a, stilb_ui_point b, stilb_ui_point c)
 	return 0.5f * point_cross((stilb_ui_point){b.x - a.x, b.y - a.y}, (stilb_ui_point){c.x - a.x, c.y - a.y});
 }
 
-/* From a to b, one long, and how long it was. */
+/* The unit vector from a to b and their distance; (0, 0) if they are equal. */
 static stilb_ui_point point_direction(stilb_ui_point a, stilb_ui_point b, float *length)
 {
 	stilb_ui_point d = {b.x - a.x, b.y - a.y};
@@ -54,24 +55,25 @@ static stilb_ui_point point_direction(stilb_ui_point a, stilb_ui_point b, float 
 	return (stilb_ui_point){d.x * scale, d.y * scale};
 }
 
-/* To the left of the direction as seen on the screen (y down): outwards of a path that runs clockwise there. */
+/* The normal on the left of the direction as seen on the screen (y down), which points out of a clockwise path. */
 static stilb_ui_point point_normal(stilb_ui_point direction)
 {
 	return (stilb_ui_point){direction.y, -direction.x};
 }
 
-/* Where the corner between two edges goes when both move along their unit normals by one. How much of that it may go is
- * *share: inside a sharp corner the shape is that much thinner than a pixel. */
+/* The mitre of a corner between edges with unit normals n0 and n1, limited in length to MITRE_LIMIT. *share is the
+ * factor by which the limit shortened it, and by which alpha is reduced: that near to a sharp corner the shape is
+ * thinner than a pixel. */
 static stilb_ui_point corner_mitre(stilb_ui_point n0, stilb_ui_point n1, float *share)
 {
 	stilb_ui_point sum = {n0.x + n1.x, n0.y + n1.y};
-	float shrink = 0.5f * point_dot(sum, sum); /* 1 + n0.n1, without its rounding; the mitre is sqrt(2 / shrink) long */
+	float shrink = 0.5f * point_dot(sum, sum); /* 1 + n0.n1, but exact near 0; the mitre's length is sqrt(2 / shrink) */
 	*share = ui_min(MITRE_LIMIT * sqrtf(0.5f * shrink), 1.0f);
 	float scale = *share > 0.0f ? *share / shrink : 0.0f;
 	return (stilb_ui_point){sum.x * scale, sum.y * scale};
 }
 
-/* The article's: half the sum. */
+/* The simpler vector of STILB_UI_AA_ARTICLE: half the sum of the normals, too short in sharp corners. */
 static stilb_ui_point corner_half_sum(stilb_ui_point n0, stilb_ui_point n1, float *share)
 {
 	*share = 1.0f;
@@ -84,19 +86,21 @@ static stilb_ui_point corner_half_sum(stilb_ui_point n0, stilb_ui_point n1, floa
 static float path_area(const draw_path *path)
 {
 	float area = 0.0f;
-	for (uint32_t i = 2; i < path->count; i++) /* from the first corner, so that places far away lose no digits */
+	for (uint32_t i = 2; i < path->count; i++) /* a fan around the first corner: shapes far from 0 lose no digits */
 		area += triangle_area(path->corners[0], path->corners[i - 1], path->corners[i]);
 	return area;
 }
 
-/* The unit normal of the edge that ends (last) or begins at corner i. */
+/* The unit normal of the edge that ends at corner i (last) or begins there (not last). */
 static stilb_ui_point path_normal(const draw_path *path, uint32_t i, bool last)
 {
+	STILB_ASSERT(i < path->count);
 	uint32_t from = last ? (i + path->count - 1) % path->count : i;
 	float length;
 	return point_normal(point_direction(path->corners[from], path->corners[(from + 1) % path->count], &length));
 }
 
+/* Fills mitres and shares from the corners, by one of the two functions above. */
 static void path_find_mitres(draw_path *path,
                              stilb_ui_point (*corner)(stilb_ui_point n0, stilb_ui_point n1, float *share))
 {
@@ -104,24 +108,25 @@ static void path_find_mitres(draw_path *path,
 		path->mitres[i] = corner(path_normal(path, i, true), path_normal(path, i, false), &path->shares[i]);
 }
 
-/* How far inwards the path can move before an edge has no length left, at most half a pixel. */
-static float path_room(const draw_path *path)
+/* How far the path can move inwards until one of its edges has length 0; at most half a pixel. */
+static float path_inset_max(const draw_path *path)
 {
-	float room = 0.5f;
+	float inset = 0.5f;
 	for (uint32_t i = 0; i < path->count; i++) {
 		uint32_t next = (i + 1) % path->count;
 		float length;
 		stilb_ui_point along = point_direction(path->corners[i], path->corners[next], &length);
 		float shrinks = point_dot(along, path->mitres[next]) - point_dot(along, path->mitres[i]);
-		if (length < room * shrinks)
-			room = length / shrinks;
+		if (length < inset * shrinks)
+			inset = length / shrinks;
 	}
-	return room;
+	return inset;
 }
 
-/* The corners of a rounded rectangle, clockwise from the left end of the top right one; radius 0 < r. */
+/* The path of a rounded rectangle, clockwise, beginning at the upper end of its top right arc; radius > 0. */
 static void path_rounded(draw_path *path, stilb_ui_rect rect, float radius)
 {
+	STILB_ASSERT(radius > 0.0f);
 	stilb_ui_point centers[4] = {{rect.x1 - radius, rect.y0 + radius},
 	                             {rect.x1 - radius, rect.y1 - radius},
 	                             {rect.x0 + radius, rect.y1 - radius},
@@ -132,6 +137,7 @@ static void path_rounded(draw_path *path, stilb_ui_rect rect, float radius)
 	float c = cosf(quarter / (float)steps), s = sinf(quarter / (float)steps);
 	stilb_ui_point normal = {0.0f, -1.0f};
 	path->count = 4 * (steps + 1);
+	STILB_ASSERT(path->count <= PATH_MAX);
 	for (uint32_t i = 0; i <= steps; i++) {
 		stilb_ui_point turned = i == steps ? (stilb_ui_point){1.0f, 0.0f} : normal;
 		for (uint32_t k = 0; k < 4; k++) {
@@ -146,9 +152,11 @@ static void path_rounded(draw_path *path, stilb_ui_rect rect, float radius)
 
 /* ---- filling ----------------------------------------------------------------------------------------------------- */
 
-/* The triangles of a convex polygon whose corners are the list's vertices first on; returns behind the last index. */
+/* Writes the triangles of a convex polygon whose corners are the list's vertices first .. first + count - 1. Returns
+ * the end of the indices written. */
 static uint32_t *fan_indices(uint32_t *indices, uint32_t first, uint32_t count)
 {
+	STILB_ASSERT(count >= 3);
 	for (uint32_t i = 2; i < count; i++) {
 		*indices++ = first;
 		*indices++ = first + i - 1;
@@ -157,6 +165,7 @@ static uint32_t *fan_indices(uint32_t *indices, uint32_t first, uint32_t count)
 	return indices;
 }
 
+/* Without antialiasing. */
 static void draw_hard(stilb_ui_draw_list *list, const draw_path *path, stilb_ui_color color)
 {
 	ui_mesh mesh;
@@ -167,11 +176,12 @@ static void draw_hard(stilb_ui_draw_list *list, const draw_path *path, stilb_ui_
 	fan_indices(mesh.indices, mesh.first, path->count);
 }
 
-/* From the path moved outwards by `inner` it fades to nothing where it is moved by `outer`; filled: and the inside is
- * full. */
+/* A ring that fades from the path moved outwards by `inner` to nothing at the path moved by `outer`; if filled, also
+ * the inside of the former in full color. False: no memory. */
 static bool draw_ring(stilb_ui_draw_list *list, const draw_path *path, float inner, float outer, bool filled,
                       stilb_ui_color color, ui_mesh *mesh)
 {
+	STILB_ASSERT(inner < outer);
 	uint32_t n = path->count;
 	if (!ui_list_add(list, 2 * n, 6 * n + (filled ? 3 * (n - 2) : 0), mesh))
 		return false;
@@ -190,7 +200,7 @@ static bool draw_ring(stilb_ui_draw_list *list, const draw_path *path, float inn
 	return true;
 }
 
-/* The alpha over all triangles of a mesh, 0..1 times pixels. */
+/* The integral of alpha, 0..1, over all triangles of a mesh, in pixels. */
 static float mesh_volume(const ui_mesh *mesh, uint32_t index_count)
 {
 	float volume = 0.0f;
@@ -207,13 +217,13 @@ static float mesh_volume(const ui_mesh *mesh, uint32_t index_count)
 	return volume;
 }
 
-/* A path that is too small to move inwards by half a pixel moves as far as it can, and gets the alpha with which all
- * adds up to its area. */
-static void draw_small(stilb_ui_draw_list *list, const draw_path *path, float room, stilb_ui_color color)
+/* A path that is too small to move inwards by half a pixel moves by `inset`, and its alpha is reduced until the
+ * integral over all pixels is its area. */
+static void draw_small(stilb_ui_draw_list *list, const draw_path *path, float inset, stilb_ui_color color)
 {
 	uint32_t n = path->count, index_count = 6 * n + 3 * (n - 2);
 	ui_mesh mesh;
-	if (!draw_ring(list, path, -room, 0.5f, true, color, &mesh))
+	if (!draw_ring(list, path, -inset, 0.5f, true, color, &mesh))
 		return;
 	float volume = mesh_volume(&mesh, index_count) * 255.0f / (float)(color.a > 0 ? color.a : 1);
 	float opacity = volume > 0.0f ? ui_min(path_area(path) / volume, 1.0f) : 0.0f;
@@ -221,7 +231,7 @@ static void draw_small(stilb_ui_draw_list *list, const draw_path *path, float ro
 		mesh.vertices[i].color[3] = (uint8_t)((float)mesh.vertices[i].color[3] * opacity + 0.5f);
 }
 
-/* Fills a clockwise path whose mitres are known. */
+/* Fills a clockwise path that has its mitres, as the list's aa says. */
 static void draw_path_filled(stilb_ui_draw_list *list, draw_path *path, stilb_ui_color color)
 {
 	ui_mesh mesh;
@@ -231,9 +241,9 @@ static void draw_path_filled(stilb_ui_draw_list *list, draw_path *path, stilb_ui
 		path_find_mitres(path, corner_half_sum);
 		draw_ring(list, path, 0.0f, 1.0f, true, color, &mesh);
 	} else {
-		float room = path_room(path);
-		if (room < 0.5f)
-			draw_small(list, path, room, color);
+		float inset = path_inset_max(path);
+		if (inset < 0.5f)
+			draw_small(list, path, inset, color);
 		else
 			draw_ring(list, path, -0.5f, 0.5f, true, color, &mesh);
 	}
@@ -241,7 +251,7 @@ static void draw_path_filled(stilb_ui_draw_list *list, draw_path *path, stilb_ui
 
 void stilb_ui_draw_convex(stilb_ui_draw_list *list, const stilb_ui_point *corners, uint32_t count, stilb_ui_color color)
 {
-	STILB_ASSERT(count >= 3 && count <= STILB_UI_MAX_POLYGON);
+	STILB_ASSERT(corners && count >= 3 && count <= STILB_UI_MAX_POLYGON);
 	draw_path path = {.count = count};
 	stilb_ui_rect bounds = {corners[0].x, corners[0].y, corners[0].x, corners[0].y};
 	for (uint32_t i = 0; i < count; i++) {
@@ -266,12 +276,14 @@ void stilb_ui_draw_triangle(stilb_ui_draw_list *list, stilb_ui_point a, stilb_ui
 	stilb_ui_draw_convex(list, corners, 3, color);
 }
 
-/* What is far outside the clip need not be drawn far outside. */
+/* Clips a rectangle to the clip and `reach` pixels around it: its edges beyond that are invisible, and moving them
+ * keeps coordinates small. */
 static stilb_ui_rect rect_near_clip(const stilb_ui_draw_list *list, stilb_ui_rect rect, float reach)
 {
 	return stilb_ui_intersection(rect, stilb_ui_inset(stilb_ui_clip(list), -reach));
 }
 
+/* The radius, reduced to half the shorter side. */
 static float rounded_radius(stilb_ui_rect rect, float radius)
 {
 	return ui_min(radius, 0.5f * ui_min(rect.x1 - rect.x0, rect.y1 - rect.y0));
@@ -280,7 +292,7 @@ static float rounded_radius(stilb_ui_rect rect, float radius)
 void stilb_ui_draw_rounded(stilb_ui_draw_list *list, stilb_ui_rect rect, float radius, stilb_ui_color color)
 {
 	radius = rounded_radius(rect, radius);
-	if (!(radius > 0.5f)) { /* its rounding would be less than what feathering rounds */
+	if (!(radius > 0.5f)) { /* invisible: feathering alone rounds a corner as much */
 		stilb_ui_draw_rect(list, rect, color);
 		return;
 	}
@@ -304,7 +316,7 @@ void stilb_ui_draw_circle(stilb_ui_draw_list *list, stilb_ui_point center, float
 
 void stilb_ui_draw_shadow(stilb_ui_draw_list *list, stilb_ui_rect rect, float radius, float reach, stilb_ui_color color)
 {
-	enum { RINGS = 4 }; /* their sum falls off as a parabola, nearly */
+	enum { RINGS = 4 }; /* of growing width, on top of each other: their sum falls off nearly as a parabola */
 	radius = ui_max(rounded_radius(rect, radius), 0.5f);
 	if (stilb_ui_is_empty(rect) ||
 	    !ui_list_sees(list, rect.x0 - reach, rect.y0 - reach, rect.x1 + reach, rect.y1 + reach))
@@ -318,13 +330,15 @@ void stilb_ui_draw_shadow(stilb_ui_draw_list *list, stilb_ui_rect rect, float ra
 
 /* ---- lines ------------------------------------------------------------------------------------------------------- */
 
-/* Across a line there are four vertices: nothing, full, full, nothing. `ring` leads from the full ones outwards. */
+/* The cross-section of a line: four vertices with the alphas 0, full, full, 0. */
 typedef struct line_profile {
-	float full, ring; /* half the width that is full, and the way from there to nothing; pixels */
+	float full; /* half the width with full alpha, pixels */
+	float ring; /* from there to alpha 0, pixels */
 	stilb_ui_color color;
 } line_profile;
 
-/* A line of width w blurred over a pixel is a trapezoid: min(w, 1) high, |w - 1| wide on top and w + 1 at its foot. */
+/* A line of width w convolved with a pixel is a trapezoid of height min(w, 1), |w - 1| wide at the top and w + 1 at the
+ * bottom. */
 static line_profile profile_of(const stilb_ui_draw_list *list, float width, stilb_ui_color color)
 {
 	if (list->aa == STILB_UI_AA_OFF)
@@ -335,7 +349,7 @@ static line_profile profile_of(const stilb_ui_draw_list *list, float width, stil
 	return (line_profile){full, 0.5f * (width + 1.0f) - full, stilb_ui_fade(color, width)};
 }
 
-/* The four vertices across at one place; `mitre` as for paths, to one side. */
+/* The four vertices of the cross-section at a place. mitre: the vector to one side, as of paths. */
 static void line_vertices(stilb_render_vertex_2d vertices[4], stilb_ui_point place, stilb_ui_point mitre,
                           const line_profile *profile, float opacity)
 {
@@ -349,13 +363,14 @@ static void line_vertices(stilb_render_vertex_2d vertices[4], stilb_ui_point pla
 	}
 }
 
-/* The three quadrilaterals between two rows of four vertices. */
+/* The three quadrilaterals between two cross-sections, whose first vertices are `from` and `to`. */
 static void stretch_indices(uint32_t indices[18], uint32_t from, uint32_t to)
 {
 	for (uint32_t i = 0; i < 3; i++)
 		ui_quad_indices(indices + 6 * i, from + i, to + i, to + i + 1, from + i + 1);
 }
 
+/* The part of a line between two cross-sections. */
 static void line_stretch(stilb_ui_draw_list *list, const stilb_render_vertex_2d from[4],
                          const stilb_render_vertex_2d to[4])
 {
@@ -369,8 +384,8 @@ static void line_stretch(stilb_ui_draw_list *list, const stilb_render_vertex_2d 
 	stretch_indices(mesh.indices, mesh.first, mesh.first + 4);
 }
 
-/* From nothing to a full line, or back: the end at `place`, where the line goes on along `inwards`. Returns the full
- * row. */
+/* An end of a line at `place`, from which the line runs along `inwards` for `length` pixels: fades alpha from 0 outside
+ * to the cross-section `full` inside, which is returned. */
 static void line_cap(stilb_ui_draw_list *list, stilb_ui_point place, stilb_ui_point inwards, stilb_ui_point normal,
                      float length, const line_profile *profile, stilb_render_vertex_2d full[4])
 {
@@ -384,7 +399,7 @@ static void line_cap(stilb_ui_draw_list *list, stilb_ui_point place, stilb_ui_po
 	line_stretch(list, clear, full);
 }
 
-/* Whether a line through the points can be seen. */
+/* True if a part of the line may be visible: its bounds, with the longest mitres, overlap the clip. */
 static bool line_is_seen(const stilb_ui_draw_list *list, const stilb_ui_point *points, uint32_t count, float width)
 {
 	stilb_ui_rect bounds = {points[0].x, points[0].y, points[0].x, points[0].y};
@@ -395,7 +410,7 @@ static bool line_is_seen(const stilb_ui_draw_list *list, const stilb_ui_point *p
 	return ui_list_sees(list, bounds.x0 - reach, bounds.y0 - reach, bounds.x1 + reach, bounds.y1 + reach);
 }
 
-/* The normal of the edge that closes a line: from its last other point to its first. */
+/* The normal of the edge that closes a line, from the last point that differs from the first one to the first one. */
 static stilb_ui_point closing_normal(const stilb_ui_point *points, uint32_t count)
 {
 	stilb_ui_point along = {0.0f, 0.0f};
@@ -408,6 +423,7 @@ static stilb_ui_point closing_normal(const stilb_ui_point *points, uint32_t coun
 void stilb_ui_draw_polyline(stilb_ui_draw_list *list, const stilb_ui_point *points, uint32_t count, bool closed,
                             float width, stilb_ui_color color)
 {
+	STILB_ASSERT(points || count == 0);
 	if (count < 2 || !(width > 0.0f) || !line_is_seen(list, points, count, width))
 		return;
 	line_profile profile = profile_of(list, width, color);

@@ -1,10 +1,12 @@
-/* Inside ui: what the parts of the draw list, the fonts and the widgets share. */
+/* Inside ui: what the files of the draw list, the fonts and the widgets share. */
 #ifndef UI_INTERNAL_H
 #define UI_INTERNAL_H
 
+#include "base/base_contract.h"
 #include "ui/ui.h"
 
-/* One instruction each; fminf and fmaxf are calls, for the sake of NaN. */
+/* One instruction each, unlike fminf and fmaxf, which are calls because they treat NaN specially. If either argument is
+ * NaN, the result is b. */
 static inline float ui_min(float a, float b)
 {
 	return a < b ? a : b;
@@ -22,26 +24,32 @@ static inline float ui_clamp(float value, float low, float high)
 
 /* ---- draw list --------------------------------------------------------------------------------------------------- */
 
-/* Where the vertices of one shape go. */
+/* The vertices and indices of one shape, inside the list's arrays; valid until the next ui_list_add. */
 typedef struct ui_mesh {
 	stilb_render_vertex_2d *vertices;
 	uint32_t *indices;
-	uint32_t first; /* index of vertices[0] */
+	uint32_t first; /* index of vertices[0] in the list */
 } ui_mesh;
 
-/* Adds so many vertices and indices, to be filled by the caller, to the list under its clip. False without memory. */
+/* Adds a shape with the list's current clip. The caller fills all vertices and indices of *mesh. False: no memory, and
+ * the list is marked. */
 bool ui_list_add(stilb_ui_draw_list *list, uint32_t vertex_count, uint32_t index_count, ui_mesh *mesh);
 
-/* Whether anything of it can be seen; false when it is not a number. */
+/* True if the rectangle overlaps the clip; false if a coordinate is NaN. */
 bool ui_list_sees(const stilb_ui_draw_list *list, float x0, float y0, float x1, float y1);
 
-/* The texture's corners are white, whichever way it is sampled there. */
+/* For STILB_CHECK: the commands hold all indices in order, neighbours have different clips, and all indices are of
+ * vertices. */
+bool ui_list_is_sound(const stilb_ui_draw_list *list);
+
+/* A vertex of a shape without texture: uv (0, 0) is a white texel at a corner of the texture, so that filtering and
+ * wrapping change nothing. */
 static inline stilb_render_vertex_2d ui_vertex(float x, float y, stilb_ui_color color)
 {
 	return (stilb_render_vertex_2d){{x, y}, {0.0f, 0.0f}, {color.r, color.g, color.b, color.a}};
 }
 
-/* The two triangles of four corners in order around. */
+/* The two triangles of the quadrilateral a b c d, corners in order around it. */
 static inline void ui_quad_indices(uint32_t *indices, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
 	indices[0] = a;
@@ -54,56 +62,61 @@ static inline void ui_quad_indices(uint32_t *indices, uint32_t a, uint32_t b, ui
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
-/* The TrueType files; each ends where its _end is. */
+/* The TrueType files as they are on disk. */
 extern const uint8_t ui_text_sans[] __attribute__((visibility("hidden")));
 extern const uint8_t ui_text_bold[] __attribute__((visibility("hidden")));
 
-/* Glyphs stand on whole pixels down and on quarters of a pixel across, and there is a picture for each quarter. */
+/* Glyphs are placed at whole pixels vertically and at quarters of a pixel horizontally, with a picture for each
+ * quarter. */
 #define UI_GLYPH_PHASES 4
 
-/* Places in the table of characters: 0 is the box for what is not there. */
+/* Glyph 0 is the box for characters that the font lacks. */
 #define UI_GLYPHS_MAX 256
 
-/* One picture of a glyph, in pixels that are texels. */
+/* A glyph's picture in the atlas; a texel is a pixel. */
 typedef struct ui_glyph {
-	uint16_t x, y, width, height; /* in the atlas; nothing to draw where the width is 0 */
-	int16_t left, top;            /* of the pen on the baseline, y down */
+	uint16_t x, y, width, height; /* rectangle in the atlas; width 0: nothing to draw */
+	int16_t left, top;            /* of the rectangle, from the pen on the baseline, y down */
 } ui_glyph;
 
 struct stilb_ui_font {
-	float line, ascent;
-	float texel_x, texel_y; /* uv of a texel */
-	float advance[UI_GLYPHS_MAX];
+	float line, ascent;           /* see stilb_ui_font_line, stilb_ui_font_ascent */
+	float texel_x, texel_y;       /* size of a texel in uv */
+	float advance[UI_GLYPHS_MAX]; /* how far each glyph moves the pen, pixels */
 	ui_glyph glyphs[UI_GLYPHS_MAX][UI_GLYPH_PHASES];
 };
 
-/* All fonts in one picture of coverage, whose corners are full. The lower half is the same for dark letters. */
+/* All fonts in one picture of coverage. Its four corners are 255, for shapes without texture. The lower half repeats
+ * the glyphs with the coverage for dark letters. */
 typedef struct ui_fonts {
 	stilb_ui_font fonts[STILB_UI_TEXT_KINDS];
 	uint32_t width, height;
 	uint8_t *coverage; /* [height][width] */
 } ui_fonts;
 
-/* Draws the glyphs of all kinds at this scale. STILB_ERROR_MEMORY. */
+/* Draws the glyphs of all kinds of text at this scale, 0.5..4. STILB_ERROR_MEMORY: nothing is to be finished. */
 stilb_result ui_fonts_init(ui_fonts *fonts, float scale);
+
 /* Accepts {0}. */
 void ui_fonts_finish(ui_fonts *fonts);
 
-/* The place of a character in the tables of glyphs, 0 when there is none. */
+/* The index of a character in the tables of glyphs; 0 if the fonts lack it. */
 uint32_t ui_glyph_index(uint32_t character);
-/* The character of a place; 0 behind the last. */
+
+/* The character of a glyph, 0xffff for the box; 0 beyond the last glyph. */
 uint32_t ui_glyph_character(uint32_t index);
 
-/* The next character of UTF-8 text, which moves on; 0 at its end, UINT32_MAX for a byte that is none. */
+/* Decodes the next character of UTF-8 text and moves *text behind it. 0: the end. UINT32_MAX: a byte that does not
+ * begin a character. */
 uint32_t ui_text_next(const char **text);
 
 /* ---- frames and widgets ------------------------------------------------------------------------------------------ */
 
-/* A place that reacted in a frame. */
+/* An area that reacts to the user (stilb_ui_area). */
 typedef struct ui_item {
 	uint64_t id;
-	stilb_ui_rect rect;
-	uint32_t takes;
+	stilb_ui_rect rect; /* its visible part */
+	uint32_t takes;     /* STILB_UI_TAKES_... */
 } ui_item;
 
 typedef struct ui_items {
@@ -120,6 +133,8 @@ typedef struct ui_panel {
 #define UI_PANEL_DEPTH 4
 
 struct stilb_ui {
+	stilb_owner writer; /* the thread between begin and end; nobody otherwise */
+	bool in_frame;      /* between begin and end */
 	stilb_ui_draw_list list;
 	stilb_ui_style style;
 	ui_fonts fonts;
@@ -128,39 +143,50 @@ struct stilb_ui {
 	stilb_render_texture texture; /* of the fonts */
 
 	stilb_ui_input input;
-	ui_items now, before;                      /* what reacts in this frame, and what did in the one before */
+	ui_items now, before; /* the areas of this frame so far, and those of the frame before */
+
+	/* Ids of areas, 0: none. */
 	uint64_t hot;                              /* under the mouse */
 	uint64_t wheel;                            /* gets the wheel */
-	uint64_t active;                           /* the button is held on it */
+	uint64_t active;                           /* the button went down on it and is still held */
 	uint64_t pressed, double_clicked, clicked; /* in this frame */
 	uint64_t focus;                            /* has the keys */
-	float press_x, press_y;                    /* where the button went down last, */
-	float press_age;                           /* how long ago, seconds, */
-	uint64_t press_id;                         /* and on what */
-	float move_x, move_y;                      /* of the mouse in this frame */
+	uint64_t press_id;                         /* of the last press, unless it was a double click */
+	float press_x, press_y;                    /* where the button went down last, pixels */
+	float press_age;                           /* how long ago that was, seconds */
+	float move_x, move_y;                      /* of the mouse in this frame, pixels */
 
-	uint64_t ids[STILB_UI_ID_DEPTH]; /* what ids are hashed with; [id_count] */
+	uint64_t ids[STILB_UI_ID_DEPTH]; /* [id_count] hashes that the ids of areas continue, see stilb_ui_id_push */
 	uint32_t id_count;
-	ui_panel panels[UI_PANEL_DEPTH];
+	ui_panel panels[UI_PANEL_DEPTH]; /* [panel_count] begun and not ended */
 	uint32_t panel_count;
-	char tooltip[STILB_UI_TOOLTIP_SIZE];
+	char tooltip[STILB_UI_TOOLTIP_SIZE]; /* "": none */
 };
 
-/* Gives the renderer the glyphs; then ui->render is set. */
+/* In functions that are called between stilb_ui_begin and stilb_ui_end, by the thread that began. */
+#define UI_ASSERT_IN_FRAME(ui)                                                                                         \
+	do {                                                                                                               \
+		STILB_ASSERT((ui)->in_frame && "between begin and end");                                                       \
+		STILB_ASSERT_OWNER((ui)->writer);                                                                              \
+	} while (0)
+
+/* Uploads the glyphs as a texture; on success ui->render is set. */
 stilb_result ui_texture_create(stilb_ui *ui, stilb_render *render);
 
-/* The part of a label that is shown: up to "##". */
+/* The visible part of a label: up to "##", 255 bytes at most. */
 typedef struct ui_label {
 	char text[256];
 } ui_label;
 ui_label ui_label_shown(const char *label);
 
-/* Room for `more` elements behind count; false without memory. */
+/* Makes an array of `count` elements of `size` bytes hold `more` further ones; *memory and *capacity follow. False: no
+ * memory, and the array is as before. */
 bool ui_reserve(void **memory, uint32_t *capacity, uint32_t count, uint32_t more, size_t size);
 
-/* The frame around what has the keys. */
+/* The outline around an area that has the keys; nothing if it has not. */
 void ui_draw_focus(stilb_ui *ui, stilb_ui_rect rect, float radius, const stilb_ui_action *action);
 
+/* Draws the tooltip of this frame, if there is one. */
 void ui_tooltip_draw(stilb_ui *ui);
 
 #endif

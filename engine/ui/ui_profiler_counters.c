@@ -1,24 +1,25 @@
-/* Below the lanes: a curve for each counter. A value holds until the next one is recorded. */
+/* The curves of the counters, below the lanes. A counter keeps its value until the next one is recorded, so a curve is
+ * made of steps. */
 #include "ui/ui_internal.h"
 #include "ui/ui_profiler_internal.h"
 
 #include <math.h>
 #include <stdio.h>
 
-#define COUNTER_LINES 2.0f /* of text that a curve is high */
+#define COUNTER_LINES 2.0f /* height of a curve, in lines of text */
 #define COUNTER_GAP 10.0f  /* pixels between two curves */
-#define COUNTER_LINE 1.5f  /* pixels: of the curve itself */
+#define COUNTER_LINE 1.5f  /* pixels: thickness of a curve */
 
-/* One curve in the making. */
+/* A curve that is being drawn. */
 typedef struct counter_curve {
 	stilb_ui_draw_list *list;
 	const ui_profiler_view *view;
 	stilb_ui_rect area;
-	stilb_ui_color line, ground;
-	double low, high; /* values at the area's bottom and top: 0 is between them */
+	stilb_ui_color line, ground; /* ground: between the curve and 0 */
+	double low, high;            /* values at the area's bottom and top: low <= 0 <= high, low < high */
 } counter_curve;
 
-/* A column of pixels with all values that were recorded in it. */
+/* All values that were recorded within one column of pixels. */
 typedef struct counter_column {
 	float x;
 	double least, most, last;
@@ -29,6 +30,7 @@ float ui_profiler_counters_height(const stilb_ui_profiler *profiler, float level
 	return (float)profiler->data.counter_count * (COUNTER_LINES * level + COUNTER_GAP);
 }
 
+/* The column of pixels of a time, clamped to the area. */
 static float counter_x(const counter_curve *curve, uint64_t ns)
 {
 	double x = ((double)ns - curve->view->begin_ns) * curve->view->pixels_per_ns;
@@ -38,11 +40,12 @@ static float counter_x(const counter_curve *curve, uint64_t ns)
 
 static float counter_y(const counter_curve *curve, double value)
 {
+	STILB_ASSERT(curve->low < curve->high);
 	double share = (value - curve->low) / (curve->high - curve->low);
 	return curve->area.y1 - COUNTER_LINE - (float)share * (curve->area.y1 - curve->area.y0 - COUNTER_LINE);
 }
 
-/* A value from x0 to x1, and what lies between it and 0 below the curve. */
+/* The curve at one value from x0 to x1, and the area between it and 0. */
 static void counter_draw_value(const counter_curve *curve, float x0, float x1, double value)
 {
 	float y = counter_y(curve, value), zero = counter_y(curve, 0.0);
@@ -53,7 +56,7 @@ static void counter_draw_value(const counter_curve *curve, float x0, float x1, d
 	stilb_ui_draw_rect(curve->list, (stilb_ui_rect){x0, y, x1, y + COUNTER_LINE}, curve->line);
 }
 
-/* A column, and its last value on to the next one at x1. */
+/* A column, and its last value up to the next column at x1. Several values in a column become a vertical line. */
 static void counter_draw_column(const counter_curve *curve, const counter_column *column, float x1)
 {
 	counter_draw_value(curve, column->x, x1, column->last);
@@ -62,6 +65,7 @@ static void counter_draw_column(const counter_curve *curve, const counter_column
 		stilb_ui_draw_rect(curve->list, (stilb_ui_rect){column->x, top, column->x + 1.0f, bottom}, curve->line);
 }
 
+/* Walks the points that are visible, and the last one before them, and draws them column by column. */
 static void counter_draw_curve(const counter_curve *curve, const stilb_ui_profiler *profiler,
                                const ui_profiler_counter *counter)
 {
@@ -85,7 +89,7 @@ static void counter_draw_curve(const counter_curve *curve, const stilb_ui_profil
 		}
 		if (column.x >= 0.0f)
 			counter_draw_column(curve, &column, x);
-		/* A step begins where the value before it was. */
+		/* The step's vertical line begins at the previous value. */
 		column = (counter_column){x, point->value, point->value, point->value};
 		if (i > counter->first && point->ns > begin) {
 			double before = snapshot->points[profiler->data.points[i - 1]].value;
@@ -97,14 +101,14 @@ static void counter_draw_curve(const counter_curve *curve, const stilb_ui_profil
 		counter_draw_column(curve, &column, counter_x(curve, snapshot->end_ns));
 }
 
-/* "3999.5": what a person would read off. */
+/* The value with six significant digits, "3999.5". Returns text. */
 static const char *counter_text(char *text, size_t size, double value)
 {
 	snprintf(text, size, "%.6g", value);
 	return text;
 }
 
-/* The name, the last value in the frame, and the range of all that is held. */
+/* The name; below it the last value in the frame, and the range over the whole snapshot. */
 static void counter_draw_name(const stilb_ui_profiler *profiler, stilb_ui *ui, const ui_profiler_view *view, float top,
                               const ui_profiler_counter *counter)
 {
@@ -132,7 +136,7 @@ static void counter_draw_name(const stilb_ui_profiler *profiler, stilb_ui *ui, c
 	stilb_ui_draw_text(stilb_ui_list(ui), small, place, STILB_UI_ALIGN_LEFT, style->text_muted, text);
 }
 
-/* What is under the mouse. */
+/* The tooltip of the curve under the mouse: its value there, and when and by which thread that was recorded. */
 static void counter_tip(const stilb_ui_profiler *profiler, stilb_ui *ui, const counter_curve *curve,
                         const ui_profiler_counter *counter)
 {
@@ -157,6 +161,7 @@ void ui_profiler_draw_counters(stilb_ui_profiler *profiler, stilb_ui *ui, const 
 	float height = COUNTER_LINES * view->level;
 	for (uint32_t i = 0; i < profiler->data.counter_count; i++, top += height + COUNTER_GAP) {
 		const ui_profiler_counter *counter = &profiler->data.counters[i];
+		STILB_ASSERT(counter->minimum <= counter->maximum && "a counter has a point");
 		stilb_ui_color color = stilb_ui_rgb(profiler->colors.rgb[counter->label]);
 		counter_curve curve = {.list = stilb_ui_list(ui),
 		                       .view = view,

@@ -1,5 +1,4 @@
-/* The profiler's window without its looks: walks over lanes, merging, history. What a frame's report says is
- * ui_profiler_report.c's. */
+/* Walks over lanes, merging of narrow zones, counters and history. The report of a frame is in ui_profiler_report.c. */
 #include "ui/ui_profiler_data.h"
 
 #include <stdio.h>
@@ -8,7 +7,7 @@
 
 /* ---- walking a lane ---------------------------------------------------------------------------------------------- */
 
-static bool lane_begins(const char *name, const char *word)
+static bool name_begins(const char *name, const char *word)
 {
 	return strncmp(name, word, strlen(word)) == 0;
 }
@@ -20,12 +19,12 @@ bool ui_profiler_presents(const char *name)
 
 ui_profiler_kind ui_profiler_kind_of(const char *name)
 {
-	if (lane_begins(name, "wait") || ui_profiler_presents(name))
+	if (name_begins(name, "wait") || ui_profiler_presents(name))
 		return UI_PROFILER_WAIT;
 	return strcmp(name, "parked") == 0 || strcmp(name, "idle") == 0 ? UI_PROFILER_IDLE : UI_PROFILER_WORK;
 }
 
-/* How many of the lane's zones begin at ns or before. */
+/* The number of the lane's zones that begin at ns or before. */
 static uint32_t lane_begun(const stilb_prof_lane *lane, uint64_t ns)
 {
 	uint32_t low = 0, high = lane->zone_count;
@@ -39,15 +38,18 @@ static uint32_t lane_begun(const stilb_prof_lane *lane, uint64_t ns)
 	return low;
 }
 
-/* The first outermost zone that can reach ns: siblings do not overlap, so those before it have ended. */
+/* The outermost zone that holds ns, or the last one before it; 0 if there is none. All outermost zones before it have
+ * ended at ns, because siblings do not overlap. */
 static uint32_t lane_first(const stilb_prof_lane *lane, uint64_t ns)
 {
 	uint32_t zone = lane_begun(lane, ns);
 	if (zone == 0)
 		return 0;
 	zone--;
-	while (lane->zones[zone].parent != STILB_PROF_NONE)
+	while (lane->zones[zone].parent != STILB_PROF_NONE) {
+		STILB_ASSERT(lane->zones[zone].parent < zone && "parents stand before their children");
 		zone = lane->zones[zone].parent;
+	}
 	return zone;
 }
 
@@ -66,6 +68,7 @@ bool ui_profiler_walk_next(ui_profiler_walk *walk, ui_profiler_stretch *stretch)
 		walk->innermost = zones[walk->innermost].parent;
 	while (walk->next < lane->zone_count && zones[walk->next].begin_ns <= walk->at_ns) {
 		const stilb_prof_zone *zone = &zones[walk->next];
+		STILB_ASSERT(zone->size > 0 && "a zone's subtree holds the zone");
 		if (zone->end_ns > walk->at_ns)
 			walk->innermost = walk->next++;
 		else
@@ -109,6 +112,7 @@ uint64_t ui_profiler_off_cpu(const stilb_prof_lane *lane, uint64_t begin_ns, uin
 		if (s->out_ns >= end_ns)
 			break;
 		uint64_t from = s->out_ns > begin_ns ? s->out_ns : begin_ns, to = s->in_ns < end_ns ? s->in_ns : end_ns;
+		STILB_ASSERT(from <= to && "a switch ends after it begins");
 		off += to - from;
 		*preempted += s->preempted ? to - from : 0;
 	}
@@ -117,13 +121,12 @@ uint64_t ui_profiler_off_cpu(const stilb_prof_lane *lane, uint64_t begin_ns, uin
 
 /* ---- merging ----------------------------------------------------------------------------------------------------- */
 
-#define SPANS_LEVELS                                                                                                   \
-	(STILB_PROF_DEPTH_MAX + 1u) /* deeper zones, which only files of other programs have, are left out */
+/* Deeper zones, which only files of other programs have, are left out. */
+#define SPANS_LEVELS (STILB_PROF_DEPTH_MAX + 1u)
 
-/* The run of narrow zones that each level is collecting; count 0: none. */
 typedef struct spans_builder {
 	ui_profiler_spans *out;
-	ui_profiler_span runs[SPANS_LEVELS];
+	ui_profiler_span runs[SPANS_LEVELS]; /* the narrow zones that each level has collected so far; count 0: none */
 	double narrow_ns;
 } spans_builder;
 
@@ -141,7 +144,7 @@ static bool spans_push(ui_profiler_spans *spans, const ui_profiler_span *span)
 	return true;
 }
 
-/* Runs from this level on are over: what comes next is wide, and they must not lie on it. */
+/* Ends the runs of this level and all deeper ones: the next zone is wide, and a run must not reach across it. */
 static bool spans_flush(spans_builder *builder, uint32_t level)
 {
 	for (; level < SPANS_LEVELS; level++) {
@@ -153,7 +156,7 @@ static bool spans_flush(spans_builder *builder, uint32_t level)
 	return true;
 }
 
-/* A narrow zone, with all that lies in it, joins its level's run or begins a new one. */
+/* Adds a narrow zone, with all zones nested in it, to its level's run, or begins a new run with it. */
 static bool spans_narrow(spans_builder *builder, const stilb_prof_lane *lane, uint32_t index)
 {
 	const stilb_prof_zone *zone = &lane->zones[index];
@@ -173,9 +176,26 @@ static bool spans_narrow(spans_builder *builder, const stilb_prof_lane *lane, ui
 	return true;
 }
 
+/* Each span holds its longest zone, and the spans of one level ascend and do not overlap. */
+static bool spans_are_sound(const ui_profiler_spans *spans, const stilb_prof_lane *lane)
+{
+	uint64_t reached[SPANS_LEVELS] = {0};
+	for (uint32_t i = 0; i < spans->count; i++) {
+		const ui_profiler_span *span = &spans->spans[i];
+		if (span->count == 0 || span->level >= SPANS_LEVELS || span->begin_ns < reached[span->level] ||
+		    span->end_ns < span->begin_ns || span->zone >= lane->zone_count ||
+		    lane->zones[span->zone].begin_ns < span->begin_ns || lane->zones[span->zone].end_ns > span->end_ns)
+			return false;
+		reached[span->level] = span->end_ns;
+	}
+	return true;
+}
+
 bool ui_profiler_spans_build(ui_profiler_spans *spans, const stilb_prof_lane *lane, uint64_t begin_ns, uint64_t end_ns,
                              double narrow_ns)
 {
+	STILB_ASSERT(begin_ns <= end_ns);
+	STILB_ASSERT(narrow_ns >= 0.0);
 	spans_builder builder = {.out = spans, .narrow_ns = narrow_ns};
 	spans->count = 0;
 	for (uint32_t i = lane_first(lane, begin_ns); i < lane->zone_count && lane->zones[i].begin_ns < end_ns;) {
@@ -193,7 +213,10 @@ bool ui_profiler_spans_build(ui_profiler_spans *spans, const stilb_prof_lane *la
 			i++;
 		}
 	}
-	return spans_flush(&builder, 0);
+	if (!spans_flush(&builder, 0))
+		return false;
+	STILB_CHECK(spans_are_sound(spans, lane));
+	return true;
 }
 
 void ui_profiler_spans_finish(ui_profiler_spans *spans)
@@ -207,7 +230,9 @@ void ui_profiler_spans_finish(ui_profiler_spans *spans)
 uint32_t ui_profiler_counter_at(const ui_profiler_data *data, const stilb_prof_snapshot *snapshot,
                                 const ui_profiler_counter *counter, uint64_t ns)
 {
-	uint32_t low = counter->first, high = counter->first + counter->count; /* the first that comes after ns */
+	STILB_ASSERT(counter >= data->counters && counter < data->counters + data->counter_count);
+	/* Binary search for the first point after ns. */
+	uint32_t low = counter->first, high = counter->first + counter->count;
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
 		if (snapshot->points[data->points[middle]].ns <= ns)
@@ -224,7 +249,7 @@ uint32_t ui_profiler_frame_find(const stilb_prof_snapshot *snapshot, uint64_t nu
 {
 	if (snapshot->frame_count == 0 || number < snapshot->frames[0].number)
 		return STILB_PROF_NONE;
-	/* Numbers follow each other, save for files that were written by others. */
+	/* Numbers are consecutive, except in trace files of other programs: then the frame is further to the front. */
 	uint64_t guess = number - snapshot->frames[0].number;
 	for (uint64_t i = guess < snapshot->frame_count ? guess + 1 : snapshot->frame_count; i-- > 0;)
 		if (snapshot->frames[i].number == number)
@@ -271,6 +296,7 @@ uint32_t ui_profiler_parts(stilb_prof_lane_kind kind, const ui_profiler_lane_sum
 
 void ui_profiler_average(const stilb_prof_frame_stats *history, float average_ms[STILB_PROF_STATS_FRAMES])
 {
+	STILB_ASSERT(history->count <= STILB_PROF_STATS_FRAMES);
 	double sum = 0.0;
 	for (uint32_t i = 0; i < history->count; i++) {
 		uint32_t frames = i + 1 < UI_PROFILER_AVERAGE ? i + 1 : UI_PROFILER_AVERAGE;
@@ -283,6 +309,7 @@ void ui_profiler_average(const stilb_prof_frame_stats *history, float average_ms
 
 uint32_t ui_profiler_slowest(const stilb_prof_frame_stats *history)
 {
+	STILB_ASSERT(history->count > 0 && history->count <= STILB_PROF_STATS_FRAMES);
 	uint32_t slowest = 0;
 	for (uint32_t i = 0; i < history->count; i++)
 		if (history->ms[i] >= history->ms[slowest])

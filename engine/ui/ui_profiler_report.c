@@ -1,5 +1,4 @@
-/* What a frame of a snapshot comes down to: where each thread's time went, what limits the frame, who waited for
- * whom. */
+/* The report of a frame: where each thread's time went, what limits the frame, and who waited longest for whom. */
 #include "ui/ui_profiler_data.h"
 
 #include <math.h>
@@ -8,16 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define REPORT_GROUPS 32 /* waits of one lane that are told apart */
+#define REPORT_GROUPS 32 /* groups of waits that are kept for each lane */
 
-/* What the parts of a report work on. */
+/* The input of the functions below, and the data that they fill. */
 typedef struct report_input {
 	ui_profiler_data *data;
 	const stilb_prof_snapshot *snapshot;
 	uint64_t begin_ns, end_ns; /* the frame */
-	uint32_t wrapper;          /* zone of the frame's thread that holds all of the frame, or STILB_PROF_NONE */
+	uint32_t wrapper;          /* zone of the frame's thread that spans the frame ("frame"), or STILB_PROF_NONE */
 } report_input;
 
+/* How long the zone lies in the frame, nanoseconds. */
 static uint64_t report_overlap(const report_input *in, const stilb_prof_zone *zone)
 {
 	uint64_t from = zone->begin_ns > in->begin_ns ? zone->begin_ns : in->begin_ns;
@@ -30,7 +30,7 @@ static ui_profiler_kind report_kind(const report_input *in, const stilb_prof_lan
 	return (ui_profiler_kind)in->data->kinds[lane->zones[zone].label];
 }
 
-/* What lies outside all zones is work of which nothing is known. */
+/* Time outside all zones counts as work: a thread does something there that nobody has marked. */
 static ui_profiler_kind report_stretch_kind(const report_input *in, const stilb_prof_lane *lane,
                                             const ui_profiler_stretch *stretch)
 {
@@ -39,14 +39,17 @@ static ui_profiler_kind report_stretch_kind(const report_input *in, const stilb_
 
 static const char *report_label(const report_input *in, uint32_t label)
 {
+	STILB_ASSERT(label < in->snapshot->label_count);
 	return in->snapshot->labels[label].name;
 }
 
+/* Appends to the text of size bytes, cut short at its end. */
 static void report_append(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 static void report_append(char *text, size_t size, const char *format, ...)
 {
 	size_t length = strlen(text);
+	STILB_ASSERT(length < size);
 	va_list arguments;
 	va_start(arguments, format);
 	vsnprintf(text + length, size - length, format, arguments);
@@ -55,6 +58,7 @@ static void report_append(char *text, size_t size, const char *format, ...)
 
 /* ---- sums -------------------------------------------------------------------------------------------------------- */
 
+/* Adds every stretch of the lane in the frame to the part that it belongs to. */
 static void report_sum_lane(const report_input *in, const stilb_prof_lane *lane, ui_profiler_lane_sum *sum)
 {
 	ui_profiler_walk walk = ui_profiler_walk_begin(lane, in->begin_ns, in->end_ns);
@@ -70,15 +74,18 @@ static void report_sum_lane(const report_input *in, const stilb_prof_lane *lane,
 			sum->idle_ns += length;
 		} else {
 			off = ui_profiler_off_cpu(lane, stretch.begin_ns, stretch.end_ns, &lost);
+			STILB_ASSERT(lost <= off && off <= length);
 			sum->lost_ns += lost;
 			sum->asleep_ns += off - lost;
 			*(stretch.zone == STILB_PROF_NONE ? &sum->outside_ns : &sum->work_ns) += length - off;
 		}
 	}
+	STILB_ASSERT(sum->work_ns + sum->wait_ns + sum->idle_ns + sum->asleep_ns + sum->lost_ns + sum->outside_ns ==
+	             in->end_ns - in->begin_ns);
 }
 
-/* How much of the frame lies in the lane's outermost zones, without those of idling; *longest is the longest of
- * them. */
+/* How long the frame is covered by the lane's outermost zones other than idle ones; *longest is the zone that covers
+ * most, or STILB_PROF_NONE. */
 static uint64_t report_cover(const report_input *in, const stilb_prof_lane *lane, uint32_t *longest)
 {
 	uint64_t cover = 0, most = 0;
@@ -96,7 +103,8 @@ static uint64_t report_cover(const report_input *in, const stilb_prof_lane *lane
 	return cover;
 }
 
-/* The thread that runs frames: the first that is in zones for half of the frame, else the one that is most. */
+/* Finds the thread that runs frames: the first whose zones cover half of the frame, else the one whose zones cover most
+ * of it. Its wrapper is a zone with others in it that covers half of the frame by itself. */
 static void report_find_lane(report_input *in)
 {
 	ui_profiler_report *report = &in->data->report;
@@ -110,15 +118,18 @@ static void report_find_lane(report_input *in)
 			continue;
 		most = cover;
 		report->lane = i;
+		STILB_ASSERT(longest < lane->zone_count && "a covered frame has a longest zone");
 		bool whole = report_overlap(in, &lane->zones[longest]) >= half && lane->zones[longest].size > 1;
 		in->wrapper = whole ? longest : STILB_PROF_NONE;
 	}
 }
 
-/* The part of the frame that takes longest: of what lies in the wrapper, or of the outermost zones. */
+/* Finds the part of the frame that takes longest, by label: among the wrapper's children if there is a wrapper, else
+ * among the outermost zones. The time that they leave over counts as the wrapper's own. */
 static void report_find_stage(const report_input *in)
 {
 	ui_profiler_report *report = &in->data->report;
+	STILB_ASSERT(report->lane < in->snapshot->lane_count);
 	const stilb_prof_lane *lane = &in->snapshot->lanes[report->lane];
 	uint64_t *sums = in->data->label_ns, left = in->end_ns - in->begin_ns;
 	uint32_t from = in->wrapper == STILB_PROF_NONE ? 0 : in->wrapper + 1;
@@ -142,7 +153,8 @@ static void report_find_stage(const report_input *in)
 	}
 }
 
-/* What took most of the time begin_ns..end_ns on the lane by itself, in work: counted in label_ns. */
+/* Adds the lane's time in zones of work during begin_ns..end_ns to data->label_ns, each stretch to the label of its
+ * innermost zone. */
 static void report_count_labels(const report_input *in, const stilb_prof_lane *lane, uint64_t begin_ns, uint64_t end_ns)
 {
 	ui_profiler_walk walk = ui_profiler_walk_begin(lane, begin_ns, end_ns);
@@ -152,6 +164,7 @@ static void report_count_labels(const report_input *in, const stilb_prof_lane *l
 			in->data->label_ns[lane->zones[stretch.zone].label] += stretch.end_ns - stretch.begin_ns;
 }
 
+/* The label with the most time in data->label_ns, or STILB_PROF_NONE if all are 0. */
 static uint32_t report_most_label(const report_input *in)
 {
 	uint32_t most = STILB_PROF_NONE;
@@ -161,7 +174,7 @@ static uint32_t report_most_label(const report_input *in)
 	return most;
 }
 
-/* The device that worked most; its busy time. */
+/* The device with the most busy time in the frame, or STILB_PROF_NONE without devices; *busy_ns is that time. */
 static uint32_t report_find_device(const report_input *in, uint64_t *busy_ns)
 {
 	uint32_t device = STILB_PROF_NONE;
@@ -196,21 +209,22 @@ static void report_count_events(const report_input *in)
 		others += flow->to_lane != STILB_PROF_NONE && flow->to_ns >= in->begin_ns && flow->to_ns < in->end_ns;
 	}
 	in->data->report.events = zones + others;
-	/* A zone reads the clock twice, anything else once: nearly all of the cost. */
+	/* Nearly all of the cost is reading the clock: a zone does it twice, any other event once. */
 	in->data->report.cost_ns = (uint64_t)((zones + 0.5 * others) * snapshot->zone_cost_ns);
 }
 
 /* ---- waits ------------------------------------------------------------------------------------------------------- */
 
-/* Stretches of a lane in which it waited or was off the CPU for the same reason; two walks give the same groups. */
+/* The waits of one lane, grouped by reason. */
 typedef struct report_waits {
 	const report_input *in;
 	uint32_t lane;
-	ui_profiler_wait groups[REPORT_GROUPS + 1]; /* the last is for a lost CPU, of which all must be counted */
+	ui_profiler_wait groups[REPORT_GROUPS + 1]; /* one more than waits get, so that a lost CPU always has a group */
 	uint32_t count;
 } report_waits;
 
-/* The work that a wait is part of: not the whole frame, which says nothing. */
+/* The label of the zone of work around a zone, or STILB_PROF_NONE. The wrapper does not count: that a wait was in
+ * "frame" tells nothing. */
 static uint32_t report_wait_place(const report_input *in, uint32_t lane, uint32_t zone)
 {
 	const stilb_prof_lane *l = &in->snapshot->lanes[lane];
@@ -221,15 +235,18 @@ static uint32_t report_wait_place(const report_input *in, uint32_t lane, uint32_
 	return l->zones[zone].label;
 }
 
-/* Whoever takes the CPU away does not ask in what: that is one reason, wherever it happens. */
+/* True if a wait belongs to the group. A lost CPU is one reason, whichever zone it interrupts. */
 static bool report_wait_is(const ui_profiler_wait *group, uint32_t label, uint32_t place, bool preempted)
 {
 	return group->label == label && group->preempted == preempted && (preempted || group->in_label == place);
 }
 
+/* Adds a wait to its group. place: the label of the work around it. Waits beyond REPORT_GROUPS reasons are left out. */
 static void report_wait_add(report_waits *waits, uint32_t label, uint32_t place, bool preempted, uint64_t begin,
                             uint64_t end)
 {
+	STILB_ASSERT(begin <= end);
+	STILB_ASSERT(waits->count <= REPORT_GROUPS + 1);
 	ui_profiler_wait *group = waits->groups;
 	while (group < waits->groups + waits->count && !report_wait_is(group, label, place, preempted))
 		group++;
@@ -252,7 +269,7 @@ static void report_wait_add(report_waits *waits, uint32_t label, uint32_t place,
 	}
 }
 
-/* Off the CPU in the middle of work, or outside all zones. */
+/* Adds the times off the CPU during a stretch of work or outside all zones. */
 static void report_wait_off(report_waits *waits, const stilb_prof_lane *lane, const ui_profiler_stretch *stretch)
 {
 	uint32_t place = report_wait_place(waits->in, waits->lane, stretch->zone);
@@ -266,6 +283,8 @@ static void report_wait_off(report_waits *waits, const stilb_prof_lane *lane, co
 	}
 }
 
+/* Fills waits with those of its lane in the frame. idle_too: having nothing to do is a wait as well, as for the frame's
+ * own thread, which cannot go on until others are done. */
 static void report_collect_waits(report_waits *waits, bool idle_too)
 {
 	const report_input *in = waits->in;
@@ -282,7 +301,7 @@ static void report_collect_waits(report_waits *waits, bool idle_too)
 	}
 }
 
-/* The next stretch of the lane that belongs to the group. */
+/* The next stretch of the walk that belongs to the group; false: there is none. */
 static bool report_wait_next(const report_input *in, const ui_profiler_wait *group, ui_profiler_walk *walk,
                              ui_profiler_stretch *stretch)
 {
@@ -293,7 +312,7 @@ static bool report_wait_next(const report_input *in, const ui_profiler_wait *gro
 	return false;
 }
 
-/* When the lane was last at work in begin_ns..end_ns, begin_ns if never. */
+/* The end of the lane's last stretch of work in begin_ns..end_ns; begin_ns if there is none. */
 static uint64_t report_last_work(const report_input *in, const stilb_prof_lane *lane, uint64_t begin_ns,
                                  uint64_t end_ns)
 {
@@ -306,7 +325,8 @@ static uint64_t report_last_work(const report_input *in, const stilb_prof_lane *
 	return last;
 }
 
-/* For whom the waits of the group were: the thread that was at work last in most of their time. */
+/* The thread that the group's waits were for: in each wait it is the one that worked last; of these, the one with the
+ * most time of waiting. STILB_PROF_NONE: nobody worked meanwhile. */
 static uint32_t report_wait_for_thread(const report_input *in, const ui_profiler_wait *group)
 {
 	ui_profiler_walk walk = ui_profiler_walk_begin(&in->snapshot->lanes[group->lane], in->begin_ns, in->end_ns);
@@ -336,9 +356,10 @@ static uint32_t report_wait_for_thread(const report_input *in, const ui_profiler
 	return whom;
 }
 
-/* What the one that was waited for did meanwhile. */
+/* Fills the members for_... and after_... of a group whose for_lane is known: what that lane did during the waits. */
 static void report_wait_explain(const report_input *in, ui_profiler_wait *group)
 {
+	STILB_ASSERT(group->for_lane < in->snapshot->lane_count);
 	const stilb_prof_lane *whom = &in->snapshot->lanes[group->for_lane];
 	ui_profiler_walk walk = ui_profiler_walk_begin(&in->snapshot->lanes[group->lane], in->begin_ns, in->end_ns);
 	ui_profiler_stretch waited, stretch;
@@ -367,6 +388,7 @@ static void report_wait_explain(const report_input *in, ui_profiler_wait *group)
 	group->for_label = report_most_label(in);
 }
 
+/* *best becomes the longest group of waits if that is longer. */
 static void report_consider(report_waits *waits, ui_profiler_wait *best)
 {
 	for (uint32_t i = 0; i < waits->count; i++)
@@ -374,14 +396,15 @@ static void report_consider(report_waits *waits, ui_profiler_wait *best)
 			*best = waits->groups[i];
 }
 
-/* Waits below it are not worth a word. */
+/* Shorter waits are not mentioned: 2 % of the frame, but at least 20 µs. Nanoseconds. */
 static uint64_t report_threshold(const report_input *in)
 {
 	uint64_t share = (in->end_ns - in->begin_ns) / 50;
 	return share > 20000 ? share : 20000;
 }
 
-/* What the frame's own thread waited for counts first: only that makes a frame longer for certain. */
+/* Finds the longest wait. Those of the frame's own thread come first, because only they surely make the frame longer;
+ * other threads count only if that one hardly waited. */
 static void report_find_wait(const report_input *in, uint32_t device)
 {
 	ui_profiler_wait *wait = &in->data->report.wait;
@@ -411,7 +434,7 @@ static void report_find_wait(const report_input *in, uint32_t device)
 
 /* ---- the verdict ------------------------------------------------------------------------------------------------- */
 
-/* Time on the frame's thread in waits for the GPU, or in those for presenting. */
+/* Time that the frame's thread spent in waits for the GPU; if presenting, in zones of ui_profiler_presents. */
 static uint64_t report_waited(const report_input *in, bool presenting)
 {
 	const stilb_prof_lane *lane = &in->snapshot->lanes[in->data->report.lane];
@@ -422,13 +445,14 @@ static uint64_t report_waited(const report_input *in, bool presenting)
 		if (stretch.zone == STILB_PROF_NONE || report_kind(in, lane, stretch.zone) != UI_PROFILER_WAIT)
 			continue;
 		const char *name = report_label(in, lane->zones[stretch.zone].label);
-		if (presenting ? ui_profiler_presents(name) : strstr(name, "GPU") != NULL)
+		bool for_gpu = strstr(name, "GPU");
+		if (presenting ? ui_profiler_presents(name) : for_gpu)
 			sum += stretch.end_ns - stretch.begin_ns;
 	}
 	return sum;
 }
 
-/* Presenting that takes longest and is spent asleep. */
+/* True if presenting is the longest part of the frame and the thread sleeps in more than half of it. */
 static bool report_display_limits(const report_input *in)
 {
 	const ui_profiler_report *report = &in->data->report;
@@ -442,9 +466,9 @@ static bool report_display_limits(const report_input *in)
 	return off > report->stage_ns / 2;
 }
 
-/* A processor that waits for the GPU while that is busy nearly all the time is not what limits; the wait may be hidden
- * in presenting. A slow frame of the processor's own may hold such a wait too, left over from the frame before: then
- * the GPU had time to spare. */
+/* The GPU limits the frame if it is busy for three quarters of it and the frame's thread waits for it, be it in
+ * presenting. A wait alone does not suffice: a frame that the CPU made slow may begin with a wait for the frame before,
+ * and then the GPU is idle later. Without a GPU lane, the waits are all there is to judge by. */
 static void report_find_limit(const report_input *in, uint32_t device)
 {
 	ui_profiler_report *report = &in->data->report;
@@ -467,7 +491,8 @@ static void report_find_limit(const report_input *in, uint32_t device)
 	}
 }
 
-/* Time outside all zones is the only part whose share of the CPU no zone below it tells. */
+/* If the longest part is the time outside all zones: how much of it was on a CPU, as words for the verdict; else "".
+ * For zones the table tells it. */
 static const char *report_outside_text(const report_input *in, char *text, size_t size)
 {
 	const ui_profiler_report *report = &in->data->report;
@@ -509,7 +534,7 @@ static void report_say_verdict(const report_input *in)
 	}
 }
 
-/* What the one that was waited for did, as far as it is worth a word. */
+/* Appends what the lane that was waited for did; parts under a fifth of the wait are left out. */
 static void report_say_other(const report_input *in, char *text, size_t size)
 {
 	const ui_profiler_wait *wait = &in->data->report.wait;
@@ -532,7 +557,8 @@ static void report_say_other(const report_input *in, char *text, size_t size)
 		              ui_profiler_time_text(part, sizeof part, wait->after_ns));
 }
 
-/* "In record, main waited 3.10 ms for worker 1, which was in record segment but had lost the CPU for 2.80 ms." */
+/* Writes the sentence about the longest wait, for example
+ * "In record, main waited 3.10 ms for worker 1, which was in record segment but had lost the CPU for 2.80 ms." */
 static void report_say_wait(const report_input *in)
 {
 	ui_profiler_report *report = &in->data->report;
@@ -579,7 +605,7 @@ static void report_say_wait(const report_input *in)
 
 /* ---- counters ---------------------------------------------------------------------------------------------------- */
 
-/* The counter of a label: that of a label of the same name, or a new one. */
+/* The counter of a label: that of an earlier label with the same name, or a new one. */
 static uint32_t counter_find(ui_profiler_data *data, const stilb_prof_snapshot *snapshot, uint32_t label)
 {
 	const char *name = snapshot->labels[label].name;
@@ -589,15 +615,18 @@ static uint32_t counter_find(ui_profiler_data *data, const stilb_prof_snapshot *
 	if (i == data->counter_count)
 		data->counters[data->counter_count++] =
 			(ui_profiler_counter){.label = label, .minimum = (double)INFINITY, .maximum = -(double)INFINITY};
+	STILB_ASSERT(data->counter_count <= snapshot->label_count);
 	return i;
 }
 
+/* True for points that are drawn: values of counters other than NaN and infinity. */
 static bool counter_has(const stilb_prof_point *point)
 {
 	return point->counter && isfinite(point->value);
 }
 
-/* Points ascend by time, so those of each counter do. */
+/* Groups the points by counter: counts them, then gives each counter its part of data->points. The points of a counter
+ * ascend by time because the snapshot's do. */
 static void report_collect_counters(ui_profiler_data *data, const stilb_prof_snapshot *snapshot)
 {
 	data->counter_count = 0;
@@ -627,9 +656,9 @@ static void report_collect_counters(ui_profiler_data *data, const stilb_prof_sna
 		}
 }
 
-/* ---- all together ------------------------------------------------------------------------------------------------ */
+/* ---- the report as a whole --------------------------------------------------------------------------------------- */
 
-/* Memory for so many elements; what it held is lost. */
+/* Makes *array, a pointer to elements of size bytes, hold count elements; their contents are lost. False: no memory. */
 static bool report_reserve(void *array, uint32_t *capacity, uint32_t count, size_t size)
 {
 	void **pointer = array;
@@ -638,7 +667,7 @@ static bool report_reserve(void *array, uint32_t *capacity, uint32_t count, size
 	free(*pointer);
 	*capacity = count + 16;
 	*pointer = malloc(*capacity * size);
-	return *pointer != NULL;
+	return *pointer;
 }
 
 static bool report_memory(ui_profiler_data *data, const stilb_prof_snapshot *snapshot)
@@ -652,10 +681,44 @@ static bool report_memory(ui_profiler_data *data, const stilb_prof_snapshot *sna
 	       report_reserve(&data->points, &data->capacity[6], snapshot->point_count, sizeof *data->points);
 }
 
+/* The zones of a lane as prof_snapshot.h promises them: ascending, parents before children, subtrees within their
+ * parents', labels in range; and switches that ascend. */
+static bool lane_is_sound(const stilb_prof_snapshot *snapshot, const stilb_prof_lane *lane)
+{
+	for (uint32_t i = 0; i < lane->zone_count; i++) {
+		const stilb_prof_zone *zone = &lane->zones[i];
+		if (zone->label >= snapshot->label_count || zone->size == 0 || zone->size > lane->zone_count - i ||
+		    zone->end_ns < zone->begin_ns || (i > 0 && zone->begin_ns < zone[-1].begin_ns))
+			return false;
+		if (zone->parent != STILB_PROF_NONE &&
+		    (zone->parent >= i || i + zone->size > zone->parent + lane->zones[zone->parent].size))
+			return false;
+	}
+	for (uint32_t i = 1; i < lane->switch_count; i++)
+		if (lane->switches[i].out_ns < lane->switches[i - 1].in_ns)
+			return false;
+	return true;
+}
+
+static bool snapshot_is_sound(const stilb_prof_snapshot *snapshot)
+{
+	for (uint32_t i = 0; i < snapshot->lane_count; i++)
+		if (!lane_is_sound(snapshot, &snapshot->lanes[i]))
+			return false;
+	for (uint32_t i = 0; i < snapshot->point_count; i++)
+		if (snapshot->points[i].label >= snapshot->label_count ||
+		    (i > 0 && snapshot->points[i].ns < snapshot->points[i - 1].ns))
+			return false;
+	return true;
+}
+
 bool ui_profiler_data_build(ui_profiler_data *data, const stilb_prof_snapshot *snapshot, uint32_t frame)
 {
+	STILB_ASSERT(frame < snapshot->frame_count);
+	STILB_CHECK(snapshot_is_sound(snapshot));
 	report_input in = {data, snapshot, snapshot->frames[frame].begin_ns, snapshot->frames[frame].end_ns,
 	                   STILB_PROF_NONE};
+	STILB_ASSERT(in.begin_ns <= in.end_ns);
 	ui_profiler_report *report = &data->report;
 	if (!report_memory(data, snapshot))
 		return false;

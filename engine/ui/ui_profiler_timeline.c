@@ -10,19 +10,19 @@
 #include <string.h>
 
 #define TIMELINE_MAX_DEPTH 10u    /* levels of a lane that are drawn */
-#define TIMELINE_GROUND 0x1d232cu /* below the zones */
-#define TIMELINE_NARROW 2.0f      /* pixels: zones below it are merged */
-#define TIMELINE_TEXT 30.0f       /* pixels: less room than that is not worth a name */
-#define TIMELINE_FLOWS 24u        /* arrows: all are drawn when they are no more */
-#define TIMELINE_LOST 220.0f      /* pixels: a lost CPU that wide is said in words */
-#define TIMELINE_FRAME 8.0f       /* pixels: shorter frames are not told apart by lines */
-#define TIMELINE_PART 200u        /* of the frame: shorter parts of a lane's time are not worth a word */
+#define TIMELINE_GROUND 0x1d232cu /* background of the lanes, 0xRRGGBB */
+#define TIMELINE_NARROW 2.0f      /* pixels: narrower zones are merged with their neighbours */
+#define TIMELINE_TEXT 30.0f       /* pixels: a narrower zone gets no name */
+#define TIMELINE_FLOWS 24u        /* if more arrows are visible, only those of the zone under the mouse are drawn */
+#define TIMELINE_LOST 220.0f      /* pixels: a wider time without the CPU gets the words "lost the CPU" */
+#define TIMELINE_FRAME 8.0f       /* pixels: frames narrower than that get no boundaries */
+#define TIMELINE_PART 200u        /* parts of a lane's time under a 200th of the frame are not named */
 #define TIMELINE_GAP 8.0f         /* pixels between the names and the lanes */
-#define TIMELINE_STRIP 4.0f       /* height of what a thread's CPU did */
-#define TIMELINE_MIN_NS 100.0     /* the closest look */
-#define TIMELINE_MAX_NS 60.0e9    /* the farthest */
+#define TIMELINE_STRIP 4.0f       /* pixels: height of the strip of context switches below a lane's zones */
+#define TIMELINE_MIN_NS 100.0     /* shortest and longest time that the lanes can show */
+#define TIMELINE_MAX_NS 60.0e9
 
-/* One drawing of the lanes. */
+/* The state of drawing the lanes once. */
 typedef struct timeline {
 	stilb_ui_profiler *profiler;
 	stilb_ui *ui;
@@ -30,16 +30,17 @@ typedef struct timeline {
 	const stilb_ui_style *style;
 	const stilb_prof_snapshot *snapshot;
 	const stilb_ui_font *font, *small, *strong;
-	stilb_ui_rect ruler, names, area; /* the times above, the lanes' names to the left, the lanes */
-	double begin_ns, pixels_per_ns;   /* begin_ns: at the area's left edge */
-	float level;                      /* height of a level */
-	stilb_ui_action action;
-	uint32_t hot_lane; /* what the mouse is over, or STILB_PROF_NONE */
-	ui_profiler_span hot;
+	stilb_ui_rect ruler, names, area; /* the times at the top, the lanes' names at the left, the lanes */
+	double begin_ns, pixels_per_ns;   /* begin_ns: the time at the area's left edge; pixels_per_ns > 0 */
+	float level;                      /* height of a level of zones, pixels */
+	stilb_ui_action action;           /* what the user does with the area */
+	uint32_t hot_lane;                /* lane of the span under the mouse, or STILB_PROF_NONE */
+	ui_profiler_span hot;             /* that span, if there is one */
 } timeline;
 
 /* ---- layout ------------------------------------------------------------------------------------------------------ */
 
+/* Levels of the lane's zones, TIMELINE_MAX_DEPTH at most; 0: it has none. */
 static uint32_t timeline_depth(const stilb_prof_lane *lane)
 {
 	uint32_t depth = 0;
@@ -49,10 +50,12 @@ static uint32_t timeline_depth(const stilb_prof_lane *lane)
 	return depth < TIMELINE_MAX_DEPTH ? depth : TIMELINE_MAX_DEPTH;
 }
 
-/* Threads first, then devices. A lane that was deeper before keeps that depth, so that the picture does not jump. */
+/* Threads first, then devices. A lane that was deeper in the frame before keeps that depth, so that the picture does
+ * not jump from frame to frame. */
 bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler)
 {
 	const stilb_prof_snapshot *snapshot = profiler->snapshot;
+	STILB_ASSERT(snapshot && "a snapshot is shown");
 	if (profiler->row_capacity < snapshot->lane_count) {
 		ui_profiler_row *grown = realloc(profiler->rows, (snapshot->lane_count + 8) * sizeof *grown);
 		if (!grown)
@@ -74,6 +77,7 @@ bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler)
 				depth = row->depth;
 			profiler->rows[count++] = (ui_profiler_row){.lane = i, .depth = depth, .lines = stays ? row->lines : 0};
 		}
+	STILB_ASSERT(count <= profiler->row_capacity);
 	profiler->row_count = count;
 	profiler->lane_count = snapshot->lane_count;
 	return true;
@@ -84,26 +88,29 @@ static float timeline_level(const stilb_ui *ui)
 	return stilb_ui_font_line(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL)) + 1.0f;
 }
 
-/* Of the column on the left: two of the usual parts stand side by side. */
+/* Width of the column of names: two parts of a lane's time of the usual length fit side by side. */
 static float timeline_names_width(const stilb_ui *ui)
 {
 	const stilb_ui_font *small = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
 	return floorf(stilb_ui_text_width(small, "work 000.00 ms, wait 000.00 ms,") + 12.0f);
 }
 
-/* The parts of the lane's time that are worth a word. */
+/* The parts of the lane's time in the frame that are long enough to be named; returns how many. */
 static uint32_t timeline_parts(const stilb_ui_profiler *profiler, const ui_profiler_row *row,
                                ui_profiler_part parts[UI_PROFILER_PARTS])
 {
+	STILB_ASSERT(row->lane < profiler->snapshot->lane_count);
 	const stilb_prof_frame *frame = ui_profiler_frame(profiler);
 	return ui_profiler_parts(profiler->snapshot->lanes[row->lane].kind, &profiler->data.lanes[row->lane],
 	                         (frame->end_ns - frame->begin_ns) / TIMELINE_PART, parts);
 }
 
-/* Their words, and the line below the name in which each stands; returns how many lines. */
+/* Writes the text of each part and breaks the texts into lines of that width: lines[i] is the line of texts[i], counted
+ * from 0. Returns the number of lines. */
 static uint32_t timeline_lay_parts(const stilb_ui_font *font, float width, const ui_profiler_part *parts,
                                    uint32_t count, char texts[][48], uint32_t *lines)
 {
+	STILB_ASSERT(count <= UI_PROFILER_PARTS);
 	float x = 0.0f;
 	uint32_t line = 0;
 	for (uint32_t i = 0; i < count; i++) {
@@ -121,8 +128,8 @@ static uint32_t timeline_lay_parts(const stilb_ui_font *font, float width, const
 	return line + 1;
 }
 
-/* Of a lane with the gap behind it: its zones, or the lines of text on the left. A lane that had more lines before
- * keeps their room, so that the picture does not jump. */
+/* Pixels that a lane needs with the gap below it: the height of its zones or of its lines of text, whichever is more. A
+ * lane that had more lines in an earlier frame keeps their height, so that the picture does not jump. */
 static float timeline_row_height(const stilb_ui_profiler *profiler, const stilb_ui *ui, ui_profiler_row *row)
 {
 	ui_profiler_part parts[UI_PROFILER_PARTS];
@@ -149,6 +156,7 @@ float ui_profiler_timeline_height(stilb_ui_profiler *profiler, const stilb_ui *u
 
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
+/* The x of a time, and the time of an x. */
 static float timeline_x(const timeline *t, double ns)
 {
 	return t->area.x0 + (float)((ns - t->begin_ns) * t->pixels_per_ns);
@@ -156,10 +164,12 @@ static float timeline_x(const timeline *t, double ns)
 
 static double timeline_ns(const timeline *t, float x)
 {
+	STILB_ASSERT(t->pixels_per_ns > 0.0);
 	return t->begin_ns + (double)(x - t->area.x0) / t->pixels_per_ns;
 }
 
-/* A stretch of time in x, a little more than what can be seen of it. False: nothing of it can be seen. */
+/* The x range of begin_ns..end_ns, clipped to the area and 4 pixels beyond it, so that borders at the clipped ends are
+ * not visible. False: no part of it is visible. */
 static bool timeline_clip_x(const timeline *t, uint64_t begin_ns, uint64_t end_ns, float *x0, float *x1)
 {
 	*x0 = timeline_x(t, (double)begin_ns);
@@ -171,7 +181,7 @@ static bool timeline_clip_x(const timeline *t, uint64_t begin_ns, uint64_t end_n
 	return true;
 }
 
-/* The first of 1, 2, 5, 10, 20, ... ns that is at least so many pixels wide. */
+/* The first of 1, 2, 5, 10, 20, ... ns that is at least that many pixels wide. */
 static double timeline_step(const timeline *t, double pixels)
 {
 	static const double FACTORS[] = {1.0, 2.0, 5.0};
@@ -182,7 +192,8 @@ static double timeline_step(const timeline *t, double pixels)
 	return 1e12;
 }
 
-/* A millisecond as long as it can be told from the next; a tenth of it where that is wide. */
+/* The width of the stripes in the background, a power of ten of nanoseconds: 1 ms, but longer if that were under 8
+ * pixels and shorter if a tenth of it has 64 pixels or more. */
 static double timeline_bar(const timeline *t)
 {
 	double bar = 1e6;
@@ -193,7 +204,7 @@ static double timeline_bar(const timeline *t)
 	return bar;
 }
 
-/* Every other millisecond is darker; counted from the frame's begin. */
+/* The background: every other stripe is lighter, counted from the frame's begin. */
 static void timeline_draw_bars(const timeline *t)
 {
 	double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, bar = timeline_bar(t);
@@ -209,6 +220,7 @@ static void timeline_draw_bars(const timeline *t)
 	}
 }
 
+/* The times at the top, in milliseconds from the frame's begin, with as few decimals as tell the marks apart. */
 static void timeline_draw_ruler(const timeline *t)
 {
 	double zero = (double)ui_profiler_frame(t->profiler)->begin_ns, step = timeline_step(t, 92.0);
@@ -239,7 +251,7 @@ static void timeline_draw_boundary(const timeline *t, float x)
 		                   stilb_ui_fade(t->style->text_strong, 0.75f));
 }
 
-/* What does not belong to the frame that is shown lies in shadow, and frames end at lines. */
+/* Darkens the time before and after the frame that is shown, and draws a line at each boundary of a frame. */
 static void timeline_draw_frames(const timeline *t)
 {
 	const stilb_prof_frame *shown = ui_profiler_frame(t->profiler);
@@ -262,12 +274,15 @@ static void timeline_draw_frames(const timeline *t)
 
 /* ---- lanes ------------------------------------------------------------------------------------------------------- */
 
+/* The top of a level of zones; levels that are too deep to be drawn share the last one's. */
 static float timeline_y(const timeline *t, const ui_profiler_row *row, uint32_t level)
 {
+	STILB_ASSERT(row->depth > 0);
 	level = level < row->depth ? level : row->depth - 1;
 	return row->top + (float)level * t->level;
 }
 
+/* The row of a lane of the snapshot; NULL: it has no zones and is not drawn. */
 static const ui_profiler_row *timeline_row_of(const timeline *t, uint32_t lane)
 {
 	for (uint32_t i = 0; i < t->profiler->row_count; i++)
@@ -276,17 +291,18 @@ static const ui_profiler_row *timeline_row_of(const timeline *t, uint32_t lane)
 	return NULL;
 }
 
-/* Appends what fits: names in a file may be long. */
+/* Appends to the text of size bytes and cuts it short at its end: names in a trace file may be of any length. */
 __attribute__((format(printf, 3, 4))) static void timeline_say(char *text, size_t size, const char *format, ...)
 {
 	size_t length = strlen(text);
+	STILB_ASSERT(length < size);
 	va_list arguments;
 	va_start(arguments, format);
 	vsnprintf(text + length, size - length, format, arguments);
 	va_end(arguments);
 }
 
-/* The name, and where the lane's time went below it: the parts side by side as far as the column is wide. */
+/* The lane's name, and below it the parts of its time, side by side as far as they fit. */
 static void timeline_draw_name(const timeline *t, const ui_profiler_row *row)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
@@ -307,7 +323,7 @@ static void timeline_draw_name(const timeline *t, const ui_profiler_row *row)
 	}
 }
 
-/* All parts with their sum, beside the name under the mouse. */
+/* A tooltip for the lane whose name is under the mouse: all parts of its time and their sum. */
 static void timeline_tip_name(const timeline *t)
 {
 	stilb_ui_action action = stilb_ui_area(t->ui, "lane names", t->names, STILB_UI_TAKES_WHEEL);
@@ -332,6 +348,7 @@ static void timeline_tip_name(const timeline *t)
 	}
 }
 
+/* The words in a span `width` pixels wide. */
 static void timeline_span_text(const timeline *t, const ui_profiler_span *span, float width, char *text, size_t size)
 {
 	const char *name = t->snapshot->labels[span->label == STILB_PROF_NONE ? 0 : span->label].name;
@@ -346,12 +363,13 @@ static void timeline_span_text(const timeline *t, const ui_profiler_span *span, 
 		snprintf(text, size, "%s  %s", name, ui_profiler_time_text(time, sizeof time, span->end_ns - span->begin_ns));
 }
 
-/* What lies over the zones while their thread has no CPU. */
+/* The translucent colour drawn over zones while their thread does not run. */
 static stilb_ui_color timeline_shadow(bool preempted)
 {
 	return preempted ? (stilb_ui_color){100, 5, 10, 165} : (stilb_ui_color){8, 10, 14, 120};
 }
 
+/* The span's visible rectangle; empty if it is outside the area or too deep to be drawn. */
 static stilb_ui_rect timeline_span_rect(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
 {
 	stilb_ui_rect rect = {0.0f, timeline_y(t, row, span->level), 0.0f,
@@ -363,6 +381,7 @@ static stilb_ui_rect timeline_span_rect(const timeline *t, const ui_profiler_row
 
 static stilb_ui_color timeline_span_color(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
 {
+	STILB_ASSERT(span->zone < t->snapshot->lanes[row->lane].zone_count);
 	uint32_t label = t->snapshot->lanes[row->lane].zones[span->zone].label;
 	stilb_ui_color color = stilb_ui_rgb(t->profiler->colors.rgb[label]);
 	if (span->count > 1)
@@ -385,11 +404,11 @@ static void timeline_draw_span(timeline *t, const ui_profiler_row *row, const ui
 		color = stilb_ui_mix(color, t->style->text_strong, 0.25f);
 	}
 	if (rect.x1 - rect.x0 > 4.0f)
-		rect.x1 -= 1.0f; /* the next one is told apart */
+		rect.x1 -= 1.0f; /* a gap between neighbours of one colour */
 	stilb_ui_draw_rect(t->list, rect, color);
 }
 
-/* The name goes over the shadows, in black or white. */
+/* The name, drawn after the shadows, in black or white, whichever is readable on the colour below its first letters. */
 static void timeline_draw_span_name(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
@@ -413,7 +432,8 @@ static void timeline_draw_span_name(const timeline *t, const ui_profiler_row *ro
 	stilb_ui_draw_text(t->list, t->font, place, STILB_UI_ALIGN_LEFT, color, text);
 }
 
-/* When the thread had no CPU: the zones lie in shadow, and the strip below tells sleep from a lost CPU. */
+/* A time without the CPU, from x0 to x1: darkens the zones, and the strip below them shows by its colour whether the
+ * thread slept or lost the CPU to another thread. */
 static void timeline_draw_off(const timeline *t, const ui_profiler_row *row, float x0, float x1, bool preempted)
 {
 	float strip = row->top + (float)row->depth * t->level;
@@ -426,11 +446,13 @@ static void timeline_draw_off(const timeline *t, const ui_profiler_row *row, flo
 	}
 }
 
+/* The lane's strip of context switches, as far as they are known. Neighbours of one kind less than a pixel apart are
+ * drawn as one: there may be thousands. */
 static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
 	float strip = row->top + (float)row->depth * t->level;
-	float x0, x1, from = 0.0f, to = -1.0f; /* neighbours of a kind, taken together */
+	float x0, x1, from = 0.0f, to = -1.0f; /* the neighbours collected so far; none while to < from */
 	bool preempted = false;
 	if (lane->kind != STILB_PROF_LANE_THREAD || lane->no_switches ||
 	    !timeline_clip_x(t, lane->switches_ns > t->snapshot->begin_ns ? lane->switches_ns : t->snapshot->begin_ns,
@@ -472,7 +494,7 @@ static void timeline_draw_lane(timeline *t, const ui_profiler_row *row)
 
 /* ---- arrows and the longest wait --------------------------------------------------------------------------------- */
 
-/* The middle of the zone that the lane was in. */
+/* The x of a time, and the y of the middle of the innermost zone at that time: an end of an arrow. */
 static stilb_ui_point timeline_point(const timeline *t, const ui_profiler_row *row, uint64_t ns)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
@@ -481,6 +503,7 @@ static stilb_ui_point timeline_point(const timeline *t, const ui_profiler_row *r
 	return (stilb_ui_point){timeline_x(t, (double)ns), timeline_y(t, row, level) + 0.5f * t->level};
 }
 
+/* True if that lane and time are inside the span under the mouse. */
 static bool timeline_hot_at(const timeline *t, uint32_t lane, uint64_t ns)
 {
 	return t->hot_lane == lane && ns >= t->hot.begin_ns && ns < t->hot.end_ns;
@@ -502,7 +525,8 @@ static void timeline_draw_flow(const timeline *t, const stilb_prof_flow *flow, b
 		                    stilb_ui_fade(stilb_ui_rgb(UI_PROFILER_FLOW), hot ? 1.0f : 0.55f));
 }
 
-/* All that can be seen when they are few; those of the zone under the mouse always. */
+/* Arrows from where a job was submitted to where it ran: all visible ones if they are few, else those of the span under
+ * the mouse. */
 static void timeline_draw_flows(const timeline *t)
 {
 	uint32_t seen = 0;
@@ -516,7 +540,8 @@ static void timeline_draw_flows(const timeline *t)
 	}
 }
 
-/* A frame around the wait and one around what the other did meanwhile, with a line between them where the wait ends. */
+/* Marks the longest wait: an outline around it, one around the same time in the lane that was waited for, and an arrow
+ * between the two at the wait's end. */
 static void timeline_draw_wait(const timeline *t)
 {
 	const ui_profiler_wait *wait = &t->profiler->data.report.wait;
@@ -543,7 +568,8 @@ static void timeline_draw_wait(const timeline *t)
 
 /* ---- the mouse --------------------------------------------------------------------------------------------------- */
 
-/* By so many notches, around the share of the width that stays where it is. */
+/* Zooms in by that many notches of 1.25 (out if negative). The time at `share` of the width, 0..1, stays where it is.
+ */
 static void timeline_zoom(stilb_ui_profiler *profiler, double notches, double share)
 {
 	double span = profiler->view_ns * pow(1.25, -notches);
@@ -552,7 +578,7 @@ static void timeline_zoom(stilb_ui_profiler *profiler, double notches, double sh
 	profiler->view_ns = span;
 }
 
-/* The wheel zooms to the mouse and dragging pans; with the keys the arrows do. */
+/* The wheel zooms about the mouse and dragging pans; with the focus, the arrow keys do both. */
 static void timeline_navigate(timeline *t)
 {
 	stilb_ui_profiler *profiler = t->profiler;
@@ -570,7 +596,7 @@ static void timeline_navigate(timeline *t)
 		((double)keys[STILB_UI_KEY_RIGHT] - (double)keys[STILB_UI_KEY_LEFT]) * 0.1 * profiler->view_ns;
 }
 
-/* Lanes that do not fit are dragged up and down. */
+/* Dragging scrolls lanes that do not fit up and down. */
 static void timeline_scroll(timeline *t)
 {
 	stilb_ui_profiler *profiler = t->profiler;
@@ -582,7 +608,7 @@ static void timeline_scroll(timeline *t)
 	profiler->scroll = profiler->scroll < 0.0f ? 0.0f : floorf(profiler->scroll);
 }
 
-/* How often the zone's label was recorded in the frame, and for how long: of the table. */
+/* The table's row of a label: how often it was recorded in the frame and for how long. NULL: it is not in the table. */
 static const stilb_prof_row *timeline_label_row(const timeline *t, uint32_t label, stilb_prof_lane_kind kind)
 {
 	const stilb_prof_stats *stats = &t->profiler->stats;
@@ -592,9 +618,11 @@ static const stilb_prof_row *timeline_label_row(const timeline *t, uint32_t labe
 	return NULL;
 }
 
-/* The arrow that ends in the zone under the mouse, and in none inside it: its job's; or NULL. */
+/* The arrow of the job that the zone under the mouse ran: it ends in that zone itself, not in one nested in it. NULL:
+ * none does. */
 static const stilb_prof_flow *timeline_job_of(const timeline *t)
 {
+	STILB_ASSERT(t->hot_lane < t->snapshot->lane_count);
 	const stilb_prof_lane *lane = &t->snapshot->lanes[t->hot_lane];
 	for (uint32_t i = 0; i < t->snapshot->flow_count; i++) {
 		const stilb_prof_flow *flow = &t->snapshot->flows[i];
@@ -605,6 +633,7 @@ static const stilb_prof_flow *timeline_job_of(const timeline *t)
 	return NULL;
 }
 
+/* The tooltip's text for a single zone. */
 static void timeline_tip_zone(const timeline *t, char *text, size_t size)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[t->hot_lane];
@@ -657,7 +686,7 @@ static void timeline_double_click(const timeline *t)
 		ui_profiler_fit_frame(t->profiler);
 }
 
-/* ---- all of it --------------------------------------------------------------------------------------------------- */
+/* ---- the timeline ------------------------------------------------------------------------------------------------ */
 
 static timeline timeline_begin(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area)
 {
@@ -679,7 +708,7 @@ static timeline timeline_begin(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	return t;
 }
 
-/* Returns where the counters begin. */
+/* Sets the y of each row; returns the y at which the counters begin. */
 static float timeline_place_rows(timeline *t)
 {
 	float y = t->area.y0 + 4.0f - t->profiler->scroll;
@@ -703,6 +732,7 @@ void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	timeline t = timeline_begin(profiler, ui, area);
 	if (stilb_ui_is_empty(t.area))
 		return;
+	STILB_ASSERT(t.snapshot && "a frame is shown");
 	t.action = stilb_ui_area(ui, "lanes", t.area, STILB_UI_TAKES_WHEEL | STILB_UI_TAKES_KEYS);
 	timeline_navigate(&t);
 	timeline_scroll(&t);

@@ -1,10 +1,12 @@
-/* From the draw list to the renderer: one copy of the triangles, one draw for each clip, one texture. */
+/* Hands the draw list to the renderer: one copy of all triangles, and a draw with the texture of the glyphs for each
+ * command. */
 #include "ui/ui_internal.h"
 
 #include <stdlib.h>
 
 stilb_result ui_texture_create(stilb_ui *ui, stilb_render *render)
 {
+	STILB_ASSERT(!ui->render && ui->fonts.coverage);
 	size_t count = (size_t)ui->fonts.width * ui->fonts.height;
 	uint8_t *pixels = stilb_memory_alloc(count, 4);
 	if (!pixels)
@@ -36,6 +38,7 @@ static void record_list(const stilb_ui *ui, stilb_render_context *context)
 
 stilb_result stilb_ui_record(stilb_ui *ui, uint32_t pass, uint32_t worker)
 {
+	STILB_ASSERT(!ui->in_frame && "after end");
 	if (!ui->render)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "this user interface was created without a renderer to record for");
 	stilb_result result = stilb_render_pass_begin(ui->render, pass, 1);

@@ -1,4 +1,4 @@
-/* Text: measured, cut short and drawn, a quadrilateral a glyph. */
+/* Measures text, cuts it short and draws it, one quadrilateral for each glyph. */
 #include "ui/ui_internal.h"
 
 #include <math.h>
@@ -16,10 +16,12 @@ float stilb_ui_font_ascent(const stilb_ui_font *font)
 	return font->ascent;
 }
 
-/* Source: RFC 3629. Surrogates and forms that are too long are not refused: they are characters that no font has. */
+/* Source: RFC 3629. Surrogates and overlong forms are decoded, not refused: the worst that comes of them is a box. */
 uint32_t ui_text_next(const char **text)
 {
+	STILB_ASSERT(text && *text);
 	const uint8_t *bytes = (const uint8_t *)*text;
+	/* more: bytes that follow; 4: a continuation byte, which begins no character. */
 	uint32_t first = bytes[0], more = first < 0x80 ? 0 : first < 0xc0 ? 4 : first < 0xe0 ? 1 : first < 0xf0 ? 2 : 3;
 	if (more == 0) {
 		*text += first != 0;
@@ -27,7 +29,7 @@ uint32_t ui_text_next(const char **text)
 	}
 	uint32_t character = more < 4 ? first & (0x3fu >> more) : 0;
 	for (uint32_t i = 1; i <= more; i++) {
-		if (more == 4 || (bytes[i] & 0xc0) != 0x80) { /* the end, too, is no byte of a character */
+		if (more == 4 || (bytes[i] & 0xc0) != 0x80) { /* also true for the 0 at the end: nothing beyond it is read */
 			*text += 1;
 			return UINT32_MAX;
 		}
@@ -39,21 +41,25 @@ uint32_t ui_text_next(const char **text)
 
 float stilb_ui_text_width(const stilb_ui_font *font, const char *text)
 {
+	STILB_ASSERT(font);
 	float width = 0.0f;
 	for (uint32_t c; (c = ui_text_next(&text)) != 0;)
 		width += font->advance[ui_glyph_index(c)];
 	return width;
 }
 
+/* True for letters that are drawn from the lower half of the texture, see atlas_add_dark. */
 static bool color_is_dark(stilb_ui_color color)
 {
 	return 2 * color.r + 5 * color.g + color.b < 8 * 96;
 }
 
-/* The glyph with its pen at x; returns where the pen goes. */
+/* Draws a glyph with the pen at x; returns the pen's next position. */
 static float draw_glyph(stilb_ui_draw_list *list, const stilb_ui_font *font, uint32_t index, float x, float baseline,
                         stilb_ui_color color)
 {
+	STILB_ASSERT(index < UI_GLYPHS_MAX);
+	STILB_ASSERT(isfinite(x) && isfinite(baseline));
 	float quarters = floorf(x * UI_GLYPH_PHASES + 0.5f), whole = floorf(quarters / UI_GLYPH_PHASES);
 	const ui_glyph *glyph = &font->glyphs[index][(uint32_t)(quarters - whole * UI_GLYPH_PHASES)];
 	float x0 = whole + glyph->left, y0 = baseline + glyph->top;
@@ -74,7 +80,7 @@ static float draw_glyph(stilb_ui_draw_list *list, const stilb_ui_font *font, uin
 	return end;
 }
 
-/* Draws what stands before end. */
+/* Draws the characters of [text, end). */
 static float draw_characters(stilb_ui_draw_list *list, const stilb_ui_font *font, float x, float baseline,
                              stilb_ui_color color, const char *text, const char *end)
 {
@@ -90,7 +96,8 @@ float stilb_ui_draw_text_at(stilb_ui_draw_list *list, const stilb_ui_font *font,
 	return draw_characters(list, font, x, baseline, color, text, text + strlen(text));
 }
 
-/* How much of text, which is longer than room, fits with an ellipsis behind it; NULL: not even one letter. */
+/* The end of the longest beginning of a text that fits with an ellipsis into `room` pixels; NULL: not even one letter
+ * fits. The text as a whole is wider than that. */
 static const char *text_fitting(const stilb_ui_font *font, const char *text, float room)
 {
 	const char *end = NULL;

@@ -1,16 +1,13 @@
-/* The typefaces, put into the program as they are on disk: CMakeLists.txt finds them. */
+/* The typefaces, embedded in the program as they are on disk; CMakeLists.txt finds the files. */
 #include "ui/ui_internal.h"
 
-/* NAME and NAME_end around the bytes of FILE; extern in ui_internal.h. */
+/* Defines NAME, which ui_internal.h declares, as the bytes of FILE. */
 #define EMBED(NAME, FILE)                                                                                              \
 	__asm__(".pushsection .rodata\n"                                                                                   \
 	        ".balign 16\n"                                                                                             \
 	        ".globl " #NAME "\n"                                                                                       \
 	        ".hidden " #NAME "\n" #NAME ":\n"                                                                          \
 	        ".incbin \"" FILE "\"\n"                                                                                   \
-	        ".globl " #NAME "_end\n"                                                                                   \
-	        ".hidden " #NAME "_end\n" #NAME "_end:\n"                                                                  \
-	        ".byte 0\n"                                                                                                \
 	        ".popsection")
 
 EMBED(ui_text_sans, UI_FONT_SANS);

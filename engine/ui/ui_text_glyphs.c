@@ -1,13 +1,13 @@
-/* From outlines to pictures of glyphs. They are drawn once, at the size they are shown at, so a texel is a pixel and
- * nothing is ever resampled. Down the letters are fitted to the pixels (a baseline, an x-height or a cap height between
- * two rows would blur every letter's edge); across they keep their shape, with a picture for each quarter of a
+/* Rasterises the glyphs of the fonts, once, at the size at which they are shown: a texel is a pixel, and nothing is
+ * resampled. Vertically, outlines are fitted to pixel rows, because a baseline, x-height or cap height between two rows
+ * would blur the edges of all letters. Horizontally they keep their shape, with a picture for each quarter of a
  * pixel. */
 #include "ui/ui_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* stb_truetype leaves out what it has no memory for; `user` is told. */
+/* Without memory stb_truetype leaves out a part of the glyph and goes on: *user, a bool, becomes true. */
 static void *glyph_alloc(size_t size, void *user)
 {
 	void *memory = malloc(size);
@@ -18,7 +18,7 @@ static void *glyph_alloc(size_t size, void *user)
 
 #define STBTT_malloc(size, user) glyph_alloc(size, user)
 #define STBTT_free(memory, user) ((void)(user), free(memory))
-#define STBTT_assert(condition) ((void)sizeof(condition)) /* it goes on without memory, too */
+#define STBTT_assert(condition) ((void)sizeof(condition)) /* its asserts do not hold without memory */
 #define STB_TRUETYPE_IMPLEMENTATION
 #define STBTT_STATIC
 #include <stb_truetype.h>
@@ -30,7 +30,7 @@ static void *glyph_alloc(size_t size, void *user)
 #define LATIN_FIRST 0xa0u
 #define LATIN_END 0x100u
 
-/* Ascending. */
+/* Characters other than ASCII and Latin-1, ascending. */
 static const uint16_t symbols[] = {
 	0x0394,                         /* Delta */
 	0x03a3,                         /* Sigma */
@@ -82,13 +82,13 @@ uint32_t ui_glyph_character(uint32_t index)
 
 /* ---- fitting ----------------------------------------------------------------------------------------------------- */
 
-/* Heights of a typeface, in its units, that go to whole rows; between them an outline is stretched. */
+/* A piecewise linear map of heights, in the typeface's units: from[i], ascending, goes to to[i], a whole pixel row. */
 #define FIT_KNOTS 8
 typedef struct glyph_fit {
 	float from[FIT_KNOTS], to[FIT_KNOTS];
 } glyph_fit;
 
-/* The top, or the bottom, of a letter, in the typeface's units. */
+/* The height of a letter's top or bottom, in the typeface's units, y up. */
 static float letter_edge(const stbtt_fontinfo *face, int letter, bool top)
 {
 	int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -96,8 +96,8 @@ static float letter_edge(const stbtt_fontinfo *face, int letter, bool top)
 	return (float)(top ? y1 : y0);
 }
 
-/* Round letters reach a little beyond flat ones; at sizes of a screen that is a blurred row, so both go to one
- * height. */
+/* Round letters (o, O) reach a little beyond flat ones (x, H). At the sizes of a screen that would be a blurred row, so
+ * both are mapped to the same height. */
 static glyph_fit fit_of(const stbtt_fontinfo *face, float scale)
 {
 	float x_height = letter_edge(face, 'x', true), capitals = letter_edge(face, 'H', true);
@@ -112,6 +112,7 @@ static glyph_fit fit_of(const stbtt_fontinfo *face, float scale)
 	for (int i = 0; i < FIT_KNOTS; i++) {
 		fit.from[i] = heights[i];
 		fit.to[i] = roundf(flat[i] * scale) / scale;
+		STILB_ASSERT(i == 0 || fit.from[i - 1] <= fit.from[i]);
 	}
 	return fit;
 }
@@ -128,6 +129,7 @@ static float fit_height(const glyph_fit *fit, float y)
 	return y + fit->to[FIT_KNOTS - 1] - fit->from[FIT_KNOTS - 1];
 }
 
+/* fit_height, rounded to the typeface's units. */
 static stbtt_vertex_type fit_unit(const glyph_fit *fit, stbtt_vertex_type y)
 {
 	return (stbtt_vertex_type)lrintf(fit_height(fit, (float)y));
@@ -135,16 +137,19 @@ static stbtt_vertex_type fit_unit(const glyph_fit *fit, stbtt_vertex_type y)
 
 /* ---- drawing ----------------------------------------------------------------------------------------------------- */
 
-/* Rows of glyphs from the top down; the first column, row and the last ones stay free for the white corners. */
+/* The picture of all glyphs, filled in rows from the top down. The outermost columns and rows stay empty for the white
+ * corners. */
 typedef struct glyph_atlas {
-	uint8_t *coverage; /* NULL: only places are found */
+	uint8_t *coverage; /* [height][width]; NULL: glyphs are only given their positions */
 	uint32_t width, height;
-	uint32_t x, y, row; /* where the next goes, and the height of its row */
-	bool out_of_memory; /* something is missing */
+	uint32_t x, y, row; /* position of the next glyph, and the height of the current row so far */
+	bool out_of_memory; /* parts of glyphs are missing */
 } glyph_atlas;
 
+/* Gives a glyph of known size its position. */
 static void atlas_place(glyph_atlas *atlas, ui_glyph *glyph)
 {
+	STILB_ASSERT(glyph->width + 2u <= atlas->width && "an empty row holds the glyph");
 	if (atlas->x + glyph->width + 1u > atlas->width) {
 		atlas->x = 1;
 		atlas->y += atlas->row + 1;
@@ -157,11 +162,12 @@ static void atlas_place(glyph_atlas *atlas, ui_glyph *glyph)
 		atlas->row = glyph->height;
 }
 
-/* The pixels that the outline touches when the pen is `shift` pixels right of a pixel's edge. */
+/* The size and offset of the pixels that the outline touches if the pen stands `shift` pixels, 0..1, to the right of a
+ * pixel boundary. */
 static ui_glyph glyph_box(const stbtt_vertex *outline, int count, float scale, float shift)
 {
 	int x0 = INT16_MAX, y0 = INT16_MAX, x1 = INT16_MIN, y1 = INT16_MIN;
-	for (int i = 0; i < count; i++) { /* a curve lies within its control points */
+	for (int i = 0; i < count; i++) { /* bounds of all points: a quadratic curve lies within its control points */
 		bool curve = outline[i].type == STBTT_vcurve;
 		int cx = curve ? outline[i].cx : outline[i].x, cy = curve ? outline[i].cy : outline[i].y;
 		x0 = outline[i].x < x0 ? outline[i].x : x0;
@@ -175,7 +181,8 @@ static ui_glyph glyph_box(const stbtt_vertex *outline, int count, float scale, f
 	}
 	if (count == 0)
 		return (ui_glyph){0};
-	/* A unit is a hundredth of a pixel or so: no row for what reaches that far into it. */
+	/* Fitting rounds to the typeface's units, about 0.01 pixels each: an outline that reaches less than 0.02 pixels
+	 * into a row gets no row. */
 	float slack = 0.02f;
 	float left = floorf((float)x0 * scale + shift), right = ceilf((float)x1 * scale + shift);
 	float top = floorf(-(float)y1 * scale + slack), bottom = ceilf(-(float)y0 * scale - slack);
@@ -185,6 +192,7 @@ static ui_glyph glyph_box(const stbtt_vertex *outline, int count, float scale, f
 	                  .top = (int16_t)top};
 }
 
+/* Measures and places one glyph in all its phases, and draws it if the atlas has memory. */
 static void glyph_draw(stilb_ui_font *font, uint32_t index, const stbtt_fontinfo *face, const glyph_fit *fit,
                        float scale, glyph_atlas *atlas)
 {
@@ -212,11 +220,13 @@ static void glyph_draw(stilb_ui_font *font, uint32_t index, const stbtt_fontinfo
 	stbtt_FreeShape(face, outline);
 }
 
+/* All glyphs of a typeface at `em` pixels an em. */
 static void font_draw(stilb_ui_font *font, const uint8_t *file, float em, glyph_atlas *atlas)
 {
 	stbtt_fontinfo face;
 	int ascent, descent, gap;
-	stbtt_InitFont(&face, file, 0); /* the file is the program's own */
+	int opened = stbtt_InitFont(&face, file, 0);
+	STILB_ASSERT(opened && "the typeface in the program is whole");
 	face.userdata = &atlas->out_of_memory;
 	float scale = stbtt_ScaleForMappingEmToPixels(&face, em);
 	stbtt_GetFontVMetrics(&face, &ascent, &descent, &gap);
@@ -227,7 +237,7 @@ static void font_draw(stilb_ui_font *font, const uint8_t *file, float em, glyph_
 		glyph_draw(font, index, &face, &fit, scale, atlas);
 }
 
-/* Places all glyphs, and draws them where the atlas has memory. */
+/* Places the glyphs of all kinds of text, and draws them if the atlas has memory. */
 static void fonts_draw(ui_fonts *fonts, float scale, glyph_atlas *atlas)
 {
 	static const struct {
@@ -245,9 +255,9 @@ static void fonts_draw(ui_fonts *fonts, float scale, glyph_atlas *atlas)
 	atlas->height = atlas->y + atlas->row + 1;
 }
 
-/* Colours are blended in linear light, where a pixel half covered by black still looks bright: dark letters would seem
- * thin. Their coverage is raised to what blending sRGB codes would show, and a little less. Light letters need no such
- * help. */
+/* Appends the lower half with the coverage for dark letters. Colours are blended in linear light, in which a pixel half
+ * covered by black still looks bright, so dark letters would look thin. Their coverage is raised nearly as far as if
+ * sRGB codes were blended. Light letters look right as they are. */
 static void atlas_add_dark(glyph_atlas *atlas)
 {
 	uint8_t curve[256];
@@ -259,11 +269,26 @@ static void atlas_add_dark(glyph_atlas *atlas)
 	atlas->height *= 2;
 }
 
+/* Every glyph lies within the upper half of the atlas, off its border. */
+static bool fonts_are_sound(const ui_fonts *fonts)
+{
+	for (uint32_t kind = 0; kind < STILB_UI_TEXT_KINDS; kind++)
+		for (uint32_t index = 0; index < GLYPHS; index++)
+			for (uint32_t phase = 0; phase < UI_GLYPH_PHASES; phase++) {
+				const ui_glyph *glyph = &fonts->fonts[kind].glyphs[index][phase];
+				if (glyph->width > 0 && (glyph->x == 0 || glyph->x + glyph->width >= fonts->width || glyph->y == 0 ||
+				                         glyph->y + glyph->height >= fonts->height / 2))
+					return false;
+			}
+	return true;
+}
+
 stilb_result ui_fonts_init(ui_fonts *fonts, float scale)
 {
+	STILB_ASSERT(scale >= 0.5f && scale <= 4.0f);
 	glyph_atlas atlas = {.width = 512 * (uint32_t)ceilf(scale)};
 	*fonts = (ui_fonts){0};
-	fonts_draw(fonts, scale, &atlas); /* finds the places */
+	fonts_draw(fonts, scale, &atlas); /* finds positions and the atlas' height */
 	if (!atlas.out_of_memory)
 		atlas.coverage = calloc(2 * atlas.height, atlas.width);
 	if (atlas.coverage)
@@ -282,6 +307,7 @@ stilb_result ui_fonts_init(ui_fonts *fonts, float scale)
 	fonts->width = atlas.width;
 	fonts->height = atlas.height;
 	fonts->coverage = atlas.coverage;
+	STILB_CHECK(fonts_are_sound(fonts));
 	return STILB_OK;
 }
 

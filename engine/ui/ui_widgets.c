@@ -1,15 +1,16 @@
-/* Panels, labels, buttons, check boxes, sliders and the tooltip. Widgets stand on whole pixels, so that their straight
- * edges are sharp and only their corners are feathered. */
+/* Panels, labels, buttons, check boxes, sliders and the tooltip. Widgets are drawn at whole pixels, so that their
+ * straight edges are sharp and only their corners are feathered. */
 #include "ui/ui_internal.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* ---- what widgets share ------------------------------------------------------------------------------------------ */
+/* ---- helpers of all widgets -------------------------------------------------------------------------------------- */
 
 ui_label ui_label_shown(const char *label)
 {
+	STILB_ASSERT(label);
 	ui_label shown;
 	const char *hidden = strstr(label, "##");
 	size_t length = hidden ? (size_t)(hidden - label) : strlen(label);
@@ -25,12 +26,13 @@ static stilb_ui_rect rect_on_pixels(stilb_ui_rect rect)
 	return (stilb_ui_rect){roundf(rect.x0), roundf(rect.y0), roundf(rect.x1), roundf(rect.y1)};
 }
 
+/* Thickness of borders, whole pixels, 1 at least. */
 static float line_width(const stilb_ui *ui)
 {
 	return ui_max(1.0f, roundf(ui->scale));
 }
 
-/* Of its face in this state. */
+/* The color of a control's face while the user does this with it. */
 static stilb_ui_color control_color(const stilb_ui *ui, const stilb_ui_action *action)
 {
 	if (action->held && action->hovered)
@@ -55,14 +57,15 @@ static void draw_control(stilb_ui *ui, stilb_ui_rect rect, float radius, stilb_u
 
 /* ---- panels ------------------------------------------------------------------------------------------------------ */
 
-/* Its place within [0, room], or at 0 when it does not fit. */
-static void keep_within(float *from, float *to, float room)
+/* Moves [*from, *to] into [0, limit]; if it is longer than that, to 0. */
+static void keep_within(float *from, float *to, float limit)
 {
 	float size = *to - *from;
-	*from = roundf(ui_max(ui_min(*from, room - size), 0.0f));
+	*from = roundf(ui_max(ui_min(*from, limit - size), 0.0f));
 	*to = *from + roundf(size);
 }
 
+/* The title bar, by which a movable panel is dragged. */
 static void panel_move(stilb_ui *ui, stilb_ui_rect *rect, uint32_t flags)
 {
 	stilb_ui_rect title = {rect->x0, rect->y0, rect->x1, rect->y0 + ui->style.title_height};
@@ -75,6 +78,7 @@ static void panel_move(stilb_ui *ui, stilb_ui_rect *rect, uint32_t flags)
 	keep_within(&rect->y0, &rect->y1, ui->input.height);
 }
 
+/* The box with a cross at the right end of *title; a click sets *open to false. */
 static void panel_close_box(stilb_ui *ui, stilb_ui_rect *title, bool *open)
 {
 	stilb_ui_rect box = stilb_ui_inset(stilb_ui_cut_right(title, ui->style.title_height), roundf(4.0f * ui->scale));
@@ -96,9 +100,11 @@ static void panel_close_box(stilb_ui *ui, stilb_ui_rect *title, bool *open)
 stilb_ui_rect stilb_ui_panel_begin(stilb_ui *ui, const char *title, stilb_ui_rect *rect, uint32_t flags, bool *open)
 {
 	const stilb_ui_style *style = &ui->style;
+	STILB_ASSERT(rect);
+	STILB_ASSERT((flags & ~(uint32_t)(STILB_UI_PANEL_MOVABLE | STILB_UI_PANEL_RESIZABLE)) == 0);
 	STILB_ASSERT(ui->panel_count < UI_PANEL_DEPTH);
 	stilb_ui_id_push(ui, title);
-	stilb_ui_area(ui, "##panel", *rect, STILB_UI_TAKES_WHEEL); /* what lies behind gets nothing */
+	stilb_ui_area(ui, "##panel", *rect, STILB_UI_TAKES_WHEEL); /* the mouse does not reach what lies behind */
 	panel_move(ui, rect, flags);
 	ui->panels[ui->panel_count++] = (ui_panel){rect, flags};
 
@@ -106,7 +112,7 @@ stilb_ui_rect stilb_ui_panel_begin(stilb_ui *ui, const char *title, stilb_ui_rec
 	stilb_ui_draw_shadow(&ui->list, frame, style->radius, 10.0f * ui->scale, style->shadow);
 	stilb_ui_draw_rounded(&ui->list, inside, style->radius - line_width(ui), style->panel);
 	stilb_ui_rect bar = stilb_ui_cut_top(&inside, style->title_height - line_width(ui)), content = inside;
-	/* The bar's upper corners are the panel's; below the line it is square. */
+	/* The title bar shares the panel's rounded upper corners; the clip cuts off its lower ones. */
 	stilb_ui_clip_push(&ui->list, bar);
 	stilb_ui_draw_rounded(&ui->list, (stilb_ui_rect){bar.x0, bar.y0, bar.x1, bar.y1 + 2.0f * style->radius},
 	                      style->radius - line_width(ui), style->panel_title);
@@ -122,7 +128,7 @@ stilb_ui_rect stilb_ui_panel_begin(stilb_ui *ui, const char *title, stilb_ui_rec
 	return stilb_ui_inset(content, style->margin);
 }
 
-/* The corner that a panel is resized by; the smallest panel has a title and a few rows. */
+/* The lower right corner, by which a panel is resized, down to a title and a few rows of text. */
 static void panel_resize(stilb_ui *ui, stilb_ui_rect *rect)
 {
 	float side = roundf(14.0f * ui->scale), least = 4.0f * ui->style.title_height;
@@ -141,7 +147,8 @@ static void panel_resize(stilb_ui *ui, stilb_ui_rect *rect)
 
 void stilb_ui_panel_end(stilb_ui *ui)
 {
-	STILB_ASSERT(ui->panel_count > 0);
+	UI_ASSERT_IN_FRAME(ui);
+	STILB_ASSERT(ui->panel_count > 0 && "a panel has begun");
 	ui_panel panel = ui->panels[--ui->panel_count];
 	stilb_ui_clip_pop(&ui->list);
 	if (panel.flags & STILB_UI_PANEL_RESIZABLE)
@@ -151,12 +158,13 @@ void stilb_ui_panel_end(stilb_ui *ui)
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
+/* Pixels between a control's border and its text. */
 static float text_padding(const stilb_ui *ui)
 {
 	return roundf(8.0f * ui->scale);
 }
 
-/* The box of a check box and the way to its label. */
+/* Width and height of the box of a check box, pixels. */
 static float box_side(const stilb_ui *ui)
 {
 	return roundf(16.0f * ui->scale);
@@ -179,16 +187,19 @@ float stilb_ui_checkbox_width(const stilb_ui *ui, const char *label)
 
 void stilb_ui_label(stilb_ui *ui, stilb_ui_rect rect, stilb_ui_align align, const char *text)
 {
+	UI_ASSERT_IN_FRAME(ui);
 	stilb_ui_draw_text(&ui->list, stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), rect, align, ui->style.text, text);
 }
 
 void stilb_ui_label_muted(stilb_ui *ui, stilb_ui_rect rect, stilb_ui_align align, const char *text)
 {
+	UI_ASSERT_IN_FRAME(ui);
 	stilb_ui_draw_text(&ui->list, stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), rect, align, ui->style.text_muted, text);
 }
 
 /* ---- buttons ----------------------------------------------------------------------------------------------------- */
 
+/* All kinds of buttons; on: drawn as held down. True if it was pressed. */
 static bool button(stilb_ui *ui, stilb_ui_rect rect, const char *label, float radius, bool on)
 {
 	const stilb_ui_style *style = &ui->style;
@@ -224,6 +235,7 @@ bool stilb_ui_button_rounded(stilb_ui *ui, stilb_ui_rect rect, const char *label
 
 bool stilb_ui_toggle(stilb_ui *ui, stilb_ui_rect rect, const char *label, bool *on)
 {
+	STILB_ASSERT(on);
 	bool turned = button(ui, rect, label, ui->style.radius, *on);
 	*on ^= turned;
 	return turned;
@@ -240,6 +252,7 @@ static void draw_check_mark(stilb_ui *ui, stilb_ui_rect box, stilb_ui_color colo
 
 bool stilb_ui_checkbox(stilb_ui *ui, stilb_ui_rect rect, const char *label, bool *on)
 {
+	STILB_ASSERT(on);
 	const stilb_ui_style *style = &ui->style;
 	stilb_ui_action action = stilb_ui_area(ui, label, rect, STILB_UI_TAKES_KEYS);
 	*on ^= action.clicked;
@@ -260,6 +273,7 @@ bool stilb_ui_checkbox(stilb_ui *ui, stilb_ui_rect rect, const char *label, bool
 
 /* ---- slider ------------------------------------------------------------------------------------------------------ */
 
+/* The nearest value of the range that is a whole number of steps from its minimum. */
 static float slider_snap(const stilb_ui_slider_range *range, float value)
 {
 	if (range->step > 0.0f)
@@ -267,7 +281,8 @@ static float slider_snap(const stilb_ui_slider_range *range, float value)
 	return ui_clamp(value, range->minimum, range->maximum);
 }
 
-/* Where the user put it. The knob is `knob` wide and stays within the track. */
+/* The value that the user chose with the mouse or the arrow keys. The knob is `knob` pixels wide and stays within the
+ * track. */
 static float slider_value(const stilb_ui *ui, stilb_ui_rect track, float knob, const stilb_ui_action *action,
                           const stilb_ui_slider_range *range, float value)
 {
@@ -280,7 +295,7 @@ static float slider_value(const stilb_ui *ui, stilb_ui_rect track, float knob, c
 	return slider_snap(range, value);
 }
 
-/* Below the words, where it covers neither of them. */
+/* The track with the knob, below the label and the value so that it covers neither. share: of the way, 0..1. */
 static void draw_slider_track(stilb_ui *ui, stilb_ui_rect inside, float knob, float share, stilb_ui_color color)
 {
 	float height = roundf(5.0f * ui->scale), radius = 0.5f * height;
@@ -295,6 +310,8 @@ static void draw_slider_track(stilb_ui *ui, stilb_ui_rect inside, float knob, fl
 static bool slider(stilb_ui *ui, stilb_ui_rect rect, const char *label, float *value,
                    const stilb_ui_slider_range *range, bool muted)
 {
+	STILB_ASSERT(value && range);
+	STILB_ASSERT(range->minimum <= range->maximum && range->step >= 0.0f);
 	const stilb_ui_style *style = &ui->style;
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
 	stilb_ui_action action = stilb_ui_area(ui, label, rect, STILB_UI_TAKES_KEYS | STILB_UI_TAKES_FOCUS);
@@ -357,7 +374,7 @@ static tooltip_line tooltip_split(char *text)
 	return line;
 }
 
-/* Near the mouse, on the side where there is room. */
+/* Near the mouse, below it and to the right; on the other sides at the picture's right and lower edges. */
 static stilb_ui_rect tooltip_place(const stilb_ui *ui, float width, float height)
 {
 	const stilb_ui_input *input = &ui->input;

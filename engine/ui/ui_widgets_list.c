@@ -6,8 +6,9 @@
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
-#define WHEEL_ROWS 3.0f /* a notch of the wheel */
+#define WHEEL_ROWS 3.0f /* rows that a notch of the wheel scrolls */
 
+/* The arrow keys: selects another row and scrolls it into view. */
 static void list_keys(const stilb_ui *ui, stilb_ui_rows *rows, uint32_t row_count, stilb_ui_list_state *state)
 {
 	int64_t step = (int64_t)ui->input.keys[STILB_UI_KEY_DOWN] - ui->input.keys[STILB_UI_KEY_UP];
@@ -18,11 +19,12 @@ static void list_keys(const stilb_ui *ui, stilb_ui_rows *rows, uint32_t row_coun
 	row = row < 0 ? 0 : row >= row_count ? row_count - 1 : row;
 	rows->changed = (uint32_t)row != state->selected;
 	state->selected = (uint32_t)row;
-	/* As little as brings it into view. */
+	/* Scrolls as little as brings the row into view. */
 	float top = (float)row * rows->row_height, height = rows->area.y1 - rows->area.y0;
 	state->scroll = ui_clamp(state->scroll, top + rows->row_height - height, top);
 }
 
+/* The row under the mouse, and whether it was pressed. */
 static void list_mouse(const stilb_ui_action *action, stilb_ui_rows *rows, uint32_t row_count,
                        stilb_ui_list_state *state)
 {
@@ -37,7 +39,8 @@ static void list_mouse(const stilb_ui_action *action, stilb_ui_rows *rows, uint3
 	state->selected = rows->clicked;
 }
 
-/* The bar at the right; dragging it scrolls. */
+/* The scroll bar. Dragging its thumb scrolls; a press beside the thumb moves its middle to the mouse. content: the
+ * height of all rows, pixels. */
 static void list_bar(stilb_ui *ui, stilb_ui_rect bar, float content, stilb_ui_list_state *state)
 {
 	float height = bar.y1 - bar.y0, hidden = content - height;
@@ -46,7 +49,7 @@ static void list_bar(stilb_ui *ui, stilb_ui_rect bar, float content, stilb_ui_li
 	float thumb = ui_max(height * height / content, 2.0f * ui->style.scroll_bar), travel = height - thumb;
 	stilb_ui_action action = stilb_ui_area(ui, "##bar", bar, 0);
 	if (action.held && travel > 0.0f) {
-		float at = bar.y0 + travel * state->scroll / hidden; /* where the thumb is */
+		float at = bar.y0 + travel * state->scroll / hidden; /* top of the thumb */
 		bool beside = action.pressed && (action.mouse_y < at || action.mouse_y >= at + thumb);
 		float moved = beside ? action.mouse_y - 0.5f * thumb - at : action.drag_y;
 		state->scroll = ui_clamp(state->scroll + moved * hidden / travel, 0.0f, hidden);
@@ -60,6 +63,8 @@ static void list_bar(stilb_ui *ui, stilb_ui_rect bar, float content, stilb_ui_li
 stilb_ui_rows stilb_ui_rows_begin(stilb_ui *ui, stilb_ui_rect rect, const char *label, uint32_t row_count,
                                   stilb_ui_list_state *state)
 {
+	STILB_ASSERT(state);
+	STILB_ASSERT(ui->style.row_height > 0.0f);
 	stilb_ui_id_push(ui, label);
 	stilb_ui_action action =
 		stilb_ui_area(ui, "##rows", rect, STILB_UI_TAKES_WHEEL | STILB_UI_TAKES_KEYS | STILB_UI_TAKES_FOCUS);
@@ -84,12 +89,16 @@ stilb_ui_rows stilb_ui_rows_begin(stilb_ui *ui, stilb_ui_rect rect, const char *
 	rows.end = end < (float)row_count ? (uint32_t)end : row_count;
 	if (action.focused)
 		stilb_ui_draw_rect_outline(&ui->list, stilb_ui_inset(rect, -1.0f), 1.0f, ui->style.accent);
+	STILB_ASSERT(rows.end <= row_count);
+	STILB_ASSERT(rows.selected == STILB_UI_NO_ROW || rows.selected < row_count);
 	stilb_ui_clip_push(&ui->list, rows.area);
 	return rows;
 }
 
 stilb_ui_rect stilb_ui_row(stilb_ui *ui, const stilb_ui_rows *rows, uint32_t row)
 {
+	UI_ASSERT_IN_FRAME(ui);
+	STILB_ASSERT(row >= rows->first && row < rows->end && "a visible row");
 	const stilb_ui_style *style = &ui->style;
 	float top = rows->top + (float)row * rows->row_height;
 	stilb_ui_rect rect = {rows->area.x0, top, rows->area.x1, top + rows->row_height};
@@ -110,10 +119,11 @@ void stilb_ui_rows_end(stilb_ui *ui)
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* A column with its margins. */
+/* The rectangle of a column of a row, without padding. */
 static stilb_ui_rect table_column(stilb_ui_rect row, const stilb_ui_column *columns, uint32_t column_count,
                                   uint32_t column)
 {
+	STILB_ASSERT(columns && column < column_count);
 	float left = row.x1 - row.x0;
 	for (uint32_t i = 0; i < column_count; i++)
 		left -= columns[i].width;
@@ -132,7 +142,8 @@ stilb_ui_rect stilb_ui_table_cell(stilb_ui_rect row, const stilb_ui_column *colu
 	return cell;
 }
 
-/* A triangle at the end of a name that tables are sorted by; returns the room that is left for the name. */
+/* The triangle at the right end of the column that the table is sorted by; returns the rest of the cell, for the
+ * name. */
 static stilb_ui_rect header_mark(stilb_ui *ui, stilb_ui_rect cell, bool descending)
 {
 	float side = roundf(8.0f * ui->scale), tip = descending ? 1.0f : -1.0f;
@@ -144,7 +155,8 @@ static stilb_ui_rect header_mark(stilb_ui *ui, stilb_ui_rect cell, bool descendi
 	return cell;
 }
 
-/* Sorting by another column begins with its large numbers, or with A. */
+/* A click on a column's name. The column that sorts already changes its direction; another one begins with large
+ * numbers first if it is right-aligned, else with A. */
 static void sort_turn(stilb_ui_sort *sort, const stilb_ui_column *columns, uint32_t column)
 {
 	sort->descending = sort->column == column ? !sort->descending : columns[column].align == STILB_UI_ALIGN_RIGHT;
@@ -154,11 +166,12 @@ static void sort_turn(stilb_ui_sort *sort, const stilb_ui_column *columns, uint3
 bool stilb_ui_table_header(stilb_ui *ui, stilb_ui_rect rect, const char *label, const stilb_ui_column *columns,
                            uint32_t column_count, stilb_ui_sort *sort)
 {
+	STILB_ASSERT(!sort || sort->column < column_count);
 	const stilb_ui_style *style = &ui->style;
 	bool changed = false;
 	stilb_ui_id_push(ui, label);
 	stilb_ui_draw_rect(&ui->list, rect, style->panel_title);
-	rect.x1 -= style->scroll_bar; /* rows leave that to their bar */
+	rect.x1 -= style->scroll_bar; /* columns are as wide as in the rows below, which have a scroll bar */
 	for (uint32_t i = 0; i < column_count; i++) {
 		stilb_ui_rect cell = table_column(rect, columns, column_count, i), name = cell;
 		bool hovered = false;
@@ -186,23 +199,26 @@ bool stilb_ui_table_header(stilb_ui *ui, stilb_ui_rect rect, const char *label, 
 
 /* ---- plots ------------------------------------------------------------------------------------------------------- */
 
-#define PLOT_POINTS 64 /* at a time; a longer line is drawn in parts that share a point */
+#define PLOT_POINTS 64 /* points drawn at once; longer lines are drawn in parts that share a point */
 
 typedef struct plot_frame {
 	stilb_ui_rect rect;
-	float minimum, maximum;
-	uint32_t count;
+	float minimum, maximum; /* values at its bottom and top, minimum < maximum */
+	uint32_t count;         /* values, from its left to its right */
 } plot_frame;
 
+/* The point of value number i. Values far outside the range are clamped: clipping hides them anyway. */
 static stilb_ui_point plot_point(const plot_frame *frame, uint32_t i, float value)
 {
+	STILB_ASSERT(i < frame->count);
+	STILB_ASSERT(frame->minimum < frame->maximum);
 	float across = frame->count > 1 ? (float)i / (float)(frame->count - 1) : 0.5f;
 	float up = (value - frame->minimum) / (frame->maximum - frame->minimum);
 	return (stilb_ui_point){frame->rect.x0 + across * (frame->rect.x1 - frame->rect.x0),
 	                        frame->rect.y1 - ui_clamp(up, -1.0f, 2.0f) * (frame->rect.y1 - frame->rect.y0)};
 }
 
-/* The range of the values when the caller gave none, never empty. */
+/* If the caller gave no range: that of the finite values, widened if it is empty. */
 static void plot_range(plot_frame *frame, const float *values)
 {
 	if (frame->maximum > frame->minimum)
@@ -223,6 +239,7 @@ static void plot_range(plot_frame *frame, const float *values)
 	}
 }
 
+/* The line through all values; those that are not finite leave gaps. */
 static void plot_line(stilb_ui *ui, const plot_frame *frame, const float *values)
 {
 	stilb_ui_point points[PLOT_POINTS];
@@ -239,7 +256,7 @@ static void plot_line(stilb_ui *ui, const plot_frame *frame, const float *values
 	}
 }
 
-/* The value under the mouse. */
+/* The tooltip and the dot for the value nearest to the mouse. */
 static void plot_hover(stilb_ui *ui, const plot_frame *frame, const stilb_ui_action *action, const char *label,
                        const float *values)
 {
@@ -259,6 +276,7 @@ void stilb_ui_plot(stilb_ui *ui, stilb_ui_rect rect, const char *label, const fl
                    float minimum, float maximum)
 {
 	enum { GRID = 4 };
+	STILB_ASSERT(values || count == 0);
 	const stilb_ui_style *style = &ui->style;
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
 	ui_label shown = ui_label_shown(label);
