@@ -1,30 +1,50 @@
 /*
- * profiler: what every thread did in the last frames, always on. A stand-alone library: C17 and Linux, no other part
- * of Stilb. This header also compiles as C++17.
+ * profiler: records what every thread of a program did in its last frames, all the time. A stand-alone library for C17
+ * and Linux; it uses no other part of Stilb. This header also compiles as C++17.
  *
- * What it is.   PROFILE("name") times the rest of its scope. Each thread owns a ring of 16-byte events and writes one
- *               event at the end of each zone; the oldest are overwritten, so memory is fixed and nothing needs to be
- *               switched on. A snapshot (prof_snapshot.h) is a copy of what is still held, taken while all threads go
- *               on recording.
- * Life cycle.   Zones, snapshots, in any order; stilb_prof_shutdown last. A thread gets its ring at its first zone and
- *               leaves it when it exits; stilb_prof_thread_begin gives it one earlier, with a name.
- * Per frame.    stilb_prof_frame_mark, once, by one thread.
- * Threads.      [any-thread] may be called anywhere, at any time. [one-writer] has one thread as its caller.
- *               Zones write only what belongs to the calling thread: no lock, no allocation, no system call, save
- *               for the first one of a thread that did not call stilb_prof_thread_begin.
- *               Not for signal handlers: a handler's zone could fall into the middle of the same thread's. Nor, before
- *               exec, for the child that a program with threads forks: its first zone takes a lock that a thread which
- *               the child does not have may hold.
+ * What it is.   PROFILE("name") measures the rest of its scope: a zone. Each thread owns a ring of 16-byte events and
+ *               writes one event at the end of each zone. The oldest events are overwritten, so memory is bounded and
+ *               recording can always be on. A snapshot (prof_snapshot.h) is a copy of what the rings hold, taken while
+ *               all threads go on recording.
+ * Life cycle.   Zones and snapshots in any order, then stilb_prof_shutdown. Nothing has to be initialised: a thread
+ *               gets its ring with its first zone and gives it up when it exits. stilb_prof_thread_begin makes the ring
+ *               earlier and names it.
+ * Per frame.    One thread calls stilb_prof_frame_mark once.
+ * Example.
+ *                   while (running) {
+ *                       stilb_prof_frame_mark();
+ *                       PROFILE("frame");                  // to the end of this scope
+ *                       {
+ *                           PROFILE("simulate");
+ *                           simulate();
+ *                       }
+ *                       PROFILE_COUNTER("bodies", body_count);
+ *                   }
+ *                   stilb_prof_snapshot snapshot = {0};    // prof_snapshot.h
+ *                   if (stilb_prof_snapshot_take(&snapshot, NULL) == 0)
+ *                       stilb_prof_trace_save(&snapshot, "my program", "trace.json"); // prof_trace.h
+ *                   stilb_prof_snapshot_finish(&snapshot);
+ *                   stilb_prof_shutdown();
+ *
+ * Threads.      [any-thread]: any thread may call it at any time. [one-writer]: one thread is its only caller (frame
+ *               marks and captures assert that no two calls overlap). A zone writes only memory of the calling thread:
+ *               no lock, no allocation and no system call, except for the first event of a thread that has not called
+ *               stilb_prof_thread_begin.
+ * Not for.      Signal handlers: the handler's zone could interrupt the write of a zone of the same thread. Nor for a
+ *               child of fork in a program with threads, before it calls exec: its first zone may take a lock that a
+ *               thread held which the child does not have.
  * Errors.       0 or a negative errno. Nothing here prints.
- * Clock.        rdtsc where the CPU says that it is invariant, else CLOCK_MONOTONIC. rdtsc is not serialising: the CPU
- *               may read it before the last instructions of a zone retire, so a zone reads some 20 ns short; a snapshot
- *               says how much on this machine. PROFILE_PRECISE waits for them.
- * Off.          At run time: stilb_prof_record_set(false). At compile time: with STILB_PROFILE_OFF defined (CMake:
- *               STILB_PROFILE=OFF) every macro here expands to nothing; the functions stay and link, and a snapshot has
- *               its frames and no zones.
+ * Clock.        rdtsc if the CPU says that it is invariant (CPUID), else CLOCK_MONOTONIC. rdtsc does not serialise: the
+ *               CPU may read it before the last instructions of a zone have retired, so a zone reads about 20 ns too
+ *               short. A snapshot says how much it is on this machine. PROFILE_PRECISE waits for those instructions.
+ * Switching.    At run time: stilb_prof_record_set(false). At compile time: if STILB_PROFILE_OFF is defined (CMake:
+ *               STILB_PROFILE=OFF), every macro here expands to nothing. The functions remain and link, and a snapshot
+ *               has frames but no zones.
+ * Asserts.      In programs compiled without NDEBUG, the macros and inline functions check their arguments, which costs
+ *               some nanoseconds an event.
  *
- * The library is static and keeps its state once per linked program or shared object; zones of one image are recorded
- * by the copy that is linked into it.
+ * The library is static and keeps its state once per linked program or shared object. The zones of a shared object are
+ * recorded by the copy of the library that is linked into it.
  */
 #ifndef STILB_PROF_H
 #define STILB_PROF_H
@@ -40,466 +60,179 @@ extern "C" {
 
 /* ---- sites ------------------------------------------------------------------------------------------------------- */
 
-/* What the events of a site are. */
+/* The kind of events that a site records. */
 typedef enum stilb_prof_kind {
 	STILB_PROF_KIND_ZONE,
-	STILB_PROF_KIND_PRECISE, /* a zone whose end waited for the instructions before it */
+	STILB_PROF_KIND_PRECISE, /* a zone whose end is read after all of its instructions have retired */
 	STILB_PROF_KIND_COUNTER,
 	STILB_PROF_KIND_INSTANT,
 	STILB_PROF_KIND_FLOW_BEGIN,
 	STILB_PROF_KIND_FLOW_END,
 } stilb_prof_kind;
 
-/* One place in the source. Make them with the macros below; the strings must live as long as the program. */
+/* One place in the source that records. The macros below define sites, and stilb_prof_site_make makes them at run time.
+ * A site in memory of one's own (malloc) does not work: events hold the distance of their site from the program's
+ * other sites, at most 512 MiB (asserted). The strings must live as long as the program. */
 typedef struct stilb_prof_site {
-	const char *name;     /* what the viewer shows; UTF-8 */
-	const char *function; /* "" when made by STILB_PROF_SITE */
+	const char *name;     /* as viewers show it; UTF-8 */
+	const char *function; /* the enclosing function; "" if the site stands outside of functions */
 	const char *file;
 	uint32_t line;
 	uint32_t color;  /* 0xRRGGBB; 0: the viewer chooses */
-	uint32_t kind;   /* stilb_prof_kind */
-	uint32_t listed; /* the list of sites that are not in the array holds it */
+	uint32_t kind;   /* a stilb_prof_kind */
+	uint32_t listed; /* 1: reached by next, from the list of sites that the linker could not put into the array */
 	const struct stilb_prof_site *next;
 	uint64_t reserved[2]; /* 0 */
 } __attribute__((aligned(64))) stilb_prof_site;
 
-/* The linker lays all sites of an image's C code out as one array: no gaps allowed. */
+/* The linker lays out all sites of an image's C code as one array, which must have no gaps. */
 static_assert(sizeof(stilb_prof_site) == 64, "sites form an array");
 
-/* All sites of this image: NULL gives the first, each the next, the last NULL. Those of C code, whether they have run
- * or not, then those of C++ code that have run (g++ refuses to put them into the array), and those made at run time.
- * [any-thread] */
+/* Walks all sites of this image: NULL gives the first, each site the next, the last site NULL. First come the sites of
+ * C code, executed or not; then those of C++ code that have been executed (g++ refuses to put these into the array);
+ * and among the latter those made at run time. previous must come from this function (asserted). [any-thread] */
 const stilb_prof_site *stilb_prof_site_next(const stilb_prof_site *previous);
 
-/* The site of a zone whose name is known only at run time: the same for the same name and colour. name is copied, and
- * kept until the program ends. After 1,024 of them, or without memory, "more names" stands for the rest. Takes a lock:
- * make it once, not per zone. [any-thread] */
+/* The site of a zone whose name is known only at run time; the same name and colour give the same site. name is not
+ * NULL and is copied; the copy is kept until the program ends. rgb is 0xRRGGBB (asserted). After 1,024 such sites, or
+ * without memory, a site named "more names" stands for all others. Takes a lock and compares names: call it once per
+ * name, not once per zone. [any-thread] */
 const stilb_prof_site *stilb_prof_site_make(const char *name, uint32_t rgb);
 
 /* ---- zones ------------------------------------------------------------------------------------------------------- */
 
-/* A zone from here to the end of the enclosing scope; several in one scope nest in the order written. The name is a
- * string literal. Left by return, break, goto or a C++ exception alike. [any-thread] */
+/* A zone from here to the end of the enclosing scope. Several in one scope nest in the order written. name is a string
+ * literal. The zone ends however the scope is left: by return, break, goto or a C++ exception. Costs about two reads of
+ * the clock. [any-thread] */
 #define PROFILE(name) STILB_PROF_SCOPE_(__COUNTER__, "" name, 0, ZONE, stilb_prof_scope_end)
 
-/* The same with a colour, 0xRRGGBB. [any-thread] */
+/* PROFILE with a colour: rgb is 0xRRGGBB. [any-thread] */
 #define PROFILE_COLOR(name, rgb) STILB_PROF_SCOPE_(__COUNTER__, "" name, rgb, ZONE, stilb_prof_scope_end)
 
-/* The same, named after the enclosing function. [any-thread] */
+/* PROFILE with the name of the enclosing function. [any-thread] */
 #define PROFILE_FUNCTION() STILB_PROF_SCOPE_(__COUNTER__, __func__, 0, ZONE, stilb_prof_scope_end)
 
-/* The same, ended by rdtscp, which waits until all that the zone did is done: for short zones whose length matters. It
- * costs about half as much again, and the wait. [any-thread] */
+/* PROFILE whose end is read by rdtscp, after all instructions of the zone have finished: for short zones whose exact
+ * length matters. Costs half as much again as PROFILE, plus the wait. [any-thread] */
 #define PROFILE_PRECISE(name) STILB_PROF_SCOPE_(__COUNTER__, "" name, 0, PRECISE, stilb_prof_scope_end_precise)
 
-/* A zone from here to PROFILE_END, which ends the zone that this thread began last. A scope's end also ends what was
- * begun in it and not ended. [any-thread] */
+/* A zone from PROFILE_BEGIN to PROFILE_END, which ends the zone that this thread began last; without an open zone it
+ * does nothing. Zones that were begun inside a PROFILE scope and not ended end with that scope. [any-thread] */
 #define PROFILE_BEGIN(name) STILB_PROF_AT_(name, ZONE, stilb_prof_zone_begin(STILB_PROF_HERE_))
 #define PROFILE_END() stilb_prof_zone_end()
 
-/* Ends the zone that this thread began last, by PROFILE_BEGIN or by PROFILE, and begins another in its place: steps
- * that follow one another, with one clock read between them. Without an open zone it does nothing. [any-thread] */
+/* Ends the zone that this thread began last, by PROFILE_BEGIN or by PROFILE, and begins another in its place: for steps
+ * that follow one another, with one read of the clock between. Without an open zone it does nothing. [any-thread] */
 #define PROFILE_NEXT(name) STILB_PROF_AT_(name, ZONE, stilb_prof_zone_next(STILB_PROF_HERE_))
 
-/* A number at this moment: a curve. value is a double, kept with 40 bits of mantissa: integers up to 2^41 exactly. It
- * is not evaluated where nothing is recorded. [any-thread] */
+/* Records the value of a quantity at this moment; viewers draw a curve. value is a double of which 40 bits of mantissa
+ * are kept: integers up to 2^41 are exact. value is not evaluated while recording is off. [any-thread] */
 #define PROFILE_COUNTER(name, value)                                                                                   \
 	do {                                                                                                               \
 		if (stilb_prof_is_recording())                                                                                 \
 			STILB_PROF_AT_(name, COUNTER, stilb_prof_counter(STILB_PROF_HERE_, value));                                \
 	} while (0)
 
-/* A moment. [any-thread] */
+/* Records that something happened at this moment. [any-thread] */
 #define PROFILE_INSTANT(name) STILB_PROF_AT_(name, INSTANT, stilb_prof_instant(STILB_PROF_HERE_))
 
-/* Defines a static site for stilb_prof_zone_begin and stilb_prof_lane_zone, at file scope or in a function. */
+/* Defines a static site named variable for stilb_prof_zone_begin and stilb_prof_lane_zone, at file scope or in a
+ * function. name is a string literal, rgb a constant 0xRRGGBB. */
 #define STILB_PROF_SITE(variable, name, rgb)                                                                           \
 	STILB_PROF_STATIC_ stilb_prof_site variable STILB_PROF_SECTION_ =                                                  \
 		STILB_PROF_SITE_INIT_("" name, "", rgb, STILB_PROF_KIND_ZONE) STILB_PROF_LIST_(variable, &variable, 1)
 
-/* A zone whose two ends lie in different functions (hooks): PROFILE_BEGIN and PROFILE_END with a site made before, by
- * STILB_PROF_SITE or stilb_prof_site_make. Zones nested more than 64 deep are counted, not recorded. [any-thread] */
+/* PROFILE_BEGIN and PROFILE_END for a zone whose ends lie in different functions (hooks), or whose name is known only
+ * at run time. site is a site of zones (asserted), from STILB_PROF_SITE or stilb_prof_site_make. Zones nested more than
+ * 64 deep are counted (stilb_prof_snapshot.too_deep) and not recorded. [any-thread] */
 static inline void stilb_prof_zone_begin(const stilb_prof_site *site);
 static inline void stilb_prof_zone_end(void);
 
-/* ---- flows: a job from where it was submitted to where it ran ---------------------------------------------------- */
+/* ---- flows: arrows from where a job was submitted to where it ran ------------------------------------------------ */
 
-/* Defines a static flow for the two calls below, at file scope or in a function: all arrows of one kind. */
+/* Defines a static flow for the two functions below, at file scope or in a function. One flow serves all arrows of a
+ * kind, for example all jobs. name is a string literal, rgb a constant 0xRRGGBB. */
 #define STILB_PROF_FLOW(variable, name, rgb)                                                                           \
 	STILB_PROF_STATIC_ stilb_prof_site variable[2] STILB_PROF_SECTION_ = {                                             \
 		STILB_PROF_SITE_INIT_("" name, "", rgb, STILB_PROF_KIND_FLOW_BEGIN),                                           \
 		STILB_PROF_SITE_INIT_("" name, "", rgb, STILB_PROF_KIND_FLOW_END)} STILB_PROF_LIST_(variable, variable, 2)
 
-/* Begins an arrow inside the zone that is open here. Returns its number, which goes with the job; 0 when nothing is
- * recorded. It holds the frame: what runs as the job is charged to the frame that submitted it. [any-thread] */
+/* Begins an arrow in the zone that is open on this thread. Returns the arrow's id, which travels with the job; 0 while
+ * recording is off. The id contains the number of the current frame: the job's time is charged to the frame that
+ * submitted it. flow is not NULL (asserted); with a site that is not a flow it returns 0. [any-thread] */
 uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow);
 
-/* Ends it inside the zone that is open here, which is the job; on any thread. id 0: does nothing. [any-thread] */
+/* Ends the arrow id in the zone that is open on this thread: call it first in the job's zone. An arrow may have several
+ * ends. An id of 0 does nothing. flow is not NULL (asserted); a site that is not a flow does nothing. [any-thread] */
 void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id);
 
 /* ---- threads and frames ------------------------------------------------------------------------------------------ */
 
-/* Recording is on from the start. Off: a macro costs one load and one branch. The zones that are open when it goes off
- * or on are lost. [any-thread] */
+/* Switches recording on or off for all threads; it is on at the start. While it is off a macro costs one load and one
+ * branch. Zones that are open at the moment of the change are lost. [any-thread] */
 void stilb_prof_record_set(bool on);
 
-/* Gives the calling thread a ring: a ring left by an ended thread of that name, with what it holds, or a new one. name
- * is copied, 63 bytes at most; NULL counts as "thread".
- * A thread that records without having called this gets a ring at its first zone, counter, instant or flow, which then
- * takes some twenty microseconds. Its name is "main" in the main thread, else the one that pthread_setname_np gave it,
- * else "thread 1", "thread 2" and so on; a later stilb_prof_thread_begin renames the ring. Where there is no memory for
- * it, what the thread records is counted (stilb_prof_snapshot.without_ring), and now and then the thread tries again.
- * -EALREADY: the thread has begun before; -ENOMEM: no memory. [any-thread] */
+/* Gives the calling thread a ring: the ring of an ended thread of that name, with its events, or a new one. name is
+ * copied and cut to 63 bytes; NULL and "" stand for "thread".
+ * A thread that has not called this gets a ring at its first event, which then takes about twenty microseconds. Its
+ * name is "main" in the main thread, else the name given by pthread_setname_np, else "thread 1", "thread 2" and so on.
+ * A later stilb_prof_thread_begin renames that ring. If there is no memory for the ring, the thread's events are
+ * counted (stilb_prof_snapshot.without_ring), and it tries again every 1,024 events.
+ * Returns 0; -EALREADY: the thread has called this before; -ENOMEM: no memory. [any-thread] */
 int stilb_prof_thread_begin(const char *name);
 
-/* Takes the ring away again; what it holds stays for later snapshots. Without a ring it does nothing. A thread that
- * exits does this by itself. At most 64 rings of ended threads and lanes are kept, then the next of another name takes
- * over the one that ended first, so memory does not grow with the number of threads that come and go. [any-thread] */
+/* Gives up the calling thread's ring; later snapshots still show its events. Does nothing without a ring. A thread that
+ * exits does this by itself. At most 64 rings of ended threads and lanes are kept; then a thread or lane with a new
+ * name takes over the ring whose owner ended first, so memory does not grow with the number of threads that come and
+ * go. [any-thread] */
 void stilb_prof_thread_end(void);
 
-/* Events in rings made from now on: a power of two, 64..2^26; 65,536 (1 MiB) unless set. -EINVAL otherwise. Rings of up
- * to 1 MiB that stilb_prof_thread_begin makes are in memory from the start; of all others a page is taken when it is
- * first written. [any-thread] */
+/* Sets the number of events in rings that are made from now on: a power of two in 64..2^26; 65,536 (1 MiB) unless set.
+ * Rings of up to 1 MiB made by stilb_prof_thread_begin are resident from the start; pages of all other rings are
+ * allocated when they are first written. Returns 0, or -EINVAL if events is out of range. [any-thread] */
 int stilb_prof_ring_events_set(uint32_t events);
 
-/* Whether threads that begin from now on also note when they run and when they do not; off unless set. Where the kernel
- * refuses, a snapshot says why. [any-thread] */
+/* Sets if threads that begin from now on also record their context switches (perf_event_open); off unless set. If the
+ * kernel refuses, snapshots say why (stilb_prof_lane.no_switches). [any-thread] */
 void stilb_prof_switches_set(bool on);
 
-/* Begins a new frame and so ends the one before. The last 1,024 are remembered. [one-writer] */
+/* Ends the current frame and begins the next. The last 1,024 marks are remembered. Frames are numbered from 0; what was
+ * recorded before the first mark belongs to no frame. [one-writer] */
 void stilb_prof_frame_mark(void);
 
 /* ---- lanes of devices -------------------------------------------------------------------------------------------- */
 
-/* A row of zones that were timed elsewhere: a GPU. */
+/* A row of zones that were timed elsewhere, for example on a GPU. Created by stilb_prof_lane_create. */
 typedef struct stilb_prof_lane_handle stilb_prof_lane_handle;
 
-/* As stilb_prof_thread_begin; *lane is NULL after an error. [any-thread] */
+/* Creates a lane; name and errors as for stilb_prof_thread_begin. lane is not NULL (asserted). Returns 0, or -ENOMEM,
+ * and then *lane is NULL. [any-thread] */
 int stilb_prof_lane_create(const char *name, stilb_prof_lane_handle **lane);
 
-/* Records a zone, times on CLOCK_MONOTONIC, depth 0..63: children before their parent, in the order of their ends.
- * A lane of NULL: does nothing. [one-writer] of each lane */
+/* Records a zone. begin_ns and end_ns are nanoseconds of CLOCK_MONOTONIC; an end before the begin counts as the begin.
+ * depth is the number of zones around it, 0..63; deeper ones are counted, not recorded. Call it for children before
+ * their parent, in the order of their ends. site is a site of zones (asserted). A lane of NULL does nothing; one that
+ * was destroyed is an error of the program (asserted). [one-writer] per lane */
 void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *site, uint32_t depth, uint64_t begin_ns,
                           uint64_t end_ns);
 
-/* What it holds stays for later snapshots. NULL: does nothing. [any-thread], when nobody writes to it */
+/* Ends the lane; later snapshots still show its zones. Call it once (asserted), while nobody records to the lane. NULL
+ * does nothing. [any-thread] */
 void stilb_prof_lane_destroy(stilb_prof_lane_handle *lane);
 
-/* Forgets all that was recorded and frees the rings of the calling thread, of ended threads and of lanes, which must
- * not be used any more. A thread that still lives keeps its ring, empty; the next shutdown after its end frees it. No
- * other thread may be in any call but those that record. Recording may begin anew afterwards. [one-writer] */
+/* Forgets all that was recorded and frees the rings of the calling thread, of ended threads and of lanes; those lanes
+ * must not be used afterwards. A living thread keeps its ring, now empty; the next shutdown after the thread's end
+ * frees it. Captures have been stopped (prof_capture.h; asserted). Meanwhile other threads may record but call nothing
+ * else here. Recording may begin anew afterwards. [one-writer] */
 void stilb_prof_shutdown(void);
 
-/* ---- what the macros expand to: not for use by name -------------------------------------------------------------- */
+/* ---- what the macros expand to ----------------------------------------------------------------------------------- */
 
-/* begin: time << 12 | offset bits 6..11 | low (6 bits); end: payload << 18 | offset bits 12..29. The time is in ticks
- * of the clock, the offset is that of the site from the start of the section. By the site's kind:
- *   zones      time: its begin     low: its depth           payload: its duration
- *   counters   time: the moment    low, payload: bits 12..17 and 18..63 of the double
- *   instants   time: the moment    low: open zones          payload: 0
- *   flows      time: the moment    low: open zones          payload: the flow's number
- * Events stand in the order of the zones' ends and of the moments. */
-typedef struct stilb_prof_event {
-	uint64_t begin;
-	uint64_t end;
-} stilb_prof_event;
-
-#define STILB_PROF_DEPTH_MAX 64
-#define STILB_PROF_DURATION_MAX ((UINT64_C(1) << 46) - 1) /* ticks; almost four hours at 5 GHz, then it is cut */
-
-/* An open zone. */
-typedef struct stilb_prof_open_zone {
-	uint64_t begin;
-	const stilb_prof_site *site;
-} stilb_prof_open_zone;
-
-/* Written by its thread, read by snapshots: all accesses are atomic, orders as said in prof_ring.c. */
-typedef struct stilb_prof_ring {
-	uint64_t head; /* events ever written; the next goes to events[head & mask] */
-	stilb_prof_event *events;
-	uint32_t mask;
-	uint32_t tsc;      /* the clock is rdtsc */
-	uint32_t depth;    /* open zones */
-	uint32_t session;  /* the one that they belong to */
-	uint64_t too_deep; /* zones that were not recorded for that */
-	uint32_t lane;     /* its number, and the flows begun: for the numbers of flows */
-	uint32_t flows;
-	stilb_prof_open_zone open[STILB_PROF_DEPTH_MAX]; /* outermost first */
-} stilb_prof_ring;
-
-#define STILB_PROF_SITE_INIT_(name, function, rgb, kind)                                                               \
-	{                                                                                                                  \
-		name, function, __FILE__, __LINE__, rgb, kind, 0, NULL,                                                        \
-		{                                                                                                              \
-			0, 0                                                                                                       \
-		}                                                                                                              \
-	}
-
-/* C: constants in the linker's array. C++: g++ refuses one section for inline and other functions, so a site enters a
- * list when it is first used, or before main when it stands outside functions. */
-#ifdef __cplusplus
-#define STILB_PROF_STATIC_ static
-#define STILB_PROF_SECTION_
-#define STILB_PROF_LIST_(variable, sites, count)                                                                       \
-	;                                                                                                                  \
-	static const bool variable##_is_listed __attribute__((unused)) = stilb_prof_site_list(sites, count)
-#else
-#define STILB_PROF_STATIC_ static const
-#define STILB_PROF_SECTION_ __attribute__((section("stilb_prof_section")))
-#define STILB_PROF_LIST_(variable, sites, count)
-#endif
-
-#define STILB_PROF_SITE_AT_(variable, name, function, rgb, kind)                                                       \
-	STILB_PROF_STATIC_ stilb_prof_site variable STILB_PROF_SECTION_ =                                                  \
-		STILB_PROF_SITE_INIT_(name, function, rgb, STILB_PROF_KIND_##kind)
-
-#define STILB_PROF_SCOPE_AT_(n, name, rgb, kind, end)                                                                  \
-	STILB_PROF_SITE_AT_(stilb_prof_site_##n, name, __func__, rgb, kind);                                               \
-	uint32_t stilb_prof_scope_##n __attribute__((cleanup(end), unused)) =                                              \
-		stilb_prof_scope_begin(stilb_prof_site_use(&stilb_prof_site_##n))
-#define STILB_PROF_SCOPE_(n, name, rgb, kind, end) STILB_PROF_SCOPE_AT_(n, name, rgb, kind, end)
-
-#define STILB_PROF_HERE_ (stilb_prof_site_use(&stilb_prof_site_here))
-#define STILB_PROF_AT_(name, kind, call)                                                                               \
-	do {                                                                                                               \
-		STILB_PROF_SITE_AT_(stilb_prof_site_here, "" name, __func__, 0, kind);                                         \
-		call;                                                                                                          \
-	} while (0)
-
-/* The linker makes these two, the array's bounds. */
-extern const stilb_prof_site __start_stilb_prof_section[] __attribute__((visibility("hidden")));
-extern const stilb_prof_site __stop_stilb_prof_section[] __attribute__((visibility("hidden")));
-
-/* 0: nothing is recorded; else each time that recording is switched on has a number of its own. */
-extern uint32_t stilb_prof_session __attribute__((visibility("hidden")));
-
-/* Never NULL: a thread without a ring has one that belongs to no session and is never written. */
-extern __thread stilb_prof_ring *stilb_prof_thread_ring
-	__attribute__((visibility("hidden"), tls_model("initial-exec")));
-
-/* CLOCK_MONOTONIC in nanoseconds. */
-uint64_t stilb_prof_clock_monotonic(void);
-
-/* Puts sites into the list, once; returns true. */
-bool stilb_prof_site_list(stilb_prof_site *sites, size_t count);
-
-/* The calling thread's ring, in this session: made now when it has none, without its open zones when they belong to an
- * earlier session. NULL: no memory for one; the event that was to be recorded is counted. */
-stilb_prof_ring *stilb_prof_ring_enter(uint32_t session);
-
-#ifdef __cplusplus
-static inline const stilb_prof_site *stilb_prof_site_use(stilb_prof_site *site)
-{
-	/* Relaxed: stilb_prof_site_list looks again. */
-	if (__builtin_expect(__atomic_load_n(&site->listed, __ATOMIC_RELAXED) == 0, 0))
-		stilb_prof_site_list(site, 1);
-	return site;
-}
-#else
-static inline const stilb_prof_site *stilb_prof_site_use(const stilb_prof_site *site)
-{
-	return site;
-}
-#endif
-
-/* Between two compiler barriers: memory accesses of a zone stay inside it. */
-static inline uint64_t stilb_prof_clock(const stilb_prof_ring *ring)
-{
-	uint64_t now;
-	__asm__ volatile("" ::: "memory");
-#if defined(__x86_64__)
-	now = __builtin_expect(ring->tsc != 0, 1) ? __builtin_ia32_rdtsc() : stilb_prof_clock_monotonic();
-#else
-	(void)ring;
-	now = stilb_prof_clock_monotonic();
-#endif
-	__asm__ volatile("" ::: "memory");
-	return now;
-}
-
-/* The same, after all instructions before it. */
-static inline uint64_t stilb_prof_clock_precise(const stilb_prof_ring *ring)
-{
-#if defined(__x86_64__)
-	if (__builtin_expect(ring->tsc != 0, 1)) {
-		uint32_t cpu;
-		__asm__ volatile("" ::: "memory");
-		uint64_t now = __builtin_ia32_rdtscp(&cpu);
-		__asm__ volatile("" ::: "memory");
-		return now;
-	}
-#endif
-	return stilb_prof_clock(ring);
-}
-
-static inline bool stilb_prof_is_recording(void)
-{
-	/* Relaxed: no data depends on it. Expected to be off, as in stilb_prof_recorder. */
-	return __builtin_expect(__atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED) != 0, 0);
-}
-
-/* The ring to record to, in the session that is on; NULL: nothing is to be recorded. That is what the compiler is told
- * to expect, so that the code falls through where recording is off: a jump to where it is on costs nothing beside the
- * clock. */
-static inline stilb_prof_ring *stilb_prof_recorder(void)
-{
-	uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
-	if (__builtin_expect(session == 0, 1))
-		return NULL;
-	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	return __builtin_expect(ring->session == session, 1) ? ring : stilb_prof_ring_enter(session);
-}
-
-/* The ring whose innermost zone is to end; NULL: none is open. */
-static inline stilb_prof_ring *stilb_prof_ender(void)
-{
-	uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
-	if (__builtin_expect(session == 0, 1))
-		return NULL;
-	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	return __builtin_expect(ring->session == session && ring->depth > 0, 1) ? ring : NULL;
-}
-
-/* Writes an event. */
-static inline void stilb_prof_write(stilb_prof_ring *ring, const stilb_prof_site *site, uint64_t time, uint64_t low,
-                                    uint64_t payload)
-{
-	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED);
-	uint64_t offset = (uint64_t)((uintptr_t)site - (uintptr_t)__start_stilb_prof_section);
-	assert((uint64_t)((int64_t)(offset << 34) >> 34) == offset && "sites lie in the program, not in allocated memory");
-	assert(low < 64 && payload >> 46 == 0);
-	stilb_prof_event *event = &ring->events[head & ring->mask];
-	__atomic_store_n(&event->begin, time << 12 | (offset & 0xfc0) | low, __ATOMIC_RELEASE);
-	__atomic_store_n(&event->end, payload << 18 | (offset >> 12 & 0x3ffff), __ATOMIC_RELEASE);
-	__atomic_store_n(&ring->head, head + 1, __ATOMIC_RELEASE);
-}
-
-/* Opens a zone at depth. */
-static inline void stilb_prof_open(stilb_prof_ring *ring, const stilb_prof_site *site, uint64_t begin, uint32_t depth)
-{
-	assert(depth < STILB_PROF_DEPTH_MAX && site && site->kind <= STILB_PROF_KIND_PRECISE && "a site of zones");
-	__atomic_store_n(&ring->open[depth].begin, begin, __ATOMIC_RELEASE);
-	__atomic_store_n(&ring->open[depth].site, site, __ATOMIC_RELEASE);
-	__atomic_store_n(&ring->depth, depth + 1, __ATOMIC_RELEASE);
-}
-
-/* Closes the zone at depth and all inside it, and writes its event. */
-static inline void stilb_prof_close(stilb_prof_ring *ring, uint32_t depth, uint64_t end)
-{
-	assert(depth < ring->depth && "the zone is open");
-	const stilb_prof_open_zone *zone = &ring->open[depth];
-	uint64_t begin = __atomic_load_n(&zone->begin, __ATOMIC_RELAXED); /* the thread's own */
-	const stilb_prof_site *site = __atomic_load_n(&zone->site, __ATOMIC_RELAXED);
-	uint64_t duration = end - begin;
-	if (__builtin_expect(duration > STILB_PROF_DURATION_MAX, 0))
-		duration = (int64_t)duration < 0 ? 0 : STILB_PROF_DURATION_MAX; /* the clock stepped back, or hours went by */
-	__atomic_store_n(&ring->depth, depth, __ATOMIC_RELEASE);
-	stilb_prof_write(ring, site, begin, depth, duration);
-}
-
-/* Begins a zone, whether there is room for it or not; returns the number of open zones then. */
-static inline uint32_t stilb_prof_push(stilb_prof_ring *ring, const stilb_prof_site *site)
-{
-	uint32_t depth = __atomic_load_n(&ring->depth, __ATOMIC_RELAXED); /* the thread's own */
-	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1)) {
-		stilb_prof_open(ring, site, stilb_prof_clock(ring), depth);
-	} else {
-		__atomic_store_n(&ring->too_deep, ring->too_deep + 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
-		__atomic_store_n(&ring->depth, depth + 1, __ATOMIC_RELEASE);
-	}
-	return depth + 1;
-}
-
-/* Ends the zone that made depth + 1 open ones. */
-static inline void stilb_prof_pop(stilb_prof_ring *ring, uint32_t depth, uint64_t end)
-{
-	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1))
-		stilb_prof_close(ring, depth, end);
-	else
-		__atomic_store_n(&ring->depth, depth, __ATOMIC_RELEASE); /* pairs with prof_copy_open_zone */
-}
-
-/* The number of open zones with this one; 0: it is not recorded. */
-static inline uint32_t stilb_prof_scope_begin(const stilb_prof_site *site)
-{
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	return ring ? stilb_prof_push(ring, site) : 0;
-}
-
-/* The ring is looked up again, and must still hold the zone: the thread may have begun or ended inside the scope. */
-static inline void stilb_prof_scope_end(const uint32_t *scope)
-{
-	if (__builtin_expect(*scope == 0, 1))
-		return;
-	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	uint64_t end = stilb_prof_clock(ring);
-	if (__builtin_expect(__atomic_load_n(&ring->depth, __ATOMIC_RELAXED) >= *scope, 1))
-		stilb_prof_pop(ring, *scope - 1, end);
-}
-
-static inline void stilb_prof_scope_end_precise(const uint32_t *scope)
-{
-	if (__builtin_expect(*scope == 0, 1))
-		return;
-	stilb_prof_ring *ring = stilb_prof_thread_ring;
-	uint64_t end = stilb_prof_clock_precise(ring);
-	if (__builtin_expect(__atomic_load_n(&ring->depth, __ATOMIC_RELAXED) >= *scope, 1))
-		stilb_prof_pop(ring, *scope - 1, end);
-}
-
-static inline void stilb_prof_zone_begin(const stilb_prof_site *site)
-{
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring)
-		stilb_prof_push(ring, site);
-}
-
-static inline void stilb_prof_zone_end(void)
-{
-	stilb_prof_ring *ring = stilb_prof_ender();
-	if (ring)
-		stilb_prof_pop(ring, ring->depth - 1, stilb_prof_clock(ring));
-}
-
-static inline void stilb_prof_zone_next(const stilb_prof_site *site)
-{
-	stilb_prof_ring *ring = stilb_prof_ender();
-	if (!ring)
-		return;
-	uint32_t depth = ring->depth - 1;
-	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1)) {
-		uint64_t now = stilb_prof_clock(ring);
-		stilb_prof_close(ring, depth, now);
-		stilb_prof_open(ring, site, now, depth);
-	} else {
-		__atomic_store_n(&ring->too_deep, ring->too_deep + 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
-	}
-}
-
-static inline void stilb_prof_counter(const stilb_prof_site *site, double value)
-{
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (!ring)
-		return;
-	assert(site && site->kind == STILB_PROF_KIND_COUNTER);
-	uint64_t bits;
-	__builtin_memcpy(&bits, &value, sizeof bits);
-	if (__builtin_expect((bits >> 52 & 0x7ff) != 0x7ff, 1)) /* infinity and NaN are not rounded */
-		bits += UINT64_C(1) << 11;
-	stilb_prof_write(ring, site, stilb_prof_clock(ring), bits >> 12 & 0x3f, bits >> 18);
-}
-
-static inline void stilb_prof_instant(const stilb_prof_site *site)
-{
-	assert(site && site->kind == STILB_PROF_KIND_INSTANT);
-	stilb_prof_ring *ring = stilb_prof_recorder();
-	if (ring)
-		stilb_prof_write(ring, site, stilb_prof_clock(ring), 0, 0);
-}
+#include "prof_inline.h"
 
 /* ---- off --------------------------------------------------------------------------------------------------------- */
 
-/* What records is gone from the source; what manages threads, frames and snapshots stays. */
+/* Everything that records disappears from the source; the functions for threads, frames and snapshots stay. */
 #ifdef STILB_PROFILE_OFF
 #undef PROFILE
 #undef PROFILE_COLOR

@@ -245,7 +245,7 @@ static inline void prof_give_way(size_t round)
 		prof_background_yield();
 }
 
-/* ---- prof_snapshot_sound.c --------------------------------------------------------------------------------------- */
+/* ---- read/prof_snapshot_sound.c ---------------------------------------------------------------------------------- */
 
 /* All that prof_snapshot.h promises of a snapshot holds: order, nesting, indices. Linear in its size. */
 bool prof_snapshot_is_sound(const stilb_prof_snapshot *snapshot);

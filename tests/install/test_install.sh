@@ -67,7 +67,7 @@ builds jobs_consumer -DJOBS_FOLDER="$scratch/elsewhere/job-system"
 cp -r "$source/profiler" "$scratch/elsewhere/frame-profiler"
 install_moved "$scratch/elsewhere/frame-profiler" profiler-alone
 [ "$(cd "$scratch/profiler-alone/include/stilb" && echo *)" = \
-	"prof.h prof_capture.h prof_diff.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h" ]
+	"prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h" ]
 builds profiler_consumer -DCMAKE_PREFIX_PATH="$scratch/profiler-alone"
 builds_by_pkg_config "$scratch/profiler-alone" "$CC" profiler_consumer/consumer.c stilb-profiler
 builds_by_pkg_config "$scratch/profiler-alone" "$CXX" profiler_consumer/consumer.cpp stilb-profiler

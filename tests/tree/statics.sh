@@ -23,7 +23,8 @@ cd "${1:-$here/../..}"
 		}
 	}
 	# The name of a static function, array or variable is the last word before the first of ( [ = ;
-	/^static / && !/^static_assert/ && !/\(\*/ {
+	# A prototype is no second definition.
+	/^static / && !/^static_assert/ && !/\(\*/ && !/^[^=]*\);$/ {
 		name = $0
 		sub(/[(=\[;].*/, "", name)
 		n = split(name, word, /[ \t*]+/)

@@ -155,6 +155,8 @@ test_statics() {
 	expect 'engine/scene/scene.c:1: cull_helper carries the prefix of culling' statics.sh "$scratch/tree"
 	printf 'static int scene_helper(void)\n{\n}\nstatic int ready;\n' >engine/scene/scene.c
 	expect_good statics.sh "$scratch/tree"
+	printf 'static int job_helper(void);\n' >jobs/job_wait.c
+	expect_good statics.sh "$scratch/tree"
 	printf 'static bool ready[2] = {0};\n' >jobs/job_wait.c
 	expect 'jobs/job_wait.c:1: ready is static in jobs/job_pool.c too' statics.sh "$scratch/tree"
 }
