@@ -229,7 +229,7 @@ static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uin
 	if (loop_finished(loop, wanted))
 		return;
 	job_hook_wait_begin(slot->pool, slot->index);
-	const job_scope scope = {.root = span->root, .level = span->level};
+	job_scope scope = {.root = span->root, .level = span->level};
 	loop_wait_for wait = {.loop = loop, .wanted = wanted};
 	bool announced = false;
 	while (!loop_spin(loop, slot, &scope, wanted)) {

@@ -85,7 +85,7 @@ static bool json_in_object(const stilb_json *json)
 static void json_lead(stilb_json *json, const char *key)
 {
 	STILB_ASSERT(json && json_is_sound(json));
-	STILB_ASSERT((key != NULL) == json_in_object(json) && "a value in an object has a key, others have none");
+	STILB_ASSERT(!key == !json_in_object(json) && "a value in an object has a key, others have none");
 	STILB_ASSERT((json->depth > 0 || !json->comma) && "one value at the top");
 	if (json->comma)
 		json_put(json, ",");

@@ -11,7 +11,7 @@ static void *scene_array(bool *failed, size_t count, size_t size)
 	void *array = stilb_memory_alloc(count, size);
 	if (array)
 		memset(array, 0, count * size);
-	*failed |= array == NULL;
+	*failed |= !array;
 	return array;
 }
 

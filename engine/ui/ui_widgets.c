@@ -395,7 +395,7 @@ void ui_tooltip_draw(stilb_ui *ui)
 	tooltip_line lines[LINES_MAX];
 	uint32_t count = 0;
 	float width = 0.0f, between = roundf(20.0f * ui->scale);
-	bool heading = strchr(ui->tooltip, '\n') != NULL;
+	bool heading = strchr(ui->tooltip, '\n');
 	for (char *text = ui->tooltip; text && *text && count < LINES_MAX; text = lines[count++].next) {
 		lines[count] = tooltip_split(text);
 		bool strong = heading && count == 0;

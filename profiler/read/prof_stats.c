@@ -319,7 +319,8 @@ int stilb_prof_stats_take(stilb_prof_stats *stats, const stilb_prof_snapshot *sn
                           const stilb_prof_stats_range *range)
 {
 	assert(stats && snapshot);
-	const stilb_prof_stats_range all = {0}, *r = range ? range : &all;
+	static const stilb_prof_stats_range all;
+	const stilb_prof_stats_range *r = range ? range : &all;
 	int error = prof_stats_prepare(stats, snapshot);
 	if (error != 0)
 		return error;

@@ -57,6 +57,17 @@ fences() {
 		sed -E 's/^([^:]*:[0-9]+):.*/\1: a fence; put the order on the atomic operation/' || true
 }
 
+# The dialect of C (CONTRIBUTING.md), as far as a line shows it; strings and comments are no code.
+dialect() {
+	these '^(jobs|job_prof|profiler|engine|game)/.*\.[ch]$' | xargs -0 awk '
+		function bad(message) { print FILENAME ":" FNR ": " message }
+		/^[ \t]*\*( |$)/ { next }
+		{ code = $0; gsub(/"([^"\\]|\\.)*"/, "\"\"", code); sub(/\/\*.*/, "", code) }
+		code ~ /[!=]= NULL/ { bad("a pointer is tested by itself: p, !p") }
+		code ~ /^[ \t]*(\+\+|--)/ || code ~ /; (\+\+|--)[^;]*\)/ { bad("a statement increments behind the name: i++") }
+		code ~ /^\t+const ((struct|enum|unsigned|signed|long) )*[a-z0-9_]+ [A-Za-z0-9_]+( =|[;,])/ { bad("a local goes without const") }'
+}
+
 # Nobody finds a place among more. Pictures of docs are made by one command into one folder.
 full_folders() {
 	printf '%s\n' "$files" | grep -v '^docs/' | sed 's|[^/]*$||' | sort | uniq -c |
@@ -83,7 +94,7 @@ forgotten_tiers() {
 	done
 }
 
-violations=$(long_files; wide_lines; header_guards; fences; full_folders; forgotten_tests; forgotten_tiers)
+violations=$(long_files; wide_lines; header_guards; fences; dialect; full_folders; forgotten_tests; forgotten_tiers)
 if [ -n "$violations" ]; then
 	printf '%s\n' "$violations"
 	exit 1

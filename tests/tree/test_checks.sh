@@ -118,6 +118,16 @@ test_shape() {
 	echo 'void f(void) { atomic_thread_fence(memory_order_seq_cst); }' >>game/main.c
 	expect 'game/main.c:3: a fence' shape.sh "$scratch/tree"
 
+	dialect 'if (p == NULL)' 'a pointer is tested by itself'
+	dialect 'return p != NULL;' 'a pointer is tested by itself'
+	dialect '++i;' 'a statement increments behind the name'
+	dialect 'for (int i = 0; i < 9; ++i)' 'a statement increments behind the name'
+	dialect 'const unsigned long n = 9;' 'a local goes without const'
+	fresh_tree
+	printf '\tf(++i, "p == NULL"); /* p == NULL */\n\tconst char *name = "";\n\tstatic const int size = 9;\n' >>game/main.c
+	printf '\tconst flag flags[] = {{0}};\n/* If\n * p == NULL\n */\n' >>game/main.c
+	expect_good shape.sh "$scratch/tree"
+
 	fresh_tree
 	printf '\t\t/* %0110d */\n' 0 >>game/main.c
 	expect 'game/main.c:3: 124 columns' shape.sh "$scratch/tree"
@@ -139,6 +149,12 @@ test_shape() {
 	fresh_tree
 	printf 'stilb_test(test_scene_build\n\tLABELS model tsan)\n' >tests/CMakeLists.txt
 	expect 'STILB_REQUIRE does not name the tier model' shape.sh "$scratch/tree"
+}
+
+dialect() { # STATEMENT WHAT-THE-CHECK-SAYS
+	fresh_tree
+	printf '\t%s\n' "$1" >>game/main.c
+	expect "game/main.c:3: $2" shape.sh "$scratch/tree"
 }
 
 library() { # MODULE CODE

@@ -249,7 +249,7 @@ static void pads_scan(stilb_input_pads *pads)
 	DIR *folder = opendir(path);
 	if (!folder && errno != ENOENT)
 		stilb_log("gamepads: cannot look into %s: %s", path, strerror(errno));
-	for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;)
+	for (struct dirent *entry; folder && (entry = readdir(folder));)
 		if (input_device_is_hidraw(entry->d_name) && strlen(entry->d_name) < PADS_NAME_MAX)
 			pads_look(pads, entry->d_name, false);
 	if (folder)

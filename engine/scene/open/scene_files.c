@@ -97,7 +97,7 @@ static bool files_find_capitals(int root, char *name)
 	size_t length = 0;
 	for (char *part = name, *end; *part; part = end) {
 		end = strchrnul(part, '/');
-		const char slash = *end;
+		char slash = *end;
 		*end = '\0';
 		bool found = files_recall(root, below, part);
 		length += (size_t)snprintf(below + length, sizeof below - length, "%s%s", length ? "/" : "", part);
