@@ -1,12 +1,16 @@
-/* The subcommands: one file each. argv[0] is the first argument after the subcommand's name; returns the exit code. */
+/*
+ * The subcommands of the stilb program, one folder each. argv[0] is the first argument after the subcommand's name,
+ * argc the number of arguments. Each prints its own errors and returns the exit code of the program: EXIT_DONE,
+ * EXIT_FAILED or EXIT_REFUSED (flags.h). All are [main-thread] and called at most once.
+ */
 #ifndef STILB_COMMANDS_H
 #define STILB_COMMANDS_H
 
-int bench_command(int argc, char **argv); /* becomes stilb-bench: returns only when it cannot */
+int bench_command(int argc, char **argv); /* replaces the process by stilb-bench; returns only if that fails */
 int demo_command(int argc, char **argv);
 int info_command(int argc, char **argv);
 int pads_command(int argc, char **argv);
-int offline_command(int argc, char **argv);
+int offline_command(int argc, char **argv); /* stilb render; render_ is the prefix of real time */
 int replay_command(int argc, char **argv);
 int shade_command(int argc, char **argv);
 int trace_command(int argc, char **argv);

@@ -1,4 +1,4 @@
-/* The stilb program: finds the subcommand. */
+/* The stilb program: finds the subcommand and runs it. */
 #include "commands.h"
 #include "game/cli/flags.h"
 #include "game/cli/nearest.h"
@@ -15,13 +15,13 @@ static const struct command {
 	int (*run)(int argc, char **argv);
 	const char *help;
 } commands[] = {
-	{"demo", demo_command, "run the stress test: thousands of models, recorded by many threads"},
+	{"demo", demo_command, "draw the stress test: thousands of models, recorded by many threads"},
 	{"render", offline_command, "make a picture of a scene by ray tracing: path tracer, irradiance cache, occlusion"},
 	{"bench", bench_command, "measure culling, recording, threads, queues and jobs on this machine"},
-	{"replay", replay_command, "play a frame that 'stilb demo --dump' wrote, and measure its commands"},
-	{"trace", trace_command, "what takes the time in a trace file, and which zones got slower in another"},
+	{"replay", replay_command, "draw a frame that 'stilb demo --dump' wrote, and measure its commands"},
+	{"trace", trace_command, "show what takes the time in a trace file, and what got slower in another"},
 	{"shade", shade_command, "draw what the shading formulas look like: lobes, curves, spheres"},
-	{"pads", pads_command, "gamepads: which there are, what they say; record and replay them, describe descriptors"},
+	{"pads", pads_command, "list gamepads; watch, record and replay what they report; explain descriptors"},
 	{"info", info_command, "show the CPU's features, the GPUs and the libraries"},
 };
 
@@ -34,7 +34,8 @@ static void print_help(void)
 		"\n  --version  print the version\n  --help     print this; 'stilb COMMAND --help' lists a command's flags\n");
 }
 
-/* Output that could not be written is a failure too: a full disk, a closed pipe. */
+/* Returns the exit code of a command that ended with code: standard output that could not be written, to a full disk or
+ * a closed pipe, is a failure too. */
 static int finish(int code)
 {
 	if ((fflush(stdout) != 0 || ferror(stdout)) && code == EXIT_DONE) {
@@ -44,19 +45,19 @@ static int finish(int code)
 	return code;
 }
 
-/* A Vulkan driver that draws on the CPU allocates in each frame what it freed in the one before. Given back to the
- * kernel and fetched again in between, that takes a tenth of the frame and more. */
+/* Keeps freed memory in the process. A Vulkan driver that draws on the CPU frees and allocates the same sizes in each
+ * frame; returning them to the kernel in between takes a tenth of the frame and more. */
 static void keep_freed_memory(void)
 {
 	mallopt(M_TRIM_THRESHOLD, INT_MAX);
-	mallopt(M_MMAP_THRESHOLD, 32 << 20); /* the most it takes */
+	mallopt(M_MMAP_THRESHOLD, 32 << 20); /* bytes; the largest value that mallopt accepts */
 }
 
 int main(int argc, char **argv)
 {
 	keep_freed_memory();
 	stilb_prof_record_set(false); /* commands that show or write a profile switch it on */
-	signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report, and what else was asked for is still written */
+	signal(SIGPIPE, SIG_IGN);     /* a closed pipe becomes an error of one output; the others are still written */
 	if (argc < 2) {
 		stilb_log("no command; 'stilb demo' runs the stress test, 'stilb --help' lists all");
 		return EXIT_REFUSED;

@@ -1,4 +1,4 @@
-/* stilb bench: measurements are a program of their own, stilb-bench, which lies beside this one. */
+/* stilb bench: runs the program stilb-bench, which is installed beside this one, with the same arguments. */
 #include "game/cli/flags.h"
 #include "game/commands.h"
 
@@ -9,7 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where stilb-bench would lie; false: this program cannot be found, or its path is too long. */
+/* Writes the path of stilb-bench, in the folder of this program. False, with errno: that folder is not known, or the
+ * path is too long. */
 static bool program_path(char path[PATH_MAX])
 {
 	static const char name[] = "stilb-bench";
@@ -18,8 +19,10 @@ static bool program_path(char path[PATH_MAX])
 		return false;
 	path[length] = '\0';
 	char *file = strrchr(path, '/') + 1;
-	if (file + sizeof name > path + PATH_MAX)
+	if (file + sizeof name > path + PATH_MAX) {
+		errno = ENAMETOOLONG;
 		return false;
+	}
 	memcpy(file, name, sizeof name);
 	return true;
 }
@@ -29,7 +32,7 @@ int bench_command(int argc, char **argv)
 	char path[PATH_MAX];
 	char **words = calloc((size_t)argc + 2, sizeof *words);
 	if (!words || !program_path(path)) {
-		stilb_log("bench: cannot find where this program lies: %s", strerror(errno));
+		stilb_log("bench: cannot find the folder of this program: %s", strerror(errno));
 		free(words);
 		return EXIT_FAILED;
 	}

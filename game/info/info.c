@@ -1,4 +1,4 @@
-/* stilb info: what this machine offers. */
+/* stilb info: lists the CPU's features, the GPUs, the libraries and the guards of the import process. */
 #include "game/cli/flags.h"
 #include "game/commands.h"
 
@@ -17,7 +17,7 @@ typedef struct info_machine {
 	uint32_t cpus; /* usable by this process */
 	stilb_render_gpu gpus[INFO_MAX_GPUS];
 	uint32_t gpu_count;
-	const char *gpu_error; /* NULL when there is Vulkan */
+	const char *gpu_error; /* the reason why no GPU could be listed; NULL: they are listed */
 	stilb_engine_library libraries[INFO_LIBRARIES];
 	uint32_t library_count;
 	stilb_scene_import_info import;
@@ -84,7 +84,7 @@ static void info_print(FILE *out, const info_machine *machine)
 		fprintf(out, "  %-14s %s\n", machine->libraries[i].name, machine->libraries[i].version);
 	info_feature guards[INFO_GUARDS];
 	info_import_guards(&machine->import, guards);
-	fprintf(out, "\nFiles of others are read by a process of its own, guarded by:\n ");
+	fprintf(out, "\nForeign scenes and pictures are read in a process of their own, guarded by:\n ");
 	for (int i = 0; i < INFO_GUARDS; i++)
 		fprintf(out, " %s%s", guards[i].there ? "" : "no-", guards[i].name);
 	fprintf(out, "\n");
@@ -140,11 +140,11 @@ int info_command(int argc, char **argv)
 {
 	const char *path = NULL;
 	const flag flags[] = {
-		{"--json", FLAG_TEXT, &path, "FILE", "the same as JSON; - is standard output", 0, 0, NULL},
+		{"--json", FLAG_TEXT, &path, "FILE", "write the list as JSON too; - is standard output", 0, 0, NULL},
 	};
 	flags_result parsed = flags_parse(flags, 1, argc, argv);
 	if (parsed == FLAGS_HELP) {
-		printf("stilb info: what this machine offers: CPU features, GPUs, libraries.\n\n");
+		printf("stilb info: lists what this machine offers: CPU features, GPUs, libraries.\n\n");
 		flags_print(flags, 1);
 		return EXIT_DONE;
 	}

@@ -1,4 +1,4 @@
-/* stilb replay: a frame that `stilb demo --dump` wrote, again and again, and what its commands cost. */
+/* stilb replay: draws a frame that `stilb demo --dump` wrote again and again, and measures the cost of its commands. */
 #include "game/cli/flags.h"
 #include "game/cli/stage_times.h"
 #include "game/commands.h"
@@ -22,7 +22,7 @@ typedef struct replay_options {
 	uint64_t frames;
 	uint32_t workers, size[2];
 	int device, replay, materials;
-	bool validate, headless; /* it always is */
+	bool validate, headless; /* headless has no effect: there never is a window */
 	const char *file, *gpu, *screenshot, *stats;
 } replay_options;
 
@@ -30,8 +30,8 @@ typedef struct replay_run {
 	replay_options options;
 	stilb_engine_replay *replay;
 	stage_times times;
-	stilb_render_stats render; /* of the last frame that was played, not measured */
-	uint64_t hash;
+	stilb_render_stats render; /* of the last frame before the measurement */
+	uint64_t hash;             /* of its command stream */
 } replay_run;
 
 /* ---- flags ------------------------------------------------------------------------------------------------------- */
@@ -43,35 +43,36 @@ static const char *const materials_choices[] = {"index", "bind", "pipeline", NUL
 static flags_result replay_parse(replay_options *o, int argc, char **argv)
 {
 	const flag flags[] = {
-		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: the CPU's side alone (vulkan)", 0, 0,
-	     device_choices},
-		{"--frames", FLAG_NUMBER, &o->frames, "N", "frames to play, 1..1000000 (120)", 1, 1000000, NULL},
+		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: for the CPU's part alone (vulkan)", 0,
+	     0, device_choices},
+		{"--frames", FLAG_NUMBER, &o->frames, "N", "frames to draw, 1..1000000 (120)", 1, 1000000, NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
 	     NULL},
 		{"--replay", FLAG_CHOICE, &o->replay, "MODE", "indirect, direct or secondary, as in 'stilb demo' (indirect)", 0,
 	     0, replay_choices},
 		{"--materials", FLAG_CHOICE, &o->materials, "MODE", "index, bind or pipeline, as in 'stilb demo' (index)", 0, 0,
 	     materials_choices},
-		{"--size", FLAG_SIZE, o->size, "WxH", "another picture size; another shape stretches it", 1, 16384, NULL},
-		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
+		{"--size", FLAG_SIZE, o->size, "WxH", "picture size (the file's); other proportions stretch the picture", 1,
+	     16384, NULL},
+		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "number of a GPU or part of its name, see 'stilb info'", 0, 0, NULL},
 		{"--validate", FLAG_SWITCH, &o->validate, NULL, "Vulkan validation; any message fails the run", 0, 0, NULL},
 		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the picture as .png, or its radiance as .exr or .hdr", 0,
 	     0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times, counts, and the cost of each kind of command", 0,
 	     0, NULL},
-		{"--headless", FLAG_SWITCH, &o->headless, NULL, "no window: there never is one", 0, 0, NULL},
+		{"--headless", FLAG_SWITCH, &o->headless, NULL, "accepted for scripts; there never is a window", 0, 0, NULL},
 	};
 	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf("stilb replay FILE [FLAGS]: plays a frame without its scene, and measures its commands. 'stilb demo\n"
+		printf("stilb replay FILE [FLAGS]: draws a frame without its scene, and measures its commands. 'stilb demo\n"
 		       "--dump FILE' writes one; - is standard input.\n\n");
 		flags_print(flags, count);
 	}
 	return result;
 }
 
-/* Is the file there? What is in it is seen when it is read. */
+/* True if the file exists and may be read; its content is checked when it is read. */
 static bool replay_check_file(const char *path)
 {
 	struct stat info;
@@ -83,7 +84,7 @@ static bool replay_check_file(const char *path)
 	return error == 0;
 }
 
-/* What the table of flags cannot say. Nothing has been started or written yet. */
+/* Checks what a table of flags cannot. Starts and writes nothing. Returns false after one line on stderr. */
 static bool replay_check(const replay_options *o)
 {
 	if (!replay_check_file(o->file))
@@ -104,7 +105,7 @@ static bool replay_check(const replay_options *o)
 	return result == STILB_OK;
 }
 
-/* Where the words go: not among the bytes of a file that is written to stdout. */
+/* The stream for messages: stderr if an output file is standard output, else stdout. */
 static FILE *replay_message_stream(const replay_options *o)
 {
 	bool taken = (o->stats && stilb_file_is_stdout(o->stats)) || (o->screenshot && stilb_file_is_stdout(o->screenshot));
@@ -157,7 +158,7 @@ static stilb_result replay_play(replay_run *run)
 static const stage replay_stages[] = {STAGE_FRAME, STAGE_RECORD, STAGE_REPLAY, STAGE_GPU};
 #define REPLAY_STAGES (sizeof replay_stages / sizeof *replay_stages)
 
-/* Of all kinds but the submission. */
+/* Milliseconds that the commands of a frame take together, without the submission, which is the last kind. */
 static double replay_kinds_ms(const stilb_render_dump_costs *costs)
 {
 	double ns = 0.0;
@@ -178,8 +179,8 @@ static void replay_print_costs(FILE *out, const stilb_render_dump_costs *costs)
 		else
 			fprintf(out, "%10s %10s %10s  too few in this frame\n", "-", "-", "-");
 	}
-	fprintf(out, "up to the submission they add up to %.3f ms, and such a frame took %.3f ms\n", replay_kinds_ms(costs),
-	        costs->frame_ns * 1e-6);
+	fprintf(out, "up to the submission they add up to %.3f ms; measured together they took %.3f ms\n",
+	        replay_kinds_ms(costs), costs->frame_ns * 1e-6);
 }
 
 static void replay_print(const replay_run *run, const stage_summary *summary, uint64_t warmup,
@@ -207,7 +208,7 @@ static void replay_print(const replay_run *run, const stage_summary *summary, ui
 	}
 	replay_print_costs(out, costs);
 	if (o->validate)
-		fprintf(out, "the validation layer was on: its work is in all of these numbers\n");
+		fprintf(out, "the validation layer was on; all of these numbers include its work\n");
 }
 
 static void replay_json_costs(stilb_json *json, const stilb_render_dump_costs *costs)
@@ -279,7 +280,8 @@ static bool replay_say_result(const replay_run *run, stilb_result result, const 
 	return result == STILB_OK;
 }
 
-/* Writes what was asked for, measures, prints. All is tried, also after a failure. */
+/* Writes all outputs, measures, and prints the results; an output that fails does not keep the others from being
+ * written. Returns true if everything succeeded. */
 static bool replay_finish(replay_run *run)
 {
 	const replay_options *o = &run->options;
@@ -288,7 +290,7 @@ static bool replay_finish(replay_run *run)
 	uint64_t warmup;
 	bool good = stage_times_summarise(&run->times, summary, &warmup);
 	if (!good)
-		stilb_log("no memory to sort the stage times: they are given as 0");
+		stilb_log("no memory to sort the stage times; they are reported as 0");
 	if (o->screenshot)
 		good &= replay_say_result(run, stilb_engine_replay_screenshot(run->replay, o->screenshot), "picture",
 		                          o->screenshot);
@@ -310,7 +312,7 @@ static int replay_main(replay_run *run)
 	stilb_result started = replay_start(run), played = started == STILB_OK ? replay_play(run) : started;
 	if (played != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
-		/* Draws that are not those of the file's hash come to light with the first frame. */
+		/* A damaged file may show only in the first frame, when its draws differ from its hash. */
 		return started != STILB_OK || played == STILB_ERROR_FILE ? exit_code_of(played) : EXIT_FAILED;
 	}
 	return replay_finish(run) ? EXIT_DONE : EXIT_FAILED;
@@ -326,7 +328,7 @@ int replay_command(int argc, char **argv)
 	if (parsed == FLAGS_REFUSED)
 		return EXIT_REFUSED;
 	if (!named || argv[0][0] == '\0') {
-		stilb_log("no file to play; give it first: stilb replay FILE");
+		stilb_log("no file to draw; give it before the flags: stilb replay FILE");
 		return EXIT_REFUSED;
 	}
 	run.options.file = argv[0];

@@ -1,4 +1,4 @@
-/* stilb trace: what a trace file holds. Each part has a file of its own. */
+/* stilb trace: the command; see trace.h for its parts. */
 #include "trace.h"
 
 #include "game/cli/flags.h"
@@ -11,7 +11,7 @@ static bool trace_is_help(const char *word)
 	return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0;
 }
 
-/* Files stand before the flags, whose values would else be taken for files. */
+/* True if a flag stands where the file must be: after it, a value could not be told from a file. */
 static bool trace_begins_with_a_flag(int argc, char **argv)
 {
 	return argc > 0 && argv[0][0] == '-' && argv[0][1] != '\0' && !trace_is_help(argv[0]);
@@ -29,21 +29,21 @@ int trace_command(int argc, char **argv)
 			continue;
 		if (!trace_begins_with_a_flag(argc - 1, argv + 1))
 			return parts[i].run(argc - 1, argv + 1);
-		stilb_log("trace %s: '%s' stands before the file; give stilb trace %s %s [FLAGS]", parts[i].name, argv[1],
-		          parts[i].name, parts[i].files);
+		stilb_log("trace %s: the flag '%s' stands before the file; give stilb trace %s %s [FLAGS]", parts[i].name,
+		          argv[1], parts[i].name, parts[i].files);
 		return EXIT_REFUSED;
 	}
 	if (argc > 0 && trace_is_help(argv[0])) {
-		printf("stilb trace: what is in a trace that 'stilb demo --trace FILE' wrote.\n\n"
-		       "  top FILE   what takes the time\n"
-		       "  diff A B   which zones got slower from A to B\n"
-		       "  show FILE  the profiler's timeline in a window, or as a picture\n\n"
-		       "'stilb trace top --help' and so on list their flags\n");
+		printf("stilb trace: analyses a trace that 'stilb demo --trace FILE' wrote.\n\n"
+		       "  top FILE   the zones that take the most time\n"
+		       "  diff A B   the zones that got slower from A to B\n"
+		       "  show FILE  the timeline in a window, or as a picture\n\n"
+		       "'stilb trace PART --help' lists a part's flags\n");
 		return EXIT_DONE;
 	}
 	if (argc == 0)
-		stilb_log("trace: no command; 'stilb trace --help' lists them");
+		stilb_log("trace: no part; give top, diff or show, 'stilb trace --help' explains them");
 	else
-		stilb_log("trace: '%s' is none of top, diff and show; 'stilb trace --help' lists them", argv[0]);
+		stilb_log("trace: '%s' is not known; give top, diff or show, 'stilb trace --help' explains them", argv[0]);
 	return EXIT_REFUSED;
 }

@@ -1,4 +1,17 @@
-/* What the parts of `stilb trace` share. */
+/*
+ * stilb trace: analyses trace files. trace.c has the command, trace_top.c the table of zones, trace_diff.c the
+ * comparison of two files, trace_show.c the window, and trace_common.c the functions that these share, which are
+ * declared here.
+ *
+ *   trace_files files = trace_take_files(1, &argc, &argv);
+ *   stilb_prof_snapshot trace = {0};
+ *   if (trace_check("top", &files, NULL) && trace_load(files.path[0], &trace))
+ *       trace_print_summary(stdout, files.path[0], &trace);
+ *   stilb_prof_snapshot_finish(&trace);
+ *
+ * Errors.   A function that returns false has printed one line on stderr that says why.
+ * Threads.  All [main-thread].
+ */
 #ifndef STILB_TRACE_H
 #define STILB_TRACE_H
 
@@ -7,36 +20,42 @@
 
 #include <stdio.h>
 
-/* The parts, as in commands.h. */
+/* The parts of the command, with arguments and results as in commands.h. */
 int trace_top_command(int argc, char **argv);
 int trace_diff_command(int argc, char **argv);
 int trace_show_command(int argc, char **argv);
 
 typedef struct trace_files {
 	const char *path[2];
-	int wanted, count;
+	int wanted, count; /* how many the part needs; how many are named */
 } trace_files;
 
-/* The files stand first; argc and argv are left with the rest, which are flags. wanted: 1 or 2. */
+/* Takes up to `wanted` files, 1 or 2, from the front of the arguments; argc and argv are left with the rest, which are
+ * flags. */
 trace_files trace_take_files(int wanted, int *argc, char ***argv);
 
-/* The files are all named, and output (may be NULL) is none of them and can become a file; else says why not. command:
- * the part's name. */
+/* True if all wanted files are named, and output, unless it is NULL, is none of them and can become a file. command is
+ * the name of the part, for the message. */
 bool trace_check(const char *command, const trace_files *files, const char *output);
 
-/* Reads a trace; false: it has said why not. */
+/* Reads a trace, which must have zones. *trace is to be finished in both cases. */
 bool trace_load(const char *path, stilb_prof_snapshot *trace);
 
-/* text: a frame's number as the file counts them, or "slowest". False: it has said what there is. file: for that. */
+/* Finds the frame that text names: its number in the file, or "slowest". *frame becomes its index in trace->frames.
+ * file is the name of the trace, for the message. */
 bool trace_choose_frame(const stilb_prof_snapshot *trace, const char *file, const char *text, uint32_t *frame);
 
-/* A line or two on what the file holds. */
-void trace_print_what(FILE *out, const char *path, const stilb_prof_snapshot *trace);
+/* Prints one line on the size of the trace, and one for each kind of data that it lacks. */
+void trace_print_summary(FILE *out, const char *path, const stilb_prof_snapshot *trace);
 
-/* The end of a table's line. Names come from the file: nothing in them moves the cursor of a terminal. */
+/* Prints a zone's name, which ends a line of a table. Control characters become '?': the name comes from the file, and
+ * must not control the terminal. */
 void trace_print_name(FILE *out, const char *name, stilb_prof_lane_kind kind);
 
-uint64_t trace_zones(const stilb_prof_snapshot *trace);
+/* The number of zones on all lanes. */
+uint64_t trace_zone_count(const stilb_prof_snapshot *trace);
+
+/* Writes nanoseconds as a whole number; more than 2^63 - 1 are cut to that. */
 void trace_json_ns(stilb_json *json, const char *key, uint64_t ns);
 
 static inline uint64_t trace_frame_ns(const stilb_prof_frame *frame)

@@ -1,4 +1,4 @@
-/* trace_common: reading and describing a trace, for the parts of stilb trace. */
+/* Functions that the parts of stilb trace share; see trace.h. */
 #include "trace.h"
 
 #include "game/cli/flags.h"
@@ -12,6 +12,7 @@
 
 trace_files trace_take_files(int wanted, int *argc, char ***argv)
 {
+	STILB_ASSERT(wanted == 1 || wanted == 2);
 	trace_files files = {.wanted = wanted};
 	while (*argc > 0 && files.count < wanted && ((*argv)[0][0] != '-' || (*argv)[0][1] == '\0')) {
 		files.path[files.count++] = (*argv)[0];
@@ -44,8 +45,8 @@ bool trace_load(const char *path, stilb_prof_snapshot *trace)
 	char error[512];
 	if (stilb_prof_trace_read(path, trace, error, sizeof error) != 0)
 		stilb_log("%s", error);
-	else if (trace_zones(trace) == 0)
-		stilb_log("'%s' is a trace without zones; was it recorded with the profiler off?", path);
+	else if (trace_zone_count(trace) == 0)
+		stilb_log("'%s' is a trace without zones; was the profiler off when it was recorded?", path);
 	else
 		return true;
 	return false;
@@ -64,7 +65,7 @@ void trace_print_name(FILE *out, const char *name, stilb_prof_lane_kind kind)
 	fprintf(out, "%s\n", kind == STILB_PROF_LANE_DEVICE ? " (device)" : "");
 }
 
-uint64_t trace_zones(const stilb_prof_snapshot *trace)
+uint64_t trace_zone_count(const stilb_prof_snapshot *trace)
 {
 	uint64_t zones = 0;
 	for (uint32_t i = 0; i < trace->lane_count; i++)
@@ -102,10 +103,10 @@ bool trace_choose_frame(const stilb_prof_snapshot *trace, const char *file, cons
 	return false;
 }
 
-void trace_print_what(FILE *out, const char *path, const stilb_prof_snapshot *trace)
+void trace_print_summary(FILE *out, const char *path, const stilb_prof_snapshot *trace)
 {
 	fprintf(out, "%s: %.3f ms, %" PRIu32 " lanes, %" PRIu64 " zones", path, trace_ms(trace->end_ns - trace->begin_ns),
-	        trace->lane_count, trace_zones(trace));
+	        trace->lane_count, trace_zone_count(trace));
 	if (trace->frame_count > 0) {
 		const stilb_prof_frame *slowest = &trace->frames[trace_slowest(trace)];
 		fprintf(out, ", %" PRIu32 " frames (%.3f ms on average, the slowest is %" PRIu64 " with %.3f ms)",

@@ -1,4 +1,4 @@
-/* stilb trace diff: which zones got slower from one trace to another. */
+/* stilb trace diff: compares two traces and lists the zones that got slower. */
 #include "game/cli/flags.h"
 #include "trace.h"
 
@@ -29,10 +29,11 @@ static const char *const verdicts[] = {"slower", "faster", "only in B", "only in
 static flags_result diff_parse(diff_options *o, int argc, char **argv)
 {
 	const flag flags[] = {
-		{"--threshold", FLAG_TEXT, &o->threshold, "PERCENT", "smaller changes of the median are none (5)", 0, 0, NULL},
+		{"--threshold", FLAG_TEXT, &o->threshold, "PERCENT", "smallest change of the median that counts, percent (5)",
+	     0, 0, NULL},
 		{"--alpha", FLAG_TEXT, &o->alpha, "P", "chance of a false alarm in two equal runs, 0..1 (0.01)", 0, 0, NULL},
-		{"--per", FLAG_CHOICE, &o->per, "call|frame", "compare single zones, or their time in each frame (call)", 0, 0,
-	     per_choices},
+		{"--per", FLAG_CHOICE, &o->per, "call|frame",
+	     "compare single calls of a zone, or its total in each frame (call)", 0, 0, per_choices},
 		{"--lines", FLAG_NUMBER, &o->lines, "N", "zones to list, 1..1000000 (30)", 1, 1000000, NULL},
 		{"--json", FLAG_TEXT, &o->json, "FILE", "all rows as JSON; - is standard output", 0, 0, NULL},
 	};
@@ -40,16 +41,16 @@ static flags_result diff_parse(diff_options *o, int argc, char **argv)
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf(
-			"stilb trace diff A B [FLAGS]: which zones got slower from A to B. The medians are compared, and a\n"
-			"Mann-Whitney test says what is chance. Exit code 0: none is slower, 1: one is, 2: could not tell.\n"
-			"A busy machine makes all zones slower: compare runs of a quiet one, and set the threshold above what two\n"
-			"runs of the same program differ by.\n\n");
+			"stilb trace diff A B [FLAGS]: lists the zones that got slower from A to B. It compares medians; a\n"
+			"Mann-Whitney test tells changes from chance. Exit status 0: no zone is slower, 1: one is, 2: an error.\n"
+			"A busy machine makes all zones slower: compare runs on a quiet one, and set the threshold above the\n"
+			"difference of two runs of the same program.\n\n");
 		flags_print(flags, count);
 	}
 	return result;
 }
 
-/* A decimal number in [0, high]; NULL keeps what is there. */
+/* Reads a decimal number in [0, high]; NULL leaves *value alone. False after a message: text is no such number. */
 static bool diff_number(const char *flag_name, const char *text, double high, double *value)
 {
 	char *end;
@@ -94,7 +95,7 @@ static bool diff_load(diff_run *run)
 	return false;
 }
 
-/* Of a total: per frame where there are frames, so that traces of different length compare. */
+/* A total per frame if both traces have frames, so that traces of different length can be compared. side: 0 is A. */
 static double diff_mean(const diff_run *run, int side, double total)
 {
 	return run->diff.frames ? total / run->trace[side].frame_count : total;
@@ -103,7 +104,7 @@ static double diff_mean(const diff_run *run, int side, double total)
 static void diff_print_row(FILE *out, const diff_run *run, const stilb_prof_diff_row *row)
 {
 	char change[16] = "-", p[16] = "-";
-	int digits = run->diff.frames ? 2 : 0; /* of calls */
+	int digits = run->diff.frames ? 2 : 0; /* after the point, of the number of calls */
 	if (row->a.calls > 0 && row->b.calls > 0) {
 		if (row->ratio < 10.0)
 			snprintf(change, sizeof change, "%+.1f %%", 100.0 * (row->ratio - 1.0));
@@ -123,7 +124,7 @@ static void diff_print(FILE *out, const diff_run *run)
 	const stilb_prof_diff *diff = &run->diff;
 	for (int i = 0; i < 2; i++) {
 		fprintf(out, "%c  ", "AB"[i]);
-		trace_print_what(out, run->options.file[i], &run->trace[i]);
+		trace_print_summary(out, run->options.file[i], &run->trace[i]);
 	}
 	fprintf(out, "p50 and p99 are those of %s, calls and self times %s\n\n",
 	        run->desc.sample == STILB_PROF_DIFF_PER_FRAME ? "a zone's time in a frame" : "single zones",
@@ -180,7 +181,7 @@ static stilb_result diff_save(const diff_run *run)
 	return stilb_json_save(&json, run->options.json);
 }
 
-/* 1 means slower and nothing else. */
+/* Errors are EXIT_REFUSED, even while running: exit status 1 means that a zone is slower, and nothing else. */
 static int diff_main(diff_run *run)
 {
 	const char *json = run->options.json;

@@ -1,4 +1,4 @@
-/* stilb trace show: the profiler's timeline over a trace file, in a window or as a picture. */
+/* stilb trace show: the profiler's timeline of a trace file, in a window or as a picture. */
 #include "game/cli/flags.h"
 #include "trace.h"
 
@@ -20,19 +20,22 @@ static flags_result show_parse(show_options *o, int argc, char **argv)
 {
 	const flag flags[] = {
 		{"--frame", FLAG_TEXT, &o->frame, "N|slowest", "the frame to show first (slowest)", 0, 0, NULL},
-		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "no window: a picture of it as .png or .exr", 0, 0, NULL},
+		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "save it as .png, .exr or .hdr instead of opening a window",
+	     0, 0, NULL},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL},
-		{"--ui-aa", FLAG_CHOICE, &o->aa, "feather|article|off", "edges: soft; soft outside alone; hard (feather)", 0, 0,
+		{"--ui-aa", FLAG_CHOICE, &o->aa, "feather|article|off", "edges: soft; soft outside only; hard (feather)", 0, 0,
 	     aa_choices},
-		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "which GPU: number or part of its name, see 'stilb info'", 0, 0, NULL},
+		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "number of a GPU or part of its name, see 'stilb info'", 0, 0, NULL},
 	};
 	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf("stilb trace show FILE [FLAGS]: who did what in a frame, and who waited for whom. FILE is what\n"
+		printf("stilb trace show FILE [FLAGS]: shows what each thread did in a frame, and what it waited for. FILE is "
+		       "what\n"
 		       "'stilb demo --trace' wrote, or Chrome trace JSON of another program that marks frames as it does;\n"
-		       "- is standard input. Wheel zooms, drag pans, a double click fits a zone, a click on a bar chooses\n"
-		       "a frame.\n\n");
+		       "- is standard input. The wheel zooms, dragging pans, a double click fits a zone into the view, a click "
+		       "on\n"
+		       "a bar selects a frame.\n\n");
 		flags_print(flags, count);
 	}
 	return result;
@@ -44,7 +47,7 @@ static int show_fail(void)
 	return EXIT_FAILED;
 }
 
-/* Two frames: the second has the layout that the first one's mouse and text decided. */
+/* Draws two frames: the layout of the second follows from the text that the first one measured. */
 static stilb_result show_picture(stilb_engine_trace_view *view, const char *path)
 {
 	bool close;
@@ -76,7 +79,7 @@ static int show_run(const show_options *o, const stilb_prof_snapshot *trace, uin
 	stilb_engine_trace_view *view;
 	stilb_result result = stilb_engine_trace_view_create(&desc, &view);
 	if (result == STILB_ERROR_WINDOW) {
-		stilb_log("%s; --screenshot FILE draws without a window", stilb_error_message());
+		stilb_log("%s; give --screenshot FILE, which needs no window", stilb_error_message());
 		return EXIT_REFUSED;
 	}
 	if (result != STILB_OK) {

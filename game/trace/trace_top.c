@@ -1,4 +1,4 @@
-/* stilb trace top: what takes the time. */
+/* stilb trace top: the zones of a trace in the order of the time that they take. */
 #include "game/cli/flags.h"
 #include "trace.h"
 
@@ -15,7 +15,7 @@ typedef struct top_options {
 	int sort;
 } top_options;
 
-/* How long jobs lay in a queue, from where they were submitted to where they ran. */
+/* Time of jobs in a queue, from their submission to the start of their run. */
 typedef struct top_delays {
 	uint32_t jobs;
 	uint64_t p50_ns, p99_ns, max_ns;
@@ -26,7 +26,7 @@ typedef struct top_run {
 	stilb_prof_snapshot trace;
 	stilb_prof_stats stats;
 	stilb_prof_stats_range range;
-	uint64_t self_ns; /* of all rows */
+	uint64_t self_ns; /* sum over all rows */
 	top_delays delays;
 } top_run;
 
@@ -45,8 +45,8 @@ static flags_result top_parse(top_options *o, int argc, char **argv)
 	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf("stilb trace top FILE [FLAGS]: what takes the time. FILE is what 'stilb demo --trace' wrote, or Chrome\n"
-		       "trace JSON of another program; - is standard input.\n\n");
+		printf("stilb trace top FILE [FLAGS]: lists the zones that take the most time. FILE is what 'stilb demo\n"
+		       "--trace' wrote, or Chrome trace JSON of another program; - is standard input.\n\n");
 		flags_print(flags, count);
 	}
 	return result;
@@ -91,7 +91,7 @@ static bool top_is_in_frame(const top_run *run, uint64_t ns)
 	return ns >= frame->begin_ns && ns < frame->end_ns;
 }
 
-/* Ran in the chosen lane and frame, and where it came from is known. */
+/* True if the job ran in the chosen lane and frame, and its submission was recorded. */
 static bool top_has_job(const top_run *run, const stilb_prof_flow *flow)
 {
 	return flow->from_lane != STILB_PROF_NONE && flow->to_lane != STILB_PROF_NONE &&
@@ -122,7 +122,7 @@ static bool top_take_delays(top_run *run)
 
 static void top_print(FILE *out, const top_run *run)
 {
-	trace_print_what(out, run->options.file, &run->trace);
+	trace_print_summary(out, run->options.file, &run->trace);
 	if (run->options.frame) {
 		const stilb_prof_frame *frame = &run->trace.frames[run->range.first_frame];
 		fprintf(out, "frame %" PRIu64 ": %.3f ms\n", frame->number, trace_ms(trace_frame_ns(frame)));
@@ -153,7 +153,7 @@ static stilb_result top_save(const top_run *run)
 	stilb_json_begin(&json, NULL, '{');
 	stilb_json_string(&json, "file", run->options.file);
 	stilb_json_int(&json, "frames", run->trace.frame_count);
-	stilb_json_int(&json, "zones", (int64_t)trace_zones(&run->trace));
+	stilb_json_int(&json, "zones", (int64_t)trace_zone_count(&run->trace));
 	stilb_json_begin(&json, "queue_delay", '{');
 	stilb_json_int(&json, "jobs", run->delays.jobs);
 	trace_json_ns(&json, "p50_ns", run->delays.p50_ns);
@@ -184,7 +184,7 @@ static stilb_result top_save(const top_run *run)
 static bool top_take(top_run *run)
 {
 	if (!top_take_delays(run) || stilb_prof_stats_take(&run->stats, &run->trace, &run->range) != 0) {
-		stilb_log("no memory for a table of %" PRIu64 " zones", trace_zones(&run->trace));
+		stilb_log("no memory for a table of %" PRIu64 " zones", trace_zone_count(&run->trace));
 		return false;
 	}
 	stilb_prof_stats_sort(&run->stats, &run->trace, (stilb_prof_order)run->options.sort);

@@ -337,7 +337,7 @@ static void test_show_of_a_trace(void **state)
 	stilb_good("trace show t.json --size 1x1 --screenshot tiny.png");
 	assert_int_equal(stilb_code(no_display, "trace show t.json"), 2);
 	assert_error_lines(1);
-	assert_said(run.err, "--screenshot FILE draws without a window");
+	assert_said(run.err, "give --screenshot FILE, which needs no window");
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */

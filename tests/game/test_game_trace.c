@@ -174,7 +174,7 @@ static void test_help(void **state)
 		{"trace diff --help", "\n  --threshold "},
 		{"trace diff --help", "\n  --alpha "},
 		{"trace diff --help", "\n  --per "},
-		{"trace diff a b --help", "Exit code 0"},
+		{"trace diff a b --help", "Exit status 0"},
 		{"--help", "  trace "},
 	};
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
@@ -186,8 +186,8 @@ static void test_help(void **state)
 }
 
 static const char *const refusals[][2] = {
-	{"trace", "no command"},
-	{"trace flop a.json", "'flop' is none of top, diff and show"},
+	{"trace", "no part; give top, diff or show"},
+	{"trace flop a.json", "'flop' is not known; give top, diff or show"},
 	{"trace top", "no file"},
 	{"trace top {}", "no file"},
 	{"trace diff a.json", "stilb trace diff A B"},
