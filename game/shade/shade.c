@@ -1,4 +1,4 @@
-/* stilb shade: what the formulas of engine/shading look like. One part a file. */
+/* stilb shade: the command; see shade.h for its parts. */
 #include "shade.h"
 
 #include "game/commands.h"
@@ -11,18 +11,18 @@ static const struct shade_part {
 	int (*run)(int argc, char **argv);
 	const char *help;
 } parts[] = {
-	{"list", shade_list_command, "the names of all plots"},
-	{"plot", shade_plot_command, "lobes, albedo and other curves of one formula"},
-	{"table", shade_table_command, "measures, flags and albedos of the catalogue, as Markdown"},
-	{"catalog", shade_catalog_command, "all pictures and the table of docs/shading.md"},
-	{"spheres", shade_spheres_command, "rows of spheres as a picture: roughness, energy conservation, models"},
+	{"list", shade_list_command, "list the names of all plots"},
+	{"plot", shade_plot_command, "draw the lobes, the albedo and other curves of one formula"},
+	{"table", shade_table_command, "measure the formulas of the catalogue, as a table in Markdown"},
+	{"catalog", shade_catalog_command, "make all pictures and the table of docs/shading.md"},
+	{"spheres", shade_spheres_command, "draw rows of spheres: roughness, energy conservation, models"},
 };
 
 #define PARTS (sizeof parts / sizeof *parts)
 
 static void shade_help(void)
 {
-	printf("stilb shade: what the formulas of engine/shading look like.\n\n");
+	printf("stilb shade: shows what the formulas of engine/shading look like.\n\n");
 	for (size_t i = 0; i < PARTS; i++)
 		printf("  %-8s  %s\n", parts[i].name, parts[i].help);
 	printf("\n'stilb shade PART --help' lists a part's flags\n");
@@ -38,8 +38,8 @@ int shade_command(int argc, char **argv)
 		return EXIT_DONE;
 	}
 	if (argc == 0)
-		stilb_log("shade: nothing to do; 'stilb shade --help' lists its parts");
+		stilb_log("shade: no part; 'stilb shade --help' lists them");
 	else
-		stilb_log("shade: '%s' is not known; 'stilb shade --help' lists its parts", argv[0]);
+		stilb_log("shade: '%s' is not known; 'stilb shade --help' lists the parts", argv[0]);
 	return EXIT_REFUSED;
 }

@@ -1,17 +1,21 @@
-/* What the parts of `stilb shade` share. */
+/*
+ * stilb shade: shows the formulas of engine/shading. shade.c has the command, shade_draw.c the parts list, plot and
+ * catalog, shade_table.c the table, shade_spheres.c the part spheres. shade_plot.h makes diagrams, shade_plots.h lists
+ * them, shade_strip.h draws spheres. All [main-thread].
+ */
 #ifndef STILB_SHADE_H
 #define STILB_SHADE_H
 
 #include "game/cli/flags.h"
 
-/* The parts, as in commands.h. */
+/* The parts of the command, with arguments and results as in commands.h. */
 int shade_list_command(int argc, char **argv);
 int shade_plot_command(int argc, char **argv);
 int shade_table_command(int argc, char **argv);
 int shade_spheres_command(int argc, char **argv);
 int shade_catalog_command(int argc, char **argv);
 
-/* stilb_error_message on stderr; returns code. */
+/* Prints stilb_error_message on stderr. Returns code. */
 int shade_complain(int code);
 
 #endif

@@ -1,4 +1,4 @@
-/* shade_common: what the parts of stilb shade share. */
+/* The function that the parts of stilb shade share; see shade.h. */
 #include "shade.h"
 
 int shade_complain(int code)

@@ -1,4 +1,4 @@
-/* stilb shade list, plot and catalog: the plots by name. */
+/* stilb shade list, plot and catalog: finds plots by name and draws one or all. */
 #include "shade.h"
 
 #include "base/base_file.h"
@@ -53,7 +53,7 @@ int shade_list_command(int argc, char **argv)
 {
 	flags_result parsed = flags_parse(NULL, 0, argc, argv);
 	if (parsed == FLAGS_HELP)
-		printf("stilb shade list: the names that 'stilb shade plot' takes, by topic.\n");
+		printf("stilb shade list: lists the names that 'stilb shade plot' accepts, by topic.\n");
 	if (parsed != FLAGS_OK)
 		return parsed == FLAGS_HELP ? EXIT_DONE : EXIT_REFUSED;
 	for (uint32_t t = 0; t < plot_topic_count; t++) {
@@ -69,7 +69,8 @@ int shade_list_command(int argc, char **argv)
 
 /* ---- plot -------------------------------------------------------------------------------------------------------- */
 
-/* The first word that is neither a flag nor -o's value; it is taken out. NULL: there is none. */
+/* Removes the first word that is neither a flag nor the value of -o from the arguments and returns it; NULL: there is
+ * none. */
 static const char *take_name(int *argc, char **argv)
 {
 	for (int i = 0; i < *argc; i++) {
@@ -85,12 +86,14 @@ static const char *take_name(int *argc, char **argv)
 }
 
 #define NAME_SIZE 64
-#define NEAR_NAMES 6
+#define NEAR_NAMES 6 /* names that a message offers */
 
-/* How many letters must be added, left out or changed, capitals aside. Source: Levenshtein (1965). */
+/* The least number of letters to insert, remove or change that turns a into b, which is in small letters; the case of
+ * a does not count. Source: Levenshtein (1965). */
 static int edits(const char *a, const char *b)
 {
-	int row[NAME_SIZE]; /* from a so far to each beginning of b */
+	STILB_ASSERT(strlen(b) < NAME_SIZE);
+	int row[NAME_SIZE]; /* row[k]: edits from the part of a that was read so far to the first k letters of b */
 	int length = (int)strlen(b);
 	for (int k = 0; k <= length; k++)
 		row[k] = k;
@@ -106,7 +109,8 @@ static int edits(const char *a, const char *b)
 	return row[length];
 }
 
-/* How a name is near: the first kinds are offered first. */
+/* The ways in which a name may be near to a typed word, in the order in which names are offered: it begins with the
+ * word, contains it, or differs by a few letters. */
 typedef enum nearness { NEAR_BEGINS, NEAR_CONTAINS, NEAR_MISTYPED, NEAR_KINDS } nearness;
 
 static bool is_near(const char *name, const char *typed, nearness how)
@@ -152,9 +156,9 @@ static void refuse_name(const char *name)
 			offer(&near, rows[i].name);
 	}
 	if (near.count > 0)
-		stilb_log("shade plot: '%s' is not known; near it: %s; 'stilb shade list' has all names", name, near.words);
+		stilb_log("shade plot: '%s' is not known; similar: %s; 'stilb shade list' lists all names", name, near.words);
 	else
-		stilb_log("shade plot: '%s' is not known; 'stilb shade list' has the names", name);
+		stilb_log("shade plot: '%s' is not known; 'stilb shade list' lists the names", name);
 }
 
 int shade_plot_command(int argc, char **argv)
@@ -163,8 +167,9 @@ int shade_plot_command(int argc, char **argv)
 	const flag flags[] = {{"-o", FLAG_TEXT, &output, "FILE", "the picture: .svg or .png", 0, 0, NULL}};
 	flags_result parsed = flags_parse(flags, 1, argc, argv);
 	if (parsed == FLAGS_HELP) {
-		printf("stilb shade plot NAME -o FILE: lobes, albedo and other curves of a formula, drawn by gnuplot.\n"
-		       "'stilb shade list' has the names.\n\n");
+		printf(
+			"stilb shade plot NAME -o FILE: draws the lobes, the albedo and other curves of a formula with gnuplot.\n"
+			"'stilb shade list' lists the names.\n\n");
 		flags_print(flags, 1);
 		return EXIT_DONE;
 	}
@@ -175,9 +180,9 @@ int shade_plot_command(int argc, char **argv)
 	if (name && !p && shade_plot_of_row(name, &of_row))
 		p = &of_row.plot;
 	if (!name)
-		stilb_log("shade plot: no name; give stilb shade plot NAME -o FILE; 'stilb shade list' has them");
+		stilb_log("shade plot: no name; give stilb shade plot NAME -o FILE; 'stilb shade list' lists them");
 	else if (second)
-		stilb_log("shade plot: '%s' beside '%s'; one plot at a time, and the picture is -o FILE", second, name);
+		stilb_log("shade plot: '%s' is a second name after '%s'; give one, and the picture with -o FILE", second, name);
 	else if (!p)
 		refuse_name(name);
 	else if (!output)
@@ -197,7 +202,7 @@ int shade_plot_command(int argc, char **argv)
 
 /* ---- catalog ----------------------------------------------------------------------------------------------------- */
 
-/* The rows of gi's catalogue that get a picture each; the other D x G are in the table. */
+/* The rows of numeric's catalogue that get a picture each; all other pairs of D and G are in the table alone. */
 static const char *const catalog_rows[] = {
 	"d-blinn",
 	"d-beckmann",
@@ -249,7 +254,7 @@ static stilb_result catalog_plots(const char *folder)
 	return result;
 }
 
-/* As a page shows them without scaling. */
+/* Pixels; the documentation shows the pictures without scaling. */
 #define CATALOG_SPHERE 64.0f
 
 static stilb_result catalog_strips(const char *folder)
@@ -284,10 +289,10 @@ int shade_catalog_command(int argc, char **argv)
 {
 	const char *folder = NULL;
 	const flag flags[] = {
-		{"-o", FLAG_TEXT, &folder, "FOLDER", "where the files go; made if its parent is there", 0, 0, NULL}};
+		{"-o", FLAG_TEXT, &folder, "FOLDER", "folder for the files; it is made if its parent exists", 0, 0, NULL}};
 	flags_result parsed = flags_parse(flags, 1, argc, argv);
 	if (parsed == FLAGS_HELP) {
-		printf("stilb shade catalog -o FOLDER: every picture and the table of docs/shading.md.\n\n");
+		printf("stilb shade catalog -o FOLDER: makes every picture and the table of docs/shading.md.\n\n");
 		flags_print(flags, 1);
 		return EXIT_DONE;
 	}
@@ -303,7 +308,7 @@ int shade_catalog_command(int argc, char **argv)
 	}
 	if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
 		stilb_log("-o: cannot make the folder '%s': %s", folder,
-		          errno == ENOENT ? "the folder for it does not exist; create it first" : strerror(errno));
+		          errno == ENOENT ? "its parent does not exist; create that first" : strerror(errno));
 		return EXIT_REFUSED;
 	}
 	stilb_result result = catalog_plots(folder);

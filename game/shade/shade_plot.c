@@ -1,4 +1,4 @@
-/* Panels and curves as gnuplot's commands, and the files. */
+/* Writes panels and curves as commands of gnuplot, and saves the pictures. */
 #include "shade_plot.h"
 
 #include "game/cli/gnuplot.h"
@@ -11,19 +11,21 @@
 #include <strings.h>
 
 #define PANEL_WIDTH 520
-#define NARROW_PANEL_WIDTH 400 /* of three beside each other */
+#define NARROW_PANEL_WIDTH 400 /* with three columns or more */
 #define PANEL_HEIGHT 380
 #define TITLE_HEIGHT 76
 
 struct plot_page {
 	FILE *script;
 	plot_panel panel;
-	uint32_t blocks; /* of data, so far */
-	uint32_t curves; /* of this panel that took a colour */
-	char clauses[16384];
+	bool open;           /* between plot_panel_begin and plot_panel_end */
+	uint32_t blocks;     /* number of data blocks so far */
+	uint32_t curves;     /* number of curves in this panel that have taken a colour */
+	char clauses[16384]; /* arguments of the panel's `plot` command */
 };
 
-/* Told apart with every kind of colour blindness. Source: Okabe and Ito, "Color Universal Design" (2002). */
+/* Colours that people with any kind of colour blindness can tell apart.
+ * Source: Okabe and Ito, "Color Universal Design" (2002). */
 #define COLORS(X)                                                                                                      \
 	X("#0072B2") X("#D55E00") X("#009E73") X("#CC79A7") X("#E69F00") X("#56B4E9") X("#222222") X("#8a8a8a")
 #define FULL_LINE(color) "lines linewidth 2 linecolor rgb '" color "'",
@@ -45,7 +47,7 @@ const char *plot_dashed(uint32_t index)
 	return dashed_lines[index % COLOR_COUNT];
 }
 
-/* One more clause of the panel's plot command. */
+/* Adds a clause to the panel's plot command. */
 static void add_clause(plot_page *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 static void add_clause(plot_page *page, const char *format, ...)
@@ -74,7 +76,7 @@ static void commands_curves(plot_page *page)
 	        "linetype 1\n");
 }
 
-/* Half circles of the lengths 1/2 and 1, the ground and the normal. */
+/* Draws the surface and the normal; the half circles of the lengths 1/2 and 1 are clauses of the plot command. */
 static void commands_lobes(plot_page *page)
 {
 	fprintf(
@@ -87,7 +89,9 @@ static void commands_lobes(plot_page *page)
 
 void plot_panel_begin(plot_page *page, const plot_panel *panel)
 {
+	STILB_ASSERT(!page->open && "the panel before has not been ended");
 	FILE *script = page->script;
+	page->open = true;
 	page->panel = *panel;
 	page->curves = 0;
 	page->clauses[0] = '\0';
@@ -118,11 +122,14 @@ void plot_panel_begin(plot_page *page, const plot_panel *panel)
 
 void plot_panel_end(plot_page *page)
 {
+	STILB_ASSERT(page->open && page->clauses[0]);
+	page->open = false;
 	fprintf(page->script, "plot %s\n", page->clauses);
 }
 
 void plot_panel_skip(plot_page *page, int count)
 {
+	STILB_ASSERT(!page->open && count >= 0);
 	for (int i = 0; i < count; i++)
 		fprintf(page->script, "set multiplot next\n");
 }
@@ -140,15 +147,15 @@ static void add_block(plot_page *page, const char *style, const char *words)
 /* ---- fewer points ------------------------------------------------------------------------------------------------ */
 
 #define CURVE_POINTS_MAX 1024
-#define STRAIGHT 4e-4 /* of a panel: a tenth of a pixel */
+#define STRAIGHT 4e-4 /* largest distance from a straight line, as a share of the panel: a tenth of a pixel */
 
-/* A curve as the axes show it. */
+/* A curve in the coordinates of its panel. */
 typedef struct trace {
 	double x[CURVE_POINTS_MAX], y[CURVE_POINTS_MAX];
 	bool kept[CURVE_POINTS_MAX];
 } trace;
 
-/* From point i to the line between two others. */
+/* The distance of point i from the line segment between two others. */
 static double distance_from_line(const trace *t, uint32_t i, uint32_t from, uint32_t to)
 {
 	double x = t->x[i] - t->x[from], y = t->y[i] - t->y[from];
@@ -157,8 +164,9 @@ static double distance_from_line(const trace *t, uint32_t i, uint32_t from, uint
 	return hypot(x - share * dx, y - share * dy);
 }
 
-/* Keeps what the line between the two would miss. Source: Douglas and Peucker, "Algorithms for the Reduction of the
- * Number of Points Required to Represent a Digitized Line" (1973). */
+/* Marks the points between first and last without which the curve would change.
+ * Source: Douglas and Peucker, "Algorithms for the Reduction of the Number of Points Required to Represent a Digitized
+ * Line" (1973). */
 static void keep_corners(trace *t, uint32_t first, uint32_t last)
 {
 	double farthest = STRAIGHT;
@@ -177,7 +185,7 @@ static void keep_corners(trace *t, uint32_t first, uint32_t last)
 	keep_corners(t, corner, last);
 }
 
-/* What the axis shows is then in [0, 1]: the range where it is a number, or all values. */
+/* Scales values so that [0, 1] is the part that the axis shows: its range as far as that is given, else all values. */
 static void scale_axis(double *values, uint32_t count, bool logarithmic, const char *range)
 {
 	double low = (double)INFINITY, high = (double)-INFINITY, ends[2];
@@ -197,14 +205,14 @@ static bool is_logarithmic(const plot_page *page, char axis)
 	return page->panel.logarithmic && strchr(page->panel.logarithmic, axis);
 }
 
-/* Curves are computed at many points, most of which lie on lines between others: a fifth of them is enough. */
+/* Chooses the points to write. Most of the computed ones lie on a line between others: about a fifth is enough. */
 static void choose_points(const plot_page *page, trace *t, uint32_t count)
 {
 	if (page->panel.kind == PLOT_CURVES) {
 		scale_axis(t->x, count, is_logarithmic(page, 'x'), page->panel.x_range);
 		scale_axis(t->y, count, is_logarithmic(page, 'y'), page->panel.y_range);
 	}
-	uint32_t first = 0; /* of the unbroken part */
+	uint32_t first = 0; /* of the present part without a gap */
 	for (uint32_t i = 0; i < count; i++) {
 		bool gap = !isfinite(t->x[i] + t->y[i]);
 		t->kept[i] = gap || i == first || i + 1 == count;
@@ -217,7 +225,7 @@ static void choose_points(const plot_page *page, trace *t, uint32_t count)
 	}
 }
 
-/* A number that is none interrupts the line. */
+/* A NaN or an infinity becomes an empty line, which interrupts the curve. */
 static void write_point(FILE *script, plot_point at)
 {
 	if (isfinite(at.x) && isfinite(at.y))
@@ -228,6 +236,7 @@ static void write_point(FILE *script, plot_point at)
 
 void plot_points(plot_page *page, const plot_point *points, uint32_t count, const char *style, const char *words)
 {
+	STILB_ASSERT(page->open && "points belong into a panel");
 	fprintf(page->script, "$block%u << END\n", ++page->blocks);
 	for (uint32_t i = 0; i < count; i++)
 		write_point(page->script, points[i]);
@@ -235,7 +244,7 @@ void plot_points(plot_page *page, const plot_point *points, uint32_t count, cons
 	add_block(page, style, words);
 }
 
-/* Evenly in t; in the logarithm of t where the axis is logarithmic. */
+/* The parameter at a share in [0, 1] of a curve: spaced evenly, or in the logarithm if the x axis is logarithmic. */
 static double parameter(const plot_page *page, double from, double to, double share)
 {
 	if (is_logarithmic(page, 'x'))
@@ -248,7 +257,9 @@ static void write_block(plot_page *page, plot_function *f, const void *context, 
 {
 	plot_point at[CURVE_POINTS_MAX];
 	trace t;
-	points = points < CURVE_POINTS_MAX ? points : CURVE_POINTS_MAX;
+	STILB_ASSERT(page->open && "curves belong into a panel");
+	STILB_ASSERT(points >= 2 && points <= CURVE_POINTS_MAX);
+	STILB_ASSERT(from > 0.0 || !is_logarithmic(page, 'x'));
 	for (uint32_t i = 0; i < points; i++) {
 		at[i] = f(parameter(page, from, to, (double)i / (points - 1)), context);
 		if (angles)
@@ -306,7 +317,7 @@ stilb_result plot_path_check(const char *path)
 	return stilb_file_check(path);
 }
 
-/* As gnuplot's quoted strings want it. */
+/* Writes a text for use inside of double quotes. */
 static void write_quoted(FILE *script, const char *words)
 {
 	for (; *words; words++) {
@@ -332,6 +343,7 @@ stilb_result plot_save(const plot *p, const char *path)
 {
 	uint32_t width = p->panel_width ? p->panel_width : p->columns > 2 ? NARROW_PANEL_WIDTH : PANEL_WIDTH;
 	uint32_t height = p->panel_height ? p->panel_height : PANEL_HEIGHT;
+	STILB_ASSERT(p->columns > 0 && p->rows > 0 && p->draw);
 	bool svg = ends_with(path, ".svg");
 	char terminal[160];
 	snprintf(terminal, sizeof terminal, "%s size %u,%u enhanced font 'DejaVu Sans,12' background '#ffffff'",

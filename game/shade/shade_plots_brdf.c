@@ -1,5 +1,5 @@
 /* Plots of the reflection models' parts: diffuse, Schueler's factors, distributions, shadowing, Fresnel. The models
- * themselves are rows of gi's catalogue: shade_plots_row.c. */
+ * themselves are rows of numeric's catalogue: shade_plots_row.c. */
 #include "shade_plots.h"
 
 #include "numeric/numeric_albedo.h"
@@ -34,7 +34,7 @@ static plot_point wrapped_old(double degrees, const void *context)
 	return (plot_point){degrees, wrapped_light(degrees, context).y * (1.0 + (double)*wrap)};
 }
 
-/* Which share of the light that comes from everywhere, and from one side, is given back. */
+/* The albedo of a view under uniform light; *conserving selects the factor with which energy is conserved. */
 static plot_point wrapped_total(double wrap, const void *context)
 {
 	const bool *conserving = context;
@@ -68,7 +68,7 @@ static void draw_wrapped(plot_page *page, const void *subject)
 	plot_panel_end(page);
 }
 
-/* Paint of reflectance 0.6 under a highlight of reflectance x. */
+/* A diffuse reflectance of 0.6 beside a highlight of reflectance `specular`, limited to a sum of 1. */
 static plot_point limited_diffuse(double specular, const void *context)
 {
 	(void)context;
@@ -106,7 +106,7 @@ static void draw_limited(plot_page *page, const void *subject)
 
 /* ---- Schueler's zoo ---------------------------------------------------------------------------------------------- */
 
-/* A factor over the exponent; exact: what it is compared with. */
+/* A normalisation factor as a function of the exponent; exact is the one that it approximates, or NULL. */
 typedef struct factor {
 	const char *words;
 	float (*value)(float n);
@@ -272,7 +272,7 @@ static void draw_ndf(plot_page *page, const void *subject)
 static const char *const g_words[] = {"implicit",       "Neumann",   "Cook-Torrance",    "Kelemen",
                                       "Smith-Beckmann", "Smith-GGX", "Schlick-Beckmann", "Schlick-GGX"};
 
-/* Light along the normal, or mirrored to the view. */
+/* The light comes along the normal, or from the mirror direction of the view. */
 typedef struct shadowing {
 	int g;
 	bool mirrored;
@@ -324,7 +324,7 @@ static void draw_shadowing(plot_page *page, const void *subject)
 	}
 }
 
-/* Light mirrored to the view. */
+/* The light comes from the mirror direction of the view. */
 static plot_point visibility(double degrees, const void *context)
 {
 	const float *roughness = context;

@@ -38,7 +38,7 @@ static plot_point unbent(double y, const void *context)
 	return (plot_point){(double)shade_tonemap_curve_inverse((float)y, c->a, c->b), y};
 }
 
-/* The blue channel of a saturated blue of growing light. */
+/* The tone-mapped blue channel of the saturated blue (0, 0.1, 1) x. */
 static plot_point blue_by_largest(double x, const void *context)
 {
 	(void)context;
@@ -84,7 +84,7 @@ static void draw_tonemap(plot_page *page, const void *subject)
 
 #define VALUES 16
 
-/* Fifteen values of 1 and a red firefly. */
+/* Fifteen white pixels of 1 and a red one that is far brighter: a firefly. */
 static stilb_vec3 sample(int i, double firefly)
 {
 	return i > 0 ? color_gray(1.0) : stilb_vec3_make((float)firefly, 0.1f * (float)firefly, 0.05f * (float)firefly);
@@ -108,7 +108,7 @@ static plot_point weighted_mean(double firefly, const void *context)
 	return (plot_point){firefly, (double)shade_luminance(shade_firefly_mean(sums))};
 }
 
-/* Tone map each, average, tone map back, by one of two lumas. */
+/* A luma: mapped_mean tone maps every pixel by it, averages, and maps the mean back. */
 typedef float luma_function(stilb_vec3 color);
 
 static float by_luminance(stilb_vec3 color)
@@ -157,7 +157,7 @@ static void draw_firefly(plot_page *page, const void *subject)
 
 /* ---- encodings --------------------------------------------------------------------------------------------------- */
 
-/* A colour of that height: its channels are a random share of the largest. */
+/* A random colour whose largest channel is given: the others are random shares of it. */
 static stilb_vec3 random_color(double largest, uint64_t i)
 {
 	stilb_vec3 color = color_gray(largest);
@@ -169,7 +169,7 @@ static stilb_vec3 random_color(double largest, uint64_t i)
 
 #define COLORS_EACH 400
 
-/* Largest error of the largest channel, as a share of it. */
+/* The largest relative error of the largest channel. */
 static plot_point rgbm_error(double largest, const void *context)
 {
 	const float *gamma = context;
@@ -183,7 +183,7 @@ static plot_point rgbm_error(double largest, const void *context)
 	return (plot_point){largest, 100.0 * worst};
 }
 
-/* What the header promises of the largest channel x: gamma k / (k - 1) / 510, k = 255 m. */
+/* The bound that the header states for a largest channel x: gamma k / (k - 1) / 510, k = 255 m. */
 static plot_point rgbm_bound(double largest, const void *context)
 {
 	const float *gamma = context;
@@ -191,7 +191,7 @@ static plot_point rgbm_bound(double largest, const void *context)
 	return (plot_point){largest, 100.0 * (double)*gamma * k / (k - 1.0) / 510.0};
 }
 
-/* The stored colour multiplied by the tint, against the tint times the decoded colour; percent. */
+/* The error of multiplying the stored colour by a tint instead of the decoded one, percent. */
 static plot_point tint_error_power(double tint, const void *context)
 {
 	(void)context;
@@ -238,7 +238,7 @@ static void draw_rgbm(plot_page *page, const void *subject)
 	plot_panel_end(page);
 }
 
-/* Largest error of the luminance, and of any channel as a share of the largest; percent, over the power of two. */
+/* The largest errors of the luminance, and of any channel relative to the largest; percent, at a luminance of 2^x. */
 static plot_point logluv_error(double power, bool of_luminance)
 {
 	double worst = 0.0;

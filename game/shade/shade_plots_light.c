@@ -68,7 +68,7 @@ static void draw_hemisphere(plot_page *page, const void *subject)
 #define LAMP_RADIUS 0.5f
 #define LAMP_REACH 5.0f
 
-/* light below 0: the inverse square alone. */
+/* E / I at distance d; *light is a SHADE_LIGHT_, or negative for the inverse square alone. */
 static plot_point falloff(double d, const void *context)
 {
 	const int *light = context;
@@ -124,7 +124,8 @@ typedef enum lobe_kind { LOBE_PHONG, LOBE_BLINN_PHONG, LOBE_GGX, LOBE_KINDS } lo
 
 static const char *const lobe_words[LOBE_KINDS] = {"Phong", "Blinn-Phong", "GGX"};
 
-/* Phong's exponent is the one that looks like Blinn-Phong's. */
+/* The cone of light directions that a lobe of this roughness needs. Phong gets the exponent that looks like the one of
+ * Blinn-Phong. */
 static shade_cone cone_of(lobe_kind kind, float roughness, stilb_vec3 v, float tolerance)
 {
 	float alpha = shade_alpha_from_roughness(roughness), n = shade_exponent_from_alpha(alpha);
@@ -165,7 +166,8 @@ static void draw_cone_angles(plot_page *page, float tolerance, const char *key)
 	plot_panel_end(page);
 }
 
-/* The lobe over the light's direction, in the plane of the view, on a logarithmic scale from tolerance / 10 on. */
+/* A lobe as a function of the light's direction in the plane of the view, on a logarithmic scale from `lowest`, a tenth
+ * of the tolerance, to `peak`. */
 typedef struct lobe_subject {
 	shade_brdf_model model;
 	double lowest, peak;
@@ -226,7 +228,7 @@ static void draw_cones(plot_page *page, const void *subject)
 	draw_cone_angles(page, 0.1f, NULL);
 }
 
-/* A cone in its plane: from the middle to the rim, along it, and back. */
+/* The outline of a cone in its plane, t in [0, 1]: from the centre to the rim, along it, and back. */
 typedef struct sector {
 	double axis, half, length;
 } sector;

@@ -1,4 +1,4 @@
-/* Plots of the rows of gi's catalogue: what each distribution, model and sampler looks like. */
+/* Plots of the rows of numeric's catalogue: distributions, models and samplers. */
 #include "shade_plots.h"
 
 #include "numeric/numeric_catalog.h"
@@ -11,13 +11,13 @@
 
 static const float roughnesses[] = {0.1f, 0.3f, 0.5f, 0.7f, 1.0f};
 
-/* A row with one set of numbers, seen in the plane of light and normal. */
+/* A row of the catalogue with the parameters of a curve, which lies in the plane of light and normal. */
 typedef struct subject {
 	const stilb_numeric_row *row;
 	stilb_numeric_shape shape;
-	double light; /* angle from the normal, to the left */
+	double light; /* angle of the light from the normal to the left, radians */
 	double scale;
-	double end; /* of a curve over angles, degrees */
+	double end; /* largest angle of the curve, degrees */
 } subject;
 
 static stilb_vec3 row_in_plane(double angle)
@@ -43,7 +43,7 @@ static subject subject_of(const stilb_numeric_row *row, float roughness)
 
 /* ---- distributions ----------------------------------------------------------------------------------------------- */
 
-/* Over t in [0, 1]: closer together near the axis, where smooth surfaces have all their normals. */
+/* The angle of a curve at t in [0, 1]: points are denser near the axis, where smooth surfaces have their normals. */
 static double degrees_of(const subject *s, double t)
 {
 	return s->end * t * t;
@@ -64,14 +64,14 @@ static plot_point density_across(double t, const void *context)
 	return (plot_point){degrees, (double)s->row->density(&s->shape, stilb_vec3_make(0.0f, h[0], h[2]))};
 }
 
-/* What of the row's measure lies within an angle of the axis. */
+/* The integral that normalises the row, over the directions up to an angle from the axis. */
 static plot_point measured_within(double share, const void *context)
 {
 	const subject *s = context;
 	double degrees = degrees_of(s, share), end = degrees / DEGREES;
 	double sum = 0.0;
 	int steps = 2000;
-	for (int i = 0; i < steps; i++) { /* more of them near the axis, where D is high */
+	for (int i = 0; i < steps; i++) { /* denser near the axis, where D is high */
 		double t = (i + 0.5) / steps, theta = end * t * t, width = end * 2.0 * t / steps;
 		double cosine = s->row->measure == STILB_NUMERIC_MEASURE_D_COS ? cos(theta) : 1.0;
 		double around = 0.0;
@@ -91,7 +91,8 @@ static void draw_distribution(plot_page *page, const void *context)
 	const stilb_numeric_row *row = context;
 	const char *measure = row->measure == STILB_NUMERIC_MEASURE_D_COS ? "D n·h" : "D";
 	subject widest = subject_of(row, 1.0f);
-	bool whole = row->density(&widest.shape, row_in_plane(M_PI)) > 0.0f; /* the sphere, not the hemisphere */
+	bool whole =
+		row->density(&widest.shape, row_in_plane(M_PI)) > 0.0f; /* a density over the sphere, not the hemisphere */
 	double end = whole ? 180.0 : 90.0;
 	plot_panel panel = {.title = is_anisotropic(row) ? "Density; dashed: along b" : "Density",
 	                    .x_label = "angle from the axis (degrees)",
@@ -135,7 +136,7 @@ static shade_brdf_parameters white_of(const subject *s)
 	return stilb_numeric_white(s->shape.roughness, s->shape.anisotropy);
 }
 
-/* What a light of irradiance 1 across its beam shows at the view angle. */
+/* The radiance at the view angle under a light whose irradiance on a facing surface is 1. */
 static plot_point lobe_at(const subject *s, double angle)
 {
 	stilb_vec3 radiance =
@@ -143,7 +144,7 @@ static plot_point lobe_at(const subject *s, double angle)
 	return (plot_point){angle, (double)radiance[0] * s->scale};
 }
 
-/* The same over t in [-1, 1], close together around the mirrored light, where smooth surfaces have all their light. */
+/* The same for t in [-1, 1]: points are denser around the mirror direction, where smooth surfaces reflect most. */
 static plot_point row_lobe(double t, const void *context)
 {
 	const subject *s = context;
@@ -188,7 +189,7 @@ static plot_point albedo_of_view(double degrees, const void *context)
 		degrees, stilb_numeric_albedo_of_view(&s->row->model, &white, (stilb_numeric_angles){degrees / DEGREES, 0.0})};
 }
 
-/* Of a light's beam, how much leaves again: for a reciprocal model the same as above. */
+/* The albedo of a light direction: of a reciprocal model the same as that of the view. */
 static plot_point albedo_of_light(double degrees, const void *context)
 {
 	const subject *s = context;
@@ -197,7 +198,7 @@ static plot_point albedo_of_light(double degrees, const void *context)
 		degrees, stilb_numeric_albedo_of_light(&s->row->model, &white, (stilb_numeric_angles){degrees / DEGREES, 0.0})};
 }
 
-/* In the colours of the lobes. */
+/* The arrows have the colours of the lobes. */
 static void draw_albedos(plot_page *page, const stilb_numeric_row *row)
 {
 	bool high = row->largest_albedo > 2.0;
@@ -272,7 +273,7 @@ static void draw_cloud(plot_page *page, const subject *s, const char *title)
 	plot_panel_end(page);
 }
 
-/* The density around the axis, over the direction's height. */
+/* The density of directions at a height, summed around the axis. */
 static plot_point ring_density(double z, const void *context)
 {
 	const subject *s = context;
@@ -337,7 +338,7 @@ static void draw_samplers(plot_page *page, const void *context)
 
 #define REPEATS 100
 
-/* The mean of x^2 over a disk is 1/4: how far off its estimate from side * side points is, root mean square. */
+/* The root mean square error of an estimate of the mean of x^2 over a disk, which is 1/4, from side * side points. */
 static plot_point disk_error(double side, const void *context)
 {
 	const bool *stratified = context;
@@ -375,7 +376,7 @@ static void draw_stratified(plot_page *page, const void *context)
 
 /* ---- a row as a plot --------------------------------------------------------------------------------------------- */
 
-/* The catalogue's formula with gnuplot's superscripts and Greek letters. */
+/* Translates a formula of the catalogue into gnuplot's markup for superscripts and Greek letters. */
 static void set_formula(char *out, size_t size, const char *formula)
 {
 	size_t length = 0;
@@ -410,7 +411,7 @@ static bool depends_on_roughness(const stilb_numeric_row *row)
 	return row->density(&a.shape, row_in_plane(0.0)) != row->density(&b.shape, row_in_plane(0.0));
 }
 
-/* With which numbers the row is drawn. */
+/* Writes the parameters with which the row is drawn. */
 static void add_remark(char *formula, size_t size, const stilb_numeric_row *row)
 {
 	size_t length = strlen(formula);

@@ -23,7 +23,7 @@ static shade_sg lobe_of(double angle, float sharpness, float amplitude)
 	return (shade_sg){sg_in_plane(angle), sharpness, stilb_vec3_make(amplitude, amplitude, amplitude)};
 }
 
-/* A lobe in the plane: over an angle in radians, and in degrees. */
+/* The value of a lobe in a plane through its axis, by the angle in radians and in degrees. */
 static plot_point around(double angle, const void *context)
 {
 	const shade_sg *g = context;
@@ -90,7 +90,7 @@ typedef struct pair {
 	shade_sg g1, g2;
 } pair;
 
-/* Both in the plane x, z; the quadrature's pole is z. */
+/* Both lobes lie in the plane x, z; the pole of the quadrature is z. */
 static double product_at(const double d[3], const void *context)
 {
 	const pair *p = context;
@@ -124,7 +124,7 @@ static plot_point inner_product_true(double degrees, const void *context)
 	return (plot_point){degrees, stilb_numeric_integrate_sphere(product_at, &p, -1.0, 1.0, 4)};
 }
 
-/* As the article prints it: lambda_m divides the length of the average. */
+/* The inner product as the article prints it: with the length of the average divided by lambda_m. */
 static plot_point inner_product_printed(double degrees, const void *context)
 {
 	(void)context;
@@ -173,7 +173,7 @@ static plot_point convolved(double degrees, const void *context)
 	                                  shade_sg_convolve(p->g1, p->g2).amplitude});
 }
 
-/* The blurred lobe in a direction is the inner product with the blurring lobe turned there. */
+/* The value of the blurred lobe in a direction: its inner product with the blurring lobe turned into that direction. */
 static plot_point convolved_true(double degrees, const void *context)
 {
 	const pair *p = context;
@@ -208,7 +208,7 @@ typedef struct inverse {
 	float (*of_variance)(float variance);
 } inverse;
 
-/* Sharpness from the mean's length, as a share of the right one. */
+/* The sharpness computed from the length of the mean vector, relative to the true one. */
 static plot_point sharpness_share(double sharpness, const void *context)
 {
 	const inverse *i = context;
@@ -289,7 +289,7 @@ typedef enum filter_kind {
 
 static const char *const filter_words[FILTER_KINDS] = {"vMF", "Toksvig", "variance", "convolution", "LEAN"};
 
-/* Two texels as one; share is b's. */
+/* Two texels filtered into one; share is the weight of b. */
 static shade_rough_normal filtered(filter_kind kind, shade_rough_normal a, shade_rough_normal b, float share)
 {
 	float alpha2 = (1.0f - share) * a.alpha * a.alpha + share * b.alpha * b.alpha;
@@ -317,7 +317,7 @@ static plot_point filter_spread(double degrees, const void *context)
 	return (plot_point){degrees, (double)filtered(*kind, a, b, 0.5f).alpha};
 }
 
-/* A smooth texel that leans to the left and a rough one to the right. */
+/* A smooth texel whose normal leans to the left and a rough one whose normal leans to the right. */
 static shade_rough_normal smooth_and_rough(filter_kind kind, double share)
 {
 	shade_rough_normal smooth = {sg_in_plane(-20.0 / DEGREES), 0.05f}, rough = {sg_in_plane(20.0 / DEGREES), 0.7f};

@@ -12,7 +12,7 @@
 
 /* ---- the basis --------------------------------------------------------------------------------------------------- */
 
-/* One function in a plane through the axes `right` and `up`; only its positive or its negative part. */
+/* The positive or the negative part of a basis function in the plane of the axes `right` and `up`. */
 typedef struct slice {
 	int index, right, up;
 	float sign;
@@ -50,7 +50,7 @@ static void draw_function(plot_page *page, int index, int right, int up, const c
 	plot_panel_end(page);
 }
 
-/* Rows are bands; each function in a plane of two axes that shows it. */
+/* Draws a row of panels for each band, and each function in a plane of two axes in which it shows. */
 static void draw_basis(plot_page *page, const void *subject)
 {
 	(void)subject;
@@ -125,9 +125,9 @@ static void draw_light(plot_page *page, const void *subject)
 
 /* ---- surroundings ------------------------------------------------------------------------------------------------ */
 
-#define SUN_ANGLE 0.9 /* to the right of z */
+#define SUN_ANGLE 0.9 /* from z to the right, radians */
 
-/* A soft sun over a brighter upper half. */
+/* The surroundings: a soft sun, and an upper half that is brighter than the lower. */
 static double sky(const double d[3], const void *context)
 {
 	(void)context;
@@ -237,7 +237,7 @@ static double height(double x, double y)
 	return WAVE_HEIGHT * sin(WAVES * x) * cos(0.7 * WAVES * y);
 }
 
-/* Degrees between two unit vectors. */
+/* The angle between two unit vectors, degrees. */
 static double sh_apart(stilb_vec3 a, stilb_vec3 b)
 {
 	stilb_vec3 difference = a - b;
@@ -267,7 +267,7 @@ static stilb_vec3 bumped_true(double x, double y)
 	return stilb_vec3_normalize(stilb_vec3_make((float)-dx, (float)-dy, 1.0f));
 }
 
-/* The largest error over a patch, degrees. */
+/* The largest error of the normal over a patch, degrees. */
 static plot_point bump_error(double step, const void *context)
 {
 	const bump_kind *kind = context;
@@ -279,7 +279,7 @@ static plot_point bump_error(double step, const void *context)
 	return (plot_point){step * 1000.0, worst};
 }
 
-/* Where the ray of a pixel's neighbour meets the ground, against what the differential says. */
+/* The relative error of the ray differential: it predicts where the ray of the neighbouring pixel meets the ground. */
 static plot_point ray_error(double degrees, const void *context)
 {
 	const double *pixel = context;

@@ -1,4 +1,4 @@
-/* stilb shade spheres: a strip as a picture. */
+/* stilb shade spheres: saves a strip of spheres as a picture. */
 #include "shade.h"
 
 #include "base/base_file.h"
@@ -11,7 +11,7 @@
 typedef struct spheres_options {
 	const char *output;
 	int strip;
-	uint32_t size[2]; /* 0: the strip's own */
+	uint32_t size[2]; /* {0, 0}: the size of the strip */
 	uint32_t workers;
 } spheres_options;
 
@@ -23,9 +23,9 @@ static flags_result spheres_parse(spheres_options *o, int argc, char **argv)
 	for (int i = 0; i < strip_count && i < MAX_STRIPS; i++)
 		names[i] = strips[i].name;
 	const flag flags[] = {
-		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture, .png, or (radiance, not tone mapped) .exr or .hdr", 0, 0,
+		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .png, or .exr or .hdr with radiance, not tone mapped", 0, 0,
 	     NULL},
-		{"--strip", FLAG_CHOICE, &o->strip, "NAME", "which rows, see below (classic)", 0, 0, names},
+		{"--strip", FLAG_CHOICE, &o->strip, "NAME", "rows of spheres to draw, see below (classic)", 0, 0, names},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (spheres of 100 pixels)", 1, 16384, NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0,
 	     STILB_JOB_MAX_WORKERS, NULL},
@@ -33,7 +33,7 @@ static flags_result spheres_parse(spheres_options *o, int argc, char **argv)
 	size_t count = sizeof flags / sizeof *flags;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf("stilb shade spheres -o FILE [FLAGS]: spheres from left to right, each pixel by the functions of\n"
+		printf("stilb shade spheres -o FILE [FLAGS]: draws rows of spheres, every pixel by the functions of\n"
 		       "engine/shading.\n\n");
 		flags_print(flags, count);
 		printf("\nStrips:\n");

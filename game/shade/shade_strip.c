@@ -1,4 +1,4 @@
-/* Lights, pixels and captions of a strip; its rows are in shade_strip_rows.c. */
+/* Draws strips: layout, lights, pixels and captions. */
 #include "shade_strip.h"
 
 #include "game/cli/lettering.h"
@@ -10,7 +10,7 @@
 
 /* ---- layout ------------------------------------------------------------------------------------------------------ */
 
-/* In units of a cell's side. */
+/* All in units of a cell's side. */
 #define CAPTION_WIDTH 2.05f
 #define TITLE_HEIGHT 0.42f
 #define MARGIN 0.12f
@@ -20,7 +20,7 @@
 typedef struct layout {
 	float cell;      /* pixels */
 	float left, top; /* of the first cell */
-	float row;       /* from row to row */
+	float row;       /* height of a row with the numbers below its spheres */
 } layout;
 
 static float layout_columns(const strip *s)
@@ -53,18 +53,18 @@ void strip_size(const strip *s, float sphere, uint32_t size[2])
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
-/* A round lamp, far away, is a number of points; each stands for the part of the lamp around it. */
+/* A distant round lamp is approximated by points; each stands for the part of the lamp around it. */
 #define LAMP_POINTS_MAX 256
 #define LAMPS 2
 
 typedef struct lamp {
 	stilb_vec3 direction;
-	float angle;           /* half the one under which it is seen */
-	stilb_vec3 irradiance; /* across its beam */
+	float angle;           /* angular radius, radians */
+	stilb_vec3 irradiance; /* on a surface that faces it */
 } lamp;
 
 typedef struct surroundings {
-	lamp lamps[LAMPS];      /* the first from above left, the second from behind right, which shows the edge */
+	lamp lamps[LAMPS];      /* the first from above left; the second from behind right, to show the rim */
 	stilb_vec3 sky, ground; /* radiance */
 } surroundings;
 
@@ -80,14 +80,16 @@ static surroundings studio(void)
 	};
 }
 
-/* As many as make a smooth picture of the lamp in a highlight this wide; more where it is still narrower one way. */
+/* The number of points that give a smooth highlight of this roughness; an anisotropic one may be narrower in one
+ * direction, and may take more. */
 static int lamp_points(const lamp *light, const shade_brdf_parameters *highlight)
 {
 	float across = 4.0f * light->angle / shade_alpha_from_roughness(highlight->roughness);
 	return (int)fminf(fmaxf(across * across, 1.0f), highlight->anisotropy == 0.0f ? 64.0f : (float)LAMP_POINTS_MAX);
 }
 
-/* Evenly over the lamp, by turns of the golden angle.
+/* The direction to point i of `count`, which are spread evenly over the lamp: each is turned by the golden angle from
+ * the one before.
  * Source: Vogel, "A better way to construct the sunflower head" (1979). */
 static stilb_vec3 lamp_point(const lamp *light, int i, int count)
 {
@@ -98,19 +100,20 @@ static stilb_vec3 lamp_point(const lamp *light, int i, int count)
 	return stilb_vec3_normalize(light->direction + frame.t * (radius * cosf(turn)) + frame.b * (radius * sinf(turn)));
 }
 
-/* Light from a part of a lamp in place of a point: a lobe about h gets wider by half as much, and
- * alpha'^2 = alpha^2 + 2 sigma^2. The parts are made as wide as their distance, so that they melt into one another. */
+/* The roughness that makes a highlight as wide as light from a part of a lamp with that angular radius would:
+ * alpha'^2 = alpha^2 + 2 sigma^2, with sigma half the radius because a lobe about h widens by half as much as the
+ * light. Parts are as wide as their distance, so that their highlights merge. */
 static float widened_roughness(float roughness, float radius)
 {
 	float alpha = shade_alpha_from_roughness(roughness), sigma = 0.5f * radius;
 	return fminf(sqrtf(sqrtf(alpha * alpha + 2.0f * sigma * sigma)), 1.0f);
 }
 
-/* A lamp as the highlight of one sphere sees it. */
+/* The points of a lamp for the highlight of one sphere. */
 typedef struct lamp_parts {
 	stilb_vec3 directions[LAMP_POINTS_MAX];
-	int count;    /* 0: there is no highlight */
-	float radius; /* of a part */
+	int count;    /* 0: the sphere has no highlight */
+	float radius; /* angular radius of the part that a point stands for */
 } lamp_parts;
 
 static lamp_parts lamp_divide(const lamp *light, const strip_sphere *sphere)
@@ -139,7 +142,7 @@ static stilb_vec3 from_lamp(const strip_sphere *sphere, const lamp *light, const
 	return density * light->irradiance;
 }
 
-/* The sky and the ground, reflected evenly and in the highlight. */
+/* Radiance from the sky and the ground, by the diffuse part and by the highlight. */
 static stilb_vec3 from_surroundings(const strip_sphere *sphere, const surroundings *world, const shade_frame *frame,
                                     float roughness, stilb_vec3 v)
 {
@@ -178,7 +181,8 @@ stilb_vec3 strip_normal(float x, float y)
 	return stilb_vec3_make(x * shrink, y * shrink, sqrtf(1.0f - inside * inside));
 }
 
-/* The sphere is seen from afar, so the way to the eye is the same everywhere. The frame's t goes around the y axis. */
+/* Radiance of a place with normal n. The eye is far away, so that the direction to it is the same everywhere. The
+ * tangent t of the frame goes around the y axis. */
 static stilb_vec3 normal_radiance(const surroundings *world, const cell *c, stilb_vec3 n, float roughness)
 {
 	stilb_vec3 v = stilb_vec3_make(0.0f, 0.0f, 1.0f);
@@ -208,7 +212,7 @@ static stilb_vec3 sphere_radiance(const surroundings *world, const cell *c, stri
 	return sum * (1.0f / (float)sphere->relief_samples);
 }
 
-/* A curtain, brighter in the middle. */
+/* The background, which is brighter in the middle. */
 static stilb_vec3 backdrop(const painting *p, float x, float y)
 {
 	float dx = x / (float)p->picture->width - 0.5f, dy = y / (float)p->picture->height - 0.4f;
@@ -216,7 +220,7 @@ static stilb_vec3 backdrop(const painting *p, float x, float y)
 	return stilb_vec3_make(light * 0.93f, light, light * 1.12f);
 }
 
-/* The pixel's part inside the circle, for circles much larger than a pixel. */
+/* The share of a pixel, whose centre is that far from the circle's, that lies inside. For a radius of many pixels. */
 static float circle_coverage(float distance, float radius)
 {
 	return fminf(fmaxf(radius - distance + 0.5f, 0.0f), 1.0f);
@@ -227,7 +231,8 @@ static stilb_vec3 shown(const painting *p, stilb_vec3 radiance)
 	return p->tone_mapped ? shade_tonemap(radiance, SHADE_TONEMAP_A, SHADE_TONEMAP_B) : radiance;
 }
 
-/* Samples are tone mapped before they are averaged: one bright sample then does not make an edge hard. */
+/* The colour of a pixel on a sphere. Its samples are tone mapped before they are averaged, so that a single very bright
+ * one does not hide the others: edges of highlights stay smooth. */
 static stilb_vec3 sphere_color(const painting *p, const cell *c, float x, float y, float radius)
 {
 	stilb_vec3 sum = stilb_vec3_make(0.0f, 0.0f, 0.0f);
@@ -296,7 +301,7 @@ static stilb_result write_words(const painting *p, lettering *letters,
 	return result;
 }
 
-/* Letters grow with the spheres; where they would be too small to be read they are left out. */
+/* Writes the texts in letters that grow with the spheres; leaves them out if they would be too small to read. */
 static stilb_result write_captions(const painting *p, strip_words words[STRIP_ROWS_MAX][STRIP_COLUMNS_MAX])
 {
 	float scale = p->place.cell / 100.0f;
@@ -330,6 +335,8 @@ static stilb_result paint(painting *p, stilb_job_pool *pool)
 
 stilb_result strip_draw(const strip *s, stilb_image *picture, bool tone_mapped, stilb_job_pool *pool)
 {
+	STILB_ASSERT(s->row_count <= STRIP_ROWS_MAX && s->column_count <= STRIP_COLUMNS_MAX);
+	STILB_ASSERT(picture->channels == 3 && picture->format == STILB_IMAGE_F32_LINEAR);
 	painting *p = stilb_memory_alloc(1, sizeof *p);
 	if (!p)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a strip of spheres");

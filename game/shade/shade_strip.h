@@ -1,5 +1,15 @@
-/* shade_strip: rows of spheres, from left to right with one number that changes; each pixel is computed with the
- * functions of engine/shading. */
+/*
+ * shade_strip: pictures of spheres in rows. From left to right one number changes, for example the roughness; each row
+ * is another material or model. Every pixel is computed with the functions of engine/shading.
+ *
+ *   uint32_t size[2];
+ *   strip_size(&strips[0], 100.0f, size);
+ *   if (strip_save(&strips[0], size, FLAG_WORKERS_AUTO, "classic.png") != STILB_OK)
+ *       stilb_log("%s", stilb_error_message());
+ *
+ * shade_strip.c draws; the tables of rows are in shade_strip_rows.c, shade_strip_light.c and shade_strip_relief.c.
+ * Threads.  The functions are [main-thread]; the callbacks relief and radiance of a sphere run on jobs.
+ */
 #ifndef STILB_SHADE_STRIP_H
 #define STILB_SHADE_STRIP_H
 
@@ -10,36 +20,38 @@
 
 typedef struct strip_sphere strip_sphere;
 
-/* A place on a sphere of radius 1, seen along -z; step is the distance to the next sample. */
+/* A point on the visible side of a sphere of radius 1 that is seen along -z: x to the right, y up; step is the distance
+ * to the next sample in x and y. */
 typedef struct strip_place {
 	float x, y, step;
 } strip_place;
 
-/* What is on the surface there: its normal and roughness come in as those of the smooth sphere. i: which of the
- * sphere's relief_samples, whose light is averaged. */
+/* Replaces the normal *n and the roughness of the smooth sphere by those of the surface at a place, for sample i of the
+ * sphere's relief_samples, whose radiance is averaged. [any-thread] */
 typedef void strip_relief(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness);
 
-/* In place of the studio's light: the radiance of a place with normal n, seen along -z. */
+/* Returns the radiance, seen along -z, of a place with the normal n, in place of the light of the studio.
+ * [any-thread] */
 typedef stilb_vec3 strip_radiance(const strip_sphere *sphere, stilb_vec3 n);
 
-/* What a sphere is made of: evenly reflected light and a highlight. */
+/* The material of a sphere: a diffuse part and a highlight. */
 struct strip_sphere {
 	stilb_vec3 diffuse;
 	float wrap;
-	float diffuse_gain; /* 1, or what undoes a factor that conserves energy */
+	float diffuse_gain; /* factor, 1; another cancels a factor of the model, to show what that does */
 	shade_brdf_model model;
 	shade_brdf_parameters highlight;
-	float highlight_gain; /* as diffuse_gain */
+	float highlight_gain; /* likewise, for the highlight */
 	float mirror;         /* share of the surroundings that the highlight reflects */
 	strip_relief *relief; /* NULL: smooth */
 	float relief_scale;
 	uint32_t relief_level, relief_samples;
 	strip_radiance *radiance; /* NULL: the studio's */
-	float number;             /* for radiance: what changes from column to column, */
-	int light;                /* and which lamp it is, a SHADE_LIGHT_ */
+	float number;             /* for the callback radiance: the number that changes from column to column */
+	int light;                /* likewise: the lamp, a SHADE_LIGHT_ */
 };
 
-/* Of a smooth sphere of radius 1. */
+/* The normal of a smooth sphere of radius 1 at a place; beyond its rim that of the rim. [any-thread] */
 stilb_vec3 strip_normal(float x, float y);
 
 #define STRIP_ROWS_MAX 12
@@ -49,10 +61,10 @@ typedef char strip_words[32];
 typedef struct strip_row strip_row;
 struct strip_row {
 	const char *caption; /* one to three lines */
-	/* The sphere of a column, and in words what its number is. */
+	/* Sets *sphere to that of a column, and words to its number, for the text below it. */
 	void (*make)(const strip_row *row, int column, strip_sphere *sphere, strip_words words);
-	/* What tells rows with the same make apart. */
-	int kind; /* of its model (SHADE_BRDF_), its distribution (SHADE_NDF_) or its lamp (SHADE_LIGHT_) */
+	/* Parameters of make, for functions that several rows share. */
+	int kind; /* a model (SHADE_BRDF_), a distribution (SHADE_NDF_) or a lamp (SHADE_LIGHT_) */
 	float anisotropy;
 	strip_relief *relief;
 	uint32_t relief_samples;
@@ -64,9 +76,9 @@ typedef struct strip {
 	const char *title;
 	const strip_row *rows;
 	int row_count, column_count;
-	bool tone_mapped;              /* the rows do it themselves */
-	stilb_result (*prepare)(void); /* called before the first row, or NULL */
-	void (*finish)(void);
+	bool tone_mapped;              /* the rows apply tone mapping themselves */
+	stilb_result (*prepare)(void); /* called before the rows are drawn, or NULL */
+	void (*finish)(void);          /* called after prepare, also if that failed, or NULL */
 } strip;
 
 /* shade_strip_relief.c */
@@ -84,14 +96,15 @@ extern const strip_row strip_light_rows[], strip_sh_rows[], strip_tonemap_rows[]
 extern const strip strips[];
 extern const int strip_count;
 
-/* Size of the whole picture that gives spheres so many pixels wide. */
+/* Computes the size of the picture, pixels, in which a sphere's cell is `sphere` pixels wide. */
 void strip_size(const strip *s, float sphere, uint32_t size[2]);
 
-/* Draws a strip of this size (0, 0: its own) on a pool of so many workers (or FLAG_WORKERS_AUTO), and saves it.
- * Errors as stilb_image_save, and STILB_ERROR_THREAD. */
+/* Draws a strip of this size ({0, 0}: cells of 100 pixels) on a pool of `workers` threads (or FLAG_WORKERS_AUTO), and
+ * saves it as path. Errors of stilb_image_save, and STILB_ERROR_THREAD. */
 stilb_result strip_save(const strip *s, const uint32_t size[2], uint32_t workers, const char *path);
 
-/* Draws the strip into a picture of three channels, F32_LINEAR: radiance, tone mapped or not. */
+/* Draws the strip into a picture of three channels in the format F32_LINEAR: radiance, tone mapped if asked to.
+ * STILB_ERROR_MEMORY. */
 stilb_result strip_draw(const strip *s, stilb_image *picture, bool tone_mapped, stilb_job_pool *pool);
 
 #endif

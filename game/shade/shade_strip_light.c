@@ -20,7 +20,7 @@ static stilb_vec3 even(float value)
 #define LAMP_RADIUS 0.25f
 #define LAMP_REACH 4.0f
 
-/* Distances between the lamp's middle and the ball's; they grow by the same share. */
+/* The distance between the centres of lamp and ball, metres; each is 1.19 times the one before. */
 static float lamp_distance(int column)
 {
 	return 0.8f * powf(1.19f, (float)column);
@@ -64,8 +64,8 @@ static shade_sun harmonic_sun(void)
 	return (shade_sun){stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.45f, 0.55f)), stilb_vec3_make(2.8f, 2.5f, 1.9f)};
 }
 
-/* A sky of two colours has a band 0, its mean, and a band 1 along the vertical, which is that of the hemisphere's
- * irradiance: E(n) = pi (mean + (sky - ground) n_y / 2) = A_1 (c_1 Y_1) there. */
+/* One channel of a sky of two colours, times share. Band 0 is the mean; band 1 is vertical, and its coefficient follows
+ * from the irradiance E(n) = pi (mean + (sky - ground) n_y / 2), whose second term must be A_1 c_1 Y_1. */
 static shade_sh sky_channel(int channel, float share)
 {
 	shade_sh f = shade_sh_ambient(0.5f * (sky_above[channel] + ground_below[channel]));
@@ -130,7 +130,7 @@ const strip_row strip_sh_rows[STRIP_SH_ROWS] = {
 
 /* ---- tone curves ------------------------------------------------------------------------------------------------- */
 
-/* A red ball under one light that gets stronger; a little light from all around. */
+/* A red ball under a light that gets stronger, and a little light from everywhere. */
 static stilb_vec3 exposed(const strip_sphere *sphere, stilb_vec3 n)
 {
 	stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-0.5f, 0.6f, 0.6f));
@@ -138,7 +138,7 @@ static stilb_vec3 exposed(const strip_sphere *sphere, stilb_vec3 n)
 	return sphere->diffuse * (lit * sphere->number);
 }
 
-/* As the picture's format does it, but before edges are smoothed. */
+/* Clips to 1 as the picture's format would, but before the samples of a pixel are averaged. */
 static stilb_vec3 clipped(stilb_vec3 color)
 {
 	for (int k = 0; k < 3; k++)

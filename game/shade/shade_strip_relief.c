@@ -12,13 +12,13 @@
 #define BUMP_HEIGHT 0.07f
 #define BUMP_WAVES 14.0f
 
-/* Longitude and latitude, radians; u grows to the right, v upwards. */
+/* Longitude and latitude of a normal, radians; u grows to the right, v upwards. */
 static stilb_vec2 bump_uv(stilb_vec3 p)
 {
 	return (stilb_vec2){atan2f(p[0], p[2]), asinf(fminf(fmaxf(p[1], -1.0f), 1.0f))};
 }
 
-/* Hills on a grid. */
+/* The height of a grid of hills. */
 static float bump_height(stilb_vec2 uv)
 {
 	return BUMP_HEIGHT * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[0])) * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[1]));
@@ -31,7 +31,7 @@ static stilb_vec2 bump_derivatives(stilb_vec2 uv)
 	                    slope * sinf(BUMP_WAVES * uv[1]) * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[0]))};
 }
 
-/* The place one step to the right, and one step down. */
+/* Position and texture coordinates at a place, as differences to the places one step to the right and one step down. */
 typedef struct bump_steps {
 	stilb_vec3 dp_dx, dp_dy;
 	stilb_vec2 uv, duv_dx, duv_dy;
@@ -65,7 +65,7 @@ static void bump_by_derivatives(const strip_sphere *sphere, strip_place place, u
 	                                 sphere->relief_scale);
 }
 
-/* Without differences between pixels: along the circles of longitude and latitude. */
+/* By derivatives along the circles of longitude and latitude, which needs no neighbouring pixel. */
 static void bump_by_uv(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness)
 {
 	(void)place;
@@ -113,11 +113,12 @@ const strip_row strip_bump_rows[STRIP_BUMP_ROWS] = {
 
 #define MAP_SIDE 256u
 #define MAP_ROUGHNESS 0.25f
-#define TRUTH_SIDE 6u /* strata along each side of a level's texel */
+#define TRUTH_SIDE 6u /* strata along each side of a texel */
 
-static stilb_image_normals chain;
+static stilb_image_normals chain; /* mip levels, from strip_filter_prepare to strip_filter_finish */
 
-/* Bumps of a few texels, without a larger pattern: random slopes, smoothed a little. */
+/* A normal map of bumps that are a few texels wide, without a larger pattern: random slopes, averaged over 3 x 3
+ * texels. */
 static stilb_vec3 map_normal(uint32_t x, uint32_t y)
 {
 	float slope[2] = {0.0f, 0.0f};
@@ -153,7 +154,7 @@ void strip_filter_finish(void)
 	stilb_image_normals_finish(&chain);
 }
 
-/* The place on the map, [0, 1) each way: it covers the half of the sphere that is seen. */
+/* Texture coordinates in [0, 1) of a normal: the map covers the visible half of the sphere. */
 static stilb_vec2 map_uv(stilb_vec3 n)
 {
 	float u = atan2f(n[0], n[2]) / (float)M_PI + 0.5f;
@@ -168,7 +169,7 @@ static const float *map_texel(uint32_t level, float u, float v)
 	return (const float *)map->pixels + 4 * ((size_t)(y % map->height) * map->width + x % map->width);
 }
 
-/* From the map's tangent frame to the sphere's. */
+/* Turns a normal of the map from the tangent frame at n into the space of the sphere. */
 static stilb_vec3 map_turn(stilb_vec3 n, const float *texel)
 {
 	stilb_vec3 t = stilb_vec3_normalize(stilb_vec3_cross(stilb_vec3_make(0.0f, 1.0f, 0.0f), n));
@@ -193,7 +194,8 @@ static void map_normal_alone(const strip_sphere *sphere, strip_place place, uint
 	*roughness = before;
 }
 
-/* One of the map's own texels under the level's texel; a stratum of it for each i, another place for each pixel. */
+/* The reference: a texel of level 0 below the texel of the level. i selects a stratum of that texel, the pixel a random
+ * place in it. */
 static void map_true(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness)
 {
 	uint32_t side = TRUTH_SIDE, width = chain.levels[sphere->relief_level].width;

@@ -1,4 +1,4 @@
-/* The strips: what the spheres of each row are made of. */
+/* The table of strips, and the materials of the spheres in each row. */
 #include "shade_strip.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@ static stilb_vec3 gray(float reflectance)
 	return stilb_vec3_make(reflectance, reflectance, reflectance);
 }
 
-/* Paint of the diffuse rows. */
+/* The reflectance of the diffuse rows. */
 static stilb_vec3 clay(void)
 {
 	return stilb_vec3_make(0.62f, 0.26f, 0.15f);
@@ -58,7 +58,8 @@ static void make_normalised(const strip_row *row, int column, strip_sphere *sphe
 	snprintf(words, sizeof(strip_words), n < 10.0 ? "n = %.1f" : "n = %.0f", n);
 }
 
-/* The highlight of old, (n.h)^n without a factor, under lights of the games' convention: over pi here. */
+/* The highlight of early Blinn-Phong, (n.h)^n without a factor. It was used with lights whose intensity includes the
+ * 1/pi of the diffuse part, hence SHADE_INV_PI. */
 static void make_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	make_normalised(row, column, sphere, words);
@@ -74,7 +75,7 @@ static void make_wrapped(const strip_row *row, int column, strip_sphere *sphere,
 	snprintf(words, sizeof(strip_words), "w = %.1f", (double)wrap);
 }
 
-/* Without the second 1 / (1 + w). */
+/* Wrapped diffuse without the second factor 1 / (1 + w), which conserves energy. */
 static void make_wrapped_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	make_wrapped(row, column, sphere, words);
@@ -91,7 +92,7 @@ static void make_mixed(const strip_row *row, int column, strip_sphere *sphere, s
 	snprintf(words, sizeof(strip_words), "%d %% + %d %%", 100 - 10 * column, 10 * column);
 }
 
-/* The paint keeps all its light, whatever the highlight takes. */
+/* The diffuse part stays the same, however much the highlight reflects. */
 static void make_mixed_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	make_mixed(row, column, sphere, words);

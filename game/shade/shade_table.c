@@ -1,4 +1,5 @@
-/* stilb shade table: what the catalogue promises of each row, and the albedo of each D x G x F, measured when asked. */
+/* stilb shade table: compares what the catalogue promises of each row with a measurement, and lists the albedo of each
+ * combination of D, G and F. */
 #include "shade_table.h"
 #include "shade.h"
 
@@ -14,7 +15,7 @@
 
 /* ---- the catalogue ----------------------------------------------------------------------------------------------- */
 
-/* The row's measure where it is farthest from 1, over roughnesses and views. */
+/* The integral that normalises the row, at the roughness and view at which it is farthest from 1. */
 static double table_measure(const stilb_numeric_row *row)
 {
 	double worst = 1.0;
@@ -132,8 +133,8 @@ int shade_table_command(int argc, char **argv)
 	const flag flags[] = {{"-o", FLAG_TEXT, &output, "FILE.md", "Markdown (standard output)", 0, 0, NULL}};
 	flags_result parsed = flags_parse(flags, 1, argc, argv);
 	if (parsed == FLAGS_HELP) {
-		printf("stilb shade table: the measures, flags and largest albedos of the catalogue, and the albedo of every\n"
-		       "distribution, shadowing and Fresnel term together, as a table; measured when asked.\n\n");
+		printf("stilb shade table: measures every formula of the catalogue, and the albedo of every combination of a\n"
+		       "distribution, a shadowing and a Fresnel term, and writes the numbers as a table.\n\n");
 		flags_print(flags, 1);
 		return EXIT_DONE;
 	}

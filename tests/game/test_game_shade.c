@@ -337,15 +337,15 @@ static void test_table(void **state)
 /* ---- refused ----------------------------------------------------------------------------------------------------- */
 
 static const char *const refusals[][2] = {
-	{"shade", "nothing to do"},
+	{"shade", "no part; "},
 	{"shade lobes", "'lobes'"},
 	{"shade plot -o a.svg", "stilb shade plot NAME -o FILE"},
 	{"shade plot gxg -o a.svg", "'gxg'"},
-	{"shade plot -o a.svg fresnl", "near it: fresnel;"},
-	{"shade plot Fresnel -o a.svg", "near it: fresnel;"},
-	{"shade plot smith_ggx -o a.svg", "near it: blinn-smith-ggx, beckmann-smith-ggx, ggx-smith-ggx,"},
+	{"shade plot -o a.svg fresnl", "similar: fresnel;"},
+	{"shade plot Fresnel -o a.svg", "similar: fresnel;"},
+	{"shade plot smith_ggx -o a.svg", "similar: blinn-smith-ggx, beckmann-smith-ggx, ggx-smith-ggx,"},
 	{"shade plot ggx -o a.svg", "ggx-smith-beckmann, ggx-smith-ggx;"},
-	{"shade plot gxg -o a.svg", "'stilb shade list' has the names"},
+	{"shade plot gxg -o a.svg", "'stilb shade list' lists the names"},
 	{"shade plot fresnel a.svg", "the picture is -o FILE"},
 	{"shade plot ggx-smith-ggx", "FILE.svg or FILE.png"},
 	{"shade plot ggx-smith-ggx -o a.pdf", "'a.pdf'"},
