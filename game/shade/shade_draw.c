@@ -182,7 +182,7 @@ int shade_plot_command(int argc, char **argv)
 	if (!name)
 		stilb_log("shade plot: no name; give stilb shade plot NAME -o FILE; 'stilb shade list' lists them");
 	else if (second)
-		stilb_log("shade plot: '%s' is a second name after '%s'; give one, and the picture with -o FILE", second, name);
+		stilb_log("shade plot: '%s' is a second name after '%s'; give one name, the picture is -o FILE", second, name);
 	else if (!p)
 		refuse_name(name);
 	else if (!output)
