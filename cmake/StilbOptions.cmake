@@ -6,11 +6,11 @@ option(STILB_JOBS_EXAMPLES "Build the examples of the jobs library" ${STILB_TEST
 option(STILB_PROFILER_EXAMPLES "Build the examples of the profiler library" ${STILB_TESTS}) # likewise
 option(STILB_BENCH "Build stilb-bench, the measurements against other libraries" ${STILB_ENGINE})
 option(STILB_WERROR "Treat warnings as errors (on in ./dev and CI)" OFF)
-option(STILB_HARDENED "Build with a distribution's hardening (off where it passes flags of its own)" ${PROJECT_IS_TOP_LEVEL})
+option(STILB_HARDENED "Build with the hardening flags of distributions (off for one that passes its own)" ${PROJECT_IS_TOP_LEVEL})
 option(STILB_PROFILE "Compile the PROFILE macros in" ON)
-set(STILB_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them (address,undefined or thread)")
+set(STILB_SANITIZE "" CACHE STRING "Sanitizers to build with, the value of -fsanitize= (address,undefined or thread)")
 
-if(STILB_SANITIZE) # sanitizers see more, and wrap the same calls
+if(STILB_SANITIZE) # sanitizers check more than hardening does, and wrap the same calls
 	set(STILB_HARDENED OFF)
 endif()
 
@@ -19,7 +19,7 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYP
 endif()
 
 if(PROJECT_IS_TOP_LEVEL)
-	set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}) # the programs: build/release/stilb
+	set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}) # programs are build/release/stilb and so on
 endif()
 set(CMAKE_C_STANDARD 17)
 set(CMAKE_C_STANDARD_REQUIRED ON)
@@ -34,28 +34,29 @@ find_package(Threads REQUIRED)
 
 add_library(stilb-flags INTERFACE)
 target_compile_definitions(stilb-flags INTERFACE _GNU_SOURCE)
-# Contraction gives other bits with gcc than with clang, and pictures are compared bit by bit.
+# gcc and clang would contract different expressions into fused multiply-adds, and pictures are compared bit by bit.
 target_compile_options(stilb-flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow
 	$<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes -Wdouble-promotion>
 	$<$<BOOL:${STILB_WERROR}>:-Werror>)
-# Only what a program uses is loaded: the tests of the null device load no Vulkan and no GLFW.
+# A program loads only the libraries that it uses: the tests of the null device load neither Vulkan nor GLFW.
 target_link_options(stilb-flags INTERFACE -Wl,--as-needed)
 
-# ---- hardening: what distributions build their programs with; tests/install/hardening.sh reads it back ----
+# ---- hardening: the flags of distributions; tests/install/hardening.sh checks the results ----
 if(STILB_HARDENED)
 	include(CheckPIESupported)
-	check_pie_supported() # programs are linked as position independent, too
+	check_pie_supported() # lets CMake link programs as position independent, too
 	target_compile_options(stilb-flags INTERFACE -fstack-protector-strong -fstack-clash-protection)
 	if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
 		target_compile_options(stilb-flags INTERFACE -fcf-protection)
 	endif()
-	# Checked calls of the C library need the optimiser.
+	# The checked calls of the C library (FORTIFY) need optimisation.
 	target_compile_options(stilb-flags INTERFACE $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
 	target_link_options(stilb-flags INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
 endif()
 
-# stilb_hot(FILE...): loops of nanoseconds that handle numbers and pointers of ours, never bytes from outside: a canary per
-# call, or a probe per page of stack, costs there and guards nothing. Everything else of the hardening stays.
+# stilb_hot(FILE...): takes stack protector and stack clash protection away from files whose functions run for nanoseconds
+# and handle only our own numbers and pointers, never bytes from outside. A canary a call and a probe a page of stack would
+# be measurable there, and protect nothing. All other hardening stays.
 function(stilb_hot)
 	if(STILB_HARDENED)
 		set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -fno-stack-protector -fno-stack-clash-protection)
@@ -65,14 +66,15 @@ endfunction()
 if(STILB_SANITIZE)
 	target_compile_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
 	target_link_options(stilb-flags INTERFACE -fsanitize=${STILB_SANITIZE})
-	# C programs load C++: drivers, and the module for pictures. clang has the C++ half of its runtimes in files of their own.
+	# Our C programs load C++ code: drivers, and the module for pictures. clang keeps the C++ part of its sanitizer runtimes
+	# in libraries of their own.
 	if(CMAKE_C_COMPILER_ID MATCHES Clang)
 		target_link_options(stilb-flags INTERFACE -fsanitize-link-c++-runtime)
 		target_link_libraries(stilb-flags INTERFACE stdc++)
 	endif()
 endif()
 if(STILB_SANITIZE MATCHES address)
-	# Programs only; exported, so that shared libraries opened at run time call it too.
+	# Linked into programs only, and exported, so that shared libraries which they open call it too.
 	add_library(stilb-dlclose OBJECT EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/tests/support/dlclose_noop.c)
 	target_link_libraries(stilb-dlclose PRIVATE stilb-flags)
 	target_sources(stilb-flags INTERFACE

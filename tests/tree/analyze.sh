@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# analyze.sh BUILD: clang-tidy (.clang-tidy names the checks) and gcc's analyzer over the modules below, with the flags of the
-# build BUILD, which is gcc's. Prints what they find; succeeds if that is nothing. 77: no clang-tidy here.
+# analyze.sh BUILD: runs clang-tidy (.clang-tidy names the checks) and gcc's analyzer on the modules below, with the flags
+# of BUILD, a build by gcc. Prints their findings; exit 1 if there are any, 77 if clang-tidy is not installed.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=$(cd "$1" && pwd)
 modules='game|jobs|job_prof|engine/(base|image|input|numeric|window)'
 command -v clang-tidy >/dev/null || { echo "skipped: no clang-tidy here (package clang-tidy)"; exit 77; }
 
-# FILE COMMAND, one line for each C file of the modules; libraries, not their examples.
+# "FILE COMMAND" for each C file of the modules, without examples.
 commands=$(sed -n 's/^ *"command": "\(.* -c \([^ ]*\)\)",\{0,1\}$/\2 \1/p' "$build/compile_commands.json" |
 	grep -E "^$PWD/($modules)/[^ ]*\.c " | grep -v '/examples/' | sort -u -k 1,1)
 files=$(wc -l <<<"$commands")
@@ -17,8 +17,8 @@ tidy() {
 	cut -d ' ' -f 1 <<<"$commands" | xargs -P "$(nproc)" -n 4 clang-tidy -p "$build" --quiet 2>/dev/null
 }
 
-# Without two warnings of gcc 12, which does not see that a loop fills an array, nor that a pointer in a structure has an
-# owner: clang-tidy asks the same, and so do the sanitizers. The object is not wanted.
+# Two warnings are off: gcc 12 does not understand that a loop fills an array, nor that a pointer in a structure has an
+# owner. clang-tidy and the sanitizers check both. The object files are thrown away.
 gcc_analyzer() {
 	local analyzer="-fanalyzer -Wno-analyzer-use-of-uninitialized-value -Wno-analyzer-malloc-leak -Werror"
 	cd "$build" && cut -d ' ' -f 2- <<<"$commands" |

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# circles.sh BUILD [LIST]: object files of one library or program that need each other, directly or through others. Whoever
-# changes one of them must know them all. Every such circle must stand in LIST (circles.txt) with the reason why it is right;
-# a circle of LIST that is gone must be taken out. Prints one line per violation; exit 1 if any.
+# circles.sh BUILD [LIST]: finds object files of one library or program that need each other, directly or through others,
+# so that none can be understood or tested without the rest. LIST (circles.txt) names the circles that are right, each
+# with its reason; one that no longer exists must be removed. Prints one line per violation; exit 1 if any.
 set -euo pipefail
 export LC_ALL=C
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -10,7 +10,8 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 list=${2:-$here/circles.txt}
 
-# "MODULE OBJECT D|U SYMBOL" for every symbol that an object defines for others (D) or wants from others (U).
+# Prints the symbols of all objects as nm does, each line after the name of the module; a line "MODULE OBJECT:" begins an
+# object.
 symbols() {
 	local archive name folder
 	find "$build" -name 'libstilb-*.a' | sort | while read -r archive; do
@@ -20,7 +21,7 @@ symbols() {
 	for name in stilb stilb-bench; do
 		find "$build" -type d -path "*/CMakeFiles/$name.dir" | while read -r folder; do
 			find "$folder" -name '*.o' | sort | while read -r object; do
-				# A build folder keeps the objects of sources that were moved or taken out.
+				# A build folder keeps the objects of sources that were moved or removed.
 				source=${folder#"$build"/}
 				source=${source%%/CMakeFiles/*}/${object#"$folder"/}
 				source=${source//__/..}

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# files.sh [ROOT]: the files of the tree, one per line: neither hidden ones nor anything in a build folder.
+# files.sh [ROOT]: lists the files of the tree, one per line, without hidden ones and build folders.
 set -euo pipefail
 cd "${1:-$(dirname "${BASH_SOURCE[0]}")/../..}"
 find . \( -path ./build -o -path './.?*' -o -type d -exec test -e '{}/CMakeCache.txt' ';' \) -prune \

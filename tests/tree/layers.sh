@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# layers.sh [ROOT]: does every #include of the tree keep to layers.txt? Prints one line per violation; exit 1 if any.
-# Generated headers (found nowhere in the tree) must be included by name alone and belong to the module that includes them.
+# layers.sh [ROOT]: checks every #include of the tree against layers.txt. Prints one line per violation; exit 1 if any.
+# Generated headers, which are not in the tree, must be included by name alone; they belong to the module that includes
+# them.
 set -euo pipefail
 export LC_ALL=C
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "${1:-$here/../..}"
 
-# FILE:LINE:HEADER, with the quotes or brackets left on the header.
+# Prints FILE:LINE:HEADER for every #include, with the quotes or brackets around the header.
 includes() {
 	"$here/files.sh" "$PWD" | grep -E '\.([ch]|cpp|hpp|cc|glsl|vert|frag|comp)$' |
 		xargs -d '\n' grep -nE '^[[:space:]]*#[[:space:]]*include' /dev/null |
@@ -15,7 +16,7 @@ includes() {
 
 { cat "$here/layers.txt"; "$here/files.sh" "$PWD" | sed 's/^/header /'; includes; } | awk '
 function bad(message) { print where ": " message; violations++ }
-# pattern with * at its start or end only
+# pattern may have a * at its start or its end
 function matches(name, pattern,   n) {
 	n = length(pattern)
 	if (pattern == "*") return 1
@@ -39,7 +40,7 @@ function normal(path) {
 	while (sub(/[^\/]+\/\.\.\//, "", path)) {}
 	return path
 }
-# Where the quoted name leads: the folder of the file, then the include paths in the order of the build.
+# The path of a quoted header: looked for in the folder of the file, then in the include paths in the order of the build.
 function resolve(file, name,   dir, list, n, i, path) {
 	dir = file; if (!sub(/\/[^\/]*$/, "/", dir)) dir = ""
 	n = split(dir "|" "|engine/|tests/", list, "|")
@@ -50,7 +51,7 @@ function resolve(file, name,   dir, list, n, i, path) {
 	return ""
 }
 function check_own(file, name,   from, to, path) {
-	# glslc alone is at ease with them.
+	# Only shaders may use relative paths: glslc resolves them against the including file.
 	if (name ~ /(^|\/)\.\.?\// && file ~ /\.([ch]|cpp|hpp|cc)$/) bad("\"" name "\": name headers from the top, not by . or ..")
 	from = module_of(file)
 	path = resolve(file, name)

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# links.sh [ROOT]: does every link of a Markdown file to another file of the tree, or to a heading, lead somewhere? Prints one
-# line per violation; exit 1 if any.
+# links.sh [ROOT]: checks that the links of all Markdown files lead to files of the tree and to headings that exist. Links
+# to the web are not followed. Prints one line per violation; exit 1 if any.
 set -euo pipefail
 export LC_ALL=C.UTF-8
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "${1:-$here/../..}"
 
-# The anchors of a file's headings, as Markdown viewers make them: lower case, spaces become -, other signs go.
+# The anchors of a file's headings, as viewers of Markdown make them: in lower case, with - for spaces, without other signs.
 anchors() {
 	awk '/^```/ { code = !code } !code && /^#+ / { sub(/^#+ /, ""); print tolower($0) }' "$1" |
 		sed 's/[^[:alnum:] _-]//g; s/ /-/g'

@@ -15,7 +15,7 @@ these() {
 sources='\.([ch]|cpp|hpp|glsl|vert|frag|comp|sh|py)$|(^|/)(dev|CMakeLists.txt)$'
 [ -n "$(these "$sources" | tr -d '\0')" ] || { echo "shape.sh: found no source at all"; exit 1; }
 
-# A longer file is two files.
+# A file that is longer is cut in two.
 long_files() {
 	these "$sources" | xargs -0 awk '
 		FNR == 1 { if (last != "" && lines > 1500) print last ": " lines " lines; 1500 is the most" }
@@ -23,19 +23,19 @@ long_files() {
 		END { if (lines > 1500) print last ": " lines " lines; 1500 is the most" }'
 }
 
-# clang-format leaves comments alone. A tab is four columns.
+# clang-format does not wrap comments. A tab counts as four columns.
 wide_lines() {
 	these '\.([ch]|cpp|hpp|glsl|vert|frag|comp)$' | xargs -0 awk '
 		length($0) > 105 {
 			line = $0
-			gsub(/\t/, "    ", line)         # tabs stand at the beginning of lines alone
+			gsub(/\t/, "    ", line)         # tabs stand only at the beginning of a line
 			gsub(/[\200-\277]/, "", line) # the second and later bytes of a character
 			if (length(line) > 120) print FILENAME ":" FNR ": " length(line) " columns; 120 is the most"
 		}'
 }
 
-# Every header is guarded by a name of its own. glsl_begin.h and glsl_end.h are meant to be included again and again;
-# job_model_sys.h takes the place, and the guard, of jobs/job_sys.h.
+# Every header has a guard with a name of its own, but for glsl_begin.h and glsl_end.h, which are included several times,
+# and job_model_sys.h, which replaces jobs/job_sys.h and so has the same guard.
 header_guards() {
 	these '\.hpp$|\.h$' '(^|/)(glsl_(begin|end)|job_model_sys)\.h$' | xargs -0 awk '
 		function finish() { if (last != "" && state < 2) print last ": does not start with a header guard" }
@@ -51,7 +51,7 @@ header_guards() {
 		END { finish() }'
 }
 
-# The thread sanitizer cannot see a fence: order lives on the atomic itself.
+# The thread sanitizer does not understand fences: memory orders are arguments of atomic operations.
 fences() {
 	these '\.([chp]|cpp|hpp)$' | xargs -0 grep -nHE 'atomic_(thread|signal)_fence[[:space:]]*\(|__sync_synchronize' |
 		sed -E 's/^([^:]*:[0-9]+):.*/\1: a fence; put the order on the atomic operation/' || true
@@ -68,13 +68,13 @@ dialect() {
 		code ~ /^\t+const ((struct|enum|unsigned|signed|long) )*[a-z0-9_]+ [A-Za-z0-9_]+( =|[;,])/ { bad("a local goes without const") }'
 }
 
-# Nobody finds a place among more. Pictures of docs are made by one command into one folder.
+# A folder with more files is cut into subfolders, but for docs/, whose pictures one command writes into one folder.
 full_folders() {
 	printf '%s\n' "$files" | grep -v '^docs/' | sed 's|[^/]*$||' | sort | uniq -c |
 		awk '$1 > 30 { print $2 ": " $1 " files in one folder; 30 are the most" }'
 }
 
-# A test that is not registered never fails.
+# A test that CMakeLists.txt does not name never runs.
 forgotten_tests() {
 	printf '%s\n' "$files" | grep -E '^tests/(.*/)?(test|fuzz)_[^/]*\.(c|sh)$' | while read -r file; do
 		name=${file##*/}
@@ -84,7 +84,7 @@ forgotten_tests() {
 	done
 }
 
-# CI must name every tier that has tests, or a tier that is skipped there would pass.
+# CI must name every tier that has tests: a skipped tier passes unless STILB_REQUIRE names it.
 forgotten_tiers() {
 	local labels
 	labels=$(these '^tests/(.*/)?CMakeLists.txt$' | xargs -0 sed 's/#.*//' | tr '\n' ' ' | grep -oE 'LABELS [^)]*' || true)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# statics.sh [ROOT]: the names that files keep to themselves. A static name may not begin with the prefix of another
-# module, and no name may be static in two files of one module: a reader who searches for it must find one place.
+# statics.sh [ROOT]: checks the names of static functions and variables. One may not begin with the prefix of another
+# module, nor exist in two files of the same module: a search for a name must find one definition.
 # Prints one line per violation; exit 1 if any.
 set -euo pipefail
 export LC_ALL=C
@@ -16,7 +16,7 @@ cd "${1:-$here/../..}"
 	FNR == 1 {
 		module = FILENAME
 		if (!sub(/^engine\/render\/vulkan\/.*/, "vulkan", module)) {
-			own = "" # the folder of a subcommand is a prefix too
+			own = "" # a subcommand may use the name of its folder as prefix
 			if (module ~ /^game\/[a-z]+\//) { own = module; sub(/^game\//, "", own); sub(/\/.*/, "", own) }
 			sub(/^engine\//, "", module)
 			if (!sub(/\/.*/, "", module)) module = "engine"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Plants one violation at a time in a small tree and sees each check report it, and nothing when all is well.
+# Tests the checks of tests/tree: each must report a violation that is planted in a small tree, and nothing without one.
 set -euo pipefail
 checks=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 scratch=$(mktemp -d)
@@ -227,6 +227,10 @@ test_symbols() {
 	expect_good symbols.sh "$scratch/lib"
 	library base 'void write_log(void) {}'
 	expect 'libstilb-base.a: write_log' symbols.sh "$scratch/lib"
+	echo 'build sub/libstilb-base.a: phony' >"$scratch/lib/build.ninja"
+	expect 'libstilb-base.a: write_log' symbols.sh "$scratch/lib"
+	echo 'build sub/libstilb-core.a: phony' >"$scratch/lib/build.ninja"
+	expect_good symbols.sh "$scratch/lib"
 	rm -rf "${scratch:?}/lib" && mkdir "$scratch/lib"
 	expect 'no libstilb-*.a' symbols.sh "$scratch/lib"
 }
