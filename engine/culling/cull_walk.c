@@ -18,11 +18,11 @@ typedef struct cull_view {
 typedef struct cull_walk {
 	stilb_cull_octree *octree;
 	cull_view view;
-	uint32_t depth; /* of the cells that `level` is for; 0: of none */
-	double half;    /* half the side of these cells */
-	cull_level level;
+	double half;           /* half the side of the cells that `level` is for */
+	uint32_t depth;        /* of these cells; 0: of none */
 	uint32_t family_count; /* reached so far */
 	cull_walk_result result;
+	cull_level level;
 } cull_walk;
 
 /*

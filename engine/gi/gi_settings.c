@@ -67,7 +67,7 @@ static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian", "harmonic"
 #define SWITCH(member) ROW(FIELD_BOOL, GI_SETTING_SAMPLE, member, 0, 1)
 #define NAMED(member, names)                                                                                           \
 	{                                                                                                                  \
-#member, FIELD_NAME, GI_SETTING_SAMPLE, AT(member), 0, sizeof names / sizeof *names - 1, names                 \
+#member, FIELD_NAME, GI_SETTING_SAMPLE, AT(member), 0, (int)(sizeof names / sizeof *names) - 1, names          \
 	}
 /* metres: far beyond the largest coordinate of a triangle, so that a camera may see all of them; its square is
  * finite */

@@ -29,7 +29,7 @@ static const char *image_extension(const char *path)
 
 static const image_codec *image_codec_find(const char *extension)
 {
-	for (size_t i = 0; i < sizeof image_codecs / sizeof *image_codecs; i++)
+	for (size_t i = 0; i < sizeof image_codecs / sizeof image_codecs[0]; i++)
 		if (strcasecmp(extension, image_codecs[i]->extension) == 0)
 			return image_codecs[i];
 	return NULL;

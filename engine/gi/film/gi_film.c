@@ -177,14 +177,13 @@ double gi_film_error(const gi_film *film)
 static size_t film_shown(const gi_film *film, uint32_t x, uint32_t y)
 {
 	STILB_ASSERT(x < film->width && y < film->height);
-	size_t own = (size_t)y * film->width + x, at = own;
 	for (uint32_t block = 1; block <= GI_FILM_LARGEST_BLOCK; block *= 2) {
-		at = (size_t)(y & ~(block - 1)) * film->width + (x & ~(block - 1));
+		size_t at = (size_t)(y & ~(block - 1)) * film->width + (x & ~(block - 1));
 		/* Acquire: pairs with gi_film_resolve's release. */
 		if (atomic_load_explicit(&film->samples[at], memory_order_acquire) > 0)
 			return at;
 	}
-	return own;
+	return (size_t)y * film->width + x;
 }
 
 void gi_film_preview(const gi_film *film, float *rgb)

@@ -149,7 +149,7 @@ static stilb_result save_light(const stilb_gi_render *render, const char *path)
 	                     .height = film.height,
 	                     .channels = 3,
 	                     .format = STILB_IMAGE_F32_LINEAR,
-	                     .pixels = (void *)(uintptr_t)film.radiance}; /* is only read */
+	                     .pixels = (float *)film.radiance}; /* is only read */
 	return stilb_image_save(&image, path);
 }
 

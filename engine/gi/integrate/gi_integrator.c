@@ -12,6 +12,6 @@ const gi_integrator *gi_integrator_of(stilb_gi_integrator name)
 		[STILB_GI_INTEGRATOR_SPLIT] = &gi_integrator_split,
 		[STILB_GI_INTEGRATOR_IRRADIANCE_CACHE] = &gi_integrator_irradiance_cache,
 	};
-	_Static_assert(sizeof integrators / sizeof *integrators == STILB_GI_INTEGRATOR_COUNT, "an integrator is missing");
+	_Static_assert(sizeof integrators / sizeof integrators[0] == STILB_GI_INTEGRATOR_COUNT, "an integrator is missing");
 	return integrators[name];
 }

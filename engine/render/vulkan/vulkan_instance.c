@@ -129,7 +129,7 @@ static stilb_result vulkan_surface_create(vulkan_device *device, const stilb_ren
 {
 	uint64_t handle = 0;
 	VkResult result = surface->create(surface->user, device->instance, &handle);
-	device->surface = (VkSurfaceKHR)handle;
+	memcpy(&device->surface, &handle, sizeof handle); /* a pointer, or a number on machines of 32 bits */
 	if (result == VK_SUCCESS)
 		return STILB_OK;
 	vulkan_fail(device, result, "make a Vulkan surface for the window");

@@ -322,7 +322,8 @@ stilb_result scene_create_outdoor(float number, stilb_scene **out)
 	if (result == STILB_OK)
 		result = builtin_mesh_bumpy(&scene->meshes[2]);
 	for (int i = 0; result == STILB_OK && i < 9; i++) {
-		float radius = 1.3f + 0.1f * (float)(i * 4 % 9), x = 5.0f * (float)(i % 3 - 1), z = 5.0f * (float)(i / 3 - 1);
+		int column = i % 3, row = i / 3;
+		float radius = 1.3f + 0.1f * (float)(i * 4 % 9), x = 5.0f * (float)(column - 1), z = 5.0f * (float)(row - 1);
 		scene->part_transform[2 + i] = builtin_place(0.7f * (float)i, radius, x, 1.05f * radius, z);
 		scene->materials[2 + i] = builtin_matt(colors[i][0], colors[i][1], colors[i][2]);
 	}

@@ -92,7 +92,7 @@ bool scene_stream_write_message(int file, const scene_message *message, int pass
 {
 	stream_descriptor room = {.header = {CMSG_LEN(sizeof(int)), SOL_SOCKET, SCM_RIGHTS}};
 	memcpy(CMSG_DATA(&room.header), &passed, sizeof passed);
-	struct iovec part = {(void *)(uintptr_t)message, sizeof *message};
+	struct iovec part = {(scene_message *)message, sizeof *message};
 	struct msghdr sent = {.msg_iov = &part, .msg_iovlen = 1};
 	if (passed >= 0) {
 		sent.msg_control = room.bytes;
