@@ -7,18 +7,18 @@
 uint64_t history_now(void)
 {
 	/* Acquire-release, pairs with itself: a call that has taken its second stamp happened before every call with a
-	 * later first stamp. No less would do (a push that lies in a store buffer is not over), and a clock would need as
-	 * much beside it. */
+	 * later first stamp. A weaker order would not do, since a push in a store buffer is not finished, and a clock would
+	 * need the same fences. */
 	static _Atomic uint64_t clock;
 	return atomic_fetch_add_explicit(&clock, 1, memory_order_acq_rel);
 }
 
-/* From begin to end; what one value or one call covers in time. */
+/* An interval of time: of one call, or of several. */
 typedef struct span {
 	uint64_t begin, end;
 } span;
 
-/* A value's life. Calls that were not made lie at the end of time. */
+/* The calls that pushed and popped a value. Calls that were not made lie at the end of time. */
 typedef struct life {
 	span push, pop;
 } life;
@@ -46,7 +46,7 @@ static history_violation read_lives(const history_op *ops, size_t count, uint32_
 	}
 	for (uint32_t i = 0; i < value_limit; i++)
 		if (before(lives[i].pop, lives[i].push))
-			return HISTORY_FRESH; /* never pushed counts as pushed at the end of time */
+			return HISTORY_FRESH; /* a value that was never pushed counts as pushed at the end of time */
 	return HISTORY_LINEARISABLE;
 }
 
@@ -67,8 +67,9 @@ static int by_push_end(const void *left, const void *right)
 	return (a->push.end > b->push.end) - (a->push.end < b->push.end);
 }
 
-/* Goes through the values in the order in which their pushes began, and beside them through those whose pushes were
- * over by then: the latest pop of the second must not lie after the pop of the first. */
+/* True if a later value overtook an earlier one. Walks over the values in the order in which their pushes began, and in
+ * parallel over those whose push had ended by then: none of these may have its pop after the end of the first value's
+ * pop. */
 static bool overtaken(life *lives, life *ended, uint32_t count)
 {
 	qsort(lives, count, sizeof *lives, by_push_begin);
@@ -85,9 +86,9 @@ static bool overtaken(life *lives, life *ended, uint32_t count)
 	return false;
 }
 
-/* A value is in the queue for certain from the end of its push to the begin of its pop. What these spans cover
- * together, as spans that do not touch, in order; returns how many. A moment at which one ends and the next begins is
- * not covered: there the pop may come before the push. */
+/* A value is certainly in the queue from the end of its push to the beginning of its pop. Writes the union of these
+ * intervals as disjoint intervals in ascending order, and returns their number. A moment at which one ends and the next
+ * begins is not covered, since the pop may come before the push there. */
 static uint32_t cover(const life *lives, uint32_t count, span *covered)
 {
 	uint32_t certain = 0, joined = 0;
@@ -105,10 +106,10 @@ static uint32_t cover(const life *lives, uint32_t count, span *covered)
 	return joined;
 }
 
-/* The call lies wholly inside one covered span. */
+/* True if the call lies inside one covered interval. */
 static bool never_empty(const span *covered, uint32_t count, const history_op *call)
 {
-	uint32_t low = 0, high = count; /* the last span that began before the call */
+	uint32_t low = 0, high = count; /* the last interval that began before the call */
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
 		if (covered[middle].begin < call->begin)
@@ -138,7 +139,7 @@ static history_violation check_with(const history_op *ops, size_t count, uint32_
 
 history_violation history_check(const history_op *ops, size_t count, uint32_t value_limit)
 {
-	size_t room = (size_t)value_limit + 1; /* none is as good as one */
+	size_t room = (size_t)value_limit + 1; /* at least 1, since malloc(0) may return NULL */
 	life *lives = malloc(room * sizeof *lives), *ended = malloc(room * sizeof *ended);
 	span *covered = malloc(room * sizeof *covered);
 	history_violation violation = HISTORY_NO_MEMORY;

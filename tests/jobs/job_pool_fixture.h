@@ -1,5 +1,5 @@
-/* job_pool_fixture: what tests of the pool share: pools of every shape, workers held and released, threads from
- * outside. */
+/* job_pool_fixture: shared by the tests of the pool: pools of every shape, workers that are held and released, outside
+ * threads. */
 #ifndef JOB_POOL_FIXTURE_H
 #define JOB_POOL_FIXTURE_H
 
@@ -15,7 +15,7 @@
 #include "jobs/job.h"
 #include "support/test.h"
 
-/* Counted by jobs and polled by the test. Release and acquire, so that the test also sees what the jobs wrote. */
+/* Incremented by jobs and polled by the test. Release and acquire, so that the test also sees the jobs' writes. */
 typedef _Atomic uint32_t counter;
 
 static inline uint32_t count_up(counter *value)
@@ -40,7 +40,7 @@ static inline void nap_us(uint32_t microseconds)
 	nanosleep(&(struct timespec){.tv_nsec = (long)microseconds * 1000}, NULL);
 }
 
-/* Waits for a value. False if it has not changed for ten seconds: then no thread is going to change it. */
+/* Waits until the counter has the value. False if it did not change for ten seconds, which guards against a hang. */
 static inline bool await(counter *value, uint32_t wanted)
 {
 	uint64_t start = now_ns();
@@ -59,7 +59,7 @@ static inline bool await(counter *value, uint32_t wanted)
 	return true;
 }
 
-/* The shapes of pools to test: for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) */
+/* The shapes of pools to test: for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) ... */
 typedef struct shape {
 	uint32_t workers;
 	stilb_job_queue_kind queue;
@@ -72,7 +72,7 @@ static inline shape shape_first(void)
 	return (shape){.workers = 0, .queue = STILB_JOB_QUEUE_LOW_LOCK};
 }
 
-/* 0, 1, 2 and 8 workers, with queues of one kind, then of the other. */
+/* 0, 1, 2 and 8 workers with queues of one kind, then the same with the other kind. */
 static inline shape shape_next(shape s)
 {
 	if (s.workers == MOST_WORKERS)
@@ -102,11 +102,11 @@ static inline stilb_job_pool *pool_with(shape s)
 	return pool_with_hooks(s, (stilb_job_hooks){0});
 }
 
-/* ---- who sleeps ------------------------------------------------------------------------------------------------ */
+/* ---- sleeping threads ------------------------------------------------------------------------------------------ */
 
 typedef struct sleep_log {
 	counter parks;
-	counter asleep; /* threads between park and wake */
+	counter asleep; /* number of threads between the hooks park and wake */
 } sleep_log;
 
 static inline void sleep_log_park(void *user, uint32_t worker)
@@ -129,10 +129,10 @@ static inline stilb_job_hooks sleep_log_hooks(sleep_log *log)
 	return (stilb_job_hooks){.user = log, .park = sleep_log_park, .wake = sleep_log_wake};
 }
 
-/* ---- workers that are busy ------------------------------------------------------------------------------------- */
+/* ---- workers held in jobs -------------------------------------------------------------------------------------- */
 
 typedef struct blocker {
-	counter inside; /* threads held */
+	counter inside; /* number of threads held */
 	counter go;
 } blocker;
 
@@ -159,7 +159,7 @@ static inline void submit_priority(stilb_job_pool *pool, stilb_job_fn *fn, void 
 	assert_int_equal(stilb_job_submit_with(pool, fn, data, group, &options, worker), 0);
 }
 
-/* Returns when workers first to last are all inside a job of group, which lasts until blocker_release. */
+/* Submits jobs to workers first..last and returns when all of them are inside. The jobs last until blocker_release. */
 static inline void hold_workers(stilb_job_pool *pool, blocker *b, stilb_job_group *group, uint32_t first, uint32_t last)
 {
 	uint32_t before = count_of(&b->inside);
@@ -173,7 +173,7 @@ static inline void blocker_release(blocker *b)
 	count_up(&b->go);
 }
 
-/* ---- threads from outside -------------------------------------------------------------------------------------- */
+/* ---- outside threads ------------------------------------------------------------------------------------------- */
 
 static inline pthread_t outside_start(void *(*fn)(void *), void *data)
 {

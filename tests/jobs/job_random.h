@@ -1,10 +1,11 @@
-/* job_random: random numbers for tests; the same seed gives the same ones. */
+/* job_random: random numbers for tests, reproducible from a seed. */
 #ifndef JOB_RANDOM_H
 #define JOB_RANDOM_H
 
 #include <stdint.h>
 
-/* splitmix64, Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014. */
+/* The next number of splitmix64. Source: Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA
+ * 2014. */
 static inline uint64_t next_random(uint64_t *state)
 {
 	uint64_t z = *state += 0x9e3779b97f4a7c15u;

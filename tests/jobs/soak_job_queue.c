@@ -1,6 +1,6 @@
 /*
- * A long run of each kind of queue: every item comes out exactly once, and those of one producer in order. Run it
- * before a release, or after a change to a queue: `cmake --build --preset release --target soak`.
+ * A long run of each kind of queue: every item is popped exactly once, and those of one producer in order. Run it
+ * before a release, or after a change of a queue: `cmake --build --preset release --target soak`.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -14,7 +14,8 @@
 
 #include "jobs/job_queue.h"
 
-/* Producers, and as many consumers; items in every other call; and no more in the queue than memory is sure to hold. */
+/* SIDE: number of producers, and of consumers. BATCH: items of every second call. CAPACITY: bounds the memory of a
+ * queue. */
 enum { SIDE = 4, BATCH = 16, CAPACITY = 1 << 20 };
 
 static const char usage[] = "usage: soak_job_queue [low-lock|lock-free|all [ITEMS]]\n"
@@ -26,7 +27,7 @@ static const char usage[] = "usage: soak_job_queue [low-lock|lock-free|all [ITEM
 
 typedef struct soak {
 	stilb_job_queue *queue;
-	uint32_t each; /* items of a producer */
+	uint32_t each; /* items of each producer */
 } soak;
 
 typedef struct soldier {
@@ -34,8 +35,8 @@ typedef struct soldier {
 	pthread_t thread;
 	uint32_t number;
 	uint64_t popped, disorder, repeated, forged;
-	uint32_t newest[SIDE]; /* plus one */
-	uint8_t *seen;         /* a bit for each item that this consumer popped */
+	uint32_t newest[SIDE]; /* the last number popped of each producer, plus one */
+	uint8_t *seen;         /* a bit for each item, set if this consumer popped it */
 } soldier;
 
 static void *produce(void *data)
@@ -86,7 +87,7 @@ static void *consume(void *data)
 	}
 }
 
-/* Adds up what the consumers found: true if that is each item once. */
+/* Combines the consumers' bits: true if every item was popped exactly once. */
 static bool sum_up(soldier *consumers, uint64_t items)
 {
 	uint64_t popped = 0, missing = 0, wrong = 0;

@@ -1,10 +1,11 @@
-/* The contracts of jobs, each broken on purpose. */
+/* Violations of the contracts of jobs, planted: each must die with the assert's text. */
 #include "jobs/job_internal.h"
 #include "jobs/job_spsc.h"
 #include "support/contract.h"
 #include "support/test.h"
 
-/* ---- calls from inside an allocation: linked with -Wl,--wrap=malloc,--wrap=aligned_alloc ------------------------- */
+/* ---- calls inside an allocation; linked with -Wl,--wrap=malloc,--wrap=aligned_alloc
+ * ------------------------------- */
 
 static void (*inside_allocation)(void);
 
@@ -186,7 +187,7 @@ static void pop_with_number_0(void)
 	stilb_job_queue_pop(queue, &popped, 0);
 }
 
-/* As if two threads had the same number: the second call comes while the first allocates a segment. */
+/* Imitates two threads with one number: the second call is made while the first one allocates a segment. */
 static void use_a_number_twice(void)
 {
 	queue_create(STILB_JOB_QUEUE_LOCK_FREE);
@@ -230,7 +231,7 @@ static void an_end_has_one_thread(void **state)
 	contract_breaks("queue && item", (pop_nowhere(STILB_JOB_QUEUE_LOW_LOCK), 0));
 }
 
-/* ---- parts ------------------------------------------------------------------------------------------------------- */
+/* ---- internal parts ---------------------------------------------------------------------------------------------- */
 
 static void take_twice(void)
 {
@@ -258,7 +259,7 @@ static void push_into_damaged_deque(void)
 	job_deque deque = {0};
 	if (job_deque_init(&deque) != 0)
 		_exit(0);
-	deque.top_seen = 1; /* an index that the thieves have not reached */
+	deque.top_seen = 1; /* an index that no thief has reached */
 	job_deque_push(&deque, &record);
 }
 
@@ -311,7 +312,7 @@ static void enter_miscounted(void)
 	job_parker parker = {0};
 	job_idler idler = {.parker = &parker, .scope.all = true, .worker = true};
 	job_idle_init(&list, 2);
-	list.waiting = 1; /* but nobody is on the list */
+	list.waiting = 1; /* although the list is empty */
 	job_idle_enter(&list, &idler, false);
 }
 

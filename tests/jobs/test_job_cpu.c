@@ -1,4 +1,4 @@
-/* CPU counting: the affinity mask of this process, and cgroup files made for the test. */
+/* CPU counting: this process' affinity mask, and cgroup files that the test writes. */
 #include <sched.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -61,14 +61,14 @@ static int teardown(void **state)
 static void test_version_2(void **state)
 {
 	(void)state;
-	assert_int_equal(quota("0::/outer/inner\n"), 0); /* no files: no limit */
+	assert_int_equal(quota("0::/outer/inner\n"), 0); /* without files there is no limit */
 	write_file("outer/inner/cpu.max", "max 100000\n");
 	assert_int_equal(quota("0::/outer/inner\n"), 0);
 	write_file("outer/inner/cpu.max", "400000 100000\n");
 	assert_int_equal(quota("0::/outer/inner\n"), 4);
-	write_file("outer/cpu.max", "150000 100000\n"); /* a group above binds too; 1.5 rounds up */
+	write_file("outer/cpu.max", "150000 100000\n"); /* an outer group limits as well; 1.5 is rounded up */
 	assert_int_equal(quota("0::/outer/inner\n"), 2);
-	write_file("cpu.max", "10000 100000\n"); /* the root of a container */
+	write_file("cpu.max", "10000 100000\n"); /* the root, as a container sees it */
 	assert_int_equal(quota("0::/outer/inner\n"), 1);
 	assert_int_equal(quota("0::/\n"), 1);
 	assert_int_equal(quota("0::/not/here\n"), 1);
@@ -84,7 +84,7 @@ static void test_version_1(void **state)
 	write_file("cpu/box/cpu.cfs_quota_us", "250000\n");
 	assert_int_equal(quota("4:memory:/x\n3:cpu,cpuacct:/box\n"), 3);
 	assert_int_equal(quota("4:memory:/x\n3:cpuacct,cpu:/box\n"), 3);
-	assert_int_equal(quota("3:cpuset:/box\n2:cpuacct:/box\n"), 0); /* not the cpu controller */
+	assert_int_equal(quota("3:cpuset:/box\n2:cpuacct:/box\n"), 0); /* no cpu controller */
 }
 
 static void test_nonsense(void **state)

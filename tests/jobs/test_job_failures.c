@@ -1,13 +1,14 @@
-/* Bad use and bad luck: the pool refuses what it cannot do, loses nothing when memory or threads run out, and
- * works again afterwards. And pools that come and go. */
+/* Wrong use and failures: the pool refuses invalid calls, loses no job when memory or threads run out, and works again
+ * afterwards. Also pools that are created and destroyed many times. */
 #include "job_pool_fixture.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-/* ---- failures on demand: linked with -Wl,--wrap= of each of these ------------------------------------------------ */
+/* ---- failures on demand; linked with -Wl,--wrap= of each of these
+ * -------------------------------------------------- */
 
-/* How many calls are granted before the next ones fail; none of these counters orders anything. */
+/* The number of calls that succeed before all later ones fail. Relaxed: the counters order nothing. */
 static _Atomic int64_t allocations_to_grant = INT64_MAX;
 static _Atomic int64_t blocks;
 static _Atomic int64_t threads_to_grant = INT64_MAX;
@@ -66,14 +67,14 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
 	return granted(&threads_to_grant) ? __real_pthread_create(thread, attributes, fn, data) : EAGAIN;
 }
 
-/* ---- what is refused ------------------------------------------------------------------------------------------- */
+/* ---- refused calls --------------------------------------------------------------------------------------------- */
 
 typedef struct work {
 	stilb_job_pool *pool;
 	stilb_job_group group;
 	counter ran, wrong;
 	counter accepted, refused;
-	counter starts, stops; /* of workers */
+	counter starts, stops; /* hooks start and stop of workers */
 } work;
 
 static void count_job(void *data, uint32_t worker)
@@ -145,7 +146,7 @@ static void test_submit_refuses(void **state)
 					stilb_job_submit_with(w.pool, count_job, &w, &w.group, &bad[i], outside ? STILB_JOB_OUTSIDE : 0),
 					-EINVAL);
 		assert_int_equal(w.group.state, 0);
-		stilb_job_options unused_target = {.target = 10000}; /* ignored, as the job is not pinned */
+		stilb_job_options unused_target = {.target = 10000}; /* ignored, since the job is not pinned */
 		assert_int_equal(stilb_job_submit_with(w.pool, count_job, &w, &w.group, &unused_target, 0), 0);
 		stilb_job_wait(w.pool, &w.group, 0);
 		assert_int_equal(w.ran, 1);
@@ -153,7 +154,7 @@ static void test_submit_refuses(void **state)
 	}
 }
 
-/* ---- no threads, no memory ------------------------------------------------------------------------------------- */
+/* ---- out of threads, out of memory ----------------------------------------------------------------------------- */
 
 static void on_start(void *user, uint32_t worker)
 {
@@ -194,7 +195,7 @@ static void test_create_without_threads(void **state)
 			atomic_store_explicit(&threads_to_grant, threads, memory_order_relaxed);
 			check_refused(desc_of(s, &w), -EAGAIN);
 			atomic_store_explicit(&threads_to_grant, INT64_MAX, memory_order_relaxed);
-			assert_int_equal(w.starts, threads); /* those that started have been joined */
+			assert_int_equal(w.starts, threads); /* the threads that had started were joined */
 			assert_int_equal(w.stops, threads);
 		}
 		work w = {0};
@@ -234,7 +235,7 @@ static void test_create_without_memory(void **state)
 
 enum { SUBMITS = 1000 };
 
-/* Submits of every kind; counts which succeeded. */
+/* Submits jobs in every way, and counts the calls that succeeded. */
 static void submit_all(work *w, uint32_t thread)
 {
 	const stilb_job_options options[] = {{.priority = STILB_JOB_HIGH},
@@ -268,8 +269,8 @@ static void submit_from_job(void *data, uint32_t worker)
 	submit_all(data, worker);
 }
 
-/* Some jobs get a record and no place in a queue, others not even that. What was accepted runs once, the rest
- * never. */
+/* With little memory some jobs get a record but no place in a queue, and others no record. Accepted jobs must run once,
+ * refused ones never. */
 static void check_submits(shape s, int64_t allocations, int from)
 {
 	int64_t before = blocks;
@@ -277,7 +278,7 @@ static void check_submits(shape s, int64_t allocations, int from)
 	blocker b = {0};
 	stilb_job_group outer = {0};
 	hold_workers(w.pool, &b, &outer, 1, s.workers - (s.workers > 0));
-	submit_pinned(w.pool, do_nothing, NULL, &w.group, 0, 0); /* now the owner has records */
+	submit_pinned(w.pool, do_nothing, NULL, &w.group, 0, 0); /* so that the owner has free records */
 	stilb_job_run_pinned(w.pool, 0);
 	grant_allocations(allocations);
 	if (from == 0)
@@ -289,14 +290,14 @@ static void check_submits(shape s, int64_t allocations, int from)
 	blocker_release(&b);
 	stilb_job_wait(w.pool, &outer, 0);
 	grant_allocations(INT64_MAX);
-	stilb_job_wait(w.pool, &w.group, 0); /* hangs if one that was refused is counted */
+	stilb_job_wait(w.pool, &w.group, 0); /* would hang if a refused job was counted */
 	assert_int_equal(w.ran, w.accepted);
 	assert_int_equal(w.accepted + w.refused, SUBMITS);
 	assert_true(w.refused > 0 || allocations > 0);
 	assert_int_equal(w.wrong, 0);
 	assert_int_equal(w.group.state, 0);
 	uint32_t so_far = w.ran;
-	submit_all(&w, 0); /* there is memory again */
+	submit_all(&w, 0); /* memory is available again */
 	stilb_job_wait(w.pool, &w.group, 0);
 	assert_int_equal(w.ran, so_far + SUBMITS);
 	stilb_job_pool_destroy(w.pool);
@@ -312,7 +313,7 @@ static void test_submit_without_memory(void **state)
 				check_submits(s, allocations, from);
 }
 
-/* ---- pools that come and go ------------------------------------------------------------------------------------ */
+/* ---- pools created and destroyed ------------------------------------------------------------------------------- */
 
 static void test_thousand_pools(void **state)
 {
@@ -326,7 +327,7 @@ static void test_thousand_pools(void **state)
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, &w.group, k % 2 ? STILB_JOB_OUTSIDE : 0), 0);
 		if (i % 5 == 0)
 			stilb_job_wait(w.pool, &w.group, 0);
-		stilb_job_pool_destroy(w.pool); /* runs the rest */
+		stilb_job_pool_destroy(w.pool); /* runs the queued jobs */
 		assert_int_equal(w.ran, jobs);
 		assert_int_equal(w.group.state, 0);
 	}

@@ -1,6 +1,5 @@
-/* What the pool promises beyond jobs and waits: priorities, pinned jobs, followers, arrays, cancelling, threads
- * from outside, phases, affinity. For no, one, two and too many workers and for both kinds of shared
- * queues. */
+/* Features beyond submit and wait: priorities, pinned jobs, followers, arrays, cancelling, outside threads, phases,
+ * affinity. With 0, 1, 2 and 8 workers and both kinds of shared queues. */
 #include "job_pool_fixture.h"
 
 #include <stdio.h>
@@ -18,11 +17,11 @@ typedef struct order_job {
 	uint32_t tag;
 } order_job;
 
-/* The tags of jobs as they start; only one thread runs them. */
+/* The tags of jobs in the order in which they start. Only one thread runs them. */
 struct order {
 	stilb_job_pool *pool;
 	stilb_job_group group;
-	uint32_t worker; /* of the thread that submits at the moment */
+	uint32_t worker; /* of the thread that submits next */
 	uint32_t begin, end;
 	counter wrong, ran;
 	uint32_t tag[ORDERED];
@@ -38,7 +37,7 @@ static void note_start(void *data, uint32_t worker)
 	count_up(&o->ran);
 }
 
-/* Jobs of one priority, tagged in the order of submission. */
+/* Submits jobs of one priority, tagged in the order of submission. */
 static void submit_some(order *o, stilb_job_priority priority, uint32_t rank)
 {
 	for (uint32_t i = o->begin; i < o->end; i++) {
@@ -54,7 +53,7 @@ static void *submit_ordered(void *data)
 {
 	order *o = data;
 	submit_some(o, STILB_JOB_LOW, 2);
-	if (o->worker == STILB_JOB_OUTSIDE) { /* what the owner submits goes to its deque, newest first */
+	if (o->worker == STILB_JOB_OUTSIDE) { /* the owner's jobs go to its deque, which is popped newest first */
 		uint32_t begin = o->begin;
 		o->begin = 0;
 		submit_some(o, STILB_JOB_NORMAL, 1);
@@ -70,11 +69,11 @@ static void test_priorities(void **state)
 	static order o;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers > 1)
-			continue; /* the order in which two threads start something cannot be seen */
+			continue; /* with several threads the order of starts is not observable */
 		blocker b = {0};
 		o = (order){.pool = pool_with(s)};
 		hold_workers(o.pool, &b, NULL, 1, s.workers);
-		o.end = EACH / 2; /* half of them from the owner, half from outside */
+		o.end = EACH / 2; /* half of the jobs from the owner, half from an outside thread */
 		submit_ordered(&o);
 		o.worker = STILB_JOB_OUTSIDE;
 		o.begin = EACH / 2;
@@ -92,11 +91,11 @@ static void test_priorities(void **state)
 	}
 }
 
-/* Runs children; the third to start submits a job of high priority, which has to be the next. */
+/* Runs children; the third one to start submits a job of high priority, which must be the next to start. */
 typedef struct jumper {
 	stilb_job_pool *pool;
 	stilb_job_group group;
-	counter wrong, ran, place; /* place: how many ran before the high one, counted from one */
+	counter wrong, ran, place; /* place: number of children that ran before the high job, plus one */
 } jumper;
 
 static void jump(void *data, uint32_t worker)
@@ -139,7 +138,7 @@ static void test_high_comes_next(void **state)
 	}
 }
 
-/* A job that submits itself again until another, from outside, has run: it must not keep that one from running. */
+/* A job that submits itself again until a job from outside has run; it must not starve that one. */
 typedef struct selfish {
 	stilb_job_pool *pool;
 	counter wrong, turns, other, over;
@@ -274,7 +273,7 @@ static void test_pinned_job_wakes_its_target(void **state)
 	}
 }
 
-/* Several threads pin numbered jobs to one. */
+/* Several threads pin numbered jobs to one target thread. */
 enum { PINNERS = 3, PINNED_EACH = 300 };
 
 typedef struct pinner pinner;
@@ -287,7 +286,7 @@ typedef struct numbered {
 struct pinner {
 	stilb_job_pool *pool;
 	uint32_t target;
-	uint32_t next; /* the target's alone */
+	uint32_t next; /* written by the target thread only */
 	counter ran, wrong;
 	numbered job[PINNED_EACH];
 };
@@ -340,7 +339,7 @@ static void test_pinned_jobs_keep_their_order(void **state)
 	}
 }
 
-/* A job pinned to its own thread that submits itself again, as what is to be done once each frame. */
+/* A job pinned to its own thread that submits itself again, like work to be done once in each frame. */
 typedef struct each_frame {
 	stilb_job_pool *pool;
 	counter ran, wrong;
@@ -350,7 +349,7 @@ static void submit_for_next_frame(void *data, uint32_t worker)
 {
 	each_frame *e = data;
 	stilb_job_options options = {.pinned = true, .target = worker};
-	/* A bound, lest the test never ends if run_pinned runs what came while it ran. */
+	/* A bound, so that the test ends if run_pinned also runs jobs that were submitted while it ran. */
 	if (count_up(&e->ran) < 20 && stilb_job_submit_with(e->pool, submit_for_next_frame, e, NULL, &options, worker) != 0)
 		count_up(&e->wrong);
 }
@@ -396,7 +395,7 @@ static void test_run_pinned_says_how_many(void **state)
 	}
 }
 
-/* ---- jobs that follow a group ---------------------------------------------------------------------------------- */
+/* ---- jobs that follow a group (options.after) ------------------------------------------------------------------ */
 
 enum { LINKS = 1000 };
 
@@ -410,7 +409,7 @@ typedef struct chain_link {
 struct chain {
 	stilb_job_pool *pool;
 	uint32_t worker; /* of the thread that submits */
-	uint32_t length; /* plain: handed on from link to link */
+	uint32_t length; /* not atomic: handed on from link to link */
 	uint32_t wrong;
 	counter refused;
 	stilb_job_group gate;
@@ -451,7 +450,7 @@ static void test_chain(void **state)
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
 		for (int way = 0; way < 3; way++) {
 			c = (chain){.pool = pool_with(s), .worker = way == 1 ? STILB_JOB_OUTSIDE : 0};
-			if (way < 2) /* else the first link starts at once, and others while the rest is submitted */
+			if (way < 2) /* else the first link starts at once, and later ones start while others are being submitted */
 				submit_pinned(c.pool, do_nothing, NULL, &c.gate, 0, 0);
 			if (way == 1)
 				outside_run(submit_chain, &c);
@@ -473,8 +472,8 @@ enum { FAN = 100 };
 typedef struct fan {
 	stilb_job_pool *pool;
 	stilb_job_group first, then;
-	uint32_t cell[FAN]; /* plain: written by those that come first, read by those that follow */
-	uint32_t next;      /* cell to write, the owner's */
+	uint32_t cell[FAN]; /* not atomic: written by the preceding jobs, read by the followers */
+	uint32_t next;      /* cell to write, if the owner writes */
 	counter ran, wrong;
 } fan;
 
@@ -529,12 +528,12 @@ static void test_fan_out_and_in(void **state)
 		stilb_job_wait(in.pool, &in.then, 0);
 		assert_int_equal(in.ran, 3);
 		assert_int_equal(in.wrong, 0);
-		stilb_job_wait(in.pool, &in.first, 0); /* has finished: returns at once */
+		stilb_job_wait(in.pool, &in.first, 0); /* the group has finished: returns at once */
 		stilb_job_pool_destroy(in.pool);
 	}
 }
 
-/* The follower comes just as the group finishes; the groups are the same ones again and again. */
+/* The follower is submitted just when the group finishes. The same groups are used again and again. */
 static void test_follower_of_a_group_that_finishes(void **state)
 {
 	(void)state;
@@ -543,7 +542,7 @@ static void test_follower_of_a_group_that_finishes(void **state)
 		stilb_job_options after = {.after = &f.first};
 		for (uint32_t i = 1; i <= 1000; i++) {
 			memset(f.cell, 0, sizeof f.cell);
-			if (i % 10 > 0) /* else it has nothing to wait for */
+			if (i % 10 > 0) /* else the follower has nothing to wait for */
 				assert_int_equal(stilb_job_submit(f.pool, write_all, &f, &f.first, 0), 0);
 			else
 				write_all(&f, 0);
@@ -568,7 +567,7 @@ static void test_followers_keep_priority_and_target(void **state)
 		stilb_job_group gate = {0};
 		o = (order){.pool = pool_with(s)};
 		static const stilb_job_priority priority[] = {STILB_JOB_HIGH, STILB_JOB_NORMAL, STILB_JOB_LOW};
-		submit_pinned(o.pool, do_nothing, NULL, &gate, s.workers, 0); /* its thread sends the followers */
+		submit_pinned(o.pool, do_nothing, NULL, &gate, s.workers, 0); /* its thread starts the followers */
 		pinning p;
 		pinning_init(&p, o.pool);
 		for (uint32_t i = 0; i < p.threads; i++) {
@@ -578,7 +577,7 @@ static void test_followers_keep_priority_and_target(void **state)
 		stilb_job_wait(p.pool, &p.group, 0);
 		assert_int_equal(p.ran, p.threads);
 		assert_int_equal(p.wrong, 0);
-		if (s.workers < 2) { /* the order can be seen */
+		if (s.workers < 2) { /* a single thread runs jobs: the order is observable */
 			blocker b = {0};
 			stilb_job_group held = {0};
 			hold_workers(o.pool, &b, &held, 1, s.workers);
@@ -657,7 +656,7 @@ static void test_arrays_cover_every_index_once(void **state)
 				c = (cover){.pool = pool, .group = &group, .threads = s.workers + 1};
 				c.count = counts[i];
 				c.grain = grains[k];
-				/* From the owner twice, from outside, from a job; with a job beside them. */
+				/* From the owner twice, from outside and from a job, together with a plain job. */
 				submit_cover(&c, 0);
 				assert_int_equal(stilb_job_submit(pool, do_nothing, NULL, &group, 0), 0);
 				outside_run(submit_cover_from_outside, &c);
@@ -706,7 +705,7 @@ static void test_huge_arrays(void **state)
 		_Atomic uint64_t sum = 0;
 		for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
 			if (sizes[i].grain == 0 && s.workers != 2)
-				continue; /* a million slices: once is enough */
+				continue; /* a million slices: one round is enough */
 			assert_int_equal(stilb_job_submit_array(pool, sizes[i].count, sizes[i].grain, add_extent, &sum, &group, 0),
 			                 0);
 			expected += sizes[i].count;
@@ -717,13 +716,13 @@ static void test_huge_arrays(void **state)
 	}
 }
 
-/* Three of everything at each level, down to the leaves. */
+/* Every level opens three of each kind, down to the leaves. */
 enum { WIDTH = 3 };
 
 typedef struct nest {
 	stilb_job_pool *pool;
 	counter *leaves, *wrong;
-	uint32_t levels; /* below this one */
+	uint32_t levels; /* number of levels below this one */
 } nest;
 
 static void nested_array(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -757,7 +756,7 @@ static void nested_loop(uint32_t begin, uint32_t end, uint32_t worker, void *con
 	}
 }
 
-/* Deeper than the loops that a thread can have open for help. */
+/* Deeper than the number of loops that a thread can offer to helpers at once. */
 static void test_arrays_and_loops_nest(void **state)
 {
 	(void)state;
@@ -840,7 +839,7 @@ static void test_cancelled_jobs_do_not_run(void **state)
 		stilb_job_wait(c.pool, &c.group, 0);
 		stilb_job_wait(c.pool, &c.then, 0);
 		stilb_job_wait(c.pool, &c.gate, 0);
-		submit_to_cancel(&c, s.workers + 1); /* later ones neither */
+		submit_to_cancel(&c, s.workers + 1); /* jobs submitted after the cancel must not run either */
 		stilb_job_wait(c.pool, &c.group, 0);
 		stilb_job_pool_destroy(c.pool);
 		assert_int_equal(c.ran, 0);
@@ -874,14 +873,14 @@ static void test_cancelled_pool_is_gone_soon(void **state)
 			assert_int_equal(stilb_job_submit(c.pool, sleep_long, &c, &c.group, 0), 0);
 		uint64_t start = now_ns();
 		stilb_job_pool_cancel(c.pool);
-		stilb_job_pool_destroy(c.pool); /* to sleep through would take two seconds or more */
+		stilb_job_pool_destroy(c.pool); /* sleeping through the jobs would take at least two seconds */
 		assert_true(now_ns() - start < 1000000000u);
 		assert_int_equal(c.group.state, 0);
 		assert_true(c.ran < 20000);
 	}
 }
 
-/* ---- threads from outside -------------------------------------------------------------------------------------- */
+/* ---- outside threads ------------------------------------------------------------------------------------------- */
 
 typedef struct guest {
 	stilb_job_pool *pool;
@@ -933,13 +932,14 @@ static void test_threads_from_outside(void **state)
 {
 	(void)state;
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		if (s.workers > 0) { /* else only the owner's waits run anything, and it joins those threads */
+		/* without workers only the owner's waits run jobs, and here the owner joins those threads */
+		if (s.workers > 0) {
 			run_guests(s, 8, 1, 10000);
-			run_guests(s, 40, 10, 20); /* more than can be in a call at the same moment */
+			run_guests(s, 40, 10, 20); /* more threads than can be inside calls at once */
 		}
 }
 
-/* Those that sleep in a wait must not keep others from submitting what they wait for. */
+/* Threads that sleep in a wait must not keep others from submitting the job that they wait for. */
 typedef struct crowd {
 	stilb_job_pool *pool;
 	stilb_job_group group;
@@ -978,14 +978,14 @@ static void test_threads_that_wait_leave_room(void **state)
 	enum { CROWD = 40 };
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers < 2)
-			continue; /* one is held */
+			continue; /* the only worker would be held */
 		pthread_t thread[CROWD];
 		crowd c = {.pool = pool_with(s)};
 		hold_workers(c.pool, &c.held, &c.group, 1, 1);
 		for (int i = 0; i < CROWD; i++)
 			thread[i] = outside_start(wait_in_a_crowd, &c);
 		assert_true(await(&c.waiting, CROWD));
-		nap_us(1000); /* and now they sleep */
+		nap_us(1000); /* by now they sleep */
 		outside_run(submit_release, &c);
 		for (int i = 0; i < CROWD; i++)
 			pthread_join(thread[i], NULL);
@@ -1018,7 +1018,7 @@ static void test_owner_runs_what_came_from_outside(void **state)
 
 /* ---- phases ---------------------------------------------------------------------------------------------------- */
 
-/* As many workers as spin in a phase. */
+/* As many workers as spin in a phase on this machine. */
 static shape spinning_shape(stilb_job_queue_kind queue)
 {
 	uint32_t cpus = stilb_job_cpu_count();
@@ -1045,7 +1045,7 @@ static void test_nobody_sleeps_in_a_phase(void **state)
 				assert_true(await(&c.ran, (uint32_t)round * 100 + i));
 			}
 			stilb_job_phase_end(c.pool);
-			nap_us(20000); /* the outer one goes on */
+			nap_us(20000); /* the outer phase continues */
 			assert_int_equal(count_of(&log.parks), parks);
 			stilb_job_phase_end(c.pool);
 			uint64_t start = now_ns();
@@ -1085,7 +1085,7 @@ typedef struct masks {
 	cpu_set_t worker[MOST_THREADS];
 	counter taken;
 	counter ran;
-	uint32_t cpu; /* where a job ran */
+	uint32_t cpu; /* CPU on which the job ran */
 } masks;
 
 static void take_mask(void *user, uint32_t worker)
@@ -1106,7 +1106,7 @@ static stilb_job_pool *pool_with_masks(masks *m, uint32_t workers, stilb_job_aff
 	return pool;
 }
 
-/* Each bound to one CPU of all, no two to the same one, none to the owner's. */
+/* Each worker is bound to one of all CPUs, no two to the same one, none to the owner's. */
 static void check_bound(const masks *m, uint32_t workers, const cpu_set_t *all, int owner)
 {
 	cpu_set_t used;
@@ -1141,7 +1141,7 @@ static void test_workers_are_bound_if_there_are_enough_cpus(void **state)
 				check_bound(&m, workers, &all, before);
 			if (stayed)
 				break;
-			assert_in_range(tries, 0, 1000); /* the kernel moved the owner meanwhile, so there is no telling */
+			assert_in_range(tries, 0, 1000); /* the kernel moved the owner in between: try again */
 		}
 }
 
@@ -1167,7 +1167,7 @@ static void test_else_nobody_is_bound(void **state)
 		check_unbound((uint32_t)CPU_COUNT(&all), STILB_JOB_AFFINITY_AUTO);
 	CPU_ZERO(&one);
 	CPU_SET((size_t)sched_getcpu(), &one);
-	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0); /* one CPU: not enough for anybody */
+	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0); /* with one CPU no worker is bound */
 	check_unbound(1, STILB_JOB_AFFINITY_AUTO);
 	sched_setaffinity(0, sizeof all, &all);
 }
@@ -1180,8 +1180,8 @@ static void note_cpu(void *data, uint32_t worker)
 	count_up(&m->ran);
 }
 
-/* The owner is free to move to the CPU of a worker. A worker that it wakes from there has to go elsewhere, or it
- * could only run once the owner stops. */
+/* The owner may move to a worker's CPU. A worker that it wakes there must move to another CPU; otherwise it could run
+ * only when the owner stops. */
 static void test_worker_makes_room_for_the_owner(void **state)
 {
 	(void)state;

@@ -1,15 +1,15 @@
-/* What the pool tells through its hooks: which job runs where and who submitted it, who helps with which loop, who
- * waits, who steals. For no, one, two and too many workers and for both kinds of shared queues. */
+/* The hooks: which job runs where and who submitted it, who helps with which loop, who waits, who steals. With 0, 1, 2
+ * and 8 workers and both kinds of shared queues. */
 #include "job_pool_fixture.h"
 
 enum { DEEPEST = 8, OUTSIDE = MOST_THREADS };
 
-/* The state of each thread as its hooks tell it. The last one is for outside threads. */
+/* The state of each thread as its hooks report it. The last one is for outside threads. */
 typedef struct thread_log {
-	uint64_t next;         /* the tag of what it submits next */
-	uint64_t tag[DEEPEST]; /* of the jobs that it is in the middle of */
+	uint64_t next;         /* tag of the next job that it submits */
+	uint64_t tag[DEEPEST]; /* [depth] of the jobs that it is inside of */
 	uint32_t depth, deepest;
-	counter waiting; /* the test's own thread looks at it, too */
+	counter waiting; /* also read by the main thread */
 } thread_log;
 
 typedef struct hook_log {
@@ -87,7 +87,7 @@ static void log_start(hook_log *log, shape s)
 	                                                 .steal = on_steal});
 }
 
-/* No thread is inside a job or a wait. */
+/* No thread is inside a job or a wait any more. */
 static void log_stop(hook_log *log)
 {
 	stilb_job_pool_destroy(log->pool);
@@ -99,7 +99,7 @@ static void log_stop(hook_log *log)
 	}
 }
 
-/* The thread is in the middle of the job with that tag, and of no other that has begun later. */
+/* The innermost job that the thread is inside of has this tag. */
 static void check_inside(hook_log *log, uint32_t worker, uint64_t tag)
 {
 	const thread_log *thread = thread_of(log, worker);
@@ -165,7 +165,7 @@ static void test_jobs_pair_and_nest(void **state)
 
 typedef struct submitter {
 	hook_log *log;
-	uint32_t worker; /* the calling thread's */
+	uint32_t worker; /* of the calling thread */
 	tagged job[6];
 	stilb_job_group first, group;
 } submitter;
@@ -250,7 +250,7 @@ typedef struct loops {
 
 typedef struct inner_loop {
 	loops *loops;
-	uint32_t caller, depth; /* its depth when it opened the loop */
+	uint32_t caller, depth; /* depth: of the caller when it opened the loop */
 	uint64_t tag;
 } inner_loop;
 
@@ -264,7 +264,7 @@ static void inner_slice(uint32_t begin, uint32_t end, uint32_t worker, void *con
 		count_up(&l->inner_helped);
 		check_inside(l->log, worker, inner->tag);
 	} else if (l->log->thread[worker].depth != inner->depth) {
-		count_up(&l->log->wrong); /* its own slices belong to the job that opened the loop */
+		count_up(&l->log->wrong); /* the caller's own slices belong to the job that opened the loop */
 	}
 }
 
@@ -292,7 +292,7 @@ static void test_helpers_of_a_loop_know_its_tag(void **state)
 		loops l = {.log = &log};
 		uint64_t start = now_ns();
 		uint32_t rounds = 0;
-		do { /* who helps depends on the kernel, and may take some time on a busy machine */
+		do { /* repeated, since it depends on the scheduler who helps */
 			log.thread[0].next = OUTER_TAG;
 			stilb_job_parallel_for(log.pool, SLICES, 1, outer_slice, &l, 0);
 			rounds++;
@@ -302,7 +302,7 @@ static void test_helpers_of_a_loop_know_its_tag(void **state)
 		assert_int_equal(l.ran, rounds * SLICES * SLICES);
 		assert_true(log.begun <= l.helped + l.inner_helped);
 		if (s.workers == 0) {
-			assert_int_equal(log.submitted, 0); /* opened for nobody */
+			assert_int_equal(log.submitted, 0); /* no helpers: the loop was not announced */
 			assert_int_equal(log.begun, 0);
 		} else {
 			assert_true(l.helped > 0);
@@ -311,7 +311,7 @@ static void test_helpers_of_a_loop_know_its_tag(void **state)
 	}
 }
 
-/* An array is a job, and a loop that it opens. */
+/* An array is one job that opens a loop. */
 static void test_arrays_are_a_job_and_a_loop(void **state)
 {
 	(void)state;
@@ -338,7 +338,7 @@ typedef struct until_waiting {
 	counter inside;
 } until_waiting;
 
-/* Returns when that thread has called wait_begin. */
+/* Returns when the thread has called the hook wait_begin. */
 static void end_when_waited_for(void *data, uint32_t worker)
 {
 	until_waiting *u = data;
@@ -355,7 +355,7 @@ static void *wait_from_outside(void *data)
 	if (stilb_job_submit_with(u->log->pool, end_when_waited_for, u, &group, &on_first, STILB_JOB_OUTSIDE) != 0)
 		count_up(&u->log->wrong);
 	stilb_job_wait(u->log->pool, &group, STILB_JOB_OUTSIDE);
-	stilb_job_wait(u->log->pool, &group, STILB_JOB_OUTSIDE); /* has finished before the wait begins */
+	stilb_job_wait(u->log->pool, &group, STILB_JOB_OUTSIDE); /* the group has finished before the wait begins */
 	return NULL;
 }
 
@@ -382,7 +382,7 @@ static void test_waits_for_groups(void **state)
 	}
 }
 
-/* The caller goes on to wait when the other has one of the two slices. */
+/* The caller waits after its own slice, if the other slice is still running on a helper. */
 static void slice_of_two(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	until_waiting *u = context;
@@ -401,7 +401,7 @@ static void test_waits_for_loops(void **state)
 	(void)state;
 	static hook_log log;
 	log_start(&log, (shape){.workers = 1});
-	stilb_job_phase_begin(log.pool); /* the worker stays awake: a loop that looks short wakes nobody */
+	stilb_job_phase_begin(log.pool); /* the worker stays awake, since a loop that seems short wakes none */
 	for (uint32_t i = 0; i < 20; i++) {
 		until_waiting u = {.log = &log, .waiter = 0};
 		stilb_job_parallel_for(log.pool, 2, 1, slice_of_two, &u, 0);
@@ -429,7 +429,7 @@ static void test_every_steal_is_reported(void **state)
 	log.thread[0].next = 3;
 	for (int i = 0; i < 50; i++)
 		assert_int_equal(stilb_job_submit(log.pool, count_job, &log, NULL, 0), 0);
-	assert_true(await(&log.ended, 50)); /* the owner does nothing */
+	assert_true(await(&log.ended, 50)); /* the owner runs none of them */
 	assert_int_equal(log.steals, 50);
 	log_stop(&log);
 }

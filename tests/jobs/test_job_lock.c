@@ -1,6 +1,6 @@
 /*
- * The lock under real threads: more of them than CPUs, and a holder that is stopped by a signal in the middle of its
- * section. What interleavings can do to it is shown by test_job_model_low_lock.
+ * The lock with real threads: more of them than CPUs, and a holder that is stopped by a signal inside its critical
+ * section. test_job_model_low_lock checks all interleavings.
  */
 #include <pthread.h>
 #include <signal.h>
@@ -28,7 +28,7 @@ static void sleep_ms(uint32_t ms)
 
 static struct shared {
 	job_lock lock;
-	uint32_t inside, overlaps; /* plain: written in the section, so the thread sanitizer checks the lock's orders too */
+	uint32_t inside, overlaps; /* not atomic: the thread sanitizer checks the lock's memory orders */
 	uint64_t entered;
 } shared;
 
@@ -61,7 +61,7 @@ static void test_one_at_a_time(void **state)
 	assert_int_equal(shared.overlaps, 0);
 }
 
-/* ---- a holder that stands still ------------------------------------------------------------------------------- */
+/* ---- a holder that is stopped --------------------------------------------------------------------------------- */
 
 static int stall_pipe[2];
 
@@ -108,7 +108,7 @@ static void test_waiters_sleep_while_holder_stalls(void **state)
 	pthread_t holder;
 	waiter waiters[WAITERS];
 	assert_int_equal(pthread_create(&holder, NULL, enter_and_stall, &shared), 0);
-	/* Relaxed: only waits for the holder to be in. */
+	/* Relaxed: only waits until the holder has the lock. */
 	while (!atomic_load_explicit(&shared.lock.held, memory_order_relaxed))
 		sleep_ms(1);
 	for (uint32_t i = 0; i < WAITERS; i++)
@@ -124,14 +124,13 @@ static void test_waiters_sleep_while_holder_stalls(void **state)
 	print_message("%d waiters used %.2f ms of CPU in %d ms\n", WAITERS, cpu_ms, STALL_MS);
 
 	assert_int_equal(shared.entered, WAITERS + 1);
-	assert_true(cpu_ms <
-	            WAITERS * STALL_MS / 20.0); /* measured: 0.5 % of the time each; a spinning one uses all it can get */
+	assert_true(cpu_ms < WAITERS * STALL_MS / 20.0); /* measured: 0.5 % of it each; spinning ones use all they get */
 	sigaction(SIGUSR1, &before, NULL);
 	close(stall_pipe[0]);
 	close(stall_pipe[1]);
 }
 
-/* ---- holders that stay for long ------------------------------------------------------------------------------- */
+/* ---- holders that keep the lock for long ---------------------------------------------------------------------- */
 
 enum { LONG_THREADS = 8, LONG_ROUNDS = 10 };
 
@@ -163,8 +162,7 @@ static void test_nobody_is_forgotten(void **state)
 	assert_int_equal(atomic_load_explicit(&shared.lock.held, memory_order_relaxed), 0); /* relaxed: all joined */
 }
 
-/* Waiters are woken, and do not only get up when their longest sleep is over: that would be 2 ms after the lock is
- * given here, or later. */
+/* Waiters are woken by the release; their own longest sleep would end 2 ms after it, or later. */
 static void test_a_waiter_is_woken(void **state)
 {
 	(void)state;
@@ -175,7 +173,7 @@ static void test_a_waiter_is_woken(void **state)
 		waiter w;
 		job_lock_take(&shared.lock);
 		assert_int_equal(pthread_create(&w.thread, NULL, enter_once, &w), 0);
-		/* Relaxed: only waits for the other to announce its sleep; the sleep below lets it fall asleep. */
+		/* Relaxed: only waits until the other thread announces its sleep; the sleep below lets it fall asleep. */
 		while (!atomic_load_explicit(&shared.lock.sleepers, memory_order_relaxed))
 			sleep_ms(1);
 		sleep_ms(1);

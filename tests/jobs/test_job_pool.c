@@ -1,4 +1,4 @@
-/* The pool: every worker count from none to far too many, jobs in jobs, loops in loops, sleep and wake, failures. */
+/* The pool: 0 to far too many workers, jobs in jobs, loops in loops, sleep and wake, failures. */
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
@@ -17,7 +17,7 @@
 static const uint32_t worker_counts[] = {0, 1, 2, 8, 64};
 enum { WORKER_COUNTS = sizeof worker_counts / sizeof *worker_counts };
 
-/* Counters that jobs write with relaxed order: the group's wait or the join orders them before the test reads. */
+/* Counters that jobs write. Relaxed: the group's wait or the join orders them before the test reads. */
 typedef _Atomic uint32_t counter;
 
 static void count_up(counter *value)
@@ -25,7 +25,8 @@ static void count_up(counter *value)
 	atomic_fetch_add_explicit(value, 1, memory_order_relaxed);
 }
 
-/* ---- failures on demand: linked with -Wl,--wrap=pthread_create,--wrap=malloc,--wrap=aligned_alloc ---------------- */
+/* ---- failures on demand; linked with -Wl,--wrap=pthread_create,--wrap=malloc,--wrap=aligned_alloc
+ * ------------------ */
 
 static uint32_t threads_to_grant = UINT32_MAX;
 static bool out_of_memory;
@@ -70,8 +71,8 @@ static stilb_job_pool *pool_with(uint32_t workers, stilb_job_hooks hooks)
 
 typedef struct hook_log {
 	counter starts, stops, parks, wakes;
-	counter misplaced;                          /* called on a thread that is not the one named, or not in pairs */
-	uint32_t asleep[STILB_JOB_MAX_WORKERS + 1]; /* written by the thread named alone */
+	counter misplaced;                          /* calls on another thread than the one named, or not in pairs */
+	uint32_t asleep[STILB_JOB_MAX_WORKERS + 1]; /* each written by its own thread only */
 } hook_log;
 
 static void check_name(hook_log *log, uint32_t worker)
@@ -142,7 +143,7 @@ typedef struct work {
 	stilb_job_pool *pool;
 	uint32_t worker_count;
 	counter ran;
-	counter wrong; /* a wrong worker index, or a wait that returned too early */
+	counter wrong; /* wrong worker indices, and waits that returned too early */
 } work;
 
 static void count_job(void *data, uint32_t worker)
@@ -159,7 +160,7 @@ static void test_submit_and_wait(void **state)
 	for (int k = 0; k < WORKER_COUNTS; k++) {
 		work w = {.pool = pool_with(worker_counts[k], (stilb_job_hooks){0}), .worker_count = worker_counts[k]};
 		stilb_job_group group = {0};
-		stilb_job_wait(w.pool, &group, 0); /* nothing to wait for */
+		stilb_job_wait(w.pool, &group, 0); /* returns at once */
 		for (int i = 0; i < 2000; i++)
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, &group, 0), 0);
 		stilb_job_wait(w.pool, &group, 0);
@@ -183,7 +184,7 @@ static void test_group_is_reusable(void **state)
 	stilb_job_pool_destroy(w.pool);
 }
 
-/* Submits two children into its own group, down to depth zero. */
+/* Submits two children into its own group, down to depth 0. */
 typedef struct tree {
 	work *work;
 	stilb_job_group *group;
@@ -219,7 +220,7 @@ static void test_jobs_submit_jobs(void **state)
 	}
 }
 
-/* Submits ten jobs into a group on its own stack and waits for them: nobody may assume that another thread runs. */
+/* Submits ten jobs into a group on its own stack and waits for them. It may be the only thread that runs. */
 static void wait_inside(void *data, uint32_t worker)
 {
 	work *w = data;
@@ -250,7 +251,7 @@ static void test_jobs_wait_for_jobs(void **state)
 
 typedef struct shared_group {
 	work work;
-	stilb_job_group slow; /* several jobs wait for this one */
+	stilb_job_group slow; /* several jobs wait for this group */
 	counter go;
 } shared_group;
 
@@ -367,8 +368,8 @@ static void test_loop_over_the_largest_count(void **state)
 
 typedef struct nest {
 	work work;
-	uint32_t *inside;   /* per worker, each written by its own thread: slices on its stack */
-	uint32_t counts[3]; /* per level */
+	uint32_t *inside;   /* per worker, written by that worker: number of slices on its stack */
+	uint32_t counts[3]; /* for each level */
 	uint32_t level;
 } nest;
 
@@ -428,7 +429,7 @@ typedef struct meeting {
 	counter met;
 } meeting;
 
-/* Returns only when two threads are inside at the same time (or after a minute). */
+/* Returns when two threads are inside at the same time, or after a minute, which guards against a hang. */
 static void meet(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	meeting *m = context;
@@ -460,8 +461,7 @@ static void test_loop_gets_help(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
-/* A loop that is short, or one whose slices return only when two threads are inside (or after a minute, against a
- * hang). */
+/* A loop that is short, or one whose slices return only when two threads are inside (or after a minute). */
 typedef struct changing {
 	meeting meeting;
 	bool is_long;
@@ -482,12 +482,12 @@ static void run_changing(uint32_t begin, uint32_t end, uint32_t worker, void *co
 		count_up(&c->meeting.met);
 }
 
-/* Short loops say that the next one will be short, and the workers sleep, for so long. The guess is wrong: still the
- * loop must not run on its caller alone. */
+/* Short loops make the pool expect another short one, so the workers stay asleep for some time. Even if the next loop
+ * is long, it must not run on its caller alone. */
 static void test_long_loop_after_short_ones_gets_help(void **state)
 {
 	(void)state;
-	static const long asleep_ms[] = {0, 5, 20, 200}; /* with a watcher, and 200 ms after the watch */
+	static const long asleep_ms[] = {0, 5, 20, 200}; /* with a watcher for long loops, and after its end (200 ms) */
 	for (uint32_t workers = 1; workers <= 3; workers += 2)
 		for (size_t i = 0; i < sizeof asleep_ms / sizeof asleep_ms[0]; i++) {
 			hook_log log = {0};
@@ -508,7 +508,7 @@ static void test_long_loop_after_short_ones_gets_help(void **state)
 
 /* ---- sleep and wake ------------------------------------------------------------------------------------------- */
 
-/* The owner does not help, so a wake-up lost is a worker that sleeps for ever: the named trap of job systems. */
+/* The owner does not help, so a lost wake-up is a worker that sleeps for ever. */
 static void test_parked_workers_wake(void **state)
 {
 	(void)state;
@@ -519,7 +519,7 @@ static void test_parked_workers_wake(void **state)
 			nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
 			for (int k = 0; k < 60000 && log.parks - log.wakes < workers; k++)
 				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
-			assert_int_equal(log.parks - log.wakes, workers); /* idle means asleep, not spinning */
+			assert_int_equal(log.parks - log.wakes, workers); /* idle workers sleep, they do not spin */
 			assert_int_equal(stilb_job_submit(w.pool, count_job, &w, NULL, 0), 0);
 			for (int k = 0; k < 60000 && w.ran < i; k++)
 				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
@@ -531,12 +531,12 @@ static void test_parked_workers_wake(void **state)
 	}
 }
 
-/* The owner sleeps in a wait and is woken twice: by a job it may run, and by the end of the group. */
+/* The owner sleeps in a wait and is woken twice: by a job that it may run, and by the end of the group. */
 typedef struct sleeper {
 	work work;
 	hook_log log;
 	counter started;
-	counter helped; /* jobs the owner ran */
+	counter helped; /* number of jobs that the owner ran */
 	stilb_job_group group;
 } sleeper;
 
@@ -555,7 +555,7 @@ static void wait_for_owner_to_sleep(void *data, uint32_t worker)
 	count_up(&s->started);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 	stilb_job_submit(s->work.pool, note_helper, s, NULL, worker);
-	for (int i = 0; i < 60000 && s->work.ran == 0; i++) /* keeps the only worker busy: the owner must wake up */
+	for (int i = 0; i < 60000 && s->work.ran == 0; i++) /* keeps the only worker busy, so that the owner must wake up */
 		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 }
@@ -567,7 +567,7 @@ static void test_waiting_owner_wakes(void **state)
 		sleeper s = {0};
 		s.work.pool = pool_with(1, log_hooks(&s.log));
 		assert_int_equal(stilb_job_submit(s.work.pool, wait_for_owner_to_sleep, &s, &s.group, 0), 0);
-		while (s.started == 0) /* let the worker take it */
+		while (s.started == 0) /* until the worker has taken it */
 			sched_yield();
 		stilb_job_wait(s.work.pool, &s.group, 0);
 		assert_int_equal(s.helped, 1);
@@ -577,7 +577,7 @@ static void test_waiting_owner_wakes(void **state)
 	}
 }
 
-/* ---- beginnings and ends -------------------------------------------------------------------------------------- */
+/* ---- creation and destruction --------------------------------------------------------------------------------- */
 
 static void test_destroy_runs_what_is_queued(void **state)
 {
@@ -640,7 +640,7 @@ static void test_create_cleans_up_after_a_failure(void **state)
 		threads_to_grant = UINT32_MAX;
 		assert_int_equal(error, -EAGAIN);
 		assert_null(pool);
-		assert_int_equal(log.starts, granted); /* those that started have been joined */
+		assert_int_equal(log.starts, granted); /* the threads that had started were joined */
 		assert_int_equal(log.stops, granted);
 	}
 	stilb_job_pool *pool = (stilb_job_pool *)&desc;
@@ -660,13 +660,13 @@ static void test_submit_without_memory(void **state)
 	int error;
 	out_of_memory = true;
 	while ((error = stilb_job_submit(w.pool, count_job, &w, &group, 0)) == 0)
-		submitted++; /* records that have been made already */
+		submitted++; /* these jobs use records that were allocated before */
 	extent e = {0};
-	stilb_job_parallel_for(w.pool, 100, 10, add_range, &e, 0); /* needs none */
+	stilb_job_parallel_for(w.pool, 100, 10, add_range, &e, 0); /* needs no memory */
 	out_of_memory = false;
 	assert_int_equal(error, -ENOMEM);
 	assert_int_equal(e.sum, 100);
-	stilb_job_wait(w.pool, &group, 0); /* never returns if the failed job was counted */
+	stilb_job_wait(w.pool, &group, 0); /* would hang if the failed job was counted */
 	assert_int_equal(w.ran, submitted);
 	stilb_job_pool_destroy(w.pool);
 }

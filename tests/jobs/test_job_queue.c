@@ -1,4 +1,4 @@
-/* What job_queue.h promises, with one thread at a time, for every kind of queue. */
+/* The promises of job_queue.h, with one thread at a time, for every kind of queue. */
 #include <errno.h>
 #include <limits.h>
 #include <stddef.h>
@@ -10,16 +10,16 @@
 #include "job_random.h"
 #include "support/test.h"
 
-enum { THREADS = 8, MANY = 5000 }; /* MANY: more than some segments, and their ends fall everywhere */
+enum { THREADS = 8, MANY = 5000 }; /* MANY: more than several segments, not a multiple of a segment's size */
 
 /* ---- memory ---- */
 
 static struct {
-	long live, most, calls; /* blocks allocated and not freed; the most at once; allocations */
+	long live, most, calls; /* blocks not freed; the largest number of them; number of allocations */
 	bool fails, fails_at_random;
 	uint64_t random;
-	long calls_until_failure; /* if not 0, the last of these fails */
-	void (*meanwhile)(void);  /* called inside each allocation and each free, but not inside itself */
+	long calls_until_failure; /* if not 0: the last one of this many calls fails */
+	void (*meanwhile)(void);  /* called inside each allocation and each free, but not recursively */
 } memory;
 
 static void memory_meanwhile(void)
@@ -79,7 +79,7 @@ void __wrap_free(void *block)
 	__real_free(block);
 }
 
-/* ---- the tests, each of which runs on every kind ---- */
+/* ---- the tests, each run on every kind ---- */
 
 static const queue_kind *kind;
 static stilb_job_queue *queue;
@@ -90,7 +90,7 @@ static void start(size_t capacity)
 	queue = queue_kind_create(kind, capacity, THREADS);
 }
 
-/* Destroy frees everything, whatever the queue holds. */
+/* Destroys the queue and asserts that everything was freed, whatever it contained. */
 static void finish(void)
 {
 	stilb_job_queue_destroy(queue);
@@ -122,7 +122,7 @@ static void pop_expect(uintptr_t value, uint32_t thread)
 	assert_ptr_equal(item, item_of(value));
 }
 
-/* Pops the next `count` values, one by one or in batches. */
+/* Pops the next `count` values, one by one or in batches, and asserts their order. */
 static void drain_expect(uintptr_t first, size_t count, uint32_t thread)
 {
 	for (size_t i = 0; i < count; i++)
@@ -170,7 +170,7 @@ static void test_ends_interleaved(void **state)
 	finish();
 }
 
-/* Batches of every size about the borders of segments, from every place in a segment. */
+/* Batches of every size around a segment's end, beginning at every place in a segment. */
 static void test_batches(void **state)
 {
 	(void)state;
@@ -191,7 +191,7 @@ static void test_batches(void **state)
 				popped += expected;
 			}
 			empty_expect(-EAGAIN, 1);
-			assert_int_equal(push(pushed++, 0), 0); /* moves where the next ones begin */
+			assert_int_equal(push(pushed++, 0), 0); /* shifts the place at which the next batches begin */
 			pop_expect(popped++, 1);
 		}
 	finish();
@@ -209,7 +209,7 @@ static void test_bounded(void **state)
 		uintptr_t pushed = 0, popped = 0;
 		for (; pushed < capacity; pushed++)
 			assert_int_equal(push(pushed, pushed % THREADS), 0);
-		for (size_t i = 0; i < MANY / 2; i++) { /* full, pop one, push one */
+		for (size_t i = 0; i < MANY / 2; i++) { /* full: pop one, push one */
 			assert_int_equal(push(pushed, i % THREADS), -EAGAIN);
 			assert_int_equal(push_many(pushed, 3, i % THREADS), -EAGAIN);
 			pop_expect(popped++, (i + 1) % THREADS);
@@ -219,7 +219,7 @@ static void test_bounded(void **state)
 		empty_expect(-EAGAIN, 0);
 		popped = pushed;
 		for (size_t i = 0; i < 20;
-		     i++, pushed += capacity, popped += capacity) { /* more at once than there is room for */
+		     i++, pushed += capacity, popped += capacity) { /* more items at once than there is room for */
 			assert_int_equal(push_many(pushed, capacity + 1 + i, i % THREADS), capacity);
 			drain_expect(popped, capacity, (i + 1) % THREADS);
 		}
@@ -258,7 +258,7 @@ static void test_closing(void **state)
 		}
 		assert_int_equal(stilb_job_queue_empty(queue, 1), inside == 0);
 		drain_expect(0, inside / 2, 1);
-		stilb_job_queue_close(queue); /* again: fine */
+		stilb_job_queue_close(queue); /* closing twice is allowed */
 		drain_expect(inside / 2, inside - inside / 2, 2);
 		for (uint32_t thread = 0; thread < THREADS; thread++) {
 			empty_expect(-EPIPE, thread);
@@ -294,14 +294,14 @@ static void test_items_left_behind(void **state)
 	}
 }
 
-/* A short queue reuses its memory, whichever threads call or have called. */
+/* A short queue reuses its memory, whichever threads use it or have used it. */
 static void test_memory_goes_round(void **state)
 {
 	(void)state;
 	enum { SEGMENTS = 64, ITEMS = SEGMENTS * 1024 };
 	start(SIZE_MAX);
 	for (uint32_t thread = 0; thread < THREADS; thread++) {
-		assert_int_equal(push(0, thread), 0); /* and does not call again, unless below */
+		assert_int_equal(push(0, thread), 0); /* and makes no further call, except below */
 		pop_expect(0, thread);
 		if (thread % 2)
 			stilb_job_queue_rest(queue, thread);
@@ -343,7 +343,7 @@ static void test_out_of_memory_in_create(void **state)
 	}
 }
 
-/* Pushes until memory is short; every item that was taken in comes out, and then all goes on. */
+/* Pushes until memory runs out: every accepted item is popped, and afterwards the queue works again. */
 static void test_out_of_memory_in_push(void **state)
 {
 	(void)state;
@@ -359,11 +359,11 @@ static void test_out_of_memory_in_push(void **state)
 				assert_true(result > 0 || result == -ENOMEM);
 				assert_true(tries < MANY);
 			}
-			int single = push(pushed, 0); /* may find a place where many did not, if they are pushed as a whole */
+			int single = push(pushed, 0); /* may succeed where several items did not, if push_n is all or nothing */
 			pushed += single == 0;
 			assert_true(single == 0 || single == -ENOMEM);
 			assert_false(stilb_job_queue_empty(queue, 1));
-			drain_expect(popped, 300, 1); /* needs no memory */
+			drain_expect(popped, 300, 1); /* popping needs no memory */
 			popped += 300;
 			memory.fails = false;
 			assert_int_equal(push_many(pushed, 600, 0), 600);
@@ -375,7 +375,7 @@ static void test_out_of_memory_in_push(void **state)
 	}
 }
 
-/* While one thread allocates or frees, another pushes and pops: no lock is held there. */
+/* While one thread allocates or frees memory, another one pushes and pops: the queue holds no lock then. */
 static uintptr_t inner_pushed, inner_popped;
 
 static void push_and_pop(void)
@@ -404,15 +404,15 @@ static void test_no_lock_while_allocating(void **state)
 	assert_true(inner_pushed > 0);
 	assert_int_equal(outer_pushed, 4 * MANY);
 	while (stilb_job_queue_pop(queue, &item, 1) == 0)
-		outer_popped++; /* what came while the last one was freed */
+		outer_popped++; /* items that were pushed while the last one was being freed */
 	assert_int_equal(outer_popped + inner_popped, outer_pushed + inner_pushed);
 	finish();
 }
 
-/* ---- random calls against a queue that anybody believes ---- */
+/* ---- random calls, compared with a simple model ---- */
 
 typedef struct believed {
-	uintptr_t pushed, popped; /* values are numbered as they are pushed */
+	uintptr_t pushed, popped; /* values are numbered in the order of pushes */
 	size_t capacity;
 	bool closed;
 } believed;
@@ -427,7 +427,7 @@ static void random_push(believed *model, uint64_t draw, uint32_t thread)
 	if (count == 0)
 		assert_int_equal(result, 0);
 	else if (memory.fails_at_random && result == -ENOMEM)
-		; /* also when it would have been refused all the same: some kinds allocate first */
+		; /* also if the push would have been refused anyway, since some kinds allocate first */
 	else if (model->closed)
 		assert_int_equal(result, -EPIPE);
 	else if (memory.fails_at_random && result > 0)
@@ -486,7 +486,7 @@ static void test_random_calls(void **state)
 		random_calls_with(seed, kind->bounded ? capacities[seed / 2 % 5] : SIZE_MAX);
 }
 
-/* The largest thread number works like any other. */
+/* The largest allowed thread number works like any other. */
 static void test_most_threads(void **state)
 {
 	(void)state;
@@ -500,7 +500,7 @@ static void test_most_threads(void **state)
 	finish();
 }
 
-/* ---- creation, which only the library's kinds refuse ---- */
+/* ---- creation, whose arguments only the library's kinds check ---- */
 
 static void test_create(void **state)
 {

@@ -1,9 +1,9 @@
 /*
- * Linearisability of every kind of queue: threads record what they did and when, job_history looks for an order that a
- * FIFO allows. And of the checker itself: it must agree with a search through all orders on small runs, and find what
- * is wrong with queues that are broken on purpose.
+ * Linearizability of every kind of queue: threads record their calls with time stamps, and job_history checks them. The
+ * checker itself must agree with an exhaustive search on small runs, and find the faults of queues that are broken on
+ * purpose.
  *
- * test_job_queue_linear [OPERATIONS]: pushes and pops per run; those that found the queue empty come on top.
+ * test_job_queue_linear [OPERATIONS]: number of pushes and pops of a run, besides pops that found the queue empty.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -31,10 +31,10 @@ enum { MOST_THREADS = 16, MOST_BATCH = 8, CAPACITY = 3 };
 
 typedef struct run {
 	stilb_job_queue *queue;
-	uint32_t producers, consumers, each; /* each: values per producer */
-	_Atomic uint32_t start;              /* relaxed: only lets all begin at about the same time */
-	_Atomic uint32_t producers_left;     /* a producer's last release pairs with the consumers' acquire */
-	_Atomic uint32_t threads_left;       /* relaxed: says when to stop disturbing */
+	uint32_t producers, consumers, each; /* each: values of each producer */
+	_Atomic uint32_t start;              /* relaxed: only makes all begin at about the same time */
+	_Atomic uint32_t producers_left;     /* a producer's release at its end pairs with the consumers' acquire */
+	_Atomic uint32_t threads_left;       /* relaxed: only tells when to stop disturbing */
 } run;
 
 typedef struct recorder {
@@ -47,7 +47,7 @@ typedef struct recorder {
 	size_t empty_calls;
 } recorder;
 
-/* Values travel as pointers that are not null. */
+/* A value as a pointer that is not NULL. */
 static void *item_of(uint32_t value)
 {
 	return (void *)((uintptr_t)value + 1);
@@ -56,7 +56,8 @@ static void *item_of(uint32_t value)
 static void record(recorder *self, history_call call, uint64_t begin, uint64_t end, void *item)
 {
 	uint32_t value = call == HISTORY_EMPTY ? 0 : (uint32_t)((uintptr_t)item - 1);
-	if (self->count < self->room) /* only a queue that repeats values fills it: what fits shows that */
+	/* only a queue that repeats values fills the array, and a full one is enough to show that */
+	if (self->count < self->room)
 		self->ops[self->count++] = (history_op){.begin = begin, .end = end, .value = value, .call = call};
 }
 
@@ -68,21 +69,21 @@ static void pause_at_random(recorder *self)
 			job_sys_pause();
 }
 
-/* Producers work in bursts, so that the queue runs empty again and again. */
+/* Producers work in bursts, so that the queue becomes empty again and again. */
 static void sleep_at_random(recorder *self)
 {
 	if (next_random(&self->random) % 128 == 0)
 		nanosleep(&(struct timespec){.tv_nsec = 100000}, NULL);
 }
 
-/* After a call in vain, the other side may need the CPU; but often enough two calls in vain follow one another. */
+/* After an unsuccessful call the other side may need the CPU; but often two such calls follow one another. */
 static void yield_at_random(recorder *self)
 {
 	if (next_random(&self->random) % 4 == 0)
 		sched_yield();
 }
 
-/* Now and then several at once: then each is recorded with the span of the whole call. */
+/* Sometimes several items in one call; each is recorded with the time of the whole call. */
 static uint32_t batch_at_random(recorder *self)
 {
 	uint64_t draw = next_random(&self->random);
@@ -120,7 +121,7 @@ static void *produce(void *data)
 	return NULL;
 }
 
-/* Returns false when the queue was empty. */
+/* Pops once; false if the queue was empty. */
 static bool consume_once(recorder *self)
 {
 	run *r = self->run;
@@ -136,7 +137,7 @@ static bool consume_once(recorder *self)
 		record(self, HISTORY_POP, begin, end, items[i]);
 	if (popped > 0)
 		return true;
-	/* Calls that found nothing may be left out, for they change nothing: no more are kept than found something. */
+	/* Pops that found nothing change nothing and may be left out: at most half of the recorded calls are such. */
 	if (self->empty_calls * 2 <= self->count) {
 		record(self, HISTORY_EMPTY, begin, end, NULL);
 		self->empty_calls++;
@@ -164,7 +165,7 @@ static void *consume(void *data)
 	return NULL;
 }
 
-/* Sends a thread to sleep wherever it is. */
+/* Signal handler: the thread sleeps wherever it is. */
 static void sleep_here(int signal)
 {
 	(void)signal;
@@ -181,7 +182,7 @@ static void disturb(run *r, recorder *recorders, uint64_t random)
 	}
 }
 
-/* Runs side producers and side consumers; returns how many calls they recorded. The caller frees *ops. */
+/* Runs `side` producers and as many consumers; returns the number of recorded calls. The caller frees *ops. */
 static size_t record_run(stilb_job_queue *queue, uint32_t side, uint32_t values, uint64_t seed, history_op **ops)
 {
 	run r = {.queue = queue, .producers = side, .consumers = side, .each = values / side};
@@ -190,7 +191,7 @@ static size_t record_run(stilb_job_queue *queue, uint32_t side, uint32_t values,
 	recorder recorders[MOST_THREADS];
 	for (uint32_t i = 0; i < 2 * side; i++) {
 		size_t room =
-			i < side ? r.each : (size_t)values * 2 + 2; /* any consumer may get all, and half as many misses */
+			i < side ? r.each : (size_t)values * 2 + 2; /* any consumer may get all, and half as many empty pops */
 		recorders[i] = (recorder){.run = &r, .number = i, .random = seed + i, .room = room};
 		recorders[i].ops = malloc(room * sizeof(history_op));
 		assert_non_null(recorders[i].ops);
@@ -238,7 +239,7 @@ static void check_kind(const queue_kind *kind, uint32_t side, size_t capacity)
 	              history_violation_name(violation));
 	assert_int_equal(violation, HISTORY_LINEARISABLE);
 	assert_int_equal(popped, values);
-	assert_true(empty > 0); /* otherwise the run proves nothing about empty queues */
+	assert_true(empty > 0); /* otherwise the run would prove nothing about empty queues */
 }
 
 static void test_kinds(void **state)
@@ -257,17 +258,17 @@ static void test_kinds_bounded(void **state)
 			check_kind(&queue_kinds[kind], side, CAPACITY);
 }
 
-/* ---- queues that are broken on purpose ---- */
+/* ---- queues with planted faults ---- */
 
 typedef enum queue_fault {
 	FAULT_NONE,
 	FAULT_FORGE, /* pops a value that was not pushed */
-	FAULT_TWICE, /* pops a value and leaves it in */
+	FAULT_TWICE, /* pops a value without removing it */
 	FAULT_LOSE,  /* drops a value */
-	FAULT_SWAP,  /* swaps the two newest values */
-	FAULT_SIDES, /* one FIFO per producer, as in queues that are fast because of it */
-	FAULT_LATE,  /* returns from a push before others can see the item */
-	FAULT_SHY,   /* says empty when it did not get the lock */
+	FAULT_SWAP,  /* exchanges the two newest values */
+	FAULT_SIDES, /* keeps one FIFO for each producer, as some fast queues do */
+	FAULT_LATE,  /* returns from a push before the item is visible to others */
+	FAULT_SHY,   /* reports empty if it could not get the lock */
 	FAULTS
 } queue_fault;
 
@@ -381,7 +382,7 @@ static history_violation check_broken(queue_fault fault, uint64_t seed)
 	return violation;
 }
 
-/* What threads do to one another differs from run to run: a fault must show in one of many. */
+/* The interleaving differs from run to run: a fault must show in one of many runs. */
 static void test_broken_queues(void **state)
 {
 	(void)state;
@@ -402,7 +403,7 @@ static void test_broken_queues(void **state)
 	}
 }
 
-/* ---- the checker on runs made by hand ---- */
+/* ---- the checker on hand-made runs ---- */
 
 typedef struct example {
 	const char *what;
@@ -464,16 +465,16 @@ static void test_examples(void **state)
 	}
 }
 
-/* ---- the checker against a search through all orders ---- */
+/* ---- the checker compared with an exhaustive search ---- */
 
 typedef struct search {
 	const history_op *ops;
-	uint32_t count, done; /* done: one bit per call */
+	uint32_t count, done; /* done: one bit for each call */
 	uint32_t fifo[8], head, tail;
 } search;
 
-/* Wing and Gong, "Testing and Verifying Concurrent Objects", Journal of Parallel and Distributed Computing 17, 1993:
- * next comes any call that began before all others that are left ended. */
+/* Searches for an order: next may be any call that began before all other remaining calls ended. Source: Wing, Gong,
+ * "Testing and Verifying Concurrent Objects", Journal of Parallel and Distributed Computing 17, 1993. */
 static bool some_order(search s)
 {
 	uint64_t first_end = UINT64_MAX;
@@ -499,8 +500,7 @@ static bool some_order(search s)
 	return s.done == (1u << s.count) - 1;
 }
 
-/* Calls in any places of time, values pushed once. Half of the runs do what some FIFO did, but for one change at
- * most. */
+/* A run of calls at random times, with values pushed once. Half of the runs follow a FIFO, with at most one change. */
 static uint32_t random_run(uint64_t *random, history_op *ops)
 {
 	uint32_t count = 2 + (uint32_t)(next_random(random) % 6), pushed = 0, popped = 0;

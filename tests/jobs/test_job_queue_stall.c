@@ -1,14 +1,12 @@
 /*
- * Threads that stand still at any instruction of a push or a pop: a signal handler waits there for a byte from a pipe.
- * With a lock-free queue the others go on meanwhile, be it only one that is left. With the other kinds they may have to
- * wait, but go on when the stopped ones do; that they do have to wait now and then shows that threads are stopped where
- * it matters.
+ * Threads that are stopped at any instruction of a push or a pop, in a signal handler that waits for a byte from a
+ * pipe. With a lock-free queue the other threads make progress meanwhile, even if only one is left. With the other
+ * kinds they may have to wait, and continue when the stopped threads do; that this happens now and then shows that
+ * threads are stopped inside critical sections.
  *
- * No result depends on how fast the machine is: progress is waited for, and only its absence for PATIENCE_S is a
- * failure.
+ * No result depends on the machine's speed: the test waits for progress, and only its absence for PATIENCE_S fails.
  *
- * test_job_queue_stall [ROUNDS]: with ROUNDS, so many, and on all kinds of queue; without, a few on those of the
- * library.
+ * test_job_queue_stall [ROUNDS]: with ROUNDS, so many rounds on all kinds of queue; without, a few on the library's.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -26,7 +24,7 @@
 #include "jobs/job_sys.h"
 #include "support/test.h"
 
-/* PROGRESS: items pushed and popped beside stopped threads, many segments of them. */
+/* PROGRESS: items pushed and popped while threads are stopped; many segments. */
 enum { THREADS = 4, ROUNDS = 100, PROGRESS = 20000, SOME = 200, PATIENCE_S = 30, STOP_MS = 5 };
 
 static const queue_kind *kind;
@@ -39,16 +37,18 @@ typedef struct walker {
 	pthread_t thread;
 	uint32_t number;
 	_Atomic bool *stop;              /* relaxed: only ends the loop */
-	_Atomic uint32_t pushed, popped; /* relaxed: successful calls, for others to watch */
-	_Atomic bool stands;             /* release by its thread, pairs with the acquire of who waits for that */
-	volatile sig_atomic_t place;     /* of type where; for its own handler */
-	volatile sig_atomic_t stood;     /* during this call */
-	uint32_t stops[PLACES];          /* how often the handler ran where; read while it stands, and at the end */
-	uint64_t pushed_sum, popped_sum; /* of values; read at the end */
-	uint64_t longest;                /* call, in ticks, of those during which it was not stopped */
+	_Atomic uint32_t pushed, popped; /* relaxed: successful calls, for other threads to watch */
+	/* stopped in the handler. Release by this thread, pairs with the acquire of those that wait for it */
+	_Atomic bool stands;
+	volatile sig_atomic_t place; /* a value of `where`; written by the thread, read by its signal handler */
+	volatile sig_atomic_t stood; /* the handler ran during the current call */
+	/* how often the handler ran in each place; read while the thread is stopped, and at the end */
+	uint32_t stops[PLACES];
+	uint64_t pushed_sum, popped_sum; /* sums of values; read at the end */
+	uint64_t longest;                /* the longest call without a stop, in ticks */
 } walker;
 
-static int gate[2]; /* a pipe; a byte lets one thread on */
+static int gate[2]; /* a pipe; each byte releases one stopped thread */
 static _Thread_local walker *own;
 
 static void stand_still(int signal)
@@ -117,7 +117,7 @@ static void sleep_us(uint64_t us)
 	nanosleep(&(struct timespec){.tv_nsec = (long)us * 1000}, NULL);
 }
 
-/* Successful calls of walkers[first..THREADS), which go on. */
+/* Sums up the successful calls of walkers[first..THREADS) while they run. */
 static void count_calls(walker *walkers, uint32_t first, uint32_t *pushed, uint32_t *popped)
 {
 	*pushed = *popped = 0;
@@ -127,7 +127,7 @@ static void count_calls(walker *walkers, uint32_t first, uint32_t *pushed, uint3
 	}
 }
 
-/* True once those from first on have pushed and popped so many items together; false if that takes too long. */
+/* True as soon as these threads have pushed and popped so many items together; false after ms milliseconds. */
 static bool progress_within(walker *walkers, uint32_t first, uint32_t wanted, uint64_t ms)
 {
 	uint32_t pushed, popped, pushed_before, popped_before;
@@ -149,7 +149,7 @@ static void await_walkers(walker *walkers, uint32_t count, bool stand)
 			sleep_us(20);
 }
 
-/* The first `count` stand still when this returns; they are stopped one after the other. */
+/* Stops the first `count` threads one after the other; returns when all are stopped. */
 static void stop_walkers(walker *walkers, uint32_t count, uint64_t *random)
 {
 	for (uint32_t i = 0; i < count; i++) {
@@ -167,7 +167,7 @@ static void release_walkers(walker *walkers, uint32_t count)
 	await_walkers(walkers, count, false);
 }
 
-/* How many times the others had to wait. */
+/* Stops threads and watches the others; returns how many times the others had to wait. */
 static uint32_t stop_and_watch(walker *walkers)
 {
 	uint32_t waits = 0;
@@ -197,7 +197,7 @@ static void run_walkers(size_t capacity)
 		walkers[i].queue = queue;
 		walkers[i].number = i;
 		walkers[i].stop = &stop;
-		atomic_init(&walkers[i].stands, true); /* until it can be stopped */
+		atomic_init(&walkers[i].stands, true); /* true until the thread can be stopped */
 		assert_int_equal(pthread_create(&walkers[i].thread, NULL, walk, &walkers[i]), 0);
 	}
 	await_walkers(walkers, THREADS, false);

@@ -1,7 +1,7 @@
 /*
- * Crowds of threads on every kind of queue: every item comes out once, those of one producer in order, and what the
- * producer wrote before it pushed is there after the pop. The items' targets are plain memory: under the thread
- * sanitizer an order that is missing in the queue is a race there.
+ * Many threads on every kind of queue: every item is popped once, those of one producer in order, and the producer's
+ * writes before the push are visible after the pop. The items point to plain memory, so that a missing memory order in
+ * the queue is a data race for the thread sanitizer.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -38,7 +38,7 @@ enum {
 
 static const queue_kind *kind;
 
-/* The target of an item. Only the thread that holds the item accesses it. */
+/* The object that an item points to. Only the thread that has the item accesses it. */
 typedef struct parcel {
 	uint32_t producer, number;
 	uint64_t seal;
@@ -52,31 +52,31 @@ static uint64_t seal_of(uint32_t producer, uint32_t number)
 }
 
 typedef enum crowd_style {
-	SINGLE,  /* one item per call */
-	BATCHES, /* up to BATCH */
-	MIXED,   /* the one or the other */
-	RESTING, /* as MIXED, and now and then a thread rests and stays away */
+	SINGLE,  /* one item in each call */
+	BATCHES, /* up to BATCH items */
+	MIXED,   /* alternating between the two */
+	RESTING, /* as MIXED, and threads rest now and then */
 	STYLES,
-	WHOLE /* BATCH per push, or fewer if no more are left; they must not be torn apart */
+	WHOLE /* BATCH items in each push, fewer at the end; they must stay together */
 } crowd_style;
 
 typedef struct crowd {
 	stilb_job_queue *queue;
 	crowd_style style;
-	uint32_t producers, consumers, each; /* each: parcels of a producer */
+	uint32_t producers, consumers, each; /* each: parcels of each producer */
 	parcel *parcels;
 } crowd;
 
-/* A thread, and what it found; read after it was joined. */
+/* A thread and its observations, which are read after it was joined. */
 typedef struct member {
 	crowd *crowd;
 	pthread_t thread;
-	uint32_t number; /* as the queue knows it */
+	uint32_t number; /* thread number for the queue */
 	uint64_t random;
-	uint32_t producer, pushed, last; /* producers: which; parcels before these were pushed, are to be pushed */
-	uint32_t popped, most;           /* consumers: how many, and how many are wanted */
-	uint32_t newest[SIDE_MOST];      /* consumers: the last number of each producer, plus one */
-	const parcel *next_whole;        /* consumers: what should come next, if the push is not torn */
+	uint32_t producer, pushed, last; /* producers: own index; first parcel to push next; end */
+	uint32_t popped, most;           /* consumers: number popped, and number wanted */
+	uint32_t newest[SIDE_MOST];      /* consumers: the last number popped of each producer, plus one */
+	const parcel *next_whole;        /* consumers: the next parcel, if pushes stay together */
 	uint32_t disorder, damage, tears, surprises;
 } member;
 
@@ -109,7 +109,7 @@ static int push_some(member *self, parcel *parcels, size_t count)
 	return error ? error : 1;
 }
 
-/* Until its parcels are pushed or the queue is closed. */
+/* Pushes until all its parcels are pushed or the queue is closed. */
 static void *produce(void *data)
 {
 	member *self = data;
@@ -140,8 +140,8 @@ static void receive(member *self, parcel *got)
 	uint32_t *newest = &self->newest[got->producer % SIDE_MOST];
 	self->disorder += got->number < *newest;
 	*newest = got->number + 1;
-	/* In this style the one consumer sees all: after an item that does not end a push comes the next of the same
-	 * push. */
+	/* In this style there is one consumer: after an item that is not the last one of its push comes the next one of
+	 * that push. */
 	self->tears += self->crowd->style == WHOLE && self->next_whole && self->next_whole != got;
 	self->next_whole = (got->number + 1) % BATCH && got->number + 1 < self->crowd->each ? got + 1 : NULL;
 	got->popped++;
@@ -161,7 +161,7 @@ static int pop_some(member *self)
 	return popped;
 }
 
-/* Until it has what it wants, or the queue is closed and empty. */
+/* Pops until it has the number wanted, or the queue is closed and empty. */
 static void *consume(void *data)
 {
 	member *self = data;
@@ -174,14 +174,14 @@ static void *consume(void *data)
 			sched_yield();
 		rest_at_random(self);
 	}
-	for (int i = 0; i < 20 && self->popped < self->most; i++) { /* and so it stays */
+	for (int i = 0; i < 20 && self->popped < self->most; i++) { /* a closed and empty queue stays so */
 		sched_yield();
 		self->surprises += pop_some(self) != -EPIPE;
 	}
 	return NULL;
 }
 
-/* ---- the whole crowd ---- */
+/* ---- running all threads --------------------------------------------------------------------------------------- */
 
 static crowd crowd_create(uint32_t producers, uint32_t consumers, crowd_style style, size_t capacity)
 {
@@ -222,7 +222,7 @@ static void crowd_destroy(crowd *all)
 	free(all->parcels);
 }
 
-/* The items that were accepted came out, each once, and no others. */
+/* Asserts that exactly the accepted items were popped, each once. */
 static void crowd_finish(crowd *all, member *members)
 {
 	uint64_t pushed = 0, popped = 0;
@@ -295,8 +295,8 @@ static void test_close_under_load(void **state)
 	}
 }
 
-/* Threads come and go; numbers pass from those that were joined to new ones that may do something else, with or without
- * a rest in between. What is left in the queue comes out in the next generation. */
+/* Threads end and new ones reuse their numbers in other roles, with or without a rest in between. Items left in the
+ * queue are popped by the next generation. */
 static void test_numbers_reused(void **state)
 {
 	(void)state;
@@ -345,7 +345,8 @@ static void test_whole_pushes(void **state)
 	crowd_finish(&all, members);
 }
 
-/* ---- one CPU for two threads: who wakes up interrupts the other anywhere, and then does several things at once --- */
+/* ---- two threads on one CPU: the one that wakes up interrupts the other anywhere, and makes several calls at once
+ * - */
 
 typedef struct pair {
 	stilb_job_queue *queue;
@@ -362,7 +363,7 @@ static cpu_set_t share_one_cpu(void)
 	while (!CPU_ISSET(cpu, &all))
 		cpu++;
 	CPU_SET(cpu, &one);
-	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0); /* threads made from now on inherit it */
+	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0); /* inherited by threads created from now on */
 	return all;
 }
 
@@ -379,7 +380,7 @@ static void *look_for_emptiness(void *data)
 	return NULL;
 }
 
-/* A queue in which there always is something is never found empty, though what is in it changes. */
+/* A queue that always contains an item, though not always the same one, is never reported empty. */
 static void test_never_empty(void **state)
 {
 	(void)state;
@@ -412,7 +413,7 @@ static void *pop_to_the_end(void *data)
 	return NULL;
 }
 
-/* Who is told that the queue is closed and empty after a push and the close that followed it has seen that push. */
+/* A thread that learns that the queue is closed and empty, after a push and the following close, has seen that push. */
 static void test_close_after_push(void **state)
 {
 	(void)state;

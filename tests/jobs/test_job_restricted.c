@@ -1,15 +1,16 @@
 /*
- * What a wait does and does not do meanwhile, and the failures that systems of jobs are known for: the lost wake-up,
- * the full queue while everybody sleeps, waiting on a thread that never runs, the deadlock with one worker. All of them
- * show as a test that does not end: those that can, give up after ten seconds, the others run into the time limit.
+ * Restricted waits, and the classic failures of job systems: the lost wake-up, the full queue while all threads sleep,
+ * waiting for a thread that never runs, the deadlock with one worker. All of them appear as a test that does not end:
+ * some tests give up after ten seconds, the others run into their time limit.
  */
 #include "job_pool_fixture.h"
 
 #include <stdlib.h>
 
-/* ---- out of memory on demand: linked with -Wl,--wrap= of each of these ------------------------------------------- */
+/* ---- out of memory on demand; linked with -Wl,--wrap= of each of these
+ * --------------------------------------------- */
 
-static _Atomic bool out_of_memory; /* relaxed: tests set it while the pool is asleep or busy elsewhere */
+static _Atomic bool out_of_memory; /* relaxed: set while the pool is asleep or busy elsewhere */
 
 void *__real_malloc(size_t size);
 void *__wrap_malloc(size_t size);
@@ -19,7 +20,7 @@ void *__wrap_malloc(size_t size)
 }
 
 void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size); /* the compiler makes one of malloc and memset */
+void *__wrap_calloc(size_t count, size_t size); /* the compiler turns malloc and memset into calloc */
 void *__wrap_calloc(size_t count, size_t size)
 {
 	return atomic_load_explicit(&out_of_memory, memory_order_relaxed) ? NULL : __real_calloc(count, size);
@@ -32,7 +33,7 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 	return atomic_load_explicit(&out_of_memory, memory_order_relaxed) ? NULL : __real_aligned_alloc(alignment, size);
 }
 
-/* ---- jobs that say who ran them -------------------------------------------------------------------------------- */
+/* ---- jobs that record who ran them ----------------------------------------------------------------------------- */
 
 typedef struct watched {
 	stilb_job_pool *pool;
@@ -62,19 +63,19 @@ static void *submit_watched(void *data)
 
 /* ---- waits are restricted -------------------------------------------------------------------------------------- */
 
-/* The owner waits for a job that is held. Meanwhile there are jobs that are no concern of its: from outside and
- * low ones, some there before it waits and some that come while it sleeps, others in its own deque, one in a
- * worker's. */
+/* The owner waits for a job that is held. Meanwhile there are jobs that it must not run: from outside and of low
+ * priority, some before it waits and some while it sleeps; others in its own deque; one in a worker's deque. */
 typedef struct restriction {
 	watched unrelated;
-	blocker held;      /* what the owner waits for */
-	counter submitted; /* a worker's own deque has its job */
+	blocker held;      /* the job that the owner waits for */
+	counter submitted; /* a worker has its job in its own deque */
 	sleep_log log;
 	uint32_t workers, free;
-	uint32_t ran_early; /* unrelated ones, before what the owner waited for had finished */
+	uint32_t ran_early; /* number of unrelated jobs that ran before the held one had finished */
 } restriction;
 
-enum { UNRELATED = 20 + 5 + 20 }; /* from outside, in the own deque, from outside again; and one in a worker's */
+/* from outside, in the owner's deque, from outside again; one more is in a worker's deque */
+enum { UNRELATED = 20 + 5 + 20 };
 
 static void submit_and_be_held(void *data, uint32_t worker)
 {
@@ -85,14 +86,14 @@ static void submit_and_be_held(void *data, uint32_t worker)
 	blocker_job(&r->held, worker);
 }
 
-/* Runs while the owner sleeps. */
+/* Runs on another thread while the owner sleeps. */
 static void *look_on(void *data)
 {
 	restriction *r = data;
 	if (!await(&r->log.asleep, 1 + r->free))
 		count_up(&r->unrelated.wrong);
 	if (r->free == 0)
-		nap_us(2000); /* time to do what it must not */
+		nap_us(2000); /* time for the owner to do something wrong */
 	submit_watched(&r->unrelated);
 	uint32_t wanted = UNRELATED + (r->workers > 1);
 	if (r->free == 0)
@@ -104,7 +105,7 @@ static void *look_on(void *data)
 	return NULL;
 }
 
-/* The last workers are free, the others busy, not waiting. */
+/* `free` workers are free, the others are busy and do not wait. */
 static void check_restriction(shape s, uint32_t free)
 {
 	restriction r = {.workers = s.workers, .free = free};
@@ -208,7 +209,7 @@ static void test_without_workers_a_wait_does_everything(void **state)
 	}
 }
 
-/* High and pinned jobs run in a wait although they belong to nobody there, and wake who waits. */
+/* High and pinned jobs run inside a wait although they do not belong to its group, and wake the waiting thread. */
 static void *submit_high_and_pinned(void *data)
 {
 	restriction *r = data;
@@ -245,11 +246,11 @@ static void test_wait_runs_high_and_pinned_jobs(void **state)
 
 /* ---- when every worker waits ----------------------------------------------------------------------------------- */
 
-/* Each worker is in a job that waits for one that no wait runs: one of low priority, which may come late. */
+/* Each worker is in a job that waits for a job of low priority, which waits must not run, and which may come late. */
 typedef struct rescue {
 	stilb_job_pool *pool;
 	stilb_job_group jobs, gate;
-	uint32_t levels; /* low jobs that wait for low jobs */
+	uint32_t levels; /* number of nested levels of low jobs that wait for low jobs */
 	bool late;
 	counter begun, ran, wrong;
 } rescue;
@@ -296,7 +297,7 @@ static void test_when_all_wait_somebody_does_the_rest(void **state)
 					submit_pinned(r.pool, wait_for_low, &top, &r.jobs, i, 0);
 			uint32_t waiting = s.workers > 0 ? s.workers : 1;
 			if (late && s.workers > 0) {
-				assert_true(await(&r.ran, waiting)); /* the first of each; in the midst of them all sleep again */
+				assert_true(await(&r.ran, waiting)); /* the first job of each; then all sleep again inside them */
 				assert_true(await(&log.asleep, s.workers));
 				assert_int_equal(count_of(&r.ran), waiting);
 				assert_int_equal(stilb_job_run_pinned(r.pool, 0), 1); /* finishes the gate */
@@ -312,8 +313,7 @@ static void test_when_all_wait_somebody_does_the_rest(void **state)
 		}
 }
 
-/* The caller of a loop waits for a slice that a helper has, and may run loops only; the helper waits for a low
- * job. */
+/* The caller of a loop waits for a slice on a helper, and may run loops only. The helper waits for a low job. */
 static void slice_waits_for_low(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	(void)begin;
@@ -343,7 +343,7 @@ static void test_when_all_wait_in_loops_too(void **state)
 		}
 }
 
-/* As above, but the helper waits for a job that only the caller of the loop may run. */
+/* The same, but the helper waits for a job that only the caller of the loop may run. */
 typedef struct slice_log {
 	stilb_job_pool *pool;
 	counter inside, ran, wrong;
@@ -364,7 +364,7 @@ static void slice_waits_for_owner(uint32_t begin, uint32_t end, uint32_t worker,
 	(void)end;
 	count_up(&log->inside);
 	for (int i = 0; i < 1000 && worker == 0 && count_of(&log->inside) < 2; i++)
-		nap_us(50); /* for a helper; there may be none */
+		nap_us(50); /* time for a helper to come; there may be none */
 	stilb_job_group group = {0};
 	stilb_job_options pinned = {.pinned = true, .target = 0};
 	if (worker > 0) {
@@ -387,9 +387,9 @@ static void test_slice_waits_for_the_owner(void **state)
 		}
 }
 
-/* ---- how deep -------------------------------------------------------------------------------------------------- */
+/* ---- stack depth ----------------------------------------------------------------------------------------------- */
 
-/* Jobs on the stack of each thread; written by that thread alone. */
+/* Number of jobs on each thread's stack; written by that thread only. */
 typedef struct depth_log {
 	stilb_job_pool *pool;
 	counter ran, wrong;
@@ -401,9 +401,9 @@ typedef struct depth_log {
 
 typedef struct level {
 	depth_log *log;
-	uint32_t below; /* levels */
+	uint32_t below; /* number of levels */
 	uint32_t width;
-	stilb_job_options child; /* how they are submitted */
+	stilb_job_options child; /* options for submitting children */
 } level;
 
 static void descend(void *data, uint32_t worker)
@@ -425,10 +425,10 @@ static void descend(void *data, uint32_t worker)
 	log->thread[worker].now--;
 }
 
-/* What rescues may start on top of a job that waits for something the owner is in the middle of: a few, not all 200. */
+/* The number of rescues that may start on top of a waiting job: a few, not all 200. */
 enum { RESCUES = 32 };
 
-/* So many siblings, each with a tree of so many levels below it, all waiting for their children. */
+/* Submits so many siblings, each with a tree of so many levels below it; every job waits for its children. */
 static void check_depth(shape s, uint32_t siblings, stilb_job_priority priority, uint32_t below, uint32_t width,
                         stilb_job_priority child)
 {
@@ -470,8 +470,8 @@ static void test_waits_do_not_pile_up(void **state)
 		}
 }
 
-/* The owner's siblings lie at hand, of the same group but no deeper, while the child that one of them waits for is
- * held up. */
+/* The owner's siblings are available, in the same group and not deeper, while the child that one of them waits for is
+ * held. */
 static void *release_when_asleep(void *data)
 {
 	restriction *r = data;
@@ -531,7 +531,7 @@ static void count_round_slice(uint32_t begin, uint32_t end, uint32_t worker, voi
 	count_round(context, worker);
 }
 
-/* Submits one job for the worker, in the way with this number. */
+/* Submits one job for the worker, in the way with this index. */
 static int submit_by(round *r, uint32_t way, uint32_t thread)
 {
 	stilb_job_options options[] = {
@@ -550,8 +550,8 @@ static void spin_ns(uint64_t nanoseconds)
 		;
 }
 
-/* Every job comes about when the worker, done with the last one, goes to sleep: earlier, later, just then. Nobody
- * helps, so a wake-up lost is a job that never runs. */
+/* Every job comes around the time at which the worker goes to sleep: before, after, or just then. Nobody helps, so a
+ * lost wake-up is a job that never runs. */
 static bool rounds_are_run(round *r, uint32_t rounds, uint32_t thread)
 {
 	for (uint32_t i = 1; i <= rounds; i++) {
@@ -592,8 +592,8 @@ static void last_some_time(void *data, uint32_t worker)
 	spin_ns((*turn)++ * 41 % 60000);
 }
 
-/* The same the other way round: the group finishes when who waits for it goes to sleep, the owner or somebody
- * outside. */
+/* The opposite: the group finishes around the time at which the waiting thread, the owner or an outside thread, goes to
+ * sleep. */
 typedef struct tired {
 	stilb_job_pool *pool;
 	uint32_t turn;
@@ -629,19 +629,19 @@ static void test_lost_wake_up_of_who_waits(void **state)
 	}
 }
 
-/* ---- full queues while everybody sleeps ------------------------------------------------------------------------- */
+/* ---- full queues while all threads sleep ------------------------------------------------------------------------- */
 
-enum { BURST = 5000 }; /* many times what a deque holds to begin with */
+enum { BURST = 5000 }; /* many times the initial size of a deque */
 
-/* All asleep; the owner submits more than its deque holds, and does not help. Without memory the deque cannot
- * grow, nor can the shared queue that takes the rest: no job may be lost or left where nobody looks. */
+/* All workers sleep; the owner submits more jobs than its deque holds, and does not help. Without memory neither the
+ * deque nor the shared queue for the rest can grow: no job may be lost or left where nobody looks. */
 static void check_burst(shape s, bool memory)
 {
 	sleep_log log = {0};
 	round r = {.pool = pool_with_hooks(s, sleep_log_hooks(&log))};
 	blocker b = {0};
 	hold_workers(r.pool, &b, NULL, 1, s.workers);
-	for (uint32_t i = 0; i < BURST; i++) /* leaves records behind, not a larger deque */
+	for (uint32_t i = 0; i < BURST; i++) /* leaves free records behind, but no larger deque */
 		submit_priority(r.pool, count_round, &r, &r.group, STILB_JOB_LOW, 0);
 	blocker_release(&b);
 	stilb_job_wait(r.pool, &r.group, 0);
@@ -675,7 +675,7 @@ static void test_full_queue_with_sleeping_workers(void **state)
 		}
 }
 
-/* The workers sleep in waits instead: for a group that finishes only when the owner gets there. */
+/* Here the workers sleep in waits, for a group that finishes only when the owner gets there. */
 static void wait_for_gate(void *data, uint32_t worker)
 {
 	rescue *r = data;
@@ -703,7 +703,7 @@ static void test_full_queue_with_waiting_workers(void **state)
 				submitted++;
 			atomic_store_explicit(&out_of_memory, false, memory_order_relaxed);
 			assert_true(s.workers == 0 ||
-			            await(&burst.ran, submitted)); /* every worker waits: one of them does it as a rescue */
+			            await(&burst.ran, submitted)); /* every worker waits: one of them runs it as a rescue */
 			stilb_job_wait(r.pool, &burst.group, 0);
 			assert_int_equal(burst.ran, submitted);
 			stilb_job_run_pinned(r.pool, 0);
@@ -713,9 +713,9 @@ static void test_full_queue_with_waiting_workers(void **state)
 		}
 }
 
-/* ---- waiting on a thread that never runs ------------------------------------------------------------------------ */
+/* ---- waiting for a thread that never runs ------------------------------------------------------------------------ */
 
-/* All workers are held until the owner's waits have returned: who counts on one of them waits for ever. */
+/* All workers are held until the owner's waits have returned, so a wait that relies on a worker would never end. */
 static void test_waiting_on_a_thread_that_never_runs(void **state)
 {
 	(void)state;
@@ -732,7 +732,7 @@ static void test_waiting_on_a_thread_that_never_runs(void **state)
 			assert_int_equal(stilb_job_submit(log.pool, descend, &top, &own, 0), 0);
 		assert_int_equal(stilb_job_submit_with(log.pool, descend, &top, &follow, &after, 0), 0);
 		submit_pinned(log.pool, descend, &top, &own, 0, 0);
-		/* And a job that is unrelated to the wait. */
+		/* And with a job that is unrelated to the wait. */
 		assert_int_equal(stilb_job_submit(log.pool, watched_job, &unrelated, &other, 0), 0);
 		stilb_job_wait(log.pool, &own, 0);
 		assert_true(s.workers == 0 || count_of(&unrelated.ran) == 0);
@@ -754,7 +754,7 @@ static void test_waiting_on_a_thread_that_never_runs(void **state)
 
 /* ---- deadlock with one worker ------------------------------------------------------------------------------------ */
 
-/* A job on the only worker waits for what can only run there, in every way there is; the owner helps with nothing. */
+/* A job on the only worker waits, in every possible way, for a job that can run only there; the owner does not help. */
 typedef struct lonely {
 	stilb_job_pool *pool;
 	counter ran, wrong, done;
@@ -802,7 +802,7 @@ static void wait_in_every_way(void *data, uint32_t worker)
 		else if (way == 4)
 			error = stilb_job_submit_array(l->pool, 1, 1, lonely_slice, l, &group, worker);
 		else if (way == 5)
-			submit_from_outside(&(outside_job){l, &group}); /* as a library with a thread of its own might */
+			submit_from_outside(&(outside_job){l, &group}); /* as a library with its own thread might do */
 		else
 			error = stilb_job_submit(l->pool, count_lonely, l, &then, worker) |
 			        stilb_job_submit_with(l->pool, count_lonely, l, &group, &options, worker);

@@ -1,4 +1,4 @@
-/* The single-producer, single-consumer queue: order, close, memory, and two threads that hand over plain data. */
+/* The queue for one producer and one consumer: order, close, memory, and two threads that hand over plain data. */
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
@@ -12,7 +12,8 @@
 
 enum { MANY = 1000000, BLOCK = 511 };
 
-/* Allocations so far, and how many more succeed (linked with -Wl,--wrap=malloc -Wl,--wrap=aligned_alloc). */
+/* Number of allocations so far, and of further ones that succeed. Linked with
+ * -Wl,--wrap=malloc,--wrap=aligned_alloc. */
 static size_t allocations, allowed = SIZE_MAX;
 void *__real_malloc(size_t size);
 void *__wrap_malloc(size_t size);
@@ -48,7 +49,7 @@ static int push(stilb_job_spsc *queue, uintptr_t value)
 	return stilb_job_spsc_push(queue, (void *)value);
 }
 
-/* The value, or 0 for an empty queue. */
+/* Pops a value; 0 if the queue is empty. */
 static uintptr_t pop(stilb_job_spsc *queue)
 {
 	void *item = NULL;
@@ -63,7 +64,7 @@ static void test_fifo(void **state)
 	stilb_job_spsc *queue = create();
 	assert_int_equal(pop(queue), 0);
 	uintptr_t pushed = 0, popped = 0;
-	for (uintptr_t i = 0; i < 5000; i++) { /* up and down over many block ends */
+	for (uintptr_t i = 0; i < 5000; i++) { /* crosses many block ends in both directions */
 		for (uintptr_t k = 0; k < i % 7; k++)
 			assert_int_equal(push(queue, ++pushed), 0);
 		for (uintptr_t k = 0; k < i % 5; k++)
@@ -80,7 +81,8 @@ static void test_destroy(void **state)
 {
 	(void)state;
 	stilb_job_spsc_destroy(NULL);
-	/* With items left, over several blocks, some of them used twice: the leak check of the sanitizer build sees all. */
+	/* Destroy with items left in several blocks, some of them reused: the address sanitizer's leak check sees
+	 * mistakes. */
 	stilb_job_spsc *queue = create();
 	for (uintptr_t i = 1; i <= 4 * BLOCK; i++)
 		assert_int_equal(push(queue, i), 0);
@@ -123,7 +125,7 @@ static void test_memory_is_used_again(void **state)
 		while (popped < pushed)
 			assert_int_equal(pop(queue), ++popped);
 	}
-	/* One block came with the queue. */
+	/* One block was allocated with the queue. */
 	assert_in_range(allocations - before, FULLEST / BLOCK - 1, FULLEST / BLOCK + 1);
 	stilb_job_spsc_destroy(queue);
 }
@@ -142,7 +144,7 @@ static void test_out_of_memory(void **state)
 
 	stilb_job_spsc *queue = create();
 	uintptr_t pushed = 0;
-	allowed = 1; /* a second block, but no third */
+	allowed = 1; /* a second block, but no third one */
 	int error;
 	while ((error = push(queue, pushed + 1)) == 0)
 		pushed++;
@@ -150,7 +152,7 @@ static void test_out_of_memory(void **state)
 	assert_int_equal(push(queue, pushed + 1), -ENOMEM);
 	assert_int_equal(pushed, 2 * BLOCK - 1);
 
-	/* No item is lost, and once the consumer has left a block there is memory again. */
+	/* No item is lost, and when the consumer has left a block, its memory is available again. */
 	for (uintptr_t i = 1; i <= BLOCK; i++)
 		assert_int_equal(pop(queue), i);
 	assert_int_equal(push(queue, pushed + 1), 0);
@@ -162,7 +164,7 @@ static void test_out_of_memory(void **state)
 	stilb_job_spsc_destroy(queue);
 }
 
-/* What goes from one thread to the other: plain memory, so the thread sanitizer sees an order that is missing. */
+/* The data handed over is plain memory, so that the thread sanitizer sees a missing memory order. */
 typedef struct parcel {
 	uint32_t number, twice;
 } parcel;
@@ -174,7 +176,7 @@ static void *produce(void *data)
 	for (uint32_t i = 0; i < MANY; i++) {
 		parcels[i] = (parcel){i, 2 * i};
 		if (stilb_job_spsc_push(data, &parcels[i]) != 0)
-			break; /* the test then fails for missing items */
+			break; /* the test then fails because items are missing */
 	}
 	stilb_job_spsc_close(data);
 	return NULL;

@@ -1,6 +1,6 @@
 /*
- * Jobs, waits and loops mixed at random, handing plain (not atomic) data to one another: under the thread sanitizer
- * every missing order shows as a race, without it as a wrong sum. Runs with more threads than CPUs as well.
+ * Jobs, waits and loops mixed at random, handing over plain data: a missing memory order is a data race for the thread
+ * sanitizer, and a wrong sum without it. Also with more threads than CPUs.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -21,19 +21,19 @@
 
 enum { FAN = 3, CELLS = 48 };
 
-/* A node of a random tree of work; everything in it is plain memory. */
+/* A node of a random tree of work. All of its members are plain memory. */
 typedef struct task {
 	stilb_job_pool *pool;
 	uint64_t random;
 	uint32_t depth;
 	uint64_t result;           /* read by the parent after its wait */
 	uint64_t cells[CELLS];     /* written by slices, read after the loop */
-	uint64_t by_worker[1 + 8]; /* each written by one thread alone */
+	uint64_t by_worker[1 + 8]; /* each written by one thread only */
 } task;
 
 static uint64_t next_random(uint64_t *state)
 {
-	/* splitmix64, Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014 */
+	/* splitmix64. Source: Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014. */
 	uint64_t z = *state += 0x9e3779b97f4a7c15u;
 	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
 	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
@@ -45,7 +45,7 @@ static uint64_t leaf_value(uint64_t random)
 	return next_random(&random) % 1000;
 }
 
-/* The result that run must reach, computed by one thread. */
+/* The result of a tree, computed by one thread. */
 static uint64_t expected(uint64_t random, uint32_t depth)
 {
 	uint64_t sum = leaf_value(random), state = random;
@@ -83,7 +83,7 @@ static void run(void *data, uint32_t worker)
 	for (int i = 0; i <= 8; i++)
 		filled += t->by_worker[i];
 	if (filled != CELLS)
-		t->result = 0; /* the sum is wrong then */
+		t->result = 0; /* makes the sum wrong */
 	stilb_job_wait(t->pool, &group, worker);
 	for (int i = 0; i < FAN && t->depth > 0; i++)
 		t->result += children[i].result;

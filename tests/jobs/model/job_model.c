@@ -13,28 +13,28 @@ typedef enum status { UNUSED, READY, IN_FUTEX, IN_JOIN, IN_BLOCK, STOPPED, DONE 
 typedef struct thread {
 	char *sp;
 	status status;
-	uint32_t value;            /* of IN_BLOCK */
-	const volatile void *word; /* of IN_FUTEX and IN_BLOCK */
-	uint64_t target;           /* of IN_JOIN */
+	uint32_t value;            /* for IN_BLOCK */
+	const volatile void *word; /* for IN_FUTEX and IN_BLOCK */
+	uint64_t target;           /* for IN_JOIN */
 	void *(*fn)(void *);
 	void *data;
-	const char *what; /* the step that comes next, for traces */
+	const char *what; /* name of the next step, for traces */
 	int line;
 } thread;
 
-/* The part of a state that is neither stacks nor the scenario's data. */
+/* The part of a state besides the stacks and the scenario's data. */
 static struct world {
 	thread threads[THREADS_MAX];
 	uint32_t count;
-	uint32_t cells_used; /* bit per cell */
+	uint32_t cells_used; /* a bit for each cell */
 	uint32_t large_used;
 	_Alignas(128) char cell[CELLS][CELL_SIZE];
-	char large[LARGE_SIZE]; /* last: only its used part is saved and compared */
+	char large[LARGE_SIZE]; /* the last member: only its used part is saved and compared */
 } world;
 
 static _Alignas(128) char stacks[THREADS_MAX][STACK_SIZE];
-static int current = -1; /* the coroutine that runs, -1: the checker */
-static bool asserting;   /* in the middle of an assert, which takes no steps */
+static int current = -1; /* the coroutine that runs; -1: the checker */
+static bool asserting;   /* inside an assert's condition, in which loads are no steps */
 static char *checker_sp;
 static const char *failure;
 
@@ -46,7 +46,8 @@ bool model_available(void)
 	return true;
 }
 
-/* Saves the registers that a call keeps on the stack, leaves its top in *save, goes on from the stack at load. */
+/* Pushes the registers that a callee must preserve, stores the stack pointer in *save, and continues on the stack
+ * `load`. */
 void model_switch(char **save, char *load);
 __asm__(".text\n.globl model_switch\n.type model_switch,@function\nmodel_switch:\n"
         "push %rbp\npush %rbx\npush %r12\npush %r13\npush %r14\npush %r15\n"
@@ -88,7 +89,7 @@ void model_spawn(void *(*fn)(void *), void *data)
 	char *top = stacks[world.count] + STACK_SIZE;
 	memset(stacks[world.count], 0, STACK_SIZE);
 	void *entry = (void *)thread_entry;
-	top -= 2 * sizeof entry; /* so that the entry finds the alignment a call leaves */
+	top -= 2 * sizeof entry; /* the entry function then sees the stack alignment of a call */
 	memcpy(top, &entry, sizeof entry);
 	world.threads[world.count++] =
 		(thread){.sp = top - 6 * sizeof entry, .status = READY, .fn = fn, .data = data, .what = "start"};
@@ -105,10 +106,11 @@ void model_fail(const char *why)
 
 /* ---- operations ---------------------------------------------------------------------------------------------- */
 
-/* The index of the part that address lies in, when size bytes at base are cut into parts; -1 if it lies elsewhere. */
+/* The index of the part of size bytes that contains the address, if size bytes at base are cut into equal parts; else
+ * -1. */
 static int part_of(const volatile void *address, const void *base, size_t size, size_t part)
 {
-	size_t offset = (uintptr_t)address - (uintptr_t)base; /* wraps to a large number below base */
+	size_t offset = (uintptr_t)address - (uintptr_t)base; /* wraps around to a large number for addresses below base */
 	return offset < size ? (int)(offset / part) : -1;
 }
 
@@ -117,7 +119,7 @@ static int cell_of(const volatile void *address)
 	return part_of(address, world.cell, sizeof world.cell, CELL_SIZE);
 }
 
-/* True if word lies in freed memory or on the stack of a function that has returned. */
+/* True if the word is in freed memory, or on the stack of a function that has returned. */
 static bool word_dead(const volatile void *word)
 {
 	int cell = cell_of(word), owner = part_of(word, stacks, sizeof stacks, STACK_SIZE);
@@ -164,7 +166,7 @@ void model_futex_wait(_Atomic uint32_t *word, uint32_t expected)
 
 void model_futex_wake_one(_Atomic uint32_t *word)
 {
-	model_step(NULL, "futex_wake", 0); /* only the address is used: its memory may be freed */
+	model_step(NULL, "futex_wake", 0); /* uses only the address: the memory may be freed */
 	if (model_fault_now == MODEL_FAULT_NO_WAKE)
 		return;
 	for (uint32_t i = 0; i < world.count; i++) {
@@ -211,7 +213,7 @@ pthread_t model_thread_self(void)
 	return (pthread_t)current;
 }
 
-/* Small blocks are cells, the lowest free one first: freed memory is used again at once, as an allocator may. */
+/* Small blocks are cells; the lowest free one is used first, so that freed memory is reused at once. */
 void *model_malloc(size_t size)
 {
 	for (uint32_t i = 0; i < CELLS && size <= CELL_SIZE; i++) {
@@ -239,7 +241,7 @@ void model_free(void *block)
 {
 	int i = cell_of(block);
 	if (i < 0)
-		return; /* large blocks are not used again */
+		return; /* large blocks are not reused */
 	if (!(world.cells_used >> i & 1))
 		model_fail("freed twice");
 	world.cells_used &= ~(1u << i);
@@ -253,11 +255,11 @@ uint32_t model_heap_blocks(void)
 
 /* ---- states -------------------------------------------------------------------------------------------------- */
 
-typedef struct frame { /* one state on the path from the start to where the search is */
+typedef struct frame { /* a state on the path from the start to the current one */
 	char *saved;
 	uint32_t state;
-	uint32_t next; /* the thread to try next; from world.count on: to stop next */
-	int chosen;    /* the choice that led to the next frame, coded like next */
+	uint32_t next; /* the thread to try next; from world.count on: the thread to stop next */
+	int chosen;    /* the choice that led to the next frame, coded like `next` */
 } frame;
 
 typedef struct edge {
@@ -266,11 +268,11 @@ typedef struct edge {
 
 static struct search {
 	const model_scenario *scenario;
-	uint64_t *keys; /* hash table of states seen; 0 is free */
+	uint64_t *keys; /* hash table of the states seen; 0 is a free entry */
 	uint32_t *ids;
 	size_t table_size;
 	uint32_t states;
-	char *ends_well; /* per state */
+	char *ends_well; /* for each state: the end can be reached from it */
 	edge *edges;
 	size_t edge_count, edge_space;
 	frame *path;
@@ -353,7 +355,7 @@ static void state_restore(const char *at)
 	}
 }
 
-/* The state's number; *fresh if it has not been seen before. */
+/* The number of the state with this key; *fresh is set if it was not seen before. */
 static uint32_t state_number(uint64_t key, bool *fresh)
 {
 	size_t i = key & (search.table_size - 1);
@@ -383,7 +385,7 @@ static bool thread_enabled(const thread *t)
 	}
 }
 
-/* A choice below world.count is the thread that takes a step; world.count + i stops thread i for ever. */
+/* A choice below world.count is a thread that makes a step; world.count + i stops thread i for ever. */
 static bool choice_enabled(uint32_t choice)
 {
 	if (choice < world.count)
@@ -410,7 +412,7 @@ static void path_push(uint32_t state)
 		search.depth = (uint32_t)search.path_count;
 }
 
-/* Adds the state that the search has just reached to the path. */
+/* Adds the state that was just reached to the path. */
 static void state_visit(uint32_t from, bool first)
 {
 	bool fresh = false, enabled = false;
@@ -445,7 +447,7 @@ static void thread_run(int i)
 	current = -1;
 }
 
-/* One step of the depth-first search; false when the path is empty. */
+/* Makes one step of the depth-first search. False if the path is empty. */
 static bool search_turn(void)
 {
 	if (search.path_count == 0)
@@ -470,8 +472,8 @@ static bool search_turn(void)
 	return true;
 }
 
-/* Marks every state from which the end can be reached, by going through the edges backwards until nothing changes;
- * edges of a depth-first search come nearly in the right order, so a few rounds do. */
+/* Marks every state from which the end can be reached, by walking over all edges backwards until nothing changes. The
+ * edges of a depth-first search are nearly in the best order, so a few rounds are enough. */
 static bool all_end_well(void)
 {
 	for (bool changed = true; changed;) {

@@ -1,10 +1,10 @@
 /*
  * The operations of job_model.h under the names that the sources of jobs/ use. Include it once, before those sources
- * and after every other header.
+ * and after all other headers.
  */
 #include "job_model.h"
 
-/* Without the threads and holders that builds with asserts keep, because keeping them takes steps. */
+/* Without the owners and holders that builds with asserts record, since recording them takes steps. */
 #ifndef NDEBUG
 #define NDEBUG
 #endif
@@ -28,7 +28,7 @@
 #define job_sys_ticks_in(nanoseconds) model_spin_ticks
 #define JOB_LOCK_YIELDS 0
 #define job_sys_futex_wait model_futex_wait
-/* Never times out. */
+/* Waits without a timeout. */
 #define job_sys_futex_wait_for(word, expected, nanoseconds) ((void)(nanoseconds), model_futex_wait(word, expected))
 #define job_sys_futex_wake_one model_futex_wake_one
 #define job_sys_nap(nanoseconds) ((void)0)
@@ -36,13 +36,13 @@
 #define job_sys_thread() 0
 #define job_sys_bind(thread, cpu) ((void)(thread), (void)(cpu), false)
 
-/* Time stands still, so who waits for a lock spins until it gets it; with 0 here it sleeps at once, which makes more
- * states. */
-static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* unused by tests without locks */
+/* Time stands still, so a thread that waits for a lock spins until it gets it. With 0 it sleeps at once, which makes
+ * more states. */
+static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* not used by tests without locks */
 
 #include "jobs/job.h"
 #undef STILB_JOB_MAX_WORKERS
-#define STILB_JOB_MAX_WORKERS 3 /* small states */
+#define STILB_JOB_MAX_WORKERS 3 /* keeps states small */
 
 #define STEP(p, what) model_step(p, what, __LINE__)
 
@@ -104,5 +104,5 @@ static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* unused by tests
 #define pthread_self model_thread_self
 #define pthread_equal(a, b) ((a) == (b))
 #define pthread_setname_np(thread, name) ((void)(name))
-#undef snprintf /* a macro already with _FORTIFY_SOURCE and clang */
+#undef snprintf /* a macro with _FORTIFY_SOURCE and clang */
 #define snprintf(text, size, format, ...) ((void)(text), (void)(__VA_ARGS__))

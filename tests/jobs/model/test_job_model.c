@@ -1,14 +1,14 @@
 /*
- * Every interleaving of the real pool, for few threads and few jobs (see job_model.h for what that covers and what
- * not): deques, inboxes, groups, loops, parking. The shared queues have checks of their own; here an object with
- * indivisible operations stands for them. With "must-fail" as an argument, for a copy of the sources with a fault put
- * in, some scenario has to find it.
+ * All interleavings of the real pool for few threads and few jobs: deques, inboxes, groups, loops, parking. job_model.h
+ * tells what that covers. The shared queues are checked by tests of their own; here an object with indivisible
+ * operations replaces them. With the argument must-fail, for a copy of the sources with a planted fault, some scenario
+ * must fail.
  */
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
-/* Small states. */
+/* Small cache lines keep states small. */
 #define STILB_JOB_LINE_H
 #define JOB_LINE 16
 #define JOB_RECORD_LIST 2
@@ -32,7 +32,7 @@
 #include "jobs/job_wait.c"
 #include "jobs/job_work.c"
 
-/* No spinning: a spin is a number of looks for work, and the sources look again before they sleep. */
+/* No spinning: a spin is a number of looks for work, and the sources look again before they sleep anyway. */
 #undef job_sys_ticks_in
 #define job_sys_ticks_in(nanoseconds) UINT64_C(0)
 #include "jobs/job_pool.c"
@@ -68,7 +68,7 @@ int job_queue_lock_free_create(const stilb_job_queue_desc *desc, stilb_job_queue
 	return -ENOMEM;
 }
 
-/* ---- what stands for the shared queues ------------------------------------------------------------------------- */
+/* ---- the replacement of the shared queues ---------------------------------------------------------------------- */
 
 typedef struct plain_queue {
 	stilb_job_queue base;
@@ -143,7 +143,7 @@ static struct shared {
 	stilb_job_group group, first;
 } shared;
 
-/* Parameters of a run, and how often workers had a part in it over all interleavings; not part of the state. */
+/* Parameters of a run, and what workers did over all interleavings; not part of the state. */
 static struct {
 	uint32_t workers, jobs;
 } with;
@@ -153,7 +153,7 @@ static void count_run(void *data, uint32_t worker)
 {
 	(void)data;
 	(*(worker ? &worker_runs : &owner_runs))++;
-	shared.ran++; /* between two steps, so atomic here */
+	shared.ran++; /* not interrupted, since it lies between two steps */
 }
 
 static void add(stilb_job_fn *fn, stilb_job_group *group, uint32_t worker)
@@ -178,7 +178,7 @@ static void end(void)
 	stilb_job_pool_destroy(shared.pool);
 }
 
-/* The owner does not help: the workers, woken by the submits, must run everything. The run ends then. */
+/* The owner does not help: the workers, woken by the submits, must run everything, and then the run ends. */
 static void workers_alone(void)
 {
 	model_block_until(&shared.ran, with.jobs);
@@ -228,7 +228,7 @@ static void submit_grandchild(void *data, uint32_t worker)
 	add(submit_child, NULL, worker);
 }
 
-/* Jobs submit more jobs while the pool is being destroyed. */
+/* Jobs submit further jobs while the pool is being destroyed. */
 static void destroy_child_main(void)
 {
 	begin();
@@ -242,7 +242,7 @@ static void cancel_main(void)
 	add(count_run, &shared.group, 0);
 	stilb_job_pool_cancel(shared.pool);
 	stilb_job_wait(shared.pool, &shared.group, 0);
-	shared.ran = with.jobs; /* run or not */
+	shared.ran = with.jobs; /* whether they ran or not */
 	end();
 }
 
@@ -255,7 +255,7 @@ static void wait_main(void)
 	end();
 }
 
-/* A job that submits another and waits for it, on a group on its own stack. */
+/* A job that submits another one to a group on its own stack, and waits for it. */
 static void submit_and_wait(void *data, uint32_t worker)
 {
 	(void)data;
@@ -286,7 +286,7 @@ static void count_after_first(void *data, uint32_t worker)
 	count_run(data, worker);
 }
 
-/* A job that follows a group, which may finish before, during or after the submit. */
+/* A job that follows a group which may finish before, during or after the submit. */
 static void after_main(void)
 {
 	begin();
@@ -296,7 +296,7 @@ static void after_main(void)
 	end();
 }
 
-/* A group is reused after its followers have run. */
+/* A group is used again after its followers have run. */
 static void after_again_main(void)
 {
 	begin();
@@ -310,7 +310,7 @@ static void after_again_main(void)
 	end();
 }
 
-/* Two jobs follow a group that is also waited for, and whose memory is freed after the wait. */
+/* Two jobs follow a group on which a thread also waits, and whose memory is freed after the wait. */
 static void after_gone_main(void)
 {
 	begin();
@@ -331,7 +331,7 @@ static void wait_for_first(void *data, uint32_t worker)
 	count_run(data, worker);
 }
 
-/* A job waits for one that lies in a queue whose jobs no wait touches: the only worker must do so all the same. */
+/* A job waits for another one in a queue that waits do not touch: the only worker must run it nevertheless. */
 static void rescue_main(void)
 {
 	begin();
@@ -346,7 +346,7 @@ static void pin_to_owner(void *data, uint32_t worker)
 	add_with(count_run, &shared.group, (stilb_job_options){.pinned = true, .target = 0}, worker);
 }
 
-/* The owner sleeps in a wait, and something comes that only it may do. */
+/* The owner sleeps in a wait when a job arrives that only it may run. */
 static void pinned_owner_main(void)
 {
 	begin();
@@ -355,7 +355,7 @@ static void pinned_owner_main(void)
 	end();
 }
 
-/* The same, but the job that it waits for comes when the worker sleeps already: it hangs on a group that ends with a
+/* As in rescue_main, but the awaited job arrives when the worker already sleeps: it follows a group that ends with a
  * job pinned to the owner. */
 static void rescue_later_main(void)
 {
@@ -390,7 +390,7 @@ static void run_slice(uint32_t begin_at, uint32_t end_at, uint32_t worker, void 
 	(void)context;
 	(*(worker ? &worker_runs : &owner_runs))++;
 	for (uint32_t i = begin_at; i < end_at; i++) {
-		model_step(NULL, "slice", __LINE__); /* others may run in the middle of it */
+		model_step(NULL, "slice", __LINE__); /* other threads may run in the middle of a slice */
 		shared.slice_runs[i]++;
 	}
 }
@@ -413,7 +413,7 @@ static void run_other_slice(uint32_t begin_at, uint32_t end_at, uint32_t worker,
 		shared.slice_runs[2 + i]++;
 }
 
-/* Two loops in a row in the same slot: a helper of the first may still be there in the second. */
+/* Two successive loops in one slot: a helper of the first may still be there during the second. */
 static void loops_main(void)
 {
 	begin();
@@ -441,7 +441,7 @@ static void all_ran(void)
 	fail_unless(shared.ran == with.jobs, "a job lost or run twice");
 }
 
-/* After destroy. */
+/* After destroy nothing is left on the heap. */
 static void all_gone(void)
 {
 	all_ran();
@@ -454,7 +454,7 @@ typedef struct scenario {
 	const char *name;
 	void (*main)(void);
 	uint32_t workers, jobs;
-	enum { WORKERS = 1, OWNER = 2, BOTH = 3, UNTIL_OWNER_ENDS = 4 } who; /* runs some of it in some interleaving */
+	enum { WORKERS = 1, OWNER = 2, BOTH = 3, UNTIL_OWNER_ENDS = 4 } who; /* must run part of it in some interleaving */
 } scenario;
 
 static const scenario scenarios[] = {
@@ -487,7 +487,7 @@ static const scenario scenarios[] = {
 	{"nested wait", nested_main, 1, 2, BOTH},
 	{"array", array_main, 1, 2, BOTH},
 	{"after a group used again", after_again_main, 1, 4, BOTH},
-	{"submit wakes", submit_main, 2, 1, WORKERS | UNTIL_OWNER_ENDS}, /* the largest: some ten million states */
+	{"submit wakes", submit_main, 2, 1, WORKERS | UNTIL_OWNER_ENDS}, /* the largest one: about ten million states */
 };
 
 static bool must_fail;

@@ -1,8 +1,8 @@
 /*
- * Every interleaving of the real lock-free queue with segments of two cells, so that a few items go over several
- * segment ends and use segments again (see job_model.h for what that covers and what not); with a thread that stops for
- * ever at any step; and the same of copies with one fault each (job_model.cmake), run with the argument must-fail: the
- * checker has to find the fault in one of the scenarios.
+ * All interleavings of the real lock-free queue with segments of two cells, so that a few items cross several segment
+ * ends and reuse segments; also with a thread that stops for ever at any step. job_model.h tells what that covers. The
+ * same test is built around copies with one planted fault each (job_model.cmake) and run with the argument must-fail:
+ * some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -22,29 +22,30 @@
 
 enum { THREADS = 4, PER_THREAD = 8, UNLIMITED = 0 };
 
-/* Sets of items are masks: item i of thread t is bit t * PER_THREAD + i, and the pointer pushed is that plus one. */
+/* Sets of items are bit masks: item i of thread t is bit t * PER_THREAD + i; the pointer pushed is this number plus
+ * one. */
 static struct shared {
 	stilb_job_queue *queue;
-	uint32_t began, pushed, popped;         /* pushes begun, pushes and pops that have returned with success */
-	uint32_t older[THREADS * PER_THREAD];   /* per item, those pushed before its push began */
-	bool in_push[THREADS], in_pop[THREADS]; /* the call that each thread is in */
-	bool may_be_empty[THREADS], may_be_full[THREADS]; /* the queue was empty (full) at some moment of its call */
+	uint32_t began, pushed, popped;                   /* pushes begun; pushes and pops that have succeeded */
+	uint32_t older[THREADS * PER_THREAD];             /* for each item, those pushed before its push began */
+	bool in_push[THREADS], in_pop[THREADS];           /* the call that each thread is inside of */
+	bool may_be_empty[THREADS], may_be_full[THREADS]; /* the queue was empty (full) at some moment of the call */
 	uint32_t producers_left, ended;
-	bool over; /* a pop has said: closed and empty, and so it stays */
+	bool over; /* a pop has reported closed and empty, which must be final */
 } shared;
 
 /* Parameters of a run; not part of the state. */
 static struct {
 	uint32_t producers, consumers, each;
-	uint32_t before; /* items that are pushed before the other threads exist... */
-	uint32_t left;   /* ...and how many of them are still there then */
-	uint32_t rounds; /* of a thread that pushes one item and pops one; instead of producers and consumers */
-	uint32_t guests; /* threads beside it that push or pop one item and rest, so many times: */
+	uint32_t before; /* items pushed before the other threads exist, */
+	uint32_t left;   /* and how many of them are left then */
+	uint32_t rounds; /* of a thread that alternates push and pop, instead of producers and consumers */
+	uint32_t guests; /* threads besides it that push or pop one item and rest, `visits` times */
 	uint32_t visits;
 	bool visit_pushes;
-	uint32_t stops; /* one of them may stop for ever */
+	uint32_t stops; /* one of the threads may stop for ever */
 	size_t capacity;
-	bool closer; /* another thread closes at any time; else the last producer closes after its last item */
+	bool closer; /* another thread closes at any time; otherwise the last producer closes after its last item */
 } with;
 static bool must_fail;
 
@@ -62,7 +63,7 @@ static int32_t count_but(const bool *of, uint32_t thread)
 	return count;
 }
 
-/* Called whenever a call begins or ends: for each call in progress, is the queue empty or full now for all we know? */
+/* Called when a call begins or ends: notes for each call in progress whether the queue may be empty or full now. */
 static void note_moment(void)
 {
 	int32_t surely = __builtin_popcount(shared.pushed & ~shared.popped);
@@ -70,7 +71,7 @@ static void note_moment(void)
 	for (uint32_t i = 0; i < THREADS; i++) {
 		if (shared.in_pop[i] && surely - count_but(shared.in_pop, i) <= 0)
 			shared.may_be_empty[i] = true;
-		/* Without the item that thread i itself is pushing. */
+		/* without the item that thread i itself is pushing */
 		if (shared.in_push[i] && at_most - 1 >= (int32_t)with.capacity)
 			shared.may_be_full[i] = true;
 	}
@@ -99,7 +100,7 @@ static int push(uint32_t thread, uint32_t i)
 	return result;
 }
 
-/* Any item older than one that came out has come out too, or is in the hands of a pop that has not returned. */
+/* Every item older than a popped one was popped too, or is held by a pop that has not returned. */
 static void check_order(uint32_t thread, uint32_t item)
 {
 	int32_t missing = __builtin_popcount(shared.older[item] & ~shared.popped);
@@ -124,7 +125,7 @@ static int pop(uint32_t thread)
 		fail_unless(!(shared.popped >> item & 1), "an item seen twice");
 		check_order(thread, item);
 		shared.popped |= 1u << item;
-		shared.older[item] = 0; /* fewer states */
+		shared.older[item] = 0; /* merges states */
 	} else {
 		fail_unless(shared.may_be_empty[thread], "found nothing, though never empty");
 	}
@@ -185,7 +186,7 @@ static void *visit(void *data)
 	return NULL;
 }
 
-/* Pushes and pops through all segments while the other threads are at any step. */
+/* Pushes and pops through all segments while the other threads are at arbitrary steps. */
 static void churn(void)
 {
 	for (uint32_t i = with.before; i < with.before + with.rounds; i++) {
@@ -220,7 +221,7 @@ static void queue_check(void)
 	uint32_t threads = with.rounds > 0 ? 1 + with.guests : with.producers + with.consumers + with.closer;
 	int32_t stopped = (int32_t)(threads - shared.ended);
 	fail_unless(stopped <= (int32_t)with.stops, "a thread did not end");
-	/* The item that a stopped thread was pushing may be in the queue; the item it was popping is lost. */
+	/* The item that a stopped thread was pushing may be in the queue; the one that it was popping is lost. */
 	while (pop(0) == 0)
 		;
 	fail_unless(__builtin_popcount(shared.pushed & ~shared.popped) <= count_but(shared.in_pop, THREADS),
@@ -233,7 +234,7 @@ static void queue_check(void)
 	fail_unless((int32_t)model_heap_blocks() <= stopped, "leaked segments");
 }
 
-/* One thread, many items, never more than three in the queue: a few segments must do. */
+/* One thread, many items, never more than three in the queue: a few segments must be enough. */
 static void recycle_main(void)
 {
 	stilb_job_queue_desc desc = {.capacity = SIZE_MAX, .thread_count = 1};
@@ -269,7 +270,7 @@ static void run(const char *name, void (*entry)(void), void (*check)(void))
 	model_result result = model_run(&scenario, !must_fail);
 	print_message("%-34s %8u states %8u steps, path %u: %s\n", name, result.states, result.steps, result.depth,
 	              result.failure ? result.failure : "ends well");
-	/* A run that is given up has found nothing. */
+	/* An inconclusive run, with too many states, has not found the planted fault. */
 	failed = failed || (result.failure && !(must_fail && result.states >= scenario.max_states));
 }
 

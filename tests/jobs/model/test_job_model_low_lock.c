@@ -1,11 +1,11 @@
 /*
- * Every interleaving of the real low-lock queue with segments of two cells, so that a few items go over several segment
- * ends and use segments again, and of its lock by itself (see job_model.h for what that covers and what not).
+ * All interleavings of the real low-lock queue with segments of two cells, so that a few items cross several segment
+ * ends and reuse segments, and of its lock by itself. job_model.h tells what that covers.
  *
- * The queue's scenarios use a lock of one step, for the states of the real one would multiply with theirs.
+ * The queue's scenarios use a lock of one step, since the states of the real lock would multiply with theirs.
  *
- * tests/CMakeLists.txt builds this file again around copies of the sources with one fault each. Those are run with the
- * argument must-fail: the checker has to find the fault in one of the scenarios.
+ * tests/CMakeLists.txt also builds this file around copies of the sources with one planted fault each. Those are run
+ * with the argument must-fail: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -21,8 +21,7 @@ static void model_lock_take(job_lock *lock)
 		model_step(&lock->held, "take", __LINE__);
 		return;
 	}
-	model_block_until((const uint32_t *)&lock->held,
-	                  0); /* a step of its own: goes on when the lock is free, and only then */
+	model_block_until((const uint32_t *)&lock->held, 0); /* one step, enabled when the lock is free */
 	lock->held = 1;
 }
 
@@ -50,22 +49,22 @@ static struct shared {
 	job_lock lock;
 	uint32_t inside;
 	uint32_t producers_left;
-	/* The queue's content as the checks derive it from the calls. */
-	int32_t pushed, popped;         /* calls that have returned with success, in items */
-	int32_t pushing[4], popping[4]; /* items that each thread's call in progress may be adding or taking */
+	/* The queue's content, derived by the checks from the calls. */
+	int32_t pushed, popped;         /* items of calls that have succeeded */
+	int32_t pushing[4], popping[4]; /* items that each thread's current call may add or take */
 	bool may_be_empty[4];           /* the queue was empty (full) at some moment of the thread's call */
 	bool may_be_full[4];
 	uint32_t refused;
 	uint32_t seen[PER_THREAD * 4];
-	uint32_t last[4][4]; /* per consumer and producer: the newest item seen */
+	uint32_t last[4][4]; /* per consumer and producer: the last item popped */
 } shared;
 
 /* Parameters of a run; not part of the state. */
 static struct {
 	uint32_t producers, consumers, each, batch;
-	uint32_t before; /* items more that the first thread pushes before the others exist */
+	uint32_t before; /* items that the first thread pushes before the others exist */
 	int32_t capacity;
-	bool closer; /* another thread closes at any time; else the last producer closes after its last item */
+	bool closer; /* another thread closes at any time; otherwise the last producer closes after its last item */
 } with;
 static bool must_fail;
 
@@ -75,7 +74,8 @@ static void fail_unless(bool condition, const char *why)
 		model_fail(why);
 }
 
-/* ---- what a call may answer ----------------------------------------------------------------------------------- */
+/* ---- possible results of a call
+ * ------------------------------------------------------------------------------------ */
 
 static int32_t sum_but(const int32_t *of, uint32_t thread)
 {
@@ -85,7 +85,7 @@ static int32_t sum_but(const int32_t *of, uint32_t thread)
 	return sum;
 }
 
-/* Called whenever a call begins or ends: for each call in progress, is the queue empty or full now for all we know? */
+/* Called when a call begins or ends: notes for each call in progress whether the queue may be empty or full now. */
 static void note_moment(void)
 {
 	for (uint32_t i = 0; i < 4; i++) {
@@ -255,7 +255,7 @@ static void queue_check(void)
 	fail_unless(model_heap_blocks() == 0, "leaked segments");
 }
 
-/* One thread, many items, never more than three in the queue: three segments must do. */
+/* One thread, many items, never more than three in the queue: three segments must be enough. */
 static void recycle_main(void)
 {
 	shared.queue = queue_create();
@@ -359,12 +359,12 @@ static void test_every_interleaving(void **state)
 	assert_int_equal(failed, must_fail);
 }
 
-/* Faults that the checker itself can put in. */
+/* Faults of the checker's own operations. */
 static void test_faults_are_found(void **state)
 {
 	(void)state;
 	if (must_fail)
-		return; /* there is one already */
+		return; /* this build has a planted fault already */
 	must_fail = true;
 	static const model_fault faults[] = {MODEL_FAULT_NO_LOCK, MODEL_FAULT_NO_WAKE};
 	for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {

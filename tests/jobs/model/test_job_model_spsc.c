@@ -1,9 +1,9 @@
 /*
- * Every interleaving of the real single-producer, single-consumer queue with blocks of two cells, so that a few items
- * go over several block ends and use blocks again (see job_model.h for what that covers and what not).
+ * All interleavings of the real queue for one producer and one consumer, with blocks of two cells, so that a few items
+ * cross several block ends and reuse blocks. job_model.h tells what that covers.
  *
- * tests/CMakeLists.txt builds this file again around copies of jobs/job_spsc.c with one fault each. Those are run with
- * the argument must-fail: the checker has to find the fault.
+ * tests/CMakeLists.txt also builds this file around copies of jobs/job_spsc.c with one planted fault each. Those are
+ * run with the argument must-fail: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
