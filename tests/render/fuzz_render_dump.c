@@ -1,6 +1,6 @@
-/* Frame dumps of any bytes: render_dump_read never crashes and returns a dump or a reason; a dump plays on the null
- * device and can be saved. The mutator knows the parts of a file and adapts the header's counts to them. In most cases
- * it also writes the right checksum, without which every mutant would be refused at once. */
+/* Frame dumps of arbitrary bytes: render_dump_read never crashes and returns a dump or a reason; a dump plays on the
+ * null device and can be saved. The mutator knows the parts of a file, adapts the header's counts to them, and in most
+ * cases writes the right checksum, without which every mutant would be refused at once. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 
@@ -54,7 +54,7 @@ static stilb_render_material seed_material(stilb_render *render, bool textured)
 	return out;
 }
 
-/* One to three passes; the odd ones are sorted. */
+/* One to three passes; those with odd numbers are sorted. */
 static void make_seed(const char *path, uint32_t pass_count)
 {
 	static const stilb_render_pass passes[3] = {
@@ -167,7 +167,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 	return size;
 }
 
-/* ---- what must hold ---------------------------------------------------------------------------------------------- */
+/* ---- checks ------------------------------------------------------------------------------------------------------ */
 
 /* Large ids only cost time and memory: each id below them gets an empty resource. */
 static bool plays_quickly(const stilb_render_dump *dump)
@@ -193,7 +193,7 @@ static void play(stilb_render_dump *dump, stilb_render *render)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	stilb_render_dump *dump;
-	uint8_t *copy = malloc(size ? size : 1); /* of exactly that size: the sanitizer sees reads beyond it */
+	uint8_t *copy = malloc(size ? size : 1); /* of exactly that size, so that the sanitizer sees reads beyond it */
 	require(copy != NULL);
 	if (size > 0)
 		memcpy(copy, data, size);

@@ -39,7 +39,7 @@ static void stage_close(stage *s)
 	stilb_job_pool_destroy(s->pool);
 }
 
-/* The replay modes, each with one and with four samples. */
+/* All replay modes, each with one and with four samples. */
 #define WAYS 6
 
 static stilb_render_desc way(int w)
@@ -110,7 +110,7 @@ static void assert_color(const stilb_image *image, uint32_t x, uint32_t y, color
 		fail_msg("pixel %u, %u: %u %u %u instead of %u %u %u", x, y, got[0], got[1], got[2], want.r, want.g, want.b);
 }
 
-/* ---- the same on paper: IEC 61966-2-1, and over in linear light -------------------------------------------------- */
+/* ---- the expected colors: IEC 61966-2-1, blending in linear light ------------------------------------------------ */
 
 static double to_linear(double code)
 {
@@ -482,7 +482,7 @@ static void memory_grows_in_flight(void **state)
 	}
 }
 
-/* ---- nothing ----------------------------------------------------------------------------------------------------- */
+/* ---- empty passes ------------------------------------------------------------------------------------------------ */
 
 static void an_empty_pass_is_black(void **state)
 {
@@ -503,7 +503,7 @@ static void an_empty_pass_is_black(void **state)
 	}
 }
 
-/* A pass without draws gives the device no command at all. */
+/* A pass without draws sends no command to the device. */
 static void an_empty_pass_over_a_scene_costs_nothing(void **state)
 {
 	(void)state;

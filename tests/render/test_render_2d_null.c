@@ -1,5 +1,5 @@
-/* 2D passes on the null device: the draws that reach the device and their order, memory that grows and that runs out;
- * and that 2D passes are not part of the stream hash and of dumps. The linker sends allocations here (--wrap). */
+/* 2D passes on the null device: the draws that reach the device and their order, memory that grows and that runs out.
+ * 2D passes are no part of the stream hash and of dumps. The linker sends allocations here (--wrap). */
 #include "render/render_dump.h"
 #include "render/render_internal.h"
 #include "support/render_reference.h"
@@ -80,7 +80,7 @@ static void shape_record(stilb_render_context *context, uint32_t number, stilb_r
 	stilb_render_draw_2d(context, first, s.index_count, s.clip, texture);
 }
 
-/* Checks what the device would read: all shapes in order, each with its clip. */
+/* Checks the draws that the device gets: all shapes in order, each with its clip. */
 static void assert_shapes(const stilb_render *render, uint32_t count)
 {
 	const render_pass_lists *lists = &render->passes[0];
@@ -184,7 +184,7 @@ static void draws_are_counted(void **state)
 		assert_int_equal(stilb_render_replay(render, passes, 1, NULL, 0, NULL, 0), STILB_OK);
 		assert_true(stilb_render_stats_get(render).indirect_commands == (indirect ? 4 : 0));
 		assert_true(stilb_render_stats_get(render).binds_sent ==
-		            3 + 1 + 2 + 1); /* three at first, then pipeline and texture where they change */
+		            3 + 1 + 2 + 1); /* three for the first draw, then pipeline and texture where they change */
 		assert_shapes(render, 12);
 		assert_int_equal(draw_shapes(render, 0, texture), STILB_OK);
 		stats = stilb_render_stats_get(render);

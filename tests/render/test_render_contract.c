@@ -1,4 +1,4 @@
-/* The contracts of render, each broken on purpose on the null device. */
+/* Violations of the contracts of render on the null device, planted: each must die with the assert's text. */
 #include "support/contract.h"
 #include "support/render_fixture.h"
 #include "support/test.h"
@@ -76,7 +76,7 @@ static void locks(void **state)
 	stilb_render_destroy(render);
 }
 
-/* ---- things to draw ---------------------------------------------------------------------------------------------- */
+/* ---- resources --------------------------------------------------------------------------------------------------- */
 
 static stilb_render_mesh make_mesh(stilb_render *render)
 {
@@ -219,7 +219,7 @@ static void draws(void **state)
 	stilb_render_context *context = stilb_render_context_get(render, 0);
 	contract_breaks("context->segment", draw(context, mesh, material, 1.0f));
 	stilb_render_segment_begin(context, 0, 0);
-	draw(context, mesh, material, 1.0f); /* as it should be */
+	draw(context, mesh, material, 1.0f); /* a correct draw */
 	contract_breaks("the transform is affine", draw(context, mesh, material, 2.0f));
 	contract_breaks("a mesh that exists", draw(context, gone, material, 1.0f));
 	contract_breaks("a mesh that exists", draw(context, (stilb_render_mesh){0}, material, 1.0f));

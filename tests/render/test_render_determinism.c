@@ -1,6 +1,6 @@
 /* The stream is the same for 0 to 8 workers and many schedules of each. The linker redirects the job system's loops to
  * this file (--wrap), which permutes their slices and pauses between them; the hooks of the pool pause, too. So
- * segments are recorded in orders that the scheduler alone would hardly give. Arguments: the number of schedules;
+ * segments are recorded in orders that the scheduler alone would hardly produce. Arguments: the number of schedules;
  * "vulkan", to compare pictures instead; WORKERS SCHEDULE, to repeat one schedule. */
 #include "support/render_fixture.h"
 #include "support/test.h"
@@ -13,11 +13,12 @@
 #define MOST_WORKERS 8u
 #define ALL_MODES (FIXTURE_REPLAYS * FIXTURE_MATERIALS)
 
-/* ---- a wild scheduler ------------------------------------------------------------------------------------------- */
+/* ---- the scheduler that permutes
+ * ---------------------------------------------------------------------------------- */
 
 static struct {
 	uint64_t seed;
-	_Atomic uint64_t pauses; /* so far. Relaxed: it numbers random values; any thread may get any of them */
+	_Atomic uint64_t pauses; /* number so far. Relaxed: it numbers random values, which may go to any thread */
 	bool on;
 } fuzz;
 
@@ -95,7 +96,7 @@ void __wrap_stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_
 	__real_stilb_job_parallel_for(pool, count, 1, fuzz_slice, &loop, worker);
 }
 
-/* ---- what is drawn: a scene, and two passes by hand, the first of which is sorted ------------------------------- */
+/* ---- the draws: a scene, and two passes by hand, the first of which is sorted ----------------------------------- */
 
 #define MODELS 520u
 #define TEXTURES 3u
@@ -110,7 +111,7 @@ static const uint32_t sequence[PASSES] = {0, 2, 1};
 
 typedef struct hand_pass {
 	uint32_t first[SEGMENTS + 1];
-	fixture_draw *draws; /* [first[SEGMENTS]] as they are recorded */
+	fixture_draw *draws; /* [first[SEGMENTS]] in the order of recording */
 } hand_pass;
 
 typedef struct content {
@@ -131,11 +132,12 @@ static content all;
 static uint32_t segment_size(uint32_t pass, uint32_t segment)
 {
 	if (segment == 7)
-		return pass == 0 ? 600 : 2100; /* longer than a chunk of rows; than one of commands */
+		return pass == 0 ? 600 : 2100; /* longer than a chunk of rows (pass 0), and than one of commands */
 	return segment % 5 == 2 ? 0 : (uint32_t)(stilb_random_u64(pass, segment) % 30);
 }
 
-/* Materials, and textures if there are any, in the same order on every device: the same handles. */
+/* Creates materials, and textures if there are any, in the same order on every device, so that their handles are
+ * equal. */
 static void content_upload(stilb_render *render)
 {
 	assert_int_equal(stilb_render_upload_scene(render, all.scene), STILB_OK);

@@ -15,7 +15,7 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* So many more allocations succeed. Relaxed: a counter that orders nothing. */
+/* The number of further allocations that succeed. Relaxed: a counter that orders nothing. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -106,7 +106,7 @@ static void make_texture(frame *f, uint32_t t, uint32_t channels, stilb_image_fo
 	stilb_image_finish(&image);
 }
 
-/* Resources that no draw uses have ids before and between those that draws use. */
+/* Ids of resources that no draw uses lie before and between those of resources that draws use. */
 static void make_resources(frame *f)
 {
 	for (uint32_t m = 0; m < 4; m++) {
@@ -226,7 +226,7 @@ static stilb_result play(stilb_render_dump *dump, stilb_render *render, stilb_jo
 	return result == STILB_OK ? stilb_render_dump_replay(dump, render, pool, 0) : result;
 }
 
-/* ---- there and back ---------------------------------------------------------------------------------------------- */
+/* ---- saving and playing ------------------------------------------------------------------------------------------ */
 
 static void the_same_stream_comes_back(void **state)
 {
@@ -270,7 +270,7 @@ static void only_what_is_used_is_in_it(void **state)
 	assert_int_equal(info.draws, 7 + 9 + 10 + 7 + 9);
 	assert_int_equal(info.meshes, 2);
 	assert_in_range(info.materials, 10, 30);
-	assert_int_equal(info.textures, 2); /* of three textures draws use two */
+	assert_int_equal(info.textures, 2); /* draws use two of three textures */
 	assert_int_equal(info.width, 64);
 	assert_int_equal(info.height, 32);
 	assert_int_equal(info.samples, 4);
@@ -306,7 +306,7 @@ static void what_cannot_be_dumped(void **state)
 	stilb_render_destroy(f.render);
 }
 
-/* ---- files that are damaged -------------------------------------------------------------------------------------- */
+/* ---- damaged files ----------------------------------------------------------------------------------------------- */
 
 static void assert_refused(const uint8_t *bytes, size_t size, const char *reason)
 {
@@ -348,7 +348,7 @@ static bool ids_are_small(const stilb_render_dump *dump)
 	       (header->meshes == 0 || dump->meshes[header->meshes - 1].id < 1000);
 }
 
-/* Random bytes are changed and the checksum is made right again: the file is refused, or it plays. */
+/* Random bytes are changed and the checksum is corrected: the file is refused, or it plays. */
 static void every_signed_change_is_refused_or_plays(void **state)
 {
 	(void)state;
@@ -473,7 +473,7 @@ static void the_message_names_the_place(void **state)
 	free(bytes);
 }
 
-/* ---- files that cannot be read ----------------------------------------------------------------------------------- */
+/* ---- unreadable files -------------------------------------------------------------------------------------------- */
 
 static void write_bytes(const char *path, const void *bytes, size_t size)
 {

@@ -13,7 +13,7 @@
 
 #define SIZE 48u
 
-/* ---- the layer's messages, those during destruction as well ------------------------------------------------------ */
+/* ---- messages of the validation layer, also during destruction --------------------------------------------------- */
 
 static uint32_t messages;
 
@@ -30,7 +30,7 @@ void __wrap_stilb_log(const char *format, ...)
 		!strstr(text, "validation: VK_ERROR_"); /* lavapipe logs the errors that it returns: these do not count */
 }
 
-/* ---- the driver's own memory ------------------------------------------------------------------------------------- */
+/* ---- the driver's host memory ------------------------------------------------------------------------------------ */
 
 /* Relaxed: counters that order nothing. The driver's threads allocate, too; the test reads them between trials. */
 static uint32_t host_allocations, host_fault;
@@ -347,10 +347,10 @@ static void every_device_allocation_fails_once(void **state)
 	}
 }
 
-/* ---- the driver's own memory: a program of its own for each fault, since a driver may not survive it ------------- */
+/* ---- the driver's host memory: one process for each fault, since a driver may not survive it --------------------- */
 
 enum host_status {
-	HOST_SURVIVED = 0, /* 1: cmocka's failures */
+	HOST_SURVIVED = 0, /* 1 is the exit status of cmocka failures */
 	HOST_DRIVER_DIED = 3,
 	HOST_DRIVER_SILENT, /* a wrong picture without an error from any call */
 	HOST_DIED,
@@ -367,12 +367,12 @@ static void host_died(int signal)
 static size_t host_way;
 static uint64_t host_picture; /* hash of the picture without a fault */
 
-/* The child's part: prints how many host allocations there were, and the picture. */
+/* The child process: prints the number of host allocations, and the picture's hash. */
 static void one_host_allocation_fails(void **state)
 {
 	(void)state;
 	stilb_image image;
-	driver_call(); /* loads libraries that it needs while there is memory */
+	driver_call(); /* loads the libraries that it needs while there is memory */
 	signal(SIGSEGV, host_died);
 	signal(SIGABRT, host_died);
 	vulkan_host_allocator = &host_allocator;
@@ -406,9 +406,9 @@ static int host_child(size_t way, uint32_t fault, uint64_t picture, char *words,
 }
 
 /* Mesa 22.3's lavapipe dereferences NULL in vkCreatePipelineLayout, and in the vkCmd calls that copy an array
- * (barriers, copies, vkCmdBeginRendering, vkCmdBindDescriptorSets) when there is no memory for the copy; and when
- * there is none for the command itself, vkCmdBindDescriptorSets does nothing and reports nothing. Those trials prove
- * nothing; they must be the fewer. */
+ * (barriers, copies, vkCmdBeginRendering, vkCmdBindDescriptorSets), if there is no memory for the copy. Without memory
+ * for the command itself vkCmdBindDescriptorSets silently does nothing. Such trials prove nothing; most trials must be
+ * others. */
 static void host_allocations_fail(void **state)
 {
 	(void)state;

@@ -1,6 +1,6 @@
-/* The profiler's lane "GPU" has a zone for each frame and in it one for each pass, which lie between the submission and
- * the end of the wait on the CPU's clock. Tested with clocks that can be read together, with interrupted readings, and
- * without the extension. The linker sends the loader's look-up here (--wrap). */
+/* The profiler's lane "GPU" has a zone for each frame, and inside it one for each pass, which lie between the
+ * submission and the end of the wait by the CPU's clock. Tested with clocks that can be read together, with interrupted
+ * readings, and without the extension. The linker sends the loader's look-up here (--wrap). */
 #include "base/base.h"
 #include "profiler/prof_snapshot.h"
 #include "render/vulkan/vulkan_internal.h"
@@ -96,7 +96,7 @@ static void stage_timed_frame(stage *s, bool overlay)
 	s->gpu_ns[f] = (uint64_t)(stilb_render_stats_get(s->render).gpu_ms * 1e6);
 }
 
-/* ---- what the profiler has --------------------------------------------------------------------------------------- */
+/* ---- the profiler's data ----------------------------------------------------------------------------------------- */
 
 static const stilb_prof_lane *find_lane(const stilb_prof_snapshot *snapshot, const char *name)
 {
@@ -171,7 +171,7 @@ static void frames_are_where_they_were(void **state)
 	}
 }
 
-/* Frames that nobody waits for are read when their slot is used again, the last ones by a wait; none is read twice. */
+/* Frames without a wait are read when their slot is used again, the last ones by a wait; none is read twice. */
 static void frames_in_flight_are_read_in_order(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
 /* A million draws: none is dropped, in any mode, with and without workers. Small frames before and after are complete,
- * also if memory ran out in between, and all memory is given back. The linker sends allocations here (--wrap). */
+ * also if memory ran out in between, and all memory is freed. The linker sends allocations here (--wrap). */
 #include "support/render_fixture.h"
 #include "support/test.h"
 
@@ -60,7 +60,7 @@ static void draw(stilb_render *render, const stilb_render_pass *pass, uint32_t m
 	assert_true(stilb_render_stats_get(render).draws == 2 * (uint64_t)models);
 }
 
-/* Bytes that the process has asked for and not given back. */
+/* Bytes allocated by the process. */
 static size_t memory_in_use(void)
 {
 	struct mallinfo2 info = mallinfo2();
@@ -87,7 +87,7 @@ static void a_million_draws(uint32_t workers, int replay)
 	draw(render, &one_pass, 5, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_few);
 	stilb_render_destroy(render);
-	if (!FIXTURE_SANITIZED) /* sanitizers hold freed memory back */
+	if (!FIXTURE_SANITIZED) /* sanitizers keep freed memory for a while */
 		assert_in_range(memory_in_use(), 0, before + (1u << 20));
 	stilb_job_pool_destroy(pool);
 }

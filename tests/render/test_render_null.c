@@ -11,7 +11,8 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* So many more allocations succeed. Relaxed: a counter that orders nothing; several workers count it down. */
+/* The number of further allocations that succeed. Relaxed: a counter that orders nothing; several workers decrement
+ * it. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 static _Atomic int queue_fails; /* relaxed, too: malloc, which only the job queue calls, fails */
 
@@ -187,7 +188,7 @@ static void a_thousand_frames(void **state)
 static void rows_grow_and_stay(void **state)
 {
 	(void)state;
-	/* Models have two draws each: below, far above, exactly at and just above a new frame's capacity. */
+	/* Models have two draws each: below, far above, exactly at, and just above a new frame's capacity. */
 	static const uint32_t counts[] = {5, 20000, 50, 35000, 16384, 16385, 0, 35000, 34999, 35000, 34999};
 	stilb_scene *scene = make_scene(35000);
 	uint32_t *ids = all_ids(35000);
@@ -225,7 +226,7 @@ static void other_context_counts_and_sizes(void **state)
 		assert_int_equal(height, 16384);
 		stilb_job_pool_destroy(pool);
 	}
-	/* Without memory for new contexts the old ones still work. */
+	/* Without memory for new contexts the existing ones still work. */
 	stilb_job_pool *pool = make_pool(1);
 	allocations_allow(0);
 	assert_int_equal(stilb_render_set_context_count(render, 9), STILB_ERROR_MEMORY);
@@ -329,11 +330,12 @@ static void segments_in_any_order(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- what the device is given ------------------------------------------------------------------------------------ */
+/* ---- the device's view of the stream ----------------------------------------------------------------------------- */
 
 #define SPY_PASSES 4u
 
-/* Between render and the null device: lists the passes, and hashes every draw from the data that the device gets. */
+/* Stands between render and the null device: lists the passes, and hashes every draw from the data that the device
+ * gets. */
 static struct {
 	render_device_functions functions;
 	const render_device_functions *real;
@@ -524,7 +526,7 @@ static void a_full_queue_is_no_error(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- the rest ---------------------------------------------------------------------------------------------------- */
+/* ---- info -------------------------------------------------------------------------------------------------------- */
 
 static void the_null_device_says_what_it_is(void **state)
 {

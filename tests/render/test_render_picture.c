@@ -7,7 +7,7 @@
 
 static const dvec north = {0, 0, -1}, above = {0, 1, 0};
 
-/* Straight down from height metres above the origin; -Z is up in the picture. */
+/* A camera at `height` metres above the origin that looks straight down; -Z is up in the picture. */
 static reference_camera from_above(double height, double focal, uint32_t size)
 {
 	return reference_camera_at((dvec){0, height, 0}, (dvec){0, 0, 0}, north, focal, size, size);
@@ -46,7 +46,7 @@ static void without_tile(stilb_scene *scene)
 	scene->part_transform[1] = stilb_mat4_scale_translate(0.001f, 0.0f, -5.0f, 0.0f);
 }
 
-/* ---- where things are -------------------------------------------------------------------------------------------- */
+/* ---- positions --------------------------------------------------------------------------------------------------- */
 
 static const picture_desc linear = {.output = STILB_RENDER_OUTPUT_LINEAR};
 
@@ -191,7 +191,7 @@ static void every_pixel_is_as_traced(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- how bright -------------------------------------------------------------------------------------------------- */
+/* ---- brightness -------------------------------------------------------------------------------------------------- */
 
 /* Sun, camera and normal are collinear: n.h = 1, so the highlight is specular * factor * E. */
 static void the_highlight_at_its_peak(void **state)
@@ -254,7 +254,7 @@ static void display_codes_follow_the_curve(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- what is in front -------------------------------------------------------------------------------------------- */
+/* ---- depth ------------------------------------------------------------------------------------------------------- */
 
 static void the_nearer_wins_whatever_the_order(void **state)
 {
@@ -354,7 +354,7 @@ static void assert_no_holes(const stilb_scene *scene, reference_camera camera)
 			dvec d = reference_ray(&camera, x + 0.5, y + 0.5);
 			double t = d.y < 0.0 ? -camera.position.y / d.y : HUGE_VAL;
 			dvec p = dvec_mad(camera.position, t, d);
-			double reach = 0.02 * t * (1.0 + t / camera.position.y) * 2.0 / camera.height; /* a part of a pixel */
+			double reach = 0.02 * t * (1.0 + t / camera.position.y) * 2.0 / camera.height; /* a fraction of a pixel */
 			double edge = fmax(fabs(p.x), fabs(p.z));
 			bool is_sky = picture_is_sky(&image, scene, x, y);
 			if (t < HUGE_VAL && edge < GRID - reach) {
@@ -383,10 +383,10 @@ static void no_holes_between_tiles(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- the same picture -------------------------------------------------------------------------------------------- */
+/* ---- equal pictures ---------------------------------------------------------------------------------------------- */
 
-/* Every model has two materials of its own, so the material changes with every draw. The pipeline does, too: spheres
- * have even materials, tiles odd ones. */
+/* Every model has two materials of its own, so the material changes with every draw. So does the pipeline: spheres have
+ * even materials, tiles odd ones. */
 static void assert_commands(const stilb_render_stats *stats, picture_desc how, uint64_t draws)
 {
 	bool direct = how.replay == STILB_RENDER_REPLAY_DIRECT, secondary = how.replay == STILB_RENDER_REPLAY_SECONDARY;
@@ -411,8 +411,8 @@ static void the_same_however_it_was_drawn(void **state)
 	uint32_t models = 900;
 	stilb_scene *scene;
 	assert_int_equal(stilb_scene_create_stress(models, 5, &scene), STILB_OK);
-	/* The second half lies where the first does, in other colours. At equal depth the first one drawn wins, so a change
-	 * of the order changes the picture. */
+	/* The second half lies at the same place as the first, in other colours. At equal depth the first one drawn wins,
+	 * so a changed order changes the picture. */
 	for (uint32_t part = 0; part < models; part++)
 		scene->part_transform[models + part] = scene->part_transform[part];
 	reference_camera camera = reference_camera_at((dvec){9, 11, 30}, (dvec){0, 0, 0}, above, 1.5, 160, 90);

@@ -1,5 +1,5 @@
-/* Meshes, textures and materials that come and go: from all workers while frames are drawn, without memory, with bad
- * input, and until no index is left. The linker sends allocations here (--wrap). */
+/* Meshes, textures and materials that are created and destroyed: by all workers while frames are drawn, without memory,
+ * with bad input, and until no index is left. The linker sends allocations here (--wrap). */
 #include "support/render_gpu.h"
 #include "support/test.h"
 
@@ -129,7 +129,7 @@ static void ranges_are_sets(void **state)
 	}
 }
 
-/* ---- frames of things ------------------------------------------------------------------------------------------- */
+/* ---- frames ----------------------------------------------------------------------------------------------------- */
 
 static const stilb_render_pass one_pass = {.name = "main"};
 static const stilb_render_view one_view;
@@ -190,7 +190,7 @@ static void frames_pass(stilb_render *render)
 		assert_int_equal(draw_things(render, NULL, 0), STILB_OK);
 }
 
-/* ---- the books of render_resources ------------------------------------------------------------------------------ */
+/* ---- the tables of render_resources ----------------------------------------------------------------------------- */
 
 static void mark(uint8_t *marks, uint32_t size, uint32_t first, uint32_t count)
 {
@@ -270,8 +270,8 @@ static void assert_nothing_lives(const stilb_render *render)
 #define CHURN_FRAMES 50u
 #define CHURN_SEGMENTS 40u
 #define CHURN_EACH 5u    /* of each kind in a segment */
-#define CHURN_BESIDE 20u /* made in a frame by the thread outside the pool */
-#define CHURN_STAYS 2u   /* a thing is drawn in so many frames after its first, and destroyed in the last */
+#define CHURN_BESIDE 20u /* created in a frame by the thread outside the pool */
+#define CHURN_STAYS 2u   /* a thing is drawn in its first frame and in so many more, and destroyed in the last */
 #define CHURN_SEGMENT_DRAWS ((CHURN_STAYS + 1) * CHURN_EACH)
 #define CHURN_MOST_INDICES 8192u
 
@@ -354,7 +354,7 @@ static void churn_slice(uint32_t begin, uint32_t end, uint32_t worker, void *con
 		churn_segment(context, segment, worker);
 }
 
-/* Creates and destroys from outside the pool, at any time, also during replay; some in each frame. */
+/* Creates and destroys resources on a thread outside the pool, at any time, also during replay; some in each frame. */
 static void *churn_beside(void *data)
 {
 	churn *c = data;
@@ -433,7 +433,7 @@ static void ten_thousand_of_each(void **state)
 	churn_run(2, STILB_RENDER_REPLAY_SECONDARY, STILB_RENDER_MATERIALS_INDEX);
 }
 
-/* ---- lives ------------------------------------------------------------------------------------------------------ */
+/* ---- life times ------------------------------------------------------------------------------------------------- */
 
 #define THINGS 60u
 
@@ -458,7 +458,7 @@ static void indices_come_back_later(void **state)
 	gpu_attach(render);
 	things_create(render, things, 0, 2);
 	assert_things_drawn(render, things, 2);
-	things_destroy(render, things, 1, 1); /* in the frame that drew it */
+	things_destroy(render, things, 1, 1); /* in the frame that draws it */
 	uint32_t used = render->resources.heaps[RENDER_HEAP_VERTICES].size;
 	for (int f = 0; f < RENDER_FRAMES_IN_FLIGHT - 1; f++) {
 		assert_things_drawn(render, things, 1);
@@ -542,7 +542,7 @@ static void a_scene_among_others(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* ---- frames that do not arrive ---------------------------------------------------------------------------------- */
+/* ---- frames that are lost or not replayed ----------------------------------------------------------------------- */
 
 static void a_lost_frame_is_made_up_for(void **state)
 {
@@ -803,7 +803,7 @@ static void no_more_textures(void **state)
 	stilb_result result;
 	while ((result = gpu_texture_create(render, count + 1, &textures[count])) == STILB_OK)
 		count++;
-	assert_int_equal(count, STILB_RENDER_MAX_TEXTURES - 1); /* index 0 is none */
+	assert_int_equal(count, STILB_RENDER_MAX_TEXTURES - 1); /* index 0 means no texture */
 	for (int again = 0; again < 3; again++) {
 		assert_int_equal(result, STILB_ERROR_MEMORY);
 		assert_int_equal(textures[count].id, 0);
@@ -813,7 +813,7 @@ static void no_more_textures(void **state)
 	}
 	stilb_render_texture_destroy(render, textures[1000]);
 	assert_int_equal(gpu_texture_create(render, 9, &textures[count]),
-	                 STILB_ERROR_MEMORY); /* the destroyed one is still in flight */
+	                 STILB_ERROR_MEMORY); /* the destroyed one is still used by a frame in flight */
 	frames_pass(render);
 	assert_int_equal(gpu_texture_create(render, 9, &textures[count]), STILB_OK);
 	assert_int_equal(fixture_index(textures[count].id), fixture_index(textures[1000].id));

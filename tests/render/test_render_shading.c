@@ -1,5 +1,5 @@
 /* The formulas that a view chooses, on the GPU, compared with the same headers compiled as C: every model, every light,
- * the values added to materials, in every replay mode; and that pipelines are made when they are first needed. */
+ * the values added to materials, in every replay mode. Pipelines are created when they are first needed. */
 #include "render/vulkan/vulkan_internal.h"
 #include "shading/shade_energy.h"
 #include "shading/shade_surface.h"
@@ -9,8 +9,8 @@
 #define HEIGHT 56u
 #define PLACES 5
 
-/* Points that a pixel may show, up to a hundredth of a pixel from its centre: rasterisers snap vertices to 1/256
- * pixel. */
+/* Points that a pixel may show, up to a hundredth of a pixel from its centre: rasterisers snap vertices to a grid of
+ * 1/256 pixel. */
 static reference_hit hits[HEIGHT][WIDTH][PLACES];
 static stilb_scene *scene;
 static reference_camera camera;
@@ -36,7 +36,8 @@ static stilb_vec3 vec_of_dvec(dvec v)
 	return stilb_vec3_make((float)v.x, (float)v.y, (float)v.z);
 }
 
-/* ---- the scene: a sphere over a tile, near a lamp, with materials in which everything counts --------------------- */
+/* ---- the scene: a sphere over a tile, near a lamp, with materials that use every term of the formulas
+ * ------------- */
 
 static void make_scene(void)
 {
@@ -76,7 +77,7 @@ static int drop_scene(void **state)
 	return 0;
 }
 
-/* ---- as C has it ------------------------------------------------------------------------------------------------- */
+/* ---- the expected values, computed in C -------------------------------------------------------------------------- */
 
 static shade_material expected_material(const stilb_scene_material *m, const stilb_render_shading *shading)
 {
@@ -244,7 +245,7 @@ static void what_is_added_to_materials(void **state)
 	stage_finish(&s);
 }
 
-/* With secondary command buffers pipelines are bound on other threads than the one that makes them. */
+/* With secondary command buffers pipelines are bound on other threads than the one that creates them. */
 static void the_same_in_every_way_of_replay(void **state)
 {
 	(void)state;

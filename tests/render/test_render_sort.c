@@ -1,5 +1,5 @@
-/* Passes that sort: ascending keys, equal keys as recorded, for any number of workers; compared with a merge sort of
- * the same draws. The linker sends allocations here (--wrap). */
+/* Sorted passes: ascending keys, equal keys in recording order, for any number of workers; compared with a merge sort
+ * of the same draws. The linker sends allocations here (--wrap). */
 #include "support/render_fixture.h"
 #include "support/test.h"
 
@@ -272,7 +272,7 @@ static void keys_save_bindings(void **state)
 	list_free(&l);
 }
 
-/* ---- beside other passes ---------------------------------------------------------------------------------------- */
+/* ---- together with other passes --------------------------------------------------------------------------------- */
 
 #define MANY_PASSES 5u
 
@@ -284,8 +284,8 @@ static const stilb_render_pass many_passes[MANY_PASSES] = {
 	{.name = "sorted between", .order = 4, .sort = true},
 };
 
-/* Between render and the null device: the frame's memory may move before the device gets the first pass, and not after
- * that. */
+/* Stands between render and the null device: the frame's memory may move before the device gets the first pass, and not
+ * after that. */
 static struct {
 	render_device_functions functions;
 	const render_device_functions *real;
@@ -350,7 +350,7 @@ static void many_passes_that_grow(void **state)
 	list_free(&l);
 }
 
-/* ---- resources that come and go meanwhile ----------------------------------------------------------------------- */
+/* ---- resources destroyed during a frame ------------------------------------------------------------------------- */
 
 /* Once the frame is being replayed, destroys the materials that it draws with. */
 static void *destroy_materials(void *data)

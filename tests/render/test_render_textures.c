@@ -125,7 +125,7 @@ static stilb_image texel_image(stilb_image_format format, uint32_t channels)
 	return image;
 }
 
-/* The texture's value at a texel, linear; grey stands for all three channels. */
+/* The linear value of a texel. Grey textures have one value for all three channels. */
 static double texel_value(stilb_image_format format, uint32_t channels, int64_t x, int64_t y, int c)
 {
 	int64_t n = TEXELS;
@@ -148,7 +148,7 @@ static double texel_filtered(stilb_image_format format, uint32_t channels, doubl
 	return sum;
 }
 
-/* u and v run from `from` to `to` over the picture. Weights of filters have 8 bits. */
+/* Compares a picture over which u and v run from `from` to `to`. GPUs may use filter weights of 8 bits. */
 static void assert_texels(const stilb_image *image, stilb_image_format format, uint32_t channels, double from,
                           double to)
 {
@@ -192,8 +192,8 @@ static void texels_of_every_format(void **state)
 
 /* ---- on meshes --------------------------------------------------------------------------------------------------- */
 
-/* A texture whose red is u and whose green is v; it is sampled between its texels' middles, so that repeating does not
- * matter away from the edges. */
+/* A texture whose red is u and whose green is v. It is sampled between the centres of its texels, so that repeating
+ * does not matter away from the edges. */
 static stilb_render_texture make_ramp(stage *s)
 {
 	stilb_image image;
@@ -243,9 +243,9 @@ static void longitude_and_latitude(void **state)
 	stage_close(&s);
 }
 
-/* ---- every way to draw ------------------------------------------------------------------------------------------- */
+/* ---- all replay modes -------------------------------------------------------------------------------------------- */
 
-#define CELLS 12u /* a side */
+#define CELLS 12u /* on each side */
 
 static stilb_mat4 cell_transform(uint32_t cells, uint32_t cell)
 {
@@ -267,7 +267,7 @@ static void fill_cells(stage *s, draw draws[CELLS * CELLS])
 	for (uint32_t m = 0; m < 12; m++) {
 		stilb_scene_material material = {.diffuse = {0.05f * (float)(m + 1), 0.5f, 0.9f}, .roughness = 0.7f};
 		if (m == 8)
-			stage_draw(s, NULL, 0); /* uploads the first eight; the others follow in a later frame */
+			stage_draw(s, NULL, 0); /* uploads the first eight textures; the others follow in a later frame */
 		assert_int_equal(stilb_render_material_create(s->render, &material, textures[m % 3], &materials[m]), STILB_OK);
 	}
 	for (uint32_t c = 0; c < CELLS * CELLS; c++)
@@ -327,9 +327,9 @@ static void the_same_in_every_mode(void **state)
 	stilb_image_finish(&first);
 }
 
-/* ---- they come and go -------------------------------------------------------------------------------------------- */
+/* ---- resources created and destroyed in every frame -------------------------------------------------------------- */
 
-#define BUSY 16u /* cells a side */
+#define BUSY 16u /* cells on each side */
 #define BUSY_SEGMENT 8u
 #define BUSY_FRAMES 5u
 #define BUSY_WORKERS 3u
@@ -338,7 +338,7 @@ typedef struct busy {
 	stage *stage;
 	const stilb_scene_mesh *plane;
 	uint32_t frame;
-	bool failed[BUSY_WORKERS + 1]; /* by worker: cmocka asserts on the main thread alone */
+	bool failed[BUSY_WORKERS + 1]; /* by worker, since cmocka asserts only work on the main thread */
 } busy;
 
 static float busy_color(uint32_t frame, uint32_t cell, uint32_t channel)
@@ -433,7 +433,7 @@ static void resources_come_and_go(void **state)
 		for (b.frame = 0; b.frame < BUSY_FRAMES; b.frame++) {
 			busy_frame(&b);
 			if (b.frame >= 2 &&
-			    b.frame != 3) /* the heaps outgrow their buffers in frame 1, and nobody has waited for 0 */
+			    b.frame != 3) /* the heaps outgrow their buffers in frame 1, before a wait for frame 0 */
 				assert_busy_picture(&b);
 			if (b.frame == 2)
 				assert_int_equal(stilb_render_resize(s.render, 3 * BUSY, 3 * BUSY), STILB_OK);

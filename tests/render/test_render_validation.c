@@ -1,5 +1,5 @@
 /* The validation layer with synchronization checks gives no message for any kind of frame; a message makes the program
- * fail; and without the layer --validate is an error. The first argument is the stilb program. */
+ * fail; without the layer --validate is an error. The first argument is the stilb program. */
 #include "engine_internal.h"
 #include "render/vulkan/vulkan_internal.h"
 #include "support/picture_reference.h"
@@ -59,7 +59,7 @@ static void finish(stilb_engine *engine)
 	stilb_engine_destroy(engine);
 }
 
-/* Resources beside the scene: new ones are created, then the old ones destroyed. */
+/* Resources besides the scene's: new ones are created, then the old ones destroyed. */
 typedef struct extras {
 	stilb_render_mesh mesh;
 	stilb_render_texture texture;
@@ -84,7 +84,7 @@ static void extras_renew(stilb_engine *engine, extras *e)
 	*e = made;
 }
 
-/* Every replay mode with every way of materials, twice, with other settings varied. */
+/* Every replay mode with every way of binding materials, twice, with other settings varied. */
 static void frames_of_every_kind(void **state)
 {
 	(void)state;
@@ -171,10 +171,10 @@ static void a_picture_before_the_first_frame(void **state)
 	finish(engine);
 }
 
-/* ---- frames that break off --------------------------------------------------------------------------------------- */
+/* ---- frames that fail -------------------------------------------------------------------------------------------- */
 
 static const render_device_functions *real_functions;
-static int good_passes; /* that begin before one fails */
+static int good_passes; /* the number of passes that succeed before one fails */
 
 static stilb_result failing_pass(render_device *device, const render_stream *stream)
 {
@@ -221,7 +221,7 @@ static void too_large_a_picture(void **state)
 	vulkan_device *device = (vulkan_device *)engine->render->device;
 	VkPhysicalDeviceLimits *limits = &device->properties.limits;
 	uint32_t real_width = limits->maxFramebufferWidth;
-	limits->maxFramebufferWidth = 4096; /* as smaller GPUs have it */
+	limits->maxFramebufferWidth = 4096; /* the limit of smaller GPUs */
 	assert_int_equal(stilb_engine_resize(engine, 4097, 60), STILB_ERROR_DEVICE);
 	assert_non_null(strstr(stilb_error_message(), "4096x"));
 	assert_non_null(strstr(stilb_error_message(), "--size"));
@@ -233,7 +233,7 @@ static void too_large_a_picture(void **state)
 	finish(engine);
 }
 
-/* A GPU with a small maxDrawIndirectCount gets several commands; the picture is the same. */
+/* A GPU with a small maxDrawIndirectCount gets several commands for one range; the picture is the same. */
 static void few_draws_a_command(void **state)
 {
 	(void)state;
@@ -314,7 +314,7 @@ static void a_missing_barrier_is_seen(void **state)
 	stilb_engine_destroy(engine);
 }
 
-/* Runs stilb demo with further arguments; its stderr is returned in words. */
+/* Runs stilb demo with further arguments; words: its stderr. */
 static int run_demo(const char *environment, const char *flags, char *words, size_t size)
 {
 	char command[4096];
@@ -360,7 +360,7 @@ static int32_t no_surface(void *user, void *instance, uint64_t *surface)
 	return VK_ERROR_INITIALIZATION_FAILED;
 }
 
-/* The result on which a program goes on without a window. */
+/* The result that lets a program continue without a window. */
 static void a_window_without_a_surface(void **state)
 {
 	(void)state;

@@ -1,4 +1,4 @@
-/* The words that people read about GPUs and their errors. No driver is needed: nothing here talks to one. */
+/* Messages about GPUs and their errors. The test needs no driver. */
 #include "render/vulkan/vulkan_internal.h"
 #include "support/test.h"
 
@@ -16,7 +16,7 @@ static void every_kind_of_gpu_has_its_word(void **state)
 		{VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU, "virtual GPU"},
 		{VK_PHYSICAL_DEVICE_TYPE_CPU, "software"},
 		{VK_PHYSICAL_DEVICE_TYPE_OTHER, "other"},
-		{(VkPhysicalDeviceType)1000, "other"}, /* of a driver newer than this program */
+		{(VkPhysicalDeviceType)1000, "other"}, /* a kind from a newer driver than this program */
 	};
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
 		assert_string_equal(vulkan_gpu_type_text(kinds[i].type), kinds[i].text);
