@@ -272,25 +272,36 @@ static void test_scenes_without_shape(void **state)
 	}
 }
 
-static void test_names(void **state)
+/* A finished view is empty and may be finished or used again; NULL is accepted. */
+static void test_finished_views(void **state)
 {
 	(void)state;
-	stilb_cull_destroy(NULL);
+	fixture f;
+	reference_random random = {.seed = 9};
+	fixture_init(&f, 300, cloud_sphere, &random);
+	stilb_frustum frustum = random_view(&random, 50.0f);
+	for (int use = 0; use < 2; use++) {
+		assert_view(&f, &frustum, false);
+		assert_non_null(f.visible.ids);
+		for (int again = 0; again < 2; again++) {
+			stilb_cull_visible_finish(&f.visible);
+			assert_null(f.visible.ids);
+			assert_int_equal(f.visible.capacity, 0);
+		}
+	}
+	fixture_finish(&f);
 	stilb_cull_visible_finish(NULL);
+	stilb_cull_destroy(NULL);
 }
 
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_views_of_a_grid),
-		cmocka_unit_test(test_views_of_a_cloud),
-		cmocka_unit_test(test_views_of_a_crowd),
-		cmocka_unit_test(test_views_of_a_lattice),
-		cmocka_unit_test(test_views_of_a_large_grid),
-		cmocka_unit_test(test_touching_is_visible),
-		cmocka_unit_test(test_counts_around_chunks),
-		cmocka_unit_test(test_scenes_without_shape),
-		cmocka_unit_test(test_names),
+		cmocka_unit_test(test_views_of_a_grid),       cmocka_unit_test(test_views_of_a_cloud),
+		cmocka_unit_test(test_views_of_a_crowd),      cmocka_unit_test(test_views_of_a_lattice),
+		cmocka_unit_test(test_views_of_a_large_grid), cmocka_unit_test(test_touching_is_visible),
+		cmocka_unit_test(test_counts_around_chunks),  cmocka_unit_test(test_scenes_without_shape),
+		cmocka_unit_test(test_finished_views),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,8 @@
-/* ui on the GPU: what is recorded is what the draw list says, and how near the edges of a check box and of a rounded
- * button come to the share of each pixel that they cover.
+/* ui on the GPU: the recorded draws are those of the draw list; edges of a check box and of a rounded button are near
+ * to the share of each pixel that they cover.
  *
- * With STILB_UI_EDGES=FILE.png it also writes the picture of docs/: the same check box eight times as large and
- * controls as they are, hard, feathered as in the article, and feathered as here. */
+ * With STILB_UI_EDGES=FILE.png it also writes the picture of docs/ui.md: controls and shapes without antialiasing, with
+ * the article's ring and with the default, each with its check box enlarged eight times. */
 #include "support/picture_reference.h"
 #include "test_ui_raster.h"
 
@@ -205,9 +205,9 @@ static void test_edges_against_coverage(void **state)
 
 /* ---- the picture for the documentation --------------------------------------------------------------------------- */
 
-#define COLUMN 256u /* of the picture: one way each */
+#define COLUMN 256u /* width of a column, pixels; one for each way of antialiasing */
 #define ZOOM 8u
-#define CROP 28u /* of the check box, pixels */
+#define CROP 28u /* side of the enlarged square with the check box, pixels */
 
 static void draw_column(stilb_ui *ui, float x, stilb_ui_aa aa, const char *title)
 {
@@ -230,7 +230,7 @@ static void draw_column(stilb_ui *ui, float x, stilb_ui_aa aa, const char *title
 	stilb_ui_id_pop(ui);
 }
 
-/* Every pixel of a square becomes a square. */
+/* Copies a square of CROP x CROP pixels, each enlarged to ZOOM x ZOOM. */
 static void enlarge(const stilb_image *image, uint32_t from_x, uint32_t from_y, uint32_t to_x, uint32_t to_y)
 {
 	uint8_t *pixels = image->pixels;
@@ -240,7 +240,7 @@ static void enlarge(const stilb_image *image, uint32_t from_x, uint32_t from_y, 
 			       pixels + 3 * ((from_y + y / ZOOM) * image->width + from_x + x / ZOOM), 3);
 }
 
-static void write_edges(const char *path)
+static stilb_image edges_picture(void)
 {
 	static const char *const titles[3] = {"off", "article", "feathered (the default)"};
 	static const stilb_ui_aa ways[3] = {STILB_UI_AA_OFF, STILB_UI_AA_ARTICLE, STILB_UI_AA_FEATHER};
@@ -252,18 +252,39 @@ static void write_edges(const char *path)
 	stilb_image image = screen_end(&s);
 	for (uint32_t i = 0; i < 3; i++)
 		enlarge(&image, i * COLUMN + 16, 274, i * COLUMN + 16, 36);
-	if (stilb_image_save(&image, path) != STILB_OK)
-		fail_msg("%s", stilb_error_message());
-	stilb_image_finish(&image);
 	screen_close(&s);
+	return image;
 }
 
+/* The number of different colors among a column's shapes, at most 32. */
+static uint32_t shape_colors(const stilb_image *image, uint32_t column)
+{
+	const uint8_t *pixels = image->pixels;
+	const uint8_t *found[32];
+	uint32_t count = 0;
+	for (uint32_t y = 310; y < 345; y++)
+		for (uint32_t x = column * COLUMN + 16; x < column * COLUMN + 240 && count < 32; x++) {
+			const uint8_t *pixel = pixels + 3 * (y * image->width + x);
+			uint32_t c = 0;
+			while (c < count && memcmp(found[c], pixel, 3) != 0)
+				c++;
+			found[c] = pixel;
+			count += c == count;
+		}
+	return count;
+}
+
+/* Without antialiasing the shapes have no colors but their own and the background's, else also mixtures of the two. */
 static void test_picture_for_the_documentation(void **state)
 {
 	(void)state;
+	stilb_image image = edges_picture();
+	assert_int_equal(shape_colors(&image, 0), 5);
+	assert_true(shape_colors(&image, 1) > 5 && shape_colors(&image, 2) > 5);
 	const char *path = getenv("STILB_UI_EDGES");
-	if (path)
-		write_edges(path);
+	if (path && stilb_image_save(&image, path) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_image_finish(&image);
 }
 
 int main(void)
