@@ -1,4 +1,4 @@
-/* Command lines of any bytes: flags_parse never crashes, keeps every value in its range, and says at most one line. */
+/* Command lines of random bytes: flags_parse never crashes, keeps every value in range, and prints at most one line. */
 #include "game/cli/flags.h"
 
 #include <stdio.h>
@@ -17,7 +17,7 @@ static void require(bool condition)
 		abort();
 }
 
-/* The fuzzer reports through its own copy of stderr: what flags_parse says goes to a file in memory. */
+/* Collects the messages of flags_parse. The fuzzer keeps its own copy of stderr for its reports. */
 static FILE *said;
 
 int LLVMFuzzerInitialize(int *argc, char ***argv)
@@ -28,7 +28,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 	return 0;
 }
 
-/* data's words, each ended by a zero byte. Returns how many. */
+/* Splits data into words, each ended by a zero byte. Returns their number. */
 static int split(char *data, size_t size, char *words[WORDS_MAX])
 {
 	int count = 0;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test_game_articles.sh PROGRAM BENCH PAGE: every command of docs/articles.md is one that --help knows, with its flags, plots,
-# strips and suites.
+# test_game_articles.sh PROGRAM BENCH PAGE: checks that --help lists every command in PAGE, docs/articles.md, with its flags,
+# plots, strips and suites.
 set -euo pipefail
 program=$1 bench=$2 page=$3
 failures=0 commands=0

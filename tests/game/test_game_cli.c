@@ -1,4 +1,4 @@
-/* The program's manners, without a GPU: help, refusals, full disks, interrupts, and the null device's numbers. */
+/* The stilb program without a GPU: help, refusals, full disks, interrupts, and the numbers of the null device. */
 #include "support/stilb_program.h"
 
 #define SMALL "demo --headless --device null --models 400 --size 320x180 --frames 5 "
@@ -32,7 +32,7 @@ static void test_help_and_version(void **state)
 		assert_said(run.out, line);
 	}
 	for (const char *at = run.out, *end; (end = strchr(at, '\n')); at = end + 1)
-		assert_true(end - at <= 110); /* fits a window */
+		assert_true(end - at <= 110); /* columns of a usual terminal window */
 	stilb_good("info --help");
 	assert_said(run.out, "--json");
 	assert_int_equal(folder_entries(), 0);
@@ -81,7 +81,7 @@ static void test_info(void **state)
 
 /* ---- refused ----------------------------------------------------------------------------------------------------- */
 
-/* What is wrong, and a word that the line about it must have. */
+/* Command lines that are refused, and a part of the message. */
 static const char *const refusals[][2] = {
 	{"", "no command"},
 	{"bogus", "'bogus'"},
@@ -169,11 +169,11 @@ static void test_refusals(void **state)
 		assert_string_equal(run.out, "");
 		assert_error_lines(1);
 		assert_said(run.err, refusals[i][1]);
-		assert_int_equal(folder_entries(), 2); /* nothing new */
+		assert_int_equal(folder_entries(), 2); /* no new file */
 	}
 }
 
-/* A copy of stilb, made here, runs; the name of the real one comes back after it. */
+/* Runs a copy of stilb that lies in the present folder. */
 static int alone_code(const char *line)
 {
 	char home[PATH_MAX], command[PATH_MAX + 32];
@@ -203,7 +203,7 @@ static void test_bench_is_another_program(void **state)
 	assert_string_equal(run.err, "");
 }
 
-/* A program copied away from its modules still runs and writes pictures, and says what it lacks for those of others. */
+/* A program without its loadable modules runs and writes pictures; for foreign formats it names what is missing. */
 static void test_pictures_need_no_module(void **state)
 {
 	(void)state;
@@ -230,7 +230,8 @@ static void test_no_driver(void **state)
 	assert_said(run.err, "--device null");
 	assert_string_equal(run.out, "");
 	assert_int_equal(folder_entries(), 0);
-	assert_int_equal(stilb_code(no_driver, "demo --models 1 --size 8x8 --frames 1"), 2); /* where a window was wanted */
+	assert_int_equal(stilb_code(no_driver, "demo --models 1 --size 8x8 --frames 1"),
+	                 2); /* refused, also if a window was wanted */
 	assert_said(run.err, "mesa-vulkan-drivers");
 	assert_int_equal(stilb_code(no_driver, SMALL), 0);
 	assert_string_equal(run.err, "");
@@ -248,13 +249,13 @@ static void test_full_disk(void **state)
 	assert_error_lines(1);
 	assert_int_equal(stilb_code(no_display, SMALL "--trace /dev/full --stats a.json"), 1);
 	assert_error_lines(1);
-	read_stats("a.json"); /* the other one is written all the same */
+	read_stats("a.json"); /* the other output is written all the same */
 	assert_int_equal(stilb_code(no_display, SMALL "--trace /dev/full --stats /dev/full"), 1);
 	assert_error_lines(2);
 	assert_int_equal(folder_entries(), 1);
 }
 
-/* Nobody reads: an error like any other, and the other file is written. */
+/* Standard output is a closed pipe: an error of that output alone, the other file is written. */
 static void test_closed_pipe(void **state)
 {
 	(void)state;
@@ -295,7 +296,7 @@ static void test_stats_of_the_null_device(void **state)
 	stilb_good("demo --headless --device null --models 1 --frames 1 --size 16384x1 --workers 256 --stats c.json");
 	read_stats("c.json");
 	assert_stats("null", "indirect", "auto", 1, 256, 1);
-	assert_int_equal(folder_entries(), 4); /* no temporary */
+	assert_int_equal(folder_entries(), 4); /* no temporary file */
 }
 
 static void test_stats_to_standard_output(void **state)
@@ -320,7 +321,7 @@ static void test_defaults(void **state)
 	assert_true(stat_int("workers") >= 1);
 }
 
-/* STILB_ISA chooses the instruction set; the draws are the same, and a wrong one is refused before anything runs. */
+/* STILB_ISA selects the instruction set, which does not change the draws; an unknown one is refused at the start. */
 static void test_isa(void **state)
 {
 	(void)state;
@@ -341,7 +342,7 @@ static void test_isa(void **state)
 	assert_said(run.err, "avx512");
 }
 
-/* The same draws, whoever culls, records and replays them; other draws for another seed or when something moves. */
+/* Any method of culling, recording and replay gives the same draws; another seed or moving models give others. */
 static void test_stream_hash(void **state)
 {
 	(void)state;
@@ -429,7 +430,7 @@ static void test_interrupts_end_it_well(void **state)
 	}
 }
 
-/* A headless run that takes longer says on a terminal how far it is, and takes the line away at its end. */
+/* A long headless run shows its progress on a terminal, and clears the line at its end. */
 static void test_progress_on_a_terminal(void **state)
 {
 	(void)state;

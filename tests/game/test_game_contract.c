@@ -57,7 +57,7 @@ static void test_names_of_traces(void **state)
 
 /* ---- plots ------------------------------------------------------------------------------------------------------- */
 
-/* In place of game/cli/gnuplot.c: the script goes to nobody, and no folder is left behind when it aborts. */
+/* Replaces game/cli/gnuplot.c, which would leave its temporary folder behind when the script aborts. */
 stilb_result gnuplot_save(const char *path, const char *terminal, const char *svg_title, gnuplot_script *script,
                           const void *context)
 {

@@ -1,4 +1,4 @@
-/* The stress test for real, on a Vulkan device: the same picture and the same draws from any number of workers. */
+/* stilb demo on a Vulkan device: any number of workers gives the same picture and the same draws. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 
@@ -21,7 +21,7 @@ static void read_picture(const char *path)
 	assert_int_equal(stilb_image_load(path, &picture), STILB_OK);
 }
 
-/* The last picture read and this one have the same pixels. */
+/* True if the picture that was read last and this one have the same pixels. */
 static bool same_picture(const char *path)
 {
 	stilb_image other;
@@ -33,7 +33,7 @@ static bool same_picture(const char *path)
 	return same;
 }
 
-/* How many of 32768 classes of colour are in the picture: an empty one has one. */
+/* Counts the colours in the picture, at 5 bits a channel; an empty picture has one. */
 static int colours(void)
 {
 	static uint8_t seen[32768];
@@ -52,7 +52,7 @@ static int colours(void)
 /* ---- the same from any number of workers ------------------------------------------------------------------------- */
 
 static const char *const ways[] = {"--workers 0",
-                                   "--workers 0", /* again */
+                                   "--workers 0", /* a second time */
                                    "--workers 1",
                                    "--workers 2",
                                    "--workers 3",
@@ -124,7 +124,7 @@ static void test_flags_change_the_picture(void **state)
 		assert_false(same_picture("other.png"));
 	}
 	stilb_good(SMALL "--screenshot other.png --msaa 1 --seed 1 --view all --gpu 0 --no-present --frames 9");
-	assert_true(same_picture("other.png")); /* nothing moves; a software device takes one sample */
+	assert_true(same_picture("other.png")); /* nothing moves, and a software device takes one sample a pixel */
 	stilb_good("demo --headless --models 1 --size 1x1 --frames 1 --screenshot tiny.PNG");
 	read_picture("tiny.PNG");
 	assert_int_equal(picture.width * picture.height, 1);
@@ -134,7 +134,7 @@ static void test_flags_change_the_picture(void **state)
 
 #define SHADED "demo --headless --models 100 --size 200x150 --frames 2 "
 
-/* Each name is another picture, and the stats say which. */
+/* Each name gives another picture, and --stats names it. */
 static void test_each_name_is_another_picture(void **state)
 {
 	(void)state;
@@ -183,7 +183,7 @@ static void test_each_name_is_another_picture(void **state)
 		stilb_image_finish(&pictures[i]);
 }
 
-/* What is added is in the stats; given, it counts as given, and a choice adds nothing to it. */
+/* --stats has the added numbers; one that is given replaces the default of the chosen model. */
 static void test_numbers_added_to_materials(void **state)
 {
 	(void)state;
@@ -202,7 +202,7 @@ static void test_numbers_added_to_materials(void **state)
 	stilb_good(SHADED "--brdf microfacet --screenshot first.png");
 	read_picture("first.png");
 	stilb_good(SHADED "--ndf ggx-anisotropic --anisotropy 0 --screenshot other.png");
-	assert_true(same_picture("other.png")); /* but for the last bits, which eight bits a channel do not show */
+	assert_true(same_picture("other.png")); /* to 8 bits a channel; the lowest bits of the floats differ */
 	stilb_good(SHADED "--ndf ggx-anisotropic --roughness -0.25 --specular +1 --stats a.json");
 	read_stats("a.json");
 	assert_string_equal(stat_text("added.roughness", '0'), "-0.250000");
@@ -219,7 +219,7 @@ static void test_the_same_formulas_in_every_way(void **state)
 		"--replay secondary --materials bind",
 		"--replay direct --materials pipeline",
 		"--replay indirect --materials pipeline --workers 3",
-		"--brdf microfacet --g=schlick_ggx", /* as identifiers, too */
+		"--brdf microfacet --g=schlick_ggx", /* '_' is accepted for '-' */
 	};
 	stilb_good(SHADED
 	           "--ndf ggx-anisotropic --g schlick-ggx --light-model sphere --screenshot first.png --stats a.json");
@@ -256,7 +256,7 @@ static void test_linear_picture(void **state)
 	assert_true(most > 0.3f && least < most / 4.0f);
 }
 
-/* Rows of pixels from the top that are the same in the last picture read and this one. */
+/* Counts the rows of pixels from the top that are equal in the picture that was read last and this one. */
 static uint32_t same_rows(const char *path)
 {
 	stilb_image other;
@@ -271,7 +271,7 @@ static uint32_t same_rows(const char *path)
 	return same;
 }
 
-/* The profiler's window lies over the picture's lower part, with every replay, and the draws are what they were. */
+/* The profiler's window covers the lower part of the picture in every mode of replay, and does not change the draws. */
 static void test_overlay(void **state)
 {
 	(void)state;
@@ -304,7 +304,7 @@ static void test_overlay(void **state)
 	stilb_good("demo --headless --models 1 --size 200x100 --frames 2 --overlay --no-profile --validate");
 }
 
-/* The materials' window is drawn over the picture's right side, alone and with the profiler's. */
+/* The window of materials covers the right side of the picture, alone and beside the profiler's. */
 static void test_inspector(void **state)
 {
 	(void)state;
@@ -319,7 +319,7 @@ static void test_inspector(void **state)
 	}
 }
 
-/* The same window over a file: another frame, another picture; the same frame, the same one. */
+/* stilb trace show: another frame gives another picture, the same frame the same one. */
 static void test_show_of_a_trace(void **state)
 {
 	(void)state;
@@ -407,7 +407,7 @@ static void test_choice_of_a_gpu(void **state)
 	stilb_good(SMALL "--gpu 0");
 	const char *bits = strstr(stat_text("device_name", '"'), " bits)"); /* "llvmpipe (LLVM 15.0.6, 256 bits)" */
 	assert_non_null(bits);
-	stilb_good(SMALL "--gpu %.3s", bits - 3); /* no number of a GPU, so a part of its name */
+	stilb_good(SMALL "--gpu %.3s", bits - 3); /* 256 is no number of a GPU here, so it must be a part of its name */
 	static const char *const none[] = {"31", "99", "nosuch", "-1", "0x0", "99999999999999999999"};
 	for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
 		char line[256];

@@ -1,5 +1,5 @@
-/* The X server dies under stilb demo and stilb render --preview: they go on without it, and write what was asked
- * for. */
+/* The X server dies during stilb demo and stilb render --preview: they continue without a window and write their
+ * outputs. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 #include "support/x11_server.h"
@@ -9,7 +9,7 @@
 
 static x11_server server;
 
-/* Starts a run on a server of its own, and kills the server when a window of this title can be seen. */
+/* Starts a run on an X server of its own, and kills the server once a window with this title is visible. */
 static void start_until_the_server_dies(const char *line, const char *title)
 {
 	char display[64];
@@ -24,7 +24,7 @@ static void start_until_the_server_dies(const char *line, const char *title)
 	assert_true(shown);
 }
 
-/* Once it has said that the display is gone, and has worked for a while since. */
+/* Waits until the run has reported that the display is gone, and has worked on for a while. */
 static void interrupt_after_the_loss(void)
 {
 	struct stat said = {0};
@@ -63,7 +63,7 @@ static void assert_demo_wrote_all(void)
 	read_stats("s.json");
 }
 
-/* A demo that somebody would have closed has nobody left to close it. */
+/* A demo without --frames ends with its window, because nobody could end it any more. */
 static void test_demo_without_end(void **state)
 {
 	(void)state;
@@ -102,8 +102,8 @@ static bool await_whole(const char *path)
 	return false;
 }
 
-/* Each picture that F12 takes is a file of its own, beside what was there and what the end of the run writes; and its
- * frame is explained in the trace. */
+/* Each picture by F12 gets a new file, which is neither an older one nor that of --screenshot; the trace shows the time
+ * that its frame takes. */
 static void test_pictures_are_numbered(void **state)
 {
 	(void)state;
@@ -140,7 +140,7 @@ static void test_pictures_are_numbered(void **state)
 	trace_check_report report;
 	trace_check_file("t.json", &report);
 	assert_string_equal(report.error, "");
-	assert_int_equal(trace_check_zones(&report, "main", "screenshot"), 3); /* with the last */
+	assert_int_equal(trace_check_zones(&report, "main", "screenshot"), 3); /* two by F12 and the one at the end */
 	assert_int_equal(trace_check_zones(&report, "main", "write the picture"), 3);
 	trace_check_finish(&report);
 	assert_int_equal(folder_entries(), 5);
@@ -152,8 +152,7 @@ static void test_render_goes_on(void **state)
 	start_until_the_server_dies(
 		"render cornell --size 100x100 --spp 65536 --workers 1 --preview -o a.png --stats s.json", "Stilb: cornell");
 	interrupt_after_the_loss();
-	assert_said(run.err,
-	            "without a preview"); /* why is said by the window or by the driver, whoever notices it first */
+	assert_said(run.err, "without a preview"); /* either the window or the driver notices first, and gives the reason */
 	read_stats("s.json");
 	assert_string_equal(stat_text("end", '"'), "stopped");
 	assert_true(stat_int("camera_rays") > 0);

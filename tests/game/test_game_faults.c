@@ -1,18 +1,17 @@
-/* stilb where the machine refuses: too few threads, too little memory, one allocation that fails. It never crashes,
- * says the reason in one line, and writes what --stats promised. The second argument is support/failing_preload.c as a
- * library. */
+/* stilb with too few threads, too little memory, or one allocation that fails: it never crashes, prints the reason in
+ * one line, and writes --stats. The second argument is the library support/failing_preload.c. */
 #include "support/stilb_program.h"
 
 #include <sys/resource.h>
 
-#define MANY 20000 /* allocations of a run at most, a guard against a loop without end */
+#define MANY 20000 /* more allocations than a run makes: guards against an endless loop */
 
-/* Without a display: a picture that is written nowhere, and so no library for pictures is loaded. */
+/* A render without an output file, so that no library for pictures is loaded. */
 #define SMALL "render cornell --size 8x8 --spp 1 --workers 1 --preview "
 
 static char preload[PATH_MAX + 16]; /* "LD_PRELOAD=...", "" in a build with sanitizers */
 
-/* A run with so many bytes of addresses, as `ulimit -v` gives them. */
+/* Runs stilb with a limited address space, as `ulimit -v` does. */
 static int code_within(rlim_t bytes, const char *line)
 {
 	struct rlimit before;
@@ -25,7 +24,7 @@ static int code_within(rlim_t bytes, const char *line)
 	return run.code;
 }
 
-/* The stacks of 256 threads do not fit. */
+/* The stacks of 256 threads do not fit into the address space. */
 static void test_a_render_without_threads_reports(void **state)
 {
 	(void)state;
@@ -41,7 +40,7 @@ static void test_a_render_without_threads_reports(void **state)
 	assert_string_equal(stat_text("finished", 'w'), "false");
 }
 
-/* What runs out is called by its name. */
+/* The message names the resource that ran out. */
 static void test_memory_is_said(void **state)
 {
 	(void)state;
@@ -55,7 +54,7 @@ static void test_memory_is_said(void **state)
 	assert_said(run.err, "no memory to load a Vulkan driver");
 }
 
-/* Each allocation of ours fails once. Nothing is left behind but whole statistics. */
+/* Each allocation fails in a run of its own. No file but complete statistics is left behind. */
 static void every_allocation_fails_once(const char *line)
 {
 	char at[32];
@@ -65,7 +64,7 @@ static void every_allocation_fails_once(const char *line)
 		snprintf(at, sizeof at, "STILB_FAIL_AT=%d", i);
 		int code = stilb_code(environment, line);
 		if (remove("mark") != 0) {
-			assert_int_equal(code, 0); /* past the last one */
+			assert_int_equal(code, 0); /* the run makes fewer allocations than this */
 			assert_true(failed > 0 && i > 20);
 			return;
 		}

@@ -1,4 +1,4 @@
-/* The command line's table: every kind, every way to be wrong, one line for each; and the medians of stage times. */
+/* Command lines by a table of flags: each kind, each error with its one line; and the statistics of stage times. */
 #include "game/cli/flags.h"
 #include "game/cli/nearest.h"
 #include "game/cli/stage_times.h"
@@ -25,7 +25,7 @@ typedef struct values {
 
 static const char *const choices[] = {"red", "green", "greenish", "sky_blue", NULL};
 static values v;
-static char said[8192]; /* by the last parse, on stderr */
+static char said[8192]; /* stderr of the last parse */
 
 static const flag table[] = {
 	{"--loud", FLAG_SWITCH, &v.loud, NULL, "say more", 0, 0, NULL},
@@ -41,7 +41,7 @@ static const flag table[] = {
 };
 #define TABLE (sizeof table / sizeof *table)
 
-/* The same with a word. */
+/* A table with a word. */
 static const flag table_with_word[] = {
 	{"--number", FLAG_NUMBER, &v.number, "N", "a number", 3, 4000, NULL},
 	{"thing", FLAG_WORD, &v.thing, NULL, NULL, 0, 0, NULL},
@@ -51,7 +51,7 @@ static const flag table_with_word[] = {
 
 static const values defaults = {false, 10, 1, 5, {12, 34}, 1, 0.5f, 2.0f, {0}, "old", NULL};
 
-/* Parses a list of words that ends with NULL, from the defaults on; said is what came on stderr. */
+/* Sets the defaults, parses a list of words that ends with NULL, and stores stderr in said. */
 static flags_result parse_by(const flag *flags, size_t count, const char *const *words)
 {
 	int argc = 0;
@@ -87,7 +87,7 @@ static void assert_right(flags_result result)
 	assert_int_equal(result, FLAGS_OK);
 }
 
-/* One line that begins with the program's name and has this in it. */
+/* Asserts a refusal with one line that begins with the program's name and contains part. */
 static void assert_wrong(flags_result result, const char *part)
 {
 	assert_int_equal(result, FLAGS_REFUSED);
@@ -117,9 +117,9 @@ static void test_every_kind(void **state)
 	assert_false(v.loud);
 	assert_right(PARSE("--choice", "sky_blue"));
 	assert_int_equal(v.choice, 3);
-	assert_right(PARSE("--choice=sky-blue")); /* as flags are written */
+	assert_right(PARSE("--choice=sky-blue")); /* the enumerator's '_' is typed as '-' */
 	assert_int_equal(v.choice, 3);
-	assert_right(PARSE("--share", "-0.25")); /* a sign is no flag's dash */
+	assert_right(PARSE("--share", "-0.25")); /* a value may begin with a minus */
 	assert_true(v.share == -0.25f);
 	assert_right(PARSE("--share=+1.5"));
 	assert_true(v.share == 1.5f);
@@ -129,7 +129,7 @@ static void test_every_kind(void **state)
 	assert_true(v.place.count == 3 && v.place.numbers[0] == 3.0f && v.place.numbers[2] == -5.0f);
 	assert_right(PARSE("--text=a=b"));
 	assert_string_equal(v.text, "a=b");
-	assert_right(PARSE("--text", "=")); /* the value's own sign */
+	assert_right(PARSE("--text", "=")); /* only the first '=' separates */
 	assert_string_equal(v.text, "=");
 }
 
@@ -158,7 +158,7 @@ static void test_bounds(void **state)
 		assert_true(v.share == shares[i].share);
 	}
 	assert_right(PARSE("--share=-0"));
-	assert_false(signbit(v.share)); /* one zero: bits are hashed */
+	assert_false(signbit(v.share)); /* -0 becomes 0: bits are hashed */
 }
 
 static void test_wrong_values(void **state)
@@ -176,7 +176,7 @@ static void test_wrong_values(void **state)
 		{"--number", "1e3"},
 		{"--number", "banana"},
 		{"--number", "5000000000"},
-		{"--number", "18446744073709551626"}, /* 10 beyond 2^64 */
+		{"--number", "18446744073709551626"}, /* 2^64 + 10 */
 		{"--seed", "18446744073709551616"},
 		{"--seed", "99999999999999999999999999"},
 		{"--seed", "-1"},
@@ -252,7 +252,7 @@ static void test_wrong_values(void **state)
 		assert_memory_equal(&v, &defaults, sizeof v);
 	}
 	PARSE("--number", "2");
-	assert_non_null(strstr(said, "3..4000")); /* says what would be right */
+	assert_non_null(strstr(said, "3..4000")); /* names the accepted range */
 	PARSE("--workers", "x");
 	assert_non_null(strstr(said, "0..256 or 'auto'"));
 	PARSE("--choice", "x");
@@ -352,7 +352,7 @@ static void test_unknown_flags(void **state)
 		assert_wrong(PARSE(unknown[i], "5"), unknown[i]);
 		assert_wrong(PARSE("--number", "5", unknown[i]), unknown[i]);
 	}
-	assert_wrong(PARSE("--a\nb\033[2J"), "--a?b?[2J"); /* one line, whatever it is */
+	assert_wrong(PARSE("--a\nb\033[2J"), "--a?b?[2J"); /* control characters are replaced */
 }
 
 static void test_the_last_one_counts(void **state)
@@ -366,10 +366,10 @@ static void test_the_last_one_counts(void **state)
 	assert_true(v.workers == FLAG_WORKERS_AUTO);
 	assert_right(PARSE("--workers", "auto", "--workers", "3"));
 	assert_true(v.workers == 3);
-	assert_wrong(PARSE("--number", "bad", "--number", "5"), "bad"); /* each must be right */
+	assert_wrong(PARSE("--number", "bad", "--number", "5"), "bad"); /* a repeated flag is checked each time */
 }
 
-/* Wherever it stands; a flag's value is none. */
+/* The word may stand anywhere; the value of a flag does not count as one. */
 static void test_a_word(void **state)
 {
 	(void)state;
@@ -385,7 +385,7 @@ static void test_a_word(void **state)
 	assert_wrong(PARSE_WORDS("a", "b"), "'b' is one word too many: the thing is 'a' already");
 	assert_wrong(PARSE_WORDS(""), "''");
 	assert_wrong(PARSE_WORDS("thing=1", "--bogus"), "'--bogus'");
-	assert_wrong(PARSE_WORDS("-"), "'-'"); /* standard input is no thing */
+	assert_wrong(PARSE_WORDS("-"), "'-'"); /* a lone dash is not a word */
 }
 
 static void test_what_was_given(void **state)
@@ -411,7 +411,7 @@ static void test_numbers(void **state)
 	assert_false(flags_numbers("1,2", 3, 3, &list));
 	assert_false(flags_numbers("sky.exr", 1, 8, &list));
 	assert_false(flags_numbers("", 1, 8, &list));
-	assert_true(list.count == 3); /* as it was */
+	assert_true(list.count == 3); /* unchanged */
 }
 
 static void test_help_wins(void **state)
@@ -457,7 +457,7 @@ static void test_one_frame_and_none(void **state)
 	assert_int_equal(warmup, 0);
 	for (int s = 0; s < STAGE_COUNT; s++)
 		assert_summary(&summary[s], 0, 0, 0);
-	stage_times_last_gpu(&times, 3.0); /* there is no last one */
+	stage_times_last_gpu(&times, 3.0); /* without a frame it does nothing */
 	add(&times, 1.5, 0.0);
 	assert_true(stage_times_summarise(&times, summary, &warmup));
 	assert_int_equal(warmup, 0);
@@ -485,7 +485,7 @@ static void test_warm_up_is_left_out(void **state)
 			add(&times, i < cases[c].warmup ? 0.001 : i == cases[c].warmup ? 1.0 : 2.0, 0.0);
 		assert_true(stage_times_summarise(&times, summary, &warmup));
 		assert_int_equal(warmup, cases[c].warmup);
-		assert_summary(&summary[STAGE_FRAME], 2.0, 2.0, 1.0); /* the 1.0 is in, the 0.001 are not */
+		assert_summary(&summary[STAGE_FRAME], 2.0, 2.0, 1.0); /* the 1.0 counts, the 0.001 of the warm-up do not */
 		stage_times_finish(&times);
 	}
 }
@@ -497,9 +497,10 @@ static void test_median_and_p99(void **state)
 	stage_summary summary[STAGE_COUNT];
 	uint64_t warmup;
 	for (int i = 0; i < 100; i++)
-		add(&times, 1e6, 1e6); /* the first tenth of 1001 */
+		add(&times, 1e6, 1e6); /* the warm-up, a tenth of 1001 */
 	for (int i = 0; i < 901; i++)
-		add(&times, 1 + (i * 7919) % 901, i % 2 ? 5.0 : 0.0); /* 1..901 in disorder; every other time unknown */
+		add(&times, 1 + (i * 7919) % 901,
+		    i % 2 ? 5.0 : 0.0); /* 1..901 in mixed order; every other GPU time is unknown */
 	assert_true(stage_times_summarise(&times, summary, &warmup));
 	assert_int_equal(warmup, 100);
 	for (int s = STAGE_FRAME; s <= STAGE_PRESENT; s++)
@@ -515,7 +516,7 @@ static void test_ring(void **state)
 	stage_times times = {0};
 	stage_summary summary[STAGE_COUNT];
 	uint64_t warmup;
-	uint32_t more = 1500, first = (STAGE_TIMES_MAX + more) / 10; /* that counts */
+	uint32_t more = 1500, first = (STAGE_TIMES_MAX + more) / 10; /* first frame after the warm-up */
 	for (uint32_t i = 0; i < STAGE_TIMES_MAX + more; i++)
 		add(&times, i < more ? 1e6 : i == first - 1 ? 0.25 : i == first ? 0.5 : 1.0 + i % 3, i % 2);
 	assert_int_equal(times.capacity, STAGE_TIMES_MAX);
@@ -525,12 +526,12 @@ static void test_ring(void **state)
 	assert_summary(&summary[STAGE_FRAME], 2.0, 3.0, 0.5);
 	stage_times_last_gpu(&times, 0.25);
 	assert_true(stage_times_summarise(&times, summary, &warmup));
-	assert_summary(&summary[STAGE_GPU], 1.0, 1.0, 0.25); /* the last slot, wherever the ring has put it */
+	assert_summary(&summary[STAGE_GPU], 1.0, 1.0, 0.25); /* the frame that was added last */
 	for (uint32_t i = 0; i < STAGE_TIMES_MAX; i++)
 		add(&times, 7.0, 0.0);
 	assert_int_equal(times.capacity, STAGE_TIMES_MAX);
 	assert_true(stage_times_summarise(&times, summary, &warmup));
-	assert_summary(&summary[STAGE_FRAME], 7.0, 7.0, 7.0); /* what was before is gone */
+	assert_summary(&summary[STAGE_FRAME], 7.0, 7.0, 7.0); /* the earlier frames are gone */
 	stage_times_finish(&times);
 }
 

@@ -1,4 +1,4 @@
-/* stilb demo flown by a recorded gamepad: the same way in every run, to the byte, and what its buttons do. */
+/* stilb demo with a recorded gamepad: the same track, byte for byte, in every run, and the effects of its buttons. */
 #include "input/hid/input_layout.h"
 #include "input/input_recording.h"
 #include "support/input_descriptors.h"
@@ -61,7 +61,7 @@ static void say_bytes(const uint8_t *bytes, uint32_t size)
 	                 STILB_OK);
 }
 
-/* The report as it is, 250 times a second. */
+/* Adds the present report to the recording, 250 times a second. */
 static void say(int64_t ms)
 {
 	for (int64_t end = now_us + ms * MS; now_us < end; now_us += 4 * MS)
@@ -89,7 +89,7 @@ static void recorded(void)
 	assert_int_equal(stilb_input_recorder_close(recorder), STILB_OK);
 }
 
-/* Ahead for half a second, a turn to the right, upwards and faster, and let go. */
+/* Records a flight: ahead for half a second, a turn to the right, upwards and faster, then at rest. */
 static void record_flight(const char *path)
 {
 	record(path);
@@ -138,7 +138,7 @@ static void read_track(const char *path)
 	fclose(file);
 }
 
-/* The first line at or after this time. */
+/* The first pose of the track at or after this time. */
 static const track_line *at_ms(int64_t ms)
 {
 	for (uint32_t i = 0; i < track_count; i++)
@@ -169,11 +169,11 @@ static void test_the_flight(void **state)
 	stilb_good(FLIGHT "--gamepad replay:flight.rec --track a.txt --stats a.json");
 	assert_said(run.out, "gamepad: DualShock 4, USB at /dev/hidraw3, ");
 	assert_said(run.out, "recording ended");
-	assert_null(strstr(run.out, "gamepad gone: ")); /* nobody has pulled it */
+	assert_null(strstr(run.out, "gamepad gone: ")); /* it was not unplugged */
 	assert_said(run.out, "track: a.txt");
 	assert_said(run.out, "375 reports, 0 corrupt, 0 lost");
 	read_track("a.txt");
-	assert_in_range(track[track_count - 1].time_us, 1490000, 1520000); /* to the end of the recording */
+	assert_in_range(track[track_count - 1].time_us, 1490000, 1520000); /* the run ends with the recording */
 	const track_line *start = at_ms(90), *ahead = at_ms(590), *turned = at_ms(890), *up = at_ms(1090);
 	for (int i = 0; i < 3; i++)
 		assert_true(start->place[i] == track[0].place[i]);
@@ -183,18 +183,18 @@ static void test_the_flight(void **state)
 		way += (ahead->place[i] - start->place[i]) * (ahead->place[i] - start->place[i]);
 		faster += (turned->place[i] - ahead->place[i]) * (turned->place[i] - ahead->place[i]);
 	}
-	assert_true(way > 9.0 && way < 36.0); /* 12 m/s for 0.5 s, less the start */
+	assert_true(way > 9.0 && way < 36.0); /* 12 m/s for 0.5 s, from rest */
 	assert_true(faster > 36.0);           /* 2^1.5 times as fast */
 	assert_true(turned->yaw < ahead->yaw - 0.3);
 	assert_true(up->place[1] > at_ms(1000)->place[1] + 0.5);
 	const track_line *last = &track[track_count - 1], *before = last - 1;
 	for (int i = 0; i < 3; i++)
-		assert_true(fabs(last->place[i] - before->place[i]) < 0.01); /* it has come to rest */
+		assert_true(fabs(last->place[i] - before->place[i]) < 0.01); /* the camera is at rest */
 	read_stats("a.json");
 	assert_int_equal(stat_int("gamepads.reports"), 375);
 	assert_int_equal(stat_int("gamepads.corrupt"), 0);
 	assert_int_equal(stat_int("gamepads.lost"), 0);
-	assert_true(stat_ms("gamepads.latency_ms.median") == 0.0); /* none in a replay */
+	assert_true(stat_ms("gamepads.latency_ms.median") == 0.0); /* replays have no latency */
 }
 
 static void test_every_run_is_the_same(void **state)
@@ -214,7 +214,7 @@ static void test_every_run_is_the_same(void **state)
 	}
 	stilb_good(FLIGHT "--gamepad replay:flight.rec --track b.txt --frames 91 --invert-y --sensitivity 0.5");
 	assert_false(same_file("a.txt", "b.txt"));
-	stilb_good(FLIGHT "--frames 91 --track b.txt --stats b.json"); /* nobody flies */
+	stilb_good(FLIGHT "--frames 91 --track b.txt --stats b.json"); /* without a gamepad */
 	assert_false(same_file("a.txt", "b.txt"));
 	assert_true(stat_hash("b.json") != hash);
 	read_track("b.txt");
@@ -232,7 +232,7 @@ static void test_pulled_in_flight(void **state)
 	plug(STILB_INPUT_BUS_USB, 0x05c4);
 	report[2] = 0;
 	say(500);
-	unplug(); /* with the stick pushed */
+	unplug(); /* while the stick is pushed */
 	now_us += 500 * MS;
 	plug(STILB_INPUT_BUS_USB, 0x05c4);
 	say(500);
@@ -242,9 +242,9 @@ static void test_pulled_in_flight(void **state)
 	assert_said(run.out, "recording ended");
 	read_track("a.txt");
 	const track_line *pulled = at_ms(517), *back = at_ms(983);
-	assert_memory_equal(pulled->place, back->place, sizeof pulled->place); /* stands still at once */
-	assert_true(fabs(at_ms(1480)->place[2] - back->place[2]) > 2.0);       /* and goes on */
-	/* The recording ends with the stick pushed, too. */
+	assert_memory_equal(pulled->place, back->place, sizeof pulled->place); /* the camera stops at once */
+	assert_true(fabs(at_ms(1480)->place[2] - back->place[2]) > 2.0);       /* and moves again later */
+	/* The recording also ends while the stick is pushed. */
 	assert_memory_equal(at_ms(1520)->place, track[track_count - 1].place, sizeof pulled->place);
 }
 
@@ -261,7 +261,7 @@ static void test_a_pad_without_a_path(void **state)
 	assert_said(run.out, "gamepad: DualShock 4, USB, known pad");
 }
 
-/* Reports by radio with a wrong checksum say to turn round and round; the sound ones say nothing. */
+/* Bluetooth reports with a wrong checksum would turn the camera; they are ignored. The others are at rest. */
 static void test_corrupt_reports(void **state)
 {
 	(void)state;
@@ -340,7 +340,7 @@ static void test_refusals(void **state)
 	fputs("R: 3 05 01 09\nE: 000000.000000 4 01 02\n", broken);
 	fclose(broken);
 	refused(FLIGHT "--gamepad replay:broken.rec", 2, "broken.rec");
-	refused(FLIGHT "--gamepad replay:/dev/null", 2, "/dev/null"); /* what is no file is read at the start alone */
+	refused(FLIGHT "--gamepad replay:/dev/null", 2, "/dev/null"); /* a device is checked only when it is read */
 	assert_int_equal(folder_entries(), 1);
 	refused(FLIGHT "--frames 3 --track /dev/full", 1, "/dev/full");
 }
@@ -365,7 +365,7 @@ static void test_an_output_never_replaces_the_recording(void **state)
 	assert_true(same_file("flight.png", "same.rec"));
 }
 
-/* Live without a window: who asks for it gets it; without gamepads the camera stands. */
+/* Live gamepads without a window, if asked for; none is plugged in, so the camera does not move. */
 static void test_live_and_headless(void **state)
 {
 	(void)state;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test_game_man.sh FOLDER: every manual page has its sections and every flag that --help prints; groff, where it is
-# installed, warns of nothing.
+# test_game_man.sh FOLDER: checks that every manual page has its sections and all flags of --help, and that groff, if it is
+# installed, prints no warning.
 set -euo pipefail
 failures=0 pages=0
 for page in "$1"/*.1; do

@@ -159,7 +159,7 @@ static void test_describe_json(void **state)
 	assert_string_equal(stat_text("mapping[0].sources[0].kind", '"'), "axis");
 }
 
-/* A keyboard is described too, and is no gamepad; its bytes come through standard input. */
+/* A keyboard's descriptor, from standard input: it is described, and reported as no gamepad. */
 static void test_describe_keyboard(void **state)
 {
 	(void)state;
@@ -185,7 +185,7 @@ static void test_describe_keyboard(void **state)
 
 /* ---- recordings -------------------------------------------------------------------------------------------------- */
 
-/* DualShock 4 reports at rest but for what is given, every 10 ms from the start on. */
+/* Writes a recording of a DualShock 4: a report every 10 ms, at rest but for right x and south. */
 static void write_recording(const char *path, int reports)
 {
 	const input_test_descriptor *ds4 = ds4_usb();
@@ -208,7 +208,7 @@ static void write_recording(const char *path, int reports)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* Only changes are told. */
+/* Only reports that change the state are printed. */
 static void test_replay(void **state)
 {
 	(void)state;
@@ -221,7 +221,7 @@ static void test_replay(void **state)
 				 "    0.040000  1  left +0.000 +0.000  right +0.000 +0.000  triggers 0.000 0.000  -\n"
 				 "    0.060000  1  removed\n"
 				 "6 reports of 1 pad in 0.060 s, 0 corrupt\n");
-	stilb_good("pads --replay a.rec --record b.rec --seconds 0.035"); /* a part of it */
+	stilb_good("pads --replay a.rec --record b.rec --seconds 0.035"); /* its first part */
 	assert_string_equal(run.out,
 	                    "    0.000000  1  added: /dev/hidraw0 Wireless Controller; DualShock 4, USB: known pad "
 	                    "054c:05c4\n"
@@ -232,7 +232,7 @@ static void test_replay(void **state)
 	assert_int_equal(folder_entries(), 2);
 }
 
-/* Its first pad, with its own bus, numbers and name. */
+/* A recording is described by its first pad, with the bus, numbers and name of that. */
 static void test_describe_recording(void **state)
 {
 	(void)state;
@@ -246,11 +246,11 @@ static void test_describe_recording(void **state)
 	assert_string_equal(stat_text("name", '"'), "Wireless Controller");
 	assert_string_equal(stat_text("product", '"'), "05c4");
 	assert_int_equal(stilb_code(no_display, "pads --describe a.rec --json -"), 0);
-	assert_memory_equal(run.out, "{\n", 2); /* one or the other: no table */
+	assert_memory_equal(run.out, "{\n", 2); /* JSON on standard output replaces the table */
 	assert_string_equal(run.err, "");
 }
 
-/* Bytes that can be items, but say nothing. */
+/* Valid items that describe no field. */
 static void test_describe_rubbish(void **state)
 {
 	(void)state;
@@ -282,8 +282,8 @@ static void test_replay_json(void **state)
 	assert_int_equal(stat_int("corrupt"), 0);
 }
 
-/* What is not a gamepad: said, and no success. Pads without a path or a name, and one whose descriptor is none but that
- * is known by its numbers. */
+/* A recording without any gamepad fails with a message. Pads without path or name are fine, and so is one with a
+ * damaged descriptor that is known by its vendor and product. */
 static void test_replay_others(void **state)
 {
 	(void)state;
@@ -300,7 +300,7 @@ static void test_replay_others(void **state)
 	assert_said(run.out, "  south\n");
 }
 
-/* A wrong checksum is told, and the state stays. */
+/* A report with a wrong checksum is printed as corrupt, and does not change the state. */
 static void test_replay_corrupt(void **state)
 {
 	(void)state;
@@ -326,7 +326,7 @@ static double seconds_now(void)
 	return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* At its own pace: as long as the recording, where reading it at once takes a few milliseconds. */
+/* With --watch a recording takes its own time; without, a few milliseconds. */
 static void test_replay_pace(void **state)
 {
 	(void)state;
@@ -348,7 +348,7 @@ static void test_full_disk(void **state)
 	assert_error_lines(1);
 }
 
-/* Nobody reads any more: it ends. */
+/* It ends when its standard output is closed. */
 static void test_closed_pipe(void **state)
 {
 	(void)state;
@@ -356,7 +356,7 @@ static void test_closed_pipe(void **state)
 	write_recording("a.rec", 99);
 	FILE *file = fopen("a.rec", "a");
 	assert_non_null(file);
-	fputs("D: 1\n# added 000030.000000\nR: 1 c0\nI: 3 1 2\n", file); /* it would go on */
+	fputs("D: 1\n# added 000030.000000\nR: 1 c0\nI: 3 1 2\n", file); /* 30 seconds later */
 	fclose(file);
 	double start = seconds_now();
 	assert_int_equal(pipe2(ends, O_CLOEXEC), 0);
@@ -401,7 +401,7 @@ static const char *terminal_run(const char *words, const char *until, int *statu
 	return drawn;
 }
 
-/* Drawn over itself, and the cursor is there again after Ctrl-C. */
+/* Each drawing covers the one before, and Ctrl-C shows the cursor again. */
 static void test_terminal(void **state)
 {
 	(void)state;

@@ -1,10 +1,10 @@
-/* stilb pads with a pad that umockdev plays: sysfs, node and reports are the test's, the program is the real one. */
+/* stilb pads with a pad that umockdev simulates: sysfs, the device node and its reports. */
 #include "support/input_descriptors.h"
 #include "support/stilb_program.h"
 
 /* ---- the pad --------------------------------------------------------------------------------------------------- */
 
-/* The device of umockdev's text format, with its descriptor. */
+/* Writes a device with its descriptor in umockdev's text format. */
 static void write_device(const char *path, const char *name, uint16_t vendor, uint16_t product, const uint8_t *bytes,
                          size_t size)
 {
@@ -41,8 +41,8 @@ static void write_pad(void)
 
 #define REPORTS 6
 
-/* Reports from 300 ms on, slowly: the node is a terminal underneath, in which what is not read yet runs together. The
- * last ones are the same, so that one of them is read for itself. */
+/* Writes reports from 300 ms on, slowly: umockdev's node is a terminal, in which reports that have not been read yet
+ * are joined. The last ones are equal, so that at least one of them is read alone. */
 static void write_script(void)
 {
 	FILE *file = fopen("pad.script", "w");
@@ -60,7 +60,7 @@ static void write_script(void)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* Runs stilb beside the devices of `devices`, with further words for umockdev-run in front of those for stilb. */
+/* Runs stilb with the devices of the file `devices`; further words for umockdev-run stand before those for stilb. */
 static int live_code(const char *devices, const char *words)
 {
 	char line[2 * PATH_MAX];
@@ -128,7 +128,7 @@ static void test_none(void **state)
 	assert_false(strstr(run.out, " in 0.000 s"));
 }
 
-/* The old recording stays where there is nothing to put in its place. */
+/* An old recording stays if nothing was recorded. */
 static void test_record_nothing(void **state)
 {
 	(void)state;
@@ -147,7 +147,7 @@ static void test_record_nothing(void **state)
 	assert_int_equal(folder_entries(), 1);
 }
 
-/* Each pad: what came of it. */
+/* --rumble prints a result for each pad. */
 static void test_rumble(void **state)
 {
 	(void)state;
@@ -162,7 +162,7 @@ static void test_rumble(void **state)
 	assert_said(run.out, "\n/dev/hidraw7, Pad: has no known motors\n");
 }
 
-/* What is no gamepad is named, with the reason. */
+/* A device that is no gamepad is listed with the reason. */
 static void test_others(void **state)
 {
 	(void)state;
@@ -176,7 +176,7 @@ static void test_others(void **state)
 		assert_true(end - at <= 80);
 }
 
-/* The node is there and may not be opened: which, and what helps. Root is let in everywhere unless it gives that up. */
+/* A node without permission is named, with the udev rule that helps. Root may open it unless it drops that right. */
 static void test_denied(void **state)
 {
 	(void)state;
@@ -195,7 +195,7 @@ static void test_denied(void **state)
 	assert_said(stat_text("pads[0].udev_rule", '"'), "054C:05C4");
 }
 
-/* Live states, and the same ones from the recording. */
+/* The live states are printed, and are the same when the recording is replayed. */
 static void test_watch_and_record(void **state)
 {
 	(void)state;
@@ -216,7 +216,7 @@ static void test_watch_and_record(void **state)
 	assert_in_range(reports, 1, REPORTS);
 	int lines = program_lines(run.out);
 	stilb_good("pads --replay a.rec");
-	assert_int_equal(program_lines(run.out), lines - 1); /* but for where the recording is */
+	assert_int_equal(program_lines(run.out), lines - 1); /* all but the line that names the recording */
 	snprintf(summary, sizeof summary, "\n%d reports of 1 pad in 0.", reports);
 	assert_said(run.out, summary);
 	assert_said(run.out, "triggers 0.000 0.000  south\n");

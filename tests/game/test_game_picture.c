@@ -1,4 +1,4 @@
-/* The names that F12 gives to pictures: none is replaced, and the one that the end of the run writes is left alone. */
+/* Names of the pictures that F12 saves: no file is replaced, nor is the name used that the run saves to at its end. */
 #include "game/demo/demo_picture.h"
 #include "support/folder.h"
 #include "support/test.h"
@@ -32,10 +32,10 @@ static void test_names(void **state)
 	assert_name("a.png", NULL, "a-3.png");
 	touch("a-3.png");
 	assert_name("a.png", NULL, "a-5.png");
-	assert_name("b.png", "b.png", "b-2.png"); /* though it is not there yet */
+	assert_name("b.png", "b.png", "b-2.png"); /* b.png is the name for the end of the run */
 	assert_name("b.png", "./b.png", "b-2.png");
 	assert_name("./b.png", "c.png", "./b.png");
-	assert_int_equal(symlink("nowhere.png", "d.png"), 0); /* its target would be made */
+	assert_int_equal(symlink("nowhere.png", "d.png"), 0); /* a link to nothing is a name that exists */
 	assert_name("d.png", NULL, "d-2.png");
 	assert_name("/tmp.x/e", NULL, "/tmp.x/e");
 	touch("e");

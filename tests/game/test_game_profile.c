@@ -1,10 +1,10 @@
-/* What `stilb demo` writes of its own profile: traces, captures of slow frames, by signal, and when it cannot. */
+/* The profiles that `stilb demo` writes: traces, captures of slow frames and by signal, and their errors. */
 #include "support/stilb_program.h"
 
 #define SMALL "demo --headless --device null --models 400 --size 320x180 "
 
-/* Frames of a good fraction of a millisecond: short ones are forgotten before a thread of low priority can write
- * them. */
+/* Frames that take a good fraction of a millisecond: the profile's ring would overwrite shorter ones before the
+ * capturing thread, which has a low priority, can write them. */
 #define LARGE "demo --headless --device null --models 10000 --size 320x180 --workers 0 --replay direct "
 
 static trace_check_report trace;
@@ -42,7 +42,7 @@ static bool await_file(const char *path)
 
 /* ---- traces ------------------------------------------------------------------------------------------------------ */
 
-/* What every thread did is there: stages, jobs with their arrows, sleep. */
+/* A trace has the zones of every thread: stages, jobs with their arrows, sleep. */
 static void test_trace_tells_all(void **state)
 {
 	(void)state;
@@ -57,7 +57,7 @@ static void test_trace_tells_all(void **state)
 	assert_int_equal(trace_check_zones(&trace, "main", "parked"), 0);
 	uint64_t jobs = trace_check_zones(&trace, "worker 1", "job") + trace_check_zones(&trace, "worker 2", "job");
 	assert_true(jobs > 0);
-	assert_true(trace.flows == jobs); /* each helped with a loop of the main thread */
+	assert_true(trace.flows == jobs); /* each job worked on a loop of the main thread */
 	assert_int_equal(trace.flow_ends_outside, 0);
 }
 
@@ -100,15 +100,15 @@ static void test_slow_frame_is_captured(void **state)
 	int frame = -1;
 	double ms = 0.0;
 	stilb_good(LARGE "--frames 300 --fault slow:200 --spike 90 --capture c.json");
-	const char *line = strstr(run.out, "trace: c.json, "); /* some time after the frame, perhaps at the end */
+	const char *line = strstr(run.out, "trace: c.json, "); /* printed after the frame, at the latest at the end */
 	assert_non_null(line);
 	assert_int_equal(sscanf(line, "trace: c.json, frame %d took %lf ms", &frame, &ms), 2);
 	assert_true(ms > 90.0);
 	read_trace("c.json");
 	assert_true(trace.frames > 0);
-	if (frame == 199) { /* on a busy machine another one may have been slow before it */
+	if (frame == 199) { /* on a busy machine another frame may have been slow before */
 		assert_int_equal(trace_check_zones(&trace, "main", "slow on purpose"), 1);
-		assert_in_range(trace.frames, 120, 160); /* before and after */
+		assert_in_range(trace.frames, 120, 160); /* the frames around the slow one */
 	}
 	assert_int_equal(folder_entries(), 1);
 	stilb_good(LARGE "--frames 300 --fault slow:200 --spike auto --capture c.csv");
@@ -142,14 +142,14 @@ static void test_signal_captures(void **state)
 	assert_int_equal(folder_entries(), 2);
 }
 
-/* One message, however many frames are slow; all frames are done, and nothing half-written is left. */
+/* An error is printed once, however many frames are slow; all frames are drawn, and no partial file is left. */
 static void test_capture_that_cannot_be_written(void **state)
 {
 	(void)state;
 	assert_int_equal(symlink("/dev/full", "c.json"), 0);
 	assert_int_equal(symlink("/dev/full", "c-2.json"), 0);
 	assert_int_equal(symlink("/dev/full", "c-3.json"), 0);
-	/* Frames of a millisecond: on a busy machine the marks of shorter ones are gone before the capture begins. */
+	/* Frames take a millisecond: on a busy machine shorter ones would be overwritten before the capture begins. */
 	stilb_start(no_display, -1, SMALL "--models 200000 --frames 1000000 --stats a.json --capture c.json");
 	bool ready = catches_interrupts(run.pid);
 	for (int i = 0; ready && i < 3; i++) {
@@ -164,11 +164,11 @@ static void test_capture_that_cannot_be_written(void **state)
 	assert_said(run.err, "cannot write 'c");
 	assert_said(run.err, strerror(ENOSPC));
 	read_stats("a.json");
-	assert_true(stat_int("frames") > 1); /* it went on; a sanitizer build makes few */
+	assert_true(stat_int("frames") > 1); /* the run continued; a sanitizer build draws few frames */
 	assert_int_equal(folder_entries(), 4);
 }
 
-/* The folder goes away while it runs. */
+/* The folder of the captures is removed during the run. */
 static void test_capture_without_a_folder(void **state)
 {
 	(void)state;

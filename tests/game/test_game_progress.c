@@ -1,4 +1,4 @@
-/* What stilb render says about the samples that there are: never none while a coarse picture stands. */
+/* The text on the samples so far: it never says 0 once there is a coarse picture. */
 #include "game/render/render_progress.h"
 #include "support/test.h"
 

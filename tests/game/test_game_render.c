@@ -1,5 +1,5 @@
-/* stilb render as a user types it: pictures, numbers, refusals, signals, disks that are full, and what a terminal
- * shows. The argument "long" asks for what takes its time. */
+/* stilb render: pictures, numbers, refusals, signals, full disks, and the output on a terminal. With the argument
+ * "long" the tests that take seconds. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 
@@ -38,7 +38,7 @@ static bool same_pixels(const char *a, const char *b)
 	return same;
 }
 
-/* The mean of a channel of an .exr, over all of it. */
+/* The mean of a channel over the whole picture. */
 static double mean(const stilb_image *image, uint32_t channel)
 {
 	const float *pixels = image->pixels;
@@ -65,7 +65,7 @@ static void test_it_just_works(void **state)
 	assert_int_equal(image.width, 48);
 	assert_int_equal(image.height, 32);
 	assert_true(mean(&image, 0) > 0.1 && mean(&image, 0) < 2.0);
-	assert_true(mean(&image, 0) > mean(&image, 2)); /* warm light */
+	assert_true(mean(&image, 0) > mean(&image, 2)); /* more red than blue: the light is warm */
 	stilb_image_finish(&image);
 	read_stats("a.json");
 	assert_string_equal(stat_text("scene.name", '"'), "cornell");
@@ -81,13 +81,13 @@ static void test_it_just_works(void **state)
 	assert_true(stat_ms("render_s") > 0.0);
 	assert_true(stat_text("isa", '"')[0] != '\0');
 	assert_int_equal(stat_int("passes[0].first_sample"), 0);
-	assert_true(stat_int("passes[0].block") > 1); /* coarse pixels come first */
+	assert_true(stat_int("passes[0].block") > 1); /* the first pass is coarse */
 }
 
 static void test_png_is_what_one_sees(void **state)
 {
 	(void)state;
-	stilb_good("render -o a.PNG --size=40x30 --spp=2 cornell --workers 1"); /* the scene stands anywhere */
+	stilb_good("render -o a.PNG --size=40x30 --spp=2 cornell --workers 1"); /* the scene may stand anywhere */
 	stilb_good("render -o dark.png --size=40x30 --spp=2 cornell --workers 1 --exposure -3");
 	stilb_image image = load("a.PNG"), dark = load("dark.png");
 	assert_int_equal(image.format, STILB_IMAGE_U8_SRGB);
@@ -115,7 +115,7 @@ static void test_same_bits_from_any_workers(void **state)
 
 /* ---- an end before the end --------------------------------------------------------------------------------------- */
 
-/* A process that is killed leaves its checkpoint, and the run that goes on from it ends with the same bits. */
+/* A killed process leaves its checkpoint; a run that resumes from it ends with the same bits as one without a break. */
 static void test_resume_gives_the_same_bits(void **state)
 {
 	(void)state;
@@ -156,7 +156,7 @@ static void test_interrupt(void **state)
 	interrupt_with(SIGINT);
 }
 
-/* An interrupt writes the picture and a checkpoint, which is then refused to other settings. */
+/* An interrupt writes the picture and a checkpoint; the checkpoint is refused with other settings. */
 static void test_other_signals(void **state)
 {
 	(void)state;
@@ -183,12 +183,13 @@ static void test_checkpoints_that_are_none(void **state)
 	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --resume"), 2);
 	assert_error_lines(1);
 	assert_said(run.err, "a.png.checkpoint");
-	assert_int_equal(stilb_code(no_display, SMALL "-o a.png"), 0); /* not asked to look at it */
+	assert_int_equal(stilb_code(no_display, SMALL "-o a.png"),
+	                 0); /* without a display the run does not wait for a viewer */
 	assert_error_lines(1);
 	assert_said(run.err, "--resume");
 }
 
-/* A pipe that nobody writes to is refused, not waited for. */
+/* A pipe without a writer is refused instead of waited for. */
 static void test_pipes_are_no_files(void **state)
 {
 	(void)state;
@@ -210,7 +211,7 @@ static void touch(const char *path)
 	fclose(file);
 }
 
-/* What a killed run leaves is named after what it was to become, and the next run removes it. */
+/* The temporary file of a killed run is named after its output, and the next run removes it. */
 static void test_what_a_killed_run_left_is_removed(void **state)
 {
 	(void)state;
@@ -236,7 +237,7 @@ static void test_limits(void **state)
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-/* A line, and what is said about it. */
+/* Command lines that are refused, and a part of the message. */
 typedef struct refusal {
 	const char *line, *said;
 } refusal;
@@ -285,7 +286,7 @@ static const refusal refused[] = {
 	{"render cornel -o a.png", "cornel"},
 };
 
-/* Those that come to light with the scene. */
+/* Errors that are found when the scene is read. */
 static const refusal refused_late[] = {
 	{"render missing.gltf -o a.png", "missing.gltf"},
 	{"render furnace:1 -o a.png", "furnace"},
@@ -338,7 +339,7 @@ static void test_an_output_never_replaces_the_scene(void **state)
 	assert_said(run.err, "would replace 'a.obj'");
 }
 
-/* What makes no difference is said, and is no reason to end. */
+/* A flag without effect is reported, and does not end the run. */
 static void test_flags_without_use(void **state)
 {
 	(void)state;
@@ -370,11 +371,11 @@ static void test_full_disk(void **state)
 	assert_true(exists("a.png"));
 	assert_int_equal(stilb_code(no_display, SMALL "-o c.png --integrator irradiance-cache --cache-save /dev/full"), 1);
 	assert_said(run.err, "/dev/full");
-	assert_int_equal(remove("c.png"), 0); /* it is finished, whatever becomes of the cache */
+	assert_int_equal(remove("c.png"), 0); /* the picture is written although the cache cannot be saved */
 	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --trace /dev/full"), 1);
 	assert_said(run.err, "/dev/full");
 
-	/* A file may have a kilobyte: the old picture stays, and nothing else is left behind. */
+	/* Files are limited to a kilobyte: the old picture stays, and no other file is left. */
 	stilb_good(SMALL "-o a.exr");
 	assert_int_equal(rename("a.exr", "old.exr"), 0);
 	stilb_good(SMALL "-o a.exr --seed 2");
@@ -416,7 +417,7 @@ static void test_no_display(void **state)
 	assert_true(exists("a.png"));
 }
 
-/* The bar of a terminal of 100 columns, and that it leaves no trace. */
+/* The bar in a terminal of 100 columns, which is cleared at the end. */
 static void test_terminal(void **state)
 {
 	(void)state;
@@ -488,7 +489,7 @@ static void write_text(const char *path, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* A triangle of area 0 is in --stats alone; one with a coordinate that is NaN is told in a line. */
+/* Triangles of area 0 are counted in --stats only; one with a NaN coordinate is reported in a line. */
 static void test_triangles_left_out(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
-/* stilb render --preview on a virtual display: the window shows the picture while it gets finer, and closing it stops
- * and saves. */
+/* stilb render --preview on a virtual display: the window shows the picture while it gets finer, and closing it ends
+ * the run, which saves the picture. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 #include "support/x11_window.h"
@@ -11,7 +11,7 @@
 
 static Display *display;
 
-/* Until it can be seen. */
+/* Waits until the window is visible. */
 static Window wait_for_window(void)
 {
 	XWindowAttributes attributes = {.map_state = IsUnmapped};
@@ -32,7 +32,7 @@ static XImage *grab(Window window)
 	return image;
 }
 
-/* A pixel's channels, 0..255. */
+/* Reads the channels of a pixel, 0..255. */
 static void channels(XImage *image, int x, int y, int out[3])
 {
 	unsigned long pixel = XGetPixel(image, x, y);
@@ -40,7 +40,7 @@ static void channels(XImage *image, int x, int y, int out[3])
 		out[c] = (int)(pixel >> (16 - 8 * c) & 0xff);
 }
 
-/* Waits until the left wall is red and the right one green: the whole picture is there, however coarse. */
+/* Waits until the left wall is red and the right one green: a complete, perhaps coarse, picture is shown. */
 static bool shows_cornell(Window window)
 {
 	int left[3], right[3];
@@ -55,7 +55,7 @@ static bool shows_cornell(Window window)
 	return false;
 }
 
-/* As the window manager does when its button is pressed. */
+/* Closes the window as a window manager does. */
 static void close_window(Window window)
 {
 	XEvent event = {0};
@@ -68,7 +68,7 @@ static void close_window(Window window)
 	XSync(display, False);
 }
 
-/* A test that failed leaves no window to the next. */
+/* Ends a run that a failed test has left. */
 static int end_run(void **state)
 {
 	(void)state;
@@ -97,7 +97,7 @@ static void test_closing_stops_and_saves(void **state)
 	assert_string_equal(stat_text("end", '"'), "stopped");
 }
 
-/* What is shown is what is saved: the window of a stopped run and its .png, but for the samples in between. */
+/* The window shows the picture that is saved, but for the samples between its last update and the stop. */
 static void test_it_shows_what_is_saved(void **state)
 {
 	(void)state;
@@ -127,7 +127,7 @@ static void test_it_shows_what_is_saved(void **state)
 	stilb_image_finish(&saved);
 }
 
-/* A run that ends by itself closes its window, unless somebody sits before a terminal. */
+/* A run that ends by itself closes its window, unless stderr is a terminal. */
 static void test_it_ends_by_itself(void **state)
 {
 	(void)state;
@@ -137,7 +137,7 @@ static void test_it_ends_by_itself(void **state)
 	stilb_image a, b;
 	assert_int_equal(stilb_image_load("a.exr", &a), STILB_OK);
 	assert_int_equal(stilb_image_load("b.exr", &b), STILB_OK);
-	assert_memory_equal(a.pixels, b.pixels, stilb_image_size(&a)); /* looking changes nothing */
+	assert_memory_equal(a.pixels, b.pixels, stilb_image_size(&a)); /* the preview does not change the picture */
 	stilb_image_finish(&a);
 	stilb_image_finish(&b);
 }

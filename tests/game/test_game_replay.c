@@ -1,5 +1,5 @@
-/* stilb demo --dump and stilb replay: the same draws and the same picture without the scene, and what is said of files
- * that are no dumps. With the word "null" after the program's path only what needs no Vulkan. */
+/* stilb demo --dump and stilb replay: the same draws and the same picture without the scene, and messages on files that
+ * are no dumps. With the argument "null" only the tests that need no Vulkan. */
 #include "support/stilb_program.h"
 
 #include "base/base.h"
@@ -61,7 +61,7 @@ static void test_the_same_draws(void **state)
 			assert_true(stat_int("rounds") >= 5);
 		}
 	}
-	assert_int_equal(folder_entries(), 3); /* no temporary */
+	assert_int_equal(folder_entries(), 3); /* no temporary file */
 }
 
 static void test_the_same_file(void **state)
@@ -105,7 +105,7 @@ static void test_help(void **state)
 		assert_said(run.out, line);
 	}
 	for (const char *at = run.out, *end; (end = strchr(at, '\n')); at = end + 1)
-		assert_true(end - at <= 110); /* fits a window */
+		assert_true(end - at <= 110); /* columns of a usual terminal window */
 	stilb_good("replay a.dump --help");
 	stilb_good("--help");
 	assert_said(run.out, "  replay ");
@@ -150,11 +150,11 @@ static void test_refusals(void **state)
 		assert_string_equal(run.out, "");
 		assert_error_lines(1);
 		assert_said(run.err, refusals[i][1]);
-		assert_int_equal(folder_entries(), 2); /* nothing new */
+		assert_int_equal(folder_entries(), 2); /* no new file */
 	}
 }
 
-/* Files that are there and no dumps: found when they are read. */
+/* Files that exist but are no dumps: refused when they are read. */
 static void assert_bad(const char *path, const char *reason)
 {
 	char line[256], quoted[64];
@@ -168,7 +168,7 @@ static void assert_bad(const char *path, const char *reason)
 	assert_int_not_equal(access("a.json", F_OK), 0);
 }
 
-/* Puts 32 bits at an offset and signs the file again. */
+/* Changes 32 bits at an offset and corrects the checksum of the file. */
 static void forge(const char *path, size_t offset, uint32_t value)
 {
 	FILE *file = fopen(path, "r+b");
@@ -218,7 +218,7 @@ static void test_full_disk(void **state)
 	assert_int_equal(stilb_code(no_display, NULL_DEMO "--dump /dev/full --stats a.json --trace t.json"), 1);
 	assert_error_lines(1);
 	assert_said(run.err, "/dev/full");
-	read_stats("a.json"); /* the others are written all the same */
+	read_stats("a.json"); /* the other outputs are written all the same */
 	assert_trace("t.json", 256, 3);
 	stilb_good(NULL_DEMO "--dump a.dump");
 	assert_int_equal(stilb_code(no_display, "replay a.dump --device null --stats /dev/full"), 1);
@@ -293,7 +293,7 @@ static void test_the_same_picture_in_other_ways(void **state)
 	stilb_good("demo --headless --frames 2 " SMALL "--dump a.dump --screenshot a.exr");
 	stilb_good("replay a.dump --frames 1 --screenshot b.exr --validate");
 	assert_true(same_picture("a.exr", "b.exr"));
-	stilb_good("demo --headless --device null --frames 2 " SMALL "--dump a.dump"); /* of another device */
+	stilb_good("demo --headless --device null --frames 2 " SMALL "--dump a.dump"); /* the null device's */
 	stilb_good("replay a.dump --frames 1 --screenshot c.exr");
 	assert_true(same_picture("a.exr", "c.exr"));
 }

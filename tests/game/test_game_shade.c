@@ -1,5 +1,5 @@
-/* stilb shade: plots, spheres, the table, refusals. gnuplot is a script of this test's, which keeps what it is given;
- * with the argument "gnuplot" it is the real one, which draws every plot. */
+/* stilb shade: plots, spheres, the table, refusals. A script of this test stands in for gnuplot and keeps its input;
+ * with the argument "gnuplot" the real one draws every plot. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 
@@ -20,7 +20,7 @@ static char path_here[PATH_MAX + 16];
 static const char *const with_fake[] = {NO_DISPLAY, path_here, NULL};
 static const char *const without_gnuplot[] = {NO_DISPLAY, "PATH=/nonexistent", NULL};
 
-/* A gnuplot that copies its script to the file `script`, and makes a picture that is no picture. */
+/* Installs a gnuplot that copies its script to the file `script`, and writes a few bytes as the picture. */
 static void make_gnuplot(const char *last_line)
 {
 	FILE *file = fopen("gnuplot", "w");
@@ -64,14 +64,14 @@ static void test_plot(void **state)
 	assert_string_equal(read_text("lambert.svg"), "drawn\n");
 	assert_said(read_text("script"), "set terminal svg ");
 	assert_said(text, "f n·l for light at 45");
-	/* Lambert's albedo is 1 at every angle: a line, which needs two points. */
+	/* Lambert's albedo is 1 at every angle: a straight line, for which two points are enough. */
 	assert_said(text, "\n0 1\n89 1\nEND\n");
 	assert_int_equal(stilb_code(with_fake, "shade plot -o a.png ggx_smith_ggx"), 0);
 	assert_said(read_text("script"), "set terminal pngcairo ");
 	assert_said(text, "roughness 0.3");
 }
 
-/* Points that lie on lines are left out, and no others: 121 of a metal's Fresnel term, flat but for its dip. */
+/* Only points on straight lines are left out: of the 121 points of a metal's Fresnel term those around its dip stay. */
 static void test_plot_points(void **state)
 {
 	(void)state;
@@ -92,7 +92,7 @@ static void test_plot_points(void **state)
 	assert_in_range(count, 20, 60);
 }
 
-/* An .svg gets its own title, and no empty groups. */
+/* An .svg has the title of its plot, and no empty groups. */
 static void test_plot_svg(void **state)
 {
 	(void)state;
@@ -101,7 +101,7 @@ static void test_plot_svg(void **state)
 	assert_string_equal(read_text("a.svg"), "<title>Fresnel</title>\n<g b>\n<path/>\n</g>\n<g c>\n");
 }
 
-/* Every curve is numbers, in every plot; no plot is the same as another. */
+/* The curves of all plots are finite numbers, and no two plots are equal. */
 static void test_all_plots(void **state)
 {
 	(void)state;
@@ -115,14 +115,14 @@ static void test_all_plots(void **state)
 			continue;
 		plots++;
 		if (strstr(name, "-neumann") || strstr(name, "-kelemen") || strstr(name, "-schlick-"))
-			continue; /* as the other D x G */
+			continue; /* drawn by the same functions as the rest of D x G */
 		snprintf(words, sizeof words, "shade plot %s -o %s.svg", name, name);
 		int code = stilb_code(with_fake, words);
 		if (code != 0)
 			print_error("%s: %s\n", words, run.err);
 		assert_int_equal(code, 0);
 		read_text("script");
-		/* What is no number is an empty line. */
+		/* A NaN would be an empty line. */
 		if (strstr(text, "\n\n") || !strstr(text, "\nplot "))
 			print_error("%s: no numbers, or nothing is drawn\n", name);
 		assert_null(strstr(text, "\n\n"));
@@ -161,7 +161,7 @@ static void test_catalog(void **state)
 
 #define SIZE "659x454" /* cells of 50 pixels */
 
-/* The strip `classic` at that size: where the middle of a sphere is. As its layout says. */
+/* The centre of a sphere in the strip `classic` at that size, by the layout in shade_strip.c. */
 static void middle(int row, int column, int *x, int *y)
 {
 	double cell = 50.0, left = 0.5 * (659.0 - cell * 13.17);
@@ -177,7 +177,7 @@ static double radiance(const stilb_image *picture, int row, int column, int dx, 
 	                    picture->pixels)[3 * ((size_t)(y + dy) * picture->width + (size_t)(x + dx)) + (size_t)channel];
 }
 
-/* Of all that a sphere shows. */
+/* The mean over the pixels of a sphere. */
 static double brightest(const stilb_image *picture, int row, int column)
 {
 	double most = 0.0;
@@ -189,14 +189,13 @@ static double brightest(const stilb_image *picture, int row, int column)
 
 enum { METAL, OLD, NORMALISED, WRAPPED_OLD, WRAPPED, MIXED_OLD, MIXED };
 
-/* In 300 MB of addresses: what writes pictures is small. OpenImageIO alone takes more, and the program then ended by
- * SIGABRT. */
+/* Pictures are written in 300 MB of address space: OpenImageIO, which would need more and abort, is not loaded. */
 static void test_spheres_in_little_memory(void **state)
 {
 	(void)state;
 	struct rlimit before;
 	if (SANITIZED)
-		return; /* sanitizers take terabytes of addresses */
+		return; /* sanitizers need terabytes of addresses */
 	assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
 	setrlimit(RLIMIT_AS, &(struct rlimit){300u << 20, before.rlim_max});
 	int code = stilb_code(no_display, "shade spheres --size " SIZE " -o little.png");
@@ -215,26 +214,26 @@ static void test_spheres(void **state)
 	assert_int_equal(picture.width, 659);
 	assert_int_equal(picture.channels, 3);
 	for (int column = 0; column <= 10; column++) {
-		/* What was wrong with wrapped diffuse is the factor 1 + w, everywhere. */
+		/* The earlier wrapped diffuse is brighter by the factor 1 + w everywhere. */
 		double wrap = 0.1 * column, share = radiance(&picture, WRAPPED_OLD, column, -6, -8, 0) /
 		                                    radiance(&picture, WRAPPED, column, -6, -8, 0);
 		assert_true(fabs(share - (1.0 + wrap)) < 1e-4);
-		/* The limited sum shows less than the one without a limit, but where nothing was to be limited. */
+		/* The limited sum is darker than the one without a limit, and equal where the sum is at most 1. */
 		double limited = radiance(&picture, MIXED, column, 5, 5, 0),
 			   unlimited = radiance(&picture, MIXED_OLD, column, 5, 5, 0);
 		assert_true(column == 0 ? limited == unlimited : limited < unlimited);
 	}
-	/* Normalised highlights get brighter as they get smaller; without the factor they do not. */
+	/* Normalised highlights are brighter the smaller they are; without the factor they are not. */
 	assert_true(brightest(&picture, NORMALISED, 2) > 4.0 * brightest(&picture, NORMALISED, 6));
 	assert_true(brightest(&picture, OLD, 2) < 1.01 * brightest(&picture, OLD, 6));
 	assert_true(fabs(brightest(&picture, OLD, 10) / brightest(&picture, NORMALISED, 10) - 1.0) < 1e-4);
-	/* Gold. */
+	/* Gold reflects more red than blue. */
 	assert_true(radiance(&picture, METAL, 10, 0, 0, 0) > radiance(&picture, METAL, 10, 0, 0, 1));
 	assert_true(radiance(&picture, METAL, 10, 0, 0, 1) > radiance(&picture, METAL, 10, 0, 0, 2));
 	stilb_image_finish(&picture);
 }
 
-/* Three bands of a sun alone are negative on its dark side, and shown so; windowed they are not. */
+/* Three bands of a sun alone are negative on the dark side, which is shown in magenta; windowed ones are not. */
 static void test_spheres_negative(void **state)
 {
 	(void)state;
@@ -288,7 +287,7 @@ static void test_strips(void **state)
 	}
 }
 
-/* Words are there at the usual size, and not where nobody could read them. */
+/* Captions are drawn at the usual size, and left out where they would be too small to read. */
 static void test_spheres_words(void **state)
 {
 	(void)state;
@@ -316,7 +315,7 @@ static void test_table(void **state)
 	assert_said(text, "| `ggx_smith_beckmann` | ");
 	assert_said(text, "| 1.00000 | **no** | yes | 1.616 |");
 	assert_said(text, "| `sample_ggx_visible` | ");
-	/* D x G x F: 3 x 32 lines; more light than came only with Smith-Beckmann's G. */
+	/* D x G x F: 3 x 32 lines; only Smith-Beckmann's G has an albedo above 1. */
 	int lines = 0, gains = 0;
 	char *rest = NULL;
 	char *at = strstr(text, "## Albedo of D x G x F");
@@ -377,7 +376,7 @@ static void test_refusals(void **state)
 		assert_string_equal(run.out, "");
 		assert_error_lines(1);
 		assert_said(run.err, refusals[i][1]);
-		assert_int_equal(folder_entries(), entries); /* nothing new */
+		assert_int_equal(folder_entries(), entries); /* no new file */
 	}
 }
 
@@ -416,7 +415,7 @@ static void test_real_gnuplot(void **state)
 		char name[64];
 		if (line[0] != ' ' || sscanf(line, " %63s", name) != 1)
 			continue;
-		stilb_good("shade plot %s -o %s.svg", name, name); /* and it says nothing */
+		stilb_good("shade plot %s -o %s.svg", name, name); /* gnuplot prints no warning */
 		char path[80];
 		snprintf(path, sizeof path, "%s.svg", name);
 		assert_said(read_text(path), "</svg>");
@@ -440,7 +439,7 @@ static int run_real_gnuplot(void)
 	return cmocka_run_group_tests(tests, NULL, folder_leave);
 }
 
-/* What takes seconds. */
+/* Tests that take seconds. */
 static int run_long(void)
 {
 	const struct CMUnitTest tests[] = {

@@ -1,4 +1,4 @@
-/* stilb trace top and diff: tables, JSON, exit codes, and what is said of files that are no traces. */
+/* stilb trace top and diff: tables, JSON, exit codes, and messages on files that are no traces. */
 #include "profiler/prof_trace.h"
 #include "support/prof_made.h"
 #include "support/stilb_program.h"
@@ -80,7 +80,7 @@ static void test_top(void **state)
 	            strstr(run.out, " frame\n") < strstr(run.out, " record\n"));
 	assert_int_equal(sscanf(lines_find("record"), "%lld %lf", &calls, &total), 2);
 	assert_true(calls == 1 && total > 0.034);
-	assert_false(strstr(run.out, "in the queue")); /* none ran on main */
+	assert_false(strstr(run.out, "in the queue")); /* no job ran on that lane */
 	stilb_good("trace top a.json --frame 101");
 	assert_said(run.out, "1 job ran after a delay of p50 0.110 us");
 	stilb_good("trace top a.json --frame 139 --lines 2");
@@ -116,7 +116,7 @@ static void test_diff(void **state)
 	assert_said(run.out, "\n0 of 5 zones are slower by more than 5 % (alpha 0.01)\n");
 	assert_int_equal(stilb_code(no_display, "trace diff a.json c.json --json d.json"), 1);
 	assert_string_equal(run.err, "");
-	assert_said(run.out, "\n2 of 5 zones are slower"); /* the frame too */
+	assert_said(run.out, "\n2 of 5 zones are slower"); /* cull and the frame around it */
 	assert_true(strncmp(lines_find("cull"), "slower ", 7) == 0);
 	assert_said(lines_find("cull"), " +29.");
 	assert_true(strncmp(lines_find("record"), "same ", 5) == 0);
@@ -134,7 +134,7 @@ static void test_diff(void **state)
 	assert_said(run.out, "a zone's time in a frame");
 }
 
-/* From the program itself to the tables and back to JSON, over a pipe. */
+/* A trace of the program itself through a pipe, as table and as JSON. */
 static void test_of_the_demo(void **state)
 {
 	(void)state;
@@ -181,7 +181,7 @@ static void test_help(void **state)
 		stilb_good("%s", lines[i][0]);
 		assert_said(run.out, lines[i][1]);
 		for (const char *at = run.out, *end; (end = strchr(at, '\n')); at = end + 1)
-			assert_true(end - at <= 110); /* fits a window */
+			assert_true(end - at <= 110); /* columns of a usual terminal window */
 	}
 }
 
@@ -248,7 +248,7 @@ static void test_refusals(void **state)
 	write_text("text.json", "no trace");
 	assert_int_equal(system("head -c 3000 a.json > short.json"), 0);
 	assert_int_equal(mkdir("folder", 0777), 0);
-	assert_int_equal(mkfifo("pipe", 0600), 0); /* that nobody writes: a reader would wait for ever */
+	assert_int_equal(mkfifo("pipe", 0600), 0); /* without a writer: a reader would wait for ever */
 	int entries = folder_entries();
 	for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
 		int code = stilb_code(no_display, refusals[i][0]);
@@ -258,11 +258,11 @@ static void test_refusals(void **state)
 		assert_string_equal(run.out, "");
 		assert_error_lines(1);
 		assert_said(run.err, refusals[i][1]);
-		assert_int_equal(folder_entries(), entries); /* nothing new */
+		assert_int_equal(folder_entries(), entries); /* no new file */
 	}
 }
 
-/* A full disk is no difference between traces: 1 is kept for that. */
+/* A full disk ends with 2: 1 means a difference between the traces. */
 static void test_full_disk(void **state)
 {
 	(void)state;
