@@ -9,6 +9,7 @@ static void demo_gamepads_came(const stilb_input_control_pad *pad, FILE *out)
 
 void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool replayed, FILE *out)
 {
+	STILB_ASSERT(out && gamepads->count <= STILB_INPUT_PADS_MAX);
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
 	uint32_t count = stilb_engine_gamepads(engine, pads);
 	demo_gamepads now = {.replayed = replayed};

@@ -377,6 +377,7 @@ static stilb_render_shading demo_shading(const demo_options *o)
 
 stilb_engine_desc demo_options_engine(const demo_options *o)
 {
+	STILB_ASSERT(o->models >= 1 && o->models <= STILB_SCENE_MAX_MODELS && o->size[0] >= 1 && o->size[1] >= 1);
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	desc.models = (uint32_t)o->models;
 	desc.seed = o->seed;
@@ -395,7 +396,7 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.animate = o->animate;
 	desc.validate = o->validate;
 	desc.shading = demo_shading(o);
-	demo_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
+	bool gamepad = demo_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
 	desc.control.invert_y = o->invert_y;
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
 	desc.overlay = o->overlay;
@@ -407,9 +408,10 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.capture.process_name = "stilb";
 	desc.capture.signal = SIGUSR1;
 	desc.capture.crash = o->capture;
-	demo_parse_spike(o->spike, &desc.capture);
+	bool spike = demo_parse_spike(o->spike, &desc.capture);
 	demo_faults faults;
-	demo_parse_fault(o->fault, &faults);
+	bool fault = demo_parse_fault(o->fault, &faults);
+	STILB_ASSERT(gamepad && spike && fault && "demo_options_check accepted the options");
 	desc.faults = faults.render;
 	desc.slow_frame = faults.slow_frame;
 	if (o->screenshot &&

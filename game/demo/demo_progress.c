@@ -20,6 +20,7 @@ void demo_progress_begin(demo_progress *progress)
 
 void demo_progress_show(demo_progress *progress, uint64_t frames, uint64_t wanted)
 {
+	STILB_ASSERT(progress->start_ns > 0 && (wanted == 0 || frames <= wanted));
 	uint64_t now = stilb_time_ns(), passed = now - progress->start_ns;
 	if (!progress->terminal || passed < PROGRESS_QUIET_NS || now - progress->last_ns < PROGRESS_BETWEEN_NS)
 		return;

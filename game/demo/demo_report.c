@@ -67,6 +67,7 @@ static void demo_put_gamepads(stilb_json *json, const demo_report *report)
 
 stilb_result demo_report_save(const demo_report *report)
 {
+	STILB_ASSERT(report->options->stats && report->frames > 0);
 	const demo_options *o = report->options;
 	const stilb_render_stats *render = &report->last.render;
 	const stage_summary *summary = report->summary;

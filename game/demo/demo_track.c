@@ -16,6 +16,7 @@ void demo_track_add(demo_track *track, const stilb_engine *engine, const stilb_e
 {
 	if (!track->file.path)
 		return;
+	STILB_ASSERT(report->drawn);
 	stilb_input_pose pose = stilb_engine_pose(engine);
 	char line[160];
 	if (report->frame == 1)
@@ -24,6 +25,7 @@ void demo_track_add(demo_track *track, const stilb_engine *engine, const stilb_e
 	int length = snprintf(line, sizeof line, "%" PRIu64 " %" PRId64 " %.9g %.9g %.9g %.9g %.9g\n", report->frame,
 	                      report->time_us - track->begin_us, (double)pose.position[0], (double)pose.position[1],
 	                      (double)pose.position[2], (double)pose.yaw, (double)pose.pitch);
+	STILB_ASSERT(length > 0 && (size_t)length < sizeof line);
 	stilb_file_write(&track->file, line, (size_t)length);
 }
 

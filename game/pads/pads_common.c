@@ -60,6 +60,7 @@ const char *pads_buttons_text(uint32_t buttons, char text[PADS_BUTTONS_SIZE])
 
 void pads_print_wrapped(FILE *out, const char *title, const char *text)
 {
+	STILB_ASSERT(strlen(title) < PADS_COLUMNS);
 	size_t indent = strlen(title), room = PADS_COLUMNS - indent;
 	fputs(title, out);
 	while (strlen(text) > room) {

@@ -23,6 +23,7 @@ static void view_print(view_text *text, const char *format, ...)
 {
 	va_list arguments;
 	va_start(arguments, format);
+	STILB_ASSERT(text->length < sizeof text->bytes);
 	size_t room = sizeof text->bytes - text->length;
 	int length = vsnprintf(text->bytes + text->length, room, format, arguments);
 	va_end(arguments);
@@ -41,6 +42,7 @@ static void view_print_bar(view_text *text, float from, float to)
 {
 	int first = (int)((from < to ? from : to) * (VIEW_BAR - 1) + 0.5f);
 	int last = (int)((from < to ? to : from) * (VIEW_BAR - 1) + 0.5f);
+	STILB_ASSERT(first >= 0 && last < VIEW_BAR);
 	char bar[VIEW_BAR + 1];
 	memset(bar, '.', VIEW_BAR);
 	for (int i = first; i <= last; i++)

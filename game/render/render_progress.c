@@ -62,6 +62,7 @@ static uint32_t progress_pass_samples(const stilb_gi_progress *at)
 
 void offline_progress_samples(const stilb_gi_progress *at, char *text, size_t size)
 {
+	STILB_ASSERT(size >= 64);
 	uint32_t samples = at->samples > 0 ? at->samples : progress_pass_samples(at);
 	const char *many = samples == 1 ? "" : "s";
 	if (at->samples > 0)
@@ -102,6 +103,7 @@ static int progress_percent(offline_stage stage, const stilb_gi_progress *at)
 void offline_progress_words(const offline_progress *progress, offline_stage stage, const stilb_gi_progress *at,
                             char *text, size_t size)
 {
+	STILB_ASSERT(size >= 160);
 	char words[160];
 	progress_describe(progress, stage, at, words, sizeof words);
 	snprintf(text, size, "%d %%, %s", progress_percent(stage, at), words);
@@ -116,6 +118,7 @@ static int progress_columns(void)
 /* Draws "[####....] words" over the terminal's line; in a narrow terminal the words alone. */
 static void progress_bar(int percent, const char *words)
 {
+	STILB_ASSERT(percent >= 0 && percent <= 100);
 	char bar[PROGRESS_BAR_MAX + 1];
 	int columns = progress_columns(), room = columns - (int)strlen(words) - 4;
 	int length = room > PROGRESS_BAR_MAX ? PROGRESS_BAR_MAX : room;

@@ -160,6 +160,7 @@ static void report_put_run(stilb_json *json, const offline_options *o, const off
 
 stilb_result offline_report_save(const offline_options *o, const offline_result *result)
 {
+	STILB_ASSERT(o->stats && (result->prepared || result->code != EXIT_DONE || result->stopped));
 	stilb_json json = {0};
 	stilb_json_begin(&json, NULL, '{');
 	if (result->prepared)
@@ -184,6 +185,7 @@ static void report_count(double count, char *text, size_t size)
 
 void offline_report_print(const offline_options *o, const offline_result *result)
 {
+	STILB_ASSERT(result->prepared);
 	FILE *out = offline_message_stream(o);
 	const stilb_gi_progress *progress = &result->progress;
 	const stilb_gi_settings *s = &result->settings;

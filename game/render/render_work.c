@@ -1,5 +1,6 @@
 #include "render_work.h"
 
+#include "base/base_contract.h"
 #include "base/base_file.h"
 #include "engine.h"
 #include "job_prof/job_prof.h"
@@ -20,6 +21,7 @@
 
 struct offline_work {
 	const offline_options *options;
+	stilb_owner owner; /* the thread that started the work */
 	pthread_t thread;
 	offline_result result; /* written by the thread; read after it has ended */
 
@@ -52,6 +54,7 @@ static double work_seconds_since(uint64_t start)
 static void work_enter(offline_work *work, offline_stage stage)
 {
 	pthread_mutex_lock(&work->lock);
+	STILB_ASSERT(stage >= work->stage && "the stages follow one another");
 	work->stage = stage;
 	pthread_mutex_unlock(&work->lock);
 }
@@ -83,6 +86,7 @@ static bool work_take_pause(offline_work *work)
 
 offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress)
 {
+	STILB_ASSERT_OWNER(work->owner);
 	*progress = (stilb_gi_progress){0};
 	pthread_mutex_lock(&work->lock);
 	if (work->render)
@@ -94,6 +98,7 @@ offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress)
 
 bool offline_work_preview(offline_work *work, float *rgb)
 {
+	STILB_ASSERT_OWNER(work->owner);
 	pthread_mutex_lock(&work->lock);
 	bool there = work->render;
 	if (there)
@@ -104,6 +109,7 @@ bool offline_work_preview(offline_work *work, float *rgb)
 
 void offline_work_stop(offline_work *work)
 {
+	STILB_ASSERT_OWNER(work->owner);
 	pthread_mutex_lock(&work->lock);
 	work->stop = true;
 	if (work->render && work->stage == RENDER_RENDERING)
@@ -113,6 +119,7 @@ void offline_work_stop(offline_work *work)
 
 void offline_work_checkpoint(offline_work *work)
 {
+	STILB_ASSERT_OWNER(work->owner);
 	pthread_mutex_lock(&work->lock);
 	work->pause = true;
 	if (work->render && work->stage == RENDER_RENDERING)
@@ -322,6 +329,7 @@ stilb_result offline_work_start(const offline_options *options, offline_work **o
 	offline_work *work = calloc(1, sizeof *work);
 	if (!work)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory to render with");
+	stilb_owner_take(&work->owner);
 	work->options = options;
 	pthread_mutex_init(&work->lock, NULL);
 	stilb_prof_ring_events_set(WORK_RING_EVENTS);
@@ -339,6 +347,7 @@ stilb_result offline_work_start(const offline_options *options, offline_work **o
 
 offline_result offline_work_join(offline_work *work)
 {
+	STILB_ASSERT_OWNER(work->owner);
 	pthread_join(work->thread, NULL);
 	offline_result result = work->result;
 	pthread_mutex_destroy(&work->lock);

@@ -46,6 +46,7 @@ static layout layout_of(const strip *s, const stilb_image *picture)
 
 void strip_size(const strip *s, float sphere, uint32_t size[2])
 {
+	STILB_ASSERT(sphere > 0.0f);
 	float cell = sphere / (2.0f * SPHERE_RADIUS);
 	size[0] = (uint32_t)ceilf(cell * layout_columns(s));
 	size[1] = (uint32_t)ceilf(cell * layout_rows(s));

@@ -96,10 +96,10 @@ extern const strip_row strip_light_rows[], strip_sh_rows[], strip_tonemap_rows[]
 extern const strip strips[];
 extern const int strip_count;
 
-/* Computes the size of the picture, pixels, in which a sphere's cell is `sphere` pixels wide. */
+/* Computes the size of the picture, pixels, in which each sphere is `sphere` > 0 pixels wide. */
 void strip_size(const strip *s, float sphere, uint32_t size[2]);
 
-/* Draws a strip of this size ({0, 0}: cells of 100 pixels) on a pool of `workers` threads (or FLAG_WORKERS_AUTO), and
+/* Draws a strip of this size ({0, 0}: spheres of 100 pixels) on a pool of `workers` threads (or FLAG_WORKERS_AUTO), and
  * saves it as path. Errors of stilb_image_save, and STILB_ERROR_THREAD. */
 stilb_result strip_save(const strip *s, const uint32_t size[2], uint32_t workers, const char *path);
 

@@ -24,6 +24,7 @@ trace_files trace_take_files(int wanted, int *argc, char ***argv)
 
 bool trace_check(const char *command, const trace_files *files, const char *output)
 {
+	STILB_ASSERT(command && (files->wanted == 1 || files->wanted == 2));
 	for (int i = 0; i < files->wanted; i++)
 		if (i >= files->count || !files->path[i][0]) {
 			stilb_log(
@@ -75,6 +76,7 @@ uint64_t trace_zone_count(const stilb_prof_snapshot *trace)
 
 static uint32_t trace_slowest(const stilb_prof_snapshot *trace)
 {
+	STILB_ASSERT(trace->frame_count > 0);
 	uint32_t slowest = 0;
 	for (uint32_t i = 1; i < trace->frame_count; i++)
 		if (trace_frame_ns(&trace->frames[i]) > trace_frame_ns(&trace->frames[slowest]))
@@ -84,6 +86,7 @@ static uint32_t trace_slowest(const stilb_prof_snapshot *trace)
 
 bool trace_choose_frame(const stilb_prof_snapshot *trace, const char *file, const char *text, uint32_t *frame)
 {
+	STILB_ASSERT(text && frame);
 	if (trace->frame_count == 0) {
 		stilb_log("--frame: there are no whole frames in '%s'", file);
 		return false;
