@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Makes room for count > 0 items of that size. array is the address of the pointer to the items, which is stored with
- * the capacity when they move: a caller that fails later leaves no pointer to freed memory. False: no memory, nothing
- * changed. */
+/* Makes room for count > 0 items of size bytes each. array is the address of the pointer to the items; if they move, it
+ * is stored at once together with the capacity, so that a caller that fails later leaves no pointer to freed memory.
+ * False: no memory, and nothing has changed. */
 static inline bool prof_array_room(void *array, size_t size, size_t count, size_t *capacity)
 {
 	assert(array && size > 0 && count > 0);

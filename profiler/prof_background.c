@@ -1,4 +1,4 @@
-/* Work that waits for everything else: that of the capture's thread. */
+/* The lowest priority, for the thread that writes captures. */
 #include "profiler/prof_internal.h"
 
 #include <sched.h>
@@ -10,7 +10,8 @@ __thread bool prof_background;
 
 static __thread uint64_t prof_background_since;
 
-/* Not SCHED_IDLE: while other threads keep all CPUs busy it gets next to nothing, and the rings go round meanwhile. */
+/* Not SCHED_IDLE: while other threads keep all CPUs busy, such a thread gets almost no time, and the rings are
+ * overwritten before they are copied. */
 void prof_background_begin(void)
 {
 	setpriority(PRIO_PROCESS, 0, 19); /* on Linux: of this thread alone */

@@ -1,10 +1,10 @@
 /*
  * Captures: what starts one, and the thread that writes them.
  *
- * Who tells whom. Whoever wants a capture leaves a frame's number in a place of its own (asked, spike) and wakes the
- * thread; the thread alone decides what is written when. It waits for the frames after by saying which one it waits for
- * (awaited): the thread that marks frames looks at that once a frame. All waking is by one semaphore, which may be
- * posted by signal handlers; a wake-up without a reason does no harm, so nobody counts them.
+ * Protocol. A request stores the number of its frame in a slot, asked or spike, and wakes the capturing thread, which
+ * alone decides what is written when. To wait for the frames after, that thread stores the number of frames that must
+ * have ended in awaited; the thread that marks frames compares with it once a frame. All wake-ups go through one
+ * semaphore, since signal handlers may post it. A wake-up without a reason is harmless, so they are not counted.
  */
 #include "profiler/prof_capture_internal.h"
 #include "profiler/prof_frames.h"
@@ -17,39 +17,39 @@
 #include <string.h>
 #include <time.h>
 
-#define PROF_STILL_NS UINT64_C(1000000000) /* after so long without a frame none is waited for */
-#define PROF_SUFFIX_MAX 16                 /* of a file's name: "-" and a number */
+#define PROF_STILL_NS UINT64_C(1000000000) /* after so long without a frame, stop waiting for more */
+#define PROF_SUFFIX_MAX 16                 /* bytes added to a file's name: "-" and a number */
 
-/* What the thread that marks frames keeps for itself; set up before the hook is. */
+/* Used by the thread that marks frames alone; initialised before the hook is set. */
 static struct {
 	prof_frame_window window;
-	uint64_t quiet; /* frames up to this number start no capture */
+	uint64_t quiet; /* frames below this number start no capture */
 } prof_marks;
 
 static struct {
-	/* Set up before the thread starts, unchanged until it has ended. */
+	/* Initialised before the thread starts, unchanged until it has ended. */
 	stilb_prof_capture_desc desc;
 	pthread_t thread;
 	struct sigaction old_signal;
 	sem_t wake;
-	bool has_wake; /* set up once, for ever: whoever posts may be late */
+	bool has_wake; /* initialised once and never destroyed: a signal handler may post it late */
 
-	/* Between threads: as said where they are used. Frame numbers plus one; 0: none. */
+	/* Shared between threads; orders are given at each use. asked and spike: frame number + 1; 0: no request. */
 	uint32_t running;
 	uint32_t stop;
 	uint64_t asked;
 	uint64_t spike;
-	uint64_t spike_ns;     /* how long it took */
-	uint64_t spikes_left;  /* files */
-	uint64_t whole;        /* frames that have ended */
-	uint64_t awaited;      /* the thread waits until as many have */
-	prof_exclusive caller; /* of start or stop */
+	uint64_t spike_ns;     /* length of the slow frame */
+	uint64_t spikes_left;  /* files that slow frames may still take */
+	uint64_t whole;        /* frames that have ended so far */
+	uint64_t awaited;      /* the capturing thread waits until as many have ended; UINT64_MAX: it does not wait */
+	prof_exclusive caller; /* start or stop is running */
 } prof_capture;
 
 /* ---- asking for one ---------------------------------------------------------------------------------------------- */
 
-/* Leaves frame in a place, unless one is there: then that capture will show this moment too, or is the one that
- * counts. */
+/* Requests a capture around frame, unless the slot holds a request: then that capture shows this moment too, or it
+ * comes first. Safe in signal handlers. */
 static void prof_capture_ask(uint64_t *place, uint64_t frame)
 {
 	uint64_t none = 0;
@@ -80,7 +80,7 @@ static double prof_capture_limit_ms(void)
 	}
 }
 
-/* For another slow frame: the one before is written, and there may be another file. */
+/* True if a slow frame may start a capture: the one before it is written, and not all files are used up. */
 static bool prof_capture_has_room(void)
 {
 	/* Acquire: pairs with prof_capture_next, which has read spike_ns by then. spikes_left: no data depends on it. */
@@ -88,13 +88,13 @@ static bool prof_capture_has_room(void)
 	       __atomic_load_n(&prof_capture.spikes_left, __ATOMIC_RELAXED) > 0;
 }
 
-/* Runs in every stilb_prof_frame_mark. */
+/* Called by each stilb_prof_frame_mark. */
 static void prof_capture_on_frame(uint64_t number, uint64_t duration_ns)
 {
 	prof_frame_window_add(&prof_marks.window, duration_ns);
 	if (1e-6 * (double)duration_ns > prof_capture_limit_ms() && number >= prof_marks.quiet && prof_capture_has_room()) {
 		prof_marks.quiet = number + 1 + prof_capture.desc.cool_down;
-		__atomic_store_n(&prof_capture.spike_ns, duration_ns, __ATOMIC_RELAXED); /* goes out with spike */
+		__atomic_store_n(&prof_capture.spike_ns, duration_ns, __ATOMIC_RELAXED); /* published by the store to spike */
 		prof_capture_ask(&prof_capture.spike, number);
 	}
 	/* Sequentially consistent: prof_capture_await stores awaited and then loads whole; one of the two sees the
@@ -116,7 +116,7 @@ static void prof_signal_on_ask(int number)
 	errno = error;
 }
 
-/* Whether a handler can be set for it. */
+/* True if desc->signal is 0 or a signal that can be caught and is not one of a crash that is watched for. */
 static bool prof_signal_is_free(const stilb_prof_capture_desc *desc)
 {
 	struct sigaction now;
@@ -157,7 +157,7 @@ static bool prof_capture_stops(void)
 	return __atomic_load_n(&prof_capture.stop, __ATOMIC_ACQUIRE) != 0; /* pairs with stilb_prof_capture_stop */
 }
 
-/* Until awaited frames are whole, nothing new has come for a while, or there is no time. */
+/* Waits until awaited frames have ended, no frame has ended for PROF_STILL_NS, or captures are to stop. */
 static void prof_capture_await(uint64_t awaited)
 {
 	assert(prof_capture_is_thread && awaited > 0);
@@ -174,11 +174,11 @@ static void prof_capture_await(uint64_t awaited)
 			moved = stilb_prof_clock_monotonic();
 		whole = now;
 	}
-	__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* a wake-up too many does no harm */
+	__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* a wake-up too many is harmless */
 }
 
-/* Writes what is in a place, if anything: it stays there while its frames come in, so that asking again is asking
- * for the same. */
+/* Writes the capture that slot place requests; false: none. The request stays there until its frames have ended, so
+ * that further requests meanwhile ask for the same capture. */
 static bool prof_capture_next(uint64_t *place, stilb_prof_cause cause)
 {
 	uint32_t after = prof_capture.desc.frames_after;
@@ -201,7 +201,7 @@ static void *prof_capture_run(void *user)
 	prof_background_begin();
 	pthread_setname_np(pthread_self(), "prof-capture");
 	while (true) {
-		bool stops = prof_capture_stops(); /* before looking: what was asked for before the stop is seen */
+		bool stops = prof_capture_stops(); /* read first: requests made before the stop are still seen below */
 		bool wrote = prof_capture_next(&prof_capture.asked, STILB_PROF_CAUSE_ASKED);
 		wrote |= prof_capture_next(&prof_capture.spike, STILB_PROF_CAUSE_SPIKE);
 		if (wrote)
@@ -234,7 +234,7 @@ static bool prof_capture_is_sound(const stilb_prof_capture_desc *desc)
 	       prof_signal_is_free(desc);
 }
 
-/* Everything but the threads and what leads to them. */
+/* Initialises everything but the threads, the signal handlers and the hook. 0 or -ENOMEM. */
 static int prof_capture_set_up(const stilb_prof_capture_desc *desc)
 {
 	/* Relaxed: only written by the one caller. */
@@ -246,9 +246,9 @@ static int prof_capture_set_up(const stilb_prof_capture_desc *desc)
 		sem_init(&prof_capture.wake, 0, 0);
 	prof_capture.has_wake = true;
 	prof_capture.desc = *desc;
-	prof_capture.desc.path = prof_capture.desc.process_name = NULL; /* the caller's: not ours any more */
+	prof_capture.desc.path = prof_capture.desc.process_name = NULL; /* prof_capture_file.c has copies */
 	memset(&prof_marks, 0, sizeof prof_marks);
-	/* Relaxed: the thread starts later, the others look at running or the hook first. */
+	/* Relaxed: the thread is created later, and other threads check running or the hook first. */
 	__atomic_store_n(&prof_capture.stop, 0, __ATOMIC_RELAXED);
 	__atomic_store_n(&prof_capture.asked, 0, __ATOMIC_RELAXED);
 	__atomic_store_n(&prof_capture.spike, 0, __ATOMIC_RELAXED);
@@ -267,7 +267,7 @@ static void prof_capture_end(void)
 	prof_capture_file_forget();
 }
 
-/* Everything is as before after an error. */
+/* After an error nothing has changed. */
 static int prof_capture_begin(const stilb_prof_capture_desc *desc)
 {
 	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) != 0) /* only written by the one caller */

@@ -1,4 +1,4 @@
-/* One capture as a file. Two threads may be at it: a crash does not wait for what is being written. */
+/* Writes one capture to a file. Two threads may do so at once: a crash does not wait for another capture. */
 #include "profiler/prof_capture_internal.h"
 #include "profiler/prof_trace.h"
 
@@ -10,11 +10,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Unchanged while there is a thread that writes, but for files. */
+/* Unchanged while a capturing thread runs, except files. */
 static struct {
-	stilb_prof_capture_desc desc; /* with strings of its own */
+	stilb_prof_capture_desc desc; /* its strings are not ours: use path and process_name */
 	char *path, *process_name;
-	uint32_t files; /* numbers that are taken: by files of earlier runs, written ones, those being written */
+	uint32_t files; /* numbers below are in use: by earlier runs, written files, or files being written */
 } prof_output;
 
 void prof_capture_file_forget(void)
@@ -43,7 +43,7 @@ uint64_t prof_capture_frame(void)
 	return begun > 0 ? begun - 1 : 0;
 }
 
-/* What is no regular file takes all captures. */
+/* True if the output is not a regular file: then it takes all captures. */
 static bool prof_capture_is_stream(void)
 {
 	assert(prof_output.path && "set up");
@@ -51,7 +51,7 @@ static bool prof_capture_is_stream(void)
 	return strcmp(prof_output.path, "-") == 0 || (stat(prof_output.path, &status) == 0 && !S_ISREG(status.st_mode));
 }
 
-/* The name of file number n, counted from 0, in a new string: the first has none of the number. NULL: no memory. */
+/* The path of file number n, counted from 0, in a new string; the first has no number in its name. NULL: no memory. */
 static char *prof_capture_path(uint32_t n)
 {
 	const char *path = prof_output.path, *slash = strrchr(path, '/');
@@ -64,7 +64,7 @@ static char *prof_capture_path(uint32_t n)
 	return asprintf(&numbered, "%.*s-%u%s", (int)(dot - path), path, n + 1, dot) >= 0 ? numbered : NULL;
 }
 
-/* Frames before .. after where they are all whole, else all that there is from the first on. */
+/* The frames before and after frame if all of them have ended; else all frames from the first on. */
 static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
 {
 	assert(frame <= prof_capture_frame() && "not a frame to come");
@@ -76,7 +76,7 @@ static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
 	return (stilb_prof_window){.last_frames = whole > first ? (uint32_t)(whole - first) : 1};
 }
 
-/* -ENODATA: the frame that it is all about has been overwritten; of those before it some may. */
+/* -ENODATA: the requested frame has been overwritten. Some of the frames before it may be missing: that is no error. */
 static int prof_capture_save(const char *path, const stilb_prof_window *window, uint64_t frame, uint32_t *frame_count)
 {
 	assert(window->last_frames > 0 || window->frame_count > 0);
@@ -91,8 +91,8 @@ static int prof_capture_save(const char *path, const stilb_prof_window *window, 
 	return error;
 }
 
-/* A number whose name is free, for this thread alone: those of earlier runs are left out. A file that comes between
- * this and the save makes that fail with -EEXIST. NULL: no memory. */
+/* Reserves a number for this thread and returns its path. Numbers of existing files are skipped; if a file appears
+ * after that check, saving fails with -EEXIST. NULL: no memory. */
 static char *prof_capture_reserve(uint32_t *n)
 {
 	for (;;) {
@@ -105,7 +105,7 @@ static char *prof_capture_reserve(uint32_t *n)
 	}
 }
 
-/* The number is free again, unless the other thread has taken the next one. */
+/* Releases number n, unless the other thread has reserved the next one. */
 static void prof_capture_give_back(uint32_t n)
 {
 	assert(n < __atomic_load_n(&prof_output.files, __ATOMIC_RELAXED) && "the number was reserved");

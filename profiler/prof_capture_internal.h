@@ -1,5 +1,5 @@
-/* What the files of captures share: prof_capture.c (what starts one, and the thread that waits for its frames),
- * prof_crash.c (the same for crashes) and prof_capture_file.c (writing it). */
+/* Declarations shared by prof_capture.c (requests, and the thread that waits for their frames), prof_crash.c (the same
+ * for crashes) and prof_capture_file.c (writing a capture). */
 #ifndef STILB_PROF_CAPTURE_INTERNAL_H
 #define STILB_PROF_CAPTURE_INTERNAL_H
 
@@ -11,26 +11,28 @@
 
 /* ---- prof_capture_file.c ----------------------------------------------------------------------------------------- */
 
-/* Copies what files need of desc. 0 or -ENOMEM. [one-writer], when nobody writes */
+/* Copies desc and its strings; prof_capture_file_forget frees them. 0 or -ENOMEM. [one-writer], while no capture is
+ * written */
 int prof_capture_file_set_up(const stilb_prof_capture_desc *desc);
 void prof_capture_file_forget(void);
 
-/* Takes a snapshot of the frames around this one, after of them after it, saves it and tells done. 0 or a negative
- * errno. [any-thread] */
+/* Takes a snapshot of the frames around frame, with after frames behind it, saves it and calls done. frame_ns is the
+ * length of a slow frame, else 0. 0 or a negative errno. Called by the capturing threads alone (asserted). */
 int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns, uint32_t after);
 
-/* The number of the frame that is under way. Safe in signal handlers. [any-thread] */
+/* The number of the current frame; 0 before the first mark. Safe in signal handlers. [any-thread] */
 uint64_t prof_capture_frame(void);
 
 /* ---- prof_capture.c ---------------------------------------------------------------------------------------------- */
 
-/* Whether this is one of the threads below. */
+/* True in the capturing threads. */
 extern __thread bool prof_capture_is_thread __attribute__((tls_model("initial-exec")));
 
-/* A thread that runs run, with all signals blocked but those of a crash of its own. 0 or a negative errno. */
+/* Creates a thread that calls run(NULL), with all signals blocked except those of its own crashes. 0 or a negative
+ * errno. */
 int prof_capture_thread_create(pthread_t *thread, void *(*run)(void *));
 
-/* Puts the old handler back, unless somebody has set another meanwhile. */
+/* Sets the old handler of a signal again, unless the current one is not ours any more. */
 void prof_signal_restore(int number, void (*ours)(void), const struct sigaction *old);
 
 /* ---- prof_crash.c ------------------------------------------------------------------------------------------------ */
@@ -38,10 +40,11 @@ void prof_signal_restore(int number, void (*ours)(void), const struct sigaction 
 #define PROF_CRASH_SIGNALS 5
 extern const int prof_crash_signals[PROF_CRASH_SIGNALS];
 
-/* From here on crashes are written. 0 or a negative errno. [one-writer] */
+/* Installs the handlers of crashes and creates the thread that writes their capture. 0 or a negative errno.
+ * [one-writer] */
 int prof_crash_start(void);
 
-/* Without a start it does nothing. [one-writer] */
+/* Ends both; waits for the capture of a crash in progress. Does nothing if not started. [one-writer] */
 void prof_crash_stop(void);
 
 #endif

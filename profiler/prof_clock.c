@@ -1,4 +1,4 @@
-/* The clock of the zones, what its ticks mean in nanoseconds, and how exact it is. */
+/* The clock of zones, the conversion of its ticks to nanoseconds, and its errors. */
 #include "profiler/prof_internal.h"
 
 #include <pthread.h>
@@ -17,7 +17,7 @@ static struct {
 	bool forced_monotonic;
 	bool tsc;
 	uint64_t resolution; /* ticks */
-	uint64_t width;      /* ticks around a read of CLOCK_MONOTONIC when nothing interferes */
+	uint64_t width;      /* ticks that an undisturbed read of CLOCK_MONOTONIC takes */
 	prof_anchor start;
 } prof_clock;
 
@@ -50,8 +50,8 @@ static uint64_t prof_ticks(void)
 	return stilb_prof_clock_monotonic();
 }
 
-/* The tightest of so many tries: the fewer ticks around the read, the less it can be off. The first with no more than
- * tight will do. */
+/* Reads both clocks up to tries times and returns the try whose read of CLOCK_MONOTONIC took the fewest ticks: that is
+ * the bound of its error. A try that took at most tight ticks ends the search. */
 static prof_anchor prof_anchor_take(int tries, uint64_t tight, uint64_t *width)
 {
 	assert(tries > 0);
@@ -97,7 +97,7 @@ static void prof_clock_start(void)
 	prof_clock.resolution = prof_resolution_measure();
 	prof_clock.start = prof_anchor_take(16, 0, &prof_clock.width);
 	if (!prof_clock.tsc)
-		prof_clock.start.ticks = prof_clock.start.ns; /* one clock: not as if it were two that were read in turn */
+		prof_clock.start.ticks = prof_clock.start.ns; /* both are CLOCK_MONOTONIC */
 }
 
 void prof_clock_force_monotonic(void)
@@ -129,7 +129,7 @@ prof_anchor prof_clock_anchor(void)
 
 /* ---- timelines --------------------------------------------------------------------------------------------------- */
 
-/* Lines ascend, and none goes beyond the beginning of the next: then the whole map is monotone. */
+/* Lines ascend, and none ends after the beginning of the next: then the map is monotone. */
 static bool timeline_is_sound(const prof_timeline *timeline)
 {
 	bool sound = timeline->count > 0;
@@ -143,7 +143,7 @@ static bool timeline_is_sound(const prof_timeline *timeline)
 	return sound;
 }
 
-/* The line before the new one ends where that begins. */
+/* Begins a new line at anchor, which is also the end of the line before. */
 static void prof_timeline_add(prof_timeline *timeline, prof_anchor anchor)
 {
 	assert(timeline->count < sizeof timeline->lines / sizeof *timeline->lines && anchor.ns >= timeline->epoch_ns);
@@ -157,10 +157,10 @@ static void prof_timeline_add(prof_timeline *timeline, prof_anchor anchor)
 	uint64_t ticks = anchor.ticks - timeline->lines[n - 1].ticks;
 	uint64_t ns = timeline->lines[n].ns - timeline->lines[n - 1].ns;
 	timeline->lines[n - 1].scale = (uint64_t)(((unsigned __int128)ns << PROF_SCALE_SHIFT) / ticks);
-	timeline->lines[n].scale = timeline->lines[n - 1].scale; /* goes on like that until it is known better */
+	timeline->lines[n].scale = timeline->lines[n - 1].scale; /* extrapolates until the next anchor */
 }
 
-/* Only the last anchor, if any, is closer to the one before than it should be, and then it is the second. */
+/* All lines are at least PROF_LINE_NS long. Only if there is but one, it may be as short as PROF_CALIBRATION_NS. */
 static void prof_timeline_anchors(prof_timeline *timeline, const prof_anchor *anchors, uint32_t count)
 {
 	prof_anchor last = prof_clock.start;
@@ -210,7 +210,7 @@ uint64_t prof_timeline_ns(prof_timeline *timeline, uint64_t ticks)
 	return timeline->lines[i].ns + (uint64_t)((unsigned __int128)age * timeline->lines[i].scale >> PROF_SCALE_SHIFT);
 }
 
-/* ---- what a zone costs, and how short it reads ------------------------------------------------------------------- */
+/* ---- the cost of a zone, and by how much it reads too short ------------------------------------------------------ */
 
 #define PROF_COST_ROUNDS 200
 #define PROF_COST_ZONES 20
@@ -221,7 +221,7 @@ static struct {
 	double zone_ns;
 } prof_costs;
 
-/* The mean of the middle half: finer than the clock's steps, and without what interfered. */
+/* The mean of the middle half of the values: finer than the steps of the clock, and without disturbed measurements. */
 static double prof_middle(uint64_t *values, uint32_t count)
 {
 	assert(count > 0);
@@ -233,7 +233,7 @@ static double prof_middle(uint64_t *values, uint32_t count)
 }
 
 #if defined(__x86_64__)
-/* steps multiplications, each of which waits for the one before. */
+/* A chain of multiplications, each of which needs the result of the one before. */
 static inline uint64_t prof_chain(uint64_t value, int steps)
 {
 	for (int i = 0; i < steps; i++) {
@@ -251,7 +251,7 @@ static inline uint64_t prof_ticks_fenced(void)
 	return now;
 }
 
-/* How long a chain of so many steps seems to take, in ticks. */
+/* Measured length of a chain of steps multiplications, in ticks. fenced: the reads of the clock wait for it. */
 static double prof_chain_ticks(int steps, bool fenced)
 {
 	uint64_t ticks[PROF_COST_ROUNDS], value = 1;
@@ -259,17 +259,17 @@ static double prof_chain_ticks(int steps, bool fenced)
 		uint64_t begin = fenced ? prof_ticks_fenced() : __builtin_ia32_rdtsc();
 		value = prof_chain(value, steps);
 		ticks[i] = (fenced ? prof_ticks_fenced() : __builtin_ia32_rdtsc()) - begin;
-		prof_ticks_fenced(); /* the next round begins when this one is over */
+		prof_ticks_fenced(); /* lets this round finish before the next one begins */
 	}
 	return prof_middle(ticks, PROF_COST_ROUNDS);
 }
 
-/* The chain's own time is what it adds between two reads that wait for everything before them. */
+/* The difference between the true length of a chain, read with fences, and the length that two plain reads give. */
 static double prof_bias_ticks(void)
 {
-	int steps = 64; /* short enough to be in flight as a whole */
+	int steps = 64; /* few enough for all of them to be in flight at once */
 	if (!prof_clock.tsc)
-		return 0; /* the kernel's clock waits */
+		return 0; /* reading the kernel's clock waits for earlier instructions */
 	return prof_chain_ticks(steps, true) - prof_chain_ticks(0, true) - prof_chain_ticks(steps, false);
 }
 #else
@@ -279,12 +279,12 @@ static double prof_bias_ticks(void)
 }
 #endif
 
-/* This file is in every program that records or reads traces: so there is always a site, and the linker makes the
- * array's bounds. */
+/* This file is linked into every program that records or reads traces. So there is at least one site, and the linker
+ * defines the bounds of the array. */
 static const stilb_prof_site prof_site_cost STILB_PROF_SECTION_ =
 	STILB_PROF_SITE_INIT_("what a zone costs", "", 0, STILB_PROF_KIND_ZONE);
 
-/* Zones like any others, into a ring that nobody sees. */
+/* Records zones into a ring that no snapshot sees, and returns the ticks per zone. */
 static double prof_zone_ticks(void)
 {
 	static stilb_prof_event events[64];
@@ -305,7 +305,7 @@ static double prof_zone_ticks(void)
 
 static void prof_costs_measure(void)
 {
-	/* Meanwhile some time goes by, or the start is long ago: either will do for the length of a tick. */
+	/* Before the timeline, which needs 10 ms to have passed since the clock was first read. */
 	double zone = prof_zone_ticks(), bias = prof_bias_ticks();
 	prof_timeline *timeline = malloc(sizeof *timeline);
 	if (!timeline)

@@ -1,7 +1,7 @@
 /*
- * Crashes: the thread that crashes asks another for the file and waits for it, since a signal handler may neither take
- * locks nor memory, and its thread may hold any of them. The other is a thread of its own at the usual priority: the
- * capture's would come last on a busy machine, and may be writing something else.
+ * Crashes: the crashing thread asks another thread for the file and waits for it, since a signal handler must neither
+ * take locks nor allocate, and its thread may hold any lock. That other thread is one of its own, at normal priority:
+ * the capturing thread would come last on a busy machine, and may be writing something else.
  */
 #include "profiler/prof_capture_internal.h"
 
@@ -11,27 +11,28 @@
 #include <semaphore.h>
 #include <unistd.h>
 
-#define PROF_CRASH_NS UINT64_C(2000000000) /* a thread that crashes waits for the file so long */
+#define PROF_CRASH_NS UINT64_C(2000000000) /* a crashing thread waits for the file at most so long */
 
 const int prof_crash_signals[PROF_CRASH_SIGNALS] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
 
-/* The first crash is the one that counts: a second file would be cut off by the end of the first thread's wait. */
+/* Only the first crash is written: the end of the first thread's wait ends the process, and would cut off a second
+ * file. */
 enum prof_crash_state { PROF_CRASH_NONE, PROF_CRASH_ASKED, PROF_CRASH_WRITTEN };
 
 static struct {
 	pthread_t thread;
-	int process; /* whose thread it is: a child of fork has none */
+	int process; /* the process of the thread: its children by fork do not have the thread */
 	sem_t wake;
-	bool has_wake; /* set up once, for ever: whoever posts may be late */
+	bool has_wake; /* initialised once and never destroyed: a signal handler may post it late */
 	uint32_t running;
 	uint32_t stop;
 	uint32_t state; /* prof_crash_state */
 	struct sigaction old[PROF_CRASH_SIGNALS];
 } prof_crash;
 
-/* ---- the thread that crashes ------------------------------------------------------------------------------------- */
+/* ---- the crashing thread ----------------------------------------------------------------------------------------- */
 
-/* Not the threads that write, and not when there are none. */
+/* True if a crash of the calling thread is to be written: crashes are watched for, and it is not a capturing thread. */
 static bool prof_crash_is_seen(void)
 {
 	/* Acquire: pairs with prof_crash_start. */
@@ -39,7 +40,7 @@ static bool prof_crash_is_seen(void)
 	       !prof_capture_is_thread;
 }
 
-/* Asks for the file, unless another thread has, and waits for it. Calls nothing that is not async-signal-safe. */
+/* Asks for the file, unless another thread has asked, and waits for it. Calls only async-signal-safe functions. */
 static void prof_crash_wait(void)
 {
 	uint64_t begin = stilb_prof_clock_monotonic();
@@ -59,7 +60,8 @@ static void prof_crash_handler(int number, siginfo_t *info, void *context)
 	(void)context;
 	if (prof_crash_is_seen())
 		prof_crash_wait();
-	/* Then what would have happened: the faulting instruction runs again, a signal that was sent is sent again. */
+	/* Restore the old handlers, so that the crash takes its usual course: a faulting instruction is executed again
+	 * after the return, and a signal that was sent is sent again. */
 	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
 		if (prof_crash_signals[i] == number)
 			sigaction(number, &prof_crash.old[i], NULL);
@@ -109,7 +111,7 @@ int prof_crash_start(void)
 	return 0;
 }
 
-/* The file of a thread that is crashing is written first. */
+/* If a thread is crashing, its file is written before the thread ends. */
 void prof_crash_stop(void)
 {
 	if (__atomic_load_n(&prof_crash.running, __ATOMIC_RELAXED) == 0) /* only written by the one caller */

@@ -1,4 +1,4 @@
-/* Frame times of late, and what is slow among them. */
+/* The lengths of the last frames, and which of them are spikes. */
 #include "profiler/prof_frames.h"
 #include "profiler/prof_capture.h"
 #include "profiler/prof_internal.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#define PROF_WINDOW_ENOUGH 20 /* with fewer frames a median says little: a program that starts is no spike */
+#define PROF_WINDOW_ENOUGH 20 /* with fewer the median says little: the start of a program is no spike */
 
 static_assert(PROF_WINDOW_FRAMES == STILB_PROF_STATS_FRAMES, "one window");
 
@@ -19,7 +19,7 @@ static bool prof_window_is_sound(const prof_frame_window *window)
 	return sound;
 }
 
-/* The place of ns in sorted: of equal ones the first. */
+/* The index of the first value in sorted that is not less than ns. */
 static uint32_t prof_window_find(const prof_frame_window *window, uint64_t ns)
 {
 	uint32_t at = 0;

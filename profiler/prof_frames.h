@@ -1,4 +1,4 @@
-/* The frame times of late, in order. */
+/* The lengths of the last frames, sorted. */
 #ifndef STILB_PROF_FRAMES_H
 #define STILB_PROF_FRAMES_H
 
@@ -7,18 +7,18 @@
 #define PROF_WINDOW_FRAMES 100
 
 typedef struct prof_frame_window {
-	uint64_t ns[PROF_WINDOW_FRAMES];     /* a ring */
-	uint64_t sorted[PROF_WINDOW_FRAMES]; /* the same, ascending */
-	uint32_t count, next;
+	uint64_t ns[PROF_WINDOW_FRAMES];     /* a ring buffer */
+	uint64_t sorted[PROF_WINDOW_FRAMES]; /* the same values, ascending */
+	uint32_t count, next;                /* next: index into ns of the next value */
 } prof_frame_window;
 
-/* Takes in one more, the oldest goes. */
+/* Adds a length in nanoseconds; if the window is full, the oldest one leaves it. */
 void prof_frame_window_add(prof_frame_window *window, uint64_t ns);
 
-/* The nearest-rank percentile, 1..100; 0 of an empty window. */
+/* The percentile by nearest rank, percent in 1..100 (asserted); 0 for an empty window. */
 uint64_t prof_frame_window_rank(const prof_frame_window *window, uint32_t percent);
 
-/* max(2 x p50, budget): what is slower is a spike; infinite with too few frames to tell. */
+/* max(2 x p50, budget): a longer frame is a spike. Infinite while there are fewer than 20 frames. */
 double prof_frame_window_limit_ms(const prof_frame_window *window, double budget_ms);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the profiler's own files and its tests share. */
+/* Declarations that the profiler's files and its tests share. */
 #ifndef STILB_PROF_INTERNAL_H
 #define STILB_PROF_INTERNAL_H
 
@@ -8,7 +8,8 @@
 
 #include <stdbool.h>
 
-/* The library is whole even where the macros of its users are off. */
+/* The library itself has all functions, also when it is compiled with STILB_PROFILE_OFF, which makes macros of
+ * these. */
 #undef stilb_prof_zone_begin
 #undef stilb_prof_zone_end
 #undef stilb_prof_flow_begin
@@ -22,23 +23,23 @@
 
 /* ---- prof_clock.c ------------------------------------------------------------------------------------------------ */
 
-/* The same moment on both clocks: ticks of the profiler's, nanoseconds of CLOCK_MONOTONIC. */
+/* One moment on two clocks: in ticks of the profiler's clock, and in nanoseconds of CLOCK_MONOTONIC. */
 typedef struct prof_anchor {
 	uint64_t ticks;
 	uint64_t ns;
 } prof_anchor;
 
-/* Maps ticks to nanoseconds since the profiler's first call: straight lines between anchors, so that what
- * CLOCK_MONOTONIC is corrected by does not add up. Monotone, so order and nesting stay. */
+/* Maps ticks to nanoseconds since the profiler's first call, by straight lines between anchors, so that corrections of
+ * CLOCK_MONOTONIC (NTP) do not accumulate as an error. The map is monotone: it keeps order and nesting. */
 typedef struct prof_timeline {
-	uint64_t epoch_ns; /* 0 ns, on CLOCK_MONOTONIC; times that are on that clock anyway need no more than this */
+	uint64_t epoch_ns; /* time 0 on CLOCK_MONOTONIC: all that times of devices, which are on that clock, need */
 	const char *clock;
 	double hz;            /* ticks a second */
 	double resolution_ns; /* the shortest difference seen between two reads */
 	uint32_t count;
-	uint32_t cursor; /* where the last time was found */
+	uint32_t cursor; /* the line that was used last: the next time is probably on it */
 	struct {
-		uint64_t ticks, ns; /* the line's beginning */
+		uint64_t ticks, ns; /* the beginning of the line */
 		uint64_t scale;     /* ns per tick, times 2^56 */
 	} lines[PROF_FRAMES_MAX + 2];
 } prof_timeline;
@@ -46,31 +47,33 @@ typedef struct prof_timeline {
 bool prof_clock_is_tsc(void);
 uint64_t prof_clock_now(void);
 
-/* Now, as exactly as three tries give it. */
+/* Reads both clocks; the tightest of up to three tries. [any-thread] */
 prof_anchor prof_clock_anchor(void);
 
-/* anchors: any that are known, ascending; those less than 50 ms after another are left out, for a line is as exact as
- * it is long. A call within 10 ms of the profiler's first waits that time out. */
+/* Makes the timeline from known anchors, ascending. An anchor less than 50 ms after the one before is skipped: the
+ * longer a line, the more exact its slope. A call within 10 ms of the profiler's first call sleeps until then.
+ * [any-thread] */
 void prof_clock_timeline(prof_timeline *timeline, const prof_anchor *anchors, uint32_t count);
+/* The time of ticks; times that ascend or descend are found fastest. */
 uint64_t prof_timeline_ns(prof_timeline *timeline, uint64_t ticks);
 
-/* How much shorter than it was a zone reads, and what recording one costs: measured at the first call, which takes less
- * than a millisecond. */
+/* By how much a zone reads too short, and the cost of recording one, in nanoseconds. Measured at the first call, which
+ * takes less than a millisecond. [any-thread] */
 double prof_clock_bias_ns(void);
 double prof_clock_zone_cost_ns(void);
 
-/* For tests, before any other call: do as if the TSC could not be used. */
+/* For tests, before the clock is first read (asserted): pretends that the TSC cannot be used. */
 void prof_clock_force_monotonic(void);
 
 /* ---- prof_ring.c: events ----------------------------------------------------------------------------------------- */
 
-/* An event taken apart; what its site's kind does not have is 0. */
+/* An unpacked event. Members that the kind of its site does not have are 0. */
 typedef struct prof_record {
 	const stilb_prof_site *site;
-	uint64_t begin, end; /* ticks of the lane's clock; the same for all but zones */
+	uint64_t begin, end; /* ticks of the lane's clock; equal unless the event is a zone */
 	uint64_t flow;
 	double value;   /* of a counter */
-	uint32_t depth; /* of a zone; of a flow: the zones that were open then */
+	uint32_t depth; /* of a zone; for a flow: number of zones that were open */
 } prof_record;
 
 static inline bool prof_kind_is_zone(uint32_t kind)
@@ -78,8 +81,8 @@ static inline bool prof_kind_is_zone(uint32_t kind)
 	return kind == STILB_PROF_KIND_ZONE || kind == STILB_PROF_KIND_PRECISE;
 }
 
-/* The event holds the low 52 bits of its time: that is the latest such time up to limit, which is right for ten days (5
- * GHz). */
+/* Unpacks an event. It holds the low 52 bits of its time, which stand for the latest time up to limit that has these
+ * bits: right for events up to ten days old (at 5 GHz). */
 static inline prof_record prof_event_unpack(const stilb_prof_event *event, uint64_t limit)
 {
 	uint64_t offset = (event->end & 0x3ffff) << 12 | (event->begin & 0xfc0);
@@ -112,21 +115,21 @@ typedef struct prof_lane_copy {
 	bool device;    /* its times are CLOCK_MONOTONIC nanoseconds, not ticks */
 	uint32_t index; /* the lane's number in flows' ids, modulo 1,024 */
 	uint32_t tid;
-	uint64_t begun_ns;              /* CLOCK_MONOTONIC: when the thread that has the ring, or had it last, took it */
-	uint64_t ended_ns;              /* when it left; 0: it is there */
-	uint64_t now;                   /* when its open zones were looked at: their end */
+	uint64_t begun_ns;              /* CLOCK_MONOTONIC: when the last owner of the ring took it */
+	uint64_t ended_ns;              /* when that owner gave it up; 0: it still has it */
+	uint64_t now;                   /* when its open zones were read: they end there */
 	uint64_t limit;                 /* for prof_event_unpack */
 	const stilb_prof_event *events; /* in the order of their ends: children before parents */
 	size_t event_count;
-	uint32_t open_count; /* all began before now and are parents of the zones in events that have none there */
+	uint32_t open_count; /* all began before now; zones in events without a parent there have theirs here */
 	stilb_prof_open_zone open[STILB_PROF_DEPTH_MAX]; /* open[d] is at depth d */
 	const struct prof_switch_event *switches;        /* ascending; the first may lie before the window */
 	uint32_t switch_count;
-	const char *no_switches;    /* why there are none; NULL when they are known */
-	size_t first, first_switch; /* where they begin in the copy's */
+	const char *no_switches;    /* the reason why they are not known; NULL if they are */
+	size_t first, first_switch; /* the lane's first places in the arrays of the copy */
 } prof_lane_copy;
 
-/* What is held, raw. {0} is empty; prof_copy_take uses its memory again. */
+/* A raw copy of what the rings hold. {0} is empty; prof_copy_take reuses its memory. */
 typedef struct prof_copy {
 	prof_lane_copy *lanes; /* in their order in a snapshot */
 	uint32_t lane_count;
@@ -134,75 +137,77 @@ typedef struct prof_copy {
 	stilb_prof_event *events;
 	struct prof_switch_event *switches;
 	size_t event_count, event_capacity, switch_count, switch_capacity;
-	uint64_t events_recorded, events_held, too_deep, without_ring; /* of all lanes, whatever the window */
-	prof_anchor frames[PROF_FRAMES_MAX];                           /* where each frame began; the last is not whole */
+	uint64_t events_recorded, events_held, too_deep, without_ring; /* sums of all lanes, whatever the window */
+	prof_anchor frames[PROF_FRAMES_MAX];                           /* begins of frames; the last is not whole */
 	uint64_t first_frame;                                          /* number of frames[0], counted from 0 */
-	uint32_t frame_count;                                          /* frame begins held */
+	uint32_t frame_count;                                          /* valid entries of frames */
 	uint32_t window_first, window_count;                           /* whole frames in the window: indices into frames */
 	prof_anchor begin, end; /* the window: {0} and {UINT64_MAX} where it is open */
 } prof_copy;
 
-/* Copies the events that end at or after the window's begin and begin before its end, the open zones, and all frames,
- * while they are written to. 0 or -ENOMEM, and then the copy is empty. [any-thread] */
+/* Copies the events that end at or after the begin of the window and begin before its end, the open zones, and all
+ * frames, while threads go on recording. Returns 0, or -ENOMEM, and then the copy is empty. [any-thread] */
 int prof_copy_take(prof_copy *copy, const stilb_prof_window *window);
 void prof_copy_free(prof_copy *copy);
 
-/* The parts of a flow's number, 46 bits: frame % 2^16 << 30 | lane % 2^10 << 20 | 1 .. 2^20 - 1. */
+/* The id of a flow, 46 bits: frame % 2^16 << 30 | lane % 2^10 << 20 | sequence 1 .. 2^20 - 1. Never 0. */
 static inline uint64_t prof_flow_id(uint64_t frame, uint32_t lane, uint32_t sequence)
 {
 	return (frame & 0xffff) << 30 | (uint64_t)(lane & 0x3ff) << 20 | (sequence % 0xfffff + 1);
 }
 
-/* The frame in which a flow was begun, when newest was the last to begin: the latest of that number. */
+/* The number of the frame in which a flow was begun: the latest up to newest, the last frame begun, with those bits. */
 static inline uint64_t prof_flow_frame(uint64_t id, uint64_t newest)
 {
 	return newest - ((newest - (id >> 30)) & 0xffff);
 }
 
-/* The open zones of a ring, outermost first; returns their number. */
+/* Copies the open zones of a ring, outermost first, to zones[0..STILB_PROF_DEPTH_MAX). Returns how many.
+ * [any-thread] */
 uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones);
 
-/* Rings there are now, and how many of them belong to ended threads and lanes. */
+/* Returns the number of rings, and in *ended how many of them belong to ended threads and lanes. [any-thread] */
 uint32_t prof_ring_count(uint32_t *ended);
 
 /* ---- prof_switch.c ----------------------------------------------------------------------------------------------- */
 
 #define PROF_SWITCHES_MAX 4096
 
-/* What the kernel notes of one thread: when it left the CPU and when it came back. */
+/* The context switches of one thread, recorded by the kernel. {0} is valid: none. */
 typedef struct prof_switches {
-	const void *page;    /* NULL: nothing is noted; {0} is a valid value */
+	const void *page;    /* the kernel's ring; NULL: nothing is recorded */
 	size_t size;         /* of the mapping */
-	int process;         /* whose mapping it is: a child of fork has none */
-	const char *refused; /* why not; NULL when page is not */
-	uint32_t schedstat;  /* what is known instead: prof_schedstat_open */
+	int process;         /* the process that mapped it: its children by fork do not have the mapping */
+	const char *refused; /* the reason why page is NULL; NULL if it is not */
+	uint32_t schedstat;  /* handle of prof_schedstat_open, used instead; 0: none */
 } prof_switches;
 
 typedef struct prof_switch_event {
 	uint64_t ns;    /* CLOCK_MONOTONIC */
-	bool in;        /* came back; else it left */
-	bool preempted; /* left though it could have run on */
+	bool in;        /* true: the thread came back to a CPU; false: it left */
+	bool preempted; /* it left although it could have gone on running */
 } prof_switch_event;
 
-/* The calling thread's, if stilb_prof_switches_set said so. It takes no descriptor; call it without the lock. */
+/* Starts recording the calling thread's switches if stilb_prof_switches_set asked for it. Keeps no file descriptor.
+ * Call it without prof.lock: it opens files. */
 prof_switches prof_switches_open(const char *name);
 void prof_switches_close(prof_switches *switches);
 
-/* What is held, ascending, from the last event at or before since_ns on; returns how many, at most PROF_SWITCHES_MAX.
- * The thread may be running, waiting or ended. */
+/* Copies the switches that the kernel's ring holds, ascending, from the last one at or before since_ns on. Returns how
+ * many, at most PROF_SWITCHES_MAX. The thread may be running, waiting or ended. */
 uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, prof_switch_event *events);
 
 /* ---- prof_schedstat.c -------------------------------------------------------------------------------------------- */
 
-/* From here on the time that the calling thread runs and waits is recorded frame by frame, as counters that have its
- * name. A handle, or 0: not possible. close takes both. [any-thread] */
+/* From now on the time that the calling thread runs and waits is recorded once a frame, by counters with its name.
+ * Returns a handle for prof_schedstat_close, which also accepts 0; 0: not possible. [any-thread] */
 uint32_t prof_schedstat_open(const char *name);
 void prof_schedstat_close(uint32_t handle);
 
-extern uint32_t prof_schedstat_count; /* threads */
+extern uint32_t prof_schedstat_count; /* open handles */
 void prof_schedstat_sample(void);
 
-/* Once a frame, by the thread that marks them. */
+/* Called once a frame, by the thread that marks frames. */
 static inline void prof_schedstat_mark(void)
 {
 	if (__builtin_expect(__atomic_load_n(&prof_schedstat_count, __ATOMIC_RELAXED) > 0, 0)) /* no data depends on it */
@@ -211,34 +216,34 @@ static inline void prof_schedstat_mark(void)
 
 /* ---- prof_capture.c calls, prof_ring.c provides ------------------------------------------------------------------ */
 
-/* Called by stilb_prof_frame_mark after the mark is stored, with the number of the frame that has just ended and how
- * long it took on CLOCK_MONOTONIC; not for the first mark. NULL: nobody. */
+/* stilb_prof_frame_mark calls the hook after it has stored the mark, with the number of the frame that has just ended
+ * and its length on CLOCK_MONOTONIC; not for the first mark. NULL: no hook. One at a time (asserted). */
 typedef void prof_frame_hook(uint64_t number, uint64_t duration_ns);
 void prof_frame_hook_set(prof_frame_hook *hook);
 
-/* Frames begun so far. Safe in signal handlers. [any-thread] */
+/* The number of frames begun so far. Safe in signal handlers. [any-thread] */
 uint64_t prof_frames_begun(void);
 
-/* The last frame marks in CLOCK_MONOTONIC ns, oldest first, at most max; *first is the number of the frame that
- * begin_ns[0] begins. [any-thread] */
+/* Copies the last frame marks, at most max, in nanoseconds of CLOCK_MONOTONIC, oldest first. Returns how many; *first
+ * is the number of the frame that begins at begin_ns[0]. [any-thread] */
 uint32_t prof_frames_last(uint64_t *begin_ns, uint32_t max, uint64_t *first);
 
 /* ---- write/prof_trace.c ------------------------------------------------------------------------------------------ */
 
-/* As stilb_prof_trace_save, but a file that is there is never replaced: -EEXIST. */
+/* stilb_prof_trace_save that never replaces an existing file: -EEXIST. [any-thread] */
 int prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
 
 /* ---- prof_background.c ------------------------------------------------------------------------------------------- */
 
-extern __thread bool prof_background;
+extern __thread bool prof_background; /* true after prof_background_begin */
 
-/* Makes the calling thread one that gets what CPU time the others leave. */
+/* Gives the calling thread the lowest priority: it gets the CPU time that other threads leave. */
 void prof_background_begin(void);
 void prof_background_yield(void);
 
-/* To be called in each round of loops over all events or zones. A low priority alone does not keep a thread from taking
- * the CPU from one that never sleeps: rarely, but then for some milliseconds, until the next tick. So such a thread
- * offers it back every 50 us. Other threads do nothing here. */
+/* Call it in each iteration of loops over all events or zones. Even a thread of the lowest priority sometimes takes the
+ * CPU from a thread that never sleeps, and keeps it for some milliseconds until the next timer tick. Therefore such a
+ * thread yields every 50 us. In other threads this does nothing. */
 static inline void prof_give_way(size_t round)
 {
 	if (__builtin_expect((round & 255) == 0, 0) && prof_background)
@@ -247,12 +252,13 @@ static inline void prof_give_way(size_t round)
 
 /* ---- read/prof_snapshot_sound.c ---------------------------------------------------------------------------------- */
 
-/* All that prof_snapshot.h promises of a snapshot holds: order, nesting, indices. Linear in its size. */
+/* True if all promises of prof_snapshot.h hold: order, nesting, indices. Linear in the size of the snapshot. */
 bool prof_snapshot_is_sound(const stilb_prof_snapshot *snapshot);
 
 /* ---- memory of snapshots ----------------------------------------------------------------------------------------- */
 
-/* What stilb_prof_snapshot.memory points to begins with this: a snapshot is taken or read, and finished by one call. */
+/* stilb_prof_snapshot.memory points to a structure that begins with this, so that stilb_prof_snapshot_finish can free
+ * both snapshots that were taken and those that were read. */
 typedef struct prof_memory {
 	void (*destroy)(void *memory);
 } prof_memory;

@@ -3,13 +3,13 @@
  *
  * Ring protocol (one writer, any readers). The writer stores an event's two words, then head. The reader loads head,
  * the words, then head again; of the events before the first head it keeps those that the writer cannot have begun to
- * overwrite: numbers above (second head - size). All stores are release and all loads of the reader acquire: a reader
- * that sees a word of event n therefore also sees head >= n, because n's words are stored after head = n. On x86 that
- * is plain moves. The frames follow the same protocol.
+ * overwrite: numbers above (second head - size). All stores are release and all loads of the reader acquire. So a
+ * reader that sees a word of event n also sees head >= n, because the words of n are stored after head = n. On x86
+ * these are plain moves. Frame marks follow the same protocol.
  *
  * Open zones. A zone is pushed as begin, site, depth and popped as depth, event, head; a new session is stored as
- * session, depth. So as long as head and session stay the same no entry below depth can be written: a reader that finds
- * the same before and after has a whole entry.
+ * session, depth. So while head and session stay the same, no entry below depth can be written: a reader that finds
+ * both unchanged after reading an entry has read it whole.
  */
 #include "profiler/prof_internal.h"
 
@@ -29,22 +29,22 @@
 #define PROF_RING_EVENTS_MIN 64
 #define PROF_RING_EVENTS_MAX (1u << 26)
 #define PROF_OPEN_TRIES 64
-#define PROF_COMM_MAX 16        /* a kernel's name of a thread, with its end */
-#define PROF_REFUSED_TRIES 1024 /* a thread without a ring asks for one each time that it could not record so often */
+#define PROF_COMM_MAX 16        /* bytes of a thread's name in the kernel, with the 0 at its end */
+#define PROF_REFUSED_TRIES 1024 /* a thread without memory for a ring tries again after so many events */
 
-/* What records to a ring: a thread, or whoever writes to a lane. One mapping: this, padded to PROF_HEADER_SIZE, then
+/* A ring and its owner, a thread or a lane of a device. One mapping: this structure, padded to PROF_HEADER_SIZE, then
  * the events. */
 typedef struct prof_thread {
 	stilb_prof_ring ring; /* first: stilb_prof_thread_ring points to it */
 	char name[PROF_NAME_MAX];
 	bool device;
-	bool unnamed; /* made at the thread's first event: stilb_prof_thread_begin has not been called */
+	bool unnamed; /* made at the thread's first event, and stilb_prof_thread_begin has not been called since */
 	uint32_t tid;
 	prof_switches switches;
-	uint64_t ended;              /* 0: alive; else the time order in which threads ended */
-	uint64_t begun_ns, ended_ns; /* when the last one took the ring and when it left; 0: alive */
-	uint64_t first;              /* number of the first event since the last shutdown; those before it do not count */
-	uint64_t first_too_deep;     /* likewise */
+	uint64_t ended;              /* 0: in use; else its place in the order in which rings were given up, from 1 */
+	uint64_t begun_ns, ended_ns; /* CLOCK_MONOTONIC: when its last owner took it and gave it up; 0: in use */
+	uint64_t first;              /* number of the first event since the last shutdown: earlier ones are forgotten */
+	uint64_t first_too_deep;     /* likewise: ring.too_deep at the last shutdown */
 	size_t mapping;
 } prof_thread;
 
@@ -52,7 +52,8 @@ typedef struct prof_thread {
 static_assert(sizeof(prof_thread) <= PROF_HEADER_SIZE, "header");
 static_assert(offsetof(prof_thread, ring) == 0, "the ring comes first");
 
-/* No session is 0, so the first event of a thread goes to stilb_prof_ring_enter; and no zone is open. */
+/* The ring of threads without one. Its session, 0, is never the current one, so that the first event of a thread takes
+ * the slow path (stilb_prof_ring_enter); and it has no open zones. */
 static const stilb_prof_ring prof_ring_none;
 
 __thread stilb_prof_ring *stilb_prof_thread_ring = (stilb_prof_ring *)&prof_ring_none;
@@ -60,24 +61,24 @@ uint32_t stilb_prof_session = 1;
 
 enum prof_lock_state { PROF_UNLOCKED, PROF_SHARED, PROF_LOCKED };
 
-/* What the calling thread knows of itself. */
+/* State of the calling thread. */
 static __thread struct {
 	enum prof_lock_state locked; /* how this thread holds prof.lock; for asserts alone */
-	uint32_t inside;  /* calls that hold the lock or make a ring: a zone of the allocator must not enter again */
-	uint32_t refused; /* events since it was refused a ring; 0: it was not */
+	uint32_t inside;  /* calls in progress that hold the lock or make a ring: prof_self_enter must not nest in them */
+	uint32_t refused; /* events since there was no memory for its ring; 0: it has not been refused one */
 } prof_self __attribute__((tls_model("initial-exec"))); /* in a shared object other models may allocate */
 
-/* The lock guards everything but what zones and frame marks write. Copies share it: one for the screen does not wait
- * for one that is to become a file. */
+/* The lock guards everything except what zones and frame marks write. Copies take it shared, so that a snapshot for the
+ * screen does not wait for one that becomes a file. */
 static struct {
 	pthread_rwlock_t lock;
-	prof_thread **threads; /* in the order of their lanes in a snapshot */
+	prof_thread **threads; /* all rings, in the order of the lanes of a snapshot */
 	size_t count, capacity;
 	uint32_t ring_events;
-	uint32_t made;         /* rings so far: the next one's number */
-	uint64_t ended;        /* threads that have ended so far */
-	uint64_t discarded;    /* events in rings that another thread took over */
-	uint64_t without_ring; /* events of threads that were refused one; atomic, outside the lock */
+	uint32_t made;         /* rings made so far: the number of the next one */
+	uint64_t ended;        /* rings given up so far */
+	uint64_t discarded;    /* events in rings that were taken over under another name */
+	uint64_t without_ring; /* events of threads without memory for a ring; atomic, not guarded by the lock */
 } prof = {.lock = PTHREAD_RWLOCK_INITIALIZER, .ring_events = PROF_RING_EVENTS};
 
 static struct {
@@ -111,7 +112,7 @@ static void prof_unlock(void)
 	prof_self.inside--;
 }
 
-/* What holds of the list of rings while nobody changes it. Heads rise meanwhile: those of living threads are theirs. */
+/* Caller holds prof.lock. Living threads go on recording, so their heads rise meanwhile. */
 static bool prof_list_is_sound(void)
 {
 	bool sound = prof.count <= prof.capacity && prof.count <= prof.made;
@@ -128,7 +129,8 @@ static bool prof_list_is_sound(void)
 
 /* ---- threads ----------------------------------------------------------------------------------------------------- */
 
-/* A small ring may be populated now, so that the first lap takes no page faults; a large one may never be filled. */
+/* populate: make a small ring resident now, so that its first lap takes no page faults. A large one may never be
+ * filled. */
 static prof_thread *prof_thread_map(uint32_t events, bool populate)
 {
 	assert(events >= PROF_RING_EVENTS_MIN && (events & (events - 1)) == 0);
@@ -146,7 +148,7 @@ static prof_thread *prof_thread_map(uint32_t events, bool populate)
 	return thread;
 }
 
-/* A new ring at the end of the list, or NULL. */
+/* Makes a ring at the end of the list. NULL: no memory. Caller holds prof.lock. */
 static prof_thread *prof_thread_add(bool populate)
 {
 	assert(prof_self.locked == PROF_LOCKED);
@@ -160,7 +162,8 @@ static prof_thread *prof_thread_add(bool populate)
 	return thread;
 }
 
-/* The ring of an ended thread: of that name the one that ended last; if too many are kept, the one that ended first. */
+/* Chooses a ring that was given up: the latest of that name; else, if PROF_ENDED_MAX are kept, the oldest of all. NULL:
+ * none. Caller holds prof.lock. */
 static prof_thread *prof_thread_reuse(const char *name, bool device)
 {
 	assert(prof_self.locked == PROF_LOCKED);
@@ -179,11 +182,11 @@ static prof_thread *prof_thread_reuse(const char *name, bool device)
 	if (same || ended < PROF_ENDED_MAX)
 		return same;
 	prof.discarded += oldest->ring.head - oldest->first;
-	oldest->ring.head = oldest->first = 0; /* the lock orders it: nobody else looks at the ring of an ended thread */
+	oldest->ring.head = oldest->first = 0; /* no order needed: only copies read a ring without owner, under the lock */
 	return oldest;
 }
 
-/* How much of a name stands before the number at its end. */
+/* The length of a name without the number at its end. */
 static size_t prof_name_stem(const char *name)
 {
 	size_t length = strlen(name);
@@ -192,8 +195,7 @@ static size_t prof_name_stem(const char *name)
 	return length;
 }
 
-/* True of "worker 10" and "worker 2": names that differ in the number at their end, and the first has the larger
- * one. */
+/* True if the names differ only in the number at their end, and the number of a is larger: "worker 10", "worker 2". */
 static bool prof_name_follows(const char *a, const char *b)
 {
 	size_t stem = prof_name_stem(a);
@@ -203,9 +205,9 @@ static bool prof_name_follows(const char *a, const char *b)
 	return digits_a != digits_b ? digits_a > digits_b : strcmp(a + stem, b + stem) > 0;
 }
 
-/* The thread gets that name and takes its place in the list: the last but for the number at the end of its name, for
- * workers begin in any order, and are looked for by number. A main thread that did not say when it begins is the
- * first. */
+/* Names the ring and moves it to its place in the list: the last, or before the first name that follows by its number,
+ * since workers begin in any order but are looked for by number. A main thread that has not called
+ * stilb_prof_thread_begin is the first. Caller holds prof.lock. */
 static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MAX])
 {
 	assert(prof_self.locked == PROF_LOCKED);
@@ -234,7 +236,7 @@ static bool prof_name_lives(const char *name)
 	return false;
 }
 
-/* The first of "thread 1", "thread 2", ... that no living thread has. */
+/* The first of "thread 1", "thread 2", ... that no living thread has. Caller holds prof.lock. */
 static void prof_name_number(char name[PROF_NAME_MAX])
 {
 	uint32_t number = 1;
@@ -243,7 +245,7 @@ static void prof_name_number(char name[PROF_NAME_MAX])
 	while (prof_name_lives(name));
 }
 
-/* The ring of a thread or device that begins; an empty name is a number. NULL: no memory. */
+/* Gives a ring to the calling thread or to a device. An empty name becomes "thread 1" and so on. NULL: no memory. */
 static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool unnamed)
 {
 	prof_lock();
@@ -263,8 +265,8 @@ static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool
 			memcpy(thread->name, name, PROF_NAME_MAX);
 		prof_switches_close(&thread->switches);
 		if (!device)
-			thread->switches.refused = "it is only beginning"; /* until prof_thread_watch */
-		/* Relaxed: if another session has begun, the first zone says so (stilb_prof_recorder). */
+			thread->switches.refused = "the thread is only beginning"; /* until prof_thread_watch */
+		/* Relaxed: if another session has begun meanwhile, the first zone notices it (stilb_prof_recorder). */
 		thread->ring.session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED);
 		thread->ended = 0;
 		thread->begun_ns = stilb_prof_clock_monotonic();
@@ -275,7 +277,7 @@ static prof_thread *prof_thread_take(char name[PROF_NAME_MAX], bool device, bool
 	return thread;
 }
 
-/* From now on it is known when the calling thread runs, if that was asked for. Outside the lock: it opens files. */
+/* Starts recording the calling thread's context switches, if that was asked for. Without the lock: it opens files. */
 static void prof_thread_watch(prof_thread *thread)
 {
 	assert(!thread->device && thread->tid == (uint32_t)gettid() && "a thread watches itself");
@@ -304,7 +306,7 @@ static bool prof_self_has_ring(void)
 	return stilb_prof_thread_ring != &prof_ring_none;
 }
 
-/* A key has a destructor, which is how a thread that exits is seen. */
+/* A key whose destructor runs when a thread exits. */
 static struct {
 	pthread_once_t once;
 	pthread_key_t key;
@@ -325,12 +327,12 @@ static void prof_exit_make(void)
 /* Before this code is unloaded: threads that exit later must not call it. */
 __attribute__((destructor)) static void prof_exit_delete(void)
 {
-	pthread_once(&prof_exit.once, prof_exit_make); /* whoever has made it has done so before */
+	pthread_once(&prof_exit.once, prof_exit_make); /* waits for a thread that is making it */
 	if (prof_exit.works)
 		pthread_key_delete(prof_exit.key);
 }
 
-/* When the calling thread exits its ring is taken away. False: no memory. */
+/* From now on the calling thread gives up its ring when it exits. False: no memory. */
 static bool prof_exit_watch(void)
 {
 	pthread_once(&prof_exit.once, prof_exit_make);
@@ -340,7 +342,7 @@ static bool prof_exit_watch(void)
 static int prof_self_begin(char name[PROF_NAME_MAX], bool unnamed)
 {
 	assert(!prof_self_has_ring() && "a thread has one ring");
-	/* A thread that begins by a call may also end by one. */
+	/* A thread that called stilb_prof_thread_begin may also call stilb_prof_thread_end itself. */
 	if (!prof_exit_watch() && unnamed)
 		return -ENOMEM;
 	prof_thread *thread = prof_thread_take(name, false, unnamed);
@@ -352,7 +354,7 @@ static int prof_self_begin(char name[PROF_NAME_MAX], bool unnamed)
 	return 0;
 }
 
-/* An unnamed thread gets its name. */
+/* Names the ring that the calling thread got at its first event. */
 static void prof_self_rename(const char name[PROF_NAME_MAX])
 {
 	prof_thread *thread = (prof_thread *)stilb_prof_thread_ring;
@@ -362,7 +364,7 @@ static void prof_self_rename(const char name[PROF_NAME_MAX])
 	thread->unnamed = false;
 	PROF_CHECK(prof_list_is_sound());
 	prof_unlock();
-	if (thread->switches.schedstat != 0) /* its counters have the name; only this thread writes it */
+	if (thread->switches.schedstat != 0) /* its counters carry the old name. Only this thread writes switches */
 		prof_thread_watch(thread);
 }
 
@@ -394,8 +396,8 @@ void stilb_prof_thread_end(void)
 	prof_thread_leave(thread);
 }
 
-/* The name that the program gave the calling thread: "main", or what pthread_setname_np said; empty when it has the
- * main thread's, as a thread has to which none was given. */
+/* The name of the calling thread: "main", or the one given by pthread_setname_np. Empty if it equals the main thread's:
+ * threads inherit that name if they are given none. */
 static void prof_self_name(char name[PROF_NAME_MAX])
 {
 	char main_name[PROF_COMM_MAX + 1] = "";
@@ -415,11 +417,12 @@ static void prof_self_name(char name[PROF_NAME_MAX])
 		memset(name, 0, PROF_NAME_MAX);
 }
 
-/* The thread's first event, or the first after it has been refused a ring for a while. */
+/* Tries to make the calling thread's ring: at its first event, and after each PROF_REFUSED_TRIES events without memory.
+ * False: it has none, and the event is counted. */
 static bool prof_self_enter(void)
 {
 	char name[PROF_NAME_MAX];
-	int error = errno; /* a zone may stand between a call that fails and the look at errno */
+	int error = errno; /* kept: the zone may stand between a call that fails and the program's look at errno */
 	if (prof_self.inside == 0 && prof_self.refused % PROF_REFUSED_TRIES == 0) {
 		prof_self.inside++;
 		prof_self_name(name);
@@ -472,7 +475,8 @@ uint32_t prof_ring_count(uint32_t *ended)
 	return count;
 }
 
-/* A living thread may be recording: what it writes stays untouched, and what it has written no longer counts. */
+/* Forgets the events of a living thread, which may be recording: its ring stays untouched, and only newer events
+ * count. */
 static void prof_thread_forget(prof_thread *thread)
 {
 	assert(prof_self.locked == PROF_LOCKED);
@@ -527,7 +531,7 @@ void stilb_prof_record_set(bool on)
 	pthread_mutex_unlock(&lock);
 }
 
-/* Zones open around a flow's end, as many as fit. */
+/* The number of zones that are open around an end of a flow, as far as an event can hold it. */
 static uint32_t prof_flow_level(const stilb_prof_ring *ring)
 {
 	return ring->depth < STILB_PROF_DEPTH_MAX ? ring->depth : STILB_PROF_DEPTH_MAX - 1;
@@ -622,7 +626,7 @@ uint64_t prof_frames_begun(void)
 	return __atomic_load_n(&prof_frames.count, __ATOMIC_RELAXED); /* no data depends on it */
 }
 
-/* The last frames begun, oldest first, at most max of them; returns how many. *first is the number of frames[0]. */
+/* Copies the last frame marks, at most max, oldest first; returns how many. *first is the number of frames[0]. */
 static uint32_t prof_frames_copy(prof_anchor *frames, uint32_t max, uint64_t *first)
 {
 	assert(frames && max <= PROF_FRAMES_MAX);
@@ -662,16 +666,16 @@ static stilb_prof_event prof_event_load(const stilb_prof_ring *ring, uint64_t nu
 	return (stilb_prof_event){begin, __atomic_load_n(&event->end, __ATOMIC_ACQUIRE)};
 }
 
-/* The number of the first event that the thread has not begun to overwrite: to be asked after the events were loaded,
- * whose acquire loads order this one. */
+/* The number of the first event that the thread has not begun to overwrite. Call it after the events were loaded: their
+ * acquire loads order this load after them. */
 static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
 {
 	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED), size = (uint64_t)ring->mask + 1;
 	return head >= size ? head - size + 1 : 0;
 }
 
-/* The number of the first event in oldest .. head - 1 that ends at or after begin: they stand in the order of their
- * ends. */
+/* The number of the first event in oldest .. head - 1 that ends at or after begin, by bisection: events are in the
+ * order of their ends. */
 static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t oldest, uint64_t head, uint64_t begin,
                                uint64_t limit)
 {
@@ -689,7 +693,8 @@ static uint64_t prof_ring_find(const stilb_prof_ring *ring, uint64_t oldest, uin
 	return low;
 }
 
-/* One entry of the stack of open zones, whole; false when there is none at this depth or the thread is too busy. */
+/* Copies the open zone at depth. False: there is none, or the thread changed it during each of PROF_OPEN_TRIES
+ * tries. */
 static bool prof_copy_open_zone(const stilb_prof_ring *ring, uint32_t depth, stilb_prof_open_zone *zone)
 {
 	for (int i = 0; i < PROF_OPEN_TRIES; i++) {
@@ -716,13 +721,13 @@ static bool prof_open_is_sound(const stilb_prof_open_zone *zones, uint32_t count
 	return sound;
 }
 
-/* The stack moves while it is read from the deep end, so an entry found later may be younger than one found before it:
- * then the deeper ones are gone by now. */
+/* The stack changes while it is read, from the deepest zone outwards. If a zone turns out to be younger than the one
+ * read before it, which is deeper, then the deeper ones have ended meanwhile and are dropped. */
 uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones)
 {
 	uint32_t depth = __atomic_load_n(&ring->depth, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_open */
 	uint32_t count = 0;
-	/* Relaxed: pairs with stilb_prof_record_set; what was open before the last session is lost. */
+	/* Relaxed: pairs with stilb_prof_record_set. Zones of an earlier session are lost. */
 	if (__atomic_load_n(&ring->session, __ATOMIC_RELAXED) != __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED))
 		return 0;
 	for (depth = depth < STILB_PROF_DEPTH_MAX ? depth : STILB_PROF_DEPTH_MAX; depth-- > 0;) {
@@ -739,7 +744,7 @@ uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones
 	return count;
 }
 
-/* Copies the ring's events of the window to the end of the copy's. */
+/* Appends the ring's events of the window to those of the copy. 0 or -ENOMEM. */
 static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
 {
 	const stilb_prof_ring *ring = &thread->ring;
@@ -770,7 +775,7 @@ static int prof_copy_events(const prof_thread *thread, prof_copy *copy, prof_lan
 	return 0;
 }
 
-/* The switches since the window's begin, to the end of the copy's. */
+/* Appends the thread's switches since the begin of the window to those of the copy. 0 or -ENOMEM. */
 static int prof_copy_switches(const prof_thread *thread, prof_copy *copy, prof_lane_copy *lane)
 {
 	lane->no_switches = thread->switches.refused;
@@ -802,7 +807,7 @@ static int prof_copy_lane(const prof_thread *thread, prof_copy *copy, prof_lane_
 	};
 	memcpy(lane->name, thread->name, PROF_NAME_MAX);
 	lane->limit =
-		prof_lane_now(lane) + (UINT64_C(1) << 32); /* clocks of two CPUs may differ a little, and it goes on */
+		prof_lane_now(lane) + (UINT64_C(1) << 32); /* the clocks of two CPUs may differ a little, and time goes on */
 	int error = prof_copy_events(thread, copy, lane);
 	if (error == 0)
 		error = prof_copy_switches(thread, copy, lane);
@@ -813,7 +818,7 @@ static int prof_copy_lane(const prof_thread *thread, prof_copy *copy, prof_lane_
 	return error;
 }
 
-/* Frames and times of the window: of all that is held unless it says otherwise. */
+/* Finds the frames and times of the window; NULL: of all that is held. */
 static void prof_copy_window(prof_copy *copy, const stilb_prof_window *window)
 {
 	uint32_t whole = copy->frame_count > 0 ? copy->frame_count - 1 : 0;
@@ -841,7 +846,7 @@ static void prof_copy_window(prof_copy *copy, const stilb_prof_window *window)
 	}
 }
 
-/* Before the arrays are pointed into: lanes follow one another in them. */
+/* The parts of the lanes follow one another in the arrays, and frames ascend. */
 static bool prof_copy_is_sound(const prof_copy *copy)
 {
 	size_t events = 0, switches = 0;
@@ -858,7 +863,7 @@ static bool prof_copy_is_sound(const prof_copy *copy)
 	return sound && events == copy->event_count && switches == copy->switch_count;
 }
 
-/* The arrays lie still now. */
+/* Points the lanes into the arrays, which do not move any more. */
 static void prof_copy_point(prof_copy *copy)
 {
 	for (uint32_t i = 0; i < copy->lane_count; i++) {

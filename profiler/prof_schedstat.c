@@ -1,10 +1,10 @@
 /*
- * Where the kernel lets nobody see single switches (prof_switch.c): how long each thread ran in a frame, and how long
- * it could have run and did not, from /proc/thread-self/schedstat. Its three numbers are nanoseconds on a CPU,
- * nanoseconds in a run queue, and slices (Linux, Documentation/scheduler/sched-stats.rst).
+ * The fallback where the kernel does not show single context switches (prof_switch.c): for each frame and thread, how
+ * long the thread ran and how long it waited for a CPU, from /proc/thread-self/schedstat. The file holds three numbers:
+ * nanoseconds on a CPU, nanoseconds in a run queue, and time slices (Linux, Documentation/scheduler/sched-stats.rst).
  *
- * The thread that marks frames reads the others' files, kept open, and records counters: about a microsecond a thread
- * and frame, and only where there is nothing better.
+ * The thread that marks frames keeps the files of all threads open, reads them once a frame and records counters. That
+ * takes about a microsecond per thread and frame.
  */
 #include "profiler/prof_internal.h"
 
@@ -16,26 +16,26 @@
 
 #define PROF_SCHEDSTAT_MAX 64
 
-/* What is known of one thread, and the names of its two counters. */
+/* One thread: its file, the values at the last frame, and its two counters. */
 typedef struct prof_schedstat {
 	int file; /* -1: not in use */
 	uint64_t ran_ns, waited_ns;
-	uint32_t names; /* index */
+	uint32_t names; /* index into prof_stats.names and sites */
 } prof_schedstat;
 
 uint32_t prof_schedstat_count;
 
-/* The lock guards all of it. Sites stay for ever, for events refer to them; in .bss, near enough to the section. */
+/* The lock guards all of it. Sites are never freed, since events refer to them; static, as in prof_site.c. */
 static struct {
 	prof_mutex lock;
 	prof_schedstat threads[PROF_SCHEDSTAT_MAX];
-	uint32_t used; /* of threads: those that were ever in use */
+	uint32_t used; /* entries of threads that were ever in use */
 	uint32_t name_count;
 	char names[PROF_SCHEDSTAT_MAX][2][PROF_NAME_MAX + 16];
 	stilb_prof_site sites[PROF_SCHEDSTAT_MAX][2];
 } prof_stats = {.lock = PROF_MUTEX_INIT};
 
-/* The place of a thread's counters; made when there is none of that name. PROF_NONE: no room. */
+/* The index of the counters of threads of that name, made if there are none. PROF_NONE: the table is full. */
 static uint32_t prof_schedstat_names(const char *name)
 {
 	assert(prof_mutex_is_mine(&prof_stats.lock));
@@ -108,10 +108,11 @@ void prof_schedstat_close(uint32_t handle)
 	prof_mutex_unlock(&prof_stats.lock);
 }
 
-/* When a thread begins or ends at this moment, the next frame has this one's time too. */
+/* If another thread holds the lock because it begins or ends, this frame is skipped and its time counts for the
+ * next. */
 void prof_schedstat_sample(void)
 {
-	/* A ring first: a thread that gets one opens its schedstat, under this lock. */
+	/* Make this thread's ring before taking the lock: a thread that gets a ring calls prof_schedstat_open. */
 	if (!stilb_prof_recorder() || !prof_mutex_try(&prof_stats.lock))
 		return;
 	for (uint32_t i = 0; i < prof_stats.used; i++) {

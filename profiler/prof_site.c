@@ -1,4 +1,4 @@
-/* Sites: the linker's array of those of C code, the list of all others, and those that are made at run time. */
+/* Sites: the linker's array of the sites of C code, the list of all others, and sites that are made at run time. */
 #include "profiler/prof_internal.h"
 
 #include <stdlib.h>
@@ -6,14 +6,15 @@
 
 #define PROF_SITES_MADE_MAX 1024
 
-/* For those that there is no room for. */
+/* Stands for the names that no site could be made for. */
 static const stilb_prof_site prof_site_more STILB_PROF_SECTION_ =
 	STILB_PROF_SITE_INIT_("more names", "", 0, STILB_PROF_KIND_ZONE);
 
-/* The newest site of the list. Sites are added at its head and never taken away. */
+/* Head of the list: the newest site. Sites are added at the head and never removed. */
 static stilb_prof_site *prof_sites;
 
-/* In .bss: near enough to the section for the distance in an event. */
+/* Static, because events hold the distance of a site from the section in 30 bits: .bss is near enough, the heap is
+ * not. */
 static struct {
 	prof_mutex lock;
 	uint32_t count;

@@ -1,7 +1,7 @@
 /*
- * Snapshots: a copy of what the rings hold (prof_ring.c), turned into zones lane by lane (prof_snapshot_zones.c),
- * flows joined. All memory is the snapshot's and is used again by the next one, so that a snapshot a frame allocates
- * nothing for long. Per event: 16 bytes of the copy, 56 of the zone, and 40 of scratch for the longest lane.
+ * Snapshots: a raw copy of the rings (prof_ring.c) becomes zones, lane by lane (prof_snapshot_zones.c); then the ends
+ * of flows are joined. The memory belongs to the snapshot and is reused by the next take, so that one snapshot a frame
+ * soon allocates nothing. Per event: 16 bytes for the copy, 56 for the zone, and 40 of scratch for the longest lane.
  */
 #include "profiler/prof_array.h"
 #include "profiler/prof_snapshot_internal.h"
@@ -10,11 +10,10 @@
 #include <errno.h>
 #include <string.h>
 
-#define PROF_SWITCHES_MORE 2 /* than the kernel notes: before the thread began, after it ended */
+#define PROF_SWITCHES_MORE 2 /* besides those of the kernel: before the thread began, and after it ended */
 #define PROF_SWITCHES_UNUSED 64
 
-/* Room for count items in an array of m, and one more, so that there always is an array to point into. False: no
- * memory. */
+/* Makes room for count items in an array of m, and for one more, so that the array is never NULL. False: no memory. */
 #define ROOM(m, items, count, capacity) prof_array_room(&(m)->items, sizeof *(m)->items, (count) + 1, &(m)->capacity)
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
@@ -122,8 +121,8 @@ static void prof_switch_add(prof_snapshot_memory *m, uint64_t out_ns, uint64_t i
 		m->switches[m->switch_count++] = (stilb_prof_switch){out_ns, in_ns, preempted};
 }
 
-/* What is over after begin_ns, from begun_ns on. A thread that has not come back by end_ns is out till then. When it
- * left may not be known: then that is left out. */
+/* Joins each leaving of a CPU with the return that follows, if that lies after begin_ns, and cuts both to begun_ns ..
+ * end_ns. A thread that has not come back is out until end_ns. A return whose leaving is not known is dropped. */
 static void prof_switches_pair(prof_snapshot_memory *m, const prof_lane_copy *copy, uint64_t begun_ns,
                                uint64_t begin_ns, uint64_t end_ns)
 {
@@ -138,8 +137,8 @@ static void prof_switches_pair(prof_snapshot_memory *m, const prof_lane_copy *co
 	}
 }
 
-/* When the last zone that began before ns ended: those of an earlier owner of the ring, of whose switches nothing is
- * known. */
+/* The end of the last outermost zone that began before ns; 0: none. Before the begin of a thread, such zones are those
+ * of an earlier owner of its ring, whose switches are not known. */
 static uint64_t prof_lane_end_before(const stilb_prof_lane *lane, uint64_t ns)
 {
 	uint64_t end_ns = 0;
@@ -148,14 +147,14 @@ static uint64_t prof_lane_end_before(const stilb_prof_lane *lane, uint64_t ns)
 	return end_ns;
 }
 
-/* The kernel's ring was full: what came before the first that is held may have been overwritten. The last few places
- * are not used, because the thread may be writing to them. */
+/* True if switches after begin_ns may be missing: the kernel's ring was full, so older ones may have been overwritten.
+ * It counts as full a few entries early, since a reader drops those that may be being written. */
 static bool prof_switches_are_cut(const prof_lane_copy *copy, uint64_t begin_ns)
 {
 	return copy->switch_count >= PROF_SWITCHES_MAX - PROF_SWITCHES_UNUSED && copy->switches[0].ns > begin_ns;
 }
 
-/* A thread does not run before it begins and after it has ended. */
+/* Fills the lane's switches. A thread does not run before it begins nor after it has ended. */
 static void prof_switches_find(prof_snapshot_memory *m, stilb_prof_lane *lane, const prof_lane_copy *copy,
                                uint64_t begin_ns, uint64_t end_ns)
 {
@@ -173,7 +172,8 @@ static void prof_switches_find(prof_snapshot_memory *m, stilb_prof_lane *lane, c
 	prof_switch_add(m, prof_later(last_ns, begin_ns), end_ns, false);
 }
 
-/* After the zones: an open window begins with the first of them. */
+/* Makes the switches of all lanes and the zones' off_cpu_ns. After the zones: a window without a begin begins with the
+ * first zone. */
 static bool prof_snapshot_switches(prof_snapshot_memory *m, uint64_t begin_ns, uint64_t end_ns)
 {
 	for (uint32_t l = 0; l < m->copy.lane_count; l++) {
@@ -198,11 +198,11 @@ static bool prof_snapshot_switches(prof_snapshot_memory *m, uint64_t begin_ns, u
 	return true;
 }
 
-/* ---- runs: lists that ascend lane by lane become one that ascends ------------------------------------------------ */
+/* ---- runs: merges lists that ascend lane by lane into one that does ---------------------------------------------- */
 
 typedef struct prof_runs {
 	char *items;
-	size_t size, key; /* of an item; where in it the key is: a uint64_t */
+	size_t size, key; /* bytes of an item; offset of its key, a uint64_t */
 } prof_runs;
 
 static uint64_t prof_runs_key(const prof_runs *runs, const char *item)
@@ -212,7 +212,7 @@ static uint64_t prof_runs_key(const prof_runs *runs, const char *item)
 	return key;
 }
 
-/* Merges two neighbours, [a, b) and [b, end), stable. */
+/* Merges the neighbouring runs [a, b) and [b, end), by way of to; stable. */
 static void prof_runs_merge(const prof_runs *runs, size_t a, size_t b, size_t end, char *to)
 {
 	assert(a <= b && b <= end);
@@ -229,7 +229,7 @@ static void prof_runs_merge(const prof_runs *runs, size_t a, size_t b, size_t en
 	memcpy(runs->items + a * size, to, (end - a) * size);
 }
 
-/* starts holds where each of the count runs begins, and after them where the last one ends. */
+/* starts holds the first index of each of the count runs, and after them the end of the last one. */
 static void prof_runs_sort(const prof_runs *runs, size_t *starts, size_t count, char *scratch)
 {
 	assert(runs->key + sizeof(uint64_t) <= runs->size);
@@ -275,8 +275,9 @@ static void prof_flow_add(prof_snapshot_memory *m, const prof_flow_mark *from, c
 	};
 }
 
-/* One flow for each end, with its begin when that is held, then one for each begin without an end; per lane, as the
- * marks stand. A begin may lie behind its end when the clocks of two CPUs differ: an arrow never goes back in time. */
+/* Makes one flow for each end, with its begin if that is in the snapshot, then one for each begin without an end, each
+ * in the order of the marks; returns the number of runs. If the clocks of two CPUs differ, a begin may come after its
+ * end: then it is moved to the end, since arrows never go back in time. */
 static size_t prof_flows_join(prof_snapshot_memory *m, size_t slots)
 {
 	size_t runs = 0;
@@ -367,7 +368,7 @@ static void prof_snapshot_destroy(void *memory)
 	free(m);
 }
 
-/* The memory of an earlier snapshot, or new. */
+/* The memory of an earlier take, or new memory. NULL: none left. */
 static prof_snapshot_memory *prof_snapshot_memory_of(stilb_prof_snapshot *snapshot)
 {
 	prof_snapshot_memory *m = snapshot->memory;
@@ -414,7 +415,7 @@ static bool prof_snapshot_lanes(prof_snapshot_memory *m)
 	return true;
 }
 
-/* An open window begins with the first thing that is held, or, when there is nothing, with the first thread. */
+/* The begin of a window without one: the first time in the snapshot; if it is empty, the begin of the first thread. */
 static uint64_t prof_snapshot_first_ns(const prof_snapshot_memory *m, uint64_t end_ns)
 {
 	uint64_t first_ns = end_ns;
@@ -461,7 +462,7 @@ static void prof_snapshot_fill(stilb_prof_snapshot *s, const prof_snapshot_memor
 	};
 }
 
-/* The window's end, and what ends there. One of frames that are not remembered is empty, and now. */
+/* The end of the window. One of frames that are not remembered any more is empty and lies at the present time. */
 static uint64_t prof_snapshot_end_ns(prof_snapshot_memory *m)
 {
 	bool empty = m->copy.begin.ticks == UINT64_MAX, closed = m->copy.end.ticks != UINT64_MAX;
@@ -470,7 +471,7 @@ static uint64_t prof_snapshot_end_ns(prof_snapshot_memory *m)
 	return closed ? prof_timeline_ns(&m->timeline, m->copy.end.ticks) : m->now_ns;
 }
 
-/* After lanes and points. */
+/* The begin of the window; call it after the lanes and points are made. */
 static uint64_t prof_snapshot_begin_ns(prof_snapshot_memory *m, uint64_t end_ns)
 {
 	uint64_t begin = m->copy.begin.ticks;
@@ -479,7 +480,7 @@ static uint64_t prof_snapshot_begin_ns(prof_snapshot_memory *m, uint64_t end_ns)
 	return begin == UINT64_MAX ? end_ns : prof_timeline_ns(&m->timeline, begin);
 }
 
-/* The copy becomes a snapshot. False: no memory. */
+/* Makes the snapshot from the copy. False: no memory. */
 static bool prof_snapshot_make(stilb_prof_snapshot *snapshot, prof_snapshot_memory *m)
 {
 	prof_clock_timeline(&m->timeline, m->copy.frames, m->copy.frame_count);

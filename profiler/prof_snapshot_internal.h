@@ -1,10 +1,10 @@
-/* What prof_snapshot.c and prof_snapshot_zones.c share: a snapshot in the making. */
+/* Shared by prof_snapshot.c and prof_snapshot_zones.c: a snapshot while it is being made. */
 #ifndef STILB_PROF_SNAPSHOT_INTERNAL_H
 #define STILB_PROF_SNAPSHOT_INTERNAL_H
 
 #include "profiler/prof_internal.h"
 
-/* A zone on its way from the order of ends to that of begins. */
+/* A zone in the order of ends, before it is moved to its place in the order of begins. */
 typedef struct prof_zone_node {
 	uint64_t begin, end; /* ns */
 	uint32_t label;
@@ -20,19 +20,19 @@ typedef struct prof_flow_mark {
 	uint64_t ns;
 	uint32_t label;
 	uint32_t lane;
-	uint32_t zone; /* around it: the index of a node, then into the lane's zones; or PROF_NONE */
+	uint32_t zone; /* the zone around it: index of a node, later into the lane's zones; or PROF_NONE */
 	bool begin;
-	bool joined; /* a begin that has an end */
+	bool joined; /* this begin has an end */
 } prof_flow_mark;
 
 typedef struct prof_snapshot_memory {
 	prof_memory memory; /* first */
 	prof_copy copy;
 	prof_timeline timeline;
-	uint64_t now_ns;    /* where open zones end */
-	uint64_t end_ticks; /* open zones that began then or later are not in the window */
+	uint64_t now_ns;    /* the time of the snapshot: open zones end there */
+	uint64_t end_ticks; /* end of the window: open zones that began at it or later are left out */
 
-	stilb_prof_label *labels; /* kept from one snapshot to the next */
+	stilb_prof_label *labels; /* kept from one take to the next */
 	size_t label_count, label_capacity;
 	struct prof_site_slot {
 		const stilb_prof_site *site; /* NULL: empty */
@@ -44,7 +44,7 @@ typedef struct prof_snapshot_memory {
 	stilb_prof_lane *lanes;
 	stilb_prof_zone *zones; /* of all lanes */
 	stilb_prof_switch *switches;
-	uint64_t *off_before; /* for each of the switches: how long the thread was off in those before it */
+	uint64_t *off_before; /* of one lane: for each of its switches, the sum of those before it */
 	stilb_prof_point *points;
 	prof_flow_mark *marks;
 	stilb_prof_flow *flows;
@@ -64,10 +64,10 @@ typedef struct prof_snapshot_memory {
 /* The label of a site, or PROF_NONE: no memory. */
 uint32_t prof_snapshot_label(prof_snapshot_memory *m, const stilb_prof_site *site);
 
-/* The frame in which a flow was begun: an index into frames, or STILB_PROF_NONE: not in the window. */
+/* The index of the frame in which a flow was begun, or STILB_PROF_NONE: not in the window. */
 uint32_t prof_snapshot_flow_frame(const prof_snapshot_memory *m, uint64_t id);
 
-/* Nanoseconds since the profiler's first call. */
+/* Converts a time of the lane's clock to nanoseconds since the profiler's first call. */
 static inline uint64_t prof_snapshot_ns(prof_snapshot_memory *m, const prof_lane_copy *lane, uint64_t time)
 {
 	if (!lane->device)
@@ -75,11 +75,11 @@ static inline uint64_t prof_snapshot_ns(prof_snapshot_memory *m, const prof_lane
 	return time > m->timeline.epoch_ns ? time - m->timeline.epoch_ns : 0;
 }
 
-/* Makes the zones of a lane at the end of m->zones, where there is room for them, and adds its points and marks,
- * each lane's ascending. False: no memory. */
+/* Appends the zones of a lane to m->zones, which has room for them, and its points and marks, ascending. False: no
+ * memory. */
 bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index);
 
-/* How long the thread did not run in each of them, from the lane's switches and m->off_before. */
+/* Computes off_cpu_ns of the lane's zones from its switches and m->off_before. */
 void prof_snapshot_off_cpu(prof_snapshot_memory *m, uint32_t index);
 
 #endif

@@ -1,14 +1,15 @@
 /*
- * The zones of a lane from its events.
+ * Makes the zones of a lane from its events.
  *
- * Events stand in the order in which zones end: children before parents. Times alone cannot tell a child from an
- * earlier sibling when both begin in the same tick, so the tree is rebuilt from that order and the depths: walked
- * backwards, a zone's parent is the last one met that is less deep and began no later. A subtree fills the same
- * places in both orders, its root last in one and first in the other, and in the latter each ancestor stands before
- * it instead of behind; so a zone's place among parents-first is (its place among ends) - (size - 1) + level.
+ * Events are in the order in which zones end: children before parents. Times alone cannot tell a child from an earlier
+ * sibling if both begin in the same tick, so the tree is rebuilt from that order and the depths: walking backwards, the
+ * parent of a zone is the last zone met that is less deep and began no later. A subtree fills the same range of places
+ * in both orders; its root is last in the order of ends and first in the order of begins, and its ancestors move from
+ * behind it to before it. So the place of a zone in the order of begins is its place in the order of ends, minus
+ * (size - 1), plus level.
  *
- * Times become whole nanoseconds by one monotone map and are then held between the sibling before and the parent's
- * end, so no zone sticks out of its parent whatever the clock did.
+ * Times are converted to whole nanoseconds by one monotone map. Then each zone is cut to lie between the end of its
+ * previous sibling and the end of its parent, so zones nest properly whatever the clock did.
  */
 #include "profiler/prof_array.h"
 #include "profiler/prof_snapshot_internal.h"
@@ -23,7 +24,7 @@ static uint64_t prof_clamp(uint64_t value, uint64_t low, uint64_t high)
 
 /* ---- ends to begins ---------------------------------------------------------------------------------------------- */
 
-/* A zone that ended later than what is looked at: a possible parent. */
+/* A zone that ended later than the current event: a possible parent. */
 typedef struct zones_outer {
 	uint64_t begin; /* ticks */
 	uint32_t depth;
@@ -34,13 +35,14 @@ typedef struct zones_walk {
 	prof_snapshot_memory *m;
 	const prof_lane_copy *lane;
 	uint32_t index; /* of the lane */
-	uint32_t first; /* nodes are filled from the end: those from here on are there */
+	uint32_t first; /* nodes are filled from the end: index of the last one filled */
 	uint32_t outer_count;
-	zones_outer outer[STILB_PROF_DEPTH_MAX]; /* their depths ascend */
+	zones_outer outer[STILB_PROF_DEPTH_MAX]; /* possible parents, outermost first */
 	bool failed;                             /* no memory */
 } zones_walk;
 
-/* Leaves only those that a zone or flow of that depth and time lies in; the innermost, or PROF_NONE. */
+/* Drops the possible parents that do not enclose an event of that depth and time. Returns the node of the innermost
+ * that does, or PROF_NONE. */
 static uint32_t zones_walk_into(zones_walk *walk, uint32_t depth, uint64_t time)
 {
 	const zones_outer *outer = walk->outer;
@@ -105,7 +107,7 @@ static void zones_walk_flow(zones_walk *walk, const prof_record *record)
 	};
 }
 
-/* From the zone that ends last, the outermost of the open ones, to the first event. */
+/* Walks from the zone that ends last, the outermost open one, back to the first event. */
 static void zones_walk_back(zones_walk *walk)
 {
 	const prof_lane_copy *lane = walk->lane;
@@ -125,7 +127,7 @@ static void zones_walk_back(zones_walk *walk)
 	}
 }
 
-/* The place of a node among parents-first. */
+/* The place of a node in the order of begins: see the head of this file. */
 static uint32_t zones_place(const prof_zone_node *nodes, uint32_t first, uint32_t node)
 {
 	return node - first - (nodes[node].size - 1) + nodes[node].level;
@@ -157,8 +159,8 @@ static void zones_order(const zones_walk *walk, uint32_t end, stilb_prof_zone *z
 
 /* ---- times, frames ----------------------------------------------------------------------------------------------- */
 
-/* Between the sibling before and the parent's end; what is left of the parent's own time; the frame in which it
- * began. */
+/* Cuts each zone to lie between its previous sibling's end and its parent's end, and computes self times and the frames
+ * in which zones began. */
 static void zones_settle(const prof_snapshot_memory *m, stilb_prof_zone *zones, uint32_t count)
 {
 	uint64_t cursor[STILB_PROF_DEPTH_MAX + 1] = {0}; /* by level: where the next zone may begin */
@@ -185,8 +187,9 @@ static void zones_settle(const prof_snapshot_memory *m, stilb_prof_zone *zones, 
 
 /* ---- flows ------------------------------------------------------------------------------------------------------- */
 
-/* The zone that a flow ends in is its job: all of it is charged to the frame that submitted it. Marks ascend, so
- * jobs inside jobs come after them. A mark lies inside its zone, also for viewers that take an end as outside. */
+/* The zone in which a flow ends is the job: its subtree is charged to the frame that submitted it. Marks ascend, so
+ * jobs inside jobs are charged after them. The mark is moved before the end of its zone, since viewers take the end as
+ * outside. */
 static void zones_charge(const prof_snapshot_memory *m, stilb_prof_zone *zones, prof_flow_mark *mark)
 {
 	if (mark->zone == PROF_NONE)
@@ -210,15 +213,15 @@ static void zones_charge_all(const prof_snapshot_memory *m, const prof_zone_node
 			mark->zone = zones_place(nodes, first, mark->zone);
 		zones_charge(m, zones, mark);
 		if (i > first_mark && mark->ns < mark[-1].ns)
-			mark->ns = mark[-1].ns; /* what moved into its zone may have passed the next */
+			mark->ns = mark[-1].ns; /* a mark that was moved may have passed the next one */
 	}
 }
 
 #define ZONES_SWAP_MAX 64
 static_assert(sizeof(stilb_prof_point) <= ZONES_SWAP_MAX && sizeof(prof_flow_mark) <= ZONES_SWAP_MAX,
-              "they are swapped");
+              "zones_reverse swaps them");
 
-/* Points and marks were met backwards. */
+/* Reverses an array: points and marks were met backwards. */
 static void zones_reverse(void *items, size_t size, size_t count)
 {
 	char swap[ZONES_SWAP_MAX];
@@ -256,12 +259,12 @@ bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index)
 
 /* ---- time off the CPU -------------------------------------------------------------------------------------------- */
 
-/* How long the thread was off the CPU before ns; at is an index into its switches that is not behind ns. */
+/* How long the thread was off the CPU before ns. The search begins with the switch at; those before it end by ns. */
 static uint64_t zones_off_before(const stilb_prof_switch *switches, const uint64_t *off_before, uint32_t count,
                                  uint32_t at, uint64_t ns)
 {
 	assert(at <= count && (at == 0 || switches[at - 1].in_ns <= ns) && "not behind ns");
-	uint32_t low = at, high = count; /* the first that comes back after ns */
+	uint32_t low = at, high = count; /* finds the first switch that ends after ns */
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
 		if (switches[middle].in_ns > ns)
@@ -280,8 +283,8 @@ void prof_snapshot_off_cpu(prof_snapshot_memory *m, uint32_t index)
 	const stilb_prof_lane *lane = &m->lanes[index];
 	const stilb_prof_switch *switches = lane->switches;
 	const uint64_t *off_before = m->off_before;
-	stilb_prof_zone *zones = m->zones + (lane->zones - m->zones); /* the lane's, to be written */
-	uint32_t next = 0; /* the first that comes back after the zone begins: zones' begins ascend */
+	stilb_prof_zone *zones = m->zones + (lane->zones - m->zones); /* lane->zones, writable */
+	uint32_t next = 0; /* the first switch that ends after the begin of the zone; begins ascend */
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
 		stilb_prof_zone *zone = &zones[i];
 		prof_give_way(i);

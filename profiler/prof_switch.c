@@ -1,8 +1,8 @@
 /*
- * When a thread left the CPU and when it came back, from perf_event_open: a software event that counts nothing
- * (PERF_COUNT_SW_DUMMY) with context_switch set notes both in a ring that the kernel writes, 16 bytes a time, with the
- * time of CLOCK_MONOTONIC. That needs no privilege up to perf_event_paranoid 2, because it tells a thread about itself
- * alone.
+ * Context switches of a thread, from perf_event_open: for a software event that counts nothing (PERF_COUNT_SW_DUMMY)
+ * with context_switch set, the kernel writes a record of 16 bytes to a ring each time that the thread leaves a CPU or
+ * comes back, with the time of CLOCK_MONOTONIC. It needs no privilege up to perf_event_paranoid 2, because a thread
+ * only learns about itself.
  *
  * Ring protocol (the kernel writes, any thread reads). The ring is mapped without write permission and written
  * backwards (write_backward): data_head falls by the size of a record once the record is whole, so the newest record
@@ -24,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Without anything asked for in sample_type but the time every record is these two words. */
+/* A record consists of these two words, since sample_type asks for nothing but the time. */
 typedef struct prof_switch_record {
 	uint64_t header; /* struct perf_event_header */
 	uint64_t ns;
@@ -41,7 +41,7 @@ void stilb_prof_switches_set(bool on)
 	                 __ATOMIC_RELAXED); /* pairs with prof_switches_open; nothing goes with it */
 }
 
-/* The highest setting that was seen to matter is Debian's and Android's 3; 2 is the kernel's default. */
+/* perf_event_paranoid: the kernel's default 2 allows this; Debian's and Android's 3 forbids it. */
 static const char *prof_switches_why(int error)
 {
 	char level[8] = "";
@@ -87,8 +87,8 @@ prof_switches prof_switches_open(const char *name)
 	int file = prof_switches_event();
 	if (file < 0)
 		return (prof_switches){.refused = prof_switches_why(errno), .schedstat = prof_schedstat_open(name)};
-	/* What all such rings of a user may lock is limited (perf_event_mlock_kb, RLIMIT_MEMLOCK): then a smaller one
-	 * will do. */
+	/* The memory that all such rings of a user may lock is limited (perf_event_mlock_kb, RLIMIT_MEMLOCK): if it is used
+	 * up, try smaller rings. */
 	prof_switches switches = {.refused = "no locked memory left (RLIMIT_MEMLOCK)"};
 	size_t page = (size_t)sysconf(_SC_PAGESIZE);
 	for (size_t bytes = PROF_SWITCH_BYTES; bytes >= page && !switches.page; bytes /= 2) {
@@ -102,7 +102,7 @@ prof_switches prof_switches_open(const char *name)
 	return switches;
 }
 
-/* The kernel gives such a mapping to no child of fork. */
+/* False also in a child of fork, to which the kernel does not give such mappings. */
 static bool prof_switches_mapped(const prof_switches *switches)
 {
 	return switches->page && switches->process == getpid();
@@ -154,7 +154,7 @@ uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, pr
 		};
 		older = ns > since_ns;
 	}
-	/* Void are the oldest: what has been overwritten since then, and one more that may be under way. */
+	/* The oldest records are invalid: those overwritten since the first load, and one that may be being written. */
 	uint64_t now = __atomic_load_n(&page->data_head, __ATOMIC_RELAXED); /* ordered by the acquire loads before it */
 	uint64_t fresh = (head - now) / sizeof(prof_switch_record) + 1, slots = size / sizeof(prof_switch_record);
 	uint64_t valid = slots > fresh ? slots - fresh : 0;

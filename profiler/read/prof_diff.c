@@ -11,17 +11,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROF_EXACT_MAX 20                                              /* values a side */
+#define PROF_EXACT_MAX 20                                              /* values per side */
 #define PROF_RANKS_MAX (2 * PROF_EXACT_MAX * (2 * PROF_EXACT_MAX + 1)) /* sum of all ranks, doubled */
 #define PROF_FRAME_TIMES_MAX ((size_t)1 << 27)                         /* rows times frames: a gigabyte */
 
 /* ---- Mann-Whitney ------------------------------------------------------------------------------------------------ */
 
-/* Two samples, merged: values that are equal share a rank, the mean of theirs. Ranks are doubled, so they are whole. */
+/* The ranks of two samples together. Equal values share the mean of their ranks; ranks are doubled, to be integers. */
 typedef struct prof_ranks {
-	double a_sum;                       /* of the doubled ranks of a */
+	double a_sum;                       /* sum of the doubled ranks of a */
 	double ties;                        /* sum of t^3 - t over groups of t equal values */
-	uint32_t ranks[2 * PROF_EXACT_MAX]; /* all, doubled, when both sides are small */
+	uint32_t ranks[2 * PROF_EXACT_MAX]; /* all doubled ranks, if both sides are small */
 } prof_ranks;
 
 static bool samples_ascend(const uint64_t *values, size_t count)
@@ -51,12 +51,12 @@ static void prof_rank(prof_ranks *ranks, const uint64_t *a, size_t a_count, cons
 	}
 }
 
-/* Of all ways to choose which of the ranks are a's, the share whose sum is at least as far from the mean as this one's.
- * ways[k][s]: to choose k of the ranks looked at with the sum s. */
+/* The share of all choices of a_count ranks whose sum is at least as far from the mean as the observed one. ways[k][s]
+ * is the number of choices of k among the first ranks with the sum s. Negative: no memory. */
 static double prof_rank_exact(const prof_ranks *ranks, size_t a_count, size_t count)
 {
 	assert(a_count <= PROF_EXACT_MAX && a_count <= count && count <= 2 * PROF_EXACT_MAX);
-	size_t largest = 0; /* sum so far */
+	size_t largest = 0; /* the sum of all ranks so far */
 	double(*ways)[PROF_RANKS_MAX + 1] = calloc(PROF_EXACT_MAX + 1, sizeof *ways);
 	double far = 0.0, all = 0.0;
 	double mean = (double)a_count * ((double)count + 1.0), distance = fabs(ranks->a_sum - mean);
@@ -113,19 +113,21 @@ typedef struct prof_side {
 	uint64_t *frame_times; /* per frame: for each row, its time in each frame, ascending */
 } prof_side;
 
-/* The row of each label of a kind, by label, STILB_PROF_NONE without; two kinds one after the other. */
+/* A table of rows: 2 * label + (1 for devices) -> the row, or STILB_PROF_NONE. NULL: no memory. */
 static uint32_t *prof_side_rows(const prof_side *side)
 {
 	size_t count = 2 * (size_t)side->snapshot->label_count;
 	uint32_t *rows = malloc((count + 1) * sizeof *rows);
-	for (size_t i = 0; rows && i < count; i++)
+	if (!rows)
+		return NULL;
+	for (size_t i = 0; i < count; i++)
 		rows[i] = STILB_PROF_NONE;
-	for (uint32_t i = 0; rows && i < side->stats.row_count; i++)
+	for (uint32_t i = 0; i < side->stats.row_count; i++)
 		rows[2 * (size_t)side->stats.rows[i].label + (side->stats.rows[i].kind == STILB_PROF_LANE_DEVICE)] = i;
 	return rows;
 }
 
-/* It lies inside a zone of its label and frame. */
+/* True if the zone is inside another of its label that is charged to the same frame. */
 static bool prof_zone_recurs(const stilb_prof_lane *lane, const stilb_prof_zone *zone)
 {
 	for (uint32_t p = zone->parent; p != STILB_PROF_NONE; p = lane->zones[p].parent)
@@ -134,7 +136,7 @@ static bool prof_zone_recurs(const stilb_prof_lane *lane, const stilb_prof_zone 
 	return false;
 }
 
-/* Adds up what the zones of a lane take in each frame. until: zones before until[row] lie inside one of the row. */
+/* Adds the zones of a lane to the times of their rows and frames. Zones before until[row] are inside one of the row. */
 static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, const uint32_t *rows, uint32_t *until)
 {
 	size_t frames = side->snapshot->frame_count;
@@ -219,7 +221,7 @@ static stilb_prof_diff_side prof_side_row(const prof_side *side, uint32_t row)
 
 /* ---- both -------------------------------------------------------------------------------------------------------- */
 
-/* As the rows are sorted by name. */
+/* The order of rows by name, then by kind. A side without further rows comes last. */
 static int prof_diff_order(const prof_side *a, uint32_t i, const prof_side *b, uint32_t j)
 {
 	if (i == a->stats.row_count || j == b->stats.row_count)
@@ -276,7 +278,8 @@ static int prof_compare_diff_rows(const void *left, const void *right)
 	return names != 0 ? names : (int)a->kind - (int)b->kind;
 }
 
-/* rows has room for all of both sides. Returns how many there are. */
+/* Merges the rows of both sides into rows, which has room for all. Returns how many there are; *tests: on both
+ * sides. */
 static uint32_t prof_diff_join(stilb_prof_diff_row *rows, const prof_side *a, const prof_side *b, uint32_t *tests)
 {
 	uint32_t count = 0;

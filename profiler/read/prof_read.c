@@ -16,7 +16,7 @@
 
 #define PROF_READ_CHUNK ((size_t)1 << 20)
 
-/* What is not part of a snapshot. */
+/* Frees what is only needed while reading. */
 static void prof_read_free_rest(prof_read *read)
 {
 	free(read->label_slots);
@@ -67,7 +67,7 @@ static int prof_read_say(int result, char *error, size_t error_size, const char 
 
 #define PROF_READ_FOUND 48
 
-/* What stands there, as an error can show it: a number up to its end, else one byte. */
+/* Describes the text at the error: a whole number, else one byte. */
 static void prof_read_found(const prof_scan *scan, char found[PROF_READ_FOUND])
 {
 	assert(scan->failed >= scan->begin && scan->failed <= scan->end);
@@ -121,15 +121,15 @@ int stilb_prof_trace_parse(const char *text, size_t size, const char *name, stil
 	return result;
 }
 
-/* So far: an endless device is not read to its end. */
+/* False if the text so far cannot begin a trace: then the rest, which may be endless, is not read. */
 static bool prof_may_be_trace(const char *text, size_t size)
 {
-	size_t space = strspn(text, " \t\r\n"); /* text ends in a 0 */
+	size_t space = strspn(text, " \t\r\n"); /* a 0 byte follows the text */
 	return space == size || text[space] == '{' || text[space] == '[';
 }
 
-/* All of a file or of standard input, or the beginning of what cannot be a trace. Returns 0 or a negative errno; *text
- * is the caller's. */
+/* Reads all of a file or of standard input, or the beginning of it if that cannot be a trace. Returns 0 or a negative
+ * errno; the caller frees *text in both cases. */
 static int prof_read_bytes(int file, char **text, size_t *size)
 {
 	assert(!*text && *size == 0);
@@ -152,8 +152,8 @@ static int prof_read_bytes(int file, char **text, size_t *size)
 	}
 }
 
-/* A descriptor or a negative errno; -ESPIPE: a pipe or a device, which may never end or never begin. Not waiting, for
- * the writer of a pipe; regular files know no waiting. */
+/* Opens a regular file. Returns a descriptor or a negative errno; -ESPIPE: a pipe or a device. O_NONBLOCK keeps open
+ * from waiting for the writer of a pipe; it has no effect on regular files. */
 static int prof_read_open(const char *path)
 {
 	struct stat info;

@@ -1,6 +1,6 @@
 /*
- * The events of a trace, one after the other, into arrays. Only what the snapshot needs is looked at; the rest is
- * skipped, but must be JSON. Names and threads are found by hashing, so the cost is linear in the size of the text.
+ * Reads the events of a trace one after the other into arrays. Members that a snapshot does not need are skipped, but
+ * must be JSON. Names and threads are found by hashing, so the cost is linear in the size of the text.
  */
 #include "profiler/prof_array.h"
 #include "profiler/read/prof_read_internal.h"
@@ -12,7 +12,7 @@
 #define PROF_BLOCK_SIZE 16384
 
 typedef struct prof_raw_event {
-	char phase; /* 0: none, or longer than a character */
+	char phase; /* 0: missing, or longer than one character */
 	bool has_ts, has_dur, has_tid;
 	prof_time ts, dur;
 	uint64_t pid, tid, id;
@@ -72,7 +72,7 @@ void prof_strings_free(prof_strings *strings)
 	*strings = (prof_strings){0};
 }
 
-/* NULL: no memory. */
+/* A copy of the string with its escapes decoded. NULL: no memory. */
 static const char *prof_read_string(prof_read *read, prof_span string)
 {
 	char *copy = prof_strings_add(&read->strings, string.text, string.size);
@@ -81,8 +81,8 @@ static const char *prof_read_string(prof_read *read, prof_span string)
 	return copy;
 }
 
-/* Eight bytes at a time. Source of the constant: Steele, Lea, Flood, "Fast splittable pseudorandom number generators",
- * 2014. The seed differs from run to run, so that no file can be made in which all names collide. */
+/* Hashes eight bytes at a time. Source of the constant: Steele, Lea, Flood, "Fast splittable pseudorandom number
+ * generators", 2014. The seed, an address, differs from run to run, so that no file can make all names collide. */
 static uint64_t prof_hash(uint64_t seed, const char *text, size_t size)
 {
 	uint64_t hash = seed ^ size, word;
@@ -97,7 +97,7 @@ static uint64_t prof_hash(uint64_t seed, const char *text, size_t size)
 	return hash ^ hash >> 32;
 }
 
-/* Twice as many slots, all free; 0: no memory. */
+/* Replaces the slots by twice as many, all free. Returns how many; 0: no memory. */
 static size_t prof_slots_grow(uint32_t **slots, size_t count)
 {
 	size_t grown = count > 0 ? 2 * count : 256;
@@ -138,7 +138,7 @@ static bool prof_labels_grow(prof_read *read)
 	return true;
 }
 
-/* The label of that name, which has no 0 in it, at slot or new there. */
+/* The label at slot, or a new one of that name there. The name contains no 0; keep: it need not be copied. */
 static bool prof_label_at(prof_read *read, size_t slot, const char *name, size_t size, bool keep, uint32_t *label)
 {
 	if (read->label_slots[slot] == 0) {
@@ -201,12 +201,14 @@ static bool prof_lanes_grow(prof_read *read)
 	return true;
 }
 
-/* NULL: no memory. */
+/* The lane of pid and tid, made if there is none. NULL: no memory. */
 static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t tid)
 {
-	prof_read_lane *last = read->lane_count > 0 ? &read->lanes[read->last_lane] : NULL;
-	if (last && last->tid == tid && last->pid == pid)
-		return last;
+	if (read->lane_count > 0) {
+		prof_read_lane *last = &read->lanes[read->last_lane];
+		if (last->tid == tid && last->pid == pid)
+			return last;
+	}
 	if (2 * read->lane_count >= read->lane_slot_count && !prof_lanes_grow(read))
 		return NULL;
 	size_t slot = prof_lane_slot(read, pid, tid);
@@ -240,7 +242,7 @@ static uint64_t prof_tenths(prof_time time)
 	return 10 * (uint64_t)time.ns + (uint64_t)time.tenths;
 }
 
-/* NULL: no memory. */
+/* Adds a zone that begins with the event. NULL: no memory. */
 static stilb_prof_zone *prof_lane_zone_add(prof_read *read, prof_read_lane *lane, const prof_raw_event *event)
 {
 	uint32_t label;
@@ -285,7 +287,7 @@ static bool prof_event_begin(prof_read *read, const prof_raw_event *event)
 	return true;
 }
 
-/* Of the zone that was begun last; its name does not matter. Its begin may be older than the file. */
+/* Ends the zone that was begun last, whatever its name. Without one, its begin is older than the file: ignored. */
 static bool prof_event_end(prof_read *read, const prof_raw_event *event)
 {
 	prof_read_lane *lane = prof_read_lane_of(read, event->pid, event->tid);
@@ -338,7 +340,7 @@ static bool prof_event_flow(prof_read *read, const prof_raw_event *event, uint64
 
 /* ---- args -------------------------------------------------------------------------------------------------------- */
 
-/* Those of any event that mean something here. */
+/* The members of args that are used, of all phases. */
 typedef struct prof_args {
 	prof_span name, no_switches;
 	int64_t sort_index;
@@ -346,7 +348,7 @@ typedef struct prof_args {
 	bool device, has_sort, has_number, has_frame;
 } prof_args;
 
-/* A whole number, or something else that is left out. */
+/* Reads a value; *value and *has are set if it is a whole number. */
 static bool prof_args_integer(prof_scan *scan, uint64_t *value, bool *has)
 {
 	prof_span number;
@@ -388,7 +390,8 @@ static bool prof_args_member(prof_scan *scan, prof_span key, prof_args *args)
 	return true;
 }
 
-/* span was skipped before and is an object in order, or something else; false: a tid of "-" and the like. */
+/* Reads the members of args, if span is an object. It was skipped before, so its syntax is right; false: an error in a
+ * member, for example a sort_index of "-". */
 static bool prof_args_parse(prof_read *read, prof_span span, prof_args *args)
 {
 	prof_scan scan = read->scan;
@@ -407,7 +410,8 @@ static bool prof_args_parse(prof_read *read, prof_span span, prof_args *args)
 	return prof_scan_fail(&read->scan, scan.failed, scan.expected);
 }
 
-/* "memory" {"value":1} is the counter memory; of several values each is one, named as Perfetto does: "memory used". */
+/* The name of a counter: "memory" {"value":1} is the counter "memory". With other keys each value is a counter, named
+ * as in Perfetto: "memory used". */
 static bool prof_counter_name(prof_read *read, const prof_raw_event *event, prof_span key, prof_span *name)
 {
 	*name = event->name;
@@ -478,7 +482,7 @@ static bool prof_event_metadata(prof_read *read, const prof_raw_event *event)
 	return good || prof_read_no_memory(read);
 }
 
-/* An instant; on the thread "frames" it gives a frame its number. */
+/* Adds an instant, or, on the thread "frames", the number of a frame. */
 static bool prof_event_instant(prof_read *read, const prof_raw_event *event)
 {
 	prof_args args;
@@ -499,7 +503,7 @@ static bool prof_event_instant(prof_read *read, const prof_raw_event *event)
 
 /* ---- an event ---------------------------------------------------------------------------------------------------- */
 
-/* A number as it is; anything else by its hash, which is no number of a thread. */
+/* Reads an id: a whole number as it is; anything else as its hash with bit 63 set, which no number has. */
 static bool prof_scan_id(prof_scan *scan, uint64_t *id)
 {
 	prof_span value;
@@ -515,7 +519,9 @@ static bool prof_scan_phase(prof_scan *scan, char *phase)
 	prof_span value;
 	if (!prof_scan_string(scan, &value))
 		return false;
-	*phase = value.size == 1 ? value.text[0] : '\0';
+	*phase = '\0';
+	if (value.size == 1)
+		*phase = value.text[0];
 	return true;
 }
 
@@ -588,7 +594,7 @@ static bool prof_read_event(prof_read *read)
 	return !scan->failed && prof_event_take(read, begin, &event);
 }
 
-/* Behind '['. A bare array need not end: programs that crashed could not close it. */
+/* Reads events after '['. If may_end, the closing ']' may be missing: programs that crashed could not write it. */
 static bool prof_read_array(prof_read *read, bool may_end)
 {
 	prof_scan *scan = &read->scan;

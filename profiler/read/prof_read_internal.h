@@ -1,6 +1,6 @@
 /*
- * How a trace becomes a snapshot: prof_read_json.c reads JSON, prof_read_events.c makes arrays of the events as they
- * come, prof_read_link.c puts them in order: nesting, arrows, frames, switches.
+ * The steps from a trace to a snapshot: prof_read_json.c reads JSON, prof_read_events.c appends the events to arrays as
+ * they come, and prof_read_link.c orders them: nesting, flows, frames, switches.
  */
 #ifndef STILB_PROF_READ_INTERNAL_H
 #define STILB_PROF_READ_INTERNAL_H
@@ -9,26 +9,27 @@
 #include "profiler/prof_snapshot.h"
 #include "profiler/read/prof_read_json.h"
 
-/* Times may lie before 0 in other programs' files. While reading they have this added, so that their order stays. */
+/* Times in files of other programs may be negative. While reading, this is added to all times, which keeps their
+ * order. */
 #define PROF_READ_ZERO (UINT64_C(1) << 62)
 
-/* Strings that stay where they are, in blocks. */
+/* Strings in blocks; their addresses never change. */
 typedef struct prof_strings {
 	struct prof_strings_block *blocks;
 	char *at;
 	size_t room;
 } prof_strings;
 
-/* One pid and tid. Zones stand as they came. Until they are linked, parent chains the open B events, and self_ns and
- * off_cpu_ns hold begin and end in tenths of nanoseconds, modulo 2^64: a writer that has zones end before they touch
- * may do so by less than a nanosecond. */
+/* One pid and tid. Until they are linked, zones are in the order of the file, parent chains the open B events, and
+ * self_ns and off_cpu_ns hold begin and end in tenths of nanoseconds, modulo 2^64: prof_trace_chrome.c lets zones end
+ * by tenths before they would touch. */
 typedef struct prof_read_lane {
 	uint64_t pid, tid;
-	const char *name;        /* NULL: none given */
+	const char *name;        /* NULL: the file names none */
 	const char *no_switches; /* as in stilb_prof_lane */
 	int64_t sort;
 	uint64_t kernel_tid;
-	uint64_t switches_from; /* of a thread "...: off the CPU" */
+	uint64_t switches_from; /* switches_ns, as given for a thread "...: off the CPU" */
 	uint64_t switches_ns;   /* as in stilb_prof_lane */
 	bool device, used, frames;
 	uint32_t open;  /* the innermost open B, or STILB_PROF_NONE */
@@ -39,11 +40,11 @@ typedef struct prof_read_lane {
 	size_t switch_count;
 } prof_read_lane;
 
-/* One end of an arrow. */
+/* One end of a flow: an s, t or f event. */
 typedef struct prof_read_end {
 	uint64_t id, ns;
 	uint32_t lane, label;
-	uint64_t frame; /* that its f names, or UINT64_MAX */
+	uint64_t frame; /* number that the f event gives, or UINT64_MAX */
 	char phase;
 } prof_read_end;
 
@@ -51,7 +52,7 @@ typedef struct prof_read_mark {
 	uint64_t ns, number;
 } prof_read_mark;
 
-/* All that lives as long as the snapshot, and what is needed on the way to it. */
+/* The memory of a snapshot that was read, and what is needed while reading it. */
 typedef struct prof_read {
 	prof_memory memory;
 	prof_scan scan;
@@ -70,23 +71,23 @@ typedef struct prof_read {
 	stilb_prof_frame *out_frames;
 	stilb_prof_flow *out_flows;
 	size_t out_lane_count, out_frame_count, out_flow_count;
-	uint64_t first_ns, last_ns; /* of all times */
-	stilb_prof_snapshot header; /* what otherData says; clock is NULL without it */
+	uint64_t first_ns, last_ns; /* smallest and largest time; UINT64_MAX and 0: none */
+	stilb_prof_snapshot header; /* values from otherData; clock is NULL if there are none */
 	uint64_t header_begin_ns, header_end_ns;
 	bool no_memory;
 } prof_read;
 
-/* Copies size bytes, which end up before a 0; NULL: no memory. */
+/* Copies size bytes and adds a 0. NULL: no memory. */
 char *prof_strings_add(prof_strings *strings, const char *text, size_t size);
 void prof_strings_free(prof_strings *strings);
 
-/* NULL: there is none. */
+/* The lane of pid and tid; NULL: there is none. */
 prof_read_lane *prof_read_lane_find(prof_read *read, uint64_t pid, uint64_t tid);
 
-/* The whole text into the arrays. False: read->scan says what is wrong, or read->no_memory is set. */
+/* Reads the whole text into the arrays. False: read->scan holds the error, or read->no_memory is set. */
 bool prof_read_events(prof_read *read);
 
-/* The arrays into a snapshot. False: no memory. */
+/* Makes the snapshot from the arrays. False: no memory. */
 bool prof_read_link(prof_read *read, stilb_prof_snapshot *snapshot);
 
 #endif

@@ -1,4 +1,4 @@
-/* The cursor of prof_read_json.h. */
+/* The JSON cursor. */
 #include "profiler/read/prof_read_json.h"
 
 #include <assert.h>
@@ -17,14 +17,14 @@ bool prof_scan_fail(prof_scan *scan, const char *at, const char *expected)
 
 /* ---- strings ----------------------------------------------------------------------------------------------------- */
 
-/* Bytes of a word that are zero get their highest bit set; the lowest such bit is exact. Source: Mycroft 1987, in
- * Warren, "Hacker's Delight", 6-1. */
+/* Sets the highest bit of each byte of the word that is zero. Only the lowest of these bits is exact. Source: Mycroft
+ * 1987, in Warren, "Hacker's Delight", 6-1. */
 static uint64_t prof_zero_bytes(uint64_t word)
 {
 	return (word - UINT64_C(0x0101010101010101)) & ~word & UINT64_C(0x8080808080808080);
 }
 
-/* Goes to the next byte that is a quote, a backslash or a control byte, or to the end. */
+/* The next byte that is a quote, a backslash or a control byte, or the end. */
 static const char *prof_scan_plain(const char *at, const char *end)
 {
 	uint64_t ones = UINT64_C(0x0101010101010101);
@@ -46,7 +46,7 @@ static bool prof_is_hex(char c)
 	return (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'f');
 }
 
-/* Behind a backslash. */
+/* Reads what follows a backslash. */
 static bool prof_scan_escape(prof_scan *scan)
 {
 	assert(scan->at > scan->begin && scan->at[-1] == '\\');
@@ -108,7 +108,7 @@ static size_t prof_utf8(uint32_t c, char *to)
 	return size;
 }
 
-/* *at is behind \u; it ends behind the code point, which may be a surrogate pair. */
+/* *at is after \u; it is moved to the end of the code point, which may be a surrogate pair. */
 static uint32_t prof_decode_unicode(const char **at, const char *end)
 {
 	uint32_t c = prof_hex4(*at);
@@ -199,9 +199,9 @@ bool prof_span_integer(prof_span number, uint64_t *value)
 	return true;
 }
 
-/* The parts of a number: digits, of which point stand before the decimal point. */
+/* The parts of a number. Its value is 0.digits * 10^point. */
 typedef struct prof_decimal {
-	const char *text, *end; /* digits and maybe one point between them */
+	const char *text, *end; /* the digits; one decimal point may be among them */
 	int64_t point;
 	bool negative;
 } prof_decimal;
@@ -240,7 +240,7 @@ static prof_time prof_time_of(int64_t ns, int tenths, bool negative)
 	return negative ? (prof_time){-time.ns, -time.tenths} : time;
 }
 
-/* Any form of number: place counts the digits that are still to come down to that of nanoseconds. */
+/* Reads any form of number. place is the number of digits up to that of nanoseconds that are still missing. */
 static bool prof_scan_us_slow(prof_scan *scan, bool is_signed, prof_time *time)
 {
 	prof_span number;
@@ -270,7 +270,7 @@ static bool prof_scan_us_slow(prof_scan *scan, bool is_signed, prof_time *time)
 	return true;
 }
 
-/* Nearly all are digits, a point and three digits or four. */
+/* The fast path reads the usual form: digits, a point, and three or four digits. */
 bool prof_scan_us(prof_scan *scan, bool is_signed, prof_time *time)
 {
 	prof_scan_space(scan);
@@ -291,7 +291,7 @@ bool prof_scan_us(prof_scan *scan, bool is_signed, prof_time *time)
 	return true;
 }
 
-/* Correctly rounded whatever the locale. */
+/* Reads a double, correctly rounded, in any locale. */
 bool prof_scan_double(prof_scan *scan, double *value)
 {
 	char copy[64];

@@ -1,5 +1,5 @@
-/* JSON (RFC 8259) read in place: a cursor over the text. What is wrong is remembered once: where, and what was
- * expected. */
+/* JSON (RFC 8259), read in place by a cursor over the text. The first error is kept: its place, and what was expected
+ * there. */
 #ifndef STILB_PROF_READ_JSON_H
 #define STILB_PROF_READ_JSON_H
 
@@ -9,43 +9,44 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define PROF_SCAN_DEPTH_MAX 256 /* of objects and arrays in one another */
+#define PROF_SCAN_DEPTH_MAX 256 /* nesting of objects and arrays */
 
 typedef struct prof_scan {
 	const char *begin, *at, *end;
-	const char *failed;   /* where; NULL: not yet */
-	const char *expected; /* what */
-	locale_t c_locale;    /* of numbers; made when first needed */
+	const char *failed;   /* place of the first error; NULL: none yet */
+	const char *expected; /* what was expected at failed */
+	locale_t c_locale;    /* "C", for reading numbers; made when first needed */
 } prof_scan;
 
 /* A part of the text: a string without its quotes, a number, an object. */
 typedef struct prof_span {
 	const char *text; /* NULL: absent */
 	size_t size;
-	bool escaped; /* a string with backslashes */
+	bool escaped; /* a string that contains escapes */
 } prof_span;
 
-/* All of these return false after an error. */
+/* Each reads one item at the cursor and returns false after an error. prof_scan_fail stores an error and returns
+ * false. */
 bool prof_scan_fail(prof_scan *scan, const char *at, const char *expected);
 bool prof_scan_string(prof_scan *scan, prof_span *string);
 bool prof_scan_number(prof_scan *scan, prof_span *number);
 bool prof_scan_value(prof_scan *scan, prof_span *value); /* of any kind */
 bool prof_scan_double(prof_scan *scan, double *value);
 
-/* A time, exactly: tenths of nanoseconds are ns * 10 + tenths, of which ns alone is the nearest; what is finer is cut
- * off. */
+/* A time of ns * 10 + tenths tenths of a nanosecond; ns is the nearest nanosecond. Finer digits are cut off. */
 typedef struct prof_time {
 	int64_t ns;
 	int tenths; /* -5..5 */
 } prof_time;
 
-/* Decimal microseconds. Below 0 only where is_signed. */
+/* Reads decimal microseconds; negative ones only if is_signed. */
 bool prof_scan_us(prof_scan *scan, bool is_signed, prof_time *time);
 
-/* Decodes a string's escapes; to has room for span.size bytes. What has no meaning becomes U+FFFD. Returns the size. */
+/* Decodes the escapes of a string to to[0..string.size). Invalid code points become U+FFFD. Returns the decoded
+ * size. */
 size_t prof_scan_decode(prof_span string, char *to);
 
-/* A number of digits alone that is below 2^63. */
+/* Reads a number that consists of at most 18 digits; false: it does not. */
 bool prof_span_integer(prof_span number, uint64_t *value);
 
 static inline bool prof_span_is(prof_span string, const char *word, size_t size)
@@ -72,15 +73,15 @@ static inline bool prof_scan_take(prof_scan *scan, char c)
 	return true;
 }
 
-/* What comes next, 0 at the end. */
+/* The next byte that is not space; 0 at the end. */
 static inline char prof_scan_next(prof_scan *scan)
 {
 	prof_scan_space(scan);
 	return scan->at < scan->end ? *scan->at : '\0';
 }
 
-/* The next key of an object whose '{' was taken, and its ':'. False at the '}', which is taken, and after an error:
- * first says whether it is the first one, and is changed. */
+/* Reads the next key of an object, and its ':'. The '{' has been taken; *first is true before the first call, which
+ * clears it. False: at the end of the object, whose '}' is taken, or after an error. */
 bool prof_scan_key(prof_scan *scan, bool *first, prof_span *key);
 
 #endif

@@ -1,10 +1,10 @@
 /*
- * Events as they came become a snapshot: each lane's zones are put in order and nested, arrows find their two ends,
- * zones their frames, threads their context switches. All passes are linear but for sorting what is not in order.
+ * Makes the snapshot from the events: sorts and nests the zones of each lane, joins the ends of flows, finds the frames
+ * of zones and the context switches of threads. All passes are linear except for sorting what is not in order.
  *
- * Nesting is decided in tenths of nanoseconds, where zones that touch in whole ones are told apart. Other programs
- * round begins and durations each for itself: a zone that sticks out of the one before it by a nanosecond or less
- * follows it.
+ * Nesting is decided in tenths of nanoseconds, because zones that touch in whole nanoseconds differ there. Other
+ * programs round begins and durations separately: if a zone begins at most a nanosecond before the end of the zone
+ * before it and ends after it, it follows that zone.
  */
 #include "profiler/read/prof_read_internal.h"
 
@@ -20,7 +20,7 @@
 
 /* ---- order ------------------------------------------------------------------------------------------------------- */
 
-/* Whole nanoseconds from the earliest time, which is 0 if it would lie before. */
+/* Removes PROF_READ_ZERO from all times; if the earliest would be negative, moves all so that it is 0. */
 static void prof_link_shift(prof_read *read)
 {
 	uint64_t zero = read->first_ns < PROF_READ_ZERO ? read->first_ns : PROF_READ_ZERO;
@@ -39,7 +39,8 @@ static void prof_link_shift(prof_read *read)
 	read->last_ns = read->last_ns == 0 ? 0 : read->last_ns - zero;
 }
 
-/* What nobody ended lasts until the file ends, and a tenth longer: what begins in that last moment is inside. */
+/* Ends zones without an E event at the last time of the file, plus a tenth, so that zones that begin then are
+ * inside. */
 static void prof_lane_end_open(prof_read_lane *lane, uint64_t ns)
 {
 	while (lane->open != STILB_PROF_NONE) {
@@ -52,7 +53,7 @@ static void prof_lane_end_open(prof_read_lane *lane, uint64_t ns)
 	}
 }
 
-/* Below 0: a stands first. Times in tenths are less than 2^63 apart. At equal begins the longer one is the parent. */
+/* Negative if a comes first. At equal begins the longer one is the parent. Differences, modulo 2^64, are below 2^63. */
 static int prof_zone_compare(const stilb_prof_zone *a, const stilb_prof_zone *b)
 {
 	if (a->self_ns != b->self_ns)
@@ -69,7 +70,7 @@ static int prof_zone_compare_stable(const void *left, const void *right)
 	return order != 0 ? order : (a->size > b->size) - (a->size < b->size);
 }
 
-/* Zones in a file are mostly in order. One of no length may stand before another that begins there. */
+/* Sorts the zones unless they are in order already. A zone without length may come before another of the same begin. */
 static void prof_lane_sort(prof_read_lane *lane)
 {
 	size_t ordered = 1;
@@ -91,10 +92,11 @@ static void prof_lane_sort(prof_read_lane *lane)
 typedef struct prof_nest {
 	stilb_prof_zone *zones;
 	uint32_t top;       /* the innermost zone that has not ended, or STILB_PROF_NONE */
-	uint64_t cursor_ns; /* where the zone that ended last did */
+	uint64_t cursor_ns; /* the end of the zone that ended last */
 } prof_nest;
 
-/* next is the index of the zone that follows. self_ns is the sum of its children here. */
+/* Ends the innermost zone; next is the index of the zone after its subtree. Until now self_ns is the sum of its
+ * children. */
 static void prof_nest_end(prof_nest *nest, uint32_t next)
 {
 	assert(nest->top < next && "not ended twice");
@@ -106,14 +108,14 @@ static void prof_nest_end(prof_nest *nest, uint32_t next)
 	nest->top = zone->parent;
 }
 
-/* How far the zone's begin lies before the end of top, in tenths: 0 or less: behind it. */
+/* True if the zone does not begin inside top: see the head of this file. */
 static bool prof_nest_is_over(const stilb_prof_zone *top, const stilb_prof_zone *zone)
 {
-	int64_t inside = (int64_t)(top->off_cpu_ns - zone->self_ns);
+	int64_t inside = (int64_t)(top->off_cpu_ns - zone->self_ns); /* tenths from the begin of zone to the end of top */
 	return inside <= 0 || (inside <= PROF_ROUNDING && (int64_t)(zone->off_cpu_ns - top->off_cpu_ns) > 0);
 }
 
-/* Cuts the zone to its parent and to its sibling before, and puts it in. */
+/* Begins the zone, cut to its parent and to the end of its previous sibling. */
 static void prof_nest_begin(prof_nest *nest, uint32_t index)
 {
 	assert(nest->top == STILB_PROF_NONE || nest->top < index);
@@ -139,13 +141,14 @@ static void prof_nest_begin(prof_nest *nest, uint32_t index)
 	nest->top = index;
 }
 
-/* An arrow at ns does not end in the zone, unless it is of no length. */
+/* True if the zone ends before a flow that ends at ns; a zone without length at ns does not. */
 static bool prof_zone_is_before(const stilb_prof_zone *zone, uint64_t ns)
 {
 	return zone->end_ns <= ns && zone->begin_ns < ns;
 }
 
-/* Writes for each zone in which an arrow ends the arrow's frame to charges. ends: those of the lane, ascending. */
+/* Nests the zones of a lane. ends are the flows that end on it, ascending; the frame of each is stored in charges of
+ * the zone in which it ends. */
 static void prof_lane_nest(prof_read_lane *lane, const stilb_prof_flow *const *ends, size_t end_count,
                            uint32_t *charges)
 {
@@ -176,7 +179,7 @@ static int prof_mark_compare(const void *left, const void *right)
 	return a->ns != b->ns ? (a->ns > b->ns) - (a->ns < b->ns) : (a->number > b->number) - (a->number < b->number);
 }
 
-/* The roots of the thread "frames", numbered by the marks at their begins. */
+/* Makes the frames from the outermost zones of the thread "frames", numbered by the marks at their begins. */
 static bool prof_link_frames(prof_read *read, const prof_read_lane *lane)
 {
 	assert(!read->out_frames && read->out_frame_count == 0 && "one thread has the frames");
@@ -202,7 +205,7 @@ static bool prof_link_frames(prof_read *read, const prof_read_lane *lane)
 static uint32_t prof_frame_at(const prof_read *read, uint64_t ns)
 {
 	size_t low = 0, high = read->out_frame_count;
-	while (low < high) { /* the first that ends after it */
+	while (low < high) { /* finds the first that ends after ns */
 		size_t middle = low + (high - low) / 2;
 		if (read->out_frames[middle].end_ns > ns)
 			high = middle;
@@ -225,7 +228,8 @@ static uint32_t prof_frame_of_number(const prof_read *read, uint64_t number)
 	return low < read->out_frame_count && read->out_frames[low].number == number ? (uint32_t)low : STILB_PROF_NONE;
 }
 
-/* A zone in a job belongs to the job's frame, any other to the one where it began. charges may be NULL. */
+/* Charges zones in a job to the frame of the job, others to the frame in which they began. charges may be NULL: no
+ * jobs. */
 static void prof_lane_charge(const prof_read *read, prof_read_lane *lane, uint32_t *charges)
 {
 	size_t at = 0;
@@ -244,14 +248,14 @@ static void prof_lane_charge(const prof_read *read, prof_read_lane *lane, uint32
 	}
 }
 
-/* ---- arrows ------------------------------------------------------------------------------------------------------ */
+/* ---- flows ------------------------------------------------------------------------------------------------------- */
 
 static int prof_end_rank(const prof_read_end *end)
 {
 	return end->phase == 's' ? 0 : end->phase == 't' ? 1 : 2;
 }
 
-/* By arrow, then by time. */
+/* By flow, then by time. */
 static int prof_end_compare(const void *left, const void *right)
 {
 	const prof_read_end *a = left, *b = right;
@@ -264,7 +268,7 @@ static int prof_end_compare(const void *left, const void *right)
 	return prof_end_rank(a) - prof_end_rank(b);
 }
 
-/* from or to may be NULL: not in the file. */
+/* Adds a flow; from or to is NULL if it is not in the file. */
 static void prof_link_flow(prof_read *read, const prof_read_end *from, const prof_read_end *to)
 {
 	assert((from || to) && read->out_flow_count < 2 * read->end_count);
@@ -291,11 +295,11 @@ static int prof_flow_compare(const void *left, const void *right)
 	return (a->id > b->id) - (a->id < b->id);
 }
 
-/* An s begins an arrow, each f behind it ends one of it, a t does both. */
+/* Joins the ends of flows: an s begins a flow, each f after it ends one that begins there, and a t does both. */
 static bool prof_link_flows(prof_read *read)
 {
-	const prof_read_end *from = NULL; /* the last s or t of this arrow */
-	bool used = false;                /* it has an f or a t behind it */
+	const prof_read_end *from = NULL; /* the last s or t of this flow */
+	bool used = false;                /* an f or a t has followed it */
 	read->out_flows = malloc((2 * read->end_count + 1) * sizeof *read->out_flows);
 	if (!read->out_flows)
 		return false;
@@ -321,13 +325,14 @@ static bool prof_link_flows(prof_read *read)
 	return true;
 }
 
-/* Arrows by the lane in which they end, ascending by time: those of lane l begin at ends[start[l]]. */
+/* Flows by the lane in which they end, ascending by time: those of lane l are ends[start[l]] up to, but without,
+ * ends[start[l + 1]]. */
 typedef struct prof_arrivals {
 	const stilb_prof_flow **ends;
 	size_t *start;
 } prof_arrivals;
 
-/* It tells in which frame the job was submitted. */
+/* True if the flow ends on a lane and its begin or frame is known: then its job is charged to that frame. */
 static bool prof_flow_charges(const stilb_prof_flow *flow)
 {
 	return flow->to_lane != STILB_PROF_NONE && (flow->from_lane != STILB_PROF_NONE || flow->frame != STILB_PROF_NONE);
@@ -339,7 +344,8 @@ static bool prof_arrivals_make(const prof_read *read, prof_arrivals *arrivals)
 	arrivals->start = calloc(read->lane_count + 2, sizeof *arrivals->start);
 	if (!arrivals->ends || !arrivals->start)
 		return false;
-	/* start[l + 2] counts; summed up, start[l + 1] is where l begins, and, when all are in, where it ends. */
+	/* First start[l + 2] is the count of l; summed up, start[l + 1] is its begin; after filling, start[l + 1] is its
+	 * end. */
 	for (size_t i = 0; i < read->out_flow_count; i++)
 		if (prof_flow_charges(&read->out_flows[i]))
 			arrivals->start[read->out_flows[i].to_lane + 2]++;
@@ -360,7 +366,8 @@ static void prof_arrivals_free(prof_arrivals *arrivals)
 
 /* ---- context switches -------------------------------------------------------------------------------------------- */
 
-/* The lane whose switches this one's zones are, or NULL: our writer gives it the number behind the lane's. */
+/* If the zones of off are the switches of another lane, that lane; else NULL. prof_trace_chrome.c gives it the tid
+ * after the lane's. */
 static prof_read_lane *prof_lane_switched(prof_read *read, const prof_read_lane *off)
 {
 	size_t suffix = sizeof PROF_OFF_CPU - 1, size = off->name ? strlen(off->name) : 0;
@@ -388,11 +395,11 @@ static bool prof_lane_switches(const prof_read *read, prof_read_lane *lane, cons
 	return true;
 }
 
-/* How long the thread was off the CPU before ns; sums[i]: in the switches before i. */
+/* How long the thread was off the CPU before ns. sums[i] is the length of all switches before i. */
 static uint64_t prof_off_before(const prof_read_lane *lane, const uint64_t *sums, uint64_t ns)
 {
 	size_t low = 0, high = lane->switch_count;
-	while (low < high) { /* the first that begins at ns or later */
+	while (low < high) { /* finds the first that begins at ns or later */
 		size_t middle = low + (high - low) / 2;
 		if (lane->switches[middle].out_ns >= ns)
 			high = middle;
@@ -493,7 +500,7 @@ static bool prof_link_out_lane(prof_read *read, prof_read_lane *lane)
 	return out->name;
 }
 
-/* In the order that their sort indices ask for. */
+/* Makes the lanes of the snapshot, in the order of their sort indices. */
 static bool prof_link_out_lanes(prof_read *read)
 {
 	prof_read_lane **order = malloc((read->lane_count + 1) * sizeof(prof_read_lane *));
@@ -529,7 +536,7 @@ static uint32_t prof_out_lane(const prof_read *read, uint32_t lane)
 	return lane != STILB_PROF_NONE ? read->lanes[lane].index : STILB_PROF_NONE;
 }
 
-/* qsort here is a merge sort and keeps equal ones as they are; where it is not, only their order is lost. */
+/* glibc's qsort is a merge sort and keeps the order of equal points; elsewhere only that order is lost. */
 static void prof_link_points(prof_read *read)
 {
 	if (read->point_count > 0)

@@ -1,10 +1,10 @@
 /*
- * The table of a snapshot. One pass over the zones adds up the rows and keeps each zone's duration; the durations are
- * then dealt out to their rows and sorted there, which gives the exact quantiles.
+ * The table of a snapshot. One pass over the zones adds up the rows and stores the duration of each zone. Then the
+ * durations are distributed to their rows and sorted, which gives exact percentiles.
  *
- * Zones stand parents first, so an ancestor of the same row is seen before: as long as the walk is inside its subtree,
- * the row does not count again. Zones that stick out of the time asked for are cut: what is left of a parent, less what
- * is left of its children, is its own.
+ * Parents come before children, so an ancestor of the same row is seen first: while the walk is inside its subtree, the
+ * row's inclusive time is not added again. Zones are cut to the range of time; the self time of a zone that is cut is
+ * what remains of it minus what remains of its children.
  */
 #include "profiler/prof_stats.h"
 
@@ -17,13 +17,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROF_INSERTION_MAX 48 /* up to here sorting by insertion is faster */
+#define PROF_INSERTION_MAX 48 /* up to so many values, insertion sort is faster */
 
-/* What a row needs while it is added up. */
+/* State of a row while it is added up. */
 typedef struct prof_sum {
-	uint32_t lane;  /* of the zone below */
-	uint32_t until; /* zones before this one lie inside a zone of the row */
-	size_t place;   /* where its next duration goes */
+	uint32_t lane;  /* the lane that until refers to */
+	uint32_t until; /* zones before this index are inside a zone of the row */
+	size_t place;   /* index of its next duration in sorted */
 } prof_sum;
 
 typedef struct prof_sample {
@@ -35,8 +35,8 @@ typedef struct prof_stats_memory {
 	uint32_t *row_of; /* by label and kind: 1 + the row, 0: none yet */
 	stilb_prof_row *rows;
 	prof_sum *sums;
-	prof_sample *samples; /* one a zone, in the order of the walk */
-	uint64_t *sorted;     /* the durations row by row, and as much room again to sort them */
+	prof_sample *samples; /* one per zone, in the order of the walk */
+	uint64_t *sorted;     /* the durations row by row, then scratch of the same size for sorting */
 	size_t row_of_capacity, row_capacity, sum_capacity, sample_capacity, sorted_capacity;
 	size_t sample_count;
 	uint32_t row_count;
@@ -64,7 +64,7 @@ static void prof_sort_insertion(uint64_t *values, size_t count)
 	}
 }
 
-/* Radix sort by bytes, the lowest first; bytes that are the same in all values are passed over. */
+/* Radix sort by bytes, the lowest first. Bytes that are equal in all values are skipped. */
 void prof_sort(uint64_t *values, uint64_t *scratch, size_t count)
 {
 	assert(count == 0 || (values && scratch && values != scratch));
@@ -110,14 +110,14 @@ static bool prof_stats_row_add(prof_stats_memory *memory, uint32_t label, stilb_
 	return true;
 }
 
-/* Where row_of says which row the label has on this lane. */
+/* The entry of row_of for the label on lanes of this kind. */
 static uint32_t *prof_walk_row_of(const prof_walk *walk, uint32_t label)
 {
 	assert(label < walk->snapshot->label_count);
 	return &walk->memory->row_of[2 * (size_t)label + (walk->lane->kind == STILB_PROF_LANE_DEVICE)];
 }
 
-/* The label's row; NULL: no memory. */
+/* The row of the label, made if there is none. NULL: no memory. */
 static stilb_prof_row *prof_walk_row(prof_walk *walk, uint32_t label)
 {
 	uint32_t *row = prof_walk_row_of(walk, label);
@@ -157,7 +157,7 @@ static uint64_t prof_walk_duration(const prof_walk *walk, const stilb_prof_zone 
 	return end > begin ? end - begin : 0;
 }
 
-/* Of a zone that is cut. */
+/* The off-CPU time of a zone that is cut. */
 static uint64_t prof_walk_off_cpu(const prof_walk *walk, const stilb_prof_zone *zone)
 {
 	const stilb_prof_lane *lane = walk->lane;
@@ -179,13 +179,14 @@ static uint64_t prof_walk_off_cpu(const prof_walk *walk, const stilb_prof_zone *
 	return sum;
 }
 
-/* What is left of a zone is not its parent's own. A parent that is not cut has had this taken off in self_ns. */
+/* Subtracts what is left of a zone from its parent's self time. If the parent is not cut, its self_ns has it
+ * subtracted. */
 static void prof_walk_leave_parent(prof_walk *walk, const stilb_prof_zone *zone)
 {
 	if (zone->parent == STILB_PROF_NONE)
 		return;
 	const stilb_prof_zone *parent = &walk->lane->zones[zone->parent];
-	if (prof_walk_is_cut(walk, parent) && prof_walk_has(walk, parent)) /* then it came before and has its row */
+	if (prof_walk_is_cut(walk, parent) && prof_walk_has(walk, parent)) /* it came before, so it has a row */
 		walk->memory->rows[*prof_walk_row_of(walk, parent->label) - 1].self_ns -= prof_walk_duration(walk, zone);
 }
 
@@ -209,7 +210,7 @@ static bool prof_walk_add(prof_walk *walk, uint32_t index)
 	return true;
 }
 
-/* The first zone that may be in the time: the outermost one around its begin, or the first after it. */
+/* The first zone that may be in the range of time: the outermost one around its begin, or the first after it. */
 static uint32_t prof_walk_start(const prof_walk *walk)
 {
 	const stilb_prof_lane *lane = walk->lane;
@@ -237,7 +238,7 @@ static bool prof_walk_lane(prof_walk *walk, uint32_t lane)
 		if (zone->begin_ns >= walk->end_ns)
 			break;
 		if (zone->end_ns < walk->begin_ns) {
-			i += zone->size; /* and all that is inside */
+			i += zone->size; /* skips its children too */
 			continue;
 		}
 		if (prof_walk_has(walk, zone) && !prof_walk_add(walk, i))
@@ -248,7 +249,7 @@ static bool prof_walk_lane(prof_walk *walk, uint32_t lane)
 	return true;
 }
 
-/* ---- quantiles --------------------------------------------------------------------------------------------------- */
+/* ---- percentiles ------------------------------------------------------------------------------------------------- */
 
 uint64_t prof_quantile(const uint64_t *sorted, size_t count, uint32_t percent)
 {
@@ -256,7 +257,7 @@ uint64_t prof_quantile(const uint64_t *sorted, size_t count, uint32_t percent)
 	return sorted[((count - 1) * percent + 50) / 100];
 }
 
-/* Deals the durations out to their rows. */
+/* Distributes the durations to their rows. */
 static void prof_stats_deal(prof_stats_memory *memory)
 {
 	size_t place = 0;
@@ -303,6 +304,7 @@ static int prof_stats_prepare(stilb_prof_stats *stats, const stilb_prof_snapshot
 	size_t keys = 2 * (size_t)snapshot->label_count + 1;
 	if (!prof_array_room(&memory->row_of, sizeof *memory->row_of, keys, &memory->row_of_capacity))
 		return -ENOMEM;
+	/* NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker): there is room for at least one key */
 	memset(memory->row_of, 0, keys * sizeof *memory->row_of);
 	return 0;
 }

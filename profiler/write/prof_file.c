@@ -14,9 +14,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define FILE_LINKS_MAX 40 /* as the kernel follows */
+#define FILE_LINKS_MAX 40 /* the kernel's limit */
 
-/* The folder that path's last name lies in, in a new string; NULL: no memory. */
+/* The path of the folder that contains path, in a new string; NULL: no memory. */
 static char *file_folder(const char *path)
 {
 	const char *slash = strrchr(path, '/');
@@ -25,7 +25,7 @@ static char *file_folder(const char *path)
 	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-/* What the link at path, with this content, names: relative to the link's folder. Frees path. */
+/* The path that a link at path with this content refers to, in a new string; NULL: no memory. Frees path. */
 static char *file_link_target(char *path, const char *content)
 {
 	char *next = NULL, *folder = NULL;
@@ -38,7 +38,7 @@ static char *file_link_target(char *path, const char *content)
 	return next;
 }
 
-/* Follows links to where the bytes must end, also when nothing is there yet. NULL with errno. */
+/* Follows links to the path of the file itself, which need not exist. NULL: errno says why. */
 static char *file_resolve(const char *path)
 {
 	char *current = strdup(path);
@@ -46,7 +46,7 @@ static char *file_resolve(const char *path)
 		char content[PATH_MAX];
 		ssize_t length = readlink(current, content, sizeof content - 1);
 		if (length < 0)
-			return current; /* not a link, or not there: this is the place */
+			return current; /* not a link, or not there */
 		content[length] = 0;
 		current = file_link_target(current, content);
 	}
@@ -60,25 +60,23 @@ static bool file_is_stdout(const char *path)
 	return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
 
-/* The folder must take a new file. */
+/* Returns 0 if a new file can be created in the folder of path, or a negative errno. */
 static int file_check_folder(const char *path)
 {
 	char *target = file_resolve(path);
 	char *folder = target ? file_folder(target) : NULL;
 	struct stat info;
 	int error = 0;
-	if (!folder || stat(folder, &info) != 0)
+	if (!folder || stat(folder, &info) != 0 || (S_ISDIR(info.st_mode) && access(folder, W_OK | X_OK) != 0))
 		error = -errno;
 	else if (!S_ISDIR(info.st_mode))
 		error = -ENOTDIR;
-	else if (access(folder, W_OK | X_OK) != 0)
-		error = -errno;
 	free(folder);
 	free(target);
 	return error;
 }
 
-/* 1: to be written directly (stdout, a device, a pipe); 0: beside its place; or a negative errno. */
+/* Returns 1: to be written directly (stdout, a device, a pipe); 0: under a temporary name; or a negative errno. */
 static int file_classify(const char *path)
 {
 	assert(path);
@@ -115,15 +113,15 @@ static void file_free(prof_file *file)
 
 /* ---- temporary files ---------------------------------------------------------------------------------------------
  *
- * A file is written as "<name>.<pid>.tmp" in its own folder, or "<name>.<pid>-<number>.tmp" when that is taken, by
- * whoever holds its lock (flock). The kernel drops the locks of a process that dies, so one without a lock was left
- * behind: the next file of that name removes it.
+ * A file is written as "<name>.<pid>.tmp" in its own folder, or "<name>.<pid>-<number>.tmp" if that name is taken. The
+ * process that writes it holds its lock (flock). The kernel releases the locks of a process that dies, so a temporary
+ * file without a lock is abandoned: the next file of that name removes it.
  */
 
 #define FILE_SUFFIX_MAX 48 /* bytes of ".<pid>-<number>.tmp", with room to spare */
-#define FILE_TRIES 1000u   /* names that may be taken */
+#define FILE_TRIES 1000u   /* names to try */
 
-/* How much of the target's name its temporary files begin with: a name may be as long as a name can be. */
+/* How many bytes of a file's name its temporary files begin with: cut, so that the suffix fits into NAME_MAX. */
 static size_t file_stem(const char *name)
 {
 	size_t length = strlen(name);
@@ -136,14 +134,14 @@ static const char *file_name(const char *path)
 	return slash ? slash + 1 : path;
 }
 
-/* Behind the digits at text; NULL when there are none. */
+/* The end of the digits at text; NULL: there are none. */
 static const char *file_digits(const char *text)
 {
 	size_t count = strspn(text, "0123456789");
 	return count > 0 ? text + count : NULL;
 }
 
-/* Of whatever process. */
+/* True if name is that of a temporary file of stem[0..length), of any process. */
 static bool file_is_temporary(const char *name, const char *stem, size_t length)
 {
 	if (strncmp(name, stem, length) != 0 || name[length] != '.')
@@ -165,7 +163,7 @@ static void file_remove_abandoned(int folder, const char *name)
 	close(file);
 }
 
-/* Those of this target that nobody writes any more. */
+/* Removes the abandoned temporary files of this target. */
 static void file_clean(const prof_file *file)
 {
 	assert(file->target);
@@ -184,22 +182,22 @@ static void file_clean(const prof_file *file)
 	closedir(entries);
 }
 
-/* A new file with its lock; between the two another process may have taken it for an abandoned one and removed it, and
- * the next name is tried. A descriptor or a negative errno. */
+/* Creates a file and takes its lock. Between these two steps another process may have removed it as abandoned: -EEXIST,
+ * and the next name is tried. Returns a descriptor or a negative errno. */
 static int file_create_locked(const char *name)
 {
 	struct stat info;
 	int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 	if (file < 0)
 		return -errno;
-	/* Where locks do not work nobody removes it either. */
+	/* Where locks do not work, no process removes it either. */
 	if (flock(file, LOCK_EX) != 0 || fstat(file, &info) != 0 || info.st_nlink > 0)
 		return file;
 	close(file);
 	return -EEXIST;
 }
 
-/* Makes a file beside the target under a name that is free. 0 or a negative errno. */
+/* Creates a temporary file in the target's folder under a free name. 0 or a negative errno. */
 static int file_create_temporary(prof_file *file)
 {
 	assert(file->target && !file->temporary && file->descriptor < 0);
@@ -230,7 +228,7 @@ static int file_open_temporary(prof_file *file, const char *path)
 	char *folder = file_folder(file->target);
 	if (!folder)
 		return -ENOMEM;
-	file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC); /* a folder that cannot be read may take files */
+	file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC); /* may fail: some folders can only be written */
 	free(folder);
 	file_clean(file);
 	int error = file_create_temporary(file);
@@ -274,8 +272,8 @@ int prof_file_write(void *user, const void *data, size_t size)
 	return file->error;
 }
 
-/* Without replacing a file that has come meanwhile. Some file systems cannot rename so; a second name for the same file
- * is refused there if the name is taken. */
+/* Renames without replacing a file that has appeared meanwhile. Some file systems do not support that; there, link,
+ * which fails if the name is taken, gives the file its second name. */
 static int file_rename_fresh(const prof_file *file)
 {
 	if (renameat2(AT_FDCWD, file->temporary, AT_FDCWD, file->target, RENAME_NOREPLACE) == 0)
@@ -288,8 +286,8 @@ static int file_rename_fresh(const prof_file *file)
 	return 0;
 }
 
-/* To its place, for good: without the folder's sync a power cut may bring the old file back. That is no error where it
- * cannot be done, for the file is there. */
+/* Renames the file and syncs the folder: without that a power cut may bring back the old file. A sync that fails is not
+ * an error, since the file is there. */
 static int file_move(const prof_file *file)
 {
 	assert(file->temporary && file->descriptor >= 0 && "it is renamed while it has its lock");

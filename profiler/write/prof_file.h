@@ -1,4 +1,4 @@
-/* Output files that are whole or not there: written beside their place, synced and renamed. */
+/* Output files that are complete or not there: written under a temporary name, synced and renamed. */
 #ifndef STILB_PROF_FILE_H
 #define STILB_PROF_FILE_H
 
@@ -7,25 +7,27 @@
 
 typedef struct prof_file {
 	int descriptor;  /* -1: closed */
-	int folder;      /* the target's; -1: written directly, or the folder cannot be read */
-	bool fresh;      /* no file is replaced */
-	int error;       /* the first that happened, a negative errno */
-	char *target;    /* where the bytes must end, links followed; NULL when written directly */
-	char *temporary; /* the name written to until commit; NULL when written directly */
+	int folder;      /* descriptor of the target's folder; -1: written directly, or the folder cannot be read */
+	bool fresh;      /* never replace an existing file */
+	int error;       /* the first error of a write, a negative errno */
+	char *target;    /* path of the file, links followed; NULL: written directly */
+	char *temporary; /* path until commit; NULL: written directly */
 } prof_file;
 
-/* 0 when path can become a file now, or a negative errno. */
+/* Returns 0 if a file can be written at path now, or a negative errno. Creates nothing. */
 int prof_file_check(const char *path);
 
-/* 0 or a negative errno; then there is nothing to finish. "-" is stdout. Temporary files of that path which a process
- * that was killed has left behind are removed. */
+/* Begins a file; "-" is stdout. Temporary files of path that killed processes have left are removed. Returns 0, and
+ * then prof_file_commit must follow, or a negative errno. */
 int prof_file_open(prof_file *file, const char *path, bool fresh);
 
-/* All of it; returns 0 or a negative errno, which commit returns too. */
+/* Writes all size bytes; file is a prof_file. Returns 0 or a negative errno, which prof_file_commit then returns
+ * too. */
 int prof_file_write(void *file, const void *data, size_t size);
 
-/* Syncs, renames, closes. After an error, error or an earlier one, the old file is still there and nothing new is.
- * -EEXIST: it was to be fresh, and there is a file. */
+/* Syncs, renames and closes. error is 0 or an error of the caller (negative); after that or any earlier error the old
+ * file is unchanged and there is no new one. Returns 0 or the error; -EEXIST: fresh, and there is a file. Once per file
+ * (asserted). */
 int prof_file_commit(prof_file *file, int error);
 
 #endif

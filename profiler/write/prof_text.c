@@ -76,7 +76,7 @@ void prof_text_ms(prof_text *text, uint64_t ns)
 	prof_text_fill(text, at + 7);
 }
 
-/* snprintf writes the locale's decimal point, which may be any bytes but those of numbers. */
+/* snprintf writes the decimal point of the locale: any bytes that are not part of a number become one '.'. */
 void prof_text_double(prof_text *text, double value)
 {
 	assert(isfinite(value) && "neither JSON nor CSV has others");
@@ -123,7 +123,7 @@ char *prof_put_u64(char *at, uint64_t value)
 
 char *prof_put_us(char *at, uint64_t tenths)
 {
-	uint32_t rest = (uint32_t)(tenths % 10000), ns = rest / 10;
+	size_t rest = tenths % 10000, ns = rest / 10;
 	at = prof_put_u64(at, tenths / 10000);
 	at[0] = '.';
 	at[1] = (char)('0' + ns / 100);
@@ -134,7 +134,7 @@ char *prof_put_us(char *at, uint64_t tenths)
 
 /* ---- strings ----------------------------------------------------------------------------------------------------- */
 
-/* Bytes of the well-formed UTF-8 sequence at s, 0 if there is none. Source: the Unicode Standard, table 3-7. */
+/* The length of the well-formed UTF-8 sequence at s; 0: there is none. Source: the Unicode Standard, table 3-7. */
 static size_t prof_utf8_length(const unsigned char *s)
 {
 	size_t length = s[0] < 0x80 ? 1 : s[0] < 0xc2 ? 0 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : s[0] < 0xf5 ? 4 : 0;
@@ -142,13 +142,13 @@ static size_t prof_utf8_length(const unsigned char *s)
 	unsigned char high = s[0] == 0xed ? 0x9f : s[0] == 0xf4 ? 0x8f : 0xbf;
 	if (length >= 2 && (s[1] < low || s[1] > high))
 		return 0;
-	for (size_t i = 2; i < length; i++) /* the terminating zero stops it */
+	for (size_t i = 2; i < length; i++) /* the 0 at the end of the string stops it */
 		if (s[i] < 0x80 || s[i] > 0xbf)
 			return 0;
 	return length;
 }
 
-/* One character of a JSON string, at most 6 bytes; *s moves on. */
+/* Writes the character at *s for a JSON string, at most 6 bytes, and moves *s past it. */
 static char *prof_put_character(char *at, const unsigned char **s)
 {
 	static const char hex[] = "0123456789abcdef", replacement[] = "\xef\xbf\xbd";
@@ -158,10 +158,10 @@ static char *prof_put_character(char *at, const unsigned char **s)
 	const char *from = length == 0 ? replacement : (const char *)*s;
 	*s += length > 0 ? length : 1;
 	if (escaped) {
-		memcpy(at, "\\u00", 4);
-		at[4] = hex[c >> 4];
-		at[5] = hex[c & 15];
-		return at + 6;
+		at = prof_put(at, "\\u00", 4);
+		*at++ = hex[c >> 4];
+		*at++ = hex[c & 15];
+		return at;
 	}
 	if (c == '"' || c == '\\')
 		*at++ = '\\';

@@ -1,4 +1,4 @@
-/* Which form a file has, and files that are whole or not there. */
+/* Writing a snapshot to a file, in the format that its name asks for. */
 #include "profiler/prof_trace.h"
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_file.h"

@@ -1,16 +1,16 @@
 /*
  * Chrome trace JSON from a snapshot. Source of the format: Google, "Trace Event Format"; what the importers of
- * Perfetto and chrome://tracing really need beyond it: displayTimeUnit "ns" (else nesting is rounded to
- * microseconds), parents before children at equal times, three decimals.
+ * Perfetto and chrome://tracing need beyond it: displayTimeUnit "ns" (otherwise they round to microseconds and lose
+ * nesting), parents before children at equal times, three decimals.
  *
- * Ends that touch. Viewers written in JavaScript add ts and dur as doubles, so that ends which are equal in the
- * decimals may come out in either order, and speedscope then drops zones; it also takes a zone that begins where one
- * of the same name ends for a child of it. So times are counted in tenths of nanoseconds here, and each zone ends a
- * tenth before its next sibling begins and before its parent ends. Doubles tell tenths apart for three days; nearest
- * rounding undoes it.
+ * Ends that touch. Viewers written in JavaScript add ts and dur as doubles, so ends that are equal in decimals may come
+ * out in either order, and speedscope then drops zones. It also takes a zone that begins where one of the same name
+ * ends for a child of that one. Therefore times are counted in tenths of nanoseconds here, and each zone ends a tenth
+ * before its next sibling begins and before its parent ends. Doubles tell tenths apart for three days. Rounding to the
+ * nearest nanosecond restores the true ends.
  *
- * The way out is what costs: three million zones are 250 MB. What repeats is made once: the beginning of an event
- * for each lane, its name for each label; a zone is four copies and two numbers.
+ * The cost is in formatting: three million zones are 250 MB. Repeated text is made once: the beginning of an event for
+ * each lane, and the name for each label. A zone is four copies and two numbers.
  */
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
@@ -27,9 +27,9 @@
 #define CHROME_TID_LANE(lane) (2 + 2 * (uint64_t)(lane))
 #define CHROME_TID_OFF_CPU(lane) (3 + 2 * (uint64_t)(lane))
 #define CHROME_PREFIX_MAX 80
-#define CHROME_PHASE_AT 9 /* in the prefix */
+#define CHROME_PHASE_AT 9 /* index of the phase's letter in the prefix */
 
-/* Text that is written often. */
+/* Text that is formatted once and written often. */
 typedef struct chrome_piece {
 	const char *text;
 	size_t size;
@@ -61,22 +61,21 @@ typedef struct chrome {
 	chrome_piece *names; /* of labels: ,"name":"..." */
 	char *name_bytes;
 	chrome_list lists[CHROME_LISTS];
-	uint32_t next[CHROME_LISTS]; /* where the lane that is being written has got to */
-	chrome_span *spans;          /* by level: the zone that was written last */
+	uint32_t next[CHROME_LISTS]; /* next entry of each list for the lane that is being written */
+	chrome_span *spans;          /* by level: the times of the zone written last */
 	uint64_t zones_written;
 } chrome;
 
 /* ---- events ------------------------------------------------------------------------------------------------------ */
 
-/* ,\n{"ph":"X","pid":1,"tid":2 */
+/* Writes ,\n{"ph":"X","pid":1,"tid":2 */
 static char *chrome_put_prefix(char *at, char phase, uint64_t pid, uint64_t tid)
 {
 	static const char start[] = ",\n{\"ph\":\"X\",\"pid\":";
-	memcpy(at, start, sizeof start - 1);
+	char *end = prof_put(at, start, sizeof start - 1);
 	at[CHROME_PHASE_AT] = phase;
-	at = prof_put_u64(at + sizeof start - 1, pid);
-	memcpy(at, ",\"tid\":", 7);
-	return prof_put_u64(at + 7, tid);
+	end = prof_put(prof_put_u64(end, pid), ",\"tid\":", 7);
+	return prof_put_u64(end, tid);
 }
 
 static void chrome_open(chrome *c, char phase, uint64_t tid)
@@ -94,6 +93,7 @@ static void chrome_time(chrome *c, const char *key, uint64_t tenths)
 static void chrome_name(chrome *c, uint32_t label)
 {
 	assert(label < c->snapshot->label_count);
+	/* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): each label has a name */
 	prof_text_bytes(c->text, c->names[label].text, c->names[label].size);
 }
 
@@ -113,7 +113,7 @@ static uint64_t chrome_min(uint64_t a, uint64_t b)
 	return a < b ? a : b;
 }
 
-/* The end of something from begin, in tenths, that must come out before limit. */
+/* The end to be written for something that begins at begin and must end before limit; all in tenths. */
 static uint64_t chrome_end(uint64_t begin, uint64_t end, uint64_t limit)
 {
 	if (end <= begin)
@@ -123,9 +123,9 @@ static uint64_t chrome_end(uint64_t begin, uint64_t end, uint64_t limit)
 	return end > begin ? end : begin;
 }
 
-/* ---- who is who -------------------------------------------------------------------------------------------------- */
+/* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/* The name is name and more; args stay open: ..."args":{"name":"main" */
+/* Names a thread: name followed by more. The args stay open: ..."args":{"name":"main" */
 static void chrome_thread_name(chrome *c, uint64_t tid, const char *name, const char *more)
 {
 	chrome_open(c, 'M', tid);
@@ -193,7 +193,7 @@ static void chrome_frames(chrome *c)
 
 /* ---- points and flows -------------------------------------------------------------------------------------------- */
 
-/* Viewers do not draw an s without an f, and an f without an s points from nowhere. */
+/* Only flows with both ends are written: viewers do not draw an s without an f, and an f without an s is wrong. */
 static bool chrome_flow_is_whole(const stilb_prof_snapshot *s, const stilb_prof_flow *flow)
 {
 	return flow->from_lane < s->lane_count && flow->to_lane < s->lane_count;
@@ -207,7 +207,7 @@ static uint64_t chrome_flows_cut(const stilb_prof_snapshot *s)
 	return cut;
 }
 
-/* What is on a list, and when; false when it is not on any lane's. */
+/* The lane and time of entry index of a list; false: it is on no lane's list. */
 static bool chrome_listed(const stilb_prof_snapshot *s, int list, uint32_t index, uint32_t *lane, uint64_t *ns)
 {
 	if (list == CHROME_POINTS) {
@@ -235,7 +235,7 @@ static void chrome_point(chrome *c, uint64_t tid, const stilb_prof_point *point)
 	prof_text_add(c->text, "}}");
 }
 
-/* Each arrow has an id of its own: viewers join one s to one f. */
+/* Each flow gets an id of its own, since viewers join one s with one f. */
 static void chrome_flow(chrome *c, uint64_t tid, const stilb_prof_flow *flow, bool from)
 {
 	chrome_open(c, from ? 's' : 'f', tid);
@@ -261,7 +261,7 @@ static void chrome_write_listed(chrome *c, uint64_t tid, int list, uint32_t inde
 		chrome_flow(c, tid, &c->snapshot->flows[index], list == CHROME_FROMS);
 }
 
-/* The list whose next entry for this lane comes first and before limit_ns, or -1. */
+/* The list whose next entry for this lane is the earliest, if that is before limit_ns; else -1. */
 static int chrome_next_list(const chrome *c, uint32_t lane, uint64_t limit_ns)
 {
 	int first = -1;
@@ -280,7 +280,7 @@ static int chrome_next_list(const chrome *c, uint32_t lane, uint64_t limit_ns)
 	return first;
 }
 
-/* All that lies before limit_ns. At equal times the zone comes first: it is the one that encloses. */
+/* Writes all entries of the lane before limit_ns. At equal times the zone is written first, since it encloses them. */
 static void chrome_points_before(chrome *c, uint32_t lane, uint64_t limit_ns)
 {
 	for (int list; (list = chrome_next_list(c, lane, limit_ns)) >= 0;)
@@ -289,13 +289,14 @@ static void chrome_points_before(chrome *c, uint32_t lane, uint64_t limit_ns)
 
 /* ---- lanes ------------------------------------------------------------------------------------------------------- */
 
-/* When a zone begins and ends, in tenths: before its parent's end and the beginning of the zone that follows its
- * subtree. */
+/* The begin and end to be written for a zone, in tenths: it ends before its parent and before the next zone after its
+ * subtree begins. */
 static chrome_span chrome_place(chrome *c, const stilb_prof_lane *lane, uint32_t i)
 {
 	assert(lane->zones[i].size > 0 && i + lane->zones[i].size <= lane->zone_count);
 	const stilb_prof_zone *zone = &lane->zones[i], *next = zone + zone->size;
 	chrome_span around = zone->level > 0 ? c->spans[zone->level - 1] : (chrome_span){0, UINT64_MAX};
+	/* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): the parent has been written before */
 	uint64_t latest = chrome_end(around.begin, UINT64_MAX, around.end);
 	bool followed = i + zone->size < lane->zone_count && next->parent == zone->parent;
 	chrome_span span = {.begin = chrome_min(10 * zone->begin_ns, latest)};
@@ -313,10 +314,8 @@ static void chrome_zone(chrome *c, const chrome_piece *prefix, const stilb_prof_
 	if (zone->open)
 		at[CHROME_PHASE_AT] = 'B';
 	at = prof_put_us(at + prefix->size, span.begin);
-	if (!zone->open) {
-		memcpy(at, ",\"dur\":", 7);
-		at = prof_put_us(at + 7, span.end - span.begin);
-	}
+	if (!zone->open)
+		at = prof_put_us(prof_put(at, ",\"dur\":", 7), span.end - span.begin);
 	prof_text_fill(c->text, at);
 	chrome_name(c, zone->label);
 	prof_text_bytes(c->text, "}", 1);
@@ -328,8 +327,8 @@ static void chrome_lane(chrome *c, uint32_t index)
 	const stilb_prof_lane *lane = &c->snapshot->lanes[index];
 	char prefix_text[CHROME_PREFIX_MAX];
 	char *prefix_end = chrome_put_prefix(prefix_text, 'X', c->pid, CHROME_TID_LANE(index));
-	memcpy(prefix_end, ",\"ts\":", 6);
-	chrome_piece prefix = {prefix_text, (size_t)(prefix_end + 6 - prefix_text)};
+	prefix_end = prof_put(prefix_end, ",\"ts\":", 6);
+	chrome_piece prefix = {prefix_text, (size_t)(prefix_end - prefix_text)};
 	for (int list = 0; list < CHROME_LISTS; list++)
 		c->next[list] = c->lists[list].start[index];
 	for (uint32_t i = 0; i < lane->zone_count && c->text->error == 0; i++) {
@@ -353,7 +352,7 @@ static void chrome_switches(chrome *c, uint32_t index)
 	}
 }
 
-/* ---- the tail ---------------------------------------------------------------------------------------------------- */
+/* ---- otherData --------------------------------------------------------------------------------------------------- */
 
 static void chrome_account(chrome *c, const char *name, uint64_t value)
 {
@@ -363,7 +362,7 @@ static void chrome_account(chrome *c, const char *name, uint64_t value)
 	prof_text_u64(c->text, value);
 }
 
-/* Three decimals. */
+/* ns with three decimals. */
 static void chrome_account_ns(chrome *c, const char *name, double ns)
 {
 	uint64_t thousandths = ns > 0 && ns < 1e12 ? (uint64_t)(ns * 1000 + 0.5) : 0;
@@ -394,7 +393,7 @@ static void chrome_tail(chrome *c)
 	prof_text_add(c->text, "}}\n");
 }
 
-/* ---- what is made once ------------------------------------------------------------------------------------------- */
+/* ---- preparation ------------------------------------------------------------------------------------------------- */
 
 static bool chrome_make_names(chrome *c)
 {
@@ -409,8 +408,7 @@ static bool chrome_make_names(chrome *c)
 	char *at = c->name_bytes;
 	for (uint32_t i = 0; i < s->label_count; i++) {
 		c->names[i].text = at;
-		memcpy(at, ",\"name\":", 8);
-		at = prof_put_json(at + 8, s->labels[i].name);
+		at = prof_put_json(prof_put(at, ",\"name\":", 8), s->labels[i].name);
 		c->names[i].size = (size_t)(at - c->names[i].text);
 	}
 	assert((size_t)(at - c->name_bytes) < room);
@@ -424,7 +422,7 @@ static int chrome_compare_froms(const void *a, const void *b, void *flows)
 	return x->from_ns != y->from_ns ? (x->from_ns > y->from_ns) - (x->from_ns < y->from_ns) : (x > y) - (x < y);
 }
 
-/* Points and the ends of flows are ascending as they stand; their begins need sorting. */
+/* Makes a list. Points and the ends of flows ascend already; the begins of flows are sorted. False: no memory. */
 static bool chrome_make_list(chrome *c, int list, uint32_t count)
 {
 	const stilb_prof_snapshot *s = c->snapshot;
@@ -435,8 +433,8 @@ static bool chrome_make_list(chrome *c, int list, uint32_t count)
 	made->start = calloc((size_t)s->lane_count + 2, sizeof *made->start);
 	if (!made->index || !made->start)
 		return false;
-	/* start[lane + 2] counts the lane's; summed up, start[lane + 1] is where it begins, and, when all have been put
-	 * in, ends. */
+	/* First start[lane + 2] is the count of the lane; summed up, start[lane + 1] is its begin; after filling,
+	 * start[lane + 1] is its end. */
 	for (uint32_t i = 0; i < count; i++)
 		if (chrome_listed(s, list, i, &lane, &ns))
 			made->start[lane + 2]++;
@@ -455,7 +453,8 @@ static bool chrome_make_list(chrome *c, int list, uint32_t count)
 static bool chrome_make(chrome *c)
 {
 	const stilb_prof_snapshot *s = c->snapshot;
-	c->spans = malloc(((size_t)UINT16_MAX + 1) * sizeof *c->spans); /* levels that are not there take no memory */
+	/* Pages of levels that do not occur are never touched. */
+	c->spans = malloc(((size_t)UINT16_MAX + 1) * sizeof *c->spans);
 	return c->spans && chrome_make_names(c) && chrome_make_list(c, CHROME_POINTS, s->point_count) &&
 	       chrome_make_list(c, CHROME_FROMS, s->flow_count) && chrome_make_list(c, CHROME_TOS, s->flow_count);
 }

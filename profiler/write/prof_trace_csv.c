@@ -1,5 +1,5 @@
-/* CSV: one row a frame. A column for each name of zones, in the order in which the names are first seen, then the
- * counters. */
+/* CSV: one row per frame. A column for each name of zones, in the order of their first occurrence, then one for each
+ * counter. */
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
 
@@ -15,7 +15,7 @@
 typedef struct csv_column {
 	const char *name;
 	bool counter;
-	uint32_t open; /* zones of this column around the one that is looked at */
+	uint32_t open; /* number of zones of this column around the current one */
 } csv_column;
 
 typedef union csv_cell {
@@ -27,16 +27,16 @@ typedef struct csv {
 	const stilb_prof_snapshot *snapshot;
 	csv_column *columns;
 	uint32_t column_count;
-	uint32_t *zone_columns, *counter_columns; /* of labels, or CSV_NONE */
-	csv_cell *cells;                          /* a row a frame */
-	bool *filled;                             /* of cells of counters */
-	uint32_t *stack;                          /* columns of the zones around the one that is looked at */
+	uint32_t *zone_columns, *counter_columns; /* by label: the column, or CSV_NONE */
+	csv_cell *cells;                          /* one row per frame */
+	bool *filled;                             /* by cell: it holds the value of a counter */
+	uint32_t *stack;                          /* columns of the zones around the current one */
 	size_t stack_capacity;
 } csv;
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
-/* Names are few: labels of one name that stand for different places in the source share a column. */
+/* Gives the label its column. Labels of the same name share one; the search is linear, since names are few. */
 static void csv_use(csv *c, uint32_t *of_label, uint32_t label, bool counter)
 {
 	assert(label < c->snapshot->label_count && c->column_count <= 2 * c->snapshot->label_count);
@@ -55,7 +55,7 @@ static bool csv_make_columns(csv *c)
 {
 	const stilb_prof_snapshot *s = c->snapshot;
 	size_t labels = (size_t)s->label_count + 1;
-	c->columns = malloc(2 * labels * sizeof *c->columns);
+	c->columns = calloc(2 * labels, sizeof *c->columns);
 	c->zone_columns = malloc(labels * sizeof *c->zone_columns);
 	c->counter_columns = malloc(labels * sizeof *c->counter_columns);
 	if (!c->columns || !c->zone_columns || !c->counter_columns)
@@ -78,7 +78,7 @@ static bool csv_make_columns(csv *c)
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
-/* The zones around zone i stay on the stack: as many as its level says. */
+/* Leaves on the stack the zones around the current one, as many as its level, and pushes it. False: no memory. */
 static bool csv_push(csv *c, uint32_t *depth, uint32_t level, uint32_t column)
 {
 	while (*depth > level)

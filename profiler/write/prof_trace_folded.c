@@ -1,5 +1,4 @@
-/* Folded stacks: the zones of all frames merged into one tree for each lane, one line for each node that has time of
- * its own. */
+/* Folded stacks: the zones of all frames are merged into one tree per lane; one line for each node with self time. */
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
 
@@ -21,8 +20,8 @@ typedef struct folded {
 	const stilb_prof_snapshot *snapshot;
 	folded_node *nodes; /* parents first */
 	uint32_t count, capacity;
-	uint32_t *slots;   /* an open hash table of nodes, FOLDED_NONE where empty; twice the capacity, a power of two */
-	uint32_t *of_zone; /* the nodes of the lane's zones */
+	uint32_t *slots;   /* open hash table: 1 + the node, 0: free. Twice the capacity, a power of two */
+	uint32_t *of_zone; /* by zone of the lane: its node */
 } folded;
 
 static uint32_t *folded_slot(const folded *f, uint32_t parent, uint32_t label)
@@ -31,8 +30,8 @@ static uint32_t *folded_slot(const folded *f, uint32_t parent, uint32_t label)
 	uint32_t mask = 2 * f->capacity - 1;
 	uint64_t key = (uint64_t)parent << 32 | label;
 	uint32_t at = (uint32_t)(key * UINT64_C(0x9e3779b97f4a7c15) >> 32) & mask; /* Fibonacci hashing */
-	while (f->slots[at] != FOLDED_NONE &&
-	       (f->nodes[f->slots[at]].parent != parent || f->nodes[f->slots[at]].label != label))
+	while (f->slots[at] != 0 &&
+	       (f->nodes[f->slots[at] - 1].parent != parent || f->nodes[f->slots[at] - 1].label != label))
 		at = (at + 1) & mask;
 	return &f->slots[at];
 }
@@ -43,29 +42,28 @@ static bool folded_grow(folded *f)
 	folded_node *nodes = realloc(f->nodes, capacity * sizeof *nodes);
 	if (nodes)
 		f->nodes = nodes;
-	uint32_t *slots = realloc(f->slots, 2 * (size_t)capacity * sizeof *slots);
-	if (slots)
-		f->slots = slots;
-	if (!nodes || !slots)
+	uint32_t *slots = nodes ? calloc(2 * (size_t)capacity, sizeof *slots) : NULL;
+	if (!slots)
 		return false;
+	free(f->slots);
+	f->slots = slots;
 	f->capacity = capacity;
-	memset(slots, 0xff, 2 * (size_t)capacity * sizeof *slots);
 	for (uint32_t i = 0; i < f->count; i++)
-		*folded_slot(f, nodes[i].parent, nodes[i].label) = i;
+		*folded_slot(f, nodes[i].parent, nodes[i].label) = i + 1;
 	return true;
 }
 
-/* FOLDED_NONE: no memory. */
+/* The node of a label under parent, made if there is none. FOLDED_NONE: no memory. */
 static uint32_t folded_node_of(folded *f, uint32_t parent, uint32_t label)
 {
 	if (f->count == f->capacity && !folded_grow(f))
 		return FOLDED_NONE;
 	uint32_t *slot = folded_slot(f, parent, label);
-	if (*slot == FOLDED_NONE) {
-		*slot = f->count;
+	if (*slot == 0) {
 		f->nodes[f->count++] = (folded_node){.parent = parent, .label = label};
+		*slot = f->count;
 	}
-	return *slot;
+	return *slot - 1;
 }
 
 static bool folded_lane(folded *f, uint32_t index)
@@ -89,7 +87,7 @@ static bool folded_lane(folded *f, uint32_t index)
 	return true;
 }
 
-/* ';' divides the names of a line, and a line ends at its end. */
+/* ';' separates the names of a line, so it becomes ',' inside one; ends of lines become spaces. */
 static void folded_name(prof_text *text, const char *name)
 {
 	for (const char *at = name; *at != 0; at++)
