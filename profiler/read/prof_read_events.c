@@ -206,6 +206,7 @@ static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t
 {
 	if (read->lane_count > 0) {
 		prof_read_lane *last = &read->lanes[read->last_lane];
+		/* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): lane_count counts the lanes that are there */
 		if (last->tid == tid && last->pid == pid)
 			return last;
 	}
@@ -217,6 +218,7 @@ static prof_read_lane *prof_read_lane_of(prof_read *read, uint64_t pid, uint64_t
 			read->no_memory = true;
 			return NULL;
 		}
+		/* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): prof_array_room has made room */
 		read->lanes[read->lane_count++] =
 			(prof_read_lane){.pid = pid, .tid = tid, .sort = INT64_MAX, .open = STILB_PROF_NONE};
 		read->lane_slots[slot] = (uint32_t)read->lane_count;

@@ -4,7 +4,7 @@
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=$(cd "$1" && pwd)
-modules='game|jobs|job_prof|engine/(base|image|input|numeric|window)'
+modules='game|jobs|job_prof|profiler|engine/(base|image|input|numeric|window)'
 command -v clang-tidy >/dev/null || { echo "skipped: no clang-tidy here (package clang-tidy)"; exit 77; }
 
 # "FILE COMMAND" for each C file of the modules, without examples.
