@@ -1,6 +1,6 @@
 /*
- * Captures: the frames around a slow one are written to a file while the program runs on, by a thread of the lowest
- * priority. The same when asked: by a call, a signal, or a crash.
+ * Captures: a thread of the lowest priority writes the frames around a slow one to a file while the program goes on. A
+ * call, a signal or a crash can ask for a capture too.
  *
  * Prints: frame 60 was slow; written: yes, with the frames before and after
  */
@@ -49,7 +49,7 @@ int main(void)
 		stilb_prof_frame_mark();
 		frame(i);
 	}
-	stilb_prof_capture_stop(); /* waits for what is being written */
+	stilb_prof_capture_stop(); /* waits until the capture is written */
 	printf("%s\n", said);
 	rmdir(folder);
 	stilb_prof_shutdown();

@@ -1,5 +1,5 @@
 /*
- * Comparisons: two runs against each other, zone by zone, with a test that tells a slower zone from noise.
+ * Comparisons: compares two runs zone by zone, with a statistical test that tells a slower zone from noise.
  *
  * Prints: sort got slower, load did not
  */
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <time.h>
 
-/* Stands for work that takes so long; an empty zone would differ with whatever ran before it. */
+/* Stands for work of that length; the length of an empty zone would depend on what ran before it. */
 static void work_for(long us)
 {
 	nanosleep(&(struct timespec){.tv_nsec = us * 1000}, NULL);

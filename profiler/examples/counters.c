@@ -1,5 +1,5 @@
 /*
- * Counters and instants: a number over time, and a moment. A counter keeps whole numbers up to 2^41 exactly.
+ * Counters and instants: a quantity over time, and a moment. Counters hold integers up to 2^41 exactly.
  *
  * Prints: bytes 1099511627776, bytes 1099511628800, out of memory, bytes 0
  */

@@ -1,6 +1,6 @@
 /*
- * Devices: zones that were timed elsewhere, a GPU's by its own timestamps, in a lane of their own. Times are
- * nanoseconds of CLOCK_MONOTONIC; children come before their parents.
+ * Devices: zones that were timed elsewhere, for example by timestamps of a GPU, in a lane of their own. Times are
+ * nanoseconds of CLOCK_MONOTONIC; children are recorded before their parents.
  *
  * Prints: GPU: frame 900 us, shadows 300 us, opaque 500 us
  */

@@ -1,6 +1,6 @@
 /*
- * Flows: an arrow from where a job was submitted to where it ran, on whatever thread. Its length is how long the job
- * waited, and the job is charged to the frame that submitted it, even when it runs in a later one.
+ * Flows: an arrow from where a job was submitted to where it ran, on any thread. Its length is the time that the job
+ * was queued. The job is charged to the frame that submitted it, even if it runs in a later one.
  *
  * Prints: job from main to worker, submitted before it ran: yes, charged to frame 0
  */

@@ -1,6 +1,6 @@
 /*
- * Frames: one call per frame, and a snapshot can be of the last ones only: cheap enough to take one in every frame and
- * draw it. The time of each frame has a table of its own.
+ * Frames: one call per frame marks them. A snapshot can be limited to the last frames, which is cheap enough to take
+ * and draw one in every frame. Lengths of frames are also available by themselves.
  *
  * Prints: 50 zones in 10 frames, all charged to them: yes; 99 frame times held
  */

@@ -1,6 +1,6 @@
 /*
- * Hooks: a zone whose begin and end lie in different functions, as callbacks of other libraries do. Its site is made by
- * STILB_PROF_SITE; what is left open shows as open.
+ * Hooks: a zone whose begin and end lie in different functions, for example in two callbacks of a library. Its site is
+ * defined by STILB_PROF_SITE. A zone that has not ended is in the snapshot as open.
  *
  * Prints: request, open: no; parse, open: no; request, open: yes
  */

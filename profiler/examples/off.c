@@ -1,6 +1,6 @@
 /*
- * Off and on: recording can be switched while the program runs; off, a macro is one load and one branch. With
- * STILB_PROFILE_OFF defined there is nothing left of it at all.
+ * Off and on: recording can be switched while the program runs. While it is off, a macro is one load and one branch; if
+ * STILB_PROFILE_OFF is defined, macros expand to nothing.
  *
  * Prints: before, after
  */

@@ -1,6 +1,6 @@
 /*
- * Precise zones: rdtsc does not wait for the instructions before it, so a short zone reads some nanoseconds too little;
- * PROFILE_PRECISE waits, at the price of the wait. A snapshot says how much is missing from the others on this machine.
+ * Precise zones: rdtsc does not wait for earlier instructions, so a zone reads some nanoseconds too short.
+ * PROFILE_PRECISE waits for them, which takes time itself. A snapshot says by how much other zones are too short.
  *
  * Prints: zones: 2, the error of the first is known: yes
  */

@@ -1,6 +1,6 @@
 /*
- * Steps: PROFILE_NEXT ends one zone and begins the next with a single reading of the clock, for half the price, and
- * without a gap between them.
+ * Steps: PROFILE_NEXT ends one zone and begins the next with a single read of the clock: half the cost, and no gap
+ * between them.
  *
  * Prints: 3 steps, gaps between them: 0
  */

@@ -1,6 +1,6 @@
 /*
- * Off the CPU: when a thread did not run, and whether it slept or was preempted, from the kernel's own notes; no
- * privileges needed. Where the kernel refuses, a snapshot says why.
+ * Off the CPU: when a thread was not running, and if it slept or was preempted, recorded by the kernel; this needs no
+ * privileges. If the kernel refuses, a snapshot says why.
  *
  * Prints: the sleep shows as time off the CPU, or it is said why not: yes
  */

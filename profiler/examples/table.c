@@ -1,6 +1,6 @@
 /*
- * Tables: what each name cost, over any lanes, frames or stretch of time: calls, inclusive and self time, quantiles. A
- * recursive zone counts once in its own inclusive time.
+ * Tables: calls, inclusive and self time and percentiles of each name, for any lanes, frames or range of time. The time
+ * of a zone inside another of its name is not counted twice.
  *
  * Prints: walk: 10 calls, main: 1 call; the most time of its own was spent in walk
  */

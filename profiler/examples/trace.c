@@ -1,6 +1,6 @@
 /*
- * Traces: a snapshot as a file for Perfetto or speedscope (.json), flame graphs (.folded) or a spreadsheet (.csv); and
- * read back, exact to the nanosecond.
+ * Traces: writes a snapshot to files for Perfetto or speedscope (.json), flame graphs (.folded) and spreadsheets
+ * (.csv), and reads the first one back, exact to the nanosecond.
  *
  * Prints: written and read back: 300 zones in 100 frames, the same times: yes
  */

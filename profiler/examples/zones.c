@@ -1,6 +1,6 @@
 /*
- * Zones: PROFILE times the rest of its scope, whatever way the scope is left. A snapshot is what has been recorded so
- * far, as plain data: zones stand parents first, and level says how deep.
+ * Zones: PROFILE measures the rest of its scope, however the scope is left. A snapshot is what has been recorded so
+ * far, as plain data: parents come before their children, and level is the depth.
  *
  * Prints: update( move( ) collide( ) collide( ) )
  */

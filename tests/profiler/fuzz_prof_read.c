@@ -1,6 +1,6 @@
-/* Traces of any bytes: stilb_prof_trace_parse never crashes and returns a snapshot or a reason; what it returns keeps
- * every rule of snapshots, has a table, compares with itself, and is read back as it is when written. The mutator knows
- * lines and numbers, or few changes would still be JSON. */
+/* Reads traces of any bytes: stilb_prof_trace_parse never crashes and returns a snapshot or an error. The snapshot
+ * keeps all promises, gives a table, can be compared with itself, and is the same when it is written and read again.
+ * The mutator changes whole lines and numbers, since few other changes would still be JSON. */
 #include "profiler/prof_diff.h"
 #include "profiler/prof_read.h"
 #include "profiler/prof_trace.h"
@@ -195,7 +195,7 @@ static void use(const stilb_prof_snapshot *s)
 	for (uint32_t i = 0; i < s->lane_count; i++)
 		zones += s->lanes[i].zone_count;
 	require(calls == zones);
-	if (zones < 200) /* exact tests take their time */
+	if (zones < 200) /* exact tests are slow */
 		require(stilb_prof_diff_make(&diff, s, s, &desc) == 0 && diff.slower == 0);
 	stilb_prof_diff_finish(&diff);
 	stilb_prof_stats_finish(&stats);
@@ -205,12 +205,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	stilb_prof_snapshot snapshot = {0};
 	char error[256] = "";
-	char *copy = malloc(size ? size : 1); /* of just that size: what reads beyond it is seen */
+	char *copy = malloc(size ? size : 1); /* of exactly that size, so that reading beyond it is detected */
 	require(copy);
 	if (size > 0)
 		memcpy(copy, data, size);
 	int result = stilb_prof_trace_parse(copy, size, "a.json", &snapshot, error, sizeof error);
-	free(copy); /* the snapshot has no part in it */
+	free(copy); /* the snapshot does not refer to it */
 	if (result != 0) {
 		require(result == -EBADMSG && !snapshot.memory && strstr(error, "'a.json', line "));
 		return 0;

@@ -1,6 +1,6 @@
 /*
- * A long run of the profiler as a program uses it: three threads record at sixty frames a second, one of them ends and
- * begins again all the time, every frame a snapshot of the last two is taken as an overlay does, and now and then a
+ * A long run of the profiler in a typical program: three threads record at sixty frames a second, and one of them ends
+ * and begins again all the time; each frame a snapshot of the last two is taken, as an overlay does; now and then a
  * capture is written. Memory must not grow: `cmake --build --preset release --target soak-profiler` runs an hour.
  */
 #include "profiler/prof.h"
@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #define PERIOD_NS 16666667u
-#define ZONES 200          /* a thread and a frame */
+#define ZONES 200          /* per thread and frame */
 #define CAPTURE_FRAMES 600 /* between two captures */
 #define ALL_FRAME 6000
 #define WARM_SECONDS 120 /* until the rings are full and a few captures are written */
@@ -62,7 +62,7 @@ static void *steady(void *unused)
 	return NULL;
 }
 
-/* Every frame another thread, of a name of its own. */
+/* Each frame another thread with a name of its own. */
 static void *restless(void *unused)
 {
 	(void)unused;
@@ -96,7 +96,7 @@ static double resident_kib(void)
 	return (double)pages * (double)sysconf(_SC_PAGESIZE) / 1024.0;
 }
 
-/* Least squares over what was measured once a second. */
+/* The slope of the values measured once a second, by least squares. */
 typedef struct slope {
 	double n, t, m, tt, tm;
 } slope;

@@ -1,4 +1,4 @@
-/* Captures: which frames are written, when, where to, and what happens when they cannot be. */
+/* Captures: which frames are written, when and where, and what happens if that fails. */
 #include "profiler/prof_capture.h"
 #include "profiler/prof_frames.h"
 #include "profiler/prof_internal.h"
@@ -21,7 +21,7 @@
 
 /* ---- between the capture and the rest: linked with --wrap -------------------------------------------------------- */
 
-/* Frames that are made up: the hook is called by the test, and as many have begun as it says. */
+/* Synthetic frames: the test calls the hook and says how many frames have begun. */
 static bool synthetic;
 static prof_frame_hook *synthetic_hook;
 static uint64_t synthetic_begun;
@@ -76,7 +76,7 @@ static struct {
 	uint32_t zones, open; /* of the first lane */
 } saved;
 
-static char saved_meanwhile[256]; /* by somebody else, before the next file is written; empty: nothing */
+static char saved_meanwhile[256]; /* path of a file that appears before the next one is written; empty: none */
 
 int __real_prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
 int __wrap_prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char *process_name, const char *path);
@@ -111,8 +111,8 @@ static struct {
 	char path[256];
 	stilb_prof_captured last;
 	const void *user;
-	int stop_error; /* what stop says inside done */
-	bool again;     /* ask for another from inside */
+	int stop_error; /* returned by stop inside done */
+	bool again;     /* ask for another capture inside done */
 } told;
 
 static void done(void *user, const stilb_prof_captured *captured)
@@ -143,7 +143,7 @@ static double now_s(void)
 	return 1e-9 * (double)stilb_prof_clock_monotonic();
 }
 
-#define PATIENCE_S 60 /* the capture's thread comes last on a busy machine */
+#define PATIENCE_S 60 /* the capturing thread comes last on a busy machine */
 
 /* Waits until count captures are done. */
 static void told_wait(uint32_t count)
@@ -288,7 +288,7 @@ static void early_frames(void **state)
 	assert_int_equal(saved.last, 6);
 }
 
-/* A program that hangs: what it is in is shown. */
+/* A program that hangs: the capture shows the open zones. */
 static void frames_stand_still(void **state)
 {
 	(void)state;
@@ -364,7 +364,7 @@ static void assert_text(const char *path, const char *expected)
 	assert_string_equal(text, expected);
 }
 
-/* What an earlier run left there stays, and so does a file that comes while a capture is being written. */
+/* Files of an earlier run stay, and so does a file that appears while a capture is being written. */
 static void files_of_earlier_runs_stay(void **state)
 {
 	(void)state;
@@ -482,7 +482,7 @@ static void a_signal_asks(void **state)
 	sigaction(SIGUSR1, NULL, &now);
 	assert_ptr_equal(now.sa_handler, other_handler);
 
-	/* What somebody else has set meanwhile stays. */
+	/* A handler that was set meanwhile stays. */
 	signal(SIGUSR1, SIG_DFL);
 	start(&desc);
 	signal(SIGUSR1, other_handler);
@@ -572,7 +572,7 @@ static void nothing_half_written(void **state)
 	assert_true(is_whole_json(in_folder("a.json")));
 }
 
-/* When the hindrance goes, the next one is written, under the first name. */
+/* When the obstacle is gone, the next capture is written, under the first name. */
 static void tried_anew(void **state)
 {
 	(void)state;
@@ -616,7 +616,7 @@ static void synthetic_frames(uint32_t count, double ms)
 		synthetic_frame(ms);
 }
 
-/* A capture that is due is done before the next frame, one that is not does not come. */
+/* A capture that is due is written before the next frame, and no other is. */
 static void assert_told(uint32_t count)
 {
 	if (told_count() < count)
@@ -629,7 +629,7 @@ static void a_spike_is_twice_the_median(void **state)
 {
 	(void)state;
 	synthetic_start(STILB_PROF_SPIKE_AUTO, 16.7);
-	synthetic_frames(19, 500); /* a start is slow, and no spike */
+	synthetic_frames(19, 500); /* the start of a program is slow, and no spike */
 	synthetic_frames(100, 10);
 	synthetic_frame(19.9); /* below twice the median */
 	synthetic_frames(10, 10);
@@ -656,16 +656,16 @@ static void a_spike_is_twice_the_median(void **state)
 	assert_told(2);
 	assert_int_equal(told.last.frame, number + 51);
 
-	/* Slower for good: the median follows, and that is no spike any more. */
+	/* If frames stay slower, the median follows, and they are no spikes any more. */
 	synthetic_frames(49, 10);
 	synthetic_frames(60, 30);
 	assert_told(3);
 	synthetic_frames(200, 30);
 	assert_told(3);
-	synthetic_frame(1000); /* three files are the most */
+	synthetic_frame(1000); /* three files are the limit */
 	synthetic_frames(200, 30);
 	assert_told(3);
-	stilb_prof_capture_now(); /* but what is asked for is written */
+	stilb_prof_capture_now(); /* but requests are still written */
 	synthetic_frames(5, 30);
 	assert_told(4);
 	assert_string_equal(told.path, in_folder("a-4.csv"));
@@ -696,7 +696,8 @@ static void a_fixed_limit(void **state)
 	assert_told(1);
 }
 
-/* The frame before the slow one is lost, then that too, then all: a file without the slow frame is none. */
+/* First the frame before the slow one is lost, then the slow one too, then all. Without the slow frame there is no
+ * file. */
 static void the_rings_went_round(void **state)
 {
 	(void)state;
@@ -758,7 +759,7 @@ static int ascending(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Against sorting the last 100 anew each time. */
+/* Compares with sorting the last 100 frames each time. */
 static void the_window_is_sorted(void **state)
 {
 	(void)state;
@@ -868,7 +869,7 @@ static void a_crowd(void **state)
 	desc.signal = SIGUSR1;
 	desc.crash = true;
 	__atomic_store_n(&crowd_stop, 0, __ATOMIC_RELAXED);
-	stilb_prof_ring_events_set(1024); /* what is busy is the processors, not the writers of long files */
+	stilb_prof_ring_events_set(1024); /* keep the processors busy, not the writers of long files */
 	for (int i = 0; i < 6; i++)
 		assert_int_equal(pthread_create(&threads[i], NULL, i < 4 ? crowd_records : crowd_asks, NULL), 0);
 	for (int round = 0; round < 3; round++) {

@@ -1,4 +1,4 @@
-/* For the profiler's tests: a trace written to memory and judged. */
+/* For the profiler's tests: writes a trace to memory and checks it. */
 #ifndef STILB_TEST_PROF_CAPTURE_H
 #define STILB_TEST_PROF_CAPTURE_H
 
@@ -28,7 +28,7 @@ static int capture_write(void *user, const void *data, size_t size)
 	return 0;
 }
 
-/* 0 when the trace was written and keeps every rule; report.error says what is wrong. */
+/* 0 if the trace was written and keeps all rules; else report.error says what is wrong. */
 static inline int capture_take(capture *c, uint32_t last_frames)
 {
 	*c = (capture){0};

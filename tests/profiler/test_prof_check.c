@@ -1,4 +1,4 @@
-/* The judge of traces: a good one passes, and each rule is seen to fail by breaking it. */
+/* The checker of traces: a good trace passes, and each rule fails when it is broken. */
 #include "support/test.h"
 #include "support/trace_check.h"
 
@@ -69,7 +69,7 @@ static void the_good_trace_passes(void **state)
 	trace_check_finish(&report);
 }
 
-/* One change to the good trace, and what the judge must say. */
+/* One change to the good trace, and what the checker must say. */
 typedef struct breach {
 	const char *from, *to, *says;
 } breach;
@@ -195,7 +195,7 @@ static const breach breaches[] = {
 	{"\"zones_written\":7", "\"zones_written\":6", "7 zones, but zones_written is 6"},
 };
 
-/* The good trace with the first from turned into to; the caller frees it. */
+/* The good trace with the first occurrence of from replaced by to; the caller frees it. */
 static char *broken_trace(const breach *b)
 {
 	const char *at = strstr(good, b->from);
@@ -221,7 +221,7 @@ static void each_rule_fails(void **state)
 	}
 }
 
-/* No beginning of the trace is a trace, and none makes the judge read beyond its end. */
+/* No proper prefix of the trace is a trace, and none makes the checker read beyond its end. */
 static void each_beginning_fails(void **state)
 {
 	(void)state;

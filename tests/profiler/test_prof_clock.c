@@ -1,4 +1,4 @@
-/* Clocks: what ticks mean in nanoseconds. With the argument "monotonic": where the TSC cannot be used. */
+/* Clocks: the conversion of ticks to nanoseconds. With the argument "monotonic": as if the TSC could not be used. */
 #include "support/test.h"
 #include "test_prof_records.h"
 
@@ -12,7 +12,7 @@ static void sleep_ms(long ms)
 	nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
 }
 
-/* Where on CLOCK_MONOTONIC the timeline puts these ticks. */
+/* The time of these ticks on CLOCK_MONOTONIC, by the timeline. */
 static uint64_t timeline_at(uint64_t ticks)
 {
 	return timeline.epoch_ns + prof_timeline_ns(&timeline, ticks);
@@ -99,7 +99,7 @@ static void more_frames_than_are_remembered(void **state)
 	for (int i = 0; i < PROF_FRAMES_MAX + 10; i++)
 		stilb_prof_frame_mark();
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
-	/* As if they had lasted longer: as many lines as there can be. */
+	/* Stretches the frames, so that there are as many lines as possible. */
 	for (uint32_t i = 0; i < copy.frame_count; i++) {
 		uint64_t back = (uint64_t)(copy.frame_count - i) * 50000001;
 		copy.frames[i].ns -= back;

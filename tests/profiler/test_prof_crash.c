@@ -1,6 +1,6 @@
 /*
- * Crashes: the program executes itself, crashes in one of many ways, and the parent looks at how it ended, how long
- * that took and what it has left.
+ * Crashes: the program executes itself and crashes in one of many ways. The parent checks how the child ended, how long
+ * that took and which files it left.
  */
 #include "profiler/prof_capture.h"
 #include "profiler/prof_internal.h"
@@ -29,7 +29,7 @@ static void sleep_us(long us)
 
 /* ---- ways to crash ----------------------------------------------------------------------------------------------- */
 
-/* Sanitizers shall not see it coming. */
+/* Hidden from sanitizers, which would report it first. */
 #define UNSEEN __attribute__((noinline, no_sanitize("address", "thread", "undefined")))
 
 static volatile uintptr_t low_address = 64;
@@ -63,7 +63,7 @@ static void crash_fpe(void)
 	raise(SIGFPE); /* sent, not caused */
 }
 
-/* A page of a file that has been cut. */
+/* Reads a mapped page beyond the end of a file that was truncated. */
 UNSEEN static void crash_bus(void)
 {
 	PROFILE("crashes");
@@ -100,7 +100,7 @@ static void *worker_crashes(void *user)
 	return NULL;
 }
 
-/* count threads at once, while this one waits. */
+/* count threads crash at once, while this one waits. */
 static void crash_workers(uint32_t count)
 {
 	pthread_t threads[8];
@@ -123,7 +123,7 @@ static void crash_crowd(void)
 	crash_workers(8);
 }
 
-/* With a capture on its way that waits for frames. */
+/* Crashes while a capture waits for frames. */
 static void crash_while_one_waits(void)
 {
 	stilb_prof_capture_now();
@@ -131,14 +131,14 @@ static void crash_while_one_waits(void)
 	crash_segv();
 }
 
-/* On the capture's own thread, in done. */
+/* Crashes on the capturing thread, in done. */
 static void crash_in_done(void)
 {
 	stilb_prof_capture_now();
 	sleep_us(20000000);
 }
 
-/* In a child of fork, which has no thread that could write. */
+/* Crashes in a child of fork, which has no thread that could write. */
 static void crash_in_a_fork(void)
 {
 	pid_t child = fork();
@@ -176,7 +176,7 @@ static void recovering_handler(int number)
 	siglongjmp(recovery, number);
 }
 
-/* A program that survives: captures go on. */
+/* The program's own handler survives the signal: captures go on. */
 static int recovers(stilb_prof_capture_desc *desc)
 {
 	signal(SIGSEGV, recovering_handler);
@@ -299,7 +299,7 @@ static int tear_down(void **state)
 {
 	(void)state;
 	unlink(path);
-	return rmdir(folder); /* and nothing else is there */
+	return rmdir(folder); /* fails if anything else is in it */
 }
 
 static void open_zones_are_written(void **state)
@@ -321,7 +321,7 @@ static void on_any_thread(void **state)
 	crashes_with("waiting", SIGSEGV, "main", 1);
 }
 
-/* Whatever happens, the program ends as it would have ended. */
+/* In all cases the program ends as it would have without the handlers. */
 static void the_old_way_follows(void **state)
 {
 	(void)state;
@@ -348,7 +348,7 @@ static void without_a_file(void **state)
 	assert_int_equal(e.signal, SIGSEGV);
 	assert_false(e.has_file);
 
-	/* Nobody could write one, so nobody waits for it. */
+	/* No thread can write a file, so the crash does not wait for one. */
 	e = run("fork");
 	assert_int_equal(e.status, 43);
 	assert_false(e.has_file);
@@ -360,7 +360,7 @@ static void without_a_file(void **state)
 	unlink(path);
 }
 
-/* A file that takes for ever: a pipe that nobody reads. */
+/* A file that never gets finished: a pipe that nobody reads. */
 static void two_seconds_at_most(void **state)
 {
 	(void)state;

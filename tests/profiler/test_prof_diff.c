@@ -51,7 +51,7 @@ static int twice_u(const uint64_t *values, uint64_t chosen, int count)
 	return u;
 }
 
-/* All ways to choose the first sample from the values of both, one by one. */
+/* The exact p, by trying all ways to choose the first sample from the values of both. */
 static double permutation_p(const uint64_t *values, int a_count, int count)
 {
 	int observed = abs(twice_u(values, (1u << a_count) - 1, count) - a_count * (count - a_count));
@@ -87,7 +87,7 @@ static void small_samples_are_exact(void **state)
 	}
 }
 
-/* Above the exact sizes: near to what 20,000 random ways to deal the values out give. */
+/* For sizes above the exact ones: close to the p of 20,000 random ways to deal out the values. */
 static void large_samples_agree(void **state)
 {
 	(void)state;
@@ -154,7 +154,7 @@ static void large_samples_follow_the_formula(void **state)
 	}
 }
 
-/* Equal programs are called different as often as alpha says. */
+/* Equal programs are called different with the probability alpha. */
 static void false_alarms_are_rare(void **state)
 {
 	(void)state;
@@ -246,13 +246,13 @@ static void slower_faster_same(void **state)
 	desc.threshold = 0.01;
 	assert_int_equal(verdict_of(10000, 10300, &desc, 5), STILB_PROF_SLOWER);
 	desc.alpha = 0.0;
-	assert_int_equal(verdict_of(10000, 20000, &desc, 5), STILB_PROF_SAME); /* nothing is ever that sure */
+	assert_int_equal(verdict_of(10000, 20000, &desc, 5), STILB_PROF_SAME); /* no p is below 0 */
 	desc = stilb_prof_diff_desc_default();
 	assert_int_equal(verdict_of(50, 58, &desc, 5), STILB_PROF_SAME); /* the clock does not resolve it */
 	assert_int_equal(verdict_of(50, 70, &desc, 5), STILB_PROF_SLOWER);
 }
 
-/* As long each, but more of them: only the time in a frame tells. */
+/* More zones of the same length: only the time per frame shows the difference. */
 static void more_calls(void **state)
 {
 	(void)state;
