@@ -1,6 +1,6 @@
 /*
- * Names made at run time: passes read from a file, scripts, queries. stilb_prof_site_make gives one site for each name;
- * ask once and keep it.
+ * Names known at run time only: passes read from a file, scripts, queries. stilb_prof_site_make returns one site for
+ * each name; call it once for each name and keep the result.
  *
  * Prints: shadows, opaque, sky; the same site for the same name: yes
  */

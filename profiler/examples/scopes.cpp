@@ -1,5 +1,5 @@
 /*
- * C++: the same macros, in templates, members and lambdas; an exception ends a zone as a return does.
+ * C++: the same macros in templates, member functions and lambdas; an exception ends a zone like a return.
  *
  * Prints: parse: 2 zones, lambda: 1, throws: 1, catch: 1, still open: 0
  */

@@ -1,10 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// A bumpy surface under a sun: the headers as GLSL.
+// A bumpy surface in sunlight: the shading headers used from GLSL.
 //
 //   glslc --target-env=vulkan1.3 -I STILB/engine bumpy_surface.frag -o bumpy_surface.spv
 //
-// The model is chosen when the pipeline is made; what is not chosen is not in its code.
+// The models are specialization constants, so a pipeline contains the code of the chosen ones only.
 #include "shading/shade_bump.h"
 #include "shading/shade_surface.h"
 #include "shading/shade_tonemap.h"

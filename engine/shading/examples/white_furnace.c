@@ -1,9 +1,9 @@
 /*
- * The share of light that a rough metal gives back, by sampling: what a path tracer does at every hit.
+ * The share of light that a rough metal reflects, computed by importance sampling, as a path tracer does at every hit.
  *
  *   cc -std=c17 -I STILB/engine white_furnace.c -lm
  *
- * C code says stilb_vec3; vec3 and the rest of GLSL's words live between glsl_begin.h and glsl_end.h.
+ * C code uses the name stilb_vec3; vec3 and GLSL's other words exist only between glsl_begin.h and glsl_end.h.
  */
 #include "shading/shade_brdf.h"
 #include "shading/shade_sampling.h"
@@ -12,7 +12,7 @@
 
 #define SAMPLES 65536
 
-/* A low-discrepancy pair: multiples of two irrational numbers. */
+/* A pair of low-discrepancy numbers: fractional parts of multiples of two irrational numbers. */
 static stilb_vec2 pair(int i)
 {
 	double x = (i + 0.5) * 0.75487766624669276, y = (i + 0.5) * 0.56984029099805327;
