@@ -3,10 +3,7 @@
 #define INPUT_CASES_H
 
 #define INPUT_CASES(X)                                                                                                 \
-	X("parse",                                                                                                         \
-	  "parsing a report descriptor: a joystick's of 625 bytes, a gamepad's of 507, one of 4096 bytes with the most "   \
-	  "fields",                                                                                                        \
-	  parse)                                                                                                           \
+	X("parse", "parsing a report descriptor: a joystick's (625 bytes), a pad's (507), the most fields (4096)", parse)  \
 	X("find", "finding a gamepad's layout: in the table of known ones, from its descriptor's fields", find)            \
 	X("decode", "decoding a report: 64 bytes by USB, 78 bytes by Bluetooth with CRC; the CRC alone", decode)           \
 	X("frame", "camera control of a frame with 0, 16 and 500 new reports", frame)                                      \

@@ -1,8 +1,8 @@
 /*
  * All interleavings of the real lock-free queue with segments of two cells, so that a few items cross several segment
  * ends and reuse segments; also with a thread that stops for ever at any step. job_model.h tells what that covers. The
- * same test is built around copies with one planted fault each (job_model.cmake) and run with the argument must-fail:
- * some scenario must find the fault.
+ * same test is built around copies with one planted fault each (CMakeLists.txt in this folder) and run with the
+ * argument must-fail: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>

@@ -4,8 +4,8 @@
  *
  * The queue's scenarios use a lock of one step, since the states of the real lock would multiply with theirs.
  *
- * tests/CMakeLists.txt also builds this file around copies of the sources with one planted fault each. Those are run
- * with the argument must-fail: some scenario must find the fault.
+ * CMakeLists.txt in this folder also builds this file around copies of the sources with one planted fault each. Those
+ * are run with the argument must-fail: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>

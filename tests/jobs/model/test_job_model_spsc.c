@@ -2,8 +2,8 @@
  * All interleavings of the real queue for one producer and one consumer, with blocks of two cells, so that a few items
  * cross several block ends and reuse blocks. job_model.h tells what that covers.
  *
- * tests/CMakeLists.txt also builds this file around copies of jobs/job_spsc.c with one planted fault each. Those are
- * run with the argument must-fail: some scenario must find the fault.
+ * CMakeLists.txt in this folder also builds this file around copies of jobs/job_spsc.c with one planted fault each.
+ * Those are run with the argument must-fail: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
