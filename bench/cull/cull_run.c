@@ -11,7 +11,7 @@
 #include <string.h>
 
 #define SPACING 4.0f /* metres: one sphere for each cube of this side, on average */
-#define VIEWS 4
+#define VIEWS 4u
 #define TURN 0.00872664626f /* half a degree, in radians */
 #define MAX_SAMPLES (1u << 16)
 

@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#define BALLS_A_SIDE 3
+#define BALLS_A_SIDE 3u
 #define BALLS (BALLS_A_SIDE * BALLS_A_SIDE * BALLS_A_SIDE)
 #define RINGS 98
 #define SEGMENTS 196

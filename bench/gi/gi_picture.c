@@ -108,7 +108,7 @@ static void leave_out(bool *left_out, const float *rgb)
 	int side = (int)GI_RUN_SIDE, around = LEFT_OUT_AROUND;
 	for (int y = 0; y < side; y++)
 		for (int x = 0; x < side; x++) {
-			if (rgb[3 * (y * side + x)] <= VISIBLE_LIGHT)
+			if (rgb[3 * (size_t)(y * side + x)] <= VISIBLE_LIGHT)
 				continue;
 			for (int v = y < around ? 0 : y - around; v <= y + around && v < side; v++)
 				for (int u = x < around ? 0 : x - around; u <= x + around && u < side; u++)

@@ -79,11 +79,16 @@ static vec vertex_of(const stilb_scene_mesh *mesh, uint32_t i)
 gi_plain *gi_plain_make(const stilb_scene *scene)
 {
 	gi_plain *plain = calloc(1, sizeof *plain);
+	if (!plain)
+		bench_child_fail("no memory for the scene");
 	for (uint32_t p = 0; p < scene->part_count; p++)
 		plain->triangle_count += scene->meshes[scene->part_mesh[p]].index_count / 3;
-	plain->diffuse = calloc(plain->triangle_count, sizeof(vec));
-	plain->emission = calloc(plain->triangle_count, sizeof(vec));
-	plain->lights = calloc(plain->triangle_count, sizeof(light));
+	size_t places = (size_t)plain->triangle_count + 1; /* calloc(0) may return NULL */
+	plain->diffuse = calloc(places, sizeof(vec));
+	plain->emission = calloc(places, sizeof(vec));
+	plain->lights = calloc(places, sizeof(light));
+	if (!plain->diffuse || !plain->emission || !plain->lights)
+		bench_child_fail("no memory for the scene");
 	plain->device = rtcNewDevice(NULL);
 	plain->scene = rtcNewScene(plain->device);
 	RTCGeometry geometry = rtcNewGeometry(plain->device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -24,8 +24,8 @@ static geometry geometry_of(const stilb_scene_mesh *mesh)
 {
 	geometry g = {
 		.vertex_count = mesh->vertex_count, .triangle_count = mesh->index_count / 3, .indices = mesh->indices};
-	g.positions = malloc(((size_t)mesh->vertex_count * 3 + 4) *
-	                     sizeof(float)); /* Embree reads 16 bytes for each vertex, beyond the last one too */
+	/* Embree reads 16 bytes for each vertex, beyond the last one too. */
+	g.positions = malloc(((size_t)mesh->vertex_count * 3 + 4) * sizeof(float));
 	if (!g.positions)
 		bench_child_fail("no memory for the scene");
 	for (uint32_t i = 0; i < mesh->vertex_count; i++)
@@ -62,6 +62,8 @@ void gi_run_build(const bench_child *child)
 {
 	stilb_scene *scene = gi_run_million();
 	geometry *geometries = calloc(scene->part_count, sizeof *geometries);
+	if (!geometries)
+		bench_child_fail("no memory for the scene");
 	for (uint32_t p = 0; p < scene->part_count; p++)
 		geometries[p] = geometry_of(&scene->meshes[scene->part_mesh[p]]);
 	double own = (double)INFINITY, theirs = (double)INFINITY, spent = 0.0;
@@ -86,6 +88,9 @@ void gi_run_build(const bench_child *child)
 		theirs = fmin(theirs, other);
 		spent += seconds + other;
 	}
+	for (uint32_t p = 0; p < scene->part_count; p++)
+		free(geometries[p].positions);
+	free(geometries);
 	bench_child_metric("stilb", 1e3 * own);
 	bench_child_metric("embree", 1e3 * theirs);
 	bench_child_metric("ratio", own / theirs);
@@ -280,7 +285,7 @@ void gi_run_primary(const bench_child *child)
 	samples *all = samples_make(&view);
 	primary_pass(&view, &camera, all, primary);
 	world.gi->tracer = t.behind;
-	if (t.closest_count != SIDE * SIDE)
+	if (t.closest_count != (size_t)SIDE * SIDE)
 		bench_child_fail("wrong result: %zu camera rays instead of %u", t.closest_count, SIDE * SIDE);
 	gi_ray_hit16 *packets = packets_of(&t);
 

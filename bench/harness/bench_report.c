@@ -339,8 +339,8 @@ static void print_comparisons(FILE *out, const bench_results *results)
 typedef struct standing {
 	uint32_t tables;              /* that have both */
 	uint32_t first;               /* those in which Stilb's is at least as good */
-	double least;                 /* the least of the tables' ratios: how many times as good as the peer Stilb's is */
-	const bench_row *our, *their; /* of the table with that ratio */
+	double least;                 /* how many times as good as the peer Stilb's is where it is furthest behind; or 1 */
+	const bench_row *our, *their; /* of the table with that ratio; NULL if Stilb's is behind in none */
 } standing;
 
 /* The best median of Stilb's subjects; NULL if none ran. */
@@ -355,7 +355,7 @@ static const bench_row *best_of_ours(const bench_row *rows, size_t count)
 
 static standing standing_of(const bench_results *results)
 {
-	standing s = {.least = (double)INFINITY};
+	standing s = {.least = 1.0};
 	for (size_t first = 0, end; first < results->row_count; first = end) {
 		const bench_row *rows = &results->rows[first];
 		end = end_of_table(results, first);
@@ -426,7 +426,7 @@ static void say_standing(FILE *out, const bench_results *results)
 	standing s = standing_of(results);
 	if (s.tables == 0)
 		fprintf(out, "No other library was measured in this run; compare with the limits of this machine above.\n");
-	else if (s.first == s.tables)
+	else if (!s.our)
 		fprintf(out, "Stilb is at least as good as the best other library in %s.\n",
 		        s.tables == 1 ? "the only comparison" : "every comparison");
 	else

@@ -228,7 +228,8 @@ int profiler_own_file(void)
 	bench_child_metric("read", megabytes_a_second(bytes, begin));
 	unlink(path);
 	uint64_t zones = count_zones(&taken), again = count_zones(&back);
-	if (zones < 2u * FRAMES * ZONES || again < zones) /* in the file, frames are zones of a lane of their own */
+	/* In the file, frames are zones of a lane of their own. */
+	if (zones < UINT64_C(2) * FRAMES * ZONES || again < zones)
 		bench_child_fail("wrong result: %llu zones written, %llu read back", (unsigned long long)zones,
 		                 (unsigned long long)again);
 	bench_child_metric("size", (double)bytes * 1e-6);
