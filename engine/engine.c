@@ -1,3 +1,4 @@
+/* Creates and destroys the engine, and answers what a frame left behind. */
 #include "engine_internal.h"
 
 #include "image/image.h"
@@ -12,6 +13,7 @@
 
 static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
+	STILB_ASSERT(!engine->pool);
 	stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_job_prof_hooks("worker")};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
 	if (error == 0)
@@ -26,11 +28,13 @@ uint32_t stilb_engine_default_workers(void)
 
 uint32_t stilb_engine_workers(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_job_pool_worker_count(engine->pool);
 }
 
 stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	stilb_job_pool_destroy(engine->pool);
 	engine->pool = NULL;
 	stilb_result result = engine_start_workers(engine, workers);
@@ -77,7 +81,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 	return stilb_render_create(&render, &engine->render);
 }
 
-/* One view and one pass today; shadow views, light passes and post become rows here. */
+/* The tables of views and passes: one of each. */
 static void engine_fill_passes(stilb_engine *engine)
 {
 	engine->view_count = 1;
@@ -92,7 +96,7 @@ static stilb_result engine_start(stilb_engine *engine)
 	if (desc->window)
 		result = stilb_window_create("Stilb", desc->width, desc->height, &engine->window);
 	if (result == STILB_OK)
-		result = engine_create_render(engine); /* first: without a driver the rest is in vain */
+		result = engine_create_render(engine); /* before the scene: without a driver its work would be wasted */
 	if (result == STILB_OK)
 		result = engine_start_workers(engine, desc->workers);
 	if (result == STILB_OK)
@@ -114,10 +118,14 @@ static stilb_result engine_start(stilb_engine *engine)
 
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **out)
 {
+	STILB_ASSERT(desc && out);
+	STILB_ASSERT((unsigned)desc->gamepad <= STILB_ENGINE_GAMEPAD_REPLAY);
+	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
 	*out = NULL;
 	stilb_engine *engine = calloc(1, sizeof *engine);
 	if (!engine)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the engine");
+	stilb_owner_take(&engine->owner);
 	engine->desc = *desc;
 	engine->shading = desc->shading;
 	stilb_result result = engine_profile_start(desc);
@@ -135,7 +143,8 @@ void stilb_engine_destroy(stilb_engine *engine)
 {
 	if (!engine)
 		return;
-	engine_profile_stop_capture(); /* first: what it still has to write is of all threads */
+	STILB_ASSERT_OWNER(engine->owner);
+	engine_profile_stop_capture(); /* before the workers end, whose records it may still write */
 	engine_input_finish(&engine->input);
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
@@ -151,6 +160,8 @@ void stilb_engine_destroy(stilb_engine *engine)
 
 stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms)
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(gpu_ms);
 	stilb_result result = stilb_render_wait(engine->render);
 	*gpu_ms = stilb_render_stats_get(engine->render).gpu_ms;
 	return result;
@@ -160,12 +171,15 @@ stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms)
 
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_stream_hash(engine->render);
 }
 
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
 {
-	PROFILE("screenshot"); /* it takes longer than most frames, and says so in theirs */
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(path);
+	PROFILE("screenshot"); /* takes longer than most frames: the lanes should tell why the next one is late */
 	stilb_image image = {0};
 	stilb_result result;
 	{
@@ -182,58 +196,74 @@ stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
 
 stilb_result stilb_engine_dump(stilb_engine *engine, const char *path)
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(path);
 	return stilb_render_dump_save(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count,
 	                              path);
 }
 
 const char *stilb_engine_device_name(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_device_name(engine->render);
 }
 
 bool stilb_engine_device_is_software(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_device_is_software(engine->render);
 }
 
 uint32_t stilb_engine_samples(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_samples(engine->render);
 }
 
 uint32_t stilb_engine_validation_messages(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_validation_messages(engine->render);
 }
 
 void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *height)
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(width && height);
 	stilb_render_size(engine->render, width, height);
 }
 
 stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t height)
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(!engine->window && "the picture follows the window");
 	return stilb_render_resize(engine->render, width, height);
 }
 
 void stilb_engine_set_title(stilb_engine *engine, const char *title)
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(title);
 	if (engine->window)
 		stilb_window_title(engine->window, title);
 }
 
 stilb_render_shading stilb_engine_shading(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return engine->shading;
 }
 
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading)
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(shading);
 	engine->shading = *shading;
 }
 
 void stilb_engine_set_view(stilb_engine *engine, stilb_scene_stress_view view)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);
 	engine->scene->camera = stilb_scene_stress_camera(engine->scene, view, (float)width / (float)height);
@@ -241,11 +271,13 @@ void stilb_engine_set_view(stilb_engine *engine, stilb_scene_stress_view view)
 
 stilb_scene *stilb_engine_scene(stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	return engine->scene;
 }
 
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])
 {
+	STILB_ASSERT(libraries);
 	libraries[0] = (stilb_engine_library){"Vulkan loader", stilb_render_vulkan_version()};
 	libraries[1] = (stilb_engine_library){"GLFW", stilb_window_library_version()};
 	return STILB_ENGINE_LIBRARIES;

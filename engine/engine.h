@@ -1,10 +1,31 @@
 /*
- * engine: owns every module and runs frames. What a program sees of Stilb.
+ * engine: owns a scene, a device, a window and a pool of workers, and draws frames: what a program needs of Stilb to
+ * show something in real time.
  *
  * Life cycle.  stilb_engine_create -> stilb_engine_frame until done -> stilb_engine_destroy.
- * Threads.     All [main-thread]; the workers are the engine's own.
- * One at a time: engines share the process's profiler and window library, and destroy shuts both down.
- * The story of a frame is frame.c.
+ * Per frame.   stilb_engine_frame; between frames everything else: change the scene, take screenshots, read results.
+ *              frame.c tells the stages of a frame.
+ * Threads.     [main-thread]: the thread that creates the engine makes all other calls; the workers are the engine's
+ *              own. Functions that take no engine are [any-thread].
+ * One at a time.  Engines share the process's profiler and window library, and destroy shuts both down.
+ * Time.        In a window, frames step by the clock, 0.1 s at most; headless by 1/60 s, so that every run gives the
+ *              same pictures.
+ * Errors.      A stilb_result and the line of stilb_error_message. After an error of stilb_engine_frame or
+ *              stilb_engine_set_workers only stilb_engine_destroy may follow, unless their comments say otherwise.
+ * Example.     A thousand frames without a window:
+ *
+ *   stilb_engine_desc desc = stilb_engine_desc_default();
+ *   desc.animate = true;
+ *   stilb_engine *engine;
+ *   stilb_result result = stilb_engine_create(&desc, &engine);
+ *   stilb_engine_report report = {0};
+ *   while (result == STILB_OK && report.frame < 1000)
+ *       result = stilb_engine_frame(engine, &report);
+ *   if (result == STILB_OK)
+ *       result = stilb_engine_screenshot(engine, "last.png");
+ *   if (result != STILB_OK)
+ *       stilb_log("%s", stilb_error_message());
+ *   stilb_engine_destroy(engine);
  */
 #ifndef STILB_ENGINE_H
 #define STILB_ENGINE_H
@@ -20,168 +41,188 @@
 
 typedef struct stilb_engine stilb_engine;
 
-/* Where gamepads come from. */
+/* The source of gamepads. */
 typedef enum stilb_engine_gamepad {
-	STILB_ENGINE_GAMEPAD_AUTO, /* in a window as HIDRAW, and OFF without one; trouble is said and does not end it */
-	STILB_ENGINE_GAMEPAD_OFF,
-	STILB_ENGINE_GAMEPAD_HIDRAW, /* from the kernel directly, and in a window from its library what is not read so */
-	STILB_ENGINE_GAMEPAD_HIDAPI, /* the same through hidapi */
-	STILB_ENGINE_GAMEPAD_REPLAY  /* from a recording: the same camera in every run */
+	STILB_ENGINE_GAMEPAD_AUTO,   /* HIDRAW in a window, where errors are logged and ignored; OFF without a window */
+	STILB_ENGINE_GAMEPAD_OFF,    /* none */
+	STILB_ENGINE_GAMEPAD_HIDRAW, /* the kernel's hidraw devices; in a window also the window library's gamepads */
+	STILB_ENGINE_GAMEPAD_HIDAPI, /* as HIDRAW, but through hidapi */
+	STILB_ENGINE_GAMEPAD_REPLAY  /* a recording: the same camera in every run */
 } stilb_engine_gamepad;
 
 typedef struct stilb_engine_desc {
-	uint32_t models; /* 1..STILB_SCENE_MAX_MODELS */
-	uint64_t seed;
-	uint32_t workers; /* threads beside the main thread, 0..STILB_JOB_MAX_WORKERS */
+	uint32_t models;  /* 1..STILB_SCENE_MAX_MODELS */
+	uint64_t seed;    /* of the stress test's scene */
+	uint32_t workers; /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
 	stilb_cull_method cull;
-	stilb_scene_stress_view view;
-	stilb_render_device_kind device;
+	stilb_scene_stress_view view;    /* where the camera stands at first */
+	stilb_render_device_kind device; /* these five as in render.h */
 	stilb_render_replay_mode replay;
 	stilb_render_materials materials;
 	stilb_render_output output;
 	stilb_render_shading shading;
-	const char *gpu;        /* NULL: the best */
-	uint32_t width, height; /* 1..16384 */
-	uint32_t samples;       /* 1, 4, or 0 for the device's own choice */
-	bool window;            /* else headless: frames step by 1/60 s, and the picture goes to memory */
-	bool present;           /* else no frame is shown */
-	bool animate;           /* a tenth of the models moves */
-	bool validate;
-	stilb_render_faults faults; /* what is to go wrong, for tests */
-	uint64_t slow_frame;        /* counted from 1, takes 100 ms longer, for tests; 0: none */
-	bool overlay;               /* the profiler's window is open from the start */
-	bool inspector;             /* the materials' window is */
-	stilb_ui_aa ui_aa;          /* their edges */
-	bool profile;               /* record what every thread does, for the overlay and for files */
-	uint32_t profile_ring_mib; /* what each thread keeps of it, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory
-	                               is taken as it is used */
-	stilb_prof_capture_desc capture; /* files of the frames around a moment; without a path there are none */
+	const char *gpu;                 /* a number or a part of a name as `stilb info` prints them; NULL: the best */
+	uint32_t width, height;          /* of the picture, pixels, 1..16384 */
+	uint32_t samples;                /* of multisampling: 1, 4, or 0 for the device's own choice */
+	bool window;                     /* else headless: the picture goes to memory */
+	bool present;                    /* else pictures are drawn, but not shown */
+	bool animate;                    /* a tenth of the models moves */
+	bool validate;                   /* with Vulkan's validation layer */
+	stilb_render_faults faults;      /* errors to simulate, for tests */
+	uint64_t slow_frame;             /* this frame, counted from 1, takes 100 ms longer, for tests; 0: none */
+	bool overlay;                    /* the profiler's window is open from the start */
+	bool inspector;                  /* the materials' window is open from the start */
+	stilb_ui_aa ui_aa;               /* how the edges of both are smoothed */
+	bool profile;                    /* record what every thread does, for the overlay and for files */
+	uint32_t profile_ring_mib;       /* MiB of records that each thread keeps: a power of two,
+	                              1..STILB_ENGINE_PROFILE_RING_MAX; memory is taken as it is used */
+	stilb_prof_capture_desc capture; /* files of the frames around a moment; path NULL: none */
 	stilb_engine_gamepad gamepad;
-	const char *gamepad_recording;         /* of REPLAY, see input_recording.h */
+	const char *gamepad_recording;         /* for REPLAY: the file, see input_recording.h */
 	const char *gamepad_sys, *gamepad_dev; /* NULL: /sys and /dev; others for tests */
-	stilb_input_control_settings control;  /* how pads and keys fly */
+	stilb_input_control_settings control;  /* how gamepads and keys move the camera */
 } stilb_engine_desc;
 
 #define STILB_ENGINE_PROFILE_RING_MAX 1024u
 
-/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), auto culling, all visible, Vulkan, indirect, 1280x720,
- * headless; profiled with rings of 64 MiB, no captures; gamepads AUTO. */
+/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), automatic culling, all models visible, Vulkan, indirect draws,
+ * 1280 x 720, headless; profiled with rings of 64 MiB, no captures; gamepads AUTO. [any-thread] */
 stilb_engine_desc stilb_engine_desc_default(void);
 
 /* The default number of workers. [any-thread] */
 uint32_t stilb_engine_default_workers(void);
 
-/* STILB_ERROR_WINDOW: no window can be opened here, headless would do. */
+/* Creates the engine, its scene and its workers, and opens the window. The strings of desc need not live on. On failure
+ * *engine is NULL. STILB_ERROR_ARGUMENT: desc.profile_ring_mib is no power of two in its range, desc.gpu matches none.
+ * STILB_ERROR_WINDOW: no window can be opened here; headless works. STILB_ERROR_DEVICE: no usable GPU.
+ * STILB_ERROR_FILE: the recording or the captures. STILB_ERROR_MEMORY, STILB_ERROR_THREAD. */
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **engine);
+
+/* Ends captures, waits for the device and frees everything. NULL is accepted. */
 void stilb_engine_destroy(stilb_engine *engine);
 
-/* What a frame cost, milliseconds of the main thread's time; the stages of frame.c. gpu is the device's own measure of
- * a frame some two frames back, 0 when there is none. pad is how old the newest gamepad report was when its draws were
- * handed to the device; 0 when none came since the frame before, or in replays. */
+/* The time of a frame, milliseconds. `frame` is the main thread's time, and the six stages after it are those of
+ * frame.c. gpu is the device's own measure of a frame some two frames earlier, 0 if there is none. pad is the age of
+ * the newest gamepad report when the frame's draws were handed to the device; 0 if none came since the last frame, and
+ * in replays. */
 typedef struct stilb_engine_times {
 	double frame, update, cull, record, ui, replay, present, gpu, pad;
 } stilb_engine_times;
 
-/* What came of the last frame. */
+/* The result of a frame. */
 typedef struct stilb_engine_report {
-	uint64_t frame; /* frames so far */
+	uint64_t frame; /* frames drawn so far, this one included */
 	stilb_engine_times times;
 	uint32_t visible;       /* models */
-	stilb_cull_method cull; /* what found them; never AUTO */
+	stilb_cull_method cull; /* the method that found them; never AUTO */
 	stilb_render_stats render;
 	stilb_input_state input; /* {0} without a window and gamepads */
-	int64_t time_us; /* of the camera: of the run headless, of the recording in a replay, else CLOCK_MONOTONIC */
-	bool replayed;   /* the recording is over */
-	bool close;      /* the user wants out */
-	bool lost;       /* the window's display has gone: frames are drawn on, to memory, and nobody can close them */
-	bool drawn;      /* false: the window is minimised, nothing was done */
+	int64_t time_us; /* the camera's time, microseconds: since the start if headless, of the recording in a replay, else
+	                    CLOCK_MONOTONIC */
+	bool replayed;   /* the gamepads' recording has ended */
+	bool close;      /* the user closed the window */
+	bool lost;       /* the window's display has gone; frames are still drawn, to memory, and nobody can close them */
+	bool drawn;      /* false: the window is minimised, and only input was handled */
 } stilb_engine_report;
 
-/* Runs one frame. Waits a moment instead while the window is minimised. */
+/* Runs one frame and fills *report. While the window is minimised it waits up to 50 ms and draws nothing.
+ * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST. */
 stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *report);
 
-/* Waits until the device has drawn every frame, and gives the last one's time on it, milliseconds (0: unknown). */
+/* Waits until the device has drawn every frame; *gpu_ms is the last frame's time on it, milliseconds, 0 if unknown.
+ * STILB_ERROR_DEVICE_LOST. */
 stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms);
 
-/* Another number of workers from the next frame on, 0..STILB_JOB_MAX_WORKERS. After an error only destroy may
- * follow. */
+/* Sets the number of workers from the next frame on, 0..STILB_JOB_MAX_WORKERS. STILB_ERROR_THREAD, STILB_ERROR_MEMORY:
+ * after an error only stilb_engine_destroy may follow. */
 stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers);
+
+/* The number of workers. */
 uint32_t stilb_engine_workers(const stilb_engine *engine);
 
-/* Of the last frame; see render.h. */
+/* The hash of the last frame's command stream (render.h): equal for every number of workers. */
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
 
-/* The last frame's picture as .png, .exr or .hdr (image.h). With output LINEAR it is the radiance itself. */
+/* Writes the last frame's picture as .png, .exr or .hdr. With output LINEAR it is the radiance itself. Fails as
+ * stilb_render_read_image and stilb_image_save do. */
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
 
-/* The last frame's command stream, for `stilb replay`; see render_dump.h. */
+/* Writes the last frame's command stream for `stilb replay` (render_dump.h). STILB_ERROR_ARGUMENT: no frame has been
+ * drawn. STILB_ERROR_FILE. */
 stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 
-/* The last frames that are still held, at most last_frames (0: all), as a file: prof_trace.h. */
+/* Writes the newest frames that the profiler still holds, at most last_frames (0: all), as a trace; the name's ending
+ * chooses the format (prof_trace.h). STILB_ERROR_FILE: also without memory. */
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames);
 
-/* Asks for a file of the frames around this moment, which desc.capture describes; a gamepad that asked for it in the
- * last frame shakes. STILB_ERROR_ARGUMENT: nothing is captured. */
+/* Requests a trace of the frames around this moment, as desc.capture describes; a gamepad whose button asked for it in
+ * the last frame rumbles. STILB_ERROR_ARGUMENT: the profiler is off or captures are. */
 stilb_result stilb_engine_capture(stilb_engine *engine);
 
+/* The device: its name for the user, true if it is a software rasteriser, the samples per pixel that it draws with, and
+ * the number of validation messages so far. The name is valid until the engine is destroyed. */
 const char *stilb_engine_device_name(const stilb_engine *engine);
 bool stilb_engine_device_is_software(const stilb_engine *engine);
 uint32_t stilb_engine_samples(const stilb_engine *engine);
 uint32_t stilb_engine_validation_messages(const stilb_engine *engine);
 
-/* The picture's size, pixels: follows the window. */
+/* The picture's size, pixels; in a window it follows the window's. */
 void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *height);
 
-/* Another picture size from the next frame on; for programs without a window. 1..16384. */
+/* Sets the picture's size, 1..16384 pixels a side, from the next frame on; only without a window. STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE (larger than this GPU draws): no frame can be drawn until a resize succeeds. */
 stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t height);
 
+/* Sets the window's title, UTF-8; does nothing without a window. */
 void stilb_engine_set_title(stilb_engine *engine, const char *title);
 
-/* One of the libraries that are loaded, and its version. */
+/* A library that is loaded, and its version; both are static strings. */
 typedef struct stilb_engine_library {
 	const char *name, *version;
 } stilb_engine_library;
 
-/* Fills libraries, returns how many: at most STILB_ENGINE_LIBRARIES. */
+/* Fills libraries and returns how many there are, STILB_ENGINE_LIBRARIES at most. [any-thread] */
 #define STILB_ENGINE_LIBRARIES 2
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES]);
 
-/* How the next frame is shaded; the user may have chosen in the inspector. */
+/* How the next frame is shaded. The user changes it in the inspector, the program here. */
 stilb_render_shading stilb_engine_shading(const stilb_engine *engine);
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading);
 
-/* After a choice of another model or D than before. Wrapped light and anisotropic GGX need materials with such numbers
- * in order to be seen: where nothing is added yet, choosing them adds wrap 0.5 or anisotropy 0.6, and choosing another
- * takes just that away again. [any-thread] */
+/* To be called after another BRDF or normal distribution was chosen; *before is the shading before the choice. Wrapped
+ * light and anisotropic GGX look different from the others only if materials have wrap or anisotropy: choosing one of
+ * them adds wrap 0.5 or anisotropy 0.6 if nothing is added yet, and choosing another removes exactly that again.
+ * [any-thread] */
 void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_render_shading *shading);
 
-/* The words for what can be chosen, in the order of the numbers in stilb_render_shading; NULL-terminated.
- * [any-thread] */
+/* The names of all models that stilb_render_shading can choose: the index is the number there; NULL-terminated. */
 extern const char *const stilb_engine_brdf_names[];
 extern const char *const stilb_engine_ndf_names[];
 extern const char *const stilb_engine_g_names[];
 extern const char *const stilb_engine_f_names[];
 extern const char *const stilb_engine_light_names[];
 
-/* The gamepads there are, at most STILB_INPUT_PADS_MAX, also those that may not be opened. Texts are valid until the
- * next frame. */
+/* Fills pads with the connected gamepads, including those without permission to open them; returns how many. Their
+ * texts are valid until the next frame. */
 uint32_t stilb_engine_gamepads(const stilb_engine *engine, stilb_input_control_pad pads[STILB_INPUT_PADS_MAX]);
 
-/* What came from them in all. */
+/* Reports of all gamepads since the engine was created. */
 typedef struct stilb_engine_gamepad_counts {
-	uint64_t reports; /* that frames took */
-	uint64_t corrupt; /* of those: refused */
-	uint64_t lost;    /* between two frames: more than the buffer holds */
+	uint64_t reports; /* taken by frames */
+	uint64_t corrupt; /* the ones of them that were refused */
+	uint64_t lost;    /* overwritten: more came between two frames than the buffer holds */
 } stilb_engine_gamepad_counts;
+
+/* {0} without gamepads. */
 stilb_engine_gamepad_counts stilb_engine_gamepad_counts_get(const stilb_engine *engine);
 
-/* Where the scene's camera is. */
+/* The position and direction of the scene's camera. */
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine);
 
-/* Puts the camera where desc.view = view would have it. */
+/* Moves the camera to the place that desc.view = view gives it. */
 void stilb_engine_set_view(stilb_engine *engine, stilb_scene_stress_view view);
 
-/* The scene and its camera: change them between frames only. */
+/* The scene and its camera, to be changed between frames only. Valid until the engine is destroyed. */
 stilb_scene *stilb_engine_scene(stilb_engine *engine);
 
 #endif

@@ -1,6 +1,7 @@
 /*
- * Who flies the camera: the keys and the mouse of the window and the gamepads, live or from a recording, through one
- * control. What a pad says comes with its own time, so the camera takes the same way whatever the frames were.
+ * The control of the camera: the keys and the mouse of the window and the gamepads, live or from a recording, are fed
+ * into one stilb_input_control. Every gamepad report has the time at which it came, so the camera's path does not
+ * depend on how long frames took.
  */
 #include "engine_internal.h"
 
@@ -8,7 +9,7 @@
 
 #include <string.h>
 
-#define INPUT_FRAMES 60u /* a second, headless */
+#define INPUT_FRAMES 60u /* frames a second, headless */
 #define INPUT_RUMBLE_HEAVY 0.4f
 #define INPUT_RUMBLE_LIGHT 0.8f
 #define INPUT_RUMBLE_MS 150u
@@ -20,7 +21,8 @@ static int64_t engine_input_now_us(void)
 	return (int64_t)(stilb_time_ns() / 1000u);
 }
 
-/* Only what is live knows the clock: a replay has the recording's time, and without a window a frame is a sixtieth. */
+/* The camera's time, microseconds: the frame's number in sixtieths of a second if there is neither a window nor a
+ * gamepad, the time since its first frame for a replay in a window, else the clock. */
 static int64_t engine_input_time_us(stilb_engine *engine)
 {
 	engine_input *input = &engine->input;
@@ -38,6 +40,7 @@ static int64_t engine_input_time_us(stilb_engine *engine)
 
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	const stilb_scene_camera *camera = &engine->scene->camera;
 	return (stilb_input_pose){
 		{camera->position[0], camera->position[1], camera->position[2]}, camera->yaw, camera->pitch};
@@ -74,6 +77,7 @@ stilb_result engine_input_start(stilb_engine *engine)
 	            (desc->gamepad == STILB_ENGINE_GAMEPAD_AUTO && desc->window);
 	bool replay = desc->gamepad == STILB_ENGINE_GAMEPAD_REPLAY;
 	stilb_result result = STILB_OK;
+	STILB_ASSERT(!input->control);
 	if (!engine->window && !live && !replay)
 		return STILB_OK;
 	if (replay)
@@ -84,7 +88,7 @@ stilb_result engine_input_start(stilb_engine *engine)
 		return result;
 	input->focused = true;
 	input->pose = stilb_engine_pose(engine);
-	int64_t time_us = replay ? 0 : engine_input_time_us(engine); /* a replay begins with the first frame */
+	int64_t time_us = replay ? 0 : engine_input_time_us(engine); /* a replay's time begins at 0, with the first frame */
 	return stilb_input_control_create(&desc->control, &input->pose, time_us, &input->control);
 }
 
@@ -96,9 +100,9 @@ void engine_input_finish(engine_input *input)
 	*input = (engine_input){0};
 }
 
-/* ---- what pads say ----------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
-/* Refused reports of the pad of this number, or of all for 0. */
+/* The number of refused reports of the pad of this number; 0: of all pads together. */
 static uint64_t engine_input_corrupt(const engine_input *input, uint32_t pad)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
@@ -110,9 +114,11 @@ static uint64_t engine_input_corrupt(const engine_input *input, uint32_t pad)
 	return corrupt;
 }
 
+/* Counts an event, shows or removes the notice for it, and hands it to the control. */
 static void engine_input_take(stilb_engine *engine, const stilb_input_event *event)
 {
 	engine_input *input = &engine->input;
+	STILB_ASSERT(event->kind != STILB_INPUT_PAD_DENIED || event->info);
 	if (event->kind == STILB_INPUT_PAD_DENIED)
 		engine_overlay_deny(engine, event->pad, event->info);
 	if (event->kind == STILB_INPUT_PAD_REMOVED) {
@@ -126,7 +132,7 @@ static void engine_input_take(stilb_engine *engine, const stilb_input_event *eve
 	stilb_input_control_event(input->control, event);
 }
 
-/* All that came since the frame before. */
+/* Takes all events since the last frame. */
 static void engine_input_take_live(stilb_engine *engine, int64_t time_us)
 {
 	engine_input *input = &engine->input;
@@ -140,7 +146,7 @@ static void engine_input_take_live(stilb_engine *engine, int64_t time_us)
 	stilb_input_window_feed(&input->window, gamepads, time_us, input->control);
 }
 
-/* At the recording's end all pads are let go of: nobody holds a stick any more. */
+/* Takes the recording's events up to this time. At its end all pads are removed, so that no stick stays deflected. */
 static void engine_input_take_replay(stilb_engine *engine, int64_t time_us)
 {
 	engine_input *input = &engine->input;
@@ -166,7 +172,7 @@ int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state)
 		return time_us;
 	input->newest_us = 0;
 	stilb_input_pose before = stilb_engine_pose(engine);
-	if (memcmp(&before, &input->pose, sizeof before) != 0) /* the program has put it elsewhere */
+	if (memcmp(&before, &input->pose, sizeof before) != 0) /* the program has moved the camera itself */
 		stilb_input_control_place(input->control, input->time_us, &before);
 	if (input->recording)
 		engine_input_take_replay(engine, time_us);
@@ -201,15 +207,18 @@ void engine_input_captured(stilb_engine *engine)
 		                        INPUT_RUMBLE_LIGHT, INPUT_RUMBLE_MS);
 }
 
-/* ---- what is known of them --------------------------------------------------------------------------------------- */
+/* ---- gamepads and their counts ----------------------------------------------------------------------------------- */
 
 uint32_t stilb_engine_gamepads(const stilb_engine *engine, stilb_input_control_pad pads[STILB_INPUT_PADS_MAX])
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(pads);
 	return engine->input.control ? stilb_input_control_pads(engine->input.control, pads) : 0;
 }
 
 stilb_engine_gamepad_counts stilb_engine_gamepad_counts_get(const stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	const engine_input *input = &engine->input;
 	if (!input->control)
 		return (stilb_engine_gamepad_counts){0};

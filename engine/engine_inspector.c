@@ -1,6 +1,6 @@
 /*
- * The inspector of materials: which formulas shade the scene and which light falls on it, as lists; what is added to
- * every material's numbers, as sliders; and what comes of it, as the light that a sample reflects.
+ * The materials' window: lists of the models that shade the scene and of the light on it, sliders for values that are
+ * added to every material's own, and a polar plot of the light that a sample material reflects with them.
  */
 #include "engine_internal.h"
 
@@ -9,17 +9,17 @@
 
 #include <stdio.h>
 
-#define INSPECTOR_COLUMN 168.0f /* wide, pixels */
-#define INSPECTOR_LOBE 156.0f
-#define INSPECTOR_LOBE_POINTS 181
-#define INSPECTOR_ARROW 7.0f
-#define INSPECTOR_BORDER 2.0f /* the panel's, or a little more */
-#define INSPECTOR_WRAP 0.5f
+#define INSPECTOR_COLUMN 168.0f   /* width of a column of lists, pixels */
+#define INSPECTOR_LOBE 156.0f     /* height of the plot at most, pixels */
+#define INSPECTOR_LOBE_POINTS 181 /* directions that are plotted */
+#define INSPECTOR_ARROW 7.0f      /* length of the arrowhead of the light, pixels */
+#define INSPECTOR_BORDER 2.0f     /* pixels: the panel's border is no thicker */
+#define INSPECTOR_WRAP 0.5f       /* see stilb_engine_shading_chosen */
 #define INSPECTOR_ANISOTROPY 0.6f
 
-/* ---- words ------------------------------------------------------------------------------------------------------- */
+/* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/* The position in the list is the number: the lists of the headers count from 0 on. */
+/* An entry of an array of names; the shading headers number each kind of model from 0 on. */
 #define INSPECTOR_WORD(number, name) [number] = #name,
 
 const char *const stilb_engine_brdf_names[] = {SHADE_BRDFS(INSPECTOR_WORD) NULL};
@@ -33,16 +33,18 @@ static_assert(sizeof stilb_engine_brdf_names / sizeof(char *) == SHADE_BRDF_COUN
                   sizeof stilb_engine_g_names / sizeof(char *) == SHADE_G_COUNT + 1 &&
                   sizeof stilb_engine_f_names / sizeof(char *) == SHADE_F_COUNT + 1 &&
                   sizeof stilb_engine_light_names / sizeof(char *) == SHADE_LIGHT_COUNT + 1,
-              "one word a number");
+              "every number has a name");
 
-/* ---- what a choice adds ------------------------------------------------------------------------------------------ */
+/* ---- values that a choice adds ----------------------------------------------------------------------------------- */
 
-static bool inspector_bends(const stilb_render_shading *shading)
+/* True if the chosen models read the anisotropy. */
+static bool inspector_is_anisotropic(const stilb_render_shading *shading)
 {
 	return shading->brdf == SHADE_BRDF_MICROFACET && shading->ndf == SHADE_NDF_GGX_ANISOTROPIC;
 }
 
-/* What is added, when the formula that shows it comes or goes; what the user added stays. */
+/* The value added to materials when a model that reads it is chosen (now) or another than before is (before): `shown`
+ * comes if nothing was added, and goes if the user has not changed it. */
 static float inspector_added(float added, bool before, bool now, float shown)
 {
 	if (before == now || added != (now ? 0.0f : shown))
@@ -52,31 +54,35 @@ static float inspector_added(float added, bool before, bool now, float shown)
 
 void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_render_shading *shading)
 {
+	STILB_ASSERT(before && shading);
+	STILB_ASSERT(shading->brdf < SHADE_BRDF_COUNT && shading->ndf < SHADE_NDF_COUNT);
 	shading->wrap = inspector_added(shading->wrap, before->brdf == SHADE_BRDF_WRAPPED,
 	                                shading->brdf == SHADE_BRDF_WRAPPED, INSPECTOR_WRAP);
-	shading->anisotropy =
-		inspector_added(shading->anisotropy, inspector_bends(before), inspector_bends(shading), INSPECTOR_ANISOTROPY);
+	shading->anisotropy = inspector_added(shading->anisotropy, inspector_is_anisotropic(before),
+	                                      inspector_is_anisotropic(shading), INSPECTOR_ANISOTROPY);
 }
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
-/* One of those that stand in a column. */
+/* A list of names with its heading. */
 typedef struct inspector_list {
 	const char *heading;
-	const char *const *words;
-	uint32_t *chosen;
+	const char *const *words; /* [count] */
+	uint32_t *chosen;         /* index of the chosen one */
 	uint32_t count;
-	uint32_t rows; /* that can be seen: all, until there is no room for them */
+	uint32_t rows; /* visible ones: all, unless the column is too high for the window */
 } inspector_list;
 
+/* Pixels that a column of this many lists needs if `rows` rows of all of them together are visible. */
 static float inspector_column_height(const stilb_ui_style *style, uint32_t lists, uint32_t rows)
 {
 	return (float)(lists + rows) * style->row_height + (float)lists * style->gap;
 }
 
-/* Where the column is too high for the area, its longest lists give up rows. */
+/* If the column is too high for the area, takes visible rows from its longest lists until it fits. */
 static void inspector_fit(const stilb_ui_style *style, stilb_ui_rect area, inspector_list *lists, uint32_t count)
 {
+	STILB_ASSERT(count > 0);
 	for (;;) {
 		uint32_t rows = 0;
 		inspector_list *longest = lists;
@@ -90,16 +96,18 @@ static void inspector_fit(const stilb_ui_style *style, stilb_ui_rect area, inspe
 	}
 }
 
-/* As little as brings the chosen row into view; only when another one was chosen than was last shown. */
+/* If the chosen row is another one than in the last frame, scrolls as little as brings it into view. */
 static void inspector_follow(const stilb_ui_style *style, const inspector_list *list, stilb_ui_list_state *state)
 {
+	STILB_ASSERT(*list->chosen < list->count);
 	float row = style->row_height, top = (float)*list->chosen * row;
 	if (state->selected != *list->chosen)
 		state->scroll = fminf(fmaxf(state->scroll, top + row - (float)list->rows * row), top);
 	state->selected = *list->chosen;
 }
 
-/* A heading and a row for each word; true when the user took one. Muted: it has no say at present. */
+/* Draws a list with its heading; true if the user chose a row, be it the same. muted: the choice has no effect at
+ * present. */
 static bool inspector_draw_list(stilb_ui *ui, stilb_ui_rect *area, const inspector_list *list,
                                 stilb_ui_list_state *state, bool muted)
 {
@@ -150,7 +158,7 @@ static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_
 	};
 	stilb_render_shading before = *shading;
 	inspector_column(ui, left, whole, 2, inspector->lists, false);
-	/* Who takes a part wants the model that is made of parts. */
+	/* Choosing D, G or F also chooses the microfacet model, the only one that reads them. */
 	if (inspector_column(ui, right, parts, 3, inspector->lists + 2, shading->brdf != SHADE_BRDF_MICROFACET))
 		shading->brdf = SHADE_BRDF_MICROFACET;
 	stilb_engine_shading_chosen(&before, shading);
@@ -158,7 +166,7 @@ static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_
 
 /* ---- sliders ----------------------------------------------------------------------------------------------------- */
 
-/* Those that the chosen formulas do not read are dim. */
+/* Sliders that the chosen models do not read are muted. */
 static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
 {
 	static const stilb_ui_slider_range range = {-1.0f, 1.0f, 0.01f, "%+.2f"};
@@ -170,7 +178,7 @@ static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_sha
 		bool read;
 	} rows[] = {
 		{"Roughness", &shading->roughness, highlight},
-		{"Anisotropy", &shading->anisotropy, inspector_bends(shading)},
+		{"Anisotropy", &shading->anisotropy, inspector_is_anisotropic(shading)},
 		{"Wrap", &shading->wrap, !lambert},
 		{"Specular", &shading->specular, highlight},
 	};
@@ -193,7 +201,7 @@ static float inspector_sliders_height(const stilb_ui_style *style)
 
 /* ---- the lobe ---------------------------------------------------------------------------------------------------- */
 
-/* A sample with what is added to all materials. */
+/* A grey material plus the values that are added to all materials. */
 static shade_material inspector_sample(const stilb_render_shading *shading)
 {
 	float specular = 0.2f + shading->specular;
@@ -208,7 +216,8 @@ static shade_material inspector_sample(const stilb_render_shading *shading)
 	};
 }
 
-/* What the sample reflects of light from the left, 45 degrees high, in the directions from left to right. */
+/* f n.l, 1 / sr, of the sample for light from the left, 45 degrees above the horizon, in INSPECTOR_LOBE_POINTS viewing
+ * directions from the left horizon to the right one. Returns the largest. */
 static float inspector_lobe(const stilb_render_shading *shading, float values[INSPECTOR_LOBE_POINTS])
 {
 	shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
@@ -225,8 +234,8 @@ static float inspector_lobe(const stilb_render_shading *shading, float values[IN
 	return most;
 }
 
-/* Over the angle, with the root of the value as length: a highlight is some hundred times as high as what is around it.
- * Nothing where there is no room for the words. */
+/* Plots the lobe over the angle of view. Lengths are square roots of the values, because a highlight is some hundred
+ * times as bright as its surroundings. Draws nothing in an area too low for the words. */
 static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_render_shading *shading)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
@@ -265,8 +274,9 @@ static void inspector_draw_lobe(stilb_ui *ui, stilb_ui_rect area, const stilb_re
 
 /* ---- the window -------------------------------------------------------------------------------------------------- */
 
-/* At the right of the picture at first, and where the user moved it from then on. In a low picture the lobe and the
- * sliders stand beside the lists instead of below them; in a small one all of it shrinks, and lists scroll. */
+/* Places the window: at first at the right of the picture, from then on wherever the user moved it. In a low picture
+ * the plot and the sliders are beside the lists instead of below them; in a small one everything shrinks, and the lists
+ * scroll. lists: height of the higher column of lists, pixels. */
 static void inspector_place(engine_inspector *inspector, const stilb_ui_style *style, const stilb_ui_input *input,
                             float lists)
 {
@@ -283,7 +293,7 @@ static void inspector_place(engine_inspector *inspector, const stilb_ui_style *s
 	if (stilb_ui_is_empty(*place))
 		*place = (stilb_ui_rect){.x0 = free_x - fminf(around, 0.5f * free_x), .y0 = fminf(around, 0.5f * free_y)};
 	else
-		place->x0 = place->x1 - width; /* its right end stays where it is */
+		place->x0 = place->x1 - width; /* if the width changes, the right edge stays */
 	*place = (stilb_ui_rect){place->x0, place->y0, place->x0 + width, place->y0 + height};
 	inspector->beside = beside;
 }

@@ -1,7 +1,8 @@
-/* The whole engine, seen by engine*.c and frame.c alone. */
+/* The whole engine, for engine*.c and frame.c only. */
 #ifndef STILB_ENGINE_INTERNAL_H
 #define STILB_ENGINE_INTERNAL_H
 
+#include "base/base_contract.h"
 #include "engine.h"
 #include "input/device/input_pads.h"
 #include "input/input_recording.h"
@@ -13,52 +14,53 @@
 
 #define ENGINE_MAX_VIEWS 4u
 
-/* The window in which formulas are chosen; {0} at first. */
+/* The materials' window, in which shading models are chosen; {0} at first. */
 typedef struct engine_inspector {
-	stilb_ui_rect place; /* empty: not yet drawn */
-	bool beside;         /* the sliders stand beside the lists */
-	stilb_ui_list_state lists[5];
+	stilb_ui_rect place;          /* empty: not drawn yet */
+	bool beside;                  /* the sliders are beside the lists instead of below */
+	stilb_ui_list_state lists[5]; /* model, light, D, G, F */
 } engine_inspector;
 
-/* Which gamepads may not be opened, and what to do about it: a small panel, for a while. {0}: none. */
+/* A panel, shown for a while, that names the gamepads without permission and the udev rule that gives it. {0}: none. */
 #define ENGINE_NOTICE_PADS 3u
 #define ENGINE_NOTICE_FILE "/etc/udev/rules.d/70-stilb-pads.rules"
 typedef struct engine_notice {
 	struct {
-		uint32_t pad; /* its number */
+		uint32_t pad; /* its number, stilb_input_event.pad */
 		char who[256], rule[512];
-	} pads[ENGINE_NOTICE_PADS];
+	} pads[ENGINE_NOTICE_PADS]; /* [pad_count] in the order in which they came */
 	uint32_t pad_count;
-	float seconds; /* left */
+	float seconds; /* that the panel is still shown */
 } engine_notice;
 
-/* What stands over the picture; {0} before any of it is opened for the first time. */
+/* The windows over the picture; {0} until one of them is opened for the first time. */
 typedef struct engine_overlay {
-	stilb_ui *ui;
+	stilb_ui *ui; /* NULL: none has been open yet */
 	stilb_ui_profiler *profiler;
 	engine_inspector inspector;
 	engine_notice notice;
-	stilb_ui_input input; /* of this frame; nobody touches anything when headless */
+	stilb_ui_input input; /* of this frame; {0} but for its size when headless */
 	bool profiler_open, inspector_open;
 } engine_overlay;
 
-/* Who flies the camera; {0}: nobody, as in a headless run without gamepads. */
+/* The control of the camera; {0}: nobody moves it, as in a headless run without gamepads. */
 typedef struct engine_input {
 	stilb_input_control *control;
-	stilb_input_pads *pads;           /* NULL: none are read here */
+	stilb_input_pads *pads;           /* NULL: the kernel's gamepads are not read */
 	stilb_input_recording *recording; /* NULL: none is replayed */
-	stilb_input_window window;
-	stilb_input_pose pose; /* what the scene's camera was told last, and for when */
-	int64_t time_us;
-	bool focused;      /* the window has the keyboard */
-	bool pad_captures; /* a pad asked for the last frame's capture, if one was asked for */
-	bool replayed;     /* the recording is over */
-	int64_t start_us;  /* of a replay in a window; 0: not yet */
-	int64_t newest_us; /* the last report's time; 0: none came since the frame before */
-	uint64_t reports, corrupt;
+	stilb_input_window window;        /* the window library's gamepads */
+	stilb_input_pose pose;            /* that the camera was given last, */
+	int64_t time_us;                  /* and the time of that, microseconds */
+	bool focused;                     /* the window has the keyboard */
+	bool pad_captures;                /* a gamepad's button asked for the last frame's capture */
+	bool replayed;                    /* the recording has ended */
+	int64_t start_us;                 /* clock at which a replay in a window began; 0: not yet */
+	int64_t newest_us;                /* time of this frame's newest report; 0: none came since the last frame */
+	uint64_t reports, corrupt;        /* see stilb_engine_gamepad_counts; corrupt: of pads that are gone */
 } engine_input;
 
 struct stilb_engine {
+	stilb_owner owner; /* the main thread: the one that created it */
 	stilb_engine_desc desc;
 	stilb_job_pool *pool;
 	stilb_scene *scene;
@@ -67,85 +69,98 @@ struct stilb_engine {
 	stilb_render *render;
 	engine_input input;
 
-	/* What is drawn, as data: frame.c runs cull once per view, and record and replay once per pass. */
+	/* The frame as data: frame.c culls once for each view, records each pass and replays all of them. */
 	stilb_render_view views[ENGINE_MAX_VIEWS];
-	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* what each sees this frame */
+	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
 	uint32_t view_count;
-	stilb_render_pass passes[STILB_RENDER_MAX_PASSES];
+	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count], and behind them the overlay's */
 	uint32_t pass_count;
-	uint32_t frame_passes; /* this frame's: the overlay's comes after those of the table */
+	uint32_t frame_passes; /* in this frame: pass_count, or one more for the overlay */
 	engine_overlay overlay;
 	stilb_render_shading shading; /* of the next frame */
 
-	uint64_t frame;   /* frames done */
-	uint64_t last_ns; /* when the frame before began; 0 before the first */
+	uint64_t frame;   /* frames drawn */
+	uint64_t last_ns; /* clock at which the last frame began; 0 before the first */
 	double seconds;   /* the scene's time */
-	float step;       /* of this frame, seconds */
+	float step;       /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };
 
 /* engine_profile.c */
 
-/* Before there are workers: the calling thread is "main" from now on, and captures begin. */
+/* Sets the profiler up and begins captures; to be called before workers are started. The calling thread gets the lane
+ * "main". STILB_ERROR_ARGUMENT: desc->profile_ring_mib. STILB_ERROR_FILE: desc->capture.path. */
 stilb_result engine_profile_start(const stilb_engine_desc *desc);
 
-/* Writes what has been asked for; then, without workers, all is forgotten. Both also without a start. */
+/* The first writes the captures that were requested, while all threads' rings still exist; the second, after the
+ * workers have ended, shuts the profiler down. Both may be called after a failed start. */
 void engine_profile_stop_capture(void);
 void engine_profile_stop(void);
 
 /* engine_overlay.c */
 
-/* Which of its windows are open. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: they cannot be made, and all stays as it
- * was. */
+/* Opens and closes the profiler's and the materials' windows. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: they cannot be
+ * created, and nothing changes. */
 stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector);
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
 	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0;
 }
+
+/* Accepts {0}; the renderer still exists. */
 void engine_overlay_finish(engine_overlay *overlay);
 
-/* What the window says goes to the overlay first; *input keeps what the overlay leaves. */
+/* Gives the window's input to the overlay. If the overlay has the keys, they are removed from *input. */
 void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window, stilb_input_state *input);
 
-/* A gamepad may not be opened: says so, on the screen too. */
+/* Logs that there is no permission to open a gamepad, and shows the notice with the rule that gives it. */
 void engine_overlay_deny(stilb_engine *engine, uint32_t pad, const stilb_input_pad_info *info);
 
-/* Opens, closes and freezes as keys and gamepads want it; says whether the mouse is the overlay's. */
+/* Opens, closes and freezes windows as keys and gamepads ask for it, and lets the window capture the mouse for the
+ * camera unless it is over the overlay. */
 void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input);
 
-/* What the user did, for the user interface; all but the picture's size and the time. */
+/* A window's state as input of the user interface, all members but the picture's size and the time. */
 stilb_ui_input engine_ui_input(const stilb_window_state *window);
 
-/* Builds the overlay, which is open, and records it as `pass`, of kind 2D. */
+/* Builds the overlay, which is open, and records it as `pass`, of kind 2D. Fails as stilb_ui_record does. */
 stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t worker);
 
 /* engine_input.c */
 
-/* STILB_ERROR_MEMORY, STILB_ERROR_FILE, STILB_ERROR_DEVICE, STILB_ERROR_THREAD. */
+/* Opens the gamepads or the recording; the window, if any, and the scene exist. STILB_ERROR_MEMORY, STILB_ERROR_FILE,
+ * STILB_ERROR_DEVICE, STILB_ERROR_THREAD. */
 stilb_result engine_input_start(stilb_engine *engine);
+
+/* Accepts {0}. */
 void engine_input_finish(engine_input *input);
 
-/* Keys and gamepads together: *state is what the window said, and becomes what all of them want; the scene's camera is
- * moved. Returns the camera's time, microseconds. Never waits. */
+/* Combines the window's input in *state with all gamepad events since the last frame, and moves the scene's camera.
+ * Returns the camera's time, microseconds. Never waits. */
 int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state);
 
-/* The frame's draws are with the device: how old its newest report is by now, milliseconds; 0: it had none. */
+/* The age of this frame's newest gamepad report, milliseconds; 0: it had none. To be called when the frame's draws have
+ * been handed to the device. */
 double engine_input_latency(const stilb_engine *engine);
 
-/* A capture will be written. */
+/* To be called when a capture has been requested: rumbles if a gamepad asked for it. */
 void engine_input_captured(stilb_engine *engine);
 
 /* engine_notice.c */
 
+/* Adds a gamepad, in place of the oldest if there are ENGINE_NOTICE_PADS, and restarts the notice's time. */
 void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pad_info *info);
+
+/* Removes the gamepad of that number if the notice names it. */
 void engine_notice_remove(engine_notice *notice, uint32_t pad);
 
-/* Between stilb_ui_begin and stilb_ui_end; its time goes on. */
+/* Draws the notice, between stilb_ui_begin and stilb_ui_end, and counts its time down. */
 void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
 
 /* engine_inspector.c */
 
-/* Between stilb_ui_begin and stilb_ui_end. *shading and *open become what the user wants. */
+/* Draws the materials' window, between stilb_ui_begin and stilb_ui_end; the user's choices change *shading, and closing
+ * it sets *open to false. */
 void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading, bool *open);
 
 #endif

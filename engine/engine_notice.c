@@ -1,6 +1,6 @@
 /*
- * The notice of gamepads that may not be opened: which one, and the rule that gives permission, for as long as it takes
- * to read, or until it is given.
+ * The notice of gamepads without permission: their names and the udev rules that give it. It disappears after a while,
+ * when it is closed, and when the gamepads have been removed.
  */
 #include "engine_internal.h"
 
@@ -9,12 +9,13 @@
 #include <string.h>
 
 #define NOTICE_SECONDS 30.0f
-#define NOTICE_WIDTH 620.0f /* pixels, where the picture is as wide */
-#define NOTICE_TOP 16.0f
-#define NOTICE_BORDER 2.0f /* the panel's, or a little more */
+#define NOTICE_WIDTH 620.0f /* pixels at most */
+#define NOTICE_TOP 16.0f    /* pixels from the picture's top */
+#define NOTICE_BORDER 2.0f  /* pixels: the panel's border is no thicker */
 
 void engine_notice_remove(engine_notice *notice, uint32_t pad)
 {
+	STILB_ASSERT(notice->pad_count <= ENGINE_NOTICE_PADS);
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < notice->pad_count; i++)
 		if (notice->pads[i].pad != pad)
@@ -24,7 +25,8 @@ void engine_notice_remove(engine_notice *notice, uint32_t pad)
 
 void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pad_info *info)
 {
-	engine_notice_remove(notice, pad); /* told of before */
+	STILB_ASSERT(info);
+	engine_notice_remove(notice, pad); /* it may have been named already */
 	if (notice->pad_count == ENGINE_NOTICE_PADS)
 		engine_notice_remove(notice, notice->pads[0].pad);
 	uint32_t place = notice->pad_count++;
@@ -37,7 +39,8 @@ void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pa
 
 /* ---- drawing ----------------------------------------------------------------------------------------------------- */
 
-/* How much of the text, bytes, goes into one line: up to a blank, a comma or a newline where there is one. */
+/* The number of bytes of the text that fit into one line of this width, broken after a blank or comma or at a newline
+ * if possible. */
 static size_t notice_line(const stilb_ui_font *font, const char *text, float width)
 {
 	char line[512];
@@ -53,7 +56,7 @@ static size_t notice_line(const stilb_ui_font *font, const char *text, float wid
 	return length;
 }
 
-/* Text from the area's top, which is cut off, in as many lines as it takes; only measured where ui is NULL. */
+/* Draws the text in as many lines as it needs and cuts them off the area's top. ui NULL: only measures. */
 static void notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *area, stilb_ui_color color,
                         const char *text)
 {
@@ -68,7 +71,7 @@ static void notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *
 	}
 }
 
-/* Measured with ui NULL, like notice_text. */
+/* The explanation, and each udev rule once. ui NULL: only measures. */
 static void notice_help(const engine_notice *notice, const stilb_ui_style *style, stilb_ui *ui,
                         const stilb_ui_font *font, stilb_ui_rect *area)
 {
@@ -82,7 +85,8 @@ static void notice_help(const engine_notice *notice, const stilb_ui_style *style
 		}
 }
 
-/* The words from the area's top on; draw false: only how much room they take. brief: half a rule would help nobody. */
+/* The panel's text, cut off the area's top. draw false: only measures. brief: without the rules, for pictures too small
+ * to show them whole. */
 static void notice_content(const engine_notice *notice, stilb_ui *ui, bool draw, bool brief, stilb_ui_rect *area)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
@@ -98,7 +102,7 @@ static void notice_content(const engine_notice *notice, stilb_ui *ui, bool draw,
 		notice_help(notice, style, out, font, area);
 }
 
-/* Of the whole panel. */
+/* Height of the whole panel, pixels. */
 static float notice_height(const engine_notice *notice, stilb_ui *ui, bool brief, float width)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);

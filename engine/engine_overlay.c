@@ -1,15 +1,17 @@
 /*
- * What stands over the picture, the profiler, the inspector and the notice of gamepads: made when one of them is first
- * opened, it gets the mouse and the keys before the camera does, and is drawn as a 2D pass of its own.
+ * The windows over the picture: the profiler, the inspector and the notice of gamepads. They are created when one of
+ * them is opened for the first time, get the mouse and the keys before the camera does, and are drawn as a 2D pass of
+ * their own.
  */
 #include "engine_internal.h"
 
 #include "profiler/prof.h"
 
-/* Once. */
+/* Creates the user interface and the profiler's window unless they exist. */
 static stilb_result engine_overlay_create(stilb_engine *engine)
 {
 	engine_overlay *overlay = &engine->overlay;
+	STILB_ASSERT(!overlay->ui == !overlay->profiler);
 	if (overlay->ui)
 		return STILB_OK;
 	stilb_ui_desc desc = stilb_ui_desc_default();
@@ -29,6 +31,7 @@ stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspe
 	stilb_result result = profiler || inspector ? engine_overlay_create(engine) : STILB_OK;
 	if (result != STILB_OK)
 		return result;
+	STILB_ASSERT(engine->overlay.ui || !(profiler || inspector));
 	engine->overlay.profiler_open = profiler;
 	engine->overlay.inspector_open = inspector;
 	return STILB_OK;
@@ -69,7 +72,7 @@ stilb_ui_input engine_ui_input(const stilb_window_state *window)
 void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window, stilb_input_state *input)
 {
 	engine_overlay *overlay = &engine->overlay;
-	/* Of the frame before: what the user saw when acting. */
+	/* The user acted on what the last frame showed, so the focus is that frame's. */
 	if (engine_overlay_is_open(overlay) && stilb_ui_wants_keys(overlay->ui))
 		*input = stilb_input_without_keys(*input);
 	overlay->input = engine_ui_input(window);
@@ -82,7 +85,7 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 	if ((input->overlay || input->inspector) &&
 	    engine_overlay_open(engine, overlay->profiler_open != input->overlay,
 	                        overlay->inspector_open != input->inspector) != STILB_OK)
-		stilb_log("%s", stilb_error_message()); /* the picture goes on without it */
+		stilb_log("%s", stilb_error_message()); /* frames go on without the window */
 	if (overlay->profiler_open && input->freeze)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
 	if (engine->window)
@@ -119,6 +122,7 @@ static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *
 stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t worker)
 {
 	engine_overlay *overlay = &engine->overlay;
+	STILB_ASSERT(engine_overlay_is_open(overlay));
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);
 	overlay->input.width = (float)width;

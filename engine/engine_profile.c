@@ -1,4 +1,4 @@
-/* What the engine tells the profiler: when it begins and ends, and when to write a file. Its jobs are seen through the
+/* The engine's use of the profiler: starts it and shuts it down, captures and traces. Jobs are recorded through the
  * hooks of job_prof.h. */
 #include "engine_internal.h"
 
@@ -20,7 +20,7 @@ stilb_result engine_profile_start(const stilb_engine_desc *desc)
 		                  desc->profile_ring_mib, STILB_ENGINE_PROFILE_RING_MAX);
 	stilb_prof_record_set(desc->profile);
 	stilb_prof_switches_set(desc->profile);
-	stilb_prof_thread_begin("main"); /* without memory for a ring all goes on, unseen */
+	stilb_prof_thread_begin("main"); /* without memory for a ring, the main thread is not profiled */
 	if (!desc->profile || !desc->capture.path)
 		return STILB_OK;
 	int error = stilb_prof_capture_start(&desc->capture);
@@ -44,6 +44,7 @@ void engine_profile_stop(void)
 
 stilb_result stilb_engine_capture(stilb_engine *engine)
 {
+	STILB_ASSERT_OWNER(engine->owner);
 	if (!engine->desc.profile)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "nothing to capture: the profiler is off");
 	int error = stilb_prof_capture_now();
@@ -55,7 +56,9 @@ stilb_result stilb_engine_capture(stilb_engine *engine)
 
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames)
 {
-	(void)engine;
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(path);
+	(void)engine; /* the profiler is the process's; release builds assert nothing */
 	stilb_prof_snapshot snapshot = {0};
 	int error = stilb_prof_snapshot_take(&snapshot, &(stilb_prof_window){.last_frames = last_frames});
 	if (error == 0)

@@ -1,6 +1,6 @@
 /*
- * The story of one frame: seven stages from top to bottom, each with one owner and one output, and each reads only what
- * a stage above it wrote. What comes back (GPU times, the window's size) enters with the next frame's input.
+ * One frame: seven stages, called from top to bottom. Each has one owner and one output and reads only what a stage
+ * above it wrote. GPU times and the window's size come back later and enter with the next frame's input.
  *
  *   stage          reads                       writes                                  threads
  *   frame_begin    the window, the device      keys, step, rewound contexts            main
@@ -18,10 +18,10 @@
 #include <time.h>
 
 #define FRAME_STEP (1.0f / 60.0f)
-#define FRAME_MAX_STEP 0.1f /* after a stall what moves does not leap */
+#define FRAME_MAX_STEP 0.1f /* seconds: longer after a stall, and everything that moves would jump */
 #define FRAME_OWNER 0u      /* the main thread's worker index */
 
-/* Ends a stage: its time goes to *ms, and the next stage begins now. */
+/* Ends a stage that began at *since: *ms is its time, and the next stage begins now. */
 static void frame_clock(uint64_t *since, double *ms)
 {
 	uint64_t now = stilb_time_ns();
@@ -29,7 +29,7 @@ static void frame_clock(uint64_t *since, double *ms)
 	*since = now;
 }
 
-/* Follows the window's size. *drawn is false when there is nothing to draw to. */
+/* Resizes the picture to the window's size. *drawn is false if the window has no area to draw to. */
 static stilb_result frame_resize(stilb_engine *engine, const stilb_window_state *state, bool *drawn)
 {
 	uint32_t width, height;
@@ -40,6 +40,7 @@ static stilb_result frame_resize(stilb_engine *engine, const stilb_window_state 
 	return stilb_render_resize(engine->render, state->width, state->height);
 }
 
+/* Takes the window's events and sets the frame's step. */
 static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *report)
 {
 	stilb_window_state state;
@@ -59,12 +60,12 @@ static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *repo
 	report->close = state.close;
 	report->lost = state.lost;
 	if (state.lost)
-		return STILB_OK; /* on without: the picture keeps its size */
+		return STILB_OK; /* frames go on without a window, in the last size */
 	engine_overlay_input(engine, &state, &report->input);
 	return frame_resize(engine, &state, &report->drawn);
 }
 
-/* What keys and gamepads say; also while nothing is drawn, so that it is not kept for later. */
+/* Consumes the input of keys and gamepads, also while minimised, so that it does not pile up. */
 static void frame_input(stilb_engine *engine, stilb_engine_report *report)
 {
 	report->time_us = engine_input_frame(engine, &report->input);
@@ -89,11 +90,12 @@ static void update_scene(stilb_engine *engine)
 	PROFILE("scene update");
 	if (engine->frame + 1 == engine->desc.slow_frame)
 		frame_stall();
-	frame_input(engine, &engine->report); /* as late as can be: the picture is of this moment */
+	frame_input(engine, &engine->report); /* as late as possible, for the picture shows the camera of this moment */
 	stilb_scene *scene = engine->scene;
 	scene->moved_count = 0;
 	if (engine->desc.animate)
 		stilb_scene_animate(scene, engine->seconds);
+	STILB_ASSERT(scene->moved_count <= scene->model_count);
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);
 	stilb_render_view *view = &engine->views[0];
@@ -109,6 +111,7 @@ static void update_scene(stilb_engine *engine)
 static stilb_result cull(stilb_engine *engine)
 {
 	PROFILE("cull");
+	STILB_ASSERT(engine->view_count >= 1 && engine->view_count <= ENGINE_MAX_VIEWS);
 	stilb_scene *scene = engine->scene;
 	stilb_result result = stilb_cull_move(engine->cull, scene, scene->moved, scene->moved_count);
 	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
@@ -124,6 +127,7 @@ static stilb_result record(stilb_engine *engine)
 	PROFILE("record");
 	stilb_result result = STILB_OK;
 	for (uint32_t p = 0; p < engine->pass_count && result == STILB_OK; p++) {
+		STILB_ASSERT(engine->passes[p].view < engine->view_count);
 		const stilb_cull_visible *visible = &engine->visible[engine->passes[p].view];
 		result = stilb_render_record(engine->render, p, engine->scene, visible->ids, visible->count, engine->pool,
 		                             FRAME_OWNER);
@@ -137,6 +141,7 @@ static stilb_result ui(stilb_engine *engine)
 	engine->frame_passes = engine->pass_count;
 	if (!engine_overlay_is_open(&engine->overlay))
 		return STILB_OK;
+	STILB_ASSERT(engine->pass_count < STILB_RENDER_MAX_PASSES);
 	uint32_t pass = engine->frame_passes++;
 	engine->passes[pass] = (stilb_render_pass){.name = "overlay", .kind = STILB_RENDER_PASS_2D, .order = UINT32_MAX};
 	return engine_overlay_record(engine, pass, FRAME_OWNER);
@@ -149,7 +154,7 @@ static stilb_result replay(stilb_engine *engine)
 	                           engine->pool, FRAME_OWNER);
 }
 
-/* A window that has gone meanwhile is not the frame's failure: stilb_window_poll says it to the next. */
+/* A window whose display went away during the frame is not an error: the next frame's stilb_window_poll reports it. */
 static stilb_result present(stilb_engine *engine)
 {
 	PROFILE("present");
@@ -160,7 +165,7 @@ static stilb_result present(stilb_engine *engine)
 
 static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times)
 {
-	PROFILE_COLOR("frame", 0x7f8ea3); /* it only wraps: its stages stand out */
+	PROFILE_COLOR("frame", 0x7f8ea3); /* grey, so that the stages in it stand out */
 	double begin;
 	uint64_t clock = stilb_time_ns(), start = clock;
 	stilb_result result = frame_begin(engine);
@@ -192,6 +197,8 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 
 stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *report)
 {
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(report);
 	engine->report = (stilb_engine_report){.frame = engine->frame};
 	stilb_result result = frame_window(engine, &engine->report);
 	if (result == STILB_OK && !engine->report.drawn)

@@ -1,5 +1,7 @@
+/* Plays a frame dump: opens a device of its own, records and replays the dump's draws. */
 #include "replay.h"
 
+#include "base/base_contract.h"
 #include "image/image.h"
 
 #include <inttypes.h>
@@ -13,7 +15,8 @@ struct stilb_engine_replay {
 	stilb_render_dump *dump;
 	stilb_job_pool *pool;
 	stilb_render *render;
-	bool compared; /* the stream hash with the dump's */
+	bool compared;     /* the stream hash has been compared with the dump's */
+	stilb_owner owner; /* the main thread: the one that created it */
 };
 
 static stilb_result replay_start(stilb_engine_replay *replay, const stilb_engine_replay_desc *desc)
@@ -46,12 +49,15 @@ static stilb_result replay_start(stilb_engine_replay *replay, const stilb_engine
 
 stilb_result stilb_engine_replay_create(const stilb_engine_replay_desc *desc, stilb_engine_replay **out)
 {
+	STILB_ASSERT(desc && out);
+	STILB_ASSERT(desc->path);
 	*out = NULL;
 	stilb_engine_replay *replay = calloc(1, sizeof *replay);
 	if (!replay || !(replay->path = strdup(desc->path))) {
 		free(replay);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a replay");
 	}
+	stilb_owner_take(&replay->owner);
 	stilb_result result = replay_start(replay, desc);
 	if (result == STILB_OK)
 		*out = replay;
@@ -64,6 +70,7 @@ void stilb_engine_replay_destroy(stilb_engine_replay *replay)
 {
 	if (!replay)
 		return;
+	STILB_ASSERT_OWNER(replay->owner);
 	stilb_job_pool_destroy(replay->pool);
 	stilb_render_destroy(replay->render);
 	stilb_render_dump_destroy(replay->dump);
@@ -71,7 +78,8 @@ void stilb_engine_replay_destroy(stilb_engine_replay *replay)
 	free(replay);
 }
 
-/* What was recorded is what the file says, or the numbers and the picture are of something else. */
+/* Compares the stream hash of the frame just recorded with the dump's: if they differ, times and picture would be those
+ * of another frame. */
 static stilb_result replay_compare(stilb_engine_replay *replay)
 {
 	uint64_t expected = stilb_render_dump_info_get(replay->dump).stream_hash;
@@ -91,6 +99,8 @@ static double replay_ms(uint64_t from, uint64_t to)
 
 stilb_result stilb_engine_replay_frame(stilb_engine_replay *replay, stilb_engine_times *times)
 {
+	STILB_ASSERT_OWNER(replay->owner);
+	STILB_ASSERT(times);
 	stilb_render *render = replay->render;
 	uint64_t start = stilb_time_ns();
 	stilb_result result = stilb_render_frame_begin(render);
@@ -110,6 +120,8 @@ stilb_result stilb_engine_replay_frame(stilb_engine_replay *replay, stilb_engine
 
 stilb_result stilb_engine_replay_wait(stilb_engine_replay *replay, double *gpu_ms)
 {
+	STILB_ASSERT_OWNER(replay->owner);
+	STILB_ASSERT(gpu_ms);
 	stilb_result result = stilb_render_wait(replay->render);
 	*gpu_ms = stilb_render_stats_get(replay->render).gpu_ms;
 	return result;
@@ -117,6 +129,8 @@ stilb_result stilb_engine_replay_wait(stilb_engine_replay *replay, double *gpu_m
 
 stilb_result stilb_engine_replay_screenshot(stilb_engine_replay *replay, const char *path)
 {
+	STILB_ASSERT_OWNER(replay->owner);
+	STILB_ASSERT(path);
 	stilb_image image = {0};
 	stilb_result result = stilb_render_read_image(replay->render, &image);
 	if (result == STILB_OK)
@@ -127,15 +141,19 @@ stilb_result stilb_engine_replay_screenshot(stilb_engine_replay *replay, const c
 
 stilb_result stilb_engine_replay_measure(stilb_engine_replay *replay, double seconds, stilb_render_dump_costs *costs)
 {
+	STILB_ASSERT_OWNER(replay->owner);
+	STILB_ASSERT(seconds > 0.0 && costs);
 	return stilb_render_dump_measure(replay->dump, replay->render, replay->pool, REPLAY_OWNER, seconds, costs);
 }
 
 stilb_render_dump_info stilb_engine_replay_info(const stilb_engine_replay *replay)
 {
+	STILB_ASSERT_OWNER(replay->owner);
 	return stilb_render_dump_info_get(replay->dump);
 }
 
 const stilb_render *stilb_engine_replay_render(const stilb_engine_replay *replay)
 {
+	STILB_ASSERT_OWNER(replay->owner);
 	return replay->render;
 }

@@ -1,3 +1,4 @@
+/* A device and a window of their own for the profiler's window over a trace. */
 #include "trace_view.h"
 
 #include "engine_internal.h"
@@ -10,35 +11,37 @@
 #define VIEW_WORKER 0u /* there is only the main thread */
 
 struct stilb_engine_trace_view {
+	stilb_owner owner; /* the main thread: the one that created it */
 	const stilb_prof_snapshot *trace;
-	uint32_t first, count; /* the frames of the history */
+	uint32_t first, count; /* the history: trace->frames[first .. first + count - 1] */
 	stilb_window *window;  /* NULL: none */
 	stilb_render *render;
 	stilb_ui *ui;
 	stilb_ui_profiler *profiler;
 	stilb_ui_input input;
-	uint64_t last_ns; /* when the frame before began; 0 before the first */
+	uint64_t last_ns; /* clock at which the last frame began; 0 before the first */
 };
 
-/* ---- where the timeline looks ------------------------------------------------------------------------------------ */
+/* ---- the source of the profiler's window ------------------------------------------------------------------------- */
 
-/* All of the file, whatever frames are asked for: it lies there already. */
+/* Gives the whole trace, whichever frames are asked for: it is in memory already. */
 static int view_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
 {
 	(void)window;
 	const stilb_engine_trace_view *view = user;
 	*snapshot = *view->trace;
-	snapshot->memory = NULL; /* not the borrower's to free */
+	snapshot->memory = NULL; /* the trace's owner frees it, not the borrower */
 	return 0;
 }
 
 static void view_frames(void *user, stilb_prof_frame_stats *stats, double budget_ms)
 {
 	const stilb_engine_trace_view *view = user;
+	STILB_ASSERT(view->first + view->count <= view->trace->frame_count);
 	stilb_prof_frame_stats_make(stats, view->trace->frames + view->first, view->count, budget_ms);
 }
 
-/* The 100 frames around the one to be shown, or as many as there are. */
+/* Sets the history to the STILB_PROF_STATS_FRAMES frames around the one to be shown, or to all if there are fewer. */
 static void view_choose(stilb_engine_trace_view *view, uint32_t frame)
 {
 	uint32_t all = view->trace->frame_count, most = STILB_PROF_STATS_FRAMES;
@@ -84,6 +87,8 @@ static stilb_result view_start(stilb_engine_trace_view *view, const stilb_engine
 
 stilb_result stilb_engine_trace_view_create(const stilb_engine_trace_view_desc *desc, stilb_engine_trace_view **out)
 {
+	STILB_ASSERT(desc && out);
+	STILB_ASSERT(desc->trace);
 	*out = NULL;
 	if (desc->frame >= desc->trace->frame_count)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "the trace has %u frames, no frame %u", desc->trace->frame_count,
@@ -91,6 +96,7 @@ stilb_result stilb_engine_trace_view_create(const stilb_engine_trace_view_desc *
 	stilb_engine_trace_view *view = calloc(1, sizeof *view);
 	if (!view)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a view of a trace");
+	stilb_owner_take(&view->owner);
 	view->trace = desc->trace;
 	view_choose(view, desc->frame);
 	stilb_result result = view_start(view, desc);
@@ -105,6 +111,7 @@ void stilb_engine_trace_view_destroy(stilb_engine_trace_view *view)
 {
 	if (!view)
 		return;
+	STILB_ASSERT_OWNER(view->owner);
 	stilb_ui_profiler_destroy(view->profiler);
 	stilb_ui_destroy(view->ui);
 	stilb_render_destroy(view->render);
@@ -114,7 +121,7 @@ void stilb_engine_trace_view_destroy(stilb_engine_trace_view *view)
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
-/* *drawn: false while there is nothing to draw to. */
+/* Takes the window's input and follows its size. *drawn is false if the window has no area to draw to. */
 static stilb_result view_input(stilb_engine_trace_view *view, bool *close, bool *drawn)
 {
 	stilb_window_state state;
@@ -160,6 +167,8 @@ static stilb_result view_draw(stilb_engine_trace_view *view)
 
 stilb_result stilb_engine_trace_view_frame(stilb_engine_trace_view *view, bool *close)
 {
+	STILB_ASSERT_OWNER(view->owner);
+	STILB_ASSERT(close);
 	bool drawn;
 	stilb_result result = view_input(view, close, &drawn);
 	return result == STILB_OK && drawn ? view_draw(view) : result;
@@ -167,6 +176,8 @@ stilb_result stilb_engine_trace_view_frame(stilb_engine_trace_view *view, bool *
 
 stilb_result stilb_engine_trace_view_screenshot(stilb_engine_trace_view *view, const char *path)
 {
+	STILB_ASSERT_OWNER(view->owner);
+	STILB_ASSERT(path);
 	stilb_image image = {0};
 	stilb_result result = stilb_render_read_image(view->render, &image);
 	if (result == STILB_OK)

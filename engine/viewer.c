@@ -1,3 +1,5 @@
+/* The viewer: resamples the visible part of the picture to the window's pixels, as a texture, and draws that and a line
+ * of text as two 2D passes. */
 #include "viewer.h"
 
 #include "engine_internal.h"
@@ -8,43 +10,47 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define VIEWER_WORKER 0u  /* there is only the main thread */
-#define VIEWER_STRIP 26u  /* height of the line of words, pixels */
-#define VIEWER_GREY 0.02f /* around the picture, linear */
-#define VIEWER_LEAST 384u /* the window's shorter side, pixels, and its longer sides at most: */
-#define VIEWER_WIDEST 1280u
+#define VIEWER_WORKER 0u    /* there is only the main thread */
+#define VIEWER_STRIP 26u    /* height of the line of text, pixels */
+#define VIEWER_GREY 0.02f   /* of the surroundings of the picture, linear light */
+#define VIEWER_LEAST 384u   /* pixels: smaller pictures are enlarged to it at first */
+#define VIEWER_WIDEST 1280u /* the window's size at first at most, pixels, without the line of text */
 #define VIEWER_HIGHEST 800u
-#define VIEWER_MAX_SCALE 64.0f
+#define VIEWER_MAX_SCALE 64.0f /* pixels of the window for one of the picture */
 
 enum { VIEWER_PASS_PICTURE, VIEWER_PASS_WORDS, VIEWER_PASSES };
 
 struct stilb_engine_viewer {
+	stilb_owner owner;    /* the main thread: the one that created it */
 	stilb_window *window; /* NULL: none */
 	stilb_render *render;
 	stilb_ui *ui;
 	stilb_image picture;          /* U8_SRGB */
-	stilb_image shown;            /* what of it is in the window, F32_LINEAR */
-	stilb_render_texture texture; /* of shown */
-	bool stale;                   /* shown is not what is to be seen */
-	float scale;                  /* pixels of the window for one of the picture; 0: as fits */
-	float center[2];              /* of the picture, in the middle of the window; where scale is not 0 */
-	bool dragging;
-	float drag[2];    /* where the pointer was */
-	float light[256]; /* of an sRGB code */
+	stilb_image shown;            /* the part in the window at the window's size, F32_LINEAR */
+	stilb_render_texture texture; /* of `shown` */
+	bool stale;                   /* `shown` is to be resampled before the next frame */
+	float scale;                  /* pixels of the window for one of the picture; 0: fit the picture to the window */
+	float center[2];              /* if scale > 0: the point of the picture in the middle of the window, its pixels */
+	bool dragging;                /* the button was down in the last frame, */
+	float drag[2];                /* with the pointer here, pixels of the window */
+	float light[256];             /* linear light of each sRGB code */
 };
 
 /* ---- which part of the picture ----------------------------------------------------------------------------------- */
 
-/* Whole numbers where the picture is enlarged, so that its pixels stay equal squares. */
+/* The largest scale at which the picture fits the window; a whole number if that enlarges it, so that its pixels stay
+ * equal squares. */
 static float viewer_fit(const stilb_image *picture, uint32_t width, uint32_t height)
 {
 	float scale = fminf((float)width / (float)picture->width, (float)height / (float)picture->height);
 	return scale >= 1.0f ? fminf(floorf(scale), VIEWER_MAX_SCALE) : scale;
 }
 
-/* The picture's pixels [begin, end) that pixel i of the window's `count` shows; none outside of it. */
+/* Along one axis: the picture's pixels span[0] .. span[1] - 1, of `size`, that pixel i of the window's `count` shows;
+ * none outside the picture. */
 static void viewer_span(uint32_t i, uint32_t count, float scale, float center, uint32_t size, uint32_t span[2])
 {
+	STILB_ASSERT(scale > 0.0f && size > 0);
 	float from = center + ((float)i - 0.5f * (float)count) / scale, to = from + 1.0f / scale;
 	float limit = (float)size;
 	if (from + to < 0.0f || from + to >= 2.0f * limit) {
@@ -58,8 +64,10 @@ static void viewer_span(uint32_t i, uint32_t count, float scale, float center, u
 	}
 }
 
+/* The mean of a rectangle of the picture, linear light; VIEWER_GREY if it is empty. */
 static void viewer_average(const stilb_engine_viewer *viewer, const uint32_t x[2], const uint32_t y[2], float out[3])
 {
+	STILB_ASSERT(x[1] <= viewer->picture.width && y[1] <= viewer->picture.height);
 	const uint8_t *codes = viewer->picture.pixels;
 	float sum[3] = {0.0f, 0.0f, 0.0f};
 	for (uint32_t row = y[0]; row < y[1]; row++) {
@@ -73,6 +81,7 @@ static void viewer_average(const stilb_engine_viewer *viewer, const uint32_t x[2
 		out[c] = count > 0 ? sum[c] / (float)count : VIEWER_GREY;
 }
 
+/* Fills `shown`, by the nearest pixel if the picture is enlarged, by the mean if it is reduced. */
 static void viewer_resample(stilb_engine_viewer *viewer)
 {
 	const stilb_image *picture = &viewer->picture, *shown = &viewer->shown;
@@ -91,7 +100,7 @@ static void viewer_resample(stilb_engine_viewer *viewer)
 	}
 }
 
-/* The window's part of the picture as a texture of the same size. */
+/* Brings `shown` and its texture up to date, width x height pixels. */
 static stilb_result viewer_texture(stilb_engine_viewer *viewer, uint32_t width, uint32_t height)
 {
 	if (!viewer->stale && viewer->shown.width == width && viewer->shown.height == height)
@@ -113,7 +122,8 @@ static stilb_result viewer_texture(stilb_engine_viewer *viewer, uint32_t width, 
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-/* As large as the picture: larger when that is tiny, and smaller when it would not fit a screen. */
+/* The window's size at first: the picture's, but larger for tiny pictures and smaller for those that would not fit a
+ * screen. */
 static void viewer_window_size(const stilb_engine_viewer_desc *desc, uint32_t size[2])
 {
 	float width = (float)desc->width, height = (float)desc->height;
@@ -154,10 +164,13 @@ static stilb_result viewer_start(stilb_engine_viewer *viewer, const stilb_engine
 
 stilb_result stilb_engine_viewer_create(const stilb_engine_viewer_desc *desc, stilb_engine_viewer **out)
 {
+	STILB_ASSERT(desc && out);
+	STILB_ASSERT(desc->width >= 1 && desc->height >= 1);
 	*out = NULL;
 	stilb_engine_viewer *viewer = calloc(1, sizeof *viewer);
 	if (!viewer)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a window with the picture");
+	stilb_owner_take(&viewer->owner);
 	for (int code = 0; code < 256; code++)
 		viewer->light[code] = shade_srgb_to_linear((float)code / 255.0f);
 	viewer->stale = true;
@@ -173,6 +186,7 @@ void stilb_engine_viewer_destroy(stilb_engine_viewer *viewer)
 {
 	if (!viewer)
 		return;
+	STILB_ASSERT_OWNER(viewer->owner);
 	if (viewer->render)
 		stilb_render_texture_destroy(viewer->render, viewer->texture);
 	stilb_ui_destroy(viewer->ui);
@@ -185,13 +199,15 @@ void stilb_engine_viewer_destroy(stilb_engine_viewer *viewer)
 
 void stilb_engine_viewer_picture(stilb_engine_viewer *viewer, const uint8_t *srgb)
 {
+	STILB_ASSERT_OWNER(viewer->owner);
+	STILB_ASSERT(srgb);
 	memcpy(viewer->picture.pixels, srgb, stilb_image_size(&viewer->picture));
 	viewer->stale = true;
 }
 
-/* ---- what the user does ------------------------------------------------------------------------------------------ */
+/* ---- input ------------------------------------------------------------------------------------------------------- */
 
-/* From here on the place in the picture is the user's. */
+/* Before the first zoom or drag: makes the scale and centre that fitted the picture those that the user changes. */
 static void viewer_take_over(stilb_engine_viewer *viewer, uint32_t width, uint32_t height)
 {
 	if (viewer->scale > 0.0f)
@@ -201,9 +217,11 @@ static void viewer_take_over(stilb_engine_viewer *viewer, uint32_t width, uint32
 	viewer->center[1] = 0.5f * (float)viewer->picture.height;
 }
 
-/* What is under the pointer stays there. Past 100 % the scale goes by whole numbers of the square root of two. */
+/* Zooms by a factor of sqrt(2) for each notch. The point under the pointer, from_middle pixels from the window's
+ * middle, stays there. */
 static void viewer_zoom(stilb_engine_viewer *viewer, float notches, const float from_middle[2])
 {
+	STILB_ASSERT(viewer->scale > 0.0f && "the user has taken over");
 	float scale = fminf(fmaxf(viewer->scale * exp2f(0.5f * notches), 1.0f / 64.0f), VIEWER_MAX_SCALE);
 	for (int k = 0; k < 2; k++)
 		viewer->center[k] += from_middle[k] / viewer->scale - from_middle[k] / scale;
@@ -211,8 +229,10 @@ static void viewer_zoom(stilb_engine_viewer *viewer, float notches, const float 
 	viewer->stale = true;
 }
 
+/* Moves the picture with the pointer. */
 static void viewer_drag(stilb_engine_viewer *viewer, const float pointer[2])
 {
+	STILB_ASSERT(viewer->scale > 0.0f && "the user has taken over");
 	for (int k = 0; k < 2; k++)
 		viewer->center[k] -= (pointer[k] - viewer->drag[k]) / viewer->scale;
 	viewer->stale = true;
@@ -238,7 +258,7 @@ static void viewer_act(stilb_engine_viewer *viewer, const stilb_window_state *st
 	memcpy(viewer->drag, pointer, sizeof pointer);
 }
 
-/* *drawn: false while there is nothing to draw to. */
+/* Takes the window's input and follows its size. *drawn is false if the window has no area to draw to. */
 static stilb_result viewer_input(stilb_engine_viewer *viewer, double seconds, bool *close, bool *drawn)
 {
 	stilb_window_state state;
@@ -264,8 +284,10 @@ static stilb_result viewer_input(stilb_engine_viewer *viewer, double seconds, bo
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
+/* The line of text at the bottom, with the scale at its right end unless the picture fits the window. */
 static void viewer_words(stilb_engine_viewer *viewer, const char *words, uint32_t width, uint32_t height)
 {
+	STILB_ASSERT(height > VIEWER_STRIP);
 	const stilb_ui_style *style = stilb_ui_style_get(viewer->ui);
 	const stilb_ui_font *font = stilb_ui_font_get(viewer->ui, STILB_UI_TEXT_NORMAL);
 	stilb_ui_draw_list *list = stilb_ui_list(viewer->ui);
@@ -283,7 +305,7 @@ static void viewer_words(stilb_engine_viewer *viewer, const char *words, uint32_
 	stilb_ui_draw_text(list, font, area, STILB_UI_ALIGN_LEFT, style->text, words);
 }
 
-/* The texture over all of the window but the words. */
+/* Draws the texture over the window, except for the line of text. */
 static stilb_result viewer_record_picture(stilb_engine_viewer *viewer, uint32_t width, uint32_t height)
 {
 	float right = (float)width, bottom = (float)height, clip[4] = {0.0f, 0.0f, right, bottom};
@@ -332,6 +354,9 @@ static stilb_result viewer_draw(stilb_engine_viewer *viewer, const char *words)
 
 stilb_result stilb_engine_viewer_frame(stilb_engine_viewer *viewer, const char *words, double seconds, bool *close)
 {
+	STILB_ASSERT_OWNER(viewer->owner);
+	STILB_ASSERT(words && close);
+	STILB_ASSERT(seconds >= 0.0);
 	bool drawn;
 	stilb_result result = viewer_input(viewer, seconds, close, &drawn);
 	return result == STILB_OK && drawn ? viewer_draw(viewer, words) : result;

@@ -1,0 +1,164 @@
+/* The contracts of the engine, its viewers and its windows, each broken on purpose. On the null device, without workers
+ * and without the profiler, whose threads a child process would lack. */
+#include "engine_internal.h"
+#include "replay.h"
+#include "support/contract.h"
+#include "support/test.h"
+#include "trace_view.h"
+#include "viewer.h"
+
+#include <pthread.h>
+
+static stilb_engine_desc null_desc(void)
+{
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.models = 20;
+	desc.workers = 0;
+	desc.device = STILB_RENDER_DEVICE_NULL;
+	desc.width = 320;
+	desc.height = 200;
+	desc.profile = false;
+	return desc;
+}
+
+static stilb_engine *make(void)
+{
+	stilb_engine_desc desc = null_desc();
+	stilb_engine *engine;
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_OK);
+	return engine;
+}
+
+static stilb_result frame(stilb_engine *engine)
+{
+	stilb_engine_report report;
+	return stilb_engine_frame(engine, &report);
+}
+
+static void *frame_of(void *engine)
+{
+	frame(engine);
+	return NULL;
+}
+
+static void *capture_of(void *engine)
+{
+	stilb_engine_capture(engine);
+	return NULL;
+}
+
+static void *destroy_of(void *engine)
+{
+	stilb_engine_destroy(engine);
+	return NULL;
+}
+
+/* The engine's call on a thread that is not the main one. */
+static void call_on_another_thread(void *(*call)(void *engine), stilb_engine *engine)
+{
+	pthread_t thread;
+	assert_int_equal(pthread_create(&thread, NULL, call, engine), 0);
+	pthread_join(thread, NULL);
+}
+
+static void create_with_replay_of_nothing(void)
+{
+	stilb_engine_desc desc = null_desc();
+	desc.gamepad = STILB_ENGINE_GAMEPAD_REPLAY;
+	stilb_engine *engine;
+	stilb_engine_create(&desc, &engine);
+}
+
+static void engines(void **state)
+{
+	(void)state;
+	contract_breaks("desc && out", stilb_engine_create(NULL, NULL));
+	contract_breaks("desc->gamepad_recording", create_with_replay_of_nothing());
+	stilb_engine *engine = make();
+	contract_breaks("called on the owner's thread", call_on_another_thread(frame_of, engine));
+	contract_breaks("called on the owner's thread", call_on_another_thread(capture_of, engine));
+	contract_breaks("called on the owner's thread", call_on_another_thread(destroy_of, engine));
+	contract_breaks("report", stilb_engine_frame(engine, NULL));
+	contract_breaks("gpu_ms", stilb_engine_wait(engine, NULL));
+	contract_breaks("path", stilb_engine_screenshot(engine, NULL));
+	contract_breaks("width && height", stilb_engine_size(engine, NULL, NULL));
+	contract_breaks("shading", stilb_engine_set_shading(engine, NULL));
+	contract_breaks("title", stilb_engine_set_title(engine, NULL));
+	assert_int_equal(frame(engine), STILB_OK);
+	stilb_engine_destroy(engine);
+}
+
+static void break_pass(stilb_engine *engine)
+{
+	engine->passes[0].view = engine->view_count;
+	frame(engine);
+}
+
+static void break_moved(stilb_engine *engine)
+{
+	engine->scene->model_count = 0;
+	frame(engine);
+}
+
+static void break_views(stilb_engine *engine)
+{
+	engine->view_count = ENGINE_MAX_VIEWS + 1;
+	frame(engine);
+}
+
+static void break_pass_count(stilb_engine *engine)
+{
+	engine->overlay.profiler_open = true;
+	engine->pass_count = STILB_RENDER_MAX_PASSES;
+	frame(engine);
+}
+
+static void stages(void **state)
+{
+	(void)state;
+	stilb_engine *engine = make();
+	contract_breaks("engine->passes[p].view < engine->view_count", break_pass(engine));
+	contract_breaks("scene->model_count == cull->model_count", break_moved(engine));
+	contract_breaks("engine->view_count >= 1", break_views(engine));
+	contract_breaks("engine->pass_count < ", break_pass_count(engine));
+	contract_breaks("engine_overlay_is_open", engine_overlay_record(engine, 1, 0));
+	stilb_engine_destroy(engine);
+}
+
+static void choose_an_unknown_model(void)
+{
+	stilb_render_shading before = stilb_render_shading_default(), now = before;
+	now.brdf = UINT32_MAX;
+	stilb_engine_shading_chosen(&before, &now);
+}
+
+static void notice_too_many(void)
+{
+	engine_notice notice = {.pad_count = ENGINE_NOTICE_PADS + 1};
+	engine_notice_remove(&notice, 1);
+}
+
+static void parts(void **state)
+{
+	(void)state;
+	engine_notice notice = {0};
+	contract_breaks("shading->brdf < ", choose_an_unknown_model());
+	contract_breaks("notice->pad_count <= ", notice_too_many());
+	contract_breaks("info", engine_notice_add(&notice, 1, NULL));
+	stilb_engine_replay *replay;
+	contract_breaks("desc->path", stilb_engine_replay_create(&(stilb_engine_replay_desc){0}, &replay));
+	stilb_engine_viewer *viewer;
+	contract_breaks("desc->width >= 1", stilb_engine_viewer_create(&(stilb_engine_viewer_desc){0}, &viewer));
+	stilb_engine_trace_view *view;
+	contract_breaks("desc->trace", stilb_engine_trace_view_create(&(stilb_engine_trace_view_desc){0}, &view));
+}
+
+int main(void)
+{
+	struct CMUnitTest tests[] = {
+		cmocka_unit_test(engines),
+		cmocka_unit_test(stages),
+		cmocka_unit_test(parts),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
