@@ -1,5 +1,5 @@
-/* The engine flown by gamepads that are made up in sockets: plugged, pulled, stalled, denied, and shaken. No device
- * draws. */
+/* The engine's camera moved by gamepads that sockets simulate: plugged in, pulled out, stalled, without permission and
+ * rumbling. On the null device. */
 #include "engine_internal.h"
 #include "support/fake_hidraw.h"
 #include "support/test.h"
@@ -150,7 +150,7 @@ static void headless_it_must_be_asked_for(void **state)
 	engine = NULL;
 }
 
-/* Half a second without a frame at 1000 reports a second: the next frame takes them all, and flies by the last one. */
+/* Half a second without a frame at 1000 reports a second: the next frame takes all of them and moves by the last. */
 static void a_stalled_frame_loses_nothing(void **state)
 {
 	(void)state;
@@ -180,7 +180,7 @@ static void a_stalled_frame_loses_nothing(void **state)
 	assert_true(report.times.pad == 0.0); /* none came since */
 }
 
-/* ---- who flies --------------------------------------------------------------------------------------------------- */
+/* ---- the camera's control ---------------------------------------------------------------------------------------- */
 
 static void the_program_may_move_the_camera(void **state)
 {
@@ -271,7 +271,7 @@ static void a_pad_that_captures_shakes(void **state)
 	assert_true(output[4] == 0 && output[5] == 0); /* and it stops */
 	run_frame();
 	assert_false(report.input.capture);
-	assert_int_equal(stilb_engine_capture(engine), STILB_OK); /* the program's own wish: it lies still */
+	assert_int_equal(stilb_engine_capture(engine), STILB_OK); /* requested by the program: no rumble */
 	assert_int_equal(fake_receive(NODE, output, sizeof output, 50), 0);
 	stilb_engine_destroy(engine);
 	engine = NULL;
@@ -282,7 +282,7 @@ static void a_pad_that_captures_shakes(void **state)
 
 /* ---- the profiler ------------------------------------------------------------------------------------------------ */
 
-/* A report's way is an arrow from the pad's thread to the frame, how long it took is two curves. */
+/* A report is recorded as a flow from the pad's thread to the frame, and its latencies as two counters. */
 static void reports_are_seen_in_the_profile(void **state)
 {
 	(void)state;

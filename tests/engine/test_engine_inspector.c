@@ -1,4 +1,4 @@
-/* The inspector of materials with a mouse and keys, without a renderer. */
+/* The materials' window used with mouse and keys, without a renderer. */
 #include "engine_internal.h"
 #include "shading/shade_brdf.h"
 #include "shading/shade_light.h"
@@ -47,7 +47,7 @@ static void point_at(float x, float y)
 	input.mouse_present = true;
 	input.mouse_x = x;
 	input.mouse_y = y;
-	draw(); /* who is under the mouse is known from the frame before */
+	draw(); /* a widget reacts to the mouse in the frame after the one that drew it */
 	draw();
 }
 
@@ -73,8 +73,8 @@ static float across(float share)
 	return inspector.place.x0 + share * (inspector.place.x1 - inspector.place.x0);
 }
 
-/* Clicks along a line from below the title down to `end` of the panel's height; each time from the default, or
- * Lambert. */
+/* Clicks at every pixel of a vertical line from below the title down to `end` of the panel's height; before each click
+ * the shading is reset to the default, or to Lambert. */
 static void click_down(float share, float end, bool lambert, void (*look)(void))
 {
 	const float height = inspector.place.y1 - inspector.place.y0;
@@ -108,7 +108,7 @@ static uint32_t count_seen(int list)
 	return count;
 }
 
-/* Every word of every list can be clicked. */
+/* Every row of every list can be clicked. */
 static void test_each_word(void **state)
 {
 	(void)state;
@@ -136,7 +136,7 @@ static void look_at_model(void)
 	assert_true(shading.brdf == SHADE_BRDF_LAMBERT || shading.brdf == SHADE_BRDF_MICROFACET);
 }
 
-/* Who takes a part gets the model that has parts, also with a click on the part that was marked already. */
+/* Choosing D, G or F chooses the microfacet model, also if that row was selected already. */
 static void test_a_part_chooses_its_model(void **state)
 {
 	(void)state;
@@ -157,8 +157,8 @@ static float wrap_then_anisotropy(uint32_t brdf, uint32_t ndf)
 	return shading.wrap + 10.0f * shading.anisotropy;
 }
 
-/* Who chooses what shows nothing with the materials' own numbers gets some; it goes with the choice, unless it was
- * set. */
+/* Choosing wrapped light or anisotropic GGX adds wrap or anisotropy; choosing another model removes it unless the user
+ * has changed it. */
 static void test_a_choice_can_be_seen(void **state)
 {
 	(void)state;
@@ -168,7 +168,7 @@ static void test_a_choice_can_be_seen(void **state)
 	assert_true(wrap_then_anisotropy(SHADE_BRDF_WRAPPED, BENT) == 0.5f);
 	assert_true(wrap_then_anisotropy(SHADE_BRDF_MICROFACET, BENT) == 6.0f);
 	assert_true(wrap_then_anisotropy(SHADE_BRDF_PHONG, BENT) == 0.0f);
-	shading.wrap = 0.5f; /* set for Phong: it stays for Lambert */
+	shading.wrap = 0.5f; /* set by the user with Phong: choosing Lambert keeps it */
 	assert_true(wrap_then_anisotropy(SHADE_BRDF_LAMBERT, BENT) == 0.5f);
 	shading.wrap = 0.25f;
 	shading.anisotropy = -0.5f;
@@ -236,7 +236,7 @@ static void look_at_sliders(void)
 	}
 }
 
-/* To the right of the middle is more, to the left less; the button takes all back. */
+/* A click right of a slider's middle raises the value, one left of it lowers it; the button resets all. */
 static void test_sliders(void **state)
 {
 	(void)state;
@@ -283,7 +283,7 @@ static void test_window(void **state)
 	assert_false(open);
 }
 
-/* Where there is no room below the lists, lobe and sliders stand beside them; the right end stays when that changes. */
+/* In a low picture the plot and the sliders are beside the lists; the right edge stays when that changes. */
 static void test_low_picture(void **state)
 {
 	(void)state;
@@ -306,7 +306,7 @@ static void test_low_picture(void **state)
 	assert_memory_equal(&inspector.place, &tall, sizeof tall);
 }
 
-/* Turns the wheel to the top of what is there, and from there down. */
+/* Scrolls to the top with the wheel, and from there down. */
 static void scroll_down(float x, float y, float notches)
 {
 	point_at(x, y);
@@ -369,7 +369,7 @@ static bool list_shows(size_t list, uint32_t row, float rows)
 	return scroll <= top && top + 18.0f <= scroll + 18.0f * rows;
 }
 
-/* What is chosen is in view, whoever chose it; then the user may scroll away from it. */
+/* A chosen row is scrolled into view, be it chosen by the user or the program; then the user may scroll away. */
 static void test_chosen_is_in_view(void **state)
 {
 	(void)state;
@@ -389,7 +389,7 @@ static void test_chosen_is_in_view(void **state)
 	assert_false(list_shows(2 + 1, SHADE_G_IMPLICIT, 3.0f));
 }
 
-/* Pictures that the window does not fit in, and numbers that a lobe has not: nothing of it is drawn wrong or
+/* Pictures smaller than the window, and added values at both ends of the sliders: all vertices stay finite, and nothing
  * crashes. */
 static void test_small_and_odd(void **state)
 {

@@ -1,4 +1,5 @@
-/* The notice of gamepads that may not be opened, over the picture: it comes, says which and what to do, and goes. */
+/* The notice of gamepads without permission, over the picture: it appears, names them and the udev rules, and
+ * disappears. */
 #include "engine_internal.h"
 #include "image/image.h"
 #include "support/test.h"
@@ -58,7 +59,7 @@ static void draw(uint8_t *pixels)
 	stilb_image_finish(&image);
 }
 
-/* The first row and the row after the last one in which the picture is not as without the notice; equal: none. */
+/* The rows first .. end - 1 in which the picture differs from the one without the notice; first == end: none. */
 static void changed(uint32_t rows[2])
 {
 	static uint8_t now[sizeof plain];
@@ -88,13 +89,13 @@ static void it_comes_and_goes(void **state)
 	changed(one);
 	assert_true(one[0] > 0 && one[1] > one[0] + 80 && one[1] < 220); /* at the top, as high as its words */
 	deny(2, "/dev/hidraw4", "", 0x057e);
-	deny(2, "/dev/hidraw4", "", 0x057e); /* the same again is no third one */
+	deny(2, "/dev/hidraw4", "", 0x057e); /* the same pad again is not added a second time */
 	assert_int_equal(engine->overlay.notice.pad_count, 2);
 	changed(two);
 	assert_true(two[1] > one[1] + 20); /* another pad, another rule */
 	engine_notice_remove(&engine->overlay.notice, 1);
 	changed(two);
-	engine_notice_remove(&engine->overlay.notice, 7); /* never told of */
+	engine_notice_remove(&engine->overlay.notice, 7); /* not in the notice */
 	assert_true(two[0] == one[0] && two[1] > two[0] + 80);
 	engine_notice_remove(&engine->overlay.notice, 2);
 	changed(none);
@@ -138,7 +139,7 @@ static void resize(uint32_t to_width, uint32_t to_height)
 	assert_int_equal(stilb_engine_resize(engine, width, height), STILB_OK);
 }
 
-/* The terminal has the same, in lines that are not too long for it. */
+/* The log has the same, in lines of limited length. */
 static void it_is_logged(void **state)
 {
 	(void)state;
@@ -163,7 +164,7 @@ static void it_is_logged(void **state)
 		assert_true(said[i]);
 }
 
-/* A panel that would be cut off points to the terminal instead, and is whole. */
+/* A panel that would not fit the picture refers to the terminal instead, and then fits. */
 static void half_a_rule_is_not_shown(void **state)
 {
 	(void)state;
@@ -205,7 +206,7 @@ static void more_than_there_is_room_for(void **state)
 	}
 }
 
-/* With a folder: the pictures, to be looked at. */
+/* Writes the pictures to a folder, if one is given, for looking at them. */
 static void save_pictures(const char *folder)
 {
 	char path[256];

@@ -1,5 +1,5 @@
-/* The engine on the null device: frames are the same for any number of workers, and what fails leaves nothing behind.
- * The linker sends allocations here (--wrap). */
+/* The engine on the null device: frames are the same for any number of workers, and a failed creation frees everything.
+ * The linker redirects allocations to the functions here (--wrap). */
 #include "engine_internal.h"
 #include "support/render_reference.h"
 #include "support/test.h"
@@ -63,7 +63,7 @@ static stilb_engine *make_engine(const stilb_engine_desc *desc)
 	return engine;
 }
 
-/* Is the model's sphere in front of all six planes, as cull.h says it is worked out? */
+/* True if the model's sphere is visible by the definition in cull.h. */
 static bool model_visible(const stilb_scene *scene, uint32_t model, const stilb_frustum *frustum)
 {
 	for (int p = 0; p < 6; p++) {
@@ -77,7 +77,8 @@ static bool model_visible(const stilb_scene *scene, uint32_t model, const stilb_
 	return true;
 }
 
-/* The hash of what the scene's camera sees, continued from hash; *visible counts its models. */
+/* The stream hash, worked out here, of the models that the scene's camera sees, continued from hash; *visible is their
+ * number. */
 static uint64_t scene_hash(uint64_t hash, const stilb_scene *scene, const stilb_mat4 *matrix, uint32_t *visible)
 {
 	stilb_frustum frustum = stilb_frustum_from_matrix(matrix);
@@ -136,7 +137,7 @@ static void frames_do_not_depend_on_workers(void **state)
 		}
 }
 
-/* The bottom of the view is level, at a height that some of the moving spheres reach: they come and go. */
+/* The bottom plane of the view is horizontal, at a height that some of the moving spheres cross in both directions. */
 static void moving_models_come_and_go(void **state)
 {
 	(void)state;
@@ -222,7 +223,7 @@ static void another_size_is_another_view(void **state)
 	stilb_engine_destroy(engine);
 }
 
-/* The formulas of the next frame; the inspector over it draws, and changes none of it by itself. */
+/* The chosen shading models are part of the stream hash; the open inspector draws without changing them. */
 static void formulas_are_part_of_the_stream(void **state)
 {
 	(void)state;
@@ -249,8 +250,8 @@ static void formulas_are_part_of_the_stream(void **state)
 
 /* ---- the tables -------------------------------------------------------------------------------------------------- */
 
-/* Frame.c runs what the tables say: here a second view from elsewhere, drawn before the first one, and the first
- * again. */
+/* frame.c runs the tables of views and passes: here with a second view from elsewhere, drawn before the first one, and
+ * then the first view again. */
 static void the_tables_drive_the_frame(void **state)
 {
 	(void)state;
@@ -335,7 +336,7 @@ static void no_memory(const stilb_engine_desc *desc)
 		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY || result == STILB_ERROR_THREAD);
 		assert_true((engine != NULL) == created);
 		if (created && !drawn)
-			assert_frame(engine); /* one bad frame is no end */
+			assert_frame(engine); /* the next frame succeeds again */
 		stilb_engine_destroy(engine);
 	}
 	assert_true(needed > 15 && granted > needed + 5);

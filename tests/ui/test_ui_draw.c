@@ -1,5 +1,5 @@
-/* ui: shapes as triangles: where their vertices are, and what they cover, against shapes sampled 64 x 64 times a
- * pixel. */
+/* ui: shapes as triangles: the positions of their vertices, and their coverage of pixels compared with the exact shapes
+ * sampled 64 x 64 times a pixel. */
 #include "test_ui_raster.h"
 
 static const stilb_ui_color white = {255, 255, 255, 255};
@@ -16,17 +16,18 @@ static stilb_ui_draw_list list_of(stilb_ui_aa aa, float width, float height)
 #define SIDE 48
 #define SAMPLES 64
 
-/* A shape as what draws it and as what is inside. */
+/* A shape: the call that draws it, and the test whether a point is inside. */
 typedef struct test_shape {
 	const char *name;
 	void (*draw)(stilb_ui_draw_list *list);
 	bool (*inside)(double x, double y);
-	double worst, edge_mean; /* the errors that are allowed */
+	double worst, edge_mean; /* limits of the errors, see `deviation` below */
 } test_shape;
 
-/* How far a drawn shape is from the share of each pixel that it covers: over all pixels, and over those on its edge. */
+/* The errors of a drawn shape: drawn alpha against the share of the pixel that the shape covers, the largest over all
+ * pixels and the mean over pixels on its edge. */
 typedef struct shape_error {
-	double worst, edge_mean, area; /* area: of the drawn one over the true one */
+	double worst, edge_mean, area; /* area: sum of the drawn alpha over the exact area */
 } shape_error;
 
 static double reference_coverage(const test_shape *shape, uint32_t x, uint32_t y)
@@ -229,7 +230,8 @@ static void test_shapes_cover_what_they_should(void **state)
 	}
 }
 
-/* What keeps `--ui-aa article` and `off` honest: they are as far off as is said of them. */
+/* The other two kinds of antialiasing have larger errors, and AA_ARTICLE enlarges shapes: the limits above tell the
+ * three apart. */
 static void test_other_modes_are_worse(void **state)
 {
 	(void)state;
@@ -243,9 +245,9 @@ static void test_other_modes_are_worse(void **state)
 	}
 }
 
-/* ---- where the vertices are -------------------------------------------------------------------------------------- */
+/* ---- positions of vertices --------------------------------------------------------------------------------------- */
 
-/* How far vertex is outside the edge from a to b of a clockwise polygon. */
+/* The signed distance of a vertex to the edge from a to b of a clockwise polygon; positive outside. */
 static float outside_edge(const stilb_render_vertex_2d *vertex, stilb_ui_point a, stilb_ui_point b)
 {
 	float length = hypotf(b.x - a.x, b.y - a.y);
@@ -312,7 +314,7 @@ static void test_rectangles_on_pixels_are_one_quad(void **state)
 	}
 }
 
-/* Along a straight line the profile is that of a blurred strip, whatever its width. */
+/* The cross-section of a straight line of any width is a strip convolved with a pixel. */
 static void test_lines_keep_their_width(void **state)
 {
 	(void)state;
@@ -338,8 +340,8 @@ static void test_clips_nest_and_merge(void **state)
 	(void)state;
 	stilb_ui_draw_list list = list_of(STILB_UI_AA_FEATHER, 100, 80);
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){0, 0, 10, 10}, white);
-	stilb_ui_clip_push(&list,
-	                   (stilb_ui_rect){10.5f, 20.5f, 90.2f, 200}); /* outwards to pixels, and within the picture */
+	stilb_ui_clip_push(
+		&list, (stilb_ui_rect){10.5f, 20.5f, 90.2f, 200}); /* rounded outwards to pixels, and clipped to the picture */
 	stilb_ui_clip_push(&list, (stilb_ui_rect){0, 0, 50, 50});
 	stilb_ui_rect clip = stilb_ui_clip(&list);
 	assert_true(clip.x0 == 10 && clip.y0 == 20 && clip.x1 == 50 && clip.y1 == 50);
@@ -469,7 +471,7 @@ static void test_colors(void **state)
 	assert_int_equal(stilb_ui_fade(white, -1.0f).a, 0);
 	stilb_ui_color mixed = stilb_ui_mix(stilb_ui_rgb(0x204060), stilb_ui_rgb(0x406080), 0.5f);
 	assert_memory_equal(&mixed, ((uint8_t[]){0x30, 0x50, 0x70, 0xff}), 4);
-	for (uint32_t rgb = 0; rgb < 1u << 24; rgb += 0x0305) { /* never the worse of the two by more than rounding */
+	for (uint32_t rgb = 0; rgb < 1u << 24; rgb += 0x0305) { /* the chosen one has the higher contrast, up to rounding */
 		stilb_ui_color back = stilb_ui_rgb(rgb), text = stilb_ui_text_color_on(back);
 		double other = contrast(back, stilb_ui_rgb(text.r ? 0x000000 : 0xffffff));
 		assert_true(contrast(back, text) >= 0.96 * other);

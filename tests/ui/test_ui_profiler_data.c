@@ -1,4 +1,4 @@
-/* ui: what the profiler's window says about a frame, on snapshots made by hand. */
+/* ui: the report of a frame in the profiler's window, on snapshots made by hand. */
 #include "support/test.h"
 #include "test_ui_profiler_made.h"
 #include "ui/ui_profiler_data.h"
@@ -51,7 +51,7 @@ static void test_walk(void **state)
 	free(m);
 }
 
-/* A walk that begins anywhere agrees with the one from the start. */
+/* A walk that begins at any time gives the same stretches as the one from the start. */
 static void test_walk_from_anywhere(void **state)
 {
 	(void)state;
@@ -87,7 +87,7 @@ static void test_off_cpu(void **state)
 
 /* ---- merging ----------------------------------------------------------------------------------------------------- */
 
-/* Every zone is in one span and none is counted twice, whatever the scale. */
+/* At every scale each zone is in exactly one span. */
 static uint32_t spans_zones(const ui_profiler_spans *spans)
 {
 	uint32_t zones = 0;
@@ -348,7 +348,7 @@ static void test_wait_for_gpu(void **state)
 	               "GPU-limited: the GPU was busy for 9.20 ms of 10.00 ms; main decides, 8.80 ms.");
 }
 
-/* Names that mean something else on a device; the stage stays what it was. */
+/* A zone called "wait ..." on a device is a wait of the device and not a pass that could limit the frame. */
 static void test_gpu_that_waits(void **state)
 {
 	(void)state;
@@ -363,7 +363,7 @@ static void test_gpu_that_waits(void **state)
 	               "GPU-limited: the GPU was busy for 9.00 ms of 10.00 ms; wait for the GPU decides, 9.00 ms.");
 }
 
-/* A slow frame of the processor's own, with a wait for the GPU left over from the frame before. */
+/* A frame that the CPU made slow and that begins with a wait for the GPU to finish the frame before. */
 static void test_gpu_with_time_to_spare(void **state)
 {
 	(void)state;
@@ -455,8 +455,8 @@ static uint64_t sum_of(const ui_profiler_lane_sum *sum)
 	return sum->work_ns + sum->wait_ns + sum->idle_ns + sum->asleep_ns + sum->lost_ns + sum->outside_ns;
 }
 
-/* A lost CPU counts inside zones and outside of them, for the lane as for the words; and the lane's parts are the
- * frame. */
+/* A lost CPU is counted inside zones and outside them, in the lane's parts as in the sentence; and the parts add up to
+ * the frame. */
 static void test_lane_sums(void **state)
 {
 	(void)state;
@@ -467,7 +467,7 @@ static void test_lane_sums(void **state)
 	made_zone(m, 1, "record", 0, 2000);
 	made_zone(m, 1, "wait for workers", 2000, 3500);
 	made_switch(m, 500, 1000, true);
-	made_switch(m, 2500, 3000, true); /* in a wait it is a wait */
+	made_switch(m, 2500, 3000, true); /* inside a wait: counts as wait, not as lost */
 	made_switch(m, 5000, 8000, true);
 	made_switch(m, 8500, 9000, false);
 	made_lane(m, "GPU", STILB_PROF_LANE_DEVICE);
@@ -493,7 +493,7 @@ static void test_lane_sums(void **state)
 	free(m);
 }
 
-/* However many places there are in which the thread slept, all of what it lost is told. */
+/* All time lost to other threads is counted, even if the thread slept in more zones than there are groups of waits. */
 static void test_lost_cpu_among_many_sleeps(void **state)
 {
 	(void)state;
@@ -517,7 +517,7 @@ static void test_lost_cpu_among_many_sleeps(void **state)
 	free(m);
 }
 
-/* Main is not held up, but a worker is; parked workers have nothing to do and are not. */
+/* If the main thread does not wait, a worker's wait is reported; being parked is not a wait. */
 static void test_worker_lost_cpu(void **state)
 {
 	(void)state;
@@ -532,7 +532,7 @@ static void test_worker_lost_cpu(void **state)
 	assert_wait_text(m, 0, "In job, worker 1 lost the CPU to other threads for 2.00 ms.");
 }
 
-/* The thread that runs frames is found wherever it stands, and a wait outside all its steps has no place. */
+/* The thread that runs frames is found in whichever lane it is; a wait outside all zones of work has no in_label. */
 static void test_frame_thread(void **state)
 {
 	(void)state;
@@ -581,7 +581,8 @@ static void test_empty_frames(void **state)
 
 /* ---- counters ---------------------------------------------------------------------------------------------------- */
 
-/* One curve for all points of a name, of two places in the source and two threads; what is no number is left out. */
+/* All points of one name form one counter, though two sites and two threads recorded them; NaN and infinity are left
+ * out. */
 static void test_counters(void **state)
 {
 	(void)state;

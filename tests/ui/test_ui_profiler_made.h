@@ -57,7 +57,7 @@ static inline uint32_t made_label(made *m, const char *name)
 	return i;
 }
 
-/* The lane that zones and switches go to from now on. */
+/* Adds a lane; the zones and switches that follow belong to it. */
 static inline uint32_t made_lane(made *m, const char *name, stilb_prof_lane_kind kind)
 {
 	uint32_t i = m->snapshot.lane_count++;
@@ -72,7 +72,7 @@ static inline void made_frame(made *m, uint64_t number, double begin_us, double 
 	m->frames[m->snapshot.frame_count++] = (stilb_prof_frame){number, made_ns(begin_us), made_ns(end_us)};
 }
 
-/* Within the last zone that was made one level above it. Returns its index. */
+/* Adds a zone, nested in the last one that was made one level above. Returns its index. */
 static inline uint32_t made_zone(made *m, uint16_t level, const char *name, double begin_us, double end_us)
 {
 	uint32_t lane = m->snapshot.lane_count - 1, index = m->lanes[lane].zone_count++;

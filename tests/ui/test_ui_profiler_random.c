@@ -1,5 +1,5 @@
-/* ui: the profiler's window over anything that a trace file could hold: nothing reaches beyond memory, every vertex is
- * a place, and the words fit. Best run with the sanitizers. */
+/* ui: the profiler's window over random snapshots, with everything that a trace file may hold: no access outside of
+ * memory (for the sanitizers to find), all vertices are finite, and texts fit their buffers. */
 #include "base/base.h"
 #include "support/test.h"
 #include "test_ui_profiler_made.h"
@@ -13,7 +13,7 @@
 #define DEEPEST 70u /* levels: more than are ever drawn */
 
 static made *recorded;
-static uint64_t seed, drawn; /* of the random numbers, and how many there were */
+static uint64_t seed, drawn; /* of the random numbers, and how many have been drawn */
 
 /* In [0, below). */
 static uint64_t any(uint64_t below)
@@ -170,7 +170,7 @@ static void draw_some(stilb_ui *ui, stilb_ui_profiler *profiler)
 	}
 }
 
-/* Each moment of a frame is in one of a lane's parts, and the words tell no other lost time than the lane. */
+/* The parts of a lane's time add up to the frame, and the sentence about a lost CPU gives the same time as the lane. */
 static void check_sums(void)
 {
 	ui_profiler_data data = {0};

@@ -1,4 +1,4 @@
-/* ui: the profiler's window with a mouse, keys and frames that pass, on snapshots made by hand and without a
+/* ui: the profiler's window used with mouse and keys while frames go by, on snapshots made by hand and without a
  * renderer. */
 #include "support/test.h"
 #include "test_ui_profiler_made.h"
@@ -42,14 +42,14 @@ void *__wrap_realloc(void *memory, size_t size)
 	return __real_realloc(memory, size);
 }
 
-/* ---- a program that is looked at --------------------------------------------------------------------------------- */
+/* ---- the profiled program ---------------------------------------------------------------------------------------- */
 
 /* Frames of 10 ms, frame 60 of 30 ms; each has record and, in it, a wait for the worker. */
 static made *recorded;
 static uint64_t latest;         /* the last whole frame so far */
-static uint64_t oldest;         /* still in the rings */
-static bool out_of_memory;      /* what take says */
-static stilb_prof_window asked; /* of the last take */
+static uint64_t oldest;         /* frame that is still in the rings */
+static bool out_of_memory;      /* take fails */
+static stilb_prof_window asked; /* window of the last take */
 static uint32_t takes;
 
 static void record_frames(void)
@@ -113,7 +113,7 @@ static void frames(void *user, stilb_prof_frame_stats *stats, double budget_ms)
 	stats->spike = stats->ms[stats->count - 1] > stats->limit_ms;
 }
 
-/* ---- a user who looks -------------------------------------------------------------------------------------------- */
+/* ---- the user ---------------------------------------------------------------------------------------------------- */
 
 static stilb_ui *ui;
 static stilb_ui_profiler *profiler;
@@ -158,7 +158,7 @@ static void point_at(float x, float y)
 	input.mouse_present = true;
 	input.mouse_x = x;
 	input.mouse_y = y;
-	draw(); /* who is under the mouse is known from the frame before */
+	draw(); /* a widget reacts to the mouse in the frame after the one that drew it */
 	draw();
 }
 
@@ -177,13 +177,13 @@ static void key(stilb_ui_key which)
 	draw();
 }
 
-/* The first entry of the tooltip, which is cut apart when it is drawn. */
+/* The first entry of the tooltip. Drawing it has replaced the tabs and newlines by ends of strings. */
 static bool tip_is(const char *text)
 {
 	return strcmp(ui->tooltip, text) == 0;
 }
 
-/* Moves the mouse up at x until there is a tooltip that begins so, then from the left until it is that one. */
+/* Moves the mouse upwards at x until a tooltip begins with the text, then from the left to the zone that shows it. */
 static void find(float x, const char *any, const char *tip)
 {
 	float y = input.height;
@@ -224,7 +224,7 @@ static void test_slowest(void **state)
 	assert_int_equal(profiler->number, 160); /* of equal ones the latest */
 }
 
-/* What stands still is not taken again and again; only what the device adds is waited for. */
+/* While the same frame is shown, its snapshot is not taken again once the GPU's zones have arrived. */
 static void test_takes(void **state)
 {
 	(void)state;
@@ -280,7 +280,7 @@ static void test_click_on_bar(void **state)
 	assert_int_equal(profiler->history.last, latest);
 }
 
-/* A trace that is looked at: a frame is chosen before anything was drawn, and the window has the picture to itself. */
+/* As over a trace file: a frame is chosen before the first draw, and the window fills the picture. */
 static void test_show(void **state)
 {
 	(void)state;
