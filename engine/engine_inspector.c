@@ -122,7 +122,8 @@ static bool inspector_draw_list(stilb_ui *ui, stilb_ui_rect *area, const inspect
 		char word[48];
 		snprintf(word, sizeof word, "%s", list->words[r]);
 		for (char *c = word; *c; c++)
-			*c = *c == '_' ? ' ' : *c;
+			if (*c == '_')
+				*c = ' ';
 		stilb_ui_rect row = stilb_ui_row(ui, &rows, r);
 		row.x0 += style->gap;
 		(muted ? stilb_ui_label_muted : stilb_ui_label)(ui, row, STILB_UI_ALIGN_LEFT, word);

@@ -169,10 +169,10 @@ bool ui_list_sees(const stilb_ui_draw_list *list, float x0, float y0, float x1, 
 /* ---- rectangles -------------------------------------------------------------------------------------------------- */
 
 /* Fills quadrilateral number `quad` of a mesh made of quadrilaterals: four vertices and six indices each. */
-static void mesh_quad(const ui_mesh *mesh, uint32_t quad, stilb_ui_rect rect, stilb_ui_color color)
+static void mesh_quad(const ui_mesh *mesh, size_t quad, stilb_ui_rect rect, stilb_ui_color color)
 {
 	stilb_render_vertex_2d *vertices = mesh->vertices + 4 * quad;
-	uint32_t first = mesh->first + 4 * quad;
+	uint32_t first = mesh->first + 4 * (uint32_t)quad;
 	vertices[0] = ui_vertex(rect.x0, rect.y0, color);
 	vertices[1] = ui_vertex(rect.x1, rect.y0, color);
 	vertices[2] = ui_vertex(rect.x1, rect.y1, color);

@@ -210,7 +210,7 @@ static float mesh_volume(const ui_mesh *mesh, uint32_t index_count)
 		for (uint32_t k = 0; k < 3; k++) {
 			const stilb_render_vertex_2d *vertex = &mesh->vertices[mesh->indices[i + k] - mesh->first];
 			points[k] = (stilb_ui_point){vertex->position[0], vertex->position[1]};
-			alpha += vertex->color[3];
+			alpha += (float)vertex->color[3];
 		}
 		volume += fabsf(triangle_area(points[0], points[1], points[2])) * alpha / (3.0f * 255.0f);
 	}
@@ -366,8 +366,8 @@ static void line_vertices(stilb_render_vertex_2d vertices[4], stilb_ui_point pla
 /* The three quadrilaterals between two cross-sections, whose first vertices are `from` and `to`. */
 static void stretch_indices(uint32_t indices[18], uint32_t from, uint32_t to)
 {
-	for (uint32_t i = 0; i < 3; i++)
-		ui_quad_indices(indices + 6 * i, from + i, to + i, to + i + 1, from + i + 1);
+	for (uint32_t i = 0; i < 3; i++, indices += 6)
+		ui_quad_indices(indices, from + i, to + i, to + i + 1, from + i + 1);
 }
 
 /* The part of a line between two cross-sections. */
@@ -504,9 +504,11 @@ void stilb_ui_draw_rounded_outline(stilb_ui_draw_list *list, stilb_ui_rect rect,
 	ui_mesh mesh;
 	if (!ui_list_add(list, 4 * path.count, 18 * path.count, &mesh))
 		return;
-	for (uint32_t i = 0; i < path.count; i++) {
+	stilb_render_vertex_2d *vertices = mesh.vertices;
+	uint32_t *indices = mesh.indices;
+	for (uint32_t i = 0; i < path.count; i++, vertices += 4, indices += 18) {
 		uint32_t here = mesh.first + 4 * i, next = mesh.first + 4 * (i + 1 < path.count ? i + 1 : 0);
-		line_vertices(mesh.vertices + 4 * i, path.corners[i], path.mitres[i], &profile, 1.0f);
-		stretch_indices(mesh.indices + 18 * i, here, next);
+		line_vertices(vertices, path.corners[i], path.mitres[i], &profile, 1.0f);
+		stretch_indices(indices, here, next);
 	}
 }

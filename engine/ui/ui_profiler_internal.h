@@ -71,11 +71,10 @@ struct stilb_ui_profiler {
 	ui_profiler_spans spans; /* of the lane that is being drawn */
 };
 
-/* The frame that is shown; NULL: none. */
+/* The frame that is shown; only if there is a snapshot. */
 static inline const stilb_prof_frame *ui_profiler_frame(const stilb_ui_profiler *profiler)
 {
-	if (!profiler->snapshot)
-		return NULL;
+	STILB_ASSERT(profiler->snapshot && "a frame is shown");
 	STILB_ASSERT(profiler->data.report.frame < profiler->snapshot->frame_count);
 	return &profiler->snapshot->frames[profiler->data.report.frame];
 }

@@ -72,10 +72,10 @@ static void panel_draw_title(const stilb_ui_profiler *profiler, stilb_ui *ui, st
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_prof_frame_stats *history = &profiler->history;
-	const stilb_prof_frame *frame = ui_profiler_frame(profiler);
 	char name[64], time[32], text[160];
-	if (!frame)
+	if (!profiler->snapshot)
 		return;
+	const stilb_prof_frame *frame = ui_profiler_frame(profiler);
 	double ms = (double)(frame->end_ns - frame->begin_ns) * 1e-6;
 	snprintf(name, sizeof name, "Frame %llu: %s", (unsigned long long)frame->number,
 	         ui_profiler_time_text(time, sizeof time, frame->end_ns - frame->begin_ns));

@@ -185,11 +185,13 @@ static bool timeline_clip_x(const timeline *t, uint64_t begin_ns, uint64_t end_n
 static double timeline_step(const timeline *t, double pixels)
 {
 	static const double FACTORS[] = {1.0, 2.0, 5.0};
-	for (double decade = 1.0; decade < 1e12; decade *= 10.0)
-		for (int i = 0; i < 3; i++)
-			if (decade * FACTORS[i] * t->pixels_per_ns >= pixels)
-				return decade * FACTORS[i];
-	return 1e12;
+	double decade = 1.0;
+	while (decade < 1e12 && decade * FACTORS[2] * t->pixels_per_ns < pixels)
+		decade *= 10.0;
+	for (int i = 0; i < 2; i++)
+		if (decade * FACTORS[i] * t->pixels_per_ns >= pixels)
+			return decade * FACTORS[i];
+	return decade * FACTORS[2];
 }
 
 /* The width of the stripes in the background, a power of ten of nanoseconds: 1 ms, but longer if that were under 8
@@ -732,7 +734,6 @@ void ui_profiler_draw_timeline(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_
 	timeline t = timeline_begin(profiler, ui, area);
 	if (stilb_ui_is_empty(t.area))
 		return;
-	STILB_ASSERT(t.snapshot && "a frame is shown");
 	t.action = stilb_ui_area(ui, "lanes", t.area, STILB_UI_TAKES_WHEEL | STILB_UI_TAKES_KEYS);
 	timeline_navigate(&t);
 	timeline_scroll(&t);

@@ -62,14 +62,16 @@ static float draw_glyph(stilb_ui_draw_list *list, const stilb_ui_font *font, uin
 	STILB_ASSERT(isfinite(x) && isfinite(baseline));
 	float quarters = floorf(x * UI_GLYPH_PHASES + 0.5f), whole = floorf(quarters / UI_GLYPH_PHASES);
 	const ui_glyph *glyph = &font->glyphs[index][(uint32_t)(quarters - whole * UI_GLYPH_PHASES)];
-	float x0 = whole + glyph->left, y0 = baseline + glyph->top;
-	float x1 = x0 + glyph->width, y1 = y0 + glyph->height, end = x + font->advance[index];
+	float width = (float)glyph->width, height = (float)glyph->height;
+	float x0 = whole + (float)glyph->left, y0 = baseline + (float)glyph->top;
+	float x1 = x0 + width, y1 = y0 + height, end = x + font->advance[index];
 	ui_mesh mesh;
 	if (glyph->width == 0 || !ui_list_sees(list, x0, y0, x1, y1) || !ui_list_add(list, 4, 6, &mesh))
 		return end;
-	float u0 = glyph->x * font->texel_x, u1 = (glyph->x + glyph->width) * font->texel_x;
+	float left = (float)glyph->x, top = (float)glyph->y;
+	float u0 = left * font->texel_x, u1 = (left + width) * font->texel_x;
 	float half = color_is_dark(color) ? 0.5f : 0.0f;
-	float v0 = half + glyph->y * font->texel_y, v1 = half + (glyph->y + glyph->height) * font->texel_y;
+	float v0 = half + top * font->texel_y, v1 = half + (top + height) * font->texel_y;
 	float places[4][4] = {{x0, y0, u0, v0}, {x1, y0, u1, v0}, {x1, y1, u1, v1}, {x0, y1, u0, v1}};
 	for (uint32_t i = 0; i < 4; i++) {
 		mesh.vertices[i] = ui_vertex(places[i][0], places[i][1], color);

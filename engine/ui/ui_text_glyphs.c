@@ -225,8 +225,8 @@ static void font_draw(stilb_ui_font *font, const uint8_t *file, float em, glyph_
 {
 	stbtt_fontinfo face;
 	int ascent, descent, gap;
-	int opened = stbtt_InitFont(&face, file, 0);
-	STILB_ASSERT(opened && "the typeface in the program is whole");
+	stbtt_InitFont(&face, file, 0);
+	STILB_ASSERT(face.glyf != 0 && "the typeface in the program has outlines");
 	face.userdata = &atlas->out_of_memory;
 	float scale = stbtt_ScaleForMappingEmToPixels(&face, em);
 	stbtt_GetFontVMetrics(&face, &ascent, &descent, &gap);
@@ -290,7 +290,7 @@ stilb_result ui_fonts_init(ui_fonts *fonts, float scale)
 	*fonts = (ui_fonts){0};
 	fonts_draw(fonts, scale, &atlas); /* finds positions and the atlas' height */
 	if (!atlas.out_of_memory)
-		atlas.coverage = calloc(2 * atlas.height, atlas.width);
+		atlas.coverage = calloc((size_t)2 * atlas.height, atlas.width);
 	if (atlas.coverage)
 		fonts_draw(fonts, scale, &atlas);
 	if (!atlas.coverage || atlas.out_of_memory) {

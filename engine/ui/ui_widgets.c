@@ -135,8 +135,9 @@ static void panel_resize(stilb_ui *ui, stilb_ui_rect *rect)
 	stilb_ui_rect corner = {rect->x1 - side, rect->y1 - side, rect->x1, rect->y1};
 	stilb_ui_action drag = stilb_ui_area(ui, "##corner", corner, 0);
 	stilb_ui_color color = drag.hovered || drag.held ? ui->style.accent : ui->style.control_border;
-	for (float step = 5.0f; step <= 9.0f; step += 4.0f) {
-		float x = rect->x1 - 3.5f * ui->scale, y = rect->y1 - 3.5f * ui->scale, reach = step * ui->scale;
+	for (int mark = 0; mark < 2; mark++) {
+		float x = rect->x1 - 3.5f * ui->scale, y = rect->y1 - 3.5f * ui->scale;
+		float reach = (mark == 0 ? 5.0f : 9.0f) * ui->scale;
 		stilb_ui_draw_line(&ui->list, (stilb_ui_point){x - reach, y}, (stilb_ui_point){x, y - reach}, 1.5f * ui->scale,
 		                   color);
 	}

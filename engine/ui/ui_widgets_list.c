@@ -173,7 +173,7 @@ bool stilb_ui_table_header(stilb_ui *ui, stilb_ui_rect rect, const char *label, 
 	stilb_ui_draw_rect(&ui->list, rect, style->panel_title);
 	rect.x1 -= style->scroll_bar; /* columns are as wide as in the rows below, which have a scroll bar */
 	for (uint32_t i = 0; i < column_count; i++) {
-		stilb_ui_rect cell = table_column(rect, columns, column_count, i), name = cell;
+		stilb_ui_rect cell = table_column(rect, columns, column_count, i);
 		bool hovered = false;
 		stilb_ui_id_push_number(ui, i);
 		if (sort) {
@@ -186,7 +186,7 @@ bool stilb_ui_table_header(stilb_ui *ui, stilb_ui_rect rect, const char *label, 
 				stilb_ui_draw_rect_outline(&ui->list, cell, 1.0f, style->accent);
 		}
 		stilb_ui_id_pop(ui);
-		name = stilb_ui_table_cell(rect, columns, column_count, i);
+		stilb_ui_rect name = stilb_ui_table_cell(rect, columns, column_count, i);
 		bool sorted = sort && sort->column == i;
 		if (sorted)
 			name = header_mark(ui, name, sort->descending);
