@@ -51,32 +51,39 @@ typedef enum stilb_engine_gamepad {
 } stilb_engine_gamepad;
 
 typedef struct stilb_engine_desc {
-	uint32_t models;  /* 1..STILB_SCENE_MAX_MODELS */
-	uint64_t seed;    /* of the stress test's scene */
-	uint32_t workers; /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
-	stilb_cull_method cull;
-	stilb_scene_stress_view view;    /* where the camera stands at first */
-	stilb_render_device_kind device; /* these five as in render.h */
+	uint32_t models;              /* 1..STILB_SCENE_MAX_MODELS */
+	uint64_t seed;                /* of the stress test's scene */
+	uint32_t workers;             /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
+	stilb_cull_method cull;       /* how visible models are found */
+	stilb_scene_stress_view view; /* the camera's place at first, by the share of the models that it sees */
+
+	/* The device and how it draws, see stilb_render_desc; shading may change between frames. */
+	stilb_render_device_kind device;
 	stilb_render_replay_mode replay;
 	stilb_render_materials materials;
 	stilb_render_output output;
 	stilb_render_shading shading;
-	const char *gpu;                 /* a number or a part of a name as `stilb info` prints them; NULL: the best */
-	uint32_t width, height;          /* of the picture, pixels, 1..16384 */
-	uint32_t samples;                /* of multisampling: 1, 4, or 0 for the device's own choice */
-	bool window;                     /* else headless: the picture goes to memory */
-	bool present;                    /* else pictures are drawn, but not shown */
-	bool animate;                    /* a tenth of the models moves */
-	bool validate;                   /* with Vulkan's validation layer */
-	stilb_render_faults faults;      /* errors to simulate, for tests */
-	uint64_t slow_frame;             /* this frame, counted from 1, takes 100 ms longer, for tests; 0: none */
-	bool overlay;                    /* the profiler's window is open from the start */
-	bool inspector;                  /* the materials' window is open from the start */
-	stilb_ui_aa ui_aa;               /* how the edges of both are smoothed */
-	bool profile;                    /* record what every thread does, for the overlay and for files */
-	uint32_t profile_ring_mib;       /* MiB of records that each thread keeps: a power of two,
-	                              1..STILB_ENGINE_PROFILE_RING_MAX; memory is taken as it is used */
+
+	/* All strings are the caller's and live until the engine is destroyed. */
+	const char *gpu;            /* a number or a part of a name as `stilb info` prints them; NULL: the best */
+	uint32_t width, height;     /* of the picture, pixels, 1..16384 */
+	uint32_t samples;           /* of multisampling: 1, 4, or 0 for the device's own choice */
+	bool window;                /* else headless: the picture goes to memory */
+	bool present;               /* else pictures are drawn, but not shown */
+	bool animate;               /* a tenth of the models moves */
+	bool validate;              /* with Vulkan's validation layer */
+	stilb_render_faults faults; /* errors to simulate, for tests */
+	uint64_t slow_frame;        /* this frame, counted from 1, takes 100 ms longer, for tests; 0: none */
+	bool overlay;               /* the profiler's window is open from the start */
+	bool inspector;             /* the materials' window is open from the start */
+	stilb_ui_aa ui_aa;          /* how the edges of both are smoothed */
+
+	/* Record what every thread does, for the overlay and for files. Each thread keeps its last profile_ring_mib MiB of
+	 * records, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory is taken as it is used. */
+	bool profile;
+	uint32_t profile_ring_mib;
 	stilb_prof_capture_desc capture; /* files of the frames around a moment; path NULL: none */
+
 	stilb_engine_gamepad gamepad;
 	const char *gamepad_recording;         /* for REPLAY: the file, see input_recording.h */
 	const char *gamepad_sys, *gamepad_dev; /* NULL: /sys and /dev; others for tests */
@@ -92,19 +99,23 @@ stilb_engine_desc stilb_engine_desc_default(void);
 /* The default number of workers. [any-thread] */
 uint32_t stilb_engine_default_workers(void);
 
-/* Creates the engine, its scene and its workers, and opens the window. The strings of desc need not live on. On failure
- * *engine is NULL. STILB_ERROR_ARGUMENT: desc.profile_ring_mib is no power of two in its range, desc.gpu matches none.
- * STILB_ERROR_WINDOW: no window can be opened here; headless works. STILB_ERROR_DEVICE: no usable GPU.
- * STILB_ERROR_FILE: the recording or the captures. STILB_ERROR_MEMORY, STILB_ERROR_THREAD. */
+/* Creates the engine, its scene and its workers, and opens the window. On failure *engine is NULL.
+ * STILB_ERROR_ARGUMENT: profile_ring_mib is no power of two in its range, or STILB_ISA is wrong.
+ * STILB_ERROR_WINDOW: no window can be opened here; headless works.
+ * STILB_ERROR_DEVICE: no usable GPU, or none that desc.gpu names.
+ * STILB_ERROR_FILE: the recording cannot be read, or captures cannot be written.
+ * STILB_ERROR_THREAD: too many workers. STILB_ERROR_MEMORY. */
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **engine);
 
 /* Ends captures, waits for the device and frees everything. NULL is accepted. */
 void stilb_engine_destroy(stilb_engine *engine);
 
-/* The time of a frame, milliseconds. `frame` is the main thread's time, and the six stages after it are those of
- * frame.c. gpu is the device's own measure of a frame some two frames earlier, 0 if there is none. pad is the age of
- * the newest gamepad report when the frame's draws were handed to the device; 0 if none came since the last frame, and
- * in replays. */
+/* The time of a frame, milliseconds:
+ *   frame                the main thread's time for all of it
+ *   update .. present    its stages, see frame.c
+ *   gpu                  the device's own measure of a frame some two frames earlier; 0: none is known
+ *   pad                  the age of the newest gamepad report when the frame's draws were handed to the device; 0 if
+ *                        none came since the last frame, and in replays */
 typedef struct stilb_engine_times {
 	double frame, update, cull, record, ui, replay, present, gpu, pad;
 } stilb_engine_times;

@@ -151,7 +151,12 @@ stilb_ui_draw_list *stilb_ui_list(stilb_ui *ui);
 const stilb_ui_input *stilb_ui_input_get(const stilb_ui *ui);
 
 /* From push to pop, this name or number is hashed into the ids of areas, so that equal labels differ. At most
- * STILB_UI_ID_DEPTH - 1 deep, of which panels, lists and tables use one or two each. */
+ * STILB_UI_ID_DEPTH - 1 deep, of which panels, lists and tables use one or two each. A button in each row of a list:
+ *
+ *     stilb_ui_id_push_number(ui, row);
+ *     if (stilb_ui_button(ui, place, "Delete"))
+ *         delete(row);
+ *     stilb_ui_id_pop(ui); */
 #define STILB_UI_ID_DEPTH 32
 void stilb_ui_id_push(stilb_ui *ui, const char *name);
 void stilb_ui_id_push_number(stilb_ui *ui, uint64_t number);
@@ -183,7 +188,12 @@ enum {
 };
 
 /* Makes the part of rect within the clip an area that reacts to the user; takes: STILB_UI_TAKES_... Draws nothing.
- * Returns the user's actions on the area of the same id that the last frame had. */
+ * Returns the user's actions on the area of the same id that the last frame had. A handle that can be dragged:
+ *
+ *     stilb_ui_action action = stilb_ui_area(ui, "handle", rect, 0);
+ *     if (action.held)
+ *         x += action.drag_x;
+ *     stilb_ui_draw_rect(stilb_ui_list(ui), rect, action.hovered || action.held ? bright : dim); */
 stilb_ui_action stilb_ui_area(stilb_ui *ui, const char *label, stilb_ui_rect rect, uint32_t takes);
 
 /* ---- panels ------------------------------------------------------------------------------------------------------ */
@@ -303,7 +313,18 @@ typedef struct stilb_ui_sort {
 } stilb_ui_sort;
 
 /* The row of column names above a table: columns[0 .. column_count - 1]. A click on a name sorts by it, another click
- * inverts the order. True if *sort changed. sort may be NULL: the table cannot be sorted. */
+ * inverts the order. True if *sort changed. sort may be NULL: the table cannot be sorted. A table is this header above
+ * a list, whose rows are cut into cells:
+ *
+ *     if (stilb_ui_table_header(ui, stilb_ui_cut_top(&area, height), "files", columns, 2, &sort))
+ *         sort_files(&sort);
+ *     stilb_ui_rows rows = stilb_ui_rows_begin(ui, area, "file list", count, &state);
+ *     for (uint32_t row = rows.first; row < rows.end; row++) {
+ *         stilb_ui_rect place = stilb_ui_row(ui, &rows, row);
+ *         stilb_ui_label(ui, stilb_ui_table_cell(place, columns, 2, 0), columns[0].align, files[row].name);
+ *         stilb_ui_label(ui, stilb_ui_table_cell(place, columns, 2, 1), columns[1].align, files[row].size);
+ *     }
+ *     stilb_ui_rows_end(ui); */
 bool stilb_ui_table_header(stilb_ui *ui, stilb_ui_rect rect, const char *label, const stilb_ui_column *columns,
                            uint32_t column_count, stilb_ui_sort *sort);
 

@@ -59,7 +59,11 @@ stilb_ui_color stilb_ui_text_color_on(stilb_ui_color background);
 
 /* ---- rectangles --------------------------------------------------------------------------------------------------
  * Layout is done by cutting: a strip is cut off one side of *area and returned; *area becomes the rest. A strip is
- * never larger than the area was. All [any-thread]. */
+ * never larger than the area was. All [any-thread]. A title, a gap, and two columns of which `area` is the right one:
+ *
+ *     stilb_ui_rect title = stilb_ui_cut_top(&area, 24.0f);
+ *     stilb_ui_cut_top(&area, 6.0f);
+ *     stilb_ui_rect left = stilb_ui_cut_left(&area, 200.0f); */
 
 /* Cuts off a strip `width` pixels wide (as far as the area is) at the left. */
 static inline stilb_ui_rect stilb_ui_cut_left(stilb_ui_rect *area, float width)
@@ -132,8 +136,13 @@ typedef struct stilb_ui_draw_command {
 
 #define STILB_UI_CLIP_DEPTH 32
 
-/* Triangles with one texture, that of the glyphs, which is white at uv (0, 0): there shapes have their own colour. To
- * be read by whoever draws the list; only the functions below write it, but aa may be set at any time. */
+/* Triangles with one texture, that of the glyphs (stilb_ui_glyphs), which is white at uv (0, 0), for shapes without
+ * texture. To be read by whoever draws the list; only the functions below write it, but aa may be set at any time.
+ * Drawing it without stilb_ui_record:
+ *
+ *     for each command, in order: set the scissor rectangle to its clip, and draw its triangles without culling.
+ *     A vertex's colour is its sRGB code made linear and premultiplied by its alpha; interpolate that, and multiply it
+ *     by the texture's coverage at uv, filtered linearly. Blend over the picture in linear light. */
 typedef struct stilb_ui_draw_list {
 	stilb_ui_aa aa;                   /* of the shapes that follow */
 	stilb_render_vertex_2d *vertices; /* [vertex_count] */
