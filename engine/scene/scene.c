@@ -6,18 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* An array of zeros. Sets *failed if there is no memory for it. */
 static void *scene_array(bool *failed, size_t count, size_t size)
 {
 	void *array = stilb_memory_alloc(count, size);
 	if (array)
 		memset(array, 0, count * size);
-	*failed |= !array;
+	else
+		*failed = true;
 	return array;
 }
 
 stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t mesh_count, uint32_t material_count,
                           stilb_scene **out)
 {
+	STILB_ASSERT(out && model_count <= STILB_SCENE_MAX_MODELS);
 	bool failed = false;
 	*out = NULL;
 	stilb_scene *scene = calloc(1, sizeof *scene);
@@ -49,7 +52,10 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 
 void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
 {
+	STILB_ASSERT(scene && radiance);
 	stilb_image_finish(&scene->environment);
+	for (int i = 0; i < 3; i++)
+		STILB_ASSERT(radiance[i] >= 0.0f && isfinite(radiance[i]));
 	for (int i = 0; i < 3; i++)
 		scene->sky.sky[i] = scene->sky.ground[i] = radiance[i];
 }
@@ -57,7 +63,7 @@ void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)
 {
 	bool failed = false;
-	STILB_ASSERT(!scene->textures);
+	STILB_ASSERT(!scene->textures && "textures are added once");
 	scene->textures = scene_array(&failed, count, sizeof(stilb_image));
 	if (failed)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u textures", count);
@@ -68,7 +74,7 @@ stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count)
 {
 	bool failed = false;
-	STILB_ASSERT(!scene->lights);
+	STILB_ASSERT(!scene->lights && "lights are added once");
 	scene->lights = scene_array(&failed, count, sizeof(stilb_scene_light));
 	if (failed)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", count);
@@ -101,6 +107,32 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene);
 }
 
+static bool scene_all_below(const uint32_t *values, uint32_t count, uint32_t limit)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (values[i] >= limit)
+			return false;
+	return true;
+}
+
+bool scene_mesh_is_sound(const stilb_scene_mesh *mesh)
+{
+	return mesh->index_count % 3 == 0 && scene_all_below(mesh->indices, mesh->index_count, mesh->vertex_count);
+}
+
+bool scene_is_sound(const stilb_scene *scene)
+{
+	bool sound = scene->first_part[0] == 0 && scene->first_part[scene->model_count] == scene->part_count;
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		sound = sound && scene->first_part[m] <= scene->first_part[m + 1];
+	for (uint32_t m = 0; m < scene->mesh_count; m++)
+		sound = sound && scene_mesh_is_sound(&scene->meshes[m]);
+	for (uint32_t m = 0; m < scene->material_count; m++)
+		sound = sound && scene->materials[m].diffuse_texture <= scene->texture_count;
+	return sound && scene_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) &&
+	       scene_all_below(scene->part_material, scene->part_count, scene->material_count);
+}
+
 /* ---- bounds ------------------------------------------------------------------------------------------------------ */
 
 typedef struct scene_box {
@@ -109,6 +141,7 @@ typedef struct scene_box {
 
 static const scene_box scene_box_empty = {{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
 
+/* Grows the box to hold a sphere. */
 static void scene_box_add(scene_box *box, const float p[3], float radius)
 {
 	for (int i = 0; i < 3; i++) {
@@ -117,26 +150,28 @@ static void scene_box_add(scene_box *box, const float p[3], float radius)
 	}
 }
 
-static stilb_vec3 scene_box_middle(const scene_box *box)
+/* The origin if the box is empty. */
+static stilb_vec3 scene_box_center(const scene_box *box)
 {
-	stilb_vec3 middle = {0};
+	stilb_vec3 center = {0};
 	for (int i = 0; i < 3; i++)
-		middle[i] = box->low[i] <= box->high[i] ? 0.5f * box->low[i] + 0.5f * box->high[i] : 0.0f;
-	return middle;
+		center[i] = box->low[i] <= box->high[i] ? 0.5f * box->low[i] + 0.5f * box->high[i] : 0.0f;
+	return center;
 }
 
+/* Transforms a point to the world. False: NaN, or so far out that the square of a distance overflows. */
 static bool scene_world(const stilb_mat4 *transform, const float p[3], float out[3])
 {
 	const float *m = transform->m;
 	bool finite = true;
 	for (int row = 0; row < 3; row++) {
 		out[row] = m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row];
-		finite &= fabsf(out[row]) <= 1e18f; /* farther out, squares of distances are no numbers */
+		finite &= fabsf(out[row]) <= 1e18f;
 	}
 	return finite;
 }
 
-/* Calls add for every vertex of the model, in world space. */
+/* Calls add with every vertex of the model in world space, but for those that scene_world refuses. */
 static void scene_each_vertex(const stilb_scene *scene, uint32_t model, void (*add)(void *context, const float p[3]),
                               void *context)
 {
@@ -163,15 +198,17 @@ static void scene_grow_sphere(void *context, const float p[3])
 
 void scene_fit_bounds(stilb_scene *scene, uint32_t model)
 {
+	STILB_ASSERT(model < scene->model_count);
 	scene_box box = scene_box_empty;
 	scene_each_vertex(scene, model, scene_grow_box, &box);
-	stilb_vec3 middle = scene_box_middle(&box);
-	stilb_sphere sphere = {middle[0], middle[1], middle[2], 0.0f};
+	stilb_vec3 center = scene_box_center(&box);
+	stilb_sphere sphere = {center[0], center[1], center[2], 0.0f};
 	scene_each_vertex(scene, model, scene_grow_sphere, &sphere);
 	scene->bounds.x[model] = sphere.x;
 	scene->bounds.y[model] = sphere.y;
 	scene->bounds.z[model] = sphere.z;
-	scene->bounds.radius[model] = sphere.radius * 1.00001f; /* more than rounding can cost */
+	scene->bounds.radius[model] = sphere.radius * 1.00001f; /* a margin for rounding */
+	STILB_ASSERT(isfinite(scene->bounds.radius[model]));
 }
 
 stilb_sphere scene_sphere(const stilb_scene *scene)
@@ -180,8 +217,8 @@ stilb_sphere scene_sphere(const stilb_scene *scene)
 	const stilb_scene_bounds *b = &scene->bounds;
 	for (uint32_t m = 0; m < scene->model_count; m++)
 		scene_box_add(&box, (float[3]){b->x[m], b->y[m], b->z[m]}, b->radius[m]);
-	stilb_vec3 middle = scene_box_middle(&box);
-	stilb_sphere sphere = {middle[0], middle[1], middle[2], 0.0f};
+	stilb_vec3 center = scene_box_center(&box);
+	stilb_sphere sphere = {center[0], center[1], center[2], 0.0f};
 	for (uint32_t m = 0; m < scene->model_count; m++) {
 		float x = b->x[m] - sphere.x, y = b->y[m] - sphere.y, z = b->z[m] - sphere.z;
 		sphere.radius = fmaxf(sphere.radius, sqrtf(x * x + y * y + z * z) + b->radius[m]);
@@ -196,6 +233,7 @@ static float scene_clamp(float value, float low, float high)
 
 stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float roughness)
 {
+	STILB_ASSERT(diffuse && specular);
 	stilb_vec3 cd = {0}, cs = {0};
 	for (int i = 0; i < 3; i++) {
 		cd[i] = scene_clamp(diffuse[i], 0.0f, 1e6f);
@@ -204,6 +242,7 @@ stilb_scene_material stilb_scene_material_make(const float diffuse[3], const flo
 	shade_reflectance limited = shade_limit_to_one(cd, cs);
 	stilb_scene_material material = {.roughness = scene_clamp(roughness, 0.0f, 1.0f)};
 	for (int i = 0; i < 3; i++) {
+		STILB_ASSERT(limited.diffuse[i] + limited.specular[i] <= 1.0001f);
 		material.diffuse[i] = limited.diffuse[i];
 		material.specular[i] = limited.specular[i];
 	}
@@ -212,10 +251,11 @@ stilb_scene_material stilb_scene_material_make(const float diffuse[3], const flo
 
 /* ---- camera ------------------------------------------------------------------------------------------------------ */
 
-stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, float fov_y)
+stilb_scene_camera scene_camera_along(stilb_vec3 position, stilb_vec3 view, float fov_y)
 {
-	stilb_vec3 view = target - position;
 	float distance = sqrtf(stilb_vec3_dot(view, view));
+	STILB_ASSERT(distance > 0.0f && isfinite(distance));
+	STILB_ASSERT(fov_y > 0.0f && fov_y < 3.1415927f);
 	return (stilb_scene_camera){
 		.position = {position[0], position[1], position[2]},
 		.yaw = atan2f(-view[0], -view[2]),
@@ -226,7 +266,12 @@ stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, flo
 	};
 }
 
-/* The view of a camera whose right side is lowered: about the axis of the view, which stays. */
+stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, float fov_y)
+{
+	return scene_camera_along(position, target - position, fov_y);
+}
+
+/* View space to the view space of a camera that is rolled: a rotation about the view's axis, Z. */
 static stilb_mat4 scene_roll(float roll)
 {
 	float s = sinf(roll), c = cosf(roll);
@@ -235,9 +280,10 @@ static stilb_mat4 scene_roll(float roll)
 
 stilb_mat4 stilb_scene_camera_matrix(const stilb_scene_camera *camera, float aspect)
 {
+	STILB_ASSERT(camera);
 	stilb_vec3 position = stilb_vec3_make(camera->position[0], camera->position[1], camera->position[2]);
 	stilb_mat4 view = stilb_mat4_view(position, camera->yaw, camera->pitch);
-	if (camera->roll != 0.0f) /* else the same bits as ever */
+	if (camera->roll != 0.0f) /* without roll the product might change the last bit of some elements */
 		view = stilb_mat4_multiply(scene_roll(camera->roll), view);
 	return stilb_mat4_multiply(stilb_mat4_perspective(camera->fov_y, aspect, camera->near_z, camera->far_z), view);
 }

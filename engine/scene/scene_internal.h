@@ -1,28 +1,41 @@
-/* What the files of scene/ share. */
+/* Shared by the files of scene/ and by the import process: making scenes and meshes. */
 #ifndef STILB_SCENE_INTERNAL_H
 #define STILB_SCENE_INTERNAL_H
 
 #include "scene/scene.h"
 
-/* A scene with room for these counts, everything zero: no textures, no lights. */
+/* A scene with arrays for these counts, all values zero, without textures and lights. model_count is at most
+ * STILB_SCENE_MAX_MODELS. STILB_ERROR_MEMORY; *scene is NULL then. */
 stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t mesh_count, uint32_t material_count,
                           stilb_scene **scene);
 
-/* Room for textures and lights in a scene that has none yet, everything zero. */
+/* Arrays for textures and lights in a scene that has none yet, all values zero. STILB_ERROR_MEMORY. */
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count);
 
-/* Bounds of a model from the vertices of its parts: the sphere about the middle of their box. Vertices that are no
- * numbers are left out. */
+/* True if every index is in range: meshes' triangles, models' parts, parts' meshes and materials, materials' textures.
+ * Walks the whole scene: for scenes that were received, and for STILB_CHECK when one has been made. */
+bool scene_is_sound(const stilb_scene *scene);
+
+/* True if mesh holds whole triangles whose vertices exist. */
+bool scene_mesh_is_sound(const stilb_scene_mesh *mesh);
+
+/* Sets the bounds of a model from the vertices of its parts: a sphere around the centre of their box. Vertices that are
+ * NaN or beyond 1e18 m in the world are left out. */
 void scene_fit_bounds(stilb_scene *scene, uint32_t model);
 
-/* The sphere about the middle of the box around all models; radius 0 when there are none. */
+/* A sphere around all models' bounds, about the centre of their box; radius 0 if there are no models. */
 stilb_sphere scene_sphere(const stilb_scene *scene);
 
-/* At position, looking at target, upright; near and far planes 1/1000 and 1000 times their distance. */
+/* An upright camera at position that looks along view, whose length (> 0) is the distance of the subject, metres: near
+ * and far planes are 1/1000 and 1000 times as far. fov_y in (0, pi) radians. */
+stilb_scene_camera scene_camera_along(stilb_vec3 position, stilb_vec3 view, float fov_y);
+
+/* scene_camera_along from position to target, another place. */
 stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, float fov_y);
 
-/* Contents are not set. STILB_ERROR_MEMORY: mesh is {0}. */
+/* A mesh with arrays for these counts, not initialised; index_count is a multiple of 3. STILB_ERROR_MEMORY; mesh is {0}
+ * then. */
 stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count);
 
 #endif

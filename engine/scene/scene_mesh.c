@@ -4,6 +4,8 @@
 
 stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count)
 {
+	STILB_ASSERT(mesh);
+	STILB_ASSERT(index_count % 3 == 0);
 	*mesh = (stilb_scene_mesh){
 		.vertices = stilb_memory_alloc(vertex_count, sizeof(stilb_scene_vertex)),
 		.indices = stilb_memory_alloc(index_count, sizeof(uint32_t)),
@@ -18,6 +20,7 @@ stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, ui
 
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh)
 {
+	STILB_ASSERT(mesh);
 	free(mesh->vertices);
 	free(mesh->indices);
 	*mesh = (stilb_scene_mesh){0};
@@ -39,15 +42,18 @@ stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh)
 	return STILB_OK;
 }
 
-/* ---- the sphere: an icosahedron whose triangles are split into four, the new vertices pushed onto the sphere ----- */
+/* ---- the sphere: an icosahedron whose triangles are split into four, the new vertices moved onto the sphere ------ */
 
-/* Finds the vertex in the middle of an edge, or makes it. One slot per edge of the smaller vertex: at most six. */
+#define MESH_EDGES 6 /* a vertex has at most this many */
+
+/* The edges that have a vertex in their middle already, listed at the end with the smaller index. */
 typedef struct mesh_edges {
-	uint32_t (*other)[6];
-	uint32_t (*middle)[6];
-	uint8_t *used;
+	uint32_t (*other)[MESH_EDGES];  /* [vertex]: the edge's other end */
+	uint32_t (*middle)[MESH_EDGES]; /* [vertex]: the vertex in its middle */
+	uint8_t *used;                  /* [vertex]: entries in use */
 } mesh_edges;
 
+/* Adds the point of the unit sphere in the direction p. */
 static void mesh_add_vertex(stilb_scene_mesh *mesh, stilb_vec3 p)
 {
 	p = stilb_vec3_normalize(p);
@@ -56,6 +62,7 @@ static void mesh_add_vertex(stilb_scene_mesh *mesh, stilb_vec3 p)
 	mesh->vertices[mesh->vertex_count++] = (stilb_scene_vertex){{p[0], p[1], p[2]}, {p[0], p[1], p[2]}, {u, v}};
 }
 
+/* The vertex in the middle of an edge, made if there is none yet. */
 static uint32_t mesh_edge_middle(stilb_scene_mesh *mesh, mesh_edges *edges, uint32_t a, uint32_t b)
 {
 	uint32_t low = a < b ? a : b, high = a < b ? b : a;
@@ -63,6 +70,7 @@ static uint32_t mesh_edge_middle(stilb_scene_mesh *mesh, mesh_edges *edges, uint
 		if (edges->other[low][i] == high)
 			return edges->middle[low][i];
 	const float *p = mesh->vertices[low].position, *q = mesh->vertices[high].position;
+	STILB_ASSERT(low < high && edges->used[low] < MESH_EDGES);
 	uint32_t slot = edges->used[low]++;
 	edges->other[low][slot] = high;
 	edges->middle[low][slot] = mesh->vertex_count;
@@ -70,7 +78,8 @@ static uint32_t mesh_edge_middle(stilb_scene_mesh *mesh, mesh_edges *edges, uint
 	return edges->middle[low][slot];
 }
 
-/* Replaces every triangle by four. Works backwards, so that the indices can be rewritten in place. */
+/* Replaces every triangle by four. Goes from the last triangle to the first: the four overwrite no triangle that is
+ * still to be split. */
 static void mesh_split(stilb_scene_mesh *mesh, mesh_edges *edges)
 {
 	uint32_t triangles = mesh->index_count / 3;
@@ -114,7 +123,7 @@ static void mesh_icosahedron(stilb_scene_mesh *mesh)
 
 stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 {
-	STILB_ASSERT(splits <= 6);
+	STILB_ASSERT(splits <= 6 && mesh);
 	uint32_t triangles = 20u << (2 * splits), vertices = triangles / 2 + 2; /* Euler: V = F / 2 + 2 */
 	stilb_result result = scene_mesh_create(mesh, vertices, triangles * 3);
 	if (result != STILB_OK)
@@ -129,6 +138,8 @@ stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 		mesh_icosahedron(mesh);
 		for (uint32_t i = 0; i < splits; i++)
 			mesh_split(mesh, &edges);
+		STILB_ASSERT(mesh->vertex_count == vertices && mesh->index_count == 3 * triangles);
+		STILB_CHECK(scene_mesh_is_sound(mesh));
 	} else {
 		stilb_scene_mesh_finish(mesh);
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a sphere of %u triangles", triangles);

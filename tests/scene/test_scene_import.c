@@ -3,6 +3,7 @@
  * insatiable. Every file is made here.
  */
 #include "scene/open/scene_import.h"
+#include "scene/open/scene_stream.h"
 #include "scene/scene.h"
 #include "support/test.h"
 
@@ -573,6 +574,75 @@ static void large_surroundings_are_refused_by_their_header(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* A taken-over import process that answers with one channel although three were asked for. */
+static bool takes_grey;
+
+stilb_result __real_scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
+                                              stilb_image *picture);
+stilb_result __wrap_scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
+                                              stilb_image *picture);
+
+stilb_result __wrap_scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
+                                              stilb_image *picture)
+{
+	stilb_result result = __real_scene_stream_take_picture(stream, message, file, picture);
+	if (result == STILB_OK && takes_grey) {
+		stilb_image_finish(picture);
+		result = stilb_image_create(picture, 4, 2, 1, STILB_IMAGE_F32_LINEAR);
+	}
+	return result;
+}
+
+static void surroundings_have_three_channels(void **state)
+{
+	(void)state;
+	stilb_scene *scene = open_scene("furnace:0.5");
+	const char *path = write_picture("sky.png", 255, 0, 128);
+	takes_grey = true;
+	stilb_result result = stilb_scene_set_environment(scene, path);
+	takes_grey = false;
+	assert_int_equal(result, STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "not three channels of light"));
+	assert_null(scene->environment.pixels);
+	stilb_scene_destroy(scene);
+}
+
+static void assert_projects(const stilb_scene_camera *camera)
+{
+	assert_true(camera->fov_y > 0.0f && camera->fov_y < 3.1415927f);
+	assert_true(camera->near_z > 0.0f && camera->near_z < camera->far_z && isfinite(camera->far_z));
+	assert_true(isfinite(camera->yaw) && isfinite(camera->pitch) && isfinite(camera->roll));
+}
+
+/* Scenes that are one point, without a camera and with one in that point. */
+static void cameras_of_points_project(void **state)
+{
+	(void)state;
+	static const char camera_in_the_point[] =
+		"{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+		"\"nodes\":[{\"mesh\":0},{\"camera\":0}],"
+		"\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.6,\"aspectRatio\":1.5,\"znear\":0.1}}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+		"\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"
+		"AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA\"}],"
+		"\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":36}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+		"\"min\":[0,0,0],\"max\":[0,0,0]}]}";
+	static const char *const points[] = {"v 0 0 0\n", "v 1e10 1e10 1e10\n", "v 1e-30 0 0\n"};
+	for (size_t i = 0; i < sizeof points / sizeof *points; i++) {
+		char text[256];
+		snprintf(text, sizeof text, "%s%s%sf 1 2 3\n", points[i], points[i], points[i]);
+		stilb_scene *scene = open_scene(write_text("point.obj", text));
+		assert_projects(&scene->camera);
+		assert_true(scene->camera.pitch < -0.1f); /* it looks down on the point, however far out that is */
+		stilb_scene_destroy(scene);
+	}
+	stilb_scene *scene = open_scene(write_text("point.gltf", camera_in_the_point));
+	assert_projects(&scene->camera);
+	assert_three(scene->camera.position, 0, 0, 0);
+	stilb_scene_destroy(scene);
+}
+
 /* 16 bits, halves, floats, and the channels of the file. */
 static void textures_keep_their_precision(void **state)
 {
@@ -629,6 +699,8 @@ int main(void)
 		cmocka_unit_test(numbers_may_begin_with_a_point),
 		cmocka_unit_test(one_process_serves_many),
 		cmocka_unit_test(large_surroundings_are_refused_by_their_header),
+		cmocka_unit_test(surroundings_have_three_channels),
+		cmocka_unit_test(cameras_of_points_project),
 		cmocka_unit_test(textures_keep_their_precision),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);

@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -135,7 +136,29 @@ static void nothing_points_past_the_end(void **state)
 		unsigned char *bytes = bytes_of(scene, &size);
 		*places[i] = old;
 		assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
-		assert_non_null(strstr(stilb_error_message(), "cannot be"));
+		assert_non_null(strstr(stilb_error_message(), "impossible"));
+		free(bytes);
+	}
+	stilb_scene_destroy(scene);
+}
+
+/* A projection asserts its ranges, so a camera must not come out of them. */
+static void a_camera_can_project(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	stilb_scene_camera good = scene->camera;
+	float *const places[] = {&scene->camera.fov_y,       &scene->camera.fov_y,  &scene->camera.fov_y,
+	                         &scene->camera.near_z,      &scene->camera.near_z, &scene->camera.far_z,
+	                         &scene->camera.position[1], &scene->camera.roll};
+	const float wrong[] = {0.0f, 3.2f, NAN, 0.0f, good.far_z, INFINITY, NAN, INFINITY};
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+		size_t size;
+		*places[i] = wrong[i];
+		unsigned char *bytes = bytes_of(scene, &size);
+		scene->camera = good;
+		assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+		assert_non_null(strstr(stilb_error_message(), "impossible numbers in its camera"));
 		free(bytes);
 	}
 	stilb_scene_destroy(scene);
@@ -241,6 +264,7 @@ int main(void)
 		cmocka_unit_test(a_scene_comes_back_the_same), cmocka_unit_test(damaged_streams_give_no_damaged_scene),
 		cmocka_unit_test(nothing_points_past_the_end), cmocka_unit_test(the_deadline_ends_waiting),
 		cmocka_unit_test(what_is_sent_has_an_end),     cmocka_unit_test(pictures_are_sealed),
+		cmocka_unit_test(a_camera_can_project),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,12 @@
 /*
- * importer: Assimp's scene into Stilb's, in the process that scene_import.h tells of. It sends one scene or one error
- * and ends; what it allocates goes with it.
+ * importer: converts Assimp's scenes to Stilb's, in the process that scene_import.h describes.
+ *
+ * Life cycle.  For each request an importer begins as {0}: Assimp reads the file -> importer_load_textures ->
+ *              importer_list_nodes -> importer_add_meshes -> importer_add_materials -> importer_add_view -> the scene
+ *              is sent -> everything is freed.
+ * Errors.      Files hold anything: every index, count and number of Assimp's is checked before use. Messages are
+ *              reasons without the file's name.
+ * Threads.     The process's main thread, but for importer_decode and the decoding of textures.
  */
 #ifndef STILB_SCENE_IMPORTER_H
 #define STILB_SCENE_IMPORTER_H
@@ -11,48 +17,50 @@
 #include <assimp/scene.h>
 #include <limits.h>
 
-/* A place in the hierarchy, in the order of a walk that visits a node before its children. */
+/* A node of the hierarchy. */
 typedef struct importer_node {
 	const struct aiNode *node;
 	stilb_mat4 to_world;
 } importer_node;
 
-/* A texture by the name that materials call it by. */
 typedef struct importer_texture {
-	char name[MAXLEN];
+	char name[MAXLEN];    /* as materials name it */
 	stilb_image image;    /* {0}: it could not be loaded */
-	float mean[3];        /* of its texels' light */
-	float stored_mean[3]; /* of the numbers in the file: what they are when they are no colours */
+	float mean[3];        /* mean of its texels as linear light */
+	float stored_mean[3]; /* mean of its codes, in [0, 1], or floats: for maps that are numbers, not colours */
 	char trouble[256];    /* why it could not be loaded */
-	bool told;            /* its trouble was */
+	bool warned;          /* the user was warned of the trouble */
 
-	int file; /* while they are loaded: the descriptor of its file, or -1 */
-	const struct aiTexture *embedded;
+	int file;                         /* the descriptor of its file until it is read, or -1 */
+	const struct aiTexture *embedded; /* the texture inside of the scene's file, or NULL */
 } importer_texture;
 
 typedef struct importer {
 	const struct aiScene *from;
 	const char *path;
-	bool gltf; /* its lights have physical units */
+	bool gltf; /* the file is glTF: its lights have physical units */
 
-	importer_node *nodes;
-	uint32_t node_count, odd_nodes;
+	importer_node *nodes; /* [node_count], a node before its children */
+	uint32_t node_count;
+	uint32_t bad_nodes;         /* nodes left out because their transform is not finite */
 	importer_texture *textures; /* [texture_count], in the order in which materials name them */
 	uint32_t texture_count;
 
-	uint32_t clear_materials; /* that ask for transparency */
-	stilb_scene *scene;
+	uint32_t transparent_materials;
+	stilb_scene *scene; /* the result; from importer_add_meshes on */
 } importer;
 
 #define IMPORTER_MAX_NODES 4000000u
 
-/* Tells the reader something that does not keep the scene from being read. */
+/* Sends a warning for the user: something of the file is lost, but the scene is read. */
 void importer_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* importer_nodes.c: lists the nodes; those whose place is no number are left out and counted in odd_nodes. */
+/* importer_nodes.c: fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
+ * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;
+ * STILB_ERROR_MEMORY. */
 stilb_result importer_list_nodes(importer *import);
 
-/* The node of this name, or NULL. */
+/* The first node of this name, or NULL. */
 const importer_node *importer_find_node(const importer *import, const struct aiString *name);
 
 static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
@@ -60,33 +68,39 @@ static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
 	return stilb_vec3_make(v->x, v->y, v->z);
 }
 
-stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p); /* to the world; node NULL: it is there already */
-stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d); /* the same, unit */
+/* A point of the node's space in the world; the same point if node is NULL. */
+stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p);
 
-/* importer_mesh.c: creates the scene, with every mesh that has triangles, a model for each node with such meshes, its
- * parts and bounds. STILB_ERROR_FILE: there are no triangles. */
+/* A direction of the node's space in the world, unit length; -Z if it has no length. node may be NULL. */
+stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d);
+
+/* importer_mesh.c: creates the scene with every mesh that has triangles, and a model with its parts and bounds for each
+ * node with such meshes. STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */
 stilb_result importer_add_meshes(importer *import);
 
-/* importer_texture.c: lists the textures of all materials and loads them, by several threads. One that cannot be loaded
+/* importer_texture.c: lists the textures of all materials and loads them in several threads. One that cannot be loaded
  * has no pixels. */
 void importer_load_textures(importer *import);
 void importer_free_textures(importer *import);
 
-/* The index of a texture; UINT32_MAX, with a warning the first time: it could not be loaded. */
+/* The index of the texture of this name; UINT32_MAX, and a warning the first time, if it could not be loaded. material:
+ * the name of the material that uses it. */
 uint32_t importer_texture_of(importer *import, const char *name, const char *material);
 
-/* importer_picture.c: decodes a picture into memory that can be shared. flags: of stilb_image_import_flags. Messages
- * start without a name. [any-thread] */
+/* importer_picture.c: decodes the file in bytes into a picture of stilb_image_create_shared. name tells TGA files;
+ * flags: of stilb_image_import_flags. STILB_ERROR_FILE, STILB_ERROR_MEMORY; image is {0} then. [any-thread] */
 stilb_result importer_decode(const char *name, const importer_bytes *bytes, uint32_t flags, stilb_image *image);
 
-/* Replaces image by three channels of linear floats, nothing below 0 nor infinite; image is {0} after an error. */
+/* Replaces image by three channels of linear floats; NaN, infinite and negative values become 0. STILB_ERROR_MEMORY;
+ * image is {0} then. */
 stilb_result importer_picture_to_light(stilb_image *image);
 
-/* importer_material.c: fills the scene's materials, which there are as many of as Assimp's, and textures. */
+/* importer_material.c: fills the scene's materials, one for each of Assimp's or a grey one if there are none, and moves
+ * the textures that they use into the scene. STILB_ERROR_MEMORY. */
 stilb_result importer_add_materials(importer *import);
 
-/* importer_view.c: lights and the first camera; a sky where nothing shines, a camera where there is none. After meshes
- * and materials. */
+/* importer_view.c: adds lights and the first camera; a sky if there is no light, a camera if there is none. Needs
+ * meshes and materials. STILB_ERROR_MEMORY. */
 stilb_result importer_add_view(importer *import);
 
 #endif

@@ -19,6 +19,7 @@ static struct {
 
 void importer_files_begin(const char *path, int given)
 {
+	STILB_ASSERT(path);
 	importer_files_end();
 	snprintf(files_request.path, sizeof files_request.path, "%s", path);
 	files_request.file = given;
@@ -33,6 +34,7 @@ void importer_files_end(void)
 
 int importer_files_ask(const char *name, bool quiet, char why[static 256])
 {
+	STILB_ASSERT(name && why);
 	scene_message message = {.kind = SCENE_MESSAGE_OPEN, .flags = quiet};
 	int file = -1;
 	snprintf(why, 256, "there is no such file");
@@ -43,7 +45,7 @@ int importer_files_ask(const char *name, bool quiet, char why[static 256])
 	memcpy(message.text, name, strlen(name) + 1);
 	if (!scene_stream_write_message(importer_stream.file, &message, -1) ||
 	    !scene_stream_read_message(&importer_stream, &message, &file))
-		_exit(1); /* nobody listens */
+		_exit(1); /* Stilb is gone */
 	if (file < 0)
 		snprintf(why, 256, "%.255s", message.text);
 	return file;
@@ -51,13 +53,14 @@ int importer_files_ask(const char *name, bool quiet, char why[static 256])
 
 bool importer_bytes_read(int file, importer_bytes *bytes)
 {
+	STILB_ASSERT(file >= 0 && bytes);
 	struct stat info;
 	*bytes = (importer_bytes){0};
 	bool good = fstat(file, &info) == 0 && info.st_size >= 0;
 	size_t size = good ? (size_t)info.st_size : 0;
 	bytes->data = good ? malloc(size + 1) : NULL;
-	good = bytes->data;
-	while (good && bytes->size < size) { /* at an offset: a descriptor of the same file shares its place */
+	good = bytes->data != NULL;
+	while (good && bytes->size < size) { /* pread: copies of a descriptor share one file offset */
 		ssize_t got = pread(file, bytes->data + bytes->size, size - bytes->size, (off_t)bytes->size);
 		if (got < 0 && errno == EINTR)
 			continue;
@@ -67,6 +70,7 @@ bool importer_bytes_read(int file, importer_bytes *bytes)
 	close(file);
 	if (!good)
 		importer_bytes_free(bytes);
+	STILB_ASSERT(!good || bytes->size == size);
 	return good;
 }
 
@@ -78,9 +82,10 @@ void importer_bytes_free(importer_bytes *bytes)
 
 /* ---- OBJ --------------------------------------------------------------------------------------------------------- */
 
-/* Does a number without a digit before its point begin at text[i]? */
+/* True if text[i] is the point of a number without a digit before it, as ".5" or "-.5" after a blank. */
 static bool files_lacks_digit(const unsigned char *text, size_t size, size_t i)
 {
+	STILB_ASSERT(i < size);
 	if (text[i] != '.' || i + 1 >= size || !isdigit(text[i + 1]) || i == 0)
 		return false;
 	unsigned char before = text[i - 1];
@@ -88,8 +93,8 @@ static bool files_lacks_digit(const unsigned char *text, size_t size, size_t i)
 	       ((before == '-' || before == '+') && i > 1 && (text[i - 2] == ' ' || text[i - 2] == '\t'));
 }
 
-/* Assimp 5.2 takes ".5" in an OBJ file for no number, leaves the vertex out and then finds its index out of range. Puts
- * a 0 before the points of such numbers in lines of vertices; false: out of memory. */
+/* Inserts a 0 before the points of such numbers in the vertex lines of an OBJ file. Assimp 5.2 does not read ".5" as a
+ * number, drops the vertex, and then finds its index out of range. False: out of memory. */
 static bool files_complete_numbers(importer_bytes *bytes)
 {
 	size_t lacking = 0;
@@ -111,6 +116,7 @@ static bool files_complete_numbers(importer_bytes *bytes)
 			whole[size++] = '0';
 		whole[size++] = c;
 	}
+	STILB_ASSERT(size <= bytes->size + lacking);
 	free(bytes->data);
 	*bytes = (importer_bytes){whole, size};
 	return true;
@@ -132,6 +138,7 @@ static files_open *files_of(struct aiFile *file)
 static size_t files_read(struct aiFile *file, char *out, size_t size, size_t count)
 {
 	files_open *open = files_of(file);
+	STILB_ASSERT(open->at <= open->bytes.size);
 	size_t left = open->bytes.size - open->at, whole = size ? left / size : 0;
 	if (count > whole)
 		count = whole;
@@ -162,7 +169,7 @@ static enum aiReturn files_seek(struct aiFile *file, size_t offset, enum aiOrigi
 	size_t base = origin == aiOrigin_CUR ? open->at : origin == aiOrigin_END ? open->bytes.size : 0;
 	if (base + offset > open->bytes.size)
 		return aiReturn_FAILURE;
-	open->at = base + offset; /* an offset back is a very large one, and wraps round */
+	open->at = base + offset; /* a negative offset comes as a large one, and the sum wraps around */
 	return aiReturn_SUCCESS;
 }
 

@@ -1,5 +1,10 @@
-/* importer_files: the files of a request. The process opens none itself: it asks Stilb, which decides
- * (scene_files.h). */
+/*
+ * importer_files: the files of a request. The process can open none itself: it asks Stilb, which decides
+ * (scene_files.h).
+ *
+ * Life cycle.  importer_files_begin -> importer_files_ask and importer_file_io, any number -> importer_files_end.
+ * Threads.     The process's main thread; importer_bytes_read and importer_bytes_free are [any-thread].
+ */
 #ifndef STILB_SCENE_IMPORTER_FILES_H
 #define STILB_SCENE_IMPORTER_FILES_H
 
@@ -7,7 +12,7 @@
 
 #include <assimp/cfileio.h>
 
-/* A file in memory, read only. */
+/* A file in memory. */
 typedef struct importer_bytes {
 	unsigned char *data;
 	size_t size;
@@ -16,21 +21,23 @@ typedef struct importer_bytes {
 /* The connection to Stilb. */
 extern scene_stream importer_stream;
 
-/* Begins a request: path is given's name, which may be opened any number of times. Closes given. */
+/* Begins a request. given: the descriptor of the file at path, or -1; asking for path returns copies of it. It is
+ * closed by importer_files_end. */
 void importer_files_begin(const char *path, int given);
 
-/* Ends it. */
+/* Ends the request, if there is one. */
 void importer_files_end(void);
 
-/* Asks for the file that the scene calls name. A descriptor, or -1 with the reason in why. quiet: the caller tells the
- * reason itself. */
+/* Asks Stilb for the file that the scene calls name. Returns a descriptor, or -1 with the reason in why. quiet: Stilb
+ * does not log a refusal, because the caller warns of it. */
 int importer_files_ask(const char *name, bool quiet, char why[static 256]);
 
-/* The whole file behind a descriptor, which is closed; false: it cannot be read. */
+/* Reads the whole file behind a descriptor, >= 0, and closes it. False: it cannot be read, or memory is out; bytes is
+ * {0} then. */
 bool importer_bytes_read(int file, importer_bytes *bytes);
 void importer_bytes_free(importer_bytes *bytes);
 
-/* For Assimp: what opens its files. */
+/* The functions by which Assimp opens files. */
 extern struct aiFileIO importer_file_io;
 
 #endif

@@ -1,7 +1,7 @@
 /*
- * stilb-scene-import BYTES SECONDS: reads scenes and pictures, as many as it is asked for through the socket that is
- * its descriptor 3, in at most BYTES of memory and SECONDS for each (scene_stream.h). Started by scene_import.c, by
- * nobody else.
+ * stilb-scene-import BYTES SECONDS: reads scenes and pictures on request. Requests come through the socket that is its
+ * descriptor 3 (scene_stream.h); it may use BYTES of memory, and SECONDS for each request. Started by scene_import.c
+ * only.
  */
 #include "scene/importer/importer.h"
 
@@ -21,16 +21,17 @@
 #include <string.h>
 #include <unistd.h>
 
-#define IMPORTER_SMOOTH_DEGREES 60.0f /* where a file has no normals, faces that meet at more stay apart */
+/* Without normals in a file, neighbouring faces are shaded smoothly if they meet at a smaller angle. */
+#define IMPORTER_SMOOTH_DEGREES 60.0f
 
-#define IMPORTER_SOCKET 3
+#define IMPORTER_SOCKET 3 /* the same in scene_import.c */
 
 static void importer_say(scene_message_kind kind, stilb_result result, const char *format, va_list arguments)
 {
 	scene_message message = {.kind = kind, .result = result};
 	vsnprintf(message.text, sizeof message.text, format, arguments);
 	if (!scene_stream_write_message(importer_stream.file, &message, -1))
-		_exit(1); /* nobody listens */
+		_exit(1); /* Stilb is gone */
 }
 
 void importer_warn(const char *format, ...)
@@ -52,7 +53,7 @@ static void importer_send(scene_message_kind kind, stilb_result result, const ch
 	va_end(arguments);
 }
 
-/* What Assimp's own words mean to somebody who only wants to see a scene. */
+/* Translates an error message of Assimp for a user who does not know Assimp. */
 static stilb_result importer_refuse(const char *path, const char *words)
 {
 	if (strstr(words, "bad_alloc"))
@@ -66,14 +67,14 @@ static stilb_result importer_refuse(const char *path, const char *words)
 	return stilb_fail(STILB_ERROR_FILE, "%s", words[0] ? words : "Assimp does not say why");
 }
 
-/* Assimp's scene, in triangles. */
+/* Has Assimp read the file, with all polygons as triangles. */
 static stilb_result importer_read(const char *path, const struct aiScene **scene)
 {
 	unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
 	                 aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
 	                 aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
 	struct aiPropertyStore *properties = aiCreatePropertyStore();
-	/* What no one here asks for only costs time, and is one more thing that can be damaged. */
+	/* Removed, because they are not used, take time, and may be damaged. */
 	aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
 	                           aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
 	                               aiComponent_TANGENTS_AND_BITANGENTS);
@@ -95,6 +96,7 @@ static bool importer_is_gltf(const struct aiScene *scene)
 
 static stilb_result importer_convert(importer *import, const char *path)
 {
+	STILB_ASSERT(!import->from && !import->scene);
 	static stilb_result (*const steps[])(importer *) = {importer_list_nodes, importer_add_meshes,
 	                                                    importer_add_materials, importer_add_view};
 	import->path = path;
@@ -105,8 +107,9 @@ static stilb_result importer_convert(importer *import, const char *path)
 	importer_load_textures(import);
 	for (size_t s = 0; result == STILB_OK && s < sizeof steps / sizeof *steps; s++)
 		result = steps[s](import);
-	if (import->odd_nodes)
-		importer_warn("%u of its nodes have a place that is no number: they are left out", import->odd_nodes);
+	if (import->bad_nodes)
+		importer_warn("%u of its nodes have a transform that is NaN or infinite: they are left out", import->bad_nodes);
+	STILB_CHECK(result != STILB_OK || scene_is_sound(import->scene));
 	return result;
 }
 
@@ -118,7 +121,7 @@ static void importer_finish(importer *import)
 	aiReleaseImport(import->from);
 }
 
-/* Sends a picture, which is {0} afterwards. */
+/* Hands a picture of stilb_image_create_shared over; it is {0} afterwards. */
 static stilb_result importer_send_picture(stilb_image *picture)
 {
 	scene_message message = {.kind = SCENE_MESSAGE_PICTURE,
@@ -130,7 +133,7 @@ static stilb_result importer_send_picture(stilb_image *picture)
 	if (file < 0)
 		return STILB_ERROR_FILE;
 	if (!scene_stream_write_message(importer_stream.file, &message, file))
-		_exit(1); /* nobody listens */
+		_exit(1); /* Stilb is gone */
 	close(file);
 	return STILB_OK;
 }
@@ -176,7 +179,7 @@ static stilb_result importer_do_picture(const char *path, bool light)
 	return result;
 }
 
-/* One request, up to its end. */
+/* Handles one request and sends its result. */
 static void importer_serve(const scene_message *request, int file)
 {
 	stilb_result result = STILB_OK;
@@ -199,11 +202,12 @@ int main(int argc, char **argv)
 {
 	scene_message message = {.kind = SCENE_MESSAGE_HELLO};
 	if (argc != 3 || fcntl(IMPORTER_SOCKET, F_SETFD, FD_CLOEXEC) != 0) {
-		fprintf(stderr, "stilb: stilb-scene-import is started by stilb, for files of others\n");
+		fprintf(stderr,
+		        "stilb: stilb-scene-import is started by other programs of Stilb, to read scenes and pictures\n");
 		return 2;
 	}
 #if !IMPORTER_SANITIZED
-	dup2(STDOUT_FILENO, STDERR_FILENO); /* nowhere: libraries print what nobody asked for */
+	dup2(STDOUT_FILENO, STDERR_FILENO); /* to /dev/null, because libraries print debug messages */
 #endif
 	importer_stream = (scene_stream){.file = IMPORTER_SOCKET, .deadline_ns = UINT64_MAX};
 	message.flags = importer_sandbox_enter(strtoull(argv[1], NULL, 10));

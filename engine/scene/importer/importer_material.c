@@ -1,5 +1,4 @@
-/* Materials: metallic-roughness, specular-glossiness, and the classic ones, as Stilb's diffuse, specular and
- * roughness. */
+/* Converts materials, metallic-roughness, specular-glossiness or Phong's, to diffuse, specular and roughness. */
 #include "scene/importer/importer.h"
 
 #include <assimp/GltfMaterial.h>
@@ -7,21 +6,23 @@
 #include <math.h>
 #include <string.h>
 
-#define DIELECTRIC 0.04f /* what glass and plastic reflect at normal incidence: metallic-roughness takes it for all */
+#define DIELECTRIC 0.04f /* reflectance of glass and plastic at normal incidence; glTF uses it for all non-metals */
 
 /* One of Assimp's materials while it is read. */
 typedef struct material_reader {
 	importer *import;
 	const struct aiMaterial *from;
 	struct aiString name;
-	bool missing_texture;
+	bool missing_texture; /* a texture of its colour could not be loaded */
 } material_reader;
 
 static float material_clamp(float value, float low, float high)
 {
+	STILB_ASSERT(low < high);
 	return !(value > low) ? low : value < high ? value : high; /* NaN becomes low */
 }
 
+/* Reads a colour, >= 0; false: the material has none of this key. */
 static bool material_color(const material_reader *reader, const char *key, unsigned type, unsigned index, float rgb[3])
 {
 	struct aiColor4D color;
@@ -33,6 +34,7 @@ static bool material_color(const material_reader *reader, const char *key, unsig
 	return true;
 }
 
+/* Reads a number; false: the material has none of this key. */
 static bool material_number(const material_reader *reader, const char *key, unsigned type, unsigned index, float *out)
 {
 	ai_real value;
@@ -43,7 +45,7 @@ static bool material_number(const material_reader *reader, const char *key, unsi
 	return true;
 }
 
-/* The texture of the first of these kinds that has one that can be loaded; NULL: none. */
+/* The texture of the first of two kinds that the material has and that could be loaded; NULL: none. */
 static const importer_texture *material_texture(material_reader *reader, enum aiTextureType first,
                                                 enum aiTextureType second)
 {
@@ -56,6 +58,7 @@ static const importer_texture *material_texture(material_reader *reader, enum ai
 			continue;
 		uint32_t texture = importer_texture_of(reader->import, path.data, reader->name.data);
 		reader->missing_texture |= texture == UINT32_MAX;
+		STILB_ASSERT(texture == UINT32_MAX || texture < reader->import->texture_count);
 		if (texture != UINT32_MAX)
 			return &reader->import->textures[texture];
 	}
@@ -64,8 +67,9 @@ static const importer_texture *material_texture(material_reader *reader, enum ai
 
 /* ---- kinds ------------------------------------------------------------------------------------------------------- */
 
-/* Metal reflects its colour and nothing by diffusion; the rest the other way about. There is one number of roughness
- * and of metal for a material: of a texture its mean. Source: glTF 2.0, appendix B, simplified. */
+/* Metals reflect their colour as specular and nothing as diffuse, non-metals their colour as diffuse and DIELECTRIC as
+ * specular. A material has one roughness and one metalness, so a map of these counts by its mean. base: the colour's
+ * texture or NULL. Source: glTF 2.0, appendix B, simplified. */
 static void material_metallic(material_reader *reader, const importer_texture *base, stilb_scene_material *material)
 {
 	float color[3] = {1, 1, 1}, metal = 1.0f, roughness = 1.0f, mean[3];
@@ -73,10 +77,10 @@ static void material_metallic(material_reader *reader, const importer_texture *b
 		material_color(reader, AI_MATKEY_COLOR_DIFFUSE, color);
 	material_number(reader, AI_MATKEY_METALLIC_FACTOR, &metal);
 	material_number(reader, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
-	bool missing = reader->missing_texture; /* of the colour only */
+	bool missing = reader->missing_texture; /* a missing map of roughness does not count */
 	const importer_texture *map = material_texture(reader, aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS);
 	reader->missing_texture = missing;
-	if (map) { /* green is roughness, blue metal */
+	if (map) { /* green is roughness, blue metalness */
 		roughness *= map->stored_mean[1];
 		metal *= map->stored_mean[2];
 	}
@@ -101,10 +105,10 @@ static void material_glossy(const material_reader *reader, float gloss, stilb_sc
 	material->roughness = 1.0f - gloss;
 }
 
-/* A classic material's highlight is as bright as its maker liked, and says nothing of energy: a white one stands for
- * twice what plastic reflects, a grey one for plastic; on black it is a mirror or metal, and stands for itself. The
- * exponent n is that of Blinn and Phong: n = 2 / alpha^2 - 2, alpha = roughness^2 (Karis, "Specular BRDF Reference",
- * 2013). */
+/* Phong materials, whose specular colour is chosen by eye and conserves no energy. A heuristic: white counts as twice
+ * the reflectance of plastic, grey as that of plastic; on black diffuse it is a mirror or metal, and counts as it is.
+ * The exponent n is that of Blinn and Phong: n = 2 / alpha^2 - 2, alpha = roughness^2 (Karis, "Specular BRDF
+ * Reference", 2013). */
 static void material_classic(const material_reader *reader, bool textured, stilb_scene_material *material)
 {
 	float diffuse[3] = {0.6f, 0.6f, 0.6f}, specular[3] = {0}, exponent = 0.0f, strength = 1.0f;
@@ -114,7 +118,7 @@ static void material_classic(const material_reader *reader, bool textured, stilb
 	material_number(reader, AI_MATKEY_SHININESS_STRENGTH, &strength);
 	float brightest = fmaxf(fmaxf(diffuse[0], diffuse[1]), diffuse[2]);
 	bool black = brightest < 0.01f && !textured;
-	if (brightest == 0.0f && textured) /* many exporters write black and mean the texture */
+	if (brightest == 0.0f && textured) /* many exporters write black beside a texture */
 		diffuse[0] = diffuse[1] = diffuse[2] = 1.0f;
 	exponent = material_clamp(exponent, 0.0f, 1e6f);
 	strength = exponent > 0.0f ? material_clamp(strength, 0.0f, 1.0f) : 0.0f;
@@ -125,7 +129,7 @@ static void material_classic(const material_reader *reader, bool textured, stilb
 	material->roughness = sqrtf(sqrtf(2.0f / (exponent + 2.0f)));
 }
 
-/* Radiance, all over the same: of a texture the mean. */
+/* Emitted radiance, constant over the surface: a texture counts by its mean. */
 static void material_emission(material_reader *reader, stilb_scene_material *material)
 {
 	float color[3] = {0}, intensity = 1.0f;
@@ -148,15 +152,15 @@ static void material_convert(importer *import, const struct aiMaterial *from, st
 	material_reader reader = {.import = import, .from = from};
 	float opacity = 1.0f, metal, gloss;
 	stilb_scene_material read = {0};
+	STILB_ASSERT(from);
 	if (aiGetMaterialString(from, AI_MATKEY_NAME, &reader.name) != aiReturn_SUCCESS)
 		strcpy(reader.name.data, "without a name");
 	const importer_texture *base = material_texture(&reader, aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE);
 	uint32_t texture = base ? 1 + (uint32_t)(base - import->textures) : 0;
-	importer_texture copy = base ? *base : (importer_texture){0}; /* the list may move */
 	if (material_number(&reader, AI_MATKEY_GLOSSINESS_FACTOR, &gloss))
 		material_glossy(&reader, gloss, &read);
 	else if (material_number(&reader, AI_MATKEY_METALLIC_FACTOR, &metal))
-		material_metallic(&reader, texture ? &copy : NULL, &read);
+		material_metallic(&reader, base, &read);
 	else
 		material_classic(&reader, texture > 0, &read);
 	*material = stilb_scene_material_make(read.diffuse, read.specular, read.roughness);
@@ -165,10 +169,11 @@ static void material_convert(importer *import, const struct aiMaterial *from, st
 		*material = stilb_scene_material_make((float[3]){1, 0, 1}, (float[3]){0}, 1.0f);
 	material_emission(&reader, material);
 	if (material_number(&reader, AI_MATKEY_OPACITY, &opacity))
-		import->clear_materials += opacity < 1.0f;
+		import->transparent_materials += opacity < 1.0f;
 }
 
-/* The textures that a material has need of, out of those that were loaded: the rest only told their means. */
+/* Moves the textures that materials use into the scene and renumbers them; the others were needed for their means
+ * only. */
 static stilb_result material_take_textures(importer *import)
 {
 	stilb_scene *scene = import->scene;
@@ -178,11 +183,14 @@ static stilb_result material_take_textures(importer *import)
 		uint32_t first = used;
 		for (uint32_t m = 0; m < scene->material_count; m++)
 			if (scene->materials[m].diffuse_texture == 1 + t) {
-				scene->materials[m].diffuse_texture = 1 + first; /* first <= t: no later turn of the loop finds it */
+				scene->materials[m].diffuse_texture = 1 + first; /* <= 1 + t, so no later t matches it */
 				used = first + 1;
 			}
-		if (used > first)
-			scene->textures[first] = import->textures[t].image, import->textures[t].image = (stilb_image){0};
+		STILB_ASSERT(used <= t + 1);
+		if (used > first) {
+			scene->textures[first] = import->textures[t].image;
+			import->textures[t].image = (stilb_image){0};
+		}
 	}
 	scene->texture_count = used;
 	return result;
@@ -191,10 +199,11 @@ static stilb_result material_take_textures(importer *import)
 stilb_result importer_add_materials(importer *import)
 {
 	const struct aiScene *from = import->from;
+	STILB_ASSERT(import->scene->material_count == (from->mNumMaterials ? from->mNumMaterials : 1));
 	import->scene->materials[0] = stilb_scene_material_make((float[3]){0.6f, 0.6f, 0.6f}, (float[3]){0}, 1.0f);
 	for (uint32_t m = 0; m < from->mNumMaterials; m++)
 		material_convert(import, from->mMaterials[m], &import->scene->materials[m]);
-	if (import->clear_materials)
-		importer_warn("%u of its materials are transparent: they are shown opaque", import->clear_materials);
+	if (import->transparent_materials)
+		importer_warn("%u of its materials are transparent: they are shown opaque", import->transparent_materials);
 	return material_take_textures(import);
 }

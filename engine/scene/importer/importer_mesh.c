@@ -9,7 +9,7 @@
 static bool mesh_is_triangle(const struct aiMesh *mesh, const struct aiFace *face)
 {
 	if (face->mNumIndices != 3)
-		return false; /* points and lines; Assimp has made triangles of all else */
+		return false; /* a point or a line; Assimp splits larger polygons into triangles */
 	for (int i = 0; i < 3; i++)
 		if (face->mIndices[i] >= mesh->mNumVertices)
 			return false;
@@ -24,7 +24,7 @@ static uint32_t mesh_triangles(const struct aiMesh *mesh)
 	return count;
 }
 
-/* Of the triangle of these vertices, or up where it has none. */
+/* The normal of the triangle of these vertices; +Y if its area is 0. */
 static stilb_vec3 mesh_normal(const struct aiMesh *mesh, const uint32_t index[3])
 {
 	stilb_vec3 p[3];
@@ -37,10 +37,10 @@ static stilb_vec3 mesh_normal(const struct aiMesh *mesh, const uint32_t index[3]
 
 static float mesh_texture_coordinate(float value)
 {
-	return fabsf(value) < 1e6f ? value : 0.0f; /* NaN too; farther out a float has no place in a texture */
+	return fabsf(value) < 1e6f ? value : 0.0f; /* also NaN; a larger float has no digits left for a position */
 }
 
-/* The normal stays 0 when the file's is none. */
+/* The normal is 0 if the file has none, or one that is not finite. */
 static stilb_scene_vertex mesh_vertex(const struct aiMesh *mesh, uint32_t v)
 {
 	stilb_scene_vertex vertex = {.position = {mesh->mVertices[v].x, mesh->mVertices[v].y, mesh->mVertices[v].z}};
@@ -57,8 +57,10 @@ static stilb_scene_vertex mesh_vertex(const struct aiMesh *mesh, uint32_t v)
 	return vertex;
 }
 
+/* Vertices without a normal get that of the first of their triangles. triangles: of mesh_triangles, > 0. */
 static stilb_result mesh_convert(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
 {
+	STILB_ASSERT(triangles > 0);
 	stilb_result result = scene_mesh_create(mesh, from->mNumVertices, 3 * triangles);
 	if (result != STILB_OK)
 		return result;
@@ -75,18 +77,21 @@ static stilb_result mesh_convert(const struct aiMesh *from, uint32_t triangles, 
 				own[k] = normal[k];
 		}
 	}
+	STILB_ASSERT(index == mesh->indices + mesh->index_count);
 	return STILB_OK;
 }
 
-/* Where each of Assimp's meshes stands among the scene's, and how much there is. */
+/* The scene's counts, and for each of Assimp's meshes: */
 typedef struct mesh_plan {
-	uint32_t *place;     /* IMPORTER_NO_MESH: it has no triangles */
-	uint32_t *triangles; /* of each */
+	uint32_t *place;     /* its index in the scene; IMPORTER_NO_MESH: it has no triangles */
+	uint32_t *triangles; /* its number of triangles */
 	uint32_t meshes, models, parts;
 } mesh_plan;
 
+/* The scene's index of a node's mesh i; IMPORTER_NO_MESH: it does not exist or has no triangles. */
 static uint32_t mesh_place(const mesh_plan *plan, const importer *import, const struct aiNode *node, uint32_t i)
 {
+	STILB_ASSERT(i < node->mNumMeshes);
 	uint32_t mesh = node->mMeshes[i];
 	return mesh < import->from->mNumMeshes ? plan->place[mesh] : IMPORTER_NO_MESH;
 }
@@ -117,6 +122,7 @@ static stilb_result mesh_plan_make(const importer *import, mesh_plan *plan)
 	return STILB_OK;
 }
 
+/* Fills parts, models and bounds. */
 static void mesh_add_parts(importer *import, const mesh_plan *plan)
 {
 	stilb_scene *scene = import->scene;
@@ -136,12 +142,14 @@ static void mesh_add_parts(importer *import, const mesh_plan *plan)
 		if (part > first)
 			scene->first_part[++model] = part;
 	}
+	STILB_ASSERT(part == scene->part_count && model == scene->model_count);
 	for (uint32_t m = 0; m < scene->model_count; m++)
 		scene_fit_bounds(scene, m);
 }
 
 stilb_result importer_add_meshes(importer *import)
 {
+	STILB_ASSERT(!import->scene && import->node_count > 0);
 	mesh_plan plan = {0};
 	const struct aiScene *from = import->from;
 	stilb_result result = mesh_plan_make(import, &plan);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Assimp's matrices are row by row. */
+/* Assimp's matrices are row-major. */
 static stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m)
 {
 	return (stilb_mat4){.m = {m->a1, m->b1, m->c1, m->d1, m->a2, m->b2, m->c2, m->d2, m->a3, m->b3, m->c3, m->d3, m->a4,
@@ -19,11 +19,12 @@ static bool importer_is_finite(const stilb_mat4 *m)
 	return finite;
 }
 
-/* The list is its own queue of what is still to visit: breadth first, so no hierarchy is too deep for it. */
+/* Breadth first, with the list itself as the queue: without recursion no hierarchy is too deep. */
 stilb_result importer_list_nodes(importer *import)
 {
-	uint32_t room = 1024;
-	import->nodes = malloc(room * sizeof *import->nodes);
+	STILB_ASSERT(import->from && !import->nodes);
+	uint32_t capacity = 1024;
+	import->nodes = malloc(capacity * sizeof *import->nodes);
 	if (!import->nodes)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
 	if (!import->from->mRootNode)
@@ -36,9 +37,9 @@ stilb_result importer_list_nodes(importer *import)
 		stilb_mat4 to_world = import->nodes[i].to_world;
 		if ((uint64_t)import->node_count + node->mNumChildren > IMPORTER_MAX_NODES)
 			return stilb_fail(STILB_ERROR_FILE, "it has more than %u nodes", IMPORTER_MAX_NODES);
-		while (import->node_count + node->mNumChildren > room) {
-			room *= 2;
-			importer_node *more = realloc(import->nodes, room * sizeof *more);
+		while (import->node_count + node->mNumChildren > capacity) {
+			capacity *= 2;
+			importer_node *more = realloc(import->nodes, capacity * sizeof *more);
 			if (!more)
 				return stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
 			import->nodes = more;
@@ -51,20 +52,23 @@ stilb_result importer_list_nodes(importer *import)
 			if (importer_is_finite(&child.to_world))
 				import->nodes[import->node_count++] = child;
 			else
-				import->odd_nodes++;
+				import->bad_nodes++;
 		}
+		STILB_ASSERT(import->node_count <= capacity);
 	}
 	return STILB_OK;
 }
 
 const importer_node *importer_find_node(const importer *import, const struct aiString *name)
 {
+	STILB_ASSERT(import && name);
 	for (uint32_t i = 0; i < import->node_count; i++)
 		if (strcmp(import->nodes[i].node->mName.data, name->data) == 0)
 			return &import->nodes[i];
 	return NULL;
 }
 
+/* Applies the upper left 3 x 3 of m. */
 static stilb_vec3 importer_rotate(const stilb_mat4 *m, stilb_vec3 v)
 {
 	stilb_vec3 turned = {0};

@@ -1,4 +1,4 @@
-/* Pictures: decoded into memory that can be shared, and as light. */
+/* Decodes pictures into memory that can be shared, and converts them to linear light. */
 #include "scene/importer/importer.h"
 
 #include "image/image_import.h"
@@ -10,18 +10,19 @@
 
 stilb_result importer_decode(const char *name, const importer_bytes *bytes, uint32_t flags, stilb_image *image)
 {
+	STILB_ASSERT(bytes->data);
 	stilb_result result =
 		stilb_image_import_memory(name, bytes->data, bytes->size, flags | STILB_IMAGE_IMPORT_SHARED, image);
 	if (result == STILB_OK)
 		return result;
-	/* "cannot read 'NAME': REASON": who asked knows the name. */
+	/* The message is "cannot read '<name>': <reason>"; the caller adds the name itself. */
 	char reason[400];
 	const char *said = strstr(stilb_error_message(), "': ");
 	snprintf(reason, sizeof reason, "%s", said ? said + 3 : stilb_error_message());
 	return stilb_fail(result, "%s", reason);
 }
 
-/* With one channel or two the first is grey. */
+/* Converts pixels to RGB; of one or two channels the first is grey. NaN, infinite and negative values become 0. */
 static void picture_take_light(const float *light, uint32_t channels, size_t pixels, float *rgb)
 {
 	for (size_t p = 0; p < pixels; p++)
@@ -33,6 +34,7 @@ static void picture_take_light(const float *light, uint32_t channels, size_t pix
 
 stilb_result importer_picture_to_light(stilb_image *image)
 {
+	STILB_ASSERT(image->pixels);
 	stilb_image rgb;
 	size_t row = (size_t)image->width * image->channels;
 	float *light = malloc(row * sizeof *light);

@@ -12,6 +12,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -22,7 +23,7 @@
 
 #define SANDBOX_FILES 4096 /* descriptors: one for each texture */
 
-/* Never above the limit that is there. */
+/* Sets both limits of a resource, to at most the hard limit so far. */
 static bool sandbox_limit(__rlimit_resource_t what, rlim_t value)
 {
 	struct rlimit old;
@@ -35,8 +36,9 @@ static bool sandbox_limit(__rlimit_resource_t what, rlim_t value)
 
 static bool sandbox_limits(uint64_t bytes)
 {
-	bool good = sandbox_limit(RLIMIT_CORE, 0);                  /* a crash is an answer here */
-	good &= sandbox_limit(RLIMIT_FSIZE, STILB_IMAGE_MAX_BYTES); /* of the memory that a picture is sent in */
+	STILB_ASSERT(bytes > 0);
+	bool good = sandbox_limit(RLIMIT_CORE, 0);                  /* crashes are expected */
+	good &= sandbox_limit(RLIMIT_FSIZE, STILB_IMAGE_MAX_BYTES); /* of the memory files that hold pictures */
 	good &= sandbox_limit(RLIMIT_NOFILE, SANDBOX_FILES);
 	if (!IMPORTER_SANITIZED)
 		good &= sandbox_limit(RLIMIT_AS, bytes);
@@ -59,13 +61,15 @@ void importer_sandbox_allow_time(uint64_t seconds)
 
 /* ---- Landlock: files --------------------------------------------------------------------------------------------- */
 
-/* Everything that the first version can forbid; later versions add to it. Source: landlock(7). */
+/* All rights that Landlock's first version can forbid; later versions add to them. Source: landlock(7). */
 #define SANDBOX_ACCESS_1 ((LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1)
 #define SANDBOX_ACCESS_READ                                                                                            \
 	(LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR | LANDLOCK_ACCESS_FS_EXECUTE) /* libraries are mapped */
 
+/* All rights that this version can forbid. */
 static uint64_t sandbox_access(long version)
 {
+	STILB_ASSERT(version >= 1);
 	uint64_t access = SANDBOX_ACCESS_1;
 	if (version >= 2)
 		access |= 1ull << 13; /* LANDLOCK_ACCESS_FS_REFER */
@@ -80,14 +84,14 @@ static bool sandbox_allow_path(int rules, const char *path, uint64_t access)
 {
 	int file = open(path, O_PATH | O_CLOEXEC);
 	if (file < 0)
-		return true; /* what is not there need not be allowed */
+		return true; /* a path that does not exist needs no rule */
 	struct landlock_path_beneath_attr rule = {.allowed_access = access, .parent_fd = file};
 	bool good = syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
 	close(file);
 	return good;
 }
 
-/* The folder of this program, where the module with OpenImageIO lies, or its parent (image_foreign.c). */
+/* Allows the module with OpenImageIO beside this program (image_foreign.c). */
 static bool sandbox_allow_program(int rules)
 {
 	char folder[PATH_MAX];
@@ -95,8 +99,7 @@ static bool sandbox_allow_program(int rules)
 	char *slash = length > 0 ? memrchr(folder, '/', (size_t)length) : NULL;
 	if (!slash)
 		return true;
-	*slash = '\0';
-	strcat(folder, "/stilb-image-oiio.so"); /* is shorter than this program's own name */
+	snprintf(slash, (size_t)(folder + sizeof folder - slash), "/stilb-image-oiio.so");
 	return sandbox_allow_path(rules, folder, LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_EXECUTE);
 }
 
@@ -134,8 +137,8 @@ static bool sandbox_landlock(void)
 #define SANDBOX_ARCH 0
 #endif
 
-/* What decoding, threads and the loading of libraries need. All others fail with EPERM. Some old ones are not on every
- * architecture. */
+/* The system calls that decoding, threads and the loading of libraries need. All others fail with EPERM. Some old ones
+ * do not exist on every architecture. */
 static const unsigned sandbox_calls[] = {
 	SYS_read,
 	SYS_readv,
@@ -233,14 +236,14 @@ static const unsigned sandbox_calls[] = {
 
 static bool sandbox_seccomp(void)
 {
-	/* Threads, but no processes; signals to itself; its own limit of time, and no other. Both architectures are little
-	 * endian, so the low half of an argument comes first. */
+	/* Allows threads but no processes, signals to itself, and its own limits of time and stack. Both architectures are
+	 * little endian, so the low half of an argument comes first. */
 	const struct sock_filter special[] = {
 		LOAD(arch),
 		EQUAL(SANDBOX_ARCH, 1, 0),
 		REFUSE(EPERM),
 		LOAD(nr),
-		EQUAL(SYS_clone3, 0, 1), /* its flags lie in memory, which a filter cannot see: clone is tried next */
+		EQUAL(SYS_clone3, 0, 1), /* a filter cannot read its flags in memory; libc then uses clone */
 		REFUSE(ENOSYS),
 		EQUAL(SYS_clone, 0, 4),
 		LOAD_LOW(0),
@@ -257,7 +260,7 @@ static bool sandbox_seccomp(void)
 		EQUAL(0, 0, 4),
 		LOAD_LOW(1),
 		EQUAL(RLIMIT_CPU, 1, 0),
-		EQUAL(RLIMIT_STACK, 0, 1), /* asked for by those who start a thread */
+		EQUAL(RLIMIT_STACK, 0, 1), /* read by libraries that start a thread */
 		ALLOW,
 		REFUSE(EPERM),
 		EQUAL(SYS_prctl, 0, 4),
@@ -274,6 +277,7 @@ static bool sandbox_seccomp(void)
 		filter[length++] = (struct sock_filter)ALLOW;
 	}
 	filter[length++] = (struct sock_filter)REFUSE(EPERM);
+	STILB_ASSERT(length == sizeof filter / sizeof *filter);
 	struct sock_fprog program = {.len = length, .filter = filter};
 	return SANDBOX_ARCH && syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
 }
@@ -283,8 +287,8 @@ static bool sandbox_seccomp(void)
 uint32_t importer_sandbox_enter(uint64_t bytes)
 {
 	uint32_t flags = 0;
-	prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody reads what it says when its starter is gone */
-	prctl(PR_SET_DUMPABLE, 0);        /* nor looks into it */
+	prctl(PR_SET_PDEATHSIG, SIGKILL); /* end with the thread that started this process */
+	prctl(PR_SET_DUMPABLE, 0);        /* other processes of the user cannot trace it */
 	if (sandbox_limits(bytes))
 		flags |= SCENE_PROTECTION_LIMITS;
 	if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0)

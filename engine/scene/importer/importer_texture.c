@@ -1,4 +1,4 @@
-/* Textures: in the file itself, or as files beside it. */
+/* Loads textures that lie in the scene's file itself or in files of their own. */
 #include "scene/importer/importer.h"
 
 #include "shading/shade_srgb.h"
@@ -10,9 +10,10 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- in the file ------------------------------------------------------------------------------------------------- */
+/* ---- in the scene's file --------------------------------------------------------------------------------------- */
 
-/* "*N" is the file's Nth; others are known by their names. NULL: it is no texture of the file. */
+/* The texture in the scene's file that a material calls name: "*N" is number N, others have the same last name. NULL:
+ * it is a file of its own. */
 static const struct aiTexture *texture_embedded(const importer *import, const char *name)
 {
 	const struct aiScene *from = import->from;
@@ -52,16 +53,18 @@ static stilb_result texture_from_memory(const struct aiTexture *texture, const c
 
 /* ---- means ------------------------------------------------------------------------------------------------------- */
 
-/* Channels of the picture that stand for red, green and blue: with one or two it is grey. */
+/* The channel of red, green or blue, i = 0..2: of one or two channels the first is grey. */
 static uint32_t texture_channel(const stilb_image *image, uint32_t i)
 {
+	STILB_ASSERT(i < 3);
 	return image->channels < 3 ? 0 : i;
 }
 
-/* Of 8-bit codes: how often each of them is there. */
+/* The means of a picture of 8-bit codes, by a histogram. */
 static void texture_average_codes(importer_texture *texture)
 {
 	const stilb_image *image = &texture->image;
+	STILB_ASSERT(image->format == STILB_IMAGE_U8_SRGB && image->pixels);
 	const uint8_t *codes = image->pixels;
 	size_t count = (size_t)image->width * image->height;
 	for (uint32_t i = 0; i < 3; i++) {
@@ -79,6 +82,7 @@ static void texture_average_codes(importer_texture *texture)
 	}
 }
 
+/* Sets the means of a loaded texture. STILB_ERROR_MEMORY. */
 static stilb_result texture_average(importer_texture *texture)
 {
 	const stilb_image *image = &texture->image;
@@ -120,7 +124,7 @@ static void texture_load(importer_texture *texture)
 	if (texture->embedded)
 		result = texture_from_memory(texture->embedded, texture->name, &texture->image);
 	else if (texture->file < 0)
-		return; /* its trouble is told */
+		return; /* importer_files_ask has set its trouble */
 	else if (!importer_bytes_read(texture->file, &bytes))
 		result = stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
 	else
@@ -145,7 +149,7 @@ static void *texture_work(void *context)
 {
 	texture_queue *queue = context;
 	for (;;) {
-		/* relaxed: each texture is one thread's; pthread_create and pthread_join order all else */
+		/* relaxed: a number is given to one thread only; pthread_create and pthread_join order everything else */
 		unsigned i = atomic_fetch_add_explicit(&queue->next, 1, memory_order_relaxed);
 		if (i >= queue->import->texture_count)
 			return NULL;
@@ -153,7 +157,7 @@ static void *texture_work(void *context)
 	}
 }
 
-/* Adds the texture of this kind, if the material has one and no other has it. */
+/* Lists the material's texture of this kind, if there is one and it is not in the list yet. */
 static void texture_list(importer *import, const struct aiMaterial *material, enum aiTextureType kind)
 {
 	struct aiString path;
@@ -175,7 +179,7 @@ static void texture_list(importer *import, const struct aiMaterial *material, en
 
 void importer_load_textures(importer *import)
 {
-	/* Those that importer_material.c asks for. */
+	/* The kinds that importer_material.c reads. */
 	static const enum aiTextureType kinds[] = {aiTextureType_BASE_COLOR,     aiTextureType_DIFFUSE,
 	                                           aiTextureType_UNKNOWN,        aiTextureType_DIFFUSE_ROUGHNESS,
 	                                           aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE};
@@ -184,6 +188,7 @@ void importer_load_textures(importer *import)
 	for (unsigned m = 0; import->textures && m < import->from->mNumMaterials; m++)
 		for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
 			texture_list(import, import->from->mMaterials[m], kinds[k]);
+	STILB_ASSERT(import->texture_count <= most);
 	pthread_t threads[TEXTURE_THREADS];
 	texture_queue queue = {.import = import};
 	long cpus = sysconf(_SC_NPROCESSORS_ONLN);
@@ -213,9 +218,9 @@ uint32_t importer_texture_of(importer *import, const char *name, const char *mat
 	importer_texture *texture = &import->textures[i];
 	if (texture->image.pixels)
 		return i;
-	if (!texture->told)
-		importer_warn("material '%s': texture '%s': %s; what it would cover is magenta", material, name,
+	if (!texture->warned)
+		importer_warn("material '%s': texture '%s': %s; the material becomes magenta", material, name,
 		              texture->trouble);
-	texture->told = true;
+	texture->warned = true;
 	return UINT32_MAX;
 }

@@ -1,4 +1,4 @@
-/* What a view needs beside surfaces: lights, a sky, a camera. */
+/* Lights, a sky and a camera for the scene. */
 #include "scene/importer/importer.h"
 
 #include "shading/shade_constants.h"
@@ -8,10 +8,10 @@
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
-/* Intensity of a light as physics has it, falling with the square of the distance. A file whose lights fall so says it;
- * in the others a light of brightness 1 shows a white surface that faces it white, which is an irradiance of pi, and
- * what that takes at the distance of the scene's middle, where its own law of distance says how much is left, is its
- * intensity. */
+/* The factor from a light's colour to its intensity, for attenuation by the square of the distance. It is 1 in glTF,
+ * which has physical units. In other formats a light of brightness 1 makes a white surface that faces it white, which
+ * is an irradiance of pi. So the intensity is chosen to give pi, times the file's own attenuation, at the centre of the
+ * scene, or at a tenth of its radius if the light is nearer. */
 static float light_scale(const importer *import, const struct aiLight *light, stilb_vec3 position)
 {
 	bool directional = light->mType == aiLightSource_DIRECTIONAL;
@@ -27,13 +27,15 @@ static float light_scale(const importer *import, const struct aiLight *light, st
 	return SHADE_PI * distance * distance / (left > 0.0f ? left : 1.0f);
 }
 
-/* Cones are told by the angle between axis and edge in glTF, across the whole cone elsewhere. */
+/* The cosine of the angle between the cone's axis and its edge. glTF's angle is that one, other formats' the whole
+ * cone's. */
 static float light_cone_cosine(const importer *import, float angle)
 {
 	float half = import->gltf ? angle : 0.5f * angle;
 	return half > 0.0f ? cosf(fminf(half, 0.5f * SHADE_PI)) : 1.0f;
 }
 
+/* False: it has no brightness, or its position is not finite. */
 static bool light_convert(const importer *import, const struct aiLight *from, stilb_scene_light *light)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);
@@ -58,6 +60,7 @@ static bool light_convert(const importer *import, const struct aiLight *from, st
 	}
 	light->cos_inner = light_cone_cosine(import, from->mAngleInnerCone);
 	light->cos_outer = fminf(light_cone_cosine(import, from->mAngleOuterCone), light->cos_inner);
+	STILB_ASSERT(light->cos_inner >= light->cos_outer && light->cos_inner <= 1.0f);
 	return good;
 }
 
@@ -81,6 +84,7 @@ static stilb_result view_add_lights(importer *import)
 	return STILB_OK;
 }
 
+/* True if the scene has lights, a sky, or a visible material that emits light. */
 static bool view_is_lit(const stilb_scene *scene)
 {
 	float light = (float)scene->light_count;
@@ -94,20 +98,21 @@ static bool view_is_lit(const stilb_scene *scene)
 
 /* ---- camera ------------------------------------------------------------------------------------------------------ */
 
-#define CAMERA_FOV 0.7f /* of a camera that is made up, radians */
+#define CAMERA_FOV 0.7f            /* radians, of the camera for a scene without one */
+#define CAMERA_LEAST_METRES 1e-15f /* smaller scenes are shown at this size: squares of less underflow */
 
-/* From the front, a little to the right and above, so far that the sphere around the scene is in every picture that is
- * no higher than wide. */
-static stilb_scene_camera camera_about(const stilb_scene *scene)
+/* A camera for a scene without one: from the front, a little to the right and above, so far away that the sphere around
+ * the scene is in view in every picture that is not higher than wide. */
+static stilb_scene_camera camera_around(const stilb_scene *scene)
 {
 	stilb_sphere sphere = scene_sphere(scene);
-	float radius = sphere.radius > 0.0f ? sphere.radius : 1.0f;
-	stilb_vec3 middle = stilb_vec3_make(sphere.x, sphere.y, sphere.z);
-	stilb_vec3 away = stilb_vec3_normalize(stilb_vec3_make(0.45f, 0.35f, 1.0f));
-	return scene_camera_look(middle + away * (radius / sinf(0.5f * CAMERA_FOV)), middle, CAMERA_FOV);
+	float radius = sphere.radius > CAMERA_LEAST_METRES ? sphere.radius : 1.0f;
+	stilb_vec3 center = stilb_vec3_make(sphere.x, sphere.y, sphere.z);
+	stilb_vec3 away = stilb_vec3_normalize(stilb_vec3_make(0.45f, 0.35f, 1.0f)) * (radius / sinf(0.5f * CAMERA_FOV));
+	return scene_camera_along(center + away, -away, CAMERA_FOV);
 }
 
-/* About the view, from the upright camera's axes: they are the rows of its matrix. */
+/* The roll of an upright camera that brings its up axis to `up`. The camera's axes are the rows of its view matrix. */
 static float camera_roll(const stilb_scene_camera *camera, stilb_vec3 up)
 {
 	stilb_mat4 view = stilb_mat4_view((stilb_vec3){0}, camera->yaw, camera->pitch);
@@ -117,8 +122,8 @@ static float camera_roll(const stilb_scene_camera *camera, stilb_vec3 up)
 	return fabsf(sine) > 1e-5f || cosine < 0.0f ? atan2f(sine, cosine) : 0.0f;
 }
 
-/* From one side to the other of a picture in the file's own ratio; of glTF Assimp 5.2 has angle of height times ratio
- * there. */
+/* The angle of the picture's height. Assimp's field holds the angle of the width, for the file's aspect ratio or 4 : 3;
+ * of glTF, Assimp 5.2 stores the angle of the height times the aspect ratio there. */
 static float camera_fov_y(const importer *import, const struct aiCamera *from)
 {
 	bool has_ratio = from->mAspect > 0.01f && from->mAspect < 100.0f;
@@ -127,11 +132,11 @@ static float camera_fov_y(const importer *import, const struct aiCamera *from)
 	return 2.0f * atanf(tanf(0.5f * from->mHorizontalFOV) / (has_ratio ? from->mAspect : 4.0f / 3.0f));
 }
 
-/* false: it has no place or no angle. */
+/* False: its position or its angle is out of range. */
 static bool camera_convert(const importer *import, const struct aiCamera *from, stilb_scene_camera *camera)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);
-	/* A glTF camera stands where its node does; Assimp 5.2 has the node's place in it a second time. */
+	/* A glTF camera is at its node's origin; Assimp 5.2 adds the node's translation to mPosition a second time. */
 	stilb_vec3 own = import->gltf ? (stilb_vec3){0} : importer_vector(&from->mPosition);
 	stilb_vec3 position = importer_point(node, own);
 	stilb_vec3 view = importer_direction(node, importer_vector(&from->mLookAt));
@@ -141,8 +146,8 @@ static bool camera_convert(const importer *import, const struct aiCamera *from, 
 	if (!(fov_y > 0.03f && fov_y < 3.1f) || !(fabsf(position[0]) + fabsf(position[1]) + fabsf(position[2]) < 1e18f))
 		return false;
 	stilb_vec3 away = position - stilb_vec3_make(scene.x, scene.y, scene.z);
-	float distance = sqrtf(stilb_vec3_dot(away, away)) + scene.radius;
-	*camera = scene_camera_look(position, position + view, fov_y);
+	float distance = fmaxf(sqrtf(stilb_vec3_dot(away, away)) + scene.radius, CAMERA_LEAST_METRES);
+	*camera = scene_camera_along(position, view, fov_y);
 	camera->near_z = 1e-4f * distance;
 	camera->far_z = 10.0f * distance;
 	camera->roll = camera_roll(camera, up);
@@ -152,6 +157,7 @@ static bool camera_convert(const importer *import, const struct aiCamera *from, 
 stilb_result importer_add_view(importer *import)
 {
 	stilb_scene *scene = import->scene;
+	STILB_ASSERT(scene && scene->part_count > 0);
 	stilb_result result = view_add_lights(import);
 	if (result != STILB_OK)
 		return result;
@@ -162,6 +168,6 @@ stilb_result importer_add_view(importer *import)
 	for (uint32_t i = 0; i < import->from->mNumCameras; i++)
 		if (camera_convert(import, import->from->mCameras[i], &scene->camera))
 			return STILB_OK;
-	scene->camera = camera_about(scene);
+	scene->camera = camera_around(scene);
 	return STILB_OK;
 }

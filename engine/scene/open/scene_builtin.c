@@ -1,11 +1,11 @@
-/* The built-in scenes: data, and the little that turns it into meshes. */
+/* The built-in scenes: tables of data, and functions that make meshes of them. */
 #include "scene/open/scene_builtin.h"
 #include "scene/scene_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Four corners, counter-clockwise seen from the front, in a plane. */
+/* Four corners in one plane, counter-clockwise seen from the front. */
 typedef struct builtin_quad {
 	float corner[4][3];
 } builtin_quad;
@@ -21,9 +21,10 @@ static void builtin_set_normal(stilb_scene_vertex *vertex, stilb_vec3 normal)
 		vertex->normal[i] = normal[i];
 }
 
-/* Flat quads, each with corners of its own: triangles 0 1 2 and 0 2 3. uv runs over each quad once. */
+/* A mesh of quads that share no vertices, each of the triangles 0 1 2 and 0 2 3. uv covers [0, 1]^2 on each. */
 static stilb_result builtin_mesh_quads(const builtin_quad *quads, uint32_t count, stilb_scene_mesh *mesh)
 {
+	STILB_ASSERT(quads && count > 0);
 	static const uint32_t order[6] = {0, 1, 2, 0, 2, 3};
 	static const float uv[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 	stilb_result result = scene_mesh_create(mesh, 4 * count, 6 * count);
@@ -33,6 +34,7 @@ static stilb_result builtin_mesh_quads(const builtin_quad *quads, uint32_t count
 		const float(*corner)[3] = quads[q].corner;
 		stilb_vec3 a = builtin_vector(corner[0]), b = builtin_vector(corner[1]), c = builtin_vector(corner[2]);
 		stilb_vec3 normal = stilb_vec3_normalize(stilb_vec3_cross(b - a, c - a));
+		STILB_ASSERT(fabsf(stilb_vec3_dot(normal, builtin_vector(corner[3]) - a)) < 1e-4f && "in one plane");
 		for (int i = 0; i < 4; i++) {
 			stilb_scene_vertex *vertex = &mesh->vertices[4 * q + (uint32_t)i];
 			memcpy(vertex->position, corner[i], sizeof vertex->position);
@@ -45,26 +47,36 @@ static stilb_result builtin_mesh_quads(const builtin_quad *quads, uint32_t count
 	return STILB_OK;
 }
 
+static bool builtin_is_reflectance(float r, float g, float b)
+{
+	return r >= 0.0f && r <= 1.0f && g >= 0.0f && g <= 1.0f && b >= 0.0f && b <= 1.0f;
+}
+
 /* A matt material of exactly this reflectance. */
 static stilb_scene_material builtin_matt(float r, float g, float b)
 {
+	STILB_ASSERT(builtin_is_reflectance(r, g, b));
 	return (stilb_scene_material){.diffuse = {r, g, b}, .roughness = 1.0f};
 }
 
+/* A black material that emits this radiance. */
 static stilb_scene_material builtin_lamp(float r, float g, float b)
 {
+	STILB_ASSERT(r >= 0.0f && g >= 0.0f && b >= 0.0f);
 	return (stilb_scene_material){.emission = {r, g, b}, .roughness = 1.0f};
 }
 
-/* Reflects light by itself alone: no diffuse half. */
+/* A material with specular reflection only. */
 static stilb_scene_material builtin_metal(float r, float g, float b, float roughness)
 {
+	STILB_ASSERT(builtin_is_reflectance(r, g, b) && roughness >= 0.0f && roughness <= 1.0f);
 	return (stilb_scene_material){.specular = {r, g, b}, .roughness = roughness};
 }
 
-/* One model whose part i has material i and mesh i, or the last mesh where there are fewer. */
+/* A scene of one model. Part i has material i and mesh i, or the last mesh if there are fewer meshes. */
 static stilb_result builtin_create(uint32_t part_count, uint32_t mesh_count, stilb_scene **scene)
 {
+	STILB_ASSERT(mesh_count >= 1 && mesh_count <= part_count);
 	stilb_result result = scene_create(1, part_count, mesh_count, part_count, scene);
 	if (result != STILB_OK)
 		return result;
@@ -77,13 +89,15 @@ static stilb_result builtin_create(uint32_t part_count, uint32_t mesh_count, sti
 	return STILB_OK;
 }
 
-/* The end of every create: the scene when all went well. */
+/* Ends every create function: completes the scene, or destroys it if result is a failure. */
 static stilb_result builtin_done(stilb_result result, stilb_scene *scene, stilb_scene **out)
 {
+	*out = NULL;
 	if (result != STILB_OK) {
 		stilb_scene_destroy(scene);
 		return result;
 	}
+	STILB_CHECK(scene_is_sound(scene));
 	scene_fit_bounds(scene, 0);
 	*out = scene;
 	return STILB_OK;
@@ -173,7 +187,8 @@ stilb_result scene_create_cornell(float number, stilb_scene **out)
 
 /* ---- furnace ----------------------------------------------------------------------------------------------------- */
 
-/* A ball seen from inside. Faces with corners of their own and their own normals: a bent normal would lose light. */
+/* A sphere seen from inside. Every triangle has its own vertices with its geometric normal: with a normal that differs
+ * from it, shading would lose light. */
 static stilb_result builtin_mesh_inward(uint32_t splits, stilb_scene_mesh *mesh)
 {
 	stilb_scene_mesh ball = {0};
@@ -197,6 +212,7 @@ static stilb_result builtin_mesh_inward(uint32_t splits, stilb_scene_mesh *mesh)
 
 stilb_result scene_create_furnace(float reflectance, stilb_scene **out)
 {
+	STILB_ASSERT(reflectance >= 0.0f && reflectance < 1.0f);
 	stilb_scene *scene;
 	stilb_result result = builtin_create(1, 1, &scene);
 	if (result == STILB_OK)
@@ -212,7 +228,7 @@ stilb_result scene_create_furnace(float reflectance, stilb_scene **out)
 
 /* ---- plane-wall -------------------------------------------------------------------------------------------------- */
 
-#define WALL_FAR 100.0f /* metres, as good as without end: past it a point 1 from the wall sees 1e-7 of the sky */
+#define WALL_FAR 100.0f /* metres, nearly infinite: a point 1 m from the wall sees 1e-7 of the sky past its ends */
 
 stilb_result scene_create_plane_wall(float number, stilb_scene **out)
 {
@@ -240,7 +256,7 @@ stilb_result scene_create_plane_wall(float number, stilb_scene **out)
 #define BUMPS_AROUND 140u /* quads of a bumpy sphere around its axis */
 #define BUMPS_DOWN 70u    /* and from pole to pole: 2 * 140 * 69 triangles */
 
-/* Radius of a bumpy sphere in unit direction d: 1 and some waves. gradient: how it changes along each axis. */
+/* The radius of the bumpy sphere in unit direction d: 1 plus four waves. *gradient: of the radius with respect to d. */
 static float builtin_bumps(stilb_vec3 d, stilb_vec3 *gradient)
 {
 	static const float waves[][5] = {/* amplitude, wave vector, phase */
@@ -248,6 +264,7 @@ static float builtin_bumps(stilb_vec3 d, stilb_vec3 *gradient)
 	                                 {0.05f, -2.2f, 6.4f, 3.9f, 1.7f},
 	                                 {0.03f, 8.3f, -5.6f, 7.7f, 2.9f},
 	                                 {0.012f, -11.0f, 9.6f, 13.2f, 0.8f}};
+	STILB_ASSERT(fabsf(stilb_vec3_dot(d, d) - 1.0f) < 1e-4f);
 	float radius = 1.0f;
 	*gradient = (stilb_vec3){0};
 	for (size_t i = 0; i < sizeof waves / sizeof *waves; i++) {
@@ -259,8 +276,8 @@ static float builtin_bumps(stilb_vec3 d, stilb_vec3 *gradient)
 	return radius;
 }
 
-/* A point p = r(d) d. Its tangents are r t + (g.t) d for every t across d, so that r d - (g - (g.d) d) is across
- * both. */
+/* The vertex p = r(d) d in the direction with longitude 2 pi u and polar angle pi v. Its tangents are r t + (g.t) d for
+ * all t perpendicular to d, g the gradient of r; so the normal is r d - (g - (g.d) d), perpendicular to all of them. */
 static stilb_scene_vertex builtin_bumpy_vertex(float u, float v)
 {
 	float longitude = 6.2831853071795865f * u, latitude = 3.1415926535897932f * v;
@@ -275,32 +292,35 @@ static stilb_scene_vertex builtin_bumpy_vertex(float u, float v)
 
 static stilb_result builtin_mesh_bumpy(stilb_scene_mesh *mesh)
 {
-	uint32_t across = BUMPS_AROUND + 1; /* the seam has its vertices twice, for uv */
+	uint32_t across = BUMPS_AROUND + 1; /* vertices on the seam exist twice, with u = 0 and u = 1 */
 	stilb_result result = scene_mesh_create(mesh, across * (BUMPS_DOWN + 1), 6 * BUMPS_AROUND * (BUMPS_DOWN - 1));
 	if (result != STILB_OK)
 		return result;
 	uint32_t *index = mesh->indices;
 	for (uint32_t row = 0; row <= BUMPS_DOWN; row++)
 		for (uint32_t column = 0; column <= BUMPS_AROUND; column++) {
-			/* The last column is the first again, to the bit. */
+			/* The last column has the same positions as the first, bit for bit. */
 			stilb_scene_vertex *vertex = &mesh->vertices[row * across + column];
 			*vertex = builtin_bumpy_vertex((float)(column % BUMPS_AROUND) / BUMPS_AROUND, (float)row / BUMPS_DOWN);
 			vertex->uv[0] = (float)column / BUMPS_AROUND;
 		}
 	for (uint32_t row = 0; row < BUMPS_DOWN; row++)
 		for (uint32_t column = 0; column < BUMPS_AROUND; column++) {
-			uint32_t a = row * across + column, b = a + across; /* b below a; next to each its eastern neighbour */
+			uint32_t a = row * across + column,
+					 b = a + across; /* b lies below a; a + 1 and b + 1 are their eastern neighbours */
 			const uint32_t triangles[6] = {a, b, b + 1, a, b + 1, a + 1};
 			uint32_t first = row == BUMPS_DOWN - 1 ? 3 : 0, end = row == 0 ? 3 : 6; /* one triangle at a pole */
 			for (uint32_t i = first; i < end; i++)
 				*index++ = triangles[i];
 		}
+	STILB_ASSERT(index == mesh->indices + mesh->index_count);
 	return STILB_OK;
 }
 
-/* Turned about +Y, scaled, moved. */
+/* Rotates by `turn` radians about +Y, scales, then translates. */
 static stilb_mat4 builtin_place(float turn, float scale, float x, float y, float z)
 {
+	STILB_ASSERT(scale > 0.0f);
 	float c = scale * cosf(turn), s = scale * sinf(turn);
 	return (stilb_mat4){.m = {c, 0, -s, 0, 0, scale, 0, 0, s, 0, c, 0, x, y, z, 1}};
 }
@@ -338,7 +358,7 @@ stilb_result scene_create_outdoor(float number, stilb_scene **out)
 
 /* ---- stress ------------------------------------------------------------------------------------------------------ */
 
-stilb_result scene_create_field(float number, stilb_scene **scene)
+stilb_result scene_create_stress_default(float number, stilb_scene **scene)
 {
 	(void)number;
 	return stilb_scene_create_stress(10000, 1, scene);
@@ -346,11 +366,12 @@ stilb_result scene_create_field(float number, stilb_scene **scene)
 
 /* ---- spheres ----------------------------------------------------------------------------------------------------- */
 
-#define CHECKER_CELLS 16u /* across the texture, each of as many pixels: edges stay sharp when it is interpolated */
+#define CHECKER_CELLS 16u  /* across the texture */
+#define CHECKER_PIXELS 16u /* across a cell: enough that edges look sharp when the texture is interpolated */
 
 static stilb_result builtin_checker(stilb_image *image)
 {
-	uint32_t side = CHECKER_CELLS * 16;
+	uint32_t side = CHECKER_CELLS * CHECKER_PIXELS;
 	stilb_result result = stilb_image_create(image, side, side, 3, STILB_IMAGE_U8_SRGB);
 	if (result != STILB_OK)
 		return result;
@@ -358,7 +379,7 @@ static stilb_result builtin_checker(stilb_image *image)
 	for (uint32_t y = 0; y < side; y++)
 		for (uint32_t x = 0; x < side; x++)
 			for (int i = 0; i < 3; i++)
-				*pixel++ = (x / 16 + y / 16) % 2 ? 255 : 130;
+				*pixel++ = (x / CHECKER_PIXELS + y / CHECKER_PIXELS) % 2 ? 255 : 130;
 	return STILB_OK;
 }
 
@@ -367,8 +388,9 @@ stilb_result scene_create_spheres(float number, stilb_scene **out)
 	(void)number;
 	static const builtin_quad ground = {{{-96, 0, 96}, {96, 0, 96}, {96, 0, -96}, {-96, 0, -96}}};
 	static const builtin_quad lamp = {{{-4, 9.5f, 2}, {4, 9.5f, 2}, {4, 8.5f, 5}, {-4, 8.5f, 5}}};
-	const float clay[3] = {0.60f, 0.22f, 0.12f}, blue[3] = {0.05f, 0.15f, 0.50f}, white[3] = {0.80f, 0.80f, 0.78f};
-	const float green[3] = {0.10f, 0.40f, 0.12f}, coat[3] = {0.04f, 0.04f, 0.04f};
+	static const float clay[3] = {0.60f, 0.22f, 0.12f}, blue[3] = {0.05f, 0.15f, 0.50f},
+					   white[3] = {0.80f, 0.80f, 0.78f};
+	static const float green[3] = {0.10f, 0.40f, 0.12f}, coat[3] = {0.04f, 0.04f, 0.04f};
 	stilb_scene *scene;
 	stilb_result result = builtin_create(9, 3, &scene);
 	if (result == STILB_OK)
@@ -382,21 +404,21 @@ stilb_result scene_create_spheres(float number, stilb_scene **out)
 	if (result == STILB_OK)
 		result = stilb_scene_mesh_sphere(5, &scene->meshes[2]);
 	if (result == STILB_OK) {
-		for (uint32_t v = 0; v < 4; v++) /* a cell is 2 m wide */
+		for (uint32_t v = 0; v < 4; v++) /* so that a cell is 2 m wide */
 			for (int i = 0; i < 2; i++)
 				scene->meshes[0].vertices[v].uv[i] *= 96.0f / CHECKER_CELLS;
 		stilb_scene_material *material = scene->materials;
-		*material = builtin_matt(0.6f, 0.6f, 0.6f);
-		material->diffuse_texture = 1;
-		*++material = builtin_lamp(22, 20, 18);
-		*++material = builtin_matt(clay[0], clay[1], clay[2]);
-		*++material = stilb_scene_material_make(green, coat, 0.6f);
-		*++material = stilb_scene_material_make(blue, coat, 0.25f);
-		*++material = stilb_scene_material_make(white, coat, 0.4f);
-		*++material = builtin_metal(1.00f, 0.77f, 0.34f, 0.35f); /* gold */
-		*++material = builtin_metal(0.95f, 0.64f, 0.54f, 0.55f); /* copper, brushed */
-		material->anisotropy = 0.7f;
-		*++material = builtin_metal(0.91f, 0.92f, 0.92f, 0.2f); /* aluminium */
+		material[0] = builtin_matt(0.6f, 0.6f, 0.6f);
+		material[0].diffuse_texture = 1;
+		material[1] = builtin_lamp(22, 20, 18);
+		material[2] = builtin_matt(clay[0], clay[1], clay[2]);
+		material[3] = stilb_scene_material_make(green, coat, 0.6f);
+		material[4] = stilb_scene_material_make(blue, coat, 0.25f);
+		material[5] = stilb_scene_material_make(white, coat, 0.4f);
+		material[6] = builtin_metal(1.00f, 0.77f, 0.34f, 0.35f); /* gold */
+		material[7] = builtin_metal(0.95f, 0.64f, 0.54f, 0.55f); /* copper, brushed */
+		material[7].anisotropy = 0.7f;
+		material[8] = builtin_metal(0.91f, 0.92f, 0.92f, 0.2f); /* aluminium */
 		for (int i = 0; i < 7; i++)
 			scene->part_transform[2 + i] = stilb_mat4_scale_translate(1.0f, 2.1f * (float)(i - 3), 1.0f, 0.0f);
 		scene->sky = (stilb_scene_sky){{0.35f, 0.48f, 0.70f}, {0.12f, 0.10f, 0.08f}};

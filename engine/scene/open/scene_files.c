@@ -22,7 +22,7 @@ static const char files_link_outside[] = "a link leads out of the scene's folder
 
 /* ---- opening below a folder -------------------------------------------------------------------------------------- */
 
-/* Kernels before 5.6 have no openat2: then the path that was reached is compared with the folder's. */
+/* For kernels before 5.6, which have no openat2: opens the file and compares its path with the folder's. */
 static int files_open_and_compare(int root, const char *name, int flags)
 {
 	char link[64], folder[PATH_MAX], reached[PATH_MAX];
@@ -42,9 +42,10 @@ static int files_open_and_compare(int root, const char *name, int flags)
 	return -1;
 }
 
-/* A descriptor of name, which is relative, without leaving root; or -1 with errno, EXDEV if it leads out. */
+/* Opens name, a relative path, below the folder root. -1 with errno, EXDEV if the path leads out of root. */
 static int files_open_below(int root, const char *name, int flags)
 {
+	STILB_ASSERT(root >= 0 && name[0] != '/');
 	struct open_how how = {.flags = (unsigned)flags, .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
 	long file = syscall(SYS_openat2, root, name, &how, sizeof how);
 	if (file < 0 && (errno == ENOSYS || errno == EPERM))
@@ -52,7 +53,7 @@ static int files_open_below(int root, const char *name, int flags)
 	return (int)file;
 }
 
-/* Keeps file if it is regular; else closes it and says why in *why. */
+/* Returns file, a descriptor or -1 with errno, if it is a regular file; else closes it, sets *why and returns -1. */
 static int files_keep_regular(int file, const char **why)
 {
 	struct stat info;
@@ -70,16 +71,18 @@ static int files_keep_regular(int file, const char **why)
 	return -1;
 }
 
-/* ---- capitals ---------------------------------------------------------------------------------------------------- */
+/* ---- upper and lower case -------------------------------------------------------------------------------------- */
 
-/* Writes the name that is like `name` but for capitals, of folder `below` of root, over name; false: there is none. */
-static bool files_recall(int root, const char *below, char *name)
+/* Replaces name by the name in root's folder `below` that differs in upper and lower case only. False: there is
+ * none. */
+static bool files_match_name(int root, const char *below, char *name)
 {
 	int folder = files_open_below(root, below[0] ? below : ".", FILES_FOLDER);
 	DIR *list = folder >= 0 ? fdopendir(folder) : NULL;
 	bool found = false;
 	for (struct dirent *entry; list && !found && (entry = readdir(list));)
 		if (strcasecmp(entry->d_name, name) == 0) {
+			STILB_ASSERT(strlen(entry->d_name) == strlen(name));
 			memcpy(name, entry->d_name, strlen(name));
 			found = true;
 		}
@@ -90,8 +93,8 @@ static bool files_recall(int root, const char *below, char *name)
 	return found;
 }
 
-/* Gives each part of name the capitals that it has below root; false: a part is missing. */
-static bool files_find_capitals(int root, char *name)
+/* Replaces each part of the relative path name by files_match_name. False: a part is missing. */
+static bool files_match_path(int root, char *name)
 {
 	char below[PATH_MAX] = "";
 	size_t length = 0;
@@ -99,8 +102,9 @@ static bool files_find_capitals(int root, char *name)
 		end = strchrnul(part, '/');
 		char slash = *end;
 		*end = '\0';
-		bool found = files_recall(root, below, part);
+		bool found = files_match_name(root, below, part);
 		length += (size_t)snprintf(below + length, sizeof below - length, "%s%s", length ? "/" : "", part);
+		STILB_ASSERT(length < sizeof below);
 		*end = slash;
 		end += slash == '/';
 		if (!found)
@@ -111,8 +115,8 @@ static bool files_find_capitals(int root, char *name)
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/* Takes "." and "a/.." out of a relative name, in its place, and returns how many ".." are left at its front, which are
- * taken away too. */
+/* Removes "." and "a/.." from a relative path, in place, and any ".." that are then left at its front. Returns the
+ * number of these. */
 static unsigned files_simplify(char *name)
 {
 	unsigned up = 0;
@@ -127,6 +131,7 @@ static unsigned files_simplify(char *name)
 		} else if (length > 0 && !(length == 1 && part[0] == '.')) {
 			if (out > name)
 				*out++ = '/';
+			STILB_ASSERT(out <= part);
 			memmove(out, part, length);
 			out += length;
 		}
@@ -136,9 +141,10 @@ static unsigned files_simplify(char *name)
 	return up;
 }
 
-/* The folder that so many ".." lead to; -1: outside. */
+/* The folder `up` levels above the scene's; -1: more than one, or it cannot be opened. */
 static int files_root(scene_files *files, unsigned up)
 {
+	STILB_ASSERT(files->folder >= 0 && "initialised");
 	if (up == 0)
 		return files->folder;
 	if (up == 1 && files->parent < 0)
@@ -161,7 +167,7 @@ static int files_open_relative(scene_files *files, char *name, const char **why)
 	int file = files_keep_regular(files_open_below(root, name, FILES_READ), why);
 	if (file < 0 && *why == files_link_outside && files->allow_outside)
 		file = files_keep_regular(openat(root, name, FILES_READ), why);
-	if (file < 0 && *why == files_missing && files_find_capitals(root, name))
+	if (file < 0 && *why == files_missing && files_match_path(root, name))
 		file = files_keep_regular(files_open_below(root, name, FILES_READ), why);
 	return file;
 }
@@ -174,10 +180,11 @@ static int files_open_absolute(const scene_files *files, const char *name, const
 	return -1;
 }
 
-/* ---- the face ---------------------------------------------------------------------------------------------------- */
+/* ---- public ------------------------------------------------------------------------------------------------------ */
 
 stilb_result scene_files_init(scene_files *files, const char *scene, bool allow_outside)
 {
+	STILB_ASSERT(files && scene);
 	*files = (scene_files){.folder = -1, .parent = -1, .allow_outside = allow_outside};
 	const char *slash = strrchr(scene, '/');
 	size_t length = slash ? (size_t)(slash - scene) + 1 : 0;
@@ -192,6 +199,7 @@ stilb_result scene_files_init(scene_files *files, const char *scene, bool allow_
 
 int scene_files_open(scene_files *files, const char *name, char why[static 256])
 {
+	STILB_ASSERT(files && name && why);
 	char path[PATH_MAX];
 	const char *reason = files_missing, *start = path;
 	if (strlen(name) >= sizeof path || name[0] == '\0') {
@@ -205,7 +213,7 @@ int scene_files_open(scene_files *files, const char *name, char why[static 256])
 	size_t prefix = strlen(files->prefix);
 	if (prefix > 0 && strncmp(path, files->prefix, prefix) == 0)
 		start += prefix;
-	else if (strncmp(path, "//", 2) == 0) /* Blender: the scene's folder */
+	else if (strncmp(path, "//", 2) == 0) /* Blender's notation for the scene's folder */
 		start += 2;
 	char rest[PATH_MAX];
 	strcpy(rest, start);
@@ -226,11 +234,13 @@ int scene_files_open(scene_files *files, const char *name, char why[static 256])
 
 bool scene_files_outside(const char *why)
 {
+	STILB_ASSERT(why);
 	return strcmp(why, files_lies_outside) == 0 || strcmp(why, files_link_outside) == 0;
 }
 
 void scene_files_finish(scene_files *files)
 {
+	STILB_ASSERT(files);
 	if (files->folder >= 0)
 		close(files->folder);
 	if (files->parent >= 0)

@@ -24,10 +24,10 @@ struct scene_importer {
 	scene_import_limits limits;
 	pid_t id; /* 0: not running */
 	scene_stream stream;
-	uint32_t protection;
+	uint32_t protection; /* flags of scene_protection */
 };
 
-/* Beside the program, where the build puts it seen from a test, where an installation puts it. */
+/* Finds the program of a build, of a build as seen from a test, or of an installation. False: it is in none of them. */
 static bool import_find(char path[static PATH_MAX + 64])
 {
 	static const char *const places[] = {"", "/..", "/../lib/stilb"};
@@ -45,10 +45,10 @@ static bool import_find(char path[static PATH_MAX + 64])
 	return false;
 }
 
-#define IMPORT_SOCKET 3 /* its end of the connection, as importer_main.c knows it */
+#define IMPORT_SOCKET 3 /* the process's end of the connection; the same in importer_main.c */
 
-/* Starts it with nothing but its end of the socket, a standard error where sanitizers report, and an environment that
- * says only where libraries are. 0, or an errno. */
+/* Starts the program with its end of the socket, our standard error for the reports of sanitizers, no other files, and
+ * an environment that names only the folders of libraries. Returns 0 or an errno. */
 static int import_spawn(const char *program, const char *const arguments[], int out, pid_t *id)
 {
 	static const char *const kept[] = {"LD_LIBRARY_PATH", "ASAN_OPTIONS", "UBSAN_OPTIONS", "LSAN_OPTIONS"};
@@ -74,7 +74,7 @@ static int import_spawn(const char *program, const char *const arguments[], int 
 		posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
 		posix_spawn_file_actions_addclosefrom_np(&actions, IMPORT_SOCKET + 1);
 		posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-		posix_spawnattr_setsigmask(&attributes, &none); /* a mask of ours could keep a signal from ending it */
+		posix_spawnattr_setsigmask(&attributes, &none); /* with our mask a signal might not end it */
 		error = posix_spawn(id, program, &actions, &attributes, (char *const *)arguments, environment);
 		posix_spawnattr_destroy(&attributes);
 		posix_spawn_file_actions_destroy(&actions);
@@ -84,20 +84,23 @@ static int import_spawn(const char *program, const char *const arguments[], int 
 	return error;
 }
 
+/* Sets the limits of one request. */
 static void import_begin(scene_importer *importer)
 {
+	STILB_ASSERT(importer->id > 0 && "running");
 	importer->stream.deadline_ns = stilb_time_ns() + (uint64_t)(importer->limits.seconds * 1e9);
 	importer->stream.limit = importer->limits.bytes;
 	importer->stream.taken = 0;
 }
 
-/* STILB_ERROR_FILE with a message without a name: it cannot be started, or is not of this build. */
+/* Starts the process. Errors of scene_importer_start. */
 static stilb_result import_run(scene_importer *importer)
 {
+	STILB_ASSERT(importer->id == 0 && "not running");
 	char program[PATH_MAX + 64], bytes[32], seconds[32], version[64];
 	int ends[2], passed;
 	if (!import_find(program))
-		return stilb_fail(STILB_ERROR_FILE, "the program that reads files of others, " SCENE_IMPORTER
+		return stilb_fail(STILB_ERROR_FILE, "the program that reads scenes and pictures, " SCENE_IMPORTER
 		                                    ", is neither beside this one nor in ../lib/stilb");
 	if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
 		return stilb_fail(STILB_ERROR_FILE, "no connection to " SCENE_IMPORTER ": %s", strerror(errno));
@@ -116,7 +119,7 @@ static stilb_result import_run(scene_importer *importer)
 	scene_message hello;
 	scene_stream_version(version);
 	if (!scene_stream_read_message(&importer->stream, &hello, &passed))
-		return STILB_OK; /* one that said nothing at all is found out by its end */
+		return STILB_OK; /* it has ended already: import_listen reports that */
 	if (passed >= 0)
 		close(passed);
 	importer->protection = hello.flags;
@@ -125,9 +128,10 @@ static stilb_result import_run(scene_importer *importer)
 	return STILB_OK;
 }
 
-/* Ends it if it still runs. Its wait status, or -1 when somebody else has taken it. */
+/* Ends the process if it still runs. Returns its wait status, or -1 if somebody else has waited for it. */
 static int import_end(scene_importer *importer)
 {
+	STILB_ASSERT(importer->id > 0 && "running");
 	int status;
 	pid_t id = importer->id;
 	close(importer->stream.file);
@@ -142,6 +146,8 @@ static int import_end(scene_importer *importer)
 
 stilb_result scene_importer_start(const scene_import_limits *limits, scene_importer **importer)
 {
+	STILB_ASSERT(limits && importer);
+	STILB_ASSERT(limits->bytes > 0 && limits->seconds > 0.0);
 	scene_importer *made = calloc(1, sizeof *made);
 	*importer = NULL;
 	if (!made)
@@ -164,12 +170,14 @@ void scene_importer_stop(scene_importer *importer)
 
 uint32_t scene_importer_protection(const scene_importer *importer)
 {
+	STILB_ASSERT(importer);
 	return importer->protection;
 }
 
 /* ---- limits and refusals ----------------------------------------------------------------------------------------- */
 
-#define SCENE_IMPORT_BYTES (8ull << 30)
+#define IMPORT_BYTES_MAX (8ull << 30)
+#define IMPORT_SECONDS 120.0
 
 scene_import_limits scene_import_limits_default(void)
 {
@@ -177,16 +185,16 @@ scene_import_limits scene_import_limits_default(void)
 	double seconds = text ? strtod(text, NULL) : 0.0;
 	uint64_t memory = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
 	return (scene_import_limits){
-		.bytes = memory / 4 * 3 < SCENE_IMPORT_BYTES ? memory / 4 * 3 : SCENE_IMPORT_BYTES,
-		.seconds = seconds > 0.0 && seconds < 1e6 ? seconds : 120.0,
+		.bytes = memory / 4 * 3 < IMPORT_BYTES_MAX ? memory / 4 * 3 : IMPORT_BYTES_MAX,
+		.seconds = seconds > 0.0 && seconds < 1e6 ? seconds : IMPORT_SECONDS,
 	};
 }
 
-/* A descriptor of the file that somebody asked for, or -1 with *result and its message. */
+/* Opens the regular file at path. Returns a descriptor, or -1 with *result and its message. */
 static int import_open(const char *path, stilb_result *result)
 {
 	struct stat info;
-	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY); /* a pipe or a device may have no end */
+	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY); /* does not wait for a pipe's writer */
 	*result = STILB_ERROR_ARGUMENT;
 	if (file < 0 || fstat(file, &info) != 0)
 		stilb_fail(STILB_ERROR_ARGUMENT, "cannot read '%s': %s", path, strerror(errno));
@@ -202,7 +210,7 @@ static int import_open(const char *path, stilb_result *result)
 	return -1;
 }
 
-/* The end of a process that sent no end of its own. decoder: what read the file. */
+/* The failure of a process that ended without sending a result. decoder: the library that read the file. */
 static stilb_result import_died(const scene_importer *importer, const char *path, const char *decoder, int status)
 {
 	if (importer->stream.too_much)
@@ -219,7 +227,7 @@ static stilb_result import_died(const scene_importer *importer, const char *path
 	if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': its import was killed, likely for want of memory",
 		                  path);
-	if (WIFSIGNALED(status)) /* the libraries abort where a constructor of theirs finds no memory or thread */
+	if (WIFSIGNALED(status)) /* SIGABRT: some libraries abort if a constructor gets no memory or thread */
 		return stilb_fail(STILB_ERROR_FILE, "cannot read '%s': %s crashed on it (%s); the file is damaged%s", path,
 		                  decoder, strsignal(WTERMSIG(status)),
 		                  WTERMSIG(status) == SIGABRT ? ", or there is too little memory or too few threads" : "");
@@ -233,14 +241,25 @@ static stilb_result import_died(const scene_importer *importer, const char *path
 typedef struct import_request {
 	scene_importer *importer;
 	const char *path;
-	scene_files *files; /* NULL: it may open none but its own */
-	stilb_image *pictures;
-	uint32_t picture_count, picture_room;
-	bool told;           /* it ended with an end of its own, well or not */
-	char refused[8][64]; /* last parts of names that were told as refused: Assimp asks more than once */
+	scene_files *files;    /* opens the files that the scene names; NULL: it may name none */
+	stilb_image *pictures; /* [picture_count], received in this order */
+	uint32_t picture_count, picture_capacity;
+	bool ended;          /* the process has sent a result, so it is alive and ready for the next request */
+	char refused[8][64]; /* last parts of names that were logged as refused: Assimp asks more than once */
 	uint32_t refused_count;
 } import_request;
 
+/* The pictures are complete, and their array is not exceeded. */
+static bool import_request_is_sound(const import_request *request)
+{
+	for (uint32_t i = 0; i < request->picture_count; i++)
+		if (!request->pictures[i].pixels)
+			return false;
+	return request->picture_count <= request->picture_capacity &&
+	       request->refused_count <= sizeof request->refused / sizeof *request->refused;
+}
+
+/* Frees the pictures that are left. */
 static void import_free(import_request *request)
 {
 	for (uint32_t i = 0; i < request->picture_count; i++)
@@ -248,9 +267,11 @@ static void import_free(import_request *request)
 	free(request->pictures);
 }
 
-/* Starts the process if the last file ended it, and sends the request. */
+/* Sends the request with the descriptor of its file, -1: none. Starts the process first if the last file ended it. */
 static stilb_result import_ask(import_request *request, scene_message_kind kind, int file)
 {
+	STILB_ASSERT(kind >= SCENE_MESSAGE_READ_SCENE && "a request");
+	STILB_ASSERT((file >= 0) == (kind != SCENE_MESSAGE_ABOUT));
 	scene_importer *importer = request->importer;
 	stilb_result result = importer->id > 0 ? STILB_OK : import_run(importer);
 	if (result != STILB_OK)
@@ -258,13 +279,15 @@ static stilb_result import_ask(import_request *request, scene_message_kind kind,
 	import_begin(importer);
 	scene_message message = {.kind = kind};
 	snprintf(message.text, sizeof message.text, "%s", request->path);
-	scene_stream_write_message(importer->stream.file, &message, file); /* one that is gone is found out by listening */
+	scene_stream_write_message(importer->stream.file, &message, file); /* import_listen reports failures */
 	return STILB_OK;
 }
 
-/* Tells once that a file is refused. One letter is no name, but how Assimp 5.2 looks for it in other places. */
-static void import_tell_refused(import_request *request, const char *name, const char *why)
+/* Logs once that a file is refused. Names of one letter are skipped: Assimp 5.2 asks for them while it looks for a file
+ * in other places. */
+static void import_log_refused(import_request *request, const char *name, const char *why)
 {
+	STILB_ASSERT(request->files);
 	uint32_t most = sizeof request->refused / sizeof *request->refused;
 	const char *slash = strrchr(name, '/'), *last = slash ? slash + 1 : name;
 	size_t prefix = strlen(request->files->prefix);
@@ -280,44 +303,57 @@ static void import_tell_refused(import_request *request, const char *name, const
 	stilb_log("%s: '%s' is not read: %s", request->path, name, why);
 }
 
-/* Answers an OPEN. What is refused is told here unless the process tells it, which it does of textures. */
+/* Answers an OPEN. Logs a refusal unless asked->flags is set: then the process warns itself, as it does of textures. */
 static void import_answer(import_request *request, const scene_message *asked)
 {
+	STILB_ASSERT(asked->kind == SCENE_MESSAGE_OPEN);
 	scene_message answer = {.kind = SCENE_MESSAGE_FILE};
 	char why[256] = "there is no such file";
 	int file = request->files ? scene_files_open(request->files, asked->text, why) : -1;
 	if (file < 0)
 		snprintf(answer.text, sizeof answer.text, "%s", why);
 	if (file < 0 && scene_files_outside(why) && !asked->flags)
-		import_tell_refused(request, asked->text, why);
+		import_log_refused(request, asked->text, why);
 	scene_stream_write_message(request->importer->stream.file, &answer, file);
 	if (file >= 0)
 		close(file);
 }
 
+/* Makes room for another picture. */
+static bool import_grow_pictures(import_request *request)
+{
+	if (request->picture_count < request->picture_capacity)
+		return true;
+	uint32_t capacity = 2 * request->picture_capacity + 16;
+	stilb_image *pictures =
+		capacity <= STILB_SCENE_MAX_MODELS ? realloc(request->pictures, capacity * sizeof *pictures) : NULL;
+	if (!pictures)
+		return false;
+	request->pictures = pictures;
+	request->picture_capacity = capacity;
+	return true;
+}
+
+/* Appends the picture of a PICTURE message to the request's; closes file. */
 static stilb_result import_keep_picture(import_request *request, const scene_message *message, int file)
 {
-	if (request->picture_count == request->picture_room) {
-		uint32_t room = 2 * request->picture_room + 16;
-		stilb_image *more = realloc(request->pictures, room * sizeof *more);
-		if (!more || room > STILB_SCENE_MAX_MODELS) {
-			request->pictures = more ? more : request->pictures;
-			if (file >= 0)
-				close(file);
-			return stilb_fail(STILB_ERROR_MEMORY, "no memory for its pictures");
-		}
-		request->pictures = more;
-		request->picture_room = room;
+	if (!import_grow_pictures(request)) {
+		if (file >= 0)
+			close(file);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its pictures");
 	}
 	stilb_image *picture = &request->pictures[request->picture_count];
 	stilb_result result = scene_stream_take_picture(&request->importer->stream, message, file, picture);
 	request->picture_count += result == STILB_OK;
+	STILB_CHECK(import_request_is_sound(request));
 	return result;
 }
 
-/* Listens up to an end: `end`, or an error. STILB_ERROR_FILE and not told: the process is gone. */
+/* Handles messages until the one of kind `end` or an ERROR. Failures without request->ended: the process is gone, too
+ * slow, or has sent nonsense. */
 static stilb_result import_listen(import_request *request, scene_message_kind end, scene_message *message)
 {
+	STILB_ASSERT(end == SCENE_MESSAGE_PICTURE || end == SCENE_MESSAGE_SCENE || end == SCENE_MESSAGE_VERSION);
 	int passed;
 	stilb_result result = STILB_OK;
 	while (result == STILB_OK && scene_stream_read_message(&request->importer->stream, message, &passed)) {
@@ -331,8 +367,8 @@ static stilb_result import_listen(import_request *request, scene_message_kind en
 		}
 		if (passed >= 0)
 			close(passed);
-		request->told = message->kind == SCENE_MESSAGE_ERROR;
-		if (request->told)
+		request->ended = message->kind == SCENE_MESSAGE_ERROR;
+		if (request->ended)
 			return stilb_fail(message->result == STILB_ERROR_MEMORY ? STILB_ERROR_MEMORY : STILB_ERROR_FILE,
 			                  "cannot read '%s': %s", request->path, message->text);
 		if (result == STILB_OK && message->kind == end)
@@ -341,11 +377,11 @@ static stilb_result import_listen(import_request *request, scene_message_kind en
 	return result == STILB_OK ? STILB_ERROR_FILE : result;
 }
 
-/* The result of a request with its message. A process that is gone or no longer understood is ended. */
+/* The result of a request with its message. Ends a process that is gone or has sent nonsense. */
 static stilb_result import_finish(import_request *request, stilb_result result, const char *decoder)
 {
 	scene_importer *importer = request->importer;
-	if (result == STILB_OK || request->told)
+	if (result == STILB_OK || request->ended)
 		return result;
 	bool gone = importer->stream.late || importer->stream.ended || importer->stream.too_much;
 	char reason[400];
@@ -358,6 +394,7 @@ static stilb_result import_finish(import_request *request, stilb_result result, 
 
 stilb_result scene_importer_scene(scene_importer *importer, const char *path, stilb_scene **scene)
 {
+	STILB_ASSERT(importer && path && scene);
 	stilb_result result;
 	scene_files files;
 	scene_message message;
@@ -381,8 +418,14 @@ stilb_result scene_importer_scene(scene_importer *importer, const char *path, st
 	return result;
 }
 
+static bool import_is_light(const stilb_image *picture)
+{
+	return picture->channels == 3 && picture->format == STILB_IMAGE_F32_LINEAR;
+}
+
 stilb_result scene_importer_picture(scene_importer *importer, const char *path, bool light, stilb_image *image)
 {
+	STILB_ASSERT(importer && path && image);
 	stilb_result result;
 	scene_message message;
 	*image = (stilb_image){0};
@@ -393,8 +436,11 @@ stilb_result scene_importer_picture(scene_importer *importer, const char *path, 
 	result = import_ask(&request, light ? SCENE_MESSAGE_READ_LIGHT : SCENE_MESSAGE_READ_PICTURE, file);
 	if (result == STILB_OK)
 		result = import_listen(&request, SCENE_MESSAGE_PICTURE, &message);
+	if (result == STILB_OK && light && !import_is_light(&request.pictures[0]))
+		result = stilb_fail(STILB_ERROR_FILE, "its import sent a picture that is not three channels of light");
 	result = import_finish(&request, result, "the decoder");
 	if (result == STILB_OK) {
+		STILB_ASSERT(request.picture_count == 1);
 		*image = request.pictures[0];
 		request.pictures[0] = (stilb_image){0};
 	}
@@ -403,14 +449,14 @@ stilb_result scene_importer_picture(scene_importer *importer, const char *path, 
 	return result;
 }
 
-/* ---- one request, one process ------------------------------------------------------------------------------------ */
+/* ---- a process for one request ----------------------------------------------------------------------------------- */
 
 stilb_result scene_import_within(const char *path, const scene_import_limits *limits, stilb_scene **scene)
 {
 	scene_importer *importer;
 	stilb_result result;
 	*scene = NULL;
-	int file = import_open(path, &result); /* the better reason, if there are two */
+	int file = import_open(path, &result); /* before the start: a missing file matters more than a missing program */
 	if (file < 0)
 		return result;
 	close(file);
@@ -427,6 +473,7 @@ stilb_result scene_import_within(const char *path, const scene_import_limits *li
 
 stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 {
+	STILB_ASSERT(scene && path);
 	scene_importer *importer;
 	stilb_image map;
 	scene_import_limits limits = scene_import_limits_default();
@@ -439,13 +486,14 @@ stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 	result = scene_importer_picture(importer, path, true, &map);
 	scene_importer_stop(importer);
 	if (result == STILB_OK) {
+		STILB_ASSERT(import_is_light(&map));
 		stilb_image_finish(&scene->environment);
 		scene->environment = map;
 	}
 	return result;
 }
 
-/* "NAME VERSION" lines: the version of name. */
+/* Finds the line "<name> <version>" and copies its version; "not found" if there is none. */
 static void import_find_version(const char *lines, const char *name, char version[static 32])
 {
 	const char *line = strstr(lines, name);
@@ -459,7 +507,7 @@ stilb_scene_import_info stilb_scene_import_query(void)
 	stilb_scene_import_info info = {0};
 	scene_importer *importer;
 	scene_message message = {0};
-	scene_import_limits limits = {.bytes = 8ull << 30, .seconds = 10.0};
+	scene_import_limits limits = {.bytes = IMPORT_BYTES_MAX, .seconds = 10.0};
 	if (scene_importer_start(&limits, &importer) == STILB_OK) {
 		import_request request = {.importer = importer, .path = ""};
 		if (import_ask(&request, SCENE_MESSAGE_ABOUT, -1) != STILB_OK ||

@@ -1,4 +1,4 @@
-/* Names to scenes: the table of built-ins, and files for all other names. */
+/* Opens scenes by name: the table of built-ins, and files for all other names. */
 #include "profiler/prof.h"
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_import.h"
@@ -9,11 +9,12 @@
 #include <unistd.h>
 
 static const struct scene_builtin {
-	const char *name; /* one that ends in ':' takes a number, which follows it */
+	const char *name; /* if it ends in ':', a number follows */
 	stilb_result (*create)(float number, stilb_scene **scene);
 } scene_builtins[] = {
-	{"cornell", scene_create_cornell},       {"outdoor", scene_create_outdoor}, {"furnace:", scene_create_furnace},
-	{"plane-wall", scene_create_plane_wall}, {"stress", scene_create_field},    {"spheres", scene_create_spheres},
+	{"cornell", scene_create_cornell},       {"outdoor", scene_create_outdoor},
+	{"furnace:", scene_create_furnace},      {"plane-wall", scene_create_plane_wall},
+	{"stress", scene_create_stress_default}, {"spheres", scene_create_spheres},
 };
 
 const char *stilb_scene_builtin_names(void)
@@ -31,9 +32,7 @@ static stilb_result scene_open_furnace_number(const char *text, float *number)
 	if (end != text && *end == '\0' && *number >= 0.0f && *number < 1.0f)
 		return STILB_OK;
 	return stilb_fail(STILB_ERROR_ARGUMENT,
-	                  "furnace:%s: needs the share of light that its faces reflect, at least 0 and below 1; try "
-	                  "furnace:0.5",
-	                  text);
+	                  "furnace:%s: the reflectance of its walls must be at least 0 and below 1; try furnace:0.5", text);
 }
 
 stilb_result stilb_scene_open(const char *name, stilb_scene **scene)
@@ -41,7 +40,7 @@ stilb_result stilb_scene_open(const char *name, stilb_scene **scene)
 	return stilb_scene_open_with(name, &(stilb_scene_open_options){0}, scene);
 }
 
-/* A file, or a name that is nothing. */
+/* The scene in a file. A name that is no file is STILB_ERROR_ARGUMENT. */
 static stilb_result scene_open_file(const char *path, const stilb_scene_open_options *options, stilb_scene **scene)
 {
 	scene_import_limits limits = scene_import_limits_default();
@@ -55,6 +54,7 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_options *options, stilb_scene **scene)
 {
 	PROFILE("scene open");
+	STILB_ASSERT(name && options && scene);
 	*scene = NULL;
 	for (size_t i = 0; i < sizeof scene_builtins / sizeof *scene_builtins; i++) {
 		const struct scene_builtin *builtin = &scene_builtins[i];

@@ -3,6 +3,7 @@
 #include "scene/scene_internal.h"
 
 #include <errno.h>
+#include <math.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,7 +27,7 @@ static bool stream_put(int file, const void *data, size_t size)
 	return true;
 }
 
-/* Waits for something to read, at most until the deadline. */
+/* Waits until there is something to read. False: the deadline has passed, or the descriptor is bad. */
 static bool stream_wait(scene_stream *stream)
 {
 	for (;;) {
@@ -45,17 +46,20 @@ static bool stream_wait(scene_stream *stream)
 	}
 }
 
-/* Counts size more bytes; false: they would be too many. */
+/* Counts size more bytes. False: they would exceed the limit. */
 static bool stream_count(scene_stream *stream, uint64_t size)
 {
+	STILB_ASSERT(stream->limit == 0 || stream->taken <= stream->limit);
 	stream->too_much |= stream->limit > 0 && size > stream->limit - stream->taken;
 	if (!stream->too_much)
 		stream->taken += size;
 	return !stream->too_much;
 }
 
+/* Reads exactly size bytes. False: late, ended or too_much says why. */
 static bool stream_get(scene_stream *stream, void *data, size_t size)
 {
+	STILB_ASSERT(data || size == 0);
 	char *bytes = data;
 	if (!stream_count(stream, size))
 		return false;
@@ -82,7 +86,7 @@ void scene_stream_version(char text[static 64])
 	         sizeof(stilb_scene_material), sizeof(stilb_scene_vertex), sizeof(scene_message));
 }
 
-/* Room for the one descriptor of a message, aligned as its header wants. */
+/* A buffer for the one descriptor of a message, aligned as its header needs. */
 typedef union stream_descriptor {
 	struct cmsghdr header;
 	char bytes[CMSG_SPACE(sizeof(int))];
@@ -90,6 +94,8 @@ typedef union stream_descriptor {
 
 bool scene_stream_write_message(int file, const scene_message *message, int passed)
 {
+	STILB_ASSERT(file >= 0 && message);
+	STILB_ASSERT(memchr(message->text, 0, sizeof message->text) && "text ends with 0");
 	stream_descriptor room = {.header = {CMSG_LEN(sizeof(int)), SOL_SOCKET, SCM_RIGHTS}};
 	memcpy(CMSG_DATA(&room.header), &passed, sizeof passed);
 	struct iovec part = {(scene_message *)message, sizeof *message};
@@ -100,7 +106,7 @@ bool scene_stream_write_message(int file, const scene_message *message, int pass
 	}
 	ssize_t put;
 	do
-		put = sendmsg(file, &sent, MSG_NOSIGNAL); /* an end that is gone is an answer, not a signal */
+		put = sendmsg(file, &sent, MSG_NOSIGNAL); /* no SIGPIPE if the other side is gone */
 	while (put < 0 && errno == EINTR);
 	for (size_t done = put < 0 ? 0 : (size_t)put; put > 0 && done < sizeof *message; done += (size_t)put)
 		do
@@ -109,18 +115,19 @@ bool scene_stream_write_message(int file, const scene_message *message, int pass
 	return put > 0;
 }
 
-/* The descriptor that a message brought, or -1. */
+/* The descriptor that came with a message, or -1. */
 static int stream_descriptor_of(struct msghdr *got)
 {
 	int file = -1;
 	for (struct cmsghdr *part = CMSG_FIRSTHDR(got); part; part = CMSG_NXTHDR(got, part))
 		if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SCM_RIGHTS && part->cmsg_len >= CMSG_LEN(sizeof file))
-			memcpy(&file, CMSG_DATA(part), sizeof file); /* there was room for one, so there is one */
+			memcpy(&file, CMSG_DATA(part), sizeof file); /* the buffer holds one, so there is no second */
 	return file;
 }
 
 bool scene_stream_read_message(scene_stream *stream, scene_message *message, int *passed)
 {
+	STILB_ASSERT(stream && message && passed);
 	stream_descriptor room;
 	struct iovec part = {message, sizeof *message};
 	struct msghdr got = {
@@ -150,6 +157,7 @@ bool scene_stream_read_message(scene_stream *stream, scene_message *message, int
 stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
                                        stilb_image *picture)
 {
+	STILB_ASSERT(message->kind == SCENE_MESSAGE_PICTURE);
 	*picture = (stilb_image){0};
 	stilb_result result = STILB_OK;
 	if (file < 0)
@@ -178,8 +186,8 @@ typedef struct stream_array {
 
 #define STREAM_MAX_VERTICES (1u << 28) /* of a mesh, 8 GiB: an import may not have more memory */
 
-/* More is a mistake; less than this there is memory for. */
-static bool stream_counts_can_be(const stream_counts *counts)
+/* True if every count is at most STILB_SCENE_MAX_MODELS. */
+static bool stream_counts_are_possible(const stream_counts *counts)
 {
 	uint32_t most = STILB_SCENE_MAX_MODELS;
 	return counts->models <= most && counts->parts <= most && counts->meshes <= most && counts->materials <= most &&
@@ -188,7 +196,7 @@ static bool stream_counts_can_be(const stream_counts *counts)
 
 #define STREAM_ARRAYS 10
 
-/* What a scene holds but for the insides of its meshes and textures, in the order of the stream. */
+/* The arrays of a scene in the order of the stream, without those inside meshes and textures. */
 static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_ARRAYS])
 {
 	size_t models = scene->model_count, parts = scene->part_count;
@@ -210,6 +218,7 @@ static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_A
 
 bool scene_stream_write(int file, const stilb_scene *scene)
 {
+	STILB_ASSERT(file >= 0 && scene);
 	stream_counts counts = {scene->model_count,    scene->part_count,    scene->mesh_count,
 	                        scene->material_count, scene->texture_count, scene->light_count};
 	stream_array arrays[STREAM_ARRAYS];
@@ -239,15 +248,7 @@ static stilb_result stream_broken(const scene_stream *stream)
 
 static stilb_result stream_wrong(const char *what)
 {
-	return stilb_fail(STILB_ERROR_FILE, "the scene has %s that cannot be", what);
-}
-
-static bool stream_all_below(const uint32_t *values, uint32_t count, uint32_t limit)
-{
-	for (uint32_t i = 0; i < count; i++)
-		if (values[i] >= limit)
-			return false;
-	return true;
+	return stilb_fail(STILB_ERROR_FILE, "the scene has impossible %s", what);
 }
 
 static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mesh)
@@ -263,8 +264,7 @@ static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mes
 	if (!stream_get(stream, mesh->vertices, sizes[0] * sizeof *mesh->vertices) ||
 	    !stream_get(stream, mesh->indices, sizes[1] * sizeof *mesh->indices))
 		return stream_broken(stream);
-	return stream_all_below(mesh->indices, mesh->index_count, mesh->vertex_count) ? STILB_OK
-	                                                                              : stream_wrong("triangles");
+	return STILB_OK;
 }
 
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
@@ -284,22 +284,24 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 	return result;
 }
 
-/* What indexes what. */
+static bool stream_camera_is_usable(const stilb_scene_camera *camera)
+{
+	bool finite = isfinite(camera->yaw) && isfinite(camera->pitch) && isfinite(camera->roll) && isfinite(camera->far_z);
+	for (int i = 0; i < 3; i++)
+		finite = finite && isfinite(camera->position[i]);
+	return finite && camera->fov_y > 0.0f && camera->fov_y < 3.1415927f && camera->near_z > 0.0f &&
+	       camera->near_z < camera->far_z;
+}
+
+/* STILB_ERROR_FILE for an index, a kind or a camera that is out of range. */
 static stilb_result stream_check(const stilb_scene *scene)
 {
-	bool rising = scene->first_part[0] == 0 && scene->first_part[scene->model_count] == scene->part_count;
-	for (uint32_t m = 0; m < scene->model_count; m++)
-		rising &= scene->first_part[m] <= scene->first_part[m + 1];
-	if (!rising || !stream_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) ||
-	    !stream_all_below(scene->part_material, scene->part_count, scene->material_count))
-		return stream_wrong("parts");
-	for (uint32_t m = 0; m < scene->material_count; m++)
-		if (scene->materials[m].diffuse_texture > scene->texture_count)
-			return stream_wrong("textures");
+	if (!scene_is_sound(scene))
+		return stream_wrong("indices");
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		if ((unsigned)scene->lights[i].kind > STILB_SCENE_LIGHT_DIRECTIONAL)
 			return stream_wrong("lights");
-	return STILB_OK;
+	return stream_camera_is_usable(&scene->camera) ? STILB_OK : stream_wrong("numbers in its camera");
 }
 
 static stilb_result stream_read_scene(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **out)
@@ -309,7 +311,7 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 	*out = NULL;
 	if (!stream_get(stream, &counts, sizeof counts))
 		return stream_broken(stream);
-	if (!stream_counts_can_be(&counts))
+	if (!stream_counts_are_possible(&counts))
 		return stilb_fail(STILB_ERROR_FILE, "the scene has more than %u of something", STILB_SCENE_MAX_MODELS);
 	stilb_result result = scene_create(counts.models, counts.parts, counts.meshes, counts.materials, &scene);
 	if (result == STILB_OK && counts.textures != count)
@@ -336,6 +338,7 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 
 stilb_result scene_stream_read(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **scene)
 {
+	STILB_ASSERT(stream && scene && (textures || count == 0));
 	stilb_result result = stream_read_scene(stream, textures, count, scene);
 	for (uint32_t i = 0; i < count; i++)
 		stilb_image_finish(&textures[i]);

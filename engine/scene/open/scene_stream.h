@@ -1,10 +1,12 @@
 /*
  * scene_stream: requests, answers, descriptors and scenes between Stilb and its import process, which are of the same
- * build. What comes in is checked, so that whatever the other side sent, a scene that is read is one that can be used.
+ * build. The process is not trusted: everything read is checked, so that a scene that has been read can be used,
+ * whatever the other side sent.
  *
- * Stilb asks (READ_SCENE, READ_PICTURE, with the file's descriptor, or ABOUT) and listens until an end. Meanwhile the
- * import process may send warnings and ask for further files (OPEN), each of which Stilb answers with FILE before
- * anything else.
+ * Order.       Stilb sends a request (READ_SCENE, READ_PICTURE or READ_LIGHT with the file's descriptor, or ABOUT) and
+ *              listens until a result: SCENE, PICTURE, VERSION or ERROR. Meanwhile the import process may send warnings
+ *              and textures, and ask for further files (OPEN), each of which Stilb answers at once (FILE).
+ * Threads.     [one-writer] per stream.
  */
 #ifndef STILB_SCENE_STREAM_H
 #define STILB_SCENE_STREAM_H
@@ -12,31 +14,31 @@
 #include "scene/scene.h"
 
 typedef struct scene_stream {
-	int file;              /* a socket, for messages; a scene can come out of any file */
-	uint64_t deadline_ns;  /* of reading, on stilb_time_ns's clock; UINT64_MAX: none */
-	uint64_t limit, taken; /* bytes that may be read in all (0: any number) and were, descriptors' pictures included */
-	bool late, ended, too_much; /* why a read failed: the deadline passed; the other side closed; the limit */
+	int file;                   /* a socket; scenes without messages can be read from any file */
+	uint64_t deadline_ns;       /* of reading, on the clock of stilb_time_ns; UINT64_MAX: none */
+	uint64_t limit;             /* of bytes read, pictures behind descriptors included; 0: none */
+	uint64_t taken;             /* bytes read so far, <= limit if there is one */
+	bool late, ended, too_much; /* why reading failed: the deadline passed; the other side closed; the limit */
 } scene_stream;
 
 typedef enum scene_message_kind {
 	/* from the import process */
-	SCENE_MESSAGE_HELLO,   /* once, first; its text is scene_stream_version's, its flags are scene_protection's */
-	SCENE_MESSAGE_WARNING, /* any number */
-	SCENE_MESSAGE_OPEN,    /* asks for the file that the scene calls text */
-	/* a picture's shape and the descriptor of its pixels: a scene's textures in order, or an end */
-	SCENE_MESSAGE_PICTURE,
-	SCENE_MESSAGE_ERROR,   /* an end: text says why, result which */
-	SCENE_MESSAGE_SCENE,   /* an end; the scene follows */
-	SCENE_MESSAGE_VERSION, /* the end of ABOUT: text is a library and its version, one a line */
+	SCENE_MESSAGE_HELLO,   /* first, once; text: of scene_stream_version; flags: of scene_protection */
+	SCENE_MESSAGE_WARNING, /* at any time; text: for the user */
+	SCENE_MESSAGE_OPEN,    /* asks for a file; text: its name in the scene */
+	SCENE_MESSAGE_PICTURE, /* a shape with the descriptor of its pixels: a scene's next texture, or the result */
+	SCENE_MESSAGE_ERROR,   /* the result; text: the reason; result: its kind */
+	SCENE_MESSAGE_SCENE,   /* the result; the scene follows */
+	SCENE_MESSAGE_VERSION, /* the result of ABOUT; text: lines of a library and its version */
 	/* to the import process */
-	SCENE_MESSAGE_FILE,         /* the answer to OPEN: a descriptor, or the reason why there is none in text */
-	SCENE_MESSAGE_READ_SCENE,   /* with the file's descriptor; text is its path */
-	SCENE_MESSAGE_READ_PICTURE, /* the same */
-	SCENE_MESSAGE_READ_LIGHT,   /* the same, as three channels of linear floats, nothing below 0 */
-	SCENE_MESSAGE_ABOUT,
+	SCENE_MESSAGE_FILE,         /* the answer to OPEN: a descriptor, or text: why there is none */
+	SCENE_MESSAGE_READ_SCENE,   /* with the file's descriptor; text: its path */
+	SCENE_MESSAGE_READ_PICTURE, /* with the file's descriptor; text: its path */
+	SCENE_MESSAGE_READ_LIGHT,   /* as READ_PICTURE, converted to three channels of linear floats, finite and >= 0 */
+	SCENE_MESSAGE_ABOUT,        /* asks for the versions of the libraries */
 } scene_message_kind;
 
-/* What guards the import process, as flags. Without one of them it still works. */
+/* The protections of the import process, as flags. A kernel may lack some of them. */
 typedef enum scene_protection {
 	SCENE_PROTECTION_PRIVILEGES = 1, /* no_new_privs: no program gives it more rights */
 	SCENE_PROTECTION_LANDLOCK = 2,   /* it can open no file but the system's libraries */
@@ -44,36 +46,39 @@ typedef enum scene_protection {
 	SCENE_PROTECTION_LIMITS = 8,     /* of memory, file size, descriptors and time */
 } scene_protection;
 
-#define SCENE_MESSAGE_TEXT 4096 /* a path has room */
+#define SCENE_MESSAGE_TEXT 4096 /* bytes; as long as a path may be */
 
 typedef struct scene_message {
 	scene_message_kind kind;
 	stilb_result result;              /* of ERROR */
-	uint32_t flags;                   /* of HELLO */
+	uint32_t flags;                   /* of HELLO; of OPEN 1: the process warns itself if the file is refused */
 	uint32_t width, height, channels; /* of PICTURE */
 	stilb_image_format format;        /* of PICTURE */
-	char text[SCENE_MESSAGE_TEXT];    /* ends in 0 */
+	char text[SCENE_MESSAGE_TEXT];    /* ends with 0 */
 } scene_message;
 
-/* Two processes whose texts differ do not understand one another. */
+/* A text that is the same for all programs of a build: with another one no messages can be exchanged. */
 void scene_stream_version(char text[static 64]);
 
-/* passed: a descriptor that goes with it, and stays the caller's; -1: none. false: the other side is gone. */
+/* Sends a message to the socket file, with a copy of the descriptor passed; -1: none. False: the other side is gone. */
 bool scene_stream_write_message(int file, const scene_message *message, int passed);
 
-/* *passed: a descriptor that came with it, now the caller's, or -1. */
+/* Reads a message, and its descriptor into *passed, to be closed by the caller; -1: it brought none. Its text ends with
+ * 0; everything else in it is unchecked. False: late, ended or too_much says why. */
 bool scene_stream_read_message(scene_stream *stream, scene_message *message, int *passed);
 
-/* The picture of a PICTURE message; closes file. STILB_ERROR_FILE with a reason that starts without a name. */
+/* Maps the picture of a PICTURE message; closes file, its descriptor or -1. STILB_ERROR_FILE, STILB_ERROR_MEMORY; the
+ * message is a reason without the file's name, and picture is {0} then. */
 stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
                                        stilb_image *picture);
 
-/* Models, parts, meshes, materials, the number of textures, lights, sun, sky and camera. Textures go as PICTURE
- * messages. false: the other side is gone. */
+/* Writes models, parts, meshes, materials, the number of textures, lights, sun, sky and camera. Textures are sent
+ * before, as PICTURE messages. False: the other side is gone. */
 bool scene_stream_write(int file, const stilb_scene *scene);
 
-/* textures: [count], in order; they go over to the scene, or are finished, and are {0} then. STILB_ERROR_FILE with a
- * reason that starts without a name: the stream ended or is too long, or what it says makes no scene. */
+/* Reads a scene and moves textures, [count], into it; they are {0} afterwards, also after a failure. STILB_ERROR_FILE:
+ * the stream broke off, is too long, or has indices or numbers that no scene has; STILB_ERROR_MEMORY. The message is a
+ * reason without the file's name, and *scene is NULL then. */
 stilb_result scene_stream_read(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **scene);
 
 #endif

@@ -1,10 +1,11 @@
-/* The stress test: spheres over ground tiles, two materials a model, a camera for each share of them. */
+/* The stress test: spheres over ground tiles, two materials for each model, cameras that see all or some of them. */
 #include "scene/scene_internal.h"
 
 #include <float.h>
 #include <string.h>
 
-/* Random numbers of one model; the enum is the stream, so adding one changes no other. */
+/* The random numbers of one model: each has its own index. A new one before STRESS_STREAMS changes all numbers of a
+ * seed. */
 enum stress_stream {
 	STRESS_RADIUS,
 	STRESS_LIFT,
@@ -19,17 +20,19 @@ enum stress_stream {
 };
 
 #define STRESS_SPHERE_SPLITS 2
-#define STRESS_BOB_HEIGHT 0.6f /* metres, of animated spheres */
-#define STRESS_TOP 2.75f       /* nothing is higher: 2 * radius + lift + bob */
+#define STRESS_BOB_HEIGHT 0.6f /* metres that animated spheres rise */
+#define STRESS_TOP 2.75f       /* metres; nothing is higher: 2 * radius + lift + bob is at most 2.7 */
 
 static float stress_random(uint64_t seed, uint32_t model, enum stress_stream stream, float low, float high)
 {
+	STILB_ASSERT(low < high && stream < STRESS_STREAMS);
 	return low + (high - low) * stilb_random_float(seed, (uint64_t)model * STRESS_STREAMS + stream);
 }
 
-/* Colour wheel at full saturation: hue in [0, 1). */
+/* HSV to RGB, all in [0, 1], as a clamped ramp for each channel. */
 static void stress_color(float hue, float saturation, float value, float rgb[3])
 {
+	STILB_ASSERT(hue >= 0.0f && hue <= 1.0f);
 	for (int i = 0; i < 3; i++) {
 		float h = fmodf(hue * 6.0f + (i == 0 ? 0.0f : i == 1 ? 4.0f : 2.0f), 6.0f);
 		float ramp = fabsf(h - 3.0f) - 1.0f;
@@ -42,6 +45,7 @@ static void stress_color(float hue, float saturation, float value, float rgb[3])
  * Source: Karis, "Specular BRDF Reference" (2013). */
 static float stress_roughness(float exponent)
 {
+	STILB_ASSERT(exponent >= 0.0f);
 	return sqrtf(sqrtf(2.0f / (exponent + 2.0f)));
 }
 
@@ -65,30 +69,33 @@ static stilb_scene_material stress_tile_material(uint64_t seed, uint32_t model)
 	return stilb_scene_material_make(diffuse, specular, stress_roughness(16.0f));
 }
 
-/* The smallest sphere, centred above the tile's centre, around the tile's corners (sqrt 2 away, at y = 0) and the top
- * of the model's sphere: equal distances to both, or the tile alone when the sphere is low. */
+/* Sets the smallest bounding sphere with its centre on the vertical axis: it touches the tile's corners (sqrt 2 from
+ * the axis, y = 0) and the top of the model's sphere, or the corners alone if the sphere is low. */
 static void stress_set_bounds(stilb_scene *scene, uint32_t model, float x, float z, float top)
 {
 	float center = top > 1.41421356f ? (top * top - 2.0f) / (2.0f * top) : 0.0f;
 	scene->bounds.x[model] = x;
 	scene->bounds.y[model] = center;
 	scene->bounds.z[model] = z;
-	scene->bounds.radius[model] = sqrtf(2.0f + center * center) + 1e-3f; /* more than rounding can cost */
+	scene->bounds.radius[model] = sqrtf(2.0f + center * center) + 1e-3f; /* a margin for rounding */
 }
 
-/* Puts model's sphere bob metres above its rest. */
+/* Moves the sphere of a model to `bob` metres above its position at rest. */
 static void stress_place_sphere(stilb_scene *scene, uint32_t model, float bob)
 {
+	STILB_ASSERT(bob >= 0.0f && bob <= STRESS_BOB_HEIGHT);
 	float radius = stress_random(scene->seed, model, STRESS_RADIUS, 0.3f, 0.9f);
 	float lift = stress_random(scene->seed, model, STRESS_LIFT, 0.0f, 0.3f);
 	float x = scene->bounds.x[model], z = scene->bounds.z[model], height = radius + lift + bob;
+	STILB_ASSERT(height + radius <= STRESS_TOP);
 	scene->part_transform[2 * model] = stilb_mat4_scale_translate(radius, x, height, z);
 	stress_set_bounds(scene, model, x, z, height + radius);
 }
 
 static void stress_add_model(stilb_scene *scene, uint32_t model, uint32_t side)
 {
-	/* Centres at even or odd integers, so that corners, one metre away, are integers too. */
+	STILB_ASSERT(model < scene->model_count && model / side < side);
+	/* Centres have integer coordinates, so corners, one metre away, have, too. */
 	float x = (float)(2 * (int64_t)(model % side) - ((int64_t)side - 1));
 	float z = (float)(2 * (int64_t)(model / side) - ((int64_t)side - 1));
 	uint32_t sphere = 2 * model, tile = sphere + 1;
@@ -105,8 +112,8 @@ static void stress_add_model(stilb_scene *scene, uint32_t model, uint32_t side)
 	stress_place_sphere(scene, model, 0.0f);
 }
 
-/* Over the middle of a field of side x side tiles, so high that it lights the edges too, facing down. The ground below
- * it gets 6 W m^-2, twice what the sun gives. */
+/* A lamp that faces down over the middle of side x side tiles, so high that it lights the edges as well. Its irradiance
+ * on the ground below it is 6 W m^-2, twice the sun's. */
 static stilb_scene_lamp stress_lamp(float side)
 {
 	float half_side = 0.5f * side * STILB_SCENE_TILE, height = STRESS_TOP + 0.5f * half_side;
@@ -120,6 +127,7 @@ static stilb_scene_lamp stress_lamp(float side)
 	};
 }
 
+/* The smallest side with side * side >= model_count. */
 static uint32_t stress_side(uint32_t model_count)
 {
 	uint32_t side = (uint32_t)sqrt((double)model_count);
@@ -131,6 +139,8 @@ static uint32_t stress_side(uint32_t model_count)
 stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stilb_scene **out)
 {
 	STILB_ASSERT(model_count >= 1 && model_count <= STILB_SCENE_MAX_MODELS);
+	STILB_ASSERT(out);
+	*out = NULL;
 	stilb_scene *scene;
 	stilb_result result = scene_create(model_count, 2 * model_count, 2, 2 * model_count, &scene);
 	if (result == STILB_OK)
@@ -151,12 +161,15 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
 	scene->sky = (stilb_scene_sky){{0.30f, 0.42f, 0.62f}, {0.10f, 0.09f, 0.08f}};
 	scene->lamp = stress_lamp((float)side);
 	scene->camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_ALL, 16.0f / 9.0f);
+	STILB_CHECK(scene_is_sound(scene));
 	*out = scene;
 	return STILB_OK;
 }
 
 void stilb_scene_animate(stilb_scene *scene, double seconds)
 {
+	STILB_ASSERT(scene && scene->part_count == 2 * scene->model_count && "a scene of stilb_scene_create_stress");
+	STILB_ASSERT(isfinite(seconds));
 	scene->moved_count = 0;
 	for (uint32_t m = 0; m < scene->model_count; m += 10) {
 		double phase = seconds * 2.0 + 0.7 * (double)(m % 97);
@@ -167,15 +180,15 @@ void stilb_scene_animate(stilb_scene *scene, double seconds)
 
 /* ---- cameras ----------------------------------------------------------------------------------------------------- */
 
-/* How each view looks down, radians, so that its share of the grid fills the picture. */
+/* Pitch of each view's camera, radians, at which its share of the grid fills the picture. */
 static const float stress_pitch[] = {
 	[STILB_SCENE_VIEW_ALL] = -0.72f,
 	[STILB_SCENE_VIEW_HALF] = -0.6f,
 	[STILB_SCENE_VIEW_FEW] = -0.85f,
 };
 
-/* Where the camera of a view stands when every model is in the picture: back from the middle of the grid, and up along
- * the picture, which centres it. */
+/* Position of a camera relative to the centre of the grid, metres: `distance` backwards along its view and `up` along
+ * the vertical axis of its picture. */
 typedef struct stress_stand {
 	float distance, up;
 } stress_stand;
@@ -188,10 +201,11 @@ static stilb_scene_camera stress_camera_at(float pitch, stress_stand stand, floa
 	return camera;
 }
 
-/* The nearest place from which the box of the whole grid is in the picture. A corner at (x, y, z) along the camera's
- * axes, seen from the middle, is inside when |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). So the highest and the
- * lowest corner ask for d >= high - up / tan_y and d >= low + up / tan_y: the mean of both. Should the sides ask for
- * more, up makes the air above and below the same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
+/* The nearest position from which the box of the whole grid is in the picture. A corner at (x, y, z) along the camera's
+ * axes, relative to the grid's centre, is in it if |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). The highest and
+ * the lowest corner need d >= high - up / tan_y and d >= low + up / tan_y, with high = y / tan_y + z and
+ * low = -y / tan_y + z; the best up makes both equal their mean. If the sides need a larger d, up is chosen so that the
+ * margins above and below are the same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
 static stress_stand stress_stand_all(float pitch, float half_side, float aspect)
 {
 	float tan_y = tanf(stress_camera_at(pitch, (stress_stand){0}, 1.0f).fov_y * 0.5f), tan_x = tan_y * aspect;
@@ -213,17 +227,18 @@ static stress_stand stress_stand_all(float pitch, float half_side, float aspect)
 			memcpy(v_low, v, sizeof v);
 		}
 	}
-	float d = fmaxf(sides, 0.5f * (high + low)) * 1.001f; /* more than rounding can cost */
+	float d = fmaxf(sides, 0.5f * (high + low)) * 1.001f; /* a margin for rounding */
 	float up = (v_high[1] * (d - v_low[2]) + v_low[1] * (d - v_high[2])) / (2.0f * d - v_high[2] - v_low[2]);
 	return (stress_stand){d, up};
 }
 
+/* The position at factor times the distance, and 3 m farther: never inside a sphere. */
 static stress_stand stress_stand_scale(stress_stand stand, float factor)
 {
 	return (stress_stand){3.0f + stand.distance * factor, stand.up * factor};
 }
 
-/* The share of models in view, from at most about 16,000 of them. */
+/* The share of models in view, estimated from at most about 16,000 of them. */
 static double stress_visible_share(const stilb_scene *scene, const stilb_scene_camera *camera, float aspect)
 {
 	stilb_mat4 matrix = stilb_scene_camera_matrix(camera, aspect);
@@ -244,14 +259,17 @@ static double stress_visible_share(const stilb_scene *scene, const stilb_scene_c
 
 stilb_scene_camera stilb_scene_stress_camera(const stilb_scene *scene, stilb_scene_stress_view view, float aspect)
 {
-	float half_side = (float)stress_side(scene->model_count) + 1.0f; /* a metre of air around */
+	STILB_ASSERT(scene && scene->part_count == 2 * scene->model_count && "a scene of stilb_scene_create_stress");
+	STILB_ASSERT((unsigned)view <= STILB_SCENE_VIEW_FEW);
+	STILB_ASSERT(aspect > 0.0f);
+	float half_side = (float)stress_side(scene->model_count) + 1.0f; /* with a margin of 1 m */
 	float pitch = stress_pitch[view];
 	stress_stand all = stress_stand_all(pitch, half_side, aspect);
 	float far_z = 4.0f * (all.distance + fabsf(all.up) + half_side);
 	if (view == STILB_SCENE_VIEW_ALL)
 		return stress_camera_at(pitch, all, far_z);
 	double share = view == STILB_SCENE_VIEW_HALF ? 0.5 : 0.01;
-	float near = 0.0f, far = 1.0f; /* the nearer, the fewer */
+	float near = 0.0f, far = 1.0f; /* factors; a nearer camera sees fewer models: bisection */
 	for (int i = 0; i < 24; i++) {
 		float middle = 0.5f * (near + far);
 		stilb_scene_camera camera = stress_camera_at(pitch, stress_stand_scale(all, middle), far_z);

@@ -1,0 +1,106 @@
+/* The contracts of scene, each broken on purpose. */
+#include "scene/open/scene_builtin.h"
+#include "scene/open/scene_files.h"
+#include "scene/open/scene_import.h"
+#include "scene/open/scene_stream.h"
+#include "scene/scene_internal.h"
+#include "support/contract.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <string.h>
+
+static const float grey[3] = {0.5f, 0.5f, 0.5f};
+
+static void meshes(void **state)
+{
+	(void)state;
+	stilb_scene_mesh mesh;
+	contract_breaks("index_count % 3 == 0", scene_mesh_create(&mesh, 3, 4));
+	contract_breaks("`mesh'", scene_mesh_create(NULL, 3, 3));
+	contract_breaks("splits <= 6", stilb_scene_mesh_sphere(7, &mesh));
+	contract_breaks("`mesh'", stilb_scene_mesh_finish(NULL));
+}
+
+static void scenes(void **state)
+{
+	(void)state;
+	stilb_scene *scene, *other;
+	assert_int_equal(stilb_scene_open("spheres", &scene), STILB_OK);
+	contract_breaks("model_count <=", scene_create(STILB_SCENE_MAX_MODELS + 1, 1, 1, 1, &other));
+	contract_breaks("textures are added once", scene_add_textures(scene, 1));
+	assert_int_equal(scene_add_lights(scene, 1), STILB_OK);
+	contract_breaks("lights are added once", scene_add_lights(scene, 1));
+	contract_breaks("model < scene->model_count", scene_fit_bounds(scene, 1));
+	contract_breaks("scene && radiance", stilb_scene_set_sky(scene, NULL));
+	contract_breaks("(radiance[i])", stilb_scene_set_sky(scene, (const float[3]){1, INFINITY, 1}));
+	contract_breaks("radiance[i] >= 0", stilb_scene_set_sky(scene, (const float[3]){1, -1, 1}));
+	contract_breaks("diffuse && specular", stilb_scene_material_make(NULL, grey, 0.5f));
+	contract_breaks("scene && path", stilb_scene_set_environment(scene, NULL));
+	contract_breaks("name && options && scene", stilb_scene_open(NULL, &other));
+	contract_breaks("name && options && scene", stilb_scene_open_with("cornell", NULL, &other));
+	contract_breaks("reflectance < 1", scene_create_furnace(1.0f, &other));
+	stilb_scene_destroy(scene);
+}
+
+static void cameras(void **state)
+{
+	(void)state;
+	stilb_vec3 here = stilb_vec3_make(1, 2, 3), there = stilb_vec3_make(4, 5, 6);
+	contract_breaks("distance > 0.0f", scene_camera_look(here, here, 1.0f));
+	contract_breaks("fov_y > 0.0f", scene_camera_look(here, there, 0.0f));
+	contract_breaks("fov_y <", scene_camera_along(here, there, 3.2f));
+	contract_breaks("`camera'", stilb_scene_camera_matrix(NULL, 1.0f));
+}
+
+static void the_stress_test(void **state)
+{
+	(void)state;
+	stilb_scene *scene, *cornell;
+	assert_int_equal(stilb_scene_create_stress(20, 1, &scene), STILB_OK);
+	assert_int_equal(stilb_scene_open("cornell", &cornell), STILB_OK);
+	contract_breaks("model_count >= 1", stilb_scene_create_stress(0, 1, &scene));
+	contract_breaks("`out'", stilb_scene_create_stress(1, 1, NULL));
+	contract_breaks("a scene of stilb_scene_create_stress", stilb_scene_animate(cornell, 0.0));
+	contract_breaks("(seconds)", stilb_scene_animate(scene, (double)NAN));
+	contract_breaks("a scene of stilb_scene_create_stress", stilb_scene_stress_camera(cornell, 0, 1.0f));
+	contract_breaks("view <=", stilb_scene_stress_camera(scene, (stilb_scene_stress_view)3, 1.0f));
+	contract_breaks("aspect > 0.0f", stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_ALL, 0.0f));
+	stilb_scene_destroy(scene);
+	stilb_scene_destroy(cornell);
+}
+
+static void importing(void **state)
+{
+	(void)state;
+	scene_files files = {.folder = -1, .parent = -1};
+	scene_importer *importer;
+	scene_message message = {.kind = SCENE_MESSAGE_OPEN};
+	scene_stream stream = {.file = 0, .limit = 1, .taken = 2, .deadline_ns = UINT64_MAX};
+	stilb_image picture;
+	stilb_scene *scene;
+	char why[256];
+	int passed;
+	contract_breaks("files && scene", scene_files_init(&files, NULL, false));
+	contract_breaks("initialised", scene_files_open(&files, "a.png", why));
+	contract_breaks("limits->seconds > 0.0", scene_importer_start(&(scene_import_limits){.bytes = 1}, &importer));
+	contract_breaks("limits && importer", scene_importer_start(NULL, &importer));
+	contract_breaks("importer && path", scene_importer_scene(NULL, "a.obj", &scene));
+	contract_breaks("importer && path", scene_importer_picture(NULL, "a.png", true, &picture));
+	contract_breaks("kind == SCENE_MESSAGE_PICTURE", scene_stream_take_picture(&stream, &message, -1, &picture));
+	contract_breaks("file >= 0 && message", scene_stream_write_message(-1, &message, -1));
+	contract_breaks("stream && message", scene_stream_read_message(&stream, NULL, &passed));
+	contract_breaks("stream && scene", scene_stream_read(&stream, NULL, 1, &scene));
+	contract_breaks("stream->taken <= stream->limit", scene_stream_read(&stream, NULL, 0, &scene));
+	memset(message.text, 'x', sizeof message.text);
+	contract_breaks("text ends with 0", scene_stream_write_message(0, &message, -1));
+}
+
+int main(void)
+{
+	struct CMUnitTest tests[] = {
+		cmocka_unit_test(meshes),          cmocka_unit_test(scenes),    cmocka_unit_test(cameras),
+		cmocka_unit_test(the_stress_test), cmocka_unit_test(importing),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
