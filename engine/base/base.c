@@ -15,9 +15,8 @@
 
 static _Thread_local char error_message[1024];
 
-stilb_result stilb_fail(stilb_result result, const char *format, ...)
+void stilb_fail_line(const char *format, ...)
 {
-	STILB_ASSERT(result != STILB_OK && "a failure has a result of its own");
 	STILB_ASSERT(format);
 	char line[sizeof error_message]; /* a message may quote the one before it */
 	va_list arguments;
@@ -25,7 +24,6 @@ stilb_result stilb_fail(stilb_result result, const char *format, ...)
 	vsnprintf(line, sizeof line, format, arguments);
 	va_end(arguments);
 	memcpy(error_message, line, sizeof error_message);
-	return result;
 }
 
 const char *stilb_error_message(void)

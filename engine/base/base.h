@@ -47,10 +47,15 @@ typedef enum stilb_result {
 #undef STILB_RESULT_ENUM
 } stilb_result;
 
-/* Stores the line for this thread's stilb_error_message and returns result, which is not STILB_OK, for
- * `return stilb_fail(...)`. The line has no "stilb: " in front and no newline, and names the thing, the value and what
- * to do about it. It may quote stilb_error_message(). Lines longer than 1023 bytes are cut. */
-stilb_result stilb_fail(stilb_result result, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* stilb_fail(result, format, ...) stores the line for this thread's stilb_error_message and returns result, which is
+ * not STILB_OK, for `return stilb_fail(...)`. The line has no "stilb: " in front and no newline, and names the thing,
+ * the value and what to do about it. It may quote stilb_error_message(). Lines longer than 1023 bytes are cut.
+ * A macro, so that static analysis sees in every caller that the result is no success. */
+#define stilb_fail(result, ...) (stilb_fail_line(__VA_ARGS__), stilb_fail_result(result))
+
+/* The parts of stilb_fail. */
+void stilb_fail_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static inline stilb_result stilb_fail_result(stilb_result result);
 
 /* The line of this thread's last stilb_fail; "" before the first. Valid until the thread's next stilb_fail, which may
  * happen in any function that returns a stilb_result: copy it to keep it. */
@@ -76,6 +81,12 @@ const char *stilb_result_text(stilb_result result);
 #define STILB_ASSERT(condition) assert(condition)
 #endif
 #define STILB_CHECK(condition) STILB_ASSERT(condition)
+
+static inline stilb_result stilb_fail_result(stilb_result result)
+{
+	STILB_ASSERT(result != STILB_OK && "a failure has a result of its own");
+	return result;
+}
 
 /* Writes one line to stderr, "stilb: " in front; lines of two threads do not mix. Control characters become '?', so a
  * quoted file name cannot break the line. Lines longer than 2047 bytes are cut. */

@@ -266,9 +266,8 @@ static int file_create_temporary(stilb_file *file)
 	int error = EEXIST;
 	for (unsigned number = 0; error == EEXIST && number < FILE_TRIES; number++) {
 		char end[FILE_TEMPORARY_MAX], *name;
-		int used = number == 0 ? snprintf(end, sizeof end, ".%d.tmp", (int)getpid())
-		                       : snprintf(end, sizeof end, ".%d-%u.tmp", (int)getpid(), number);
-		STILB_ASSERT(used > 0 && used < FILE_TEMPORARY_MAX);
+		snprintf(end, sizeof end, number == 0 ? ".%d.tmp" : ".%d-%u.tmp", (int)getpid(), number);
+		STILB_ASSERT(strlen(end) + 1 < sizeof end && "not cut off");
 		if (asprintf(&name, "%.*s%s", (int)((stem - file->target) + (ptrdiff_t)length), file->target, end) < 0) {
 			error = ENOMEM;
 			break;
