@@ -138,8 +138,7 @@ typedef struct stilb_scene {
 	stilb_scene_sun sun;
 	stilb_scene_sky sky; /* unused if there is an environment */
 	stilb_image
-		environment; /* latitude-longitude map of the surroundings' radiance: 3 channels, F32_LINEAR, laid out as
-	                          stilb_scene_set_environment says; {0}: none */
+		environment; /* latitude-longitude map of the surroundings' radiance, 3 channels, F32_LINEAR; {0}: none */
 	stilb_scene_lamp lamp;
 	stilb_scene_camera camera;
 	uint64_t seed; /* of the stress test, else 0 */

@@ -86,7 +86,7 @@ static void mesh_split(stilb_scene_mesh *mesh, mesh_edges *edges)
 	for (uint32_t v = 0; v < mesh->vertex_count; v++)
 		edges->used[v] = 0;
 	for (uint32_t t = triangles; t-- > 0;) {
-		uint32_t corner[3], middle[3], *out = &mesh->indices[12 * t];
+		uint32_t corner[3], middle[3], *out = &mesh->indices[(size_t)12 * t];
 		for (int i = 0; i < 3; i++)
 			corner[i] = mesh->indices[3 * t + (uint32_t)i];
 		for (int i = 0; i < 3; i++)

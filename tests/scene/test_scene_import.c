@@ -7,8 +7,10 @@
 #include "scene/scene.h"
 #include "support/test.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -593,6 +595,40 @@ stilb_result __wrap_scene_stream_take_picture(scene_stream *stream, const scene_
 	return result;
 }
 
+/* The errno of every start of a process; 0: it is started. */
+static int spawn_error;
+
+int __real_posix_spawn(pid_t *id, const char *path, const posix_spawn_file_actions_t *actions,
+                       const posix_spawnattr_t *attributes, char *const arguments[], char *const environment[]);
+int __wrap_posix_spawn(pid_t *id, const char *path, const posix_spawn_file_actions_t *actions,
+                       const posix_spawnattr_t *attributes, char *const arguments[], char *const environment[]);
+
+int __wrap_posix_spawn(pid_t *id, const char *path, const posix_spawn_file_actions_t *actions,
+                       const posix_spawnattr_t *attributes, char *const arguments[], char *const environment[])
+{
+	return spawn_error ? spawn_error : __real_posix_spawn(id, path, actions, attributes, arguments, environment);
+}
+
+/* The reason is that the process cannot be started, not how the one before it ended. */
+static void a_restart_that_fails_says_why(void **state)
+{
+	(void)state;
+	scene_importer *importer;
+	stilb_scene *scene;
+	char square[512];
+	snprintf(square, sizeof square, "%s", write_text("square.obj", SQUARE));
+	const scene_import_limits limits = scene_import_limits_default();
+	assert_int_equal(scene_importer_start(&limits, &importer), STILB_OK);
+	assert_int_equal(scene_importer_scene(importer, in_folder("crash.ply"), &scene), STILB_ERROR_FILE);
+	spawn_error = EAGAIN;
+	assert_int_equal(scene_importer_scene(importer, square, &scene), STILB_ERROR_FILE);
+	spawn_error = 0;
+	assert_non_null(strstr(stilb_error_message(), "cannot be started"));
+	assert_int_equal(scene_importer_scene(importer, square, &scene), STILB_OK);
+	stilb_scene_destroy(scene);
+	scene_importer_stop(importer);
+}
+
 static void surroundings_have_three_channels(void **state)
 {
 	(void)state;
@@ -699,6 +735,7 @@ int main(void)
 		cmocka_unit_test(numbers_may_begin_with_a_point),
 		cmocka_unit_test(one_process_serves_many),
 		cmocka_unit_test(large_surroundings_are_refused_by_their_header),
+		cmocka_unit_test(a_restart_that_fails_says_why),
 		cmocka_unit_test(surroundings_have_three_channels),
 		cmocka_unit_test(cameras_of_points_project),
 		cmocka_unit_test(textures_keep_their_precision),

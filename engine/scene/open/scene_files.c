@@ -206,7 +206,7 @@ int scene_files_open(scene_files *files, const char *name, char why[static 256])
 		snprintf(why, 256, "%s", files_missing);
 		return -1;
 	}
-	strcpy(path, name);
+	snprintf(path, sizeof path, "%s", name);
 	for (char *c = path; *c; c++)
 		if (*c == '\\')
 			*c = '/';
@@ -216,13 +216,13 @@ int scene_files_open(scene_files *files, const char *name, char why[static 256])
 	else if (strncmp(path, "//", 2) == 0) /* Blender's notation for the scene's folder */
 		start += 2;
 	char rest[PATH_MAX];
-	strcpy(rest, start);
+	snprintf(rest, sizeof rest, "%s", start);
 	int file = start == path && path[0] == '/' ? files_open_absolute(files, rest, &reason)
 	                                           : files_open_relative(files, rest, &reason);
 	const char *last = strrchr(start, '/');
 	if (file < 0 && last && last[1] && (reason == files_missing || reason == files_lies_outside)) {
 		const char *other = files_missing;
-		strcpy(rest, last + 1);
+		snprintf(rest, sizeof rest, "%s", last + 1);
 		if (strcmp(rest, "..") != 0)
 			file = files_open_relative(files, rest, &other);
 		if (file < 0 && other != files_missing)

@@ -312,7 +312,7 @@ static void import_answer(import_request *request, const scene_message *asked)
 	int file = request->files ? scene_files_open(request->files, asked->text, why) : -1;
 	if (file < 0)
 		snprintf(answer.text, sizeof answer.text, "%s", why);
-	if (file < 0 && scene_files_outside(why) && !asked->flags)
+	if (request->files && file < 0 && scene_files_outside(why) && !asked->flags)
 		import_log_refused(request, asked->text, why);
 	scene_stream_write_message(request->importer->stream.file, &answer, file);
 	if (file >= 0)
@@ -377,18 +377,21 @@ static stilb_result import_listen(import_request *request, scene_message_kind en
 	return result == STILB_OK ? STILB_ERROR_FILE : result;
 }
 
-/* The result of a request with its message. Ends a process that is gone or has sent nonsense. */
-static stilb_result import_finish(import_request *request, stilb_result result, const char *decoder)
+/* The failure of a request with its message. Ends a process that is gone or has sent nonsense. decoder: the library
+ * that read the file. */
+static stilb_result import_fail(import_request *request, stilb_result result, const char *decoder)
 {
 	scene_importer *importer = request->importer;
-	if (result == STILB_OK || request->ended)
+	STILB_ASSERT(result != STILB_OK);
+	if (request->ended)
 		return result;
-	bool gone = importer->stream.late || importer->stream.ended || importer->stream.too_much;
 	char reason[400];
 	snprintf(reason, sizeof reason, "%s", stilb_error_message());
-	int status = importer->id > 0 ? import_end(importer) : 0;
-	if (gone)
-		return import_died(importer, request->path, decoder, status);
+	bool gone = importer->stream.late || importer->stream.ended || importer->stream.too_much;
+	if (importer->id > 0 && gone)
+		return import_died(importer, request->path, decoder, import_end(importer));
+	if (importer->id > 0)
+		import_end(importer);
 	return stilb_fail(result, "cannot read '%s': %s", request->path, reason);
 }
 
@@ -410,7 +413,8 @@ stilb_result scene_importer_scene(scene_importer *importer, const char *path, st
 			result = import_listen(&request, SCENE_MESSAGE_SCENE, &message);
 		if (result == STILB_OK)
 			result = scene_stream_read(&importer->stream, request.pictures, request.picture_count, scene);
-		result = import_finish(&request, result, "Assimp");
+		if (result != STILB_OK)
+			result = import_fail(&request, result, "Assimp");
 		scene_files_finish(&files);
 	}
 	import_free(&request);
@@ -438,11 +442,12 @@ stilb_result scene_importer_picture(scene_importer *importer, const char *path, 
 		result = import_listen(&request, SCENE_MESSAGE_PICTURE, &message);
 	if (result == STILB_OK && light && !import_is_light(&request.pictures[0]))
 		result = stilb_fail(STILB_ERROR_FILE, "its import sent a picture that is not three channels of light");
-	result = import_finish(&request, result, "the decoder");
 	if (result == STILB_OK) {
 		STILB_ASSERT(request.picture_count == 1);
 		*image = request.pictures[0];
 		request.pictures[0] = (stilb_image){0};
+	} else {
+		result = import_fail(&request, result, "the decoder");
 	}
 	import_free(&request);
 	close(file);

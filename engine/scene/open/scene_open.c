@@ -61,7 +61,8 @@ stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_opti
 		size_t length = strlen(builtin->name);
 		bool takes_number = builtin->name[length - 1] == ':';
 		float number = 0.0f;
-		if (takes_number ? strncmp(name, builtin->name, length) : strcmp(name, builtin->name))
+		bool named = takes_number ? strncmp(name, builtin->name, length) == 0 : strcmp(name, builtin->name) == 0;
+		if (!named)
 			continue;
 		stilb_result result = takes_number ? scene_open_furnace_number(name + length, &number) : STILB_OK;
 		return result == STILB_OK ? builtin->create(number, scene) : result;

@@ -88,7 +88,7 @@ static void stress_place_sphere(stilb_scene *scene, uint32_t model, float bob)
 	float lift = stress_random(scene->seed, model, STRESS_LIFT, 0.0f, 0.3f);
 	float x = scene->bounds.x[model], z = scene->bounds.z[model], height = radius + lift + bob;
 	STILB_ASSERT(height + radius <= STRESS_TOP);
-	scene->part_transform[2 * model] = stilb_mat4_scale_translate(radius, x, height, z);
+	scene->part_transform[(size_t)2 * model] = stilb_mat4_scale_translate(radius, x, height, z);
 	stress_set_bounds(scene, model, x, z, height + radius);
 }
 
