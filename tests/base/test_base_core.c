@@ -74,7 +74,7 @@ static void test_result_text(void **state)
 
 /* ---- log --------------------------------------------------------------------------------------------------------- */
 
-/* What stilb_log(text) writes to stderr. */
+/* Returns the text that stilb_log(text) writes to stderr. */
 static size_t logged(const char *text, char *out, size_t size)
 {
 	FILE *file = tmpfile();
@@ -105,7 +105,7 @@ static void test_log_is_one_line(void **state)
 	text[5000] = '\0';
 	size_t length = logged(text, out, sizeof out);
 	assert_true(length > 1000);
-	assert_ptr_equal(strchr(out, '\n'), out + length - 1); /* cut, and still ended */
+	assert_ptr_equal(strchr(out, '\n'), out + length - 1); /* cut, with a newline at its end */
 }
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
@@ -123,15 +123,15 @@ static void test_memory_alloc(void **state)
 	}
 }
 
-/* Which of the two a failure to start threads is called. */
+/* Threads that cannot be started are a lack of memory or of threads. */
 static void test_threads_that_do_not_start(void **state)
 {
 	(void)state;
 	assert_false(stilb_memory_is_scarce(1 << 20));
-	assert_true(stilb_memory_is_scarce(SIZE_MAX / 2)); /* more than there are addresses */
+	assert_true(stilb_memory_is_scarce(SIZE_MAX / 2)); /* more than the address space */
 	assert_int_equal(stilb_fail_threads(3, EPERM), STILB_ERROR_THREAD);
 	assert_non_null(strstr(stilb_error_message(), "cannot start 3 threads: "));
-	assert_int_equal(stilb_fail_threads(1, EAGAIN), STILB_ERROR_THREAD); /* there is room for a stack */
+	assert_int_equal(stilb_fail_threads(1, EAGAIN), STILB_ERROR_THREAD); /* there is memory for a stack */
 	assert_non_null(strstr(stilb_error_message(), "cannot start 1 thread: "));
 	assert_int_equal(stilb_fail_threads(UINT32_MAX, EAGAIN), STILB_ERROR_MEMORY);
 	assert_int_equal(stilb_fail_threads(1, ENOMEM), STILB_ERROR_MEMORY);
@@ -225,7 +225,7 @@ static void test_cpu_query(void **state)
 	size_t length = strnlen(cpu.name, sizeof cpu.name);
 	assert_true(length > 0 && length < sizeof cpu.name);
 	assert_true(cpu.name[0] != ' ' && cpu.name[length - 1] != ' ');
-	assert_true(cpu.sse42 || !cpu.avx2); /* none has the later one alone */
+	assert_true(cpu.sse42 || !cpu.avx2); /* no CPU has the later set alone */
 	assert_true(cpu.avx2 || !cpu.avx512);
 }
 

@@ -17,7 +17,7 @@
 /* ---- the calls that can be made to fail -------------------------------------------------------------------------- */
 
 static int rename_error, fsync_error, fsync_calls;
-static bool renamed, folder_synced; /* since the test began; the folder after the last rename */
+static bool renamed, folder_synced; /* the last rename succeeded; the folder was synced since */
 
 int __wrap_rename(const char *from, const char *to);
 int __real_rename(const char *from, const char *to);
@@ -134,7 +134,7 @@ static void test_paths(void **state)
 	assert_content("c.txt", "dots");
 	assert_entries(2);
 	assert_int_equal(remove("sub/b.txt"), 0);
-	memset(path, 'n', 255); /* as long as a name can be */
+	memset(path, 'n', 255); /* the longest name that a file can have */
 	path[255] = '\0';
 	assert_int_equal(stilb_file_check(path), STILB_OK);
 	assert_int_equal(save(path, "long"), STILB_OK);
@@ -158,7 +158,7 @@ static void test_existing_file_keeps_its_mode(void **state)
 	assert_int_equal(after.st_mode & 07777, 0604);
 	assert_true(after.st_ino != before.st_ino);
 	char text[32] = "";
-	assert_int_equal(read(reader, text, sizeof text), 14); /* who has it open reads the old file to its end */
+	assert_int_equal(read(reader, text, sizeof text), 14); /* a reader that has it open still reads the old file */
 	assert_string_equal(text, "old and longer");
 	close(reader);
 	assert_entries(1);
@@ -218,7 +218,7 @@ static pid_t begin_elsewhere(const char *path)
 	assert_true(pid >= 0);
 	if (pid == 0) {
 		stilb_file file;
-		prctl(PR_SET_PDEATHSIG, SIGKILL); /* also where the test fails */
+		prctl(PR_SET_PDEATHSIG, SIGKILL); /* also if the test fails */
 		if (stilb_file_open(&file, path) != STILB_OK || stilb_file_write(&file, "half", 4) != 0 ||
 		    write(ready[1], "", 1) != 1)
 			_exit(1);
@@ -241,7 +241,7 @@ static void test_a_killed_process_leaves_what_the_next_removes(void **state)
 {
 	(void)state;
 	char name[64];
-	const pid_t alive = begin_elsewhere("a.txt"), dead = begin_elsewhere("a.txt"), other = begin_elsewhere("b.txt");
+	pid_t alive = begin_elsewhere("a.txt"), dead = begin_elsewhere("a.txt"), other = begin_elsewhere("b.txt");
 	kill_and_wait(dead);
 	kill_and_wait(other);
 	assert_entries(3);
@@ -260,14 +260,14 @@ static void test_a_killed_process_leaves_what_the_next_removes(void **state)
 	assert_content("a.txt", "mine");
 }
 
-/* Names that only look alike, and a name of a temporary file that is none. */
+/* Files with similar names stay, and so do a folder, a link and a pipe with names of temporary files. */
 static void test_cleaning_touches_nothing_else(void **state)
 {
 	(void)state;
 	static const char *const names[] = {"a.txt.tmp",   "a.txt.x1.tmp",  "a.txt.1.tmp~", "a.txt.1-.tmp",
 	                                    "a.txt..tmp",  "b.txt.1.tmp",   "xa.txt.1.tmp", "a.txt.1-2-3.tmp",
 	                                    "a.txtx1.tmp", "a.txt.1.2.tmp", "a.txt.-1.tmp"};
-	const int count = sizeof names / sizeof *names;
+	int count = sizeof names / sizeof *names;
 	for (int i = 0; i < count; i++)
 		put(names[i], "user");
 	assert_int_equal(mkdir("a.txt.1.tmp", 0777), 0);
@@ -281,7 +281,7 @@ static void test_cleaning_touches_nothing_else(void **state)
 	stilb_file_clean("-");
 }
 
-/* A name as long as names can be leaves no room for an ending. */
+/* The longest possible name is cut to make room for the temporary ending. */
 static void test_longest_name(void **state)
 {
 	(void)state;
@@ -376,7 +376,7 @@ static void test_device(void **state)
 	assert_entries(1);
 }
 
-/* A failed write in the middle is remembered, also when later ones would go well. */
+/* A failed write is remembered, also if later ones succeed. */
 static void test_write_reports_errors(void **state)
 {
 	(void)state;
@@ -450,7 +450,7 @@ static void test_same(void **state)
 	assert_false(stilb_file_same("a", "inner/a"));
 	assert_false(stilb_file_same("-", "a"));
 	assert_false(stilb_file_same("/dev/null", "/dev/null"));
-	assert_false(stilb_file_same("missing/a", "missing/a")); /* refused elsewhere */
+	assert_false(stilb_file_same("missing/a", "missing/a")); /* no such folder: stilb_file_check refuses both */
 	assert_int_equal(unlink("link") | unlink("dangling") | unlink("plain") | rmdir("inner"), 0);
 }
 
@@ -466,7 +466,7 @@ static void test_finish_drops(void **state)
 	assert_null(file.stream);
 	assert_content("a.txt", "old");
 	assert_entries(1);
-	stilb_file_finish(&file); /* {0} is fine */
+	stilb_file_finish(&file); /* accepts {0} */
 	assert_int_equal(stilb_file_open(&file, "b.txt"), STILB_OK);
 	stilb_file_finish(&file);
 	assert_entries(1);

@@ -1,4 +1,4 @@
-/* base_json: what it writes is JSON to a strict reader, and the values come back. */
+/* base_json: a strict reader accepts its documents and finds the same values. */
 #include "base/base_json.h"
 #include "support/json_flat.h"
 #include "support/test.h"
@@ -115,14 +115,14 @@ static void test_strings(void **state)
 	assert_value("a\"b\\c\nd", '"', "key");
 }
 
-/* Names come from drivers: cut in the middle of a character, or in another encoding, they must not spoil the file. */
+/* Strings of drivers may be cut within a character or be in another encoding: the document stays valid. */
 static void test_strings_that_are_not_utf8(void **state)
 {
 	(void)state;
 	static const char *const cases[][2] = {
 		{"caf\xe9 x", "caf\xef\xbf\xbd x"},
 		{"cut \xe2\x82", "cut \xef\xbf\xbd\xef\xbf\xbd"},
-		{"\xc0\xaf", "\xef\xbf\xbd\xef\xbf\xbd"},                                   /* longer than needed */
+		{"\xc0\xaf", "\xef\xbf\xbd\xef\xbf\xbd"},                                   /* overlong form */
 		{"\xed\xa0\x80", "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd"},                   /* half of a surrogate pair */
 		{"\xf4\x90\x80\x80!", "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd!"}, /* above U+10FFFF */
 		{"\xf4\x8f\xbf\xbf", "\xf4\x8f\xbf\xbf"},
@@ -174,7 +174,8 @@ static void test_numbers(void **state)
 	assert_value("[2]", '0', "0");
 }
 
-/* A locale with a comma, made here: a machine may have none. Its other parts are missing, so localedef complains. */
+/* Makes a locale with a decimal comma, since the machine may have none. Its other parts are missing, so localedef
+ * complains. False: it could not be made. */
 static bool comma_locale(void)
 {
 	static const char source[] =
@@ -188,7 +189,7 @@ static bool comma_locale(void)
 	fputs(source, shell);
 	pclose(shell);
 	setenv("LOCPATH", folder, 1);
-	bool found = setlocale(LC_NUMERIC, "comma") != NULL;
+	bool found = setlocale(LC_NUMERIC, "comma");
 	unsetenv("LOCPATH");
 	snprintf(command, sizeof command, "rm -r %s", folder);
 	assert_int_equal(system(command), 0);
@@ -259,7 +260,7 @@ static void test_no_memory_is_remembered(void **state)
 		stilb_json_begin(&json, NULL, '[');
 		for (int k = 0; k < 1000; k++)
 			stilb_json_int(&json, NULL, k);
-		allocations_left = -1; /* there is memory again, yet the gap stays */
+		allocations_left = -1; /* memory is available again, but a part is missing */
 		stilb_json_end(&json, ']');
 		assert_true(json.failed);
 		assert_int_equal(stilb_json_save(&json, "not-written.json"), STILB_ERROR_MEMORY);
@@ -269,7 +270,7 @@ static void test_no_memory_is_remembered(void **state)
 	}
 }
 
-/* The reader itself must refuse what is not JSON, or the tests above say nothing. */
+/* The reader refuses text that is not JSON; else the tests above would prove nothing. */
 static void test_reader_is_strict(void **state)
 {
 	(void)state;

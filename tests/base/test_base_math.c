@@ -94,7 +94,7 @@ static void test_view_directions(void **state)
 	/* Pitch raises the view: straight up at a quarter turn. */
 	stilb_mat4 up = stilb_mat4_view(eye, 0.0f, 0.5f * PI);
 	assert_vec3(apply(&up, 3.0f, 9.0f, 5.0f, 1.0f), 0.0f, 0.0f, -5.0f, 1e-5f);
-	/* Both: yaw turns about the world's +Y after pitch, so this looks up and to -X. */
+	/* Both at once: yaw turns about the world's +Y after pitch, so this looks up and to -X. */
 	stilb_mat4 both = stilb_mat4_view(eye, 0.5f * PI, 0.25f * PI);
 	assert_vec3(apply(&both, 2.0f, 5.0f, 5.0f, 1.0f), 0.0f, 0.0f, -sqrtf(2.0f), 1e-5f);
 }
@@ -112,7 +112,7 @@ static void test_view_is_rigid(void **state)
 			assert_float_equal(stilb_vec3_dot(columns[c], columns[c]), 1.0f, 1e-6f);
 			assert_float_equal(stilb_vec3_dot(columns[c], columns[(c + 1) % 3]), 0.0f, 1e-6f);
 		}
-		stilb_vec3 third = stilb_vec3_cross(columns[0], columns[1]); /* no mirror */
+		stilb_vec3 third = stilb_vec3_cross(columns[0], columns[1]); /* a rotation, not a reflection */
 		assert_vec3(third, columns[2][0], columns[2][1], columns[2][2], 1e-6f);
 	}
 }
@@ -143,7 +143,7 @@ static void test_perspective_points(void **state)
 	assert_float_equal(edge[1] / edge[3], -1.0f, 1e-6f);
 }
 
-/* Which side of each plane clip space says, and whether the point is too close to it to tell. */
+/* True if a point is inside a plane by its clip coordinates. *near_boundary: it is too close to the plane to tell. */
 static bool clip_inside(stilb_vec4 clip, int plane, bool *near_boundary)
 {
 	float w = clip[3];

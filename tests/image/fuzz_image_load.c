@@ -30,13 +30,13 @@ static void make_seed(const char *seeds, uint32_t channels, stilb_image_format f
 	require(stilb_image_save(&image, picture[kind]) == STILB_OK);
 	stilb_image_finish(&image);
 	FILE *stream = fopen(picture[kind], "rb");
-	require(stream != NULL);
+	require(stream);
 	size_t size = fread(file + 1, 1, sizeof file - 1, stream);
 	fclose(stream);
 	file[0] = (uint8_t)kind;
 	snprintf(path, sizeof path, "%s/%d-%u-%d", seeds, kind, channels, (int)format);
 	stream = fopen(path, "wb");
-	require(stream != NULL && fwrite(file, 1, size + 1, stream) == size + 1);
+	require(stream && fwrite(file, 1, size + 1, stream) == size + 1);
 	fclose(stream);
 }
 
@@ -69,13 +69,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		return 0;
 	const char *path = picture[data[0] % 3];
 	FILE *file = fopen(path, "wb");
-	require(file != NULL);
+	require(file);
 	require(fwrite(data + 1, 1, size - 1, file) == size - 1);
 	require(fclose(file) == 0);
 	stilb_image image;
 	stilb_result result = stilb_image_load(path, &image);
 	if (result != STILB_OK) {
-		require(image.pixels == NULL && strstr(stilb_error_message(), path) != NULL);
+		require(!image.pixels && strstr(stilb_error_message(), path));
 		return 0;
 	}
 	require(image.width >= 1 && image.width <= STILB_IMAGE_MAX_SIDE && image.height >= 1 &&

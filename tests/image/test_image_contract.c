@@ -77,7 +77,7 @@ static void files(void **state)
 static void layers(void **state)
 {
 	(void)state;
-	const float value = 1.0f;
+	float value = 1.0f;
 	stilb_image_channel channel = {.name = "Y", .values = &value, .stride = 1};
 	stilb_image_layers one = {.width = 1, .height = 1, .channel_count = 1, .channels = &channel};
 	stilb_image_layers *out;

@@ -1,4 +1,4 @@
-/* Pictures to files and back: bits, conversions, and every way a path can be wrong. */
+/* Pictures are written to files and read back: bits, conversions, and refused paths. */
 
 #include "image/image.h"
 #include "support/test.h"
@@ -159,7 +159,7 @@ static void exr_keeps_every_float(void **state)
 	}
 }
 
-/* IEEE 754 binary16, written out a second time: sign, 5 bits of exponent, 10 of mantissa. */
+/* IEEE 754 binary16 to double, independent of image_file.c: sign, 5 bits of exponent, 10 of mantissa. */
 static double half_value(uint16_t half)
 {
 	double sign = half >> 15 ? -1.0 : 1.0;
@@ -299,10 +299,10 @@ static void exr_is_not_clamped(void **state)
 
 static bool holds(const unsigned char *data, size_t size, const char *text)
 {
-	return memmem(data, size, text, strlen(text)) != NULL;
+	return memmem(data, size, text, strlen(text));
 }
 
-/* Over a change of the second: a date would show. */
+/* Saved before and after a change of the second: a date in the file would differ. */
 static void same_bytes_twice(void **state)
 {
 	(void)state;
@@ -451,7 +451,7 @@ static void missing_files_are_named(void **state)
 	load_fails(in_folder("t.exr"), STILB_ERROR_FILE, "t.exr");
 }
 
-/* Cut anywhere: an error that names the file, never a picture with a hole. */
+/* A file that is cut anywhere is an error that names it, never a partial picture. */
 static void truncated_files_are_refused(void **state)
 {
 	(void)state;
@@ -519,7 +519,7 @@ static uint32_t crc32_of(const unsigned char *data, size_t size)
 	return ~crc;
 }
 
-/* A header of a few bytes that claims a huge picture is refused before memory is taken. */
+/* A file of a few bytes whose header claims a huge picture is refused before memory is allocated. */
 static void huge_claims_are_refused(void **state)
 {
 	(void)state;
@@ -547,7 +547,7 @@ static void hdr_keeps_eight_bits_of_the_largest(void **state)
 	for (size_t w = 0; w < sizeof widths / sizeof *widths; w++) {
 		stilb_image image = picture(widths[w], 5, 3, STILB_IMAGE_F32_LINEAR);
 		float *light = image.pixels;
-		const size_t count = (size_t)widths[w] * 5 * 3;
+		size_t count = (size_t)widths[w] * 5 * 3;
 		for (size_t i = 0; i < count; i++) /* runs and single values by turns, over many exponents */
 			light[i] = i / 60 % 2 ? 0.75f : ldexpf(stilb_random_float(w, i), (int)(i % 40) - 20);
 		light[0] = 1.9999f; /* rounds up to the next power of two */
@@ -602,8 +602,8 @@ static void no_large_library_is_loaded(void **state)
 	FILE *maps = fopen("/proc/self/maps", "r");
 	assert_non_null(maps);
 	while (fgets(line, sizeof line, maps)) {
-		png |= strstr(line, "libpng") != NULL;
-		large |= strstr(line, "OpenImageIO") != NULL || strstr(line, "stilb-image-oiio") != NULL;
+		png = png || strstr(line, "libpng");
+		large = large || strstr(line, "OpenImageIO") || strstr(line, "stilb-image-oiio");
 	}
 	fclose(maps);
 	assert_true(png);

@@ -1,4 +1,4 @@
-/* Pictures that others made: each kind is known by how it begins, and one that is damaged ends in a message. */
+/* Pictures of unknown origin: formats are recognised by their first bytes, and damaged files end in a message. */
 #include "image/image_import.h"
 #include "support/test.h"
 
@@ -70,7 +70,7 @@ static void assert_orange(const stilb_image *image, const char *name)
 	assert_int_equal(image->width, 2);
 	assert_int_equal(image->height, 1);
 	assert_in_range(image->channels, 3, 4);
-	const bool words = strstr(name, ".tif") || strstr(name, ".psd"); /* these have 16 bits */
+	bool words = strstr(name, ".tif") || strstr(name, ".psd"); /* these have 16 bits */
 	assert_int_equal(image->format, strstr(name, ".hdr") ? STILB_IMAGE_F32_LINEAR
 	                                : words              ? STILB_IMAGE_U16_SRGB
 	                                                     : STILB_IMAGE_U8_SRGB);
@@ -80,7 +80,7 @@ static void assert_orange(const stilb_image *image, const char *name)
 			float value = words ? (float)((const uint16_t *)image->pixels)[at] / 65535.0f
 			              : image->format == STILB_IMAGE_U8_SRGB ? (float)((const uint8_t *)image->pixels)[at] / 255.0f
 			                                                     : ((const float *)image->pixels)[at];
-			if (fabsf(value - 1.0f + 0.5f * (float)i) > 0.012f) /* some kinds lose a little */
+			if (fabsf(value - 1.0f + 0.5f * (float)i) > 0.012f) /* some formats are lossy */
 				fail_msg("%s: pixel %u has %g in channel %u", name, x, (double)value, i);
 		}
 }
@@ -96,7 +96,7 @@ static void every_kind_is_read(void **state)
 			fail_msg("%s", stilb_error_message());
 		assert_orange(&image, files[i].name);
 		stilb_image_finish(&image);
-		/* By its first bytes, not by its name; TGA has none that would tell. */
+		/* The first bytes count, not the name, but for TGA, which has no signature. */
 		stilb_result result = stilb_image_import_memory("texture", bytes, size, 0, &image);
 		assert_int_equal(result, strstr(files[i].name, ".tga") ? STILB_ERROR_FILE : STILB_OK);
 		stilb_image_finish(&image);
@@ -183,7 +183,7 @@ static void refusals_name_file_and_reason(void **state)
 	unlink(path);
 }
 
-/* Cut short, and with bytes that are others: a picture or a message, and never a crash (the sanitizers watch). */
+/* Files that are cut or have changed bytes give a picture or a message, never a crash (the sanitizers watch). */
 static void damaged_pictures_do_no_harm(void **state)
 {
 	(void)state;
@@ -195,7 +195,7 @@ static void damaged_pictures_do_no_harm(void **state)
 			stilb_image image;
 			refused += stilb_image_import_memory(files[i].name, bytes, cut, 0, &image) != STILB_OK;
 			stilb_image_finish(&image);
-			const unsigned char old = bytes[cut];
+			unsigned char old = bytes[cut];
 			bytes[cut] ^= (unsigned char)(1 + stilb_random_u64(i, cut) % 255);
 			if (stilb_image_import_memory(files[i].name, bytes, size, 0, &image) != STILB_OK)
 				assert_non_null(strstr(stilb_error_message(), files[i].name));

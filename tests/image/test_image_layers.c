@@ -1,4 +1,4 @@
-/* Pictures of many channels: to a file and back, and every way that a file or a request can be wrong. */
+/* Pictures of many channels are written and read back; wrong requests and damaged files are refused. */
 #include "image/image_layers.h"
 #include "support/folder.h"
 #include "support/test.h"
@@ -22,7 +22,7 @@ static int tear_down(void **state)
 #define H 17
 #define NAMES 11
 
-/* In the order in which they are given; the file's own is another. */
+/* In the order of saving, which differs from the order in the file. */
 static const char *const names[NAMES] = {"samples",  "R",       "G",        "B",        "normal.X", "normal.Y",
                                          "normal.Z", "depth.Z", "albedo.B", "albedo.G", "albedo.R"};
 static float values[H * W][NAMES];
@@ -74,12 +74,12 @@ static void there_and_back(void **state)
 	stilb_image_layers_finish(NULL);
 }
 
-/* Channels may lie in planes of their own. */
+/* Each channel may have its own plane, with stride 1. */
 static void one_plane(void **state)
 {
 	(void)state;
 	stilb_image_layers layers = layers_make(), *back;
-	const stilb_image_channel plane = {.name = "Y", .values = values[0], .stride = 1};
+	stilb_image_channel plane = {.name = "Y", .values = values[0], .stride = 1};
 	layers.channel_count = 1;
 	layers.channels = &plane;
 	layers.attribute_count = 0;
@@ -90,7 +90,7 @@ static void one_plane(void **state)
 	stilb_image_layers_finish(back);
 }
 
-/* A reader of pictures takes R G B, where they are there. */
+/* stilb_image_load reads R G B of a file with more channels. */
 static void picture_of_many(void **state)
 {
 	(void)state;
@@ -135,7 +135,7 @@ static void same_bytes(void **state)
 	assert_int_equal(stilb_image_layers_save(&layers, path), STILB_OK);
 	assert_int_equal(read_file(second, sizeof second), size);
 	assert_memory_equal(first, second, size);
-	stilb_image_layers *back; /* and tomorrow, too */
+	stilb_image_layers *back; /* no date, which would differ later */
 	assert_int_equal(stilb_image_layers_load(path, &back), STILB_OK);
 	assert_null(stilb_image_layers_attribute(back, "DateTime"));
 	stilb_image_layers_finish(back);

@@ -1,4 +1,4 @@
-/* Mip chains of normal and roughness maps: against averages in double over the whole map, and what is refused. */
+/* Mip chains of normal and roughness maps against averages in double over the whole map; wrong input is refused. */
 
 #include "image/image_normals.h"
 
@@ -49,7 +49,7 @@ static void maps_set(const maps *m, uint32_t x, uint32_t y, stilb_vec3 normal, f
 	*float_pixel(&m->roughness, x, y) = roughness;
 }
 
-/* Bumps of every size; up to 40 degrees of tilt for steepness 1. Object space: anywhere. */
+/* Random bumps, tilted by up to 40 degrees for steepness 1; in object space normals in all directions. */
 static maps maps_random(uint32_t width, uint32_t height, stilb_normal_space space, uint64_t seed)
 {
 	maps m = maps_make(width, height);
@@ -162,7 +162,7 @@ static truth truth_of(stilb_normal_filter filter, const maps *m)
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-/* However the sides divide: every pixel weighs the same in the last level. */
+/* For sides of any length every pixel has the same weight in the last level. */
 static void the_last_level_stands_for_the_map(void **state)
 {
 	(void)state;
@@ -184,7 +184,7 @@ static void the_last_level_stands_for_the_map(void **state)
 			}
 }
 
-/* Each level of a map of 8 x 8 is the last level of the pieces it covers. */
+/* A pixel of level 2 of an 8 x 8 map is the last level of the 4 x 4 piece of the map that it covers. */
 static void levels_stand_for_their_pieces(void **state)
 {
 	(void)state;
@@ -320,7 +320,7 @@ static void bad_input_is_refused(void **state)
 	stilb_image other = made(4, 4, 1, STILB_IMAGE_F32_LINEAR), half = made(4, 3, 3, STILB_IMAGE_F16_LINEAR);
 	stilb_image codes = made(4, 3, 3, STILB_IMAGE_U16_SRGB);
 	stilb_image empty = {.width = 0}, two = made(4, 3, 2, STILB_IMAGE_F32_LINEAR);
-	const stilb_image_normals_desc good = stilb_image_normals_desc_default(&m.normals);
+	stilb_image_normals_desc good = stilb_image_normals_desc_default(&m.normals);
 	stilb_image_normals_desc bad = good;
 #define REFUSED(member, value, result, why)                                                                            \
 	bad = good, bad.member = value;                                                                                    \

@@ -1,4 +1,4 @@
-/* The built-in scenes against what each promises, the camera's roll, and the surroundings from pictures. */
+/* The built-in scenes against their descriptions, the camera's roll, and environments from pictures. */
 #include "scene/scene.h"
 #include "support/test.h"
 
@@ -33,7 +33,7 @@ static uint64_t triangle_count(const stilb_scene *scene)
 	return count;
 }
 
-/* Corners of a triangle in its mesh. */
+/* The vertices of a triangle. */
 static void corners(const stilb_scene_mesh *mesh, uint32_t triangle, const stilb_scene_vertex *v[3])
 {
 	for (uint32_t i = 0; i < 3; i++)
@@ -46,7 +46,7 @@ static stilb_vec3 face_normal(const stilb_scene_vertex *const v[3])
 	return stilb_vec3_normalize(stilb_vec3_cross(vector(v[1]->position) - p, vector(v[2]->position) - p));
 }
 
-/* Every edge from one place to another has its way back: a surface without a hole, however its vertices are shared. */
+/* Every edge, as a pair of positions, also occurs in the opposite direction: the surface has no hole. */
 static void assert_closed(const stilb_scene_mesh *mesh)
 {
 	for (uint32_t t = 0; t < mesh->index_count / 3; t++) {
@@ -69,7 +69,7 @@ static void assert_closed(const stilb_scene_mesh *mesh)
 	}
 }
 
-/* What holds for every scene: indices in range, unit normals, materials that give out no more than they get, bounds. */
+/* Checks what holds for every scene: indices in range, unit normals, materials that conserve energy, bounds. */
 static void assert_sound(const stilb_scene *scene)
 {
 	assert_int_equal(scene->first_part[0], 0);
@@ -120,7 +120,7 @@ static void all_that_are_named_open(void **state)
 	assert_string_equal(listed, "cornell, outdoor, furnace:RHO, plane-wall, stress, spheres");
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		stilb_scene *scene = open_scene(names[i]);
-		if (strcmp(names[i], "stress") != 0) /* test_scene_stress.c's */
+		if (strcmp(names[i], "stress") != 0) /* test_scene_stress.c checks it */
 			assert_sound(scene);
 		stilb_scene_destroy(scene);
 	}
@@ -180,7 +180,7 @@ static void furnace_is_closed_and_faces_inward(void **state)
 			stilb_vec3 normal = face_normal(v);
 			assert_true(stilb_vec3_dot(normal, vector(v[0]->position)) < -0.9f);
 			for (int k = 0; k < 3; k++)
-				assert_true(length(vector(v[k]->normal) - normal) < 1e-6f); /* flat: no light is lost to bent normals */
+				assert_true(length(vector(v[k]->normal) - normal) < 1e-6f); /* the geometric normal: no light is lost */
 		}
 		if (i == 0)
 			assert_closed(mesh);
@@ -225,7 +225,7 @@ static void plane_wall_looks_at_the_point(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* Triangles as many as in the measurements that the scene is for; normals that belong to the bumps. */
+/* It has the number of triangles that docs name, and normals that fit the bumps. */
 static void outdoor_has_bumps_with_their_normals(void **state)
 {
 	(void)state;
@@ -246,7 +246,7 @@ static void outdoor_has_bumps_with_their_normals(void **state)
 	}
 	assert_true(worst > 0.95);
 	assert_true(mean > 0.996);
-	/* The seam: first and last column are the same places. */
+	/* The seam: the first and the last column have the same positions. */
 	for (uint32_t row = 0; row <= 70; row++)
 		assert_memory_equal(mesh->vertices[row * 141].position, mesh->vertices[row * 141 + 140].position, 12);
 	assert_true(scene->meshes[1].vertices[0].normal[1] == -1.0f); /* the sun's face is below */
@@ -272,7 +272,7 @@ static void spheres_show_seven_materials(void **state)
 
 /* ---- camera ------------------------------------------------------------------------------------------------------ */
 
-/* Where a point one metre ahead and `right` to the right, `up` up of the unrolled camera comes out, y up. */
+/* Projects a point 1 m ahead, `right` to the right and `up` above the camera without roll; out has y up. */
 static void rolled(float roll, float right, float up, float out[2])
 {
 	stilb_scene_camera camera = {.fov_y = 1.5707963f, .near_z = 0.1f, .far_z = 10.0f, .roll = roll};

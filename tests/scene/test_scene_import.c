@@ -1,6 +1,6 @@
 /*
- * Scene files: what of glTF and OBJ arrives where, and what happens with files that are missing, damaged, endless or
- * insatiable. Every file is made here.
+ * Scene files: the contents of glTF and OBJ files in the scene, and files that are missing or damaged, or take too long
+ * or too much memory. The test writes all files itself.
  */
 #include "scene/open/scene_import.h"
 #include "scene/open/scene_stream.h"
@@ -106,7 +106,7 @@ static stilb_scene *open_scene(const char *path)
 	return scene;
 }
 
-/* Opening fails, and the message names the file and says this. */
+/* Opening fails with this result, and with a message that names the file and contains `says`. */
 static void assert_refused(const char *path, stilb_result result, const char *says)
 {
 	stilb_scene *scene = (stilb_scene *)&scene;
@@ -161,8 +161,8 @@ static void gltf_geometry_and_metal(void **state)
 	assert_int_equal(scene->meshes[0].index_count, 3);
 	assert_three(&scene->part_transform[0].m[12], 1, 2, 3);
 	assert_true(scene->part_transform[0].m[0] == 2.0f && scene->part_transform[1].m[0] == -1.0f);
-	assert_three(scene->meshes[0].vertices[0].normal, 0, 0, 1); /* made, since the file has none */
-	/* (0, 0) is the top left in glTF and here. */
+	assert_three(scene->meshes[0].vertices[0].normal, 0, 0, 1); /* computed, since the file has none */
+	/* (0, 0) is the top left in glTF and in Stilb. */
 	for (uint32_t v = 0; v < 3; v++)
 		if (scene->meshes[0].vertices[v].position[0] == 0.0f && scene->meshes[0].vertices[v].position[1] == 0.0f)
 			assert_true(near(scene->meshes[0].vertices[v].uv[0], 0.25f) &&
@@ -172,7 +172,7 @@ static void gltf_geometry_and_metal(void **state)
 	assert_three(paint->specular, 0.03f + 0.2f, 0.03f + 0.1f, 0.03f + 0.05f);
 	assert_true(near(paint->roughness, 0.3f));
 	assert_three(paint->emission, 1, 0.5f, 0);
-	/* It shines, so there is no made-up sky; the made-up camera sees all. */
+	/* It emits light, so no sky is added; the camera that is added sees everything. */
 	assert_three(scene->sky.sky, 0, 0, 0);
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, 1.0f);
 	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
@@ -269,7 +269,7 @@ static void obj_material_and_texture(void **state)
 	(void)state;
 	write_text("square.mtl", "newmtl one\nKd 0.5 0.25 1\nKs 0.5 0.5 0.5\nNs 30\nmap_Kd sub\\PAINT.png\n");
 	assert_int_equal(mkdir(in_folder("Sub"), 0700), 0);
-	write_picture("Sub/paint.png", 10, 20, 30); /* other capitals, and a path of another system */
+	write_picture("Sub/paint.png", 10, 20, 30); /* other upper and lower case, and backslashes */
 	stilb_scene *scene = open_scene(write_text("square.obj", SQUARE));
 	const stilb_scene_mesh *mesh = &scene->meshes[0];
 	assert_int_equal(mesh->index_count, 6);           /* the square in triangles */
@@ -281,17 +281,17 @@ static void obj_material_and_texture(void **state)
 	assert_true(near(one->roughness, powf(2.0f / 32.0f, 0.25f)));
 	assert_int_equal(one->diffuse_texture, 1);
 	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){10, 20, 30}), 3);
-	assert_true(scene->sky.sky[0] > 0.0f); /* nothing else shines */
+	assert_true(scene->sky.sky[0] > 0.0f); /* added, since there is no other light */
 	stilb_scene_destroy(scene);
 	write_text("square.mtl", "newmtl one\nKd 0 0 0\nKs 1 1 1\nNs 30\nmap_Kd Sub/paint.png\n");
 	scene = open_scene(in_folder("square.obj"));
 	one = &scene->materials[scene->part_material[0]];
-	assert_three(one->diffuse, 1 / 1.08f, 1 / 1.08f, 1 / 1.08f); /* black with a texture: the texture is meant */
+	assert_three(one->diffuse, 1 / 1.08f, 1 / 1.08f, 1 / 1.08f); /* black with a texture becomes white with a texture */
 	stilb_scene_destroy(scene);
 	write_text("square.mtl", "newmtl one\nKd 0 0 0\nKs 0.9 0.8 0.7\nNs 30\n");
 	scene = open_scene(in_folder("square.obj"));
 	one = &scene->materials[scene->part_material[0]];
-	assert_three(one->specular, 0.9f, 0.8f, 0.7f); /* black without: a metal */
+	assert_three(one->specular, 0.9f, 0.8f, 0.7f); /* black without a texture is metal */
 	stilb_scene_destroy(scene);
 }
 
@@ -375,26 +375,26 @@ static void a_crash_is_an_error(void **state)
 	assert_refused(path, STILB_ERROR_FILE, SANITIZED ? "ended early" : "Assimp crashed on it (Segmentation fault)");
 }
 
-/* One that claims more than there is in the world, and one that is allowed nothing. */
+/* A file that claims a billion vertices, and limits of almost no time and memory. */
 static void memory_and_time_have_an_end(void **state)
 {
 	(void)state;
 	stilb_scene *scene;
-	const scene_import_limits quick = {.bytes = 8ull << 30, .seconds = 1e-4};
+	scene_import_limits quick = {.bytes = 8ull << 30, .seconds = 1e-4};
 	assert_int_equal(scene_import_within(in_folder("square.obj"), &quick, &scene), STILB_ERROR_FILE);
 	assert_null(scene);
 	assert_non_null(strstr(stilb_error_message(), "STILB_IMPORT_SECONDS"));
 	if (SANITIZED)
-		return; /* there no limit of memory holds */
+		return; /* there is no limit of memory under sanitizers */
 	assert_refused(write_text("large.off", "OFF\n999999999 6 0\n0 0 0\n"), STILB_ERROR_MEMORY, "memory");
-	const scene_import_limits small = {.bytes = 1 << 20, .seconds = 60};
+	scene_import_limits small = {.bytes = 1 << 20, .seconds = 60};
 	assert_int_not_equal(scene_import_within(in_folder("square.obj"), &small, &scene), STILB_OK);
 	assert_null(scene);
 	assert_non_null(strstr(stilb_error_message(), "square.obj"));
 	print_message("with one MiB: %s\n", stilb_error_message());
 }
 
-/* What Assimp does with a file that is wrong in one place is its business: here a scene or a message comes of it. */
+/* Whatever Assimp does with a damaged file, the result is a scene or a message. */
 static void damaged_files_end_in_a_scene_or_a_message(void **state)
 {
 	(void)state;
@@ -421,7 +421,7 @@ static void the_library_has_a_version(void **state)
 {
 	(void)state;
 	int major, minor, patch;
-	const stilb_scene_import_info info = stilb_scene_import_query();
+	stilb_scene_import_info info = stilb_scene_import_query();
 	assert_int_equal(sscanf(info.assimp, "%d.%d.%d", &major, &minor, &patch), 3);
 	assert_true(major >= 5);
 	assert_int_equal(sscanf(info.openimageio, "%d.%d.%d", &major, &minor, &patch), 3);
@@ -444,7 +444,7 @@ static int folder_remove(void **state)
 
 /* ---- what a file may name ---------------------------------------------------------------------------------------- */
 
-/* The number of textures of a square whose material names one, and what is said about it. */
+/* Opens a square whose material names this texture. Returns the number of textures, and what was logged. */
 static uint32_t textures_of(const char *name, bool allow_outside, char said[static 1024])
 {
 	stilb_scene *scene;
@@ -453,7 +453,7 @@ static uint32_t textures_of(const char *name, bool allow_outside, char said[stat
 	write_text("deep/scene/square.mtl", material);
 	FILE *log = tmpfile();
 	assert_non_null(log);
-	const int real = dup(STDERR_FILENO);
+	int real = dup(STDERR_FILENO);
 	dup2(fileno(log), STDERR_FILENO);
 	stilb_result result =
 		stilb_scene_open_with(in_folder("deep/scene/square.obj"), &(stilb_scene_open_options){allow_outside}, &scene);
@@ -461,8 +461,8 @@ static uint32_t textures_of(const char *name, bool allow_outside, char said[stat
 	close(real);
 	said[pread(fileno(log), said, 1023, 0)] = '\0';
 	fclose(log);
-	assert_int_equal(result, STILB_OK); /* whatever it names */
-	const uint32_t count = scene->texture_count;
+	assert_int_equal(result, STILB_OK); /* a refused texture is no error */
+	uint32_t count = scene->texture_count;
 	stilb_scene_destroy(scene);
 	return count;
 }
@@ -499,7 +499,7 @@ static void files_stay_in_their_folder(void **state)
 	for (size_t i = 0; i < 5; i++)
 		if (textures_of(refused[i], true, said) != 1)
 			fail_msg("%s is not read: %s", refused[i], said);
-	/* A name of another disk, whose last part lies in the folder. */
+	/* A path on another disk, whose last name lies in the folder. */
 	assert_int_equal(textures_of("/home/somebody/textures/inward.png", false, said), 1);
 	assert_int_equal(textures_of("../../../textures/inward.png", false, said), 1);
 	assert_int_equal(mkfifo(in_folder("deep/scene/fifo.png"), 0600), 0);
@@ -507,7 +507,7 @@ static void files_stay_in_their_folder(void **state)
 	assert_non_null(strstr(said, "not a regular file"));
 }
 
-/* Assimp takes ".5" for no number. */
+/* Assimp does not read ".5" as a number. */
 static void numbers_may_begin_with_a_point(void **state)
 {
 	(void)state;
@@ -531,7 +531,7 @@ static void one_process_serves_many(void **state)
 	stilb_image image;
 	stilb_scene *scene;
 	char picture[512], square[512], crash[512];
-	const scene_import_limits limits = scene_import_limits_default();
+	scene_import_limits limits = scene_import_limits_default();
 	snprintf(picture, sizeof picture, "%s", write_picture("one.png", 255, 0, 128));
 	write_text("square.mtl", "newmtl one\nKd 1 1 1\nmap_Kd one.png\n");
 	snprintf(square, sizeof square, "%s", write_text("square.obj", SQUARE));
@@ -558,7 +558,7 @@ static void one_process_serves_many(void **state)
 	scene_importer_stop(NULL);
 }
 
-/* A header that claims 30,000 x 30,000 pixels is refused by itself: there is nothing else in the file. */
+/* A header that claims 30,000 x 30,000 pixels is refused before decoding: the file holds nothing else. */
 static void large_surroundings_are_refused_by_their_header(void **state)
 {
 	(void)state;
@@ -617,7 +617,7 @@ static void a_restart_that_fails_says_why(void **state)
 	stilb_scene *scene;
 	char square[512];
 	snprintf(square, sizeof square, "%s", write_text("square.obj", SQUARE));
-	const scene_import_limits limits = scene_import_limits_default();
+	scene_import_limits limits = scene_import_limits_default();
 	assert_int_equal(scene_importer_start(&limits, &importer), STILB_OK);
 	assert_int_equal(scene_importer_scene(importer, in_folder("crash.ply"), &scene), STILB_ERROR_FILE);
 	spawn_error = EAGAIN;

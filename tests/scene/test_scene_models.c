@@ -1,7 +1,7 @@
 /*
- * Every file of Debian's package assimp-testmodels, scenes of some forty formats among damaged and made-up ones and
- * files that are none: each ends in a scene that can be used, or in a message with its name and a reason. The named
- * ones end as here.
+ * The files of Debian's package assimp-testmodels: scenes of some forty formats, damaged scenes, and files that are no
+ * scenes. Each gives a scene that can be used, or a message with its name and a reason. The results of some files are
+ * listed.
  */
 #include "scene/open/scene_import.h"
 #include "scene/scene.h"
@@ -84,7 +84,7 @@ static void named_files_end_as_they_should(void **state)
 		char path[512];
 		stilb_scene *scene;
 		if (SANITIZED && strstr(models_named[i].name, "OutOfMemory"))
-			continue; /* there no limit of memory holds */
+			continue; /* there is no limit of memory under sanitizers */
 		snprintf(path, sizeof path, MODELS "/%s", models_named[i].name);
 		stilb_result result = stilb_scene_open(path, &scene);
 		if (!models_named[i].says != (result == STILB_OK))
@@ -116,7 +116,7 @@ static void cameras_and_lights_stand_where_they_should(void **state)
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-/* In the quick run every third, by a hash of its name. */
+/* Without an argument every third file, by a hash of its name. */
 static bool models_skip(const char *path, bool all)
 {
 	return !all && stilb_hash_fnv1a64(STILB_FNV1A64_START, path, strlen(path)) % 3 != 0;
@@ -148,7 +148,7 @@ static void every_file_ends_in_a_scene_or_a_message(void **state)
 	}
 	fts_close(walk);
 	print_message("%d of %d files are scenes\n", scenes, files);
-	assert_true(scenes * 3 > files); /* of all it is 55 in a hundred */
+	assert_true(scenes * 3 > files); /* of all files it is 55 % */
 }
 
 int main(int argc, char **argv)

@@ -1,4 +1,4 @@
-/* What the import process cannot do any more, tried in a process that has entered the same sandbox. */
+/* The things that the import process must not do, tried in a process that has entered its sandbox. */
 #include "scene/importer/importer_sandbox.h"
 #include "scene/open/scene_stream.h"
 #include "support/test.h"
@@ -25,7 +25,7 @@ static void *thread_body(void *context)
 	return context;
 }
 
-/* One thing that is tried: 0, or the errno of its failure. */
+/* Tries one thing. Returns 0 or the errno of its failure. */
 typedef int attempt(void);
 
 static int result_of(long value)
@@ -80,7 +80,7 @@ static int make_memory(void)
 
 static int make_process(void)
 {
-	const pid_t id = fork();
+	pid_t id = fork();
 	if (id == 0)
 		_exit(0);
 	return result_of(id);
@@ -95,7 +95,7 @@ static int run_program(void)
 static int make_thread(void)
 {
 	pthread_t thread;
-	const int error = pthread_create(&thread, NULL, thread_body, NULL);
+	int error = pthread_create(&thread, NULL, thread_body, NULL);
 	return error ? error : pthread_join(thread, NULL);
 }
 
@@ -107,7 +107,7 @@ static int raise_limit(void)
 static int write_much(void)
 {
 	signal(SIGXFSZ, SIG_IGN);
-	const int file = memfd_create("x", MFD_CLOEXEC);
+	int file = memfd_create("x", MFD_CLOEXEC);
 	return result_of(ftruncate(file, 1ll << 40));
 }
 
@@ -139,7 +139,7 @@ static const struct {
 
 #define ATTEMPTS (sizeof attempts / sizeof *attempts)
 
-/* What the sandbox must have switched on here. */
+/* The protections that this kernel must have. */
 static uint32_t kernel_has(void)
 {
 	uint32_t flags = SCENE_PROTECTION_PRIVILEGES | SCENE_PROTECTION_LIMITS;
@@ -150,7 +150,7 @@ static uint32_t kernel_has(void)
 	return flags;
 }
 
-/* Each in a process of its own, in the sandbox. */
+/* Every attempt is made in its own process in the sandbox. */
 static void the_sandbox_holds(void **state)
 {
 	(void)state;
@@ -158,7 +158,7 @@ static void the_sandbox_holds(void **state)
 		int status, pipes[2];
 		uint32_t flags = 0;
 		assert_int_equal(pipe(pipes), 0);
-		const pid_t id = fork();
+		pid_t id = fork();
 		if (id == 0) {
 			flags = importer_sandbox_enter(8ull << 30);
 			if (write(pipes[1], &flags, sizeof flags) != sizeof flags)

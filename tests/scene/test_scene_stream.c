@@ -1,5 +1,4 @@
-/* A scene through a pipe's bytes and back, and streams that are damaged: what is read is a scene that can be used, or
- * none. */
+/* A scene is written and read back the same; a damaged stream gives a scene that can be used or an error. */
 #include "scene/open/scene_stream.h"
 #include "support/test.h"
 
@@ -30,7 +29,7 @@ static stilb_result read_bytes(const unsigned char *bytes, size_t size, stilb_sc
 	assert_int_equal(pwrite(fileno(file), bytes, size, 0), size);
 	scene_stream stream = {.file = fileno(file), .deadline_ns = UINT64_MAX};
 	stilb_image texture = {0};
-	stilb_image_create(&texture, 3, 2, 3, STILB_IMAGE_U8_SRGB); /* the one that a scene of make() has */
+	stilb_image_create(&texture, 3, 2, 3, STILB_IMAGE_U8_SRGB); /* as in the scene of make() */
 	stilb_result result = scene_stream_read(&stream, &texture, 1, scene);
 	assert_null(texture.pixels);
 	fclose(file);
@@ -72,7 +71,7 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_int_equal(again, size);
 	free(second);
 	stilb_scene_destroy(back);
-	/* Every length but the whole is too short. */
+	/* Every shorter stream is refused. */
 	for (size_t cut = 0; cut < size; cut += 1 + cut / 8) {
 		assert_int_equal(read_bytes(bytes, cut, &back), STILB_ERROR_FILE);
 		assert_null(back);
@@ -94,7 +93,7 @@ static void assert_usable(const stilb_scene *scene)
 		assert_true(scene->lights[i].kind <= STILB_SCENE_LIGHT_DIRECTIONAL);
 }
 
-/* All that comes before the vertices, each byte in turn, and bytes here and there after it. */
+/* Changes each byte before the vertices in turn, and some after. */
 static void damaged_streams_give_no_damaged_scene(void **state)
 {
 	(void)state;
@@ -103,7 +102,7 @@ static void damaged_streams_give_no_damaged_scene(void **state)
 	int refused = 0, tried = 0;
 	unsigned char *bytes = bytes_of(scene, &size);
 	for (size_t at = 0; at < size; at += at < 512 ? 1 : 509) {
-		const unsigned char old = bytes[at];
+		unsigned char old = bytes[at];
 		bytes[at] = (unsigned char)(stilb_random_u64(1, at) | 1) ^ old;
 		stilb_result result = read_bytes(bytes, size, &back);
 		if (result == STILB_OK)
@@ -119,7 +118,7 @@ static void damaged_streams_give_no_damaged_scene(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* An index that is one too large, in each place that has one. */
+/* Each index in turn is one too large. */
 static void nothing_points_past_the_end(void **state)
 {
 	(void)state;
@@ -131,7 +130,7 @@ static void nothing_points_past_the_end(void **state)
 	                          scene->texture_count + 1,      scene->part_count + 1, STILB_SCENE_LIGHT_DIRECTIONAL + 1};
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
 		size_t size;
-		const uint32_t old = *places[i];
+		uint32_t old = *places[i];
 		*places[i] = wrong[i];
 		unsigned char *bytes = bytes_of(scene, &size);
 		*places[i] = old;
@@ -183,7 +182,7 @@ static void the_deadline_ends_waiting(void **state)
 	close(ends[0]);
 }
 
-/* A taken-over process could send for as long as it has time: what is read has an end. */
+/* A taken-over process could send until its deadline: the limit of bytes ends reading. */
 static void what_is_sent_has_an_end(void **state)
 {
 	(void)state;
@@ -205,7 +204,7 @@ static void what_is_sent_has_an_end(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* A picture's memory is taken only if nobody can change it or cut it off, and if it is as large as was said. */
+/* A picture's memory is accepted only if it is sealed and as large as its shape says. */
 static void pictures_are_sealed(void **state)
 {
 	(void)state;
@@ -240,7 +239,7 @@ static void pictures_are_sealed(void **state)
 		assert_true(fcntl(passed, F_GETFD) == -1); /* closed in any case */
 		if (i == 0) {
 			assert_int_equal(((uint16_t *)back.pixels)[39], 40000);
-			((uint16_t *)back.pixels)[39] = 1; /* its own to change */
+			((uint16_t *)back.pixels)[39] = 1; /* the mapping is private */
 		}
 		stilb_image_finish(&back);
 	}

@@ -1,4 +1,4 @@
-/* The stress test's scene against its definition: what stands where, what varies, what moves, what each camera sees. */
+/* The scene of the stress test against its definition: positions, materials, motion, and the views of its cameras. */
 #include "scene/scene.h"
 #include "support/test.h"
 
@@ -13,7 +13,7 @@ static stilb_scene *make(uint32_t models, uint64_t seed)
 	return scene;
 }
 
-/* What mesh.vert does, in the same order: the transform's rows times (position, 1). */
+/* Transforms a vertex with the same operations in the same order as mesh.vert: rows times (position, 1). */
 static void world(const stilb_mat4 *transform, const float p[3], float out[3])
 {
 	const float *m = transform->m;
@@ -98,7 +98,7 @@ static void test_sphere_mesh(void **state)
 			const float *p = mesh.vertices[i].position, *n = mesh.vertices[i].normal;
 			assert_float_equal(sqrtf(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]), 1.0f, 3e-7f);
 			assert_memory_equal(p, n, 3 * sizeof *p);
-			/* Back from longitude and latitude to the place. */
+			/* uv, converted back to a direction, is the position. */
 			float u = 6.2831853f * (mesh.vertices[i].uv[0] - 0.5f), v = 3.1415927f * mesh.vertices[i].uv[1];
 			assert_float_equal(sinf(v) * sinf(u), p[0], 1e-3f);
 			assert_float_equal(cosf(v), p[1], 1e-3f);
@@ -112,8 +112,8 @@ static void test_sphere_mesh(void **state)
 			area += 0.5 * sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
 			volume += part / 6.0;
 		}
-		/* Inscribed: from below, and the error falls nearly fourfold per split. */
-		const double full = 4.0 * 3.14159265358979323846;
+		/* Inscribed, so the volume is too small; each split divides the error nearly by four. */
+		double full = 4.0 * 3.14159265358979323846;
 		assert_true(area > area_before && area < full && volume < full / 3.0);
 		assert_true(full - area < 3.1 * pow(0.3, splits) + 1e-6);
 		area_before = area;
@@ -144,7 +144,7 @@ static void test_plane_mesh(void **state)
 		assert_true(v->uv[0] == 0.5f + 0.5f * v->position[0] && v->uv[1] == 0.5f + 0.5f * v->position[2]);
 	}
 	stilb_scene_mesh_finish(&mesh);
-	stilb_scene_mesh_finish(&mesh); /* {0} is fine */
+	stilb_scene_mesh_finish(&mesh); /* accepts {0} */
 }
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
@@ -164,12 +164,12 @@ static void test_material_make(void **state)
 	(void)state;
 	const float diffuse[3] = {0.5f, 0.25f, 0.0f}, specular[3] = {0.25f, 0.5f, 1.0f};
 	stilb_scene_material material = stilb_scene_material_make(diffuse, specular, 0.375f);
-	assert_memory_equal(material.diffuse, diffuse, sizeof diffuse); /* what is right stays as it is */
+	assert_memory_equal(material.diffuse, diffuse, sizeof diffuse); /* a valid material does not change */
 	assert_memory_equal(material.specular, specular, sizeof specular);
 	assert_true(material.roughness == 0.375f);
 	const float values[] = {0.0f, -1.0f, 1e-30f, 0.3f, 0.7f,     0.999999f, 1.0f,
 	                        1.5f, 1e6f,  1e30f,  NAN,  INFINITY, -INFINITY};
-	const size_t count = sizeof values / sizeof *values;
+	size_t count = sizeof values / sizeof *values;
 	for (size_t i = 0; i < count * count * count; i++) {
 		const float cd[3] = {values[i % count], values[i / count % count], values[i / count / count]};
 		const float cs[3] = {cd[1], cd[2], cd[0]};
@@ -178,7 +178,7 @@ static void test_material_make(void **state)
 	}
 	const float most[3] = {3.0f, 1.0f, -1.0f}, some[3] = {1.0f, 3.0f, 0.5f};
 	material = stilb_scene_material_make(most, some, -0.5f);
-	assert_float_equal(material.diffuse[0], 0.75f, 1e-6f); /* scaled, so that the ratio stays */
+	assert_float_equal(material.diffuse[0], 0.75f, 1e-6f); /* scaled with the same ratio */
 	assert_float_equal(material.specular[0], 0.25f, 1e-6f);
 	assert_float_equal(material.diffuse[1], 0.25f, 1e-6f);
 	assert_true(material.diffuse[2] == 0.0f && material.specular[2] == 0.5f);
@@ -284,7 +284,7 @@ static void tile_corners(const stilb_scene *scene, uint32_t m, float corners[4][
 		world(&scene->part_transform[2 * m + 1], plane->vertices[i].position, corners[i]);
 }
 
-/* How many corners of a are, bit for bit, corners of b. */
+/* The number of corners of a that are, bit for bit, corners of b. */
 static int shared_corners(float a[4][3], float b[4][3])
 {
 	int shared = 0;
@@ -398,7 +398,7 @@ static void test_lights(void **state)
 
 /* ---- bounds and animation ---------------------------------------------------------------------------------------- */
 
-/* Around every vertex, and no bigger than it must be. */
+/* Bounds hold every vertex and are tight. */
 static void assert_bounds(const stilb_scene *scene, uint32_t m)
 {
 	float p[3];
@@ -497,7 +497,7 @@ static uint32_t models_in_picture(const stilb_scene *scene, const stilb_scene_ca
 	return count;
 }
 
-/* Models whose bounds touch the frustum: what culling keeps. */
+/* The number of models whose bounds touch the frustum, which culling keeps. */
 static uint32_t models_in_frustum(const stilb_scene *scene, const stilb_scene_camera *camera, float aspect)
 {
 	stilb_mat4 matrix = stilb_scene_camera_matrix(camera, aspect);
@@ -525,7 +525,7 @@ static void test_view_all_sees_everything(void **state)
 			stilb_scene_camera camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_ALL, aspects[a]);
 			assert_int_equal(models_in_picture(scene, &camera, aspects[a]), counts[c]);
 			assert_int_equal(models_in_frustum(scene, &camera, aspects[a]), counts[c]);
-			/* Not from afar: a fifth nearer, something is outside. */
+			/* The distance is needed: a fifth nearer, something is outside. */
 			for (int i = 0; i < 3; i++)
 				camera.position[i] *= 0.8f;
 			if (counts[c] == 10000)

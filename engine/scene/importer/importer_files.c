@@ -59,7 +59,7 @@ bool importer_bytes_read(int file, importer_bytes *bytes)
 	bool good = fstat(file, &info) == 0 && info.st_size >= 0;
 	size_t size = good ? (size_t)info.st_size : 0;
 	bytes->data = good ? malloc(size + 1) : NULL;
-	good = bytes->data != NULL;
+	good = bytes->data;
 	while (good && bytes->size < size) { /* pread: copies of a descriptor share one file offset */
 		ssize_t got = pread(file, bytes->data + bytes->size, size - bytes->size, (off_t)bytes->size);
 		if (got < 0 && errno == EINTR)
