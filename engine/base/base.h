@@ -28,7 +28,7 @@
 
 #define STILB_VERSION "0.2.0"
 
-/* ---- results ------------------------------------------------------------------------------------------------- */
+/* ---- results ----------------------------------------------------------------------------------------------------- */
 
 /* X(NAME, what stilb_result_text says of it). STILB_OK is 0. */
 #define STILB_RESULTS(X)                                                                                               \
@@ -64,7 +64,7 @@ const char *stilb_error_message(void);
 /* The result in words, for example "device lost"; "unknown result" for a number that is no result. Static. */
 const char *stilb_result_text(stilb_result result);
 
-/* ---- asserts and log ------------------------------------------------------------------------------------------ */
+/* ---- asserts and log --------------------------------------------------------------------------------------------- */
 
 /* Contracts of functions. A broken one is the programmer's mistake: it prints file, line, function and condition and
  * ends the program with SIGABRT. With NDEBUG they are compiled as dead code, so release builds pay nothing and
@@ -92,7 +92,7 @@ static inline stilb_result stilb_fail_result(stilb_result result)
  * quoted file name cannot break the line. Lines longer than 2047 bytes are cut. */
 void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* ---- memory ---------------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 #define STILB_CACHE_LINE 128 /* two 64-byte lines: the adjacent-line prefetcher pairs them */
 
@@ -111,7 +111,7 @@ bool stilb_memory_is_scarce(size_t bytes);
  * memory for their stacks; which of the two is decided here by stilb_memory_is_scarce. */
 stilb_result stilb_fail_threads(uint32_t count, int error);
 
-/* ---- hashing --------------------------------------------------------------------------------------------------- */
+/* ---- hashing ----------------------------------------------------------------------------------------------------- */
 
 /* The hash of no bytes: begin with it. */
 #define STILB_FNV1A64_START 0xcbf29ce484222325u
@@ -120,7 +120,7 @@ stilb_result stilb_fail_threads(uint32_t count, int error);
  * size is 0. Not for untrusted keys. Source: Fowler, Noll, Vo; draft-eastlake-fnv. */
 uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size);
 
-/* ---- random numbers -------------------------------------------------------------------------------------------- */
+/* ---- random numbers ---------------------------------------------------------------------------------------------- */
 
 /* A value for every (seed, index): the finaliser of splitmix64 over seed + (index + 1) * golden gamma. Counter-based:
  * the same pair gives the same value in any order of calls and on any thread. Source: Steele, Lea, Flood, "Fast
@@ -130,7 +130,7 @@ uint64_t stilb_random_u64(uint64_t seed, uint64_t index);
 /* The upper 24 bits of stilb_random_u64 as a float in [0, 1), a multiple of 2^-24. */
 float stilb_random_float(uint64_t seed, uint64_t index);
 
-/* ---- time and CPU ---------------------------------------------------------------------------------------------- */
+/* ---- time and CPU ------------------------------------------------------------------------------------------------ */
 
 /* CLOCK_MONOTONIC in nanoseconds: never goes back; its zero is arbitrary. */
 uint64_t stilb_time_ns(void);

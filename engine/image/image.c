@@ -102,7 +102,7 @@ void stilb_image_finish(stilb_image *image)
 	*image = (stilb_image){0};
 }
 
-/* ---- pictures that one process hands to another ---------------------------------------------------------------- */
+/* ---- pictures that one process hands to another ------------------------------------------------------------------ */
 
 #define IMAGE_SEALS (F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE)
 
@@ -171,7 +171,7 @@ stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t
 	return STILB_OK;
 }
 
-/* ---- shared by the codecs -------------------------------------------------------------------------------------- */
+/* ---- shared by the codecs ---------------------------------------------------------------------------------------- */
 
 void image_message_set(image_message *message, const char *text)
 {

@@ -15,7 +15,7 @@ typedef union normals_texel {
 	shade_lean lean;
 } normals_texel;
 
-/* ---- one texel: make, mix, resolve ----------------------------------------------------------------------------- */
+/* ---- one texel: make, mix, resolve ------------------------------------------------------------------------------- */
 
 static normals_texel texel_from(stilb_normal_filter filter, shade_rough_normal pixel)
 {
@@ -151,7 +151,7 @@ static void level_make(const normals_source *source, stilb_image *level, normals
 	}
 }
 
-/* ---- level 0: the input ---------------------------------------------------------------------------------------- */
+/* ---- level 0: the input ------------------------------------------------------------------------------------------ */
 
 static bool format_is_read(const stilb_image *image)
 {

@@ -204,7 +204,7 @@ typedef struct stilb_scene_import_info {
 /* Starts the import process and asks it, for at most 10 s. Never fails. [any-thread] */
 stilb_scene_import_info stilb_scene_import_query(void);
 
-/* ---- the stress test ------------------------------------------------------------------------------------------- */
+/* ---- the stress test --------------------------------------------------------------------------------------------- */
 
 #define STILB_SCENE_MAX_MODELS 4000000u
 #define STILB_SCENE_TILE 2.0f /* side of a ground tile, metres */

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- in the scene's file --------------------------------------------------------------------------------------- */
+/* ---- in the scene's file ----------------------------------------------------------------------------------------- */
 
 /* The texture in the scene's file that a material calls name: "*N" is number N, others have the same last name. NULL:
  * it is a file of its own. */

@@ -99,10 +99,10 @@ static bool view_is_lit(const stilb_scene *scene)
 /* ---- camera ------------------------------------------------------------------------------------------------------ */
 
 #define CAMERA_FOV 0.7f            /* radians, of the camera for a scene without one */
-#define CAMERA_LEAST_METRES 1e-15f /* smaller scenes are shown at this size: squares of less underflow */
+#define CAMERA_LEAST_METRES 1e-15f /* smallest size of a scene that a camera is made for: squares of less underflow */
 
 /* A camera for a scene without one: from the front, a little to the right and above, so far away that the sphere around
- * the scene is in view in every picture that is not higher than wide. */
+ * the scene, or of radius 1 if it has no size, is in view in every picture that is not higher than wide. */
 static stilb_scene_camera camera_around(const stilb_scene *scene)
 {
 	stilb_sphere sphere = scene_sphere(scene);

@@ -306,8 +306,8 @@ static stilb_result builtin_mesh_bumpy(stilb_scene_mesh *mesh)
 		}
 	for (uint32_t row = 0; row < BUMPS_DOWN; row++)
 		for (uint32_t column = 0; column < BUMPS_AROUND; column++) {
-			uint32_t a = row * across + column,
-					 b = a + across; /* b lies below a; a + 1 and b + 1 are their eastern neighbours */
+			/* b lies below a; a + 1 and b + 1 are their eastern neighbours. */
+			uint32_t a = row * across + column, b = a + across;
 			const uint32_t triangles[6] = {a, b, b + 1, a, b + 1, a + 1};
 			uint32_t first = row == BUMPS_DOWN - 1 ? 3 : 0, end = row == 0 ? 3 : 6; /* one triangle at a pole */
 			for (uint32_t i = first; i < end; i++)

@@ -71,7 +71,7 @@ static int files_keep_regular(int file, const char **why)
 	return -1;
 }
 
-/* ---- upper and lower case -------------------------------------------------------------------------------------- */
+/* ---- upper and lower case ---------------------------------------------------------------------------------------- */
 
 /* Replaces name by the name in root's folder `below` that differs in upper and lower case only. False: there is
  * none. */
