@@ -28,7 +28,7 @@
 namespace
 {
 
-// Runs body and turns what it throws into an outcome.
+// Runs body, and converts an exception to an outcome with a message.
 template <typename Body> image_outcome guarded(image_message *message, Body body)
 {
 	try {
@@ -63,7 +63,7 @@ class memory_output final : public Imf::OStream
 	}
 	void seekp(uint64_t position) override
 	{
-		at_ = position; // the library goes back to fill in its table of rows, and to the end again
+		at_ = position; // the library goes back to write its table of rows, then to the end
 	}
 
   private:
@@ -101,7 +101,7 @@ class memory_input final : public Imf::IStream
 
 // ---- writing --------------------------------------------------------------------------------------------------------
 
-// A slice of a frame buffer is not written through when it is written from.
+// OpenEXR takes mutable pointers; the slices of an output are only read.
 char *slice_base(const void *first)
 {
 	return static_cast<char *>(const_cast<void *>(first));
@@ -117,7 +117,7 @@ image_outcome encode(const image_exr_file &from, image_bytes *file)
 	for (uint32_t i = 0; i < from.attribute_count; i++)
 		header.insert(from.attributes[i].name, Imf::StringAttribute(from.attributes[i].text));
 	Imf::FrameBuffer frame;
-	std::vector<std::vector<half>> converted; // where floats are stored as halves
+	std::vector<std::vector<half>> converted; // the channels, if floats are stored as halves
 	for (uint32_t i = 0; i < from.channel_count; i++) {
 		const image_exr_channel &channel = from.channels[i];
 		header.channels().insert(channel.name, Imf::Channel(type));
@@ -168,7 +168,7 @@ int channel_rank(const std::string &name)
 	return found ? int(found - ranks) : 100;
 }
 
-// The order that image_exr_decode promises.
+// The order of channels that image_exr_decode documents.
 bool channel_before(const std::string &a, const std::string &b)
 {
 	const size_t dot_a = a.rfind('.'), dot_b = b.rfind('.');
@@ -181,7 +181,7 @@ bool channel_before(const std::string &a, const std::string &b)
 	return rank_a != rank_b ? rank_a < rank_b : a < b;
 }
 
-// The first part of a file, of which the header is read.
+// The first part of a file. The constructor reads its header; throws if it cannot be decoded.
 class exr_input
 {
   public:
@@ -193,7 +193,7 @@ class exr_input
 					  down = int64_t(window.max.y) - window.min.y + 1;
 		if ((first.hasType() && Imf::isDeepData(first.type())) || across < 1 || down < 1)
 			throw std::runtime_error("not a flat picture");
-		width = uint32_t(across); // the corners are 32-bit numbers in order
+		width = uint32_t(across); // corners are int32 and ordered, so this fits
 		height = uint32_t(down);
 		for (auto i = first.channels().begin(); i != first.channels().end(); ++i) {
 			if (i.channel().xSampling != 1 || i.channel().ySampling != 1)
@@ -219,7 +219,8 @@ class exr_input
 	{
 		const Imath::Box2i window = header().dataWindow();
 		const size_t step = count * image_scalar_bytes[scalar], row = step * width;
-		// A slice is addressed by the window's coordinates: its base is where (0, 0) would be.
+		// OpenEXR addresses a slice by window coordinates: its base is the address of the pixel (0, 0), which may lie
+		// outside of the memory.
 		const int64_t corner = int64_t(window.min.y) * int64_t(row) + int64_t(window.min.x) * int64_t(step);
 		const Imf::PixelType type = scalar == IMAGE_SCALAR_F16 ? Imf::HALF : Imf::FLOAT;
 		Imf::FrameBuffer frame;
@@ -238,10 +239,11 @@ class exr_input
 
   public:
 	uint32_t width, height;
-	std::vector<std::string> names; // of all channels, in our order
+	std::vector<std::string> names; // of all channels, sorted by channel_before
 };
 
-// How many of the first channels are the picture: all, or R G B and perhaps A of a file with more; 0: none.
+// The number of channels, from the first, that make the picture: up to four all of them, of more R G B (A); 0: there is
+// no R G B.
 uint32_t picture_channels(const std::vector<std::string> &names)
 {
 	if (names.size() <= 4)
@@ -269,7 +271,7 @@ image_outcome decode_picture(const void *data, size_t size, image_allocate *allo
 	});
 }
 
-// False: the sink had no memory.
+// Hands names and text attributes to the sink. False: the sink is out of memory.
 bool tell_texts(const exr_input &input, const image_exr_sink &sink)
 {
 	bool taken = true;

@@ -198,7 +198,7 @@ image_outcome decode(const char *format, const void *data, size_t size, image_al
 
 // ---- for C ---------------------------------------------------------------------------------------------------------
 
-// Runs body and turns what it throws into an outcome.
+// Runs body, and converts an exception to an outcome with a message.
 template <typename Body> image_outcome guarded(image_message *message, Body body)
 {
 	try {

@@ -67,7 +67,7 @@ static stilb_result importer_refuse(const char *path, const char *words)
 	return stilb_fail(STILB_ERROR_FILE, "%s", words[0] ? words : "Assimp does not say why");
 }
 
-/* Has Assimp read the file, with all polygons as triangles. */
+/* Reads the file by Assimp, with all polygons split into triangles. */
 static stilb_result importer_read(const char *path, const struct aiScene **scene)
 {
 	unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
