@@ -60,7 +60,7 @@ bool bench_program_path(const char *program, char *path, size_t size)
 /* Turns the forked process into the program. Does not return. */
 static void become(const char *path, char *const *argv, const int out[2], const int error[2], rlim_t cpu_seconds)
 {
-	const struct rlimit cpu = {cpu_seconds, cpu_seconds + 1}; /* SIGXCPU, then SIGKILL */
+	struct rlimit cpu = {cpu_seconds, cpu_seconds + 1}; /* SIGXCPU, then SIGKILL */
 	setrlimit(RLIMIT_CPU, &cpu);
 	prctl(PR_SET_PDEATHSIG, SIGKILL); /* the program ends with stilb-bench, which reads its output */
 	signal(SIGPIPE, SIG_DFL);

@@ -173,8 +173,7 @@ static double run_seconds(const bench_results *results)
 static void run_pair(bench_results *results, bench_pair *pair, const char *argument)
 {
 	double seconds = results->seconds * length_of(pair->on);
-	const double usual =
-		results->suite->quick_cpu_seconds > 0.0 ? results->suite->quick_cpu_seconds : QUICK_CPU_SECONDS;
+	double usual = results->suite->quick_cpu_seconds > 0.0 ? results->suite->quick_cpu_seconds : QUICK_CPU_SECONDS;
 	double each = seconds * 1.5 + (results->options->quick ? usual : CPU_SECONDS);
 	bench_limit limit = {.cpu_seconds = each * bench_cpu_count(), .seconds = results->options->give_up};
 	bench_child_result child;

@@ -96,12 +96,12 @@ static inline queue_load queue_load_parse(const bench_child *child)
 	if (sscanf(digits ? digits + 1 : name, "%uP%uC", &load.producers, &load.consumers) != 2 || load.producers == 0 ||
 	    load.consumers == 0 || load.producers + load.consumers >= QUEUE_LOAD_MAX_THREADS)
 		exit(BENCH_CHILD_SKIP);
-	load.stall = strstr(name, "stall-") != NULL;
-	load.batch = strstr(name, "batch16-") != NULL;
-	load.pinned = strstr(name, "pinned-") != NULL;
-	load.mode = strstr(name, "latency-")                      ? QUEUE_LOAD_LATENCY
-	            : load.stall || strstr(name, "calm-") != NULL ? QUEUE_LOAD_GAPS
-	                                                          : QUEUE_LOAD_PLAIN;
+	load.stall = strstr(name, "stall-");
+	load.batch = strstr(name, "batch16-");
+	load.pinned = strstr(name, "pinned-");
+	load.mode = strstr(name, "latency-")              ? QUEUE_LOAD_LATENCY
+	            : load.stall || strstr(name, "calm-") ? QUEUE_LOAD_GAPS
+	                                                  : QUEUE_LOAD_PLAIN;
 	load.threads = load.producers + load.consumers + 1;
 	load.seconds = child->seconds;
 	return load;
@@ -232,7 +232,7 @@ LOAD_INLINE void load_produce(queue_load_thread *self, queue_load_mode mode)
 		uint64_t begin =
 			mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* waiting for a full queue is included */
 		while (!subject_push(&load_queue, &self->own, (void *)++item))
-			--item, load_wait(&turns);
+			item--, load_wait(&turns);
 		load_note(self, mode, begin);
 		load_count(self, 1);
 		if (item % QUEUE_LOAD_LOOK_EVERY == 0)

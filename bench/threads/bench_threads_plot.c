@@ -106,7 +106,7 @@ static bool write_gain(FILE *out, const bench_results *results, const char *devi
 		double x = bench_threads_counts[n] + 0.06 * ((double)view - 1.0); /* error bars of the views lie side by side */
 		if (gain)
 			fprintf(out, "%g %.6g %.6g %.6g\n", x, gain->median, gain->min, gain->max);
-		any |= gain != NULL;
+		any |= !!gain;
 	}
 	fprintf(out, "END\n");
 	return any;

@@ -45,10 +45,9 @@ static void copy(FILE *from, stilb_file *to)
  * groups <g ...></g>, which are an eighth of the file. Both are lines of their own. */
 static void copy_svg(FILE *from, stilb_file *to, const char *title)
 {
-	char *line = NULL,
-		 *group = NULL; /* group: the line of an opening <g>, kept until the next line shows that it is not empty */
+	char *line = NULL, *group = NULL;
 	size_t line_room = 0, group_room = 0;
-	bool opened = false; /* group holds such a line */
+	bool opened = false; /* group is the line of an opening <g>; the next line will show whether it is empty */
 	while (getline(&line, &line_room, from) > 0) {
 		if (opened && strcmp(line, "</g>\n") == 0) {
 			opened = false;

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 
 /* True if path may become a trace: it ends in .json, .folded or .csv, which selects the format, or it is standard
- * output ("-"), a device or a pipe, which get .json, or NULL (no trace is wanted). Else false, after a line on stderr
- * that names the flag, for example "--trace". [any-thread] */
+ * output ("-"), a device or a pipe, whose name may have any ending, or NULL (no trace is wanted). Else false, after a
+ * line on stderr that names the flag, for example "--trace". [any-thread] */
 bool trace_path_check(const char *flag, const char *path);
 
 #endif

@@ -29,9 +29,10 @@ typedef struct demo_run {
 	demo_gamepads gamepads;
 	int view; /* a stilb_scene_stress_view */
 	bool window;
-	bool lost;           /* the window's display has gone */
-	int capture_error;   /* negative errno of the last capture, 0: none. Both belong to the capturing thread, */
-	bool capture_failed; /* until the engine has been destroyed; this is true if any capture failed */
+	bool lost; /* the window's display has gone */
+	/* Both belong to the capturing thread until the engine has been destroyed. */
+	int capture_error;   /* of the last capture: negative errno, or 0 */
+	bool capture_failed; /* true if any capture failed */
 } demo_run;
 
 static volatile sig_atomic_t demo_interrupted; /* number of the signal; 0: none came */

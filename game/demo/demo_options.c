@@ -414,8 +414,7 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	STILB_ASSERT(gamepad && spike && fault && "demo_options_check accepted the options");
 	desc.faults = faults.render;
 	desc.slow_frame = faults.slow_frame;
-	if (o->screenshot &&
-	    stilb_image_path_is_light(o->screenshot)) /* the window then shows radiance too, clipped to 1 */
+	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* the window, too, then shows radiance, clipped */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
 }

@@ -39,8 +39,8 @@ typedef struct demo_options {
 	float roughness, anisotropy, wrap, specular; /* added to each material's; NaN: the default of the chosen BRDF */
 	bool headless, no_present, animate, validate, overlay, inspector, no_profile, invert_y;
 	float sensitivity; /* of the right stick */
-	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad,
-		*track; /* NULL: not given */
+	/* NULL if not given: */
+	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track;
 } demo_options;
 
 /* What the flags of choice accept, in the order of the engine's enumerations; NULL-terminated. */

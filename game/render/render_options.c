@@ -167,8 +167,8 @@ static void options_complete(offline_options *o, const flag *flags, size_t count
 		o->rays = s.rays;
 	if (!flags_given(flags, count, argc, argv, "--depth"))
 		o->depth = s.depth;
-	if (o->cache ==
-	    RENDER_NOT_GIVEN) /* without an overture records are made while rendering, so they cannot be frozen */
+	/* Without an overture records are made while rendering, so they cannot be frozen. */
+	if (o->cache == RENDER_NOT_GIVEN)
 		o->cache = o->overture ? STILB_GI_CACHE_FROZEN : STILB_GI_CACHE_LIVE;
 	const char *extension = ".checkpoint";
 	if (o->output && strlen(o->output) + strlen(extension) < sizeof o->checkpoint)
