@@ -91,8 +91,7 @@ static void draw_distribution(plot_page *page, const void *context)
 	const stilb_numeric_row *row = context;
 	const char *measure = row->measure == STILB_NUMERIC_MEASURE_D_COS ? "D n·h" : "D";
 	subject widest = subject_of(row, 1.0f);
-	bool whole =
-		row->density(&widest.shape, row_in_plane(M_PI)) > 0.0f; /* a density over the sphere, not the hemisphere */
+	bool whole = row->density(&widest.shape, row_in_plane(M_PI)) > 0.0f; /* defined on the sphere, not the hemisphere */
 	double end = whole ? 180.0 : 90.0;
 	plot_panel panel = {.title = is_anisotropic(row) ? "Density; dashed: along b" : "Density",
 	                    .x_label = "angle from the axis (degrees)",
