@@ -1,4 +1,4 @@
-# man.awk: turns what `stilb COMMAND --help` prints into a manual page, so that both come from the same tables of flags.
+# man.awk: turns the output of `stilb COMMAND --help` into a manual page, so that both come from the same tables of flags.
 #   stilb render --help | awk -v page=stilb-render -v version=0.2.0 -v others="stilb stilb-demo ..." -f man.awk
 function roff(text) {
 	gsub(/\\/, "\\e", text)
@@ -7,7 +7,7 @@ function roff(text) {
 	return text
 }
 function section(title) { print ".SH " title; first = 1 }
-# The opening paragraph: what stands before ": " is how it is called, what stands after it is what it does.
+# The opening paragraph, "CALL: PURPOSE", with CALL the usage of the command.
 function opening(text,   at, called, does, brief) {
 	at = index(text, ": ")
 	called = at ? substr(text, 1, at - 1) : page
@@ -25,7 +25,7 @@ function opening(text,   at, called, does, brief) {
 	section("DESCRIPTION")
 	print roff(toupper(substr(does, 1, 1)) substr(does, 2))
 }
-# "  NAME   text", the text two or more columns after the name
+# A line "  NAME   TEXT"; two or more blanks separate TEXT.
 function item(line,   name, text) {
 	sub(/^ +/, "", line)
 	name = line; text = ""
@@ -47,11 +47,14 @@ function item(line,   name, text) {
 END {
 	if (!opened) opening(words)
 	section("EXIT STATUS")
-	print ".TP\n.B 0\ndone\n.TP\n.B 1\nran and failed\n.TP\n.B 2\nrefused before it started: flags, files, devices"
+	if (page == "stilb-trace-diff")
+		print ".TP\n.B 0\nno zone is slower\n.TP\n.B 1\na zone is slower\n.TP\n.B 2\nan error, before it started or later"
+	else
+		print ".TP\n.B 0\ndone\n.TP\n.B 1\nfailed while it ran\n.TP\n.B 2\nrefused before it started: a wrong flag, file or device"
 	if (page == "stilb") {
 		section("ENVIRONMENT")
-		print ".TP\n.B STILB_ISA\n" roff("scalar, avx2 or avx512 holds culling to an instruction set")
-		print ".TP\n.B STILB_IMPORT_SECONDS\n" roff("how long reading a scene file may take (120)")
+		print ".TP\n.B STILB_ISA\n" roff("scalar, avx2 or avx512: the instruction set that culling uses (the best one)")
+		print ".TP\n.B STILB_IMPORT_SECONDS\n" roff("seconds after which reading a scene file is given up (120)")
 	}
 	section("SEE ALSO")
 	n = split(others, other, " ")

@@ -1,6 +1,6 @@
 #!/bin/sh
-# man.sh PROGRAM BENCH VERSION OUT PAGE...: the manual pages in the folder OUT, from what the programs' --help prints.
-# A page is the command with dashes: stilb-trace-top is `stilb trace top`; stilb-bench is the program BENCH.
+# man.sh PROGRAM BENCH VERSION OUT PAGE...: writes manual pages into the folder OUT, from the output of --help. The name of
+# a page is its command with dashes: stilb-trace-top is `stilb trace top`; stilb-bench is the program BENCH.
 set -eu
 program=$1 bench=$2 version=$3 out=$4
 shift 4

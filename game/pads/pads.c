@@ -40,8 +40,7 @@ static flags_result pads_parse(pads_options *o, int argc, char **argv, bool give
 	};
 	flags_result result = flags_parse(flags, PADS_FLAGS, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf("stilb pads: the gamepads of this machine: which there are, how they were recognised, what they "
-		       "report.\n\n");
+		printf("stilb pads: lists the gamepads of this machine, how they were recognised, and what they report.\n\n");
 		flags_print(flags, PADS_FLAGS);
 	}
 	for (int i = 0; result == FLAGS_OK && i < PADS_FLAGS; i++)

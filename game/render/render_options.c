@@ -95,8 +95,8 @@ static void options_print(const flag *flags, size_t count)
 	static const char *const filters[][2] = {STILB_GI_FILTERS(RENDER_HELP)};
 	char text[FLAG_CHOICE_SIZE];
 	static const char *const scenes[][2] = {STILB_SCENE_BUILTINS(RENDER_SCENE)};
-	printf(
-		"stilb render SCENE -o FILE [FLAGS]: a picture by ray tracing. SCENE is a file (glTF, OBJ, ...) or one of:\n");
+	printf("stilb render SCENE -o FILE [FLAGS]: renders a picture by ray tracing. SCENE is a file (glTF, OBJ, ...) or\n"
+	       "one of:\n");
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
 		printf("  %-18s %s\n", scenes[i][0], scenes[i][1]);
 	flags_print(flags, count);
