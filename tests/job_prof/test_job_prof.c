@@ -97,8 +97,7 @@ static void spin(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 		__asm__ volatile("" ::: "memory");
 }
 
-/* Whether the worker comes in time for a loop is up to the machine, so there is a loop after the other until it
- * does. */
+/* Loops are repeated until the worker has helped with one: on a busy machine it may come too late for the first. */
 static void help_with_a_loop_is_a_job(void **state)
 {
 	(void)state;

@@ -68,7 +68,7 @@ int __wrap_stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_p
 	return error;
 }
 
-/* What is saved. */
+/* The last snapshot that was saved. */
 static struct {
 	uint64_t first, last; /* frames */
 	uint32_t frames;

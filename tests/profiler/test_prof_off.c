@@ -66,7 +66,7 @@ static void off_is_the_same_code_as_none(void **state)
 	assert_true(same_section(&off, &none, ".text"));
 	assert_false(object_has_symbol(&off, "stilb_prof_"));
 	assert_null(object_section(&off, "stilb_prof_section"));
-	/* The same questions about the object with zones, to see that they can fail. */
+	/* Both checks fail for the object with zones: so they can fail. */
 	assert_false(same_section(&on, &none, ".text"));
 	assert_true(object_has_symbol(&on, "stilb_prof_"));
 	assert_non_null(object_section(&on, "stilb_prof_section"));

@@ -67,7 +67,7 @@ static int forbid_system_calls(void)
 	return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ? -1 : prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
 }
 
-/* What a child did: its exit status, or minus the signal that ended it. */
+/* Runs a child; returns its exit status, or minus the signal that ended it. */
 static int in_a_child(int (*run)(void))
 {
 	pid_t child = fork();
@@ -126,7 +126,7 @@ static void recording_stays_in_the_program(void **state)
 	assert_int_equal(in_a_child(record_all), 0);
 }
 
-/* The same questions where the answer is known: they can fail. */
+/* The checks above fail where they must. */
 static int make_a_system_call(void)
 {
 	return forbid_system_calls() != 0 ? 2 : (int)syscall(SYS_getppid) * 0;

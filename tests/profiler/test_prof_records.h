@@ -34,7 +34,7 @@ static inline uint64_t record_count(const prof_copy *copy, uint32_t lane, const 
 	return count;
 }
 
-/* What the first lane holds, as record_names says it. */
+/* Compares the events of the first lane, in the form of record_names, with expected. */
 #define assert_records(expected)                                                                                       \
 	do {                                                                                                               \
 		prof_copy records_ = {0};                                                                                      \

@@ -532,7 +532,7 @@ static void *take_a_copy(void *data)
 	return NULL;
 }
 
-/* What is drawn each frame does not wait for a capture that copies full rings. */
+/* A snapshot that is taken each frame does not wait for a capture that copies full rings. */
 static void copies_do_not_wait_for_each_other(void **state)
 {
 	(void)state;

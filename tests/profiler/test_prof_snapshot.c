@@ -79,7 +79,7 @@ static const char *label_name(uint32_t label)
 	return s.labels[label].name;
 }
 
-/* What holds for every snapshot. */
+/* Checks what is true of every snapshot. */
 static void check_lane(const stilb_prof_lane *lane)
 {
 	for (uint32_t i = 0; i < lane->zone_count; i++) {
@@ -218,7 +218,7 @@ static void children_without_their_parent(void **state)
 	assert_tree(0, "b a(c) d");
 }
 
-/* What no correct program makes: all that check_snapshot asks for holds anyway. */
+/* Events that no correct program records still give a snapshot that passes check_snapshot. */
 static void overlaps_are_cut(void **state)
 {
 	(void)state;
@@ -240,7 +240,7 @@ static uint64_t random_below(uint64_t limit)
 	return (random_state >> 33) % limit;
 }
 
-/* What a random tree must become: parents first. */
+/* The zones expected for a random tree, parents first. */
 typedef struct expected_zone {
 	uint32_t level;
 	uint64_t ticks; /* of the length */

@@ -13,7 +13,7 @@
 
 static const char *node, *script, *modules, *chromium;
 
-/* What speedscope says, a line at a time. */
+/* The output of speedscope, read line by line. */
 typedef struct said {
 	FILE *file;
 	char line[512];
@@ -140,7 +140,7 @@ static void many_zones(void **state)
 	made_finish(&m);
 }
 
-/* What CMake did not find. */
+/* True if CMake has not found that program or folder. */
 static bool is_missing(const char *path)
 {
 	return strstr(path, "NOTFOUND");

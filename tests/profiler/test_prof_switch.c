@@ -81,7 +81,8 @@ typedef struct sleeper {
 	bool whole;
 } sleeper;
 
-/* What is noted and what /proc counts at one moment: between two equal counts nothing was noted. */
+/* The number of recorded switches and the count of /proc at one moment: between two equal counts nothing was
+ * recorded. */
 static void sleeper_look(sleeper *s, proc_counts *noted, proc_counts *proc)
 {
 	proc_counts again;
@@ -417,7 +418,7 @@ static void a_fork_has_none(void **state)
 	prof_switches_close(&parents);
 }
 
-/* As users see it: a zone knows how long its thread did not run. */
+/* From the outside: a zone in a snapshot says how long its thread was not running. */
 static void zones_know(void **state)
 {
 	(void)state;

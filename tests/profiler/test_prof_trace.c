@@ -221,7 +221,7 @@ static void a_made_snapshot_as_folded_stacks(void **state)
 	capture_finish(&c);
 }
 
-/* The same name under itself, again and again: a line for each depth. */
+/* A zone nested in zones of its own name: one line for each depth. */
 static void recursion_is_a_line_for_each_depth(void **state)
 {
 	(void)state;
@@ -331,7 +331,7 @@ static void an_empty_snapshot_is_a_file(void **state)
 
 /* ---- ends that touch --------------------------------------------------------------------------------------------- */
 
-/* What a reader makes of a time: the nearest nanosecond. */
+/* A time as a reader rounds it: to the nearest nanosecond. */
 static uint64_t rounded_ns(const char *text, const char *key)
 {
 	const char *at = strstr(text, key);
@@ -339,7 +339,7 @@ static uint64_t rounded_ns(const char *text, const char *key)
 	return (uint64_t)llround(strtod(at + strlen(key), NULL) * 1000);
 }
 
-/* As viewers do: the sum of two doubles. */
+/* The end of a zone as viewers compute it: the sum of two doubles. */
 static double end_us(const char *line)
 {
 	return strtod(strstr(line, "\"ts\":") + 5, NULL) + strtod(strstr(line, "\"dur\":") + 6, NULL);

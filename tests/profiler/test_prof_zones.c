@@ -1,4 +1,4 @@
-/* What each macro records: zones, counters, instants, flows, lanes of devices; and sites. */
+/* The records of each macro: zones, counters, instants, flows, lanes of devices; and sites. */
 #include "support/test.h"
 #include "test_prof_records.h"
 
@@ -180,7 +180,7 @@ static void scopes_nest(void **state)
 	assert_records("third second function_zone pass pass loop left left out");
 }
 
-/* Where a zone is recorded, its times hold what was done in it. */
+/* The recorded times of a zone enclose the work done in it. */
 static void zones_last_as_long_as_they_did(void **state)
 {
 	(void)state;
