@@ -91,7 +91,7 @@ void threads_run_engine(threads_run *run, const threads_setup *setup)
 {
 	stilb_engine *engine = open_engine(setup);
 	static stages all;
-	stilb_engine_report report;
+	stilb_engine_report report = {0};
 	uint32_t frames = 0;
 	warm_up(engine, run->child.seconds);
 	threads_usage before = threads_usage_now();
