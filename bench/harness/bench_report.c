@@ -425,13 +425,13 @@ static void say_standing(FILE *out, const bench_results *results)
 {
 	standing s = standing_of(results);
 	if (s.tables == 0)
-		fprintf(out, "No other library was measured in this run; compare with the limits of this machine above.\n");
+		fprintf(out, "Nothing but Stilb was measured in this run; compare with the limits of this machine above.\n");
 	else if (!s.our)
-		fprintf(out, "Stilb is at least as good as the best other library in %s.\n",
+		fprintf(out, "Stilb is at least as good as the best of the others in %s.\n",
 		        s.tables == 1 ? "the only comparison" : "every comparison");
 	else
 		fprintf(out,
-		        "Stilb is at least as good as the best other library in %u of %u comparisons; it is furthest behind in "
+		        "Stilb is at least as good as the best of the others in %u of %u comparisons; it is furthest behind in "
 		        "%s, whose %s is %.*f %s with %s and %.*f %s with %s.\n",
 		        s.first, s.tables, s.our->on->name, s.our->metric, bench_digits(s.our->median), s.our->median,
 		        s.our->unit, s.our->name, bench_digits(s.their->median), s.their->median, s.their->unit, s.their->name);
@@ -494,14 +494,15 @@ static void print_notes(FILE *out, const bench_results *results)
 
 void bench_print(FILE *out, const bench_results *results)
 {
+	static const char legend[] =
+		"worst: worst run / median. / peer: median / the best peer's. / limit: median / the machine's limit.\n"
+		"p50, p99, p99.9: so many percent of the calls of a run take less.\n";
 	char machine[256];
 	bench_machine(machine, sizeof machine);
-	fprintf(out,
-	        "stilb-bench %s on %s\nbuilt with %s\n%u round%s; a run lasts %.2f s%s\n"
-	        "worst: worst run / median. / peer: median / the best peer's. / limit: median / the machine's limit.\n"
-	        "p50, p99, p99.9: so many percent of the calls of a run take less.\n",
-	        results->suite->name, machine, bench_build_flags(), results->rounds, results->rounds == 1 ? "" : "s",
-	        results->seconds, results->options->quick ? " (--quick: too short for precise numbers)" : "");
+	fprintf(out, "stilb-bench %s on %s\nbuilt with %s\n%u round%s; a run lasts %.2f s%s\n%s", results->suite->name,
+	        machine, bench_build_flags(), results->rounds, results->rounds == 1 ? "" : "s", results->seconds,
+	        results->options->quick ? " (--quick: too short for precise numbers)" : "",
+	        results->suite->report_alone ? "" : legend);
 	print_limits(out, results);
 	if (!results->suite->report_alone)
 		print_tables(out, results);

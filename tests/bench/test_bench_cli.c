@@ -304,14 +304,14 @@ static void test_three_sentences_at_the_end(void **state)
 	assert_said(words,
 	            "\nqueue: 8 runs of 0.01 s (4 pairs of a subject and a case, 2 rounds), of which 8 gave a result.\n");
 	assert_said(words,
-	            "\nStilb is at least as good as the best other library in 1 of 2 comparisons; it is furthest behind in "
+	            "\nStilb is at least as good as the best of the others in 1 of 2 comparisons; it is furthest behind in "
 	            "1P1C, whose throughput is 8.00 Mops/s with stilb-low-lock and 10.0 Mops/s with mutex.\n");
 	assert_said(words, "\nDifferences below 0 % are noise");
 	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 2P2C --only mutex,stilb-low-lock"), 0);
-	assert_said(last_words(), "\nStilb is at least as good as the best other library in the only comparison.\n"
+	assert_said(last_words(), "\nStilb is at least as good as the best of the others in the only comparison.\n"
 	                          "No subject ran twice");
 	assert_int_equal(copy_code(NULL, "queue --seconds 0.01 --rounds 1 --case 2P2C --only stilb-low-lock"), 0);
-	assert_said(last_words(), "\nNo other library was measured in this run");
+	assert_said(last_words(), "\nNothing but Stilb was measured in this run");
 	assert_int_equal(copy_code(NULL, "queue --goals --seconds 0.01 --rounds 1 --case 2P2C --only stilb-low-lock"), 0);
 	assert_said(run.out, "\ngoals, set on the CPU named in docs/benchmarks.md");
 }
