@@ -5,6 +5,9 @@
 set -euo pipefail
 source=$1
 export CC=$2 CXX=$3
+CMAKE_C_COMPILER_LAUNCHER=$(command -v ccache || true) # the same files are compiled six times
+export CMAKE_C_COMPILER_LAUNCHER
+[ -n "$CMAKE_C_COMPILER_LAUNCHER" ] || unset CMAKE_C_COMPILER_LAUNCHER
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

@@ -266,11 +266,15 @@ typedef struct edge {
 	uint32_t from, to;
 } edge;
 
+typedef struct seen {
+	uint64_t key; /* 0: a free place */
+	uint32_t state;
+} seen;
+
 static struct search {
 	const model_scenario *scenario;
-	uint64_t *keys; /* hash table of the states seen; 0 is a free entry */
-	uint32_t *ids;
-	size_t table_size;
+	seen *table;       /* hash table, at most half full; it grows with the states, so that few pages are touched */
+	size_t table_size; /* a power of two */
 	uint32_t states;
 	char *ends_well; /* for each state: the end can be reached from it */
 	edge *edges;
@@ -291,15 +295,32 @@ static void *grow(void *array, size_t *space, size_t needed, size_t item)
 	return array;
 }
 
+static uint64_t hash_word(uint64_t hash, const char *bytes)
+{
+	uint64_t word;
+	memcpy(&word, bytes, sizeof word);
+	__extension__ unsigned __int128 product = (unsigned __int128)(hash ^ word) * 0x9e3779b97f4a7c15u;
+	return (uint64_t)product ^ (uint64_t)(product >> 64);
+}
+
+/* Four hashes side by side, since one alone waits for each multiplication. */
 static uint64_t hash_bytes(uint64_t hash, const char *bytes, size_t size)
 {
-	for (size_t i = 0; i < size; i += 8) {
-		uint64_t word = 0;
-		memcpy(&word, bytes + i, size - i < 8 ? size - i : 8);
-		__extension__ unsigned __int128 product = (unsigned __int128)(hash ^ word) * 0x9e3779b97f4a7c15u;
-		hash = (uint64_t)product ^ (uint64_t)(product >> 64) ^ i;
+	enum { LANES = 4, WORD = sizeof(uint64_t) };
+	uint64_t lane[LANES] = {hash, hash + 1, hash + 2, hash + 3};
+	size_t at = 0;
+	for (; size - at >= LANES * WORD; at += LANES * WORD)
+		for (size_t i = 0; i < LANES; i++)
+			lane[i] = hash_word(lane[i] + at, bytes + at + i * WORD);
+	for (size_t step; at < size; at += step) {
+		char last[WORD] = {0};
+		step = size - at < WORD ? size - at : WORD;
+		memcpy(last, bytes + at, step);
+		lane[0] = hash_word(lane[0] + at, last);
 	}
-	return hash;
+	for (size_t i = 1; i < LANES; i++)
+		lane[0] = hash_word(lane[0], (const char *)&lane[i]);
+	return lane[0];
 }
 
 static size_t world_used(void)
@@ -355,18 +376,39 @@ static void state_restore(const char *at)
 	}
 }
 
+/* The place of a key, or the free one where it belongs. */
+static seen *table_find(uint64_t key)
+{
+	size_t i = key & (search.table_size - 1);
+	while (search.table[i].key && search.table[i].key != key)
+		i = (i + 1) & (search.table_size - 1);
+	return &search.table[i];
+}
+
+static void table_grow(void)
+{
+	seen *old = search.table;
+	size_t count = search.table_size;
+	search.table_size = count > 0 ? 2 * count : 1024;
+	search.table = calloc(search.table_size, sizeof *search.table);
+	if (!search.table)
+		abort();
+	for (size_t i = 0; i < count; i++)
+		if (old[i].key)
+			*table_find(old[i].key) = old[i];
+	free(old);
+}
+
 /* The number of the state with this key; *fresh is set if it was not seen before. */
 static uint32_t state_number(uint64_t key, bool *fresh)
 {
-	size_t i = key & (search.table_size - 1);
-	while (search.keys[i] && search.keys[i] != key)
-		i = (i + 1) & (search.table_size - 1);
-	*fresh = !search.keys[i];
-	if (*fresh) {
-		search.keys[i] = key;
-		search.ids[i] = search.states++;
-	}
-	return search.ids[i];
+	if (2 * (size_t)search.states >= search.table_size)
+		table_grow();
+	seen *place = table_find(key);
+	*fresh = !place->key;
+	if (*fresh)
+		*place = (seen){key, search.states++};
+	return place->state;
 }
 
 /* ---- search -------------------------------------------------------------------------------------------------- */
@@ -508,12 +550,8 @@ static void search_begin(const model_scenario *scenario)
 	failure = NULL;
 	current = -1;
 	search.scenario = scenario;
-	for (search.table_size = 1024; search.table_size < 2 * (size_t)scenario->max_states;)
-		search.table_size *= 2;
-	search.keys = calloc(search.table_size, sizeof *search.keys);
-	search.ids = calloc(search.table_size, sizeof *search.ids);
 	search.ends_well = calloc(scenario->max_states + 1, 1);
-	if (!search.keys || !search.ids || !search.ends_well)
+	if (!search.ends_well)
 		abort();
 }
 
@@ -524,8 +562,7 @@ static void search_end(void)
 	free(search.path);
 	free(search.edges);
 	free(search.ends_well);
-	free(search.ids);
-	free(search.keys);
+	free(search.table);
 }
 
 static void *main_entry(void *data)
