@@ -94,9 +94,11 @@ typedef struct stilb_prof_ring {
 		call;                                                                                                          \
 	} while (0)
 
-/* The bounds of the array of sites; the linker defines them. */
-extern const stilb_prof_site __start_stilb_prof_section[] __attribute__((visibility("hidden")));
-extern const stilb_prof_site __stop_stilb_prof_section[] __attribute__((visibility("hidden")));
+/* The bounds of the array of sites. The linker defines them, and their names. */
+extern const stilb_prof_site __start_stilb_prof_section[] /* NOLINT(bugprone-reserved-identifier,cert-dcl*) */
+	__attribute__((visibility("hidden")));
+extern const stilb_prof_site __stop_stilb_prof_section[] /* NOLINT(bugprone-reserved-identifier,cert-dcl*) */
+	__attribute__((visibility("hidden")));
 
 /* 0 while recording is off; else the number of the session: it differs for each time that recording is switched on. */
 extern uint32_t stilb_prof_session __attribute__((visibility("hidden")));

@@ -446,7 +446,7 @@ stilb_result input_recording_read(FILE *stream, const char *name, stilb_input_re
 	}
 	free(parser);
 	if (result == STILB_OK) {
-		STILB_CHECK(recording_is_sound(made));
+		STILB_CHECK(made && recording_is_sound(made));
 		stilb_owner_take(&made->owner);
 		*recording = made;
 	} else {

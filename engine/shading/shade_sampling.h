@@ -43,8 +43,10 @@ SHADE_STRUCT(shade_sample)
  * Source: Cook, "Stochastic Sampling in Computer Graphics" (1986), jitter. */
 SHADE_FN vec2 shade_sample_stratified(int index, int columns, int rows, vec2 u)
 {
-	float x = (float(index % columns) + u[0]) / float(columns);
-	float y = (float(index / columns) + u[1]) / float(rows);
+	int column = index % columns;
+	int row = index / columns;
+	float x = (float(column) + u[0]) / float(columns);
+	float y = (float(row) + u[1]) / float(rows);
 	return min(vec2(x, y), SHADE_UNIFORM_MAX);
 }
 

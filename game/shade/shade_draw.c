@@ -17,7 +17,7 @@
 
 static const plot_topic *const plot_topics[] = {&shade_plots_brdf, &shade_plots_light, &shade_plots_sg,
                                                 &shade_plots_sh,   &shade_plots_color, &shade_plots_sampling};
-static const uint32_t plot_topic_count = sizeof plot_topics / sizeof *plot_topics;
+static const uint32_t plot_topic_count = sizeof plot_topics / sizeof plot_topics[0];
 
 static const plot *plot_find(const char *name)
 {

@@ -250,8 +250,9 @@ static void draw_cloud(plot_page *page, const subject *s, const char *title)
 	plot_point above[GRID * GRID], below[GRID * GRID];
 	uint32_t above_count = 0, below_count = 0;
 	for (uint32_t i = 0; i < GRID * GRID; i++) {
-		stilb_vec2 u = {((float)(i % GRID) + stilb_random_float(2, 2 * (uint64_t)i)) / GRID,
-		                ((float)(i / GRID) + stilb_random_float(2, 2 * (uint64_t)i + 1)) / GRID};
+		uint32_t column = i % GRID, row = i / GRID;
+		stilb_vec2 u = {((float)column + stilb_random_float(2, 2 * (uint64_t)i)) / GRID,
+		                ((float)row + stilb_random_float(2, 2 * (uint64_t)i + 1)) / GRID};
 		stilb_vec3 d = s->row->sample(&s->shape, u).direction;
 		plot_point at = {(double)d[0], (double)d[1]};
 		if (d[2] >= 0.0f)

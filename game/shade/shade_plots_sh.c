@@ -273,7 +273,8 @@ static plot_point bump_error(double step, const void *context)
 	const bump_kind *kind = context;
 	double worst = 0.0;
 	for (int i = 0; i < 400; i++) {
-		double x = (i % 20) * 0.031, y = (double)(i / 20) * 0.037;
+		int column = i % 20, row = i / 20;
+		double x = column * 0.031, y = row * 0.037;
 		worst = fmax(worst, sh_apart(bumped(*kind, x, y, step), bumped_true(x, y)));
 	}
 	return (plot_point){step * 1000.0, worst};

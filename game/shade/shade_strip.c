@@ -238,8 +238,9 @@ static stilb_vec3 sphere_color(const painting *p, const cell *c, float x, float 
 {
 	stilb_vec3 sum = stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	for (int i = 0; i < SUBSAMPLES * SUBSAMPLES; i++) {
-		float sx = x - 0.5f + ((float)(i % SUBSAMPLES) + 0.5f) / SUBSAMPLES;
-		float sy = y - 0.5f + ((float)(i / SUBSAMPLES) + 0.5f) / SUBSAMPLES;
+		int column = i % SUBSAMPLES, row = i / SUBSAMPLES;
+		float sx = x - 0.5f + ((float)column + 0.5f) / SUBSAMPLES;
+		float sy = y - 0.5f + ((float)row + 0.5f) / SUBSAMPLES;
 		sum += shown(p, sphere_radiance(&p->world, c, (strip_place){sx / radius, -sy / radius, 1.0f / radius}));
 	}
 	return sum * (1.0f / (SUBSAMPLES * SUBSAMPLES));

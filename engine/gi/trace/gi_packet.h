@@ -46,15 +46,17 @@ static inline void gi_packet_scatter(const void *rows, void *to, size_t stride)
 		memcpy((char *)to + (size_t)i * stride, &m[i], sizeof m[i]);
 }
 
-static_assert(sizeof(gi_ray) == 12 * 4 && sizeof(gi_ray16) == 12 * 64, "a ray is 12 columns of the packet");
-static_assert(offsetof(gi_ray_hit, hit) == 12 * 4 && sizeof(gi_ray_hit) == 20 * 4, "12 columns and 8");
-static_assert(offsetof(gi_ray_hit16, hit) == 12 * 64 && sizeof(gi_ray_hit16) == 20 * 64, "12 rows and 8");
+static_assert(sizeof(gi_ray) == sizeof(float[12]), "12 numbers a ray");
+static_assert(sizeof(gi_ray16) == sizeof(float[12][16]), "12 rows of 16 lanes");
+static_assert(offsetof(gi_ray_hit, hit) == sizeof(float[12]) && sizeof(gi_ray_hit) == sizeof(float[20]), "8 a hit");
+static_assert(offsetof(gi_ray_hit16, hit) == sizeof(float[12][16]) && sizeof(gi_ray_hit16) == sizeof(float[20][16]),
+              "8 rows of 16 lanes");
 
 /* Sixteen rays into a packet. */
 static inline void gi_packet_load_rays(const gi_ray rays[16], gi_ray16 *packet)
 {
-	for (uint32_t lane = 0; lane < 16; lane += 4)
-		for (uint32_t row = 0; row < 12; row += 4)
+	for (size_t lane = 0; lane < 16; lane += 4)
+		for (size_t row = 0; row < 12; row += 4)
 			gi_packet_gather((const char *)&rays[lane] + row * 4, sizeof *rays, (char *)packet + row * 64 + lane * 4);
 }
 
@@ -93,7 +95,7 @@ static inline void gi_packet_scatter_all(const void *rows, void *to, size_t stri
 /* A packet into sixteen rays and their hits. */
 static inline void gi_packet_store_hits(const gi_ray_hit16 *packet, gi_ray_hit rays[16])
 {
-	for (uint32_t row = 0; row < 20; row += 4)
+	for (size_t row = 0; row < 20; row += 4)
 		gi_packet_scatter_all((const char *)packet + row * 64, (char *)rays + row * 4, sizeof *rays);
 }
 
