@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 #define NODE 3
-#define TRIES 300000 /* of a millisecond: against hangs alone */
+#define TRIES 300000 /* of 1 ms each: a limit against hangs */
 
 static stilb_engine *engine;
 static stilb_engine_report report;
@@ -78,7 +78,7 @@ static uint32_t pads(void)
 	return stilb_engine_gamepads(engine, now);
 }
 
-/* Runs frames until there are so many pads. */
+/* Runs frames until this many pads are connected. */
 static void expect_pads(uint32_t count)
 {
 	for (int i = 0; i < TRIES && pads() != count; i++, usleep(1000))
@@ -118,7 +118,7 @@ static void plugged_it_flies_pulled_it_stops(void **state)
 		assert_false(moved_since(&pose));
 		fake_plug(NODE, dualshock());
 		expect_pads(1);
-		pad_report[2] = 0; /* ahead */
+		pad_report[2] = 0; /* forwards */
 		send_report();
 		for (int i = 0; i < TRIES && !moved_since(&pose); i++, usleep(1000))
 			run_frame();
@@ -127,7 +127,7 @@ static void plugged_it_flies_pulled_it_stops(void **state)
 		expect_pads(0);
 		pose = stilb_engine_pose(engine);
 		fly_frames(5);
-		assert_false(moved_since(&pose)); /* at once, and for good */
+		assert_false(moved_since(&pose)); /* the camera stands still at once and stays there */
 	}
 	assert_int_equal(stilb_engine_gamepad_counts_get(engine).reports, 2);
 }
@@ -177,7 +177,7 @@ static void a_stalled_frame_loses_nothing(void **state)
 	assert_true(now[0].state.axes[STILB_INPUT_RIGHT_X] == 1.0f);
 	assert_true(report.times.pad > 0.0 && report.times.pad < 10000.0);
 	run_frame();
-	assert_true(report.times.pad == 0.0); /* none came since */
+	assert_true(report.times.pad == 0.0); /* no report came since the last frame */
 }
 
 /* ---- the camera's control ---------------------------------------------------------------------------------------- */
@@ -200,7 +200,7 @@ static void the_program_may_move_the_camera(void **state)
 	fake_plug(NODE, dualshock());
 	expect_pads(1);
 	assert_false(moved_since(&pose));
-	pad_report[3] = 0; /* turn to the left, from where it was put */
+	pad_report[3] = 0; /* turns left, from the pose that the program gave it */
 	send_report();
 	for (int i = 0; i < TRIES && !moved_since(&pose); i++, usleep(1000))
 		run_frame();
@@ -226,7 +226,7 @@ static void a_denied_pad_is_named_until_it_is_granted(void **state)
 	assert_non_null(strstr(notice->pads[0].who, "/hidraw3"));
 	assert_non_null(strstr(notice->pads[0].rule, "uaccess"));
 	run_frame();
-	assert_true(report.render.draws > 2 * report.visible); /* the notice */
+	assert_true(report.render.draws > 2 * report.visible); /* the notice adds draws */
 	fake_chmod(NODE, 0600);
 	for (int i = 0; i < TRIES && notice->pad_count > 0; i++, usleep(1000))
 		run_frame();
@@ -268,7 +268,7 @@ static void a_pad_that_captures_shakes(void **state)
 	assert_true(output[4] > 0 && output[5] > 0); /* both motors */
 	while ((output[4] || output[5]) && fake_receive(NODE, output, sizeof output, 5000) == 32)
 		;
-	assert_true(output[4] == 0 && output[5] == 0); /* and it stops */
+	assert_true(output[4] == 0 && output[5] == 0); /* the rumble ends */
 	run_frame();
 	assert_false(report.input.capture);
 	assert_int_equal(stilb_engine_capture(engine), STILB_OK); /* requested by the program: no rumble */

@@ -117,7 +117,7 @@ static void test_each_word(void **state)
 	click_down(0.2f, 0.72f, false, look_at_choice);
 	assert_int_equal(count_seen(0), SHADE_BRDF_COUNT);
 	assert_int_equal(count_seen(4), SHADE_LIGHT_COUNT);
-	assert_int_equal(count_seen(1) + count_seen(2) + count_seen(3), 3); /* nothing there */
+	assert_int_equal(count_seen(1) + count_seen(2) + count_seen(3), 3); /* no list there */
 	memset(seen, 0, sizeof seen);
 	click_down(0.7f, 0.72f, false, look_at_choice);
 	assert_int_equal(count_seen(1), SHADE_NDF_COUNT);
@@ -177,7 +177,7 @@ static void test_a_choice_can_be_seen(void **state)
 	assert_true(wrap_then_anisotropy(SHADE_BRDF_MICROFACET, SHADE_NDF_BLINN) == -4.75f);
 }
 
-/* The same with the mouse: the second row below the first heading is wrapped. */
+/* Chosen with the mouse: the second row below the first heading is wrapped light. */
 static void test_wrapped_clicked(void **state)
 {
 	(void)state;
@@ -216,7 +216,7 @@ static void test_keys(void **state)
 	key(STILB_UI_KEY_UP);
 	key(STILB_UI_KEY_UP);
 	assert_int_equal(shading.brdf, SHADE_BRDF_LAMBERT);
-	key(STILB_UI_KEY_UP); /* there is no row above */
+	key(STILB_UI_KEY_UP); /* already the first row */
 	assert_int_equal(shading.brdf, SHADE_BRDF_LAMBERT);
 }
 
@@ -227,7 +227,7 @@ static uint32_t moved[4];
 static void look_at_sliders(void)
 {
 	if (shading.brdf != stilb_render_shading_default().brdf)
-		return; /* that was a list */
+		return; /* clicked into a list */
 	const float values[4] = {shading.roughness, shading.anisotropy, shading.wrap, shading.specular};
 	for (int i = 0; i < 4; i++) {
 		assert_true(values[i] >= -1.0f && values[i] <= 1.0f);
@@ -328,8 +328,7 @@ static void each_word_of_column(float share)
 		}
 }
 
-/* In a small picture lists scroll: each word, each slider, the button and the box that closes it can still be
- * clicked. */
+/* In a small picture the lists scroll: every row, every slider, the button and the close box can still be clicked. */
 static void test_small_picture(void **state)
 {
 	(void)state;

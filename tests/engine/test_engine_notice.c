@@ -87,12 +87,12 @@ static void it_comes_and_goes(void **state)
 	draw(plain);
 	deny(1, "/dev/hidraw3", "Sony Interactive Entertainment Wireless Controller", 0x054c);
 	changed(one);
-	assert_true(one[0] > 0 && one[1] > one[0] + 80 && one[1] < 220); /* at the top, as high as its words */
+	assert_true(one[0] > 0 && one[1] > one[0] + 80 && one[1] < 220); /* at the top, and as high as its text needs */
 	deny(2, "/dev/hidraw4", "", 0x057e);
 	deny(2, "/dev/hidraw4", "", 0x057e); /* the same pad again is not added a second time */
 	assert_int_equal(engine->overlay.notice.pad_count, 2);
 	changed(two);
-	assert_true(two[1] > one[1] + 20); /* another pad, another rule */
+	assert_true(two[1] > one[1] + 20); /* another pad with another rule */
 	engine_notice_remove(&engine->overlay.notice, 1);
 	changed(two);
 	engine_notice_remove(&engine->overlay.notice, 7); /* not in the notice */
@@ -122,7 +122,7 @@ static void it_goes_by_itself(void **state)
 	int frames = 0;
 	draw(plain);
 	deny(1, "/dev/hidraw3", "Pad", 0x054c);
-	engine->overlay.input.seconds = 8.0f; /* a frame */
+	engine->overlay.input.seconds = 8.0f; /* seconds that each frame takes */
 	do {
 		changed(rows);
 		frames++;
@@ -173,7 +173,7 @@ static void half_a_rule_is_not_shown(void **state)
 	draw(plain);
 	deny(1, "/dev/hidraw3", "Wireless Controller", 0x054c);
 	changed(rows);
-	assert_in_range(rows[1], 200, 300); /* narrow: in more lines */
+	assert_in_range(rows[1], 200, 300); /* a narrow picture: more lines */
 	no_notice(NULL);
 	resize(320, 180);
 	draw(plain);
@@ -195,7 +195,7 @@ static void more_than_there_is_room_for(void **state)
 	for (uint32_t pad = 1; pad <= 9; pad++)
 		deny(pad, "/dev/hidraw63", endless, (uint16_t)(0x1000 + pad));
 	assert_int_equal(engine->overlay.notice.pad_count, ENGINE_NOTICE_PADS);
-	assert_int_equal(engine->overlay.notice.pads[ENGINE_NOTICE_PADS - 1].pad, 9); /* the last ones */
+	assert_int_equal(engine->overlay.notice.pads[ENGINE_NOTICE_PADS - 1].pad, 9); /* the newest ones are kept */
 	changed(rows);
 	assert_true(rows[1] > rows[0]);
 	static const uint32_t sizes[][2] = {{1, 1}, {40, 30}, {160, 400}, {WIDTH, HEIGHT}};

@@ -126,7 +126,7 @@ static void frames_do_not_depend_on_workers(void **state)
 	stilb_engine_desc desc = null_desc(0);
 	run(&desc, expected);
 	for (int f = 1; f < FRAMES; f++)
-		assert_true(expected[f] != expected[f - 1]); /* it does move */
+		assert_true(expected[f] != expected[f - 1]); /* the models move */
 	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++)
 		for (int kind = 0; kind < 6; kind++) {
 			desc = null_desc(workers[w]);
@@ -216,7 +216,7 @@ static void another_size_is_another_view(void **state)
 	uint64_t before = stilb_engine_stream_hash(engine);
 	assert_int_equal(stilb_engine_resize(engine, 900, 300), STILB_OK);
 	assert_frame(engine);
-	assert_true(stilb_engine_stream_hash(engine) != before); /* wider: more to see */
+	assert_true(stilb_engine_stream_hash(engine) != before); /* a wider picture shows more models */
 	assert_int_equal(stilb_engine_resize(engine, 320, 200), STILB_OK);
 	assert_frame(engine);
 	assert_true(stilb_engine_stream_hash(engine) == before);

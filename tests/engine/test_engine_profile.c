@@ -105,7 +105,7 @@ static void test_nothing_is_recorded(void **state)
 	(void)state;
 	stilb_engine_desc desc = null_desc(2);
 	desc.profile = false;
-	desc.overlay = true; /* it has nothing to show, and says so */
+	desc.overlay = true; /* the window says that nothing is recorded */
 	desc.capture.path = "c.json";
 	stilb_engine *engine = make_engine(&desc);
 	run_frames(engine, 5);
@@ -119,7 +119,7 @@ static void test_nothing_is_recorded(void **state)
 	trace_check_finish(&report);
 	assert_int_equal(folder_entries(), 1);
 	desc = null_desc(1);
-	engine = make_engine(&desc); /* the next one records again */
+	engine = make_engine(&desc); /* the next engine records again */
 	run_frames(engine, 2);
 	assert_int_equal(stilb_engine_trace(engine, "t.json", 0), STILB_OK);
 	stilb_engine_destroy(engine);
@@ -148,7 +148,7 @@ static void test_what_cannot_be(void **state)
 	assert_said(stilb_error_message(), "'c.json'");
 	desc = null_desc(1);
 	engine = make_engine(&desc);
-	assert_int_equal(stilb_engine_capture(engine), STILB_ERROR_ARGUMENT); /* it has no name */
+	assert_int_equal(stilb_engine_capture(engine), STILB_ERROR_ARGUMENT); /* captures have no path */
 	assert_int_equal(stilb_engine_trace(engine, "missing/t.json", 0), STILB_ERROR_FILE);
 	assert_said(stilb_error_message(), "'missing/t.json'");
 	stilb_engine_destroy(engine);

@@ -218,10 +218,10 @@ static void test_slowest(void **state)
 	assert_string_equal(profiler->data.report.verdict, "CPU-limited: record decides, 28.00 ms of 30.00 ms.");
 	assert_string_equal(profiler->data.report.wait_text,
 	                    "In record, main waited 3.00 ms for worker 1, which was in job.");
-	show_frames(60); /* 60 is the oldest now */
+	show_frames(60); /* 60 is the oldest frame of the history now */
 	assert_int_equal(profiler->number, 60);
 	show_frames(1);
-	assert_int_equal(profiler->number, 160); /* of equal ones the latest */
+	assert_int_equal(profiler->number, 160); /* of equally slow frames the latest */
 }
 
 /* While the same frame is shown, its snapshot is not taken again once the GPU's zones have arrived. */
@@ -263,7 +263,7 @@ static void test_click_on_bar(void **state)
 	draw();
 	assert_true(stilb_ui_profiler_frozen(profiler));
 	assert_int_equal(profiler->number, 77);
-	show_frames(40); /* pass unseen, and the rings lose them */
+	show_frames(40); /* while frozen; the rings overwrite the older ones */
 	assert_int_equal(profiler->history.last, 99);
 	assert_int_equal(asked.first_frame, 0);
 	assert_int_equal(asked.frame_count, 100);
@@ -371,7 +371,7 @@ static void test_zoom_and_pan(void **state)
 	draw();
 	assert_true(fabs(time_at(input.mouse_x, x0, x1) - at) < 10.0);
 	input.mouse_down = false;
-	for (int i = 0; i < 200; i++) { /* there is an end to it, both ways */
+	for (int i = 0; i < 200; i++) { /* zooming stops at a limit in both directions */
 		input.wheel = 100.0f;
 		draw();
 	}
@@ -398,13 +398,13 @@ static void test_double_click(void **state)
 	double_click();
 	assert_true(fabs(profiler->view_ns - 1.04 * 2e6) < 1.0);
 	input.seconds = 1.0f;
-	while (!tip_is("")) /* down to where there is no zone */
+	while (!tip_is("")) /* down to a place without a zone */
 		point_at(input.mouse_x, input.mouse_y + 3.0f);
 	double_click();
 	assert_true(fabs(profiler->view_ns - 1.04 * 30e6) < 1.0);
 }
 
-/* Zones too narrow to be told apart say how many they are. */
+/* The tooltip of merged zones gives their number. */
 static void test_merged_tooltip(void **state)
 {
 	(void)state;
@@ -419,10 +419,11 @@ static void test_merged_tooltip(void **state)
 
 static bool tip_says(const char *text)
 {
-	return memmem(ui->tooltip, sizeof ui->tooltip, text, strlen(text)) != NULL;
+	return memmem(ui->tooltip, sizeof ui->tooltip, text, strlen(text));
 }
 
-/* A job says how long it lay in the queue, and who submitted it; the zone that submitted it does not. */
+/* The tooltip of a job's zone gives the delay and the thread that submitted it; that of the submitting zone gives
+ * neither. */
 static void test_job_tooltip(void **state)
 {
 	(void)state;
@@ -439,7 +440,7 @@ static void test_job_tooltip(void **state)
 
 /* ---- lanes and counters ------------------------------------------------------------------------------------------ */
 
-/* The parts of a lane's time, which are the frame together. */
+/* The tooltip of a lane's name gives the parts of its time, which add up to the frame. */
 static void test_lane_tooltip(void **state)
 {
 	(void)state;
@@ -451,7 +452,7 @@ static void test_lane_tooltip(void **state)
 	assert_true(tip_says("frame 60") && tip_says("work") && tip_says("27.00 ms") && tip_says("wait") &&
 	            tip_says("3.00 ms") && tip_says("together") && tip_says("30.00 ms"));
 	assert_false(tip_says("outside zones"));
-	recorded->zones[0][60 * 4].end_ns -= 7000000; /* the frame's own zone, and what would stick out of it */
+	recorded->zones[0][60 * 4].end_ns -= 7000000; /* shortens the frame's zone and those that would reach beyond it */
 	for (uint32_t i = 60 * 4 + 1; i < 61 * 4; i++)
 		recorded->zones[0][i].begin_ns = recorded->zones[0][i].end_ns = recorded->zones[0][60 * 4].begin_ns;
 	profiler->held_number = UINT64_MAX;
@@ -467,7 +468,7 @@ static void record_counters(void)
 		made_counter(recorded, 1, draws, (double)recorded->frames[i].begin_ns * 1e-3 + 5000.0, 1000.0 + i);
 }
 
-/* A curve stands below the lanes, and the mouse reads it. */
+/* A counter's curve is drawn below the lanes, and the tooltip gives its value. */
 static void test_counters(void **state)
 {
 	(void)state;
@@ -487,7 +488,7 @@ static void test_counters(void **state)
 	assert_true(tip_says("1060") && tip_says("by worker 1"));
 	const float y = input.mouse_y;
 	float x = 215.0f;
-	for (; !tip_says("1059"); x -= 1.0f) /* before this frame's value that of the one before holds */
+	for (; !tip_says("1059"); x -= 1.0f) /* before the frame's first value, the last one of the frame before holds */
 		point_at(x, y);
 	assert_true(x > 100.0f);
 }
@@ -511,15 +512,15 @@ static void test_a_curve_is_as_high_as_its_values(void **state)
 		const float x = ui->list.vertices[v].position[0], y = ui->list.vertices[v].position[1];
 		full |= x == 300.0f && y == 100.0f;
 		quarter |= x == 700.0f && y == 173.0f;  /* of 198.5 - 0.25 * 98.5 the pixel */
-		assert_false(x > 192.0f && x < 299.0f); /* nothing before the first value */
+		assert_false(x > 192.0f && x < 299.0f); /* no curve before the first value */
 	}
 	assert_true(full);
 	assert_true(quarter);
 }
 
-/* ---- what lies below --------------------------------------------------------------------------------------------- */
+/* ---- opaque backgrounds ------------------------------------------------------------------------------------------ */
 
-/* What the window and a panel over it look like on a ground of that colour. */
+/* The picture of the window and a panel in front of it, on a background of that colour. */
 static raster_picture on_ground(stilb_ui_color ground)
 {
 	const raster_picture picture = raster_create(640, 360, (stilb_ui_color){0, 0, 0, 255});
@@ -542,12 +543,12 @@ static void assert_same_within(const raster_picture *a, const raster_picture *b,
 	for (uint32_t y = (uint32_t)rect.y0; y < (uint32_t)rect.y1; y++)
 		for (uint32_t x = (uint32_t)rect.x0; x < (uint32_t)rect.x1; x++)
 			for (int c = 0; c < 3; c++)
-				if (fabs(raster_at(a, x, y)[c] - raster_at(b, x, y)[c]) > 1e-12) /* of rounding */
+				if (fabs(raster_at(a, x, y)[c] - raster_at(b, x, y)[c]) > 1e-12) /* more than rounding */
 					fail_msg("at %u, %u: %g and %g", x, y, raster_at(a, x, y)[c], raster_at(b, x, y)[c]);
 }
 
-/* Nothing shines through the window, nor through a panel that lies over it. */
-static void test_what_lies_below_does_not_show(void **state)
+/* The background does not shine through the window, nor a rectangle in front of that through a panel. */
+static void test_backgrounds_are_opaque(void **state)
 {
 	(void)state;
 	const raster_picture dark = on_ground((stilb_ui_color){0, 0, 0, 255});
@@ -556,12 +557,12 @@ static void test_what_lies_below_does_not_show(void **state)
 	                   (stilb_ui_rect){105.0f, 155.0f, 295.0f, 295.0f}); /* without the rounded corners */
 	assert_same_within(&dark, &bright, (stilb_ui_rect){320.0f, 20.0f, 620.0f, 340.0f});
 	assert_true(fabs(raster_at(&dark, 95, 145)[0] - raster_at(&bright, 95, 145)[0]) >
-	            0.1); /* beside the panel it does */
+	            0.1); /* beside the panel, the rectangle drawn behind it is seen */
 	free(dark.rgb);
 	free(bright.rgb);
 }
 
-/* Names in a file are as long as they like. */
+/* Names in a trace file may be of any length. */
 static void test_long_names(void **state)
 {
 	(void)state;
@@ -615,7 +616,7 @@ static void test_out_of_memory(void **state)
 	assert_int_equal(profiler->number, 60);
 }
 
-/* Nothing recorded, no frame whole, and windows of any size. */
+/* Empty snapshots, snapshots without whole frames, and pictures of any size. */
 static void test_little_room(void **state)
 {
 	(void)state;
@@ -658,7 +659,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_lane_tooltip, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_counters, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_a_curve_is_as_high_as_its_values, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_what_lies_below_does_not_show, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_backgrounds_are_opaque, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_long_names, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_no_allocation, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_overwritten, set_up, tear_down),

@@ -115,7 +115,7 @@ static inline void raster_triangle(const raster_picture *picture, const ui_fonts
 		}
 }
 
-/* fonts: what the list's text was drawn with, or NULL when there is none. */
+/* fonts: those of the list's text; NULL if it has none. */
 static inline void raster_draw(const raster_picture *picture, const stilb_ui_draw_list *list, const ui_fonts *fonts)
 {
 	assert_false(list->out_of_memory);

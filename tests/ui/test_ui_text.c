@@ -1,4 +1,4 @@
-/* ui: text: what is measured is what is drawn, and where; pictures of glyphs are sharp where they can be. */
+/* ui: text is drawn as wide as it is measured and where it should be; horizontal edges of glyphs are sharp. */
 #include "test_ui_raster.h"
 
 static ui_fonts fonts;
@@ -20,7 +20,7 @@ static int drop_fonts(void **state)
 {
 	(void)state;
 	ui_fonts_finish(&fonts);
-	ui_fonts_finish(&fonts); /* {0} is fine */
+	ui_fonts_finish(&fonts); /* {0} is accepted */
 	return 0;
 }
 
@@ -59,9 +59,10 @@ static void test_utf8(void **state)
 	(void)state;
 	const uint32_t bad = UINT32_MAX;
 	assert_characters("a\xc2\xb5\xe2\x86\x92\xf0\x9f\x98\x80z", (const uint32_t[]){'a', 0xb5, 0x2192, 0x1f600, 'z', 0});
-	assert_characters("\x80\xbfz", (const uint32_t[]){bad, bad, 'z', 0}); /* nothing has begun */
-	assert_characters("\xe2\x86", (const uint32_t[]){bad, bad, 0});       /* the end comes too early */
-	assert_characters("\xc3z\xff", (const uint32_t[]){bad, 'z', bad, 0}); /* and another character */
+	assert_characters("\x80\xbfz", (const uint32_t[]){bad, bad, 'z', 0}); /* continuation bytes without a first byte */
+	assert_characters("\xe2\x86", (const uint32_t[]){bad, bad, 0});       /* the text ends within a character */
+	assert_characters("\xc3z\xff",
+	                  (const uint32_t[]){bad, 'z', bad, 0}); /* another character begins within a character */
 	assert_characters("\xf0\x9f\x98", (const uint32_t[]){bad, bad, bad, 0});
 }
 
@@ -81,7 +82,7 @@ static void test_widths(void **state)
 	            stilb_ui_text_width(font(), "record"));
 	assert_true(stilb_ui_text_width(&fonts.fonts[STILB_UI_TEXT_STRONG], "record") >
 	            stilb_ui_text_width(font(), "record"));
-	/* What is unknown has the width of a box. */
+	/* Characters that the fonts lack are as wide as the box. */
 	assert_true(stilb_ui_text_width(font(), "\xe4\xb8\x80") > 0.0f);
 }
 
@@ -115,7 +116,7 @@ static void test_atlas_has_white_corners_and_dark_letters_below(void **state)
 		assert_int_equal(fonts.coverage[(size_t)(corner / 2 * (fonts.height - 1)) * fonts.width +
 		                                (uint32_t)(corner % 2) * (fonts.width - 1)],
 		                 255);
-	for (size_t i = 1; i < (size_t)half * fonts.width - 1; i++) { /* without the corners */
+	for (size_t i = 1; i < (size_t)half * fonts.width - 1; i++) { /* except the white corners */
 		uint8_t here = fonts.coverage[i], below = fonts.coverage[(size_t)half * fonts.width + i];
 		if (i != fonts.width - 1 && i != (size_t)(half - 1) * fonts.width)
 			assert_true(below >= here && (here == 0) == (below == 0) && (here == 255) <= (below == 255));
@@ -142,7 +143,7 @@ static void test_glyphs_do_not_overlap(void **state)
 	free(taken);
 }
 
-/* The flat tops of x and H, and the feet of both, end with a row: none of their edges is blurred. */
+/* The flat tops and bottoms of x and H are at boundaries of pixel rows, so none of these edges is blurred. */
 static void test_letters_stand_on_rows(void **state)
 {
 	(void)state;
@@ -157,7 +158,7 @@ static void test_letters_stand_on_rows(void **state)
 			}
 			assert_true(top > 180 && bottom > 180);
 		}
-	/* And o is as high as x: what it reaches beyond would be a blurred row. */
+	/* o is as high as x: its overshoot would be a blurred row. */
 	assert_int_equal(glyph_of(font(), 'o', 0)->top, glyph_of(font(), 'x', 0)->top);
 	assert_int_equal(glyph_of(font(), 'o', 0)->height, glyph_of(font(), 'x', 0)->height);
 }
@@ -232,7 +233,7 @@ static void test_alignment_and_ellipsis(void **state)
 	assert_true(cut.x1 <= 20 + width);
 	for (float room = 0.0f; room < width; room += 0.7f)
 		assert_true(ink_of(room, STILB_UI_ALIGN_CENTER, "workers").x1 <= 20 + room);
-	assert_int_equal(ink_of(ellipsis + 5.0f, STILB_UI_ALIGN_LEFT, "workers").glyphs, 0); /* no room for the w */
+	assert_int_equal(ink_of(ellipsis + 5.0f, STILB_UI_ALIGN_LEFT, "workers").glyphs, 0); /* the w does not fit */
 	assert_int_equal(ink_of(0, STILB_UI_ALIGN_LEFT, "w").glyphs, 0);
 	assert_int_equal(ink_of(100, STILB_UI_ALIGN_LEFT, " ").glyphs, 0);
 }
@@ -248,7 +249,7 @@ static void test_drawing_ends_where_measuring_says(void **state)
 	for (uint32_t i = 0; i < list.vertex_count; i++) /* dark letters are in the lower half */
 		assert_true(list.vertices[i].uv[1] > 0.5f && list.vertices[i].uv[1] < 1.0f);
 	uint32_t before = list.vertex_count;
-	stilb_ui_draw_text_at(&list, font(), 500, 20, light, text); /* out of the picture */
+	stilb_ui_draw_text_at(&list, font(), 500, 20, light, text); /* outside the picture */
 	assert_int_equal(list.vertex_count, before);
 	stilb_ui_draw_text_at(&list, font(), 10, 20, light, "x");
 	assert_true(list.vertices[before].uv[1] < 0.5f);

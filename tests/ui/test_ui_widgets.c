@@ -1,4 +1,4 @@
-/* ui: what widgets answer to a user who moves, presses and types. */
+/* ui: what widgets return while a user moves the mouse, presses and types. */
 #include "support/test.h"
 #include "ui/ui_internal.h"
 
@@ -11,7 +11,7 @@
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 static uint64_t allocations;
-static uint64_t failing; /* this allocation from now on fails; 0: none */
+static uint64_t failing; /* the allocation that fails, counted from now on; 0: none */
 
 static bool allocation_fails(void)
 {
@@ -45,7 +45,7 @@ void *__wrap_realloc(void *memory, size_t size)
 typedef struct user {
 	stilb_ui *ui;
 	stilb_ui_input input;
-	void (*screen)(stilb_ui *ui); /* what is shown */
+	void (*screen)(stilb_ui *ui); /* draws the widgets under test */
 } user;
 
 static user user_create(void (*screen)(stilb_ui *ui))
@@ -108,7 +108,7 @@ static void user_destroy(user *u)
 
 /* ---- areas ------------------------------------------------------------------------------------------------------- */
 
-static stilb_ui_action back, front; /* of the last frame */
+static stilb_ui_action back, front; /* as returned in the last frame */
 static const stilb_ui_rect back_rect = {100, 100, 300, 200}, front_rect = {200, 150, 400, 250};
 
 static void two_areas(stilb_ui *ui)
@@ -124,12 +124,12 @@ static void test_what_is_drawn_later_is_in_front(void **state)
 	(void)state;
 	user u = user_create(two_areas);
 	user_move(&u, 150, 120);
-	assert_false(back.hovered); /* nothing was there a frame ago */
+	assert_false(back.hovered); /* the last frame had no areas */
 	user_frame(&u);
 	assert_true(back.hovered && !front.hovered && stilb_ui_wants_mouse(u.ui));
-	user_move(&u, 250, 175); /* both */
+	user_move(&u, 250, 175); /* over both areas */
 	assert_true(!back.hovered && front.hovered);
-	user_move(&u, 375, 200); /* in front, but clipped away */
+	user_move(&u, 375, 200); /* over a part of `front` that is clipped */
 	assert_true(!back.hovered && !front.hovered && !stilb_ui_wants_mouse(u.ui));
 	u.input.mouse_present = false;
 	user_move(&u, 150, 120);
@@ -148,7 +148,7 @@ static void test_press_drag_and_click(void **state)
 	assert_true(back.drag_x == 0.0f && back.total_x == 0.0f);
 	user_move(&u, 160, 115);
 	assert_true(!back.pressed && back.held && back.drag_x == 10.0f && back.drag_y == -5.0f);
-	user_move(&u, 250, 175); /* over the other, which gets nothing of this */
+	user_move(&u, 250, 175); /* over the other area, while the first is held */
 	assert_true(back.held && back.drag_x == 90.0f && back.total_x == 100.0f && back.total_y == 55.0f);
 	assert_true(!front.hovered && !front.held && stilb_ui_wants_mouse(u.ui));
 	user_release(&u);
@@ -157,7 +157,7 @@ static void test_press_drag_and_click(void **state)
 	assert_true(back.clicked && back.hovered);
 	user_frame(&u);
 	assert_false(back.clicked);
-	/* Pressed elsewhere and moved here: nothing. */
+	/* Pressed elsewhere and released here: no click. */
 	user_move(&u, 10, 10);
 	user_press(&u);
 	user_move(&u, 150, 120);
@@ -172,13 +172,13 @@ static void test_clicks_within_a_frame_count(void **state)
 	(void)state;
 	user u = user_create(two_areas);
 	user_frame(&u);
-	u.input.mouse_presses = 1; /* down and up, having come from elsewhere, all since the last frame */
+	u.input.mouse_presses = 1; /* moved here, pressed and released since the last frame */
 	user_move(&u, 150, 120);
 	assert_true(back.pressed && back.clicked && !back.held);
 	u.input.seconds = 1.0f;
 	user_frame(&u);
 	user_press(&u);
-	u.input.mouse_presses = 1; /* up and down again */
+	u.input.mouse_presses = 1; /* released and pressed again since the last frame */
 	user_frame(&u);
 	assert_true(back.clicked && back.pressed && back.held);
 	user_release(&u);
@@ -196,7 +196,7 @@ static void test_double_click(void **state)
 	user_press(&u);
 	assert_true(back.double_clicked);
 	user_release(&u);
-	user_press(&u); /* a third time: a new one */
+	user_press(&u); /* the third press begins another double click */
 	assert_false(back.double_clicked);
 	user_release(&u);
 	u.input.seconds = 2.0f; /* too late */
@@ -207,7 +207,7 @@ static void test_double_click(void **state)
 	user_click(&u, 170, 120); /* too far away */
 	user_click(&u, 150, 120);
 	assert_false(back.double_clicked);
-	u.input.mouse_presses = 2; /* both in one frame */
+	u.input.mouse_presses = 2; /* both presses in one frame */
 	user_frame(&u);
 	assert_true(back.double_clicked);
 	user_destroy(&u);
@@ -269,7 +269,7 @@ static void test_buttons(void **state)
 	assert_true(presses[0] == 1 && presses[1] == 2 && presses[2] == 1 && toggled);
 	user_move(&u, 20, 20);
 	user_press(&u);
-	user_move(&u, 20, 300); /* thought better of it */
+	user_move(&u, 20, 300); /* released outside the button: not pressed */
 	user_release(&u);
 	assert_int_equal(presses[0], 1);
 	user_click(&u, 15, 60);
@@ -287,27 +287,27 @@ static void test_slider(void **state)
 	user_press(&u);
 	assert_float_equal(value, 5.0f, 0.05f);
 	assert_int_equal(slid, 1);
-	user_frame(&u); /* held still: no change */
+	user_frame(&u); /* held without a movement: no change */
 	assert_int_equal(slid, 1);
-	user_move(&u, 600, 400); /* far out on the right */
+	user_move(&u, 600, 400); /* beyond the slider's right end */
 	assert_true(value == 10.0f);
 	user_release(&u);
-	user_move(&u, 20, 100); /* let go: nothing follows */
+	user_move(&u, 20, 100); /* released: the slider does not follow the mouse */
 	assert_true(value == 10.0f);
-	user_key(&u, STILB_UI_KEY_LEFT); /* a click gave it the keys: a hundredth */
+	user_key(&u, STILB_UI_KEY_LEFT); /* the click has given it the focus; the key moves it by 1 % */
 	assert_float_equal(value, 9.9f, 1e-4f);
 	range.step = 2.5f;
 	user_key(&u, STILB_UI_KEY_LEFT);
 	assert_true(value == 7.5f);
 	user_click(&u, 114, 100);
 	assert_true(value == 5.0f);
-	user_click(&u, 400, 400); /* a click elsewhere takes them away */
+	user_click(&u, 400, 400); /* a click elsewhere takes the focus away */
 	user_key(&u, STILB_UI_KEY_LEFT);
 	assert_true(value == 5.0f && !stilb_ui_wants_keys(u.ui));
 	user_destroy(&u);
 }
 
-/* Knob and track stay below the words, so that no value hides its own digits. */
+/* Knob and track are below the text, so that no value hides its own digits. */
 static void test_slider_words_are_free(void **state)
 {
 	(void)state;
@@ -334,7 +334,7 @@ static void muted_slider(stilb_ui *ui)
 	slid += stilb_ui_slider_muted(ui, places[4], "spike", &value, &range);
 }
 
-/* A dim one is moved like any other. */
+/* A muted slider is moved like any other. */
 static void test_slider_muted(void **state)
 {
 	(void)state;
@@ -358,23 +358,23 @@ static void test_keyboard(void **state)
 	user_key(&u, STILB_UI_KEY_SPACE);
 	user_key(&u, STILB_UI_KEY_ENTER);
 	assert_int_equal(presses[0], 2);
-	u.input.keys[STILB_UI_KEY_TAB] = 3; /* in one frame */
+	u.input.keys[STILB_UI_KEY_TAB] = 3; /* three times in one frame */
 	user_frame(&u);
 	user_key(&u, STILB_UI_KEY_SPACE);
 	assert_true(box);
 	user_key(&u, STILB_UI_KEY_TAB);
 	user_key(&u, STILB_UI_KEY_RIGHT);
 	assert_float_equal(value, 0.1f, 1e-6f);
-	user_key(&u, STILB_UI_KEY_TAB); /* around */
+	user_key(&u, STILB_UI_KEY_TAB); /* from the last widget to the first */
 	user_key(&u, STILB_UI_KEY_SPACE);
 	assert_int_equal(presses[0], 3);
 	u.input.shift = true;
-	user_key(&u, STILB_UI_KEY_TAB); /* and back */
+	user_key(&u, STILB_UI_KEY_TAB); /* from the first to the last */
 	user_key(&u, STILB_UI_KEY_RIGHT);
 	assert_float_equal(value, 0.2f, 1e-6f);
 	user_key(&u, STILB_UI_KEY_ESCAPE);
 	assert_false(stilb_ui_wants_keys(u.ui));
-	user_key(&u, STILB_UI_KEY_TAB); /* back from nothing is the last */
+	user_key(&u, STILB_UI_KEY_TAB); /* backwards without a focus: the last widget */
 	user_key(&u, STILB_UI_KEY_RIGHT);
 	assert_float_equal(value, 0.3f, 1e-6f);
 	user_destroy(&u);
@@ -397,7 +397,7 @@ static void test_what_is_gone_has_no_keys(void **state)
 	user_frame(&u);
 	user_frame(&u);
 	assert_false(stilb_ui_wants_keys(u.ui));
-	user_key(&u, STILB_UI_KEY_TAB); /* nowhere to go */
+	user_key(&u, STILB_UI_KEY_TAB); /* no area takes keys */
 	assert_true(!stilb_ui_wants_keys(u.ui) && stilb_ui_list(u.ui)->index_count == 0);
 	user_destroy(&u);
 }
@@ -491,14 +491,14 @@ static void test_panels_move_and_grow(void **state)
 	user_press(&u);
 	user_move(&u, 230, 120);
 	assert_true(panel_rect.x0 == 130 && panel_rect.y0 == 110 && panel_rect.x1 == 430 && panel_rect.y1 == 310);
-	user_move(&u, 5000, -5000); /* not out of the picture */
+	user_move(&u, 5000, -5000); /* the panel stays within the picture */
 	assert_true(panel_rect.x1 == 640 && panel_rect.y0 == 0 && panel_rect.x0 == 340 && panel_rect.y1 == 200);
 	user_release(&u);
 	user_move(&u, 635, 195);
 	user_press(&u);
 	user_move(&u, 600, 250);
 	assert_true(panel_rect.x0 == 340 && panel_rect.x1 == 605 && panel_rect.y1 == 255);
-	user_move(&u, 0, 0); /* some of it stays */
+	user_move(&u, 0, 0); /* the panel keeps its smallest size */
 	assert_true(panel_rect.x1 - panel_rect.x0 > 100 && panel_rect.y1 - panel_rect.y0 > 50);
 	user_release(&u);
 	user_destroy(&u);
@@ -521,7 +521,7 @@ static void test_panels_close(void **state)
 static stilb_ui_list_state list_state;
 static stilb_ui_rows rows;
 static uint32_t row_count;
-static float row_top; /* of the first that was drawn */
+static float row_top; /* y of the first row drawn */
 
 static void a_list(stilb_ui *ui)
 {
@@ -546,7 +546,7 @@ static user list_user(uint32_t count)
 static void test_lists_show_and_scroll(void **state)
 {
 	(void)state;
-	user u = list_user(100); /* 18 pixels each, five at a time */
+	user u = list_user(100); /* rows of 18 pixels, of which five are visible */
 	assert_true(rows.first == 0 && rows.end == 5 && row_top == 10);
 	user_move(&u, 50, 50);
 	assert_true(rows.hovered == 2 && rows.clicked == STILB_UI_NO_ROW);
@@ -556,7 +556,7 @@ static void test_lists_show_and_scroll(void **state)
 	u.input.wheel = -1000.0f;
 	user_frame(&u);
 	assert_true(rows.first == 95 && rows.end == 100);
-	row_count = 3; /* shorter than its place */
+	row_count = 3; /* shorter than the list's rectangle */
 	user_frame(&u);
 	assert_true(rows.first == 0 && rows.end == 3 && list_state.scroll == 0.0f);
 	row_count = 0;
@@ -579,7 +579,7 @@ static void test_lists_select(void **state)
 	u.input.keys[STILB_UI_KEY_DOWN] = 5;
 	user_frame(&u);
 	assert_true(list_state.selected == 7 && rows.changed && rows.first <= 7 && rows.end > 7);
-	assert_true(list_state.scroll == 8 * 18.0f - 90.0f); /* just in view */
+	assert_true(list_state.scroll == 8 * 18.0f - 90.0f); /* scrolled as little as shows row 7 */
 	u.input.keys[STILB_UI_KEY_UP] = 200;
 	user_frame(&u);
 	assert_true(list_state.selected == 0 && list_state.scroll == 0.0f);
@@ -601,7 +601,7 @@ static void test_lists_have_a_bar(void **state)
 	user_move(&u, 206, 500);
 	assert_true(list_state.scroll == 1800.0f - 90.0f);
 	user_release(&u);
-	user_move(&u, 206, 55); /* beside the thumb: it comes here */
+	user_move(&u, 206, 55); /* beside the thumb, which jumps to the mouse */
 	user_press(&u);
 	assert_float_equal(list_state.scroll, 855.0f, 20.0f);
 	user_release(&u);
@@ -627,11 +627,11 @@ static void test_tables_sort(void **state)
 	user u = user_create(a_table);
 	user_frame(&u);
 	user_click(&u, 210, 10);
-	assert_true(sorted == 1 && sort.column == 1 && sort.descending); /* numbers: the largest first */
+	assert_true(sorted == 1 && sort.column == 1 && sort.descending); /* a column of numbers: largest first */
 	user_click(&u, 210, 10);
 	assert_true(sorted == 2 && sort.column == 1 && !sort.descending);
 	user_click(&u, 30, 10);
-	assert_true(sorted == 3 && sort.column == 0 && !sort.descending); /* names: A first */
+	assert_true(sorted == 3 && sort.column == 0 && !sort.descending); /* a column of names: A first */
 	user_click(&u, 210, 110);
 	assert_int_equal(sorted, 3);
 	user_destroy(&u);
@@ -644,7 +644,7 @@ static void test_table_cells(void **state)
 	stilb_ui_rect first = stilb_ui_table_cell(row, columns, 3, 0), last = stilb_ui_table_cell(row, columns, 3, 2);
 	assert_true(first.x0 == 15 && first.x1 == 195 && first.y0 == 20 && first.y1 == 40);
 	assert_true(last.x0 == 255 && last.x1 == 305);
-	row.x1 = 50; /* too narrow: nothing goes beyond the row */
+	row.x1 = 50; /* narrower than the columns: cells stay within the row */
 	for (uint32_t c = 0; c < 3; c++)
 		assert_true(stilb_ui_table_cell(row, columns, 3, c).x1 <= 50);
 }
@@ -672,7 +672,7 @@ static void test_plots(void **state)
 	assert_non_null(strstr(u.ui->tooltip, "ms 150: ") ? u.ui->tooltip : strstr(u.ui->tooltip, "ms 149: "));
 	plotted[20] = NAN;
 	plotted[299] = INFINITY;
-	plot_maximum = 0.0f; /* their own range */
+	plot_maximum = 0.0f; /* the range of the values */
 	user_frame(&u);
 	for (uint32_t i = 0; i < stilb_ui_list(u.ui)->vertex_count; i++)
 		assert_true(isfinite(stilb_ui_list(u.ui)->vertices[i].position[1]));
@@ -719,9 +719,10 @@ static void test_tooltips_stay_in_the_picture(void **state)
 		u.input.mouse_x = places_of_mouse[i][0];
 		u.input.mouse_y = places_of_mouse[i][1];
 		stilb_ui_rect bounds = tip_bounds(&u, text);
-		assert_true(bounds.x1 > bounds.x0 + 100 && bounds.y1 > bounds.y0 + 40); /* it is there */
+		assert_true(bounds.x1 > bounds.x0 + 100 && bounds.y1 > bounds.y0 + 40); /* the tooltip is drawn */
 		assert_true(bounds.x0 >= 0 && bounds.y0 >= 0 && bounds.x1 <= 640 && bounds.y1 <= 480);
-		assert_false(stilb_ui_contains(bounds, u.input.mouse_x, u.input.mouse_y)); /* nor under the mouse */
+		assert_false(
+			stilb_ui_contains(bounds, u.input.mouse_x, u.input.mouse_y)); /* the tooltip does not cover the mouse */
 	}
 	assert_true(tip_bounds(&u, "").x1 < 0);
 	char longest[3000];
@@ -792,7 +793,8 @@ static void test_without_memory(void **state)
 	assert_int_equal(stilb_ui_create(&small, &ui), STILB_OK);
 	uint64_t needed = allocations - before;
 	stilb_ui_destroy(ui);
-	for (uint64_t call = 1; call <= needed; call += 1 + call / 20) { /* the outlines of glyphs are many */
+	for (uint64_t call = 1; call <= needed;
+	     call += 1 + call / 20) { /* not every one: there are thousands, for the outlines of glyphs */
 		failing = call;
 		assert_int_equal(stilb_ui_create(&small, &ui), STILB_ERROR_MEMORY);
 		assert_null(ui);
@@ -800,7 +802,7 @@ static void test_without_memory(void **state)
 	}
 	user u = list_user(100);
 	u.screen = all_there_is;
-	for (uint64_t call = 1; call < 12; call++) { /* as the lists grow */
+	for (uint64_t call = 1; call < 12; call++) { /* while the lists grow */
 		stilb_ui_destroy(u.ui);
 		stilb_ui_desc desc = stilb_ui_desc_default();
 		assert_int_equal(stilb_ui_create(&desc, &u.ui), STILB_OK);
