@@ -400,7 +400,6 @@ static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene
 	if (result != STILB_OK)
 		return result;
 	embree *state = calloc(1, sizeof *state);
-	/* NOLINTNEXTLINE(bugprone-sizeof-expression): an RTCScene is a pointer */
 	RTCScene *shared = calloc((size_t)gi->mesh_count + 1, sizeof *shared);
 	if (!state || !shared) {
 		free(state);
