@@ -227,9 +227,10 @@ static double prof_middle(uint64_t *values, uint32_t count)
 	assert(count > 0);
 	uint64_t sum = 0;
 	qsort(values, count, sizeof *values, prof_compare_u64);
-	for (uint32_t i = count / 4; i < count - count / 4; i++)
+	uint32_t quarter = count / 4;
+	for (uint32_t i = quarter; i < count - quarter; i++)
 		sum += values[i];
-	return (double)sum / (double)(count - 2 * (count / 4));
+	return (double)sum / (double)(count - 2 * quarter);
 }
 
 #if defined(__x86_64__)

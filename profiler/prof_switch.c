@@ -111,7 +111,7 @@ static bool prof_switches_mapped(const prof_switches *switches)
 void prof_switches_close(prof_switches *switches)
 {
 	if (prof_switches_mapped(switches))
-		munmap((void *)(uintptr_t)switches->page, switches->size);
+		munmap((void *)switches->page, switches->size);
 	prof_schedstat_close(switches->schedstat);
 	*switches = (prof_switches){0};
 }

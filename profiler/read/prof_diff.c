@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROF_EXACT_MAX 20                                              /* values per side */
+#define PROF_EXACT_MAX ((size_t)20)                                    /* values per side */
 #define PROF_RANKS_MAX (2 * PROF_EXACT_MAX * (2 * PROF_EXACT_MAX + 1)) /* sum of all ranks, doubled */
 #define PROF_FRAME_TIMES_MAX ((size_t)1 << 27)                         /* rows times frames: a gigabyte */
 

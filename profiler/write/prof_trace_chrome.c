@@ -446,7 +446,7 @@ static bool chrome_make_list(chrome *c, int list, uint32_t count)
 	assert(made->start[0] == 0 && made->start[s->lane_count] <= count);
 	for (uint32_t i = 0; list == CHROME_FROMS && i < s->lane_count; i++)
 		qsort_r(made->index + made->start[i], made->start[i + 1] - made->start[i], sizeof *made->index,
-		        chrome_compare_froms, (void *)(uintptr_t)s->flows);
+		        chrome_compare_froms, (void *)s->flows);
 	return true;
 }
 
