@@ -90,7 +90,7 @@ typedef struct stilb_job_group {
 typedef enum stilb_job_priority {
 	STILB_JOB_NORMAL, /* the default */
 	STILB_JOB_HIGH,   /* before all others; for short jobs that do not wait, since every wait runs them */
-	STILB_JOB_LOW /* when there is nothing else to do; for long jobs, since no wait runs them (except as in Waiting) */
+	STILB_JOB_LOW     /* when there is nothing else to do; for long jobs: waits run them only if every worker waits */
 } stilb_job_priority;
 
 /* Functions that the pool calls as things happen, on the thread to which they happen; any may be NULL. This is how a
@@ -180,23 +180,23 @@ typedef struct stilb_job_options {
 
 /* stilb_job_submit with options. Among themselves, jobs of high priority start in the order of submission, and so do
  * jobs of low priority; pinned jobs have no priority. -EINVAL: priority or target is out of range, or after is group,
- * so the job would wait for itself; -ENOMEM as above. [any-thread] */
+ * so the job would wait for itself; -ENOMEM: nothing was queued or counted. [any-thread] */
 int stilb_job_submit_with(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group,
                           const stilb_job_options *options, uint32_t worker);
 
 /* Submits the loop of stilb_job_parallel_for as one job of group and returns at once; the cost is that of one submit
- * for any count. context must stay valid until the loop has run. A count of 0 submits nothing. -ENOMEM as above.
- * [any-thread] */
+ * for any count. context must stay valid until the loop has run. A count of 0 submits nothing. -ENOMEM: nothing was
+ * queued or counted. [any-thread] */
 int stilb_job_submit_array(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
                            stilb_job_group *group, uint32_t worker);
 
-/* Runs the jobs that are pinned to the calling thread at the moment of the call and returns their number; for an owner
- * that never waits. [pool-thread] */
+/* Runs the jobs that are pinned to the calling thread at the moment of the call and returns their number. Waits, loops
+ * and idle workers run pinned jobs by themselves; this call is for an owner that does neither. [pool-thread] */
 uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker);
 
-/* Returns when every job of group has finished. Meanwhile the calling thread runs other jobs (see Waiting) and sleeps
- * when there are none; a thread outside the pool only sleeps. Everything those jobs wrote is then visible to the
- * caller. [any-thread] */
+/* Returns when every job of group has finished; everything these jobs wrote is then visible to the caller. Meanwhile
+ * the calling thread runs other jobs (which ones: see Waiting at the head of this file) and sleeps when there are none;
+ * a thread outside the pool only sleeps. [any-thread] */
 void stilb_job_wait(stilb_job_pool *pool, stilb_job_group *group, uint32_t worker);
 
 /* Calls fn for slices of grain indices that together cover 0 <= i < count, on the calling thread and on every worker

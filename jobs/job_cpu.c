@@ -70,7 +70,8 @@ static bool read_line(const char *mount, const char *dir, const char *file, char
 	return got;
 }
 
-/* The CPUs of a quota, rounded up. Both arguments are in microseconds; 0 if they set no limit or make no sense. */
+/* The number of CPUs that a quota of CPU time in each period amounts to, rounded up. Both arguments are in
+ * microseconds; 0 if one of them is not positive, which means no limit. */
 static uint32_t limit_cpus(long long quota, long long period)
 {
 	if (quota <= 0 || period <= 0)
@@ -103,9 +104,9 @@ static uint32_t limit_v1(const char *mount, const char *dir)
 	return limit_cpus(quota, strtoll(line, NULL, 10));
 }
 
-/* The smallest limit of the group dir and all groups above it, 0 if there is none; shortens dir. Inside a container,
- * dir may be a path of the host that does not exist here; then only the root of the mount counts, which is the
- * container's own group. */
+/* The smallest limit (limit_v1 or limit_v2, in CPUs) of the group `dir` and all groups above it, 0 if there is none;
+ * shortens the string dir. Inside a container, dir may be a path of the host that does not exist here; then only the
+ * root of the mount is found, which is the container's own group. */
 static uint32_t smallest_limit(uint32_t (*limit)(const char *, const char *), const char *mount, char *dir)
 {
 	uint32_t smallest = 0;
@@ -132,7 +133,8 @@ static bool list_has(const char *list, const char *name)
 	return false;
 }
 
-/* The limit that one line of /proc/self/cgroup, "ID:CONTROLLERS:PATH", leads to. cgroup v2 leaves CONTROLLERS empty. */
+/* The CPU limit of the group in one line of /proc/self/cgroup, "ID:CONTROLLERS:PATH"; 0 if it has none. cgroup v2
+ * leaves CONTROLLERS empty. */
 static uint32_t line_limit(char *line, const char *mount)
 {
 	line[strcspn(line, "\n")] = '\0';

@@ -43,8 +43,8 @@ void job_deque_finish(job_deque *deque)
 
 int job_deque_grow(job_deque *deque)
 {
-	/* Relaxed: only the owner writes buffer and bottom. Top may have grown since: then taken records are copied,
-	 * too. */
+	/* Relaxed: only the owner writes buffer and bottom. top, loaded in the loop below, may be an old value: then some
+	 * records that thieves have taken are copied, too, and nobody reads these copies. */
 	job_deque_buffer *old = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
 	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
 	assert(bottom - deque->top_seen == old->mask + 1 && "the buffer is full");
@@ -60,7 +60,7 @@ int job_deque_grow(job_deque *deque)
 	return 0;
 }
 
-/* Each buffer is twice as large as the one it replaced; the first has JOB_DEQUE_CAPACITY cells. */
+/* For asserts: each buffer is twice as large as the one it replaced; the first has JOB_DEQUE_CAPACITY cells. */
 static bool buffers_double(const job_deque_buffer *buffer)
 {
 	for (; buffer->smaller; buffer = buffer->smaller)

@@ -19,7 +19,7 @@
 #include "jobs/job_record.h"
 
 #ifndef JOB_DEQUE_CAPACITY
-#define JOB_DEQUE_CAPACITY 256 /* of the first buffer; a power of two */
+#define JOB_DEQUE_CAPACITY 256 /* records in the first buffer; a power of two */
 #endif
 
 typedef struct job_deque_buffer job_deque_buffer;
@@ -34,14 +34,16 @@ typedef struct job_deque {
 	alignas(JOB_LINE) _Atomic int64_t top;    /* index of the oldest record; only ever grows */
 	alignas(JOB_LINE) _Atomic int64_t bottom; /* one past the index of the newest; written by the owner alone */
 	_Atomic(job_deque_buffer *) buffer;       /* release in grow, pairs with acquire in job_deque_oldest */
-	/* The owner's last look at top, a lower bound of it: most pushes then need not fetch the thieves' cache line. */
+	/* top as the owner last read it, so never more than top is now: most pushes can tell from it that the buffer is not
+	 * full, and need not fetch the cache line that thieves write. */
 	alignas(JOB_LINE) int64_t top_seen;
 } job_deque;
 
-/* 0 or -ENOMEM. */
+/* Makes an empty deque. 0 or -ENOMEM. */
 int job_deque_init(job_deque *deque);
 
-/* No other call may be in progress. A deque of all zeros may be finished, too. */
+/* Frees the buffers of an empty deque. No other call may be in progress. A deque of all zeros, which job_deque_init has
+ * not been called for, is allowed. */
 void job_deque_finish(job_deque *deque);
 
 /* Doubles the buffer. 0, or -ENOMEM and the deque is unchanged. [owner] */
@@ -50,11 +52,12 @@ int job_deque_grow(job_deque *deque);
 /* For asserts: ends, buffers and the newest cell fit together. [owner] */
 bool job_deque_is_sound(job_deque *deque);
 
-/* Appends record. Seq_cst, so that a thread that looks for work later sees it. 0 or -ENOMEM. [owner] */
+/* Appends record. Its store of bottom is seq_cst, so that a thread that looks for work afterwards sees the record. 0 or
+ * -ENOMEM. [owner] */
 static inline int job_deque_push(job_deque *deque, job_record *record)
 {
 	assert(record);
-	/* Relaxed: only the owner writes either. */
+	/* Relaxed: only the owner, the calling thread, writes bottom and buffer. */
 	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
 	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
 	if (bottom - deque->top_seen > buffer->mask) {
@@ -102,7 +105,7 @@ static inline job_record *job_deque_pop(job_deque *deque)
 	if (top > bottom || !atomic_compare_exchange_strong_explicit(&deque->top, &top, top + 1, memory_order_seq_cst,
 	                                                             memory_order_relaxed))
 		record = NULL;
-	/* Release: a thief that reads this value still sees the records below it. */
+	/* Release: a thief that reads this value of bottom sees the records of the cells before it. */
 	atomic_store_explicit(&deque->bottom, bottom + 1, memory_order_release);
 	JOB_CHECK(job_deque_is_sound(deque));
 	return record;
@@ -111,7 +114,8 @@ static inline job_record *job_deque_pop(job_deque *deque)
 /* True if the deque was empty at some moment during the call; sees every push that happened before it. [any-thread] */
 static inline bool job_deque_empty(job_deque *deque)
 {
-	/* Seq_cst, see steal. Top is loaded first: pushes and pops in between can only make the deque look fuller. */
+	/* Seq_cst, partners of the exchanges in push and pop. top is loaded first and only grows, so if it is not below
+	 * bottom here, the deque was empty when bottom was loaded. */
 	int64_t top = atomic_load_explicit(&deque->top, memory_order_seq_cst);
 	return top >= atomic_load_explicit(&deque->bottom, memory_order_seq_cst);
 }
@@ -120,7 +124,7 @@ static inline bool job_deque_empty(job_deque *deque)
  * [any-thread] */
 static inline job_record *job_deque_oldest(job_deque *deque, int64_t *top)
 {
-	/* Seq_cst: top before bottom, partners of the exchanges in push and pop. */
+	/* Seq_cst: top is loaded before bottom; partners of the exchanges of bottom in push and pop. */
 	*top = atomic_load_explicit(&deque->top, memory_order_seq_cst);
 	if (*top >= atomic_load_explicit(&deque->bottom, memory_order_seq_cst))
 		return NULL;

@@ -1,6 +1,6 @@
 #include "jobs/job_internal.h"
 
-/* One loop in so many is timed even if its duration decides nothing. */
+/* One loop in so many is timed even if all workers are awake, so that the known slice times (job_rate) stay true. */
 #define MEASURE_EVERY 16
 
 /* ---- claiming -------------------------------------------------------------------------------------------------- */
@@ -11,7 +11,7 @@ typedef struct loop_span {
 	void *context;
 	uintptr_t root;
 	uint32_t level, count, grain, wake_slices;
-	uint32_t first, slices; /* claimed */
+	uint32_t first, slices; /* the claimed slices: index of the first one, and their number */
 	uint32_t left;          /* slices of the loop that are still unclaimed */
 } loop_span;
 
@@ -25,14 +25,14 @@ static uint32_t guided(uint32_t left, uint32_t threads, uint32_t limit)
 	return part > limit ? limit : part > 0 ? part : 1;
 }
 
-/* Claims slices of loop, which any thread may have opened, if the scope has it: `wanted` of them at most, or as guided
- * if that is 0. */
+/* Claims slices of loop, which any thread may have opened, if the scope allows it: `wanted` of them at most, or as many
+ * as guided() says if wanted is 0. False if there are none. */
 static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads, uint32_t wanted, loop_span *out)
 {
 	/* Acquire pairs with the release in loop_open: the fields, and all that the caller wrote before. */
 	uint64_t claim = atomic_load_explicit(&loop->claim, memory_order_acquire);
 	while ((uint32_t)claim > 0) {
-		/* Relaxed: see job_loop. */
+		/* Relaxed: these fields are used only if the exchange of claim below succeeds (see job_loop). */
 		out->root = atomic_load_explicit(&loop->root, memory_order_relaxed);
 		out->level = atomic_load_explicit(&loop->level, memory_order_relaxed);
 		if (!scope->all && (out->root != scope->root || out->level <= scope->level))
@@ -46,7 +46,8 @@ static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads,
 		out->slices = wanted == 0 ? guided(left, threads, limit) : wanted < left ? wanted : left;
 		out->first = atomic_load_explicit(&loop->slices, memory_order_relaxed) - left;
 		out->left = left - out->slices;
-		/* Success needs no order, since the load above has it. Acquire on failure: the loop may have been reused. */
+		/* Success needs no order, since the load of claim has acquired the fields. Acquire on failure: the loop may
+		 * have been reused, and its fields are read again. */
 		if (atomic_compare_exchange_weak_explicit(&loop->claim, &claim, claim - out->slices, memory_order_acquire,
 		                                          memory_order_acquire))
 			return true;
@@ -66,7 +67,8 @@ static void span_run(const loop_span *span, uint32_t worker)
 
 /* ---- helping --------------------------------------------------------------------------------------------------- */
 
-/* Runs the claimed span of a loop of owner's, and more slices of the loop while there are any. */
+/* Runs the claimed slices of a loop that lies in the slot `owner`, and then claims and runs more of them while there
+ * are any. slot is the calling thread's. */
 static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job_scope *scope, loop_span *span,
                       stilb_job_group *until)
 {
@@ -97,13 +99,13 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
 /* Wakes one more thread if one sleeps, enough slices are left for it and it has a CPU to run on; true if it did. */
 static bool wake_helper(stilb_job_pool *pool, const loop_span *span)
 {
-	/* A relaxed hint: loops finish without help, so a wake-up that is missed here blocks nothing. */
+	/* Relaxed: may miss a sleeping thread. Loops finish without help, so that blocks nothing. */
 	return span->left >= span->wake_slices && job_idle_maybe_wanted(&pool->idle) &&
 	       (!pool->oversubscribed || job_idle_awake(&pool->idle) + 1 < pool->cpus) &&
 	       job_idle_wake(&pool->idle, &(job_work){.kind = JOB_WORK_LOOP, .root = span->root, .level = span->level});
 }
 
-/* Claims and runs slices of one of owner's loops. */
+/* Claims and runs slices of one of the loops in the slot `owner`; false if there is none that the scope allows. */
 static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, stilb_job_group *until)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -112,8 +114,8 @@ static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, s
 		job_loop *loop = &owner->loop[i];
 		if (!loop_claim(loop, scope, pool->worker_count + 1, 0, &span))
 			continue;
-		/* A spinner that will be done sooner than a thread could be woken remains a spinner. That saves writing the
-		 * idle list's word, which the caller of every loop reads. */
+		/* If the slices left take less time than a wake-up, the spinner stays counted as one while it helps. That saves
+		 * writing the idle list's `state`, which the caller of every loop reads. */
 		if (span.left + span.slices >= span.wake_slices)
 			job_work_spin_stop(slot);
 		wake_helper(pool, &span);
@@ -137,7 +139,7 @@ bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		for (int j = 0; j < JOB_LOOP_DEPTH; j++) {
 			job_loop *loop = &pool->slot[i].loop[j];
-			/* Relaxed, all: a hint. */
+			/* Relaxed, all: may miss a loop that has just been opened, see job_internal.h. */
 			if ((uint32_t)atomic_load_explicit(&loop->claim, memory_order_relaxed) > 0 &&
 			    (scope->all || (atomic_load_explicit(&loop->root, memory_order_relaxed) == scope->root &&
 			                    atomic_load_explicit(&loop->level, memory_order_relaxed) > scope->level)))
@@ -148,7 +150,7 @@ bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 
 /* ---- the caller ------------------------------------------------------------------------------------------------ */
 
-/* The entry for fn in the thread's table of slice times; replaces another function's if they share the place. */
+/* The entry for fn in the thread's hash table of slice times. Two functions with the same hash replace each other's. */
 static job_rate *rate_of(job_slot *slot, stilb_job_range_fn *fn)
 {
 	uintptr_t key = (uintptr_t)fn;
@@ -158,7 +160,7 @@ static job_rate *rate_of(job_slot *slot, stilb_job_range_fn *fn)
 	return rate;
 }
 
-/* Lets other threads claim the slices that span leaves. */
+/* Lets other threads claim the last span->left of the loop's slices; the caller has claimed the others. */
 static void loop_open(job_loop *loop, const loop_span *span, uint32_t slices, uint32_t limit)
 {
 	assert(slices > 1 && span->left < slices && limit > 0);
@@ -178,7 +180,7 @@ static void loop_open(job_loop *loop, const loop_span *span, uint32_t slices, ui
 	atomic_store_explicit(&loop->claim, generation << 32 | span->left, memory_order_release);
 }
 
-/* Compares counts without the flag; both wrap around. */
+/* True if two values of job_loop.done are the same count, whatever their flags JOB_LOOP_WAITER. */
 static bool done_is(uint64_t done, uint64_t wanted)
 {
 	return ((done ^ wanted) & ~JOB_LOOP_WAITER) == 0;
@@ -189,11 +191,12 @@ static bool loop_finished(const job_loop *loop, uint64_t wanted)
 	return done_is(atomic_load_explicit(&loop->done, memory_order_acquire), wanted); /* pairs with loop_help */
 }
 
-/* Asks the helpers to wake this thread when they have finished. False if they have. */
+/* Sets the flag JOB_LOOP_WAITER in done, for which the helpers wake this thread when they finish. False if all have
+ * finished: done has reached wanted. */
 static bool loop_announce(job_loop *loop, uint64_t wanted)
 {
-	/* Acquire, as in loop_finished. One word holds flag and count: either a helper finds the flag, or this finds the
-	 * count. */
+	/* Acquire, as in loop_finished. Flag and count share a word, so either the last helper finds the flag when it adds
+	 * to the count, or this finds the count complete. */
 	return !done_is(atomic_fetch_or_explicit(&loop->done, JOB_LOOP_WAITER, memory_order_acquire), wanted);
 }
 
@@ -209,7 +212,8 @@ static bool loop_ready(job_slot *slot, void *context)
 	return !loop_announce(wait->loop, wait->wanted);
 }
 
-/* Spins for the length of a wake-up and helps with deeper loops; false if the slices have not finished by then. */
+/* Waits JOB_WAKE_NS for the slices that others have claimed, and meanwhile helps with loops nested in this one. False
+ * if they have not finished by then. */
 static bool loop_spin(job_loop *loop, job_slot *slot, const job_scope *scope, uint64_t wanted)
 {
 	uint64_t start = job_sys_ticks();
@@ -223,7 +227,7 @@ static bool loop_spin(job_loop *loop, job_slot *slot, const job_scope *scope, ui
 	return false;
 }
 
-/* Waits until done has reached wanted, that is, for the slices that others have claimed. */
+/* Waits for the slices that other threads have claimed, that is, until loop->done has reached wanted. */
 static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uint64_t wanted)
 {
 	if (loop_finished(loop, wanted))
@@ -237,12 +241,13 @@ static void loop_wait(job_loop *loop, job_slot *slot, const loop_span *span, uin
 		if (job_work_park(slot, &scope, loop_ready, &wait) == JOB_IDLE_CHOSEN && !job_work_help(slot, &scope, NULL))
 			job_work_wake_next(slot, &(job_work){.kind = JOB_WORK_SHARED});
 	}
-	if (announced) /* clears the flag; no other thread writes now. Relaxed: the next loop_open publishes it. */
+	if (announced) /* clears the flag; all helpers have finished. Relaxed: the next loop_open publishes it */
 		atomic_store_explicit(&loop->done, wanted & ~JOB_LOOP_WAITER, memory_order_relaxed);
 	job_hook_wait_end(slot->pool, slot->index);
 }
 
-/* The least number of slices of this duration that is worth a wake-up; 1 if the duration is not known (0). */
+/* The least number of slices that together take longer than a wake-up, if each takes `ticks`; 1 if ticks is 0, which
+ * means that it is not known. */
 static uint32_t slices_to_wake_for(const stilb_job_pool *pool, uint64_t ticks)
 {
 	return ticks == 0                              ? 1
@@ -262,7 +267,7 @@ static bool loop_starts_alone(job_slot *slot, const loop_span *span, uint32_t sl
 	return slices < span->wake_slices && slot->alone_ticks < wake_ticks;
 }
 
-/* wake_helper after a better guess of the number of slices that are worth it. */
+/* wake_helper with a better guess of the least number of slices that is worth a wake-up; helpers read it, too. */
 static bool wake_helper_anew(stilb_job_pool *pool, job_loop *loop, loop_span *span, uint32_t wake_slices)
 {
 	span->wake_slices = wake_slices;
@@ -312,17 +317,17 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 			alone = ticks < pool->wake_ticks;
 		}
 		if (!alone && !woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle))
-			/* The duration of these slices says more than that of earlier loops. */
+			/* The duration of the slices that have just run says more than that of earlier loops. */
 			woken = wake_helper_anew(pool, loop, span,
 			                         measured ? slices_to_wake_for(pool, (job_sys_ticks() - start) / mine)
 			                                  : span->wake_slices);
-		/* Two calls, so that the compiler makes one of the usual case with the constant 0. */
+		/* Two calls of the same function, so that the compiler makes a copy of it for the usual case, wanted = 0. */
 	} while (__builtin_expect(alone, 0) ? loop_claim(loop, &job_scope_all, threads, mine, span)
 	                                    : loop_claim(loop, &job_scope_all, threads, 0, span));
 	if (measured) {
 		if (!alone)
 			ticks = job_sys_ticks() - start;
-		rate_of(slot, span->fn)->ticks = ticks / mine + 1; /* loops inside the slices may have replaced the entry */
+		rate_of(slot, span->fn)->ticks = ticks / mine + 1; /* not *rate: loops in the slices may have replaced it */
 	}
 	if (started_alone) {
 		slot->alone_until = start + ticks;

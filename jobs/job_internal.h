@@ -34,13 +34,13 @@
 #define JOB_LOOP_DEPTH 4
 #endif
 
-/* The most outside threads inside a submit at the same moment; further ones wait for their turn. */
+/* The most threads from outside the pool that can be inside a submit at the same moment; further ones wait. */
 #ifndef JOB_GUESTS
 #define JOB_GUESTS 32
 #endif
 
-/* The cost of a wake-up and the sleep before it: the kernel's share on both sides, measured as 22 + 7 us. A worker
- * looks for work this long before it sleeps, and a loop shorter than this wakes nobody. */
+/* The CPU time that a sleep and the wake-up from it cost, measured: 22 us for the thread that sleeps and 7 us for the
+ * one that wakes it. A worker looks for work this long before it sleeps, and a loop shorter than this wakes nobody. */
 #define JOB_WAKE_NS 30000u
 
 /* The last worker to go to sleep watches for loops: it sleeps in naps and looks for open loops in between. So a loop
@@ -58,14 +58,14 @@
 #define JOB_STEAL_NS 100u
 #define JOB_STEAL_PAUSE_NS 2000u
 
-/* Functions whose slice times a thread remembers. */
+/* The number of loop functions of which a thread remembers how long a slice takes (job_slot.rate). */
 #ifndef JOB_RATES
 #define JOB_RATES 16
 #endif
 
-/* A parallel loop. Loops are never freed, only reused, so threads may look at them at any time. The fields that a
- * thread has read are valid if its exchange of claim succeeds, because that compares the generation. They are relaxed:
- * they are written before claim is released, and not again until all slices are done. */
+/* A parallel loop. Loops are never freed, only reused, so threads may look at them at any time. `claim` contains a
+ * generation, which counts the uses: the fields that a thread has read are valid if its compare-exchange of claim then
+ * succeeds. They are relaxed: they are written before claim is released, and not again until all slices are done. */
 typedef struct job_loop {
 	/* generation << 32 | slices left to claim; release in loop_open, pairs with acquire in loop_claim. */
 	alignas(JOB_LINE) _Atomic uint64_t claim;
@@ -78,8 +78,8 @@ typedef struct job_loop {
 	_Atomic uint32_t slices;
 	_Atomic uint32_t wake_slices; /* a wake-up pays if at least this many slices are left */
 	_Atomic uint32_t claim_limit; /* the most slices of one claim */
-	/* The submit hook's result. Plain: threads that have claimed slices read it, and it is not written before those are
-	 * done. */
+	/* The submit hook's result. Not atomic: only threads that have claimed slices read it, and it is not written again
+	 * until these slices are done. */
 	uint64_t tag;
 	/* Slices that helpers have finished since the pool was created, and JOB_LOOP_WAITER if the caller sleeps until they
 	 * are done. Opening a loop does not reset it: the store to claim would have to wait for this cache line. Release by
@@ -100,19 +100,20 @@ typedef struct job_rate {
 /* A thread of the pool. */
 typedef struct job_slot {
 	job_deque deque;
-	alignas(JOB_LINE) _Atomic(job_record *) inbox; /* newest first; release by the submitter, acquire by this thread */
+	/* Jobs pinned to this thread, newest first. Release by the submitter, pairs with the acquire by this thread. */
+	alignas(JOB_LINE) _Atomic(job_record *) inbox;
 	job_loop loop[JOB_LOOP_DEPTH];
 	alignas(JOB_LINE) job_parker parker;
 	/* From here on only this thread writes. The fields that every loop and job needs come first, on one cache line. */
 	alignas(JOB_LINE) stilb_job_pool *pool;
 	uintptr_t root; /* of the job or slice in progress, 0 outside of one */
-	uint32_t level; /* of the same, 0 outside of one */
+	uint32_t level; /* of that job or slice, 0 outside of one */
 	uint32_t index;
 	uint32_t loops_open;
-	uint32_t poll_round;          /* counts looks for work, see SHARED_FIRST */
-	uint32_t loops_run;           /* counts loops, see MEASURE_EVERY */
-	uint64_t alone_ticks;         /* total of the latest loops in a row that began alone (job_for.c) */
-	uint64_t alone_until;         /* the end of the last of them */
+	uint32_t poll_round;          /* counts looks for work, see SHARED_FIRST in job_work.c */
+	uint32_t loops_run;           /* counts loops, see MEASURE_EVERY in job_for.c */
+	uint64_t alone_ticks;         /* time in the latest loops that began without help, see loop_starts_alone */
+	uint64_t alone_until;         /* the time at which the last of these loops ended */
 	uint32_t spins_without_yield; /* spins left in which job_work_relax does not yield */
 	uint32_t victim;              /* the thread to try first when stealing */
 	bool in_high;                 /* inside a job of high priority: waits run no others */
@@ -121,19 +122,19 @@ typedef struct job_slot {
 	job_rate rate[JOB_RATES];
 	job_record *pinned; /* taken from the inbox, oldest first */
 	job_record_cache records;
-	_Atomic uint64_t submitted, finished; /* jobs, by this thread; see pool_is_quiet */
+	_Atomic uint64_t submitted, finished; /* counts of jobs, by this thread; see pool_is_quiet */
 	uint32_t cpu;                         /* the CPU to bind the thread to, or NO_CPU */
 	pthread_t thread;
-	_Atomic uintptr_t self; /* job_this_thread of this thread; written in builds with asserts alone */
+	_Atomic uintptr_t self; /* job_this_thread of this thread; written only in builds with asserts */
 } job_slot;
 
-/* An outside thread during a submit. */
+/* The records and the count of a thread from outside the pool, lent to it for one submit (job_guest_enter). */
 typedef struct job_guest {
 	alignas(JOB_LINE) job_record_cache records;
 	_Atomic uint64_t submitted;
 } job_guest;
 
-/* An outside thread during a wait; on its own stack. */
+/* A thread from outside the pool that waits for a group; lies on that thread's stack. */
 typedef struct job_visitor {
 	job_parker parker;
 	struct job_visitor *next; /* guarded by visitors_lock */
@@ -142,26 +143,28 @@ typedef struct job_visitor {
 /* Adds one to a counter that only the calling thread writes. */
 static inline void job_count(_Atomic uint64_t *counter)
 {
-	/* Release pairs with pool_is_quiet: a thread that sees a job finished sees all that the job has submitted. */
+	/* Release pairs with pool_is_quiet: a thread that sees a job counted as finished also sees the counts of all jobs
+	 * that it has submitted. */
 	atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + 1, memory_order_release);
 }
 
 enum { JOB_SHARED_HIGH, JOB_SHARED_NORMAL, JOB_SHARED_LOW, JOB_SHARED_COUNT };
 
 struct stilb_job_pool {
-	/* Read by every call, and constant. */
+	/* The first fields are read by every call and constant. */
 	alignas(JOB_LINE) uint32_t worker_count;
 	uint32_t cpus;
 	bool oversubscribed;  /* there are more threads than CPUs */
-	uint64_t wake_ticks;  /* JOB_WAKE_NS */
-	uint64_t steal_ticks; /* JOB_STEAL_NS */
+	uint64_t wake_ticks;  /* JOB_WAKE_NS in ticks of job_sys_ticks */
+	uint64_t steal_ticks; /* JOB_STEAL_NS in such ticks */
 	stilb_job_queue *shared[JOB_SHARED_COUNT];
 	stilb_job_hooks hooks;
 	job_idle_list idle;
 	job_record_store records;
-	/* Jobs in each shared queue, or a few more; relaxed, saves looking into empty queues. */
+	/* The number of jobs in each shared queue, or a few more. Relaxed: only saves looking into empty queues. */
 	alignas(JOB_LINE) _Atomic uint32_t shared_hint[JOB_SHARED_COUNT];
-	alignas(JOB_LINE) _Atomic uint32_t phase; /* open phases; relaxed, a hint to spinners */
+	/* Phases that have begun and not ended. Relaxed: a thread that reads an old value spins too long or too short. */
+	alignas(JOB_LINE) _Atomic uint32_t phase;
 	/* 1 while a worker watches for loops. Changed and read by acquire-release exchanges alone, see job_work_watched. */
 	_Atomic uint32_t watched;
 	_Atomic bool stop;                     /* release in destroy, pairs with acquire in the workers */
@@ -169,12 +172,13 @@ struct stilb_job_pool {
 	alignas(JOB_LINE) job_lock after_lock; /* guards the followers of all groups */
 	alignas(JOB_LINE) job_lock visitors_lock;
 	job_visitor *visitors;
-	alignas(JOB_LINE) _Atomic uint32_t guests; /* a bit for each guest in use; acquire to claim, release to give back */
+	/* Bit i: guest[i] is in use. Acquire to set it, pairs with the release that clears it. */
+	alignas(JOB_LINE) _Atomic uint32_t guests;
 	job_guest guest[JOB_GUESTS];
 	job_slot slot[]; /* worker_count + 1; slot[0] is the owner's */
 };
 
-/* The calling thread is this slot's from now on, for asserts. */
+/* Records for asserts that the calling thread is the one of this slot. */
 static inline void job_slot_set_mine(job_slot *slot)
 {
 #ifndef NDEBUG
@@ -184,7 +188,7 @@ static inline void job_slot_set_mine(job_slot *slot)
 #endif
 }
 
-/* For asserts: the slot is the calling thread's, or nobody keeps whose it is. */
+/* For asserts: the slot is the calling thread's. Always true with NDEBUG, where slots do not record their threads. */
 static inline bool job_slot_is_mine(job_slot *slot)
 {
 #ifndef NDEBUG
@@ -196,7 +200,7 @@ static inline bool job_slot_is_mine(job_slot *slot)
 #endif
 }
 
-/* For asserts: the calling thread is none of the pool's, or nobody keeps which those are. */
+/* For asserts: the calling thread is not one of the pool's. Always true with NDEBUG, as job_slot_is_mine. */
 static inline bool job_pool_is_outside(stilb_job_pool *pool)
 {
 #ifndef NDEBUG
@@ -209,7 +213,7 @@ static inline bool job_pool_is_outside(stilb_job_pool *pool)
 	return true;
 }
 
-/* The slot of the calling thread, which says that its index is worker. */
+/* The slot of the calling thread, which has passed `worker` as its index; asserts that this is so. */
 static inline job_slot *job_slot_of(stilb_job_pool *pool, uint32_t worker)
 {
 	assert(pool);
@@ -218,7 +222,7 @@ static inline job_slot *job_slot_of(stilb_job_pool *pool, uint32_t worker)
 	return &pool->slot[worker];
 }
 
-/* wait_begin and wait_end of the hooks. */
+/* Call the hooks wait_begin and wait_end if the pool has them. */
 static inline void job_hook_wait_begin(const stilb_job_pool *pool, uint32_t worker)
 {
 	if (pool->hooks.wait_begin)
@@ -246,35 +250,38 @@ void job_guest_leave(stilb_job_pool *pool, uint32_t guest);
 
 /* job_work.c: slot is the calling thread's. */
 
-/* Does some work of the scope: some jobs, or slices of one loop. False if there is none. Returns early once `until`,
- * which may be NULL, has finished. */
+/* Runs a few jobs (16 at most), or slices of one loop until none is left, of the work that the scope allows; false if
+ * there was none. Returns early once the group `until`, which may be NULL, has finished. */
 bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *until);
 
-/* Does one job, whichever it is, because every worker waits; false if there is none. The shared queues come first,
- * since no waiting thread takes from them. */
+/* Runs one job, whichever it is; false if there is none. Called when every worker waits, so that no thread would run
+ * unrelated jobs otherwise. Takes from the shared queues first, since waits take only jobs of high priority from
+ * there. */
 bool job_work_rescue(job_slot *slot);
 
-/* Spins for JOB_WAKE_NS, and a worker in a phase until the phase ends. True as soon as there seems to be work of the
- * scope or `until`, which may be NULL, has finished. */
+/* Spins for JOB_WAKE_NS; an idle worker in a phase goes on until the phase ends. True as soon as there seems to be work
+ * that the scope allows, or the group `until`, which may be NULL, has finished. */
 bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *until);
 
-/* True if there is work of the scope. Exact: sees everything that was published before the call. */
+/* True if there is work that the scope allows. Exact: sees everything that was published before the call. */
 bool job_work_exists(job_slot *slot, const job_scope *scope);
 
-/* One round of a spin outside of locks: pauses or yields. */
+/* One round of a loop in which the thread looks for work or waits: pauses or yields the CPU. */
 void job_work_relax(job_slot *slot);
 
-/* The thread, if it is a spinner, is none any more. */
+/* Stops counting the thread as a spinner (job_park.h), if it is counted as one. */
 void job_work_spin_stop(job_slot *slot);
 
-/* True if a worker watches for loops, and finds every loop opened before the call, unless that ends before. */
+/* True if a worker watches for loops (see JOB_WATCH_NAP_NS). It then finds every loop that was opened before the call
+ * and is still open at its next look, the last of which comes after the end of the watch. */
 bool job_work_watched(stilb_job_pool *pool);
 
-/* Wakes a thread if there is more work and none looks for it. `work` is what the caller has just found. */
+/* Wakes a sleeping thread if there is more work and no other thread is looking for work. `work` describes what the
+ * caller has just found: more of that is likely, so a thread that may do it is woken. */
 void job_work_wake_next(job_slot *slot, const job_work *work);
 
-/* Sleeps until there is work of the scope or a token for the slot's thread. Does not sleep if ready(slot, context) is
- * true, which is called after the thread has entered the idle list. */
+/* Enters the idle list and sleeps until another thread wakes this one. Does not sleep if ready(slot, context), called
+ * once after entering the list, returns true, or if there is work that the scope allows. */
 typedef bool job_ready_fn(job_slot *slot, void *context);
 job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready_fn *ready, void *context);
 
@@ -282,15 +289,17 @@ extern const job_scope job_scope_all;
 
 /* job_wait.c */
 
+/* Counts this many new jobs as unfinished. */
 void job_group_add(stilb_job_group *group, uint32_t jobs);
 
-/* Subtracts jobs that have finished. The group may be gone when this returns. */
+/* Counts this many jobs as finished. If none is left, the thread that waits for the group may already have freed it
+ * when this returns. */
 void job_group_finish(job_slot *slot, stilb_job_group *group, uint32_t jobs);
 
-/* True if every job has finished; then everything they wrote is visible. */
+/* True if every job of the group has finished; then everything they wrote is visible. */
 bool job_group_done(stilb_job_group *group);
 
-/* A hint, relaxed: true if at most this many jobs have not finished. */
+/* True if at most this many jobs of the group are unfinished. Relaxed: may be out of date, and orders nothing. */
 bool job_group_done_but(stilb_job_group *group, uint32_t jobs);
 
 /* Makes record a follower of group, to start when it has finished. False if it has finished already: then the caller
@@ -299,10 +308,12 @@ bool job_group_follow(stilb_job_pool *pool, stilb_job_group *group, job_record *
 
 /* job_for.c */
 
-/* Claims and runs slices of one loop of the scope; false if there is none. */
+/* Claims and runs slices of one loop that the scope allows, until none is left or `until` (may be NULL) has finished.
+ * False if there is no such loop. */
 bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *until);
 
-/* A hint, relaxed: true if there is such a loop. Loops finish without help, so a miss delays but never blocks. */
+/* True if a loop that the scope allows has slices left to claim. Relaxed, so it may miss one: loops finish without
+ * help, so that costs time but blocks nobody. */
 bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope);
 
 /* job_cpu.c */

@@ -12,10 +12,9 @@
  *            one thread, which sets it again before it tries the lock: there may be more sleepers, and the next release
  *            then wakes another one. On a sequentially consistent machine no wake-up is lost; the model test covers
  *            that.
- * Time limit. One gap remains. A release stores `held` and then loads `sleepers` without an order between the two,
- * because
- *            that order would cost more than everything else. The load may happen first and miss a thread that has
- *            still found the lock taken. Therefore no sleep is longer than JOB_LOCK_SLEEP_NS.
+ * Limit.     One gap remains. A release stores `held` and then loads `sleepers` without an order between the two,
+ *            because that order would cost more than everything else. So the load may happen first and miss a thread
+ *            that finds the lock still taken and goes to sleep. Therefore no sleep is longer than JOB_LOCK_SLEEP_NS.
  */
 #ifndef STILB_JOB_LOCK_H
 #define STILB_JOB_LOCK_H
@@ -39,7 +38,7 @@ typedef struct job_lock {
 	_Atomic uintptr_t holder;  /* job_this_thread of the holder, or 0; written in builds with asserts alone */
 } job_lock;
 
-/* For asserts: the calling thread holds the lock, or nobody keeps the holder. */
+/* For asserts: the calling thread holds the lock. Always true with NDEBUG, where the holder is not recorded. */
 static inline bool job_lock_is_mine(const job_lock *lock)
 {
 #ifndef NDEBUG
@@ -62,8 +61,8 @@ static inline void job_lock_set_mine(job_lock *lock, bool mine)
 
 static inline bool job_lock_try(job_lock *lock)
 {
-	/* The relaxed load is a hint; the exchange decides. Acquire pairs with the release in job_lock_give: this critical
-	 * section sees what earlier ones wrote. */
+	/* The relaxed load only saves an exchange in vain, which would take the cache line from the holder; the exchange
+	 * decides. Acquire pairs with the release in job_lock_give: this critical section sees what earlier ones wrote. */
 	return !atomic_load_explicit(&lock->held, memory_order_relaxed) &&
 	       !atomic_exchange_explicit(&lock->held, 1, memory_order_acquire);
 }
@@ -95,7 +94,7 @@ static inline __attribute__((cold)) void job_lock_wait_and_take(job_lock *lock)
 	job_lock_sleep_and_take(lock);
 }
 
-/* Not recursive. */
+/* Waits until the lock is free and takes it. Not recursive: the caller must not hold it already. */
 static inline void job_lock_take(job_lock *lock)
 {
 #ifndef NDEBUG
@@ -108,19 +107,20 @@ static inline void job_lock_take(job_lock *lock)
 
 static inline __attribute__((cold)) void job_lock_wake(job_lock *lock)
 {
-	/* Relaxed: nothing but the word itself is read. If it is zero, another thread has cleared it and wakes the
-	 * sleeper. */
+	/* Relaxed: nothing but `sleepers` itself is exchanged between the threads. If it is 0 already, another thread has
+	 * cleared it and wakes the sleeper. */
 	if (atomic_exchange_explicit(&lock->sleepers, 0, memory_order_relaxed))
 		job_sys_futex_wake_one(&lock->sleepers);
 }
 
-/* The lock must live until this returns, not only until another thread has taken it. */
+/* Releases the lock. The memory of the lock must stay valid until this returns: another thread may take the lock while
+ * this one still looks for sleepers in it. */
 static inline void job_lock_give(job_lock *lock)
 {
 	assert(job_lock_is_mine(lock) && "the caller holds the lock");
 	job_lock_set_mine(lock, false);
 	atomic_store_explicit(&lock->held, 0, memory_order_release); /* pairs with job_lock_try */
-	/* Relaxed, and not ordered after the store: see "Time limit" above. */
+	/* Relaxed, and not ordered after the store: a sleeper may be missed, see "Limit" in the head of this file. */
 	if (__builtin_expect(atomic_load_explicit(&lock->sleepers, memory_order_relaxed) != 0, 0))
 		job_lock_wake(lock);
 }

@@ -11,10 +11,11 @@ enum { PARKER_EMPTY, PARKER_TOKEN, PARKER_ASLEEP };
 void job_parker_sleep(job_parker *parker)
 {
 	uint32_t state = PARKER_EMPTY;
-	/* Acquire on failure pairs with the release in leave_token. On success nothing but the word is published. */
+	/* Fails if the token is there: acquire then pairs with the release in leave_token. Success needs no order, since
+	 * the word itself is all that it tells other threads. */
 	if (atomic_compare_exchange_strong_explicit(&parker->state, &state, PARKER_ASLEEP, memory_order_acquire,
 	                                            memory_order_acquire)) {
-		/* Relaxed: only decides whether to sleep on; the exchange in job_parker_clear synchronises. */
+		/* Relaxed: only decides whether to sleep again; job_parker_clear acquires what the waker wrote. */
 		while (atomic_load_explicit(&parker->state, memory_order_relaxed) == PARKER_ASLEEP)
 			job_sys_futex_wait(&parker->state, PARKER_ASLEEP);
 	} else {
@@ -26,8 +27,8 @@ void job_parker_sleep(job_parker *parker)
 bool job_parker_sleep_for(job_parker *parker, uint64_t nanoseconds)
 {
 	uint32_t state = PARKER_EMPTY;
-	/* Acquire, all: on failure they pair with the release in leave_token; on success they publish nothing but the
-	 * word. */
+	/* Both exchanges fail if the token is there: acquire then pairs with the release in leave_token. Success needs no
+	 * order, since the word itself is all that it tells other threads. */
 	if (atomic_compare_exchange_strong_explicit(&parker->state, &state, PARKER_ASLEEP, memory_order_acquire,
 	                                            memory_order_acquire)) {
 		job_sys_futex_wait_for(&parker->state, PARKER_ASLEEP, nanoseconds);
@@ -48,7 +49,7 @@ void job_parker_clear(job_parker *parker)
 	atomic_exchange_explicit(&parker->state, PARKER_EMPTY, memory_order_acquire);
 }
 
-/* True if the thread sleeps and must be woken through the kernel. */
+/* Sets the token. True if the thread sleeps and must be woken through the kernel. */
 static bool leave_token(job_parker *parker)
 {
 	/* Release pairs with the acquire in job_parker_clear. */
@@ -73,7 +74,7 @@ void job_idle_init(job_idle_list *list, uint32_t workers)
 	list->waiting = 0;
 }
 
-/* For asserts: the counts are right. Caller holds list->lock. */
+/* For asserts: `waiting` and the counts in `state` agree with the idlers listed. Caller holds list->lock. */
 static bool list_is_sound(const job_idle_list *list)
 {
 	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* idlers are ordered by the lock */
@@ -106,8 +107,8 @@ bool job_idle_spin_start(job_idle_list *list, uint32_t limit)
 
 void job_idle_spin_stop(job_idle_list *list)
 {
-	/* Seq_cst, partner of (b): a thread that saw the spinner had published its work before the spinner looks for
-	 * more. */
+	/* Seq_cst, partner of step (b) in job_park.h: a thread that still saw this spinner there, and so woke nobody, had
+	 * published its work before; the calling thread looks for more work after this, and finds it. */
 	uint32_t state = atomic_fetch_sub_explicit(&list->state, SPINNER, memory_order_seq_cst);
 	assert(SPINNERS(state) > 0 && "a spinner stops once");
 	(void)state;
@@ -126,7 +127,8 @@ bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning)
 {
 	job_lock_take(&list->lock);
 	assert(list_find(list, idler->parker) == 0 && "a thread is on the list once");
-	/* Seq_cst: step (1), partner of (b). Unsigned arithmetic wraps, which makes the sum subtract a spinner. */
+	/* Seq_cst: step (1) of job_park.h, partner of (b). One addition counts an idler in and, if spinning, a spinner out:
+	 * unsigned arithmetic wraps. */
 	uint32_t state = atomic_fetch_add_explicit(&list->state, spinning ? 1u - SPINNER : 1u, memory_order_seq_cst);
 	uint32_t count = IDLERS(state);
 	assert(count <= list->workers && "the owner and the workers at most");
@@ -144,7 +146,7 @@ bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning)
 static void list_remove(job_idle_list *list, uint32_t i, bool spins)
 {
 	assert(i < IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed))); /* ordered by the lock */
-	/* Seq_cst: keeps the chain of changes unbroken from any (1) to any (b). */
+	/* Seq_cst like every change of the word, so that its changes form one chain (see the head of job_park.h). */
 	uint32_t state = atomic_fetch_add_explicit(&list->state, spins ? SPINNER - 1u : -1u, memory_order_seq_cst);
 	if (list->idler[i].worker && !list->idler[i].scope.all)
 		list->waiting--;
@@ -161,12 +163,13 @@ job_idle_outcome job_idle_leave(job_idle_list *list, job_parker *parker)
 		list_remove(list, place - 1, false);
 	bool rescue = parker->rescue;
 	job_lock_give(&list->lock);
-	/* A thread that chooses this one leaves the token under the lock. So the token is there by now, and none can
-	 * follow. */
+	/* A waker removes a thread from the list and leaves the token in one critical section. So if this thread was
+	 * chosen, the token is there by now, and no other can follow. */
 	job_parker_clear(parker);
 	return place > 0 ? JOB_IDLE_NOT_CHOSEN : rescue ? JOB_IDLE_RESCUE : JOB_IDLE_CHOSEN;
 }
 
+/* True if a thread with this scope may do this work. */
 static bool scope_accepts(const job_scope *scope, const job_work *work)
 {
 	if (scope->all)
@@ -186,8 +189,8 @@ static bool scope_accepts(const job_scope *scope, const job_work *work)
 	return false;
 }
 
-/* The newest idler whose scope has this work, as in list_find. *rescue: no scope has it, but every worker waits. Caller
- * holds list->lock. */
+/* The index plus one of the newest idler whose scope includes this work, 0 if there is none. If none includes it but
+ * every worker waits, some idler that may do jobs, and *rescue is true. Caller holds list->lock. */
 static uint32_t list_find_for(const job_idle_list *list, const job_work *work, bool *rescue)
 {
 	uint32_t count = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
@@ -216,7 +219,7 @@ static void move_away(job_idle_list *list, job_parker *parker)
 	list->spare_cpu = cpu;
 }
 
-/* Removes the idler at that place, releases list->lock, which the caller holds, and wakes the thread. */
+/* Removes the idler with index place - 1, releases list->lock, which the caller holds, and wakes the idler's thread. */
 static void wake_idler(job_idle_list *list, uint32_t place, bool rescue)
 {
 	assert(place > 0);
@@ -244,7 +247,8 @@ bool job_idle_wake(job_idle_list *list, const job_work *work)
 
 void job_idle_wake_thread(job_idle_list *list, job_parker *parker)
 {
-	/* Seq_cst: (b), partner of (1); the inbox was published by a seq_cst exchange. */
+	/* Seq_cst: step (b) of job_park.h, partner of (1). A load suffices, since the caller has put the job into the
+	 * thread's inbox by a seq_cst exchange. */
 	if (IDLERS(atomic_load_explicit(&list->state, memory_order_seq_cst)) == 0)
 		return;
 	job_lock_take(&list->lock);

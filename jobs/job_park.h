@@ -2,8 +2,8 @@
  * job_park: how threads go to sleep without missing the event they sleep for. An eventcount: announce, look again,
  * sleep.
  *
- * The idle list holds the threads that sleep or are about to, each with its scope: the work it would wake up for. A
- * worker without work wakes up for anything, a thread that waits for a group or a loop only for jobs that belong to it.
+ * The idle list holds the threads that sleep or are about to, the idlers, each with its scope: the work it would wake
+ * up for. A worker without work wakes up for anything, a thread that waits for a group or a loop only for jobs of it.
  * Each thread sleeps on a futex of its own, its parker, which holds a token or not. To wake a thread is to leave the
  * token there, so a wake-up that comes before the sleep is not lost. With one futex for each thread instead of one for
  * all, the waker chooses which thread to wake: of those that may do the work, the one that came last, whose caches are
@@ -32,8 +32,8 @@
 #include <stdalign.h>
 
 typedef struct job_parker {
-	_Atomic uint32_t state;
-	/* Guarded by the idle list's lock. */
+	_Atomic uint32_t state; /* no token, token or asleep: see job_park.c */
+	/* The fields below are guarded by the idle list's lock. */
 	bool rescue;    /* woken to do any work there is */
 	bool bound;     /* its thread is bound to cpu */
 	uint32_t cpu;   /* valid if bound */
@@ -51,29 +51,31 @@ bool job_parker_sleep_for(job_parker *parker, uint64_t nanoseconds);
 /* Takes the token if it is there; never sleeps. Only for the parker's own thread. */
 void job_parker_clear(job_parker *parker);
 
-/* Leaves the token and wakes the thread if it sleeps. Two tokens left are one. [any-thread] */
+/* Leaves the token and wakes the thread if it sleeps. A parker holds one token at most: a second one left before the
+ * thread takes the first changes nothing. [any-thread] */
 void job_parker_wake(job_parker *parker);
 
 /* The work that a thread may do (see job_internal.h). */
 typedef struct job_scope {
-	bool all;       /* any; the other fields do not count */
-	bool jobs;      /* jobs as well as loops */
-	bool high;      /* jobs of high priority */
-	uintptr_t root; /* work that descends from this root */
-	uint32_t level; /* and is nested deeper than this */
+	bool all;       /* any work: root and level do not matter; jobs and high are true, too */
+	bool jobs;      /* jobs and loops of this root and level; false: loops alone */
+	bool high;      /* jobs of high priority, whatever their root */
+	uintptr_t root; /* work that descends from this root ... */
+	uint32_t level; /* ... and is nested deeper than this level */
 } job_scope;
 
 /* Places where work lies: the thread's own deque, another thread's deque, the queue of high priority, an open loop, the
  * other shared queues. */
 typedef enum job_work_kind { JOB_WORK_OWN, JOB_WORK_JOB, JOB_WORK_HIGH, JOB_WORK_LOOP, JOB_WORK_SHARED } job_work_kind;
 
-/* Work to wake a thread for. */
+/* Some work that has appeared, as the waker describes it to find a sleeping thread whose scope includes it. */
 typedef struct job_work {
 	job_work_kind kind;
 	uintptr_t root; /* root and level are set for JOB_WORK_JOB and JOB_WORK_LOOP */
 	uint32_t level;
 } job_work;
 
+/* An entry of the idle list: a thread that sleeps or is about to. */
 typedef struct job_idler {
 	job_parker *parker;
 	job_scope scope;
@@ -87,7 +89,7 @@ typedef struct job_idle_list {
 	alignas(JOB_LINE) job_lock lock;          /* guards everything below */
 	bool spare;                               /* spare_cpu is valid */
 	uint32_t spare_cpu;                       /* a CPU that no worker is bound to */
-	uint32_t workers;                         /* of the pool; constant */
+	uint32_t workers;                         /* workers of the pool; constant */
 	uint32_t
 		waiting; /* listed workers that wait for a group or a loop; when all workers do, one of them may do any work */
 	job_idler
@@ -105,8 +107,9 @@ bool job_idle_spin_start(job_idle_list *list, uint32_t limit);
 /* The calling worker, a spinner, has found work. It looks for more work afterwards and wakes a thread for that. */
 void job_idle_spin_stop(job_idle_list *list);
 
-/* Step (1). spinning: the thread has been a spinner. True if every worker now waits: then the caller must do whatever
- * work there is instead of sleeping. The thread must not be on the list. */
+/* Step (1) of the head of this file: puts the calling thread on the list. spinning: it has been a spinner, and is none
+ * any more. True if every worker now waits for a group or a loop: then the caller must do whatever work there is
+ * instead of sleeping. The thread must not be on the list. */
 bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning);
 
 /* How a thread came off the idle list. */
@@ -124,6 +127,7 @@ bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit);
  * token. */
 job_idle_outcome job_idle_leave(job_idle_list *list, job_parker *parker);
 
+/* True if this state word says that new work needs a wake-up: there is an idler and no spinner. */
 static inline bool job_idle_state_wanted(uint32_t state)
 {
 	return (state & (JOB_IDLE_SPINNER - 1)) > 0 && state < JOB_IDLE_SPINNER;
@@ -135,19 +139,22 @@ static inline bool job_idle_wanted(const job_idle_list *list)
 	return job_idle_state_wanted(atomic_load_explicit(&list->state, memory_order_seq_cst)); /* partner of (1) */
 }
 
-/* Step (b) for other work; a read-modify-write. [any-thread] */
+/* Step (b) for work published in any other way: job_idle_wanted by a read-modify-write that adds 0 (see the head of
+ * this file). [any-thread] */
 static inline bool job_idle_wanted_strict(job_idle_list *list)
 {
 	return job_idle_state_wanted(atomic_fetch_add_explicit(&list->state, 0, memory_order_seq_cst)); /* partner of (1) */
 }
 
-/* job_idle_wanted as a hint: relaxed. [any-thread] */
+/* job_idle_wanted, but relaxed: the answer may be out of date, so a wake-up may be missed. For callers to whom that
+ * costs time but not progress. [any-thread] */
 static inline bool job_idle_maybe_wanted(const job_idle_list *list)
 {
 	return job_idle_state_wanted(atomic_load_explicit(&list->state, memory_order_relaxed));
 }
 
-/* A hint, relaxed: the number of workers that are not on the list; one too few if the owner is on it. [any-thread] */
+/* The number of workers that are not on the list; one too few if the owner is on it. Relaxed: may be out of date.
+ * [any-thread] */
 static inline uint32_t job_idle_awake(const job_idle_list *list)
 {
 	uint32_t idlers = atomic_load_explicit(&list->state, memory_order_relaxed) & (JOB_IDLE_SPINNER - 1);
@@ -158,7 +165,8 @@ static inline uint32_t job_idle_awake(const job_idle_list *list)
  * [any-thread] */
 bool job_idle_wake(job_idle_list *list, const job_work *work);
 
-/* Chooses one particular thread, for work that no other thread may do. Includes step (b). [any-thread] */
+/* Wakes the thread of this parker if it is on the list, for work that no other thread may do. Includes step (b).
+ * [any-thread] */
 void job_idle_wake_thread(job_idle_list *list, job_parker *parker);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The time between two looks of an owner that waits in destroy for jobs that others run. */
+/* How long an owner in stilb_job_pool_destroy sleeps before it looks again whether the workers have run all jobs. */
 #define NAP_NS 100000u
 
 #define NO_CPU UINT32_MAX /* in job_slot.cpu */
@@ -23,7 +23,7 @@ static void worker_set_name(uint32_t worker)
 /* The most spinners at a time: one, or in a phase one for each CPU but the owner's. */
 static uint32_t spin_limit(stilb_job_pool *pool)
 {
-	/* Relaxed: a hint; the begin or end of a phase takes effect a moment later. */
+	/* Relaxed: with an old value, the begin or end of a phase takes effect a moment later, which is harmless. */
 	return atomic_load_explicit(&pool->phase, memory_order_relaxed) && pool->cpus > 2 ? pool->cpus - 1 : 1;
 }
 
@@ -33,7 +33,7 @@ static bool stopping(job_slot *slot, void *context)
 	return atomic_load_explicit(&slot->pool->stop, memory_order_acquire); /* pairs with stop_workers */
 }
 
-/* The worker has found nothing to do. */
+/* Called when the worker has found nothing to do: looks for work for a while, then sleeps. */
 static void worker_idle(job_slot *slot)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -46,13 +46,14 @@ static void worker_idle(job_slot *slot)
 		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* phase_begin wakes one spinner, which wakes the next */
 }
 
-/* Pauses stealing from a thread with many small jobs. Counts as a spinner meanwhile: the worker looks for work soon. */
+/* Waits JOB_STEAL_PAUSE_NS after a steal from a thread whose jobs are too small to be worth it. Meanwhile the worker
+ * counts as a spinner (job_park.h), since it will look for work soon. */
 static void pause_stealing(job_slot *slot)
 {
 	uint64_t start = job_sys_ticks(), pause = job_sys_ticks_in(JOB_STEAL_PAUSE_NS);
 	slot->steal_unprofitable = false;
 	if (job_deque_empty(&slot->pool->slot[slot->victim].deque))
-		return; /* that was its only job */
+		return; /* nothing is left to steal there, so the worker may look elsewhere at once */
 	if (!slot->spinning)
 		slot->spinning = job_idle_spin_start(&slot->pool->idle, spin_limit(slot->pool));
 	while (job_sys_ticks() - start < pause)
@@ -219,13 +220,13 @@ int stilb_job_pool_create(const stilb_job_pool_desc *desc, stilb_job_pool **pool
 	return job_pool_create_over(desc, NULL, pool);
 }
 
-/* True if at some moment during the call every submitted job had finished; then no job is in progress that could submit
- * another. The finished jobs are counted first, so jobs that are submitted or finish between the two counts can only
- * make the result false. */
+/* True if at some moment during the call every submitted job had finished, so that no running job could submit another.
+ * The finished jobs are counted first, so jobs that are submitted or finish between the two counts can only make the
+ * result false. */
 static bool pool_is_quiet(stilb_job_pool *pool)
 {
 	uint64_t finished = 0, submitted = 0;
-	/* Acquire, all: pairs with job_count. */
+	/* Acquire, all: pair with the release in job_count. */
 	for (uint32_t i = 0; i <= pool->worker_count; i++)
 		finished += atomic_load_explicit(&pool->slot[i].finished, memory_order_acquire);
 	for (uint32_t i = 0; i <= pool->worker_count; i++)
@@ -236,7 +237,8 @@ static bool pool_is_quiet(stilb_job_pool *pool)
 	return finished == submitted;
 }
 
-/* For asserts: no thread but the caller is inside the pool, and no job is left. After the workers have been joined. */
+/* For asserts: no job is left in any deque, inbox or shared queue, and no thread is inside a loop or job. To be called
+ * after the workers have been joined. */
 static bool pool_is_deserted(stilb_job_pool *pool)
 {
 	for (uint32_t i = 0; i <= pool->worker_count; i++) {
@@ -283,9 +285,9 @@ uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool)
 void stilb_job_phase_begin(stilb_job_pool *pool)
 {
 	assert(pool);
-	/* Relaxed: a hint to spinners. */
+	/* Relaxed: workers that see the phase a moment later only start to spin a moment later. */
 	if (atomic_fetch_add_explicit(&pool->phase, 1, memory_order_relaxed) == 0)
-		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* it wakes the next */
+		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* which wakes the next, and so on */
 }
 
 void stilb_job_phase_end(stilb_job_pool *pool)

@@ -20,12 +20,12 @@ typedef struct job_queue_ops {
 	void (*destroy)(stilb_job_queue *queue);
 } job_queue_ops;
 
-/* The first member of the struct of every kind. */
+/* The first member of the struct of every kind of queue, by which job_queue.c finds the kind's operations. */
 struct stilb_job_queue {
 	const job_queue_ops *ops;
 };
 
-/* Both return 0 or -ENOMEM; desc is in range. */
+/* Create a queue of one kind. 0 or -ENOMEM; the caller has checked that desc is in range. */
 int job_queue_low_lock_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 int job_queue_lock_free_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 

@@ -8,10 +8,9 @@
  *               on from there, first with doubling steps, then by bisection. When all cells of the last segment are
  *               filled, a producer appends another; when all of the first are taken, a consumer unlinks it.
  * Linearizable. A push takes effect at its successful compare-exchange, and so does a pop. A pop that finds nothing
- * takes
- *               effect when it reads an empty cell, or no next segment, behind a taken cell: everything before has been
- *               taken, and everything behind is empty because cells are filled in order. Positions are exact, so the
- *               capacity is exact, too.
+ *               takes effect when it reads an empty cell, or no next segment, behind a taken cell: everything before is
+ *               taken, and everything behind is empty because cells are filled in order. The position of a cell in the
+ *               order of all items is known exactly, so the capacity is exact, too.
  * Lock-free.    A compare-exchange of a cell, an end or a link fails only because another one has succeeded. No thread
  *               waits for another, and a thread that is preempted anywhere keeps no item from the others. Not
  *               wait-free: a thread may lose again and again. A push that needs a new segment is only as lock-free as
@@ -20,9 +19,9 @@
  *               stopped by the first consumer that finds the flag set and the queue empty: it puts a seal where the
  *               next item would go, by compare-exchange. If that fails, an item has arrived, and the consumer takes it;
  *               if it succeeds, no item can ever follow.
- * Reclamation.  Hazard pointers (Maged Michael, IEEE TPDS 2004) that stay set between calls: a thread announces the
- *               segment it works in at either end, and checks that it still is that end, only when it moves to another
- *               segment; calls in between store nothing but their cell. Retired segments lie in slots, from which
+ * Reclamation.  Hazard pointers (Maged Michael, IEEE TPDS 2004) that stay set between calls: only when a thread moves
+ *               to another segment at one end of the queue, it announces that segment and checks that the end still is
+ *               there; calls in between store nothing but their cell. Retired segments lie in slots, from which
  *               producers take one that no hazard pointer names. Unlike with epochs, a thread that stops for ever keeps
  *               two segments from being reused and not all that are retired later, and a thread that continues has
  *               nothing to announce.
@@ -49,14 +48,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The model test makes all of these smaller. Backing off takes at most JOB_BACKOFF_PAUSES pauses. */
+/* The model test (tests/jobs/model) makes all of these smaller. JOB_BACKOFF_PAUSES: the most pauses of one back-off. */
 #ifndef JOB_SEGMENT_CELLS
 #define JOB_SEGMENT_CELLS 1024
 #define JOB_SEGMENT_ALIGN JOB_LINE
 #define JOB_SPARE_SEGMENTS 8
 #define JOB_BACKOFF_PAUSES 512
 #endif
-#define LOOKS_FOR_SEGMENT 8 /* retired segments found in use before a new one is allocated */
+#define LOOKS_FOR_SEGMENT 8 /* so many retired segments may be found in use before a new one is allocated */
 
 enum { HEAD, TAIL, ENDS };
 
@@ -67,16 +66,16 @@ struct lock_free_segment {
 	_Atomic(lock_free_segment *) next;
 	/* Constant from segment_append until the segment is retired. */
 	uint64_t first; /* the position of cell 0 in the order of all items */
-	void *empty;    /* the mark that a cell holds before its item; taken_mark of it is the mark after it */
+	void *empty;    /* the mark of empty cells: NULL or &other_mark; taken_mark() gives the mark of taken ones */
 	alignas(JOB_SEGMENT_ALIGN) _Atomic(void *) cell[JOB_SEGMENT_CELLS];
 };
 
-/* The position of a thread at one end. */
+/* How far a thread has got at one end of the queue. */
 typedef struct thread_place {
 	lock_free_segment *segment; /* the one that the thread's hazard pointer names, or NULL */
-	void *empty;                /* the segment's mark */
+	void *empty;                /* a copy of segment->empty */
 	uint32_t index;             /* all cells before it are filled (tail) or taken (head) */
-	uint32_t pauses;            /* the length of the last back-off */
+	uint32_t pauses;            /* the length of the last back-off, in CPU pauses */
 } thread_place;
 
 typedef struct thread_state {
@@ -84,8 +83,8 @@ typedef struct thread_state {
 	/* The thread's own, on a cache line of its own. */
 	alignas(JOB_LINE / 2) thread_place place[ENDS];
 	uint64_t popped;      /* a lower bound of the number of items taken since the queue was created */
-	uint32_t slot;        /* index of the slot to look at first */
-	job_exclusive caller; /* the call in progress */
+	uint32_t slot;        /* index in lock_free.slot of the slot to look at first */
+	job_exclusive caller; /* asserts that two calls with the same thread number do not overlap */
 } thread_state;
 static_assert(sizeof(thread_state) == JOB_LINE, "small and padded");
 
@@ -102,7 +101,8 @@ typedef struct lock_free {
 	thread_state thread[];
 } lock_free;
 
-/* Marks are addresses that no item and no segment can have. A cell or a link that holds SEAL ends the queue. */
+/* Marks are addresses that no item and no segment can have. A cell, or a segment's `next`, that holds SEAL ends a
+ * closed queue. */
 static alignas(alignof(lock_free_segment)) char seal_mark, other_mark;
 #define SEAL ((void *)&seal_mark)
 
@@ -134,16 +134,16 @@ static bool lock_free_closed(lock_free *queue)
 /* ---- hazards and retired segments ------------------------------------------------------------------------------- */
 
 /*
- * A segment is reused once the head has left it and no hazard pointer names it. Moving an end, setting a hazard
- * pointer, reloading the end and reading all hazard pointers are seq_cst. So either the reader finds the hazard
- * pointer, or the end was moved before the hazard pointer was set, and then the thread that set it sees the move and
- * drops the segment. The tail may leave a segment later than the head; until it has, the thread that appended the next
- * segment is in tail_move with its hazard pointer on this one. used_count is raised before a thread's first hazard
- * pointer is set, likewise.
+ * A segment is reused once the head has left it and no hazard pointer names it. Four steps are seq_cst: moving an end,
+ * setting a hazard pointer, reloading the end after that, and reading all hazard pointers. So either the thread that
+ * reads all hazard pointers finds this one, or the end was moved before it was set, and then the thread that set it
+ * sees the move and drops the segment. The tail may leave a segment later than the head; until it has, the thread that
+ * appended the next segment is in tail_move with its hazard pointer on this one. used_count, by which readers know how
+ * many hazard pointers there are, is raised by a seq_cst exchange before a thread sets its first one.
  */
 static void thread_announce(lock_free *queue, uint32_t thread)
 {
-	/* Relaxed: a hint; the exchange decides. */
+	/* Relaxed: the number never falls, and the exchange decides. */
 	uint32_t count = atomic_load_explicit(&queue->used_count, memory_order_relaxed);
 	while (count <= thread && !atomic_compare_exchange_weak_explicit(&queue->used_count, &count, thread + 1,
 	                                                                 memory_order_seq_cst, memory_order_relaxed))
@@ -155,7 +155,7 @@ static void place_move(lock_free *queue, thread_state *self, uint32_t end)
 {
 	thread_announce(queue, (uint32_t)(self - queue->thread));
 	lock_free_segment *segment,
-		*seen = atomic_load_explicit(&queue->end[end].segment, memory_order_relaxed); /* a hint */
+		*seen = atomic_load_explicit(&queue->end[end].segment, memory_order_relaxed); /* checked below */
 	do {
 		segment = seen;
 		/* Also release, pairs with segment_in_use: all accesses to the previous segment come before. */
@@ -171,7 +171,8 @@ static void place_move(lock_free *queue, thread_state *self, uint32_t end)
  * have been reused in between. */
 static bool end_advance(lock_free *queue, uint32_t end, lock_free_segment *segment, lock_free_segment *next)
 {
-	/* Seq_cst: see above. The load comes first because in most cases another thread has moved the end already. */
+	/* Seq_cst: see the head of this section. The load saves an exchange in vain, since in most cases another thread has
+	 * moved the end already. */
 	return atomic_load_explicit(&queue->end[end].segment, memory_order_seq_cst) == segment &&
 	       atomic_compare_exchange_strong_explicit(&queue->end[end].segment, &segment, next, memory_order_seq_cst,
 	                                               memory_order_seq_cst);
@@ -179,7 +180,8 @@ static bool end_advance(lock_free *queue, uint32_t end, lock_free_segment *segme
 
 static bool segment_in_use(lock_free *queue, const lock_free_segment *segment)
 {
-	/* Seq_cst: see above. Also acquire, pairs with place_move and lock_free_rest. */
+	/* Seq_cst: see the head of this section. Also acquire, pairs with place_move and lock_free_rest: a thread that has
+	 * left the segment has done all its accesses. */
 	uint32_t count = atomic_load_explicit(&queue->used_count, memory_order_seq_cst);
 	for (uint32_t i = 0; i < count; i++)
 		for (uint32_t end = 0; end < ENDS; end++)
@@ -188,13 +190,14 @@ static bool segment_in_use(lock_free *queue, const lock_free_segment *segment)
 	return false;
 }
 
+/* The number of slots in use: enough for every segment that hazard pointers can name, and JOB_SPARE_SEGMENTS more. */
 static uint32_t slot_count(lock_free *queue)
 {
-	/* Relaxed: at least the number that this thread announced; any number between that and the latest one serves. */
+	/* Relaxed: the value counts this thread at least, which has raised it; later threads may or may not be counted. */
 	return ENDS * atomic_load_explicit(&queue->used_count, memory_order_relaxed) + JOB_SPARE_SEGMENTS;
 }
 
-/* Exchanges the content of the thread's slot with segment; either may be NULL. */
+/* Puts segment into the slot that the thread looks at, self->slot, and returns what was there; both may be NULL. */
 static lock_free_segment *slot_swap(lock_free *queue, thread_state *self, lock_free_segment *segment)
 {
 	/* Release and acquire pair with each other: a thread that takes a segment out sees all earlier uses of it. */
@@ -204,7 +207,7 @@ static lock_free_segment *slot_swap(lock_free *queue, thread_state *self, lock_f
 
 static bool slot_occupied(lock_free *queue, thread_state *self)
 {
-	return atomic_load_explicit(&queue->slot[self->slot], memory_order_relaxed); /* a hint; the exchange decides */
+	return atomic_load_explicit(&queue->slot[self->slot], memory_order_relaxed); /* may be old; slot_swap decides */
 }
 
 /* Puts a segment into a free slot. If all are full, frees a segment: there are more slots than hazard pointers, so one
@@ -234,7 +237,7 @@ static lock_free_segment *segment_create(void)
 	return segment;
 }
 
-/* A segment that no thread uses, or NULL if there is no memory. */
+/* A retired segment that no thread uses any more, or a new one; NULL if there is no memory. */
 static lock_free_segment *segment_find(lock_free *queue, thread_state *self)
 {
 	uint32_t count = slot_count(queue), looks = 0;
@@ -292,7 +295,8 @@ static bool segment_is_used_up(const lock_free_segment *segment, bool taken)
 	return true;
 }
 
-/* Changes the cell of the place from *seen to `to`. False if it holds something else, which is stored in *seen. */
+/* Changes the cell that `place` points at from *seen to `to`. False if the cell holds something else, which is then
+ * stored in *seen. */
 static bool cell_change(thread_place *place, void **seen, void *to)
 {
 	assert(place->index < JOB_SEGMENT_CELLS);
@@ -333,14 +337,15 @@ static bool head_move(lock_free *queue, thread_state *self)
 	return true;
 }
 
-/* The oldest item, which stays in the cell of the head's place; or NULL, and that cell held no item. */
+/* Moves the thread's place at the head to the first cell that is not taken. The item there, which stays in its cell; or
+ * NULL, if the cell held no item or there is no such cell yet. */
 static void *head_find(lock_free *queue, thread_state *self)
 {
 	thread_place *place = &self->place[HEAD];
 	for (;;) {
 		void *taken = taken_mark(place->empty);
 		if (place->segment && place->index < JOB_SEGMENT_CELLS) {
-			/* Acquire pairs with the release in cell_change: what the item points to. */
+			/* Acquire pairs with the release in cell_change: what the item points to is visible. */
 			void *seen = atomic_load_explicit(&place->segment->cell[place->index], memory_order_acquire);
 			if (seen != taken)
 				return seen == place->empty || seen == SEAL ? NULL : seen;
@@ -351,8 +356,8 @@ static void *head_find(lock_free *queue, thread_state *self)
 	}
 }
 
-/* Called when there was no item at the head's place: -EAGAIN; or, if the queue is closed, -EPIPE, or 0 if an item has
- * arrived meanwhile. */
+/* Called when head_find has found no item. -EAGAIN if the queue is not closed; else puts the seal there and returns
+ * -EPIPE, or 0 if an item has arrived meanwhile. */
 static int head_seal(lock_free *queue, thread_place *place)
 {
 	if (!lock_free_closed(queue))
@@ -429,7 +434,8 @@ static int segment_append(lock_free *queue, thread_state *self, lock_free_segmen
 		return -ENOMEM;
 	atomic_init(&segment->next, NULL);
 	segment->first = last->first + JOB_SEGMENT_CELLS;
-	if (!cell_is(segment, 0, segment->empty)) /* reused: all cells are taken */
+	/* In a reused segment every cell, also cell 0, holds the mark of taken cells, which becomes that of empty ones. */
+	if (!cell_is(segment, 0, segment->empty))
 		segment->empty = taken_mark(segment->empty);
 	*next = NULL;
 	/* Release: this segment is initialised. Acquire, on failure: so is the other thread's. */
@@ -469,7 +475,8 @@ static bool tail_full(lock_free *queue, thread_state *self)
 		return false;
 	head_find(queue, self);
 	self->popped = head->segment->first + head->index;
-	/* The head may have passed the tail's place, which is out of date then; cell_change will fail. */
+	/* pushed < popped: other threads have filled the cell at this thread's place long ago. The queue is then reported
+	 * as not full; the caller's cell_change fails, and it searches on from there. */
 	return pushed >= self->popped && pushed - self->popped >= queue->capacity;
 }
 
@@ -492,7 +499,7 @@ static int push_one(lock_free *queue, thread_state *self, void *item)
 			place->index++;
 			return 0;
 		}
-		if (place->index > 0) /* in a segment new to this thread, cells filled by others mean no contention */
+		if (place->index > 0) /* cell 0: this thread is new in the segment, and others may have filled it long ago */
 			place_back_off(place);
 		/* Only the last of the cells that are not empty can hold a seal. */
 		place->index = cell_search(place->segment, place->index, place->empty, true);

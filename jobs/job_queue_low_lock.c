@@ -59,17 +59,17 @@ typedef struct low_lock {
 	struct {
 		alignas(JOB_LINE) job_lock lock;
 		_Atomic uint64_t count; /* items pushed so far; release, pairs with acquire in pop and empty */
-		uint64_t stop;          /* pushes need no checks before this count: the segment ends, full or closed */
-		uint64_t end;           /* the count at which the segment is full */
+		uint64_t stop;          /* below it a push need not check: a free cell in `at`, queue not full and not closed */
+		uint64_t end;           /* the count at which the segment `at` is full */
 		segment *at;            /* the segment being filled */
-		uint64_t segments;      /* in the ring */
+		uint64_t segments;      /* the number of segments in the ring */
 		_Atomic bool closed;    /* release in close, pairs with acquire in pop */
 	} push;
 	struct {
 		alignas(JOB_LINE) job_lock lock;
 		_Atomic uint64_t count; /* items popped so far; release, pairs with acquire in push */
-		_Atomic uint64_t stop;  /* up to this count the segment holds items; written under the lock */
-		uint64_t end;           /* the count at which the segment is used up */
+		_Atomic uint64_t stop;  /* up to this count the segment `at` is known to hold items; written under the lock */
+		uint64_t end;           /* the count at which the segment `at` is used up */
 		segment *at;            /* the segment being emptied */
 	} pop;
 } low_lock;
@@ -111,7 +111,7 @@ static void segments_destroy(segment *first)
 	}
 }
 
-/* For asserts: the ring has the number of segments that it says; rings over 64 segments are trusted. */
+/* For asserts: the ring has push.segments segments. Not checked above 64 segments, since it would take too long. */
 static bool ring_is_sound(const low_lock *self)
 {
 	if (self->push.segments > 64)
@@ -147,7 +147,7 @@ static size_t ring_free(const low_lock *self, uint64_t popped)
 
 /* ---- push ----------------------------------------------------------------------------------------------------- */
 
-/* For asserts: the producers' counts are in order. Caller holds push.lock. */
+/* For asserts: count <= stop <= end, and end is the end of the segment being filled. Caller holds push.lock. */
 static bool push_is_sound(const low_lock *self)
 {
 	uint64_t count = atomic_load_explicit(&self->push.count, memory_order_relaxed); /* ordered by the lock */
@@ -278,13 +278,15 @@ static int pop_refused(low_lock *self)
 /* True if a pop would find nothing. Asked before the lock is taken, so that idle consumers do not contend for it. */
 static bool pop_hopeless(low_lock *self)
 {
-	/* Relaxed, a hint: while items seen at the last refill remain, the producers' cache line is not read. */
+	/* The consumers' own stop comes first: while items are left up to it, the producers' cache line is not read.
+	 * Relaxed: with old values the answer may be false although the queue is empty, and the pop then takes the lock and
+	 * looks again; it is true only if low_lock_empty says so. */
 	return atomic_load_explicit(&self->pop.count, memory_order_relaxed) ==
 	           atomic_load_explicit(&self->pop.stop, memory_order_relaxed) &&
 	       low_lock_empty(&self->base, 0);
 }
 
-/* For asserts: the consumers' counts are in order. Caller holds pop.lock. */
+/* For asserts: count <= stop <= end, and end is the end of the segment being emptied. Caller holds pop.lock. */
 static bool pop_is_sound(const low_lock *self)
 {
 	uint64_t count = atomic_load_explicit(&self->pop.count, memory_order_relaxed); /* both ordered by the lock */
@@ -293,8 +295,8 @@ static bool pop_is_sound(const low_lock *self)
 	       self->pop.end - count <= JOB_SEGMENT_CELLS && self->pop.end % JOB_SEGMENT_CELLS == 0;
 }
 
-/* Looks for items after the first `popped`, where the last refill ended; false if there are none. Caller holds
- * pop.lock. */
+/* Called when all items up to pop.stop have been popped, `popped` in all: looks for newer ones and raises stop; false
+ * if there are none. Caller holds pop.lock. */
 static bool pop_refill(low_lock *self, uint64_t popped)
 {
 	assert(popped == atomic_load_explicit(&self->pop.stop, memory_order_relaxed) && "all items seen are taken");
@@ -306,7 +308,7 @@ static bool pop_refill(low_lock *self, uint64_t popped)
 		self->pop.at = self->pop.at->next;
 		self->pop.end += JOB_SEGMENT_CELLS;
 	}
-	/* Relaxed: a hint to pop_hopeless. */
+	/* Relaxed: pop_hopeless alone reads it without the lock, and an old value there does no harm. */
 	atomic_store_explicit(&self->pop.stop, least(pushed, self->pop.end), memory_order_relaxed);
 	return true;
 }

@@ -43,7 +43,7 @@ static job_record *slab_create(job_record_store *store)
 	return slab->record;
 }
 
-/* For asserts: the list given has the length and the last record that the cache says. */
+/* For asserts: the list `given` of the cache has given_count records and ends with given_last. */
 static bool cache_is_sound(const job_record_cache *cache)
 {
 	uint32_t count = 0;
@@ -64,7 +64,8 @@ job_record *job_record_take(job_record_store *store, job_record_cache *cache)
 		cache->given_count--;
 		return record;
 	}
-	/* Relaxed: a hint that saves an exchange, which would fetch the cache line for nothing. */
+	/* The relaxed load only saves the exchange if the store seems empty. If its value is old, the thread allocates
+	 * although there are spare records, or exchanges in vain; both do no harm. */
 	if (!cache->taken && atomic_load_explicit(&store->spare, memory_order_relaxed))
 		cache->taken = atomic_exchange_explicit(&store->spare, NULL, memory_order_acquire); /* pairs with cache_spill */
 	if (!cache->taken)
@@ -75,7 +76,7 @@ job_record *job_record_take(job_record_store *store, job_record_cache *cache)
 	return record;
 }
 
-/* Moves the records that were given back to the store. */
+/* Moves the records that this thread has collected in `given` to the store, for all threads. */
 static void cache_spill(job_record_store *store, job_record_cache *cache)
 {
 	JOB_CHECK(cache_is_sound(cache));

@@ -18,12 +18,12 @@
 #include <stdalign.h>
 
 #ifndef JOB_RECORD_LIST
-#define JOB_RECORD_LIST 128u /* the most records a thread's cache holds that were given back */
+#define JOB_RECORD_LIST 128u /* the most records given back that a thread keeps before it passes them on */
 #define JOB_RECORD_SLAB 63u  /* records of one slab */
 #endif
 
 typedef struct job_record {
-	/* range if count > 0 (an array of jobs), else one. */
+	/* `range` if count > 0 (a parallel loop submitted as a job), else `one`. */
 	union {
 		stilb_job_fn *one;
 		stilb_job_range_fn *range;
@@ -36,8 +36,8 @@ typedef struct job_record {
 	 * record has been reused meanwhile, their exchange of the deque's top fails. */
 	_Atomic uintptr_t root;
 	_Atomic uint32_t level;
-	uint32_t count;
-	uint32_t grain;
+	uint32_t count;  /* of the loop's indices; 0: a single job */
+	uint32_t grain;  /* indices of one slice of the loop */
 	uint16_t target; /* index of the only thread that may run it, or JOB_ANYONE */
 	uint8_t priority;
 } job_record;
@@ -54,7 +54,7 @@ typedef struct job_record_store {
 	_Atomic(job_record_slab *) slabs;              /* all slabs, for job_record_store_finish */
 } job_record_store;
 
-/* One thread's own. All zero: empty. */
+/* The free records that one thread keeps for itself. All zero: empty. */
 typedef struct job_record_cache {
 	job_record *given; /* given back by this thread, newest first, since that one is still in its CPU's cache */
 	job_record *given_last;

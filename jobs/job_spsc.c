@@ -11,14 +11,14 @@
 #include <stdlib.h>
 
 /*
- * The list of the article:   first ... divider ... last
+ * The list of Sutter's article (job_spsc.h names it):   first ... divider ... last
  *
  * A node of the list is a cell of a block. The next node is the next cell; after the last cell of a block it is the
  * first cell of the following block. So the list needs no pointer and no malloc per node. The nodes up to and including
  * divider have been consumed; those after divider, up to and including last, hold items. The queue is empty if divider
  * equals last. There is always one consumed node between the two ends, so they never touch the same cell.
  *
- *   producer   writes the item, then publishes last; reuses the blocks before the divider's
+ *   producer   writes the item, then publishes last; reuses the blocks before the one that holds divider
  *   consumer   copies the item, then publishes divider
  *
  * All other memory is plain: whatever an end reads of it was written before the other end published.
@@ -33,31 +33,31 @@ typedef struct job_spsc_block {
 } job_spsc_block;
 
 struct stilb_job_spsc {
-	/* The producer's. */
+	/* Written by the producer alone. */
 	alignas(JOB_LINE) _Atomic(void **) last;
 	_Atomic bool closed;
 	job_spsc_block *first;   /* the oldest block */
-	job_spsc_block *writing; /* the block of last */
+	job_spsc_block *writing; /* the block that last points into */
 	job_exclusive producer;
 
-	/* The consumer's. */
+	/* Written by the consumer alone. */
 	alignas(JOB_LINE) _Atomic(void **) divider;
-	void **seen; /* last as of the consumer's latest look; it looks again when it has consumed up to there */
-	job_spsc_block *reading; /* the block of divider */
+	void **seen;             /* `last` as the consumer last read it; read again when all nodes up to it are consumed */
+	job_spsc_block *reading; /* the block that divider points into */
 	job_exclusive consumer;
 };
 
 static bool block_holds(const job_spsc_block *block, void **cell)
 {
-	/* As integers, since the cell may be in another block. For a cell below the block the difference wraps around to a
-	 * large number. */
+	/* As integers, since C does not define the difference of pointers into different blocks. For a cell at a lower
+	 * address than the block the difference wraps around to a large number. */
 	return (uintptr_t)cell - (uintptr_t)block->cells < sizeof block->cells;
 }
 
 /* Returns a block to follow the full one: a block that the consumer has left, or a new one. NULL: no memory. */
 static job_spsc_block *block_take(stilb_job_spsc *queue)
 {
-	/* Acquire pairs with the release in pop: the consumer has finished reading the blocks before the divider's. */
+	/* Acquire pairs with the release in pop: the consumer has finished reading the blocks before divider's block. */
 	void **divider = atomic_load_explicit(&queue->divider, memory_order_acquire);
 	job_spsc_block *block = queue->first;
 	if (block_holds(block, divider))
@@ -94,7 +94,7 @@ void stilb_job_spsc_destroy(stilb_job_spsc *queue)
 {
 	if (!queue)
 		return;
-	queue->writing->next = NULL; /* not set so far */
+	queue->writing->next = NULL; /* the newest block, whose link has not been set yet */
 	for (job_spsc_block *block = queue->first; block;) {
 		job_spsc_block *next = block->next;
 		free(block);
@@ -119,7 +119,7 @@ static bool consumer_is_sound(const stilb_job_spsc *queue)
 
 static int spsc_push(stilb_job_spsc *queue, void *item)
 {
-	/* Relaxed, both: the producer's own. */
+	/* Relaxed, both: only the producer, the calling thread, writes closed and last. */
 	if (atomic_load_explicit(&queue->closed, memory_order_relaxed))
 		return -EPIPE;
 	void **last = atomic_load_explicit(&queue->last, memory_order_relaxed);

@@ -33,17 +33,19 @@ void job_guest_leave(stilb_job_pool *pool, uint32_t guest)
 
 /* ---- where a job goes ------------------------------------------------------------------------------------------ */
 
-/* Gives the record to one thread. Needs no memory, so it cannot fail. */
+/* Puts the record into the inbox of one thread and wakes that thread. Needs no memory, so it cannot fail. */
 static void push_inbox(job_slot *target, job_record *record)
 {
 	record->next = atomic_load_explicit(&target->inbox, memory_order_relaxed); /* the first guess of the exchange */
-	/* Seq_cst: publishes the record to the target's exchange, and precedes the look at the idle list: step (a). */
+	/* Seq_cst: publishes the record to the thread that empties the inbox, and comes before the look at the idle list:
+	 * step (a) in the head of job_park.h. */
 	while (!atomic_compare_exchange_weak_explicit(&target->inbox, &record->next, record, memory_order_seq_cst,
 	                                              memory_order_relaxed))
 		;
 	job_idle_wake_thread(&target->pool->idle, &target->parker);
 }
 
+/* The shared queue, as an index of pool->shared, for the record's priority. */
 static uint32_t shared_of(const job_record *record)
 {
 	switch (record->priority) {
@@ -56,11 +58,13 @@ static uint32_t shared_of(const job_record *record)
 	}
 }
 
-/* Pushes into the shared queue of the record's priority; thread is the caller's number there. 0 or -ENOMEM. */
+/* Pushes into the shared queue of the record's priority; thread is the caller's thread number in the queue's calls
+ * (job_queue.h). 0 or -ENOMEM. */
 static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread)
 {
 	uint32_t which = shared_of(record);
-	/* Relaxed: a hint. Raised before the push, so that it never falls below zero. */
+	/* Relaxed: consumers skip a queue whose count is 0, and if they see the new count late, they find the job a moment
+	 * later. Raised before the push, so that it never falls below zero. */
 	atomic_fetch_add_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
 	int error = stilb_job_queue_push(pool->shared[which], record, thread);
 	if (error) {
@@ -76,7 +80,7 @@ static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread
 /* Pushes into the calling thread's deque. 0 or -ENOMEM. */
 static int push_own(job_slot *slot, job_record *record)
 {
-	/* Read before the push, after which another thread may have run the job. */
+	/* root and level are read before the push: after it another thread may run the job and reuse the record. */
 	job_work work = {.kind = JOB_WORK_JOB,
 	                 .root = atomic_load_explicit(&record->root, memory_order_relaxed),
 	                 .level = atomic_load_explicit(&record->level, memory_order_relaxed)};
@@ -112,7 +116,8 @@ static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t g
 
 /* ---- public ---------------------------------------------------------------------------------------------------- */
 
-/* Sets the record's root, level and tag, counts it, and puts it where it belongs. slot is NULL for a guest. */
+/* Sets the record's root, level and tag, counts it as submitted and in its group, and puts it where it belongs. slot is
+ * the calling thread's, or NULL if that is from outside the pool and uses pool->guest[guest]. */
 static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *after, job_slot *slot, uint32_t guest)
 {
 	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)record->group;
@@ -131,7 +136,7 @@ static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *af
 		submit_as_guest(pool, record, guest);
 }
 
-/* Copies the job's own fields into a new record and submits that. 0 or -ENOMEM. */
+/* Submits a job as a new record with the fields of *job that the submitter chooses. 0 or -ENOMEM. */
 static int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_group *after, uint32_t worker)
 {
 	assert(pool);

@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Pauses before a waiting thread yields: the thread it waits for may need this CPU. */
+/* How often a waiting thread pauses before it yields its CPU, which the thread it waits for may need. */
 #define JOB_PAUSES_BEFORE_YIELD 64
 
 static inline void job_sys_pause(void)
@@ -26,7 +26,8 @@ static inline void job_sys_pause(void)
 #endif
 }
 
-/* One round of a loop that waits for another thread. *rounds starts at 0. */
+/* One round of a loop that waits for another thread: a pause in the first JOB_PAUSES_BEFORE_YIELD rounds, then yields.
+ * *rounds counts the pauses; the caller sets it to 0 before the loop. */
 static inline void job_sys_relax(uint32_t *rounds)
 {
 	if (*rounds < JOB_PAUSES_BEFORE_YIELD) {
@@ -37,7 +38,7 @@ static inline void job_sys_relax(uint32_t *rounds)
 	}
 }
 
-/* A steady clock for short intervals, the same on all CPUs. The unit is job_sys_ticks_in's. */
+/* A steady clock for short intervals, the same on all CPUs. job_sys_ticks_in converts nanoseconds to its unit. */
 static inline uint64_t job_sys_ticks(void)
 {
 #if defined(__x86_64__)

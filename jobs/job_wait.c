@@ -36,7 +36,7 @@ static uint32_t word_count(uint64_t word)
 void job_group_add(stilb_job_group *group, uint32_t jobs)
 {
 	assert((uintptr_t)group % _Alignof(stilb_job_group) == 0);
-	/* Relaxed: the caller publishes the job itself. */
+	/* Relaxed: orders nothing; the caller publishes the job later, by pushing it. */
 	uint64_t old = atomic_fetch_add_explicit(group_word(group), jobs, memory_order_relaxed);
 	assert(word_count(old) <= UINT32_MAX - 1 - jobs &&
 	       "2^32 - 2 unfinished jobs at most; was the group zero-initialised?");
@@ -54,8 +54,8 @@ bool job_group_done_but(stilb_job_group *group, uint32_t jobs)
 	return word_count(atomic_load_explicit(group_word(group), memory_order_relaxed)) <= jobs;
 }
 
-/* Asks the thread that finishes the last job to wake this waiter. False if the group has finished: then no thread
- * will. */
+/* Writes the waiter (worker index + 1, or WAITERS_OUTSIDE) into the group's word, so that the thread that finishes the
+ * last job wakes it. False if the group has finished already: then no thread will wake it. */
 static bool group_announce(stilb_job_group *group, uint32_t waiter)
 {
 	_Atomic uint64_t *word = group_word(group);
@@ -73,10 +73,11 @@ static bool group_announce(stilb_job_group *group, uint32_t waiter)
 	}
 }
 
-/* Withdraws the announcement, so that the next use of the group does not wake this thread. */
+/* Withdraws group_announce, so that the next use of the group does not wake this thread. */
 static void group_forget(stilb_job_group *group)
 {
-	/* Relaxed: if the group is in use again, a needless wake-up is harmless. */
+	/* Relaxed: orders nothing. If the group is in use again already, the waiter stays in the word, and a needless
+	 * wake-up is harmless. */
 	uint64_t old = atomic_load_explicit(group_word(group), memory_order_relaxed);
 	if (word_count(old) == 0)
 		atomic_compare_exchange_strong_explicit(group_word(group), &old, 0, memory_order_relaxed, memory_order_relaxed);
@@ -91,7 +92,8 @@ static void wake_waiter(stilb_job_pool *pool, uint32_t waiter)
 		job_parker_wake(&pool->slot[waiter - 1].parker);
 		return;
 	}
-	/* Rare. A thread woken in vain finds its group unfinished and sleeps again. */
+	/* Outside threads or several threads wait, which is rare: wakes all that could be meant. A thread woken in vain
+	 * finds its group unfinished and sleeps again. */
 	for (uint32_t i = 0; i <= pool->worker_count && waiter == WAITERS_MANY; i++)
 		job_parker_wake(&pool->slot[i].parker);
 	job_lock_take(&pool->visitors_lock); /* keeps visitors, which are on stacks, alive while they are woken */
@@ -100,7 +102,8 @@ static void wake_waiter(stilb_job_pool *pool, uint32_t waiter)
 	job_lock_give(&pool->visitors_lock);
 }
 
-/* Subtracts finished jobs. True if the caller now owns the last count and must submit the followers. */
+/* Subtracts finished jobs from the count. True if only the followers' count is left: the caller then owns it and must
+ * submit the followers (see the head of this file). */
 static bool group_subtract(stilb_job_pool *pool, stilb_job_group *group, uint32_t jobs)
 {
 	_Atomic uint64_t *word = group_word(group);
@@ -154,7 +157,8 @@ bool job_group_follow(stilb_job_pool *pool, stilb_job_group *group, job_record *
 {
 	_Atomic uint64_t *word = group_word(group);
 	job_lock_take(&pool->after_lock);
-	/* Acquire, here and when the exchange fails: if the group has finished, the follower sees what its jobs wrote. */
+	/* Acquire, here and when the exchange fails: if the group has finished, the follower (the job of this record) sees
+	 * what the group's jobs wrote. */
 	uint64_t old = atomic_load_explicit(word, memory_order_acquire);
 	for (;;) {
 		if (word_count(old) == 0) {
@@ -187,7 +191,7 @@ static void visitor_leave(stilb_job_pool *pool, job_visitor *visitor)
 	job_lock_give(&pool->visitors_lock);
 }
 
-/* An outside thread does not help, since it has no slot. */
+/* stilb_job_wait for a thread from outside the pool. It only sleeps: without a slot it cannot run jobs. */
 static void wait_outside(stilb_job_pool *pool, stilb_job_group *group)
 {
 	assert(job_pool_is_outside(pool) && "a thread of the pool waits with its index");
@@ -212,7 +216,8 @@ static bool announce_or_done(job_slot *slot, void *group)
 	return !group_announce(group, slot->index + 1);
 }
 
-/* Spins, then sleeps, until there seems to be something to help with or the group has finished. */
+/* Spins, then sleeps, until there seems to be work that the scope allows or the group has finished. *announced is set
+ * if group_announce may have been called. */
 static void wait_idle(job_slot *slot, const job_scope *scope, stilb_job_group *group, bool *announced)
 {
 	if (job_work_spin(slot, scope, group))

@@ -7,15 +7,16 @@
 #define JOBS_IN_A_ROW 16
 #endif
 
-/* Every so many looks for work, loops and the shared queue come before the thread's own deque, so that none starves. */
+/* Once in so many looks for work, a thread tries loops and the shared queue before its own deque. Otherwise a thread
+ * whose own deque never runs empty would never help with those. */
 #ifndef SHARED_FIRST
 #define SHARED_FIRST 16
 #endif
 
-/* If sched_yield takes longer than this many wake-ups, another process has run on the CPU. */
+/* If sched_yield takes longer than so many times JOB_WAKE_NS, another process has run on the CPU. */
 #define YIELD_LONG 10
 
-/* Spins after such a yield before the thread yields again. */
+/* After such a long yield the thread pauses this many times before it yields again. */
 #define SPINS_WITHOUT_YIELD 100000
 
 const job_scope job_scope_all = {.all = true, .jobs = true, .high = true};
@@ -30,7 +31,8 @@ void job_work_spin_stop(job_slot *slot)
 	}
 }
 
-/* Runs one job; the caller counts it out of its group. */
+/* Runs one job and gives its record back. Does not subtract it from its group's count: that is left to the caller, who
+ * can subtract several jobs at once. */
 static void run_one(job_slot *slot, job_record *record)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -61,14 +63,15 @@ static void run_one(job_slot *slot, job_record *record)
 	job_count(&slot->finished);
 }
 
+/* True if the scope allows the thread to run this job, which lies in a deque. */
 static bool scope_has(const job_scope *scope, const job_record *record)
 {
-	/* Relaxed: see job_record. */
+	/* Relaxed: if another thread has taken the job and the record is reused, the exchange that takes it fails. */
 	return scope->all || (atomic_load_explicit(&record->root, memory_order_relaxed) == scope->root &&
 	                      atomic_load_explicit(&record->level, memory_order_relaxed) > scope->level);
 }
 
-/* Takes the newest job of the thread's own deque if the scope has it. */
+/* Takes the newest job of the thread's own deque if the scope allows it. */
 static job_record *take_own(job_slot *slot, const job_scope *scope)
 {
 	/* A thief can take this record only if it is the last one, so pop returns this record or NULL. */
@@ -76,7 +79,7 @@ static job_record *take_own(job_slot *slot, const job_scope *scope)
 	return newest && scope_has(scope, newest) ? job_deque_pop(&slot->deque) : NULL;
 }
 
-/* Takes the oldest job of one thread's deque if the scope has it. */
+/* Takes the oldest job of the deque of thread `victim` if the scope allows it. */
 static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -85,7 +88,7 @@ static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *
 	job_record *record = job_deque_oldest(deque, &top);
 	if (!record || !scope_has(scope, record) || !job_deque_steal(deque, top))
 		return NULL;
-	slot->victim = victim; /* there may be more */
+	slot->victim = victim; /* tried first next time: it may have more jobs */
 	if (pool->hooks.steal && victim != slot->index)
 		pool->hooks.steal(pool->hooks.user, slot->index, victim);
 	return record;
@@ -102,15 +105,16 @@ static job_record *steal(job_slot *slot, const job_scope *scope)
 	return record;
 }
 
-/* A steal costs the victim as much as the thief, since it takes away the cache line of the victim's deque. After a
- * stolen job shorter than that the thief pauses: two threads that contend for empty jobs are slower than one that runs
- * them undisturbed. ticks: the duration of the stolen job. */
+/* Notes that the thief should pause if the stolen job, which ran for so many ticks, was shorter than JOB_STEAL_NS. That
+ * is what a steal costs the victim, whose CPU must fetch the cache line of its deque again: two threads that contend
+ * for tiny jobs are slower than one that runs them undisturbed. */
 static void note_steal_cost(job_slot *slot, uint64_t ticks)
 {
 	slot->steal_unprofitable = ticks < slot->pool->steal_ticks;
 }
 
-/* A hint, relaxed: true if there is work that goes before the next job of the same deque. */
+/* True if there is a job of high priority or a pinned one, which go before the next job of the same deque. Relaxed: if
+ * the answer is out of date, that job starts one job later. */
 static bool urgent(job_slot *slot)
 {
 	return atomic_load_explicit(&slot->pool->shared_hint[JOB_SHARED_HIGH], memory_order_relaxed) > 0 ||
@@ -152,10 +156,11 @@ static void run(job_slot *slot, job_record *record, bool stolen, const job_scope
 /* Moves the jobs of the inbox to the end of slot->pinned, oldest first. */
 static void fetch_pinned(job_slot *slot)
 {
-	/* Relaxed: a hint; job_work_exists, which precedes every sleep, does not miss any. */
+	/* Relaxed: may miss a job that has just been submitted. It is found at the next look; job_work_exists, which
+	 * precedes every sleep, does not miss any. */
 	if (!atomic_load_explicit(&slot->inbox, memory_order_relaxed))
 		return;
-	/* Acquire pairs with push_inbox: the contents of the records. */
+	/* Acquire pairs with push_inbox: the contents of the records are visible. */
 	job_record *newest = atomic_exchange_explicit(&slot->inbox, NULL, memory_order_acquire), *oldest = NULL;
 	while (newest) {
 		job_record *next = newest->next;
@@ -183,7 +188,7 @@ static job_record *take_shared(job_slot *slot, uint32_t which)
 {
 	stilb_job_pool *pool = slot->pool;
 	void *record;
-	/* Relaxed: a hint, as in fetch_pinned. */
+	/* Relaxed: may miss a job that has just been submitted, which the next look finds, as in fetch_pinned. */
 	if (atomic_load_explicit(&pool->shared_hint[which], memory_order_relaxed) == 0 ||
 	    stilb_job_queue_pop(pool->shared[which], &record, slot->index) != 0)
 		return NULL;
@@ -194,7 +199,7 @@ static job_record *take_shared(job_slot *slot, uint32_t which)
 	return record;
 }
 
-/* Takes a job from a place that all threads look at; *work says from which. NULL if there is none. */
+/* Takes a job from a shared queue or steals one; *work says which. NULL if there is none that the scope allows. */
 static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work *work)
 {
 	*work = (job_work){.kind = JOB_WORK_SHARED};
@@ -208,7 +213,7 @@ static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work
 	return record;
 }
 
-/* True if the oldest job of some deque is in the scope. */
+/* True if the scope allows the oldest job of some deque. */
 static bool deques_have(stilb_job_pool *pool, const job_scope *scope)
 {
 	for (uint32_t i = 0; i <= pool->worker_count; i++) {
@@ -258,7 +263,7 @@ bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 	if (!record)
 		return helped;
 	job_work_spin_stop(slot);
-	if (work.kind != JOB_WORK_OWN) /* a push into the own deque has woken a thread already */
+	if (work.kind != JOB_WORK_OWN) /* this thread's push into its own deque has woken a thread already */
 		job_work_wake_next(slot, &work);
 	run(slot, record, work.kind == JOB_WORK_JOB, scope->jobs ? scope : NULL, until);
 	return true;
@@ -281,7 +286,7 @@ bool job_work_rescue(job_slot *slot)
 bool job_work_exists(job_slot *slot, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
-	/* Seq_cst: step (2) of job_park.h. */
+	/* Seq_cst: step (2) of the head of job_park.h, the look for work after the thread has entered the idle list. */
 	if (slot->pinned || atomic_load_explicit(&slot->inbox, memory_order_seq_cst))
 		return true;
 	if (scope->high && !stilb_job_queue_empty(pool->shared[JOB_SHARED_HIGH], slot->index))
@@ -294,14 +299,15 @@ bool job_work_exists(job_slot *slot, const job_scope *scope)
 
 void job_work_wake_next(job_slot *slot, const job_work *work)
 {
-	/* A relaxed hint suffices: a thread that goes to sleep later looks for work itself. */
+	/* Relaxed suffices: a sleeper that is missed here has entered the idle list so late that it looks for work itself
+	 * before it sleeps. */
 	if (job_idle_maybe_wanted(&slot->pool->idle) && job_work_exists(slot, &job_scope_all))
 		job_idle_wake(&slot->pool->idle, work);
 }
 
 /* ---- idling ---------------------------------------------------------------------------------------------------- */
 
-/* job_work_exists as a hint: relaxed, and only the likely places. */
+/* A quick job_work_exists for a spinning thread. Relaxed: may miss new work, which the next round finds. */
 static bool work_seems_to_exist(job_slot *slot, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -334,7 +340,7 @@ bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 {
 	stilb_job_pool *pool = slot->pool;
 	uint64_t start = job_sys_ticks();
-	/* Relaxed: hints; the caller then looks again with job_work_exists. */
+	/* Relaxed: an old value only makes the spin end one round later or earlier. */
 	while (job_sys_ticks() - start < pool->wake_ticks ||
 	       (scope->all && atomic_load_explicit(&pool->phase, memory_order_relaxed))) {
 		if (work_seems_to_exist(slot, scope) || (until && job_group_done(until)) ||
@@ -345,7 +351,7 @@ bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 	return false;
 }
 
-/* The thread holds no segments of the shared queues while it sleeps. */
+/* Tells the shared queues that this thread will not use them while it sleeps, so that they can reuse all memory. */
 static void queues_quiesce(job_slot *slot)
 {
 	for (int i = 0; i < JOB_SHARED_COUNT; i++)
@@ -354,13 +360,14 @@ static void queues_quiesce(job_slot *slot)
 
 bool job_work_watched(stilb_job_pool *pool)
 {
-	/* A read-modify-write that changes nothing, as in job_idle_wanted_strict. The watcher ends its watch by another one
-	 * and then looks for loops. If that comes later, it synchronises with this one and sees the loop; if it came
-	 * before, this reads 0. */
+	/* A read-modify-write that changes nothing, as in job_idle_wanted_strict. The watcher ends its watch by an exchange
+	 * of the same word with 0 and then looks for loops once more. If its exchange comes after this one, it acquires
+	 * what the caller released here and sees the caller's loop; if it came before, this reads 0. */
 	return atomic_fetch_add_explicit(&pool->watched, 0, memory_order_acq_rel) != 0;
 }
 
-/* Sleeps until there is a token or, while the watch lasts, a loop. */
+/* Sleeps until the thread is woken or finds a loop to help with. It looks for loops between naps (JOB_WATCH_NAP_NS),
+ * unless another worker does so already, for JOB_WATCH_NS; after that it sleeps until it is woken. */
 static void sleep_watching(job_slot *slot)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -381,7 +388,8 @@ static void sleep_watching(job_slot *slot)
 	job_parker_sleep(&slot->parker);
 }
 
-/* watch: no other thread looks for work when this one sleeps. */
+/* watch: the thread watches for loops while it sleeps (see sleep_watching). It is the last spinner, so no other thread
+ * looks for work once it sleeps. */
 static void sleep_until_woken(job_slot *slot, bool watch)
 {
 	const stilb_job_hooks *hooks = &slot->pool->hooks;
@@ -427,7 +435,7 @@ uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker)
 	fetch_pinned(slot);
 	for (job_record *record = slot->pinned; record; record = record->next)
 		present++;
-	/* Not the jobs that arrive meanwhile: a job may submit itself again. */
+	/* Only the jobs that were there at the start: a job may submit itself again, and then the loop would not end. */
 	for (job_record *record; jobs < present && (record = take_pinned(slot)); jobs++)
 		run(slot, record, false, NULL, NULL);
 	return jobs;
