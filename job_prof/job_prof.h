@@ -34,7 +34,7 @@
 extern "C" {
 #endif
 
-/* How many waits the calling thread is inside: a wait helps with other jobs, and those may wait too. */
+/* How many waits (hook wait_begin to hook wait_end) the calling thread is inside: a job that it runs may wait, too. */
 static __thread uint32_t stilb_job_prof_waits;
 
 /* For asserts: true if the calling thread's innermost open zone has that name. Also true if none is open, since zones

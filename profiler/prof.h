@@ -80,7 +80,7 @@ typedef struct stilb_prof_site {
 	uint32_t line;
 	uint32_t color;  /* 0xRRGGBB; 0: the viewer chooses */
 	uint32_t kind;   /* a stilb_prof_kind */
-	uint32_t listed; /* 1: reached by next, from the list of sites that the linker could not put into the array */
+	uint32_t listed; /* 1: in the list, linked by next, of the sites that the linker could not put into the array */
 	const struct stilb_prof_site *next;
 	uint64_t reserved[2]; /* 0 */
 } __attribute__((aligned(64))) stilb_prof_site;
@@ -202,7 +202,8 @@ void stilb_prof_frame_mark(void);
 
 /* ---- lanes of devices -------------------------------------------------------------------------------------------- */
 
-/* A row of zones that were timed elsewhere, for example on a GPU. Created by stilb_prof_lane_create. */
+/* A lane: a row of zones in viewers, like a thread's, but timed elsewhere, for example on a GPU. Created by
+ * stilb_prof_lane_create. */
 typedef struct stilb_prof_lane_handle stilb_prof_lane_handle;
 
 /* Creates a lane; name and errors as for stilb_prof_thread_begin. lane is not NULL (asserted). Returns 0, or -ENOMEM,

@@ -1,4 +1,4 @@
-/* The lowest priority, for the thread that writes captures. */
+/* The lowest priority, for the thread that writes captures (prof_capture.h). */
 #include "profiler/prof_internal.h"
 
 #include <sched.h>
@@ -10,8 +10,8 @@ __thread bool prof_background;
 
 static __thread uint64_t prof_background_since;
 
-/* Not SCHED_IDLE: while other threads keep all CPUs busy, such a thread gets almost no time, and the rings are
- * overwritten before they are copied. */
+/* Nice 19 and not SCHED_IDLE: while other threads keep all CPUs busy, a SCHED_IDLE thread gets almost no time, and the
+ * rings are overwritten before it has copied them. */
 void prof_background_begin(void)
 {
 	setpriority(PRIO_PROCESS, 0, 19); /* on Linux: of this thread alone */

@@ -1,5 +1,5 @@
 /*
- * Captures: what starts one, and the thread that writes them.
+ * Captures (files with the frames around a moment, prof_capture.h): requests for one, and the thread that writes them.
  *
  * Protocol. A request stores the number of its frame in a slot, asked or spike, and wakes the capturing thread, which
  * alone decides what is written when. To wait for the frames after, that thread stores the number of frames that must
@@ -20,10 +20,10 @@
 #define PROF_STILL_NS UINT64_C(1000000000) /* after so long without a frame, stop waiting for more */
 #define PROF_SUFFIX_MAX 16                 /* bytes added to a file's name: "-" and a number */
 
-/* Used by the thread that marks frames alone; initialised before the hook is set. */
+/* Used only by the thread that marks frames; initialised before prof_frame_hook_set. */
 static struct {
 	prof_frame_window window;
-	uint64_t quiet; /* frames below this number start no capture */
+	uint64_t quiet; /* slow frames below this number start no capture: the cool-down after the last one */
 } prof_marks;
 
 static struct {
@@ -48,8 +48,9 @@ static struct {
 
 /* ---- asking for one ---------------------------------------------------------------------------------------------- */
 
-/* Requests a capture around frame, unless the slot holds a request: then that capture shows this moment too, or it
- * comes first. Safe in signal handlers. */
+/* Requests a capture around the frame with this number: writes it into *place, prof_capture.asked or .spike. If a
+ * request is there already, this one is dropped: the earlier capture shows this moment too, or it has precedence. Safe
+ * in signal handlers. */
 static void prof_capture_ask(uint64_t *place, uint64_t frame)
 {
 	uint64_t none = 0;
@@ -80,10 +81,12 @@ static double prof_capture_limit_ms(void)
 	}
 }
 
-/* True if a slow frame may start a capture: the one before it is written, and not all files are used up. */
+/* True if a slow frame may start a capture: no slow frame waits for its capture, and fewer than desc.spike_files files
+ * of slow frames have been written. */
 static bool prof_capture_has_room(void)
 {
-	/* Acquire: pairs with prof_capture_next, which has read spike_ns by then. spikes_left: no data depends on it. */
+	/* Acquire: pairs with prof_capture_next, which has read spike_ns when it stores 0. Relaxed for spikes_left: no data
+	 * depends on it. */
 	return __atomic_load_n(&prof_capture.spike, __ATOMIC_ACQUIRE) == 0 &&
 	       __atomic_load_n(&prof_capture.spikes_left, __ATOMIC_RELAXED) > 0;
 }
@@ -97,8 +100,8 @@ static void prof_capture_on_frame(uint64_t number, uint64_t duration_ns)
 		__atomic_store_n(&prof_capture.spike_ns, duration_ns, __ATOMIC_RELAXED); /* published by the store to spike */
 		prof_capture_ask(&prof_capture.spike, number);
 	}
-	/* Sequentially consistent: prof_capture_await stores awaited and then loads whole; one of the two sees the
-	 * other's. */
+	/* Sequentially consistent: this stores whole and then loads awaited, prof_capture_await stores awaited and then
+	 * loads whole. So at least one of the two threads sees the other's store, and no wake-up is lost. */
 	__atomic_store_n(&prof_capture.whole, number + 1, __ATOMIC_SEQ_CST);
 	if (number + 1 >= __atomic_load_n(&prof_capture.awaited, __ATOMIC_SEQ_CST)) {
 		__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* waking once is enough */
@@ -177,8 +180,8 @@ static void prof_capture_await(uint64_t awaited)
 	__atomic_store_n(&prof_capture.awaited, UINT64_MAX, __ATOMIC_RELAXED); /* a wake-up too many is harmless */
 }
 
-/* Writes the capture that slot place requests; false: none. The request stays there until its frames have ended, so
- * that further requests meanwhile ask for the same capture. */
+/* Writes the capture that is requested in *place; false: none is. The request stays there until its frames have ended,
+ * so that further requests meanwhile ask for the same capture. */
 static bool prof_capture_next(uint64_t *place, stilb_prof_cause cause)
 {
 	uint32_t after = prof_capture.desc.frames_after;
@@ -187,7 +190,7 @@ static bool prof_capture_next(uint64_t *place, stilb_prof_cause cause)
 		return false;
 	prof_capture_await(frame + after + 1);
 	bool slow = cause == STILB_PROF_CAUSE_SPIKE;
-	uint64_t frame_ns = slow ? __atomic_load_n(&prof_capture.spike_ns, __ATOMIC_RELAXED) : 0; /* came with frame */
+	uint64_t frame_ns = slow ? __atomic_load_n(&prof_capture.spike_ns, __ATOMIC_RELAXED) : 0; /* acquired with frame */
 	__atomic_store_n(place, 0, __ATOMIC_RELEASE); /* pairs with prof_capture_has_room */
 	if (prof_capture_write(cause, frame, frame_ns, after) == 0 && slow)
 		__atomic_sub_fetch(&prof_capture.spikes_left, 1, __ATOMIC_RELAXED); /* no data depends on it */
@@ -237,7 +240,7 @@ static bool prof_capture_is_sound(const stilb_prof_capture_desc *desc)
 /* Initialises everything but the threads, the signal handlers and the hook. 0 or -ENOMEM. */
 static int prof_capture_set_up(const stilb_prof_capture_desc *desc)
 {
-	/* Relaxed: only written by the one caller. */
+	/* Relaxed: only start and stop write it, and no two of their calls overlap (prof_capture.caller). */
 	assert(__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) == 0);
 	int error = prof_capture_file_set_up(desc);
 	if (error != 0)
@@ -270,7 +273,7 @@ static void prof_capture_end(void)
 /* After an error nothing has changed. */
 static int prof_capture_begin(const stilb_prof_capture_desc *desc)
 {
-	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) != 0) /* only written by the one caller */
+	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) != 0) /* only start and stop write it, one at a time */
 		return -EALREADY;
 	if (!prof_capture_is_sound(desc))
 		return -EINVAL;
@@ -309,7 +312,8 @@ int stilb_prof_capture_start(const stilb_prof_capture_desc *desc)
 
 int stilb_prof_capture_stop(void)
 {
-	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) == 0) /* only written by the one caller */
+	/* Relaxed: only start and stop write it, and by the rules of prof_capture.h no two of their calls overlap. */
+	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) == 0)
 		return 0;
 	if (prof_capture_is_thread)
 		return -EDEADLK;
@@ -317,7 +321,7 @@ int stilb_prof_capture_stop(void)
 	prof_frame_hook_set(NULL);
 	if (prof_capture.desc.signal != 0)
 		prof_signal_restore(prof_capture.desc.signal, (void (*)(void))prof_signal_on_ask, &prof_capture.old_signal);
-	__atomic_store_n(&prof_capture.running, 0, __ATOMIC_RELAXED); /* nothing goes with it */
+	__atomic_store_n(&prof_capture.running, 0, __ATOMIC_RELAXED); /* publishes no other data */
 	prof_crash_stop();
 	prof_capture_end();
 	prof_exclusive_end(&prof_capture.caller);

@@ -124,8 +124,8 @@ typedef struct stilb_prof_frame_stats {
  * once a frame is fine. [any-thread] */
 void stilb_prof_frame_stats_take(stilb_prof_frame_stats *stats, double budget_ms);
 
-/* The same from frames[0..count), consecutive frames of a snapshot of which the first 100 count. Each ends after it
- * begins, and budget_ms >= 0 (asserted). frames may be NULL if count is 0. [any-thread] */
+/* Computes stats from frames[0..count), consecutive frames of a snapshot; only the first 100 are used. Each ends after
+ * it begins, and budget_ms >= 0 (asserted). frames may be NULL if count is 0. [any-thread] */
 void stilb_prof_frame_stats_make(stilb_prof_frame_stats *stats, const stilb_prof_frame *frames, uint32_t count,
                                  double budget_ms);
 

@@ -10,11 +10,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Unchanged while a capturing thread runs, except files. */
+/* The settings of the captures. Unchanged while a capturing thread runs, except `files`. */
 static struct {
-	stilb_prof_capture_desc desc; /* its strings are not ours: use path and process_name */
+	stilb_prof_capture_desc desc; /* its strings belong to the caller: use the copies path and process_name */
 	char *path, *process_name;
-	uint32_t files; /* numbers below are in use: by earlier runs, written files, or files being written */
+	uint32_t files; /* file numbers below this are in use: by earlier runs, written files, or files being written */
 } prof_output;
 
 void prof_capture_file_forget(void)
@@ -43,7 +43,7 @@ uint64_t prof_capture_frame(void)
 	return begun > 0 ? begun - 1 : 0;
 }
 
-/* True if the output is not a regular file: then it takes all captures. */
+/* True if the output is stdout, a device or a pipe: then all captures go to it instead of to numbered files. */
 static bool prof_capture_is_stream(void)
 {
 	assert(prof_output.path && "set up");
@@ -76,7 +76,8 @@ static stilb_prof_window prof_capture_window(uint64_t frame, uint32_t after)
 	return (stilb_prof_window){.last_frames = whole > first ? (uint32_t)(whole - first) : 1};
 }
 
-/* -ENODATA: the requested frame has been overwritten. Some of the frames before it may be missing: that is no error. */
+/* Takes a snapshot of the window and saves it at path; *frame_count is its number of frames. -ENODATA: the requested
+ * frame has been overwritten. If only some of the frames before it have been, that is no error. */
 static int prof_capture_save(const char *path, const stilb_prof_window *window, uint64_t frame, uint32_t *frame_count)
 {
 	assert(window->last_frames > 0 || window->frame_count > 0);
@@ -96,7 +97,7 @@ static int prof_capture_save(const char *path, const stilb_prof_window *window, 
 static char *prof_capture_reserve(uint32_t *n)
 {
 	for (;;) {
-		/* Relaxed, also below: a number that orders nothing. */
+		/* Relaxed, as in prof_capture_give_back: the number is all that the threads share. */
 		*n = __atomic_fetch_add(&prof_output.files, 1, __ATOMIC_RELAXED);
 		char *path = prof_capture_path(*n);
 		if (!path || prof_capture_is_stream() || access(path, F_OK) != 0)

@@ -16,8 +16,9 @@
 int prof_capture_file_set_up(const stilb_prof_capture_desc *desc);
 void prof_capture_file_forget(void);
 
-/* Takes a snapshot of the frames around frame, with after frames behind it, saves it and calls done. frame_ns is the
- * length of a slow frame, else 0. 0 or a negative errno. Called by the capturing threads alone (asserted). */
+/* Takes a snapshot of the frame with number `frame`, of desc.frames_before frames before it and of `after` frames after
+ * it, saves it and calls desc.done. frame_ns is the length of a slow frame, else 0. 0 or a negative errno. Called by
+ * the capturing threads alone (asserted). */
 int prof_capture_write(stilb_prof_cause cause, uint64_t frame, uint64_t frame_ns, uint32_t after);
 
 /* The number of the current frame; 0 before the first mark. Safe in signal handlers. [any-thread] */
@@ -44,7 +45,8 @@ extern const int prof_crash_signals[PROF_CRASH_SIGNALS];
  * [one-writer] */
 int prof_crash_start(void);
 
-/* Ends both; waits for the capture of a crash in progress. Does nothing if not started. [one-writer] */
+/* Removes the handlers and ends the thread; waits for the capture of a crash in progress. Does nothing if not started.
+ * [one-writer] */
 void prof_crash_stop(void);
 
 #endif

@@ -1,4 +1,5 @@
-/* The clock of zones, the conversion of its ticks to nanoseconds, and its errors. */
+/* The clock that zones are timed with (rdtsc or CLOCK_MONOTONIC), the conversion of its ticks to nanoseconds, and its
+ * errors: resolution, bias and the cost of a zone. */
 #include "profiler/prof_internal.h"
 
 #include <pthread.h>
@@ -8,8 +9,8 @@
 #include <cpuid.h>
 #endif
 
-#define PROF_CALIBRATION_NS UINT64_C(10000000) /* two anchors 20 ns off, 10 ms apart: 4 ppm */
-#define PROF_LINE_NS UINT64_C(50000000)        /* the shortest line between anchors: 1 ppm */
+#define PROF_CALIBRATION_NS UINT64_C(10000000) /* of the only line: two anchors wrong by 20 ns give a slope 4 ppm off */
+#define PROF_LINE_NS UINT64_C(50000000)        /* the shortest line if there are several: 1 ppm */
 #define PROF_SCALE_SHIFT 56
 
 static pthread_once_t prof_clock_once = PTHREAD_ONCE_INIT;
@@ -50,8 +51,8 @@ static uint64_t prof_ticks(void)
 	return stilb_prof_clock_monotonic();
 }
 
-/* Reads both clocks up to tries times and returns the try whose read of CLOCK_MONOTONIC took the fewest ticks: that is
- * the bound of its error. A try that took at most tight ticks ends the search. */
+/* Reads both clocks up to `tries` times and returns the try whose read of CLOCK_MONOTONIC took the fewest ticks. These
+ * are *width, the bound of its error. A try that took at most `tight` ticks ends the search. */
 static prof_anchor prof_anchor_take(int tries, uint64_t tight, uint64_t *width)
 {
 	assert(tries > 0);
@@ -77,7 +78,7 @@ static int prof_compare_u64(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* The median step between two reads that differ. */
+/* The resolution of the clock: the median difference, in ticks, of two successive reads that differ. */
 static uint64_t prof_resolution_measure(void)
 {
 	uint64_t step[63];
@@ -129,7 +130,8 @@ prof_anchor prof_clock_anchor(void)
 
 /* ---- timelines --------------------------------------------------------------------------------------------------- */
 
-/* Lines ascend, and none ends after the beginning of the next: then the map is monotone. */
+/* For asserts: lines ascend, and none reaches a later time than the next one begins with. Then the map from ticks to
+ * nanoseconds is monotone. */
 static bool timeline_is_sound(const prof_timeline *timeline)
 {
 	bool sound = timeline->count > 0;
@@ -160,7 +162,8 @@ static void prof_timeline_add(prof_timeline *timeline, prof_anchor anchor)
 	timeline->lines[n].scale = timeline->lines[n - 1].scale; /* extrapolates until the next anchor */
 }
 
-/* All lines are at least PROF_LINE_NS long. Only if there is but one, it may be as short as PROF_CALIBRATION_NS. */
+/* Makes the lines from the anchors and the present moment. All lines are at least PROF_LINE_NS long; only if there is
+ * but one, it may be as short as PROF_CALIBRATION_NS, and if even that has not passed since its anchor, this sleeps. */
 static void prof_timeline_anchors(prof_timeline *timeline, const prof_anchor *anchors, uint32_t count)
 {
 	prof_anchor last = prof_clock.start;
@@ -252,7 +255,8 @@ static inline uint64_t prof_ticks_fenced(void)
 	return now;
 }
 
-/* Measured length of a chain of steps multiplications, in ticks. fenced: the reads of the clock wait for it. */
+/* Measured length of a chain of `steps` multiplications, in ticks. fenced: the reads of the clock wait until all
+ * earlier instructions have finished, which gives the true length. */
 static double prof_chain_ticks(int steps, bool fenced)
 {
 	uint64_t ticks[PROF_COST_ROUNDS], value = 1;
@@ -306,7 +310,8 @@ static double prof_zone_ticks(void)
 
 static void prof_costs_measure(void)
 {
-	/* Before the timeline, which needs 10 ms to have passed since the clock was first read. */
+	/* Measured before the timeline is made: prof_clock_timeline sleeps until 10 ms have passed since the clock was
+	 * first read, so the time that these two take need not be slept. */
 	double zone = prof_zone_ticks(), bias = prof_bias_ticks();
 	prof_timeline *timeline = malloc(sizeof *timeline);
 	if (!timeline)

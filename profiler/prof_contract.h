@@ -1,8 +1,8 @@
 /*
- * prof_contract: asserts that take more than an expression. With NDEBUG all that is left of them is the number that a
- * mutex keeps; structs are the same with and without it.
+ * prof_contract: asserts that take more than an expression. With NDEBUG all that is left of them is that a mutex
+ * records its holder; structs have the same layout with and without NDEBUG.
  *
- *   PROF_CHECK(prof_window_is_sound(window));      walks a whole structure; stands at the end of a change to it
+ *   PROF_CHECK(prof_window_is_sound(window));      checks a whole structure; stands at the end of a change to it
  *   prof_mutex_lock(&made.lock);              a mutex that knows its holder: assert(prof_mutex_is_mine(&made.lock))
  *   prof_exclusive_begin(&frames.marking);    until prof_exclusive_end, no other call may be here
  */
@@ -22,7 +22,7 @@
 
 typedef struct prof_mutex {
 	pthread_mutex_t lock;
-	uintptr_t holder; /* pthread_self of the thread that holds it; 0: nobody. Relaxed: compared with one's own alone */
+	uintptr_t holder; /* pthread_self of the holder; 0: none. Relaxed: threads only compare it with their own */
 } prof_mutex;
 
 #define PROF_MUTEX_INIT                                                                                                \
@@ -42,7 +42,7 @@ static inline void prof_mutex_lock(prof_mutex *mutex)
 	__atomic_store_n(&mutex->holder, (uintptr_t)pthread_self(), __ATOMIC_RELAXED);
 }
 
-/* False: another thread holds it. */
+/* Takes the mutex if it is free. False: another thread holds it. */
 static inline bool prof_mutex_try(prof_mutex *mutex)
 {
 	assert(!prof_mutex_is_mine(mutex) && "the lock is not taken twice");
@@ -59,7 +59,8 @@ static inline void prof_mutex_unlock(prof_mutex *mutex)
 	pthread_mutex_unlock(&mutex->lock);
 }
 
-/* A region that one call at a time may be in, without being a lock. Zero-initialised it is free. */
+/* Detects two calls in code that only one may be in at a time; it does not make the second one wait, as a lock would.
+ * All zero: no call is inside. */
 typedef struct prof_exclusive {
 	uint32_t calls;
 } prof_exclusive;
@@ -67,7 +68,8 @@ typedef struct prof_exclusive {
 static inline void prof_exclusive_begin(prof_exclusive *region)
 {
 #ifndef NDEBUG
-	/* Relaxed: counts alone. An order here would hide a missing one from the thread sanitizer. */
+	/* Relaxed: only the count matters. A stronger order would synchronise the two threads, and the thread sanitizer
+	 * would no longer report a race between them. */
 	uint32_t others = __atomic_fetch_add(&region->calls, 1, __ATOMIC_RELAXED);
 	assert(others == 0 && "one call at a time");
 #else
@@ -78,7 +80,7 @@ static inline void prof_exclusive_begin(prof_exclusive *region)
 static inline void prof_exclusive_end(prof_exclusive *region)
 {
 #ifndef NDEBUG
-	__atomic_fetch_sub(&region->calls, 1, __ATOMIC_RELAXED); /* as above */
+	__atomic_fetch_sub(&region->calls, 1, __ATOMIC_RELAXED); /* as in prof_exclusive_begin */
 #else
 	(void)region;
 #endif

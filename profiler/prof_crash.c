@@ -1,7 +1,8 @@
 /*
- * Crashes: the crashing thread asks another thread for the file and waits for it, since a signal handler must neither
- * take locks nor allocate, and its thread may hold any lock. That other thread is one of its own, at normal priority:
- * the capturing thread would come last on a busy machine, and may be writing something else.
+ * Captures of crashes: the crashing thread asks another thread for the file and waits, since a signal handler must not
+ * take locks or allocate, and its thread may hold any lock. That other thread is not the capturing thread, but one for
+ * crashes alone, at normal priority: the capturing thread would come last on a busy machine, and may be writing another
+ * file.
  */
 #include "profiler/prof_capture_internal.h"
 
@@ -15,8 +16,8 @@
 
 const int prof_crash_signals[PROF_CRASH_SIGNALS] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
 
-/* Only the first crash is written: the end of the first thread's wait ends the process, and would cut off a second
- * file. */
+/* The state of the only crash that is written, the first: when its thread has waited, the process ends, which would cut
+ * off the file of a second one. */
 enum prof_crash_state { PROF_CRASH_NONE, PROF_CRASH_ASKED, PROF_CRASH_WRITTEN };
 
 static struct {
@@ -85,20 +86,20 @@ static void *prof_crash_run(void *user)
 			__atomic_store_n(&prof_crash.state, PROF_CRASH_WRITTEN, __ATOMIC_RELEASE);
 		}
 	} while (__atomic_load_n(&prof_crash.stop, __ATOMIC_RELAXED) ==
-	         0); /* pairs with prof_crash_stop; nothing goes with it */
+	         0); /* pairs with prof_crash_stop; no other data depends on it */
 	return NULL;
 }
 
 int prof_crash_start(void)
 {
-	/* Relaxed: only written by the one caller. */
+	/* Relaxed: only prof_crash_start and prof_crash_stop write it, and no two of their calls overlap. */
 	assert(__atomic_load_n(&prof_crash.running, __ATOMIC_RELAXED) == 0 && "started once");
 	struct sigaction crash = {.sa_sigaction = prof_crash_handler, .sa_flags = SA_SIGINFO | SA_ONSTACK};
 	if (!prof_crash.has_wake)
 		sem_init(&prof_crash.wake, 0, 0);
 	prof_crash.has_wake = true;
 	prof_crash.process = getpid();
-	/* Relaxed: the thread starts later, handlers look at running first. */
+	/* Relaxed: the thread that reads these starts later, and crash handlers load `running` first, with acquire. */
 	__atomic_store_n(&prof_crash.stop, 0, __ATOMIC_RELAXED);
 	__atomic_store_n(&prof_crash.state, PROF_CRASH_NONE, __ATOMIC_RELAXED);
 	int error = prof_capture_thread_create(&prof_crash.thread, prof_crash_run);
@@ -111,14 +112,14 @@ int prof_crash_start(void)
 	return 0;
 }
 
-/* If a thread is crashing, its file is written before the thread ends. */
+/* If some thread is crashing at this moment, the file of its crash is written before the writing thread ends. */
 void prof_crash_stop(void)
 {
-	if (__atomic_load_n(&prof_crash.running, __ATOMIC_RELAXED) == 0) /* only written by the one caller */
+	if (__atomic_load_n(&prof_crash.running, __ATOMIC_RELAXED) == 0) /* written only here and by prof_crash_start */
 		return;
 	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
 		prof_signal_restore(prof_crash_signals[i], (void (*)(void))prof_crash_handler, &prof_crash.old[i]);
-	/* Relaxed: nothing goes with them. */
+	/* Relaxed: they publish no other data. */
 	__atomic_store_n(&prof_crash.running, 0, __ATOMIC_RELAXED);
 	__atomic_store_n(&prof_crash.stop, 1, __ATOMIC_RELAXED);
 	sem_post(&prof_crash.wake);

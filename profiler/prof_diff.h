@@ -39,13 +39,13 @@ typedef enum stilb_prof_diff_sample {
 typedef struct stilb_prof_diff_desc {
 	stilb_prof_diff_sample sample;
 	double threshold; /* relative difference of the medians, >= 0: 0.05 is 5 % */
-	double alpha;     /* probability, 0..1 */
+	double alpha;     /* 0..1: the accepted probability that any zone of two equal programs is called different */
 } stilb_prof_diff_desc;
 
 /* Per call, threshold 0.05, alpha 0.01. [any-thread] */
 stilb_prof_diff_desc stilb_prof_diff_desc_default(void);
 
-/* In the order of rows. */
+/* The result for a zone. Rows are sorted in this order. */
 typedef enum stilb_prof_verdict {
 	STILB_PROF_SLOWER, /* B is slower than A */
 	STILB_PROF_FASTER, /* B is faster than A */

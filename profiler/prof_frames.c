@@ -1,4 +1,4 @@
-/* The lengths of the last frames, and which of them are spikes. */
+/* The lengths of the last frames, and which of them are spikes: longer than a limit (prof_frames.h). */
 #include "profiler/prof_frames.h"
 #include "profiler/prof_capture.h"
 #include "profiler/prof_internal.h"

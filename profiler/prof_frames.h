@@ -1,4 +1,5 @@
-/* The lengths of the last frames, sorted. */
+/* The lengths of the last 100 frames, also sorted: for percentiles, and to tell which frame is a spike (much longer
+ * than the others). */
 #ifndef STILB_PROF_FRAMES_H
 #define STILB_PROF_FRAMES_H
 

@@ -40,17 +40,18 @@ typedef struct stilb_prof_open_zone {
 	const stilb_prof_site *site;
 } stilb_prof_open_zone;
 
-/* Written by its thread, read by snapshots. All accesses are atomic; prof_ring.c explains the orders. */
+/* The events and open zones of one thread. Written by that thread, read by snapshots. All accesses are atomic;
+ * prof_ring.c explains the orders. */
 typedef struct stilb_prof_ring {
 	uint64_t head; /* events ever written; the next goes to events[head & mask] */
 	stilb_prof_event *events;
 	uint32_t mask;
 	uint32_t tsc;                                    /* the clock is rdtsc */
 	uint32_t depth;                                  /* open zones */
-	uint32_t session;                                /* the session of recording that the open zones belong to */
+	uint32_t session;                                /* stilb_prof_session when the zones in open were begun */
 	uint64_t too_deep;                               /* zones not recorded because they were nested too deep */
 	uint32_t lane;                                   /* number of the ring; part of the ids of flows */
-	uint32_t flows;                                  /* flows begun; part of their ids */
+	uint32_t flows;                                  /* number of flows begun on this thread; part of their ids */
 	stilb_prof_open_zone open[STILB_PROF_DEPTH_MAX]; /* outermost first */
 } stilb_prof_ring;
 
@@ -100,7 +101,8 @@ extern const stilb_prof_site __start_stilb_prof_section[] /* NOLINT(bugprone-res
 extern const stilb_prof_site __stop_stilb_prof_section[] /* NOLINT(bugprone-reserved-identifier,cert-dcl*) */
 	__attribute__((visibility("hidden")));
 
-/* 0 while recording is off; else the number of the session: it differs for each time that recording is switched on. */
+/* 0 while recording is off; else the number of the session, which is the time from one switching-on of recording to the
+ * next switching-off; each has another number. Zones that were begun in an earlier session are lost. */
 extern uint32_t stilb_prof_session __attribute__((visibility("hidden")));
 
 /* The calling thread's ring, never NULL: threads without one share a ring that belongs to no session, so it is never
@@ -123,7 +125,7 @@ stilb_prof_ring *stilb_prof_ring_enter(uint32_t session);
 #ifdef __cplusplus
 static inline const stilb_prof_site *stilb_prof_site_use(stilb_prof_site *site)
 {
-	/* Relaxed: a hint; stilb_prof_site_list decides by an exchange. */
+	/* Relaxed: an old 0 only costs a call, since stilb_prof_site_list decides by an exchange who adds the site. */
 	if (__builtin_expect(__atomic_load_n(&site->listed, __ATOMIC_RELAXED) == 0, 0))
 		stilb_prof_site_list(site, 1);
 	return site;
@@ -167,7 +169,7 @@ static inline uint64_t stilb_prof_clock_precise(const stilb_prof_ring *ring)
 
 static inline bool stilb_prof_is_recording(void)
 {
-	/* Relaxed: no data depends on it. The hint says off for the reason given at stilb_prof_recorder. */
+	/* Relaxed: no data depends on it. The compiler is told to expect "off": see stilb_prof_recorder. */
 	return __builtin_expect(__atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED) != 0, 0);
 }
 
@@ -243,7 +245,7 @@ static inline uint32_t stilb_prof_push(stilb_prof_ring *ring, const stilb_prof_s
 	return depth + 1;
 }
 
-/* Ends the zone at depth. */
+/* Ends the zone at depth; one that was nested too deep to be recorded is only counted out. */
 static inline void stilb_prof_pop(stilb_prof_ring *ring, uint32_t depth, uint64_t end)
 {
 	if (__builtin_expect(depth < STILB_PROF_DEPTH_MAX, 1))
@@ -252,7 +254,8 @@ static inline void stilb_prof_pop(stilb_prof_ring *ring, uint32_t depth, uint64_
 		__atomic_store_n(&ring->depth, depth, __ATOMIC_RELEASE); /* pairs with prof_copy_open_zone */
 }
 
-/* The beginning of PROFILE. Returns the number of open zones, this one included; 0: it is not recorded. */
+/* The beginning of PROFILE. Returns the number of open zones, this one included; 0: recording is off, or there is no
+ * memory for a ring. */
 static inline uint32_t stilb_prof_scope_begin(const stilb_prof_site *site)
 {
 	stilb_prof_ring *ring = stilb_prof_recorder();

@@ -8,17 +8,17 @@
 
 #include <stdbool.h>
 
-/* The library itself has all functions, also when it is compiled with STILB_PROFILE_OFF, which makes macros of
- * these. */
+/* The library defines all functions, also when it is compiled with STILB_PROFILE_OFF. prof.h then defines macros of
+ * these names, which are removed here. */
 #undef stilb_prof_zone_begin
 #undef stilb_prof_zone_end
 #undef stilb_prof_flow_begin
 #undef stilb_prof_flow_end
 #undef stilb_prof_lane_zone
 
-#define PROF_NAME_MAX 64
-#define PROF_ENDED_MAX 64
-#define PROF_FRAMES_MAX 1024
+#define PROF_NAME_MAX 64     /* bytes of a lane's name, with the 0 at its end */
+#define PROF_ENDED_MAX 64    /* rings of ended threads and lanes that are kept */
+#define PROF_FRAMES_MAX 1024 /* frame marks that are remembered */
 #define PROF_NONE UINT32_MAX
 
 /* ---- prof_clock.c ------------------------------------------------------------------------------------------------ */
@@ -32,12 +32,12 @@ typedef struct prof_anchor {
 /* Maps ticks to nanoseconds since the profiler's first call, by straight lines between anchors, so that corrections of
  * CLOCK_MONOTONIC (NTP) do not accumulate as an error. The map is monotone: it keeps order and nesting. */
 typedef struct prof_timeline {
-	uint64_t epoch_ns; /* time 0 on CLOCK_MONOTONIC: all that times of devices, which are on that clock, need */
+	uint64_t epoch_ns; /* time 0 on CLOCK_MONOTONIC. Times of devices, which are on that clock, only subtract it */
 	const char *clock;
 	double hz;            /* ticks a second */
 	double resolution_ns; /* the shortest difference seen between two reads */
-	uint32_t count;
-	uint32_t cursor; /* the line that was used last: the next time is probably on it */
+	uint32_t count;       /* valid entries of lines */
+	uint32_t cursor;      /* the line that was used last: the next time is probably on it */
 	struct {
 		uint64_t ticks, ns; /* the beginning of the line */
 		uint64_t scale;     /* ns per tick, times 2^56 */
@@ -47,14 +47,15 @@ typedef struct prof_timeline {
 bool prof_clock_is_tsc(void);
 uint64_t prof_clock_now(void);
 
-/* Reads both clocks; the tightest of up to three tries. [any-thread] */
+/* Reads both clocks at about the same moment: the best of up to three tries (see prof_anchor_take). [any-thread] */
 prof_anchor prof_clock_anchor(void);
 
 /* Makes the timeline from known anchors, ascending. An anchor less than 50 ms after the one before is skipped: the
  * longer a line, the more exact its slope. A call within 10 ms of the profiler's first call sleeps until then.
  * [any-thread] */
 void prof_clock_timeline(prof_timeline *timeline, const prof_anchor *anchors, uint32_t count);
-/* The time of ticks; times that ascend or descend are found fastest. */
+/* Converts ticks to nanoseconds since the profiler's first call. Fastest if the ticks of successive calls ascend or
+ * descend. */
 uint64_t prof_timeline_ns(prof_timeline *timeline, uint64_t ticks);
 
 /* By how much a zone reads too short, and the cost of recording one, in nanoseconds. Measured at the first call, which
@@ -81,8 +82,8 @@ static inline bool prof_kind_is_zone(uint32_t kind)
 	return kind == STILB_PROF_KIND_ZONE || kind == STILB_PROF_KIND_PRECISE;
 }
 
-/* Unpacks an event. It holds the low 52 bits of its time, which stand for the latest time up to limit that has these
- * bits: right for events up to ten days old (at 5 GHz). */
+/* Unpacks an event. It holds only the low 52 bits of its time; they are taken for the latest time up to limit (in the
+ * ticks of its lane's clock) that has these bits, which is right for events up to ten days old (at 5 GHz). */
 static inline prof_record prof_event_unpack(const stilb_prof_event *event, uint64_t limit)
 {
 	uint64_t offset = (event->end & 0x3ffff) << 12 | (event->begin & 0xfc0);
@@ -117,16 +118,16 @@ typedef struct prof_lane_copy {
 	uint32_t tid;
 	uint64_t begun_ns;              /* CLOCK_MONOTONIC: when the last owner of the ring took it */
 	uint64_t ended_ns;              /* when that owner gave it up; 0: it still has it */
-	uint64_t now;                   /* when its open zones were read: they end there */
-	uint64_t limit;                 /* for prof_event_unpack */
+	uint64_t now;                   /* when its open zones were read: in the snapshot they end there */
+	uint64_t limit;                 /* the argument of prof_event_unpack */
 	const stilb_prof_event *events; /* in the order of their ends: children before parents */
 	size_t event_count;
-	uint32_t open_count; /* all began before now; zones in events without a parent there have theirs here */
+	uint32_t open_count; /* valid entries of open; they are the parents of zones whose parent is not in events */
 	stilb_prof_open_zone open[STILB_PROF_DEPTH_MAX]; /* open[d] is at depth d */
-	const struct prof_switch_event *switches;        /* ascending; the first may lie before the window */
+	const struct prof_switch_event *switches;        /* ascending by time; the first may lie before the window */
 	uint32_t switch_count;
-	const char *no_switches;    /* the reason why they are not known; NULL if they are */
-	size_t first, first_switch; /* the lane's first places in the arrays of the copy */
+	const char *no_switches;    /* the reason why switches are not known; NULL if they are */
+	size_t first, first_switch; /* indices of the lane's first event and switch in the arrays of prof_copy */
 } prof_lane_copy;
 
 /* A raw copy of what the rings hold. {0} is empty; prof_copy_take reuses its memory. */
@@ -137,8 +138,8 @@ typedef struct prof_copy {
 	stilb_prof_event *events;
 	struct prof_switch_event *switches;
 	size_t event_count, event_capacity, switch_count, switch_capacity;
-	uint64_t events_recorded, events_held, too_deep, without_ring; /* sums of all lanes, whatever the window */
-	prof_anchor frames[PROF_FRAMES_MAX];                           /* begins of frames; the last is not whole */
+	uint64_t events_recorded, events_held, too_deep, without_ring; /* as in stilb_prof_snapshot */
+	prof_anchor frames[PROF_FRAMES_MAX];                           /* begins of frames; the last one has not ended */
 	uint64_t first_frame;                                          /* number of frames[0], counted from 0 */
 	uint32_t frame_count;                                          /* valid entries of frames */
 	uint32_t window_first, window_count;                           /* whole frames in the window: indices into frames */
@@ -156,7 +157,8 @@ static inline uint64_t prof_flow_id(uint64_t frame, uint32_t lane, uint32_t sequ
 	return (frame & 0xffff) << 30 | (uint64_t)(lane & 0x3ff) << 20 | (sequence % 0xfffff + 1);
 }
 
-/* The number of the frame in which a flow was begun: the latest up to newest, the last frame begun, with those bits. */
+/* The number of the frame in which a flow was begun, of which the id holds 16 bits: the latest number with these bits
+ * that is not above newest, the number of the last frame begun. */
 static inline uint64_t prof_flow_frame(uint64_t id, uint64_t newest)
 {
 	return newest - ((newest - (id >> 30)) & 0xffff);
@@ -173,10 +175,10 @@ uint32_t prof_ring_count(uint32_t *ended);
 
 #define PROF_SWITCHES_MAX 4096
 
-/* The context switches of one thread, recorded by the kernel. {0} is valid: none. */
+/* The record that the kernel keeps of one thread's context switches. {0} is valid: nothing is recorded. */
 typedef struct prof_switches {
 	const void *page;    /* the kernel's ring; NULL: nothing is recorded */
-	size_t size;         /* of the mapping */
+	size_t size;         /* bytes of the mapping */
 	int process;         /* the process that mapped it: its children by fork do not have the mapping */
 	const char *refused; /* the reason why page is NULL; NULL if it is not */
 	uint32_t schedstat;  /* handle of prof_schedstat_open, used instead; 0: none */
@@ -241,9 +243,9 @@ extern __thread bool prof_background; /* true after prof_background_begin */
 void prof_background_begin(void);
 void prof_background_yield(void);
 
-/* Call it in each iteration of loops over all events or zones. Even a thread of the lowest priority sometimes takes the
- * CPU from a thread that never sleeps, and keeps it for some milliseconds until the next timer tick. Therefore such a
- * thread yields every 50 us. In other threads this does nothing. */
+/* Call it in each iteration of loops over all events or zones; round is the loop's counter. Even a thread of the lowest
+ * priority sometimes takes the CPU from a thread that never sleeps, and keeps it for some milliseconds until the next
+ * timer tick. Therefore a thread that has called prof_background_begin yields every 50 us. Others do nothing here. */
 static inline void prof_give_way(size_t round)
 {
 	if (__builtin_expect((round & 255) == 0, 0) && prof_background)

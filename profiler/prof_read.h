@@ -7,8 +7,9 @@
  *                 decimal microseconds, rounded to the nearest nanosecond; they are never converted to double.
  * What is mended. Zones may come in any order; B and E of one thread must be in order of time. A zone that extends
  *                 beyond its parent is cut to it. If times are negative, all times are moved up until the earliest is
- * 0. Hostile files.  Any bytes give a snapshot, or an error that names the byte and what was expected there. Memory use
- *                 is bounded by the size of the file.
+ *                 0.
+ * Hostile files.  Any bytes give a snapshot, or an error that names the byte and what was expected there. Memory use is
+ *                 bounded by the size of the file.
  * Example.
  *                     stilb_prof_snapshot snapshot = {0};
  *                     char error[256];
@@ -36,9 +37,9 @@ extern "C" {
 int stilb_prof_trace_parse(const char *text, size_t size, const char *name, stilb_prof_snapshot *snapshot, char *error,
                            size_t error_size);
 
-/* The same for the regular file at path; "-" is standard input, of whatever type. Also returns the negative errno of
- * the call that failed; -ESPIPE: path is a pipe or a device, which might never end. error then says so in words.
- * [any-thread] */
+/* stilb_prof_trace_parse for the regular file at path; "-" is standard input, which may also be a pipe or a device.
+ * Also returns the negative errno of the call that failed; -ESPIPE: path is a pipe or a device, which might never end.
+ * error then says so in words. [any-thread] */
 int stilb_prof_trace_read(const char *path, stilb_prof_snapshot *snapshot, char *error, size_t error_size);
 
 #ifdef __cplusplus

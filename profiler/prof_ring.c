@@ -1,5 +1,6 @@
 /*
- * Threads and their rings, lanes of devices, frames, and the raw copy that a snapshot is made from.
+ * Threads and the rings of events that they write, lanes of devices, frames, and the raw copy that a snapshot is made
+ * from.
  *
  * Ring protocol (one writer, any readers). The writer stores an event's two words, then head. The reader loads head,
  * the words, then head again; of the events before the first head it keeps those that the writer cannot have begun to
@@ -32,8 +33,8 @@
 #define PROF_COMM_MAX 16        /* bytes of a thread's name in the kernel, with the 0 at its end */
 #define PROF_REFUSED_TRIES 1024 /* a thread without memory for a ring tries again after so many events */
 
-/* A ring and its owner, a thread or a lane of a device. One mapping: this structure, padded to PROF_HEADER_SIZE, then
- * the events. */
+/* A ring and its owner, a thread or a lane of a device. Both lie in one memory mapping: first this structure, padded to
+ * PROF_HEADER_SIZE bytes, then the events. */
 typedef struct prof_thread {
 	stilb_prof_ring ring; /* first: stilb_prof_thread_ring points to it */
 	char name[PROF_NAME_MAX];
@@ -45,15 +46,15 @@ typedef struct prof_thread {
 	uint64_t begun_ns, ended_ns; /* CLOCK_MONOTONIC: when its last owner took it and gave it up; 0: in use */
 	uint64_t first;              /* number of the first event since the last shutdown: earlier ones are forgotten */
 	uint64_t first_too_deep;     /* likewise: ring.too_deep at the last shutdown */
-	size_t mapping;
+	size_t mapping;              /* bytes of the memory mapping */
 } prof_thread;
 
 #define PROF_HEADER_SIZE 4096
 static_assert(sizeof(prof_thread) <= PROF_HEADER_SIZE, "header");
 static_assert(offsetof(prof_thread, ring) == 0, "the ring comes first");
 
-/* The ring of threads without one. Its session, 0, is never the current one, so that the first event of a thread takes
- * the slow path (stilb_prof_ring_enter); and it has no open zones. */
+/* What stilb_prof_thread_ring points to in threads that have no ring. Its session, 0, is never the current one, so that
+ * the first event of a thread takes the slow path (stilb_prof_ring_enter); and it has no open zones. */
 static const stilb_prof_ring prof_ring_none;
 
 __thread stilb_prof_ring *stilb_prof_thread_ring = (stilb_prof_ring *)&prof_ring_none;
@@ -68,8 +69,8 @@ static __thread struct {
 	uint32_t refused; /* events since there was no memory for its ring; 0: it has not been refused one */
 } prof_self __attribute__((tls_model("initial-exec"))); /* in a shared object other models may allocate */
 
-/* The lock guards everything except what zones and frame marks write. Copies take it shared, so that a snapshot for the
- * screen does not wait for one that becomes a file. */
+/* The lock guards everything except what zones and frame marks write. prof_copy_take holds it shared, so that a
+ * snapshot for the screen does not wait for one that becomes a file. */
 static struct {
 	pthread_rwlock_t lock;
 	prof_thread **threads; /* all rings, in the order of the lanes of a snapshot */
@@ -112,7 +113,8 @@ static void prof_unlock(void)
 	prof_self.inside--;
 }
 
-/* Caller holds prof.lock. Living threads go on recording, so their heads rise meanwhile. */
+/* For asserts: the sizes and numbers of all rings are right. Caller holds prof.lock. Living threads go on recording, so
+ * their heads rise meanwhile. */
 static bool prof_list_is_sound(void)
 {
 	bool sound = prof.count <= prof.capacity && prof.count <= prof.made;
@@ -129,8 +131,8 @@ static bool prof_list_is_sound(void)
 
 /* ---- threads ----------------------------------------------------------------------------------------------------- */
 
-/* populate: make a small ring resident now, so that its first lap takes no page faults. A large one may never be
- * filled. */
+/* Maps the memory of a ring for so many events. populate: makes its pages resident now, if it is not larger than the
+ * default, so that its first lap takes no page faults; a larger one may never be filled. NULL: no memory. */
 static prof_thread *prof_thread_map(uint32_t events, bool populate)
 {
 	assert(events >= PROF_RING_EVENTS_MIN && (events & (events - 1)) == 0);
@@ -182,7 +184,8 @@ static prof_thread *prof_thread_reuse(const char *name, bool device)
 	if (same || ended < PROF_ENDED_MAX)
 		return same;
 	prof.discarded += oldest->ring.head - oldest->first;
-	oldest->ring.head = oldest->first = 0; /* no order needed: only copies read a ring without owner, under the lock */
+	/* No memory order is needed: a ring without an owner is only read by prof_copy_take, under the lock. */
+	oldest->ring.head = oldest->first = 0;
 	return oldest;
 }
 
@@ -205,9 +208,9 @@ static bool prof_name_follows(const char *a, const char *b)
 	return digits_a != digits_b ? digits_a > digits_b : strcmp(a + stem, b + stem) > 0;
 }
 
-/* Names the ring and moves it to its place in the list: the last, or before the first name that follows by its number,
- * since workers begin in any order but are looked for by number. A main thread that has not called
- * stilb_prof_thread_begin is the first. Caller holds prof.lock. */
+/* Names the ring and moves it to its place in the list. That is the end of the list, or before the first ring whose
+ * name differs only by a larger number at its end: "worker 2" before "worker 10", though workers begin in any order. A
+ * main thread that has not called stilb_prof_thread_begin is the first. Caller holds prof.lock. */
 static void prof_thread_rename(prof_thread *thread, const char name[PROF_NAME_MAX])
 {
 	assert(prof_self.locked == PROF_LOCKED);
@@ -324,7 +327,7 @@ static void prof_exit_make(void)
 	prof_exit.works = pthread_key_create(&prof_exit.key, prof_exit_run) == 0;
 }
 
-/* Before this code is unloaded: threads that exit later must not call it. */
+/* Runs before this code is unloaded (dlclose): threads that exit later must not call prof_exit_run. */
 __attribute__((destructor)) static void prof_exit_delete(void)
 {
 	pthread_once(&prof_exit.once, prof_exit_make); /* waits for a thread that is making it */
@@ -396,8 +399,8 @@ void stilb_prof_thread_end(void)
 	prof_thread_leave(thread);
 }
 
-/* The name of the calling thread: "main", or the one given by pthread_setname_np. Empty if it equals the main thread's:
- * threads inherit that name if they are given none. */
+/* The name of the calling thread: "main", or the one given by pthread_setname_np. Empty if it is that of the main
+ * thread: a thread that was given no name has inherited that one. */
 static void prof_self_name(char name[PROF_NAME_MAX])
 {
 	char main_name[PROF_COMM_MAX + 1] = "";
@@ -433,7 +436,7 @@ static bool prof_self_enter(void)
 	if (prof_self_has_ring())
 		return true;
 	prof_self.refused += prof_self.inside == 0;
-	__atomic_add_fetch(&prof.without_ring, 1, __ATOMIC_RELAXED); /* a number: no data depends on it */
+	__atomic_add_fetch(&prof.without_ring, 1, __ATOMIC_RELAXED); /* a count: no data depends on it */
 	return false;
 }
 
@@ -486,7 +489,7 @@ static void prof_thread_forget(prof_thread *thread)
 
 void stilb_prof_shutdown(void)
 {
-	/* Relaxed: no other thread is in a call. */
+	/* Relaxed: no other thread may be in a call of this library but zones. */
 	assert(!__atomic_load_n(&prof_frames.hook, __ATOMIC_RELAXED) && "captures have stopped");
 	size_t living = 0;
 	stilb_prof_thread_end();
@@ -511,7 +514,7 @@ void stilb_prof_shutdown(void)
 	prof.ended = prof.discarded = 0;
 	prof.ring_events = PROF_RING_EVENTS;
 	__atomic_store_n(&prof.without_ring, 0, __ATOMIC_RELAXED); /* a number: no data depends on it */
-	__atomic_store_n(&prof_frames.count, 0, __ATOMIC_RELAXED); /* no partner: nobody else is in a call */
+	__atomic_store_n(&prof_frames.count, 0, __ATOMIC_RELAXED); /* no other thread marks or reads frames now */
 	PROF_CHECK(prof_list_is_sound());
 	prof_unlock();
 }
@@ -531,7 +534,7 @@ void stilb_prof_record_set(bool on)
 	pthread_mutex_unlock(&lock);
 }
 
-/* The number of zones that are open around an end of a flow, as far as an event can hold it. */
+/* The number of zones that are open on the thread now, at an end of a flow; at most 63, which an event can hold. */
 static uint32_t prof_flow_level(const stilb_prof_ring *ring)
 {
 	return ring->depth < STILB_PROF_DEPTH_MAX ? ring->depth : STILB_PROF_DEPTH_MAX - 1;
@@ -603,12 +606,12 @@ void stilb_prof_frame_mark(void)
 	prof_anchor *begin = &prof_frames.begin[count % PROF_FRAMES_MAX];
 	uint64_t last_ns = prof_frames.begin[(count - 1) % PROF_FRAMES_MAX].ns;
 	assert((count == 0 || now.ns >= last_ns) && "frames ascend");
-	/* Release, as for events: pairs with the loads of prof_frames_copy. */
+	/* Release, as for events (head of this file): pairs with the loads of prof_frames_copy. */
 	__atomic_store_n(&begin->ticks, now.ticks, __ATOMIC_RELEASE);
 	__atomic_store_n(&begin->ns, now.ns, __ATOMIC_RELEASE);
 	__atomic_store_n(&prof_frames.count, count + 1, __ATOMIC_RELEASE);
 	prof_schedstat_mark();
-	/* Acquire: pairs with prof_frame_hook_set, so that what was made ready before is seen. */
+	/* Acquire: pairs with prof_frame_hook_set, so that the hook sees what was initialised before it was set. */
 	prof_frame_hook *hook = __atomic_load_n(&prof_frames.hook, __ATOMIC_ACQUIRE);
 	if (hook && count > 0)
 		hook(count - 1, now.ns - last_ns);
@@ -666,8 +669,8 @@ static stilb_prof_event prof_event_load(const stilb_prof_ring *ring, uint64_t nu
 	return (stilb_prof_event){begin, __atomic_load_n(&event->end, __ATOMIC_ACQUIRE)};
 }
 
-/* The number of the first event that the thread has not begun to overwrite. Call it after the events were loaded: their
- * acquire loads order this load after them. */
+/* The number of the oldest event that the writing thread cannot have begun to overwrite. Call it after the events were
+ * loaded: their acquire loads order this load of head after them. */
 static uint64_t prof_ring_valid(const stilb_prof_ring *ring)
 {
 	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED), size = (uint64_t)ring->mask + 1;
@@ -721,8 +724,8 @@ static bool prof_open_is_sound(const stilb_prof_open_zone *zones, uint32_t count
 	return sound;
 }
 
-/* The stack changes while it is read, from the deepest zone outwards. If a zone turns out to be younger than the one
- * read before it, which is deeper, then the deeper ones have ended meanwhile and are dropped. */
+/* Reads the open zones from the deepest one outwards; the thread may end and begin zones meanwhile. If a zone began
+ * later than the deeper one that was read before it, the deeper ones have ended meanwhile and are dropped. */
 uint32_t prof_copy_open(const stilb_prof_ring *ring, stilb_prof_open_zone *zones)
 {
 	uint32_t depth = __atomic_load_n(&ring->depth, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_open */
@@ -818,7 +821,7 @@ static int prof_copy_lane(const prof_thread *thread, prof_copy *copy, prof_lane_
 	return error;
 }
 
-/* Finds the frames and times of the window; NULL: of all that is held. */
+/* Sets begin, end and the frames of the copy's window; window NULL: all that the rings hold. */
 static void prof_copy_window(prof_copy *copy, const stilb_prof_window *window)
 {
 	uint32_t whole = copy->frame_count > 0 ? copy->frame_count - 1 : 0;
@@ -846,7 +849,7 @@ static void prof_copy_window(prof_copy *copy, const stilb_prof_window *window)
 	}
 }
 
-/* The parts of the lanes follow one another in the arrays, and frames ascend. */
+/* For asserts: the events and switches of the lanes follow one another in the copy's arrays, and frames ascend. */
 static bool prof_copy_is_sound(const prof_copy *copy)
 {
 	size_t events = 0, switches = 0;
@@ -863,7 +866,7 @@ static bool prof_copy_is_sound(const prof_copy *copy)
 	return sound && events == copy->event_count && switches == copy->switch_count;
 }
 
-/* Points the lanes into the arrays, which do not move any more. */
+/* Sets the pointers of the lanes into the arrays, which do not grow, and so do not move, any more. */
 static void prof_copy_point(prof_copy *copy)
 {
 	for (uint32_t i = 0; i < copy->lane_count; i++) {

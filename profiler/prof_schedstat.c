@@ -18,14 +18,15 @@
 
 /* One thread: its file, the values at the last frame, and its two counters. */
 typedef struct prof_schedstat {
-	int file; /* -1: not in use */
-	uint64_t ran_ns, waited_ns;
-	uint32_t names; /* index into prof_stats.names and sites */
+	int file;                   /* -1: not in use */
+	uint64_t ran_ns, waited_ns; /* totals since the thread began, as read at the last frame */
+	uint32_t names;             /* index into prof_stats.names and sites */
 } prof_schedstat;
 
 uint32_t prof_schedstat_count;
 
-/* The lock guards all of it. Sites are never freed, since events refer to them; static, as in prof_site.c. */
+/* The lock guards all of it. Sites are never freed, since events refer to them; they are static, since events can only
+ * refer to sites near the program's section of sites (prof_site.c). */
 static struct {
 	prof_mutex lock;
 	prof_schedstat threads[PROF_SCHEDSTAT_MAX];
@@ -108,8 +109,8 @@ void prof_schedstat_close(uint32_t handle)
 	prof_mutex_unlock(&prof_stats.lock);
 }
 
-/* If another thread holds the lock because it begins or ends, this frame is skipped and its time counts for the
- * next. */
+/* Records the two counters of each thread. If the lock is taken, since some thread begins or ends, this frame gets no
+ * counters, and its time is added to the next frame's. */
 void prof_schedstat_sample(void)
 {
 	/* Make this thread's ring before taking the lock: a thread that gets a ring calls prof_schedstat_open. */

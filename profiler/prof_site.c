@@ -1,4 +1,5 @@
-/* Sites: the linker's array of the sites of C code, the list of all others, and sites that are made at run time. */
+/* Sites (places in the source that record, prof.h): the linker's array of the sites of C code, the list of all others,
+ * and sites that are made at run time. */
 #include "profiler/prof_internal.h"
 
 #include <stdlib.h>
@@ -13,8 +14,8 @@ static const stilb_prof_site prof_site_more STILB_PROF_SECTION_ =
 /* Head of the list: the newest site. Sites are added at the head and never removed. */
 static stilb_prof_site *prof_sites;
 
-/* Static, because events hold the distance of a site from the section in 30 bits: .bss is near enough, the heap is
- * not. */
+/* The sites made at run time. Static, because events hold the distance of a site from the section of sites in 30 bits:
+ * .bss is near enough, the heap is not. */
 static struct {
 	prof_mutex lock;
 	uint32_t count;
@@ -37,14 +38,14 @@ const stilb_prof_site *stilb_prof_site_next(const stilb_prof_site *previous)
 	}
 	if (previous + 1 < __stop_stilb_prof_section)
 		return previous + 1;
-	return __atomic_load_n(&prof_sites, __ATOMIC_ACQUIRE); /* pairs with stilb_prof_site_list */
+	return __atomic_load_n(&prof_sites, __ATOMIC_ACQUIRE); /* pairs with the release in stilb_prof_site_list */
 }
 
 bool stilb_prof_site_list(stilb_prof_site *sites, size_t count)
 {
 	assert(sites && count > 0 && !prof_site_is_in_array(sites));
 	for (size_t i = 0; i < count; i++) {
-		/* Relaxed: only decides who adds it, and no data depends on it. */
+		/* Relaxed: only decides which thread adds the site; no data depends on it. */
 		if (__atomic_exchange_n(&sites[i].listed, 1, __ATOMIC_RELAXED) != 0)
 			continue;
 		stilb_prof_site *head = __atomic_load_n(&prof_sites, __ATOMIC_RELAXED); /* checked by the exchange */

@@ -10,10 +10,10 @@
 #include <errno.h>
 #include <string.h>
 
-#define PROF_SWITCHES_MORE 2 /* besides those of the kernel: before the thread began, and after it ended */
-#define PROF_SWITCHES_UNUSED 64
+#define PROF_SWITCHES_MORE 2    /* besides those of the kernel: before the thread began, and after it ended */
+#define PROF_SWITCHES_UNUSED 64 /* a kernel's ring that lacks so many entries counts as full, see below */
 
-/* Makes room for count items in an array of m, and for one more, so that the array is never NULL. False: no memory. */
+/* Makes room for count items, and one more so that the array is never NULL, in the array m->items. False: no memory. */
 #define ROOM(m, items, count, capacity) prof_array_room(&(m)->items, sizeof *(m)->items, (count) + 1, &(m)->capacity)
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
@@ -121,8 +121,9 @@ static void prof_switch_add(prof_snapshot_memory *m, uint64_t out_ns, uint64_t i
 		m->switches[m->switch_count++] = (stilb_prof_switch){out_ns, in_ns, preempted};
 }
 
-/* Joins each leaving of a CPU with the return that follows, if that lies after begin_ns, and cuts both to begun_ns ..
- * end_ns. A thread that has not come back is out until end_ns. A return whose leaving is not known is dropped. */
+/* Makes a switch of each event at which the thread left a CPU and the next one at which it came back, if that is later
+ * than begin_ns; both times are cut to begun_ns .. end_ns. A thread that has not come back is off the CPU until end_ns.
+ * A coming back without a known leaving is dropped. */
 static void prof_switches_pair(prof_snapshot_memory *m, const prof_lane_copy *copy, uint64_t begun_ns,
                                uint64_t begin_ns, uint64_t end_ns)
 {
@@ -137,8 +138,8 @@ static void prof_switches_pair(prof_snapshot_memory *m, const prof_lane_copy *co
 	}
 }
 
-/* The end of the last outermost zone that began before ns; 0: none. Before the begin of a thread, such zones are those
- * of an earlier owner of its ring, whose switches are not known. */
+/* The end of the last outermost zone of the lane that began before ns, where ns is the time at which the thread took
+ * its ring; 0: none. Such zones are those of an earlier owner of the ring, whose switches are not known. */
 static uint64_t prof_lane_end_before(const stilb_prof_lane *lane, uint64_t ns)
 {
 	uint64_t end_ns = 0;
@@ -172,8 +173,8 @@ static void prof_switches_find(prof_snapshot_memory *m, stilb_prof_lane *lane, c
 	prof_switch_add(m, prof_later(last_ns, begin_ns), end_ns, false);
 }
 
-/* Makes the switches of all lanes and the zones' off_cpu_ns. After the zones: a window without a begin begins with the
- * first zone. */
+/* Makes the switches of all lanes and the zones' off_cpu_ns. Called after the zones are made, since begin_ns of a
+ * window without a begin is that of its first zone. */
 static bool prof_snapshot_switches(prof_snapshot_memory *m, uint64_t begin_ns, uint64_t end_ns)
 {
 	for (uint32_t l = 0; l < m->copy.lane_count; l++) {
@@ -212,7 +213,7 @@ static uint64_t prof_runs_key(const prof_runs *runs, const char *item)
 	return key;
 }
 
-/* Merges the neighbouring runs [a, b) and [b, end), by way of to; stable. */
+/* Merges the neighbouring runs [a, b) and [b, end) into one; to is scratch. Items with equal keys keep their order. */
 static void prof_runs_merge(const prof_runs *runs, size_t a, size_t b, size_t end, char *to)
 {
 	assert(a <= b && b <= end);
@@ -229,7 +230,8 @@ static void prof_runs_merge(const prof_runs *runs, size_t a, size_t b, size_t en
 	memcpy(runs->items + a * size, to, (end - a) * size);
 }
 
-/* starts holds the first index of each of the count runs, and after them the end of the last one. */
+/* Merges `count` runs into one. starts holds the first index of each run and then the end of the last one; scratch has
+ * room for all items. */
 static void prof_runs_sort(const prof_runs *runs, size_t *starts, size_t count, char *scratch)
 {
 	assert(runs->key + sizeof(uint64_t) <= runs->size);
@@ -275,9 +277,10 @@ static void prof_flow_add(prof_snapshot_memory *m, const prof_flow_mark *from, c
 	};
 }
 
-/* Makes one flow for each end, with its begin if that is in the snapshot, then one for each begin without an end, each
- * in the order of the marks; returns the number of runs. If the clocks of two CPUs differ, a begin may come after its
- * end: then it is moved to the end, since arrows never go back in time. */
+/* Makes one flow for each end mark, with its begin if that is in the snapshot, then one for each begin mark without an
+ * end, both in the order of the marks, which is lane by lane. So the flows ascend within runs, two for each lane with
+ * marks; stores where each run begins in m->runs and returns how many there are. If the clocks of two CPUs differ, a
+ * begin may come after its end: then it is moved to the end, since arrows never go back in time. */
 static size_t prof_flows_join(prof_snapshot_memory *m, size_t slots)
 {
 	size_t runs = 0;
@@ -368,7 +371,7 @@ static void prof_snapshot_destroy(void *memory)
 	free(m);
 }
 
-/* The memory of an earlier take, or new memory. NULL: none left. */
+/* The memory that an earlier take left in the snapshot, or new memory. NULL: no memory. */
 static prof_snapshot_memory *prof_snapshot_memory_of(stilb_prof_snapshot *snapshot)
 {
 	prof_snapshot_memory *m = snapshot->memory;
@@ -415,7 +418,8 @@ static bool prof_snapshot_lanes(prof_snapshot_memory *m)
 	return true;
 }
 
-/* The begin of a window without one: the first time in the snapshot; if it is empty, the begin of the first thread. */
+/* begin_ns of a window that has no begin: the first time in the snapshot; if it holds nothing, the time at which the
+ * first thread took its ring. At most end_ns. */
 static uint64_t prof_snapshot_first_ns(const prof_snapshot_memory *m, uint64_t end_ns)
 {
 	uint64_t first_ns = end_ns;
@@ -462,7 +466,7 @@ static void prof_snapshot_fill(stilb_prof_snapshot *s, const prof_snapshot_memor
 	};
 }
 
-/* The end of the window. One of frames that are not remembered any more is empty and lies at the present time. */
+/* The end of the window. A window of frames that are not remembered any more is empty and lies at the present time. */
 static uint64_t prof_snapshot_end_ns(prof_snapshot_memory *m)
 {
 	bool empty = m->copy.begin.ticks == UINT64_MAX, closed = m->copy.end.ticks != UINT64_MAX;

@@ -4,7 +4,8 @@
 
 #include "profiler/prof_internal.h"
 
-/* A zone in the order of ends, before it is moved to its place in the order of begins. */
+/* A zone while it is still in the order in which zones end, as events are; then it is moved to its place in the order
+ * in which zones begin, as in the snapshot. */
 typedef struct prof_zone_node {
 	uint64_t begin, end; /* ns */
 	uint32_t label;
@@ -44,7 +45,7 @@ typedef struct prof_snapshot_memory {
 	stilb_prof_lane *lanes;
 	stilb_prof_zone *zones; /* of all lanes */
 	stilb_prof_switch *switches;
-	uint64_t *off_before; /* of one lane: for each of its switches, the sum of those before it */
+	uint64_t *off_before; /* for each switch of one lane: ns off the CPU in all of its switches before that one */
 	stilb_prof_point *points;
 	prof_flow_mark *marks;
 	stilb_prof_flow *flows;
@@ -52,11 +53,11 @@ typedef struct prof_snapshot_memory {
 		flow_capacity;
 	size_t zone_count, switch_count, point_count, mark_count, flow_count;
 
-	/* scratch */
-	prof_zone_node *nodes; /* of one lane */
+	/* Scratch: used during one take alone. */
+	prof_zone_node *nodes; /* the zones of one lane */
 	uint32_t *flow_slots;  /* an open hash table of the marks that begin flows */
-	char *merged;
-	size_t *runs; /* where the ascending runs of points, or of flows, begin */
+	char *merged;          /* where prof_runs_merge writes */
+	size_t *runs;          /* indices at which runs begin: parts of points or flows that ascend by time */
 	size_t node_capacity, slot_capacity, merged_capacity, run_capacity;
 	uint32_t frame_count;
 } prof_snapshot_memory;
@@ -64,7 +65,8 @@ typedef struct prof_snapshot_memory {
 /* The label of a site, or PROF_NONE: no memory. */
 uint32_t prof_snapshot_label(prof_snapshot_memory *m, const stilb_prof_site *site);
 
-/* The index of the frame in which a flow was begun, or STILB_PROF_NONE: not in the window. */
+/* The index into frames of the frame in which the flow with this id was begun, or STILB_PROF_NONE: it is not in the
+ * window. */
 uint32_t prof_snapshot_flow_frame(const prof_snapshot_memory *m, uint64_t id);
 
 /* Converts a time of the lane's clock to nanoseconds since the profiler's first call. */

@@ -1,12 +1,12 @@
 /*
- * Makes the zones of a lane from its events.
+ * Makes the zones of a lane, a tree, from its events, a flat list.
  *
  * Events are in the order in which zones end: children before parents. Times alone cannot tell a child from an earlier
  * sibling if both begin in the same tick, so the tree is rebuilt from that order and the depths: walking backwards, the
- * parent of a zone is the last zone met that is less deep and began no later. A subtree fills the same range of places
- * in both orders; its root is last in the order of ends and first in the order of begins, and its ancestors move from
- * behind it to before it. So the place of a zone in the order of begins is its place in the order of ends, minus
- * (size - 1), plus level.
+ * parent of a zone is the last zone met that is less deep and began no later. The snapshot wants the zones in the order
+ * of their begins. A subtree is contiguous in both orders; its root is last in the order of ends and first in the order
+ * of begins, and its ancestors stand behind it in the first order and before it in the second. So the place of a zone
+ * in the order of begins is its place in the order of ends, minus (size - 1), plus level.
  *
  * Times are converted to whole nanoseconds by one monotone map. Then each zone is cut to lie between the end of its
  * previous sibling and the end of its parent, so zones nest properly whatever the clock did.
@@ -24,7 +24,7 @@ static uint64_t prof_clamp(uint64_t value, uint64_t low, uint64_t high)
 
 /* ---- ends to begins ---------------------------------------------------------------------------------------------- */
 
-/* A zone that ended later than the current event: a possible parent. */
+/* A zone that ended later than the event that the backward walk has reached: a possible parent of it. */
 typedef struct zones_outer {
 	uint64_t begin; /* ticks */
 	uint32_t depth;
@@ -35,14 +35,14 @@ typedef struct zones_walk {
 	prof_snapshot_memory *m;
 	const prof_lane_copy *lane;
 	uint32_t index; /* of the lane */
-	uint32_t first; /* nodes are filled from the end: index of the last one filled */
+	uint32_t first; /* nodes are filled from the end to the front: index of the one filled last */
 	uint32_t outer_count;
 	zones_outer outer[STILB_PROF_DEPTH_MAX]; /* possible parents, outermost first */
 	bool failed;                             /* no memory */
 } zones_walk;
 
-/* Drops the possible parents that do not enclose an event of that depth and time. Returns the node of the innermost
- * that does, or PROF_NONE. */
+/* Drops the possible parents that do not enclose an event of that depth and time. Returns the node of the innermost one
+ * left, or PROF_NONE. */
 static uint32_t zones_walk_into(zones_walk *walk, uint32_t depth, uint64_t time)
 {
 	const zones_outer *outer = walk->outer;
@@ -187,9 +187,9 @@ static void zones_settle(const prof_snapshot_memory *m, stilb_prof_zone *zones, 
 
 /* ---- flows ------------------------------------------------------------------------------------------------------- */
 
-/* The zone in which a flow ends is the job: its subtree is charged to the frame that submitted it. Marks ascend, so
- * jobs inside jobs are charged after them. The mark is moved before the end of its zone, since viewers take the end as
- * outside. */
+/* The zone in which a flow ends is a job: it and its subtree are charged to the frame that submitted the job. Marks
+ * ascend, so a job inside another is charged later and keeps its own frame. The time of the mark is moved before the
+ * end of its zone, since viewers take a mark at the end as outside. */
 static void zones_charge(const prof_snapshot_memory *m, stilb_prof_zone *zones, prof_flow_mark *mark)
 {
 	if (mark->zone == PROF_NONE)
@@ -259,7 +259,8 @@ bool prof_snapshot_zones(prof_snapshot_memory *m, uint32_t index)
 
 /* ---- time off the CPU -------------------------------------------------------------------------------------------- */
 
-/* How long the thread was off the CPU before ns. The search begins with the switch at; those before it end by ns. */
+/* How long, in ns, the thread was off the CPU before the time ns. The search begins with switches[at]; those before it
+ * end at or before ns. */
 static uint64_t zones_off_before(const stilb_prof_switch *switches, const uint64_t *off_before, uint32_t count,
                                  uint32_t at, uint64_t ns)
 {

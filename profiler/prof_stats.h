@@ -26,7 +26,7 @@
 extern "C" {
 #endif
 
-/* Which zones count: those that are in all three ranges. {0}: all zones. */
+/* Selects the zones that are added up: those that are in all three ranges. {0}: all zones. */
 typedef struct stilb_prof_stats_range {
 	uint32_t first_lane, lane_count;   /* on these lanes; lane_count 0: on any lane */
 	uint32_t first_frame, frame_count; /* charged to these frames (indices); frame_count 0: to any frame or none */
@@ -38,7 +38,7 @@ typedef struct stilb_prof_stats_range {
 typedef struct stilb_prof_row {
 	uint32_t label; /* index into the snapshot's labels */
 	stilb_prof_lane_kind kind;
-	uint32_t calls;                          /* number of zones, at least 1 */
+	uint32_t calls;                          /* number of zones added up in this row, at least 1 */
 	uint64_t inclusive_ns;                   /* children included; a zone inside one of its label is not added again */
 	uint64_t self_ns;                        /* children excluded; the sum over all rows is the time spent in zones */
 	uint64_t off_cpu_ns;                     /* how much of inclusive_ns the threads were not running */

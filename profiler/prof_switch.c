@@ -38,10 +38,11 @@ static uint32_t prof_switches_wanted;
 void stilb_prof_switches_set(bool on)
 {
 	__atomic_store_n(&prof_switches_wanted, on,
-	                 __ATOMIC_RELAXED); /* pairs with prof_switches_open; nothing goes with it */
+	                 __ATOMIC_RELAXED); /* read by prof_switches_open; no other data depends on it */
 }
 
-/* perf_event_paranoid: the kernel's default 2 allows this; Debian's and Android's 3 forbids it. */
+/* The reason why perf_event_open failed with this error. perf_event_paranoid: the kernel's default 2 allows a thread to
+ * record its own switches; Debian's and Android's 3 forbids it. */
 static const char *prof_switches_why(int error)
 {
 	char level[8] = "";
@@ -102,7 +103,7 @@ prof_switches prof_switches_open(const char *name)
 	return switches;
 }
 
-/* False also in a child of fork, to which the kernel does not give such mappings. */
+/* True if the kernel's ring is mapped in this process. Not in a child of fork, which does not get such mappings. */
 static bool prof_switches_mapped(const prof_switches *switches)
 {
 	return switches->page && switches->process == getpid();
@@ -135,12 +136,13 @@ uint32_t prof_switches_copy(const prof_switches *switches, uint64_t since_ns, pr
 	uint64_t size = page->data_size;
 	uint32_t count = 0;
 
-	/* Acquire: pairs with the barrier that the kernel puts between a record and data_head. It starts at 0 and falls. */
+	/* Acquire: pairs with the barrier that the kernel puts between a record and data_head. data_head starts at 0 and
+	 * falls, so its negative is the number of bytes written. */
 	uint64_t head = __atomic_load_n(&page->data_head, __ATOMIC_ACQUIRE);
 	uint64_t written = -head, held = written < size ? written : size;
 	bool older = true;
 	for (uint64_t i = 0; i < held && older; i += sizeof(prof_switch_record)) {
-		/* Acquire: the second load of data_head comes after them. */
+		/* Acquire: the second load of data_head, which tells what was overwritten, comes after these loads. */
 		const prof_switch_record *record = (const prof_switch_record *)(data + ((head + i) & (size - 1)));
 		uint64_t header = __atomic_load_n(&record->header, __ATOMIC_ACQUIRE);
 		uint64_t ns = __atomic_load_n(&record->ns, __ATOMIC_ACQUIRE);

@@ -51,8 +51,9 @@ static void prof_rank(prof_ranks *ranks, const uint64_t *a, size_t a_count, cons
 	}
 }
 
-/* The share of all choices of a_count ranks whose sum is at least as far from the mean as the observed one. ways[k][s]
- * is the number of choices of k among the first ranks with the sum s. Negative: no memory. */
+/* The exact p: of all ways to choose a_count of the ranks, the share of those whose sum of ranks is at least as far
+ * from the mean as the observed one. ways[k][s] is the number of ways to choose k of the ranks seen so far with the sum
+ * s. Negative: no memory. */
 static double prof_rank_exact(const prof_ranks *ranks, size_t a_count, size_t count)
 {
 	assert(a_count <= PROF_EXACT_MAX && a_count <= count && count <= 2 * PROF_EXACT_MAX);
@@ -113,7 +114,8 @@ typedef struct prof_side {
 	uint64_t *frame_times; /* per frame: for each row, its time in each frame, ascending */
 } prof_side;
 
-/* A table of rows: 2 * label + (1 for devices) -> the row, or STILB_PROF_NONE. NULL: no memory. */
+/* A table that gives the row of a label: the one at 2 * label, or 2 * label + 1 for devices; STILB_PROF_NONE: there is
+ * none. NULL: no memory. */
 static uint32_t *prof_side_rows(const prof_side *side)
 {
 	size_t count = 2 * (size_t)side->snapshot->label_count;
@@ -136,7 +138,8 @@ static bool prof_zone_recurs(const stilb_prof_lane *lane, const stilb_prof_zone 
 	return false;
 }
 
-/* Adds the zones of a lane to the times of their rows and frames. Zones before until[row] are inside one of the row. */
+/* Adds the zones of a lane to the times of their rows and frames. until[row] is the index after the last zone that is
+ * inside a zone of the row. */
 static void prof_side_add_lane(prof_side *side, const stilb_prof_lane *lane, const uint32_t *rows, uint32_t *until)
 {
 	size_t frames = side->snapshot->frame_count;
@@ -278,8 +281,8 @@ static int prof_compare_diff_rows(const void *left, const void *right)
 	return names != 0 ? names : (int)a->kind - (int)b->kind;
 }
 
-/* Merges the rows of both sides into rows, which has room for all. Returns how many there are; *tests: on both
- * sides. */
+/* Merges the rows of both sides into rows, which has room for all. Returns how many there are; *tests is how many of
+ * them are on both sides, and so can be tested. */
 static uint32_t prof_diff_join(stilb_prof_diff_row *rows, const prof_side *a, const prof_side *b, uint32_t *tests)
 {
 	uint32_t count = 0;

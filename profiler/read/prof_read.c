@@ -67,7 +67,7 @@ static int prof_read_say(int result, char *error, size_t error_size, const char 
 
 #define PROF_READ_FOUND 48
 
-/* Describes the text at the error: a whole number, else one byte. */
+/* Describes, for the error message, the text at the error: a whole number if there is one, else one byte. */
 static void prof_read_found(const prof_scan *scan, char found[PROF_READ_FOUND])
 {
 	assert(scan->failed >= scan->begin && scan->failed <= scan->end);

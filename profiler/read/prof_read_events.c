@@ -11,6 +11,7 @@
 
 #define PROF_BLOCK_SIZE 16384
 
+/* The members of one JSON event, before it is known what they mean together. */
 typedef struct prof_raw_event {
 	char phase; /* 0: missing, or longer than one character */
 	bool has_ts, has_dur, has_tid;
@@ -97,7 +98,7 @@ static uint64_t prof_hash(uint64_t seed, const char *text, size_t size)
 	return hash ^ hash >> 32;
 }
 
-/* Replaces the slots by twice as many, all free. Returns how many; 0: no memory. */
+/* Replaces the slots of a hash table by twice as many, all free. Returns how many; 0: no memory. */
 static size_t prof_slots_grow(uint32_t **slots, size_t count)
 {
 	size_t grown = count > 0 ? 2 * count : 256;
@@ -138,7 +139,8 @@ static bool prof_labels_grow(prof_read *read)
 	return true;
 }
 
-/* The label at slot, or a new one of that name there. The name contains no 0; keep: it need not be copied. */
+/* *label is the label at this slot of the hash table, or a new one with that name if the slot is free. keep: the name
+ * is a copy already, which lives as long as the snapshot. False: no memory. */
 static bool prof_label_at(prof_read *read, size_t slot, const char *name, size_t size, bool keep, uint32_t *label)
 {
 	if (read->label_slots[slot] == 0) {
@@ -289,7 +291,8 @@ static bool prof_event_begin(prof_read *read, const prof_raw_event *event)
 	return true;
 }
 
-/* Ends the zone that was begun last, whatever its name. Without one, its begin is older than the file: ignored. */
+/* An E event: ends the zone that was begun last on its thread, whatever its name. If none is open, the zone began
+ * before the file does, and the event is ignored. */
 static bool prof_event_end(prof_read *read, const prof_raw_event *event)
 {
 	prof_read_lane *lane = prof_read_lane_of(read, event->pid, event->tid);
@@ -342,7 +345,7 @@ static bool prof_event_flow(prof_read *read, const prof_raw_event *event, uint64
 
 /* ---- args -------------------------------------------------------------------------------------------------------- */
 
-/* The members of args that are used, of all phases. */
+/* The members of an event's "args" that are read, of all phases (kinds of events). */
 typedef struct prof_args {
 	prof_span name, no_switches;
 	int64_t sort_index;
@@ -392,8 +395,8 @@ static bool prof_args_member(prof_scan *scan, prof_span key, prof_args *args)
 	return true;
 }
 
-/* Reads the members of args, if span is an object. It was skipped before, so its syntax is right; false: an error in a
- * member, for example a sort_index of "-". */
+/* Reads the members of args, if span is an object. Its syntax is right, since prof_scan_value has passed over it
+ * before; false: an error in a member, for example a sort_index of "-". */
 static bool prof_args_parse(prof_read *read, prof_span span, prof_args *args)
 {
 	prof_scan scan = read->scan;

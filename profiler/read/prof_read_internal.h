@@ -20,20 +20,20 @@ typedef struct prof_strings {
 	size_t room;
 } prof_strings;
 
-/* One pid and tid. Until they are linked, zones are in the order of the file, parent chains the open B events, and
- * self_ns and off_cpu_ns hold begin and end in tenths of nanoseconds, modulo 2^64: prof_trace_chrome.c lets zones end
- * by tenths before they would touch. */
+/* A lane while the file is read: the events of one pid and tid. Until prof_read_link, the zones are in the order of the
+ * file, their `parent` chains the B events that have no E yet, and self_ns and off_cpu_ns hold begin and end in tenths
+ * of nanoseconds, modulo 2^64. Tenths matter, since prof_trace_chrome.c lets zones end by tenths before they touch. */
 typedef struct prof_read_lane {
 	uint64_t pid, tid;
 	const char *name;        /* NULL: the file names none */
 	const char *no_switches; /* as in stilb_prof_lane */
-	int64_t sort;
-	uint64_t kernel_tid;
-	uint64_t switches_from; /* switches_ns, as given for a thread "...: off the CPU" */
-	uint64_t switches_ns;   /* as in stilb_prof_lane */
+	int64_t sort;            /* the file's thread_sort_index; INT64_MAX: it has none */
+	uint64_t kernel_tid;     /* the kernel's thread id, if the file names it; else 0 */
+	uint64_t switches_from;  /* of a thread "...: off the CPU": switches_ns of the lane whose switches it has */
+	uint64_t switches_ns;    /* as in stilb_prof_lane */
 	bool device, used, frames;
 	uint32_t open;  /* the innermost open B, or STILB_PROF_NONE */
-	uint32_t index; /* in the snapshot, or STILB_PROF_NONE */
+	uint32_t index; /* in the finished snapshot; STILB_PROF_NONE: left out, as the lane of frames is */
 	stilb_prof_zone *zones;
 	size_t zone_count, zone_capacity;
 	stilb_prof_switch *switches;
@@ -48,6 +48,7 @@ typedef struct prof_read_end {
 	char phase;
 } prof_read_end;
 
+/* The begin of a frame and its number, from an i event of the thread "frames". */
 typedef struct prof_read_mark {
 	uint64_t ns, number;
 } prof_read_mark;
@@ -58,10 +59,10 @@ typedef struct prof_read {
 	prof_scan scan;
 	prof_strings strings;
 	stilb_prof_label *labels;
-	uint32_t *label_slots; /* open addressing, a power of two: 1 + the label, 0: free */
+	uint32_t *label_slots; /* hash table by name, its size a power of two: 1 + index of the label, 0: free */
 	prof_read_lane *lanes;
-	uint32_t *lane_slots;
-	uint32_t last_lane; /* index of the lane found last */
+	uint32_t *lane_slots; /* the same by pid and tid: 1 + index of the lane, 0: free */
+	uint32_t last_lane;   /* index of the lane found last */
 	stilb_prof_point *points;
 	prof_read_end *ends;
 	prof_read_mark *marks;
@@ -71,7 +72,7 @@ typedef struct prof_read {
 	stilb_prof_frame *out_frames;
 	stilb_prof_flow *out_flows;
 	size_t out_lane_count, out_frame_count, out_flow_count;
-	uint64_t first_ns, last_ns; /* smallest and largest time; UINT64_MAX and 0: none */
+	uint64_t first_ns, last_ns; /* smallest and largest time read so far; UINT64_MAX and 0: none yet */
 	stilb_prof_snapshot header; /* values from otherData; clock is NULL if there are none */
 	uint64_t header_begin_ns, header_end_ns;
 	bool no_memory;

@@ -17,8 +17,8 @@ bool prof_scan_fail(prof_scan *scan, const char *at, const char *expected)
 
 /* ---- strings ----------------------------------------------------------------------------------------------------- */
 
-/* Sets the highest bit of each byte of the word that is zero. Only the lowest of these bits is exact. Source: Mycroft
- * 1987, in Warren, "Hacker's Delight", 6-1. */
+/* A word with the highest bit set in each byte in which the given word has a zero byte. Only the lowest set bit is sure
+ * to be right. Source: Mycroft 1987, in Warren, "Hacker's Delight", 6-1. */
 static uint64_t prof_zero_bytes(uint64_t word)
 {
 	return (word - UINT64_C(0x0101010101010101)) & ~word & UINT64_C(0x8080808080808080);
@@ -108,7 +108,8 @@ static size_t prof_utf8(uint32_t c, char *to)
 	return size;
 }
 
-/* *at is after \u; it is moved to the end of the code point, which may be a surrogate pair. */
+/* Decodes the code point at *at, which is behind "\u", and moves *at behind it; it may be a pair of escapes (a
+ * surrogate pair). */
 static uint32_t prof_decode_unicode(const char **at, const char *end)
 {
 	uint32_t c = prof_hex4(*at);
@@ -123,7 +124,7 @@ static uint32_t prof_decode_unicode(const char **at, const char *end)
 	return c == 0 || (c >= 0xd800 && c < 0xe000) ? 0xfffd : c;
 }
 
-/* An escape is never shorter than what it stands for. */
+/* to may be as small as the string, since an escape is never shorter than the bytes that it stands for. */
 size_t prof_scan_decode(prof_span string, char *to)
 {
 	static const char from[] = "\"\\/bfnrt", meant[] = "\"\\/\b\f\n\r\t";
@@ -218,7 +219,7 @@ static prof_decimal prof_decimal_of(prof_span number)
 	decimal.point = at - decimal.text;
 	while (at < decimal.end && (prof_is_digit(*at) || *at == '.'))
 		at++;
-	if (at < decimal.end) { /* e */
+	if (at < decimal.end) { /* *at is the e of an exponent */
 		const char *digit = at + 1;
 		bool less = *digit == '-';
 		int64_t exponent = 0;
@@ -240,7 +241,7 @@ static prof_time prof_time_of(int64_t ns, int tenths, bool negative)
 	return negative ? (prof_time){-time.ns, -time.tenths} : time;
 }
 
-/* Reads any form of number. place is the number of digits up to that of nanoseconds that are still missing. */
+/* Reads microseconds in any form of number. place is how many digits are still to be read up to that of nanoseconds. */
 static bool prof_scan_us_slow(prof_scan *scan, bool is_signed, prof_time *time)
 {
 	prof_span number;

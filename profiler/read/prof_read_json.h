@@ -25,8 +25,8 @@ typedef struct prof_span {
 	bool escaped; /* a string that contains escapes */
 } prof_span;
 
-/* Each reads one item at the cursor and returns false after an error. prof_scan_fail stores an error and returns
- * false. */
+/* prof_scan_fail stores an error, if it is the first, and returns false. Each of the others reads one item at the
+ * cursor and returns false after an error. */
 bool prof_scan_fail(prof_scan *scan, const char *at, const char *expected);
 bool prof_scan_string(prof_scan *scan, prof_span *string);
 bool prof_scan_number(prof_scan *scan, prof_span *number);

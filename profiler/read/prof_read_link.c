@@ -15,8 +15,8 @@
 #include <string.h>
 
 #define PROF_OFF_CPU ": off the CPU"
-#define PROF_ROUNDING 10                     /* tenths */
-#define PROF_UNCHARGED (STILB_PROF_NONE - 1) /* no arrow ends in the zone */
+#define PROF_ROUNDING 10                     /* tenths of a nanosecond */
+#define PROF_UNCHARGED (STILB_PROF_NONE - 1) /* in charges: no flow ends in the zone, so its own time decides */
 
 /* ---- order ------------------------------------------------------------------------------------------------------- */
 
@@ -39,8 +39,8 @@ static void prof_link_shift(prof_read *read)
 	read->last_ns = read->last_ns == 0 ? 0 : read->last_ns - zero;
 }
 
-/* Ends zones without an E event at the last time of the file, plus a tenth, so that zones that begin then are
- * inside. */
+/* Ends zones without an E event at ns, the last time in the file, plus a tenth, so that zones that begin at that time
+ * are inside. */
 static void prof_lane_end_open(prof_read_lane *lane, uint64_t ns)
 {
 	while (lane->open != STILB_PROF_NONE) {
@@ -53,7 +53,8 @@ static void prof_lane_end_open(prof_read_lane *lane, uint64_t ns)
 	}
 }
 
-/* Negative if a comes first. At equal begins the longer one is the parent. Differences, modulo 2^64, are below 2^63. */
+/* Negative if a comes first: the one that begins earlier or, if both begin together, the longer one, which is the
+ * parent. self_ns is the begin here and off_cpu_ns the end (prof_read_lane), modulo 2^64; they differ by < 2^63. */
 static int prof_zone_compare(const stilb_prof_zone *a, const stilb_prof_zone *b)
 {
 	if (a->self_ns != b->self_ns)
@@ -70,7 +71,8 @@ static int prof_zone_compare_stable(const void *left, const void *right)
 	return order != 0 ? order : (a->size > b->size) - (a->size < b->size);
 }
 
-/* Sorts the zones unless they are in order already. A zone without length may come before another of the same begin. */
+/* Sorts the zones unless they are in order already. A zone without length that comes before one with the same begin
+ * counts as in order. */
 static void prof_lane_sort(prof_read_lane *lane)
 {
 	size_t ordered = 1;
@@ -95,8 +97,8 @@ typedef struct prof_nest {
 	uint64_t cursor_ns; /* the end of the zone that ended last */
 } prof_nest;
 
-/* Ends the innermost zone; next is the index of the zone after its subtree. Until now self_ns is the sum of its
- * children. */
+/* Ends the innermost zone; next is the index of the zone after its subtree. Until now its self_ns holds the sum of its
+ * children's durations. */
 static void prof_nest_end(prof_nest *nest, uint32_t next)
 {
 	assert(nest->top < next && "not ended twice");
@@ -108,7 +110,8 @@ static void prof_nest_end(prof_nest *nest, uint32_t next)
 	nest->top = zone->parent;
 }
 
-/* True if the zone does not begin inside top: see the head of this file. */
+/* True if the zone begins after `top` has ended, or so shortly before that end that it is taken for a rounding error:
+ * see the head of this file. */
 static bool prof_nest_is_over(const stilb_prof_zone *top, const stilb_prof_zone *zone)
 {
 	int64_t inside = (int64_t)(top->off_cpu_ns - zone->self_ns); /* tenths from the begin of zone to the end of top */
@@ -147,8 +150,8 @@ static bool prof_zone_is_before(const stilb_prof_zone *zone, uint64_t ns)
 	return zone->end_ns <= ns && zone->begin_ns < ns;
 }
 
-/* Nests the zones of a lane. ends are the flows that end on it, ascending; the frame of each is stored in charges of
- * the zone in which it ends. */
+/* Finds the parents of the zones of a lane. ends are the flows that end on the lane, ascending by time; for each, the
+ * index of its frame is stored in charges[zone], where zone is the one in which the flow ends. */
 static void prof_lane_nest(prof_read_lane *lane, const stilb_prof_flow *const *ends, size_t end_count,
                            uint32_t *charges)
 {
@@ -201,7 +204,7 @@ static bool prof_link_frames(prof_read *read, const prof_read_lane *lane)
 	return true;
 }
 
-/* The frame of that time, or STILB_PROF_NONE. */
+/* The index of the frame that contains the time ns, or STILB_PROF_NONE. */
 static uint32_t prof_frame_at(const prof_read *read, uint64_t ns)
 {
 	size_t low = 0, high = read->out_frame_count;
@@ -255,7 +258,7 @@ static int prof_end_rank(const prof_read_end *end)
 	return end->phase == 's' ? 0 : end->phase == 't' ? 1 : 2;
 }
 
-/* By flow, then by time. */
+/* Orders the ends of flows by flow (id and name), then by time. */
 static int prof_end_compare(const void *left, const void *right)
 {
 	const prof_read_end *a = left, *b = right;
@@ -344,8 +347,9 @@ static bool prof_arrivals_make(const prof_read *read, prof_arrivals *arrivals)
 	arrivals->start = calloc(read->lane_count + 2, sizeof *arrivals->start);
 	if (!arrivals->ends || !arrivals->start)
 		return false;
-	/* First start[l + 2] is the count of l; summed up, start[l + 1] is its begin; after filling, start[l + 1] is its
-	 * end. */
+	/* A counting sort in one array. The first loop makes start[l + 2] the number of lane l's flows; the second makes
+	 * start[l + 1] the index of its first one; the third, which fills in the flows, advances that to the index after
+	 * its last one, which is where lane l + 1 begins. */
 	for (size_t i = 0; i < read->out_flow_count; i++)
 		if (prof_flow_charges(&read->out_flows[i]))
 			arrivals->start[read->out_flows[i].to_lane + 2]++;
@@ -366,8 +370,8 @@ static void prof_arrivals_free(prof_arrivals *arrivals)
 
 /* ---- context switches -------------------------------------------------------------------------------------------- */
 
-/* If the zones of off are the switches of another lane, that lane; else NULL. prof_trace_chrome.c gives it the tid
- * after the lane's. */
+/* prof_trace_chrome.c writes the switches of a lane as zones of an extra thread, "<lane>: off the CPU", whose tid is
+ * the lane's plus one. If `off` is such a thread: the lane that its zones are the switches of; else NULL. */
 static prof_read_lane *prof_lane_switched(prof_read *read, const prof_read_lane *off)
 {
 	size_t suffix = sizeof PROF_OFF_CPU - 1, size = off->name ? strlen(off->name) : 0;
@@ -536,7 +540,8 @@ static uint32_t prof_out_lane(const prof_read *read, uint32_t lane)
 	return lane != STILB_PROF_NONE ? read->lanes[lane].index : STILB_PROF_NONE;
 }
 
-/* glibc's qsort is a merge sort and keeps the order of equal points; elsewhere only that order is lost. */
+/* Sorts the points by time, and replaces the lanes of points and flows by their indices in the snapshot. glibc's qsort
+ * is a merge sort and keeps the order of points at equal times; with another qsort only that order may change. */
 static void prof_link_points(prof_read *read)
 {
 	if (read->point_count > 0)

@@ -1,4 +1,4 @@
-/* The promises of prof_snapshot.h, each looked at: for asserts, at the end of whatever makes a snapshot. */
+/* For asserts: checks each promise of prof_snapshot.h, at the end of every function that makes a snapshot. */
 #include "profiler/prof_internal.h"
 
 static bool zone_is_inside(const stilb_prof_lane *lane, uint32_t i)

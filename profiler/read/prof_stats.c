@@ -1,6 +1,6 @@
 /*
- * The table of a snapshot. One pass over the zones adds up the rows and stores the duration of each zone. Then the
- * durations are distributed to their rows and sorted, which gives exact percentiles.
+ * The table of a snapshot: a row for each name of zones. One pass over the zones adds up the rows and stores the
+ * duration of each zone. Then the durations are distributed to their rows and sorted, which gives exact percentiles.
  *
  * Parents come before children, so an ancestor of the same row is seen first: while the walk is inside its subtree, the
  * row's inclusive time is not added again. Zones are cut to the range of time; the self time of a zone that is cut is
@@ -21,9 +21,9 @@
 
 /* State of a row while it is added up. */
 typedef struct prof_sum {
-	uint32_t lane;  /* the lane that until refers to */
-	uint32_t until; /* zones before this index are inside a zone of the row */
-	size_t place;   /* index of its next duration in sorted */
+	uint32_t lane;  /* the lane whose zones `until` counts */
+	uint32_t until; /* zones of that lane before this index are inside a zone of the row */
+	size_t place;   /* index in `sorted` at which the row's next duration goes */
 } prof_sum;
 
 typedef struct prof_sample {
@@ -179,8 +179,8 @@ static uint64_t prof_walk_off_cpu(const prof_walk *walk, const stilb_prof_zone *
 	return sum;
 }
 
-/* Subtracts what is left of a zone from its parent's self time. If the parent is not cut, its self_ns has it
- * subtracted. */
+/* Subtracts the part of a zone that lies in the range of time from its parent's self time. Only if the parent is cut:
+ * from self_ns of a whole zone the snapshot has subtracted its children already. */
 static void prof_walk_leave_parent(prof_walk *walk, const stilb_prof_zone *zone)
 {
 	if (zone->parent == STILB_PROF_NONE)

@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define FILE_LINKS_MAX 40 /* the kernel's limit */
+#define FILE_LINKS_MAX 40 /* the most symbolic links to follow: the kernel's limit */
 
 /* The path of the folder that contains path, in a new string; NULL: no memory. */
 static char *file_folder(const char *path)
@@ -119,7 +119,7 @@ static void file_free(prof_file *file)
  */
 
 #define FILE_SUFFIX_MAX 48 /* bytes of ".<pid>-<number>.tmp", with room to spare */
-#define FILE_TRIES 1000u   /* names to try */
+#define FILE_TRIES 1000u   /* names of a temporary file to try before giving up */
 
 /* How many bytes of a file's name its temporary files begin with: cut, so that the suffix fits into NAME_MAX. */
 static size_t file_stem(const char *name)
@@ -190,7 +190,7 @@ static int file_create_locked(const char *name)
 	int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 	if (file < 0)
 		return -errno;
-	/* Where locks do not work, no process removes it either. */
+	/* If flock fails, locks do not work on this file system; then no process removes the file as abandoned either. */
 	if (flock(file, LOCK_EX) != 0 || fstat(file, &info) != 0 || info.st_nlink > 0)
 		return file;
 	close(file);

@@ -1,4 +1,4 @@
-/* Output files that are complete or not there: written under a temporary name, synced and renamed. */
+/* Output files that are either complete or not there: each is written under a temporary name, synced and renamed. */
 #ifndef STILB_PROF_FILE_H
 #define STILB_PROF_FILE_H
 

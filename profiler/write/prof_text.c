@@ -76,7 +76,8 @@ void prof_text_ms(prof_text *text, uint64_t ns)
 	prof_text_fill(text, at + 7);
 }
 
-/* snprintf writes the decimal point of the locale: any bytes that are not part of a number become one '.'. */
+/* snprintf writes the decimal point of the locale, which may be several bytes: a row of bytes that cannot be part of a
+ * number otherwise becomes one '.'. */
 void prof_text_double(prof_text *text, double value)
 {
 	assert(isfinite(value) && "neither JSON nor CSV has others");

@@ -1,4 +1,4 @@
-/* Buffered text output. Numbers are formatted by our own code, so that the locale cannot change them. */
+/* Buffered text output for the writers of trace files. Numbers are formatted so that the locale cannot change them. */
 #ifndef STILB_PROF_TEXT_H
 #define STILB_PROF_TEXT_H
 
@@ -27,7 +27,7 @@ void prof_text_bytes(prof_text *text, const void *bytes, size_t size);
 void prof_text_add(prof_text *text, const char *string);
 void prof_text_escaped(prof_text *text,
                        const char *string); /* as in a JSON string; bytes that are not UTF-8 become U+FFFD */
-void prof_text_json(prof_text *text, const char *string); /* the same in quotes */
+void prof_text_json(prof_text *text, const char *string); /* prof_text_escaped in quotes: a JSON string */
 void prof_text_u64(prof_text *text, uint64_t value);
 void prof_text_double(prof_text *text, double value); /* finite; the fewest digits that read back the same */
 void prof_text_ms(prof_text *text, uint64_t ns);      /* milliseconds with six decimals */
@@ -62,7 +62,7 @@ static inline char *prof_put(char *at, const char *text, size_t size)
 
 /* Decimal digits. */
 char *prof_put_u64(char *at, uint64_t value);
-/* Tenths of nanoseconds as microseconds with three decimals, or four if the last is not 0. */
+/* Writes a time given in tenths of a nanosecond as microseconds with three decimals, or four if the tenth is not 0. */
 char *prof_put_us(char *at, uint64_t tenths);
 /* A JSON string in quotes; at has room for PROF_PUT_JSON_MAX(strlen(string)) bytes. */
 #define PROF_PUT_JSON_MAX(length) (6 * (length) + 2)

@@ -10,7 +10,7 @@
  * nearest nanosecond restores the true ends.
  *
  * The cost is in formatting: three million zones are 250 MB. Repeated text is made once: the beginning of an event for
- * each lane, and the name for each label. A zone is four copies and two numbers.
+ * each lane, and the name for each label. So writing a zone takes four copies of text and two formatted numbers.
  */
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
@@ -49,7 +49,7 @@ enum {
 	CHROME_LISTS,
 };
 
-/* In tenths of nanoseconds. */
+/* The begin and end of a zone as they are written, in tenths of nanoseconds. */
 typedef struct chrome_span {
 	uint64_t begin, end;
 } chrome_span;
@@ -62,7 +62,7 @@ typedef struct chrome {
 	char *name_bytes;
 	chrome_list lists[CHROME_LISTS];
 	uint32_t next[CHROME_LISTS]; /* next entry of each list for the lane that is being written */
-	chrome_span *spans;          /* by level: the times of the zone written last */
+	chrome_span *spans;          /* for each level: the times of the last zone written at that level */
 	uint64_t zones_written;
 } chrome;
 
@@ -125,7 +125,8 @@ static uint64_t chrome_end(uint64_t begin, uint64_t end, uint64_t limit)
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/* Names a thread: name followed by more. The args stay open: ..."args":{"name":"main" */
+/* Writes the events that give a thread its place and its name, which is `name` followed by `more`. The last event's
+ * "args" stay open, so that the caller can add members: ..."args":{"name":"main" */
 static void chrome_thread_name(chrome *c, uint64_t tid, const char *name, const char *more)
 {
 	chrome_open(c, 'M', tid);
@@ -207,7 +208,8 @@ static uint64_t chrome_flows_cut(const stilb_prof_snapshot *s)
 	return cut;
 }
 
-/* The lane and time of entry index of a list; false: it is on no lane's list. */
+/* The lane and time of points[index] or flows[index], whichever the list is of. False: it is not written, so it belongs
+ * on no lane's list. */
 static bool chrome_listed(const stilb_prof_snapshot *s, int list, uint32_t index, uint32_t *lane, uint64_t *ns)
 {
 	if (list == CHROME_POINTS) {
@@ -280,7 +282,8 @@ static int chrome_next_list(const chrome *c, uint32_t lane, uint64_t limit_ns)
 	return first;
 }
 
-/* Writes all entries of the lane before limit_ns. At equal times the zone is written first, since it encloses them. */
+/* Writes all points and flow ends of the lane that are before limit_ns, the begin of the next zone. Those at limit_ns
+ * itself come after that zone, since it encloses them. */
 static void chrome_points_before(chrome *c, uint32_t lane, uint64_t limit_ns)
 {
 	for (int list; (list = chrome_next_list(c, lane, limit_ns)) >= 0;)
@@ -433,8 +436,9 @@ static bool chrome_make_list(chrome *c, int list, uint32_t count)
 	made->start = calloc((size_t)s->lane_count + 2, sizeof *made->start);
 	if (!made->index || !made->start)
 		return false;
-	/* First start[lane + 2] is the count of the lane; summed up, start[lane + 1] is its begin; after filling,
-	 * start[lane + 1] is its end. */
+	/* A counting sort in one array. The first loop makes start[lane + 2] the number of the lane's entries; the second
+	 * makes start[lane + 1] the index of its first entry; the third, which fills in the entries, advances that to the
+	 * index after its last entry, which is where the next lane begins, as chrome_list promises. */
 	for (uint32_t i = 0; i < count; i++)
 		if (chrome_listed(s, list, i, &lane, &ns))
 			made->start[lane + 2]++;
@@ -453,7 +457,7 @@ static bool chrome_make_list(chrome *c, int list, uint32_t count)
 static bool chrome_make(chrome *c)
 {
 	const stilb_prof_snapshot *s = c->snapshot;
-	/* Pages of levels that do not occur are never touched. */
+	/* Room for every level; pages of levels that do not occur are never touched, so they take no memory. */
 	c->spans = malloc(((size_t)UINT16_MAX + 1) * sizeof *c->spans);
 	return c->spans && chrome_make_names(c) && chrome_make_list(c, CHROME_POINTS, s->point_count) &&
 	       chrome_make_list(c, CHROME_FROMS, s->flow_count) && chrome_make_list(c, CHROME_TOS, s->flow_count);

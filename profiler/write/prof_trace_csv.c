@@ -15,7 +15,7 @@
 typedef struct csv_column {
 	const char *name;
 	bool counter;
-	uint32_t open; /* number of zones of this column around the current one */
+	uint32_t open; /* number of zones of this column that are on the stack */
 } csv_column;
 
 typedef union csv_cell {
@@ -30,7 +30,7 @@ typedef struct csv {
 	uint32_t *zone_columns, *counter_columns; /* by label: the column, or CSV_NONE */
 	csv_cell *cells;                          /* one row per frame */
 	bool *filled;                             /* by cell: it holds the value of a counter */
-	uint32_t *stack;                          /* columns of the zones around the current one */
+	uint32_t *stack;                          /* columns of the zone being added and the zones around it */
 	size_t stack_capacity;
 } csv;
 
@@ -78,7 +78,8 @@ static bool csv_make_columns(csv *c)
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
-/* Leaves on the stack the zones around the current one, as many as its level, and pushes it. False: no memory. */
+/* Removes from the stack all but the ancestors of the zone being added, as many as its level, and pushes the zone's
+ * column. False: no memory. */
 static bool csv_push(csv *c, uint32_t *depth, uint32_t level, uint32_t column)
 {
 	while (*depth > level)

@@ -1,4 +1,5 @@
-/* Folded stacks: the zones of all frames are merged into one tree per lane; one line for each node with self time. */
+/* Folded stacks, the text format of flame graphs: the zones of all frames are merged into one tree per lane, and each
+ * node with self time (time outside its children) becomes a line "lane;zone;zone inside NANOSECONDS". */
 #include "profiler/prof_internal.h"
 #include "profiler/write/prof_text.h"
 
@@ -11,8 +12,8 @@
 #define FOLDED_NONE UINT32_MAX
 
 typedef struct folded_node {
-	uint32_t parent; /* FOLDED_NONE: the node is a lane */
-	uint32_t label;  /* or the lane's index */
+	uint32_t parent; /* index of a node; FOLDED_NONE: the node is a lane */
+	uint32_t label;  /* of the zones merged into the node; of a lane: its index in the snapshot */
 	uint64_t self_ns;
 } folded_node;
 
@@ -20,8 +21,8 @@ typedef struct folded {
 	const stilb_prof_snapshot *snapshot;
 	folded_node *nodes; /* parents first */
 	uint32_t count, capacity;
-	uint32_t *slots;   /* open hash table: 1 + the node, 0: free. Twice the capacity, a power of two */
-	uint32_t *of_zone; /* by zone of the lane: its node */
+	uint32_t *slots;   /* hash table by parent and label: 1 + index of the node, 0: free; 2 * capacity slots */
+	uint32_t *of_zone; /* for each zone of the lane being read: its node */
 } folded;
 
 static uint32_t *folded_slot(const folded *f, uint32_t parent, uint32_t label)
