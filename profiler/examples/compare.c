@@ -11,7 +11,7 @@
 #include <string.h>
 #include <time.h>
 
-/* Spins for about that time, in place of real work: the length of an empty zone would depend on what ran before it. */
+/* Sleeps for about that time, in place of real work: the length of an empty zone would depend on what ran before it. */
 static void work_for(long us)
 {
 	nanosleep(&(struct timespec){.tv_nsec = us * 1000}, NULL);

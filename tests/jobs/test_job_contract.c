@@ -1,11 +1,10 @@
-/* Violations of the contracts of jobs, planted: each must die with the assert's text. */
+/* Calls that break a rule of the job headers on purpose: each must end in an assert with the expected text. */
 #include "jobs/job_internal.h"
 #include "jobs/job_spsc.h"
 #include "support/contract.h"
 #include "support/test.h"
 
-/* ---- calls inside an allocation; linked with -Wl,--wrap=malloc,--wrap=aligned_alloc
- * ------------------------------- */
+/* ---- calls inside an allocation; linked with -Wl,--wrap=malloc,--wrap=aligned_alloc ------------------------------ */
 
 static void (*inside_allocation)(void);
 
@@ -259,7 +258,7 @@ static void push_into_damaged_deque(void)
 	job_deque deque = {0};
 	if (job_deque_init(&deque) != 0)
 		_exit(0);
-	deque.top_seen = 1; /* an index that no thief has reached */
+	deque.top_seen = 1; /* more than top, which it must never exceed */
 	job_deque_push(&deque, &record);
 }
 

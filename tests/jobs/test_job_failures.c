@@ -5,8 +5,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* ---- failures on demand; linked with -Wl,--wrap= of each of these
- * -------------------------------------------------- */
+/* ---- failures on demand; linked with -Wl,--wrap= of each of these ------------------------------------------------ */
 
 /* The number of calls that succeed before all later ones fail. Relaxed: the counters order nothing. */
 static _Atomic int64_t allocations_to_grant = INT64_MAX;

@@ -756,7 +756,7 @@ static void nested_loop(uint32_t begin, uint32_t end, uint32_t worker, void *con
 	}
 }
 
-/* Deeper than the number of loops that a thread can offer to helpers at once. */
+/* Nested more deeply than the number of loops that a thread can offer to helpers at once (JOB_LOOP_DEPTH). */
 static void test_arrays_and_loops_nest(void **state)
 {
 	(void)state;
@@ -1018,7 +1018,7 @@ static void test_owner_runs_what_came_from_outside(void **state)
 
 /* ---- phases ---------------------------------------------------------------------------------------------------- */
 
-/* As many workers as spin in a phase on this machine. */
+/* A pool with as many workers as spin in a phase (stilb_job_phase_begin) on this machine. */
 static shape spinning_shape(stilb_job_queue_kind queue)
 {
 	uint32_t cpus = stilb_job_cpu_count();

@@ -87,7 +87,7 @@ static void log_start(hook_log *log, shape s)
 	                                                 .steal = on_steal});
 }
 
-/* No thread is inside a job or a wait any more. */
+/* Ends the pool and asserts that no thread is inside a job or a wait any more. */
 static void log_stop(hook_log *log)
 {
 	stilb_job_pool_destroy(log->pool);
@@ -99,7 +99,7 @@ static void log_stop(hook_log *log)
 	}
 }
 
-/* The innermost job that the thread is inside of has this tag. */
+/* Notes an error unless the innermost job that the thread is inside of has this tag. */
 static void check_inside(hook_log *log, uint32_t worker, uint64_t tag)
 {
 	const thread_log *thread = thread_of(log, worker);
@@ -250,7 +250,7 @@ typedef struct loops {
 
 typedef struct inner_loop {
 	loops *loops;
-	uint32_t caller, depth; /* depth: of the caller when it opened the loop */
+	uint32_t caller, depth; /* depth: number of jobs that the caller was inside of when it opened the loop */
 	uint64_t tag;
 } inner_loop;
 

@@ -1,5 +1,5 @@
 /*
- * The lock with real threads: more of them than CPUs, and a holder that is stopped by a signal inside its critical
+ * The lock of job_lock.h with real threads: more of them than CPUs, and a holder stopped by a signal in its critical
  * section. test_job_model_low_lock checks all interleavings.
  */
 #include <pthread.h>
@@ -162,7 +162,8 @@ static void test_nobody_is_forgotten(void **state)
 	assert_int_equal(atomic_load_explicit(&shared.lock.held, memory_order_relaxed), 0); /* relaxed: all joined */
 }
 
-/* Waiters are woken by the release; their own longest sleep would end 2 ms after it, or later. */
+/* Waiters are woken by the release. Without that their sleep would end only when its time is over (JOB_LOCK_SLEEP_NS),
+ * 2 ms after the release or later. */
 static void test_a_waiter_is_woken(void **state)
 {
 	(void)state;

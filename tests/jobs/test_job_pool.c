@@ -25,8 +25,7 @@ static void count_up(counter *value)
 	atomic_fetch_add_explicit(value, 1, memory_order_relaxed);
 }
 
-/* ---- failures on demand; linked with -Wl,--wrap=pthread_create,--wrap=malloc,--wrap=aligned_alloc
- * ------------------ */
+/* ---- failures on demand; linked with -Wl,--wrap=pthread_create,--wrap=malloc,--wrap=aligned_alloc ---------------- */
 
 static uint32_t threads_to_grant = UINT32_MAX;
 static bool out_of_memory;
@@ -487,7 +486,8 @@ static void run_changing(uint32_t begin, uint32_t end, uint32_t worker, void *co
 static void test_long_loop_after_short_ones_gets_help(void **state)
 {
 	(void)state;
-	static const long asleep_ms[] = {0, 5, 20, 200}; /* with a watcher for long loops, and after its end (200 ms) */
+	static const long asleep_ms[] = {0, 5, 20,
+	                                 200}; /* less and more than the time for which a worker watches for loops */
 	for (uint32_t workers = 1; workers <= 3; workers += 2)
 		for (size_t i = 0; i < sizeof asleep_ms / sizeof asleep_ms[0]; i++) {
 			hook_log log = {0};
@@ -555,7 +555,7 @@ static void wait_for_owner_to_sleep(void *data, uint32_t worker)
 	count_up(&s->started);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 	stilb_job_submit(s->work.pool, note_helper, s, NULL, worker);
-	for (int i = 0; i < 60000 && s->work.ran == 0; i++) /* keeps the only worker busy, so that the owner must wake up */
+	for (int i = 0; i < 60000 && s->work.ran == 0; i++) /* keeps the only worker busy, so that the owner must help */
 		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
 	nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 }

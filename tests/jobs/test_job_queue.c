@@ -47,7 +47,7 @@ static void *memory_count(void *block)
 	return block;
 }
 
-/* Linked with -Wl,--wrap for each of these. */
+/* The program is linked with -Wl,--wrap for each of these functions, so that the library's calls come here. */
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
 void *__real_aligned_alloc(size_t alignment, size_t size);
@@ -375,7 +375,8 @@ static void test_out_of_memory_in_push(void **state)
 	}
 }
 
-/* While one thread allocates or frees memory, another one pushes and pops: the queue holds no lock then. */
+/* While one thread allocates or frees memory inside a call of the queue, another one pushes and pops: that succeeds,
+ * since the queue holds no lock meanwhile. */
 static uintptr_t inner_pushed, inner_popped;
 
 static void push_and_pop(void)

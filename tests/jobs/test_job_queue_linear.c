@@ -137,7 +137,7 @@ static bool consume_once(recorder *self)
 		record(self, HISTORY_POP, begin, end, items[i]);
 	if (popped > 0)
 		return true;
-	/* Pops that found nothing change nothing and may be left out: at most half of the recorded calls are such. */
+	/* Pops that found nothing change nothing, so records of them may be left out: they are at most half of all. */
 	if (self->empty_calls * 2 <= self->count) {
 		record(self, HISTORY_EMPTY, begin, end, NULL);
 		self->empty_calls++;
@@ -469,7 +469,7 @@ static void test_examples(void **state)
 
 typedef struct search {
 	const history_op *ops;
-	uint32_t count, done; /* done: one bit for each call */
+	uint32_t count, done; /* done: a bit for each call that has its place in the order already */
 	uint32_t fifo[8], head, tail;
 } search;
 

@@ -73,7 +73,7 @@ typedef struct member {
 	pthread_t thread;
 	uint32_t number; /* thread number for the queue */
 	uint64_t random;
-	uint32_t producer, pushed, last; /* producers: own index; first parcel to push next; end */
+	uint32_t producer, pushed, last; /* producers: own index; number of the next parcel; number after the last one */
 	uint32_t popped, most;           /* consumers: number popped, and number wanted */
 	uint32_t newest[SIDE_MOST];      /* consumers: the last number popped of each producer, plus one */
 	const parcel *next_whole;        /* consumers: the next parcel, if pushes stay together */
@@ -345,8 +345,7 @@ static void test_whole_pushes(void **state)
 	crowd_finish(&all, members);
 }
 
-/* ---- two threads on one CPU: the one that wakes up interrupts the other anywhere, and makes several calls at once
- * - */
+/* ---- two threads on one CPU: the one that wakes up interrupts the other anywhere, and makes several calls at once */
 
 typedef struct pair {
 	stilb_job_queue *queue;

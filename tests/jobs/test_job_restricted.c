@@ -1,14 +1,14 @@
 /*
- * Restricted waits, and the classic failures of job systems: the lost wake-up, the full queue while all threads sleep,
- * waiting for a thread that never runs, the deadlock with one worker. All of them appear as a test that does not end:
+ * Waits run only the jobs that job.h allows them; and the classic failures of job systems: the lost wake-up, the full
+ * queue while all threads sleep, waiting for a thread that never runs, the deadlock with one worker. All of them appear
+ * as a test that does not end:
  * some tests give up after ten seconds, the others run into their time limit.
  */
 #include "job_pool_fixture.h"
 
 #include <stdlib.h>
 
-/* ---- out of memory on demand; linked with -Wl,--wrap= of each of these
- * --------------------------------------------- */
+/* ---- out of memory on demand; linked with -Wl,--wrap= of each of these ------------------------------------------- */
 
 static _Atomic bool out_of_memory; /* relaxed: set while the pool is asleep or busy elsewhere */
 
@@ -150,7 +150,7 @@ static void test_wait_leaves_unrelated_jobs_to_free_workers(void **state)
 			check_restriction(s, s.workers - 2);
 }
 
-/* The same for a job on a worker that waits for its child. */
+/* As above, but the waiting thread is a worker, in a job that waits for its child. */
 typedef struct waiting_job {
 	watched unrelated;
 	blocker child;
@@ -343,7 +343,7 @@ static void test_when_all_wait_in_loops_too(void **state)
 		}
 }
 
-/* The same, but the helper waits for a job that only the caller of the loop may run. */
+/* As above, but the helper waits for a job that only the caller of the loop may run. */
 typedef struct slice_log {
 	stilb_job_pool *pool;
 	counter inside, ran, wrong;
@@ -425,7 +425,8 @@ static void descend(void *data, uint32_t worker)
 	log->thread[worker].now--;
 }
 
-/* The number of rescues that may start on top of a waiting job: a few, not all 200. */
+/* The most rescues (unrelated jobs that a waiting thread runs because every worker waits, job_internal.h) that may lie
+ * on top of one waiting job: a few, not all 200. */
 enum { RESCUES = 32 };
 
 /* Submits so many siblings, each with a tree of so many levels below it; every job waits for its children. */
@@ -592,8 +593,8 @@ static void last_some_time(void *data, uint32_t worker)
 	spin_ns((*turn)++ * 41 % 60000);
 }
 
-/* The opposite: the group finishes around the time at which the waiting thread, the owner or an outside thread, goes to
- * sleep. */
+/* The opposite of rounds_are_run: not a worker but a thread that waits, the owner or an outside thread, goes to sleep,
+ * around the time at which its group finishes. */
 typedef struct tired {
 	stilb_job_pool *pool;
 	uint32_t turn;
@@ -732,7 +733,7 @@ static void test_waiting_on_a_thread_that_never_runs(void **state)
 			assert_int_equal(stilb_job_submit(log.pool, descend, &top, &own, 0), 0);
 		assert_int_equal(stilb_job_submit_with(log.pool, descend, &top, &follow, &after, 0), 0);
 		submit_pinned(log.pool, descend, &top, &own, 0, 0);
-		/* And with a job that is unrelated to the wait. */
+		/* And while a job that is unrelated to the wait is in the owner's deque. */
 		assert_int_equal(stilb_job_submit(log.pool, watched_job, &unrelated, &other, 0), 0);
 		stilb_job_wait(log.pool, &own, 0);
 		assert_true(s.workers == 0 || count_of(&unrelated.ran) == 0);

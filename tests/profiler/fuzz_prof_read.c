@@ -97,7 +97,7 @@ static piece digits_at(const uint8_t *data, size_t size, size_t at)
 	return digits;
 }
 
-/* Puts text in the place of a piece, when it fits. */
+/* Replaces a piece of the data by text, if the result fits into max_size. */
 static size_t replace(uint8_t *data, size_t size, size_t max_size, piece old, const void *text, size_t text_size)
 {
 	size_t new_size = size - (old.end - old.begin) + text_size;
@@ -124,12 +124,12 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 	piece other = line_at(data, size, made_below(&random, size));
 	size_t at = made_below(&random, size);
 	switch (made_below(&random, 5)) {
-	case 0: /* a line goes */
+	case 0: /* removes a line */
 		return replace(data, size, max_size, line, "", 0);
-	case 1: /* a line comes again, somewhere else */
+	case 1: /* inserts a copy of a line somewhere else */
 		return replace(data, size, max_size, (piece){other.begin, other.begin}, data + line.begin,
 		               line.end - line.begin);
-	case 2: /* a line is in the place of another */
+	case 2: /* replaces a line by a copy of another */
 		return replace(data, size, max_size, other, data + line.begin, line.end - line.begin);
 	case 3: {
 		const char *number = numbers[made_below(&random, sizeof numbers / sizeof *numbers)];
@@ -163,7 +163,8 @@ static int bytes_write(void *user, const void *data, size_t size)
 	return 0;
 }
 
-/* Names and counts come back; times too, but for zones nested so deep that their ends cannot be told apart. */
+/* Writes the snapshot and reads it back: names and counts must be the same, and times, too, except for zones nested so
+ * deeply that the file cannot tell their ends apart. */
 static void write_and_read(const stilb_prof_snapshot *s)
 {
 	bytes b = {0};

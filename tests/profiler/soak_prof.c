@@ -20,7 +20,7 @@
 #define CAPTURE_FRAMES 600 /* between two captures */
 #define ALL_FRAME 6000
 #define WARM_SECONDS 120 /* until the rings are full and a few captures are written */
-#define SLOPE_MAX 16.0   /* KiB an hour; pages come in four */
+#define SLOPE_MAX 16.0   /* the most growth of memory, in KiB an hour; a page is 4 KiB */
 
 static const char usage[] = "usage: soak_prof [SECONDS]\n\n"
 							"  Records for SECONDS (3600, at least 300) and prints the resident memory every minute. "
@@ -28,7 +28,7 @@ static const char usage[] = "usage: soak_prof [SECONDS]\n\n"
 
 static struct {
 	atomic_uint frame;              /* release by main, pairs with the acquire of the others */
-	atomic_bool stop;               /* relaxed: nothing depends on it but the end */
+	atomic_bool stop;               /* relaxed: it only ends the threads, no data depends on it */
 	atomic_uint captures, failures; /* relaxed: counted by one thread, read after it ended */
 } soak;
 
@@ -62,7 +62,7 @@ static void *steady(void *unused)
 	return NULL;
 }
 
-/* Each frame another thread with a name of its own. */
+/* A thread that in each frame begins to record under another name, and ends again. */
 static void *restless(void *unused)
 {
 	(void)unused;
@@ -120,8 +120,8 @@ static void frame_run(unsigned frame, struct timespec *due, stilb_prof_snapshot 
 	stilb_prof_frame_mark();
 	atomic_store_explicit(&soak.frame, frame, memory_order_release); /* pairs with wait_for_frame */
 	record();
-	/* Once all that is held: a snapshot's memory grows with the largest one, which depends on how the machine
-	 * stalls. */
+	/* In one frame (ALL_FRAME) a snapshot of all that the rings hold: memory that is reused has the size of the largest
+	 * snapshot, which would otherwise come late, whenever the machine stalls. */
 	stilb_prof_window window = {.last_frames = frame == ALL_FRAME ? 0 : 2};
 	if (stilb_prof_snapshot_take(snapshot, &window) != 0)
 		atomic_fetch_add_explicit(&soak.failures, 1, memory_order_relaxed);

@@ -19,9 +19,9 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- between the capture and the rest: linked with --wrap -------------------------------------------------------- */
+/* ---- functions that the capture calls, replaced by the linker's --wrap ------------------------------------------- */
 
-/* Synthetic frames: the test calls the hook and says how many frames have begun. */
+/* If true, frames are synthetic: the test itself calls the frame hook and says how many frames have begun. */
 static bool synthetic;
 static prof_frame_hook *synthetic_hook;
 static uint64_t synthetic_begun;
@@ -50,7 +50,7 @@ static void synthetic_frame(double ms)
 	synthetic_hook(number, (uint64_t)(ms * 1e6));
 }
 
-/* The window that the capture asks for. */
+/* The window of the last snapshot that the capture has taken. */
 static stilb_prof_window asked_window;
 
 int __real_stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_prof_window *window);
@@ -70,7 +70,7 @@ int __wrap_stilb_prof_snapshot_take(stilb_prof_snapshot *snapshot, const stilb_p
 
 /* The last snapshot that was saved. */
 static struct {
-	uint64_t first, last; /* frames */
+	uint64_t first, last; /* numbers of its first and last frame */
 	uint32_t frames;
 	bool contiguous;
 	uint32_t zones, open; /* of the first lane */
@@ -104,7 +104,7 @@ int __wrap_prof_trace_save_fresh(const stilb_prof_snapshot *snapshot, const char
 	return __real_prof_trace_save_fresh(snapshot, process_name, path);
 }
 
-/* ---- what done is told ------------------------------------------------------------------------------------------- */
+/* ---- the callback done (stilb_prof_capture_desc) and its arguments ----------------------------------------------- */
 
 static struct {
 	uint32_t count; /* release and acquire: done and told_wait */
@@ -143,9 +143,9 @@ static double now_s(void)
 	return 1e-9 * (double)stilb_prof_clock_monotonic();
 }
 
-#define PATIENCE_S 60 /* the capturing thread comes last on a busy machine */
+#define PATIENCE_S 60 /* seconds until a wait fails: with the lowest priority, captures take long on a busy machine */
 
-/* Waits until count captures are done. */
+/* Waits until done has been called `count` times. */
 static void told_wait(uint32_t count)
 {
 	double begin = now_s();
@@ -165,7 +165,7 @@ static const char *in_folder(const char *name)
 	return path;
 }
 
-/* Files in it, also hidden ones. */
+/* The number of files in the test's folder, hidden ones included. */
 static uint32_t folder_count(void)
 {
 	uint32_t count = 0;
@@ -214,7 +214,7 @@ static void start(const stilb_prof_capture_desc *desc)
 	assert_int_equal(stilb_prof_capture_start(desc), 0);
 }
 
-/* A frame of a program that has other things to do. */
+/* Begins a frame and sleeps us microseconds in it. */
 static void frame(long us)
 {
 	stilb_prof_frame_mark();
@@ -222,7 +222,7 @@ static void frame(long us)
 	sleep_us(us);
 }
 
-/* Frames until count captures are done. */
+/* Makes frames until done has been called `count` times. */
 static void frames_until(uint32_t count)
 {
 	double begin = now_s();
@@ -454,7 +454,7 @@ static void stop_writes_what_is_pending(void **state)
 		assert_int_equal(told_count(), i + 1);
 		assert_int_equal(told.last.error, 0);
 	}
-	assert_true(fastest < 0.9); /* it waits for no frames */
+	assert_true(fastest < 0.9); /* stop does not wait for the frames after, or for a second without frames */
 	assert_int_equal(stilb_prof_capture_stop(), 0);
 }
 
@@ -482,7 +482,7 @@ static void a_signal_asks(void **state)
 	sigaction(SIGUSR1, NULL, &now);
 	assert_ptr_equal(now.sa_handler, other_handler);
 
-	/* A handler that was set meanwhile stays. */
+	/* A handler that the program has set since the start of captures stays. */
 	signal(SIGUSR1, SIG_DFL);
 	start(&desc);
 	signal(SIGUSR1, other_handler);
@@ -536,7 +536,7 @@ static void cannot_be_written(void **state)
 		stilb_prof_capture_desc desc = desc_for(cases[i].path);
 		desc.frames_after = 1;
 		start(&desc);
-		for (uint32_t k = 1; k <= 2; k++) { /* every time anew */
+		for (uint32_t k = 1; k <= 2; k++) { /* each capture fails, and each is reported */
 			stilb_prof_capture_now();
 			frames_until(k);
 			assert_int_equal(told.last.error, cases[i].error);
@@ -547,7 +547,7 @@ static void cannot_be_written(void **state)
 	assert_int_equal(folder_count(), 0);
 }
 
-/* A disk that is full half-way, as a limit on the size of files. */
+/* Writing fails half-way: a limit on the size of files stands for a full disk. */
 static void nothing_half_written(void **state)
 {
 	(void)state;
@@ -572,7 +572,7 @@ static void nothing_half_written(void **state)
 	assert_true(is_whole_json(in_folder("a.json")));
 }
 
-/* When the obstacle is gone, the next capture is written, under the first name. */
+/* After failed captures: once writing is possible again, the next capture is written, under the first name. */
 static void tried_anew(void **state)
 {
 	(void)state;
@@ -616,7 +616,7 @@ static void synthetic_frames(uint32_t count, double ms)
 		synthetic_frame(ms);
 }
 
-/* A capture that is due is written before the next frame, and no other is. */
+/* Asserts that `count` captures have been written by now: those that are due, and no others. */
 static void assert_told(uint32_t count)
 {
 	if (told_count() < count)
@@ -631,13 +631,13 @@ static void a_spike_is_twice_the_median(void **state)
 	synthetic_start(STILB_PROF_SPIKE_AUTO, 16.7);
 	synthetic_frames(19, 500); /* the start of a program is slow, and no spike */
 	synthetic_frames(100, 10);
-	synthetic_frame(19.9); /* below twice the median */
+	synthetic_frame(19.9); /* less than twice the median: no spike */
 	synthetic_frames(10, 10);
 	assert_told(0);
 	uint64_t number = synthetic_begun - 1;
 	synthetic_frame(20.5);
 	synthetic_frames(2, 10);
-	assert_told(0); /* the frames after are not there */
+	assert_told(0); /* the frames after the spike have not ended yet */
 	synthetic_frame(10);
 	assert_told(1);
 	assert_int_equal(told.last.cause, STILB_PROF_CAUSE_SPIKE);
@@ -677,7 +677,7 @@ static void the_budget_counts(void **state)
 	(void)state;
 	synthetic_start(STILB_PROF_SPIKE_AUTO, 16.7);
 	synthetic_frames(100, 2);
-	synthetic_frame(16); /* eight times the median, and in time */
+	synthetic_frame(16); /* eight times the median, but shorter than spike_ms: no spike */
 	synthetic_frames(10, 2);
 	assert_told(0);
 	synthetic_frame(17);
@@ -696,8 +696,8 @@ static void a_fixed_limit(void **state)
 	assert_told(1);
 }
 
-/* First the frame before the slow one is lost, then the slow one too, then all. Without the slow frame there is no
- * file. */
+/* The frame before the slow one is overwritten in the rings before it is copied; then the slow one, too; then all.
+ * Without the slow frame there is no file. */
 static void the_rings_went_round(void **state)
 {
 	(void)state;
@@ -731,7 +731,7 @@ static void a_slow_frame_of_a_real_loop(void **state)
 	desc.frames_before = 4;
 	desc.frames_after = 4;
 	desc.spike = STILB_PROF_SPIKE_FIXED;
-	desc.spike_ms = 200; /* more than a busy machine adds */
+	desc.spike_ms = 200; /* more than a busy machine adds to a frame */
 	start(&desc);
 	for (int i = 0; i < 50; i++)
 		frame(100);
@@ -818,7 +818,7 @@ static void stats_of_frames(void **state)
 	frame(100);
 	stilb_prof_frame_mark();
 	stilb_prof_frame_stats_take(&stats, 90);
-	assert_false(stats.spike); /* it was the frame before */
+	assert_false(stats.spike); /* the spike is not the newest frame any more */
 }
 
 /* ---- everything at once ------------------------------------------------------------------------------------------ */

@@ -58,7 +58,7 @@ static void the_good_trace_passes(void **state)
 	assert_int_equal(report.counters, 1);
 	assert_int_equal(report.instants, 1);
 	assert_int_equal(report.flows, 2);
-	assert_int_equal(report.flow_ends_outside, 2); /* the f's */
+	assert_int_equal(report.flow_ends_outside, 2); /* the f events: no zone is around them */
 	assert_int_equal(report.switches, 2);
 	assert_int_equal(report.events_recorded, 9);
 	assert_int_equal(report.events_lost, 3);
@@ -103,7 +103,7 @@ static const breach breaches[] = {
 	{"\"name\":\"last\"", "\"name\":\"last\",\"x\":1e", "digits expected in the exponent"},
 	{"\"name\":\"last\"", "\"name\":\"last\",\"x\":+1", "a value expected"},
 	{"\"ts\":8.000,\"dur\":0.001", "\"ts\":8,000,\"dur\":0,001", "a string expected"}, /* a decimal comma */
-	/* the top */
+	/* members of the outermost object */
 	{"\"displayTimeUnit\":\"ns\"", "\"displayTimeUnit\":\"ms\"", "displayTimeUnit"},
 	{"\"displayTimeUnit\"", "\"displaytimeunit\"", "displayTimeUnit"},
 	{"\"traceEvents\"", "\"events\"", "no traceEvents"},
@@ -134,7 +134,7 @@ static const breach breaches[] = {
 	{"\"id\":1,\"bp\"", "\"id\":1.5,\"bp\"", "f event without cat and an integer id"},
 	{",\"bp\":\"e\"", "", "without bp \"e\""},
 	{"\"bp\":\"e\"", "\"bp\":\"s\"", "without bp \"e\""},
-	/* who is who */
+	/* pid, tid and names of threads */
 	{"\"pid\":7,\"tid\":2,\"ts\":9.000,\"name\":\"open\"", "\"pid\":8,\"tid\":2,\"ts\":9.000,\"name\":\"open\"",
      "a second process"},
 	{"\"process_name\"", "\"process_labels\"", "no process_name"},
@@ -177,7 +177,7 @@ static const breach breaches[] = {
 	{"\"ts\":2.750", "\"ts\":1.750", "flow 1 goes back in time"},
 	{"\"dur\":5.000,\"name\":\"frame\"", "\"dur\":5.000,\"name\":\"zone\"", "\"zone\" on the thread \"frames\""},
 	{"{\"ph\":\"i\",\"pid\":7,\"tid\":1", "{\"ph\":\"i\",\"pid\":7,\"tid\":2", "mark on a thread other than"},
-	/* accounts */
+	/* the numbers in otherData */
 	{"\"clock\":\"rdtsc\",", "", "without clock"},
 	{"\"hz\":2596000000,", "", "without hz"},
 	{"\"hz\":2596000000", "\"hz\":0", "hz is 0"},

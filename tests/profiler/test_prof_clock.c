@@ -12,7 +12,7 @@ static void sleep_ms(long ms)
 	nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
 }
 
-/* The time of these ticks on CLOCK_MONOTONIC, by the timeline. */
+/* Converts ticks to nanoseconds of CLOCK_MONOTONIC by the timeline. */
 static uint64_t timeline_at(uint64_t ticks)
 {
 	return timeline.epoch_ns + prof_timeline_ns(&timeline, ticks);
@@ -55,7 +55,8 @@ static void a_clock_in_nanoseconds_is_not_converted(void **state)
 	assert_true(prof_clock_bias_ns() == 0);
 }
 
-/* The line goes through every anchor that is far enough from the one before, and through no other. */
+/* The timeline's lines go through every anchor (a moment on both clocks) that is far enough from the one before, and
+ * through no other. */
 static void lines_go_from_anchor_to_anchor(void **state)
 {
 	(void)state;
@@ -78,7 +79,7 @@ static void lines_go_from_anchor_to_anchor(void **state)
 	assert_in_range(timeline_at(anchors[1].ticks), anchors[1].ns - 905000, anchors[1].ns - 895000);
 	sleep_ms(60);
 	prof_clock_timeline(&timeline, anchors, 3);
-	assert_int_equal(timeline.count, 4); /* now is far enough, too */
+	assert_int_equal(timeline.count, 4); /* the present moment is far enough from the last anchor to end a line, too */
 	assert_int_equal(timeline_at(0), timeline.epoch_ns);
 	uint64_t now = timeline_at(prof_clock_now());
 	assert_in_range(now, stilb_prof_clock_monotonic() - 1000000, stilb_prof_clock_monotonic() + 2000);
@@ -108,7 +109,7 @@ static void more_frames_than_are_remembered(void **state)
 	uint64_t oldest = copy.frames[0].ns;
 	prof_clock_timeline(&timeline, copy.frames, copy.frame_count);
 	assert_true(timeline.count < sizeof timeline.lines / sizeof timeline.lines[0]);
-	assert_true(oldest < timeline.epoch_ns); /* before the clock was first read: left out */
+	assert_true(oldest < timeline.epoch_ns); /* anchors before the clock was first read are left out */
 	assert_int_equal(timeline_at(copy.frames[0].ticks), timeline.epoch_ns);
 	prof_copy_free(&copy);
 	stilb_prof_shutdown();

@@ -18,7 +18,8 @@ STILB_PROF_FLOW(arrow, "arrow", 0);
 
 /* ---- recording --------------------------------------------------------------------------------------------------- */
 
-/* An event holds the distance of its site from the others in 30 bits; mapped memory is further away. */
+/* An event holds the distance of its site from the program's other sites in 30 bits; memory from mmap is further
+ * away. */
 static void record_a_mapped_site(void)
 {
 	stilb_prof_site *site = mmap(NULL, sizeof *site, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -297,7 +298,7 @@ static void snapshots_and_tables(void **state)
 	contract_breaks("a zone stands behind its parent", (write_table(1), 0));
 }
 
-/* Each of these is one promise of prof_snapshot.h, broken. */
+/* Snapshots that each break one promise of prof_snapshot.h: the check must find it. */
 static void unsound_snapshots(void **state)
 {
 	(void)state;

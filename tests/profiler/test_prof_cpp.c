@@ -5,7 +5,7 @@
 int test_prof_cpp_zones(void);
 void test_prof_cpp_never(void);
 
-/* How many sites of that name are listed. */
+/* The number of sites of that name that stilb_prof_site_next gives. */
 static int listed(const char *name)
 {
 	int count = 0;
@@ -29,7 +29,7 @@ static void zones_of_cpp_code(void **state)
 	};
 	prof_copy copy = {0};
 	uint64_t events = 0;
-	assert_int_equal(listed("cpp hook"), 1); /* outside functions: before main */
+	assert_int_equal(listed("cpp hook"), 1); /* a site outside of functions is listed before main */
 	assert_int_equal(listed("plain"), 0);
 	assert_int_equal(stilb_prof_thread_begin("main"), 0);
 	assert_int_equal(test_prof_cpp_zones(), 2 + 3 + 3 + 3 + 4 + 5);

@@ -29,7 +29,7 @@ static void sleep_us(long us)
 
 /* ---- ways to crash ----------------------------------------------------------------------------------------------- */
 
-/* Hidden from sanitizers, which would report it first. */
+/* For functions that crash: hides them from sanitizers, which would report the error before the signal comes. */
 #define UNSEEN __attribute__((noinline, no_sanitize("address", "thread", "undefined")))
 
 static volatile uintptr_t low_address = 64;
@@ -60,7 +60,7 @@ UNSEEN static void crash_ill(void)
 static void crash_fpe(void)
 {
 	PROFILE("crashes");
-	raise(SIGFPE); /* sent, not caused */
+	raise(SIGFPE); /* a signal that is sent, not caused by an instruction */
 }
 
 /* Reads a mapped page beyond the end of a file that was truncated. */
@@ -176,7 +176,7 @@ static void recovering_handler(int number)
 	siglongjmp(recovery, number);
 }
 
-/* The program's own handler survives the signal: captures go on. */
+/* The program's own handler catches the signal and the program goes on: captures do, too. */
 static int recovers(stilb_prof_capture_desc *desc)
 {
 	signal(SIGSEGV, recovering_handler);
@@ -321,7 +321,7 @@ static void on_any_thread(void **state)
 	crashes_with("waiting", SIGSEGV, "main", 1);
 }
 
-/* In all cases the program ends as it would have without the handlers. */
+/* However it crashes, the program ends as it would without the profiler's handlers of crashes. */
 static void the_old_way_follows(void **state)
 {
 	(void)state;
@@ -338,7 +338,7 @@ static void the_old_way_follows(void **state)
 	trace_check_finish(&e.report);
 	unlink(path);
 	snprintf(path, sizeof path, "%s/crash-2.json", folder);
-	assert_int_equal(unlink(path), 0); /* the one it asked for afterwards */
+	assert_int_equal(unlink(path), 0); /* the capture that the program asked for after the signal */
 }
 
 static void without_a_file(void **state)
@@ -355,12 +355,12 @@ static void without_a_file(void **state)
 	assert_true(e.seconds < 2);
 	e = run("in_done");
 	assert_int_equal(e.signal, SIGSEGV);
-	assert_true(e.has_file); /* the one that was told; tear_down finds no other */
+	assert_true(e.has_file); /* the file that done was told of; tear_down asserts that there is no other */
 	trace_check_finish(&e.report);
 	unlink(path);
 }
 
-/* A file that never gets finished: a pipe that nobody reads. */
+/* The capture goes into a pipe that nobody reads, so it is never finished: the crash waits two seconds at most. */
 static void two_seconds_at_most(void **state)
 {
 	(void)state;

@@ -175,7 +175,8 @@ static void false_alarms_are_rare(void **state)
 
 /* ---- verdicts ---------------------------------------------------------------------------------------------------- */
 
-/* frames of `calls` zones of label 1 (and one of each label in others) that take about ns each. */
+/* Makes a trace of `frames` frames, each with `calls` zones of label 1 that take about ns nanoseconds each, and one
+ * zone of each label in `others`. */
 static void make_trace(made *m, uint64_t seed, uint64_t frames, int calls, uint64_t ns, const char *others)
 {
 	made_random random = {.state = seed};
@@ -242,7 +243,7 @@ static void slower_faster_same(void **state)
 	assert_int_equal(verdict_of(10000, 10000, &desc, 5), STILB_PROF_SAME);
 	assert_int_equal(verdict_of(10000, 11000, &desc, 5), STILB_PROF_SLOWER);
 	assert_int_equal(verdict_of(11000, 10000, &desc, 5), STILB_PROF_FASTER);
-	assert_int_equal(verdict_of(10000, 10300, &desc, 5), STILB_PROF_SAME); /* less than 5 % */
+	assert_int_equal(verdict_of(10000, 10300, &desc, 5), STILB_PROF_SAME); /* 3 %, less than the threshold of 5 % */
 	desc.threshold = 0.01;
 	assert_int_equal(verdict_of(10000, 10300, &desc, 5), STILB_PROF_SLOWER);
 	desc.alpha = 0.0;
@@ -339,7 +340,7 @@ static void jobs_of_other_frames(void **state)
 	assert_int_equal(stilb_prof_diff_make(&diff, &a.snapshot, &a.snapshot, &desc), 0);
 	const stilb_prof_diff_row *job = find(&diff, "job", STILB_PROF_LANE_THREAD);
 	assert_int_equal(job->a.calls, 3);
-	assert_int_equal(job->a.p99_ns, 800); /* frame 1 */
+	assert_int_equal(job->a.p99_ns, 800); /* the time in frame 1 */
 	assert_int_equal(job->a.inclusive_ns, 800);
 	a.frames[1].end_ns = 3000; /* a third frame, empty: the median is frame 0 */
 	made_frame(&a, 2, 3000, 4000);

@@ -41,7 +41,7 @@ static const Elf64_Shdr *object_section(const object *o, const char *name)
 	return NULL;
 }
 
-/* Is there a symbol whose name contains word? */
+/* True if the object has a symbol whose name contains word. */
 static bool object_has_symbol(const object *o, const char *word)
 {
 	const Elf64_Shdr *names = object_section(o, ".strtab");
@@ -49,7 +49,7 @@ static bool object_has_symbol(const object *o, const char *word)
 	return memmem(o->bytes + names->sh_offset, names->sh_size, word, strlen(word));
 }
 
-/* Is there one section of this name in both, with the same bytes? */
+/* True if both objects have a section of this name, with the same bytes. */
 static bool same_section(const object *a, const object *b, const char *name)
 {
 	const Elf64_Shdr *x = object_section(a, name), *y = object_section(b, name);
@@ -66,7 +66,7 @@ static void off_is_the_same_code_as_none(void **state)
 	assert_true(same_section(&off, &none, ".text"));
 	assert_false(object_has_symbol(&off, "stilb_prof_"));
 	assert_null(object_section(&off, "stilb_prof_section"));
-	/* Both checks fail for the object with zones: so they can fail. */
+	/* For the object with zones both checks give the opposite: so they can fail. */
 	assert_false(same_section(&on, &none, ".text"));
 	assert_true(object_has_symbol(&on, "stilb_prof_"));
 	assert_non_null(object_section(&on, "stilb_prof_section"));

@@ -1,7 +1,7 @@
 /*
- * The path of recording: no system call, no allocation, no lock that could need either. Ten million zones, and as much
- * of everything else, run in a child process whose first system call ends it (seccomp); allocations are counted
- * (--wrap).
+ * Recording makes no system call and no allocation, and takes no lock that could need either. Ten million zones, and as
+ * many events of every other kind, are recorded in a child process whose first system call ends it (seccomp);
+ * allocations are counted (--wrap).
  */
 #include "support/test.h"
 #include "test_prof_records.h"
@@ -126,7 +126,7 @@ static void recording_stays_in_the_program(void **state)
 	assert_int_equal(in_a_child(record_all), 0);
 }
 
-/* The checks above fail where they must. */
+/* The same checks must fail for a child that makes a system call. */
 static int make_a_system_call(void)
 {
 	return forbid_system_calls() != 0 ? 2 : (int)syscall(SYS_getppid) * 0;

@@ -38,7 +38,7 @@ static bytes written(const stilb_prof_snapshot *snapshot)
 	return b;
 }
 
-/* From a block of just that size, so that what reads beyond it is seen. */
+/* Reads a trace from a block of exactly that size, so that the address sanitizer sees reads beyond its end. */
 static int parse_bytes(const char *text, size_t size, stilb_prof_snapshot *snapshot, char error[256])
 {
 	char *copy = malloc(size > 0 ? size : 1);
@@ -141,7 +141,8 @@ static void what_was_written_comes_back(void **state)
 	stilb_prof_snapshot_finish(&back);
 }
 
-/* Not made up: zones, counters, instants and arrows of this process. Its labels may be more than one of a name. */
+/* A snapshot that was recorded, not made by hand: zones, counters, instants and arrows of this process. Several of its
+ * labels may have the same name. */
 static void what_was_recorded_comes_back(void **state)
 {
 	(void)state;
@@ -334,7 +335,8 @@ static void any_order(void **state)
 	stilb_prof_snapshot_finish(&s);
 }
 
-/* Children first at equal begins: the longer one is the parent. What sticks out by more than rounding is cut. */
+/* Zones in a file that list children before parents: of two with the same begin the longer one is the parent. A zone
+ * that extends beyond its parent by more than a rounding error is cut. */
 static void what_overlaps(void **state)
 {
 	(void)state;
@@ -395,7 +397,8 @@ static void counters_of_several_series(void **state)
 	stilb_prof_snapshot_finish(&s);
 }
 
-/* s -> t -> f is two arrows; ids are used again; one begin may have several ends, or none, and ends may come alone. */
+/* Flow events s, t and f of one id make two arrows, s to t and t to f. An id may be used again; one begin may have
+ * several ends, or none, and an end may have no begin. */
 static void arrows(void **state)
 {
 	(void)state;
@@ -507,7 +510,7 @@ static void truncated(void **state)
 	made_finish(&m);
 }
 
-/* One byte changed: an error, or a snapshot that holds (parse_bytes looks). */
+/* With one byte changed, a trace gives an error or a sound snapshot, which parse_bytes checks. */
 static void damaged(void **state)
 {
 	(void)state;

@@ -1,4 +1,4 @@
-/* For the profiler's tests: what the rings hold, taken apart. */
+/* For the profiler's tests: names and numbers of the events in a copy of the rings (prof_copy_take). */
 #ifndef STILB_TEST_PROF_RECORDS_H
 #define STILB_TEST_PROF_RECORDS_H
 

@@ -19,7 +19,8 @@ static int shut_down(void **state)
 STILB_PROF_SITE(even_site, "even", 0);
 STILB_PROF_SITE(odd_site, "odd", 0);
 
-/* Event n: everything in it follows from n, so a mixture of two events shows. Ends ascend, as they must. */
+/* The tests record numbered events. All members of event n are computed from n, so a copy that mixes two events is
+ * detected. Event n ends at about (n + 1) * STEP ticks, so ends ascend, as they must. */
 #define STEP 1000
 
 static uint64_t event_duration(uint64_t n)
@@ -44,7 +45,7 @@ static bool event_is_whole(const prof_record *record, uint64_t n)
 	       record->depth == event_depth(n) && record->site == (n % 2 ? &odd_site : &even_site);
 }
 
-/* True when the events of the only thread are consecutive whole events. */
+/* True if the events of the only thread are consecutive, and none is a mixture of two (see STEP). */
 static bool copy_is_whole(const prof_copy *copy)
 {
 	size_t count = copy->lanes[0].event_count;
@@ -141,10 +142,10 @@ static void windows_hold_what_overlaps_them(void **state)
 	prof_copy copy = {0};
 	stilb_prof_window window = {.last_frames = 2};
 	assert_int_equal(stilb_prof_thread_begin("main"), 0);
-	window_frames(10); /* 9 whole ones */
+	window_frames(10); /* ten marks make 9 whole frames */
 
 	assert_int_equal(prof_copy_take(&copy, &window), 0);
-	assert_int_equal(copy.lanes[0].event_count, 300); /* 7, 8 and what came since */
+	assert_int_equal(copy.lanes[0].event_count, 300); /* those of frames 7 and 8, and of the frame in progress */
 	assert_int_equal(copy.window_first, 7);
 	assert_int_equal(copy.window_count, 2);
 	assert_int_equal(copy.events_held, 1001);
@@ -153,7 +154,7 @@ static void windows_hold_what_overlaps_them(void **state)
 	window = (stilb_prof_window){.first_frame = 4, .frame_count = 1};
 	assert_int_equal(prof_copy_take(&copy, &window), 0);
 	assert_int_equal(record_count(&copy, 0, "even"), 100);
-	assert_int_equal(record_count(&copy, 0, "long"), 1); /* began before it and ended after it */
+	assert_int_equal(record_count(&copy, 0, "long"), 1); /* it began before the window and ended after it */
 	assert_int_equal(copy.lanes[0].event_count, 101);
 	assert_int_equal(copy.window_first, 4);
 	assert_int_equal(copy.window_count, 1);
@@ -162,10 +163,10 @@ static void windows_hold_what_overlaps_them(void **state)
 
 	window = (stilb_prof_window){.first_frame = 6, .frame_count = 1};
 	assert_int_equal(prof_copy_take(&copy, &window), 0);
-	assert_int_equal(record_count(&copy, 0, "long"), 1); /* ended first in it */
+	assert_int_equal(record_count(&copy, 0, "long"), 1); /* it began before the window and ended first in it */
 	assert_int_equal(copy.lanes[0].event_count, 101);
 
-	window = (stilb_prof_window){.first_frame = 8, .frame_count = 100}; /* the last is not whole */
+	window = (stilb_prof_window){.first_frame = 8, .frame_count = 100}; /* frame 9, the last, has not ended */
 	assert_int_equal(prof_copy_take(&copy, &window), 0);
 	assert_int_equal(copy.lanes[0].event_count, 100);
 	assert_int_equal(copy.window_count, 1);
@@ -206,7 +207,7 @@ static void windows_end_where_memory_does(void **state)
 	prof_copy_free(&copy);
 }
 
-/* A lane of a device is on another clock. */
+/* Times of a device's lane are on CLOCK_MONOTONIC, not in ticks of the TSC. */
 static void windows_of_devices(void **state)
 {
 	(void)state;
@@ -261,8 +262,8 @@ static void writer_join(pthread_t thread, writer *w)
 	assert_int_equal(w->error, 0);
 }
 
-/* A reader's loop: goes on until the writer was seen at work often enough. On a crowded machine a second must do, and
- * twenty if it was not seen at all. */
+/* The loop of a reading thread: goes on until its copies have met the writer at work often enough. On a crowded machine
+ * it ends after a second, or after twenty if they have not met it at all. */
 typedef struct watch {
 	uint64_t start, head;
 	int wanted, seen;
@@ -275,7 +276,7 @@ static watch watch_start(int wanted)
 
 static bool watch_goes_on(watch *reader, const writer *w)
 {
-	uint64_t head = __atomic_load_n(&w->ring->head, __ATOMIC_RELAXED); /* a hint: no data depends on it */
+	uint64_t head = __atomic_load_n(&w->ring->head, __ATOMIC_RELAXED); /* only tells that the writer goes on */
 	uint64_t age = stilb_prof_clock_monotonic() - reader->start;
 	reader->seen += head != reader->head;
 	reader->head = head;
@@ -287,7 +288,7 @@ static void *write_events(void *data)
 	writer *w = data;
 	writer_begin(w);
 	for (uint64_t n = 0; w->error == 0 && writer_goes_on(w); n++) {
-		stilb_prof_clock(w->ring); /* no faster than zones are, or it laps every copy */
+		stilb_prof_clock(w->ring); /* slows the writer to the speed of zones; otherwise it would lap every copy */
 		stilb_prof_clock(w->ring);
 		event_record(n);
 	}
@@ -331,7 +332,7 @@ static void *write_open_events(void *data)
 	return NULL;
 }
 
-/* Are the open zones whole, each inside the one before it? */
+/* True if the open zones are whole, each inside the one before it. */
 static bool open_events_are_whole(const stilb_prof_open_zone *zones, uint32_t count)
 {
 	for (uint32_t depth = 0; depth < count; depth++) {
@@ -344,7 +345,7 @@ static bool open_events_are_whole(const stilb_prof_open_zone *zones, uint32_t co
 	return true;
 }
 
-/* Is a zone of the copy both open and closed? */
+/* True if some zone of the copy is both among the open zones and among the events of ended ones. */
 static bool zone_is_there_twice(const prof_copy *copy)
 {
 	const prof_lane_copy *lane = &copy->lanes[0];
@@ -508,7 +509,7 @@ static void frames_are_never_torn(void **state)
 	assert_int_equal(broken, 0);
 }
 
-/* Under the lock of copies; a test may hold one there. */
+/* A function that copies call with their lock held is wrapped here, so that a test can hold a copy at that point. */
 static uint32_t copy_held, copy_waits;
 
 uint32_t __real_prof_switches_copy(const prof_switches *switches, uint64_t since_ns, prof_switch_event *events);
@@ -545,8 +546,8 @@ static void copies_do_not_wait_for_each_other(void **state)
 	assert_int_equal(pthread_create(&thread, NULL, take_a_copy, &error), 0);
 	while (__atomic_load_n(&copy_waits, __ATOMIC_ACQUIRE) == 0) /* pairs with the store above */
 		sched_yield();
-	assert_int_equal(prof_copy_take(&copy, NULL), 0); /* else it stands still here */
-	stilb_prof_record_set(false);                     /* nor does the switch */
+	assert_int_equal(prof_copy_take(&copy, NULL), 0); /* would hang here if it waited for the other copy */
+	stilb_prof_record_set(false);                     /* so would this */
 	stilb_prof_record_set(true);
 	__atomic_store_n(&copy_waits, 0, __ATOMIC_RELEASE); /* pairs with the load above */
 	assert_int_equal(pthread_join(thread, NULL), 0);
@@ -620,7 +621,7 @@ static void threads_of_new_names_are_bounded(void **state)
 		assert_string_not_equal(copy.lanes[i].name, "worker 0");
 		last += strcmp(copy.lanes[i].name, "worker 999") == 0;
 	}
-	assert_int_equal(last, 1); /* the last ones are still there */
+	assert_int_equal(last, 1); /* the events of the threads that ended last are still there */
 	prof_copy_free(&copy);
 }
 
@@ -651,14 +652,14 @@ static void shutdown_unmaps_the_rings(void **state)
 	assert_int_equal(mincore(ring, 1, &resident), -1);
 	assert_int_equal(errno, ENOMEM);
 	assert_int_equal(prof_ring_count(&ended), 0);
-	assert_int_equal(stilb_prof_thread_begin("main"), 0); /* and once more */
+	assert_int_equal(stilb_prof_thread_begin("main"), 0); /* a thread may begin again after its end */
 	{
 		PROFILE("zone");
 	}
 	assert_records("zone");
 }
 
-/* Lanes of devices begin without threads. */
+/* Lanes whose names end in numbers are in the order of these. Made as lanes of devices, which need no threads. */
 static void lanes_stand_by_their_numbers(void **state)
 {
 	(void)state;

@@ -13,7 +13,7 @@
 
 /* ---- context switches made by hand ------------------------------------------------------------------------------- */
 
-static const prof_switch_event *made_switches; /* NULL: as the kernel has them */
+static const prof_switch_event *made_switches; /* copied in place of the kernel's; NULL: the kernel's are */
 static uint32_t made_switch_count;
 
 static const char made_page;
@@ -58,7 +58,7 @@ static int begin_thread(void **state)
 {
 	(void)state;
 	prof_clock_now();
-	sleep_ms(11); /* so that no timeline has to wait */
+	sleep_ms(11); /* the first snapshot would sleep until 10 ms have passed since the clock was first read */
 	return stilb_prof_thread_begin("main");
 }
 
@@ -191,7 +191,8 @@ static void record_flow(const stilb_prof_site *site, uint64_t time, uint32_t ope
 	stilb_prof_write(stilb_prof_thread_ring, site, time, open, id);
 }
 
-/* All begin in one tick; only depth and order tell b inside a, then c with d inside. */
+/* All zones begin in the same tick. Only their depths and the order of their ends tell that b lies in a, and that c,
+ * with d in it, follows. */
 static void ties_keep_the_tree(void **state)
 {
 	(void)state;
@@ -212,7 +213,7 @@ static void children_without_their_parent(void **state)
 	uint64_t t = prof_clock_now();
 	record(&site_b, t + 100, t + 200, 2);
 	record(&site_c, t + 300, t + 400, 2);
-	record(&site_a, t + 250, t + 500, 1); /* c is its child, b was of another whose event is gone */
+	record(&site_a, t + 250, t + 500, 1); /* the parent of c; the event of b's parent was overwritten */
 	record(&site_d, t + 600, t + 700, 0);
 	take(0);
 	assert_tree(0, "b a(c) d");
@@ -227,7 +228,7 @@ static void overlaps_are_cut(void **state)
 	record(&site_b, t + 3000, t + 9000, 0);
 	record(&site_c, t + 8000, t + 20000, 1);
 	record(&site_d, t + 7000, t + 10000, 0);
-	record(&site_a, t + 2000, t + 2000, 0); /* began before what ended before it */
+	record(&site_a, t + 2000, t + 2000, 0); /* begins before the zone recorded before it, which has ended */
 	take(0);
 	assert_int_equal(s.lanes[0].zone_count, 5);
 }
@@ -243,7 +244,7 @@ static uint64_t random_below(uint64_t limit)
 /* The zones expected for a random tree, parents first. */
 typedef struct expected_zone {
 	uint32_t level;
-	uint64_t ticks; /* of the length */
+	uint64_t ticks; /* the zone's length */
 } expected_zone;
 
 /* A random tree in the order of its ends; steps of 0 to 3 ticks, so that many times are equal, in ticks and in ns. */
@@ -347,7 +348,7 @@ static void the_last_frames_are_remembered(void **state)
 	assert_int_equal(s.frames[s.frame_count - 1].number, 2998);
 	assert_int_equal(s.begin_ns, s.frames[0].begin_ns);
 	PROFILE("open");
-	for (uint64_t first = 0; first < 5000; first += 4000) { /* forgotten; not there yet */
+	for (uint64_t first = 0; first < 5000; first += 4000) { /* frames forgotten, and frames that have not begun */
 		stilb_prof_window window = {.first_frame = first, .frame_count = 2};
 		assert_int_equal(stilb_prof_snapshot_take(&s, &window), 0);
 		check_snapshot();
@@ -375,7 +376,7 @@ static void last_frames_leaves_the_rest_out(void **state)
 		assert_int_equal(s.frame_count, frames[i]);
 		assert_int_equal(s.frames[0].number, 9 - frames[i]);
 		assert_int_equal(s.lanes[0].zone_count, zones[i]);
-		assert_int_equal(s.events_held, 21); /* whatever the window */
+		assert_int_equal(s.events_held, 21); /* counts what the rings hold, whatever the window */
 	}
 }
 
@@ -476,7 +477,7 @@ static void points_of_all_threads_in_order(void **state)
 	assert_string_equal(label_name(s.points[0].label), "first");
 	assert_string_equal(label_name(s.points[201].label), "last");
 	assert_int_equal(s.begin_ns, s.points[0].ns);
-	assert_int_equal(s.lanes[1].switch_count, 0); /* though it came and went: nobody asked */
+	assert_int_equal(s.lanes[1].switch_count, 0); /* switches were not asked for (stilb_prof_switches_set) */
 	assert_non_null(s.lanes[1].no_switches);
 	assert_false(s.points[0].counter || s.points[201].counter);
 	for (uint32_t i = 1; i < 201; i++) {
@@ -530,7 +531,7 @@ static void jobs_are_charged_to_who_submitted_them(void **state)
 	assert_int_equal(s.flows[1].id, second);
 	assert_int_equal(s.flows[1].frame, 1);
 	assert_string_equal(label_name(s.flows[0].label), "job flow");
-	take(1); /* frame 0 is not in it: nothing to charge to */
+	take(1); /* frame 0 is not in the window, so its job is charged to no frame */
 	assert_int_equal(find_zone(0, "a")->frame, STILB_PROF_NONE);
 	assert_int_equal(find_zone(0, "d")->frame, 0);
 }
@@ -540,9 +541,9 @@ static void a_flow_has_any_number_of_ends(void **state)
 	(void)state;
 	uint64_t t = prof_clock_now();
 	uint64_t lost = prof_flow_id(0, 5, 1), loop = prof_flow_id(0, 5, 2), waits = prof_flow_id(0, 5, 3);
-	record_flow(&flow_job[1], t + 1000, 0, lost); /* its begin is not held */
+	record_flow(&flow_job[1], t + 1000, 0, lost); /* the end of a flow whose begin was overwritten */
 	record_flow(&flow_job[0], t + 2000, 0, loop);
-	record_flow(&flow_job[0], t + 30000, 0, waits); /* has not run yet */
+	record_flow(&flow_job[0], t + 30000, 0, waits); /* the begin of a flow whose job has not run yet */
 	stilb_prof_thread_end();
 	assert_int_equal(stilb_prof_thread_begin("worker"), 0);
 	record_flow(&flow_job[1], t + 20000, 0, loop);
@@ -576,7 +577,7 @@ static void no_flow_goes_back_in_time(void **state)
 	assert_int_equal(s.flows[0].from_ns, s.flows[0].to_ns);
 }
 
-/* The tick is the same as the zone's end: viewers would put the arrow outside. */
+/* The flow ends in the tick in which its zone ends: viewers would put the arrow outside of the zone. */
 static void a_flow_lies_inside_its_zone(void **state)
 {
 	(void)state;
@@ -585,13 +586,14 @@ static void a_flow_lies_inside_its_zone(void **state)
 	record_flow(&flow_job[0], t + 9000, 1, id);
 	record(&site_a, t, t + 9000, 0);
 	record_flow(&flow_job[1], t + 18000, 1, id);
-	record(&site_b, t + 18000, t + 18000, 0); /* no length: there is no inside */
+	record(&site_b, t + 18000, t + 18000, 0); /* a zone without length: the flow keeps its time */
 	take(0);
 	assert_int_equal(s.flows[0].from_ns, find_zone(0, "a")->end_ns - 1);
 	assert_int_equal(s.flows[0].to_ns, find_zone(0, "b")->end_ns);
 }
 
-/* The first in a zone without length at its parent's end, the second in the parent, which moves it before that. */
+/* Two flows at the end of a zone: the first lies in a child without length, the second in the zone itself, so that it
+ * is moved before the zone's end. It must not pass the first. */
 static void flows_stay_in_order(void **state)
 {
 	(void)state;
@@ -647,7 +649,7 @@ static void devices_keep_their_own_time(void **state)
 	assert_int_equal(find_zone(1, "a")->self_ns, 200);
 }
 
-/* The events' times are from now on. */
+/* Begins a thread with these switches, whose times are given relative to now. */
 static void begin_thread_with_switches(prof_switch_event *events, uint32_t count)
 {
 	stilb_prof_thread_end();
@@ -681,7 +683,7 @@ static void switches_become_time_off_the_cpu(void **state)
 		{.ns = 7000 * US, .in = true},
 		{.ns = 10000 * US},
 	};
-	take(0); /* for hz */
+	take(0); /* only for s.hz */
 	begin_thread_with_switches(events, 6);
 	uint64_t t = events[0].ns + 900 * US;
 	record_ns(&site_b, 1, t, 3000 * US, 4000 * US);
@@ -694,7 +696,7 @@ static void switches_become_time_off_the_cpu(void **state)
 	assert_int_equal(lane->switches[0].out_ns + s.epoch_ns, events[1].ns);
 	assert_int_equal(lane->switches[0].in_ns + s.epoch_ns, events[2].ns);
 	assert_true(lane->switches[0].preempted && !lane->switches[1].preempted);
-	assert_int_equal(lane->switches[2].in_ns, s.end_ns);                                    /* has not come back */
+	assert_int_equal(lane->switches[2].in_ns, s.end_ns); /* it is still off the CPU */
 	assert_in_range(find_zone(1, "a")->off_cpu_ns, 4000 * US - MARGIN, 4000 * US + MARGIN); /* 2 + 1 + 1 ms */
 	assert_int_equal(find_zone(1, "b")->off_cpu_ns, 0);
 	assert_int_equal(find_zone(1, "c")->off_cpu_ns, 1000 * US);
@@ -702,7 +704,7 @@ static void switches_become_time_off_the_cpu(void **state)
 	sleep_ms(1);
 	stilb_prof_frame_mark();
 	take(1);
-	assert_int_equal(s.lanes[1].switch_count, 1); /* the others were over before the frame began */
+	assert_int_equal(s.lanes[1].switch_count, 1); /* the other switches were over before the frame began */
 	assert_true(s.lanes[1].switches[0].out_ns < s.begin_ns);
 }
 
@@ -721,7 +723,7 @@ static void a_closed_window_cuts_switches(void **state)
 	stilb_prof_window window = {.first_frame = 0, .frame_count = 1};
 	assert_int_equal(stilb_prof_snapshot_take(&s, &window), 0);
 	check_snapshot();
-	assert_int_equal(s.lanes[1].switch_count, 2); /* before it began, and then */
+	assert_int_equal(s.lanes[1].switch_count, 2); /* the time before it began, and the switch */
 	assert_int_equal(s.lanes[1].switches[1].out_ns + s.epoch_ns, events[0].ns);
 	assert_int_equal(s.lanes[1].switches[1].in_ns, s.end_ns);
 	assert_int_equal(s.lanes[2].switch_count, 1);
@@ -770,7 +772,7 @@ static void threads_that_come_and_go(void **state)
 		sleep_ms(1);
 		stilb_prof_frame_mark();
 	}
-	take(1); /* it had ended before the window begins */
+	take(1); /* the thread had ended before this window begins */
 	lane = &s.lanes[1];
 	assert_int_equal(lane->switch_count, 1);
 	assert_int_equal(lane->switches[0].out_ns, s.begin_ns);
@@ -876,7 +878,7 @@ static void no_memory(void **state)
 	int failures = 0;
 	work_through_frames(3);
 	stilb_prof_switches_set(true);
-	take(0); /* costs are measured once */
+	take(0); /* measures the costs of the clock, which is done once */
 	stilb_prof_snapshot_finish(&s);
 	for (;; failures++) {
 		fail_allocation = failures;
@@ -971,13 +973,13 @@ static void snapshots_of_a_busy_thread(void **state)
 	(void)state;
 	pthread_t thread;
 	assert_int_equal(stilb_prof_ring_events_set(256), 0);
-	__atomic_store_n(&stop, false, __ATOMIC_RELAXED); /* pairs with nothing: the thread comes later */
+	__atomic_store_n(&stop, false, __ATOMIC_RELAXED); /* the thread that reads it starts later */
 	assert_int_equal(pthread_create(&thread, NULL, be_busy, NULL), 0);
 	for (int i = 0; i < 300 || s.events_lost == 0; i++) { /* the thread may begin late */
 		stilb_prof_frame_mark();
 		take(i % 2 == 0 ? 0 : 2);
 	}
-	__atomic_store_n(&stop, true, __ATOMIC_RELAXED); /* pairs with be_busy */
+	__atomic_store_n(&stop, true, __ATOMIC_RELAXED); /* read by be_busy; no data depends on it */
 	pthread_join(thread, NULL);
 	take(0);
 	assert_int_equal(s.lane_count, 2);

@@ -47,7 +47,7 @@ static said open_in_speedscope(const made *m)
 	return s;
 }
 
-/* The line's event: what, when, of which name. */
+/* Reads the next line and asserts its event: type 'O' (opens) or 'C' (closes), time and name. */
 static void assert_event(said *s, char type, uint64_t ns, const char *name)
 {
 	double at = 0.0;
@@ -75,7 +75,7 @@ static void assert_lane(said *s, const stilb_prof_snapshot *snapshot, const stil
 	}
 }
 
-/* The profile of a lane: they may stand in any order. */
+/* Moves to the profile of a lane in the output; profiles may stand in any order. False: there is none. */
 static bool find_profile(said *s, const char *name, uint32_t tid)
 {
 	char end[64];

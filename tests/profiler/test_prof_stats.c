@@ -1,4 +1,5 @@
-/* Tables of snapshots: against sums worked out the long way, with cut zones and recursion; sorting; errors; cost. */
+/* Tables of snapshots, compared with sums that are computed in a simple, slow way, with cut zones and recursion;
+ * sorting; errors; cost. */
 #include "profiler/prof_stats.h"
 
 #include "profiler/read/prof_sort.h"
@@ -11,7 +12,7 @@
 #include <stddef.h>
 #include <time.h>
 
-/* ---- the long way ------------------------------------------------------------------------------------------------ */
+/* ---- the table, computed in a simple, slow way ------------------------------------------------------------------- */
 
 typedef struct window {
 	const made *m;
@@ -55,7 +56,7 @@ static uint64_t window_off_cpu(const window *w, uint32_t lane, const stilb_prof_
 	return sum;
 }
 
-/* No ancestor of its label is in the window too. */
+/* True if no ancestor of the zone has the same label and is in the window, too. */
 static bool window_outermost(const window *w, uint32_t lane, const stilb_prof_zone *zone)
 {
 	for (uint32_t p = zone->parent; p != STILB_PROF_NONE; p = w->m->zones[lane][p].parent)
@@ -70,7 +71,7 @@ static int compare_u64(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* The row of a label by hand; false: no call. durations is the caller's to free. */
+/* Computes the row of a label, zone by zone; false: no call. The caller frees *durations. */
 static bool long_way(const window *w, uint32_t label, stilb_prof_lane_kind kind, stilb_prof_row *row,
                      uint64_t **durations)
 {
@@ -162,7 +163,7 @@ static void as_the_long_way(void **state)
 	stilb_prof_stats_finish(&stats);
 }
 
-/* The self times of all rows in a time are what was in zones in that time. */
+/* The sum of the self times of all rows, in any range of time, is the time spent in outermost zones in that range. */
 static void self_times_add_up(void **state)
 {
 	(void)state;
@@ -229,7 +230,7 @@ static void rows_are_sorted(void **state)
 	assert_int_equal(stilb_prof_stats_take(&stats, &m.snapshot, NULL), 0);
 	assert_true(stats.row_count > 5);
 	for (int order = -1; order <= STILB_PROF_BY_NAME; order++) {
-		if (order >= 0) /* -1: as it comes */
+		if (order >= 0) /* -1: the order in which stilb_prof_stats_take leaves the rows */
 			stilb_prof_stats_sort(&stats, &m.snapshot, (stilb_prof_order)order);
 		for (uint32_t i = 1; i < stats.row_count; i++) {
 			const stilb_prof_row *a = &stats.rows[i - 1], *b = &stats.rows[i];

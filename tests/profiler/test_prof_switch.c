@@ -1,4 +1,4 @@
-/* Context switches: every one that /proc counts is noted, whole and in order, also while they are read. */
+/* Context switches: every one that /proc counts is recorded, whole and in order, also while the records are read. */
 #include "profiler/prof_internal.h"
 #include "profiler/prof_snapshot.h"
 #include "support/test.h"
@@ -44,7 +44,7 @@ static proc_counts proc_count(void)
 	return counts;
 }
 
-/* Ascending, and out and in take turns. */
+/* True if times ascend, and leaving a CPU and coming back take turns. */
 static bool events_are_whole(const prof_switch_event *list, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++)
@@ -72,7 +72,7 @@ static void run(void *(*function)(void *), void *user)
 	assert_int_equal(pthread_join(thread, NULL), 0);
 }
 
-/* ---- what is noted ----------------------------------------------------------------------------------------------- */
+/* ---- switches that are recorded ---------------------------------------------------------------------------------- */
 
 typedef struct sleeper {
 	prof_switches switches;
@@ -116,7 +116,7 @@ static uint32_t rival_stop;
 static void *rival_run(void *user)
 {
 	(void)user;
-	while (!__atomic_load_n(&rival_stop, __ATOMIC_RELAXED)) /* pairs with rivals_join; nothing goes with it */
+	while (!__atomic_load_n(&rival_stop, __ATOMIC_RELAXED)) /* set by rivals_join; no data depends on it */
 		sched_yield();
 	return NULL;
 }
@@ -164,7 +164,7 @@ static void every_switch_is_noted(void **state)
 		assert_true(s.proc.slept >= 400);
 		assert_true(rivals == 0 || s.proc.preempted > 10);
 
-		/* The thread has ended; what it did stays until it is closed. */
+		/* The thread has ended; its switches can be read until prof_switches_close. */
 		assert_in_range(prof_switches_copy(&s.switches, 0, events), s.count, s.count + 16); /* it ends: may wait */
 		prof_switches_close(&s.switches);
 		assert_int_equal(prof_switches_copy(&s.switches, 0, events), 0);
@@ -184,7 +184,7 @@ static void the_newest_are_kept(void **state)
 	assert_in_range(count, PROF_SWITCHES_MAX - 1 - 8, PROF_SWITCHES_MAX - 1); /* it may be preempted in the copy */
 	assert_true(events_are_whole(events, count));
 
-	/* From the last one before a moment on: the state at that moment is known. */
+	/* A copy begins with the last switch before the given time: so the thread's state at that time is known. */
 	uint32_t since = prof_switches_copy(&switches, before, events);
 	assert_in_range(since, 3, 64);
 	assert_true(events[0].ns <= before && events[0].in);
@@ -241,12 +241,12 @@ static void copies_are_whole(void **state)
 	rival_join(rival);
 	prof_switches_close(&s.switches);
 	assert_int_equal(broken, 0);
-	assert_int_equal(full, 200); /* it went on while it was read */
+	assert_int_equal(full, 200); /* the thread went on switching while its switches were read */
 }
 
-/* ---- where it cannot be had -------------------------------------------------------------------------------------- */
+/* ---- if the kernel refuses --------------------------------------------------------------------------------------- */
 
-/* Runs check in a child that may spoil its own process: 0 passed, 77 not possible here. */
+/* Runs check in a child process, whose rights it may give up. check returns 0: passed; 77: not possible here. */
 static void in_child(int (*check)(void))
 {
 	pid_t child = fork();
@@ -316,7 +316,8 @@ static bool switch_is_noted(prof_switches *switches)
 	return false;
 }
 
-/* As an ordinary user, who gets a ring until the memory that he may lock is used up, then smaller ones, then none. */
+/* For an ordinary user the kernel limits locked memory: rings have full size until that is used up, then they are
+ * smaller, then there are none. */
 static int as_nobody(void)
 {
 	static prof_switches all[4096];
@@ -344,7 +345,7 @@ static int in_a_fork(void)
 {
 	if (prof_switches_copy(&parents, 0, events) != 0)
 		return 1;
-	prof_switches_close(&parents); /* unmaps nothing: other memory may be there */
+	prof_switches_close(&parents); /* must unmap nothing: in the child, other memory may be at that address */
 	return 0;
 }
 
@@ -357,7 +358,7 @@ static void reasons_are_told(void **state)
 	in_child(without_descriptors);
 }
 
-/* Then there are counters: how long each thread ran in a frame, and how long it waited for a CPU. */
+/* If the kernel refuses, there are counters instead: how long each thread ran in a frame, and waited for a CPU. */
 static int counted_instead(void)
 {
 	stilb_prof_snapshot snapshot = {0};
@@ -383,7 +384,7 @@ static int counted_instead(void)
 		if (!point->counter)
 			return 2;
 		if (strcmp(name, "main: ran ms") == 0) {
-			ran += count > 0 ? point->value : 0; /* the first is up to the first frame */
+			ran += count > 0 ? point->value : 0; /* the first value is for the time before the first frame */
 			count++;
 		}
 		waited += strcmp(name, "main: waited ms") == 0 && point->value >= 0;
@@ -418,7 +419,7 @@ static void a_fork_has_none(void **state)
 	prof_switches_close(&parents);
 }
 
-/* From the outside: a zone in a snapshot says how long its thread was not running. */
+/* The same through the public functions: a zone in a snapshot says how long its thread was not running. */
 static void zones_know(void **state)
 {
 	(void)state;

@@ -1,4 +1,5 @@
-/* Threads that never said that they record: rings at the first event, names, ends, no memory, allocators with zones. */
+/* Threads that record without having called stilb_prof_thread_begin: rings made at the first event, names, ends, no
+ * memory, allocators with zones. */
 #include "test_prof_records.h"
 
 #include <errno.h>
@@ -13,9 +14,9 @@
 #include <cmocka.h>
 
 /* All are set while no other thread runs. */
-static bool refuse_rings;      /* mmap gives no memory */
+static bool refuse_rings;      /* mmap gives no memory for rings */
 static bool profile_allocator; /* realloc records a zone */
-static uint32_t asked;         /* calls of mmap */
+static uint32_t asked;         /* number of calls of mmap */
 
 static int shut_down(void **state)
 {
@@ -51,9 +52,9 @@ void *__wrap_realloc(void *memory, size_t size)
 	return __real_realloc(memory, size);
 }
 
-/* ---- what holds of all lanes ------------------------------------------------------------------------------------- */
+/* ---- the lanes as text ------------------------------------------------------------------------------------------- */
 
-/* "name: events|open; ..." of all lanes. */
+/* Writes all lanes as text: "name: events|open zones; name: ...". */
 static void lanes_text(char *text, size_t size)
 {
 	prof_copy copy = {0};
@@ -129,7 +130,7 @@ static void *first_flow(void *unused)
 	return unused;
 }
 
-/* One after another they go on in the ring of the one before, whose name they get. */
+/* Threads that run one after another get the same name ("thread 1") and go on in the ring of the one before. */
 static void the_first_event_makes_a_ring(void **state)
 {
 	(void)state;
@@ -176,12 +177,12 @@ static void *keep_errno(void *kept)
 	return NULL;
 }
 
-/* A zone may stand between a call that fails and the look at errno. */
+/* A zone leaves errno as it is: it may stand between a call that fails and the program's look at errno. */
 static void errno_is_kept(void **state)
 {
 	(void)state;
 	bool kept[2] = {false};
-	stilb_prof_switches_set(true); /* which few machines allow without an error */
+	stilb_prof_switches_set(true); /* on most machines perf_event_open then fails and sets errno */
 	run_thread(keep_errno, &kept[0]);
 	stilb_prof_switches_set(false);
 	refuse_rings = true;
@@ -275,7 +276,8 @@ static void *begin_late(void *errors)
 	return NULL;
 }
 
-/* The ring stays; its lane gets the name, and the place that goes with it. */
+/* A thread that already records may call stilb_prof_thread_begin: it keeps its ring, and its lane gets the new name and
+ * moves to the place of that name. */
 static void a_name_may_come_later(void **state)
 {
 	(void)state;
@@ -340,7 +342,7 @@ static void survivor_step(survivor *s)
 		;
 }
 
-/* A pool whose threads go on after a shutdown finds its rings where they were, empty. */
+/* Threads that live on after stilb_prof_shutdown keep their rings, which are empty then. */
 static void a_living_thread_survives_a_shutdown(void **state)
 {
 	(void)state;
@@ -354,7 +356,7 @@ static void a_living_thread_survives_a_shutdown(void **state)
 		;
 	survivor_step(&s);
 	first_hook(NULL);
-	assert_lanes("main: hook; thread 1: step step|life"); /* the main thread's is always the first */
+	assert_lanes("main: hook; thread 1: step step|life"); /* the main thread's lane is always the first */
 	stilb_prof_shutdown();
 	assert_lanes("thread 1: |life");
 	survivor_step(&s);
@@ -364,7 +366,7 @@ static void a_living_thread_survives_a_shutdown(void **state)
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);
 	assert_int_equal(copy.events_recorded, 2);
 	assert_int_equal(copy.events_held, 2);
-	assert_int_not_equal(copy.lanes[0].index, copy.lanes[1].index); /* flows' numbers do not mix */
+	assert_int_not_equal(copy.lanes[0].index, copy.lanes[1].index); /* so the ids of their flows differ */
 	prof_copy_free(&copy);
 	s.exit = true;
 	sem_post(&s.go);
@@ -386,7 +388,7 @@ static void record_six_events(void)
 	PROFILE_END();
 	PROFILE_COUNTER("counter", 1);
 	PROFILE_INSTANT("instant");
-	stilb_prof_flow_end(flow_job, stilb_prof_flow_begin(flow_job)); /* its number is 0: no end */
+	stilb_prof_flow_end(flow_job, stilb_prof_flow_begin(flow_job)); /* begin returns 0, for which end does nothing */
 	stilb_prof_zone_begin(&hook_site);
 	stilb_prof_zone_end();
 }
@@ -400,7 +402,7 @@ static void what_is_lost_is_counted(void **state)
 	assert_int_equal(asked, 1);
 	for (int i = 0; i < 100; i++)
 		record_six_events();
-	assert_int_equal(asked, 2); /* not for each event */
+	assert_int_equal(asked, 2); /* mmap is not tried again at each event */
 	assert_int_equal(without_ring(), 600);
 	refuse_rings = false;
 	for (int i = 0; i < 424; i++)
@@ -425,7 +427,8 @@ static void *take_a_snapshot(void *error)
 	return NULL;
 }
 
-/* Zones of an allocator that the profiler calls itself: no deadlock, no second ring; counted where none can be made. */
+/* An allocator with zones, which the profiler calls itself: no deadlock and no second ring. Zones that come while the
+ * ring is being made or the lock is held are counted as lost. */
 static void an_allocator_may_record(void **state)
 {
 	(void)state;
@@ -434,7 +437,7 @@ static void an_allocator_may_record(void **state)
 	run_thread(first_hook, NULL);
 	profile_allocator = false;
 	assert_lanes("thread 1: hook");
-	assert_int_equal(without_ring(), 1); /* in the thread's beginning */
+	assert_int_equal(without_ring(), 1); /* the zone of the allocation while the ring was made */
 	profile_allocator = true;
 	run_thread(take_a_snapshot, &error);
 	profile_allocator = false;
@@ -445,7 +448,7 @@ static void an_allocator_may_record(void **state)
 
 /* ---- schedstat --------------------------------------------------------------------------------------------------- */
 
-static bool refuse_perf; /* as a container does; set while no other thread runs */
+static bool refuse_perf; /* perf_event_open fails, as in a container; set while no other thread runs */
 
 prof_switches __real_prof_switches_open(const char *name);
 prof_switches __wrap_prof_switches_open(const char *name);

@@ -1,4 +1,4 @@
-/* Trace files: what is written of snapshots made by hand and of recorded ones, and what happens when writing fails. */
+/* Trace files, written from snapshots made by hand and from recorded ones; and errors while writing. */
 #include "profiler/prof_read.h"
 #include "profiler/write/prof_file.h"
 #include "profiler/write/prof_text.h"
@@ -134,8 +134,8 @@ static const stilb_prof_snapshot made = {
 	.without_ring = 2,
 };
 
-/* The whole text; pid is %d. A zone that touches is a tenth shorter: worker_zones touch nothing, the frames and the
- * switches do. */
+/* The whole text that is expected; %d stands for the pid. What touches the next zone is written a tenth of a nanosecond
+ * shorter: the frames and the switches are, worker_zones are not. */
 static const char made_text[] =
 	"{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n"
 	"{\"ph\":\"M\",\"pid\":%1$d,\"tid\":1,\"name\":\"process_name\",\"args\":{\"name\":\"made\"}},\n"
@@ -259,7 +259,7 @@ static void every_stack_has_its_line(void **state)
 	enum { ZONES = (1 << 11) - 1 };
 	static stilb_prof_zone zones[ZONES];
 	assert_int_equal(fill_tree(zones, 0, ROOT, 0), ZONES);
-	for (uint32_t i = 1; i < ZONES; i++) /* of two siblings the first stands right behind their parent */
+	for (uint32_t i = 1; i < ZONES; i++) /* of two siblings the first comes right after their parent in the array */
 		zones[i].label = zones[i].parent == i - 1 ? JOB : WAIT;
 	stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = ZONES};
 	stilb_prof_snapshot s = made;
@@ -290,7 +290,8 @@ static void a_made_snapshot_as_csv(void **state)
 	capture_finish(&c);
 }
 
-/* A name inside itself counts once; in another frame, by a job, it counts there. */
+/* A zone inside another of its name is not added again; but if it is charged to another frame, as in a job, it counts
+ * in that frame. */
 static void recursion_counts_once_in_csv(void **state)
 {
 	(void)state;
@@ -350,8 +351,8 @@ static double end_us(const char *line)
 static void ends_that_touch_stay_apart_and_exact(void **state)
 {
 	(void)state;
-	/* a(b(c(d))) all end together where the next one begins; then one without length at its parent's end. */
-	uint64_t t = UINT64_C(86400000000123); /* a day */
+	/* a(b(c(d))): all four end when the next zone begins; and a zone without length at its parent's end. */
+	uint64_t t = UINT64_C(86400000000123); /* about a day, in ns: doubles of microseconds are coarse there */
 	stilb_prof_zone zones[TOUCHING] = {
 		ZONE(t, t + 50, 20, JOB, ROOT, 4, 0, 0),     ZONE(t + 20, t + 50, 10, WAIT, 0, 3, 0, 1),
 		ZONE(t + 30, t + 50, 20, JOB, 1, 2, 0, 2),   ZONE(t + 50, t + 50, 0, JOB, 2, 1, 0, 3),
@@ -376,7 +377,7 @@ static void ends_that_touch_stay_apart_and_exact(void **state)
 		ends[i] = end_us(line);
 	}
 	assert_true(ends[2] < ends[1] && ends[1] < ends[0]);
-	assert_non_null(strstr(c.text, "\"dur\":0.0001,")); /* the last: speedscope leaves out what has no length */
+	assert_non_null(strstr(c.text, "\"dur\":0.0001,")); /* of the last zone: speedscope leaves out zones of length 0 */
 	assert_true(ends[0] < (double)(t + 50) / 1000);
 	capture_finish(&c);
 }
@@ -419,7 +420,7 @@ static void everything_recorded_is_written(void **state)
 		PROFILE_END();
 	}
 	PROFILE("open");
-	assert_int_not_equal(stilb_prof_flow_begin(flow_job), 0); /* never ends: no arrow */
+	assert_int_not_equal(stilb_prof_flow_begin(flow_job), 0); /* a flow that never ends: no arrow is written */
 	assert_trace(&c, 0);
 	assert_int_equal(c.report.zones, 21);
 	assert_int_equal(c.report.open_zones, 1);
@@ -449,8 +450,8 @@ static uint64_t random_below(uint64_t limit)
 typedef struct random_tree {
 	uint64_t step;
 	uint32_t depths;
-	bool lasting; /* a zone around others has a length */
-	int left;     /* zones */
+	bool lasting; /* zones that have children are longer than 0 */
+	int left;     /* number of zones that are still to be made */
 } random_tree;
 
 static uint64_t record_tree(random_tree *tree, uint64_t t, uint32_t depth)
@@ -543,7 +544,7 @@ static void the_locale_changes_nothing(void **state)
 	}
 }
 
-/* ---- and back: prof_read.h --------------------------------------------------------------------------------------- */
+/* ---- read back by prof_read.h ------------------------------------------------------------------------------------ */
 
 static void assert_same_label(const stilb_prof_snapshot *a, uint32_t i, const stilb_prof_snapshot *b, uint32_t k)
 {
@@ -695,8 +696,9 @@ static void what_is_written_reads_back(void **state)
 	stilb_prof_snapshot_finish(&s);
 }
 
-/* With steps as the clock has them, and four levels: tenths of nanoseconds tell no more levels apart. Of two zones
- * of no length at one moment a file does not say whether one lies in the other. */
+/* Random trees are read back exactly: with the steps that the clock really has, and four levels, since tenths of
+ * nanoseconds tell no more levels apart (prof_trace.h). Zones that have children are longer than 0, since a file does
+ * not say which of two zones of length 0 at the same time lies in the other. */
 static void random_trees_read_back(void **state)
 {
 	(void)state;
@@ -719,9 +721,9 @@ static int write_chrome(const stilb_prof_snapshot *snapshot, stilb_prof_sink sin
 static writer *const writers[] = {write_chrome, stilb_prof_trace_write_folded, stilb_prof_trace_write_frames_csv};
 
 typedef struct full_disk {
-	int room; /* calls that succeed */
+	int room; /* number of calls of write that still succeed */
 	int after_error;
-	size_t longest; /* piece */
+	size_t longest; /* bytes of the longest piece written */
 } full_disk;
 
 static int full_disk_write(void *user, const void *data, size_t size)
@@ -853,7 +855,7 @@ static void write_text(const char *path, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* The first bytes; the next call overwrites them. */
+/* Reads the first bytes of a file into a static buffer, which the next call overwrites. */
 static const char *read_text(const char *path)
 {
 	static char text[64];
@@ -942,7 +944,8 @@ static void bad_places_are_refused(void **state)
 	assert_int_equal(count_files(), 1);
 }
 
-/* A node of our own: should the code be wrong, root would replace the real one. */
+/* Writes to a device node that the test makes, like /dev/full: if the code were wrong, root would replace the real
+ * one. */
 static void a_full_device_is_an_error(void **state)
 {
 	(void)state;
@@ -991,7 +994,7 @@ int __wrap_fsync(int file)
 	return __real_fsync(file);
 }
 
-static char temporary_seen[NAME_MAX + 1]; /* what a writer found beside its target */
+static char temporary_seen[NAME_MAX + 1]; /* name of the temporary file that a writer found in its target's folder */
 
 static void see_temporary(void)
 {
@@ -1003,7 +1006,7 @@ static void see_temporary(void)
 	closedir(all);
 }
 
-/* Named after the file, and the folder is synced behind the rename. */
+/* The temporary file is named after the target and lies in its folder, which is synced after the rename. */
 static void a_file_is_written_beside_its_place(void **state)
 {
 	(void)state;
@@ -1022,7 +1025,7 @@ static void a_file_is_written_beside_its_place(void **state)
 	assert_int_equal(count_files(), 1);
 }
 
-/* Two of one process, as a capture and a crash might. */
+/* Two writers in one process, as a capture and a crash may be, write the same file at the same time. */
 static void two_write_the_same_file(void **state)
 {
 	(void)state;
@@ -1039,8 +1042,9 @@ static void two_write_the_same_file(void **state)
 	assert_int_equal(count_files(), 1);
 }
 
-/* A process that is killed in the middle leaves its file there, and the next file of that name removes it; not before,
- * not that of another name, nor anything else that is called nearly so. */
+/* A process that is killed while it writes leaves its temporary file; the next writer of the same target removes it. It
+ * removes neither the temporary file of a process that lives, nor that of another target, nor a file with a similar
+ * name. */
 static void what_a_killed_process_left_is_removed(void **state)
 {
 	(void)state;
@@ -1065,7 +1069,7 @@ static void what_a_killed_process_left_is_removed(void **state)
 		write_text(others[i], "");
 	assert_int_equal(mkfifo("t.json.3.tmp", 0600), 0);
 	assert_int_equal(stilb_prof_trace_save(&made, NULL, "t.json"), 0);
-	assert_int_equal(stat(left, &info), 0); /* it is being written */
+	assert_int_equal(stat(left, &info), 0); /* not removed while it is being written */
 	assert_int_equal(kill(child, SIGKILL), 0);
 	assert_int_equal(waitpid(child, &status, 0), child);
 	write_text("t.json.99-7.tmp", "");

@@ -78,7 +78,7 @@ static void sites_are_made_once(void **state)
 	char name[] = "made";
 	const stilb_prof_site *site = stilb_prof_site_make(name, 0xff0000), *found = NULL;
 	name[0] = 'f';
-	assert_string_equal(site->name, "made"); /* a copy */
+	assert_string_equal(site->name, "made"); /* stilb_prof_site_make has copied the name */
 	assert_int_equal(site->color, 0xff0000);
 	assert_ptr_equal(stilb_prof_site_make("made", 0xff0000), site);
 	assert_ptr_not_equal(stilb_prof_site_make("made", 0x00ff00), site);
@@ -88,7 +88,7 @@ static void sites_are_made_once(void **state)
 	assert_ptr_equal(last_record().site, site);
 }
 
-/* Threads make the same names at once; then more than there is room for. */
+/* Several threads make sites of the same names at the same time; then of more names than there is room for. */
 static void *make_many(void *sites)
 {
 	for (int i = 0; i < 100; i++) {
@@ -218,7 +218,8 @@ static void begin_and_end(void **state)
 	assert_int_equal(stilb_prof_thread_ring->depth, 0);
 }
 
-/* A scope's end also ends what was begun in it: no zone of its own for that, and the depth is right again. */
+/* The end of a PROFILE scope also closes zones that were begun in it and not ended: they give no events, and the depth
+ * is right again. */
 static void a_missing_end_is_healed(void **state)
 {
 	(void)state;
@@ -294,7 +295,8 @@ static void open_zones_are_seen(void **state)
 	assert_records("done inner instead outer");
 }
 
-/* Ends and steps without a zone make no ring; what is left open when the ring goes is dropped. */
+/* PROFILE_END and PROFILE_NEXT without an open zone make no ring; a zone that is open when its thread gives up its ring
+ * is dropped. */
 static void without_a_ring_nothing_ends(void **state)
 {
 	(void)state;
@@ -313,7 +315,7 @@ static void without_a_ring_nothing_ends(void **state)
 	assert_records("again");
 }
 
-/* A zone that began while nothing was recorded is not taken for one of the ring that came meanwhile. */
+/* A scope that began while recording was off, and ends after the thread got a ring, records nothing. */
 static void a_zone_older_than_its_ring_is_dropped(void **state)
 {
 	(void)state;
@@ -424,7 +426,7 @@ static void off_records_nothing(void **state)
 	assert_int_equal(evaluated, 1);
 }
 
-/* An end belongs to a begin that was not recorded: it must not end a zone that was. */
+/* The end of a zone whose begin was not recorded must not end another zone, whose begin was. */
 static void ends_are_not_mistaken(void **state)
 {
 	(void)state;
@@ -442,7 +444,7 @@ static void ends_are_not_mistaken(void **state)
 	assert_records("whole");
 	PROFILE_BEGIN("open");
 	stilb_prof_record_set(false);
-	assert_records("whole"); /* nothing is open while it is off */
+	assert_records("whole"); /* while recording is off, no zone is open */
 	PROFILE_END();
 	stilb_prof_record_set(true);
 	assert_records("whole");
@@ -527,7 +529,7 @@ static void flows_go_from_thread_to_thread(void **state)
 	(void)state;
 	pthread_t thread;
 	prof_copy copy = {0};
-	for (int i = 0; i < 70000; i++) /* more than the 16 bits in the number */
+	for (int i = 0; i < 70000; i++) /* more frames than the 16 bits in a flow's id can number */
 		stilb_prof_frame_mark();
 	job j = {0};
 	{
@@ -551,14 +553,14 @@ static void flows_go_from_thread_to_thread(void **state)
 	assert_int_equal(to.depth, 1);
 	assert_in_range(to.begin, from.begin, prof_clock_now());
 	assert_int_equal(prof_flow_frame(j.id, 69999), 69999);
-	assert_int_equal(prof_flow_frame(j.id, 70500), 69999); /* seen later */
+	assert_int_equal(prof_flow_frame(j.id, 70500), 69999); /* also when 500 more frames have begun */
 	prof_copy_free(&copy);
 }
 
 static void flows_have_numbers_of_their_own(void **state)
 {
 	(void)state;
-	enum { COUNT = 3 << 20 }; /* the sequence comes round twice */
+	enum { COUNT = 3 << 20 }; /* the 20-bit sequence number in the ids comes round twice */
 	stilb_prof_frame_mark();
 	uint64_t last = 0;
 	for (int i = 0; i < COUNT; i++) {
@@ -620,13 +622,13 @@ static void lanes_hold_zones_timed_elsewhere(void **state)
 	assert_int_equal(frame.end, now);
 	assert_int_equal(odd.end, odd.begin);
 	assert_int_equal(stilb_prof_lane_create("GPU", &again), 0);
-	assert_ptr_equal(again, lane); /* and goes on in the same lane */
+	assert_ptr_equal(again, lane); /* a new lane of that name takes over the ring of the old one */
 	assert_int_equal(stilb_prof_lane_create("main", &lane), 0);
 	assert_ptr_not_equal(lane, again);
 	prof_copy_free(&copy);
 }
 
-/* A thread does not go on in a device's ring, nor a device in a thread's: their times are not the same. */
+/* A thread does not take over a device's ring, nor a device a thread's: their times are on different clocks. */
 static void lanes_and_threads_do_not_mix(void **state)
 {
 	(void)state;
@@ -668,7 +670,7 @@ static void threads_have_names_and_numbers(void **state)
 	assert_in_range(copy.lanes[1].ended_ns, copy.lanes[1].begun_ns, between);
 	assert_in_range(copy.lanes[2].begun_ns, between, stilb_prof_clock_monotonic());
 	assert_int_equal(copy.lanes[2].ended_ns, 0);
-	stilb_prof_thread_end(); /* and when the ring is taken again */
+	stilb_prof_thread_end(); /* the same when the ring is taken over */
 	assert_int_equal(stilb_prof_thread_begin(name), 0);
 	uint64_t again = copy.lanes[2].begun_ns;
 	assert_int_equal(prof_copy_take(&copy, NULL), 0);

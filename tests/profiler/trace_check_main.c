@@ -1,4 +1,5 @@
-/* trace_check FILE: exit 0 and the counts when the trace keeps every rule, else exit 1 and the first that is broken. */
+/* trace_check FILE: if the trace keeps every rule of trace_check.h, prints its counts and exits with 0; else prints the
+ * first rule that is broken and exits with 1. */
 #include "support/trace_check.h"
 
 #include <inttypes.h>

@@ -22,7 +22,8 @@ typedef struct thread {
 	int line;
 } thread;
 
-/* The part of a state besides the stacks and the scenario's data. */
+/* The checker saves and restores states of the program under test. This is the part of a state besides the threads'
+ * stacks and the scenario's data. */
 static struct world {
 	thread threads[THREADS_MAX];
 	uint32_t count;
@@ -255,7 +256,7 @@ uint32_t model_heap_blocks(void)
 
 /* ---- states -------------------------------------------------------------------------------------------------- */
 
-typedef struct frame { /* a state on the path from the start to the current one */
+typedef struct frame { /* a state on the path from the first state to the current one */
 	char *saved;
 	uint32_t state;
 	uint32_t next; /* the thread to try next; from world.count on: the thread to stop next */
@@ -267,7 +268,7 @@ typedef struct edge {
 } edge;
 
 typedef struct seen {
-	uint64_t key; /* 0: a free place */
+	uint64_t key; /* hash of the state; 0: a free place */
 	uint32_t state;
 } seen;
 
@@ -276,7 +277,7 @@ static struct search {
 	seen *table;       /* hash table, at most half full; it grows with the states, so that few pages are touched */
 	size_t table_size; /* a power of two */
 	uint32_t states;
-	char *ends_well; /* for each state: the end can be reached from it */
+	char *ends_well; /* for each state: true if the end of the run can be reached from it */
 	edge *edges;
 	size_t edge_count, edge_space;
 	frame *path;

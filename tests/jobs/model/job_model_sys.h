@@ -4,7 +4,7 @@
  */
 #include "job_model.h"
 
-/* Without the owners and holders that builds with asserts record, since recording them takes steps. */
+/* NDEBUG leaves out the owners and holders that builds with asserts record: recording them would add steps. */
 #ifndef NDEBUG
 #define NDEBUG
 #endif
@@ -28,7 +28,7 @@
 #define job_sys_ticks_in(nanoseconds) model_spin_ticks
 #define JOB_LOCK_YIELDS 0
 #define job_sys_futex_wait model_futex_wait
-/* Waits without a timeout. */
+/* A futex wait without its timeout, since no time passes in the model. */
 #define job_sys_futex_wait_for(word, expected, nanoseconds) ((void)(nanoseconds), model_futex_wait(word, expected))
 #define job_sys_futex_wake_one model_futex_wake_one
 #define job_sys_nap(nanoseconds) ((void)0)

@@ -8,7 +8,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Small cache lines keep states small. */
+/* A smaller JOB_LINE (distance between data of different threads), so that the states that the checker saves are
+ * small. */
 #define STILB_JOB_LINE_H
 #define JOB_LINE 16
 #define JOB_RECORD_LIST 2
@@ -32,7 +33,7 @@
 #include "jobs/job_wait.c"
 #include "jobs/job_work.c"
 
-/* No spinning: a spin is a number of looks for work, and the sources look again before they sleep anyway. */
+/* No spinning: a spin only looks for work some times more, and the sources look again before they sleep anyway. */
 #undef job_sys_ticks_in
 #define job_sys_ticks_in(nanoseconds) UINT64_C(0)
 #include "jobs/job_pool.c"
@@ -143,7 +144,8 @@ static struct shared {
 	stilb_job_group group, first;
 } shared;
 
-/* Parameters of a run, and what workers did over all interleavings; not part of the state. */
+/* Parameters of a scenario, and what workers did in all interleavings together: the checker does not save and restore
+ * this when it goes back to an earlier state. */
 static struct {
 	uint32_t workers, jobs;
 } with;
@@ -153,7 +155,7 @@ static void count_run(void *data, uint32_t worker)
 {
 	(void)data;
 	(*(worker ? &worker_runs : &owner_runs))++;
-	shared.ran++; /* not interrupted, since it lies between two steps */
+	shared.ran++; /* atomic here, since the checker changes threads only at operations of job_model.h */
 }
 
 static void add(stilb_job_fn *fn, stilb_job_group *group, uint32_t worker)
@@ -242,7 +244,7 @@ static void cancel_main(void)
 	add(count_run, &shared.group, 0);
 	stilb_job_pool_cancel(shared.pool);
 	stilb_job_wait(shared.pool, &shared.group, 0);
-	shared.ran = with.jobs; /* whether they ran or not */
+	shared.ran = with.jobs; /* as the check at the end of the run wants; after a cancel fewer may have run */
 	end();
 }
 

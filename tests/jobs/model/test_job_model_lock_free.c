@@ -34,13 +34,13 @@ static struct shared {
 	bool over; /* a pop has reported closed and empty, which must be final */
 } shared;
 
-/* Parameters of a run; not part of the state. */
+/* Parameters of a scenario, constant while the checker runs it: so it need not save and restore them. */
 static struct {
 	uint32_t producers, consumers, each;
 	uint32_t before; /* items pushed before the other threads exist, */
 	uint32_t left;   /* and how many of them are left then */
 	uint32_t rounds; /* of a thread that alternates push and pop, instead of producers and consumers */
-	uint32_t guests; /* threads besides it that push or pop one item and rest, `visits` times */
+	uint32_t guests; /* further threads that push or pop one item and rest, `visits` times */
 	uint32_t visits;
 	bool visit_pushes;
 	uint32_t stops; /* one of the threads may stop for ever */
@@ -71,7 +71,7 @@ static void note_moment(void)
 	for (uint32_t i = 0; i < THREADS; i++) {
 		if (shared.in_pop[i] && surely - count_but(shared.in_pop, i) <= 0)
 			shared.may_be_empty[i] = true;
-		/* without the item that thread i itself is pushing */
+		/* at_most - 1: without the item that thread i itself is pushing */
 		if (shared.in_push[i] && at_most - 1 >= (int32_t)with.capacity)
 			shared.may_be_full[i] = true;
 	}
@@ -125,7 +125,7 @@ static int pop(uint32_t thread)
 		fail_unless(!(shared.popped >> item & 1), "an item seen twice");
 		check_order(thread, item);
 		shared.popped |= 1u << item;
-		shared.older[item] = 0; /* merges states */
+		shared.older[item] = 0; /* not needed any more; states that differ only in it become one */
 	} else {
 		fail_unless(shared.may_be_empty[thread], "found nothing, though never empty");
 	}

@@ -21,7 +21,7 @@ static void model_lock_take(job_lock *lock)
 		model_step(&lock->held, "take", __LINE__);
 		return;
 	}
-	model_block_until((const uint32_t *)&lock->held, 0); /* one step, enabled when the lock is free */
+	model_block_until((const uint32_t *)&lock->held, 0); /* one step, which can be made when the lock is free */
 	lock->held = 1;
 }
 
@@ -59,7 +59,7 @@ static struct shared {
 	uint32_t last[4][4]; /* per consumer and producer: the last item popped */
 } shared;
 
-/* Parameters of a run; not part of the state. */
+/* Parameters of a scenario, constant while the checker runs it: so it need not save and restore them. */
 static struct {
 	uint32_t producers, consumers, each, batch;
 	uint32_t before; /* items that the first thread pushes before the others exist */
@@ -74,8 +74,7 @@ static void fail_unless(bool condition, const char *why)
 		model_fail(why);
 }
 
-/* ---- possible results of a call
- * ------------------------------------------------------------------------------------ */
+/* ---- possible results of a call ------------------------------------------------------------------------------- */
 
 static int32_t sum_but(const int32_t *of, uint32_t thread)
 {
@@ -359,7 +358,7 @@ static void test_every_interleaving(void **state)
 	assert_int_equal(failed, must_fail);
 }
 
-/* Faults of the checker's own operations. */
+/* The checker's own operations are broken on purpose (model_fault): it must find that, too. */
 static void test_faults_are_found(void **state)
 {
 	(void)state;

@@ -24,7 +24,7 @@ static struct shared {
 	uint32_t consumer_done;
 } shared;
 
-/* Parameters of a run; not part of the state. */
+/* Parameters of a scenario, constant while the checker runs it: so it need not save and restore them with `shared`. */
 static uintptr_t item_count;
 static bool must_fail;
 
