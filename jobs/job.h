@@ -191,7 +191,8 @@ int stilb_job_submit_array(stilb_job_pool *pool, uint32_t count, uint32_t grain,
                            stilb_job_group *group, uint32_t worker);
 
 /* Runs the jobs that are pinned to the calling thread at the moment of the call and returns their number. Waits, loops
- * and idle workers run pinned jobs by themselves; this call is for an owner that does neither. [pool-thread] */
+ * and idle workers run pinned jobs by themselves; this call is for an owner that neither waits nor runs loops.
+ * [pool-thread] */
 uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker);
 
 /* Returns when every job of group has finished; everything these jobs wrote is then visible to the caller. Meanwhile

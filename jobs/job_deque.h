@@ -80,7 +80,7 @@ static inline int job_deque_push(job_deque *deque, job_record *record)
 static inline job_record *job_deque_newest(job_deque *deque)
 {
 	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
-	/* Relaxed: top only grows, so once it has reached bottom the deque is empty. */
+	/* Relaxed: top only grows, so even if this value is old, the deque is empty once it has reached bottom. */
 	if (atomic_load_explicit(&deque->top, memory_order_relaxed) >= bottom)
 		return NULL;
 	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed);

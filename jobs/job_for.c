@@ -32,7 +32,8 @@ static bool loop_claim(job_loop *loop, const job_scope *scope, uint32_t threads,
 	/* Acquire pairs with the release in loop_open: the fields, and all that the caller wrote before. */
 	uint64_t claim = atomic_load_explicit(&loop->claim, memory_order_acquire);
 	while ((uint32_t)claim > 0) {
-		/* Relaxed: these fields are used only if the exchange of claim below succeeds (see job_loop). */
+		/* Relaxed: the fields are known to be valid if the exchange of claim below succeeds (see job_loop). If root or
+		 * level are those of another use of the loop, at worst this use gets no help from the calling thread. */
 		out->root = atomic_load_explicit(&loop->root, memory_order_relaxed);
 		out->level = atomic_load_explicit(&loop->level, memory_order_relaxed);
 		if (!scope->all && (out->root != scope->root || out->level <= scope->level))
