@@ -10,7 +10,7 @@
 #define CULL_OCTREE_SHARE 0.25   /* share of visible models up to which the octree is the faster method */
 #define CULL_GATHER_GRAIN 16u    /* chunks that one job gathers: some microseconds of work */
 #define CULL_EXPAND_GRAIN 8u     /* chunks that one job turns into ids */
-#define CULL_EXTENT_LIMIT 0x1p58 /* metres; centres beyond it do not count for the root's size */
+#define CULL_EXTENT_LIMIT 0x1p58 /* metres; centres beyond it do not make the root cell larger */
 
 /* ---- building ------------------------------------------------------------------------------------------------- */
 
@@ -69,7 +69,7 @@ stilb_cull_octree_desc cull_desc_for_scene(const stilb_scene *scene)
 	}
 	uint32_t depth = cull_depth_for(&extent, size, scene->model_count);
 	/* The root's low corner lies an eighth of a cell below the scene's, so that a flat scene fills one layer of cells.
-	 * If the centres coincided it would lie across two layers, each half as full. */
+	 * If root and scene had the same centre, such a scene would lie across two layers, each half as full. */
 	double slack = size / (double)(1u << depth) * 0.125;
 	double half = size * 0.5 + slack;
 	STILB_ASSERT(depth <= CULL_MAX_DEPTH && isfinite(half) && half >= 0.5);
@@ -107,7 +107,8 @@ stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **out)
 	return STILB_OK;
 }
 
-/* Around a call that no other thread may make at the same time. */
+/* cull_enter and cull_leave stand around a call that no other thread may make at the same time: enter asserts that no
+ * other thread is inside. */
 static void cull_enter(stilb_cull *cull)
 {
 	STILB_ASSERT_OWNER(cull->caller);
@@ -154,7 +155,7 @@ void stilb_cull_visible_finish(stilb_cull_visible *visible)
 	*visible = (stilb_cull_visible){0};
 }
 
-/* Chunks of a scene. */
+/* Number of chunks of a scene: CULL_CHUNK models each, the last one fewer. */
 static uint32_t cull_chunk_total(uint32_t model_count)
 {
 	return (model_count + CULL_CHUNK - 1) / CULL_CHUNK;
@@ -219,7 +220,7 @@ typedef struct cull_run {
 	uint32_t worker;
 } cull_run;
 
-/* Models of one chunk. */
+/* Number of models in a chunk. */
 static uint32_t cull_chunk_size(uint32_t chunk, uint32_t model_count)
 {
 	STILB_ASSERT(chunk < cull_chunk_total(model_count));
@@ -232,8 +233,8 @@ static cull_spheres cull_spheres_from(cull_spheres spheres, uint32_t first)
 	return (cull_spheres){spheres.x + first, spheres.y + first, spheres.z + first, spheres.radius + first};
 }
 
-/* Marks the visible objects of items begin .. end - 1 of the octree. Each thread has its own set of bits, because the
- * models of one word lie in many cells. */
+/* Marks the visible objects of items begin .. end - 1 of the octree. Each thread has its own set of bits: models whose
+ * bits share a word lie in many cells, so two threads could otherwise write the same word. */
 static void cull_job_items(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	PROFILE("cull.cells");
@@ -348,7 +349,7 @@ static stilb_result cull_run_octree(cull_run *run)
 		visible->count = run->cull->kernels->expand(visible->bits, lines * CULL_BITS_WORDS, 0, visible->ids);
 		return STILB_OK;
 	}
-	/* So many items hold about a chunk of objects. */
+	/* One job marks so many items: together they hold about CULL_CHUNK objects. */
 	uint32_t grain = (uint32_t)((uint64_t)walk.item_count * CULL_CHUNK / (objects + 1));
 	stilb_job_parallel_for(run->pool, walk.item_count, grain, cull_job_items, run, run->worker);
 	cull_run_chunks(run, CULL_GATHER_GRAIN, cull_job_gather);

@@ -4,11 +4,12 @@
  * Definition.  A sphere is visible if for all six planes of the view, evaluated in float in this order,
  *                  ((x * px + y * py) + z * pz) + distance >= -radius
  *              A NaN anywhere in a sphere makes it invisible; an infinite radius makes it visible from everywhere.
- * Methods.     All return the same set, bit for bit. `octree` walks a loose octree (k = 2), sixteen cells at a time,
- *              and skips planes that a cell is wholly inside of. `flat` tests every sphere. `auto` takes the octree if
+ * Methods.     All return the same set, bit for bit. `octree` walks a tree of cubic cells, sixteen at a time, and does
+ *              not test planes that a cell is wholly inside of. `flat` tests every sphere. `auto` takes the octree if
  *              the view sees all of it or the last run saw at most a quarter of the models, else flat.
- *              Source: Thatcher Ulrich, "Loose Octrees", Game Programming Gems, 2000. A cell of side s holds objects
- *              that reach up to s / 2 beyond its faces, so an object's size and centre alone determine its cell.
+ *              The octree is loose: a cell of side s holds objects whose centres lie in it and that reach up to s / 2
+ *              beyond its faces, so an object's size and centre alone determine its cell. Source: Thatcher Ulrich,
+ *              "Loose Octrees", Game Programming Gems, 2000, with his k = 2.
  * Code.        AVX-512, AVX2 or plain C, the widest that the CPU has, or the one that STILB_ISA names (stilb_cpu_isa).
  * Life cycle.  stilb_cull_create -> frames -> stilb_cull_destroy, and stilb_cull_visible_finish for each view.
  * Per frame.   stilb_cull_move once for all models that moved, then stilb_cull_run for each view.
@@ -58,7 +59,7 @@ typedef struct stilb_cull_visible {
 	uint32_t capacity;        /* models, a multiple of 4096 */
 	uint32_t set_count;       /* sets of bits: one for each thread of the pool */
 	uint64_t *bits;           /* scratch: [set_count][capacity / 64], one bit a model; all zero between runs */
-	uint32_t *chunk_count;    /* scratch: [capacity / 4096] */
+	uint32_t *chunk_count;    /* scratch: [capacity / 4096] visible models in each 4096 */
 } stilb_cull_visible;
 
 /* Builds the octree over all models of the scene. Its depth is chosen so that a cell holds some 64 to 256 models where

@@ -22,7 +22,7 @@ INLINE void avx2_load_planes(avx2_planes *out, const stilb_plane *planes, uint32
 	}
 }
 
-/* A mask of the visible ones among spheres at .. at + 7. */
+/* A mask of which of the spheres at .. at + 7 are visible: bit i is sphere at + i. */
 INLINE uint32_t avx2_test(cull_spheres spheres, uint32_t at, const avx2_planes *planes, uint32_t plane_count)
 {
 	__m256 x = _mm256_loadu_ps(spheres.x + at), y = _mm256_loadu_ps(spheres.y + at);

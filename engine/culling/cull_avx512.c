@@ -53,7 +53,7 @@ INLINE void avx512_load_lanes(avx512_spheres *out, cull_spheres spheres, uint32_
 	out->radius = _mm512_maskz_loadu_ps((__mmask16)lanes, spheres.radius + at);
 }
 
-/* A mask of the visible ones among the lanes of the mask. */
+/* A mask of which spheres are visible, a bit for each lane; lanes outside the mask `lanes` are 0. */
 INLINE uint32_t avx512_test(const avx512_spheres *spheres, uint32_t lanes, const avx512_planes *planes,
                             uint32_t plane_count)
 {
@@ -194,7 +194,8 @@ INLINE uint32_t avx512_expand_word(uint64_t set, uint32_t first_id, uint32_t *id
 	return count;
 }
 
-/* Words that are not zero, and the id of the first bit of each. */
+/* Words of bits that are not zero, and the id that the first bit of each stands for; eight more, because collecting
+ * stores eight at a time. */
 typedef struct avx512_words {
 	uint64_t word[AVX512_PIECE + 8];
 	uint32_t first[AVX512_PIECE + 8];

@@ -6,7 +6,7 @@
 typedef struct cull_check {
 	const stilb_cull_octree *octree;
 	const char *wrong; /* the first fault, or NULL */
-	uint32_t families; /* found in the tree */
+	uint32_t families; /* families of eight siblings found in the tree, the root's included */
 } cull_check;
 
 static void cull_check_that(cull_check *check, bool right, const char *wrong)

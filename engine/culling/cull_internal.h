@@ -1,4 +1,5 @@
-/* The octree's structure, the work list of a view, and what stilb_cull holds: for this folder and its tests. */
+/* The loose octree (a tree of cubes; every object is stored in the one whose size fits it, see cull.h), the list of
+ * cells that a view must look into, and what stilb_cull holds. For this folder and its tests. */
 #ifndef STILB_CULL_INTERNAL_H
 #define STILB_CULL_INTERNAL_H
 
@@ -37,7 +38,7 @@ typedef struct cull_cell {
 	cull_cell_name name;
 } cull_cell;
 
-/* The place of an object. */
+/* Where an object is stored: the index of its cell plus one, and its index in that cell's arrays. */
 typedef struct cull_place {
 	uint32_t cell_plus_one; /* 0: not in the tree */
 	uint32_t slot;
@@ -70,8 +71,8 @@ struct stilb_cull_octree {
 	uint32_t max_depth;
 
 	cull_cell *cells; /* [cell_count], of which 8 * family_count are in the tree */
-	float *reach;     /* [cell_count] upper bound of the radii in the cell and below it; the root's own objects do not
-	                     count. -infinity for vacant cells, so that every plane rejects them */
+	float *reach;     /* [cell_count] upper bound of the radii in the cell and below it, without the root's own objects;
+	                     -infinity for vacant cells, so that every plane rejects them */
 	uint32_t cell_count, cell_capacity, family_count;
 	uint32_t free_family; /* first cell of the first free family, or CULL_NONE */
 
@@ -94,8 +95,8 @@ struct stilb_cull {
 	stilb_owner caller;    /* the thread inside a [one-writer] call; nobody between calls */
 };
 
-/* Moves an array of count elements to new memory for `capacity` elements and frees the old one. NULL: no memory, array
- * is as before. */
+/* Moves an array of count elements, `element` bytes each, to new memory for `capacity` elements, and frees the old one.
+ * NULL: no memory, the array is as before. */
 void *cull_grow(void *array, size_t count, size_t capacity, size_t element);
 
 /* The cell for these bounds: the smallest whose loose bounds hold every sphere of that radius with its centre in the

@@ -26,7 +26,8 @@ typedef struct cull_spheres {
 } cull_spheres;
 
 /* Constants of one depth, for each plane and each of eight siblings: the greatest (high) and the least (low) signed
- * distance in the sibling's box minus that of the parent's centre, widened by a margin for rounding. */
+ * distance from the plane of a point in the sibling's cell, minus the distance of the parent's centre, and widened by a
+ * margin for rounding. */
 typedef struct cull_level {
 	_Alignas(64) double high[CULL_PLANES][CULL_CHILDREN];
 	double low[CULL_PLANES][CULL_CHILDREN];
@@ -34,7 +35,7 @@ typedef struct cull_level {
 
 /* Sixteen cells of one depth: two families of siblings. The second may repeat the first. */
 typedef struct cull_sixteen {
-	const double *center[2]; /* in: [CULL_PLANES] signed distances of the parents' centres */
+	const double *center[2]; /* in: [CULL_PLANES] signed distances of the parents' centres from the planes */
 	const float *reach[2];   /* in: [CULL_CHILDREN] see stilb_cull_octree.reach */
 	uint16_t rejected;       /* out, a bit for each cell: wholly outside a plane */
 	uint16_t
@@ -52,8 +53,8 @@ typedef struct cull_kernels {
 	void (*test)(cull_spheres spheres, uint32_t count, const stilb_frustum *frustum, uint32_t planes, uint64_t *bits);
 	/* Tests sixteen cells against the planes of the mask. */
 	void (*sixteen)(cull_sixteen *cells, const cull_level *level, uint32_t planes);
-	/* bits is the first of count sets that lie `stride` words apart: ors the others into the first, clears them, and
-	 * returns the number of bits set in the first. words of each set; a multiple of CULL_BITS_WORDS. */
+	/* bits is the first of count sets of `words` words each, `stride` words apart: ors the others into the first,
+	 * clears them, and returns the number of bits set in the first. words is a multiple of CULL_BITS_WORDS. */
 	uint32_t (*gather)(uint64_t *bits, size_t stride, uint32_t count, uint32_t words);
 	/* Writes first_id + i for every bit i that is set, ascending, clears the bits, and returns their number. Writes up
 	 * to CULL_SLACK elements beyond them. words is a multiple of CULL_BITS_WORDS. */

@@ -1,11 +1,12 @@
-/* The loose octree: its cells, the objects in them, and the table from an id to its place. */
+/* The loose octree (cull.h): a tree of cubic cells, the objects stored in each cell, and the table that gives for an
+ * object's id its cell and its index there (cull_place). */
 #include "culling/cull_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define CULL_ROOT_LIMIT 0x1p60 /* metres; keeps every sum of a float test far from overflow */
+#define CULL_ROOT_LIMIT 0x1p60 /* metres from the origin; keeps the sums of the float tests from overflow */
 #define CULL_FIRST_OBJECTS CULL_WIDTH
 #define CULL_FIRST_CELLS 64u
 
@@ -68,7 +69,7 @@ static bool cull_name_equal(cull_cell_name a, cull_cell_name b)
 	       a.position[2] == b.position[2];
 }
 
-/* Of the cells on the path from the root to `name`: the number of the one at `depth` among its siblings. */
+/* On the path from the root to the cell `name`: which of its parent's eight children, 0..7, the cell at `depth` is. */
 static uint32_t cull_octant(cull_cell_name name, uint32_t depth)
 {
 	STILB_ASSERT(depth >= 1 && depth <= name.depth);
@@ -79,7 +80,7 @@ static uint32_t cull_octant(cull_cell_name name, uint32_t depth)
 
 /* ---- cells ---------------------------------------------------------------------------------------------------- */
 
-/* Makes space for another family. False: no memory. */
+/* Makes space for another family, which is eight sibling cells. False: no memory. */
 static bool cull_cells_reserve(stilb_cull_octree *octree)
 {
 	if (octree->cell_count < octree->cell_capacity)
@@ -231,8 +232,8 @@ static void cull_cell_store(cull_cell *cell, uint32_t slot, stilb_sphere bounds)
 	cell->radius[slot] = bounds.radius;
 }
 
-/* Raises the reach of a cell and of all cells above it to at least radius. The root's own objects do not count: they
- * are always tested one by one, and may have any radius. */
+/* Raises the reach of a cell and of all cells above it to at least radius. The root's own objects are left out of its
+ * reach: they are always tested one by one, and may have any radius. */
 static void cull_octree_widen(stilb_cull_octree *octree, uint32_t index, float radius)
 {
 	if (index == CULL_ROOT)
@@ -270,7 +271,7 @@ static void cull_octree_add(stilb_cull_octree *octree, uint32_t index, uint32_t 
 	cull_octree_count(octree, index, 1);
 }
 
-/* Empties a slot: the cell's last object moves into it. */
+/* Takes an object out of its cell: the cell's last object moves into its slot. */
 static void cull_octree_take_out(stilb_cull_octree *octree, cull_place place)
 {
 	uint32_t index = place.cell_plus_one - 1;

@@ -51,7 +51,8 @@ static inline uint32_t scalar_gather(uint64_t *bits, size_t stride, uint32_t cou
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "two ids are written as one number");
 
 /* Writes the positions of the two lowest bits of *set, each plus an id (`first` holds that id in both halves), and
- * clears them in *set. If there are fewer than two bits the rest of what it writes is meaningless. */
+ * clears them in *set. It always writes two ids; where *set has fewer bits, what stands for the missing ones is not an
+ * id and is to be overwritten or ignored. */
 static inline void scalar_write_two(uint64_t *set, uint64_t first, uint32_t *ids)
 {
 	uint64_t low = (uint64_t)__builtin_ctzll(*set | 1ull << 63), rest = *set & (*set - 1);
@@ -60,9 +61,9 @@ static inline void scalar_write_two(uint64_t *set, uint64_t first, uint32_t *ids
 	*set = rest & (rest - 1);
 }
 
-/* Writes first_id plus the position of each bit; returns their number. Most words have few bits when culling rejects
- * much, so ids are always written four at a time: the one remaining branch is well predicted. Source: Langdale and
- * Lemire, "Parsing gigabytes of JSON per second", 2019, section 3.1.1. */
+/* Writes first_id plus the position of each set bit; returns their number. When culling rejects much, most words have
+ * few bits: ids are always written four at a time, so that one branch is left, which is well predicted.
+ * Source: Langdale and Lemire, "Parsing gigabytes of JSON per second", 2019, section 3.1.1. */
 static inline uint32_t scalar_expand_word(uint64_t set, uint32_t first_id, uint32_t *ids)
 {
 	uint32_t count = (uint32_t)__builtin_popcountll(set);

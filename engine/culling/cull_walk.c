@@ -8,27 +8,31 @@
 
 /* Constants of a view's planes, for any cell. */
 typedef struct cull_view {
-	uint32_t certain;                          /* mask of planes without NaN and overflow, which can decide a cell */
-	double center[CULL_PLANES];                /* signed distance of the root's centre */
-	double spread[CULL_PLANES];                /* |nx| + |ny| + |nz|: centre to farthest corner, for a half side of 1 */
-	double margin[CULL_PLANES];                /* bound of all rounding errors */
-	double toward[CULL_PLANES][CULL_CHILDREN]; /* parent's centre to child's, for a half side of 1 of the child */
+	uint32_t certain;           /* mask of planes without NaN and overflow, which can decide a cell */
+	double center[CULL_PLANES]; /* signed distance of the root's centre */
+	/* For a cell of half side 1, measured along the plane's normal n: from its centre to the farthest corner, which is
+	 * |n.x| + |n.y| + |n.z|. */
+	double spread[CULL_PLANES];
+	double margin[CULL_PLANES]; /* bound of all rounding errors of a signed distance */
+	/* The same from the parent's centre to that of each child, signed; the child's half side is 1. */
+	double toward[CULL_PLANES][CULL_CHILDREN];
 } cull_view;
 
 typedef struct cull_walk {
 	stilb_cull_octree *octree;
 	cull_view view;
 	double half;           /* half the side of the cells that `level` is for */
-	uint32_t depth;        /* of these cells; 0: of none */
-	uint32_t family_count; /* reached so far */
+	uint32_t depth;        /* that `level` is for; 0: none yet */
+	uint32_t family_count; /* families (eight siblings) reached so far */
 	cull_walk_result result;
 	cull_level level;
 } cull_walk;
 
 /*
  * To prove: if a cell is rejected or accepted here, the float test of each of its objects gives the same result,
- * rounding included. Centres lie in the cell, a cube with half side h around c, and radii in [0, reach]. So n.centre +
- * distance lies in s - spread .. s + spread with s = n.c + distance and spread = (|nx| + |ny| + |nz|) h.
+ * rounding included. A plane has the normal n and the constant `distance`. The objects' centres lie in the cell, a cube
+ * with half side h around c, and their radii in [0, reach]. So dot(n, centre) + distance lies in s - spread .. s +
+ * spread with s = dot(n, c) + distance and spread = (|n_x| + |n_y| + |n_z|) h.
  *
  * With u = 2^-24 and size = sum of |n_i| (|c_i| + h) + |distance|, the float test is off by at most 4u / (1 - 4u) times
  * size (three products, three additions; Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 3.1).
@@ -38,8 +42,9 @@ typedef struct cull_walk {
  * |c_i| + h is at least |low_i| and at least half a side: that is less than 2^-48 size.
  * The margin's term 2^-120 covers products that underflow, also if the CPU flushes them to zero.
  *
- * reach is added last, because the sign of a rounded sum is the sign of the exact sum. From 2^126 on a float sum could
- * overflow, and planes may hold NaN: such a plane decides no cell, and each object is tested against it.
+ * reach is added last: a sum of two numbers keeps its sign when it is rounded, so this addition cannot falsify the
+ * comparison with 0. From 2^126 on a float sum could overflow, and planes may hold NaN: such a plane decides no cell,
+ * and each object is tested against it.
  */
 static void cull_view_init(cull_view *view, const stilb_cull_octree *octree, const stilb_frustum *frustum)
 {
@@ -83,7 +88,7 @@ bool cull_octree_inside(const stilb_cull_octree *octree, const stilb_frustum *fr
 {
 	cull_view view;
 	uint32_t planes;
-	if (octree->cells[CULL_ROOT].count) /* these objects may lie anywhere */
+	if (octree->cells[CULL_ROOT].count) /* the root's own objects may lie anywhere */
 		return false;
 	cull_view_init(&view, octree, frustum);
 	return cull_view_root(&view, octree, &planes) && !planes;
@@ -133,8 +138,8 @@ static cull_family *cull_walk_add(cull_walk *walk, uint32_t index, uint32_t plan
 	return family;
 }
 
-/* Evaluates the test of sixteen cells for one family, whose first cell is bit `shift`: skips rejected cells, adds the
- * objects of the others, and their children. */
+/* Takes the results of one family from a test of sixteen cells, in which its first cell is bit `shift`: skips rejected
+ * cells, adds the objects of the others to the items, and their children to the families to be tested. */
 static void cull_walk_family(cull_walk *walk, const cull_family *family, const cull_sixteen *cells, uint32_t shift)
 {
 	const cull_view *view = &walk->view;
@@ -213,7 +218,7 @@ stilb_result cull_octree_walk(stilb_cull_octree *octree, const stilb_frustum *fr
 	walk.family_count = 0;
 	walk.result = (cull_walk_result){0};
 	octree->cell_tests = 0;
-	cull_walk_push(&walk, CULL_ROOT, CULL_ALL_PLANES); /* may lie anywhere: always tested */
+	cull_walk_push(&walk, CULL_ROOT, CULL_ALL_PLANES); /* the root's own objects may lie anywhere */
 	cull_view_init(&walk.view, octree, frustum);
 	if (cull_view_root(&walk.view, octree, &planes) && octree->cells[CULL_ROOT].children != CULL_NONE) {
 		cull_family *family = cull_walk_add(&walk, CULL_ROOT, planes);

@@ -142,7 +142,7 @@ stilb_result stilb_render_frame_begin(stilb_render *render)
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(!render_is_recording(render) && "every pass that was begun has ended");
 	/* A frame mostly needs as much memory as the one before: growing now saves overflows to the heap. It may need
-	 * less, so failing to grow here is no error. Relaxed: no job runs that claims. */
+	 * less, so failing to grow here is no error. Relaxed: no thread claims memory now, so `next` does not change. */
 	uint32_t wanted[RENDER_MEMORY_KINDS];
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 		wanted[kind] = atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed);

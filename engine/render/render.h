@@ -89,8 +89,9 @@ typedef enum stilb_render_output {
  * them. Needed only until stilb_render_create returns. */
 typedef struct stilb_render_surface {
 	void *user;
-	const char *const *(*extensions)(void *user, uint32_t *count);    /* names of the instance extensions it needs */
-	int32_t (*create)(void *user, void *instance, uint64_t *surface); /* of a VkInstance; returns a VkResult */
+	const char *const *(*extensions)(void *user, uint32_t *count); /* Vulkan instance extensions that it needs */
+	int32_t (*create)(void *user, void *instance,
+	                  uint64_t *surface); /* a VkSurfaceKHR for a VkInstance; returns a VkResult */
 } stilb_render_surface;
 
 /* Zero-initialised it means: Vulkan, indirect replay, indexed materials, display output, best GPU, no window, samples
@@ -104,7 +105,7 @@ typedef struct stilb_render_desc {
 	const stilb_render_surface *surface; /* NULL: no window; stilb_render_read_image gets the picture */
 	uint32_t width, height;              /* pixels, 1..16384 */
 	uint32_t samples;                    /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
-	uint32_t context_count;              /* workers of the pool + 1, at least 1 */
+	uint32_t context_count;              /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
 	bool validate;                       /* use the Vulkan validation layer, with synchronization checks */
 	bool keep_textures;                  /* keep a copy of all pixels: stilb_render_dump_save needs it */
 	stilb_render_faults faults;
@@ -117,7 +118,7 @@ typedef struct stilb_render_desc {
 stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **render);
 
 /* From now on the calling thread is the main thread of every [main-thread] function of this render: for a program that
- * records and replays on a thread of its own. The one that was must not be in a call. [any-thread] */
+ * records and replays on a thread of its own. The former main thread must not be inside a call. [any-thread] */
 void stilb_render_own(stilb_render *render);
 
 /* Waits for the device, then frees everything: every mesh, texture and material too. Accepts NULL. [main-thread] */
@@ -166,8 +167,8 @@ typedef struct stilb_render_material {
 	uint32_t id;
 } stilb_render_material;
 
-/* The most that can exist at once. Creating into a heap with n holes, left by destroyed meshes, takes time in
- * proportion to n: 0.2 us for 1,000 holes, 5 us for 100,000. */
+/* How many of each can exist at once. All meshes share one array of vertices and one of indices; where destroyed meshes
+ * have left n holes in them, creating a mesh takes time in proportion to n: 0.2 us for 1,000, 5 us for 100,000. */
 #define STILB_RENDER_MAX_MESHES (1u << 20)
 #define STILB_RENDER_MAX_MATERIALS (1u << 24)
 #define STILB_RENDER_MAX_TEXTURES (1u << 12) /* 4095 in fact: index 0 stands for no texture */
@@ -209,7 +210,7 @@ stilb_render_material stilb_render_scene_material(const stilb_render *render, ui
  * are added to the parameters of every material, to try out values; each sum is clamped to the parameter's range. */
 typedef struct stilb_render_shading {
 	uint32_t brdf;      /* SHADE_BRDF_... of shading/shade_brdf.h */
-	uint32_t ndf, g, f; /* SHADE_NDF_..., SHADE_G_..., SHADE_F_...: read if brdf is SHADE_BRDF_MICROFACET */
+	uint32_t ndf, g, f; /* its D, G and F: SHADE_NDF_..., SHADE_G_..., SHADE_F_...; for SHADE_BRDF_MICROFACET alone */
 	uint32_t light;     /* SHADE_LIGHT_... of shading/shade_light.h */
 	float roughness;    /* added, [-1, 1] */
 	float anisotropy;   /* added, [-1, 1] */
@@ -217,8 +218,8 @@ typedef struct stilb_render_shading {
 	float specular;     /* added to all channels, [-1, 1]; then diffuse + specular is limited to one again */
 } stilb_render_shading;
 
-/* Modified Blinn-Phong under the sun, nothing added; for SHADE_BRDF_MICROFACET: GGX, Smith's G for it, Schlick's F.
- * [any-thread] */
+/* Modified Blinn-Phong under the sun, nothing added. Who sets brdf to SHADE_BRDF_MICROFACET gets, unless ndf, g or f
+ * is set too, GGX's distribution of facets, Smith's shadowing term for it and Schlick's Fresnel term. [any-thread] */
 stilb_render_shading stilb_render_shading_default(void);
 
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
@@ -255,8 +256,8 @@ typedef struct stilb_render_pass {
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
-/* Replaces the contexts, for another number of workers; between frames. The last frame's stream hash is lost. On
- * STILB_ERROR_MEMORY everything is as before. [main-thread] */
+/* Replaces the contexts, for another number of workers; between frames. stilb_render_stream_hash of the last frame can
+ * no longer be asked for. On STILB_ERROR_MEMORY everything is as before. [main-thread] */
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
 
 /* Changes the picture's size, 1..16384 pixels a side; between frames. The last picture is lost. STILB_ERROR_MEMORY,
@@ -300,8 +301,8 @@ stilb_result stilb_render_wait(stilb_render *render);
 typedef struct stilb_render_stats {
 	uint64_t draws;
 	uint64_t recorded_bytes;    /* commands, rows and 2D geometry of these draws */
-	uint64_t draw_commands;     /* device commands that draw one thing */
-	uint64_t indirect_commands; /* device commands that draw many: one for each run of equal state */
+	uint64_t draw_commands;     /* device commands that make a single draw */
+	uint64_t indirect_commands; /* device commands that make many: all consecutive draws with the same bindings */
 	uint64_t execute_commands;  /* secondary command buffers executed */
 	uint64_t binds_asked;       /* pipeline, buffers and material of every draw: three a draw */
 	uint64_t binds_sent;        /* of these, the ones that changed and so went to the device */
@@ -341,17 +342,17 @@ stilb_result stilb_render_pass_begin(stilb_render *render, uint32_t pass, uint32
 /* The context of a worker, 0..context_count - 1. Valid until stilb_render_set_context_count. [any-thread] */
 stilb_render_context *stilb_render_context_get(stilb_render *render, uint32_t worker);
 
-/* Between begin and end all draws of this context belong to this segment, on the thread that called begin.
- * [one-writer] */
+/* Begins and ends a segment, which is a numbered part of a pass. In between, all draws of this context belong to it,
+ * and are made by the thread that began it. [one-writer] */
 void stilb_render_segment_begin(stilb_render_context *context, uint32_t pass, uint32_t segment);
 void stilb_render_segment_end(stilb_render_context *context);
 
-/* Records one draw with key 0. transform: model to world, affine (its last row is 0 0 0 1), copied. Without memory
- * pass_end fails. [one-writer] */
+/* Records one draw with the sort key 0. transform: model to world, affine (its last row is 0 0 0 1), copied. If there
+ * is no memory for the draw, stilb_render_pass_end reports it. [one-writer] */
 void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material,
                        const stilb_mat4 *transform);
 
-/* As stilb_render_draw, with the key that passes with .sort go by. [one-writer] */
+/* As stilb_render_draw, with a sort key: a pass with .sort set makes its draws in ascending order of it. [one-writer] */
 void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                                 stilb_render_material material, const stilb_mat4 *transform);
 
@@ -368,9 +369,9 @@ typedef struct stilb_render_vertex_2d {
 	uint8_t color[4];  /* sRGB and straight alpha; interpolated in linear light, premultiplied */
 } stilb_render_vertex_2d;
 
-/* Copies triangles into the frame's memory; each index is below vertex_count. Returns the position of the first index,
- * for stilb_render_draw_2d in this frame. Without memory it returns 0 and pass_end fails. Inside a segment of a 2D
- * pass. [one-writer] */
+/* Copies triangles into the frame's memory; each index is below vertex_count. Returns the place of the first index
+ * among all the frame's 2D indices, for stilb_render_draw_2d in this frame. If there is no memory it returns 0, and
+ * stilb_render_pass_end reports it. Inside a segment of a 2D pass. [one-writer] */
 uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_render_vertex_2d *vertices,
                                   uint32_t vertex_count, const uint32_t *indices, uint32_t index_count);
 

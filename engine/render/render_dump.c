@@ -26,8 +26,8 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 }
 
 /* ---- resources ------------------------------------------------------------------------------------------------------
- * A new renderer gives ids in ascending order. Ids that the file leaves out, because no draw uses them, are taken by
- * the smallest possible resource. */
+ * A new renderer gives out ids in ascending order. For each id that the file leaves out, because no draw uses it, the
+ * smallest possible resource is created, so that the others get the ids of the file. */
 
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
                                    stilb_render_texture *out)

@@ -3,8 +3,8 @@
  *
  * Contents.    The views, the scene passes (2D passes are left out), every draw (mesh, material, key, transform) in the
  *              order and the segments of its recording, and the meshes, materials and textures that the draws use, with
- *              their ids. So the file needs nothing else, and playing it gives the frame's stream hash, which the file
- *              also holds. render_dump_format.h describes the bytes.
+ *              their ids. So the file needs nothing else, and playing it gives the frame's stilb_render_stream_hash,
+ *              which the file also holds. render_dump_format.h describes the bytes.
  * Life cycle.  Saving: stilb_render_dump_save after a frame's replay. Playing: stilb_render_dump_load ->
  *              stilb_render_dump_upload into a new renderer -> frames -> stilb_render_dump_destroy, before or after the
  *              renderer.
@@ -60,8 +60,8 @@ typedef struct stilb_render_dump_info {
 /* [any-thread] */
 stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump);
 
-/* Creates the dump's meshes, textures and materials with the ids of the file, in a renderer that has none yet. The
- * errors of stilb_render_mesh_create and its kind. [main-thread] */
+/* Creates the dump's meshes, textures and materials with the ids of the file, in a renderer that has none yet. Errors
+ * are those of stilb_render_mesh_create, _texture_create and _material_create. [main-thread] */
 stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *render);
 
 /* Records all passes of an uploaded dump, their segments spread over the pool; after stilb_render_frame_begin.
@@ -78,7 +78,7 @@ stilb_result stilb_render_dump_replay(const stilb_render_dump *dump, stilb_rende
  * all of these variants one after the other while the device is idle:
  *
  *   real         the frame as it is: recording, ordering, passes, and in the first rounds submission
- *   few          its passes with as few draws as there are command lists
+ *   few          its passes, with one draw in each command buffer (secondary ones: one for each thread)
  *   plain        its passes, with the bindings of the first draw for all draws
  *   one pipeline its passes, with one pipeline for all draws
  *   split        plain, with an indirect command for every draw (only with indirect replay)

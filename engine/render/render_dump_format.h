@@ -29,7 +29,7 @@
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
 #define RENDER_DUMP_VERSION 2u
-#define RENDER_DUMP_BYTE_ORDER 0x01020304u /* the bytes 4 3 2 1 */
+#define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 16u
 
 typedef struct render_dump_header {
@@ -112,7 +112,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 /* Bytes of a texture's pixels without the padding. The format must be valid and a side at most 16384. */
 uint64_t render_dump_pixel_bytes(const render_dump_texture *texture);
 
-/* bytes with padding: the next multiple of 8. */
+/* A number of bytes with its padding: rounded up to a multiple of 8. */
 static inline uint64_t render_dump_fill(uint64_t bytes)
 {
 	STILB_ASSERT(bytes <= UINT64_MAX - 7);

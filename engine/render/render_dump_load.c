@@ -358,7 +358,8 @@ stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, sti
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-/* Bytes to read in all, as far as the first `size` bytes tell: the header, then the header's file size and one more. */
+/* How many bytes to read, of which `size` have been: first the header, then the size that the header gives and one
+ * more. */
 static uint64_t load_wanted(const uint8_t *bytes, size_t size)
 {
 	render_dump_header header;
@@ -367,7 +368,7 @@ static uint64_t load_wanted(const uint8_t *bytes, size_t size)
 	memcpy(&header, bytes, sizeof header);
 	bool foreign = memcmp(header.magic, RENDER_DUMP_MAGIC, sizeof header.magic) != 0;
 	return foreign || header.file_size == UINT64_MAX ? sizeof header
-	                                                 : header.file_size + 1; /* 1: finds a longer file */
+	                                                 : header.file_size + 1; /* + 1: shows if the file is longer */
 }
 
 /* Reads the bytes of a dump, and one more if there is one. The buffer grows with the bytes read, so a header that

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define MEASURE_MAX_ROUNDS 2001u
-#define MEASURE_LEAST_COMMANDS 16u /* frames that differ by fewer commands do not tell the cost of one */
+#define MEASURE_LEAST_COMMANDS 16u /* two frames must differ by so many commands to tell the cost of one */
 
 typedef enum measure_variant {
 	MEASURE_REAL,
@@ -29,8 +29,8 @@ typedef struct measure_job {
 	stilb_job_pool *pool;
 	uint32_t worker;
 	uint32_t order[STILB_RENDER_MAX_PASSES]; /* indices of the passes in replay order */
-	uint32_t lists;                          /* command lists of a pass: one, or one a worker */
-	render_run *runs;                        /* [draws of the dump]: runs of all streams */
+	uint32_t lists;                          /* command buffers of a pass: 1, or one for each thread */
+	render_run *runs; /* [draws of the dump] runs (draws with the same bindings) of all streams */
 	render_stream streams[STILB_RENDER_MAX_PASSES];
 } measure_job;
 
@@ -83,7 +83,7 @@ static uint32_t measure_runs(const measure_job *job, measure_variant variant, co
 /* Adds a pass's commands to the counts of its frame. */
 static void measure_count(const render_stream *stream, stilb_render_materials materials, measure_frame *frame)
 {
-	uint64_t state = stream->run_count > 0 ? stream->runs[0].state : 0; /* the first bindings count as "begin a pass" */
+	uint64_t state = stream->run_count > 0 ? stream->runs[0].state : 0; /* the first bindings are part of KIND_BEGIN */
 	for (uint32_t r = 0; r < stream->run_count; r++) {
 		uint32_t binds = render_binds_between(materials, state, stream->runs[r].state);
 		frame->material_binds += (binds & RENDER_BIND_MATERIAL) != 0;
@@ -178,7 +178,8 @@ typedef struct measure_round {
 	double ns[STILB_RENDER_DUMP_COSTS], frame;
 } measure_round;
 
-/* Cost of one of the commands that only `with` has, ns; NAN: too few to tell. */
+/* The cost of one command, ns, from two frames that differ only in how many of them they have: count_with and
+ * count_without. NAN: the difference is too small to tell. */
 static double measure_difference(const measure_frame *with, const measure_frame *without, uint64_t count_with,
                                  uint64_t count_without)
 {
@@ -187,8 +188,8 @@ static double measure_difference(const measure_frame *with, const measure_frame 
 	return (with->pass - without->pass) / (double)(count_with - count_without);
 }
 
-/* Cost of a pipeline bind, ns: the real frame has more of them than `one`, and may have more material binds, whose cost
- * is subtracted. NAN: too few to tell. */
+/* Cost of a pipeline bind, ns: the frame `real` has more of them than `one`, the variant with one pipeline; it may have
+ * more material binds too, whose cost is subtracted. NAN: the difference is too small to tell. */
 static double measure_pipeline(const measure_frame *real, const measure_frame *one, double material_ns)
 {
 	uint64_t materials = real->material_binds - one->material_binds;
@@ -296,7 +297,8 @@ static stilb_result measure_rounds(measure_job *job, double seconds, measure_rou
 	return stilb_render_wait(job->render);
 }
 
-/* A frame through the public calls: it uploads new resources, and it finds the order of the passes. */
+/* Draws a frame by the public calls, before anything is measured: this uploads the resources, and tells the order in
+ * which the passes are replayed. */
 static stilb_result measure_first_frame(measure_job *job)
 {
 	stilb_result result = stilb_render_frame_begin(job->render);
@@ -309,7 +311,8 @@ static stilb_result measure_first_frame(measure_job *job)
 	return result;
 }
 
-/* All of it; rounds and values: [MEASURE_MAX_ROUNDS], or NULL as job->runs may be: there was no memory. */
+/* The whole measurement. rounds and values: [MEASURE_MAX_ROUNDS]. They and job->runs may be NULL, which means that
+ * there was no memory for them. */
 static stilb_result measure_all(measure_job *job, double seconds, measure_round *rounds, double *values,
                                 stilb_render_dump_costs *costs)
 {

@@ -95,7 +95,7 @@ static bool save_table_create(save_table *table, uint32_t end)
 	return table->place && table->ids;
 }
 
-/* Gives every marked id its position, in ascending order of ids. */
+/* Gives every id that save_mark has met its position in the file's table, in ascending order of ids. */
 static void save_table_close(save_table *table)
 {
 	for (uint32_t id = 0; id < table->end; id++)
@@ -327,8 +327,8 @@ static stilb_result save_put(save_job *job, const char *path)
 	return stilb_file_save(path, job->bytes, job->header.file_size);
 }
 
-/* Sizes the file, and fills in the parts that come from the heaps, which other threads may change after the lock is
- * given back. */
+/* Computes the file's size, and fills in the parts that are copied from render_resources. Both under its lock, since
+ * other threads may create and destroy resources. */
 static stilb_result save_put_resources(save_job *job)
 {
 	stilb_lock_take(&job->render->resources.lock);

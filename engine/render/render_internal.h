@@ -50,10 +50,10 @@ static_assert(sizeof(render_row) == 64, "a row is a cache line");
 #define RENDER_ROW_CHUNK 512u      /* 32 KiB */
 
 typedef struct render_memory {
-	_Alignas(STILB_CACHE_LINE) _Atomic uint32_t next; /* relaxed fetch-add by contexts: claims, publishes nothing */
+	_Alignas(STILB_CACHE_LINE) _Atomic uint32_t next; /* elements claimed so far; relaxed, see record_claim */
 	_Alignas(STILB_CACHE_LINE) void *data; /* owned by the device; the pointer is constant while contexts record */
 	uint32_t capacity;                     /* elements */
-	uint32_t first_capacity;               /* elements that frame_begin allocates if the slot has none; 0: none */
+	uint32_t first_capacity;               /* elements that frame_begin allocates if its slot has none; 0: none */
 	uint32_t element;                      /* bytes */
 } render_memory;
 
@@ -69,13 +69,14 @@ typedef enum render_memory_kind {
 
 /* ---- contexts and lists ------------------------------------------------------------------------------------------ */
 
-/* Consecutive draws that need the same bindings: commands first .. first + count - 1 of the frame. */
+/* A run: consecutive draws that need the same bindings. They are commands first .. first + count - 1 of the frame. */
 typedef struct render_run {
 	uint32_t first, count;
 	uint64_t state; /* as render_state makes it */
 } render_run;
 
-/* A claim beyond the capacity of a frame's memory: data is on the heap until render_memory_place. */
+/* A claim of elements first .. first + count - 1 that lie beyond the capacity of the frame's memory: they are written
+ * to `data`, on the heap, and render_memory_place copies them to where they belong. */
 typedef struct render_overflow {
 	render_memory_kind kind;
 	uint32_t first, count;
@@ -109,16 +110,16 @@ typedef struct render_pass_lists {
 	stilb_render_shading shading; /* of the pass's view, set at replay */
 } render_pass_lists;
 
-/* Written by one worker at a time. Aligned so that two workers never write the same cache line (false sharing cost all
- * of the speed-up). */
+/* What one worker needs to record draws; written by one worker at a time. Aligned so that two workers never write the
+ * same cache line (measured: such false sharing cost all that a second worker gains). */
 struct stilb_render_context {
 	/* Used by every draw. */
-	_Alignas(STILB_CACHE_LINE) render_command *command; /* the next to write; NULL: no chunk */
-	render_command *command_end;                        /* end of its chunk */
-	render_row *row;                                    /* the next to write; NULL: no chunk */
-	render_row *row_end;                                /* end of its chunk */
+	_Alignas(STILB_CACHE_LINE) render_command *command; /* the next to write; NULL: no chunk is claimed yet */
+	render_command *command_end;                        /* end of the chunk that it lies in */
+	render_row *row;                                    /* the next to write; NULL: no chunk is claimed yet */
+	render_row *row_end;                                /* end of the chunk that it lies in */
 	uint64_t state;         /* of the run being recorded; RENDER_NO_STATE before a segment's first draw */
-	uint32_t row_index;     /* of row, among the frame's rows */
+	uint32_t row_index;     /* index of `row` among the frame's rows */
 	uint32_t material_mask; /* see render_material_mask */
 	bool stream_rows;       /* write rows with non-temporal stores */
 	const render_mesh_slot *meshes;
@@ -132,7 +133,7 @@ struct stilb_render_context {
 	bool failed;                /* out of memory: pass_end reports it */
 	render_run *runs;           /* [run_count] */
 	render_segment *segment;    /* being recorded, or NULL */
-	uint32_t first_run;         /* of that segment */
+	uint32_t first_run;         /* index in `runs` of that segment's first */
 	render_overflow *overflows; /* [overflow_count] */
 	stilb_render *render;
 	stilb_owner writer; /* the thread that began the segment */
@@ -147,7 +148,8 @@ struct stilb_render_context {
 
 #define RENDER_STATE_2D (UINT64_C(1) << 56)
 
-/* material_entry: that of render_resources.materials, or the texture's index. */
+/* The state of a scene pass's draw. material_entry: the material's entry in render_resources.materials, whose low 24
+ * bits are the index of its texture; or that index alone. */
 static inline uint64_t render_state(uint32_t material_entry, uint32_t material, uint32_t material_mask)
 {
 	return (material_entry & RENDER_INDEX_MASK) | (uint64_t)(material & material_mask) << 24;
@@ -224,18 +226,19 @@ typedef struct render_part {
 typedef struct render_device_functions {
 	void (*destroy)(render_device *device);
 	stilb_result (*resize)(render_device *device, uint32_t width, uint32_t height);
-	/* Waits until the device is done with the slot's last frame, and fills in data and capacity of
-	 * memory[RENDER_MEMORY_KINDS]. */
+	/* Takes the next of RENDER_FRAMES_IN_FLIGHT frame slots in turn: waits until the device is done with the frame that
+	 * used it last, and fills in data and capacity of memory[RENDER_MEMORY_KINDS] with the slot's memory. */
 	stilb_result (*frame_begin)(render_device *device, render_memory *memory);
 	/* Replaces memory's data by an array of `capacity` elements that begins with the first `keep` of the old one. */
 	stilb_result (*grow)(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity,
 	                     uint32_t keep);
-	/* Makes texture number `texture` with the size and format of image; update copies the pixels. With the lock of
-	 * render_resources. [any-thread] */
+	/* Makes texture number `texture` with the size and format of image; update copies the pixels. The caller holds the
+	 * lock of render_resources. [any-thread] */
 	stilb_result (*texture_create)(render_device *device, uint32_t texture, const stilb_image *image);
 	/* Frees a texture that no frame in flight uses. */
 	void (*texture_destroy)(render_device *device, uint32_t texture);
-	/* Copies dirty ranges of the heaps and new textures to the device. With the lock of resources. */
+	/* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device. The caller holds the
+	 * lock of resources. */
 	stilb_result (*update)(render_device *device, const render_resources *resources);
 	/* Adds the commands of a pass to the frame. */
 	stilb_result (*pass)(render_device *device, const render_stream *stream);
@@ -281,7 +284,7 @@ void render_split(const render_stream *stream, uint32_t count, render_part *part
 
 /* ---- the module itself ------------------------------------------------------------------------------------------- */
 
-/* Passes are recorded in the state BEGUN. */
+/* Where the current frame stands; passes can be recorded in BEGUN alone. */
 typedef enum render_frame_state {
 	RENDER_FRAME_NONE,
 	RENDER_FRAME_BEGUN,
@@ -300,7 +303,8 @@ struct stilb_render {
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
-	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES]; /* cache of the passes' names in the profiler */
+	const stilb_prof_site
+		*sites[STILB_RENDER_MAX_PASSES]; /* by pass: what the profiler keeps of its name; NULL: not asked yet */
 	render_frame_state state;
 	void *sort_items; /* [sort_capacity] scratch memory of render_sort */
 	uint64_t sort_capacity;
@@ -314,7 +318,8 @@ void render_contexts_rewind(stilb_render *render);
 stilb_result render_contexts_create(stilb_render *render, uint32_t count);
 void render_contexts_destroy(stilb_render *render);
 
-/* Grows the device's memory to hold every claim, and copies the overflows into it. */
+/* Grows the frame's memory to hold every claim, and copies into it those that had to go to the heap
+ * (render_overflow). */
 stilb_result render_memory_place(stilb_render *render);
 
 /* Joins the runs of a recorded pass in replay order, and sorts them if the pass asks for it. */

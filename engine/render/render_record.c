@@ -1,14 +1,15 @@
-/* Contexts: how draws become commands, on any thread. */
+/* Contexts: how the draws that a worker records become commands and rows (its transform, its material) in the frame's
+ * memory. On any thread. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Models in a segment: about 512 draws, enough to be worth a claim of the job loop, and yet many segments per
- * worker. */
+/* Models in a segment, one step of the parallel loop that records a scene. That is about 512 draws: far more work than
+ * taking a step costs, and yet few enough that every worker gets many. */
 #define RECORD_SEGMENT_MODELS 256u
 
-/* Up to so many rows (4 MiB) stay in the caches until the GPU reads them. */
+/* Up to so many rows in a frame (4 MiB) stay in the CPU's caches until the GPU reads them; see record_write_row. */
 #define RECORD_CACHED_ROWS 65536u
 
 /* ---- memory of a context ----------------------------------------------------------------------------------------- */
@@ -48,7 +49,7 @@ void render_contexts_destroy(stilb_render *render)
 
 void render_contexts_rewind(stilb_render *render)
 {
-	/* Rows of the last frame. Relaxed: no job runs. */
+	/* The number of rows of the last frame. Relaxed: no thread claims memory now, so it does not change. */
 	uint32_t rows = atomic_load_explicit(&render->memory[RENDER_MEMORY_ROWS].next, memory_order_relaxed);
 	for (uint32_t i = 0; i < render->context_count; i++) {
 		stilb_render_context *context = &render->contexts[i];
@@ -64,7 +65,8 @@ void render_contexts_rewind(stilb_render *render)
 		context->meshes = render->resources.meshes;
 		context->materials = render->resources.materials;
 	}
-	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++) /* relaxed: submitting the first job publishes it */
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS;
+	     kind++) /* relaxed: workers see it because a job is submitted after it */
 		atomic_store_explicit(&render->memory[kind].next, 0, memory_order_relaxed);
 	render_passes_rewind(render);
 }
@@ -113,7 +115,8 @@ static void *record_claim(stilb_render_context *context, render_memory_kind kind
 {
 	STILB_ASSERT(count > 0 && context->segment);
 	render_memory *memory = &context->render->memory[kind];
-	/* Relaxed: claims must differ, and publish nothing. */
+	/* Relaxed: all that matters is that no two claims overlap. A claim makes no data visible to other threads; what is
+	 * written to it is published when the jobs are waited for. */
 	*first = atomic_fetch_add_explicit(&memory->next, count, memory_order_relaxed);
 	if (*first > UINT32_MAX - count)
 		return NULL; /* the counter wraps: the frame fails, so it does not matter that later claims overlap */
@@ -182,7 +185,8 @@ static uint32_t record_command_index(const stilb_render_context *context)
 	return context->command_chunk + RENDER_COMMAND_CHUNK - (uint32_t)(context->command_end - context->command);
 }
 
-/* Ends the run being recorded, if there is one, before the next command. */
+/* Ends the run (consecutive draws with the same bindings) that is being recorded, if there is one: the next command is
+ * not part of it. */
 static void record_end_run(stilb_render_context *context)
 {
 	if (context->state == RENDER_NO_STATE)
@@ -210,7 +214,7 @@ static bool record_begin_run(stilb_render_context *context, uint64_t state)
 static bool record_make_room(stilb_render_context *context, uint64_t state)
 {
 	if (context->failed)
-		return false;       /* further claims could wrap the counters before the end of a large scene */
+		return false;       /* each draw would claim again, until the 32-bit counters wrap */
 	context->failed = true; /* unless the end of this function is reached */
 	if (context->row == context->row_end && !record_next_rows(context))
 		return false;
@@ -348,7 +352,7 @@ void stilb_render_segment_end(stilb_render_context *context)
 	STILB_ASSERT(context->segment);
 	record_end_run(context);
 	record_drain();
-	/* One store: other workers write neighbouring entries of the array. */
+	/* One store of the whole entry at the end: other workers write the neighbouring entries, in the same cache line. */
 	*context->segment = (render_segment){context, context->first_run, context->run_count - context->first_run};
 	context->segment = NULL;
 }

@@ -1,4 +1,6 @@
-/* Replay, on the main thread: runs are joined in segment order, and each pass goes to the device in pass order. */
+/* Replay, on the main thread: turns what the workers recorded into device commands. Workers leave, for each segment (a
+ * numbered part of a pass), runs of draws with the same bindings. These are joined in the order of the segments'
+ * numbers, and the passes are given to the device in the order of stilb_render_pass.order. */
 #include "render/render_internal.h"
 
 #include <string.h>
@@ -91,7 +93,7 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 	return result;
 }
 
-/* The profiler's site for a pass's name, cached in *known: looking it up takes a lock. */
+/* The profiler's site (what names a zone) for a pass's name, cached in *known: looking it up takes a lock. */
 static const stilb_prof_site *replay_site(const stilb_prof_site **known, const char *name)
 {
 	name = name ? name : "pass";

@@ -1,4 +1,5 @@
-/* Handles, heaps and what the device is still to get. See render_resources.h. */
+/* Meshes, textures and materials: their handles, the arrays they lie in, and what is still to be copied to the device.
+ * See render_resources.h. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -89,11 +90,12 @@ static bool heap_extend(render_heap *heap, uint64_t size)
 	return true;
 }
 
-/* Copies count elements into the first free range that holds them, else to the end, and marks them dirty. live:
- * resources that live so far. */
+/* Copies count elements into the first free range that is large enough, else to the end, and marks them dirty. live:
+ * the number of resources so far, render_resources.live. */
 static bool heap_add(render_heap *heap, const void *data, uint32_t count, uint32_t live, uint32_t *first)
 {
-	/* heap_give_back must not fail: live ranges have at most live + 1 free ranges between and around them. */
+	/* Reserved now so that heap_give_back cannot fail: between and around the ranges of `live` resources there are at
+	 * most live + 1 free ones, and the new resource may add one. */
 	if (!render_reserve((void **)&heap->free.items, &heap->free.capacity, live + 2, sizeof(render_range)))
 		return false;
 	uint32_t size = heap->size;
@@ -124,7 +126,7 @@ static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 static bool index_take(render_indices *indices, bool consecutive, uint32_t *index)
 {
 	STILB_ASSERT(indices->next_unused <= indices->capacity && indices->free_count <= indices->next_unused);
-	/* index_give_back must not fail: at most all indices that were ever used are given back. */
+	/* Reserved now so that index_give_back cannot fail: at most all indices that were ever used are on the stack. */
 	if (!render_reserve((void **)&indices->free, &indices->free_capacity, indices->next_unused + 1,
 	                    sizeof *indices->free))
 		return false;
@@ -143,7 +145,7 @@ static void index_give_back(render_indices *indices, uint32_t index)
 	indices->free[indices->free_count++] = index;
 }
 
-/* The next of 1..255, then 1 again: 0 marks an entry that was never used. */
+/* The generation after this one: 1..255 and then 1 again, because 0 marks an entry that was never used. */
 static uint32_t generation_after(uint32_t generation)
 {
 	return generation < 255 ? generation + 1 : 1;
@@ -155,7 +157,8 @@ static uint32_t handle_make(uint32_t generation, uint32_t index)
 	return generation << RENDER_GENERATION_SHIFT | index;
 }
 
-/* Space in the list of retired resources for one more that lives: destroying it must not fail. */
+/* Makes space in the list of retired resources for one resource more than there are, so that destroying it cannot fail.
+ * False: no memory. */
 static bool resource_reserve(render_resources *resources)
 {
 	STILB_ASSERT_LOCKED(&resources->lock);
@@ -586,7 +589,8 @@ static void resource_release(stilb_render *render, render_retired retired)
 	resources->live--;
 }
 
-/* Bounds the time of one frame: heap_give_back costs 60 ns in a heap of 1,000 holes and 1 us in one of 50,000. */
+/* At most so many resources are released in one frame, which bounds its time: heap_give_back costs 60 ns in a heap of
+ * 1,000 holes and 1 us in one of 50,000. */
 #define RESOURCES_RELEASED_A_FRAME 1024u
 
 void render_resources_frame(stilb_render *render)
@@ -621,7 +625,7 @@ stilb_result render_resources_update(stilb_render *render)
 	return result;
 }
 
-/* Removes the first count uploads, which the device has got. */
+/* Removes the first count uploads, whose pixels the device has copied. */
 static void uploads_drop(render_resources *resources, uint32_t count)
 {
 	STILB_ASSERT(count <= resources->upload_count);

@@ -26,7 +26,7 @@ typedef struct render_mesh_slot {
 	uint32_t first_index;
 	int32_t vertex_offset;
 	uint32_t vertex_count;
-	uint32_t generation; /* that a valid handle has; 0: never used */
+	uint32_t generation; /* equals the high 8 bits of a valid handle; 0: the slot was never used */
 } render_mesh_slot;
 
 /* A material as the fragment shader reads it (shaders/mesh.glsl). */
@@ -59,8 +59,8 @@ typedef enum render_heap_kind {
 typedef struct render_heap {
 	uint8_t *data;
 	uint32_t element;        /* bytes */
-	uint32_t size, capacity; /* elements; every element ever used lies below size */
-	render_ranges free;      /* below size, used by nobody */
+	uint32_t size, capacity; /* elements; in use or used before; that there is memory for */
+	render_ranges free;      /* elements below size that no resource uses */
 	render_ranges dirty;     /* to be copied to the device */
 } render_heap;
 
@@ -73,7 +73,7 @@ typedef enum render_resource_kind {
 
 /* The table indices of one kind of resource. */
 typedef struct render_indices {
-	uint32_t next_unused, capacity; /* the first index that was never used; the size of the table */
+	uint32_t next_unused, capacity; /* the lowest index that was never used; the size of the table */
 	uint32_t *free;                 /* a stack with space for all indices below next_unused: releasing cannot fail */
 	uint32_t free_count, free_capacity;
 } render_indices;
@@ -85,7 +85,7 @@ typedef struct render_texture_upload {
 } render_texture_upload;
 
 typedef struct render_retired {
-	uint64_t frame; /* the last frame that may use it */
+	uint64_t frame; /* number of the last frame that may use it, as render_resources.frame counts */
 	render_resource_kind kind;
 	uint32_t index;
 } render_retired;
@@ -93,8 +93,8 @@ typedef struct render_retired {
 typedef struct render_resources {
 	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
-	uint32_t *materials; /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits the generation, low 24 its texture; 0: none */
-	uint32_t *textures;  /* [STILB_RENDER_MAX_TEXTURES]: generation */
+	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 24 the texture's index */
+	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
 	stilb_lock lock; /* guards everything below */
 	bool lock_made;
@@ -102,9 +102,9 @@ typedef struct render_resources {
 	render_heap heaps[RENDER_HEAPS];
 	render_texture_upload *uploads;
 	uint32_t upload_count, upload_capacity;
-	uint32_t uploads_sent;   /* so many of the first are part of the frame that is being replayed */
+	uint32_t uploads_sent;   /* the first so many are part of the frame that is being replayed */
 	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
-	render_retired *retired; /* destroyed, not yet released; has space for every live resource */
+	render_retired *retired; /* destroyed, not yet released; capacity is at least `live` */
 	uint32_t retired_count, retired_capacity;
 	uint32_t live;  /* resources not yet released */
 	uint64_t frame; /* frames begun so far */
@@ -112,7 +112,7 @@ typedef struct render_resources {
 
 /* Overwrites *resources. After STILB_ERROR_MEMORY render_resources_destroy is still due. */
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures);
-/* Also of a zeroed struct. */
+/* Accepts a zeroed struct too. */
 void render_resources_destroy(render_resources *resources);
 
 /* Call when a frame has begun and the device is done with the frame RENDER_FRAMES_IN_FLIGHT before it: releases

@@ -8,7 +8,7 @@
 typedef struct sort_item {
 	uint64_t key;
 	uint32_t command; /* index among the frame's commands */
-	uint32_t texture; /* that its material had when it was recorded: the material may be destroyed by now */
+	uint32_t texture; /* index; the material's when the draw was recorded: it may be destroyed by now */
 } sort_item;
 
 /* Sorts count items by ascending key; scratch has as many. Returns the array that holds the result: items or
@@ -87,7 +87,7 @@ static bool sort_place(stilb_render *render, render_pass_lists *lists, const sor
 	return true;
 }
 
-/* An array of at least count items, kept from frame to frame; NULL: no memory. */
+/* Scratch memory for at least count items, kept from frame to frame; NULL: no memory. */
 static sort_item *sort_scratch(stilb_render *render, uint64_t count)
 {
 	if (count > render->sort_capacity) {

@@ -12,7 +12,8 @@ typedef struct null_draw {
 	uint32_t first_instance;
 } null_draw;
 
-/* The data of an indirect draw in a driver's command buffer: bytes, commands, bytes. */
+/* The data of an indirect draw in a driver's command buffer: offset of the first command and stride in bytes, and the
+ * number of commands. */
 typedef struct null_indirect {
 	uint64_t offset;
 	uint32_t count, stride;
@@ -32,9 +33,9 @@ typedef struct null_device {
 	render_device base;
 	null_frame frames[RENDER_FRAMES_IN_FLIGHT];
 	uint32_t frame;
-	null_draw *draws; /* [draw_capacity] of the last pass */
+	null_draw *draws; /* [draw_capacity] what the last pass drew */
 	uint64_t draw_capacity;
-	null_indirect *indirect; /* [indirect_capacity] of the last pass */
+	null_indirect *indirect; /* [indirect_capacity] what the last pass drew */
 	uint64_t indirect_capacity;
 	null_list *lists;   /* [list_capacity] */
 	render_part *parts; /* [list_capacity] */

@@ -29,7 +29,7 @@ static bool device_has_extension(const vulkan_device *device, const char *name)
 	uint32_t count = 0;
 	vkEnumerateDeviceExtensionProperties(device->gpu, NULL, &count, NULL);
 	VkExtensionProperties *extensions = calloc(count, sizeof *extensions);
-	bool found = false; /* also without memory: every extension asked for is optional */
+	bool found = false; /* stays false without memory: Stilb can do without every extension that is asked for here */
 	if (extensions && vkEnumerateDeviceExtensionProperties(device->gpu, NULL, &count, extensions) >= 0)
 		for (uint32_t i = 0; i < count; i++)
 			found |= strcmp(extensions[i].extensionName, name) == 0;

@@ -69,7 +69,7 @@ void vulkan_frames_destroy(vulkan_device *device)
 		vulkan_buffer_destroy(device, &slot->views);
 		vulkan_buffer_destroy(device, &slot->picture);
 	}
-	vkDestroyDescriptorPool(device->device, device->material_pool, device->allocator); /* and the slots' sets */
+	vkDestroyDescriptorPool(device->device, device->material_pool, device->allocator); /* frees the slots' sets too */
 	vulkan_times_destroy(device);
 	vkDestroySemaphore(device->device, device->timeline, device->allocator);
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HEAPS_TEXTURE_ALIGN 16u          /* bytes, of pixels in the staging buffer: the largest pixel has four floats */
+#define HEAPS_TEXTURE_ALIGN 16u /* bytes: where a texture's pixels may start in the staging buffer; size of 4 floats */
 #define HEAPS_STAGING_KEPT (16ull << 20) /* bytes; larger staging buffers, as for a scene, are freed after the frame */
 
 static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
@@ -82,7 +82,8 @@ VkResult vulkan_material_sets_create(vulkan_device *device)
 	return result;
 }
 
-/* Puts the current buffer of materials into the slot's set. No frame reads the set: the slot's last one is done. */
+/* Makes the slot's descriptor set refer to the current buffer of materials. The GPU does not read the set now: it has
+ * finished the slot's last frame. */
 static void material_set_update(vulkan_device *device, vulkan_slot *slot)
 {
 	VkBuffer materials = device->heaps[RENDER_HEAP_MATERIALS].buffer;
@@ -160,8 +161,8 @@ static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, in
 	return at;
 }
 
-/* Orders the copies against draws. before: the draws and copies of earlier frames end before these copies begin; else
- * these copies end before the draws of this frame begin. */
+/* Orders this frame's copies to the heaps. before: they begin after the draws and copies of earlier frames have ended;
+ * else they end before the draws of this frame begin. */
 static void heaps_barrier(VkCommandBuffer commands, bool before)
 {
 	VkPipelineStageFlags2 readers = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
@@ -184,7 +185,7 @@ static stilb_result staging_fit(vulkan_device *device, vulkan_slot *slot, VkDevi
 {
 	if (size <= slot->staging.size)
 		return STILB_OK;
-	vulkan_buffer_destroy(device, &slot->staging); /* the slot's last frame is done */
+	vulkan_buffer_destroy(device, &slot->staging); /* unused: the GPU has finished the slot's last frame */
 	return vulkan_buffer_create(device, size + size / 2, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, VULKAN_MEMORY_WRITE,
 	                            &slot->staging);
 }

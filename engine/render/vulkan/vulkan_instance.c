@@ -83,8 +83,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL vulkan_message(VkDebugUtilsMessageSeverity
 	(void)severity, (void)type;
 	STILB_ASSERT(user && data);
 	vulkan_device *device = user;
-	__atomic_fetch_add(&device->base.validation_messages, 1,
-	                   __ATOMIC_RELAXED); /* relaxed: a counter that orders nothing */
+	__atomic_fetch_add(&device->base.validation_messages, 1, __ATOMIC_RELAXED); /* relaxed: only the number matters */
 	stilb_log("validation: %s", data->pMessage);
 	return VK_FALSE;
 }
@@ -343,7 +342,7 @@ stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, ui
 		return result;
 	VkResult listed = vkEnumeratePhysicalDevices(device.instance, &found, devices);
 	if (listed != VK_SUCCESS && listed != VK_INCOMPLETE) {
-		found = 0; /* the array is not filled in then */
+		found = 0; /* on an error the array is not filled in */
 		result = vulkan_fail_no_driver("vkEnumeratePhysicalDevices", listed);
 	}
 	for (uint32_t i = 0; i < found && i < capacity; i++)

@@ -67,7 +67,8 @@ typedef struct vulkan_sent {
 	uint64_t draws, binds;
 } vulkan_sent;
 
-/* Secondary command buffers, one for each pass of the frame. A list is recorded by one job at a time. */
+/* The secondary command buffers of one thread's share of each pass of the frame. A list is recorded by one job at a
+ * time. */
 typedef struct vulkan_list {
 	_Alignas(STILB_CACHE_LINE) VkCommandPool pool;
 	VkCommandBuffer commands[STILB_RENDER_MAX_PASSES];
@@ -83,27 +84,27 @@ typedef struct vulkan_moment {
 
 /* The timestamps of a slot's frame. */
 typedef struct vulkan_slot_times {
-	vulkan_buffer results;                                 /* ticks: begin and end of the frame, then of each pass */
+	vulkan_buffer results; /* GPU ticks: begin and end of the frame, then of each pass */
 	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES]; /* [passes] names of the passes */
 	uint32_t passes;
-	bool taken;            /* submitted and not yet read */
-	vulkan_moment moment;  /* both clocks at the time of the submission */
+	bool taken;            /* the frame was submitted, its timestamps were not read */
+	vulkan_moment moment;  /* reading of both clocks that was the last at its submission */
 	uint64_t submitted_ns; /* CLOCK_MONOTONIC */
 } vulkan_slot_times;
 
 typedef struct vulkan_times {
 	VkQueryPool queries;                          /* null: the queue has no timestamps */
 	PFN_vkGetCalibratedTimestampsEXT read_clocks; /* NULL: this GPU cannot read both clocks together */
-	vulkan_moment moment;                         /* the last reading of sufficient accuracy */
+	vulkan_moment moment;                         /* the last accurate reading of both (TIMES_WORST_NS) */
 	stilb_prof_lane_handle *lane;                 /* NULL: there was no memory for it */
-	uint64_t shown_ns;                            /* end of the last frame in the lane, CLOCK_MONOTONIC */
+	uint64_t shown_ns;                            /* end of the frame shown last in the lane, CLOCK_MONOTONIC */
 } vulkan_times;
 
 typedef struct vulkan_slot {
 	VkCommandPool pool;
 	VkCommandBuffer draw, show;
-	VkSemaphore acquired; /* signalled when the window's image may be written */
-	vulkan_list *lists;   /* [list_count] one for each worker that has recorded; only with secondary replay */
+	VkSemaphore acquired; /* signalled when the window's image may be drawn into */
+	vulkan_list *lists;   /* [list_count] one for each part that a pass is cut into; secondary replay alone */
 	uint32_t list_count;
 	vulkan_buffer memory[RENDER_MEMORY_KINDS];
 	vulkan_buffer staging; /* the source of update's copies */
@@ -111,12 +112,12 @@ typedef struct vulkan_slot {
 		*outgrown; /* [outgrown_count] replaced in this slot's frame, and still read by it or the one before */
 	uint32_t outgrown_count, outgrown_capacity;
 	VkDescriptorSet material_set; /* --materials bind: a set with the buffer of materials */
-	VkBuffer material_buffer;     /* the buffer that is in it */
+	VkBuffer material_buffer;     /* the buffer that material_set refers to */
 	vulkan_buffer views;          /* vulkan_view[STILB_RENDER_MAX_PASSES] */
 	vulkan_buffer picture;        /* the picture in memory, if there is no window */
 	vulkan_slot_times times;
 	uint64_t done;      /* timeline value of the slot's last submission */
-	bool picture_valid; /* the slot's frame has been copied to `picture` */
+	bool picture_valid; /* `picture` holds the slot's frame */
 } vulkan_slot;
 
 /* Made and destroyed with the lock of render_resources held. Replay reads `set` without it: a texture that a frame uses
@@ -157,7 +158,7 @@ typedef struct vulkan_swapchain {
 	uint32_t image_count;
 	VkImage images[VULKAN_MAX_SWAPCHAIN_IMAGES];
 	VkSemaphore shown[VULKAN_MAX_SWAPCHAIN_IMAGES]; /* signalled when the blit into this image is done */
-	bool stale;                                     /* must be made anew before the next image is acquired */
+	bool stale;                                     /* the window has changed: must be made anew before its next use */
 } vulkan_swapchain;
 
 typedef struct vulkan_device {
@@ -177,7 +178,7 @@ typedef struct vulkan_device {
 	uint32_t queue_family;
 
 	VkSemaphore timeline;
-	uint64_t timeline_value; /* that the last submission will signal */
+	uint64_t timeline_value; /* the semaphore's value once the last submission is done */
 	uint64_t timestamp_mask; /* valid bits of a timestamp; 0: the queue has none */
 	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	vulkan_times times;
@@ -199,17 +200,17 @@ typedef struct vulkan_device {
 	vulkan_image color;         /* the picture, one sample a pixel */
 	vulkan_image color_samples; /* with 4 samples a pixel, resolved into color; null with 1 */
 	vulkan_image depth;
-	bool drawn; /* color holds a submitted picture in TRANSFER_SRC_OPTIMAL */
+	bool drawn; /* color holds a submitted picture, in the layout TRANSFER_SRC_OPTIMAL */
 
 	vulkan_buffer heaps[RENDER_HEAPS];
 
 	vulkan_slot slots[VULKAN_SLOTS];
-	uint32_t slot; /* of the frame */
-	uint32_t pass; /* passes of the frame so far that drew */
+	uint32_t slot; /* index of the current frame's slot */
+	uint32_t pass; /* number of the current frame's passes so far that had draws */
 	vulkan_swapchain swapchain;
 } vulkan_device;
 
-/* The slot of the frame. */
+/* The slot of the current frame. */
 static inline vulkan_slot *vulkan_slot_now(vulkan_device *device)
 {
 	STILB_ASSERT(device->slot < VULKAN_SLOTS);
@@ -261,12 +262,12 @@ typedef enum vulkan_memory_kind {
 /* size > 0, bytes. On failure *buffer is {0}; the message says how much memory was asked for. */
 stilb_result vulkan_buffer_create(vulkan_device *device, VkDeviceSize size, VkBufferUsageFlags usage,
                                   vulkan_memory_kind kind, vulkan_buffer *buffer);
-/* Also of {0}, which it leaves. */
+/* Leaves {0}; accepts {0}. */
 void vulkan_buffer_destroy(vulkan_device *device, vulkan_buffer *buffer);
 /* The caller has checked that the GPU supports such an image. On failure *image is {0}. */
 VkResult vulkan_image_create(vulkan_device *device, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
                              vulkan_image *image);
-/* Also of {0}, which it leaves. */
+/* Leaves {0}; accepts {0}. */
 void vulkan_image_destroy(vulkan_device *device, vulkan_image *image);
 
 /* vulkan_heaps.c: the heaps of render_resources on the GPU. */
@@ -337,7 +338,7 @@ void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands);
 /* Records one command for each draw of the part. */
 vulkan_sent vulkan_draws_direct(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
                                 render_part part);
-/* Records one indirect command for each run; sent.draws counts these commands. */
+/* Records one indirect command for each run (draws with the same bindings); sent.draws counts these commands. */
 vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream);
 
 /* vulkan_secondary.c: a command buffer for each worker. */
@@ -346,7 +347,7 @@ vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer command
  * array. */
 stilb_result vulkan_secondary_record(vulkan_device *device, const render_stream *stream, uint32_t count,
                                      VkCommandBuffer *commands);
-/* Destroys the slot's lists; its frame is done. */
+/* Destroys the slot's lists. The GPU must have finished the slot's frame. */
 void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot);
 
 /* vulkan_present.c: the picture to the window or to memory. */

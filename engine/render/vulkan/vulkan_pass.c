@@ -44,7 +44,8 @@ static VkClearColorValue pass_clear_color(const vulkan_device *device, const sti
 	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
 }
 
-/* contents: 0 if draws follow, or VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT. */
+/* contents: 0 if the primary command buffer makes the draws itself, or
+ * VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT if it executes others. */
 static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
                                  bool first, VkRenderingFlags contents)
 {
@@ -110,7 +111,7 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	out->added[3] = view->shading.specular;
 }
 
-/* Draws of the primary command buffer itself. */
+/* Records the pass's draws into the frame's own command buffer, not into secondary ones. */
 static void pass_draw(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream)
 {
 	stilb_render_stats *stats = &device->base.stats;

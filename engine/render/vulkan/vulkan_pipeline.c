@@ -53,13 +53,13 @@ typedef struct pipeline_code {
 
 static const pipeline_code vertex_code[2] = {PIPELINE_CODE(mesh_vert), PIPELINE_CODE(mesh_texture_vert)};
 
-/* [material bound][texture] */
+/* [1: the material is bound as a descriptor set][1: the pipeline reads a texture] */
 static const pipeline_code fragment_code[2][2] = {
 	{PIPELINE_CODE(mesh_frag), PIPELINE_CODE(mesh_texture_frag)},
 	{PIPELINE_CODE(mesh_bind_frag), PIPELINE_CODE(mesh_bind_texture_frag)},
 };
 
-/* [texture][stage] */
+/* [1: the pipeline reads a texture][0: vertex shader, 1: fragment shader] */
 static const pipeline_code flat_code[2][2] = {
 	{PIPELINE_CODE(flat_vert), PIPELINE_CODE(flat_frag)},
 	{PIPELINE_CODE(flat_texture_vert), PIPELINE_CODE(flat_texture_frag)},
@@ -128,7 +128,7 @@ static const VkVertexInputAttributeDescription vertex_attributes[3] = {
 	{.location = 2, .format = VK_FORMAT_R32G32_SFLOAT, .offset = offsetof(stilb_scene_vertex, uv)},
 };
 
-/* Without and with a texture. */
+/* [0] without and [1] with a texture. */
 static const VkPipelineVertexInputStateCreateInfo vertex_input[2] = {
 	{
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
@@ -199,7 +199,7 @@ static const VkVertexInputAttributeDescription flat_attributes[3] = {
 	{.location = 2, .format = VK_FORMAT_R32G32_SFLOAT, .offset = offsetof(stilb_render_vertex_2d, uv)},
 };
 
-/* Without and with a texture. */
+/* [0] without and [1] with a texture. */
 static const VkPipelineVertexInputStateCreateInfo flat_input[2] = {
 	{
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,

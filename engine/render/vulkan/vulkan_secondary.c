@@ -1,5 +1,5 @@
-/* Secondary command buffers: the pass is cut into as many parts as there are threads; each part is recorded by a job
- * into a list of its own, and the main thread executes them in the order of the parts. */
+/* Secondary command buffers: a pass is cut into as many parts as there are threads. A job records each part into a
+ * command buffer of its own (a vulkan_list), and the main thread executes these in the order of the parts. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include <stdlib.h>
@@ -15,7 +15,7 @@ static VkResult list_create(vulkan_device *device, vulkan_list *list)
 	return vkCreateCommandPool(device->device, &info, device->allocator, &list->pool);
 }
 
-/* Gives the slot at least count lists; call while no job records. */
+/* Gives the slot at least count lists. No job may be recording: the array of lists moves. */
 static stilb_result lists_fit(vulkan_device *device, vulkan_slot *slot, uint32_t count)
 {
 	if (count <= slot->list_count)

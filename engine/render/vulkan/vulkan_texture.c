@@ -48,7 +48,7 @@ void vulkan_textures_destroy(vulkan_device *device)
 {
 	for (uint32_t t = 0; device->textures && t < STILB_RENDER_MAX_TEXTURES; t++)
 		vulkan_image_destroy(device, &device->textures[t].image);
-	vkDestroyDescriptorPool(device->device, device->texture_pool, device->allocator); /* and the sets */
+	vkDestroyDescriptorPool(device->device, device->texture_pool, device->allocator); /* frees the sets too */
 	vkDestroySampler(device->device, device->sampler, device->allocator);
 	free(device->textures);
 	device->textures = NULL;

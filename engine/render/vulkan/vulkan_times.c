@@ -6,12 +6,12 @@
  * extension a frame is shown at the time of its submission, and the lane's name says "uncalibrated". */
 #include "render/vulkan/vulkan_internal.h"
 
-#define TIMES_FRAME 2u /* queries of the frame, begin and end; two for each pass follow */
+#define TIMES_FRAME 2u /* timestamps of a frame: its begin and end; after them two for each pass */
 #define TIMES_QUERIES (TIMES_FRAME + 2u * STILB_RENDER_MAX_PASSES)
 
 #define TIMES_TRIES 4
-#define TIMES_GOOD_NS 5000u   /* a reading with at most this deviation is taken at once */
-#define TIMES_WORST_NS 50000u /* a reading with a larger deviation is not used */
+#define TIMES_GOOD_NS 5000u   /* two clocks read at most so far apart: taken at once */
+#define TIMES_WORST_NS 50000u /* read farther apart than this: not used */
 
 STILB_PROF_SITE(times_frame_site, "frame", 0);
 
@@ -117,7 +117,8 @@ void vulkan_times_end(vulkan_device *device)
 
 /* ---- both clocks ------------------------------------------------------------------------------------------------- */
 
-/* Reads both clocks a few times and keeps the most accurate reading; the last frame's stays if all were interrupted. */
+/* Reads both clocks a few times and keeps the reading in which they lie closest. If every one was interrupted between
+ * the clocks, the reading of an earlier frame stays. */
 static void times_calibrate(vulkan_device *device)
 {
 	static const VkCalibratedTimestampInfoEXT clocks[2] = {
