@@ -6,19 +6,20 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* panels of 16 points in half a turn of azimuth; the polar direction has one panel for each unit of t */
+/* Panels of 16 points for half a turn of azimuth. The polar angle has one for each unit of t (numeric_albedo.h). */
 #define PANELS_AROUND 2
 
 typedef struct albedo {
 	const shade_brdf_model *model;
 	const shade_brdf_parameters *parameters;
 	bool of_light; /* the fixed direction is the light's, else the view's */
-	/* polar coordinates are about the mirrored direction; else half vectors about the normal */
+	/* polar coordinates are those of the varying direction about the mirrored fixed one; else those of the half vector
+	 * of the two about the normal */
 	bool about_mirrored;
 	stilb_vec3 fixed;             /* the fixed direction, z along the normal */
 	double sine, cosine, azimuth; /* of the fixed direction */
 	double alpha;
-	/* tan of the polar angle, or of half of it about the mirrored direction, while the azimuth varies */
+	/* of the polar angle that the azimuth is integrated at: its tan; with about_mirrored the tan of half of it */
 	double tangent;
 } albedo;
 
@@ -70,7 +71,8 @@ static double over_mirrored_azimuth(double phi, const void *context)
 	return reflected_turned(a, other) * 4.0 * sqrt(z2);
 }
 
-/* The azimuth up to which the varying direction is above the horizon. For half vectors: 2 (fixed.h) (n.h) > n.fixed. */
+/* The azimuth, radians in [0, pi], up to which the varying direction lies above the horizon. Where half vectors h vary,
+ * that direction is the fixed one mirrored at h: its height 2 dot(fixed, h) h_z - fixed_z must be above 0. */
 static double horizon(const albedo *a)
 {
 	double z2 = 1.0 / (1.0 + a->tangent * a->tangent), cotangent = a->cosine / a->sine;
@@ -102,8 +104,9 @@ static double between(const albedo *a, double low, double high)
 	return panels > 0 ? stilb_numeric_integrate(over_polar, a, first, last, panels) : 0.0;
 }
 
-/* Up to the first angle all azimuths are above the horizon, beyond the last none is; Phong's lobes end a quarter
- * turn from the mirrored direction. */
+/* Integral over all polar angles; polar: that of the fixed direction. Up to the angle `whole` the varying direction is
+ * above the horizon at every azimuth, beyond `last` at none. Phong's lobes end a quarter turn from the mirrored
+ * direction, which is the angle pi / 4, as half of theirs is counted. */
 static double over_lobe(const albedo *a, double polar)
 {
 	double whole = M_PI / 4.0 - polar / 2.0, last = M_PI / 4.0 + (a->about_mirrored ? 0.0 : polar / 2.0);

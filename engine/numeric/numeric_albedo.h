@@ -4,13 +4,14 @@
  * Use.      Two integrals, which are equal for a reciprocal model. `of_view`: radiance towards a view direction under
  *           uniform light of radiance 1 (the white furnace). `of_light`: the share of a beam from one direction that is
  *           reflected into all directions. A model conserves energy where both are at most 1 for every direction and
- * roughness.
+ *           roughness.
  *
  *   shade_brdf_parameters white = stilb_numeric_white(0.5f, 0.0f);
  *   double seen = stilb_numeric_albedo_of_view(&model, &white, (stilb_numeric_angles){.polar = 1.0});
  *
- * Method.   Polar coordinates about the normal, in half vectors; for Phong's two lobes about the mirrored direction.
- *           There every lobe of shade_brdf.h has the width of alpha. The polar angle is tan(theta) = alpha sinh(t), so
+ * Method.   Integrated over half vectors (halfway between the two directions), in polar coordinates about the normal;
+ *           Phong's two lobes over directions, about the mirrored one. There every lobe of shade_brdf.h is as wide as
+ *           its alpha, roughness squared. The polar angle is theta with tan(theta) = alpha sinh(t), so
  *           that equal steps of t resolve the core and the tail of the lobe alike, and the horizon is a limit of the
  *           azimuth instead of a kink inside the range. Lambert's and the wrapped model are integrated over directions.
  * Error.    Below 5e-4 of the result for alpha from 1e-3 to 1 and angles up to 89 degrees; largest for Cook-Torrance,

@@ -116,7 +116,8 @@ static shade_sample sample_cosine(const stilb_numeric_shape *shape, stilb_vec2 u
 	return shade_sample_cosine(u);
 }
 
-/* Points of the disk lifted to the hemisphere: an area of the disk is a solid angle times its cosine. */
+/* shade_sample_disk, each point lifted to the hemisphere above it: an area of the disk is a solid angle times its
+ * cosine. */
 static float pdf_disk(const stilb_numeric_shape *shape, stilb_vec3 direction)
 {
 	(void)shape;
@@ -130,7 +131,8 @@ static shade_sample sample_disk(const stilb_numeric_shape *shape, stilb_vec2 u)
 	return (shade_sample){direction, pdf_disk(shape, direction)};
 }
 
-/* The cells of a 4 x 4 grid, chosen uniformly, lifted to the sphere. */
+/* shade_sample_stratified with a 4 x 4 grid, each cell as likely as any other, and the pair made a direction of the
+ * sphere. */
 static float pdf_stratified(const stilb_numeric_shape *shape, stilb_vec3 direction)
 {
 	(void)shape;
@@ -374,8 +376,8 @@ static double density_at(const double direction[3], const void *context)
 	return (double)m->row->density(m->shape, world) * cosine;
 }
 
-/* The density of the view mirrored at h; d(direction) = 4 |view.h| dh. Half vectors above the horizon reach all
- * directions. */
+/* The integrand over half vectors h: the density of the direction that is the view mirrored at h, times the
+ * 4 |view.h| by which a solid angle of half vectors grows. Those above the horizon reach all directions. */
 static double density_at_mirrored(const double h[3], const void *context)
 {
 	const measured *m = context;

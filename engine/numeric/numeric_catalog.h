@@ -34,11 +34,12 @@ typedef enum stilb_numeric_kind {
 	STILB_NUMERIC_KIND_COUNT
 } stilb_numeric_kind;
 
-/* The integral that is 1 for a row. It normalises the row; energy may still be gained at other angles. */
+/* Which integral of a row is 1. This is what its constant factor is made for; seen from another angle a model may still
+ * reflect more than it gets. */
 typedef enum stilb_numeric_measure {
-	/* Integral of D over all directions. */
+	/* Integral of the distribution D(h) over all directions h. */
 	STILB_NUMERIC_MEASURE_D,
-	/* Integral of D n.h over all directions: the projected area of the facets. */
+	/* Integral of D(h) n.h over all directions h, n being the normal: the projected area of the facets. */
 	STILB_NUMERIC_MEASURE_D_COS,
 	/* Integral of BRDF x n.l over the light directions, seen along the normal, at every roughness. */
 	STILB_NUMERIC_MEASURE_REFLECTED,
@@ -104,15 +105,15 @@ double stilb_numeric_measure_of(const stilb_numeric_row *row, const stilb_numeri
 /* The parameters of a white surface: F0 = 1, no diffuse part but the wrapped model's, wrap 1. roughness in [0, 1]. */
 shade_brdf_parameters stilb_numeric_white(float roughness, float anisotropy);
 
-/* The larger one of both albedos (numeric_albedo.h) of a white surface. row->kind is STILB_NUMERIC_BRDF; anisotropic
- * models have STILB_NUMERIC_CATALOG_ANISOTROPY. */
+/* The larger one of the albedos of_view and of_light (numeric_albedo.h) of a white surface. row->kind is
+ * STILB_NUMERIC_BRDF; anisotropic models get the anisotropy STILB_NUMERIC_CATALOG_ANISOTROPY. */
 double stilb_numeric_white_albedo(const stilb_numeric_row *row, float roughness, stilb_numeric_angles angles);
 
 #define STILB_NUMERIC_CATALOG_ANISOTROPY 0.6f
 
-/* The largest of those at 0, 10, ... 80, 85, 89 degrees and roughness 0, 0.05, ... 1; of anisotropic models along and
- * across. Models that do not conserve energy grow beyond 89 degrees: Smith-Beckmann's G towards 1.34 with Blinn's D and
- * 1.74 with GGX; the others without a bound. Takes up to a second. */
+/* The largest stilb_numeric_white_albedo at 0, 10, ... 80, 85, 89 degrees from the normal and roughness 0, 0.05, ... 1;
+ * of anisotropic models along the frame's t and across it. Models that do not conserve energy grow beyond 89 degrees:
+ * Smith-Beckmann's G towards 1.34 with Blinn's D and 1.74 with GGX; the others without a bound. Takes up to a second. */
 double stilb_numeric_largest_albedo(const stilb_numeric_row *row);
 
 #endif

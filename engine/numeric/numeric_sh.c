@@ -41,9 +41,9 @@ void stilb_numeric_latlong_direction(double u, double v, double direction[3])
 	direction[2] = -sin(theta) * cos(phi);
 }
 
-/* Integrals over the azimuths phi of one column, or sums of such integrals times radiance. The basis is linear in
- * these five, so a row takes five sums for each channel, and the factors that depend on theta are applied once for
- * each row. */
+/* Integrals of 1, sin(phi), cos(phi), sin(2 phi) and cos(2 phi) over the azimuths phi of one column of the map, or sums
+ * of such integrals times radiance. In phi all nine basis functions are made of these five, so a row takes five sums
+ * for each channel, and the factors that depend on theta are applied once for each row. */
 typedef struct around {
 	double one, sin1, cos1, sin2, cos2;
 } around;

@@ -6,8 +6,7 @@
  *       stilb_log("%s", stilb_error_message());
  *
  * Precision. Sums are double, so that a bundle of directions a millionth of a radian wide keeps its width. The formulas
- * are in
- *            shading/shade_vmf.h.
+ *            are in shading/shade_vmf.h.
  * Threads.   Pure functions: [any-thread].
  */
 #ifndef STILB_NUMERIC_VMF_H

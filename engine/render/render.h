@@ -89,9 +89,8 @@ typedef enum stilb_render_output {
  * them. Needed only until stilb_render_create returns. */
 typedef struct stilb_render_surface {
 	void *user;
-	const char *const *(*extensions)(void *user, uint32_t *count); /* Vulkan instance extensions that it needs */
-	int32_t (*create)(void *user, void *instance,
-	                  uint64_t *surface); /* a VkSurfaceKHR for a VkInstance; returns a VkResult */
+	const char *const *(*extensions)(void *user, uint32_t *count);    /* Vulkan instance extensions that it needs */
+	int32_t (*create)(void *user, void *instance, uint64_t *surface); /* surface of a VkInstance; returns a VkResult */
 } stilb_render_surface;
 
 /* Zero-initialised it means: Vulkan, indirect replay, indexed materials, display output, best GPU, no window, samples
@@ -352,7 +351,7 @@ void stilb_render_segment_end(stilb_render_context *context);
 void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material,
                        const stilb_mat4 *transform);
 
-/* As stilb_render_draw, with a sort key: a pass with .sort set makes its draws in ascending order of it. [one-writer] */
+/* As stilb_render_draw, with a sort key: a pass with .sort set draws in ascending order of it. [one-writer] */
 void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                                 stilb_render_material material, const stilb_mat4 *transform);
 

@@ -2,9 +2,10 @@
  * shade_brdf: every reflection model of engine/shading behind one function, chosen by integers; in a shader these are
  * specialisation constants, and only the chosen model is left. [any-thread]
  *
- * Directions are unit and point away from the surface. Energy: Lambert, the two modified highlights and 29 of the 32
- * pairs of D and G reflect at most what arrives; wrapped, the two original highlights, minimalist and Smith-Beckmann's
- * G with a D that is not Beckmann's do not: their headers say by how much.
+ * Directions are unit and point away from the surface: n is its normal, l points to the light, v to the viewer. D, G
+ * and F are the factors of a microfacet model (shade_specular.h). Energy: Lambert, the two modified highlights and 29
+ * of the 32 pairs of D and G reflect at most what arrives; wrapped, the two original highlights, minimalist and
+ * Smith-Beckmann's G with a D that is not Beckmann's do not: their headers say by how much.
  */
 #ifndef SHADE_BRDF_H
 #define SHADE_BRDF_H
@@ -48,9 +49,11 @@ SHADE_STRUCT(shade_brdf_model)
 	int f;
 };
 
-/* specular, [0, 1]: F0; in Schueler's zoo the highlight's reflectance; for the two diffuse kinds their reflectance.
- * roughness, [0, 1]: alpha is its square, and the exponents follow alpha. anisotropy, (-1, 1), 0 for none: D is wider
- * along t where it is positive; only SHADE_NDF_GGX_ANISOTROPIC. wrap, [0, 1]: only SHADE_BRDF_WRAPPED. */
+/* specular, [0, 1]: for SHADE_BRDF_MICROFACET F0, the reflectance at normal incidence; for the highlights of
+ * shade_phong.h and shade_minimalist.h their reflectance; for Lambert and wrapped the diffuse reflectance.
+ * roughness, [0, 1]: the lobe's width alpha is its square, and exponents are made from alpha. anisotropy, (-1, 1), 0
+ * for none: where it is positive D is wider along the frame's t; only SHADE_NDF_GGX_ANISOTROPIC. wrap, [0, 1]: only
+ * SHADE_BRDF_WRAPPED. */
 SHADE_STRUCT(shade_brdf_parameters)
 {
 	vec3 specular;
@@ -59,7 +62,8 @@ SHADE_STRUCT(shade_brdf_parameters)
 	float wrap;
 };
 
-/* D F V n.l of the model's three integers. The two vectors matter to SHADE_NDF_GGX_ANISOTROPIC alone. */
+/* BRDF times n.l of the microfacet model that the integers ndf, g and f choose: D F V n.l. l and v are read for
+ * SHADE_NDF_GGX_ANISOTROPIC alone; the others need only the angles. */
 SHADE_FN vec3 shade_microfacet_cos(shade_brdf_model model, shade_brdf_parameters p, shade_frame frame, shade_angles a,
                                    vec3 l, vec3 v)
 {
@@ -81,7 +85,7 @@ SHADE_FN vec3 shade_microfacet_cos(shade_brdf_model model, shade_brdf_parameters
 
 /* BRDF times n.l, per channel, sr^-1: what Schueler calls the reflection density. Finite for all directions, and 0 for
  * v below the horizon and, but for SHADE_BRDF_WRAPPED, for l below it. It is the product and not the BRDF because the
- * original Phong, Blinn-Phong and wrapped rows have no BRDF at n.l = 0. */
+ * BRDFs of wrapped and of the original Phong and Blinn-Phong are infinite at n.l = 0. */
 SHADE_FN vec3 shade_brdf_cos(shade_brdf_model model, shade_brdf_parameters p, shade_frame frame, vec3 l, vec3 v)
 {
 	shade_angles a = shade_angles_of(frame.n, l, v);

@@ -25,16 +25,16 @@
 
 #include "glsl_begin.h"
 
-#define SHADE_BUMP_STEP2_MIN 1e-24f /* m^2 */
-#define SHADE_BUMP_SINE_MIN 1e-5f   /* of the angle between the two steps, seen along the normal */
+#define SHADE_BUMP_STEP2_MIN 1e-24f /* m^2, least square of a step's length */
+#define SHADE_BUMP_SINE_MIN 1e-5f   /* least sine of the angle between the two steps, along n */
 
 /* Surface gradient from two steps along the surface and the height's change over each:
  *   ((dp_dt x n) dh_ds + (n x dp_ds) dh_dt) / (n . (dp_ds x dp_dt))
- * n: the surface's own normal (the shading normal where it is smooth). The steps' order and hands do not matter: the
- * divisor changes its sign with them. Source: Mikkelsen 2010; Driscoll's formula. */
+ * n: the surface's own normal (the shading normal where it is smooth). The steps may be swapped or
+ * form a left-handed frame: the divisor changes its sign too. Source: Mikkelsen 2010; Driscoll's formula. */
 SHADE_FN vec3 shade_bump_gradient(vec3 n, vec3 dp_ds, vec3 dp_dt, float dh_ds, float dh_dt)
 {
-	// The gradient does not know how long a step was: with steps of length 1 the divisor is the sine between them.
+	// The gradient does not depend on the steps' lengths: scaled to 1, they make the divisor the sine between them.
 	float per_s = inversesqrt(max(dot(dp_ds, dp_ds), SHADE_BUMP_STEP2_MIN));
 	float per_t = inversesqrt(max(dot(dp_dt, dp_dt), SHADE_BUMP_STEP2_MIN));
 	vec3 across_t = cross(dp_dt * per_t, n);
@@ -91,8 +91,9 @@ SHADE_STRUCT(shade_ray_differential)
 	vec3 direction;
 };
 
-/* Of a pinhole camera: forward is the direction through the pixel before it is made unit, to_next how it changes to the
- * next pixel (right or down). Source: Igehy 1999, the derivative of a normalised direction. */
+/* The differential of a pinhole camera's ray. forward: the direction through the pixel, before it is made unit;
+ * to_next: what is added to it for the next pixel (right or down). Source: Igehy 1999, the derivative of a normalised
+ * direction. */
 SHADE_FN shade_ray_differential shade_ray_differential_pinhole(vec3 forward, vec3 to_next)
 {
 	float square = dot(forward, forward);
@@ -112,8 +113,8 @@ SHADE_FN vec3 shade_ray_differential_hit(shade_ray_differential ray, vec3 direct
 	return moved - direction * (dot(moved, n) / divisor);
 }
 
-/* The change of uv that goes with a step dp along the surface: dp = du dp_du + dv dp_dv, solved by areas. 0 where dp_du
- * and dp_dv are parallel (up to 1e-5, as above) and span nothing. */
+/* The change of uv that goes with a step dp along the surface: dp = du dp_du + dv dp_dv, solved for (du, dv). It fades
+ * to 0 where dp_du and dp_dv are parallel (the sine between them below 1e-5), so that there is no solution. */
 SHADE_FN vec2 shade_ray_differential_uv(vec3 n, vec3 dp, vec3 dp_du, vec3 dp_dv)
 {
 	float per_u = inversesqrt(max(dot(dp_du, dp_du), SHADE_BUMP_STEP2_MIN));

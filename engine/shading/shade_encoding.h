@@ -6,6 +6,7 @@
  *                                     in the dark (gamma 2.2, m >= 0.2, >= 2/255)
  *   LogLuv   2^-63 to 2^64, and 0     luminance 0.07 %, any channel 2.1 % of the      neither
  *                                     largest one
+ * m is RGBM's fourth number, the multiplier; "in the dark" are channels of rgb that are stored as few steps of 1/255.
  * Encoders return numbers in [0, 1], which the target rounds to 8 bits; decoders take what was stored. Colours are
  * linear Rec.709, channels >= 0.
  */
@@ -24,7 +25,8 @@ SHADE_FN vec4 shade_unorm8(vec4 v)
 
 /* ---- RGBM: colour and multiplier --------------------------------------------------------------------------------- */
 
-/* Karis's constant, and the gamma of the range 51.5 that he names for it; a square root (gamma 2) gives 36. */
+/* The usual factor and gamma: Karis's constant 6, and the gamma that gives the range 6^2.2 = 51.5 that he names for it.
+ * With a square root, gamma 2, the range is 36. */
 #define SHADE_RGBM_FACTOR 6.0f
 #define SHADE_RGBM_GAMMA 2.2f
 
@@ -88,8 +90,8 @@ SHADE_FN vec3 shade_linear_from_xyz(vec3 xyz)
 /* ---- LogLuv: hue and the logarithm of the luminance -------------------------------------------------------------- */
 
 #define SHADE_LOGLUV_LUMINANCE_MIN 1e-30f /* keeps the logarithm of black finite; encoded as black */
-#define SHADE_LOGLUV_LEVEL_MAX 255.999f   /* 2^64.5 */
-#define SHADE_LOGLUV_V_MIN 1e-3f /* below all colours': bytes that no encoder wrote decode to something finite */
+#define SHADE_LOGLUV_LEVEL_MAX 255.999f   /* the level of a luminance of 2^64.5 */
+#define SHADE_LOGLUV_V_MIN 1e-3f /* less than any colour has: keeps the decoded result of arbitrary bytes finite */
 
 /* (u, v, level's whole part, level's fraction). u and v are CIE 1976 u' and v' times 410 / 255, which fits all colours;
  * level = 2 log2(Y) + 127 in [0, 256), in 16 bits: its error of 1/510 is 0.07 % of Y. Level 0 is black, and takes all

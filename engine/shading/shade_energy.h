@@ -11,8 +11,8 @@ SHADE_STRUCT(shade_reflectance)
 	vec3 specular;
 };
 
-/* The two scaled by one number per channel, so that their sum, added as floats, is at most 1; where it is at most 1 it
- * stays (to the last bit or one beside it). Negative inputs count as 0; their sum is finite.
+/* diffuse and specular scaled by the same number in each channel, so that their sum, as floats, is at most 1; where it
+ * is at most 1 already they stay, to the last bit or one beside it. Negative inputs count as 0; the sum is finite.
  * Both lobes have an albedo of at most 1, so diffuse + specular <= 1 conserves energy. Called when a material is made,
  * not per pixel. Source: Driscoll, "Energy Conservation In Games" (2009): C_d + C_s <= 1. */
 SHADE_FN shade_reflectance shade_limit_to_one(vec3 diffuse, vec3 specular)

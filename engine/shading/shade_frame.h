@@ -8,7 +8,8 @@
 
 #include "glsl_begin.h"
 
-/* sin^2 of the angle between normal and tangent from which on the tangent has a direction (0.06 degrees). */
+/* sin^2 of the least angle between normal and tangent (0.06 degrees); below it the tangent is too close to the normal
+ * to give a direction along the surface. */
 #define SHADE_TANGENT_SINE2_MIN 1e-6f
 
 /* Unit vectors, right-handed: n = cross(t, b). */

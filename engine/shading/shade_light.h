@@ -35,7 +35,7 @@
 /* No two points are nearer than the root of this (0.1 mm, in m^2): keeps a lamp without a radius finite. */
 #define SHADE_LIGHT_SQUARE_MIN 1e-8f
 
-/* A share's axis_y^2 just below 1, the logarithm of the rest being finite. */
+/* shade_hemisphere_share: the largest axis_y^2, just below 1 so that the logarithm of 1 - axis_y^2 is finite. */
 #define SHADE_HEMISPHERE_SQUARE_MAX 0.99999994f
 
 /* Lumens of one watt of white light. Source: Ward and Shakespeare, "Rendering with Radiance" (1998), WHTEFFICACY. */
@@ -72,7 +72,8 @@ SHADE_STRUCT(shade_lamp)
 
 /* ---- units ------------------------------------------------------------------------------------------------------- */
 
-/* I = pi L r0^2 of a sphere, or of a disk along its axis. Source: Schueler, reply to Iryoku: his I, not his I'. */
+/* I = pi L r0^2 of a sphere, or of a disk along its axis. Source: Schueler, reply to Iryoku: his I, not
+ * his I', which leaves the pi out. */
 SHADE_FN vec3 shade_intensity_from_radiance(vec3 radiance, float radius)
 {
 	return radiance * (SHADE_PI * radius * radius);
@@ -169,8 +170,9 @@ SHADE_FN vec3 shade_hemisphere_radiance(float reflected_y, float exponent, vec3 
 /* ---- falloff ----------------------------------------------------------------------------------------------------- */
 
 /* E / I of a sphere, m^-2: 1 / d^2, and 1 / radius^2 inside. square: d^2. Exact at every distance for a surface that
- * has the whole sphere above its horizon, with n.l taken at the centre: the cap's integral is pi L sin(b)^2 n.l with
- * sin(b) = r0 / d. Source: Karis, "Sphere"; Schueler's derivation of E. */
+ * has the whole sphere above its horizon, with n.l taken at the centre: the integral over the cap of directions that
+ * the sphere fills, with the half angle b, is pi L sin(b)^2 n.l, and sin(b) = r0 / d. Source: Karis, "Sphere";
+ * Schueler's derivation of E. */
 SHADE_FN float shade_falloff_sphere(float square, float radius)
 {
 	return 1.0f / max(max(square, radius * radius), SHADE_LIGHT_SQUARE_MIN);
@@ -192,9 +194,9 @@ SHADE_FN float shade_falloff_window(float square, float reach)
 	return left * left;
 }
 
-/* The other way: max(falloff - tolerance, 0), m^-2. Everywhere the irradiance misses tolerance * I and no more, an
- * error proportional to the light's intensity. For the same reach it keeps more light than the window does, and ends in
- * an edge. Source: Karis, "Culling inverse squared falloff". */
+/* The other way to end a falloff: max(falloff - tolerance, 0), m^-2. The irradiance is nowhere too low by more than
+ * tolerance * I, an error proportional to the light's intensity. For the same reach it keeps more light than the window
+ * does, but its slope is not 0 at the end, which shows as an edge. Source: Karis, "Culling inverse squared falloff". */
 SHADE_FN float shade_falloff_subtracted(float falloff, float tolerance)
 {
 	return max(falloff - tolerance, 0.0f);
@@ -216,8 +218,8 @@ SHADE_FN float shade_reach_from_error(float intensity, float error)
 
 /* ---- lamps ------------------------------------------------------------------------------------------------------- */
 
-/* What a surface sees, chosen by an integer (a specialisation constant on the GPU); names for people: an identifier
- * each. */
+/* Which light a surface sees, chosen by an integer (a specialisation constant on the GPU). SHADE_LIGHTS(X) lists them:
+ * X(integer, identifier), of which C makes names for people. */
 #define SHADE_LIGHT_SUN 0
 #define SHADE_LIGHT_HEMISPHERE 1
 #define SHADE_LIGHT_SPHERE 2
@@ -247,8 +249,8 @@ SHADE_FN float shade_lamp_falloff(int light, shade_lamp lamp, float square, floa
 	return sphere;
 }
 
-/* What the lamp sends to position, as a sun; light as above. A point in the lamp's centre sees it against its axis, as
- * a point in front of a disk does. */
+/* What the lamp sends to position, as a sun; light as above. A point in the lamp's centre gets the light from the
+ * direction against the lamp's axis, as a point in front of a disk does. */
 SHADE_FN shade_sun shade_lamp_at(int light, shade_lamp lamp, vec3 position)
 {
 	vec3 offset = lamp.position - position;

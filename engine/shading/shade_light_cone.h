@@ -31,6 +31,8 @@
 
 #include "glsl_begin.h"
 
+/* See above. The others: what the rounding of a float n.v is counted as; the least share of a peak, below which a lobe
+ * never ends; the least length of the vector between two axes that gives a direction across. */
 #define SHADE_CONE_EPSILON 2e-6f
 #define SHADE_CONE_SHARE_EPSILON 2e-6f
 #define SHADE_CONE_COSINE_EPSILON 3e-7f
@@ -46,14 +48,14 @@ SHADE_STRUCT(shade_cone)
 
 /* ---- the width of a lobe ----------------------------------------------------------------------------------------- */
 
-/* -log(share) of a lobe's peak, which keeps its digits at both ends; share in [1e-30, 1]. */
+/* -log(share), which keeps its digits for shares near 0 and near 1. share: a fraction of a lobe's peak, [1e-30, 1]. */
 SHADE_FN float shade_cone_depth(float share)
 {
 	return select(share > SHADE_SERIES_LIMIT, -shade_log1p(share - 1.0f), -log(share));
 }
 
-/* Phong: (r.l)^n > share, so r.l > share^(1 / n); chord^2 = 2 (1 - share^(1 / n)). A share of 1 and above leaves no
- * direction; below 1e-30 the hemisphere about r. n > 0. Source: Karis, "Cone angle". */
+/* Phong with the exponent n > 0: (r.l)^n > share, so r.l > share^(1 / n); chord^2 = 2 (1 - share^(1 / n)). A share of 1
+ * and above leaves no direction; one below 1e-30 the hemisphere about r. Source: Karis, "Cone angle". */
 SHADE_FN float shade_cone_chord_phong(float share, float n)
 {
 	if (share >= 1.0f)
@@ -63,11 +65,11 @@ SHADE_FN float shade_cone_chord_phong(float share, float n)
 	return sqrt(2.0f * shade_one_minus_exp(shade_cone_depth(share) / n));
 }
 
-/* Lobes of h: the chord of the lights for which the angle between n and h is below b, sin2 = sin(b)^2. The light is the
- * view mirrored by the facet. A facet that turns by b turns its mirror image by 2 b at most (two mirrorings make a
- * rotation by twice the angle between the mirrors), and by just 2 b in the plane of n and v, to both sides. So the
- * smallest cone that holds them all has Phong's axis r and the half angle 2 b; its chord is 2 sin(b). Lights below the
- * horizon count too. */
+/* Lobes that depend on the half vector h of l and v: the chord of the cone of lights l for which the angle between n
+ * and h is below b, sin2 = sin(b)^2. Such a light is the view mirrored by a facet whose normal is h. A facet that turns
+ * by b turns its mirror image by 2 b at most (two mirrorings make a rotation by twice the angle between the mirrors),
+ * and by just 2 b in the plane of n and v, to both sides. So the smallest cone that holds them all has Phong's axis r
+ * and the half angle 2 b; its chord is 2 sin(b). It holds lights below the horizon too. */
 SHADE_FN float shade_cone_chord_of_facets(float sin2)
 {
 	return 2.0f * sqrt(clamp(sin2, 0.0f, 1.0f));
@@ -108,7 +110,7 @@ SHADE_FN shade_cone shade_cone_mirrored(vec3 n, vec3 v, float chord)
 	return cone;
 }
 
-/* Which share of the peak the tolerance is. */
+/* Which share of the highlight's peak the tolerance is; a little less, for rounding. Both in sr^-1. */
 SHADE_FN float shade_cone_share(float tolerance, float peak)
 {
 	return tolerance / peak * (1.0f - SHADE_CONE_SHARE_EPSILON);
@@ -199,10 +201,10 @@ SHADE_FN shade_cone shade_cone_union_ordered(shade_cone a, shade_cone b)
 	shade_half_angle of_b = shade_half_angle_from_chord(b.chord);
 	shade_half_angle between = {0.5f * distance(a.axis, b.axis), 0.5f * length(a.axis + b.axis)};
 	shade_half_angle reach = shade_half_angle_sum(between, of_b);
-	shade_half_angle turn = shade_half_angle_difference(reach, of_a); // half of the reach's share beyond a's rim
+	shade_half_angle turn = shade_half_angle_difference(reach, of_a); // sine and cosine of (B + D - A) / 2, see below
 	if (b.chord < 0.0f || turn.sine <= 0.0f)
 		return a;
-	shade_half_angle width = shade_half_angle_sum(reach, of_a); // of the whole: its half is the new cone's half angle
+	shade_half_angle width = shade_half_angle_sum(reach, of_a); // of (A + B + D) / 2, the new half angle
 	float sine = select(width.cosine > 0.0f, width.sine / sqrt(2.0f + 2.0f * width.cosine),
 	                    sqrt(max(0.5f - 0.5f * width.cosine, 0.0f)));
 	float chord = 2.0f * select(width.sine < 0.0f, 1.0f, sine) + SHADE_CONE_EPSILON;

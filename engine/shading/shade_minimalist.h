@@ -3,8 +3,9 @@
  * l.h. [any-thread]
  *
  *   f = D F V,   D = (n + 1) / (2 pi) (n.h)^n (shade_phong.h's NDF row),   F V = ks / (4 (l.h)^3)
- * linear in ks and without a turn to white: one multiplication instead of Schlick's five or six steps. Held against
- * Schlick x Kelemen it is too dark at grazing angles for water (ks 0.02: down to 0.29 of it), within 40 % for 0.05 (up
+ * ks is the highlight's reflectance; n is the exponent, and the normal in n.h. F V is linear in ks and does not turn to
+ * white at grazing angles: one multiplication instead of Schlick's five or six steps. Compared with Schlick's F and
+ * Kelemen's V it is too dark at grazing angles for water (ks 0.02: down to 0.29 of it), within 40 % for 0.05 (up
  * to 87 degrees), and too bright for metals (0.8: twice as much at 60 degrees, and more beyond). Reciprocal, but not
  * energy conserving: a smooth surface reflects ks / (n.v), more than 1 as soon as n.v < ks (beyond 88.9, 87.1 and 36.9
  * degrees for ks 0.02, 0.05 and 0.8); 57 ks at 89 degrees, and 2 ks for the roughest.
@@ -33,7 +34,7 @@ SHADE_FN float shade_minimalist_fv(float l_dot_h)
 	return 0.25f / (c * c * c);
 }
 
-/* What it stands for: Schlick's F with Kelemen's V. */
+/* What shade_minimalist_fv approximates: Schlick's F times Kelemen's V. */
 SHADE_FN vec3 shade_schlick_kelemen_fv(vec3 f0, float l_dot_h)
 {
 	return shade_f_schlick(f0, l_dot_h) * shade_v_kelemen(l_dot_h);

@@ -14,7 +14,8 @@
  * | convolution | the same                                  | no                            | no          | any     |
  * | LEAN        | slopes, and their covariance with alpha^2 | no                            | yes         | tangent |
  *
- * The first four average mean directions (shade_vmf.h); what comes out is the mean's axis as normal and an alpha from
+ * r is the average vector of a lobe's directions. The first four average mean directions (shade_vmf.h), which are such
+ * vectors; what comes out is the mean's axis as normal and an alpha from
  * its variance. All work in 1 / sharpness = alpha^2 / 2: a flat, smooth patch has 0 there and nothing is divided by it.
  * Use vMF, and LEAN where bumps have a grain; the others are for comparison and for data that was made with them.
  * Sources: Karis, "Normal map filtering using vMF (part 3)" (2018); Toksvig, "Mipmapping Normal Maps" (2004); Olano and
@@ -29,7 +30,7 @@
 #include "glsl_begin.h"
 
 #define SHADE_FILTER_LENGTH_MIN 1e-4f
-#define SHADE_LEAN_Z_MIN 0.02f /* slopes end at 50 */
+#define SHADE_LEAN_Z_MIN 0.02f /* least z of a normal: slopes x / z and y / z end at 50 */
 #define SHADE_LEAN_VARIANCE_MIN 1e-12f
 
 SHADE_STRUCT(shade_rough_normal)
@@ -139,7 +140,8 @@ SHADE_FN shade_rough_normal shade_filter_convolution(shade_mean_direction mean, 
 /* ---- LEAN: slopes in the tangent plane --------------------------------------------------------------------------- */
 
 /* Gaussian of the slopes (x / z, y / z) of microfacet normals: its centre, and its covariance (xx, yy, xy). Held
- * central, where the published second moments M = covariance + slope slope^T would cancel on steep, smooth patches. */
+ * about that centre: got from the published second moments M = covariance + slope slope^T it would lose its digits on
+ * steep, smooth patches. */
 SHADE_STRUCT(shade_lean)
 {
 	vec2 slope;
@@ -156,9 +158,9 @@ SHADE_FN shade_lean shade_lean_from_normal(shade_rough_normal texel)
 	return lean;
 }
 
-/* Average of both; weight in [0, 1] is the share of b. Exact in any order: the covariances' average, and that of the
- * two centres about their own. Source: Chan, Golub, LeVeque, "Updating Formulae and a Pairwise Algorithm for Computing
- * Sample Variances" (1979). */
+/* Average of both; weight in [0, 1] is the share of b. Exact, in whatever order texels are averaged: the covariance is
+ * the average of the two plus that of the two centres about the new one. Source: Chan, Golub, LeVeque, "Updating
+ * Formulae and a Pairwise Algorithm for Computing Sample Variances" (1979). */
 SHADE_FN shade_lean shade_lean_mix(shade_lean a, shade_lean b, float weight)
 {
 	vec2 apart = b.slope - a.slope;
@@ -168,8 +170,8 @@ SHADE_FN shade_lean shade_lean_mix(shade_lean a, shade_lean b, float weight)
 	return lean;
 }
 
-/* The published moments (xx, yy, xy), which textures can be filtered in, and back; the way back loses what is small
- * beside slope^2. Source: Olano and Baker 2010, M, and covariance = M - B B^T. */
+/* To the published second moments (xx, yy, xy), which a texture can hold and a GPU filter, and back; the way back loses
+ * what is small beside slope^2. Source: Olano and Baker 2010, M, and covariance = M - B B^T. */
 SHADE_FN vec3 shade_lean_moments(shade_lean lean)
 {
 	vec2 s = lean.slope;
@@ -194,8 +196,8 @@ SHADE_FN shade_rough_normal shade_lean_normal(shade_lean lean)
 	return texel;
 }
 
-/* The ellipse of the slopes: the unit direction along which they spread most, alpha along it and across it. A circle's
- * direction is +X. */
+/* The ellipse of the slopes: the unit direction along which they spread most, alpha along it and across it. Where
+ * they spread alike the direction is +X. */
 SHADE_STRUCT(shade_lean_axes)
 {
 	vec2 direction;

@@ -1,6 +1,8 @@
 /*
  * shade_phong: Phong's and Blinn's highlights and what normalises them: Schueler's zoo. [any-thread]
  *
+ * In products n is the normal: l points to the light, v to the viewer, r is v mirrored at n, h the unit vector halfway
+ * between l and v, and n.l their cosine. As a power n is the lobe's exponent.
  * Two words that are easily mixed up. A reflection density function (RDF) says where the light goes that does reflect:
  * it is the BRDF times n.l, sr^-1, and its integral over the hemisphere is the albedo. The four factors make that
  * integral 1 for light along the normal. A normal distribution function (NDF) is a density of microfacet normals.
@@ -26,9 +28,9 @@
 
 #include "glsl_begin.h"
 
-/* cos^n of an angle in [0, pi / 2] given by its sin^2, n >= 0; 0 at a right angle. Of a float cosine near 1, with steps
- * of 6e-8, pow(cos, n) would make nothing right for the exponents of 10^6 that a smooth surface has. In return a cosine
- * below 1e-3 has no digits left, which only the flattest lobes (n below 2) show, at their very end. */
+/* cos^n of an angle in [0, pi / 2] given by its sin^2, n >= 0; 0 at a right angle. A float cosine near 1 has steps of
+ * 6e-8, too coarse for pow(cos, n) with the exponents of 10^6 that a smooth surface has; sin^2 has its digits there. In
+ * return a cosine below 1e-3 has none left, which only the flattest lobes (n below 2) show, at their very end. */
 SHADE_FN float shade_cos_power(float sin2, float n)
 {
 	return select(sin2 < 1.0f, exp(0.5f * n * shade_log1p(-sin2)), 0.0f);
@@ -51,7 +53,7 @@ SHADE_FN float shade_exponent_from_alpha(float alpha)
 	return 2.0f * (1.0f - alpha) * (1.0f + alpha) / (alpha * alpha);
 }
 
-/* The inverse: sqrt(2 / (n + 2)). */
+/* The inverse of shade_exponent_from_alpha: sqrt(2 / (n + 2)). */
 SHADE_FN float shade_alpha_from_exponent(float n)
 {
 	return sqrt(2.0f / (n + 2.0f));
@@ -72,7 +74,7 @@ SHADE_FN float shade_exponent_from_gloss(float gloss)
 	return exp2(SHADE_GLOSS_OCTAVES * gloss);
 }
 
-/* The inverse, n > 0. */
+/* The inverse of shade_exponent_from_gloss, n > 0. */
 SHADE_FN float shade_gloss_from_exponent(float n)
 {
 	return log2(n) / SHADE_GLOSS_OCTAVES;
@@ -80,19 +82,19 @@ SHADE_FN float shade_gloss_from_exponent(float n)
 
 /* ---- factors ---------------------------------------------------------------------------------------------------- */
 
-/* (n + 1) / (2 pi). */
+/* Each is what the row of the table above is multiplied by. Phong: (n + 1) / (2 pi). */
 SHADE_FN float shade_phong_factor(float n)
 {
 	return (n + 1.0f) / (2.0f * SHADE_PI);
 }
 
-/* (n + 2) / (2 pi). */
+/* Phong, modified: (n + 2) / (2 pi). */
 SHADE_FN float shade_phong_modified_factor(float n)
 {
 	return (n + 2.0f) / (2.0f * SHADE_PI);
 }
 
-/* (n + 2) / (4 pi (2 - 2^(-n/2))), between (n + 2) / (8 pi) and (n + 4) / (8 pi). */
+/* Blinn-Phong: (n + 2) / (4 pi (2 - 2^(-n/2))), between (n + 2) / (8 pi) and (n + 4) / (8 pi), which follow. */
 SHADE_FN float shade_blinn_phong_factor(float n)
 {
 	return (n + 2.0f) / (4.0f * SHADE_PI * (2.0f - exp2(-0.5f * n)));
@@ -108,7 +110,8 @@ SHADE_FN float shade_blinn_phong_factor_high(float n)
 	return (n + 4.0f) / (8.0f * SHADE_PI);
 }
 
-/* (n + 2) (n + 4) / (8 pi (2^(-n/2) + n)), between (n + 6) / (8 pi) and (n + 8) / (8 pi); n = 0: Lambert's 1 / pi. */
+/* Blinn-Phong, modified: (n + 2) (n + 4) / (8 pi (2^(-n/2) + n)), between (n + 6) / (8 pi) and (n + 8) / (8 pi), which
+ * follow; for n = 0 it is Lambert's 1 / pi. */
 SHADE_FN float shade_blinn_phong_modified_factor(float n)
 {
 	return (n + 2.0f) * (n + 4.0f) / (8.0f * SHADE_PI * (exp2(-0.5f * n) + n));
@@ -124,7 +127,7 @@ SHADE_FN float shade_blinn_phong_modified_factor_high(float n)
 	return (n + 8.0f) / (8.0f * SHADE_PI);
 }
 
-/* NDF: integral of D = 1. It is Phong's integral over another angle. */
+/* Blinn-Phong NDF: the integral of D is 1. It is the integral of Phong's lobe, with n.h in the place of r.l. */
 SHADE_FN float shade_blinn_phong_ndf_factor(float n)
 {
 	return shade_phong_factor(n);

@@ -8,8 +8,8 @@
  *           light but belongs to the density. shade_sample.pdf is finite and > 0, and taken from the random numbers
  *           where that keeps more digits than the direction itself: directions in float32 resolve sines of about 10^-7.
  * Numbers.  u in [0, 1) each: well distributed numbers give well distributed directions (all maps are continuous but
- *           for the seam of an angle). u[0] is the distance from the axis, u[1] the angle about it, but in the
- *           concentric maps.
+ *           for the seam of an angle). u[0] decides the distance from the axis, u[1] the angle about it; only the maps
+ *           that use shade_concentric (disk, cosine, ggx_normal) mix the two.
  */
 #ifndef SHADE_SAMPLING_H
 #define SHADE_SAMPLING_H
@@ -31,13 +31,13 @@ SHADE_STRUCT(shade_sample)
 
 #define SHADE_UNIFORM_MAX 0.99999994f /* the largest float below 1 */
 #define SHADE_COS2_MIN 1e-12f         /* keeps a cosine, and what divides by it, above 0 at the rim of the disk */
-#define SHADE_COS_MIN 1e-30f          /* keeps a logarithm finite */
-#define SHADE_V_DOT_H_MIN 1e-6f       /* v at right angles to h, where l = -v: the density there is infinite */
-#define SHADE_SHARPNESS_MIN 1e-12f    /* a vMF lobe of sharpness 0 is the whole sphere */
+#define SHADE_COS_MIN 1e-30f          /* least cosine whose logarithm is taken */
+#define SHADE_V_DOT_H_MIN 1e-6f       /* least v.h: at 0, where l = -v, the density would be infinite */
+#define SHADE_SHARPNESS_MIN 1e-12f    /* of a vMF lobe: one of sharpness 0 counts as having this */
 
 /* ---- patterns ---------------------------------------------------------------------------------------------------- */
 
-/* One number pair for each cell of a grid of columns x rows: the pair u, moved into the cell of the index. Taken over
+/* One number pair for each cell of a grid of columns x rows: the pair u, moved into cell number `index`. Taken over
  * all indices 0 ... columns * rows - 1 the density is 1, and the variance of an estimate falls faster than with free
  * pairs.
  * Source: Cook, "Stochastic Sampling in Computer Graphics" (1986), jitter. */
@@ -58,9 +58,9 @@ SHADE_FN float shade_pdf_stratified(vec2 u)
 
 /* ---- disk -------------------------------------------------------------------------------------------------------- */
 
-/* The square's concentric rings to the disk's: cosine and sine of the angle, and the radius in [-1, 1), which carries
- * the side of the square as its sign. Source: Shirley and Chiu, "A Low Distortion Map Between Disk and Square"
- * (1997). */
+/* Maps the unit square to the unit disk, concentric squares to concentric circles: (cosine, sine, radius) of the point.
+ * The radius is in [-1, 1): on the left and lower sides of the squares it is negative, which turns the point by half a
+ * turn. Source: Shirley and Chiu, "A Low Distortion Map Between Disk and Square" (1997). */
 SHADE_FN vec3 shade_concentric(vec2 u)
 {
 	float x = 2.0f * u[0] - 1.0f;
@@ -122,7 +122,8 @@ SHADE_FN float shade_pdf_hemisphere(vec3 direction)
 	return 0.5f * SHADE_INV_PI * step(0.0f, direction[2]);
 }
 
-/* As likely as its cosine: the disk's points lifted to the sphere. Right for Lambert: BRDF x cos / pdf is constant.
+/* A direction above the horizon with a density proportional to its cosine: points of the disk, lifted to the sphere.
+ * Right for Lambert: BRDF x cos / pdf is constant.
  * Source: Malley's method; Pharr, Jakob, Humphreys, "Physically Based Rendering", 3rd ed. (2016), 13.6.3. */
 SHADE_FN shade_sample shade_sample_cosine(vec2 u)
 {
@@ -140,7 +141,7 @@ SHADE_FN float shade_pdf_cosine(vec3 direction)
 
 /* ---- lobes about z ----------------------------------------------------------------------------------------------- */
 
-/* log(z) of a direction above the horizon, to the last digits near the axis too: z = sqrt(1 - x^2 - y^2). */
+/* log(z) of a direction above the horizon; near the axis, where z is near 1, from x and y, which keep its digits. */
 SHADE_FN float shade_log_cosine(vec3 direction)
 {
 	float sine2 = direction[0] * direction[0] + direction[1] * direction[1];
@@ -191,15 +192,16 @@ SHADE_FN float shade_pdf_vmf(float sharpness, vec3 direction)
 
 /* ---- microfacet normals ------------------------------------------------------------------------------------------ */
 
-/* Density of the reflection l = reflect(-v, h) where h has the density pdf_h: dw_h = dw_l / (4 |v.h|). Where l is given
- * and not h, |v.h| is |v + l| / 2, which keeps its digits where v.h is small.
+/* Density of the reflection l = reflect(-v, h) where h has the density pdf_h: a solid angle dw_h of normals becomes
+ * dw_l = 4 |v.h| dw_h of directions. If l is given and not h, |v.h| is |v + l| / 2, which keeps its digits where v.h is
+ * small.
  * Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces" (2007), eq. 14. */
 SHADE_FN float shade_pdf_reflected(float pdf_h, float v_dot_h)
 {
 	return pdf_h / (4.0f * max(abs(v_dot_h), SHADE_V_DOT_H_MIN));
 }
 
-/* The microfacet normal that reflects v to l, on the upper side of the surface; l = -v, which has none: z. */
+/* The microfacet normal that reflects v to l, on the upper side of the surface. Where l = -v there is none: +Z then. */
 SHADE_FN vec3 shade_half_vector(vec3 v, vec3 l)
 {
 	vec3 sum = v + l;

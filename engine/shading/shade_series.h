@@ -11,7 +11,7 @@
 
 #include "glsl_begin.h"
 
-/* Where the series takes over: beyond, log and exp keep all but one or two bits. */
+/* The series is used below it; above it log and exp lose no more than one or two bits. */
 #define SHADE_SERIES_LIMIT 0.25f
 
 /* log(1 + x), x > -1, relative error below 4e-7. Series of 2 atanh(s), s = x / (2 + x): 2 (s + s^3/3 + s^5/5 + s^7/7),

@@ -3,12 +3,14 @@
  *
  *   G(v) = amplitude exp(sharpness (axis.v - 1))
  *
- * axis and v are unit; sharpness (lambda) in [0, 1e8]: 0 is a constant, 2 / alpha^2 is a microfacet lobe; amplitude per
- * channel, finite, in the unit of what the lobe stands for (radiance: W sr^-1 m^-2). Integrals cover the whole sphere.
+ * axis and v are unit; sharpness (lambda) in [0, 1e8]: 0 is a constant, 2 / alpha^2 is about a lobe of microfacets of
+ * the width alpha (shade_specular.h); amplitude per channel, finite, in the unit of what the lobe stands for (radiance:
+ * W sr^-1 m^-2). Integrals cover the whole sphere.
  *
  * Numbers. 1 - axis.v is |v - axis|^2 / 2 and is computed so: the difference of two near vectors is exact, and a lobe
- * of sharpness 1e6 keeps its shape. All integrals stand on the mean cosine, which cancels at neither end.
- * Sources: Karis, "Spherical Gaussians (part 1)" (2018), the inner product corrected; Wang et al., "All-Frequency
+ * of sharpness 1e6 keeps its shape. All integrals are computed from the mean of axis.v over the lobe
+ * (shade_sg_mean_cosine), in a form that keeps its digits for a small sharpness and for a large one.
+ * Sources: Karis, "Spherical Gaussians (part 1)" (2018), but for shade_sg_inner_product; Wang et al., "All-Frequency
  * Rendering of Dynamic, Spatially-Varying Reflectance" (2009); Tsai and Shih, "All-Frequency Precomputed Radiance
  * Transfer using Spherical Radial Basis Functions and Clustered Tensor Approximation" (2006).
  */
@@ -20,9 +22,9 @@
 #include "glsl_begin.h"
 
 #define SHADE_SG_DIVISOR_MIN 1e-30f
-#define SHADE_SG_SHARPNESS_MIN 1e-4f /* what has less counts as even all around, where 1 / sharpness is asked for */
+#define SHADE_SG_SHARPNESS_MIN 1e-4f /* for 1 / sharpness: a lobe that has less counts as having this */
 #define SHADE_SG_FRACTION_LIMIT 1.0f /* sharpness below which the mean cosine is a continued fraction */
-#define SHADE_SG_FRACTION_FIRST 13   /* its innermost odd number: then it is exact to 1e-9 */
+#define SHADE_SG_FRACTION_FIRST 13   /* the innermost odd number of that fraction: it is exact to 1e-9 then */
 
 SHADE_STRUCT(shade_sg)
 {
@@ -31,7 +33,7 @@ SHADE_STRUCT(shade_sg)
 	vec3 amplitude;
 };
 
-/* G(v). At v = axis: the amplitude. */
+/* The lobe's value in the unit direction v, by the formula above; where v is the axis, it is the amplitude. */
 SHADE_FN vec3 shade_sg_evaluate(shade_sg g, vec3 v)
 {
 	vec3 apart = v - g.axis;
@@ -66,7 +68,7 @@ SHADE_FN float shade_sg_normalized_amplitude(float sharpness)
 	return (1.0f + sharpness * (1.0f + shade_sg_mean_cosine(sharpness))) / (4.0f * SHADE_PI);
 }
 
-/* The lobe with an integral of 1 in each channel; the amplitude it had has no part in it. */
+/* The lobe of the same axis and sharpness whose integral is 1 in each channel; g's own amplitude does not matter. */
 SHADE_FN shade_sg shade_sg_normalize(shade_sg g)
 {
 	shade_sg unit = {g.axis, g.sharpness, vec3(shade_sg_normalized_amplitude(g.sharpness))};

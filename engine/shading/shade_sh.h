@@ -1,12 +1,13 @@
 /*
  * shade_sh: spherical harmonics of three bands: light from all around as nine numbers. [any-thread]
  *
- * Meaning.    A function of the direction, f(w) = sum of c[i] Y[i](w): radiance (W sr^-1 m^-2) or, convolved with the
- *             cosine, irradiance (W m^-2). The coefficients carry the same unit. Irradiance hardly needs more: three
- *             bands hold 99.2 % of the clamped cosine's square.
+ * Meaning.    A function of the unit direction w, f(w) = sum of c[i] Y[i](w): radiance (W sr^-1 m^-2) or, convolved
+ *             with the cosine, irradiance (W m^-2). The coefficients carry the same unit. Band l, 0 to 2, is the
+ *             2 l + 1 functions Y that are polynomials of degree l. Irradiance hardly needs more: these three bands
+ *             hold 99.2 % of the integral of the squared cosine, clamped to its positive half.
  * Basis.      Real, orthonormal, with the Condon-Shortley phase: index l (l + 1) + m is 0; -1, 0, 1; -2, -1, 0, 1, 2.
  *             The letters x, y, z of the formulas are the world's axes (+Y up): the pole of the basis is +Z, which
- *             shows nowhere but in the order of the coefficients.
+ *             matters for the order of the coefficients alone.
  * Layout.     Nine floats for one channel, 27 for three: no padding, and the same in a std430 buffer.
  * Range.      Unit directions; coefficients up to 1e30 in size. All is linear in the light but the dominant light.
  * Ringing.    Three bands of a narrow light swing below zero: a directional light of irradiance 1 gives the irradiance
@@ -38,7 +39,7 @@ SHADE_STRUCT(shade_sh)
 	float c[9];
 };
 
-/* One for each channel. */
+/* Red, green and blue light, nine coefficients each. */
 SHADE_STRUCT(shade_sh_rgb)
 {
 	shade_sh r;
@@ -46,8 +47,8 @@ SHADE_STRUCT(shade_sh_rgb)
 	shade_sh b;
 };
 
-/* The nine functions at the unit direction d. Source: maxest, "SH Formulas"; 3 z^2 - 1 is written without the 1, so
- * that a direction which is a float step too long or short does not tip the balance. */
+/* The nine functions Y at the unit direction d. Source: maxest, "SH Formulas", but 3 z^2 - 1 is written as
+ * 2 z^2 - x^2 - y^2: a d that is a float step too long or short then scales it, and adds nothing to it. */
 SHADE_FN shade_sh shade_sh_basis(vec3 d)
 {
 	shade_sh basis;
@@ -98,7 +99,7 @@ SHADE_FN float shade_sh_evaluate(shade_sh f, vec3 d)
 
 /* The light that comes from the direction l alone, with the given irradiance across its beam (a sun's). It is also the
  * step of every projection: a piece of surroundings of radiance L and solid angle dw is such a light of irradiance L
- * dw, and their sum the projection (gi/numeric_sh.h has the loops).
+ * dw, and their sum the projection (numeric/numeric_sh.h has the loops).
  * Source: maxest, "Projecting Light and Transfer Functions into SH". */
 SHADE_FN shade_sh shade_sh_directional(vec3 l, float irradiance)
 {
@@ -192,8 +193,8 @@ SHADE_FN shade_sh shade_sh_rotate(shade_sh f, shade_frame frame)
 
 /* ---- the dominant light ------------------------------------------------------------------------------------------ */
 
-#define SHADE_SH_DIRECTION_MIN 1e-6f /* of the mean: below it the light comes from nowhere in particular */
-#define SHADE_SH_LIGHT_MIN 1e-30f    /* less than this is black */
+#define SHADE_SH_DIRECTION_MIN 1e-6f /* share of f.c[0]: with less, there is no dominant direction */
+#define SHADE_SH_LIGHT_MIN 1e-30f    /* a band 1 below this counts as 0 */
 
 /* Where most of the light comes from: the direction of band 1. +Y where there is none.
  * Source: Sloan 2008, the "optimal linear direction". */
@@ -240,7 +241,7 @@ SHADE_FN shade_sh_rgb shade_sh_rgb_add(shade_sh_rgb a, shade_sh_rgb b)
 	return sum;
 }
 
-/* As shade_sh_directional, and so on for the rest. */
+/* Three channels at once of shade_sh_directional, and so on for the rest. */
 SHADE_FN shade_sh_rgb shade_sh_rgb_directional(vec3 l, vec3 irradiance)
 {
 	shade_sh basis = shade_sh_basis(l);
@@ -280,7 +281,7 @@ SHADE_FN shade_sh_rgb shade_sh_rgb_rotate(shade_sh_rgb f, shade_frame frame)
 }
 
 /* One directional light and an even ambient one for f: the direction is the luminance's, each channel has its own
- * irradiance and ambient. A directional light beside an ambient one comes back as they were. */
+ * irradiance and ambient. If f is the sum of a directional light and an ambient one, these two come back. */
 SHADE_FN shade_sh_light shade_sh_dominant_light(shade_sh_rgb f)
 {
 	shade_sh luminance;

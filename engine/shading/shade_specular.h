@@ -3,6 +3,7 @@
  *
  *   f(l, v) = D(h) F(v.h) G(l, v, h) / (4 (n.l) (n.v)) = D F V,   h = (l + v) / |l + v|
  *
+ * Unit vectors: n is the normal, l points to the light, v to the viewer; a dot between two is their cosine.
  * D, sr^-1: density of the microfacets' normals m; the integral of D(m) (n.m) over the hemisphere is 1.
  * G in [0, 1]: share of the facets that neither l nor v has in its shadow. It is kept as the visibility
  *   V = G / (4 (n.l) (n.v)), where the cosines that make a quotient 0 / 0 at grazing angles are gone already;
@@ -14,9 +15,9 @@
  * tilt of a highlight of alpha 1e-3: shade_angles_of takes it from the cross product, without that loss.
  *
  * Not every pair conserves energy: with SHADE_G_SMITH_BECKMANN a white surface reflects up to 1.30 of the light for
- * Blinn's D (roughness 1) and 1.62 for GGX (0.5; 1.65 for an anisotropic one), seen at up to 89 degrees; towards 90 the
- * two rise to 1.34 and 1.74: the term for Beckmann's D shadows too little for longer tails. The other pairs stay at or
- * below 1 for every angle and roughness. All are reciprocal.
+ * Blinn's D (roughness 1) and 1.62 for GGX (0.5; 1.65 for an anisotropic one), seen at up to 89 degrees; towards 90
+ * Blinn's rises to 1.34 and GGX's to 1.74: a G made for Beckmann's D shadows too little where D has more steep facets.
+ * The other pairs stay at or below 1 for every angle and roughness. All are reciprocal.
  *
  * Formulas: Karis, "Specular BRDF Reference" (2013), with the paper of each beside it.
  */
@@ -103,7 +104,7 @@ SHADE_FN shade_angles shade_angles_of(vec3 n, vec3 l, vec3 v)
 
 /* ---- D: distribution of the normals ----------------------------------------------------------------------------- */
 
-/* Karis's alpha of a roughness in [0, 1]. */
+/* alpha = roughness^2, as Karis has it, at least SHADE_ALPHA_MIN; roughness in [0, 1]. */
 SHADE_FN float shade_alpha_from_roughness(float roughness)
 {
 	return max(roughness * roughness, SHADE_ALPHA_MIN);
@@ -172,7 +173,7 @@ SHADE_FN float shade_alpha_along(shade_alphas alphas, vec3 local)
 	return sqrt((x * alphas.x * alphas.x + y * alphas.y * alphas.y) / (x + y));
 }
 
-/* The isotropic ones by number; SHADE_NDF_GGX_ANISOTROPIC counts as SHADE_NDF_GGX. */
+/* D by its number, SHADE_NDF_...; SHADE_NDF_GGX_ANISOTROPIC counts as SHADE_NDF_GGX. */
 SHADE_FN float shade_d(int ndf, float sin2_h, float alpha)
 {
 	if (ndf == SHADE_NDF_BLINN)
@@ -213,7 +214,8 @@ SHADE_FN float shade_v_kelemen(float v_dot_h)
 	return 0.25f / (c * c);
 }
 
-/* One direction's half of Smith's V, for each G below: G1(x) / (2 (n.x)); V is the product of l's and v's.
+/* Smith's V is the product of two factors, one for x = l and one for x = v: G1(x) / (2 (n.x)). G1 is the share of
+ * facets that x sees unshadowed; each shade_v1_... below has its own and returns the factor.
  * Source: Smith, "Geometrical shadowing of a random rough surface" (1967). */
 
 /* Beckmann: with c = (n.x) / (alpha sin x), G1 = (3.535 c + 2.181 c^2) / (1 + 2.276 c + 2.577 c^2) for c < 1.6,
@@ -262,7 +264,7 @@ SHADE_FN float shade_v_smith_ggx(float n_dot_l, float n_dot_v, float alpha_l, fl
 	return 1.0f / (of_l * of_v);
 }
 
-/* D V of GGX and its Smith term with one division: what Karis means by optimising the whole. */
+/* D V of GGX with its Smith term, by one division for all. Source: Karis (2013), on optimising the whole. */
 SHADE_FN float shade_dv_ggx(float sin2_h, float n_dot_l, float n_dot_v, float alpha)
 {
 	float alpha2 = alpha * alpha;
@@ -272,8 +274,8 @@ SHADE_FN float shade_dv_ggx(float sin2_h, float n_dot_l, float n_dot_v, float al
 	return alpha2 / (SHADE_PI * bracket * bracket * of_l * of_v);
 }
 
-/* V by number. n.l and n.v > 0. alpha_l and alpha_v: the widths of D along l and along v, both alpha unless D is
- * anisotropic (shade_alpha_along). */
+/* V by the number of its G, SHADE_G_...; n.l and n.v > 0. alpha_l and alpha_v: the widths of D along l and along v,
+ * both alpha unless D is anisotropic (shade_alpha_along). */
 SHADE_FN float shade_v(int g, shade_angles a, float alpha_l, float alpha_v)
 {
 	if (g == SHADE_G_IMPLICIT)
@@ -303,7 +305,7 @@ SHADE_FN float shade_g(int g, shade_angles a, float alpha_l, float alpha_v)
 
 /* ---- F: Fresnel ------------------------------------------------------------------------------------------------- */
 
-/* (1 - v.h)^5, the share that Schlick's F is on its way from F0 to 1. Source: Schlick (1994), eq. 15. */
+/* (1 - v.h)^5, how far Schlick's F has gone from F0 to 1. Source: Schlick (1994), eq. 15. */
 SHADE_FN float shade_schlick_share(float v_dot_h)
 {
 	float m = 1.0f - v_dot_h;
@@ -343,7 +345,7 @@ SHADE_FN vec3 shade_f_cook_torrance(vec3 f0, float v_dot_h)
 	            shade_f_cook_torrance_1(f0[2], v_dot_h));
 }
 
-/* F by number; SHADE_F_NONE is F0 for every angle. */
+/* F by its number, SHADE_F_...; SHADE_F_NONE is F0 for every angle. */
 SHADE_FN vec3 shade_f(int f, vec3 f0, float v_dot_h)
 {
 	if (f == SHADE_F_SCHLICK)

@@ -8,7 +8,8 @@
  *   Luminance         equally bright colours are dimmed alike, and it is linear: what averages need (shade_firefly.h).
  *                     A channel may end above the range, blue at up to 14 times its end.
  * Two curves: the simple one bends everywhere; the other is linear up to a, so that measured values can be read off the
- * picture, and bends into the range's end b; with a = 0 and b = range it is the simple one. All have inverses.
+ * picture, and bends above a towards the range's end b, which it never passes; with a = 0 and b = range it is the
+ * simple one. All have inverses.
  *
  * Colours are linear, each channel in [0, 1e30].
  * Source: Karis, "Tone mapping" (2013).
@@ -24,8 +25,8 @@
 #define SHADE_TONEMAP_A 0.6f
 #define SHADE_TONEMAP_B 1.0f
 
-/* An inverse comes from a number that lies at least this share of the range's end below it, one float step: so it is
- * finite for a colour that was rounded, or filtered, onto the end. */
+/* For an inverse, a mapped value counts as lying below the range's end by at least this share of it (a float step): so
+ * the result is finite for a colour that was rounded, or filtered, onto the end. */
 #define SHADE_TONEMAP_EPSILON 6e-8f
 
 #define SHADE_TONEMAP_ABOVE_MAX 1e30f /* infinite light ends at b too, not at inf / inf */
@@ -76,7 +77,7 @@ SHADE_FN vec3 shade_tonemap_scaled(vec3 color, float luma, float a, float b)
 	return color * select(luma <= a, 1.0f, shade_tonemap_curve(luma, a, b) / max(luma, a));
 }
 
-/* color scaled by the inverse of T, at luma, by luma. */
+/* color scaled by x / luma, where T(x) = luma. */
 SHADE_FN vec3 shade_tonemap_unscaled(vec3 color, float luma, float a, float b)
 {
 	return color * select(luma <= a, 1.0f, shade_tonemap_curve_inverse(luma, a, b) / max(luma, a));

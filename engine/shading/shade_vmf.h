@@ -2,11 +2,11 @@
  * shade_vmf: von Mises-Fisher, the normal distribution of directions: a Spherical Gaussian whose integral is 1, fitted
  * to directions by their mean. [any-thread]
  *
- * Held as 1 / sharpness in [0, 1e4]: 0 is one direction, large is evenly all around, and nothing is divided by a width
- * that may be 0. alpha^2 / 2 of a microfacet lobe.
+ * Held as its axis and 1 / sharpness in [0, 1e4]: 0 is one direction, large is evenly all around, and nothing is
+ * divided by a width that may be 0. For a lobe of microfacets of the width alpha (shade_specular.h) it is alpha^2 / 2.
  *
  * A mean direction is the average r of unit vectors, |r| in [0, 1]: its direction, and the spherical variance 1 - |r|,
- * which is held itself: where all directions lie within 1e-3, a float |r| has lost it.
+ * which is held instead of |r|: where all directions lie within 1e-3, a float |r| has lost it.
  * Sources: Karis, "von Mises-Fisher (part 2)" (2018); Banerjee et al., "Clustering on the Unit Hypersphere using von
  * Mises-Fisher Distributions" (2005); Jakob, "Numerically stable sampling of the von Mises-Fisher distribution on S2"
  * (2012).
@@ -76,7 +76,8 @@ SHADE_FN float shade_vmf_inverse_sharpness_fast(float variance)
 	return variance * (2.0f - variance) / (r * (3.0f - r * r));
 }
 
-/* The same exactly, the inverse of shade_vmf_variance: two of Newton's steps from the fast form, which leave 1e-9.
+/* The same exactly, the inverse of shade_vmf_variance: two steps of Newton's method from the fast form, which leave an
+ * error of 1e-9.
  * There remains the rounding of 1 - |r|, which weighs where |r| is small: 1e-6 up to 1 / sharpness = 1, 3e-4 at 100. */
 SHADE_FN float shade_vmf_inverse_sharpness(float variance)
 {
@@ -107,8 +108,9 @@ SHADE_FN shade_mean_direction shade_mean_direction_from_vector(vec3 r)
 	return mean;
 }
 
-/* The mean of both sets together; weight in [0, 1] is the share of b. Exact as averaging is, in any order, and to the
- * last digits: along the new axis m each set has the mean (1 - variance) axis.m, and 1 - axis.m is |axis - m|^2 / 2, so
+/* The mean of two sets of directions taken together, from the mean of each; weight in [0, 1] is the share of b. Exact,
+ * in whatever order sets are joined, and to the last digits: along the new axis m each set has the mean
+ * (1 - variance) axis.m, and 1 - axis.m is |axis - m|^2 / 2, so
  *   variance = sum of share (variance_i + (1 - variance_i) |axis_i - m|^2 / 2),
  * a sum of positive numbers. Sets that cancel out leave variance 1 about a's axis. */
 SHADE_FN shade_mean_direction shade_mean_direction_mix(shade_mean_direction a, shade_mean_direction b, float weight)
