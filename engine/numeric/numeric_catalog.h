@@ -113,7 +113,7 @@ double stilb_numeric_white_albedo(const stilb_numeric_row *row, float roughness,
 
 /* The largest stilb_numeric_white_albedo at 0, 10, ... 80, 85, 89 degrees from the normal and roughness 0, 0.05, ... 1;
  * of anisotropic models along the frame's t and across it. Models that do not conserve energy grow beyond 89 degrees:
- * Smith-Beckmann's G towards 1.34 with Blinn's D and 1.74 with GGX; the others without a bound. Takes up to a second. */
+ * Smith-Beckmann's G towards 1.34 with Blinn's D and 1.74 with GGX, the others without a bound. Takes up to 1 s. */
 double stilb_numeric_largest_albedo(const stilb_numeric_row *row);
 
 #endif

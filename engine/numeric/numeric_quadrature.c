@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Nodes and weights of the Gauss-Legendre rule of 16 points on [-1, 1]. It is symmetric: only the positive half is here.
+/* Nodes and weights of the Gauss-Legendre rule of 16 points on [-1, 1]. It is symmetric: the positive half is here.
  * Source: Abramowitz and Stegun, "Handbook of Mathematical Functions" (1964), table 25.4. */
 #define HALF_POINTS 8
 static const double nodes[HALF_POINTS] = {

@@ -303,8 +303,8 @@ struct stilb_render {
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
-	const stilb_prof_site
-		*sites[STILB_RENDER_MAX_PASSES]; /* by pass: what the profiler keeps of its name; NULL: not asked yet */
+	/* By pass: the profiler's site for its name, which names its zones; NULL: not looked up yet. */
+	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES];
 	render_frame_state state;
 	void *sort_items; /* [sort_capacity] scratch memory of render_sort */
 	uint64_t sort_capacity;

@@ -65,8 +65,8 @@ void render_contexts_rewind(stilb_render *render)
 		context->meshes = render->resources.meshes;
 		context->materials = render->resources.materials;
 	}
-	for (int kind = 0; kind < RENDER_MEMORY_KINDS;
-	     kind++) /* relaxed: workers see it because a job is submitted after it */
+	/* Relaxed: workers see it, because jobs are submitted after it and that orders it. */
+	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 		atomic_store_explicit(&render->memory[kind].next, 0, memory_order_relaxed);
 	render_passes_rewind(render);
 }

@@ -1,4 +1,5 @@
-/* The contracts of culling, each broken on purpose; and an octree that is damaged fails its check. */
+/* The contracts of culling (what its asserts demand of a caller), each broken on purpose; and an octree that is damaged
+ * fails its check. */
 #include "culling/cull_internal.h"
 #include "support/contract.h"
 #include "support/test.h"
@@ -41,7 +42,7 @@ static void *take(void *owner)
 	return NULL;
 }
 
-/* As if another thread were inside a call. */
+/* Calls stilb_cull_run while the cull is marked as if another thread were inside a call. */
 static void run_beside_another_thread(line *l, stilb_cull_visible *visible)
 {
 	pthread_t thread;
@@ -71,13 +72,13 @@ static void runs(void **state)
 	contract_breaks("zero-initialised", run(&l, STILB_CULL_FLAT, &garbage));
 	contract_breaks("ids[i] < cull->model_count", stilb_cull_move(l.cull, &l.scene, (uint32_t[]){MODELS}, 1));
 	contract_breaks("ids || count == 0", stilb_cull_move(l.cull, &l.scene, NULL, 1));
-	visible.bits[0] = 2; /* left over from nowhere */
+	visible.bits[0] = 2; /* a bit that is set between runs, which none may be */
 	contract_breaks("cull_visible_is_sound", run(&l, STILB_CULL_FLAT, &visible));
 	stilb_cull_visible_finish(&visible);
 	stilb_cull_destroy(l.cull);
 }
 
-/* Moves model 0 by nothing, after which the octree is checked. */
+/* Moves model 0 to where it is: a call that ends with a check of the octree. */
 static void move_nothing(line *l)
 {
 	stilb_cull_move(l->cull, &l->scene, (uint32_t[]){0}, 1);

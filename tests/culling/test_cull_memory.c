@@ -1,5 +1,5 @@
 /* Culling without memory: every allocation fails once, nothing is lost, and the next call works.
- * The linker sends the module's calls of stilb_memory_alloc here (--wrap). */
+ * The linker sends the module's calls of stilb_memory_alloc here (--wrap), to let them fail. */
 #include "support/cull_reference.h"
 
 #define OBJECTS 400u
@@ -98,7 +98,8 @@ static void test_mark_fails_clean(void **state)
 	stilb_cull_octree_destroy(octree);
 }
 
-/* Counts how many allocations a call needs, and sees it fail at each of them. */
+/* Lets 0, 1, 2, ... allocations of a creation and of a run succeed, until they are enough: with fewer the call returns
+ * the error and loses nothing. */
 static void test_create_and_run_fail_clean(void **state)
 {
 	(void)state;
@@ -115,11 +116,11 @@ static void test_create_and_run_fail_clean(void **state)
 	}
 	assert_true(needed > 5);
 
-	/* Everything is visible, but the root is not wholly inside. */
+	/* A view that sees all models without holding the octree's root cell wholly: so the octree is walked. */
 	float low[3] = {-1e3f, -1e3f, -1e3f}, high[3] = {60.0f, 60.0f, 60.0f};
 	stilb_frustum all = box_view(low, high);
 	stilb_cull_visible visible = {0};
-	for (uint32_t budget = 0; budget < 5; budget++) { /* ids, bits, chunk counts, items, families */
+	for (uint32_t budget = 0; budget < 5; budget++) { /* too few for: ids, bits, chunk counts, items, families */
 		allocations_left = budget;
 		stilb_result result = stilb_cull_run(cull, STILB_CULL_OCTREE, &scene, &all, NULL, 0, &visible);
 		assert_int_equal(result, STILB_ERROR_MEMORY);

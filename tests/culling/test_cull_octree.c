@@ -1,4 +1,4 @@
-/* The loose octree: the cells of objects, removal, and the walk of a view. */
+/* The loose octree (cull.h): which cell an object is stored in, removal, and the walk of a view through the cells. */
 #include "support/cull_reference.h"
 
 #define OBJECTS 600u
@@ -26,7 +26,8 @@ static void assert_octree(const stilb_cull_octree *octree)
 		fail_msg("%s", wrong);
 }
 
-/* Checks that the tree marks exactly the twin's visible objects, with every instruction set. Returns their number. */
+/* Checks that the tree marks exactly the objects that are visible by a test of each in the plain array, with every
+ * instruction set. Returns their number. */
 static uint32_t assert_same(twin_octree *twin, const stilb_frustum *frustum)
 {
 	uint32_t visible = 0;
@@ -64,7 +65,8 @@ static void twin_remove(twin_octree *twin, uint32_t id)
 	twin->present[id] = false;
 }
 
-/* Sizes from a point to the whole root and beyond, some on corners of cells, one in sixteen with NaN or infinity. */
+/* A sphere of any size, from a point to larger than the root cell; some lie on corners of cells, and one in sixteen has
+ * a NaN or an infinity. */
 static stilb_sphere random_sphere(reference_random *random)
 {
 	uint32_t kind = random_below(random, 16);
@@ -103,7 +105,8 @@ static void assert_name(const stilb_cull_octree *octree, stilb_sphere bounds, cu
 		assert_int_equal(name.position[axis], expected.position[axis]);
 }
 
-/* Root from -64 to 64; sides of the cells 128, 64, 32, 16, 8. An object fits while its radius is half a side. */
+/* The root reaches from -64 to 64; cells have sides of 128, 64, 32, 16, 8. An object belongs to the smallest cell whose
+ * half side is at least its radius. */
 static void test_size_and_centre_name_the_cell(void **state)
 {
 	(void)state;
@@ -155,7 +158,7 @@ static void test_random_operations(void **state)
 			visible += assert_same(&twin, &frustum);
 			everything += twin.octree->cells[CULL_ROOT].subtree_count;
 		}
-		assert_true(visible > everything / 50 && visible < everything); /* the views saw something */
+		assert_true(visible > everything / 50 && visible < everything); /* the views saw some objects and not all */
 		for (uint32_t id = 0; id < OBJECTS; id++)
 			twin_remove(&twin, id);
 		assert_octree(twin.octree);
@@ -172,7 +175,8 @@ static void test_move_within_a_cell_stays_there(void **state)
 	twin_insert(&twin, 1, (stilb_sphere){2.0f, 1.0f, 1.0f, 1.0f});
 	cull_place before = twin.octree->places[0];
 	uint32_t cells = twin.octree->cell_count;
-	twin_move(&twin, 0, (stilb_sphere){7.5f, 2.0f, 3.0f, 4.0f}); /* greater as well: still half a side */
+	/* Moved and grown: its radius is still at most half the cell's side. */
+	twin_move(&twin, 0, (stilb_sphere){7.5f, 2.0f, 3.0f, 4.0f});
 	assert_memory_equal(&before, &twin.octree->places[0], sizeof before);
 	assert_int_equal(twin.octree->cell_count, cells);
 	assert_octree(twin.octree);
@@ -247,7 +251,7 @@ static void test_cells_are_reused(void **state)
 
 /* ---- what a view makes of the cells ------------------------------------------------------------------------------ */
 
-/* Walks the octree and checks the sums of the work list. */
+/* Walks the octree, and checks that the numbers that the walk returns are the sums over the list of work it made. */
 static cull_walk_result walk_octree(stilb_cull_octree *octree, const stilb_frustum *frustum)
 {
 	cull_walk_result walk;
@@ -273,8 +277,8 @@ static void test_cells_are_taken_whole(void **state)
 		float low, high;
 		uint32_t tested_most, accepted_least, seen_most;
 	} views[] = {
-		{-300.0f, 300.0f, 0, OBJECTS, OBJECTS},    /* everything, without testing objects */
-		{200.0f, 300.0f, 0, 0, 0},                 /* nothing, without testing objects */
+		{-300.0f, 300.0f, 0, OBJECTS, OBJECTS},    /* a view that sees everything: no object is tested */
+		{200.0f, 300.0f, 0, 0, 0},                 /* a view that sees nothing: no object is tested */
 		{-300.0f, 1.5f, OBJECTS / 4, 10, OBJECTS}, /* the lower eighth and a layer of cells around it */
 	};
 	for (size_t v = 0; v < sizeof views / sizeof *views; v++) {
@@ -368,7 +372,7 @@ static void test_cells_agree_with_rounded_objects(void **state)
 			float away = at.radius * (float)((int)random_below(&random, 3) - 1);
 			float distance = -(((at.x * n[0] + at.y * n[1]) + at.z * n[2]) + away);
 			stilb_frustum frustum;
-			for (int p = 0; p < 6; p++) /* one plane is enough; the others see all */
+			for (int p = 0; p < 6; p++) /* planes that see everything, but for one below */
 				frustum.planes[p] = (stilb_plane){0.0f, 0.0f, 0.0f, 1.0f};
 			frustum.planes[random_below(&random, 6)] = (stilb_plane){n[0], n[1], n[2], distance};
 			touched += assert_same(&twin, &frustum);

@@ -14,7 +14,7 @@ typedef struct fixture {
 	stilb_cull_visible visible;
 	uint32_t *expected;
 	uint32_t expected_count;
-	uint64_t seen; /* over all views */
+	uint64_t seen; /* models seen, added up over all views */
 } fixture;
 
 typedef stilb_sphere sphere_fn(reference_random *random, uint32_t model, uint32_t model_count);
@@ -60,7 +60,8 @@ static void use_isa(fixture *f, stilb_isa isa)
 	f->cull->kernels = f->cull->octree->kernels = cull_kernels_for(isa);
 }
 
-/* One view with all methods, instruction sets and pools; sometimes small scenes are spread over the workers, too. */
+/* Checks one view with all methods, instruction sets and pools. always_parallel: small scenes are spread over the
+ * workers too. */
 static void assert_view(fixture *f, const stilb_frustum *frustum, bool always_parallel)
 {
 	f->expected_count = 0;
@@ -116,7 +117,7 @@ static void test_views_of_a_grid(void **state)
 	run_views(5000, 70.0f, 300, grid_sphere, 1);
 }
 
-/* All sizes, from points to as large as the world. */
+/* A sphere anywhere, of any size from a point to as large as the whole scene. */
 static stilb_sphere cloud_sphere(reference_random *random, uint32_t model, uint32_t model_count)
 {
 	(void)model, (void)model_count;
@@ -172,7 +173,7 @@ static void test_views_of_a_large_grid(void **state)
 
 /* ---- degenerate cases ------------------------------------------------------------------------------------------- */
 
-/* Planes that touch the balls of a lattice exactly: >= counts. */
+/* Planes that touch the spheres of a lattice exactly: distance >= -radius, so these are visible. */
 static void test_touching_is_visible(void **state)
 {
 	(void)state;
@@ -198,7 +199,8 @@ static void test_touching_is_visible(void **state)
 	fixture_finish(&f);
 }
 
-/* Numbers of models around the sizes of words and chunks, one list of a view used for all of them. */
+/* Numbers of models around multiples of 64 (a word of bits) and of CULL_CHUNK, with one stilb_cull_visible used for all
+ * of them. */
 static void test_counts_around_chunks(void **state)
 {
 	(void)state;

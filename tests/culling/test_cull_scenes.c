@@ -63,13 +63,13 @@ static stilb_frustum world_view(world kind, reference_random *random)
 	uint32_t plane = random_below(random, 6);
 	float *values = (float *)&view.planes[plane];
 	switch (random_below(random, 8)) {
-	case 0: /* no direction: all or nothing */
+	case 0: /* a plane without a normal: it sees everything or nothing */
 		view.planes[plane] = (stilb_plane){0.0f, 0.0f, 0.0f, random_between(random, -1.0f, 1.0f)};
 		break;
-	case 1: /* the same twice */
+	case 1: /* the same plane twice */
 		view.planes[plane] = view.planes[(plane + 1) % 6];
 		break;
-	case 2: /* not of unit length */
+	case 2: /* a normal that is not of unit length */
 		for (int i = 0; i < 4; i++)
 			values[i] *= exp2f(random_between(random, -140.0f, 120.0f));
 		break;
@@ -88,7 +88,7 @@ typedef struct fixture {
 	stilb_cull_visible visible;
 	stilb_job_pool *pool;
 	uint32_t expected[MOST_MODELS], expected_count;
-	uint64_t seen, all; /* over all views */
+	uint64_t seen, all; /* models that are seen, and that there are, added up over all views */
 } fixture;
 
 static void expect(fixture *f, const stilb_frustum *view)

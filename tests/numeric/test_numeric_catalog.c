@@ -13,7 +13,7 @@ enum { ROUGHNESS_COUNT = sizeof ROUGHNESSES / sizeof ROUGHNESSES[0] };
 
 static stilb_numeric_shape make_shape(float roughness)
 {
-	/* Neither in a plane of symmetry nor near the horizon. */
+	/* The view direction is neither in a plane of symmetry nor near the horizon. */
 	return (stilb_numeric_shape){roughness, 0.4f, stilb_vec3_normalize(stilb_vec3_make(0.5f, 0.3f, 0.7f))};
 }
 
@@ -134,7 +134,7 @@ static void energy_is_kept_or_gained_as_the_table_says(void **state)
 	each_row(STILB_NUMERIC_BRDF, check_energy);
 }
 
-/* Of what gains energy without a bound, twice as near to the horizon gains twice as much. */
+/* Models that gain energy without a bound: at half the angle above the horizon they gain twice as much. */
 static void some_gains_have_no_bound(void **state)
 {
 	(void)state;
@@ -148,7 +148,8 @@ static void some_gains_have_no_bound(void **state)
 	}
 }
 
-/* |f(l, v) - f(v, l)| of a row, times both cosines, in units of their sum and of what one sees of a highlight. */
+/* |f(l, v) - f(v, l)| of a row's model for random directions, relative to f(l, v) + f(v, l); all are multiplied by both
+ * cosines, and 0.01 is added to the divisor so that values too dark to be seen do not matter. */
 static double asymmetry(const stilb_numeric_row *row, shade_proof_random *random)
 {
 	const shade_frame frame = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
@@ -164,7 +165,7 @@ static void check_reciprocity(const stilb_numeric_row *row)
 {
 	shade_proof_random random = {.seed = 17};
 	double worst = 0.0;
-	for (int i = 0; i < 30000; i++) /* of 39 rows: above 10^6 */
+	for (int i = 0; i < 30000; i++) /* for each of 39 models: over 10^6 pairs of directions */
 		worst = fmax(worst, asymmetry(row, &random));
 	if (row->reciprocal ? worst > 1e-4 : worst < 0.5)
 		fail_msg("%s: f(l, v) and f(v, l) differ by %g of their sum", row->name, worst);
@@ -180,13 +181,14 @@ static void reciprocity_is_as_the_table_says(void **state)
 
 enum { RINGS = 24, SECTORS = 16, BINS = RINGS * SECTORS, SAMPLES = 1 << 17 };
 
-/* What is counted: the direction turned to where the density is dense, or the half vector. */
+/* How samples of a row are counted in bins. Counted are directions, in a frame whose z is where the density is highest;
+ * where that is known of the half vector of view and direction, half vectors (STILB_NUMERIC_POLE_HALF). */
 typedef struct spread {
 	const stilb_numeric_row *row;
 	const stilb_numeric_shape *shape;
-	shade_frame frame; /* z is the pole */
+	shade_frame frame; /* its normal is that z axis */
 	double width;
-	double ring_z; /* while the azimuth runs */
+	double ring_z; /* the height at which the azimuth is integrated */
 } spread;
 
 static spread make_spread(const stilb_numeric_row *row, const stilb_numeric_shape *shape)
@@ -206,7 +208,8 @@ static stilb_vec3 counted(const spread *s, stilb_vec3 direction)
 	return h[2] < 0.0f ? -h : h;
 }
 
-/* Rings hold about as much as one another: s = tan^2(theta / 2) / (width^2 + tan^2(theta / 2)) in equal steps. */
+/* The bin of p: its ring about z and its sector. With theta the angle from z, rings are equal steps of
+ * tan^2(theta / 2) / (width^2 + tan^2(theta / 2)): so each holds about as many samples of a lobe of that width. */
 static int bin_of(const spread *s, stilb_vec3 p)
 {
 	double rim2 = (double)(p[0] * p[0] + p[1] * p[1]);
@@ -217,7 +220,7 @@ static int bin_of(const spread *s, stilb_vec3 p)
 	return (ring < RINGS ? ring : RINGS - 1) * SECTORS + (sector < SECTORS ? sector : SECTORS - 1);
 }
 
-/* The lower height of a ring; that of ring -1 is the pole. */
+/* The height z, -1 to 1, at which a ring ends below; for ring -1 it is 1, the pole where ring 0 begins. */
 static double ring_height(const spread *s, int ring)
 {
 	double share = (ring + 1.0) / RINGS;
@@ -255,15 +258,15 @@ static double expected_share(const spread *s, int bin)
 	int ring = bin / SECTORS, i = bin % SECTORS;
 	const sector part = {*s, ((double)i / SECTORS - 0.5) * 2.0 * M_PI, ((i + 1.0) / SECTORS - 0.5) * 2.0 * M_PI};
 	double low = ring_height(s, ring), high = ring_height(s, ring - 1);
-	/* Densities end at the horizon. */
+	/* Densities jump to 0 at the horizon z = 0, so a ring across it is integrated in two parts. */
 	if (low < 0.0 && high > 0.0)
 		return stilb_numeric_integrate(density_in_sector, &part, low, 0.0, 1) +
 		       stilb_numeric_integrate(density_in_sector, &part, 0.0, high, 1);
 	return stilb_numeric_integrate(density_in_sector, &part, low, high, 1);
 }
 
-/* How many standard deviations chi-square lies above what it is on average, its degrees of freedom. Bins with less than
- * ten samples to expect are one bin. */
+/* Pearson's chi-square of the samples against the expected density: by how many of its standard deviations it lies
+ * above its mean, the degrees of freedom. Bins in which fewer than ten samples are expected are joined into one. */
 static double chi_square(const spread *sampled, const spread *expected)
 {
 	static int counts[BINS];

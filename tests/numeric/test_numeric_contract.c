@@ -1,4 +1,5 @@
-/* Planted violations of the contracts of engine/numeric: each must abort with its assert. */
+/* The contracts of engine/numeric (what its asserts demand of a caller), each broken on purpose: the program must abort
+ * with that assert. */
 #include "numeric/numeric_catalog.h"
 #include "numeric/numeric_quadrature.h"
 #include "numeric/numeric_sh.h"

@@ -1,4 +1,5 @@
-/* The quadrature that the proofs rest on, against closed forms; and the albedo's own coordinates against plain ones. */
+/* Numerical integration, which the tests of the shading formulas rest on, against closed forms; and the albedo in the
+ * coordinates of numeric_albedo.h against the same integral over plain directions. */
 #include "support/shade_proof.h"
 
 #include "numeric/numeric_albedo.h"
@@ -9,7 +10,7 @@ static double power_of(double x, const void *context)
 	return pow(x, *(const int *)context);
 }
 
-/* Sixteen points: exact up to x^31, and not for x^32. */
+/* The Gauss-Legendre rule of 16 points is exact up to x^31, and not for x^32. */
 static void gauss_is_exact_for_polynomials(void **state)
 {
 	(void)state;

@@ -34,7 +34,8 @@ static double upper_cosine(const double d[3], const void *context)
 	return fmax(d[2], 0.0);
 }
 
-/* The lobe that irradiance is made of: its bands are pi, 2 pi / 3, pi / 4 times the basis at its axis. */
+/* Projects the clamped cosine about an axis, the lobe that irradiance is made with: its coefficients of the bands 0, 1
+ * and 2 are pi, 2 pi / 3 and pi / 4 times the basis functions at the axis. */
 static void cosine_lobe_has_its_bands(void **state)
 {
 	(void)state;
@@ -50,7 +51,8 @@ static double two_halves(const double d[3], const void *context)
 	return radiance[d[2] > 0.0 ? 0 : 1];
 }
 
-/* A sky of two colours has no band 2, and the cosine's odd bands end at 1: the irradiance is exact. */
+/* Two uniform halves, sky and ground, have no part in band 2, and the cosine has none in band 3 and higher odd ones: so
+ * three bands give their irradiance exactly. */
 static void two_halves_have_their_irradiance(void **state)
 {
 	(void)state;
@@ -90,7 +92,8 @@ static shade_sh_rgb projected(const stilb_image *map)
 	return sh;
 }
 
-/* Green of the map, by the middle of ever smaller pieces of its texels. */
+/* Compares the projection of the map's green with sums over 60 x 60 pieces of each texel, the basis being evaluated in
+ * each piece's middle. */
 static void assert_green_by_midpoints(const stilb_image *map, shade_sh got)
 {
 	enum { PIECES = 60 };
@@ -118,7 +121,7 @@ static void map_is_integrated(void **state)
 	stilb_image_finish(&map);
 }
 
-/* Each texel as four of the same colour: the same light, the same numbers. */
+/* A map in which each texel is replaced by four of its colour is the same light: it has the same coefficients. */
 static void resolution_adds_nothing(void **state)
 {
 	(void)state;
@@ -200,7 +203,7 @@ static void grey_and_alpha_are_understood(void **state)
 	float *to = color.pixels;
 	for (uint32_t i = 0; i < 12; i++) {
 		to[4 * i] = to[4 * i + 1] = to[4 * i + 2] = from[2 * i];
-		to[4 * i + 3] = NAN; /* alpha is not looked at */
+		to[4 * i + 3] = NAN; /* alpha is ignored, so NaN does no harm */
 	}
 	shade_sh_rgb a = projected(&grey), b = projected(&color);
 	assert_memory_equal(&a, &b, sizeof a);

@@ -1,4 +1,5 @@
-/* Frame dumps of arbitrary bytes: render_dump_read never crashes and returns a dump or a reason; a dump plays on the
+/* Fuzzes the reading of frame dumps, files that hold all commands of a frame (render_dump.h). Whatever the bytes,
+ * render_dump_read never crashes and returns a dump or a reason; a dump plays on the
  * null device and can be saved. The mutator knows the parts of a file, adapts the header's counts to them, and in most
  * cases writes the right checksum, without which every mutant would be refused at once. */
 #include "render/render_dump_format.h"
@@ -86,7 +87,7 @@ static void make_seed(const char *path, uint32_t pass_count)
 	stilb_render_destroy(render);
 }
 
-/* The last argument is the seeds' folder: the fuzzer reads it after this function has filled it. */
+/* Writes the seeds into the folder that is the last argument; the fuzzer reads it afterwards. */
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
 	const char *seeds = (*argv)[*argc - 1];
@@ -169,7 +170,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsi
 
 /* ---- checks ------------------------------------------------------------------------------------------------------ */
 
-/* Large ids only cost time and memory: each id below them gets an empty resource. */
+/* True if all ids are small. A dump with large ones is not played, which would only cost time and memory: every id
+ * below them gets an empty resource. */
 static bool plays_quickly(const stilb_render_dump *dump)
 {
 	const render_dump_header *header = dump->header;

@@ -39,7 +39,7 @@ static void stage_close(stage *s)
 	stilb_job_pool_destroy(s->pool);
 }
 
-/* All replay modes, each with one and with four samples. */
+/* Way w, 0..5: replay mode w / 2, with one sample a pixel where w is even, with four where it is odd. */
 #define WAYS 6
 
 static stilb_render_desc way(int w)
@@ -263,7 +263,7 @@ static stilb_render_texture one_texel(stage *s, color c)
 typedef struct paint {
 	float rect[4], clip[4];
 	color c;
-	int texture; /* 0: none, 1: glyph, 2: tint */
+	int texture; /* 0: none; 1, 2: a texture of one texel, the color `glyph` or `tint` */
 } paint;
 
 static const color glyph = {255, 255, 255, 90}, tint = {188, 255, 0, 255};
@@ -473,7 +473,7 @@ static void memory_grows_in_flight(void **state)
 			assert_int_equal(stilb_render_resize(s.render, sizes[i].width, sizes[i].height), STILB_OK);
 			for (uint64_t frame = 0; frame < 3; frame++) {
 				draw_all_pixels(&s, frame);
-				if (frame == 1) /* the frame before may still be drawn */
+				if (frame == 1) /* frame 1 is not waited for: frame 2 begins while it is drawn */
 					continue;
 				assert_all_pixels(&s, frame);
 			}

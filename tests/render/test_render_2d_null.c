@@ -1,5 +1,6 @@
 /* 2D passes on the null device: the draws that reach the device and their order, memory that grows and that runs out.
- * 2D passes are no part of the stream hash and of dumps. The linker sends allocations here (--wrap). */
+ * 2D passes are no part of the stream hash and of dumps. The linker sends allocations here (--wrap), which lets them
+ * fail. */
 #include "render/render_dump.h"
 #include "render/render_internal.h"
 #include "support/render_reference.h"
@@ -11,7 +12,7 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* The n-th allocation from now fails, later ones succeed. Relaxed: a counter that orders nothing. */
+/* Allocations from now up to the one that fails; later ones succeed. Relaxed: only the number matters. */
 static _Atomic int64_t allocations_left;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -52,7 +53,8 @@ static stilb_render_texture make_texture(stilb_render *render)
 	return out;
 }
 
-/* Shape n: a fan of n + 3 vertices that hold n and their own number. */
+/* Shape number n: a fan of triangles with n + 3 vertices; each vertex holds n and its own number, so that the data can
+ * be recognised at the device. */
 typedef struct shape {
 	stilb_render_vertex_2d vertices[40];
 	uint32_t indices[120];
@@ -102,7 +104,7 @@ static void assert_shapes(const stilb_render *render, uint32_t count)
 	assert_int_equal(number, count);
 }
 
-/* Shapes in segments of 100, each by another context, the last one first. */
+/* Records the shapes in segments of 100 (numbered parts of the pass), each by another context, the last one first. */
 static stilb_result record_shapes(stilb_render *render, uint32_t count, stilb_render_texture texture)
 {
 	uint32_t segments = (count + 99) / 100;
@@ -168,11 +170,11 @@ static void draws_are_counted(void **state)
 		stilb_render_stats stats = stilb_render_stats_get(render);
 		assert_true(stats.draws == 90);
 		assert_true(stats.draw_commands == (indirect ? 0 : 90));
-		assert_true(stats.indirect_commands == indirect); /* one for all clips */
+		assert_true(stats.indirect_commands == indirect); /* one device command for all draws, whatever their clips */
 		assert_true(stats.execute_commands == 0);
 		assert_true(stats.binds_asked == 270 && stats.binds_sent == 3);
 		assert_true(stats.recorded_bytes == 90 * 96 + shape_bytes(90));
-		/* With textures: one for each run of draws with the same texture. */
+		/* With textures: one device command for each run of draws with the same texture. */
 		assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 		assert_int_equal(stilb_render_pass_begin(render, 0, 1), STILB_OK);
 		stilb_render_context *context = stilb_render_context_get(render, 0);

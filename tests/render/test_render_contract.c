@@ -160,7 +160,8 @@ static void replay_a_damaged_run(stilb_render *render)
 	draw(context, make_mesh(render), make_material(render), 1.0f);
 	stilb_render_segment_end(context);
 	stilb_render_pass_end(render, 0);
-	context->runs[0].count = RENDER_COMMAND_CHUNK + 1; /* beyond the one chunk that is claimed */
+	/* A run that ends behind the only chunk of commands that is claimed. */
+	context->runs[0].count = RENDER_COMMAND_CHUNK + 1;
 	replay(render, (stilb_render_pass){0}, 1);
 }
 

@@ -1,4 +1,5 @@
-/* The stream is the same for 0 to 8 workers and many schedules of each. The linker redirects the job system's loops to
+/* The stream of draws that the device gets is the same for 0 to 8 workers and many schedules (orders in time of their
+ * work) of each. The linker redirects the job system's loops to
  * this file (--wrap), which permutes their slices and pauses between them; the hooks of the pool pause, too. So
  * segments are recorded in orders that the scheduler alone would hardly produce. Arguments: the number of schedules;
  * "vulkan", to compare pictures instead; WORKERS SCHEDULE, to repeat one schedule. */
@@ -18,7 +19,7 @@
 
 static struct {
 	uint64_t seed;
-	_Atomic uint64_t pauses; /* number so far. Relaxed: it numbers random values, which may go to any thread */
+	_Atomic uint64_t pauses; /* made so far. Relaxed: a thread takes any number, for a random length */
 	bool on;
 } fuzz;
 
@@ -132,7 +133,7 @@ static content all;
 static uint32_t segment_size(uint32_t pass, uint32_t segment)
 {
 	if (segment == 7)
-		return pass == 0 ? 600 : 2100; /* longer than a chunk of rows (pass 0), and than one of commands */
+		return pass == 0 ? 600 : 2100; /* draws: more than a chunk of rows holds, and than one of commands */
 	return segment % 5 == 2 ? 0 : (uint32_t)(stilb_random_u64(pass, segment) % 30);
 }
 
@@ -268,7 +269,8 @@ static void hand_run(void *data, uint32_t worker)
 	record_hand_segment(job->render, 0, job->segment, worker);
 }
 
-/* A job for each segment, submitted in any order: a waiting owner runs the newest job first, a thief the oldest. */
+/* Records with one job for each segment. They run in any order: the thread that waits for its own jobs runs the newest
+ * first, a thread that steals them the oldest. */
 static void record_by_jobs(stilb_render *render, stilb_job_pool *pool)
 {
 	hand_job jobs[SEGMENTS];
@@ -319,7 +321,7 @@ static void check_schedule(stilb_render *render, stilb_job_pool *pool, uint32_t 
 		         replay, materials, workers, schedule);
 }
 
-/* Schedules first .. last - 1; each takes the next combination of modes. */
+/* Runs schedules first .. last - 1, each with the next combination of replay mode and materials. */
 static void check_schedules(uint32_t workers, uint32_t first, uint32_t last)
 {
 	stilb_job_pool *pool = fixture_pool(workers, fuzz_hooks);

@@ -1,5 +1,5 @@
 /* Frame dumps on the null device: a saved frame plays with the same stream, and a damaged file is refused with a reason
- * or plays. The linker sends allocations here (--wrap). */
+ * or plays. The linker sends allocations here (--wrap), to let them fail. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 #include "support/test.h"
@@ -15,7 +15,7 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* The number of further allocations that succeed. Relaxed: a counter that orders nothing. */
+/* The number of further allocations that succeed. Relaxed: only the number matters. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -203,7 +203,7 @@ static uint8_t *read_bytes(const char *path, size_t *size)
 	return bytes;
 }
 
-/* Reads a copy of exactly that size, so that the sanitizer sees reads beyond it. */
+/* Reads from a copy in a block of exactly `size` bytes, so that the address sanitizer sees reads beyond it. */
 static stilb_result read_copy(const uint8_t *bytes, size_t size, stilb_render_dump **dump)
 {
 	uint8_t *copy = malloc(size ? size : 1);
@@ -340,7 +340,8 @@ static void every_change_is_noticed(void **state)
 	free(bytes);
 }
 
-/* Large ids would only cost time and memory: each id below them gets an empty resource. */
+/* True if all ids are small. A dump with large ones is not played, which would only cost time and memory: every id
+ * below them gets an empty resource. */
 static bool ids_are_small(const stilb_render_dump *dump)
 {
 	const render_dump_header *header = dump->header;
@@ -375,7 +376,7 @@ static void every_signed_change_is_refused_or_plays(void **state)
 			bytes[i] ^= changes[c];
 		}
 	}
-	assert_true(played > 100); /* changed colours and transforms are valid */
+	assert_true(played > 100); /* many changes, as of a colour or a transform, leave a valid file */
 	stilb_job_pool_destroy(pool);
 	free(bytes);
 }
@@ -397,7 +398,7 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
 	{RENDER_DUMP_HEADER, HEADER(draws), 1000, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(draws) + 4, 0x80000000, "do not add up"},
-	{RENDER_DUMP_HEADER, HEADER(vertices) + 4, 0x08000000, "do not add up"}, /* times 32: 2^64 */
+	{RENDER_DUMP_HEADER, HEADER(vertices) + 4, 0x08000000, "do not add up"}, /* 2^59 vertices of 32 bytes: 2^64 */
 	{RENDER_DUMP_HEADER, HEADER(pixel_bytes) + 4, UINT32_MAX, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(meshes), UINT32_MAX, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(width), 0, "header: a picture of 0x32"},

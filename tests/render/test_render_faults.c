@@ -26,13 +26,13 @@ void __wrap_stilb_log(const char *format, ...)
 	vsnprintf(text, sizeof text, format, values);
 	va_end(values);
 	printf("%s\n", text);
-	messages +=
-		!strstr(text, "validation: VK_ERROR_"); /* lavapipe logs the errors that it returns: these do not count */
+	messages += !strstr(text, "validation: VK_ERROR_"); /* lavapipe logs the errors that it returns: no failure */
 }
 
 /* ---- the driver's host memory ------------------------------------------------------------------------------------ */
 
-/* Relaxed: counters that order nothing. The driver's threads allocate, too; the test reads them between trials. */
+/* Numbers of allocations so far, and of the one that fails; allocations that live. Accessed atomically, since the
+ * driver's threads allocate too; relaxed, since the test reads them between trials, when no thread allocates. */
 static uint32_t host_allocations, host_fault;
 static int32_t host_live;
 
@@ -108,10 +108,11 @@ static const VkAllocationCallbacks host_allocator = {
 
 /* ---- a trial ----------------------------------------------------------------------------------------------------- */
 
-/* Runs everything that allocates. A call that fails is repeated and must then succeed: each fault is injected once. */
+/* A trial runs everything that allocates, with one fault. The call that fails is repeated and must then succeed,
+ * because a fault is injected once. */
 typedef struct trial {
 	stilb_render_desc desc;
-	uint32_t far_draws; /* outside the view, in the second frame: more than a new frame's memory holds */
+	uint32_t far_draws; /* draws outside the view, in the second frame; many make it outgrow its memory */
 	stilb_result wanted;
 	int errors;
 	stilb_render *render;
@@ -269,7 +270,7 @@ static trial trial_make(stilb_render_desc desc, uint32_t far_draws)
 	return t;
 }
 
-static uint32_t device_allocations; /* in the last trial */
+static uint32_t device_allocations; /* that the last trial made */
 
 static void trial_finish(trial *t)
 {
@@ -282,7 +283,7 @@ static void trial_finish(trial *t)
 	t->render = NULL;
 }
 
-/* Returns the number of errors; the picture must equal the one without faults. */
+/* Returns how many calls failed. The caller compares the picture with that of a trial without faults. */
 static int trial_run(stilb_render_desc desc, uint32_t far_draws, stilb_image *picture)
 {
 	trial t = trial_make(desc, far_draws);
@@ -321,10 +322,10 @@ static const stilb_render_desc ways[] = {
 	{.replay = STILB_RENDER_REPLAY_DIRECT, .device = STILB_RENDER_DEVICE_NULL},
 };
 #define WAYS (sizeof ways / sizeof *ways)
-#define GPU_WAYS 3u /* the first */
+#define GPU_WAYS 3u /* the first so many run on the GPU */
 
-/* Lets allocations 1, 2, ... fail until all have failed. Frames that outgrow their memory are tried with the mode in
- * which so many draws cost least. */
+/* Lets allocation 1 fail, in the next trial allocation 2, and so on until there are no more. Frames that outgrow their
+ * memory need many draws, so they are tried only on the null device and in the cheapest mode of the GPU. */
 static void every_device_allocation_fails_once(void **state)
 {
 	(void)state;
@@ -338,7 +339,7 @@ static void every_device_allocation_fails_once(void **state)
 			desc.faults.allocation = n;
 			int errors = trial_run(desc, far_draws, &got);
 			assert_same_picture(&want, &got);
-			assert_in_range(errors, 0, 1); /* 0: memory that is allocated ahead of need may be missing */
+			assert_in_range(errors, 0, 1); /* 0: frame_begin does without the memory that it allocates ahead of need */
 			if (device_allocations < n)
 				break;
 		}
@@ -372,7 +373,7 @@ static void one_host_allocation_fails(void **state)
 {
 	(void)state;
 	stilb_image image;
-	driver_call(); /* loads the libraries that it needs while there is memory */
+	driver_call(); /* its first call loads libraries: now, while there is memory */
 	signal(SIGSEGV, host_died);
 	signal(SIGABRT, host_died);
 	vulkan_host_allocator = &host_allocator;
@@ -407,8 +408,8 @@ static int host_child(size_t way, uint32_t fault, uint64_t picture, char *words,
 
 /* Mesa 22.3's lavapipe dereferences NULL in vkCreatePipelineLayout, and in the vkCmd calls that copy an array
  * (barriers, copies, vkCmdBeginRendering, vkCmdBindDescriptorSets), if there is no memory for the copy. Without memory
- * for the command itself vkCmdBindDescriptorSets silently does nothing. Such trials prove nothing; most trials must be
- * others. */
+ * for the command itself vkCmdBindDescriptorSets silently does nothing. Trials in which the driver fails so say nothing
+ * about Stilb; the test demands that most trials are others. */
 static void host_allocations_fail(void **state)
 {
 	(void)state;

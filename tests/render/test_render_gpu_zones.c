@@ -1,6 +1,7 @@
 /* The profiler's lane "GPU" has a zone for each frame, and inside it one for each pass, which lie between the
  * submission and the end of the wait by the CPU's clock. Tested with clocks that can be read together, with interrupted
- * readings, and without the extension. The linker sends the loader's look-up here (--wrap). */
+ * readings, and without the extension (VK_EXT_calibrated_timestamps). The linker sends the Vulkan loader's look-up of
+ * functions here (--wrap), so that one can be hidden. */
 #include "base/base.h"
 #include "profiler/prof_snapshot.h"
 #include "render/vulkan/vulkan_internal.h"
@@ -8,7 +9,7 @@
 
 #define SIZE 96u
 #define FRAMES 12u
-#define SLACK_NS 60000u /* deviation of a reading of both clocks, plus the error of the profiler's conversion */
+#define SLACK_NS 60000u /* largest error: how far apart both clocks are read, and the profiler's conversion */
 
 /* ---- a loader that hides an extension's function ----------------------------------------------------------------- */
 
@@ -263,7 +264,7 @@ static void the_best_of_four_tries(void **state)
 {
 	(void)state;
 	stage s = stage_open((stilb_render_desc){0});
-	/* A good reading is not repeated. */
+	/* A reading with a deviation below TIMES_GOOD_NS is not repeated. */
 	interrupt_reads(&s, 1, (uint64_t[]){300});
 	stage_timed_frame(&s, true);
 	assert_int_equal(reads, 1);

@@ -1,5 +1,6 @@
 /* A million draws: none is dropped, in any mode, with and without workers. Small frames before and after are complete,
- * also if memory ran out in between, and all memory is freed. The linker sends allocations here (--wrap). */
+ * also if memory ran out in between, and all memory is freed. The linker sends allocations here (--wrap), to let the
+ * large ones fail. */
 #include "support/render_fixture.h"
 #include "support/test.h"
 
@@ -9,7 +10,7 @@
 #define MODELS 500000u
 #define DRAWS (2 * MODELS)
 
-/* Larger allocations fail, bytes. Relaxed: it orders nothing. */
+/* Allocations of more bytes fail. Relaxed: only the value matters. */
 static _Atomic size_t allocation_most = SIZE_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -73,14 +74,16 @@ static void a_million_draws(uint32_t workers, int replay)
 	size_t before = memory_in_use();
 	stilb_render *render = fixture_render(workers + 1, replay, STILB_RENDER_MATERIALS_INDEX);
 	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
-	draw(render, &one_pass, MODELS, pool); /* most draws go through the heap */
+	/* The frame's memory is too small: most draws are first written to the heap. */
+	draw(render, &one_pass, MODELS, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_all);
 	stilb_render_stats stats = stilb_render_stats_get(render);
 	bool indirect = replay == STILB_RENDER_REPLAY_INDIRECT;
 	assert_true(stats.recorded_bytes == 96ull * DRAWS && stats.draw_commands == (indirect ? 0 : DRAWS));
 	draw(render, &one_pass, 5, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_few);
-	draw(render, indirect ? &sorted_pass : &one_pass, MODELS, pool); /* now in place; all keys are equal */
+	/* It has grown: draws are written in place. All sort keys are equal, so sorting keeps the order. */
+	draw(render, indirect ? &sorted_pass : &one_pass, MODELS, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_all);
 	for (uint32_t i = 0; i <= workers; i++)
 		assert_int_equal(render->contexts[i].overflow_count, 0);

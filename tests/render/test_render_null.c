@@ -1,5 +1,6 @@
-/* Recording and replay on the null device: the stream follows from the scene alone, for every assignment of segments to
- * workers, every order, and after frames that ran out of memory. The linker sends allocations here (--wrap). */
+/* Recording and replay on the null device: the stream of draws follows from the scene alone, whichever worker records
+ * which segment (part of a pass) and in which order, and after frames that ran out of memory. The linker sends
+ * allocations here (--wrap), to let them fail. */
 #include "render/render_internal.h"
 #include "support/render_reference.h"
 #include "support/test.h"
@@ -11,10 +12,9 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* The number of further allocations that succeed. Relaxed: a counter that orders nothing; several workers decrement
- * it. */
+/* The number of further allocations that succeed; several workers decrement it. Relaxed: only the number matters. */
 static _Atomic int64_t allocations_left = INT64_MAX;
-static _Atomic int queue_fails; /* relaxed, too: malloc, which only the job queue calls, fails */
+static _Atomic int queue_fails; /* 1: malloc, which only the job queue calls, fails; relaxed too */
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
 void *__wrap_stilb_memory_alloc(size_t count, size_t size);
@@ -141,7 +141,7 @@ static void commands_are_counted(void **state)
 			assert_frame(render, scene, ids, count, pool);
 			stilb_render_stats stats = stilb_render_stats_get(render);
 			assert_true(stats.draw_commands == (indirect ? 0 : 2u * count));
-			/* One for each range of adjacent chunks of a worker. */
+			/* Indirect replay: one device command for each sequence of chunks that a worker claimed in a row. */
 			assert_true(indirect && count > 0 ? stats.indirect_commands >= 1 && stats.indirect_commands <= 20
 			                                  : stats.indirect_commands == 0);
 			assert_true(stats.execute_commands == (secondary && count > 0 ? 3 : 0));
@@ -200,7 +200,8 @@ static void rows_grow_and_stay(void **state)
 		assert_true(render->memory[RENDER_MEMORY_ROWS].capacity >= 69998);
 		assert_true(render->memory[RENDER_MEMORY_COMMANDS].capacity >= 69998);
 		for (uint32_t i = 0; i <= workers; i++)
-			assert_int_equal(render->contexts[i].overflow_count, 0); /* the memory has grown */
+			/* The frame before has made the memory grow, so no claim goes to the heap. */
+			assert_int_equal(render->contexts[i].overflow_count, 0);
 		stilb_render_destroy(render);
 		stilb_job_pool_destroy(pool);
 	}
@@ -293,7 +294,7 @@ static uint64_t hand_hash(uint64_t hash, const stilb_scene *scene, uint32_t pass
 	return hash;
 }
 
-/* Segments in a random order, each by a random context. */
+/* Records the segments of a pass in a random order, each by a random context. */
 static void hand_record_pass(stilb_render *render, const stilb_scene *scene, uint32_t pass, uint64_t seed)
 {
 	uint32_t order[SEGMENTS];
@@ -334,8 +335,8 @@ static void segments_in_any_order(void **state)
 
 #define SPY_PASSES 4u
 
-/* Stands between render and the null device: lists the passes, and hashes every draw from the data that the device
- * gets. */
+/* A device that stands between render and the null device: it lists the passes, and hashes every draw from the data
+ * that the device gets. */
 static struct {
 	render_device_functions functions;
 	const render_device_functions *real;
@@ -346,7 +347,7 @@ static struct {
 	const stilb_render_view *views[SPY_PASSES];
 	uint64_t drawn[SPY_PASSES];
 	uint64_t hash;
-	uint32_t wrong; /* commands whose ranges in the heaps differ from their mesh's */
+	uint32_t wrong; /* commands that draw other vertices or indices than their mesh's */
 } spy;
 
 static void spy_draw(const render_command *c)
@@ -477,7 +478,7 @@ static void a_frame_without_memory(void **state)
 			assert_frame(render, scene, ids, 100, pool);
 			stilb_render_destroy(render);
 		}
-		assert_true(granted > 20); /* rows, commands, segments, runs, chunks, growth, indirect draws */
+		assert_true(granted > 20); /* for rows, commands, segments, runs, chunks, growth, indirect draws */
 		stilb_job_pool_destroy(pool);
 	}
 	free(ids);
@@ -503,7 +504,7 @@ static void creation_without_memory(void **state)
 		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY);
 		stilb_render_destroy(render);
 	}
-	assert_true(granted > 8); /* the renderer, contexts, heaps, ranges, indices */
+	assert_true(granted > 8); /* for the renderer, contexts, heaps, ranges, indices */
 	stilb_scene_destroy(scene);
 }
 

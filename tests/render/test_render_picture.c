@@ -132,11 +132,13 @@ static void a_sphere_is_its_disc(void **state)
 
 typedef struct traced_pixel {
 	uint32_t part;
-	bool sure; /* that part is also seen a hundredth of a pixel beside it */
+	bool sure; /* the same part is seen a hundredth of a pixel beside its centre */
 	double low[3], high[3];
 } traced_pixel;
 
-/* A rasteriser snaps vertices to a grid of 1/256 pixel, so a pixel may show a point right beside its centre. */
+/* Traces the pixel's centre and four points a hundredth of a pixel beside it; low and high are the least and the
+ * highest radiance. A rasteriser snaps vertices to a grid of 1/256 pixel, so a pixel may show a point beside its
+ * centre. */
 static traced_pixel trace_pixel(const stilb_scene *scene, const reference_camera *camera, uint32_t x, uint32_t y)
 {
 	static const double places[5][2] = {{0.5, 0.5}, {0.49, 0.49}, {0.51, 0.49}, {0.49, 0.51}, {0.51, 0.51}};
@@ -181,7 +183,8 @@ static void every_pixel_is_as_traced(void **state)
 	assert_traced(scene, &camera, 1e-3);
 	assert_traced(scene, &top, 1e-3);
 	stilb_scene_destroy(scene);
-	scene = model_scene(0.6f, 0.75f, 0.5f); /* highlights: the GPU's pow is less accurate */
+	/* With highlights the tolerance is larger: the GPU's pow is less accurate. */
+	scene = model_scene(0.6f, 0.75f, 0.5f);
 	scene->materials[0].roughness = reference_roughness(40.0);
 	assert_traced(scene, &camera, 2e-3);
 	/* Normals of stretched and rotated models. */
@@ -215,7 +218,8 @@ static void the_highlight_at_its_peak(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* Karis' curve on the largest channel, a = 0.6 and b = 1, then IEC 61966-2-1. */
+/* The 8-bit code of a radiance, as a number: Karis's tone curve on the largest channel (linear to 0.6, limit 1), then
+ * sRGB (IEC 61966-2-1). */
 static double display_code(const double rgb[3], int channel)
 {
 	double largest = fmax(rgb[0], fmax(rgb[1], rgb[2])), a = 0.6, b = 1.0;
@@ -243,7 +247,7 @@ static void display_codes_follow_the_curve(void **state)
 				assert_true(fabs(code[3 * i + (uint32_t)c] - display_code(rgb, c)) <= 1.0);
 			bright += rgb[0] > 0.6 || rgb[1] > 0.6 || rgb[2] > 0.6;
 		}
-		assert_true(dim ? bright == 0 : bright > 1000); /* both parts of the curve are tested */
+		assert_true(dim ? bright == 0 : bright > 1000); /* the linear part of the curve alone, or the bent one too */
 		stilb_image_finish(&radiance);
 		stilb_image_finish(&codes);
 		for (int c = 0; c < 3; c++) {
@@ -354,7 +358,8 @@ static void assert_no_holes(const stilb_scene *scene, reference_camera camera)
 			dvec d = reference_ray(&camera, x + 0.5, y + 0.5);
 			double t = d.y < 0.0 ? -camera.position.y / d.y : HUGE_VAL;
 			dvec p = dvec_mad(camera.position, t, d);
-			double reach = 0.02 * t * (1.0 + t / camera.position.y) * 2.0 / camera.height; /* a fraction of a pixel */
+			/* Metres on the ground that a fraction of a pixel covers. */
+			double reach = 0.02 * t * (1.0 + t / camera.position.y) * 2.0 / camera.height;
 			double edge = fmax(fabs(p.x), fabs(p.z));
 			bool is_sky = picture_is_sky(&image, scene, x, y);
 			if (t < HUGE_VAL && edge < GRID - reach) {
@@ -400,7 +405,7 @@ static void assert_commands(const stilb_render_stats *stats, picture_desc how, u
 	if (direct || secondary)
 		assert_int_equal(stats->indirect_commands, 0);
 	else if (index)
-		assert_in_range(stats->indirect_commands, 1, 8); /* one for each range of adjacent chunks */
+		assert_in_range(stats->indirect_commands, 1, 8); /* one for each sequence of chunks claimed in a row */
 	else
 		assert_int_equal(stats->indirect_commands, draws);
 }
@@ -499,7 +504,7 @@ static void four_samples_soften_edges_alone(void **state)
 				assert_true(round(share * 4.0) == 0.0);
 			covered += round(share * 4.0) / 4.0;
 		}
-	/* Four samples give the area of a pixel on one side of an edge to an eighth. */
+	/* Four samples in a pixel tell how much of it lies on one side of an edge to an eighth. */
 	assert_true(fabs(covered - 4.0 * half * half) < 8.0 * half / 8.0 + 1.0);
 	stilb_image_finish(&image);
 	stilb_scene_destroy(scene);

@@ -1,5 +1,5 @@
 /* Meshes, textures and materials that are created and destroyed: by all workers while frames are drawn, without memory,
- * with bad input, and until no index is left. The linker sends allocations here (--wrap). */
+ * with bad input, and until no index is left. The linker sends allocations here (--wrap), to let them fail. */
 #include "support/render_gpu.h"
 #include "support/test.h"
 
@@ -10,7 +10,7 @@
 
 /* ---- memory that runs out once ---------------------------------------------------------------------------------- */
 
-/* Allocations left until the one that fails. Relaxed: a counter that orders nothing. */
+/* Allocations left until the one that fails. Relaxed: only the number matters. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -30,7 +30,7 @@ static void allocation_fail(int64_t number)
 	atomic_store_explicit(&allocations_left, number, memory_order_relaxed);
 }
 
-/* True if that allocation has been made, and failed. */
+/* True if the allocation that allocations_left counted down to has been made, and failed. */
 static bool allocation_failed(void)
 {
 	return atomic_load_explicit(&allocations_left, memory_order_relaxed) <= 0;
@@ -55,7 +55,8 @@ void *__wrap_mmap(void *address, size_t size, int protection, int flags, int fil
 
 #define RANGE_BITS 300u
 
-/* The ranges are the maximal runs of set bits, in order. */
+/* Checks a set of ranges against an array with a flag for each element: each range is an unbroken sequence of set
+ * flags, as long as it can be, in ascending order. */
 static void assert_ranges(const render_ranges *ranges, const bool *bits)
 {
 	uint32_t r = 0;
@@ -269,7 +270,7 @@ static void assert_nothing_lives(const stilb_render *render)
 
 #define CHURN_FRAMES 50u
 #define CHURN_SEGMENTS 40u
-#define CHURN_EACH 5u    /* of each kind in a segment */
+#define CHURN_EACH 5u    /* resources of each kind that a segment creates */
 #define CHURN_BESIDE 20u /* created in a frame by the thread outside the pool */
 #define CHURN_STAYS 2u   /* a thing is drawn in its first frame and in so many more, and destroyed in the last */
 #define CHURN_SEGMENT_DRAWS ((CHURN_STAYS + 1) * CHURN_EACH)
@@ -284,13 +285,14 @@ typedef struct churn {
 	gpu_thing things[CHURN_FRAMES][CHURN_SEGMENTS][CHURN_EACH];
 	fixture_draw draws[CHURN_SEGMENTS][CHURN_SEGMENT_DRAWS];
 	uint32_t draw_counts[CHURN_SEGMENTS];
-	/* Each index has one owner at a time, and another id each time. Relaxed: the lock of render's resources has
-	 * ordered a destruction before the next creation with its index. */
+	/* [kind][index]: 1 while a resource has the index. A creation must find 0, and get another id than the last
+	 * resource there had. Relaxed: the lock of render's resources orders a destruction before the next creation with
+	 * its index. */
 	_Atomic uint32_t owned[RENDER_RESOURCE_KINDS][CHURN_MOST_INDICES];
 	uint32_t last_ids[RENDER_RESOURCE_KINDS][CHURN_MOST_INDICES];
-	_Atomic uint32_t clashes; /* relaxed: read when all are done */
-	_Atomic uint32_t begun;   /* frames begun. Relaxed: only limits how far the thread outside the pool runs ahead */
-	_Atomic bool stop;        /* relaxed: publishes nothing */
+	_Atomic uint32_t clashes; /* relaxed: read when all threads are done */
+	_Atomic uint32_t begun;   /* frames begun. Relaxed: it only keeps the thread outside the pool from running ahead */
+	_Atomic bool stop;        /* relaxed: no data goes with it */
 } churn;
 
 static void churn_own(churn *c, render_resource_kind kind, uint32_t id)
@@ -582,7 +584,7 @@ static void frames_without_replay(void **state)
 			things_destroy(render, things, 0, 5);
 		assert_books(render);
 	}
-	things_create(render, things, 0, 3); /* with the same indices */
+	things_create(render, things, 0, 3); /* they get the indices of the released ones */
 	assert_things_drawn(render, things + 5, 5);
 	assert_things_drawn(render, things, 3);
 	gpu_detach(render);
@@ -671,7 +673,7 @@ static void every_allocation_fails_once(void **state)
 	int64_t number = 1;
 	while (a_life_without_memory(scene, number))
 		number++;
-	assert_true(number > 60); /* at least those of the pictures */
+	assert_true(number > 60); /* among others for copies of the pictures */
 	stilb_scene_destroy(scene);
 }
 
@@ -689,7 +691,7 @@ static void creation_without_memory(void **state)
 		assert_true(result == STILB_OK || (result == STILB_ERROR_MEMORY && !render));
 		stilb_render_destroy(render);
 	}
-	assert_true(number > 5); /* the renderer, contexts, three tables */
+	assert_true(number > 5); /* for the renderer, contexts, three tables */
 }
 
 /* ---- bad input -------------------------------------------------------------------------------------------------- */

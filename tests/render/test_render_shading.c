@@ -9,8 +9,8 @@
 #define HEIGHT 56u
 #define PLACES 5
 
-/* Points that a pixel may show, up to a hundredth of a pixel from its centre: rasterisers snap vertices to a grid of
- * 1/256 pixel. */
+/* What rays through each pixel hit: [0] at its centre, the others up to a hundredth of a pixel beside it. The pixel may
+ * show any of these points, because rasterisers snap vertices to a grid of 1/256 pixel. */
 static reference_hit hits[HEIGHT][WIDTH][PLACES];
 static stilb_scene *scene;
 static reference_camera camera;
@@ -116,7 +116,8 @@ static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render
 	return radiance;
 }
 
-/* A pixel whose points all lie on one part has a value between the radiances of these points. */
+/* Checks each pixel whose points (`hits`) all lie on the same part of the model: its value must lie between the least
+ * and the highest radiance that C computes for them. */
 static void assert_as_in_c(const stilb_image *image, const stilb_render_shading *shading)
 {
 	uint32_t seen[2] = {0};
@@ -253,7 +254,7 @@ static void the_same_in_every_way_of_replay(void **state)
 		stilb_render_shading_default(),
 		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK},
 		microfacets(SHADE_NDF_BECKMANN, SHADE_G_NEUMANN, SHADE_F_COOK_TORRANCE),
-		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK}, /* again */
+		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK}, /* the second choice again */
 	};
 	enum { CHOICES = sizeof choices / sizeof *choices };
 	stilb_image first[CHOICES];
@@ -340,8 +341,8 @@ static void pipelines_are_made_when_needed_and_kept(void **state)
 	VkPipeline made = device_of(&s)->shadings[0].pipelines[0][VULKAN_PIPELINE_ANY];
 	assert_true(made != VK_NULL_HANDLE);
 	assert_true(device_of(&s)->shadings[0].pipelines[1][VULKAN_PIPELINE_ANY] == VK_NULL_HANDLE); /* no textures */
-	shading.ndf = shading.g = shading.f = 1;                                                     /* not read */
-	shading.roughness = 0.5f; /* not part of the pipeline */
+	shading.ndf = shading.g = shading.f = 1; /* not read: the model is no microfacet one */
+	shading.roughness = 0.5f;                /* not part of the pipeline */
 	draw_and_drop(&s, &shading);
 	assert_int_equal(device_of(&s)->shading_count, 1);
 	for (int round = 0; round < 2; round++)

@@ -1,5 +1,5 @@
 /* Sorted passes: ascending keys, equal keys in recording order, for any number of workers; compared with a merge sort
- * of the same draws. The linker sends allocations here (--wrap). */
+ * of the same draws. The linker sends allocations here (--wrap), to let them fail. */
 #include "support/render_fixture.h"
 #include "support/test.h"
 
@@ -9,7 +9,7 @@
 
 /* ---- memory that runs out once ---------------------------------------------------------------------------------- */
 
-/* Allocations left until the one that fails. Relaxed: a counter that orders nothing. */
+/* Allocations left until the one that fails. Relaxed: only the number matters. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -284,13 +284,13 @@ static const stilb_render_pass many_passes[MANY_PASSES] = {
 	{.name = "sorted between", .order = 4, .sort = true},
 };
 
-/* Stands between render and the null device: the frame's memory may move before the device gets the first pass, and not
- * after that. */
+/* A device that stands between render and the null device, and counts in moved_late how often the frame's memory moves
+ * after the first pass was given to it: never, since that pass points into it. */
 static struct {
 	render_device_functions functions;
 	const render_device_functions *real;
 	uint32_t passes, moved_late;
-	_Atomic bool updated; /* release, pairs with the acquire of the thread below, which waits for it */
+	_Atomic bool updated; /* release: pairs with the acquire of destroy_materials */
 } spy;
 
 static stilb_result spy_frame_begin(render_device *device, render_memory *memory)
@@ -387,7 +387,7 @@ static void a_sort_without_memory(void **state)
 	int64_t number = 1;
 	for (; result != STILB_OK; number++) {
 		list l = list_make(0, STILB_RENDER_REPLAY_INDIRECT, STILB_RENDER_MATERIALS_BIND);
-		list_fill(&l, 20000, KEYS_ANY); /* with their sorted copies more than a new frame's memory holds */
+		list_fill(&l, 20000, KEYS_ANY); /* draws, of which sorting makes copies: more than a new frame holds */
 		allocation_fail(number);
 		result = list_draw(&l, &sorted_pass, 1);
 		allocation_fail(INT64_MAX);

@@ -71,7 +71,7 @@ static stilb_image stage_picture(stage *s)
 	return image;
 }
 
-/* The plane with u and v from `from` to `to`. */
+/* The square x, z in [-1, 1], with texture coordinates u and v that run from `from` to `to` over it. */
 static stilb_render_mesh make_plane(stage *s, float from, float to)
 {
 	stilb_scene_mesh mesh;
@@ -133,7 +133,7 @@ static double texel_value(stilb_image_format format, uint32_t channels, int64_t 
 		texel_code((uint32_t)((x % n + n) % n), (uint32_t)((y % n + n) % n), channels < 3 ? 0 : (uint32_t)c);
 	if (format != STILB_IMAGE_U8_SRGB)
 		return code / 256.0;
-	double v = code / 255.0; /* IEC 61966-2-1 */
+	double v = code / 255.0; /* the sRGB transfer, IEC 61966-2-1 */
 	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
@@ -148,7 +148,8 @@ static double texel_filtered(stilb_image_format format, uint32_t channels, doubl
 	return sum;
 }
 
-/* Compares a picture over which u and v run from `from` to `to`. GPUs may use filter weights of 8 bits. */
+/* Compares a picture over which u and v run from `from` to `to` with the texture filtered in double. The tolerance is
+ * for GPUs whose filter weights have 8 bits. */
 static void assert_texels(const stilb_image *image, stilb_image_format format, uint32_t channels, double from,
                           double to)
 {
@@ -433,7 +434,7 @@ static void resources_come_and_go(void **state)
 		for (b.frame = 0; b.frame < BUSY_FRAMES; b.frame++) {
 			busy_frame(&b);
 			if (b.frame >= 2 &&
-			    b.frame != 3) /* the heaps outgrow their buffers in frame 1, before a wait for frame 0 */
+			    b.frame != 3) /* not waited for: in frame 1 the heaps outgrow their buffers while frame 0 is drawn */
 				assert_busy_picture(&b);
 			if (b.frame == 2)
 				assert_int_equal(stilb_render_resize(s.render, 3 * BUSY, 3 * BUSY), STILB_OK);

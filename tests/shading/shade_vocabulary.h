@@ -103,7 +103,7 @@ SHADE_FN int shade_vocabulary_lanes(float zero)
 	return 0;
 }
 
-/* lavapipe's acos and asin are good to 3e-4 only. */
+/* acos and asin, whose answers are compared with a tolerance: lavapipe, the software GPU, has errors of up to 3e-4. */
 SHADE_FN int shade_vocabulary_arcs(float zero)
 {
 	SHADE_VOCABULARY_IS(0.01f * asin(zero + 0.5f), 0.01f * 0.52359878f);

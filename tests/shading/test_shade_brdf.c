@@ -11,7 +11,7 @@
 
 #define MODEL_COUNT (SHADE_BRDF_COUNT - 1 + SHADE_NDF_COUNT * SHADE_G_COUNT * SHADE_F_COUNT)
 
-/* Every kind once, and every D x G x F. */
+/* Model number index: first every kind of model once, then every combination of D, G and F (shade_specular.h). */
 static shade_brdf_model model_of(int index)
 {
 	int rest = index - (SHADE_BRDF_COUNT - 1);
@@ -82,7 +82,8 @@ static void diffuse_has_its_formulas(void **state)
 			                 0.0);
 }
 
-/* Both of one channel: what is above 1 together is scaled to 1. */
+/* Checks the limited diffuse and specular reflectances d and s: if their sum is above 1, both are scaled so that it is
+ * 1. */
 static void limited_as_one(float d, float s)
 {
 	shade_reflectance limited = shade_limit_to_one(stilb_vec3_make(d, 0.0f, s), stilb_vec3_make(s, 0.0f, d));
@@ -128,7 +129,7 @@ static void brdf_is_near(shade_brdf_model model, shade_brdf_parameters p, const 
 }
 
 /* All 103 models, directions in and out of their lobes. Below a roughness of 0.3 the angles of float vectors are too
- * coarse for 5e-5: test_shade_specular.c has the narrow lobes. */
+ * coarse for an error of 5e-5: test_shade_specular.c has the narrow lobes. */
 static void every_model_has_its_formula(void **state)
 {
 	(void)state;
@@ -145,12 +146,13 @@ static void every_model_has_its_formula(void **state)
 			                           .roughness = shade_proof_range(&random, 0.3f, 1.0f),
 			                           .anisotropy = shade_proof_range(&random, -0.7f, 0.7f),
 			                           .wrap = shade_proof_uniform(&random)};
-			if (stilb_vec3_dot(l, v) > -0.99f) /* h of nearly opposite vectors has no digits */
+			if (stilb_vec3_dot(l, v) > -0.99f) /* the half vector of nearly opposite ones is rounding */
 				brdf_is_near(model_of(index), p, &frame, l, v);
 		}
 }
 
-/* Sun at an angle, mirror reflection into the eye: h = n, so that the highlight is the factor itself. */
+/* The sun at an angle, seen in mirror reflection: the half vector is the normal, so that the power in the highlight is
+ * 1 and its constant factor alone is left. */
 static void surface_has_its_closed_form(void **state)
 {
 	(void)state;
@@ -172,7 +174,7 @@ static void surface_has_its_closed_form(void **state)
 	}
 }
 
-/* Which part of a material each kind reflects. */
+/* Diffuse light alone for the two diffuse kinds, diffuse light and highlight for the others. */
 static void surface_adds_what_its_kind_says(void **state)
 {
 	(void)state;
@@ -220,7 +222,7 @@ static const struct CMUnitTest exactness[] = {
 
 /* ---- properties ------------------------------------------------------------------------------------------------- */
 
-/* Each list names each integer once, in order. */
+/* Each list of names (SHADE_BRDFS and its kind) has each integer once, in order. */
 static void lists_are_complete(void **state)
 {
 	(void)state;
@@ -237,7 +239,7 @@ static void lists_are_complete(void **state)
 		            fs[i % SHADE_F_COUNT] == i % SHADE_F_COUNT);
 }
 
-/* Also next to the plane where the frame turns over, and next to the pole that has no frame of its own. */
+/* Frames about random normals; also next to z = 0, where the frame's t and b jump, and next to -Z. */
 static void every_normal_has_a_frame(void **state)
 {
 	(void)state;
@@ -266,7 +268,7 @@ static void every_material_is_limited(void **state)
 	limited_as_one(3e38f, 1e-30f);
 }
 
-/* A direction of every kind: anywhere, at the horizon, in it, mirrored, opposite, the normal. */
+/* A direction of a random kind: anywhere, near the horizon, on it, `other` mirrored at n, opposite to it, or n. */
 static stilb_vec3 awkward_direction(shade_proof_random *random, stilb_vec3 n, stilb_vec3 other)
 {
 	stilb_vec3 any = shade_proof_random_direction(random), level = any - n * stilb_vec3_dot(n, any);
@@ -288,7 +290,8 @@ static stilb_vec3 awkward_direction(shade_proof_random *random, stilb_vec3 n, st
 	}
 }
 
-/* Whatever the directions and parameters: light, none for v below the horizon, and none for l below but for wrapped. */
+/* Whatever the directions and parameters, the result is finite and not negative: 0 for v below the horizon, and 0 for l
+ * below it but for the wrapped model. */
 static void every_model_is_light(void **state)
 {
 	(void)state;

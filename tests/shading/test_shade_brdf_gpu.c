@@ -1,5 +1,5 @@
-/* Every D x G x F as the renderer makes it: one shader, three specialisation constants, against C with the same
- * integers. */
+/* Every combination of D, G and F (shade_specular.h) as the renderer makes it, by one shader with three specialisation
+ * constants, against C with the same integers. */
 #include "shading/cases/brdf_combination.h"
 #include "support/shade_gpu.h"
 

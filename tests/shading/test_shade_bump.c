@@ -45,7 +45,7 @@ static void gradient_is_the_fields(void **state)
 		shade_frame frame = random_frame(&random);
 		stilb_vec3 g = shade_proof_random_direction(&random);
 		float first = shade_proof_range(&random, 0.0f, 6.28f);
-		float turn = shade_proof_range(&random, 0.3f, 2.8f) * (k % 2 ? 1.0f : -1.0f); /* both hands */
+		float turn = shade_proof_range(&random, 0.3f, 2.8f) * (k % 2 ? 1.0f : -1.0f); /* right- and left-handed */
 		stilb_vec3 ds = scaled_step(&random, frame, first), dt = scaled_step(&random, frame, first + turn);
 		stilb_vec3 want = g - frame.n * stilb_vec3_dot(g, frame.n);
 		stilb_vec3 got = shade_bump_gradient(frame.n, ds, dt, stilb_vec3_dot(g, ds), stilb_vec3_dot(g, dt));
@@ -53,7 +53,7 @@ static void gradient_is_the_fields(void **state)
 	}
 }
 
-/* One component at a time, so that a wrong sign shows as that: a slope of 1 along +X, then along +Z. */
+/* A slope of 1 along +X, then along +Z: with one component at a time a wrong sign is recognised as such. */
 static void gradient_points_uphill(void **state)
 {
 	(void)state;
@@ -210,7 +210,7 @@ static void bumped_sphere_is_off_by_height_over_radius(void **state)
 	assert_true(sphere_error(0.4, &bound) < bound);
 	assert_true(sphere_error(0.4, &bound) > 0.5 * bound);
 	double coarse = sphere_error(0.1, &bound), fine = sphere_error(0.05, &bound);
-	SHADE_PROOF_NEAR(coarse / fine, 4.0, 0.05, 0.0); /* height and gradient halved */
+	SHADE_PROOF_NEAR(coarse / fine, 4.0, 0.05, 0.0); /* half the height and half the gradient: a quarter of the error */
 }
 
 /* ---- rays -------------------------------------------------------------------------------------------------------- */
@@ -259,7 +259,7 @@ static void hits_differ_as_their_neighbours(void **state)
 		double o[2][3], direction[2][3], p[2][3], normal[3], height = 0.0;
 		for (int axis = 0; axis < 3; axis++) {
 			normal[axis] = (double)n[axis];
-			height += normal[axis] * (double)path * (double)d[axis]; /* the ray itself starts at 0 */
+			height += normal[axis] * (double)path * (double)d[axis]; /* of the hit: the ray starts at 0 */
 		}
 		for (int side_of = 0; side_of < 2; side_of++) {
 			double step = side_of ? e : -e;
@@ -305,8 +305,8 @@ static void uv_steps_fade_where_u_and_v_are_parallel(void **state)
 	assert_true(none[0] == 0.0f && none[1] == 0.0f);
 }
 
-/* A tracer's whole way: camera ray, hit, uv, derivative map, normal. The steps cancel: what is left is the hills'
- * normal. */
+/* All that a ray tracer does: camera ray, hit, uv, derivative map, normal. The lengths of the steps cancel out: the
+ * result is the normal of the hills. */
 static void traced_bumps_are_the_hills(void **state)
 {
 	(void)state;
@@ -354,7 +354,7 @@ static void bumped_normals_are_unit_and_above(void **state)
 		float length = shade_proof_log_range(&random, 1e-12f, 1e12f),
 			  slope = shade_proof_log_range(&random, 1e-6f, 1e3f);
 		stilb_vec3 ds = frame.t * length, dt = (frame.t * cosf(angle) + frame.b * sinf(angle)) * length;
-		if (k % 16 == 15) /* one of the two is missing */
+		if (k % 16 == 15) /* one of the two steps is missing */
 			ds = ds * 0.0f;
 		if (k % 16 == 7)
 			dt = dt * 0.0f;
@@ -370,7 +370,7 @@ static void bumped_normals_are_unit_and_above(void **state)
 	}
 }
 
-/* Steps so parallel that rounding decides what lies between them: the gradient does not run away. */
+/* Steps so nearly parallel that the angle between them is mere rounding: the gradient does not become huge. */
 static void silhouettes_keep_their_normal(void **state)
 {
 	(void)state;
@@ -408,7 +408,8 @@ static void rays_stay_finite(void **state)
 	shade_proof_random random = {.seed = 23};
 	for (int k = 0; k < SHADE_PROOF_COUNT; k++) {
 		shade_frame frame = random_frame(&random);
-		stilb_vec3 d = k % 4 == 0 ? frame.t : shade_proof_random_direction(&random); /* along the surface too */
+		/* Every fourth ray runs along the surface. */
+		stilb_vec3 d = k % 4 == 0 ? frame.t : shade_proof_random_direction(&random);
 		float length = shade_proof_log_range(&random, 1e-6f, 1e6f);
 		stilb_vec3 step = shade_proof_random_direction(&random);
 		shade_ray_differential ray = shade_ray_differential_pinhole(d * length, step);
@@ -416,7 +417,8 @@ static void rays_stay_finite(void **state)
 		stilb_vec3 u = frame.t * shade_proof_log_range(&random, 1e-6f, 1e6f), v = k % 2 ? u : frame.b;
 		stilb_vec2 duv = shade_ray_differential_uv(frame.n, dp, u, v);
 		assert_true(finite3(ray.direction) && finite3(dp) && isfinite(duv[0]) && isfinite(duv[1]));
-		assert_true(fabsf(stilb_vec3_dot(ray.direction, d)) <= 1e-6f / length); /* a unit vector only turns */
+		/* A unit vector's change is at right angles to it. */
+		assert_true(fabsf(stilb_vec3_dot(ray.direction, d)) <= 1e-6f / length);
 	}
 }
 

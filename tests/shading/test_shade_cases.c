@@ -1,5 +1,6 @@
-/* The rows that the GPU is compared with, in C: they are numbered 0, 1, 2, ..., and every input gives numbers: no NaN,
- * no infinity. Built once for each topic. The first argument is the count of random inputs for each row. */
+/* Rows are calls of shading functions in which GPU and C are compared (cases/README.md). This runs them in C: they are
+ * numbered 0, 1, 2, ..., and no input gives a NaN or an infinity. Built once for each topic. The first argument is the
+ * count of random inputs for each row. */
 #include "shade_topic.h"
 #include "support/shade_proof.h"
 
@@ -53,7 +54,8 @@ static void rows_are_finite(void **state)
 			check_finite(i, random_vec4(1, n), random_vec4(2, n));
 }
 
-/* Every number at its lowest, in the middle, and at its highest: black, grazing, opposite, smooth as can be. */
+/* Every input number at its lowest, in the middle, and at its highest, in all combinations: black light, grazing and
+ * opposite directions, the smoothest surface. */
 static void rows_are_finite_at_their_corners(void **state)
 {
 	(void)state;
@@ -68,7 +70,7 @@ static void rows_are_finite_at_their_corners(void **state)
 		}
 }
 
-/* A row that answers the same to everything compares nothing; the vocabulary's answer is 0 by design. */
+/* A row whose result is the same for every input compares nothing. Only the vocabulary's is meant to be always 0. */
 static void rows_depend_on_their_inputs(void **state)
 {
 	(void)state;

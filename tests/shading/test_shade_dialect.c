@@ -1,4 +1,5 @@
-/* The C half of the shading dialect: every word's answer, and nothing of it left or lost after glsl_end.h. */
+/* The shading dialect (glsl_begin.h) in C: every word of it gives the right answer; after glsl_end.h none of its macros
+ * is left, and none that stood before is lost. */
 
 #include <tgmath.h>
 

@@ -20,7 +20,7 @@ static float largest(stilb_vec3 v)
 	return fmaxf(v[0], fmaxf(v[1], v[2]));
 }
 
-/* Heights in [1e-30, 1e30). */
+/* A colour whose brightness is anywhere in [1e-30, 1e30). */
 static stilb_vec3 random_any_color(shade_proof_random *random)
 {
 	float height = shade_proof_log_range(random, 1e-15f, 1e15f) * shade_proof_log_range(random, 1e-15f, 1e15f);
@@ -58,7 +58,8 @@ static void srgb_has_its_known_values(void **state)
 	assert_int_equal(lrintf(255.0f * shade_srgb_from_linear(1.0f)), 255);
 }
 
-/* The two pieces are closest where they meet, and differ by 1e-5 of themselves 0.1 % beside it. */
+/* sRGB is a line for dark values and a power for others. The two are closest where the one follows the other; 0.1 %
+ * beside that place they differ by 1e-5 of themselves. */
 static void srgb_changes_piece_where_it_should(void **state)
 {
 	(void)state;
@@ -145,7 +146,7 @@ static void rgbm_has_its_range(void **state)
 	}
 }
 
-/* rgbm_encode with a transfer that is not a pure power, for the comparison below: sRGB's, range 1. */
+/* Decodes as RGBM does, but with sRGB's transfer, which is not a pure power; range 1. For the comparison below. */
 static stilb_vec3 srgb_m_decode(stilb_vec3 rgb, float m)
 {
 	return stilb_vec3_make(shade_srgb_to_linear(rgb[0] * m), shade_srgb_to_linear(rgb[1] * m),
@@ -171,7 +172,7 @@ static void rgbm_multiplies_exactly_for_a_pure_power_only(void **state)
 		float right = shade_srgb_to_linear(0.5f) * srgb_m_decode(rgb, m)[0];
 		worst_srgb = fmax(worst_srgb, (double)fabsf(srgb_m_decode(half, m)[0] - right) / fmax((double)right, 1e-6));
 	}
-	assert_true(worst_srgb > 0.5); /* dark colours lie on sRGB's line: half of them is half, not half to the 2.4 */
+	assert_true(worst_srgb > 0.5); /* dark colours are on sRGB's linear part: half the code is half the light */
 }
 
 static void rgbm_error_is_as_stated(void **state)
@@ -203,7 +204,7 @@ static void rgbm_error_is_as_stated(void **state)
 	}
 }
 
-/* Below the first step of m: half a step of rgb under the smallest m. */
+/* Colours that get the smallest m, 1/255: the error is half a step of rgb times that m. */
 static void rgbm_keeps_the_dark(void **state)
 {
 	(void)state;
@@ -334,7 +335,7 @@ static void logluv_error_is_as_stated(void **state)
 	double worst = 0.0, worst_luminance = 0.0, sum = 0.0;
 	for (int i = 0; i < MANY; i++) {
 		stilb_vec3 color = shade_proof_random_color(&random, 1.0f);
-		color[i % 3] *= (float)(i & 1); /* half of them on the gamut's edge, where hue is coarsest */
+		color[i % 3] *= (float)(i & 1); /* half of them lack a channel: there hue is coarsest */
 		color *= exp2f((float)(i % 121) - 60.0f);
 		if (!(largest(color) > 1e-15f))
 			continue;
@@ -352,7 +353,7 @@ static void logluv_error_is_as_stated(void **state)
 	assert_true(worst_luminance < 0.00069 && worst_luminance > 0.0006);
 }
 
-/* Also bytes that no encoder writes. */
+/* Decodes arbitrary bytes, also those that no encoder writes: the result is finite. */
 static void logluv_survives_anything(void **state)
 {
 	(void)state;

@@ -1,5 +1,6 @@
-/* shade_normal_filter.h: each filter against its formula in double, the filters against one another where they must
- * agree, and all of them against what they stand for: the average of the lobes themselves. */
+/* shade_normal_filter.h, where filters average texels of a normal and a roughness: each filter against its formula in
+ * double, the filters against one another where they must agree, and all of them against what they stand for: the
+ * average of the lobes of microfacet normals themselves. */
 
 #include "shading/shade_normal_filter.h"
 
@@ -8,7 +9,7 @@
 
 static const stilb_vec3 Z = {0.0f, 0.0f, 1.0f};
 
-/* At the angle from +Z, in the plane of X. */
+/* The unit vector at this angle (radians) from +Z towards +X. */
 static stilb_vec3 tilted(double angle)
 {
 	return stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle));
@@ -20,7 +21,7 @@ static shade_rough_normal texel(stilb_vec3 normal, double alpha)
 	return t;
 }
 
-/* 1 - |r| of a von Mises-Fisher lobe, not small sharpness. */
+/* The spherical variance 1 - |r| (shade_vmf.h) of the von Mises-Fisher lobe of a texel; not for a small sharpness. */
 static double lobe_variance(double alpha)
 {
 	double sharpness = 2.0 / (alpha * alpha);
@@ -117,7 +118,7 @@ static void widening_has_its_formulas(void **state)
 			SHADE_PROOF_NEAR(widened.alpha, fmin(want, 1.0), 2e-6, 0.0);
 			shade_rough_normal convolved = shade_filter_convolution(mean, (float)(alpha * alpha));
 			double kappa = ((double)convolved.alpha * (double)convolved.alpha - alpha * alpha) / 2.0;
-			if (convolved.alpha < 1.0f) // 2 / sharpness, whose lobe has the mean of this size
+			if (convolved.alpha < 1.0f) // alpha was widened by 2 / sharpness: that of the lobe whose |r| is size
 				SHADE_PROOF_NEAR(1.0 / tanh(1.0 / kappa) - kappa, size, 1e-5, 0.0);
 		}
 	assert_true(shade_filter_normal_mean(tilted(0.3)).variance == 0.0f);
@@ -189,7 +190,7 @@ static void lean_finds_its_axes(void **state)
 	SHADE_PROOF_NEAR(shade_lean_axes_of(round).alpha_across, 0.2, 1e-6, 0.0);
 }
 
-/* What was flat and even stays, however smooth, rough or tilted. */
+/* The average of equal texels is that texel, however smooth, rough or tilted. */
 static void equal_texels_stay(void **state)
 {
 	(void)state;
@@ -203,7 +204,7 @@ static void equal_texels_stay(void **state)
 		}
 }
 
-/* Two normals apart by 2 t: alpha^2 + t^2, whichever filter, as long as both are small. */
+/* Two normals 2 t apart, t in radians: every filter makes alpha^2 + t^2 of alpha^2, as long as both are small. */
 static void filters_agree_on_small_bumps(void **state)
 {
 	(void)state;
@@ -216,7 +217,8 @@ static void filters_agree_on_small_bumps(void **state)
 		}
 }
 
-/* A smooth normal outweighs a rough one: a smooth texel leans to +X, a rough one as far to -X. */
+/* A smooth texel leans to +X, a rough one as far to -X: vMF's and Toksvig's mean normal leans to +X, those of the other
+ * filters to neither side. */
 static void a_smooth_normal_outweighs_a_rough_one(void **state)
 {
 	(void)state;
@@ -251,7 +253,8 @@ typedef struct patch {
 	shade_rough_normal stand_in;
 } patch;
 
-/* Half of how far the stand-in is from the average of all texels, as densities: 0 is the same, 1 is all elsewhere. */
+/* The integrand of the distance between the density of the filtered texel (stand_in) and the average of all texels'
+ * densities, |difference| / 2. The integral is 0 if they are equal, and 1 if they lie nowhere in the same place. */
 static double difference_at(const double h[3], const void *context)
 {
 	const patch *p = context;
@@ -269,7 +272,7 @@ static double distance(const shade_rough_normal *texels, int count, shade_rough_
 
 #define PATCH 64
 
-/* A bumpy patch: slopes as normally distributed as 64 of them can be. */
+/* A bumpy patch of 64 texels: their slopes are spread as a normal distribution of the deviation `slope`. */
 static void make_bumps(shade_rough_normal *texels, double slope, double alpha)
 {
 	for (int i = 0; i < PATCH; i++) {
@@ -279,8 +282,8 @@ static void make_bumps(shade_rough_normal *texels, double slope, double alpha)
 	}
 }
 
-/* Slopes as wide as the lobes, and half as wide again: without a filter (the mean normal, the alpha kept), and with
- * one. */
+/* Slopes as wide as the lobes, and half as wide again. Without a filter (the mean normal with the texels' alpha) the
+ * distance from the average is large, and known; with any filter it is small. */
 static void filters_stand_for_the_average(void **state)
 {
 	(void)state;
@@ -312,7 +315,7 @@ static shade_rough_normal random_texel(shade_proof_random *random, bool tangent)
 	return texel(n, (double)shade_proof_log_range(random, SHADE_ALPHA_MIN, 1.0f));
 }
 
-/* Normals anywhere (object space), above the surface (tangent space), opposite ones, and all alike. */
+/* Patches with normals anywhere (object space), above the surface (tangent space), opposite ones, and equal ones. */
 static void any_patch_gives_a_lobe(void **state)
 {
 	(void)state;
@@ -332,12 +335,12 @@ static void any_patch_gives_a_lobe(void **state)
 			assert_true(got.alpha >= smoothest * 0.9999f); // filtering never polishes
 			if (f != LEAN && f != VARIANCE && f != CONVOLUTION)
 				continue;
-			assert_true(got.alpha >= roughest * 0.4999f); // a quarter of the alpha^2 is its own
+			assert_true(got.alpha >= roughest * 0.4999f); // of four texels: a quarter of its alpha^2 is left
 		}
 	}
 }
 
-/* What makes a mean of a texel, and a texel of a mean, are each other's inverses over the whole range. */
+/* Over the whole range of alpha, what makes a texel of a mean is the inverse of what makes a mean of a texel. */
 static void widths_come_back(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
-/* The shading functions of one topic on the GPU against the same text compiled as C: each row of shade/cases_<topic>.h
- * on many inputs, within the bound that stands beside it. Built once for each topic. */
+/* The shading functions of one topic on the GPU against the same text compiled as C: each row (a call of a function) of
+ * cases/cases_<topic>.h on many inputs, within the bound that stands beside it. Built once for each topic. */
 #include "shade_topic.h"
 #include "support/shade_gpu.h"
 

@@ -26,7 +26,7 @@ static void units_are_the_ones_of_their_formulas(void **state)
 	                  0.0);
 }
 
-/* What flows out through a lamp's surface is its flux: a surface of radiance L emits pi L per area. */
+/* A lamp's flux is what its surface emits: pi L per area for the radiance L. */
 static void flux_is_what_leaves_the_surface(void **state)
 {
 	(void)state;
@@ -75,7 +75,7 @@ static void shares_are_those_of_the_formula(void **state)
 			SHADE_PROOF_NEAR(share, share_in_double(y, exponents[i]), 0.0, 4e-7);
 		}
 	stilb_vec3 sky = {2.0f, 0.3f, 0.0f}, ground = {0.5f, 0.9f, 1.0f};
-	/* An exponent of 1 is the diffuse sky over pi. */
+	/* With an exponent of 1 it is the irradiance of the sky, divided by pi. */
 	SHADE_PROOF_NEAR3(shade_hemisphere_radiance(0.5f, 1.0f, sky, ground), 1.625, 0.45, 0.25, 0.0, 1e-6);
 }
 
@@ -115,7 +115,8 @@ static void lamps_are_seen_as_suns(void **state)
 	SHADE_PROOF_NEAR(windowed.irradiance[0], 2.0 * left * left, 4e-7, 0.0);
 	shade_sun subtracted = shade_lamp_at(SHADE_LIGHT_SUBTRACTED, LAMP, position);
 	SHADE_PROOF_NEAR(subtracted.irradiance[0], 10.0 * (1.0 / 5.0 - 1.0 / 16.0), 4e-7, 0.0);
-	/* Behind the disk there is no light; in the centre the lamp is seen against its axis, as bright as its surface. */
+	/* Behind the disk there is no light; a point in the lamp's centre sees it in the direction against its axis, as
+	 * bright as its surface. */
 	shade_sun behind = shade_lamp_at(SHADE_LIGHT_DISK, LAMP, stilb_vec3_make(1.0f, 1.0f, 3.0f));
 	assert_true(behind.irradiance[0] == 0.0f && behind.direction[1] == 1.0f);
 	for (int light = SHADE_LIGHT_SPHERE; light <= SHADE_LIGHT_DISK; light++) {
@@ -201,7 +202,8 @@ static void disks_are_exact_on_the_axis_and_far_away(void **state)
 		SHADE_PROOF_NEAR(seen.irradiance[0], truth, 1e-6, 0.0);
 		SHADE_PROOF_NEAR(foote(h, 0.0), truth, 1e-9, 0.0);
 	}
-	/* Off the axis, on a surface parallel to the disk: short of Foote by 3 (sin r0 / d)^2 of it, and the next order. */
+	/* Off the axis, on a surface parallel to the disk: less than Foote's exact value by 3 (sin(b) r0 / d)^2 of it, b
+	 * being the angle to the axis, and by a term of higher order. */
 	for (double distance = 5.0; distance < 100.0; distance *= 1.4)
 		for (int step = 0; step < 9; step++) {
 			double angle = step * M_PI / 18.0, h = distance * cos(angle), x = distance * sin(angle);
@@ -230,7 +232,7 @@ static void flux_is_kept(void **state)
 	int sphere = SHADE_LIGHT_SPHERE, disk = SHADE_LIGHT_DISK;
 	SHADE_PROOF_NEAR(stilb_numeric_integrate(through_height, &sphere, -1.0, 1.0, 4),
 	                 shade_flux_from_intensity_sphere(intensity)[0], 1e-6, 0.0);
-	/* r0^2 + d^2 for d^2: 0.04 % short at 50 radii. */
+	/* The disk's falloff divides by r0^2 + d^2 and not by d^2: at 50 radii that is 0.04 % too little. */
 	SHADE_PROOF_NEAR(stilb_numeric_integrate(through_height, &disk, 0.0, 1.0, 4),
 	                 (double)shade_flux_from_intensity_disk(intensity)[0] / (1.0 + 1.0 / 2500.0), 1e-6, 0.0);
 }
@@ -273,7 +275,7 @@ static void a_lobe_is_cut_by_the_horizon_as_one_angle_says(void **state)
 			double above = stilb_numeric_integrate_sphere(lobe_at, &l, 0.0, 1.0, 24);
 			double below = stilb_numeric_integrate_sphere(lobe_at, &l, -1.0, 0.0, 24);
 			SHADE_PROOF_NEAR(above / (above + below), exact_share(y, exponents[i]), 0.0, 1e-4);
-			if (i == 0) /* Liu and Jordan's irradiance is that lobe */
+			if (i == 0) /* an exponent of 1 is the cosine lobe of irradiance (Liu and Jordan) */
 				SHADE_PROOF_NEAR(
 					shade_hemisphere_irradiance((float)y, stilb_vec3_make(1.0f, 1.0f, 1.0f), (stilb_vec3){0})[0], above,
 					0.0, 1e-4);
@@ -296,7 +298,7 @@ static void shares_are_near_the_exact_ones(void **state)
 		}
 	if (!(worst < 0.0032 && worst > 0.0025 && worst_below_half < 0.0065 && worst_below_half > 0.004))
 		fail_msg("the shares are off by %g, and by %g below an exponent of 0.5", worst, worst_below_half);
-	/* The line of exponent 1 and the smoothstep of exponent 3. */
+	/* The exact share is a line for the exponent 1 and a smoothstep for 3. */
 	for (int step = -10; step <= 10; step++) {
 		double y = step / 10.0;
 		SHADE_PROOF_NEAR(shade_hemisphere_share((float)y, 1.0f), 0.5 + 0.5 * y, 0.0, 1e-6);
@@ -338,7 +340,7 @@ static shade_lamp random_lamp(shade_proof_random *random)
 	return lamp;
 }
 
-/* Nearest, inside, around and far away. */
+/* A point at any distance from the lamp's centre: from almost none, inside its body, to far beyond its reach. */
 static stilb_vec3 random_position(shade_proof_random *random, const shade_lamp *lamp)
 {
 	float far = shade_proof_uniform(random) < 0.5f ? 2.0f * lamp->reach : 1e8f;
@@ -346,8 +348,9 @@ static stilb_vec3 random_position(shade_proof_random *random, const shade_lamp *
 	return lamp->position + shade_proof_random_direction(random) * distance;
 }
 
-/* No lamp is brighter than its own surface, which shows pi L at most; the two that end are darker than the one that
- * does not, and end; the subtracted one misses its tolerance at most, and keeps more than the windowed one. */
+/* No lamp is brighter than its own surface, whose irradiance is pi L at most. The windowed and the subtracted one end
+ * at their reach and are never brighter than the sphere, which does not end; the subtracted one is darker by its
+ * tolerance at most, and not darker than the windowed one outside of the lamp's body. */
 static void lamps_keep_their_bounds(void **state)
 {
 	(void)state;
@@ -370,7 +373,8 @@ static void lamps_keep_their_bounds(void **state)
 		assert_true(sphere - subtracted <=
 		            1.000001f * intensity * shade_tolerance_from_reach(lamp.reach) + 1e-6f * sphere);
 		stilb_vec3 offset = position - lamp.position;
-		if (sqrtf(stilb_vec3_dot(offset, offset)) > fmaxf(lamp.radius, 1e-4f)) /* (1 - x^2)^2 <= 1 - x^2 */
+		/* Outside of the body the windowed lamp has I / d^2 (1 - x^2)^2, with x = d / reach, the other one I / d^2 (1 - x^2). */
+		if (sqrtf(stilb_vec3_dot(offset, offset)) > fmaxf(lamp.radius, 1e-4f))
 			assert_true(seen[SHADE_LIGHT_WINDOWED].irradiance[0] <= subtracted + 1e-6f * sphere);
 		if (sqrtf(stilb_vec3_dot(offset, offset)) > 1.00001f * lamp.reach)
 			assert_true(seen[SHADE_LIGHT_WINDOWED].irradiance[0] == 0.0f && subtracted == 0.0f);
@@ -388,7 +392,7 @@ static void falloffs_fall(void **state)
 		float far = near * shade_proof_range(&random, 1.0f, 3.0f), cosine = shade_proof_range(&random, -1.0f, 1.0f);
 		for (int light = SHADE_LIGHT_SPHERE; light < SHADE_LIGHT_COUNT; light++)
 			assert_true(shade_lamp_falloff(light, lamp, near, cosine) >= shade_lamp_falloff(light, lamp, far, cosine));
-		/* At reach_from_error a sphere's irradiance is the error. */
+		/* At the distance shade_reach_from_error the sphere's irradiance is just that error. */
 		float intensity = shade_proof_log_range(&random, 1e-6f, 1e6f),
 			  error = shade_proof_log_range(&random, 1e-6f, 1.0f);
 		float reach = shade_reach_from_error(intensity, error);

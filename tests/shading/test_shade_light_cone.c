@@ -1,4 +1,6 @@
-/* Specular cones: no light outside shows a highlight above the tolerance, and no narrower cone would do. */
+/* shade_light_cone.h: the cone of light directions about the mirrored view in which a light's highlight can be seen.
+ * Outside of it no light makes a highlight (reflected radiance for an irradiance of 1, sr^-1) above the tolerance that
+ * the cone was made for, and a narrower cone would miss some that do. */
 #include "shading/shade_light_cone.h"
 #include "support/shade_proof.h"
 
@@ -44,7 +46,7 @@ static double angle_between(vector a, vector b)
 	return atan2(sqrt(sine_squared(a, b)), dot(a, b));
 }
 
-/* a turned by an angle towards b. */
+/* The unit vector a turned by an angle (radians) towards the unit vector b, which is at right angles to it. */
 static vector turned(vector a, vector b, double angle)
 {
 	vector across = unit(blend(1.0, b, -dot(a, b), a));
@@ -55,7 +57,8 @@ static vector turned(vector a, vector b, double angle)
 
 enum { PHONG, BLINN_PHONG, GGX, LOBE_COUNT };
 
-/* What the cone is made from. */
+/* What a cone is made from: the surface's normal, the direction to the viewer, the lobe's exponent (Phong, Blinn-Phong)
+ * or alpha (GGX), and the tolerance, sr^-1. */
 typedef struct surface {
 	stilb_vec3 n, v;
 	float exponent, alpha, tolerance;
@@ -75,7 +78,8 @@ static double cosine_power(double sine2, double n)
 	return sine2 < 1.0 ? exp(0.5 * n * log1p(-sine2)) : 0.0;
 }
 
-/* The highest reflected radiance that the cone claims to bound, for an irradiance of 1. */
+/* An upper bound of the radiance, sr^-1, that the surface reflects of a light of irradiance 1 from l: the function from
+ * which the cone's formula follows. */
 static double highlight(int lobe, const surface *s, vector l)
 {
 	vector n = widened(s->n), v = widened(s->v), sum = blend(1.0, l, 1.0, v);
@@ -96,7 +100,7 @@ static double highlight(int lobe, const surface *s, vector l)
 
 /* ---- exactness --------------------------------------------------------------------------------------------------- */
 
-#define WITHIN 6e-6 /* the margins of SHADE_CONE_EPSILON and SHADE_CONE_SHARE_EPSILON, and rounding */
+#define WITHIN 6e-6 /* how much larger a cone may be: SHADE_CONE_EPSILON, SHADE_CONE_SHARE_EPSILON, and rounding */
 
 /* Karis's two forms, angle = acos((2 t / (n + 2))^(1 / n)) with t of a pi-folded light, and acos(share^(1 / n)). */
 static void phong_has_both_of_karis_forms(void **state)
@@ -144,7 +148,8 @@ static void facets_turn_the_light_twice_as_far(void **state)
 	SHADE_PROOF_NEAR(shade_cone_depth(1e-30f), 30.0 * log(10.0), 2e-7, 0.0);
 }
 
-/* On the rim, in the plane of n and v, each lobe is at the tolerance: without the 2e-6 that are added. */
+/* On the rim of the cone, in the plane of n and v, each highlight equals the tolerance; the margin SHADE_CONE_EPSILON
+ * is taken off first. */
 static void rims_are_at_the_tolerance(void **state)
 {
 	(void)state;
@@ -210,7 +215,7 @@ static void unions_are_the_smallest(void **state)
 				SHADE_PROOF_NEAR(2.0 * sin(0.5 * half_angle_of(both)), 2.0 * sin(0.5 * half_angle_of_union(a, b)), 0.0,
 				                 WITHIN);
 				if (of_a + apart + of_b >= 2.0 * M_PI - 1e-5 || fabs(of_a - of_b) > apart - 1e-3)
-					continue; /* everything, or one of the two */
+					continue; /* the union is every direction, or one of the two cones */
 				double turn = 0.5 * (apart + of_b - of_a);
 				SHADE_PROOF_NEAR3(both.axis, sin(turn), 0.0, cos(turn), 0.0, 1e-5);
 			}
@@ -227,7 +232,7 @@ static void unions_of_special_cones(void **state)
 	assert_true(shade_cone_union(point, all).chord >= 2.0f && shade_cone_union(all, point).chord >= 2.0f);
 	SHADE_PROOF_NEAR(shade_cone_union(cone_at(0.0, 2.5), cone_at(2.0, 2.4)).chord, 2.0, 0.0, WITHIN);
 	assert_true(shade_cone_union(up, up).chord == up.chord && shade_cone_union(point, up).chord == up.chord);
-	/* Opposite axes: half of the sphere and the half angles' half, about some axis across. */
+	/* Opposite axes, half angles 0.5 and 0.4: the union has (pi + 0.5 + 0.4) / 2, about some axis at right angles. */
 	shade_cone both = shade_cone_union(up, down);
 	SHADE_PROOF_NEAR(half_angle_of(both), 0.5 * (M_PI + 0.5 + 0.4), 0.0, 1e-5);
 	SHADE_PROOF_NEAR(angle_between(widened(both.axis), widened(up.axis)), 0.5 * (M_PI + 0.4 - 0.5), 0.0, 1e-5);
@@ -257,7 +262,7 @@ static void half_angles_add(void **state)
 
 /* ---- random draws ------------------------------------------------------------------------------------------------ */
 
-/* One in ten seen along the surface or nearly so, and one in fifty without any tolerance. */
+/* A random surface and view: one in ten is seen along the surface or nearly so, one in fifty has the tolerance 0. */
 static surface random_surface(shade_proof_random *random)
 {
 	surface s = {.n = shade_proof_random_direction(random)};
@@ -329,8 +334,9 @@ static void no_light_outside_ggx_exceeds(void **state)
 	no_light_outside_exceeds(GGX, 3);
 }
 
-/* The same for what a shader computes, in float: the zoo's rows, and D V n.l with each G that the header names. As far
- * as that has digits: cos^2 near a right angle and the half vector of nearly opposite vectors have not. */
+/* The same for the highlights that a shader computes in float: Phong's and Blinn-Phong's, and D V n.l of GGX with each
+ * G that the header names. Where these have no digits they are left out: cosines near a right angle, and the half
+ * vector of nearly opposite vectors. */
 static void no_light_outside_exceeds_in_float(void **state)
 {
 	(void)state;
@@ -374,7 +380,8 @@ static void cones_are_no_wider_than_needed(void **state)
 		shade_cone cone = cone_of(lobe, &s);
 		vector n = widened(s.n), v = widened(s.v), r = unit(blend(2.0 * dot(n, v), n, -1.0, v));
 		double inside = 0.999 * half_angle_of(cone) - 1e-5, tilt = angle_between(n, v);
-		bool at_the_peak = highlight(lobe, &s, r) < 1.01 * (double)s.tolerance; /* where it is flat */
+		/* There the highlight is flat, and moving aside changes little. */
+		bool at_the_peak = highlight(lobe, &s, r) < 1.01 * (double)s.tolerance;
 		bool bounded = cone.chord >= 0.0f && cone.chord < 1.999f && s.tolerance > 0.0f;
 		if (!bounded || at_the_peak || inside < 0.0 || tilt < 1e-3)
 			continue;
@@ -399,7 +406,7 @@ static shade_cone random_cone(shade_proof_random *random)
 	return cone;
 }
 
-/* Another cone anywhere, or nearly about the same axis, or nearly opposite. */
+/* A second cone: about any axis, or nearly the same axis, or nearly the opposite one. */
 static shade_cone random_other(shade_proof_random *random, shade_cone cone)
 {
 	shade_cone other = random_cone(random);
@@ -424,7 +431,7 @@ static void unions_hold_both(void **state)
 	for (int i = 0; i < SHADE_PROOF_COUNT; i++) {
 		shade_cone a = random_cone(&random), b = random_other(&random, a), both = shade_cone_union(a, b);
 		stilb_vec3 of_a = random_inside(&random, a), of_b = random_inside(&random, b);
-		both.chord += both.chord < 0.0f ? 0.0f : 3e-7f; /* the directions themselves are rounded */
+		both.chord += both.chord < 0.0f ? 0.0f : 3e-7f; /* the directions that are tested are rounded */
 		if ((a.chord >= 0.0f && !shade_cone_holds(both, of_a)) || (b.chord >= 0.0f && !shade_cone_holds(both, of_b)))
 			fail_msg("chords %.9g and %.9g, %.9g apart: not in the union's %.9g", (double)a.chord, (double)b.chord,
 			         angle_between(widened(a.axis), widened(b.axis)), (double)both.chord);

@@ -1,17 +1,18 @@
-/* shade_phong.h: Schueler's zoo against its formulas written anew in double, its factors against quadrature. */
+/* shade_phong.h, Phong's and Blinn's highlights ("Schueler's zoo"): against their formulas written anew in double, and
+ * their factors against numerical integration. */
 
 #include "shading/shade_phong.h"
 
 #include "numeric/numeric_quadrature.h"
 #include "support/shade_proof.h"
 
-/* Exponents from none to the one of SHADE_ALPHA_MIN. */
+/* Exponents from 0 to that of the smoothest surface, SHADE_ALPHA_MIN. */
 static const double exponents[] = {0.0, 0.01, 0.5, 1.0, 2.0, 7.0, 30.0, 200.0, 8192.0, 2e6};
 #define EXPONENT_COUNT (sizeof exponents / sizeof exponents[0])
 
 /* ---- exactness -------------------------------------------------------------------------------------------------- */
 
-/* Tilts around a lobe of the exponent n: the cosine to the power is between 1 and about e^-10, if there is one. */
+/* sin^2 of eleven tilts (step 0 to 10) at which a lobe of the exponent n is between its peak, 1, and about e^-10. */
 static double tilt2(double n, int step)
 {
 	return fmin(step * 2.0 / (n + 2.0), 0.999);
@@ -45,7 +46,7 @@ static void exponents_follow_alpha(void **state)
 	SHADE_PROOF_NEAR(shade_gloss_from_exponent(128.0f), 7.0 / 13.0, 1e-6, 0.0);
 }
 
-/* The table's formulas, and between which two the ones with a power of 2 lie. */
+/* The factors have the formulas of the header's table; the two Blinn-Phong ones lie between their bounds. */
 static void factors_have_their_formulas(void **state)
 {
 	(void)state;
@@ -67,7 +68,7 @@ static void factors_have_their_formulas(void **state)
 	SHADE_PROOF_NEAR(shade_blinn_phong_modified_factor(0.0f), 1.0 / M_PI, 1e-6, 0.0);
 }
 
-/* Inputs at which every part of a lobe counts: n = 3, sin^2 = 0.3, n.l = 0.4. */
+/* A lobe is factor x power x cosine. With n = 3, sin^2 = 0.3, n.l = 0.4 each of the three changes the result. */
 static void lobes_are_factor_power_and_cosine(void **state)
 {
 	(void)state;
@@ -166,7 +167,8 @@ static double zoo_integrand(double theta, const void *context)
 	return 2.0 * M_PI * (double)row->lobe(theta, row->n) * sin(theta);
 }
 
-/* Each row's own measure is 1: the four albedos at normal incidence, the integral of D, and of D times the cosine. */
+/* The integral that each row of the header's table is normalised by is 1: the albedo at normal incidence for the four
+ * highlights, the integral of D, and of D times the cosine. */
 static void rows_are_normalised(void **state)
 {
 	(void)state;
@@ -176,7 +178,7 @@ static void rows_are_normalised(void **state)
 	for (size_t lobe = 0; lobe < sizeof lobes / sizeof lobes[0]; lobe++)
 		for (size_t i = 0; i < EXPONENT_COUNT; i++) {
 			zoo_row row = {lobes[lobe], (float)exponents[i]};
-			double end = fmin(M_PI / 2.0, 30.0 / sqrt(exponents[i] + 1.0)); /* nothing is left beyond */
+			double end = fmin(M_PI / 2.0, 30.0 / sqrt(exponents[i] + 1.0)); /* beyond it the lobe is 0 in float */
 			SHADE_PROOF_NEAR(stilb_numeric_integrate(zoo_integrand, &row, 0.0, end, 30), 1.0, 1e-5, 0.0);
 		}
 }
@@ -193,7 +195,7 @@ static void bounds_enclose_their_factors(void **state)
 	}
 }
 
-/* Both directions, over the whole range, and both encodings. */
+/* Alpha and gloss to an exponent and back, and from an exponent and back, over the whole range. */
 static void exponents_come_back(void **state)
 {
 	(void)state;
@@ -202,7 +204,7 @@ static void exponents_come_back(void **state)
 		float alpha = shade_proof_log_range(&random, 1e-3f, 1.0f), n = shade_proof_log_range(&random, 1e-2f, 2e6f);
 		float gloss = shade_proof_uniform(&random);
 		SHADE_PROOF_NEAR(shade_alpha_from_exponent(shade_exponent_from_alpha(alpha)), alpha, 1e-6, 0.0);
-		/* n + 2 takes the last digits of a small n. */
+		/* The sum n + 2 rounds off the last digits of a small n. */
 		SHADE_PROOF_NEAR(shade_exponent_from_alpha(shade_alpha_from_exponent(n)), n, 1e-6, 1e-6);
 		SHADE_PROOF_NEAR(shade_gloss_from_exponent(shade_exponent_from_gloss(gloss)), gloss, 1e-6, 1e-6);
 		SHADE_PROOF_NEAR(shade_exponent_from_gloss(shade_gloss_from_exponent(n)), n, 2e-6, 0.0);

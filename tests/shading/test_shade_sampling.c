@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-/* What the lobes need: exponent or sharpness, the GGX surface, the view. */
+/* The samplers' arguments: exponent or sharpness n, the widths of the GGX surface, the direction to the viewer. */
 typedef struct lobe {
 	float n;
 	shade_alphas alphas;
@@ -58,7 +58,7 @@ typedef struct sampler {
 	const char *name;
 	shade_sample (*draw)(const lobe *on, stilb_vec2 u);
 	float (*density)(const lobe *on, stilb_vec3 w);
-	bool reflected; /* the half vector of v and the direction decides */
+	bool reflected; /* the density is one of the half vector of v and the direction */
 } sampler;
 
 static const sampler samplers[] = {{"sphere", draw_sphere, density_sphere, false},
@@ -73,7 +73,7 @@ static stilb_vec2 random_pair(shade_proof_random *random)
 	return u;
 }
 
-/* Every order of magnitude of n and alpha; views up to grazing ones. */
+/* A random lobe: alpha from alpha_least on, n up to n_most, in every order of magnitude; views up to grazing ones. */
 static lobe random_lobe(shade_proof_random *random, float alpha_least, float n_most)
 {
 	lobe on = {
@@ -164,7 +164,7 @@ static void disk_is_concentric(void **state)
 static void polar_near(shade_sample got, double z, double u1, double pdf, double relative)
 {
 	double sine = sqrt(fmax(1.0 - z * z, 0.0)), phi = 2.0 * M_PI * u1;
-	/* The sine is the root of a difference next to -z alone. */
+	/* Next to -Z the sine is the root of a difference of nearly equal numbers: there the bound is wider. */
 	double bound = z < 0.0 ? 1e-6 / fmax(sine, 1e-3) : 1e-6;
 	SHADE_PROOF_NEAR3(got.direction, sine * cos(phi), sine * sin(phi), z, 0.0, bound);
 	SHADE_PROOF_NEAR(got.pdf, pdf, relative, 0.0);
@@ -192,7 +192,8 @@ static void directions_are_their_inverses(void **state)
 	polar_near(shade_sample_vmf(0.0f, (stilb_vec2){0.3f, 0.1f}), 1.0 - 2.0 * 0.3, 0.1, 1.0 / (4.0 * M_PI), 1e-6);
 }
 
-/* Sines of narrow lobes, not only their differences from the axis. */
+/* In narrow lobes the sine of the angle to the axis has the right digits; a bound on the difference of the directions
+ * would not show it. */
 static void narrow_lobes_keep_their_width(void **state)
 {
 	(void)state;
@@ -289,7 +290,7 @@ static void ggx_is_exact(void **state)
 	shade_proof_random random = {4, 0};
 	for (int i = 0; i < 3000; i++) {
 		lobe on = random_lobe(&random, 0.05f, 100.0f);
-		on.v[2] += 0.05f; /* grazing views stand in the properties: here the digits of 1 / v.h count */
+		on.v[2] += 0.05f; /* not grazing, where 1 / v.h costs digits: samples_have_their_density has those */
 		on.v = stilb_vec3_normalize(on.v);
 		stilb_vec2 u = random_pair(&random);
 		double disk[2], h[3];
@@ -393,7 +394,7 @@ static void samples_have_their_density(void **state)
 	}
 }
 
-/* The ends of every range, together. */
+/* All combinations of the ends of the arguments' ranges: no NaN, no infinity, unit vectors. */
 static void samples_survive_the_ends(void **state)
 {
 	(void)state;
@@ -429,7 +430,7 @@ static void disk_points_lie_in_it(void **state)
 		sum[1] += (double)p[1];
 		sum[2] += r2;
 	}
-	SHADE_PROOF_NEAR(sum[0] / SHADE_PROOF_COUNT, 0.0, 0.0, 1e-5); /* stratified: far below 1e-3 of free pairs */
+	SHADE_PROOF_NEAR(sum[0] / SHADE_PROOF_COUNT, 0.0, 0.0, 1e-5); /* with free pairs: 1e-3 */
 	SHADE_PROOF_NEAR(sum[1] / SHADE_PROOF_COUNT, 0.0, 0.0, 1e-5);
 	SHADE_PROOF_NEAR(sum[2] / SHADE_PROOF_COUNT, 0.5, 0.0, 1e-5);
 }
@@ -444,13 +445,13 @@ static stilb_vec3 bin_direction(int bin, double s, double t)
 	return stilb_vec3_make((float)(sine * cos(phi)), (float)(sine * sin(phi)), (float)z);
 }
 
-/* Where a density divides by v.h and has its pole, l = -v: midpoints are too coarse for it there. */
+/* True if the bin is near l = -v, where densities that divide by v.h are infinite: they need finer steps there. */
 static bool holds_pole(const sampler *s, const lobe *on, int bin)
 {
 	return s->reflected && stilb_vec3_dot(bin_direction(bin, 0.5, 0.5), on->v) < -0.9f;
 }
 
-/* The probability of each bin, by midpoints of the density. */
+/* The probability of each bin: the density in the middle of FINE x FINE pieces of it. */
 static void expect_bins(const sampler *s, const lobe *on, double expected[BINS])
 {
 	for (int bin = 0; bin < BINS; bin++) {
@@ -501,7 +502,8 @@ static void samples_fill_the_sphere_as_they_say(void **state)
 	}
 }
 
-/* BRDF x cos / pdf of the visible normals is G2 / G1 F: here seen as the density that no other sampler of D bounds. */
+/* At a grazing view, fewer reflections by visible normals end below the horizon, where they are lost, than by normals
+ * that are drawn from D alone. */
 static void visible_normals_waste_less(void **state)
 {
 	(void)state;

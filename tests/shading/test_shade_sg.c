@@ -1,5 +1,6 @@
-/* shade_sg.h and shade_vmf.h: Spherical Gaussians against their formulas in double and against quadrature, von
- * Mises-Fisher against the moments of its own density. */
+/* shade_sg.h and shade_vmf.h: Spherical Gaussians, lobes exp(sharpness (axis.v - 1)) on the sphere, against their
+ * formulas in double and against numerical integration, the von Mises-Fisher distribution against the moments of its
+ * own density. */
 
 #include "shading/shade_sg.h"
 #include "shading/shade_vmf.h"
@@ -12,7 +13,7 @@ static const double sharpnesses[] = {0.0, 1e-5, 0.01, 0.3, 0.99, 1.0, 1.7, 5.0, 
 
 static const stilb_vec3 Z = {0.0f, 0.0f, 1.0f};
 
-/* At the angle from +Z, in the plane of X. */
+/* The unit vector at this angle (radians) from +Z towards +X. */
 static stilb_vec3 tilted(double angle)
 {
 	return stilb_vec3_make((float)sin(angle), 0.0f, (float)cos(angle));
@@ -26,13 +27,13 @@ static shade_sg lobe(stilb_vec3 axis, double sharpness, float amplitude)
 
 /* ---- truths in double -------------------------------------------------------------------------------------------- */
 
-/* 1 - exp(-2 x) over x; 2 at 0. */
+/* (1 - exp(-2 x)) / x, which is 2 at 0: times 2 pi the integral of a lobe of the sharpness x. */
 static double mass(double x)
 {
 	return x == 0.0 ? 2.0 : -expm1(-2.0 * x) / x;
 }
 
-/* coth x - 1 / x; below 0.05 its series, where double loses digits too. */
+/* Langevin's function coth x - 1 / x, a lobe's mean cosine; below 0.05, where double loses digits too, its series. */
 static double langevin(double x)
 {
 	return x < 0.05 ? x / 3.0 - x * x * x / 45.0 + 2.0 * pow(x, 5.0) / 945.0 : 1.0 / tanh(x) - 1.0 / x;
@@ -44,7 +45,8 @@ static double variance(double x)
 	return x < 0.05 ? 1.0 - langevin(x) : 1.0 / x - 2.0 * exp(-2.0 * x) / -expm1(-2.0 * x);
 }
 
-/* Karis's inner product of two unit lobes, corrected, at an angle between the axes. */
+/* The integral of the product of two lobes of amplitude 1 whose axes are `angle` radians apart: Karis's formula,
+ * corrected as shade_sg_inner_product says. */
 static double inner_product(double s1, double s2, double angle)
 {
 	double size = sqrt(s1 * s1 + s2 * s2 + 2.0 * s1 * s2 * cos(angle));
@@ -61,7 +63,8 @@ static void lobes_are_exponentials(void **state)
 			double s = sharpnesses[i], angle = step * fmin(0.5 / sqrt(s + 0.01), M_PI / 8.0);
 			double half = sin(angle / 2.0), want = exp(-2.0 * s * half * half);
 			stilb_vec3 g = shade_sg_evaluate(lobe(Z, s, 3.0f), tilted(angle));
-			SHADE_PROOF_NEAR3(g, 3.0 * want, 6.0 * want, 1.5 * want, 4e-4, 1e-6); // a float direction at 1e-4 from Z
+			// The tolerance is the error of a float direction 1e-4 from Z.
+			SHADE_PROOF_NEAR3(g, 3.0 * want, 6.0 * want, 1.5 * want, 4e-4, 1e-6);
 		}
 	SHADE_PROOF_NEAR(shade_sg_evaluate(lobe(Z, 5.0, 1.0f), tilted(1.0))[0], exp(5.0 * (cos(1.0) - 1.0)), 1e-6, 0.0);
 }
@@ -93,7 +96,7 @@ static void integrals_have_their_formula(void **state)
 	}
 }
 
-/* The product's lobe against the two lobes' product, direction by direction. */
+/* The lobe that shade_sg_product returns has in every direction the product of the two lobes' values. */
 static void products_are_lobes(void **state)
 {
 	(void)state;
@@ -145,7 +148,7 @@ static void inner_products_have_the_corrected_formula(void **state)
 			for (size_t k = 0; k < 5; k++) {
 				double a = (double)(float)sharpnesses[i], b = (double)(float)sharpnesses[j];
 				if (a < 0.1 && b < 0.1)
-					continue; // the formula itself has no digits there
+					continue; // the formula here has no digits left
 				double got = (double)shade_sg_inner_product(lobe(Z, a, 1.0f), lobe(tilted(angles[k]), b, 3.0f))[0];
 				SHADE_PROOF_NEAR(got, 3.0 * inner_product(a, b, angles[k]), 1e-5, 1e-12);
 			}
@@ -164,7 +167,7 @@ static void convolution_keeps_the_formula(void **state)
 	SHADE_PROOF_NEAR3(got.amplitude, 2.0 * M_PI * 1.5 / 50.0, 2.0 * M_PI * 6.0 / 50.0, 2.0 * M_PI * 0.375 / 50.0, 1e-6,
 	                  0.0);
 	assert_true(got.axis[0] == tilted(0.3)[0]);
-	got = shade_sg_convolve(lobe(Z, 0.0, 1.0f), lobe(Z, 0.0, 1.0f)); // all of one times all of the other
+	got = shade_sg_convolve(lobe(Z, 0.0, 1.0f), lobe(Z, 0.0, 1.0f)); // two constants of 1 over the whole sphere
 	SHADE_PROOF_NEAR(got.sharpness, 0.0, 0.0, 0.0);
 	SHADE_PROOF_NEAR(got.amplitude[0], 4.0 * M_PI, 1e-6, 0.0);
 }
@@ -196,7 +199,7 @@ static void variance_and_its_slope(void **state)
 	assert_true(shade_vmf_variance(0.0f) == 0.0f);
 }
 
-/* What Banerjee's form makes of a sharpness. */
+/* The sharpness that Banerjee's approximation gives back for the mean direction of a lobe of this sharpness. */
 static double fast(double sharpness)
 {
 	return 1.0 / (double)shade_vmf_inverse_sharpness_fast((float)variance(sharpness));
@@ -210,7 +213,7 @@ static void fast_form_is_as_good_as_it_says(void **state)
 	SHADE_PROOF_NEAR(fast(50.0), 50.47495, 3e-6, 0.0);
 	double worst = 0.0;
 	for (double s = 0.05; s < 1e7; s *= 1.02) {
-		SHADE_PROOF_NEAR(fast(s) / s, 1.025, 0.0, 0.0251); // never too wide
+		SHADE_PROOF_NEAR(fast(s) / s, 1.025, 0.0, 0.0251); // from 1 to 1.05: never too wide
 		worst = fmax(worst, 1.0 - s / fast(s));
 	}
 	SHADE_PROOF_NEAR(worst, 0.047, 0.0, 0.0002);
@@ -243,7 +246,7 @@ static void mean_directions_are_vectors(void **state)
 	assert_true(shade_mean_direction_from_vector(Z * 1.00001f).variance == 0.0f);
 }
 
-/* Two sets of directions: the mean of all is the mean of the means, weighted. */
+/* The mean of two sets of directions taken together is the mean of their means, weighted by their sizes. */
 static void mixing_is_averaging(void **state)
 {
 	(void)state;
@@ -291,10 +294,10 @@ static void added_lobes_keep_integral_and_mean(void **state)
 	SHADE_PROOF_NEAR(shade_sg_integral(sum)[0], of_a + of_b, 2e-6, 0.0);
 	SHADE_PROOF_NEAR3(sum.axis, x / hypot(x, z), 0.0, z / hypot(x, z), 1e-6, 0.0);
 	SHADE_PROOF_NEAR(langevin((double)sum.sharpness), hypot(x, z) / (of_a + of_b), 1e-6, 0.0);
-	sum = shade_sg_add(a, a); // twins: the shape stays
+	sum = shade_sg_add(a, a); // a lobe added to itself keeps its shape
 	SHADE_PROOF_NEAR(sum.sharpness, 8.0, 2e-6, 0.0);
 	SHADE_PROOF_NEAR3(sum.amplitude, 2.0, 4.0, 1.0, 2e-6, 0.0);
-	// The channels weigh alike: one lobe red, the other as much blue.
+	// All channels weigh the same: with one lobe red, the other as much blue, the axis is halfway.
 	shade_sg red = {Z, 10.0f, {1.0f, 0.0f, 0.0f}}, blue = {tilted(1.0), 10.0f, {0.0f, 0.0f, 1.0f}};
 	sum = shade_sg_add(red, blue);
 	SHADE_PROOF_NEAR3(sum.axis, sin(0.5), 0.0, cos(0.5), 2e-6, 0.0);
@@ -325,7 +328,7 @@ static void integrals_are_what_quadrature_finds(void **state)
 {
 	(void)state;
 	static const double angles[] = {0.0, 0.4, 1.3, 2.2, M_PI};
-	for (size_t i = 0; i < 9; i++) // up to 30, what the panels resolve
+	for (size_t i = 0; i < 9; i++) // sharpnesses up to 30, which the quadrature resolves
 		for (size_t j = 0; j < 9; j += 2)
 			for (size_t k = 0; k < 5; k++) {
 				lobes c = {lobe(Z, sharpnesses[i], 1.0f), lobe(tilted(angles[k]), sharpnesses[j], 2.0f)};
@@ -357,7 +360,8 @@ static void densities_integrate_to_one_and_have_their_mean(void **state)
 	}
 }
 
-/* The lobe that stands for a convolution against the convolution, which is an inner product at every v. */
+/* The largest error, relative to the peak, of the lobe that approximates a convolution. The exact value at v is an
+ * inner product with the second lobe about v. */
 static double convolution_error(double s1, double s2)
 {
 	shade_sg blurred = shade_sg_convolve(lobe(Z, s1, 1.0f), lobe(Z, s2, 1.0f));
@@ -391,7 +395,7 @@ static shade_sg random_lobe(shade_proof_random *random)
 	return g;
 }
 
-/* Another one, in one of three cases with the same or the opposite axis. */
+/* A second lobe for g; one in three has the same axis or the opposite one. */
 static shade_sg random_partner(shade_proof_random *random, shade_sg g)
 {
 	shade_sg other = random_lobe(random);
@@ -470,7 +474,7 @@ static void variances_round_trip(void **state)
 		float spread = shade_vmf_variance(k), slope = shade_vmf_variance_slope(k);
 		assert_true(spread > 0.0f && spread <= 1.0f && slope > 0.0f && slope <= 1.0f);
 		assert_true(shade_vmf_variance(k * 1.01f) >= spread);
-		if (v < 0.9998f) // beyond, the mean counts as having no direction
+		if (v < 0.9998f) // above it |r| counts as too short to have a direction
 			SHADE_PROOF_NEAR(shade_vmf_variance(shade_vmf_inverse_sharpness(v)), (double)v, 1e-6, 2e-7);
 		if (k < 100.0f)
 			SHADE_PROOF_NEAR(shade_vmf_inverse_sharpness(spread), (double)k, k < 1.0f ? 2e-6 : 4e-6 * (double)k, 0.0);
@@ -484,7 +488,7 @@ static void variances_round_trip(void **state)
 	}
 }
 
-/* Against the averaged vectors in double, and in another order. */
+/* Mixing means gives what averaging the vectors in double gives, and the same in another order. */
 static void means_mix_in_any_order(void **state)
 {
 	(void)state;

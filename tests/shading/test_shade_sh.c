@@ -1,5 +1,5 @@
-/* shade_sh.h and shade_luminance.h: against harmonics made anew in double from Legendre's recurrence, and
- * quadrature. */
+/* shade_sh.h and shade_luminance.h: against spherical harmonics that are computed here in double from Legendre's
+ * recurrence, and against numerical integration. */
 
 #include "shading/shade_sh.h"
 
@@ -48,7 +48,8 @@ static double cosine_band(int l)
 	return stilb_numeric_integrate(cosine_legendre, &l, 0.0, 1.0, 1);
 }
 
-/* What three bands make of a directional light of irradiance 1, of which window[l] is left in band l. */
+/* The irradiance that three bands give for a directional light of irradiance 1, on a surface whose normal has this
+ * cosine with it. Band l is multiplied by window[l]. */
 static double irradiance_at(double cosine, const double window[3])
 {
 	double sum = 0.0;
@@ -87,7 +88,7 @@ static double sum_of_harmonics(shade_sh f, const double d[3])
 	return sum;
 }
 
-/* Turned about its normal by any angle. */
+/* A frame with a random normal, turned about it by a random angle. */
 static shade_frame random_frame(shade_proof_random *random, bool mirrored)
 {
 	shade_frame frame = shade_frame_from_normal(shade_proof_random_direction(random));
@@ -174,7 +175,8 @@ static void convolution_scales_bands(void **state)
 	SHADE_PROOF_NEAR(cosine_band(0), M_PI, 1e-12, 0.0);
 	SHADE_PROOF_NEAR(cosine_band(1), 2.0 * M_PI / 3.0, 1e-12, 0.0);
 	SHADE_PROOF_NEAR(cosine_band(2), M_PI / 4.0, 1e-12, 0.0);
-	SHADE_PROOF_NEAR(held, 0.9922 * 2.0 * M_PI / 3.0, 1e-4, 0.0); /* the square's integral over the half sphere */
+	/* 2 pi / 3 is the integral of the cosine's square over the hemisphere. */
+	SHADE_PROOF_NEAR(held, 0.9922 * 2.0 * M_PI / 3.0, 1e-4, 0.0);
 }
 
 /* 1.0625 and 0.0625, and less than nothing in between: the header's facts, asserted. */
@@ -289,13 +291,15 @@ static void dominant_direction_is_band_1(void **state)
 	}
 	SHADE_PROOF_NEAR3(shade_sh_dominant_direction(shade_sh_ambient(0.0f)), 0.0, 1.0, 0.0, 0.0, 0.0);
 	SHADE_PROOF_NEAR3(shade_sh_dominant_direction(shade_sh_ambient(1e30f)), 0.0, 1.0, 0.0, 0.0, 0.0);
-	/* Noise of a float step does not turn a uniform light. */
+	/* A uniform light has no direction, also with noise of a float step in band 1. */
 	shade_sh noise = shade_sh_ambient(1.0f);
 	noise.c[3] = 1e-6f;
 	SHADE_PROOF_NEAR3(shade_sh_dominant_direction(noise), 0.0, 1.0, 0.0, 0.0, 0.0);
 }
 
-/* The normal equations of: f's irradiance by E directional light and an ambient one, over all normals. */
+/* The irradiance of f on a surface, as a function of its normal, is approximated by that of a directional light from l
+ * and an ambient light: least squares over all normals. These are the integrands of the sums in its normal equations,
+ * of which `term`, 0 to 4, chooses one. */
 typedef struct least_squares {
 	shade_sh f;
 	double l[3];
@@ -338,7 +342,7 @@ static void dominant_irradiance_has_its_limits(void **state)
 	stilb_vec3 up = stilb_vec3_make(0.0f, 1.0f, 0.0f);
 	shade_sh light = shade_sh_directional(up, 1.0f);
 	assert_true(shade_sh_dominant_irradiance(light, -up) == 0.0f);
-	light.c[0] *= 0.5f; /* no light of this world: more in band 1 than in band 0 */
+	light.c[0] *= 0.5f; /* more in band 1 than any light that is nowhere negative has */
 	SHADE_PROOF_NEAR(shade_sh_dominant_irradiance(light, up), 0.5, 1e-6, 0.0);
 	light.c[0] = -1.0f;
 	assert_true(shade_sh_dominant_irradiance(light, up) == 0.0f);
@@ -388,14 +392,14 @@ static void sun_and_sky_come_back(void **state)
 		shade_sh_rgb f = shade_sh_rgb_add(shade_sh_rgb_directional(l, sun), shade_sh_rgb_ambient(ambient));
 		shade_sh_light light = shade_sh_dominant_light(f);
 		if (shade_luminance(sun) < 1e-3f)
-			continue; /* black: there is no direction */
+			continue; /* black light has no direction */
 		SHADE_PROOF_NEAR3(light.direction, l[0], l[1], l[2], 0.0, 1e-5);
 		SHADE_PROOF_NEAR3(light.irradiance, sun[0], sun[1], sun[2], 1e-5, 1e-5);
 		SHADE_PROOF_NEAR3(light.ambient, ambient[0], ambient[1], ambient[2], 1e-5, 2e-6);
 	}
 }
 
-/* Which channel's direction? The one that looks brightest. */
+/* Three channels with lights from different directions: the common direction is that of the luminance. */
 static void direction_is_the_luminances(void **state)
 {
 	(void)state;
@@ -451,7 +455,7 @@ static void windowed_light_is_not_negative(void **state)
 	}
 }
 
-/* Where a single light is darkest, behind the least window. */
+/* A single light after shade_sh_window with the least blur: its irradiance is not negative where it is lowest. */
 static void windowed_light_is_not_negative_where_it_is_darkest(void **state)
 {
 	(void)state;
@@ -512,7 +516,7 @@ static void dominant_light_is_light(void **state)
 	}
 }
 
-/* Of any surroundings the two lights keep all the light there is: E / (4 pi) + ambient is the mean radiance. */
+/* The two lights that replace any surroundings keep their mean radiance: irradiance / (4 pi) + ambient. */
 static void dominant_light_keeps_the_mean(void **state)
 {
 	(void)state;

@@ -1,4 +1,5 @@
-/* shade_specular.h and shade_minimalist.h: Karis's terms, as printed, in double; their measures by quadrature. */
+/* shade_specular.h and shade_minimalist.h: the terms D, G and F of microfacet models against Karis's formulas, as
+ * printed, in double; the integrals that are 1 by numerical integration. */
 
 #include "shading/shade_minimalist.h"
 #include "shading/shade_specular.h"
@@ -12,7 +13,8 @@ static const double alphas[] = {1e-3, 0.01, 0.1, 0.3, 0.6, 0.9, 1.0};
 
 /* ---- exactness: D ----------------------------------------------------------------------------------------------- */
 
-/* Facets from none to many widths of D: sin^2 = (s alpha)^2 / (1 + (s alpha)^2), s = 0, 0.3, ... */
+/* D at tilts of the facet from 0 to many times its width alpha: tan = s alpha, so sin^2 = (s alpha)^2 / (1 + (s
+ * alpha)^2), s = 0, 0.3, ... */
 static void distributions_have_their_formulas(void **state)
 {
 	(void)state;
@@ -73,7 +75,8 @@ static void angles_are_those_of_the_vectors(void **state)
 		stilb_vec3 n = shade_proof_random_direction(&random), l = shade_proof_random_above(&random, n);
 		stilb_vec3 v = shade_proof_random_above(&random, n);
 		if (i % 2)
-			v = stilb_vec3_normalize(2.0f * stilb_vec3_dot(n, l) * n - l + v * 1e-3f); /* h is next to n */
+			/* v is nearly l mirrored, so the half vector is next to n. */
+			v = stilb_vec3_normalize(2.0f * stilb_vec3_dot(n, l) * n - l + v * 1e-3f);
 		double nl = 0.0, nv = 0.0, h2 = 0.0, vh = 0.0, cross2 = 0.0, h[3];
 		for (int k = 0; k < 3; k++) {
 			h[k] = (double)l[k] + (double)v[k];
@@ -93,7 +96,7 @@ static void angles_are_those_of_the_vectors(void **state)
 		SHADE_PROOF_NEAR(a.n_dot_l, nl, 0.0, 3e-7);
 		SHADE_PROOF_NEAR(a.n_dot_v, nv, 0.0, 3e-7);
 		SHADE_PROOF_NEAR(a.n_dot_h, (nl + nv) / sqrt(h2), 1e-6, 1e-5);
-		SHADE_PROOF_NEAR(a.v_dot_h, vh / sqrt(h2), 1e-6, 3e-7 / sqrt(h2)); /* float vectors are unit to 1e-7 */
+		SHADE_PROOF_NEAR(a.v_dot_h, vh / sqrt(h2), 1e-6, 3e-7 / sqrt(h2)); /* 3e-7: float vectors are unit to 1e-7 */
 		SHADE_PROOF_NEAR(sqrtf(a.sin2_h), sqrt(cross2 / h2), 1e-5, 1e-6);
 	}
 	stilb_vec3 n = {0.0f, 0.0f, 1.0f}, l = {0.6f, 0.0f, 0.8f};
@@ -102,7 +105,8 @@ static void angles_are_those_of_the_vectors(void **state)
 	assert_true(same.n_dot_h == 1.0f && same.v_dot_h == 1.0f && same.sin2_h == 0.0f);
 }
 
-/* All eight at angles of their own, on both sides of Beckmann's c = 1.6 and of the grooves' three cases. */
+/* All eight shadowing terms, at angles on both sides of c = 1.6, where Beckmann's fit ends, and in the three cases of
+ * Cook-Torrance's minimum. */
 static void shadowing_has_its_formulas(void **state)
 {
 	(void)state;
@@ -121,7 +125,8 @@ static void shadowing_has_its_formulas(void **state)
 	}
 }
 
-/* The rational fit ends at c = 1.6 and not 0.1 % beside it: there it is 1.0000556 instead of 1, just enough to see. */
+/* The rational fit of Beckmann's G1 ends at c = 1.6 and not 0.1 % beside it: at the end it is 1.0000556, and 1 from
+ * there on, a step just large enough to be seen. */
 static void beckmann_fit_ends_where_it_should(void **state)
 {
 	(void)state;
@@ -168,7 +173,7 @@ static void fresnel_has_its_formulas(void **state)
 		}
 }
 
-/* Cosines of 0, and those a little above 1 that rounding makes. */
+/* Terms at cosines of 0, and at those a little above 1 that rounding makes: finite, and not negative. */
 static void terms_are_light_at_the_ends(void **state)
 {
 	(void)state;
@@ -223,7 +228,8 @@ typedef struct distribution {
 	float alpha, anisotropy;
 } distribution;
 
-/* D cos over the hemisphere as an integral in u, tan = alpha u / (1 - u): every D is of width 1 in tan / alpha.
+/* The integral of D cos over the hemisphere, as one in u, [0, 1), with tan = alpha u / (1 - u): as a function of
+ * tan / alpha every D has the width 1.
  * dm = sin dtheta dphi, and cos sin dtheta = tan dtan / (1 + tan^2)^2. */
 static double distribution_integrand(double u, const void *context)
 {
@@ -284,7 +290,7 @@ static void fresnel_keeps_its_ends(void **state)
 	SHADE_PROOF_NEAR3(shade_f_cook_torrance(stilb_vec3_make(1e30f, -1.0f, 2.0f), 0.5f), 1.0, 0.0, 1.0, 1e-5, 1e-6);
 }
 
-/* V and G stay numbers over all angles that three unit vectors can have; G is a share; nothing is negative. */
+/* Over all angles that three unit vectors can have V and G are finite and not negative, and G is at most 1. */
 static void every_term_is_light(void **state)
 {
 	(void)state;
@@ -303,7 +309,7 @@ static void every_term_is_light(void **state)
 			float share = shade_g(g, a, alpha, alpha);
 			SHADE_PROOF_LIGHT(shade_v(g, a, alpha, alpha));
 			SHADE_PROOF_LIGHT(share);
-			/* v.h from float vectors may be short of (n.l + n.v) / 2 at the horizon: Kelemen's quotient shows it. */
+			/* At the horizon rounding may make v.h too small against n.l and n.v, by whose product Kelemen divides. */
 			assert_true(a.v_dot_h < 0.01f || share <= 1.0002f);
 		}
 		for (int ndf = 0; ndf < SHADE_NDF_COUNT; ndf++)

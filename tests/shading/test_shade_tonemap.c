@@ -1,15 +1,17 @@
-/* The tone curves and their inverses on both lumas, and the firefly weights: against Karis's formulas as printed. */
+/* shade_tonemap.h and shade_firefly.h: the tone curves and their inverses, applied to the largest channel and to the
+ * luminance, and the weights against fireflies: against Karis's formulas as printed. */
 
 #include "shading/shade_firefly.h"
 #include "shading/shade_tonemap.h"
 
 #include "support/shade_proof.h"
 
-/* a and b of the curve: the renderer's, without a linear part, an encoding's range, a nearly hard knee. */
+/* {a, b} of the curve that is linear up to a and has the limit b: the renderer's, one without a linear part, one for
+ * the range of an encoding, one that bends nearly as a corner. */
 static const float RANGES[][2] = {{0.6f, 1.0f}, {0.0f, 1.0f}, {2.0f, 6.0f}, {0.9f, 1.0f}};
 enum { RANGE_COUNT = sizeof RANGES / sizeof RANGES[0] };
 
-/* Karis's pair as printed, in double: the number that scales the colour. */
+/* Karis's curve as printed, in double: the number that a colour of this luma is multiplied by. */
 static double scale_printed(double luma, double a, double b)
 {
 	return luma <= a ? 1.0 : (a * a - b * luma) / (2.0 * a - b - luma) / luma;
@@ -125,7 +127,7 @@ static void curve_without_a_linear_part_is_the_simple_one(void **state)
 	}
 }
 
-/* At a the two pieces meet with the value a and the slope 1. */
+/* Where the curve's two pieces meet, at a, both have the value a and the slope 1. */
 static void curve_is_smooth_at_the_knee(void **state)
 {
 	(void)state;
@@ -148,7 +150,7 @@ static void random_samples(shade_proof_random *random, stilb_vec3 samples[SAMPLE
 	samples[SAMPLES / 2] = stilb_vec3_make(5000.0f, 300.0f, 20000.0f);
 }
 
-/* Weighted by the weights of luminance. */
+/* The mean of the samples weighted by shade_firefly_weight of their luminance, in double. */
 static stilb_vec3 weighted_mean(const stilb_vec3 samples[SAMPLES], float range)
 {
 	stilb_vec4 sums = {0.0f, 0.0f, 0.0f, 0.0f};
@@ -157,7 +159,8 @@ static stilb_vec3 weighted_mean(const stilb_vec3 samples[SAMPLES], float range)
 	return shade_firefly_mean(sums);
 }
 
-/* Tone mapped, averaged, mapped back: simple curve, luma by luminance or by the largest channel. */
+/* The samples tone mapped by the simple curve, averaged, and mapped back; the luma is the luminance or the largest
+ * channel. */
 static stilb_vec3 mapped_mean(const stilb_vec3 samples[SAMPLES], float range, bool by_luminance)
 {
 	stilb_vec3 mean = {0.0f, 0.0f, 0.0f, 0.0f};
@@ -181,8 +184,8 @@ static void weights_equal_the_curve_for_linear_luma(void **state)
 	}
 }
 
-/* The same weights made of the largest channel are not that curve, and curves that are linear up to a have no
- * weights. */
+/* Weights made of the largest channel do not give what tone mapping by the largest channel gives; nor do those of the
+ * luminance give what the curve gives that is linear up to a. */
 static void weights_differ_from_the_curve_for_other_lumas(void **state)
 {
 	(void)state;
@@ -290,7 +293,7 @@ static void luminance_comes_into_range_and_back(void **state)
 	}
 }
 
-/* Scaling rounds: without the last min some of these would leave the range by one bit. */
+/* Scaling a colour rounds: without the min in shade_tonemap some of these would end above b by one bit. */
 static void bright_and_black_colors_stay_in_range(void **state)
 {
 	(void)state;
@@ -323,13 +326,14 @@ static void fireflies_do_not_drown_the_rest(void **state)
 		float weight = shade_firefly_weight(shade_luminance(color), range);
 		assert_true(weight > 0.0f && weight <= 1.0f);
 		sums = shade_firefly_add((stilb_vec4){0.0f, 0.0f, 0.0f, 0.0f}, color, range);
-		SHADE_PROOF_NEAR3(shade_firefly_mean(sums), color[0], color[1], color[2], 5e-7, 0.0); /* one value is itself */
+		/* The mean of one value is that value. */
+		SHADE_PROOF_NEAR3(shade_firefly_mean(sums), color[0], color[1], color[2], 5e-7, 0.0);
 	}
 	for (int i = 0; i < 999; i++)
 		sums = shade_firefly_add(i == 0 ? (stilb_vec4){0.0f, 0.0f, 0.0f, 0.0f} : sums,
 		                         (stilb_vec3){1.0f, 1.0f, 1.0f, 0.0f}, 1.0f);
 	sums = shade_firefly_add(sums, (stilb_vec3){1e30f, 1e30f, 1e30f, 0.0f}, 1.0f);
-	SHADE_PROOF_NEAR3(shade_firefly_mean(sums), 1.002, 1.002, 1.002, 1e-3, 0.0); /* 1e27 as a plain mean */
+	SHADE_PROOF_NEAR3(shade_firefly_mean(sums), 1.002, 1.002, 1.002, 1e-3, 0.0); /* a plain mean would be 1e27 */
 }
 
 int main(void)

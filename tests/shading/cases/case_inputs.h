@@ -1,5 +1,5 @@
 /*
- * case_inputs: arguments for the rows of shade/cases_*.h out of numbers in [0, 1), C and GLSL. [any-thread]
+ * case_inputs: arguments for the rows of cases_*.h out of numbers in [0, 1), C and GLSL. [any-thread]
  *
  * Only + - * / sqrt, which C and lavapipe round alike: what a row compares is then its function and not the arguments.
  */

@@ -1,5 +1,5 @@
-/* cases_brdf: whole reflection models, and what stands around them, as rows; shade/README.md says how rows are read.
- * test_shade_brdf_gpu.c has all combinations of D, G and F. [any-thread] */
+/* cases_brdf: whole reflection models, and what stands around them, as rows: calls in which C and GPU are compared
+ * (README.md). test_shade_brdf_gpu.c has all combinations of D, G and F. [any-thread] */
 #ifndef SHADE_CASES_BRDF_H
 #define SHADE_CASES_BRDF_H
 

@@ -1,4 +1,4 @@
-/* cases_bump: bumps and ray differentials as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_bump: bumps and ray differentials as rows: calls in which C and GPU are compared (README.md). [any-thread] */
 #ifndef SHADE_CASES_BUMP_H
 #define SHADE_CASES_BUMP_H
 

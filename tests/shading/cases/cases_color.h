@@ -1,5 +1,5 @@
-/* cases_color: tone curves, firefly weights, sRGB, RGBM and LogLuv as rows; shade/README.md says how rows are read.
- * [any-thread] */
+/* cases_color: tone curves, firefly weights, sRGB, RGBM and LogLuv as rows: calls in which C and GPU are compared
+ * (README.md). [any-thread] */
 #ifndef SHADE_CASES_COLOR_H
 #define SHADE_CASES_COLOR_H
 

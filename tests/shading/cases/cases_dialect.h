@@ -1,4 +1,5 @@
-/* cases_dialect: the words of the shading dialect as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_dialect: the words of the shading dialect as rows: calls in which C and GPU are compared
+ * (README.md). [any-thread] */
 #ifndef SHADE_CASES_DIALECT_H
 #define SHADE_CASES_DIALECT_H
 

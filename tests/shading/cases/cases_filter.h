@@ -1,4 +1,5 @@
-/* cases_filter: filtering of normals and roughness as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_filter: filtering of normals and roughness as rows: calls in which C and GPU are compared
+ * (README.md). [any-thread] */
 #ifndef SHADE_CASES_FILTER_H
 #define SHADE_CASES_FILTER_H
 

@@ -1,4 +1,5 @@
-/* cases_light: lights, their units and their cones as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_light: lights, their units and their cones as rows: calls in which C and GPU are compared
+ * (README.md). [any-thread] */
 #ifndef SHADE_CASES_LIGHT_H
 #define SHADE_CASES_LIGHT_H
 

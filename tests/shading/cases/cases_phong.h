@@ -1,4 +1,4 @@
-/* cases_phong: Schueler's zoo as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_phong: Schueler's zoo as rows: calls in which C and GPU are compared (README.md). [any-thread] */
 #ifndef SHADE_CASES_PHONG_H
 #define SHADE_CASES_PHONG_H
 

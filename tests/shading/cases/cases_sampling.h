@@ -1,4 +1,5 @@
-/* cases_sampling: samplers and their densities as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_sampling: samplers and their densities as rows: calls in which C and GPU are compared
+ * (README.md). [any-thread] */
 #ifndef SHADE_CASES_SAMPLING_H
 #define SHADE_CASES_SAMPLING_H
 

@@ -1,4 +1,5 @@
-/* cases_sg: Spherical Gaussians and von Mises-Fisher as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_sg: Spherical Gaussians and von Mises-Fisher as rows: calls in which C and GPU are compared
+ * (README.md). [any-thread] */
 #ifndef SHADE_CASES_SG_H
 #define SHADE_CASES_SG_H
 

@@ -1,4 +1,5 @@
-/* cases_sh: spherical harmonics and luminance as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_sh: spherical harmonics and luminance as rows: calls in which C and GPU are compared
+ * (README.md). [any-thread] */
 #ifndef SHADE_CASES_SH_H
 #define SHADE_CASES_SH_H
 

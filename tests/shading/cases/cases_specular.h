@@ -1,4 +1,4 @@
-/* cases_specular: the microfacet terms as rows; shade/README.md says how rows are read. [any-thread] */
+/* cases_specular: the microfacet terms as rows: calls in which C and GPU are compared (README.md). [any-thread] */
 #ifndef SHADE_CASES_SPECULAR_H
 #define SHADE_CASES_SPECULAR_H
 
