@@ -5,7 +5,7 @@
 
 #define SCALAR_PIECE 256u /* spheres at a time: their flags, a byte each, stay in the first-level cache */
 
-/* Clears visible[i] where sphere first + i lies wholly outside the plane; i in 0 .. count - 1. */
+/* Clears visible[i] where sphere first + i is not visible for the plane; i in 0 .. count - 1. */
 static void scalar_plane(cull_spheres spheres, uint32_t first, uint32_t count, stilb_plane plane,
                          uint8_t *restrict visible)
 {

@@ -11,9 +11,9 @@
  *
  * Method.   Integrated over half vectors (halfway between the two directions), in polar coordinates about the normal;
  *           Phong's two lobes over directions, about the mirrored one. There every lobe of shade_brdf.h is as wide as
- *           its alpha, roughness squared. The polar angle is theta with tan(theta) = alpha sinh(t), so
- *           that equal steps of t resolve the core and the tail of the lobe alike, and the horizon is a limit of the
- *           azimuth instead of a kink inside the range. Lambert's and the wrapped model are integrated over directions.
+ *           its alpha, roughness squared. The polar angle is theta with tan(theta) = alpha sinh(t), so that equal steps
+ *           of t resolve the core and the tail of the lobe alike, and the horizon is a limit of the azimuth instead of
+ *           a kink inside the range. Lambert's and the wrapped model are integrated over directions.
  * Error.    Below 5e-4 of the result for alpha from 1e-3 to 1 and angles up to 89 degrees; largest for Cook-Torrance,
  *           whose G has a kink.
  * Threads.  Pure functions: [any-thread].

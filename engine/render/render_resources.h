@@ -93,7 +93,7 @@ typedef struct render_retired {
 typedef struct render_resources {
 	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
-	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 24 the texture's index */
+	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 24 texture, 0: none */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
 	stilb_lock lock; /* guards everything below */

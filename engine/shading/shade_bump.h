@@ -30,8 +30,8 @@
 
 /* Surface gradient from two steps along the surface and the height's change over each:
  *   ((dp_dt x n) dh_ds + (n x dp_ds) dh_dt) / (n . (dp_ds x dp_dt))
- * n: the surface's own normal (the shading normal where it is smooth). The steps may be swapped or
- * form a left-handed frame: the divisor changes its sign too. Source: Mikkelsen 2010; Driscoll's formula. */
+ * n: the surface's own normal (the shading normal where it is smooth). The steps may be swapped or form a left-handed
+ * frame: the divisor changes its sign too. Source: Mikkelsen 2010; Driscoll's formula. */
 SHADE_FN vec3 shade_bump_gradient(vec3 n, vec3 dp_ds, vec3 dp_dt, float dh_ds, float dh_dt)
 {
 	// The gradient does not depend on the steps' lengths: scaled to 1, they make the divisor the sine between them.

@@ -6,7 +6,7 @@
  *                                     in the dark (gamma 2.2, m >= 0.2, >= 2/255)
  *   LogLuv   2^-63 to 2^64, and 0     luminance 0.07 %, any channel 2.1 % of the      neither
  *                                     largest one
- * m is RGBM's fourth number, the multiplier; "in the dark" are channels of rgb that are stored as few steps of 1/255.
+ * m is RGBM's fourth number, the multiplier: 0.44 % holds for m >= 0.2, 0.85 % for dark colours, m >= 2/255.
  * Encoders return numbers in [0, 1], which the target rounds to 8 bits; decoders take what was stored. Colours are
  * linear Rec.709, channels >= 0.
  */

@@ -72,8 +72,8 @@ SHADE_STRUCT(shade_lamp)
 
 /* ---- units ------------------------------------------------------------------------------------------------------- */
 
-/* I = pi L r0^2 of a sphere, or of a disk along its axis. Source: Schueler, reply to Iryoku: his I, not
- * his I', which leaves the pi out. */
+/* I = pi L r0^2 of a sphere, or of a disk along its axis. Source: Schueler, reply to Iryoku: his I, not his
+ * I', which leaves the pi out. */
 SHADE_FN vec3 shade_intensity_from_radiance(vec3 radiance, float radius)
 {
 	return radiance * (SHADE_PI * radius * radius);

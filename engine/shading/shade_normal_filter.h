@@ -15,8 +15,8 @@
  * | LEAN        | slopes, and their covariance with alpha^2 | no                            | yes         | tangent |
  *
  * r is the average vector of a lobe's directions. The first four average mean directions (shade_vmf.h), which are such
- * vectors; what comes out is the mean's axis as normal and an alpha from
- * its variance. All work in 1 / sharpness = alpha^2 / 2: a flat, smooth patch has 0 there and nothing is divided by it.
+ * vectors; what comes out is the mean's axis as normal, and an alpha from its variance. All work in 1 / sharpness =
+ * alpha^2 / 2: a flat, smooth patch has 0 there and nothing is divided by it.
  * Use vMF, and LEAN where bumps have a grain; the others are for comparison and for data that was made with them.
  * Sources: Karis, "Normal map filtering using vMF (part 3)" (2018); Toksvig, "Mipmapping Normal Maps" (2004); Olano and
  * Baker, "LEAN Mapping" (2010).

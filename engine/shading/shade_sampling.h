@@ -210,13 +210,15 @@ SHADE_FN vec3 shade_half_vector(vec3 v, vec3 l)
 	return select(length2 > SHADE_COS2_MIN, sum * scale, vec3(0.0f, 0.0f, 1.0f));
 }
 
+/* v reflected by the microfacet normal h, with the density of the reflection; h.pdf is that of the normal. */
 SHADE_FN shade_sample shade_sample_reflected(vec3 v, shade_sample h)
 {
 	shade_sample chosen = {reflect(-v, h.direction), shade_pdf_reflected(h.pdf, dot(v, h.direction))};
 	return chosen;
 }
 
-/* Blinn's microfacet normals, density D(h) n.h = (n + 2) / (2 pi) (n.h)^(n + 1): the cosine lobe of exponent n + 1.
+/* Blinn's microfacet normals h, density D(h) n.h = (n + 2) / (2 pi) (n.h)^(n + 1), where n is the exponent, and in n.h
+ * the normal: the cosine lobe of exponent n + 1.
  * n = 2 / alpha^2 - 2 in [0, 1e7]. Source: Walter et al. (2007), eq. 37 f. with Karis's exponent, "Specular BRDF
  * Reference" (2013). */
 SHADE_FN shade_sample shade_sample_blinn_normal(float n, vec2 u)

@@ -4,7 +4,7 @@
  * Meaning.    A function of the unit direction w, f(w) = sum of c[i] Y[i](w): radiance (W sr^-1 m^-2) or, convolved
  *             with the cosine, irradiance (W m^-2). The coefficients carry the same unit. Band l, 0 to 2, is the
  *             2 l + 1 functions Y that are polynomials of degree l. Irradiance hardly needs more: these three bands
- *             hold 99.2 % of the integral of the squared cosine, clamped to its positive half.
+ *             hold 99.2 % of the integral of max(cosine, 0)^2, the lobe that irradiance is made with.
  * Basis.      Real, orthonormal, with the Condon-Shortley phase: index l (l + 1) + m is 0; -1, 0, 1; -2, -1, 0, 1, 2.
  *             The letters x, y, z of the formulas are the world's axes (+Y up): the pole of the basis is +Z, which
  *             matters for the order of the coefficients alone.

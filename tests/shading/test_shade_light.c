@@ -373,7 +373,7 @@ static void lamps_keep_their_bounds(void **state)
 		assert_true(sphere - subtracted <=
 		            1.000001f * intensity * shade_tolerance_from_reach(lamp.reach) + 1e-6f * sphere);
 		stilb_vec3 offset = position - lamp.position;
-		/* Outside of the body the windowed lamp has I / d^2 (1 - x^2)^2, with x = d / reach, the other one I / d^2 (1 - x^2). */
+		/* Outside of the body both have I / d^2 times a factor: (1 - x^2)^2 and 1 - x^2, with x = d / reach. */
 		if (sqrtf(stilb_vec3_dot(offset, offset)) > fmaxf(lamp.radius, 1e-4f))
 			assert_true(seen[SHADE_LIGHT_WINDOWED].irradiance[0] <= subtracted + 1e-6f * sphere);
 		if (sqrtf(stilb_vec3_dot(offset, offset)) > 1.00001f * lamp.reach)
