@@ -1,7 +1,7 @@
 /* Fuzzes the reading of frame dumps, files that hold all commands of a frame (render_dump.h). Whatever the bytes,
- * render_dump_read never crashes and returns a dump or a reason; a dump plays on the
- * null device and can be saved. The mutator knows the parts of a file, adapts the header's counts to them, and in most
- * cases writes the right checksum, without which every mutant would be refused at once. */
+ * render_dump_read never crashes and returns a dump or a reason; a dump plays on the null device and can be saved. The
+ * mutator knows the parts of a file, adapts the header's counts to them, and in most cases writes the right checksum,
+ * without which every mutant would be refused at once. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 

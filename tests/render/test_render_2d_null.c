@@ -141,7 +141,8 @@ static uint64_t shape_bytes(uint32_t count)
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-/* The first frame begins without memory for geometry, the next with too little, later ones with enough. */
+/* Draws frames with 2D geometry: the first begins without memory for it, the next with too little, later ones with
+ * enough. */
 static void memory_outgrows_and_stays(void **state)
 {
 	(void)state;

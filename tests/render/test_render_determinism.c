@@ -1,7 +1,7 @@
-/* The stream of draws that the device gets is the same for 0 to 8 workers and many schedules (orders in time of their
- * work) of each. The linker redirects the job system's loops to
- * this file (--wrap), which permutes their slices and pauses between them; the hooks of the pool pause, too. So
- * segments are recorded in orders that the scheduler alone would hardly produce. Arguments: the number of schedules;
+/* The stream of draws that the device gets is the same for 0 to 8 workers and many schedules of each, a schedule being
+ * who does what when. The linker redirects the job system's loops to this file (--wrap), which permutes their slices
+ * and pauses between them; the hooks of the pool pause, too. So segments (numbered parts of a pass) are recorded in
+ * orders that the scheduler alone would hardly produce. Arguments: the number of schedules;
  * "vulkan", to compare pictures instead; WORKERS SCHEDULE, to repeat one schedule. */
 #include "support/render_fixture.h"
 #include "support/test.h"
@@ -19,7 +19,7 @@
 
 static struct {
 	uint64_t seed;
-	_Atomic uint64_t pauses; /* made so far. Relaxed: a thread takes any number, for a random length */
+	_Atomic uint64_t pauses; /* made so far; seeds the next. Relaxed: any thread may get any number */
 	bool on;
 } fuzz;
 
