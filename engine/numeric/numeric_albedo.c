@@ -60,7 +60,7 @@ static double over_half_azimuth(double phi, const void *context)
 }
 
 /* The integrand at azimuth phi about the mirrored direction; phi = 0 is towards the normal. The polar angle is twice
- * that of `tangent`, so d(direction) = 4 cos(half) d(half direction). */
+ * the angle whose tan is `tangent`, so a solid angle is 4 cos(half the polar angle) times that of halved directions. */
 static double over_mirrored_azimuth(double phi, const void *context)
 {
 	const albedo *a = context;

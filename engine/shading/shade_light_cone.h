@@ -31,9 +31,9 @@
 
 #include "glsl_begin.h"
 
-/* EPSILON and SHARE_EPSILON: see above. COSINE_EPSILON: the error that a float n.v may have. SHARE_MIN: the least share
- * of a peak; for a smaller one a cone does not shrink the lobe. APART_MIN: two axes less apart than this give no
- * direction from one to the other. */
+/* EPSILON and SHARE_EPSILON: see above. COSINE_EPSILON: the error that a float n.v may have. SHARE_MIN: below this
+ * share of the peak a cone of Phong or Blinn-Phong holds the whole lobe, and GGX counts the share as this. APART_MIN:
+ * two axes less apart than this give no direction from one to the other. */
 #define SHADE_CONE_EPSILON 2e-6f
 #define SHADE_CONE_SHARE_EPSILON 2e-6f
 #define SHADE_CONE_COSINE_EPSILON 3e-7f

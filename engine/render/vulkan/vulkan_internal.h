@@ -127,7 +127,8 @@ typedef struct vulkan_texture {
 	VkDescriptorSet set;
 } vulkan_texture;
 
-/* The materials that a mesh pipeline draws (shaders/mesh.frag). EVEN and ODD: --materials pipeline. */
+/* The materials that a mesh pipeline draws (shaders/mesh.frag): all, or with --materials pipeline those with an even or
+ * an odd index. */
 typedef enum vulkan_pipeline_materials {
 	VULKAN_PIPELINE_ANY,
 	VULKAN_PIPELINE_EVEN,
