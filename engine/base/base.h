@@ -141,15 +141,15 @@ typedef struct stilb_cpu_features {
 	bool invariant_tsc;                  /* the time stamp counter ticks at one rate in every power state */
 } stilb_cpu_features;
 
-/* Asks the CPU with CPUID: microseconds each on a virtual machine, so call it once. All false on other
- * architectures. */
+/* Asks the CPU with CPUID instructions, which take microseconds each on a virtual machine, so call it once. All false
+ * on architectures other than x86-64. */
 stilb_cpu_features stilb_cpu_query(void);
 
 /* The instruction sets for which modules have code; each includes the ones before it. */
 typedef enum stilb_isa {
 	STILB_ISA_SCALAR, /* plain C; the reference that the others are tested against */
-	STILB_ISA_AVX2,   /* and BMI, which came with it */
-	STILB_ISA_AVX512, /* as stilb_cpu_features.avx512 */
+	STILB_ISA_AVX2,   /* AVX2 and BMI, which came with it */
+	STILB_ISA_AVX512, /* AVX-512 F, VL, BW and DQ */
 	STILB_ISA_COUNT
 } stilb_isa;
 

@@ -12,15 +12,15 @@ static uintptr_t me(void)
 void stilb_owner_take(stilb_owner *owner)
 {
 	STILB_ASSERT(owner);
-	/* Relaxed: only the thread that stored its own identity can read it as equal; whatever another thread reads is
-	 * different from its own. */
+	/* Relaxed: the value is only compared with the reader's own identity, which no other thread stores. So a thread
+	 * that owns the object reads its own store, and any other reads something different, old or new. */
 	atomic_store_explicit(&owner->thread, me(), memory_order_relaxed);
 }
 
 bool stilb_owner_is_me(const stilb_owner *owner)
 {
 	STILB_ASSERT(owner);
-	uintptr_t thread = atomic_load_explicit(&owner->thread, memory_order_relaxed); /* see stilb_owner_take */
+	uintptr_t thread = atomic_load_explicit(&owner->thread, memory_order_relaxed); /* stilb_owner_take says why */
 	return thread == 0 || thread == me();
 }
 
@@ -48,11 +48,11 @@ void stilb_lock_take(stilb_lock *lock)
 void stilb_lock_give(stilb_lock *lock)
 {
 	STILB_ASSERT_LOCKED(lock);
-	atomic_store_explicit(&lock->holder.thread, 0, memory_order_relaxed); /* see stilb_owner_take */
+	atomic_store_explicit(&lock->holder.thread, 0, memory_order_relaxed); /* stilb_owner_take says why */
 	pthread_mutex_unlock(&lock->mutex);
 }
 
 bool stilb_lock_is_mine(const stilb_lock *lock)
 {
-	return atomic_load_explicit(&lock->holder.thread, memory_order_relaxed) == me(); /* see stilb_owner_take */
+	return atomic_load_explicit(&lock->holder.thread, memory_order_relaxed) == me(); /* stilb_owner_take says why */
 }

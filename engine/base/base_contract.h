@@ -52,7 +52,7 @@ void stilb_lock_take(stilb_lock *lock);
 /* Releases the lock, which the caller holds. */
 void stilb_lock_give(stilb_lock *lock);
 
-/* True if the calling thread holds the lock. Another thread's answer says nothing: it may change at any time. */
+/* True if the calling thread holds the lock. It does not tell whether some other thread does. */
 bool stilb_lock_is_mine(const stilb_lock *lock);
 
 #endif

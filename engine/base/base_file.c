@@ -17,8 +17,8 @@ typedef enum file_kind {
 	FILE_KIND_REFUSED, /* not at all; the message says why */
 } file_kind;
 
-/* A closed file owns nothing; an open one has a path, and a target and a temporary name or neither (the temporary name
- * goes with the rename). */
+/* A closed file owns nothing. An open one has a path; if it is written beside its place it has a target, too, and until
+ * the rename a temporary name. */
 static bool file_is_sound(const stilb_file *file)
 {
 	if (!file->stream)
@@ -97,8 +97,8 @@ bool stilb_file_is_stdout(const char *path)
 	return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
 
-/* One name for all names of a file, in a new string: links followed, the folder's path absolute. NULL if the folder
- * does not exist or memory runs out. */
+/* The one absolute path, in a new string, that all paths to the same file lead to: links are followed, and the folder's
+ * path is made absolute. NULL if the folder does not exist or memory runs out. */
 static char *file_real_target(const char *path)
 {
 	char *target = file_resolve(path), *folder = target && target[0] ? file_folder(target) : NULL;
@@ -118,7 +118,7 @@ bool stilb_file_same(const char *a, const char *b)
 		return stilb_file_is_stdout(a) && stilb_file_is_stdout(b);
 	struct stat info;
 	if (stat(a, &info) == 0 && !S_ISREG(info.st_mode))
-		return false; /* a device takes any number of writers */
+		return false; /* a device or pipe takes any number of writers, which replace nothing of one another */
 	char *real_a = file_real_target(a), *real_b = file_real_target(b);
 	bool same = real_a && real_b && strcmp(real_a, real_b) == 0;
 	free(real_a);
@@ -175,7 +175,7 @@ static FILE *file_open_direct(const char *path)
  */
 
 #define FILE_TEMPORARY_MAX 48 /* bytes of ".<pid>-<number>.tmp" and its 0; at most 26 are used */
-#define FILE_TRIES 1000u      /* names that may be taken */
+#define FILE_TRIES 1000u      /* temporary names that are tried before giving up */
 
 static_assert(FILE_TEMPORARY_MAX < NAME_MAX, "a temporary name keeps a part of the file's name");
 
@@ -299,7 +299,8 @@ static FILE *file_open_temporary(stilb_file *file)
 	return stream;
 }
 
-/* Frees everything, opened completely or not. */
+/* Closes the stream, removes the temporary file if it was not renamed, and frees the names; also of a file that was not
+ * opened completely. */
 static void file_release(stilb_file *file)
 {
 	if (file->temporary)
@@ -342,7 +343,7 @@ int stilb_file_write(stilb_file *file, const void *data, size_t size)
 	return errno ? -errno : -EIO;
 }
 
-/* Returns 0 or an errno. Devices and pipes cannot be synced: that is no error. */
+/* Flushes and syncs the file. Returns 0 or an errno. Devices and pipes cannot be synced: that is no error. */
 static int file_flush(stilb_file *file)
 {
 	errno = 0;
@@ -364,20 +365,20 @@ static void file_sync_folder(const char *target)
 	close(folder);
 }
 
-/* Returns 0 or an errno. Renames before it closes: closing releases the lock that keeps others from removing the
- * temporary file. */
+/* Renames the temporary file to its target and syncs the folder. Returns 0 or an errno. The caller closes the file only
+ * afterwards: closing releases the lock that keeps other processes from removing the temporary file as a stale one. */
 static int file_move_into_place(stilb_file *file)
 {
 	STILB_ASSERT(file->temporary && file->target);
 	if (rename(file->temporary, file->target) != 0)
 		return errno;
-	free(file->temporary); /* finish must not remove it */
+	free(file->temporary); /* there is no such file any more, so file_release must not remove it */
 	file->temporary = NULL;
 	file_sync_folder(file->target);
 	return 0;
 }
 
-/* Returns 0 or an errno. */
+/* Closes the stream. Returns 0 or an errno. */
 static int file_close(stilb_file *file)
 {
 	FILE *stream = file->stream;

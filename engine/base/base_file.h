@@ -46,8 +46,8 @@ bool stilb_file_is_stdout(const char *path);
  * if it does not exist yet. False for other devices and pipes, which take any number of writers. [any-thread] */
 bool stilb_file_same(const char *a, const char *b);
 
-/* Removes the temporary files that killed processes left beside path; those being written stay. stilb_file_open does it
- * as well, so this is for a program that may end without writing path. [any-thread] */
+/* Removes the temporary files for path that killed processes left beside it; those that a process is writing stay.
+ * stilb_file_open does it as well, so this is for a program that may end without writing path. [any-thread] */
 void stilb_file_clean(const char *path);
 
 /* Opens path for writing. STILB_ERROR_FILE; then file is {0} and needs no finish. [one-writer] */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The text ends in 0 and fits; without text nothing has been written. */
+/* The text ends with a 0 byte and fits into its capacity; if there is no text, nothing has been written yet. */
 static bool json_is_sound(const stilb_json *json)
 {
 	if (!json->text)

@@ -32,7 +32,7 @@ typedef struct stilb_json {
 	size_t length, capacity;
 	uint32_t depth;   /* brackets that are open */
 	uint64_t objects; /* bit d: the bracket opened at depth d is '{' */
-	bool comma;       /* the next value needs a ',' before it */
+	bool comma;       /* a value was written in the innermost open bracket: the next one needs a ',' before it */
 	bool failed;      /* out of memory */
 } stilb_json;
 
@@ -42,12 +42,12 @@ void stilb_json_begin(stilb_json *json, const char *key, char bracket);
 /* Closes the innermost open object ('}') or array (']'). */
 void stilb_json_end(stilb_json *json, char bracket);
 
-/* value is not NULL. */
+/* Adds a string; value is not NULL. */
 void stilb_json_string(stilb_json *json, const char *key, const char *value);
 
 void stilb_json_int(stilb_json *json, const char *key, int64_t value);
 
-/* Six digits after the point. NaN, infinity and |value| >= 9e12 are written as 0. */
+/* Adds a number with six digits after the point. NaN, infinity and |value| >= 9e12 are written as 0. */
 void stilb_json_double(stilb_json *json, const char *key, double value);
 
 void stilb_json_bool(stilb_json *json, const char *key, bool value);

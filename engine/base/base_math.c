@@ -50,7 +50,8 @@ stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float
 	STILB_ASSERT(fov_y > 0.0f && fov_y < 3.1415927f);
 	STILB_ASSERT(aspect > 0.0f);
 	STILB_ASSERT(0.0f < near_z && near_z < far_z);
-	/* w = -z. Depth (a z + b) / w is 1 at z = -near_z and 0 at z = -far_z: two linear equations for a and b. */
+	/* In clip space w = -z, z in view space. Depth is (a z + b) / w; that it is 1 at z = -near_z and 0 at z = -far_z
+	 * gives two linear equations for a and b. */
 	float focal = 1.0f / tanf(0.5f * fov_y);
 	float a = near_z / (far_z - near_z);
 	float b = far_z * a;
@@ -58,8 +59,9 @@ stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float
 	return projection;
 }
 
-/* The half space row . (p, 1) >= 0, scaled to a unit normal. A row with a normal of 0 (the far plane of an infinite
- * projection) stays as it is: then n.p + distance has one sign everywhere. */
+/* The plane of the half space row . (p, 1) >= 0, p a point, scaled so that its normal (the first three numbers) is
+ * unit. A row with a normal of 0 (the far plane of an infinite projection) stays as it is: then n.p + distance has one
+ * sign everywhere. */
 static stilb_plane base_plane_normalize(stilb_vec4 row)
 {
 	float length = sqrtf(stilb_vec3_dot(row, row));
@@ -75,8 +77,8 @@ stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection)
 	for (int row = 0; row < 4; row++)
 		for (int column = 0; column < 4; column++)
 			rows[row][column] = view_projection->m[column * 4 + row];
-	/* A point is inside if -w <= x <= w, -w <= y <= w and 0 <= z <= w. y points down, so y <= w is the bottom edge;
-	 * depth is reversed, so z <= w is the near plane. */
+	/* A point is in view if its clip coordinates have -w <= x <= w, -w <= y <= w and 0 <= z <= w. y points down, so
+	 * y <= w is the bottom edge; depth is reversed, so z <= w is the near plane. */
 	stilb_frustum frustum = {{
 		base_plane_normalize(rows[3] + rows[0]),
 		base_plane_normalize(rows[3] - rows[0]),

@@ -39,7 +39,7 @@ typedef struct stilb_plane {
 	float x, y, z, distance;
 } stilb_plane;
 
-/* Six half spaces whose intersection is what a view sees: left, right, bottom, top, near, far. */
+/* Six half spaces whose intersection is what a camera sees, in the order left, right, bottom, top, near, far. */
 typedef struct stilb_frustum {
 	stilb_plane planes[6];
 } stilb_frustum;
@@ -56,7 +56,7 @@ static inline float stilb_vec3_dot(stilb_vec3 a, stilb_vec3 b)
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Perpendicular to both: X x Y = Z. Lane 3 is 0. */
+/* The cross product, perpendicular to both: that of the X and the Y axis is the Z axis. Lane 3 is 0. */
 static inline stilb_vec3 stilb_vec3_cross(stilb_vec3 a, stilb_vec3 b)
 {
 	return stilb_vec3_make(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
@@ -68,7 +68,7 @@ static inline stilb_vec3 stilb_vec3_normalize(stilb_vec3 v)
 	return v * (1.0f / sqrtf(stilb_vec3_dot(v, v)));
 }
 
-/* Ones on the diagonal. */
+/* The matrix that changes nothing: ones on the diagonal, else zeros. */
 stilb_mat4 stilb_mat4_identity(void);
 
 /* The product a * b, which applies b first, then a. */

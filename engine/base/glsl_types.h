@@ -1,6 +1,7 @@
 /*
- * glsl_types: the C half of the shading dialect: GLSL's built-in functions for stilb_vec2, stilb_vec3 and stilb_vec4.
- * The files in engine/shading never call these by name: glsl_begin.h maps the GLSL names to them.
+ * glsl_types: GLSL's built-in functions in C, for stilb_vec2, stilb_vec3 and stilb_vec4. They are the C half of the
+ * shading dialect, in which the files in engine/shading are written so that both C and GLSL compile them. Those files
+ * never call these functions by name: glsl_begin.h maps the GLSL names to them.
  *
  * Names.    glsl_<function>_1 takes floats, _2 a vec2, _4 a vec3 or vec4 (one type in C: all four lanes are computed,
  *           and lane 3 of a vec3 stays unspecified). A trailing f says that the other operands are floats. dot, length,
@@ -386,7 +387,8 @@ static inline stilb_vec3 glsl_cross(stilb_vec3 a, stilb_vec3 b)
 	return glsl_vec3_make3(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
 }
 
-/* i points to the surface, as in GLSL. */
+/* The direction i, which points to the surface, as in GLSL, mirrored at the surface of unit normal n. */
+
 static inline stilb_vec2 glsl_reflect_2(stilb_vec2 i, stilb_vec2 n)
 {
 	return i - n * (2.0f * glsl_dot_2(n, i));

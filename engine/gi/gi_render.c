@@ -1,8 +1,9 @@
 /*
- * gi_render: drives a render: passes over the picture, tiles as jobs, batches of samples in a tile.
+ * gi_render: renders a picture by ray tracing: passes over the picture, each split into tiles (one job each), whose
+ * samples (camera rays with their light) are computed in batches.
  *
- * A pass has a grid of pixels and a number of samples that each of them shall have. A pixel knows how many it has,
- * so a pass that was cut short is repeated and renders only what is missing.
+ * A pass has a grid of pixels and a number of samples that each of them shall have. A pixel knows how many it has, so
+ * a pass that a stop or a time limit cut short is repeated and renders only what is missing.
  */
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
@@ -13,17 +14,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define TILE 16u              /* side of a tile, in points of the pass's grid */
-#define SMALLEST_TILE 4u      /* where TILE would give too few tiles for the workers */
+#define TILE 16u              /* side of a tile, in points of the pass's grid (pixels where block is 1) */
+#define SMALLEST_TILE 4u      /* side of a tile where TILE would give too few tiles for the workers */
 #define TILES_FOR_A_WORKER 8u /* so that no worker waits long for another's last tile */
-#define RAYS_OF_BATCH 0x40000 /* about; stop is looked at between batches */
-#define RAYS_OF_PATH 8
-#define OVERTURE_SHARE 0.5
-#define FIRST_SAMPLES 16u
+#define RAYS_OF_BATCH 0x40000 /* rays in a batch, about: few enough that a stop, seen between batches, comes soon */
+#define RAYS_OF_PATH 8        /* rays that one path takes, estimated */
+#define OVERTURE_SHARE 0.5    /* of the time limit, for filling the irradiance cache before the picture */
+#define FIRST_SAMPLES 16u     /* of each pixel in the first round of a progressive render: see first_samples */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-/* Estimated number of rays a sample takes: those at its first hit, and those that follow from each. */
+/* Estimated number of rays that one sample takes after its camera ray: those from the first hit, and all that follow
+ * from where these arrive. */
 static double rays_of_sample(const stilb_gi_settings *settings)
 {
 	switch (settings->integrator) {
@@ -79,7 +81,8 @@ static stilb_result gi_render_fill(stilb_gi_render *render)
 	return result;
 }
 
-/* The widest set that this CPU has, or the one that STILB_ISA names; all give the same bits. */
+/* The functions for the widest instruction set that this CPU has, or for the one that the environment variable
+ * STILB_ISA names; the results are the same bits with each. */
 static const gi_primary_kernels *primary_kernels(void)
 {
 	stilb_isa isa;
@@ -176,8 +179,8 @@ static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 
 typedef struct tile_grid {
 	stilb_gi_render *render;
-	uint32_t block, target; /* every block-th pixel gets samples until it has target of them */
-	uint32_t tile, tiles_x; /* side of a tile in points of the grid; tiles in a row */
+	uint32_t block, target; /* every block-th pixel of every block-th row gets samples until it has target of them */
+	uint32_t tile, tiles_x; /* side of a tile in points of the grid; tiles side by side in a row of tiles */
 	uint32_t tile_count;
 } tile_grid;
 
@@ -202,12 +205,13 @@ static tile_grid grid_make(stilb_gi_render *render, const stilb_gi_pass *pass)
 
 static bool is_ending(const stilb_gi_render *render)
 {
-	/* Relaxed: see stilb_gi_render. */
+	/* Relaxed: struct stilb_gi_render says why. */
 	return atomic_load_explicit(&render->stop, memory_order_relaxed) ||
 	       (render->deadline_ns && stilb_time_ns() >= render->deadline_ns);
 }
 
-/* Renders the samples of the batch. False: the render is ending, and they are dropped. */
+/* Renders the samples that the worker has collected and empties its batch. False: the render is ending (stop, or the
+ * time limit), and the samples were dropped instead. */
 static bool batch_flush(stilb_gi_render *render, gi_render_worker *worker)
 {
 	bool go_on = !is_ending(render);
@@ -236,7 +240,7 @@ static bool pixel_render(const tile_grid *grid, gi_render_worker *worker, uint32
 }
 
 typedef struct grid_tile {
-	uint32_t x, y; /* its first point in the grid */
+	uint32_t x, y; /* its first point, counted in points of the pass's grid */
 	uint32_t side;
 } grid_tile;
 
@@ -246,7 +250,8 @@ static grid_tile tile_of(const tile_grid *grid, uint32_t index)
 	return (grid_tile){index % grid->tiles_x * grid->tile, index / grid->tiles_x * grid->tile, grid->tile};
 }
 
-/* The even bits of a Morton code of 8 bits, which are x; the odd ones, y, are those of code >> 1. */
+/* x of an 8-bit Morton code, which interleaves the bits of x (the even ones) and y (the odd ones). y is found by
+ * passing code >> 1. */
 static uint32_t morton_x(uint32_t code)
 {
 	STILB_ASSERT(code < 256);
@@ -256,8 +261,8 @@ static uint32_t morton_x(uint32_t code)
 }
 static_assert(TILE <= 16, "so that a point's Morton code has 8 bits");
 
-/* The pixel of a point of the tile. Points are in Morton order, so that sixteen consecutive rays, a packet, start
- * close together. False: the pixel is outside the picture. */
+/* The pixel of point number `point` of the tile. Points are in Morton order, so that sixteen consecutive camera rays,
+ * which are traced together as a packet, go to pixels close together. False: the pixel is outside the picture. */
 static bool tile_pixel(const tile_grid *grid, const grid_tile *tile, uint32_t point, uint32_t *x, uint32_t *y)
 {
 	*x = (tile->x + morton_x(point)) * grid->block;
@@ -292,7 +297,7 @@ static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *co
 		PROFILE("gi.tile");
 		grid_tile tile = tile_of(grid, i);
 		if (!tile_gather(grid, &grid->render->workers[worker], &tile))
-			atomic_store_explicit(&grid->render->cut, true, memory_order_relaxed); /* see stilb_gi_render */
+			atomic_store_explicit(&grid->render->cut, true, memory_order_relaxed); /* see struct stilb_gi_render */
 		tile_resolve(grid, &tile);
 	}
 }
@@ -305,8 +310,8 @@ static double seconds_spent(const stilb_gi_render *render)
 	return render->seconds + now;
 }
 
-/* Number of further samples of all pixels that fit into the time limit, judged by the time of those done; at least
- * 1. */
+/* How many further samples of every pixel fit into what is left of the time limit, judged by the time that the `done`
+ * samples of each pixel have taken so far; 1 to 65536. */
 static uint32_t samples_in_time(const stilb_gi_render *render, uint32_t done)
 {
 	STILB_ASSERT(done > 0 && render->view.settings.seconds > 0.0);
@@ -317,9 +322,9 @@ static uint32_t samples_in_time(const stilb_gi_render *render, uint32_t done)
 	return fitting < 1.0 ? 1 : fitting < 65536.0 ? (uint32_t)fitting : 65536;
 }
 
-/* Samples of each pixel in the first round over the picture. Without a limit: all of them, in one pass. Progressive:
- * few, so that the picture is complete soon, but a whole packet. With a limit: one, so that the picture is complete
- * whenever it ends. */
+/* Samples of each pixel in the first round over the picture. With a limit of time or error: one, so that all pixels
+ * are there soon, whenever the limit ends the render. Progressive without a limit: few, so that a first picture is
+ * there soon, but sixteen, which fill a packet of rays. Else all of them, in one pass. */
 static uint32_t first_samples(const stilb_gi_settings *settings)
 {
 	if (settings->seconds > 0.0 || settings->error > 0.0f)
@@ -327,8 +332,9 @@ static uint32_t first_samples(const stilb_gi_settings *settings)
 	return settings->progressive && settings->samples > FIRST_SAMPLES ? FIRST_SAMPLES : settings->samples;
 }
 
-/* Plans the next pass: the blocks of the first round, then each time as many samples as there are, so that all
- * pixels have about equally many whenever it ends. False: everything is done. */
+/* Plans the next pass. The first round over the picture goes from coarse to fine: one pixel of each block, then blocks
+ * of half the side, until all pixels have samples. After that each pass doubles the samples of all pixels. False: all
+ * samples are done. */
 static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 {
 	STILB_ASSERT(render->pass_count < STILB_GI_MAX_PASSES);
@@ -355,7 +361,7 @@ static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 	return left > 0;
 }
 
-/* The pass that was cut short, or a new one; NULL: nothing is left to do. */
+/* The pass to render next: the last one if it was cut short, else a new one; NULL: nothing is left to do. */
 static stilb_gi_pass *pass_next(stilb_gi_render *render)
 {
 	if (render->pass_count > 0 && !render->passes[render->pass_count - 1].finished)
@@ -385,7 +391,7 @@ static void pass_run(stilb_gi_render *render, stilb_gi_pass *pass)
 	PROFILE("gi.pass");
 	tile_grid grid = grid_make(render, pass);
 	uint64_t begun = stilb_time_ns();
-	atomic_store_explicit(&render->cut, false, memory_order_relaxed); /* see stilb_gi_render */
+	atomic_store_explicit(&render->cut, false, memory_order_relaxed); /* see struct stilb_gi_render */
 	stilb_job_parallel_for(render->pool, grid.tile_count, 1, tiles_render, &grid, 0);
 	stilb_gi_pass done = *pass;
 	done.finished = !atomic_load_explicit(&render->cut, memory_order_relaxed);
@@ -406,7 +412,7 @@ static bool is_good_enough(const stilb_gi_render *render)
 
 static stilb_gi_end end_of(const stilb_gi_render *render)
 {
-	bool stopped = atomic_load_explicit(&render->stop, memory_order_relaxed); /* see stilb_gi_render */
+	bool stopped = atomic_load_explicit(&render->stop, memory_order_relaxed); /* see struct stilb_gi_render */
 	return stopped ? STILB_GI_END_STOPPED : STILB_GI_END_SECONDS;
 }
 
@@ -426,7 +432,8 @@ static stilb_gi_end passes_run(stilb_gi_render *render)
 
 /* ---- run --------------------------------------------------------------------------------------------------------- */
 
-/* Half of a limited time is reserved for the picture: where the overture made no records, paths are traced. */
+/* True if the overture, which fills the irradiance cache before the picture, must end now: on a stop, and when it has
+ * used its half of the time limit. Where the cache is left without records, the picture traces paths instead. */
 static bool overture_is_ending(const stilb_gi_render *render)
 {
 	double share = render->view.settings.seconds * OVERTURE_SHARE;
@@ -445,7 +452,8 @@ static bool overture_report(void *user, const gi_cache_progress *progress)
 	return !overture_is_ending(render);
 }
 
-/* The irradiance cache's own pass over the picture. Told to stop, it continues in the next run. */
+/* Runs the overture, which fills the irradiance cache before the first pass of the picture. If stop is called
+ * meanwhile, the next stilb_gi_render_run continues it. */
 static stilb_result overture_run(stilb_gi_render *render)
 {
 	if (!render->cache_fill || render->overture_finished)
@@ -483,7 +491,7 @@ static void run_end(stilb_gi_render *render, stilb_gi_end end)
 	render->begun_ns = 0;
 	render->end = end;
 	stilb_lock_give(&render->lock);
-	atomic_store_explicit(&render->stop, false, memory_order_relaxed); /* see stilb_gi_render */
+	atomic_store_explicit(&render->stop, false, memory_order_relaxed); /* see struct stilb_gi_render */
 }
 
 static bool end_is_final(stilb_gi_end end)
@@ -507,7 +515,7 @@ stilb_result stilb_gi_render_run(stilb_gi_render *render)
 void stilb_gi_render_stop(stilb_gi_render *render)
 {
 	STILB_ASSERT(render);
-	atomic_store_explicit(&render->stop, true, memory_order_relaxed); /* see stilb_gi_render */
+	atomic_store_explicit(&render->stop, true, memory_order_relaxed); /* see struct stilb_gi_render */
 }
 
 /* ---- what can be seen of it -------------------------------------------------------------------------------------- */
@@ -526,7 +534,8 @@ gi_render_totals gi_render_totals_of(const stilb_gi_render *render)
 	return totals;
 }
 
-/* Progress towards the limit that will be met first. The error falls with the square root of the samples. */
+/* The share of the work that is done, [0, 1]: the progress towards that limit (samples, seconds or error) which is the
+ * nearest. The error falls with the square root of the samples, so its ratio is squared. */
 static double share_done(const stilb_gi_render *render, const stilb_gi_progress *progress, uint64_t samples)
 {
 	STILB_ASSERT_LOCKED(&render->lock);
@@ -590,7 +599,8 @@ stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render)
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
 	const gi_film *film = &render->film;
-	/* The planes are _Atomic float for preview; nobody writes them now, so they are read as floats. */
+	/* radiance is _Atomic float, as stilb_gi_render_preview reads it during a run; now nobody writes it, so the caller
+	 * may read it as plain floats. */
 	return (stilb_gi_film){.width = film->width,
 	                       .height = film->height,
 	                       .radiance = (const float *)film->radiance,

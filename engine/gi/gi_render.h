@@ -35,12 +35,14 @@
  * COLOR             diffuse + specular reflectance of the first hit, without light or shadow; black for a miss.
  * DIRECT            emission and light reflected once, by multiple importance sampling of one light and, where the
  *                   surface is glossy, one reflected ray (Veach 1997, chapter 9).
- * AO                share of cosine-weighted rays from the first hit that meet nothing within ao_distance.
+ * AO                ambient occlusion: share of cosine-weighted rays from the first hit that meet nothing within
+ *                   ao_distance.
  * MONTECARLO        Kajiya's rendering equation by recursion: `rays` rays at every hit, depth levels deep. Lights are
- *                   met by chance alone, except those without a size, which no ray can meet.
+ *                   met by chance alone, except those without a size, which no ray can meet: these are sampled.
  * PATH              Kajiya's path tracing (1986) with a light sampled at every vertex (Veach 1997) and Russian roulette
  *                   (Arvo and Kirk 1990). Unbiased.
- * SPLIT             PATH with `rays` paths from the first hit of every sample: less noise where edges are cheap.
+ * SPLIT             PATH with `rays` paths from the first hit of every sample: less noise for the same number of camera
+ *                   rays.
  * IRRADIANCE_CACHE  diffuse indirect light from records (Ward 1988, and cache/gi_cache.h), direct light and highlights
  *                   as PATH. Smooth after few samples; slightly biased. */
 #define STILB_GI_INTEGRATORS(X)                                                                                        \
@@ -55,7 +57,8 @@
 /* Samplers: how the random numbers of a pixel's samples are spread. X(ENUM, identifier, description for users)
  *
  * RANDOM      independent numbers: the error falls with the square root of the samples.
- * STRATIFIED  correlated multi-jittered cells (Kensler 2013), made for the planned number of samples.
+ * STRATIFIED  correlated multi-jittered cells (Kensler 2013): one point in each cell of a grid that has as many cells
+ *             as samples are planned.
  * SOBOL       Sobol's sequence, Owen-scrambled for each pixel (Burley 2020): any number of samples is well spread.
  * BLUE_NOISE  the same points dealt to pixels in a hierarchical order (Ahmed and Wonka 2020): at few samples the error
  *             looks like fine grain. Made for the planned number of samples. */
@@ -112,15 +115,16 @@ typedef struct stilb_gi_lens {
 
 /* When records of the irradiance cache are made. */
 typedef enum stilb_gi_cache_mode {
-	/* In rounds before the picture, then only read: the same bits for any number of workers. */
+	/* In rounds before the picture (the overture), then only read: the same bits for any number of workers. */
 	STILB_GI_CACHE_FROZEN,
-	/* When a sample finds none: faster; the bits depend on timing and differ from run to run. */
+	/* Whenever a sample finds no valid one: faster; the bits depend on timing and differ from run to run. */
 	STILB_GI_CACHE_LIVE,
 } stilb_gi_cache_mode;
 
 /* Rules for the radius in which a record of the irradiance cache is valid. Sources: cache/gi_cache.h. */
 typedef enum stilb_gi_cache_radius {
-	/* Harmonic mean distance to what the record sees, bounded by the gradients and the neighbours' radii. */
+	/* Harmonic mean distance to the surfaces that the record sees, bounded by the irradiance's gradient and by the
+	 * radii of records nearby. */
 	STILB_GI_CACHE_SPLIT_SPHERE,
 	/* An ellipse in which the second derivative of irradiance keeps the error below a tolerance. */
 	STILB_GI_CACHE_HESSIAN,
@@ -132,17 +136,20 @@ typedef enum stilb_gi_cache_radius {
 typedef struct stilb_gi_cache_settings {
 	stilb_gi_cache_mode mode;
 	stilb_gi_cache_radius radius;
-	/* Ward's a, 1e-4..1: the error a record may have; larger is coarser and faster. */
+	/* The parameter a of Ward (1988), 1e-4..1: the relative error that a record may have; larger is coarser and
+	 * faster. */
 	float error;
 	/* Rays that gather one record, 16..65536. */
 	uint32_t rays;
 	/* Interpolate with the rotational and translational gradients of the records. */
 	bool gradients;
-	/* Fill the cache before the picture. Off is for LIVE alone, or with load. */
+	/* Fill the cache before the picture. It may be off only with mode LIVE or with a file to load: a FROZEN cache would
+	 * stay empty. */
 	bool overture;
 	/* Draw a dot where each record lies. */
 	bool show_records;
-	/* Files to begin with and to write at the end, or NULL. The strings must outlive the render. */
+	/* Files of records: one to load before the render, one to write at its end; NULL: none. The strings must outlive
+	 * the render. */
 	const char *load, *save;
 } stilb_gi_cache_settings;
 
@@ -153,9 +160,9 @@ typedef struct stilb_gi_settings {
 	stilb_gi_integrator integrator;
 	/* Pixels, 1..65536 each, and at most STILB_GI_MAX_PIXELS in all. */
 	uint32_t width, height;
-	/* Samples of each pixel, 1..65536; with one of the two limits below the most there will be. */
+	/* Samples of each pixel, 1..65536; if seconds or error sets a limit, too, the largest number there will be. */
 	uint32_t samples;
-	/* Stop after so many seconds of run, 0..1e9; 0: no limit. */
+	/* Stop after so many seconds in stilb_gi_render_run, over all calls, 0..1e9; 0: no limit. */
 	double seconds;
 	/* Stop when the estimated relative root-mean-square error of the picture is below, 0..1e9; 0: no limit. */
 	float error;
@@ -173,7 +180,8 @@ typedef struct stilb_gi_settings {
 	stilb_gi_only only;
 	/* Weight bright samples less, 1 / (1 + luminance): no fireflies, but biased. Source: Karis (2013). */
 	bool firefly_weight;
-	/* Probability with which a path goes on from the third bounce, 0..1; 0: chosen from its throughput. Unbiased. */
+	/* Russian roulette: the probability with which a path goes on at each bounce from the third on, 0..1; 0: chosen
+	 * from its throughput (the share of light that it still carries). Unbiased. */
 	float roulette;
 	/* N of the integrators ao, montecarlo and split: rays at a hit, 1..65536. */
 	uint32_t rays;
@@ -184,7 +192,7 @@ typedef struct stilb_gi_settings {
 	/* Render every 32nd pixel of every 32nd row first, then every 16th, ...; off: tile by tile. Same bits either
 	 * way. */
 	bool progressive;
-	/* For .png files and previews, stops, -100..100: radiance is multiplied by 2^exposure. */
+	/* In stops, -100..100: radiance is multiplied by 2^exposure in .png files and where the picture is displayed. */
 	float exposure;
 	stilb_gi_cache_settings cache;
 } stilb_gi_settings;
@@ -225,18 +233,18 @@ void stilb_gi_render_stop(stilb_gi_render *render);
 
 /* Why run returned. */
 typedef enum stilb_gi_end {
-	STILB_GI_END_NOT, /* it runs, or was never called, or failed */
-	STILB_GI_END_SAMPLES,
-	STILB_GI_END_SECONDS,
-	STILB_GI_END_ERROR, /* the estimated error is below settings.error */
-	STILB_GI_END_STOPPED,
+	STILB_GI_END_NOT,     /* it has not returned: it runs, or was never called; or it failed */
+	STILB_GI_END_SAMPLES, /* all settings.samples are done */
+	STILB_GI_END_SECONDS, /* settings.seconds are over */
+	STILB_GI_END_ERROR,   /* the estimated error is below settings.error */
+	STILB_GI_END_STOPPED, /* stilb_gi_render_stop was called */
 } stilb_gi_end;
 
 /* One pass over the picture: samples first_sample .. first_sample + sample_count - 1 of the pixels in every block-th
  * column and row that have no such samples yet. block is a power of two, 32 at most. */
 typedef struct stilb_gi_pass {
 	uint32_t block, first_sample, sample_count;
-	double seconds; /* so far */
+	double seconds; /* that it has taken so far, over all calls of run */
 	bool finished;
 } stilb_gi_pass;
 
@@ -244,9 +252,9 @@ typedef struct stilb_gi_pass {
 #define STILB_GI_MAX_PASSES 64
 
 typedef struct stilb_gi_progress {
-	/* Time in run, over all calls, those before a resumed checkpoint included. */
+	/* Seconds in stilb_gi_render_run, over all calls, those before a resumed checkpoint included. */
 	double seconds;
-	/* Share of the work that is done, [0, 1]; an estimate where a limit may end it sooner. */
+	/* Share of the work that is done, [0, 1]; an estimate where a limit of time or error may end the render sooner. */
 	double done;
 	/* Traced rays of all kinds, and how many of these were camera rays and shadow rays. */
 	uint64_t rays;
@@ -271,7 +279,8 @@ typedef struct stilb_gi_progress {
 	stilb_gi_pass passes[STILB_GI_MAX_PASSES];
 } stilb_gi_progress;
 
-/* Fills progress with the state of the moment; counters may lag a batch behind. [any-thread]
+/* Fills progress with the state of the moment; the counts of samples and rays may lack the batches (at most 1024
+ * samples) that the threads are working on. [any-thread]
  *
  *   stilb_gi_progress progress;
  *   do {
@@ -293,8 +302,8 @@ void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb);
  * [pixels][3]; NaN and negative radiance become black. [any-thread] */
 void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *srgb);
 
-/* The planes of the picture, [height][width] or [height][width][3], row 0 at the top. Means are over the samples of a
- * pixel. */
+/* The planes (layers of floats or numbers) of the picture, [height][width], or [height][width][3] for those marked [3],
+ * row 0 at the top. Means are over the samples of a pixel. */
 typedef struct stilb_gi_film {
 	uint32_t width, height;
 	/* [3] Mean radiance. */
@@ -305,8 +314,8 @@ typedef struct stilb_gi_film {
 	const float *normal;
 	/* Mean distance to the first hit along the view axis, of the samples that hit; +infinity: none did. */
 	const float *depth;
-	/* [3] Variance of the mean radiance, the square of its standard error, as if samples were independent: an upper
-	 * estimate for samplers that spread them. 0 below two samples. */
+	/* [3] Variance of the mean radiance, that is the square of its standard error, as if samples were independent: too
+	 * large for the samplers that spread samples evenly. 0 below two samples. */
 	const float *variance;
 	/* Number of samples. */
 	const uint32_t *samples;
@@ -316,8 +325,9 @@ typedef struct stilb_gi_film {
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
 
 /* Writes the picture, whole or not at all. A name that ends in .exr: all planes as layers (R G B, albedo.*, normal.*,
- * depth.Z, variance.*, samples), with the settings as attributes. .png: what stilb_gi_display gives. Errors:
- * STILB_ERROR_ARGUMENT: other endings; STILB_ERROR_FILE; STILB_ERROR_MEMORY. [main-thread] */
+ * depth.Z, variance.*, samples), with the settings as attributes. .hdr: the mean radiance alone. .png: what
+ * stilb_gi_display gives. Errors: STILB_ERROR_ARGUMENT: other endings; STILB_ERROR_FILE; STILB_ERROR_MEMORY.
+ * [main-thread] */
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path);
 
 /* Writes everything that another process needs to continue with stilb_gi_render_resume: there the same settings, scene,

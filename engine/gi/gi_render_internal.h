@@ -11,8 +11,8 @@
 #include "gi/film/gi_primary.h"
 #include "gi/integrate/gi_integrator.h"
 
-/* Counters of one thread. That thread alone adds; stilb_gi_render_progress reads at any time. All relaxed: each
- * number stands alone, and a reader may see one that is a batch old. */
+/* Counters of one thread. That thread alone adds; stilb_gi_render_progress reads at any time. All accesses are relaxed:
+ * no other data is read because of a counter's value, and progress may show a value that is a batch old. */
 typedef struct gi_render_counters {
 	_Atomic uint64_t samples, rays, camera_rays, shadow_rays, bad_samples;
 } gi_render_counters;
@@ -22,7 +22,7 @@ typedef struct gi_render_totals {
 	uint64_t samples, rays, camera_rays, shadow_rays, bad_samples;
 } gi_render_totals;
 
-/* One thread's batch: samples of one tile. */
+/* One thread's batch: samples of one tile that are rendered together. */
 typedef struct gi_render_worker {
 	gi_render_counters counters;
 	uint32_t count;
@@ -49,16 +49,19 @@ struct stilb_gi_render {
 	gi_render_totals resumed; /* counted before the checkpoint that was resumed */
 	bool overture_finished;   /* the irradiance cache is filled */
 
-	/* Set by any thread, read by all before each batch, cleared when run returns. Relaxed: it publishes nothing. */
+	/* Asks run to return: set by any thread, read by all workers before each batch, cleared when run returns. Relaxed:
+	 * no other data goes with it, and a worker that sees it late renders one more batch. */
 	_Atomic bool stop;
-	_Atomic bool cut;     /* a tile of this pass was not finished; relaxed: read after the loop over tiles has joined */
-	uint64_t deadline_ns; /* by stilb_time_ns; 0: none. Written before the loop over tiles */
+	/* A tile of the current pass was not finished. Relaxed: it is read after the parallel loop over the tiles has
+	 * ended, which orders the workers' stores before the read. */
+	_Atomic bool cut;
+	uint64_t deadline_ns; /* time at which run ends, by stilb_time_ns; 0: none. Written before the loop over tiles */
 
 	/* For progress: written by run and read by progress, under the lock. */
 	stilb_lock lock;
 	double seconds;       /* of the calls of run that have returned */
 	uint64_t begun_ns;    /* start of the current call of run; 0: none */
-	double overture_done; /* share of the overture that is done; 1 without an overture */
+	double overture_done; /* share of the overture (filling the irradiance cache) that is done; 1 without one */
 	double estimate;      /* gi_film_error after the last whole pass; +infinity before */
 	char stage[32];
 	stilb_gi_end end;

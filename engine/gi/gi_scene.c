@@ -1,8 +1,9 @@
 /*
- * gi_scene: from the parts of a scene to triangles that rays can hit.
+ * gi_scene: from the parts of a scene (a part is a mesh placed in the world) to triangles that rays can hit.
  *
- * A part becomes triangles in world space, which trace fastest. Only if that would add more than COPIES_MAX
- * triangles to those of the mesh do its parts stay instances of one mesh.
+ * A part's mesh is copied into world space, where rays are traced fastest. Only if the copies for all parts of a mesh
+ * would have more than COPIES_MAX triangles beyond the mesh's own do the parts share one mesh, as instances: the
+ * triangles stay in the mesh's space, and rays are transformed to it.
  */
 #include "gi/gi_surface.h"
 
@@ -43,8 +44,8 @@ static double cofactors_of(const stilb_mat4 *m, double cofactors[9])
 	return (double)m->m[0] * cofactors[0] + (double)m->m[1] * cofactors[1] + (double)m->m[2] * cofactors[2];
 }
 
-/* The transposed inverse, column by column, which takes normals to world space; their length is kept about. All 0
- * for a flat transform, which has none. */
+/* The transposed inverse of the upper 3x3, column by column, which takes normals to world space, scaled so that their
+ * length stays about the same. All 0 if the transform flattens space, so that there is no inverse. */
 static void normal_matrix_of(const stilb_mat4 *m, float out[9])
 {
 	double cofactors[9];
@@ -81,7 +82,7 @@ static bool is_mirrored(const stilb_mat4 *m)
 	return cofactors_of(m, cofactors) < 0.0;
 }
 
-/* The normal in world space, unit; 0 if n is 0 or not finite, or matrix is flat. */
+/* The normal n in world space, unit; 0 if n is 0 or not finite, or if matrix (of normal_matrix_of) is all 0. */
 static void normal_to_world(const float matrix[9], const float n[3], float out[3])
 {
 	double world[3], square = 0.0;
@@ -97,7 +98,7 @@ static void normal_to_world(const float matrix[9], const float n[3], float out[3
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
-/* Which meshes are shared by instances, and how much there will be in all. */
+/* Which meshes are shared by instances, and how many vertices, triangles and meshes the result will have. */
 typedef struct mesh_plan {
 	uint32_t *uses; /* [mesh_count] parts of each mesh that may be instances */
 	/* [mesh_count] 1 + the mesh's index in the result if instances share it; 0: each part has a copy */
@@ -123,7 +124,7 @@ static bool part_may_share(const stilb_scene *scene, uint32_t part)
 	const stilb_mat4 *to_world = &scene->part_transform[part];
 	for (int i = 12; i < 15; i++)
 		if (!(fabsf(to_world->m[i]) <= COORDINATE_MAX))
-			return false; /* not an instance, so that each of its triangles is checked */
+			return false; /* copied instead: a copy's corners are checked in world space, an instance's are not */
 	return !part_emits(scene, part) && is_near_similarity(to_world);
 }
 
@@ -346,7 +347,8 @@ static stilb_result lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 static stilb_result gi_scene_allocate(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan)
 {
 	size_t meshes = (size_t)plan->meshes + 1, parts = (size_t)scene->part_count + 1;
-	/* Room at the ends: Embree reads 16 bytes at the last vertex's position, and beyond the last triangle. */
+	/* Room at the ends of the arrays: Embree reads 16 bytes where the last vertex's position has 12, and beyond the
+	 * last triangle. */
 	size_t vertices = (size_t)plan->vertices + 1, triangles = (size_t)plan->triangles + 2;
 	gi->meshes = calloc(meshes, sizeof *gi->meshes);
 	gi->parts = calloc(parts, sizeof *gi->parts);

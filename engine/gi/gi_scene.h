@@ -11,7 +11,8 @@
  *   ...
  *   stilb_gi_scene_destroy(gi_scene);
  *
- * Build.       Embree builds its tree on the pool's threads, one pinned job each, and keeps no threads of its own.
+ * Build.       Embree (the ray tracing library) builds its tree on the pool's threads, one job pinned to each, and
+ *              keeps no threads of its own.
  * Threads.     create and destroy: [main-thread] of the pool, the same one. A created scene is read by any thread.
  */
 #ifndef STILB_GI_SCENE_H
@@ -37,14 +38,14 @@ typedef enum stilb_gi_isa {
 /* A method to intersect rays with triangles. */
 typedef struct stilb_gi_intersector stilb_gi_intersector;
 
-/* Embree 3. A program that never names it does not load the library. */
+/* By the library Embree 3. A program that never names this intersector does not load the library. */
 extern const stilb_gi_intersector stilb_gi_embree;
 
 /* Every ray against every triangle, in double: the reference in tests, far too slow for pictures. */
 extern const stilb_gi_intersector stilb_gi_brute;
 
 typedef struct stilb_gi_scene_desc {
-	/* Builds the tree; must outlive the call of stilb_gi_scene_create only. */
+	/* Its threads build the tree; it is not used after stilb_gi_scene_create. */
 	stilb_job_pool *pool;
 	const stilb_gi_intersector *intersector;
 	/* For Embree; brute ignores it. */

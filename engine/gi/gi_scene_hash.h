@@ -1,5 +1,6 @@
 /*
- * gi_scene_hash: tells if a file made from a scene (a checkpoint, an irradiance cache) belongs to this scene.
+ * gi_scene_hash: a number that identifies a scene's contents. A file made from a scene (a checkpoint, an irradiance
+ * cache) holds it, which tells if the file belongs to the scene at hand.
  */
 #ifndef GI_SCENE_HASH_H
 #define GI_SCENE_HASH_H

@@ -11,10 +11,10 @@
 #include "gi/light/gi_light.h"
 #include "gi/trace/gi_trace.h"
 
-/* Front side: counter-clockwise. */
+/* A triangle of a gi_mesh. Its corners are counter-clockwise seen from its front. */
 typedef struct gi_triangle {
-	uint32_t vertex[3];
-	float error; /* gi_triangle_shape_error, metres in the mesh's space */
+	uint32_t vertex[3]; /* indices in the mesh's vertices */
+	float error;        /* gi_triangle_shape_error, metres in the mesh's space */
 } gi_triangle;
 
 /* Triangles in world space, or in the mesh's own space if instances share it; none is degenerate. A vertex is 32
@@ -34,8 +34,8 @@ typedef struct gi_part {
 	const gi_triangle *triangles;
 	uint32_t mesh, material;
 	uint32_t first_light; /* of an emitting part: its triangle k is emitter first_light + k; else GI_NO_LIGHT */
-	bool instance;        /* the mesh is in its own space; never of emitting parts */
-	bool plain;           /* neither an instance nor textured: gi_primary needs no gi_surface_at for it */
+	bool instance;        /* triangles are in the mesh's space, not in the world's; false for all emitting parts */
+	bool plain;           /* neither an instance nor textured: gi_primary shades it without calling gi_surface_at */
 	float albedo[4];      /* of a plain part: diffuse + specular */
 	float stretch;        /* of an instance: upper bound of the factor by which to_world lengthens a vector */
 	stilb_mat4 to_world;
@@ -57,8 +57,9 @@ struct stilb_gi_scene {
 	gi_triangle *triangles;       /* likewise */
 };
 
-/* An intersector. create fills tracer for a scene whose meshes and parts are complete, and info's build_s, isa and
- * bytes; STILB_OK or an error, after which destroy is called as well. destroy accepts {0}. */
+/* An intersector: a method to find what rays hit. create builds its acceleration structure for a scene whose meshes and
+ * parts are complete, and fills tracer and info's build_s, isa and bytes. After an error of create the caller calls
+ * destroy as well, which accepts {0}. */
 struct stilb_gi_intersector {
 	const char *name;
 	stilb_result (*create)(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,

@@ -69,15 +69,15 @@ static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian", "harmonic"
 	{                                                                                                                  \
 #member, FIELD_NAME, GI_SETTING_SAMPLE, AT(member), 0, (int)(sizeof names / sizeof *names) - 1, names          \
 	}
-/* metres: far beyond the largest coordinate of a triangle, so that a camera may see all of them; its square is
- * finite */
+/* Largest distance in the settings, metres: far beyond the largest coordinate of a triangle (1e10), so that a camera
+ * may see all of them; its square is finite in a float. */
 #define FARTHEST 1e12
 
 static const field FIELDS[] = {
 	NAMED(integrator, INTEGRATOR_NAMES),
 	NUMBER(FIELD_U32, width, 1, 65536),
 	NUMBER(FIELD_U32, height, 1, 65536),
-	LIMIT(FIELD_U32, samples, 1, 65536), /* a limit, or see gi_settings_get */
+	LIMIT(FIELD_U32, samples, 1, 65536), /* for some samplers GI_SETTING_SAMPLE: gi_settings_get changes that */
 	LIMIT(FIELD_DOUBLE, seconds, 0, 1e9),
 	LIMIT(FIELD_FLOAT, error, 0, 1e9),
 	NUMBER(FIELD_U64, seed, 0, 0),
@@ -147,7 +147,7 @@ static double field_number(const stilb_gi_settings *settings, const field *f)
 	return number;
 }
 
-/* True if the points of a sampler depend on how many there will be: gi_sampler.c. */
+/* True if a sampler's points depend on how many samples each pixel will have, as those of gi_sampler.c's grids do. */
 static bool sampler_plans(stilb_gi_sampler_kind sampler)
 {
 	return sampler == STILB_GI_SAMPLER_STRATIFIED || sampler == STILB_GI_SAMPLER_BLUE_NOISE;

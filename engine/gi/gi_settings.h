@@ -10,9 +10,9 @@
 #define GI_SETTING_TEXT 64
 
 typedef enum gi_setting_role {
-	GI_SETTING_SAMPLE, /* another value gives other samples */
+	GI_SETTING_SAMPLE, /* another value gives other samples, so a checkpoint must have been made with the same */
 	GI_SETTING_LIMIT,  /* decides when the render ends */
-	GI_SETTING_VIEW,   /* decides how it is displayed, now or in a .png */
+	GI_SETTING_VIEW,   /* decides how the picture is displayed, during the render or in a .png */
 } gi_setting_role;
 
 typedef struct gi_setting {

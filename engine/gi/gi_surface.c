@@ -9,7 +9,8 @@
 /* Half the distance from 1 to the next float: the largest relative error of one rounding. */
 #define ROUNDING 0x1p-24f
 
-/* Barycentric coordinate: hits nearer to an edge than this are kept inside by point_inside. */
+/* A barycentric coordinate (0 on an edge, 1 at the opposite corner): below this a hit counts as near an edge, and
+ * point_inside moves it away from there if it must. */
 #define NEAR_EDGE 0x1p-6f
 
 /* The three vertices of a triangle as they lie in memory: position and normal.x, then normal.y, normal.z, u and v. */
@@ -64,7 +65,9 @@ static stilb_vec3 unit_of(stilb_vec3 v)
 }
 
 /*
- * How far from the triangle's plane a ray must start so that it does not hit the triangle again. Rounding errors in
+ * The sum of the following errors is how far from the triangle's plane a ray must start so that it does not hit the
+ * triangle again; place_error is the first part. v0 is a corner, e1 and e2 the edges from it, u and v the hit's
+ * barycentric coordinates, t the hit's distance along the ray, Ng the triangle's normal, not unit. Rounding errors in
  * units of ROUNDING:
  *
  * - The position is v0 + (u e1 + v e2). The last sum has an error of one unit of the position, and so has moving it off
@@ -102,8 +105,9 @@ float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3])
 	return place_error(largest, unit_of(stilb_vec3_cross(e1, e2))) + gi_triangle_shape_error(v0, v1, v2);
 }
 
-/* The interpolated normal, unit, flipped to the geometric normal's side (some files have it wrong), and bent towards
- * the viewer if the viewer would be below its horizon, although it sees the triangle. */
+/* The interpolated normal, made unit and flipped to the side of the geometric normal (some files have it wrong). Where
+ * the viewer sees the triangle's front but would be below the plane of the interpolated normal, that normal is bent
+ * towards the viewer. */
 static stilb_vec3 shading_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_vec3 to_viewer)
 {
 	float square = stilb_vec3_dot(normal, normal);
@@ -133,16 +137,16 @@ static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_sur
 		surface->diffuse *= gi_texture_at(&scene->textures[material->diffuse_texture - 1], surface->uv);
 }
 
-/* The error of an instance's transforms to world space and, in the intersector, of the ray to mesh space, each a
- * sum of three products and a translation. */
+/* The rounding error, metres, of two transforms: the point of an instance to world space, and, in the intersector, the
+ * ray to mesh space. Each number of a transformed point is a sum of three products and a translation. */
 static float transform_error(const gi_part *part, stilb_vec3 position)
 {
 	const float *t = part->to_world.m + 12;
 	return 8.0f * ROUNDING * (gi_length(position) + gi_length(stilb_vec3_make(t[0], t[1], t[2])));
 }
 
-/* The point at u and v, but at least two errors away from the edges: where a wall meets a floor, a point of the
- * floor must not lie behind the wall. */
+/* The point at the barycentric coordinates u and v, but at least 2 * error metres away from the triangle's edges: where
+ * a wall meets a floor, rounding must not put a point of the floor behind the wall. */
 static stilb_vec3 point_inside(const gi_part *part, const stilb_vec4 first[3], float u, float v, float error)
 {
 	stilb_vec3 corner[3];

@@ -14,13 +14,14 @@ typedef struct gi_surface {
 	stilb_vec3 diffuse, specular; /* reflectance, textures included */
 	stilb_vec3 emission;          /* towards the ray's origin; 0 on the back */
 	float roughness, anisotropy;
-	float error; /* bound of the distance, along geometric, within which a ray might hit the triangle again, metres */
+	float
+		error; /* metres: a ray that starts farther than this from the triangle, along geometric, cannot hit it again */
 	stilb_vec2 uv;
-	uint32_t part, triangle;
-	bool front;
+	uint32_t part, triangle; /* indices: of the part in the scene, of the triangle in its mesh */
+	bool front;              /* the ray came from the front side */
 } gi_surface;
 
-/* square of the length of an interpolated normal; below it the triangle's normal is used */
+/* Square of a length: an interpolated normal that is not longer has no direction, and the triangle's own is used. */
 #define GI_NORMAL_NONE 1e-12f
 #define GI_NORMAL_LOWEST 1e-3f /* smallest cosine between the shading normal and the direction to the viewer */
 
@@ -28,8 +29,8 @@ typedef struct gi_surface {
 void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface);
 
 /* The origin of a ray that leaves the surface in this direction: the position, moved along geometric to the
- * direction's side by the error and no more. With it t_min may be 0: the ray hits neither this triangle again nor
- * passes through a neighbour. */
+ * direction's side by the error and no more. From there the ray's t_min may be 0: it does not hit this triangle again,
+ * and does not slip through a neighbouring one. */
 stilb_vec3 gi_surface_ray_origin(const gi_surface *surface, stilb_vec3 direction);
 
 /* The part of gi_surface.error that depends on the triangle's shape alone, metres in the space of its corners. For
@@ -39,9 +40,9 @@ float gi_triangle_shape_error(const float v0[3], const float v1[3], const float 
 /* An upper bound of gi_surface.error over all points of a triangle in world space, metres. */
 float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3]);
 
-/* t_max of a shadow ray to a point on a triangle: the distance, shortened just enough that the ray does not hit that
- * triangle. error: of the triangle, gi_triangle_error; cosine > 0: between the ray and the triangle's normal. The
- * rounding of the ray's direction is included. */
+/* t_max of a shadow ray to a point on a light's triangle: the distance, shortened just enough that the ray does not hit
+ * that triangle. error: gi_triangle_error of the triangle, metres; cosine > 0: between the ray and the triangle's
+ * normal. 2^-21 of the distance is for the rounding of the ray's direction. */
 static inline float gi_shadow_distance(float distance, float error, float cosine)
 {
 	STILB_ASSERT(distance >= 0.0f && error >= 0.0f && cosine >= 0.0f);

@@ -2,7 +2,7 @@
 
 #include "shading/shade_srgb.h"
 
-/* From IEEE binary16. */
+/* A float from the bits of a half (IEEE binary16). */
 static float texture_half(uint16_t half)
 {
 	uint32_t exponent = half >> 10 & 31, mantissa = half & 1023;
@@ -40,7 +40,9 @@ static stilb_vec3 texture_texel(const stilb_image *image, uint32_t x, uint32_t y
 	return stilb_vec3_make(red, texture_scalar(image, at + 1), texture_scalar(image, at + 2));
 }
 
-/* Index of the texel whose centre is before the coordinate, and the distance from there in texels, [0, 1). */
+/* For linear interpolation along one side of `size` texels: returns the index of the last texel whose centre is not
+ * beyond the coordinate (0 to 1 is the whole side; it repeats), and in *fraction how far beyond it is, in texels,
+ * [0, 1). */
 static uint32_t texture_place(float coordinate, uint32_t size, float *fraction)
 {
 	STILB_ASSERT(size > 0);

@@ -5,8 +5,9 @@
 #include "base/base_math.h"
 #include "image/image.h"
 
-/* Linear red, green and blue, bilinear between the four texels around uv, which repeats outside [0, 1]. Grey
- * pictures give it in all three. NaN in uv counts as 0; a picture without pixels is white. */
+/* Linear red, green and blue, interpolated bilinearly between the four texels around uv; the texture repeats outside
+ * [0, 1]. A grey picture gives its grey in all three. NaN in uv counts as 0; a picture without pixels is white. */
+
 stilb_vec3 gi_texture_at(const stilb_image *image, stilb_vec2 uv);
 
 #endif

@@ -150,7 +150,7 @@ static void scene_box_add(scene_box *box, const float p[3], float radius)
 	}
 }
 
-/* The origin if the box is empty. */
+/* The centre of the box; the origin if the box is empty. */
 static stilb_vec3 scene_box_center(const scene_box *box)
 {
 	stilb_vec3 center = {0};
@@ -271,7 +271,8 @@ stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, flo
 	return scene_camera_along(position, target - position, fov_y);
 }
 
-/* View space to the view space of a camera that is rolled: a rotation about the view's axis, Z. */
+/* The matrix from view space to the view space of the same camera rolled by that angle, radians: a rotation about Z,
+ * the axis along which it looks. */
 static stilb_mat4 scene_roll(float roll)
 {
 	float s = sinf(roll), c = cosf(roll);

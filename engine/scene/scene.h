@@ -2,8 +2,9 @@
  * scene: the world as plain data: models, meshes, materials, textures, lights, surroundings, camera. No GPU, no
  * traversal.
  *
- * A model is a bounding sphere and a run of parts; a part is a mesh, a material and a transform. Arrays are indexed by
- * id. Everybody may read them; only stilb_scene_... functions and the frame's stage `update_scene` write.
+ * A model is a bounding sphere and parts that follow one another; a part is a mesh, a material and a transform. The id
+ * of a model, part, mesh, ... is its index in the arrays. Everybody may read them; only stilb_scene_... functions and
+ * the frame's stage `update_scene` write.
  *
  * Life cycle.  stilb_scene_open or stilb_scene_create_stress -> stilb_scene_destroy. Between them the sky, the
  *              environment and the camera may be replaced.
@@ -52,9 +53,9 @@ typedef struct stilb_scene_mesh {
 typedef struct stilb_scene_material {
 	float diffuse[3];
 	float specular[3];
-	float roughness;   /* [0, 1]; a microfacet model's alpha is its square */
+	float roughness;   /* [0, 1], 0: a mirror; its square is alpha, the width of a microfacet model's highlight */
 	float anisotropy;  /* (-1, 1), 0: none; > 0 stretches the highlight along the tangent, < 0 across it */
-	float wrap;        /* [0, 1]: how far diffuse light reaches past the terminator; 0: Lambert */
+	float wrap;        /* [0, 1]: how far diffuse light reaches past the border of light and shade; 0: Lambert */
 	float emission[3]; /* radiance from the front in all directions; traced pictures only, frames do not draw it */
 	uint32_t diffuse_texture; /* 1 + the index in textures of the one that multiplies diffuse; 0: none */
 } stilb_scene_material;
@@ -78,7 +79,7 @@ typedef struct stilb_scene_lamp {
 	float axis[3];      /* unit: the normal of the disk */
 	float intensity[3]; /* W sr^-1; of a disk along its axis */
 	float radius;       /* metres, >= 0 */
-	float reach;        /* metres, > radius: the distance at which windowed and subtracted light end */
+	float reach;        /* metres, > radius: the distance at which its light ends, in models where it does */
 } stilb_scene_lamp;
 
 typedef enum stilb_scene_light_kind {
@@ -146,9 +147,9 @@ typedef struct stilb_scene {
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
-/* X(name, description). furnace takes a number: the radiance in every direction is 1 / (1 - RHO). The middle of the
- * picture of plane-wall shows the point (1, 0, 0), where the visible fraction of the sky, weighted by the cosine, is
- * (1 + cos 45 deg) / 2. */
+/* The scenes that are built in: X(name, description). Two have results that are known exactly, for tests. furnace takes
+ * a number, RHO: the radiance in every direction is 1 / (1 - RHO). The middle of the picture of plane-wall shows the
+ * point (1, 0, 0), where the visible fraction of the sky, weighted by the cosine, is (1 + cos 45 deg) / 2. */
 #define STILB_SCENE_BUILTINS(X)                                                                                        \
 	X("cornell", "the Cornell box: two blocks, a light in the ceiling")                                                \
 	X("outdoor", "nine bumpy spheres on a field under a blue sky and a small bright sun")                              \
@@ -175,7 +176,7 @@ const char *stilb_scene_builtin_names(void);
  * then. */
 stilb_result stilb_scene_open(const char *name, stilb_scene **scene);
 
-/* {0} is the default. */
+/* Options of stilb_scene_open_with; {0} is the default. */
 typedef struct stilb_scene_open_options {
 	bool allow_outside; /* a scene may name any file that the user may read, not only those near it */
 } stilb_scene_open_options;

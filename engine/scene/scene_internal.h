@@ -14,7 +14,7 @@ stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count);
 
 /* True if every index is in range: meshes' triangles, models' parts, parts' meshes and materials, materials' textures.
- * Walks the whole scene: for scenes that were received, and for STILB_CHECK when one has been made. */
+ * Walks the whole scene: for scenes that came from the import process, and for STILB_CHECK when one has been made. */
 bool scene_is_sound(const stilb_scene *scene);
 
 /* True if mesh holds whole triangles whose vertices exist. */
@@ -27,11 +27,11 @@ void scene_fit_bounds(stilb_scene *scene, uint32_t model);
 /* A sphere around all models' bounds, about the centre of their box; radius 0 if there are no models. */
 stilb_sphere scene_sphere(const stilb_scene *scene);
 
-/* An upright camera at position that looks along view, whose length (> 0) is the distance of the subject, metres: near
- * and far planes are 1/1000 and 1000 times as far. fov_y in (0, pi) radians. */
+/* An upright camera at position that looks along the vector view. Its length (> 0, metres) is the distance of what the
+ * picture is of: near and far planes are 1/1000 and 1000 times as far. fov_y in (0, pi) radians. */
 stilb_scene_camera scene_camera_along(stilb_vec3 position, stilb_vec3 view, float fov_y);
 
-/* scene_camera_along from position to target, another place. */
+/* scene_camera_along, looking from position to target, which differs from it. */
 stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, float fov_y);
 
 /* A mesh with arrays for these counts, not initialised; index_count is a multiple of 3. STILB_ERROR_MEMORY; mesh is {0}

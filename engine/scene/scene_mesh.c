@@ -46,14 +46,16 @@ stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh)
 
 #define MESH_EDGES 6 /* a vertex has at most this many */
 
-/* The edges that have a vertex in their middle already, listed at the end with the smaller index. */
+/* The edges that have been given a vertex in their middle already. An edge is listed at that one of its two end
+ * vertices which has the smaller index. */
+
 typedef struct mesh_edges {
 	uint32_t (*other)[MESH_EDGES];  /* [vertex]: the edge's other end */
 	uint32_t (*middle)[MESH_EDGES]; /* [vertex]: the vertex in its middle */
 	uint8_t *used;                  /* [vertex]: entries in use */
 } mesh_edges;
 
-/* Adds the point of the unit sphere in the direction p. */
+/* Adds a vertex: the point of the unit sphere in the direction p. */
 static void mesh_add_vertex(stilb_scene_mesh *mesh, stilb_vec3 p)
 {
 	p = stilb_vec3_normalize(p);
@@ -124,7 +126,7 @@ static void mesh_icosahedron(stilb_scene_mesh *mesh)
 stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 {
 	STILB_ASSERT(splits <= 6 && mesh);
-	uint32_t triangles = 20u << (2 * splits), vertices = triangles / 2 + 2; /* Euler: V = F / 2 + 2 */
+	uint32_t triangles = 20u << (2 * splits), vertices = triangles / 2 + 2; /* Euler's formula for triangles */
 	stilb_result result = scene_mesh_create(mesh, vertices, triangles * 3);
 	if (result != STILB_OK)
 		return result;

@@ -5,10 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The radius of a record is how far from it it is valid. */
 #define LONGEST_OF_SCENE 0.125f   /* the longest radius, as a share of the scene's diagonal */
-#define UNIT_OF_SCENE 0.0625f     /* gi_cache_limits.unit, the same */
-#define SHORTEST_PIXELS 1.5f      /* the shortest radius, in widths of a pixel at the record, */
-#define SHORTEST_OF_LONGEST 0.08f /* but at most this share of the longest */
+#define UNIT_OF_SCENE 0.0625f     /* gi_cache_limits.unit, as a share of the scene's diagonal */
+#define SHORTEST_PIXELS 1.5f      /* the shortest radius, in widths of a pixel at the record's distance, */
+#define SHORTEST_OF_LONGEST 0.08f /* but at most this share of the longest radius */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
@@ -58,7 +59,7 @@ static gi_cache_limits limits_make(const gi_view *view)
 	};
 }
 
-/* Width of a pixel whose centre shows that place, metres. */
+/* Metres that one pixel's width covers at the distance of that position from the camera. */
 static float pixel_size(const gi_cache *cache, stilb_vec3 position)
 {
 	stilb_vec3 way = position - cache->eye;

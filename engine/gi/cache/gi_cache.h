@@ -7,7 +7,7 @@
  *   gi_cache_file.h     reads and writes records
  *
  * Life cycle.  gi_cache_create -> find and add, from batches of the integrator irradiance_cache and from the overture
- *              -> gi_cache_destroy. gi_cache_fill does both ends.
+ *              -> gi_cache_destroy. gi_cache_fill.c creates and destroys it.
  * Threads.     create, destroy: one thread. All others: [any-thread], while others add.
  * Source:      Ward, Rubinstein, Clear, "A Ray Tracing Solution for Diffuse Interreflection" (1988); Ward, Heckbert,
  *              "Irradiance Gradients" (1992); Krivanek et al., "Making Radiance and Irradiance Caching Practical:
@@ -37,7 +37,8 @@ typedef struct gi_cache_worker {
 	uint32_t targets[GI_BATCH];
 	gi_cache_cell *cells; /* [gi_cache_strata_cells] */
 	void *scratch;        /* gi_integrator_path.scratch_size bytes */
-	/* Rays of all kinds, and the shadow rays among them. One writer; relaxed: progress reads them at any time. */
+	/* Numbers of rays traced: of all kinds, and of shadow rays among these. Only the thread that works with this struct
+	 * adds; gi_cache_fill_progress reads them at any time. Relaxed: they are for display, and order nothing. */
 	_Atomic uint64_t traced;
 	_Atomic uint64_t shadow_rays;
 	char unused[STILB_CACHE_LINE];
@@ -55,7 +56,7 @@ typedef struct gi_cache {
 } gi_cache;
 
 /* An empty cache for view->settings, which gi_settings_check accepts. view must outlive it; view->cache need not be set
- * yet. worker_count >= 1: threads that will gather. STILB_ERROR_MEMORY; then *out is NULL. */
+ * yet. worker_count >= 1: threads that will make records. STILB_ERROR_MEMORY; then *out is NULL. */
 stilb_result gi_cache_create(const gi_view *view, uint32_t worker_count, gi_cache **out);
 
 /* Accepts NULL. */
@@ -71,13 +72,15 @@ bool gi_cache_wants(const gi_surface *surface);
  * written. */
 bool gi_cache_find(const gi_cache *cache, const gi_surface *surface, stilb_vec3 *irradiance);
 
-/* True if a record covers the surface with an error below reach (gi_cache_record_error, (0, 1]). */
+/* True if a record would be used at the surface with an error below reach, in (0, 1]; the error is that of
+ * gi_cache_record_error, 1 where a record ceases to be valid. */
 bool gi_cache_covers(const gi_cache *cache, const gi_surface *surface, float reach);
 
 /* True if a record lies within so many pixels' widths of the position. */
 bool gi_cache_record_is_at(const gi_cache *cache, stilb_vec3 position, float pixels);
 
-/* Adds a copy of the record, its radii limited by its neighbours where the settings say so. False: no memory. */
+/* Adds a copy of the record; with the radius rule SPLIT_SPHERE its radii are first limited by those of its neighbours.
+ * False: no memory. */
 bool gi_cache_add(gi_cache *cache, const gi_cache_record *record);
 
 #endif

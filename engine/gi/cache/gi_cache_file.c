@@ -1,6 +1,7 @@
 /*
- * gi_cache_file: a line that identifies the format; cache_header; the records as they are in memory; the FNV-1a hash
- * of header and records. Byte order and floats are the machine's.
+ * gi_cache_file: reads and writes the records of an irradiance cache. The file is: a line that identifies the format;
+ * cache_header; the records as they are in memory; the FNV-1a hash of header and records. Byte order and floats are
+ * the machine's.
  */
 #include "gi/cache/gi_cache_file.h"
 
@@ -16,13 +17,14 @@
 static const char magic[] = "stilb irradiance cache 1\n";
 #define MAGIC_SIZE (sizeof magic - 1)
 
-/* Everything that the records depend on; it must be equal for them to be used. */
+/* What the records in the file depend on. All but count must be equal to what the cache at hand has, or the file is
+ * refused. */
 typedef struct cache_header {
-	uint64_t scene;
+	uint64_t scene; /* gi_scene_hash */
 	uint32_t depth, radius, gradients;
 	float error;
-	uint32_t count, record_size;
-	shade_brdf_model model; /* BRDF of the highlights, which reflect light that records gather */
+	uint32_t count, record_size; /* number of records, and bytes of one */
+	shade_brdf_model model;      /* BRDF of the highlights, which reflect light that records gather */
 } cache_header;
 
 static cache_header header_make(const gi_cache *cache)
@@ -40,7 +42,7 @@ static cache_header header_make(const gi_cache *cache)
 
 /* ---- save -------------------------------------------------------------------------------------------------------- */
 
-/* A write that fails makes stilb_file_commit fail. */
+/* Writes data and returns the hash continued over it. A failure of the write is reported by stilb_file_commit later. */
 static uint64_t cache_write_hashed(stilb_file *file, uint64_t hash, const void *data, size_t size)
 {
 	stilb_file_write(file, data, size);

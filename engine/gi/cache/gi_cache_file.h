@@ -1,4 +1,5 @@
-/* gi_cache_file: the records of a cache in a file, with what they depend on, so that no other scene takes them. */
+/* gi_cache_file: the records of an irradiance cache in a file, together with what they depend on (the scene and the
+ * settings), so that they are never used for another scene. */
 #ifndef STILB_GI_CACHE_FILE_H
 #define STILB_GI_CACHE_FILE_H
 

@@ -1,11 +1,12 @@
 /*
- * The overture: records for what the picture shows, before it is rendered.
+ * The overture: fills the irradiance cache with records for the surfaces that the picture shows, before it is rendered.
  *
  * Strips.    Pixels are looked at in levels: every 32nd pixel of every 32nd row first, then those between, finer and
- *            finer; each level in strips of rows that are far apart. A pixel that no record covers is missing one.
- * Rounds.    FROZEN: some of the missing pixels, far from one another, gather a record each, as jobs; the records
- *            are added in the order in which the pixels were chosen; then all pixels that are still missing look
- *            again. The choice does not depend on the number of workers, so neither do the records.
+ *            finer; each level in strips, sets of rows that are far apart. A pixel whose surface no record covers is a
+ *            missing pixel: it is missing a record.
+ * Rounds.    FROZEN: for some of the missing pixels, far from one another, a record each is gathered, as jobs; the
+ *            records are added in the order in which the pixels were chosen; then all missing pixels are tested again
+ *            for a record. The choice does not depend on the number of workers, so neither do the records.
  *            LIVE: a job that finds a pixel missing a record gathers one at once.
  */
 #include "gi/cache/gi_cache_fill.h"
@@ -18,16 +19,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST_BLOCK 32u
-#define STRIP 8192u      /* pixels, about */
+#define FIRST_BLOCK 32u  /* the first level has every 32nd pixel of every 32nd row */
+#define STRIP 8192u      /* pixels in a strip, about */
 #define ROUND_LEAST 16u  /* records in a round at least, if so many pixels are missing one */
 #define ROUND_SHARE 8u   /* records in a round: one for so many that exist, */
 #define ROUND_MOST 1024u /* at most */
-/* a round begins when so many pixels are missing a record; below it the next strip is looked at first */
+/* A round begins when at least so many pixels are missing a record; with fewer the next strip is looked at first. */
 #define ROUND_WORTH 32u
-#define SPACING 8 /* pixels, between any two pixels of a round */
-/* largest error of a record that covers a pixel of the overture: below 1, since pixels between are covered by the
- * same */
+#define SPACING 8 /* least distance, in pixels along x or y, of any two pixels that get a record in one round */
+/* A record covers a pixel in the overture if its error there (gi_cache_record_error) is below this. It is below 1,
+ * where a record ceases to be valid, so that the pixels between those looked at are still covered. */
 #define REACH 0.8f
 
 typedef struct fill_pixel {
@@ -40,12 +41,14 @@ struct gi_cache_fill {
 	gi_cache *cache;
 	stilb_job_pool *pool;
 	gi_camera camera;
-	uint32_t block, strip;    /* the next strip to look at; block 0: all are done */
-	uint32_t count, capacity; /* of pixels */
+	uint32_t block, strip; /* the next strip to look at, in the level of every block-th pixel; block 0: all are done */
+	uint32_t count, capacity; /* of the array pixels */
 	fill_pixel *pixels;       /* those that are missing a record */
 	gi_cache_record *records; /* [ROUND_MOST] of one round; NULL: no overture is wanted */
 	uint64_t looked;          /* pixels looked at so far */
-	_Atomic uint32_t round;   /* relaxed, both: written by run, read by progress, order nothing */
+	/* For gi_cache_fill_progress: number of the round, and share that is done. Written by gi_cache_fill_run alone;
+	 * relaxed: they are for display, and order nothing. */
+	_Atomic uint32_t round;
 	_Atomic float done;
 };
 
@@ -109,7 +112,7 @@ stilb_result gi_cache_fill_save(const gi_cache_fill *fill)
 gi_cache_progress gi_cache_fill_progress(const gi_cache_fill *fill)
 {
 	const gi_cache *cache = fill->cache;
-	/* relaxed, here and below: see gi_cache_fill and gi_cache_worker */
+	/* Relaxed, here and below: the structs gi_cache_fill and gi_cache_worker say why. */
 	gi_cache_progress progress = {.round = atomic_load_explicit(&fill->round, memory_order_relaxed),
 	                              .done = (double)atomic_load_explicit(&fill->done, memory_order_relaxed),
 	                              .records = gi_cache_octree_count(cache->octree)};
@@ -124,9 +127,11 @@ gi_cache_progress gi_cache_fill_progress(const gi_cache_fill *fill)
 
 typedef struct fill_strip {
 	gi_cache_fill *fill;
-	uint32_t first_row, row_step, rows; /* rows of the level; its row r is row r * block of the picture */
-	uint32_t columns;                   /* slots for a row */
-	_Atomic bool full;                  /* LIVE: a record could not be added for lack of memory */
+	/* The strip's rows, counted in rows of the level: first_row, first_row + row_step, ...; the level's row r is row
+	 * r * block of the picture. */
+	uint32_t first_row, row_step, rows;
+	uint32_t columns;  /* places in fill->pixels for each row */
+	_Atomic bool full; /* LIVE: a record could not be added for lack of memory */
 } fill_strip;
 
 static uint32_t divide_up(uint32_t a, uint32_t b)
@@ -148,7 +153,7 @@ static bool pixel_is_of_coarser_level(uint32_t x, uint32_t y, uint32_t block)
 	return block < FIRST_BLOCK && x % (2u * block) == 0 && y % (2u * block) == 0;
 }
 
-/* True if the pixel's centre shows a surface that wants a record and no record covers it. */
+/* True if the pixel's centre shows a surface that reflects diffuse light (gi_cache_wants), and no record covers it. */
 static bool pixel_look(const gi_cache_fill *fill, fill_pixel *pixel)
 {
 	const gi_view *view = fill->cache->view;
@@ -185,14 +190,14 @@ static void look_rows(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 			if (pixel->missing && cache->view->settings.cache.mode == STILB_GI_CACHE_LIVE) {
 				gi_cache_record record = pixel_gather(cache, pixel, worker);
 				if (!gi_cache_add(cache, &record))
-					atomic_store_explicit(&strip->full, true, memory_order_relaxed); /* read after the loop has ended */
+					atomic_store_explicit(&strip->full, true, memory_order_relaxed); /* read when all jobs have ended */
 				pixel->missing = false;
 			}
 		}
 	}
 }
 
-/* Grows pixels so that `more` fit behind the missing ones. */
+/* Grows the array pixels so that `more` fit behind the missing pixels in it. */
 static stilb_result pixels_want(gi_cache_fill *fill, uint32_t more)
 {
 	if (fill->count + more <= fill->capacity)
@@ -234,7 +239,7 @@ static stilb_result strip_look(gi_cache_fill *fill)
 	if (result != STILB_OK)
 		return result;
 	stilb_job_parallel_for(fill->pool, strip.rows, 1, look_rows, &strip, 0);
-	/* relaxed: the loop has ended, and with it all stores */
+	/* Relaxed: the parallel loop has ended, and with it all jobs that store this. */
 	if (atomic_load_explicit(&strip.full, memory_order_relaxed))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for more records of the irradiance cache");
 	pixels_compact(fill, fill->count + looked);
@@ -323,7 +328,8 @@ static bool overture_has_ended(const gi_cache_fill *fill)
 	return fill->block == 0 && fill->count == 0;
 }
 
-/* relaxed, here and below: see gi_cache_fill */
+/* Updates done, the share of the overture's pixels that have records. Relaxed, here and below: struct gi_cache_fill
+ * says why. */
 static void overture_count(gi_cache_fill *fill)
 {
 	STILB_ASSERT(fill->looked >= fill->count);

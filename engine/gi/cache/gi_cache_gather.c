@@ -1,7 +1,7 @@
 /*
- * gi_cache_gather: one record: a ray through every cell of the hemisphere, and what the surfaces that they hit
- * reflect. Where records cover such a surface, its indirect light is taken from them; else a path continues from
- * there.
+ * gi_cache_gather: makes one record of the irradiance cache: a ray through every cell of the hemisphere above a point
+ * (gi_cache_strata.h), and the light that the surfaces which the rays hit reflect back. Where records cover such a
+ * surface, its indirect light is taken from them; else a path continues from there.
  */
 #include "gi/cache/gi_cache_gather.h"
 
@@ -12,7 +12,8 @@
 
 #include "shading/shade_constants.h"
 
-/* reflections: below this records, which hold light of all depths, would add light that the picture must not have */
+/* Indirect light is taken from other records only if settings.depth is at least this. Records hold light after any
+ * number of reflections; with a smaller depth the picture would show light after more reflections than it may. */
 #define REUSE_DEPTH 16u
 
 /* Traces the rays of cells first .. first + number - 1. */
@@ -31,14 +32,15 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 		stilb_vec3 direction = shade_frame_to_world(frame, local);
 		worker->points[i] = branch;
 		worker->rays[i] = gi_ray_hit_make(origin, direction);
-		/* A direction above the shading normal's plane but below the triangle brings nothing: that ray stays a miss. */
+		/* A direction may be above the plane of the shading normal but below the triangle's: no light comes from there,
+		 * so the ray is not traced and stays a miss. */
 		if (stilb_vec3_dot(direction, surface->geometric) > 0.0f)
 			view->scene->tracer.intersect(&view->scene->tracer, &worker->rays[i]);
 	}
 }
 
-/* Takes the indirect light at the end of ray i from the cache, and puts a shadow ray for its direct light. False: a
- * path must find both. */
+/* Takes the indirect light where ray i ends from the cache, and adds a shadow ray for the direct light there to the
+ * worker's list. False: no record covers that point, so a path must find both. */
 static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker, uint32_t i)
 {
 	STILB_ASSERT(worker->shadow_count < GI_BATCH);
@@ -76,7 +78,8 @@ static void trace_cell_shadows(const gi_cache *cache, gi_cache_worker *worker)
 	worker->shadow_count = 0;
 }
 
-/* Traces the first path_count paths of the worker and stores their radiance at targets. */
+/* Traces the first path_count paths of worker number `index`, and stores the radiance of each with the ray that it
+ * continues: path i's at radiance[targets[i]]. */
 static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_count)
 {
 	STILB_ASSERT(path_count <= GI_BATCH);
@@ -95,7 +98,8 @@ static void trace_paths(const gi_cache *cache, uint32_t index, uint32_t path_cou
 	gi_counter_add(&worker->shadow_rays, batch.shadow_rays);
 }
 
-/* Distances below the shortest radius count as that: records cannot resolve them, and they would dominate the mean. */
+/* 1 / distance to what the ray hit, 0 for a miss. Distances below the shortest radius of a record count as that radius:
+ * records cannot resolve them, and they would dominate the harmonic mean. */
 static float nearness(const gi_ray_hit *ray, float shortest)
 {
 	return gi_is_hit(ray) ? 1.0f / fmaxf(ray->ray.t_max, shortest) : 0.0f;

@@ -6,8 +6,8 @@
 
 #define DEPTH 16u /* levels: a position is a 16-bit integer on each axis, whose bits from the highest name the cells */
 
-/* An entry in a cell's list. It has the record's bounding sphere, so that most records that do not reach a position
- * are skipped without being read. */
+/* A mention: an entry in a cell's list of records. It has the record's bounding sphere, so that most records that do
+ * not reach a position are skipped without being read. */
 typedef struct octree_mention {
 	stilb_vec4 sphere; /* centre; [3] squared radius */
 	const gi_cache_record *record;
@@ -53,8 +53,8 @@ stilb_result gi_cache_octree_create(const float low[3], const float high[3], gi_
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
 }
 
-/* No cell is deeper than DEPTH, and every mention has a record and a sphere. For STILB_CHECK; nobody inserts, so the
- * loads are relaxed. */
+/* No cell is deeper than DEPTH, and every mention has a record and a sphere. For STILB_CHECK, while nobody inserts; so
+ * there is no store that the loads must be ordered after, and they are relaxed. */
 static bool cell_is_sound(const octree_cell *cell, uint32_t depth)
 {
 	if (depth > DEPTH)
@@ -95,7 +95,7 @@ const gi_cache_record *gi_cache_octree_record(const gi_cache_octree *octree, uin
 
 /* ---- places ------------------------------------------------------------------------------------------------------ */
 
-/* Positions outside the root belong to the cells at its border. */
+/* The 16-bit integer of a position on one axis. Positions outside the root cell count as at its border. */
 static uint32_t axis_place(const gi_cache_octree *octree, float x, int axis)
 {
 	STILB_ASSERT(axis >= 0 && axis < 3);
@@ -104,7 +104,7 @@ static uint32_t axis_place(const gi_cache_octree *octree, float x, int axis)
 	return (uint32_t)(at > 0.0f ? fminf(at, last) : 0.0f);
 }
 
-/* Index of the child: one bit from each axis. */
+/* Index of the child cell, at `depth`, that holds the place (16-bit integers by axis): one bit from each axis. */
 static uint32_t child_of(const uint32_t place[3], uint32_t depth)
 {
 	STILB_ASSERT(depth < DEPTH);
@@ -112,7 +112,7 @@ static uint32_t child_of(const uint32_t place[3], uint32_t depth)
 	return (place[0] >> shift & 1u) | (place[1] >> shift & 1u) << 1 | (place[2] >> shift & 1u) << 2;
 }
 
-/* Half the extent of the ellipsoid's bounding box along a world axis. */
+/* Half the extent, along a world axis, of the box around the ellipsoid in which the record is valid, metres. */
 static float half_extent(const gi_cache_record *record, stilb_vec3 bitangent, int axis)
 {
 	float t = record->tangent[axis] / record->position[3];
@@ -130,14 +130,14 @@ static octree_cell *cell_want(gi_cache_octree *octree, const uint32_t place[3], 
 	octree_cell *at = octree->root;
 	for (uint32_t i = 0; i < depth; i++) {
 		_Atomic(octree_cell *) *link = &at->children[child_of(place, i)];
-		/* acquire: pairs with the release below; the child's zeros are visible */
+		/* acquire: pairs with the release below, so that the new child is seen zeroed, not with older contents */
 		octree_cell *child = atomic_load_explicit(link, memory_order_acquire);
 		if (!child) {
 			octree_cell *made = gi_cache_slab_take(&octree->cells);
 			if (!made)
 				return NULL;
-			/* release: the new cell is published zeroed; acquire on failure: as above. A losing thread's cell stays
-			 * unused. */
+			/* release: who sees the new cell sees it zeroed. On failure another thread has added a cell at the same
+			 * time: acquire as above, and this thread's cell stays unused. */
 			if (atomic_compare_exchange_strong_explicit(link, &child, made, memory_order_release, memory_order_acquire))
 				child = made;
 		}
@@ -155,10 +155,10 @@ static bool mention_add(gi_cache_octree *octree, octree_cell *cell, const gi_cac
 	made->sphere = record->position;
 	made->sphere[3] = radius * radius;
 	made->record = record;
-	/* relaxed: the older mentions were published by their own releases, and the exchange below continues that
-	 * release sequence */
+	/* relaxed: this thread does not read the older mention. Others that reach it through this one see its contents,
+	 * because it was stored with release and the exchange below continues that release sequence. */
 	made->next = atomic_load_explicit(&cell->mentions, memory_order_relaxed);
-	/* release: pairs with the acquire in first_mention: the record and the mention are visible */
+	/* release: pairs with the acquire in first_mention: who finds the mention sees it and its record complete */
 	while (!atomic_compare_exchange_weak_explicit(&cell->mentions, &made->next, made, memory_order_release,
 	                                              memory_order_relaxed))
 		;
@@ -205,7 +205,8 @@ bool gi_cache_octree_insert(gi_cache_octree *octree, const gi_cache_record *sour
 
 static const octree_mention *first_mention(const octree_cell *cell)
 {
-	/* acquire: pairs with the release in mention_add, also for older mentions: exchanges continue a release sequence */
+	/* acquire: pairs with the release in mention_add of the newest mention, and of all older ones in the list, since
+	 * each exchange continues their release sequence */
 	return atomic_load_explicit(&cell->mentions, memory_order_acquire);
 }
 
@@ -230,7 +231,7 @@ static void walk_down(octree_walk *walk)
 		walk->cell = NULL;
 		return;
 	}
-	/* acquire: pairs with the release in cell_want */
+	/* acquire: pairs with the release in cell_want, so that the child is seen zeroed or later */
 	walk->cell = atomic_load_explicit(&walk->cell->children[child_of(walk->place, walk->depth)], memory_order_acquire);
 	walk->depth++;
 }

@@ -1,10 +1,12 @@
 /*
- * gi_cache_octree: records by position. A record is listed in the cells that the bounding box of its ellipsoid
- * touches, at most eight, at the depth where cells are at least as large as the box. A lookup walks from the root to
- * the smallest cell at its position and tries the records listed on the way.
+ * gi_cache_octree: finds the records of the irradiance cache by position. A record is valid in an ellipsoid, and is
+ * listed in the cells that the box around that touches, at most eight, at the depth where cells are at least as large
+ * as the box. A lookup walks from the root to the smallest cell at its position and tries the records listed on the
+ * way.
  *
- * Threads.  Any number of threads insert and look up at once, without a lock: cells, records and mentions of them
- *           are only ever added, and a list grows at its head. A lookup sees a record wholly or not at all.
+ * Threads.  Any number of threads insert and look up at once, without a lock: cells, records and their entries in the
+ *           cells' lists are only ever added, and a list grows at its head. A lookup sees a record wholly or not at
+ *           all.
  * Order.    A lookup sums the newest record of a cell first: the same records inserted in the same order give the
  *           same bits.
  */
@@ -28,11 +30,12 @@ bool gi_cache_octree_insert(gi_cache_octree *octree, const gi_cache_record *reco
 bool gi_cache_octree_lookup(const gi_cache_octree *octree, stilb_vec3 position, stilb_vec3 normal, float turn,
                             stilb_vec3 *irradiance);
 
-/* True if a record has an error below reach there. [any-thread] */
+/* True if a record has an error (gi_cache_record_error) below reach at that position and normal. [any-thread] */
 bool gi_cache_octree_covers(const gi_cache_octree *octree, stilb_vec3 position, stilb_vec3 normal, float turn,
                             float reach);
 
-/* True if a record lies within distance of the position, metres, of those whose cells contain it. [any-thread] */
+/* True if a record lies closer than distance, metres, to the position. Only records are tried that are listed in cells
+ * which contain the position, as all are that are valid there. [any-thread] */
 bool gi_cache_octree_record_near(const gi_cache_octree *octree, stilb_vec3 position, float distance);
 
 /* Neighbour clamping: distances to what records see obey the triangle inequality, so a record's radius is at most

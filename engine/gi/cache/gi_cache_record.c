@@ -4,13 +4,13 @@
 
 /* ---- the Hessian's ellipse --------------------------------------------------------------------------------------- */
 
-/* A rotation of the tangent plane's axes, and the second derivatives along the new ones. */
+/* A rotation of the two axes of the tangent plane, and the second derivatives of irradiance along the new axes. */
 typedef struct tangent_axes {
 	float cosine, sine;
 	float curvature[2];
 } tangent_axes;
 
-/* The rotation that makes the symmetric matrix {xx, xy, yy} diagonal. */
+/* The rotation that makes the symmetric 2 x 2 matrix {xx, xy, yy} diagonal. */
 static tangent_axes principal_axes(const float matrix[3])
 {
 	float mean = 0.5f * (matrix[0] + matrix[2]);
@@ -21,7 +21,7 @@ static tangent_axes principal_axes(const float matrix[3])
 	return (tangent_axes){.cosine = cosf(angle), .sine = sinf(angle), .curvature = {mean + spread, mean - spread}};
 }
 
-/* Rotates t and b, and the gradients that are given along them. */
+/* Rotates the tangent t and the bitangent b of the frame, and the gradients that are given along them. */
 static void turn_axes(const tangent_axes *axes, shade_frame *frame, gi_cache_gathered *gathered)
 {
 	float c = axes->cosine, s = axes->sine;
@@ -47,14 +47,16 @@ static float hessian_radius(float curvature, float irradiance, const gi_cache_li
 
 /* ---- radii ------------------------------------------------------------------------------------------------------- */
 
-/* fminf and fmaxf ignore NaN: a radius of 0 / 0, where no light arrives, becomes the longest. */
+/* The radius within its limits: at most reach and limits->longest, at least limits->shortest. fminf and fmaxf ignore
+ * NaN: a radius of 0 / 0, as found where no light arrives, becomes the smaller of reach and longest. */
 static float clamp_radius(float radius, float reach, const gi_cache_limits *limits)
 {
 	return fmaxf(fminf(fminf(radius, reach), limits->longest), limits->shortest);
 }
 
-/* The distance at which the linear extrapolation would have changed the irradiance by all of itself, or the harmonic
- * mean distance to what the record sees, if that is shorter. Radii are limited to it, except plain harmonic ones. */
+/* The farthest that a radius may be, except with the rule HARMONIC: the distance at which extrapolation along the
+ * gradient would have changed the irradiance by 100 %, or the harmonic mean distance to the surfaces that the record
+ * sees, whichever is shorter. */
 static float farthest_reach(const gi_cache_gathered *gathered)
 {
 	float t = gi_cache_mean(gathered->translation[0]);
@@ -69,7 +71,8 @@ static void gradients_drop(gi_cache_gathered *gathered)
 		gathered->rotation[i] = gathered->translation[i] = (stilb_vec3){0};
 }
 
-/* Shortens the gradient of a colour that would become negative within the radii. */
+/* Shortens the gradient of each colour channel whose irradiance, extrapolated along it, would become negative within
+ * the record's radii. */
 static void gradients_limit(gi_cache_gathered *gathered, const float radius[2])
 {
 	for (int i = 0; i < 3; i++) {

@@ -4,9 +4,10 @@
  *
  * Validity.  The expected error of a record at another point is Ward's, with an ellipsoid in place of his sphere:
  *                e = |(dt / r_t, db / r_b, dn / r_n)| + sqrt(1 - n.n_i) / turn
- *            with dt, db, dn the offset from the record in its own frame and n, n_i the normals. The record is valid
- *            where e < 1 and where it does not see the point from below. For radii a R and turn = a this is Ward's
- *            test for the error a and the harmonic mean distance R.
+ *            with dt, db, dn the offset of that point from the record, and r_t, r_b, r_n the ellipsoid's radii, along
+ *            the record's tangent, bitangent and normal; n and n_i are the normals of the point and of the record. The
+ *            record is valid where e < 1, unless the point lies below the record's plane. For radii a R and turn = a
+ *            this is Ward's test for the error a and the harmonic mean distance R.
  * Source:    Ward, Rubinstein, Clear (1988); Schwarzhaupt, Jensen, Jarosz (2012).
  */
 #ifndef STILB_GI_CACHE_RECORD_H
@@ -16,38 +17,40 @@
 #include "gi/gi_render.h"
 #include "shading/shade_frame.h"
 
-/* Two cache lines: rows of three numbers and, in [3], an unrelated fourth. */
+/* A record: 128 bytes, two cache lines. Each row is a vector of three numbers with an unrelated fourth in [3]. r_t, r_b
+ * and r_n are the radii above. */
 typedef struct gi_cache_record {
 	stilb_vec4 position;       /* [3] 1 / r_t */
 	stilb_vec4 normal;         /* [3] 1 / r_b */
 	stilb_vec4 tangent;        /* [3] 1 / r_n */
 	stilb_vec4 irradiance;     /* [3] 1 / the longest radius */
-	stilb_vec4 translation[2]; /* [0] gradient along t, [1] along b, per metre */
-	stilb_vec4 rotation[2];
+	stilb_vec4 translation[2]; /* change of irradiance per metre along the tangent [0] and the bitangent [1] */
+	stilb_vec4 rotation[2];    /* and per unit that the normal's tip moves along them */
 } gi_cache_record;
 
 /* The settings that decide about radii. */
 typedef struct gi_cache_limits {
-	float error; /* Ward's a */
-	float turn;  /* see above */
+	float error; /* Ward's a: the relative error that is tolerated */
+	float turn;  /* as in the formula at the top */
 	stilb_gi_cache_radius radius;
 	bool gradients;          /* keep them in the record */
 	float shortest, longest; /* metres */
 	float unit;              /* metres: side of the square over which the Hessian's error is tolerated */
 } gi_cache_limits;
 
-/* A record at a position, from what its hemisphere's cells gathered. frame.n is the surface's normal; gathered is
- * along frame.t and frame.b. */
+/* A record at a position, from the sums over its hemisphere (gi_cache_strata_gather). frame.n is the surface's normal;
+ * the gradients in gathered are along frame.t and frame.b. */
 gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_frame frame, stilb_vec3 position,
                                      const gi_cache_limits *limits);
 
-/* Limits all radii to this, metres, > 0. */
+/* Makes each of the record's radii that is larger than radius (> 0, metres) equal to it. */
 void gi_cache_record_limit(gi_cache_record *record, float radius);
 
-/* A point may lie so far below a record's plane, in radii, and still count as the same surface. */
+/* So far below the record's plane, as a share of its radius, a point may lie and still not count as below it. */
 #define GI_CACHE_BELOW 0.05f
 
-/* The error e above; the record is valid there if it is below 1. +infinity if it sees the point from below. */
+/* The error e of the formula at the top, at a position and normal; the record is valid there if it is below 1.
+ * +infinity if the position lies below the record's plane. */
 static inline float gi_cache_record_error(const gi_cache_record *record, stilb_vec3 position, stilb_vec3 normal,
                                           float turn)
 {

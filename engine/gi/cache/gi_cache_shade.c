@@ -14,14 +14,15 @@
 #define BRANCHES 2u        /* paths that a sample may need: a highlight's and a diffuse one */
 #define RECORD_PIXELS 1.2f /* radius of the dot that show_records draws, in pixels */
 
-/* A ray whose light the cache does not hold. */
+/* A branch: a further ray of a sample, for light that the cache does not hold. */
 typedef struct cache_branch {
-	stilb_vec3 weight; /* factor on the light that is reflected at its end */
-	stilb_vec3 shown;  /* factor on emission that it finds */
-	/* normal of the surface that it left, and the density of its direction: for the MIS weight of emission */
+	stilb_vec3 weight; /* factor on the light that the surface at its end reflects */
+	stilb_vec3 shown;  /* factor on the light that the surface at its end emits */
+	/* normal of the surface that it left, and the density of its direction: for the weight, by multiple importance
+	 * sampling (MIS), of the emission that it finds */
 	stilb_vec3 normal;
 	float pdf;
-	uint32_t target; /* the sample that it belongs to */
+	uint32_t target; /* index in the batch of the sample that it belongs to */
 } cache_branch;
 
 typedef struct cache_scratch {
@@ -77,8 +78,9 @@ static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *s
 	batch->radiance[sample] += surface->diffuse * SHADE_INV_PI * irradiance;
 }
 
-/* One ray for the highlight. Its density is the highlight's alone, since share is 1: gi_direct_ask weighs with the
- * same. */
+/* Adds one ray for the highlight. Its direction's density is the highlight's alone, since bsdf->share, the probability
+ * of sampling the highlight, was set to 1; gi_direct_ask uses the same density for its MIS weight, so the weights of
+ * both sum to 1. */
 static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
                            const float numbers[8])
 {
@@ -163,7 +165,7 @@ static void trace_sample_shadows(gi_batch *batch)
 	batch->shadow_rays += scratch->shadow_count;
 }
 
-/* Emission at the end of a branch. */
+/* The light emitted where a branch's ray ends, times its factor. */
 static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, const gi_ray_hit *ray)
 {
 	if (branch->shown[0] + branch->shown[1] + branch->shown[2] == 0.0f)

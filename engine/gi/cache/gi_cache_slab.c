@@ -14,7 +14,7 @@ void gi_cache_slab_init(gi_cache_slab *slab, size_t size)
 void gi_cache_slab_finish(gi_cache_slab *slab)
 {
 	for (uint32_t i = 0; i < GI_CACHE_SLAB_BLOCKS; i++)
-		free(atomic_load_explicit(&slab->blocks[i], memory_order_relaxed)); /* relaxed: all users have finished */
+		free(atomic_load_explicit(&slab->blocks[i], memory_order_relaxed)); /* relaxed: no other thread uses it now */
 }
 
 /* The block that holds an item, and the item's index in it. Block b holds GI_CACHE_SLAB_FIRST << b items, so item /
@@ -30,7 +30,7 @@ static uint32_t block_of(uint32_t item, uint32_t *place)
 static char *block_want(gi_cache_slab *slab, uint32_t block)
 {
 	STILB_ASSERT(block < GI_CACHE_SLAB_BLOCKS);
-	/* acquire: pairs with the release below; the block's zeros are visible */
+	/* acquire: pairs with the release below, so that the block is seen zeroed */
 	char *there = atomic_load_explicit(&slab->blocks[block], memory_order_acquire);
 	if (there)
 		return there;
@@ -39,7 +39,8 @@ static char *block_want(gi_cache_slab *slab, uint32_t block)
 	if (!made)
 		return NULL;
 	memset(made, 0, bytes);
-	/* release: publishes the zeros; acquire on failure: another thread's block is used */
+	/* release: who sees the block sees its zeros. On failure another thread has allocated the block meanwhile, and that
+	 * one is used: acquire as above. */
 	if (atomic_compare_exchange_strong_explicit(&slab->blocks[block], &there, made, memory_order_release,
 	                                            memory_order_acquire))
 		return made;
@@ -50,7 +51,8 @@ static char *block_want(gi_cache_slab *slab, uint32_t block)
 void *gi_cache_slab_take(gi_cache_slab *slab)
 {
 	STILB_ASSERT(slab->size > 0 && "after init");
-	/* relaxed: only the number counts; blocks publish themselves, and items are published by those who take them */
+	/* relaxed: all that matters is that each thread gets another number. A block is made visible by block_want, an
+	 * item's contents by the thread that took and wrote it. */
 	uint32_t item = atomic_load_explicit(&slab->taken, memory_order_relaxed);
 	uint32_t place, block;
 	do {
@@ -65,7 +67,7 @@ void *gi_cache_slab_take(gi_cache_slab *slab)
 
 uint32_t gi_cache_slab_count(const gi_cache_slab *slab)
 {
-	/* relaxed: for display, or after all have finished taking */
+	/* relaxed: the callers display the number, where an old one does no harm, or call when no thread takes items */
 	return atomic_load_explicit(&slab->taken, memory_order_relaxed);
 }
 
@@ -74,7 +76,7 @@ void *gi_cache_slab_item(const gi_cache_slab *slab, uint32_t i)
 	STILB_ASSERT(i < gi_cache_slab_count(slab));
 	uint32_t place;
 	uint32_t block = block_of(i, &place);
-	/* acquire: pairs with the release in block_want */
+	/* acquire: pairs with the release in block_want, so that the block is seen zeroed or later */
 	char *there = atomic_load_explicit(&slab->blocks[block], memory_order_acquire);
 	return there ? there + slab->size * place : NULL;
 }

@@ -22,7 +22,7 @@ typedef struct gi_cache_slab {
 void gi_cache_slab_init(gi_cache_slab *slab, size_t size);
 void gi_cache_slab_finish(gi_cache_slab *slab);
 
-/* An item, all bytes 0. NULL: no memory; that item is lost. */
+/* Takes the next item, all bytes 0. NULL: no memory; the item's number is used up, and the item is lost. */
 void *gi_cache_slab_take(gi_cache_slab *slab);
 
 /* Number of items taken, lost ones included. */

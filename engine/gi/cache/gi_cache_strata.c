@@ -6,8 +6,8 @@
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* Integral of tan(theta) over projected area up to theta, divided by pi: of tan(t) d(sin^2 t). A ring uses this
- * mean, since the tan(theta) of a single ray has infinite variance. */
+/* The integral of tan(t) d(sin^2 t) for t from 0 to theta, the polar angle: tan(theta) over projected area, divided by
+ * pi. A ring uses the mean of tan(theta) that follows, since the tan(theta) of a single ray has infinite variance. */
 static double tangent_integral(double theta)
 {
 	return theta - sin(theta) * cos(theta);
@@ -88,7 +88,7 @@ stilb_vec3 gi_cache_strata_direction(const gi_cache_strata *strata, uint32_t cel
 
 /* ---- sums -------------------------------------------------------------------------------------------------------- */
 
-/* The contribution of the edge between a cell and the one in the ring inside. */
+/* Adds to the sum what the edge between a cell and its neighbour in the ring inside contributes to the derivatives. */
 static void add_ring_edge(const gi_cache_ring *ring, const gi_cache_sector *sector, const gi_cache_cell *cell,
                           const gi_cache_cell *inner, gi_cache_gathered *sum)
 {
@@ -102,8 +102,8 @@ static void add_ring_edge(const gi_cache_ring *ring, const gi_cache_sector *sect
 		sum->hessian[i] += bent * sector->spread[i];
 }
 
-/* The contribution of the edge between a cell and the one in the sector before. width: extent of a ring in
- * sin^2(theta). */
+/* Adds to the sum what the edge between a cell and its neighbour in the sector before contributes to the derivatives.
+ * width: extent of a ring in sin^2(theta), the same for all rings. */
 static void add_sector_edge(const gi_cache_ring *ring, const gi_cache_sector *sector, const gi_cache_cell *cell,
                             const gi_cache_cell *before, float width, gi_cache_gathered *sum)
 {

@@ -24,8 +24,8 @@
 
 typedef struct gi_cache_ring {
 	float tangent;   /* mean of tan(theta) over the ring's projected area */
-	float inner;     /* cos^2 sin at its inner edge, times 2 sin(angle / 2) of a sector */
-	float inner2;    /* 4 cos^2 sin^2 at its inner edge */
+	float inner;     /* cos^2 sin of the theta of its inner edge, times 2 sin(angle / 2), angle a sector's width */
+	float inner2;    /* 4 cos^2 sin^2 of the theta of its inner edge */
 	float sine_step; /* sin(theta) at its outer edge minus that at its inner edge */
 } gi_cache_ring;
 
@@ -46,7 +46,8 @@ typedef struct gi_cache_cell {
 	float nearness; /* 1 / distance to the hit, 0: a miss */
 } gi_cache_cell;
 
-/* Sums over all cells, in a tangent frame: index 0 along t, 1 along b. Colours in lanes 0 to 2. */
+/* Sums over all cells, in the frame of tangent t, bitangent b and normal: index 0 is along t, 1 along b. Red, green and
+ * blue in lanes 0 to 2 of each vector. */
 typedef struct gi_cache_gathered {
 	stilb_vec3 irradiance;
 	stilb_vec3 rotation[2];    /* change of irradiance per unit that the normal's tip moves along t or b */
@@ -68,11 +69,13 @@ void gi_cache_strata_destroy(gi_cache_strata *strata);
 
 uint32_t gi_cache_strata_cells(const gi_cache_strata *strata);
 
-/* A direction through a cell, ring * sector_count + sector, in the tangent frame with z along the normal; u in [0,
- * 1)^2 is the position in the cell. Density over all cells: n.l / pi. */
+/* A direction through a cell, whose index is ring * sector_count + sector, in the tangent frame with z along the
+ * normal; u in [0, 1)^2 is the position in the cell. For a random cell and u the density is cosine / pi per
+ * steradian. */
 stilb_vec3 gi_cache_strata_direction(const gi_cache_strata *strata, uint32_t cell, stilb_vec2 u);
 
-/* The sums. cells: [gi_cache_strata_cells], by index. */
+/* Sums up what the rays through all cells found. cells: [gi_cache_strata_cells], by the cell's index. */
+
 gi_cache_gathered gi_cache_strata_gather(const gi_cache_strata *strata, const gi_cache_cell *cells);
 
 #endif

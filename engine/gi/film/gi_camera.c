@@ -9,8 +9,8 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 	STILB_ASSERT(camera->fov_y > 0.0f && camera->fov_y < 3.1415927f);
 	STILB_ASSERT(lens->radius == 0.0f || (lens->radius > 0.0f && lens->focus > 0.0f));
 	STILB_ASSERT(lens->blades == 0 || (lens->blades >= 3 && lens->blades <= 16));
-	/* The rows of the matrix from world to clip space are the camera's axes, scaled: both renderers show the same
-	 * picture. */
+	/* The camera's axes are taken from the rows of the rasteriser's matrix from world to clip space, which are the
+	 * axes, scaled: so both renderers show the same picture. */
 	stilb_mat4 clip = stilb_scene_camera_matrix(camera, 1.0f);
 	float half_height = tanf(0.5f * camera->fov_y), half_width = half_height * ((float)width / (float)height);
 	const float *m = clip.m;
@@ -27,7 +27,8 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 	};
 }
 
-/* Uniform over a regular polygon: choose a sector, then a point of its triangle. */
+/* A point of the aperture where it is a regular polygon, uniform over it: u[0] chooses one of the triangles between the
+ * centre and a side, and what is left of it, with u[1], a point in that. */
 static stilb_vec2 camera_polygon(const stilb_gi_lens *lens, stilb_vec2 u)
 {
 	STILB_ASSERT(lens->blades >= 3);
@@ -48,7 +49,7 @@ stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u)
 
 void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, gi_ray_hit *ray)
 {
-	/* Operations in the order of lanes_pinhole, so that both give the same bits. */
+	/* Operations in the order of lanes_pinhole (gi_primary_lanes.h), so that both give the same bits. */
 	float across = x * camera->to_u - camera->half_width, up = camera->half_height - y * camera->to_v;
 	stilb_vec3 direction = camera->forward + camera->right * across + camera->up * up;
 	stilb_vec3 origin = camera->position;

@@ -13,7 +13,7 @@
 #include "gi/trace/gi_trace.h"
 
 typedef struct gi_camera {
-	stilb_vec3 position, right, up, forward; /* unit; the camera's axes in world space */
+	stilb_vec3 position, right, up, forward; /* in world space; the last three are the camera's axes, unit */
 	float half_width, half_height;           /* of the part of the plane at distance 1 that the picture shows */
 	float to_u, to_v;                        /* from pixels to units of that plane */
 	stilb_gi_lens lens;

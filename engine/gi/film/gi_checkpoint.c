@@ -1,5 +1,5 @@
 /*
- * gi_checkpoint: a render that is continued in another process.
+ * gi_checkpoint: writes and reads checkpoints, files from which another process continues a render.
  *
  * The file: a line that identifies the format; the length of a text and the text, with a line "name value" for
  * everything that must be the same; checkpoint_state; the film's sums; and the FNV-1a hash of all that. Byte order
@@ -108,7 +108,7 @@ static size_t film_pixels(const gi_film *film)
 static void checkpoint_write_hashed(stilb_file *file, uint64_t *hash, const void *data, size_t size)
 {
 	*hash = stilb_hash_fnv1a64(*hash, data, size);
-	stilb_file_write(file, data, size); /* a write that fails makes the commit fail */
+	stilb_file_write(file, data, size); /* its failure is reported by stilb_file_commit later */
 }
 
 stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const char *path)
@@ -145,7 +145,7 @@ typedef struct checkpoint_reader {
 	FILE *stream;
 	uint64_t hash, left; /* left: bytes of the file that are not read yet */
 	checkpoint_state state;
-	gi_film film; /* only pixels and weights are set */
+	gi_film film; /* the film's sums as read; of this struct only pixels and weights are set */
 } checkpoint_reader;
 
 static stilb_result resume_fail(const checkpoint_reader *reader, const char *why)
@@ -167,7 +167,7 @@ static bool checkpoint_read_hashed(checkpoint_reader *reader, void *data, size_t
 	return true;
 }
 
-/* Length of the line up to any of the characters in ends. */
+/* Length of the text up to the first of the characters in ends. */
 static int text_word(const char *line, const char *ends)
 {
 	return (int)strcspn(line, ends);
@@ -260,8 +260,9 @@ static stilb_result read_all(checkpoint_reader *reader, const stilb_gi_render *r
 
 /* ---- going on ---------------------------------------------------------------------------------------------------- */
 
-/* Takes over the passes. If fewer samples are wanted than were planned, the last pass is cut to them. If the list is
- * full, its first pass is dropped, so that there is room for one that renders the rest. */
+/* Takes over the checkpoint's list of passes. If fewer samples are wanted now than its last pass was planned for, that
+ * pass is cut to them. If the list is full, its first pass is dropped, so that there is room for one that renders the
+ * rest. */
 static void take_passes(stilb_gi_render *render, const checkpoint_state *state)
 {
 	STILB_ASSERT_LOCKED(&render->lock);
@@ -287,7 +288,7 @@ static void take_film(gi_film *film, gi_film *loaded)
 	gi_film_weight *weights = film->weights;
 	film->pixels = loaded->pixels;
 	film->weights = loaded->weights;
-	loaded->pixels = pixels; /* freed with the reader */
+	loaded->pixels = pixels; /* the old arrays: freed with the reader, to which loaded belongs */
 	loaded->weights = weights;
 	for (size_t i = 0; i < film_pixels(film); i++)
 		gi_film_resolve(film, i);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FILM_FIREFLY_RANGE 1.0f /* radiance 1, white: brighter samples weigh less than half */
+#define FILM_FIREFLY_RANGE 1.0f /* luminance at which a sample's weight is half, if bright samples weigh less */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
@@ -111,8 +111,9 @@ bool gi_film_add(gi_film *film, size_t index, const gi_film_sample *sample)
 
 /* ---- the picture ------------------------------------------------------------------------------------------------- */
 
-/* Variance of the mean m of n weighted values, from the sums: sum (w x - m w)^2 / (sum w)^2 x n / (n - 1). With all
- * w = 1 this is the sample variance over n. Source: the delta method for a ratio of means. */
+/* Variance of the mean m of n values x with weights w, from the pixel's sums: n / (n - 1) times the sum of
+ * (w x - m w)^2 over the square of the sum of w. With all w = 1 this is the sample variance divided by n. Source: the
+ * delta method for a ratio of means. */
 static double film_variance(const gi_film_pixel *pixel, const gi_film_weight *w, int channel, double mean)
 {
 	if (pixel->samples < 2)
@@ -144,14 +145,14 @@ void gi_film_resolve(gi_film *film, size_t index)
 	for (int c = 0; c < 3; c++) {
 		size_t at = 3 * index + (size_t)c;
 		double mean = pixel->radiance[c] / weight.weight;
-		/* Relaxed: gi_film_preview may see the three colours of different resolves. */
+		/* Relaxed: a preview may show the three channels from before and after this call, mixed, which is harmless. */
 		atomic_store_explicit(&film->radiance[at], (float)mean, memory_order_relaxed);
 		film->variance[at] = (float)film_variance(pixel, &weight, c, mean);
 		film->albedo[at] = (float)(pixel->albedo[c] / n);
 		film->normal[at] = (float)(pixel->normal[c] / n);
 	}
 	film->depth[index] = pixel->hits ? (float)(pixel->depth / pixel->hits) : INFINITY;
-	/* Release: pairs with film_shown's acquire; who sees the count sees radiance as well. */
+	/* Release: pairs with film_shown's acquire: who sees the new count of samples sees radiance as well. */
 	atomic_store_explicit(&film->samples[index], pixel->samples, memory_order_release);
 }
 
@@ -172,14 +173,14 @@ double gi_film_error(const gi_film *film)
 	return variance > 0.0 ? sqrt(variance / numbers) / (mean / numbers) : 0.0;
 }
 
-/* The pixel that is shown in place of this one: itself, or the corner of the smallest block around it that has
- * samples. */
+/* The pixel whose radiance a preview shows at (x, y): that pixel itself if it has samples, else the top left pixel of
+ * the smallest block around it whose top left pixel has some. */
 static size_t film_shown(const gi_film *film, uint32_t x, uint32_t y)
 {
 	STILB_ASSERT(x < film->width && y < film->height);
 	for (uint32_t block = 1; block <= GI_FILM_LARGEST_BLOCK; block *= 2) {
 		size_t at = (size_t)(y & ~(block - 1)) * film->width + (x & ~(block - 1));
-		/* Acquire: pairs with gi_film_resolve's release. */
+		/* Acquire: pairs with gi_film_resolve's release, so that the pixel's radiance is seen as well. */
 		if (atomic_load_explicit(&film->samples[at], memory_order_acquire) > 0)
 			return at;
 	}
@@ -192,7 +193,7 @@ void gi_film_preview(const gi_film *film, float *rgb)
 	for (uint32_t y = 0; y < film->height; y++) {
 		for (uint32_t x = 0; x < film->width; x++) {
 			size_t shown = film_shown(film, x, y);
-			for (size_t c = 0; c < 3; c++) /* relaxed: see gi_film_resolve */
+			for (size_t c = 0; c < 3; c++) /* relaxed: gi_film_resolve says why */
 				*rgb++ = atomic_load_explicit(&film->radiance[3 * shown + c], memory_order_relaxed);
 		}
 	}

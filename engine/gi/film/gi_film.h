@@ -1,5 +1,5 @@
 /*
- * gi_film: the sums of every pixel's samples, and the picture made of them.
+ * gi_film: the sums of every pixel's samples, and the picture made of them: planes (radiance, albedo, depth, ...).
  *
  * Sums are double and always added in the order of the samples, so that neither the size of batches nor a checkpoint
  * in between changes a bit. The planes are float, for readers, and written by gi_film_resolve.
@@ -57,7 +57,7 @@ void gi_film_finish(gi_film *film);
 /* Adds the pixel's next sample. False: its radiance is NaN or infinite and was added as black. */
 bool gi_film_add(gi_film *film, size_t pixel, const gi_film_sample *sample);
 
-/* Writes the pixel's planes from its sums; nothing for a pixel without samples. */
+/* Writes the pixel's values in all planes from its sums; nothing for a pixel without samples. */
 void gi_film_resolve(gi_film *film, size_t pixel);
 
 /* Estimated relative root-mean-square error of the picture: the square root of the mean variance of all numbers,

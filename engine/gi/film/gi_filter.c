@@ -5,7 +5,7 @@
 /* Both filters are products of a function of x and one of y, cut off at the edge of a square of this half width,
  * pixels. */
 #define RADIUS 1.5f
-#define SIGMA 0.5f
+#define SIGMA 0.5f                  /* standard deviation of the Gaussian, pixels */
 #define INSIDE 0.99730020393673979f /* erf(RADIUS / (SIGMA sqrt(2))): the share of the Gaussian inside the cut */
 #define ROOT_2 1.41421356237309505f
 
@@ -50,11 +50,12 @@ static float gaussian(float u)
  * for harmonic analysis with the discrete Fourier transform" (1978), minimum 4-term. */
 static const float a0 = 0.35875f, a1 = 0.48829f, a2 = 0.14128f, a3 = 0.01168f;
 
-#define NEAR_SIGMA 0.768f /* in t: the Gaussian nearest to the window, for Newton's first guess; */
-/* the guess stays where the window is well above 0: from there Newton goes outwards and does not overshoot */
+#define NEAR_SIGMA 0.768f /* standard deviation, in t, of the Gaussian nearest to the window: gives the first guess */
+/* Largest |t| of Newton's first guess: there the window is still well above 0, so that Newton goes outwards from it and
+ * does not overshoot. */
 #define GUESS_MAX 2.0f
-#define NEWTON_STEPS 16 /* at most; usually three */
-#define NEWTON_END 1e-6f
+#define NEWTON_STEPS 16  /* at most; usually three */
+#define NEWTON_END 1e-6f /* it ends after a step of at most this, in t */
 
 /* The inverse of the window's cumulative distribution: the offset with share u to its left. */
 static float blackman_harris(float u)

@@ -15,7 +15,8 @@ const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa)
 
 static_assert(GI_BATCH % 16 == 0, "packets are whole");
 
-/* gi_sample_2d of all samples, the whole packets of Sobol points by the kernel. */
+/* The two random numbers of a dimension (gi_sample_2d) for all samples: Sobol points by the kernel, in whole packets of
+ * sixteen, all others one by one. */
 static void primary_numbers(const gi_primary_kernels *kernels, const gi_sampler *sampler,
                             const gi_primary_samples *samples, uint32_t dimension, float *u, float *v)
 {
@@ -75,8 +76,8 @@ static void primary_fetch_vertices(const gi_primary_packet *packet)
 			__builtin_prefetch(&packet->parts[lane]->vertices[packet->triangles[lane]->vertex[corner]]);
 }
 
-/* Camera rays first .. first + 15 and what they hit. lanes: how many of them are samples; more than sixteen count as
- * sixteen. */
+/* Makes the camera rays first .. first + 15 and finds what they hit. lanes: how many of them belong to samples, the
+ * others being padding; more than sixteen count as sixteen. */
 static void primary_hits(const gi_primary_kernels *kernels, const stilb_gi_scene *scene, const gi_camera *camera,
                          const gi_primary_places *places, uint32_t first, uint32_t lanes, gi_primary_packet *packet)
 {
@@ -89,8 +90,9 @@ static void primary_hits(const gi_primary_kernels *kernels, const stilb_gi_scene
 	primary_fetch_triangles(scene, packet);
 }
 
-/* Packets go through three stages: rays and hits, vertices, surfaces. Each stage prefetches what the next one reads,
- * and between two stages of one packet runs a stage of another: by then the data has arrived. */
+/* Packets of sixteen go through three stages: rays and hits, vertices, surfaces. Each stage prefetches what the next
+ * one reads, and between two stages of one packet runs a stage of another, so that the data has arrived when it is
+ * needed. */
 void gi_primary_trace(const gi_primary_kernels *kernels, const gi_view *view, const gi_camera *camera,
                       const gi_primary_samples *samples, gi_primary *out)
 {

@@ -1,5 +1,6 @@
 /*
- * gi_primary: camera rays, what they hit, and the data of the picture's other layers. [any-thread]
+ * gi_primary: traces camera rays, and finds at their first hits what the picture's layers beside radiance show: albedo,
+ * normal and depth. [any-thread]
  *
  * Sixteen rays at a time, in SIMD. One source, gi_primary_lanes.h, is compiled for each instruction set; all give
  * the same bits.
@@ -24,7 +25,7 @@ typedef struct gi_primary_samples {
 	const gi_point *points; /* [count] */
 } gi_primary_samples;
 
-/* The functions for one instruction set; see below. */
+/* The functions for one instruction set; the struct is at the end of this file. */
 typedef struct gi_primary_kernels gi_primary_kernels;
 
 /* The functions for an instruction set, which this CPU must have. */
@@ -36,7 +37,8 @@ void gi_primary_trace(const gi_primary_kernels *kernels, const gi_view *view, co
 
 /* ---- inside ------------------------------------------------------------------------------------------------------ */
 
-/* Positions in the picture in pixels, and on the lens in [0, 1)^2. */
+/* Where the samples' camera rays go through the picture, in pixels, and numbers in [0, 1)^2 that choose the point on
+ * the lens. */
 typedef struct gi_primary_places {
 	float x[GI_BATCH], y[GI_BATCH], lens_u[GI_BATCH], lens_v[GI_BATCH];
 } gi_primary_places;
@@ -48,7 +50,7 @@ typedef struct gi_primary_packet {
 } gi_primary_packet;
 
 struct gi_primary_kernels {
-	/* gi_sample_2d of Sobol points; count is a multiple of 16. */
+	/* The two random numbers of a dimension (gi_sample_2d) for Sobol points; count is a multiple of 16. */
 	void (*sobol)(const gi_point *points, uint32_t dimension, uint32_t count, float *u, float *v);
 	/* gi_camera_ray for places first .. first + 15; first is a multiple of 16. */
 	void (*rays)(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray_hit16 *rays);

@@ -15,7 +15,7 @@ static void lanes_sobol(const gi_point *points, uint32_t dimension, uint32_t cou
 {
 	STILB_ASSERT(count % 16 == 0 && (uintptr_t)points % 8 == 0);
 	for (uint32_t first = 0; first < count; first += 16) {
-		uint32_t columns[4][16]; /* rows: low and high half of the hash; index; count */
+		uint32_t columns[4][16]; /* the points, transposed: low and high half of the hash; index; count */
 		float pair[2][16];
 		for (uint32_t lane = 0; lane < 16; lane += 4)
 			gi_packet_gather(&points[first + lane], sizeof *points, &columns[0][lane]);
@@ -49,7 +49,7 @@ static void lanes_pinhole(const gi_camera *camera, const float *x, const float *
 	}
 }
 
-/* One lane at a time: sines and cosines are the C library's. */
+/* Rays through a lens with an aperture, one lane (ray) at a time: the C library's sines and cosines are scalar. */
 static void lanes_lens(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray16 *rays)
 {
 	for (uint32_t i = 0; i < 16; i++) {
@@ -95,8 +95,9 @@ static void lanes_store(stilb_vec4 four, float *to)
 	memcpy(to, &four, sizeof four);
 }
 
-/* Writes a lane's reflectance and its interpolated normal, not yet unit, with the texture's u in [3] because whole
- * rows are loaded. True if the part is plain, so that this is final; else lanes_rare does it again. */
+/* Writes a lane's reflectance and its interpolated normal, not yet unit, with the texture coordinate u in [3], because
+ * the vertices are loaded as whole vectors. True if the part is plain (neither an instance nor textured), so that these
+ * are final; else lanes_rare writes them again. */
 static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albedo[4], float normal[4])
 {
 	const gi_part *part = packet->parts[lane];
@@ -113,8 +114,8 @@ static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albe
 	return part->plain;
 }
 
-/* Makes the normals unit and flips them to the geometric normal's side, which faces the viewer. False if a lane
- * needs more than that, as gi_surface_at does it: no normal, or one that faces away from the viewer. */
+/* Makes the normals unit and flips them to the geometric normal's side, which faces the viewer. False if some lane
+ * needs what only gi_surface_at does: it has no normal, or one that faces away from the viewer. */
 static bool lanes_normals(const gi_ray_hit16 *rays, float normals[3][16])
 {
 	int32_t more = 0;
@@ -143,7 +144,7 @@ static void lanes_depths(const gi_camera *camera, const gi_ray_hit16 *rays, floa
 		             rays->ray.direction[2][i] * camera->forward[2]);
 }
 
-/* Textures, instances, and normals that need correction. */
+/* Writes lane i again by gi_surface_at: for textures, instances, and normals that need correction. */
 static void lanes_rare(const stilb_gi_scene *scene, uint32_t i, gi_primary *out)
 {
 	gi_surface surface;

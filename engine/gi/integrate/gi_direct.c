@@ -2,7 +2,8 @@
 
 #include "gi/trace/gi_ray.h"
 
-/* The power heuristic, beta = 2, written so that no square overflows.
+/* The weight, by multiple importance sampling, of a direction that was chosen with density pdf and that another
+ * technique chooses with density other: the power heuristic, beta = 2, written so that no square overflows.
  * Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation" (1997), 9.2.4. */
 static float mis_weight(float pdf, float other)
 {

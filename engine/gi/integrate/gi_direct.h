@@ -8,16 +8,17 @@
 #include "gi/integrate/gi_integrator.h"
 #include "gi/sample/gi_bsdf.h"
 
-/* Samples one light. *direct: radiance that the surface reflects towards its viewer if *shadow, a ray for
- * gi_tracer.occluded, is free. False: the sampled light contributes nothing.
+/* Samples one light. *direct: radiance that the surface reflects towards its viewer if nothing is on the shadow ray
+ * *shadow, which the caller passes to gi_tracer.occluded. False: the sampled light contributes nothing.
  * origin: gi_surface_ray_origin, on the viewer's side. numbers: gi_sample_8 of the vertex. weighed: gi_direct_found
- * will count what the next ray finds, so *direct gets its MIS weight against gi_bsdf_pdf. */
+ * will count light that the path's next ray hits, so *direct gets its weight by multiple importance sampling (MIS)
+ * against gi_bsdf_pdf, the density of that ray. */
 bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
                    gi_ray *shadow, stilb_vec3 *direct);
 
 /* Emission that a traced ray found: of surface, or of the surroundings if surface is NULL, which it is for a miss.
  * pdf: the density with which the ray's direction was chosen at a surface of this normal, for the MIS weight against
- * gi_direct_ask; 0: that technique is not used, and emission counts in full. */
+ * gi_direct_ask; 0: no light was sampled by gi_direct_ask at that surface, and emission counts in full. */
 stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const gi_ray_hit *ray,
                            const gi_surface *surface);
 

@@ -29,16 +29,16 @@ typedef struct gi_batch {
 	const gi_view *view;
 	uint32_t worker;
 	uint32_t count;
-	const gi_point *points; /* [count] */
+	const gi_point *points; /* [count] the samples' random numbers: gi_sampler.h */
 	const gi_ray_hit *rays; /* [count] camera rays and their hits; directions are unit */
 	stilb_vec3 *radiance;   /* [count] out */
 	void *scratch; /* gi_integrator.scratch_size bytes of this worker, cache line aligned, kept between batches */
-	uint64_t rays_traced, shadow_rays; /* out: the numbers of rays traced are added */
+	uint64_t rays_traced, shadow_rays; /* out: rays traced, and shadow rays among them; the integrator adds to them */
 } gi_batch;
 
 typedef struct gi_integrator {
-	void (*shade)(gi_batch *batch);
-	size_t scratch_size;
+	void (*shade)(gi_batch *batch); /* writes batch->radiance; called by any number of threads, each its own batch */
+	size_t scratch_size;            /* bytes that gi_batch.scratch must have */
 } gi_integrator;
 
 const gi_integrator *gi_integrator_of(stilb_gi_integrator name); /* gi_integrator.c */
@@ -48,9 +48,9 @@ extern const gi_integrator gi_integrator_montecarlo;                            
 extern const gi_integrator gi_integrator_path, gi_integrator_split;                     /* gi_path.c */
 extern const gi_integrator gi_integrator_irradiance_cache;                              /* gi_cache_shade.c */
 
-/* Radiance that the surfaces at the ends of the batch's rays, which are traced already, reflect towards the rays'
- * origins, after at most depth reflections; 0 for a miss. vertex: that of the hits, for random numbers. Scratch is
- * gi_integrator_path's. In gi_path.c. */
+/* Writes the radiance that the surfaces at the ends of the batch's rays, which are traced already, reflect towards the
+ * rays' origins, after at most depth reflections; 0 for a miss. vertex: the number of those ends on the path (0 is the
+ * camera ray's hit), for random numbers. batch->scratch is of gi_integrator_path.scratch_size. In gi_path.c. */
 void gi_path_gather(gi_batch *batch, uint32_t vertex, uint32_t depth);
 
 #endif

@@ -15,15 +15,16 @@ double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings)
 	return rays;
 }
 
-/* A hit, and how it reflects towards where the ray came from. */
+/* The point that a ray hit, and how light is reflected there towards the ray's origin. */
 typedef struct hit {
 	gi_surface surface;
 	gi_bsdf bsdf;
 	gi_point point;
-	uint32_t vertex; /* number of the vertex; 0: the camera ray's hit */
+	uint32_t vertex; /* reflections between it and the camera; 0: the camera ray's hit */
 } hit;
 
-/* Light from one sampled light, if that has no size; else 0. */
+/* Light that reaches the hit from one sampled light and is reflected to the viewer, if that light has no size; else 0:
+ * lights with an area are found by the rays of `gathered`. */
 static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
 {
 	STILB_ASSERT(at->vertex < batch->view->settings.depth);
@@ -52,7 +53,8 @@ static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
 
 static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex);
 
-/* Light along the k-th ray from a surface; for a diffuse one its density is proportional to the cosine. */
+/* Light that arrives along the k-th ray from a surface and is reflected. The rays of a diffuse surface are distributed
+ * with the cosine. */
 static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 {
 	STILB_ASSERT(k < batch->view->settings.rays);
@@ -72,7 +74,7 @@ static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 	return chosen.weight * radiance_along(batch, &ray, branch, at->vertex + 1);
 }
 
-/* Radiance along a traced ray, towards its origin, that ends at the given vertex. */
+/* Radiance that a traced ray brings to its origin. vertex: number of the vertex where it ends. */
 static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex)
 {
 	STILB_ASSERT(vertex <= batch->view->settings.depth);

@@ -2,10 +2,10 @@
  * gi_path: one path for each sample, to any depth, with next-event estimation and multiple importance sampling at
  * every vertex and Russian roulette from the third bounce.
  *
- * Paths run in waves, all of a batch one bounce at a time. The shadow rays of a bounce are traced together, in
- * packets, which takes less than half the time in the Cornell box; closest-hit rays are traced one by one, since
- * packets of incoherent rays gain nothing. A path reads and writes its own state only, so its result does not depend
- * on the wave.
+ * Paths run in waves: all paths of a batch advance together, one bounce at a time. The shadow rays of a bounce are
+ * traced together, in packets, which takes less than half the time in the Cornell box; closest-hit rays are traced one
+ * by one, since packets of incoherent rays gain nothing. A path reads and writes its own state only, so its result does
+ * not depend on which paths run with it.
  *
  * Depth. At most `depth` reflections: 0 leaves what is seen of the lights themselves, 1 adds light that is reflected
  * once, ...
@@ -16,9 +16,9 @@
 
 #include "base/glsl_types.h"
 
-#define VERTICES 32       /* shaded together: their data fits into the first-level cache */
-#define ROULETTE_BOUNCE 3 /* bounce at which a path may end by roulette, at first */
-/* factor on the square root of the throughput; measured in the Cornell box */
+#define VERTICES 32       /* that are shaded together: their data fits into the first-level cache */
+#define ROULETTE_BOUNCE 3 /* first bounce at which a path may end by Russian roulette */
+/* The probability of surviving is this times the square root of the throughput; measured best in the Cornell box. */
 #define ROULETTE_SCALE 1.15f
 
 /* The state of a path; its ray is in path_wave.rays. */
@@ -33,16 +33,18 @@ typedef struct path_state {
 /* Paths that run together. When paths end the others move up, so that the arrays stay dense and in order. */
 typedef struct path_wave {
 	const gi_view *view;
-	uint32_t vertex;                     /* number of the vertex where the rays arrive, for random numbers */
-	uint32_t bounce;                     /* reflections so far */
-	uint32_t depth;                      /* reflections at most */
-	uint32_t direct_from, emission_from; /* reflections from which on sampled lights and found emission count */
+	uint32_t vertex; /* number of the vertex where the rays arrive, for random numbers */
+	uint32_t bounce; /* reflections so far */
+	uint32_t depth;  /* reflections at most */
+	/* Light counts only if it is reflected at least so often on its way to the camera: direct_from is for lights that
+	 * are sampled, emission_from for emitters that the path's ray hits. */
+	uint32_t direct_from, emission_from;
 	uint32_t count, shadow_count;
 	path_state *paths;    /* [count] */
 	gi_ray_hit *rays;     /* [count] */
 	gi_ray *shadows;      /* [shadow_count] id: slot of the path */
-	stilb_vec3 *direct;   /* [shadow_count] radiance if the shadow ray is free */
-	stilb_vec3 *radiance; /* [slots] */
+	stilb_vec3 *direct;   /* [shadow_count] radiance to add if nothing is on the shadow ray */
+	stilb_vec3 *radiance; /* [slots] sum of each path, by path_state.slot */
 	uint64_t rays_traced, shadow_rays;
 } path_wave;
 
@@ -52,13 +54,14 @@ typedef struct path_vertex {
 	gi_bsdf bsdf;
 	stilb_vec3 origin; /* of rays that leave the surface */
 	float numbers[8];
-	uint32_t path; /* index in the wave */
+	uint32_t path; /* index in path_wave.paths */
 } path_vertex;
 
 /* ---- one vertex -------------------------------------------------------------------------------------------------- */
 
-/* Russian roulette. False: the path ends; true: its throughput is divided by the probability of surviving. That is
- * taken from the square root of the throughput: the throughput itself would end too many paths at the first chance. */
+/* Russian roulette. False: the path ends; true: its throughput is divided by the probability of surviving. Unless the
+ * settings name that probability, it is taken from the square root of the throughput: the throughput itself would end
+ * too many paths at the first chance. */
 static bool roulette(const gi_view *view, path_state *path, float u)
 {
 	STILB_ASSERT(u >= 0.0f && u < 1.0f);
@@ -80,7 +83,8 @@ static bool reflects(const gi_surface *surface)
 	return all[0] + all[1] + all[2] > 0.0f;
 }
 
-/* Adds the emission at the end of path i's ray. False: the path ends there. */
+/* Adds the light emitted where path i's ray ends to the path's radiance, and fills surface. False: the path ends
+ * there. */
 static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 {
 	STILB_ASSERT(i < wave->count && wave->paths[i].slot < GI_BATCH);
@@ -108,7 +112,8 @@ static void path_ask_light(path_wave *wave, const path_state *path, const path_v
 	wave->shadow_count++;
 }
 
-/* Chooses the path's next ray. False: the path ends here; its shadow ray remains. */
+/* Chooses the path's next ray. False: the path ends here; the shadow ray that it has added at this vertex is still
+ * traced. */
 static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_state *path, gi_ray_hit *ray)
 {
 	const float *numbers = vertex->numbers;
@@ -128,8 +133,8 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 /* ---- waves ------------------------------------------------------------------------------------------------------- */
 
 /* Shades paths first .. first + count - 1, each stage for all of them before the next, so that one vertex's
- * arithmetic hides another's memory latency. Paths that continue move to index kept and following; returns the index
- * behind the last. */
+ * arithmetic hides another's memory latency. Paths that continue are moved to index `kept` and following; returns the
+ * index behind the last of these. */
 static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count, uint32_t kept)
 {
 	STILB_ASSERT(count <= VERTICES && first + count <= wave->count);
@@ -160,9 +165,9 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 	return kept;
 }
 
-/* In a large scene the data of a hit is rarely in a cache, the less so after tracing. So it is prefetched while
- * other paths are shaded: triangles first, then, when these have arrived, their vertices. Always inline: gcc removes
- * a call of a function that only prefetches, as it takes it for one without effect. */
+/* In a large scene the triangle and vertices of a hit are rarely in a cache when it is shaded. So they are prefetched
+ * while other paths are shaded: triangles first, then, when these have arrived, their vertices. Always inline: gcc
+ * removes a call of a function that only prefetches, as it takes it for one without effect. */
 static inline __attribute__((always_inline)) void wave_fetch_triangles(const path_wave *wave, uint32_t first)
 {
 	for (uint32_t i = first; i < first + VERTICES && i < wave->count; i++) {
@@ -264,7 +269,7 @@ static path_wave wave_begin(gi_batch *batch)
 	                   .radiance = batch->radiance};
 }
 
-/* Adds a path, whose slot is its index in the wave. */
+/* Adds a path with this ray, whose slot is its index in the wave. */
 static void wave_add(path_wave *wave, const gi_ray_hit *ray, gi_point point)
 {
 	STILB_ASSERT(wave->count < GI_BATCH);

@@ -27,11 +27,12 @@ const gi_integrator gi_integrator_color = {.shade = color_shade};
 
 typedef struct direct_scratch {
 	gi_ray shadows[GI_BATCH];   /* id: index of the sample */
-	stilb_vec3 light[GI_BATCH]; /* radiance if the shadow ray is free */
+	stilb_vec3 light[GI_BATCH]; /* radiance to add if nothing is on the shadow ray */
 	uint32_t count;
 } direct_scratch;
 
-/* A highlight is narrow, so it also gets a ray of its own, weighed against the sampled light. */
+/* Light that a ray finds which is sampled in the highlight: a highlight is narrow, so that sampling lights alone would
+ * be noisy. Weighted by multiple importance sampling against the light that direct_seen samples. */
 static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, const gi_surface *surface,
                                       const float numbers[GI_DIMENSIONS_VERTEX])
 {
@@ -49,7 +50,8 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	return chosen.weight * gi_direct_found(view, chosen.pdf, bsdf->frame.n, &ray, gi_is_hit(&ray) ? &found : NULL);
 }
 
-/* Emission and light in the highlight of sample i; puts a shadow ray for one sampled light. */
+/* Light that sample i sees without a shadow ray: emission, and what the highlight's own ray finds. Adds a shadow ray
+ * for one sampled light to scratch. */
 static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t i)
 {
 	STILB_ASSERT(scratch->count < GI_BATCH);
@@ -100,7 +102,7 @@ const gi_integrator gi_integrator_direct = {.shade = direct_shade, .scratch_size
 
 /* ---- ao ---------------------------------------------------------------------------------------------------------- */
 
-#define AO_STREAM 256
+#define AO_STREAM 256 /* rays that are collected and then traced together */
 
 typedef struct ao_scratch {
 	gi_ray rays[AO_STREAM]; /* id: index of the sample */
@@ -130,7 +132,7 @@ static bool ao_below(const gi_surface *surface, const gi_ray *ray)
 	return stilb_vec3_dot(surface->geometric, gi_ray_direction(ray)) <= 0.0f;
 }
 
-/* Traces the collected rays, counts the free ones, and empties the list. */
+/* Traces the collected rays, adds those that meet nothing to their samples' sums, and empties the list. */
 static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 {
 	STILB_ASSERT(scratch->count <= AO_STREAM);
@@ -145,7 +147,7 @@ static void ao_flush(gi_batch *batch, ao_scratch *scratch)
 	scratch->count = 0;
 }
 
-/* Distance to the nearest hit on the ray as a share of ao_distance; 1: none. */
+/* Distance to the nearest hit on the ray as a share of ao_distance; 1: there is none within ao_distance. */
 static float ao_reach(gi_batch *batch, const gi_ray *ray)
 {
 	STILB_ASSERT(batch->view->settings.ao_distance > 0.0f);

@@ -9,7 +9,7 @@
 
 /* ---- radiance ---------------------------------------------------------------------------------------------------- */
 
-/* A value of a map as it is used: NaN and negative values become 0, large ones the limit. */
+/* A value of an environment map as it is used: NaN and negative values become 0, large ones the limit. */
 static float valid(float value)
 {
 	return value > 0.0f ? value < STILB_NUMERIC_SH_LIMIT ? value : STILB_NUMERIC_SH_LIMIT : 0.0f;
@@ -45,8 +45,8 @@ stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direc
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
-/* Cumulative sums of brightness along each row and, weighted by the rows' solid angles, over the rows; then divided
- * by the totals. */
+/* Makes the tables for sampling: cumulative sums of brightness along each row (columns), and over the rows, weighted by
+ * their solid angles (rows), each divided by its total, so that they end with 1. */
 static void sum_up(gi_environment *environment)
 {
 	uint32_t width = environment->width, height = environment->height;
@@ -118,7 +118,8 @@ void gi_environment_destroy(gi_environment *environment)
 
 /* ---- sampling ---------------------------------------------------------------------------------------------------- */
 
-/* Index of the cell of a cumulative distribution in which *u falls; *u becomes its position in that cell, [0, 1). */
+/* Index of the cell of a cumulative distribution (shares, [count]) in which *u falls; *u becomes the position within
+ * that cell, [0, 1). */
 static uint32_t find(const float *shares, uint32_t count, float *u)
 {
 	STILB_ASSERT(count > 0 && *u >= 0.0f && *u < 1.0f);

@@ -3,9 +3,9 @@
  * For gi_light.c and tests. [any-thread] once created.
  *
  * A map's texel has constant radiance, as in numeric_sh.h, and is chosen with a probability proportional to its
- * brightness and solid angle; so the density of a direction is its brightness over the integral of brightness. Two
- * colours are sampled about the surface's normal with a density proportional to the cosine, which is better than a
- * uniform map.
+ * brightness times its solid angle; so the density of a direction is its brightness over the integral of brightness.
+ * Two colours (sky and ground) are sampled about the surface's normal with a density proportional to the cosine: that
+ * gives less noise than treating them as a map.
  */
 #ifndef STILB_GI_ENVIRONMENT_H
 #define STILB_GI_ENVIRONMENT_H
@@ -17,9 +17,9 @@ typedef struct gi_environment {
 	stilb_vec3 sky, ground; /* radiance above and below the horizon, if there is no map */
 	const float *map;       /* [height][width][channels] radiance, or NULL */
 	uint32_t width, height, channels;
-	float *rows;    /* [height] cumulative share of the rows in all light */
-	float *columns; /* [height][width] cumulative share of the texels in their row's light */
-	float density;  /* per steradian, of a texel of brightness 1 */
+	float *rows;    /* [height] share of all light that is in this row and those above it; the last is 1 */
+	float *columns; /* [height][width] share of a row's light that is in this texel and those left of it */
+	float density;  /* density of sampling a direction, per steradian, where brightness is 1 */
 	float mean;     /* mean brightness over all directions */
 } gi_environment;
 
@@ -29,8 +29,9 @@ void gi_environment_destroy(gi_environment *environment);
 
 stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direction);
 
-/* Samples a direction: fills direction, distance, radiance and pdf, the probability of choosing the environment not
- * included. False: it is black there. u in [0, 1)^2. */
+/* Samples a direction: fills sample's direction, distance, radiance, and pdf without the probability of choosing the
+ * environment among the lights. False: it is black there. u in [0, 1)^2. */
+
 bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u, gi_light_sample *sample);
 
 /* Estimate of the irradiance that it gives to a surface, for choosing between lights. */

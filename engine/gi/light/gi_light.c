@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BELOW_ONE 0.99999994f
-#define SUN_FACING_MIN 0.02f /* the same as in the tree: FACING_MIN */
+#define BELOW_ONE 0.99999994f /* the largest float below 1 */
+#define SUN_FACING_MIN 0.02f  /* least cosine at the surface, for choosing; the same as FACING_MIN of gi_light_tree.c */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -107,7 +107,8 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
 			lights->leaf_of[lights->nodes[i].light] = i;
 }
 
-/* Every emitter has a shape, every leaf is its light's, every distant light exists. For STILB_CHECK. */
+/* Every emitter has a shape, every leaf of the tree stands for the light that refers to it, every distant light exists.
+ * For STILB_CHECK. */
 static bool lights_are_sound(const gi_lights *lights)
 {
 	uint32_t nodes = lights->placed_count > 0 ? 2 * lights->placed_count - 1 : 0;
@@ -216,7 +217,7 @@ static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi
 
 /* ---- which light ------------------------------------------------------------------------------------------------- */
 
-/* Estimate of the irradiance that a distant light gives to a surface. */
+/* Estimate of the irradiance that a distant light (a directional one, or the environment) gives to a surface. */
 static float distant_importance(const gi_lights *lights, uint32_t distant, stilb_vec3 normal)
 {
 	STILB_ASSERT(distant < lights->distant_count);
@@ -273,7 +274,8 @@ static float group_probability(const gi_lights *lights, const group_sum *sum, ui
 	return importance > 0.0f ? 0.5f / (float)sum->count + 0.5f * importance / sum->all : 0.0f;
 }
 
-/* The group at *u and its probability; *u is stretched to [0, 1) again. */
+/* Chooses a group by *u in [0, 1). *u becomes its position in the group's share of [0, 1), stretched to [0, 1) again,
+ * for the next choice. */
 static uint32_t choose_group(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float *u,
                              float *probability)
 {
@@ -293,7 +295,7 @@ static uint32_t choose_group(const gi_lights *lights, stilb_vec3 position, stilb
 			break;
 		*u -= chance;
 	}
-	float left = *u / *probability; /* rounding may leave 1 or more after the last group */
+	float left = *u / *probability; /* may be 1 or more, by rounding */
 	*u = left < BELOW_ONE ? left : BELOW_ONE;
 	return chosen;
 }

@@ -1,9 +1,9 @@
 /*
  * gi_light: all light sources of a scene: emitting triangles, lights without a size, the surroundings. [any-thread]
  *
- * Every direction from which emitted light can arrive is found in exactly one way by gi_light_sample_at, and
- * gi_light_pdf or gi_environment_pdf give its density if a ray finds it instead: as multiple importance sampling
- * needs it.
+ * gi_light_sample_at can find each direction from which emitted light arrives, in exactly one way. If a ray finds such
+ * a direction by chance instead, gi_light_pdf (it hit an emitter) or gi_environment_pdf (it hit nothing) tells with
+ * which density gi_light_sample_at chooses it: multiple importance sampling needs that.
  */
 #ifndef STILB_GI_LIGHT_H
 #define STILB_GI_LIGHT_H
@@ -23,12 +23,12 @@ typedef struct gi_emitter {
 typedef struct gi_lights {
 	struct gi_light_shape *shapes; /* one for each emitting triangle, or for two that make a rectangle */
 	uint32_t shape_count, emitter_count;
-	uint32_t *shape_of;        /* [emitter_count] */
+	uint32_t *shape_of;        /* [emitter_count] index in shapes of each emitting triangle's shape */
 	stilb_scene_light *points; /* point, spot and directional lights; the sun is one of them */
 	uint32_t point_count;
 	struct gi_light_node *nodes; /* tree of the lights that have a position: gi_light_tree.h */
-	uint32_t placed_count;
-	uint32_t *leaf_of; /* [shape_count] index in nodes */
+	uint32_t placed_count;       /* lights that have a position: the tree's leaves */
+	uint32_t *leaf_of;           /* [shape_count] index in nodes */
 	uint32_t
 		*distant; /* indices in points of directional lights; the last is GI_LIGHT_ENVIRONMENT, if it is not black */
 	uint32_t distant_count;

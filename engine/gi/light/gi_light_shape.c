@@ -8,11 +8,12 @@
 #include <string.h>
 
 #define NEAR 0.2f             /* area over squared distance, above which sampling by solid angle is worth its time */
-#define SOLID_ANGLE_MIN 0.01f /* sr: below it, rounding errors of the angles show */
-/* largest cosine between the edges, and gap between corners relative to the edges, of a rectangle */
+#define SOLID_ANGLE_MIN 0.01f /* sr: below it, rounding errors of the angles would be visible */
+/* Two triangles count as a rectangle if the cosine between its edges, and the gap between the corners that they share,
+ * relative to the edges' length, are at most this. */
 #define SQUARE_ANGLE 1e-5f
-#define BELOW_ONE 0.99999994f
-#define SQUARE_MIN 1e-14f /* lower bound of divisors */
+#define BELOW_ONE 0.99999994f /* the largest float below 1 */
+#define SQUARE_MIN 1e-14f     /* lower bound of divisors */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -86,8 +87,8 @@ static stilb_vec4 root4(stilb_vec4 x)
 	return (stilb_vec4){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
 }
 
-/* |error| <= 2e-8 and rounding, for |x| <= 1. Source: Abramowitz and Stegun, "Handbook of Mathematical Functions"
- * (1964), 4.4.46. */
+/* Arc cosine of four numbers, |x| <= 1. The error is at most 2e-8 and rounding. Source: Abramowitz and Stegun,
+ * "Handbook of Mathematical Functions" (1964), 4.4.46. */
 static stilb_vec4 arc_cosine4(stilb_vec4 x)
 {
 	lanes_mask below = x < 0.0f, sign = below & INT32_MIN;
@@ -104,9 +105,10 @@ static stilb_vec4 arc_cosine4(stilb_vec4 x)
 	return pi + (stilb_vec4)((lanes_mask)angle ^ sign);
 }
 
-/* A rectangle seen from a point at height above it, with x along edge_1 and y along edge_2; names of Urena, Fajardo
- * and King. The planes through the point and the edges at y0, x1, y1, x0 have normals with these z components; the
- * sum of the angles between neighbouring planes less 2 pi is the solid angle. */
+/* A rectangle as seen from a point above its plane, with that point as the origin, x along edge_1 and y along edge_2:
+ * it is [x0, x1] x [y0, y1]. Names of Urena, Fajardo and King. normal_z: z of the normals of the planes through the
+ * point and the edges at y0, x1, y1, x0. The sum of the angles between neighbouring planes less 2 pi is the solid
+ * angle. */
 typedef struct spherical_rectangle {
 	float x0, x1, y0, y1;
 	stilb_vec4 normal_z, angles; /* angles[i]: from plane i to the next */
@@ -128,8 +130,8 @@ static spherical_rectangle rectangle_seen(const gi_light_shape *shape, stilb_vec
 	return seen;
 }
 
-/* Solid angle of a triangle. height: of the point above its plane, > 0. to_corner: from the point. Source: Van
- * Oosterom and Strackee. */
+/* Solid angle of a triangle, seen from a point. height: of the point above its plane, > 0. a: vector from the point to
+ * the shape's corner. Source: Van Oosterom and Strackee (gi_light_shape.h). */
 static float triangle_angle(const gi_light_shape *shape, stilb_vec3 a, float height)
 {
 	stilb_vec3 b = a + shape->edge_1, c = a + shape->edge_2;
@@ -146,7 +148,7 @@ static bool is_near(const gi_light_shape *shape, stilb_vec3 position)
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-/* A point of the shape, uniform by area, relative to the point that sees it. */
+/* A point of the shape, uniform by area, as a vector from the point that sees it. */
 static stilb_vec3 point_by_area(const gi_light_shape *shape, stilb_vec3 to_corner, stilb_vec2 u)
 {
 	if (shape->rectangle)
@@ -160,9 +162,10 @@ static float limited(float x, float low, float high)
 	return x < low ? low : x > high ? high : x;
 }
 
-/* A point of the rectangle, uniform by solid angle: first the x whose strip has the share u[0] of it, then y, whose
- * sine seen from the point is uniform. The source's x = cu height / sqrt(1 - cu^2), with cu = +-1 / sqrt(fu^2 +
- * b0^2) and fu = across / sine, is rewritten with one square root. */
+/* A point of the rectangle, uniform by solid angle: first that x for which the part of the rectangle from x0 to x has
+ * the share u[0] of the solid angle, then y, uniform in the sine of its angle as seen from the point. The source
+ * (Urena, Fajardo, King) has x = cu height / sqrt(1 - cu^2), with cu = +-1 / sqrt(fu^2 + b0^2) and fu = across / sine;
+ * here it is rewritten with one square root. */
 static stilb_vec3 point_of_rectangle(const gi_light_shape *shape, stilb_vec3 to_corner, float height,
                                      const spherical_rectangle *seen, stilb_vec2 u)
 {
@@ -216,7 +219,8 @@ static stilb_vec3 point_of_triangle(const gi_light_shape *shape, stilb_vec3 to_c
 
 /* ---- sampling ---------------------------------------------------------------------------------------------------- */
 
-/* A point uniform by solid angle; returns the solid angle, or 0 if that is too small for it. */
+/* Sets point to one of the shape that is uniform by solid angle. Returns the solid angle, or 0, without a point, if it
+ * is too small to be computed well. */
 static float near_point(const gi_light_shape *shape, stilb_vec3 to_corner, float height, stilb_vec2 u,
                         stilb_vec3 *point)
 {

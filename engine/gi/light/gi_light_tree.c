@@ -5,11 +5,16 @@
 #include <math.h>
 #include <string.h>
 
-/* smallest cosine at the surface: bump-mapped and interpolated normals differ from the triangle's */
+/* Least cosine at the lit surface that importance assumes: the triangle may face the light although a bump-mapped or
+ * interpolated normal does not. */
 #define FACING_MIN 0.02f
-#define MEAN_MIN 0.02f    /* smallest share of a node's largest possible irradiance: the mean may miss single lights */
-#define MIDDLES_UNTIL 48u /* levels that are split in the middle of the lights' centres; below that, by number */
-#define BELOW_ONE 0.99999994f
+/* Least importance of a node, as a share of the largest that it could be: a mean over its surfaces may be near 0
+ * although a single light shines. */
+#define MEAN_MIN 0.02f
+/* So many upper levels of the tree are split in the middle of the range of the lights' centres; those below, where that
+ * has not separated them, into halves of equal number. */
+#define MIDDLES_UNTIL 48u
+#define BELOW_ONE 0.99999994f /* the largest float below 1 */
 
 /* ---- importance -------------------------------------------------------------------------------------------------- */
 
@@ -34,7 +39,7 @@ float gi_light_node_importance(const gi_light_node *node, stilb_vec3 position, s
 {
 	stilb_vec3 to_node = gi_vector(node->center) - position;
 	float distance2 = stilb_vec3_dot(to_node, to_node);
-	if (!(distance2 > node->radius2)) /* inside the sphere no direction bounds the light */
+	if (!(distance2 > node->radius2)) /* inside the sphere light may come from any side: no cosine is known */
 		return node->power / at_least(node->radius2, 1e-30f);
 	float inverse = 1.0f / distance2, scale = sqrtf(inverse);
 	float sin2_box = node->radius2 * inverse, cos_box = sqrtf(1.0f - sin2_box), sin_box = sqrtf(sin2_box);
@@ -54,8 +59,8 @@ float gi_light_node_importance(const gi_light_node *node, stilb_vec3 position, s
 
 /* ---- building ---------------------------------------------------------------------------------------------------- */
 
-/* The smallest cone that contains both. Source: Barequet and Elber, "Optimal bounding cones of vectors in three
- * dimensions" (2005), for two cones. */
+/* Sets out's cone to the smallest that contains the cones of a and b. Source: Barequet and Elber, "Optimal bounding
+ * cones of vectors in three dimensions" (2005), for two cones. */
 static void join_cones(gi_light_node *out, const gi_light_node *a, const gi_light_node *b)
 {
 	const gi_light_node *wide = a->cos_cone < b->cos_cone ? a : b, *narrow = wide == a ? b : a;
@@ -79,9 +84,9 @@ static void join_cones(gi_light_node *out, const gi_light_node *a, const gi_ligh
 	out->cos_cone = cosf(fminf(angle + 1e-3f, (float)M_PI)); /* a margin for rounding */
 }
 
-/* Derives the fields that importance reads. Surfaces whose normals point everywhere, like a sphere's, have a sum of
- * 0 and send a quarter of their power to any side; surfaces that face one way send the sum's cosine. A mixture is
- * split into both. */
+/* Derives the fields of a node that importance reads. Surfaces whose normals point everywhere, like a sphere's, have a
+ * sum (of normal x power) of 0, and each side sees a quarter of their power. Of surfaces that all face one way a side
+ * sees the power times the cosine to that way. A mixture is split into these two. */
 static void finish(gi_light_node *node)
 {
 	stilb_vec3 sum = gi_vector(node->sum);
@@ -131,7 +136,7 @@ static int widest_axis(const gi_light_node *leaves, uint32_t count, float *halfw
 	return widest;
 }
 
-/* Partitions the leaves; returns how many are in the first half. */
+/* Reorders the leaves into two groups, for the two children of a node; returns how many are in the first. */
 static uint32_t part(gi_light_node *leaves, uint32_t count, uint32_t level)
 {
 	float halfway;

@@ -17,14 +17,15 @@
 
 typedef struct gi_light_node {
 	float center[3], radius2; /* sphere around the box; importance sees the box as this */
-	/* of a cone that contains all normals (of a light without a size: all directions of its light) */
+	/* Axis of a cone that contains all normals of the surfaces (of a light without a size: all directions of its
+	 * light). */
 	float axis[3];
 	float cos_cone; /* cosine of the cone's half angle; -1: all directions */
 	float sin_cone;
 	float cos_beam; /* cosine of the angle beyond the cone up to which light is emitted: 0 for surfaces */
 	float power;    /* radiance x area, or intensity; mean of the colours */
 	float sum[3];   /* sum of normal x power over the surfaces: the part of the power that goes one way */
-	float spread;   /* the part that goes all ways */
+	float spread;   /* the part of the power that goes all ways */
 	float lamps;    /* the part of power that is from lights without a size */
 	uint32_t child; /* index of the first child, the second follows; GI_LIGHT_LEAF: none */
 	float low[3], high[3];

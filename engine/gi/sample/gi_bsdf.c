@@ -1,8 +1,9 @@
 /*
- * gi_bsdf: one sampler serves every highlight about the half vector: GGX's visible normals with the lobe's own
- * alpha. Blinn's and Beckmann's distributions are at most 4 / e times GGX's of the same alpha, and unlike their own
- * samplers this one keeps weights bounded at grazing views. Phong's lobes are about the mirrored direction and
- * sampled there.
+ * gi_bsdf: light scattered by a surface, and the choice of its direction. One sampler serves every highlight whose lobe
+ * is about the half vector (between the directions to the viewer and to the light): the normals of GGX's distribution
+ * that the viewer sees, with the lobe's own alpha (roughness squared). Blinn's and Beckmann's distributions are at most
+ * 4 / e times GGX's of the same alpha, and unlike their own samplers this one keeps weights bounded at grazing views.
+ * Phong's lobes are about the mirrored direction and sampled there.
  */
 #include "gi/sample/gi_bsdf.h"
 
@@ -48,8 +49,8 @@ static float highlight_pdf(const gi_bsdf *bsdf, stilb_vec3 local)
 
 /* ---- both -------------------------------------------------------------------------------------------------------- */
 
-/* The highlight's share of the reflected light, by luminance, with the Fresnel term of a half vector at the normal;
- * kept between 0.1 and 0.9, since a rarely chosen lobe would give rare bright samples. */
+/* The probability of sampling the highlight: its share of the reflected light, by luminance, with the Fresnel term of a
+ * half vector at the normal; kept between 0.1 and 0.9, since a rarely chosen lobe would give rare bright samples. */
 static float highlight_share(const gi_bsdf *bsdf)
 {
 	int f = bsdf->model.kind == SHADE_BRDF_MICROFACET ? bsdf->model.f : SHADE_F_NONE;
@@ -72,7 +73,7 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, s
 		bsdf.frame = shade_frame_from_normal(n);
 		return bsdf;
 	}
-	/* cross(up, n), as in the real-time renderer */
+	/* The tangent is cross(up, n), as in the real-time renderer, so that anisotropic highlights look the same. */
 	bsdf.frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
 	bsdf.to_viewer = to_viewer;
 	bsdf.local = shade_frame_to_local(bsdf.frame, to_viewer);

@@ -23,8 +23,8 @@ typedef struct gi_bsdf {
 	float share; /* probability that gi_bsdf_sample_direction samples the highlight, [0, 1]; 0: there is none */
 } gi_bsdf;
 
-/* SHADE_BRDF_LAMBERT and SHADE_BRDF_WRAPPED have no highlight. Wrapped light is not shown: it would come from below
- * the surface, which an opaque surface does not see. */
+/* SHADE_BRDF_LAMBERT and SHADE_BRDF_WRAPPED have no highlight. The light that WRAPPED adds beyond Lambert's is left
+ * out: it comes from below the surface, which an opaque surface does not see. */
 gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer);
 
 /* True if the direction is above the triangle and above the shading normal's horizon. */
@@ -33,11 +33,11 @@ static inline bool gi_bsdf_sees(const gi_bsdf *bsdf, stilb_vec3 direction)
 	return stilb_vec3_dot(bsdf->geometric, direction) > 0.0f && stilb_vec3_dot(bsdf->frame.n, direction) > 0.0f;
 }
 
-/* gi_bsdf_cos and gi_bsdf_pdf where there is a highlight (share > 0), for a direction that gi_bsdf_sees. */
+/* What gi_bsdf_cos and gi_bsdf_pdf return where there is a highlight (share > 0), for a direction that gi_bsdf_sees. */
 stilb_vec3 gi_bsdf_highlight_cos(const gi_bsdf *bsdf, stilb_vec3 direction);
 float gi_bsdf_highlight_pdf(const gi_bsdf *bsdf, stilb_vec3 direction);
 
-/* BSDF times n.l, sr^-1; 0 for a direction below the surface. */
+/* The BSDF, sr^-1, times the cosine between the shading normal and the direction; 0 for one below the surface. */
 static inline stilb_vec3 gi_bsdf_cos(const gi_bsdf *bsdf, stilb_vec3 direction)
 {
 	if (!gi_bsdf_sees(bsdf, direction))
@@ -57,11 +57,11 @@ static inline float gi_bsdf_pdf(const gi_bsdf *bsdf, stilb_vec3 direction)
 
 typedef struct gi_bsdf_sample {
 	stilb_vec3 direction;
-	stilb_vec3 weight; /* BSDF n.l / pdf; for a diffuse surface exactly its reflectance */
+	stilb_vec3 weight; /* gi_bsdf_cos / pdf; for a diffuse surface exactly its reflectance */
 	float pdf;
 } gi_bsdf_sample;
 
-/* gi_bsdf_sample_direction where there is a highlight (share > 0). */
+/* What gi_bsdf_sample_direction does where there is a highlight (share > 0). */
 bool gi_bsdf_highlight_sample(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u, gi_bsdf_sample *chosen);
 
 /* Chooses a direction; u_lobe and u in [0, 1). False: it is below the surface and carries nothing. */

@@ -45,7 +45,7 @@ static uint64_t packed(uint32_t high, uint32_t low)
 	return (uint64_t)high << 32 | low;
 }
 
-/* The bits of x at the even places of 64. */
+/* Spreads 32 bits to the even places of 64, for Morton codes. */
 static uint64_t spread(uint32_t bits)
 {
 	uint64_t x = bits;
@@ -56,10 +56,11 @@ static uint64_t spread(uint32_t bits)
 	return (x | x << 1) & 0x5555555555555555u;
 }
 
-/* The index of a pixel in a hierarchical order, which visits squares of 2^k x 2^k pixels one after the other. The
- * index shuffle of the points permutes the four quarters of each square at random, but keeps the pairs that the
- * higher of their two bits defines. Which pairs these are (side by side, one above the other, or crosswise) is
- * chosen here at random, so that all 24 orders of four occur. Source: Ahmed and Wonka, "Screen-Space Blue-Noise
+/* The index of a pixel in a hierarchical order, which visits squares of 2^k x 2^k pixels one after the other, for each
+ * k. Later the points' indices are shuffled by Owen scrambling (gi_sobol_index), which permutes the four quarters of
+ * each square at random, but keeps those two quarters together that have the same higher bit of their two. Which
+ * quarters are together (side by side, one above the other, or crosswise) is chosen here at random, so that all 24
+ * orders of four occur. Source: Ahmed and Wonka, "Screen-Space Blue-Noise
  * Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels" (2020). */
 static uint64_t pixel_order(uint64_t hash, uint32_t x, uint32_t y)
 {
@@ -76,8 +77,8 @@ static uint64_t pixel_order(uint64_t hash, uint32_t x, uint32_t y)
 	return order;
 }
 
-/* All pixels share one sequence, and neighbouring pixels have neighbouring parts of it, so that their errors
- * compensate. The number of samples should be as planned, or a power of two. */
+/* A point of BLUE_NOISE: all pixels share one Sobol sequence, and neighbouring pixels have neighbouring parts of it, so
+ * that their errors compensate. The number of samples should be as planned, or a power of two. */
 static gi_point ordered_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uint32_t index)
 {
 	STILB_ASSERT(sampler->kind == STILB_GI_SAMPLER_BLUE_NOISE && sampler->samples >= 1);
@@ -97,9 +98,10 @@ gi_point gi_sampler_point(const gi_sampler *sampler, uint32_t x, uint32_t y, uin
 	return (gi_point){hash, index, sampler->samples};
 }
 
-/* Sobol points: the branches of all samples of a pixel form one sequence, in which those of one sample are a
- * stratified run; bits that do not fit into an index go into the hash. Others: the branches of a sample are
- * stratified among themselves, or, if each sample has one branch, over the samples. */
+/* Branches of a point are further points of the same sample. With the samplers SOBOL and BLUE_NOISE the branches of all
+ * samples of a pixel form one sequence, in which those of one sample follow one another and are stratified; bits that
+ * do not fit into an index go into the hash. With the others the branches of a sample are stratified among themselves,
+ * or, if each sample has one branch, over the samples. */
 gi_point gi_sampler_branch(const gi_sampler *sampler, gi_point parent, uint32_t dimension, uint32_t i, uint32_t n)
 {
 	STILB_ASSERT(i < n);

@@ -28,7 +28,7 @@ struct gi_sampler_kernels;
 typedef struct gi_sampler {
 	stilb_gi_sampler_kind kind;
 	uint64_t seed;
-	uint32_t samples; /* planned samples of a pixel, which the grids of STRATIFIED are made for */
+	uint32_t samples; /* planned for each pixel; STRATIFIED and BLUE_NOISE make their points for so many */
 	const struct gi_sampler_kernels *kernels;
 } gi_sampler;
 

@@ -1,4 +1,4 @@
-/* The kernels with AVX2: four pairs, eight dimensions, at a time. */
+/* The sampler's kernels (gi_sampler_kernels.h) with AVX2: eight dimensions, which are four pairs, at a time. */
 #include "gi/sample/gi_sampler_kernels.h"
 
 #if defined(__x86_64__)
@@ -10,7 +10,7 @@
  * register, which takes half as long as all the rest. */
 #define CONSTANT(name) _mm256_load_si256((const __m256i *)gi_sampler_constants.name)
 
-/* gi_seed for eight numbers: `number` plus offsets; steps holds the offsets times GI_SEED_STEP. */
+/* gi_seed for eight numbers, `number` plus eight offsets; steps holds the offsets times GI_SEED_STEP. */
 INLINE __m256i avx2_seed(uint64_t hash, uint32_t number, __m256i steps)
 {
 	__m256i x = _mm256_add_epi32(steps, _mm256_set1_epi32((int)(number * GI_SEED_STEP + (uint32_t)hash)));
@@ -60,7 +60,8 @@ INLINE __m256 avx2_fraction(__m256i x)
 	return _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_srli_epi32(x, 8)), _mm256_set1_ps(0x1p-24f));
 }
 
-/* Both lanes of a pair compute the same until one of them takes the second coordinate. */
+/* sobol_8 of gi_sampler_kernels. The two lanes of a pair of dimensions compute the same index, until one of them turns
+ * it into the second coordinate of the point. */
 static void avx2_sobol_8(uint64_t hash, uint32_t index, uint32_t first, float numbers[8])
 {
 	STILB_ASSERT((uintptr_t)&gi_sampler_constants % 32 == 0);

@@ -1,14 +1,14 @@
 /*
- * gi_sampler_kernels: eight dimensions of a point at once, a table of functions for each instruction set, all with
- * the same bits; and the formulas in plain C, which are the reference. [any-thread]
+ * gi_sampler_kernels: functions that compute eight dimensions (random numbers) of a gi_point at once, in a table for
+ * each instruction set, all with the same bits; and the formulas in plain C, which are the reference. [any-thread]
  *
  * Points.  A pair of dimensions is a point of the two-dimensional Sobol sequence. Both coordinates are
  *          Owen-scrambled, and so is the index, which makes the pairs independent of one another and keeps every run
  *          of 2^k indices that starts at a multiple of 2^k stratified. Source: Burley, "Practical Hash-based Owen
  *          Scrambling" (2020).
- * Bits.    Owen scrambling changes a bit depending on the higher ones; a hash by multiplication changes it depending
- *          on the lower ones, as carries go upwards. So bits are kept in reverse: the reversed index is the first
- *          coordinate.
+ * Bits.    Owen scrambling flips a bit of a coordinate depending on the higher ones; a hash by multiplication changes a
+ *          bit depending on the lower ones, as carries go upwards. So coordinates are kept with their bits in reverse
+ *          order. The first coordinate of a Sobol point is its index with the bits reversed.
  */
 #ifndef STILB_GI_SAMPLER_KERNELS_H
 #define STILB_GI_SAMPLER_KERNELS_H
@@ -26,7 +26,8 @@ extern const gi_sampler_kernels gi_sampler_kernels_scalar, gi_sampler_kernels_av
 /* The functions for an instruction set, which this CPU must have. */
 const gi_sampler_kernels *gi_sampler_kernels_for(stilb_isa isa);
 
-/* Ranges of the numbers that seeds are made of: dimensions from 0, then those of shuffles and of jitters. */
+/* gi_seed makes 32 random bits of a hash and a number. The numbers of different uses are kept apart: a dimension itself
+ * for its value, and plus these for the shuffle of its indices and for the jitter of its grid. */
 #define GI_SEED_SHUFFLE 0x40000000u
 #define GI_SEED_JITTER 0x80000000u
 
@@ -64,9 +65,9 @@ static inline uint32_t gi_seed(uint64_t hash, uint32_t number)
 	return gi_seed_halves((uint32_t)hash, (uint32_t)(hash >> 32), number);
 }
 
-/* Owen scrambling of a fraction whose bits are reversed: bit i is flipped by a function of the bits below it. Source:
- * Laine and Karras, "Stratified Sampling for Stochastic Transparency" (2011), with the constants of Vegdahl, "Building
- * a Better LK Hash" (2021). */
+/* Owen scrambling of a fraction whose bits are reversed: bit i is flipped or not by a function of the bits below it.
+ * Source: Laine and Karras, "Stratified Sampling for Stochastic Transparency" (2011), with the constants of Vegdahl,
+ * "Building a Better LK Hash" (2021). */
 static inline uint32_t gi_owen_hash(uint32_t x, uint32_t seed)
 {
 	x ^= x * GI_OWEN_MIX_1;
@@ -84,8 +85,9 @@ static inline uint32_t gi_reverse(uint32_t x)
 	return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
 }
 
-/* The second coordinate of point `index` of the Sobol sequence, bits reversed. Its matrix is Pascal's triangle modulo
- * 2: bit j is the sum of the bits i of the index with i & j == j (Lucas), so that one step for each bit of i does.
+/* The second coordinate of point `index` of the Sobol sequence, bits reversed. It is the index times a matrix of bits,
+ * Pascal's triangle modulo 2: bit j of the result is the sum, modulo 2, of those bits i of the index for which
+ * i & j == j (Lucas), so that five steps, one for each bit of the number i, compute all.
  * Source: Sobol, "On the distribution of points in a cube" (1967), polynomial x + 1. */
 static inline uint32_t gi_sobol_second(uint32_t index)
 {
@@ -102,7 +104,7 @@ static inline float gi_fraction(uint32_t x)
 	return (float)(int32_t)(x >> 8) * 0x1p-24f;
 }
 
-/* A coordinate, given with bits reversed, scrambled and made a fraction. */
+/* A coordinate, given with its bits reversed, as an Owen-scrambled fraction in [0, 1). */
 static inline float gi_owen_fraction(uint32_t x, uint32_t seed)
 {
 	return gi_fraction(gi_reverse(gi_owen_hash(x, seed)));

@@ -28,11 +28,12 @@ typedef struct embree {
 	const gi_part *parts;
 	uint32_t part_count;
 	uint32_t workers;
-	/* Written by all threads that build; relaxed: the pool's wait orders them before the reader. */
-	_Atomic int64_t bytes;
-	_Atomic int error; /* the first RTCError */
-	int64_t bytes_max;
-	bool scarce; /* bytes_max may be too little */
+	/* Written by all threads that build. Relaxed: they are read after the wait for the build's jobs, which orders the
+	 * stores before the reads. */
+	_Atomic int64_t bytes; /* memory that Embree has now */
+	_Atomic int error;     /* the first RTCError */
+	int64_t bytes_max;     /* that it may have */
+	bool scarce;           /* bytes_max may be too little for this scene */
 } embree;
 
 #define EMBREE_BYTES                                                                                                   \
@@ -116,9 +117,9 @@ static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray
 	rtcIntersect16(valid, state->scene, &context, gi_embree_ray_hit16(rays));
 }
 
-/* In packets of sixteen. Embree's streams (rtcOccluded1M) sort the rays first, which costs more than it saves: 70 ns a
- * ray against 45 in the Cornell box, 176 against 148 among a million triangles, measured with the path tracer's own
- * rays. */
+/* gi_tracer.occluded, in packets of sixteen rays. Embree's streams (rtcOccluded1M) sort the rays first, which costs
+ * more than it saves: 70 ns a ray against 45 with packets in the Cornell box, 176 against 148 among a million
+ * triangles, measured with the path tracer's own rays. */
 static void embree_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 {
 	STILB_ASSERT(rays || count == 0);
@@ -154,7 +155,8 @@ static void embree_normal(const gi_part *part, float *x, float *y, float *z)
 	*z = m[2] * normal[0] + m[5] * normal[1] + m[8] * normal[2];
 }
 
-/* For an instance Embree gives two numbers: the instance's, which is the part's, and the mesh's within it. */
+/* Intersects a ray with a scene that has instances. For a hit on an instance Embree gives two numbers, of the instance
+ * and of the mesh in it; the instance's is the part's index, which the caller wants. */
 static void embree_intersect_instances(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	const embree *state = tracer->state;
@@ -209,7 +211,8 @@ static bool embree_isa_here(stilb_gi_isa isa)
 	}
 }
 
-/* AUTO becomes the widest: it is named, so that the picture can name it. */
+/* Replaces AUTO by the widest instruction set that this CPU has, so that the picture's file can name it; refuses one
+ * that the CPU lacks. */
 static stilb_result embree_isa(stilb_gi_isa *isa)
 {
 	if (*isa == STILB_GI_ISA_AUTO)
@@ -292,8 +295,9 @@ static void embree_join(void *data, uint32_t worker)
 	rtcJoinCommitScene(data);
 }
 
-/* Every thread of the pool joins. A job that cannot be had is a thread fewer. Where memory might run out this thread
- * builds alone: Embree 3.13 breaks down when it is told so while several threads build. */
+/* Builds the tree of an Embree scene; every thread of the pool joins, by a job pinned to it. Where there is no memory
+ * for such a job, its thread does not take part. If memory may not suffice for the tree, this thread builds alone:
+ * Embree 3.13 breaks down when it is refused memory while several threads build. */
 static void embree_commit(embree *state, stilb_job_pool *pool, RTCScene scene)
 {
 	PROFILE("gi.build");
@@ -342,7 +346,8 @@ static void embree_attach_instance(embree *state, const gi_part *part, uint32_t 
 	embree_attach(state->scene, geometry, id);
 }
 
-/* Fills the scene. True: it has instances. */
+/* Adds all parts to Embree's scene, whose tree the caller builds, and builds the trees of the meshes that instances
+ * share. True: some parts are instances. */
 static bool embree_fill(embree *state, const stilb_gi_scene *gi, stilb_job_pool *pool)
 {
 	bool instances = false;

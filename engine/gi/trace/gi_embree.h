@@ -1,6 +1,6 @@
 /*
- * gi_embree: the only module that knows Embree's types: our rays as Embree's structs, and the scene's own tree, for a
- * bench that measures Embree alone. For gi_embree.c and benches.
+ * gi_embree: rays as structs of the ray tracing library Embree, and Embree's tree of a scene, for benches that measure
+ * Embree alone. Only gi_embree.c and benches include it; no other file knows Embree's types.
  *
  * The conversions are casts: gi_embree.c asserts that both structs have the same layout. A cast pointer is for Embree's
  * functions; the caller itself reads and writes through its own type. [any-thread]

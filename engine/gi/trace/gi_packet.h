@@ -23,8 +23,8 @@ static inline void gi_packet_transpose(stilb_vec4 m[4])
 	m[3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
 }
 
-/* Four structs, stride bytes apart: the four 4-byte numbers at `from` in each of them go to four lanes of four rows of
- * a packet, which are sixteen numbers apart. */
+/* Reads four structs that lie stride bytes apart: the four 4-byte numbers at `from` in the first, and at the same place
+ * in the others. Number i of struct k goes to row i, lane k of `rows`; rows are sixteen numbers long. */
 static inline void gi_packet_gather(const void *from, size_t stride, void *rows)
 {
 	stilb_vec4 m[4];

@@ -1,8 +1,9 @@
 /*
- * gi_ray: rays made of vectors, and their vectors back. [any-thread]
+ * gi_ray: makes rays of vectors, and reads the vectors of rays. [any-thread]
  *
- * Whole vectors are moved, not three floats: a vector load right after stores of its parts would wait for all of them
- * (store forwarding fails), and intersectors load whole vectors.
+ * Whole vectors are stored, not three floats each, since intersectors load whole vectors right after: a load of a
+ * vector whose parts were stored one by one must wait until all of them have reached the cache (store forwarding
+ * fails).
  */
 #ifndef STILB_GI_RAY_H
 #define STILB_GI_RAY_H
@@ -20,7 +21,7 @@ static_assert(offsetof(gi_ray, t_min) == 12 && offsetof(gi_ray, direction) == 16
 static_assert(offsetof(gi_hit, part) == 24 && offsetof(gi_hit, instance) == 28 && sizeof(gi_hit) == 32,
               "two vectors, the second ends with part and instance");
 
-/* Lane 3 is t_min. */
+/* The ray's origin; lane 3 of the vector is its t_min. */
 static inline stilb_vec3 gi_ray_origin(const gi_ray *ray)
 {
 	stilb_vec3 origin;
@@ -28,7 +29,7 @@ static inline stilb_vec3 gi_ray_origin(const gi_ray *ray)
 	return origin;
 }
 
-/* Lane 3 is the time. */
+/* The ray's direction; lane 3 of the vector is its time. */
 static inline stilb_vec3 gi_ray_direction(const gi_ray *ray)
 {
 	stilb_vec3 direction;
@@ -36,7 +37,7 @@ static inline stilb_vec3 gi_ray_direction(const gi_ray *ray)
 	return direction;
 }
 
-/* The last four words of a ray or of a hit. */
+/* The last four 4-byte words of a gi_ray or of a gi_hit. */
 typedef int32_t gi_ray_words __attribute__((vector_size(16)));
 
 /* From origin (t_min is 0) to t_max = length; id 0. */

@@ -39,7 +39,8 @@ typedef struct gi_hit {
 	float u, v;        /* barycentric: the point is (1 - u - v) a + u b + v c of the corners a, b, c */
 	uint32_t triangle; /* its index in the mesh of the part */
 	uint32_t part;     /* its index in the scene, of instances too; GI_NO_PART: the ray hit nothing */
-	uint32_t instance; /* for the intersector */
+	uint32_t instance; /* Embree's number of the instance; GI_NO_PART: no instance. For the intersector's own use */
+
 } __attribute__((aligned(16))) gi_hit;
 
 /* A ray and the closest hit on it. */

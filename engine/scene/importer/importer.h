@@ -1,5 +1,6 @@
 /*
- * importer: converts Assimp's scenes to Stilb's, in the process that scene_import.h describes.
+ * importer: converts scenes as the library Assimp reads them to Stilb's, in the import process: a program of its own
+ * that reads files which Stilb does not trust (scene_import.h).
  *
  * Life cycle.  For each request an importer begins as {0}: Assimp reads the file -> importer_load_textures ->
  *              importer_list_nodes -> importer_add_meshes -> importer_add_materials -> importer_add_view -> the scene
@@ -17,7 +18,7 @@
 #include <assimp/scene.h>
 #include <limits.h>
 
-/* A node of the hierarchy. */
+/* A node of the hierarchy of transforms in Assimp's scene. */
 typedef struct importer_node {
 	const struct aiNode *node;
 	stilb_mat4 to_world;
@@ -27,7 +28,7 @@ typedef struct importer_texture {
 	char name[MAXLEN];    /* as materials name it */
 	stilb_image image;    /* {0}: it could not be loaded */
 	float mean[3];        /* mean of its texels as linear light */
-	float stored_mean[3]; /* mean of its codes, in [0, 1], or floats: for maps that are numbers, not colours */
+	float stored_mean[3]; /* mean of its values as stored, codes scaled to [0, 1]: for maps of numbers, not colours */
 	char trouble[256];    /* why it could not be loaded */
 	bool warned;          /* the user was warned of the trouble */
 

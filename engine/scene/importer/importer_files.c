@@ -14,7 +14,7 @@ scene_stream importer_stream;
 
 static struct {
 	char path[SCENE_MESSAGE_TEXT];
-	int file; /* the request's own; -1: none */
+	int file; /* descriptor of the file at path, which the request brought; -1: none */
 } files_request = {.file = -1};
 
 void importer_files_begin(const char *path, int given)
@@ -45,7 +45,7 @@ int importer_files_ask(const char *name, bool quiet, char why[static 256])
 	memcpy(message.text, name, strlen(name) + 1);
 	if (!scene_stream_write_message(importer_stream.file, &message, -1) ||
 	    !scene_stream_read_message(&importer_stream, &message, &file))
-		_exit(1); /* Stilb is gone */
+		_exit(1); /* the process that sends the requests has ended */
 	if (file < 0)
 		snprintf(why, 256, "%.255s", message.text);
 	return file;
@@ -93,8 +93,8 @@ static bool files_lacks_digit(const unsigned char *text, size_t size, size_t i)
 	       ((before == '-' || before == '+') && i > 1 && (text[i - 2] == ' ' || text[i - 2] == '\t'));
 }
 
-/* Inserts a 0 before the points of such numbers in the vertex lines of an OBJ file. Assimp 5.2 does not read ".5" as a
- * number, drops the vertex, and then finds its index out of range. False: out of memory. */
+/* Inserts a 0 before the point of numbers like ".5" in the vertex lines of an OBJ file. Assimp 5.2 does not read these
+ * as numbers, drops the vertex, and then finds its index out of range. False: out of memory. */
 static bool files_complete_numbers(importer_bytes *bytes)
 {
 	size_t lacking = 0;

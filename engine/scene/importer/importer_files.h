@@ -1,6 +1,6 @@
 /*
- * importer_files: the files of a request. The process can open none itself: it asks Stilb, which decides
- * (scene_files.h).
+ * importer_files: the files that are needed to serve a request of Stilb's to read a scene or a picture. The import
+ * process can open none itself: it asks Stilb, which decides (scene_files.h).
  *
  * Life cycle.  importer_files_begin -> importer_files_ask and importer_file_io, any number -> importer_files_end.
  * Threads.     The process's main thread; importer_bytes_read and importer_bytes_free are [any-thread].
@@ -21,8 +21,8 @@ typedef struct importer_bytes {
 /* The connection to Stilb. */
 extern scene_stream importer_stream;
 
-/* Begins a request. given: the descriptor of the file at path, or -1; asking for path returns copies of it. It is
- * closed by importer_files_end. */
+/* Begins a request. given: the descriptor of the file at path, or -1: none. importer_files_ask for path returns copies
+ * of given. It is closed by importer_files_end. */
 void importer_files_begin(const char *path, int given);
 
 /* Ends the request, if there is one. */

@@ -74,7 +74,7 @@ static stilb_result importer_read(const char *path, const struct aiScene **scene
 	                 aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
 	                 aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
 	struct aiPropertyStore *properties = aiCreatePropertyStore();
-	/* Removed, because they are not used, take time, and may be damaged. */
+	/* These parts of a file are dropped: Stilb does not use them, they take time, and they may be damaged. */
 	aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
 	                           aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
 	                               aiComponent_TANGENTS_AND_BITANGENTS);
@@ -121,7 +121,7 @@ static void importer_finish(importer *import)
 	aiReleaseImport(import->from);
 }
 
-/* Hands a picture of stilb_image_create_shared over; it is {0} afterwards. */
+/* Sends a picture of stilb_image_create_shared to Stilb; it is {0} afterwards. */
 static stilb_result importer_send_picture(stilb_image *picture)
 {
 	scene_message message = {.kind = SCENE_MESSAGE_PICTURE,

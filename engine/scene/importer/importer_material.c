@@ -13,7 +13,7 @@ typedef struct material_reader {
 	importer *import;
 	const struct aiMaterial *from;
 	struct aiString name;
-	bool missing_texture; /* a texture of its colour could not be loaded */
+	bool missing_texture; /* a texture of its colour could not be loaded: the material becomes magenta */
 } material_reader;
 
 static float material_clamp(float value, float low, float high)
@@ -67,9 +67,10 @@ static const importer_texture *material_texture(material_reader *reader, enum ai
 
 /* ---- kinds ------------------------------------------------------------------------------------------------------- */
 
-/* Metals reflect their colour as specular and nothing as diffuse, non-metals their colour as diffuse and DIELECTRIC as
- * specular. A material has one roughness and one metalness, so a map of these counts by its mean. base: the colour's
- * texture or NULL. Source: glTF 2.0, appendix B, simplified. */
+/* Converts a material of metalness and roughness. Metals reflect their colour as specular and nothing as diffuse,
+ * non-metals their colour as diffuse and DIELECTRIC as specular. A stilb_scene_material has one roughness for the whole
+ * surface, so a map of roughness and metalness counts by its mean. base: the colour's texture or NULL. Source: glTF
+ * 2.0, appendix B, simplified. */
 static void material_metallic(material_reader *reader, const importer_texture *base, stilb_scene_material *material)
 {
 	float color[3] = {1, 1, 1}, metal = 1.0f, roughness = 1.0f, mean[3];
@@ -77,7 +78,9 @@ static void material_metallic(material_reader *reader, const importer_texture *b
 		material_color(reader, AI_MATKEY_COLOR_DIFFUSE, color);
 	material_number(reader, AI_MATKEY_METALLIC_FACTOR, &metal);
 	material_number(reader, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
-	bool missing = reader->missing_texture; /* a missing map of roughness does not count */
+	/* material_texture sets missing_texture, which makes the material magenta; for a missing map of roughness that is
+	 * undone, since without it the material's colour is still right. */
+	bool missing = reader->missing_texture;
 	const importer_texture *map = material_texture(reader, aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS);
 	reader->missing_texture = missing;
 	if (map) { /* green is roughness, blue metalness */
@@ -105,8 +108,9 @@ static void material_glossy(const material_reader *reader, float gloss, stilb_sc
 	material->roughness = 1.0f - gloss;
 }
 
-/* Phong materials, whose specular colour is chosen by eye and conserves no energy. A heuristic: white counts as twice
- * the reflectance of plastic, grey as that of plastic; on black diffuse it is a mirror or metal, and counts as it is.
+/* Converts a Phong material, whose specular colour was chosen by eye and conserves no energy. A heuristic: white counts
+ * as twice the reflectance of plastic, mid grey as that of plastic; where the diffuse colour is black, the material is
+ * a mirror or metal, and the specular colour is taken as it is.
  * The exponent n is that of Blinn and Phong: n = 2 / alpha^2 - 2, alpha = roughness^2 (Karis, "Specular BRDF
  * Reference", 2013). */
 static void material_classic(const material_reader *reader, bool textured, stilb_scene_material *material)
@@ -172,8 +176,8 @@ static void material_convert(importer *import, const struct aiMaterial *from, st
 		import->transparent_materials += opacity < 1.0f;
 }
 
-/* Moves the textures that materials use into the scene and renumbers them; the others were needed for their means
- * only. */
+/* Moves the textures that the converted materials refer to into the scene and renumbers them. The others, such as maps
+ * of roughness, were needed for their means only. */
 static stilb_result material_take_textures(importer *import)
 {
 	stilb_scene *scene = import->scene;

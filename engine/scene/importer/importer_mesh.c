@@ -37,7 +37,8 @@ static stilb_vec3 mesh_normal(const struct aiMesh *mesh, const uint32_t index[3]
 
 static float mesh_texture_coordinate(float value)
 {
-	return fabsf(value) < 1e6f ? value : 0.0f; /* also NaN; a larger float has no digits left for a position */
+	return fabsf(value) < 1e6f ? value
+	                           : 0.0f; /* 0 also for NaN; larger floats are too coarse for a place in a texture */
 }
 
 /* The normal is 0 if the file has none, or one that is not finite. */
@@ -81,11 +82,11 @@ static stilb_result mesh_convert(const struct aiMesh *from, uint32_t triangles, 
 	return STILB_OK;
 }
 
-/* The scene's counts, and for each of Assimp's meshes: */
+/* What the scene will have. The two arrays are indexed by the number of Assimp's mesh. */
 typedef struct mesh_plan {
-	uint32_t *place;     /* its index in the scene; IMPORTER_NO_MESH: it has no triangles */
-	uint32_t *triangles; /* its number of triangles */
-	uint32_t meshes, models, parts;
+	uint32_t *place;                /* the mesh's index in the scene; IMPORTER_NO_MESH: it has no triangles */
+	uint32_t *triangles;            /* its number of triangles */
+	uint32_t meshes, models, parts; /* numbers in the scene */
 } mesh_plan;
 
 /* The scene's index of a node's mesh i; IMPORTER_NO_MESH: it does not exist or has no triangles. */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Assimp's matrices are row-major. */
+/* A stilb_mat4, which is column-major, of a matrix of Assimp's, which is row-major. */
 static stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m)
 {
 	return (stilb_mat4){.m = {m->a1, m->b1, m->c1, m->d1, m->a2, m->b2, m->c2, m->d2, m->a3, m->b3, m->c3, m->d3, m->a4,
@@ -19,7 +19,8 @@ static bool importer_is_finite(const stilb_mat4 *m)
 	return finite;
 }
 
-/* Breadth first, with the list itself as the queue: without recursion no hierarchy is too deep. */
+/* Lists the nodes breadth first; the list itself is the queue of nodes whose children are still to be added. Without
+ * recursion no hierarchy is too deep. */
 stilb_result importer_list_nodes(importer *import)
 {
 	STILB_ASSERT(import->from && !import->nodes);

@@ -8,10 +8,10 @@
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
-/* The factor from a light's colour to its intensity, for attenuation by the square of the distance. It is 1 in glTF,
- * which has physical units. In other formats a light of brightness 1 makes a white surface that faces it white, which
- * is an irradiance of pi. So the intensity is chosen to give pi, times the file's own attenuation, at the centre of the
- * scene, or at a tenth of its radius if the light is nearer. */
+/* The factor from a light's colour in the file to its intensity here, where light falls with the square of the
+ * distance. It is 1 in glTF, which has physical units. In other formats a light of brightness 1 makes a white surface
+ * that faces it white, which is an irradiance of pi. So the intensity is chosen to give pi, times the file's own
+ * attenuation, at the distance of the scene's centre, or of a tenth of the scene's radius if that is farther. */
 static float light_scale(const importer *import, const struct aiLight *light, stilb_vec3 position)
 {
 	bool directional = light->mType == aiLightSource_DIRECTIONAL;
@@ -27,15 +27,15 @@ static float light_scale(const importer *import, const struct aiLight *light, st
 	return SHADE_PI * distance * distance / (left > 0.0f ? left : 1.0f);
 }
 
-/* The cosine of the angle between the cone's axis and its edge. glTF's angle is that one, other formats' the whole
- * cone's. */
+/* The cosine of the angle between the axis of a spot's cone and its edge. In glTF `angle` is that angle, in other
+ * formats the whole cone's, twice as large. */
 static float light_cone_cosine(const importer *import, float angle)
 {
 	float half = import->gltf ? angle : 0.5f * angle;
 	return half > 0.0f ? cosf(fminf(half, 0.5f * SHADE_PI)) : 1.0f;
 }
 
-/* False: it has no brightness, or its position is not finite. */
+/* Converts one of Assimp's lights. False: it is left out, having no brightness or a position that is not finite. */
 static bool light_convert(const importer *import, const struct aiLight *from, stilb_scene_light *light)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);
@@ -132,7 +132,8 @@ static float camera_fov_y(const importer *import, const struct aiCamera *from)
 	return 2.0f * atanf(tanf(0.5f * from->mHorizontalFOV) / (has_ratio ? from->mAspect : 4.0f / 3.0f));
 }
 
-/* False: its position or its angle is out of range. */
+/* Converts one of Assimp's cameras. False: its position or its angle is out of range. */
+
 static bool camera_convert(const importer *import, const struct aiCamera *from, stilb_scene_camera *camera)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);
