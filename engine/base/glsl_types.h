@@ -388,7 +388,6 @@ static inline stilb_vec3 glsl_cross(stilb_vec3 a, stilb_vec3 b)
 }
 
 /* The direction i, which points to the surface, as in GLSL, mirrored at the surface of unit normal n. */
-
 static inline stilb_vec2 glsl_reflect_2(stilb_vec2 i, stilb_vec2 n)
 {
 	return i - n * (2.0f * glsl_dot_2(n, i));

@@ -11,8 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Values of stilb_image.storage. A picture that can be shared has IMAGE_STORAGE_SHARED + its memory file's
- * descriptor. */
+/* Values of stilb_image.storage: where the pixels are. In a picture that can be shared with another process, storage is
+ * IMAGE_STORAGE_SHARED plus the descriptor of the memory file that the pixels are in. */
 enum { IMAGE_STORAGE_MEMORY, IMAGE_STORAGE_MAPPED, IMAGE_STORAGE_SHARED };
 
 const size_t image_scalar_bytes[] = {
@@ -36,7 +36,7 @@ bool image_is_sound(const stilb_image *image)
 	return image->pixels && !image_refusal(image);
 }
 
-/* Sides and channels are bounded first, so that the product of the size cannot overflow. */
+/* Sides and channels are checked first, so that the product that is the size in bytes cannot overflow. */
 const char *image_refusal(const stilb_image *image)
 {
 	if (image->width < 1 || image->height < 1 || image->width > STILB_IMAGE_MAX_SIDE ||
@@ -66,7 +66,7 @@ static stilb_result image_shape_check(stilb_image *image, uint32_t width, uint32
 	return STILB_OK;
 }
 
-/* Leaves {0}. */
+/* Fails with STILB_ERROR_MEMORY for a picture of image's size, and sets image to {0}. */
 static stilb_result image_no_memory(stilb_image *image)
 {
 	uint32_t width = image->width, height = image->height;

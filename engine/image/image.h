@@ -66,10 +66,10 @@ stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint3
  * sealed. [one-writer] */
 int stilb_image_share(stilb_image *image);
 
-/* Maps the picture of this shape behind such a descriptor (>= 0), from any process, trusted or not; the caller still
- * closes file. The mapping is private: changing its pixels changes nobody else's. [any-thread] STILB_ERROR_FILE if the
- * memory has another size or is not sealed, STILB_ERROR_ARGUMENT for a shape that is refused, STILB_ERROR_MEMORY; then
- * image is {0}. */
+/* Maps the picture of this shape behind file, a descriptor (>= 0) of stilb_image_share, from any process, trusted or
+ * not; the caller still closes file. The mapping is private: changing its pixels changes nobody else's. [any-thread]
+ * STILB_ERROR_FILE if the memory has another size or is not sealed, STILB_ERROR_ARGUMENT for a shape that is refused,
+ * STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t channels, stilb_image_format format,
                              stilb_image *image);
 

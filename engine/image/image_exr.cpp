@@ -1,6 +1,6 @@
-// EXR through OpenEXR's C++ library, behind functions that C can call; no exception leaves them. Its C library
-// (OpenEXRCore 3.1.5) gives wrong pixels for some files (RGBA of halves, DWA of floats) and reads past its buffers in
-// damaged ones.
+// EXR through OpenEXR's C++ library, behind functions that C can call; no exception leaves them. OpenEXR's C library
+// (OpenEXRCore 3.1.5) is not used: it gives wrong pixels for some files (RGBA of halves, DWA of floats) and reads past
+// its buffers in damaged ones.
 #include "image/image_exr.h"
 
 #include "image/image_layers.h"
@@ -160,7 +160,7 @@ image_outcome encode_picture(const image_shape *shape, const void *pixels, image
 
 // ---- reading --------------------------------------------------------------------------------------------------------
 
-// Rank of a channel within its layer, by the last part of its name.
+// Rank of a channel within its layer, by the last part of its name: R, G, B, X, Y, Z and A first, in that order.
 int channel_rank(const std::string &name)
 {
 	static const char ranks[] = "RGBXYZA";
@@ -242,8 +242,8 @@ class exr_input
 	std::vector<std::string> names; // of all channels, sorted by channel_before
 };
 
-// The number of channels, from the first, that make the picture: up to four all of them, of more R G B (A); 0: there is
-// no R G B.
+// How many of the sorted channels, from the first on, make the picture: all if there are at most four, of more R G B
+// and A if there is one; 0: there are more than four, but no R G B.
 uint32_t picture_channels(const std::vector<std::string> &names)
 {
 	if (names.size() <= 4)

@@ -1,4 +1,5 @@
-/* image_exr: EXR files with any channels, for image_codec_exr and image_layers. C, implemented in C++. [any-thread] */
+/* image_exr: reads and writes EXR files with any channels, for image_codec_exr (pictures of up to four channels) and
+ * image_layers. A C interface, implemented in C++. [any-thread] */
 #ifndef STILB_IMAGE_EXR_H
 #define STILB_IMAGE_EXR_H
 

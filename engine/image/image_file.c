@@ -66,14 +66,14 @@ stilb_result stilb_image_path_check(const char *path)
 
 /* ---- conversion: the sRGB transfer applies to colour channels, not to alpha -------------------------------------- */
 
-/* index counts values from the picture's first. */
+/* True if a value is of the alpha channel. index counts all values of all channels from the picture's first one. */
 static bool image_channel_is_alpha(const stilb_image *image, size_t index)
 {
 	uint32_t channels = image->channels;
 	return channels % 2 == 0 && index % channels == channels - 1;
 }
 
-/* Exact: every binary16 is a float. */
+/* A float from the bits of a half (IEEE binary16); exact, as a float can hold every half. */
 static float image_half_to_float(uint16_t half)
 {
 	int exponent = half >> 10 & 31;
@@ -109,7 +109,7 @@ static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 	}
 }
 
-/* Converts `count` values from number `first` on. */
+/* Converts `count` values of the picture, from value number `first` on, to linear floats. */
 static void image_convert_to_light(const stilb_image *image, size_t first, size_t count, float *light)
 {
 	STILB_ASSERT(first + count <= (size_t)image->width * image->height * image->channels);
@@ -144,7 +144,7 @@ void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light
 /* The input of an encoder. */
 typedef struct image_source {
 	image_shape shape;
-	image_scalar stored; /* the type of light in the file */
+	image_scalar stored; /* the type of the values in the file, if it holds linear light */
 	const void *pixels;  /* the picture's own, or converted */
 	void *converted;     /* to be freed; NULL if no conversion was needed */
 } image_source;
@@ -263,7 +263,7 @@ const char *image_file_read(const char *path, void **data, size_t *size)
 {
 	STILB_ASSERT(path && size && data && !*data);
 	struct stat info;
-	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* does not wait for a pipe's other end */
+	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* of a pipe: without waiting for a writer */
 	const char *trouble = NULL;
 	if (file < 0 || fstat(file, &info) != 0)
 		trouble = strerror(errno);

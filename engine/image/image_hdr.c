@@ -46,8 +46,8 @@ static void hdr_pixel(const float *rgb, unsigned char coded[4])
 	coded[3] = (unsigned char)(exponent + 128);
 }
 
-/* Codes one channel of a scanline: runs of 4 and more equal values as (128 + length, value), others as (length,
- * values). Returns the bytes written to out, at most width + width / 128 + 2. */
+/* Run-length codes one channel of a scanline: 4 and more equal values as the bytes 128 + length, value; others as
+ * length, values. Returns the number of bytes written to out, at most width + width / 128 + 2. */
 static size_t hdr_runs(const unsigned char *values, uint32_t width, unsigned char *out)
 {
 	STILB_ASSERT(width >= HDR_MIN_RUN_WIDTH && width <= HDR_MAX_RUN_WIDTH);
@@ -129,8 +129,8 @@ static image_outcome hdr_encode(const image_shape *shape, const void *pixels, im
 typedef struct hdr_input {
 	const unsigned char *at, *end; /* the bytes that are still to be read */
 	uint32_t width, height;        /* of the picture as it is shown */
-	bool x_first;                  /* a scanline is a column */
-	bool x_down, y_up;             /* x runs from right to left, y from bottom to top */
+	bool x_first;                  /* a scanline is a column of the picture, not a row */
+	bool x_down, y_up;             /* the file lists pixels from right to left; from bottom to top */
 } hdr_input;
 
 /* The next line of the header without its end. False: there is none, or it is longer than 255 bytes. */
@@ -204,9 +204,9 @@ static bool hdr_get_runs(hdr_input *input, unsigned char *codes, uint32_t width)
 	return true;
 }
 
-/* Decodes a scanline that is coded pixel by pixel into codes, [width][4]. A pixel of mantissas 1, 1, 1 repeats the
- * pixel before it as often as its exponent says; of several in a row, each counts 256 times as much as the one before.
- * False: damaged. */
+/* Decodes a scanline that is coded pixel by pixel into codes, [width][4]. A pixel of mantissas 1, 1, 1 stands for the
+ * pixel before it, repeated as often as its exponent says; if several such pixels follow one another, the count of each
+ * is multiplied by 256 once more than that of the one before. False: damaged. */
 static bool hdr_get_pixels(hdr_input *input, unsigned char *codes, uint32_t width)
 {
 	unsigned shift = 0;
@@ -249,7 +249,7 @@ static bool hdr_read(hdr_input *input, unsigned char *codes, float *light)
 	STILB_ASSERT(input->width > 0 && input->height > 0);
 	uint32_t lines = input->x_first ? input->width : input->height;
 	uint32_t length = input->x_first ? input->height : input->width;
-	float scale[256] = {0}; /* by exponent; 0 is black */
+	float scale[256] = {0}; /* value of a mantissa of 1, by the exponent's code; code 0 means black */
 	for (int e = 1; e < 256; e++)
 		scale[e] = ldexpf(1.0f, e - HDR_BIAS);
 	for (uint32_t line = 0; line < lines; line++) {

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The quantity that a filter averages. */
+/* What a filter averages in place of normal and roughness; which member holds it depends on the filter. */
 typedef union normals_texel {
 	struct {
 		shade_mean_direction mean;
@@ -32,7 +32,7 @@ static normals_texel texel_from(stilb_normal_filter filter, shade_rough_normal p
 	}
 }
 
-/* weight in [0, 1] is the share of b. */
+/* The mean of a and b; weight in [0, 1] is the share of b. */
 static normals_texel texel_mix(stilb_normal_filter filter, normals_texel a, normals_texel b, float weight)
 {
 	STILB_ASSERT(weight >= 0.0f && weight <= 1.0f);
@@ -82,11 +82,11 @@ static void pixel_store(stilb_image *level, uint32_t x, uint32_t y, shade_rough_
 	p[3] = sqrtf(pixel.alpha);
 }
 
-/* The level from which the next smaller one is made. */
+/* The level of the mip chain from which the next smaller one is made. */
 typedef struct normals_source {
 	stilb_normal_filter filter;
 	const stilb_image *level;
-	const normals_texel *texels; /* the averages that level's pixels were resolved from; NULL for level 0 */
+	const normals_texel *texels; /* the averages of which level's pixels were made; NULL for level 0 */
 } normals_source;
 
 static normals_texel source_texel(const normals_source *source, uint32_t x, uint32_t y)
@@ -96,8 +96,8 @@ static normals_texel source_texel(const normals_source *source, uint32_t x, uint
 	return texel_from(source->filter, pixel_load(source->level, x, y));
 }
 
-/* The interval that one pixel of the smaller level covers along a side, in pixels of the larger level: 2 pixels long,
- * or between 2 and 3 if the larger side is odd; 1 if both sides are 1. */
+/* The interval [low, high) that one pixel of the smaller level covers along one side, in pixels of the larger level: 2
+ * pixels long, or between 2 and 3 if the larger side is odd; 1 if both sides are 1. */
 typedef struct normals_span {
 	double low, high;
 	uint32_t first, last; /* pixels of the larger level that it touches */
@@ -113,14 +113,14 @@ static normals_span span_of(uint32_t index, uint32_t smaller, uint32_t larger)
 	return span;
 }
 
-/* The share of pixel i that lies in the interval, (0, 1]. */
+/* The share of pixel i of the larger level that lies in the interval, (0, 1]. */
 static double span_share(const normals_span *span, uint32_t i)
 {
 	STILB_ASSERT(i >= span->first && i <= span->last);
 	return fmin(i + 1.0, span->high) - fmax(i, span->low);
 }
 
-/* The average over columns x rows, weighted by area. */
+/* The average of the source's texels over the rectangle columns x rows, weighted by the area of each that is in it. */
 static normals_texel average(const normals_source *source, const normals_span *columns, const normals_span *rows)
 {
 	normals_texel sum = {0};
@@ -135,8 +135,8 @@ static normals_texel average(const normals_source *source, const normals_span *c
 	return sum;
 }
 
-/* Fills a level from the next larger one. texels, [height][width], receives the averages that its pixels are resolved
- * from; the next level is made from them. */
+/* Fills a level from the next larger one. texels, [height][width], receives the averages of which its pixels are made;
+ * the next smaller level is made from these, not from the pixels. */
 static void level_make(const normals_source *source, stilb_image *level, normals_texel *texels)
 {
 	STILB_ASSERT(level->width <= source->level->width && level->height <= source->level->height);
@@ -266,7 +266,7 @@ static stilb_result levels_create(stilb_image_normals *chain, uint32_t width, ui
 	}
 }
 
-/* Makes levels 1 and up. Keeps the texels of two levels at a time. */
+/* Makes all levels but level 0, the input. Keeps the averages (texels) of two levels at a time. */
 static stilb_result levels_make(stilb_normal_filter filter, stilb_image_normals *chain)
 {
 	normals_texel *texels[2] = {NULL, NULL};

@@ -160,7 +160,7 @@ image_outcome decode(const char *format, const void *data, size_t size, image_al
                      image_message *message)
 {
 	library_init();
-	bounded_reader memory(data, size); // all three outlive input
+	bounded_reader memory(data, size); // this, stream and file outlive input, which reads through them
 	std::unique_ptr<FILE, stream_closer> stream;
 	std::unique_ptr<stream_reader> file;
 	OIIO::Filesystem::IOProxy *proxy = &memory;

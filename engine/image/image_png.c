@@ -44,7 +44,7 @@ static void png_flush_nothing(png_structp png)
 	(void)png;
 }
 
-/* Leaves by png_longjmp if something fails. */
+/* Encodes the picture. A failure of libpng leaves the function by png_longjmp. */
 static void png_write_all(png_structp png, png_infop info, const image_shape *shape, const unsigned char *pixels)
 {
 	static const int colors[5] = {[1] = PNG_COLOR_TYPE_GRAY,
@@ -99,8 +99,8 @@ static void png_get(png_structp png, png_bytep out, size_t size)
 	job->at += size;
 }
 
-/* The shape of the file's picture, after png_read_info. Makes libpng expand its rows to that: 8 or 16 bits a channel,
- * grey or RGB, with alpha if the file has any transparency. */
+/* The shape in which the file's picture is decoded; called after png_read_info. Also tells libpng to expand the rows to
+ * that shape: 8 or 16 bits a channel, grey or RGB, with alpha if the file has any transparency. */
 static image_shape png_shape(png_structp png, png_infop info)
 {
 	int color = png_get_color_type(png, info);
@@ -112,7 +112,8 @@ static image_shape png_shape(png_structp png, png_infop info)
 	                     .scalar = png_get_bit_depth(png, info) == 16 ? IMAGE_SCALAR_U16 : IMAGE_SCALAR_U8};
 }
 
-/* Leaves by png_longjmp if something fails. False: allocate refused. */
+/* Decodes the picture into the memory that allocate returns. A failure of libpng leaves the function by png_longjmp.
+ * False: allocate refused. */
 static bool png_read_all(png_structp png, png_infop info, image_allocate *allocate, void *context)
 {
 	png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);

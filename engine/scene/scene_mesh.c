@@ -48,7 +48,6 @@ stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh)
 
 /* The edges that have been given a vertex in their middle already. An edge is listed at that one of its two end
  * vertices which has the smaller index. */
-
 typedef struct mesh_edges {
 	uint32_t (*other)[MESH_EDGES];  /* [vertex]: the edge's other end */
 	uint32_t (*middle)[MESH_EDGES]; /* [vertex]: the vertex in its middle */

@@ -8,7 +8,6 @@
 /* Makes a record at a surface; does not add it to the cache. point: the random numbers, of which each ray takes a
  * branch (gi_sampler_branch). worker < cache->worker_count: whose memory is used; only one thread at a time may use it.
  * [any-thread] */
-
 gi_cache_record gi_cache_gather(gi_cache *cache, uint32_t worker, const gi_surface *surface, gi_point point);
 
 #endif

@@ -75,7 +75,6 @@ uint32_t gi_cache_strata_cells(const gi_cache_strata *strata);
 stilb_vec3 gi_cache_strata_direction(const gi_cache_strata *strata, uint32_t cell, stilb_vec2 u);
 
 /* Sums up what the rays through all cells found. cells: [gi_cache_strata_cells], by the cell's index. */
-
 gi_cache_gathered gi_cache_strata_gather(const gi_cache_strata *strata, const gi_cache_cell *cells);
 
 #endif

@@ -41,7 +41,6 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *
 
 /* A pixel without samples shows a pixel near it, as in stilb_gi_render_preview, so that a progressive picture that was
  * stopped has no holes. */
-
 static stilb_result save_display(const stilb_gi_render *render, const char *path)
 {
 	const gi_film *film = &render->film;

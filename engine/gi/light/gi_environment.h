@@ -31,7 +31,6 @@ stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direc
 
 /* Samples a direction: fills sample's direction, distance, radiance, and pdf without the probability of choosing the
  * environment among the lights. False: it is black there. u in [0, 1)^2. */
-
 bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u, gi_light_sample *sample);
 
 /* Estimate of the irradiance that it gives to a surface, for choosing between lights. */

@@ -60,8 +60,8 @@ static uint64_t spread(uint32_t bits)
  * k. Later the points' indices are shuffled by Owen scrambling (gi_sobol_index), which permutes the four quarters of
  * each square at random, but keeps those two quarters together that have the same higher bit of their two. Which
  * quarters are together (side by side, one above the other, or crosswise) is chosen here at random, so that all 24
- * orders of four occur. Source: Ahmed and Wonka, "Screen-Space Blue-Noise
- * Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels" (2020). */
+ * orders of four occur. Source: Ahmed and Wonka, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via
+ * Hierarchical Ordering of Pixels" (2020). */
 static uint64_t pixel_order(uint64_t hash, uint32_t x, uint32_t y)
 {
 	uint64_t morton = spread(y) << 1 | spread(x);

@@ -40,7 +40,6 @@ typedef struct gi_hit {
 	uint32_t triangle; /* its index in the mesh of the part */
 	uint32_t part;     /* its index in the scene, of instances too; GI_NO_PART: the ray hit nothing */
 	uint32_t instance; /* Embree's number of the instance; GI_NO_PART: no instance. For the intersector's own use */
-
 } __attribute__((aligned(16))) gi_hit;
 
 /* A ray and the closest hit on it. */

@@ -133,7 +133,6 @@ static float camera_fov_y(const importer *import, const struct aiCamera *from)
 }
 
 /* Converts one of Assimp's cameras. False: its position or its angle is out of range. */
-
 static bool camera_convert(const importer *import, const struct aiCamera *from, stilb_scene_camera *camera)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);

@@ -133,7 +133,7 @@ static const builtin_quad cornell_white[] = {
       {0.2453491f, 0.6f, 0.5522569f},
       {0.1427431f, 0.6f, 0.2703491f},
       {0.1427431f, 0, 0.2703491f}}},
-	/* the short one */
+	/* the short block: top and sides */
 	{{{0.4926985f, 0.3f, 0.77959f},
       {0.77959f, 0.3f, 0.8673015f},
       {0.8673015f, 0.3f, 0.58041f},
@@ -276,8 +276,9 @@ static float builtin_bumps(stilb_vec3 d, stilb_vec3 *gradient)
 	return radius;
 }
 
-/* The vertex p = r(d) d in the direction with longitude 2 pi u and polar angle pi v. Its tangents are r t + (g.t) d for
- * all t perpendicular to d, g the gradient of r; so the normal is r d - (g - (g.d) d), perpendicular to all of them. */
+/* The vertex of the bumpy sphere at p = r(d) d, d the direction with longitude 2 pi u and polar angle pi v and r the
+ * radius there (builtin_bumps). Its tangents are r t + (g.t) d for all t perpendicular to d, g the gradient of r; so
+ * the normal is r d - (g - (g.d) d), perpendicular to all of them. */
 static stilb_scene_vertex builtin_bumpy_vertex(float u, float v)
 {
 	float longitude = 6.2831853071795865f * u, latitude = 3.1415926535897932f * v;

@@ -93,7 +93,8 @@ static bool files_match_name(int root, const char *below, char *name)
 	return found;
 }
 
-/* Replaces each part of the relative path name by files_match_name. False: a part is missing. */
+/* Replaces each part of the relative path name by the name that exists there, upper and lower case being the same
+ * (files_match_name). False: no such name exists for one of the parts. */
 static bool files_match_path(int root, char *name)
 {
 	char below[PATH_MAX] = "";

@@ -119,7 +119,7 @@ static stilb_result import_run(scene_importer *importer)
 	scene_message hello;
 	scene_stream_version(version);
 	if (!scene_stream_read_message(&importer->stream, &hello, &passed))
-		return STILB_OK; /* it has ended already: import_listen reports that */
+		return STILB_OK; /* the process has ended already: the request that follows finds that out and reports it */
 	if (passed >= 0)
 		close(passed);
 	importer->protection = hello.flags;
@@ -249,7 +249,8 @@ typedef struct import_request {
 	uint32_t refused_count;
 } import_request;
 
-/* The pictures are complete, and their array is not exceeded. */
+/* Every received picture has its pixels, there are no more than the array has room for, and no more refusals are noted
+ * than refused has room for. */
 static bool import_request_is_sound(const import_request *request)
 {
 	for (uint32_t i = 0; i < request->picture_count; i++)
@@ -259,7 +260,7 @@ static bool import_request_is_sound(const import_request *request)
 	       request->refused_count <= sizeof request->refused / sizeof *request->refused;
 }
 
-/* Frees the pictures that are left. */
+/* Frees the pictures that the request still owns: those not moved into a scene or to the caller. */
 static void import_free(import_request *request)
 {
 	for (uint32_t i = 0; i < request->picture_count; i++)
@@ -283,8 +284,8 @@ static stilb_result import_ask(import_request *request, scene_message_kind kind,
 	return STILB_OK;
 }
 
-/* Logs once that a file is refused. Names of one letter are skipped: Assimp 5.2 asks for them while it looks for a file
- * in other places. */
+/* Logs that a file which the scene names is refused, once for each file. Names of one letter are not logged: Assimp 5.2
+ * asks for them while it looks for a file in other places. */
 static void import_log_refused(import_request *request, const char *name, const char *why)
 {
 	STILB_ASSERT(request->files);
@@ -303,7 +304,8 @@ static void import_log_refused(import_request *request, const char *name, const 
 	stilb_log("%s: '%s' is not read: %s", request->path, name, why);
 }
 
-/* Answers an OPEN. Logs a refusal unless asked->flags is set: then the process warns itself, as it does of textures. */
+/* Answers an OPEN message with the file's descriptor or a refusal. Logs a refusal unless asked->flags is set: then the
+ * import process warns of it, as it does of textures. */
 static void import_answer(import_request *request, const scene_message *asked)
 {
 	STILB_ASSERT(asked->kind == SCENE_MESSAGE_OPEN);

@@ -56,7 +56,7 @@ static bool stream_count(scene_stream *stream, uint64_t size)
 	return !stream->too_much;
 }
 
-/* Reads exactly size bytes. False: late, ended or too_much says why. */
+/* Reads exactly size bytes. False: one of the stream's flags late, ended and too_much says why. */
 static bool stream_get(scene_stream *stream, void *data, size_t size)
 {
 	STILB_ASSERT(data || size == 0);

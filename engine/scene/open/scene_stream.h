@@ -64,7 +64,7 @@ void scene_stream_version(char text[static 64]);
 bool scene_stream_write_message(int file, const scene_message *message, int passed);
 
 /* Reads a message, and its descriptor into *passed, to be closed by the caller; -1: it brought none. Its text ends with
- * 0; everything else in it is unchecked. False: late, ended or too_much says why. */
+ * 0; everything else in it is unchecked. False: one of the stream's flags late, ended and too_much says why. */
 bool scene_stream_read_message(scene_stream *stream, scene_message *message, int *passed);
 
 /* Maps the picture of a PICTURE message; closes file, its descriptor or -1. STILB_ERROR_FILE, STILB_ERROR_MEMORY; the

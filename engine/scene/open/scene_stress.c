@@ -4,8 +4,8 @@
 #include <float.h>
 #include <string.h>
 
-/* The random numbers of one model: each has its own index. A new one before STRESS_STREAMS changes all numbers of a
- * seed. */
+/* The random numbers of one model, each with an index of its own. Adding one changes STRESS_STREAMS and with it all
+ * numbers that a seed gives. */
 enum stress_stream {
 	STRESS_RADIUS,
 	STRESS_LIFT,
@@ -180,7 +180,7 @@ void stilb_scene_animate(stilb_scene *scene, double seconds)
 
 /* ---- cameras ----------------------------------------------------------------------------------------------------- */
 
-/* Pitch of each view's camera, radians, at which its share of the grid fills the picture. */
+/* Pitch of each view's camera, radians, chosen so that the models in view fill the picture. */
 static const float stress_pitch[] = {
 	[STILB_SCENE_VIEW_ALL] = -0.72f,
 	[STILB_SCENE_VIEW_HALF] = -0.6f,
@@ -201,11 +201,12 @@ static stilb_scene_camera stress_camera_at(float pitch, stress_stand stand, floa
 	return camera;
 }
 
-/* The nearest position from which the box of the whole grid is in the picture. A corner at (x, y, z) along the camera's
- * axes, relative to the grid's centre, is in it if |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). The highest and
- * the lowest corner need d >= high - up / tan_y and d >= low + up / tan_y, with high = y / tan_y + z and
- * low = -y / tan_y + z; the best up makes both equal their mean. If the sides need a larger d, up is chosen so that the
- * margins above and below are the same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
+/* The nearest position from which the box around the whole grid is in the picture: d is stress_stand.distance, tan_x
+ * and tan_y are the tangents of half the picture's angles. A corner at (x, y, z) along the camera's axes, relative to
+ * the grid's centre, is in it if |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). The highest and the lowest corner
+ * need d >= high - up / tan_y and d >= low + up / tan_y, with high = y / tan_y + z and low = -y / tan_y + z; the best up
+ * makes both equal their mean. If the sides need a larger d, up is chosen so that the margins above and below are the
+ * same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
 static stress_stand stress_stand_all(float pitch, float half_side, float aspect)
 {
 	float tan_y = tanf(stress_camera_at(pitch, (stress_stand){0}, 1.0f).fov_y * 0.5f), tan_x = tan_y * aspect;
@@ -232,7 +233,7 @@ static stress_stand stress_stand_all(float pitch, float half_side, float aspect)
 	return (stress_stand){d, up};
 }
 
-/* The position at factor times the distance, and 3 m farther: never inside a sphere. */
+/* The position with distance and up multiplied by factor, and 3 m farther away, so that it is never inside a sphere. */
 static stress_stand stress_stand_scale(stress_stand stand, float factor)
 {
 	return (stress_stand){3.0f + stand.distance * factor, stand.up * factor};
