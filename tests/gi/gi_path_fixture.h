@@ -14,7 +14,7 @@ typedef struct path_fixture {
 	stilb_gi_scene *gi;
 } path_fixture;
 
-/* Takes the scene. */
+/* A scene made ready for rays; the fixture owns the scene from now on. */
 static inline path_fixture path_fixture_make(stilb_scene *scene)
 {
 	path_fixture fixture = {.scene = scene};
@@ -40,7 +40,7 @@ static inline void path_fixture_finish(path_fixture *fixture)
 	stilb_job_pool_destroy(fixture->pool);
 }
 
-/* A square picture of the scene's camera. */
+/* The view (scene, settings, sampler) of a square picture by the scene's camera. */
 static inline gi_view path_view(const path_fixture *fixture, stilb_gi_integrator integrator, uint32_t side,
                                 uint32_t samples)
 {
@@ -112,14 +112,14 @@ static inline double path_mean_of(const path_mean *mean, int channel)
 	return mean->sum[channel] / (double)mean->count;
 }
 
-/* As if samples were independent: above the truth where the sampler spreads them. */
+/* The standard error of the mean, as if samples were independent: too large where the sampler spreads them evenly. */
 static inline double path_mean_error(const path_mean *mean, int channel)
 {
 	double n = (double)mean->count, m = mean->sum[channel] / n, variance = mean->square[channel] / n - m * m;
 	return variance > 0.0 ? sqrt(variance / n) : 0.0;
 }
 
-/* Of the whole picture. */
+/* The mean of all samples of the whole picture. */
 static inline path_mean path_picture_mean(const gi_view *view)
 {
 	path_mean mean = {0};

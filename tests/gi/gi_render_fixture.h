@@ -1,5 +1,5 @@
-/* What the tests of renders share: a small scene, behind the brute intersector where no other library may have a part
- * in it. */
+/* What the tests of renders share: a small scene made ready for rays, with the intersector stilb_gi_brute where no
+ * other library (Embree) may take part. */
 #ifndef GI_RENDER_FIXTURE_H
 #define GI_RENDER_FIXTURE_H
 
@@ -42,7 +42,7 @@ static inline void render_fixture_finish(render_fixture *fixture)
 	stilb_job_pool_destroy(fixture->pool);
 }
 
-/* Sides that no tile and no block divides. */
+/* Settings of a picture whose sides are no multiples of a tile's or a block's. */
 static inline stilb_gi_settings render_fixture_settings(const render_fixture *fixture)
 {
 	stilb_gi_settings settings = stilb_gi_settings_default(fixture->scene);
@@ -65,7 +65,7 @@ static inline stilb_gi_render *render_fixture_create(const render_fixture *fixtu
 	return render;
 }
 
-/* Of every number of the film. */
+/* A hash of every number of the film. */
 static inline uint64_t film_hash(const stilb_gi_render *render)
 {
 	stilb_gi_film film = stilb_gi_render_film(render);

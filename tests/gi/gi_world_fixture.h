@@ -40,7 +40,7 @@ static inline world_fixture world_trace(stilb_scene *scene, const stilb_gi_inter
 	return fixture;
 }
 
-/* Leaves the scene. */
+/* Destroys the fixture but for its scene. */
 static inline void world_untrace(world_fixture *fixture)
 {
 	stilb_gi_scene_destroy(fixture->gi);
@@ -64,7 +64,7 @@ static inline void world_triangle(stilb_scene_mesh *mesh, const float corners[3]
 	}
 }
 
-/* Triangles anywhere in [-1, 1]^3, of all sizes and shapes. */
+/* A mesh of random triangles anywhere in [-1, 1]^3, of all sizes and shapes. */
 static inline void world_soup(stilb_scene_mesh *mesh, uint32_t count, shade_proof_random *random)
 {
 	assert_int_equal(scene_mesh_create(mesh, 3 * count, 3 * count), STILB_OK);

@@ -10,7 +10,7 @@
 
 static const shade_brdf_model lambert = {.kind = SHADE_BRDF_LAMBERT};
 
-/* Leaning, so that no axis of the world is one of the frame. */
+/* A normal that leans, so that no axis of the world is an axis of the frame about it. */
 static stilb_vec3 test_normal(void)
 {
 	return stilb_vec3_normalize(stilb_vec3_make(0.3f, 0.8f, -0.5f));
@@ -26,7 +26,7 @@ static gi_surface make_surface(float diffuse, float specular, float roughness, f
 	                    .anisotropy = anisotropy};
 }
 
-/* At this angle from the normal, and around it from the tangent that gi_bsdf takes. */
+/* The direction at the polar angle from the normal, and the azimuth around it from the tangent that gi_bsdf takes. */
 static stilb_vec3 direction_at(stilb_numeric_angles angles)
 {
 	stilb_vec3 n = test_normal();
@@ -109,7 +109,7 @@ static void check_furnace(const stilb_numeric_row *row)
 				fail_msg("%s, roughness %g, %g rad: albedo %.4f, not %.4f: %.1f sigma", row->name,
 				         (double)roughnesses[r], polars[p], estimate_mean(&albedo), truth,
 				         off / estimate_sigma(&albedo));
-			/* Not much more than a mirror sends back: no fireflies. */
+			/* A mirror's weight is 1: no sample is so much brighter that it would be a firefly. */
 			if (row->conserving && !(albedo.largest <= 8.0))
 				fail_msg("%s, roughness %g, %g rad: a weight of %g", row->name, (double)roughnesses[r], polars[p],
 				         albedo.largest);
@@ -150,7 +150,8 @@ static void samples_weights_and_densities_agree(void **state)
 	each_brdf(check_samples);
 }
 
-/* No rounding: what makes a furnace of diffuse walls exact to the last bounce. */
+/* The weight of a diffuse surface's sample is its reflectance without rounding. So the picture of a furnace (walls that
+ * shine and reflect diffusely) is exact to the last bounce. */
 static void diffuse_weights_are_the_reflectance(void **state)
 {
 	(void)state;
@@ -191,7 +192,7 @@ static void reciprocal_models_stay_reciprocal(void **state)
 	each_brdf(check_reciprocity);
 }
 
-/* Where the shading normal leans away from the triangle's, both horizons hold. */
+/* Where the shading normal leans away from the triangle's, samples are above the planes of both. */
 static void nothing_comes_from_below(void **state)
 {
 	(void)state;

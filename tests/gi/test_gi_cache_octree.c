@@ -1,5 +1,5 @@
-/* Records and the tree they lie in: what holds where, that the tree finds just that, and that threads may fill it
- * together. */
+/* Records of the irradiance cache and the octree that they lie in: up to which distance a record is valid, that a
+ * lookup finds exactly the records that are valid at a position, and that several threads may insert at once. */
 #include "gi/cache/gi_cache_octree.h"
 #include "support/test.h"
 
@@ -44,7 +44,8 @@ static void split_sphere_has_wards_radius(void **state)
 	assert_true(fabsf(error - sqrtf(1.0f - turned[1]) / 0.5f) < 1e-4f);
 }
 
-/* Where the gradient would use the irradiance up, only the plain mean goes on. */
+/* The rule HARMONIC alone does not shorten a radius at which extrapolation along the gradient would bring the
+ * irradiance to 0. */
 static void harmonic_radius_is_not_bounded_by_gradients(void **state)
 {
 	(void)state;
@@ -65,7 +66,8 @@ static void a_place_below_is_another_surface(void **state)
 	assert_true(error_at(&record, 0.0f, 0.95f, 3.0f) == INFINITY);
 }
 
-/* Bent 16 times as much along one axis: half the radius there, by the fourth root. */
+/* A second derivative that is 16 times as large along one axis gives half the radius there: the radius goes with its
+ * fourth root. */
 static void hessian_makes_an_ellipse(void **state)
 {
 	(void)state;
@@ -102,7 +104,8 @@ static void radii_stay_within_limits(void **state)
 	}
 }
 
-/* A colour of its own gradient does not go below 0 within the radii, nor does it take the others' gradients away. */
+/* Within the radii no colour channel goes below 0 along its gradient; limiting the gradient of one leaves those of the
+ * others as they are. */
 static void gradients_are_limited_by_colour(void **state)
 {
 	(void)state;
@@ -140,7 +143,7 @@ static stilb_vec3 place(uint64_t seed, uint64_t i)
 	return p;
 }
 
-/* About +y. */
+/* A random unit normal near +y. */
 static stilb_vec3 random_normal(uint64_t seed, uint64_t i)
 {
 	return stilb_vec3_normalize(
@@ -166,7 +169,7 @@ static gi_cache_octree *octree_with(uint32_t count)
 	return octree;
 }
 
-/* All records, one after the other. */
+/* The reference for lookups: tries all records, one after the other. */
 static bool lookup_slowly(uint32_t count, stilb_vec3 position, stilb_vec3 normal, stilb_vec3 *irradiance)
 {
 	stilb_vec3 sum = {0};
@@ -218,7 +221,7 @@ static void places_outside_are_no_harm(void **state)
 	gi_cache_octree_destroy(octree);
 }
 
-/* A record of radius 0.5 at 0.03 from one of radius 0.05. */
+/* A record of radius 0.5 that is inserted 0.03 from one of radius 0.05 is limited to 0.08. */
 static void a_neighbour_clamps_what_comes_after_it(void **state)
 {
 	(void)state;

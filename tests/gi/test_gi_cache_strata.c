@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #define RAYS 4096
-#define TRIES 16 /* other numbers each: what is compared is their mean */
+#define TRIES 16 /* gathers with different random numbers, whose mean is compared */
 
 /* Radiance of one direction, in the surface's frame, and the distance of what is there. */
 typedef gi_cache_cell surroundings(stilb_vec3 direction, const float *parameters);
@@ -29,7 +29,7 @@ typedef struct derivatives {
 	double irradiance, rotation[2], translation[2], hessian[3], nearness;
 } derivatives;
 
-/* Means of the first colour over all tries. */
+/* Irradiance and its derivatives, of the first colour channel, as means over all tries. */
 static derivatives mean(surroundings *at, const float *parameters)
 {
 	gi_cache_strata strata;

@@ -27,7 +27,7 @@ static stilb_vec3 point_of(const gi_ray_hit *ray, float t)
 	                       ray->ray.origin[2] + t * ray->ray.direction[2]);
 }
 
-/* A point of each ray, through the matrix, comes back to the ray's pixel. */
+/* A point on each ray, projected by the rasteriser's camera matrix, comes back to the ray's pixel. */
 static void rays_undo_the_projection(void **state)
 {
 	(void)state;
@@ -118,7 +118,7 @@ static void the_circle_of_confusion(void **state)
 		}
 		SHADE_PROOF_NEAR(largest, confusion, 2e-3, 1e-5);
 		assert_true(largest <= confusion * 1.0001 + 1e-5);
-		SHADE_PROOF_NEAR(squares / COUNT, 0.5 * confusion * confusion, 0.02, 1e-9); /* of a disk */
+		SHADE_PROOF_NEAR(squares / COUNT, 0.5 * confusion * confusion, 0.02, 1e-9); /* the mean square of a disk */
 	}
 }
 

@@ -24,7 +24,7 @@ static int tear_down(void **state)
 typedef struct stopper {
 	stilb_gi_render *render;
 	uint64_t rays;
-	_Atomic bool done; /* release by the main thread, acquire by the stopper: it ends */
+	_Atomic bool done; /* tells the stopper's thread to end; release by the main thread, acquire by the stopper */
 } stopper;
 
 static void *stop_it(void *context)
@@ -38,7 +38,7 @@ static void *stop_it(void *context)
 	return NULL;
 }
 
-/* One run, that is stopped after some more rays. */
+/* Calls run, and stops it from another thread when so many more rays have been traced. */
 static void run_for(stilb_gi_render *render, uint64_t rays)
 {
 	stopper timer = {.render = render, .rays = progress_of(render).rays + rays};
@@ -49,7 +49,7 @@ static void run_for(stilb_gi_render *render, uint64_t rays)
 	pthread_join(thread, NULL);
 }
 
-/* As many processes as it takes: each reads what the last one left. */
+/* Renders in parts, as if each were a process of its own: every part resumes the checkpoint of the one before. */
 static uint64_t render_in_parts(const stilb_gi_settings *settings, uint32_t *parts)
 {
 	uint64_t hash = 0, camera_rays = 0;
@@ -97,7 +97,8 @@ static void same_bits_in_parts(void **state)
 	render_fixture_finish(&fixture);
 }
 
-/* The limits and the order of pixels are free; with a sampler that does not plan, the number of samples is, too. */
+/* A resumed render may have other limits and another order of pixels, and another number of samples if its sampler does
+ * not depend on that. */
 static void other_limits(void **state)
 {
 	(void)state;
@@ -238,7 +239,7 @@ static size_t read_file(unsigned char *data, size_t size)
 	return got;
 }
 
-/* A byte of it changed, cut anywhere, or too long. */
+/* Checkpoints with a changed byte, cut anywhere, or too long are refused. */
 static void damaged_files(void **state)
 {
 	(void)state;

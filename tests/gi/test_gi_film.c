@@ -35,7 +35,7 @@ static float radiance_at(const gi_film *film, size_t index)
 	return atomic_load_explicit(&film->radiance[index], memory_order_relaxed);
 }
 
-/* The definitions, sample by sample. */
+/* The film's means and variances are those of the definitions, computed over the samples one by one. */
 static void means_and_variances(void **state)
 {
 	(void)state;

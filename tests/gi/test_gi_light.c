@@ -63,7 +63,7 @@ static gi_point numbered(uint64_t stream, uint32_t i)
 	return (gi_point){.hash = stream, .index = i, .count = 1};
 }
 
-/* A sample's irradiance, channel 0. */
+/* One light sample's estimate of the irradiance, of colour channel 0. */
 static double contribution(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, gi_point point)
 {
 	float u[8];
@@ -75,7 +75,7 @@ static double contribution(const gi_lights *lights, stilb_vec3 position, stilb_v
 	return cosine > 0.0f ? (double)(sample.radiance[0] * cosine / sample.pdf) : 0.0;
 }
 
-/* Irradiance by count samples. */
+/* Irradiance as the mean of count light samples. */
 static double irradiance(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t count)
 {
 	double sum = 0.0;
@@ -128,7 +128,8 @@ static gi_lights shape_over(shade_proof_random *random, int kind, gi_emitter emi
 	return lights_of(NULL, emitters, kind == ONE_TRIANGLE ? 1 : 2);
 }
 
-/* A rectangle chosen by solid angle is as good as exact; so is a triangle; two of them are asked in turn. */
+/* The irradiance from a shape is that of Lambert's formula. Points are sampled by solid angle, so a single rectangle or
+ * triangle has little noise; of two triangles one is chosen at random, which adds noise. */
 static void irradiance_is_lamberts(void **state)
 {
 	(void)state;
@@ -217,7 +218,7 @@ static void ball_is_seen_as_a_disk(void **state)
 /* ---- form factors ------------------------------------------------------------------------------------------------ */
 
 #define RECEIVERS 4096
-#define ASKED 32 /* by each receiver */
+#define ASKED 32 /* light samples of each receiver */
 
 /* F12 from surface 1, whose points are corner + edge_1 s + edge_2 t (disk: within the unit disk of edges), to the
  * lights: irradiance over pi, mean over surface 1. */
@@ -292,7 +293,7 @@ static void form_factors_of_disks_and_reciprocity(void **state)
 
 /* ---- densities --------------------------------------------------------------------------------------------------- */
 
-/* Some of everything. */
+/* A scene with lights of every kind. */
 static stilb_scene busy_scene(stilb_scene_light points[3])
 {
 	points[0] = (stilb_scene_light){
@@ -479,7 +480,7 @@ static void nodes_hold_their_children(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* Everything together against each alone: a point's irradiance is the sum of its lights'. */
+/* The irradiance from all lights of a scene together is the sum of those of each light alone. */
 static void lights_add_up(void **state)
 {
 	(void)state;
@@ -542,7 +543,7 @@ static void samples_fill_solid_angles_evenly(void **state)
 			if (!gi_light_shape_sample(shape, vec(0, 0, 0), u, &sample))
 				continue;
 			if (sample.pdf != gi_light_shape_density(shape, vec(0, 0, 0), 1.0f))
-				break; /* by area: another test */
+				break; /* this shape is sampled by area, which another test checks */
 			float height = -stilb_vec3_dot(shape->corner, shape->normal);
 			stilb_vec3 q =
 				sample.direction * (-height / stilb_vec3_dot(sample.direction, shape->normal)) - shape->corner;

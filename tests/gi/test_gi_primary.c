@@ -107,7 +107,7 @@ static void instruction_sets_agree(void **state)
 	give_back(&world);
 }
 
-/* What one ray gives, made without packets. */
+/* Sample i is what a single ray gives that is made, traced and shaded without packets. */
 static void assert_sample(const gi_view *view, const gi_camera *camera, const gi_primary *out, uint32_t i)
 {
 	stilb_vec2 offset =

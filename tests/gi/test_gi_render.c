@@ -60,9 +60,9 @@ static void other_settings_other_bits(void **state)
 typedef struct onlooker {
 	stilb_gi_render *render;
 	float *rgb;
-	_Atomic uint32_t looks; /* release by the onlooker, acquire by the main thread: so many stops were asked for */
+	_Atomic uint32_t looks; /* stops asked for so far; release by the onlooker, acquire by the main thread */
 	bool monotonic, finite;
-	_Atomic bool done; /* release by the main thread, acquire by the onlooker: it ends */
+	_Atomic bool done; /* tells the onlooker to end; release by the main thread, acquire by the onlooker */
 } onlooker;
 
 static void rest(long us)

@@ -26,7 +26,7 @@ static path_fixture walled(float height)
 	return path_fixture_make(scene);
 }
 
-/* At (x, 0, 0), seen from above. */
+/* The ambient occlusion (share of the hemisphere that is open) at (x, 0, 0), seen from above. */
 static double openness(const gi_view *view, float x)
 {
 	samples.count = 1;

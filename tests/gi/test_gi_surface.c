@@ -108,7 +108,7 @@ static void boxes_lose_no_ray(void **state)
 		}
 }
 
-/* So the tests above can fail. */
+/* Without the offset that gi_surface_ray_origin adds rays are lost, so the tests above can fail. */
 static void without_an_offset_rays_are_lost(void **state)
 {
 	(void)state;

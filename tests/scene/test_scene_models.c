@@ -116,7 +116,8 @@ static void cameras_and_lights_stand_where_they_should(void **state)
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-/* Without an argument every third file, by a hash of its name. */
+/* True if a file is left out: unless all are wanted (the program was started with an argument) only about every third
+ * is read, chosen by a hash of its path. */
 static bool models_skip(const char *path, bool all)
 {
 	return !all && stilb_hash_fnv1a64(STILB_FNV1A64_START, path, strlen(path)) % 3 != 0;

@@ -24,7 +24,7 @@ static inline double row_median(const char *case_name, const char *subject, cons
 	return (double)NAN;
 }
 
-/* There is such a row, and it is more than nothing. */
+/* The median of a row, which must exist and be above 0. */
 static inline double some(const char *case_name, const char *subject, const char *metric)
 {
 	double median = row_median(case_name, subject, metric);
@@ -61,7 +61,7 @@ static inline void copy_bench(void)
 	write_program("stilb-bench-limits", GOOD_LIMITS);
 }
 
-/* Runs the copy. */
+/* Runs the copy of stilb-bench in the current folder. */
 static inline int copy_code(const char *const *environment, const char *line)
 {
 	char home[PATH_MAX];

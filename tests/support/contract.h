@@ -24,7 +24,7 @@ static inline void contract_child(int out)
 	alarm(60); /* against a hang alone */
 }
 
-/* What the child said, whether it died by SIGABRT, and whether the text stands in what it said. */
+/* Reads what the child wrote to stderr and waits for it. True if it died by SIGABRT and the text stands in that. */
 static inline bool contract_died(pid_t child, int in, const char *text, const char *statement)
 {
 	char said[4096];

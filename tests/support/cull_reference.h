@@ -76,7 +76,7 @@ static inline float random_strange_value(reference_random *random)
 	return strange[random_below(random, sizeof strange / sizeof *strange)];
 }
 
-/* One at a random place of an otherwise harmless sphere. */
+/* A sphere of which one random number, of its centre or radius, is such a value; the others are harmless. */
 static inline stilb_sphere random_strange_sphere(reference_random *random, float extent)
 {
 	float v[4] = {random_between(random, -extent, extent), random_between(random, -extent, extent),

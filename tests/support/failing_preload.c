@@ -55,7 +55,7 @@ static bool fails(const void *caller)
 	const uintptr_t place = (uintptr_t)caller;
 	if (fail_at < 0 || place < program_begin || place >= program_end)
 		return false;
-	/* A counter: it orders nothing. */
+	/* Relaxed: all that matters is that each allocation gets a number of its own. */
 	if (atomic_fetch_add_explicit(&allocations, 1, memory_order_relaxed) != fail_at)
 		return false;
 	const char *mark = getenv("STILB_FAIL_MARK");

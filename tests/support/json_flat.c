@@ -11,7 +11,7 @@ typedef struct flat_parser {
 
 static bool flat_value(parser *p, int depth);
 
-/* Goes one step down for one value. */
+/* Parses one value inside an object or array; step (".key" or "[index]") is appended to the path meanwhile. */
 static bool flat_step(flat_parser *f, const char *step, int depth)
 {
 	const size_t length = strlen(f->path);

@@ -152,7 +152,7 @@ static inline void reference_triangle(const dvec p[3], const dvec n[3], dvec ori
 	*nearest = (reference_hit){part, t, dvec_mad(origin, t, d), normal};
 }
 
-/* What the ray sees of scene's parts. */
+/* The nearest hit of the ray from origin in direction d on the scene's parts. */
 static inline reference_hit reference_trace(const stilb_scene *scene, dvec origin, dvec d)
 {
 	reference_hit nearest = {REFERENCE_MISS, HUGE_VAL, {0, 0, 0}, {0, 0, 0}};
@@ -298,7 +298,7 @@ static inline void assert_pixel(const stilb_image *image, uint32_t x, uint32_t y
 	assert_pixel_between(image, x, y, want, want, tolerance);
 }
 
-/* Nothing there: the sky, as it is. */
+/* True if the pixel shows nothing but the sky's colour. */
 static inline bool picture_is_sky(const stilb_image *image, const stilb_scene *scene, uint32_t x, uint32_t y)
 {
 	for (int c = 0; c < 3; c++)

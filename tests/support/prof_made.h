@@ -25,7 +25,7 @@ typedef struct made {
 	char lane_names[MADE_LANES][16];
 } made;
 
-/* Room for one more. */
+/* Returns the array, reallocated if it has no room for one more element after its first count. */
 static inline void *made_more(void *array, size_t count, size_t size)
 {
 	if ((count & (count - 1)) != 0) /* it grows at powers of two */

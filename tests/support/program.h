@@ -45,7 +45,7 @@ static inline bool program_start(program_run *run, const char *const *words, con
 	_exit(127);
 }
 
-/* Waits for its end and reads what it wrote. */
+/* Waits for the program's end and reads what it wrote to out and err. */
 static inline void program_wait(program_run *run)
 {
 	int status = 0;

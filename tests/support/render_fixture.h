@@ -37,7 +37,7 @@ static inline stilb_job_pool *fixture_pool(uint32_t workers, stilb_job_hooks hoo
 	return pool;
 }
 
-/* Without a scene. */
+/* A renderer on the null device without a scene. */
 static inline stilb_render *fixture_render(uint32_t contexts, int replay, int materials)
 {
 	stilb_render_desc desc = {
@@ -53,7 +53,7 @@ static inline stilb_render *fixture_render(uint32_t contexts, int replay, int ma
 	return render;
 }
 
-/* 0, 1, 2, ... */
+/* An array of the ids 0, 1, 2, ..., count - 1; to be freed. */
 static inline uint32_t *fixture_ids(uint32_t count)
 {
 	uint32_t *ids = calloc(count + 1, sizeof *ids);
@@ -160,7 +160,8 @@ static inline uint64_t fixture_binds(const fixture_draw *draws, uint64_t count, 
 	return binds;
 }
 
-/* The expected number of binds of a stream that is cut into parts, each of which begins without bindings. */
+/* The expected number of binds of a stream of draws that is cut into `parts` pieces of about equal length, each of
+ * which begins with nothing bound. */
 static inline uint64_t fixture_binds_in_parts(const fixture_draw *draws, uint64_t count, int materials, uint64_t parts)
 {
 	uint64_t binds = 0;

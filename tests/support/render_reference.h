@@ -1,5 +1,5 @@
-/* Shared by the tests of render and engine: the stream hash as render.h defines it, computed from the scene alone; and
- * a test of which libraries are loaded. */
+/* Shared by the tests of render and engine: what the null device must report as the hash of the stream of draws, as
+ * render.h defines it, computed from the scene alone; and a test that the process has loaded no third-party library. */
 #ifndef RENDER_REFERENCE_H
 #define RENDER_REFERENCE_H
 
@@ -28,7 +28,7 @@ static inline uint64_t reference_hash_float(uint64_t hash, float number)
 	return reference_hash_u32(hash, bits);
 }
 
-/* A pass begins, in a view with this shading. */
+/* Continues the hash over the begin of a pass, in a view with this shading. */
 static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_shading *shading)
 {
 	uint32_t formulas[] = {shading->brdf, shading->ndf, shading->g, shading->f, shading->light};
@@ -40,7 +40,7 @@ static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_sha
 	return hash;
 }
 
-/* The only pass begins, in a view that is all zeros. */
+/* The hash at the begin of a frame's only pass, in a view whose shading is all zeros. */
 #define REFERENCE_HASH_PASS reference_hash_pass(REFERENCE_HASH_START, &(stilb_render_shading){0})
 
 static inline uint64_t reference_hash_draw(uint64_t hash, const stilb_scene *scene, uint32_t mesh, uint32_t material,
@@ -53,7 +53,7 @@ static inline uint64_t reference_hash_draw(uint64_t hash, const stilb_scene *sce
 	return reference_hash_u32(hash, scene->meshes[mesh].index_count);
 }
 
-/* Every part of the models in ids. */
+/* Continues the hash over the draws of every part of the models in ids. */
 static inline uint64_t reference_hash_models(uint64_t hash, const stilb_scene *scene, const uint32_t *ids,
                                              uint32_t count)
 {

@@ -139,7 +139,7 @@ static inline void shade_gpu_run(int32_t row)
 	assert_int_equal(vulkan_timeline_wait(shade_gpu.device, shade_gpu.device->timeline_value), STILB_OK);
 }
 
-/* C's function of the eight numbers of one input. */
+/* What the shader computes, in C: the result for the eight numbers of one input. row: the test's own integer. */
 typedef stilb_vec4 shade_gpu_function(int row, stilb_vec4 a, stilb_vec4 b);
 
 /* The largest of |gpu - c| / max(relative |c|, absolute): at most 1. where: the input and the lane it was seen at. */

@@ -83,7 +83,7 @@ typedef struct parser {
 	size_t line;
 	trace_check_report *report;
 	strings strings;
-	char *scratch; /* the string being read, unescaped */
+	char *scratch; /* the string that is being read, its escape sequences replaced by what they stand for */
 	size_t scratch_size, scratch_capacity;
 	event *events;
 	size_t event_count, event_capacity;

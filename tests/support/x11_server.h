@@ -49,7 +49,7 @@ static inline bool x11_server_start(x11_server *server)
 	return true;
 }
 
-/* As a crash does: nobody is told. */
+/* Kills the server without warning its clients, as a crash would. */
 static inline void x11_server_kill(x11_server *server)
 {
 	if (server->pid > 0) {
@@ -91,7 +91,7 @@ static inline bool x11_server_shows(const x11_server *server, const char *title)
 	return there;
 }
 
-/* As if the user pressed and released it. */
+/* Sends the window a press and a release of the key, as if the user had typed it. */
 static inline void x11_server_type(Display *display, Window window, KeySym key)
 {
 	XKeyEvent event = {.type = KeyPress,

@@ -204,9 +204,9 @@ static stilb_scene_camera stress_camera_at(float pitch, stress_stand stand, floa
 /* The nearest position from which the box around the whole grid is in the picture: d is stress_stand.distance, tan_x
  * and tan_y are the tangents of half the picture's angles. A corner at (x, y, z) along the camera's axes, relative to
  * the grid's centre, is in it if |x| <= tan_x (d - z) and |y - up| <= tan_y (d - z). The highest and the lowest corner
- * need d >= high - up / tan_y and d >= low + up / tan_y, with high = y / tan_y + z and low = -y / tan_y + z; the best up
- * makes both equal their mean. If the sides need a larger d, up is chosen so that the margins above and below are the
- * same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
+ * need d >= high - up / tan_y and d >= low + up / tan_y, with high = y / tan_y + z and low = -y / tan_y + z; the best
+ * up makes both equal their mean. If the sides need a larger d, up is chosen so that the margins above and below are
+ * the same: (y_high - up) / (d - z_high) = (up - y_low) / (d - z_low). */
 static stress_stand stress_stand_all(float pitch, float half_side, float aspect)
 {
 	float tan_y = tanf(stress_camera_at(pitch, (stress_stand){0}, 1.0f).fov_y * 0.5f), tan_x = tan_y * aspect;
